@@ -1,0 +1,100 @@
+//! A mesh file as it came: every piece in file order with its own vertices, and (for glTF) the whole document,
+//! so that export can give everything back untouched. Import makes it, `Garment` is built from its worn pieces,
+//! export writes it out again with the worn pieces changed.
+
+use crate::math::{Mat4, Vec2, Vec3};
+use serde_json::Value;
+
+/// Which format a file was in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SourceFormat {
+    /// Wavefront OBJ.
+    Obj,
+    /// glTF 2.0, as .gltf or .glb.
+    Gltf,
+}
+
+/// Which axis of the file points up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum UpAxis {
+    /// y up (glTF, most OBJ).
+    Y,
+    /// z up: (x, y, z) of the file is (x, z, -y) inside.
+    Z,
+}
+
+/// A glTF document: its raw JSON and its buffers.
+#[derive(Debug, Clone)]
+pub struct GltfDocument {
+    /// The JSON as it was read, keys in file order, nothing dropped.
+    pub json: Value,
+    /// The bytes of each entry of `buffers`.
+    pub buffers: Vec<Vec<u8>>,
+}
+
+/// How a piece's own coordinates become metres, y up, in the scene.
+#[derive(Debug, Clone)]
+pub enum Placement {
+    /// One transform for every vertex (node transform, unit and up axis).
+    Rigid(Mat4),
+    /// One per vertex: a skin in bind pose (weighted sum of joint matrices, with unit and up axis).
+    Skinned(Vec<Mat4>),
+}
+
+impl Placement {
+    /// The transform of vertex `v` of the piece.
+    pub fn of(&self, v: usize) -> &Mat4 {
+        match self {
+            Self::Rigid(m) => m,
+            Self::Skinned(all) => &all[v],
+        }
+    }
+}
+
+/// A run of triangles with one material: a glTF primitive instance, or one group-and-material of an OBJ.
+#[derive(Debug, Clone)]
+pub struct SourcePiece {
+    /// Node or group name, for `--garment` and for messages.
+    pub name: String,
+    /// Material name, if any.
+    pub material: Option<String>,
+    /// glTF: index into `meshes`; OBJ: 0.
+    pub mesh: usize,
+    /// glTF: index into the mesh's `primitives`; OBJ: number of the piece.
+    pub primitive: usize,
+    /// glTF: the node that carries the mesh.
+    pub node: Option<usize>,
+    /// One per vertex, in the piece's own coordinates and the file's unit.
+    pub positions: Vec<Vec3>,
+    /// One per vertex, unit length, where the file has them.
+    pub normals: Option<Vec<Vec3>>,
+    /// One per vertex: first texture coordinate set (OBJ's v flipped to glTF's, so v grows downward).
+    pub uvs: Option<Vec<Vec2>>,
+    /// One per vertex: scale of memory 0..1 from a colour channel or attribute, where asked for.
+    pub mask: Option<Vec<f64>>,
+    /// Corners into this piece's vertices, triangulated.
+    pub triangles: Vec<[u32; 3]>,
+    /// Own coordinates to scene metres.
+    pub placement: Placement,
+    /// Whether the piece is part of the garment (chosen by `--garment`, else every piece).
+    pub worn: bool,
+}
+
+/// A mesh file as it came.
+#[derive(Debug, Clone)]
+pub struct SourceAsset {
+    /// The file's name as the user gave it.
+    pub file: String,
+    /// SHA-256 of the file's bytes, lower-case hex.
+    pub sha256: String,
+    /// Its format.
+    pub format: SourceFormat,
+    /// Metres per file unit.
+    pub unit_m: f64,
+    /// The file's up axis.
+    pub up: UpAxis,
+    /// The document, for glTF.
+    pub document: Option<GltfDocument>,
+    /// Pieces in file order. Vertices of worn pieces, in this order, are counted by `VertexIndex`.
+    pub pieces: Vec<SourcePiece>,
+}

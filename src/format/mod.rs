@@ -1,0 +1,5 @@
+//! Bytes <-> nouns: OBJ, glTF, sidecar. No paths, no file system; every attribute name once.
+
+mod asset;
+
+pub use asset::{GltfDocument, Placement, SourceAsset, SourceFormat, SourcePiece, UpAxis};

@@ -1,0 +1,30 @@
+//! crease: garments that remember how they were worn.
+//!
+//! A garment mesh comes in, a wear script is run through a cloth solver whose rest angles, rest lengths and
+//! stiffness change with use (Kim, Oh, Wohn, "Persistent Wrinkles and Folds of Clothes", below: KOW), and the
+//! garment goes out with its wrinkles baked. The modules stand in the order data flows through them; a module
+//! uses its own folder and the ones above it, never one below (`docs/architecture.md`).
+
+#![warn(missing_docs)]
+
+pub mod error;
+pub mod math;
+
+pub mod fabric;
+pub mod mesh;
+
+pub mod garment;
+
+pub mod energy;
+pub mod format;
+pub mod wear;
+
+pub mod contact;
+
+pub mod memory;
+pub mod solve;
+
+pub mod bake;
+pub mod report;
+
+pub use error::{Error, Fault, Result};

@@ -1,0 +1,10 @@
+//! Aliases and small pieces of algebra that the floors above share.
+
+/// Point or vector in space [m].
+pub type Vec3 = nalgebra::Vector3<f64>;
+/// Point or vector in the material plane [m], or a texture coordinate [-].
+pub type Vec2 = nalgebra::Vector2<f64>;
+/// 3 x 3 matrix.
+pub type Mat3 = nalgebra::Matrix3<f64>;
+/// 4 x 4 affine transform (column vectors).
+pub type Mat4 = nalgebra::Matrix4<f64>;

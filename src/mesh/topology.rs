@@ -1,0 +1,147 @@
+//! Who neighbours whom in a triangle mesh: unique edges, the triangles on them, and hinges.
+//!
+//! A hinge is an interior edge with exactly two triangles that agree on orientation:
+//!
+//! ```text
+//!          x2
+//!         /  \        triangle A = (x0, x1, x2)
+//!       x0 -- x1
+//!         \  /        triangle B = (x1, x0, x3)
+//!          x3
+//! ```
+//!
+//! Edges with one triangle are boundary; with three or more, or with two that disagree, they carry no hinge and
+//! are reported by the importer.
+
+use super::PointIndex;
+use rustc_hash::FxHashMap;
+
+/// Marks the missing second triangle of a boundary edge.
+pub const NO_TRIANGLE: u32 = u32::MAX;
+
+/// An interior edge with its two triangles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Hinge {
+    /// x0 x1 the shared edge (in the direction of triangle A), x2 opposite in A, x3 opposite in B.
+    pub points: [PointIndex; 4],
+    /// A and B.
+    pub triangles: [u32; 2],
+    /// The edge, as counted in [`Topology::edges`].
+    pub edge: u32,
+}
+
+/// Edges and hinges of a triangle mesh.
+#[derive(Debug, Clone, Default)]
+pub struct Topology {
+    /// Number of points of the mesh.
+    pub point_count: usize,
+    /// Every edge once, ends in increasing order, sorted.
+    pub edges: Vec<[PointIndex; 2]>,
+    /// Per triangle: the edges corner 0-1, 1-2, 2-0.
+    pub triangle_edges: Vec<[u32; 3]>,
+    /// Per edge: its first two triangles, [`NO_TRIANGLE`] where there is none.
+    pub edge_triangles: Vec<[u32; 2]>,
+    /// Per edge: number of triangles on it.
+    pub edge_valence: Vec<u32>,
+    /// Interior, consistently oriented edges, in edge order.
+    pub hinges: Vec<Hinge>,
+    /// Per edge: its hinge, if it carries one.
+    pub edge_hinge: Vec<Option<u32>>,
+    /// Edges whose two triangles disagree on orientation.
+    pub misoriented: Vec<u32>,
+}
+
+impl Topology {
+    /// Topology of `triangles` over `point_count` points. Triangles must not repeat a point.
+    pub fn new(point_count: usize, triangles: &[[PointIndex; 3]]) -> Self {
+        let ends = |t: &[PointIndex; 3], k: usize| {
+            let (a, b) = (t[k], t[(k + 1) % 3]);
+            if a < b { [a, b] } else { [b, a] }
+        };
+        let mut edges: Vec<[PointIndex; 2]> =
+            triangles.iter().flat_map(|t| (0..3).map(|k| ends(t, k))).collect();
+        edges.sort_unstable();
+        edges.dedup();
+        let lookup: FxHashMap<[PointIndex; 2], u32> =
+            edges.iter().enumerate().map(|(i, &e)| (e, i as u32)).collect();
+
+        let mut edge_triangles = vec![[NO_TRIANGLE; 2]; edges.len()];
+        let mut edge_valence = vec![0u32; edges.len()];
+        let mut triangle_edges = Vec::with_capacity(triangles.len());
+        for (f, t) in triangles.iter().enumerate() {
+            let mut of_triangle = [0u32; 3];
+            for (k, slot) in of_triangle.iter_mut().enumerate() {
+                let e = lookup[&ends(t, k)];
+                *slot = e;
+                let count = &mut edge_valence[e as usize];
+                if *count < 2 {
+                    edge_triangles[e as usize][*count as usize] = f as u32;
+                }
+                *count += 1;
+            }
+            triangle_edges.push(of_triangle);
+        }
+
+        let mut hinges = Vec::new();
+        let mut edge_hinge = vec![None; edges.len()];
+        let mut misoriented = Vec::new();
+        for (e, pair) in edge_triangles.iter().enumerate() {
+            if edge_valence[e] != 2 {
+                continue;
+            }
+            let (a, b) = (&triangles[pair[0] as usize], &triangles[pair[1] as usize]);
+            let side = |f: u32| triangle_edges[f as usize].iter().position(|&x| x as usize == e).unwrap_or(0);
+            let (ka, kb) = (side(pair[0]), side(pair[1]));
+            if a[ka] == b[kb] {
+                misoriented.push(e as u32);
+                continue;
+            }
+            edge_hinge[e] = Some(hinges.len() as u32);
+            hinges.push(Hinge {
+                points: [a[ka], a[(ka + 1) % 3], a[(ka + 2) % 3], b[(kb + 2) % 3]],
+                triangles: *pair,
+                edge: e as u32,
+            });
+        }
+        Self {
+            point_count,
+            edges,
+            triangle_edges,
+            edge_triangles,
+            edge_valence,
+            hinges,
+            edge_hinge,
+            misoriented,
+        }
+    }
+
+    /// Boundary loops: each a closed chain of points along edges with one triangle, in triangle direction.
+    /// At a point where loops touch, the chain continues with the lowest unused edge.
+    pub fn boundary_loops(&self, triangles: &[[PointIndex; 3]]) -> Vec<Vec<PointIndex>> {
+        let mut next: FxHashMap<PointIndex, Vec<PointIndex>> = FxHashMap::default();
+        let mut starts = Vec::new();
+        for (e, pair) in self.edge_triangles.iter().enumerate() {
+            if self.edge_valence[e] != 1 {
+                continue;
+            }
+            let t = &triangles[pair[0] as usize];
+            let k = self.triangle_edges[pair[0] as usize].iter().position(|&x| x as usize == e).unwrap_or(0);
+            next.entry(t[k]).or_default().push(t[(k + 1) % 3]);
+            starts.push(t[k]);
+        }
+        let mut loops = Vec::new();
+        for start in starts {
+            let mut chain = Vec::new();
+            let mut at = start;
+            while let Some(to) = next.get_mut(&at).and_then(|ends| (!ends.is_empty()).then(|| ends.remove(0)))
+            {
+                chain.push(at);
+                at = to;
+            }
+            if !chain.is_empty() {
+                loops.push(chain);
+            }
+        }
+        loops
+    }
+}
