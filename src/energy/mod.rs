@@ -1,1 +1,127 @@
-//! (see lib.rs)
+//! A shelf of energies, one small file each: value [J], gradient [N], Hessian [N/m] over the points of the mesh.
+//!
+//! Terms know plain arrays of points, no file and no thread; they only read the memory. Every Hessian a term adds
+//! is positive semi-definite (projected analytically or Gauss-Newton), so that a Newton step is a descent step.
+//! A new term is one file here; the tests of the shelf (finite differences, rigid motion, positive Hessian) are
+//! called once for it in that file.
+
+mod bending;
+mod container;
+mod gravity;
+mod guide;
+mod membrane;
+mod pressure;
+
+pub use bending::{Bending, BendingTerm};
+pub use container::Container;
+pub use gravity::Gravity;
+pub use guide::{Guide, Guides};
+pub use membrane::{Membrane, MembraneTerm};
+pub use pressure::Pressure;
+
+use crate::math::{Mat3, Vec3};
+
+/// Receives the 3 x 3 blocks of a symmetric Hessian.
+pub trait BlockSink {
+    /// Adds `block` at block row `i`, block column `j`. Only blocks with `i >= j` are given.
+    fn add(&mut self, i: u32, j: u32, block: &Mat3);
+}
+
+/// An energy over the points of a mesh.
+pub trait Energy: Sync {
+    /// Its name, as in reports.
+    fn name(&self) -> &'static str;
+    /// Energy [J] at positions `x` [m].
+    fn value(&self, x: &[Vec3]) -> f64;
+    /// Adds the gradient [N] to `out`, one entry per point.
+    fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]);
+    /// Adds a positive semi-definite Hessian [N/m].
+    fn add_hessian(&self, x: &[Vec3], out: &mut dyn BlockSink);
+    /// Visits every group of points that the Hessian couples.
+    fn visit_stencils(&self, _visit: &mut dyn FnMut(&[u32])) {}
+}
+
+/// Adds the block of the pair (`i`, `j`) of a symmetric element matrix at its lower-triangle place.
+#[inline]
+pub(crate) fn add_symmetric(out: &mut dyn BlockSink, i: u32, j: u32, block: &Mat3) {
+    if i >= j { out.add(i, j, block) } else { out.add(j, i, &block.transpose()) }
+}
+
+#[cfg(test)]
+pub(crate) mod shelf_tests {
+    //! The checks every term on the shelf passes.
+    use super::*;
+
+    struct Dense(nalgebra::DMatrix<f64>);
+
+    impl BlockSink for Dense {
+        fn add(&mut self, i: u32, j: u32, block: &Mat3) {
+            assert!(i >= j, "a block above the diagonal was given");
+            let (i, j) = (3 * i as usize, 3 * j as usize);
+            for r in 0..3 {
+                for c in 0..3 {
+                    self.0[(i + r, j + c)] += block[(r, c)];
+                    if i != j {
+                        self.0[(j + c, i + r)] += block[(r, c)];
+                    }
+                }
+            }
+        }
+    }
+
+    /// Dense Hessian of `term`.
+    pub(crate) fn dense_hessian(term: &dyn Energy, x: &[Vec3]) -> nalgebra::DMatrix<f64> {
+        let mut dense = Dense(nalgebra::DMatrix::zeros(3 * x.len(), 3 * x.len()));
+        term.add_hessian(x, &mut dense);
+        dense.0
+    }
+
+    /// Gradient against central differences of the value (relative 1e-6 of the largest entry), Hessian symmetric
+    /// and without negative eigenvalue (-1e-10 of the largest).
+    pub(crate) fn check_gradient_and_hessian(term: &dyn Energy, x: &[Vec3], step: f64) {
+        let mut gradient = vec![Vec3::zeros(); x.len()];
+        term.add_gradient(x, &mut gradient);
+        let scale = gradient.iter().map(|g| g.amax()).fold(0.0, f64::max);
+        assert!(scale > 0.0, "{}: the test pose has no force", term.name());
+        for i in 0..x.len() {
+            for c in 0..3 {
+                let (mut up, mut down) = (x.to_vec(), x.to_vec());
+                up[i][c] += step;
+                down[i][c] -= step;
+                let difference = (term.value(&up) - term.value(&down)) / (2.0 * step);
+                assert!(
+                    (difference - gradient[i][c]).abs() <= 1e-6 * scale,
+                    "{}: point {i} axis {c}: {difference} against {}",
+                    term.name(),
+                    gradient[i][c]
+                );
+            }
+        }
+        let h = dense_hessian(term, x);
+        assert!((&h - h.transpose()).amax() <= 1e-12 * h.amax().max(1e-300));
+        let eigen = h.symmetric_eigenvalues();
+        assert!(
+            eigen.min() >= -1e-10 * eigen.max(),
+            "{}: eigenvalue {} of {}",
+            term.name(),
+            eigen.min(),
+            eigen.max()
+        );
+    }
+
+    /// Translation and rotation change neither the value nor (in their frame) the forces.
+    pub(crate) fn check_rigid_motion(term: &dyn Energy, x: &[Vec3]) {
+        let turn = nalgebra::Rotation3::new(Vec3::new(0.4, -0.9, 0.3));
+        let shift = Vec3::new(0.2, -0.1, 0.5);
+        let moved: Vec<Vec3> = x.iter().map(|p| turn * p + shift).collect();
+        let (here, there) = (term.value(x), term.value(&moved));
+        assert!((here - there).abs() <= 1e-10 * here.abs().max(1e-300), "{}: {here} {there}", term.name());
+        let (mut g, mut gm) = (vec![Vec3::zeros(); x.len()], vec![Vec3::zeros(); x.len()]);
+        term.add_gradient(x, &mut g);
+        term.add_gradient(&moved, &mut gm);
+        let scale = g.iter().map(|g| g.amax()).fold(0.0, f64::max);
+        for (a, b) in g.iter().zip(&gm) {
+            assert!((turn * a - b).amax() <= 1e-10 * scale);
+        }
+    }
+}

@@ -16,3 +16,21 @@ pub struct RestShape {
     /// One per triangle: rest stretch along weft [-], 1 when new.
     pub rest_stretch_weft: Vec<f64>,
 }
+
+impl RestShape {
+    /// Memory of new, flat cloth.
+    pub fn flat(hinge_count: usize, triangle_count: usize) -> Self {
+        Self::new(vec![0.0; hinge_count], triangle_count)
+    }
+
+    /// Memory of new cloth whose own shape has the angles `source_angle` [rad], one per hinge.
+    pub fn new(source_angle: Vec<f64>, triangle_count: usize) -> Self {
+        Self {
+            rest_angle: source_angle.clone(),
+            stiffness_ratio: vec![1.0; source_angle.len()],
+            rest_stretch_warp: vec![1.0; triangle_count],
+            rest_stretch_weft: vec![1.0; triangle_count],
+            source_angle,
+        }
+    }
+}

@@ -1,0 +1,30 @@
+//! Weight: E = -sum m_i g . x_i.
+
+use super::{BlockSink, Energy};
+use crate::math::Vec3;
+
+/// Weight of every point.
+pub struct Gravity<'a> {
+    /// One per point [kg].
+    pub mass: &'a [f64],
+    /// Acceleration [m/s²].
+    pub acceleration: Vec3,
+}
+
+impl Energy for Gravity<'_> {
+    fn name(&self) -> &'static str {
+        "gravity"
+    }
+
+    fn value(&self, x: &[Vec3]) -> f64 {
+        -x.iter().zip(self.mass).map(|(x, m)| m * self.acceleration.dot(x)).sum::<f64>()
+    }
+
+    fn add_gradient(&self, _x: &[Vec3], out: &mut [Vec3]) {
+        for (g, m) in out.iter_mut().zip(self.mass) {
+            *g -= self.acceleration * *m;
+        }
+    }
+
+    fn add_hessian(&self, _x: &[Vec3], _out: &mut dyn BlockSink) {}
+}

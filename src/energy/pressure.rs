@@ -1,0 +1,29 @@
+//! Pressure of a soft plate from above: a force straight down on every uncovered triangle,
+//! E = p sum_f A_f^xz h_f with the triangle's shadow area held for the step, so that it is a plain linear term.
+
+use super::{BlockSink, Energy};
+use crate::math::Vec3;
+
+/// Downward force on points.
+pub struct Pressure<'a> {
+    /// One per point [N], pushing towards -y.
+    pub force: &'a [f64],
+}
+
+impl Energy for Pressure<'_> {
+    fn name(&self) -> &'static str {
+        "pressure"
+    }
+
+    fn value(&self, x: &[Vec3]) -> f64 {
+        self.force.iter().zip(x).map(|(f, x)| f * x.y).sum()
+    }
+
+    fn add_gradient(&self, _x: &[Vec3], out: &mut [Vec3]) {
+        for (g, f) in out.iter_mut().zip(self.force) {
+            g.y += f;
+        }
+    }
+
+    fn add_hessian(&self, _x: &[Vec3], _out: &mut dyn BlockSink) {}
+}

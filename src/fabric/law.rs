@@ -1,0 +1,312 @@
+//! The memory law: how one hinge (or one axis of a triangle) changes its rest value and stiffness with use.
+//!
+//! KOW eq. 6 and 7 in the reading of `docs/memory.md`. Pure scalar functions; who calls them, and when, is `memory`.
+//!
+//! ```text
+//! C = (theta - rest) L / min(w, L)        band: critical if |C| > C^b, gradual if C^a < |C| <= C^b, else none
+//! after tau in one band, one event:       rest <- rest + sign(C) rho_t C^ min(w, L) / L
+//!                                         s <- min( s (1 + rho_k C^), max(s, s (C / C')²) ), s <= ceiling
+//! ```
+//!
+//! The second bound on s is a guard: an event never raises the stored energy s C²/2. Within a step the angle moves
+//! linearly, and entry into a band, events and leaving are found at their own times, so that a step of half a
+//! second has the same events as thirty of a sixtieth.
+
+use serde::{Deserialize, Serialize};
+
+/// A band of the law: how far, how long, and what one event changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Band {
+    /// Condition beyond which the band's timer runs (radians for hinges, strain for lengths).
+    pub threshold: f64,
+    /// Time in the band until an event [s].
+    pub duration: f64,
+    /// rho_k: relative growth of stiffness per unit of threshold [-].
+    pub stiffness_rate: f64,
+    /// rho_t or rho_l: share of the threshold that the rest value moves [-].
+    pub rest_rate: f64,
+}
+
+/// The law for one kind of condition.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Law {
+    /// The wide, slow band (alpha).
+    pub gradual: Band,
+    /// The narrow, fast band (beta).
+    pub critical: Band,
+    /// Largest stiffness ratio.
+    pub ceiling: f64,
+}
+
+/// Which band a condition is in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Zone {
+    /// Below both thresholds.
+    #[default]
+    Rest,
+    /// Above the gradual, up to the critical threshold.
+    Gradual,
+    /// Above the critical threshold.
+    Critical,
+}
+
+/// What one element remembers.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Trace {
+    /// Rest value (angle [rad] or stretch [-]).
+    pub rest: f64,
+    /// Stiffness ratio [-].
+    pub stiffness: f64,
+    /// Band it was in last.
+    pub zone: Zone,
+    /// Time spent in that band [s].
+    pub timer: f64,
+}
+
+impl Trace {
+    /// New cloth with the given rest value.
+    pub fn new(rest: f64) -> Self {
+        Self { rest, stiffness: 1.0, zone: Zone::Rest, timer: 0.0 }
+    }
+}
+
+/// Events of a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct EventCount {
+    /// Gradual (alpha) events.
+    pub gradual: u64,
+    /// Critical (beta) events.
+    pub critical: u64,
+}
+
+impl std::ops::AddAssign for EventCount {
+    fn add_assign(&mut self, other: Self) {
+        self.gradual += other.gradual;
+        self.critical += other.critical;
+    }
+}
+
+/// More events than this in one step mean a duration near zero: the rest is left to the next step.
+const MOST_EVENTS: usize = 10_000;
+
+impl Law {
+    fn zone(&self, size: f64) -> Zone {
+        if size > self.critical.threshold {
+            Zone::Critical
+        } else if size > self.gradual.threshold {
+            Zone::Gradual
+        } else {
+            Zone::Rest
+        }
+    }
+
+    fn band(&self, zone: Zone) -> Option<&Band> {
+        match zone {
+            Zone::Rest => None,
+            Zone::Gradual => Some(&self.gradual),
+            Zone::Critical => Some(&self.critical),
+        }
+    }
+
+    /// Moves `trace` over a step of `duration` [s] during which the value goes linearly from `from` to `to`.
+    /// `gain` is L / min(w, L) (1 for lengths), `mask` scales both rates from 0 to 1.
+    pub fn advance(
+        &self,
+        trace: &mut Trace,
+        from: f64,
+        to: f64,
+        duration: f64,
+        gain: f64,
+        mask: f64,
+    ) -> EventCount {
+        let mut count = EventCount::default();
+        // Every finite condition that stays below the gradual threshold leaves at once: nearly all hinges.
+        let largest = (from - trace.rest).abs().max((to - trace.rest).abs()) * gain;
+        if largest <= self.gradual.threshold || !largest.is_finite() || mask <= 0.0 {
+            trace.zone = Zone::Rest;
+            trace.timer = 0.0;
+            return count;
+        }
+        let rate = if duration > 0.0 { (to - from) / duration } else { 0.0 };
+        let mut now = 0.0;
+        for _ in 0..MOST_EVENTS {
+            let condition = (from + rate * now - trace.rest) * gain;
+            let slope = rate * gain;
+            // Just beyond a threshold the next instant decides which side counts.
+            let zone = self.zone_ahead(condition, slope);
+            if zone != trace.zone {
+                trace.zone = zone;
+                trace.timer = 0.0;
+            }
+            let leave = now + self.time_in_zone(condition, slope, zone);
+            let event = self.band(zone).map_or(f64::INFINITY, |b| now + (b.duration - trace.timer).max(0.0));
+            if event <= duration && event <= leave {
+                let band = *self.band(zone).unwrap_or(&self.gradual);
+                now = event;
+                trace.timer = 0.0;
+                let condition = (from + rate * now - trace.rest) * gain;
+                self.event(trace, &band, condition, gain, mask);
+                match zone {
+                    Zone::Critical => count.critical += 1,
+                    _ => count.gradual += 1,
+                }
+            } else if leave < duration {
+                trace.timer += leave - now;
+                now = leave;
+            } else {
+                trace.timer += duration - now;
+                break;
+            }
+        }
+        count
+    }
+
+    /// The band entered in the next instant: on a threshold (to rounding), the direction of motion decides.
+    fn zone_ahead(&self, condition: f64, slope: f64) -> Zone {
+        let growing = slope * condition > 0.0;
+        let size = condition.abs();
+        for threshold in [self.critical.threshold, self.gradual.threshold] {
+            if (size - threshold).abs() <= 1e-12 * threshold.max(1e-300) && slope != 0.0 {
+                let nudge = if growing { 2e-12 } else { -2e-12 };
+                return self.zone(threshold * (1.0 + nudge));
+            }
+        }
+        self.zone(size)
+    }
+
+    /// Time until a linearly moving condition leaves `zone` [s].
+    fn time_in_zone(&self, condition: f64, slope: f64, zone: Zone) -> f64 {
+        if slope == 0.0 {
+            return f64::INFINITY;
+        }
+        let bounds = match zone {
+            Zone::Rest => [self.gradual.threshold, f64::NAN],
+            Zone::Gradual => [self.gradual.threshold, self.critical.threshold],
+            Zone::Critical => [self.critical.threshold, f64::NAN],
+        };
+        let mut first = f64::INFINITY;
+        for bound in bounds.into_iter().filter(|b| b.is_finite()) {
+            for crossing in [bound, -bound] {
+                let time = (crossing - condition) / slope;
+                // The crossing just passed (to rounding) is not one ahead.
+                if time > 1e-12 * (bound / slope).abs() && time < first {
+                    first = time;
+                }
+            }
+        }
+        first
+    }
+
+    fn event(&self, trace: &mut Trace, band: &Band, condition: f64, gain: f64, mask: f64) {
+        let moved = condition.signum() * band.rest_rate * band.threshold * mask;
+        trace.rest += moved / gain;
+        let after = condition - moved;
+        let wished = trace.stiffness * (1.0 + band.stiffness_rate * band.threshold * mask);
+        // Guard: s' C'² <= s C².
+        let allowed = if after == 0.0 {
+            f64::INFINITY
+        } else {
+            trace.stiffness.max(trace.stiffness * (condition / after).powi(2))
+        };
+        trace.stiffness = wished.min(allowed).min(self.ceiling.max(trace.stiffness));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn paper(tau_gradual: f64, tau_critical: f64) -> Law {
+        let right = std::f64::consts::FRAC_PI_2;
+        Law {
+            gradual: Band {
+                threshold: 0.27 * right,
+                duration: tau_gradual,
+                stiffness_rate: 1.1,
+                rest_rate: 0.4,
+            },
+            critical: Band {
+                threshold: 0.85 * right,
+                duration: tau_critical,
+                stiffness_rate: 2.5,
+                rest_rate: 1.0,
+            },
+            ceiling: 30.0,
+        }
+    }
+
+    /// The fold of KOW's Table 2: a smoothstep to 3.01 rad over 9 s; the last trace and the largest torque (k = 1).
+    fn fold(law: &Law, step: f64) -> (Trace, f64) {
+        let angle = |t: f64| {
+            let u = (t / 9.0).min(1.0);
+            3.01 * u * u * (3.0 - 2.0 * u)
+        };
+        let mut trace = Trace::new(0.0);
+        let mut largest: f64 = 0.0;
+        let steps = (9.0 / step).round() as usize;
+        for k in 0..steps {
+            let (a, b) = (angle(k as f64 * step), angle((k + 1) as f64 * step));
+            law.advance(&mut trace, a, b, step, 1.0, 1.0);
+            largest = largest.max(trace.stiffness * (b - trace.rest));
+        }
+        (trace, largest)
+    }
+
+    #[test]
+    fn table_two_of_the_paper_is_reproduced_at_every_step_size() {
+        // tau_alpha, KOW rest angle, KOW largest torque (memory-law: tau_beta = 1.25 s in this protocol).
+        let table = [(1.0, 1.84, 18.67), (2.0, 2.65, 8.81), (3.0, 2.77, 6.87), (4.0, 2.78, 6.57)];
+        for step in [1.0 / 24.0, 1.0 / 60.0, 1.0 / 240.0] {
+            let mut errors = Vec::new();
+            for (tau, rest, torque) in table {
+                let (trace, largest) = fold(&paper(tau, 1.25), step);
+                errors.push((trace.rest / rest - 1.0).abs());
+                errors.push((largest / torque - 1.0).abs());
+            }
+            let mean = errors.iter().sum::<f64>() / 8.0;
+            let worst = errors.iter().fold(0.0, |a: f64, &b| a.max(b));
+            assert!(mean <= 0.052 && worst <= 0.095, "step {step}: mean {mean}, worst {worst}, {errors:?}");
+        }
+    }
+
+    #[test]
+    fn a_hold_in_one_step_has_the_events_of_many() {
+        let law = paper(1.0, 1.25);
+        for angle in [0.6, 1.5, 3.0] {
+            let (mut one, mut many) = (Trace::new(0.0), Trace::new(0.0));
+            let a = law.advance(&mut one, angle, angle, 30.0, 1.0, 1.0);
+            let mut b = EventCount::default();
+            for _ in 0..1800 {
+                b += law.advance(&mut many, angle, angle, 1.0 / 60.0, 1.0, 1.0);
+            }
+            assert_eq!(a, b, "angle {angle}");
+            assert!((one.rest - many.rest).abs() < 1e-12 && (one.stiffness - many.stiffness).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn an_event_never_raises_the_stored_energy() {
+        let law = paper(0.1, 0.1);
+        for k in 1..300 {
+            let angle = 0.01 * f64::from(k);
+            let mut trace = Trace::new(0.0);
+            let mut energy = angle * angle;
+            for _ in 0..50 {
+                law.advance(&mut trace, angle, angle, 0.1, 1.0, 1.0);
+                let now = trace.stiffness * (angle - trace.rest).powi(2);
+                assert!(now <= energy * (1.0 + 1e-12), "angle {angle}: {now} over {energy}");
+                energy = now;
+            }
+        }
+    }
+
+    #[test]
+    fn crossing_both_thresholds_in_one_step_starts_the_right_timer() {
+        let law = paper(1.0, 1.0);
+        let mut trace = Trace::new(0.0);
+        // From 0 to 3 rad in one step of 3 s: the critical band is entered at C^b / (1 rad/s).
+        law.advance(&mut trace, 0.0, 2.0, 2.0, 1.0, 1.0);
+        assert_eq!(trace.zone, Zone::Critical);
+        assert!((trace.timer - (2.0 - law.critical.threshold)).abs() < 1e-9, "{}", trace.timer);
+    }
+}
