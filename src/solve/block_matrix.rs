@@ -1,0 +1,154 @@
+//! A symmetric sparse matrix of 3 x 3 blocks with a pattern that is built once and refilled many times.
+//!
+//! Only the lower triangle is stored, row by row. Points that are held (pins, sleeping parts) have no row: blocks
+//! that touch them are dropped on the way in.
+
+use crate::energy::BlockSink;
+use crate::math::{Mat3, Vec3};
+
+/// Marks a point without a row.
+pub const HELD: u32 = u32::MAX;
+
+/// Symmetric block matrix over the free points.
+#[derive(Debug, Clone, Default)]
+pub struct BlockMatrix {
+    /// Per point: its row, or [`HELD`].
+    row_of: Vec<u32>,
+    /// Per row: its point.
+    point_of: Vec<u32>,
+    /// Per row: start of its blocks; one more at the end.
+    start: Vec<u32>,
+    /// Block columns, increasing within a row; the last of a row is its diagonal.
+    column: Vec<u32>,
+    value: Vec<Mat3>,
+}
+
+impl BlockMatrix {
+    /// Pattern of the given `couplings` between points. `row_of` gives every free point its row (rows counted
+    /// from 0 without gaps) and [`HELD`] to the others.
+    pub fn with_pattern(row_of: Vec<u32>, couplings: &mut dyn FnMut(&mut dyn FnMut(&[u32]))) -> Self {
+        let rows = row_of.iter().filter(|r| **r != HELD).count();
+        let mut point_of = vec![0; rows];
+        for (p, &r) in row_of.iter().enumerate().filter(|(_, r)| **r != HELD) {
+            point_of[r as usize] = p as u32;
+        }
+        let mut lower: Vec<Vec<u32>> = (0..rows as u32).map(|r| vec![r]).collect();
+        couplings(&mut |points: &[u32]| {
+            for (k, &p) in points.iter().enumerate() {
+                let i = row_of[p as usize];
+                for &q in points[..k].iter().filter(|_| i != HELD) {
+                    let j = row_of[q as usize];
+                    if j != HELD && i != j {
+                        lower[i.max(j) as usize].push(i.min(j));
+                    }
+                }
+            }
+        });
+        let mut start = Vec::with_capacity(rows + 1);
+        let mut column = Vec::new();
+        start.push(0);
+        for row in &mut lower {
+            row.sort_unstable();
+            row.dedup();
+            column.extend_from_slice(row);
+            start.push(column.len() as u32);
+        }
+        let value = vec![Mat3::zeros(); column.len()];
+        Self { row_of, point_of, start, column, value }
+    }
+
+    /// Number of block rows.
+    pub fn row_count(&self) -> usize {
+        self.point_of.len()
+    }
+
+    /// Number of stored blocks.
+    pub fn block_count(&self) -> usize {
+        self.column.len()
+    }
+
+    /// Per row: its point.
+    pub fn points(&self) -> &[u32] {
+        &self.point_of
+    }
+
+    /// Block columns of row `r` up to and including the diagonal.
+    pub fn row(&self, r: usize) -> &[u32] {
+        &self.column[self.start[r] as usize..self.start[r + 1] as usize]
+    }
+
+    /// Blocks of row `r`, in the order of [`Self::row`].
+    pub fn blocks(&self, r: usize) -> &[Mat3] {
+        &self.value[self.start[r] as usize..self.start[r + 1] as usize]
+    }
+
+    /// Sets every value to zero.
+    pub fn clear(&mut self) {
+        self.value.fill(Mat3::zeros());
+    }
+
+    /// Whether the blocks of `other` have the same places.
+    pub fn same_pattern(&self, other: &Self) -> bool {
+        self.row_of == other.row_of && self.start == other.start && self.column == other.column
+    }
+
+    /// Adds `amount` times the identity to the diagonal block of point `p`, if it is free.
+    pub fn add_diagonal(&mut self, p: usize, amount: f64) {
+        if self.row_of[p] != HELD {
+            let at = self.start[self.row_of[p] as usize + 1] as usize - 1;
+            for k in 0..3 {
+                self.value[at][(k, k)] += amount;
+            }
+        }
+    }
+
+    /// The values of the free points of a field over all points.
+    pub fn gather(&self, field: &[Vec3]) -> Vec<Vec3> {
+        self.point_of.iter().map(|&p| field[p as usize]).collect()
+    }
+
+    /// A field over all points with the given values at free points and zero at held ones.
+    pub fn scatter(&self, values: &[Vec3]) -> Vec<Vec3> {
+        let mut field = vec![Vec3::zeros(); self.row_of.len()];
+        for (&p, v) in self.point_of.iter().zip(values) {
+            field[p as usize] = *v;
+        }
+        field
+    }
+
+    /// y = A x over rows.
+    pub fn multiply(&self, x: &[Vec3], y: &mut [Vec3]) {
+        y.fill(Vec3::zeros());
+        for r in 0..self.row_count() {
+            let mut sum = Vec3::zeros();
+            let xr = x[r];
+            for (&c, block) in self.row(r).iter().zip(self.blocks(r)) {
+                let c = c as usize;
+                sum += block * x[c];
+                if c != r {
+                    y[c] += block.tr_mul(&xr);
+                }
+            }
+            y[r] += sum;
+        }
+    }
+}
+
+impl BlockSink for BlockMatrix {
+    #[inline]
+    fn add(&mut self, i: u32, j: u32, block: &Mat3) {
+        let (r, c) = (self.row_of[i as usize], self.row_of[j as usize]);
+        if r == HELD || c == HELD {
+            return;
+        }
+        let (row, col, turned) = if r >= c { (r, c, false) } else { (c, r, true) };
+        let from = self.start[row as usize] as usize;
+        let columns = &self.column[from..self.start[row as usize + 1] as usize];
+        // A block outside the pattern would be a stencil its energy did not announce.
+        let Some(k) = columns.iter().position(|&x| x == col) else {
+            debug_assert!(false, "block ({i}, {j}) is outside the pattern");
+            return;
+        };
+        if turned { self.value[from + k] += block.transpose() } else { self.value[from + k] += block }
+    }
+}
