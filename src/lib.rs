@@ -8,6 +8,7 @@
 #![warn(missing_docs)]
 
 pub mod error;
+pub mod json;
 pub mod math;
 
 pub mod fabric;

@@ -44,7 +44,7 @@ impl Bending {
             &garment.topology,
             &garment.material,
             [fabric.bend_warp(), fabric.bend_weft()],
-            fabric.bend_damping(),
+            fabric.bend_damping_s,
         )
     }
 

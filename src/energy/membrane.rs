@@ -42,7 +42,7 @@ impl Membrane {
             &garment.triangles.iter().map(|t| t.map(|p| p.0)).collect::<Vec<_>>(),
             &garment.material,
             [fabric.stretch_warp(), fabric.stretch_weft(), fabric.shear()],
-            fabric.stretch_damping(),
+            fabric.stretch_damping_s,
         )
     }
 

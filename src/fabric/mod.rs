@@ -1,18 +1,12 @@
-//! What cloth is made of.
+//! What cloth is made of. [`Fabric`] is a plain bag of numbers with units and provenance; [`Fabric::preset`] knows
+//! the fabrics that come along (one file each under `presets/`), [`Fabric::parse`] reads one of the user's own.
+//! [`Law`] is the memory law as pure scalar functions.
 
+mod fabric_type;
 mod law;
+mod preset_list;
+mod read;
 
+pub use fabric_type::{Fabric, FabricFormat, FabricMemory, Provenance};
 pub use law::{Band, EventCount, Law, Trace, Zone};
-
-/// Stub until the fabric branch lands.
-pub struct Fabric;
-#[allow(missing_docs)]
-impl Fabric {
-    pub fn stretch_warp(&self) -> f64 { 1000.0 }
-    pub fn stretch_weft(&self) -> f64 { 1000.0 }
-    pub fn shear(&self) -> f64 { 40.0 }
-    pub fn bend_warp(&self) -> f64 { 1e-5 }
-    pub fn bend_weft(&self) -> f64 { 1e-5 }
-    pub fn stretch_damping(&self) -> f64 { 0.0 }
-    pub fn bend_damping(&self) -> f64 { 0.0 }
-}
+pub use preset_list::DEFAULT_FABRIC;

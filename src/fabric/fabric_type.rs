@@ -1,0 +1,256 @@
+//! What cloth is made of: numbers with units and provenance, as they stand in `crease-fabric/1` files.
+//!
+//! Fields carry their unit in the name, as in the file; the methods give SI. Stiffnesses are those of
+//! `docs/method.md`: stretch and shear per width [N/m], bending per width [N·m], the plate's B = EI per width with
+//! Poisson ratio 0. The memory numbers are those of KOW, section 4: thresholds in percent of a right angle.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::FRAC_PI_2;
+
+/// Gravity [m/s²], for the bending length.
+const GRAVITY: f64 = 9.81;
+
+/// The format of a fabric file.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum FabricFormat {
+    /// The first.
+    #[default]
+    #[serde(rename = "crease-fabric/1")]
+    V1,
+}
+
+/// A fabric.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "crease fabric")]
+pub struct Fabric {
+    /// Format of the file: crease-fabric/1.
+    pub format: FabricFormat,
+    /// Its name.
+    #[schemars(length(min = 1))]
+    pub name: String,
+    /// Preset that fills in whatever the file leaves out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub based_on: Option<String>,
+    /// What it is, in a few words.
+    #[serde(default)]
+    pub description: String,
+    /// Mass per area [g/m²].
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 10000))]
+    pub area_density_g_m2: f64,
+    /// Thickness of one layer [mm].
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 50))]
+    pub thickness_mm: f64,
+    /// Stretch stiffness along warp [N/m]: force per width for a strain of 1.
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 10_000_000))]
+    pub stretch_warp_n_per_m: f64,
+    /// Stretch stiffness along weft [N/m].
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 10_000_000))]
+    pub stretch_weft_n_per_m: f64,
+    /// Shear stiffness [N/m]: force per width for a shear of 1 rad.
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 10_000_000))]
+    pub shear_n_per_m: f64,
+    /// Bending stiffness along warp [µN·m = 1e-6 N·m].
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 1_000_000))]
+    pub bend_warp_un_m: f64,
+    /// Bending stiffness along weft [µN·m].
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 1_000_000))]
+    pub bend_weft_un_m: f64,
+    /// Relaxation time of stretch and shear [s]: damping stiffness over stiffness.
+    #[schemars(range(min = 0, max = 10))]
+    pub stretch_damping_s: f64,
+    /// Relaxation time of bending [s].
+    #[schemars(range(min = 0, max = 10))]
+    pub bend_damping_s: f64,
+    /// Friction coefficient of the fabric on itself [-].
+    #[schemars(range(min = 0, max = 10))]
+    pub friction: f64,
+    /// Friction coefficient of the fabric on the ground or a table [-].
+    #[schemars(range(min = 0, max = 10))]
+    pub friction_ground: f64,
+    /// How it remembers.
+    #[serde(default)]
+    pub memory: FabricMemory,
+    /// Where the numbers come from.
+    #[serde(default)]
+    pub provenance: Provenance,
+}
+
+/// How a fabric remembers: the numbers of the memory law. Defaults are those of KOW's T-shirt.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct FabricMemory {
+    /// Gradual change starts above this bend [percent of a right angle].
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 10000))]
+    pub gradual_threshold_percent: f64,
+    /// Critical change starts above this bend [percent of a right angle].
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 10000))]
+    pub critical_threshold_percent: f64,
+    /// A gradual event takes this long [s], KOW's tau_a.
+    #[schemars(range(min = 0.001, max = 1_000_000_000))]
+    pub gradual_duration_s: f64,
+    /// A critical event takes this long [s], KOW's tau_b.
+    #[schemars(range(min = 0.001, max = 1_000_000_000))]
+    pub critical_duration_s: f64,
+    /// Stiffening by a gradual event [-], KOW's rho_ak.
+    #[schemars(range(min = 0, max = 100))]
+    pub gradual_stiffness_ratio: f64,
+    /// Part of the gradual threshold by which a gradual event moves the rest angle [-], KOW's rho_at.
+    #[schemars(range(min = 0, max = 1))]
+    pub gradual_angle_ratio: f64,
+    /// Stiffening by a critical event [-], KOW's rho_bk.
+    #[schemars(range(min = 0, max = 100))]
+    pub critical_stiffness_ratio: f64,
+    /// Part of the critical threshold by which a critical event moves the rest angle [-], KOW's rho_bt.
+    #[schemars(range(min = 0, max = 1))]
+    pub critical_angle_ratio: f64,
+    /// Gradual change of rest length starts above this strain [percent].
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 1000))]
+    pub gradual_stretch_threshold_percent: f64,
+    /// Critical change of rest length starts above this strain [percent].
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 1000))]
+    pub critical_stretch_threshold_percent: f64,
+    /// Part of the gradual stretch threshold by which a gradual event moves the rest stretch [-], KOW's rho_al.
+    #[schemars(range(min = 0, max = 1))]
+    pub gradual_length_ratio: f64,
+    /// Part of the critical stretch threshold by which a critical event moves the rest stretch [-], KOW's rho_bl.
+    #[schemars(range(min = 0, max = 1))]
+    pub critical_length_ratio: f64,
+    /// Hinge width from which on the bend is measured as an angle; narrower hinges count by curvature [mm].
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 1000))]
+    pub reference_length_mm: f64,
+    /// No hinge grows stiffer than this many times its new stiffness [-].
+    #[schemars(range(min = 1, max = 10000))]
+    pub stiffness_ceiling: f64,
+}
+
+impl Default for FabricMemory {
+    fn default() -> Self {
+        Self {
+            gradual_threshold_percent: 27.0,
+            critical_threshold_percent: 85.0,
+            gradual_duration_s: 4.3,
+            critical_duration_s: 1.0,
+            gradual_stiffness_ratio: 1.1,
+            gradual_angle_ratio: 0.4,
+            critical_stiffness_ratio: 2.5,
+            critical_angle_ratio: 1.0,
+            gradual_stretch_threshold_percent: 2.0,
+            critical_stretch_threshold_percent: 6.0,
+            gradual_length_ratio: 0.0,
+            critical_length_ratio: 0.0,
+            reference_length_mm: 10.0,
+            stiffness_ceiling: 30.0,
+        }
+    }
+}
+
+/// Where each group of numbers comes from, in words.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Provenance {
+    /// Of `area_density_g_m2` and `thickness_mm`.
+    pub mass: String,
+    /// Of `stretch_warp_n_per_m` and `stretch_weft_n_per_m`.
+    pub stretch: String,
+    /// Of `shear_n_per_m`.
+    pub shear: String,
+    /// Of `bend_warp_un_m` and `bend_weft_un_m`.
+    pub bend: String,
+    /// Of `stretch_damping_s` and `bend_damping_s`.
+    pub damping: String,
+    /// Of `friction` and `friction_ground`.
+    pub friction: String,
+    /// Of `memory`.
+    pub memory: String,
+}
+
+impl Default for Provenance {
+    fn default() -> Self {
+        let unstated = || "not stated".to_owned();
+        Self {
+            mass: unstated(),
+            stretch: unstated(),
+            shear: unstated(),
+            bend: unstated(),
+            damping: unstated(),
+            friction: unstated(),
+            memory: unstated(),
+        }
+    }
+}
+
+impl Fabric {
+    /// Mass per area [kg/m²].
+    pub fn area_density(&self) -> f64 {
+        self.area_density_g_m2 * 1e-3
+    }
+
+    /// Thickness of one layer [m].
+    pub fn thickness(&self) -> f64 {
+        self.thickness_mm * 1e-3
+    }
+
+    /// Stretch stiffness along warp [N/m].
+    pub fn stretch_warp(&self) -> f64 {
+        self.stretch_warp_n_per_m
+    }
+
+    /// Stretch stiffness along weft [N/m].
+    pub fn stretch_weft(&self) -> f64 {
+        self.stretch_weft_n_per_m
+    }
+
+    /// Shear stiffness [N/m].
+    pub fn shear(&self) -> f64 {
+        self.shear_n_per_m
+    }
+
+    /// Bending stiffness along warp [N·m].
+    pub fn bend_warp(&self) -> f64 {
+        self.bend_warp_un_m * 1e-6
+    }
+
+    /// Bending stiffness along weft [N·m].
+    pub fn bend_weft(&self) -> f64 {
+        self.bend_weft_un_m * 1e-6
+    }
+
+    /// Bending stiffness of the fabric as a whole [N·m]: the geometric mean of warp and weft.
+    pub fn bend_mean(&self) -> f64 {
+        (self.bend_warp() * self.bend_weft()).sqrt()
+    }
+
+    /// Bending length [m]: (B / (rho g))^(1/3), the size of the wrinkles that weight and stiffness agree on.
+    pub fn bending_length(&self) -> f64 {
+        (self.bend_mean() / (self.area_density() * GRAVITY)).cbrt()
+    }
+}
+
+impl FabricMemory {
+    /// Gradual threshold C^a [rad].
+    pub fn gradual_threshold(&self) -> f64 {
+        self.gradual_threshold_percent * 0.01 * FRAC_PI_2
+    }
+
+    /// Critical threshold C^b [rad].
+    pub fn critical_threshold(&self) -> f64 {
+        self.critical_threshold_percent * 0.01 * FRAC_PI_2
+    }
+
+    /// Gradual threshold of strain [-].
+    pub fn gradual_stretch_threshold(&self) -> f64 {
+        self.gradual_stretch_threshold_percent * 0.01
+    }
+
+    /// Critical threshold of strain [-].
+    pub fn critical_stretch_threshold(&self) -> f64 {
+        self.critical_stretch_threshold_percent * 0.01
+    }
+
+    /// Hinge width L from which on angles count as they are [m].
+    pub fn reference_length(&self) -> f64 {
+        self.reference_length_mm * 1e-3
+    }
+}

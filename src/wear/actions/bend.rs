@@ -1,0 +1,114 @@
+//! `bend`: a joint of the body bends and goes back, as an elbow does a thousand times.
+
+use super::{Misfit, WearAction};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Bend a joint of the body by an angle about an axis, hold it there, and bring it back; as often as asked.
+/// Needs a body.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Bend {
+    /// Name of the joint, as the body file has it.
+    #[schemars(length(min = 1))]
+    pub joint: String,
+    /// What it turns about: `x`, `y` or `z` of the joint, or a vector [x, y, z] in them.
+    pub axis: Axis,
+    /// How far it turns from its rest pose [degrees]; the sign says which way (right-hand rule).
+    #[serde(rename = "angle")]
+    #[schemars(range(min = -180, max = 180))]
+    pub angle_deg: f64,
+    /// How long bending takes, and going back again [s]. Default 1.
+    #[serde(rename = "over", default = "over_s")]
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 3600))]
+    pub over_s: f64,
+    /// How long it stays bent [s]. Default 0.
+    #[serde(rename = "hold", default)]
+    #[schemars(range(min = 0, max = 86400))]
+    pub hold_s: f64,
+    /// How often. Default 1.
+    #[serde(default = "once")]
+    #[schemars(range(min = 1, max = 10000))]
+    pub repeat: u32,
+}
+
+/// An axis of a joint.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Axis {
+    /// One of the joint's own.
+    Own(OwnAxis),
+    /// A direction in the joint's own axes, of any length but zero.
+    Vector([f64; 3]),
+}
+
+/// One of a joint's own axes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum OwnAxis {
+    /// Its x axis.
+    X,
+    /// Its y axis.
+    Y,
+    /// Its z axis.
+    Z,
+}
+
+impl Axis {
+    /// As a vector; not of unit length when the script's was not.
+    pub fn vector(self) -> [f64; 3] {
+        match self {
+            Self::Own(OwnAxis::X) => [1.0, 0.0, 0.0],
+            Self::Own(OwnAxis::Y) => [0.0, 1.0, 0.0],
+            Self::Own(OwnAxis::Z) => [0.0, 0.0, 1.0],
+            Self::Vector(vector) => vector,
+        }
+    }
+}
+
+fn over_s() -> f64 {
+    1.0
+}
+
+fn once() -> u32 {
+    1
+}
+
+impl WearAction for Bend {
+    fn duration_s(&self) -> f64 {
+        f64::from(self.repeat) * (2.0 * self.over_s + self.hold_s)
+    }
+
+    fn needs_body(&self) -> bool {
+        true
+    }
+
+    fn misfits(&self) -> Vec<Misfit> {
+        let mut misfits = Vec::new();
+        let length = self.axis.vector().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        // Squares of smaller or larger numbers leave the range of doubles.
+        if !(1e-100..=1e100).contains(&length) {
+            let cure = "give a direction such as [0, 0, 1], or `x`, `y`, `z`";
+            misfits.push(Misfit::new("axis", "the axis has no usable direction", cure));
+        }
+        if self.angle_deg == 0.0 {
+            misfits.push(Misfit::new(
+                "angle",
+                "an angle of 0 bends nothing",
+                "give an angle in degrees, not 0",
+            ));
+        }
+        misfits
+    }
+
+    fn example() -> Self {
+        Self {
+            joint: "elbow".to_owned(),
+            axis: Axis::Vector([0.0, 0.5, 1.0]),
+            angle_deg: -110.0,
+            over_s: 0.8,
+            hold_s: 0.5,
+            repeat: 20,
+        }
+    }
+}

@@ -1,0 +1,25 @@
+//! `hold`: everything that is held stays held.
+
+use super::WearAction;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Keep everything as it is held now.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Hold {
+    /// For how long [s].
+    #[serde(rename = "for")]
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 86400))]
+    pub for_s: f64,
+}
+
+impl WearAction for Hold {
+    fn duration_s(&self) -> f64 {
+        self.for_s
+    }
+
+    fn example() -> Self {
+        Self { for_s: 12.5 }
+    }
+}

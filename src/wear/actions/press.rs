@@ -1,0 +1,29 @@
+//! `press`: weight or an iron, straight down.
+
+use super::WearAction;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Press straight down on the whole garment as it lies.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Press {
+    /// Pressure on the upper side [Pa]: a pile of shirts 200, a hand 2,000, an iron 4,000.
+    #[serde(rename = "pressure")]
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 1_000_000))]
+    pub pressure_pa: f64,
+    /// For how long [s].
+    #[serde(rename = "for")]
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 86400))]
+    pub for_s: f64,
+}
+
+impl WearAction for Press {
+    fn duration_s(&self) -> f64 {
+        self.for_s
+    }
+
+    fn example() -> Self {
+        Self { pressure_pa: 200.0, for_s: 30.0 }
+    }
+}

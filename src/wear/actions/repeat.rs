@@ -1,0 +1,35 @@
+//! `repeat`: a list of actions, several times over.
+
+use super::WearAction;
+use crate::wear::Action;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Do a list of actions several times over. Repeats may lie in repeats, up to 8 deep.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Repeat {
+    /// How often.
+    #[schemars(range(min = 1, max = 10000))]
+    pub times: u32,
+    /// What, in order.
+    #[schemars(length(min = 1))]
+    pub actions: Vec<Action>,
+}
+
+impl WearAction for Repeat {
+    fn duration_s(&self) -> f64 {
+        f64::from(self.times) * self.actions.iter().map(|action| action.as_wear().duration_s()).sum::<f64>()
+    }
+
+    fn needs_body(&self) -> bool {
+        self.actions.iter().any(|action| action.as_wear().needs_body())
+    }
+
+    fn example() -> Self {
+        Self {
+            times: 3,
+            actions: vec![Action::Hold(super::Hold::example()), Action::Release(super::Release {})],
+        }
+    }
+}

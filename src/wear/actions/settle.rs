@@ -1,0 +1,29 @@
+//! `settle`: hands off; gravity, friction and memory do the rest.
+
+use super::WearAction;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Let go of folds and presses and let the cloth come to rest.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Settle {
+    /// For how long at most [s]. Default 3.
+    #[serde(rename = "for", default = "for_s")]
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 3600))]
+    pub for_s: f64,
+}
+
+fn for_s() -> f64 {
+    3.0
+}
+
+impl WearAction for Settle {
+    fn duration_s(&self) -> f64 {
+        self.for_s
+    }
+
+    fn example() -> Self {
+        Self { for_s: 2.0 }
+    }
+}
