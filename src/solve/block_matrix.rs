@@ -102,6 +102,18 @@ impl BlockMatrix {
         }
     }
 
+    /// Largest entry on the diagonal; infinite if any is not finite.
+    pub fn largest_diagonal(&self) -> f64 {
+        let mut largest: f64 = 0.0;
+        for block in (0..self.row_count()).filter_map(|r| self.blocks(r).last()) {
+            for k in 0..3 {
+                let entry = block[(k, k)];
+                largest = if entry.is_finite() { largest.max(entry) } else { f64::INFINITY };
+            }
+        }
+        largest
+    }
+
     /// The values of the free points of a field over all points.
     pub fn gather(&self, field: &[Vec3]) -> Vec<Vec3> {
         self.point_of.iter().map(|&p| field[p as usize]).collect()

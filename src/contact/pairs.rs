@@ -1,0 +1,173 @@
+//! Cloth against cloth: point-triangle and edge-edge pairs within the contact distance, and the bound on motion.
+
+use super::{CandidateFinder, Candidates, ContactSettings, FLOOR};
+use crate::math::Vec3;
+use crate::mesh::{Gap, edge_edge, edge_edge_step, point_triangle, point_triangle_step};
+use rayon::prelude::*;
+
+/// A pair within its contact distance.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Touch {
+    pub points: [u32; 4],
+    /// Signed: distance vector = sum w_i x_i.
+    pub weights: [f64; 4],
+    /// Unit vector along the distance vector.
+    pub normal: Vec3,
+    /// [m].
+    pub distance: f64,
+    /// Contact distance of this pair [m].
+    pub reach: f64,
+    /// [N/m].
+    pub stiffness: f64,
+}
+
+/// A pair that may come near.
+#[derive(Debug, Clone, Copy)]
+struct Pair {
+    points: [u32; 4],
+    is_edges: bool,
+    /// Contact distance [m]: shorter for pairs that are near by construction (beside a seam).
+    reach: f64,
+    /// Area the pair stands for [m²].
+    area: f64,
+}
+
+pub(super) struct PairContact {
+    distance: f64,
+    stiffness: f64,
+    rest: Vec<Vec3>,
+    triangles: Vec<[u32; 3]>,
+    edges: Vec<[u32; 2]>,
+    point_area: Vec<f64>,
+    edge_area: Vec<f64>,
+    finder: CandidateFinder,
+    pairs: Vec<Pair>,
+}
+
+/// Pairs that are this near in the rest shape push apart only below this share of their rest distance.
+const REST_SHARE: f64 = 0.9;
+/// Rounds of shortening single points before all are shortened alike.
+const MOST_ROUNDS: usize = 6;
+
+impl PairContact {
+    pub fn new(
+        settings: &ContactSettings,
+        rest: &[Vec3],
+        triangles: &[[u32; 3]],
+        edges: &[[u32; 2]],
+        area: &[f64],
+    ) -> Self {
+        // An edge stands for a third of the area of its two ends' share along it: sum over edges = sum over points.
+        let mut degree = vec![0.0f64; rest.len()];
+        for e in edges {
+            e.iter().for_each(|&p| degree[p as usize] += 1.0);
+        }
+        let share = |p: u32| area[p as usize] / degree[p as usize].max(1.0);
+        let edge_area = edges.iter().map(|e| share(e[0]) + share(e[1])).collect();
+        Self {
+            distance: settings.distance,
+            stiffness: settings.stiffness,
+            rest: rest.to_vec(),
+            triangles: triangles.to_vec(),
+            edges: edges.to_vec(),
+            point_area: area.to_vec(),
+            edge_area,
+            finder: CandidateFinder::new(rest.len(), triangles, edges),
+            pairs: Vec::new(),
+        }
+    }
+
+    pub fn set_stiffness(&mut self, stiffness: f64) {
+        self.stiffness = stiffness;
+    }
+
+    fn take(&mut self, found: Candidates) {
+        let point = |&[p, f]: &[u32; 2]| {
+            let t = self.triangles[f as usize];
+            (([p, t[0], t[1], t[2]]), false, 0.5 * self.point_area[p as usize])
+        };
+        let edge = |&[a, b]: &[u32; 2]| {
+            let (e, f) = (self.edges[a as usize], self.edges[b as usize]);
+            let area = 0.25 * (self.edge_area[a as usize] + self.edge_area[b as usize]);
+            (([e[0], e[1], f[0], f[1]]), true, area)
+        };
+        let rest = &self.rest;
+        let distance = self.distance;
+        self.pairs = found
+            .point_triangle
+            .par_iter()
+            .map(point)
+            .chain(found.edge_edge.par_iter().map(edge))
+            .map(|(points, is_edges, area)| {
+                let near = gap(rest, &points, is_edges).distance;
+                Pair { points, is_edges, reach: distance.min(REST_SHARE * near), area }
+            })
+            .collect();
+    }
+
+    pub fn look_around(&mut self, x: &[Vec3]) {
+        let found = self.finder.find(x, x, self.distance);
+        self.take(found);
+    }
+
+    /// All pairs within their contact distance at `x`, in a fixed order.
+    pub fn touches(&self, x: &[Vec3]) -> Vec<Touch> {
+        self.pairs
+            .par_iter()
+            .filter_map(|pair| {
+                let gap = gap(x, &pair.points, pair.is_edges);
+                (gap.distance < pair.reach).then(|| Touch {
+                    points: pair.points,
+                    weights: gap.weights,
+                    normal: if gap.distance > 0.0 { gap.vector / gap.distance } else { Vec3::y() },
+                    distance: gap.distance.max(1e-12),
+                    reach: pair.reach,
+                    stiffness: self.stiffness * pair.area,
+                })
+            })
+            .collect()
+    }
+
+    /// See [`super::Contact::bound_motion`].
+    ///
+    /// Candidates are found for the way from x to x + d; every pair's safe share shortens its points; since points
+    /// that were cut differently move differently, candidates are found anew for what is left, until nothing is
+    /// cut. After a few rounds everything is shortened by one share, which is safe because along one common share
+    /// the ways are parts of ways already tested.
+    pub fn bound_motion(&mut self, x: &[Vec3], d: &mut [Vec3]) {
+        for round in 0.. {
+            let end: Vec<Vec3> = x.iter().zip(d.iter()).map(|(x, d)| x + d).collect();
+            let found = self.finder.find(x, &end, self.distance);
+            self.take(found);
+            let safe: Vec<f64> = self.pairs.par_iter().map(|pair| safe_share(x, d, pair)).collect();
+            let least = safe.iter().copied().fold(1.0, f64::min);
+            if least >= 1.0 {
+                return;
+            }
+            if round >= MOST_ROUNDS {
+                d.iter_mut().for_each(|d| *d *= least);
+                return;
+            }
+            let mut share = vec![1.0f64; x.len()];
+            for (pair, &safe) in self.pairs.iter().zip(&safe).filter(|(_, s)| **s < 1.0) {
+                for &p in &pair.points {
+                    share[p as usize] = share[p as usize].min(safe);
+                }
+            }
+            d.iter_mut().zip(share).for_each(|(d, s)| *d *= s);
+        }
+    }
+}
+
+#[inline]
+fn gap(x: &[Vec3], points: &[u32; 4], is_edges: bool) -> Gap {
+    let [a, b, c, d] = points.map(|p| &x[p as usize]);
+    if is_edges { edge_edge(a, b, c, d) } else { point_triangle(a, b, c, d) }
+}
+
+/// Share of the move along which the pair stays apart.
+fn safe_share(x: &[Vec3], d: &[Vec3], pair: &Pair) -> f64 {
+    let (x, d) = (pair.points.map(|p| x[p as usize]), pair.points.map(|p| d[p as usize]));
+    let floor = FLOOR * pair.reach;
+    if pair.is_edges { edge_edge_step(x, d, floor) } else { point_triangle_step(x, d, floor) }
+}

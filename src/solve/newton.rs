@@ -1,0 +1,225 @@
+//! Newton's method on the incremental potential of a step (or on the plain energy, for equilibria):
+//!
+//! ```text
+//! phi(x) = |x - inertial|²_M / (2 span²) + sum of energies(x)
+//! ```
+//!
+//! Every iteration: gradient, positive Hessian, direct solve, a bound on the motion that keeps layers apart, a line
+//! search that never lets phi grow. Knows no integrator and no script.
+
+use super::{BlockMatrix, Cholesky, FactorError, HELD, conjugate_gradient};
+use crate::contact::Contact;
+use crate::energy::Energy;
+use crate::math::Vec3;
+
+/// When to stop.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NewtonOptions {
+    /// Converged when no point would move farther than this [m].
+    pub tolerance: f64,
+    /// Iterations at most.
+    pub most_iterations: usize,
+}
+
+impl Default for NewtonOptions {
+    fn default() -> Self {
+        Self { tolerance: 1e-5, most_iterations: 40 }
+    }
+}
+
+/// What a solve did.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct NewtonReport {
+    /// Iterations made (linear solves).
+    pub iterations: usize,
+    /// Whether the tolerance was met.
+    pub converged: bool,
+    /// Largest move the last iteration asked for [m].
+    pub last_move: f64,
+    /// Largest gradient entry over the free points at the end [N].
+    pub residual: f64,
+    /// Seconds spent: assembling, factorising and solving, contact search and bounds.
+    pub seconds: [f64; 3],
+}
+
+/// One problem: minimise phi over the free points.
+pub struct Problem<'a> {
+    /// Inertia: masses [kg], where points would go [m], span [s]. `None` for equilibria.
+    pub inertia: Option<(&'a [f64], &'a [Vec3], f64)>,
+    /// The energies.
+    pub terms: &'a [&'a dyn Energy],
+    /// Points that stay where they are put, one flag per point.
+    pub held: &'a [bool],
+    /// Added to every diagonal [N/m]: keeps equilibria of loose parts well posed; 0 in time steps.
+    pub regularisation: f64,
+}
+
+/// Buffers that are worth keeping between solves.
+#[derive(Default)]
+pub struct Workspace {
+    matrix: BlockMatrix,
+    direct: Cholesky,
+}
+
+impl Problem<'_> {
+    fn value(&self, x: &[Vec3], contact: &Contact) -> f64 {
+        let mut sum = 0.0;
+        if let Some((mass, inertial, span)) = self.inertia {
+            let moved: f64 = x
+                .iter()
+                .zip(inertial)
+                .zip(mass)
+                .zip(self.held)
+                .filter(|(_, held)| !**held)
+                .map(|(((x, y), m), _)| m * (x - y).norm_squared())
+                .sum();
+            sum += moved / (2.0 * span * span);
+        }
+        sum + self.terms.iter().map(|t| t.value(x)).sum::<f64>() + contact.value(x)
+    }
+
+    fn gradient(&self, x: &[Vec3], contact: &Contact) -> Vec<Vec3> {
+        let mut g = vec![Vec3::zeros(); x.len()];
+        if let Some((mass, inertial, span)) = self.inertia {
+            for (((g, x), y), m) in g.iter_mut().zip(x).zip(inertial).zip(mass) {
+                *g += (x - y) * (m / (span * span));
+            }
+        }
+        for term in self.terms {
+            term.add_gradient(x, &mut g);
+        }
+        contact.add_gradient(x, &mut g);
+        g.iter_mut().zip(self.held).filter(|(_, held)| **held).for_each(|(g, _)| *g = Vec3::zeros());
+        g
+    }
+
+    fn assemble(&self, x: &[Vec3], contact: &Contact, work: &mut Workspace) {
+        let mut next = 0;
+        let row_of: Vec<u32> = self
+            .held
+            .iter()
+            .map(|held| {
+                if *held {
+                    HELD
+                } else {
+                    next += 1;
+                    next - 1
+                }
+            })
+            .collect();
+        let pattern = BlockMatrix::with_pattern(row_of, &mut |visit| {
+            self.terms.iter().for_each(|t| t.visit_stencils(visit));
+            contact.visit_stencils(x, visit);
+        });
+        work.matrix = pattern;
+        if let Some((mass, _, span)) = self.inertia {
+            for (p, m) in mass.iter().enumerate() {
+                work.matrix.add_diagonal(p, m / (span * span));
+            }
+        }
+        if self.regularisation > 0.0 {
+            (0..x.len()).for_each(|p| work.matrix.add_diagonal(p, self.regularisation));
+        }
+        for term in self.terms {
+            term.add_hessian(x, &mut work.matrix);
+        }
+        contact.add_hessian(x, &mut work.matrix);
+    }
+
+    /// Newton direction at `x` for gradient `g`.
+    fn direction(&self, x: &[Vec3], g: &[Vec3], work: &mut Workspace) -> Option<Vec<Vec3>> {
+        let mut rhs: Vec<Vec3> = work.matrix.gather(g);
+        rhs.iter_mut().for_each(|v| *v = -*v);
+        let mut shift = 0.0;
+        for _ in 0..12 {
+            match work.direct.factorise(&work.matrix, x) {
+                Ok(()) => {
+                    work.direct.solve(&mut rhs);
+                    return Some(work.matrix.scatter(&rhs));
+                }
+                Err(FactorError::TooLarge) => {
+                    let solution = conjugate_gradient(&work.matrix, &rhs, 1e-6, 20_000);
+                    return Some(work.matrix.scatter(&solution.x));
+                }
+                Err(FactorError::NotPositive) => {
+                    // Rounding can push a nearly singular matrix below zero: a growing shift mends it.
+                    let largest = work.matrix.largest_diagonal();
+                    if !largest.is_finite() {
+                        return None;
+                    }
+                    let more = if shift == 0.0 { 1e-10 * largest } else { 9.0 * shift };
+                    shift += more;
+                    (0..x.len()).for_each(|p| work.matrix.add_diagonal(p, more));
+                }
+            }
+        }
+        None
+    }
+
+    /// Minimises phi from `x`, in place. Every intermediate position keeps layers apart if the first did.
+    pub fn solve(
+        &self,
+        x: &mut Vec<Vec3>,
+        contact: &mut Contact,
+        options: &NewtonOptions,
+        work: &mut Workspace,
+    ) -> NewtonReport {
+        let mut report = NewtonReport::default();
+        if self.held.iter().all(|held| *held) {
+            report.converged = true;
+            return report;
+        }
+        let clock = std::time::Instant::now();
+        contact.look_around(x);
+        report.seconds[2] += clock.elapsed().as_secs_f64();
+        let mut value = self.value(x, contact);
+        for _ in 0..options.most_iterations {
+            let clock = std::time::Instant::now();
+            let g = self.gradient(x, contact);
+            report.residual = g.iter().map(|g| g.amax()).fold(0.0, f64::max);
+            self.assemble(x, contact, work);
+            report.seconds[0] += clock.elapsed().as_secs_f64();
+            let clock = std::time::Instant::now();
+            let direction = self.direction(x, &g, work);
+            report.seconds[1] += clock.elapsed().as_secs_f64();
+            let Some(mut d) = direction else { break };
+            report.iterations += 1;
+            report.last_move = d.iter().map(|d| d.norm()).fold(0.0, f64::max);
+            if !report.last_move.is_finite() {
+                break;
+            }
+            let done = report.last_move <= options.tolerance;
+            let clock = std::time::Instant::now();
+            contact.bound_motion(x, &mut d);
+            report.seconds[2] += clock.elapsed().as_secs_f64();
+            let clock = std::time::Instant::now();
+            let slope: f64 = g.iter().zip(&d).map(|(g, d)| g.dot(d)).sum();
+            let moved = self.line_search(x, &d, slope, &mut value, contact);
+            report.seconds[0] += clock.elapsed().as_secs_f64();
+            if done || !moved {
+                // A direction along which phi no longer falls to rounding is as good as converged.
+                report.converged = done || slope.abs() <= 1e-12 * value.abs().max(f64::MIN_POSITIVE);
+                break;
+            }
+        }
+        report
+    }
+
+    /// Moves `x` along `d` as far as phi falls enough (Armijo where the slope is down). False if nowhere.
+    fn line_search(&self, x: &mut [Vec3], d: &[Vec3], slope: f64, value: &mut f64, contact: &Contact) -> bool {
+        let mut share = 1.0;
+        for _ in 0..24 {
+            let trial: Vec<Vec3> = x.iter().zip(d).map(|(x, d)| x + d * share).collect();
+            let there = self.value(&trial, contact);
+            // Rounding of a sum of many terms.
+            let noise = 1e-13 * value.abs();
+            if there <= *value + 1e-4 * share * slope.min(0.0) + noise {
+                x.copy_from_slice(&trial);
+                *value = there;
+                return true;
+            }
+            share *= 0.5;
+        }
+        false
+    }
+}
