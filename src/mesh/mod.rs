@@ -1,8 +1,12 @@
 //! Triangle meshes as geometry: indices, topology, hinge angles, distances, search. Knows no cloth and no file.
 
 mod hinge;
+pub mod crossings;
+pub mod distance;
 mod index;
+pub mod motion;
 mod topology;
+pub mod tree;
 
 pub use hinge::{hinge_angle, hinge_gradient, hinge_hessian, unwrap_angle};
 pub use index::{PointIndex, VertexIndex};

@@ -1,0 +1,345 @@
+//! How far apart two small pieces of mesh are: point and edge, point and triangle, edge and edge.
+//!
+//! Each function gives a [`Gap`]: the vector between the two closest points, its length, and that vector as signed
+//! weights of the corner points, so that a force along the gap spreads over the points by the same weights. These
+//! are the primitive pairs of Li et al., "Incremental Potential Contact" (2020, section 3; below: IPC); the
+//! closest feature is found by looking only at the sides that face the other piece, with cross products instead
+//! of differences of dot products, which keeps needles and nearly parallel edges accurate.
+//!
+//! Degenerate pieces (zero length, zero area) are treated as the point or edge they have shrunk to. Coordinates
+//! that are not finite give a distance that is not finite. No barrier, no gradient matrices: see `contact/`.
+
+use crate::math::Vec3;
+
+/// Below this squared sine of its corner angle a triangle is searched as three edges (angle 1e-10).
+const FLAT_CORNER: f64 = 1e-20;
+/// Below this squared sine two edges count as parallel (angle 1e-8: over a centimetre, 0.1 nm).
+const PARALLEL: f64 = 1e-16;
+/// IPC, supplement: the mollifier acts below this squared sine of the angle between the edges, at rest lengths.
+const MOLLIFIER_REACH: f64 = 1e-3;
+
+/// The closest points of two pieces.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gap {
+    /// From the closest point of the second piece to the closest point of the first [m].
+    pub vector: Vec3,
+    /// Length of `vector` [m].
+    pub distance: f64,
+    /// Signed barycentric weights: `vector` = sum of `weights[i] * x[i]`, in the order of the arguments. The
+    /// gradient of `distance` by `x[i]` is `weights[i] * vector / distance`.
+    pub weights: [f64; 4],
+}
+
+impl Gap {
+    /// That of corners which are not finite.
+    const UNKNOWN: Self =
+        Self { vector: Vec3::new(f64::NAN, f64::NAN, f64::NAN), distance: f64::NAN, weights: [0.0; 4] };
+
+    #[inline]
+    fn new(vector: Vec3, weights: [f64; 4]) -> Self {
+        Self { vector, distance: vector.norm(), weights }
+    }
+
+    /// Squared length of `vector` [m²]; cheaper than `distance` where that is not used.
+    #[inline]
+    pub fn squared(&self) -> f64 {
+        self.vector.norm_squared()
+    }
+}
+
+/// Where on the edge `a` to `b` the point closest to `p` lies, 0..1; 0 on an edge without length.
+#[inline]
+fn along_edge(p: &Vec3, a: &Vec3, b: &Vec3) -> f64 {
+    let edge = b - a;
+    let length_squared = edge.norm_squared();
+    let t = (p - a).dot(&edge) / length_squared;
+    // Written so that 0/0 gives 0.
+    if t > 0.0 { t.min(1.0) } else { 0.0 }
+}
+
+/// Closest points of the point `p` and the edge `a b`; weights `[1, -(1-t), -t, 0]`.
+#[inline]
+pub fn point_edge(p: &Vec3, a: &Vec3, b: &Vec3) -> Gap {
+    let t = along_edge(p, a, b);
+    Gap::new((p - a) - (b - a) * t, [1.0, t - 1.0, -t, 0.0])
+}
+
+/// Closest points of the point `p` and the triangle `a b c`; weights `[1, -wa, -wb, -wc]`.
+#[inline]
+pub fn point_triangle(p: &Vec3, a: &Vec3, b: &Vec3, c: &Vec3) -> Gap {
+    let (ab, ac, ap) = (b - a, c - a, p - a);
+    let normal = ab.cross(&ac);
+    let area_squared = normal.norm_squared();
+    if !(area_squared > FLAT_CORNER * ab.norm_squared() * ac.norm_squared()) {
+        return if area_squared.is_finite() { nearest_side(p, [a, b, c], [true; 3]) } else { Gap::UNKNOWN };
+    }
+    // Barycentric coordinates of the foot of p, times area_squared.
+    let wb = ap.dot(&ac.cross(&normal));
+    let wc = ap.dot(&normal.cross(&ab));
+    let wa = area_squared - wb - wc;
+    if wa >= 0.0 && wb >= 0.0 && wc >= 0.0 {
+        let (v, w) = (wb / area_squared, wc / area_squared);
+        return Gap::new(ap - ab * v - ac * w, [1.0, v + w - 1.0, -v, -w]);
+    }
+    // Outside: the closest point lies on a side that faces p, and those are the sides with a negative coordinate.
+    nearest_side(p, [a, b, c], [wc < 0.0, wa < 0.0, wb < 0.0])
+}
+
+/// The closest of the sides ab, bc, ca that are asked for (all of them when none is).
+#[inline]
+fn nearest_side(p: &Vec3, corners: [&Vec3; 3], asked: [bool; 3]) -> Gap {
+    let every = asked == [false; 3];
+    let (mut best, mut side, mut at) = (f64::INFINITY, 0, 0.0);
+    for k in 0..3 {
+        if asked[k] || every {
+            let (a, b) = (corners[k], corners[(k + 1) % 3]);
+            let t = along_edge(p, a, b);
+            let squared = ((p - a) - (b - a) * t).norm_squared();
+            if squared < best {
+                (best, side, at) = (squared, k, t);
+            }
+        }
+    }
+    let (a, b) = (corners[side], corners[(side + 1) % 3]);
+    let mut weights = [1.0, 0.0, 0.0, 0.0];
+    weights[1 + side] = at - 1.0;
+    weights[1 + (side + 1) % 3] = -at;
+    Gap::new((p - a) - (b - a) * at, weights)
+}
+
+/// Closest points of the edges `a0 a1` and `b0 b1`; weights `[1-s, s, -(1-t), -t]`. Parallel edges that run side
+/// by side are joined in the middle of their overlap.
+#[inline]
+pub fn edge_edge(a0: &Vec3, a1: &Vec3, b0: &Vec3, b1: &Vec3) -> Gap {
+    let (u, v, w) = (a1 - a0, b1 - b0, b0 - a0);
+    let normal = u.cross(&v);
+    let scale = normal.norm_squared();
+    if !(scale > PARALLEL * u.norm_squared() * v.norm_squared()) {
+        return parallel_edges(a0, a1, b0, b1);
+    }
+    // Feet of the common perpendicular of the two lines, times scale.
+    let s = w.dot(&v.cross(&normal));
+    let t = w.dot(&u.cross(&normal));
+    if s >= 0.0 && s <= scale && t >= 0.0 && t <= scale {
+        return edge_gap(a0, a1, b0, b1, s / scale, t / scale);
+    }
+    // The closest pair lies on a side of the parallelogram (s, t) that faces the origin.
+    nearest_end([a0, a1, b0, b1], [s < 0.0, s > scale, t < 0.0, t > scale])
+}
+
+#[inline]
+fn edge_gap(a0: &Vec3, a1: &Vec3, b0: &Vec3, b1: &Vec3, s: f64, t: f64) -> Gap {
+    let vector = (a0 - b0) + (a1 - a0) * s - (b1 - b0) * t;
+    Gap::new(vector, [1.0 - s, s, t - 1.0, -t])
+}
+
+/// The closest among: end a0 to edge b, a1 to b, b0 to a, b1 to a, where asked for (all when none is).
+#[inline]
+fn nearest_end(x: [&Vec3; 4], asked: [bool; 4]) -> Gap {
+    let [a0, a1, b0, b1] = x;
+    let every = asked == [false; 4];
+    let (mut best, mut at) = (f64::INFINITY, (0.0, 0.0));
+    for k in 0..4 {
+        if asked[k] || every {
+            let (s, t) = match k {
+                0 => (0.0, along_edge(a0, b0, b1)),
+                1 => (1.0, along_edge(a1, b0, b1)),
+                2 => (along_edge(b0, a0, a1), 0.0),
+                _ => (along_edge(b1, a0, a1), 1.0),
+            };
+            let squared = ((a0 - b0) + (a1 - a0) * s - (b1 - b0) * t).norm_squared();
+            if squared < best {
+                (best, at) = (squared, (s, t));
+            }
+        }
+    }
+    edge_gap(a0, a1, b0, b1, at.0, at.1)
+}
+
+/// Edges too parallel for a common perpendicular, or without length.
+#[cold]
+fn parallel_edges(a0: &Vec3, a1: &Vec3, b0: &Vec3, b1: &Vec3) -> Gap {
+    if !((a1 - a0).norm_squared() + (b1 - b0).norm_squared()).is_finite() {
+        return Gap::UNKNOWN;
+    }
+    let (s0, s1) = (along_edge(b0, a0, a1), along_edge(b1, a0, a1));
+    if s0 == s1 {
+        return nearest_end([a0, a1, b0, b1], [true; 4]);
+    }
+    let s = 0.5 * (s0 + s1);
+    let t = along_edge(&(a0 + (a1 - a0) * s), b0, b1);
+    edge_gap(a0, a1, b0, b1, s, t)
+}
+
+/// Fades the contact of two edges out as they turn parallel (IPC equation 24): 0 when parallel, 1 from a squared
+/// sine of 1e-3 on. `rest_lengths` are those of edge a and edge b [m].
+#[inline]
+pub fn edge_parallel_mollifier(a0: &Vec3, a1: &Vec3, b0: &Vec3, b1: &Vec3, rest_lengths: [f64; 2]) -> f64 {
+    let c = (a1 - a0).cross(&(b1 - b0)).norm_squared();
+    let reach = MOLLIFIER_REACH * rest_lengths[0].powi(2) * rest_lengths[1].powi(2);
+    if c < reach { (2.0 - c / reach) * (c / reach) } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Small repeatable generator, so that a failure can be found again.
+    struct Draw(u64);
+
+    impl Draw {
+        fn unit(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            ((self.0 >> 11) as f64) / (1u64 << 53) as f64
+        }
+        fn vector(&mut self) -> Vec3 {
+            Vec3::new(self.unit() - 0.5, self.unit() - 0.5, self.unit() - 0.5)
+        }
+        fn four(&mut self) -> [Vec3; 4] {
+            [self.vector(), self.vector(), self.vector(), self.vector()]
+        }
+    }
+
+    type Pair = fn(&[Vec3; 4]) -> Gap;
+    fn pairs() -> [(&'static str, Pair); 2] {
+        [
+            ("point-triangle", |x| point_triangle(&x[0], &x[1], &x[2], &x[3])),
+            ("edge-edge", |x| edge_edge(&x[0], &x[1], &x[2], &x[3])),
+        ]
+    }
+
+    #[test]
+    fn vector_is_the_weighted_sum_of_the_points() {
+        let mut draw = Draw(1);
+        for (name, gap) in pairs() {
+            for _ in 0..20_000 {
+                let x = draw.four();
+                let g = gap(&x);
+                let sum: Vec3 = (0..4).map(|i| x[i] * g.weights[i]).sum();
+                assert!((sum - g.vector).norm() < 1e-14, "{name}: {x:?}");
+                assert!((g.distance - g.vector.norm()).abs() < 1e-15);
+                assert!(g.weights.iter().sum::<f64>().abs() < 1e-15, "{name}");
+            }
+        }
+    }
+
+    /// Optimality: a convex problem has found its minimum when no corner lies nearer along the gap.
+    #[test]
+    fn nothing_lies_nearer_than_the_closest_points() {
+        let mut draw = Draw(2);
+        for k in 0..100_000 {
+            let mut x = draw.four();
+            if k % 3 == 0 {
+                // Needles and nearly parallel edges.
+                let bend = draw.vector() * 10f64.powf(-12.0 * draw.unit());
+                x[3] = x[1] + (x[2] - x[1]) * (3.0 * draw.unit() - 1.0) + bend;
+            }
+            let g = point_triangle(&x[0], &x[1], &x[2], &x[3]);
+            let n = g.vector / g.distance;
+            let support = (1..4).map(|i| n.dot(&(x[0] - x[i]))).fold(f64::INFINITY, f64::min);
+            assert!(support > g.distance - 1e-9, "point-triangle {k}: {support} {} {x:?}", g.distance);
+
+            if k % 3 == 0 {
+                let bend = draw.vector() * 10f64.powf(-12.0 * draw.unit());
+                x[3] = x[2] + (x[1] - x[0]) * (4.0 * draw.unit() - 2.0) + bend;
+            }
+            let g = edge_edge(&x[0], &x[1], &x[2], &x[3]);
+            let n = g.vector / g.distance;
+            let support = [(0, 2), (0, 3), (1, 2), (1, 3)]
+                .iter()
+                .map(|&(i, j)| n.dot(&(x[i] - x[j])))
+                .fold(f64::INFINITY, f64::min);
+            assert!(support > g.distance - 3e-8, "edge-edge {k}: {support} {} {x:?}", g.distance);
+        }
+    }
+
+    /// The interior of each feature region: three vertices, three sides, the face; ends and interiors of edges.
+    #[test]
+    fn gradient_is_weight_times_direction_in_every_region() {
+        let (a, b, c) = (Vec3::new(0.0, 0.0, 0.0), Vec3::new(1.0, 0.1, 0.0), Vec3::new(0.2, 0.9, 0.3));
+        let centre = (a + b + c) / 3.0;
+        let lift = (b - a).cross(&(c - a)).normalize() * 0.3;
+        let mut scenes: Vec<(usize, [Vec3; 4])> = Vec::new();
+        for foot in [a, b, c, (a + b) / 2.0, (b + c) / 2.0, (c + a) / 2.0] {
+            scenes.push((0, [centre + (foot - centre) * 1.8 + lift, a, b, c]));
+        }
+        scenes.push((0, [centre + lift, a, b, c]));
+        let (b0, b1) = (Vec3::new(0.1, 0.2, 0.5), Vec3::new(0.3, 1.0, 0.7));
+        for start in [-1.5, -0.45, 0.5, 1.9] {
+            for shift in [-2.0, -0.6, 0.0, 1.0, 3.0] {
+                let a0 = Vec3::new(start - 0.5, shift * 0.5 + 0.5, 0.0);
+                scenes.push((1, [a0, a0 + Vec3::new(1.0, -0.2, 0.1), b0, b1]));
+            }
+        }
+        let mut kinds = std::collections::BTreeSet::new();
+        for (kind, x) in scenes {
+            let gap = pairs()[kind].1;
+            let g = gap(&x);
+            kinds.insert((kind, g.weights.map(|w| w == 0.0)));
+            for i in 0..4 {
+                for axis in 0..3 {
+                    let h = 1e-6;
+                    let (mut up, mut down) = (x, x);
+                    up[i][axis] += h;
+                    down[i][axis] -= h;
+                    let slope = (gap(&up).distance - gap(&down).distance) / (2.0 * h);
+                    let expected = g.weights[i] * g.vector[axis] / g.distance;
+                    assert!((slope - expected).abs() < 1e-8, "{x:?} point {i} axis {axis}");
+                }
+            }
+        }
+        assert_eq!(kinds.len(), 16, "7 regions of a triangle, 9 of two edges: {kinds:?}");
+    }
+
+    #[test]
+    fn degenerate_pieces_are_the_point_or_edge_they_shrank_to() {
+        let (p, a, b) = (Vec3::new(0.3, 1.0, 0.0), Vec3::zeros(), Vec3::new(1.0, 0.0, 0.0));
+        assert!((point_edge(&p, &a, &a).distance - p.norm()).abs() < 1e-15);
+        for (x, y, z) in [(a, b, b), (a, a, b), (b, a, a), (a, b, a), (a, b, (a + b) / 2.0), (a, b * 0.5, b)]
+        {
+            let g = point_triangle(&p, &x, &y, &z);
+            assert!((g.distance - 1.0).abs() < 1e-15, "{g:?}");
+        }
+        assert!((point_triangle(&p, &a, &a, &a).distance - p.norm()).abs() < 1e-15);
+        assert!((edge_edge(&p, &p, &a, &b).distance - 1.0).abs() < 1e-15);
+        assert!((edge_edge(&a, &b, &p, &p).distance - 1.0).abs() < 1e-15);
+        assert!((edge_edge(&p, &p, &a, &a).distance - p.norm()).abs() < 1e-15);
+        assert_eq!(edge_edge(&a, &b, &(b * 0.5), &p).distance, 0.0);
+    }
+
+    #[test]
+    fn parallel_edges_meet_in_the_middle_of_their_overlap() {
+        let at = |x: f64, y: f64| Vec3::new(x, y, 0.0);
+        let g = edge_edge(&at(0.0, 1.0), &at(4.0, 1.0), &at(2.0, 0.0), &at(8.0, 0.0));
+        assert_eq!(g.weights, [0.25, 0.75, -(5.0 / 6.0), -(1.0 / 6.0)]);
+        assert_eq!(g.vector, at(0.0, 1.0));
+        let back = edge_edge(&at(0.0, 1.0), &at(4.0, 1.0), &at(8.0, 0.0), &at(2.0, 0.0));
+        assert_eq!(back.vector, at(0.0, 1.0));
+        let apart = edge_edge(&at(0.0, 1.0), &at(1.0, 1.0), &at(2.0, 0.0), &at(3.0, 0.0));
+        assert_eq!(apart.vector, at(-1.0, 1.0));
+    }
+
+    #[test]
+    fn not_finite_in_gives_not_finite_out() {
+        let nan = Vec3::new(f64::NAN, 0.0, 0.0);
+        let (a, b, c) = (Vec3::zeros(), Vec3::x(), Vec3::y());
+        assert!(!point_triangle(&nan, &a, &b, &c).distance.is_finite());
+        assert!(!point_triangle(&c, &a, &nan, &b).distance.is_finite());
+        assert!(!edge_edge(&a, &nan, &b, &c).distance.is_finite());
+        assert!(!edge_edge(&a, &b, &c, &nan).distance.is_finite());
+    }
+
+    #[test]
+    fn mollifier_rises_smoothly_from_parallel_to_its_reach() {
+        let value = |sine: f64| {
+            let turned = Vec3::new((1.0 - sine * sine).sqrt(), sine, 0.1);
+            let b0 = Vec3::new(0.0, 0.0, 0.1);
+            edge_parallel_mollifier(&Vec3::zeros(), &Vec3::x(), &b0, &turned, [1.0, 1.0])
+        };
+        assert_eq!(value(0.0), 0.0);
+        assert!((value((0.5e-3f64).sqrt()) - 0.75).abs() < 1e-12);
+        assert_eq!(value(0.04), 1.0);
+        let edge = 1e-3f64.sqrt();
+        assert!((value(edge * 1.001) - value(edge * 0.999)) < 1e-5, "no corner where it ends");
+    }
+}
