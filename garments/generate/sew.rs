@@ -1,0 +1,156 @@
+//! Front and back sewn into a closed garment that lies on the ground, or a single sheet.
+//!
+//! The layers touch only at the seams. From there they part like the two faces of a lens and run parallel at
+//! `PLATEAU`, so that a contact solver with a millimetre of thickness starts free of contact. Vertices stay
+//! split along the seams, where the texture of front and back differ; they coincide exactly, so importing welds them.
+
+use crate::Mesh;
+use crate::outline::{Border, Boundary, boundary};
+use crate::patterns::Pattern;
+use crate::triangulate::{Panel, fill};
+use crease::math::{Vec2, Vec3};
+
+/// Distance of front and back away from the seams [m].
+const PLATEAU: f64 = 0.003;
+/// Distance from the seam over which the layers part [m].
+const RISE: f64 = 0.025;
+/// Height of the lowest points above the ground [m].
+const CLEARANCE: f64 = 0.001;
+/// Free strip between the panels in the texture [m].
+const TEXTURE_GAP: f64 = 0.02;
+
+/// The pattern as a mesh.
+pub fn make(pattern: &Pattern) -> Mesh {
+    let outline = |half| boundary(pattern.start, half, pattern.edge_m);
+    let front = outline(&pattern.front);
+    let mut mesh = Mesh::default();
+    let texture = Texture::of(&front, pattern.back.is_some());
+    let sheet = fill(&front, pattern.edge_m, Vec2::new(0.5, 0.5));
+    match &pattern.back {
+        None => add(&mut mesh, &sheet, |_| CLEARANCE, false, &texture),
+        Some(half) => {
+            // Half a gap each way from the seam; open borders have the full gap, like the middle.
+            let middle = CLEARANCE + PLATEAU / 2.0;
+            let half_gap = |b: &Boundary, p: Vec2| lens(b.distance(p, Some(Border::Sewn))) / 2.0;
+            add(&mut mesh, &sheet, |p| middle + half_gap(&front, p), false, &texture);
+            let back = outline(half);
+            // The lattice of the back is moved by the centre of a triangle, so that no edge lies over another.
+            let sheet = fill(&back, pattern.edge_m, Vec2::new(0.5 + 2.0 / 3.0, 0.5));
+            add(&mut mesh, &sheet, |p| middle - half_gap(&back, p), true, &texture);
+        }
+    }
+    centre_on_ground(&mut mesh);
+    mesh.normals = normals(&mesh.positions, &mesh.triangles);
+    mesh
+}
+
+/// Distance of the layers [m] at `distance` [m] from the nearest seam: a quarter of an ellipse, steep at the seam
+/// so that already the first row of points is a millimetre apart.
+fn lens(distance: f64) -> f64 {
+    let t = (distance / RISE).min(1.0);
+    PLATEAU * (t * (2.0 - t)).sqrt()
+}
+
+/// Where the panels lie in the texture: warp (the garment's length, downwards) along +u, front and back side by side
+/// along v, neither mirrored, both at one scale.
+struct Texture {
+    low: Vec2,
+    high: Vec2,
+    metres_per_unit: f64,
+}
+
+impl Texture {
+    fn of(outline: &Boundary, two: bool) -> Self {
+        let (mut low, mut high) = (outline.points[0], outline.points[0]);
+        for p in &outline.points {
+            (low, high) = (low.inf(p), high.sup(p));
+        }
+        let size = high - low;
+        let across = if two { 2.0 * size.x + TEXTURE_GAP } else { size.x };
+        Self { low, high, metres_per_unit: size.y.max(across) }
+    }
+
+    fn uv(&self, p: Vec2, back: bool) -> Vec2 {
+        let across =
+            if back { self.high.x - self.low.x + TEXTURE_GAP + p.x - self.low.x } else { self.high.x - p.x };
+        Vec2::new(self.high.y - p.y, across) / self.metres_per_unit
+    }
+}
+
+fn add(mesh: &mut Mesh, panel: &Panel, height: impl Fn(Vec2) -> f64, back: bool, texture: &Texture) {
+    let first = mesh.positions.len() as u32;
+    for &p in &panel.points {
+        mesh.positions.push(Vec3::new(p.x, height(p), -p.y));
+        mesh.uvs.push(texture.uv(p, back));
+    }
+    mesh.triangles.extend(panel.triangles.iter().map(|&[a, b, c]| {
+        let t = if back { [a, c, b] } else { [a, b, c] };
+        t.map(|i| first + i)
+    }));
+}
+
+/// Puts the middle of the garment's box over the origin.
+fn centre_on_ground(mesh: &mut Mesh) {
+    let along = |p: &Vec3| p.z;
+    let low = mesh.positions.iter().map(along).fold(f64::INFINITY, f64::min);
+    let high = mesh.positions.iter().map(along).fold(f64::NEG_INFINITY, f64::max);
+    for p in &mut mesh.positions {
+        p.z -= (low + high) / 2.0;
+    }
+}
+
+/// Smooth normals, weighted by triangle area. Front and back do not share vertices, so a seam stays a crisp edge.
+pub fn normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
+    let mut sums = vec![Vec3::zeros(); positions.len()];
+    for t in triangles {
+        let [a, b, c] = t.map(|i| positions[i as usize]);
+        let n = (b - a).cross(&(c - a));
+        for &i in t {
+            sums[i as usize] += n;
+        }
+    }
+    sums.iter().map(|n| n.normalize()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::patterns;
+
+    fn draft() -> Mesh {
+        make(&patterns::all().swap_remove(1))
+    }
+
+    /// Warp is +u along the length, weft +v across; swapping them would still run, and wear the wrong way.
+    #[test]
+    fn texture_follows_the_length_and_keeps_one_scale() {
+        let mesh = draft();
+        let mut scales = Vec::new();
+        for t in &mesh.triangles {
+            let [a, b, _] = t.map(|i| i as usize);
+            let (d, e) = (mesh.positions[b] - mesh.positions[a], mesh.uvs[b] - mesh.uvs[a]);
+            assert!((e.x * d.z >= 0.0) || e.x.abs() < 1e-9, "+u runs down the garment");
+            scales.push(e.norm() / d.xz().norm());
+            let [p, q, r] = t.map(|i| mesh.uvs[i as usize]);
+            assert!(
+                (q - p).perp(&(r - p)) < 0.0,
+                "v grows downward, so a panel seen from outside turns clockwise"
+            );
+        }
+        let (low, high) = scales.iter().fold((f64::MAX, 0.0f64), |(l, h), &s| (l.min(s), h.max(s)));
+        assert!(high / low < 1.0 + 1e-9, "{low} {high}");
+        assert!(mesh.uvs.iter().all(|uv| uv.min() >= 0.0 && uv.max() <= 1.0 + 1e-12));
+    }
+
+    #[test]
+    fn it_lies_on_the_ground_front_up() {
+        let mesh = draft();
+        let low = mesh.positions.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
+        let high = mesh.positions.iter().map(|p| p.y).fold(0.0, f64::max);
+        assert!((low - 0.001).abs() < 1e-9 && (high - 0.004).abs() < 1e-9, "{low} {high}");
+        for (p, n) in mesh.positions.iter().zip(&mesh.normals) {
+            assert!(p.y < 0.0024 || p.y > 0.0026 || n.y.abs() > 0.5, "{p} {n}");
+            assert!((p.y <= 0.0026) || n.y > 0.0, "front faces up");
+        }
+    }
+}
