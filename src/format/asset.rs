@@ -80,6 +80,18 @@ pub struct SourcePiece {
     pub worn: bool,
 }
 
+impl SourcePiece {
+    /// Position of vertex `v` in the scene [m], y up; `None` if there is no such vertex.
+    pub fn scene_position(&self, v: usize) -> Option<Vec3> {
+        let own = self.positions.get(v)?;
+        let transform = match &self.placement {
+            Placement::Rigid(m) => m,
+            Placement::Skinned(all) => all.get(v)?,
+        };
+        Some((transform * own.push(1.0)).xyz())
+    }
+}
+
 /// A mesh file as it came.
 #[derive(Debug, Clone)]
 pub struct SourceAsset {
@@ -97,4 +109,23 @@ pub struct SourceAsset {
     pub document: Option<GltfDocument>,
     /// Pieces in file order. Vertices of worn pieces, in this order, are counted by `VertexIndex`.
     pub pieces: Vec<SourcePiece>,
+}
+
+impl SourceAsset {
+    /// Pieces that are part of the garment, in file order.
+    pub fn worn_pieces(&self) -> impl Iterator<Item = &SourcePiece> {
+        self.pieces.iter().filter(|piece| piece.worn)
+    }
+
+    /// Lowest and highest corner [m] of the box around the worn vertices that carry triangles; `None` without any.
+    pub fn worn_box_m(&self) -> Option<(Vec3, Vec3)> {
+        let mut bounds: Option<(Vec3, Vec3)> = None;
+        for piece in self.worn_pieces() {
+            for &corner in piece.triangles.iter().flatten() {
+                let Some(p) = piece.scene_position(corner as usize) else { continue };
+                bounds = Some(bounds.map_or((p, p), |(low, high)| (low.inf(&p), high.sup(&p))));
+            }
+        }
+        bounds
+    }
 }
