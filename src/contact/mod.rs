@@ -157,6 +157,14 @@ impl Contact {
         }
     }
 
+    /// Per point: the part of its area that nothing covers from above, as seen from above [m²].
+    pub fn uncovered_area(&self, x: &[Vec3]) -> Vec<f64> {
+        match &self.layers {
+            Some(layers) => layers.uncovered_area(x),
+            None => vec![0.0; x.len()],
+        }
+    }
+
     fn ground_stiffness(&self, p: usize) -> f64 {
         self.settings.stiffness * self.area[p]
     }

@@ -2,7 +2,10 @@
 
 use super::{CandidateFinder, Candidates, ContactSettings, FLOOR};
 use crate::math::Vec3;
-use crate::mesh::{Gap, edge_edge, edge_edge_step, point_triangle, point_triangle_step};
+use crate::mesh::PointIndex;
+use crate::mesh::distance::{Gap, edge_edge, point_triangle};
+use crate::mesh::motion::{edge_edge_step, point_triangle_step};
+use crate::mesh::tree::TriangleTree;
 use rayon::prelude::*;
 
 /// A pair within its contact distance.
@@ -108,6 +111,27 @@ impl PairContact {
     pub fn look_around(&mut self, x: &[Vec3]) {
         let found = self.finder.find(x, x, self.distance);
         self.take(found);
+    }
+
+    /// See [`super::Contact::uncovered_area`].
+    pub fn uncovered_area(&self, x: &[Vec3]) -> Vec<f64> {
+        let corners: Vec<[PointIndex; 3]> = self.triangles.iter().map(|t| t.map(PointIndex)).collect();
+        let tree = TriangleTree::new(x, &corners, 0.0);
+        let open: Vec<f64> = self
+            .triangles
+            .par_iter()
+            .map(|t| {
+                let [a, b, c] = t.map(|p| x[p as usize]);
+                let centre = (a + b + c) / 3.0 + Vec3::y() * 1e-6;
+                let shadow = 0.5 * ((b - a).cross(&(c - a))).y.abs();
+                if tree.any_hit(x, centre, Vec3::y(), 10.0) { 0.0 } else { shadow }
+            })
+            .collect();
+        let mut area = vec![0.0; x.len()];
+        for (t, open) in self.triangles.iter().zip(open) {
+            t.iter().for_each(|&p| area[p as usize] += open / 3.0);
+        }
+        area
     }
 
     /// All pairs within their contact distance at `x`, in a fixed order.

@@ -7,6 +7,7 @@
 
 mod bending;
 mod container;
+mod drag;
 mod gravity;
 mod guide;
 mod membrane;
@@ -14,6 +15,7 @@ mod pressure;
 
 pub use bending::{Bending, BendingTerm};
 pub use container::Container;
+pub use drag::Drag;
 pub use gravity::Gravity;
 pub use guide::{Guide, Guides};
 pub use membrane::{Membrane, MembraneTerm};

@@ -1,10 +1,20 @@
-//! One time step.
+//! One time step: integrators, Newton, line search, assembly, linear solvers, step control.
 
 mod block_matrix;
 mod cholesky;
+mod cloth;
 mod conjugate_gradient;
+mod integrator;
+mod newton;
 mod ordering;
+mod state;
+mod step;
 
 pub use block_matrix::{BlockMatrix, HELD};
 pub use cholesky::{Cholesky, FactorError};
+pub use cloth::Cloth;
 pub use conjugate_gradient::{Solution, conjugate_gradient};
+pub use integrator::{MOST_GROWTH, Method, Stage};
+pub use newton::{NewtonOptions, NewtonReport, Problem, Workspace};
+pub use state::{Previous, State};
+pub use step::{StepOptions, StepReport, Stepper};

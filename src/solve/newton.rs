@@ -42,6 +42,15 @@ pub struct NewtonReport {
     pub seconds: [f64; 3],
 }
 
+impl NewtonReport {
+    /// Adds the work of another solve; the outcome is the other's.
+    pub fn add(&mut self, other: &Self) {
+        let iterations = self.iterations + other.iterations;
+        let seconds = std::array::from_fn(|k| self.seconds[k] + other.seconds[k]);
+        *self = Self { iterations, seconds, ..*other };
+    }
+}
+
 /// One problem: minimise phi over the free points.
 pub struct Problem<'a> {
     /// Inertia: masses [kg], where points would go [m], span [s]. `None` for equilibria.

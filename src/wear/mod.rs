@@ -5,6 +5,7 @@
 
 mod action_list;
 mod actions;
+mod drive;
 mod script;
 
 pub use action_list::Action;
@@ -12,4 +13,5 @@ pub use actions::{
     Axis, Bend, Crumple, Facing, Fold, Fraction2, Hang, HangBy, HangPlace, Hold, Lay, Misfit, OwnAxis, Play,
     Press, Release, Repeat, Settle, Side, Unfold, WearAction,
 };
+pub use drive::{Ball, Drive, GRAVITY};
 pub use script::{ACTION_LIMIT, DURATION_LIMIT_S, Flatten, NESTING_LIMIT, WearFormat, WearScript};

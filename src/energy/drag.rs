@@ -1,0 +1,53 @@
+//! Air drag: E = c/(2 h) sum m_i |x_i - start_i|² over a step of h seconds, a force -c m v.
+
+use super::{BlockSink, Energy};
+use crate::math::{Mat3, Vec3};
+
+/// Drag of one step.
+pub struct Drag<'a> {
+    /// One per point [kg].
+    pub mass: &'a [f64],
+    /// Positions at the start of the step [m].
+    pub start: &'a [Vec3],
+    /// Rate over step: c / h [1/s²].
+    pub rate: f64,
+}
+
+impl Energy for Drag<'_> {
+    fn name(&self) -> &'static str {
+        "drag"
+    }
+
+    fn value(&self, x: &[Vec3]) -> f64 {
+        x.iter()
+            .zip(self.start)
+            .zip(self.mass)
+            .map(|((x, s), m)| 0.5 * self.rate * m * (x - s).norm_squared())
+            .sum()
+    }
+
+    fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) {
+        for (((x, s), m), g) in x.iter().zip(self.start).zip(self.mass).zip(out) {
+            *g += (x - s) * (self.rate * m);
+        }
+    }
+
+    fn add_hessian(&self, _x: &[Vec3], out: &mut dyn BlockSink) {
+        for (p, m) in self.mass.iter().enumerate() {
+            out.add(p as u32, p as u32, &(Mat3::identity() * (self.rate * m)));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::shelf_tests::check_gradient_and_hessian;
+    use super::*;
+
+    #[test]
+    fn passes_the_shelf() {
+        let start = [Vec3::zeros(), Vec3::new(0.1, 0.0, 0.0)];
+        let x = [Vec3::new(0.01, 0.02, 0.0), Vec3::new(0.1, -0.01, 0.03)];
+        check_gradient_and_hessian(&Drag { mass: &[1.0, 2.0], start: &start, rate: 5.0 }, &x, 1e-5);
+    }
+}

@@ -1,0 +1,221 @@
+//! One time step of the cloth: the stages in the order of the method, and the control of the step's length.
+
+use super::{Cloth, Method, NewtonOptions, NewtonReport, Previous, Problem, State, Workspace};
+use crate::contact::Contact;
+use crate::energy::{Container, Drag, Energy, Gravity, Guides, Pressure};
+use crate::garment::RestShape;
+use crate::math::Vec3;
+use crate::wear::Drive;
+
+/// How steps are made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepOptions {
+    /// The integrator.
+    pub method: Method,
+    /// When Newton stops.
+    pub newton: NewtonOptions,
+    /// Error of one step that is aimed at, root mean square over the points [m].
+    pub error: f64,
+    /// Shortest step [s]; below it a step is accepted as it is, with a warning.
+    pub shortest: f64,
+    /// Longest step [s].
+    pub longest: f64,
+}
+
+impl Default for StepOptions {
+    fn default() -> Self {
+        Self {
+            method: Method::Bdf2,
+            newton: NewtonOptions::default(),
+            error: 3e-4,
+            shortest: 1.0 / 2000.0,
+            longest: 1.0,
+        }
+    }
+}
+
+/// What an accepted step was like.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepReport {
+    /// Length [s].
+    pub step: f64,
+    /// Length the next step should have [s].
+    pub next: f64,
+    /// Estimated error, root mean square over the points [m].
+    pub error: f64,
+    /// Newton's work, summed over rejected tries.
+    pub newton: NewtonReport,
+    /// Tries that were thrown away.
+    pub rejected: usize,
+    /// Whether Newton converged (it need not at the shortest step).
+    pub converged: bool,
+}
+
+/// Makes steps of one garment.
+pub struct Stepper {
+    /// The elastic model.
+    pub cloth: Cloth,
+    /// Contact.
+    pub contact: Contact,
+    /// How steps are made.
+    pub options: StepOptions,
+    work: Workspace,
+}
+
+/// Energies of a step borrow its parts; this owns what must outlive them.
+struct Forces {
+    held: Vec<bool>,
+    push: Vec<f64>,
+    stiffness: Vec<f64>,
+}
+
+impl Stepper {
+    /// A stepper for `cloth`.
+    pub fn new(cloth: Cloth, contact: Contact, options: StepOptions) -> Self {
+        Self { cloth, contact, options, work: Workspace::default() }
+    }
+
+    /// One accepted step of at most `wished` seconds; `drive_at` gives what acts at a time [s]. The memory is only
+    /// read. `state` is replaced by the accepted state; a rejected try leaves no trace.
+    pub fn advance(
+        &mut self,
+        state: &mut State,
+        memory: &RestShape,
+        drive_at: &mut dyn FnMut(f64, &State) -> Drive,
+        wished: f64,
+    ) -> StepReport {
+        let mut h = wished.min(self.options.longest);
+        let mut total = NewtonReport::default();
+        for rejected in 0.. {
+            let drive = drive_at(state.time + h, state);
+            if h > drive.longest_step && rejected == 0 {
+                h = drive.longest_step;
+                continue;
+            }
+            let (next, report) = self.attempt(state, memory, &drive, h);
+            total.add(&report);
+            let error = step_error(&next, state, h, self.options.method);
+            let last_chance = h <= self.options.shortest * 1.001;
+            let too_coarse = error > 4.0 * self.options.error;
+            if (report.converged && !too_coarse) || last_chance {
+                let exponent = 1.0 / f64::from(self.options.method.order() + 1);
+                let wanted = (0.8 * self.options.error / error.max(1e-12)).powf(exponent).clamp(0.3, 1.9);
+                // Many iterations mean a hard step: do not grow into it.
+                let growth = if report.iterations > 12 { wanted.min(1.0) } else { wanted };
+                *state = next;
+                return StepReport {
+                    step: h,
+                    next: (h * growth).clamp(self.options.shortest, self.options.longest),
+                    error,
+                    newton: total,
+                    rejected,
+                    converged: report.converged,
+                };
+            }
+            h = (0.5 * h).max(self.options.shortest);
+        }
+        unreachable!("the shortest step is always accepted")
+    }
+
+    /// Tries one step; the state it would lead to.
+    fn attempt(&mut self, state: &State, memory: &RestShape, drive: &Drive, h: f64) -> (State, NewtonReport) {
+        let stage = self.options.method.stage(state, h);
+        let inertial = stage.inertial();
+        self.contact.set_ground(drive.ground);
+        self.contact.begin_step(&state.x, h);
+        let measure = self.cloth.membrane.measure(&state.x);
+        let forces = self.forces(drive, &state.x);
+        let membrane = self.cloth.membrane.term(memory, &measure, stage.span);
+        let bending = self.cloth.bending.term(memory, &state.angle, stage.span);
+        let gravity = Gravity { mass: &self.cloth.mass, acceleration: drive.gravity };
+        let guides = Guides(&drive.guides);
+        let drag = Drag { mass: &self.cloth.mass, start: &state.x, rate: drive.drag / h };
+        let pressure = Pressure { force: &forces.push };
+        let container = drive.ball.as_ref().map(|ball| Container {
+            centre: ball.centre,
+            radius: ball.radius,
+            stiffness: &forces.stiffness,
+        });
+        let mut terms: Vec<&dyn Energy> = vec![&membrane, &bending, &gravity];
+        if !drive.guides.is_empty() {
+            terms.push(&guides);
+        }
+        if drive.drag > 0.0 {
+            terms.push(&drag);
+        }
+        if drive.pressure > 0.0 {
+            terms.push(&pressure);
+        }
+        if let Some(container) = &container {
+            terms.push(container);
+        }
+        let problem = Problem {
+            inertia: Some((&self.cloth.mass, &inertial, stage.span)),
+            terms: &terms,
+            held: &forces.held,
+            regularisation: 0.0,
+        };
+        let mut x = state.x.clone();
+        let report = problem.solve(&mut x, &mut self.contact, &self.options.newton, &mut self.work);
+        let angle = self.cloth.bending.angles(&x, &state.angle);
+        let v = stage.velocity(&x);
+        let previous = Some(Previous { step: h, x: state.x.clone(), v: state.v.clone() });
+        (State { time: state.time + h, x, v, angle, previous }, report)
+    }
+
+    fn forces(&self, drive: &Drive, x: &[Vec3]) -> Forces {
+        let held = if drive.held.is_empty() { vec![false; x.len()] } else { drive.held.clone() };
+        let push = if drive.pressure > 0.0 {
+            self.contact.uncovered_area(x).iter().map(|a| a * drive.pressure).collect()
+        } else {
+            Vec::new()
+        };
+        // The ball's wall is as stiff as layers are to one another.
+        let wall = self.contact.settings().stiffness;
+        let stiffness =
+            if drive.ball.is_some() { self.cloth.area.iter().map(|a| a * wall).collect() } else { Vec::new() };
+        Forces { held, push, stiffness }
+    }
+
+    /// Comes to equilibrium of `terms` from `x`, without inertia and friction.
+    pub fn equilibrium(
+        &mut self,
+        x: &mut Vec<Vec3>,
+        terms: &[&dyn Energy],
+        ground: Option<f64>,
+        newton: &NewtonOptions,
+        regularisation: f64,
+    ) -> NewtonReport {
+        self.contact.set_ground(ground);
+        self.contact.begin_step(x, f64::INFINITY);
+        let held = vec![false; x.len()];
+        let problem = Problem { inertia: None, terms, held: &held, regularisation };
+        problem.solve(x, &mut self.contact, newton, &mut self.work)
+    }
+}
+
+/// Local error of a step [m], root mean square over the points: against extrapolation of the same order.
+fn step_error(next: &State, state: &State, h: f64, method: Method) -> f64 {
+    let count = state.x.len().max(1) as f64;
+    let sum: f64 = match (&state.previous, method) {
+        (Some(previous), Method::Bdf2) => {
+            let r = h / previous.step;
+            // Quadratic extrapolation from x_n, v_n and x_{n-1}; its error is about three times the method's own.
+            next.x
+                .iter()
+                .zip(&state.x)
+                .zip(&state.v)
+                .zip(&previous.x)
+                .map(|(((new, x), v), old)| {
+                    let bend = (old - x + v * previous.step) * (r * r);
+                    (new - x - v * h - bend).norm_squared() / 9.0
+                })
+                .sum()
+        }
+        _ => {
+            // Backward Euler: h/2 (v1 - v0).
+            next.v.iter().zip(&state.v).map(|(a, b)| (a - b).norm_squared() * 0.25 * h * h).sum()
+        }
+    };
+    (sum / count).sqrt()
+}

@@ -1,0 +1,53 @@
+//! What a wear action does to the cloth during one step: the forces and guides that the solver adds.
+
+use crate::energy::Guide;
+use crate::math::Vec3;
+
+/// A ball that closes around the cloth.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ball {
+    /// Centre [m].
+    pub centre: Vec3,
+    /// Radius [m].
+    pub radius: f64,
+}
+
+/// Everything that acts on the cloth from outside, as it is at the end of a step.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drive {
+    /// Acceleration of gravity [m/s²].
+    pub gravity: Vec3,
+    /// Height of the ground [m], if there is one.
+    pub ground: Option<f64>,
+    /// Springs that draw points along.
+    pub guides: Vec<Guide>,
+    /// Points that are held where they are, one flag per point; empty for none.
+    pub held: Vec<bool>,
+    /// Pressure from above on every uncovered part [Pa].
+    pub pressure: f64,
+    /// A closing ball.
+    pub ball: Option<Ball>,
+    /// Air drag [1/s].
+    pub drag: f64,
+    /// Longest step that still follows the motion [s].
+    pub longest_step: f64,
+}
+
+/// Standard gravity, y up [m/s²].
+pub const GRAVITY: f64 = 9.81;
+
+impl Drive {
+    /// Nothing but gravity, the ground and still air.
+    pub fn at_rest(ground: Option<f64>) -> Self {
+        Self {
+            gravity: Vec3::new(0.0, -GRAVITY, 0.0),
+            ground,
+            guides: Vec::new(),
+            held: Vec::new(),
+            pressure: 0.0,
+            ball: None,
+            drag: 1.0,
+            longest_step: 1.0,
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! From actions to drives: a gesture is an action under way.
+//!
+//! An action of the script is data; when its turn comes it looks at the cloth as it lies (or hangs) and becomes a
+//! [`Gesture`], which says for every time what acts on the cloth. What must outlive an action (the box that
+//! fractions refer to, folds that can be opened again, what holds the cloth up) is the [`Posture`].
+
+use super::Drive;
+use crate::error::Result;
+use crate::math::Vec3;
+use crate::mesh::PointIndex;
+
+/// What a gesture may know of the cloth.
+pub struct Scene<'a> {
+    /// Positions, one per point [m].
+    pub x: &'a [Vec3],
+    /// Masses, one per point [kg].
+    pub mass: &'a [f64],
+    /// Triangles.
+    pub triangles: &'a [[PointIndex; 3]],
+    /// Contact distance: the thickness of a layer [m].
+    pub thickness: f64,
+    /// How the script is called in messages, and the place of the action in it.
+    pub place: (&'a str, &'a str),
+}
+
+/// The plane that fractions refer to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Frame {
+    /// The point (0, 0): lower left [m].
+    pub origin: Vec3,
+    /// From (0, 0) to (1, 0) [m].
+    pub right: Vec3,
+    /// From (0, 0) to (0, 1) [m].
+    pub upward: Vec3,
+}
+
+impl Frame {
+    /// The place of a fraction [m].
+    pub fn place(&self, fraction: [f64; 2]) -> Vec3 {
+        self.origin + self.right * fraction[0] + self.upward * fraction[1]
+    }
+
+    /// Box of points that lie on the ground: x to the right, -z upward.
+    pub fn lying(x: &[Vec3]) -> Self {
+        let (low, high) = bounds(x);
+        Self {
+            origin: Vec3::new(low.x, 0.0, high.z),
+            right: Vec3::new(high.x - low.x, 0.0, 0.0),
+            upward: Vec3::new(0.0, 0.0, low.z - high.z),
+        }
+    }
+}
+
+/// Lowest and highest corner of the box around points [m].
+pub(super) fn bounds(x: &[Vec3]) -> (Vec3, Vec3) {
+    x.iter().fold((Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)), |(low, high), p| {
+        (low.inf(p), high.sup(p))
+    })
+}
+
+/// A fold that has been made and not opened.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MadeFold {
+    /// The points that were turned over.
+    pub flap: Vec<u32>,
+    /// A point of the fold line on the ground [m].
+    pub origin: Vec3,
+    /// Unit vector along the line.
+    pub along: Vec3,
+    /// Unit vector from the line to where the flap lay before.
+    pub out: Vec3,
+    /// How far it was turned [rad].
+    pub angle: f64,
+}
+
+/// What outlives an action.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Posture {
+    /// What fractions refer to, once the cloth lies or hangs.
+    pub frame: Option<Frame>,
+    /// Folds not opened yet, oldest first.
+    pub folds: Vec<MadeFold>,
+    /// Height of the ground, where there is one [m].
+    pub ground: Option<f64>,
+    /// What the last action keeps acting until it is released.
+    pub kept: Option<Drive>,
+}
+
+impl Posture {
+    /// What acts when nothing is done: gravity, the ground and whatever has not been let go.
+    pub fn resting(&self) -> Drive {
+        self.kept.clone().unwrap_or_else(|| Drive::at_rest(self.ground))
+    }
+}
+
+/// An action under way.
+pub trait Gesture {
+    /// What acts at `t` seconds after its start.
+    fn drive(&mut self, t: f64) -> Drive;
+
+    /// Moves the points before a step that ends at `t` seconds, by a map that keeps layers in order (`lay` squeezes).
+    /// Returns whether it did.
+    fn carry(&mut self, _t: f64, _x: &mut [Vec3]) -> bool {
+        false
+    }
+
+    /// Whether the cloth earns memory meanwhile (`lay` only prepares).
+    fn wears(&self) -> bool {
+        true
+    }
+
+    /// Whether it may end before its time because nothing moves any more.
+    fn may_end_early(&self) -> bool {
+        false
+    }
+
+    /// What it leaves behind when it is over.
+    fn end(&mut self, _posture: &mut Posture, _x: &[Vec3]) {}
+}
+
+/// How an action starts.
+pub struct Start {
+    /// The gesture.
+    pub gesture: Box<dyn Gesture>,
+    /// New positions to start from, at rest, when the action puts the garment somewhere first (a motion of the
+    /// whole that cannot make layers cross).
+    pub placed: Option<Vec<Vec3>>,
+}
+
+impl Start {
+    /// From where the cloth is.
+    pub fn here(gesture: impl Gesture + 'static) -> Result<Self> {
+        Ok(Self { gesture: Box::new(gesture), placed: None })
+    }
+}
+
+/// A gesture that lets one drive act unchanged.
+pub(super) struct Still {
+    pub drive: Drive,
+    pub may_end_early: bool,
+}
+
+impl Gesture for Still {
+    fn drive(&mut self, _t: f64) -> Drive {
+        self.drive.clone()
+    }
+
+    fn may_end_early(&self) -> bool {
+        self.may_end_early
+    }
+}
+
+/// Guides are this stiff: the weight of the point bends them by half a millimetre.
+const GUIDE_SAG: f64 = 5e-4;
+
+/// Stiffness of the guide of a point of `mass` [N/m].
+pub(super) fn guide_stiffness(mass: f64) -> f64 {
+    mass * super::GRAVITY / GUIDE_SAG
+}
+
+/// From 0 to 1 without a jerk at either end.
+pub(super) fn smooth(u: f64) -> f64 {
+    let u = u.clamp(0.0, 1.0);
+    u * u * (3.0 - 2.0 * u)
+}
