@@ -6,11 +6,12 @@
 //! The ground is the half space y >= height, seen by points only.
 
 mod barrier;
-mod candidates;
+pub mod bound;
+pub mod candidates;
 mod friction;
 mod pairs;
 
-pub use candidates::{CandidateFinder, Candidates};
+use candidates::{CandidateFinder, Candidates, PairKind};
 
 use crate::energy::BlockSink;
 use crate::math::{Mat3, Vec3};

@@ -70,7 +70,8 @@ pub fn point_triangle(p: &Vec3, a: &Vec3, b: &Vec3, c: &Vec3) -> Gap {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let normal = ab.cross(&ac);
     let area_squared = normal.norm_squared();
-    if !(area_squared > FLAT_CORNER * ab.norm_squared() * ac.norm_squared()) {
+    let has_area = area_squared > FLAT_CORNER * ab.norm_squared() * ac.norm_squared();
+    if !has_area {
         return if area_squared.is_finite() { nearest_side(p, [a, b, c], [true; 3]) } else { Gap::UNKNOWN };
     }
     // Barycentric coordinates of the foot of p, times area_squared.
@@ -114,7 +115,8 @@ pub fn edge_edge(a0: &Vec3, a1: &Vec3, b0: &Vec3, b1: &Vec3) -> Gap {
     let (u, v, w) = (a1 - a0, b1 - b0, b0 - a0);
     let normal = u.cross(&v);
     let scale = normal.norm_squared();
-    if !(scale > PARALLEL * u.norm_squared() * v.norm_squared()) {
+    let have_angle = scale > PARALLEL * u.norm_squared() * v.norm_squared();
+    if !have_angle {
         return parallel_edges(a0, a1, b0, b1);
     }
     // Feet of the common perpendicular of the two lines, times scale.
@@ -139,8 +141,8 @@ fn nearest_end(x: [&Vec3; 4], asked: [bool; 4]) -> Gap {
     let [a0, a1, b0, b1] = x;
     let every = asked == [false; 4];
     let (mut best, mut at) = (f64::INFINITY, (0.0, 0.0));
-    for k in 0..4 {
-        if asked[k] || every {
+    for (k, asked) in asked.into_iter().enumerate() {
+        if asked || every {
             let (s, t) = match k {
                 0 => (0.0, along_edge(a0, b0, b1)),
                 1 => (1.0, along_edge(a1, b0, b1)),

@@ -66,7 +66,8 @@ fn safe_fraction<const N: usize>(
     }
     let start = gap(&x);
     let clearance = clearance(&x, &(start.vector / start.distance), corners);
-    if !(clearance > 0.0) {
+    let apart = clearance > 0.0;
+    if !apart {
         let still = corners.iter().all(|&(i, j)| dx[i] == dx[j]);
         return if still { 1.0 } else { 0.0 };
     }
@@ -104,9 +105,7 @@ fn clearance<const N: usize>(x: &[Vec3; 4], n: &Vec3, corners: &[(usize, usize);
     for &(i, j) in corners {
         let along = n.dot(&(x[i] - x[j]));
         // Not `min`, which would drop a NaN.
-        if !(along >= least) {
-            least = along;
-        }
+        least = if along >= least { least } else { along };
     }
     least
 }
@@ -131,14 +130,13 @@ fn advance<const N: usize>(
         for &(i, j) in corners {
             let along = n.dot(&(now[i] - now[j]));
             let speed = n.dot(&(dx[i] - dx[j]));
-            if !(along >= least) {
-                least = along;
-            }
+            least = if along >= least { least } else { along };
             if speed < 0.0 {
                 step = step.min((along - level) / -speed);
             }
         }
-        if !(least > level + close_enough) {
+        let has_room = least > level + close_enough;
+        if !has_room {
             return time;
         }
         time += step;

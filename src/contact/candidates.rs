@@ -1,0 +1,740 @@
+//! Which point-triangle and edge-edge pairs may come near each other during a motion: the broad phase.
+//!
+//! Two triangles are compared when their boxes, swept along the motion and grown by half the reach each, overlap
+//! (`mesh::tree`). Every point and every edge belongs to one of the triangles around it, and a pair of triangles
+//! compares only what belongs to it: its points with the other triangle, its edges with the other's edges. So each
+//! pair of primitives is looked at exactly once, and nothing has to be deduplicated. What passes its own boxes is
+//! kept if its distance at the start is at most the reach plus the way the two can go towards each other.
+//!
+//! Pairs that share a point never count, points in no triangle are ignored. The lists are sorted and do not depend
+//! on the history of the tree or on the number of threads. A candidate is not yet a contact: the energies decide by
+//! the actual distance. A motion that is not finite counts as none (`contact::bound` makes none); a start that is not
+//! finite takes the triangles around it out of the search, so whoever makes positions checks them.
+
+use crate::math::Vec3;
+use crate::mesh::distance::{Gap, edge_edge, point_triangle};
+use crate::mesh::motion::{edge_edge_step, point_triangle_step};
+use crate::mesh::tree::TriangleTree;
+use crate::mesh::{PointIndex, Topology};
+use rayon::prelude::*;
+
+/// Pairs of triangles that one task compares.
+const CHUNK: usize = 8192;
+/// The reach is widened by this fraction, so that rounding in boxes and distances never loses a pair.
+const ROUNDING: f64 = 1e-9;
+
+/// The two kinds of primitive pairs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum PairKind {
+    /// A point and a triangle.
+    PointTriangle,
+    /// Two edges.
+    EdgeEdge,
+}
+
+/// A primitive pair as its four points: the point and the triangle's corners, or the ends of the two edges.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Quad {
+    /// Which pair the points form.
+    pub kind: PairKind,
+    /// Into positions of one array: when two meshes meet, those of the second follow those of the first.
+    pub points: [PointIndex; 4],
+}
+
+impl Quad {
+    /// The values of the four points in `field`, one per point.
+    #[inline]
+    pub fn gather(&self, field: &[Vec3]) -> [Vec3; 4] {
+        self.points.map(|p| field[p.at()])
+    }
+
+    /// The closest points at positions `points` [m].
+    #[inline]
+    pub fn gap(&self, points: &[Vec3]) -> Gap {
+        self.kind.gap(&self.gather(points))
+    }
+
+    /// The largest safe fraction of the motion `displacement` [m] (`mesh::motion`) that keeps the pair above `floor`
+    /// [m].
+    #[inline]
+    pub fn step(&self, points: &[Vec3], displacement: &[Vec3], floor: f64) -> f64 {
+        self.kind.step(self.gather(points), self.gather(displacement), floor)
+    }
+}
+
+impl PairKind {
+    /// The closest points of a pair of this kind at `x` [m].
+    #[inline]
+    pub fn gap(self, x: &[Vec3; 4]) -> Gap {
+        match self {
+            Self::PointTriangle => point_triangle(&x[0], &x[1], &x[2], &x[3]),
+            Self::EdgeEdge => edge_edge(&x[0], &x[1], &x[2], &x[3]),
+        }
+    }
+
+    /// The largest safe fraction of the motion `dx` [m] of a pair of this kind at `x` [m] (`mesh::motion`).
+    #[inline]
+    pub fn step(self, x: [Vec3; 4], dx: [Vec3; 4], floor: f64) -> f64 {
+        match self {
+            Self::PointTriangle => point_triangle_step(x, dx, floor),
+            Self::EdgeEdge => edge_edge_step(x, dx, floor),
+        }
+    }
+}
+
+/// Distance [m] of a pair in the rest shape. Where it is less than the contact distance the pair lies close together
+/// within the cloth itself, and contact must act from a smaller distance only, or it would push at rest.
+pub fn rest_distance(kind: PairKind, points: [PointIndex; 4], rest_points: &[Vec3]) -> f64 {
+    Quad { kind, points }.gap(rest_points).distance
+}
+
+/// Pairs within one mesh.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Candidates {
+    /// (point, triangle), sorted.
+    pub point_triangle: Vec<[u32; 2]>,
+    /// (edge, edge), lower first, sorted.
+    pub edge_edge: Vec<[u32; 2]>,
+}
+
+/// Pairs between two meshes, the first usually the cloth and the second the body.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct CandidatesBetween {
+    /// (point of the first, triangle of the second), sorted.
+    pub point_triangle: Vec<[u32; 2]>,
+    /// (point of the second, triangle of the first), sorted.
+    pub triangle_point: Vec<[u32; 2]>,
+    /// (edge of the first, edge of the second), sorted.
+    pub edge_edge: Vec<[u32; 2]>,
+}
+
+impl Candidates {
+    /// Number of pairs of both kinds.
+    pub fn len(&self) -> usize {
+        self.point_triangle.len() + self.edge_edge.len()
+    }
+
+    /// Whether there is no pair at all.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// All pairs as their points: first point-triangle, then edge-edge, in order. `mesh` is the finder they come from.
+    pub fn quads<'a>(&'a self, mesh: &'a CandidateFinder) -> impl Iterator<Item = Quad> + 'a {
+        let point_triangle = self.point_triangle.iter().map(|&[p, f]| mesh.quad_point_triangle(p, f));
+        let edge_edge = self.edge_edge.iter().map(|&[e, f]| mesh.quad_edge_edge(e, f));
+        point_triangle.chain(edge_edge)
+    }
+}
+
+impl CandidatesBetween {
+    /// Number of pairs of all kinds.
+    pub fn len(&self) -> usize {
+        self.point_triangle.len() + self.triangle_point.len() + self.edge_edge.len()
+    }
+
+    /// Whether there is no pair at all.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// All pairs as their points, in the order of the fields; points of the second mesh are counted on from `offset`,
+    /// the number of points of the first.
+    pub fn quads<'a>(
+        &'a self,
+        first: &'a CandidateFinder,
+        second: &'a CandidateFinder,
+        offset: u32,
+    ) -> impl Iterator<Item = Quad> + 'a {
+        let own = |p: u32| PointIndex(p);
+        let other = move |p: u32| PointIndex(p + offset);
+        let point_triangle = self.point_triangle.iter().map(move |&[p, f]| {
+            let [a, b, c] = second.triangles[f as usize].map(other);
+            Quad { kind: PairKind::PointTriangle, points: [own(p), a, b, c] }
+        });
+        let triangle_point = self.triangle_point.iter().map(move |&[p, f]| {
+            let [a, b, c] = first.triangles[f as usize].map(own);
+            Quad { kind: PairKind::PointTriangle, points: [other(p), a, b, c] }
+        });
+        let edge_edge = self.edge_edge.iter().map(move |&[e, f]| {
+            let ([a, b], [c, d]) = (first.edges[e as usize].map(own), second.edges[f as usize].map(other));
+            Quad { kind: PairKind::EdgeEdge, points: [a, b, c, d] }
+        });
+        point_triangle.chain(triangle_point).chain(edge_edge)
+    }
+}
+
+/// Finds candidates for one mesh as it moves; keeps its tree from call to call.
+#[derive(Clone)]
+pub struct CandidateFinder {
+    triangles: Vec<[u32; 3]>,
+    edges: Vec<[u32; 2]>,
+    /// Per triangle: the points that belong to it, [`NONE`] in unused places.
+    own_points: Vec<[u32; 3]>,
+    /// Per triangle: the edges that belong to it, [`NONE`] in unused places.
+    own_edges: Vec<[u32; 3]>,
+    tree: TriangleTree,
+    /// Per triangle: swept box, not grown.
+    triangle_boxes: Vec<Box3>,
+    /// Per edge: swept box, not grown.
+    edge_boxes: Vec<Box3>,
+    /// Pairs of triangles, kept for their memory.
+    pairs: Vec<[u32; 2]>,
+}
+
+/// No primitive.
+const NONE: u32 = u32::MAX;
+
+impl CandidateFinder {
+    /// For a mesh of `triangles` with their `topology`, at first at `points` [m].
+    pub fn new(points: &[Vec3], triangles: &[[PointIndex; 3]], topology: &Topology) -> Self {
+        let mut own_points = vec![[NONE; 3]; triangles.len()];
+        let mut own_edges = vec![[NONE; 3]; triangles.len()];
+        let mut point_taken = vec![false; topology.point_count];
+        let mut edge_taken = vec![false; topology.edges.len()];
+        for (f, corners) in triangles.iter().enumerate() {
+            for k in 0..3 {
+                if !std::mem::replace(&mut point_taken[corners[k].at()], true) {
+                    own_points[f][k] = corners[k].0;
+                }
+                let edge = topology.triangle_edges[f][k];
+                if !std::mem::replace(&mut edge_taken[edge as usize], true) {
+                    own_edges[f][k] = edge;
+                }
+            }
+        }
+        Self {
+            triangles: triangles.iter().map(|t| t.map(|p| p.0)).collect(),
+            edges: topology.edges.iter().map(|e| e.map(|p| p.0)).collect(),
+            own_points,
+            own_edges,
+            tree: TriangleTree::new(points, triangles, 0.0),
+            triangle_boxes: Vec::new(),
+            edge_boxes: Vec::new(),
+            pairs: Vec::new(),
+        }
+    }
+
+    /// The four points of a point-triangle pair.
+    #[inline]
+    pub fn quad_point_triangle(&self, point: u32, triangle: u32) -> Quad {
+        let [a, b, c] = self.triangles[triangle as usize];
+        Quad { kind: PairKind::PointTriangle, points: [point, a, b, c].map(PointIndex) }
+    }
+
+    /// The four points of an edge-edge pair.
+    #[inline]
+    pub fn quad_edge_edge(&self, first: u32, second: u32) -> Quad {
+        let ([a, b], [c, d]) = (self.edges[first as usize], self.edges[second as usize]);
+        Quad { kind: PairKind::EdgeEdge, points: [a, b, c, d].map(PointIndex) }
+    }
+
+    /// The tree as of the last search, its boxes swept and grown by half the reach.
+    pub fn tree(&self) -> &TriangleTree {
+        &self.tree
+    }
+
+    /// All pairs that may come within `reach` [m] while every point moves straight from `start` to `end` [m] by any
+    /// fraction of its way (pass the same array twice for a mesh at rest). Pairs for which `skip` is true are left
+    /// out; it is asked only about pairs that are near, in no order, from several threads.
+    pub fn find(
+        &mut self,
+        start: &[Vec3],
+        end: &[Vec3],
+        reach: f64,
+        skip: &(dyn Fn(Quad) -> bool + Sync),
+    ) -> Candidates {
+        let reach = reach * (1.0 + ROUNDING);
+        self.fit(start, end, 0.5 * reach);
+        let mut pairs = std::mem::take(&mut self.pairs);
+        pairs.clear();
+        self.tree.for_each_overlap(|a, b| pairs.push([a, b]));
+        let side = self.side(start, end);
+        let compare = |chunk: &[[u32; 2]]| {
+            let (mut points, mut edges) = (Vec::new(), Vec::new());
+            let keep = |quad: Quad| !skip(quad);
+            for &[a, b] in chunk {
+                side.points_near::<true>(a, &side, b, reach, |p, f| {
+                    keep(self.quad_point_triangle(p, f)).then(|| points.push([p, f]));
+                });
+                side.points_near::<true>(b, &side, a, reach, |p, f| {
+                    keep(self.quad_point_triangle(p, f)).then(|| points.push([p, f]));
+                });
+                side.edges_near::<true>(a, &side, b, reach, |e, f| {
+                    let (e, f) = (e.min(f), e.max(f));
+                    keep(self.quad_edge_edge(e, f)).then(|| edges.push([e, f]));
+                });
+            }
+            (points, edges)
+        };
+        let found: Vec<_> = pairs.par_chunks(CHUNK).map(compare).collect();
+        let (point_parts, edge_parts): (Vec<_>, Vec<_>) = found.into_iter().unzip();
+        let candidates = Candidates {
+            point_triangle: sorted(&point_parts, start.len()),
+            edge_edge: sorted(&edge_parts, self.edges.len()),
+        };
+        self.pairs = pairs;
+        candidates
+    }
+
+    /// The same between this mesh and another, both moving.
+    pub fn find_between(
+        &mut self,
+        start: &[Vec3],
+        end: &[Vec3],
+        other: &mut Self,
+        other_start: &[Vec3],
+        other_end: &[Vec3],
+        reach: f64,
+    ) -> CandidatesBetween {
+        let reach = reach * (1.0 + ROUNDING);
+        self.fit(start, end, 0.5 * reach);
+        other.fit(other_start, other_end, 0.5 * reach);
+        let mut pairs = std::mem::take(&mut self.pairs);
+        pairs.clear();
+        self.tree.for_each_overlap_with(&other.tree, |a, b| pairs.push([a, b]));
+        let (first, second) = (self.side(start, end), other.side(other_start, other_end));
+        let compare = |chunk: &[[u32; 2]]| {
+            let (mut points, mut triangles, mut edges) = (Vec::new(), Vec::new(), Vec::new());
+            for &[a, b] in chunk {
+                first.points_near::<false>(a, &second, b, reach, |p, f| points.push([p, f]));
+                second.points_near::<false>(b, &first, a, reach, |p, f| triangles.push([p, f]));
+                first.edges_near::<false>(a, &second, b, reach, |e, f| edges.push([e, f]));
+            }
+            (points, (triangles, edges))
+        };
+        let found: Vec<_> = pairs.par_chunks(CHUNK).map(compare).collect();
+        let (points, rest): (Vec<_>, Vec<_>) = found.into_iter().unzip();
+        let (triangles, edges): (Vec<_>, Vec<_>) = rest.into_iter().unzip();
+        let candidates = CandidatesBetween {
+            point_triangle: sorted(&points, start.len()),
+            triangle_point: sorted(&triangles, other_start.len()),
+            edge_edge: sorted(&edges, self.edges.len()),
+        };
+        self.pairs = pairs;
+        candidates
+    }
+
+    fn fit(&mut self, start: &[Vec3], end: &[Vec3], inflate: f64) {
+        self.tree.refit(start, end, inflate);
+        let boxes = |points: &[u32]| Box3::swept(points, start, end);
+        self.triangle_boxes.clear();
+        self.triangle_boxes.extend(self.triangles.iter().map(|t| boxes(t)));
+        self.edge_boxes.clear();
+        self.edge_boxes.extend(self.edges.iter().map(|e| boxes(e)));
+    }
+
+    fn side<'a>(&'a self, start: &'a [Vec3], end: &'a [Vec3]) -> Side<'a> {
+        Side { mesh: self, start, end, moves: start != end }
+    }
+}
+
+/// One of the two meshes that meet (or the same one twice), with its motion.
+struct Side<'a> {
+    mesh: &'a CandidateFinder,
+    start: &'a [Vec3],
+    end: &'a [Vec3],
+    moves: bool,
+}
+
+impl Side<'_> {
+    /// Compares the points of `triangle` with triangle `of_other`. `SAME`: both sides are one mesh, where a shared
+    /// point excludes the pair.
+    #[inline(always)]
+    fn points_near<const SAME: bool>(
+        &self,
+        triangle: u32,
+        other: &Side,
+        of_other: u32,
+        reach: f64,
+        mut found: impl FnMut(u32, u32),
+    ) {
+        let corners = other.mesh.triangles[of_other as usize];
+        for p in self.mesh.own_points[triangle as usize] {
+            if p == NONE || (SAME && corners.contains(&p)) {
+                continue;
+            }
+            let own_box = Box3::swept(&[p], self.start, self.end);
+            if own_box.near(&other.mesh.triangle_boxes[of_other as usize], reach)
+                && self.may_come_near([p], other, corners, reach, |[p], [a, b, c]| point_triangle(p, a, b, c))
+            {
+                found(p, of_other);
+            }
+        }
+    }
+
+    /// Compares the edges of `triangle` with those of triangle `of_other`.
+    #[inline(always)]
+    fn edges_near<const SAME: bool>(
+        &self,
+        triangle: u32,
+        other: &Side,
+        of_other: u32,
+        reach: f64,
+        mut found: impl FnMut(u32, u32),
+    ) {
+        for e in self.mesh.own_edges[triangle as usize].into_iter().filter(|&e| e != NONE) {
+            let ends = self.mesh.edges[e as usize];
+            let own_box = &self.mesh.edge_boxes[e as usize];
+            for f in other.mesh.own_edges[of_other as usize].into_iter().filter(|&f| f != NONE) {
+                if !own_box.near(&other.mesh.edge_boxes[f as usize], reach) {
+                    continue;
+                }
+                let other_ends = other.mesh.edges[f as usize];
+                if SAME && ends.iter().any(|p| other_ends.contains(p)) {
+                    continue;
+                }
+                let gap = |[a, b]: [&Vec3; 2], [c, d]: [&Vec3; 2]| edge_edge(a, b, c, d);
+                if self.may_come_near(ends, other, other_ends, reach, gap) {
+                    found(e, f);
+                }
+            }
+        }
+    }
+
+    /// Whether a pair can come within `reach`: its distance now, less the most that a point of one can move against a
+    /// point of the other. That is reached at corners, since inner points move by averages of corners. Any fractions
+    /// of the motions are allowed for, so the two sides count apart once both move.
+    #[inline(always)]
+    fn may_come_near<const M: usize, const N: usize>(
+        &self,
+        own: [u32; M],
+        other: &Side,
+        others: [u32; N],
+        reach: f64,
+        gap: impl Fn([&Vec3; M], [&Vec3; N]) -> Gap,
+    ) -> bool {
+        let mut limit = reach;
+        if self.moves || other.moves {
+            limit += self.way(&own) + other.way(&others);
+        }
+        let x = own.map(|p| &self.start[p as usize]);
+        let y = others.map(|p| &other.start[p as usize]);
+        gap(x, y).squared() <= limit * limit
+    }
+
+    /// The longest way of these points [m].
+    #[inline(always)]
+    fn way(&self, points: &[u32]) -> f64 {
+        let squared = points.iter().map(|&p| {
+            let way = (self.end[p as usize] - self.start[p as usize]).norm_squared();
+            if way.is_finite() { way } else { 0.0 }
+        });
+        squared.fold(0.0, f64::max).sqrt()
+    }
+}
+
+/// Box of moving points, not grown.
+#[derive(Debug, Clone, Copy)]
+struct Box3 {
+    low: Vec3,
+    high: Vec3,
+}
+
+impl Box3 {
+    /// Around `points` from `start` to `end`; empty if a start is not finite, and an end that is not finite does not
+    /// count (as in `mesh::tree`).
+    #[inline(always)]
+    fn swept(points: &[u32], start: &[Vec3], end: &[Vec3]) -> Self {
+        let mut all = Self { low: Vec3::repeat(f64::INFINITY), high: Vec3::repeat(f64::NEG_INFINITY) };
+        for &p in points {
+            let (from, to) = (&start[p as usize], &end[p as usize]);
+            let to = if to.sum().is_finite() { to } else { from };
+            if !from.sum().is_finite() {
+                return Self { low: Vec3::repeat(f64::INFINITY), high: Vec3::repeat(f64::NEG_INFINITY) };
+            }
+            for axis in 0..3 {
+                let (low, high) =
+                    if from[axis] < to[axis] { (from[axis], to[axis]) } else { (to[axis], from[axis]) };
+                if low < all.low[axis] {
+                    all.low[axis] = low;
+                }
+                if high > all.high[axis] {
+                    all.high[axis] = high;
+                }
+            }
+        }
+        all
+    }
+
+    /// Whether the boxes are at most `reach` apart along every axis.
+    #[inline(always)]
+    fn near(&self, other: &Self, reach: f64) -> bool {
+        (0..3).all(|k| self.low[k] - other.high[k] <= reach && other.low[k] - self.high[k] <= reach)
+    }
+}
+
+/// Merges the parts and sorts by both indices; the first is below `count`. Counting sort, then short runs.
+fn sorted(parts: &[Vec<[u32; 2]>], count: usize) -> Vec<[u32; 2]> {
+    let mut ends = vec![0u32; count + 1];
+    for &[first, _] in parts.iter().flatten() {
+        ends[first as usize + 1] += 1;
+    }
+    for i in 0..count {
+        ends[i + 1] += ends[i];
+    }
+    let mut merged = vec![[0u32; 2]; ends[count] as usize];
+    let mut next = ends.clone();
+    for pair in parts.iter().flatten() {
+        let slot = &mut next[pair[0] as usize];
+        merged[*slot as usize] = *pair;
+        *slot += 1;
+    }
+    for run in ends.windows(2) {
+        merged[run[0] as usize..run[1] as usize].sort_unstable_by_key(|pair| pair[1]);
+    }
+    merged
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+    use std::time::Instant;
+
+    struct Draw(u64);
+
+    impl Draw {
+        fn unit(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            ((self.0 >> 11) as f64) / (1u64 << 53) as f64
+        }
+        fn vector(&mut self) -> Vec3 {
+            Vec3::new(self.unit() - 0.5, self.unit() - 0.5, self.unit() - 0.5) * 2.0
+        }
+    }
+
+    struct Mesh {
+        points: Vec<Vec3>,
+        triangles: Vec<[PointIndex; 3]>,
+        topology: Topology,
+    }
+
+    impl Mesh {
+        /// `layers` sheets of nearly equilateral triangles with sides of 8 mm, `nx` by `ny` cells, `apart` [m] above
+        /// each other, each shifted by part of a cell and shaken by `shake` [m].
+        fn pile(layers: usize, nx: usize, ny: usize, apart: f64, shake: f64) -> Self {
+            let (mut points, mut triangles) = (Vec::new(), Vec::new());
+            let mut draw = Draw(31);
+            for layer in 0..layers {
+                let base = points.len() as u32;
+                for i in 0..(nx + 1) * (ny + 1) {
+                    let (column, row) = ((i % (nx + 1)) as f64, (i / (nx + 1)) as f64);
+                    let x = 8e-3 * (column + 0.5 * (row % 2.0) + 0.37 * layer as f64);
+                    let flat = Vec3::new(x, 8e-3 * 0.866 * row, apart * layer as f64);
+                    points.push(flat + draw.vector() * shake);
+                }
+                for i in 0..nx * ny {
+                    let (column, row) = (i % nx, i / nx);
+                    let a = base + (row * (nx + 1) + column) as u32;
+                    let (b, c, d) = (a + 1, a + nx as u32 + 1, a + nx as u32 + 2);
+                    let two = if row % 2 == 0 { [[a, b, c], [b, d, c]] } else { [[a, b, d], [a, d, c]] };
+                    triangles.extend(two.map(|t| t.map(PointIndex)));
+                }
+            }
+            let topology = Topology::new(points.len(), &triangles);
+            Self { points, triangles, topology }
+        }
+
+        fn finder(&self) -> CandidateFinder {
+            CandidateFinder::new(&self.points, &self.triangles, &self.topology)
+        }
+    }
+
+    fn shaken(points: &[Vec3], by: f64, draw: &mut Draw) -> Vec<Vec3> {
+        points.iter().map(|x| x + draw.vector() * by).collect()
+    }
+
+    /// Every pair that comes within the reach for any fractions must be there; tried at random fractions.
+    fn assert_complete(mesh: &Mesh, end: &[Vec3], reach: f64, found: &Candidates, draw: &mut Draw) {
+        let finder = mesh.finder();
+        let quads: BTreeSet<Quad> = found.quads(&finder).collect();
+        assert_eq!(quads.len(), found.len(), "no pair twice");
+        let mut near = 0;
+        for _ in 0..4 {
+            let now: Vec<Vec3> =
+                mesh.points.iter().zip(end).map(|(x, y)| x + (y - x) * draw.unit().sqrt()).collect();
+            let mut check = |quad: Quad| {
+                let shared = (0..4).any(|i| (0..i).any(|j| quad.points[i] == quad.points[j]));
+                if !shared && quad.gap(&now).distance <= reach {
+                    near += 1;
+                    assert!(quads.contains(&quad), "{quad:?} is missing");
+                }
+            };
+            for p in 0..mesh.points.len() as u32 {
+                (0..mesh.triangles.len() as u32).for_each(|f| check(finder.quad_point_triangle(p, f)));
+            }
+            for e in 0..mesh.topology.edges.len() as u32 {
+                (0..e).for_each(|f| check(finder.quad_edge_edge(f, e)));
+            }
+        }
+        assert!(near > 100, "only {near} pairs are near");
+    }
+
+    #[test]
+    fn no_pair_that_may_come_near_is_missing() {
+        let mesh = Mesh::pile(3, 6, 5, 1e-3, 2e-4);
+        let mut draw = Draw(5);
+        for (way, reach) in [(0.0, 3e-3), (1e-3, 2e-3), (8e-3, 1e-3), (2e-2, 0.0)] {
+            let end = shaken(&mesh.points, way, &mut draw);
+            let found = mesh.finder().find(&mesh.points, &end, reach, &|_| false);
+            if way < 1e-2 {
+                assert_complete(&mesh, &end, reach, &found, &mut draw);
+            }
+            assert!(found.point_triangle.is_sorted() && found.edge_edge.is_sorted());
+            assert!(found.edge_edge.iter().all(|[e, f]| e < f));
+        }
+    }
+
+    #[test]
+    fn at_rest_the_candidates_are_exactly_the_pairs_within_reach() {
+        let mesh = Mesh::pile(3, 6, 5, 1e-3, 2e-4);
+        let mut finder = mesh.finder();
+        for reach in [1.2e-3, 3e-3, 6e-3] {
+            let found = finder.find(&mesh.points, &mesh.points, reach, &|_| false);
+            assert!(
+                found.quads(&finder).all(|q| q.gap(&mesh.points).distance <= reach * (1.0 + 2.0 * ROUNDING))
+            );
+            let mut draw = Draw(6);
+            assert_complete(&mesh, &mesh.points, reach, &found, &mut draw);
+        }
+    }
+
+    #[test]
+    fn the_answer_knows_no_history_and_no_threads() {
+        let mesh = Mesh::pile(3, 12, 12, 1e-3, 2e-4);
+        let mut draw = Draw(8);
+        let (mut old, mut at) = (mesh.finder(), mesh.points.clone());
+        for _ in 0..5 {
+            let start = shaken(&at, 6e-3, &mut draw);
+            let end = shaken(&start, 2e-3, &mut draw);
+            let expected = mesh.finder().find(&start, &end, 2e-3, &|_| false);
+            for threads in [1, 3] {
+                let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(threads).build() else {
+                    panic!("no threads")
+                };
+                let found = pool.install(|| old.find(&start, &end, 2e-3, &|_| false));
+                assert!(found == expected);
+            }
+            at = end;
+        }
+    }
+
+    #[test]
+    fn skipped_pairs_isolated_points_and_points_not_finite_are_left_out() {
+        let mut mesh = Mesh::pile(2, 4, 4, 1e-3, 0.0);
+        let lone = mesh.points.len() as u32;
+        mesh.points.push(Vec3::new(0.01, 0.01, 5e-4));
+        mesh.topology = Topology::new(mesh.points.len(), &mesh.triangles);
+        let mut finder = mesh.finder();
+        let all = finder.find(&mesh.points, &mesh.points, 2e-3, &|_| false);
+        assert!(all.point_triangle.iter().all(|pair| pair[0] != lone));
+        let without = |quad: &Quad| !quad.points.contains(&PointIndex(6));
+        let some = finder.find(&mesh.points, &mesh.points, 2e-3, &|q| q.points.contains(&PointIndex(6)));
+        assert!(all.quads(&finder).filter(without).eq(some.quads(&finder)) && some.len() < all.len());
+        mesh.points[6].x = f64::NAN;
+        // Its triangles are left out whole, and with them the pairs of what belongs to them.
+        let finite = finder.find(&mesh.points, &mesh.points, 2e-3, &|_| false);
+        assert!(finite.quads(&finder).all(|quad| without(&quad)) && finite.len() > all.len() / 2);
+    }
+
+    #[test]
+    fn between_two_meshes_no_near_pair_is_missing_and_nothing_else_is_there() {
+        let cloth = Mesh::pile(2, 6, 6, 1e-3, 1e-4);
+        let mut body = Mesh::pile(1, 5, 5, 1e-3, 1e-4);
+        body.points.iter_mut().for_each(|x| *x = Vec3::new(x.x, x.y * 1.3, x.z - 1.5e-3));
+        let (mut one, mut other) = (cloth.finder(), body.finder());
+        let reach = 2e-3;
+        let found =
+            one.find_between(&cloth.points, &cloth.points, &mut other, &body.points, &body.points, reach);
+        let offset = cloth.points.len() as u32;
+        let together: Vec<Vec3> = cloth.points.iter().chain(&body.points).copied().collect();
+        let quads: BTreeSet<Quad> = found.quads(&one, &other, offset).collect();
+        assert_eq!(quads.len(), found.len());
+        assert!(quads.iter().all(|q| q.gap(&together).distance <= reach * (1.0 + 2.0 * ROUNDING)));
+        let mut expected = 0;
+        let mut check = |kind: PairKind, points: Vec<u32>| {
+            let quad = Quad { kind, points: [0, 1, 2, 3].map(|i| PointIndex(points[i])) };
+            if quad.gap(&together).distance <= reach {
+                expected += 1;
+                assert!(quads.contains(&quad), "{quad:?}");
+            }
+        };
+        let shifted = |points: &[u32]| points.iter().map(|p| p + offset).collect::<Vec<u32>>();
+        for t in &other.triangles {
+            (0..offset).for_each(|p| check(PairKind::PointTriangle, [vec![p], shifted(t)].concat()));
+        }
+        for t in &one.triangles {
+            let body_points = offset..together.len() as u32;
+            body_points.for_each(|p| check(PairKind::PointTriangle, [vec![p], t.to_vec()].concat()));
+        }
+        for e in &one.edges {
+            other.edges.iter().for_each(|f| check(PairKind::EdgeEdge, [e.to_vec(), shifted(f)].concat()));
+        }
+        assert!(expected > 300 && quads.len() == expected, "{expected} {}", quads.len());
+    }
+
+    #[test]
+    fn rest_distance_is_that_of_the_rest_shape() {
+        let mesh = Mesh::pile(1, 4, 4, 1e-3, 0.0);
+        let points = [0, 1, 6, 7].map(PointIndex);
+        assert_eq!(rest_distance(PairKind::EdgeEdge, [0, 1, 3, 4].map(PointIndex), &mesh.points), 16e-3);
+        assert!(rest_distance(PairKind::PointTriangle, points, &mesh.points) > 0.0);
+    }
+
+    /// Seconds of a whole garment of 14,000 points. Run by: cargo test --release --lib speed -- --ignored --nocapture
+    #[test]
+    #[ignore = "a measurement"]
+    fn speed() {
+        let time = |what: &str, run: &mut dyn FnMut() -> usize| {
+            let mut best = f64::INFINITY;
+            let mut count = 0;
+            for _ in 0..10 {
+                let begin = Instant::now();
+                count = run();
+                best = best.min(begin.elapsed().as_secs_f64());
+            }
+            println!("  {what}: {:.1} ms, {count}", best * 1e3);
+        };
+        for (name, mesh) in [
+            ("2 layers 5 mm apart", Mesh::pile(2, 82, 82, 5e-3, 2e-4)),
+            ("2 layers 1 mm apart", Mesh::pile(2, 82, 82, 1e-3, 1e-4)),
+            ("8 layers 1 mm apart", Mesh::pile(8, 41, 41, 1e-3, 1e-4)),
+            ("8 layers 0.5 mm apart", Mesh::pile(8, 41, 41, 5e-4, 5e-5)),
+        ] {
+            println!("{name}: {} points, {} triangles", mesh.points.len(), mesh.triangles.len());
+            let mut draw = Draw(1);
+            let mut finder = mesh.finder();
+            let x = mesh.points.clone();
+            let mut count = 0;
+            time("refit", &mut || {
+                finder.fit(&x, &x, 1.5e-3);
+                0
+            });
+            time("triangle pairs (reach 3 mm)", &mut || {
+                count = 0;
+                finder.tree.for_each_overlap(|_, _| count += 1);
+                count
+            });
+            time("candidates, reach 3 mm, at rest", &mut || finder.find(&x, &x, 3e-3, &|_| false).len());
+            time("candidates, reach 1 mm, at rest", &mut || finder.find(&x, &x, 1e-3, &|_| false).len());
+            let end = shaken(&x, 1e-3, &mut draw);
+            time("candidates, reach 1 mm, way 1 mm", &mut || finder.find(&x, &end, 1e-3, &|_| false).len());
+            let found = finder.find(&x, &end, 1e-3, &|_| false);
+            println!("    {} + {}", found.point_triangle.len(), found.edge_edge.len());
+            let mut quads: Vec<Quad> = Vec::new();
+            time("quads", &mut || {
+                quads.clear();
+                quads.extend(found.quads(&finder));
+                quads.len()
+            });
+            let d: Vec<Vec3> = x.iter().zip(&end).map(|(x, y)| y - x).collect();
+            let floors = vec![2e-4; quads.len()];
+            time("local step fractions (rounds)", &mut || {
+                crate::contact::bound::local_step_fractions(&quads, &floors, &x, &d).rounds
+            });
+            time("distances", &mut || quads.iter().filter(|q| q.gap(&x).distance < 1e-3).count());
+            time("crossings", &mut || crate::mesh::crossings::crossings(&x, &mesh.triangles).len());
+        }
+    }
+}
