@@ -67,3 +67,145 @@ impl Fabric {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fabric::FabricMemory;
+    use std::f64::consts::PI;
+
+    fn presets() -> Vec<Fabric> {
+        names().into_iter().map(|name| Fabric::preset(name).expect(name)).collect()
+    }
+
+    /// What of a flat fold is left after `hold_s` [degrees, 180 = recovered]: the memory law on one hinge at least
+    /// as wide as the reference length, by events.
+    fn recovery_angle_deg(memory: &FabricMemory, hold_s: f64) -> f64 {
+        let (mut rest_angle, mut now_s) = (0.0, 0.0);
+        loop {
+            let bend = PI - rest_angle;
+            let (duration_s, step) = if bend > memory.critical_threshold() {
+                (memory.critical_duration_s, memory.critical_angle_ratio * memory.critical_threshold())
+            } else if bend > memory.gradual_threshold() {
+                (memory.gradual_duration_s, memory.gradual_angle_ratio * memory.gradual_threshold())
+            } else {
+                break;
+            };
+            now_s += duration_s;
+            if now_s > hold_s {
+                break;
+            }
+            rest_angle += step;
+        }
+        180.0 - rest_angle.to_degrees()
+    }
+
+    #[test]
+    fn all_presets_are_read_named_and_plausible() {
+        let presets = presets();
+        assert!(presets.len() >= 14);
+        for (fabric, name) in presets.iter().zip(names()) {
+            assert_eq!(fabric.name, name);
+            let bending_length = fabric.bending_length();
+            assert!((0.01..=0.03).contains(&bending_length), "{name}: bending length {bending_length} m");
+            assert!((0.03..=0.5).contains(&fabric.area_density()), "{name}");
+            assert!((1e-4..=1.5e-3).contains(&fabric.thickness()), "{name}");
+            assert!((1e-6..=1.1e-4).contains(&fabric.bend_warp()), "{name}");
+            assert!((0.3..=0.6).contains(&fabric.friction), "{name}");
+            assert!(fabric.shear() < fabric.stretch_weft(), "{name}: shears harder than it stretches");
+            let ratio = fabric.bend_warp() / fabric.bend_weft();
+            assert!((ratio - 1.48).abs() < 0.02, "{name}: warp over weft {ratio}");
+            assert!(fabric.memory.critical_threshold() > fabric.memory.gradual_threshold(), "{name}");
+        }
+    }
+
+    #[test]
+    fn every_group_says_where_it_comes_from() {
+        for fabric in presets() {
+            let of = &fabric.provenance;
+            for text in [&of.mass, &of.stretch, &of.shear, &of.bend, &of.damping, &of.friction, &of.memory] {
+                assert!(text.len() > 20 && text != "not stated", "{}: {text}", fabric.name);
+            }
+        }
+    }
+
+    #[test]
+    fn the_default_remembers_as_the_paper_says() {
+        let memory = Fabric::preset(DEFAULT_FABRIC).expect("exists").memory;
+        assert_eq!(memory, FabricMemory::default());
+        assert_eq!((memory.gradual_duration_s, memory.critical_duration_s), (4.3, 1.0));
+        assert!((memory.gradual_threshold() - 0.27 * PI / 2.0).abs() < 1e-15);
+        assert!((memory.critical_threshold() - 0.85 * PI / 2.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn pressed_folds_recover_within_the_typical_range_of_the_fibre() {
+        // Crease recovery angle after 300 s under load, one direction [degrees].
+        let ranges = [
+            ("linen", 45.0, 75.0),
+            ("viscose-challis", 60.0, 100.0),
+            ("cotton-poplin", 60.0, 92.0),
+            ("denim", 60.0, 92.0),
+            ("cotton-jersey", 60.0, 92.0),
+            ("cotton-poplin-resin", 105.0, 145.0),
+            ("silk-habotai", 105.0, 140.0),
+            ("polycotton-shirting", 110.0, 140.0),
+            ("interlock-ponte", 110.0, 140.0),
+            ("wool-summer-suiting", 140.0, 168.0),
+            ("wool-winter-flannel", 140.0, 168.0),
+            ("polyester-georgette", 130.0, 165.0),
+            ("polyester-taffeta", 130.0, 165.0),
+        ];
+        for (name, low, high) in ranges {
+            let memory = Fabric::preset(name).expect(name).memory;
+            let angle = recovery_angle_deg(&memory, 300.0);
+            assert!((low..=high).contains(&angle), "{name} recovers to {angle}, range {low} to {high}");
+            let longer = [1.0, 5.0, 30.0, 120.0, 300.0].map(|hold_s| recovery_angle_deg(&memory, hold_s));
+            assert!(
+                longer.is_sorted_by(|a, b| a >= b),
+                "{name}: longer holds must leave no less: {longer:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn presets_are_the_middle_of_the_reference_ranges() {
+        let file =
+            std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/reference/fabrics_kes.csv");
+        let Ok(text) = std::fs::read_to_string(&file) else {
+            println!("not checked: no reference fabrics beside the repository");
+            return;
+        };
+        let mut lines = text.lines().filter(|line| !line.starts_with('#'));
+        let header: Vec<&str> = lines.next().unwrap_or("").split(',').collect();
+        let mut checked = 0;
+        for line in lines {
+            let cells: Vec<&str> = line.split(',').collect();
+            let number = |name: &str| -> f64 {
+                let column = header.iter().position(|h| *h == name).expect(name);
+                cells[column].parse().expect(name)
+            };
+            let middle = |name: &str| (number(&format!("{name}_lo")) * number(&format!("{name}_hi"))).sqrt();
+            let fabric = presets().into_iter().find(|f| f.description == cells[0]).expect(cells[0]);
+            let pairs = [
+                (fabric.area_density_g_m2, middle("W")),
+                (fabric.thickness_mm, middle("T")),
+                (fabric.bend_mean(), middle("B") * 98.07e-6),
+                (fabric.shear(), middle("G") * 56.19),
+                (fabric.stretch_warp(), 490.0 / (middle("EMT") * 0.01)),
+            ];
+            for (ours, theirs) in pairs {
+                assert!((ours / theirs - 1.0).abs() < 0.01, "{}: {ours} is not {theirs}", fabric.name);
+            }
+            checked += 1;
+        }
+        assert_eq!(checked, 13);
+    }
+
+    #[test]
+    fn an_unknown_preset_is_a_fault_with_the_nearest() {
+        let message = Fabric::preset("demin").expect_err("there is none").to_string();
+        assert!(message.contains("did you mean `denim`?"), "{message}");
+        assert!(Fabric::preset("mail").expect_err("there is none").to_string().contains("cotton-jersey"));
+    }
+}

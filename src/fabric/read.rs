@@ -107,3 +107,89 @@ fn restate_provenance(document: &mut Document, file: &str, base: &str) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn faults(text: &str) -> Vec<String> {
+        match Fabric::parse("f.json", text) {
+            Ok(fabric) => panic!("accepted: {fabric:?}"),
+            Err(Error::Input(faults)) => faults.iter().map(ToString::to_string).collect(),
+            Err(other) => panic!("{other}"),
+        }
+    }
+
+    #[test]
+    fn units_become_si() {
+        let text = Fabric::preset("denim").expect("exists").to_json();
+        let text = text.replace("\"bend_warp_un_m\": 71.6", "\"bend_warp_un_m\": 12.5");
+        let fabric = Fabric::parse("f.json", &text).expect("is valid");
+        assert!((fabric.bend_warp() - 12.5e-6).abs() < 1e-18);
+        assert!((fabric.area_density() - 0.421).abs() < 1e-12);
+        assert!((fabric.thickness() - 0.887e-3).abs() < 1e-12);
+        assert!((fabric.memory.reference_length() - 0.010).abs() < 1e-12);
+        assert!((fabric.memory.critical_stretch_threshold() - 0.06).abs() < 1e-12);
+        // B = 1e-5 N·m, 0.2 kg/m²: (1e-5 / (0.2 * 9.81))^(1/3) = 17.2 mm.
+        let known = Fabric {
+            bend_warp_un_m: 20.0,
+            bend_weft_un_m: 5.0,
+            area_density_g_m2: 200.0,
+            ..Fabric::preset("denim").expect("exists")
+        };
+        assert!((known.bending_length() - 0.017209).abs() < 1e-6, "{}", known.bending_length());
+    }
+
+    #[test]
+    fn presets_survive_a_round_trip() {
+        for name in Fabric::preset_names() {
+            let fabric = Fabric::preset(name).expect(name);
+            assert_eq!(Fabric::parse(name, &fabric.to_json()).expect(name), fabric);
+        }
+    }
+
+    #[test]
+    fn a_fabric_may_say_only_what_is_different() {
+        let text = r#"{"format": "crease-fabric/1", "name": "stiff denim", "based_on": "denim",
+            "bend_warp_un_m": 150, "memory": {"critical_duration_s": 2.5}}"#;
+        let denim = Fabric::preset("denim").expect("exists");
+        let fabric = Fabric::parse("stiff.json", text).expect("is valid");
+        assert_eq!(fabric.name, "stiff denim");
+        assert_eq!(fabric.bend_warp_un_m, 150.0);
+        assert_eq!(fabric.bend_weft_un_m, denim.bend_weft_un_m);
+        assert_eq!(fabric.memory.critical_duration_s, 2.5);
+        assert_eq!(fabric.memory.critical_threshold_percent, denim.memory.critical_threshold_percent);
+        // The numbers it changed are no longer those of the literature.
+        assert!(fabric.provenance.bend.contains("stiff.json"), "{}", fabric.provenance.bend);
+        assert!(fabric.provenance.memory.contains("stiff.json"));
+        assert_eq!(fabric.provenance.shear, denim.provenance.shear);
+    }
+
+    #[test]
+    fn faults_name_the_place_the_nearest_name_and_all_at_once() {
+        let text = "{\"format\": \"crease-fabric/1\", \"name\": \"x\", \"based_on\": \"denim\",\n\
+                    \"bend_wrap_un_m\": 3,\n\"thickness_mm\": 0,\n\"memory\": {\"gradual_angle_ratio\": 1.5}}";
+        let found = faults(text);
+        assert_eq!(found.len(), 3, "{found:#?}");
+        assert!(found[0].contains("line 2, column 1") && found[0].contains("did you mean `bend_warp_un_m`?"));
+        assert!(found[1].contains("line 3, column 17, at thickness_mm: is 0, expected a number above 0"));
+        assert!(found[2].contains("at memory.gradual_angle_ratio: is 1.5, expected a number from 0 to 1"));
+    }
+
+    #[test]
+    fn thresholds_in_the_wrong_order_and_unknown_bases_are_faults() {
+        let with = |rest: &str| format!(r#"{{"format": "crease-fabric/1", "name": "x", {rest}}}"#);
+        let swapped = r#""based_on": "linen", "memory": {"gradual_threshold_percent": 120}"#;
+        assert!(faults(&with(swapped))[0].contains("not above the gradual threshold of 120"));
+        assert!(faults(&with(r#""based_on": "linnen""#))[0].contains("did you mean `linen`?"));
+        assert_eq!(faults(&with(r#""memory": {}"#)).len(), 11, "a fabric of its own says everything");
+        assert!(faults(&with(r#""based_on": "linen", "provenance": 3"#))[0].contains("provenance: is 3"));
+    }
+
+    #[test]
+    fn the_schema_lets_a_based_fabric_be_short() {
+        let schema = Fabric::schema();
+        assert_eq!(schema.get("required"), Some(&json!(["format", "name"])));
+        assert!(schema.pointer("/anyOf/1/required/4").is_some());
+    }
+}

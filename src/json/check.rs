@@ -131,7 +131,7 @@ impl<'a> Check<'a> {
         if branches.iter().any(|branch| self.suits(branch, value)) {
             return;
         }
-        let same_kind = branches.iter().find(|branch| suits_type(self.resolve(branch), value));
+        let same_kind = branches.iter().find(|branch| self.suits_kind(branch, value));
         match same_kind {
             Some(branch) => self.value(branch, value),
             None => self.unexpected(schema, value),
@@ -169,6 +169,15 @@ impl<'a> Check<'a> {
         };
         trial.value(schema, value);
         trial.faults.is_empty()
+    }
+
+    /// Whether `value` is at least the kind of thing (text, list, ...) that `schema` asks for.
+    fn suits_kind(&self, schema: &'a Value, value: &Value) -> bool {
+        let resolved = self.resolve(schema);
+        match branches(resolved) {
+            Some(branches) => branches.iter().any(|branch| self.suits_kind(branch, value)),
+            None => suits_type(resolved, value),
+        }
     }
 
     fn unexpected(&mut self, schema: &'a Value, value: &Value) {

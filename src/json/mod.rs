@@ -247,7 +247,7 @@ mod tests {
     #[test]
     fn columns_count_characters() {
         let found = faults("{\"way\": \"ééé\", \"width\": -1}");
-        assert!(found[1].contains("column 24, at width"), "{found:?}");
+        assert!(found[1].contains("column 25, at width"), "{found:?}");
     }
 
     #[test]

@@ -240,7 +240,7 @@ mod tests {
         let path = Path::root().name("a").entry(1).name("b \" c");
         assert_eq!(places.find(&path, false).as_deref(), Some("line 2, column 3"));
         assert_eq!(places.find(&path, true).as_deref(), Some("line 1, column 12"));
-        assert_eq!(places.find(&Path::root().name("d"), false).as_deref(), Some("line 2, column 16"));
+        assert_eq!(places.find(&Path::root().name("d"), false).as_deref(), Some("line 2, column 17"));
         assert_eq!(places.find(&Path::root().name("e"), false), None);
         assert_eq!(path.to_string(), "a[1].`b \" c`");
     }

@@ -198,3 +198,250 @@ impl<'a> Iterator for Flatten<'a> {
         None
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wear::{Hold, WearAction};
+
+    const FOLD_THRICE: &str = include_str!("../../garments/wear/fold-thrice.json");
+    const CRUMPLE: &str = include_str!("../../garments/wear/crumple.json");
+    const PRESS_CREASE: &str = include_str!("../../garments/wear/press-crease.json");
+
+    fn faults(text: &str) -> Vec<String> {
+        match WearScript::parse("w.json", text) {
+            Ok(script) => panic!("accepted: {script:?}"),
+            Err(Error::Input(faults)) => faults.iter().map(ToString::to_string).collect(),
+            Err(other) => panic!("{other}"),
+        }
+    }
+
+    fn script(actions: &str) -> String {
+        format!(r#"{{"format": "crease-wear/1", "name": "t", "actions": [{actions}]}}"#)
+    }
+
+    #[test]
+    fn scripts_that_come_along_are_read() {
+        let expected = [
+            (FOLD_THRICE, 58.0, vec!["lay", "fold", "fold", "fold", "press", "unfold", "settle"]),
+            (CRUMPLE, 38.0, vec!["lay", "crumple", "release", "settle"]),
+            (PRESS_CREASE, 131.0, vec!["lay", "fold", "press", "unfold", "settle"]),
+        ];
+        for (text, duration_s, names) in expected {
+            let script = WearScript::parse("w.json", text).expect("is valid");
+            assert_eq!(script.duration_s(), duration_s);
+            assert_eq!(script.flatten().map(Action::name).collect::<Vec<_>>(), names);
+            assert_eq!(WearScript::parse("again", &script.to_json()).expect("round trip"), script);
+        }
+    }
+
+    #[test]
+    fn every_action_survives_a_round_trip_and_stands_in_the_schema() {
+        let schema = WearScript::schema();
+        let branches =
+            schema.pointer("/$defs/Action/oneOf").and_then(Value::as_array).expect("a list of actions");
+        assert_eq!(branches.len(), Action::NAMES.len());
+        let examples = Action::examples();
+        assert_eq!(examples.iter().map(Action::name).collect::<Vec<_>>(), Action::NAMES);
+        for (example, branch) in examples.into_iter().zip(branches) {
+            let name = example.name();
+            assert!(branch.pointer(&format!("/properties/{name}")).is_some(), "{name} is not in the schema");
+            let before = WearScript::new("round trip", vec![example]).expect(name);
+            let after = WearScript::parse("w.json", &before.to_json()).expect(name);
+            assert_eq!(after, before);
+            // Every field of an example differs from its default, so a field lost on the way would show.
+            assert!(after.to_json().contains(&format!("\"{name}\"")));
+        }
+    }
+
+    #[test]
+    fn every_field_of_every_action_is_explained_in_the_schema() {
+        let schema = WearScript::schema();
+        for name in Action::NAMES {
+            let variant = format!("{}{}", name[..1].to_uppercase(), &name[1..]);
+            let of_action = schema.pointer(&format!("/$defs/{variant}")).expect(name);
+            let fields = of_action.get("properties").and_then(Value::as_object).into_iter().flatten();
+            for (field, of_field) in fields {
+                assert!(of_field.get("description").is_some(), "{name}.{field} has no description");
+            }
+        }
+    }
+
+    #[test]
+    fn defaults_are_as_the_schema_says() {
+        let line = r#""line": [[0.5, 0], [0.5, 1]], "side": "left""#;
+        let text = script(&format!(
+            r#"{{"lay": {{}}}}, {{"fold": {{{line}}}}}, {{"unfold": {{}}}}, {{"settle": {{}}}}, {{"hang": {{}}}},
+               {{"crumple": {{"to": 0.3}}}}, {{"bend": {{"joint": "elbow", "axis": "z", "angle": 90}}}},
+               {{"play": {{"clip": "walk"}}}}"#
+        ));
+        let script = WearScript::parse("w.json", &text).expect("is valid");
+        assert_eq!(script.duration_s(), 2.0 + 2.0 + 2.0 + 3.0 + 5.0 + 3.0 + 2.0 + 0.0);
+        assert!(
+            matches!(&script.actions[1], Action::Fold(fold) if fold.angle_deg == 180.0 && fold.hold_s == 0.0)
+        );
+    }
+
+    #[test]
+    fn a_misspelt_action_is_placed_and_the_meant_one_named() {
+        let found = faults("{\"format\": \"crease-wear/1\",\n \"actions\": [\n  {\"fodl\": {}}]}");
+        assert_eq!(found.len(), 1);
+        assert_eq!(
+            found[0],
+            "w.json: line 3, column 4, at actions[0].fodl: unknown name `fodl` (did you mean `fold`? allowed here: \
+             `lay`, `fold`, `unfold`, `press`, `hold`, `settle`, `hang`, `crumple`, `release`, `bend`, `play`, `repeat`)"
+        );
+    }
+
+    #[test]
+    fn all_faults_come_in_one_go() {
+        let text = script(
+            r#"{"fold": {"line": [[0.3, 0], [0.3, 1]], "side": "left", "angel": 90}},
+               {"fold": {"line": [[0.3, 0], [0.3]], "side": "top", "angle": 200}},
+               {"hold": {"for": 0}}, {"press": {"for": 5}}, "release",
+               {"repeat": {"times": 0, "actions": [{"hold": {"for": "long"}}]}}"#,
+        );
+        let found = faults(&text);
+        let places = [
+            "actions[0].fold.angel: unknown name",
+            "actions[1].fold.line[1]: has 1 entry, expected a list of 2 numbers",
+            "actions[1].fold.side: is `top`, expected `left`, `right`, `upper` or `lower`",
+            "actions[1].fold.angle: is 200, expected a number above 0 and at most 180",
+            "actions[2].hold.for: is 0, expected a number above 0",
+            "actions[3].press: `pressure` is missing",
+            "actions[4]: is the text `release`, expected an object with exactly one name",
+            "actions[5].repeat.times: is 0, expected a whole number from 1 to 10000",
+            "actions[5].repeat.actions[0].hold.for: is the text `long`, expected a number",
+        ];
+        assert_eq!(found.len(), places.len(), "{found:#?}");
+        for (fault, place) in found.iter().zip(places) {
+            assert!(fault.contains(place), "{fault}\nlacks\n{place}");
+            assert!(fault.starts_with("w.json: line "), "{fault}");
+        }
+    }
+
+    #[test]
+    fn fields_that_do_not_go_together_are_faults_too() {
+        let cases = [
+            (r#"{"fold": {"line": [[0.3, 0.2], [0.3, 0.2]], "side": "left"}}"#, "fold.line: the two points"),
+            (
+                r#"{"fold": {"line": [[0, 0.2], [1, 0.2]], "side": "left"}}"#,
+                "fold.side: a level line has no left",
+            ),
+            (
+                r#"{"fold": {"line": [[0.2, 0], [0.2, 1]], "side": "upper"}}"#,
+                "fold.side: an upright line has no upper",
+            ),
+            (r#"{"unfold": {"all": true, "last": 2}}"#, "unfold.last: `all` and `last`"),
+            (r#"{"unfold": {"all": false}}"#, "unfold.all: `all` is false"),
+            (r#"{"bend": {"joint": "j", "axis": [0, 0, 0], "angle": 20}}"#, "bend.axis: the axis has no"),
+            (r#"{"bend": {"joint": "j", "axis": "x", "angle": 0}}"#, "bend.angle: an angle of 0"),
+        ];
+        let all = cases.map(|(action, _)| action).join(", ");
+        let found = faults(&script(&all));
+        assert_eq!(found.len(), cases.len(), "{found:#?}");
+        for ((index, (_, expected)), fault) in cases.iter().enumerate().zip(&found) {
+            assert!(fault.contains(&format!("at actions[{index}].{expected}")), "{fault}");
+        }
+    }
+
+    #[test]
+    fn choices_between_kinds_are_explained() {
+        assert!(
+            faults(&script(r#"{"hang": {"by": "botom"}}"#))[0].contains("by: is `botom`, expected `top`")
+        );
+        let by = &faults(&script(r#"{"hang": {"by": [[0.5, 1, 2]]}}"#))[0];
+        assert!(by.contains("by[0]: has 3 entries"), "{by}");
+        assert!(faults(&script(r#"{"hang": {"by": []}}"#))[0].contains("by: has 0 entries"));
+        assert!(faults(&script(r#"{"hang": {"by": 3}}"#))[0].contains("by: is 3, expected `top` or a list"));
+        let axis = &faults(&script(r#"{"bend": {"joint": "j", "axis": "w", "angle": 9}}"#))[0];
+        assert!(axis.contains("axis: is `w`, expected `x`, `y` or `z`"), "{axis}");
+    }
+
+    #[test]
+    fn another_format_is_named() {
+        let found = faults(r#"{"format": "crease-wear/2", "actions": [{"release": {}}]}"#);
+        assert!(found[0].contains("at format: is `crease-wear/2`, expected `crease-wear/1`"), "{}", found[0]);
+        assert!(faults("{}")[0].contains("`format` is missing: `crease-wear/1`"));
+        assert!(faults("[]")[0].contains("is a list, expected an object"));
+        assert!(faults(&script(""))[0].contains("actions: has 0 entries, expected a list of at least one"));
+    }
+
+    #[test]
+    fn repeats_are_written_out_in_order() {
+        let text = script(
+            r#"{"repeat": {"times": 2, "actions": [{"hold": {"for": 1}},
+                {"repeat": {"times": 3, "actions": [{"settle": {"for": 2}}]}}]}}, {"release": {}}"#,
+        );
+        let script = WearScript::parse("w.json", &text).expect("is valid");
+        let names: Vec<_> = script.flatten().map(Action::name).collect();
+        assert_eq!(
+            names,
+            ["hold", "settle", "settle", "settle", "hold", "settle", "settle", "settle", "release"]
+        );
+        assert_eq!(script.action_count(), 9);
+        assert_eq!(script.duration_s(), 14.0);
+    }
+
+    #[test]
+    fn runaway_repeats_are_refused() {
+        let nested = |depth: usize, times: u32, inner: &str| {
+            (0..depth).fold(inner.to_owned(), |inner, _| {
+                format!(r#"{{"repeat": {{"times": {times}, "actions": [{inner}]}}}}"#)
+            })
+        };
+        assert!(WearScript::parse("w.json", &script(&nested(8, 2, r#"{"release": {}}"#))).is_ok());
+        assert!(faults(&script(&nested(9, 2, r#"{"release": {}}"#)))[0].contains("more than 8 deep"));
+        // Times multiply beyond 64 bits, and must not wrap.
+        assert!(
+            faults(&script(&nested(8, 10_000, r#"{"release": {}}"#)))[0].contains("actions with repeats")
+        );
+        assert!(faults(&script(&nested(2, 300, r#"{"hold": {"for": 1}}"#)))[0].contains("takes 90000 s"));
+        assert!(faults(&script(&nested(1, 10_001, r#"{"release": {}}"#)))[0].contains("from 1 to 10000"));
+        assert!(faults(&script(&nested(30, 1, r#"{"release": {}}"#))).iter().any(|f| f.contains("deep")));
+        assert!(faults(&script(&nested(1000, 1, r#"{"release": {}}"#)))[0].contains("recursion limit"));
+    }
+
+    #[test]
+    fn empty_repeats_of_a_program_do_not_hang() {
+        let empty =
+            (0..8).fold(Vec::new(), |actions, _| vec![Action::Repeat(Repeat { times: 10_000, actions })]);
+        let script = WearScript { format: WearFormat::V1, name: String::new(), actions: empty };
+        assert_eq!(script.flatten().count(), 0);
+    }
+
+    #[test]
+    fn scripts_made_by_programs_are_checked_too() {
+        let bad = WearScript::new(
+            "bad",
+            vec![Action::Hold(Hold { for_s: f64::NAN }), Action::Hold(Hold { for_s: -1.0 })],
+        );
+        let Err(Error::Input(faults)) = bad else { panic!("accepted") };
+        assert_eq!(faults.len(), 2);
+        assert_eq!(faults[1].place, "actions[1].hold.for");
+    }
+
+    #[test]
+    fn actions_of_a_body_are_found_within_repeats() {
+        let actions =
+            r#"{"hold": {"for": 1}}, {"repeat": {"times": 2, "actions": [{"play": {"clip": "walk"}}]}}"#;
+        let script = WearScript::parse("w.json", &script(actions)).expect("is valid");
+        let faults = script.faults_without_body("w.json");
+        assert_eq!(faults.len(), 1);
+        assert_eq!(faults[0].place, "actions[1].repeat.actions[0]");
+        assert!(script.actions[1].as_wear().needs_body());
+    }
+
+    #[test]
+    fn damaged_scripts_never_panic() {
+        for at in 0..FOLD_THRICE.len() {
+            for bit in 0..8 {
+                let mut bytes = FOLD_THRICE.as_bytes().to_vec();
+                bytes[at] ^= 1 << bit;
+                let _ = WearScript::parse("w.json", &String::from_utf8_lossy(&bytes));
+            }
+            let _ = WearScript::parse("w.json", &FOLD_THRICE[..at]);
+        }
+        assert!(Hold::example().misfits().is_empty());
+    }
+}
