@@ -1,1 +1,294 @@
-//! (see lib.rs)
+//! The main job: wear -> solve -> memory, step by step, then the garment brought home to its own pose.
+
+mod home;
+mod plan;
+
+pub use plan::{Choice, Plan};
+
+use crate::contact::{Contact, ContactSettings};
+use crate::error::Result;
+use crate::fabric::{EventCount, Fabric};
+use crate::garment::{Garment, RestShape, WornGarment};
+use crate::math::Vec3;
+use crate::memory::{Memory, Observed, Remembering};
+use crate::solve::{Cloth, Method, State, StepOptions, Stepper};
+use crate::wear::{Gesture, Posture, Scene, WearScript};
+use std::time::Instant;
+
+/// How to bake.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BakeOptions {
+    /// Whether the cloth remembers.
+    pub memory: bool,
+    /// How steps are made.
+    pub step: StepOptions,
+    /// Frames per simulated second for the observer; 0 for none.
+    pub frames_per_second: f64,
+}
+
+impl Default for BakeOptions {
+    fn default() -> Self {
+        Self { memory: true, step: StepOptions::default(), frames_per_second: 0.0 }
+    }
+}
+
+/// How far a bake is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Progress<'a> {
+    /// Name of the action under way.
+    pub stage: &'a str,
+    /// Simulated time [s].
+    pub time: f64,
+    /// Simulated time at the end of the script [s].
+    pub total: f64,
+    /// Steps made.
+    pub steps: u64,
+    /// Length of the last step [s].
+    pub step: f64,
+    /// Linear solves in the last step.
+    pub iterations: usize,
+    /// Events so far.
+    pub events: EventCount,
+}
+
+/// Watches a bake.
+pub trait Observer {
+    /// After every step.
+    fn progress(&mut self, _progress: &Progress) {}
+    /// A frame is due: positions, one per point [m].
+    fn frame(&mut self, _x: &[Vec3]) -> Result<()> {
+        Ok(())
+    }
+}
+
+/// Watches nothing.
+impl Observer for () {}
+
+/// Work and outcome of a bake.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct BakeReport {
+    /// Simulated time [s].
+    pub simulated: f64,
+    /// Accepted steps.
+    pub steps: u64,
+    /// Thrown-away tries.
+    pub rejected: u64,
+    /// Linear solves.
+    pub solves: u64,
+    /// Memory events.
+    pub events: EventCount,
+    /// Seconds by stage, in the order of a step.
+    pub stages: Vec<(&'static str, f64)>,
+    /// What went less well, with time and place.
+    pub warnings: Vec<String>,
+    /// What was modelled, and why.
+    pub choices: Vec<Choice>,
+}
+
+/// What a bake gives back.
+#[derive(Debug, Clone)]
+pub struct Baked {
+    /// The garment in its own pose.
+    pub worn: WornGarment,
+    /// Positions at the end of the script [m].
+    pub end: Vec<Vec3>,
+    /// Work and outcome.
+    pub report: BakeReport,
+}
+
+/// First step after anything starts or stops [s].
+const FIRST_STEP: f64 = 1.0 / 120.0;
+/// A garment that may end early is at rest below this speed, root mean square [m/s].
+const REST_SPEED: f64 = 1e-4;
+
+/// Wears `garment` in. `script_file` is the script's name in messages.
+pub fn bake(
+    garment: &Garment,
+    fabric: &Fabric,
+    script: &WearScript,
+    script_file: &str,
+    options: &BakeOptions,
+    observer: &mut dyn Observer,
+) -> Result<Baked> {
+    let plan = Plan::new(garment, fabric, script, options.memory);
+    let mut cloth = Cloth::new(garment, fabric);
+    cloth.membrane.set_stiffness(plan.stretch);
+    let source_angle = cloth.bending.angles(&garment.points, &[]);
+    let law = Remembering::new(garment, fabric, cloth.bending.width());
+    let settings = ContactSettings {
+        distance: plan.contact_distance,
+        stiffness: plan.contact_stiffness,
+        friction: fabric.friction,
+        friction_ground: fabric.friction_ground,
+        creep: 1e-3,
+        between_layers: plan.layers_meet,
+    };
+    let contact =
+        Contact::new(settings, &garment.points, &garment.triangles, &garment.topology, cloth.area.clone());
+    let mut run = Run {
+        garment,
+        stepper: Stepper::new(cloth, contact, options.step),
+        state: State::at_rest(garment.points.clone(), source_angle.clone()),
+        memory: Memory::new(RestShape::new(source_angle, garment.triangles.len())),
+        law: options.memory.then_some(law),
+        posture: Posture::default(),
+        report: BakeReport { choices: plan.choices, ..BakeReport::default() },
+        seconds: [0.0; 5],
+        frame_every: if options.frames_per_second > 0.0 {
+            1.0 / options.frames_per_second
+        } else {
+            f64::INFINITY
+        },
+        next_frame: 0.0,
+        total: script.duration_s(),
+    };
+    for (number, action) in script.flatten().enumerate() {
+        let place = format!("actions[{number}] ({})", action.name());
+        let scene = Scene {
+            x: &run.state.x,
+            source: &garment.points,
+            mass: &run.stepper.cloth.mass,
+            thickness: plan.contact_distance,
+            place: (script_file, &place),
+        };
+        let start = action.as_wear().begin(&scene, &mut run.posture)?;
+        if let Some(placed) = start.placed {
+            run.state.x = placed;
+            run.state.stop();
+        }
+        run.perform(start.gesture, action.name(), action.as_wear().duration_s(), observer)?;
+    }
+    observer.frame(&run.state.x)?;
+    let clock = Instant::now();
+    let displacement =
+        home::bring_home(garment, fabric, &mut run.stepper, &run.memory.shape, &mut run.report);
+    run.seconds[4] += clock.elapsed().as_secs_f64();
+    let home: Vec<Vec3> = garment.points.iter().zip(&displacement).map(|(x, d)| x + d).collect();
+    observer.frame(&home)?;
+    run.report.simulated = run.state.time;
+    run.report.events = run.memory.events;
+    run.report.stages =
+        ["assemble", "solve", "contact", "remember", "home"].into_iter().zip(run.seconds).collect();
+    Ok(Baked {
+        worn: WornGarment { displacement, memory: run.memory.shape },
+        end: run.state.x,
+        report: run.report,
+    })
+}
+
+/// A bake under way.
+struct Run<'a> {
+    garment: &'a Garment,
+    stepper: Stepper,
+    state: State,
+    memory: Memory,
+    /// `None` when the cloth does not remember.
+    law: Option<Remembering>,
+    posture: Posture,
+    report: BakeReport,
+    /// Assemble, solve, contact, remember, home.
+    seconds: [f64; 5],
+    frame_every: f64,
+    next_frame: f64,
+    total: f64,
+}
+
+impl Run<'_> {
+    /// Performs one gesture to its end.
+    fn perform(
+        &mut self,
+        mut gesture: Box<dyn Gesture>,
+        name: &str,
+        duration: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<()> {
+        let begin = self.state.time;
+        let mut breaks = gesture.breaks();
+        breaks.push(duration);
+        let mut wished = FIRST_STEP;
+        for stop in breaks {
+            wished = wished.min(FIRST_STEP);
+            // What acts changes here: a two-step method starts anew.
+            self.state.previous = None;
+            while begin + stop - self.state.time > 1e-9 {
+                let left = begin + stop - self.state.time;
+                // Two equal steps rather than one and a remainder.
+                let mut h = if wished >= left { left } else { wished.min(0.5 * left.max(wished)) };
+                let now = self.state.time;
+                h = h.min(gesture.drive(now - begin + h, &self.state.x).longest_step);
+                if gesture.carry(now - begin + h, &mut self.state.x) {
+                    self.state.stop();
+                    self.state.angle = self.stepper.cloth.bending.angles(&self.state.x, &self.state.angle);
+                }
+                wished = self.step(gesture.as_mut(), begin, h, name, observer)?;
+                if gesture.may_end_early() && self.at_rest() {
+                    break;
+                }
+            }
+        }
+        gesture.end(&mut self.posture, &self.state.x);
+        Ok(())
+    }
+
+    /// One accepted step: solve, then remember. Returns the length the next should have.
+    fn step(
+        &mut self,
+        gesture: &mut dyn Gesture,
+        begin: f64,
+        h: f64,
+        name: &str,
+        observer: &mut dyn Observer,
+    ) -> Result<f64> {
+        let remembers_length = self.law.as_ref().is_some_and(Remembering::remembers_length);
+        let measure = |run: &Self| {
+            if remembers_length { run.stepper.cloth.membrane.measure(&run.state.x) } else { Vec::new() }
+        };
+        let (angle, stretch) = (self.state.angle.clone(), measure(self));
+        let mut drive_at = |time: f64, state: &State| gesture.drive(time - begin, &state.x);
+        let step = self.stepper.advance(&mut self.state, &self.memory.shape, &mut drive_at, h);
+        for (total, s) in self.seconds.iter_mut().zip(step.newton.seconds) {
+            *total += s;
+        }
+        self.report.steps += 1;
+        self.report.rejected += step.rejected as u64;
+        self.report.solves += step.newton.iterations as u64;
+        if !step.converged {
+            self.report.warnings.push(format!(
+                "{name} at {:.3} s: the shortest step did not converge (last move {:.1e} m); accepted without crossing",
+                self.state.time, step.newton.last_move
+            ));
+        }
+        let clock = Instant::now();
+        if let (Some(law), true) = (&self.law, gesture.wears()) {
+            let stretch_after = measure(self);
+            let before = Observed { angle: &angle, stretch: &stretch };
+            let after = Observed { angle: &self.state.angle, stretch: &stretch_after };
+            self.memory.commit(law, &before, &after, step.step);
+        }
+        self.seconds[3] += clock.elapsed().as_secs_f64();
+        observer.progress(&Progress {
+            stage: name,
+            time: self.state.time,
+            total: self.total,
+            steps: self.report.steps,
+            step: step.step,
+            iterations: step.newton.iterations,
+            events: self.memory.events,
+        });
+        if self.state.time >= self.next_frame - 1e-9 {
+            observer.frame(&self.state.x)?;
+            self.next_frame = self.state.time + self.frame_every;
+        }
+        Ok(step.next)
+    }
+
+    fn at_rest(&self) -> bool {
+        let sum: f64 = self.state.v.iter().map(|v| v.norm_squared()).sum();
+        (sum / self.garment.points.len() as f64).sqrt() < REST_SPEED
+    }
+}
+
+/// The integrator of that name.
+pub fn method_named(name: &str) -> Option<Method> {
+    Method::named(name)
+}

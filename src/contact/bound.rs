@@ -262,7 +262,7 @@ mod tests {
         let topology = Topology::new(points.len(), triangles);
         let mut finder = CandidateFinder::new(points, triangles, &topology);
         let end: Vec<Vec3> = points.iter().zip(displacement).map(|(x, d)| x + d).collect();
-        let found = finder.find(points, &end, 1e-3, &|_| false);
+        let found = finder.find(points, &end, 1e-3, false, &|_| false);
         found.quads(&finder).collect()
     }
 

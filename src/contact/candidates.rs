@@ -235,13 +235,15 @@ impl CandidateFinder {
     }
 
     /// All pairs that may come within `reach` [m] while every point moves straight from `start` to `end` [m] by any
-    /// fraction of its way (pass the same array twice for a mesh at rest). Pairs for which `skip` is true are left
-    /// out; it is asked only about pairs that are near, in no order, from several threads.
+    /// fraction of its way (pass the same array twice for a mesh at rest), or, when they go `together`, all by the
+    /// same fraction. Pairs for which `skip` is true are left out; it is asked only about pairs that are near, in
+    /// no order, from several threads.
     pub fn find(
         &mut self,
         start: &[Vec3],
         end: &[Vec3],
         reach: f64,
+        together: bool,
         skip: &(dyn Fn(Quad) -> bool + Sync),
     ) -> Candidates {
         let reach = reach * (1.0 + ROUNDING);
@@ -249,7 +251,7 @@ impl CandidateFinder {
         let mut pairs = std::mem::take(&mut self.pairs);
         pairs.clear();
         self.tree.for_each_overlap(|a, b| pairs.push([a, b]));
-        let side = self.side(start, end);
+        let side = Side { together, ..self.side(start, end) };
         let compare = |chunk: &[[u32; 2]]| {
             let (mut points, mut edges) = (Vec::new(), Vec::new());
             let keep = |quad: Quad| !skip(quad);
@@ -325,7 +327,7 @@ impl CandidateFinder {
     }
 
     fn side<'a>(&'a self, start: &'a [Vec3], end: &'a [Vec3]) -> Side<'a> {
-        Side { mesh: self, start, end, moves: start != end }
+        Side { mesh: self, start, end, moves: start != end, together: false }
     }
 }
 
@@ -335,6 +337,8 @@ struct Side<'a> {
     start: &'a [Vec3],
     end: &'a [Vec3],
     moves: bool,
+    /// Whether all points go the same fraction of their way.
+    together: bool,
 }
 
 impl Side<'_> {
@@ -406,11 +410,29 @@ impl Side<'_> {
     ) -> bool {
         let mut limit = reach;
         if self.moves || other.moves {
-            limit += self.way(&own) + other.way(&others);
+            limit += if self.together {
+                self.way_against(&own, other, &others)
+            } else {
+                self.way(&own) + other.way(&others)
+            };
         }
         let x = own.map(|p| &self.start[p as usize]);
         let y = others.map(|p| &other.start[p as usize]);
         gap(x, y).squared() <= limit * limit
+    }
+
+    /// The longest way of one of the points against one of the others [m], all going by the same fraction.
+    #[inline(always)]
+    fn way_against(&self, own: &[u32], other: &Side, others: &[u32]) -> f64 {
+        let mut longest: f64 = 0.0;
+        for &p in own {
+            let way = self.end[p as usize] - self.start[p as usize];
+            for &q in others {
+                let against = (way - (other.end[q as usize] - other.start[q as usize])).norm_squared();
+                longest = longest.max(if against.is_finite() { against } else { 0.0 });
+            }
+        }
+        longest.sqrt()
     }
 
     /// The longest way of these points [m].
@@ -577,7 +599,7 @@ mod tests {
         let mut draw = Draw(5);
         for (way, reach) in [(0.0, 3e-3), (1e-3, 2e-3), (8e-3, 1e-3), (2e-2, 0.0)] {
             let end = shaken(&mesh.points, way, &mut draw);
-            let found = mesh.finder().find(&mesh.points, &end, reach, &|_| false);
+            let found = mesh.finder().find(&mesh.points, &end, reach, false, &|_| false);
             if way < 1e-2 {
                 assert_complete(&mesh, &end, reach, &found, &mut draw);
             }
@@ -591,7 +613,7 @@ mod tests {
         let mesh = Mesh::pile(3, 6, 5, 1e-3, 2e-4);
         let mut finder = mesh.finder();
         for reach in [1.2e-3, 3e-3, 6e-3] {
-            let found = finder.find(&mesh.points, &mesh.points, reach, &|_| false);
+            let found = finder.find(&mesh.points, &mesh.points, reach, false, &|_| false);
             assert!(
                 found.quads(&finder).all(|q| q.gap(&mesh.points).distance <= reach * (1.0 + 2.0 * ROUNDING))
             );
@@ -608,12 +630,12 @@ mod tests {
         for _ in 0..5 {
             let start = shaken(&at, 6e-3, &mut draw);
             let end = shaken(&start, 2e-3, &mut draw);
-            let expected = mesh.finder().find(&start, &end, 2e-3, &|_| false);
+            let expected = mesh.finder().find(&start, &end, 2e-3, false, &|_| false);
             for threads in [1, 3] {
                 let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(threads).build() else {
                     panic!("no threads")
                 };
-                let found = pool.install(|| old.find(&start, &end, 2e-3, &|_| false));
+                let found = pool.install(|| old.find(&start, &end, 2e-3, false, &|_| false));
                 assert!(found == expected);
             }
             at = end;
@@ -627,14 +649,15 @@ mod tests {
         mesh.points.push(Vec3::new(0.01, 0.01, 5e-4));
         mesh.topology = Topology::new(mesh.points.len(), &mesh.triangles);
         let mut finder = mesh.finder();
-        let all = finder.find(&mesh.points, &mesh.points, 2e-3, &|_| false);
+        let all = finder.find(&mesh.points, &mesh.points, 2e-3, false, &|_| false);
         assert!(all.point_triangle.iter().all(|pair| pair[0] != lone));
         let without = |quad: &Quad| !quad.points.contains(&PointIndex(6));
-        let some = finder.find(&mesh.points, &mesh.points, 2e-3, &|q| q.points.contains(&PointIndex(6)));
+        let some =
+            finder.find(&mesh.points, &mesh.points, 2e-3, false, &|q| q.points.contains(&PointIndex(6)));
         assert!(all.quads(&finder).filter(without).eq(some.quads(&finder)) && some.len() < all.len());
         mesh.points[6].x = f64::NAN;
         // Its triangles are left out whole, and with them the pairs of what belongs to them.
-        let finite = finder.find(&mesh.points, &mesh.points, 2e-3, &|_| false);
+        let finite = finder.find(&mesh.points, &mesh.points, 2e-3, false, &|_| false);
         assert!(finite.quads(&finder).all(|quad| without(&quad)) && finite.len() > all.len() / 2);
     }
 
@@ -716,11 +739,17 @@ mod tests {
                 finder.tree.for_each_overlap(|_, _| count += 1);
                 count
             });
-            time("candidates, reach 3 mm, at rest", &mut || finder.find(&x, &x, 3e-3, &|_| false).len());
-            time("candidates, reach 1 mm, at rest", &mut || finder.find(&x, &x, 1e-3, &|_| false).len());
+            time("candidates, reach 3 mm, at rest", &mut || {
+                finder.find(&x, &x, 3e-3, false, &|_| false).len()
+            });
+            time("candidates, reach 1 mm, at rest", &mut || {
+                finder.find(&x, &x, 1e-3, false, &|_| false).len()
+            });
             let end = shaken(&x, 1e-3, &mut draw);
-            time("candidates, reach 1 mm, way 1 mm", &mut || finder.find(&x, &end, 1e-3, &|_| false).len());
-            let found = finder.find(&x, &end, 1e-3, &|_| false);
+            time("candidates, reach 1 mm, way 1 mm", &mut || {
+                finder.find(&x, &end, 1e-3, false, &|_| false).len()
+            });
+            let found = finder.find(&x, &end, 1e-3, false, &|_| false);
             println!("    {} + {}", found.point_triangle.len(), found.edge_edge.len());
             let mut quads: Vec<Quad> = Vec::new();
             time("quads", &mut || {

@@ -11,10 +11,9 @@ pub mod candidates;
 mod friction;
 mod pairs;
 
-use candidates::{CandidateFinder, Candidates, PairKind};
-
 use crate::energy::BlockSink;
 use crate::math::{Mat3, Vec3};
+use crate::mesh::{PointIndex, Topology};
 use friction::{Friction, Slider};
 use pairs::{PairContact, Touch};
 
@@ -35,19 +34,14 @@ pub struct ContactSettings {
     pub between_layers: bool,
 }
 
-/// The ground: the half space above a height.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Ground {
-    height: f64,
-}
-
 /// Contact of one garment with itself and with the ground.
 pub struct Contact {
     settings: ContactSettings,
     /// Per point: area it stands for [m²].
     area: Vec<f64>,
     layers: Option<PairContact>,
-    ground: Option<Ground>,
+    ground: Option<f64>,
+    ceiling: Option<f64>,
     friction: Friction,
 }
 
@@ -59,12 +53,13 @@ impl Contact {
     pub fn new(
         settings: ContactSettings,
         rest: &[Vec3],
-        triangles: &[[u32; 3]],
-        edges: &[[u32; 2]],
+        triangles: &[[PointIndex; 3]],
+        topology: &Topology,
         area: Vec<f64>,
     ) -> Self {
-        let layers = settings.between_layers.then(|| PairContact::new(&settings, rest, triangles, edges, &area));
-        Self { settings, area, layers, ground: None, friction: Friction::default() }
+        let layers =
+            settings.between_layers.then(|| PairContact::new(&settings, rest, triangles, topology, &area));
+        Self { settings, area, layers, ground: None, ceiling: None, friction: Friction::default() }
     }
 
     /// No contact at all.
@@ -77,7 +72,14 @@ impl Contact {
             creep: 1e-3,
             between_layers: false,
         };
-        Self { settings, area: vec![0.0; point_count], layers: None, ground: None, friction: Friction::default() }
+        Self {
+            settings,
+            area: vec![0.0; point_count],
+            layers: None,
+            ground: None,
+            ceiling: None,
+            friction: Friction::default(),
+        }
     }
 
     /// What contact there is.
@@ -85,9 +87,15 @@ impl Contact {
         &self.settings
     }
 
-    /// Puts the ground at `height` [m], or takes it away.
-    pub fn set_ground(&mut self, height: Option<f64>) {
-        self.ground = height.map(|height| Ground { height });
+    /// Puts ground and ceiling at these heights [m], or takes them away.
+    pub fn set_planes(&mut self, ground: Option<f64>, ceiling: Option<f64>) {
+        self.ground = ground;
+        self.ceiling = ceiling;
+    }
+
+    /// Distance of a point to the plane and +1 for the ground, -1 for the ceiling [m].
+    fn planes(&self) -> impl Iterator<Item = (f64, f64)> + use<> {
+        [(self.ground, 1.0), (self.ceiling, -1.0)].into_iter().filter_map(|(h, side)| h.map(|h| (h, side)))
     }
 
     /// Sets the stiffness per area [N/m³].
@@ -99,23 +107,23 @@ impl Contact {
     }
 
     /// Starts a step of `h` seconds at `x`: normal forces for friction are taken here. Without slip velocity
-    /// (equilibria) pass an infinite step and there is no friction.
-    pub fn begin_step(&mut self, x: &[Vec3], h: f64) {
+    /// (equilibria) pass an infinite step and there is no friction. `share` scales the friction coefficients.
+    pub fn begin_step(&mut self, x: &[Vec3], h: f64, share: f64) {
         self.friction.sliders.clear();
-        if !h.is_finite() {
+        if !h.is_finite() || share <= 0.0 {
             return;
         }
         self.friction.start = x.to_vec();
         self.friction.stick = self.settings.creep * h;
         if let (Some(ground), true) = (self.ground, self.settings.friction_ground > 0.0) {
             for (p, x) in x.iter().enumerate() {
-                let force = -barrier::slope(x.y - ground.height, self.settings.distance, self.ground_stiffness(p));
+                let force = -barrier::slope(x.y - ground, self.settings.distance, self.ground_stiffness(p));
                 if force > 0.0 {
                     self.friction.sliders.push(Slider {
                         points: [p as u32; 4],
                         weights: [1.0, 0.0, 0.0, 0.0],
                         normal: Vec3::y(),
-                        limit: self.settings.friction_ground * force,
+                        limit: share * self.settings.friction_ground * force,
                     });
                 }
             }
@@ -124,7 +132,7 @@ impl Contact {
             && let Some(layers) = &mut self.layers
         {
             layers.look_around(x);
-            let limit = self.settings.friction;
+            let limit = share * self.settings.friction;
             self.friction.sliders.extend(layers.touches(x).into_iter().map(|t| Slider {
                 points: t.points,
                 weights: t.weights,
@@ -144,12 +152,12 @@ impl Contact {
     /// Shortens the moves `d` of single points until the way from `x` to `x + d` (and to every share of it) keeps
     /// all pairs apart. Afterwards values may be asked for anywhere on that way.
     pub fn bound_motion(&mut self, x: &[Vec3], d: &mut [Vec3]) {
-        if let Some(ground) = self.ground {
+        for (height, side) in self.planes() {
             for (x, d) in x.iter().zip(d.iter_mut()) {
-                let gap = x.y - ground.height;
+                let (gap, way) = (side * (x.y - height), side * d.y);
                 let floor = (FLOOR * self.settings.distance).min(0.5 * gap);
-                if gap + d.y < floor && d.y < 0.0 {
-                    *d *= ((gap - floor) / -d.y).clamp(0.0, 1.0);
+                if gap + way < floor && way < 0.0 {
+                    *d *= ((gap - floor) / -way).clamp(0.0, 1.0);
                 }
             }
         }
@@ -170,12 +178,12 @@ impl Contact {
         self.settings.stiffness * self.area[p]
     }
 
-    /// Energy of all contacts and the dissipation potential of friction [J]; infinite below the ground.
+    /// Energy of all contacts and the dissipation potential of friction [J]; infinite beyond ground or ceiling.
     pub fn value(&self, x: &[Vec3]) -> f64 {
         let mut sum = 0.0;
-        if let Some(ground) = self.ground {
+        for (height, side) in self.planes() {
             for (p, x) in x.iter().enumerate() {
-                let gap = x.y - ground.height;
+                let gap = side * (x.y - height);
                 if gap <= 0.0 {
                     return f64::INFINITY;
                 }
@@ -183,16 +191,21 @@ impl Contact {
             }
         }
         if let Some(layers) = &self.layers {
-            sum += layers.touches(x).iter().map(|t| barrier::value(t.distance, t.reach, t.stiffness)).sum::<f64>();
+            sum += layers
+                .touches(x)
+                .iter()
+                .map(|t| barrier::value(t.distance, t.reach, t.stiffness))
+                .sum::<f64>();
         }
         sum + self.friction.value(x)
     }
 
     /// Adds the gradient [N].
     pub fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) {
-        if let Some(ground) = self.ground {
+        for (height, side) in self.planes() {
             for (p, (x, g)) in x.iter().zip(out.iter_mut()).enumerate() {
-                g.y += barrier::slope(x.y - ground.height, self.settings.distance, self.ground_stiffness(p));
+                let gap = side * (x.y - height);
+                g.y += side * barrier::slope(gap, self.settings.distance, self.ground_stiffness(p));
             }
         }
         if let Some(layers) = &self.layers {
@@ -208,10 +221,11 @@ impl Contact {
 
     /// Adds a positive Hessian: the barrier's curvature along the normal (its tangential part is negative).
     pub fn add_hessian(&self, x: &[Vec3], out: &mut dyn BlockSink) {
-        if let Some(ground) = self.ground {
-            let up = Mat3::from_diagonal(&Vec3::y());
+        let up = Mat3::from_diagonal(&Vec3::y());
+        for (height, side) in self.planes() {
             for (p, x) in x.iter().enumerate() {
-                let k = barrier::curvature(x.y - ground.height, self.settings.distance, self.ground_stiffness(p));
+                let gap = side * (x.y - height);
+                let k = barrier::curvature(gap, self.settings.distance, self.ground_stiffness(p));
                 if k > 0.0 {
                     out.add(p as u32, p as u32, &(up * k));
                 }

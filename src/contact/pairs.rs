@@ -1,11 +1,11 @@
 //! Cloth against cloth: point-triangle and edge-edge pairs within the contact distance, and the bound on motion.
 
-use super::{CandidateFinder, Candidates, ContactSettings, FLOOR};
+use super::candidates::{CandidateFinder, Candidates, PairKind};
+use super::{ContactSettings, FLOOR};
 use crate::math::Vec3;
-use crate::mesh::PointIndex;
-use crate::mesh::distance::{Gap, edge_edge, point_triangle};
-use crate::mesh::motion::{edge_edge_step, point_triangle_step};
+use crate::mesh::distance::Gap;
 use crate::mesh::tree::TriangleTree;
+use crate::mesh::{PointIndex, Topology};
 use rayon::prelude::*;
 
 /// A pair within its contact distance.
@@ -28,7 +28,7 @@ pub(super) struct Touch {
 #[derive(Debug, Clone, Copy)]
 struct Pair {
     points: [u32; 4],
-    is_edges: bool,
+    kind: PairKind,
     /// Contact distance [m]: shorter for pairs that are near by construction (beside a seam).
     reach: f64,
     /// Area the pair stands for [m²].
@@ -39,7 +39,7 @@ pub(super) struct PairContact {
     distance: f64,
     stiffness: f64,
     rest: Vec<Vec3>,
-    triangles: Vec<[u32; 3]>,
+    triangles: Vec<[PointIndex; 3]>,
     edges: Vec<[u32; 2]>,
     point_area: Vec<f64>,
     edge_area: Vec<f64>,
@@ -56,13 +56,14 @@ impl PairContact {
     pub fn new(
         settings: &ContactSettings,
         rest: &[Vec3],
-        triangles: &[[u32; 3]],
-        edges: &[[u32; 2]],
+        triangles: &[[PointIndex; 3]],
+        topology: &Topology,
         area: &[f64],
     ) -> Self {
         // An edge stands for a third of the area of its two ends' share along it: sum over edges = sum over points.
         let mut degree = vec![0.0f64; rest.len()];
-        for e in edges {
+        let edges: Vec<[u32; 2]> = topology.edges.iter().map(|e| e.map(|p| p.0)).collect();
+        for e in &edges {
             e.iter().for_each(|&p| degree[p as usize] += 1.0);
         }
         let share = |p: u32| area[p as usize] / degree[p as usize].max(1.0);
@@ -72,10 +73,10 @@ impl PairContact {
             stiffness: settings.stiffness,
             rest: rest.to_vec(),
             triangles: triangles.to_vec(),
-            edges: edges.to_vec(),
+            edges,
             point_area: area.to_vec(),
             edge_area,
-            finder: CandidateFinder::new(rest.len(), triangles, edges),
+            finder: CandidateFinder::new(rest, triangles, topology),
             pairs: Vec::new(),
         }
     }
@@ -86,13 +87,13 @@ impl PairContact {
 
     fn take(&mut self, found: Candidates) {
         let point = |&[p, f]: &[u32; 2]| {
-            let t = self.triangles[f as usize];
-            (([p, t[0], t[1], t[2]]), false, 0.5 * self.point_area[p as usize])
+            let t = self.triangles[f as usize].map(|c| c.0);
+            (([p, t[0], t[1], t[2]]), PairKind::PointTriangle, 0.5 * self.point_area[p as usize])
         };
         let edge = |&[a, b]: &[u32; 2]| {
             let (e, f) = (self.edges[a as usize], self.edges[b as usize]);
             let area = 0.25 * (self.edge_area[a as usize] + self.edge_area[b as usize]);
-            (([e[0], e[1], f[0], f[1]]), true, area)
+            (([e[0], e[1], f[0], f[1]]), PairKind::EdgeEdge, area)
         };
         let rest = &self.rest;
         let distance = self.distance;
@@ -101,27 +102,26 @@ impl PairContact {
             .par_iter()
             .map(point)
             .chain(found.edge_edge.par_iter().map(edge))
-            .map(|(points, is_edges, area)| {
-                let near = gap(rest, &points, is_edges).distance;
-                Pair { points, is_edges, reach: distance.min(REST_SHARE * near), area }
+            .map(|(points, kind, area)| {
+                let near = gap(rest, &points, kind).distance;
+                Pair { points, kind, reach: distance.min(REST_SHARE * near), area }
             })
             .collect();
     }
 
     pub fn look_around(&mut self, x: &[Vec3]) {
-        let found = self.finder.find(x, x, self.distance);
+        let found = self.finder.find(x, x, self.distance, true, &|_| false);
         self.take(found);
     }
 
     /// See [`super::Contact::uncovered_area`].
     pub fn uncovered_area(&self, x: &[Vec3]) -> Vec<f64> {
-        let corners: Vec<[PointIndex; 3]> = self.triangles.iter().map(|t| t.map(PointIndex)).collect();
-        let tree = TriangleTree::new(x, &corners, 0.0);
+        let tree = TriangleTree::new(x, &self.triangles, 0.0);
         let open: Vec<f64> = self
             .triangles
             .par_iter()
             .map(|t| {
-                let [a, b, c] = t.map(|p| x[p as usize]);
+                let [a, b, c] = t.map(|p| x[p.at()]);
                 let centre = (a + b + c) / 3.0 + Vec3::y() * 1e-6;
                 let shadow = 0.5 * ((b - a).cross(&(c - a))).y.abs();
                 if tree.any_hit(x, centre, Vec3::y(), 10.0) { 0.0 } else { shadow }
@@ -129,7 +129,7 @@ impl PairContact {
             .collect();
         let mut area = vec![0.0; x.len()];
         for (t, open) in self.triangles.iter().zip(open) {
-            t.iter().for_each(|&p| area[p as usize] += open / 3.0);
+            t.iter().for_each(|p| area[p.at()] += open / 3.0);
         }
         area
     }
@@ -139,7 +139,7 @@ impl PairContact {
         self.pairs
             .par_iter()
             .filter_map(|pair| {
-                let gap = gap(x, &pair.points, pair.is_edges);
+                let gap = gap(x, &pair.points, pair.kind);
                 (gap.distance < pair.reach).then(|| Touch {
                     points: pair.points,
                     weights: gap.weights,
@@ -161,7 +161,7 @@ impl PairContact {
     pub fn bound_motion(&mut self, x: &[Vec3], d: &mut [Vec3]) {
         for round in 0.. {
             let end: Vec<Vec3> = x.iter().zip(d.iter()).map(|(x, d)| x + d).collect();
-            let found = self.finder.find(x, &end, self.distance);
+            let found = self.finder.find(x, &end, self.distance, true, &|_| false);
             self.take(found);
             let safe: Vec<f64> = self.pairs.par_iter().map(|pair| safe_share(x, d, pair)).collect();
             let least = safe.iter().copied().fold(1.0, f64::min);
@@ -184,14 +184,12 @@ impl PairContact {
 }
 
 #[inline]
-fn gap(x: &[Vec3], points: &[u32; 4], is_edges: bool) -> Gap {
-    let [a, b, c, d] = points.map(|p| &x[p as usize]);
-    if is_edges { edge_edge(a, b, c, d) } else { point_triangle(a, b, c, d) }
+fn gap(x: &[Vec3], points: &[u32; 4], kind: PairKind) -> Gap {
+    kind.gap(&points.map(|p| x[p as usize]))
 }
 
 /// Share of the move along which the pair stays apart.
 fn safe_share(x: &[Vec3], d: &[Vec3], pair: &Pair) -> f64 {
-    let (x, d) = (pair.points.map(|p| x[p as usize]), pair.points.map(|p| d[p as usize]));
     let floor = FLOOR * pair.reach;
-    if pair.is_edges { edge_edge_step(x, d, floor) } else { point_triangle_step(x, d, floor) }
+    pair.kind.step(pair.points.map(|p| x[p as usize]), pair.points.map(|p| d[p as usize]), floor)
 }

@@ -61,7 +61,8 @@ impl Bending {
         let mut faces = Vec::new();
         let mut coupling = Vec::new();
         // S as the vector (S_uu, S_vv, sqrt2 S_uv), scaled so that Q is a plain Gram matrix.
-        let scale = Vector3::new(rigidity[0].sqrt(), rigidity[1].sqrt(), (rigidity[0] * rigidity[1]).powf(0.25));
+        let scale =
+            Vector3::new(rigidity[0].sqrt(), rigidity[1].sqrt(), (rigidity[0] * rigidity[1]).powf(0.25));
         for (f, m) in material.iter().enumerate() {
             let hinges = topology.triangle_edges[f].map(|e| topology.edge_hinge[e as usize].unwrap_or(NONE));
             let area = area(m);
@@ -205,9 +206,7 @@ impl Energy for BendingTerm<'_> {
             .points
             .iter()
             .zip(&self.root)
-            .map(|(p, &root)| {
-                hinge_gradient(&p.map(|i| x[i as usize])).unwrap_or_default().map(|g| g * root)
-            })
+            .map(|(p, &root)| hinge_gradient(&p.map(|i| x[i as usize])).unwrap_or_default().map(|g| g * root))
             .collect();
         for (hinges, q) in self.model.faces.iter().zip(&self.model.coupling) {
             // Points of the face's hinges (at most six) and, for each, its derivative of the three angles.

@@ -246,8 +246,9 @@ mod tests {
         let (membrane, _) = pair();
         let memory = RestShape::flat(0, 2);
         let stretch = |sx: f64, sy: f64| {
-            let x: Vec<Vec3> =
-                [(0.0, 0.0), (0.1, 0.0), (0.03, 0.08), (0.06, -0.05)].map(|(u, v)| Vec3::new(u * sx, v * sy, 0.0)).into();
+            let x: Vec<Vec3> = [(0.0, 0.0), (0.1, 0.0), (0.03, 0.08), (0.06, -0.05)]
+                .map(|(u, v)| Vec3::new(u * sx, v * sy, 0.0))
+                .into();
             membrane.term(&memory, &[], f64::INFINITY).value(&x)
         };
         let area = 0.1 * 0.13 / 2.0;

@@ -48,13 +48,13 @@ impl Remembering {
         };
         let angle = Law {
             gradual: band(
-                fabric.gradual_threshold(),
+                fabric.memory.gradual_threshold(),
                 memory.gradual_duration_s,
                 memory.gradual_stiffness_ratio,
                 memory.gradual_angle_ratio,
             ),
             critical: band(
-                fabric.critical_threshold(),
+                fabric.memory.critical_threshold(),
                 memory.critical_duration_s,
                 memory.critical_stiffness_ratio,
                 memory.critical_angle_ratio,
@@ -64,20 +64,20 @@ impl Remembering {
         let length = (memory.gradual_length_ratio > 0.0 || memory.critical_length_ratio > 0.0).then(|| Law {
             // Stretching does not stiffen the membrane: only the rest length moves.
             gradual: band(
-                fabric.gradual_stretch_threshold(),
+                fabric.memory.gradual_stretch_threshold(),
                 memory.gradual_duration_s,
                 0.0,
                 memory.gradual_length_ratio,
             ),
             critical: band(
-                fabric.critical_stretch_threshold(),
+                fabric.memory.critical_stretch_threshold(),
                 memory.critical_duration_s,
                 0.0,
                 memory.critical_length_ratio,
             ),
             ceiling: 1.0,
         });
-        let reference = fabric.reference_length();
+        let reference = fabric.memory.reference_length();
         let least = |points: &mut dyn Iterator<Item = usize>| {
             points.map(|p| garment.memory_mask[p]).fold(1.0, f64::min).clamp(0.0, 1.0)
         };
@@ -91,11 +91,7 @@ impl Remembering {
                 .iter()
                 .map(|h| least(&mut h.points[..2].iter().map(|p| p.at())))
                 .collect(),
-            triangle_mask: garment
-                .triangles
-                .iter()
-                .map(|t| least(&mut t.iter().map(|p| p.at())))
-                .collect(),
+            triangle_mask: garment.triangles.iter().map(|t| least(&mut t.iter().map(|p| p.at()))).collect(),
         }
     }
 
@@ -129,7 +125,13 @@ impl Memory {
     }
 
     /// Writes what a step of `duration` [s] from `before` to `after` leaves in the cloth.
-    pub fn commit(&mut self, law: &Remembering, before: &Observed, after: &Observed, duration: f64) -> EventCount {
+    pub fn commit(
+        &mut self,
+        law: &Remembering,
+        before: &Observed,
+        after: &Observed,
+        duration: f64,
+    ) -> EventCount {
         let mut count = EventCount::default();
         let shape = &mut self.shape;
         for (h, running) in self.hinge.iter_mut().enumerate() {
@@ -152,7 +154,8 @@ impl Memory {
             ];
             for (rest, timers, axis) in axes {
                 for (f, running) in timers.iter_mut().enumerate() {
-                    let mut trace = Trace { rest: rest[f], stiffness: 1.0, zone: running.0, timer: running.1 };
+                    let mut trace =
+                        Trace { rest: rest[f], stiffness: 1.0, zone: running.0, timer: running.1 };
                     // Compressed cloth buckles, it does not shorten: strain below rest counts as none.
                     let at = |stretch: &[[f64; 3]]| stretch[f][axis].max(rest[f]);
                     let (from, to) = (at(before.stretch), at(after.stretch));
@@ -175,7 +178,7 @@ mod tests {
     fn law(hinges: usize, gain: f64) -> Remembering {
         let fabric = Fabric::preset("kow-tshirt").unwrap();
         let right = std::f64::consts::FRAC_PI_2;
-        assert!((fabric.gradual_threshold() - 0.27 * right).abs() < 1e-12);
+        assert!((fabric.memory.gradual_threshold() - 0.27 * right).abs() < 1e-12);
         let band = |threshold, duration, stiffness_rate, rest_rate| Band {
             threshold,
             duration,

@@ -1,8 +1,8 @@
 //! Triangle meshes as geometry: indices, topology, hinge angles, distances, search. Knows no cloth and no file.
 
-mod hinge;
 pub mod crossings;
 pub mod distance;
+mod hinge;
 mod index;
 pub mod motion;
 mod topology;

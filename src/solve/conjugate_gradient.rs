@@ -58,4 +58,3 @@ pub fn conjugate_gradient(
     }
     Solution { x, iterations: most_iterations, converged: false }
 }
-

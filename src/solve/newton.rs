@@ -215,7 +215,14 @@ impl Problem<'_> {
     }
 
     /// Moves `x` along `d` as far as phi falls enough (Armijo where the slope is down). False if nowhere.
-    fn line_search(&self, x: &mut [Vec3], d: &[Vec3], slope: f64, value: &mut f64, contact: &Contact) -> bool {
+    fn line_search(
+        &self,
+        x: &mut [Vec3],
+        d: &[Vec3],
+        slope: f64,
+        value: &mut f64,
+        contact: &Contact,
+    ) -> bool {
         let mut share = 1.0;
         for _ in 0..24 {
             let trial: Vec<Vec3> = x.iter().zip(d).map(|(x, d)| x + d * share).collect();

@@ -1,10 +1,9 @@
 //! Where the cloth is and how it moves.
 
 use crate::math::Vec3;
-use serde::{Deserialize, Serialize};
 
 /// State of the points after an accepted step. Only `solve` changes it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct State {
     /// Time since the start of the script [s].
     pub time: f64,
@@ -19,7 +18,7 @@ pub struct State {
 }
 
 /// What a two-step method remembers of the step before.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Previous {
     /// Length of the step that led from it to the state [s].
     pub step: f64,

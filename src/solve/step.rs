@@ -121,8 +121,8 @@ impl Stepper {
     fn attempt(&mut self, state: &State, memory: &RestShape, drive: &Drive, h: f64) -> (State, NewtonReport) {
         let stage = self.options.method.stage(state, h);
         let inertial = stage.inertial();
-        self.contact.set_ground(drive.ground);
-        self.contact.begin_step(&state.x, h);
+        self.contact.set_planes(drive.ground, drive.ceiling);
+        self.contact.begin_step(&state.x, h, drive.friction);
         let measure = self.cloth.membrane.measure(&state.x);
         let forces = self.forces(drive, &state.x);
         let membrane = self.cloth.membrane.term(memory, &measure, stage.span);
@@ -172,8 +172,11 @@ impl Stepper {
         };
         // The ball's wall is as stiff as layers are to one another.
         let wall = self.contact.settings().stiffness;
-        let stiffness =
-            if drive.ball.is_some() { self.cloth.area.iter().map(|a| a * wall).collect() } else { Vec::new() };
+        let stiffness = if drive.ball.is_some() {
+            self.cloth.area.iter().map(|a| a * wall).collect()
+        } else {
+            Vec::new()
+        };
         Forces { held, push, stiffness }
     }
 
@@ -182,12 +185,11 @@ impl Stepper {
         &mut self,
         x: &mut Vec<Vec3>,
         terms: &[&dyn Energy],
-        ground: Option<f64>,
         newton: &NewtonOptions,
         regularisation: f64,
     ) -> NewtonReport {
-        self.contact.set_ground(ground);
-        self.contact.begin_step(x, f64::INFINITY);
+        self.contact.set_planes(None, None);
+        self.contact.begin_step(x, f64::INFINITY, 0.0);
         let held = vec![false; x.len()];
         let problem = Problem { inertia: None, terms, held: &held, regularisation };
         problem.solve(x, &mut self.contact, newton, &mut self.work)

@@ -19,6 +19,10 @@ pub struct Drive {
     pub gravity: Vec3,
     /// Height of the ground [m], if there is one.
     pub ground: Option<f64>,
+    /// Height of a ceiling that presses from above [m], if there is one.
+    pub ceiling: Option<f64>,
+    /// Share of the fabric's friction that acts: 0 where hands let the cloth slide.
+    pub friction: f64,
     /// Springs that draw points along.
     pub guides: Vec<Guide>,
     /// Points that are held where they are, one flag per point; empty for none.
@@ -42,6 +46,8 @@ impl Drive {
         Self {
             gravity: Vec3::new(0.0, -GRAVITY, 0.0),
             ground,
+            ceiling: None,
+            friction: 1.0,
             guides: Vec::new(),
             held: Vec::new(),
             pressure: 0.0,

@@ -5,22 +5,28 @@
 //! fractions refer to, folds that can be opened again, what holds the cloth up) is the [`Posture`].
 
 use super::Drive;
-use crate::error::Result;
-use crate::math::Vec3;
-use crate::mesh::PointIndex;
+use crate::error::{Error, Result};
+use crate::math::{Mat3, Vec3};
 
 /// What a gesture may know of the cloth.
 pub struct Scene<'a> {
     /// Positions, one per point [m].
     pub x: &'a [Vec3],
+    /// Source positions, one per point [m].
+    pub source: &'a [Vec3],
     /// Masses, one per point [kg].
     pub mass: &'a [f64],
-    /// Triangles.
-    pub triangles: &'a [[PointIndex; 3]],
     /// Contact distance: the thickness of a layer [m].
     pub thickness: f64,
     /// How the script is called in messages, and the place of the action in it.
     pub place: (&'a str, &'a str),
+}
+
+impl Scene<'_> {
+    /// The action cannot be done here: `what` is in the way, `cure` helps.
+    pub fn refuse(&self, what: impl Into<String>, cure: impl Into<String>) -> Error {
+        Error::fault(self.place.0, self.place.1, what, cure)
+    }
 }
 
 /// The plane that fractions refer to.
@@ -38,6 +44,22 @@ impl Frame {
     /// The place of a fraction [m].
     pub fn place(&self, fraction: [f64; 2]) -> Vec3 {
         self.origin + self.right * fraction[0] + self.upward * fraction[1]
+    }
+
+    /// The fraction of a place.
+    pub fn fraction(&self, place: &Vec3) -> [f64; 2] {
+        let arm = place - self.origin;
+        [&self.right, &self.upward].map(|axis| arm.dot(axis) / axis.norm_squared().max(f64::MIN_POSITIVE))
+    }
+
+    /// Box of points that hang: x to the right, y upward.
+    pub fn hanging(x: &[Vec3]) -> Self {
+        let (low, high) = bounds(x);
+        Self {
+            origin: Vec3::new(low.x, low.y, 0.5 * (low.z + high.z)),
+            right: Vec3::new(high.x - low.x, 0.0, 0.0),
+            upward: Vec3::new(0.0, high.y - low.y, 0.0),
+        }
     }
 
     /// Box of points that lie on the ground: x to the right, -z upward.
@@ -74,8 +96,10 @@ pub struct MadeFold {
 }
 
 /// What outlives an action.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Posture {
+    /// How the garment as a whole is turned against its file: file directions to present ones.
+    pub turned: Mat3,
     /// What fractions refer to, once the cloth lies or hangs.
     pub frame: Option<Frame>,
     /// Folds not opened yet, oldest first.
@@ -86,7 +110,18 @@ pub struct Posture {
     pub kept: Option<Drive>,
 }
 
+impl Default for Posture {
+    fn default() -> Self {
+        Self { turned: Mat3::identity(), frame: None, folds: Vec::new(), ground: None, kept: None }
+    }
+}
+
 impl Posture {
+    /// The frame, if the cloth lies on the ground.
+    pub fn lying(&self) -> Option<Frame> {
+        self.ground.and(self.frame)
+    }
+
     /// What acts when nothing is done: gravity, the ground and whatever has not been let go.
     pub fn resting(&self) -> Drive {
         self.kept.clone().unwrap_or_else(|| Drive::at_rest(self.ground))
@@ -95,8 +130,13 @@ impl Posture {
 
 /// An action under way.
 pub trait Gesture {
-    /// What acts at `t` seconds after its start.
-    fn drive(&mut self, t: f64) -> Drive;
+    /// What acts at `t` seconds after its start; `x` are the positions at the start of the step that ends then.
+    fn drive(&mut self, t: f64, x: &[Vec3]) -> Drive;
+
+    /// Times after its start that no step may jump over [s], increasing.
+    fn breaks(&self) -> Vec<f64> {
+        Vec::new()
+    }
 
     /// Moves the points before a step that ends at `t` seconds, by a map that keeps layers in order (`lay` squeezes).
     /// Returns whether it did.
@@ -141,7 +181,7 @@ pub(super) struct Still {
 }
 
 impl Gesture for Still {
-    fn drive(&mut self, _t: f64) -> Drive {
+    fn drive(&mut self, _t: f64, _x: &[Vec3]) -> Drive {
         self.drive.clone()
     }
 

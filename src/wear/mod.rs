@@ -6,7 +6,9 @@
 mod action_list;
 mod actions;
 mod drive;
+mod gesture;
 mod script;
+mod turning;
 
 pub use action_list::Action;
 pub use actions::{
@@ -14,4 +16,5 @@ pub use actions::{
     Press, Release, Repeat, Settle, Side, Unfold, WearAction,
 };
 pub use drive::{Ball, Drive, GRAVITY};
+pub use gesture::{Frame, Gesture, MadeFold, Posture, Scene, Start};
 pub use script::{ACTION_LIMIT, DURATION_LIMIT_S, Flatten, NESTING_LIMIT, WearFormat, WearScript};

@@ -68,12 +68,7 @@ mod tests {
     use super::*;
 
     fn axis() -> Axis {
-        Axis {
-            origin: Vec3::new(0.2, 0.01, 0.0),
-            along: Vec3::z(),
-            out: Vec3::x(),
-            least_depth: 1e-4,
-        }
+        Axis { origin: Vec3::new(0.2, 0.01, 0.0), along: Vec3::z(), out: Vec3::x(), least_depth: 1e-4 }
     }
 
     #[test]
@@ -99,7 +94,9 @@ mod tests {
         let phi = std::f64::consts::PI;
         for depth in [0.001, 0.004] {
             let way: f64 = (0..1000)
-                .map(|k| (at(f64::from(k + 1) * 1e-4, depth, phi) - at(f64::from(k) * 1e-4, depth, phi)).norm())
+                .map(|k| {
+                    (at(f64::from(k + 1) * 1e-4, depth, phi) - at(f64::from(k) * 1e-4, depth, phi)).norm()
+                })
                 .sum();
             assert!((way - 0.1).abs() < 1e-5, "{way}");
         }

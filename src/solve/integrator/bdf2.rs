@@ -10,7 +10,9 @@ use crate::solve::{Previous, State};
 pub(super) fn stage(state: &State, previous: &Previous, h: f64) -> Stage {
     let r = h / previous.step;
     let (now, before) = ((1.0 + r).powi(2) / (1.0 + 2.0 * r), r * r / (1.0 + 2.0 * r));
-    let mix = |a: &[_], b: &[_]| a.iter().zip(b).map(|(a, b): (&nalgebra::Vector3<f64>, _)| a * now - b * before).collect();
+    let mix = |a: &[_], b: &[_]| {
+        a.iter().zip(b).map(|(a, b): (&nalgebra::Vector3<f64>, _)| a * now - b * before).collect()
+    };
     Stage {
         base: mix(&state.x, &previous.x),
         drift: mix(&state.v, &previous.v),

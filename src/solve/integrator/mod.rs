@@ -50,7 +50,8 @@ pub const MOST_GROWTH: f64 = 2.0;
 
 impl Method {
     /// Every method with its name on the command line.
-    pub const ALL: [(&'static str, Self); 2] = [("backward-euler", Self::BackwardEuler), ("bdf2", Self::Bdf2)];
+    pub const ALL: [(&'static str, Self); 2] =
+        [("backward-euler", Self::BackwardEuler), ("bdf2", Self::Bdf2)];
 
     /// The method of that name.
     pub fn named(name: &str) -> Option<Self> {

@@ -1,6 +1,8 @@
 //! `bend`: a joint of the body bends and goes back, as an elbow does a thousand times.
 
 use super::{Misfit, WearAction};
+use crate::error::Result;
+use crate::wear::gesture::{Posture, Scene, Start};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -99,6 +101,10 @@ impl WearAction for Bend {
             ));
         }
         misfits
+    }
+
+    fn begin(&self, scene: &Scene, _posture: &mut Posture) -> Result<Start> {
+        Err(scene.refuse("`bend` moves a body, and there is none", "leave this action out"))
     }
 
     fn example() -> Self {

@@ -1,6 +1,10 @@
 //! `crumple`: the garment is squeezed into a ball, as in a fist or a full suitcase.
 
 use super::WearAction;
+use crate::error::Result;
+use crate::math::Vec3;
+use crate::wear::gesture::{Gesture, Posture, Scene, Start, bounds, smooth};
+use crate::wear::{Ball, Drive};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -30,7 +34,55 @@ impl WearAction for Crumple {
         self.over_s + self.hold_s
     }
 
+    fn begin(&self, scene: &Scene, posture: &mut Posture) -> Result<Start> {
+        let (low, high) = bounds(scene.x);
+        let last_radius = 0.5 * self.to * (high - low).max();
+        let mut centre = (low + high) * 0.5;
+        // The closed ball hovers over the ground: hands hold it.
+        centre.y = posture.ground.map_or(centre.y, |ground| ground + last_radius + CLEARANCE);
+        let first_radius = scene.x.iter().map(|p| (p - centre).norm()).fold(last_radius, f64::max);
+        posture.folds.clear();
+        posture.kept = None;
+        let ground = posture.ground;
+        Start::here(Squeeze { centre, radii: [first_radius, last_radius], over: self.over_s, ground })
+    }
+
     fn example() -> Self {
         Self { to: 0.25, over_s: 3.5, hold_s: 20.0 }
+    }
+}
+
+/// Height of the closed ball over the ground [m].
+const CLEARANCE: f64 = 0.02;
+/// Longest step while the ball closes, as a share of the time that takes.
+const STEP_SHARE: f64 = 0.01;
+
+/// A ball that closes around the cloth and stays closed.
+struct Squeeze {
+    centre: Vec3,
+    /// At the start and at the end [m].
+    radii: [f64; 2],
+    over: f64,
+    ground: Option<f64>,
+}
+
+impl Gesture for Squeeze {
+    fn drive(&mut self, t: f64, _x: &[Vec3]) -> Drive {
+        // Equal steps in the logarithm: every step shortens all ways by the same share.
+        let radius = self.radii[0] * (self.radii[1] / self.radii[0]).powf(smooth(t / self.over));
+        let closing = t <= self.over * (1.0 + 1e-9);
+        Drive {
+            ball: Some(Ball { centre: self.centre, radius }),
+            longest_step: if closing { STEP_SHARE * self.over } else { 0.5 },
+            ..Drive::at_rest(self.ground)
+        }
+    }
+
+    fn breaks(&self) -> Vec<f64> {
+        vec![self.over]
+    }
+
+    fn end(&mut self, posture: &mut Posture, x: &[Vec3]) {
+        posture.kept = Some(self.drive(f64::INFINITY, x));
     }
 }

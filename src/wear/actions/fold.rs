@@ -1,6 +1,12 @@
 //! `fold`: one side of a line is turned over, as hands fold cloth on a table.
 
 use super::{Misfit, WearAction};
+use crate::energy::Guide;
+use crate::error::Result;
+use crate::math::Vec3;
+use crate::wear::Drive;
+use crate::wear::gesture::{Gesture, MadeFold, Posture, Scene, Start, guide_stiffness, smooth};
+use crate::wear::turning::{Axis, OnSheet};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -114,6 +120,57 @@ impl WearAction for Fold {
         }
     }
 
+    fn begin(&self, scene: &Scene, posture: &mut Posture) -> Result<Start> {
+        let Some(frame) = posture.lying() else {
+            return Err(scene.refuse("`fold` needs a garment that lies", "lay it first: {\"lay\": {}}"));
+        };
+        let [a, b] = self.line.map(|f| frame.place(f.0));
+        let along = (b - a).normalize();
+        let across = along.cross(&Vec3::y());
+        let out = if self.turns(Fraction2(frame.fraction(&(a + across)))) { across } else { -across };
+        let beyond = |p: &Vec3| (p - a).dot(&out);
+        let (flap, rest): (Vec<u32>, Vec<u32>) =
+            (0..scene.x.len() as u32).partition(|&p| beyond(&scene.x[p as usize]) > 0.0);
+        if flap.is_empty() || rest.is_empty() {
+            let side = if flap.is_empty() { "nothing" } else { "everything" };
+            return Err(scene.refuse(
+                format!("{side} lies on the side of the line that is turned"),
+                "move the line: fractions of the box run from 0 to 1, x to the right, y upward",
+            ));
+        }
+        let reach = flap.iter().map(|&p| beyond(&scene.x[p as usize])).fold(0.0, f64::max);
+        let height = |points: &mut dyn Iterator<Item = &u32>| {
+            points.map(|&p| scene.x[p as usize].y).fold(0.0, f64::max)
+        };
+        let flap_top = height(&mut flap.iter());
+        let rest_top = height(&mut rest.iter().filter(|&&p| beyond(&scene.x[p as usize]) > -reach));
+        let gap = 1.5 * scene.thickness;
+        // Turned over, the sheet at depth r below the axis lies r above it.
+        let axis_height = (0.5 * (flap_top + rest_top + gap)).max(flap_top + 0.5 * gap);
+        let axis =
+            Axis { origin: Vec3::new(a.x, axis_height, a.z), along, out, least_depth: 0.5 * scene.thickness };
+        let guided = flap
+            .iter()
+            .map(|&p| {
+                let place = axis.on_sheet(&scene.x[p as usize], 0.0);
+                (p, place, guide_stiffness(scene.mass[p as usize]))
+            })
+            .collect();
+        // A hand on the part that stays, along the line.
+        let stay = rest
+            .iter()
+            .filter(|&&p| beyond(&scene.x[p as usize]) > -HAND)
+            .map(|&p| Guide {
+                point: p,
+                target: scene.x[p as usize],
+                stiffness: guide_stiffness(scene.mass[p as usize]),
+            })
+            .collect();
+        let made = MadeFold { flap, origin: a, along, out, angle: self.angle_deg.to_radians() };
+        let resting = posture.resting();
+        Start::here(Turn { axis, guided, stay, made, over: self.over_s, resting })
+    }
+
     fn example() -> Self {
         Self {
             line: [Fraction2([0.3, 0.0]), Fraction2([0.35, 1.0])],
@@ -122,6 +179,57 @@ impl WearAction for Fold {
             over_s: 2.5,
             hold_s: 5.0,
         }
+    }
+}
+
+/// Width of the hand that holds the resting part along the line [m].
+const HAND: f64 = 0.05;
+/// A step turns the flap by this angle at most [rad].
+pub(in crate::wear) const MOST_TURN: f64 = 0.12;
+/// Folds beyond this angle lie by themselves; others are held until they are opened or released [rad].
+const LIES_BEYOND: f64 = 3.0;
+
+/// A flap that is being turned over.
+struct Turn {
+    axis: Axis,
+    /// Point, where on its sheet, stiffness of its guide [N/m].
+    guided: Vec<(u32, OnSheet, f64)>,
+    stay: Vec<Guide>,
+    made: MadeFold,
+    over: f64,
+    resting: Drive,
+}
+
+impl Gesture for Turn {
+    fn drive(&mut self, t: f64, _x: &[Vec3]) -> Drive {
+        let turning = t <= self.over * (1.0 + 1e-9);
+        if !turning && self.made.angle > LIES_BEYOND {
+            return self.resting.clone();
+        }
+        let phi = self.made.angle * smooth(t / self.over);
+        let flap = self.guided.iter().map(|(point, place, stiffness)| Guide {
+            point: *point,
+            target: self.axis.turned(place, phi),
+            stiffness: *stiffness,
+        });
+        // The smooth motion is 1.5 times as fast in the middle as on average.
+        let longest_step = if turning { MOST_TURN * self.over / (1.5 * self.made.angle) } else { 1.0 };
+        Drive {
+            guides: flap.chain(self.stay.iter().copied()).collect(),
+            longest_step,
+            ..self.resting.clone()
+        }
+    }
+
+    fn breaks(&self) -> Vec<f64> {
+        vec![self.over]
+    }
+
+    fn end(&mut self, posture: &mut Posture, x: &[Vec3]) {
+        if self.made.angle <= LIES_BEYOND {
+            posture.kept = Some(self.drive(f64::INFINITY, x));
+        }
+        posture.folds.push(self.made.clone());
     }
 }
 

@@ -1,6 +1,10 @@
 //! `hang`: the garment is hung up.
 
 use super::{Fraction2, WearAction};
+use crate::error::Result;
+use crate::math::{Mat3, Vec3};
+use crate::wear::Drive;
+use crate::wear::gesture::{Frame, Posture, Scene, Start, Still, bounds};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -50,7 +54,47 @@ impl WearAction for Hang {
         self.for_s
     }
 
+    fn begin(&self, scene: &Scene, posture: &mut Posture) -> Result<Start> {
+        // Lying: what points away from the viewer (-z) goes up, what looks up (+y) looks at the viewer.
+        let upright = if posture.lying().is_some() {
+            Mat3::new(1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0)
+        } else {
+            Mat3::identity()
+        };
+        let placed: Vec<Vec3> = scene.x.iter().map(|p| upright * p).collect();
+        let frame = Frame::hanging(&placed);
+        let (low, high) = bounds(&placed);
+        let grip = GRIP * (high - low).norm();
+        let held: Vec<bool> = match &self.by {
+            HangBy::Place(HangPlace::Top) => placed.iter().map(|p| high.y - p.y <= grip).collect(),
+            HangBy::Points(places) => {
+                let mut held = vec![false; placed.len()];
+                for place in places {
+                    let target = frame.place(place.0);
+                    let flat = |p: &Vec3| (p - target).xy().norm();
+                    let nearest = placed.iter().map(flat).fold(f64::INFINITY, f64::min);
+                    placed
+                        .iter()
+                        .zip(&mut held)
+                        .filter(|(p, _)| flat(p) <= nearest + grip)
+                        .for_each(|(_, h)| *h = true);
+                }
+                held
+            }
+        };
+        posture.turned = upright * posture.turned;
+        posture.frame = Some(frame);
+        posture.ground = None;
+        posture.folds.clear();
+        let drive = Drive { held, longest_step: 0.1, ..Drive::at_rest(None) };
+        posture.kept = Some(drive.clone());
+        Ok(Start { gesture: Box::new(Still { drive, may_end_early: true }), placed: Some(placed) })
+    }
+
     fn example() -> Self {
         Self { by: HangBy::Points(vec![Fraction2([0.1, 1.0]), Fraction2([0.9, 1.0])]), for_s: 8.0 }
     }
 }
+
+/// Size of a grip, as a share of the garment's diagonal.
+const GRIP: f64 = 0.01;

@@ -1,6 +1,8 @@
 //! `hold`: everything that is held stays held.
 
 use super::WearAction;
+use crate::error::Result;
+use crate::wear::gesture::{Posture, Scene, Start, Still};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -17,6 +19,10 @@ pub struct Hold {
 impl WearAction for Hold {
     fn duration_s(&self) -> f64 {
         self.for_s
+    }
+
+    fn begin(&self, _scene: &Scene, posture: &mut Posture) -> Result<Start> {
+        Start::here(Still { drive: posture.resting(), may_end_early: false })
     }
 
     fn example() -> Self {

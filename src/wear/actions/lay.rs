@@ -1,6 +1,10 @@
 //! `lay`: the garment is laid flat on the ground, layers in order, none crossing.
 
 use super::WearAction;
+use crate::error::Result;
+use crate::math::{Mat3, Vec3};
+use crate::wear::Drive;
+use crate::wear::gesture::{Frame, Gesture, Posture, Scene, Start, bounds, smooth};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -46,7 +50,126 @@ impl WearAction for Lay {
         self.over_s
     }
 
+    fn begin(&self, scene: &Scene, posture: &mut Posture) -> Result<Start> {
+        let (facing, upper) = self.directions(scene.source);
+        let (facing, upper) = (posture.turned * facing, posture.turned * upper);
+        let turn =
+            Mat3::from_rows(&[upper.cross(&facing).transpose(), facing.transpose(), (-upper).transpose()]);
+        let mut placed: Vec<Vec3> = scene.x.iter().map(|p| turn * p).collect();
+        let (low, high) = bounds(&placed);
+        let shift = Vec3::new(-0.5 * (low.x + high.x), scene.thickness - low.y, -0.5 * (low.z + high.z));
+        placed.iter_mut().for_each(|p| *p += shift);
+        posture.turned = turn * posture.turned;
+        posture.folds.clear();
+        posture.kept = None;
+        posture.ground = Some(0.0);
+        posture.frame = Some(Frame::lying(&placed));
+        let height = high.y - low.y + scene.thickness;
+        let flat = FLAT_LAYERS * scene.thickness;
+        let gesture = Flatten {
+            heights: [height, flat.min(height)],
+            now: height,
+            over: self.over_s,
+            thickness: scene.thickness,
+        };
+        Ok(Start { gesture: Box::new(gesture), placed: Some(placed) })
+    }
+
     fn example() -> Self {
         Self { facing: Facing::Back, over_s: 1.5 }
+    }
+}
+
+/// A garment is pressed down to this many layer thicknesses before it is let go.
+const FLAT_LAYERS: f64 = 12.0;
+/// Share of the time that pressing down takes; in the rest it lies free.
+const PRESS_SHARE: f64 = 0.7;
+/// A step lowers the ceiling by this share at most.
+const MOST_SQUEEZE: f64 = 0.08;
+/// A garment is lying in its file if it is this much thinner in y than in x and z.
+const LYING_RATIO: f64 = 0.25;
+
+impl Lay {
+    /// Which direction of the file shall look up, and which shall point away from the viewer.
+    fn directions(&self, source: &[Vec3]) -> (Vec3, Vec3) {
+        let (low, high) = bounds(source);
+        let size = high - low;
+        let lies = size.y < LYING_RATIO * size.x.min(size.z);
+        let facing = match (self.facing, lies) {
+            (Facing::Front, false) => Vec3::z(),
+            (Facing::Back, false) => -Vec3::z(),
+            (Facing::Front | Facing::Up, _) => Vec3::y(),
+            (Facing::Back | Facing::Down, _) => -Vec3::y(),
+            (Facing::Left, _) => Vec3::x(),
+            (Facing::Right, _) => -Vec3::x(),
+        };
+        let upper = if facing.y == 0.0 { Vec3::y() } else { -Vec3::z() };
+        (facing, upper)
+    }
+}
+
+/// A ceiling that comes down on the garment, then goes away.
+///
+/// Before every step all heights shrink by the share that the ceiling sinks: a linear map, which cannot make layers
+/// cross. The solver then lets the cloth give way sideways.
+struct Flatten {
+    /// Of the ceiling at the start and at the end [m].
+    heights: [f64; 2],
+    /// Of the ceiling now [m].
+    now: f64,
+    over: f64,
+    thickness: f64,
+}
+
+impl Flatten {
+    fn presses(&self) -> bool {
+        self.heights[1] < self.heights[0]
+    }
+
+    fn height(&self, t: f64) -> f64 {
+        let done = smooth(t / (PRESS_SHARE * self.over));
+        self.heights[0] * (self.heights[1] / self.heights[0]).powf(done)
+    }
+}
+
+impl Gesture for Flatten {
+    fn drive(&mut self, t: f64, _x: &[Vec3]) -> Drive {
+        let pressing = self.presses() && t <= PRESS_SHARE * self.over * (1.0 + 1e-9);
+        let steps = (self.heights[0] / self.heights[1]).ln() / -(1.0 - MOST_SQUEEZE).ln();
+        Drive {
+            ceiling: pressing.then(|| self.height(t) + self.thickness),
+            friction: if pressing { 0.0 } else { 1.0 },
+            drag: 10.0,
+            // The smooth start and end make the fastest part 1.5 times the mean.
+            longest_step: if pressing {
+                PRESS_SHARE * self.over / (1.5 * steps).max(10.0)
+            } else {
+                0.1 * self.over
+            },
+            ..Drive::at_rest(Some(0.0))
+        }
+    }
+
+    fn breaks(&self) -> Vec<f64> {
+        if self.presses() { vec![PRESS_SHARE * self.over] } else { Vec::new() }
+    }
+
+    fn carry(&mut self, t: f64, x: &mut [Vec3]) -> bool {
+        if !self.presses() || t > PRESS_SHARE * self.over * (1.0 + 1e-9) {
+            return false;
+        }
+        let height = self.height(t);
+        let share = height / self.now;
+        self.now = height;
+        x.iter_mut().for_each(|p| p.y *= share);
+        true
+    }
+
+    fn wears(&self) -> bool {
+        false
+    }
+
+    fn end(&mut self, posture: &mut Posture, x: &[Vec3]) {
+        posture.frame = Some(Frame::lying(x));
     }
 }

@@ -28,6 +28,9 @@ pub use repeat::Repeat;
 pub use settle::Settle;
 pub use unfold::Unfold;
 
+use super::gesture::{Posture, Scene, Start};
+use crate::error::Result;
+
 /// What every action answers.
 pub trait WearAction {
     /// How long it takes [s]; 0 for a clip, whose length only the body knows.
@@ -37,6 +40,9 @@ pub trait WearAction {
     fn needs_body(&self) -> bool {
         false
     }
+
+    /// Starts it on the cloth as it is.
+    fn begin(&self, scene: &Scene, posture: &mut Posture) -> Result<Start>;
 
     /// What is wrong between its fields, each alone being in range.
     fn misfits(&self) -> Vec<Misfit> {

@@ -1,6 +1,8 @@
 //! `play`: an animation clip of the body is played.
 
 use super::WearAction;
+use crate::error::Result;
+use crate::wear::gesture::{Posture, Scene, Start};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -29,6 +31,10 @@ impl WearAction for Play {
 
     fn needs_body(&self) -> bool {
         true
+    }
+
+    fn begin(&self, scene: &Scene, _posture: &mut Posture) -> Result<Start> {
+        Err(scene.refuse("`play` moves a body, and there is none", "leave this action out"))
     }
 
     fn example() -> Self {

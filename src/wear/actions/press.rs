@@ -1,6 +1,9 @@
 //! `press`: weight or an iron, straight down.
 
 use super::WearAction;
+use crate::error::Result;
+use crate::wear::Drive;
+use crate::wear::gesture::{Posture, Scene, Start, Still};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -21,6 +24,14 @@ pub struct Press {
 impl WearAction for Press {
     fn duration_s(&self) -> f64 {
         self.for_s
+    }
+
+    fn begin(&self, scene: &Scene, posture: &mut Posture) -> Result<Start> {
+        if posture.ground.is_none() {
+            return Err(scene.refuse("`press` needs a garment on the ground", "lay it first: {\"lay\": {}}"));
+        }
+        let drive = Drive { pressure: self.pressure_pa, ..posture.resting() };
+        Start::here(Still { drive, may_end_early: false })
     }
 
     fn example() -> Self {

@@ -1,6 +1,8 @@
 //! `release`: whatever is held is let go at once.
 
 use super::WearAction;
+use crate::error::Result;
+use crate::wear::gesture::{Posture, Scene, Start, Still};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -12,6 +14,17 @@ pub struct Release {}
 impl WearAction for Release {
     fn duration_s(&self) -> f64 {
         0.0
+    }
+
+    fn begin(&self, scene: &Scene, posture: &mut Posture) -> Result<Start> {
+        posture.kept = None;
+        if posture.ground.is_none() {
+            // What was held in the air falls on a floor just below it.
+            let lowest = scene.x.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
+            posture.ground = Some(lowest - 2.0 * scene.thickness);
+            posture.frame = None;
+        }
+        Start::here(Still { drive: posture.resting(), may_end_early: false })
     }
 
     fn example() -> Self {

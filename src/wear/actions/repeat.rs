@@ -1,7 +1,9 @@
 //! `repeat`: a list of actions, several times over.
 
 use super::WearAction;
+use crate::error::Result;
 use crate::wear::Action;
+use crate::wear::gesture::{Posture, Scene, Start};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -24,6 +26,10 @@ impl WearAction for Repeat {
 
     fn needs_body(&self) -> bool {
         self.actions.iter().any(|action| action.as_wear().needs_body())
+    }
+
+    fn begin(&self, scene: &Scene, _posture: &mut Posture) -> Result<Start> {
+        Err(scene.refuse("`repeat` is a list of actions, not one", "write it out with `WearScript::flatten`"))
     }
 
     fn example() -> Self {

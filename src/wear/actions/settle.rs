@@ -1,6 +1,9 @@
 //! `settle`: hands off; gravity, friction and memory do the rest.
 
 use super::WearAction;
+use crate::error::Result;
+use crate::wear::Drive;
+use crate::wear::gesture::{Posture, Scene, Start, Still};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -21,6 +24,11 @@ fn for_s() -> f64 {
 impl WearAction for Settle {
     fn duration_s(&self) -> f64 {
         self.for_s
+    }
+
+    fn begin(&self, _scene: &Scene, posture: &mut Posture) -> Result<Start> {
+        let drive = Drive { drag: 3.0, ..posture.resting() };
+        Start::here(Still { drive, may_end_early: true })
     }
 
     fn example() -> Self {

@@ -1,6 +1,13 @@
 //! `unfold`: folds are opened again, the last one first.
 
 use super::{Misfit, WearAction};
+use crate::energy::Guide;
+use crate::error::Result;
+use crate::math::Vec3;
+use crate::wear::Drive;
+use crate::wear::actions::fold::MOST_TURN;
+use crate::wear::gesture::{Gesture, MadeFold, Posture, Scene, Start, guide_stiffness, smooth};
+use crate::wear::turning::{Axis, OnSheet};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -47,7 +54,123 @@ impl WearAction for Unfold {
         }
     }
 
+    fn begin(&self, scene: &Scene, posture: &mut Posture) -> Result<Start> {
+        let count = posture.folds.len();
+        if count == 0 {
+            return Err(scene.refuse("there is no fold to open", "fold first, or leave `unfold` out"));
+        }
+        let wanted = self.last.map_or(count, |n| n as usize);
+        if wanted > count {
+            let cure = format!("`last` may be at most {count} here");
+            return Err(
+                scene.refuse(format!("{wanted} folds shall be opened and only {count} are made"), cure)
+            );
+        }
+        posture.kept = None;
+        let mut folds = posture.folds.split_off(count - wanted);
+        folds.reverse();
+        let each = self.over_s / folds.len() as f64;
+        let resting = posture.resting();
+        let (mass, thickness) = (scene.mass.to_vec(), scene.thickness);
+        Start::here(Open { folds, each, under_way: None, mass, thickness, resting })
+    }
+
     fn example() -> Self {
         Self { all: None, last: Some(2), over_s: 1.5 }
     }
 }
+
+/// Share of points that may lie out of order when the height between flap and rest is chosen.
+const STRAY: f64 = 0.02;
+
+/// Folds that are opened one after the other, latest first.
+struct Open {
+    folds: Vec<MadeFold>,
+    /// Time for one fold [s].
+    each: f64,
+    under_way: Option<Opening>,
+    mass: Vec<f64>,
+    thickness: f64,
+    resting: Drive,
+}
+
+/// One fold that is being opened.
+struct Opening {
+    number: usize,
+    axis: Axis,
+    /// Point, where on its sheet, stiffness of its guide [N/m].
+    guided: Vec<(u32, OnSheet, f64)>,
+    /// How much the flap must come up in all, or it would end in the ground [m].
+    lift: f64,
+}
+
+impl Open {
+    fn opening(&self, number: usize, x: &[Vec3]) -> Opening {
+        let fold = &self.folds[number];
+        let mut in_flap = vec![false; x.len()];
+        fold.flap.iter().for_each(|&p| in_flap[p as usize] = true);
+        let inside = |p: &Vec3| (p - fold.origin).dot(&fold.out) < -0.01;
+        let heights = |flap: bool| {
+            let mut h: Vec<f64> =
+                x.iter().zip(&in_flap).filter(|(p, f)| **f == flap && inside(p)).map(|(p, _)| p.y).collect();
+            h.sort_unstable_by(f64::total_cmp);
+            h
+        };
+        let (flap, rest) = (heights(true), heights(false));
+        let share = |h: &[f64], s: f64| h.get(((h.len() as f64 - 1.0) * s) as usize).copied();
+        let between = match (share(&flap, STRAY), share(&rest, 1.0 - STRAY)) {
+            (Some(f), Some(r)) => 0.5 * (f + r),
+            (Some(f), None) => f - self.thickness,
+            (None, r) => r.unwrap_or(0.0) + self.thickness,
+        };
+        let axis = Axis {
+            origin: Vec3::new(fold.origin.x, between, fold.origin.z),
+            along: fold.along,
+            out: fold.out,
+            least_depth: 0.5 * self.thickness,
+        };
+        let guided: Vec<_> = fold
+            .flap
+            .iter()
+            .map(|&p| {
+                let place = axis.on_sheet(&x[p as usize], fold.angle);
+                (p, place, guide_stiffness(self.mass[p as usize]))
+            })
+            .collect();
+        let deepest = guided.iter().map(|(_, place, _)| place.depth).fold(0.0, f64::max);
+        let ground = self.resting.ground.unwrap_or(f64::NEG_INFINITY);
+        let lift = (deepest + self.thickness - (between - ground)).max(0.0);
+        Opening { number, axis, guided, lift }
+    }
+}
+
+impl Gesture for Open {
+    fn drive(&mut self, t: f64, x: &[Vec3]) -> Drive {
+        let number = ((t / self.each - 1e-9).floor().max(0.0) as usize).min(self.folds.len() - 1);
+        let opening = match self.under_way.take() {
+            Some(opening) if opening.number == number => opening,
+            _ => self.opening(number, x),
+        };
+        let done = smooth((t - self.each * number as f64) / self.each);
+        let angle = self.folds[number].angle;
+        let guides = opening
+            .guided
+            .iter()
+            .map(|(point, place, stiffness)| {
+                // Lifted where it lies away from the line, so that the crease itself is not pulled.
+                let lift = opening.lift * done * (place.s / LIFT_RAMP).min(1.0);
+                let target = opening.axis.turned(place, angle * (1.0 - done)) + Vec3::y() * lift;
+                Guide { point: *point, target, stiffness: *stiffness }
+            })
+            .collect();
+        self.under_way = Some(opening);
+        Drive { guides, longest_step: MOST_TURN * self.each / (1.5 * angle), ..self.resting.clone() }
+    }
+
+    fn breaks(&self) -> Vec<f64> {
+        (1..self.folds.len()).map(|k| self.each * k as f64).collect()
+    }
+}
+
+/// Way from the line over which the lift comes in [m].
+const LIFT_RAMP: f64 = 0.03;
