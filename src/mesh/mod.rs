@@ -2,6 +2,8 @@
 
 mod index;
 mod topology;
+mod weld;
 
 pub use index::{PointIndex, VertexIndex};
 pub use topology::{Hinge, NO_TRIANGLE, Topology};
+pub use weld::{Groups, Welder};
