@@ -1,11 +1,16 @@
 //! The nouns that flow through the pipeline: the garment, its memory, its state, the worn result.
 
+mod build;
 mod finding;
 mod garment_type;
+mod inspect;
+mod material;
+mod repair;
 mod rest_shape;
 mod worn;
 
 pub use finding::{Finding, Severity};
 pub use garment_type::Garment;
+pub use inspect::{Inspection, PartReport, PieceReport, inspect};
 pub use rest_shape::RestShape;
 pub use worn::WornGarment;

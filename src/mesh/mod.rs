@@ -7,7 +7,9 @@ mod index;
 pub mod motion;
 mod topology;
 pub mod tree;
+mod weld;
 
 pub use hinge::{hinge_angle, hinge_gradient, hinge_hessian, unwrap_angle};
 pub use index::{PointIndex, VertexIndex};
 pub use topology::{Hinge, NO_TRIANGLE, Topology};
+pub use weld::{Groups, Welder};

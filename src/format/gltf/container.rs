@@ -86,8 +86,11 @@ pub(super) fn parse_json(text: &[u8]) -> Result<Value> {
     })
 }
 
-/// Type, data and end of the chunk at `start`; `None` at the end of the file.
-fn chunk(bytes: &[u8], start: usize) -> Result<Option<(&[u8], &[u8], usize)>> {
+/// Type, data and end of a chunk.
+type Chunk<'a> = (&'a [u8], &'a [u8], usize);
+
+/// The chunk at `start`; `None` at the end of the file.
+fn chunk(bytes: &[u8], start: usize) -> Result<Option<Chunk<'_>>> {
     let place = format!("byte {start}");
     if start.saturating_add(CHUNK_HEADER_BYTES) > bytes.len() {
         return if start >= bytes.len() {

@@ -335,6 +335,7 @@ fn flattens(transform: &Mat4) -> bool {
     let linear = transform.fixed_view::<3, 3>(0, 0).into_owned();
     let size = linear.norm();
     let volume = linear.determinant().abs();
-    // Written so that anything that is not a number counts as flat.
-    !(volume > 1e-9 * size * size * size)
+    // Anything that is not a number counts as flat.
+    let full = volume > 1e-9 * size * size * size;
+    !full
 }

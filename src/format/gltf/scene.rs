@@ -62,12 +62,12 @@ fn parents_first(nodes: &[Cursor], parents: &[Option<usize>]) -> Result<Vec<usiz
     let mut order = Vec::with_capacity(parents.len());
     let mut done = vec![false; parents.len()];
     let mut upward = Vec::new();
-    for start in 0..parents.len() {
+    for (start, cursor) in nodes.iter().enumerate() {
         let mut at = Some(start);
         while let Some(node) = at.filter(|&node| !done[node]) {
             upward.push(node);
             if upward.len() > parents.len() {
-                return Err(nodes[start].fault("it is its own ancestor"));
+                return Err(cursor.fault("it is its own ancestor"));
             }
             at = parents[node];
         }
