@@ -2,9 +2,16 @@
 
 mod asset;
 mod fault_list;
+mod frames;
 pub mod gltf;
 mod obj;
 mod read;
+mod sidecar;
 
 pub use asset::{GltfDocument, Placement, SourceAsset, SourceFormat, SourcePiece, UpAxis};
+pub use frames::frame_obj;
 pub use read::{ReadOptions, read_asset};
+pub use sidecar::{
+    SIDECAR_FORMAT, Sidecar, SidecarHinges, SidecarMesh, SidecarPoints, SidecarSource, SidecarTriangles,
+    SidecarUp, read_sidecar, write_sidecar,
+};
