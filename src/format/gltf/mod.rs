@@ -3,14 +3,29 @@
 //! container and as oracle in tests.
 
 mod accessor;
+mod append;
 mod buffers;
 mod container;
 mod cursor;
+mod edit;
+mod obj_to_gltf;
 mod primitive;
 mod read;
 mod scene;
 mod skin;
+mod weights;
+mod worn_target;
+mod write;
 
 pub use accessor::{Accessors, Table};
 pub use container::{is_glb, join_glb, split_glb};
 pub(in crate::format) use read::read_gltf;
+pub use write::{external_images, write_worn_glb};
+
+/// Name of the morph target that holds the worn shape.
+pub const WORN_TARGET: &str = "worn";
+/// Vertex attribute: change of rest angle of largest magnitude among the hinges whose edge ends at the vertex
+/// [degrees], signed; 0 where nothing is remembered.
+pub const REST_ANGLE_ATTRIBUTE: &str = "_CREASE_REST_ANGLE";
+/// Vertex attribute: mean stiffness ratio of the hinges whose edge ends at the vertex [-]; 1 where there is none.
+pub const STIFFNESS_ATTRIBUTE: &str = "_CREASE_STIFFNESS";
