@@ -5,7 +5,7 @@
 //! Each output is left in `target/tmp/export/`, so that the Khronos validator can be run over all of them.
 
 use crease::format::gltf::{WORN_TARGET, join_glb, split_glb, write_worn_glb};
-use crease::format::{ReadOptions, SourceAsset, read_asset};
+use crease::format::{ReadOptions, Sidecar, SourceAsset, read_asset, read_sidecar, write_sidecar};
 use crease::garment::{Garment, RestShape, WornGarment};
 use crease::mesh::{PointIndex, Topology};
 use nalgebra::{Matrix4, Vector2, Vector3};
@@ -835,14 +835,16 @@ fn parts_that_do_not_belong_together_are_refused_all_at_once() {
 fn real_files_come_back_whole_with_a_worn_target() {
     let shared = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/garments");
     let files = [
-        "khronos-small/RiggedFigure.glb",
-        "khronos-small/AnimatedMorphCube.glb",
-        "khronos-small/SimpleSkin.gltf",
-        "khronos-small/SimpleSparseAccessor.gltf",
-        "khronos-small/BoxInterleaved.glb",
-        "makehuman-body-sweater/derived/mh_sweater_left_elbow.glb",
+        ("khronos-small/RiggedFigure.glb", 1.0),
+        ("khronos-small/AnimatedMorphCube.glb", 1.0),
+        ("khronos-small/SimpleSkin.gltf", 1.0),
+        ("khronos-small/SimpleSparseAccessor.gltf", 1.0),
+        ("khronos-small/BoxInterleaved.glb", 1.0),
+        ("makehuman-body-sweater/derived/mh_sweater_left_elbow.glb", 1.0),
+        ("diffavatar-tshirt/tshirt.obj", 0.01),
+        ("diffcloth-tshirt-folds/tshirt1900-flattened.obj", 0.065),
     ];
-    for file in files {
+    for (file, unit_m) in files {
         let path = shared.join(file);
         let Ok(bytes) = std::fs::read(&path) else {
             println!("{file} is not here: skipped");
@@ -850,9 +852,12 @@ fn real_files_come_back_whole_with_a_worn_target() {
         };
         let folder = path.parent().unwrap();
         let mut resolve = |uri: &str| Ok(std::fs::read(folder.join(uri)).unwrap());
-        let options = ReadOptions { unit_m: Some(1.0), ..Default::default() };
+        let options = ReadOptions { unit_m: Some(unit_m), ..Default::default() };
         let (asset, _) = read_asset(file, &bytes, &options, &mut resolve).unwrap();
         let (garment, _) = Garment::from_asset(&asset).unwrap();
         wear_garment(path.file_stem().unwrap().to_str().unwrap(), &asset, &garment);
+        let worn = some_wear(&garment);
+        let sidecar = Sidecar::new(&asset, &garment, &worn, json!({}), json!({}), json!({})).unwrap();
+        assert_eq!(read_sidecar("again", &write_sidecar(&sidecar)).unwrap(), sidecar);
     }
 }
