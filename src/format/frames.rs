@@ -12,7 +12,7 @@ use std::fmt::Write;
 const VERTEX_LINE_BYTES: usize = 64;
 const FACE_LINE_BYTES: usize = 24;
 
-/// OBJ text of `triangles` over `points` [m]. Points that are not finite are written as `NaN` or `inf`, which every
+/// OBJ text of `triangles` over `points`, in metres. Points that are not finite are written as `NaN` or `inf`, which every
 /// reader refuses: a run gone wrong must not look like a good one.
 pub fn frame_obj(points: &[Vec3], triangles: &[[PointIndex; 3]]) -> Vec<u8> {
     let capacity = points.len() * VERTEX_LINE_BYTES + triangles.len() * FACE_LINE_BYTES;

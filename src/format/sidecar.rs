@@ -82,7 +82,7 @@ pub enum SidecarUp {
 /// The welded mesh, in its own pose.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SidecarMesh {
-    /// One per point: position [m], y up.
+    /// One per point: position in metres, y up.
     pub points_m: Vec<[f64; 3]>,
     /// One per triangle: its three points.
     pub triangles: Vec<[u32; 3]>,
@@ -102,9 +102,9 @@ pub struct SidecarMesh {
 pub struct SidecarHinges {
     /// x0 x1 the shared edge, x2 and x3 opposite.
     pub points: Vec<[u32; 4]>,
-    /// Angle of the garment as it came [rad], 0 is flat.
+    /// Angle of the garment as it came, in radians; 0 is flat.
     pub source_angle_rad: Vec<f64>,
-    /// Angle it now takes for its own [rad].
+    /// Angle it now takes for its own, in radians.
     pub rest_angle_rad: Vec<f64>,
     /// Bend stiffness over that of new cloth [-], 1 when new.
     pub stiffness_ratio: Vec<f64>,
@@ -128,7 +128,7 @@ pub struct SidecarTriangles {
 /// What happened to every point; one entry per point.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SidecarPoints {
-    /// Displacement from `points_m` [m], y up: what the morph target `worn` shows.
+    /// Displacement from `points_m` in metres, y up: what the morph target `worn` shows.
     pub displacement_m: Vec<[f64; 3]>,
     /// Fields this version does not know.
     #[serde(flatten)]
@@ -191,7 +191,7 @@ impl Sidecar {
         Ok(sidecar)
     }
 
-    /// Every point of the mesh [m], y up.
+    /// Every point of the mesh in metres, y up.
     pub fn mesh_points(&self) -> Vec<Vec3> {
         self.mesh.points_m.iter().map(|&p| p.into()).collect()
     }

@@ -5,8 +5,9 @@
 //! weights count the targets (of the mesh, and of a node that overrides them), and animated weights do so at every key
 //! (`weights.rs`).
 //!
-//! A mesh that several nodes carry is one shape for all of them. Where only some of them are worn, or each differently,
-//! a worn node gets a copy of the mesh to itself, so that the others stay as they were.
+//! A mesh that several nodes carry is one shape for all of them, and the reader makes pieces of it for the first only:
+//! then all of them wear it. Where another node has pieces of its own, unworn or worn differently, the worn node gets a
+//! copy of the mesh to itself, so that the other keeps its shape.
 //! A mesh that crease has worn before (it names a sidecar) has its old worn target replaced, not joined by a second:
 //! both would show at once.
 
@@ -20,6 +21,9 @@ use serde_json::{Map, Value, json};
 
 /// Key in a mesh's extras under which crease names the sidecar, and so marks what it has worn.
 pub(super) const EXTRAS_KEY: &str = "crease";
+
+/// Extension that holds a compressed second copy of a primitive.
+const DRACO: &str = "KHR_draco_mesh_compression";
 
 /// A primitive of the document with what it gains.
 pub(super) struct WornPrimitive {
@@ -44,55 +48,46 @@ pub(super) struct TargetPlace {
     pub(super) index: usize,
 }
 
-/// Adds the targets of `worn` to the document in `appender`, which is a copy of `document`; `extras` goes into the
-/// extras of every worn mesh.
+/// Adds the targets of `worn` to the document in `appender`, which is a copy of `document`; `claimed` are the nodes that
+/// have pieces, worn or not; `extras` goes into the extras of every worn mesh.
 pub(super) fn add_worn_targets(
     file: &str,
     appender: &mut Appender,
     document: &GltfDocument,
     worn: &[WornPrimitive],
+    claimed: &[usize],
     extras: &Map<String, Value>,
 ) -> Result<()> {
     let instances = group(worn);
     let mut edited_in_place = Vec::new();
     for instance in &instances {
         let users = users_of(appender, instance.mesh);
-        let own = |node: usize| instance.node.is_none_or(|n| n == node);
-        // Another worn node will get a copy in its turn and then no longer uses this mesh.
-        let another_worn =
-            |node: usize| instances.iter().any(|i| i.mesh == instance.mesh && i.node == Some(node));
+        let follows = |node: usize| instance.node.is_none_or(|own| own == node) || !claimed.contains(&node);
+        // Another worn node gets a copy in its turn and then no longer carries this mesh.
+        let leaves = |node: usize| instances.iter().any(|i| i.mesh == instance.mesh && i.node == Some(node));
         let in_place = !edited_in_place.contains(&instance.mesh)
-            && users.iter().all(|&node| own(node) || another_worn(node));
-        let original = document.json["meshes"].get(instance.mesh).and_then(Value::as_object);
-        let Some(mut mesh) = original.cloned() else {
+            && users.iter().all(|&node| follows(node) || leaves(node));
+        let nodes: Vec<usize> = match instance.node {
+            Some(node) if !in_place => vec![node],
+            _ => users.into_iter().filter(|&node| follows(node)).collect(),
+        };
+        let Some(mut mesh) = document.json["meshes"].get(instance.mesh).and_then(Value::as_object).cloned()
+        else {
             let place = format!("meshes[{}]", instance.mesh);
             return Err(Error::fault(file, place, "is not there", "export the file again"));
         };
         let place = edit_mesh(file, appender, &mut mesh, instance, extras)?;
-        let nodes: Vec<usize> = match instance.node {
-            Some(node) => vec![node],
-            None => users,
-        };
         if in_place {
             edited_in_place.push(instance.mesh);
-            if let Some(slot) = appender.list("meshes").get_mut(instance.mesh) {
-                *slot = Value::Object(mesh);
-            }
+            appender.list("meshes")[instance.mesh] = Value::Object(mesh);
         } else {
             let copy = appender.push("meshes", Value::Object(mesh));
-            for &node in &nodes {
-                set_node_mesh(appender, node, copy);
-            }
+            nodes.iter().for_each(|&node| set_node_mesh(appender, node, copy));
         }
         extend_node_weights(appender, &nodes, &place);
         if place.index == place.old_count {
-            extend_animations(
-                appender,
-                document,
-                &nodes,
-                in_place.then_some(instance.mesh),
-                place.old_count,
-            )?;
+            let edited = in_place.then_some(instance.mesh);
+            extend_animations(appender, document, &nodes, edited, place.old_count)?;
         }
     }
     Ok(())
@@ -197,6 +192,11 @@ fn edit_primitive(
         let stiffness = appender.scalars(&worn.stiffness, Purpose::Vertex);
         attributes.insert(REST_ANGLE_ATTRIBUTE.into(), json!(rest_change));
         attributes.insert(STIFFNESS_ATTRIBUTE.into(), json!(stiffness));
+        // Compressed data would be decoded in an order of its own, which the target does not follow; the plain data
+        // that was read stands beside it.
+        if let Some(extensions) = primitive.get_mut("extensions").and_then(Value::as_object_mut) {
+            extensions.shift_remove(DRACO);
+        }
     }
     match primitive.get_mut("targets").and_then(Value::as_array_mut) {
         Some(targets) => match targets.get_mut(index) {

@@ -24,8 +24,8 @@ pub use write::{external_images, write_worn_glb};
 
 /// Name of the morph target that holds the worn shape.
 pub const WORN_TARGET: &str = "worn";
-/// Vertex attribute: change of rest angle of largest magnitude among the hinges whose edge ends at the vertex
-/// [degrees], signed; 0 where nothing is remembered.
+/// Vertex attribute: change of rest angle (rest minus source angle) of largest magnitude among the hinges whose edge
+/// ends at the vertex, in degrees, signed; 0 where nothing is remembered.
 pub const REST_ANGLE_ATTRIBUTE: &str = "_CREASE_REST_ANGLE";
 /// Vertex attribute: mean stiffness ratio of the hinges whose edge ends at the vertex [-]; 1 where there is none.
 pub const STIFFNESS_ATTRIBUTE: &str = "_CREASE_STIFFNESS";

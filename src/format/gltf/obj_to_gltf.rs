@@ -139,8 +139,7 @@ fn stem(file: &str) -> &str {
 }
 
 fn scene_positions(piece: &SourcePiece) -> Vec<Vec3> {
-    let place = |(v, p): (usize, &Vec3)| piece.placement.of(v).transform_point(&(*p).into()).coords;
-    piece.positions.iter().enumerate().map(place).collect()
+    (0..piece.positions.len()).map(|v| piece.scene_position(v).unwrap_or_default()).collect()
 }
 
 /// The file's normals in the scene; `None` where one is missing or has no length.

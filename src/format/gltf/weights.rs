@@ -94,11 +94,13 @@ fn extended_output(document: &GltfDocument, sampler: &Value, old_count: usize) -
     let index = |key: &str| sampler[key].as_u64().and_then(|i| usize::try_from(i).ok());
     let (Some(input), Some(output)) = (index("input"), index("output")) else { return Ok(None) };
     let accessors = Accessors::new(document);
-    let key_count = accessors.row_count(input, "animation sampler")?;
+    let key_count = accessors.table(input, "animation sampler")?.row_count();
     let old = accessors.table(output, "animation sampler")?.values;
     let worn: &[f32] = if sampler["interpolation"] == "CUBICSPLINE" { &[0.0, 1.0, 0.0] } else { &[1.0] };
-    // At least one weight is there for each key of a sound file; this bounds what a damaged one makes us write.
-    let group_count = (key_count * worn.len()).min(old.len());
+    let group_count = key_count * worn.len();
+    if group_count == 0 {
+        return Ok(None);
+    }
     let mut numbers = Vec::with_capacity(group_count * (old_count + 1));
     for group in 0..group_count {
         // A file that gives too few weights is completed with zeros: viewers show it, so may we.

@@ -41,9 +41,9 @@ pub(super) struct PieceBase<'a> {
     pub(super) points: &'a [PointIndex],
     /// Own coordinates to scene.
     pub(super) linear: LinearParts,
-    /// Unit normals in own coordinates, where the file has them.
-    pub(super) normals: Option<&'a [Vec3]>,
-    /// Unit tangents in own coordinates, where the file has them.
+    /// Normals in own coordinates as the file has them, if it does; a reader adds the target to these very numbers.
+    pub(super) normals: Option<Vec<Vec3>>,
+    /// Tangents in own coordinates as the file has them, if it does.
     pub(super) tangents: Option<Vec<Vec3>>,
 }
 
@@ -114,14 +114,14 @@ impl<'a> WornShape<'a> {
             base.points.iter().enumerate().map(|(v, &p)| narrow(row(v, p)).ok_or(v)).collect()
         };
         let position = each(&|v, p| base.linear.of(v).1 * self.displacement[p.at()])?;
-        let normal = base.normals.map(|normals| {
+        let normal = base.normals.as_ref().map(|normals| {
             each(&|v, p| {
                 self.turned_normal(p, normals[v], base.linear.of(v)).map_or(Vec3::zeros(), |n| n - normals[v])
             })
         });
         let tangent = base.tangents.as_ref().map(|tangents| {
             each(&|v, p| {
-                let normal = base.normals.map(|normals| normals[v]);
+                let normal = base.normals.as_ref().map(|normals| normals[v]);
                 self.carried_tangent(p, normal, tangents[v], base.linear.of(v))
                     .map_or(Vec3::zeros(), |t| t - tangents[v])
             })
@@ -135,13 +135,13 @@ impl<'a> WornShape<'a> {
         })
     }
 
-    /// `normal` (own coordinates, unit) after wear, unit; `None` where nothing moved or no direction is left.
+    /// `normal` (own coordinates) after wear, unit; `None` where nothing moved or no direction is left.
     fn turned_normal(&self, p: PointIndex, normal: Vec3, (linear, inverse): (Mat3, Mat3)) -> Option<Vec3> {
         let rotation = self.rotations[p.at()].filter(|_| self.moved[p.at()])?;
         (linear.transpose() * rotation * inverse.transpose() * normal).try_normalize(f64::MIN_POSITIVE)
     }
 
-    /// `tangent` (own coordinates, unit) after wear, unit and perpendicular to the worn normal.
+    /// `tangent` (own coordinates) after wear, unit and perpendicular to the worn normal.
     fn carried_tangent(
         &self,
         p: PointIndex,
@@ -153,7 +153,7 @@ impl<'a> WornShape<'a> {
             return None;
         }
         let carried = inverse * self.gradients[p.at()] * linear * tangent;
-        let normal = normal.and_then(|n| self.turned_normal(p, n, (linear, inverse)).or(Some(n)));
+        let normal = normal.and_then(|n| self.turned_normal(p, n, (linear, inverse)).or(unit(n)));
         let flat = normal.map_or(carried, |n| carried - n * n.dot(&carried));
         flat.try_normalize(f64::MIN_POSITIVE)
     }
@@ -285,7 +285,7 @@ mod tests {
         let base = PieceBase {
             points: &garment.source_point,
             linear: LinearParts::new(&[placement]).unwrap(),
-            normals: Some(&vec![normal; count]),
+            normals: Some(vec![normal; count]),
             tangents: Some(vec![tangent; count]),
         };
         let target = WornShape::new(garment, worn).target(&base).unwrap();
@@ -371,8 +371,8 @@ mod tests {
         let base = PieceBase {
             points: &garment.source_point,
             linear: LinearParts::identity(),
-            normals: Some(&normals),
             tangents: Some(vec![Vec3::x(); normals.len()]),
+            normals: Some(normals),
         };
         let target = WornShape::new(&garment, &worn).target(&base).unwrap();
         for (v, p) in garment.points.iter().enumerate() {

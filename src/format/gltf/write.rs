@@ -75,7 +75,8 @@ fn worn_gltf(
         });
     }
     let mut appender = Appender::of_document(&asset.file, document)?;
-    add_worn_targets(&asset.file, &mut appender, document, &primitives, extras)?;
+    let claimed: Vec<usize> = asset.pieces.iter().filter_map(|piece| piece.node).collect();
+    add_worn_targets(&asset.file, &mut appender, document, &primitives, &claimed, extras)?;
     Ok(appender.into_glb())
 }
 
@@ -92,7 +93,7 @@ fn worn_obj(
         targets.push(match points {
             // The new document is in scene coordinates throughout.
             Some(points) => {
-                let normals = Some(&scene.normals[..]);
+                let normals = Some(scene.normals.clone());
                 let base = PieceBase { points, linear: LinearParts::identity(), normals, tangents: None };
                 Some(worn_target(asset, piece, &shape, &base)?)
             }
@@ -106,7 +107,7 @@ fn worn_obj(
 fn gltf_base<'a>(
     asset: &SourceAsset,
     document: &GltfDocument,
-    piece: &'a SourcePiece,
+    piece: &SourcePiece,
     points: &'a [PointIndex],
 ) -> Result<PieceBase<'a>> {
     let placements = match &piece.placement {
@@ -121,19 +122,23 @@ fn gltf_base<'a>(
         Error::fault(&asset.file, &piece.name, what, "give every node and joint a scale other than 0")
     })?;
     let attributes = &document.json["meshes"][piece.mesh]["primitives"][piece.primitive]["attributes"];
-    let has = |name: &str| attributes[name].as_u64().and_then(|i| usize::try_from(i).ok());
-    let normals = piece.normals.as_deref().filter(|_| has("NORMAL").is_some());
-    let tangents = match has("TANGENT") {
-        Some(accessor) => Some(tangents(document, accessor, points.len())?),
-        None => None,
+    let stored = |name: &str, width: usize| -> Result<Option<Vec<Vec3>>> {
+        let Some(accessor) = attributes[name].as_u64().and_then(|i| usize::try_from(i).ok()) else {
+            return Ok(None);
+        };
+        let table = Accessors::new(document).table_of(accessor, width, Some(points.len()), name)?;
+        Ok(Some(table.rows().map(direction).collect()))
     };
-    Ok(PieceBase { points, linear, normals, tangents })
+    // The fourth number of a tangent, its handedness, is not morphed.
+    Ok(PieceBase { points, linear, normals: stored("NORMAL", 3)?, tangents: stored("TANGENT", 4)? })
 }
 
-/// Directions of the tangents in `accessor` (their fourth number, the handedness, is not morphed).
-fn tangents(document: &GltfDocument, accessor: usize, vertex_count: usize) -> Result<Vec<Vec3>> {
-    let table = Accessors::new(document).table_of(accessor, 4, Some(vertex_count), "TANGENT")?;
-    Ok(table.values.as_chunks::<4>().0.iter().map(|t| Vec3::new(t[0], t[1], t[2])).collect())
+/// First three of `row`; zero, which stays as it is, if the file has no numbers there.
+fn direction(row: &[f64]) -> Vec3 {
+    match row {
+        [x, y, z, ..] if x.is_finite() && y.is_finite() && z.is_finite() => Vec3::new(*x, *y, *z),
+        _ => Vec3::zeros(),
+    }
 }
 
 fn worn_target(
@@ -187,6 +192,8 @@ fn check_parts(asset: &SourceAsset, garment: &Garment, worn: &WornGarment) -> Re
         if let Some(normals) = &piece.normals {
             same(&format!("normals of {}", piece.name), normals.len(), count, "vertices");
         }
+        let beyond = piece.triangles.iter().flatten().filter(|&&v| v as usize >= count).count();
+        same(&format!("corners of {} beyond its vertices", piece.name), beyond, 0, "allowed");
         if let Placement::Skinned(all) = &piece.placement {
             same(&format!("placement of {}", piece.name), all.len(), count, "vertices");
         }

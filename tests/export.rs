@@ -1,0 +1,863 @@
+//! The worn shape in a glTF file, as others will read it: small documents of every awkward kind go in, the output is
+//! read back with the `gltf` crate. What must hold for each: everything the input had is still there, with the same
+//! bytes behind it; the target `worn` is the displacement asked for; every count the specification ties together agrees.
+//!
+//! Each output is left in `target/tmp/export/`, so that the Khronos validator can be run over all of them.
+
+use crease::format::gltf::{WORN_TARGET, join_glb, split_glb, write_worn_glb};
+use crease::format::{ReadOptions, Sidecar, SourceAsset, read_asset, read_sidecar, write_sidecar};
+use crease::garment::{Garment, RestShape, WornGarment};
+use crease::mesh::{PointIndex, Topology};
+use nalgebra::{Matrix4, Vector2, Vector3};
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+const FLOAT: u32 = 5126;
+const SHORT: u32 = 5122;
+const UNSIGNED_SHORT: u32 = 5123;
+const UNSIGNED_BYTE: u32 = 5121;
+
+// ---- Building documents ----
+
+/// A document under construction: JSON and one buffer.
+struct Document {
+    json: Value,
+    bytes: Vec<u8>,
+}
+
+impl Document {
+    fn new() -> Self {
+        Self {
+            json: json!({
+                "asset": {"version": "2.0", "generator": "somebody else", "extras": {"left": "alone"}},
+                "extensionsUsed": ["ACME_unknown"],
+                "extensions": {"ACME_unknown": {"buffer": 7, "nested": [1.5, null, "x"]}},
+                "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [], "meshes": [],
+                "accessors": [], "bufferViews": [], "buffers": [],
+            }),
+            bytes: Vec::new(),
+        }
+    }
+
+    fn push(&mut self, list: &str, entry: Value) -> usize {
+        if self.json[list].is_null() {
+            self.json[list] = json!([]);
+        }
+        let list = self.json[list].as_array_mut().unwrap();
+        list.push(entry);
+        list.len() - 1
+    }
+
+    fn view(&mut self, bytes: &[u8], stride: Option<usize>) -> usize {
+        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+        let mut view = json!({"buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len()});
+        if let Some(stride) = stride {
+            view["byteStride"] = json!(stride);
+        }
+        self.bytes.extend_from_slice(bytes);
+        self.push("bufferViews", view)
+    }
+
+    fn floats(&mut self, kind: &str, width: usize, values: &[f32]) -> usize {
+        let view = self.view(&floats(values), None);
+        let count = values.len() / width;
+        self.push(
+            "accessors",
+            json!({"bufferView": view, "componentType": FLOAT, "count": count, "type": kind}),
+        )
+    }
+
+    fn positions(&mut self, rows: &[[f32; 3]]) -> usize {
+        let accessor = self.floats("VEC3", 3, rows.as_flattened());
+        let (low, high) = bounds(rows);
+        self.json["accessors"][accessor]["min"] = json!(low);
+        self.json["accessors"][accessor]["max"] = json!(high);
+        accessor
+    }
+
+    fn indices(&mut self, corners: &[u16]) -> usize {
+        let bytes: Vec<u8> = corners.iter().flat_map(|c| c.to_le_bytes()).collect();
+        let view = self.view(&bytes, None);
+        let count = corners.len();
+        self.push(
+            "accessors",
+            json!({"bufferView": view, "componentType": UNSIGNED_SHORT, "count": count, "type": "SCALAR"}),
+        )
+    }
+
+    /// A quad's primitive with the attributes given and its own indices.
+    fn quad(&mut self, attributes: Value) -> Value {
+        let indices = self.indices(&[0, 1, 2, 2, 1, 3]);
+        json!({"attributes": attributes, "indices": indices})
+    }
+
+    fn glb(mut self) -> Vec<u8> {
+        self.json["buffers"] = json!([{"byteLength": self.bytes.len(), "extras": {"buffer": "extras"}}]);
+        join_glb(&self.json, &self.bytes)
+    }
+}
+
+fn floats(values: &[f32]) -> Vec<u8> {
+    values.iter().flat_map(|x| x.to_le_bytes()).collect()
+}
+
+fn bounds(rows: &[[f32; 3]]) -> ([f32; 3], [f32; 3]) {
+    let fold = |f: fn(f32, f32) -> f32| {
+        rows.iter().skip(1).fold(rows[0], |a, b| std::array::from_fn(|k| f(a[k], b[k])))
+    };
+    (fold(f32::min), fold(f32::max))
+}
+
+/// Corners of a half-metre square, lower edge first.
+const QUAD: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [0.0, 0.5, 0.0], [0.5, 0.5, 0.1]];
+const QUAD_NORMALS: [f32; 12] = [0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0];
+
+// ---- Wearing them ----
+
+fn read(name: &str, bytes: &[u8], garment: Option<&str>) -> SourceAsset {
+    let options =
+        ReadOptions { garment: garment.map(str::to_owned), unit_m: Some(1.0), ..Default::default() };
+    let mut nothing = |uri: &str| panic!("asks for {uri}");
+    read_asset(name, bytes, &options, &mut nothing).unwrap().0
+}
+
+/// A garment of the worn pieces: vertices at the same place are one point.
+fn garment(asset: &SourceAsset) -> Garment {
+    let mut known: BTreeMap<[u64; 3], u32> = BTreeMap::new();
+    let (mut points, mut source_point, mut triangles) = (Vec::new(), Vec::new(), Vec::new());
+    for piece in asset.worn_pieces() {
+        let first = source_point.len();
+        for v in 0..piece.positions.len() {
+            let p = piece.scene_position(v).unwrap();
+            let key = [p.x, p.y, p.z].map(|x| (x + 0.0).to_bits());
+            let point = *known.entry(key).or_insert_with(|| {
+                points.push(p);
+                points.len() as u32 - 1
+            });
+            source_point.push(PointIndex(point));
+        }
+        let welded = piece.triangles.iter().map(|t| t.map(|v| source_point[first + v as usize]));
+        triangles.extend(welded.filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]));
+    }
+    Garment {
+        material: vec![[Vector2::zeros(); 3]; triangles.len()],
+        material_from_uv: false,
+        source_point,
+        memory_mask: vec![1.0; points.len()],
+        triangle_part: vec![0; triangles.len()],
+        topology: Topology::new(points.len(), &triangles),
+        points,
+        triangles,
+    }
+}
+
+/// Some displacement, of some centimetres, and some memory; the same on every machine.
+fn some_wear(garment: &Garment) -> WornGarment {
+    let mut state = 1u64;
+    let mut next = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 40) as f64 / (1u64 << 24) as f64 - 0.5
+    };
+    let hinges = garment.topology.hinges.len();
+    WornGarment {
+        displacement: garment.points.iter().map(|_| Vector3::new(next(), next(), next()) * 0.1).collect(),
+        memory: RestShape {
+            source_angle: (0..hinges).map(|_| next()).collect(),
+            rest_angle: (0..hinges).map(|_| next() * 2.0).collect(),
+            stiffness_ratio: (0..hinges).map(|_| 1.5 + next()).collect(),
+            rest_stretch_warp: vec![1.0; garment.triangles.len()],
+            rest_stretch_weft: vec![1.0; garment.triangles.len()],
+        },
+    }
+}
+
+fn extras() -> Value {
+    json!({"crease": {"sidecar": "OUT.crease.json"}})
+}
+
+/// Wears `bytes`, checks what must hold for every file, leaves the output for the validator, and gives it back.
+fn wear(name: &str, bytes: &[u8], chosen: Option<&str>) -> Vec<u8> {
+    wear_asset(name, &read(name, bytes, chosen))
+}
+
+fn wear_asset(name: &str, asset: &SourceAsset) -> Vec<u8> {
+    wear_garment(name, asset, &garment(asset))
+}
+
+fn wear_garment(name: &str, asset: &SourceAsset, garment: &Garment) -> Vec<u8> {
+    let worn = some_wear(garment);
+    let glb = write_worn_glb(asset, garment, &worn, &extras()).unwrap();
+    leave(name, &glb);
+    let (json, _) = split_glb(&glb).unwrap();
+    if let Some(before) = &asset.document {
+        let (_, binary) = split_glb(&glb).unwrap();
+        assert_kept(&before.json, &json, "");
+        assert_same_bytes(&before.json, &before.buffers, &json, &binary.unwrap());
+    }
+    assert_counts(&json);
+    assert_displaced(asset, garment, &worn, &glb);
+    glb
+}
+
+/// Keeps an output for the validator.
+fn leave(name: &str, glb: &[u8]) {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("export");
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join(format!("{name}.glb")), glb).unwrap();
+}
+
+// ---- What must hold ----
+
+/// Everything in `before` is in `after`, except where the worn target must change it.
+fn assert_kept(before: &Value, after: &Value, path: &str) {
+    let changed = ["/byteLength", "/output", "/weights", "/targetNames", "/buffers/0/uri"];
+    let moved =
+        path.starts_with("/bufferViews") && (path.ends_with("/buffer") || path.ends_with("/byteOffset"));
+    if moved || changed.iter().any(|end| path.ends_with(end)) {
+        return;
+    }
+    match (before, after) {
+        (Value::Object(before), Value::Object(after)) => {
+            for (key, value) in before {
+                let path = format!("{path}/{key}");
+                let Some(after) = after.get(key) else {
+                    assert!(path.ends_with("/uri") && path.starts_with("/buffers"), "{path} is gone");
+                    continue;
+                };
+                assert_kept(value, after, &path);
+            }
+        }
+        (Value::Array(before), Value::Array(after)) if path != "/buffers" => {
+            assert!(after.len() >= before.len(), "{path} became shorter");
+            for (i, (before, after)) in before.iter().zip(after).enumerate() {
+                assert_kept(before, after, &format!("{path}/{i}"));
+            }
+        }
+        (Value::Array(before), Value::Array(after)) => assert_kept(&before[0], &after[0], "/buffers/0"),
+        _ => assert_eq!(before, after, "{path} changed"),
+    }
+}
+
+/// Every view of the input has the same bytes behind it.
+fn assert_same_bytes(before: &Value, buffers: &[Vec<u8>], after: &Value, binary: &[u8]) {
+    let slice = |view: &Value, bytes: &[u8]| {
+        let start = view["byteOffset"].as_u64().unwrap_or(0) as usize;
+        bytes[start..start + view["byteLength"].as_u64().unwrap() as usize].to_vec()
+    };
+    let views = before["bufferViews"].as_array().unwrap();
+    for (i, view) in views.iter().enumerate() {
+        let old = slice(view, &buffers[view["buffer"].as_u64().unwrap() as usize]);
+        assert_eq!(after["bufferViews"][i]["buffer"], 0);
+        assert_eq!(old, slice(&after["bufferViews"][i], binary), "bufferViews[{i}]");
+    }
+    assert_eq!(after["buffers"].as_array().unwrap().len(), 1);
+    assert!(after["buffers"][0].get("uri").is_none());
+}
+
+fn length(list: &Value) -> usize {
+    list.as_array().map_or(0, Vec::len)
+}
+
+/// Targets, names and weights of meshes and nodes, and animated weights, all agree.
+fn assert_counts(json: &Value) {
+    let accessor_count =
+        |index: &Value| json["accessors"][index.as_u64().unwrap() as usize]["count"].as_u64().unwrap();
+    for mesh in json["meshes"].as_array().unwrap() {
+        let primitives = mesh["primitives"].as_array().unwrap();
+        let count = length(&primitives[0]["targets"]);
+        for primitive in primitives {
+            assert_eq!(length(&primitive["targets"]), count);
+            let vertices = accessor_count(&primitive["attributes"]["POSITION"]);
+            for target in primitive["targets"].as_array().into_iter().flatten() {
+                target.as_object().unwrap().values().for_each(|a| assert_eq!(accessor_count(a), vertices));
+            }
+        }
+        if mesh["extras"]["crease"].is_object() {
+            assert_eq!(length(&mesh["weights"]), count);
+            assert_eq!(length(&mesh["extras"]["targetNames"]), count);
+            assert_eq!(mesh["extras"]["crease"], extras()["crease"]);
+        }
+    }
+    let target_count = |node: &Value| {
+        let mesh = json["nodes"][node.as_u64().unwrap() as usize]["mesh"].as_u64().unwrap() as usize;
+        length(&json["meshes"][mesh]["primitives"][0]["targets"]) as u64
+    };
+    for (i, node) in json["nodes"].as_array().unwrap().iter().enumerate() {
+        if node["weights"].is_array() {
+            assert_eq!(length(&node["weights"]) as u64, target_count(&json!(i)));
+        }
+    }
+    for animation in json["animations"].as_array().into_iter().flatten() {
+        for channel in animation["channels"].as_array().unwrap() {
+            if channel["target"]["path"] == "weights" {
+                let sampler = &animation["samplers"][channel["sampler"].as_u64().unwrap() as usize];
+                let groups = if sampler["interpolation"] == "CUBICSPLINE" { 3 } else { 1 };
+                let wanted =
+                    accessor_count(&sampler["input"]) * groups * target_count(&channel["target"]["node"]);
+                assert_eq!(accessor_count(&sampler["output"]), wanted);
+            }
+        }
+    }
+}
+
+/// The worn target of every worn vertex, brought into the scene, is its point's displacement.
+fn assert_displaced(asset: &SourceAsset, garment: &Garment, worn: &WornGarment, glb: &[u8]) {
+    // The crate cannot read pointers as animation targets; the meshes do not need them.
+    let (mut json, binary) = split_glb(glb).unwrap();
+    json.as_object_mut().unwrap().remove("animations");
+    let file = gltf::Gltf::from_slice_without_validation(&join_glb(&json, &binary.unwrap())).unwrap();
+    let binary = file.blob.as_deref().unwrap();
+    let mut points = garment.source_point.iter();
+    let mut checked = 0;
+    for piece in asset.worn_pieces() {
+        let mesh = match piece.node {
+            Some(node) => file.nodes().nth(node).unwrap().mesh().unwrap(),
+            None => file.meshes().nth(piece.mesh).unwrap(),
+        };
+        let primitive = mesh.primitives().nth(piece.primitive).unwrap();
+        let index = worn_index(mesh.extras().as_ref().unwrap().get());
+        let reader = primitive.reader(|_| Some(binary));
+        let target = reader.read_morph_targets().nth(index).unwrap();
+        let rows: Vec<[f32; 3]> = target.0.unwrap().collect();
+        assert_eq!(rows.len(), piece.positions.len());
+        for (v, row) in rows.iter().enumerate() {
+            let transform =
+                if asset.document.is_some() { *piece.placement.of(v) } else { Matrix4::identity() };
+            let local = Vector3::from(row.map(f64::from));
+            let moved = transform.fixed_view::<3, 3>(0, 0) * local;
+            let wanted = worn.displacement[points.next().unwrap().at()];
+            assert!(
+                (moved - wanted).norm() < 1e-6,
+                "vertex {v} of {}: {moved:?}, not {wanted:?}",
+                piece.name
+            );
+            checked += 1;
+        }
+        assert!(
+            primitive
+                .attributes()
+                .any(|(name, _)| name == gltf::Semantic::Extras("CREASE_REST_ANGLE".into()))
+        );
+        assert!(
+            primitive.attributes().any(|(name, _)| name == gltf::Semantic::Extras("CREASE_STIFFNESS".into()))
+        );
+        assert_normals(&primitive, binary, index);
+    }
+    assert!(checked > 0);
+    assert!(points.next().is_none());
+}
+
+/// Worn normals and tangents, as a viewer adds them up, are unit vectors.
+fn assert_normals(primitive: &gltf::Primitive, binary: &[u8], index: usize) {
+    let reader = primitive.reader(|_| Some(binary));
+    let (_, normals, tangents) = reader.read_morph_targets().nth(index).unwrap();
+    let unit = |base: [f32; 3], delta: [f32; 3]| {
+        let sum = Vector3::from(base) + Vector3::from(delta);
+        assert!((sum.norm() - 1.0).abs() < 1e-3, "{base:?} + {delta:?}");
+    };
+    assert_eq!(primitive.get(&gltf::Semantic::Normals).is_some(), normals.is_some());
+    assert_eq!(primitive.get(&gltf::Semantic::Tangents).is_some(), tangents.is_some());
+    // The crate reads base normals as floats only.
+    let is_float =
+        |semantic| primitive.get(&semantic).is_some_and(|a| a.data_type() == gltf::accessor::DataType::F32);
+    if is_float(gltf::Semantic::Normals) {
+        reader.read_normals().unwrap().zip(normals.unwrap()).for_each(|(n, d)| unit(n, d));
+    }
+    if is_float(gltf::Semantic::Tangents) {
+        reader.read_tangents().unwrap().zip(tangents.unwrap()).for_each(|(t, d)| unit([t[0], t[1], t[2]], d));
+    }
+}
+
+fn worn_index(extras: &str) -> usize {
+    let extras: Value = serde_json::from_str(extras).unwrap();
+    extras["targetNames"].as_array().unwrap().iter().position(|name| name == WORN_TARGET).unwrap()
+}
+
+/// Numbers of a float accessor of an output.
+fn numbers(json: &Value, binary: &[u8], index: &Value) -> Vec<f32> {
+    let accessor = &json["accessors"][index.as_u64().unwrap() as usize];
+    let view = &json["bufferViews"][accessor["bufferView"].as_u64().unwrap() as usize];
+    let start = view["byteOffset"].as_u64().unwrap_or(0) as usize;
+    let count = accessor["count"].as_u64().unwrap() as usize;
+    let bytes = &binary[start..start + count * 4];
+    bytes.chunks_exact(4).map(|b| f32::from_le_bytes(b.try_into().unwrap())).collect()
+}
+
+// ---- The varieties ----
+
+/// Positions and normals in one view, a node that turns and stretches, tangents, texture coordinates, extras anywhere.
+#[test]
+fn an_interleaved_mesh_under_a_stretched_node() {
+    let mut d = Document::new();
+    let rows: Vec<f32> = QUAD.iter().flat_map(|p| p.iter().copied().chain([0.0, 0.0, 1.0])).collect();
+    let view = d.view(&floats(&rows), Some(24));
+    let (low, high) = bounds(&QUAD);
+    let position = d.push(
+        "accessors",
+        json!({"bufferView": view, "componentType": FLOAT, "count": 4, "type": "VEC3", "min": low, "max": high}),
+    );
+    let normal = d.push(
+        "accessors",
+        json!({"bufferView": view, "byteOffset": 12, "componentType": FLOAT, "count": 4, "type": "VEC3", "name": "n"}),
+    );
+    let tangent = d.floats("VEC4", 4, &[1.0, 0.0, 0.0, -1.0].repeat(4));
+    let uv = d.floats("VEC2", 2, &[0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0]);
+    let attributes = json!({"POSITION": position, "NORMAL": normal, "TANGENT": tangent, "TEXCOORD_0": uv});
+    let mut primitive = d.quad(attributes);
+    primitive["material"] = json!(0);
+    d.push("materials", json!({"name": "m", "extensions": {"ACME_unknown": {"deep": {"er": [true]}}}}));
+    d.push("meshes", json!({"name": "cloth", "primitives": [primitive], "extras": {"own": [1, 2]}}));
+    let (s, c) = (0.3f64.sin(), 0.3f64.cos());
+    d.push("nodes", json!({"children": [1], "matrix": [c, s, 0, 0, -s, c, 0, 0, 0, 0, 1, 0, 5, 6, 7, 1]}));
+    d.push(
+        "nodes",
+        json!({"mesh": 0, "scale": [2.0, 1.0, -0.5], "rotation": [0.0, 0.6, 0.0, 0.8], "extras": 3}),
+    );
+    let glb = wear("interleaved", &d.glb(), None);
+    let (json, _) = split_glb(&glb).unwrap();
+    assert_eq!(json["meshes"][0]["extras"]["own"], json!([1, 2]));
+    assert_eq!(json["meshes"][0]["weights"], json!([1.0]));
+    assert_eq!(json["asset"]["generator"], "somebody else");
+}
+
+#[test]
+fn a_skinned_quad_whose_joints_turn_and_scale() {
+    let mut d = Document::new();
+    let position = d.positions(&QUAD);
+    let normal = d.floats("VEC3", 3, &QUAD_NORMALS);
+    let joint_view = d.view(&[0u8, 1, 0, 0].repeat(4), None);
+    let joints = d.push(
+        "accessors",
+        json!({"bufferView": joint_view, "componentType": UNSIGNED_BYTE, "count": 4, "type": "VEC4"}),
+    );
+    let weights = [[1.0, 0.0, 0.0, 0.0], [0.75, 0.25, 0.0, 0.0], [0.5, 0.5, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0]];
+    let weights = d.floats("VEC4", 4, weights.as_flattened());
+    let identity: [f32; 16] = std::array::from_fn(|i| if i % 5 == 0 { 1.0 } else { 0.0 });
+    let inverse_bind = d.floats("MAT4", 16, &identity.repeat(2));
+    let attributes =
+        json!({"POSITION": position, "NORMAL": normal, "JOINTS_0": joints, "WEIGHTS_0": weights});
+    let primitive = d.quad(attributes);
+    d.push("meshes", json!({"primitives": [primitive]}));
+    d.push("skins", json!({"joints": [1, 2], "inverseBindMatrices": inverse_bind, "skeleton": 1}));
+    d.json["scenes"] = json!([{"nodes": [0, 1]}]);
+    d.push("nodes", json!({"mesh": 0, "skin": 0}));
+    d.push("nodes", json!({"children": [2], "scale": [0.5, 2.0, 1.0]}));
+    d.push("nodes", json!({"rotation": [0.0, 0.0, 0.6, 0.8], "translation": [0.1, 0.2, 0.3]}));
+    wear("skinned", &d.glb(), None);
+}
+
+/// Two targets, one named, default weights on mesh and node; one node animated linearly, by a spline, by small integers,
+/// and by pointers to the weights of the mesh and to one weight alone.
+fn morphed_and_animated() -> (Document, usize, Vec<f32>) {
+    let mut d = Document::new();
+    let position = d.positions(&QUAD);
+    let other = d.positions(&QUAD.map(|p| [p[1], p[0], 0.25]));
+    let mut primitive = d.quad(json!({"POSITION": position}));
+    primitive["targets"] = json!([{"POSITION": other}, {"POSITION": other}]);
+    d.push(
+        "meshes",
+        json!({"primitives": [primitive], "weights": [0.25, 0.5], "extras": {"targetNames": ["smile"]}}),
+    );
+    d.push("nodes", json!({"mesh": 0, "weights": [0.5, 0.0], "children": [1]}));
+    d.push("nodes", json!({"name": "other"}));
+    let time = d.floats("SCALAR", 1, &[0.0, 1.0, 2.0]);
+    d.json["accessors"][time]["min"] = json!([0.0]);
+    d.json["accessors"][time]["max"] = json!([2.0]);
+    let linear = d.floats("SCALAR", 1, &[0.1, 0.2, 0.3, 0.4, 0.5, 0.6]);
+    let spline: Vec<f32> = (1..=18).map(|i| i as f32 / 16.0).collect();
+    let spline_output = d.floats("SCALAR", 1, &spline);
+    let byte_view = d.view(&[0, 51, 102, 153, 204, 255], None);
+    let small = d.push(
+        "accessors",
+        json!({"bufferView": byte_view, "componentType": UNSIGNED_BYTE, "normalized": true, "count": 6, "type": "SCALAR"}),
+    );
+    let turn = d.floats("VEC3", 3, &[0.0; 9]);
+    let animation = |output: usize, how: &str| {
+        json!({
+            "channels": [
+                {"sampler": 1, "target": {"node": 1, "path": "translation"}},
+                {"sampler": 0, "target": {"node": 0, "path": "weights"}},
+            ],
+            "samplers": [
+                {"input": time, "output": output, "interpolation": how, "extras": "kept"},
+                {"input": time, "output": turn},
+            ],
+        })
+    };
+    let one_weight = d.floats("SCALAR", 1, &[0.0, 1.0, 0.0]);
+    let pointer = |sampler: usize, pointer: &str| {
+        let target =
+            json!({"path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer": pointer}}});
+        json!({"sampler": sampler, "target": target})
+    };
+    let pointers = json!({
+        "channels": [pointer(0, "/meshes/0/weights"), pointer(1, "/nodes/0/weights/1")],
+        "samplers": [{"input": time, "output": linear}, {"input": time, "output": one_weight}],
+    });
+    d.json["animations"] = json!([
+        animation(linear, "LINEAR"),
+        animation(spline_output, "CUBICSPLINE"),
+        animation(small, "STEP"),
+        pointers,
+    ]);
+    d.json["extensionsUsed"] = json!(["ACME_unknown", "KHR_animation_pointer"]);
+    (d, turn, spline)
+}
+
+#[test]
+fn existing_targets_and_animated_weights_are_extended() {
+    let (d, turn, spline) = morphed_and_animated();
+    let glb = wear("morph_animated", &d.glb(), None);
+    let (json, binary) = split_glb(&glb).unwrap();
+    let binary = binary.unwrap();
+    assert_eq!(json["meshes"][0]["weights"], json!([0.25, 0.5, 1.0]));
+    assert_eq!(json["nodes"][0]["weights"], json!([0.5, 0.0, 1.0]));
+    assert_eq!(json["meshes"][0]["extras"]["targetNames"], json!(["smile", "target_1", "worn"]));
+    assert_eq!(json["animations"][0]["samplers"][1]["output"], turn, "the other sampler stays");
+    let output = |i: usize| numbers(&json, &binary, &json["animations"][i]["samplers"][0]["output"]);
+    assert_eq!(output(0), [0.1, 0.2, 1.0, 0.3, 0.4, 1.0, 0.5, 0.6, 1.0]);
+    let worn = [0.0, 1.0, 0.0];
+    let wanted: Vec<f32> =
+        spline.chunks(2).enumerate().flat_map(|(i, w)| [w[0], w[1], worn[i % 3]]).collect();
+    assert_eq!(output(1), wanted);
+    for (found, wanted) in output(2).iter().zip([0.0, 0.2, 1.0, 0.4, 0.6, 1.0, 0.8, 1.0, 1.0]) {
+        assert!((found - wanted).abs() < 1e-6);
+    }
+    assert_eq!(output(3), output(0), "all weights of the mesh, by pointer");
+    let before = &read("again", &morphed_and_animated().0.glb(), None).document.unwrap().json;
+    let single = "/animations/3/samplers/1";
+    assert_eq!(json.pointer(single), before.pointer(single), "a pointer to one weight still means that one");
+}
+
+/// Draco stores vertices in an order of its own, which the target does not follow; the plain copy was worn.
+#[test]
+fn a_compressed_copy_of_a_worn_primitive_is_let_go() {
+    let mut d = Document::new();
+    let position = d.positions(&QUAD);
+    let mut primitives = [d.quad(json!({"POSITION": position})), d.quad(json!({"POSITION": position}))];
+    for (i, primitive) in primitives.iter_mut().enumerate() {
+        primitive["material"] = json!(i);
+        primitive["extensions"] = json!({
+            "ACME_unknown": 1,
+            "KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {"POSITION": 0}},
+        });
+        d.push("materials", json!({"name": format!("material {i}")}));
+    }
+    d.push("meshes", json!({"primitives": primitives}));
+    d.push("nodes", json!({"mesh": 0}));
+    let asset = read("draco", &d.glb(), Some("material 0"));
+    let garment = garment(&asset);
+    let glb = write_worn_glb(&asset, &garment, &some_wear(&garment), &extras()).unwrap();
+    let (json, _) = split_glb(&glb).unwrap();
+    let extensions = |i: usize| json["meshes"][0]["primitives"][i]["extensions"].clone();
+    assert_eq!(extensions(0), json!({"ACME_unknown": 1}));
+    assert!(extensions(1)["KHR_draco_mesh_compression"].is_object(), "not worn, so left alone");
+}
+
+/// Any value of the document replaced by nonsense after reading: an answer or a fault, never a panic.
+#[test]
+fn a_document_with_any_one_value_broken_is_no_panic() {
+    let asset = read("broken", &morphed_and_animated().0.glb(), None);
+    let garment = garment(&asset);
+    let worn = some_wear(&garment);
+    let document = &asset.document.as_ref().unwrap().json;
+    let mut paths = Vec::new();
+    list_paths(document, String::new(), &mut paths);
+    assert!(paths.len() > 200);
+    let mut refused = 0;
+    for path in paths {
+        for nonsense in [json!(null), json!(-1), json!(4_000_000_000u64), json!("x"), json!([]), json!({})] {
+            let mut broken = asset.clone();
+            *broken.document.as_mut().unwrap().json.pointer_mut(&path).unwrap() = nonsense;
+            refused += usize::from(write_worn_glb(&broken, &garment, &worn, &extras()).is_err());
+        }
+    }
+    assert!(refused > 100, "{refused}");
+}
+
+fn list_paths(value: &Value, path: String, paths: &mut Vec<String>) {
+    match value {
+        Value::Object(map) => {
+            map.iter().for_each(|(key, value)| list_paths(value, format!("{path}/{key}"), paths))
+        }
+        Value::Array(list) => {
+            list.iter().enumerate().for_each(|(i, value)| list_paths(value, format!("{path}/{i}"), paths));
+        }
+        _ => {}
+    }
+    paths.push(path);
+}
+
+/// Two nodes animated by one sampler, only one of them worn: the other's channel must go on reading two weights a key.
+#[test]
+fn a_sampler_shared_with_another_mesh_is_not_extended_under_it() {
+    let mut d = Document::new();
+    let position = d.positions(&QUAD);
+    let far = d.positions(&QUAD.map(|p| [p[0] + 2.0, p[1], p[2]]));
+    for (name, position) in [("worn one", position), ("other", far)] {
+        let mut primitive = d.quad(json!({"POSITION": position}));
+        primitive["targets"] = json!([{"POSITION": position}]);
+        d.push("meshes", json!({"name": name, "primitives": [primitive]}));
+    }
+    d.push("nodes", json!({"mesh": 0, "children": [1]}));
+    d.push("nodes", json!({"mesh": 1}));
+    let time = d.floats("SCALAR", 1, &[0.0, 1.0]);
+    d.json["accessors"][time]["min"] = json!([0.0]);
+    d.json["accessors"][time]["max"] = json!([1.0]);
+    let output = d.floats("SCALAR", 1, &[0.0, 0.5]);
+    d.json["animations"] = json!([{
+        "channels": [{"sampler": 0, "target": {"node": 1, "path": "weights"}}],
+        "samplers": [{"input": time, "output": output}],
+    }]);
+    let channel = json!({"sampler": 0, "target": {"node": 0, "path": "weights"}});
+    d.json["animations"][0]["channels"].as_array_mut().unwrap().push(channel);
+    let asset = read("shared_sampler", &d.glb(), Some("worn one"));
+    let garment = garment(&asset);
+    let glb = write_worn_glb(&asset, &garment, &some_wear(&garment), &extras()).unwrap();
+    leave("shared_sampler", &glb);
+    let (json, binary) = split_glb(&glb).unwrap();
+    assert_counts(&json);
+    let animation = &json["animations"][0];
+    assert_eq!(animation["channels"][0]["sampler"], 0);
+    assert_eq!(animation["channels"][1]["sampler"], 1);
+    assert_eq!(animation["samplers"][0]["output"], output);
+    let extended = numbers(&json, &binary.unwrap(), &animation["samplers"][1]["output"]);
+    assert_eq!(extended, [0.0, 1.0, 0.5, 1.0]);
+    assert!(json["meshes"][1]["weights"].is_null(), "the other mesh is as it was");
+    assert_eq!(json["meshes"][1], asset.document.unwrap().json["meshes"][1]);
+}
+
+/// Two primitives share all accessors but the indices; one is worn. The other needs a target too, all zeros.
+#[test]
+fn a_primitive_that_is_not_worn_gets_zeros() {
+    let mut d = Document::new();
+    let position = d.positions(&QUAD);
+    let normal = d.floats("VEC3", 3, &QUAD_NORMALS);
+    let mut primitives = Vec::new();
+    for (i, name) in ["cloth", "buttons"].iter().enumerate() {
+        let mut primitive = d.quad(json!({"POSITION": position, "NORMAL": normal}));
+        primitive["material"] = json!(i);
+        d.push("materials", json!({"name": name}));
+        primitives.push(primitive);
+    }
+    d.push("meshes", json!({"primitives": primitives}));
+    d.push("nodes", json!({"mesh": 0}));
+    let glb = wear("one_of_two", &d.glb(), Some("cloth"));
+    let file = gltf::Gltf::from_slice(&glb).expect("the gltf crate finds it valid");
+    let buttons = file.meshes().next().unwrap().primitives().nth(1).unwrap();
+    let reader = buttons.reader(|_| file.blob.as_deref());
+    let zeros: Vec<[f32; 3]> = reader.read_morph_targets().next().unwrap().0.unwrap().collect();
+    assert_eq!(zeros, [[0.0; 3]; 4]);
+    assert!(buttons.attributes().all(|(name, _)| !matches!(name, gltf::Semantic::Extras(_))));
+}
+
+/// A mesh that two nodes show is one shape: both wear it, and both have their weights extended.
+#[test]
+fn a_mesh_that_two_nodes_show_is_worn_by_both() {
+    let mut d = Document::new();
+    let position = d.positions(&QUAD);
+    let mut primitive = d.quad(json!({"POSITION": position}));
+    primitive["targets"] = json!([{"POSITION": position}]);
+    d.push("meshes", json!({"primitives": [primitive]}));
+    d.push("nodes", json!({"mesh": 0, "children": [1]}));
+    d.push("nodes", json!({"mesh": 0, "translation": [3.0, 0.0, 0.0], "weights": [0.5]}));
+    let (json, _) = split_glb(&wear("two_nodes", &d.glb(), None)).unwrap();
+    assert_eq!(json["meshes"].as_array().unwrap().len(), 1);
+    assert_eq!(json["nodes"][1]["weights"], json!([0.5, 1.0]));
+}
+
+/// The same mesh, where the caller holds the second node's use of it as a piece that is not worn.
+#[test]
+fn a_node_with_an_unworn_piece_of_the_same_mesh_keeps_its_shape() {
+    let mut d = Document::new();
+    let position = d.positions(&QUAD);
+    let primitive = d.quad(json!({"POSITION": position}));
+    d.push("meshes", json!({"primitives": [primitive]}));
+    d.push("nodes", json!({"mesh": 0, "children": [1]}));
+    d.push("nodes", json!({"mesh": 0, "translation": [3.0, 0.0, 0.0]}));
+    let mut asset = read("copy", &d.glb(), None);
+    let mut other = asset.pieces[0].clone();
+    (other.node, other.worn) = (Some(1), false);
+    asset.pieces.push(other);
+    let garment = garment(&asset);
+    let worn = some_wear(&garment);
+    let glb = write_worn_glb(&asset, &garment, &worn, &extras()).unwrap();
+    leave("copied_mesh", &glb);
+    assert_displaced(&asset, &garment, &worn, &glb);
+    let (json, _) = split_glb(&glb).unwrap();
+    assert_eq!(json["nodes"][0]["mesh"], 1);
+    assert_eq!(json["nodes"][1]["mesh"], 0);
+    assert_eq!(json["meshes"][0], asset.document.unwrap().json["meshes"][0]);
+}
+
+/// Positions in 16 bits that a node scales back, normals in 8, as KHR_mesh_quantization allows.
+#[test]
+fn quantised_positions_get_a_target_in_their_own_units() {
+    let mut d = Document::new();
+    let quantised = |x: f32| (x * 20_000.0) as i16;
+    let rows: Vec<[i16; 4]> =
+        QUAD.iter().map(|p| [quantised(p[0]), quantised(p[1]), quantised(p[2]), 0]).collect();
+    let bytes: Vec<u8> = rows.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+    let view = d.view(&bytes, Some(8));
+    let position = d.push(
+        "accessors",
+        json!({
+            "bufferView": view, "componentType": SHORT, "count": 4, "type": "VEC3",
+            "min": [0, 0, 0], "max": [quantised(0.5), quantised(0.5), quantised(0.1)],
+        }),
+    );
+    let normal_view = d.view(&[0u8, 0, 127, 0].repeat(4), Some(4));
+    let normal = d.push(
+        "accessors",
+        json!({"bufferView": normal_view, "componentType": 5120, "normalized": true, "count": 4, "type": "VEC3"}),
+    );
+    let primitive = d.quad(json!({"POSITION": position, "NORMAL": normal}));
+    d.push("meshes", json!({"primitives": [primitive]}));
+    d.push("nodes", json!({"mesh": 0, "scale": [0.00005, 0.00005, 0.00005]}));
+    d.json["extensionsUsed"] = json!(["ACME_unknown", "KHR_mesh_quantization"]);
+    d.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
+    wear("quantised", &d.glb(), None);
+}
+
+/// A .gltf with three buffers, one of odd length: all in one binary chunk afterwards, an image's bytes too.
+#[test]
+fn several_buffers_become_one_and_keep_their_bytes() {
+    let mut d = Document::new();
+    let position = d.positions(&QUAD);
+    let primitive = d.quad(json!({"POSITION": position}));
+    d.push("meshes", json!({"primitives": [primitive], "extras": "just text"}));
+    d.push("nodes", json!({"mesh": 0}));
+    let first = d.bytes.len();
+    d.json["bufferViews"][0]["buffer"] = json!(2);
+    d.json["bufferViews"][1]["buffer"] = json!(2);
+    let other = d.view(b"not a picture", None);
+    d.json["bufferViews"][other] = json!({"buffer": 1, "byteOffset": 2, "byteLength": 13});
+    d.json["buffers"] = json!([
+        {"uri": "empty.bin", "byteLength": 3, "name": "kept"},
+        {"uri": "data:application/octet-stream;base64,eHhub3QgYSBwaWN0dXJl", "byteLength": 15},
+        {"uri": "mesh%20data.bin", "byteLength": first},
+    ]);
+    let bytes = d.bytes[..first].to_vec();
+    let mut resolve = |uri: &str| Ok(if uri == "mesh data.bin" { bytes.clone() } else { b"abc".to_vec() });
+    let options = ReadOptions { unit_m: Some(1.0), ..Default::default() };
+    let text = d.json.to_string();
+    let (asset, _) = read_asset("several.gltf", text.as_bytes(), &options, &mut resolve).unwrap();
+    let (json, _) = split_glb(&wear_asset_keeping("several_buffers", &asset)).unwrap();
+    assert_eq!(json["buffers"][0]["name"], "kept");
+    assert_eq!(
+        json["meshes"][0]["extras"]["extras"], "just text",
+        "extras that are no object are kept in one"
+    );
+}
+
+/// As [`wear_asset`], without the comparison of extras that had to be wrapped.
+fn wear_asset_keeping(name: &str, asset: &SourceAsset) -> Vec<u8> {
+    let mut unwrapped = asset.clone();
+    unwrapped.document.as_mut().unwrap().json["meshes"][0].as_object_mut().unwrap().remove("extras");
+    wear_asset(name, &unwrapped);
+    let garment = garment(asset);
+    write_worn_glb(asset, &garment, &some_wear(&garment), &extras()).unwrap()
+}
+
+/// Worn twice, a mesh must not show both shapes added up.
+#[test]
+fn a_mesh_worn_before_has_its_worn_target_replaced() {
+    let mut d = Document::new();
+    let position = d.positions(&QUAD);
+    let mut primitive = d.quad(json!({"POSITION": position}));
+    primitive["targets"] = json!([{"POSITION": position}]);
+    d.push("meshes", json!({"primitives": [primitive]}));
+    d.push("nodes", json!({"mesh": 0}));
+    let once = wear("once", &d.glb(), None);
+    let asset = read("twice", &once, None);
+    let garment = garment(&asset);
+    let mut worn = some_wear(&garment);
+    worn.displacement.iter_mut().for_each(|d| *d *= -2.0);
+    let twice = write_worn_glb(&asset, &garment, &worn, &extras()).unwrap();
+    leave("twice", &twice);
+    assert_displaced(&asset, &garment, &worn, &twice);
+    let (json, _) = split_glb(&twice).unwrap();
+    assert_counts(&json);
+    assert_eq!(json["meshes"][0]["extras"]["targetNames"], json!(["target_0", "worn"]));
+    assert_eq!(json["meshes"][0]["weights"], json!([0.0, 1.0]));
+}
+
+const TWO_GROUPS: &str = "v 0 0 0\nv 50 0 0\nv 0 50 0\nv 50 50 10\nv 100 0 0\nv 100 50 10\n\
+    vt 0 0\nvt 1 0\nvt 0 1\nvt 1 1\n\
+    g left\nusemtl blue\nf 1/1 2/2 3/3\nf 3/3 2/2 4/4\ng right\nusemtl red\nf 2 5 4\nf 4 5 6\ng again\nusemtl blue\nf 1/4 3/3 2/2\n";
+
+#[test]
+fn an_obj_becomes_a_document_in_metres() {
+    let options = ReadOptions { unit_m: Some(0.01), garment: Some("right".into()), ..Default::default() };
+    let (asset, _) =
+        read_asset("dir/shirt.v2.obj", TWO_GROUPS.as_bytes(), &options, &mut |_| Ok(Vec::new())).unwrap();
+    let glb = wear_asset("obj", &asset);
+    let file = gltf::Gltf::from_slice(&glb).expect("the gltf crate finds it valid");
+    let mesh = file.meshes().next().unwrap();
+    assert_eq!(mesh.name(), Some("shirt.v2"));
+    assert_eq!(mesh.primitives().count(), asset.pieces.len());
+    let materials: Vec<_> = mesh.primitives().map(|p| p.material().name().map(str::to_owned)).collect();
+    assert_eq!(materials[0].as_deref(), Some("blue"));
+    assert_eq!(materials[1].as_deref(), Some("red"));
+    assert_eq!(file.materials().count(), 2, "one material for each name");
+    for (piece, primitive) in asset.pieces.iter().zip(mesh.primitives()) {
+        let reader = primitive.reader(|_| file.blob.as_deref());
+        let positions: Vec<[f32; 3]> = reader.read_positions().unwrap().collect();
+        assert_eq!(positions.len(), piece.positions.len());
+        for (found, wanted) in positions.iter().zip(&piece.positions) {
+            assert!((Vector3::from(found.map(f64::from)) - wanted * 0.01).norm() < 1e-7);
+        }
+        let corners: Vec<u32> = reader.read_indices().unwrap().into_u32().collect();
+        assert_eq!(corners, piece.triangles.as_flattened());
+        assert_eq!(reader.read_tex_coords(0).is_some(), piece.uvs.is_some());
+    }
+}
+
+#[test]
+fn parts_that_do_not_belong_together_are_refused_all_at_once() {
+    let asset = read("quad.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", None);
+    let mut garment = garment(&asset);
+    let mut worn = some_wear(&garment);
+    garment.source_point.pop();
+    worn.displacement[0].x = f64::NAN;
+    worn.memory.rest_angle.push(0.0);
+    let message = write_worn_glb(&asset, &garment, &worn, &Value::Null).unwrap_err().to_string();
+    for part in ["source_point", "finite displacement", "rest_angle"] {
+        assert!(message.contains(part), "{part} missing in {message}");
+    }
+    worn.displacement.pop();
+    assert!(write_worn_glb(&asset, &garment, &worn, &json!([1])).is_err());
+}
+
+/// Real files of others, where they are at hand.
+#[test]
+fn real_files_come_back_whole_with_a_worn_target() {
+    let shared = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/garments");
+    let files = [
+        ("khronos-small/RiggedFigure.glb", 1.0),
+        ("khronos-small/AnimatedMorphCube.glb", 1.0),
+        ("khronos-small/SimpleSkin.gltf", 1.0),
+        ("khronos-small/SimpleSparseAccessor.gltf", 1.0),
+        ("khronos-small/BoxInterleaved.glb", 1.0),
+        ("makehuman-body-sweater/derived/mh_sweater_left_elbow.glb", 1.0),
+        ("diffavatar-tshirt/tshirt.obj", 0.01),
+        ("diffcloth-tshirt-folds/tshirt1900-flattened.obj", 0.065),
+    ];
+    for (file, unit_m) in files {
+        let path = shared.join(file);
+        let Ok(bytes) = std::fs::read(&path) else {
+            println!("{file} is not here: skipped");
+            continue;
+        };
+        let folder = path.parent().unwrap();
+        let mut resolve = |uri: &str| Ok(std::fs::read(folder.join(uri)).unwrap());
+        let options = ReadOptions { unit_m: Some(unit_m), ..Default::default() };
+        let (asset, _) = read_asset(file, &bytes, &options, &mut resolve).unwrap();
+        let (garment, _) = Garment::from_asset(&asset).unwrap();
+        wear_garment(path.file_stem().unwrap().to_str().unwrap(), &asset, &garment);
+        let worn = some_wear(&garment);
+        let sidecar = Sidecar::new(&asset, &garment, &worn, json!({}), json!({}), json!({})).unwrap();
+        assert_eq!(read_sidecar("again", &write_sidecar(&sidecar)).unwrap(), sidecar);
+    }
+}
