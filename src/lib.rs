@@ -6,6 +6,8 @@
 //! uses its own folder and the ones above it, never one below (`docs/architecture.md`).
 
 #![warn(missing_docs)]
+// Units are written [m], [s], [rad] all over: rustdoc would take each for a link.
+#![allow(rustdoc::broken_intra_doc_links)]
 
 pub mod error;
 pub mod json;

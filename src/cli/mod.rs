@@ -1,8 +1,113 @@
-//! One file per command: arguments -> options -> library call -> files.
+//! The tool. One file per command: arguments -> options -> library call -> files.
+//!
+//! The only place that prints and the only one that opens files. stdout is data, stderr is talk. Exit codes: 0 done,
+//! 1 bad input, 2 wrong usage, 3 did not converge. A command is one file and one line in the list below.
 
+mod arguments;
+#[allow(dead_code)] // until its boundary calls the library
+mod bake;
+mod fabric;
+mod input;
+#[allow(dead_code)] // until its boundary calls the library
+mod inspect;
+#[allow(dead_code)] // until a command writes
+mod output;
+#[allow(dead_code)] // until a bake tells its steps
+mod progress;
+mod render;
+mod schema;
+mod talk;
+
+use clap::{Parser, Subcommand};
+use crease::{Error, Result};
 use std::process::ExitCode;
+
+/// Garments that remember how they were worn: wear a mesh in, bake its wrinkles.
+#[derive(Debug, Parser)]
+#[command(
+    name = "crease",
+    version,
+    after_help = "Exit codes: 0 done, 1 bad input, 2 wrong usage, 3 did not converge."
+)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Say what is in a mesh file, what would be repaired, what would be refused
+    Inspect(inspect::Arguments),
+    /// Wear a garment in and bake its wrinkles: writes OUT.glb, OUT.crease.json and OUT.report.json
+    Bake(Box<bake::Arguments>),
+    /// Make a picture of a worn garment
+    Render(render::Arguments),
+    /// List the fabrics that come along, or show one in full
+    Fabric(fabric::Arguments),
+    /// Print the JSON Schema of a file format
+    Schema(schema::Arguments),
+}
+
+impl Command {
+    fn run(self) -> Result<()> {
+        match self {
+            Self::Inspect(arguments) => inspect::run(arguments),
+            Self::Bake(arguments) => bake::run(*arguments),
+            Self::Render(arguments) => render::run(arguments),
+            Self::Fabric(arguments) => fabric::run(arguments),
+            Self::Schema(arguments) => schema::run(arguments),
+        }
+    }
+}
 
 /// Reads the command line, runs the command, and maps its outcome to an exit code.
 pub fn run() -> ExitCode {
-    ExitCode::SUCCESS
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(refusal) => {
+            // Also how clap hands out help and version; a closed pipe is no reason to fail.
+            let _ = refusal.print();
+            return if refusal.use_stderr() { ExitCode::from(2) } else { ExitCode::SUCCESS };
+        }
+    };
+    match arguments.command.run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            talk::error(&error);
+            ExitCode::from(exit_code(&error))
+        }
+    }
+}
+
+fn exit_code(error: &Error) -> u8 {
+    match error {
+        Error::Input(_) | Error::File { .. } => 1,
+        Error::NotConverged(_) => 3,
+    }
+}
+
+/// Stands where a command ends whose library part has not been merged yet.
+fn not_wired(command: &str) -> Error {
+    Error::fault("crease", command, "is not part of this build yet", "use a later version")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn exit_codes_are_those_promised() {
+        assert_eq!(exit_code(&Error::fault("f", "", "bad", "")), 1);
+        assert_eq!(
+            exit_code(&Error::File { file: "f".to_owned(), source: std::io::Error::other("disk") }),
+            1
+        );
+        assert_eq!(exit_code(&Error::NotConverged("step 3".to_owned())), 3);
+    }
 }

@@ -1,8 +1,8 @@
 //! What cloth is made of: numbers with units and provenance, as they stand in `crease-fabric/1` files.
 //!
 //! Fields carry their unit in the name, as in the file; the methods give SI. Stiffnesses are those of
-//! `docs/method.md`: stretch and shear per width [N/m], bending per width [N·m], the plate's B = EI per width with
-//! Poisson ratio 0. The memory numbers are those of KOW, section 4: thresholds in percent of a right angle.
+//! `docs/method.md`: stretch and shear per width [N/m] and bending per width [N·m], the B of a plate. The memory
+//! numbers follow KOW's ten parameters, with thresholds in percent of a right angle. Does not do: the memory law itself.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -13,7 +13,7 @@ use serde_json::Value;
 const REFERENCE_LIMIT: usize = 16;
 
 pub(super) fn faults(document: &Document, schema: &Value) -> Vec<Fault> {
-    let mut check = Check { document, root: schema, path: Path::root(), faults: Vec::new(), left_out: 0 };
+    let mut check = Check::new(document, schema, Path::root());
     check.value(schema, &document.value);
     let Check { mut faults, left_out, .. } = check;
     if left_out > 0 {
@@ -28,9 +28,15 @@ struct Check<'a> {
     path: Path,
     faults: Vec<Fault>,
     left_out: usize,
+    /// What the list around a value is for: entries seldom say it themselves.
+    list_purpose: String,
 }
 
 impl<'a> Check<'a> {
+    fn new(document: &'a Document, root: &'a Value, path: Path) -> Self {
+        Self { document, root, path, faults: Vec::new(), left_out: 0, list_purpose: String::new() }
+    }
+
     fn value(&mut self, schema: &'a Value, value: &Value) {
         let resolved = self.resolve(schema);
         if let Some(branches) = branches(resolved) {
@@ -64,13 +70,15 @@ impl<'a> Check<'a> {
         if too_few || too_many {
             let noun = if count == 1 { "entry" } else { "entries" };
             let what = format!("has {count} {noun}, expected {}", self.expected(schema));
-            return self.fault(what, purpose(schema, resolved));
+            return self.fault(what, self.purpose(schema));
         }
-        if let Some(items) = resolved.get("items") {
-            for (index, entry) in entries.iter().enumerate() {
-                self.within(Segment::Entry(index), |check| check.value(items, entry));
-            }
+        let Some(items) = resolved.get("items") else { return };
+        let purpose = self.purpose(schema);
+        let outer = std::mem::replace(&mut self.list_purpose, purpose);
+        for (index, entry) in entries.iter().enumerate() {
+            self.within(Segment::Entry(index), |check| check.value(items, entry));
         }
+        self.list_purpose = outer;
     }
 
     fn object(&mut self, resolved: &'a Value, members: &serde_json::Map<String, Value>) {
@@ -90,7 +98,7 @@ impl<'a> Check<'a> {
         for name in required.filter_map(Value::as_str).filter(|name| !members.contains_key(*name)) {
             let schema = properties.and_then(|p| p.get(name)).unwrap_or(&Value::Null);
             let what = format!("`{name}` is missing: {}", self.expected(schema));
-            self.fault(what, purpose(schema, self.resolve(schema)));
+            self.fault(what, self.purpose(schema));
         }
     }
 
@@ -115,7 +123,7 @@ impl<'a> Check<'a> {
                 let what = format!("is {}, expected {}", quoted(word), self.expected(schema));
                 let cure =
                     nearest(word, words.iter().copied()).map(|meant| format!("did you mean `{meant}`?"));
-                self.fault(what, cure.unwrap_or_else(|| purpose(schema, self.resolve(schema))));
+                self.fault(what, cure.unwrap_or_else(|| self.purpose(schema)));
             }
             None => self.unexpected(schema, value),
         }
@@ -160,13 +168,7 @@ impl<'a> Check<'a> {
     }
 
     fn suits(&self, schema: &'a Value, value: &Value) -> bool {
-        let mut trial = Check {
-            document: self.document,
-            root: self.root,
-            path: self.path.clone(),
-            faults: Vec::new(),
-            left_out: 0,
-        };
+        let mut trial = Check::new(self.document, self.root, self.path.clone());
         trial.value(schema, value);
         trial.faults.is_empty()
     }
@@ -182,7 +184,7 @@ impl<'a> Check<'a> {
 
     fn unexpected(&mut self, schema: &'a Value, value: &Value) {
         let what = format!("is {}, expected {}", shown(value), self.expected(schema));
-        self.fault(what, purpose(schema, self.resolve(schema)));
+        self.fault(what, self.purpose(schema));
     }
 
     fn fault(&mut self, what: String, cure: String) {
@@ -216,6 +218,17 @@ impl<'a> Check<'a> {
         at
     }
 
+    /// The first sentence of what a value is for.
+    fn purpose(&self, schema: &'a Value) -> String {
+        let described = schema.get("description").or_else(|| self.resolve(schema).get("description"));
+        let Some(text) = described.and_then(Value::as_str) else { return self.list_purpose.clone() };
+        let line = text.lines().next().unwrap_or("");
+        match line.find(". ") {
+            Some(end) => line.get(..=end).unwrap_or(line).to_owned(),
+            None => line.to_owned(),
+        }
+    }
+
     /// What `schema` asks for, in words.
     fn expected(&self, schema: &'a Value) -> String {
         let resolved = self.resolve(schema);
@@ -236,6 +249,7 @@ impl<'a> Check<'a> {
             Some("boolean") => "true or false".to_owned(),
             Some("integer") => format!("a whole number{}", range_in_words(resolved)),
             Some("number") => format!("a number{}", range_in_words(resolved)),
+            Some("string") if limit(resolved, "minLength").is_some() => "a text that is not empty".to_owned(),
             Some("string") => "a text".to_owned(),
             Some("object") => "an object {...}".to_owned(),
             Some("array") => self.expected_list(resolved),
@@ -349,16 +363,6 @@ fn range_in_words(schema: &Value) -> String {
 
 fn limit(schema: &Value, name: &str) -> Option<u64> {
     schema.get(name).and_then(Value::as_u64)
-}
-
-/// The first sentence of what the schema says a value is for.
-fn purpose(schema: &Value, resolved: &Value) -> String {
-    let text = schema.get("description").or_else(|| resolved.get("description")).and_then(Value::as_str);
-    let text = text.unwrap_or("").lines().next().unwrap_or("");
-    match text.find(". ") {
-        Some(end) => text.get(..=end).unwrap_or(text).to_owned(),
-        None => text.to_owned(),
-    }
 }
 
 fn shown(value: &Value) -> String {

@@ -268,6 +268,25 @@ mod tests {
     }
 
     #[test]
+    fn the_guide_names_every_action_and_field() {
+        let guide = include_str!("../../docs/wear.md");
+        for example in Action::examples() {
+            let name = example.name();
+            assert!(guide.contains(&format!("| `{name}` |")), "docs/wear.md lacks {name}");
+            let value = serde_json::to_value(&example).expect("plain data");
+            for field in
+                value.get(name).and_then(Value::as_object).into_iter().flatten().map(|(field, _)| field)
+            {
+                assert!(guide.contains(&format!("`{field}`")), "docs/wear.md lacks {name}.{field}");
+            }
+        }
+        assert!(
+            guide.contains(FOLD_THRICE.trim()),
+            "the script in docs/wear.md is not the one that comes along"
+        );
+    }
+
+    #[test]
     fn defaults_are_as_the_schema_says() {
         let line = r#""line": [[0.5, 0], [0.5, 1]], "side": "left""#;
         let text = script(&format!(

@@ -32,7 +32,7 @@ pub struct Fold {
     pub hold_s: f64,
 }
 
-/// A point in fractions of the garment's bounding box as it lies or hangs: [x, y], x to the right, y upward.
+/// [x, y] in fractions 0..1 of the garment's bounding box as it lies or hangs, x to the right, y upward.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(transparent)]
 pub struct Fraction2(#[schemars(inner(range(min = -10, max = 10)))] pub [f64; 2]);

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Press {
-    /// Pressure on the upper side [Pa]: a pile of shirts 200, a hand 2,000, an iron 4,000.
+    /// Pressure on the upper side [Pa]: about 200 under a pile of shirts, 2,000 under a hand, 4,000 under a pushed iron.
     #[serde(rename = "pressure")]
     #[schemars(extend("exclusiveMinimum" = 0), range(max = 1_000_000))]
     pub pressure_pa: f64,

@@ -1,0 +1,57 @@
+//! `crease fabric`: the fabrics that come along.
+
+use super::{input, talk};
+use clap::Subcommand;
+use crease::Result;
+use crease::fabric::{DEFAULT_FABRIC, Fabric};
+
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// One line per fabric that comes along
+    List {
+        /// As JSON: a list of fabrics in full
+        #[arg(long)]
+        json: bool,
+    },
+    /// A fabric in full, as a file to start one of your own from
+    Show {
+        /// Name of a fabric that comes along, or a fabric file
+        #[arg(value_name = "NAME|FILE")]
+        fabric: String,
+    },
+}
+
+pub fn run(arguments: Arguments) -> Result<()> {
+    match arguments.command {
+        Command::List { json } => {
+            let fabrics: Vec<Fabric> =
+                Fabric::preset_names().into_iter().map(Fabric::preset).collect::<Result<_>>()?;
+            match json {
+                true => talk::data(&format!("{:#}\n", serde_json::json!(fabrics))),
+                false => talk::data(&table(&fabrics)),
+            }
+        }
+        Command::Show { fabric } => talk::data(&input::fabric(&fabric)?.to_json()),
+    }
+}
+
+fn table(fabrics: &[Fabric]) -> String {
+    let mut text = format!("{:<22}{:>6}  {:>9}  what it is\n", "name", "g/m2", "bends, cm");
+    for fabric in fabrics {
+        let mark = if fabric.name == DEFAULT_FABRIC { " (default)" } else { "" };
+        text += &format!(
+            "{:<22}{:>6.0}  {:>9.2}  {}{mark}\n",
+            fabric.name,
+            fabric.area_density_g_m2,
+            fabric.bending_length() * 100.0,
+            fabric.description,
+        );
+    }
+    text
+}
