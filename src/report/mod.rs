@@ -3,3 +3,5 @@
 mod report_file;
 
 pub use report_file::{EventCounts, ModelChoice, Report, StageTimes};
+//! (see lib.rs)
+pub mod render;

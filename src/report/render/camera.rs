@@ -1,0 +1,206 @@
+//! Where the picture is taken from: chosen by itself, or by azimuth and elevation.
+//!
+//! A garment that lies is seen from 35 degrees above, its lower end towards the viewer; one that stands or hangs
+//! from the front. The perspective is mild, as from across the room, so that sizes can still be compared.
+
+use crate::math::{Vec2, Vec3};
+
+/// Angles of the camera; what is `None` is chosen from the garment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Camera {
+    /// Around the vertical (degrees): 0 looks from +z, 90 from +x.
+    pub azimuth_deg: Option<f64>,
+    /// Above the horizon (degrees), -90 to 90.
+    pub elevation_deg: Option<f64>,
+    /// Distance of the eye in radii of the garment; infinite for no perspective. At least 1.5.
+    pub distance: f64,
+}
+
+impl Default for Camera {
+    fn default() -> Self {
+        Self { azimuth_deg: None, elevation_deg: None, distance: 6.0 }
+    }
+}
+
+/// Elevation for a garment that lies [degrees].
+const ABOVE_LYING_DEG: f64 = 35.0;
+/// Elevation for a garment that stands or hangs [degrees].
+const ABOVE_STANDING_DEG: f64 = 8.0;
+/// A garment lower than this share of its length and width lies.
+const LYING_SHARE: f64 = 0.35;
+/// Free border around the garment, as a share of the picture.
+const MARGIN: f64 = 0.06;
+
+/// A camera aimed at a garment: world to pixels.
+#[derive(Debug, Clone)]
+pub(super) struct View {
+    /// To the right of the picture, up in it, and towards the viewer; unit vectors.
+    pub right: Vec3,
+    pub up: Vec3,
+    pub toward: Vec3,
+    /// Middle of the garment [m].
+    centre: Vec3,
+    /// Lowest point of the garment [m]: where the ground is.
+    pub ground: f64,
+    /// Radius of the garment [m].
+    pub radius: f64,
+    /// Inverse distance of the eye from the centre [1/m]; 0 without perspective.
+    inverse_distance: f64,
+    /// Pixels per metre at the centre.
+    pub scale: f64,
+    /// Where the centre falls [pixels].
+    origin: Vec2,
+}
+
+impl Camera {
+    /// The angles used for a garment of these bounds: azimuth and elevation [degrees].
+    fn angles(&self, low: Vec3, high: Vec3) -> [f64; 2] {
+        let size = high - low;
+        let lies = size.y < LYING_SHARE * size.x.max(size.z);
+        let elevation = if lies { ABOVE_LYING_DEG } else { ABOVE_STANDING_DEG };
+        let given = |angle: Option<f64>, own: f64| angle.filter(|a| a.is_finite()).unwrap_or(own);
+        [given(self.azimuth_deg, 0.0), given(self.elevation_deg, elevation).clamp(-90.0, 90.0)]
+    }
+
+    /// Aims at `points` so that they fill a picture of `size` pixels.
+    pub(super) fn aim(&self, points: &[Vec3], size: [usize; 2]) -> View {
+        let mut low = points.first().copied().unwrap_or_else(Vec3::zeros);
+        let mut high = low;
+        for p in points {
+            (low, high) = (low.inf(p), high.sup(p));
+        }
+        let [azimuth, elevation] = self.angles(low, high).map(f64::to_radians);
+        let toward =
+            Vec3::new(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos());
+        let right = Vec3::new(azimuth.cos(), 0.0, -azimuth.sin());
+        let radius = (0.5 * (high - low).norm()).max(1e-9);
+        let distance = if self.distance >= 1.5 { self.distance } else { 1.5 };
+        let mut view = View {
+            right,
+            up: toward.cross(&right),
+            toward,
+            centre: low + 0.5 * (high - low),
+            ground: low.y,
+            radius,
+            inverse_distance: 1.0 / (distance * radius),
+            scale: 1.0,
+            origin: Vec2::zeros(),
+        };
+        view.fit(points, size);
+        view
+    }
+}
+
+impl View {
+    /// Scale and origin that put all of `points` into the picture.
+    fn fit(&mut self, points: &[Vec3], size: [usize; 2]) {
+        let mut low = Vec2::repeat(f64::INFINITY);
+        let mut high = -low;
+        for p in points {
+            let s = self.project(*p);
+            (low, high) = (low.inf(&s.xy()), high.sup(&s.xy()));
+        }
+        let size = Vec2::new(size[0] as f64, size[1] as f64);
+        if points.is_empty() {
+            (low, high) = (Vec2::zeros(), Vec2::zeros());
+        }
+        let extent = (high - low).sup(&Vec2::repeat(1e-6 * self.radius));
+        let room = size * (1.0 - 2.0 * MARGIN);
+        self.scale = (room.x / extent.x).min(room.y / extent.y);
+        self.origin = 0.5 * size - self.scale * 0.5 * (low + high);
+    }
+
+    /// Pixels (x to the right, y down) and nearness (larger is nearer; linear across a triangle on screen).
+    pub fn project(&self, p: Vec3) -> Vec3 {
+        let d = p - self.centre;
+        let z = d.dot(&self.toward);
+        let nearness = 1.0 / (1.0 - z * self.inverse_distance);
+        let on_screen = self.scale * nearness * Vec2::new(d.dot(&self.right), -d.dot(&self.up)) + self.origin;
+        // Without perspective nearness would be constant: add depth itself, as first-order perspective does.
+        let order = if self.inverse_distance > 0.0 { nearness } else { 1.0 + z / self.radius };
+        Vec3::new(on_screen.x, on_screen.y, order)
+    }
+
+    /// Distance towards the viewer from the centre [m] of something with this nearness.
+    pub fn depth(&self, nearness: f64) -> f64 {
+        if self.inverse_distance > 0.0 {
+            (1.0 - 1.0 / nearness) / self.inverse_distance
+        } else {
+            (nearness - 1.0) * self.radius
+        }
+    }
+
+    /// The weight of a corner with this nearness in perspective-correct interpolation.
+    pub fn perspective_weight(&self, nearness: f64) -> f64 {
+        if self.inverse_distance > 0.0 { nearness } else { 1.0 }
+    }
+
+    /// The point of the ground seen at a pixel position, and its depth [m]; `None` above the horizon.
+    pub fn ground_at(&self, pixel: Vec2) -> Option<(Vec3, f64)> {
+        let flat = (pixel - self.origin) / self.scale;
+        let across = flat.x * self.right - flat.y * self.up;
+        // Points on the ray: centre + across + depth * (toward - across / distance).
+        let slope = self.toward - across * self.inverse_distance;
+        let start = self.centre + across;
+        if slope.y < 0.05 {
+            return None;
+        }
+        let depth = (self.ground - start.y) / slope.y;
+        Some((start + depth * slope, depth))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn box_corners(x: f64, y: f64, z: f64) -> Vec<Vec3> {
+        (0..8).map(|i| Vec3::new((i & 1) as f64 * x, (i >> 1 & 1) as f64 * y, (i >> 2) as f64 * z)).collect()
+    }
+
+    #[test]
+    fn lying_is_seen_from_above_and_standing_from_the_front() {
+        let lying = Camera::default().aim(&box_corners(0.9, 0.01, 0.7), [100, 100]);
+        assert!((lying.toward.y - 35f64.to_radians().sin()).abs() < 1e-12);
+        let standing = Camera::default().aim(&box_corners(0.9, 0.7, 0.2), [100, 100]);
+        assert!(standing.toward.z > 0.98 && standing.toward.y > 0.0);
+    }
+
+    #[test]
+    fn everything_is_in_the_picture_and_touches_its_margin() {
+        for distance in [6.0, f64::INFINITY] {
+            let points = box_corners(0.9, 0.3, 0.7);
+            let camera = Camera { azimuth_deg: Some(30.0), elevation_deg: Some(20.0), distance };
+            let view = camera.aim(&points, [400, 300]);
+            let seen: Vec<Vec3> = points.iter().map(|&p| view.project(p)).collect();
+            assert!(seen.iter().all(|s| s.x > 0.0 && s.x < 400.0 && s.y > 0.0 && s.y < 300.0));
+            let low = seen.iter().map(|s| s.x).fold(f64::MAX, f64::min);
+            let top = seen.iter().map(|s| s.y).fold(f64::MAX, f64::min);
+            assert!((low - 24.0).abs() < 1e-9 || (top - 18.0).abs() < 1e-9, "{low} {top}");
+        }
+    }
+
+    /// Right is right, up is up, nearer is larger: a mirrored picture would still look like a garment.
+    #[test]
+    fn axes_are_not_mirrored() {
+        for distance in [6.0, f64::INFINITY] {
+            let camera = Camera { azimuth_deg: Some(0.0), elevation_deg: Some(35.0), distance };
+            let view = camera.aim(&box_corners(1.0, 1.0, 1.0), [100, 100]);
+            let [o, x, y, z] = [Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()].map(|p| view.project(p));
+            assert!(x.x > o.x && y.y < o.y && z.y > o.y && z.z > o.z && y.z > o.z);
+        }
+    }
+
+    #[test]
+    fn ground_and_projection_agree() {
+        for distance in [6.0, f64::INFINITY] {
+            let camera = Camera { azimuth_deg: Some(25.0), elevation_deg: Some(35.0), distance };
+            let view = camera.aim(&box_corners(1.0, 0.5, 1.0), [200, 200]);
+            let p = Vec3::new(0.3, 0.0, 0.8);
+            let s = view.project(p);
+            let (q, depth) = view.ground_at(s.xy()).unwrap();
+            assert!((p - q).norm() < 1e-9, "{q}");
+            assert!((view.depth(s.z) - depth).abs() < 1e-9);
+        }
+    }
+}

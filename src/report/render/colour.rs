@@ -1,0 +1,107 @@
+//! Colour maps for fields, and the step between light and screen.
+//!
+//! Sequential is the well-known viridis (CC0), by its eleven even stops; diverging runs from blue through pale grey
+//! to orange. Both stay in order of lightness (from the middle outward) for every common kind of colour blindness.
+
+/// How numbers become colours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ColourMap {
+    /// From least to greatest: dark violet to yellow.
+    Sequential,
+    /// Around zero: blue below, orange above, pale grey at zero.
+    Diverging,
+}
+
+const SEQUENTIAL: [[u8; 3]; 11] = [
+    [0x44, 0x01, 0x54],
+    [0x48, 0x24, 0x75],
+    [0x41, 0x44, 0x87],
+    [0x35, 0x5f, 0x8d],
+    [0x2a, 0x78, 0x8e],
+    [0x21, 0x91, 0x8c],
+    [0x22, 0xa8, 0x84],
+    [0x44, 0xbf, 0x70],
+    [0x7a, 0xd1, 0x51],
+    [0xbd, 0xdf, 0x26],
+    [0xfd, 0xe7, 0x25],
+];
+
+const DIVERGING: [[u8; 3]; 7] = [
+    [12, 44, 110],
+    [38, 98, 176],
+    [128, 176, 220],
+    [236, 236, 234],
+    [238, 172, 104],
+    [206, 98, 20],
+    [118, 44, 2],
+];
+
+/// Where there is no value.
+pub(super) const MISSING: [u8; 3] = [150, 150, 150];
+
+impl ColourMap {
+    /// The colour at `share` of the range, 0 to 1, as sRGB; grey where there is no value.
+    pub fn srgb(self, share: f64) -> [u8; 3] {
+        if share.is_nan() {
+            return MISSING;
+        }
+        let stops: &[[u8; 3]] = match self {
+            Self::Sequential => &SEQUENTIAL,
+            Self::Diverging => &DIVERGING,
+        };
+        let place = share.clamp(0.0, 1.0) * (stops.len() - 1) as f64;
+        let i = (place as usize).min(stops.len() - 2);
+        let t = place - i as f64;
+        let (a, b) = (stops[i], stops[i + 1]);
+        std::array::from_fn(|k| (f64::from(a[k]) + t * (f64::from(b[k]) - f64::from(a[k]))).round() as u8)
+    }
+
+    /// The same in linear light, 0 to 1.
+    pub(super) fn linear(self, share: f64) -> [f64; 3] {
+        self.srgb(share).map(|c| to_linear(f64::from(c) / 255.0))
+    }
+}
+
+/// sRGB to linear light, both 0 to 1.
+pub(super) fn to_linear(c: f64) -> f64 {
+    if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+}
+
+/// Linear light to an sRGB byte.
+pub(super) fn to_srgb(c: f64) -> u8 {
+    let c = c.clamp(0.0, 1.0);
+    let s = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
+    (255.0 * s).round() as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lightness(c: [u8; 3]) -> f64 {
+        let [r, g, b] = c.map(|c| to_linear(f64::from(c) / 255.0));
+        0.2126 * r + 0.7152 * g + 0.0722 * b
+    }
+
+    /// Whoever sees no hue at all still sees the order.
+    #[test]
+    fn lightness_is_in_order() {
+        for k in 0..100 {
+            let (a, b) = (f64::from(k) / 100.0, f64::from(k + 1) / 100.0);
+            let map = ColourMap::Sequential;
+            assert!(lightness(map.srgb(b)) >= lightness(map.srgb(a)), "at {a}");
+            let map = ColourMap::Diverging;
+            let rises = lightness(map.srgb(b)) >= lightness(map.srgb(a));
+            assert!(rises == (k < 50), "at {a}");
+        }
+    }
+
+    #[test]
+    fn screen_and_light_are_inverse_and_nan_is_grey() {
+        for c in 0..=255u8 {
+            assert_eq!(to_srgb(to_linear(f64::from(c) / 255.0)), c);
+        }
+        assert_eq!(ColourMap::Diverging.srgb(f64::NAN), MISSING);
+        assert_eq!(ColourMap::Sequential.srgb(7.0), [0xfd, 0xe7, 0x25]);
+    }
+}
