@@ -1,7 +1,6 @@
-//! What a run has to tell: for now the report file of a bake.
+//! What a run has to tell: the report file of a bake, and pictures.
 
+pub mod render;
 mod report_file;
 
 pub use report_file::{EventCounts, ModelChoice, Report, StageTimes};
-//! (see lib.rs)
-pub mod render;
