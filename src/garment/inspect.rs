@@ -26,7 +26,7 @@ pub struct Inspection {
     pub unit_m: f64,
     /// "y" or "z".
     pub up: &'static str,
-    /// Sides of the worn pieces' box [m], y up.
+    /// Sides of the worn pieces' box \[m\], y up.
     pub box_m: [f64; 3],
     /// The same sides in file units.
     pub box_units: [f64; 3],
@@ -46,7 +46,7 @@ pub struct Inspection {
     pub hinges: usize,
     /// Vertices that seams, texture borders and hard edges had doubled.
     pub welded_vertices: usize,
-    /// Length of each boundary loop [m], longest first.
+    /// Length of each boundary loop \[m\], longest first.
     pub boundary_loops_m: Vec<f64>,
     /// Edges of more than two triangles.
     pub non_manifold_edges: usize,
@@ -56,11 +56,11 @@ pub struct Inspection {
     pub warp_from_uv: bool,
     /// Pieces with texture coordinates among the worn ones.
     pub pieces_with_uv: usize,
-    /// Mean edge length [mm].
+    /// Mean edge length \[mm\].
     pub mean_edge_mm: f64,
-    /// Shortest edge [mm].
+    /// Shortest edge \[mm\].
     pub shortest_edge_mm: f64,
-    /// Area of the cloth [m2].
+    /// Area of the cloth \[m2\].
     pub area_m2: f64,
     /// Pairs of triangles that already cross; none where nobody has counted.
     pub crossings_at_start: Option<usize>,
@@ -96,7 +96,7 @@ pub struct PieceReport {
 pub struct PartReport {
     /// Triangles.
     pub triangles: usize,
-    /// Area [m2].
+    /// Area \[m2\].
     pub area_m2: f64,
 }
 
