@@ -46,7 +46,7 @@ pub struct Contact {
 }
 
 /// Share of the contact distance that no motion may undercut in one go.
-const FLOOR: f64 = 0.1;
+const FLOOR: f64 = 1e-3;
 
 impl Contact {
     /// Contact for the mesh of `rest` points [m]. `area` per point [m²].
@@ -172,6 +172,11 @@ impl Contact {
             Some(layers) => layers.uncovered_area(x),
             None => vec![0.0; x.len()],
         }
+    }
+
+    /// Number of candidate pairs of the last search.
+    pub fn pair_count(&self) -> usize {
+        self.layers.as_ref().map_or(0, PairContact::pair_count)
     }
 
     fn ground_stiffness(&self, p: usize) -> f64 {

@@ -81,6 +81,10 @@ impl PairContact {
         }
     }
 
+    pub fn pair_count(&self) -> usize {
+        self.pairs.len()
+    }
+
     pub fn set_stiffness(&mut self, stiffness: f64) {
         self.stiffness = stiffness;
     }

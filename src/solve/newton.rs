@@ -199,12 +199,19 @@ impl Problem<'_> {
             }
             let done = report.last_move <= options.tolerance;
             let clock = std::time::Instant::now();
+            let d0 = d.clone();
             contact.bound_motion(x, &mut d);
             report.seconds[2] += clock.elapsed().as_secs_f64();
             let clock = std::time::Instant::now();
             let slope: f64 = g.iter().zip(&d).map(|(g, d)| g.dot(d)).sum();
             let moved = self.line_search(x, &d, slope, &mut value, contact);
             report.seconds[0] += clock.elapsed().as_secs_f64();
+            if std::env::var("DBG").is_ok() {
+                let cut = d.iter().zip(&d0).filter(|(a, b)| (*a - *b).norm() > 1e-12).count();
+                let small = d.iter().zip(&d0).filter(|(a, b)| a.norm() < 0.1 * b.norm()).count();
+                let (w, _) = d0.iter().enumerate().fold((0, 0.0), |m, (i, d)| if d.norm() > m.1 { (i, d.norm()) } else { m });
+                eprintln!("  it {} phi {:.6e} res {:.2e} move {:.2e} cut {cut} small {small} slope {slope:.2e} moved {moved} worst {w} x {:?} d {:?} blocks {} pairs {} sec {:?}", report.iterations, value, report.residual, report.last_move, x[w].as_slice(), d0[w].as_slice(), work.matrix.block_count(), contact.pair_count(), report.seconds);
+            }
             if done || !moved {
                 // A direction along which phi no longer falls to rounding is as good as converged.
                 report.converged = done || slope.abs() <= 1e-12 * value.abs().max(f64::MIN_POSITIVE);
