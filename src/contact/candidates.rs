@@ -12,6 +12,7 @@
 //! finite takes the triangles around it out of the search, so whoever makes positions checks them.
 
 use crate::math::Vec3;
+use crate::mesh::boxes::SweptBox;
 use crate::mesh::distance::{Gap, edge_edge, point_triangle};
 use crate::mesh::motion::{edge_edge_step, point_triangle_step};
 use crate::mesh::tree::TriangleTree;
@@ -149,11 +150,11 @@ impl CandidatesBetween {
         let own = |p: u32| PointIndex(p);
         let other = move |p: u32| PointIndex(p + offset);
         let point_triangle = self.point_triangle.iter().map(move |&[p, f]| {
-            let [a, b, c] = second.triangles[f as usize].map(other);
+            let [a, b, c] = second.triangles[f as usize].corners.map(other);
             Quad { kind: PairKind::PointTriangle, points: [own(p), a, b, c] }
         });
         let triangle_point = self.triangle_point.iter().map(move |&[p, f]| {
-            let [a, b, c] = first.triangles[f as usize].map(own);
+            let [a, b, c] = first.triangles[f as usize].corners.map(own);
             Quad { kind: PairKind::PointTriangle, points: [other(p), a, b, c] }
         });
         let edge_edge = self.edge_edge.iter().map(move |&[e, f]| {
@@ -167,50 +168,65 @@ impl CandidatesBetween {
 /// Finds candidates for one mesh as it moves; keeps its tree from call to call.
 #[derive(Clone)]
 pub struct CandidateFinder {
-    triangles: Vec<[u32; 3]>,
+    triangles: Vec<Triangle>,
     edges: Vec<[u32; 2]>,
-    /// Per triangle: the points that belong to it, [`NONE`] in unused places.
-    own_points: Vec<[u32; 3]>,
-    /// Per triangle: the edges that belong to it, [`NONE`] in unused places.
-    own_edges: Vec<[u32; 3]>,
     tree: TriangleTree,
-    /// Per triangle: swept box, not grown.
-    triangle_boxes: Vec<Box3>,
-    /// Per edge: swept box, not grown.
-    edge_boxes: Vec<Box3>,
+    /// One per point.
+    point_boxes: Vec<SweptBox>,
+    /// One per edge.
+    edge_boxes: Vec<SweptBox>,
+    /// One per triangle.
+    triangle_boxes: Vec<SweptBox>,
     /// Pairs of triangles, kept for their memory.
     pairs: Vec<[u32; 2]>,
+}
+
+/// A triangle with what belongs to it; [`NONE`] after the last.
+#[derive(Debug, Clone, Copy)]
+struct Triangle {
+    corners: [u32; 3],
+    points: [u32; 3],
+    edges: [u32; 3],
 }
 
 /// No primitive.
 const NONE: u32 = u32::MAX;
 
+impl Triangle {
+    fn points(&self) -> impl Iterator<Item = u32> + '_ {
+        self.points.iter().copied().take_while(|&p| p != NONE)
+    }
+
+    fn edges(&self) -> impl Iterator<Item = u32> + '_ {
+        self.edges.iter().copied().take_while(|&e| e != NONE)
+    }
+}
+
+/// Those of `all` that nobody has taken yet, and takes them.
+fn take(all: [u32; 3], taken: &mut [bool]) -> [u32; 3] {
+    let mut own = [NONE; 3];
+    let free = all.into_iter().filter(|&i| !std::mem::replace(&mut taken[i as usize], true));
+    own.iter_mut().zip(free).for_each(|(slot, i)| *slot = i);
+    own
+}
+
 impl CandidateFinder {
     /// For a mesh of `triangles` with their `topology`, at first at `points` [m].
     pub fn new(points: &[Vec3], triangles: &[[PointIndex; 3]], topology: &Topology) -> Self {
-        let mut own_points = vec![[NONE; 3]; triangles.len()];
-        let mut own_edges = vec![[NONE; 3]; triangles.len()];
         let mut point_taken = vec![false; topology.point_count];
         let mut edge_taken = vec![false; topology.edges.len()];
-        for (f, corners) in triangles.iter().enumerate() {
-            for k in 0..3 {
-                if !std::mem::replace(&mut point_taken[corners[k].at()], true) {
-                    own_points[f][k] = corners[k].0;
-                }
-                let edge = topology.triangle_edges[f][k];
-                if !std::mem::replace(&mut edge_taken[edge as usize], true) {
-                    own_edges[f][k] = edge;
-                }
-            }
-        }
+        let owning = triangles.iter().zip(&topology.triangle_edges).map(|(corners, edges)| {
+            let corners = corners.map(|p| p.0);
+            let (points, edges) = (take(corners, &mut point_taken), take(*edges, &mut edge_taken));
+            Triangle { corners, points, edges }
+        });
         Self {
-            triangles: triangles.iter().map(|t| t.map(|p| p.0)).collect(),
+            triangles: owning.collect(),
             edges: topology.edges.iter().map(|e| e.map(|p| p.0)).collect(),
-            own_points,
-            own_edges,
             tree: TriangleTree::new(points, triangles, 0.0),
-            triangle_boxes: Vec::new(),
+            point_boxes: Vec::new(),
             edge_boxes: Vec::new(),
+            triangle_boxes: Vec::new(),
             pairs: Vec::new(),
         }
     }
@@ -218,7 +234,7 @@ impl CandidateFinder {
     /// The four points of a point-triangle pair.
     #[inline]
     pub fn quad_point_triangle(&self, point: u32, triangle: u32) -> Quad {
-        let [a, b, c] = self.triangles[triangle as usize];
+        let [a, b, c] = self.triangles[triangle as usize].corners;
         Quad { kind: PairKind::PointTriangle, points: [point, a, b, c].map(PointIndex) }
     }
 
@@ -249,18 +265,18 @@ impl CandidateFinder {
         let mut pairs = std::mem::take(&mut self.pairs);
         pairs.clear();
         self.tree.for_each_overlap(|a, b| pairs.push([a, b]));
-        let side = self.side(start, end);
+        let side = self.side(start, end, reach);
         let compare = |chunk: &[[u32; 2]]| {
             let (mut points, mut edges) = (Vec::new(), Vec::new());
             let keep = |quad: Quad| !skip(quad);
             for &[a, b] in chunk {
-                side.points_near::<true>(a, &side, b, reach, |p, f| {
+                side.points_near::<true>(a, &side, b, |p, f| {
                     keep(self.quad_point_triangle(p, f)).then(|| points.push([p, f]));
                 });
-                side.points_near::<true>(b, &side, a, reach, |p, f| {
+                side.points_near::<true>(b, &side, a, |p, f| {
                     keep(self.quad_point_triangle(p, f)).then(|| points.push([p, f]));
                 });
-                side.edges_near::<true>(a, &side, b, reach, |e, f| {
+                side.edges_near::<true>(a, &side, b, |e, f| {
                     let (e, f) = (e.min(f), e.max(f));
                     keep(self.quad_edge_edge(e, f)).then(|| edges.push([e, f]));
                 });
@@ -269,12 +285,10 @@ impl CandidateFinder {
         };
         let found: Vec<_> = pairs.par_chunks(CHUNK).map(compare).collect();
         let (point_parts, edge_parts): (Vec<_>, Vec<_>) = found.into_iter().unzip();
-        let candidates = Candidates {
-            point_triangle: sorted(&point_parts, start.len()),
-            edge_edge: sorted(&edge_parts, self.edges.len()),
-        };
+        let (point_triangle, edge_edge) =
+            rayon::join(|| sorted(&point_parts, start.len()), || sorted(&edge_parts, self.edges.len()));
         self.pairs = pairs;
-        candidates
+        Candidates { point_triangle, edge_edge }
     }
 
     /// The same between this mesh and another, both moving.
@@ -293,13 +307,13 @@ impl CandidateFinder {
         let mut pairs = std::mem::take(&mut self.pairs);
         pairs.clear();
         self.tree.for_each_overlap_with(&other.tree, |a, b| pairs.push([a, b]));
-        let (first, second) = (self.side(start, end), other.side(other_start, other_end));
+        let (first, second) = (self.side(start, end, reach), other.side(other_start, other_end, reach));
         let compare = |chunk: &[[u32; 2]]| {
             let (mut points, mut triangles, mut edges) = (Vec::new(), Vec::new(), Vec::new());
             for &[a, b] in chunk {
-                first.points_near::<false>(a, &second, b, reach, |p, f| points.push([p, f]));
-                second.points_near::<false>(b, &first, a, reach, |p, f| triangles.push([p, f]));
-                first.edges_near::<false>(a, &second, b, reach, |e, f| edges.push([e, f]));
+                first.points_near::<false>(a, &second, b, |p, f| points.push([p, f]));
+                second.points_near::<false>(b, &first, a, |p, f| triangles.push([p, f]));
+                first.edges_near::<false>(a, &second, b, |e, f| edges.push([e, f]));
             }
             (points, (triangles, edges))
         };
@@ -317,15 +331,19 @@ impl CandidateFinder {
 
     fn fit(&mut self, start: &[Vec3], end: &[Vec3], inflate: f64) {
         self.tree.refit(start, end, inflate);
-        let boxes = |points: &[u32]| Box3::swept(points, start, end);
-        self.triangle_boxes.clear();
-        self.triangle_boxes.extend(self.triangles.iter().map(|t| boxes(t)));
+        self.point_boxes.clear();
+        self.point_boxes.extend(start.iter().zip(end).map(|(from, to)| SweptBox::of_point(from, to)));
+        let points = &self.point_boxes;
+        let point = |p: u32| &points[p as usize];
         self.edge_boxes.clear();
-        self.edge_boxes.extend(self.edges.iter().map(|e| boxes(e)));
+        self.edge_boxes.extend(self.edges.iter().map(|&[a, b]| point(a).with(point(b))));
+        self.triangle_boxes.clear();
+        let corners = self.triangles.iter().map(|t| t.corners);
+        self.triangle_boxes.extend(corners.map(|[a, b, c]| point(a).with(point(b)).with(point(c))));
     }
 
-    fn side<'a>(&'a self, start: &'a [Vec3], end: &'a [Vec3]) -> Side<'a> {
-        Side { mesh: self, start, end, moves: start != end }
+    fn side<'a>(&'a self, start: &'a [Vec3], end: &'a [Vec3], reach: f64) -> Side<'a> {
+        Side { mesh: self, start, end, moves: start != end, reach, box_reach: SweptBox::reach(reach) }
     }
 }
 
@@ -335,6 +353,10 @@ struct Side<'a> {
     start: &'a [Vec3],
     end: &'a [Vec3],
     moves: bool,
+    /// How near a pair may come to be found [m].
+    reach: f64,
+    /// The same for boxes.
+    box_reach: f32,
 }
 
 impl Side<'_> {
@@ -346,17 +368,14 @@ impl Side<'_> {
         triangle: u32,
         other: &Side,
         of_other: u32,
-        reach: f64,
         mut found: impl FnMut(u32, u32),
     ) {
-        let corners = other.mesh.triangles[of_other as usize];
-        for p in self.mesh.own_points[triangle as usize] {
-            if p == NONE || (SAME && corners.contains(&p)) {
-                continue;
-            }
-            let own_box = Box3::swept(&[p], self.start, self.end);
-            if own_box.near(&other.mesh.triangle_boxes[of_other as usize], reach)
-                && self.may_come_near([p], other, corners, reach, |[p], [a, b, c]| point_triangle(p, a, b, c))
+        let corners = other.mesh.triangles[of_other as usize].corners;
+        let other_box = &other.mesh.triangle_boxes[of_other as usize];
+        for p in self.mesh.triangles[triangle as usize].points() {
+            if self.mesh.point_boxes[p as usize].near(other_box, self.box_reach)
+                && !(SAME && corners.contains(&p))
+                && self.may_come_near([p], other, corners, |[p], [a, b, c]| point_triangle(p, a, b, c))
             {
                 found(p, of_other);
             }
@@ -370,14 +389,18 @@ impl Side<'_> {
         triangle: u32,
         other: &Side,
         of_other: u32,
-        reach: f64,
         mut found: impl FnMut(u32, u32),
     ) {
-        for e in self.mesh.own_edges[triangle as usize].into_iter().filter(|&e| e != NONE) {
-            let ends = self.mesh.edges[e as usize];
+        let others = &other.mesh.triangles[of_other as usize];
+        let other_box = &other.mesh.triangle_boxes[of_other as usize];
+        for e in self.mesh.triangles[triangle as usize].edges() {
             let own_box = &self.mesh.edge_boxes[e as usize];
-            for f in other.mesh.own_edges[of_other as usize].into_iter().filter(|&f| f != NONE) {
-                if !own_box.near(&other.mesh.edge_boxes[f as usize], reach) {
+            if !own_box.near(other_box, self.box_reach) {
+                continue;
+            }
+            let ends = self.mesh.edges[e as usize];
+            for f in others.edges() {
+                if !own_box.near(&other.mesh.edge_boxes[f as usize], self.box_reach) {
                     continue;
                 }
                 let other_ends = other.mesh.edges[f as usize];
@@ -385,14 +408,14 @@ impl Side<'_> {
                     continue;
                 }
                 let gap = |[a, b]: [&Vec3; 2], [c, d]: [&Vec3; 2]| edge_edge(a, b, c, d);
-                if self.may_come_near(ends, other, other_ends, reach, gap) {
+                if self.may_come_near(ends, other, other_ends, gap) {
                     found(e, f);
                 }
             }
         }
     }
 
-    /// Whether a pair can come within `reach`: its distance now, less the most that a point of one can move against a
+    /// Whether a pair can come within the reach: its distance now, less the most that a point of one can move against a
     /// point of the other. That is reached at corners, since inner points move by averages of corners. Any fractions
     /// of the motions are allowed for, so the two sides count apart once both move.
     #[inline(always)]
@@ -401,10 +424,9 @@ impl Side<'_> {
         own: [u32; M],
         other: &Side,
         others: [u32; N],
-        reach: f64,
         gap: impl Fn([&Vec3; M], [&Vec3; N]) -> Gap,
     ) -> bool {
-        let mut limit = reach;
+        let mut limit = self.reach;
         if self.moves || other.moves {
             limit += self.way(&own) + other.way(&others);
         }
@@ -421,46 +443,6 @@ impl Side<'_> {
             if way.is_finite() { way } else { 0.0 }
         });
         squared.fold(0.0, f64::max).sqrt()
-    }
-}
-
-/// Box of moving points, not grown.
-#[derive(Debug, Clone, Copy)]
-struct Box3 {
-    low: Vec3,
-    high: Vec3,
-}
-
-impl Box3 {
-    /// Around `points` from `start` to `end`; empty if a start is not finite, and an end that is not finite does not
-    /// count (as in `mesh::tree`).
-    #[inline(always)]
-    fn swept(points: &[u32], start: &[Vec3], end: &[Vec3]) -> Self {
-        let mut all = Self { low: Vec3::repeat(f64::INFINITY), high: Vec3::repeat(f64::NEG_INFINITY) };
-        for &p in points {
-            let (from, to) = (&start[p as usize], &end[p as usize]);
-            let to = if to.sum().is_finite() { to } else { from };
-            if !from.sum().is_finite() {
-                return Self { low: Vec3::repeat(f64::INFINITY), high: Vec3::repeat(f64::NEG_INFINITY) };
-            }
-            for axis in 0..3 {
-                let (low, high) =
-                    if from[axis] < to[axis] { (from[axis], to[axis]) } else { (to[axis], from[axis]) };
-                if low < all.low[axis] {
-                    all.low[axis] = low;
-                }
-                if high > all.high[axis] {
-                    all.high[axis] = high;
-                }
-            }
-        }
-        all
-    }
-
-    /// Whether the boxes are at most `reach` apart along every axis.
-    #[inline(always)]
-    fn near(&self, other: &Self, reach: f64) -> bool {
-        (0..3).all(|k| self.low[k] - other.high[k] <= reach && other.low[k] - self.high[k] <= reach)
     }
 }
 
@@ -662,11 +644,11 @@ mod tests {
         };
         let shifted = |points: &[u32]| points.iter().map(|p| p + offset).collect::<Vec<u32>>();
         for t in &other.triangles {
-            (0..offset).for_each(|p| check(PairKind::PointTriangle, [vec![p], shifted(t)].concat()));
+            (0..offset).for_each(|p| check(PairKind::PointTriangle, [vec![p], shifted(&t.corners)].concat()));
         }
         for t in &one.triangles {
             let body_points = offset..together.len() as u32;
-            body_points.for_each(|p| check(PairKind::PointTriangle, [vec![p], t.to_vec()].concat()));
+            body_points.for_each(|p| check(PairKind::PointTriangle, [vec![p], t.corners.to_vec()].concat()));
         }
         for e in &one.edges {
             other.edges.iter().for_each(|f| check(PairKind::EdgeEdge, [e.to_vec(), shifted(f)].concat()));
@@ -689,7 +671,7 @@ mod tests {
         let time = |what: &str, run: &mut dyn FnMut() -> usize| {
             let mut best = f64::INFINITY;
             let mut count = 0;
-            for _ in 0..10 {
+            for _ in 0..30 {
                 let begin = Instant::now();
                 count = run();
                 best = best.min(begin.elapsed().as_secs_f64());
