@@ -13,14 +13,14 @@
 
 use crate::math::Vec3;
 use crate::mesh::boxes::SweptBox;
-use crate::mesh::distance::{Gap, edge_edge, point_triangle};
+use crate::mesh::distance::{Gap, edge_edge, edge_edge_squared, point_triangle, point_triangle_squared};
 use crate::mesh::motion::{edge_edge_step, point_triangle_step};
 use crate::mesh::tree::TriangleTree;
 use crate::mesh::{PointIndex, Topology};
 use rayon::prelude::*;
 
 /// Pairs of triangles that one task compares.
-const CHUNK: usize = 8192;
+const CHUNK: usize = 2048;
 /// The reach is widened by this fraction, so that rounding in boxes and distances never loses a pair.
 const ROUNDING: f64 = 1e-9;
 
@@ -177,6 +177,8 @@ pub struct CandidateFinder {
     edge_boxes: Vec<SweptBox>,
     /// One per triangle.
     triangle_boxes: Vec<SweptBox>,
+    /// One per point: length of its way [m]; empty at rest.
+    ways: Vec<f64>,
     /// Pairs of triangles, kept for their memory.
     pairs: Vec<[u32; 2]>,
 }
@@ -227,6 +229,7 @@ impl CandidateFinder {
             point_boxes: Vec::new(),
             edge_boxes: Vec::new(),
             triangle_boxes: Vec::new(),
+            ways: Vec::new(),
             pairs: Vec::new(),
         }
     }
@@ -265,25 +268,22 @@ impl CandidateFinder {
         let mut pairs = std::mem::take(&mut self.pairs);
         pairs.clear();
         self.tree.for_each_overlap(|a, b| pairs.push([a, b]));
-        let side = self.side(start, end, reach);
-        let compare = |chunk: &[[u32; 2]]| {
-            let (mut points, mut edges) = (Vec::new(), Vec::new());
-            let keep = |quad: Quad| !skip(quad);
+        let side = self.side(start, reach);
+        let compare = |lists: &mut [Shortlist; 2], chunk: &[[u32; 2]]| {
+            let [points, edges] = lists;
             for &[a, b] in chunk {
-                side.points_near::<true>(a, &side, b, |p, f| {
-                    keep(self.quad_point_triangle(p, f)).then(|| points.push([p, f]));
-                });
-                side.points_near::<true>(b, &side, a, |p, f| {
-                    keep(self.quad_point_triangle(p, f)).then(|| points.push([p, f]));
-                });
-                side.edges_near::<true>(a, &side, b, |e, f| {
-                    let (e, f) = (e.min(f), e.max(f));
-                    keep(self.quad_edge_edge(e, f)).then(|| edges.push([e, f]));
-                });
+                side.shortlist_points(a, &side, b, points);
+                side.shortlist_points(b, &side, a, points);
+                side.shortlist_edges(a, &side, b, edges);
             }
+            edges.ordered();
+            let points = points
+                .drain(|p, f| side.point_near::<true>(p, &side, f) && !skip(self.quad_point_triangle(p, f)));
+            let edges =
+                edges.drain(|e, f| side.edge_near::<true>(e, &side, f) && !skip(self.quad_edge_edge(e, f)));
             (points, edges)
         };
-        let found: Vec<_> = pairs.par_chunks(CHUNK).map(compare).collect();
+        let found: Vec<_> = pairs.par_chunks(CHUNK).map_init(Default::default, compare).collect();
         let (point_parts, edge_parts): (Vec<_>, Vec<_>) = found.into_iter().unzip();
         let (point_triangle, edge_edge) =
             rayon::join(|| sorted(&point_parts, start.len()), || sorted(&edge_parts, self.edges.len()));
@@ -307,17 +307,20 @@ impl CandidateFinder {
         let mut pairs = std::mem::take(&mut self.pairs);
         pairs.clear();
         self.tree.for_each_overlap_with(&other.tree, |a, b| pairs.push([a, b]));
-        let (first, second) = (self.side(start, end, reach), other.side(other_start, other_end, reach));
-        let compare = |chunk: &[[u32; 2]]| {
-            let (mut points, mut triangles, mut edges) = (Vec::new(), Vec::new(), Vec::new());
+        let (first, second) = (self.side(start, reach), other.side(other_start, reach));
+        let compare = |lists: &mut [Shortlist; 3], chunk: &[[u32; 2]]| {
+            let [points, triangles, edges] = lists;
             for &[a, b] in chunk {
-                first.points_near::<false>(a, &second, b, |p, f| points.push([p, f]));
-                second.points_near::<false>(b, &first, a, |p, f| triangles.push([p, f]));
-                first.edges_near::<false>(a, &second, b, |e, f| edges.push([e, f]));
+                first.shortlist_points(a, &second, b, points);
+                second.shortlist_points(b, &first, a, triangles);
+                first.shortlist_edges(a, &second, b, edges);
             }
+            let points = points.drain(|p, f| first.point_near::<false>(p, &second, f));
+            let triangles = triangles.drain(|p, f| second.point_near::<false>(p, &first, f));
+            let edges = edges.drain(|e, f| first.edge_near::<false>(e, &second, f));
             (points, (triangles, edges))
         };
-        let found: Vec<_> = pairs.par_chunks(CHUNK).map(compare).collect();
+        let found: Vec<_> = pairs.par_chunks(CHUNK).map_init(Default::default, compare).collect();
         let (points, rest): (Vec<_>, Vec<_>) = found.into_iter().unzip();
         let (triangles, edges): (Vec<_>, Vec<_>) = rest.into_iter().unzip();
         let candidates = CandidatesBetween {
@@ -331,6 +334,12 @@ impl CandidateFinder {
 
     fn fit(&mut self, start: &[Vec3], end: &[Vec3], inflate: f64) {
         self.tree.refit(start, end, inflate);
+        self.ways.clear();
+        if start != end {
+            let way = |(from, to): (&Vec3, &Vec3)| (to - from).norm();
+            let finite = |way: f64| if way.is_finite() { way } else { 0.0 };
+            self.ways.extend(start.iter().zip(end).map(way).map(finite));
+        }
         self.point_boxes.clear();
         self.point_boxes.extend(start.iter().zip(end).map(|(from, to)| SweptBox::of_point(from, to)));
         let points = &self.point_boxes;
@@ -342,8 +351,8 @@ impl CandidateFinder {
         self.triangle_boxes.extend(corners.map(|[a, b, c]| point(a).with(point(b)).with(point(c))));
     }
 
-    fn side<'a>(&'a self, start: &'a [Vec3], end: &'a [Vec3], reach: f64) -> Side<'a> {
-        Side { mesh: self, start, end, moves: start != end, reach, box_reach: SweptBox::reach(reach) }
+    fn side<'a>(&'a self, start: &'a [Vec3], reach: f64) -> Side<'a> {
+        Side { mesh: self, start, ways: &self.ways, reach, box_reach: SweptBox::reach(reach) }
     }
 }
 
@@ -351,8 +360,8 @@ impl CandidateFinder {
 struct Side<'a> {
     mesh: &'a CandidateFinder,
     start: &'a [Vec3],
-    end: &'a [Vec3],
-    moves: bool,
+    /// One per point: length of its way [m]; empty at rest.
+    ways: &'a [f64],
     /// How near a pair may come to be found [m].
     reach: f64,
     /// The same for boxes.
@@ -360,89 +369,114 @@ struct Side<'a> {
 }
 
 impl Side<'_> {
-    /// Compares the points of `triangle` with triangle `of_other`. `SAME`: both sides are one mesh, where a shared
-    /// point excludes the pair.
+    /// Adds the points of `triangle` whose boxes are near triangle `of_other`.
     #[inline(always)]
-    fn points_near<const SAME: bool>(
-        &self,
-        triangle: u32,
-        other: &Side,
-        of_other: u32,
-        mut found: impl FnMut(u32, u32),
-    ) {
-        let corners = other.mesh.triangles[of_other as usize].corners;
+    fn shortlist_points(&self, triangle: u32, other: &Side, of_other: u32, list: &mut Shortlist) {
         let other_box = &other.mesh.triangle_boxes[of_other as usize];
+        list.make_room(3);
         for p in self.mesh.triangles[triangle as usize].points() {
-            if self.mesh.point_boxes[p as usize].near(other_box, self.box_reach)
-                && !(SAME && corners.contains(&p))
-                && self.may_come_near([p], other, corners, |[p], [a, b, c]| point_triangle(p, a, b, c))
-            {
-                found(p, of_other);
-            }
+            list.add_if([p, of_other], self.mesh.point_boxes[p as usize].near(other_box, self.box_reach));
         }
     }
 
-    /// Compares the edges of `triangle` with those of triangle `of_other`.
+    /// Adds the edges of `triangle` with the edges of triangle `of_other` whose boxes are near.
     #[inline(always)]
-    fn edges_near<const SAME: bool>(
-        &self,
-        triangle: u32,
-        other: &Side,
-        of_other: u32,
-        mut found: impl FnMut(u32, u32),
-    ) {
+    fn shortlist_edges(&self, triangle: u32, other: &Side, of_other: u32, list: &mut Shortlist) {
         let others = &other.mesh.triangles[of_other as usize];
-        let other_box = &other.mesh.triangle_boxes[of_other as usize];
+        list.make_room(9);
         for e in self.mesh.triangles[triangle as usize].edges() {
             let own_box = &self.mesh.edge_boxes[e as usize];
-            if !own_box.near(other_box, self.box_reach) {
-                continue;
-            }
-            let ends = self.mesh.edges[e as usize];
             for f in others.edges() {
-                if !own_box.near(&other.mesh.edge_boxes[f as usize], self.box_reach) {
-                    continue;
-                }
-                let other_ends = other.mesh.edges[f as usize];
-                if SAME && ends.iter().any(|p| other_ends.contains(p)) {
-                    continue;
-                }
-                let gap = |[a, b]: [&Vec3; 2], [c, d]: [&Vec3; 2]| edge_edge(a, b, c, d);
-                if self.may_come_near(ends, other, other_ends, gap) {
-                    found(e, f);
-                }
+                list.add_if([e, f], own_box.near(&other.mesh.edge_boxes[f as usize], self.box_reach));
             }
         }
     }
 
-    /// Whether a pair can come within the reach: its distance now, less the most that a point of one can move against a
-    /// point of the other. That is reached at corners, since inner points move by averages of corners. Any fractions
-    /// of the motions are allowed for, so the two sides count apart once both move.
+    /// Whether a point and a triangle of the other side can come near. `SAME`: both sides are one mesh, where a
+    /// shared point excludes the pair.
+    #[inline(always)]
+    fn point_near<const SAME: bool>(&self, point: u32, other: &Side, triangle: u32) -> bool {
+        let corners = other.mesh.triangles[triangle as usize].corners;
+        let squared = |[p]: [&Vec3; 1], [a, b, c]: [&Vec3; 3]| point_triangle_squared(p, a, b, c);
+        !(SAME && corners.contains(&point)) && self.may_come_near([point], other, corners, squared)
+    }
+
+    /// Whether an edge and an edge of the other side can come near.
+    #[inline(always)]
+    fn edge_near<const SAME: bool>(&self, edge: u32, other: &Side, other_edge: u32) -> bool {
+        let (ends, others) = (self.mesh.edges[edge as usize], other.mesh.edges[other_edge as usize]);
+        let squared = |[a, b]: [&Vec3; 2], [c, d]: [&Vec3; 2]| edge_edge_squared(a, b, c, d);
+        let shared = SAME && ends.iter().any(|p| others.contains(p));
+        !shared && self.may_come_near(ends, other, others, squared)
+    }
+
+    /// Whether a pair can come within the reach: its distance now, less the longest way of a point on either side.
+    /// That is a corner's, since inner points move by averages of corners. The two ways count apart and common motion
+    /// is not deducted, because each point may in the end make another fraction of its way.
     #[inline(always)]
     fn may_come_near<const M: usize, const N: usize>(
         &self,
         own: [u32; M],
         other: &Side,
         others: [u32; N],
-        gap: impl Fn([&Vec3; M], [&Vec3; N]) -> Gap,
+        squared: impl Fn([&Vec3; M], [&Vec3; N]) -> f64,
     ) -> bool {
-        let mut limit = self.reach;
-        if self.moves || other.moves {
-            limit += self.way(&own) + other.way(&others);
-        }
+        let limit = self.reach + self.way(&own) + other.way(&others);
         let x = own.map(|p| &self.start[p as usize]);
         let y = others.map(|p| &other.start[p as usize]);
-        gap(x, y).squared() <= limit * limit
+        squared(x, y) <= limit * limit
     }
 
     /// The longest way of these points [m].
     #[inline(always)]
     fn way(&self, points: &[u32]) -> f64 {
-        let squared = points.iter().map(|&p| {
-            let way = (self.end[p as usize] - self.start[p as usize]).norm_squared();
-            if way.is_finite() { way } else { 0.0 }
-        });
-        squared.fold(0.0, f64::max).sqrt()
+        if self.ways.is_empty() {
+            return 0.0;
+        }
+        points.iter().map(|&p| self.ways[p as usize]).fold(0.0, f64::max)
+    }
+}
+
+/// Pairs whose boxes are near, on their way to the exact test. Collected first and tested then, and added without
+/// a branch, because which box test passes cannot be predicted and a wrong guess costs more than the test.
+#[derive(Default)]
+struct Shortlist {
+    pairs: Vec<[u32; 2]>,
+    count: usize,
+}
+
+impl Shortlist {
+    /// Room for that many calls of [`Shortlist::add_if`].
+    #[inline(always)]
+    fn make_room(&mut self, more: usize) {
+        if self.count + more > self.pairs.len() {
+            self.pairs.resize(2 * self.pairs.len() + more, [0; 2]);
+        }
+    }
+
+    #[inline(always)]
+    fn add_if(&mut self, pair: [u32; 2], yes: bool) {
+        self.pairs[self.count] = pair;
+        self.count += usize::from(yes);
+    }
+
+    /// The lower index of each pair first.
+    fn ordered(&mut self) {
+        self.pairs[..self.count]
+            .iter_mut()
+            .for_each(|pair| *pair = [pair[0].min(pair[1]), pair[0].max(pair[1])]);
+    }
+
+    /// Takes all pairs off the list, and gives those that pass the test.
+    #[inline(always)]
+    fn drain(&mut self, test: impl Fn(u32, u32) -> bool) -> Vec<[u32; 2]> {
+        let mut kept = 0;
+        for k in 0..std::mem::take(&mut self.count) {
+            let pair = self.pairs[k];
+            self.pairs[kept] = pair;
+            kept += usize::from(test(pair[0], pair[1]));
+        }
+        self.pairs[..kept].to_vec()
     }
 }
 
