@@ -39,7 +39,7 @@ pub struct StepFractions {
 }
 
 impl StepFractions {
-    /// The motion that may be made [m], one per point; none for what is not finite.
+    /// The motion that may be made \[m\], one per point; none for what is not finite.
     pub fn apply(&self, displacement: &[Vec3]) -> Vec<Vec3> {
         self.fraction
             .iter()
@@ -49,8 +49,8 @@ impl StepFractions {
     }
 }
 
-/// Fractions such that, while every point i moves straight by `fraction[i] * displacement[i]` [m] from `points[i]`
-/// [m], no pair comes to its floor: `floors[k]` [m] belongs to `quads[k]`. What `mesh::motion` says of pairs that
+/// Fractions such that, while every point i moves straight by `fraction[i] * displacement[i]` \[m\] from `points[i]`
+/// \[m\], no pair comes to its floor: `floors[k]` \[m\] belongs to `quads[k]`. What `mesh::motion` says of pairs that
 /// start below their floor holds here too.
 pub fn local_step_fractions(
     quads: &[Quad],
@@ -261,7 +261,7 @@ mod tests {
         }
     }
 
-    /// `layers` sheets of n x n squares of 8 mm, `apart` [m] above each other, each turned a little.
+    /// `layers` sheets of n x n squares of 8 mm, `apart` \[m\] above each other, each turned a little.
     fn pile(layers: usize, n: usize, apart: f64) -> (Vec<Vec3>, Vec<[PointIndex; 3]>) {
         let (mut points, mut triangles) = (Vec::new(), Vec::new());
         for layer in 0..layers {

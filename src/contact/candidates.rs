@@ -49,14 +49,14 @@ impl Quad {
         self.points.map(|p| field[p.at()])
     }
 
-    /// The closest points at positions `points` [m].
+    /// The closest points at positions `points` \[m\].
     #[inline]
     pub fn gap(&self, points: &[Vec3]) -> Gap {
         self.kind.gap(&self.gather(points))
     }
 
-    /// The largest safe fraction of the motion `displacement` [m] (`mesh::motion`) that keeps the pair above `floor`
-    /// [m].
+    /// The largest safe fraction of the motion `displacement` \[m\] (`mesh::motion`) that keeps the pair above `floor`
+    /// \[m\].
     #[inline]
     pub fn step(&self, points: &[Vec3], displacement: &[Vec3], floor: f64) -> f64 {
         self.kind.step(self.gather(points), self.gather(displacement), floor)
@@ -64,7 +64,7 @@ impl Quad {
 }
 
 impl PairKind {
-    /// The closest points of a pair of this kind at `x` [m].
+    /// The closest points of a pair of this kind at `x` \[m\].
     #[inline]
     pub fn gap(self, x: &[Vec3; 4]) -> Gap {
         match self {
@@ -73,7 +73,7 @@ impl PairKind {
         }
     }
 
-    /// The largest safe fraction of the motion `dx` [m] of a pair of this kind at `x` [m] (`mesh::motion`).
+    /// The largest safe fraction of the motion `dx` \[m\] of a pair of this kind at `x` \[m\] (`mesh::motion`).
     #[inline]
     pub fn step(self, x: [Vec3; 4], dx: [Vec3; 4], floor: f64) -> f64 {
         match self {
@@ -83,7 +83,7 @@ impl PairKind {
     }
 }
 
-/// Distance [m] of a pair in the rest shape. Where it is less than the contact distance the pair lies close together
+/// Distance \[m\] of a pair in the rest shape. Where it is less than the contact distance the pair lies close together
 /// within the cloth itself, and contact must act from a smaller distance only, or it would push at rest.
 pub fn rest_distance(kind: PairKind, points: [PointIndex; 4], rest_points: &[Vec3]) -> f64 {
     Quad { kind, points }.gap(rest_points).distance
@@ -177,7 +177,7 @@ pub struct CandidateFinder {
     edge_boxes: Vec<SweptBox>,
     /// One per triangle.
     triangle_boxes: Vec<SweptBox>,
-    /// One per point: length of its way [m]; empty at rest.
+    /// One per point: length of its way \[m\]; empty at rest.
     ways: Vec<f64>,
     /// Pairs of triangles, kept for their memory.
     pairs: Vec<[u32; 2]>,
@@ -204,26 +204,42 @@ impl Triangle {
     }
 }
 
-/// Those of `all` that nobody has taken yet, and takes them.
-fn take(all: [u32; 3], taken: &mut [bool]) -> [u32; 3] {
-    let mut own = [NONE; 3];
-    let free = all.into_iter().filter(|&i| !std::mem::replace(&mut taken[i as usize], true));
-    own.iter_mut().zip(free).for_each(|(slot, i)| *slot = i);
-    own
+/// Gives every primitive to the triangle around it that has the fewest so far: evenly, so that no pair of triangles
+/// is long to compare. `around` is what each triangle has at its corners or sides, `count` the number of primitives.
+fn shared_out(around: impl Iterator<Item = [u32; 3]> + Clone, count: usize) -> Vec<[u32; 3]> {
+    let mut owner = vec![NONE; count];
+    let mut load = Vec::new();
+    for (f, all) in around.clone().enumerate() {
+        load.push(0u8);
+        for i in all {
+            let other = owner[i as usize];
+            if other == NONE || load[other as usize] > load[f] + 1 {
+                if other != NONE {
+                    load[other as usize] -= 1;
+                }
+                owner[i as usize] = f as u32;
+                load[f] += 1;
+            }
+        }
+    }
+    let mine = |f: usize, all: [u32; 3]| {
+        let mut own = [NONE; 3];
+        let of_f = all.into_iter().filter(|&i| owner[i as usize] == f as u32);
+        own.iter_mut().zip(of_f).for_each(|(slot, i)| *slot = i);
+        own
+    };
+    around.enumerate().map(|(f, all)| mine(f, all)).collect()
 }
 
 impl CandidateFinder {
-    /// For a mesh of `triangles` with their `topology`, at first at `points` [m].
+    /// For a mesh of `triangles` with their `topology`, at first at `points` \[m\].
     pub fn new(points: &[Vec3], triangles: &[[PointIndex; 3]], topology: &Topology) -> Self {
-        let mut point_taken = vec![false; topology.point_count];
-        let mut edge_taken = vec![false; topology.edges.len()];
-        let owning = triangles.iter().zip(&topology.triangle_edges).map(|(corners, edges)| {
-            let corners = corners.map(|p| p.0);
-            let (points, edges) = (take(corners, &mut point_taken), take(*edges, &mut edge_taken));
-            Triangle { corners, points, edges }
-        });
+        let corners = triangles.iter().map(|t| t.map(|p| p.0));
+        let points_of = shared_out(corners.clone(), topology.point_count);
+        let edges_of = shared_out(topology.triangle_edges.iter().copied(), topology.edges.len());
+        let owning = corners.zip(points_of).zip(edges_of);
         Self {
-            triangles: owning.collect(),
+            triangles: owning.map(|((corners, points), edges)| Triangle { corners, points, edges }).collect(),
             edges: topology.edges.iter().map(|e| e.map(|p| p.0)).collect(),
             tree: TriangleTree::new(points, triangles, 0.0),
             point_boxes: Vec::new(),
@@ -253,7 +269,7 @@ impl CandidateFinder {
         &self.tree
     }
 
-    /// All pairs that may come within `reach` [m] while every point moves straight from `start` to `end` [m] by any
+    /// All pairs that may come within `reach` \[m\] while every point moves straight from `start` to `end` \[m\] by any
     /// fraction of its way (pass the same array twice for a mesh at rest). Pairs for which `skip` is true are left
     /// out; it is asked only about pairs that are near, in no order, from several threads.
     pub fn find(
@@ -360,9 +376,9 @@ impl CandidateFinder {
 struct Side<'a> {
     mesh: &'a CandidateFinder,
     start: &'a [Vec3],
-    /// One per point: length of its way [m]; empty at rest.
+    /// One per point: length of its way \[m\]; empty at rest.
     ways: &'a [f64],
-    /// How near a pair may come to be found [m].
+    /// How near a pair may come to be found \[m\].
     reach: f64,
     /// The same for boxes.
     box_reach: f32,
@@ -427,7 +443,7 @@ impl Side<'_> {
         squared(x, y) <= limit * limit
     }
 
-    /// The longest way of these points [m].
+    /// The longest way of these points \[m\].
     #[inline(always)]
     fn way(&self, points: &[u32]) -> f64 {
         if self.ways.is_empty() {
@@ -527,8 +543,8 @@ mod tests {
     }
 
     impl Mesh {
-        /// `layers` sheets of nearly equilateral triangles with sides of 8 mm, `nx` by `ny` cells, `apart` [m] above
-        /// each other, each shifted by part of a cell and shaken by `shake` [m].
+        /// `layers` sheets of nearly equilateral triangles with sides of 8 mm, `nx` by `ny` cells, `apart` \[m\] above
+        /// each other, each shifted by part of a cell and shaken by `shake` \[m\].
         fn pile(layers: usize, nx: usize, ny: usize, apart: f64, shake: f64) -> Self {
             let (mut points, mut triangles) = (Vec::new(), Vec::new());
             let mut draw = Draw(31);

@@ -9,11 +9,17 @@ use crate::math::Vec3;
 /// Widening of a limit that swallows the rounding of one subtraction in single precision.
 const ROUNDING: f64 = 1e-6;
 
-/// Axis-aligned box around points that move; never smaller than the truth.
+/// A unit vector's component along each axis for the space diagonal, rounded down: distances never look larger.
+const DIAGONAL: f64 = 0.577_350_269;
+/// Bound on the rounding of a sum of three coordinates, relative to the largest.
+const SUM_ROUNDING: f64 = 1e-15;
+
+/// Axis-aligned box (cut along the space diagonal) around points that move; never smaller than the truth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(align(32))]
 pub struct SweptBox {
-    /// x, y, z of the low corner [m], one unused, then of the high corner, negated.
+    /// Least x, y, z and position along the space diagonal \[m\], then the largest, negated. The diagonal has its lane
+    /// for nothing and rejects a tenth of the pairs.
     bounds: [f32; 8],
 }
 
@@ -24,7 +30,7 @@ impl SweptBox {
     /// Around everything: near to all but nothing.
     pub const EVERYWHERE: Self = Self { bounds: [f32::NEG_INFINITY; 8] };
 
-    /// Around a point that moves straight from `start` to `end` [m]. Empty if the start is not finite; an end that is
+    /// Around a point that moves straight from `start` to `end` \[m\]. Empty if the start is not finite; an end that is
     /// not finite counts as the start.
     #[inline]
     pub fn of_point(start: &Vec3, end: &Vec3) -> Self {
@@ -38,6 +44,10 @@ impl SweptBox {
             bounds[axis] = below(if a < b { a } else { b });
             bounds[axis + 4] = below(if a < b { -b } else { -a });
         }
+        let (a, b) = (start.sum() * DIAGONAL, end.sum() * DIAGONAL);
+        let rounding = SUM_ROUNDING * (start.amax() + end.amax());
+        bounds[3] = below(a.min(b) - rounding);
+        bounds[7] = below((-a).min(-b) - rounding);
         Self { bounds }
     }
 
@@ -71,9 +81,10 @@ impl SweptBox {
         near
     }
 
-    /// A reach [m] as [`SweptBox::near`] takes it, rounded up.
+    /// A reach \[m\] as [`SweptBox::near`] takes it, rounded up; never negative.
+    #[inline]
     pub fn reach(reach: f64) -> f32 {
-        -below(-(reach + reach.abs() * ROUNDING))
+        -below(-(reach.max(0.0) * (1.0 + ROUNDING)))
     }
 }
 
@@ -87,6 +98,7 @@ fn below(value: f64) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::distance::edge_edge;
 
     struct Draw(u64);
 
@@ -103,25 +115,23 @@ mod tests {
     #[test]
     fn never_calls_near_boxes_far_and_seldom_the_reverse() {
         let mut draw = Draw(1);
-        let mut wrong = 0;
+        let (mut wrong, mut tested) = (0, 0);
         for k in 0..100_000 {
             let offset = Vec3::repeat([0.0, 1.0, -30.0][k % 3]);
             let x = [0; 4].map(|_| draw.vector() + offset);
             let (one, other) = (SweptBox::of_point(&x[0], &x[1]), SweptBox::of_point(&x[2], &x[3]));
+            let distance = edge_edge(&x[0], &x[1], &x[2], &x[3]).distance;
+            assert!(one.near(&other, SweptBox::reach(distance)), "{distance}");
             let apart = (0..3)
                 .map(|a| {
-                    let span = |i: usize| (x[i][a].min(x[i + 1][a]), x[i].map(|v| v)[a].max(x[i + 1][a]));
+                    let span = |i: usize| (x[i][a].min(x[i + 1][a]), x[i][a].max(x[i + 1][a]));
                     (span(2).0 - span(0).1).max(span(0).0 - span(2).1)
                 })
                 .fold(f64::NEG_INFINITY, f64::max);
-            // At the very limit, just within and well beyond.
-            for reach in [apart, apart * (1.0 + 1e-12), apart.abs() + 0.1] {
-                if reach >= apart {
-                    assert!(one.near(&other, SweptBox::reach(reach)), "{apart} {reach}");
-                }
-            }
-            wrong += usize::from(one.near(&other, SweptBox::reach(apart - 1e-5)));
+            wrong += usize::from(apart > 1e-5 && one.near(&other, SweptBox::reach(apart - 1e-5)));
+            tested += usize::from(apart > 1e-5);
         }
+        assert!(tested > 10_000);
         assert_eq!(wrong, 0, "a box at 30 m is loose by less than 10 micrometres");
     }
 

@@ -21,9 +21,9 @@ const MOLLIFIER_REACH: f64 = 1e-3;
 /// The closest points of two pieces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gap {
-    /// From the closest point of the second piece to the closest point of the first [m].
+    /// From the closest point of the second piece to the closest point of the first \[m\].
     pub vector: Vec3,
-    /// Length of `vector` [m].
+    /// Length of `vector` \[m\].
     pub distance: f64,
     /// Signed barycentric weights: `vector` = sum of `weights[i] * x[i]`, in the order of the arguments. The
     /// gradient of `distance` by `x[i]` is `weights[i] * vector / distance`.
@@ -61,7 +61,7 @@ pub fn point_triangle(p: &Vec3, a: &Vec3, b: &Vec3, c: &Vec3) -> Gap {
     Gap::new((p - a) - (b - a) * v - (c - a) * w, [1.0, v + w - 1.0, -v, -w])
 }
 
-/// Squared distance [m²] of the point `p` and the triangle `a b c`, where nothing else is needed.
+/// Squared distance \[m²\] of the point `p` and the triangle `a b c`, where nothing else is needed.
 #[inline(always)]
 pub fn point_triangle_squared(p: &Vec3, a: &Vec3, b: &Vec3, c: &Vec3) -> f64 {
     let (v, w) = foot_on_triangle(p, a, b, c);
@@ -125,7 +125,7 @@ pub fn edge_edge(a0: &Vec3, a1: &Vec3, b0: &Vec3, b1: &Vec3) -> Gap {
     Gap::new(vector, [1.0 - s, s, t - 1.0, -t])
 }
 
-/// Squared distance [m²] of the edges `a0 a1` and `b0 b1`, where nothing else is needed.
+/// Squared distance \[m²\] of the edges `a0 a1` and `b0 b1`, where nothing else is needed.
 #[inline(always)]
 pub fn edge_edge_squared(a0: &Vec3, a1: &Vec3, b0: &Vec3, b1: &Vec3) -> f64 {
     let (s, t) = feet_on_edges(a0, a1, b0, b1);
@@ -189,7 +189,7 @@ fn feet_on_parallels(a0: &Vec3, a1: &Vec3, b0: &Vec3, b1: &Vec3) -> (f64, f64) {
 }
 
 /// Fades the contact of two edges out as they turn parallel (IPC equation 24): 0 when parallel, 1 from a squared
-/// sine of 1e-3 on. `rest_lengths` are those of edge a and edge b [m].
+/// sine of 1e-3 on. `rest_lengths` are those of edge a and edge b \[m\].
 #[inline]
 pub fn edge_parallel_mollifier(a0: &Vec3, a1: &Vec3, b0: &Vec3, b1: &Vec3, rest_lengths: [f64; 2]) -> f64 {
     let c = (a1 - a0).cross(&(b1 - b0)).norm_squared();
