@@ -1,10 +1,10 @@
 //! The bound that keeps layers apart: how far each point may go along its way so that no pair comes too near.
 //!
-//! One fraction for the whole garment, as in Li et al., "Incremental Potential Contact" (2020, section 4.4), lets a
+//! One fraction for the whole garment, as in Li et al., "Incremental Potential Contact" (2020), lets a
 //! single tight fold stop everything. Here each point has its own: every pair that would come below its floor
 //! slows its own four points, pairs that share a slowed point are tested again with the motion as it is then, and so
-//! on until every pair is free with the motion it really makes (in the spirit of Lan et al., "Penetration-free
-//! projective dynamics on the GPU", 2022). Where that does not settle, the connected part concerned falls back
+//! on until every pair is free with the motion it really makes (bounds for each point also in Chen et al., "Offset
+//! Geometric Contact", 2025, found there in another way). Where that does not settle, the connected part concerned falls back
 //! to one fraction.
 //!
 //! The pairs must hold every pair that any fractions of the motion could bring near, which is what

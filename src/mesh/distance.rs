@@ -2,7 +2,7 @@
 //!
 //! Each function gives a [`Gap`]: the vector between the two closest points, its length, and that vector as signed
 //! weights of the corner points, so that a force along the gap spreads over the points by the same weights. These
-//! are the primitive pairs of Li et al., "Incremental Potential Contact" (2020, section 3; below: IPC); the
+//! are the primitive pairs of Li et al., "Incremental Potential Contact" (2020; below: IPC); the
 //! closest feature is found by looking only at the sides that face the other piece, with cross products instead
 //! of differences of dot products, which keeps needles and nearly parallel edges accurate.
 //!
@@ -15,7 +15,7 @@ use crate::math::Vec3;
 const FLAT_CORNER: f64 = 1e-20;
 /// Below this squared sine two edges count as parallel (angle 1e-8: over a centimetre, 0.1 nm).
 const PARALLEL: f64 = 1e-16;
-/// IPC, supplement: the mollifier acts below this squared sine of the angle between the edges, at rest lengths.
+/// IPC: the mollifier acts below this squared sine of the angle between the edges, at rest lengths.
 const MOLLIFIER_REACH: f64 = 1e-3;
 
 /// The closest points of two pieces.

@@ -1,6 +1,6 @@
 //! How far four points may move before a point meets a triangle, or an edge an edge: continuous collision.
 //!
-//! Conservative advancement after Li et al., "Codimensional Incremental Potential Contact" (2021, section 5, ACCD):
+//! Conservative advancement after Li et al., "Codimensional Incremental Potential Contact" (2021; ACCD):
 //! step by a time in which the pair cannot meet, measure again, repeat until the gap has shrunk to a small
 //! fraction. The bound on each step is sharper than ACCD's (the sum of the largest speeds): the closest points
 //! give a direction n, and along n the pieces stay apart at least by the smallest n·(x_i − x_j) over the corners i
