@@ -45,7 +45,7 @@ pub(super) fn bring_home(
         .collect();
     let mut x = garment.points.clone();
     let mut angle = memory.source_angle.clone();
-    let newton = NewtonOptions { tolerance: 1e-5, most_iterations: 60 };
+    let newton = NewtonOptions { tolerance: 1e-5, energy: 0.0, most_iterations: 60 };
     for share in 1..=SHARES {
         let part = f64::from(share) / f64::from(SHARES);
         let partial = share_of(memory, part);

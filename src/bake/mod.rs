@@ -12,7 +12,7 @@ use crate::garment::{Garment, RestShape, WornGarment};
 use crate::math::Vec3;
 use crate::memory::{Memory, Observed, Remembering};
 use crate::solve::{Cloth, Method, State, StepOptions, Stepper};
-use crate::wear::{Gesture, Posture, Scene, WearScript};
+use crate::wear::{GRAVITY, Gesture, Posture, Scene, WearScript};
 use std::time::Instant;
 
 /// How to bake.
@@ -98,6 +98,9 @@ pub struct Baked {
 
 /// First step after anything starts or stops [s].
 const FIRST_STEP: f64 = 1.0 / 120.0;
+/// A step is converged when what energy is left to gain would not lift the garment by this [m]: single points that
+/// are still falling into a wrinkle go on in the next step.
+const SLACK: f64 = 1e-6;
 /// A garment that may end early is at rest below this speed, root mean square [m/s].
 const REST_SPEED: f64 = 1e-4;
 
@@ -125,9 +128,11 @@ pub fn bake(
     };
     let contact =
         Contact::new(settings, &garment.points, &garment.triangles, &garment.topology, cloth.area.clone());
+    let mut step = options.step;
+    step.newton.energy = SLACK * cloth.mass.iter().sum::<f64>() * GRAVITY;
     let mut run = Run {
         garment,
-        stepper: Stepper::new(cloth, contact, options.step),
+        stepper: Stepper::new(cloth, contact, step),
         state: State::at_rest(garment.points.clone(), source_angle.clone()),
         memory: Memory::new(RestShape::new(source_angle, garment.triangles.len())),
         law: options.memory.then_some(law),

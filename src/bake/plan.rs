@@ -91,7 +91,10 @@ impl Plan {
             .map(|a| if let Action::Press(press) = a { press.pressure_pa } else { 0.0 })
             .fold(0.0, f64::max);
         let load = pressed + EXPECTED_LAYERS * fabric.area_density() * GRAVITY;
-        let contact_stiffness = load / (CONTACT_GIVE * contact_distance);
+        // Layers must also hold against what the membrane can push: no softer than it is, point for point.
+        let area: f64 = garment.material.iter().map(|m| 0.5 * (m[1] - m[0]).perp(&(m[2] - m[0])).abs()).sum();
+        let area_per_point = area / garment.points.len().max(1) as f64;
+        let contact_stiffness = (load / (CONTACT_GIVE * contact_distance)).max(stretch[0].max(stretch[1]) / area_per_point);
         say(
             "friction",
             fabric.friction > 0.0,

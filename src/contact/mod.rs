@@ -245,10 +245,11 @@ impl Contact {
         self.friction.add_hessian(x, out);
     }
 
-    /// Visits the groups of points that the Hessian at `x` couples.
-    pub fn visit_stencils(&self, x: &[Vec3], visit: &mut dyn FnMut(&[u32])) {
+    /// Visits the groups of points that the Hessian at `x` couples, and those within `margin` times the contact
+    /// distance.
+    pub fn visit_stencils(&self, x: &[Vec3], margin: f64, visit: &mut dyn FnMut(&[u32])) {
         if let Some(layers) = &self.layers {
-            layers.touches(x).iter().for_each(|t: &Touch| visit(&t.points));
+            layers.touches_within(x, margin).iter().for_each(|t: &Touch| visit(&t.points));
         }
         for s in self.friction.sliders.iter().filter(|s| s.weights[1] != 0.0 || s.weights[2] != 0.0) {
             visit(&s.points);

@@ -49,6 +49,8 @@ pub(super) struct PairContact {
 
 /// Pairs that are this near in the rest shape push apart only below this share of their rest distance.
 const REST_SHARE: f64 = 0.9;
+/// Candidates reach this many contact distances, so that the pattern of the linear system can look ahead.
+const CANDIDATE_MARGIN: f64 = 1.5;
 /// Rounds of shortening single points before all are shortened alike.
 const MOST_ROUNDS: usize = 6;
 
@@ -114,7 +116,7 @@ impl PairContact {
     }
 
     pub fn look_around(&mut self, x: &[Vec3]) {
-        let found = self.finder.find(x, x, self.distance, true, &|_| false);
+        let found = self.finder.find(x, x, CANDIDATE_MARGIN * self.distance, true, &|_| false);
         self.take(found);
     }
 
@@ -140,11 +142,16 @@ impl PairContact {
 
     /// All pairs within their contact distance at `x`, in a fixed order.
     pub fn touches(&self, x: &[Vec3]) -> Vec<Touch> {
+        self.touches_within(x, 1.0)
+    }
+
+    /// The same for pairs within `margin` times their contact distance (as far as they are candidates).
+    pub fn touches_within(&self, x: &[Vec3], margin: f64) -> Vec<Touch> {
         self.pairs
             .par_iter()
             .filter_map(|pair| {
                 let gap = gap(x, &pair.points, pair.kind);
-                (gap.distance < pair.reach).then(|| Touch {
+                (gap.distance < margin * pair.reach).then(|| Touch {
                     points: pair.points,
                     weights: gap.weights,
                     normal: if gap.distance > 0.0 { gap.vector / gap.distance } else { Vec3::y() },
@@ -165,7 +172,7 @@ impl PairContact {
     pub fn bound_motion(&mut self, x: &[Vec3], d: &mut [Vec3]) {
         for round in 0.. {
             let end: Vec<Vec3> = x.iter().zip(d.iter()).map(|(x, d)| x + d).collect();
-            let found = self.finder.find(x, &end, self.distance, true, &|_| false);
+            let found = self.finder.find(x, &end, CANDIDATE_MARGIN * self.distance, true, &|_| false);
             self.take(found);
             let safe: Vec<f64> = self.pairs.par_iter().map(|pair| safe_share(x, d, pair)).collect();
             let least = safe.iter().copied().fold(1.0, f64::min);

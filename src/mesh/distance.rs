@@ -2,7 +2,7 @@
 //!
 //! Each function gives a [`Gap`]: the vector between the two closest points, its length, and that vector as signed
 //! weights of the corner points, so that a force along the gap spreads over the points by the same weights. These
-//! are the primitive pairs of Li et al., "Incremental Potential Contact" (2020, section 3; below: IPC); the
+//! are the primitive pairs of Li et al., "Incremental Potential Contact" (2020; below: IPC); the
 //! closest feature is found by looking only at the sides that face the other piece, with cross products instead
 //! of differences of dot products, which keeps needles and nearly parallel edges accurate.
 //!
@@ -15,15 +15,15 @@ use crate::math::Vec3;
 const FLAT_CORNER: f64 = 1e-20;
 /// Below this squared sine two edges count as parallel (angle 1e-8: over a centimetre, 0.1 nm).
 const PARALLEL: f64 = 1e-16;
-/// IPC, supplement: the mollifier acts below this squared sine of the angle between the edges, at rest lengths.
+/// IPC: the mollifier acts below this squared sine of the angle between the edges, at rest lengths.
 const MOLLIFIER_REACH: f64 = 1e-3;
 
 /// The closest points of two pieces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gap {
-    /// From the closest point of the second piece to the closest point of the first [m].
+    /// From the closest point of the second piece to the closest point of the first \[m\].
     pub vector: Vec3,
-    /// Length of `vector` [m].
+    /// Length of `vector` \[m\].
     pub distance: f64,
     /// Signed barycentric weights: `vector` = sum of `weights[i] * x[i]`, in the order of the arguments. The
     /// gradient of `distance` by `x[i]` is `weights[i] * vector / distance`.
@@ -31,19 +31,9 @@ pub struct Gap {
 }
 
 impl Gap {
-    /// That of corners which are not finite.
-    const UNKNOWN: Self =
-        Self { vector: Vec3::new(f64::NAN, f64::NAN, f64::NAN), distance: f64::NAN, weights: [0.0; 4] };
-
     #[inline]
     fn new(vector: Vec3, weights: [f64; 4]) -> Self {
         Self { vector, distance: vector.norm(), weights }
-    }
-
-    /// Squared length of `vector` [m²]; cheaper than `distance` where that is not used.
-    #[inline]
-    pub fn squared(&self) -> f64 {
-        self.vector.norm_squared()
     }
 }
 
@@ -67,82 +57,107 @@ pub fn point_edge(p: &Vec3, a: &Vec3, b: &Vec3) -> Gap {
 /// Closest points of the point `p` and the triangle `a b c`; weights `[1, -wa, -wb, -wc]`.
 #[inline]
 pub fn point_triangle(p: &Vec3, a: &Vec3, b: &Vec3, c: &Vec3) -> Gap {
+    let (v, w) = foot_on_triangle(p, a, b, c);
+    Gap::new((p - a) - (b - a) * v - (c - a) * w, [1.0, v + w - 1.0, -v, -w])
+}
+
+/// Squared distance \[m²\] of the point `p` and the triangle `a b c`, where nothing else is needed.
+#[inline(always)]
+pub fn point_triangle_squared(p: &Vec3, a: &Vec3, b: &Vec3, c: &Vec3) -> f64 {
+    let (v, w) = foot_on_triangle(p, a, b, c);
+    ((p - a) - (b - a) * v - (c - a) * w).norm_squared()
+}
+
+/// The closest point of the triangle, as barycentric coordinates of b and c.
+#[inline(always)]
+fn foot_on_triangle(p: &Vec3, a: &Vec3, b: &Vec3, c: &Vec3) -> (f64, f64) {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let normal = ab.cross(&ac);
     let area_squared = normal.norm_squared();
     let has_area = area_squared > FLAT_CORNER * ab.norm_squared() * ac.norm_squared();
     if !has_area {
-        return if area_squared.is_finite() { nearest_side(p, [a, b, c], [true; 3]) } else { Gap::UNKNOWN };
+        return foot_on_sliver(p, [a, b, c]);
     }
     // Barycentric coordinates of the foot of p, times area_squared.
     let wb = ap.dot(&ac.cross(&normal));
     let wc = ap.dot(&normal.cross(&ab));
     let wa = area_squared - wb - wc;
     if wa >= 0.0 && wb >= 0.0 && wc >= 0.0 {
-        let (v, w) = (wb / area_squared, wc / area_squared);
-        return Gap::new(ap - ab * v - ac * w, [1.0, v + w - 1.0, -v, -w]);
+        return (wb / area_squared, wc / area_squared);
     }
     // Outside: the closest point lies on a side that faces p, and those are the sides with a negative coordinate.
     nearest_side(p, [a, b, c], [wc < 0.0, wa < 0.0, wb < 0.0])
 }
 
-/// The closest of the sides ab, bc, ca that are asked for (all of them when none is).
-#[inline]
-fn nearest_side(p: &Vec3, corners: [&Vec3; 3], asked: [bool; 3]) -> Gap {
-    let every = asked == [false; 3];
-    let (mut best, mut side, mut at) = (f64::INFINITY, 0, 0.0);
-    for k in 0..3 {
-        if asked[k] || every {
+/// A triangle without area: all its sides. Corners that are not finite end here too, and stay so.
+#[cold]
+fn foot_on_sliver(p: &Vec3, corners: [&Vec3; 3]) -> (f64, f64) {
+    if corners.iter().map(|x| x.sum()).sum::<f64>().is_finite() {
+        nearest_side(p, corners, [true; 3])
+    } else {
+        (f64::NAN, f64::NAN)
+    }
+}
+
+/// The closest point on those of the sides ab, bc, ca that are asked for.
+fn nearest_side(p: &Vec3, corners: [&Vec3; 3], asked: [bool; 3]) -> (f64, f64) {
+    let (mut best, mut foot) = (f64::INFINITY, (f64::NAN, f64::NAN));
+    for (k, asked) in asked.into_iter().enumerate() {
+        if asked {
             let (a, b) = (corners[k], corners[(k + 1) % 3]);
             let t = along_edge(p, a, b);
             let squared = ((p - a) - (b - a) * t).norm_squared();
             if squared < best {
-                (best, side, at) = (squared, k, t);
+                best = squared;
+                foot = [(t, 0.0), (1.0 - t, t), (0.0, 1.0 - t)][k];
             }
         }
     }
-    let (a, b) = (corners[side], corners[(side + 1) % 3]);
-    let mut weights = [1.0, 0.0, 0.0, 0.0];
-    weights[1 + side] = at - 1.0;
-    weights[1 + (side + 1) % 3] = -at;
-    Gap::new((p - a) - (b - a) * at, weights)
+    foot
 }
 
 /// Closest points of the edges `a0 a1` and `b0 b1`; weights `[1-s, s, -(1-t), -t]`. Parallel edges that run side
 /// by side are joined in the middle of their overlap.
 #[inline]
 pub fn edge_edge(a0: &Vec3, a1: &Vec3, b0: &Vec3, b1: &Vec3) -> Gap {
+    let (s, t) = feet_on_edges(a0, a1, b0, b1);
+    let vector = (a0 - b0) + (a1 - a0) * s - (b1 - b0) * t;
+    Gap::new(vector, [1.0 - s, s, t - 1.0, -t])
+}
+
+/// Squared distance \[m²\] of the edges `a0 a1` and `b0 b1`, where nothing else is needed.
+#[inline(always)]
+pub fn edge_edge_squared(a0: &Vec3, a1: &Vec3, b0: &Vec3, b1: &Vec3) -> f64 {
+    let (s, t) = feet_on_edges(a0, a1, b0, b1);
+    ((a0 - b0) + (a1 - a0) * s - (b1 - b0) * t).norm_squared()
+}
+
+/// Where along each edge the closest points lie, 0..1.
+#[inline(always)]
+fn feet_on_edges(a0: &Vec3, a1: &Vec3, b0: &Vec3, b1: &Vec3) -> (f64, f64) {
     let (u, v, w) = (a1 - a0, b1 - b0, b0 - a0);
     let normal = u.cross(&v);
     let scale = normal.norm_squared();
     let have_angle = scale > PARALLEL * u.norm_squared() * v.norm_squared();
     if !have_angle {
-        return parallel_edges(a0, a1, b0, b1);
+        return feet_on_parallels(a0, a1, b0, b1);
     }
     // Feet of the common perpendicular of the two lines, times scale.
     let s = w.dot(&v.cross(&normal));
     let t = w.dot(&u.cross(&normal));
     if s >= 0.0 && s <= scale && t >= 0.0 && t <= scale {
-        return edge_gap(a0, a1, b0, b1, s / scale, t / scale);
+        return (s / scale, t / scale);
     }
     // The closest pair lies on a side of the parallelogram (s, t) that faces the origin.
     nearest_end([a0, a1, b0, b1], [s < 0.0, s > scale, t < 0.0, t > scale])
 }
 
-#[inline]
-fn edge_gap(a0: &Vec3, a1: &Vec3, b0: &Vec3, b1: &Vec3, s: f64, t: f64) -> Gap {
-    let vector = (a0 - b0) + (a1 - a0) * s - (b1 - b0) * t;
-    Gap::new(vector, [1.0 - s, s, t - 1.0, -t])
-}
-
-/// The closest among: end a0 to edge b, a1 to b, b0 to a, b1 to a, where asked for (all when none is).
-#[inline]
-fn nearest_end(x: [&Vec3; 4], asked: [bool; 4]) -> Gap {
+/// The closest among those asked for: end a0 to edge b, a1 to b, b0 to a, b1 to a.
+fn nearest_end(x: [&Vec3; 4], asked: [bool; 4]) -> (f64, f64) {
     let [a0, a1, b0, b1] = x;
-    let every = asked == [false; 4];
-    let (mut best, mut at) = (f64::INFINITY, (0.0, 0.0));
+    let (mut best, mut feet) = (f64::INFINITY, (f64::NAN, f64::NAN));
     for (k, asked) in asked.into_iter().enumerate() {
-        if asked || every {
+        if asked {
             let (s, t) = match k {
                 0 => (0.0, along_edge(a0, b0, b1)),
                 1 => (1.0, along_edge(a1, b0, b1)),
@@ -151,30 +166,30 @@ fn nearest_end(x: [&Vec3; 4], asked: [bool; 4]) -> Gap {
             };
             let squared = ((a0 - b0) + (a1 - a0) * s - (b1 - b0) * t).norm_squared();
             if squared < best {
-                (best, at) = (squared, (s, t));
+                (best, feet) = (squared, (s, t));
             }
         }
     }
-    edge_gap(a0, a1, b0, b1, at.0, at.1)
+    feet
 }
 
-/// Edges too parallel for a common perpendicular, or without length.
+/// Edges too parallel for a common perpendicular, or without length. Ends that are not finite end here too, and stay
+/// so.
 #[cold]
-fn parallel_edges(a0: &Vec3, a1: &Vec3, b0: &Vec3, b1: &Vec3) -> Gap {
-    if !((a1 - a0).norm_squared() + (b1 - b0).norm_squared()).is_finite() {
-        return Gap::UNKNOWN;
+fn feet_on_parallels(a0: &Vec3, a1: &Vec3, b0: &Vec3, b1: &Vec3) -> (f64, f64) {
+    if !(a0 + a1 + b0 + b1).sum().is_finite() {
+        return (f64::NAN, f64::NAN);
     }
     let (s0, s1) = (along_edge(b0, a0, a1), along_edge(b1, a0, a1));
     if s0 == s1 {
         return nearest_end([a0, a1, b0, b1], [true; 4]);
     }
     let s = 0.5 * (s0 + s1);
-    let t = along_edge(&(a0 + (a1 - a0) * s), b0, b1);
-    edge_gap(a0, a1, b0, b1, s, t)
+    (s, along_edge(&(a0 + (a1 - a0) * s), b0, b1))
 }
 
 /// Fades the contact of two edges out as they turn parallel (IPC equation 24): 0 when parallel, 1 from a squared
-/// sine of 1e-3 on. `rest_lengths` are those of edge a and edge b [m].
+/// sine of 1e-3 on. `rest_lengths` are those of edge a and edge b \[m\].
 #[inline]
 pub fn edge_parallel_mollifier(a0: &Vec3, a1: &Vec3, b0: &Vec3, b1: &Vec3, rest_lengths: [f64; 2]) -> f64 {
     let c = (a1 - a0).cross(&(b1 - b0)).norm_squared();
@@ -220,6 +235,8 @@ mod tests {
                 let sum: Vec3 = (0..4).map(|i| x[i] * g.weights[i]).sum();
                 assert!((sum - g.vector).norm() < 1e-14, "{name}: {x:?}");
                 assert!((g.distance - g.vector.norm()).abs() < 1e-15);
+                let squared = if name == "edge-edge" { edge_edge_squared } else { point_triangle_squared };
+                assert!((squared(&x[0], &x[1], &x[2], &x[3]).sqrt() - g.distance).abs() < 1e-15);
                 assert!(g.weights.iter().sum::<f64>().abs() < 1e-15, "{name}");
             }
         }

@@ -1,5 +1,6 @@
 //! Triangle meshes as geometry: indices, topology, hinge angles, distances, search. Knows no cloth and no file.
 
+pub mod boxes;
 pub mod crossings;
 pub mod distance;
 mod hinge;

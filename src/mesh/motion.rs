@@ -1,6 +1,6 @@
 //! How far four points may move before a point meets a triangle, or an edge an edge: continuous collision.
 //!
-//! Conservative advancement after Li et al., "Codimensional Incremental Potential Contact" (2021, section 5, ACCD):
+//! Conservative advancement after Li et al., "Codimensional Incremental Potential Contact" (2021; ACCD):
 //! step by a time in which the pair cannot meet, measure again, repeat until the gap has shrunk to a small
 //! fraction. The bound on each step is sharper than ACCD's (the sum of the largest speeds): the closest points
 //! give a direction n, and along n the pieces stay apart at least by the smallest n·(x_i − x_j) over the corners i
@@ -28,8 +28,8 @@ const POINT_TRIANGLE: [(usize, usize); 3] = [(0, 1), (0, 2), (0, 3)];
 /// The same for two edges.
 const EDGE_EDGE: [(usize, usize); 4] = [(0, 2), (0, 3), (1, 2), (1, 3)];
 
-/// The largest safe fraction of the motion `dx` [m] of a point `x[0]` and a triangle `x[1..4]` [m]: 1 when free,
-/// else t such that at every time up to t the distance stays above `floor` [m], with at least 3 % of the present
+/// The largest safe fraction of the motion `dx` \[m\] of a point `x[0]` and a triangle `x[1..4]` \[m\]: 1 when free,
+/// else t such that at every time up to t the distance stays above `floor` \[m\], with at least 3 % of the present
 /// gap to spare.
 ///
 /// A pair that starts at or below the floor may close to half its distance, so that it is never stuck when it

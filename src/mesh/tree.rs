@@ -16,7 +16,7 @@ use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode, BvhWorkspace};
 
-/// Half width [m] of the inside-out box of a triangle that is left out; far, but its cube is still finite.
+/// Half width \[m\] of the inside-out box of a triangle that is left out; far, but its cube is still finite.
 const NOWHERE: f64 = 1e100;
 /// The tree is built anew once a point has moved this many mean box sizes: the refit boxes overlap too much by then.
 const REBUILD_AFTER: f64 = 2.0;
@@ -31,9 +31,9 @@ const RAY_SLACK: f64 = 1e-14;
 pub struct TriangleTree {
     triangles: Vec<[PointIndex; 3]>,
     bvh: Bvh,
-    /// Positions when the tree was last built [m], one per point.
+    /// Positions when the tree was last built \[m\], one per point.
     built_at: Vec<Vec3>,
-    /// Mean largest side of the boxes when the tree was last built [m].
+    /// Mean largest side of the boxes when the tree was last built \[m\].
     box_size: f64,
 }
 
@@ -58,7 +58,7 @@ pub struct Nearest {
 }
 
 impl TriangleTree {
-    /// Tree over `triangles`; every box is grown by `inflate` [m] on all sides. `points` [m], one per point.
+    /// Tree over `triangles`; every box is grown by `inflate` \[m\] on all sides. `points` \[m\], one per point.
     pub fn new(points: &[Vec3], triangles: &[[PointIndex; 3]], inflate: f64) -> Self {
         let mut tree =
             Self { triangles: triangles.to_vec(), bvh: Bvh::new(), built_at: Vec::new(), box_size: 0.0 };
@@ -72,7 +72,7 @@ impl TriangleTree {
         self.triangles.len()
     }
 
-    /// Fits the boxes to points that move from `start` to `end` [m] in straight lines, grown by `inflate` [m].
+    /// Fits the boxes to points that move from `start` to `end` \[m\] in straight lines, grown by `inflate` \[m\].
     pub fn refit(&mut self, start: &[Vec3], end: &[Vec3], inflate: f64) {
         let limit = REBUILD_AFTER * self.box_size;
         let moved = |(now, then): (&Vec3, &Vec3)| (now - then).norm_squared() > limit * limit;
@@ -136,7 +136,7 @@ impl TriangleTree {
         pairs
     }
 
-    /// First triangle that the ray from `origin` [m] along `direction` (any length) meets within `most` lengths of
+    /// First triangle that the ray from `origin` \[m\] along `direction` (any length) meets within `most` lengths of
     /// the direction. `points` are those of the last fit. A hit on a common side belongs to the first triangle.
     pub fn first_hit(&self, points: &[Vec3], origin: Vec3, direction: Vec3, most: f64) -> Option<RayHit> {
         let ray = Ray::new(origin, direction)?;
@@ -156,7 +156,7 @@ impl TriangleTree {
         self.bvh.leaves(reached).any(hits)
     }
 
-    /// The triangle closest to `point` [m], if one lies within `most` [m]. `points` are those of the last fit.
+    /// The triangle closest to `point` \[m\], if one lies within `most` \[m\]. `points` are those of the last fit.
     pub fn nearest(&self, points: &[Vec3], point: Vec3, most: f64) -> Option<Nearest> {
         let gap = |f: u32| {
             let [a, b, c] = self.corners(points, f);

@@ -57,6 +57,22 @@ impl BlockMatrix {
         Self { row_of, point_of, start, column, value }
     }
 
+    /// Whether exactly the points with `held` unset have rows.
+    pub fn holds(&self, held: &[bool]) -> bool {
+        self.row_of.len() == held.len() && self.row_of.iter().zip(held).all(|(r, h)| (*r == HELD) == *h)
+    }
+
+    /// Whether every pair of the free ones among `points` has a block.
+    pub fn couples(&self, points: &[u32]) -> bool {
+        points.iter().enumerate().all(|(k, &p)| {
+            let i = self.row_of[p as usize];
+            points[..k].iter().all(|&q| {
+                let j = self.row_of[q as usize];
+                i == HELD || j == HELD || self.row(i.max(j) as usize).binary_search(&i.min(j)).is_ok()
+            })
+        })
+    }
+
     /// Number of block rows.
     pub fn row_count(&self) -> usize {
         self.point_of.len()

@@ -17,13 +17,15 @@ use crate::math::Vec3;
 pub struct NewtonOptions {
     /// Converged when no point would move farther than this [m].
     pub tolerance: f64,
+    /// Converged, too, when the energy left to gain is below this [J]: a few points still on their way. 0 for never.
+    pub energy: f64,
     /// Iterations at most.
     pub most_iterations: usize,
 }
 
 impl Default for NewtonOptions {
     fn default() -> Self {
-        Self { tolerance: 1e-5, most_iterations: 40 }
+        Self { tolerance: 3e-5, energy: 0.0, most_iterations: 30 }
     }
 }
 
@@ -70,6 +72,37 @@ pub struct Workspace {
     direct: Cholesky,
 }
 
+/// Contacts up to this many times their distance get a place in a new pattern, so that it lasts.
+const PATTERN_MARGIN: f64 = 1.5;
+
+impl Workspace {
+    /// Forgets the pattern: the terms of the next solve couple other points.
+    pub fn reset(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Whether the pattern has a place for every block that will be added.
+    fn fits(&self, held: &[bool], contact: &Contact, x: &[Vec3]) -> bool {
+        let mut fits = self.matrix.holds(held);
+        if fits {
+            contact.visit_stencils(x, 1.0, &mut |points| fits = fits && self.matrix.couples(points));
+        }
+        fits
+    }
+}
+
+/// Rows counted over the points that are not held.
+fn rows_of_free(held: &[bool]) -> Vec<u32> {
+    let mut next = 0;
+    held.iter()
+        .map(|held| {
+            let row = if *held { HELD } else { next };
+            next += u32::from(!*held);
+            row
+        })
+        .collect()
+}
+
 impl Problem<'_> {
     fn value(&self, x: &[Vec3], contact: &Contact) -> f64 {
         let mut sum = 0.0;
@@ -103,24 +136,13 @@ impl Problem<'_> {
     }
 
     fn assemble(&self, x: &[Vec3], contact: &Contact, work: &mut Workspace) {
-        let mut next = 0;
-        let row_of: Vec<u32> = self
-            .held
-            .iter()
-            .map(|held| {
-                if *held {
-                    HELD
-                } else {
-                    next += 1;
-                    next - 1
-                }
-            })
-            .collect();
-        let pattern = BlockMatrix::with_pattern(row_of, &mut |visit| {
-            self.terms.iter().for_each(|t| t.visit_stencils(visit));
-            contact.visit_stencils(x, visit);
-        });
-        work.matrix = pattern;
+        if !work.fits(self.held, contact, x) {
+            work.matrix = BlockMatrix::with_pattern(rows_of_free(self.held), &mut |visit| {
+                self.terms.iter().for_each(|t| t.visit_stencils(visit));
+                contact.visit_stencils(x, PATTERN_MARGIN, visit);
+            });
+        }
+        work.matrix.clear();
         if let Some((mass, _, span)) = self.inertia {
             for (p, m) in mass.iter().enumerate() {
                 work.matrix.add_diagonal(p, m / (span * span));
@@ -197,22 +219,16 @@ impl Problem<'_> {
             if !report.last_move.is_finite() {
                 break;
             }
-            let done = report.last_move <= options.tolerance;
+            let decrement: f64 = -g.iter().zip(&d).map(|(g, d)| g.dot(d)).sum::<f64>();
+            let done = report.last_move <= options.tolerance || decrement <= options.energy;
             let clock = std::time::Instant::now();
-            let d0 = d.clone();
             contact.bound_motion(x, &mut d);
             report.seconds[2] += clock.elapsed().as_secs_f64();
             let clock = std::time::Instant::now();
             let slope: f64 = g.iter().zip(&d).map(|(g, d)| g.dot(d)).sum();
             let moved = self.line_search(x, &d, slope, &mut value, contact);
             report.seconds[0] += clock.elapsed().as_secs_f64();
-            if std::env::var("DBG").is_ok() {
-                let cut = d.iter().zip(&d0).filter(|(a, b)| (*a - *b).norm() > 1e-12).count();
-                let small = d.iter().zip(&d0).filter(|(a, b)| a.norm() < 0.1 * b.norm()).count();
-                let (w, _) = d0.iter().enumerate().fold((0, 0.0), |m, (i, d)| if d.norm() > m.1 { (i, d.norm()) } else { m });
-                eprintln!("  it {} phi {:.6e} res {:.2e} move {:.2e} cut {cut} small {small} slope {slope:.2e} moved {moved} worst {w} x {:?} d {:?} blocks {} pairs {} sec {:?}", report.iterations, value, report.residual, report.last_move, x[w].as_slice(), d0[w].as_slice(), work.matrix.block_count(), contact.pair_count(), report.seconds);
-            }
-            if done || !moved {
+            if done || moved == 0.0 {
                 // A direction along which phi no longer falls to rounding is as good as converged.
                 report.converged = done || slope.abs() <= 1e-12 * value.abs().max(f64::MIN_POSITIVE);
                 break;
@@ -221,7 +237,7 @@ impl Problem<'_> {
         report
     }
 
-    /// Moves `x` along `d` as far as phi falls enough (Armijo where the slope is down). False if nowhere.
+    /// Moves `x` along `d` by the share for which phi falls enough (Armijo where the slope is down); 0 if nowhere.
     fn line_search(
         &self,
         x: &mut [Vec3],
@@ -229,7 +245,7 @@ impl Problem<'_> {
         slope: f64,
         value: &mut f64,
         contact: &Contact,
-    ) -> bool {
+    ) -> f64 {
         let mut share = 1.0;
         for _ in 0..24 {
             let trial: Vec<Vec3> = x.iter().zip(d).map(|(x, d)| x + d * share).collect();
@@ -239,10 +255,10 @@ impl Problem<'_> {
             if there <= *value + 1e-4 * share * slope.min(0.0) + noise {
                 x.copy_from_slice(&trial);
                 *value = there;
-                return true;
+                return share;
             }
             share *= 0.5;
         }
-        false
+        0.0
     }
 }

@@ -191,6 +191,8 @@ impl Stepper {
         self.contact.set_planes(None, None);
         self.contact.begin_step(x, f64::INFINITY, 0.0);
         let held = vec![false; x.len()];
+        // Terms may differ from those of steps.
+        self.work.reset();
         let problem = Problem { inertia: None, terms, held: &held, regularisation };
         problem.solve(x, &mut self.contact, newton, &mut self.work)
     }
