@@ -1,1 +1,127 @@
-//! To come.
+//! The heavy elastica: a strip clamped level that bends under its own weight, Gamma = rho g L³ / B.
+
+use crate::rest::Scene;
+use crate::sheet::Sheet;
+use crease::math::Vec3;
+
+const G: f64 = 9.81;
+/// [kg/m²]
+const DENSITY: f64 = 0.2;
+
+/// Height over width and tip angle [degrees] of the exact elastica (shooting and collocation agree to 2e-11).
+const ELASTICA: [(f64, f64, f64); 3] =
+    [(1.0, 0.124_561_77, 9.460_42), (10.0, 1.066_802_32, 60.312_01), (100.0, 5.888_104_62, 89.616_75)];
+
+struct Figures {
+    height_over_width: f64,
+    tip_degrees: f64,
+    residual: f64,
+    iterations: usize,
+}
+
+/// Bends `sheet` of `length` [m] at `gamma`, with Y L² / B = 1e5 as for real cloth.
+fn bend(sheet: &Sheet, length: f64, along: usize, gamma: f64) -> Figures {
+    bend_with(sheet, length, along, DENSITY * G * length.powi(3) / gamma)
+}
+
+fn bend_with(sheet: &Sheet, length: f64, along: usize, rigidity: f64) -> Figures {
+    let held: Vec<bool> = sheet.flat.iter().map(|p| p.x < 1e-9 * length).collect();
+    let stretch = 1e5 * rigidity / (length * length);
+    let mut scene = Scene::clamped(sheet, DENSITY, stretch, rigidity, held);
+    scene.gravity = Vec3::new(0.0, 0.0, -G);
+    let mut x = sheet.laid();
+    let report = scene.settle(&mut x, 0.2 * (length / G).sqrt(), 1e-12 * length);
+    let row = |at: f64| {
+        let near = x.iter().zip(&sheet.flat).filter(|(_, p)| (p.x - at).abs() < 1e-6 * length);
+        let (sum, count) = near.fold((Vec3::zeros(), 0.0), |(sum, n), (x, _)| (sum + x, n + 1.0));
+        sum / count
+    };
+    let (tip, last) = (row(length), row(length * (1.0 - 1.0 / along as f64)));
+    let way = tip - last;
+    Figures {
+        height_over_width: -tip.z / tip.x,
+        tip_degrees: (-way.z).atan2(way.x).to_degrees(),
+        residual: scene.residual_over_weight(&x),
+        iterations: report.iterations,
+    }
+}
+
+/// H/W of the one-diagonal strip L x 0.3 L at `along` elements against the elastica: relative error.
+fn error(along: usize, gamma: f64, exact: f64, tip: f64) -> f64 {
+    let length = 0.2;
+    let figures = bend(&Sheet::strip(length, 0.3 * length, along), length, along, gamma);
+    let error = figures.height_over_width / exact - 1.0;
+    println!(
+        "Gamma {gamma}, L/{along}: H/W {:.6} ({:+.3} %), tip {:.2} degrees ({tip:.2}), residual {:.1e}, {} iterations",
+        figures.height_over_width,
+        100.0 * error,
+        figures.tip_degrees,
+        figures.residual,
+        figures.iterations
+    );
+    assert!(figures.residual <= 1e-6, "forces do not balance: {:e}", figures.residual);
+    assert!((figures.tip_degrees - tip).abs() <= 0.3);
+    error
+}
+
+/// Promise: with the half clamp, H/W is within 0.6 % (Gamma 1, 10) and 2 % (100) of the elastica at L/20, a
+/// quarter of that at L/40, with order 1.8 or better; the tip angle within 0.3 degrees.
+#[test]
+fn cantilever_bends_as_the_elastica() {
+    for ((gamma, exact, tip), bars) in
+        ELASTICA.into_iter().zip([[0.006, 0.0015], [0.006, 0.0015], [0.02, 0.005]])
+    {
+        let errors = [20, 40].map(|along| error(along, gamma, exact, tip));
+        let order = (errors[0] / errors[1]).abs().log2();
+        println!("Gamma {gamma}: order {order:.2}");
+        assert!(errors[0].abs() <= bars[0] && errors[1].abs() <= bars[1], "Gamma {gamma}: {errors:?}");
+        assert!(order >= 1.8, "Gamma {gamma}: order {order}");
+    }
+}
+
+/// Promise: the order holds one octave further (40, 80). Slow, so not in every run.
+#[test]
+#[ignore = "some ten seconds: cargo test --test elastic finer -- --ignored --nocapture"]
+fn cantilever_converges_on_a_finer_mesh() {
+    for (gamma, exact, tip) in ELASTICA {
+        let errors = [40, 80].map(|along| error(along, gamma, exact, tip));
+        let order = (errors[0] / errors[1]).abs().log2();
+        println!("Gamma {gamma}: order {order:.2}");
+        assert!(order >= 1.8);
+    }
+}
+
+/// Promise: only Gamma counts: length, rigidity and density times (2, 8, 1) leave H/W as it is to 1e-6.
+#[test]
+fn cantilever_shape_depends_on_gamma_alone() {
+    let shape = |length: f64, rigidity: f64| {
+        let sheet = Sheet::strip(length, 0.3 * length, 10);
+        bend_with(&sheet, length, 10, rigidity).height_over_width
+    };
+    let rigidity = DENSITY * G * 0.2f64.powi(3) / 10.0;
+    let (small, large) = (shape(0.2, rigidity), shape(0.4, 8.0 * rigidity));
+    println!("H/W {small:.12} and, twice as long, {large:.12}");
+    assert!((large / small - 1.0).abs() <= 1e-6);
+}
+
+/// H/W at Gamma 10 on equilateral lattices turned by 0, 15, 30 degrees, and its spread.
+fn spread(along: usize) -> f64 {
+    let length = 0.2;
+    let shapes = [0.0, 15.0, 30.0].map(|degrees| {
+        let sheet = Sheet::lattice_strip(length, 0.3 * length, along, degrees);
+        let figures = bend(&sheet, length, along, 10.0);
+        assert!(figures.residual <= 1e-6, "forces do not balance: {:e}", figures.residual);
+        figures.height_over_width
+    });
+    let (low, high) = shapes.iter().fold((f64::MAX, f64::MIN), |(l, h), s| (l.min(*s), h.max(*s)));
+    println!("L/{along}: H/W {shapes:.5?} at 0, 15, 30 degrees, spread {:.2} %", 100.0 * (high / low - 1.0));
+    assert!(shapes.iter().all(|s| (s / 1.066_802_32 - 1.0).abs() <= 0.03));
+    high / low - 1.0
+}
+
+/// Promise: the direction of the mesh does not show: spread of H/W over lattices turned by 0, 15, 30 degrees below
+/// 2 % at L/40 (Y L² / B = 1e5).
+#[test]
+fn cantilever_does_not_feel_the_direction_of_the_mesh() {
+    assert!(spread(40) <= 0.02);
+}

@@ -27,3 +27,9 @@ pub fn table(name: &str) -> Option<Vec<Vec<String>>> {
     };
     text(name).map(rows)
 }
+
+/// Figures for a line of output, three digits each.
+pub fn figures(values: &[f64]) -> String {
+    let each: Vec<String> = values.iter().map(|v| format!("{v:.3e}")).collect();
+    each.join(" ")
+}
