@@ -1,8 +1,9 @@
 //! The heavy elastica: a strip clamped level that bends under its own weight, Gamma = rho g L³ / B.
 
-use crate::rest::Scene;
+use crate::rest::{Scene, balance};
 use crate::sheet::Sheet;
 use crease::math::Vec3;
+use crease::solve::NewtonOptions;
 
 const G: f64 = 9.81;
 /// [kg/m²]
@@ -31,6 +32,7 @@ fn bend_with(sheet: &Sheet, length: f64, along: usize, rigidity: f64) -> Figures
     scene.gravity = Vec3::new(0.0, 0.0, -G);
     let mut x = sheet.laid();
     let report = scene.settle(&mut x, 0.2 * (length / G).sqrt(), 1e-12 * length);
+    assert!(report.converged, "{report:?}");
     let row = |at: f64| {
         let near = x.iter().zip(&sheet.flat).filter(|(_, p)| (p.x - at).abs() < 1e-6 * length);
         let (sum, count) = near.fold((Vec3::zeros(), 0.0), |(sum, n), (x, _)| (sum + x, n + 1.0));
@@ -102,6 +104,40 @@ fn cantilever_shape_depends_on_gamma_alone() {
     let (small, large) = (shape(0.2, rigidity), shape(0.4, 8.0 * rigidity));
     println!("H/W {small:.12} and, twice as long, {large:.12}");
     assert!((large / small - 1.0).abs() <= 1e-6);
+}
+
+/// Promise: where height zero lies does not matter: Newton converges where the weight's potential makes the total
+/// energy vanish. (A line search that takes its rounding from the total, not from the terms, stops early there.)
+#[test]
+fn newton_converges_where_the_energy_vanishes() {
+    let length = 0.2;
+    let sheet = Sheet::strip(length, 0.3 * length, 20);
+    let held: Vec<bool> = sheet.flat.iter().map(|p| p.x < 1e-9 * length).collect();
+    let rigidity = DENSITY * G * length.powi(3) / 10.0;
+    let mut scene = Scene::clamped(&sheet, DENSITY, 1e5 * rigidity / (length * length), rigidity, held);
+    scene.gravity = Vec3::new(0.0, 0.0, -G);
+    let mut x = sheet.laid();
+    scene.settle(&mut x, 0.2 * (length / G).sqrt(), 1e-12 * length);
+    let energy: f64 = scene.terms(&x, |terms| terms.iter().map(|t| t.value(&x)).sum());
+    let zero = -energy / (G * scene.mass.iter().sum::<f64>());
+    for (k, height) in [0.0, zero, zero * (1.0 + 1e-6), zero * (1.0 - 1e-9)].into_iter().enumerate() {
+        // A bump of a hundredth of an element, so that there is something to do.
+        let mut bumped: Vec<Vec3> = x
+            .iter()
+            .zip(&scene.held)
+            .enumerate()
+            .map(|(i, (x, held))| {
+                let bump = if *held { 0.0 } else { 1e-4 * (7.1 * i as f64).sin() };
+                x + Vec3::new(0.0, 0.0, height + bump)
+            })
+            .collect();
+        let newton = NewtonOptions { tolerance: 1e-12 * length, most_iterations: 200 };
+        let start = bumped.clone();
+        let report = scene.terms(&start, |terms| balance(terms, &mut bumped, &scene.held, 0.0, newton));
+        println!("datum {k}: {report:?}, residual {:.1e}", scene.residual_over_weight(&bumped));
+        assert!(report.converged && report.last_move <= newton.tolerance);
+        assert!(scene.residual_over_weight(&bumped) <= 1e-8);
+    }
 }
 
 /// H/W at Gamma 10 on equilateral lattices turned by 0, 15, 30 degrees, and its spread.
