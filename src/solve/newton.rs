@@ -195,7 +195,7 @@ impl Problem<'_> {
     /// Minimises phi from `x`, in place. Every intermediate position keeps layers apart if the first did.
     pub fn solve(
         &self,
-        x: &mut Vec<Vec3>,
+        x: &mut [Vec3],
         contact: &mut Contact,
         options: &NewtonOptions,
         work: &mut Workspace,

@@ -66,30 +66,24 @@ fn error(along: usize, gamma: f64, exact: f64, tip: f64) -> f64 {
     error
 }
 
-/// Promise: with the half clamp, H/W is within 0.6 % (Gamma 1, 10) and 2 % (100) of the elastica at L/20, a
-/// quarter of that at L/40, with order 1.8 or better; the tip angle within 0.3 degrees.
+/// Promise: with the half clamp, H/W is within 0.6 % (Gamma 1, 10) and 2 % (100) of the elastica at L/20 and a
+/// quarter of that at L/40; it converges with order 1.8 or better over L/20, L/40, L/80; the tip angle is within
+/// 0.3 degrees.
+///
+/// The elastica does not stretch and the strip does (by Gamma / 1e5, up to 0.1 %), so that their difference cannot
+/// fall to zero: the order is that of the way to the strip's own limit, and the limit has a bar of its own.
 #[test]
 fn cantilever_bends_as_the_elastica() {
     for ((gamma, exact, tip), bars) in
         ELASTICA.into_iter().zip([[0.006, 0.0015], [0.006, 0.0015], [0.02, 0.005]])
     {
-        let errors = [20, 40].map(|along| error(along, gamma, exact, tip));
-        let order = (errors[0] / errors[1]).abs().log2();
-        println!("Gamma {gamma}: order {order:.2}");
+        let errors = [20, 40, 80].map(|along| error(along, gamma, exact, tip));
+        let order = ((errors[0] - errors[1]) / (errors[1] - errors[2])).log2();
+        let limit = errors[2] + (errors[2] - errors[1]) / 3.0;
+        println!("Gamma {gamma}: order {order:.2}, limit {:+.4} %", 100.0 * limit);
         assert!(errors[0].abs() <= bars[0] && errors[1].abs() <= bars[1], "Gamma {gamma}: {errors:?}");
         assert!(order >= 1.8, "Gamma {gamma}: order {order}");
-    }
-}
-
-/// Promise: the order holds one octave further (40, 80). Slow, so not in every run.
-#[test]
-#[ignore = "some ten seconds: cargo test --test elastic finer -- --ignored --nocapture"]
-fn cantilever_converges_on_a_finer_mesh() {
-    for (gamma, exact, tip) in ELASTICA {
-        let errors = [40, 80].map(|along| error(along, gamma, exact, tip));
-        let order = (errors[0] / errors[1]).abs().log2();
-        println!("Gamma {gamma}: order {order:.2}");
-        assert!(order >= 1.8);
+        assert!(limit.abs() <= 5e-4, "Gamma {gamma}: limit {limit}");
     }
 }
 

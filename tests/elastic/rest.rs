@@ -23,7 +23,7 @@ pub fn residual(terms: &[&dyn Energy], x: &[Vec3], held: &[bool]) -> f64 {
 /// Newton without inertia, from `x`.
 pub fn balance(
     terms: &[&dyn Energy],
-    x: &mut Vec<Vec3>,
+    x: &mut [Vec3],
     held: &[bool],
     regularisation: f64,
     newton: NewtonOptions,
@@ -67,13 +67,13 @@ impl Scene {
 
     /// Comes to rest from `x`: proximal steps (inertia without velocity) whose pseudo time doubles, then plain Newton
     /// to `tolerance` [m]. The bent sheet is far from its flat start for a stiff membrane: plain Newton would creep.
-    pub fn settle(&self, x: &mut Vec<Vec3>, pseudo_time: f64, tolerance: f64) -> NewtonReport {
+    pub fn settle(&self, x: &mut [Vec3], pseudo_time: f64, tolerance: f64) -> NewtonReport {
         let mut total = NewtonReport::default();
         let mut work = Workspace::default();
         let mut contact = Contact::none(x.len());
         let mut span = pseudo_time;
         for _ in 0..24 {
-            let start = x.clone();
+            let start = x.to_vec();
             let newton = NewtonOptions { tolerance: 1e3 * tolerance, most_iterations: 3 };
             let report = self.terms(&start, |terms| {
                 let inertia = Some((&self.mass[..], &start[..], span));
@@ -84,7 +84,7 @@ impl Scene {
             span *= 2.0;
         }
         let newton = NewtonOptions { tolerance, most_iterations: 200 };
-        let start = x.clone();
+        let start = x.to_vec();
         total.add(&self.terms(&start, |terms| balance(terms, x, &self.held, 0.0, newton)));
         total
     }
