@@ -9,6 +9,9 @@ use crate::math::{Mat3, Vec3};
 /// Marks a point without a row.
 pub const HELD: u32 = u32::MAX;
 
+/// Takes one group of points that are coupled to one another.
+pub type Visit<'a> = dyn FnMut(&[u32]) + 'a;
+
 /// Symmetric block matrix over the free points.
 #[derive(Debug, Clone, Default)]
 pub struct BlockMatrix {
@@ -26,7 +29,7 @@ pub struct BlockMatrix {
 impl BlockMatrix {
     /// Pattern of the given `couplings` between points. `row_of` gives every free point its row (rows counted
     /// from 0 without gaps) and [`HELD`] to the others.
-    pub fn with_pattern(row_of: Vec<u32>, couplings: &mut dyn FnMut(&mut dyn FnMut(&[u32]))) -> Self {
+    pub fn with_pattern(row_of: Vec<u32>, couplings: &mut dyn FnMut(&mut Visit)) -> Self {
         let rows = row_of.iter().filter(|r| **r != HELD).count();
         let mut point_of = vec![0; rows];
         for (p, &r) in row_of.iter().enumerate().filter(|(_, r)| **r != HELD) {

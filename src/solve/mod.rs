@@ -10,7 +10,7 @@ mod ordering;
 mod state;
 mod step;
 
-pub use block_matrix::{BlockMatrix, HELD};
+pub use block_matrix::{BlockMatrix, HELD, Visit};
 pub use cholesky::{Cholesky, FactorError};
 pub use cloth::Cloth;
 pub use conjugate_gradient::{Solution, conjugate_gradient};

@@ -65,6 +65,10 @@ pub struct Problem<'a> {
     pub regularisation: f64,
 }
 
+/// Differences of phi below this share of its terms are not trusted over its slope: the terms are sums themselves
+/// and may lose some digits inside (the weight of cloth on both sides of height zero).
+const BLIND: f64 = 1e-10;
+
 /// Buffers that are worth keeping between solves.
 #[derive(Default)]
 pub struct Workspace {
@@ -103,9 +107,25 @@ fn rows_of_free(held: &[bool]) -> Vec<u32> {
         .collect()
 }
 
+/// phi at one place.
+#[derive(Debug, Clone, Copy)]
+struct Value {
+    /// phi [J].
+    sum: f64,
+    /// Sum of the magnitudes of its terms [J]: they may cancel, their rounding does not.
+    size: f64,
+}
+
+impl Value {
+    fn add(&mut self, term: f64) {
+        self.sum += term;
+        self.size += term.abs();
+    }
+}
+
 impl Problem<'_> {
-    fn value(&self, x: &[Vec3], contact: &Contact) -> f64 {
-        let mut sum = 0.0;
+    fn value(&self, x: &[Vec3], contact: &Contact) -> Value {
+        let mut value = Value { sum: 0.0, size: 0.0 };
         if let Some((mass, inertial, span)) = self.inertia {
             let moved: f64 = x
                 .iter()
@@ -115,9 +135,11 @@ impl Problem<'_> {
                 .filter(|(_, held)| !**held)
                 .map(|(((x, y), m), _)| m * (x - y).norm_squared())
                 .sum();
-            sum += moved / (2.0 * span * span);
+            value.add(moved / (2.0 * span * span));
         }
-        sum + self.terms.iter().map(|t| t.value(x)).sum::<f64>() + contact.value(x)
+        self.terms.iter().for_each(|t| value.add(t.value(x)));
+        value.add(contact.value(x));
+        value
     }
 
     fn gradient(&self, x: &[Vec3], contact: &Contact) -> Vec<Vec3> {
@@ -133,6 +155,11 @@ impl Problem<'_> {
         contact.add_gradient(x, &mut g);
         g.iter_mut().zip(self.held).filter(|(_, held)| **held).for_each(|(g, _)| *g = Vec3::zeros());
         g
+    }
+
+    /// Slope of phi at `x` along `d` [J].
+    fn slope(&self, x: &[Vec3], d: &[Vec3], contact: &Contact) -> f64 {
+        self.gradient(x, contact).iter().zip(d).map(|(g, d)| g.dot(d)).sum()
     }
 
     fn assemble(&self, x: &[Vec3], contact: &Contact, work: &mut Workspace) {
@@ -190,7 +217,7 @@ impl Problem<'_> {
     /// Minimises phi from `x`, in place. Every intermediate position keeps layers apart if the first did.
     pub fn solve(
         &self,
-        x: &mut Vec<Vec3>,
+        x: &mut [Vec3],
         contact: &mut Contact,
         options: &NewtonOptions,
         work: &mut Workspace,
@@ -230,7 +257,7 @@ impl Problem<'_> {
             report.seconds[0] += clock.elapsed().as_secs_f64();
             if done || moved == 0.0 {
                 // A direction along which phi no longer falls to rounding is as good as converged.
-                report.converged = done || slope.abs() <= 1e-12 * value.abs().max(f64::MIN_POSITIVE);
+                report.converged = done || slope.abs() <= 1e-12 * value.size.max(f64::MIN_POSITIVE);
                 break;
             }
         }
@@ -238,12 +265,16 @@ impl Problem<'_> {
     }
 
     /// Moves `x` along `d` by the share for which phi falls enough (Armijo where the slope is down); 0 if nowhere.
+    ///
+    /// Near the end phi falls by less than its rounding, and its values say nothing any more. The slope at the trial
+    /// place still does: where phi is nearly quadratic it has fallen if it rises there less steeply than it fell at the
+    /// start (the approximate Wolfe condition of Hager and Zhang 2005).
     fn line_search(
         &self,
         x: &mut [Vec3],
         d: &[Vec3],
         slope: f64,
-        value: &mut f64,
+        value: &mut Value,
         contact: &Contact,
     ) -> f64 {
         let mut share = 1.0;
@@ -251,8 +282,11 @@ impl Problem<'_> {
             let trial: Vec<Vec3> = x.iter().zip(d).map(|(x, d)| x + d * share).collect();
             let there = self.value(&trial, contact);
             // Rounding of a sum of many terms.
-            let noise = 1e-13 * value.abs();
-            if there <= *value + 1e-4 * share * slope.min(0.0) + noise {
+            let noise = 1e-13 * value.size;
+            let falls = there.sum <= value.sum + 1e-4 * share * slope.min(0.0) + noise;
+            // Not a number never counts as blind.
+            let blind = (there.sum - value.sum).abs() <= BLIND * value.size;
+            if falls || (blind && self.slope(&trial, d, contact) <= -0.9 * slope) {
                 x.copy_from_slice(&trial);
                 *value = there;
                 return share;

@@ -183,7 +183,7 @@ impl Stepper {
     /// Comes to equilibrium of `terms` from `x`, without inertia and friction.
     pub fn equilibrium(
         &mut self,
-        x: &mut Vec<Vec3>,
+        x: &mut [Vec3],
         terms: &[&dyn Energy],
         newton: &NewtonOptions,
         regularisation: f64,

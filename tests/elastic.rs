@@ -1,0 +1,29 @@
+//! The elastic solver against independent numbers, through the public interface only.
+//!
+//! The references were computed by other means than this crate (closed forms, shooting, 50-digit arithmetic, a
+//! shell solver in Python): the constants that a fresh clone needs are nailed down beside each test, whole tables are
+//! read from `../shared/reference` where that folder is there. Every test prints the figure it reached;
+//! `docs/accuracy.md` lists them.
+//!
+//! ```text
+//! cargo test --test elastic NAME -- --nocapture
+//! ```
+
+#[path = "elastic/buckling.rs"]
+mod buckling;
+#[path = "elastic/cantilever.rs"]
+mod cantilever;
+#[path = "elastic/hinge.rs"]
+mod hinge;
+#[path = "elastic/membrane.rs"]
+mod membrane;
+#[path = "elastic/motion.rs"]
+mod motion;
+#[path = "elastic/patch.rs"]
+mod patch;
+#[path = "elastic/reference.rs"]
+mod reference;
+#[path = "elastic/rest.rs"]
+mod rest;
+#[path = "elastic/sheet.rs"]
+mod sheet;

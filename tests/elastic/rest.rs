@@ -1,0 +1,97 @@
+//! Equilibria: from a start near or far to forces that balance.
+
+use crate::sheet::Sheet;
+use crease::contact::Contact;
+use crease::energy::{Bending, Energy, Gravity, Membrane};
+use crease::garment::RestShape;
+use crease::math::Vec3;
+use crease::solve::{NewtonOptions, NewtonReport, Problem, Workspace};
+
+/// Gradient of all `terms` [N], one per point.
+pub fn forces(terms: &[&dyn Energy], x: &[Vec3]) -> Vec<Vec3> {
+    let mut gradient = vec![Vec3::zeros(); x.len()];
+    terms.iter().for_each(|term| term.add_gradient(x, &mut gradient));
+    gradient
+}
+
+/// Largest component of the force on a free point [N].
+pub fn residual(terms: &[&dyn Energy], x: &[Vec3], held: &[bool]) -> f64 {
+    let free = forces(terms, x).into_iter().zip(held).filter(|(_, held)| !**held);
+    free.map(|(f, _)| f.amax()).fold(0.0, f64::max)
+}
+
+/// Newton without inertia, from `x`.
+pub fn balance(
+    terms: &[&dyn Energy],
+    x: &mut [Vec3],
+    held: &[bool],
+    regularisation: f64,
+    newton: NewtonOptions,
+) -> NewtonReport {
+    let problem = Problem { inertia: None, terms, held, regularisation };
+    problem.solve(x, &mut Contact::none(x.len()), &newton, &mut Workspace::default())
+}
+
+/// A sheet that hangs, bends or buckles.
+pub struct Scene {
+    pub membrane: Membrane,
+    pub bending: Bending,
+    pub memory: RestShape,
+    pub mass: Vec<f64>,
+    pub gravity: Vec3,
+    pub held: Vec<bool>,
+}
+
+impl Scene {
+    /// `sheet` of `density` [kg/m²], `stretch` [N/m] along warp and weft (half of it in shear) and `rigidity` [N·m],
+    /// half clamped at its `held` points.
+    pub fn clamped(sheet: &Sheet, density: f64, stretch: f64, rigidity: f64, held: Vec<bool>) -> Self {
+        Self {
+            membrane: sheet.membrane([stretch, stretch, 0.5 * stretch]),
+            bending: sheet.bending(rigidity),
+            memory: sheet.half_clamped(&held),
+            mass: sheet.mass(density),
+            gravity: Vec3::zeros(),
+            held,
+        }
+    }
+
+    /// Calls `with` with the energies around `x`.
+    pub fn terms<R>(&self, x: &[Vec3], with: impl FnOnce(&[&dyn Energy]) -> R) -> R {
+        let last = self.bending.angles(x, &[]);
+        let membrane = self.membrane.term(&self.memory, &[], f64::INFINITY);
+        let bending = self.bending.term(&self.memory, &last, f64::INFINITY);
+        let gravity = Gravity { mass: &self.mass, acceleration: self.gravity };
+        with(&[&membrane, &bending, &gravity])
+    }
+
+    /// Comes to rest from `x`: proximal steps (inertia without velocity) whose pseudo time doubles, then plain Newton
+    /// to `tolerance` [m]. The bent sheet is far from its flat start for a stiff membrane: plain Newton would creep.
+    pub fn settle(&self, x: &mut [Vec3], pseudo_time: f64, tolerance: f64) -> NewtonReport {
+        let mut total = NewtonReport::default();
+        let mut work = Workspace::default();
+        let mut contact = Contact::none(x.len());
+        let mut span = pseudo_time;
+        for _ in 0..24 {
+            let start = x.to_vec();
+            let newton = NewtonOptions { tolerance: 1e3 * tolerance, most_iterations: 3 };
+            let report = self.terms(&start, |terms| {
+                let inertia = Some((&self.mass[..], &start[..], span));
+                let problem = Problem { inertia, terms, held: &self.held, regularisation: 0.0 };
+                problem.solve(x, &mut contact, &newton, &mut work)
+            });
+            total.add(&report);
+            span *= 2.0;
+        }
+        let newton = NewtonOptions { tolerance, most_iterations: 200 };
+        let start = x.to_vec();
+        total.add(&self.terms(&start, |terms| balance(terms, x, &self.held, 0.0, newton)));
+        total
+    }
+
+    /// Largest force on a free point over the weight [-].
+    pub fn residual_over_weight(&self, x: &[Vec3]) -> f64 {
+        let weight = self.mass.iter().sum::<f64>() * self.gravity.norm();
+        self.terms(x, |terms| residual(terms, x, &self.held)) / weight
+    }
+}
