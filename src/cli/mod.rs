@@ -4,15 +4,14 @@
 //! 1 bad input, 2 wrong usage, 3 did not converge. A command is one file and one line in the list below.
 
 mod arguments;
-#[allow(dead_code)] // until its boundary calls the library
 mod bake;
 mod fabric;
+mod frames;
 mod input;
 #[allow(dead_code)] // until its boundary calls the library
 mod inspect;
-#[allow(dead_code)] // until a command writes
+mod mesh_file;
 mod output;
-#[allow(dead_code)] // until a bake tells its steps
 mod progress;
 mod render;
 mod schema;

@@ -3,4 +3,4 @@
 pub mod render;
 mod report_file;
 
-pub use report_file::{EventCounts, ModelChoice, Report, StageTimes};
+pub use report_file::{CrossingCounts, EventCounts, ModelChoice, Report, StageTimes, crossing_counts};

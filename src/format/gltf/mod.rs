@@ -8,6 +8,7 @@ mod buffers;
 mod container;
 mod cursor;
 mod edit;
+mod embed;
 mod obj_to_gltf;
 mod primitive;
 mod read;
@@ -19,6 +20,7 @@ mod write;
 
 pub use accessor::{Accessors, Table};
 pub use container::{is_glb, join_glb, split_glb};
+pub use embed::embed_images;
 pub(in crate::format) use read::read_gltf;
 pub use write::{external_images, write_worn_glb};
 
