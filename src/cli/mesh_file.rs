@@ -23,7 +23,7 @@ pub struct MeshFile {
 impl MeshFile {
     /// Reads `path` and makes the garment.
     pub fn read(path: &Path, reading: &MeshReading) -> Result<Self> {
-        let (asset, mut findings) = asset(path, reading)?;
+        let (asset, mut findings) = read_asset_at(path, reading)?;
         let (garment, more) = Garment::from_asset(&asset)?;
         findings.extend(more);
         Ok(Self { asset, garment, findings })
@@ -44,7 +44,8 @@ impl MeshFile {
     }
 }
 
-fn asset(path: &Path, reading: &MeshReading) -> Result<(SourceAsset, Vec<Finding>)> {
+/// Reads `path` with the buffers it refers to.
+pub fn read_asset_at(path: &Path, reading: &MeshReading) -> Result<(SourceAsset, Vec<Finding>)> {
     let options = ReadOptions {
         unit_m: reading.unit.map(|unit| unit.0),
         up: reading.up,

@@ -8,7 +8,6 @@ mod bake;
 mod fabric;
 mod frames;
 mod input;
-#[allow(dead_code)] // until its boundary calls the library
 mod inspect;
 mod mesh_file;
 mod output;
@@ -83,11 +82,6 @@ fn exit_code(error: &Error) -> u8 {
         Error::Input(_) | Error::File { .. } => 1,
         Error::NotConverged(_) => 3,
     }
-}
-
-/// Stands where a command ends whose library part has not been merged yet.
-fn not_wired(command: &str) -> Error {
-    Error::fault("crease", command, "is not part of this build yet", "use a later version")
 }
 
 #[cfg(test)]
