@@ -81,7 +81,7 @@ pub struct SourcePiece {
 }
 
 impl SourcePiece {
-    /// Position of vertex `v` in the scene [m], y up; `None` if there is no such vertex.
+    /// Position of vertex `v` in the scene \[m\], y up; `None` if there is no such vertex.
     pub fn scene_position(&self, v: usize) -> Option<Vec3> {
         let own = self.positions.get(v)?;
         let transform = match &self.placement {
@@ -117,7 +117,7 @@ impl SourceAsset {
         self.pieces.iter().filter(|piece| piece.worn)
     }
 
-    /// Lowest and highest corner [m] of the box around the worn vertices that carry triangles; `None` without any.
+    /// Lowest and highest corner \[m\] of the box around the worn vertices that carry triangles; `None` without any.
     pub fn worn_box_m(&self) -> Option<(Vec3, Vec3)> {
         let mut bounds: Option<(Vec3, Vec3)> = None;
         for piece in self.worn_pieces() {

@@ -82,12 +82,11 @@ pub fn read_asset(
         SourceFormat::Gltf => gltf::read_gltf(file_name, bytes, &to_scene, options.mask.as_deref(), resolve)?,
     };
     if read.pieces.iter().all(|named| named.piece.triangles.is_empty()) {
-        return Err(Error::fault(
-            file_name,
-            "",
-            "there are no triangles in it",
-            "export the garment as a mesh",
-        ));
+        // What was skipped is why.
+        let seen: Vec<&str> = read.findings.iter().take(5).map(|finding| finding.what.as_str()).collect();
+        let seen = if seen.is_empty() { String::new() } else { format!(": {}", seen.join(", ")) };
+        let what = format!("there are no triangles in it{seen}");
+        return Err(Error::fault(file_name, "", what, "export the garment as a mesh"));
     }
     let mut pieces = read.pieces;
     choose_worn(file_name, &mut pieces, options.garment.as_deref())?;

@@ -231,3 +231,230 @@ fn mean_per_point(mask: &[f64], source_point: &[PointIndex], point_count: usize)
     }
     sums.into_iter().map(|(sum, count)| if count > 0.0 { sum / count } else { 1.0 }).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::format::{Placement, SourceFormat, UpAxis};
+    use crate::math::Mat4;
+
+    fn piece(positions: &[[f64; 3]], uvs: Option<&[[f64; 2]]>, triangles: &[[u32; 3]]) -> SourcePiece {
+        SourcePiece {
+            name: "cloth".into(),
+            material: None,
+            mesh: 0,
+            primitive: 0,
+            node: None,
+            positions: positions.iter().map(|&p| p.into()).collect(),
+            normals: None,
+            uvs: uvs.map(|uvs| uvs.iter().map(|&uv| uv.into()).collect()),
+            mask: None,
+            triangles: triangles.to_vec(),
+            placement: Placement::Rigid(Mat4::identity()),
+            worn: true,
+        }
+    }
+
+    fn build(pieces: Vec<SourcePiece>) -> Result<(Garment, Vec<Finding>)> {
+        Garment::from_asset(&SourceAsset {
+            file: "cloth.obj".into(),
+            sha256: String::new(),
+            format: SourceFormat::Obj,
+            unit_m: 1.0,
+            up: UpAxis::Y,
+            document: None,
+            pieces,
+        })
+    }
+
+    fn repaired(findings: &[Finding]) -> Vec<&str> {
+        findings.iter().filter(|f| f.severity == Severity::Repaired).map(|f| f.what.as_str()).collect()
+    }
+
+    /// Convention: swapping warp and weft, or laying flat at the texture's size, still runs and merely drapes wrongly.
+    #[test]
+    fn warp_is_plus_u_at_the_true_size() {
+        // A 2 m x 1 m rectangle in the x-y plane; u grows along +y of space, v along -x, both in a small corner of the
+        // texture.
+        let corners = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        let uvs = [[0.1, 0.2], [0.1, 0.1], [0.3, 0.1], [0.3, 0.2]];
+        let (garment, _) = build(vec![piece(&corners, Some(&uvs), &[[0, 1, 2], [0, 2, 3]])]).unwrap();
+        assert!(garment.material_from_uv);
+        // Along the warp (x of the material) goes space's y, along the weft space's -x.
+        let expected = [[0.0, 0.0], [0.0, -2.0], [1.0, -2.0]];
+        for (corner, expected) in garment.material[0].iter().zip(expected) {
+            assert!((corner - Vec2::from(expected)).norm() < 1e-12, "{corner} {expected:?}");
+        }
+    }
+
+    #[test]
+    fn mirrored_texture_keeps_warp_and_positive_area() {
+        let corners = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        let uvs = [[1.0, 0.0], [0.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
+        let (garment, _) = build(vec![piece(&corners, Some(&uvs), &[[0, 1, 2], [0, 2, 3]])]).unwrap();
+        let [a, b, c] = garment.material[0];
+        assert!((b - a - Vec2::new(-2.0, 0.0)).norm() < 1e-12, "u falls along space's x: {b}");
+        assert!((b - a).perp(&(c - a)) > 0.0);
+    }
+
+    #[test]
+    fn without_texture_warp_hangs_down() {
+        // A wall: warp along y. A floor: warp along z.
+        let wall = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
+        let (garment, _) = build(vec![piece(&wall, None, &[[0, 1, 2]])]).unwrap();
+        assert!(!garment.material_from_uv);
+        assert!((garment.material[0][2] - Vec2::new(2.0, 0.0)).norm() < 1e-12);
+        assert!((garment.material[0][1] - Vec2::new(0.0, -1.0)).norm() < 1e-12);
+        let floor = [[0.0, 0.0, 0.0], [0.0, 0.0, 2.0], [1.0, 0.0, 0.0]];
+        let (garment, _) = build(vec![piece(&floor, None, &[[0, 1, 2]])]).unwrap();
+        assert!((garment.material[0][1] - Vec2::new(2.0, 0.0)).norm() < 1e-12);
+    }
+
+    #[test]
+    fn confetti_of_texture_is_not_followed() {
+        let strip: Vec<[f64; 3]> =
+            (0..10).flat_map(|k| [[0.0, f64::from(k), 0.0], [1.0, f64::from(k), 0.0]]).collect();
+        let mut positions = Vec::new();
+        for k in 0..9 {
+            for corners in [[2 * k, 2 * k + 1, 2 * k + 3], [2 * k, 2 * k + 3, 2 * k + 2]] {
+                positions.extend(corners.map(|c| strip[c]));
+            }
+        }
+        let triangles: Vec<[u32; 3]> = (0..18).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+        let uvs: Vec<[f64; 2]> = (0..18)
+            .flat_map(|t| [[f64::from(t), 0.0], [f64::from(t) + 0.3, 0.4], [f64::from(t), 0.9]])
+            .collect();
+        let (garment, findings) = build(vec![piece(&positions, Some(&uvs), &triangles)]).unwrap();
+        assert_eq!(garment.points.len(), 20);
+        assert!(!garment.material_from_uv);
+        assert!(findings.iter().any(|f| f.what.contains("18 texture islands")), "{findings:?}");
+    }
+
+    #[test]
+    fn pieces_are_joined_at_their_common_edge() {
+        let left = piece(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], None, &[[0, 1, 2]]);
+        let mut right = piece(&[[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]], None, &[[0, 1, 2]]);
+        right.mask = Some(vec![0.0; 3]);
+        let body = SourcePiece { worn: false, ..left.clone() };
+        let (garment, _) = build(vec![left, body, right]).unwrap();
+        assert_eq!(garment.points.len(), 4);
+        assert_eq!(garment.source_point.iter().map(|p| p.0).collect::<Vec<_>>(), [0, 1, 2, 1, 3, 2]);
+        assert_eq!(garment.topology.hinges.len(), 1);
+        assert_eq!(garment.triangle_part, [0, 0]);
+        assert_eq!(garment.memory_mask, [1.0, 0.5, 0.5, 0.0], "the mean of the vertices of a point");
+    }
+
+    #[test]
+    fn the_minority_is_turned() {
+        // A strip of six triangles, numbers 1 and 4 the wrong way round.
+        let positions: Vec<[f64; 3]> = (0..8).map(|k| [f64::from(k / 2), f64::from(k % 2), 0.0]).collect();
+        let mut triangles: Vec<[u32; 3]> =
+            (0..6).map(|k| if k % 2 == 0 { [k, k + 2, k + 1] } else { [k, k + 1, k + 2] }).collect();
+        triangles[1].swap(0, 1);
+        triangles[4].swap(0, 1);
+        let (garment, findings) = build(vec![piece(&positions, None, &triangles)]).unwrap();
+        assert_eq!(repaired(&findings), ["2 triangles turned to show the same side as their neighbours"]);
+        assert_eq!(garment.topology.hinges.len(), 5);
+        for (t, flat) in garment.triangles.iter().zip(&garment.material) {
+            let [a, b, c] = t.map(|p| garment.points[p.at()]);
+            assert!((b - a).cross(&(c - a)).z > 0.0);
+            assert!((flat[1] - flat[0]).perp(&(flat[2] - flat[0])) > 0.0);
+        }
+    }
+
+    #[test]
+    fn a_moebius_strip_stays_usable() {
+        let count = 20u32;
+        let positions: Vec<[f64; 3]> = (0..2 * count)
+            .map(|k| {
+                let angle = f64::from(k / 2) * std::f64::consts::TAU / f64::from(count);
+                let side = if k % 2 == 0 { 0.3 } else { -0.3 };
+                let radius = 1.0 + side * (0.5 * angle).cos();
+                [radius * angle.cos(), side * (0.5 * angle).sin(), radius * angle.sin()]
+            })
+            .collect();
+        let triangles: Vec<[u32; 3]> = (0..count)
+            .flat_map(|k| {
+                let (a, b) = (2 * k, 2 * k + 1);
+                // The last segment closes with the sides exchanged.
+                let (c, d) = if k + 1 < count { (a + 2, b + 2) } else { (1, 0) };
+                [[a, c, b], [b, c, d]]
+            })
+            .collect();
+        let (garment, findings) = build(vec![piece(&positions, None, &triangles)]).unwrap();
+        assert_eq!(garment.topology.misoriented.len(), 1);
+        assert!(
+            findings.iter().any(|f| f.what.starts_with("1 edges join triangles of opposite sides")),
+            "{findings:?}"
+        );
+    }
+
+    #[test]
+    fn edges_of_three_triangles_carry_no_hinge() {
+        let positions =
+            [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+        let (garment, findings) =
+            build(vec![piece(&positions, None, &[[0, 1, 2], [1, 0, 3], [0, 1, 4]])]).unwrap();
+        assert_eq!((garment.triangles.len(), garment.topology.hinges.len()), (3, 0));
+        assert!(findings.iter().any(|f| f.what.starts_with("1 edges join more than two")), "{findings:?}");
+    }
+
+    /// Both sides of a sheet modelled, with vertices of their own: one sheet. The same with other texture coordinates:
+    /// front and back of a pillow laid flat, two layers joined all around.
+    #[test]
+    fn an_inner_side_is_dropped_and_a_back_panel_kept() {
+        let grid: Vec<[f64; 3]> = (0..9).map(|k| [f64::from(k % 3), f64::from(k / 3), 0.0]).collect();
+        // A fan around the middle, so that no triangle has all its corners on the rim.
+        let rim = [0, 1, 2, 5, 8, 7, 6, 3];
+        let triangles: Vec<[u32; 3]> = (0..8).map(|k| [4, rim[k], rim[(k + 1) % 8]]).collect();
+        let back: Vec<[u32; 3]> = triangles.iter().map(|t| [t[0], t[2], t[1]]).collect();
+        let uvs: Vec<[f64; 2]> = grid.iter().map(|p| [p[0], p[1]]).collect();
+        let other: Vec<[f64; 2]> = grid.iter().map(|p| [p[0] + 5.0, p[1]]).collect();
+        let pair = |back_uvs| {
+            build(vec![piece(&grid, Some(&uvs), &triangles), piece(&grid, Some(back_uvs), &back)]).unwrap()
+        };
+        let (sheet, findings) = pair(&uvs);
+        assert_eq!((sheet.points.len(), sheet.triangles.len()), (9, 8));
+        assert_eq!(repaired(&findings), ["8 copies of triangles dropped"]);
+        assert_eq!(sheet.source_point[9..], sheet.source_point[..9], "the dropped side follows");
+        let (pillow, _) = pair(&other);
+        assert_eq!((pillow.points.len(), pillow.triangles.len()), (10, 16), "only the inner point is double");
+        assert_eq!(pillow.topology.hinges.len(), 24, "closed all around");
+    }
+
+    /// A T-junction closed by a triangle without area: dropping it would slit the cloth from 0 to 1.
+    #[test]
+    fn a_cap_is_mended_without_a_slit() {
+        let positions =
+            [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, -1.0, 0.0]];
+        // Above: one triangle on the whole edge. Below: two on its halves. Between: the cap 0, 2, 1.
+        let triangles = [[0, 1, 3], [0, 2, 1], [0, 4, 2], [2, 4, 1]];
+        let (garment, findings) = build(vec![piece(&positions, None, &triangles)]).unwrap();
+        assert_eq!(repaired(&findings), ["1 triangles without area mended by turning an edge"]);
+        assert_eq!((garment.triangles.len(), garment.topology.hinges.len()), (4, 4));
+        let loops = garment.topology.boundary_loops(&garment.triangles);
+        assert_eq!((loops.len(), loops[0].len()), (1, 4));
+    }
+
+    #[test]
+    fn loose_vertices_have_no_points() {
+        let positions = [[9.0, 9.0, 9.0], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [5.0, 0.0, 0.0]];
+        let (garment, findings) = build(vec![piece(&positions, None, &[[1, 2, 3], [1, 1, 2]])]).unwrap();
+        assert_eq!(garment.points.len(), 3);
+        assert_eq!(garment.source_point.len(), 5);
+        assert!(garment.source_point.iter().all(|p| p.at() < 3));
+        assert_eq!(repaired(&findings), ["1 triangles with coinciding corners dropped"]);
+        assert!(findings.iter().any(|f| f.what.starts_with("2 vertices belong to no triangle")));
+    }
+
+    #[test]
+    fn nothing_to_wear_is_refused() {
+        let line = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]];
+        assert!(build(vec![piece(&line, None, &[[0, 1, 2]])]).unwrap_err().to_string().contains("any area"));
+        assert!(build(vec![]).is_err());
+        let mut broken = piece(&line, None, &[[0, 1, 7]]);
+        assert!(build(vec![broken.clone()]).unwrap_err().to_string().contains("of 3 vertices"));
+        broken.positions[1].x = f64::NAN;
+        assert!(build(vec![broken]).unwrap_err().to_string().contains("vertex 1"));
+    }
+}

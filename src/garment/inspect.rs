@@ -26,7 +26,7 @@ pub struct Inspection {
     pub unit_m: f64,
     /// "y" or "z".
     pub up: &'static str,
-    /// Sides of the worn pieces' box [m], y up.
+    /// Sides of the worn pieces' box \[m\], y up.
     pub box_m: [f64; 3],
     /// The same sides in file units.
     pub box_units: [f64; 3],
@@ -46,7 +46,7 @@ pub struct Inspection {
     pub hinges: usize,
     /// Vertices that seams, texture borders and hard edges had doubled.
     pub welded_vertices: usize,
-    /// Length of each boundary loop [m], longest first.
+    /// Length of each boundary loop \[m\], longest first.
     pub boundary_loops_m: Vec<f64>,
     /// Edges of more than two triangles.
     pub non_manifold_edges: usize,
@@ -56,11 +56,11 @@ pub struct Inspection {
     pub warp_from_uv: bool,
     /// Pieces with texture coordinates among the worn ones.
     pub pieces_with_uv: usize,
-    /// Mean edge length [mm].
+    /// Mean edge length \[mm\].
     pub mean_edge_mm: f64,
-    /// Shortest edge [mm].
+    /// Shortest edge \[mm\].
     pub shortest_edge_mm: f64,
-    /// Area of the cloth [m2].
+    /// Area of the cloth \[m2\].
     pub area_m2: f64,
     /// Pairs of triangles that already cross; none where nobody has counted.
     pub crossings_at_start: Option<usize>,
@@ -96,7 +96,7 @@ pub struct PieceReport {
 pub struct PartReport {
     /// Triangles.
     pub triangles: usize,
-    /// Area [m2].
+    /// Area \[m2\].
     pub area_m2: f64,
 }
 
@@ -282,4 +282,50 @@ impl Inspection {
 fn abridged(shown: &[String], count: usize) -> String {
     let list = shown.join(", ");
     if count > shown.len() { format!("{list} and {} more", count - shown.len()) } else { list }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::format::{ReadOptions, read_asset};
+
+    /// A square of 10 cm with a stray triangle of two corners, in centimetres.
+    const TEXT: &str = "o Hanky\nv 0 0 0\nv 10 0 0\nv 10 10 0\nv 0 10 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
+        usemtl cotton\nf 1/1 2/2 3/3 4/4\nf 1/1 2/2\n";
+
+    fn report() -> Inspection {
+        let options = ReadOptions { unit_m: Some(0.01), ..ReadOptions::default() };
+        let (asset, mut findings) =
+            read_asset("hanky.obj", TEXT.as_bytes(), &options, &mut |_| Ok(Vec::new())).unwrap();
+        let (garment, more) = Garment::from_asset(&asset).unwrap();
+        findings.extend(more);
+        inspect(&asset, &garment, &findings)
+    }
+
+    #[test]
+    fn the_text_is_for_people() {
+        let expected = "\
+hanky.obj (OBJ, y up, 1 unit = 0.01 m)
+  box        0.100 x 0.100 x 0.000 m (10.0000 x 10.0000 x 0.0000 file units)
+  piece      \"Hanky\": 4 vertices, 2 triangles, material \"cotton\", UV
+  mesh       4 vertices, 4 points (0 welded), 2 triangles (0 dropped), 1 hinges
+  edges      mean 108.28 mm, shortest 100.000 mm; 0 non-manifold, 0 misoriented
+  parts      1 (2 triangles), 0.010 m2 of cloth
+  openings   1 (0.400 m)
+  warp       from texture coordinates; 1 worn pieces have texture coordinates
+  crossings  not counted
+  note       warp along u of the texture coordinates (1 islands)
+  repaired   line 12: 1 faces of fewer than 3 corners dropped
+";
+        assert_eq!(report().to_text(), expected);
+    }
+
+    #[test]
+    fn the_json_says_its_units() {
+        let json = serde_json::to_value(report()).unwrap();
+        assert!((json["mean_edge_mm"].as_f64().unwrap() - 108.284).abs() < 1e-3);
+        assert!((json["parts"][0]["area_m2"].as_f64().unwrap() - 0.01).abs() < 1e-12);
+        assert_eq!(json["repaired"][0]["severity"], "repaired");
+        assert_eq!(json["crossings_at_start"], serde_json::Value::Null);
+    }
 }

@@ -18,7 +18,7 @@ pub struct Welder {
 }
 
 impl Welder {
-    /// Vertices at `positions`; those closer than `tolerance` [m], directly or by a chain of others, share a place.
+    /// Vertices at `positions`; those closer than `tolerance` \[m\], directly or by a chain of others, share a place.
     pub fn new(positions: &[Vec3], tolerance: f64) -> Self {
         let sites = find_sites(positions, tolerance);
         Self { sites, groups: Groups::new(positions.len()) }

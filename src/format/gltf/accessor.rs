@@ -188,6 +188,11 @@ impl<'a> Accessors<'a> {
         Self { root: Cursor::root(json), buffers }
     }
 
+    /// Bytes of all buffers together.
+    pub(super) fn byte_count(&self) -> usize {
+        self.buffers.iter().map(Vec::len).sum()
+    }
+
     /// Number of rows accessor `index` states; `user` is the place that refers to it.
     pub fn row_count(&self, index: usize, user: &str) -> Result<usize> {
         self.root.required_entry("accessors", index, user)?.required_index("count")
@@ -207,8 +212,7 @@ impl<'a> Accessors<'a> {
                 values
             }
             None => {
-                let bytes: usize = self.buffers.iter().map(Vec::len).sum();
-                if count > bytes.max(FREE_ROWS) {
+                if count > self.byte_count().max(FREE_ROWS) {
                     return Err(accessor.fault(format!("{count} rows without any data")));
                 }
                 vec![0.0; count * layout.width()]
@@ -311,6 +315,10 @@ impl<'a> Accessors<'a> {
             )));
         };
         let stride = view.index("byteStride")?.filter(|&stride| stride > 0).unwrap_or(element_bytes);
+        // Overlapping elements would let a short file ask for any amount of memory.
+        if stride < element_bytes {
+            return Err(view.fault(format!("byteStride {stride} for elements of {element_bytes} bytes")));
+        }
         let needed = match count {
             0 => Some(0),
             _ => (count - 1).checked_mul(stride).and_then(|x| x.checked_add(element_bytes)),

@@ -154,3 +154,149 @@ impl PieceBuilder {
         NamedPiece { piece, names }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::format::{ReadOptions, SourceAsset, read_asset};
+    use crate::garment::{Finding, Severity};
+    use crate::math::{Vec2, Vec3};
+
+    fn read_with(text: &str, options: &ReadOptions) -> crate::Result<(SourceAsset, Vec<Finding>)> {
+        read_asset("test.obj", text.as_bytes(), options, &mut |_| unreachable!("an OBJ refers to nothing"))
+    }
+
+    fn read(text: &str) -> (SourceAsset, Vec<Finding>) {
+        read_with(text, &ReadOptions::default()).unwrap()
+    }
+
+    fn message(text: &str) -> String {
+        read_with(text, &ReadOptions::default()).unwrap_err().to_string()
+    }
+
+    const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+    #[test]
+    fn a_vertex_is_a_triplet_in_order_of_first_use() {
+        let text =
+            format!("{SQUARE}vt 0.25 0.75\nvt 1 0\nvn 0 0 2\nf 3/2/1 1/1/1 2/1/1\nf 3/2/1 4/1/1 1/2/1\n");
+        let (asset, findings) = read(&text);
+        let piece = &asset.pieces[0];
+        assert_eq!(piece.triangles, [[0, 1, 2], [0, 3, 4]]);
+        assert_eq!(piece.positions[0], Vec3::new(1.0, 1.0, 0.0));
+        assert_eq!(piece.positions[4], piece.positions[1], "two texture coordinates, two vertices");
+        // Convention: OBJ counts v upward, glTF (and we) downward.
+        assert_eq!(piece.uvs.as_ref().unwrap()[1], Vec2::new(0.25, 0.25));
+        assert_eq!(piece.normals.as_ref().unwrap()[0], Vec3::z(), "of unit length");
+        assert!(findings.is_empty(), "{findings:?}");
+    }
+
+    #[test]
+    fn corners_may_be_mixed() {
+        let (asset, _) = read(&format!("{SQUARE}vt 1 1\nvn 1 0 0\nf 1 2/1 3//1\nf 1/ 3// 4/1/\n"));
+        let piece = &asset.pieces[0];
+        assert_eq!(piece.positions.len(), 5, "1, 2/1, 3//1, 3, 4/1");
+        assert_eq!(piece.uvs.as_ref().unwrap()[0], Vec2::zeros());
+        let normals = piece.normals.as_ref().unwrap();
+        assert_eq!(
+            (normals[0], normals[2]),
+            (Vec3::z(), Vec3::x()),
+            "the face's own where the file has none"
+        );
+    }
+
+    #[test]
+    fn groups_materials_and_objects_make_pieces() {
+        let text = format!(
+            "{SQUARE}f 1 2 3\no Shirt\nusemtl blue  cloth\nf 1 3 4\ng left  arm\nf 1 2 4\nusemtl red\nf 2 3 4\no Shirt\nusemtl blue cloth\nf 1 2 3 4\n"
+        );
+        let (asset, _) = read(&text);
+        let names: Vec<_> = asset
+            .pieces
+            .iter()
+            .map(|p| (p.name.as_str(), p.material.as_deref(), p.triangles.len()))
+            .collect();
+        let expected = [
+            ("default", None, 1),
+            ("Shirt", Some("blue cloth"), 3),
+            ("left arm", Some("blue cloth"), 1),
+            ("left arm", Some("red"), 1),
+        ];
+        assert_eq!(names, expected);
+        for (garment, worn) in [
+            ("Shirt", [false, true, true, true]),
+            ("arm", [false, false, true, true]),
+            ("blue cloth", [false, true, true, false]),
+            ("default", [true, false, false, false]),
+        ] {
+            let options = ReadOptions { garment: Some(garment.into()), ..ReadOptions::default() };
+            let (asset, _) = read_with(&text, &options).unwrap();
+            assert_eq!(asset.pieces.iter().map(|p| p.worn).collect::<Vec<_>>(), worn, "{garment}");
+        }
+        let options = ReadOptions { garment: Some("sleeve".into()), ..ReadOptions::default() };
+        let message = read_with(&text, &options).unwrap_err().to_string();
+        assert!(
+            message.contains("\"sleeve\"") && message.contains("left arm") && message.contains("red"),
+            "{message}"
+        );
+    }
+
+    #[test]
+    fn every_fault_is_told_with_its_line() {
+        let message =
+            message("v 0 0 0\nv 1 nan 0\nv 1 1\nv 1 1 1e400\nf 1 2 0\nf 1 2 x\nf 1 2 9\nf -5 1 2\n");
+        for line in 2..=8 {
+            assert!(message.contains(&format!("line {line}:")), "line {line} in {message}");
+        }
+        assert_eq!(message.lines().count(), 7);
+    }
+
+    #[test]
+    fn a_thousand_faults_are_counted_not_listed() {
+        let message = message(&"v 1 1 nan\n".repeat(1000));
+        assert!(message.contains("and 980 more") && message.lines().count() == 21, "{message}");
+    }
+
+    #[test]
+    fn what_is_not_cloth_is_skipped_and_noted() {
+        let (_, findings) = read(&format!(
+            "{SQUARE}cstype bezier\nlod 3\nl 1 2\np 1\np 2\nf 1 2\nf 1 2 3 # a comment\nvt 1 nan\n"
+        ));
+        let told: Vec<_> = findings.iter().map(|f| (f.severity, f.place.as_str(), f.what.as_str())).collect();
+        let expected = [
+            (Severity::Repaired, "line 10", "1 faces of fewer than 3 corners dropped"),
+            (Severity::Repaired, "line 12", "1 texture coordinates or normals that are not numbers replaced"),
+            (Severity::Note, "line 5", "1 \"cstype\" statements skipped"),
+            (Severity::Note, "line 7", "1 \"l\" statements skipped"),
+            (Severity::Note, "line 8", "2 \"p\" statements skipped"),
+        ];
+        assert_eq!(told, expected);
+    }
+
+    #[test]
+    fn a_mask_comes_from_vertex_colours() {
+        let text = "v 0 0 0 1 0.25 0\nv 1 0 0 0 0 0\nv 1 1 0 0 7 0\nf 1 2 3\n";
+        let options = ReadOptions { mask: Some("COLOR_0.g".into()), ..ReadOptions::default() };
+        let (asset, _) = read_with(text, &options).unwrap();
+        assert_eq!(asset.pieces[0].mask.as_deref(), Some(&[0.25, 0.0, 1.0][..]));
+        let options = ReadOptions { mask: Some("_PIN".into()), ..ReadOptions::default() };
+        assert!(read_with(text, &options).unwrap_err().to_string().contains("_PIN"));
+    }
+
+    #[test]
+    fn unit_and_up_axis_are_applied() {
+        let text = "v 0 0 0\nv 100 0 0\nv 0 0 100\nf 1 2 3\n";
+        assert!(message(text).contains("--unit cm makes it 1.00 m"), "{}", message(text));
+        let options =
+            ReadOptions { unit_m: Some(0.01), up: Some(crate::format::UpAxis::Z), ..ReadOptions::default() };
+        let (asset, _) = read_with(text, &options).unwrap();
+        let top = asset.pieces[0].scene_position(2).unwrap();
+        assert!((top - Vec3::y()).norm() < 1e-15, "the file's z is up: {top}");
+        // An impossible size is believed if the unit is given.
+        let options = ReadOptions { unit_m: Some(1.0), ..ReadOptions::default() };
+        assert!(read_with(text, &options).is_ok());
+        for unit in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            let options = ReadOptions { unit_m: Some(unit), ..ReadOptions::default() };
+            assert!(read_with(text, &options).is_err());
+        }
+    }
+}
