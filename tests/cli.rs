@@ -272,7 +272,9 @@ fn a_bake_gives_three_files_that_do_not_depend_on_threads() {
         assert!(bytes(folder) == bytes(&folder.join("two")), "{name} depends on the number of threads");
     }
 
-    check_worn_glb(&std::fs::read(folder.join("one.glb")).expect("is there"));
+    let glb = std::fs::read(folder.join("one.glb")).expect("is there");
+    check_worn_glb(&glb);
+    check_portraits(&glb, &std::fs::read(folder.join("one.crease.json")).expect("is there"));
     let sidecar = json_of(&folder.join("one.crease.json"));
     assert_eq!(sidecar["run"]["memory"], "paper");
     assert_eq!(sidecar["wear"]["name"], "fold once");
@@ -304,7 +306,27 @@ fn check_worn_glb(bytes: &[u8]) {
     assert!(worn.rest_angle_deg.iter().any(|angle| angle.abs() > 10.0));
 }
 
-/// Pictures of the bake, with the sidecar and without; with it lost, they are still nearly the same.
+/// What is drawn is the same with the sidecar and from the file alone, up to single precision.
+fn check_portraits(glb: &[u8], sidecar: &[u8]) {
+    let options = crease::format::ReadOptions { unit_m: Some(1.0), ..Default::default() };
+    let mut nothing = |name: &str| Err(crease::Error::fault(name, "", "is not asked for", ""));
+    let (asset, _) = crease::format::read_asset("one.glb", glb, &options, &mut nothing).expect("reads back");
+    let sidecar = crease::format::read_sidecar("one.crease.json", sidecar).expect("reads back");
+    let in_full = crease::report::Portrait::of_sidecar("one.glb", &sidecar);
+    let alone = crease::report::Portrait::of_asset(asset).expect("is a garment");
+    let largest = |portrait: &crease::report::Portrait| {
+        let memory = portrait.memory.as_ref().expect("is worn");
+        let moved = portrait.before.iter().zip(&portrait.after).map(|(a, b)| 1e3 * (a - b).norm());
+        let turned = memory.rest_angle_deg.iter().map(|angle| angle.abs());
+        let stiffened = memory.stiffness_ratio.iter().copied();
+        [moved.fold(0.0, f64::max), turned.fold(0.0, f64::max), stiffened.fold(0.0, f64::max)]
+    };
+    for (full, alone) in largest(&in_full).into_iter().zip(largest(&alone)) {
+        assert!(full > 1.0 && (full - alone).abs() < 1e-5 * full, "{full} and {alone}");
+    }
+}
+
+/// Pictures of the bake, with the sidecar and without.
 fn check_pictures(folder: &Path) {
     std::fs::create_dir(folder.join("alone")).expect("makes");
     std::fs::copy(folder.join("one.glb"), folder.join("alone/one.glb")).expect("copies");

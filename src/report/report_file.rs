@@ -192,6 +192,34 @@ mod tests {
         }
     }
 
+    /// A triangle that lies, and one that stands on a corner at height `y` above its middle.
+    fn lying_and_standing(y: f64) -> Garment {
+        let text = format!("v -1 0 -1\nv 1 0 -1\nv 0 0 1\nv 0 {y} 0\nv -1 2 0\nv 1 2 0\nf 1 2 3\nf 4 5 6\n");
+        let options = crate::format::ReadOptions::default();
+        let mut nothing = |_: &str| Ok(Vec::new());
+        let (asset, _) =
+            crate::format::read_asset("two.obj", text.as_bytes(), &options, &mut nothing).expect("is a mesh");
+        Garment::from_asset(&asset).expect("is a garment").0
+    }
+
+    #[test]
+    fn crossings_of_the_input_are_not_those_of_the_bake() {
+        let counts_after = |y: f64, fall: f64| {
+            let garment = lying_and_standing(y);
+            let start = crossings(&garment.points, &garment.triangles);
+            let lowest = garment.points.iter().position(|p| p.x == 0.0 && p.z == 0.0).expect("is there");
+            let mut displacement = vec![Vec3::zeros(); garment.points.len()];
+            displacement[lowest].y = -fall;
+            let worn = WornGarment { displacement, memory: crate::garment::RestShape::flat(0, 2) };
+            let counts = crossing_counts(&garment, &worn, &start);
+            (counts.at_start, counts.made)
+        };
+        assert_eq!(counts_after(0.5, 0.0), (0, 0));
+        assert_eq!(counts_after(0.5, 1.0), (0, 1), "made by the bake");
+        assert_eq!(counts_after(-0.5, 0.1), (1, 0), "there before");
+        assert_eq!(counts_after(-0.5, -1.0), (1, 0), "there before and undone");
+    }
+
     #[test]
     fn names_and_order_are_those_others_read() {
         let value = serde_json::to_value(report()).expect("plain data");
