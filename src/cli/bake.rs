@@ -243,7 +243,7 @@ impl Job {
     /// The long part; also what to say about frames.
     fn bake(&self, arguments: &Arguments, progress: &mut Progress) -> Result<(Baked, Option<String>)> {
         let frames = match &arguments.frames {
-            Some(folder) => Some(FrameFolder::new(folder, &self.mesh.garment.triangles)?),
+            Some(folder) => Some(FrameFolder::new(folder, &self.mesh.garment.triangles, &arguments.mesh)?),
             None => None,
         };
         let mut watcher = Watcher { progress, frames };
@@ -363,5 +363,19 @@ mod tests {
         assert_eq!(outputs.sidecar, Path::new("a/my.shirt.crease.json"));
         assert_eq!(outputs.report, Path::new("a/my.shirt.report.json"));
         assert_eq!(outputs.extras(), json!({"crease": {"sidecar": "my.shirt.crease.json"}}));
+    }
+
+    #[test]
+    fn only_the_end_decides_whether_a_bake_converged() {
+        let verdict = |warning: &str| {
+            let worn = WornGarment { displacement: Vec::new(), memory: RestShape::flat(0, 0) };
+            let mut report = crease::bake::BakeReport { simulated: 12.5, ..Default::default() };
+            report.warnings.push(warning.to_owned());
+            not_converged(&Baked { worn, end: Vec::new(), report }).is_some()
+        };
+        assert!(verdict("settle at 12.500 s: the shortest step did not converge (last move 1e-3 m)"));
+        assert!(verdict("home: the equilibrium did not converge in 60 iterations (last move 1e-3 m)"));
+        assert!(!verdict("fold at 2.500 s: the shortest step did not converge (last move 1e-3 m)"));
+        assert!(!verdict("settle at 12.500 s: something else"));
     }
 }

@@ -14,19 +14,21 @@ use std::path::{Path, PathBuf};
 pub struct FrameFolder<'a> {
     folder: PathBuf,
     triangles: &'a [[PointIndex; 3]],
+    /// Read by the run, and perhaps a frame of an earlier one: not to be written over.
+    mesh: &'a Path,
     written: usize,
 }
 
 impl<'a> FrameFolder<'a> {
-    /// Makes `folder` if there is none.
-    pub fn new(folder: &Path, triangles: &'a [[PointIndex; 3]]) -> Result<Self> {
+    /// Makes `folder` if there is none. No frame is written over `mesh`.
+    pub fn new(folder: &Path, triangles: &'a [[PointIndex; 3]], mesh: &'a Path) -> Result<Self> {
         std::fs::create_dir_all(folder).map_err(|source| Error::File { file: name_of(folder), source })?;
-        Ok(Self { folder: folder.to_owned(), triangles, written: 0 })
+        Ok(Self { folder: folder.to_owned(), triangles, mesh, written: 0 })
     }
 
     /// Writes the next frame: `points` [m], one per point of the mesh.
     pub fn write(&mut self, points: &[Vec3]) -> Result<()> {
-        let mut outputs = Outputs::new([]);
+        let mut outputs = Outputs::new([self.mesh]);
         outputs.add(&self.path_of(self.written), &frame_obj(points, self.triangles))?;
         outputs.commit()?;
         self.written += 1;
@@ -51,7 +53,7 @@ mod tests {
     fn frames_are_numbered_and_old_ones_noticed() {
         let folder = tempfile::tempdir().expect("a folder");
         let deep = folder.path().join("a/b");
-        let mut frames = FrameFolder::new(&deep, &[]).expect("makes the folder");
+        let mut frames = FrameFolder::new(&deep, &[], Path::new("in.obj")).expect("makes the folder");
         for x in [1.0, 2.0] {
             frames.write(&[Vec3::repeat(x)]).expect("writes");
         }
@@ -60,6 +62,9 @@ mod tests {
         assert_eq!(text("frame_0001.obj"), "v 2.0 2.0 2.0\n");
         assert_eq!(frames.left_over(), None);
         let shorter = FrameFolder { written: 1, ..frames };
-        assert_eq!(shorter.left_over(), Some(deep.join("frame_0001.obj")));
+        let second = deep.join("frame_0001.obj");
+        assert_eq!(shorter.left_over(), Some(second.clone()));
+        let mut over_input = FrameFolder { mesh: &second, ..shorter };
+        assert!(over_input.write(&[]).expect_err("is refused").to_string().contains("would be overwritten"));
     }
 }
