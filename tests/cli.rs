@@ -182,3 +182,254 @@ fn a_full_disk_is_told() {
     assert_eq!(code, Some(1));
     assert!(err.contains("standard output"), "{err}");
 }
+
+/// A handkerchief of 20 x 20 points, 0.2 m wide, lying flat.
+fn handkerchief() -> String {
+    const SIDE: usize = 20;
+    let mut text = String::new();
+    let share = |i: usize| i as f64 / (SIDE - 1) as f64;
+    for (row, column) in (0..SIDE * SIDE).map(|n| (n / SIDE, n % SIDE)) {
+        text += &format!(
+            "v {} 0 {}\nvt {} {}\n",
+            0.2 * share(column),
+            0.2 * share(row),
+            share(column),
+            share(row)
+        );
+    }
+    for (row, column) in (0..SIDE * SIDE).map(|n| (n / SIDE, n % SIDE)) {
+        if row + 1 < SIDE && column + 1 < SIDE {
+            let a = row * SIDE + column + 1;
+            let (b, c, d) = (a + 1, a + SIDE, a + SIDE + 1);
+            text += &format!("f {a}/{a} {c}/{c} {d}/{d}\nf {a}/{a} {d}/{d} {b}/{b}\n");
+        }
+    }
+    text
+}
+
+const FOLD_ONCE: &str = r#"{"format": "crease-wear/1", "name": "fold once", "actions": [
+    {"lay": {"facing": "up", "over": 0.2}},
+    {"fold": {"line": [[0.5, 0.0], [0.5, 1.0]], "side": "left", "angle": 180, "over": 0.5, "hold": 1.0}},
+    {"unfold": {"all": true, "over": 0.5}},
+    {"settle": {"for": 0.2}}]}"#;
+
+/// A folder with handkerchief.obj and wear.json.
+fn workshop(script: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("handkerchief.obj"), handkerchief()).expect("writes");
+    std::fs::write(folder.path().join("wear.json"), script).expect("writes");
+    folder
+}
+
+/// Runs in `folder`: standard output, standard error and exit code.
+fn run_in(folder: &Path, arguments: &str) -> (String, String, i32) {
+    let output = crease().current_dir(folder).args(arguments.split(' ')).output().expect("runs");
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("is text");
+    (text(output.stdout), text(output.stderr), output.status.code().expect("ends by itself"))
+}
+
+fn json_of(path: &Path) -> Value {
+    serde_json::from_slice(&std::fs::read(path).expect("is there")).expect("is JSON")
+}
+
+/// Names in a folder, sorted.
+fn names_in(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).expect("is a folder");
+    let mut names: Vec<String> =
+        entries.map(|entry| entry.expect("lists").file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+/// A bake from the command line to the files and to pictures of them, with one thread and with two.
+#[test]
+fn a_bake_gives_three_files_that_do_not_depend_on_threads() {
+    let workshop = workshop(FOLD_ONCE);
+    let folder = workshop.path();
+    let (out, err, code) = run_in(
+        folder,
+        "bake handkerchief.obj --wear wear.json -o one.glb --threads 1 --json --frames frames --fps 2",
+    );
+    assert_eq!(code, 0, "{err}");
+    let report = json_of(&folder.join("one.report.json"));
+    assert_eq!(serde_json::from_str::<Value>(&out).expect("stdout is JSON"), report);
+    assert_eq!((report["crossings"].as_u64(), report["crossings_at_start"].as_u64()), (Some(0), Some(0)));
+    assert_eq!((report["points"].as_u64(), report["triangles"].as_u64()), (Some(400), Some(722)));
+    assert!(report["max_rest_angle_deg"].as_f64() > Some(10.0), "a sharp fold leaves a crease: {report}");
+    for line in err.lines() {
+        assert!(serde_json::from_str::<Value>(line).is_ok_and(|news| news["stage"].is_string()), "{line}");
+    }
+
+    let (_, err, code) =
+        run_in(folder, "bake handkerchief.obj --wear wear.json -o two/one.glb --threads 2 --quiet");
+    assert!(code == 1 && err.contains("make the folder first"), "{err}");
+    std::fs::create_dir(folder.join("two")).expect("makes");
+    let (out, err, code) =
+        run_in(folder, "bake handkerchief.obj --wear wear.json -o two/one.glb --threads 2 --quiet");
+    assert_eq!((out.as_str(), err.as_str(), code), ("", "", 0));
+    for name in ["one.glb", "one.crease.json"] {
+        let bytes = |path: &Path| std::fs::read(path.join(name)).expect("is there");
+        assert!(bytes(folder) == bytes(&folder.join("two")), "{name} depends on the number of threads");
+    }
+
+    let glb = std::fs::read(folder.join("one.glb")).expect("is there");
+    check_worn_glb(&glb);
+    check_portraits(&glb, &std::fs::read(folder.join("one.crease.json")).expect("is there"));
+    let sidecar = json_of(&folder.join("one.crease.json"));
+    assert_eq!(sidecar["run"]["memory"], "paper");
+    assert_eq!(sidecar["wear"]["name"], "fold once");
+
+    let frames = names_in(&folder.join("frames"));
+    assert!(frames.len() >= 4 && frames[0] == "frame_0000.obj", "{frames:?}");
+    let first = std::fs::read_to_string(folder.join("frames/frame_0000.obj")).expect("is there");
+    assert_eq!(first.lines().filter(|line| line.starts_with("v ")).count(), 400);
+
+    check_pictures(folder);
+}
+
+/// The worn target is there, switched on, and moves something.
+fn check_worn_glb(bytes: &[u8]) {
+    let options = crease::format::ReadOptions { unit_m: Some(1.0), ..Default::default() };
+    let mut nothing = |name: &str| Err(crease::Error::fault(name, "", "is not asked for", ""));
+    let (mut asset, _) =
+        crease::format::read_asset("one.glb", bytes, &options, &mut nothing).expect("reads back");
+    let document = asset.document.clone().expect("is glTF");
+    let mesh = &document.json["meshes"][0];
+    assert_eq!(mesh["extras"]["targetNames"][0], "worn");
+    assert_eq!(mesh["weights"][0].as_f64(), Some(1.0));
+    assert_eq!(crease::format::gltf::sidecar_name(&document), Some("one.crease.json"));
+    assert!(crease::format::gltf::keep_worn_pieces(&mut asset));
+    let worn = crease::format::gltf::read_worn(&asset).expect("reads");
+    assert_eq!(worn.positions.len(), 400);
+    let raised = worn.positions.iter().map(|x| x.y.abs()).fold(0.0, f64::max);
+    assert!(raised > 1e-4, "the crease stands {raised} m out of the plane");
+    assert!(worn.rest_angle_deg.iter().any(|angle| angle.abs() > 10.0));
+}
+
+/// What is drawn is the same with the sidecar and from the file alone, up to single precision.
+fn check_portraits(glb: &[u8], sidecar: &[u8]) {
+    let options = crease::format::ReadOptions { unit_m: Some(1.0), ..Default::default() };
+    let mut nothing = |name: &str| Err(crease::Error::fault(name, "", "is not asked for", ""));
+    let (asset, _) = crease::format::read_asset("one.glb", glb, &options, &mut nothing).expect("reads back");
+    let sidecar = crease::format::read_sidecar("one.crease.json", sidecar).expect("reads back");
+    let in_full = crease::report::Portrait::of_sidecar("one.glb", &sidecar);
+    let alone = crease::report::Portrait::of_asset(asset).expect("is a garment");
+    let largest = |portrait: &crease::report::Portrait| {
+        let memory = portrait.memory.as_ref().expect("is worn");
+        let moved = portrait.before.iter().zip(&portrait.after).map(|(a, b)| 1e3 * (a - b).norm());
+        let turned = memory.rest_angle_deg.iter().map(|angle| angle.abs());
+        let stiffened = memory.stiffness_ratio.iter().copied();
+        [moved.fold(0.0, f64::max), turned.fold(0.0, f64::max), stiffened.fold(0.0, f64::max)]
+    };
+    for (full, alone) in largest(&in_full).into_iter().zip(largest(&alone)) {
+        assert!(full > 1.0 && (full - alone).abs() < 1e-5 * full, "{full} and {alone}");
+    }
+}
+
+/// Pictures of the bake, with the sidecar and without.
+fn check_pictures(folder: &Path) {
+    std::fs::create_dir(folder.join("alone")).expect("makes");
+    std::fs::copy(folder.join("one.glb"), folder.join("alone/one.glb")).expect("copies");
+    for show in ["shape", "rest-angle", "curvature", "stiffness", "displacement"] {
+        for glb in ["one.glb", "alone/one.glb"] {
+            let (out, err, code) =
+                run_in(folder, &format!("render {glb} --show {show} -o {show}.png --size 64"));
+            assert_eq!((out.as_str(), err.as_str(), code), ("", "", 0), "{show} of {glb}");
+        }
+        let png = std::fs::read(folder.join(format!("{show}.png"))).expect("is there");
+        assert_eq!(png[..4], *b"\x89PNG");
+        // Width and height stand at bytes 16 to 24.
+        assert_eq!(png[16..24], [0, 0, 0, 64, 0, 0, 0, 48]);
+    }
+    let (_, err, code) =
+        run_in(folder, "render one.glb --show rest-angle --before-after --azimuth -20 -o both.png --size 64");
+    assert_eq!(code, 0, "{err}");
+    let (_, err, code) =
+        run_in(folder, "render frames/frame_0000.obj --show curvature -o frame.png --size 64");
+    assert_eq!(code, 0, "{err}");
+    let (_, err, code) = run_in(folder, "render handkerchief.obj --show stiffness -o none.png");
+    assert!(code == 1 && err.contains("holds no wear"), "{err}");
+    assert!(!folder.join("none.png").exists());
+}
+
+#[test]
+fn inspect_tells_what_is_in_a_file() {
+    let workshop = workshop(FOLD_ONCE);
+    let (out, err, code) = run_in(workshop.path(), "inspect handkerchief.obj --json");
+    assert_eq!((err.as_str(), code), ("", 0));
+    let found: Value = serde_json::from_str(&out).expect("is JSON");
+    assert_eq!((found["points"].as_u64(), found["triangles"].as_u64()), (Some(400), Some(722)));
+    assert_eq!(found["crossings_at_start"].as_u64(), Some(0));
+    let (out, _, code) = run_in(workshop.path(), "inspect handkerchief.obj");
+    assert!(code == 0 && out.contains("crossings  0 pairs"), "{out}");
+    let (out, err, code) = run_in(workshop.path(), "inspect handkerchief.obj --garment sock");
+    assert_eq!((out.as_str(), code), ("", 1));
+    assert!(err.contains("no garment called \"sock\""), "{err}");
+    // 0.2 units that are millimetres make a handkerchief for nobody, but the user has said so.
+    assert_eq!(run_in(workshop.path(), "inspect handkerchief.obj --unit mm").2, 0);
+}
+
+#[test]
+fn explain_without_an_output_only_tells_the_plan() {
+    let workshop = workshop(FOLD_ONCE);
+    let (out, _, code) =
+        run_in(workshop.path(), "bake handkerchief.obj --wear wear.json --explain --memory off --quiet");
+    assert_eq!(code, 0);
+    assert!(out.lines().any(|line| line.starts_with("memory") && line.contains(" off ")), "{out}");
+    let (out, _, _) =
+        run_in(workshop.path(), "bake handkerchief.obj --wear wear.json --explain --json --quiet");
+    let plan: Value = serde_json::from_str(&out).expect("is JSON");
+    assert!(plan.as_array().is_some_and(|all| all.iter().all(|choice| choice["why"].is_string())));
+    assert_eq!(names_in(workshop.path()), ["handkerchief.obj", "wear.json"]);
+}
+
+#[test]
+fn a_fold_before_the_garment_lies_is_placed_in_the_script() {
+    let script = r#"{"format": "crease-wear/1", "actions": [
+        {"fold": {"line": [[0.5, 0.0], [0.5, 1.0]], "side": "left"}}]}"#;
+    let workshop = workshop(script);
+    let (_, err, code) = run_in(workshop.path(), "bake handkerchief.obj --wear wear.json -o out.glb --quiet");
+    assert_eq!(code, 1);
+    assert!(err.contains("wear.json: actions[0]"), "{err}");
+    assert_eq!(names_in(workshop.path()), ["handkerchief.obj", "wear.json"]);
+}
+
+/// Nothing of a bake is left when one of its files cannot be written.
+#[test]
+fn an_output_that_cannot_be_written_is_refused_before_the_run() {
+    let workshop = workshop(FOLD_ONCE);
+    std::fs::create_dir(workshop.path().join("out.report.json")).expect("makes");
+    let (_, err, code) =
+        run_in(workshop.path(), "bake handkerchief.obj --wear wear.json -o out.glb --frames f --quiet");
+    assert_eq!(code, 1);
+    assert!(err.contains("out.report.json: is a folder"), "{err}");
+    assert_eq!(names_in(workshop.path()), ["handkerchief.obj", "out.report.json", "wear.json"]);
+}
+
+/// Textures that the input names by a path come along inside the one output file.
+#[test]
+fn images_named_by_a_path_are_embedded() {
+    let workshop =
+        workshop(r#"{"format": "crease-wear/1", "actions": [{"lay": {"facing": "up", "over": 0.1}}]}"#);
+    let folder = workshop.path();
+    assert_eq!(
+        run_in(folder, "bake handkerchief.obj --wear wear.json -o plain.glb --memory off --quiet").2,
+        0
+    );
+    let (mut json, binary) =
+        crease::format::gltf::split_glb(&std::fs::read(folder.join("plain.glb")).expect("is there"))
+            .expect("is a GLB");
+    json["images"] = serde_json::json!([{"uri": "my%20weave.png"}, {"uri": "gone.png"}]);
+    let glb = crease::format::gltf::join_glb(&json, &binary.expect("has bytes"));
+    std::fs::create_dir(folder.join("in")).expect("makes");
+    std::fs::write(folder.join("in/pictured.glb"), glb).expect("writes");
+    let png = b"\x89PNG\r\n\x1a\nnot looked into";
+    std::fs::write(folder.join("in/my weave.png"), png).expect("writes");
+    let (_, err, code) = run_in(folder, "bake in/pictured.glb --wear wear.json -o out.glb --memory off");
+    assert_eq!(code, 0, "{err}");
+    assert!(err.contains("warning: images[1] still names \"gone.png\""), "{err}");
+    let out = std::fs::read(folder.join("out.glb")).expect("is there");
+    let (json, _) = crease::format::gltf::split_glb(&out).expect("is a GLB");
+    assert_eq!(json["images"][0]["mimeType"], "image/png");
+    assert!(out.windows(png.len()).any(|window| window == png));
+}

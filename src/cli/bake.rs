@@ -1,16 +1,33 @@
 //! `crease bake`: the main job. Reads a mesh, a wear script and a fabric; writes the worn garment, its sidecar and the
 //! report, all three or none.
+//!
+//! Everything that can be refused is refused before the long part: files are read, outputs tried, and the worn garment
+//! written once without wear.
 
 use super::arguments::{MeshReading, glb_path, positive};
+use super::frames::FrameFolder;
 use super::input;
+use super::mesh_file::MeshFile;
 use super::output::Outputs;
-use super::progress::Progress;
+use super::progress::{Progress, StepNews};
+use super::talk;
 use clap::ValueEnum;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use crease::bake::{BakeOptions, Baked, Choice, Observer, Plan, bake};
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
+use crease::format::gltf::write_worn_glb;
+use crease::format::{Sidecar, write_sidecar};
+use crease::garment::{Garment, RestShape, WornGarment};
+use crease::math::Vec3;
+use crease::mesh::crossings::crossings;
+use crease::report::{Report, crossing_counts};
+use crease::solve::Method;
 use crease::wear::WearScript;
 use crease::{Error, Result};
+use serde_json::{Value, json};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -20,25 +37,16 @@ pub struct Arguments {
     #[arg(long, value_name = "SCRIPT")]
     wear: PathBuf,
     /// Worn garment to write; OUT.crease.json and OUT.report.json go beside it
-    #[arg(short, long, value_name = "OUT.glb", value_parser = glb_path)]
-    output: PathBuf,
+    #[arg(short, long, value_name = "OUT.glb", value_parser = glb_path, required_unless_present = "explain")]
+    output: Option<PathBuf>,
     /// What it is made of: a name of `crease fabric list`, or a fabric file
     #[arg(long, value_name = "NAME|FILE", default_value = DEFAULT_FABRIC)]
     fabric: String,
-    /// Body that wears it: a skinned or animated .glb
-    #[arg(long, value_name = "BODY.glb")]
-    body: Option<PathBuf>,
     #[command(flatten)]
     reading: MeshReading,
-    /// Edge length of the simulated mesh [mm; default: from the bending length and the quality]
-    #[arg(long, value_name = "MM", value_parser = positive)]
-    resolution: Option<f64>,
-    /// How much accuracy to pay for
-    #[arg(long, value_enum, default_value_t = Quality::Standard)]
-    quality: Quality,
-    /// Time integration [default: from the quality]
-    #[arg(long, value_enum, value_name = "NAME")]
-    method: Option<Method>,
+    /// Time integration
+    #[arg(long, value_name = "NAME", default_value = default_method(), value_parser = method_parser())]
+    method: Method,
     /// How the cloth remembers
     #[arg(long, value_enum, default_value_t = MemoryLaw::Paper)]
     memory: MemoryLaw,
@@ -46,18 +54,15 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR")]
     frames: Option<PathBuf>,
     /// Frames per second of wear
-    #[arg(long, value_name = "N", value_parser = positive, default_value_t = 25.0, requires = "frames")]
+    #[arg(long, value_name = "N", value_parser = positive, default_value_t = 10.0, requires = "frames")]
     fps: f64,
-    /// Go on from the checkpoint that an interrupted run left
-    #[arg(long)]
-    resume: bool,
-    /// Threads [default: as many as are of use]
+    /// Threads; the result does not depend on them [default: as many as are of use]
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
-    /// Say which models are on and why, with the number behind each
+    /// Say which models are on and why, with the number behind each; without -o, do no more
     #[arg(long)]
     explain: bool,
-    /// The report on standard output
+    /// The report on standard output, progress as JSON lines
     #[arg(long)]
     json: bool,
     /// No progress, errors only
@@ -65,164 +70,199 @@ pub struct Arguments {
     quiet: bool,
 }
 
-/// How much accuracy to pay for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Quality {
-    /// A quick look
-    Draft,
-    /// For use
-    Standard,
-    /// For comparisons
-    Reference,
-}
-
-/// Time integration.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Method {
-    /// First order, robust
-    BackwardEuler,
-    /// Second order
-    Bdf2,
-}
-
 /// How the cloth remembers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum MemoryLaw {
+enum MemoryLaw {
     /// The law of Kim, Oh and Wohn
     Paper,
     /// Not at all: a plain elastic run
     Off,
 }
 
-/// What `crease bake` was asked for.
-#[derive(Debug)]
-pub struct BakeOptions {
-    /// The garment's file.
-    pub mesh: PathBuf,
-    /// The wear script's file.
-    pub wear: PathBuf,
-    /// The three files to write.
-    pub outputs: BakeOutputs,
-    /// Name or file of the fabric.
-    pub fabric: String,
-    /// The body's file.
-    pub body: Option<PathBuf>,
-    /// How coordinates are to be read, and what is the garment.
-    pub reading: MeshReading,
-    /// Wanted edge length [m].
-    pub resolution_m: Option<f64>,
-    /// Quality.
-    pub quality: Quality,
-    /// Time integration; `None` leaves it to the quality.
-    pub method: Option<Method>,
-    /// Memory.
-    pub memory: MemoryLaw,
-    /// Frames to write.
-    pub frames: Option<Frames>,
-    /// Go on from a checkpoint.
-    pub resume: bool,
-    /// Threads.
-    pub threads: Option<NonZeroUsize>,
-    /// Say which models are on and why.
-    pub explain: bool,
-    /// Report on stdout.
-    pub json: bool,
-    /// No progress.
-    pub quiet: bool,
+fn default_method() -> &'static str {
+    BakeOptions::default().step.method.name()
 }
 
-/// Frames of a run.
-#[derive(Debug)]
-pub struct Frames {
-    /// Where to.
-    pub folder: PathBuf,
-    /// How many per second of wear.
-    pub per_second: f64,
+/// The library's own list of integrators, by name.
+fn method_parser() -> impl TypedValueParser<Value = Method> {
+    let names = PossibleValuesParser::new(Method::ALL.map(|(name, _)| name));
+    names.try_map(|name| Method::named(&name).ok_or("no such method"))
+}
+
+impl Arguments {
+    fn memory_on(&self) -> bool {
+        self.memory == MemoryLaw::Paper
+    }
+
+    fn options(&self) -> BakeOptions {
+        let mut options = BakeOptions { memory: self.memory_on(), ..BakeOptions::default() };
+        options.step.method = self.method;
+        options.frames_per_second = if self.frames.is_some() { self.fps } else { 0.0 };
+        options
+    }
+
+    /// What the sidecar says of the run. Nothing that differs from run to run: the same wear gives the same bytes.
+    fn run_note(&self, baked: &Baked) -> Value {
+        json!({
+            "tool": concat!("crease ", env!("CARGO_PKG_VERSION")),
+            "method": self.method.name(),
+            "memory": if self.memory_on() { "paper" } else { "off" },
+            "simulated_s": baked.report.simulated,
+            "steps": baked.report.steps,
+        })
+    }
 }
 
 /// The files of a bake.
 #[derive(Debug, PartialEq, Eq)]
-pub struct BakeOutputs {
+struct BakeOutputs {
     /// OUT.glb
-    pub worn: PathBuf,
+    worn: PathBuf,
     /// OUT.crease.json
-    pub sidecar: PathBuf,
+    sidecar: PathBuf,
     /// OUT.report.json
-    pub report: PathBuf,
+    report: PathBuf,
 }
 
 impl BakeOutputs {
-    fn beside(worn: PathBuf) -> Self {
-        Self { sidecar: worn.with_extension("crease.json"), report: worn.with_extension("report.json"), worn }
+    fn beside(worn: &Path) -> Self {
+        Self {
+            sidecar: worn.with_extension("crease.json"),
+            report: worn.with_extension("report.json"),
+            worn: worn.to_owned(),
+        }
     }
 
     fn paths(&self) -> [&Path; 3] {
         [&self.worn, &self.sidecar, &self.report]
     }
-}
 
-impl From<Arguments> for BakeOptions {
-    fn from(arguments: Arguments) -> Self {
-        let Arguments {
-            mesh, wear, output, fabric, body, reading, resolution, quality, method, memory, ..
-        } = arguments;
-        let Arguments { frames, fps, resume, threads, explain, json, quiet, .. } = arguments;
-        Self {
-            mesh,
-            wear,
-            outputs: BakeOutputs::beside(output),
-            fabric,
-            body,
-            reading,
-            resolution_m: resolution.map(|mm| mm * 1e-3),
-            quality,
-            method,
-            memory,
-            frames: frames.map(|folder| Frames { folder, per_second: fps }),
-            resume,
-            threads,
-            explain,
-            json,
-            quiet,
-        }
+    /// What worn meshes say of their sidecar: its name beside them.
+    fn extras(&self) -> Value {
+        let name = self.sidecar.file_name().map(|name| name.to_string_lossy().into_owned());
+        json!({ "crease": { "sidecar": name } })
     }
 }
 
 pub fn run(arguments: Arguments) -> Result<()> {
-    bake(BakeOptions::from(arguments))
+    let began = Instant::now();
+    let mut progress = Progress::new(arguments.quiet, arguments.json);
+    progress.stage("read");
+    let mut outputs =
+        Outputs::new([arguments.mesh.as_path(), arguments.wear.as_path(), Path::new(&arguments.fabric)]);
+    let files = arguments.output.as_deref().map(BakeOutputs::beside);
+    for path in files.iter().flat_map(BakeOutputs::paths) {
+        outputs.check(path)?;
+    }
+    let mut job = Job::read(&arguments)?;
+    if arguments.explain && !(arguments.json && files.is_some()) {
+        explain(&job.plan(&arguments), arguments.json)?;
+    }
+    let Some(files) = files else { return Ok(()) };
+    use_threads(arguments.threads)?;
+    let extras = files.extras();
+    let mut warnings = job.mesh.repairs();
+    warnings.extend(job.mesh.embed_images(&arguments.mesh));
+    job.try_to_write(&extras)?;
+    let start = crossings(&job.mesh.garment.points, &job.mesh.garment.triangles);
+    let read_s = began.elapsed().as_secs_f64();
+
+    let (baked, left_over) = job.bake(&arguments, &mut progress)?;
+    warnings.extend(left_over);
+
+    progress.stage("write");
+    let write_began = Instant::now();
+    let garment = &job.mesh.garment;
+    let counts = crossing_counts(garment, &baked.worn, &start);
+    let mut report = Report::of_bake(garment, &baked, counts);
+    report.method = arguments.method.name().to_owned();
+    report.warnings.extend(warnings);
+    let glb = write_worn_glb(&job.mesh.asset, garment, &baked.worn, &extras)?;
+    outputs.add(&files.worn, &glb)?;
+    outputs.add(&files.sidecar, &write_sidecar(&job.sidecar(&baked.worn, arguments.run_note(&baked))?))?;
+    report.stages.add("read", read_s);
+    report.stages.add("write", write_began.elapsed().as_secs_f64());
+    report.wall_s = began.elapsed().as_secs_f64();
+    outputs.add(&files.report, report.to_json().as_bytes())?;
+    outputs.commit()?;
+    progress.finish();
+    tell(&arguments, &files, &report)?;
+    match not_converged(&baked) {
+        Some(what) => Err(Error::NotConverged(format!(
+            "{what}; what was reached is in {}",
+            input::name_of(&files.worn)
+        ))),
+        None => Ok(()),
+    }
 }
 
 /// What a bake is made from, read and checked.
 #[derive(Debug)]
-struct Ingredients {
+struct Job {
+    mesh: MeshFile,
     script: WearScript,
+    script_file: String,
     fabric: Fabric,
-    mesh: Vec<u8>,
 }
 
-/// Reads everything before anything long begins, and reports the faults of all files in one go.
-fn ingredients(options: &BakeOptions) -> Result<Ingredients> {
-    let script = script(options);
-    let fabric = input::fabric(&options.fabric);
-    let mesh = input::bytes(&options.mesh);
-    match (script, fabric, mesh) {
-        (Ok(script), Ok(fabric), Ok(mesh)) => Ok(Ingredients { script, fabric, mesh }),
-        (script, fabric, mesh) => {
-            let errors = [script.err(), fabric.err(), mesh.err()].into_iter().flatten();
-            Err(merged(errors))
+impl Job {
+    /// Reads everything before anything long begins, and reports the faults of all files in one go.
+    fn read(arguments: &Arguments) -> Result<Self> {
+        let script_file = input::name_of(&arguments.wear);
+        let script = script(&script_file, &arguments.wear);
+        let fabric = input::fabric(&arguments.fabric);
+        let mesh = MeshFile::read(&arguments.mesh, &arguments.reading);
+        match (script, fabric, mesh) {
+            (Ok(script), Ok(fabric), Ok(mesh)) => Ok(Self { mesh, script, script_file, fabric }),
+            (script, fabric, mesh) => {
+                Err(merged([script.err(), fabric.err(), mesh.err()].into_iter().flatten()))
+            }
         }
+    }
+
+    fn plan(&self, arguments: &Arguments) -> Plan {
+        Plan::new(&self.mesh.garment, &self.fabric, &self.script, arguments.memory_on())
+    }
+
+    /// Writes the garment without wear, to nowhere: what the writers refuse is told now and not after the bake.
+    fn try_to_write(&self, extras: &Value) -> Result<()> {
+        let garment = &self.mesh.garment;
+        let unworn = WornGarment {
+            displacement: vec![Vec3::zeros(); garment.points.len()],
+            memory: RestShape::flat(garment.topology.hinges.len(), garment.triangles.len()),
+        };
+        write_worn_glb(&self.mesh.asset, garment, &unworn, extras)?;
+        self.sidecar(&unworn, Value::Null).map(drop)
+    }
+
+    fn sidecar(&self, worn: &WornGarment, run: Value) -> Result<Sidecar> {
+        let (fabric, wear) = (json!(self.fabric), json!(self.script));
+        Sidecar::new(&self.mesh.asset, &self.mesh.garment, worn, fabric, wear, run)
+    }
+
+    /// The long part; also what to say about frames.
+    fn bake(&self, arguments: &Arguments, progress: &mut Progress) -> Result<(Baked, Option<String>)> {
+        let frames = match &arguments.frames {
+            Some(folder) => Some(FrameFolder::new(folder, &self.mesh.garment.triangles, &arguments.mesh)?),
+            None => None,
+        };
+        let mut watcher = Watcher { progress, frames };
+        let garment: &Garment = &self.mesh.garment;
+        let options = arguments.options();
+        let baked = bake(garment, &self.fabric, &self.script, &self.script_file, &options, &mut watcher)?;
+        let old = watcher.frames.and_then(|frames| frames.left_over());
+        let left_over = old.map(|path| {
+            format!("{} and any after it are from an earlier run with more frames", path.display())
+        });
+        Ok((baked, left_over))
     }
 }
 
-fn script(options: &BakeOptions) -> Result<WearScript> {
-    let file = input::name_of(&options.wear);
-    let script = WearScript::parse(&file, &input::text(&options.wear)?)?;
-    match options.body {
-        Some(_) => Ok(script),
-        None => match script.faults_without_body(&file) {
-            faults if faults.is_empty() => Ok(script),
-            faults => Err(Error::Input(faults)),
-        },
+fn script(file: &str, path: &Path) -> Result<WearScript> {
+    let script = WearScript::parse(file, &input::text(path)?)?;
+    match script.faults_without_body(file) {
+        faults if faults.is_empty() => Ok(script),
+        faults => Err(Error::Input(faults)),
     }
 }
 
@@ -238,17 +278,79 @@ fn merged(errors: impl Iterator<Item = Error>) -> Error {
     Error::Input(faults)
 }
 
-/// The boundary to the library.
-fn bake(options: BakeOptions) -> Result<()> {
-    let mut progress = Progress::new(options.quiet);
-    progress.stage("read");
-    let outputs = Outputs::new([options.mesh.as_path(), options.wear.as_path(), Path::new(&options.fabric)]);
-    for path in options.outputs.paths() {
-        outputs.check(path)?;
+/// Passes on how the bake is doing.
+struct Watcher<'a, 'b> {
+    progress: &'a mut Progress,
+    frames: Option<FrameFolder<'b>>,
+}
+
+impl Observer for Watcher<'_, '_> {
+    fn progress(&mut self, now: &crease::bake::Progress) {
+        self.progress.step(
+            now.stage,
+            StepNews {
+                simulated_s: now.time,
+                total_s: now.total,
+                step: now.steps,
+                events: now.events.gradual + now.events.critical,
+            },
+        );
     }
-    let _ingredients = ingredients(&options)?;
-    progress.finish();
-    Err(super::not_wired("bake"))
+
+    fn frame(&mut self, x: &[Vec3]) -> Result<()> {
+        self.frames.as_mut().map_or(Ok(()), |frames| frames.write(x))
+    }
+}
+
+fn use_threads(count: Option<NonZeroUsize>) -> Result<()> {
+    let Some(count) = count else { return Ok(()) };
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(count.get())
+        .build_global()
+        .map_err(|refusal| Error::fault("--threads", "", refusal.to_string(), "ask for fewer"))
+}
+
+/// The plan on stdout.
+fn explain(plan: &Plan, as_json: bool) -> Result<()> {
+    if as_json {
+        let list: Vec<Value> = plan
+            .choices
+            .iter()
+            .map(|choice| json!({"name": choice.name, "on": choice.on, "why": choice.why}))
+            .collect();
+        return talk::data(&format!("{:#}\n", Value::Array(list)));
+    }
+    let line = |choice: &Choice| {
+        format!("{:<14}{:<5}{}\n", choice.name, if choice.on { "on" } else { "off" }, choice.why)
+    };
+    talk::data(&plan.choices.iter().map(line).collect::<String>())
+}
+
+/// What came out: for people, and for programs that asked.
+fn tell(arguments: &Arguments, files: &BakeOutputs, report: &Report) -> Result<()> {
+    if !arguments.quiet && !arguments.json {
+        report.warnings.iter().for_each(|warning| talk::say(&format!("warning: {warning}")));
+        talk::say(&format!(
+            "{}: {} points, {:.1} s of wear in {} steps and {:.1} s; {} crossings",
+            files.worn.display(),
+            report.points,
+            report.simulated_s,
+            report.steps,
+            report.wall_s,
+            report.crossings,
+        ));
+    }
+    if arguments.json { talk::data(&report.to_json()) } else { Ok(()) }
+}
+
+/// Why the end of the bake is not an end state, if it is not: its last step, or the way home, did not converge.
+/// One bad step on the way is only a warning, as the cloth comes to rest after it.
+fn not_converged(baked: &Baked) -> Option<&str> {
+    let last_step = format!(" at {:.3} s:", baked.report.simulated);
+    let at_end = |warning: &&String| {
+        warning.contains("did not converge") && (warning.starts_with("home:") || warning.contains(&last_step))
+    };
+    baked.report.warnings.iter().find(at_end).map(String::as_str)
 }
 
 #[cfg(test)]
@@ -257,8 +359,23 @@ mod tests {
 
     #[test]
     fn the_other_files_go_beside_the_worn_garment() {
-        let outputs = BakeOutputs::beside(PathBuf::from("a/my.shirt.glb"));
+        let outputs = BakeOutputs::beside(Path::new("a/my.shirt.glb"));
         assert_eq!(outputs.sidecar, Path::new("a/my.shirt.crease.json"));
         assert_eq!(outputs.report, Path::new("a/my.shirt.report.json"));
+        assert_eq!(outputs.extras(), json!({"crease": {"sidecar": "my.shirt.crease.json"}}));
+    }
+
+    #[test]
+    fn only_the_end_decides_whether_a_bake_converged() {
+        let verdict = |warning: &str| {
+            let worn = WornGarment { displacement: Vec::new(), memory: RestShape::flat(0, 0) };
+            let mut report = crease::bake::BakeReport { simulated: 12.5, ..Default::default() };
+            report.warnings.push(warning.to_owned());
+            not_converged(&Baked { worn, end: Vec::new(), report }).is_some()
+        };
+        assert!(verdict("settle at 12.500 s: the shortest step did not converge (last move 1e-3 m)"));
+        assert!(verdict("home: the equilibrium did not converge in 60 iterations (last move 1e-3 m)"));
+        assert!(!verdict("fold at 2.500 s: the shortest step did not converge (last move 1e-3 m)"));
+        assert!(!verdict("settle at 12.500 s: something else"));
     }
 }

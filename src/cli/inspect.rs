@@ -1,8 +1,11 @@
 //! `crease inspect`: what is in a mesh file, what would be repaired, what would be refused.
 
 use super::arguments::MeshReading;
-use super::input;
+use super::mesh_file::MeshFile;
+use super::talk;
 use crease::Result;
+use crease::mesh::crossings::crossings;
+use serde_json::json;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
@@ -16,24 +19,12 @@ pub struct Arguments {
     json: bool,
 }
 
-/// What `crease inspect` was asked for.
-#[derive(Debug)]
-pub struct InspectOptions {
-    /// The mesh file.
-    pub mesh: PathBuf,
-    /// How its coordinates are to be read.
-    pub reading: MeshReading,
-    /// Findings as JSON instead of words.
-    pub json: bool,
-}
-
 pub fn run(arguments: Arguments) -> Result<()> {
-    let Arguments { mesh, reading, json } = arguments;
-    inspect(InspectOptions { mesh, reading, json })
-}
-
-/// The boundary to the library.
-fn inspect(options: InspectOptions) -> Result<()> {
-    let _bytes = input::bytes(&options.mesh)?;
-    Err(super::not_wired("inspect"))
+    let MeshFile { asset, garment, findings } = MeshFile::read(&arguments.mesh, &arguments.reading)?;
+    let mut inspection = crease::garment::inspect(&asset, &garment, &findings);
+    inspection.crossings_at_start = Some(crossings(&garment.points, &garment.triangles).len());
+    match arguments.json {
+        true => talk::data(&format!("{:#}\n", json!(inspection))),
+        false => talk::data(&inspection.to_text()),
+    }
 }

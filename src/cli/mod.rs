@@ -4,15 +4,13 @@
 //! 1 bad input, 2 wrong usage, 3 did not converge. A command is one file and one line in the list below.
 
 mod arguments;
-#[allow(dead_code)] // until its boundary calls the library
 mod bake;
 mod fabric;
+mod frames;
 mod input;
-#[allow(dead_code)] // until its boundary calls the library
 mod inspect;
-#[allow(dead_code)] // until a command writes
+mod mesh_file;
 mod output;
-#[allow(dead_code)] // until a bake tells its steps
 mod progress;
 mod render;
 mod schema;
@@ -84,11 +82,6 @@ fn exit_code(error: &Error) -> u8 {
         Error::Input(_) | Error::File { .. } => 1,
         Error::NotConverged(_) => 3,
     }
-}
-
-/// Stands where a command ends whose library part has not been merged yet.
-fn not_wired(command: &str) -> Error {
-    Error::fault("crease", command, "is not part of this build yet", "use a later version")
 }
 
 #[cfg(test)]

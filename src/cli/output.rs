@@ -52,6 +52,11 @@ impl Outputs {
         if !folder_of(path).is_dir() {
             return refuse("its folder does not exist", "make the folder first");
         }
+        // The only sure way to know whether a folder takes files; rights alone do not tell.
+        let is_file_to_be = !path.exists() || path.is_file();
+        if is_file_to_be && tempfile::tempfile_in(folder_of(path)).is_err() {
+            return refuse("its folder cannot be written to", "choose another folder, or mend its rights");
+        }
         Ok(())
     }
 
@@ -160,6 +165,14 @@ mod tests {
         assert!(message(folder.path()).contains("is a folder"));
         assert!(message(&folder.path().join("none/out.glb")).contains("folder does not exist"));
         assert_eq!(std::fs::read(&input).expect("reads"), b"mesh");
+    }
+
+    /// Not even its owner can put a file into /proc.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_folder_that_takes_no_files_is_found_out_beforehand() {
+        let refusal = Outputs::new([]).check(Path::new("/proc/out.glb")).expect_err("is refused");
+        assert!(refusal.to_string().contains("cannot be written to"), "{refusal}");
     }
 
     #[cfg(unix)]

@@ -1,7 +1,9 @@
-//! How a run is doing, on stderr: a bar with the time left on a terminal, a plain line now and then otherwise.
+//! How a run is doing, on stderr: a bar with the time left on a terminal, a plain line or a line of JSON now and then
+//! otherwise.
 
 use super::talk;
 use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::json;
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
@@ -13,15 +15,14 @@ const LINE_EVERY: Duration = Duration::from_secs(5);
 pub struct Progress {
     face: Face,
     stage: String,
-    stage_began: Instant,
-    /// Simulated time when the stage's first step was told [s]: where a resumed run began.
-    stage_from_s: Option<f64>,
+    /// When the first step was told, and the simulated time then [s].
+    first_step: Option<(Instant, f64)>,
 }
 
 #[derive(Debug)]
 enum Face {
     Quiet,
-    Lines { last: Option<Instant> },
+    Lines { last: Option<Instant>, json: bool },
     Bar(ProgressBar),
 }
 
@@ -39,52 +40,54 @@ pub struct StepNews {
 }
 
 impl Progress {
-    /// On stderr, or nothing if `quiet`.
-    pub fn new(quiet: bool) -> Self {
-        let face = match (quiet, std::io::stderr().is_terminal()) {
+    /// On stderr: nothing if `quiet`, lines of JSON if `json`.
+    pub fn new(quiet: bool, json: bool) -> Self {
+        let face = match (quiet, json || !std::io::stderr().is_terminal()) {
             (true, _) => Face::Quiet,
-            (false, true) => Face::Bar(bar()),
-            (false, false) => Face::Lines { last: None },
+            (false, false) => Face::Bar(bar()),
+            (false, true) => Face::Lines { last: None, json },
         };
-        Self { face, stage: String::new(), stage_began: Instant::now(), stage_from_s: None }
+        Self { face, stage: String::new(), first_step: None }
     }
 
     /// A stage begins.
     pub fn stage(&mut self, name: &str) {
         self.stage = name.to_owned();
-        self.stage_began = Instant::now();
-        self.stage_from_s = None;
         match &mut self.face {
             Face::Quiet => {}
-            Face::Lines { last } => {
-                *last = Some(self.stage_began);
-                talk::say(name);
+            Face::Lines { last, json } => {
+                *last = Some(Instant::now());
+                talk::say(&if *json { json!({"stage": name}).to_string() } else { name.to_owned() });
             }
             Face::Bar(bar) => {
                 bar.set_prefix(name.to_owned());
-                bar.set_message("");
-                bar.set_position(0);
                 bar.tick();
             }
         }
     }
 
-    /// A step of the stage is done.
-    pub fn step(&mut self, news: StepNews) {
-        let from_s = *self.stage_from_s.get_or_insert(news.simulated_s);
-        let words = || in_words(news, left_s(news, from_s, self.stage_began.elapsed().as_secs_f64()));
+    /// A step of the stage `name` is done; the stage begins if it is another one than before.
+    pub fn step(&mut self, name: &str, news: StepNews) {
+        if self.stage != name {
+            self.stage(name);
+        }
+        let (began, from_s) = *self.first_step.get_or_insert_with(|| (Instant::now(), news.simulated_s));
+        let left_s = left_s(news, from_s, began.elapsed().as_secs_f64());
         match &mut self.face {
             Face::Quiet => {}
-            Face::Lines { last } => {
+            Face::Lines { last, json } => {
                 if last.is_none_or(|last| last.elapsed() >= LINE_EVERY) {
                     *last = Some(Instant::now());
-                    talk::say(&format!("{}: {}", self.stage, words()));
+                    talk::say(&match json {
+                        true => in_json(&self.stage, news, left_s),
+                        false => format!("{}: {}", self.stage, in_words(news, left_s)),
+                    });
                 }
             }
             Face::Bar(bar) => {
                 bar.set_length(milliseconds(news.total_s));
                 bar.set_position(milliseconds(news.simulated_s));
-                bar.set_message(words());
+                bar.set_message(in_words(news, left_s));
             }
         }
     }
@@ -120,6 +123,14 @@ fn milliseconds(seconds: f64) -> u64 {
 fn left_s(news: StepNews, from_s: f64, elapsed_s: f64) -> Option<f64> {
     let done_s = news.simulated_s - from_s;
     (done_s > 0.0).then(|| (elapsed_s * (news.total_s - news.simulated_s) / done_s).max(0.0))
+}
+
+fn in_json(stage: &str, news: StepNews, left_s: Option<f64>) -> String {
+    let StepNews { simulated_s, total_s, step, events } = news;
+    json!({
+        "stage": stage, "simulated_s": simulated_s, "total_s": total_s, "step": step, "events": events, "left_s": left_s,
+    })
+    .to_string()
 }
 
 fn in_words(news: StepNews, left_s: Option<f64>) -> String {

@@ -3,6 +3,10 @@
 //! Plain data: the bake fills it in, the tool writes it, others read it by these names (`docs/formats.md`). Units
 //! stand in the names. It measures nothing itself; `crossings` are counted exactly by who fills them in.
 
+use crate::bake::{Baked, Choice};
+use crate::garment::{Garment, WornGarment};
+use crate::math::Vec3;
+use crate::mesh::crossings::crossings;
 use schemars::JsonSchema;
 use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -29,7 +33,7 @@ pub struct Report {
     pub crossings_at_start: usize,
     /// Events of memory.
     pub events: EventCounts,
-    /// Largest magnitude of a rest angle in the result [degrees].
+    /// Largest magnitude of a change of rest angle, rest minus source angle, in the result [degrees].
     pub max_rest_angle_deg: f64,
     /// Largest stiffness ratio in the result [-]; 1 is new cloth.
     pub max_stiffness_ratio: f64,
@@ -62,6 +66,12 @@ pub struct ModelChoice {
     pub on: bool,
     /// Why, with the number behind it.
     pub why: String,
+}
+
+impl From<&Choice> for ModelChoice {
+    fn from(choice: &Choice) -> Self {
+        Self { name: choice.name.to_owned(), on: choice.on, why: choice.why.clone() }
+    }
 }
 
 /// Seconds by stage, in the order the stages first ran; in JSON an object.
@@ -111,7 +121,48 @@ impl<'de> Deserialize<'de> for StageTimes {
     }
 }
 
+/// Pairs of triangles that run through each other.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct CrossingCounts {
+    /// In the input.
+    pub at_start: usize,
+    /// In the result, those of the input left out.
+    pub made: usize,
+}
+
+/// Counts the crossings of `worn` in its own pose; `start` are those of the garment as it came, sorted as
+/// [`crossings`] gives them.
+pub fn crossing_counts(garment: &Garment, worn: &WornGarment, start: &[[u32; 2]]) -> CrossingCounts {
+    let x: Vec<Vec3> = garment.points.iter().zip(&worn.displacement).map(|(x, d)| x + d).collect();
+    let end = crossings(&x, &garment.triangles);
+    let made = end.iter().filter(|pair| start.binary_search(pair).is_err()).count();
+    CrossingCounts { at_start: start.len(), made }
+}
+
 impl Report {
+    /// What `baked`, which was `garment`, has to tell. `method` and the times of reading and writing are the caller's.
+    pub fn of_bake(garment: &Garment, baked: &Baked, counts: CrossingCounts) -> Self {
+        let (work, memory) = (&baked.report, &baked.worn.memory);
+        let mut stages = StageTimes::default();
+        work.stages.iter().for_each(|(stage, seconds)| stages.add(stage, *seconds));
+        let changes = memory.rest_angle.iter().zip(&memory.source_angle).map(|(rest, source)| rest - source);
+        Self {
+            simulated_s: work.simulated,
+            steps: work.steps,
+            points: garment.points.len(),
+            triangles: garment.triangles.len(),
+            crossings: counts.made,
+            crossings_at_start: counts.at_start,
+            events: EventCounts { gradual: work.events.gradual, critical: work.events.critical },
+            max_rest_angle_deg: changes.map(f64::abs).fold(0.0, f64::max).to_degrees(),
+            max_stiffness_ratio: memory.stiffness_ratio.iter().copied().fold(1.0, f64::max),
+            models: work.choices.iter().map(ModelChoice::from).collect(),
+            stages,
+            warnings: work.warnings.clone(),
+            ..Self::default()
+        }
+    }
+
     /// As a file: JSON with line breaks, ending in one.
     pub fn to_json(&self) -> String {
         // Plain numbers and texts: writing them to memory does not fail.
@@ -139,6 +190,34 @@ mod tests {
             stages,
             ..Report::default()
         }
+    }
+
+    /// A triangle that lies, and one that stands on a corner at height `y` above its middle.
+    fn lying_and_standing(y: f64) -> Garment {
+        let text = format!("v -1 0 -1\nv 1 0 -1\nv 0 0 1\nv 0 {y} 0\nv -1 2 0\nv 1 2 0\nf 1 2 3\nf 4 5 6\n");
+        let options = crate::format::ReadOptions::default();
+        let mut nothing = |_: &str| Ok(Vec::new());
+        let (asset, _) =
+            crate::format::read_asset("two.obj", text.as_bytes(), &options, &mut nothing).expect("is a mesh");
+        Garment::from_asset(&asset).expect("is a garment").0
+    }
+
+    #[test]
+    fn crossings_of_the_input_are_not_those_of_the_bake() {
+        let counts_after = |y: f64, fall: f64| {
+            let garment = lying_and_standing(y);
+            let start = crossings(&garment.points, &garment.triangles);
+            let lowest = garment.points.iter().position(|p| p.x == 0.0 && p.z == 0.0).expect("is there");
+            let mut displacement = vec![Vec3::zeros(); garment.points.len()];
+            displacement[lowest].y = -fall;
+            let worn = WornGarment { displacement, memory: crate::garment::RestShape::flat(0, 2) };
+            let counts = crossing_counts(&garment, &worn, &start);
+            (counts.at_start, counts.made)
+        };
+        assert_eq!(counts_after(0.5, 0.0), (0, 0));
+        assert_eq!(counts_after(0.5, 1.0), (0, 1), "made by the bake");
+        assert_eq!(counts_after(-0.5, 0.1), (1, 0), "there before");
+        assert_eq!(counts_after(-0.5, -1.0), (1, 0), "there before and undone");
     }
 
     #[test]

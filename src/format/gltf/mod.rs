@@ -8,9 +8,11 @@ mod buffers;
 mod container;
 mod cursor;
 mod edit;
+mod embed;
 mod obj_to_gltf;
 mod primitive;
 mod read;
+mod read_worn;
 mod scene;
 mod skin;
 mod weights;
@@ -19,7 +21,9 @@ mod write;
 
 pub use accessor::{Accessors, Table};
 pub use container::{is_glb, join_glb, split_glb};
+pub use embed::embed_images;
 pub(in crate::format) use read::read_gltf;
+pub use read_worn::{WornVertices, keep_worn_pieces, read_worn, sidecar_name};
 pub use write::{external_images, write_worn_glb};
 
 /// Name of the morph target that holds the worn shape.
