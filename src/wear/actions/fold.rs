@@ -166,9 +166,11 @@ impl WearAction for Fold {
                 stiffness: guide_stiffness(scene.mass[p as usize]),
             })
             .collect();
+        // The rest sleeps on the table while the flap is turned: nothing moves it.
+        let held = scene.x.iter().map(|p| beyond(p) <= -HAND).collect();
         let made = MadeFold { flap, origin: a, along, out, angle: self.angle_deg.to_radians() };
         let resting = posture.resting();
-        Start::here(Turn { axis, guided, stay, made, over: self.over_s, resting })
+        Start::here(Turn { axis, guided, stay, held, made, over: self.over_s, resting })
     }
 
     fn example() -> Self {
@@ -183,7 +185,7 @@ impl WearAction for Fold {
 }
 
 /// Width of the hand that holds the resting part along the line [m].
-const HAND: f64 = 0.05;
+pub(in crate::wear) const HAND: f64 = 0.05;
 /// A step turns the flap by this angle at most [rad].
 pub(in crate::wear) const MOST_TURN: f64 = 0.12;
 /// Folds beyond this angle lie by themselves; others are held until they are opened or released [rad].
@@ -195,6 +197,8 @@ struct Turn {
     /// Point, where on its sheet, stiffness of its guide [N/m].
     guided: Vec<(u32, OnSheet, f64)>,
     stay: Vec<Guide>,
+    /// Points that sleep meanwhile, one flag per point.
+    held: Vec<bool>,
     made: MadeFold,
     over: f64,
     resting: Drive,
@@ -214,11 +218,9 @@ impl Gesture for Turn {
         });
         // The smooth motion is 1.5 times as fast in the middle as on average.
         let longest_step = if turning { MOST_TURN * self.over / (1.5 * self.made.angle) } else { 1.0 };
-        Drive {
-            guides: flap.chain(self.stay.iter().copied()).collect(),
-            longest_step,
-            ..self.resting.clone()
-        }
+        let held = if turning { self.held.clone() } else { Vec::new() };
+        let guides = flap.chain(self.stay.iter().copied()).collect();
+        Drive { guides, held, longest_step, ..self.resting.clone() }
     }
 
     fn breaks(&self) -> Vec<f64> {

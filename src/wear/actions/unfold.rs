@@ -5,7 +5,7 @@ use crate::energy::Guide;
 use crate::error::Result;
 use crate::math::Vec3;
 use crate::wear::Drive;
-use crate::wear::actions::fold::MOST_TURN;
+use crate::wear::actions::fold::{HAND, MOST_TURN};
 use crate::wear::gesture::{Gesture, MadeFold, Posture, Scene, Start, guide_stiffness, smooth};
 use crate::wear::turning::{Axis, OnSheet};
 use schemars::JsonSchema;
@@ -100,6 +100,8 @@ struct Opening {
     axis: Axis,
     /// Point, where on its sheet, stiffness of its guide [N/m].
     guided: Vec<(u32, OnSheet, f64)>,
+    /// Points that sleep meanwhile: the rest, but for a strip along the line. One flag per point.
+    held: Vec<bool>,
     /// How much the flap must come up in all, or it would end in the ground [m].
     lift: f64,
 }
@@ -140,7 +142,9 @@ impl Open {
         let deepest = guided.iter().map(|(_, place, _)| place.depth).fold(0.0, f64::max);
         let ground = self.resting.ground.unwrap_or(f64::NEG_INFINITY);
         let lift = (deepest + self.thickness - (between - ground)).max(0.0);
-        Opening { number, axis, guided, lift }
+        let held =
+            x.iter().zip(&in_flap).map(|(p, flap)| !flap && (p - fold.origin).dot(&fold.out) <= -HAND).collect();
+        Opening { number, axis, guided, held, lift }
     }
 }
 
@@ -163,6 +167,7 @@ impl Gesture for Open {
                 Guide { point: *point, target, stiffness: *stiffness }
             })
             .collect();
+        let held = opening.held.clone();
         self.under_way = Some(opening);
         Drive { guides, longest_step: MOST_TURN * self.each / (1.5 * angle), ..self.resting.clone() }
     }
