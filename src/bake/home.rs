@@ -41,7 +41,7 @@ pub(super) fn bring_home(
         .iter()
         .zip(&stepper.cloth.area)
         .enumerate()
-        .map(|(p, (x, area))| Guide { point: p as u32, target: *x, stiffness: area * tether })
+        .map(|(p, (x, area))| Guide::round(p as u32, *x, area * tether))
         .collect();
     let mut x = garment.points.clone();
     let mut angle = memory.source_angle.clone();

@@ -209,6 +209,7 @@ impl Run<'_> {
     ) -> Result<()> {
         let begin = self.state.time;
         let mut breaks = gesture.breaks();
+        breaks.retain(|stop| *stop < duration);
         breaks.push(duration);
         let mut wished = FIRST_STEP;
         for stop in breaks {

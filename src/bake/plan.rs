@@ -94,7 +94,8 @@ impl Plan {
         // Layers must also hold against what the membrane can push: no softer than it is, point for point.
         let area: f64 = garment.material.iter().map(|m| 0.5 * (m[1] - m[0]).perp(&(m[2] - m[0])).abs()).sum();
         let area_per_point = area / garment.points.len().max(1) as f64;
-        let contact_stiffness = (load / (CONTACT_GIVE * contact_distance)).max(stretch[0].max(stretch[1]) / area_per_point);
+        let contact_stiffness =
+            (load / (CONTACT_GIVE * contact_distance)).max(stretch[0].max(stretch[1]) / area_per_point);
         say(
             "friction",
             fabric.friction > 0.0,

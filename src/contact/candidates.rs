@@ -684,7 +684,8 @@ mod tests {
         let all = finder.find(&mesh.points, &mesh.points, 2e-3, false, &|_| false);
         assert!(all.point_triangle.iter().all(|pair| pair[0] != lone));
         let without = |quad: &Quad| !quad.points.contains(&PointIndex(6));
-        let some = finder.find(&mesh.points, &mesh.points, 2e-3, false, &|q| q.points.contains(&PointIndex(6)));
+        let some =
+            finder.find(&mesh.points, &mesh.points, 2e-3, false, &|q| q.points.contains(&PointIndex(6)));
         assert!(all.quads(&finder).filter(without).eq(some.quads(&finder)) && some.len() < all.len());
         mesh.points[6].x = f64::NAN;
         // Its triangles are left out whole, and with them the pairs of what belongs to them.
@@ -770,10 +771,16 @@ mod tests {
                 finder.tree.for_each_overlap(|_, _| count += 1);
                 count
             });
-            time("candidates, reach 3 mm, at rest", &mut || finder.find(&x, &x, 3e-3, false, &|_| false).len());
-            time("candidates, reach 1 mm, at rest", &mut || finder.find(&x, &x, 1e-3, false, &|_| false).len());
+            time("candidates, reach 3 mm, at rest", &mut || {
+                finder.find(&x, &x, 3e-3, false, &|_| false).len()
+            });
+            time("candidates, reach 1 mm, at rest", &mut || {
+                finder.find(&x, &x, 1e-3, false, &|_| false).len()
+            });
             let end = shaken(&x, 1e-3, &mut draw);
-            time("candidates, reach 1 mm, way 1 mm", &mut || finder.find(&x, &end, 1e-3, false, &|_| false).len());
+            time("candidates, reach 1 mm, way 1 mm", &mut || {
+                finder.find(&x, &end, 1e-3, false, &|_| false).len()
+            });
             let found = finder.find(&x, &end, 1e-3, false, &|_| false);
             println!("    {} + {}", found.point_triangle.len(), found.edge_edge.len());
             let mut quads: Vec<Quad> = Vec::new();

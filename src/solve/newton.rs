@@ -25,7 +25,7 @@ pub struct NewtonOptions {
 
 impl Default for NewtonOptions {
     fn default() -> Self {
-        Self { tolerance: 3e-5, energy: 0.0, most_iterations: 30 }
+        Self { tolerance: 3e-5, energy: 0.0, most_iterations: 15 }
     }
 }
 

@@ -25,10 +25,10 @@ pub struct StepOptions {
 impl Default for StepOptions {
     fn default() -> Self {
         Self {
-            method: Method::Bdf2,
+            method: Method::BackwardEuler,
             newton: NewtonOptions::default(),
             error: 3e-4,
-            shortest: 1.0 / 2000.0,
+            shortest: 1.0 / 120.0,
             longest: 1.0,
         }
     }

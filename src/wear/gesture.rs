@@ -5,6 +5,7 @@
 //! fractions refer to, folds that can be opened again, what holds the cloth up) is the [`Posture`].
 
 use super::Drive;
+use crate::energy::Guide;
 use crate::error::{Error, Result};
 use crate::math::{Mat3, Vec3};
 
@@ -190,12 +191,24 @@ impl Gesture for Still {
     }
 }
 
-/// Guides are this stiff: the weight of the point bends them by half a millimetre.
+/// Guides are this stiff along their normal: without help the weight of the point would bend them by so much [m].
 const GUIDE_SAG: f64 = 5e-4;
+/// Stiffness of a guide across its normal, as a share of that along it.
+const GUIDE_SLIDE: f64 = 0.02;
 
-/// Stiffness of the guide of a point of `mass` [N/m].
-pub(super) fn guide_stiffness(mass: f64) -> f64 {
-    mass * super::GRAVITY / GUIDE_SAG
+/// The hand under a point of `mass`: draws it to `target`, stiffly along `normal`, and carries its weight.
+pub(super) fn hand(point: u32, target: Vec3, normal: Vec3, mass: f64) -> Guide {
+    let weight = Vec3::y() * (mass * super::GRAVITY);
+    let stiffness = mass * super::GRAVITY / GUIDE_SAG;
+    let slide = GUIDE_SLIDE * stiffness;
+    let along = normal * normal.dot(&weight);
+    let target = target + along / stiffness + (weight - along) / slide;
+    Guide { point, target, normal, stiffness, slide }
+}
+
+/// The hand on a point of `mass` that stays where it is.
+pub(super) fn palm(point: u32, place: Vec3, mass: f64) -> Guide {
+    Guide::round(point, place, mass * super::GRAVITY / GUIDE_SAG)
 }
 
 /// From 0 to 1 without a jerk at either end.

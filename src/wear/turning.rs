@@ -52,6 +52,12 @@ impl Axis {
         }
     }
 
+    /// Unit normal of the sheet at a place, when the sheets are turned by `phi` [rad].
+    pub fn normal(&self, place: &OnSheet, phi: f64) -> Vec3 {
+        let angle = if place.s < phi * place.depth { place.s / place.depth } else { phi };
+        self.out * angle.sin() - Vec3::y() * angle.cos()
+    }
+
     /// Where a place on a sheet is when the sheets are turned by `phi` [rad].
     pub fn turned(&self, place: &OnSheet, phi: f64) -> Vec3 {
         let r = place.depth;

@@ -5,7 +5,7 @@ use crate::energy::Guide;
 use crate::error::Result;
 use crate::math::Vec3;
 use crate::wear::Drive;
-use crate::wear::gesture::{Gesture, MadeFold, Posture, Scene, Start, guide_stiffness, smooth};
+use crate::wear::gesture::{Gesture, MadeFold, Posture, Scene, Start, hand, palm, smooth};
 use crate::wear::turning::{Axis, OnSheet};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -138,33 +138,26 @@ impl WearAction for Fold {
                 "move the line: fractions of the box run from 0 to 1, x to the right, y upward",
             ));
         }
-        let reach = flap.iter().map(|&p| beyond(&scene.x[p as usize])).fold(0.0, f64::max);
-        let height = |points: &mut dyn Iterator<Item = &u32>| {
-            points.map(|&p| scene.x[p as usize].y).fold(0.0, f64::max)
-        };
-        let flap_top = height(&mut flap.iter());
-        let rest_top = height(&mut rest.iter().filter(|&&p| beyond(&scene.x[p as usize]) > -reach));
-        let gap = 1.5 * scene.thickness;
-        // Turned over, the sheet at depth r below the axis lies r above it.
-        let axis_height = (0.5 * (flap_top + rest_top + gap)).max(flap_top + 0.5 * gap);
+        // The axis runs over the stack as it is along the line; bulges elsewhere are pressed down as the flap lands.
+        let mut heights: Vec<f64> = scene.x.iter().filter(|p| beyond(p).abs() < HAND).map(|p| p.y).collect();
+        heights.sort_unstable_by(f64::total_cmp);
+        let top =
+            heights.get((STACK_SHARE * heights.len() as f64) as usize).copied().unwrap_or(scene.thickness);
+        let axis_height = top + 0.75 * scene.thickness;
         let axis =
             Axis { origin: Vec3::new(a.x, axis_height, a.z), along, out, least_depth: 0.5 * scene.thickness };
         let guided = flap
             .iter()
             .map(|&p| {
                 let place = axis.on_sheet(&scene.x[p as usize], 0.0);
-                (p, place, guide_stiffness(scene.mass[p as usize]))
+                (p, place, scene.mass[p as usize])
             })
             .collect();
         // A hand on the part that stays, along the line.
         let stay = rest
             .iter()
             .filter(|&&p| beyond(&scene.x[p as usize]) > -HAND)
-            .map(|&p| Guide {
-                point: p,
-                target: scene.x[p as usize],
-                stiffness: guide_stiffness(scene.mass[p as usize]),
-            })
+            .map(|&p| palm(p, scene.x[p as usize], scene.mass[p as usize]))
             .collect();
         // The rest sleeps on the table while the flap is turned: nothing moves it.
         let held = scene.x.iter().map(|p| beyond(p) <= -HAND).collect();
@@ -188,13 +181,19 @@ impl WearAction for Fold {
 pub(in crate::wear) const HAND: f64 = 0.05;
 /// A step turns the flap by this angle at most [rad].
 pub(in crate::wear) const MOST_TURN: f64 = 0.12;
+/// Share of the points along the line that lie no higher than the stack; the others are bulges of older folds.
+const STACK_SHARE: f64 = 0.9;
+/// How long hands take to let go of a flap that lies [s].
+const LETTING_GO: f64 = 0.4;
+/// Drag of hands that let go [1/s].
+const HAND_DRAG: f64 = 20.0;
 /// Folds beyond this angle lie by themselves; others are held until they are opened or released [rad].
 const LIES_BEYOND: f64 = 3.0;
 
 /// A flap that is being turned over.
 struct Turn {
     axis: Axis,
-    /// Point, where on its sheet, stiffness of its guide [N/m].
+    /// Point, where on its sheet, its mass [kg].
     guided: Vec<(u32, OnSheet, f64)>,
     stay: Vec<Guide>,
     /// Points that sleep meanwhile, one flag per point.
@@ -207,24 +206,30 @@ struct Turn {
 impl Gesture for Turn {
     fn drive(&mut self, t: f64, _x: &[Vec3]) -> Drive {
         let turning = t <= self.over * (1.0 + 1e-9);
-        if !turning && self.made.angle > LIES_BEYOND {
+        let grip = if turning || self.made.angle <= LIES_BEYOND {
+            1.0
+        } else {
+            1.0 - smooth((t - self.over) / LETTING_GO)
+        };
+        if grip <= 0.0 {
             return self.resting.clone();
         }
         let phi = self.made.angle * smooth(t / self.over);
-        let flap = self.guided.iter().map(|(point, place, stiffness)| Guide {
-            point: *point,
-            target: self.axis.turned(place, phi),
-            stiffness: *stiffness,
+        let flap = self.guided.iter().map(|(point, place, mass)| {
+            hand(*point, self.axis.turned(place, phi), self.axis.normal(place, phi), *mass).scaled(grip)
         });
         // The smooth motion is 1.5 times as fast in the middle as on average.
-        let longest_step = if turning { MOST_TURN * self.over / (1.5 * self.made.angle) } else { 1.0 };
+        let longest_step =
+            if turning { MOST_TURN * self.over / (1.5 * self.made.angle) } else { LETTING_GO / 4.0 };
         let held = if turning { self.held.clone() } else { Vec::new() };
-        let guides = flap.chain(self.stay.iter().copied()).collect();
-        Drive { guides, held, longest_step, ..self.resting.clone() }
+        let stay = self.stay.iter().map(|guide| guide.scaled(grip));
+        // Hands that let go slow down what they held.
+        let drag = self.resting.drag + if turning { 0.0 } else { HAND_DRAG * grip };
+        Drive { guides: flap.chain(stay).collect(), held, drag, longest_step, ..self.resting.clone() }
     }
 
     fn breaks(&self) -> Vec<f64> {
-        vec![self.over]
+        vec![self.over, self.over + LETTING_GO]
     }
 
     fn end(&mut self, posture: &mut Posture, x: &[Vec3]) {

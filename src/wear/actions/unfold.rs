@@ -1,12 +1,11 @@
 //! `unfold`: folds are opened again, the last one first.
 
 use super::{Misfit, WearAction};
-use crate::energy::Guide;
 use crate::error::Result;
 use crate::math::Vec3;
 use crate::wear::Drive;
 use crate::wear::actions::fold::{HAND, MOST_TURN};
-use crate::wear::gesture::{Gesture, MadeFold, Posture, Scene, Start, guide_stiffness, smooth};
+use crate::wear::gesture::{Gesture, MadeFold, Posture, Scene, Start, hand, smooth};
 use crate::wear::turning::{Axis, OnSheet};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -98,7 +97,7 @@ struct Open {
 struct Opening {
     number: usize,
     axis: Axis,
-    /// Point, where on its sheet, stiffness of its guide [N/m].
+    /// Point, where on its sheet, its mass [kg].
     guided: Vec<(u32, OnSheet, f64)>,
     /// Points that sleep meanwhile: the rest, but for a strip along the line. One flag per point.
     held: Vec<bool>,
@@ -136,14 +135,17 @@ impl Open {
             .iter()
             .map(|&p| {
                 let place = axis.on_sheet(&x[p as usize], fold.angle);
-                (p, place, guide_stiffness(self.mass[p as usize]))
+                (p, place, self.mass[p as usize])
             })
             .collect();
         let deepest = guided.iter().map(|(_, place, _)| place.depth).fold(0.0, f64::max);
         let ground = self.resting.ground.unwrap_or(f64::NEG_INFINITY);
         let lift = (deepest + self.thickness - (between - ground)).max(0.0);
-        let held =
-            x.iter().zip(&in_flap).map(|(p, flap)| !flap && (p - fold.origin).dot(&fold.out) <= -HAND).collect();
+        let held = x
+            .iter()
+            .zip(&in_flap)
+            .map(|(p, flap)| !flap && (p - fold.origin).dot(&fold.out) <= -HAND)
+            .collect();
         Opening { number, axis, guided, held, lift }
     }
 }
@@ -160,16 +162,17 @@ impl Gesture for Open {
         let guides = opening
             .guided
             .iter()
-            .map(|(point, place, stiffness)| {
+            .map(|(point, place, mass)| {
                 // Lifted where it lies away from the line, so that the crease itself is not pulled.
                 let lift = opening.lift * done * (place.s / LIFT_RAMP).min(1.0);
-                let target = opening.axis.turned(place, angle * (1.0 - done)) + Vec3::y() * lift;
-                Guide { point: *point, target, stiffness: *stiffness }
+                let phi = angle * (1.0 - done);
+                let target = opening.axis.turned(place, phi) + Vec3::y() * lift;
+                hand(*point, target, opening.axis.normal(place, phi), *mass)
             })
             .collect();
         let held = opening.held.clone();
         self.under_way = Some(opening);
-        Drive { guides, longest_step: MOST_TURN * self.each / (1.5 * angle), ..self.resting.clone() }
+        Drive { guides, held, longest_step: MOST_TURN * self.each / (1.5 * angle), ..self.resting.clone() }
     }
 
     fn breaks(&self) -> Vec<f64> {
