@@ -40,6 +40,7 @@ pub struct StepFractions {
 
 impl StepFractions {
     /// The motion that may be made \[m\], one per point; none for what is not finite.
+    #[must_use]
     pub fn apply(&self, displacement: &[Vec3]) -> Vec<Vec3> {
         self.fraction
             .iter()

@@ -45,8 +45,8 @@ pub struct Contact {
     friction: Friction,
 }
 
-/// Share of the contact distance that no motion may undercut in one go.
-const FLOOR: f64 = 1e-3;
+/// Share of a point's height over the ground (or of the contact distance) that one move leaves at least.
+const FLOOR: f64 = 0.1;
 
 impl Contact {
     /// Contact for the mesh of `rest` points [m]. `area` per point [m²].
@@ -154,16 +154,33 @@ impl Contact {
     pub fn bound_motion(&mut self, x: &[Vec3], d: &mut [Vec3]) {
         for (height, side) in self.planes() {
             for (x, d) in x.iter().zip(d.iter_mut()) {
-                let (gap, way) = (side * (x.y - height), side * d.y);
-                let floor = (FLOOR * self.settings.distance).min(0.5 * gap);
-                if gap + way < floor && way < 0.0 {
-                    *d *= ((gap - floor) / -way).clamp(0.0, 1.0);
-                }
+                *d *= self.plane_share(x, d, height, side);
             }
         }
         if let Some(layers) = &mut self.layers {
             layers.bound_motion(x, d);
         }
+    }
+
+    /// The same with one share for all points: the direction stays what it was.
+    pub fn bound_together(&mut self, x: &[Vec3], d: &mut [Vec3]) {
+        let mut share: f64 = 1.0;
+        for (height, side) in self.planes() {
+            for (x, d) in x.iter().zip(d.iter()) {
+                share = share.min(self.plane_share(x, d, height, side));
+            }
+        }
+        d.iter_mut().for_each(|d| *d *= share);
+        if let Some(layers) = &mut self.layers {
+            layers.bound_together(x, d);
+        }
+    }
+
+    /// Share of the move `d` from `x` that stays off a plane.
+    fn plane_share(&self, x: &Vec3, d: &Vec3, height: f64, side: f64) -> f64 {
+        let (gap, way) = (side * (x.y - height), side * d.y);
+        let floor = FLOOR * self.settings.distance.min(gap);
+        if way < 0.0 && gap + way < floor { ((gap - floor) / -way).clamp(0.0, 1.0) } else { 1.0 }
     }
 
     /// Per point: the part of its area that nothing covers from above, as seen from above [m²].

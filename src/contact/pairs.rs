@@ -1,7 +1,8 @@
 //! Cloth against cloth: point-triangle and edge-edge pairs within the contact distance, and the bound on motion.
 
-use super::candidates::{CandidateFinder, Candidates, PairKind};
-use super::{ContactSettings, FLOOR};
+use super::ContactSettings;
+use super::bound::local_step_fractions;
+use super::candidates::{CandidateFinder, Candidates, PairKind, Quad};
 use crate::math::Vec3;
 use crate::mesh::distance::Gap;
 use crate::mesh::tree::TriangleTree;
@@ -51,8 +52,8 @@ pub(super) struct PairContact {
 const REST_SHARE: f64 = 0.9;
 /// Candidates reach this many contact distances, so that the pattern of the linear system can look ahead.
 const CANDIDATE_MARGIN: f64 = 1.5;
-/// Rounds of shortening single points before all are shortened alike.
-const MOST_ROUNDS: usize = 6;
+/// Share of a pair's gap (or of its contact distance, if that is less) that one move leaves at least.
+const KEPT_GAP: f64 = 0.25;
 
 impl PairContact {
     pub fn new(
@@ -165,42 +166,40 @@ impl PairContact {
 
     /// See [`super::Contact::bound_motion`].
     ///
-    /// Candidates are found for the way from x to x + d; every pair's safe share shortens its points; since points
-    /// that were cut differently move differently, candidates are found anew for what is left, until nothing is
-    /// cut. After a few rounds everything is shortened by one share, which is safe because along one common share
-    /// the ways are parts of ways already tested.
+    /// Candidates hold for any fractions of the moves; every point then gets the fraction that keeps its pairs
+    /// apart (`bound`). A pair may use up most of its gap in one go but not all of it: the barrier must have a say
+    /// before layers come really near, or a gain elsewhere would squeeze them to nothing.
     pub fn bound_motion(&mut self, x: &[Vec3], d: &mut [Vec3]) {
-        for round in 0.. {
-            let end: Vec<Vec3> = x.iter().zip(d.iter()).map(|(x, d)| x + d).collect();
-            let found = self.finder.find(x, &end, CANDIDATE_MARGIN * self.distance, true, &|_| false);
-            self.take(found);
-            let safe: Vec<f64> = self.pairs.par_iter().map(|pair| safe_share(x, d, pair)).collect();
-            let least = safe.iter().copied().fold(1.0, f64::min);
-            if least >= 1.0 {
-                return;
-            }
-            if round >= MOST_ROUNDS {
-                d.iter_mut().for_each(|d| *d *= least);
-                return;
-            }
-            let mut share = vec![1.0f64; x.len()];
-            for (pair, &safe) in self.pairs.iter().zip(&safe).filter(|(_, s)| **s < 1.0) {
-                for &p in &pair.points {
-                    share[p as usize] = share[p as usize].min(safe);
-                }
-            }
-            d.iter_mut().zip(share).for_each(|(d, s)| *d *= s);
-        }
+        let (quads, floors) = self.on_the_way(x, d, false);
+        let bounded = local_step_fractions(&quads, &floors, x, d).apply(d);
+        d.copy_from_slice(&bounded);
+    }
+
+    /// See [`super::Contact::bound_together`].
+    pub fn bound_together(&mut self, x: &[Vec3], d: &mut [Vec3]) {
+        let (quads, floors) = self.on_the_way(x, d, true);
+        let safe: Vec<f64> =
+            quads.par_iter().zip(&floors).map(|(quad, floor)| quad.step(x, d, *floor)).collect();
+        let least = safe.into_iter().fold(1.0, f64::min);
+        d.iter_mut().for_each(|d| *d *= least);
+    }
+
+    /// Takes up the candidates for the way from x to x + d: the pairs, and how near each may come.
+    fn on_the_way(&mut self, x: &[Vec3], d: &[Vec3], together: bool) -> (Vec<Quad>, Vec<f64>) {
+        let end: Vec<Vec3> = x.iter().zip(d).map(|(x, d)| x + d).collect();
+        let found = self.finder.find(x, &end, CANDIDATE_MARGIN * self.distance, together, &|_| false);
+        self.take(found);
+        self.pairs
+            .par_iter()
+            .map(|pair| {
+                let floor = KEPT_GAP * gap(x, &pair.points, pair.kind).distance.min(pair.reach);
+                (Quad { kind: pair.kind, points: pair.points.map(PointIndex) }, floor)
+            })
+            .unzip()
     }
 }
 
 #[inline]
 fn gap(x: &[Vec3], points: &[u32; 4], kind: PairKind) -> Gap {
     kind.gap(&points.map(|p| x[p as usize]))
-}
-
-/// Share of the move along which the pair stays apart.
-fn safe_share(x: &[Vec3], d: &[Vec3], pair: &Pair) -> f64 {
-    let floor = FLOOR * pair.reach;
-    pair.kind.step(pair.points.map(|p| x[p as usize]), pair.points.map(|p| d[p as usize]), floor)
 }

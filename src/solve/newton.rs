@@ -76,6 +76,8 @@ pub struct Workspace {
     direct: Cholesky,
 }
 
+/// A line search that keeps less of the way than this has failed, and the way is cut differently.
+const LEAST_SHARE: f64 = 0.01;
 /// Contacts up to this many times their distance get a place in a new pattern, so that it lasts.
 const PATTERN_MARGIN: f64 = 1.5;
 
@@ -240,7 +242,7 @@ impl Problem<'_> {
             let clock = std::time::Instant::now();
             let direction = self.direction(x, &g, work);
             report.seconds[1] += clock.elapsed().as_secs_f64();
-            let Some(mut d) = direction else { break };
+            let Some(d) = direction else { break };
             report.iterations += 1;
             report.last_move = d.iter().map(|d| d.norm()).fold(0.0, f64::max);
             if !report.last_move.is_finite() {
@@ -248,16 +250,28 @@ impl Problem<'_> {
             }
             let decrement: f64 = -g.iter().zip(&d).map(|(g, d)| g.dot(d)).sum::<f64>();
             let done = report.last_move <= options.tolerance || decrement <= options.energy;
-            let clock = std::time::Instant::now();
-            contact.bound_motion(x, &mut d);
-            report.seconds[2] += clock.elapsed().as_secs_f64();
-            let clock = std::time::Instant::now();
-            let slope: f64 = g.iter().zip(&d).map(|(g, d)| g.dot(d)).sum();
-            let moved = self.line_search(x, &d, slope, &mut value, contact);
-            report.seconds[0] += clock.elapsed().as_secs_f64();
+            let mut moved = 0.0;
+            // Single points cut short first; if that spoils the direction, all cut alike, which cannot.
+            for together in [false, true] {
+                let clock = std::time::Instant::now();
+                let mut way = d.clone();
+                if together {
+                    contact.bound_together(x, &mut way);
+                } else {
+                    contact.bound_motion(x, &mut way);
+                }
+                report.seconds[2] += clock.elapsed().as_secs_f64();
+                let clock = std::time::Instant::now();
+                let slope: f64 = g.iter().zip(&way).map(|(g, d)| g.dot(d)).sum();
+                moved = self.line_search(x, &way, slope, &mut value, contact);
+                report.seconds[0] += clock.elapsed().as_secs_f64();
+                if moved > LEAST_SHARE {
+                    break;
+                }
+            }
             if done || moved == 0.0 {
                 // A direction along which phi no longer falls to rounding is as good as converged.
-                report.converged = done || slope.abs() <= 1e-12 * value.size.max(f64::MIN_POSITIVE);
+                report.converged = done || decrement.abs() <= 1e-12 * value.size.max(f64::MIN_POSITIVE);
                 break;
             }
         }
