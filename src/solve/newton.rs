@@ -25,7 +25,7 @@ pub struct NewtonOptions {
 
 impl Default for NewtonOptions {
     fn default() -> Self {
-        Self { tolerance: 3e-5, energy: 0.0, most_iterations: 15 }
+        Self { tolerance: 3e-5, energy: 0.0, most_iterations: 6 }
     }
 }
 
@@ -38,6 +38,8 @@ pub struct NewtonReport {
     pub converged: bool,
     /// Largest move the last iteration asked for [m].
     pub last_move: f64,
+    /// Energy that the last iteration still had to gain [J].
+    pub left: f64,
     /// Largest gradient entry over the free points at the end [N].
     pub residual: f64,
     /// Seconds spent: assembling, factorising and solving, contact search and bounds.
@@ -249,6 +251,7 @@ impl Problem<'_> {
                 break;
             }
             let decrement: f64 = -g.iter().zip(&d).map(|(g, d)| g.dot(d)).sum::<f64>();
+            report.left = decrement;
             let done = report.last_move <= options.tolerance || decrement <= options.energy;
             let mut moved = 0.0;
             // Single points cut short first; if that spoils the direction, all cut alike, which cannot.

@@ -28,7 +28,7 @@ impl Default for StepOptions {
             method: Method::BackwardEuler,
             newton: NewtonOptions::default(),
             error: 3e-4,
-            shortest: 1.0 / 120.0,
+            shortest: 1.0 / 30.0,
             longest: 1.0,
         }
     }
@@ -47,7 +47,7 @@ pub struct StepReport {
     pub newton: NewtonReport,
     /// Tries that were thrown away.
     pub rejected: usize,
-    /// Whether Newton converged (it need not at the shortest step).
+    /// Whether Newton converged, or nearly (it need not at the shortest step).
     pub converged: bool,
 }
 
@@ -97,11 +97,13 @@ impl Stepper {
             let error = step_error(&next, state, h, self.options.method);
             let last_chance = h <= self.options.shortest * 1.001;
             let too_coarse = error > 4.0 * self.options.error;
-            if (report.converged && !too_coarse) || last_chance {
+            // Little enough is left to go on from here in the next step.
+            let settled = report.converged || report.left <= ENOUGH * self.options.newton.energy;
+            if (settled && !too_coarse) || last_chance {
                 let exponent = 1.0 / f64::from(self.options.method.order() + 1);
                 let wanted = (0.8 * self.options.error / error.max(1e-12)).powf(exponent).clamp(0.3, 1.9);
-                // Many iterations mean a hard step: do not grow into it.
-                let growth = if report.iterations > 12 { wanted.min(1.0) } else { wanted };
+                // A step that did not converge is a hard one: do not grow into the next.
+                let growth = if settled { wanted } else { wanted.min(1.0) };
                 *state = next;
                 return StepReport {
                     step: h,
@@ -109,10 +111,15 @@ impl Stepper {
                     error,
                     newton: total,
                     rejected,
-                    converged: report.converged,
+                    converged: settled,
                 };
             }
-            h = (0.5 * h).max(self.options.shortest);
+            // Trying every half on the way down costs more than the shortest step itself.
+            h = if report.converged {
+                (0.5 * h).max(self.options.shortest)
+            } else {
+                self.options.shortest.min(0.5 * h)
+            };
         }
         unreachable!("the shortest step is always accepted")
     }
@@ -197,6 +204,10 @@ impl Stepper {
         problem.solve(x, &mut self.contact, newton, &mut self.work)
     }
 }
+
+/// A step that ran out of iterations counts as settled when what is left to gain is below this many times what
+/// convergence asks for.
+const ENOUGH: f64 = 30.0;
 
 /// Local error of a step [m], root mean square over the points: against extrapolation of the same order.
 fn step_error(next: &State, state: &State, h: f64, method: Method) -> f64 {

@@ -10,7 +10,7 @@ use crease::math::{Vec2, Vec3};
 use crease::solve::{Method, NewtonOptions, Previous, Problem, State, Workspace};
 
 /// Newton works until rounding [m]: the tests look at the integrator, not at the solver's tolerance.
-const NEWTON: NewtonOptions = NewtonOptions { tolerance: 1e-13, most_iterations: 30 };
+const NEWTON: NewtonOptions = NewtonOptions { tolerance: 1e-13, energy: 0.0, most_iterations: 30 };
 
 /// One step of `h` seconds under `terms`; the state's angles are left as they were.
 fn advance(
@@ -76,7 +76,13 @@ fn orders(errors: &[f64]) -> Vec<f64> {
 const OMEGA: f64 = std::f64::consts::TAU;
 
 /// A linear spring to the origin, of `OMEGA` for 1 kg.
-const SPRING: [Guide; 1] = [Guide { point: 0, target: Vec3::new(0.0, 0.0, 0.0), stiffness: OMEGA * OMEGA }];
+const SPRING: [Guide; 1] = [Guide {
+    point: 0,
+    target: Vec3::new(0.0, 0.0, 0.0),
+    normal: Vec3::new(0.0, 1.0, 0.0),
+    stiffness: OMEGA * OMEGA,
+    slide: OMEGA * OMEGA,
+}];
 
 /// x + i v / omega of an oscillator that starts at x = 1, after each of `steps` steps of omega h = `z`.
 fn oscillate(method: Method, z: f64, steps: usize) -> Vec<[f64; 2]> {

@@ -74,7 +74,7 @@ impl Scene {
         let mut span = pseudo_time;
         for _ in 0..24 {
             let start = x.to_vec();
-            let newton = NewtonOptions { tolerance: 1e3 * tolerance, most_iterations: 3 };
+            let newton = NewtonOptions { tolerance: 1e3 * tolerance, energy: 0.0, most_iterations: 3 };
             let report = self.terms(&start, |terms| {
                 let inertia = Some((&self.mass[..], &start[..], span));
                 let problem = Problem { inertia, terms, held: &self.held, regularisation: 0.0 };
@@ -83,7 +83,7 @@ impl Scene {
             total.add(&report);
             span *= 2.0;
         }
-        let newton = NewtonOptions { tolerance, most_iterations: 200 };
+        let newton = NewtonOptions { tolerance, energy: 0.0, most_iterations: 200 };
         let start = x.to_vec();
         total.add(&self.terms(&start, |terms| balance(terms, x, &self.held, 0.0, newton)));
         total
