@@ -99,11 +99,13 @@ impl Stepper {
             let too_coarse = error > 4.0 * self.options.error;
             // Little enough is left to go on from here in the next step.
             let settled = report.converged || report.left <= ENOUGH * self.options.newton.energy;
-            if (settled && !too_coarse) || last_chance {
+            // What barely moves is pressed fast: smaller steps would not loosen it.
+            let stands = error <= self.options.error;
+            if (settled && !too_coarse) || stands || last_chance {
                 let exponent = 1.0 / f64::from(self.options.method.order() + 1);
                 let wanted = (0.8 * self.options.error / error.max(1e-12)).powf(exponent).clamp(0.3, 1.9);
                 // A step that did not converge is a hard one: do not grow into the next.
-                let growth = if settled { wanted } else { wanted.min(1.0) };
+                let growth = if settled || stands { wanted } else { wanted.min(1.0) };
                 *state = next;
                 return StepReport {
                     step: h,
