@@ -1,15 +1,17 @@
-//! How two pieces of cloth push apart: a spring within the contact distance that becomes a logarithmic wall in the
-//! inner half of it (the activation function of Chen et al. 2025, "Offset Geometric Contact", eq. 18).
+//! How two pieces of cloth push apart: a spring within the contact distance that becomes a steep wall in the inner
+//! half of it. The spring and where it ends follow Chen et al. 2025 ("Offset Geometric Contact", eq. 18); the wall
+//! does not: theirs is a logarithm, which is so flat that a gain elsewhere squeezed single pairs to nanometres, where
+//! any sliding jams them (`docs/decisions.md`). With u = 2 d / r:
 //!
 //! ```text
-//! b(d) = k/2 (r - d)²                          r/2 <= d <= r
-//! b(d) = -k r²/4 ln(2 d / r) + k r²/8          0 < d < r/2
+//! b(d) = k/2 (r - d)²                                  r/2 <= d <= r
+//! b(d) = k r²/4 (u^-3 / 12 - 3 u / 4 + 7/6)            0 < d < r/2
 //! ```
 //!
 //! Twice continuously differentiable at r/2. The spring is no stiffer than the loads ask for, so Newton sees a
 //! well-conditioned system; the wall is there for what was not foreseen.
 
-/// Energy [J] at distance `d` for contact distance `r` [m] and stiffness `k` [N/m].
+/// Energy \[J\] at distance `d` for contact distance `r` \[m\] and stiffness `k` \[N/m\].
 #[inline]
 pub fn value(d: f64, r: f64, k: f64) -> f64 {
     if d >= r {
@@ -17,11 +19,12 @@ pub fn value(d: f64, r: f64, k: f64) -> f64 {
     } else if d >= 0.5 * r {
         0.5 * k * (r - d) * (r - d)
     } else {
-        0.125 * k * r * r - 0.25 * k * r * r * (2.0 * d / r).ln()
+        let u = 2.0 * d / r;
+        0.25 * k * r * r * (1.0 / (12.0 * u * u * u) - 0.75 * u + 7.0 / 6.0)
     }
 }
 
-/// Derivative by `d` [N]: never positive.
+/// Derivative by `d` \[N\]: never positive.
 #[inline]
 pub fn slope(d: f64, r: f64, k: f64) -> f64 {
     if d >= r {
@@ -29,11 +32,12 @@ pub fn slope(d: f64, r: f64, k: f64) -> f64 {
     } else if d >= 0.5 * r {
         -k * (r - d)
     } else {
-        -0.25 * k * r * r / d
+        let u = 2.0 * d / r;
+        -0.5 * k * r * (0.25 / (u * u * u * u) + 0.75)
     }
 }
 
-/// Second derivative by `d` [N/m]: never negative.
+/// Second derivative by `d` \[N/m\]: never negative.
 #[inline]
 pub fn curvature(d: f64, r: f64, k: f64) -> f64 {
     if d >= r {
@@ -41,7 +45,8 @@ pub fn curvature(d: f64, r: f64, k: f64) -> f64 {
     } else if d >= 0.5 * r {
         k
     } else {
-        0.25 * k * r * r / (d * d)
+        let u = 2.0 * d / r;
+        k / (u * u * u * u * u)
     }
 }
 
