@@ -22,6 +22,10 @@ use crate::wear::GRAVITY;
 /// The memory is let in by this many equal shares: a crease of 170 degrees at once would be a jump.
 const SHARES: u32 = 6;
 
+/// Converged, too, when what energy is left to gain would not lift the garment by this [m]: a tenth of what a step
+/// asks for, far below what shows.
+const SLACK: f64 = 3e-7;
+
 /// Displacement of every point from the source pose [m].
 pub(super) fn bring_home(
     garment: &Garment,
@@ -45,7 +49,8 @@ pub(super) fn bring_home(
         .collect();
     let mut x = garment.points.clone();
     let mut angle = memory.source_angle.clone();
-    let newton = NewtonOptions { tolerance: 1e-5, energy: 0.0, most_iterations: 60 };
+    let weight = stepper.cloth.mass.iter().sum::<f64>() * GRAVITY;
+    let newton = NewtonOptions { tolerance: 1e-5, energy: SLACK * weight, most_iterations: 60 };
     for share in 1..=SHARES {
         let part = f64::from(share) / f64::from(SHARES);
         let partial = share_of(memory, part);
