@@ -11,7 +11,7 @@ use crate::fabric::{EventCount, Fabric};
 use crate::garment::{Garment, RestShape, WornGarment};
 use crate::math::Vec3;
 use crate::memory::{Memory, Observed, Remembering};
-use crate::solve::{Cloth, Method, State, StepOptions, Stepper};
+use crate::solve::{Cloth, State, StepOptions, Stepper};
 use crate::wear::{GRAVITY, Gesture, Posture, Scene, WearScript};
 use std::time::Instant;
 
@@ -304,9 +304,4 @@ impl Run<'_> {
         let sum: f64 = self.state.v.iter().map(|v| v.norm_squared()).sum();
         (sum / self.garment.points.len() as f64).sqrt() < REST_SPEED
     }
-}
-
-/// The integrator of that name.
-pub fn method_named(name: &str) -> Option<Method> {
-    Method::named(name)
 }

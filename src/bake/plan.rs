@@ -2,7 +2,7 @@
 
 use crate::fabric::Fabric;
 use crate::garment::Garment;
-use crate::math::Vec3;
+use crate::math::bounds;
 use crate::wear::{Action, GRAVITY, WearScript};
 
 /// One decision.
@@ -104,12 +104,6 @@ impl Plan {
         say("body", false, "no body was given".into());
         Self { stretch, contact_distance, contact_stiffness, layers_meet, choices }
     }
-}
-
-fn bounds(x: &[Vec3]) -> (Vec3, Vec3) {
-    x.iter().fold((Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)), |(low, high), p| {
-        (low.inf(p), high.sup(p))
-    })
 }
 
 /// Mean edge length of the source shape [m].

@@ -98,17 +98,12 @@ impl Contact {
         [(self.ground, 1.0), (self.ceiling, -1.0)].into_iter().filter_map(|(h, side)| h.map(|h| (h, side)))
     }
 
-    /// Sets the stiffness per area [N/m³].
-    pub fn set_stiffness(&mut self, stiffness: f64) {
-        self.settings.stiffness = stiffness;
-        if let Some(layers) = &mut self.layers {
-            layers.set_stiffness(stiffness);
-        }
-    }
-
-    /// Starts a step of `h` seconds at `x`: normal forces for friction are taken here. Without slip velocity
+    /// Starts a step of `h` seconds at `x`, before any value is asked for: finds who is near; normal forces for friction are taken here. Without slip velocity
     /// (equilibria) pass an infinite step and there is no friction. `share` scales the friction coefficients.
     pub fn begin_step(&mut self, x: &[Vec3], h: f64, share: f64) {
+        if let Some(layers) = &mut self.layers {
+            layers.look_around(x);
+        }
         self.friction.sliders.clear();
         if !h.is_finite() || share <= 0.0 {
             return;
@@ -129,9 +124,8 @@ impl Contact {
             }
         }
         if self.settings.friction > 0.0
-            && let Some(layers) = &mut self.layers
+            && let Some(layers) = &self.layers
         {
-            layers.look_around(x);
             let limit = share * self.settings.friction;
             self.friction.sliders.extend(layers.touches(x).into_iter().map(|t| Slider {
                 points: t.points,
@@ -139,13 +133,6 @@ impl Contact {
                 normal: t.normal,
                 limit: -limit * barrier::slope(t.distance, t.reach, t.stiffness),
             }));
-        }
-    }
-
-    /// Finds who is near at `x`. Needed once before values are asked for.
-    pub fn look_around(&mut self, x: &[Vec3]) {
-        if let Some(layers) = &mut self.layers {
-            layers.look_around(x);
         }
     }
 
@@ -189,11 +176,6 @@ impl Contact {
             Some(layers) => layers.uncovered_area(x),
             None => vec![0.0; x.len()],
         }
-    }
-
-    /// Number of candidate pairs of the last search.
-    pub fn pair_count(&self) -> usize {
-        self.layers.as_ref().map_or(0, PairContact::pair_count)
     }
 
     fn ground_stiffness(&self, p: usize) -> f64 {

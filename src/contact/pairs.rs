@@ -84,14 +84,6 @@ impl PairContact {
         }
     }
 
-    pub fn pair_count(&self) -> usize {
-        self.pairs.len()
-    }
-
-    pub fn set_stiffness(&mut self, stiffness: f64) {
-        self.stiffness = stiffness;
-    }
-
     fn take(&mut self, found: Candidates) {
         let point = |&[p, f]: &[u32; 2]| {
             let t = self.triangles[f as usize].map(|c| c.0);

@@ -108,25 +108,17 @@ impl Membrane {
         let rest = memory.rest_stretch_warp.iter().zip(&memory.rest_stretch_weft);
         let target = rest
             .enumerate()
-            .map(|(f, (&u, &v))| match last.get(f) {
-                Some(c) if share > 0.0 => {
-                    [u, v, 0.0].iter().zip(c).map(|(r, c)| (r + share * c) / (1.0 + share)).collect_array()
+            .map(|(f, (&u, &v))| {
+                let rest = [u, v, 0.0];
+                match last.get(f) {
+                    Some(c) if share > 0.0 => {
+                        std::array::from_fn(|k| (rest[k] + share * c[k]) / (1.0 + share))
+                    }
+                    _ => rest,
                 }
-                _ => [u, v, 0.0],
             })
             .collect();
         MembraneTerm { model: self, target, factor: 1.0 + share }
-    }
-}
-
-/// Three numbers out of an iterator of three.
-trait CollectArray {
-    fn collect_array(self) -> [f64; 3];
-}
-
-impl<I: Iterator<Item = f64>> CollectArray for I {
-    fn collect_array(mut self) -> [f64; 3] {
-        std::array::from_fn(|_| self.next().unwrap_or(0.0))
     }
 }
 

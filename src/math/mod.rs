@@ -8,3 +8,10 @@ pub type Vec2 = nalgebra::Vector2<f64>;
 pub type Mat3 = nalgebra::Matrix3<f64>;
 /// 4 x 4 affine transform (column vectors).
 pub type Mat4 = nalgebra::Matrix4<f64>;
+
+/// Lowest and highest corner of the box around points [m].
+pub fn bounds(x: &[Vec3]) -> (Vec3, Vec3) {
+    x.iter().fold((Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)), |(low, high), p| {
+        (low.inf(p), high.sup(p))
+    })
+}

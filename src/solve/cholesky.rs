@@ -83,11 +83,6 @@ impl Cholesky {
         }
     }
 
-    /// Numbers in the factor.
-    pub fn factor_len(&self) -> usize {
-        self.factor.len()
-    }
-
     fn analyse(&mut self, matrix: &BlockMatrix, positions: &[Vec3]) -> Result<(), FactorError> {
         let blocks = matrix.row_count();
         let n = 3 * blocks;

@@ -218,7 +218,7 @@ impl Problem<'_> {
         None
     }
 
-    /// Minimises phi from `x`, in place. Every intermediate position keeps layers apart if the first did.
+    /// Minimises phi from `x`, in place, where `contact` has begun its step. Every intermediate position keeps layers apart if the first did.
     pub fn solve(
         &self,
         x: &mut [Vec3],
@@ -231,9 +231,6 @@ impl Problem<'_> {
             report.converged = true;
             return report;
         }
-        let clock = std::time::Instant::now();
-        contact.look_around(x);
-        report.seconds[2] += clock.elapsed().as_secs_f64();
         let mut value = self.value(x, contact);
         for _ in 0..options.most_iterations {
             let clock = std::time::Instant::now();

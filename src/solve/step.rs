@@ -85,13 +85,13 @@ impl Stepper {
         wished: f64,
     ) -> StepReport {
         let mut h = wished.min(self.options.longest);
+        let mut drive = drive_at(state.time + h, state);
+        if h > drive.longest_step {
+            h = drive.longest_step;
+            drive = drive_at(state.time + h, state);
+        }
         let mut total = NewtonReport::default();
         for rejected in 0.. {
-            let drive = drive_at(state.time + h, state);
-            if h > drive.longest_step && rejected == 0 {
-                h = drive.longest_step;
-                continue;
-            }
             let (next, report) = self.attempt(state, memory, &drive, h);
             total.add(&report);
             let error = step_error(&next, state, h, self.options.method);
@@ -122,6 +122,7 @@ impl Stepper {
             } else {
                 self.options.shortest.min(0.5 * h)
             };
+            drive = drive_at(state.time + h, state);
         }
         unreachable!("the shortest step is always accepted")
     }

@@ -7,7 +7,7 @@
 use super::Drive;
 use crate::energy::Guide;
 use crate::error::{Error, Result};
-use crate::math::{Mat3, Vec3};
+use crate::math::{Mat3, Vec3, bounds};
 
 /// What a gesture may know of the cloth.
 pub struct Scene<'a> {
@@ -72,13 +72,6 @@ impl Frame {
             upward: Vec3::new(0.0, 0.0, low.z - high.z),
         }
     }
-}
-
-/// Lowest and highest corner of the box around points [m].
-pub(super) fn bounds(x: &[Vec3]) -> (Vec3, Vec3) {
-    x.iter().fold((Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)), |(low, high), p| {
-        (low.inf(p), high.sup(p))
-    })
 }
 
 /// A fold that has been made and not opened.

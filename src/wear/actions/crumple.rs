@@ -2,8 +2,8 @@
 
 use super::WearAction;
 use crate::error::Result;
-use crate::math::Vec3;
-use crate::wear::gesture::{Gesture, Posture, Scene, Start, bounds, smooth};
+use crate::math::{Vec3, bounds};
+use crate::wear::gesture::{Gesture, Posture, Scene, Start, smooth};
 use crate::wear::{Ball, Drive};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -2,9 +2,9 @@
 
 use super::{Fraction2, WearAction};
 use crate::error::Result;
-use crate::math::{Mat3, Vec3};
+use crate::math::{Mat3, Vec3, bounds};
 use crate::wear::Drive;
-use crate::wear::gesture::{Frame, Posture, Scene, Start, Still, bounds};
+use crate::wear::gesture::{Frame, Posture, Scene, Start, Still};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -2,9 +2,9 @@
 
 use super::WearAction;
 use crate::error::Result;
-use crate::math::{Mat3, Vec3};
+use crate::math::{Mat3, Vec3, bounds};
 use crate::wear::Drive;
-use crate::wear::gesture::{Frame, Gesture, Posture, Scene, Start, bounds, smooth};
+use crate::wear::gesture::{Frame, Gesture, Posture, Scene, Start, smooth};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
