@@ -63,6 +63,7 @@ pub(super) fn bring_home(
         let terms: [&dyn Energy; 3] = [&membrane, &bending_term, &springs];
         let solved = stepper.equilibrium(&mut x, &terms, &newton, 0.0);
         report.solves += solved.iterations as u64;
+        report.local_solves += solved.local_iterations as u64;
         if !solved.converged && share == SHARES {
             report.warnings.push(format!(
                 "home: the equilibrium did not converge in {} iterations (last move {:.1e} m)",
