@@ -115,17 +115,17 @@ impl Arguments {
 
 /// The files of a bake.
 #[derive(Debug, PartialEq, Eq)]
-struct BakeOutputs {
+pub(super) struct BakeOutputs {
     /// OUT.glb
-    worn: PathBuf,
+    pub(super) worn: PathBuf,
     /// OUT.crease.json
-    sidecar: PathBuf,
+    pub(super) sidecar: PathBuf,
     /// OUT.report.json
-    report: PathBuf,
+    pub(super) report: PathBuf,
 }
 
 impl BakeOutputs {
-    fn beside(worn: &Path) -> Self {
+    pub(super) fn beside(worn: &Path) -> Self {
         Self {
             sidecar: worn.with_extension("crease.json"),
             report: worn.with_extension("report.json"),
@@ -133,12 +133,12 @@ impl BakeOutputs {
         }
     }
 
-    fn paths(&self) -> [&Path; 3] {
+    pub(super) fn paths(&self) -> [&Path; 3] {
         [&self.worn, &self.sidecar, &self.report]
     }
 
     /// What worn meshes say of their sidecar: its name beside them.
-    fn extras(&self) -> Value {
+    pub(super) fn extras(&self) -> Value {
         let name = self.sidecar.file_name().map(|name| name.to_string_lossy().into_owned());
         json!({ "crease": { "sidecar": name } })
     }
@@ -267,7 +267,7 @@ fn script(file: &str, path: &Path) -> Result<WearScript> {
 }
 
 /// The faults of several errors as one; an error that is no list of faults goes first.
-fn merged(errors: impl Iterator<Item = Error>) -> Error {
+pub(super) fn merged(errors: impl Iterator<Item = Error>) -> Error {
     let mut faults = Vec::new();
     for error in errors {
         match error {
@@ -302,7 +302,7 @@ impl Observer for Watcher<'_, '_> {
     }
 }
 
-fn use_threads(count: Option<NonZeroUsize>) -> Result<()> {
+pub(super) fn use_threads(count: Option<NonZeroUsize>) -> Result<()> {
     let Some(count) = count else { return Ok(()) };
     rayon::ThreadPoolBuilder::new()
         .num_threads(count.get())

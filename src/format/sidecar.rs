@@ -8,8 +8,8 @@
 //! Reading checks everything the rest of the crate relies on: version, lengths, index ranges, finite numbers.
 //! It does not check that the hinges are those of the triangles, nor that texture coordinates make sense.
 
-use crate::garment::{Garment, RestShape, WornGarment};
-use crate::math::Vec3;
+use crate::garment::{Garment, RestShape, WornGarment, corner_vertices};
+use crate::math::{Vec2, Vec3};
 use crate::mesh::PointIndex;
 use crate::{Error, Fault, Result};
 use schemars::JsonSchema;
@@ -92,6 +92,10 @@ pub struct SidecarMesh {
     /// has none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub source_uv: Option<Vec<[f64; 2]>>,
+    /// One per triangle: the source vertices at its corners, which tell its texture coordinates at seams. Left out by
+    /// versions before 0.1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub triangle_vertices: Option<Vec<[u32; 3]>>,
     /// Fields this version does not know.
     #[serde(flatten)]
     pub extra: Map<String, Value>,
@@ -120,6 +124,13 @@ pub struct SidecarTriangles {
     pub rest_stretch_warp: Vec<f64>,
     /// Rest length over that of new cloth along weft (+v) [-], 1 when new.
     pub rest_stretch_weft: Vec<f64>,
+    /// Angle from the warp to the side between the first two corners, in radians, counter-clockwise seen from where the
+    /// corners run counter-clockwise.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub warp_angle_rad: Option<Vec<f64>>,
+    /// After a transfer: how sure it is that the memory belongs there, 0 to 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub confidence: Option<Vec<f64>>,
     /// Fields this version does not know.
     #[serde(flatten)]
     pub extra: Map<String, Value>,
@@ -164,6 +175,7 @@ impl Sidecar {
                 triangles: garment.triangles.iter().map(|t| t.map(|p| p.0)).collect(),
                 source_point: garment.source_point.iter().map(|p| p.0).collect(),
                 source_uv: source_uv(asset),
+                triangle_vertices: Some(corner_vertices(asset, garment)),
                 extra: Map::new(),
             },
             hinges: SidecarHinges {
@@ -176,6 +188,8 @@ impl Sidecar {
             triangles: SidecarTriangles {
                 rest_stretch_warp: memory.rest_stretch_warp.clone(),
                 rest_stretch_weft: memory.rest_stretch_weft.clone(),
+                warp_angle_rad: Some(garment.material.iter().map(warp_angle).collect()),
+                confidence: None,
                 extra: Map::new(),
             },
             points: SidecarPoints {
@@ -233,6 +247,19 @@ impl Sidecar {
             check.length("mesh.source_uv", uv.len(), vertices, "source vertices");
             check.finite("mesh.source_uv", uv);
         }
+        if let Some(corners) = &self.mesh.triangle_vertices {
+            check.length("mesh.triangle_vertices", corners.len(), triangles, "triangles");
+            check.indices("mesh.triangle_vertices", corners, vertices);
+        }
+        for (place, values) in [
+            ("triangles.warp_angle_rad", &self.triangles.warp_angle_rad),
+            ("triangles.confidence", &self.triangles.confidence),
+        ] {
+            if let Some(values) = values {
+                check.length(place, values.len(), triangles, "triangles");
+                check.finite(place, values.as_chunks::<1>().0);
+            }
+        }
         check.indices("hinges.points", &self.hinges.points, points);
         for (place, angles) in [
             ("hinges.source_angle_rad", &self.hinges.source_angle_rad),
@@ -287,6 +314,12 @@ fn source_uv(asset: &SourceAsset) -> Option<Vec<[f64; 2]>> {
         all.extend(piece.uvs.as_ref()?.iter().map(|uv| [uv.x, uv.y]));
     }
     Some(all)
+}
+
+/// Angle of the first side of a triangle laid flat, warp along x [rad].
+fn warp_angle(flat: &[Vec2; 3]) -> f64 {
+    let side = flat[1] - flat[0];
+    side.y.atan2(side.x)
 }
 
 /// What `format` a JSON text states, if it is an object that states one.
@@ -353,7 +386,7 @@ impl Check<'_> {
 
     fn indices<const N: usize>(&mut self, place: &str, rows: &[[u32; N]], count: usize) {
         if let Some(i) = rows.iter().position(|row| row.iter().any(|&p| p as usize >= count)) {
-            self.add(format!("{place}[{i}]"), format!("names a point beyond the last of {count}"));
+            self.add(format!("{place}[{i}]"), format!("names one beyond the last of {count}"));
         }
     }
 }
