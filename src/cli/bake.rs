@@ -4,6 +4,7 @@
 //! Everything that can be refused is refused before the long part: files are read, outputs tried, and the worn garment
 //! written once without wear.
 
+use super::also::{self, AlsoWanted};
 use super::arguments::{MeshReading, glb_path, positive};
 use super::frames::FrameFolder;
 use super::input;
@@ -44,6 +45,8 @@ pub struct Arguments {
     fabric: String,
     #[command(flatten)]
     reading: MeshReading,
+    #[command(flatten)]
+    also: AlsoWanted,
     /// Time integration
     #[arg(long, value_name = "NAME", default_value = default_method(), value_parser = method_parser())]
     method: Method,
@@ -154,6 +157,9 @@ pub fn run(arguments: Arguments) -> Result<()> {
     for path in files.iter().flat_map(BakeOutputs::paths) {
         outputs.check(path)?;
     }
+    if let Some(files) = &files {
+        arguments.also.check(&files.worn, &outputs)?;
+    }
     let mut job = Job::read(&arguments)?;
     if arguments.explain && !(arguments.json && files.is_some()) {
         explain(&job.plan(&arguments), arguments.json)?;
@@ -180,6 +186,8 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let glb = write_worn_glb(&job.mesh.asset, garment, &baked.worn, &extras)?;
     outputs.add(&files.worn, &glb)?;
     outputs.add(&files.sidecar, &write_sidecar(&job.sidecar(&baked.worn, arguments.run_note(&baked))?))?;
+    let asset = &job.mesh.asset;
+    report.also = arguments.also.add(&files.worn, &mut outputs, asset, garment, &baked.worn, &job.fabric)?;
     report.stages.add("read", read_s);
     report.stages.add("write", write_began.elapsed().as_secs_f64());
     report.wall_s = began.elapsed().as_secs_f64();
@@ -330,6 +338,7 @@ fn explain(plan: &Plan, as_json: bool) -> Result<()> {
 fn tell(arguments: &Arguments, files: &BakeOutputs, report: &Report) -> Result<()> {
     if !arguments.quiet && !arguments.json {
         report.warnings.iter().for_each(|warning| talk::say(&format!("warning: {warning}")));
+        also::tell(&report.also);
         talk::say(&format!(
             "{}: {} points, {:.1} s of wear in {} steps and {:.1} s; {} crossings",
             files.worn.display(),

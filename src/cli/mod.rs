@@ -3,6 +3,7 @@
 //! The only place that prints and the only one that opens files. stdout is data, stderr is talk. Exit codes: 0 done,
 //! 1 bad input, 2 wrong usage, 3 did not converge. A command is one file and one line in the list below.
 
+mod also;
 mod arguments;
 mod bake;
 mod fabric;

@@ -1,6 +1,7 @@
 //! `crease transfer`: memory that one garment earned, on another. Reads sidecars and a mesh, settles the mesh with what
 //! came over; writes the worn garment, its sidecar and the report, all or none.
 
+use super::also::{self, AlsoWanted};
 use super::arguments::{MeshReading, glb_path};
 use super::bake::{BakeOutputs, merged, use_threads};
 use super::input;
@@ -53,6 +54,8 @@ pub struct Arguments {
     fabric: Option<String>,
     #[command(flatten)]
     reading: MeshReading,
+    #[command(flatten)]
+    also: AlsoWanted,
     /// Threads; the result does not depend on them [default: as many as are of use]
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
@@ -132,6 +135,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     for path in files.paths() {
         outputs.check(path)?;
     }
+    arguments.also.check(&files.worn, &outputs)?;
     let mut job = Job::read(&arguments)?;
     let mut warnings = job.mesh.repairs();
     warnings.extend(job.mesh.embed_images(&arguments.to));
@@ -155,6 +159,8 @@ pub fn run(arguments: Arguments) -> Result<()> {
     outputs.add(&files.worn, &glb)?;
     let sidecar = job.sidecar(&arguments, &worn, &carried, &report)?;
     outputs.add(&files.sidecar, &write_sidecar(&sidecar))?;
+    let asset = &job.mesh.asset;
+    report.also = arguments.also.add(&files.worn, &mut outputs, asset, garment, &worn, &job.fabric)?;
     report.wall_s = began.elapsed().as_secs_f64();
     outputs.add(&files.report, report.to_json().as_bytes())?;
     outputs.commit()?;
@@ -283,6 +289,7 @@ fn tell(arguments: &Arguments, files: &BakeOutputs, report: &TransferReport) -> 
                 100.0 * source.losses.target_without_source,
             ));
         }
+        also::tell(&report.also);
         talk::say(&format!(
             "{}: {} points, confidence {:.2}, {:.1} s; {} crossings",
             files.worn.display(),

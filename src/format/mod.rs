@@ -6,12 +6,16 @@ mod frames;
 pub mod gltf;
 mod obj;
 mod read;
+mod shape_obj;
 mod sidecar;
+mod usda;
 
 pub use asset::{GltfDocument, Placement, SourceAsset, SourceFormat, SourcePiece, UpAxis};
 pub use frames::frame_obj;
 pub use read::{ReadOptions, read_asset};
+pub use shape_obj::{read_shape_obj, shape_obj};
 pub use sidecar::{
-    SIDECAR_FORMAT, Sidecar, SidecarHinges, SidecarMesh, SidecarPoints, SidecarSource, SidecarTriangles,
+    SIDECAR_FORMAT, Sidecar, SidecarChecksums, SidecarHinges, SidecarMesh, SidecarPoints, SidecarSource, SidecarTriangles,
     SidecarUp, read_sidecar, write_sidecar,
 };
+pub use usda::{UsdaMemory, read_usda, usda, wrapped_deg};

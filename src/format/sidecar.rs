@@ -6,15 +6,17 @@
 //! (x0 x1 the shared edge, x2 x3 opposite; 0 rad is flat). Fields this version does not know are kept and written again,
 //! so a later tool's notes survive an earlier one.
 //! Reading checks everything the rest of the crate relies on: version, lengths, index ranges, finite numbers.
-//! It does not check that the hinges are those of the triangles, nor that texture coordinates make sense.
+//! Checksums over the numbers tell an edited file from the one that was written; a file without them is taken as it is.
+//! It does not check that the hinges are those of the triangles (`transfer` does), nor that texture coordinates make sense.
 
 use crate::garment::{Garment, RestShape, WornGarment, corner_vertices};
-use crate::math::{Vec2, Vec3};
+use crate::math::{Vec2, Vec3, bounds};
 use crate::mesh::PointIndex;
 use crate::{Error, Fault, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
+use sha2::{Digest, Sha256};
 
 use super::asset::{SourceAsset, UpAxis};
 
@@ -39,6 +41,9 @@ pub struct Sidecar {
     pub triangles: SidecarTriangles,
     /// What happened to every point.
     pub points: SidecarPoints,
+    /// Tells whether the numbers are those that were written. Whoever changes a number on purpose leaves this out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub checksums: Option<SidecarChecksums>,
     /// The fabric, as `crease schema fabric` describes it.
     #[serde(default)]
     pub fabric: Value,
@@ -146,6 +151,20 @@ pub struct SidecarPoints {
     pub extra: Map<String, Value>,
 }
 
+/// SHA-256 over numbers, lower-case hex. Each list goes in as its length (64 bits), then its numbers row by row: indices in
+/// 32 bits, all others as 64-bit floats, little-endian. So spaces and the order of fields do not matter.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct SidecarChecksums {
+    /// Over `mesh.points_m`, `mesh.triangles`.
+    pub mesh_sha256: String,
+    /// Over `hinges.points`, `.source_angle_rad`, `.rest_angle_rad`, `.stiffness_ratio`, `triangles.rest_stretch_warp`,
+    /// `.rest_stretch_weft`, `points.displacement_m`.
+    pub memory_sha256: String,
+    /// Fields this version does not know.
+    #[serde(flatten)]
+    pub extra: Map<String, Value>,
+}
+
 impl Sidecar {
     /// The sidecar of `worn`, which is `garment`, which came from `asset`. `fabric`, `wear` and `run` go in as they are.
     /// Refused when the parts do not belong together or a number is not finite, as JSON cannot say so.
@@ -158,7 +177,7 @@ impl Sidecar {
         run: Value,
     ) -> Result<Self> {
         let memory = &worn.memory;
-        let sidecar = Self {
+        let mut sidecar = Self {
             format: SIDECAR_FORMAT.to_owned(),
             source: SidecarSource {
                 file: asset.file.clone(),
@@ -196,11 +215,13 @@ impl Sidecar {
                 displacement_m: worn.displacement.iter().map(|&d| d.into()).collect(),
                 extra: Map::new(),
             },
+            checksums: None,
             fabric,
             wear,
             run,
             extra: Map::new(),
         };
+        sidecar.checksums = Some(sidecar.own_checksums());
         sidecar.check(&asset.file)?;
         Ok(sidecar)
     }
@@ -227,6 +248,46 @@ impl Sidecar {
                 rest_stretch_weft: self.triangles.rest_stretch_weft.clone(),
             },
         }
+    }
+
+    /// The checksums of the numbers as they are now.
+    pub fn own_checksums(&self) -> SidecarChecksums {
+        let (hinges, triangles) = (&self.hinges, &self.triangles);
+        let mut mesh = ListHash::default();
+        mesh.floats(&self.mesh.points_m);
+        mesh.indices(&self.mesh.triangles);
+        let mut memory = ListHash::default();
+        memory.indices(&hinges.points);
+        for list in [
+            &hinges.source_angle_rad,
+            &hinges.rest_angle_rad,
+            &hinges.stiffness_ratio,
+            &triangles.rest_stretch_warp,
+            &triangles.rest_stretch_weft,
+        ] {
+            memory.floats(list.as_chunks::<1>().0);
+        }
+        memory.floats(&self.points.displacement_m);
+        SidecarChecksums { mesh_sha256: mesh.hex(), memory_sha256: memory.hex(), extra: Map::new() }
+    }
+
+    /// Why this is not the sidecar of `asset`, if it is not: its worn vertices are others, or elsewhere.
+    pub fn misfit(&self, asset: &SourceAsset) -> Option<String> {
+        let count: usize = asset.worn_pieces().map(|piece| piece.positions.len()).sum();
+        let listed = self.mesh.source_point.len();
+        if count != listed {
+            return Some(format!("is for a mesh of {listed} vertices, this one has {count}"));
+        }
+        let points = self.mesh_points();
+        let (low, high) = bounds(&points);
+        let slack = SAME_PLACE * (high - low).norm();
+        let vertices =
+            asset.worn_pieces().flat_map(|p| (0..p.positions.len()).map(|v| p.scene_position(v)));
+        let off = vertices.zip(&self.mesh.source_point).position(|(x, &point)| {
+            // A sidecar that was checked names existing points only.
+            x.zip(points.get(point as usize)).is_none_or(|(x, own)| (x - own).norm() > slack)
+        });
+        off.map(|v| format!("is for another mesh: vertex {v} is elsewhere"))
     }
 
     /// Every way in which the lists contradict each other, one fault for each list.
@@ -279,7 +340,55 @@ impl Sidecar {
         }
         check.length("points.displacement_m", self.points.displacement_m.len(), points, "points");
         check.finite("points.displacement_m", &self.points.displacement_m);
+        if check.faults.is_empty() {
+            check.faults.extend(self.checksum_faults(file));
+        }
         if check.faults.is_empty() { Ok(()) } else { Err(Error::Input(check.faults)) }
+    }
+}
+
+/// Vertices this close, as a share of the garment's diagonal, are at the same place: a hundred times the rounding of
+/// single precision, and what welding may move one.
+const SAME_PLACE: f64 = 2e-5;
+
+/// Cure for numbers that are not those that were written.
+const EDITED: &str = "bring the file back, or, if the change is meant, delete \"checksums\" from it";
+
+impl Sidecar {
+    fn checksum_faults(&self, file: &str) -> Vec<Fault> {
+        let Some(stated) = &self.checksums else { return Vec::new() };
+        let own = self.own_checksums();
+        [
+            ("mesh", &stated.mesh_sha256, &own.mesh_sha256),
+            ("memory", &stated.memory_sha256, &own.memory_sha256),
+        ]
+        .into_iter()
+        .filter(|(_, stated, own)| stated != own)
+        .map(|(part, _, _)| {
+            let what = format!("does not fit: the {part} is not the one this sidecar was written with");
+            Fault::new(file, format!("checksums.{part}_sha256"), what, EDITED)
+        })
+        .collect()
+    }
+}
+
+/// Hash over lists of numbers.
+#[derive(Default)]
+struct ListHash(Sha256);
+
+impl ListHash {
+    fn floats<const N: usize>(&mut self, rows: &[[f64; N]]) {
+        self.0.update((rows.len() as u64).to_le_bytes());
+        rows.iter().flatten().for_each(|x| self.0.update(x.to_le_bytes()));
+    }
+
+    fn indices<const N: usize>(&mut self, rows: &[[u32; N]]) {
+        self.0.update((rows.len() as u64).to_le_bytes());
+        rows.iter().flatten().for_each(|x| self.0.update(x.to_le_bytes()));
+    }
+
+    fn hex(self) -> String {
+        self.0.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
     }
 }
 

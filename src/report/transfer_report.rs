@@ -2,6 +2,7 @@
 //!
 //! Plain data, as the report of a bake; names that both have mean the same.
 
+use super::AlsoReport;
 use crate::transfer::{Carried, Losses, Region, Sheet};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -47,19 +48,6 @@ pub struct CarriedSource {
     /// What was lost.
     #[serde(flatten)]
     pub losses: Losses,
-}
-
-/// A file written on the side, as it was found when read back.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct AlsoReport {
-    /// The file.
-    pub file: String,
-    /// Largest difference to what it should carry, in `unit`.
-    pub largest_difference: f64,
-    /// The same, root mean square.
-    pub rms_difference: f64,
-    /// Unit of both.
-    pub unit: String,
 }
 
 impl TransferReport {
