@@ -28,7 +28,7 @@ pub mod memory;
 pub mod solve;
 
 pub mod bake;
-pub mod transfer;
 pub mod report;
+pub mod transfer;
 
 pub use error::{Error, Fault, Result};

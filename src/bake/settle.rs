@@ -25,7 +25,10 @@ pub struct Settled {
 }
 
 /// Tether of a rest mesh, as a share of that of a garment at home: only where it stays in space is held.
-const LOOSE: f64 = 1e-3;
+const LOOSE: f64 = 1e-4;
+/// Stretch stiffness of a rest mesh, as a share of the garment's: a memory is seldom the angles of a surface that exists,
+/// and lengths may give way by parts of a per cent before angles do.
+const SOFT: f64 = 0.1;
 
 /// Settles `garment` of `fabric` in its own pose with `memory` (one entry per hinge and triangle of it).
 pub fn settle(garment: &Garment, fabric: &Fabric, memory: &RestShape) -> Settled {
@@ -46,7 +49,8 @@ pub fn settle(garment: &Garment, fabric: &Fabric, memory: &RestShape) -> Settled
 /// The mesh of `garment`'s topology that best carries the rest angles of `memory`: displacements from the source pose.
 /// Layers may cross in it, as it is a shape to measure angles on and not to be seen.
 pub fn rest_mesh(garment: &Garment, fabric: &Fabric, memory: &RestShape) -> Settled {
-    let (cloth, _) = cloth_and_plan(garment, fabric);
+    let (mut cloth, plan) = cloth_and_plan(garment, fabric);
+    cloth.membrane.set_stiffness(plan.stretch.map(|k| k * SOFT));
     let contact = Contact::none(garment.points.len());
     rest(garment, fabric, memory, cloth, contact, LOOSE)
 }

@@ -57,7 +57,8 @@ impl AlsoWanted {
         for (kind, path) in self.paths(worn_path) {
             let file = kind.make(asset, garment, worn, fabric)?;
             outputs.add(&path, &file.bytes)?;
-            reports.push(AlsoReport { file: input::name_of(&path), ..file.report });
+            let named = |report| AlsoReport { file: input::name_of(&path), ..report };
+            reports.extend(file.reports.into_iter().map(named));
         }
         Ok(reports)
     }
@@ -68,7 +69,12 @@ pub fn tell(reports: &[AlsoReport]) {
     for also in reports {
         talk::say(&format!(
             "{}: {} off by {:.3} {} root mean square, {:.3} at most ({:.3} without it)",
-            also.file, also.compared, also.rms_difference, also.unit, also.largest_difference, also.rms_without
+            also.file,
+            also.compared,
+            also.rms_difference,
+            also.unit,
+            also.largest_difference,
+            also.rms_without
         ));
     }
 }

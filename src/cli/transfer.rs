@@ -200,9 +200,7 @@ impl Job {
         };
         match (mesh, fabric) {
             (Ok(mesh), Ok(fabric)) if errors.is_empty() => Ok(Self { mesh, sources, sidecars, fabric }),
-            (mesh, fabric) => {
-                Err(merged([mesh.err(), fabric.err()].into_iter().flatten().chain(errors)))
-            }
+            (mesh, fabric) => Err(merged([mesh.err(), fabric.err()].into_iter().flatten().chain(errors))),
         }
     }
 

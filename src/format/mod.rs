@@ -15,7 +15,7 @@ pub use frames::frame_obj;
 pub use read::{ReadOptions, read_asset};
 pub use shape_obj::{read_shape_obj, shape_obj};
 pub use sidecar::{
-    SIDECAR_FORMAT, Sidecar, SidecarChecksums, SidecarHinges, SidecarMesh, SidecarPoints, SidecarSource, SidecarTriangles,
-    SidecarUp, read_sidecar, write_sidecar,
+    SIDECAR_FORMAT, Sidecar, SidecarChecksums, SidecarHinges, SidecarMesh, SidecarPoints, SidecarSource,
+    SidecarTriangles, SidecarUp, read_sidecar, write_sidecar,
 };
 pub use usda::{UsdaMemory, read_usda, usda, wrapped_deg};

@@ -281,8 +281,7 @@ impl Sidecar {
         let points = self.mesh_points();
         let (low, high) = bounds(&points);
         let slack = SAME_PLACE * (high - low).norm();
-        let vertices =
-            asset.worn_pieces().flat_map(|p| (0..p.positions.len()).map(|v| p.scene_position(v)));
+        let vertices = asset.worn_pieces().flat_map(|p| (0..p.positions.len()).map(|v| p.scene_position(v)));
         let off = vertices.zip(&self.mesh.source_point).position(|(x, &point)| {
             // A sidecar that was checked names existing points only.
             x.zip(points.get(point as usize)).is_none_or(|(x, own)| (x - own).norm() > slack)
@@ -586,13 +585,21 @@ mod tests {
                 "triangles": [[0, 1, 2], [2, 1, 3]],
                 "source_point": [0, 1, 2, 3, 1],
                 "source_uv": [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]],
+                "triangle_vertices": [[0, 1, 2], [2, 4, 3]],
             },
             "hinges": {
                 "points": [[1, 2, 0, 3]],
                 "source_angle_rad": [0.0], "rest_angle_rad": [-0.7], "stiffness_ratio": [1.3],
             },
-            "triangles": {"rest_stretch_warp": [1.0, 1.01], "rest_stretch_weft": [1.02, 1.0]},
+            "triangles": {
+                "rest_stretch_warp": [1.0, 1.01], "rest_stretch_weft": [1.02, 1.0], "warp_angle_rad": [0.0, 0.0],
+            },
             "points": {"displacement_m": vec![[0.1, -2e-17, 3.0]; 4]},
+            // Worked out by another program (hashlib, struct).
+            "checksums": {
+                "mesh_sha256": "2e8741ed2bf166c98ebce1061d9a2510c24c2c794eb09eca4df5546056cbd41d",
+                "memory_sha256": "630fe8d1864e50bbad107f8045bdcaccda590a42aec99985587fa8bdfcefaf18",
+            },
             "fabric": {"name": "cotton"}, "wear": {"actions": []}, "run": {"seed": 7},
         });
         assert_eq!(example_json(), expected);
@@ -667,6 +674,41 @@ mod tests {
             assert!(message.contains(&format!(": {place}: ")), "{place} missing in\n{message}");
         }
         assert_eq!(message.lines().count(), 11, "{message}");
+    }
+
+    /// An edit by hand or by a program that does not know the format must not pass for the bake; one that is meant may.
+    #[test]
+    fn edited_numbers_are_refused_unless_the_checksums_go_too() {
+        let mut json = example_json();
+        json["hinges"]["rest_angle_rad"][0] = json!(-0.71);
+        let message = fault_of(&json);
+        assert!(message.contains("checksums.memory_sha256: does not fit"), "{message}");
+        assert!(message.contains("delete \"checksums\"") && message.lines().count() == 1, "{message}");
+        json["mesh"]["points_m"][0][0] = json!(0.5);
+        assert_eq!(fault_of(&json).lines().count(), 2);
+        json.as_object_mut().unwrap().remove("checksums");
+        assert!(read_sidecar("a", json.to_string().as_bytes()).is_ok());
+        // Layout is no content.
+        let pretty = serde_json::to_string_pretty(&example_json()).unwrap();
+        assert!(read_sidecar("a", pretty.as_bytes()).is_ok());
+    }
+
+    #[test]
+    fn a_sidecar_knows_its_mesh_from_another() {
+        let read = |text: &str| {
+            let options = crate::format::ReadOptions::default();
+            let mut nothing = |_: &str| Ok(Vec::new());
+            crate::format::read_asset("m.obj", text.as_bytes(), &options, &mut nothing).unwrap().0
+        };
+        let own = read("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+        let (garment, _) = Garment::from_asset(&own).unwrap();
+        let worn = WornGarment { displacement: vec![Vec3::zeros(); 3], memory: RestShape::flat(0, 1) };
+        let sidecar = Sidecar::new(&own, &garment, &worn, Value::Null, Value::Null, Value::Null).unwrap();
+        assert_eq!(sidecar.misfit(&own), None);
+        let moved = read("v 0 0 0\nv 1 0 0\nv 0 1.01 0\nf 1 2 3\n");
+        assert!(sidecar.misfit(&moved).unwrap().contains("vertex 2 is elsewhere"));
+        let more = read("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n");
+        assert!(sidecar.misfit(&more).unwrap().contains("3 vertices, this one has 4"));
     }
 
     #[test]

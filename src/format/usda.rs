@@ -75,7 +75,9 @@ pub fn read_usda(file: &str, bytes: &[u8]) -> Result<UsdaMemory> {
         let (_, values) = line.split_once(" = ").ok_or_else(missing)?;
         let words = values.split(['[', ']', '(', ')', ',', ' ']).filter(|word| !word.is_empty());
         let parsed: std::result::Result<Vec<f64>, _> = words.map(str::parse).collect();
-        parsed.map_err(|_| Error::fault(file, name, "holds something that is no number", "write the file again"))
+        parsed.map_err(|_| {
+            Error::fault(file, name, "holds something that is no number", "write the file again")
+        })
     };
     let pairs = numbers("physics:restAdjTriPairs")?;
     let points = numbers("physics:restShapePoints")?;
@@ -93,7 +95,8 @@ mod tests {
     #[test]
     fn angles_are_wrapped_to_the_half_open_turn() {
         use std::f64::consts::PI;
-        for (angle, degrees) in [(0.0, 0.0), (PI / 2.0, 90.0), (PI, -180.0), (-PI, -180.0), (3.5 * PI, -90.0)] {
+        for (angle, degrees) in [(0.0, 0.0), (PI / 2.0, 90.0), (PI, -180.0), (-PI, -180.0), (3.5 * PI, -90.0)]
+        {
             assert!((wrapped_deg(angle) - degrees).abs() < 1e-9, "{angle}: {}", wrapped_deg(angle));
         }
     }

@@ -175,10 +175,9 @@ impl TriangleTree {
         };
         let box_distance = |node: &BvhNode, _: f64| box_distance(node, &point);
         let distance_of = |f: u32| accept(f).then(|| gap(f).distance);
-        let (found, distance) =
-            self.bvh.find_best(just_above(most), box_distance, |f, _| distance_of(f))?;
-        let first = self
-            .least_leaf(|node| box_distance(node, 0.0) <= distance, |f| distance_of(f) == Some(distance));
+        let (found, distance) = self.bvh.find_best(just_above(most), box_distance, |f, _| distance_of(f))?;
+        let first =
+            self.least_leaf(|node| box_distance(node, 0.0) <= distance, |f| distance_of(f) == Some(distance));
         let triangle = first.unwrap_or(found);
         Some(Nearest { triangle, gap: gap(triangle) })
     }

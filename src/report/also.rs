@@ -43,7 +43,7 @@ pub struct AlsoFile {
     /// Its bytes.
     pub bytes: Vec<u8>,
     /// What it said when read back; the caller puts the file's name in.
-    pub report: AlsoReport,
+    pub reports: Vec<AlsoReport>,
 }
 
 /// A file written on the side, as it was found when read back.
@@ -91,13 +91,13 @@ impl Also {
         fabric: &Fabric,
     ) -> Result<AlsoFile> {
         let scene = Scene { asset, garment, worn };
-        let (bytes, report) = match self {
+        let (bytes, reports) = match self {
             Self::Obj => scene.worn_obj()?,
             Self::RestMesh => scene.rest_obj(fabric)?,
             Self::RestAngleMap => scene.rest_angle_map()?,
             Self::Usda => scene.usda(fabric)?,
         };
-        Ok(AlsoFile { ending: self.ending(), bytes, report })
+        Ok(AlsoFile { ending: self.ending(), bytes, reports })
     }
 }
 
@@ -108,27 +108,31 @@ struct Scene<'a> {
 }
 
 impl Scene<'_> {
-    fn worn_obj(&self) -> Result<(Vec<u8>, AlsoReport)> {
+    fn worn_obj(&self) -> Result<(Vec<u8>, Vec<AlsoReport>)> {
         let bytes = shape_obj(self.asset, self.garment, &self.worn.displacement);
         let back = self.points_of(&read_shape_obj("OUT.worn.obj", &bytes)?)?;
         let should: Vec<Vec3> = add(&self.garment.points, &self.worn.displacement);
         let off = |a: &[Vec3]| a.iter().zip(&should).map(|(a, b)| 1e3 * (a - b).norm()).collect::<Vec<_>>();
-        Ok((bytes, report("positions", "mm", &off(&back), &off(&self.garment.points), &vec![1.0; should.len()])))
+        let even = vec![1.0; should.len()];
+        Ok((bytes, vec![report("positions", "mm", &off(&back), &off(&self.garment.points), &even)]))
     }
 
-    fn rest_obj(&self, fabric: &Fabric) -> Result<(Vec<u8>, AlsoReport)> {
+    fn rest_obj(&self, fabric: &Fabric) -> Result<(Vec<u8>, Vec<AlsoReport>)> {
         let shape = rest_mesh(self.garment, fabric, &self.worn.memory);
         let bytes = shape_obj(self.asset, self.garment, &shape.displacement);
         let back = self.points_of(&read_shape_obj("OUT.rest.obj", &bytes)?)?;
-        Ok((bytes, self.angle_report(&back)))
+        Ok((bytes, self.shape_reports(&back)))
     }
 
-    fn usda(&self, fabric: &Fabric) -> Result<(Vec<u8>, AlsoReport)> {
+    fn usda(&self, fabric: &Fabric) -> Result<(Vec<u8>, Vec<AlsoReport>)> {
         let shape = rest_mesh(self.garment, fabric, &self.worn.memory);
         let memory = &self.worn.memory;
         let bytes = usda(self.garment, &self.worn.displacement, &shape.displacement, &memory.rest_angle);
         let back = read_usda("OUT.usda", &bytes)?;
         let hinges = &self.garment.topology.hinges;
+        if back.rest_points.len() != self.garment.points.len() {
+            return Err(Error::fault("OUT.usda", "physics:restShapePoints", "did not read back", ""));
+        }
         let same = back.pairs.iter().zip(hinges).filter(|(pair, h)| **pair == h.triangles).count();
         if same != hinges.len() || back.pairs.len() != hinges.len() || back.angles_deg.len() != hinges.len() {
             return Err(Error::fault("OUT.usda", "physics:restAdjTriPairs", "did not read back", ""));
@@ -142,10 +146,13 @@ impl Scene<'_> {
         };
         let with = off(&|h| back.angles_deg[h]);
         let without = off(&|h| wrapped_deg(memory.source_angle[h]));
-        Ok((bytes, report("rest angles of the pairs", "degrees", &with, &without, &self.lengths())))
+        let mut reports =
+            vec![report("rest angles of the pairs", "degrees", &with, &without, &self.lengths())];
+        reports.extend(self.shape_reports(&back.rest_points));
+        Ok((bytes, reports))
     }
 
-    fn rest_angle_map(&self) -> Result<(Vec<u8>, AlsoReport)> {
+    fn rest_angle_map(&self) -> Result<(Vec<u8>, Vec<AlsoReport>)> {
         let memory = &self.worn.memory;
         let bytes = write_rest_angle_map(self.asset, self.garment, memory)?;
         let options =
@@ -172,12 +179,28 @@ impl Scene<'_> {
         let with: Vec<f64> =
             hinges.zip(&memory.rest_angle).map(|(h, rest)| (of_edge(h) - rest.to_degrees()).abs()).collect();
         let what = "rest angles, of both ends of an edge the lesser magnitude";
-        Ok((bytes, report(what, "degrees", &with, &self.angles_off(&self.garment.points), &self.lengths())))
+        let without = self.angles_off(&self.garment.points);
+        Ok((bytes, vec![report(what, "degrees", &with, &without, &self.lengths())]))
     }
 
-    fn angle_report(&self, points: &[Vec3]) -> AlsoReport {
+    /// Of a rest shape: angles against the rest angles, lengths against those of the garment.
+    fn shape_reports(&self, points: &[Vec3]) -> Vec<AlsoReport> {
         let (with, without) = (self.angles_off(points), self.angles_off(&self.garment.points));
-        report("hinge angles of the mesh", "degrees", &with, &without, &self.lengths())
+        let lengths = self.lengths();
+        let length = |h: &crate::mesh::Hinge| (points[h.points[1].at()] - points[h.points[0].at()]).norm();
+        let strain: Vec<f64> = self
+            .garment
+            .topology
+            .hinges
+            .iter()
+            .zip(&lengths)
+            .map(|(h, own)| 100.0 * (length(h) / own.max(f64::MIN_POSITIVE) - 1.0).abs())
+            .collect();
+        let none = vec![0.0; strain.len()];
+        vec![
+            report("hinge angles of the rest shape", "degrees", &with, &without, &lengths),
+            report("edge lengths of the rest shape", "per cent", &strain, &none, &lengths),
+        ]
     }
 
     /// Per hinge: difference of its angle at `points` to its rest angle (degrees), whole turns left out.

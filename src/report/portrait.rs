@@ -107,7 +107,14 @@ impl Portrait {
             }
             memory
         });
-        Ok(Self { file: asset.file, before: garment.points, after, triangles: garment.triangles, memory, confidence: None })
+        Ok(Self {
+            file: asset.file,
+            before: garment.points,
+            after,
+            triangles: garment.triangles,
+            memory,
+            confidence: None,
+        })
     }
 
     /// The worn garment, seen by `camera`, in `size` = [width, height] pixels.

@@ -56,9 +56,8 @@ impl TransferReport {
         let memory = &carried.memory;
         let changes = memory.rest_angle.iter().zip(&memory.source_angle).map(|(rest, source)| rest - source);
         let areas = (0..target.triangles.len()).map(|f| target.normal(f).norm());
-        let (sum, area) = areas
-            .zip(&carried.confidence)
-            .fold((0.0, 0.0), |(sum, area), (a, c)| (sum + a * c, area + a));
+        let (sum, area) =
+            areas.zip(&carried.confidence).fold((0.0, 0.0), |(sum, area), (a, c)| (sum + a * c, area + a));
         Self {
             max_rest_angle_deg: changes.map(f64::abs).fold(0.0, f64::max).to_degrees(),
             max_stiffness_ratio: memory.stiffness_ratio.iter().copied().fold(1.0, f64::max),

@@ -7,8 +7,8 @@ use super::Sheet;
 use super::spread::Gathered;
 use crate::garment::RestShape;
 use crate::math::bounds;
-use serde::{Deserialize, Serialize};
 use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 /// Confidence of one region of the target.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -34,7 +34,8 @@ pub struct Losses {
 pub(super) fn regions(standing: &Sheet, confidence: &[f64]) -> Vec<Region> {
     let (low, high) = bounds(&standing.points);
     let outward = standing.outward();
-    let third = |x: f64, low: f64, high: f64| (3.0 * (x - low) / (high - low).max(1e-9)).clamp(0.0, 2.0) as usize;
+    let third =
+        |x: f64, low: f64, high: f64| (3.0 * (x - low) / (high - low).max(1e-9)).clamp(0.0, 2.0) as usize;
     let mut sums = [[0.0; 2]; 18];
     for (f, own) in confidence.iter().enumerate() {
         let middle = standing.corners(f).iter().sum::<crate::math::Vec3>() / 3.0;

@@ -73,7 +73,8 @@ pub(super) fn hinge_angles(sheet: &Sheet, wanted: &[PlaneTensor]) -> Vec<f64> {
         if area <= 0.0 {
             continue;
         }
-        let hinges = sheet.topology.triangle_edges[f].map(|e| sheet.topology.edge_hinge[e as usize].unwrap_or(NONE));
+        let hinges =
+            sheet.topology.triangle_edges[f].map(|e| sheet.topology.edge_hinge[e as usize].unwrap_or(NONE));
         let (columns, want) = columns(&sheet.corners(f), area, &hinges, *want);
         let gram: Matrix3<f64> = columns.transpose() * columns * area;
         let load = columns.transpose() * want * area;

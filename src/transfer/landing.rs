@@ -82,7 +82,8 @@ impl<'a> Finder<'a> {
         let (points, triangles, reach, gradients) = match (way, &source.uvs) {
             (Way::Texture, Some(uvs)) => {
                 let points: Vec<Vec3> = uvs.iter().flatten().map(|uv| Vec3::new(uv.x, uv.y, 0.0)).collect();
-                let triangles = (0..count as u32).map(|f| [0, 1, 2].map(|k| crate::mesh::PointIndex(3 * f + k)));
+                let triangles =
+                    (0..count as u32).map(|f| [0, 1, 2].map(|k| crate::mesh::PointIndex(3 * f + k)));
                 let (low, high) = bounds(&points);
                 let side = ((high - low).norm() / (count.max(1) as f64).sqrt()) * REACH_TRIANGLES;
                 let gradients = (0..count).map(|f| texture_gradient(&source.corners(f), &uvs[f])).collect();
@@ -96,7 +97,17 @@ impl<'a> Finder<'a> {
         };
         let tree = TriangleTree::new(&points, &triangles, 0.0);
         let slack = if way == Way::Texture { reach } else { REACH[0] * size };
-        Self { source, way, tree, points, normals: normals.collect(), open: open.collect(), gradients, reach, slack }
+        Self {
+            source,
+            way,
+            tree,
+            points,
+            normals: normals.collect(),
+            open: open.collect(),
+            gradients,
+            reach,
+            slack,
+        }
     }
 
     /// Where `place` lands, if anywhere.

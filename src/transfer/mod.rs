@@ -21,7 +21,7 @@ mod sheet;
 mod spread;
 mod stance;
 
-pub use confidence::{Region, Losses};
+pub use confidence::{Losses, Region};
 pub use sheet::Sheet;
 
 use crate::garment::RestShape;
@@ -305,8 +305,11 @@ fn carry_one(
     let both_textured = aligned.uvs.is_some() && standing.uvs.is_some();
     let way = match options.by {
         By::Uv if !both_textured => {
-            let what = if options.mirror_x { "mirrored, it has no texture coordinates that fit" }
-                else { "it and the target do not both have texture coordinates" };
+            let what = if options.mirror_x {
+                "mirrored, it has no texture coordinates that fit"
+            } else {
+                "it and the target do not both have texture coordinates"
+            };
             return Err(Error::fault(&source.file, "", what, "use --by surface"));
         }
         By::Uv => Way::Texture,
@@ -338,7 +341,10 @@ fn stiffness(target: &Sheet, gathered: &[spread::Gathered]) -> Vec<f64> {
     };
     let ratio = |h: &crate::mesh::Hinge| {
         // Both triangles count alike, however finely they were sampled.
-        let [a, b] = h.triangles.map(|f| side(f, h.edge)).map(|[sum, weight]| if weight > 0.0 { sum / weight } else { 1.0 });
+        let [a, b] = h
+            .triangles
+            .map(|f| side(f, h.edge))
+            .map(|[sum, weight]| if weight > 0.0 { sum / weight } else { 1.0 });
         2.0 / (a + b) - 1.0
     };
     target.topology.hinges.iter().map(ratio).collect()

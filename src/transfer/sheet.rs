@@ -62,9 +62,10 @@ impl Sheet {
             let corners = |t: &[PointIndex; 3]| t.map(|p| points[p.at()]);
             triangles.iter().zip(angles).map(|(t, &angle)| warp_of(&corners(t), angle)).collect()
         });
-        let uvs = sidecar.mesh.source_uv.as_ref().zip(sidecar.mesh.triangle_vertices.as_ref()).map(
-            |(uvs, corners)| corners.iter().map(|t| t.map(|v| Vec2::from(uvs[v as usize]))).collect(),
-        );
+        let uvs =
+            sidecar.mesh.source_uv.as_ref().zip(sidecar.mesh.triangle_vertices.as_ref()).map(
+                |(uvs, corners)| corners.iter().map(|t| t.map(|v| Vec2::from(uvs[v as usize]))).collect(),
+            );
         Ok((Self { points, triangles, topology, uvs, warp }, memory))
     }
 

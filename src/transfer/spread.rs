@@ -46,14 +46,16 @@ pub(super) struct Gathered {
 struct SourceFace {
     edges: [Vec3; 3],
     angle: [f64; 3],
-    compliance: [f64; 3],
+    /// `None` for an open side, which carries no stiffness.
+    compliance: [Option<f64>; 3],
 }
 
 /// Gathers for every triangle of `target`, standing aligned with the finder's source. `sign` is -1 where one of both
 /// garments has its normals inside.
 pub(super) fn gather(finder: &Finder, memory: &RestShape, target: &Sheet, sign: f64) -> Vec<Gathered> {
     let source = finder.source();
-    let faces: Vec<SourceFace> = (0..source.triangles.len()).map(|f| source_face(source, memory, f)).collect();
+    let faces: Vec<SourceFace> =
+        (0..source.triangles.len()).map(|f| source_face(source, memory, f)).collect();
     let source_area: f64 = (0..source.triangles.len()).map(|f| 0.5 * source.normal(f).norm()).sum();
     let source_side = (source_area / source.triangles.len().max(1) as f64).sqrt();
     let outward = target.outward();
@@ -61,7 +63,8 @@ pub(super) fn gather(finder: &Finder, memory: &RestShape, target: &Sheet, sign: 
         let corners = target.corners(f);
         let frame = FaceFrame::of(&corners);
         let area = 0.5 * target.normal(f).norm();
-        let grid = (FINENESS * area.sqrt() / source_side.max(f64::MIN_POSITIVE)).ceil().clamp(GRID[0], GRID[1]);
+        let grid =
+            (FINENESS * area.sqrt() / source_side.max(f64::MIN_POSITIVE)).ceil().clamp(GRID[0], GRID[1]);
         let uv = target.uvs.as_ref().map(|uvs| uvs[f]);
         let gradient = uv.and_then(|uv| texture_gradient(&corners, &uv));
         let sides = [0, 1, 2].map(|k| {
@@ -95,7 +98,7 @@ fn source_face(source: &Sheet, memory: &RestShape, f: usize) -> SourceFace {
     SourceFace {
         edges: [0, 1, 2].map(|k| corners[(k + 1) % 3] - corners[k]),
         angle: [0, 1, 2].map(|k| hinge(k).map_or(0.0, change)),
-        compliance: [0, 1, 2].map(|k| hinge(k).map_or(1.0, |h| 1.0 / memory.stiffness_ratio[h as usize])),
+        compliance: [0, 1, 2].map(|k| hinge(k).map(|h| 1.0 / memory.stiffness_ratio[h as usize])),
     }
 }
 
@@ -165,10 +168,11 @@ impl Gather {
                 let density = self.sign * face.angle[k] * edges[k].norm() / (2.0 * area);
                 self.curvature += across(&edges[k]) * density;
             }
+            let Some(compliance) = face.compliance[k] else { continue };
             let direction = edges[k].try_normalize(0.0).unwrap_or_else(Vec2::x);
             for (side, sum) in self.sides.iter().zip(&mut self.compliance) {
                 let weight = side.dot(&direction).powi(4);
-                *sum = [sum[0] + weight * face.compliance[k], sum[1] + weight];
+                *sum = [sum[0] + weight * compliance, sum[1] + weight];
             }
         }
         let f = landing.triangle;

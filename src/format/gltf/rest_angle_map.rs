@@ -5,8 +5,10 @@
 //! - `_REST_ANGLE_DEG`: the same in degrees.
 //!
 //! Unreal's Chaos cloth takes such a map as "Rest Angle" with low -180 and high 180, rest angles being explicit; of the two
-//! ends of an edge it uses the angle of lesser magnitude. So every vertex has the rest angle of largest magnitude among
-//! its hinges: edges along a crease get the crease, edges that lead away from it what lies there.
+//! ends of an edge it uses the angle of lesser magnitude. The map is fitted to that rule: from the largest angle around
+//! each vertex, one vertex after another takes the angle among those of its hinges, their mean, or flat, that leaves the least squared
+//! error (weighted by length), until none changes. A vertex has no direction, so an edge across a crease cannot always
+//! stay flat: how much is lost is measured when the file is read back.
 
 use super::append::{Appender, Purpose};
 use super::obj_to_gltf::scene_pieces;
@@ -18,18 +20,55 @@ use serde_json::{Value, json};
 /// Name of the attribute in degrees.
 pub const REST_ANGLE_DEG_ATTRIBUTE: &str = "_REST_ANGLE_DEG";
 
-/// Per point of `garment`: the rest angle of largest magnitude among the hinges whose edge ends there (degrees, within
-/// +-180); 0 where there is none.
+/// Rounds over all vertices; each can only lower the error, and few change after the first.
+const MOST_ROUNDS: usize = 30;
+
+/// Per point of `garment`: the angle (degrees, within +-180) with which edges that take the lesser magnitude of both their
+/// ends come closest to the rest angles of `memory`.
 pub fn rest_angle_per_point(garment: &Garment, memory: &RestShape) -> Vec<f64> {
-    let mut angle = vec![0.0f64; garment.points.len()];
-    for (hinge, &rest) in garment.topology.hinges.iter().zip(&memory.rest_angle) {
-        for p in &hinge.points[..2] {
-            if rest.abs() > angle[p.at()].abs() {
-                angle[p.at()] = rest;
-            }
+    let hinges = &garment.topology.hinges;
+    let mut around: Vec<Vec<usize>> = vec![Vec::new(); garment.points.len()];
+    for (h, hinge) in hinges.iter().enumerate() {
+        hinge.points[..2].iter().for_each(|p| around[p.at()].push(h));
+    }
+    let wanted: Vec<f64> = memory.rest_angle.iter().map(|a| a.to_degrees().clamp(-180.0, 180.0)).collect();
+    let length = |h: usize| {
+        let [a, b] = [hinges[h].points[0], hinges[h].points[1]].map(|p| garment.points[p.at()]);
+        (b - a).norm()
+    };
+    let larger = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
+    let mut angle: Vec<f64> =
+        around.iter().map(|own| own.iter().map(|&h| wanted[h]).fold(0.0, larger)).collect();
+    for _ in 0..MOST_ROUNDS {
+        let mut changed = false;
+        for p in 0..around.len() {
+            let error = |own: f64| -> f64 {
+                let one = |&h: &usize| {
+                    let [a, b] = [hinges[h].points[0].at(), hinges[h].points[1].at()];
+                    let other = angle[if a == p { b } else { a }];
+                    let taken = if own.abs() < other.abs() { own } else { other };
+                    length(h) * (taken - wanted[h]).powi(2)
+                };
+                around[p].iter().map(one).sum()
+            };
+            let lengths: f64 = around[p].iter().map(|&h| length(h)).sum();
+            let mean: f64 = around[p].iter().map(|&h| length(h) * wanted[h]).sum();
+            let mean = if lengths > 0.0 { mean / lengths } else { 0.0 };
+            let candidates = around[p].iter().map(|&h| wanted[h]).chain([0.0, mean]);
+            let start = (error(angle[p]), angle[p]);
+            let better = |best: (f64, f64), own: f64| {
+                let found = error(own);
+                if found < best.0 { (found, own) } else { best }
+            };
+            let best = candidates.fold(start, better);
+            changed |= best.1 != angle[p];
+            angle[p] = best.1;
+        }
+        if !changed {
+            break;
         }
     }
-    angle.into_iter().map(|a| a.to_degrees().clamp(-180.0, 180.0)).collect()
+    angle
 }
 
 /// The grey that stands for `degrees`.
@@ -54,7 +93,12 @@ pub fn write_rest_angle_map(asset: &SourceAsset, garment: &Garment, memory: &Res
     let mut rest = &garment.source_point[..];
     for (piece, scene) in asset.pieces.iter().zip(scene_pieces(asset)).filter(|(piece, _)| piece.worn) {
         let Some((points, after)) = rest.split_at_checked(piece.positions.len()) else {
-            return Err(Error::fault(&asset.file, &piece.name, "is not the garment's", "read the file again"));
+            return Err(Error::fault(
+                &asset.file,
+                &piece.name,
+                "is not the garment's",
+                "read the file again",
+            ));
         };
         rest = after;
         if piece.triangles.is_empty() {
@@ -79,7 +123,8 @@ pub fn write_rest_angle_map(asset: &SourceAsset, garment: &Garment, memory: &Res
             }
         }
         let indices = appender.triangles(&piece.triangles);
-        primitives.push(json!({"attributes": attributes, "indices": indices, "extras": {"name": piece.name}}));
+        primitives
+            .push(json!({"attributes": attributes, "indices": indices, "extras": {"name": piece.name}}));
     }
     if let Some(mesh) = appender.list("meshes").first_mut() {
         mesh["primitives"] = Value::Array(primitives);
