@@ -405,3 +405,62 @@ fn the_tool_carries_settles_and_writes_what_others_read() {
     );
     assert!(!path("no.glb").exists() && !path("no.png").exists());
 }
+
+/// Garments of one body stay where they are: knees go to knees although the boxes differ, and what the elbows of a sweater
+/// remember is left behind by a tee, which has none.
+#[test]
+fn on_one_body_places_stay_and_what_has_no_place_is_told() {
+    let folder =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/garments/makehuman-body-sweater/derived");
+    let read = |name: &str| {
+        let bytes = std::fs::read(folder.join(name)).ok()?;
+        let options = ReadOptions { unit_m: Some(0.1), ..ReadOptions::default() };
+        let (asset, _) = read_asset(name, &bytes, &options, &mut |_| Ok(Vec::new())).expect("reads");
+        let (garment, _) = Garment::from_asset(&asset).expect("is a garment");
+        Some(Sheet::of_garment(&garment, &asset))
+    };
+    let (Some(sweater), Some(tee)) =
+        (read("male_casualsuit02_fitted.obj"), read("male_casualsuit04_fitted.obj"))
+    else {
+        println!("not checked, not there: {}", folder.display());
+        return;
+    };
+    let middle = |s: &Sheet, h: usize| {
+        let hinge = &s.topology.hinges[h];
+        0.5 * (s.points[hinge.points[0].at()] + s.points[hinge.points[1].at()])
+    };
+    // What lies inside a ball remembers half a radian.
+    let made = |s: &Sheet, inside: &dyn Fn(Vec3) -> bool| {
+        let angle = |h: &crease::mesh::Hinge| hinge_angle(&h.points.map(|p| s.points[p.at()]));
+        let mut memory = RestShape::new(s.topology.hinges.iter().map(angle).collect(), s.triangles.len());
+        for h in 0..memory.rest_angle.len() {
+            memory.rest_angle[h] += if inside(middle(s, h)) { 0.5 } else { 0.0 };
+        }
+        memory
+    };
+    let heart = |s: &Sheet, m: &RestShape| {
+        let (mut sum, mut place) = (0.0, Vec3::zeros());
+        for h in 0..m.rest_angle.len() {
+            let weight = (m.rest_angle[h] - m.source_angle[h]).abs();
+            sum += weight;
+            place += weight * middle(s, h);
+        }
+        place / sum
+    };
+    let low = sweater.points.iter().fold(sweater.points[0], |a, b| a.inf(b));
+    let high = sweater.points.iter().fold(sweater.points[0], |a, b| a.sup(b));
+    let size = (high - low).norm();
+    let knee = |p: Vec3| p.x > 0.0 && (p.y - (low.y + 0.22 * (high.y - low.y))).abs() < 0.06;
+    for (from, to) in [(&sweater, &tee), (&tee, &sweater)] {
+        let memory = made(from, &knee);
+        let carried = carry(from, &memory, to, By::Surface);
+        let off = (heart(to, &carried.memory) - heart(from, &memory)).norm();
+        println!("knee {:.1} % of the garment off, {:?}", 100.0 * off / size, carried.losses);
+        assert!(off < 0.03 * size);
+    }
+    let reach = high.x - 0.5 * (high.x - low.x) * 0.35;
+    let elbow = made(&sweater, &|p: Vec3| p.x > reach);
+    let carried = carry(&sweater, &elbow, &tee, By::Surface);
+    println!("elbow: {:?}", carried.losses);
+    assert!(carried.losses[0].crease_left_behind > 0.9);
+}

@@ -16,7 +16,7 @@ use crease::format::{Sidecar, read_sidecar, write_sidecar};
 use crease::garment::WornGarment;
 use crease::mesh::crossings::crossings;
 use crease::report::{CarriedSource, TransferReport, crossing_counts};
-use crease::transfer::{By, Carried, Parts, Sheet, Source, TransferOptions, transfer};
+use crease::transfer::{Align, By, Carried, Parts, Sheet, Source, TransferOptions, transfer};
 use crease::{Error, Result};
 use serde_json::{Value, json};
 use std::num::NonZeroUsize;
@@ -37,6 +37,9 @@ pub struct Arguments {
     /// How places of both garments are matched
     #[arg(long, value_enum, default_value_t = Matching::Auto)]
     by: Matching,
+    /// How garments are laid over one another before places are matched by surface
+    #[arg(long, value_enum, default_value_t = Laying::Auto)]
+    align: Laying,
     /// Multiplies every change: 0 for none, 1 as it is
     #[arg(long, value_name = "S", value_parser = strength, default_value_t = 1.0)]
     strength: f64,
@@ -79,6 +82,26 @@ enum Matching {
     Same,
 }
 
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Laying {
+    /// As they stand, if most of MESH lies close to the source there; else by their boxes
+    Auto,
+    /// The source's box becomes that of MESH
+    Box,
+    /// As they stand in their files, as garments of one body do
+    Place,
+}
+
+impl From<Laying> for Align {
+    fn from(laying: Laying) -> Self {
+        match laying {
+            Laying::Auto => Self::Auto,
+            Laying::Box => Self::Box,
+            Laying::Place => Self::Place,
+        }
+    }
+}
+
 impl From<Matching> for By {
     fn from(matching: Matching) -> Self {
         match matching {
@@ -115,6 +138,7 @@ impl Arguments {
     fn options(&self, mask: Vec<f64>) -> TransferOptions {
         TransferOptions {
             by: self.by.into(),
+            align: self.align.into(),
             strength: self.strength,
             mask,
             parts: Parts {

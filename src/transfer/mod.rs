@@ -27,6 +27,7 @@ pub use sheet::Sheet;
 use crate::garment::RestShape;
 use crate::math::Vec3;
 use crate::mesh::hinge_angle;
+use crate::mesh::tree::TriangleTree;
 use crate::{Error, Result};
 use discretise::{PlaneTensor, hinge_angles};
 use landing::{Finder, Place, Way, landed_at, texture_gradient};
@@ -67,11 +68,26 @@ pub struct Parts {
     pub bagging: bool,
 }
 
+/// How garments are laid over one another before places are matched by surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Align {
+    /// As they stand where they are, if most of the target lies close to the source there (both were made for one body);
+    /// else by their boxes.
+    #[default]
+    Auto,
+    /// The source's box becomes the target's.
+    Box,
+    /// As they stand in their files.
+    Place,
+}
+
 /// How to carry.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TransferOptions {
     /// How places are matched.
     pub by: By,
+    /// How garments are laid over one another.
+    pub align: Align,
     /// Every change is multiplied by this [-], 0 or more.
     pub strength: f64,
     /// One per point of the target, 0..1: changes are multiplied by it.
@@ -87,6 +103,7 @@ impl TransferOptions {
     pub fn full(point_count: usize) -> Self {
         Self {
             by: By::Auto,
+            align: Align::Auto,
             strength: 1.0,
             mask: vec![1.0; point_count],
             parts: Parts { creases: true, bagging: true },
@@ -299,8 +316,13 @@ fn carry_one(
     let mirrored = options.mirror_x.then(|| source.sheet.mirrored(&source.memory));
     let (sheet, memory) = mirrored.as_ref().map_or((&source.sheet, &source.memory), |(s, m)| (s, m));
     let own = Stance::of(sheet);
-    let aligned = stand(sheet, &own, own.scale_to(stance));
     let size = stance.size.norm();
+    let in_place = || stand(sheet, &Stance { middle: stance.middle, ..own }, Vec3::repeat(1.0));
+    let aligned = match options.align {
+        Align::Place => in_place(),
+        Align::Auto if own.turn == stance.turn && is_close(&in_place(), standing, size) => in_place(),
+        _ => stand(sheet, &own, own.scale_to(stance)),
+    };
     let surface = if own.flat || stance.flat { Way::Front } else { Way::Nearest };
     let both_textured = aligned.uvs.is_some() && standing.uvs.is_some();
     let way = match options.by {
@@ -331,6 +353,22 @@ fn carry_one(
         losses: confidence::losses(&aligned, memory, standing, &gathered),
         confidence: gathered.iter().map(|g| g.confidence).collect(),
     })
+}
+
+/// Distance, as a share of the garment's size, up to which the target lies close to the source.
+const CLOSE: f64 = 0.02;
+/// Share of the target's triangles that must.
+const CLOSE_SHARE: f64 = 0.6;
+
+/// Whether most of `target` lies close to `source`, both where they are.
+fn is_close(source: &Sheet, target: &Sheet, size: f64) -> bool {
+    let tree = TriangleTree::new(&source.points, &source.triangles, 0.0);
+    let count = target.triangles.len();
+    let close = |f: &usize| {
+        let middle = target.corners(*f).iter().sum::<Vec3>() / 3.0;
+        tree.nearest(&source.points, middle, CLOSE * size).is_some()
+    };
+    (0..count).filter(close).count() as f64 >= CLOSE_SHARE * count as f64
 }
 
 /// Per hinge: stiffness ratio minus 1, from the compliance gathered on both sides.

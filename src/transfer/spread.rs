@@ -163,13 +163,13 @@ impl Gather {
         self.found += 1.0;
         self.quality += landing.quality;
         self.landed.push(landing.triangle as u32);
-        for k in 0..3 {
-            if face.angle[k] != 0.0 {
-                let density = self.sign * face.angle[k] * edges[k].norm() / (2.0 * area);
-                self.curvature += across(&edges[k]) * density;
+        for (edge, (angle, compliance)) in edges.iter().zip(face.angle.iter().zip(face.compliance)) {
+            if *angle != 0.0 {
+                let density = self.sign * angle * edge.norm() / (2.0 * area);
+                self.curvature += across(edge) * density;
             }
-            let Some(compliance) = face.compliance[k] else { continue };
-            let direction = edges[k].try_normalize(0.0).unwrap_or_else(Vec2::x);
+            let Some(compliance) = compliance else { continue };
+            let direction = edge.try_normalize(0.0).unwrap_or_else(Vec2::x);
             for (side, sum) in self.sides.iter().zip(&mut self.compliance) {
                 let weight = side.dot(&direction).powi(4);
                 *sum = [sum[0] + weight * compliance, sum[1] + weight];
