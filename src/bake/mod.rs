@@ -2,8 +2,10 @@
 
 mod home;
 mod plan;
+mod settle;
 
 pub use plan::{Choice, Plan};
+pub use settle::{Settled, rest_mesh, settle};
 
 use crate::contact::{Contact, ContactSettings};
 use crate::error::Result;
@@ -179,7 +181,7 @@ pub fn bake(
     observer.frame(&run.state.x)?;
     let clock = Instant::now();
     let displacement =
-        home::bring_home(garment, fabric, &mut run.stepper, &run.memory.shape, &mut run.report);
+        home::bring_home(garment, fabric, &mut run.stepper, &run.memory.shape, 1.0, &mut run.report);
     run.seconds[4] += clock.elapsed().as_secs_f64();
     let home: Vec<Vec3> = garment.points.iter().zip(&displacement).map(|(x, d)| x + d).collect();
     observer.frame(&home)?;
