@@ -176,7 +176,9 @@ impl Stepper {
     fn forces(&self, drive: &Drive, x: &[Vec3]) -> Forces {
         let held = if drive.held.is_empty() { vec![false; x.len()] } else { drive.held.clone() };
         let push = if drive.pressure > 0.0 {
-            self.contact.uncovered_area(x).iter().map(|a| a * drive.pressure).collect()
+            let area = self.contact.uncovered_area(x);
+            let acts = |p: usize| drive.pressed.is_empty() || drive.pressed[p];
+            area.iter().enumerate().map(|(p, a)| if acts(p) { a * drive.pressure } else { 0.0 }).collect()
         } else {
             Vec::new()
         };

@@ -130,6 +130,9 @@ impl WearAction for Fold {
         let along = (b - a).normalize();
         let across = along.cross(&Vec3::y());
         let out = if self.turns(Fraction2(frame.fraction(&(a + across)))) { across } else { -across };
+        // A stack bends over half its circumference: its middle shall come to lie on the line.
+        let thick = stack_height(scene.x.iter().filter(|p| (*p - a).dot(&out).abs() < HAND), scene.thickness);
+        let a = a - out * (0.25 * PI * thick);
         let beyond = |p: &Vec3| (p - a).dot(&out);
         let (flap, rest): (Vec<u32>, Vec<u32>) =
             (0..scene.x.len() as u32).partition(|&p| beyond(&scene.x[p as usize]) > 0.0);
@@ -141,10 +144,7 @@ impl WearAction for Fold {
             ));
         }
         // The axis runs over the stack as it is along the line; bulges elsewhere are pressed down as the flap lands.
-        let mut heights: Vec<f64> = scene.x.iter().filter(|p| beyond(p).abs() < HAND).map(|p| p.y).collect();
-        heights.sort_unstable_by(f64::total_cmp);
-        let top =
-            heights.get((STACK_SHARE * heights.len() as f64) as usize).copied().unwrap_or(scene.thickness);
+        let top = stack_height(scene.x.iter().filter(|p| beyond(p).abs() < HAND), scene.thickness);
         let axis_height = top + 0.75 * scene.thickness;
         let axis =
             Axis { origin: Vec3::new(a.x, axis_height, a.z), along, out, least_depth: 0.5 * scene.thickness };
@@ -190,6 +190,8 @@ pub(in crate::wear) const MOST_TURN: f64 = 0.12;
 const STACK_SHARE: f64 = 0.9;
 /// How long hands take to let go of a flap that lies [s].
 const LETTING_GO: f64 = 0.4;
+/// Pressure of palms that smooth a fold along its line while it is held [Pa]: 10 N over a fold of 0.5 m.
+const PALM_PRESSURE: f64 = 200.0;
 /// Drag of hands that let go [1/s].
 const HAND_DRAG: f64 = 20.0;
 /// Folds beyond this angle lie by themselves; others are held until they are opened or released [rad].
@@ -197,6 +199,13 @@ const LIES_BEYOND: f64 = 3.0;
 
 /// Way from where the sheet is straight again over which the rise comes in [m].
 const RISE_RAMP: f64 = 0.03;
+
+/// How high a stack of points is [m]; of a layer's `thickness` where there are none.
+fn stack_height<'a>(points: impl Iterator<Item = &'a Vec3>, thickness: f64) -> f64 {
+    let mut heights: Vec<f64> = points.map(|p| p.y).collect();
+    heights.sort_unstable_by(f64::total_cmp);
+    heights.get((STACK_SHARE * heights.len() as f64) as usize).copied().unwrap_or(thickness)
+}
 
 /// A flap that is being turned over.
 struct Turn {
@@ -221,8 +230,21 @@ struct Guided {
     mass: f64,
 }
 
+impl Turn {
+    /// What acts `t` seconds after the flap was let go: palms lie on the new fold and smooth it.
+    fn smoothed(&self, t: f64, x: &[Vec3]) -> Drive {
+        let near = |p: &Vec3| (p - self.made.origin).dot(&self.made.out).abs() < HAND;
+        Drive {
+            pressure: PALM_PRESSURE * smooth(t / LETTING_GO),
+            pressed: x.iter().map(near).collect(),
+            longest_step: if t < LETTING_GO { LETTING_GO / 4.0 } else { f64::INFINITY },
+            ..self.resting.clone()
+        }
+    }
+}
+
 impl Gesture for Turn {
-    fn drive(&mut self, t: f64, _x: &[Vec3]) -> Drive {
+    fn drive(&mut self, t: f64, x: &[Vec3]) -> Drive {
         let turning = t <= self.over * (1.0 + 1e-9);
         let grip = if turning || self.made.angle <= LIES_BEYOND {
             1.0
@@ -230,7 +252,7 @@ impl Gesture for Turn {
             1.0 - smooth((t - self.over) / LETTING_GO)
         };
         if grip <= 0.0 {
-            return self.resting.clone();
+            return self.smoothed(t - self.over - LETTING_GO, x);
         }
         let phi = self.made.angle * smooth(t / self.over);
         let lifted = smooth(phi / PI);
@@ -250,7 +272,7 @@ impl Gesture for Turn {
     }
 
     fn breaks(&self) -> Vec<f64> {
-        vec![self.over, self.over + LETTING_GO]
+        vec![self.over, self.over + LETTING_GO, self.over + 2.0 * LETTING_GO]
     }
 
     fn end(&mut self, posture: &mut Posture, x: &[Vec3]) {
