@@ -10,7 +10,7 @@ use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_s
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::prelude::*;
-use faer::{Accum, MatMut, MatRef, Par};
+use faer::{Accum, ColMut, ColRef, MatMut, MatRef, Par};
 use rayon::prelude::*;
 
 /// Columns eliminated at a time: products of this depth run at full rate.
@@ -91,5 +91,42 @@ fn subtract_product<T: Real>(columns: &mut [T], rows: usize, first: usize, facto
         columns.par_chunks_mut(TILE * rows).enumerate().for_each(tile);
     } else {
         columns.chunks_mut(TILE * rows).enumerate().for_each(tile);
+    }
+}
+
+/// Columns of one step of a substitution.
+const STEP: usize = 48;
+
+/// Own part of w <- L^-1 w; the rest of `w`, less what its own part takes from it.
+pub fn forwards<T: Real>(panel: &[T], rows: usize, w: &mut [T]) {
+    for (k, columns) in panel.chunks(STEP * rows).enumerate() {
+        let (from, width) = (k * STEP, columns.len() / rows);
+        let (head, rest) = w[from..].split_at_mut(width);
+        for (j, column) in columns.chunks_exact(rows).enumerate() {
+            let column = &column[from + j..from + width];
+            let x = head[j] / column[0];
+            head[j] = x;
+            head[j + 1..].iter_mut().zip(&column[1..]).for_each(|(w, l)| *w -= *l * x);
+        }
+        let below = MatRef::from_column_major_slice(columns, rows, width).subrows(from + width, rest.len());
+        let rest = ColMut::from_slice_mut(rest);
+        matmul(rest.as_mat_mut(), Accum::Add, below, ColRef::from_slice(head).as_mat(), -T::one(), Par::Seq);
+    }
+}
+
+/// Own part of w <- L^-T w, the rest being known.
+pub fn backwards<T: Real>(panel: &[T], rows: usize, w: &mut [T]) {
+    for (k, columns) in panel.chunks(STEP * rows).enumerate().rev() {
+        let (from, width) = (k * STEP, columns.len() / rows);
+        let (head, known) = w[from..].split_at_mut(width);
+        let below = MatRef::from_column_major_slice(columns, rows, width).subrows(from + width, known.len());
+        let to = ColMut::from_slice_mut(head);
+        let known = ColRef::from_slice(known).as_mat();
+        matmul(to.as_mat_mut(), Accum::Add, below.transpose(), known, -T::one(), Par::Seq);
+        for (j, column) in columns.chunks_exact(rows).enumerate().rev() {
+            let column = &column[from + j..from + width];
+            let taken = head[j + 1..].iter().zip(&column[1..]).fold(T::zero(), |sum, (w, l)| sum + *w * *l);
+            head[j] = (head[j] - taken) / column[0];
+        }
     }
 }

@@ -37,9 +37,9 @@ impl<T: Real> Factor<T> {
         }
         self.scale = power.exp2();
         if self.number.len() < fronts.factor_len {
-            // Let go of the old piece first.
+            // Let go of the old piece first; leave room for the next pattern, which costs nothing until it is touched.
             self.number = Vec::new();
-            self.number = vec![T::zero(); fronts.factor_len];
+            self.number = vec![T::zero(); fronts.factor_len + fronts.factor_len / 4];
         }
         let job = Job { fronts, values: matrix.values(), scale: self.scale, spare: &self.spare };
         let left = job.forest(&fronts.roots, &mut self.number[..fronts.factor_len])?;

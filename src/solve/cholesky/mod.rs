@@ -124,6 +124,16 @@ impl Cholesky {
         Ok(())
     }
 
+    /// Multiplications of a factorisation, and numbers in its factor.
+    pub fn size(&self) -> (f64, usize) {
+        (self.fronts.work(), self.fronts.factor_len)
+    }
+
+    /// Whether the last factorisation is in double precision.
+    pub fn is_double(&self) -> bool {
+        self.in_double
+    }
+
     fn refill_in_double(&mut self, matrix: &BlockMatrix) -> Result<(), FactorError> {
         if !self.in_double {
             self.in_double = true;

@@ -3,7 +3,7 @@
 //! Both stream the factor through memory once, one independent subtree per thread. As in the factorisation every sum
 //! has its fixed order.
 
-use super::Real;
+use super::{Real, dense};
 use super::factor::Factor;
 use super::fronts::{Front, Fronts};
 use crate::math::Vec3;
@@ -81,11 +81,7 @@ impl<T: Real> Pass<'_, T> {
                 w[3 * p as usize..][..3].iter_mut().zip(from).for_each(|(to, from)| *to += *from);
             }
         }
-        for (j, column) in self.panel(front).chunks_exact(rows).enumerate() {
-            let x = w[j] / column[j];
-            w[j] = x;
-            w[j + 1..].iter_mut().zip(&column[j + 1..]).for_each(|(w, l)| *w -= *l * x);
-        }
+        dense::forwards(self.panel(front), rows, &mut w);
         mine.copy_from_slice(&w[..own]);
         w.split_off(own)
     }
@@ -116,25 +112,10 @@ impl<T: Real> Pass<'_, T> {
         for &p in self.fronts.places_of(v) {
             w.extend_from_slice(&above[3 * p as usize..][..3]);
         }
-        for (j, column) in self.panel(front).chunks_exact(rows).enumerate().rev() {
-            w[j] = (w[j] - product(&w[j + 1..], &column[j + 1..])) / column[j];
-        }
+        dense::backwards(self.panel(front), rows, &mut w);
         mine.copy_from_slice(&w[..own]);
         self.forest_backwards(self.fronts.children_of(front), &w, below);
     }
-}
-
-/// Inner product, in sixteen sums that vector units can hold.
-fn product<T: Real>(a: &[T], b: &[T]) -> T {
-    let mut sum = [T::zero(); 16];
-    let (a, b) = (a.chunks_exact(16), b.chunks_exact(16));
-    let rest = a.remainder().iter().zip(b.remainder()).fold(T::zero(), |sum, (a, b)| sum + *a * *b);
-    for (a, b) in a.zip(b) {
-        for k in 0..16 {
-            sum[k] += a[k] * b[k];
-        }
-    }
-    sum.iter().fold(rest, |total, sum| total + *sum)
 }
 
 /// Both, on two threads where that is `worth` it.
