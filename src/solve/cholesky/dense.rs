@@ -19,6 +19,8 @@ const PANEL: usize = 96;
 const TILE: usize = 48;
 /// Rows of one tile of a triangular solve.
 const ROWS: usize = 192;
+/// Columns of one step of a substitution.
+const STEP: usize = 48;
 /// Products of fewer multiplications are not shared between threads.
 const SHARED: usize = 1 << 21;
 
@@ -85,17 +87,13 @@ fn subtract_product<T: Real>(columns: &mut [T], rows: usize, first: usize, facto
         let factor = factor.subrows(at, rows - at);
         matmul(columns, keep, factor, factor.subrows(0, width).transpose(), -T::one(), Par::Seq);
     };
-    let work = columns.len() * factor.ncols();
-    if columns.is_empty() {
-    } else if work > SHARED {
+    // Half of it lies above the diagonal.
+    if columns.len() * factor.ncols() > 2 * SHARED {
         columns.par_chunks_mut(TILE * rows).enumerate().for_each(tile);
     } else {
         columns.chunks_mut(TILE * rows).enumerate().for_each(tile);
     }
 }
-
-/// Columns of one step of a substitution.
-const STEP: usize = 48;
 
 /// Own part of w <- L^-1 w; the rest of `w`, less what its own part takes from it.
 pub fn forwards<T: Real>(panel: &[T], rows: usize, w: &mut [T]) {

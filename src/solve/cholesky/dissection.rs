@@ -11,7 +11,7 @@
 use crate::math::Vec3;
 use crate::solve::BlockMatrix;
 
-/// Parts of this many points are not cut further: between 8 and 24 the work changes by one per cent.
+/// Parts of this many points are not cut further: from 4 to 24 the work grows by 2 to 6 %, and the fronts get fewer.
 const LEAF: usize = 16;
 /// Planes tried per axis.
 const CUTS: usize = 64;
@@ -103,9 +103,9 @@ impl Cutter {
                 for (a, b) in [(r, c as usize), (c as usize, r)] {
                     let at = reach[b].at;
                     let to = &mut reach[a];
-                    for k in 0..3 {
-                        to.low[k] = to.low[k].min(at[k]);
-                        to.high[k] = to.high[k].max(at[k]);
+                    for (k, at) in at.into_iter().enumerate() {
+                        to.low[k] = to.low[k].min(at);
+                        to.high[k] = to.high[k].max(at);
                     }
                 }
             }
@@ -148,10 +148,9 @@ impl Cutter {
     fn best_plane(&self, rows: &[u32]) -> Option<Plane> {
         let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
         for &r in rows {
-            let at = self.reach[r as usize].at;
-            for k in 0..3 {
-                low[k] = low[k].min(at[k]);
-                high[k] = high[k].max(at[k]);
+            for (k, at) in self.reach[r as usize].at.into_iter().enumerate() {
+                low[k] = low[k].min(at);
+                high[k] = high[k].max(at);
             }
         }
         let bins = CUTS.min(rows.len());

@@ -81,7 +81,7 @@ impl Fronts {
         let mut fronts = Self { order: tree.order, ..Self::default() };
         fronts.link(&tree.end, &tree.parent);
         let later = Later::new(matrix, &fronts.order);
-        fronts.meet(&later, &tree.parent);
+        fronts.meet(&later);
         fronts.measure();
         fronts
     }
@@ -130,7 +130,7 @@ impl Fronts {
     }
 
     /// Boundaries, and places of everything in the fronts.
-    fn meet(&mut self, later: &Later, parent: &[u32]) {
+    fn meet(&mut self, later: &Later) {
         // Per elimination place: the last front that has seen it, and its local row there.
         let mut seen = vec![NONE; self.order.len()];
         let mut local = vec![0u32; self.order.len()];
@@ -180,7 +180,6 @@ impl Fronts {
             front.boundary = [from as u32, self.boundary.len() as u32];
             front.entries = [first_entry, self.entries.len() as u32];
         }
-        debug_assert_eq!(parent.len(), self.list.len());
     }
 
     /// Sizes and work.

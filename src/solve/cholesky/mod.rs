@@ -1,11 +1,12 @@
-//! Sparse Cholesky factorisation by fronts, as the direct solver of the cloth's systems.
+//! Sparse Cholesky factorisation by fronts: the direct solver of the cloth's systems.
 //!
 //! The pattern changes whenever contacts come or go, so that analysis must be cheap as well: it works on 3 x 3 blocks
-//! and on sorted lists (`dissection.rs`: the order, `fronts.rs`: the dense matrices). Numbers are single precision
-//! first (`factor.rs`, `dense.rs`, which is the door to faer): half the time and half the memory. Conjugate gradients in double
-//! precision with that factor as preconditioner then reach [`TOLERANCE`] in one to three iterations; if they do not, or if
-//! a pivot is not positive, the factor is made again in double precision. The bits of a solution depend neither on
-//! the number of threads nor on the buffers kept between factorisations.
+//! and sorted lists (`dissection.rs`: the order; `fronts.rs`: the dense matrices). The factor is made in single
+//! precision first (`factor.rs`; `dense.rs` is the door to faer): half the time, half the memory. Conjugate gradients
+//! in double precision with that factor as preconditioner reach [`TOLERANCE`] in one to three iterations; if they do
+//! not, or if a pivot is not positive, the factor is made again in double precision. The bits of a solution depend
+//! neither on the number of threads nor on the buffers kept between factorisations. Does not reuse an older factor for
+//! new values (`docs/decisions.md`).
 
 mod dense;
 mod dissection;

@@ -3,9 +3,9 @@
 //! Both stream the factor through memory once, one independent subtree per thread. As in the factorisation every sum
 //! has its fixed order.
 
-use super::{Real, dense};
 use super::factor::Factor;
 use super::fronts::{Front, Fronts};
+use super::{Real, dense};
 use crate::math::Vec3;
 
 /// Subtrees of less than this many rows are not shared between threads.
