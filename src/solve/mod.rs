@@ -6,7 +6,6 @@ mod cloth;
 mod conjugate_gradient;
 mod integrator;
 mod newton;
-mod ordering;
 mod state;
 mod step;
 

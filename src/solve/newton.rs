@@ -241,7 +241,7 @@ impl Problem<'_> {
         let mut rhs: Vec<Vec3> = part.gather(g);
         rhs.iter_mut().for_each(|v| *v = -*v);
         work.local.factorise(&part, x).ok()?;
-        work.local.solve(&mut rhs);
+        work.local.solve(&part, &mut rhs).ok()?;
         Some(part.scatter(&rhs))
     }
 
@@ -251,11 +251,9 @@ impl Problem<'_> {
         rhs.iter_mut().for_each(|v| *v = -*v);
         let mut shift = 0.0;
         for _ in 0..12 {
-            match work.direct.factorise(&work.matrix, x) {
-                Ok(()) => {
-                    work.direct.solve(&mut rhs);
-                    return Some(work.matrix.scatter(&rhs));
-                }
+            let factorised = work.direct.factorise(&work.matrix, x);
+            match factorised.and_then(|()| work.direct.solve(&work.matrix, &mut rhs)) {
+                Ok(()) => return Some(work.matrix.scatter(&rhs)),
                 Err(FactorError::TooLarge) => {
                     let solution = conjugate_gradient(&work.matrix, &rhs, 1e-6, 20_000);
                     return Some(work.matrix.scatter(&solution.x));
