@@ -30,4 +30,6 @@ pub mod solve;
 pub mod bake;
 pub mod report;
 
+pub mod chart;
+
 pub use error::{Error, Fault, Result};

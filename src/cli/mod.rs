@@ -5,6 +5,7 @@
 
 mod arguments;
 mod bake;
+mod chart;
 mod fabric;
 mod frames;
 mod input;
@@ -40,6 +41,8 @@ enum Command {
     Bake(Box<bake::Arguments>),
     /// Make a picture of a worn garment
     Render(render::Arguments),
+    /// Draw and write a chart: numbers of ours beside what is known by other means
+    Chart(chart::Arguments),
     /// List the fabrics that come along, or show one in full
     Fabric(fabric::Arguments),
     /// Print the JSON Schema of a file format
@@ -52,6 +55,7 @@ impl Command {
             Self::Inspect(arguments) => inspect::run(arguments),
             Self::Bake(arguments) => bake::run(*arguments),
             Self::Render(arguments) => render::run(arguments),
+            Self::Chart(arguments) => chart::run(arguments),
             Self::Fabric(arguments) => fabric::run(arguments),
             Self::Schema(arguments) => schema::run(arguments),
         }
