@@ -12,7 +12,9 @@
 
 mod draw;
 mod figure;
+pub mod plates;
 mod raster;
+mod sheet;
 mod table;
 
 pub use figure::{Axis, Figure, Mark, Panel, Series};
@@ -33,6 +35,9 @@ macro_rules! chart_list {
 
 chart_list! {
     hinge "hinge" "torque and rest angle of one hinge that is folded, beside the paper's Table 2",
+    strip "strip" "seconds to come to rest of falling strips with and without memory, the paper's Table 1",
+    kes_loop "loop" "moment over curvature of a strip bent to and fro, as on a KES-FB2 tester",
+    recovery "recovery" "crease recovery angles of the fabrics that come along, beside published ranges",
 }
 
 /// What a chart may be told.

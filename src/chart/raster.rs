@@ -4,7 +4,8 @@
 use crate::report::render::{Image, font};
 use plotters_backend::text_anchor::{HPos, VPos};
 use plotters_backend::{
-    BackendColor, BackendCoord, BackendTextStyle, DrawingBackend, DrawingErrorKind, FontTransform,
+    BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend, DrawingErrorKind,
+    FontTransform, rasterizer,
 };
 use std::convert::Infallible;
 
@@ -45,6 +46,24 @@ impl DrawingBackend for Canvas<'_> {
                 (f64::from(under[k]) * (1.0 - colour.alpha) + f64::from(over) * colour.alpha).round()
             };
             self.0.set(x, y, [mix(r, 0) as u8, mix(g, 1) as u8, mix(b, 2) as u8]);
+        }
+        Ok(())
+    }
+
+    /// Piece by piece: as one polygon, a path that runs back over itself would cancel out.
+    fn draw_path<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(
+        &mut self,
+        path: I,
+        style: &S,
+    ) -> Result<(), DrawingErrorKind<Infallible>> {
+        let points: Vec<BackendCoord> = path.into_iter().collect();
+        for ends in points.windows(2).filter(|ends| ends[0] != ends[1]) {
+            if style.stroke_width() > 1 {
+                let outline = rasterizer::polygonize(ends, style.stroke_width());
+                self.fill_polygon(outline, &style.color())?;
+            } else {
+                self.draw_line(ends[0], ends[1], style)?;
+            }
         }
         Ok(())
     }

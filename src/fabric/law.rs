@@ -365,4 +365,66 @@ mod tests {
         assert_eq!(trace.zone, Zone::Critical);
         assert!((trace.timer - (2.0 - law.critical.threshold)).abs() < 1e-9, "{}", trace.timer);
     }
+
+    /// Nothing meets an infinite threshold, and a threshold of zero leaves nothing to move by.
+    #[test]
+    fn zero_and_infinite_thresholds_do_no_harm() {
+        for (gradual, critical) in
+            [(0.0, 0.0), (0.0, f64::INFINITY), (f64::INFINITY, f64::INFINITY), (0.4, f64::INFINITY)]
+        {
+            let mut law = paper(1.0, 1.0);
+            law.gradual.threshold = gradual;
+            law.critical.threshold = critical;
+            let mut trace = Trace::new(0.0);
+            let mut count = EventCount::default();
+            for (from, to, duration) in
+                [(0.0, 3.0, 1.0), (3.0, 3.0, 20.0), (3.0, -3.0, 2.0), (-3.0, 0.0, 1.0)]
+            {
+                count += law.advance(&mut trace, from, to, duration, &Element::PLAIN);
+            }
+            assert!(trace.rest.is_finite() && (1.0..=30.0).contains(&trace.stiffness), "{trace:?}");
+            assert_eq!(count.critical, 0, "{gradual} {critical}: {count:?}");
+            assert_eq!(count.gradual > 0, gradual != f64::INFINITY, "{gradual} {critical}: {count:?}");
+            assert_eq!(trace.rest != 0.0, gradual == 0.4, "{gradual} {critical}: {trace:?}");
+        }
+    }
+
+    fn reopening() -> Law {
+        Law { reopening: 0.1, ..paper(4.3, 1.0) }
+    }
+
+    #[test]
+    fn what_is_let_go_reopens_by_decades_of_time_in_one_step_or_many() {
+        let law = reopening();
+        let mut set = Trace::new(0.0);
+        law.advance(&mut set, 3.0, 3.0, 30.0, &Element::PLAIN);
+        let before = set.rest;
+        let free = |trace: &mut Trace, duration: f64, steps: usize| {
+            for _ in 0..steps {
+                let rest = trace.rest;
+                law.advance(trace, rest, rest, duration / steps as f64, &Element::PLAIN);
+            }
+        };
+        let (mut one, mut many) = (set, set);
+        free(&mut one, 99.0, 1);
+        free(&mut many, 99.0, 990);
+        assert!((one.rest / before - 0.8).abs() < 1e-12, "two decades: {} of {before}", one.rest);
+        assert!((one.rest - many.rest).abs() < 1e-12);
+        free(&mut one, 1e12, 1);
+        assert_eq!(one.rest, 0.0, "in the end nothing is left, and it does not open beyond");
+    }
+
+    #[test]
+    fn what_is_held_does_not_reopen() {
+        let law = reopening();
+        let mut trace = Trace::new(0.0);
+        law.advance(&mut trace, 3.0, 3.0, 30.0, &Element::PLAIN);
+        let (rest, gap) = (trace.rest, 3.0 - trace.rest);
+        assert!(gap > HELD * law.gradual.threshold && gap < law.gradual.threshold);
+        law.advance(&mut trace, 3.0, 3.0, 1000.0, &Element::PLAIN);
+        assert_eq!(trace.rest, rest);
+        // Held a little bent, it opens until it pulls against what holds it, and no farther.
+        law.advance(&mut trace, rest, rest, 1e9, &Element::PLAIN);
+        assert!((rest - trace.rest - HELD * law.gradual.threshold).abs() < 1e-12, "{trace:?}");
+    }
 }
