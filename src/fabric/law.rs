@@ -180,12 +180,16 @@ impl Law {
                     Zone::Critical => count.critical += 1,
                     _ => count.gradual += 1,
                 }
-            } else if leave < duration {
-                trace.timer += leave - now;
-                now = leave;
             } else {
-                trace.timer += duration - now;
-                break;
+                let end = leave.min(duration);
+                trace.timer += end - now;
+                if zone == Zone::Rest && self.reopening > 0.0 && trace.rest != home {
+                    self.reopen(trace, from + rate * now, from + rate * end, end - now, element);
+                }
+                now = end;
+                if leave >= duration {
+                    break;
+                }
             }
         }
         count
@@ -383,8 +387,9 @@ mod tests {
                 count += law.advance(&mut trace, from, to, duration, &Element::PLAIN);
             }
             assert!(trace.rest.is_finite() && (1.0..=30.0).contains(&trace.stiffness), "{trace:?}");
-            assert_eq!(count.critical, 0, "{gradual} {critical}: {count:?}");
-            assert_eq!(count.gradual > 0, gradual != f64::INFINITY, "{gradual} {critical}: {count:?}");
+            assert_eq!(count.critical > 0, critical == 0.0, "{gradual} {critical}: {count:?}");
+            let reached = gradual.is_finite() && critical > 0.0;
+            assert_eq!(count.gradual > 0, reached, "{gradual} {critical}: {count:?}");
             assert_eq!(trace.rest != 0.0, gradual == 0.4, "{gradual} {critical}: {trace:?}");
         }
     }

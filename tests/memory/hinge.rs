@@ -121,7 +121,7 @@ fn memory_is_read_frozen_and_reset() {
     let garment = pair(0.02);
     let mut watched = Watched::new(&garment, &t_shirt());
     let new = watched.memory.clone();
-    let bent = folded(&garment, 2.8);
+    let bent = folded(&garment, 2.5);
     watched.memory.freeze(true);
     watched.step(&bent, 1.0);
     watched.step(&bent, 60.0);
@@ -131,7 +131,7 @@ fn memory_is_read_frozen_and_reset() {
     watched.memory.freeze(false);
     watched.step(&bent, 60.0);
     let shape = &watched.memory.shape;
-    assert!(shape.rest_angle[0].abs() > 2.0 && shape.stiffness_ratio[0] > 2.0);
+    assert!(shape.rest_angle[0].abs() > 1.3 && shape.stiffness_ratio[0] > 2.0);
     assert!(watched.memory.events.critical >= 1 && watched.memory.events.gradual >= 1);
     assert!((watched.memory.felt.rest_angle[0] - shape.rest_angle[0]).abs() < 1e-9, "all has entered");
     watched.memory.reset();

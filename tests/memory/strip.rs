@@ -81,29 +81,26 @@ fn the_solver_opens_the_strip_to_its_rest_angles() {
 }
 
 /// Promise: the mesh matters little. The T-shirt held for 30 s between plates 1, 3 and 6 mm apart: 5 and 2.5 mm within
-/// 10 %, all four within 20 %, the fold on a line of the mesh. Half way between lines is printed.
+/// 10 %, all four within 20 %, on the mean of four places of the fold between two lines of the mesh. Single places
+/// are printed.
 #[test]
 fn mesh_widths_of_20_10_5_and_2_5_mm_crease_alike() {
     let fabric = Fabric::preset("kow-tshirt").expect("exists");
+    let places = [0.0, 0.25, 0.5, 0.75];
+    let spread = |angles: &[f64]| {
+        let low = angles.iter().copied().fold(f64::INFINITY, f64::min);
+        angles.iter().copied().fold(0.0, f64::max) / low - 1.0
+    };
     for gap in [1e-3, 3e-3, 6e-3] {
-        for offset in [0.0, 0.25, 0.5] {
-            let left = [0.02, 0.01, 0.005, 0.0025]
-                .map(|w| press(gap, w, offset).hold(&fabric, 30.0).crease_angle().to_degrees());
-            let spread = |angles: &[f64]| {
-                let low = angles.iter().copied().fold(f64::INFINITY, f64::min);
-                angles.iter().copied().fold(0.0, f64::max) / low - 1.0
-            };
-            let (all, finest) = (spread(&left), spread(&left[2..]));
-            println!(
-                "gap {:.0} mm, offset {offset}: {left:.1?} degrees at 20, 10, 5, 2.5 mm; {:.1} %, the finest {:.1} %",
-                1e3 * gap,
-                100.0 * all,
-                100.0 * finest
-            );
-            if offset == 0.0 {
-                assert!(all <= 0.20 && finest <= 0.10, "gap {gap}: {left:?}");
-            }
-        }
+        let mean = [0.02, 0.01, 0.005, 0.0025].map(|w| {
+            let left =
+                places.map(|place| press(gap, w, place).hold(&fabric, 30.0).crease_angle().to_degrees());
+            println!("gap {:.0} mm, element {:>4} mm: {left:.1?} degrees left", 1e3 * gap, 1e3 * w);
+            left.iter().sum::<f64>() / places.len() as f64
+        });
+        let (all, finest) = (spread(&mean), spread(&mean[2..]));
+        println!("  mean {mean:.1?}: {:.1} %, the finest two {:.1} %", 100.0 * all, 100.0 * finest);
+        assert!(all <= 0.20 && finest <= 0.10, "gap {gap}: {mean:?}");
     }
 }
 
@@ -122,7 +119,8 @@ fn fifty_flex_cycles_do_not_ratchet() {
         let drift = areas[2..].iter().map(|a| (a - areas[2]).abs() / scale).fold(0.0, f64::max);
         let stiffest = samples.iter().map(|s| s.stiffness_ratio).fold(0.0, f64::max);
         println!("{name:<22} ratio at most {stiffest:.2}, loops 3 to 50 differ by {drift:.1e}");
-        assert!(stiffest <= fabric.memory.stiffness_ceiling);
+        // The mean over the hinges of a strip is rounded.
+        assert!(stiffest <= fabric.memory.stiffness_ceiling * (1.0 + 1e-12));
         assert!(drift <= 1e-6 && areas.iter().all(|a| *a >= -1e-12), "{name}: {:?}", &areas[..4]);
     }
 }
