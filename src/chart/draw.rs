@@ -33,6 +33,8 @@ pub(super) const BLACK: usize = 6;
 const PANEL: [u32; 2] = [560, 460];
 /// Pixels of the PNG per SVG pixel.
 const PNG_SCALE: u32 = 2;
+/// Top of the legend, below the title.
+const LEGEND: u32 = 38;
 /// Height of a row of the legend.
 const ROW: u32 = 20;
 
@@ -104,25 +106,13 @@ fn draw<B: DrawingBackend>(root: Area<B>, figure: &Figure, scale: u32) -> Result
     let middle = root.dim_in_pixel().0 as i32 / 2;
     let title = letters(17, scale).pos(Pos::new(HPos::Center, VPos::Top));
     root.draw(&Text::new(figure.title.clone(), (middle, scaled(10)), title)).map_err(fault)?;
-    let mut top = 38;
+    let mut top = LEGEND;
     for row in legend_rows(figure) {
         let width: usize = row.iter().map(|s| entry_width(&s.name)).sum();
-        let mut left = middle / scale as i32 - width as i32 / 2;
+        let mut left = middle - scaled(width as u32 / 2);
         for series in row {
-            let line =
-                vec![(scaled(left as u32), scaled(top + 7)), (scaled(left as u32 + 26), scaled(top + 7))];
-            let at = |p: [f64; 2]| line[p[0] as usize];
-            let points = match series.mark {
-                Mark::Line | Mark::Dashed | Mark::Bars => vec![[0.0, 0.0], [1.0, 0.0]],
-                _ => vec![[1.0, 0.0]],
-            };
-            draw_series(&Series { points, ..series.clone() }, scale, &at, &mut |element| {
-                element.draw_on(&root)
-            })?;
-            let text = letters(13, scale).pos(Pos::new(HPos::Left, VPos::Center));
-            let at = (scaled(left as u32 + 34), scaled(top + 7));
-            root.draw(&Text::new(series.name.clone(), at, text)).map_err(fault)?;
-            left += entry_width(&series.name) as i32;
+            draw_entry(&root, series, (left, scaled(top + 7)), scale)?;
+            left += scaled(entry_width(&series.name) as u32);
         }
         top += ROW;
     }
@@ -132,6 +122,24 @@ fn draw<B: DrawingBackend>(root: Area<B>, figure: &Figure, scale: u32) -> Result
         draw_panel(area, panel, scale)?;
     }
     root.present().map_err(fault)
+}
+
+/// One entry of the legend, from its left end.
+fn draw_entry<B: DrawingBackend>(
+    root: &Area<B>,
+    series: &Series,
+    (left, middle): (i32, i32),
+    scale: u32,
+) -> Result<()> {
+    let right = |share: f64| left + (26.0 * share * f64::from(scale)) as i32;
+    let points = match series.mark {
+        Mark::Line | Mark::Dashed | Mark::Bars => vec![[0.0, 0.0], [1.0, 0.0]],
+        Mark::Dots | Mark::Rings | Mark::Crosses => vec![[0.7, 0.0]],
+    };
+    let at = |p: [f64; 2]| (right(p[0]), middle);
+    draw_series(&Series { points, ..series.clone() }, scale, &at, &mut |piece| piece.draw_on(root))?;
+    let text = letters(13, scale).pos(Pos::new(HPos::Left, VPos::Center));
+    root.draw(&Text::new(series.name.clone(), (right(1.3), middle), text)).map_err(fault)
 }
 
 fn draw_panel<B: DrawingBackend>(area: &Area<B>, panel: &Panel, scale: u32) -> Result<()> {
@@ -158,19 +166,16 @@ fn draw_panel<B: DrawingBackend>(area: &Area<B>, panel: &Panel, scale: u32) -> R
         .draw()
         .map_err(fault)?;
     let plane = chart.plotting_area();
+    let pixels = plane.strip_coord_spec();
+    let (left, top) = plane.get_base_pixel();
+    let at = |p: [f64; 2]| {
+        let (x, y) = plane.map_coordinate(&(p[0], p[1]));
+        (x - left, y - top)
+    };
     for series in &panel.series {
         let points = series.points.iter().map(|p| [x.place(p[0]), y.place(p[1])]);
-        let points: Vec<_> = points.filter(|p| p[0].is_finite() && p[1].is_finite()).collect();
-        let at = |p: [f64; 2]| plane.map_coordinate(&(p[0], p[1]));
-        let pixels = plane.strip_coord_spec();
-        let (left, top) = plane.get_base_pixel();
-        let at = |p: [f64; 2]| {
-            let (x, y) = at(p);
-            (x - left, y - top)
-        };
-        draw_series(&Series { points, ..series.clone() }, scale, &at, &mut |element| {
-            element.draw_on(&pixels)
-        })?;
+        let points = points.filter(|p| p[0].is_finite() && p[1].is_finite()).collect();
+        draw_series(&Series { points, ..series.clone() }, scale, &at, &mut |piece| piece.draw_on(&pixels))?;
     }
     Ok(())
 }

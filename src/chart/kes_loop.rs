@@ -160,7 +160,7 @@ pub fn read(cycle: &[Sample]) -> Reading {
         let between = |w: &[Sample]| {
             let (a, b) = (w[0], w[1]);
             let share = (at - a.curvature) / (b.curvature - a.curvature);
-            ((0.0..1.0).contains(&share)).then(|| a.moment + share * (b.moment - a.moment))
+            ((0.0..1.0).contains(&share)).then_some(a.moment + share * (b.moment - a.moment))
         };
         cycle.windows(2).filter_map(between).collect()
     };
