@@ -93,9 +93,9 @@ fn fault(error: impl std::fmt::Display) -> Error {
     Error::fault("chart", "", format!("cannot be drawn: {error}"), "")
 }
 
-/// Text of `size` SVG pixels.
+/// Text of `size` SVG pixels; plotters writes 1 / 1.24 of what it is told.
 fn letters(size: u32, scale: u32) -> TextStyle<'static> {
-    ("sans-serif", f64::from(size * scale)).into_text_style(&(1, 1)).color(&BLACK_INK)
+    ("sans-serif", 1.24 * f64::from(size * scale)).into_text_style(&(1, 1)).color(&BLACK_INK)
 }
 
 const BLACK_INK: RGBColor = RGBColor(20, 20, 20);

@@ -20,6 +20,8 @@ const ELASTICA: f64 = 2.396_280;
 const FOLD_FORCE: f64 = 2.871_08;
 /// Time for closing the plates, and for opening them [s].
 const CLOSING: f64 = 1.0;
+/// Lines of a mesh at most, whatever length and element say.
+const MOST_LINES: f64 = 1e4;
 /// Points of the tabulated fold.
 const SAMPLES: usize = 4000;
 /// Steps of the time after letting go, per decade.
@@ -49,7 +51,7 @@ impl Press {
     /// Places of the lines along the strip, counted from the fold [m]. The ends may be narrower than an element.
     fn lines(&self) -> Vec<f64> {
         let half = 0.5 * self.length;
-        let count = (self.length / self.element).ceil() as i64 + 1;
+        let count = (self.length / self.element).ceil().clamp(1.0, MOST_LINES) as i64 + 1;
         let inner = (-count..=count).map(|k| (k as f64 + self.offset) * self.element);
         let mut lines = vec![-half];
         lines.extend(inner.filter(|x| x.abs() < half - 0.1 * self.element));

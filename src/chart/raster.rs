@@ -10,7 +10,7 @@ use plotters_backend::{
 use std::convert::Infallible;
 
 /// Pixels of text height that one dot of a letter stands for.
-const TEXT_PER_DOT: f64 = 12.0;
+const TEXT_PER_DOT: f64 = 15.0;
 
 /// The canvas.
 pub(super) struct Canvas<'a>(pub(super) &'a mut Image);
