@@ -94,6 +94,17 @@ fn stepper(garment: &Garment, fabric: &Fabric) -> Stepper {
 
 /// Lets a strip of about `points` points fall, until it has come to rest.
 pub fn fall(points: usize, fabric: &Fabric, remember: bool) -> Result<Fall> {
+    fall_until(points, fabric, remember, RESIDUAL, LONGEST)
+}
+
+/// The same with another residual [-] to come to, and another longest time [s].
+pub fn fall_until(
+    points: usize,
+    fabric: &Fabric,
+    remember: bool,
+    residual_bar: f64,
+    longest: f64,
+) -> Result<Fall> {
     let garment = strip(points)?;
     let mut stepper = stepper(&garment, fabric);
     let flat = vec![0.0; garment.topology.hinges.len()];
@@ -113,7 +124,7 @@ pub fn fall(points: usize, fabric: &Fabric, remember: bool) -> Result<Fall> {
     let drive = Drive { drag: 0.5, ..Drive::at_rest(Some(0.0)) };
     let clock = Instant::now();
     let mut calm_since = None;
-    while state.time < LONGEST && fall.stabilised.is_none() {
+    while state.time < longest && fall.stabilised.is_none() {
         let (angle, velocity) = (state.angle.clone(), state.v.clone());
         let step = stepper.advance(&mut state, &memory.felt, &mut |_, _| drive.clone(), STEP);
         fall.steps += 1;
@@ -132,7 +143,7 @@ pub fn fall(points: usize, fabric: &Fabric, remember: bool) -> Result<Fall> {
         let residual = (out_of_balance / mass).sqrt() / GRAVITY;
         fall.residuals.push([state.time, residual]);
         // In free fall only the weight is out of balance, so the strip is never calm before it has landed.
-        calm_since = if residual < RESIDUAL { calm_since.or(Some(state.time)) } else { None };
+        calm_since = if residual < residual_bar { calm_since.or(Some(state.time)) } else { None };
         if calm_since.is_some_and(|since| state.time - since >= STAYS) {
             fall.stabilised = calm_since;
         }
