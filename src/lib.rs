@@ -29,6 +29,7 @@ pub mod solve;
 
 pub mod bake;
 pub mod report;
+pub mod transfer;
 
 pub mod chart;
 

@@ -29,6 +29,8 @@ pub struct Drive {
     pub held: Vec<bool>,
     /// Pressure from above on every uncovered part [Pa].
     pub pressure: f64,
+    /// Points that it acts on, one flag per point; empty for all.
+    pub pressed: Vec<bool>,
     /// A closing ball.
     pub ball: Option<Ball>,
     /// Air drag [1/s].
@@ -51,9 +53,10 @@ impl Drive {
             guides: Vec::new(),
             held: Vec::new(),
             pressure: 0.0,
+            pressed: Vec::new(),
             ball: None,
             drag: 1.0,
-            longest_step: 1.0,
+            longest_step: f64::INFINITY,
         }
     }
 }

@@ -6,9 +6,11 @@ use crate::error::Result;
 use crate::math::Vec3;
 use crate::wear::Drive;
 use crate::wear::gesture::{Gesture, MadeFold, Posture, Scene, Start, hand, palm, smooth};
+use crate::wear::landing::HeightField;
 use crate::wear::turning::{Axis, OnSheet};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
 
 /// Turn one side of a line over the rest, and hold it there. Folds stack: all layers that lie there go along.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -128,6 +130,9 @@ impl WearAction for Fold {
         let along = (b - a).normalize();
         let across = along.cross(&Vec3::y());
         let out = if self.turns(Fraction2(frame.fraction(&(a + across)))) { across } else { -across };
+        // A stack bends over half its circumference: its middle shall come to lie on the line.
+        let thick = stack_height(scene.x.iter().filter(|p| (*p - a).dot(&out).abs() < HAND), scene.thickness);
+        let a = a - out * (0.25 * PI * thick);
         let beyond = |p: &Vec3| (p - a).dot(&out);
         let (flap, rest): (Vec<u32>, Vec<u32>) =
             (0..scene.x.len() as u32).partition(|&p| beyond(&scene.x[p as usize]) > 0.0);
@@ -139,18 +144,18 @@ impl WearAction for Fold {
             ));
         }
         // The axis runs over the stack as it is along the line; bulges elsewhere are pressed down as the flap lands.
-        let mut heights: Vec<f64> = scene.x.iter().filter(|p| beyond(p).abs() < HAND).map(|p| p.y).collect();
-        heights.sort_unstable_by(f64::total_cmp);
-        let top =
-            heights.get((STACK_SHARE * heights.len() as f64) as usize).copied().unwrap_or(scene.thickness);
+        let top = stack_height(scene.x.iter().filter(|p| beyond(p).abs() < HAND), scene.thickness);
         let axis_height = top + 0.75 * scene.thickness;
         let axis =
             Axis { origin: Vec3::new(a.x, axis_height, a.z), along, out, least_depth: 0.5 * scene.thickness };
+        let under = HeightField::over(rest.iter().map(|&p| scene.x[p as usize]));
         let guided = flap
             .iter()
             .map(|&p| {
                 let place = axis.on_sheet(&scene.x[p as usize], 0.0);
-                (p, place, scene.mass[p as usize])
+                let rise = under.rise(&axis.turned(&place, PI), top);
+                let straight = ((place.s - PI * place.depth) / RISE_RAMP).clamp(0.0, 1.0);
+                Guided { point: p, place, rise: rise * straight, mass: scene.mass[p as usize] }
             })
             .collect();
         // A hand on the part that stays, along the line.
@@ -185,16 +190,27 @@ pub(in crate::wear) const MOST_TURN: f64 = 0.12;
 const STACK_SHARE: f64 = 0.9;
 /// How long hands take to let go of a flap that lies [s].
 const LETTING_GO: f64 = 0.4;
+/// Pressure of palms that smooth a fold along its line while it is held [Pa]: 10 N over a fold of 0.5 m.
+const PALM_PRESSURE: f64 = 200.0;
 /// Drag of hands that let go [1/s].
 const HAND_DRAG: f64 = 20.0;
 /// Folds beyond this angle lie by themselves; others are held until they are opened or released [rad].
 const LIES_BEYOND: f64 = 3.0;
 
+/// Way from where the sheet is straight again over which the rise comes in [m].
+const RISE_RAMP: f64 = 0.03;
+
+/// How high a stack of points is [m]; of a layer's `thickness` where there are none.
+fn stack_height<'a>(points: impl Iterator<Item = &'a Vec3>, thickness: f64) -> f64 {
+    let mut heights: Vec<f64> = points.map(|p| p.y).collect();
+    heights.sort_unstable_by(f64::total_cmp);
+    heights.get((STACK_SHARE * heights.len() as f64) as usize).copied().unwrap_or(thickness)
+}
+
 /// A flap that is being turned over.
 struct Turn {
     axis: Axis,
-    /// Point, where on its sheet, its mass [kg].
-    guided: Vec<(u32, OnSheet, f64)>,
+    guided: Vec<Guided>,
     stay: Vec<Guide>,
     /// Points that sleep meanwhile, one flag per point.
     held: Vec<bool>,
@@ -203,8 +219,32 @@ struct Turn {
     resting: Drive,
 }
 
+/// A point of the flap.
+struct Guided {
+    point: u32,
+    /// Where on its sheet.
+    place: OnSheet,
+    /// How much higher it lands than on a plane [m].
+    rise: f64,
+    /// [kg].
+    mass: f64,
+}
+
+impl Turn {
+    /// What acts `t` seconds after the flap was let go: palms lie on the new fold and smooth it.
+    fn smoothed(&self, t: f64, x: &[Vec3]) -> Drive {
+        let near = |p: &Vec3| (p - self.made.origin).dot(&self.made.out).abs() < HAND;
+        Drive {
+            pressure: PALM_PRESSURE * smooth(t / LETTING_GO),
+            pressed: x.iter().map(near).collect(),
+            longest_step: if t < LETTING_GO { LETTING_GO / 4.0 } else { f64::INFINITY },
+            ..self.resting.clone()
+        }
+    }
+}
+
 impl Gesture for Turn {
-    fn drive(&mut self, t: f64, _x: &[Vec3]) -> Drive {
+    fn drive(&mut self, t: f64, x: &[Vec3]) -> Drive {
         let turning = t <= self.over * (1.0 + 1e-9);
         let grip = if turning || self.made.angle <= LIES_BEYOND {
             1.0
@@ -212,11 +252,14 @@ impl Gesture for Turn {
             1.0 - smooth((t - self.over) / LETTING_GO)
         };
         if grip <= 0.0 {
-            return self.resting.clone();
+            return self.smoothed(t - self.over - LETTING_GO, x);
         }
         let phi = self.made.angle * smooth(t / self.over);
-        let flap = self.guided.iter().map(|(point, place, mass)| {
-            hand(*point, self.axis.turned(place, phi), self.axis.normal(place, phi), *mass).scaled(grip)
+        let lifted = smooth(phi / PI);
+        let flap = self.guided.iter().map(|g| {
+            let normal = self.axis.normal(&g.place, phi);
+            let target = self.axis.turned(&g.place, phi) + normal * (g.rise * lifted);
+            hand(g.point, target, normal, g.mass).scaled(grip)
         });
         // The smooth motion is 1.5 times as fast in the middle as on average.
         let longest_step =
@@ -229,7 +272,7 @@ impl Gesture for Turn {
     }
 
     fn breaks(&self) -> Vec<f64> {
-        vec![self.over, self.over + LETTING_GO]
+        vec![self.over, self.over + LETTING_GO, self.over + 2.0 * LETTING_GO]
     }
 
     fn end(&mut self, posture: &mut Posture, x: &[Vec3]) {
