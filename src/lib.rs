@@ -31,4 +31,6 @@ pub mod bake;
 pub mod report;
 pub mod transfer;
 
+pub mod chart;
+
 pub use error::{Error, Fault, Result};

@@ -437,3 +437,31 @@ fn images_named_by_a_path_are_embedded() {
     assert_eq!(json["images"][0]["mimeType"], "image/png");
     assert!(out.windows(png.len()).any(|window| window == png));
 }
+
+#[test]
+fn a_chart_is_four_files_or_none() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let into = |name: &str| folder.path().join(name).display().to_string();
+    let (out, err, code) = run(&["chart", "hinge", "-o", &into("charts")]);
+    assert_eq!((out.as_str(), code), ("", 0), "{err}");
+    let mut files: Vec<String> = std::fs::read_dir(folder.path().join("charts"))
+        .expect("was made")
+        .map(|file| file.expect("is there").file_name().to_string_lossy().into_owned())
+        .collect();
+    files.sort();
+    assert_eq!(files, ["hinge.csv", "hinge.json", "hinge.png", "hinge.svg"]);
+    let text = std::fs::read_to_string(folder.path().join("charts/hinge.json")).expect("is text");
+    let json: Value = serde_json::from_str(&text).expect("is JSON");
+    assert_eq!(json["chart"], "hinge");
+    assert_eq!(json["rows"].as_array().map(Vec::len), Some(5));
+    assert!(json["rows"][0]["tau_gradual_s"].is_null() && json["rows"][1]["paper_max_torque"] == 18.67);
+
+    let (_, err, code) = run(&["chart", "hinge", "-o", &into("none/charts")]);
+    assert!(code == 1 && err.contains("cannot be made"), "{err}");
+    let (_, err, code) = run(&["chart", "hinges", "-o", &into("other")]);
+    assert!(code == 2 && err.contains("hinge"), "{err}");
+    assert!(!folder.path().join("other").exists());
+    let (_, err, code) = run(&["chart", "loop", "--fabric", "demin", "-o", &into("other")]);
+    assert!(code == 1 && err.contains("did you mean `denim`"), "{err}");
+    assert!(!folder.path().join("other").exists());
+}

@@ -269,7 +269,7 @@ impl Run<'_> {
         };
         let (angle, stretch) = (self.state.angle.clone(), measure(self));
         let mut drive_at = |time: f64, state: &State| gesture.drive(time - begin, &state.x);
-        let step = self.stepper.advance(&mut self.state, &self.memory.shape, &mut drive_at, h);
+        let step = self.stepper.advance(&mut self.state, &self.memory.felt, &mut drive_at, h);
         for (total, s) in self.seconds.iter_mut().zip(step.newton.seconds) {
             *total += s;
         }

@@ -6,6 +6,7 @@
 mod also;
 mod arguments;
 mod bake;
+mod chart;
 mod fabric;
 mod frames;
 mod input;
@@ -44,6 +45,8 @@ enum Command {
     Transfer(Box<transfer::Arguments>),
     /// Make a picture of a worn garment
     Render(render::Arguments),
+    /// Draw and write a chart: numbers of ours beside what is known by other means
+    Chart(chart::Arguments),
     /// List the fabrics that come along, or show one in full
     Fabric(fabric::Arguments),
     /// Print the JSON Schema of a file format
@@ -57,6 +60,7 @@ impl Command {
             Self::Bake(arguments) => bake::run(*arguments),
             Self::Transfer(arguments) => transfer::run(*arguments),
             Self::Render(arguments) => render::run(arguments),
+            Self::Chart(arguments) => chart::run(arguments),
             Self::Fabric(arguments) => fabric::run(arguments),
             Self::Schema(arguments) => schema::run(arguments),
         }

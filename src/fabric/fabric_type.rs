@@ -4,6 +4,7 @@
 //! `docs/method.md`: stretch and shear per width [N/m] and bending per width [N·m], the B of a plate. The memory
 //! numbers follow KOW's ten parameters, with thresholds in percent of a right angle. Does not do: the memory law itself.
 
+use super::{Band, Law};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
@@ -123,6 +124,9 @@ pub struct FabricMemory {
     /// No hinge grows stiffer than this many times its new stiffness [-].
     #[schemars(range(min = 1, max = 10000))]
     pub stiffness_ceiling: f64,
+    /// Part of a remembered angle that reopens per tenfold time after the cloth was let go, counted from 1 s [percent].
+    #[schemars(range(min = 0, max = 100))]
+    pub reopening_percent_per_decade: f64,
 }
 
 impl Default for FabricMemory {
@@ -142,6 +146,7 @@ impl Default for FabricMemory {
             critical_length_ratio: 0.0,
             reference_length_mm: 10.0,
             stiffness_ceiling: 30.0,
+            reopening_percent_per_decade: 0.0,
         }
     }
 }
@@ -252,5 +257,46 @@ impl FabricMemory {
     /// Hinge width L from which on angles count as they are [m].
     pub fn reference_length(&self) -> f64 {
         self.reference_length_mm * 1e-3
+    }
+
+    /// The law of angles.
+    pub fn angle_law(&self) -> Law {
+        Law {
+            gradual: Band {
+                threshold: self.gradual_threshold(),
+                duration: self.gradual_duration_s,
+                stiffness_rate: self.gradual_stiffness_ratio,
+                rest_rate: self.gradual_angle_ratio,
+            },
+            critical: Band {
+                threshold: self.critical_threshold(),
+                duration: self.critical_duration_s,
+                stiffness_rate: self.critical_stiffness_ratio,
+                rest_rate: self.critical_angle_ratio,
+            },
+            ceiling: self.stiffness_ceiling,
+            reopening: self.reopening_percent_per_decade * 0.01,
+        }
+    }
+
+    /// The law of lengths, if lengths are remembered. Stretching does not stiffen the membrane, and what has bagged
+    /// out does not come back: only the rest length moves, and only outwards.
+    pub fn length_law(&self) -> Option<Law> {
+        let band =
+            |threshold, duration, rest_rate| Band { threshold, duration, stiffness_rate: 0.0, rest_rate };
+        (self.gradual_length_ratio > 0.0 || self.critical_length_ratio > 0.0).then(|| Law {
+            gradual: band(
+                self.gradual_stretch_threshold(),
+                self.gradual_duration_s,
+                self.gradual_length_ratio,
+            ),
+            critical: band(
+                self.critical_stretch_threshold(),
+                self.critical_duration_s,
+                self.critical_length_ratio,
+            ),
+            ceiling: 1.0,
+            reopening: 0.0,
+        })
     }
 }

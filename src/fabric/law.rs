@@ -11,6 +11,9 @@
 //! The second bound on s is a guard: an event never raises the stored energy s C²/2. Within a step the angle moves
 //! linearly, and entry into a band, events and leaving are found at their own times, so that a step of half a
 //! second has the same events as thirty of a sixtieth.
+//!
+//! Ours, off in KOW's setting: what is remembered reopens, once the cloth is let go, by an equal share per decade of
+//! time, as measured on creased sheets and woven fabric (Benusiglio et al. 2012, "The anatomy of a crease").
 
 use serde::{Deserialize, Serialize};
 
@@ -36,6 +39,24 @@ pub struct Law {
     pub critical: Band,
     /// Largest stiffness ratio.
     pub ceiling: f64,
+    /// Share of a remembered change that reopens per decade of time once let go [-]; 0 for never.
+    pub reopening: f64,
+}
+
+/// What the law needs to know of one element, and never changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Element {
+    /// Rest value of new cloth (angle [rad] or stretch [-]).
+    pub home: f64,
+    /// L / min(w, L) for hinges, 1 for lengths [-].
+    pub gain: f64,
+    /// 0..1: scales what events change.
+    pub mask: f64,
+}
+
+impl Element {
+    /// Flat when new, at least as wide as the reference length, unmasked.
+    pub const PLAIN: Self = Self { home: 0.0, gain: 1.0, mask: 1.0 };
 }
 
 /// Which band a condition is in.
@@ -61,12 +82,14 @@ pub struct Trace {
     pub zone: Zone,
     /// Time spent in that band [s].
     pub timer: f64,
+    /// Time without load since the last event [s]: the clock of reopening.
+    pub idle: f64,
 }
 
 impl Trace {
     /// New cloth with the given rest value.
     pub fn new(rest: f64) -> Self {
-        Self { rest, stiffness: 1.0, zone: Zone::Rest, timer: 0.0 }
+        Self { rest, stiffness: 1.0, zone: Zone::Rest, timer: 0.0, idle: 0.0 }
     }
 }
 
@@ -88,6 +111,10 @@ impl std::ops::AddAssign for EventCount {
 
 /// More events than this in one step mean a duration near zero: the rest is left to the next step.
 const MOST_EVENTS: usize = 10_000;
+/// Decades of reopening are counted from this time after letting go [s].
+const REOPENING_FROM: f64 = 1.0;
+/// What is held bent by more than this share of the gradual threshold does not reopen.
+const HELD: f64 = 0.5;
 
 impl Law {
     fn zone(&self, size: f64) -> Zone {
@@ -109,22 +136,24 @@ impl Law {
     }
 
     /// Moves `trace` over a step of `duration` [s] during which the value goes linearly from `from` to `to`.
-    /// `gain` is L / min(w, L) (1 for lengths), `mask` scales both rates from 0 to 1.
     pub fn advance(
         &self,
         trace: &mut Trace,
         from: f64,
         to: f64,
         duration: f64,
-        gain: f64,
-        mask: f64,
+        element: &Element,
     ) -> EventCount {
         let mut count = EventCount::default();
+        let Element { home, gain, mask } = *element;
         // Every finite condition that stays below the gradual threshold leaves at once: nearly all hinges.
         let largest = (from - trace.rest).abs().max((to - trace.rest).abs()) * gain;
         if largest <= self.gradual.threshold || !largest.is_finite() || mask <= 0.0 {
             trace.zone = Zone::Rest;
             trace.timer = 0.0;
+            if self.reopening > 0.0 && trace.rest != home && largest.is_finite() {
+                self.reopen(trace, from, to, duration, element);
+            }
             return count;
         }
         let rate = if duration > 0.0 { (to - from) / duration } else { 0.0 };
@@ -144,18 +173,23 @@ impl Law {
                 let band = *self.band(zone).unwrap_or(&self.gradual);
                 now = event;
                 trace.timer = 0.0;
+                trace.idle = 0.0;
                 let condition = (from + rate * now - trace.rest) * gain;
                 self.event(trace, &band, condition, gain, mask);
                 match zone {
                     Zone::Critical => count.critical += 1,
                     _ => count.gradual += 1,
                 }
-            } else if leave < duration {
-                trace.timer += leave - now;
-                now = leave;
             } else {
-                trace.timer += duration - now;
-                break;
+                let end = leave.min(duration);
+                trace.timer += end - now;
+                if zone == Zone::Rest && self.reopening > 0.0 && trace.rest != home {
+                    self.reopen(trace, from + rate * now, from + rate * end, end - now, element);
+                }
+                now = end;
+                if leave >= duration {
+                    break;
+                }
             }
         }
         count
@@ -166,7 +200,9 @@ impl Law {
         let growing = slope * condition > 0.0;
         let size = condition.abs();
         for threshold in [self.critical.threshold, self.gradual.threshold] {
-            if (size - threshold).abs() <= 1e-12 * threshold.max(1e-300) && slope != 0.0 {
+            // An infinite threshold is met by nothing.
+            let met = threshold.is_finite() && (size - threshold).abs() <= 1e-12 * threshold.max(1e-300);
+            if met && slope != 0.0 {
                 let nudge = if growing { 2e-12 } else { -2e-12 };
                 return self.zone(threshold * (1.0 + nudge));
             }
@@ -195,6 +231,29 @@ impl Law {
             }
         }
         first
+    }
+
+    /// Lets what is remembered reopen for that part of a step without events in which nothing holds it bent, and no
+    /// farther than to where something does.
+    fn reopen(&self, trace: &mut Trace, from: f64, to: f64, duration: f64, element: &Element) {
+        let side = (trace.rest - element.home).signum();
+        let held = HELD * self.gradual.threshold / element.gain;
+        // How far beyond the rest value the cloth is held, at both ends of the step.
+        let (first, last) = (side * (from - trace.rest) - held, side * (to - trace.rest) - held);
+        let share = match (first < 0.0, last < 0.0) {
+            (true, true) => 1.0,
+            (false, false) => 0.0,
+            (true, false) => first / (first - last),
+            (false, true) => last / (last - first),
+        };
+        let left = |idle: f64| (1.0 - self.reopening * (1.0 + idle / REOPENING_FROM).log10()).max(0.0);
+        let before = left(trace.idle);
+        trace.idle += share * duration;
+        let ratio = if before > 0.0 { left(trace.idle) / before } else { 0.0 };
+        let reopened = element.home + (trace.rest - element.home) * ratio;
+        let limit = side * to - held;
+        let rest = side * trace.rest;
+        trace.rest = side * (side * reopened).max(limit.min(rest));
     }
 
     fn event(&self, trace: &mut Trace, band: &Band, condition: f64, gain: f64, mask: f64) {
@@ -232,6 +291,7 @@ mod tests {
                 rest_rate: 1.0,
             },
             ceiling: 30.0,
+            reopening: 0.0,
         }
     }
 
@@ -246,7 +306,7 @@ mod tests {
         let steps = (9.0 / step).round() as usize;
         for k in 0..steps {
             let (a, b) = (angle(k as f64 * step), angle((k + 1) as f64 * step));
-            law.advance(&mut trace, a, b, step, 1.0, 1.0);
+            law.advance(&mut trace, a, b, step, &Element::PLAIN);
             largest = largest.max(trace.stiffness * (b - trace.rest));
         }
         (trace, largest)
@@ -274,10 +334,10 @@ mod tests {
         let law = paper(1.0, 1.25);
         for angle in [0.6, 1.5, 3.0] {
             let (mut one, mut many) = (Trace::new(0.0), Trace::new(0.0));
-            let a = law.advance(&mut one, angle, angle, 30.0, 1.0, 1.0);
+            let a = law.advance(&mut one, angle, angle, 30.0, &Element::PLAIN);
             let mut b = EventCount::default();
             for _ in 0..1800 {
-                b += law.advance(&mut many, angle, angle, 1.0 / 60.0, 1.0, 1.0);
+                b += law.advance(&mut many, angle, angle, 1.0 / 60.0, &Element::PLAIN);
             }
             assert_eq!(a, b, "angle {angle}");
             assert!((one.rest - many.rest).abs() < 1e-12 && (one.stiffness - many.stiffness).abs() < 1e-12);
@@ -292,7 +352,7 @@ mod tests {
             let mut trace = Trace::new(0.0);
             let mut energy = angle * angle;
             for _ in 0..50 {
-                law.advance(&mut trace, angle, angle, 0.1, 1.0, 1.0);
+                law.advance(&mut trace, angle, angle, 0.1, &Element::PLAIN);
                 let now = trace.stiffness * (angle - trace.rest).powi(2);
                 assert!(now <= energy * (1.0 + 1e-12), "angle {angle}: {now} over {energy}");
                 energy = now;
@@ -305,8 +365,70 @@ mod tests {
         let law = paper(1.0, 1.0);
         let mut trace = Trace::new(0.0);
         // From 0 to 3 rad in one step of 3 s: the critical band is entered at C^b / (1 rad/s).
-        law.advance(&mut trace, 0.0, 2.0, 2.0, 1.0, 1.0);
+        law.advance(&mut trace, 0.0, 2.0, 2.0, &Element::PLAIN);
         assert_eq!(trace.zone, Zone::Critical);
         assert!((trace.timer - (2.0 - law.critical.threshold)).abs() < 1e-9, "{}", trace.timer);
+    }
+
+    /// Nothing meets an infinite threshold, and a threshold of zero leaves nothing to move by.
+    #[test]
+    fn zero_and_infinite_thresholds_do_no_harm() {
+        for (gradual, critical) in
+            [(0.0, 0.0), (0.0, f64::INFINITY), (f64::INFINITY, f64::INFINITY), (0.4, f64::INFINITY)]
+        {
+            let mut law = paper(1.0, 1.0);
+            law.gradual.threshold = gradual;
+            law.critical.threshold = critical;
+            let mut trace = Trace::new(0.0);
+            let mut count = EventCount::default();
+            for (from, to, duration) in
+                [(0.0, 3.0, 1.0), (3.0, 3.0, 20.0), (3.0, -3.0, 2.0), (-3.0, 0.0, 1.0)]
+            {
+                count += law.advance(&mut trace, from, to, duration, &Element::PLAIN);
+            }
+            assert!(trace.rest.is_finite() && (1.0..=30.0).contains(&trace.stiffness), "{trace:?}");
+            assert_eq!(count.critical > 0, critical == 0.0, "{gradual} {critical}: {count:?}");
+            let reached = gradual.is_finite() && critical > 0.0;
+            assert_eq!(count.gradual > 0, reached, "{gradual} {critical}: {count:?}");
+            assert_eq!(trace.rest != 0.0, gradual == 0.4, "{gradual} {critical}: {trace:?}");
+        }
+    }
+
+    fn reopening() -> Law {
+        Law { reopening: 0.1, ..paper(4.3, 1.0) }
+    }
+
+    #[test]
+    fn what_is_let_go_reopens_by_decades_of_time_whatever_the_step() {
+        let law = reopening();
+        let mut set = Trace::new(0.0);
+        law.advance(&mut set, 3.0, 3.0, 30.0, &Element::PLAIN);
+        let before = set.rest;
+        // A free hinge follows its rest angle.
+        let wait = |trace: &mut Trace, duration: f64| {
+            let rest = trace.rest;
+            law.advance(trace, rest, rest, duration, &Element::PLAIN);
+        };
+        for steps in [99, 990] {
+            let mut trace = set;
+            (0..steps).for_each(|_| wait(&mut trace, 99.0 / f64::from(steps)));
+            assert!((trace.rest / before - 0.8).abs() < 1e-12, "two decades: {} of {before}", trace.rest);
+            (0..80).for_each(|k| wait(&mut trace, 50.0 * 1.5f64.powi(k)));
+            assert_eq!(trace.rest, 0.0, "in the end nothing is left, and it does not open beyond");
+        }
+    }
+
+    #[test]
+    fn what_is_held_does_not_reopen() {
+        let law = reopening();
+        let mut trace = Trace::new(0.0);
+        law.advance(&mut trace, 3.0, 3.0, 30.0, &Element::PLAIN);
+        let (rest, gap) = (trace.rest, 3.0 - trace.rest);
+        assert!(gap > HELD * law.gradual.threshold && gap < law.gradual.threshold);
+        law.advance(&mut trace, 3.0, 3.0, 1000.0, &Element::PLAIN);
+        assert_eq!(trace.rest, rest);
+        // Held a little bent, it opens until it pulls against what holds it, and no farther.
+        law.advance(&mut trace, rest, rest, 1e9, &Element::PLAIN);
+        assert!((rest - trace.rest - HELD * law.gradual.threshold).abs() < 1e-12, "{trace:?}");
     }
 }

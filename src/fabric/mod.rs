@@ -8,5 +8,5 @@ mod preset_list;
 mod read;
 
 pub use fabric_type::{Fabric, FabricFormat, FabricMemory, Provenance};
-pub use law::{Band, EventCount, Law, Trace, Zone};
+pub use law::{Band, Element, EventCount, Law, Trace, Zone};
 pub use preset_list::DEFAULT_FABRIC;

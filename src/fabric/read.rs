@@ -128,7 +128,7 @@ mod tests {
         assert!((fabric.bend_warp() - 12.5e-6).abs() < 1e-18);
         assert!((fabric.area_density() - 0.421).abs() < 1e-12);
         assert!((fabric.thickness() - 0.887e-3).abs() < 1e-12);
-        assert!((fabric.memory.reference_length() - 0.010).abs() < 1e-12);
+        assert!((fabric.memory.reference_length() - 0.002).abs() < 1e-12);
         assert!((fabric.memory.critical_stretch_threshold() - 0.06).abs() < 1e-12);
         // B = 1e-5 N·m, 0.2 kg/m²: (1e-5 / (0.2 * 9.81))^(1/3) = 17.2 mm.
         let known = Fabric {

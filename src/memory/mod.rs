@@ -4,21 +4,46 @@
 //! was rejected never reaches this module. The law itself is `fabric::Law`; here it is applied to every hinge
 //! (condition: angle beyond the rest angle, measured against the reference length on fine meshes) and, where the
 //! fabric has length ratios, to both axes of every triangle (condition: strain beyond the rest stretch).
+//!
+//! An event changes what is remembered at once, but enters the forces smoothly: energies read [`Memory::felt`], which
+//! follows [`Memory::shape`] within a fifth of a second. What is baked and written to files is `shape`.
 
-use crate::fabric::{Band, EventCount, Fabric, Law, Trace, Zone};
+mod felt;
+
+use crate::fabric::{Element, EventCount, Fabric, Law, Trace, Zone};
 use crate::garment::{Garment, RestShape};
 use serde::{Deserialize, Serialize};
 
-/// Band and time spent in it, of one element.
-type Running = (Zone, f64);
+/// What of a trace is not part of the rest shape.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+struct Running {
+    zone: Zone,
+    /// Time in that band [s].
+    timer: f64,
+    /// Time without load since the last event [s].
+    idle: f64,
+}
+
+impl Running {
+    fn trace(self, rest: f64, stiffness: f64) -> Trace {
+        Trace { rest, stiffness, zone: self.zone, timer: self.timer, idle: self.idle }
+    }
+
+    fn of(trace: &Trace) -> Self {
+        Self { zone: trace.zone, timer: trace.timer, idle: trace.idle }
+    }
+}
 
 /// The memory of one garment in wear.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Memory {
-    /// What the energies read.
+    /// What is remembered: what comes out of a bake.
     pub shape: RestShape,
+    /// What the energies read: `shape`, with events of the last moments on their way in.
+    pub felt: RestShape,
     /// Events so far.
     pub events: EventCount,
+    frozen: bool,
     hinge: Vec<Running>,
     warp: Vec<Running>,
     weft: Vec<Running>,
@@ -40,44 +65,8 @@ impl Remembering {
     /// The law of `fabric` on `garment` whose hinges stand for `width` [m] of cloth each.
     pub fn new(garment: &Garment, fabric: &Fabric, width: &[f64]) -> Self {
         let memory = &fabric.memory;
-        let band = |threshold, duration, stiffness_rate, rest_rate| Band {
-            threshold,
-            duration,
-            stiffness_rate,
-            rest_rate,
-        };
-        let angle = Law {
-            gradual: band(
-                fabric.memory.gradual_threshold(),
-                memory.gradual_duration_s,
-                memory.gradual_stiffness_ratio,
-                memory.gradual_angle_ratio,
-            ),
-            critical: band(
-                fabric.memory.critical_threshold(),
-                memory.critical_duration_s,
-                memory.critical_stiffness_ratio,
-                memory.critical_angle_ratio,
-            ),
-            ceiling: memory.stiffness_ceiling,
-        };
-        let length = (memory.gradual_length_ratio > 0.0 || memory.critical_length_ratio > 0.0).then(|| Law {
-            // Stretching does not stiffen the membrane: only the rest length moves.
-            gradual: band(
-                fabric.memory.gradual_stretch_threshold(),
-                memory.gradual_duration_s,
-                0.0,
-                memory.gradual_length_ratio,
-            ),
-            critical: band(
-                fabric.memory.critical_stretch_threshold(),
-                memory.critical_duration_s,
-                0.0,
-                memory.critical_length_ratio,
-            ),
-            ceiling: 1.0,
-        });
-        let reference = fabric.memory.reference_length();
+        let (angle, length) = (memory.angle_law(), memory.length_law());
+        let reference = memory.reference_length();
         let least = |points: &mut dyn Iterator<Item = usize>| {
             points.map(|p| garment.memory_mask[p]).fold(1.0, f64::min).clamp(0.0, 1.0)
         };
@@ -114,14 +103,37 @@ impl Memory {
     pub fn new(shape: RestShape) -> Self {
         let hinges = shape.rest_angle.len();
         let triangles = shape.rest_stretch_warp.len();
-        let idle = (Zone::Rest, 0.0);
+        let idle = Running::default();
         Self {
+            felt: shape.clone(),
             shape,
             events: EventCount::default(),
+            frozen: false,
             hinge: vec![idle; hinges],
             warp: vec![idle; triangles],
             weft: vec![idle; triangles],
         }
+    }
+
+    /// Forgets everything: new cloth of the source's own angles, no timer running, no event counted. Stays frozen if
+    /// it was.
+    pub fn reset(&mut self) {
+        let source = std::mem::take(&mut self.shape.source_angle);
+        let shape = RestShape::new(source, self.shape.rest_stretch_warp.len());
+        *self = Self { frozen: self.frozen, ..Self::new(shape) };
+    }
+
+    /// Whether the cloth keeps what it has and remembers nothing new. Timers start anew after a freeze.
+    pub fn freeze(&mut self, frozen: bool) {
+        self.frozen = frozen;
+        for running in [&mut self.hinge, &mut self.warp, &mut self.weft] {
+            running.iter_mut().for_each(|r| *r = Running { idle: r.idle, ..Running::default() });
+        }
+    }
+
+    /// Whether it is frozen.
+    pub fn is_frozen(&self) -> bool {
+        self.frozen
     }
 
     /// Writes what a step of `duration` [s] from `before` to `after` leaves in the cloth.
@@ -133,19 +145,18 @@ impl Memory {
         duration: f64,
     ) -> EventCount {
         let mut count = EventCount::default();
+        if self.frozen {
+            felt::follow(&mut self.felt, &self.shape, duration);
+            return count;
+        }
         let shape = &mut self.shape;
         for (h, running) in self.hinge.iter_mut().enumerate() {
-            let mut trace = Trace {
-                rest: shape.rest_angle[h],
-                stiffness: shape.stiffness_ratio[h],
-                zone: running.0,
-                timer: running.1,
-            };
-            let (from, to) = (before.angle[h], after.angle[h]);
-            count += law.angle.advance(&mut trace, from, to, duration, law.gain[h], law.hinge_mask[h]);
+            let mut trace = running.trace(shape.rest_angle[h], shape.stiffness_ratio[h]);
+            let element = Element { home: shape.source_angle[h], gain: law.gain[h], mask: law.hinge_mask[h] };
+            count += law.angle.advance(&mut trace, before.angle[h], after.angle[h], duration, &element);
             shape.rest_angle[h] = trace.rest;
             shape.stiffness_ratio[h] = trace.stiffness;
-            *running = (trace.zone, trace.timer);
+            *running = Running::of(&trace);
         }
         if let Some(length) = &law.length {
             let axes = [
@@ -154,18 +165,19 @@ impl Memory {
             ];
             for (rest, timers, axis) in axes {
                 for (f, running) in timers.iter_mut().enumerate() {
-                    let mut trace =
-                        Trace { rest: rest[f], stiffness: 1.0, zone: running.0, timer: running.1 };
+                    let mut trace = running.trace(rest[f], 1.0);
                     // Compressed cloth buckles, it does not shorten: strain below rest counts as none.
                     let at = |stretch: &[[f64; 3]]| stretch[f][axis].max(rest[f]);
                     let (from, to) = (at(before.stretch), at(after.stretch));
-                    count += length.advance(&mut trace, from, to, duration, 1.0, law.triangle_mask[f]);
+                    let element = Element { home: 1.0, gain: 1.0, mask: law.triangle_mask[f] };
+                    count += length.advance(&mut trace, from, to, duration, &element);
                     rest[f] = trace.rest;
-                    *running = (trace.zone, trace.timer);
+                    *running = Running::of(&trace);
                 }
             }
         }
         self.events += count;
+        felt::follow(&mut self.felt, &self.shape, duration);
         count
     }
 }
@@ -177,20 +189,8 @@ mod tests {
 
     fn law(hinges: usize, gain: f64) -> Remembering {
         let fabric = Fabric::preset("kow-tshirt").unwrap();
-        let right = std::f64::consts::FRAC_PI_2;
-        assert!((fabric.memory.gradual_threshold() - 0.27 * right).abs() < 1e-12);
-        let band = |threshold, duration, stiffness_rate, rest_rate| Band {
-            threshold,
-            duration,
-            stiffness_rate,
-            rest_rate,
-        };
         Remembering {
-            angle: Law {
-                gradual: band(0.27 * right, 4.3, 1.1, 0.4),
-                critical: band(0.85 * right, 1.0, 2.5, 1.0),
-                ceiling: 30.0,
-            },
+            angle: fabric.memory.angle_law(),
             length: None,
             gain: vec![gain; hinges],
             hinge_mask: vec![1.0, 0.0],

@@ -106,28 +106,32 @@ fn dot(letter: char, column: usize, row: usize) -> bool {
 }
 
 /// Width of `text` [pixels] when a dot is `scale` pixels.
-pub(super) fn width(text: &str, scale: usize) -> usize {
+pub(crate) fn width(text: &str, scale: usize) -> usize {
     (ADVANCE * text.chars().count()).saturating_sub(1) * scale
 }
 
 /// Height of a line [pixels], with what hangs below it.
-pub(super) fn height(scale: usize) -> usize {
+pub(crate) fn height(scale: usize) -> usize {
     ROWS * scale
 }
 
-/// Writes `text` with its upper left corner at (`x`, `y`).
-pub(super) fn write(image: &mut Image, text: &str, x: usize, y: usize, scale: usize, colour: [u8; 3]) {
+/// Visits every pixel of `text`, counted from its upper left corner.
+pub(crate) fn visit(text: &str, scale: usize, visit: &mut dyn FnMut(usize, usize)) {
     for (k, letter) in text.chars().enumerate() {
         for (row, column) in (0..ROWS).flat_map(|row| (0..ADVANCE - 1).map(move |column| (row, column))) {
             if !dot(letter, column, row) {
                 continue;
             }
             for (dy, dx) in (0..scale).flat_map(|dy| (0..scale).map(move |dx| (dy, dx))) {
-                let left = x + (k * ADVANCE + column) * scale;
-                image.set(left + dx, y + row * scale + dy, colour);
+                visit((k * ADVANCE + column) * scale + dx, row * scale + dy);
             }
         }
     }
+}
+
+/// Writes `text` with its upper left corner at (`x`, `y`).
+pub(super) fn write(image: &mut Image, text: &str, x: usize, y: usize, scale: usize, colour: [u8; 3]) {
+    visit(text, scale, &mut |dx, dy| image.set(x + dx, y + dy, colour));
 }
 
 #[cfg(test)]

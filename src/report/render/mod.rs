@@ -13,7 +13,7 @@ mod camera;
 mod caption;
 mod colour;
 mod field;
-mod font;
+pub(crate) mod font;
 mod image;
 mod raster;
 mod shade;

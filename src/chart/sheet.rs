@@ -1,0 +1,123 @@
+//! Flat specimens for charts: strips of cloth in the material plane, warp along x.
+
+use crate::error::{Error, Result};
+use crate::garment::Garment;
+use crate::math::{Vec2, Vec3};
+use crate::mesh::{PointIndex, Topology};
+use spade::{DelaunayTriangulation, Point2, Triangulation};
+
+/// A flat specimen: points [m] and triangles that turn counter-clockwise.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Sheet {
+    pub(super) flat: Vec<Vec2>,
+    pub(super) triangles: Vec<[u32; 3]>,
+}
+
+impl Sheet {
+    /// Quads between lines across at `along` [m] and `across` + 1 lines over `width` [m], cut by one diagonal. Bent
+    /// about the lines across, only these take an angle.
+    pub(super) fn strip(along: &[f64], width: f64, across: usize) -> Self {
+        let rows = across + 1;
+        let y = |j: usize| width * (j as f64 / across as f64 - 0.5);
+        let flat = along.iter().flat_map(|&x| (0..rows).map(move |j| Vec2::new(x, y(j)))).collect();
+        let at = |i: usize, j: usize| (i * rows + j) as u32;
+        let triangles = (1..along.len())
+            .flat_map(|i| (1..rows).map(move |j| (i, j)))
+            .flat_map(|(i, j)| {
+                let (a, b, c, d) = (at(i - 1, j - 1), at(i, j - 1), at(i, j), at(i - 1, j));
+                [[a, b, c], [a, c, d]]
+            })
+            .collect();
+        Self { flat, triangles }
+    }
+
+    /// An unstructured triangulation of `length` x `width` [m] with about `count` points: evenly spaced ones on the
+    /// border, and inside an equilateral lattice whose points are moved at random (by a fixed seed) by up to a seventh
+    /// of their distance. The same for the same numbers.
+    pub(super) fn unstructured(length: f64, width: f64, count: usize) -> Result<Self> {
+        // Fewer points for larger spacing: halve the interval until it is narrow.
+        let (mut fine, mut coarse) = (0.2, 2.0);
+        let unit = (length * width / count as f64).sqrt();
+        for _ in 0..40 {
+            let middle = 0.5 * (fine + coarse);
+            if scattered(length, width, middle * unit).len() > count {
+                fine = middle
+            } else {
+                coarse = middle
+            }
+        }
+        let near = [fine, coarse].map(|share| scattered(length, width, share * unit));
+        let [more, fewer] = near;
+        let flat = if more.len().abs_diff(count) < fewer.len().abs_diff(count) { more } else { fewer };
+        let mut mesh = DelaunayTriangulation::<Point2<f64>>::new();
+        for p in &flat {
+            mesh.insert(Point2::new(p.x, p.y))
+                .map_err(|e| Error::fault("chart", "", format!("cannot be meshed: {e:?}"), ""))?;
+        }
+        // On the straight border three points in a row span triangles of rounding errors.
+        let sliver = 1e-3 * unit * unit;
+        let triangles = mesh
+            .inner_faces()
+            .map(|face| face.vertices().map(|v| v.fix().index() as u32))
+            .filter(|t| {
+                let [a, b, c] = t.map(|p| flat[p as usize]);
+                (b - a).perp(&(c - a)) > sliver
+            })
+            .collect();
+        Ok(Self { flat, triangles })
+    }
+
+    /// As a garment whose source pose has its points at `points` [m].
+    pub(super) fn garment(&self, points: Vec<Vec3>) -> Garment {
+        let triangles: Vec<[PointIndex; 3]> = self.triangles.iter().map(|t| t.map(PointIndex)).collect();
+        let topology = Topology::new(self.flat.len(), &triangles);
+        Garment {
+            material: self.triangles.iter().map(|t| t.map(|p| self.flat[p as usize])).collect(),
+            material_from_uv: true,
+            source_point: (0..self.flat.len() as u32).map(PointIndex).collect(),
+            memory_mask: vec![1.0; points.len()],
+            triangle_part: vec![0; triangles.len()],
+            triangles,
+            topology,
+            points,
+        }
+    }
+
+    /// The same, flat on the ground at height 0: x stays, y becomes z.
+    pub(super) fn flat_garment(&self) -> Garment {
+        self.garment(self.flat.iter().map(|p| Vec3::new(p.x, 0.0, -p.y)).collect())
+    }
+}
+
+/// Points of an unstructured rectangle, `spacing` [m] apart.
+fn scattered(length: f64, width: f64, spacing: f64) -> Vec<Vec2> {
+    let counts = [length, width].map(|side| (side / spacing).round().max(1.0) as usize);
+    let even = |side: f64, count: usize| (0..=count).map(move |k| side * (k as f64 / count as f64 - 0.5));
+    let mut points = Vec::new();
+    for y in [-0.5 * width, 0.5 * width] {
+        points.extend(even(length, counts[0]).map(|x| Vec2::new(x, y)));
+    }
+    for x in [-0.5 * length, 0.5 * length] {
+        points.extend(even(width, counts[1]).map(|y| Vec2::new(x, y)).skip(1).take(counts[1] - 1));
+    }
+    // A linear congruential generator (Knuth): the upper bits as a number from -1 to 1.
+    let mut seed = 1u64;
+    let mut random = || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 33) as f64 / f64::from(1u32 << 30) - 1.0
+    };
+    let rows = (width / (spacing * 0.75f64.sqrt())).ceil() as i64;
+    let columns = (length / spacing).ceil() as i64;
+    for j in -rows..=rows {
+        for i in -columns..=columns {
+            let shift = 0.5 * (j.rem_euclid(2)) as f64;
+            let lattice = Vec2::new(i as f64 + shift, j as f64 * 0.75f64.sqrt()) * spacing;
+            let p = lattice + Vec2::new(random(), random()) * (spacing / 7.0);
+            let room = (0.5 * length - p.x.abs()).min(0.5 * width - p.y.abs());
+            if room > 0.55 * spacing {
+                points.push(p);
+            }
+        }
+    }
+    points
+}

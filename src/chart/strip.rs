@@ -1,0 +1,260 @@
+//! `crease chart strip`: the paper's Table 1, with and without memory.
+//!
+//! A strip of 32 x 44 cm of KOW's T-shirt, unstructured meshes of 156, 603 and 2306 points (within 2 %), hangs upright
+//! with its short edge over the ground, a little askew and a little bowed, and falls. It has come to rest when the
+//! residual, the force that is out of balance over the weight (root mean square over the mass), stays below a
+//! hundredth for a quarter of a second. All of it goes through the solver of a bake: self-contact, friction, ground,
+//! fixed steps of 1/60 s, so that steps and simulated seconds say the same.
+
+use super::draw::BLACK;
+use super::sheet::Sheet;
+use super::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
+use crate::contact::{Contact, ContactSettings};
+use crate::error::Result;
+use crate::fabric::{DEFAULT_FABRIC, Fabric};
+use crate::garment::{Garment, RestShape};
+use crate::math::Vec3;
+use crate::memory::{Memory, Observed, Remembering};
+use crate::solve::{Cloth, State, StepOptions, Stepper};
+use crate::wear::{Drive, GRAVITY};
+use std::time::Instant;
+
+/// Height and width of the strip as it hangs [m].
+const STRIP: (f64, f64) = (0.44, 0.32);
+/// Points of the paper's meshes, and seconds to stabilisation without and with memory where we know them.
+const MESHES: [(usize, Option<[f64; 2]>); 3] =
+    [(156, Some([9.0, 7.0])), (603, None), (2306, Some([94.0, 83.0]))];
+/// Length of a step [s].
+const STEP: f64 = 1.0 / 60.0;
+/// Residual below which the strip is at rest, as a share of its weight [-].
+const RESIDUAL: f64 = 1e-2;
+/// Time for which the residual must stay there [s].
+const STAYS: f64 = 0.25;
+/// The run is given up after this time [s].
+const LONGEST: f64 = 20.0;
+/// Height of the lower edge over the ground at the start [m].
+const DROP: f64 = 0.02;
+/// Tilt of the strip [rad] and depth of its bow [m]: upright and flat it would not know which way to fall.
+const ASKEW: (f64, f64) = (0.12, 0.01);
+/// Strain that the strip's weight may cost: stretch is as soft as that allows, as in a bake.
+const SAG: f64 = 0.005;
+/// Most of a mean edge that the contact distance may be.
+const MOST_OF_EDGE: f64 = 0.2;
+
+/// What a fall took.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fall {
+    /// Time at which the strip had come to rest [s]; `None` if it had not within the longest time.
+    pub stabilised: Option<f64>,
+    /// Wall time [s].
+    pub wall: f64,
+    /// Steps made until then.
+    pub steps: u64,
+    /// Linear systems solved until then.
+    pub iterations: u64,
+    /// Memory events.
+    pub events: u64,
+    /// Time [s] and residual [-] of every step.
+    pub residuals: Vec<[f64; 2]>,
+}
+
+/// A strip of about `points` points of `fabric` before its fall.
+fn strip(points: usize) -> Result<Garment> {
+    let sheet = Sheet::unstructured(STRIP.0, STRIP.1, points)?;
+    let (sin, cos) = ASKEW.0.sin_cos();
+    let place = |along: f64, across: f64| {
+        let height = along + 0.5 * STRIP.0;
+        let bow = ASKEW.1 * (std::f64::consts::PI * height / STRIP.0).sin() * (1.0 + across / STRIP.1);
+        Vec3::new(height * sin + bow * cos, DROP + height * cos - bow * sin + ASKEW.1, across)
+    };
+    let points = sheet.flat.iter().map(|p| place(p.x, p.y)).collect();
+    Ok(sheet.garment(points))
+}
+
+fn stepper(garment: &Garment, fabric: &Fabric) -> Stepper {
+    let mut cloth = Cloth::new(garment, fabric);
+    let enough = fabric.area_density() * GRAVITY * STRIP.0 / SAG;
+    let stiffness = fabric.stretch_warp().min(enough);
+    cloth.membrane.set_stiffness([stiffness, stiffness, fabric.shear().min(enough)]);
+    let area: f64 = cloth.area.iter().sum();
+    let edge = (area / garment.points.len() as f64).sqrt();
+    let settings = ContactSettings {
+        distance: fabric.thickness().min(MOST_OF_EDGE * edge),
+        stiffness: stiffness / (area / garment.points.len() as f64),
+        friction: fabric.friction,
+        friction_ground: fabric.friction_ground,
+        creep: 1e-3,
+        between_layers: true,
+    };
+    let contact =
+        Contact::new(settings, &garment.points, &garment.triangles, &garment.topology, cloth.area.clone());
+    let options = StepOptions { shortest: STEP, longest: STEP, ..StepOptions::default() };
+    Stepper::new(cloth, contact, options)
+}
+
+/// Lets a strip of about `points` points fall, until it has come to rest.
+pub fn fall(points: usize, fabric: &Fabric, remember: bool) -> Result<Fall> {
+    fall_until(points, fabric, remember, RESIDUAL, LONGEST)
+}
+
+/// The same with another residual [-] to come to, and another longest time [s].
+pub fn fall_until(
+    points: usize,
+    fabric: &Fabric,
+    remember: bool,
+    residual_bar: f64,
+    longest: f64,
+) -> Result<Fall> {
+    let garment = strip(points)?;
+    let mut stepper = stepper(&garment, fabric);
+    let flat = vec![0.0; garment.topology.hinges.len()];
+    let angle = stepper.cloth.bending.angles(&garment.points, &flat);
+    let law = remember.then(|| Remembering::new(&garment, fabric, stepper.cloth.bending.width()));
+    let mut memory = Memory::new(RestShape::new(flat, garment.triangles.len()));
+    let mut state = State::at_rest(garment.points.clone(), angle);
+    let mut fall = Fall {
+        stabilised: None,
+        wall: 0.0,
+        steps: 0,
+        iterations: 0,
+        events: 0,
+        residuals: Vec::new(),
+    };
+    let mass: f64 = stepper.cloth.mass.iter().sum();
+    let drive = Drive { drag: 0.5, ..Drive::at_rest(Some(0.0)) };
+    let clock = Instant::now();
+    let mut calm_since = None;
+    while state.time < longest && fall.stabilised.is_none() {
+        let (angle, velocity) = (state.angle.clone(), state.v.clone());
+        let step = stepper.advance(&mut state, &memory.felt, &mut |_, _| drive.clone(), STEP);
+        fall.steps += 1;
+        fall.iterations += step.newton.iterations as u64;
+        if let Some(law) = &law {
+            let seen = |angle| Observed { angle, stretch: &[] };
+            memory.commit(law, &seen(&angle), &seen(&state.angle), step.step);
+        }
+        let out_of_balance = state
+            .v
+            .iter()
+            .zip(&velocity)
+            .zip(&stepper.cloth.mass)
+            .map(|((now, before), m)| m * ((now - before) / step.step).norm_squared())
+            .sum::<f64>();
+        let residual = (out_of_balance / mass).sqrt() / GRAVITY;
+        fall.residuals.push([state.time, residual]);
+        // In free fall only the weight is out of balance, so the strip is never calm before it has landed.
+        calm_since = if residual < residual_bar { calm_since.or(Some(state.time)) } else { None };
+        if calm_since.is_some_and(|since| state.time - since >= STAYS) {
+            fall.stabilised = calm_since;
+        }
+    }
+    fall.wall = clock.elapsed().as_secs_f64();
+    fall.events = memory.events.gradual + memory.events.critical;
+    Ok(fall)
+}
+
+/// `runs` falls; wall time is their median, all else is the same in each.
+fn falls(points: usize, fabric: &Fabric, remember: bool, runs: usize) -> Result<Fall> {
+    let mut falls: Vec<Fall> =
+        (0..runs.max(1)).map(|_| fall(points, fabric, remember)).collect::<Result<_>>()?;
+    falls.sort_by(|a, b| a.wall.total_cmp(&b.wall));
+    Ok(falls.swap_remove(falls.len() / 2))
+}
+
+pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
+    let fabric = Fabric::preset(DEFAULT_FABRIC)?;
+    let mut table =
+        Table::new(&["points", "memory", "stabilised_s", "wall_s", "steps", "iterations", "events", "paper_s"]);
+    let mut times = [("without memory", Mark::Rings), ("with memory", Mark::Crosses)]
+        .map(|(name, mark)| Series::new(name, usize::from(mark == Mark::Rings), mark, Vec::new()));
+    let mut courses = Vec::new();
+    let mut notes = Vec::new();
+    for (wanted, paper) in MESHES {
+        let points = strip(wanted)?.points.len();
+        let [off, on] = [false, true].map(|remember| falls(wanted, &fabric, remember, options.runs));
+        let both = [off?, on?];
+        for (k, fall) in both.iter().enumerate() {
+            table.push([
+                (points as u64).into(),
+                (k == 1).into(),
+                fall.stabilised.into(),
+                fall.wall.into(),
+                fall.steps.into(),
+                fall.iterations.into(),
+                fall.events.into(),
+                paper.map(|p| p[k]).into(),
+            ]);
+            times[k].points.extend(fall.stabilised.map(|s| [points as f64, s]));
+            if wanted == MESHES[2].0 {
+                courses.push(Series::new("", 1 - k, Mark::Line, fall.residuals.clone()));
+            }
+        }
+        let [off, on] = &both;
+        let theirs = paper.map_or(String::new(), |[off, on]| format!(", the paper's {:.2}", on / off));
+        notes.push(format!(
+            "{points} points: {} steps without memory, {} with: ratio {:.2}{theirs}",
+            off.steps,
+            on.steps,
+            on.steps as f64 / off.steps as f64
+        ));
+    }
+    notes.push(format!(
+        "at rest: residual over weight below {RESIDUAL} for {STAYS} s; wall_s is the median of {} runs; the paper's seconds are as printed there",
+        options.runs
+    ));
+    let latest = times.iter().flat_map(|t| &t.points).map(|p| p[1]).fold(0.1, f64::max);
+    let largest = courses.iter().flat_map(|c| &c.points).map(|p| p[0]).fold(0.0, f64::max);
+    courses.push(Series::new("at rest below", BLACK, Mark::Dashed, vec![[0.0, RESIDUAL], [largest, RESIDUAL]]));
+    Ok(Chart {
+        name: "strip",
+        table,
+        figure: Figure {
+            title: "Falling strips of 32 x 44 cm come to rest".into(),
+            panels: vec![
+                Panel {
+                    title: "time to come to rest".into(),
+                    x: Axis::decades("points").between(100.0, 4000.0),
+                    y: Axis::of("time to rest [s]").between(0.0, 1.2 * latest),
+                    series: times.into(),
+                },
+                Panel {
+                    title: format!("residual of the strip of {} points", MESHES[2].0),
+                    x: Axis::of("time [s]"),
+                    y: Axis::decades("force out of balance over weight [-]"),
+                    series: courses,
+                },
+            ],
+        },
+        notes,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn meshes_have_the_points_of_the_paper() {
+        for (wanted, _) in MESHES {
+            let garment = strip(wanted).expect("meshes");
+            let share = garment.points.len() as f64 / wanted as f64;
+            assert!((share - 1.0).abs() <= 0.02, "{wanted}: {}", garment.points.len());
+            // One sheet: Euler's number of a disc.
+            let [v, e, f] = [garment.points.len(), garment.topology.edges.len(), garment.triangles.len()];
+            assert_eq!(v + f - e, 1, "{wanted}");
+            let area: f64 =
+                garment.material.iter().map(|m| 0.5 * (m[1] - m[0]).perp(&(m[2] - m[0]))).sum();
+            assert!((area / (STRIP.0 * STRIP.1) - 1.0).abs() < 1e-9, "{wanted}: {area}");
+        }
+    }
+
+    /// The smallest of the three; the others are the chart's, they take minutes.
+    #[test]
+    fn the_small_strip_comes_to_rest_no_later_with_memory() {
+        let fabric = Fabric::preset(DEFAULT_FABRIC).expect("exists");
+        let [off, on] = [false, true].map(|remember| fall(156, &fabric, remember).expect("falls"));
+        println!("steps {} and {}, events {}", off.steps, on.steps, on.events);
+        assert!(off.stabilised.is_some() && on.stabilised.is_some());
+        assert!(on.steps <= off.steps && on.events > 0 && off.events == 0);
+    }
+}

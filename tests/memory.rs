@@ -1,0 +1,15 @@
+//! The memory law under stress, through the public interface: every promise of `docs/memory.md` is a test that walks a
+//! table. Each prints the figure it reached:
+//!
+//! ```text
+//! cargo test --test memory NAME -- --nocapture
+//! ```
+
+#[path = "memory/hinge.rs"]
+mod hinge;
+#[path = "memory/law.rs"]
+mod law;
+#[path = "memory/scene.rs"]
+mod scene;
+#[path = "memory/strip.rs"]
+mod strip;
