@@ -10,7 +10,17 @@
 
 #[path = "contact/drop.rs"]
 mod drop;
+#[path = "contact/entangled.rs"]
+mod entangled;
+#[path = "contact/friction.rs"]
+mod friction;
+#[path = "contact/layers.rs"]
+mod layers;
+#[path = "contact/pinch.rs"]
+mod pinch;
 #[path = "contact/run.rs"]
 mod run;
 #[path = "contact/shapes.rs"]
 mod shapes;
+#[path = "contact/shots.rs"]
+mod shots;

@@ -9,6 +9,7 @@
 //! another.
 
 use super::candidates::CandidateFinder;
+use super::entangled::Mesh;
 use crate::error::{Error, Fault, Result};
 use crate::math::Vec3;
 use crate::mesh::{PointIndex, Topology};
@@ -107,6 +108,16 @@ impl Body {
     pub fn lag(&self) -> (f64, usize) {
         let lags = self.target.iter().zip(&self.now).map(|(goal, at)| (goal - at).norm());
         lags.zip(0..).fold((0.0, 0), |most, lag| if lag.0 > most.0 { lag } else { most })
+    }
+
+    /// As it is counted, where it is now.
+    pub(super) fn mesh(&self) -> Mesh<'_> {
+        Mesh {
+            x: &self.now,
+            triangles: &self.triangles,
+            triangle_edges: &self.triangle_edges,
+            edge_count: self.edges.len(),
+        }
     }
 
     /// The step is accepted: the next starts from here.

@@ -160,7 +160,12 @@ impl PairContact {
     }
 
     fn mesh<'a>(&'a self, x: &'a [Vec3]) -> Mesh<'a> {
-        Mesh { x, triangles: &self.triangles, triangle_edges: &self.triangle_edges, edges: &self.edges }
+        Mesh {
+            x,
+            triangles: &self.triangles,
+            triangle_edges: &self.triangle_edges,
+            edge_count: self.edges.len(),
+        }
     }
 
     // ---- Who is near ----
@@ -168,41 +173,40 @@ impl PairContact {
     /// Starts a step: what crosses, and who is near.
     pub fn begin(&mut self, x: &[Vec3]) {
         let first = self.entangled.is_none();
-        if self.entangled.as_ref().is_none_or(|e| !e.is_empty()) {
-            self.recount(x);
-        }
         let still = vec![Vec3::zeros(); x.len()];
+        if self.entangled.as_ref().is_some_and(|e| !e.is_empty()) {
+            self.look(x, &still, None, true);
+            let before: Vec<bool> = self.pairs.iter().map(|pair| pair.free).collect();
+            self.count_crossings(x);
+            self.look(x, &still, None, true);
+            // The same pairs in the same order: those that have come apart start with the distance they have.
+            let parted = self.pairs.iter().zip(before).filter(|(pair, was_free)| *was_free && !pair.free);
+            let parted: Vec<Pair> = parted.map(|(pair, _)| *pair).collect();
+            self.start_from_where_they_are(x, &parted);
+            return;
+        }
+        if first {
+            self.count_crossings(x);
+        }
         self.look(x, &still, None, true);
         if first && self.body_acts {
-            self.keep_off_from_where_it_is(x);
+            // Cloth that starts nearer to the body than its thickness is not thrown off.
+            let near: Vec<Pair> =
+                self.pairs.iter().filter(|pair| !pair.free && self.is_with_body(pair)).copied().collect();
+            self.start_from_where_they_are(x, &near);
         }
     }
 
-    /// Counts what crosses; what has come apart starts with the contact distance it has.
-    fn recount(&mut self, x: &[Vec3]) {
-        let now = Entangled::find(self.mesh(x), self.acting());
-        if let Some(before) = &self.entangled {
-            let places = self.places(x);
-            let mut room = self.room.clone();
-            for quad in before.free_but_not_in(&now) {
-                let points = quad.points.map(|p| p.0);
-                let near = REST_SHARE * quad.kind.gap(&places.four(&points)).distance;
-                for p in points {
-                    if let Some(room) = room.get_mut(p as usize) {
-                        *room = room.min(near);
-                    }
-                }
-            }
-            self.room = room;
-        }
-        self.entangled = Some(now);
+    fn count_crossings(&mut self, x: &[Vec3]) {
+        let found = Entangled::find(self.mesh(x), self.acting(), self.entangled.as_ref());
+        self.entangled = Some(found);
     }
 
-    /// Cloth that starts nearer to the body than its thickness is not thrown off: its contact distance grows.
-    fn keep_off_from_where_it_is(&mut self, x: &[Vec3]) {
+    /// The contact distance of the points of these pairs starts below their gap, and grows.
+    fn start_from_where_they_are(&mut self, x: &[Vec3], pairs: &[Pair]) {
         let places = self.places(x);
         let mut room = self.room.clone();
-        for pair in self.pairs.iter().filter(|pair| !pair.free && self.is_with_body(pair)) {
+        for pair in pairs {
             let near = REST_SHARE * gap(places, &pair.points, pair.kind).distance;
             for p in pair.points {
                 if let Some(room) = room.get_mut(p as usize) {
@@ -287,25 +291,25 @@ impl PairContact {
         let count = self.rest.len() as u32;
         let corners = |f: u32| self.triangles[f as usize].map(|c| c.0);
         let edge = |e: u32| self.edges[e as usize];
-        let pair = |kind, points: [u32; 4], area| {
+        let entangled = self.entangled.as_ref().filter(|e| !e.is_empty());
+        let pair = |kind, points: [u32; 4], area, free: &dyn Fn(&Entangled) -> bool| {
             let room = points.iter().filter_map(|p| self.room.get(*p as usize)).copied();
             let mut reach = room.fold(self.distance, f64::min);
             if points.iter().all(|p| *p < count) {
                 let rest = Places { cloth: &self.rest, body: &[] };
                 reach = reach.min(REST_SHARE * gap(rest, &points, kind).distance);
             }
-            let quad = Quad { kind, points: points.map(PointIndex) };
-            let free = self.entangled.as_ref().is_some_and(|e| !e.is_empty() && e.frees(&quad));
-            Pair { points, kind, reach, area, free }
+            Pair { points, kind, reach, area, free: entangled.is_some_and(free) }
         };
         let point = |&[p, f]: &[u32; 2]| {
             let [a, b, c] = corners(f);
-            pair(PairKind::PointTriangle, [p, a, b, c], 0.5 * self.point_area[p as usize])
+            let area = 0.5 * self.point_area[p as usize];
+            pair(PairKind::PointTriangle, [p, a, b, c], area, &|entangled| entangled.frees_point(p, f))
         };
         let edges = |&[e, f]: &[u32; 2]| {
             let ([a, b], [c, d]) = (edge(e), edge(f));
             let area = 0.25 * (self.edge_area[e as usize] + self.edge_area[f as usize]);
-            pair(PairKind::EdgeEdge, [a, b, c, d], area)
+            pair(PairKind::EdgeEdge, [a, b, c, d], area, &|entangled| entangled.frees_edges(e, f))
         };
         let mut pairs: Vec<Pair> =
             own.point_triangle.par_iter().map(point).chain(own.edge_edge.par_iter().map(edges)).collect();
@@ -313,19 +317,22 @@ impl PairContact {
             let there = |f: u32| body.triangles[f as usize].map(|c| c.0 + count);
             pairs.extend(between.point_triangle.iter().map(|&[p, f]| {
                 let [a, b, c] = there(f);
-                pair(PairKind::PointTriangle, [p, a, b, c], 0.5 * self.point_area[p as usize])
+                let area = 0.5 * self.point_area[p as usize];
+                pair(PairKind::PointTriangle, [p, a, b, c], area, &|e| e.frees_point_of_cloth(p, f))
             }));
             // A coarse body must not push harder than the cloth it meets weighs in, nor a fine one add up.
             pairs.extend(between.triangle_point.iter().map(|&[p, f]| {
                 let [a, b, c] = corners(f);
                 let around = [a, b, c].iter().map(|&p| self.point_area[p as usize]).fold(0.0, f64::max);
                 let area = 0.5 * body.point_area[p as usize].min(around);
-                pair(PairKind::PointTriangle, [p + count, a, b, c], area)
+                pair(PairKind::PointTriangle, [p + count, a, b, c], area, &|e| e.frees_point_of_body(f, p))
             }));
             pairs.extend(between.edge_edge.iter().map(|&[e, f]| {
                 let ([a, b], [c, d]) = (edge(e), body.edges[f as usize].map(|p| p + count));
                 let area = 0.5 * self.edge_area[e as usize].min(body.edge_area[f as usize]);
-                pair(PairKind::EdgeEdge, [a, b, c, d], area)
+                pair(PairKind::EdgeEdge, [a, b, c, d], area, &|entangled| {
+                    entangled.frees_edges_with_body(e, f)
+                })
             }));
         }
         self.pairs = pairs;

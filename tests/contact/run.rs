@@ -158,11 +158,13 @@ impl Run {
         };
         let contact = Contact::new(settings, &pattern.x, &pattern.triangles, &topology, area.clone());
         let cloth = Cloth { mass, area, membrane, bending };
+        // As in a bake, but for the steps, which may be shorter.
+        let energy = 3e-6 * cloth.mass.iter().sum::<f64>() * crease::wear::GRAVITY;
         let options = StepOptions {
             method: Method::BackwardEuler,
-            newton: NewtonOptions { tolerance: 3e-6, energy: 0.0, most_iterations: 30 },
+            newton: NewtonOptions { tolerance: 3e-5, energy, most_iterations: 10 },
             error: 1e-3,
-            shortest: 1.0 / 2000.0,
+            shortest: 1.0 / 240.0,
             longest: 1.0 / 30.0,
         };
         Self {
@@ -177,6 +179,11 @@ impl Run {
             fastest: 0.0,
             begun: Instant::now(),
         }
+    }
+
+    /// From now on steps are solved as far as rounding allows.
+    pub fn precisely(&mut self) {
+        self.stepper.options.newton = NewtonOptions { tolerance: 1e-8, energy: 0.0, most_iterations: 60 };
     }
 
     /// One step of at most `wished` seconds.
