@@ -8,6 +8,8 @@
 //! cargo test --test contact NAME -- --nocapture
 //! ```
 
+#[path = "contact/bakes.rs"]
+mod bakes;
 #[path = "contact/drop.rs"]
 mod drop;
 #[path = "contact/entangled.rs"]

@@ -1,5 +1,6 @@
 //! The main job: wear -> solve -> memory, step by step, then the garment brought home to its own pose.
 
+mod crossing_start;
 mod home;
 mod plan;
 mod unmet_log;
@@ -154,6 +155,7 @@ pub fn bake(
         largest_rest: 0.0,
         total: script.duration_s(),
     };
+    run.report.warnings.extend(crossing_start::crossing_warning(garment));
     for (number, action) in script.flatten().enumerate() {
         let place = format!("actions[{number}] ({})", action.name());
         let scene = Scene {

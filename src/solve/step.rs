@@ -101,8 +101,9 @@ impl Stepper {
             let too_coarse = error > 4.0 * self.options.error;
             // Little enough is left to go on from here in the next step.
             let unmet = Unmet::notice(&next.x, &self.cloth, &self.contact);
-            let settled = (report.converged || report.left <= ENOUGH * self.options.newton.energy)
-                && unmet.body_held_up.is_none();
+            let solved = report.converged || report.left <= ENOUGH * self.options.newton.energy;
+            // A shorter step may lead the cloth out of the body's way.
+            let settled = solved && unmet.body_held_up.is_none();
             // What barely moves is pressed fast: smaller steps would not loosen it.
             let stands = error <= self.options.error;
             if (settled && !too_coarse) || stands || last_chance {
@@ -118,7 +119,7 @@ impl Stepper {
                     error,
                     newton: total,
                     rejected,
-                    converged: settled,
+                    converged: solved,
                     unmet,
                 };
             }

@@ -5,7 +5,7 @@ use crate::run::{COTTON, Pattern, Run};
 use crate::shapes::Shape;
 use crease::energy::Guide;
 use crease::math::Vec3;
-use crease::solve::{State, Unmet};
+use crease::solve::{State, StepReport};
 use crease::wear::Drive;
 use std::sync::Arc;
 
@@ -20,6 +20,8 @@ pub struct Pinch {
     pub room_again: f64,
 }
 
+/// Time before anything closes [s].
+const CALM: f64 = 0.3;
 /// Closing speed of each half [m/s].
 pub const SPEED: f64 = 0.1;
 
@@ -32,6 +34,7 @@ pub fn pinch(shape: &Shape, half: usize, way: f64, points: usize, seed: u64) -> 
     run.stepper.contact.set_body(Some(shape.body()));
     let closing = way / SPEED;
     let closed = |t: f64| {
+        let t = (t - CALM).max(0.0);
         let shut = (t.min(closing) - (t - closing - 0.2).clamp(0.0, closing)) * SPEED;
         shut.max(0.0)
     };
@@ -47,27 +50,27 @@ pub fn pinch(shape: &Shape, half: usize, way: f64, points: usize, seed: u64) -> 
         .map(|(p, x)| Guide::round(p as u32, *x, 5.0))
         .collect();
     let (mut lag, mut place, mut seen) = (0.0, Vec3::zeros(), [f64::INFINITY, 0.0]);
-    run.watch(
-        2.0 * closing + 0.4,
-        &mut |t, _: &State| Drive {
-            body: Some(at(t)),
-            guides: corner.clone(),
-            gravity: Vec3::zeros(),
-            drag: 2.0,
-            longest_step: 1.0 / 60.0,
-            ..Drive::at_rest(None)
-        },
-        &mut |run, step| {
-            if let Some(held) = step.unmet.body_held_up {
-                seen = [run.state.time.min(seen[0]), run.state.time];
-                if held.size > lag {
-                    (lag, place) = (held.size, held.place);
-                }
+    let mut drive = |t: f64, _: &State| Drive {
+        body: Some(at(t)),
+        guides: corner.clone(),
+        gravity: Vec3::zeros(),
+        drag: 2.0,
+        longest_step: 1.0 / 60.0,
+        ..Drive::at_rest(None)
+    };
+    // The jitter relaxes first.
+    run.go(CALM, &mut drive);
+    run.fastest = 0.0;
+    run.watch(2.0 * closing + 0.4, &mut drive, &mut |run, step| {
+        if let Some(held) = step.unmet.body_held_up {
+            seen = [run.state.time.min(seen[0]), run.state.time];
+            if held.size > lag {
+                (lag, place) = (held.size, held.place);
             }
-            true
-        },
-    );
-    Pinch { run, lag, place, seen, room_again: closing + 0.2 + closing }
+        }
+        true
+    });
+    Pinch { run, lag, place, seen, room_again: CALM + closing + 0.2 + closing }
 }
 
 /// Two spheres of 5 cm, 2 cm apart.
@@ -84,35 +87,42 @@ pub fn plates() -> (Shape, usize) {
     (plate(0.01).and(plate(-0.01)), half)
 }
 
-/// Promise: no crossing, no point faster than twice the halves, the lag told with its place, gone within a frame of there
-/// being room.
-pub fn judge(name: &str, found: &Pinch) {
-    println!(
-        "{}; lag {:.2} mm at ({:.3}, {:.3}, {:.3}), {:.3} to {:.3} s, room from {:.3} s; fastest {:.3} m/s, still lags {:.1e} m",
-        found.run.line(name),
-        1e3 * found.lag,
-        found.place.x,
-        found.place.y,
-        found.place.z,
-        found.seen[0],
-        found.seen[1],
-        found.room_again,
-        found.run.fastest,
-        found.run.stepper.contact.body().map_or(0.0, |b| b.lag().0)
-    );
-    assert_eq!(found.run.worst, [0, 0], "{name}");
-    assert!(found.lag > 1e-3 && found.place.x.abs() < 0.05 && found.place.y.abs() < 0.01, "{name}");
-    assert!(found.run.fastest < 2.0 * SPEED, "{name}: {}", found.run.fastest);
+impl Pinch {
+    pub fn line(&self, name: &str) -> String {
+        format!(
+            "{}; lag {:.2} mm at ({:.3}, {:.3}, {:.3}), {:.3} to {:.3} s, all open at {:.3} s; fastest {:.3} m/s",
+            self.run.line(name),
+            1e3 * self.lag,
+            self.place.x,
+            self.place.y,
+            self.place.z,
+            self.seen[0],
+            self.seen[1],
+            self.room_again,
+            self.run.fastest
+        )
+    }
+
+    /// Promise: no crossing, no point faster than twice the halves, the lag told with its place, and gone within a frame
+    /// of the halves being two contact distances apart again.
+    pub fn holds(&self) -> bool {
+        let there = self.place.x.abs() < 0.05 && self.place.y.abs() < 0.01;
+        let open = self.room_again - (0.01 - COTTON.thickness) / SPEED;
+        self.run.worst == [0, 0]
+            && self.lag > 1e-3
+            && there
+            && self.run.fastest < 2.0 * SPEED
+            && self.seen[1] < open + 1.0 / 60.0
+            && self.run.stepper.contact.body().is_some_and(|body| body.lag().0 == 0.0)
+    }
 }
 
 #[test]
 fn what_is_pinched_is_held_told_and_let_go() {
     for (name, (shape, half)) in [("pinched by spheres", spheres()), ("pinched by plates", plates())] {
         let found = pinch(&shape, half, 0.013, 300, 1);
-        judge(name, &found);
-        // Room is there again when the halves are as far apart as two contact distances.
-        let open = found.room_again - (0.01 - COTTON.thickness) / SPEED;
-        assert!(found.seen[1] < open + 1.0 / 60.0, "{name}: held up until {}", found.seen[1]);
+        println!("{}", found.line(name));
+        assert!(found.holds());
     }
 }
 
@@ -130,7 +140,7 @@ fn pins_pulled_apart_are_told_and_forgiven() {
         .filter(|(_, x)| x.x.abs() > 0.098)
         .map(|(p, x)| (p as u32, *x))
         .collect();
-    let mut told: Vec<(f64, Unmet)> = Vec::new();
+    let mut told: Vec<(f64, StepReport)> = Vec::new();
     run.watch(
         3.0,
         &mut |t, _: &State| {
@@ -145,12 +155,12 @@ fn pins_pulled_apart_are_told_and_forgiven() {
         },
         &mut |run, step| {
             if !step.unmet.is_none() {
-                told.push((run.state.time, step.unmet));
+                told.push((run.state.time, *step));
             }
             true
         },
     );
-    let most = told.iter().filter_map(|(_, unmet)| unmet.stretched).map(|s| s.size).fold(0.0, f64::max);
+    let most = told.iter().filter_map(|(_, step)| step.unmet.stretched).map(|s| s.size).fold(0.0, f64::max);
     let (first, last) = (told.first().map_or(0.0, |t| t.0), told.last().map_or(0.0, |t| t.0));
     let strain = |run: &Run| {
         let stretch = run.stepper.cloth.membrane.measure(&run.state.x);
