@@ -24,6 +24,8 @@ use crate::mesh::{PointIndex, Topology};
 use friction::{Friction, Slider, spread};
 use pairs::{PairContact, Touch};
 use places::Places;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
 
 /// What contact there is in a scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -84,6 +86,17 @@ pub struct Contact {
     ground: Option<f64>,
     ceiling: Option<f64>,
     friction: Friction,
+    /// Time spent here so far [ns].
+    spent: AtomicU64,
+}
+
+/// Adds the time until it goes out of scope.
+struct Spending<'a>(&'a AtomicU64, Instant);
+
+impl Drop for Spending<'_> {
+    fn drop(&mut self) {
+        self.0.fetch_add(self.1.elapsed().as_nanos() as u64, Ordering::Relaxed);
+    }
 }
 
 /// Share of a point's height over the ground (or of the contact distance) that one move leaves at least.
@@ -99,7 +112,15 @@ impl Contact {
         area: Vec<f64>,
     ) -> Self {
         let pairs = Some(PairContact::new(&settings, rest, triangles, topology, &area));
-        Self { settings, area, pairs, ground: None, ceiling: None, friction: Friction::default() }
+        Self {
+            settings,
+            area,
+            pairs,
+            ground: None,
+            ceiling: None,
+            friction: Friction::default(),
+            spent: AtomicU64::new(0),
+        }
     }
 
     /// No contact at all.
@@ -121,7 +142,17 @@ impl Contact {
             ground: None,
             ceiling: None,
             friction: Friction::default(),
+            spent: AtomicU64::new(0),
         }
+    }
+
+    /// Time spent on contact so far: search, bound, value, gradient and Hessian.
+    pub fn time_spent(&self) -> Duration {
+        Duration::from_nanos(self.spent.load(Ordering::Relaxed))
+    }
+
+    fn spending(&self) -> Spending<'_> {
+        Spending(&self.spent, Instant::now())
     }
 
     /// What contact there is.
@@ -185,6 +216,7 @@ impl Contact {
     /// friction are taken here. Without slip velocity (equilibria) pass an infinite step and there is no friction.
     /// `share` scales the friction coefficients.
     pub fn begin_step(&mut self, x: &[Vec3], h: f64, share: f64) {
+        let clock = Instant::now();
         if let Some(pairs) = &mut self.pairs {
             pairs.begin(x);
         }
@@ -194,6 +226,7 @@ impl Contact {
             self.add_sliders(x, share, &mut friction);
         }
         self.friction = friction;
+        *self.spent.get_mut() += clock.elapsed().as_nanos() as u64;
     }
 
     fn add_sliders(&self, x: &[Vec3], share: f64, friction: &mut Friction) {
@@ -234,17 +267,20 @@ impl Contact {
 
     /// The step of `h` seconds is accepted at `x`: the body stays where it has come to, friction keeps its stretch.
     pub fn accept(&mut self, x: &[Vec3], h: f64) {
+        let clock = Instant::now();
         let mut friction = std::mem::take(&mut self.friction);
         friction.accept(self.places(x));
         self.friction = friction;
         if let Some(pairs) = &mut self.pairs {
             pairs.accept(x, h);
         }
+        *self.spent.get_mut() += clock.elapsed().as_nanos() as u64;
     }
 
     /// Shortens the moves `d` of single points until the way from `x` to `x + d` (and to every share of it) keeps
     /// all pairs apart. Afterwards values may be asked for anywhere on that way.
     pub fn bound_motion(&mut self, x: &[Vec3], d: &mut [Vec3]) {
+        let clock = Instant::now();
         for (height, side) in self.planes() {
             for (x, d) in x.iter().zip(d.iter_mut()) {
                 *d *= self.plane_share(x, d, height, side);
@@ -253,10 +289,12 @@ impl Contact {
         if let Some(pairs) = &mut self.pairs {
             pairs.bound_motion(x, d);
         }
+        *self.spent.get_mut() += clock.elapsed().as_nanos() as u64;
     }
 
     /// The same with one share for all points: the direction stays what it was.
     pub fn bound_together(&mut self, x: &[Vec3], d: &mut [Vec3]) {
+        let clock = Instant::now();
         let mut share: f64 = 1.0;
         for (height, side) in self.planes() {
             for (x, d) in x.iter().zip(d.iter()) {
@@ -267,11 +305,13 @@ impl Contact {
         if let Some(pairs) = &mut self.pairs {
             pairs.bound_together(x, d);
         }
+        *self.spent.get_mut() += clock.elapsed().as_nanos() as u64;
     }
 
     /// Moves the body towards its target and the cloth by `d`, each point as far as all stay apart; a body presses
     /// no layer below the inner part of its contact distance. Afterwards values may be asked for at the new places.
     pub fn advance(&mut self, x: &mut [Vec3], d: &[Vec3]) {
+        let clock = Instant::now();
         let mut d = d.to_vec();
         for (height, side) in self.planes() {
             for (x, d) in x.iter().zip(d.iter_mut()) {
@@ -281,6 +321,7 @@ impl Contact {
         if let Some(pairs) = &mut self.pairs {
             pairs.advance(x, &d);
         }
+        *self.spent.get_mut() += clock.elapsed().as_nanos() as u64;
     }
 
     /// Adds what the gradient will gain [N], to first order, when the body goes the rest of its way: to be solved for
@@ -329,6 +370,7 @@ impl Contact {
     /// Energy of all contacts and the dissipation potential of friction [J]; infinite beyond ground or ceiling, and
     /// where more crosses than when the step began.
     pub fn value(&self, x: &[Vec3]) -> f64 {
+        let _spending = self.spending();
         let mut sum = 0.0;
         for (height, side) in self.planes() {
             for (p, x) in x.iter().enumerate() {
@@ -354,6 +396,7 @@ impl Contact {
 
     /// Adds the gradient [N].
     pub fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) {
+        let _spending = self.spending();
         for (height, side) in self.planes() {
             for (p, (x, g)) in x.iter().zip(out.iter_mut()).enumerate() {
                 let gap = side * (x.y - height);
@@ -371,6 +414,7 @@ impl Contact {
 
     /// Adds a positive Hessian: the barrier's curvature along the normal (its tangential part is negative).
     pub fn add_hessian(&self, x: &[Vec3], out: &mut dyn BlockSink) {
+        let _spending = self.spending();
         let up = Mat3::from_diagonal(&Vec3::y());
         for (height, side) in self.planes() {
             for (p, x) in x.iter().enumerate() {
@@ -394,6 +438,7 @@ impl Contact {
     /// Visits the groups of points that the Hessian at `x` couples, and those within `margin` times the contact
     /// distance.
     pub fn visit_stencils(&self, x: &[Vec3], margin: f64, visit: &mut dyn FnMut(&[u32])) {
+        let _spending = self.spending();
         let mut cloth = Vec::with_capacity(4);
         let mut visit_cloth = |points: &[u32; 4]| {
             cloth.clear();

@@ -73,6 +73,8 @@ pub(super) struct PairContact {
 enum Rule {
     /// Every point by its own share; what crosses at the start may pass.
     Single,
+    /// All points by the same share; what crosses at the start may pass.
+    SingleTogether,
     /// All points by the same share, and nothing may pass.
     Together,
     /// The body moves, too, and presses no layer below the inner part of the contact distance.
@@ -260,7 +262,9 @@ impl PairContact {
 
     /// Takes up who may come near while the cloth goes by `d` and the body by `body_way` (or stands).
     fn look(&mut self, x: &[Vec3], d: &[Vec3], body_way: Option<&[Vec3]>, together: bool) {
-        let end: Vec<Vec3> = x.iter().zip(d).map(|(x, d)| x + d).collect();
+        // Going together, only what moves against one another matters: cloth that falls as a whole sweeps nothing.
+        let common = if together { mean(d) } else { Vec3::zeros() };
+        let end: Vec<Vec3> = x.iter().zip(d).map(|(x, d)| x + (d - common)).collect();
         let reach = CANDIDATE_MARGIN * self.distance;
         let own = if self.between_layers {
             self.finder.find(x, &end, reach, together, &|_| false)
@@ -270,8 +274,8 @@ impl PairContact {
         let mut between = CandidatesBetween::default();
         if let Some(body) = self.body.as_mut().filter(|_| self.body_acts) {
             let body_end: Vec<Vec3> = match body_way {
-                Some(way) => body.now.iter().zip(way).map(|(x, d)| x + d).collect(),
-                None => body.now.clone(),
+                Some(way) => body.now.iter().zip(way).map(|(x, d)| x + (d - common)).collect(),
+                None => body.now.iter().map(|x| x - common).collect(),
             };
             let boxes = |a: &[Vec3], b: &[Vec3]| {
                 let ((low, high), (low_end, high_end)) = (bounds(a), bounds(b));
@@ -400,10 +404,16 @@ impl PairContact {
 
     /// See [`super::Contact::bound_motion`].
     ///
-    /// Candidates hold for any fractions of the moves; every point then gets the fraction that keeps its pairs
-    /// apart (`bound`). A pair may use up most of its gap in one go but not all of it: the barrier must have a say
-    /// before layers come really near, or a gain elsewhere would squeeze them to nothing.
+    /// Most moves bring nobody together: they are found free with all points going by the same share, which needs only
+    /// the pairs that come near in that motion. Else candidates hold for any fractions of the moves; every point then
+    /// gets the fraction that keeps its pairs apart (`bound`). A pair may use up most of its gap in one go but not all
+    /// of it: the barrier must have a say before layers come really near, or a gain elsewhere would squeeze them to
+    /// nothing.
     pub fn bound_motion(&mut self, x: &[Vec3], d: &mut [Vec3]) {
+        let way = self.on_the_way(x, d, None, Rule::SingleTogether);
+        if way.common_share() >= 1.0 {
+            return;
+        }
         let way = self.on_the_way(x, d, None, Rule::Single);
         let bounded =
             local_step_fractions(&way.quads, &way.floors, &way.from, &way.motion).apply(&way.motion);
@@ -412,14 +422,7 @@ impl PairContact {
 
     /// See [`super::Contact::bound_together`].
     pub fn bound_together(&mut self, x: &[Vec3], d: &mut [Vec3]) {
-        let way = self.on_the_way(x, d, None, Rule::Together);
-        let safe: Vec<f64> = way
-            .quads
-            .par_iter()
-            .zip(&way.floors)
-            .map(|(quad, floor)| quad.step(&way.from, &way.motion, *floor))
-            .collect();
-        let least = safe.into_iter().fold(1.0, f64::min);
+        let least = self.on_the_way(x, d, None, Rule::Together).common_share();
         d.iter_mut().for_each(|d| *d *= least);
     }
 
@@ -448,7 +451,7 @@ impl PairContact {
 
     /// Takes up the candidates for a way: the pairs, and how near each may come.
     fn on_the_way(&mut self, x: &[Vec3], d: &[Vec3], body_way: Option<&[Vec3]>, rule: Rule) -> Way {
-        self.look(x, d, body_way, rule == Rule::Together);
+        self.look(x, d, body_way, matches!(rule, Rule::Together | Rule::SingleTogether));
         let places = self.places(x);
         let nothing_passes = matches!(rule, Rule::Together | Rule::LedFrozen);
         let led = body_way.is_some();
@@ -478,6 +481,21 @@ struct Way {
     floors: Vec<f64>,
     from: Vec<Vec3>,
     motion: Vec<Vec3>,
+}
+
+impl Way {
+    /// The share of the motion that all points may go alike.
+    fn common_share(&self) -> f64 {
+        let pairs = self.quads.par_iter().zip(&self.floors);
+        let safe: Vec<f64> = pairs.map(|(quad, floor)| quad.step(&self.from, &self.motion, *floor)).collect();
+        safe.into_iter().fold(1.0, f64::min)
+    }
+}
+
+/// Mean of moves [m]; none when not all are finite.
+fn mean(d: &[Vec3]) -> Vec3 {
+    let mean = d.iter().sum::<Vec3>() / d.len().max(1) as f64;
+    if mean.sum().is_finite() { mean } else { Vec3::zeros() }
 }
 
 #[inline]

@@ -38,3 +38,41 @@ fn cloth_dropped_over_bodies_never_crosses() {
         assert_eq!(run.worst, [0, 0]);
     }
 }
+
+/// Promise: cloth at rest on a sphere: the sphere carries its weight within 1e-3 and pushes nowhere else, nothing moves any
+/// more (1e-8 J), and a start of fourfold symmetry stays so to 1e-6 m for 0.2 s.
+#[test]
+fn cloth_over_a_sphere_comes_to_rest_in_balance() {
+    const N: usize = 16;
+    let shape = sphere();
+    let pattern = Pattern::square((N + 1) * (N + 1), 0.3, Vec3::new(0.0, 0.1015, 0.0));
+    let mut run = Run::new(&pattern, COTTON, 4.0);
+    run.precisely();
+    run.stepper.contact.set_body(Some(shape.body()));
+    let at: Arc<[Vec3]> = shape.points.clone().into();
+    let mut drive = |_: f64, _: &crease::solve::State| Drive {
+        body: Some(at.clone()),
+        drag: 3.0,
+        ..Drive::at_rest(None)
+    };
+    run.go(0.2, &mut drive);
+    // A quarter turn takes the point (i, j) to (j, N - i).
+    let turned = |p: usize| (N - p % (N + 1)) * (N + 1) + p / (N + 1);
+    let quarter = |x: &Vec3| Vec3::new(x.z, x.y, -x.x);
+    let off = |x: &[Vec3]| (0..x.len()).map(|p| (quarter(&x[p]) - x[turned(p)]).norm()).fold(0.0, f64::max);
+    assert_eq!(off(&pattern.x), 0.0, "the start is symmetric");
+    let asymmetry = off(&run.state.x);
+    run.stepper.options.newton.most_iterations = 20;
+    run.go(3.0, &mut drive);
+    let force = run.stepper.contact.reactions(&run.state.x).body / run.weight();
+    println!(
+        "{}; asymmetry {asymmetry:.1e} m at 0.2 s, reaction off by {:.1e}, sideways {:.1e}, kinetic energy {:.1e} J",
+        run.line("sphere, at rest"),
+        force.y - 1.0,
+        force.x.hypot(force.z),
+        run.kinetic_energy()
+    );
+    assert_eq!(run.worst, [0, 0]);
+    assert!(asymmetry < 1e-6);
+    assert!((force.y - 1.0).abs() < 1e-3 && force.x.hypot(force.z) < 1e-3 && run.kinetic_energy() < 1e-8);
+}

@@ -96,7 +96,7 @@ pub fn wring(points: usize, turns: f64, seed: u64) -> Run {
 
 #[test]
 fn a_wrung_sleeve_never_crosses() {
-    let run = wring(300, 2.0, 1);
-    println!("{}, fastest {:.2} m/s", run.line("sleeve, 2 turns"), run.fastest);
+    let run = wring(200, 1.0, 1);
+    println!("{}", run.line("sleeve, 1 turn"));
     assert_eq!(run.worst, [0, 0]);
 }

@@ -125,8 +125,9 @@ pub struct Run {
     pub steps: usize,
     pub solves: usize,
     pub unconverged: usize,
-    /// Fastest point after any step [m/s].
+    /// Fastest point after any step [m/s], when [s] and where [m].
     pub fastest: f64,
+    pub fastest_at: (f64, Vec3),
     begun: Instant,
 }
 
@@ -177,6 +178,7 @@ impl Run {
             solves: 0,
             unconverged: 0,
             fastest: 0.0,
+            fastest_at: (0.0, Vec3::zeros()),
             begun: Instant::now(),
         }
     }
@@ -193,7 +195,11 @@ impl Run {
         self.steps += 1;
         self.solves += report.newton.iterations;
         self.unconverged += usize::from(!report.converged);
-        self.fastest = self.state.v.iter().map(|v| v.norm()).fold(self.fastest, f64::max);
+        for (v, x) in self.state.v.iter().zip(&self.state.x) {
+            if v.norm() > self.fastest {
+                (self.fastest, self.fastest_at) = (v.norm(), (self.state.time, *x));
+            }
+        }
         let now = self.crossings();
         self.worst = [0, 1].map(|k| self.worst[k].max(now[k]));
         report
@@ -245,13 +251,19 @@ impl Run {
 
     pub fn line(&self, name: &str) -> String {
         format!(
-            "{name}: {} points, {:.2} s in {} steps ({} not converged), {} solves, {:.1} s wall; crossings {} + {}",
+            "{name}: {} points, {:.2} s in {} steps ({} not converged), {} solves, {:.1} s wall; fastest {:.2} m/s at \
+             {:.2} s ({:.3}, {:.3}, {:.3}); crossings {} + {}",
             self.state.x.len(),
             self.state.time,
             self.steps,
             self.unconverged,
             self.solves,
             self.begun.elapsed().as_secs_f64(),
+            self.fastest,
+            self.fastest_at.0,
+            self.fastest_at.1.x,
+            self.fastest_at.1.y,
+            self.fastest_at.1.z,
             self.worst[0],
             self.worst[1]
         )

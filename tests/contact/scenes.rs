@@ -36,7 +36,7 @@ const SCENES: [(&str, Scene); 10] = [
     ("stack10", |n, seed| stacked(10, n, seed)),
     ("folds", |n, seed| {
         let done =
-            bakes::baked("five folds", &bakes::handkerchief(n, seed), "silk-habotai", &bakes::folds(5));
+            bakes::baked("five folds", &bakes::handkerchief(n, seed), 1.0, "cotton-poplin", &bakes::folds(5));
         (format!("{}; {:?}", done.line(), done.report.warnings), done.worst == 0)
     }),
     ("shots", |_, seed| {
