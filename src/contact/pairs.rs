@@ -64,6 +64,10 @@ pub(super) struct PairContact {
     pairs: Vec<Pair>,
     /// Per point: contact distance at most [m]; less than the thickness where something was nearer at the start.
     room: Vec<f64>,
+    /// When nothing was near in a wide search, where the points were then [m], and how wide it was [m].
+    clear: Option<(Vec<Vec3>, f64)>,
+    /// Steps until a wide search is worth trying again.
+    search_after: u32,
     /// What crosses since the start; none before the first step (or the first with a body).
     entangled: Option<Entangled>,
 }
@@ -93,6 +97,10 @@ const KEPT_GAP: f64 = 0.25;
 const SQUEEZED: f64 = 0.3;
 /// Where they are nearer already it takes up to this share of the gap: nothing, but that they must be free to part.
 const BARELY: f64 = 0.02;
+/// A wide search reaches this many times as far as the others.
+const WIDE: f64 = 4.0;
+/// After a wide search that found something the next waits this many steps.
+const WAIT: u32 = 16;
 /// A contact distance that had to start small reaches the thickness in this time [s].
 const ROOM_TIME: f64 = 0.25;
 
@@ -120,6 +128,8 @@ impl PairContact {
             body_acts: false,
             pairs: Vec::new(),
             room: vec![settings.distance; rest.len()],
+            clear: None,
+            search_after: 0,
             entangled: None,
         }
     }
@@ -190,6 +200,7 @@ impl PairContact {
         if first {
             self.count_crossings(x);
         }
+        self.look_wide(x);
         self.look(x, &still, None, true);
         if first && self.body_acts {
             // Cloth that starts nearer to the body than its thickness is not thrown off.
@@ -197,6 +208,43 @@ impl PairContact {
                 self.pairs.iter().filter(|pair| !pair.free && self.is_with_body(pair)).copied().collect();
             self.start_from_where_they_are(x, &near);
         }
+    }
+
+    /// Looks wide, now and then: cloth of which no two parts are near needs no other search until it has bent.
+    fn look_wide(&mut self, x: &[Vec3]) {
+        let still = vec![Vec3::zeros(); x.len()];
+        let reach = CANDIDATE_MARGIN * self.distance;
+        if !self.between_layers || self.stays_clear(x, &still, reach, true) {
+            return;
+        }
+        self.clear = None;
+        self.search_after = self.search_after.saturating_sub(1);
+        if self.search_after == 0 {
+            if self.finder.find(x, x, WIDE * reach, true, &|_| false).is_empty() {
+                self.clear = Some((x.to_vec(), WIDE * reach));
+            } else {
+                self.search_after = WAIT;
+            }
+        }
+    }
+
+    /// Whether the wide search shows that no pair can come within `reach` [m] on the way from `x` by `d`: then neither
+    /// point of a pair has come nearer than by its own way since, common motion left out.
+    fn stays_clear(&self, x: &[Vec3], d: &[Vec3], reach: f64, together: bool) -> bool {
+        let Some((at, wide)) = &self.clear else { return false };
+        let ways: Vec<Vec3> = x.iter().zip(at).map(|(x, at)| x - at).collect();
+        let ends: Vec<Vec3> = ways.iter().zip(d).map(|(way, d)| way + d).collect();
+        let farthest = |ways: &[Vec3]| {
+            let common = mean(ways);
+            // Written so that what is not finite is far.
+            ways.iter().map(|way| (way - common).norm()).fold(0.0, |a: f64, b| if b <= a { a } else { b })
+        };
+        let way = if together {
+            farthest(&ways).max(farthest(&ends))
+        } else {
+            farthest(&ways) + d.iter().map(|d| d.norm()).fold(0.0, |a: f64, b| if b <= a { a } else { b })
+        };
+        (reach + 2.0 * way) * (1.0 + 1e-9) <= *wide
     }
 
     fn count_crossings(&mut self, x: &[Vec3]) {
@@ -266,7 +314,7 @@ impl PairContact {
         let common = if together { mean(d) } else { Vec3::zeros() };
         let end: Vec<Vec3> = x.iter().zip(d).map(|(x, d)| x + (d - common)).collect();
         let reach = CANDIDATE_MARGIN * self.distance;
-        let own = if self.between_layers {
+        let own = if self.between_layers && !self.stays_clear(x, d, reach, together) {
             self.finder.find(x, &end, reach, together, &|_| false)
         } else {
             Candidates::default()

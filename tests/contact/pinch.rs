@@ -103,7 +103,7 @@ impl Pinch {
         )
     }
 
-    /// Promise: no crossing, no point faster than twice the halves, the lag told with its place, and gone within a frame
+    /// Promise: no crossing, no point faster than twice the speed at which the halves close, the lag told with its place, and gone within a frame
     /// of the halves being two contact distances apart again.
     pub fn holds(&self) -> bool {
         let there = self.place.x.abs() < 0.05 && self.place.y.abs() < 0.01;
@@ -111,7 +111,7 @@ impl Pinch {
         self.run.worst == [0, 0]
             && self.lag > 1e-3
             && there
-            && self.run.fastest < 2.0 * SPEED
+            && self.run.fastest < 2.0 * (2.0 * SPEED)
             && self.seen[1] < open + 1.0 / 60.0
             && self.run.stepper.contact.body().is_some_and(|body| body.lag().0 == 0.0)
     }
