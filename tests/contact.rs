@@ -26,3 +26,5 @@ mod run;
 mod shapes;
 #[path = "contact/shots.rs"]
 mod shots;
+#[path = "contact/stick_slip.rs"]
+mod stick_slip;

@@ -202,6 +202,14 @@ impl Contact {
         Crossing { layers, with_body }
     }
 
+    /// The cloth has been put somewhere else (its source pose, say), and what crosses there shall stay as it is: nothing
+    /// passes, not even what could come apart.
+    pub fn keep_crossings(&mut self) {
+        if let Some(pairs) = &mut self.pairs {
+            pairs.keep_crossings();
+        }
+    }
+
     /// Where cloth and body are.
     fn places<'a>(&'a self, x: &'a [Vec3]) -> Places<'a> {
         self.pairs.as_ref().map_or(Places { cloth: x, body: &[] }, |pairs| pairs.places(x))

@@ -156,6 +156,12 @@ impl PairContact {
         }
     }
 
+    /// See [`super::Contact::keep_crossings`].
+    pub fn keep_crossings(&mut self) {
+        self.entangled = Some(Entangled::default());
+        self.room.fill(self.distance);
+    }
+
     /// Whether a body takes part.
     pub fn body_acts(&self) -> bool {
         self.body_acts

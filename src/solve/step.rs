@@ -115,7 +115,7 @@ impl Stepper {
                 self.contact.accept(&state.x, h);
                 return StepReport {
                     step: h,
-                    next: (h * growth).clamp(self.options.shortest, self.options.longest),
+                    next: (h * growth).max(self.options.shortest).min(self.options.longest),
                     error,
                     newton: total,
                     rejected,
@@ -205,7 +205,7 @@ impl Stepper {
         Forces { held, push, stiffness }
     }
 
-    /// Comes to equilibrium of `terms` from `x`, without inertia and friction.
+    /// Comes to equilibrium of `terms` from `x`, without inertia, friction and body. What crosses at `x` still does then.
     pub fn equilibrium(
         &mut self,
         x: &mut [Vec3],
@@ -215,6 +215,7 @@ impl Stepper {
     ) -> NewtonReport {
         self.contact.set_planes(None, None);
         self.contact.aim_body(None);
+        self.contact.keep_crossings();
         self.contact.begin_step(x, f64::INFINITY, 0.0);
         let held = vec![false; x.len()];
         // Terms may differ from those of steps.

@@ -152,7 +152,7 @@ pub fn folds(count: usize) -> String {
 
 #[test]
 fn a_handkerchief_folded_twice_never_crosses() {
-    let done = baked("folded twice", &handkerchief(500, 1), 1.0, "cotton-jersey", &folds(2));
+    let done = baked("folded twice", &handkerchief(300, 1), 1.0, "cotton-jersey", &folds(2));
     println!("{}; {:?}", done.line(), done.report.warnings);
     assert_eq!((done.start, done.worst), (0, 0));
 }
@@ -171,7 +171,7 @@ fn garments_that_cross_at_the_start_are_laid_and_hung() {
             return;
         };
         for (what, actions) in
-            [("laid", r#"{"lay": {"over": 1.0}}"#), ("hung", r#"{"hang": {"by": "top", "for": 0.5}}"#)]
+            [("laid", r#"{"lay": {"over": 0.5}}"#), ("hung", r#"{"hang": {"by": "top", "for": 0.2}}"#)]
         {
             let done = baked(&format!("{file}, {what}"), &obj, 0.1, "cotton-jersey", actions);
             println!("{}; fastest {:.2} m/s; {:?}", done.line(), done.fastest, done.report.warnings);

@@ -33,7 +33,7 @@ pub fn torus() -> Shape {
 #[test]
 fn cloth_dropped_over_bodies_never_crosses() {
     for (name, shape) in [("sphere", sphere()), ("spiked", spiked()), ("torus", torus())] {
-        let run = drop(&shape, 400, 1, 0.6);
+        let run = drop(&shape, 300, 1, 0.5);
         println!("{}", run.line(name));
         assert_eq!(run.worst, [0, 0]);
     }
@@ -56,11 +56,11 @@ fn cloth_over_a_sphere_comes_to_rest_in_balance() {
         ..Drive::at_rest(None)
     };
     run.go(0.2, &mut drive);
-    // A quarter turn takes the point (i, j) to (j, N - i).
-    let turned = |p: usize| (N - p % (N + 1)) * (N + 1) + p / (N + 1);
+    // A quarter turn takes the point (i, j) to (N - j, i).
+    let turned = |p: usize| (p % (N + 1)) * (N + 1) + N - p / (N + 1);
     let quarter = |x: &Vec3| Vec3::new(x.z, x.y, -x.x);
     let off = |x: &[Vec3]| (0..x.len()).map(|p| (quarter(&x[p]) - x[turned(p)]).norm()).fold(0.0, f64::max);
-    assert_eq!(off(&pattern.x), 0.0, "the start is symmetric");
+    assert!(off(&pattern.x) < 1e-15, "the start is symmetric");
     let asymmetry = off(&run.state.x);
     run.stepper.options.newton.most_iterations = 20;
     run.go(3.0, &mut drive);

@@ -20,6 +20,7 @@ fn on_slope(alpha: f64, heading: f64, mu: f64) -> (Run, Drive) {
     let mut pattern = Pattern::square(9, 0.02, Vec3::new(0.0, 0.9e-3, 0.0));
     pattern.jitter(1e-5, 3);
     let mut run = Run::new(&pattern, Kind { friction: mu, stretch: 4000.0, ..COTTON }, 1.0);
+    run.precisely();
     run.stepper.options.newton.tolerance = 1e-10;
     run.stepper.options.error = f64::INFINITY;
     run.stepper.options.longest = 0.01;
@@ -111,6 +112,7 @@ fn sticks_and_slips_on_a_belt() {
         pattern.jitter(1e-5, 5);
         let kind = Kind { density: 10.0, friction: 0.3, stiction, stretch: 4e5, bend: 1e-2, thickness: 1e-3 };
         let mut run = Run::new(&pattern, kind, 1.0);
+        run.precisely();
         run.stepper.options.newton.tolerance = 1e-10;
         run.stepper.options.error = f64::INFINITY;
         run.stepper.options.longest = h;
@@ -204,7 +206,7 @@ fn slides_over(mu: f64, long: f64) -> f64 {
         }
     });
     let mut run = Run::new(&pattern, kind, 20.0);
-    run.stepper.options.newton.tolerance = 1e-8;
+    run.precisely();
     run.stepper.options.error = f64::INFINITY;
     run.stepper.options.longest = 0.005;
     let mut cylinder = Shape::default();
