@@ -3,7 +3,7 @@
 use crate::run::{COTTON, Kind, Pattern, Run};
 use crease::energy::Guide;
 use crease::math::{Mat3, Vec3};
-use crease::solve::State;
+use crease::solve::{NewtonOptions, State};
 use crease::wear::Drive;
 use std::f64::consts::TAU;
 
@@ -20,7 +20,8 @@ pub fn stack(count: usize, points: usize, seed: u64, seconds: f64) -> Run {
     }
     pattern.jitter(0.15e-3, seed);
     let mut run = Run::new(&pattern, STACKED, 2.0 * count as f64);
-    run.precisely();
+    // Parallel edges of sheets that lie point over point keep Newton from its last digits.
+    run.stepper.options.newton = NewtonOptions { tolerance: 1e-6, energy: 0.0, most_iterations: 12 };
     run.go(seconds, &mut |_, _| Drive::at_rest(Some(0.0)));
     run
 }
@@ -39,7 +40,7 @@ pub fn judge(run: &Run, count: usize) -> (f64, bool, f64) {
 #[test]
 fn stacked_sheets_keep_their_order_and_their_weight() {
     for count in [5, 10] {
-        let run = stack(count, 25 * count, 1, 2.0);
+        let run = stack(count, 16 * count, 1, 2.0);
         let (reaction, in_order, least) = judge(&run, count);
         println!(
             "{}; reaction off by {reaction:.1e}, least gap {:.3} mm, kinetic energy {:.1e} J",

@@ -11,6 +11,8 @@
 mod bakes;
 #[path = "drop.rs"]
 mod drop;
+#[path = "entangled.rs"]
+mod entangled;
 #[path = "layers.rs"]
 mod layers;
 #[path = "pinch.rs"]
@@ -27,7 +29,7 @@ use run::Run;
 /// One run of a scene: its line, and whether it holds.
 type Scene = fn(usize, u64) -> (String, bool);
 
-const SCENES: [(&str, Scene); 10] = [
+const SCENES: [(&str, Scene); 11] = [
     ("sphere", |n, seed| uncrossed("sphere", &drop::drop(&drop::sphere(), n, seed, 1.0))),
     ("spiked", |n, seed| uncrossed("spiked", &drop::drop(&drop::spiked(), n, seed, 1.0))),
     ("torus", |n, seed| uncrossed("torus", &drop::drop(&drop::torus(), n, seed, 1.0))),
@@ -38,6 +40,14 @@ const SCENES: [(&str, Scene); 10] = [
         let done =
             bakes::baked("five folds", &bakes::handkerchief(n, seed), 1.0, "cotton-poplin", &bakes::folds(5));
         (format!("{}; {:?}", done.line(), done.report.warnings), done.worst == 0)
+    }),
+    ("folded", |_, _| {
+        let all = folded_by_others();
+        let line = |(done, _): &(bakes::Outcome, usize)| {
+            format!("{}; fastest {:.2} m/s; {:?}", done.line(), done.fastest, done.report.warnings)
+        };
+        let holds = all.iter().all(|(done, crossing)| bakes::keeps_to_its_crossings(done, *crossing));
+        (all.iter().map(line).collect::<Vec<_>>().join("\n    "), holds)
     }),
     ("shots", |_, seed| {
         let found = [5.0, 20.0].map(|speed| shots::shoot(50, speed, seed));
@@ -55,6 +65,30 @@ const SCENES: [(&str, Scene); 10] = [
         (found.line("pinched by plates"), found.holds())
     }),
 ];
+
+/// T-shirts that another program folded, with 48 and 108 crossings, laid and hung; none where the files are not there.
+fn folded_by_others() -> Vec<(bakes::Outcome, usize)> {
+    let folder =
+        std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/garments/diffcloth-tshirt-folds");
+    let mut all = Vec::new();
+    for (file, crossing) in
+        [("tshirt1900-folding-biFolded.obj", 48), ("tshirt1900-folding-triFolded.obj", 108)]
+    {
+        let Ok(obj) = std::fs::read_to_string(folder.join(file)) else {
+            println!("not checked, not there: {file}");
+            continue;
+        };
+        for (what, actions) in
+            [("laid", r#"{"lay": {"over": 1.0}}"#), ("hung", r#"{"hang": {"by": "top", "for": 0.5}}"#)]
+        {
+            all.push((
+                bakes::baked(&format!("{file}, {what}"), &obj, 0.1, "cotton-jersey", actions),
+                crossing,
+            ));
+        }
+    }
+    all
+}
 
 fn uncrossed(name: &str, run: &Run) -> (String, bool) {
     (run.line(name), run.worst == [0, 0])
