@@ -4,6 +4,7 @@
 //! Everything that can be refused is refused before the long part: files are read, outputs tried, and the worn garment
 //! written once without wear.
 
+use super::also::{self, AlsoWanted};
 use super::arguments::{MeshReading, glb_path, positive};
 use super::frames::FrameFolder;
 use super::input;
@@ -44,6 +45,8 @@ pub struct Arguments {
     fabric: String,
     #[command(flatten)]
     reading: MeshReading,
+    #[command(flatten)]
+    also: AlsoWanted,
     /// Time integration
     #[arg(long, value_name = "NAME", default_value = default_method(), value_parser = method_parser())]
     method: Method,
@@ -115,17 +118,17 @@ impl Arguments {
 
 /// The files of a bake.
 #[derive(Debug, PartialEq, Eq)]
-struct BakeOutputs {
+pub(super) struct BakeOutputs {
     /// OUT.glb
-    worn: PathBuf,
+    pub(super) worn: PathBuf,
     /// OUT.crease.json
-    sidecar: PathBuf,
+    pub(super) sidecar: PathBuf,
     /// OUT.report.json
-    report: PathBuf,
+    pub(super) report: PathBuf,
 }
 
 impl BakeOutputs {
-    fn beside(worn: &Path) -> Self {
+    pub(super) fn beside(worn: &Path) -> Self {
         Self {
             sidecar: worn.with_extension("crease.json"),
             report: worn.with_extension("report.json"),
@@ -133,12 +136,12 @@ impl BakeOutputs {
         }
     }
 
-    fn paths(&self) -> [&Path; 3] {
+    pub(super) fn paths(&self) -> [&Path; 3] {
         [&self.worn, &self.sidecar, &self.report]
     }
 
     /// What worn meshes say of their sidecar: its name beside them.
-    fn extras(&self) -> Value {
+    pub(super) fn extras(&self) -> Value {
         let name = self.sidecar.file_name().map(|name| name.to_string_lossy().into_owned());
         json!({ "crease": { "sidecar": name } })
     }
@@ -153,6 +156,9 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let files = arguments.output.as_deref().map(BakeOutputs::beside);
     for path in files.iter().flat_map(BakeOutputs::paths) {
         outputs.check(path)?;
+    }
+    if let Some(files) = &files {
+        arguments.also.check(&files.worn, &outputs)?;
     }
     let mut job = Job::read(&arguments)?;
     if arguments.explain && !(arguments.json && files.is_some()) {
@@ -180,6 +186,8 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let glb = write_worn_glb(&job.mesh.asset, garment, &baked.worn, &extras)?;
     outputs.add(&files.worn, &glb)?;
     outputs.add(&files.sidecar, &write_sidecar(&job.sidecar(&baked.worn, arguments.run_note(&baked))?))?;
+    let asset = &job.mesh.asset;
+    report.also = arguments.also.add(&files.worn, &mut outputs, asset, garment, &baked.worn, &job.fabric)?;
     report.stages.add("read", read_s);
     report.stages.add("write", write_began.elapsed().as_secs_f64());
     report.wall_s = began.elapsed().as_secs_f64();
@@ -267,7 +275,7 @@ fn script(file: &str, path: &Path) -> Result<WearScript> {
 }
 
 /// The faults of several errors as one; an error that is no list of faults goes first.
-fn merged(errors: impl Iterator<Item = Error>) -> Error {
+pub(super) fn merged(errors: impl Iterator<Item = Error>) -> Error {
     let mut faults = Vec::new();
     for error in errors {
         match error {
@@ -302,7 +310,7 @@ impl Observer for Watcher<'_, '_> {
     }
 }
 
-fn use_threads(count: Option<NonZeroUsize>) -> Result<()> {
+pub(super) fn use_threads(count: Option<NonZeroUsize>) -> Result<()> {
     let Some(count) = count else { return Ok(()) };
     rayon::ThreadPoolBuilder::new()
         .num_threads(count.get())
@@ -330,6 +338,7 @@ fn explain(plan: &Plan, as_json: bool) -> Result<()> {
 fn tell(arguments: &Arguments, files: &BakeOutputs, report: &Report) -> Result<()> {
     if !arguments.quiet && !arguments.json {
         report.warnings.iter().for_each(|warning| talk::say(&format!("warning: {warning}")));
+        also::tell(&report.also);
         talk::say(&format!(
             "{}: {} points, {:.1} s of wear in {} steps and {:.1} s; {} crossings",
             files.worn.display(),

@@ -3,6 +3,7 @@
 //! The only place that prints and the only one that opens files. stdout is data, stderr is talk. Exit codes: 0 done,
 //! 1 bad input, 2 wrong usage, 3 did not converge. A command is one file and one line in the list below.
 
+mod also;
 mod arguments;
 mod bake;
 mod fabric;
@@ -15,6 +16,7 @@ mod progress;
 mod render;
 mod schema;
 mod talk;
+mod transfer;
 
 use clap::{Parser, Subcommand};
 use crease::{Error, Result};
@@ -38,6 +40,8 @@ enum Command {
     Inspect(inspect::Arguments),
     /// Wear a garment in and bake its wrinkles: writes OUT.glb, OUT.crease.json and OUT.report.json
     Bake(Box<bake::Arguments>),
+    /// Carry memory over to another garment: writes OUT.glb, OUT.crease.json and OUT.report.json
+    Transfer(Box<transfer::Arguments>),
     /// Make a picture of a worn garment
     Render(render::Arguments),
     /// List the fabrics that come along, or show one in full
@@ -51,6 +55,7 @@ impl Command {
         match self {
             Self::Inspect(arguments) => inspect::run(arguments),
             Self::Bake(arguments) => bake::run(*arguments),
+            Self::Transfer(arguments) => transfer::run(*arguments),
             Self::Render(arguments) => render::run(arguments),
             Self::Fabric(arguments) => fabric::run(arguments),
             Self::Schema(arguments) => schema::run(arguments),

@@ -8,11 +8,11 @@ use super::input;
 use super::mesh_file::read_asset_at;
 use super::output::Outputs;
 use clap::ValueEnum;
-use crease::Result;
-use crease::format::gltf::sidecar_name;
+use crease::format::gltf::{keep_worn_pieces, sidecar_name};
 use crease::format::read_sidecar;
 use crease::report::render::{Camera, encode_png};
 use crease::report::{Portrait, Show};
+use crease::{Error, Result};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
@@ -53,6 +53,8 @@ enum Colours {
     Stiffness,
     /// Displacement from the garment's own shape
     Displacement,
+    /// After a transfer: how sure it is that the memory belongs there
+    Confidence,
 }
 
 impl From<Colours> for Show {
@@ -63,6 +65,7 @@ impl From<Colours> for Show {
             Colours::Curvature => Self::Curvature,
             Colours::Stiffness => Self::Stiffness,
             Colours::Displacement => Self::Displacement,
+            Colours::Confidence => Self::Confidence,
         }
     }
 }
@@ -87,11 +90,17 @@ pub fn run(arguments: Arguments) -> Result<()> {
 fn portrait(path: &Path) -> Result<Portrait> {
     // The size of what is only looked at is not questioned.
     let reading = MeshReading { unit: Some(Metres(1.0)), up: None, garment: None };
-    let (asset, _) = read_asset_at(path, &reading)?;
+    let (mut asset, _) = read_asset_at(path, &reading)?;
     let sidecar = asset.document.as_ref().and_then(sidecar_name).map(|name| path.with_file_name(name));
     match sidecar.filter(|path| path.is_file()) {
         Some(beside) => {
-            let sidecar = read_sidecar(&input::name_of(&beside), &input::bytes(&beside)?)?;
+            let file = input::name_of(&beside);
+            let sidecar = read_sidecar(&file, &input::bytes(&beside)?)?;
+            keep_worn_pieces(&mut asset);
+            if let Some(what) = sidecar.misfit(&asset) {
+                let cure = format!("put the sidecar that was written with {} beside it", path.display());
+                return Err(Error::fault(file, "mesh", what, cure));
+            }
             Ok(Portrait::of_sidecar(&input::name_of(path), &sidecar))
         }
         None => Portrait::of_asset(asset),

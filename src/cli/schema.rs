@@ -4,8 +4,9 @@ use super::talk;
 use clap::ValueEnum;
 use crease::Result;
 use crease::fabric::Fabric;
+use crease::format::Sidecar;
 use crease::json::schema_of;
-use crease::report::Report;
+use crease::report::{Report, TransferReport};
 use crease::wear::WearScript;
 
 #[derive(Debug, clap::Args)]
@@ -21,14 +22,20 @@ enum Format {
     Wear,
     /// Fabric, crease-fabric/1
     Fabric,
+    /// Sidecar, crease-sidecar/1
+    Sidecar,
     /// Report of a bake, OUT.report.json
     Report,
+    /// Report of a transfer, OUT.report.json
+    TransferReport,
 }
 
 pub fn run(arguments: Arguments) -> Result<()> {
     let schema = match arguments.format {
         Format::Wear => WearScript::schema(),
         Format::Fabric => Fabric::schema(),
+        Format::Sidecar => schema_of::<Sidecar>(),
+        Format::TransferReport => schema_of::<TransferReport>(),
         Format::Report => schema_of::<Report>(),
     };
     talk::data(&format!("{schema:#}\n"))

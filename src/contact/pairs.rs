@@ -5,6 +5,7 @@
 //! come to; only [`PairContact::advance`] moves it, together with the cloth.
 
 use super::ContactSettings;
+use super::barrier;
 use super::body::{Body, edge_area};
 use super::bound::local_step_fractions;
 use super::candidates::{CandidateFinder, Candidates, CandidatesBetween, PairKind, Quad};
@@ -62,6 +63,8 @@ pub(super) struct PairContact {
     /// Whether the body takes part.
     body_acts: bool,
     pairs: Vec<Pair>,
+    /// Points that stay where they are during the step, one flag per point; empty for none.
+    asleep: Vec<bool>,
     /// Per point: contact distance at most [m]; less than the thickness where something was nearer at the start.
     room: Vec<f64>,
     /// When nothing was near in a wide search, where the points were then [m], and how wide it was [m].
@@ -91,8 +94,6 @@ enum Rule {
 const REST_SHARE: f64 = 0.9;
 /// Candidates reach this many contact distances, so that the pattern of the linear system can look ahead.
 const CANDIDATE_MARGIN: f64 = 1.5;
-/// Share of a pair's gap (or of its contact distance, if that is less) that one move leaves at least.
-const KEPT_GAP: f64 = 0.25;
 /// A moving body presses layers together to this share of the contact distance and no further: there it waits.
 const SQUEEZED: f64 = 0.3;
 /// Where they are nearer already it takes up to this share of the gap: nothing, but that they must be free to part.
@@ -127,6 +128,7 @@ impl PairContact {
             body: None,
             body_acts: false,
             pairs: Vec::new(),
+            asleep: Vec::new(),
             room: vec![settings.distance; rest.len()],
             clear: None,
             search_after: 0,
@@ -188,8 +190,10 @@ impl PairContact {
 
     // ---- Who is near ----
 
-    /// Starts a step: what crosses, and who is near.
-    pub fn begin(&mut self, x: &[Vec3]) {
+    /// Starts a step in which the points that are `held` do not move: what crosses, and who is near.
+    pub fn begin(&mut self, x: &[Vec3], held: &[bool]) {
+        self.asleep.clear();
+        self.asleep.extend_from_slice(held);
         let first = self.entangled.is_none();
         let still = vec![Vec3::zeros(); x.len()];
         if self.entangled.as_ref().is_some_and(|e| !e.is_empty()) {
@@ -321,7 +325,7 @@ impl PairContact {
         let end: Vec<Vec3> = x.iter().zip(d).map(|(x, d)| x + (d - common)).collect();
         let reach = CANDIDATE_MARGIN * self.distance;
         let own = if self.between_layers && !self.stays_clear(x, d, reach, together) {
-            self.finder.find(x, &end, reach, together, &|_| false)
+            self.finder.find(x, &end, reach, together, &sleeps(&self.asleep))
         } else {
             Candidates::default()
         };
@@ -515,7 +519,7 @@ impl PairContact {
             .filter(|pair| nothing_passes || !pair.free)
             .map(|pair| {
                 let near = gap(places, &pair.points, pair.kind).distance;
-                let mut floor = KEPT_GAP * near.min(pair.reach);
+                let mut floor = barrier::floor(near, pair.reach);
                 if led {
                     floor = floor.max((SQUEEZED * pair.reach).min((1.0 - BARELY) * near));
                 }
@@ -550,6 +554,11 @@ impl Way {
 fn mean(d: &[Vec3]) -> Vec3 {
     let mean = d.iter().sum::<Vec3>() / d.len().max(1) as f64;
     if mean.sum().is_finite() { mean } else { Vec3::zeros() }
+}
+
+/// Whether nothing of a pair of the cloth can move.
+fn sleeps(asleep: &[bool]) -> impl Fn(Quad) -> bool + Sync + '_ {
+    |quad| !asleep.is_empty() && quad.points.iter().all(|p| asleep[p.at()])
 }
 
 #[inline]

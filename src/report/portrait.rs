@@ -26,6 +26,8 @@ pub enum Show {
     Stiffness,
     /// Displacement from the garment's own shape [mm].
     Displacement,
+    /// How sure a transfer is [0 to 1].
+    Confidence,
 }
 
 /// A worn garment, ready to be drawn.
@@ -41,6 +43,8 @@ pub struct Portrait {
     pub triangles: Vec<[PointIndex; 3]>,
     /// What it remembers, if the file says so.
     pub memory: Option<PointMemory>,
+    /// One per triangle, after a transfer: how sure it is.
+    pub confidence: Option<Vec<f64>>,
 }
 
 /// Memory per point, as the attributes of the glTF say it.
@@ -77,6 +81,7 @@ impl Portrait {
                 rest_angle_deg: largest_of_hinges(before.len(), &hinges, &change),
                 stiffness_ratio: mean_of_hinges(before.len(), &hinges, &memory.stiffness_ratio, 1.0),
             }),
+            confidence: sidecar.triangles.confidence.clone(),
             before,
             triangles: sidecar.mesh_triangles(),
         }
@@ -102,7 +107,14 @@ impl Portrait {
             }
             memory
         });
-        Ok(Self { file: asset.file, before: garment.points, after, triangles: garment.triangles, memory })
+        Ok(Self {
+            file: asset.file,
+            before: garment.points,
+            after,
+            triangles: garment.triangles,
+            memory,
+            confidence: None,
+        })
     }
 
     /// The worn garment, seen by `camera`, in `size` = [width, height] pixels.
@@ -125,6 +137,14 @@ impl Portrait {
     }
 
     fn colouring(&self, show: Show) -> Result<Colouring> {
+        if show == Show::Confidence && self.confidence.is_none() {
+            return Err(Error::fault(
+                &self.file,
+                "",
+                "says nothing of confidence",
+                "give the OUT.glb that `crease transfer` wrote, with its sidecar beside it",
+            ));
+        }
         if show != Show::Shape && show != Show::Curvature && self.memory.is_none() {
             return Err(Error::fault(
                 &self.file,
@@ -151,6 +171,7 @@ impl Portrait {
                 let moved = x.iter().zip(&self.before).map(|(x, home)| 1e3 * (x - home).norm());
                 Some(Field::displacement_mm(moved.collect()))
             }
+            Show::Confidence => self.confidence.clone().map(Field::confidence),
             Show::Curvature => {
                 // A file may name a point twice in a triangle; topology may not be asked about that.
                 let sound: Vec<[PointIndex; 3]> =

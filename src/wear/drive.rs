@@ -57,7 +57,7 @@ impl Drive {
             pressure: 0.0,
             ball: None,
             drag: 1.0,
-            longest_step: 1.0,
+            longest_step: f64::INFINITY,
         }
     }
 }

@@ -11,8 +11,6 @@
 mod bakes;
 #[path = "drop.rs"]
 mod drop;
-#[path = "entangled.rs"]
-mod entangled;
 #[path = "layers.rs"]
 mod layers;
 #[path = "pinch.rs"]

@@ -57,6 +57,13 @@ impl Field {
         Self::of("displacement", "mm", millimetres, ColourMap::Sequential, 0.0)
     }
 
+    /// How sure a transfer is, one per triangle, 0 to 1.
+    pub fn confidence(share: Vec<f64>) -> Self {
+        let range = Some([0.0, 1.0]);
+        let values = Values::PerTriangle(share);
+        Self { values, range, ..Self::of("confidence", "", Vec::new(), ColourMap::Sequential, 0.0) }
+    }
+
     fn of(title: &str, unit: &str, values: Vec<f64>, map: ColourMap, floor: f64) -> Self {
         let values = Values::PerPoint(values);
         Self { title: title.into(), unit: unit.into(), values, map, floor, range: None }
