@@ -1,8 +1,10 @@
 //! The main job: wear -> solve -> memory, step by step, then the garment brought home to its own pose.
 
+mod crossing_start;
 mod home;
 mod plan;
 mod settle;
+mod unmet_log;
 
 pub use plan::{Choice, Plan};
 pub use settle::{Settled, rest_mesh, settle};
@@ -16,6 +18,7 @@ use crate::memory::{Memory, Observed, Remembering};
 use crate::solve::{Cloth, State, StepOptions, Stepper};
 use crate::wear::{GRAVITY, Gesture, Posture, Scene, WearScript};
 use std::time::Instant;
+use unmet_log::UnmetLog;
 
 /// How to bake.
 #[derive(Debug, Clone, PartialEq)]
@@ -127,6 +130,8 @@ pub fn bake(
         stiffness: plan.contact_stiffness,
         friction: fabric.friction,
         friction_ground: fabric.friction_ground,
+        friction_body: fabric.friction_ground,
+        stiction: 1.0,
         creep: 1e-3,
         between_layers: plan.layers_meet,
     };
@@ -150,9 +155,11 @@ pub fn bake(
         },
         next_frame: 0.0,
         unconverged: 0,
+        unmet: UnmetLog::default(),
         largest_rest: 0.0,
         total: script.duration_s(),
     };
+    run.report.warnings.extend(crossing_start::crossing_warning(garment));
     for (number, action) in script.flatten().enumerate() {
         let place = format!("actions[{number}] ({})", action.name());
         let scene = Scene {
@@ -178,6 +185,7 @@ pub fn bake(
             1e3 * run.largest_rest
         ));
     }
+    run.report.warnings.extend(run.unmet.warnings());
     observer.frame(&run.state.x)?;
     let clock = Instant::now();
     let displacement =
@@ -214,6 +222,8 @@ struct Run<'a> {
     /// Steps accepted before Newton had converged, and the largest move it still asked for [m].
     unconverged: u64,
     largest_rest: f64,
+    /// Demands that could not be met.
+    unmet: UnmetLog,
 }
 
 impl Run<'_> {
@@ -281,6 +291,7 @@ impl Run<'_> {
             self.unconverged += 1;
             self.largest_rest = self.largest_rest.max(step.newton.last_move);
         }
+        self.unmet.note(self.state.time, &step.unmet);
         let clock = Instant::now();
         if let (Some(law), true) = (&self.law, gesture.wears()) {
             let stretch_after = measure(self);

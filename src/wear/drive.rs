@@ -2,6 +2,7 @@
 
 use crate::energy::Guide;
 use crate::math::Vec3;
+use std::sync::Arc;
 
 /// A ball that closes around the cloth.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,6 +22,8 @@ pub struct Drive {
     pub ground: Option<f64>,
     /// Height of a ceiling that presses from above [m], if there is one.
     pub ceiling: Option<f64>,
+    /// Where the points of the body are [m], one per point, where there is a body.
+    pub body: Option<Arc<[Vec3]>>,
     /// Share of the fabric's friction that acts: 0 where hands let the cloth slide.
     pub friction: f64,
     /// Springs that draw points along.
@@ -49,6 +52,7 @@ impl Drive {
             gravity: Vec3::new(0.0, -GRAVITY, 0.0),
             ground,
             ceiling: None,
+            body: None,
             friction: 1.0,
             guides: Vec::new(),
             held: Vec::new(),
