@@ -4,16 +4,18 @@
 //! Everything that can be refused is refused before the long part: files are read, outputs tried, and the worn garment
 //! written once without wear.
 
-use super::arguments::{MeshReading, glb_path, positive};
+use super::arguments::{MeshReading, glb_path, positive, seconds};
+use super::checkpoints::CheckpointFile;
 use super::frames::FrameFolder;
 use super::input;
+use super::interrupt::Interrupt;
 use super::mesh_file::MeshFile;
 use super::output::Outputs;
 use super::progress::{Progress, StepNews};
 use super::talk;
 use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use crease::bake::{BakeOptions, Baked, Choice, Observer, Plan, bake};
+use crease::bake::{BakeOptions, Baked, Checkpoint, Choice, Observer, Plan, bake_from};
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
 use crease::format::gltf::write_worn_glb;
 use crease::format::{Sidecar, write_sidecar};
@@ -27,7 +29,7 @@ use crease::{Error, Result};
 use serde_json::{Value, json};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -59,6 +61,12 @@ pub struct Arguments {
     /// Threads; the result does not depend on them [default: as many as are of use]
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
+    /// Go on from OUT.checkpoint, if an interrupted run left one; the result is the same to the last bit
+    #[arg(long)]
+    resume: bool,
+    /// How often OUT.checkpoint is written between the actions of the script [s]
+    #[arg(long, value_name = "SECONDS", default_value_t = 30.0, value_parser = seconds)]
+    checkpoint_every: f64,
     /// Say which models are on and why, with the number behind each; without -o, do no more
     #[arg(long)]
     explain: bool,
@@ -146,6 +154,7 @@ impl BakeOutputs {
 
 pub fn run(arguments: Arguments) -> Result<()> {
     let began = Instant::now();
+    let interrupt = Interrupt::listen()?;
     let mut progress = Progress::new(arguments.quiet, arguments.json);
     progress.stage("read");
     let mut outputs =
@@ -167,7 +176,10 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let start = crossings(&job.mesh.garment.points, &job.mesh.garment.triangles);
     let read_s = began.elapsed().as_secs_f64();
 
-    let (baked, left_over) = job.bake(&arguments, &mut progress)?;
+    let every = Duration::from_secs_f64(arguments.checkpoint_every);
+    let mut checkpoints = CheckpointFile::beside(&files.worn, every);
+    outputs.check(checkpoints.path())?;
+    let (baked, left_over) = job.bake(&arguments, &mut progress, &mut checkpoints, &interrupt)?;
     warnings.extend(left_over);
 
     progress.stage("write");
@@ -185,6 +197,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     report.wall_s = began.elapsed().as_secs_f64();
     outputs.add(&files.report, report.to_json().as_bytes())?;
     outputs.commit()?;
+    checkpoints.remove();
     progress.finish();
     tell(&arguments, &files, &report)?;
     match not_converged(&baked) {
@@ -241,15 +254,38 @@ impl Job {
     }
 
     /// The long part; also what to say about frames.
-    fn bake(&self, arguments: &Arguments, progress: &mut Progress) -> Result<(Baked, Option<String>)> {
+    fn bake(
+        &self,
+        arguments: &Arguments,
+        progress: &mut Progress,
+        checkpoints: &mut CheckpointFile,
+        interrupt: &Interrupt,
+    ) -> Result<(Baked, Option<String>)> {
+        let taken_up = if arguments.resume { checkpoints.read()? } else { None };
+        let frames_before = taken_up.as_ref().map_or(0, |(_, checkpoint)| checkpoint.counts.frames);
         let frames = match &arguments.frames {
-            Some(folder) => Some(FrameFolder::new(folder, &self.mesh.garment.triangles, &arguments.mesh)?),
+            Some(folder) => {
+                let triangles = &self.mesh.garment.triangles;
+                Some(FrameFolder::new(folder, triangles, &arguments.mesh, frames_before as usize)?)
+            }
             None => None,
         };
-        let mut watcher = Watcher { progress, frames };
+        let actions = self.script.flatten().count();
+        let mut watcher = Watcher { progress, frames, checkpoints, interrupt, actions };
         let garment: &Garment = &self.mesh.garment;
         let options = arguments.options();
-        let baked = bake(garment, &self.fabric, &self.script, &self.script_file, &options, &mut watcher)?;
+        interrupt.ends_at_once(false);
+        let taken_up = taken_up.as_ref().map(|(file, checkpoint)| (file.as_str(), checkpoint.clone()));
+        let baked = bake_from(
+            taken_up,
+            garment,
+            &self.fabric,
+            &self.script,
+            &self.script_file,
+            &options,
+            &mut watcher,
+        )?;
+        interrupt.ends_at_once(false);
         let old = watcher.frames.and_then(|frames| frames.left_over());
         let left_over = old.map(|path| {
             format!("{} and any after it are from an earlier run with more frames", path.display())
@@ -282,6 +318,10 @@ fn merged(errors: impl Iterator<Item = Error>) -> Error {
 struct Watcher<'a, 'b> {
     progress: &'a mut Progress,
     frames: Option<FrameFolder<'b>>,
+    checkpoints: &'a mut CheckpointFile,
+    interrupt: &'a Interrupt,
+    /// Actions of the script in all.
+    actions: usize,
 }
 
 impl Observer for Watcher<'_, '_> {
@@ -299,6 +339,29 @@ impl Observer for Watcher<'_, '_> {
 
     fn frame(&mut self, x: &[Vec3]) -> Result<()> {
         self.frames.as_mut().map_or(Ok(()), |frames| frames.write(x))
+    }
+
+    fn keeps_checkpoints(&self) -> bool {
+        true
+    }
+
+    fn checkpoint(&mut self, now: Checkpoint) -> Result<()> {
+        let wear_is_over = now.action == self.actions;
+        self.checkpoints.keep(now);
+        if wear_is_over {
+            // The way home is not interrupted step by step: what it starts from lies on the disk.
+            self.checkpoints.flush();
+            self.interrupt.ends_at_once(true);
+        }
+        Ok(())
+    }
+
+    fn stops(&mut self) -> bool {
+        if !self.interrupt.asked() {
+            return false;
+        }
+        self.checkpoints.flush();
+        true
     }
 }
 

@@ -1,14 +1,17 @@
 //! The tool. One file per command: arguments -> options -> library call -> files.
 //!
 //! The only place that prints and the only one that opens files. stdout is data, stderr is talk. Exit codes: 0 done,
-//! 1 bad input, 2 wrong usage, 3 did not converge. A command is one file and one line in the list below.
+//! 1 bad input, 2 wrong usage, 3 did not converge, 130 interrupted. A command is one file and one line in the list
+//! below.
 
 mod arguments;
 mod bake;
+mod checkpoints;
 mod fabric;
 mod frames;
 mod input;
 mod inspect;
+mod interrupt;
 mod mesh_file;
 mod output;
 mod progress;
@@ -25,7 +28,7 @@ use std::process::ExitCode;
 #[command(
     name = "crease",
     version,
-    after_help = "Exit codes: 0 done, 1 bad input, 2 wrong usage, 3 did not converge."
+    after_help = "Exit codes: 0 done, 1 bad input, 2 wrong usage, 3 did not converge, 130 interrupted."
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -81,6 +84,7 @@ fn exit_code(error: &Error) -> u8 {
     match error {
         Error::Input(_) | Error::File { .. } => 1,
         Error::NotConverged(_) => 3,
+        Error::Interrupted => interrupt::INTERRUPTED,
     }
 }
 

@@ -2,20 +2,23 @@
 
 use crate::energy::Guide;
 use crate::math::Vec3;
+use serde::{Deserialize, Serialize};
 
 /// A ball that closes around the cloth.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Ball {
     /// Centre [m].
+    #[serde(with = "crate::math::plain::vector")]
     pub centre: Vec3,
     /// Radius [m].
     pub radius: f64,
 }
 
 /// Everything that acts on the cloth from outside, as it is at the end of a step.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Drive {
     /// Acceleration of gravity [m/s²].
+    #[serde(with = "crate::math::plain::vector")]
     pub gravity: Vec3,
     /// Height of the ground [m], if there is one.
     pub ground: Option<f64>,

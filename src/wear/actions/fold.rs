@@ -9,6 +9,7 @@ use crate::wear::gesture::{Gesture, MadeFold, Posture, Scene, Start, hand, palm,
 use crate::wear::turning::{Axis, OnSheet};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 /// Turn one side of a line over the rest, and hold it there. Folds stack: all layers that lie there go along.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -230,6 +231,10 @@ impl Gesture for Turn {
 
     fn breaks(&self) -> Vec<f64> {
         vec![self.over, self.over + LETTING_GO]
+    }
+
+    fn memo(&self) -> Option<Value> {
+        Some(Value::Null)
     }
 
     fn end(&mut self, posture: &mut Posture, x: &[Vec3]) {
