@@ -128,8 +128,7 @@ fn the_seeds_themselves_are_read() {
         for path in seeds(kind) {
             let name = path.file_name().expect("a name").to_string_lossy().into_owned();
             let outcome = reader(&name, &std::fs::read(&path).expect("reads"));
-            // One seed has the wrong unit on purpose.
-            assert!(outcome.is_ok() || name == "crlf-cm.obj", "{name}: {outcome:?}");
+            assert!(outcome.is_ok(), "{name}: {outcome:?}");
         }
     };
     read("obj", &|name, bytes| feed::lone_mesh(name, bytes));

@@ -70,6 +70,11 @@ pub fn png_path(text: &str) -> Result<PathBuf, String> {
     path_ending(text, "png")
 }
 
+/// A path that ends in `.html`.
+pub fn html_path(text: &str) -> Result<PathBuf, String> {
+    path_ending(text, "html")
+}
+
 fn path_ending(text: &str, ending: &str) -> Result<PathBuf, String> {
     let path = Path::new(text);
     match path.extension() {

@@ -22,7 +22,8 @@ use crease::format::{Sidecar, write_sidecar};
 use crease::garment::{Garment, RestShape, WornGarment};
 use crease::math::Vec3;
 use crease::mesh::crossings::crossings;
-use crease::report::{Report, crossing_counts};
+use crease::report::render::{Camera, encode_png};
+use crease::report::{Portrait, Report, Show, crossing_counts};
 use crease::solve::Method;
 use crease::wear::WearScript;
 use crease::{Error, Result};
@@ -32,6 +33,11 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  crease bake shirt.glb --wear garments/wear/fold-thrice.json -o worn.glb --preview
+  crease bake shirt.obj --unit cm --fabric denim --wear wear.json -o worn.glb --frames frames
+  crease bake shirt.glb --wear wear.json -o worn.glb --resume    go on after Ctrl-C or a crash
+  crease bake shirt.glb --wear wear.json --explain               what would be modelled, and why")]
 pub struct Arguments {
     /// Garment: .obj, .gltf or .glb
     mesh: PathBuf,
@@ -52,6 +58,9 @@ pub struct Arguments {
     /// How the cloth remembers
     #[arg(long, value_enum, default_value_t = MemoryLaw::Paper)]
     memory: MemoryLaw,
+    /// Also draw OUT.png: the garment before and after
+    #[arg(long, requires = "output")]
+    preview: bool,
     /// Folder for the simulated mesh over time: frame_0000.obj ...
     #[arg(long, value_name = "DIR")]
     frames: Option<PathBuf>,
@@ -77,6 +86,9 @@ pub struct Arguments {
     #[arg(long)]
     quiet: bool,
 }
+
+/// Size of each half of `--preview` [pixels].
+const PREVIEW: [usize; 2] = [800, 600];
 
 /// How the cloth remembers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -163,6 +175,9 @@ pub fn run(arguments: Arguments) -> Result<()> {
     for path in files.iter().flat_map(BakeOutputs::paths) {
         outputs.check(path)?;
     }
+    if let (true, Some(files)) = (arguments.preview, &files) {
+        outputs.check(&files.worn.with_extension("png"))?;
+    }
     let mut job = Job::read(&arguments)?;
     if arguments.explain && !(arguments.json && files.is_some()) {
         explain(&job.plan(&arguments), arguments.json)?;
@@ -191,7 +206,13 @@ pub fn run(arguments: Arguments) -> Result<()> {
     report.warnings.extend(warnings);
     let glb = write_worn_glb(&job.mesh.asset, garment, &baked.worn, &extras)?;
     outputs.add(&files.worn, &glb)?;
-    outputs.add(&files.sidecar, &write_sidecar(&job.sidecar(&baked.worn, arguments.run_note(&baked))?))?;
+    let sidecar = job.sidecar(&baked.worn, arguments.run_note(&baked))?;
+    outputs.add(&files.sidecar, &write_sidecar(&sidecar))?;
+    if arguments.preview {
+        let portrait = Portrait::of_sidecar(&input::name_of(&files.worn), &sidecar);
+        let picture = portrait.draw_before_after(Show::Shape, &Camera::default(), PREVIEW)?;
+        outputs.add(&files.worn.with_extension("png"), &encode_png(&picture)?)?;
+    }
     report.stages.add("read", read_s);
     report.stages.add("write", write_began.elapsed().as_secs_f64());
     report.wall_s = began.elapsed().as_secs_f64();

@@ -6,7 +6,9 @@
 
 mod arguments;
 mod bake;
+mod batch;
 mod checkpoints;
+mod completions;
 mod fabric;
 mod frames;
 mod input;
@@ -18,6 +20,7 @@ mod progress;
 mod render;
 mod schema;
 mod talk;
+mod view;
 
 use clap::{Parser, Subcommand};
 use crease::{Error, Result};
@@ -28,7 +31,12 @@ use std::process::ExitCode;
 #[command(
     name = "crease",
     version,
-    after_help = "Exit codes: 0 done, 1 bad input, 2 wrong usage, 3 did not converge, 130 interrupted."
+    after_help = "Examples:
+  crease inspect shirt.obj
+  crease bake shirt.obj --wear garments/wear/fold-thrice.json -o worn.glb --preview
+  crease view worn.glb -o worn.html
+
+Exit codes: 0 done, 1 bad input, 2 wrong usage, 3 did not converge, 130 interrupted."
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -43,10 +51,18 @@ enum Command {
     Bake(Box<bake::Arguments>),
     /// Make a picture of a worn garment
     Render(render::Arguments),
+    /// Make a page to turn worn garments on, colour and compare them
+    View(view::Arguments),
+    /// Wear many garments by many scripts in many fabrics: here, on a Slurm cluster, or by Open Job Description
+    Batch(Box<batch::Arguments>),
     /// List the fabrics that come along, or show one in full
     Fabric(fabric::Arguments),
     /// Print the JSON Schema of a file format
     Schema(schema::Arguments),
+    /// Print the completions of a shell
+    Completions(completions::Arguments),
+    /// Print the manual page
+    Man(completions::ManArguments),
 }
 
 impl Command {
@@ -55,8 +71,12 @@ impl Command {
             Self::Inspect(arguments) => inspect::run(arguments),
             Self::Bake(arguments) => bake::run(*arguments),
             Self::Render(arguments) => render::run(arguments),
+            Self::View(arguments) => view::run(arguments),
+            Self::Batch(arguments) => batch::run(*arguments),
             Self::Fabric(arguments) => fabric::run(arguments),
             Self::Schema(arguments) => schema::run(arguments),
+            Self::Completions(arguments) => completions::run(arguments),
+            Self::Man(arguments) => completions::run_man(arguments),
         }
     }
 }

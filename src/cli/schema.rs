@@ -1,14 +1,18 @@
 //! `crease schema`: the JSON Schema of a file format, for editors and other programs.
 
+use super::batch::JobFile;
 use super::talk;
 use clap::ValueEnum;
 use crease::Result;
 use crease::fabric::Fabric;
+use crease::format::Sidecar;
 use crease::json::schema_of;
 use crease::report::Report;
 use crease::wear::WearScript;
 
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  crease schema wear > wear.schema.json")]
 pub struct Arguments {
     /// Which format
     #[arg(value_enum, value_name = "FORMAT")]
@@ -21,14 +25,20 @@ enum Format {
     Wear,
     /// Fabric, crease-fabric/1
     Fabric,
+    /// Sidecar of a worn garment, OUT.crease.json
+    Sidecar,
     /// Report of a bake, OUT.report.json
     Report,
+    /// Job file of `crease batch`, crease-batch/1
+    Batch,
 }
 
 pub fn run(arguments: Arguments) -> Result<()> {
     let schema = match arguments.format {
         Format::Wear => WearScript::schema(),
         Format::Fabric => Fabric::schema(),
+        Format::Sidecar => schema_of::<Sidecar>(),
+        Format::Batch => JobFile::schema(),
         Format::Report => schema_of::<Report>(),
     };
     talk::data(&format!("{schema:#}\n"))

@@ -16,7 +16,8 @@ use serde_json::Value;
 /// A mesh file as `crease inspect` and the beginning and end of `crease bake` take it. `resolve` gives the files it
 /// refers to.
 pub fn mesh(name: &str, bytes: &[u8], resolve: &mut dyn FnMut(&str) -> Result<Vec<u8>>) -> Result<()> {
-    let options = ReadOptions { unit_m: None, up: None, garment: None, mask: None };
+    // With the unit named, sizes are not questioned and more of the file is looked at.
+    let options = ReadOptions { unit_m: Some(1.0), up: None, garment: None, mask: None };
     let (asset, findings) = read_asset(name, bytes, &options, resolve)?;
     let (garment, more) = Garment::from_asset(&asset)?;
     let _ = inspect(&asset, &garment, &[findings, more].concat()).to_text();
@@ -29,8 +30,7 @@ pub fn mesh(name: &str, bytes: &[u8], resolve: &mut dyn FnMut(&str) -> Result<Ve
     let sidecar = Sidecar::new(&asset, &garment, &worn, Value::Null, Value::Null, Value::Null)?;
     let again = read_sidecar("out.crease.json", &write_sidecar(&sidecar)).expect("our own sidecar is read");
     assert_eq!(again, sidecar);
-    let unit = ReadOptions { unit_m: Some(1.0), ..options };
-    read_asset("out.glb", &glb, &unit, resolve).expect("our own worn glTF is read");
+    read_asset("out.glb", &glb, &options, resolve).expect("our own worn glTF is read");
     Ok(())
 }
 

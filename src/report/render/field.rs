@@ -57,6 +57,18 @@ impl Field {
         Self::of("displacement", "mm", millimetres, ColourMap::Sequential, 0.0)
     }
 
+    /// Growth of rest lengths, one per triangle (%).
+    pub fn stretch_percent(percent: Vec<f64>) -> Self {
+        let field = Self::of("rest stretch", "%", Vec::new(), ColourMap::Diverging, 0.0);
+        Self { values: Values::PerTriangle(percent), ..field }
+    }
+
+    /// Confidence of a transfer, one per triangle [-].
+    pub fn confidence(share: Vec<f64>) -> Self {
+        let field = Self::of("confidence", "", Vec::new(), ColourMap::Sequential, 0.0);
+        Self { values: Values::PerTriangle(share), range: Some([0.0, 1.0]), ..field }
+    }
+
     fn of(title: &str, unit: &str, values: Vec<f64>, map: ColourMap, floor: f64) -> Self {
         let values = Values::PerPoint(values);
         Self { title: title.into(), unit: unit.into(), values, map, floor, range: None }
