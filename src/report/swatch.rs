@@ -1,16 +1,17 @@
 //! Swatches: the fabrics on one page, each drawn as it would hang over the edge of a table.
 //!
-//! The strip is the heavy elastica that Peirce measured cloth with: with c the bending length, s along a strip of
-//! length L from the edge and theta below the horizontal,
+//! The strip is the heavy elastica that Peirce measured cloth with: with c the bending length, t along a strip of
+//! length L from its free end and phi the angle to the plumb line,
 //!
 //! ```text
-//! theta'' = -(L - s) cos(theta) / c³,   theta(0) = 0,   theta'(L) = 0
+//! phi'' = t sin(phi) / c³,   phi'(0) = 0,   phi(L) = 90 degrees
 //! ```
 //!
-//! solved by shooting for theta'(0). It shows the drape, not the colour, which is nobody's knowledge here.
+//! solved by shooting for phi(0). It shows the drape, not the colour, which is nobody's knowledge here.
 
 use super::viewer::escaped;
 use crate::fabric::Fabric;
+use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write;
 
 /// Length of the strip that hangs over [m].
@@ -21,35 +22,40 @@ const PIECES: usize = 120;
 /// Points [m] of a strip of `length` [m] whose cloth has the bending length `c` [m], x outward, y down, from the edge.
 pub fn overhang(length: f64, c: f64) -> Vec<[f64; 2]> {
     let h = length / PIECES as f64;
-    // (theta, theta') by the classical Runge-Kutta method; where it ends tells whether the start was steep enough.
-    let shoot = |first: f64| {
-        let slope = |s: f64, [theta, rate]: [f64; 2]| [rate, -(length - s) * theta.cos() / c.powi(3)];
-        let mut y = [0.0, first];
-        let mut thetas = vec![0.0];
+    // phi at every node from the free end on, by the classical Runge-Kutta method; cut short where it is beyond level.
+    let shoot = |beta: f64| {
+        let slope = |t: f64, [phi, rate]: [f64; 2]| [rate, t * phi.sin() / c.powi(3)];
+        let mut y = [beta, 0.0];
+        let mut phis = vec![beta];
         for k in 0..PIECES {
-            let s = k as f64 * h;
+            let t = k as f64 * h;
             let ahead = |d: [f64; 2], by: f64| [y[0] + by * d[0], y[1] + by * d[1]];
-            let k1 = slope(s, y);
-            let k2 = slope(s + 0.5 * h, ahead(k1, 0.5 * h));
-            let k3 = slope(s + 0.5 * h, ahead(k2, 0.5 * h));
-            let k4 = slope(s + h, ahead(k3, h));
+            let k1 = slope(t, y);
+            let k2 = slope(t + 0.5 * h, ahead(k1, 0.5 * h));
+            let k3 = slope(t + 0.5 * h, ahead(k2, 0.5 * h));
+            let k4 = slope(t + h, ahead(k3, h));
             y = std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
-            thetas.push(y[0]);
+            phis.push(y[0].min(FRAC_PI_2));
+            if y[0] > FRAC_PI_2 {
+                break;
+            }
         }
-        (thetas, y[1])
+        phis
     };
-    // A strip ends straight; it starts no steeper than if all its weight hung at right angles.
-    let (mut low, mut high) = (0.0, 0.5 * length * length / c.powi(3));
-    for _ in 0..80 {
+    // By the logarithm: the end of limp cloth hangs down to within a billionth of a degree.
+    let (mut low, mut high) = (-200.0_f64, FRAC_PI_2.ln());
+    for _ in 0..100 {
         let middle = 0.5 * (low + high);
-        if shoot(middle).1 > 0.0 { high = middle } else { low = middle }
+        let beyond = shoot(middle.exp()).last().is_some_and(|phi| *phi >= FRAC_PI_2);
+        if beyond { high = middle } else { low = middle }
     }
-    let (thetas, _) = shoot(0.5 * (low + high));
+    let mut phis = shoot(low.exp());
+    phis.reverse();
     let mut place = [0.0, 0.0];
     let mut points = vec![place];
-    for pair in thetas.windows(2) {
-        let theta = 0.5 * (pair[0] + pair[1]).clamp(-4.0, 4.0);
-        place = [place[0] + h * theta.cos(), place[1] + h * theta.sin()];
+    for pair in phis.windows(2) {
+        let phi = 0.5 * (pair[0] + pair[1]);
+        place = [place[0] + h * phi.sin(), place[1] + h * phi.cos()];
         points.push(place);
     }
     points
@@ -93,16 +99,16 @@ pub fn swatch_page(fabrics: &[Fabric]) -> String {
 mod tests {
     use super::*;
 
-    /// Peirce: cloth that hangs over by 2^(1/3)... of its bending length in his measure droops by 41.5 degrees. With
-    /// c³ = B / w that length is c (8 tan / cos)^(1/3) at 41.5 degrees, by his approximation, good to 2 %.
+    /// Chord angle of the overhang against L³ / c³, from an independent solution of the same equation.
     #[test]
-    fn a_strip_droops_as_peirce_found() {
+    fn a_strip_droops_as_the_heavy_elastica_does() {
         let c = 0.02;
-        let angle = 41.5_f64.to_radians();
-        let length = c * (8.0 * angle.tan() / (0.5 * angle).cos()).cbrt();
-        let [x, y] = *overhang(length, c).last().expect("an end");
-        let droop = y.atan2(x).to_degrees();
-        assert!((droop - 41.5).abs() < 1.5, "{droop}");
+        for (degrees, gamma) in [(5.0, 0.701_129), (20.0, 2.994_369_8), (30.0, 4.920_939_53), (41.5, 8.0042)]
+        {
+            let [x, y] = *overhang(c * f64::cbrt(gamma), c).last().expect("an end");
+            let droop = y.atan2(x).to_degrees();
+            assert!((droop - degrees).abs() < 0.02, "{droop} instead of {degrees}");
+        }
     }
 
     #[test]

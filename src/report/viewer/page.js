@@ -40,6 +40,13 @@ const garments = data.garments.map((garment) => ({
   size: garment.frame_size,
 }));
 
+// One legend for all, so that colours beside each other compare.
+for (const name of new Set(garments.flatMap((garment) => garment.fields.map((field) => field.name)))) {
+  const alike = garments.flatMap((garment) => garment.fields.filter((field) => field.name === name));
+  const limits = [Math.min(...alike.map((f) => f.limits[0])), Math.max(...alike.map((f) => f.limits[1]))];
+  for (const field of alike) field.limits = limits;
+}
+
 function worn(garment, share) {
   const out = new Float32Array(garment.before.length);
   for (let i = 0; i < out.length; i++) out[i] = garment.before[i] + share * (garment.after[i] - garment.before[i]);
@@ -114,13 +121,15 @@ const names = [...new Map([['shape', 'shape']].concat(garments.flatMap((g) => g.
 for (const [name, title] of names) find('show').add(new Option(title, name));
 if (names.some(([name]) => name === data.show)) find('show').value = data.show;
 
+// Narrow scenes look from farther away.
+const away = garments.length > 1 ? 1.35 : 1;
 const still = ranges(garments.map((g) => [g.before, g.after]));
 const moving = ranges(garments.map((g) => g.frames.map((_, i) => frame(g, i))));
 const layout = (range) => ({
   margin: { l: 0, r: 0, t: 0, b: 0 }, paper_bgcolor: '#f4f3f0', showlegend: false,
   scene: {
     aspectmode: 'cube', dragmode: 'orbit',
-    camera: { up: { x: 0, y: 1, z: 0 }, eye: data.lies ? { x: 0, y: 1.5, z: 0.9 } : { x: 0.25, y: 0.15, z: 1.5 } },
+    camera: { up: { x: 0, y: 1, z: 0 }, eye: data.lies ? { x: 0, y: 1.15 * away, z: 0.75 * away } : { x: 0.25 * away, y: 0.15 * away, z: 1.25 * away } },
     xaxis: { visible: false, range: range[0] }, yaxis: { visible: false, range: range[1] }, zaxis: { visible: false, range: range[2] },
   },
 });
