@@ -15,11 +15,11 @@ const NOTICE_S: u32 = 30;
 /// Writes the template.
 pub fn write(jobs: &Jobs, path: &Path) -> Result<()> {
     let mut outputs = Outputs::new([jobs.file.as_path()]);
-    outputs.add(path, format!("{:#}\n", template(jobs)).as_bytes())?;
+    outputs.add(path, format!("{:#}\n", template(jobs, path)).as_bytes())?;
     outputs.commit()
 }
 
-fn template(jobs: &Jobs) -> Value {
+fn template(jobs: &Jobs, path: &Path) -> Value {
     let tasks = jobs.list.len().min(MOST_TASKS);
     let on_run = |rest: &[&str]| {
         let mut args = vec!["batch".to_owned(), "{{Param.Jobs}}".to_owned()];
@@ -30,13 +30,21 @@ fn template(jobs: &Jobs) -> Value {
             "cancelation": {"mode": "NOTIFY_THEN_TERMINATE", "notifyPeriodInSeconds": NOTICE_S},
         }}})
     };
+    let mut parameter = json!({"name": "Jobs", "type": "PATH", "objectType": "FILE", "dataFlow": "IN",
+        "description": "The job file, crease-batch/1."});
+    // A default counts from the folder of the template; without one the parameter must be given.
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if let (Ok(folder), Some(name)) = (folder.canonicalize(), jobs.file.file_name())
+        && folder == jobs.folder
+    {
+        parameter["default"] = json!(name.to_string_lossy());
+    }
     let share = format!("{{{{Task.Param.Share}}}}/{tasks}");
     json!({
         "specificationVersion": "jobtemplate-2023-09",
         "name": "crease batch",
         "parameterDefinitions": [
-            {"name": "Jobs", "type": "PATH", "objectType": "FILE", "dataFlow": "IN",
-             "default": jobs.file.display().to_string(), "description": "The job file, crease-batch/1."},
+            parameter,
             {"name": "Crease", "type": "STRING", "default": "crease", "description": "The tool."},
         ],
         "steps": [
