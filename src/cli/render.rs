@@ -110,7 +110,7 @@ fn views(arguments: &Arguments) -> Vec<(PathBuf, Camera)> {
         let azimuth = arguments.azimuth.unwrap_or(0.0) + 360.0 * f64::from(k) / f64::from(count);
         let mut path = stem.clone().into_os_string();
         path.push(format!("_{k:03}.png"));
-        (PathBuf::from(path), Camera { azimuth_deg: Some(azimuth), ..camera.clone() })
+        (PathBuf::from(path), Camera { azimuth_deg: Some(azimuth), ..camera })
     };
     (0..count).map(view).collect()
 }

@@ -15,7 +15,9 @@ use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write;
 
 /// Length of the strip that hangs over [m].
-const STRIP_M: f64 = 0.12;
+const STRIP_M: f64 = 0.05;
+/// Units of the drawing for a metre.
+const PER_METRE: f64 = 2400.0;
 /// Pieces of the strip in a picture.
 const PIECES: usize = 120;
 
@@ -67,7 +69,7 @@ pub fn swatch_page(fabrics: &[Fabric]) -> String {
     for fabric in fabrics {
         let path: Vec<String> = overhang(STRIP_M, fabric.bending_length())
             .iter()
-            .map(|[x, y]| format!("{:.2},{:.2}", 60.0 + 1e3 * x, 20.0 + 1e3 * y))
+            .map(|[x, y]| format!("{:.2},{:.2}", 60.0 + PER_METRE * x, 20.0 + PER_METRE * y))
             .collect();
         // Writing to a string cannot fail.
         let _ = writeln!(
@@ -77,7 +79,7 @@ pub fn swatch_page(fabrics: &[Fabric]) -> String {
              stroke-width=\"{:.2}\" stroke-linecap=\"round\"/></svg><h2>{}</h2><p>{}</p><p>{:.0} g/m², bending length \
              {:.1} mm, {:.2} mm thick</p></article>",
             path.join(" "),
-            1.0 + 2.0 * 1e3 * fabric.thickness(),
+            PER_METRE * fabric.thickness(),
             escaped(&fabric.name),
             escaped(&fabric.description),
             fabric.area_density_g_m2,
@@ -113,12 +115,13 @@ mod tests {
 
     #[test]
     fn stiff_cloth_stands_out_and_limp_cloth_hangs_down() {
-        let end = |c: f64| *overhang(STRIP_M, c).last().expect("an end");
+        let length = 0.12;
+        let end = |c: f64| *overhang(length, c).last().expect("an end");
         assert!(end(1.0)[1] < 1e-3 && end(1.0)[0] > 0.119);
         assert!(end(0.012)[1] > 0.09 && end(0.012)[0] > 0.0);
-        let length: f64 =
-            overhang(STRIP_M, 0.02).windows(2).map(|p| (p[1][0] - p[0][0]).hypot(p[1][1] - p[0][1])).sum();
-        assert!((length - STRIP_M).abs() < 1e-9, "{length}");
+        let along: f64 =
+            overhang(length, 0.02).windows(2).map(|p| (p[1][0] - p[0][0]).hypot(p[1][1] - p[0][1])).sum();
+        assert!((along - length).abs() < 1e-9, "{along}");
     }
 
     #[test]
