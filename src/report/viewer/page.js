@@ -36,6 +36,7 @@ const garments = data.garments.map((garment) => ({
   hinge: garment.hinge ? numbers(garment.hinge) : null,
   hinges: garment.hinges,
   frames: garment.frames.map((frame) => frame),
+  now: floats(garment.after),
   low: garment.frame_low,
   size: garment.frame_size,
 }));
@@ -94,6 +95,24 @@ function says(garment) {
   });
 }
 
+// Light from the upper left on the bare shape: the library's own lamp sits at the eye and shows no wrinkle.
+const lamp = [-0.55, 0.7, 0.45];
+function light(garment, xyz) {
+  const normal = new Float32Array(xyz.length);
+  const [a, b, c] = garment.triangles;
+  for (let t = 0; t < a.length; t++) {
+    const [p, q, r] = [3 * a[t], 3 * b[t], 3 * c[t]];
+    const u = [0, 1, 2].map((k) => xyz[q + k] - xyz[p + k]), v = [0, 1, 2].map((k) => xyz[r + k] - xyz[p + k]);
+    const n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+    for (const corner of [p, q, r]) for (let k = 0; k < 3; k++) normal[corner + k] += n[k];
+  }
+  return Float32Array.from({ length: xyz.length / 3 }, (_, i) => {
+    const n = [normal[3 * i], normal[3 * i + 1], normal[3 * i + 2]];
+    const length = Math.hypot(...n) || 1;
+    return 0.5 + 0.5 * (n[0] * lamp[0] + n[1] * lamp[1] + n[2] * lamp[2]) / length;
+  });
+}
+
 const scenes = garments.map((garment) => {
   const section = document.createElement('section');
   const title = document.createElement('h2');
@@ -107,7 +126,10 @@ const scenes = garments.map((garment) => {
 
 function paint(garment, name) {
   const field = garment.fields.find((field) => field.name === name);
-  if (!field) return { intensity: [new Float32Array(garment.before.length / 3)], colorscale: [[[0, '#b9a58c'], [1, '#b9a58c']]], cmin: 0, cmax: 1, showscale: false };
+  if (!field) return {
+    intensity: [light(garment, garment.now)], intensitymode: 'vertex', cmin: 0.2, cmax: 0.95, showscale: false,
+    colorscale: [[[0, '#2b2723'], [0.5, '#a08d76'], [1, '#f3ebdf']]],
+  };
   const perPoint = field.values.length === garment.before.length / 3;
   const unit = field.unit ? ' [' + field.unit + ']' : '';
   return {
@@ -122,21 +144,23 @@ for (const [name, title] of names) find('show').add(new Option(title, name));
 if (names.some(([name]) => name === data.show)) find('show').value = data.show;
 
 // Narrow scenes look from farther away.
-const away = garments.length > 1 ? 1.35 : 1;
+const away = garments.length > 1 ? 1.15 : 1;
 const still = ranges(garments.map((g) => [g.before, g.after]));
 const moving = ranges(garments.map((g) => g.frames.map((_, i) => frame(g, i))));
 const layout = (range) => ({
   margin: { l: 0, r: 0, t: 0, b: 0 }, paper_bgcolor: '#f4f3f0', showlegend: false,
   scene: {
     aspectmode: 'cube', dragmode: 'orbit',
-    camera: { up: { x: 0, y: 1, z: 0 }, eye: data.lies ? { x: 0, y: 1.15 * away, z: 0.75 * away } : { x: 0.25 * away, y: 0.15 * away, z: 1.25 * away } },
+    camera: { up: { x: 0, y: 1, z: 0 }, eye: data.lies ? { x: 0, y: 0.95 * away, z: 0.62 * away } : { x: 0.2 * away, y: 0.12 * away, z: 0.95 * away } },
     xaxis: { visible: false, range: range[0] }, yaxis: { visible: false, range: range[1] }, zaxis: { visible: false, range: range[2] },
   },
 });
 
 function place(k, xyz, range) {
   const [x, y, z] = columns(xyz);
-  return Plotly.update(scenes[k], { x: [x], y: [y], z: [z] }, {
+  garments[k].now = xyz;
+  const shape = find('show').value === 'shape' ? paint(garments[k], 'shape') : {};
+  return Plotly.update(scenes[k], { x: [x], y: [y], z: [z], ...shape }, {
     'scene.xaxis.range': range[0], 'scene.yaxis.range': range[1], 'scene.zaxis.range': range[2],
   }, [0]);
 }
@@ -175,8 +199,7 @@ async function start() {
     const [i, j, l] = garment.triangles;
     const mesh = {
       type: 'mesh3d', x, y, z, i, j, k: l, flatshading: false, text: says(garment), hoverinfo: 'text',
-      lighting: { ambient: 0.55, diffuse: 0.75, specular: 0.05, roughness: 0.9, fresnel: 0.05 },
-      lightposition: { x: 1000, y: 3000, z: 4000 },
+      lighting: { ambient: 0.75, diffuse: 0.3, specular: 0.02, roughness: 0.9, fresnel: 0 },
     };
     return Plotly.newPlot(scenes[k], [mesh], layout(still[k]), { responsive: true, displaylogo: false });
   }));
