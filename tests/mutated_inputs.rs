@@ -3,7 +3,7 @@
 //!
 //! The seeds that fuzzing starts from are mutated in full, in every run. The real garments of `../shared/garments`
 //! are mutated at 4 places and with 8 flips each, and with `CREASE_MUTATE=all` at 64 places and with 256 flips each, as
-//! `docs/robustness.md` reports.
+//! `docs/robustness.md` reports. `CREASE_MUTATE_SECONDS=N` spends N more seconds on each reader's seeds.
 
 #[path = "fuzz/feed.rs"]
 mod feed;
@@ -115,6 +115,21 @@ fn mutate_seeds(kind: &str, reader: &dyn Fn(&str, &[u8]) -> Result<()>) {
         let name = path.file_name().expect("a name").to_string_lossy().into_owned();
         for (k, mutated) in mutations(&bytes, bytes.len().min(1000), 1500, 7).enumerate() {
             tally.feed(&format!("{kind}/{name}, mutation {k}"), || reader(&name, &mutated));
+        }
+    }
+    // With time to spend: more and more flips of the same seeds, with other numbers.
+    let seconds = std::env::var("CREASE_MUTATE_SECONDS").ok().and_then(|text| text.parse().ok());
+    let until = Instant::now() + Duration::from_secs(seconds.unwrap_or(0));
+    for seed in 1000.. {
+        if Instant::now() >= until {
+            break;
+        }
+        for path in seeds(kind) {
+            let bytes = std::fs::read(&path).expect("reads");
+            let name = path.file_name().expect("a name").to_string_lossy().into_owned();
+            for (k, mutated) in mutations(&bytes, 1, 100, seed).enumerate() {
+                tally.feed(&format!("{kind}/{name}, seed {seed}, mutation {k}"), || reader(&name, &mutated));
+            }
         }
     }
     assert!(tally.refused > 100, "{kind}: mutations are noticed");
