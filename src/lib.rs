@@ -29,5 +29,6 @@ pub mod solve;
 
 pub mod bake;
 pub mod report;
+pub mod transfer;
 
 pub use error::{Error, Fault, Result};

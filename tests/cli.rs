@@ -26,9 +26,13 @@ fn with_script(text: &str) -> (tempfile::TempDir, String) {
 
 #[test]
 fn schemas_are_valid_json_on_stdout_alone() {
-    for (format, title) in
-        [("wear", "crease wear script"), ("fabric", "crease fabric"), ("report", "crease report")]
-    {
+    for (format, title) in [
+        ("wear", "crease wear script"),
+        ("fabric", "crease fabric"),
+        ("report", "crease report"),
+        ("sidecar", "Sidecar"),
+        ("transfer-report", "crease transfer report"),
+    ] {
         let (out, err, code) = run(&["schema", format]);
         assert_eq!((err.as_str(), code), ("", 0));
         let schema: Value = serde_json::from_str(&out).expect("is JSON");

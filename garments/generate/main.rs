@@ -4,8 +4,8 @@
 //! outline (lines and arcs) -> panel (near-equilateral triangles) -> front and back sewn -> glb
 //! ```
 //!
-//! Run `cargo run --example generate_garments`; add `-- --out DIR` to write elsewhere and `--obj DIR` to write an
-//! OBJ of each garment too. Nothing here is random and nothing is copied from anywhere: the same bytes come out
+//! Run `cargo run --example generate_garments`; add `-- --out DIR` to write elsewhere, `--obj DIR` to write an
+//! OBJ of each garment too, and `--tshirt-edge MM` for the T-shirt at another edge length, alone (`tshirt-other.glb`). Nothing here is random and nothing is copied from anywhere: the same bytes come out
 //! every time on one machine. The numbers printed are measured on what was made, not promised.
 //!
 //! A garment lies on the ground: y up, metres, x to the right, its length along z with the upper end towards -z,
@@ -47,17 +47,16 @@ pub struct Product {
 
 /// Every garment, in the order they are written.
 fn products() -> Vec<Product> {
-    let mut all: Vec<Product> = patterns::all()
-        .into_iter()
-        .map(|pattern| {
-            let cloth = sew::make(&pattern);
-            let glb = glb::flat_garment(pattern.name, &cloth, pattern.colour);
-            Product { name: pattern.name, cloth, glb }
-        })
-        .collect();
+    let mut all: Vec<Product> = patterns::all().into_iter().map(product).collect();
     let (arm, cloth) = (arm::arm(), arm::sleeve());
     all.push(Product { name: "sleeve", glb: glb::dressed_arm(&arm, &cloth), cloth });
     all
+}
+
+fn product(pattern: patterns::Pattern) -> Product {
+    let cloth = sew::make(&pattern);
+    let glb = glb::flat_garment(pattern.name, &cloth, pattern.colour);
+    Product { name: pattern.name, cloth, glb }
 }
 
 fn obj(mesh: &Mesh) -> String {
@@ -76,16 +75,26 @@ fn obj(mesh: &Mesh) -> String {
 fn main() -> Result<(), Box<dyn Error>> {
     let mut out = Path::new(env!("CARGO_MANIFEST_DIR")).join("garments");
     let mut obj_folder: Option<PathBuf> = None;
+    let mut tshirt_edge_m: Option<f64> = None;
     let mut arguments = std::env::args().skip(1);
     while let Some(word) = arguments.next() {
-        let mut value = || arguments.next().ok_or(format!("{word} needs a folder"));
+        let mut value = || arguments.next().ok_or(format!("{word} needs a value"));
         match word.as_str() {
             "--out" => out = value()?.into(),
             "--obj" => obj_folder = Some(value()?.into()),
-            other => return Err(format!("unknown option {other}: there are --out DIR and --obj DIR").into()),
+            "--tshirt-edge" => tshirt_edge_m = Some(1e-3 * value()?.parse::<f64>()?),
+            other => {
+                let options = "--out DIR, --obj DIR and --tshirt-edge MM";
+                return Err(format!("unknown option {other}: there are {options}").into());
+            }
         }
     }
-    for product in products() {
+    // Another tessellation of the T-shirt is made alone: it is not one of the garments that ship.
+    let products = match tshirt_edge_m {
+        Some(edge_m) => vec![product(patterns::tshirt("tshirt-other", edge_m))],
+        None => products(),
+    };
+    for product in products {
         println!("{}: {}, {} bytes", product.name, quality::measure(&product.cloth), product.glb.len());
         std::fs::write(out.join(format!("{}.glb", product.name)), &product.glb)?;
         if let Some(folder) = &obj_folder {

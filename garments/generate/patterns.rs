@@ -27,7 +27,8 @@ pub fn all() -> Vec<Pattern> {
     vec![tshirt("tshirt", 0.00831), tshirt("tshirt-draft", 0.0219), handkerchief(), trousers()]
 }
 
-fn tshirt(name: &'static str, edge_m: f64) -> Pattern {
+/// The T-shirt at any edge length [m].
+pub fn tshirt(name: &'static str, edge_m: f64) -> Pattern {
     let body = [
         line([0.268, 0.0], Open),                  // hem
         line([0.265, 0.425], Sewn),                // side

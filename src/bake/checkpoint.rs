@@ -78,8 +78,10 @@ pub struct Counts {
     pub steps: u64,
     /// Thrown-away tries.
     pub rejected: u64,
-    /// Linear solves.
+    /// Linear solves of the whole.
     pub solves: u64,
+    /// Linear solves of a few places.
+    pub local_solves: u64,
     /// Steps accepted before Newton had converged.
     pub unconverged: u64,
     /// The largest move they still asked for [m].
@@ -90,8 +92,9 @@ pub struct Counts {
     pub seconds: [f64; 5],
     /// Frames given to the observer.
     pub frames: u64,
-    /// Simulated time of the next frame [s]; `None` for never.
-    pub next_frame: Option<f64>,
+    /// Simulated time of the next frame [s]; infinite for never.
+    #[serde(with = "crate::math::plain::limit")]
+    pub next_frame: f64,
 }
 
 /// Hash of everything that the result of a bake depends on.
@@ -188,7 +191,7 @@ const CURE: &str = "delete it, or leave out --resume, and the run begins anew";
 impl Run<'_> {
     /// The checkpoint of this moment: `action` actions are over.
     pub(super) fn checkpoint(&self, action: usize, posture: &Posture, way: Option<Way>) -> Checkpoint {
-        let BakeReport { steps, rejected, solves, ref warnings, .. } = self.report;
+        let BakeReport { steps, rejected, solves, local_solves, ref warnings, .. } = self.report;
         Checkpoint {
             key: self.key.clone(),
             action,
@@ -200,12 +203,13 @@ impl Run<'_> {
                 steps,
                 rejected,
                 solves,
+                local_solves,
                 unconverged: self.unconverged,
                 largest_rest: self.largest_rest,
                 warnings: warnings.clone(),
                 seconds: self.seconds,
                 frames: self.frames,
-                next_frame: Some(self.next_frame).filter(|time| time.is_finite()),
+                next_frame: self.next_frame,
             },
         }
     }
@@ -219,11 +223,12 @@ impl Run<'_> {
         self.report.steps = counts.steps;
         self.report.rejected = counts.rejected;
         self.report.solves = counts.solves;
+        self.report.local_solves = counts.local_solves;
         self.report.warnings = counts.warnings;
         self.unconverged = counts.unconverged;
         self.largest_rest = counts.largest_rest;
         self.seconds = counts.seconds;
         self.frames = counts.frames;
-        self.next_frame = counts.next_frame.unwrap_or(f64::INFINITY);
+        self.next_frame = counts.next_frame;
     }
 }

@@ -26,12 +26,13 @@ const SHARES: u32 = 6;
 /// asks for, far below what shows.
 const SLACK: f64 = 3e-7;
 
-/// Displacement of every point from the source pose [m].
+/// Displacement of every point from the source pose [m]. `hold` scales the springs: 1 for a garment at home.
 pub(super) fn bring_home(
     garment: &Garment,
     fabric: &Fabric,
     stepper: &mut Stepper,
     memory: &RestShape,
+    hold: f64,
     report: &mut BakeReport,
 ) -> Vec<Vec3> {
     let changed = memory.rest_angle != memory.source_angle
@@ -39,7 +40,7 @@ pub(super) fn bring_home(
     if !changed {
         return vec![Vec3::zeros(); garment.points.len()];
     }
-    let tether = fabric.area_density() * GRAVITY / fabric.bending_length();
+    let tether = hold * fabric.area_density() * GRAVITY / fabric.bending_length();
     let guides: Vec<Guide> = garment
         .points
         .iter()
@@ -63,6 +64,7 @@ pub(super) fn bring_home(
         let terms: [&dyn Energy; 3] = [&membrane, &bending_term, &springs];
         let solved = stepper.equilibrium(&mut x, &terms, &newton, 0.0);
         report.solves += solved.iterations as u64;
+        report.local_solves += solved.local_iterations as u64;
         if !solved.converged && share == SHARES {
             report.warnings.push(format!(
                 "home: the equilibrium did not converge in {} iterations (last move {:.1e} m)",

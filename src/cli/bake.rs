@@ -4,6 +4,7 @@
 //! Everything that can be refused is refused before the long part: files are read, outputs tried, and the worn garment
 //! written once without wear.
 
+use super::also::{self, AlsoWanted};
 use super::arguments::{MeshReading, glb_path, positive, seconds};
 use super::checkpoints::CheckpointFile;
 use super::frames::FrameFolder;
@@ -52,6 +53,8 @@ pub struct Arguments {
     fabric: String,
     #[command(flatten)]
     reading: MeshReading,
+    #[command(flatten)]
+    also: AlsoWanted,
     /// Time integration
     #[arg(long, value_name = "NAME", default_value = default_method(), value_parser = method_parser())]
     method: Method,
@@ -135,17 +138,17 @@ impl Arguments {
 
 /// The files of a bake.
 #[derive(Debug, PartialEq, Eq)]
-struct BakeOutputs {
+pub(super) struct BakeOutputs {
     /// OUT.glb
-    worn: PathBuf,
+    pub(super) worn: PathBuf,
     /// OUT.crease.json
-    sidecar: PathBuf,
+    pub(super) sidecar: PathBuf,
     /// OUT.report.json
-    report: PathBuf,
+    pub(super) report: PathBuf,
 }
 
 impl BakeOutputs {
-    fn beside(worn: &Path) -> Self {
+    pub(super) fn beside(worn: &Path) -> Self {
         Self {
             sidecar: worn.with_extension("crease.json"),
             report: worn.with_extension("report.json"),
@@ -153,12 +156,12 @@ impl BakeOutputs {
         }
     }
 
-    fn paths(&self) -> [&Path; 3] {
+    pub(super) fn paths(&self) -> [&Path; 3] {
         [&self.worn, &self.sidecar, &self.report]
     }
 
     /// What worn meshes say of their sidecar: its name beside them.
-    fn extras(&self) -> Value {
+    pub(super) fn extras(&self) -> Value {
         let name = self.sidecar.file_name().map(|name| name.to_string_lossy().into_owned());
         json!({ "crease": { "sidecar": name } })
     }
@@ -175,8 +178,11 @@ pub fn run(arguments: Arguments) -> Result<()> {
     for path in files.iter().flat_map(BakeOutputs::paths) {
         outputs.check(path)?;
     }
-    if let (true, Some(files)) = (arguments.preview, &files) {
-        outputs.check(&files.worn.with_extension("png"))?;
+    if let Some(files) = &files {
+        arguments.also.check(&files.worn, &outputs)?;
+        if arguments.preview {
+            outputs.check(&files.worn.with_extension("png"))?;
+        }
     }
     let mut job = Job::read(&arguments)?;
     if arguments.explain && !(arguments.json && files.is_some()) {
@@ -213,6 +219,8 @@ pub fn run(arguments: Arguments) -> Result<()> {
         let picture = portrait.draw_before_after(Show::Shape, &Camera::default(), PREVIEW)?;
         outputs.add(&files.worn.with_extension("png"), &encode_png(&picture)?)?;
     }
+    let asset = &job.mesh.asset;
+    report.also = arguments.also.add(&files.worn, &mut outputs, asset, garment, &baked.worn, &job.fabric)?;
     report.stages.add("read", read_s);
     report.stages.add("write", write_began.elapsed().as_secs_f64());
     report.wall_s = began.elapsed().as_secs_f64();
@@ -324,7 +332,7 @@ fn script(file: &str, path: &Path) -> Result<WearScript> {
 }
 
 /// The faults of several errors as one; an error that is no list of faults goes first.
-fn merged(errors: impl Iterator<Item = Error>) -> Error {
+pub(super) fn merged(errors: impl Iterator<Item = Error>) -> Error {
     let mut faults = Vec::new();
     for error in errors {
         match error {
@@ -386,7 +394,7 @@ impl Observer for Watcher<'_, '_> {
     }
 }
 
-fn use_threads(count: Option<NonZeroUsize>) -> Result<()> {
+pub(super) fn use_threads(count: Option<NonZeroUsize>) -> Result<()> {
     let Some(count) = count else { return Ok(()) };
     rayon::ThreadPoolBuilder::new()
         .num_threads(count.get())
@@ -414,6 +422,7 @@ fn explain(plan: &Plan, as_json: bool) -> Result<()> {
 fn tell(arguments: &Arguments, files: &BakeOutputs, report: &Report) -> Result<()> {
     if !arguments.quiet && !arguments.json {
         report.warnings.iter().for_each(|warning| talk::say(&format!("warning: {warning}")));
+        also::tell(&report.also);
         talk::say(&format!(
             "{}: {} points, {:.1} s of wear in {} steps and {:.1} s; {} crossings",
             files.worn.display(),

@@ -23,7 +23,12 @@ pub struct MeshFile {
 impl MeshFile {
     /// Reads `path` and makes the garment.
     pub fn read(path: &Path, reading: &MeshReading) -> Result<Self> {
-        let (asset, mut findings) = read_asset_at(path, reading)?;
+        Self::read_masked(path, reading, None)
+    }
+
+    /// The same with the vertex attribute `mask` for the garment's memory mask.
+    pub fn read_masked(path: &Path, reading: &MeshReading, mask: Option<String>) -> Result<Self> {
+        let (asset, mut findings) = read_masked_at(path, reading, mask)?;
         let (garment, more) = Garment::from_asset(&asset)?;
         findings.extend(more);
         Ok(Self { asset, garment, findings })
@@ -46,11 +51,19 @@ impl MeshFile {
 
 /// Reads `path` with the buffers it refers to.
 pub fn read_asset_at(path: &Path, reading: &MeshReading) -> Result<(SourceAsset, Vec<Finding>)> {
+    read_masked_at(path, reading, None)
+}
+
+fn read_masked_at(
+    path: &Path,
+    reading: &MeshReading,
+    mask: Option<String>,
+) -> Result<(SourceAsset, Vec<Finding>)> {
     let options = ReadOptions {
         unit_m: reading.unit.map(|unit| unit.0),
         up: reading.up,
         garment: reading.garment.clone(),
-        mask: None,
+        mask,
     };
     let bytes = input::bytes(path)?;
     read_asset(&input::name_of(path), &bytes, &options, &mut |name| beside(path, name))

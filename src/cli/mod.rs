@@ -4,6 +4,7 @@
 //! 1 bad input, 2 wrong usage, 3 did not converge, 130 interrupted. A command is one file and one line in the list
 //! below.
 
+mod also;
 mod arguments;
 mod bake;
 mod batch;
@@ -20,6 +21,7 @@ mod progress;
 mod render;
 mod schema;
 mod talk;
+mod transfer;
 mod view;
 
 use clap::{Parser, Subcommand};
@@ -49,6 +51,8 @@ enum Command {
     Inspect(inspect::Arguments),
     /// Wear a garment in and bake its wrinkles: writes OUT.glb, OUT.crease.json and OUT.report.json
     Bake(Box<bake::Arguments>),
+    /// Carry memory over to another garment: writes OUT.glb, OUT.crease.json and OUT.report.json
+    Transfer(Box<transfer::Arguments>),
     /// Make a picture of a worn garment
     Render(render::Arguments),
     /// Make a page to turn worn garments on, colour and compare them
@@ -70,6 +74,7 @@ impl Command {
         match self {
             Self::Inspect(arguments) => inspect::run(arguments),
             Self::Bake(arguments) => bake::run(*arguments),
+            Self::Transfer(arguments) => transfer::run(*arguments),
             Self::Render(arguments) => render::run(arguments),
             Self::View(arguments) => view::run(arguments),
             Self::Batch(arguments) => batch::run(*arguments),

@@ -8,11 +8,11 @@ use super::input;
 use super::mesh_file::read_asset_at;
 use super::output::Outputs;
 use clap::ValueEnum;
-use crease::Result;
-use crease::format::gltf::sidecar_name;
+use crease::format::gltf::{keep_worn_pieces, sidecar_name};
 use crease::format::{Sidecar, read_sidecar};
 use crease::report::render::{Camera, encode_png};
 use crease::report::{Portrait, Show};
+use crease::{Error, Result};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
@@ -62,7 +62,7 @@ pub enum Colours {
     Displacement,
     /// Growth of the rest lengths
     Stretch,
-    /// How sure a transfer is of what it carried over
+    /// After a transfer: how sure it is that the memory belongs there
     Confidence,
 }
 
@@ -119,11 +119,17 @@ fn views(arguments: &Arguments) -> Vec<(PathBuf, Camera)> {
 pub fn read(path: &Path) -> Result<(Portrait, Option<Sidecar>)> {
     // The size of what is only looked at is not questioned.
     let reading = MeshReading { unit: Some(Metres(1.0)), up: None, garment: None };
-    let (asset, _) = read_asset_at(path, &reading)?;
+    let (mut asset, _) = read_asset_at(path, &reading)?;
     let sidecar = asset.document.as_ref().and_then(sidecar_name).map(|name| path.with_file_name(name));
     match sidecar.filter(|path| path.is_file()) {
         Some(beside) => {
-            let sidecar = read_sidecar(&input::name_of(&beside), &input::bytes(&beside)?)?;
+            let file = input::name_of(&beside);
+            let sidecar = read_sidecar(&file, &input::bytes(&beside)?)?;
+            keep_worn_pieces(&mut asset);
+            if let Some(what) = sidecar.misfit(&asset) {
+                let cure = format!("put the sidecar that was written with {} beside it", path.display());
+                return Err(Error::fault(file, "mesh", what, cure));
+            }
             Ok((Portrait::of_sidecar(&input::name_of(path), &sidecar), Some(sidecar)))
         }
         None => Ok((Portrait::of_asset(asset)?, None)),

@@ -7,7 +7,7 @@ use crease::Result;
 use crease::fabric::Fabric;
 use crease::format::Sidecar;
 use crease::json::schema_of;
-use crease::report::Report;
+use crease::report::{Report, TransferReport};
 use crease::wear::WearScript;
 
 #[derive(Debug, clap::Args)]
@@ -25,10 +25,12 @@ enum Format {
     Wear,
     /// Fabric, crease-fabric/1
     Fabric,
-    /// Sidecar of a worn garment, OUT.crease.json
+    /// Sidecar, crease-sidecar/1
     Sidecar,
     /// Report of a bake, OUT.report.json
     Report,
+    /// Report of a transfer, OUT.report.json
+    TransferReport,
     /// Job file of `crease batch`, crease-batch/1
     Batch,
 }
@@ -39,6 +41,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
         Format::Fabric => Fabric::schema(),
         Format::Sidecar => schema_of::<Sidecar>(),
         Format::Batch => JobFile::schema(),
+        Format::TransferReport => schema_of::<TransferReport>(),
         Format::Report => schema_of::<Report>(),
     };
     talk::data(&format!("{schema:#}\n"))

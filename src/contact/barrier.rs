@@ -50,6 +50,19 @@ pub fn curvature(d: f64, r: f64, k: f64) -> f64 {
     }
 }
 
+/// The gap [m] that one move leaves at least between what is `gap` apart [m].
+///
+/// What is not in contact yet comes into contact, no more: the next direction knows of it. What is in contact keeps a
+/// share of its gap, for the wall must have a say before layers come really near.
+pub fn floor(gap: f64, reach: f64) -> f64 {
+    if gap > reach { FIRST_TOUCH * reach } else { KEPT_GAP * gap }
+}
+
+/// Share of the contact distance at which a new contact stops first.
+const FIRST_TOUCH: f64 = 0.5;
+/// Share of its gap that a contact keeps at least.
+const KEPT_GAP: f64 = 0.25;
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -45,9 +45,6 @@ pub struct Contact {
     friction: Friction,
 }
 
-/// Share of a point's height over the ground (or of the contact distance) that one move leaves at least.
-const FLOOR: f64 = 0.1;
-
 impl Contact {
     /// Contact for the mesh of `rest` points [m]. `area` per point [m²].
     pub fn new(
@@ -99,9 +96,12 @@ impl Contact {
     }
 
     /// Starts a step of `h` seconds at `x`, before any value is asked for: finds who is near; normal forces for friction are taken here. Without slip velocity
-    /// (equilibria) pass an infinite step and there is no friction. `share` scales the friction coefficients.
-    pub fn begin_step(&mut self, x: &[Vec3], h: f64, share: f64) {
+    /// (equilibria) pass an infinite step and there is no friction. `share` scales the friction coefficients. Points that
+    /// are `held` do not move during the step: pairs of such points only do not count.
+    pub fn begin_step(&mut self, x: &[Vec3], h: f64, share: f64, held: &[bool]) {
         if let Some(layers) = &mut self.layers {
+            layers.asleep.clear();
+            layers.asleep.extend_from_slice(held);
             layers.look_around(x);
         }
         self.friction.sliders.clear();
@@ -166,7 +166,7 @@ impl Contact {
     /// Share of the move `d` from `x` that stays off a plane.
     fn plane_share(&self, x: &Vec3, d: &Vec3, height: f64, side: f64) -> f64 {
         let (gap, way) = (side * (x.y - height), side * d.y);
-        let floor = FLOOR * self.settings.distance.min(gap);
+        let floor = barrier::floor(gap, self.settings.distance);
         if way < 0.0 && gap + way < floor { ((gap - floor) / -way).clamp(0.0, 1.0) } else { 1.0 }
     }
 

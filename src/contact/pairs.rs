@@ -1,6 +1,7 @@
 //! Cloth against cloth: point-triangle and edge-edge pairs within the contact distance, and the bound on motion.
 
 use super::ContactSettings;
+use super::barrier;
 use super::bound::local_step_fractions;
 use super::candidates::{CandidateFinder, Candidates, PairKind, Quad};
 use crate::math::Vec3;
@@ -46,14 +47,14 @@ pub(super) struct PairContact {
     edge_area: Vec<f64>,
     finder: CandidateFinder,
     pairs: Vec<Pair>,
+    /// Points that stay where they are during the step, one flag per point; empty for none.
+    pub asleep: Vec<bool>,
 }
 
 /// Pairs that are this near in the rest shape push apart only below this share of their rest distance.
 const REST_SHARE: f64 = 0.9;
 /// Candidates reach this many contact distances, so that the pattern of the linear system can look ahead.
 const CANDIDATE_MARGIN: f64 = 1.5;
-/// Share of a pair's gap (or of its contact distance, if that is less) that one move leaves at least.
-const KEPT_GAP: f64 = 0.25;
 
 impl PairContact {
     pub fn new(
@@ -81,6 +82,7 @@ impl PairContact {
             edge_area,
             finder: CandidateFinder::new(rest, triangles, topology),
             pairs: Vec::new(),
+            asleep: Vec::new(),
         }
     }
 
@@ -109,7 +111,7 @@ impl PairContact {
     }
 
     pub fn look_around(&mut self, x: &[Vec3]) {
-        let found = self.finder.find(x, x, CANDIDATE_MARGIN * self.distance, true, &|_| false);
+        let found = self.finder.find(x, x, CANDIDATE_MARGIN * self.distance, true, &sleeps(&self.asleep));
         self.take(found);
     }
 
@@ -179,16 +181,22 @@ impl PairContact {
     /// Takes up the candidates for the way from x to x + d: the pairs, and how near each may come.
     fn on_the_way(&mut self, x: &[Vec3], d: &[Vec3], together: bool) -> (Vec<Quad>, Vec<f64>) {
         let end: Vec<Vec3> = x.iter().zip(d).map(|(x, d)| x + d).collect();
-        let found = self.finder.find(x, &end, CANDIDATE_MARGIN * self.distance, together, &|_| false);
+        let reach = CANDIDATE_MARGIN * self.distance;
+        let found = self.finder.find(x, &end, reach, together, &sleeps(&self.asleep));
         self.take(found);
         self.pairs
             .par_iter()
             .map(|pair| {
-                let floor = KEPT_GAP * gap(x, &pair.points, pair.kind).distance.min(pair.reach);
+                let floor = barrier::floor(gap(x, &pair.points, pair.kind).distance, pair.reach);
                 (Quad { kind: pair.kind, points: pair.points.map(PointIndex) }, floor)
             })
             .unzip()
     }
+}
+
+/// Whether nothing of a pair can move.
+fn sleeps(asleep: &[bool]) -> impl Fn(Quad) -> bool + Sync + '_ {
+    |quad| !asleep.is_empty() && quad.points.iter().all(|p| asleep[p.at()])
 }
 
 #[inline]

@@ -1,17 +1,23 @@
 //! Bytes <-> nouns: OBJ, glTF, sidecar. No paths, no file system; every attribute name once.
 
 mod asset;
+mod checksum;
 mod fault_list;
 mod frames;
 pub mod gltf;
 mod obj;
 mod read;
+mod shape_obj;
 mod sidecar;
+mod usda;
 
 pub use asset::{GltfDocument, Placement, SourceAsset, SourceFormat, SourcePiece, UpAxis};
+pub use checksum::SidecarChecksums;
 pub use frames::frame_obj;
 pub use read::{ReadOptions, read_asset};
+pub use shape_obj::{read_shape_obj, shape_obj};
 pub use sidecar::{
     SIDECAR_FORMAT, Sidecar, SidecarHinges, SidecarMesh, SidecarPoints, SidecarSource, SidecarTriangles,
     SidecarUp, read_sidecar, write_sidecar,
 };
+pub use usda::{UsdaMemory, read_usda, usda, wrapped_deg};

@@ -6,10 +6,11 @@
 //! (x0 x1 the shared edge, x2 x3 opposite; 0 rad is flat). Fields this version does not know are kept and written again,
 //! so a later tool's notes survive an earlier one.
 //! Reading checks everything the rest of the crate relies on: version, lengths, index ranges, finite numbers.
-//! It does not check that the hinges are those of the triangles, nor that texture coordinates make sense.
+//! Checksums over the numbers tell an edited file from the one that was written; a file without them is taken as it is.
+//! It does not check that the hinges are those of the triangles (`transfer` does), nor that texture coordinates make sense.
 
-use crate::garment::{Garment, RestShape, WornGarment};
-use crate::math::Vec3;
+use crate::garment::{Garment, RestShape, WornGarment, corner_vertices};
+use crate::math::{Vec2, Vec3, bounds};
 use crate::mesh::PointIndex;
 use crate::{Error, Fault, Result};
 use schemars::JsonSchema;
@@ -17,6 +18,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use super::asset::{SourceAsset, UpAxis};
+use super::checksum::SidecarChecksums;
 
 /// The format and version this module writes and reads.
 pub const SIDECAR_FORMAT: &str = "crease-sidecar/1";
@@ -39,6 +41,9 @@ pub struct Sidecar {
     pub triangles: SidecarTriangles,
     /// What happened to every point.
     pub points: SidecarPoints,
+    /// Tells whether the numbers are those that were written. Whoever changes a number on purpose leaves this out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub checksums: Option<SidecarChecksums>,
     /// The fabric, as `crease schema fabric` describes it.
     #[serde(default)]
     pub fabric: Value,
@@ -92,6 +97,10 @@ pub struct SidecarMesh {
     /// has none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub source_uv: Option<Vec<[f64; 2]>>,
+    /// One per triangle: the source vertices at its corners, which tell its texture coordinates at seams. Left out by
+    /// versions before 0.1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub triangle_vertices: Option<Vec<[u32; 3]>>,
     /// Fields this version does not know.
     #[serde(flatten)]
     pub extra: Map<String, Value>,
@@ -120,6 +129,13 @@ pub struct SidecarTriangles {
     pub rest_stretch_warp: Vec<f64>,
     /// Rest length over that of new cloth along weft (+v) [-], 1 when new.
     pub rest_stretch_weft: Vec<f64>,
+    /// Angle from the warp to the side between the first two corners, in radians, counter-clockwise seen from where the
+    /// corners run counter-clockwise.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub warp_angle_rad: Option<Vec<f64>>,
+    /// After a transfer: how sure it is that the memory belongs there, 0 to 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub confidence: Option<Vec<f64>>,
     /// Fields this version does not know.
     #[serde(flatten)]
     pub extra: Map<String, Value>,
@@ -147,7 +163,7 @@ impl Sidecar {
         run: Value,
     ) -> Result<Self> {
         let memory = &worn.memory;
-        let sidecar = Self {
+        let mut sidecar = Self {
             format: SIDECAR_FORMAT.to_owned(),
             source: SidecarSource {
                 file: asset.file.clone(),
@@ -164,6 +180,7 @@ impl Sidecar {
                 triangles: garment.triangles.iter().map(|t| t.map(|p| p.0)).collect(),
                 source_point: garment.source_point.iter().map(|p| p.0).collect(),
                 source_uv: source_uv(asset),
+                triangle_vertices: Some(corner_vertices(asset, garment)),
                 extra: Map::new(),
             },
             hinges: SidecarHinges {
@@ -176,17 +193,21 @@ impl Sidecar {
             triangles: SidecarTriangles {
                 rest_stretch_warp: memory.rest_stretch_warp.clone(),
                 rest_stretch_weft: memory.rest_stretch_weft.clone(),
+                warp_angle_rad: Some(garment.material.iter().map(warp_angle).collect()),
+                confidence: None,
                 extra: Map::new(),
             },
             points: SidecarPoints {
                 displacement_m: worn.displacement.iter().map(|&d| d.into()).collect(),
                 extra: Map::new(),
             },
+            checksums: None,
             fabric,
             wear,
             run,
             extra: Map::new(),
         };
+        sidecar.checksums = Some(sidecar.own_checksums());
         sidecar.check(&asset.file)?;
         Ok(sidecar)
     }
@@ -215,6 +236,24 @@ impl Sidecar {
         }
     }
 
+    /// Why this is not the sidecar of `asset`, if it is not: its worn vertices are others, or elsewhere.
+    pub fn misfit(&self, asset: &SourceAsset) -> Option<String> {
+        let count: usize = asset.worn_pieces().map(|piece| piece.positions.len()).sum();
+        let listed = self.mesh.source_point.len();
+        if count != listed {
+            return Some(format!("is for a mesh of {listed} vertices, this one has {count}"));
+        }
+        let points = self.mesh_points();
+        let (low, high) = bounds(&points);
+        let slack = SAME_PLACE * (high - low).norm();
+        let vertices = asset.worn_pieces().flat_map(|p| (0..p.positions.len()).map(|v| p.scene_position(v)));
+        let off = vertices.zip(&self.mesh.source_point).position(|(x, &point)| {
+            // A sidecar that was checked names existing points only.
+            x.zip(points.get(point as usize)).is_none_or(|(x, own)| (x - own).norm() > slack)
+        });
+        off.map(|v| format!("is for another mesh: vertex {v} is elsewhere"))
+    }
+
     /// Every way in which the lists contradict each other, one fault for each list.
     fn check(&self, file: &str) -> Result<()> {
         let mut check = Check { file, faults: Vec::new() };
@@ -232,6 +271,19 @@ impl Sidecar {
         if let Some(uv) = &self.mesh.source_uv {
             check.length("mesh.source_uv", uv.len(), vertices, "source vertices");
             check.finite("mesh.source_uv", uv);
+        }
+        if let Some(corners) = &self.mesh.triangle_vertices {
+            check.length("mesh.triangle_vertices", corners.len(), triangles, "triangles");
+            check.indices("mesh.triangle_vertices", corners, vertices);
+        }
+        for (place, values) in [
+            ("triangles.warp_angle_rad", &self.triangles.warp_angle_rad),
+            ("triangles.confidence", &self.triangles.confidence),
+        ] {
+            if let Some(values) = values {
+                check.length(place, values.len(), triangles, "triangles");
+                check.finite(place, values.as_chunks::<1>().0);
+            }
         }
         check.indices("hinges.points", &self.hinges.points, points);
         for (place, angles) in [
@@ -252,9 +304,16 @@ impl Sidecar {
         }
         check.length("points.displacement_m", self.points.displacement_m.len(), points, "points");
         check.finite("points.displacement_m", &self.points.displacement_m);
+        if check.faults.is_empty() {
+            check.faults.extend(self.checksum_faults(file));
+        }
         if check.faults.is_empty() { Ok(()) } else { Err(Error::Input(check.faults)) }
     }
 }
+
+/// Vertices this close, as a share of the garment's diagonal, are at the same place: a hundred times the rounding of
+/// single precision, and what welding may move one.
+const SAME_PLACE: f64 = 2e-5;
 
 /// A sidecar as JSON text, one line, read back bit for bit by [`read_sidecar`].
 pub fn write_sidecar(sidecar: &Sidecar) -> Vec<u8> {
@@ -287,6 +346,12 @@ fn source_uv(asset: &SourceAsset) -> Option<Vec<[f64; 2]>> {
         all.extend(piece.uvs.as_ref()?.iter().map(|uv| [uv.x, uv.y]));
     }
     Some(all)
+}
+
+/// Angle of the first side of a triangle laid flat, warp along x [rad].
+fn warp_angle(flat: &[Vec2; 3]) -> f64 {
+    let side = flat[1] - flat[0];
+    side.y.atan2(side.x)
 }
 
 /// What `format` a JSON text states, if it is an object that states one.
@@ -353,7 +418,7 @@ impl Check<'_> {
 
     fn indices<const N: usize>(&mut self, place: &str, rows: &[[u32; N]], count: usize) {
         if let Some(i) = rows.iter().position(|row| row.iter().any(|&p| p as usize >= count)) {
-            self.add(format!("{place}[{i}]"), format!("names a point beyond the last of {count}"));
+            self.add(format!("{place}[{i}]"), format!("names one beyond the last of {count}"));
         }
     }
 }
@@ -444,13 +509,21 @@ mod tests {
                 "triangles": [[0, 1, 2], [2, 1, 3]],
                 "source_point": [0, 1, 2, 3, 1],
                 "source_uv": [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]],
+                "triangle_vertices": [[0, 1, 2], [2, 4, 3]],
             },
             "hinges": {
                 "points": [[1, 2, 0, 3]],
                 "source_angle_rad": [0.0], "rest_angle_rad": [-0.7], "stiffness_ratio": [1.3],
             },
-            "triangles": {"rest_stretch_warp": [1.0, 1.01], "rest_stretch_weft": [1.02, 1.0]},
+            "triangles": {
+                "rest_stretch_warp": [1.0, 1.01], "rest_stretch_weft": [1.02, 1.0], "warp_angle_rad": [0.0, 0.0],
+            },
             "points": {"displacement_m": vec![[0.1, -2e-17, 3.0]; 4]},
+            // Worked out by another program (hashlib, struct).
+            "checksums": {
+                "mesh_sha256": "2e8741ed2bf166c98ebce1061d9a2510c24c2c794eb09eca4df5546056cbd41d",
+                "memory_sha256": "630fe8d1864e50bbad107f8045bdcaccda590a42aec99985587fa8bdfcefaf18",
+            },
             "fabric": {"name": "cotton"}, "wear": {"actions": []}, "run": {"seed": 7},
         });
         assert_eq!(example_json(), expected);
@@ -525,6 +598,41 @@ mod tests {
             assert!(message.contains(&format!(": {place}: ")), "{place} missing in\n{message}");
         }
         assert_eq!(message.lines().count(), 11, "{message}");
+    }
+
+    /// An edit by hand or by a program that does not know the format must not pass for the bake; one that is meant may.
+    #[test]
+    fn edited_numbers_are_refused_unless_the_checksums_go_too() {
+        let mut json = example_json();
+        json["hinges"]["rest_angle_rad"][0] = json!(-0.71);
+        let message = fault_of(&json);
+        assert!(message.contains("checksums.memory_sha256: does not fit"), "{message}");
+        assert!(message.contains("delete \"checksums\"") && message.lines().count() == 1, "{message}");
+        json["mesh"]["points_m"][0][0] = json!(0.5);
+        assert_eq!(fault_of(&json).lines().count(), 2);
+        json.as_object_mut().unwrap().remove("checksums");
+        assert!(read_sidecar("a", json.to_string().as_bytes()).is_ok());
+        // Layout is no content.
+        let pretty = serde_json::to_string_pretty(&example_json()).unwrap();
+        assert!(read_sidecar("a", pretty.as_bytes()).is_ok());
+    }
+
+    #[test]
+    fn a_sidecar_knows_its_mesh_from_another() {
+        let read = |text: &str| {
+            let options = crate::format::ReadOptions::default();
+            let mut nothing = |_: &str| Ok(Vec::new());
+            crate::format::read_asset("m.obj", text.as_bytes(), &options, &mut nothing).unwrap().0
+        };
+        let own = read("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+        let (garment, _) = Garment::from_asset(&own).unwrap();
+        let worn = WornGarment { displacement: vec![Vec3::zeros(); 3], memory: RestShape::flat(0, 1) };
+        let sidecar = Sidecar::new(&own, &garment, &worn, Value::Null, Value::Null, Value::Null).unwrap();
+        assert_eq!(sidecar.misfit(&own), None);
+        let moved = read("v 0 0 0\nv 1 0 0\nv 0 1.01 0\nf 1 2 3\n");
+        assert!(sidecar.misfit(&moved).unwrap().contains("vertex 2 is elsewhere"));
+        let more = read("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n");
+        assert!(sidecar.misfit(&more).unwrap().contains("3 vertices, this one has 4"));
     }
 
     #[test]

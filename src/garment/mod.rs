@@ -1,6 +1,7 @@
 //! The nouns that flow through the pipeline: the garment, its memory, its state, the worn result.
 
 mod build;
+mod corners;
 mod finding;
 mod garment_type;
 mod inspect;
@@ -9,6 +10,7 @@ mod repair;
 mod rest_shape;
 mod worn;
 
+pub use corners::{corner_uvs, corner_vertices};
 pub use finding::{Finding, Severity};
 pub use garment_type::Garment;
 pub use inspect::{Inspection, PartReport, PieceReport, inspect};

@@ -49,3 +49,18 @@ pub mod matrix {
         <[[f64; 3]; 3]>::deserialize(from).map(|rows| Mat3::from_fn(|r, c| rows[r][c]))
     }
 }
+
+/// A number that may be infinite (no limit), as nothing.
+pub mod limit {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    /// Writes it.
+    pub fn serialize<S: Serializer>(x: &f64, out: S) -> Result<S::Ok, S::Error> {
+        Some(*x).filter(|x| *x < f64::INFINITY).serialize(out)
+    }
+
+    /// Reads it.
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+        Ok(Option::deserialize(from)?.unwrap_or(f64::INFINITY))
+    }
+}

@@ -158,15 +158,26 @@ impl TriangleTree {
 
     /// The triangle closest to `point` \[m\], if one lies within `most` \[m\]. `points` are those of the last fit.
     pub fn nearest(&self, points: &[Vec3], point: Vec3, most: f64) -> Option<Nearest> {
+        self.nearest_where(points, point, most, |_| true)
+    }
+
+    /// The same among the triangles that `accept` takes.
+    pub fn nearest_where(
+        &self,
+        points: &[Vec3],
+        point: Vec3,
+        most: f64,
+        accept: impl Fn(u32) -> bool,
+    ) -> Option<Nearest> {
         let gap = |f: u32| {
             let [a, b, c] = self.corners(points, f);
             point_triangle(&point, a, b, c)
         };
         let box_distance = |node: &BvhNode, _: f64| box_distance(node, &point);
-        let (found, distance) =
-            self.bvh.find_best(just_above(most), box_distance, |f, _| Some(gap(f).distance))?;
+        let distance_of = |f: u32| accept(f).then(|| gap(f).distance);
+        let (found, distance) = self.bvh.find_best(just_above(most), box_distance, |f, _| distance_of(f))?;
         let first =
-            self.least_leaf(|node| box_distance(node, 0.0) <= distance, |f| gap(f).distance == distance);
+            self.least_leaf(|node| box_distance(node, 0.0) <= distance, |f| distance_of(f) == Some(distance));
         let triangle = first.unwrap_or(found);
         Some(Nearest { triangle, gap: gap(triangle) })
     }

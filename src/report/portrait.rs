@@ -71,6 +71,8 @@ pub struct Portrait {
     pub triangles: Vec<[PointIndex; 3]>,
     /// What it remembers, if the file says so.
     pub memory: Option<PointMemory>,
+    /// One per triangle, after a transfer: how sure it is.
+    pub confidence: Option<Vec<f64>>,
 }
 
 /// Memory per point, as the attributes of the glTF say it, and what only the sidecar says.
@@ -82,8 +84,6 @@ pub struct PointMemory {
     pub stiffness_ratio: Vec<f64>,
     /// One per triangle: growth of the rest length [%]; only a sidecar says it.
     pub stretch_percent: Option<Vec<f64>>,
-    /// One per triangle: confidence of a transfer [-], where the sidecar is of one.
-    pub confidence: Option<Vec<f64>>,
 }
 
 impl Portrait {
@@ -111,8 +111,8 @@ impl Portrait {
                 rest_angle_deg: largest_of_hinges(before.len(), &hinges, &change),
                 stiffness_ratio: mean_of_hinges(before.len(), &hinges, &memory.stiffness_ratio, 1.0),
                 stretch_percent: Some(stretch_percent(&memory.rest_stretch_warp, &memory.rest_stretch_weft)),
-                confidence: confidence(sidecar),
             }),
+            confidence: sidecar.triangles.confidence.clone(),
             before,
             triangles: sidecar.mesh_triangles(),
         }
@@ -128,7 +128,6 @@ impl Portrait {
                 rest_angle_deg: vec![0.0; after.len()],
                 stiffness_ratio: vec![1.0; after.len()],
                 stretch_percent: None,
-                confidence: None,
             };
             // Backwards, so that the first vertex of a point decides, as it did for the garment.
             for (v, point) in garment.source_point.iter().enumerate().rev() {
@@ -140,7 +139,14 @@ impl Portrait {
             }
             memory
         });
-        Ok(Self { file: asset.file, before: garment.points, after, triangles: garment.triangles, memory })
+        Ok(Self {
+            file: asset.file,
+            before: garment.points,
+            after,
+            triangles: garment.triangles,
+            memory,
+            confidence: None,
+        })
     }
 
     /// The worn garment, seen by `camera`, in `size` = [width, height] pixels.
@@ -171,6 +177,14 @@ impl Portrait {
     }
 
     fn colouring(&self, show: Show) -> Result<Colouring> {
+        if show == Show::Confidence && self.confidence.is_none() {
+            return Err(Error::fault(
+                &self.file,
+                "",
+                "says nothing of confidence",
+                "give the OUT.glb that `crease transfer` wrote, with its sidecar beside it",
+            ));
+        }
         if show != Show::Shape && show != Show::Curvature && self.memory.is_none() {
             return Err(Error::fault(
                 &self.file,
@@ -186,10 +200,7 @@ impl Portrait {
                 &self.file,
                 "",
                 format!("says nothing of {}", show.name()),
-                match show {
-                    Show::Confidence => "it is of garments that `crease transfer` made, with their sidecar",
-                    _ => "keep OUT.crease.json beside OUT.glb",
-                },
+                "keep OUT.crease.json beside OUT.glb",
             )),
         }
     }
@@ -213,10 +224,7 @@ impl Portrait {
                 Some(memory) => memory.stretch_percent.clone().map(Field::stretch_percent),
                 None => Some(Field::stretch_percent(vec![0.0; self.triangles.len()])),
             },
-            Show::Confidence => match memory {
-                Some(memory) => memory.confidence.clone().map(Field::confidence),
-                None => Some(Field::confidence(vec![1.0; self.triangles.len()])),
-            },
+            Show::Confidence => self.confidence.clone().map(Field::confidence),
             Show::Curvature => {
                 // A file may name a point twice in a triangle; topology may not be asked about that.
                 let sound: Vec<[PointIndex; 3]> =
@@ -232,13 +240,6 @@ fn stretch_percent(warp: &[f64], weft: &[f64]) -> Vec<f64> {
     let growth = |ratio: f64| 100.0 * (ratio - 1.0);
     let larger = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
     warp.iter().zip(weft).map(|(u, v)| larger(growth(*u), growth(*v))).collect()
-}
-
-/// `triangles.confidence` of the sidecar of a transfer: one number per triangle.
-fn confidence(sidecar: &Sidecar) -> Option<Vec<f64>> {
-    let list = sidecar.triangles.extra.get("confidence")?.as_array()?;
-    let numbers: Vec<f64> = list.iter().filter_map(serde_json::Value::as_f64).collect();
-    (numbers.len() == sidecar.mesh.triangles.len()).then_some(numbers)
 }
 
 #[cfg(test)]

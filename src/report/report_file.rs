@@ -3,6 +3,7 @@
 //! Plain data: the bake fills it in, the tool writes it, others read it by these names (`docs/formats.md`). Units
 //! stand in the names. It measures nothing itself; `crossings` are counted exactly by who fills them in.
 
+use super::AlsoReport;
 use crate::bake::{Baked, Choice};
 use crate::garment::{Garment, WornGarment};
 use crate::math::Vec3;
@@ -46,6 +47,9 @@ pub struct Report {
     pub stages: StageTimes,
     /// What the user should know of, in words.
     pub warnings: Vec<String>,
+    /// What the files of `--also` say when read back; left out without any.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub also: Vec<AlsoReport>,
 }
 
 /// Events of memory, counted over all hinges and triangles.

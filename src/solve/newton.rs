@@ -4,7 +4,8 @@
 //! phi(x) = |x - inertial|²_M / (2 span²) + sum of energies(x)
 //! ```
 //!
-//! Every iteration: gradient, positive Hessian, direct solve, a bound on the motion that keeps layers apart, a line
+//! Every iteration: gradient, positive Hessian, direct solve (of the whole, or of the few places that are not at peace
+//! yet), a bound on the motion that keeps layers apart, a line
 //! search that never lets phi grow. Knows no integrator and no script.
 
 use super::{BlockMatrix, Cholesky, FactorError, HELD, conjugate_gradient};
@@ -32,8 +33,10 @@ impl Default for NewtonOptions {
 /// What a solve did.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct NewtonReport {
-    /// Iterations made (linear solves).
+    /// Iterations made (linear solves of the whole).
     pub iterations: usize,
+    /// Iterations that solved for a few places only.
+    pub local_iterations: usize,
     /// Whether the tolerance was met.
     pub converged: bool,
     /// Largest move the last iteration asked for [m].
@@ -50,8 +53,9 @@ impl NewtonReport {
     /// Adds the work of another solve; the outcome is the other's.
     pub fn add(&mut self, other: &Self) {
         let iterations = self.iterations + other.iterations;
+        let local_iterations = self.local_iterations + other.local_iterations;
         let seconds = std::array::from_fn(|k| self.seconds[k] + other.seconds[k]);
-        *self = Self { iterations, seconds, ..*other };
+        *self = Self { iterations, local_iterations, seconds, ..*other };
     }
 }
 
@@ -76,10 +80,20 @@ const BLIND: f64 = 1e-10;
 pub struct Workspace {
     matrix: BlockMatrix,
     direct: Cholesky,
+    /// For parts.
+    local: Cholesky,
 }
 
 /// A line search that keeps less of the way than this has failed, and the way is cut differently.
 const LEAST_SHARE: f64 = 0.01;
+/// Share of the energy that counts as converged which points outside a part may have to gain.
+const LEFT_OUT: f64 = 0.5;
+/// A part reaches this many rings of neighbours beyond its restless points.
+const RINGS: usize = 2;
+/// A part of more than this share of the free points is not worth while.
+const FEW: f64 = 0.6;
+/// So many local iterations are allowed in place of one of the whole.
+const LOCAL_FOR_WHOLE: usize = 2;
 /// Contacts up to this many times their distance get a place in a new pattern, so that it lasts.
 const PATTERN_MARGIN: f64 = 1.5;
 
@@ -188,6 +202,49 @@ impl Problem<'_> {
         contact.add_hessian(x, &mut work.matrix);
     }
 
+    /// The points that still have energy to gain, one flag per point, and those that they are coupled to; `None` if
+    /// they are many.
+    ///
+    /// What a point could gain by itself is g·D⁻¹g with its diagonal block D. After a full step of the whole, what is left is
+    /// local: a contact that came or went, an element that turned over. The points that are left out could gain less
+    /// than a share of what counts as converged.
+    fn restless(&self, g: &[Vec3], enough: f64, work: &Workspace) -> Option<Vec<bool>> {
+        let matrix = &work.matrix;
+        let mut gains: Vec<(f64, u32)> = Vec::with_capacity(matrix.row_count());
+        for (r, &p) in matrix.points().iter().enumerate() {
+            let g = &g[p as usize];
+            gains.push((matrix.diagonal(r).cholesky()?.solve(g).dot(g), p));
+        }
+        gains.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let mut left = LEFT_OUT * enough;
+        let peaceful = gains.iter().take_while(|(gain, _)| {
+            left -= gain;
+            left >= 0.0
+        });
+        let peaceful = peaceful.count();
+        let mut restless = vec![false; g.len()];
+        gains[peaceful..].iter().for_each(|&(_, p)| restless[p as usize] = true);
+        (0..RINGS).for_each(|_| matrix.widen(&mut restless));
+        let count = restless.iter().filter(|r| **r).count();
+        (count as f64 <= FEW * matrix.row_count() as f64).then_some(restless)
+    }
+
+    /// Newton direction of the restless points, all others staying.
+    fn local_direction(
+        &self,
+        x: &[Vec3],
+        g: &[Vec3],
+        kept: &[bool],
+        work: &mut Workspace,
+    ) -> Option<Vec<Vec3>> {
+        let part = work.matrix.part(kept);
+        let mut rhs: Vec<Vec3> = part.gather(g);
+        rhs.iter_mut().for_each(|v| *v = -*v);
+        work.local.factorise(&part, x).ok()?;
+        work.local.solve(&mut rhs);
+        Some(part.scatter(&rhs))
+    }
+
     /// Newton direction at `x` for gradient `g`.
     fn direction(&self, x: &[Vec3], g: &[Vec3], work: &mut Workspace) -> Option<Vec<Vec3>> {
         let mut rhs: Vec<Vec3> = work.matrix.gather(g);
@@ -232,17 +289,24 @@ impl Problem<'_> {
             return report;
         }
         let mut value = self.value(x, contact);
-        for _ in 0..options.most_iterations {
+        let mut whole_went = false;
+        // Local iterations are cheap: they count for less.
+        let spent = |report: &NewtonReport| report.iterations + report.local_iterations / LOCAL_FOR_WHOLE;
+        while spent(&report) < options.most_iterations {
             let clock = std::time::Instant::now();
             let g = self.gradient(x, contact);
             report.residual = g.iter().map(|g| g.amax()).fold(0.0, f64::max);
             self.assemble(x, contact, work);
             report.seconds[0] += clock.elapsed().as_secs_f64();
             let clock = std::time::Instant::now();
-            let direction = self.direction(x, &g, work);
+            let part = if whole_went { self.restless(&g, options.energy, work) } else { None };
+            let local = part.and_then(|part| self.local_direction(x, &g, &part, work));
+            let is_whole = local.is_none();
+            let direction = local.or_else(|| self.direction(x, &g, work));
             report.seconds[1] += clock.elapsed().as_secs_f64();
             let Some(d) = direction else { break };
-            report.iterations += 1;
+            report.iterations += usize::from(is_whole);
+            report.local_iterations += usize::from(!is_whole);
             report.last_move = d.iter().map(|d| d.norm()).fold(0.0, f64::max);
             if !report.last_move.is_finite() {
                 break;
@@ -269,6 +333,7 @@ impl Problem<'_> {
                     break;
                 }
             }
+            whole_went = if is_whole { moved == 1.0 } else { whole_went && moved > LEAST_SHARE };
             if done || moved == 0.0 {
                 // A direction along which phi no longer falls to rounding is as good as converged.
                 report.converged = done || decrement.abs() <= 1e-12 * value.size.max(f64::MIN_POSITIVE);

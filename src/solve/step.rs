@@ -29,7 +29,7 @@ impl Default for StepOptions {
             newton: NewtonOptions::default(),
             error: 3e-4,
             shortest: 1.0 / 30.0,
-            longest: 1.0,
+            longest: 5.0,
         }
     }
 }
@@ -138,9 +138,9 @@ impl Stepper {
         let stage = self.options.method.stage(state, h);
         let inertial = stage.inertial();
         self.contact.set_planes(drive.ground, drive.ceiling);
-        self.contact.begin_step(&state.x, h, drive.friction);
-        let measure = self.cloth.membrane.measure(&state.x);
         let forces = self.forces(drive, &state.x);
+        self.contact.begin_step(&state.x, h, drive.friction, &forces.held);
+        let measure = self.cloth.membrane.measure(&state.x);
         let membrane = self.cloth.membrane.term(memory, &measure, stage.span);
         let bending = self.cloth.bending.term(memory, &state.angle, stage.span);
         let gravity = Gravity { mass: &self.cloth.mass, acceleration: drive.gravity };
@@ -205,8 +205,8 @@ impl Stepper {
         regularisation: f64,
     ) -> NewtonReport {
         self.contact.set_planes(None, None);
-        self.contact.begin_step(x, f64::INFINITY, 0.0);
         let held = vec![false; x.len()];
+        self.contact.begin_step(x, f64::INFINITY, 0.0, &held);
         // Terms may differ from those of steps.
         self.work.reset();
         let problem = Problem { inertia: None, terms, held: &held, regularisation };
@@ -216,7 +216,7 @@ impl Stepper {
 
 /// A step that ran out of iterations counts as settled when what is left to gain is below this many times what
 /// convergence asks for.
-const ENOUGH: f64 = 30.0;
+const ENOUGH: f64 = 10.0;
 
 /// Local error of a step [m], root mean square over the points: against extrapolation of the same order.
 fn step_error(next: &State, state: &State, h: f64, method: Method) -> f64 {

@@ -37,6 +37,7 @@ pub struct Drive {
     /// Air drag [1/s].
     pub drag: f64,
     /// Longest step that still follows the motion [s].
+    #[serde(with = "crate::math::plain::limit")]
     pub longest_step: f64,
 }
 
@@ -56,7 +57,7 @@ impl Drive {
             pressure: 0.0,
             ball: None,
             drag: 1.0,
-            longest_step: 1.0,
+            longest_step: f64::INFINITY,
         }
     }
 }

@@ -7,6 +7,7 @@ mod action_list;
 mod actions;
 mod drive;
 mod gesture;
+mod landing;
 mod script;
 mod turning;
 

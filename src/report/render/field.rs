@@ -63,10 +63,11 @@ impl Field {
         Self { values: Values::PerTriangle(percent), ..field }
     }
 
-    /// Confidence of a transfer, one per triangle [-].
+    /// How sure a transfer is, one per triangle, 0 to 1.
     pub fn confidence(share: Vec<f64>) -> Self {
-        let field = Self::of("confidence", "", Vec::new(), ColourMap::Sequential, 0.0);
-        Self { values: Values::PerTriangle(share), range: Some([0.0, 1.0]), ..field }
+        let range = Some([0.0, 1.0]);
+        let values = Values::PerTriangle(share);
+        Self { values, range, ..Self::of("confidence", "", Vec::new(), ColourMap::Sequential, 0.0) }
     }
 
     fn of(title: &str, unit: &str, values: Vec<f64>, map: ColourMap, floor: f64) -> Self {

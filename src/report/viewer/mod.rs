@@ -218,7 +218,8 @@ mod tests {
     fn exhibit(name: &str) -> Exhibit {
         let (before, triangles) = sphere(0.3, 6);
         let after = before.iter().map(|p| p * 1.1).collect();
-        let portrait = Portrait { file: name.to_owned(), before, after, triangles, memory: None };
+        let (file, memory) = (name.to_owned(), None);
+        let portrait = Portrait { file, before, after, triangles, memory, confidence: None };
         let hinges = vec![
             HingeLabel { points: [0, 1], source_deg: 1.0, rest_deg: 3.0, stiffness: 1.5 },
             HingeLabel { points: [1, 2], source_deg: 0.0, rest_deg: -40.0, stiffness: 2.0 },

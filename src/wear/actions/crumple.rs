@@ -74,7 +74,7 @@ impl Gesture for Squeeze {
         let closing = t <= self.over * (1.0 + 1e-9);
         Drive {
             ball: Some(Ball { centre: self.centre, radius }),
-            longest_step: if closing { STEP_SHARE * self.over } else { 0.5 },
+            longest_step: if closing { STEP_SHARE * self.over } else { f64::INFINITY },
             ..Drive::at_rest(self.ground)
         }
     }

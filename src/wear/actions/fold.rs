@@ -6,10 +6,12 @@ use crate::error::Result;
 use crate::math::Vec3;
 use crate::wear::Drive;
 use crate::wear::gesture::{Gesture, MadeFold, Posture, Scene, Start, hand, palm, smooth};
+use crate::wear::landing::HeightField;
 use crate::wear::turning::{Axis, OnSheet};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use std::f64::consts::PI;
 
 /// Turn one side of a line over the rest, and hold it there. Folds stack: all layers that lie there go along.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -147,11 +149,14 @@ impl WearAction for Fold {
         let axis_height = top + 0.75 * scene.thickness;
         let axis =
             Axis { origin: Vec3::new(a.x, axis_height, a.z), along, out, least_depth: 0.5 * scene.thickness };
+        let under = HeightField::over(rest.iter().map(|&p| scene.x[p as usize]));
         let guided = flap
             .iter()
             .map(|&p| {
                 let place = axis.on_sheet(&scene.x[p as usize], 0.0);
-                (p, place, scene.mass[p as usize])
+                let rise = under.rise(&axis.turned(&place, PI), top);
+                let straight = ((place.s - PI * place.depth) / RISE_RAMP).clamp(0.0, 1.0);
+                Guided { point: p, place, rise: rise * straight, mass: scene.mass[p as usize] }
             })
             .collect();
         // A hand on the part that stays, along the line.
@@ -191,17 +196,30 @@ const HAND_DRAG: f64 = 20.0;
 /// Folds beyond this angle lie by themselves; others are held until they are opened or released [rad].
 const LIES_BEYOND: f64 = 3.0;
 
+/// Way from where the sheet is straight again over which the rise comes in [m].
+const RISE_RAMP: f64 = 0.03;
+
 /// A flap that is being turned over.
 struct Turn {
     axis: Axis,
-    /// Point, where on its sheet, its mass [kg].
-    guided: Vec<(u32, OnSheet, f64)>,
+    guided: Vec<Guided>,
     stay: Vec<Guide>,
     /// Points that sleep meanwhile, one flag per point.
     held: Vec<bool>,
     made: MadeFold,
     over: f64,
     resting: Drive,
+}
+
+/// A point of the flap.
+struct Guided {
+    point: u32,
+    /// Where on its sheet.
+    place: OnSheet,
+    /// How much higher it lands than on a plane [m].
+    rise: f64,
+    /// [kg].
+    mass: f64,
 }
 
 impl Gesture for Turn {
@@ -216,8 +234,11 @@ impl Gesture for Turn {
             return self.resting.clone();
         }
         let phi = self.made.angle * smooth(t / self.over);
-        let flap = self.guided.iter().map(|(point, place, mass)| {
-            hand(*point, self.axis.turned(place, phi), self.axis.normal(place, phi), *mass).scaled(grip)
+        let lifted = smooth(phi / PI);
+        let flap = self.guided.iter().map(|g| {
+            let normal = self.axis.normal(&g.place, phi);
+            let target = self.axis.turned(&g.place, phi) + normal * (g.rise * lifted);
+            hand(g.point, target, normal, g.mass).scaled(grip)
         });
         // The smooth motion is 1.5 times as fast in the middle as on average.
         let longest_step =

@@ -1,0 +1,325 @@
+//! `crease transfer`: memory that one garment earned, on another. Reads sidecars and a mesh, settles the mesh with what
+//! came over; writes the worn garment, its sidecar and the report, all or none.
+
+use super::also::{self, AlsoWanted};
+use super::arguments::{MeshReading, glb_path};
+use super::bake::{BakeOutputs, merged, use_threads};
+use super::input;
+use super::mesh_file::MeshFile;
+use super::output::Outputs;
+use super::talk;
+use clap::ValueEnum;
+use crease::bake::settle;
+use crease::fabric::{DEFAULT_FABRIC, Fabric};
+use crease::format::gltf::write_worn_glb;
+use crease::format::{Sidecar, read_sidecar, write_sidecar};
+use crease::garment::WornGarment;
+use crease::mesh::crossings::crossings;
+use crease::report::{CarriedSource, TransferReport, crossing_counts};
+use crease::transfer::{Align, By, Carried, Parts, Sheet, Source, TransferOptions, transfer};
+use crease::{Error, Result};
+use serde_json::{Value, json};
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Memories to carry over, as `crease bake` wrote them; several lie on one another
+    #[arg(required = true, value_name = "SIDECAR")]
+    sidecars: Vec<PathBuf>,
+    /// Garment they go to: .obj, .gltf or .glb
+    #[arg(long, value_name = "MESH")]
+    to: PathBuf,
+    /// Worn garment to write; OUT.crease.json and OUT.report.json go beside it
+    #[arg(short, long, value_name = "OUT.glb", value_parser = glb_path)]
+    output: PathBuf,
+    /// How places of both garments are matched
+    #[arg(long, value_enum, default_value_t = Matching::Auto)]
+    by: Matching,
+    /// How garments are laid over one another before places are matched by surface
+    #[arg(long, value_enum, default_value_t = Laying::Auto)]
+    align: Laying,
+    /// Multiplies every change: 0 for none, 1 as it is
+    #[arg(long, value_name = "S", value_parser = strength, default_value_t = 1.0)]
+    strength: f64,
+    /// Vertex attribute of MESH that scales what is carried, 0 to 1: COLOR_0, COLOR_0.g, _MASK, ...
+    #[arg(long, value_name = "ATTRIBUTE")]
+    mask: Option<String>,
+    /// Carry only creases (rest angles, stiffness) or only bagging (rest lengths) [default: both]
+    #[arg(long, value_enum)]
+    only: Option<Only>,
+    /// Mirror the memory left to right
+    #[arg(long, value_enum, value_name = "AXIS")]
+    mirror: Option<Axis>,
+    /// What MESH is made of: a name of `crease fabric list`, or a fabric file [default: the fabric of the first sidecar]
+    #[arg(long, value_name = "NAME|FILE")]
+    fabric: Option<String>,
+    #[command(flatten)]
+    reading: MeshReading,
+    #[command(flatten)]
+    also: AlsoWanted,
+    /// Threads; the result does not depend on them [default: as many as are of use]
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZeroUsize>,
+    /// The report on standard output
+    #[arg(long)]
+    json: bool,
+    /// Errors only
+    #[arg(long)]
+    quiet: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Matching {
+    /// By texture where both textures agree, else by surface; the same mesh number by number
+    Auto,
+    /// By texture coordinates
+    Uv,
+    /// By place on the surface, boxes laid over one another
+    Surface,
+    /// Number by number; refused unless the mesh is the same
+    Same,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Laying {
+    /// As they stand, if most of MESH lies close to the source there; else by their boxes
+    Auto,
+    /// The source's box becomes that of MESH
+    Box,
+    /// As they stand in their files, as garments of one body do
+    Place,
+}
+
+impl From<Laying> for Align {
+    fn from(laying: Laying) -> Self {
+        match laying {
+            Laying::Auto => Self::Auto,
+            Laying::Box => Self::Box,
+            Laying::Place => Self::Place,
+        }
+    }
+}
+
+impl From<Matching> for By {
+    fn from(matching: Matching) -> Self {
+        match matching {
+            Matching::Auto => Self::Auto,
+            Matching::Uv => Self::Uv,
+            Matching::Surface => Self::Surface,
+            Matching::Same => Self::Same,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Only {
+    /// Rest angles and stiffness
+    Creases,
+    /// Rest lengths
+    Bagging,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Axis {
+    /// Left to right
+    X,
+}
+
+fn strength(text: &str) -> std::result::Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number >= 0.0 && number.is_finite() => Ok(number),
+        _ => Err("expected a number from 0 up".to_owned()),
+    }
+}
+
+impl Arguments {
+    fn options(&self, mask: Vec<f64>) -> TransferOptions {
+        TransferOptions {
+            by: self.by.into(),
+            align: self.align.into(),
+            strength: self.strength,
+            mask,
+            parts: Parts {
+                creases: self.only != Some(Only::Bagging),
+                bagging: self.only != Some(Only::Creases),
+            },
+            mirror_x: self.mirror.is_some(),
+        }
+    }
+}
+
+pub fn run(arguments: Arguments) -> Result<()> {
+    let began = Instant::now();
+    use_threads(arguments.threads)?;
+    let files = BakeOutputs::beside(&arguments.output);
+    let inputs = arguments.sidecars.iter().map(PathBuf::as_path).chain([arguments.to.as_path()]);
+    let mut outputs = Outputs::new(inputs);
+    for path in files.paths() {
+        outputs.check(path)?;
+    }
+    arguments.also.check(&files.worn, &outputs)?;
+    let mut job = Job::read(&arguments)?;
+    let mut warnings = job.mesh.repairs();
+    warnings.extend(job.mesh.embed_images(&arguments.to));
+    let garment = &job.mesh.garment;
+    let target = Sheet::of_garment(garment, &job.mesh.asset);
+    let carried = transfer(&job.sources, &target, &arguments.options(garment.memory_mask.clone()))?;
+    let start = crossings(&garment.points, &garment.triangles);
+    let worn = job.settled(&carried, &mut warnings);
+
+    let counts = crossing_counts(garment, &worn, &start);
+    let mut report = TransferReport {
+        points: garment.points.len(),
+        triangles: garment.triangles.len(),
+        crossings: counts.made,
+        crossings_at_start: counts.at_start,
+        sources: job.carried_sources(&carried),
+        ..TransferReport::of(&carried, &target)
+    };
+    report.warnings.extend(warnings);
+    let glb = write_worn_glb(&job.mesh.asset, garment, &worn, &files.extras())?;
+    outputs.add(&files.worn, &glb)?;
+    let sidecar = job.sidecar(&arguments, &worn, &carried, &report)?;
+    outputs.add(&files.sidecar, &write_sidecar(&sidecar))?;
+    let asset = &job.mesh.asset;
+    report.also = arguments.also.add(&files.worn, &mut outputs, asset, garment, &worn, &job.fabric)?;
+    report.wall_s = began.elapsed().as_secs_f64();
+    outputs.add(&files.report, report.to_json().as_bytes())?;
+    outputs.commit()?;
+    tell(&arguments, &files, &report)?;
+    match report.warnings.iter().find(|warning| warning.contains("did not converge")) {
+        Some(what) => Err(Error::NotConverged(what.clone())),
+        None => Ok(()),
+    }
+}
+
+/// What a transfer is made from, read and checked.
+struct Job {
+    mesh: MeshFile,
+    sources: Vec<Source>,
+    sidecars: Vec<Sidecar>,
+    fabric: Fabric,
+}
+
+impl Job {
+    /// Reads everything, and reports the faults of all files in one go.
+    fn read(arguments: &Arguments) -> Result<Self> {
+        let mesh = MeshFile::read_masked(&arguments.to, &arguments.reading, arguments.mask.clone());
+        let (mut sources, mut sidecars, mut errors) = (Vec::new(), Vec::new(), Vec::new());
+        for path in &arguments.sidecars {
+            match read_source(path) {
+                Ok((source, sidecar)) => {
+                    sources.push(source);
+                    sidecars.push(sidecar);
+                }
+                Err(error) => errors.push(error),
+            }
+        }
+        let fabric = match (&arguments.fabric, sidecars.first()) {
+            (Some(name), _) => input::fabric(name),
+            (None, Some(first)) => fabric_of(&input::name_of(&arguments.sidecars[0]), first),
+            (None, None) => input::fabric(DEFAULT_FABRIC),
+        };
+        match (mesh, fabric) {
+            (Ok(mesh), Ok(fabric)) if errors.is_empty() => Ok(Self { mesh, sources, sidecars, fabric }),
+            (mesh, fabric) => Err(merged([mesh.err(), fabric.err()].into_iter().flatten().chain(errors))),
+        }
+    }
+
+    /// The target at rest with what came over. Numbers taken over as they are bring their shape along.
+    fn settled(&self, carried: &Carried, warnings: &mut Vec<String>) -> WornGarment {
+        let memory = carried.memory.clone();
+        if carried.unchanged
+            && let Some(sidecar) = self.sidecars.first()
+        {
+            return WornGarment { displacement: sidecar.worn().displacement, memory };
+        }
+        let settled = settle(&self.mesh.garment, &self.fabric, &memory);
+        warnings.extend(settled.warnings);
+        WornGarment { displacement: settled.displacement, memory }
+    }
+
+    fn carried_sources(&self, carried: &Carried) -> Vec<CarriedSource> {
+        let each = self.sources.iter().zip(&carried.ways).zip(&carried.losses);
+        each.map(|((source, way), losses)| CarriedSource {
+            file: source.file.clone(),
+            by: (*way).to_owned(),
+            losses: *losses,
+        })
+        .collect()
+    }
+
+    fn sidecar(
+        &self,
+        arguments: &Arguments,
+        worn: &WornGarment,
+        carried: &Carried,
+        report: &TransferReport,
+    ) -> Result<Sidecar> {
+        let from: Vec<Value> = self
+            .sidecars
+            .iter()
+            .zip(&report.sources)
+            .map(|(sidecar, source)| {
+                json!({"sidecar": source.file, "by": source.by, "source": sidecar.source, "wear": sidecar.wear,
+                       "run": sidecar.run})
+            })
+            .collect();
+        let run = json!({
+            "tool": concat!("crease ", env!("CARGO_PKG_VERSION")),
+            "transfer": {
+                "from": from,
+                "strength": arguments.strength,
+                "mask": arguments.mask,
+                "only": arguments.only.and_then(|only| only.to_possible_value()).map(|v| v.get_name().to_owned()),
+                "mirror": arguments.mirror.map(|_| "x"),
+            },
+        });
+        let (asset, garment) = (&self.mesh.asset, &self.mesh.garment);
+        let mut sidecar = Sidecar::new(asset, garment, worn, json!(self.fabric), Value::Null, run)?;
+        sidecar.triangles.confidence = Some(carried.confidence.clone());
+        Ok(sidecar)
+    }
+}
+
+fn read_source(path: &Path) -> Result<(Source, Sidecar)> {
+    let file = input::name_of(path);
+    let sidecar = read_sidecar(&file, &input::bytes(path)?)?;
+    let (sheet, memory) = Sheet::of_sidecar(&file, &sidecar)?;
+    Ok((Source { file, sheet, memory }, sidecar))
+}
+
+/// The fabric the memory was earned in.
+fn fabric_of(file: &str, sidecar: &Sidecar) -> Result<Fabric> {
+    match &sidecar.fabric {
+        Value::Null => Fabric::preset(DEFAULT_FABRIC),
+        value => Fabric::parse(&format!("{file}: fabric"), &value.to_string()),
+    }
+}
+
+fn tell(arguments: &Arguments, files: &BakeOutputs, report: &TransferReport) -> Result<()> {
+    if !arguments.quiet && !arguments.json {
+        report.warnings.iter().for_each(|warning| talk::say(&format!("warning: {warning}")));
+        for source in &report.sources {
+            talk::say(&format!(
+                "{}: by {}; {:.0} % of its creases left behind, {:.0} % of the target without a source",
+                source.file,
+                source.by,
+                100.0 * source.losses.crease_left_behind,
+                100.0 * source.losses.target_without_source,
+            ));
+        }
+        also::tell(&report.also);
+        talk::say(&format!(
+            "{}: {} points, confidence {:.2}, {:.1} s; {} crossings",
+            files.worn.display(),
+            report.points,
+            report.confidence,
+            report.wall_s,
+            report.crossings,
+        ));
+    }
+    if arguments.json { talk::data(&report.to_json()) } else { Ok(()) }
+}
