@@ -2,6 +2,7 @@
 
 use crate::math::Vec3;
 use crate::solve::{Shortfall, Unmet};
+use serde::{Deserialize, Serialize};
 
 /// Times nearer than this belong to one warning [s].
 const PAUSE: f64 = 0.25;
@@ -9,7 +10,7 @@ const PAUSE: f64 = 0.25;
 const MOST: usize = 5;
 
 /// One stretch of time.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Episode {
     from: f64,
     to: f64,
@@ -17,8 +18,8 @@ struct Episode {
 }
 
 /// Everything unmet so far: body held up, layers pressed, cloth stretched.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct UnmetLog([Vec<Episode>; 3]);
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct UnmetLog([Vec<Episode>; 3]);
 
 impl UnmetLog {
     /// Takes up what the step that ended at `time` [s] left unmet.

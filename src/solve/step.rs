@@ -77,6 +77,12 @@ impl Stepper {
         Self { cloth, contact, options, work: Workspace::default() }
     }
 
+    /// Forgets what is kept between steps for speed alone (the pattern of the system, its elimination order): the next
+    /// step then depends on nothing but what it is given. The pattern decides the order of sums and so the last bits.
+    pub fn forget(&mut self) {
+        self.work.reset();
+    }
+
     /// One accepted step of at most `wished` seconds; `drive_at` gives what acts at a time [s]. The memory is only
     /// read. `state` is replaced by the accepted state; a rejected try leaves no trace.
     pub fn advance(

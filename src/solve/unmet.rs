@@ -7,13 +7,15 @@
 use super::Cloth;
 use crate::contact::Contact;
 use crate::math::Vec3;
+use serde::{Deserialize, Serialize};
 
 /// How far off, and where [m].
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Shortfall {
     /// In the unit of its kind.
     pub size: f64,
     /// [m].
+    #[serde(with = "crate::math::plain::vector")]
     pub place: Vec3,
 }
 
