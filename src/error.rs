@@ -51,6 +51,9 @@ pub enum Error {
     /// The solver gave up; what was reached is kept by the caller. Exit code 3.
     #[error("did not converge: {0}")]
     NotConverged(String),
+    /// The run was asked to stop; a checkpoint may have been kept by the caller.
+    #[error("interrupted")]
+    Interrupted,
     /// A file could not be read or written. Exit code 1.
     #[error("{file}: {source}")]
     File {

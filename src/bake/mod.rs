@@ -1,21 +1,27 @@
 //! The main job: wear -> solve -> memory, step by step, then the garment brought home to its own pose.
 
+pub mod checkpoint;
+mod crossing_start;
 mod home;
 mod plan;
 mod settle;
+mod unmet_log;
 
+pub use checkpoint::{Checkpoint, run_key};
 pub use plan::{Choice, Plan};
 pub use settle::{Settled, rest_mesh, settle};
 
 use crate::contact::{Contact, ContactSettings};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::fabric::{EventCount, Fabric};
 use crate::garment::{Garment, RestShape, WornGarment};
 use crate::math::Vec3;
 use crate::memory::{Memory, Observed, Remembering};
 use crate::solve::{Cloth, State, StepOptions, Stepper};
-use crate::wear::{GRAVITY, Gesture, Posture, Scene, WearScript};
+use crate::wear::{Action, GRAVITY, Gesture, Posture, Scene, WearScript};
+use checkpoint::{STEPS_BETWEEN, Way};
 use std::time::Instant;
+use unmet_log::UnmetLog;
 
 /// How to bake.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,6 +66,18 @@ pub trait Observer {
     /// A frame is due: positions, one per point [m].
     fn frame(&mut self, _x: &[Vec3]) -> Result<()> {
         Ok(())
+    }
+    /// Whether [`Observer::checkpoint`] shall be given anything.
+    fn keeps_checkpoints(&self) -> bool {
+        false
+    }
+    /// The run can be taken up from here: before every action, after the last, and every few steps between.
+    fn checkpoint(&mut self, _now: Checkpoint) -> Result<()> {
+        Ok(())
+    }
+    /// Whether the bake shall stop here, with [`Error::Interrupted`]; asked after every step.
+    fn stops(&mut self) -> bool {
+        false
     }
 }
 
@@ -117,6 +135,23 @@ pub fn bake(
     options: &BakeOptions,
     observer: &mut dyn Observer,
 ) -> Result<Baked> {
+    bake_from(None, garment, fabric, script, script_file, options, observer)
+}
+
+/// The same from a checkpoint, with the file's name: what comes out is what an uninterrupted bake gives, bit for bit.
+pub fn bake_from(
+    taken_up: Option<(&str, Checkpoint)>,
+    garment: &Garment,
+    fabric: &Fabric,
+    script: &WearScript,
+    script_file: &str,
+    options: &BakeOptions,
+    observer: &mut dyn Observer,
+) -> Result<Baked> {
+    let key = run_key(garment, fabric, script, options);
+    if let Some((file, checkpoint)) = &taken_up {
+        checkpoint.check(file, garment, script, &key)?;
+    }
     let plan = Plan::new(garment, fabric, script, options.memory);
     let mut cloth = Cloth::new(garment, fabric);
     cloth.membrane.set_stiffness(plan.stretch);
@@ -127,6 +162,8 @@ pub fn bake(
         stiffness: plan.contact_stiffness,
         friction: fabric.friction,
         friction_ground: fabric.friction_ground,
+        friction_body: fabric.friction_ground,
+        stiction: 1.0,
         creep: 1e-3,
         between_layers: plan.layers_meet,
     };
@@ -149,26 +186,25 @@ pub fn bake(
             f64::INFINITY
         },
         next_frame: 0.0,
+        frames: 0,
+        key,
         unconverged: 0,
+        unmet: UnmetLog::default(),
         largest_rest: 0.0,
         total: script.duration_s(),
     };
-    for (number, action) in script.flatten().enumerate() {
-        let place = format!("actions[{number}] ({})", action.name());
-        let scene = Scene {
-            x: &run.state.x,
-            source: &garment.points,
-            mass: &run.stepper.cloth.mass,
-            thickness: plan.contact_distance,
-            place: (script_file, &place),
-        };
-        let start = action.as_wear().begin(&scene, &mut run.posture)?;
-        if let Some(placed) = start.placed {
-            run.state.x = placed;
-            run.state.stop();
-        }
-        run.perform(start.gesture, action.name(), action.as_wear().duration_s(), observer)?;
+    run.report.warnings.extend(crossing_start::crossing_warning(garment));
+    let (mut first, mut way) = (0, None);
+    if let Some((_, checkpoint)) = taken_up {
+        (first, way) = (checkpoint.action, checkpoint.way.clone());
+        run.restore(checkpoint);
     }
+    let mut actions = 0;
+    for (number, action) in script.flatten().enumerate().skip(first) {
+        run.act(number, action, script_file, way.take(), observer)?;
+        actions = number + 1;
+    }
+    run.moment(actions.max(first), observer)?;
     if run.unconverged > 0 {
         run.report.warnings.push(format!(
             "{} of {} steps were accepted before Newton had converged (largest move left {:.1} mm): \
@@ -178,7 +214,8 @@ pub fn bake(
             1e3 * run.largest_rest
         ));
     }
-    observer.frame(&run.state.x)?;
+    run.report.warnings.extend(run.unmet.warnings());
+    run.frame(observer)?;
     let clock = Instant::now();
     let displacement =
         home::bring_home(garment, fabric, &mut run.stepper, &run.memory.shape, 1.0, &mut run.report);
@@ -196,6 +233,15 @@ pub fn bake(
     })
 }
 
+/// An action under way: its number and name, the cloth, the posture and the time it began with.
+struct UnderWay {
+    number: usize,
+    name: &'static str,
+    start: Vec<Vec3>,
+    begin: f64,
+    before: Posture,
+}
+
 /// A bake under way.
 struct Run<'a> {
     garment: &'a Garment,
@@ -210,31 +256,113 @@ struct Run<'a> {
     seconds: [f64; 5],
     frame_every: f64,
     next_frame: f64,
+    /// Frames given to the observer.
+    frames: u64,
+    /// Says which run this is.
+    key: String,
     total: f64,
     /// Steps accepted before Newton had converged, and the largest move it still asked for [m].
     unconverged: u64,
     largest_rest: f64,
+    /// Demands that could not be met.
+    unmet: UnmetLog,
 }
 
 impl Run<'_> {
-    /// Performs one gesture to its end.
-    fn perform(
+    /// Performs the action `number`, or the rest of it.
+    fn act(
         &mut self,
-        mut gesture: Box<dyn Gesture>,
-        name: &str,
-        duration: f64,
+        number: usize,
+        action: &Action,
+        script_file: &str,
+        way: Option<Way>,
         observer: &mut dyn Observer,
     ) -> Result<()> {
-        let begin = self.state.time;
+        if way.is_none() {
+            self.moment(number, observer)?;
+        }
+        let place = format!("actions[{number}] ({})", action.name());
+        let before = self.posture.clone();
+        let start = way.as_ref().map_or(&self.state.x, |way| &way.start).clone();
+        let scene = Scene {
+            x: &start,
+            source: &self.garment.points,
+            mass: &self.stepper.cloth.mass,
+            thickness: self.stepper.contact.settings().distance,
+            place: (script_file, &place),
+        };
+        let mut begun = action.as_wear().begin(&scene, &mut self.posture)?;
+        match &way {
+            Some(way) => {
+                if !begun.gesture.recall(&way.memo, start.len()) {
+                    return Err(scene.refuse("the checkpoint does not fit this action", "leave out --resume"));
+                }
+            }
+            None => {
+                if let Some(placed) = begun.placed {
+                    self.state.x = placed;
+                    self.state.stop();
+                }
+            }
+        }
+        let begin = way.as_ref().map_or(self.state.time, |way| way.begin);
+        let under_way = UnderWay { number, start, begin, before, name: action.name() };
+        self.perform(under_way, begun.gesture, action.as_wear().duration_s(), way, observer)
+    }
+
+    /// A moment before the action `number`, from which the run can be taken up.
+    fn moment(&mut self, number: usize, observer: &mut dyn Observer) -> Result<()> {
+        self.stepper.forget();
+        if observer.keeps_checkpoints() {
+            observer.checkpoint(self.checkpoint(number, &self.posture, None))?;
+        }
+        Ok(())
+    }
+
+    /// The same between two steps of an action, every few steps.
+    fn moment_between(
+        &mut self,
+        action: &UnderWay,
+        gesture: &dyn Gesture,
+        part: usize,
+        wished: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<()> {
+        if !self.report.steps.is_multiple_of(STEPS_BETWEEN) {
+            return Ok(());
+        }
+        let Some(memo) = gesture.memo() else { return Ok(()) };
+        self.stepper.forget();
+        if observer.keeps_checkpoints() {
+            let way = Way { start: action.start.clone(), begin: action.begin, part, wished, memo };
+            observer.checkpoint(self.checkpoint(action.number, &action.before, Some(way)))?;
+        }
+        Ok(())
+    }
+
+    /// Performs one gesture to its end, from `way` if there is one.
+    fn perform(
+        &mut self,
+        action: UnderWay,
+        mut gesture: Box<dyn Gesture>,
+        duration: f64,
+        way: Option<Way>,
+        observer: &mut dyn Observer,
+    ) -> Result<()> {
+        let begin = action.begin;
         let mut breaks = gesture.breaks();
         breaks.retain(|stop| *stop < duration);
         breaks.push(duration);
-        let mut wished = FIRST_STEP;
-        for stop in breaks {
-            wished = wished.min(FIRST_STEP);
-            // What acts changes here: a two-step method starts anew.
-            self.state.previous = None;
+        let mut wished = way.as_ref().map_or(FIRST_STEP, |way| way.wished);
+        let first = way.as_ref().map_or(0, |way| way.part);
+        for (part, stop) in breaks.into_iter().enumerate().skip(first) {
+            if way.is_none() || part > first {
+                wished = wished.min(FIRST_STEP);
+                // What acts changes here: a two-step method starts anew.
+                self.state.previous = None;
+            }
             while begin + stop - self.state.time > 1e-9 {
+                self.moment_between(&action, gesture.as_ref(), part, wished, observer)?;
                 let left = begin + stop - self.state.time;
                 // Two equal steps rather than one and a remainder.
                 let mut h = if wished >= left { left } else { wished.min(0.5 * left.max(wished)) };
@@ -244,13 +372,23 @@ impl Run<'_> {
                     self.state.stop();
                     self.state.angle = self.stepper.cloth.bending.angles(&self.state.x, &self.state.angle);
                 }
-                wished = self.step(gesture.as_mut(), begin, h, name, observer)?;
+                wished = self.step(gesture.as_mut(), begin, h, action.name, observer)?;
+                if observer.stops() {
+                    return Err(Error::Interrupted);
+                }
                 if gesture.may_end_early() && self.at_rest() {
                     break;
                 }
             }
         }
         gesture.end(&mut self.posture, &self.state.x);
+        Ok(())
+    }
+
+    /// Shows the cloth as it is.
+    fn frame(&mut self, observer: &mut dyn Observer) -> Result<()> {
+        observer.frame(&self.state.x)?;
+        self.frames += 1;
         Ok(())
     }
 
@@ -281,6 +419,7 @@ impl Run<'_> {
             self.unconverged += 1;
             self.largest_rest = self.largest_rest.max(step.newton.last_move);
         }
+        self.unmet.note(self.state.time, &step.unmet);
         let clock = Instant::now();
         if let (Some(law), true) = (&self.law, gesture.wears()) {
             let stretch_after = measure(self);
@@ -299,7 +438,7 @@ impl Run<'_> {
             events: self.memory.events,
         });
         if self.state.time >= self.next_frame - 1e-9 {
-            observer.frame(&self.state.x)?;
+            self.frame(observer)?;
             self.next_frame = self.state.time + self.frame_every;
         }
         Ok(step.next)

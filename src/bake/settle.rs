@@ -38,6 +38,8 @@ pub fn settle(garment: &Garment, fabric: &Fabric, memory: &RestShape) -> Settled
         stiffness: plan.contact_stiffness,
         friction: fabric.friction,
         friction_ground: fabric.friction_ground,
+        friction_body: 0.0,
+        stiction: 1.0,
         creep: 1e-3,
         between_layers: plan.layers_meet,
     };

@@ -83,6 +83,8 @@ fn stepper(garment: &Garment, fabric: &Fabric) -> Stepper {
         stiffness: stiffness / (area / garment.points.len() as f64),
         friction: fabric.friction,
         friction_ground: fabric.friction_ground,
+        friction_body: 0.0,
+        stiction: 1.0,
         creep: 1e-3,
         between_layers: true,
     };

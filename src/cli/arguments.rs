@@ -52,6 +52,14 @@ pub fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A time of no more than a day [s], 0 included.
+pub fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if (0.0..=86_400.0).contains(&number) => Ok(number),
+        _ => Err("expected a number of seconds from 0 to 86400".to_owned()),
+    }
+}
+
 /// A path that ends in `.glb`.
 pub fn glb_path(text: &str) -> Result<PathBuf, String> {
     path_ending(text, "glb")
@@ -60,6 +68,11 @@ pub fn glb_path(text: &str) -> Result<PathBuf, String> {
 /// A path that ends in `.png`.
 pub fn png_path(text: &str) -> Result<PathBuf, String> {
     path_ending(text, "png")
+}
+
+/// A path that ends in `.html`.
+pub fn html_path(text: &str) -> Result<PathBuf, String> {
+    path_ending(text, "html")
 }
 
 fn path_ending(text: &str, ending: &str) -> Result<PathBuf, String> {

@@ -5,32 +5,40 @@
 //! written once without wear.
 
 use super::also::{self, AlsoWanted};
-use super::arguments::{MeshReading, glb_path, positive};
+use super::arguments::{MeshReading, glb_path, positive, seconds};
+use super::checkpoints::CheckpointFile;
 use super::frames::FrameFolder;
 use super::input;
+use super::interrupt::Interrupt;
 use super::mesh_file::MeshFile;
 use super::output::Outputs;
 use super::progress::{Progress, StepNews};
 use super::talk;
 use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use crease::bake::{BakeOptions, Baked, Choice, Observer, Plan, bake};
+use crease::bake::{BakeOptions, Baked, Checkpoint, Choice, Observer, Plan, bake_from};
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
 use crease::format::gltf::write_worn_glb;
 use crease::format::{Sidecar, write_sidecar};
 use crease::garment::{Garment, RestShape, WornGarment};
 use crease::math::Vec3;
 use crease::mesh::crossings::crossings;
-use crease::report::{Report, crossing_counts};
+use crease::report::render::{Camera, encode_png};
+use crease::report::{Portrait, Report, Show, crossing_counts};
 use crease::solve::Method;
 use crease::wear::WearScript;
 use crease::{Error, Result};
 use serde_json::{Value, json};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  crease bake shirt.glb --wear garments/wear/fold-thrice.json -o worn.glb --preview
+  crease bake shirt.obj --unit cm --fabric denim --wear wear.json -o worn.glb --frames frames
+  crease bake shirt.glb --wear wear.json -o worn.glb --resume    go on after Ctrl-C or a crash
+  crease bake shirt.glb --wear wear.json --explain               what would be modelled, and why")]
 pub struct Arguments {
     /// Garment: .obj, .gltf or .glb
     mesh: PathBuf,
@@ -53,6 +61,9 @@ pub struct Arguments {
     /// How the cloth remembers
     #[arg(long, value_enum, default_value_t = MemoryLaw::Paper)]
     memory: MemoryLaw,
+    /// Also draw OUT.png: the garment before and after
+    #[arg(long, requires = "output")]
+    preview: bool,
     /// Folder for the simulated mesh over time: frame_0000.obj ...
     #[arg(long, value_name = "DIR")]
     frames: Option<PathBuf>,
@@ -62,6 +73,12 @@ pub struct Arguments {
     /// Threads; the result does not depend on them [default: as many as are of use]
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
+    /// Go on from OUT.checkpoint, if an interrupted run left one; the result is the same to the last bit
+    #[arg(long)]
+    resume: bool,
+    /// How often OUT.checkpoint is written between the actions of the script [s]
+    #[arg(long, value_name = "SECONDS", default_value_t = 30.0, value_parser = seconds)]
+    checkpoint_every: f64,
     /// Say which models are on and why, with the number behind each; without -o, do no more
     #[arg(long)]
     explain: bool,
@@ -72,6 +89,9 @@ pub struct Arguments {
     #[arg(long)]
     quiet: bool,
 }
+
+/// Size of each half of `--preview` [pixels].
+const PREVIEW: [usize; 2] = [800, 600];
 
 /// How the cloth remembers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -149,6 +169,7 @@ impl BakeOutputs {
 
 pub fn run(arguments: Arguments) -> Result<()> {
     let began = Instant::now();
+    let interrupt = Interrupt::listen()?;
     let mut progress = Progress::new(arguments.quiet, arguments.json);
     progress.stage("read");
     let mut outputs =
@@ -159,6 +180,9 @@ pub fn run(arguments: Arguments) -> Result<()> {
     }
     if let Some(files) = &files {
         arguments.also.check(&files.worn, &outputs)?;
+        if arguments.preview {
+            outputs.check(&files.worn.with_extension("png"))?;
+        }
     }
     let mut job = Job::read(&arguments)?;
     if arguments.explain && !(arguments.json && files.is_some()) {
@@ -173,7 +197,10 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let start = crossings(&job.mesh.garment.points, &job.mesh.garment.triangles);
     let read_s = began.elapsed().as_secs_f64();
 
-    let (baked, left_over) = job.bake(&arguments, &mut progress)?;
+    let every = Duration::from_secs_f64(arguments.checkpoint_every);
+    let mut checkpoints = CheckpointFile::beside(&files.worn, every);
+    outputs.check(checkpoints.path())?;
+    let (baked, left_over) = job.bake(&arguments, &mut progress, &mut checkpoints, &interrupt)?;
     warnings.extend(left_over);
 
     progress.stage("write");
@@ -185,7 +212,13 @@ pub fn run(arguments: Arguments) -> Result<()> {
     report.warnings.extend(warnings);
     let glb = write_worn_glb(&job.mesh.asset, garment, &baked.worn, &extras)?;
     outputs.add(&files.worn, &glb)?;
-    outputs.add(&files.sidecar, &write_sidecar(&job.sidecar(&baked.worn, arguments.run_note(&baked))?))?;
+    let sidecar = job.sidecar(&baked.worn, arguments.run_note(&baked))?;
+    outputs.add(&files.sidecar, &write_sidecar(&sidecar))?;
+    if arguments.preview {
+        let portrait = Portrait::of_sidecar(&input::name_of(&files.worn), &sidecar);
+        let picture = portrait.draw_before_after(Show::Shape, &Camera::default(), PREVIEW)?;
+        outputs.add(&files.worn.with_extension("png"), &encode_png(&picture)?)?;
+    }
     let asset = &job.mesh.asset;
     report.also = arguments.also.add(&files.worn, &mut outputs, asset, garment, &baked.worn, &job.fabric)?;
     report.stages.add("read", read_s);
@@ -193,6 +226,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     report.wall_s = began.elapsed().as_secs_f64();
     outputs.add(&files.report, report.to_json().as_bytes())?;
     outputs.commit()?;
+    checkpoints.remove();
     progress.finish();
     tell(&arguments, &files, &report)?;
     match not_converged(&baked) {
@@ -249,15 +283,38 @@ impl Job {
     }
 
     /// The long part; also what to say about frames.
-    fn bake(&self, arguments: &Arguments, progress: &mut Progress) -> Result<(Baked, Option<String>)> {
+    fn bake(
+        &self,
+        arguments: &Arguments,
+        progress: &mut Progress,
+        checkpoints: &mut CheckpointFile,
+        interrupt: &Interrupt,
+    ) -> Result<(Baked, Option<String>)> {
+        let taken_up = if arguments.resume { checkpoints.read()? } else { None };
+        let frames_before = taken_up.as_ref().map_or(0, |(_, checkpoint)| checkpoint.counts.frames);
         let frames = match &arguments.frames {
-            Some(folder) => Some(FrameFolder::new(folder, &self.mesh.garment.triangles, &arguments.mesh)?),
+            Some(folder) => {
+                let triangles = &self.mesh.garment.triangles;
+                Some(FrameFolder::new(folder, triangles, &arguments.mesh, frames_before as usize)?)
+            }
             None => None,
         };
-        let mut watcher = Watcher { progress, frames };
+        let actions = self.script.flatten().count();
+        let mut watcher = Watcher { progress, frames, checkpoints, interrupt, actions };
         let garment: &Garment = &self.mesh.garment;
         let options = arguments.options();
-        let baked = bake(garment, &self.fabric, &self.script, &self.script_file, &options, &mut watcher)?;
+        interrupt.ends_at_once(false);
+        let taken_up = taken_up.as_ref().map(|(file, checkpoint)| (file.as_str(), checkpoint.clone()));
+        let baked = bake_from(
+            taken_up,
+            garment,
+            &self.fabric,
+            &self.script,
+            &self.script_file,
+            &options,
+            &mut watcher,
+        )?;
+        interrupt.ends_at_once(false);
         let old = watcher.frames.and_then(|frames| frames.left_over());
         let left_over = old.map(|path| {
             format!("{} and any after it are from an earlier run with more frames", path.display())
@@ -290,6 +347,10 @@ pub(super) fn merged(errors: impl Iterator<Item = Error>) -> Error {
 struct Watcher<'a, 'b> {
     progress: &'a mut Progress,
     frames: Option<FrameFolder<'b>>,
+    checkpoints: &'a mut CheckpointFile,
+    interrupt: &'a Interrupt,
+    /// Actions of the script in all.
+    actions: usize,
 }
 
 impl Observer for Watcher<'_, '_> {
@@ -307,6 +368,29 @@ impl Observer for Watcher<'_, '_> {
 
     fn frame(&mut self, x: &[Vec3]) -> Result<()> {
         self.frames.as_mut().map_or(Ok(()), |frames| frames.write(x))
+    }
+
+    fn keeps_checkpoints(&self) -> bool {
+        true
+    }
+
+    fn checkpoint(&mut self, now: Checkpoint) -> Result<()> {
+        let wear_is_over = now.action == self.actions;
+        self.checkpoints.keep(now);
+        if wear_is_over {
+            // The way home is not interrupted step by step: what it starts from lies on the disk.
+            self.checkpoints.flush();
+            self.interrupt.ends_at_once(true);
+        }
+        Ok(())
+    }
+
+    fn stops(&mut self) -> bool {
+        if !self.interrupt.asked() {
+            return false;
+        }
+        self.checkpoints.flush();
+        true
     }
 }
 

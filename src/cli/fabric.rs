@@ -1,11 +1,18 @@
 //! `crease fabric`: the fabrics that come along.
 
+use super::arguments::html_path;
+use super::output::Outputs;
 use super::{input, talk};
 use clap::Subcommand;
 use crease::Result;
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
+use crease::report::swatch_page;
+use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  crease fabric list --swatches fabrics.html
+  crease fabric show denim > own.json")]
 pub struct Arguments {
     #[command(subcommand)]
     command: Command,
@@ -18,6 +25,9 @@ enum Command {
         /// As JSON: a list of fabrics in full
         #[arg(long)]
         json: bool,
+        /// Also write a page with a swatch of each
+        #[arg(long, value_name = "OUT.html", value_parser = html_path)]
+        swatches: Option<PathBuf>,
     },
     /// A fabric in full, as a file to start one of your own from
     Show {
@@ -29,9 +39,14 @@ enum Command {
 
 pub fn run(arguments: Arguments) -> Result<()> {
     match arguments.command {
-        Command::List { json } => {
+        Command::List { json, swatches } => {
             let fabrics: Vec<Fabric> =
                 Fabric::preset_names().into_iter().map(Fabric::preset).collect::<Result<_>>()?;
+            if let Some(path) = swatches {
+                let mut outputs = Outputs::new([]);
+                outputs.add(&path, swatch_page(&fabrics).as_bytes())?;
+                outputs.commit()?;
+            }
             match json {
                 true => talk::data(&format!("{:#}\n", serde_json::json!(fabrics))),
                 false => talk::data(&table(&fabrics)),

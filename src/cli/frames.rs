@@ -20,10 +20,16 @@ pub struct FrameFolder<'a> {
 }
 
 impl<'a> FrameFolder<'a> {
-    /// Makes `folder` if there is none. No frame is written over `mesh`.
-    pub fn new(folder: &Path, triangles: &'a [[PointIndex; 3]], mesh: &'a Path) -> Result<Self> {
+    /// Makes `folder` if there is none. No frame is written over `mesh`; `written` are there from a run that is taken
+    /// up.
+    pub fn new(
+        folder: &Path,
+        triangles: &'a [[PointIndex; 3]],
+        mesh: &'a Path,
+        written: usize,
+    ) -> Result<Self> {
         std::fs::create_dir_all(folder).map_err(|source| Error::File { file: name_of(folder), source })?;
-        Ok(Self { folder: folder.to_owned(), triangles, mesh, written: 0 })
+        Ok(Self { folder: folder.to_owned(), triangles, mesh, written })
     }
 
     /// Writes the next frame: `points` [m], one per point of the mesh.
@@ -53,7 +59,7 @@ mod tests {
     fn frames_are_numbered_and_old_ones_noticed() {
         let folder = tempfile::tempdir().expect("a folder");
         let deep = folder.path().join("a/b");
-        let mut frames = FrameFolder::new(&deep, &[], Path::new("in.obj")).expect("makes the folder");
+        let mut frames = FrameFolder::new(&deep, &[], Path::new("in.obj"), 0).expect("makes the folder");
         for x in [1.0, 2.0] {
             frames.write(&[Vec3::repeat(x)]).expect("writes");
         }

@@ -9,6 +9,9 @@ use serde_json::json;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  crease inspect shirt.obj --unit cm
+  crease inspect shirt.glb --json")]
 pub struct Arguments {
     /// Mesh file: .obj, .gltf or .glb
     mesh: PathBuf,

@@ -1,16 +1,21 @@
 //! The tool. One file per command: arguments -> options -> library call -> files.
 //!
 //! The only place that prints and the only one that opens files. stdout is data, stderr is talk. Exit codes: 0 done,
-//! 1 bad input, 2 wrong usage, 3 did not converge. A command is one file and one line in the list below.
+//! 1 bad input, 2 wrong usage, 3 did not converge, 130 interrupted. A command is one file and one line in the list
+//! below.
 
 mod also;
 mod arguments;
 mod bake;
+mod batch;
 mod chart;
+mod checkpoints;
+mod completions;
 mod fabric;
 mod frames;
 mod input;
 mod inspect;
+mod interrupt;
 mod mesh_file;
 mod output;
 mod progress;
@@ -18,6 +23,7 @@ mod render;
 mod schema;
 mod talk;
 mod transfer;
+mod view;
 
 use clap::{Parser, Subcommand};
 use crease::{Error, Result};
@@ -28,7 +34,12 @@ use std::process::ExitCode;
 #[command(
     name = "crease",
     version,
-    after_help = "Exit codes: 0 done, 1 bad input, 2 wrong usage, 3 did not converge."
+    after_help = "Examples:
+  crease inspect shirt.obj
+  crease bake shirt.obj --wear garments/wear/fold-thrice.json -o worn.glb --preview
+  crease view worn.glb -o worn.html
+
+Exit codes: 0 done, 1 bad input, 2 wrong usage, 3 did not converge, 130 interrupted."
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -47,10 +58,18 @@ enum Command {
     Render(render::Arguments),
     /// Draw and write a chart: numbers of ours beside what is known by other means
     Chart(chart::Arguments),
+    /// Make a page to turn worn garments on, colour and compare them
+    View(view::Arguments),
+    /// Wear many garments by many scripts in many fabrics: here, on a Slurm cluster, or by Open Job Description
+    Batch(Box<batch::Arguments>),
     /// List the fabrics that come along, or show one in full
     Fabric(fabric::Arguments),
     /// Print the JSON Schema of a file format
     Schema(schema::Arguments),
+    /// Print the completions of a shell
+    Completions(completions::Arguments),
+    /// Print the manual page
+    Man(completions::ManArguments),
 }
 
 impl Command {
@@ -61,8 +80,12 @@ impl Command {
             Self::Transfer(arguments) => transfer::run(*arguments),
             Self::Render(arguments) => render::run(arguments),
             Self::Chart(arguments) => chart::run(arguments),
+            Self::View(arguments) => view::run(arguments),
+            Self::Batch(arguments) => batch::run(*arguments),
             Self::Fabric(arguments) => fabric::run(arguments),
             Self::Schema(arguments) => schema::run(arguments),
+            Self::Completions(arguments) => completions::run(arguments),
+            Self::Man(arguments) => completions::run_man(arguments),
         }
     }
 }
@@ -90,6 +113,7 @@ fn exit_code(error: &Error) -> u8 {
     match error {
         Error::Input(_) | Error::File { .. } => 1,
         Error::NotConverged(_) => 3,
+        Error::Interrupted => interrupt::INTERRUPTED,
     }
 }
 

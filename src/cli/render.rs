@@ -9,13 +9,17 @@ use super::mesh_file::read_asset_at;
 use super::output::Outputs;
 use clap::ValueEnum;
 use crease::format::gltf::{keep_worn_pieces, sidecar_name};
-use crease::format::read_sidecar;
+use crease::format::{Sidecar, read_sidecar};
 use crease::report::render::{Camera, encode_png};
 use crease::report::{Portrait, Show};
 use crease::{Error, Result};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  crease render worn.glb -o worn.png --before-after
+  crease render worn.glb --show rest-angle -o angles.png
+  crease render worn.glb --turntable 36 -o turn.png")]
 pub struct Arguments {
     /// Worn garment, as `crease bake` wrote it; for shape and curvature any .glb, .gltf or .obj
     #[arg(value_name = "WORN.glb")]
@@ -38,11 +42,14 @@ pub struct Arguments {
     /// Its own shape and the worn one beside each other
     #[arg(long)]
     before_after: bool,
+    /// N pictures from all around instead of one: OUT_000.png, OUT_001.png ...
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=999))]
+    turntable: Option<u16>,
 }
 
 /// What the colours of a picture show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Colours {
+pub enum Colours {
     /// The shape alone, in one colour
     Shape,
     /// Change of the hinges' rest angle
@@ -53,6 +60,8 @@ enum Colours {
     Stiffness,
     /// Displacement from the garment's own shape
     Displacement,
+    /// Growth of the rest lengths
+    Stretch,
     /// After a transfer: how sure it is that the memory belongs there
     Confidence,
 }
@@ -65,6 +74,7 @@ impl From<Colours> for Show {
             Colours::Curvature => Self::Curvature,
             Colours::Stiffness => Self::Stiffness,
             Colours::Displacement => Self::Displacement,
+            Colours::Stretch => Self::Stretch,
             Colours::Confidence => Self::Confidence,
         }
     }
@@ -72,22 +82,41 @@ impl From<Colours> for Show {
 
 pub fn run(arguments: Arguments) -> Result<()> {
     let mut outputs = Outputs::new([arguments.worn.as_path()]);
-    outputs.check(&arguments.output)?;
-    let portrait = portrait(&arguments.worn)?;
-    let camera =
-        Camera { azimuth_deg: arguments.azimuth, elevation_deg: arguments.elevation, ..Camera::default() };
+    let views = views(&arguments);
+    for (path, _) in &views {
+        outputs.check(path)?;
+    }
+    let portrait = read(&arguments.worn)?.0;
     let width = usize::from(arguments.size);
     let size = [width, width * 3 / 4];
     let show = arguments.show.into();
-    let image = match arguments.before_after {
-        true => portrait.draw_before_after(show, &camera, size)?,
-        false => portrait.draw(show, &camera, size)?,
-    };
-    outputs.add(&arguments.output, &encode_png(&image)?)?;
+    for (path, camera) in &views {
+        let image = match arguments.before_after {
+            true => portrait.draw_before_after(show, camera, size)?,
+            false => portrait.draw(show, camera, size)?,
+        };
+        outputs.add(path, &encode_png(&image)?)?;
+    }
     outputs.commit()
 }
 
-fn portrait(path: &Path) -> Result<Portrait> {
+/// Every picture with the camera it is taken by.
+fn views(arguments: &Arguments) -> Vec<(PathBuf, Camera)> {
+    let camera =
+        Camera { azimuth_deg: arguments.azimuth, elevation_deg: arguments.elevation, ..Camera::default() };
+    let Some(count) = arguments.turntable else { return vec![(arguments.output.clone(), camera)] };
+    let stem = arguments.output.with_extension("");
+    let view = |k: u16| {
+        let azimuth = arguments.azimuth.unwrap_or(0.0) + 360.0 * f64::from(k) / f64::from(count);
+        let mut path = stem.clone().into_os_string();
+        path.push(format!("_{k:03}.png"));
+        (PathBuf::from(path), Camera { azimuth_deg: Some(azimuth), ..camera })
+    };
+    (0..count).map(view).collect()
+}
+
+/// What can be drawn of `path`, and its sidecar where it names one that lies beside it.
+pub fn read(path: &Path) -> Result<(Portrait, Option<Sidecar>)> {
     // The size of what is only looked at is not questioned.
     let reading = MeshReading { unit: Some(Metres(1.0)), up: None, garment: None };
     let (mut asset, _) = read_asset_at(path, &reading)?;
@@ -101,8 +130,8 @@ fn portrait(path: &Path) -> Result<Portrait> {
                 let cure = format!("put the sidecar that was written with {} beside it", path.display());
                 return Err(Error::fault(file, "mesh", what, cure));
             }
-            Ok(Portrait::of_sidecar(&input::name_of(path), &sidecar))
+            Ok((Portrait::of_sidecar(&input::name_of(path), &sidecar), Some(sidecar)))
         }
-        None => Portrait::of_asset(asset),
+        None => Ok((Portrait::of_asset(asset)?, None)),
     }
 }

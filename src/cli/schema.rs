@@ -1,5 +1,6 @@
 //! `crease schema`: the JSON Schema of a file format, for editors and other programs.
 
+use super::batch::JobFile;
 use super::talk;
 use clap::ValueEnum;
 use crease::Result;
@@ -10,6 +11,8 @@ use crease::report::{Report, TransferReport};
 use crease::wear::WearScript;
 
 #[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  crease schema wear > wear.schema.json")]
 pub struct Arguments {
     /// Which format
     #[arg(value_enum, value_name = "FORMAT")]
@@ -28,6 +31,8 @@ enum Format {
     Report,
     /// Report of a transfer, OUT.report.json
     TransferReport,
+    /// Job file of `crease batch`, crease-batch/1
+    Batch,
 }
 
 pub fn run(arguments: Arguments) -> Result<()> {
@@ -35,6 +40,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
         Format::Wear => WearScript::schema(),
         Format::Fabric => Fabric::schema(),
         Format::Sidecar => schema_of::<Sidecar>(),
+        Format::Batch => JobFile::schema(),
         Format::TransferReport => schema_of::<TransferReport>(),
         Format::Report => schema_of::<Report>(),
     };

@@ -1,26 +1,45 @@
 //! Coulomb friction, lagged: the normal forces and directions are those at the start of the step, the slip is
-//! implicit. Smoothed around zero slip as in Li et al. 2020 ("Incremental Potential Contact", eq. 15 to 18):
+//! implicit. Every contact keeps a tangential stretch u from step to step, as a bristle does that bends before it
+//! slides, so that what sticks does not creep:
 //!
 //! ```text
-//! D(u) = mu lambda f(|u|),   f' = 2 y/eps - y²/eps² for y < eps, else 1        u: tangential slip of the step [m]
+//! u = u_n + T (x - x_n)            x_n: start of the step;  T: tangential part of the relative motion
+//! D(u) = mu lambda f(|u|),   f' = 2 y/eps - y²/eps² for y < eps, else 1
+//! after the step: u_n <- u min(1, eps/|u|)
 //! ```
 //!
-//! Below `eps` the pair sticks but for a slip of that size; `eps` follows the step so that the creep velocity is set.
+//! The smooth f is that of Li et al. 2020 ("Incremental Potential Contact", eq. 15 to 18). There u is the slip of
+//! the step alone, and a load below the limit slides at a creep velocity for ever; with the kept stretch it comes to
+//! rest within eps. The stretch is kept as a share of eps, which grows with the step: force and place stay as they
+//! are when the step changes.
+//!
+//! A contact that sticks holds up to `stiction` times what it bears while it slides.
 
+use super::candidates::PairKind;
+use super::places::Places;
 use crate::energy::{BlockSink, add_symmetric};
 use crate::math::{Mat3, Vec3};
+use rustc_hash::FxHashMap;
+
+/// What names a contact from step to step: the kind of pair (none for a plane) and its points.
+type Key = (Option<PairKind>, [u32; 4]);
 
 /// One lagged contact.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Slider {
-    /// The points in contact; unused ones have weight 0 and repeat the first.
+    /// The kind of pair; none for a plane.
+    pub kind: Option<PairKind>,
+    /// The points in contact, those of the body after those of the cloth; unused ones have weight 0 and repeat the
+    /// first.
     pub points: [u32; 4],
-    /// Signed weights: slip = sum w_i (x_i - start_i), tangential part.
+    /// Signed weights: relative motion = sum w_i (x_i - start_i).
     pub weights: [f64; 4],
     /// Unit normal.
     pub normal: Vec3,
     /// Friction coefficient times normal force [N].
     pub limit: f64,
+    /// Stretch at the start of the step [m], across the normal.
+    pub stretch: Vec3,
 }
 
 /// All sliders of a step.
@@ -28,28 +47,74 @@ pub(super) struct Slider {
 pub(super) struct Friction {
     pub sliders: Vec<Slider>,
     /// Positions at the start of the step [m].
-    pub start: Vec<Vec3>,
-    /// Slip below which a contact sticks [m].
-    pub stick: f64,
+    start: Vec<Vec3>,
+    body_start: Vec<Vec3>,
+    /// Stretch at which a contact begins to slide [m].
+    stick: f64,
+    /// How much more a contact bears that sticks.
+    stiction: f64,
+    /// Stretch after the last accepted step, as a share of `stick`.
+    kept: FxHashMap<Key, Vec3>,
 }
 
+/// A contact counts as sliding above this share of `stick`.
+const SLIDES: f64 = 1.0 - 1e-9;
+
 impl Friction {
+    /// Starts a step at these places without any slider.
+    pub fn begin(&mut self, places: Places, stick: f64, stiction: f64) {
+        self.sliders.clear();
+        self.start.clear();
+        self.start.extend_from_slice(places.cloth);
+        self.body_start.clear();
+        self.body_start.extend_from_slice(places.body);
+        self.stick = stick;
+        self.stiction = stiction;
+    }
+
+    /// Adds a contact; its stretch is taken from what was kept, turned into the present tangent plane.
+    pub fn add(&mut self, mut slider: Slider) {
+        if let Some(kept) = self.kept.get(&(slider.kind, slider.points)) {
+            let across = kept - slider.normal * slider.normal.dot(kept);
+            let length = across.norm();
+            if length > 0.0 {
+                slider.stretch = across * (self.stick * kept.norm() / length);
+            }
+            if kept.norm() < SLIDES {
+                slider.limit *= self.stiction;
+            }
+        }
+        self.sliders.push(slider);
+    }
+
+    /// The step is over at these places: keeps every contact's stretch.
+    pub fn accept(&mut self, places: Places) {
+        self.kept.clear();
+        for s in &self.sliders {
+            let u = self.slip(s, places);
+            let y = u.norm();
+            let share = if y < self.stick { u / self.stick } else { u / y };
+            self.kept.insert((s.kind, s.points), share);
+        }
+    }
+
     #[inline]
-    fn slip(&self, s: &Slider, x: &[Vec3]) -> Vec3 {
+    fn slip(&self, s: &Slider, places: Places) -> Vec3 {
+        let start = Places { cloth: &self.start, body: &self.body_start };
         let mut u = Vec3::zeros();
         for (&p, &w) in s.points.iter().zip(&s.weights) {
-            u += (x[p as usize] - self.start[p as usize]) * w;
+            u += (places.at(p) - start.at(p)) * w;
         }
-        u - s.normal * s.normal.dot(&u)
+        u - s.normal * s.normal.dot(&u) + s.stretch
     }
 
     /// Dissipation potential [J].
-    pub fn value(&self, x: &[Vec3]) -> f64 {
+    pub fn value(&self, places: Places) -> f64 {
         let e = self.stick;
         let potential = |y: f64| {
             if y < e { y * y / e - y * y * y / (3.0 * e * e) + e / 3.0 } else { y }
         };
-        self.sliders.iter().map(|s| s.limit * potential(self.slip(s, x).norm())).sum()
+        self.sliders.iter().map(|s| s.limit * potential(self.slip(s, places).norm())).sum()
     }
 
     /// f'(y) / y [1/m] and f''(y) [1/m].
@@ -59,42 +124,166 @@ impl Friction {
         if y < e { ((2.0 - y / e) / e, (2.0 - 2.0 * y / e) / e) } else { (1.0 / y, 0.0) }
     }
 
-    /// Adds the gradient [N].
-    pub fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) {
+    /// Force with which one contact resists, as a gradient by its relative motion [N].
+    pub fn force(&self, s: &Slider, places: Places) -> Vec3 {
+        let u = self.slip(s, places);
+        u * (s.limit * self.stiffness(u.norm()).0)
+    }
+
+    /// Adds the gradient by the points of the cloth [N].
+    pub fn add_gradient(&self, places: Places, out: &mut [Vec3]) {
         for s in &self.sliders {
-            let u = self.slip(s, x);
-            let force = u * (s.limit * self.stiffness(u.norm()).0);
-            for (&p, &w) in s.points.iter().zip(&s.weights) {
-                out[p as usize] += force * w;
-            }
+            spread(out, &s.points, &s.weights, &self.force(s, places));
         }
     }
 
-    /// Adds the Hessian, which is positive.
-    pub fn add_hessian(&self, x: &[Vec3], out: &mut dyn BlockSink) {
+    /// The Hessian of one contact by its relative motion [N/m], which is positive.
+    pub fn block(&self, s: &Slider, places: Places) -> Mat3 {
+        let u = self.slip(s, places);
+        let y = u.norm();
+        let (across, along) = self.stiffness(y);
+        let mut block = (Mat3::identity() - s.normal * s.normal.transpose()) * across;
+        if y > 0.0 {
+            block -= u * u.transpose() * ((across - along) / (y * y));
+        }
+        block * s.limit
+    }
+
+    /// Adds the Hessian by the points of the cloth.
+    pub fn add_hessian(&self, places: Places, out: &mut dyn BlockSink) {
         for s in &self.sliders {
-            let u = self.slip(s, x);
-            let y = u.norm();
-            let (across, along) = self.stiffness(y);
-            let mut block = (Mat3::identity() - s.normal * s.normal.transpose()) * across;
-            if y > 0.0 {
-                block -= u * u.transpose() * ((across - along) / (y * y));
-            }
-            block *= s.limit;
-            add_weighted(out, &s.points, &s.weights, &block);
+            add_weighted(out, places.cloth.len(), &s.points, &s.weights, &self.block(s, places));
         }
     }
 }
 
-/// Adds w_i w_j `block` for every pair of the four points.
+/// Adds w_i `force` for those of the four points that are cloth (the first `out.len()`).
 #[inline]
-pub(super) fn add_weighted(out: &mut dyn BlockSink, points: &[u32; 4], weights: &[f64; 4], block: &Mat3) {
+pub(super) fn spread(out: &mut [Vec3], points: &[u32; 4], weights: &[f64; 4], force: &Vec3) {
+    for (&p, &w) in points.iter().zip(weights) {
+        if let Some(out) = out.get_mut(p as usize) {
+            *out += force * w;
+        }
+    }
+}
+
+/// Adds w_i w_j `block` for every pair of the four points that are cloth (the first `count`).
+#[inline]
+pub(super) fn add_weighted(
+    out: &mut dyn BlockSink,
+    count: usize,
+    points: &[u32; 4],
+    weights: &[f64; 4],
+    block: &Mat3,
+) {
     for i in 0..4 {
         for j in 0..=i {
             let share = weights[i] * weights[j];
-            if share != 0.0 {
+            if share != 0.0 && (points[i] as usize) < count && (points[j] as usize) < count {
                 add_symmetric(out, points[i], points[j], &(block * share));
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn on_the_ground(limit: f64) -> Slider {
+        Slider {
+            kind: None,
+            points: [0; 4],
+            weights: [1.0, 0.0, 0.0, 0.0],
+            normal: Vec3::y(),
+            limit,
+            stretch: Vec3::zeros(),
+        }
+    }
+
+    fn at(x: &[Vec3; 1]) -> Places<'_> {
+        Places { cloth: x, body: &[] }
+    }
+
+    /// Drags a point along by `ways` [m], one accepted step each; the force after each.
+    fn dragged(ways: &[f64], stick: f64) -> Vec<f64> {
+        let mut friction = Friction::default();
+        let mut x = [Vec3::zeros()];
+        let mut forces = Vec::new();
+        for way in ways {
+            friction.begin(at(&x), stick, 1.0);
+            friction.add(on_the_ground(2.0));
+            x[0].x += way;
+            forces.push(friction.force(&friction.sliders[0], at(&x)).x);
+            friction.accept(at(&x));
+        }
+        forces
+    }
+
+    #[test]
+    fn a_stretch_below_the_limit_is_kept_and_one_above_slides() {
+        let forces = dragged(&[0.5e-5, 0.0, 0.0, 3e-5, 1e-7, -1e-5, -1e-5], 1e-5);
+        assert!((forces[0] - 1.5).abs() < 1e-12, "2 (2 y - y²) at y = 1/2");
+        assert_eq!(forces[..3], [forces[0]; 3], "no creep");
+        assert_eq!(forces[3..5], [2.0, 2.0], "the limit, however far");
+        assert!(forces[5].abs() < 1e-9 && forces[6] == -2.0, "let go, then the other way: {forces:?}");
+    }
+
+    #[test]
+    fn force_and_place_stay_when_the_step_changes() {
+        let mut friction = Friction::default();
+        let mut x = [Vec3::zeros()];
+        friction.begin(at(&x), 1e-5, 1.0);
+        friction.add(on_the_ground(2.0));
+        x[0].z = 0.3e-5;
+        let before = friction.force(&friction.sliders[0], at(&x));
+        friction.accept(at(&x));
+        friction.begin(at(&x), 7e-4, 1.0);
+        friction.add(on_the_ground(2.0));
+        assert!((friction.force(&friction.sliders[0], at(&x)) - before).norm() < 1e-12);
+    }
+
+    #[test]
+    fn gradient_and_hessian_match_differences() {
+        let mut friction = Friction::default();
+        let mut x = [Vec3::zeros()];
+        friction.begin(at(&x), 1e-3, 1.0);
+        friction.add(on_the_ground(3.0));
+        x[0] = Vec3::new(2e-4, 0.0, -3e-4);
+        friction.accept(at(&x));
+        friction.begin(at(&x), 1e-3, 1.0);
+        friction.add(on_the_ground(3.0));
+        for way in [Vec3::new(1e-4, 2e-4, 3e-4), Vec3::new(2e-3, 0.0, 1e-3)] {
+            let here = [x[0] + way];
+            let e = 1e-8;
+            let force = friction.force(&friction.sliders[0], at(&here));
+            let block = friction.block(&friction.sliders[0], at(&here));
+            for axis in 0..3 {
+                let (mut up, mut down) = (here, here);
+                up[0][axis] += e;
+                down[0][axis] -= e;
+                let slope = (friction.value(at(&up)) - friction.value(at(&down))) / (2.0 * e);
+                assert!((slope - force[axis]).abs() < 1e-6 * 3.0, "{slope} {force}");
+                let [f, g] = [&up, &down].map(|x| friction.force(&friction.sliders[0], at(x)));
+                assert!(((f - g) / (2.0 * e) - block.column(axis)).norm() < 1e-5 * block.norm());
+            }
+        }
+    }
+
+    #[test]
+    fn what_sticks_bears_more_until_it_slides() {
+        let mut friction = Friction::default();
+        let mut x = [Vec3::zeros()];
+        let mut force_after = |way: f64, friction: &mut Friction| {
+            friction.begin(at(&x), 1e-5, 1.5);
+            friction.add(on_the_ground(2.0));
+            x[0].x += way;
+            let force = friction.force(&friction.sliders[0], at(&x)).x;
+            friction.accept(at(&x));
+            force
+        };
+        assert_eq!(force_after(0.1e-5, &mut friction), 2.0 * (0.2 - 0.01));
+        assert_eq!(force_after(1e-4, &mut friction), 3.0, "torn loose at the static limit");
+        assert_eq!(force_after(1e-4, &mut friction), 2.0, "sliding");
     }
 }

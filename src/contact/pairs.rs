@@ -1,10 +1,17 @@
-//! Cloth against cloth: point-triangle and edge-edge pairs within the contact distance, and the bound on motion.
+//! Cloth against cloth and against a body: point-triangle and edge-edge pairs within the contact distance, and the
+//! bound on motion.
+//!
+//! The points of the body follow those of the cloth in one numbering. In a solve the body stands still where it has
+//! come to; only [`PairContact::advance`] moves it, together with the cloth.
 
 use super::ContactSettings;
 use super::barrier;
+use super::body::{Body, edge_area};
 use super::bound::local_step_fractions;
-use super::candidates::{CandidateFinder, Candidates, PairKind, Quad};
-use crate::math::Vec3;
+use super::candidates::{CandidateFinder, Candidates, CandidatesBetween, PairKind, Quad};
+use super::entangled::{Entangled, Mesh};
+use super::places::Places;
+use crate::math::{Vec3, bounds};
 use crate::mesh::distance::Gap;
 use crate::mesh::tree::TriangleTree;
 use crate::mesh::{PointIndex, Topology};
@@ -13,6 +20,8 @@ use rayon::prelude::*;
 /// A pair within its contact distance.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Touch {
+    pub kind: PairKind,
+    /// Points of the body are counted on from those of the cloth.
     pub points: [u32; 4],
     /// Signed: distance vector = sum w_i x_i.
     pub weights: [f64; 4],
@@ -31,30 +40,70 @@ pub(super) struct Touch {
 struct Pair {
     points: [u32; 4],
     kind: PairKind,
-    /// Contact distance [m]: shorter for pairs that are near by construction (beside a seam).
+    /// Contact distance [m]: shorter for pairs that are near by construction (beside a seam) or were at the start.
     reach: f64,
     /// Area the pair stands for [m²].
     area: f64,
+    /// Whether it is left alone because it crosses.
+    free: bool,
 }
 
 pub(super) struct PairContact {
     distance: f64,
     stiffness: f64,
+    between_layers: bool,
     rest: Vec<Vec3>,
     triangles: Vec<[PointIndex; 3]>,
+    triangle_edges: Vec<[u32; 3]>,
     edges: Vec<[u32; 2]>,
     point_area: Vec<f64>,
     edge_area: Vec<f64>,
     finder: CandidateFinder,
+    body: Option<Body>,
+    /// Whether the body takes part.
+    body_acts: bool,
     pairs: Vec<Pair>,
     /// Points that stay where they are during the step, one flag per point; empty for none.
-    pub asleep: Vec<bool>,
+    asleep: Vec<bool>,
+    /// Per point: contact distance at most [m]; less than the thickness where something was nearer at the start.
+    room: Vec<f64>,
+    /// When nothing was near in a wide search, where the points were then [m], and how wide it was [m].
+    clear: Option<(Vec<Vec3>, f64)>,
+    /// Steps until a wide search is worth trying again.
+    search_after: u32,
+    /// What crosses since the start; none before the first step (or the first with a body).
+    entangled: Option<Entangled>,
+}
+
+/// How a move is tested.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Rule {
+    /// Every point by its own share; what crosses at the start may pass.
+    Single,
+    /// All points by the same share; what crosses at the start may pass.
+    SingleTogether,
+    /// All points by the same share, and nothing may pass.
+    Together,
+    /// The body moves, too, and presses no layer below the inner part of the contact distance.
+    Led,
+    /// The same, and nothing may pass.
+    LedFrozen,
 }
 
 /// Pairs that are this near in the rest shape push apart only below this share of their rest distance.
 const REST_SHARE: f64 = 0.9;
 /// Candidates reach this many contact distances, so that the pattern of the linear system can look ahead.
 const CANDIDATE_MARGIN: f64 = 1.5;
+/// A moving body presses layers together to this share of the contact distance and no further: there it waits.
+const SQUEEZED: f64 = 0.3;
+/// Where they are nearer already it takes up to this share of the gap: nothing, but that they must be free to part.
+const BARELY: f64 = 0.02;
+/// A wide search reaches this many times as far as the others.
+const WIDE: f64 = 4.0;
+/// After a wide search that found something the next waits this many steps.
+const WAIT: u32 = 16;
+/// A contact distance that had to start small reaches the thickness in this time [s].
+const ROOM_TIME: f64 = 0.25;
 
 impl PairContact {
     pub fn new(
@@ -64,55 +113,329 @@ impl PairContact {
         topology: &Topology,
         area: &[f64],
     ) -> Self {
-        // An edge stands for a third of the area of its two ends' share along it: sum over edges = sum over points.
-        let mut degree = vec![0.0f64; rest.len()];
         let edges: Vec<[u32; 2]> = topology.edges.iter().map(|e| e.map(|p| p.0)).collect();
-        for e in &edges {
-            e.iter().for_each(|&p| degree[p as usize] += 1.0);
-        }
-        let share = |p: u32| area[p as usize] / degree[p as usize].max(1.0);
-        let edge_area = edges.iter().map(|e| share(e[0]) + share(e[1])).collect();
         Self {
             distance: settings.distance,
             stiffness: settings.stiffness,
+            between_layers: settings.between_layers,
             rest: rest.to_vec(),
             triangles: triangles.to_vec(),
+            triangle_edges: topology.triangle_edges.clone(),
+            edge_area: edge_area(&edges, area),
             edges,
             point_area: area.to_vec(),
-            edge_area,
             finder: CandidateFinder::new(rest, triangles, topology),
+            body: None,
+            body_acts: false,
             pairs: Vec::new(),
             asleep: Vec::new(),
+            room: vec![settings.distance; rest.len()],
+            clear: None,
+            search_after: 0,
+            entangled: None,
         }
     }
 
-    fn take(&mut self, found: Candidates) {
-        let point = |&[p, f]: &[u32; 2]| {
-            let t = self.triangles[f as usize].map(|c| c.0);
-            (([p, t[0], t[1], t[2]]), PairKind::PointTriangle, 0.5 * self.point_area[p as usize])
-        };
-        let edge = |&[a, b]: &[u32; 2]| {
-            let (e, f) = (self.edges[a as usize], self.edges[b as usize]);
-            let area = 0.25 * (self.edge_area[a as usize] + self.edge_area[b as usize]);
-            (([e[0], e[1], f[0], f[1]]), PairKind::EdgeEdge, area)
-        };
-        let rest = &self.rest;
-        let distance = self.distance;
-        self.pairs = found
-            .point_triangle
-            .par_iter()
-            .map(point)
-            .chain(found.edge_edge.par_iter().map(edge))
-            .map(|(points, kind, area)| {
-                let near = gap(rest, &points, kind).distance;
-                Pair { points, kind, reach: distance.min(REST_SHARE * near), area }
-            })
-            .collect();
+    pub fn set_body(&mut self, body: Option<Body>) {
+        self.body = body;
+        self.body_acts = false;
     }
 
-    pub fn look_around(&mut self, x: &[Vec3]) {
-        let found = self.finder.find(x, x, CANDIDATE_MARGIN * self.distance, true, &sleeps(&self.asleep));
-        self.take(found);
+    pub fn body(&self) -> Option<&Body> {
+        self.body.as_ref()
+    }
+
+    /// See [`super::Contact::aim_body`].
+    pub fn aim_body(&mut self, target: Option<&[Vec3]>) {
+        let acts = target.is_some() && self.body.is_some();
+        if acts && !self.body_acts {
+            // Whoever brings a body in may have put it anywhere.
+            self.entangled = None;
+        }
+        self.body_acts = acts;
+        if let (Some(body), Some(target)) = (&mut self.body, target) {
+            body.aim(target);
+        }
+    }
+
+    /// See [`super::Contact::keep_crossings`].
+    pub fn keep_crossings(&mut self) {
+        self.entangled = Some(Entangled::default());
+        self.room.fill(self.distance);
+    }
+
+    /// Whether a body takes part.
+    pub fn body_acts(&self) -> bool {
+        self.body_acts
+    }
+
+    /// The body, if it takes part.
+    fn acting(&self) -> Option<&Body> {
+        self.body.as_ref().filter(|_| self.body_acts)
+    }
+
+    /// Where cloth and body are.
+    pub fn places<'a>(&'a self, x: &'a [Vec3]) -> Places<'a> {
+        Places { cloth: x, body: self.acting().map_or(&[], |body| &body.now) }
+    }
+
+    fn mesh<'a>(&'a self, x: &'a [Vec3]) -> Mesh<'a> {
+        Mesh {
+            x,
+            triangles: &self.triangles,
+            triangle_edges: &self.triangle_edges,
+            edge_count: self.edges.len(),
+        }
+    }
+
+    // ---- Who is near ----
+
+    /// Starts a step in which the points that are `held` do not move: what crosses, and who is near.
+    pub fn begin(&mut self, x: &[Vec3], held: &[bool]) {
+        self.asleep.clear();
+        self.asleep.extend_from_slice(held);
+        let first = self.entangled.is_none();
+        let still = vec![Vec3::zeros(); x.len()];
+        if self.entangled.as_ref().is_some_and(|e| !e.is_empty()) {
+            self.look(x, &still, None, true);
+            let before: Vec<bool> = self.pairs.iter().map(|pair| pair.free).collect();
+            self.count_crossings(x);
+            self.look(x, &still, None, true);
+            // The same pairs in the same order: those that have come apart start with the distance they have.
+            let parted = self.pairs.iter().zip(before).filter(|(pair, was_free)| *was_free && !pair.free);
+            let parted: Vec<Pair> = parted.map(|(pair, _)| *pair).collect();
+            self.start_from_where_they_are(x, &parted);
+            return;
+        }
+        if first {
+            self.count_crossings(x);
+        }
+        self.look_wide(x);
+        self.look(x, &still, None, true);
+        if first && self.body_acts {
+            // Cloth that starts nearer to the body than its thickness is not thrown off.
+            let near: Vec<Pair> =
+                self.pairs.iter().filter(|pair| !pair.free && self.is_with_body(pair)).copied().collect();
+            self.start_from_where_they_are(x, &near);
+        }
+    }
+
+    /// Looks wide, now and then: cloth of which no two parts are near needs no other search until it has bent.
+    fn look_wide(&mut self, x: &[Vec3]) {
+        let still = vec![Vec3::zeros(); x.len()];
+        let reach = CANDIDATE_MARGIN * self.distance;
+        if !self.between_layers || self.stays_clear(x, &still, reach, true) {
+            return;
+        }
+        self.clear = None;
+        self.search_after = self.search_after.saturating_sub(1);
+        if self.search_after == 0 {
+            if self.finder.find(x, x, WIDE * reach, true, &|_| false).is_empty() {
+                self.clear = Some((x.to_vec(), WIDE * reach));
+            } else {
+                self.search_after = WAIT;
+            }
+        }
+    }
+
+    /// Whether the wide search shows that no pair can come within `reach` [m] on the way from `x` by `d`: then neither
+    /// point of a pair has come nearer than by its own way since, common motion left out.
+    fn stays_clear(&self, x: &[Vec3], d: &[Vec3], reach: f64, together: bool) -> bool {
+        let Some((at, wide)) = &self.clear else { return false };
+        let ways: Vec<Vec3> = x.iter().zip(at).map(|(x, at)| x - at).collect();
+        let ends: Vec<Vec3> = ways.iter().zip(d).map(|(way, d)| way + d).collect();
+        let farthest = |ways: &[Vec3]| {
+            let common = mean(ways);
+            // Written so that what is not finite is far.
+            ways.iter().map(|way| (way - common).norm()).fold(0.0, |a: f64, b| if b <= a { a } else { b })
+        };
+        let way = if together {
+            farthest(&ways).max(farthest(&ends))
+        } else {
+            farthest(&ways) + d.iter().map(|d| d.norm()).fold(0.0, |a: f64, b| if b <= a { a } else { b })
+        };
+        (reach + 2.0 * way) * (1.0 + 1e-9) <= *wide
+    }
+
+    fn count_crossings(&mut self, x: &[Vec3]) {
+        let found = Entangled::find(self.mesh(x), self.acting(), self.entangled.as_ref());
+        self.entangled = Some(found);
+    }
+
+    /// The contact distance of the points of these pairs starts below their gap, and grows.
+    fn start_from_where_they_are(&mut self, x: &[Vec3], pairs: &[Pair]) {
+        let places = self.places(x);
+        let mut room = self.room.clone();
+        for pair in pairs {
+            let near = REST_SHARE * gap(places, &pair.points, pair.kind).distance;
+            for p in pair.points {
+                if let Some(room) = room.get_mut(p as usize) {
+                    *room = room.min(near);
+                }
+            }
+        }
+        self.room = room;
+        let room = &self.room;
+        let most = |points: &[u32; 4]| {
+            points.iter().filter_map(|p| room.get(*p as usize)).copied().fold(f64::INFINITY, f64::min)
+        };
+        self.pairs.iter_mut().for_each(|pair| pair.reach = pair.reach.min(most(&pair.points)));
+    }
+
+    /// The step of `h` seconds is over at `x`.
+    pub fn accept(&mut self, x: &[Vec3], h: f64) {
+        if self.room.iter().any(|room| *room < self.distance) {
+            self.let_room_grow(x, h);
+        }
+        if self.body_acts
+            && let Some(body) = &mut self.body
+        {
+            body.accept();
+        }
+    }
+
+    /// Contact distances that had to start small grow: with time, and never beyond where they push gently.
+    fn let_room_grow(&mut self, x: &[Vec3], h: f64) {
+        let places = self.places(x);
+        let mut nearest = vec![f64::INFINITY; x.len()];
+        for pair in self.pairs.iter().filter(|pair| !pair.free) {
+            if pair.points.iter().any(|p| self.room.get(*p as usize).is_some_and(|r| *r < self.distance)) {
+                let near = gap(places, &pair.points, pair.kind).distance;
+                for p in pair.points {
+                    if let Some(nearest) = nearest.get_mut(p as usize) {
+                        *nearest = nearest.min(near);
+                    }
+                }
+            }
+        }
+        let growth = self.distance * h / ROOM_TIME;
+        for (room, near) in self.room.iter_mut().zip(nearest) {
+            *room = room.max((*room + growth).min(2.0 * near).min(self.distance));
+        }
+    }
+
+    fn is_with_body(&self, pair: &Pair) -> bool {
+        pair.points.iter().any(|p| *p as usize >= self.rest.len())
+    }
+
+    /// Takes up who may come near while the cloth goes by `d` and the body by `body_way` (or stands).
+    fn look(&mut self, x: &[Vec3], d: &[Vec3], body_way: Option<&[Vec3]>, together: bool) {
+        // Going together, only what moves against one another matters: cloth that falls as a whole sweeps nothing.
+        let common = if together { mean(d) } else { Vec3::zeros() };
+        let end: Vec<Vec3> = x.iter().zip(d).map(|(x, d)| x + (d - common)).collect();
+        let reach = CANDIDATE_MARGIN * self.distance;
+        let own = if self.between_layers && !self.stays_clear(x, d, reach, together) {
+            self.finder.find(x, &end, reach, together, &sleeps(&self.asleep))
+        } else {
+            Candidates::default()
+        };
+        let mut between = CandidatesBetween::default();
+        if let Some(body) = self.body.as_mut().filter(|_| self.body_acts) {
+            let body_end: Vec<Vec3> = match body_way {
+                Some(way) => body.now.iter().zip(way).map(|(x, d)| x + (d - common)).collect(),
+                None => body.now.iter().map(|x| x - common).collect(),
+            };
+            let boxes = |a: &[Vec3], b: &[Vec3]| {
+                let ((low, high), (low_end, high_end)) = (bounds(a), bounds(b));
+                (low.inf(&low_end), high.sup(&high_end))
+            };
+            let (cloth, there) = (boxes(x, &end), boxes(&body.now, &body_end));
+            // Not written as `apart`: what is not finite must be looked at.
+            let meet = (0..3).all(|k| !(cloth.0[k] - there.1[k] > reach || there.0[k] - cloth.1[k] > reach));
+            if meet {
+                between = self.finder.find_between(x, &end, &mut body.finder, &body.now, &body_end, reach);
+            }
+        }
+        self.take(own, between);
+    }
+
+    fn take(&mut self, own: Candidates, between: CandidatesBetween) {
+        let count = self.rest.len() as u32;
+        let corners = |f: u32| self.triangles[f as usize].map(|c| c.0);
+        let edge = |e: u32| self.edges[e as usize];
+        let entangled = self.entangled.as_ref().filter(|e| !e.is_empty());
+        let pair = |kind, points: [u32; 4], area, free: &dyn Fn(&Entangled) -> bool| {
+            let room = points.iter().filter_map(|p| self.room.get(*p as usize)).copied();
+            let mut reach = room.fold(self.distance, f64::min);
+            if points.iter().all(|p| *p < count) {
+                let rest = Places { cloth: &self.rest, body: &[] };
+                reach = reach.min(REST_SHARE * gap(rest, &points, kind).distance);
+            }
+            Pair { points, kind, reach, area, free: entangled.is_some_and(free) }
+        };
+        let point = |&[p, f]: &[u32; 2]| {
+            let [a, b, c] = corners(f);
+            let area = 0.5 * self.point_area[p as usize];
+            pair(PairKind::PointTriangle, [p, a, b, c], area, &|entangled| entangled.frees_point(p, f))
+        };
+        let edges = |&[e, f]: &[u32; 2]| {
+            let ([a, b], [c, d]) = (edge(e), edge(f));
+            let area = 0.25 * (self.edge_area[e as usize] + self.edge_area[f as usize]);
+            pair(PairKind::EdgeEdge, [a, b, c, d], area, &|entangled| entangled.frees_edges(e, f))
+        };
+        let mut pairs: Vec<Pair> =
+            own.point_triangle.par_iter().map(point).chain(own.edge_edge.par_iter().map(edges)).collect();
+        if let Some(body) = self.acting() {
+            let there = |f: u32| body.triangles[f as usize].map(|c| c.0 + count);
+            pairs.extend(between.point_triangle.iter().map(|&[p, f]| {
+                let [a, b, c] = there(f);
+                let area = 0.5 * self.point_area[p as usize];
+                pair(PairKind::PointTriangle, [p, a, b, c], area, &|e| e.frees_point_of_cloth(p, f))
+            }));
+            // A coarse body must not push harder than the cloth it meets weighs in, nor a fine one add up.
+            pairs.extend(between.triangle_point.iter().map(|&[p, f]| {
+                let [a, b, c] = corners(f);
+                let around = [a, b, c].iter().map(|&p| self.point_area[p as usize]).fold(0.0, f64::max);
+                let area = 0.5 * body.point_area[p as usize].min(around);
+                pair(PairKind::PointTriangle, [p + count, a, b, c], area, &|e| e.frees_point_of_body(f, p))
+            }));
+            pairs.extend(between.edge_edge.iter().map(|&[e, f]| {
+                let ([a, b], [c, d]) = (edge(e), body.edges[f as usize].map(|p| p + count));
+                let area = 0.5 * self.edge_area[e as usize].min(body.edge_area[f as usize]);
+                pair(PairKind::EdgeEdge, [a, b, c, d], area, &|entangled| {
+                    entangled.frees_edges_with_body(e, f)
+                })
+            }));
+        }
+        self.pairs = pairs;
+    }
+
+    // ---- Response ----
+
+    /// All pairs within their contact distance at `x`, in a fixed order.
+    pub fn touches(&self, x: &[Vec3]) -> Vec<Touch> {
+        self.touches_within(x, 1.0)
+    }
+
+    /// The same for pairs within `margin` times their contact distance (as far as they are candidates).
+    pub fn touches_within(&self, x: &[Vec3], margin: f64) -> Vec<Touch> {
+        let places = self.places(x);
+        self.pairs
+            .par_iter()
+            .filter(|pair| !pair.free)
+            .filter_map(|pair| {
+                let gap = gap(places, &pair.points, pair.kind);
+                (gap.distance < margin * pair.reach).then(|| Touch {
+                    kind: pair.kind,
+                    points: pair.points,
+                    weights: gap.weights,
+                    normal: if gap.distance > 0.0 { gap.vector / gap.distance } else { Vec3::y() },
+                    distance: gap.distance.max(1e-12),
+                    reach: pair.reach,
+                    stiffness: self.stiffness * pair.area,
+                })
+            })
+            .collect()
+    }
+
+    /// Whether more crosses at `x` than when the step began.
+    pub fn is_worse_at(&self, x: &[Vec3]) -> bool {
+        self.entangled.as_ref().is_some_and(|e| e.is_worse_at(self.mesh(x), self.acting()))
+    }
+
+    /// What crosses since the start: pairs of the cloth's triangles, and (cloth, body).
+    pub fn entangled(&self) -> (&[[u32; 2]], &[[u32; 2]]) {
+        self.entangled.as_ref().map_or((&[], &[]), |e| (&e.layers, &e.with_body))
     }
 
     /// See [`super::Contact::uncovered_area`].
@@ -135,71 +458,110 @@ impl PairContact {
         area
     }
 
-    /// All pairs within their contact distance at `x`, in a fixed order.
-    pub fn touches(&self, x: &[Vec3]) -> Vec<Touch> {
-        self.touches_within(x, 1.0)
-    }
-
-    /// The same for pairs within `margin` times their contact distance (as far as they are candidates).
-    pub fn touches_within(&self, x: &[Vec3], margin: f64) -> Vec<Touch> {
-        self.pairs
-            .par_iter()
-            .filter_map(|pair| {
-                let gap = gap(x, &pair.points, pair.kind);
-                (gap.distance < margin * pair.reach).then(|| Touch {
-                    points: pair.points,
-                    weights: gap.weights,
-                    normal: if gap.distance > 0.0 { gap.vector / gap.distance } else { Vec3::y() },
-                    distance: gap.distance.max(1e-12),
-                    reach: pair.reach,
-                    stiffness: self.stiffness * pair.area,
-                })
-            })
-            .collect()
-    }
+    // ---- Bound ----
 
     /// See [`super::Contact::bound_motion`].
     ///
-    /// Candidates hold for any fractions of the moves; every point then gets the fraction that keeps its pairs
-    /// apart (`bound`). A pair may use up most of its gap in one go but not all of it: the barrier must have a say
-    /// before layers come really near, or a gain elsewhere would squeeze them to nothing.
+    /// Most moves bring nobody together: they are found free with all points going by the same share, which needs only
+    /// the pairs that come near in that motion. Else candidates hold for any fractions of the moves; every point then
+    /// gets the fraction that keeps its pairs apart (`bound`). A pair may use up most of its gap in one go but not all
+    /// of it: the barrier must have a say before layers come really near, or a gain elsewhere would squeeze them to
+    /// nothing.
     pub fn bound_motion(&mut self, x: &[Vec3], d: &mut [Vec3]) {
-        let (quads, floors) = self.on_the_way(x, d, false);
-        let bounded = local_step_fractions(&quads, &floors, x, d).apply(d);
-        d.copy_from_slice(&bounded);
+        let way = self.on_the_way(x, d, None, Rule::SingleTogether);
+        if way.common_share() >= 1.0 {
+            return;
+        }
+        let way = self.on_the_way(x, d, None, Rule::Single);
+        let bounded =
+            local_step_fractions(&way.quads, &way.floors, &way.from, &way.motion).apply(&way.motion);
+        d.copy_from_slice(&bounded[..d.len()]);
     }
 
     /// See [`super::Contact::bound_together`].
     pub fn bound_together(&mut self, x: &[Vec3], d: &mut [Vec3]) {
-        let (quads, floors) = self.on_the_way(x, d, true);
-        let safe: Vec<f64> =
-            quads.par_iter().zip(&floors).map(|(quad, floor)| quad.step(x, d, *floor)).collect();
-        let least = safe.into_iter().fold(1.0, f64::min);
+        let least = self.on_the_way(x, d, None, Rule::Together).common_share();
         d.iter_mut().for_each(|d| *d *= least);
     }
 
-    /// Takes up the candidates for the way from x to x + d: the pairs, and how near each may come.
-    fn on_the_way(&mut self, x: &[Vec3], d: &[Vec3], together: bool) -> (Vec<Quad>, Vec<f64>) {
-        let end: Vec<Vec3> = x.iter().zip(d).map(|(x, d)| x + d).collect();
-        let reach = CANDIDATE_MARGIN * self.distance;
-        let found = self.finder.find(x, &end, reach, together, &sleeps(&self.asleep));
-        self.take(found);
-        self.pairs
+    /// Moves the cloth by `d` and the body towards its target, each point as far as all stay apart.
+    pub fn advance(&mut self, x: &mut [Vec3], d: &[Vec3]) {
+        let Some(body) = self.acting() else { return };
+        let (before, body_way) = (body.now.clone(), body.way());
+        for rule in [Rule::Led, Rule::LedFrozen] {
+            let way = self.on_the_way(x, d, Some(&body_way), rule);
+            let moves =
+                local_step_fractions(&way.quads, &way.floors, &way.from, &way.motion).apply(&way.motion);
+            let end: Vec<Vec3> = x.iter().zip(&moves).map(|(x, d)| x + d).collect();
+            if let Some(body) = &mut self.body {
+                let there = before.iter().zip(&moves[x.len()..]);
+                body.now = there.map(|(x, d)| x + d).collect();
+            }
+            if rule == Rule::LedFrozen || !self.is_worse_at(&end) {
+                x.copy_from_slice(&end);
+                return;
+            }
+            if let Some(body) = &mut self.body {
+                body.now.clone_from(&before);
+            }
+        }
+    }
+
+    /// Takes up the candidates for a way: the pairs, and how near each may come.
+    fn on_the_way(&mut self, x: &[Vec3], d: &[Vec3], body_way: Option<&[Vec3]>, rule: Rule) -> Way {
+        self.look(x, d, body_way, matches!(rule, Rule::Together | Rule::SingleTogether));
+        let places = self.places(x);
+        let nothing_passes = matches!(rule, Rule::Together | Rule::LedFrozen);
+        let led = body_way.is_some();
+        let (quads, floors) = self
+            .pairs
             .par_iter()
+            .filter(|pair| nothing_passes || !pair.free)
             .map(|pair| {
-                let floor = barrier::floor(gap(x, &pair.points, pair.kind).distance, pair.reach);
+                let near = gap(places, &pair.points, pair.kind).distance;
+                let mut floor = barrier::floor(near, pair.reach);
+                if led {
+                    floor = floor.max((SQUEEZED * pair.reach).min((1.0 - BARELY) * near));
+                }
                 (Quad { kind: pair.kind, points: pair.points.map(PointIndex) }, floor)
             })
-            .unzip()
+            .unzip();
+        let mut motion = d.to_vec();
+        motion.extend_from_slice(body_way.unwrap_or(&[]));
+        motion.resize(x.len() + places.body.len(), Vec3::zeros());
+        Way { quads, floors, from: places.joined(), motion }
     }
 }
 
-/// Whether nothing of a pair can move.
+/// A motion to be bounded: pairs with their floors [m], positions and moves of cloth and body [m].
+struct Way {
+    quads: Vec<Quad>,
+    floors: Vec<f64>,
+    from: Vec<Vec3>,
+    motion: Vec<Vec3>,
+}
+
+impl Way {
+    /// The share of the motion that all points may go alike.
+    fn common_share(&self) -> f64 {
+        let pairs = self.quads.par_iter().zip(&self.floors);
+        let safe: Vec<f64> = pairs.map(|(quad, floor)| quad.step(&self.from, &self.motion, *floor)).collect();
+        safe.into_iter().fold(1.0, f64::min)
+    }
+}
+
+/// Mean of moves [m]; none when not all are finite.
+fn mean(d: &[Vec3]) -> Vec3 {
+    let mean = d.iter().sum::<Vec3>() / d.len().max(1) as f64;
+    if mean.sum().is_finite() { mean } else { Vec3::zeros() }
+}
+
+/// Whether nothing of a pair of the cloth can move.
 fn sleeps(asleep: &[bool]) -> impl Fn(Quad) -> bool + Sync + '_ {
     |quad| !asleep.is_empty() && quad.points.iter().all(|p| asleep[p.at()])
 }
 
 #[inline]
-fn gap(x: &[Vec3], points: &[u32; 4], kind: PairKind) -> Gap {
-    kind.gap(&points.map(|p| x[p as usize]))
+fn gap(places: Places, points: &[u32; 4], kind: PairKind) -> Gap {
+    kind.gap(&places.four(points))
 }

@@ -9,15 +9,18 @@
 
 use super::{BlockSink, Energy};
 use crate::math::{Mat3, Vec3};
+use serde::{Deserialize, Serialize};
 
 /// One spring.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Guide {
     /// The point drawn.
     pub point: u32,
     /// Where to [m].
+    #[serde(with = "crate::math::plain::vector")]
     pub target: Vec3,
     /// Unit direction of the stiff spring.
+    #[serde(with = "crate::math::plain::vector")]
     pub normal: Vec3,
     /// Stiffness along the normal [N/m].
     pub stiffness: f64,

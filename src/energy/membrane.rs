@@ -84,6 +84,11 @@ impl Membrane {
         self.stiffness
     }
 
+    /// Centre of triangle `f` at `x` [m].
+    pub fn centre(&self, f: usize, x: &[Vec3]) -> Vec3 {
+        self.corners[f].iter().map(|&p| x[p as usize]).sum::<Vec3>() / 3.0
+    }
+
     #[inline]
     fn axes(&self, f: usize, x: &[Vec3]) -> (Vec3, Vec3) {
         let ([i, j, k], b) = (self.corners[f], &self.derivative[f]);

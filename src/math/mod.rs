@@ -1,5 +1,7 @@
 //! Aliases and small pieces of algebra that the floors above share.
 
+pub mod plain;
+
 /// Point or vector in space [m].
 pub type Vec3 = nalgebra::Vector3<f64>;
 /// Point or vector in the material plane [m], or a texture coordinate [-].

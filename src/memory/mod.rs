@@ -136,6 +136,16 @@ impl Memory {
         self.frozen
     }
 
+    /// Whether it is of cloth with so many hinges and triangles.
+    pub fn fits(&self, hinge_count: usize, triangle_count: usize) -> bool {
+        let shape = &self.shape;
+        let hinges =
+            [shape.source_angle.len(), shape.rest_angle.len(), shape.stiffness_ratio.len(), self.hinge.len()];
+        let triangles =
+            [shape.rest_stretch_warp.len(), shape.rest_stretch_weft.len(), self.warp.len(), self.weft.len()];
+        hinges.iter().all(|n| *n == hinge_count) && triangles.iter().all(|n| *n == triangle_count)
+    }
+
     /// Writes what a step of `duration` [s] from `before` to `after` leaves in the cloth.
     pub fn commit(
         &mut self,

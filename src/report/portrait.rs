@@ -26,8 +26,36 @@ pub enum Show {
     Stiffness,
     /// Displacement from the garment's own shape [mm].
     Displacement,
-    /// How sure a transfer is [0 to 1].
+    /// Growth of the rest length, of warp or weft the larger in magnitude [%].
+    Stretch,
+    /// How sure a transfer is of what it carried over, 0 to 1.
     Confidence,
+}
+
+impl Show {
+    /// Every one, in the order of menus.
+    pub const ALL: [Self; 7] = [
+        Self::Shape,
+        Self::RestAngle,
+        Self::Curvature,
+        Self::Stiffness,
+        Self::Displacement,
+        Self::Stretch,
+        Self::Confidence,
+    ];
+
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Shape => "shape",
+            Self::RestAngle => "rest-angle",
+            Self::Curvature => "curvature",
+            Self::Stiffness => "stiffness",
+            Self::Displacement => "displacement",
+            Self::Stretch => "stretch",
+            Self::Confidence => "confidence",
+        }
+    }
 }
 
 /// A worn garment, ready to be drawn.
@@ -47,13 +75,15 @@ pub struct Portrait {
     pub confidence: Option<Vec<f64>>,
 }
 
-/// Memory per point, as the attributes of the glTF say it.
+/// Memory per point, as the attributes of the glTF say it, and what only the sidecar says.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PointMemory {
     /// Change of rest angle of largest magnitude among the point's hinges [degrees].
     pub rest_angle_deg: Vec<f64>,
     /// Mean stiffness ratio of the point's hinges [-].
     pub stiffness_ratio: Vec<f64>,
+    /// One per triangle: growth of the rest length [%]; only a sidecar says it.
+    pub stretch_percent: Option<Vec<f64>>,
 }
 
 impl Portrait {
@@ -80,6 +110,7 @@ impl Portrait {
             memory: Some(PointMemory {
                 rest_angle_deg: largest_of_hinges(before.len(), &hinges, &change),
                 stiffness_ratio: mean_of_hinges(before.len(), &hinges, &memory.stiffness_ratio, 1.0),
+                stretch_percent: Some(stretch_percent(&memory.rest_stretch_warp, &memory.rest_stretch_weft)),
             }),
             confidence: sidecar.triangles.confidence.clone(),
             before,
@@ -96,6 +127,7 @@ impl Portrait {
             let mut memory = PointMemory {
                 rest_angle_deg: vec![0.0; after.len()],
                 stiffness_ratio: vec![1.0; after.len()],
+                stretch_percent: None,
             };
             // Backwards, so that the first vertex of a point decides, as it did for the garment.
             for (v, point) in garment.source_point.iter().enumerate().rev() {
@@ -136,6 +168,14 @@ impl Portrait {
         Ok(side_by_side(&before, &after, ["before", "after"]))
     }
 
+    /// What `show` colours the worn garment with; `None` for the bare shape, and for what its file does not say.
+    pub fn field_of(&self, show: Show) -> Option<Field> {
+        if self.memory.is_none() && !matches!(show, Show::Curvature | Show::Displacement) {
+            return None;
+        }
+        self.field(show, &self.after, self.memory.as_ref())
+    }
+
     fn colouring(&self, show: Show) -> Result<Colouring> {
         if show == Show::Confidence && self.confidence.is_none() {
             return Err(Error::fault(
@@ -153,7 +193,16 @@ impl Portrait {
                 "give the OUT.glb that `crease bake` wrote, or show shape or curvature",
             ));
         }
-        Ok(self.field(show, &self.after, self.memory.as_ref()).map_or(Colouring::Shape, Colouring::Field))
+        match self.field(show, &self.after, self.memory.as_ref()) {
+            Some(field) => Ok(Colouring::Field(field)),
+            None if show == Show::Shape => Ok(Colouring::Shape),
+            None => Err(Error::fault(
+                &self.file,
+                "",
+                format!("says nothing of {}", show.name()),
+                "keep OUT.crease.json beside OUT.glb",
+            )),
+        }
     }
 
     /// Field on the shape `x`; without `memory` that of new cloth. `None` for the bare shape.
@@ -171,6 +220,10 @@ impl Portrait {
                 let moved = x.iter().zip(&self.before).map(|(x, home)| 1e3 * (x - home).norm());
                 Some(Field::displacement_mm(moved.collect()))
             }
+            Show::Stretch => match memory {
+                Some(memory) => memory.stretch_percent.clone().map(Field::stretch_percent),
+                None => Some(Field::stretch_percent(vec![0.0; self.triangles.len()])),
+            },
             Show::Confidence => self.confidence.clone().map(Field::confidence),
             Show::Curvature => {
                 // A file may name a point twice in a triangle; topology may not be asked about that.
@@ -178,6 +231,34 @@ impl Portrait {
                     self.triangles.iter().filter(|[a, b, c]| a != b && b != c && c != a).copied().collect();
                 Some(Field::curvature(curvature(x, &sound, &Topology::new(x.len(), &sound))))
             }
+        }
+    }
+}
+
+/// Per triangle: of warp and weft the growth of larger magnitude [%].
+fn stretch_percent(warp: &[f64], weft: &[f64]) -> Vec<f64> {
+    let growth = |ratio: f64| 100.0 * (ratio - 1.0);
+    let larger = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
+    warp.iter().zip(weft).map(|(u, v)| larger(growth(*u), growth(*v))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_those_of_the_command_line_and_differ() {
+        let mut names = Show::ALL.map(Show::name).to_vec();
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), Show::ALL.len());
+    }
+
+    #[test]
+    fn stretch_takes_the_axis_that_changed_more() {
+        let percent = stretch_percent(&[1.02, 1.0, 0.99], &[1.01, 0.95, 1.0]);
+        for (found, wanted) in percent.iter().zip([2.0, -5.0, -1.0]) {
+            assert!((found - wanted).abs() < 1e-12, "{percent:?}");
         }
     }
 }

@@ -101,6 +101,16 @@ impl BlockMatrix {
         &self.value[self.start[r] as usize..self.start[r + 1] as usize]
     }
 
+    /// Where the blocks of each row start, and the columns of all blocks: equal for equal patterns.
+    pub fn pattern(&self) -> (&[u32], &[u32]) {
+        (&self.start, &self.column)
+    }
+
+    /// All blocks, row by row.
+    pub fn values(&self) -> &[Mat3] {
+        &self.value
+    }
+
     /// The rows and columns of the points for which `kept` is set, one flag per point, with their values.
     pub fn part(&self, kept: &[bool]) -> Self {
         let mut row_of = vec![HELD; self.row_of.len()];
@@ -144,11 +154,6 @@ impl BlockMatrix {
     /// Sets every value to zero.
     pub fn clear(&mut self) {
         self.value.fill(Mat3::zeros());
-    }
-
-    /// Whether the blocks of `other` have the same places.
-    pub fn same_pattern(&self, other: &Self) -> bool {
-        self.row_of == other.row_of && self.start == other.start && self.column == other.column
     }
 
     /// Adds `amount` times the identity to the diagonal block of point `p`, if it is free.

@@ -4,11 +4,12 @@ mod block_matrix;
 mod cholesky;
 mod cloth;
 mod conjugate_gradient;
+mod follow;
 mod integrator;
 mod newton;
-mod ordering;
 mod state;
 mod step;
+mod unmet;
 
 pub use block_matrix::{BlockMatrix, HELD, Visit};
 pub use cholesky::{Cholesky, FactorError};
@@ -18,3 +19,4 @@ pub use integrator::{MOST_GROWTH, Method, Stage};
 pub use newton::{NewtonOptions, NewtonReport, Problem, Workspace};
 pub use state::{Previous, State};
 pub use step::{StepOptions, StepReport, Stepper};
+pub use unmet::{Shortfall, Unmet};

@@ -160,7 +160,7 @@ impl Problem<'_> {
         value
     }
 
-    fn gradient(&self, x: &[Vec3], contact: &Contact) -> Vec<Vec3> {
+    pub(super) fn gradient(&self, x: &[Vec3], contact: &Contact) -> Vec<Vec3> {
         let mut g = vec![Vec3::zeros(); x.len()];
         if let Some((mass, inertial, span)) = self.inertia {
             for (((g, x), y), m) in g.iter_mut().zip(x).zip(inertial).zip(mass) {
@@ -180,7 +180,7 @@ impl Problem<'_> {
         self.gradient(x, contact).iter().zip(d).map(|(g, d)| g.dot(d)).sum()
     }
 
-    fn assemble(&self, x: &[Vec3], contact: &Contact, work: &mut Workspace) {
+    pub(super) fn assemble(&self, x: &[Vec3], contact: &Contact, work: &mut Workspace) {
         if !work.fits(self.held, contact, x) {
             work.matrix = BlockMatrix::with_pattern(rows_of_free(self.held), &mut |visit| {
                 self.terms.iter().for_each(|t| t.visit_stencils(visit));
@@ -241,21 +241,19 @@ impl Problem<'_> {
         let mut rhs: Vec<Vec3> = part.gather(g);
         rhs.iter_mut().for_each(|v| *v = -*v);
         work.local.factorise(&part, x).ok()?;
-        work.local.solve(&mut rhs);
+        work.local.solve(&part, &mut rhs).ok()?;
         Some(part.scatter(&rhs))
     }
 
     /// Newton direction at `x` for gradient `g`.
-    fn direction(&self, x: &[Vec3], g: &[Vec3], work: &mut Workspace) -> Option<Vec<Vec3>> {
+    pub(super) fn direction(&self, x: &[Vec3], g: &[Vec3], work: &mut Workspace) -> Option<Vec<Vec3>> {
         let mut rhs: Vec<Vec3> = work.matrix.gather(g);
         rhs.iter_mut().for_each(|v| *v = -*v);
         let mut shift = 0.0;
         for _ in 0..12 {
-            match work.direct.factorise(&work.matrix, x) {
-                Ok(()) => {
-                    work.direct.solve(&mut rhs);
-                    return Some(work.matrix.scatter(&rhs));
-                }
+            let factorised = work.direct.factorise(&work.matrix, x);
+            match factorised.and_then(|()| work.direct.solve(&work.matrix, &mut rhs)) {
+                Ok(()) => return Some(work.matrix.scatter(&rhs)),
                 Err(FactorError::TooLarge) => {
                     let solution = conjugate_gradient(&work.matrix, &rhs, 1e-6, 20_000);
                     return Some(work.matrix.scatter(&solution.x));

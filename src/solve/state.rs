@@ -1,15 +1,18 @@
 //! Where the cloth is and how it moves.
 
 use crate::math::Vec3;
+use serde::{Deserialize, Serialize};
 
 /// State of the points after an accepted step. Only `solve` changes it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Time since the start of the script [s].
     pub time: f64,
     /// Positions, one per point [m].
+    #[serde(with = "crate::math::plain::vectors")]
     pub x: Vec<Vec3>,
     /// Velocities, one per point [m/s].
+    #[serde(with = "crate::math::plain::vectors")]
     pub v: Vec<Vec3>,
     /// Unwrapped hinge angles, one per hinge [rad].
     pub angle: Vec<f64>,
@@ -18,13 +21,15 @@ pub struct State {
 }
 
 /// What a two-step method remembers of the step before.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Previous {
     /// Length of the step that led from it to the state [s].
     pub step: f64,
     /// Positions, one per point [m].
+    #[serde(with = "crate::math::plain::vectors")]
     pub x: Vec<Vec3>,
     /// Velocities, one per point [m/s].
+    #[serde(with = "crate::math::plain::vectors")]
     pub v: Vec<Vec3>,
 }
 

@@ -1,6 +1,6 @@
 //! One time step of the cloth: the stages in the order of the method, and the control of the step's length.
 
-use super::{Cloth, Method, NewtonOptions, NewtonReport, Previous, Problem, State, Workspace};
+use super::{Cloth, Method, NewtonOptions, NewtonReport, Previous, Problem, State, Unmet, Workspace};
 use crate::contact::Contact;
 use crate::energy::{Container, Drag, Energy, Gravity, Guides, Pressure};
 use crate::garment::RestShape;
@@ -49,6 +49,8 @@ pub struct StepReport {
     pub rejected: usize,
     /// Whether Newton converged, or nearly (it need not at the shortest step).
     pub converged: bool,
+    /// What it could not do as it was told.
+    pub unmet: Unmet,
 }
 
 /// Makes steps of one garment.
@@ -75,6 +77,12 @@ impl Stepper {
         Self { cloth, contact, options, work: Workspace::default() }
     }
 
+    /// Forgets what is kept between steps for speed alone (the pattern of the system, its elimination order): the next
+    /// step then depends on nothing but what it is given. The pattern decides the order of sums and so the last bits.
+    pub fn forget(&mut self) {
+        self.work.reset();
+    }
+
     /// One accepted step of at most `wished` seconds; `drive_at` gives what acts at a time [s]. The memory is only
     /// read. `state` is replaced by the accepted state; a rejected try leaves no trace.
     pub fn advance(
@@ -98,7 +106,10 @@ impl Stepper {
             let last_chance = h <= self.options.shortest * 1.001;
             let too_coarse = error > 4.0 * self.options.error;
             // Little enough is left to go on from here in the next step.
-            let settled = report.converged || report.left <= ENOUGH * self.options.newton.energy;
+            let unmet = Unmet::notice(&next.x, &self.cloth, &self.contact);
+            let solved = report.converged || report.left <= ENOUGH * self.options.newton.energy;
+            // A shorter step may lead the cloth out of the body's way.
+            let settled = solved && unmet.body_held_up.is_none();
             // What barely moves is pressed fast: smaller steps would not loosen it.
             let stands = error <= self.options.error;
             if (settled && !too_coarse) || stands || last_chance {
@@ -107,13 +118,15 @@ impl Stepper {
                 // A step that did not converge is a hard one: do not grow into the next.
                 let growth = if settled || stands { wanted } else { wanted.min(1.0) };
                 *state = next;
+                self.contact.accept(&state.x, h);
                 return StepReport {
                     step: h,
-                    next: (h * growth).clamp(self.options.shortest, self.options.longest),
+                    next: (h * growth).max(self.options.shortest).min(self.options.longest),
                     error,
                     newton: total,
                     rejected,
-                    converged: settled,
+                    converged: solved,
+                    unmet,
                 };
             }
             // Trying every half on the way down costs more than the shortest step itself.
@@ -132,6 +145,7 @@ impl Stepper {
         let stage = self.options.method.stage(state, h);
         let inertial = stage.inertial();
         self.contact.set_planes(drive.ground, drive.ceiling);
+        self.contact.aim_body(drive.body.as_deref());
         let forces = self.forces(drive, &state.x);
         self.contact.begin_step(&state.x, h, drive.friction, &forces.held);
         let measure = self.cloth.membrane.measure(&state.x);
@@ -166,7 +180,14 @@ impl Stepper {
             regularisation: 0.0,
         };
         let mut x = state.x.clone();
-        let report = problem.solve(&mut x, &mut self.contact, &self.options.newton, &mut self.work);
+        let mut report = NewtonReport::default();
+        for _ in 0..LED_AGAIN {
+            report.add(&problem.follow(&mut x, &mut self.contact, &mut self.work));
+            report.add(&problem.solve(&mut x, &mut self.contact, &self.options.newton, &mut self.work));
+            if !self.contact.body_lags() {
+                break;
+            }
+        }
         let angle = self.cloth.bending.angles(&x, &state.angle);
         let v = stage.velocity(&x);
         let previous = Some(Previous { step: h, x: state.x.clone(), v: state.v.clone() });
@@ -192,7 +213,7 @@ impl Stepper {
         Forces { held, push, stiffness }
     }
 
-    /// Comes to equilibrium of `terms` from `x`, without inertia and friction.
+    /// Comes to equilibrium of `terms` from `x`, without inertia, friction and body. What crosses at `x` still does then.
     pub fn equilibrium(
         &mut self,
         x: &mut [Vec3],
@@ -201,6 +222,8 @@ impl Stepper {
         regularisation: f64,
     ) -> NewtonReport {
         self.contact.set_planes(None, None);
+        self.contact.aim_body(None);
+        self.contact.keep_crossings();
         let held = vec![false; x.len()];
         self.contact.begin_step(x, f64::INFINITY, 0.0, &held);
         // Terms may differ from those of steps.
@@ -209,6 +232,9 @@ impl Stepper {
         problem.solve(x, &mut self.contact, newton, &mut self.work)
     }
 }
+
+/// A body that is held up is led again, after the cloth has given way, this many times in all.
+const LED_AGAIN: usize = 3;
 
 /// A step that ran out of iterations counts as settled when what is left to gain is below this many times what
 /// convergence asks for.

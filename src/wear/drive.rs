@@ -2,25 +2,33 @@
 
 use crate::energy::Guide;
 use crate::math::Vec3;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// A ball that closes around the cloth.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Ball {
     /// Centre [m].
+    #[serde(with = "crate::math::plain::vector")]
     pub centre: Vec3,
     /// Radius [m].
     pub radius: f64,
 }
 
 /// Everything that acts on the cloth from outside, as it is at the end of a step.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Drive {
     /// Acceleration of gravity [m/s²].
+    #[serde(with = "crate::math::plain::vector")]
     pub gravity: Vec3,
     /// Height of the ground [m], if there is one.
     pub ground: Option<f64>,
     /// Height of a ceiling that presses from above [m], if there is one.
     pub ceiling: Option<f64>,
+    /// Where the points of the body are [m], one per point, where there is a body.
+    // Gestures put it there anew when a run is taken up.
+    #[serde(skip)]
+    pub body: Option<Arc<[Vec3]>>,
     /// Share of the fabric's friction that acts: 0 where hands let the cloth slide.
     pub friction: f64,
     /// Springs that draw points along.
@@ -36,6 +44,7 @@ pub struct Drive {
     /// Air drag [1/s].
     pub drag: f64,
     /// Longest step that still follows the motion [s].
+    #[serde(with = "crate::math::plain::limit")]
     pub longest_step: f64,
 }
 
@@ -49,6 +58,7 @@ impl Drive {
             gravity: Vec3::new(0.0, -GRAVITY, 0.0),
             ground,
             ceiling: None,
+            body: None,
             friction: 1.0,
             guides: Vec::new(),
             held: Vec::new(),

@@ -8,6 +8,8 @@ use super::Drive;
 use crate::energy::Guide;
 use crate::error::{Error, Result};
 use crate::math::{Mat3, Vec3, bounds};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 /// What a gesture may know of the cloth.
 pub struct Scene<'a> {
@@ -31,13 +33,16 @@ impl Scene<'_> {
 }
 
 /// The plane that fractions refer to.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
     /// The point (0, 0): lower left [m].
+    #[serde(with = "crate::math::plain::vector")]
     pub origin: Vec3,
     /// From (0, 0) to (1, 0) [m].
+    #[serde(with = "crate::math::plain::vector")]
     pub right: Vec3,
     /// From (0, 0) to (0, 1) [m].
+    #[serde(with = "crate::math::plain::vector")]
     pub upward: Vec3,
 }
 
@@ -75,24 +80,28 @@ impl Frame {
 }
 
 /// A fold that has been made and not opened.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MadeFold {
     /// The points that were turned over.
     pub flap: Vec<u32>,
     /// A point of the fold line on the ground [m].
+    #[serde(with = "crate::math::plain::vector")]
     pub origin: Vec3,
     /// Unit vector along the line.
+    #[serde(with = "crate::math::plain::vector")]
     pub along: Vec3,
     /// Unit vector from the line to where the flap lay before.
+    #[serde(with = "crate::math::plain::vector")]
     pub out: Vec3,
     /// How far it was turned [rad].
     pub angle: f64,
 }
 
 /// What outlives an action.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Posture {
     /// How the garment as a whole is turned against its file: file directions to present ones.
+    #[serde(with = "crate::math::plain::matrix")]
     pub turned: Mat3,
     /// What fractions refer to, once the cloth lies or hangs.
     pub frame: Option<Frame>,
@@ -148,6 +157,18 @@ pub trait Gesture {
         false
     }
 
+    /// What it has learnt since it began, for a checkpoint between its steps: null when nothing changes. `None` (the
+    /// safe answer) means that a run can be taken up at its beginning only.
+    fn memo(&self) -> Option<Value> {
+        None
+    }
+
+    /// Takes up, just after its beginning, what [`Gesture::memo`] said of a cloth of `point_count` points. Returns
+    /// whether that made sense.
+    fn recall(&mut self, memo: &Value, _point_count: usize) -> bool {
+        memo.is_null()
+    }
+
     /// What it leaves behind when it is over.
     fn end(&mut self, _posture: &mut Posture, _x: &[Vec3]) {}
 }
@@ -181,6 +202,10 @@ impl Gesture for Still {
 
     fn may_end_early(&self) -> bool {
         self.may_end_early
+    }
+
+    fn memo(&self) -> Option<Value> {
+        Some(Value::Null)
     }
 }
 

@@ -12,22 +12,26 @@
 //! another as the pages of a bent book do. The map and its inverse serve `fold` and `unfold`.
 
 use crate::math::Vec3;
+use serde::{Deserialize, Serialize};
 
 /// An axis to turn sheets around.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct Axis {
     /// A point of the axis [m].
+    #[serde(with = "crate::math::plain::vector")]
     pub origin: Vec3,
     /// Unit vector along it, level.
+    #[serde(with = "crate::math::plain::vector")]
     pub along: Vec3,
     /// Unit vector towards the flap at angle 0, level.
+    #[serde(with = "crate::math::plain::vector")]
     pub out: Vec3,
     /// Least depth [m]: a sheet at the axis itself would have a corner.
     pub least_depth: f64,
 }
 
 /// A place on a sheet: along the axis, along the sheet, below the axis [m].
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct OnSheet {
     along: f64,
     pub s: f64,

@@ -57,6 +57,12 @@ impl Field {
         Self::of("displacement", "mm", millimetres, ColourMap::Sequential, 0.0)
     }
 
+    /// Growth of rest lengths, one per triangle (%).
+    pub fn stretch_percent(percent: Vec<f64>) -> Self {
+        let field = Self::of("rest stretch", "%", Vec::new(), ColourMap::Diverging, 0.0);
+        Self { values: Values::PerTriangle(percent), ..field }
+    }
+
     /// How sure a transfer is, one per triangle, 0 to 1.
     pub fn confidence(share: Vec<f64>) -> Self {
         let range = Some([0.0, 1.0]);

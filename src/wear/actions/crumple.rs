@@ -7,6 +7,7 @@ use crate::wear::gesture::{Gesture, Posture, Scene, Start, smooth};
 use crate::wear::{Ball, Drive};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 /// Squeeze the garment into a ball.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -80,6 +81,10 @@ impl Gesture for Squeeze {
 
     fn breaks(&self) -> Vec<f64> {
         vec![self.over]
+    }
+
+    fn memo(&self) -> Option<Value> {
+        Some(Value::Null)
     }
 
     fn end(&mut self, posture: &mut Posture, x: &[Vec3]) {

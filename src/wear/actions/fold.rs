@@ -10,6 +10,7 @@ use crate::wear::landing::HeightField;
 use crate::wear::turning::{Axis, OnSheet};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use std::f64::consts::PI;
 
 /// Turn one side of a line over the rest, and hold it there. Folds stack: all layers that lie there go along.
@@ -273,6 +274,10 @@ impl Gesture for Turn {
 
     fn breaks(&self) -> Vec<f64> {
         vec![self.over, self.over + LETTING_GO, self.over + 2.0 * LETTING_GO]
+    }
+
+    fn memo(&self) -> Option<Value> {
+        Some(Value::Null)
     }
 
     fn end(&mut self, posture: &mut Posture, x: &[Vec3]) {

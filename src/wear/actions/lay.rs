@@ -7,6 +7,7 @@ use crate::wear::Drive;
 use crate::wear::gesture::{Frame, Gesture, Posture, Scene, Start, smooth};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 /// Lay the garment flat on the ground, layers in order, none crossing. Later positions count in its bounding box as
 /// it then lies: x from 0 at the left to 1 at the right, y from 0 at the lower edge (hem) to 1 at the upper (neck).
@@ -167,6 +168,16 @@ impl Gesture for Flatten {
 
     fn wears(&self) -> bool {
         false
+    }
+
+    fn memo(&self) -> Option<Value> {
+        Some(json!(self.now))
+    }
+
+    fn recall(&mut self, memo: &Value, _point_count: usize) -> bool {
+        let now = memo.as_f64().filter(|now| *now > 0.0);
+        self.now = now.unwrap_or(self.now);
+        now.is_some()
     }
 
     fn end(&mut self, posture: &mut Posture, x: &[Vec3]) {

@@ -9,6 +9,7 @@ use crate::wear::gesture::{Gesture, MadeFold, Posture, Scene, Start, hand, smoot
 use crate::wear::turning::{Axis, OnSheet};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 /// Open folds again, the last one first. Without `last`, all of them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -94,6 +95,7 @@ struct Open {
 }
 
 /// One fold that is being opened.
+#[derive(Serialize, Deserialize)]
 struct Opening {
     number: usize,
     axis: Axis,
@@ -173,6 +175,20 @@ impl Gesture for Open {
         let held = opening.held.clone();
         self.under_way = Some(opening);
         Drive { guides, held, longest_step: MOST_TURN * self.each / (1.5 * angle), ..self.resting.clone() }
+    }
+
+    fn memo(&self) -> Option<Value> {
+        Some(json!(self.under_way))
+    }
+
+    fn recall(&mut self, memo: &Value, point_count: usize) -> bool {
+        let Ok(under_way) = Option::<Opening>::deserialize(memo) else { return false };
+        let fits = under_way.as_ref().is_none_or(|opening| {
+            opening.held.len() == point_count
+                && opening.guided.iter().all(|(point, ..)| (*point as usize) < point_count)
+        });
+        self.under_way = under_way;
+        fits
     }
 
     fn breaks(&self) -> Vec<f64> {

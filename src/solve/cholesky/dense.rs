@@ -1,0 +1,130 @@
+//! Dense kernels inside one front: the one door to faer.
+//!
+//! A front is stored by columns. Its own columns are eliminated in panels; what they leave on the boundary is a
+//! product. Large products and solves are cut into tiles of fixed size for several threads, and each tile is one call
+//! on one thread, so that the bits of the result do not depend on the number of threads.
+
+use super::Real;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
+use faer::linalg::matmul::matmul;
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
+use faer::prelude::*;
+use faer::{Accum, ColMut, ColRef, MatMut, MatRef, Par};
+use rayon::prelude::*;
+
+/// Columns eliminated at a time: products of this depth run at full rate.
+const PANEL: usize = 96;
+/// Columns of one tile of a product; a multiple of 3.
+const TILE: usize = 48;
+/// Rows of one tile of a triangular solve.
+const ROWS: usize = 192;
+/// Columns of one step of a substitution.
+const STEP: usize = 48;
+/// Products of fewer multiplications are not shared between threads.
+const SHARED: usize = 1 << 21;
+
+/// A pivot was not positive.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NotPositive;
+
+/// Eliminates the first `own` of the `rows` columns of a symmetric matrix whose first columns, from the diagonal
+/// down, are in `panel` (`rows` x `own`): Cholesky factor in place.
+pub fn eliminate<T: Real>(panel: &mut [T], rows: usize, own: usize) -> Result<(), NotPositive> {
+    let mut memory =
+        MemBuffer::new(cholesky_in_place_scratch::<T>(PANEL.min(own), Par::Seq, Default::default()));
+    let mut from = 0;
+    while from < own {
+        let width = PANEL.min(own - from);
+        let (done, rest) = panel[from * rows..].split_at_mut(width * rows);
+        drop_tiny(done);
+        let columns = MatMut::from_column_major_slice_mut(done, rows, width).subrows_mut(from, rows - from);
+        let (mut diagonal, below) = columns.split_at_row_mut(width);
+        let stack = MemStack::new(&mut memory);
+        cholesky_in_place(diagonal.rb_mut(), Default::default(), Par::Seq, stack, Default::default())
+            .map_err(|_| NotPositive)?;
+        solve_below(diagonal.rb(), below);
+        drop_tiny(done);
+        let done = MatRef::from_column_major_slice(done, rows, width);
+        let next = from + width;
+        subtract_product(&mut rest[..(own - next) * rows], rows, next, done, Accum::Add);
+        from = next;
+    }
+    Ok(())
+}
+
+/// What the eliminated `panel` (`rows` x `own`) leaves on the boundary: minus its lower part times its transpose, the
+/// lower triangle of a square matrix by columns. Above the diagonal there is no promise.
+pub fn leave<T: Real>(panel: &[T], rows: usize, own: usize, update: &mut [T]) {
+    let below = MatRef::from_column_major_slice(panel, rows, own).subrows(own, rows - own);
+    subtract_product(update, rows - own, 0, below, Accum::Replace);
+}
+
+/// Sets to zero what is too small to matter, before its products become subnormal: those are a hundred times slower.
+fn drop_tiny<T: Real>(numbers: &mut [T]) {
+    for x in numbers {
+        *x = if *x < T::TINY && -*x < T::TINY { T::zero() } else { *x };
+    }
+}
+
+/// below <- below L^-T
+fn solve_below<T: Real>(l: MatRef<T>, below: MatMut<T>) {
+    let rows = below.nrows();
+    if rows > ROWS && rows * l.nrows() * l.nrows() > SHARED {
+        let (top, bottom) = below.split_at_row_mut((rows / 2).next_multiple_of(16));
+        rayon::join(|| solve_below(l, top), || solve_below(l, bottom));
+    } else if rows > 0 {
+        solve_lower_triangular_in_place(l, below.transpose_mut(), Par::Seq);
+    }
+}
+
+/// Columns `first..` of a lower triangle of `rows` rows <- (themselves, or 0) - `factor` `factor`^T.
+fn subtract_product<T: Real>(columns: &mut [T], rows: usize, first: usize, factor: MatRef<T>, keep: Accum) {
+    let tile = |(k, columns): (usize, &mut [T])| {
+        let at = first + k * TILE;
+        let width = columns.len() / rows;
+        let columns = MatMut::from_column_major_slice_mut(columns, rows, width).subrows_mut(at, rows - at);
+        let factor = factor.subrows(at, rows - at);
+        matmul(columns, keep, factor, factor.subrows(0, width).transpose(), -T::one(), Par::Seq);
+    };
+    // Half of it lies above the diagonal.
+    if columns.len() * factor.ncols() > 2 * SHARED {
+        columns.par_chunks_mut(TILE * rows).enumerate().for_each(tile);
+    } else {
+        columns.chunks_mut(TILE * rows).enumerate().for_each(tile);
+    }
+}
+
+/// Own part of w <- L^-1 w; the rest of `w`, less what its own part takes from it.
+pub fn forwards<T: Real>(panel: &[T], rows: usize, w: &mut [T]) {
+    for (k, columns) in panel.chunks(STEP * rows).enumerate() {
+        let (from, width) = (k * STEP, columns.len() / rows);
+        let (head, rest) = w[from..].split_at_mut(width);
+        for (j, column) in columns.chunks_exact(rows).enumerate() {
+            let column = &column[from + j..from + width];
+            let x = head[j] / column[0];
+            head[j] = x;
+            head[j + 1..].iter_mut().zip(&column[1..]).for_each(|(w, l)| *w -= *l * x);
+        }
+        let below = MatRef::from_column_major_slice(columns, rows, width).subrows(from + width, rest.len());
+        let rest = ColMut::from_slice_mut(rest);
+        matmul(rest.as_mat_mut(), Accum::Add, below, ColRef::from_slice(head).as_mat(), -T::one(), Par::Seq);
+    }
+}
+
+/// Own part of w <- L^-T w, the rest being known.
+pub fn backwards<T: Real>(panel: &[T], rows: usize, w: &mut [T]) {
+    for (k, columns) in panel.chunks(STEP * rows).enumerate().rev() {
+        let (from, width) = (k * STEP, columns.len() / rows);
+        let (head, known) = w[from..].split_at_mut(width);
+        let below = MatRef::from_column_major_slice(columns, rows, width).subrows(from + width, known.len());
+        let to = ColMut::from_slice_mut(head);
+        let known = ColRef::from_slice(known).as_mat();
+        matmul(to.as_mat_mut(), Accum::Add, below.transpose(), known, -T::one(), Par::Seq);
+        for (j, column) in columns.chunks_exact(rows).enumerate().rev() {
+            let column = &column[from + j..from + width];
+            let taken = head[j + 1..].iter().zip(&column[1..]).fold(T::zero(), |sum, (w, l)| sum + *w * *l);
+            head[j] = (head[j] - taken) / column[0];
+        }
+    }
+}

@@ -1,0 +1,191 @@
+//! Sparse Cholesky factorisation by fronts: the direct solver of the cloth's systems.
+//!
+//! The pattern changes whenever contacts come or go, so that analysis must be cheap as well: it works on 3 x 3 blocks
+//! and sorted lists (`dissection.rs`: the order; `fronts.rs`: the dense matrices). The factor is made in single
+//! precision first (`factor.rs`; `dense.rs` is the door to faer): half the time, half the memory. Conjugate gradients
+//! in double precision with that factor as preconditioner reach [`TOLERANCE`] in one to three iterations; if they do
+//! not, or if a pivot is not positive, the factor is made again in double precision. The bits of a solution depend
+//! neither on the number of threads nor on the buffers kept between factorisations. Does not reuse an older factor for
+//! new values (`docs/decisions.md`).
+
+mod dense;
+mod dissection;
+mod factor;
+mod fronts;
+mod matching;
+mod substitution;
+
+use super::BlockMatrix;
+use crate::math::Vec3;
+use factor::Factor;
+use fronts::Fronts;
+
+/// Why a factorisation failed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FactorError {
+    /// The matrix is not positive definite (or not finite).
+    NotPositive,
+    /// The factor does not fit in memory.
+    TooLarge,
+}
+
+/// A factor beyond this many numbers is refused: 4 GiB in double precision.
+const LARGEST_FACTOR: usize = 512 << 20;
+/// Residual of a solution, relative to the right-hand side. Newton's own error is far above it, and a third iteration
+/// costs as much as a tenth of a factorisation.
+const TOLERANCE: f64 = 1e-8;
+/// Iterations after which a factor in single precision is given up.
+const MOST_ITERATIONS: usize = 30;
+/// Factorisations of less work (multiplications) are made in double precision at once: they take a millisecond.
+const SMALL: f64 = 2e7;
+/// Factorisations that stay in double precision after one in single precision was not good enough.
+const DOUBT: u32 = 16;
+
+/// The numbers a factor is made of.
+trait Real: faer::traits::RealField + Copy + Default {
+    /// Numbers of a factor below this are taken for zero, where the largest are about 1e6: products of two such are
+    /// still normal numbers.
+    const TINY: Self;
+    fn from_f64(x: f64) -> Self;
+    fn to_f64(self) -> f64;
+}
+
+impl Real for f32 {
+    const TINY: Self = 2e-13;
+    #[inline]
+    fn from_f64(x: f64) -> Self {
+        x as Self
+    }
+    #[inline]
+    fn to_f64(self) -> f64 {
+        self.into()
+    }
+}
+
+impl Real for f64 {
+    const TINY: Self = 1e-120;
+    #[inline]
+    fn from_f64(x: f64) -> Self {
+        x
+    }
+    #[inline]
+    fn to_f64(self) -> f64 {
+        self
+    }
+}
+
+/// A factorisation that can be refilled.
+#[derive(Default)]
+pub struct Cholesky {
+    fronts: Fronts,
+    /// Pattern the fronts belong to.
+    start: Vec<u32>,
+    column: Vec<u32>,
+    single: Factor<f32>,
+    double: Factor<f64>,
+    /// Which of the two holds the last factorisation.
+    in_double: bool,
+    /// Factorisations still to be made in double precision.
+    doubt: u32,
+}
+
+impl Cholesky {
+    /// Factorises `matrix`; `positions` of all points [m] choose the elimination order when the pattern is new.
+    pub fn factorise(&mut self, matrix: &BlockMatrix, positions: &[Vec3]) -> Result<(), FactorError> {
+        let (start, column) = matrix.pattern();
+        if self.start != start || self.column != column {
+            self.start.clear();
+            self.column.clear();
+            self.fronts = Fronts::new(matrix, positions);
+            self.start.extend_from_slice(start);
+            self.column.extend_from_slice(column);
+        }
+        if self.fronts.factor_len > LARGEST_FACTOR {
+            return Err(FactorError::TooLarge);
+        }
+        self.in_double = self.doubt > 0 || self.fronts.work() < SMALL;
+        self.doubt = self.doubt.saturating_sub(1);
+        if !self.in_double && self.single.fill(&self.fronts, matrix).is_ok() {
+            return Ok(());
+        }
+        self.refill_in_double(matrix)
+    }
+
+    /// Solves in place for a right-hand side over rows, with the matrix that was factorised last. After an error the
+    /// right-hand side is what it was.
+    pub fn solve(&mut self, matrix: &BlockMatrix, rhs: &mut [Vec3]) -> Result<(), FactorError> {
+        if !self.in_double {
+            if let Some(x) = self.refine(matrix, rhs) {
+                rhs.copy_from_slice(&x);
+                return Ok(());
+            }
+            self.refill_in_double(matrix)?;
+        }
+        self.double.solve(&self.fronts, rhs);
+        Ok(())
+    }
+
+    /// Multiplications of a factorisation, and numbers in its factor.
+    pub fn size(&self) -> (f64, usize) {
+        (self.fronts.work(), self.fronts.factor_len)
+    }
+
+    /// Whether the last factorisation is in double precision.
+    pub fn is_double(&self) -> bool {
+        self.in_double
+    }
+
+    fn refill_in_double(&mut self, matrix: &BlockMatrix) -> Result<(), FactorError> {
+        if !self.in_double {
+            self.in_double = true;
+            self.doubt = DOUBT;
+        }
+        self.double.fill(&self.fronts, matrix).map_err(|_| FactorError::NotPositive)
+    }
+
+    /// Conjugate gradients with the single factor as preconditioner; none if they do not arrive. Flexible (Notay 2000):
+    /// rounding makes the preconditioner a slightly different one every time.
+    fn refine(&self, matrix: &BlockMatrix, rhs: &[Vec3]) -> Option<Vec<Vec3>> {
+        let goal = TOLERANCE * TOLERANCE * dot(rhs, rhs);
+        let mut x = vec![Vec3::zeros(); rhs.len()];
+        let mut r = rhs.to_vec();
+        let (mut p, mut image) = (x.clone(), x.clone());
+        let mut curvature = 1.0;
+        for _ in 0..=MOST_ITERATIONS {
+            if dot(&r, &r) <= goal {
+                return Some(x);
+            }
+            let mut z = r.clone();
+            self.single.solve(&self.fronts, &mut z);
+            let share = -dot(&z, &image) / curvature;
+            p.iter_mut().zip(&z).for_each(|(p, z)| *p = z + *p * share);
+            matrix.multiply(&p, &mut image);
+            curvature = dot(&p, &image);
+            let step = dot(&p, &r) / curvature;
+            if !(curvature > 0.0 && step.is_finite()) {
+                return None;
+            }
+            for k in 0..r.len() {
+                x[k] += p[k] * step;
+                r[k] -= image[k] * step;
+            }
+        }
+        None
+    }
+}
+
+fn dot(a: &[Vec3], b: &[Vec3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
+}
+
+/// Counts -> starts; gives their sum.
+fn sum_up(count: &mut [u32]) -> u32 {
+    let mut total = 0;
+    for c in count {
+        total += std::mem::replace(c, total);
+    }
+    total
+}
+
+#[cfg(test)]
+mod tests;

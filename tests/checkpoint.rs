@@ -1,0 +1,259 @@
+//! Checkpoints: a bake that is taken up from any of them ends with the bytes of one that was never interrupted.
+
+use crease::bake::{BakeOptions, Baked, Checkpoint, Observer, bake, bake_from};
+use crease::fabric::Fabric;
+use crease::format::{ReadOptions, read_asset};
+use crease::garment::Garment;
+use crease::math::Vec3;
+use crease::solve::Method;
+use crease::wear::WearScript;
+use crease::{Error, Result};
+
+/// Every gesture that has learnt something in the middle: `lay` its ceiling, `unfold` the fold it opens.
+const SCRIPT: &str = r#"{"format": "crease-wear/1", "actions": [
+    {"lay": {"facing": "front", "over": 0.3}},
+    {"fold": {"line": [[0.5, 0], [0.5, 1]], "side": "left", "over": 0.6, "hold": 0.3}},
+    {"fold": {"line": [[0, 0.5], [1, 0.5]], "side": "lower", "over": 0.6}},
+    {"press": {"pressure": 300, "for": 2}},
+    {"unfold": {"all": true, "over": 1.0}},
+    {"repeat": {"times": 2, "actions": [{"settle": {"for": 0.3}}]}},
+    {"crumple": {"to": 0.5, "over": 0.5}},
+    {"release": {}},
+    {"hang": {"for": 0.5}}]}"#;
+
+/// A slightly wavy sheet that hangs, of `cells` x `cells` squares.
+fn sheet(cells: usize) -> String {
+    let row = cells + 1;
+    let mut text = String::new();
+    for k in 0..row * row {
+        let (x, y) = (0.2 * (k % row) as f64 / cells as f64, 0.2 * (k / row) as f64 / cells as f64);
+        text += &format!("v {x} {y} {}\n", 0.004 * (40.0 * x).sin());
+    }
+    for k in (0..row * cells).filter(|k| k % row < cells) {
+        let (a, b) = (k + 1, k + 1 + row);
+        text += &format!("f {a} {} {b}\nf {} {} {b}\n", a + 1, a + 1, b + 1);
+    }
+    text
+}
+
+struct Scene {
+    garment: Garment,
+    fabric: Fabric,
+    script: WearScript,
+    options: BakeOptions,
+}
+
+impl Scene {
+    fn new(method: Method) -> Self {
+        let text = sheet(9);
+        let read = ReadOptions { unit_m: None, up: None, garment: None, mask: None };
+        let (asset, _) = read_asset("sheet.obj", text.as_bytes(), &read, &mut |_| Ok(Vec::new())).unwrap();
+        let mut options = BakeOptions { frames_per_second: 5.0, ..BakeOptions::default() };
+        options.step.method = method;
+        Self {
+            garment: Garment::from_asset(&asset).unwrap().0,
+            fabric: Fabric::preset("cotton-poplin").unwrap(),
+            script: WearScript::parse("wear.json", SCRIPT).unwrap(),
+            options,
+        }
+    }
+
+    fn bake(&self, observer: &mut dyn Observer) -> Result<Baked> {
+        bake(&self.garment, &self.fabric, &self.script, "wear.json", &self.options, observer)
+    }
+
+    fn resume(&self, from: &Checkpoint, observer: &mut dyn Observer) -> Result<Baked> {
+        // Through the file, as a killed process would.
+        let read = Checkpoint::parse("x.checkpoint", &from.to_bytes())?;
+        assert_eq!(&read, from, "a checkpoint reads back as it was");
+        let from = Some(("x.checkpoint", read));
+        bake_from(from, &self.garment, &self.fabric, &self.script, "wear.json", &self.options, observer)
+    }
+}
+
+/// Keeps every checkpoint and every frame; stops after `most_steps` steps.
+struct Keeper {
+    checkpoints: Vec<Checkpoint>,
+    frames: Vec<Vec<Vec3>>,
+    most_steps: u64,
+}
+
+impl Keeper {
+    fn new(most_steps: u64) -> Self {
+        Self { checkpoints: Vec::new(), frames: Vec::new(), most_steps }
+    }
+}
+
+impl Observer for Keeper {
+    fn frame(&mut self, x: &[Vec3]) -> Result<()> {
+        self.frames.push(x.to_vec());
+        Ok(())
+    }
+
+    fn keeps_checkpoints(&self) -> bool {
+        true
+    }
+
+    fn checkpoint(&mut self, now: Checkpoint) -> Result<()> {
+        self.checkpoints.push(now);
+        Ok(())
+    }
+
+    fn stops(&mut self) -> bool {
+        self.most_steps -= 1;
+        self.most_steps == 0
+    }
+}
+
+fn assert_same(one: &Baked, other: &Baked, what: &str) {
+    assert_eq!(one.worn.displacement, other.worn.displacement, "{what}: displacement");
+    assert_eq!(one.worn.memory, other.worn.memory, "{what}: memory");
+    assert_eq!(one.end, other.end, "{what}: end");
+    let counts = |b: &Baked| (b.report.steps, b.report.rejected, b.report.solves, b.report.warnings.clone());
+    assert_eq!(counts(one), counts(other), "{what}: counts");
+}
+
+fn taken_up_anywhere(method: Method) {
+    let scene = Scene::new(method);
+    let plain = scene.bake(&mut ()).unwrap();
+    let mut keeper = Keeper::new(u64::MAX);
+    let watched = scene.bake(&mut keeper).unwrap();
+    // Keeping checkpoints changes nothing.
+    assert_same(&plain, &watched, "watched");
+    assert!(plain.report.events.gradual + plain.report.events.critical > 0, "the scene earns memory");
+    let between = keeper.checkpoints.iter().filter(|c| c.way.is_some()).count();
+    assert!(between >= 20, "{between} checkpoints lie within actions");
+    let actions: Vec<usize> =
+        keeper.checkpoints.iter().filter(|c| c.way.is_none()).map(|c| c.action).collect();
+    assert_eq!(actions, (0..=scene.script.flatten().count()).collect::<Vec<_>>(), "one after every action");
+    // An odd stride meets beginnings of actions and places within them.
+    for checkpoint in keeper.checkpoints.iter().step_by(keeper.checkpoints.len() / 9) {
+        let mut later = Keeper::new(u64::MAX);
+        let what = format!("from action {}, {:.2} s", checkpoint.action, checkpoint.state.time);
+        let taken_up = scene.resume(checkpoint, &mut later).unwrap();
+        assert_same(&plain, &taken_up, &what);
+        let frames = &keeper.frames[checkpoint.counts.frames as usize..];
+        assert!(frames == later.frames, "{what}: frames");
+    }
+}
+
+#[test]
+fn backward_euler_goes_on_as_if_nothing_had_been() {
+    taken_up_anywhere(Method::BackwardEuler);
+}
+
+#[test]
+fn bdf2_goes_on_as_if_nothing_had_been() {
+    taken_up_anywhere(Method::Bdf2);
+}
+
+#[test]
+fn interrupted_again_and_again_it_still_ends_the_same() {
+    let scene = Scene::new(Method::BackwardEuler);
+    let plain = scene.bake(&mut ()).unwrap();
+    let mut latest: Option<Checkpoint> = None;
+    for turn in 0.. {
+        assert!(turn < 100, "it gets on");
+        let mut keeper = Keeper::new(23 + turn);
+        let outcome = match &latest {
+            Some(checkpoint) => scene.resume(checkpoint, &mut keeper),
+            None => scene.bake(&mut keeper),
+        };
+        latest = keeper.checkpoints.pop().or(latest);
+        match outcome {
+            Ok(baked) => {
+                assert!(turn > 2, "it was interrupted: {turn}");
+                return assert_same(&plain, &baked, "at last");
+            }
+            Err(error) => assert!(matches!(error, Error::Interrupted), "{error}"),
+        }
+    }
+}
+
+#[test]
+fn a_checkpoint_of_another_run_or_a_damaged_one_is_refused() {
+    let scene = Scene::new(Method::BackwardEuler);
+    let mut keeper = Keeper::new(60);
+    scene.bake(&mut keeper).unwrap_err();
+    let good = keeper.checkpoints.pop().unwrap();
+    let refusal = |scene: &Scene, from: &Checkpoint| scene.resume(from, &mut ()).unwrap_err().to_string();
+
+    let other = Scene { fabric: Fabric::preset("linen").unwrap(), ..Scene::new(Method::BackwardEuler) };
+    assert!(refusal(&other, &good).contains("is of another run"));
+    assert!(refusal(&Scene::new(Method::Bdf2), &good).contains("is of another run"));
+
+    let bytes = good.to_bytes();
+    for at in (0..bytes.len()).step_by(997).chain([bytes.len() - 2]) {
+        assert!(Checkpoint::parse("x", &bytes[..at]).is_err(), "cut at {at}");
+        let mut flipped = bytes.clone();
+        flipped[at] ^= 1;
+        // A flip that leaves the first line readable is found by the hash of the second, and the other way round.
+        if let Ok(read) = Checkpoint::parse("x", &flipped) {
+            assert_eq!(read, good, "flipped at {at}");
+        }
+    }
+    let short = |change: &dyn Fn(&mut Checkpoint)| {
+        let mut bad = good.clone();
+        change(&mut bad);
+        refusal(&scene, &bad)
+    };
+    assert!(short(&|c| assert!(c.state.x.pop().is_some())).contains("does not fit"));
+    assert!(short(&|c| assert!(c.state.angle.pop().is_some())).contains("does not fit"));
+    assert!(short(&|c| assert!(c.memory.shape.rest_angle.pop().is_some())).contains("does not fit"));
+    assert!(short(&|c| c.action = 1000).contains("does not fit"));
+    assert!(short(&|c| c.state.time = -1.0).contains("does not fit"));
+}
+
+/// The tool: killed in the middle or asked to stop, then `--resume`.
+#[cfg(unix)]
+mod tool {
+    use super::{SCRIPT, sheet};
+    use std::path::Path;
+    use std::process::{Child, Command, Stdio};
+    use std::time::Duration;
+
+    fn bake(folder: &Path, out: &str, resume: bool) -> Child {
+        let path = |name: &str| folder.join(name).display().to_string();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_crease"));
+        command.args(["bake", &path("sheet.obj"), "--wear", &path("wear.json"), "-o", &path(out)]);
+        command.args(["--quiet", "--checkpoint-every", "0"]).args(resume.then_some("--resume"));
+        command.stderr(Stdio::null()).spawn().unwrap()
+    }
+
+    fn signal(child: &Child, name: &str) {
+        assert!(Command::new("kill").args([name, &child.id().to_string()]).status().unwrap().success());
+    }
+
+    #[test]
+    fn a_killed_run_ends_with_the_same_bytes() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("sheet.obj"), sheet(9)).unwrap();
+        std::fs::write(folder.path().join("wear.json"), SCRIPT).unwrap();
+        for name in ["plain", "killed"] {
+            std::fs::create_dir(folder.path().join(name)).unwrap();
+        }
+        assert!(bake(folder.path(), "plain/out.glb", false).wait().unwrap().success());
+        let checkpoint = folder.path().join("killed/out.checkpoint");
+        let mut codes = Vec::new();
+        for (turn, name) in ["-KILL", "-TERM", "-KILL", "-INT", "-KILL"].into_iter().enumerate() {
+            let before = std::fs::read(&checkpoint).ok();
+            let mut child = bake(folder.path(), "killed/out.glb", true);
+            // It gets on by a checkpoint or two, then it is hit wherever it is.
+            while std::fs::read(&checkpoint).ok() == before && child.try_wait().unwrap().is_none() {
+                std::thread::sleep(Duration::from_millis(2));
+            }
+            std::thread::sleep(Duration::from_millis(7 * turn as u64));
+            signal(&child, name);
+            codes.push(child.wait().unwrap().code());
+            assert!(!folder.path().join("killed/out.glb").exists(), "no result of half a run");
+        }
+        // Who is asked says so; who is killed cannot.
+        assert!(codes.contains(&Some(130)) && codes.contains(&None), "{codes:?}");
+        assert!(bake(folder.path(), "killed/out.glb", true).wait().unwrap().success());
+        assert!(!checkpoint.exists(), "nothing is left over");
+        let bytes = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
+        for name in ["out.glb", "out.crease.json"] {
+            assert!(bytes(&format!("plain/{name}")) == bytes(&format!("killed/{name}")), "{name} differs");
+        }
+    }
+}

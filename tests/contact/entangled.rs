@@ -1,0 +1,125 @@
+//! Crossings that are there at the start: never more of them, no explosion, gone once they come apart, and guarded then.
+
+use crate::run::{COTTON, Pattern, Run};
+use crate::shapes::Shape;
+use crease::energy::Guide;
+use crease::math::Vec3;
+use crease::solve::State;
+use crease::wear::Drive;
+use std::sync::Arc;
+
+/// Two sheets 2 mm apart, the lower pushed through the upper around the middle.
+pub fn pierced(points: usize, seed: u64) -> Pattern {
+    let n = ((points as f64 / 2.0).sqrt().round() as usize).max(4) - 1;
+    let mut pattern = Pattern::default();
+    for lower in [true, false] {
+        pattern.add([n, n], [0.2, 0.2], false, |u, v| {
+            let (x, z) = ((u - 0.5) * 0.2, (0.5 - v) * 0.2);
+            let bump = if lower { 12e-3 * (-(x * x + z * z) / 4e-4).exp() } else { 2e-3 };
+            Vec3::new(x + 1.3e-3 * f64::from(u8::from(lower)), 2e-3 + bump, z + 0.7e-3)
+        });
+    }
+    pattern.jitter(0.2e-3, seed);
+    pattern
+}
+
+/// Promise: lying on the ground, what crosses never becomes more and nothing flies away.
+#[test]
+fn what_crosses_at_the_start_never_becomes_worse() {
+    let mut run = Run::new(&pierced(400, 1), COTTON, 4.0);
+    let start = run.crossings()[0];
+    let mut last = start;
+    run.watch(1.0, &mut |_, _| Drive::at_rest(Some(0.0)), &mut |run, _| {
+        let now = run.crossings()[0];
+        assert!(now <= start, "{now} after {last}");
+        last = now;
+        true
+    });
+    println!(
+        "{}; {start} at the start, {last} at the end, fastest {:.3} m/s",
+        run.line("pierced sheets"),
+        run.fastest
+    );
+    assert!(start > 10 && run.fastest < 1.0);
+}
+
+/// Promise: pulled apart, the sheets come apart; pressed together again, they stay apart.
+#[test]
+fn what_has_come_apart_is_guarded() {
+    let pattern = pierced(400, 2);
+    let half = pattern.x.len() / 2;
+    let mut run = Run::new(&pattern, COTTON, 4.0);
+    let start = run.crossings()[0];
+    // A hand under every point: the lower sheet goes down and comes back up, the upper stays.
+    let guides = |shift: f64| -> Vec<Guide> {
+        let target = |p: usize, x: &Vec3| {
+            if p < half { Vec3::new(x.x, -shift, x.z) } else { Vec3::new(x.x, 4e-3, x.z) }
+        };
+        pattern.x.iter().enumerate().map(|(p, x)| Guide::round(p as u32, target(p, x), 0.05)).collect()
+    };
+    let drive = |shift: f64| Drive {
+        guides: guides(shift),
+        gravity: Vec3::zeros(),
+        drag: 5.0,
+        longest_step: 1.0 / 60.0,
+        ..Drive::at_rest(None)
+    };
+    run.go(2.0, &mut |t, _: &State| drive(0.03 * t.min(1.0)));
+    let apart = run.crossings()[0];
+    let mut worst = 0;
+    run.watch(2.0, &mut |t, _: &State| drive(0.03 - 0.06 * (t - 2.0).min(1.0)), &mut |run, _| {
+        worst = worst.max(run.crossings()[0]);
+        true
+    });
+    println!(
+        "{}; {start} at the start, {apart} pulled apart, {worst} pressed together; fastest {:.2} m/s",
+        run.line("parted sheets"),
+        run.fastest
+    );
+    assert!(start > 10 && apart == 0 && worst == 0 && run.fastest < 1.0);
+}
+
+/// Promise: cloth that starts inside a body's skin is not thrown off, comes free when the body leaves, and is then kept
+/// out.
+#[test]
+fn cloth_that_crosses_a_body_comes_free() {
+    let mut pattern = Pattern::square(300, 0.2, Vec3::new(0.0, 0.045, 0.0));
+    pattern.jitter(0.5e-3, 3);
+    let mut run = Run::new(&pattern, COTTON, 4.0);
+    let ball = Shape::sphere(Vec3::zeros(), 0.05, 14);
+    run.stepper.contact.set_body(Some(ball.body()));
+    let start = run.crossings()[1];
+    let at = |down: f64| -> Arc<[Vec3]> { ball.points.iter().map(|p| p - Vec3::y() * down).collect() };
+    let border: Vec<Guide> = pattern
+        .x
+        .iter()
+        .enumerate()
+        .filter(|(_, x)| x.x.abs().max(x.z.abs()) > 0.095)
+        .map(|(p, x)| Guide::round(p as u32, *x, 5.0))
+        .collect();
+    let drive = |down: f64| Drive {
+        body: Some(at(down)),
+        guides: border.clone(),
+        drag: 5.0,
+        longest_step: 1.0 / 60.0,
+        ..Drive::at_rest(None)
+    };
+    let mut last = start;
+    run.watch(1.0, &mut |t, _: &State| drive(0.05 * t), &mut |run, _| {
+        let now = run.crossings()[1];
+        assert!(now <= start, "{now} after {last}");
+        last = now;
+        true
+    });
+    let free = last;
+    run.watch(1.0, &mut |t, _: &State| drive(0.05 - 0.07 * (t - 1.0)), &mut |run, _| {
+        last = last.max(run.crossings()[1]);
+        true
+    });
+    println!(
+        "{}; {start} at the start, {free} when it has left, {last} when it is back; fastest {:.2} m/s",
+        run.line("ball in cloth"),
+        run.fastest
+    );
+    assert!(start > 10 && free == 0 && last == 0 && run.fastest < 0.5);
+}

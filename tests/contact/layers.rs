@@ -1,0 +1,103 @@
+//! Sheets that fall on one another, and a sleeve that is wrung.
+
+use crate::run::{COTTON, Kind, Pattern, Run};
+use crease::energy::Guide;
+use crease::math::{Mat3, Vec3};
+use crease::solve::{NewtonOptions, State};
+use crease::wear::Drive;
+use std::f64::consts::TAU;
+
+const STACKED: Kind = Kind { thickness: 0.5e-3, ..COTTON };
+
+/// `count` sheets of 0.3 m, 1 mm apart and jittered by a third of that, fall on the ground; `points` of them in all.
+pub fn stack(count: usize, points: usize, seed: u64, seconds: f64) -> Run {
+    let n = ((points as f64 / count as f64).sqrt().round() as usize).max(4) - 1;
+    let mut pattern = Pattern::default();
+    for k in 0..count {
+        pattern.add([n, n], [0.3, 0.3], false, |u, v| {
+            Vec3::new((u - 0.5) * 0.3, 1e-3 * (k + 1) as f64, (0.5 - v) * 0.3)
+        });
+    }
+    pattern.jitter(0.15e-3, seed);
+    let mut run = Run::new(&pattern, STACKED, 2.0 * count as f64);
+    // Parallel edges of sheets that lie point over point keep Newton from its last digits.
+    run.stepper.options.newton = NewtonOptions { tolerance: 1e-6, energy: 0.0, most_iterations: 12 };
+    run.go(seconds, &mut |_, _| Drive::at_rest(Some(0.0)));
+    run
+}
+
+/// Ground reaction over weight, less one; whether every point lies over the same point of the sheet below; least gap
+/// to it [m].
+pub fn judge(run: &Run, count: usize) -> (f64, bool, f64) {
+    let per_sheet = run.state.x.len() / count;
+    let below = |k: usize| run.state.x[k + per_sheet].y - run.state.x[k].y;
+    let least = (0..run.state.x.len() - per_sheet).map(below).fold(f64::INFINITY, f64::min);
+    let reaction = run.stepper.contact.reactions(&run.state.x).ground.y;
+    (reaction / run.weight() - 1.0, least > 0.0, least)
+}
+
+/// Promise: 5 and 10 sheets stay in order, weigh what they weigh within 1e-3 and come to rest below 1e-8 J within 2 s.
+#[test]
+fn stacked_sheets_keep_their_order_and_their_weight() {
+    for count in [5, 10] {
+        let run = stack(count, 16 * count, 1, 2.0);
+        let (reaction, in_order, least) = judge(&run, count);
+        println!(
+            "{}; reaction off by {reaction:.1e}, least gap {:.3} mm, kinetic energy {:.1e} J",
+            run.line(&format!("{count} sheets")),
+            1e3 * least,
+            run.kinetic_energy()
+        );
+        assert_eq!(run.worst, [0, 0]);
+        assert!(in_order && reaction.abs() < 1e-3 && run.kinetic_energy() < 1e-8);
+    }
+}
+
+/// A sleeve of 0.1 m across and 0.3 m long, one end held, the other turned `turns` times in a second each and free to
+/// come nearer; then it is let go for a second.
+pub fn wring(points: usize, turns: f64, seed: u64) -> Run {
+    const RADIUS: f64 = 0.05;
+    const LENGTH: f64 = 0.3;
+    let around = (points as f64 * TAU * RADIUS / LENGTH).sqrt().round() as usize;
+    let around = 2 * around.div_ceil(2);
+    let along = points / around;
+    let mut pattern = Pattern::default();
+    pattern.add([around, along], [TAU * RADIUS, LENGTH], true, |u, v| {
+        let (s, c) = (TAU * u).sin_cos();
+        Vec3::new(RADIUS * c, LENGTH * v, RADIUS * s)
+    });
+    pattern.jitter(0.5e-3, seed);
+    let mut run = Run::new(&pattern, COTTON, 4.0);
+    // A rope of pressed layers: what a step leaves unsolved the next goes on with, as in a bake.
+    run.stepper.options.shortest = 1.0 / 120.0;
+    run.stepper.options.newton.most_iterations = 6;
+    let rings: Vec<(u32, Vec3, bool)> = (0..around)
+        .map(|i| (i as u32, false))
+        .chain((0..around).map(|i| ((along * around + i) as u32, true)))
+        .map(|(p, turned)| (p, pattern.x[p as usize], turned))
+        .collect();
+    run.go(turns + 1.0, &mut |t, _: &State| {
+        let angle = TAU * t.min(turns);
+        let (s, c) = angle.sin_cos();
+        let turn = Mat3::new(c, 0.0, s, 0.0, 1.0, 0.0, -s, 0.0, c);
+        let guide = |&(point, home, turned): &(u32, Vec3, bool)| {
+            if turned {
+                // Free along the axis.
+                Guide { point, target: turn * home, normal: Vec3::y(), stiffness: 0.0, slide: 200.0 }
+            } else {
+                Guide::round(point, home, 200.0)
+            }
+        };
+        let guides = if t < turns + 0.3 { rings.iter().map(guide).collect() } else { Vec::new() };
+        let longest_step = 1.0 / 120.0;
+        Drive { guides, gravity: Vec3::zeros(), drag: 2.0, longest_step, ..Drive::at_rest(None) }
+    });
+    run
+}
+
+#[test]
+fn a_wrung_sleeve_never_crosses() {
+    let run = wring(160, 1.0, 1);
+    println!("{}", run.line("sleeve, 1 turn"));
+    assert_eq!(run.worst, [0, 0]);
+}

@@ -1,0 +1,271 @@
+//! Scenes of cloth in contact, built from parts of the library, and how they are judged: crossings are counted exactly
+//! after every accepted step.
+
+use crease::contact::{Contact, ContactSettings};
+use crease::energy::{Bending, Membrane};
+use crease::garment::RestShape;
+use crease::math::{Vec2, Vec3};
+use crease::mesh::crossings::{crossings, crossings_between};
+use crease::mesh::{PointIndex, Topology};
+use crease::solve::{Cloth, Method, NewtonOptions, State, StepOptions, StepReport, Stepper};
+use crease::wear::Drive;
+use std::time::Instant;
+
+/// Numbers that are drawn the same on every machine.
+#[derive(Debug, Clone)]
+pub struct Draw(u64);
+
+impl Draw {
+    pub fn new(seed: u64) -> Self {
+        let mut draw = Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(1));
+        (0..4).for_each(|_| {
+            draw.unit();
+        });
+        draw
+    }
+
+    /// 0 to 1.
+    pub fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        ((self.0 >> 11) as f64) / (1u64 << 53) as f64
+    }
+
+    /// -1 to 1 along every axis.
+    pub fn vector(&mut self) -> Vec3 {
+        Vec3::new(self.unit() - 0.5, self.unit() - 0.5, self.unit() - 0.5) * 2.0
+    }
+}
+
+/// Cloth before it is made: points in space, triangles, and each triangle laid flat.
+#[derive(Debug, Clone, Default)]
+pub struct Pattern {
+    pub x: Vec<Vec3>,
+    pub triangles: Vec<[PointIndex; 3]>,
+    pub material: Vec<[Vec2; 3]>,
+}
+
+impl Pattern {
+    /// Adds a lattice of `across` x `along` quads (diagonals in a union-jack pattern); `place` gives where a fraction
+    /// of it lies in space, `size` how large it is laid flat [m]. `closed`: its left and right border are one.
+    pub fn add(
+        &mut self,
+        quads: [usize; 2],
+        size: [f64; 2],
+        closed: bool,
+        place: impl Fn(f64, f64) -> Vec3,
+    ) -> &mut Self {
+        let [m, n] = quads;
+        let base = self.x.len() as u32;
+        let columns = if closed { m } else { m + 1 };
+        for j in 0..=n {
+            for i in 0..columns {
+                self.x.push(place(i as f64 / m as f64, j as f64 / n as f64));
+            }
+        }
+        let at = |i: usize, j: usize| PointIndex(base + (j * columns + i % columns) as u32);
+        let flat =
+            |i: usize, j: usize| Vec2::new(i as f64 * size[0] / m as f64, j as f64 * size[1] / n as f64);
+        for j in 0..n {
+            for i in 0..m {
+                let [a, b, c, d] = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)];
+                let cut = if (i + j) % 2 == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] };
+                for t in cut {
+                    self.triangles.push(t.map(|(i, j)| at(i, j)));
+                    self.material.push(t.map(|(i, j)| flat(i, j)));
+                }
+            }
+        }
+        self
+    }
+
+    /// A level square of side `size` [m] around `centre`, of about `points` points.
+    pub fn square(points: usize, size: f64, centre: Vec3) -> Self {
+        let n = ((points as f64).sqrt().round() as usize).max(3) - 1;
+        let mut pattern = Self::default();
+        pattern.add([n, n], [size, size], false, |u, v| {
+            centre + Vec3::new((u - 0.5) * size, 0.0, (0.5 - v) * size)
+        });
+        pattern
+    }
+
+    /// Moves every point by up to `most` [m] along every axis.
+    pub fn jitter(&mut self, most: f64, seed: u64) {
+        let mut draw = Draw::new(seed);
+        self.x.iter_mut().for_each(|x| *x += draw.vector() * most);
+    }
+}
+
+/// What the cloth is like.
+#[derive(Debug, Clone, Copy)]
+pub struct Kind {
+    /// [kg/m²].
+    pub density: f64,
+    /// [N/m].
+    pub stretch: f64,
+    /// [N·m].
+    pub bend: f64,
+    /// [m].
+    pub thickness: f64,
+    pub friction: f64,
+    pub stiction: f64,
+}
+
+/// A light cotton, with the stretch stiffness that a bake lowers it to.
+pub const COTTON: Kind =
+    Kind { density: 0.2, stretch: 400.0, bend: 5e-6, thickness: 1e-3, friction: 0.3, stiction: 1.0 };
+
+/// A scene under way.
+pub struct Run {
+    pub stepper: Stepper,
+    pub state: State,
+    pub memory: RestShape,
+    pub triangles: Vec<[PointIndex; 3]>,
+    /// Crossings after the worst accepted step: cloth with cloth, cloth with body.
+    pub worst: [usize; 2],
+    pub steps: usize,
+    pub solves: usize,
+    pub unconverged: usize,
+    /// Fastest point after any step [m/s], when [s] and where [m].
+    pub fastest: f64,
+    pub fastest_at: (f64, Vec3),
+    begun: Instant,
+}
+
+impl Run {
+    /// Cloth of `kind` at rest. `layers`: how many it must be able to carry.
+    pub fn new(pattern: &Pattern, kind: Kind, layers: f64) -> Self {
+        let topology = Topology::new(pattern.x.len(), &pattern.triangles);
+        let corners: Vec<[u32; 3]> = pattern.triangles.iter().map(|t| t.map(|p| p.0)).collect();
+        let k = kind.stretch;
+        let membrane = Membrane::from_parts(&corners, &pattern.material, [k, k, 0.3 * k], 0.002);
+        let mut area = vec![0.0; pattern.x.len()];
+        for (t, a) in corners.iter().zip(membrane.area()) {
+            t.iter().for_each(|&p| area[p as usize] += a / 3.0);
+        }
+        let mass = area.iter().map(|a| a * kind.density).collect();
+        let bending = Bending::from_parts(&topology, &pattern.material, [kind.bend; 2], 0.02);
+        let angle = bending.angles(&pattern.x, &[]);
+        let mean_area = area.iter().sum::<f64>() / area.len() as f64;
+        let load = layers * kind.density * crease::wear::GRAVITY;
+        let settings = ContactSettings {
+            distance: kind.thickness,
+            stiffness: (load / (0.3 * kind.thickness)).max(k / mean_area),
+            friction: kind.friction,
+            friction_ground: kind.friction,
+            friction_body: kind.friction,
+            stiction: kind.stiction,
+            creep: 1e-3,
+            between_layers: true,
+        };
+        let contact = Contact::new(settings, &pattern.x, &pattern.triangles, &topology, area.clone());
+        let cloth = Cloth { mass, area, membrane, bending };
+        // As in a bake, but for the steps, which may be shorter.
+        let energy = 3e-6 * cloth.mass.iter().sum::<f64>() * crease::wear::GRAVITY;
+        let options = StepOptions {
+            method: Method::BackwardEuler,
+            newton: NewtonOptions { tolerance: 3e-5, energy, most_iterations: 10 },
+            error: 1e-3,
+            shortest: 1.0 / 240.0,
+            longest: 1.0 / 30.0,
+        };
+        Self {
+            memory: RestShape::flat(topology.hinges.len(), pattern.triangles.len()),
+            stepper: Stepper::new(cloth, contact, options),
+            state: State::at_rest(pattern.x.clone(), angle),
+            triangles: pattern.triangles.clone(),
+            worst: [0; 2],
+            steps: 0,
+            solves: 0,
+            unconverged: 0,
+            fastest: 0.0,
+            fastest_at: (0.0, Vec3::zeros()),
+            begun: Instant::now(),
+        }
+    }
+
+    /// From now on steps are solved as far as rounding allows.
+    pub fn precisely(&mut self) {
+        self.stepper.options.newton = NewtonOptions { tolerance: 1e-8, energy: 0.0, most_iterations: 60 };
+    }
+
+    /// One step of at most `wished` seconds.
+    pub fn step(&mut self, drive_at: &mut dyn FnMut(f64, &State) -> Drive, wished: f64) -> StepReport {
+        let report = self.stepper.advance(&mut self.state, &self.memory, drive_at, wished);
+        assert!(self.state.x.iter().all(|x| x.sum().is_finite()), "not finite at {} s", self.state.time);
+        self.steps += 1;
+        self.solves += report.newton.iterations;
+        self.unconverged += usize::from(!report.converged);
+        for (v, x) in self.state.v.iter().zip(&self.state.x) {
+            if v.norm() > self.fastest {
+                (self.fastest, self.fastest_at) = (v.norm(), (self.state.time, *x));
+            }
+        }
+        let now = self.crossings();
+        self.worst = [0, 1].map(|k| self.worst[k].max(now[k]));
+        report
+    }
+
+    /// Goes on for `seconds`.
+    pub fn go(&mut self, seconds: f64, drive_at: &mut dyn FnMut(f64, &State) -> Drive) {
+        self.watch(seconds, drive_at, &mut |_, _| true);
+    }
+
+    /// Goes on for `seconds` at most, until `watch` says no.
+    pub fn watch(
+        &mut self,
+        seconds: f64,
+        drive_at: &mut dyn FnMut(f64, &State) -> Drive,
+        watch: &mut dyn FnMut(&mut Self, &StepReport) -> bool,
+    ) {
+        let end = self.state.time + seconds;
+        let mut wished = 1.0 / 240.0;
+        while self.state.time < end - 1e-9 {
+            let left = end - self.state.time;
+            let report =
+                self.step(drive_at, if wished >= left { left } else { wished.min(0.5 * left.max(wished)) });
+            wished = report.next;
+            if !watch(self, &report) {
+                break;
+            }
+        }
+    }
+
+    /// Pairs of triangles that cross now: of the cloth, and of cloth and body.
+    pub fn crossings(&self) -> [usize; 2] {
+        let x = &self.state.x;
+        let body = self.stepper.contact.body();
+        let with_body =
+            body.map_or(0, |b| crossings_between(x, &self.triangles, b.points(), b.triangles()).len());
+        [crossings(x, &self.triangles).len(), with_body]
+    }
+
+    /// [J].
+    pub fn kinetic_energy(&self) -> f64 {
+        self.state.v.iter().zip(&self.stepper.cloth.mass).map(|(v, m)| 0.5 * m * v.norm_squared()).sum()
+    }
+
+    /// [N].
+    pub fn weight(&self) -> f64 {
+        self.stepper.cloth.mass.iter().sum::<f64>() * crease::wear::GRAVITY
+    }
+
+    pub fn line(&self, name: &str) -> String {
+        format!(
+            "{name}: {} points, {:.2} s in {} steps ({} not converged), {} solves, {:.1} s wall; fastest {:.2} m/s at \
+             {:.2} s ({:.3}, {:.3}, {:.3}); crossings {} + {}",
+            self.state.x.len(),
+            self.state.time,
+            self.steps,
+            self.unconverged,
+            self.solves,
+            self.begun.elapsed().as_secs_f64(),
+            self.fastest,
+            self.fastest_at.0,
+            self.fastest_at.1.x,
+            self.fastest_at.1.y,
+            self.fastest_at.1.z,
+            self.worst[0],
+            self.worst[1]
+        )
+    }
+}

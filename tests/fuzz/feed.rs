@@ -1,0 +1,96 @@
+//! What a hostile file is fed to, reader by reader, as the tool would do it: shared by the fuzz targets and by
+//! `tests/mutated_inputs.rs`. A reader may accept or refuse; it may not panic, and what it accepts must be usable.
+
+use crease::bake::Checkpoint;
+use crease::fabric::Fabric;
+use crease::format::gltf::write_worn_glb;
+use crease::format::{ReadOptions, Sidecar, read_asset, read_sidecar, write_sidecar};
+use crease::garment::{Garment, RestShape, WornGarment, inspect};
+use crease::math::Vec3;
+use crease::mesh::crossings::crossings;
+use crease::report::Portrait;
+use crease::wear::WearScript;
+use crease::{Error, Result};
+use serde_json::Value;
+
+/// A mesh file as `crease inspect` and the beginning and end of `crease bake` take it. `resolve` gives the files it
+/// refers to.
+pub fn mesh(name: &str, bytes: &[u8], resolve: &mut dyn FnMut(&str) -> Result<Vec<u8>>) -> Result<()> {
+    // With the unit named, sizes are not questioned and more of the file is looked at.
+    let options = ReadOptions { unit_m: Some(1.0), up: None, garment: None, mask: None };
+    let (asset, findings) = read_asset(name, bytes, &options, resolve)?;
+    let (garment, more) = Garment::from_asset(&asset)?;
+    let _ = inspect(&asset, &garment, &[findings, more].concat()).to_text();
+    crossings(&garment.points, &garment.triangles);
+    let worn = WornGarment {
+        displacement: vec![Vec3::zeros(); garment.points.len()],
+        memory: RestShape::flat(garment.topology.hinges.len(), garment.triangles.len()),
+    };
+    let glb = write_worn_glb(&asset, &garment, &worn, &Value::Null)?;
+    let sidecar = Sidecar::new(&asset, &garment, &worn, Value::Null, Value::Null, Value::Null)?;
+    let again = read_sidecar("out.crease.json", &write_sidecar(&sidecar)).expect("our own sidecar is read");
+    assert_eq!(again, sidecar);
+    read_asset("out.glb", &glb, &options, resolve).expect("our own worn glTF is read");
+    Ok(())
+}
+
+/// A mesh file on its own.
+pub fn lone_mesh(name: &str, bytes: &[u8]) -> Result<()> {
+    mesh(name, bytes, &mut |file| Err(Error::fault(file, "", "there is no such file", "")))
+}
+
+/// A wear script.
+pub fn wear(bytes: &[u8]) -> Result<()> {
+    let script = WearScript::parse("wear.json", &text(bytes)?)?;
+    script.faults_without_body("wear.json");
+    assert!(script.flatten().take(100_000).count() <= 100_000 && script.duration_s().is_finite());
+    Ok(())
+}
+
+/// A fabric.
+pub fn fabric(bytes: &[u8]) -> Result<()> {
+    let fabric = Fabric::parse("fabric.json", &text(bytes)?)?;
+    let again = Fabric::parse("again.json", &fabric.to_json()).expect("our own fabric is read");
+    assert_eq!(again, fabric);
+    assert!(fabric.bending_length().is_finite() && fabric.area_density() > 0.0);
+    Ok(())
+}
+
+/// A sidecar, also as `crease render` takes it.
+pub fn sidecar(bytes: &[u8]) -> Result<()> {
+    let sidecar = read_sidecar("out.crease.json", bytes)?;
+    let portrait = Portrait::of_sidecar("out.glb", &sidecar);
+    assert_eq!(portrait.before.len(), portrait.after.len());
+    let again = read_sidecar("again.json", &write_sidecar(&sidecar)).expect("our own sidecar is read");
+    assert_eq!(again, sidecar);
+    Ok(())
+}
+
+/// A checkpoint, with and without the hash that shields it.
+pub fn checkpoint(bytes: &[u8]) -> Result<()> {
+    let body = text(bytes)?;
+    let (garment, script) = small_run();
+    let whole = Checkpoint::parse("out.checkpoint", bytes);
+    let bare =
+        Checkpoint::parse_body("out.checkpoint", body.split_once('\n').map_or(body.as_str(), |(_, b)| b));
+    for read in [whole, bare].into_iter().flatten() {
+        let _ = read.check("out.checkpoint", &garment, &script, &read.key);
+        let bytes = read.to_bytes();
+        assert_eq!(Checkpoint::parse("again", &bytes).expect("our own checkpoint is read"), read);
+    }
+    Ok(())
+}
+
+/// Two triangles and one action.
+fn small_run() -> (Garment, WearScript) {
+    let square = b"v 0 0 0\nv 0.2 0 0\nv 0.2 0.2 0\nv 0 0.2 0\nf 1 2 3\nf 1 3 4\n";
+    let options = ReadOptions { unit_m: None, up: None, garment: None, mask: None };
+    let (asset, _) = read_asset("square.obj", square, &options, &mut |_| Ok(Vec::new())).expect("a square");
+    let (garment, _) = Garment::from_asset(&asset).expect("a garment");
+    let script = WearScript::parse("w", r#"{"format": "crease-wear/1", "actions": [{"lay": {}}]}"#);
+    (garment, script.expect("a script"))
+}
+
+fn text(bytes: &[u8]) -> Result<String> {
+    String::from_utf8(bytes.to_vec()).map_err(|_| Error::fault("file", "", "is not UTF-8 text", ""))
+}
