@@ -100,6 +100,8 @@ const SQUEEZED: f64 = 0.3;
 const BARELY: f64 = 0.02;
 /// A wide search reaches this many times as far as the others.
 const WIDE: f64 = 4.0;
+/// A move of more than this many search distances is first tested as a whole.
+const FAR: f64 = 4.0;
 /// After a wide search that found something the next waits this many steps.
 const WAIT: u32 = 16;
 /// A contact distance that had to start small reaches the thickness in this time [s].
@@ -462,14 +464,15 @@ impl PairContact {
 
     /// See [`super::Contact::bound_motion`].
     ///
-    /// Most moves bring nobody together: they are found free with all points going by the same share, which needs only
-    /// the pairs that come near in that motion. Else candidates hold for any fractions of the moves; every point then
+    /// Most long moves bring nobody together: they are found free with all points going by the same share, which needs
+    /// only the pairs that come near in that motion. Else candidates hold for any fractions of the moves; every point then
     /// gets the fraction that keeps its pairs apart (`bound`). A pair may use up most of its gap in one go but not all
     /// of it: the barrier must have a say before layers come really near, or a gain elsewhere would squeeze them to
     /// nothing.
     pub fn bound_motion(&mut self, x: &[Vec3], d: &mut [Vec3]) {
-        let way = self.on_the_way(x, d, None, Rule::SingleTogether);
-        if way.common_share() >= 1.0 {
+        let far = FAR * CANDIDATE_MARGIN * self.distance;
+        let goes_far = self.clear.is_some() || d.iter().any(|d| d.norm_squared() > far * far);
+        if goes_far && self.on_the_way(x, d, None, Rule::SingleTogether).common_share() >= 1.0 {
             return;
         }
         let way = self.on_the_way(x, d, None, Rule::Single);

@@ -33,7 +33,7 @@ pub struct Unmet {
 /// A body that lags by more than this share of the contact distance is held up.
 const LAG: f64 = 0.5;
 /// Layers nearer than this share of their contact distance are pressed beyond what contact is made for.
-const PRESSED: f64 = 0.1;
+const PRESSED: f64 = 0.02;
 /// Strain beyond what any of the fabrics bears in wear.
 const STRETCHED: f64 = 0.3;
 
