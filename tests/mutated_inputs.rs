@@ -209,6 +209,18 @@ fn counts_that_lie_are_refused_without_allocating() {
     assert!(most_memory_kib().is_none_or(|kib| kib < MOST_MEMORY_KIB));
 }
 
+/// Found by mutation 78 of seed 2099: a buffer that states fewer bytes than it has and its views use was read, and
+/// written shorter than those views reach, so that the worn garment could not be read any more.
+#[test]
+fn a_buffer_that_states_too_little_is_written_whole() {
+    let text = std::fs::read_to_string(&seeds("gltf")[0]).expect("reads");
+    let mut document: serde_json::Value = serde_json::from_str(&text).expect("is JSON");
+    let stated = &mut document["buffers"][0]["byteLength"];
+    assert!(stated.as_u64().is_some_and(|bytes| bytes > 180));
+    *stated = 112.into();
+    feed::lone_mesh("short.gltf", document.to_string().as_bytes()).expect("is read, and what is written too");
+}
+
 /// Every file of the shared garments, whatever its kind, and those it refers to.
 #[test]
 fn mutated_garments() {

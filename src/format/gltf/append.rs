@@ -166,11 +166,14 @@ impl Appender {
         }
         let stated: Vec<Option<u64>> =
             self.list("buffers").iter().map(|b| b["byteLength"].as_u64()).collect();
+        let used = self.used_lengths(buffers);
         let mut starts = Vec::with_capacity(buffers.len());
         for (i, length) in stated.iter().enumerate() {
-            // A binary chunk is padded, so it may be longer than its buffer; what is beyond belongs to nobody.
+            // A binary chunk is padded, so it may be longer than its buffer; what is beyond belongs to nobody, unless a
+            // view says otherwise: then the stated length is wrong, and reading has not minded.
             let bytes = length
                 .and_then(|length| usize::try_from(length).ok())
+                .map(|length| used.get(i).map_or(length, |used| length.max(*used)))
                 .and_then(|length| buffers.get(i).and_then(|bytes| bytes.get(..length)));
             let Some(bytes) = bytes else {
                 let found = buffers.get(i).map_or(0, Vec::len);
@@ -192,6 +195,22 @@ impl Appender {
             buffer.shift_remove("uri");
         }
         Ok(starts)
+    }
+
+    /// Per buffer: how far the views that lie within its bytes reach.
+    fn used_lengths(&self, buffers: &[Vec<u8>]) -> Vec<usize> {
+        let mut used = vec![0; buffers.len()];
+        for view in self.json.get("bufferViews").and_then(Value::as_array).into_iter().flatten() {
+            let number = |name: &str| view[name].as_u64().and_then(|n| usize::try_from(n).ok());
+            let end = number("byteOffset").unwrap_or(0).checked_add(number("byteLength").unwrap_or(0));
+            let buffer = number("buffer").unwrap_or(usize::MAX);
+            if let (Some(slot), Some(bytes), Some(end)) = (used.get_mut(buffer), buffers.get(buffer), end)
+                && end <= bytes.len()
+            {
+                *slot = end.max(*slot);
+            }
+        }
+        used
     }
 
     /// Points every view, and every extension of a view that names a buffer, into the merged buffer.
