@@ -13,6 +13,7 @@
 
 use super::unmet_log::UnmetLog;
 use super::{BakeOptions, BakeReport, Run};
+use crate::contact::KeptStretch;
 use crate::error::{Error, Result};
 use crate::fabric::Fabric;
 use crate::garment::Garment;
@@ -48,6 +49,8 @@ pub struct Checkpoint {
     pub posture: Posture,
     /// The cloth.
     pub state: State,
+    /// What friction keeps from step to step.
+    pub friction: Vec<KeptStretch>,
     /// Its memory.
     pub memory: Memory,
     /// Counts so far.
@@ -202,6 +205,7 @@ impl Run<'_> {
             posture: posture.clone(),
             state: self.state.clone(),
             memory: self.memory.clone(),
+            friction: self.stepper.contact.kept_friction(),
             counts: Counts {
                 steps,
                 rejected,
@@ -224,6 +228,7 @@ impl Run<'_> {
         self.posture = from.posture;
         self.state = from.state;
         self.memory = from.memory;
+        self.stepper.contact.restore_friction(&from.friction);
         self.unmet = counts.unmet;
         self.report.steps = counts.steps;
         self.report.rejected = counts.rejected;

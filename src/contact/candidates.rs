@@ -18,6 +18,7 @@ use crate::mesh::motion::{edge_edge_step, point_triangle_step};
 use crate::mesh::tree::TriangleTree;
 use crate::mesh::{PointIndex, Topology};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// Pairs of triangles that one task compares.
 const CHUNK: usize = 2048;
@@ -25,7 +26,7 @@ const CHUNK: usize = 2048;
 const ROUNDING: f64 = 1e-9;
 
 /// The two kinds of primitive pairs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum PairKind {
     /// A point and a triangle.
     PointTriangle,

@@ -20,6 +20,7 @@ use super::places::Places;
 use crate::energy::{BlockSink, add_symmetric};
 use crate::math::{Mat3, Vec3};
 use rustc_hash::FxHashMap;
+use serde::{Deserialize, Serialize};
 
 /// What names a contact from step to step: the kind of pair (none for a plane) and its points.
 type Key = (Option<PairKind>, [u32; 4]);
@@ -57,6 +58,18 @@ pub(super) struct Friction {
     kept: FxHashMap<Key, Vec3>,
 }
 
+/// The stretch that one contact kept from the last accepted step.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct KeptStretch {
+    /// The kind of pair; none for a plane.
+    kind: Option<PairKind>,
+    points: [u32; 4],
+    /// As a share of what makes it slide.
+    #[serde(with = "crate::math::plain::vector")]
+    share: Vec3,
+}
+
 /// A contact counts as sliding above this share of `stick`.
 const SLIDES: f64 = 1.0 - 1e-9;
 
@@ -85,6 +98,19 @@ impl Friction {
             }
         }
         self.sliders.push(slider);
+    }
+
+    /// What all contacts kept, in a fixed order.
+    pub fn kept(&self) -> Vec<KeptStretch> {
+        let mut all: Vec<_> =
+            self.kept.iter().map(|(&(kind, points), &share)| KeptStretch { kind, points, share }).collect();
+        all.sort_unstable_by_key(|k| (k.kind, k.points));
+        all
+    }
+
+    /// Goes on from what contacts kept.
+    pub fn restore(&mut self, kept: &[KeptStretch]) {
+        self.kept = kept.iter().map(|k| ((k.kind, k.points), k.share)).collect();
     }
 
     /// The step is over at these places: keeps every contact's stretch.

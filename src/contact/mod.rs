@@ -21,6 +21,7 @@ pub use body::Body;
 use crate::energy::BlockSink;
 use crate::math::{Mat3, Vec3};
 use crate::mesh::{PointIndex, Topology};
+pub use friction::KeptStretch;
 use friction::{Friction, Slider, spread};
 use pairs::{PairContact, Touch};
 use places::Places;
@@ -269,6 +270,16 @@ impl Contact {
                 });
             }
         }
+    }
+
+    /// What friction keeps from step to step.
+    pub fn kept_friction(&self) -> Vec<KeptStretch> {
+        self.friction.kept()
+    }
+
+    /// Goes on with what friction kept.
+    pub fn restore_friction(&mut self, kept: &[KeptStretch]) {
+        self.friction.restore(kept);
     }
 
     /// The step of `h` seconds is accepted at `x`: the body stays where it has come to, friction keeps its stretch.
