@@ -1,16 +1,21 @@
 //! The main job: wear -> solve -> memory, step by step, then the garment brought home to its own pose.
 
+mod awake;
 pub mod checkpoint;
 mod crossing_start;
+mod dressing;
 mod home;
+mod on_body;
 mod plan;
 mod settle;
 mod unmet_log;
 
 pub use checkpoint::{Checkpoint, run_key};
+pub use on_body::stirred;
 pub use plan::{Choice, Plan};
 pub use settle::{Settled, rest_mesh, settle};
 
+use crate::body::Wearer;
 use crate::contact::{Contact, ContactSettings};
 use crate::error::{Error, Result};
 use crate::fabric::{EventCount, Fabric};
@@ -20,6 +25,8 @@ use crate::memory::{Memory, Observed, Remembering};
 use crate::solve::{Cloth, State, StepOptions, Stepper};
 use crate::wear::{Action, GRAVITY, Gesture, Posture, Scene, WearScript};
 use checkpoint::{STEPS_BETWEEN, Way};
+use on_body::OnBody;
+use std::sync::Arc;
 use std::time::Instant;
 use unmet_log::UnmetLog;
 
@@ -32,11 +39,15 @@ pub struct BakeOptions {
     pub step: StepOptions,
     /// Frames per simulated second for the observer; 0 for none.
     pub frames_per_second: f64,
+    /// The body the garment is worn on.
+    pub body: Option<Arc<Wearer>>,
+    /// Whether cloth that the body cannot stir sleeps.
+    pub sleep: bool,
 }
 
 impl Default for BakeOptions {
     fn default() -> Self {
-        Self { memory: true, step: StepOptions::default(), frames_per_second: 0.0 }
+        Self { memory: true, step: StepOptions::default(), frames_per_second: 0.0, body: None, sleep: true }
     }
 }
 
@@ -152,7 +163,11 @@ pub fn bake_from(
     if let Some((file, checkpoint)) = &taken_up {
         checkpoint.check(file, garment, script, &key)?;
     }
-    let plan = Plan::new(garment, fabric, script, options.memory);
+    let on_body = OnBody::prepare(garment, script, script_file, options, taken_up.is_some())?;
+    let mut plan = Plan::new(garment, fabric, script, options.memory);
+    if let Some(on_body) = &on_body {
+        plan.wear_on(fabric, &on_body.wearer, &on_body.asleep);
+    }
     let mut cloth = Cloth::new(garment, fabric);
     cloth.membrane.set_stiffness(plan.stretch);
     let source_angle = cloth.bending.angles(&garment.points, &[]);
@@ -191,9 +206,14 @@ pub fn bake_from(
         unconverged: 0,
         unmet: UnmetLog::default(),
         largest_rest: 0.0,
-        total: script.duration_s(),
+        total: script.duration_on(options.body.as_deref()),
+        asleep: Vec::new(),
+        dressing_s: 0.0,
     };
     run.report.warnings.extend(crossing_start::crossing_warning(garment));
+    if let Some(on_body) = on_body {
+        run.put_on(on_body, observer)?;
+    }
     let (mut first, mut way) = (0, None);
     if let Some((_, checkpoint)) = taken_up {
         (first, way) = (checkpoint.action, checkpoint.way.clone());
@@ -226,6 +246,9 @@ pub fn bake_from(
     run.report.events = run.memory.events;
     run.report.stages =
         ["assemble", "solve", "contact", "remember", "home"].into_iter().zip(run.seconds).collect();
+    if run.dressing_s > 0.0 {
+        run.report.stages.insert(0, ("dress", run.dressing_s));
+    }
     Ok(Baked {
         worn: WornGarment { displacement, memory: run.memory.shape },
         end: run.state.x,
@@ -264,6 +287,10 @@ struct Run<'a> {
     /// Steps accepted before Newton had converged, and the largest move it still asked for [m].
     unconverged: u64,
     largest_rest: f64,
+    /// Points that a moving body cannot stir, one flag per point; empty for none.
+    asleep: Vec<bool>,
+    /// Time that dressing took [s].
+    dressing_s: f64,
     /// Demands that could not be met.
     unmet: UnmetLog,
 }
@@ -307,13 +334,14 @@ impl Run<'_> {
         }
         let begin = way.as_ref().map_or(self.state.time, |way| way.begin);
         let under_way = UnderWay { number, start, begin, before, name: action.name() };
-        self.perform(under_way, begun.gesture, action.as_wear().duration_s(), way, observer)
+        let duration = begun.duration.unwrap_or_else(|| action.as_wear().duration_s());
+        self.perform(under_way, begun.gesture, duration, way, observer)
     }
 
     /// A moment before the action `number`, from which the run can be taken up.
     fn moment(&mut self, number: usize, observer: &mut dyn Observer) -> Result<()> {
         self.stepper.forget();
-        if observer.keeps_checkpoints() {
+        if self.posture.body.is_none() && observer.keeps_checkpoints() {
             observer.checkpoint(self.checkpoint(number, &self.posture, None))?;
         }
         Ok(())
@@ -329,6 +357,9 @@ impl Run<'_> {
         observer: &mut dyn Observer,
     ) -> Result<()> {
         if !self.report.steps.is_multiple_of(STEPS_BETWEEN) {
+            return Ok(());
+        }
+        if self.posture.body.is_some() {
             return Ok(());
         }
         let Some(memo) = gesture.memo() else { return Ok(()) };
@@ -406,7 +437,14 @@ impl Run<'_> {
             if remembers_length { run.stepper.cloth.membrane.measure(&run.state.x) } else { Vec::new() }
         };
         let (angle, stretch) = (self.state.angle.clone(), measure(self));
-        let mut drive_at = |time: f64, state: &State| gesture.drive(time - begin, &state.x);
+        let asleep = if self.posture.body.is_some() { self.asleep.as_slice() } else { &[] };
+        let mut drive_at = |time: f64, state: &State| {
+            let mut drive = gesture.drive(time - begin, &state.x);
+            if drive.held.is_empty() {
+                drive.held = asleep.to_vec();
+            }
+            drive
+        };
         let step = self.stepper.advance(&mut self.state, &self.memory.felt, &mut drive_at, h);
         for (total, s) in self.seconds.iter_mut().zip(step.newton.seconds) {
             *total += s;

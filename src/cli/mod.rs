@@ -8,6 +8,7 @@ mod also;
 mod arguments;
 mod bake;
 mod batch;
+mod body;
 mod chart;
 mod checkpoints;
 mod completions;

@@ -7,6 +7,7 @@ mod garment_type;
 mod inspect;
 mod material;
 mod repair;
+mod refine;
 mod rest_shape;
 mod worn;
 
@@ -14,5 +15,6 @@ pub use corners::{corner_uvs, corner_vertices};
 pub use finding::{Finding, Severity};
 pub use garment_type::Garment;
 pub use inspect::{Inspection, PartReport, PieceReport, inspect};
+pub use refine::Refined;
 pub use rest_shape::RestShape;
 pub use worn::WornGarment;

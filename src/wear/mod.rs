@@ -8,6 +8,7 @@ mod actions;
 mod drive;
 mod gesture;
 mod landing;
+mod moving;
 mod script;
 mod turning;
 
