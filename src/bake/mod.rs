@@ -16,7 +16,7 @@ pub use plan::{Choice, Plan};
 pub use settle::{Settled, rest_mesh, settle};
 
 use crate::body::Wearer;
-use crate::contact::{Contact, ContactSettings};
+use crate::contact::{BodyField, Contact, ContactSettings};
 use crate::error::{Error, Result};
 use crate::fabric::{EventCount, Fabric};
 use crate::garment::{Garment, RestShape, WornGarment};
@@ -25,7 +25,7 @@ use crate::memory::{Memory, Observed, Remembering};
 use crate::solve::{Cloth, State, StepOptions, Stepper};
 use crate::wear::{Action, GRAVITY, Gesture, Posture, Scene, WearScript};
 use checkpoint::{STEPS_BETWEEN, Way};
-use on_body::OnBody;
+use on_body::{OnBody, Pinch};
 use std::sync::Arc;
 use std::time::Instant;
 use unmet_log::UnmetLog;
@@ -208,6 +208,8 @@ pub fn bake_from(
         largest_rest: 0.0,
         total: script.duration_on(options.body.as_deref()),
         asleep: Vec::new(),
+        field: None,
+        pinch: Pinch::default(),
         dressing_s: 0.0,
     };
     run.report.warnings.extend(crossing_start::crossing_warning(garment));
@@ -235,6 +237,7 @@ pub fn bake_from(
         ));
     }
     run.report.warnings.extend(run.unmet.warnings());
+    run.report.warnings.extend(run.pinch.warning());
     run.frame(observer)?;
     let clock = Instant::now();
     let displacement =
@@ -289,6 +292,9 @@ struct Run<'a> {
     largest_rest: f64,
     /// Points that a moving body cannot stir, one flag per point; empty for none.
     asleep: Vec<bool>,
+    /// The body, if there is one.
+    field: Option<BodyField>,
+    pinch: Pinch,
     /// Time that dressing took [s].
     dressing_s: f64,
     /// Demands that could not be met.
@@ -437,15 +443,13 @@ impl Run<'_> {
             if remembers_length { run.stepper.cloth.membrane.measure(&run.state.x) } else { Vec::new() }
         };
         let (angle, stretch) = (self.state.angle.clone(), measure(self));
-        let asleep = if self.posture.body.is_some() { self.asleep.as_slice() } else { &[] };
-        let mut drive_at = |time: f64, state: &State| {
-            let mut drive = gesture.drive(time - begin, &state.x);
-            if drive.held.is_empty() {
-                drive.held = asleep.to_vec();
+        let step = match self.field.take() {
+            Some(field) => self.step_on_body(field, gesture, begin, h),
+            None => {
+                let mut drive_at = |time: f64, state: &State| gesture.drive(time - begin, &state.x);
+                self.stepper.advance(&mut self.state, &self.memory.felt, &mut drive_at, h)
             }
-            drive
         };
-        let step = self.stepper.advance(&mut self.state, &self.memory.felt, &mut drive_at, h);
         for (total, s) in self.seconds.iter_mut().zip(step.newton.seconds) {
             *total += s;
         }
@@ -458,6 +462,9 @@ impl Run<'_> {
             self.largest_rest = self.largest_rest.max(step.newton.last_move);
         }
         self.unmet.note(self.state.time, &step.unmet);
+        if std::env::var_os("DBG").is_some() {
+            eprintln!("t {:.3} h {:.4} rej {} it {} loc {} conv {} lm {:.1e} err {:.1e} sec {:.2?} ev {:?} pinch {:.4}", self.state.time, step.step, step.rejected, step.newton.iterations, step.newton.local_iterations, step.converged, step.newton.last_move, step.error, step.newton.seconds, self.memory.events.critical, self.pinch.depth);
+        }
         let clock = Instant::now();
         if let (Some(law), true) = (&self.law, gesture.wears()) {
             let stretch_after = measure(self);

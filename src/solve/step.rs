@@ -2,7 +2,7 @@
 
 use super::{Cloth, Method, NewtonOptions, NewtonReport, Previous, Problem, State, Unmet, Workspace};
 use crate::contact::Contact;
-use crate::energy::{Container, Drag, Energy, Gravity, Guides, Pressure};
+use crate::energy::{Container, Cushions, Drag, Energy, Gravity, Guides, Pressure};
 use crate::garment::RestShape;
 use crate::math::Vec3;
 use crate::wear::Drive;
@@ -153,6 +153,7 @@ impl Stepper {
         let bending = self.cloth.bending.term(memory, &state.angle, stage.span);
         let gravity = Gravity { mass: &self.cloth.mass, acceleration: drive.gravity };
         let guides = Guides(&drive.guides);
+        let cushions = Cushions(&drive.cushions);
         let drag = Drag { mass: &self.cloth.mass, start: &state.x, rate: drive.drag / h };
         let pressure = Pressure { force: &forces.push };
         let container = drive.ball.as_ref().map(|ball| Container {
@@ -163,6 +164,9 @@ impl Stepper {
         let mut terms: Vec<&dyn Energy> = vec![&membrane, &bending, &gravity];
         if !drive.guides.is_empty() {
             terms.push(&guides);
+        }
+        if !drive.cushions.is_empty() {
+            terms.push(&cushions);
         }
         if drive.drag > 0.0 {
             terms.push(&drag);
@@ -181,6 +185,11 @@ impl Stepper {
         };
         let mut x = state.x.clone();
         let mut report = NewtonReport::default();
+        if !drive.lead.is_empty() {
+            let mut lead = drive.lead.to_vec();
+            self.contact.bound_motion(&x, &mut lead);
+            x.iter_mut().zip(&lead).for_each(|(x, d)| *x += d);
+        }
         for _ in 0..LED_AGAIN {
             report.add(&problem.follow(&mut x, &mut self.contact, &mut self.work));
             report.add(&problem.solve(&mut x, &mut self.contact, &self.options.newton, &mut self.work));

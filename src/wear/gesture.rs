@@ -205,7 +205,7 @@ impl Start {
 }
 
 /// A gesture that lets one drive act unchanged.
-pub(super) struct Still {
+pub(crate) struct Still {
     pub drive: Drive,
     pub may_end_early: bool,
 }

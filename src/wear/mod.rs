@@ -18,5 +18,6 @@ pub use actions::{
     Press, Release, Repeat, Settle, Side, Unfold, WearAction,
 };
 pub use drive::{Ball, Drive, GRAVITY};
+pub(crate) use gesture::Still;
 pub use gesture::{Frame, Gesture, MadeFold, Posture, Scene, Start};
 pub use script::{ACTION_LIMIT, DURATION_LIMIT_S, Flatten, NESTING_LIMIT, WearFormat, WearScript};
