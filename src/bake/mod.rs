@@ -7,12 +7,14 @@ mod dressing;
 mod home;
 mod on_body;
 mod plan;
+mod remember;
 mod settle;
 mod unmet_log;
 
 pub use checkpoint::{Checkpoint, run_key};
 pub use on_body::stirred;
 pub use plan::{Choice, Plan};
+pub use remember::{Motion, remember};
 pub use settle::{Settled, rest_mesh, settle};
 
 use crate::body::Wearer;
@@ -134,6 +136,8 @@ const FIRST_STEP: f64 = 1.0 / 120.0;
 /// A step is converged when what energy is left to gain would not lift the garment by this [m]: single points that
 /// are still falling into a wrinkle go on in the next step.
 const SLACK: f64 = 1e-5;
+/// Whoever asks for frames more often than this wants every step [s].
+const EVERY_STEP: f64 = 1e-5;
 /// A garment that may end early is at rest below this speed, root mean square [m/s].
 const REST_SPEED: f64 = 1e-4;
 
@@ -214,7 +218,7 @@ pub fn bake_from(
     };
     run.report.warnings.extend(crossing_start::crossing_warning(garment));
     if let Some(on_body) = on_body {
-        run.put_on(on_body, observer)?;
+        run.put_on(on_body)?;
     }
     let (mut first, mut way) = (0, None);
     if let Some((_, checkpoint)) = taken_up {
@@ -422,6 +426,24 @@ impl Run<'_> {
         Ok(())
     }
 
+    /// Shows the cloth at the times of frames that the last step passed, from `before`: where it began [s], [m]. Frames are
+    /// evenly spaced, steps are not; where several steps are wanted in a frame's time, or the other way round, each shows once.
+    fn frames_due(&mut self, before: &Option<(f64, Vec<Vec3>)>, observer: &mut dyn Observer) -> Result<()> {
+        let Some((start, from)) = before else { return Ok(()) };
+        let step = self.state.time - start;
+        if self.frame_every < EVERY_STEP {
+            return self.frame(observer);
+        }
+        while self.next_frame <= self.state.time + 1e-9 {
+            let share = ((self.next_frame - start) / step.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+            let x: Vec<Vec3> = from.iter().zip(&self.state.x).map(|(a, b)| a + (b - a) * share).collect();
+            observer.frame(&x)?;
+            self.frames += 1;
+            self.next_frame += self.frame_every;
+        }
+        Ok(())
+    }
+
     /// Shows the cloth as it is.
     fn frame(&mut self, observer: &mut dyn Observer) -> Result<()> {
         observer.frame(&self.state.x)?;
@@ -443,6 +465,7 @@ impl Run<'_> {
             if remembers_length { run.stepper.cloth.membrane.measure(&run.state.x) } else { Vec::new() }
         };
         let (angle, stretch) = (self.state.angle.clone(), measure(self));
+        let before = self.frame_every.is_finite().then(|| (self.state.time, self.state.x.clone()));
         let step = match self.field.take() {
             Some(field) => self.step_on_body(field, gesture, begin, h),
             None => {
@@ -463,14 +486,14 @@ impl Run<'_> {
         }
         self.unmet.note(self.state.time, &step.unmet);
         if std::env::var_os("DBG").is_some() {
-            eprintln!("t {:.3} h {:.4} rej {} it {} loc {} conv {} lm {:.1e} err {:.1e} sec {:.2?} ev {:?} pinch {:.4}", self.state.time, step.step, step.rejected, step.newton.iterations, step.newton.local_iterations, step.converged, step.newton.last_move, step.error, step.newton.seconds, self.memory.events.critical, self.pinch.depth);
+            eprintln!("t {:.3} h {:.4} rej {} it {} loc {} conv {} lm {:.1e} err {:.1e} sec {:.2?} ev {:?} pinch {:.4} {:?} {:?}", self.state.time, step.step, step.rejected, step.newton.iterations, step.newton.local_iterations, step.converged, step.newton.last_move, step.error, step.newton.seconds, self.memory.events.critical, self.pinch.depth, self.pinch.place.as_slice(), step.unmet);
         }
         let clock = Instant::now();
         if let (Some(law), true) = (&self.law, gesture.wears()) {
             let stretch_after = measure(self);
-            let before = Observed { angle: &angle, stretch: &stretch };
+            let earlier = Observed { angle: &angle, stretch: &stretch };
             let after = Observed { angle: &self.state.angle, stretch: &stretch_after };
-            self.memory.commit(law, &before, &after, step.step);
+            self.memory.commit(law, &earlier, &after, step.step);
         }
         self.seconds[3] += clock.elapsed().as_secs_f64();
         observer.progress(&Progress {
@@ -482,10 +505,7 @@ impl Run<'_> {
             iterations: step.newton.iterations,
             events: self.memory.events,
         });
-        if self.state.time >= self.next_frame - 1e-9 {
-            self.frame(observer)?;
-            self.next_frame = self.state.time + self.frame_every;
-        }
+        self.frames_due(&before, observer)?;
         Ok(step.next)
     }
 

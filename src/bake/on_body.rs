@@ -2,7 +2,7 @@
 
 use super::awake::awake;
 use super::dressing;
-use super::{BakeOptions, Observer, Run};
+use super::{BakeOptions, Run};
 use crate::body::{Standing, Wearer};
 use crate::contact::{BodyField, FieldSettings};
 use crate::energy::Cushion;
@@ -93,7 +93,7 @@ pub(super) struct Pinch {
     times: Option<[f64; 2]>,
     /// [m].
     pub(super) depth: f64,
-    place: Vec3,
+    pub(super) place: Vec3,
 }
 
 /// Cloth that is deeper inside than this is told [m].
@@ -127,7 +127,7 @@ impl Pinch {
 
 impl Run<'_> {
     /// The garment is put on.
-    pub(super) fn put_on(&mut self, on_body: OnBody, observer: &mut dyn Observer) -> Result<()> {
+    pub(super) fn put_on(&mut self, on_body: OnBody) -> Result<()> {
         let clock = Instant::now();
         let OnBody { wearer, depths, asleep } = on_body;
         let settings = self.stepper.contact.settings();
@@ -144,7 +144,7 @@ impl Run<'_> {
         self.report.warnings.extend(dressed.warnings());
         self.posture.body = Some(Standing::new(&wearer, wearer.rest()));
         self.dressing_s = clock.elapsed().as_secs_f64();
-        self.frame(observer)
+        Ok(())
     }
 
     /// One accepted step with the body under the cloth.
@@ -170,6 +170,7 @@ impl Run<'_> {
                     field.begin(&state.x, &drive.held);
                     begun = true;
                 }
+                let points: Arc<[Vec3]> = field.flattened(&points).into();
                 drive.cushions = field.cushions(&state.x, &points, time - start, drive.friction).into();
                 drive.lead = smoothed(field.lead(&state.x, &points), &drive.held, topology).into();
                 last = Some((points, drive.cushions.clone()));

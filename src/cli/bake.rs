@@ -201,12 +201,12 @@ pub fn run(arguments: Arguments) -> Result<()> {
             outputs.check(&files.worn.with_extension("png"))?;
         }
     }
+    use_threads(arguments.threads)?;
     let mut job = Job::read(&arguments)?;
     if arguments.explain && !(arguments.json && files.is_some()) {
         explain(&job.plan(&arguments), arguments.json)?;
     }
     let Some(files) = files else { return Ok(()) };
-    use_threads(arguments.threads)?;
     let extras = files.extras();
     let mut warnings = job.mesh.repairs();
     warnings.extend(job.refined.clone());

@@ -7,6 +7,9 @@
 //! normal, is a plane that the point rests on (`energy::Cushion`). Surface and cloth are followed together, so a fast
 //! body does not get past its cloth; a point that is inside, by a fault of the file or caught in a crease, is pushed out.
 //!
+//! Where the body folds into itself (an elbow's crease) real flesh gives way and a skinned one does not: its two sides would
+//! press the cloth between them to nothing. There both are flattened ([`BodyField::flattened`]).
+//!
 //! Friction is that of `contact::friction`: Coulomb, with a tangential stretch kept from step to step. Does not do:
 //! corners of the body that are finer than the cloth's mesh, between its points.
 
@@ -20,14 +23,26 @@ use rayon::prelude::*;
 /// Surface farther from a point than this does not matter in a step [m].
 const SEARCH: f64 = 0.03;
 
+/// How far a body may fold into itself [m].
+const FOLDED: f64 = 0.03;
+/// Two parts face each other when the cosine between their normals is below this.
+const FACING: f64 = -0.2;
+/// Room between two parts of a body that lie on each other, in reaches: two layers on each, and one to move.
+const LAYERS: f64 = 5.0;
+
 /// A body and what the cloth has to do with it.
 pub struct BodyField {
     triangles: Vec<[PointIndex; 3]>,
     tree: TriangleTree,
+    /// Where nothing of it is folded into itself [m]: as its file has it, with normals.
+    open: Vec<Vec3>,
+    open_normals: Vec<Vec3>,
     /// At the beginning of the step [m], with normals.
     now: Vec<Vec3>,
     normals: Vec<Vec3>,
     settings: FieldSettings,
+    /// Per point: whether it is near what lies under cloth in this step.
+    covered: Vec<bool>,
     /// Per point of the cloth: what is under it in this step.
     under: Vec<Option<Under>>,
     /// Per point of the cloth: tangential stretch as a share of what sticks.
@@ -67,7 +82,10 @@ impl BodyField {
         Self {
             tree: TriangleTree::new(points, &triangles, 0.0),
             normals: point_normals(points, &triangles),
+            open_normals: point_normals(points, &triangles),
+            open: points.to_vec(),
             now: points.to_vec(),
+            covered: vec![false; points.len()],
             under: vec![None; kept.len()],
             triangles,
             settings,
@@ -99,6 +117,17 @@ impl BodyField {
             Some(Under { triangle: nearest.triangle, weights, place, gap: normal.dot(&(x - place)) })
         };
         self.under = x.par_iter().enumerate().map(look).collect();
+        self.covered.fill(false);
+        for under in self.under.iter().flatten() {
+            self.triangles[under.triangle as usize].iter().for_each(|p| self.covered[p.at()] = true);
+        }
+        // Normals there need their neighbours.
+        let near: Vec<usize> = (0..self.triangles.len())
+            .filter(|f| self.triangles[*f].iter().any(|p| self.covered[p.at()]))
+            .collect();
+        for f in near {
+            self.triangles[f].iter().for_each(|p| self.covered[p.at()] = true);
+        }
     }
 
     fn surface(&self, points: &[Vec3], normals: &[Vec3], triangle: u32, weights: &[f64; 3]) -> (Vec3, Vec3) {
@@ -136,6 +165,37 @@ impl BodyField {
         self.under.par_iter().enumerate().filter_map(each).collect()
     }
 
+    /// `target` with its flesh flattened where the body lies on itself: there both sides give way, half each, so far that the cloth
+    /// between them has room. Only parts that face each other across air where the body is open count, not the far side of a
+    /// hand; only what lies under cloth is looked at.
+    pub fn flattened(&mut self, target: &[Vec3]) -> Vec<Vec3> {
+        let normals = point_normals(target, &self.triangles);
+        self.tree.refit(target, target, 0.0);
+        let triangle_normals: Vec<Vec3> = self
+            .triangles
+            .iter()
+            .map(|t| {
+                let [a, b, c] = t.map(|p| target[p.at()]);
+                (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_else(Vec3::zeros)
+            })
+            .collect();
+        let need = LAYERS * self.settings.reach;
+        let give = |(p, at): (usize, &Vec3)| {
+            if !self.covered[p] {
+                return *at;
+            }
+            let facing = |f: u32| {
+                triangle_normals[f as usize].dot(&normals[p]) < FACING
+                    && (self.open[self.triangles[f as usize][0].at()] - self.open[p]).dot(&self.open_normals[p]) > 0.0
+            };
+            let Some(nearest) = self.tree.nearest_where(target, *at, FOLDED, facing) else { return *at };
+            let other = triangle_normals[nearest.triangle as usize];
+            let height = (at - target[self.triangles[nearest.triangle as usize][0].at()]).dot(&other);
+            if height < need { at + other * (0.5 * (need - height).min(2.0 * FOLDED)) } else { *at }
+        };
+        target.par_iter().enumerate().map(give).collect()
+    }
+
     /// Where the body takes the cloth along on its way to `target`: with the surface under it, as a rigid piece, less and
     /// less with the height over it. One move per point [m].
     pub fn lead(&self, x: &[Vec3], target: &[Vec3]) -> Vec<Vec3> {
@@ -163,13 +223,14 @@ impl BodyField {
         if target.len() == self.now.len() && target != self.now {
             self.now.copy_from_slice(target);
             self.normals = point_normals(target, &self.triangles);
-            self.tree.refit(target, target, 0.0);
         }
+        self.tree.refit(&self.now, &self.now, 0.0);
     }
 
     /// The deepest point of the cloth at `x` under its own plane, and how deep [m].
     pub fn deepest(x: &[Vec3], cushions: &[Cushion]) -> Option<(u32, f64)> {
-        let depths = cushions.iter().map(|c| (c.point, -c.gap(&x[c.point as usize])));
+        let pushing = cushions.iter().filter(|c| c.stiffness > 0.0);
+        let depths = pushing.map(|c| (c.point, -c.gap(&x[c.point as usize])));
         depths.filter(|(_, depth)| *depth > 0.0).max_by(|a, b| a.1.total_cmp(&b.1))
     }
 }
@@ -211,6 +272,32 @@ mod tests {
         Cushions(&cushions).add_gradient(&x, &mut g);
         assert!(g[0].y < 0.0 && g[0].x < 0.0 && g[1] == Vec3::zeros(), "pushed out and dragged along: {}", g[0]);
         assert!((cushions[0].from - (x[0] + Vec3::new(0.03, 0.02, 0.0))).norm() < 1e-15);
+    }
+
+    /// Two plates that face each other, near, then laid through each other; and the far side of a plate with two sides.
+    #[test]
+    fn a_fold_of_the_body_makes_room_for_the_cloth() {
+        let (low, mut triangles) = plate();
+        let high = low.iter().map(|p| p + 0.02 * Vec3::y());
+        let points: Vec<Vec3> = low.iter().copied().chain(high).collect();
+        triangles.extend([[4, 5, 6], [4, 6, 7]].map(|t| t.map(PointIndex)));
+        let settings = FieldSettings { reach: 1e-3, stiffness: vec![100.0; 2], friction: 0.5, creep: 1e-3 };
+        let x = [Vec3::new(0.1, 0.0005, 0.2), Vec3::new(-0.1, 0.0005, -0.2)];
+        let heights = |height: f64, turned: bool| {
+            let mut triangles = triangles.clone();
+            if turned {
+                triangles.iter_mut().for_each(|t| t.swap(0, 1));
+            }
+            let mut field = BodyField::new(&points, &triangles, settings.clone());
+            field.begin(&x, &[]);
+            let mut target = points.clone();
+            target[4..].iter_mut().for_each(|p| p.y = height);
+            field.flattened(&target)[0].y
+        };
+        assert_eq!(heights(0.02, false), 0.0, "wide open");
+        assert!((heights(0.004, false) + 0.0005).abs() < 1e-15, "half of what is missing to 5 mm");
+        assert!((heights(-0.01, false) + 0.0075).abs() < 1e-15, "through each other: {}", heights(-0.01, false));
+        assert_eq!(heights(0.004, true), 0.0, "the far side of a thin part");
     }
 
     #[test]

@@ -186,9 +186,7 @@ impl Stepper {
         let mut x = state.x.clone();
         let mut report = NewtonReport::default();
         if !drive.lead.is_empty() {
-            let mut lead = drive.lead.to_vec();
-            self.contact.bound_motion(&x, &mut lead);
-            x.iter_mut().zip(&lead).for_each(|(x, d)| *x += d);
+            self.contact.advance(&mut x, &drive.lead);
         }
         for _ in 0..LED_AGAIN {
             report.add(&problem.follow(&mut x, &mut self.contact, &mut self.work));
