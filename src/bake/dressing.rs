@@ -112,14 +112,20 @@ impl Run<'_> {
         for _ in 0..STEPS {
             self.state.stop();
             let Some(field) = self.field.take() else { break };
-            let step = self.step_on_body(field, &mut Still { drive: drive.clone(), may_end_early: false }, 0.0, STEP);
+            let step = self.step_on_body(
+                field,
+                &mut Still { drive: drive.clone(), may_end_early: false },
+                0.0,
+                STEP,
+            );
             self.report.solves += step.newton.iterations as u64;
             self.report.local_solves += step.newton.local_iterations as u64;
         }
         self.state.stop();
         self.state.time = 0.0;
         self.pinch = Pinch::default();
-        dressed.crossed[1] = crossings_between(&self.state.x, &self.garment.triangles, start, triangles).len();
+        dressed.crossed[1] =
+            crossings_between(&self.state.x, &self.garment.triangles, start, triangles).len();
         dressed.pushed = before.iter().zip(&self.state.x).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
         dressed
     }

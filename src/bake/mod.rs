@@ -485,9 +485,6 @@ impl Run<'_> {
             self.largest_rest = self.largest_rest.max(step.newton.last_move);
         }
         self.unmet.note(self.state.time, &step.unmet);
-        if std::env::var_os("DBG").is_some() {
-            eprintln!("t {:.3} h {:.4} rej {} it {} loc {} conv {} lm {:.1e} err {:.1e} sec {:.2?} ev {:?} pinch {:.4} {:?} {:?}", self.state.time, step.step, step.rejected, step.newton.iterations, step.newton.local_iterations, step.converged, step.newton.last_move, step.error, step.newton.seconds, self.memory.events.critical, self.pinch.depth, self.pinch.place.as_slice(), step.unmet);
-        }
         let clock = Instant::now();
         if let (Some(law), true) = (&self.law, gesture.wears()) {
             let stretch_after = measure(self);

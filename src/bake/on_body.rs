@@ -92,8 +92,8 @@ pub(super) struct Pinch {
     /// When that began and ended [s].
     times: Option<[f64; 2]>,
     /// [m].
-    pub(super) depth: f64,
-    pub(super) place: Vec3,
+    depth: f64,
+    place: Vec3,
 }
 
 /// Cloth that is deeper inside than this is told [m].
@@ -124,6 +124,9 @@ impl Pinch {
         ))
     }
 }
+
+/// Where the body is at the end of a step [m], and what of it is under the cloth.
+type Met = (Arc<[Vec3]>, Arc<[Cushion]>);
 
 impl Run<'_> {
     /// The garment is put on.
@@ -156,7 +159,7 @@ impl Run<'_> {
         h: f64,
     ) -> StepReport {
         let start = self.state.time;
-        let mut last: Option<(Arc<[Vec3]>, Arc<[Cushion]>)> = None;
+        let mut last: Option<Met> = None;
         let mut begun = false;
         let (asleep, topology) = (&self.asleep, &self.garment.topology);
         let mut drive_at = |time: f64, state: &State| {

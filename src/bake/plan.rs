@@ -126,7 +126,12 @@ impl Plan {
         say("stretch", format!("{stretch:.0} N/m, the fabric's own: a body stretches it"), true);
         say(
             "body",
-            format!("{}: {} points, {} triangles", wearer.file, wearer.start().len(), wearer.triangles().len()),
+            format!(
+                "{}: {} points, {} triangles",
+                wearer.file,
+                wearer.start().len(),
+                wearer.triangles().len()
+            ),
             true,
         );
         let still = asleep.iter().filter(|asleep| **asleep).count();

@@ -32,8 +32,7 @@ pub fn remember(garment: &Garment, fabric: &Fabric, motion: &mut Motion) -> Bake
     let source_angle = cloth.bending.angles(&garment.points, &[]);
     let law = Remembering::new(garment, fabric, cloth.bending.width());
     let mut memory = Memory::new(RestShape::new(source_angle.clone(), garment.triangles.len()));
-    let measure =
-        |x: &[Vec3]| if law.remembers_length() { cloth.membrane.measure(x) } else { Vec::new() };
+    let measure = |x: &[Vec3]| if law.remembers_length() { cloth.membrane.measure(x) } else { Vec::new() };
     let mut angle = source_angle;
     let mut stretch: Option<Vec<[f64; 3]>> = None;
     let mut x = garment.points.clone();

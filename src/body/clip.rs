@@ -212,7 +212,8 @@ mod tests {
     #[test]
     fn rotations_go_along_the_great_circle() {
         let at = |angle: f64| UnitQuaternion::from_axis_angle(&Vec3::z_axis(), angle);
-        let values: Vec<f64> = [0.0, FRAC_PI_2].iter().flat_map(|a| at(*a).coords.as_slice().to_vec()).collect();
+        let values: Vec<f64> =
+            [0.0, FRAC_PI_2].iter().flat_map(|a| at(*a).coords.as_slice().to_vec()).collect();
         let turn = Channel {
             node: 0,
             target: Target::Rotation,

@@ -181,7 +181,11 @@ mod tests {
             rest: parts(Vec3::new(x, 0.0, 0.0)),
         };
         // The child stands before its parent in the list.
-        Skeleton::new(vec![node("wrist", Some(1), 0.26), node("elbow", Some(2), 0.3), node("shoulder", None, 0.0)])
+        Skeleton::new(vec![
+            node("wrist", Some(1), 0.26),
+            node("elbow", Some(2), 0.3),
+            node("shoulder", None, 0.0),
+        ])
     }
 
     #[test]

@@ -279,8 +279,7 @@ impl Job {
             (Ok(script), Ok(fabric), Ok(mut mesh)) => {
                 let body = arguments.body.read(&arguments.mesh, &arguments.reading, &mesh)?;
                 let options = arguments.options(body.as_ref());
-                let refined =
-                    arguments.resolution.map(|mm| refine(&mut mesh.garment, mm, &script, &options));
+                let refined = arguments.resolution.map(|mm| refine(&mut mesh.garment, mm, &script, &options));
                 Ok(Self { mesh, script, script_file, fabric, body, refined })
             }
             (script, fabric, mesh) => {
@@ -357,7 +356,10 @@ fn refine(garment: &mut Garment, mm: f64, script: &WearScript, options: &BakeOpt
     *garment = garment.refined(1e-3 * mm, &wanted).garment;
     let after = garment.points.len();
     if after == before {
-        return format!("resolution: the file is as fine as {mm} mm already ({:.1} mm on average)", 1e3 * edge);
+        return format!(
+            "resolution: the file is as fine as {mm} mm already ({:.1} mm on average)",
+            1e3 * edge
+        );
     }
     let place = if wanted.is_empty() { "" } else { " where the body stirs it" };
     format!("resolution: {after} points instead of {before}, edges of about {mm} mm{place}")

@@ -48,7 +48,8 @@ impl BodyWanted {
 
     /// How the body's file is read.
     fn reading(&self, body: &Path, garment: &MeshReading) -> MeshReading {
-        let is_gltf = body.extension().is_some_and(|e| ["glb", "gltf"].iter().any(|own| e.eq_ignore_ascii_case(own)));
+        let is_gltf =
+            body.extension().is_some_and(|e| ["glb", "gltf"].iter().any(|own| e.eq_ignore_ascii_case(own)));
         let unit = self.body_unit.or(if is_gltf { Some(Metres(1.0)) } else { garment.unit });
         MeshReading {
             unit: Some(unit.unwrap_or(Metres(1.0))),
@@ -140,7 +141,11 @@ fn frame_paths(folder: &Path) -> Result<Vec<PathBuf>> {
             );
         }
         if *number != next {
-            let missing = if *number == next + 1 { format!("{next} is") } else { format!("{next} to {} are", number - 1) };
+            let missing = if *number == next + 1 {
+                format!("{next} is")
+            } else {
+                format!("{next} to {} are", number - 1)
+            };
             return refuse(
                 format!("frame {missing} missing between \"{name}{first}\" and \"{name}{number}\""),
                 "export the whole sequence",

@@ -194,8 +194,10 @@ fn of_frames(arguments: &Arguments) -> Result<Job> {
     let count = frames.first().map_or(0, Vec::len);
     let (points, vertices) = (mesh.garment.points.len(), mesh.garment.source_point.len());
     if count != points && count != vertices {
-        let what =
-            format!("its frames have {count} vertices, the garment {} has {vertices} ({points} points)", path.display());
+        let what = format!(
+            "its frames have {count} vertices, the garment {} has {vertices} ({points} points)",
+            path.display()
+        );
         let cure = "give the mesh that the frames are of with --mesh (and --garment), or leave it out";
         return Err(Error::fault(folder, "", what, cure));
     }
@@ -235,5 +237,11 @@ fn of_clip(arguments: &Arguments) -> Result<Job> {
         return refuse(what, "give a lower rate with --fps".to_owned());
     }
     let frame_count = (length * rate).round() as usize + 1;
-    Ok(Job { mesh, path, source: Source::Clip { rig: Box::new(rig), clip }, interval: 1.0 / rate, frame_count })
+    Ok(Job {
+        mesh,
+        path,
+        source: Source::Clip { rig: Box::new(rig), clip },
+        interval: 1.0 / rate,
+        frame_count,
+    })
 }

@@ -186,7 +186,9 @@ impl BodyField {
             }
             let facing = |f: u32| {
                 triangle_normals[f as usize].dot(&normals[p]) < FACING
-                    && (self.open[self.triangles[f as usize][0].at()] - self.open[p]).dot(&self.open_normals[p]) > 0.0
+                    && (self.open[self.triangles[f as usize][0].at()] - self.open[p])
+                        .dot(&self.open_normals[p])
+                        > 0.0
             };
             let Some(nearest) = self.tree.nearest_where(target, *at, FOLDED, facing) else { return *at };
             let other = triangle_normals[nearest.triangle as usize];
@@ -270,7 +272,11 @@ mod tests {
         assert!((cushions[0].gap(&x[0]) + 0.0195).abs() < 1e-15, "it is inside by what the body moved");
         let mut g = [Vec3::zeros(); 2];
         Cushions(&cushions).add_gradient(&x, &mut g);
-        assert!(g[0].y < 0.0 && g[0].x < 0.0 && g[1] == Vec3::zeros(), "pushed out and dragged along: {}", g[0]);
+        assert!(
+            g[0].y < 0.0 && g[0].x < 0.0 && g[1] == Vec3::zeros(),
+            "pushed out and dragged along: {}",
+            g[0]
+        );
         assert!((cushions[0].from - (x[0] + Vec3::new(0.03, 0.02, 0.0))).norm() < 1e-15);
     }
 
@@ -296,7 +302,11 @@ mod tests {
         };
         assert_eq!(heights(0.02, false), 0.0, "wide open");
         assert!((heights(0.004, false) + 0.0005).abs() < 1e-15, "half of what is missing to 5 mm");
-        assert!((heights(-0.01, false) + 0.0075).abs() < 1e-15, "through each other: {}", heights(-0.01, false));
+        assert!(
+            (heights(-0.01, false) + 0.0075).abs() < 1e-15,
+            "through each other: {}",
+            heights(-0.01, false)
+        );
         assert_eq!(heights(0.004, true), 0.0, "the far side of a thin part");
     }
 

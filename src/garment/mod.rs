@@ -6,8 +6,8 @@ mod finding;
 mod garment_type;
 mod inspect;
 mod material;
-mod repair;
 mod refine;
+mod repair;
 mod rest_shape;
 mod worn;
 

@@ -179,7 +179,15 @@ impl Bisection {
                     self.on_edge.entry(ends(&t, k)).or_default().push(part);
                 }
             }
-            open.extend([ends(&[t[a], middle, t[c]], 0), ends(&[t[b], middle, t[c]], 0), ends(&[middle, t[c], t[a]], 0)].into_iter().filter_map(|e| self.long(e)));
+            open.extend(
+                [
+                    ends(&[t[a], middle, t[c]], 0),
+                    ends(&[t[b], middle, t[c]], 0),
+                    ends(&[middle, t[c], t[a]], 0),
+                ]
+                .into_iter()
+                .filter_map(|e| self.long(e)),
+            );
         }
     }
 }
@@ -191,7 +199,8 @@ mod tests {
 
     fn garment() -> Garment {
         let text = "v 0 0 0\nv 0.2 0 0\nv 0.2 0.1 0\nv 0 0.1 0\nv 0.3 0.05 0.1\nf 1 2 3\nf 1 3 4\nf 2 5 3\n";
-        let asset = read_asset("a.obj", text.as_bytes(), &ReadOptions::default(), &mut |_: &str| Ok(Vec::new()));
+        let asset =
+            read_asset("a.obj", text.as_bytes(), &ReadOptions::default(), &mut |_: &str| Ok(Vec::new()));
         Garment::from_asset(&asset.expect("is a mesh").0).expect("is a garment").0
     }
 
@@ -207,8 +216,13 @@ mod tests {
         assert_eq!(fine.source_point, coarse.source_point);
         let mean = fine.mean_edge();
         assert!((0.006..0.0115).contains(&mean), "{mean}");
-        assert!(fine.topology.edges.iter().all(|e| (fine.points[e[0].at()] - fine.points[e[1].at()]).norm() < 0.0134));
-        let mut sums = vec![0.0; 3];
+        assert!(
+            fine.topology
+                .edges
+                .iter()
+                .all(|e| (fine.points[e[0].at()] - fine.points[e[1].at()]).norm() < 0.0134)
+        );
+        let mut sums = [0.0; 3];
         for (flat, parent) in fine.material.iter().zip(&parent) {
             assert!(area(flat) > 1e-6);
             sums[*parent as usize] += area(flat);

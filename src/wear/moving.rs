@@ -68,7 +68,9 @@ pub(super) fn told_names(kind: &str, names: &[String], wanted: &str) -> String {
         return format!("it has no {kind}");
     }
     let list: Vec<&str> = names.iter().map(String::as_str).collect();
-    let meant = nearest(wanted, list.iter().copied()).map(|name| format!("did you mean \"{name}\"? ")).unwrap_or_default();
+    let meant = nearest(wanted, list.iter().copied())
+        .map(|name| format!("did you mean \"{name}\"? "))
+        .unwrap_or_default();
     let more = if list.len() > NAMES_TOLD { ", and more" } else { "" };
     format!("{meant}{kind}: {}{more}", list[..list.len().min(NAMES_TOLD)].join(", "))
 }

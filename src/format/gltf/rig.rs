@@ -85,7 +85,9 @@ impl RigReader<'_> {
 
     fn follows(&self, piece: &SourcePiece, primitive: &Cursor) -> Result<Follows> {
         let Some(node) = piece.node else { return Ok(Follows::Nothing) };
-        let Some(skin) = self.root.entry("nodes", node).index("skin")? else { return Ok(Follows::Node(node)) };
+        let Some(skin) = self.root.entry("nodes", node).index("skin")? else {
+            return Ok(Follows::Node(node));
+        };
         let joints = joints_of(&self.root, &self.accessors, primitive, skin)?;
         let count = piece.positions.len();
         let sets = influence_sets(&self.accessors, primitive, count)?;
@@ -97,8 +99,10 @@ impl RigReader<'_> {
                 own.extend(rows.map(|(&joint, &weight)| (joint as u32, weight)));
             }
             let own = normalised(own);
-            if let Some((joint, _)) = own.iter().find(|(j, w)| *j as usize >= joints.len() || !w.is_finite()) {
-                let what = format!("vertex {vertex} follows joint {joint}, skins[{skin}] has {}", joints.len());
+            if let Some((joint, _)) = own.iter().find(|(j, w)| *j as usize >= joints.len() || !w.is_finite())
+            {
+                let what =
+                    format!("vertex {vertex} follows joint {joint}, skins[{skin}] has {}", joints.len());
                 return Err(primitive.fault(what));
             }
             influences.push(own);
@@ -136,7 +140,12 @@ impl RigReader<'_> {
         clips
     }
 
-    fn channel(&mut self, animation: &Cursor, channel: &Cursor, node_count: usize) -> Result<Option<Channel>> {
+    fn channel(
+        &mut self,
+        animation: &Cursor,
+        channel: &Cursor,
+        node_count: usize,
+    ) -> Result<Option<Channel>> {
         let target = channel.member("target");
         // Without a node an extension says what moves: not known here.
         let Some(node) = target.index("node")? else { return Ok(None) };

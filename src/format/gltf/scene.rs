@@ -24,7 +24,8 @@ impl Scene {
     pub(super) fn read(root: &Cursor) -> Result<Self> {
         let nodes = root.entries("nodes");
         let parents = read_parents(&nodes)?;
-        let locals: Vec<Mat4> = nodes.iter().map(|node| Ok(read_local(node)?.matrix())).collect::<Result<_>>()?;
+        let locals: Vec<Mat4> =
+            nodes.iter().map(|node| Ok(read_local(node)?.matrix())).collect::<Result<_>>()?;
         let order = parents_first(&nodes, &parents)?;
         let mut worlds = locals;
         for &node in &order {

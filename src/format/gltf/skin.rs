@@ -105,7 +105,11 @@ fn joint_matrices(
 }
 
 /// The pairs JOINTS_n, WEIGHTS_n for n = 0, 1, ...
-pub(super) fn influence_sets(accessors: &Accessors, primitive: &Cursor, count: usize) -> Result<Vec<(Table, Table)>> {
+pub(super) fn influence_sets(
+    accessors: &Accessors,
+    primitive: &Cursor,
+    count: usize,
+) -> Result<Vec<(Table, Table)>> {
     let attributes = primitive.member("attributes");
     let mut sets = Vec::new();
     loop {
