@@ -15,7 +15,7 @@ use super::output::Outputs;
 use super::progress::{Progress, StepNews};
 use super::talk;
 use clap::ValueEnum;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use crease::bake::{BakeOptions, Baked, Checkpoint, Choice, Observer, Plan, bake_from};
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
 use crease::format::gltf::write_worn_glb;
@@ -108,7 +108,8 @@ fn default_method() -> &'static str {
 
 /// The library's own list of integrators, by name.
 fn method_parser() -> impl TypedValueParser<Value = Method> {
-    let names = PossibleValuesParser::new(Method::ALL.map(|(name, _)| name));
+    let names =
+        PossibleValuesParser::new(Method::EVERY.iter().map(|m| PossibleValue::new(m.name()).help(m.about())));
     names.try_map(|name| Method::named(&name).ok_or("no such method"))
 }
 

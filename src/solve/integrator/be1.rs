@@ -1,0 +1,15 @@
+//! Backward Euler with one Newton iteration: the semi-implicit step of Baraff and Witkin 1998, which KOW's reference [9]
+//! and most of the older cloth solvers make.
+//!
+//! The step is as long as the linear model says and the layers allow; what the model leaves out (a strip that turns
+//! by v h in a step is drawn out by sqrt(1 + (v h / l)²)) stays in the result as strain. A step that does not let
+//! the potential fall is cut, so it cannot blow up.
+
+use super::{Recipe, Solver, backward_euler};
+
+pub(super) const RECIPE: Recipe = Recipe {
+    name: "be1",
+    about: "backward Euler, one Newton iteration: cheap steps; what turns fast is drawn out, so for short steps only",
+    solver: Solver::Once,
+    ..backward_euler::RECIPE
+};
