@@ -5,7 +5,7 @@
 //! that carries the rest angles best, free of pose and contact, for programs that take rest angles from a shape.
 
 use super::home::bring_home;
-use super::{BakeReport, Plan, SLACK};
+use super::{BakeReport, Plan, Quality};
 use crate::contact::{Contact, ContactSettings};
 use crate::fabric::Fabric;
 use crate::garment::{Garment, RestShape};
@@ -74,7 +74,7 @@ fn rest(
     hold: f64,
 ) -> Settled {
     let mut options = StepOptions::default();
-    options.newton.energy = SLACK * cloth.mass.iter().sum::<f64>() * GRAVITY;
+    options.newton.energy = Quality::Standard.slack() * cloth.mass.iter().sum::<f64>() * GRAVITY;
     let mut report = BakeReport::default();
     let mut stepper = Stepper::new(cloth, contact, options);
     let displacement = bring_home(garment, fabric, &mut stepper, memory, hold, &mut report);

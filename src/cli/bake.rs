@@ -16,7 +16,7 @@ use super::progress::{Progress, StepNews};
 use super::talk;
 use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use crease::bake::{BakeOptions, Baked, Checkpoint, Choice, Observer, Plan, bake_from};
+use crease::bake::{BakeOptions, Baked, Checkpoint, Choice, Observer, Plan, Quality, bake_from};
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
 use crease::format::gltf::write_worn_glb;
 use crease::format::{Sidecar, write_sidecar};
@@ -58,6 +58,9 @@ pub struct Arguments {
     /// Time integration
     #[arg(long, value_name = "NAME", default_value = default_method(), value_parser = method_parser())]
     method: Method,
+    /// Speed against accuracy: how fine steps are, and how far each is solved
+    #[arg(long, value_name = "NAME", default_value = Quality::Standard.name(), value_parser = quality_parser())]
+    quality: Quality,
     /// How the cloth remembers
     #[arg(long, value_enum, default_value_t = MemoryLaw::Paper)]
     memory: MemoryLaw,
@@ -113,13 +116,19 @@ fn method_parser() -> impl TypedValueParser<Value = Method> {
     names.try_map(|name| Method::named(&name).ok_or("no such method"))
 }
 
+/// The library's own list of qualities, by name.
+fn quality_parser() -> impl TypedValueParser<Value = Quality> {
+    let names = Quality::EVERY.map(|quality| PossibleValue::new(quality.name()).help(quality.about()));
+    PossibleValuesParser::new(names).try_map(|name| Quality::named(&name).ok_or("no such quality"))
+}
+
 impl Arguments {
     fn memory_on(&self) -> bool {
         self.memory == MemoryLaw::Paper
     }
 
     fn options(&self) -> BakeOptions {
-        let mut options = BakeOptions { memory: self.memory_on(), ..BakeOptions::default() };
+        let mut options = BakeOptions { memory: self.memory_on(), ..BakeOptions::of(self.quality) };
         options.step.method = self.method;
         options.frames_per_second = if self.frames.is_some() { self.fps } else { 0.0 };
         options
@@ -130,6 +139,7 @@ impl Arguments {
         json!({
             "tool": concat!("crease ", env!("CARGO_PKG_VERSION")),
             "method": self.method.name(),
+            "quality": self.quality.name(),
             "memory": if self.memory_on() { "paper" } else { "off" },
             "simulated_s": baked.report.simulated,
             "steps": baked.report.steps,

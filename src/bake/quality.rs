@@ -1,0 +1,80 @@
+//! How finely a bake is made: three points on the front of `crease chart accuracy` (docs/accuracy.md says what error each
+//! leaves, and how they were chosen).
+
+use super::BakeOptions;
+use crate::solve::{NewtonOptions, StepOptions};
+
+/// A point between speed and accuracy.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quality {
+    /// To see whether a script does what was meant.
+    Draft,
+    /// The knee of the front: what a bake does unless told otherwise.
+    Standard,
+    /// To compare others with.
+    Reference,
+}
+
+impl Quality {
+    /// Every quality, from fast to accurate.
+    pub const EVERY: [Self; 3] = [Self::Draft, Self::Standard, Self::Reference];
+
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Draft => "draft",
+            Self::Standard => "standard",
+            Self::Reference => "reference",
+        }
+    }
+
+    /// The quality of that name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::EVERY.into_iter().find(|quality| quality.name() == name)
+    }
+
+    /// What it is, in one line.
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::Draft => "to see whether the script does what was meant",
+            Self::Standard => "the knee between speed and accuracy",
+            Self::Reference => "to compare others with",
+        }
+    }
+
+    /// How steps are made.
+    pub fn step(self) -> StepOptions {
+        let standard = StepOptions::default();
+        match self {
+            Self::Draft => StepOptions {
+                error: 1e-3,
+                shortest: 1.0 / 20.0,
+                newton: NewtonOptions { tolerance: 1e-4, most_iterations: 4, ..standard.newton },
+                ..standard
+            },
+            Self::Standard => standard,
+            Self::Reference => StepOptions {
+                error: 1e-4,
+                shortest: 1.0 / 120.0,
+                newton: NewtonOptions { tolerance: 1e-5, most_iterations: 16, ..standard.newton },
+                ..standard
+            },
+        }
+    }
+
+    /// A step is converged, too, when what energy is left to gain would not lift the garment by this [m].
+    pub fn slack(self) -> f64 {
+        match self {
+            Self::Draft => 3e-5,
+            Self::Standard => 1e-5,
+            Self::Reference => 3e-6,
+        }
+    }
+}
+
+impl BakeOptions {
+    /// The options of a quality.
+    pub fn of(quality: Quality) -> Self {
+        Self { step: quality.step(), slack: quality.slack(), ..Self::default() }
+    }
+}
