@@ -35,6 +35,9 @@ pub struct BakeOptions {
     /// A step is converged when what energy is left to gain would not lift the garment by this [m]: single points that
     /// are still falling into a wrinkle go on in the next step.
     pub slack: f64,
+    /// Every model on and at full size, short steps of one length, each solved for the whole garment: what a plan is
+    /// compared with.
+    pub everything: bool,
     /// Frames per simulated second for the observer; 0 for none.
     pub frames_per_second: f64,
 }
@@ -45,6 +48,7 @@ impl Default for BakeOptions {
             memory: true,
             step: StepOptions::default(),
             slack: Quality::Standard.slack(),
+            everything: false,
             frames_per_second: 0.0,
         }
     }
@@ -159,7 +163,7 @@ pub fn bake_from(
     if let Some((file, checkpoint)) = &taken_up {
         checkpoint.check(file, garment, script, &key)?;
     }
-    let plan = Plan::new(garment, fabric, script, options.memory);
+    let plan = Plan::new(garment, fabric, script, options);
     let mut cloth = Cloth::new(garment, fabric);
     cloth.membrane.set_stiffness(plan.stretch);
     let source_angle = cloth.bending.angles(&garment.points, &[]);
@@ -176,8 +180,8 @@ pub fn bake_from(
     };
     let contact =
         Contact::new(settings, &garment.points, &garment.triangles, &garment.topology, cloth.area.clone());
-    let mut step = options.step;
-    step.newton.energy = options.slack * cloth.mass.iter().sum::<f64>() * GRAVITY;
+    let mut step = options.step_made();
+    step.newton.energy = options.slack_made() * cloth.mass.iter().sum::<f64>() * GRAVITY;
     let mut run = Run {
         garment,
         stepper: Stepper::new(cloth, contact, step),

@@ -72,7 +72,26 @@ impl Quality {
     }
 }
 
+/// Steps with everything on [s].
+const EVERY_STEP: f64 = 1.0 / 60.0;
+/// Share of the slack that is left with everything on: next to none, so that every solve is of the whole.
+const LEAST_SLACK: f64 = 0.01;
+
 impl BakeOptions {
+    /// How steps are made in the end.
+    pub(super) fn step_made(&self) -> StepOptions {
+        if self.everything {
+            StepOptions { shortest: EVERY_STEP, longest: EVERY_STEP, ..self.step }
+        } else {
+            self.step
+        }
+    }
+
+    /// The slack of a step in the end [m].
+    pub(super) fn slack_made(&self) -> f64 {
+        if self.everything { LEAST_SLACK * self.slack } else { self.slack }
+    }
+
     /// The options of a quality.
     pub fn of(quality: Quality) -> Self {
         Self { step: quality.step(), slack: quality.slack(), ..Self::default() }

@@ -5,7 +5,7 @@
 //! that carries the rest angles best, free of pose and contact, for programs that take rest angles from a shape.
 
 use super::home::bring_home;
-use super::{BakeReport, Plan, Quality};
+use super::{BakeOptions, BakeReport, Plan, Quality};
 use crate::contact::{Contact, ContactSettings};
 use crate::fabric::Fabric;
 use crate::garment::{Garment, RestShape};
@@ -59,7 +59,7 @@ pub fn rest_mesh(garment: &Garment, fabric: &Fabric, memory: &RestShape) -> Sett
 
 fn cloth_and_plan(garment: &Garment, fabric: &Fabric) -> (Cloth, Plan) {
     let nothing = WearScript { format: WearFormat::V1, name: String::new(), actions: Vec::new() };
-    let plan = Plan::new(garment, fabric, &nothing, true);
+    let plan = Plan::new(garment, fabric, &nothing, &BakeOptions::default());
     let mut cloth = Cloth::new(garment, fabric);
     cloth.membrane.set_stiffness(plan.stretch);
     (cloth, plan)

@@ -61,6 +61,9 @@ pub struct Arguments {
     /// Speed against accuracy: how fine steps are, and how far each is solved
     #[arg(long, value_name = "NAME", default_value = Quality::Standard.name(), value_parser = quality_parser())]
     quality: Quality,
+    /// Every model on and at full size, fixed short steps: what the plan of --explain is compared with; slow
+    #[arg(long)]
+    everything: bool,
     /// How the cloth remembers
     #[arg(long, value_enum, default_value_t = MemoryLaw::Paper)]
     memory: MemoryLaw,
@@ -130,6 +133,7 @@ impl Arguments {
     fn options(&self) -> BakeOptions {
         let mut options = BakeOptions { memory: self.memory_on(), ..BakeOptions::of(self.quality) };
         options.step.method = self.method;
+        options.everything = self.everything;
         options.frames_per_second = if self.frames.is_some() { self.fps } else { 0.0 };
         options
     }
@@ -274,7 +278,7 @@ impl Job {
     }
 
     fn plan(&self, arguments: &Arguments) -> Plan {
-        Plan::new(&self.mesh.garment, &self.fabric, &self.script, arguments.memory_on())
+        Plan::new(&self.mesh.garment, &self.fabric, &self.script, &arguments.options())
     }
 
     /// Writes the garment without wear, to nowhere: what the writers refuse is told now and not after the bake.
@@ -424,7 +428,7 @@ fn explain(plan: &Plan, as_json: bool) -> Result<()> {
         return talk::data(&format!("{:#}\n", Value::Array(list)));
     }
     let line = |choice: &Choice| {
-        format!("{:<14}{:<5}{}\n", choice.name, if choice.on { "on" } else { "off" }, choice.why)
+        format!("{:<16}{:<5}{}\n", choice.name, if choice.on { "on" } else { "off" }, choice.why)
     };
     talk::data(&plan.choices.iter().map(line).collect::<String>())
 }

@@ -7,6 +7,7 @@ mod conjugate_gradient;
 mod follow;
 mod integrator;
 mod newton;
+mod once;
 mod state;
 mod step;
 mod sweep;

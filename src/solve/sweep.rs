@@ -21,14 +21,21 @@ impl Problem<'_> {
         if self.held.iter().all(|held| *held) {
             return report;
         }
-        for _ in 0..ROUNDS {
+        for round in 0..ROUNDS {
             let clock = std::time::Instant::now();
             let g = self.gradient(x, contact);
             report.residual = g.iter().map(|g| g.amax()).fold(0.0, f64::max);
             self.assemble(x, contact, work);
             report.seconds[0] += clock.elapsed().as_secs_f64();
             let clock = std::time::Instant::now();
-            let Some(d) = swept(work.matrix(), &g) else { break };
+            // The first guess is what the cloth would do without forces: sweeps carry no motion of the whole far.
+            let guess: Vec<Vec3> = match self.inertia {
+                Some((_, inertial, _)) if round == 0 => {
+                    inertial.iter().zip(&*x).map(|(y, x)| y - x).collect()
+                }
+                _ => vec![Vec3::zeros(); x.len()],
+            };
+            let Some(d) = swept(work.matrix(), &g, &guess) else { break };
             report.seconds[1] += clock.elapsed().as_secs_f64();
             report.local_iterations += 1;
             report.last_move = d.iter().map(|d| d.norm()).fold(0.0, f64::max);
@@ -41,13 +48,15 @@ impl Problem<'_> {
     }
 }
 
-/// What the sweeps make of H d = -g from d = 0, over all points.
-fn swept(matrix: &BlockMatrix, g: &[Vec3]) -> Option<Vec<Vec3>> {
+/// What the sweeps make of H d = -g from d = `guess`, over all points.
+fn swept(matrix: &BlockMatrix, g: &[Vec3], guess: &[Vec3]) -> Option<Vec<Vec3>> {
     let rows = matrix.row_count();
     let inverse: Vec<Mat3> = (0..rows).map(|r| matrix.diagonal(r).try_inverse()).collect::<Option<_>>()?;
     // Rows hold what is left of the diagonal only; what is right of it is kept up to date as points move.
-    let mut d = vec![Vec3::zeros(); rows];
-    let mut rest: Vec<Vec3> = matrix.gather(g).iter().map(|g| -g).collect();
+    let mut d = matrix.gather(guess);
+    let mut image = vec![Vec3::zeros(); rows];
+    matrix.multiply(&d, &mut image);
+    let mut rest: Vec<Vec3> = matrix.gather(g).iter().zip(&image).map(|(g, hd)| -g - hd).collect();
     let right = transposed(matrix);
     for sweep in 0..2 * SWEEPS {
         for k in 0..rows {
@@ -112,7 +121,7 @@ mod tests {
         let mut image = vec![Vec3::zeros(); 4];
         matrix.multiply(&truth, &mut image);
         let g: Vec<Vec3> = image.iter().map(|v| -v).collect();
-        let found = swept(&matrix, &g).expect("blocks are invertible");
+        let found = swept(&matrix, &g, &[Vec3::x(); 4]).expect("blocks are invertible");
         for (found, truth) in found.iter().zip(&truth) {
             assert!((found - truth).norm() < 1e-6, "{found} {truth}");
         }

@@ -23,6 +23,7 @@ pub use stack::Stack;
 pub use swing::Swing;
 
 use super::sheet::Sheet;
+use crate::bake::Quality;
 use crate::contact::{Contact, ContactSettings};
 use crate::energy::{Bending, Membrane};
 use crate::error::Result;
@@ -30,7 +31,7 @@ use crate::garment::{Garment, RestShape};
 use crate::math::Vec3;
 use crate::memory::{Memory, Observed, Remembering};
 use crate::mesh::crossings::crossings;
-use crate::solve::{Cloth, Method, NewtonOptions, State, StepOptions, Stepper};
+use crate::solve::{Cloth, Method, NewtonOptions, State, StepOptions, StepReport, Stepper};
 use crate::wear::{Drive, GRAVITY};
 use std::time::Instant;
 
@@ -43,6 +44,37 @@ pub struct Setting {
     pub step: f64,
     /// Newton stops when no point would move by more than this [m].
     pub tolerance: f64,
+    /// Steps as this quality of a bake chooses and solves them, `step` at most; `None` for steps of one length.
+    pub quality: Option<Quality>,
+}
+
+impl Setting {
+    /// Steps of one length [s], Newton to `tolerance` [m].
+    pub fn fixed(method: Method, step: f64, tolerance: f64) -> Self {
+        Self { method, step, tolerance, quality: None }
+    }
+
+    fn options(&self, weight: f64) -> StepOptions {
+        match self.quality {
+            Some(quality) => {
+                let step = quality.step();
+                let newton = NewtonOptions { energy: quality.slack() * weight, ..step.newton };
+                let shortest = step.shortest.min(self.step);
+                StepOptions { method: self.method, newton, shortest, longest: self.step, ..step }
+            }
+            None => StepOptions {
+                method: self.method,
+                newton: NewtonOptions {
+                    tolerance: self.tolerance,
+                    energy: 0.0,
+                    most_iterations: MOST_ITERATIONS,
+                },
+                error: f64::INFINITY,
+                shortest: 1e-9,
+                longest: self.step,
+            },
+        }
+    }
 }
 
 /// What takes part in a scene.
@@ -53,6 +85,8 @@ pub struct Actors {
     /// `None` for cloth that does not remember.
     law: Option<Remembering>,
     garment: Garment,
+    /// One flag per triangle: whether the membrane takes it as it is at the start.
+    unstrained: Vec<bool>,
 }
 
 /// A scene with a beginning, a course and an end.
@@ -98,7 +132,9 @@ pub struct Outcome {
     pub fastest: f64,
     /// Kinetic energy at the end [J].
     pub kinetic: f64,
-    /// What is wrong with it, if it failed.
+    /// Share of the steps that ran out of iterations [-].
+    pub unconverged: f64,
+    /// What is wrong with it, if it failed: it is no cloth any more.
     pub failed: Option<&'static str>,
 }
 
@@ -106,6 +142,17 @@ impl Outcome {
     /// Largest distance of a point from where it is in `other`, as a share of `size`.
     pub fn position_error(&self, other: &Self, size: f64) -> f64 {
         self.x.iter().zip(&other.x).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max) / size
+    }
+
+    /// Root mean square difference of the heights, lowest with lowest and so on, as a share of `size`: where which fold
+    /// went does not count, how far the cloth hangs does.
+    pub fn profile_error(&self, other: &Self, size: f64) -> f64 {
+        let heights = |x: &[Vec3]| {
+            let mut y: Vec<f64> = x.iter().map(|x| x.y).collect();
+            y.sort_by(f64::total_cmp);
+            y
+        };
+        rms(&heights(&self.x), &heights(&other.x)) / size
     }
 
     /// Root mean square difference of the rest angles [rad].
@@ -125,19 +172,14 @@ fn rms(a: &[f64], b: &[f64]) -> f64 {
 
 /// Iterations of Newton at most: enough that a step that does not converge has a reason.
 const MOST_ITERATIONS: usize = 40;
-/// Steps that do not converge beyond this share of all count as a failure.
-const MOST_UNCONVERGED: f64 = 0.2;
+/// The failure that ends a run.
+const NOT_A_NUMBER: &str = "not a number";
 
 /// Runs `scene` by `setting`.
 pub fn run(scene: &dyn Scene, setting: &Setting) -> Result<Outcome> {
     let mut actors = scene.begin()?;
-    actors.stepper.options = StepOptions {
-        method: setting.method,
-        newton: NewtonOptions { tolerance: setting.tolerance, energy: 0.0, most_iterations: MOST_ITERATIONS },
-        error: f64::INFINITY,
-        shortest: 1e-9,
-        longest: setting.step,
-    };
+    let weight = actors.stepper.cloth.mass.iter().sum::<f64>() * GRAVITY;
+    actors.stepper.options = setting.options(weight);
     let mut outcome = Outcome {
         x: Vec::new(),
         v: Vec::new(),
@@ -148,6 +190,7 @@ pub fn run(scene: &dyn Scene, setting: &Setting) -> Result<Outcome> {
         largest_strain: 0.0,
         fastest: 0.0,
         kinetic: 0.0,
+        unconverged: 0.0,
         failed: None,
     };
     let (mut steps, mut unconverged, mut from) = (0u64, 0u64, 0.0);
@@ -157,20 +200,24 @@ pub fn run(scene: &dyn Scene, setting: &Setting) -> Result<Outcome> {
         // What acts changes here: a two-step method starts anew.
         actors.state.previous = None;
         let count = ((to - from) / setting.step).round().max(1.0);
-        let h = (to - from) / count;
-        for _ in 0..count as u64 {
+        let even = (to - from) / count;
+        let mut wished = even;
+        while to - actors.state.time > 1e-9 {
+            let left = to - actors.state.time;
+            // Rounding must not leave a tiny last step.
+            let h = if wished > left - 1e-9 { left } else { wished };
             steps += 1;
-            unconverged += u64::from(!step(scene, &mut actors, h, &mut outcome));
-            outcome.failed = broken(scene, &actors, &mut outcome);
-            if outcome.failed.is_some() {
+            let report = step(scene, &mut actors, h, &mut outcome);
+            wished = if setting.quality.is_some() { report.next } else { even };
+            unconverged += u64::from(!report.converged);
+            outcome.failed = outcome.failed.or(broken(scene, &actors, &mut outcome));
+            if outcome.failed == Some(NOT_A_NUMBER) {
                 break 'run;
             }
         }
         from = to;
     }
-    if outcome.failed.is_none() && unconverged as f64 > MOST_UNCONVERGED * steps as f64 {
-        outcome.failed = Some("does not converge");
-    }
+    outcome.unconverged = unconverged as f64 / steps.max(1) as f64;
     if outcome.failed.is_none() && !crossings(&actors.state.x, &actors.garment.triangles).is_empty() {
         outcome.failed = Some("layers cross");
     }
@@ -180,8 +227,8 @@ pub fn run(scene: &dyn Scene, setting: &Setting) -> Result<Outcome> {
     Ok(Outcome { x: state.x, v: state.v, angle: state.angle, rest_angle: memory.shape.rest_angle, ..outcome })
 }
 
-/// One step and the memory after it. Returns whether it converged.
-fn step(scene: &dyn Scene, actors: &mut Actors, h: f64, outcome: &mut Outcome) -> bool {
+/// One step and the memory after it.
+fn step(scene: &dyn Scene, actors: &mut Actors, h: f64, outcome: &mut Outcome) -> StepReport {
     let before = actors.state.angle.clone();
     let clock = Instant::now();
     let mut drive_at = |time: f64, state: &State| scene.drive(time, &state.x);
@@ -192,16 +239,19 @@ fn step(scene: &dyn Scene, actors: &mut Actors, h: f64, outcome: &mut Outcome) -
     }
     outcome.wall += clock.elapsed().as_secs_f64();
     outcome.linear_solves += (report.newton.iterations + report.newton.local_iterations) as u64;
-    report.converged
+    report
 }
 
 /// What is wrong with the cloth after a step; notes its strain and speed.
 fn broken(scene: &dyn Scene, actors: &Actors, outcome: &mut Outcome) -> Option<&'static str> {
     if !actors.state.x.iter().chain(&actors.state.v).all(|x| x.sum().is_finite()) {
-        return Some("not a number");
+        return Some(NOT_A_NUMBER);
     }
     let strains = actors.stepper.cloth.membrane.measure(&actors.state.x);
-    let largest = strains.iter().map(|[u, v, _]| (u - 1.0).abs().max((v - 1.0).abs())).fold(0.0, f64::max);
+    let strain = |[u, v, _]: &[f64; 3]| (u - 1.0).abs().max((v - 1.0).abs());
+    // Slivers whose altitude the membrane clamps read as strained from the beginning: they say nothing.
+    let honest = strains.iter().zip(&actors.unstrained).filter(|(_, honest)| **honest);
+    let largest = honest.map(|(s, _)| strain(s)).fold(0.0, f64::max);
     outcome.largest_strain = outcome.largest_strain.max(largest);
     let fastest = actors.state.v.iter().map(|v| v.norm()).fold(0.0, f64::max);
     outcome.fastest = outcome.fastest.max(fastest);
@@ -282,7 +332,11 @@ impl Actors {
     fn new(garment: Garment, cloth: Cloth, contact: Contact) -> Self {
         let flat = vec![0.0; garment.topology.hinges.len()];
         let angle = cloth.bending.angles(&garment.points, &flat);
+        let measure = cloth.membrane.measure(&garment.points);
+        let unstrained =
+            measure.iter().map(|[u, v, _]| (u - 1.0).abs().max((v - 1.0).abs()) < 1e-2).collect();
         Self {
+            unstrained,
             state: State::at_rest(garment.points.clone(), angle),
             memory: Memory::new(RestShape::new(flat, garment.triangles.len())),
             law: None,

@@ -2,8 +2,8 @@
 //! and most of the older cloth solvers make.
 //!
 //! The step is as long as the linear model says and the layers allow; what the model leaves out (a strip that turns
-//! by v h in a step is drawn out by sqrt(1 + (v h / l)²)) stays in the result as strain. A step that does not let
-//! the potential fall is cut, so it cannot blow up.
+//! by v h in a step is drawn out by sqrt(1 + (v h / l)²)) stays in the result as strain. There is no line search
+//! (`solve/once.rs`).
 
 use super::{Recipe, Solver, backward_euler};
 
