@@ -10,12 +10,9 @@
 
 use super::sheet::Sheet;
 use super::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
-use crate::contact::Contact;
-use crate::energy::{Bending, Energy, Gravity, Membrane};
+use super::still::Still;
 use crate::error::Result;
-use crate::garment::RestShape;
 use crate::math::{Vec2, Vec3};
-use crate::solve::{NewtonOptions, Problem, Workspace};
 use crate::wear::GRAVITY;
 
 /// Length [m], width over length, Y L² / B, area density [kg/m²].
@@ -66,36 +63,10 @@ fn bend(sheet: &Sheet, gamma: f64) -> f64 {
     let garment = sheet.flat_garment();
     let rigidity = density * GRAVITY * length.powi(3) / gamma;
     let k = stretch * rigidity / (length * length);
-    let membrane = Membrane::from_parts(&sheet.triangles, &garment.material, [k, k, 0.5 * k], 0.0);
-    let bending = Bending::from_parts(&garment.topology, &garment.material, [rigidity; 2], 0.0);
-    let mut mass = vec![0.0; sheet.flat.len()];
-    for (t, area) in sheet.triangles.iter().zip(membrane.area()) {
-        t.iter().for_each(|&p| mass[p as usize] += density * area / 3.0);
-    }
     let clamped = |p: &Vec2| p.x < 1e-9;
-    let mut memory = RestShape::flat(garment.topology.hinges.len(), sheet.triangles.len());
-    memory.stiffness_ratio = sheet.half_clamp(clamped);
-    let held: Vec<bool> = sheet.flat.iter().map(clamped).collect();
+    let scene = Still::new(sheet, [k, k, 0.5 * k], rigidity, density, clamped);
     let mut x = garment.points;
-    let mut work = Workspace::default();
-    let mut contact = Contact::none(x.len());
-    // From flat to bent is far for a stiff membrane: inertia without velocity, whose pseudo time doubles, then none.
-    let mut span = 0.2 * (length / GRAVITY).sqrt();
-    for round in 0..25 {
-        let start = x.clone();
-        let angle = bending.angles(&start, &[]);
-        let membrane = membrane.term(&memory, &[], f64::INFINITY);
-        let bending = bending.term(&memory, &angle, f64::INFINITY);
-        let gravity = Gravity { mass: &mass, acceleration: Vec3::new(0.0, -GRAVITY, 0.0) };
-        let terms: [&dyn Energy; 3] = [&membrane, &bending, &gravity];
-        let last = round == 24;
-        let inertia = (!last).then_some((&mass[..], &start[..], span));
-        let problem = Problem { inertia, terms: &terms, held: &held, regularisation: 0.0 };
-        let (tolerance, most_iterations) = if last { (1e-11, 200) } else { (1e-8, 3) };
-        let newton = NewtonOptions { tolerance: tolerance * length, energy: 0.0, most_iterations };
-        problem.solve(&mut x, &mut contact, &newton, &mut work);
-        span *= 2.0;
-    }
+    scene.settle(&mut x, 0.2 * (length / GRAVITY).sqrt(), 1e-11 * length);
     let tip = x.iter().zip(&sheet.flat).filter(|(_, p)| (p.x - length).abs() < 1e-6 * length);
     let (sum, count) = tip.fold((Vec3::zeros(), 0.0), |(sum, n), (x, _)| (sum + x, n + 1.0));
     let tip = sum / count;

@@ -15,6 +15,7 @@ mod figure;
 pub mod plates;
 mod raster;
 mod sheet;
+mod still;
 mod table;
 pub mod trial;
 
@@ -39,8 +40,10 @@ chart_list! {
     strip "strip" "seconds to come to rest of falling strips with and without memory, the paper's Table 1",
     kes_loop "loop" "moment over curvature of a strip bent to and fro, as on a KES-FB2 tester",
     cantilever "cantilever" "strips that bend under their own weight, beside the heavy elastica",
+    drape "drape" "drape coefficients of Cusick over bending length, beside an independent solver's",
     accuracy "accuracy" "what every method costs for what error; `--full` with a whole T-shirt (an hour)",
     stability "stability" "where methods fail: step against stiffness, contrast, slivers, layers, speed",
+    plan "plan" "what choosing the models saves: the draft T-shirt by plan and with everything on (long)",
     recovery "recovery" "crease recovery angles of the fabrics that come along, beside published ranges",
 }
 

@@ -99,7 +99,30 @@ impl Sheet {
         Self::delaunay(flat, 1e-3 * h * h)
     }
 
-    /// Stiffness ratio of every hinge of a strip clamped where `clamped` holds: twice as stiff between a wholly clamped
+    /// A disc of outer radius `radii[1]` [m] of which only what lies beyond `radii[0]`, and one row of elements inside of it
+    /// for a clamp, is meshed: rings of points `h` [m] apart.
+    pub(super) fn ring(radii: [f64; 2], h: f64) -> Result<Self> {
+        let [inner, outer] = radii;
+        let rings = ((outer - inner) / h).round().max(1.0) as usize;
+        let mut flat = Vec::new();
+        for k in 0..=rings + 1 {
+            let radius = inner + (k as f64 - 1.0) * (outer - inner) / rings as f64;
+            let count = (std::f64::consts::TAU * radius / h).round().max(12.0) as usize;
+            let shift = 0.5 * (k % 2) as f64;
+            flat.extend((0..count).map(|i| {
+                let (sin, cos) = (std::f64::consts::TAU * (i as f64 + shift) / count as f64).sin_cos();
+                Vec2::new(radius * cos, radius * sin)
+            }));
+        }
+        let mut sheet = Self::delaunay(flat, 1e-3 * h * h)?;
+        // What spans the hole is not cloth.
+        let hole = inner - (outer - inner) / rings as f64;
+        let flat = &sheet.flat;
+        sheet.triangles.retain(|t| !t.iter().all(|p| flat[*p as usize].norm() < hole + 1e-9));
+        Ok(sheet)
+    }
+
+    /// Stiffness ratio of every hinge of a specimen clamped where `clamped` holds: twice as stiff between a wholly clamped
     /// triangle and a free one. Without it the clamp lies half an element inside the free cloth and the order falls to
     /// one (physics.md, finding 1).
     pub(super) fn half_clamp(&self, clamped: impl Fn(&Vec2) -> bool) -> Vec<f64> {

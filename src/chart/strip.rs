@@ -254,7 +254,7 @@ mod tests {
     #[test]
     fn meshes_have_the_points_of_the_paper() {
         for (wanted, _) in MESHES {
-            let garment = strip(wanted).expect("meshes");
+            let garment = strip(wanted, TILT).expect("meshes");
             let share = garment.points.len() as f64 / wanted as f64;
             assert!((share - 1.0).abs() <= 0.02, "{wanted}: {}", garment.points.len());
             // One sheet: Euler's number of a disc.

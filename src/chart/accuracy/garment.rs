@@ -81,6 +81,21 @@ impl FoldThrice {
         self.rest_angle_error(a, &flat)
     }
 
+    /// Mean magnitude of what wear changed the rest angles by, by area [rad]: how much the garment remembers.
+    pub fn rest_angle_mean(&self, a: &Baked) -> f64 {
+        let memory = &a.worn.memory;
+        let area: Vec<f64> =
+            self.garment.material.iter().map(|m| 0.5 * (m[1] - m[0]).perp(&(m[2] - m[0])).abs()).collect();
+        let changed = memory.rest_angle.iter().zip(&memory.source_angle);
+        let (mut sum, mut whole) = (0.0, 0.0);
+        for ((rest, source), hinge) in changed.zip(&self.garment.topology.hinges) {
+            let weight: f64 = hinge.triangles.iter().map(|f| area[*f as usize] / 3.0).sum();
+            sum += weight * (rest - source).abs();
+            whole += weight;
+        }
+        sum / whole
+    }
+
     fn position_error(&self, a: &Baked, b: &Baked) -> f64 {
         let (low, high) = bounds(&self.garment.points);
         let size = (high - low).max();

@@ -9,8 +9,8 @@ use crate::error::Result;
 use crate::math::Vec3;
 use crate::wear::{Drive, GRAVITY};
 
-/// Length [m] and quads of the strip.
-const STRIP: (f64, usize) = (0.5, 20);
+/// Length of the strip [m].
+const LENGTH: f64 = 0.5;
 
 /// The scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,17 +25,31 @@ pub struct Swing {
     pub contrast: f64,
     /// Length of the quad in the middle over that of the others [-].
     pub sliver: f64,
+    /// Number of quads.
+    pub quads: usize,
+    /// Bending stiffness [N·m].
+    pub bend: f64,
+    /// Time at the end [s].
+    pub until: f64,
 }
 
 impl Swing {
     /// Let go 30 degrees from the vertical.
-    pub const SWING_30: Self =
-        Self { name: "swing30", degrees: 30.0, stretch: 200.0, contrast: 1.0, sliver: 1.0 };
+    pub const SWING_30: Self = Self {
+        name: "swing30",
+        degrees: 30.0,
+        stretch: 200.0,
+        contrast: 1.0,
+        sliver: 1.0,
+        quads: 20,
+        bend: 1e-4,
+        until: 0.5,
+    };
     /// Let go from level.
     pub const RELEASE_90: Self = Self { name: "release90", degrees: 90.0, ..Self::SWING_30 };
 
     fn sheet(&self) -> Sheet {
-        let (length, count) = STRIP;
+        let (length, count) = (LENGTH, self.quads);
         let mut along = spaced(0.0, length, count);
         // One line across goes near its neighbour.
         let middle = count / 2;
@@ -45,7 +59,7 @@ impl Swing {
 
     /// Largest strain that is of the scene and not of the method: five times that of hanging still.
     pub fn honest_strain(&self) -> f64 {
-        5.0 * 0.2 * GRAVITY * STRIP.0 / self.stretch
+        5.0 * 0.2 * GRAVITY * LENGTH / self.stretch
     }
 }
 
@@ -55,11 +69,11 @@ impl Scene for Swing {
     }
 
     fn until(&self) -> f64 {
-        0.5
+        self.until
     }
 
     fn size(&self) -> f64 {
-        STRIP.0
+        LENGTH
     }
 
     fn strain_bound(&self) -> f64 {
@@ -71,12 +85,13 @@ impl Scene for Swing {
         let (sin, cos) = self.degrees.to_radians().sin_cos();
         let place = |p: &crate::math::Vec2| Vec3::new(p.x * sin, -p.x * cos, p.y);
         let garment = sheet.garment(sheet.flat.iter().map(place).collect());
-        let kind = Kind { density: 0.2, stretch: self.stretch, bend: 1e-4, damping: [0.0; 2] };
+        let kind = Kind { density: 0.2, stretch: self.stretch, bend: self.bend, damping: [0.0; 2] };
         let cloth = kind.cloth(&sheet, &garment);
         let contact = Contact::none(garment.points.len());
         let mut actors = Actors::new(garment, cloth, contact);
         if self.contrast != 1.0 {
-            let every_other = |x: f64| ((x / STRIP.0 * STRIP.1 as f64).round() as usize).is_multiple_of(2);
+            let quad = LENGTH / self.quads as f64;
+            let every_other = |x: f64| ((x / quad).round() as usize).is_multiple_of(2);
             let hinges = &actors.garment.topology.hinges;
             let stiff = |h: &crate::mesh::Hinge| {
                 let [a, b] = [h.points[0], h.points[1]].map(|p| sheet.flat[p.at()].x);
