@@ -56,7 +56,7 @@ pub fn drape(length: f64, element: f64, seed: u64) -> Result<Drape> {
         out * (-0.004 + waves.iter().map(|(k, a, phase)| a * (k * angle + phase).cos()).sum::<f64>())
     };
     let mut x: Vec<Vec3> = sheet.flat.iter().map(|p| Vec3::new(p.x, bump(p), -p.y)).collect();
-    let report = scene.settle(&mut x, 0.02, 1e-7);
+    let report = scene.settle(&mut x, 0.02, 1e-6);
     Ok(Drape { coefficient: shadow(&sheet, &x), nodes: nodes(&sheet, &x), converged: report.converged })
 }
 

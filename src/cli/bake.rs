@@ -55,9 +55,9 @@ pub struct Arguments {
     reading: MeshReading,
     #[command(flatten)]
     also: AlsoWanted,
-    /// Time integration
-    #[arg(long, value_name = "NAME", default_value = default_method(), value_parser = method_parser())]
-    method: Method,
+    /// Time integration [default: that of the quality]
+    #[arg(long, value_name = "NAME", value_parser = method_parser())]
+    method: Option<Method>,
     /// Speed against accuracy: how fine steps are, and how far each is solved
     #[arg(long, value_name = "NAME", default_value = Quality::Standard.name(), value_parser = quality_parser())]
     quality: Quality,
@@ -108,10 +108,6 @@ enum MemoryLaw {
     Off,
 }
 
-fn default_method() -> &'static str {
-    BakeOptions::default().step.method.name()
-}
-
 /// The library's own list of integrators, by name.
 fn method_parser() -> impl TypedValueParser<Value = Method> {
     let names =
@@ -126,13 +122,17 @@ fn quality_parser() -> impl TypedValueParser<Value = Quality> {
 }
 
 impl Arguments {
+    fn method(&self) -> Method {
+        self.method.unwrap_or(self.quality.step().method)
+    }
+
     fn memory_on(&self) -> bool {
         self.memory == MemoryLaw::Paper
     }
 
     fn options(&self) -> BakeOptions {
         let mut options = BakeOptions { memory: self.memory_on(), ..BakeOptions::of(self.quality) };
-        options.step.method = self.method;
+        options.step.method = self.method();
         options.everything = self.everything;
         options.frames_per_second = if self.frames.is_some() { self.fps } else { 0.0 };
         options
@@ -142,7 +142,7 @@ impl Arguments {
     fn run_note(&self, baked: &Baked) -> Value {
         json!({
             "tool": concat!("crease ", env!("CARGO_PKG_VERSION")),
-            "method": self.method.name(),
+            "method": self.method().name(),
             "quality": self.quality.name(),
             "memory": if self.memory_on() { "paper" } else { "off" },
             "simulated_s": baked.report.simulated,
@@ -223,7 +223,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let garment = &job.mesh.garment;
     let counts = crossing_counts(garment, &baked.worn, &start);
     let mut report = Report::of_bake(garment, &baked, counts);
-    report.method = arguments.method.name().to_owned();
+    report.method = arguments.method().name().to_owned();
     report.warnings.extend(warnings);
     let glb = write_worn_glb(&job.mesh.asset, garment, &baked.worn, &extras)?;
     outputs.add(&files.worn, &glb)?;

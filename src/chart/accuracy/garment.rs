@@ -1,7 +1,7 @@
-//! The draft T-shirt that is folded thrice, baked by every method and quality: the product itself on the chart.
+//! The draft T-shirt that is folded thrice, baked in every quality and by every method: the product itself on the chart.
 //!
 //! Steps are chosen by error here, as in a bake, so that a setting is a quality (`bake::Quality`). The reference is backward
-//! Euler with a sixth of the standard error and steps down to 1/240 s. Folds that start in contact are decided by
+//! Euler with a sixth of the standard error per step and steps down to 1/240 s. Folds that start in contact are decided by
 //! little: this is a band, not a line (physics.md 10, scenes S4 and S5).
 
 use super::Point;
@@ -124,32 +124,40 @@ pub(super) fn points(notes: &mut Vec<String>) -> Result<Vec<Point>> {
         scene.rest_angle_size(&reference.baked).to_degrees()
     ));
     let mut all = Vec::new();
-    for &method in Method::EVERY {
-        for quality in Quality::EVERY {
-            let mut options = BakeOptions::of(quality);
-            options.step.method = method;
-            let run = scene.run(&options)?;
-            let drawn_out = run.baked.report.warnings.iter().any(|w| w.contains("stretched by"));
-            let failed = if scene.crosses(&run.baked) {
-                Some("layers cross")
-            } else {
-                drawn_out.then_some(DRAWN_OUT)
-            };
-            all.push(Point {
-                method,
-                setting: format!("quality {}", quality.name()),
-                knobs: [options.step.shortest, options.step.newton.tolerance],
-                wall: run.wall,
-                linear_solves: run.linear_solves,
-                position: scene.position_error(&run.baked, &reference.baked),
-                angle: f64::NAN,
-                rest_angle: Some(scene.rest_angle_error(&run.baked, &reference.baked)),
-                strain: f64::NAN,
-                failed,
-            });
-        }
+    for (name, options) in settings() {
+        let run = scene.run(&options)?;
+        let drawn_out = run.baked.report.warnings.iter().any(|w| w.contains("stretched by"));
+        let failed =
+            if scene.crosses(&run.baked) { Some("layers cross") } else { drawn_out.then_some(DRAWN_OUT) };
+        all.push(Point {
+            method: options.step.method,
+            setting: name,
+            knobs: [options.step.shortest, options.step.newton.tolerance],
+            wall: run.wall,
+            linear_solves: run.linear_solves,
+            position: scene.position_error(&run.baked, &reference.baked),
+            angle: f64::NAN,
+            rest_angle: Some(scene.rest_angle_error(&run.baked, &reference.baked)),
+            strain: f64::NAN,
+            failed,
+        });
     }
     Ok(all)
+}
+
+/// Every quality, and every other method in the standard quality.
+fn settings() -> Vec<(String, BakeOptions)> {
+    let qualities = Quality::EVERY.map(|quality| {
+        let options = BakeOptions::of(quality);
+        (format!("quality {}", quality.name()), options)
+    });
+    let taken: Vec<Method> = qualities.iter().map(|(_, options)| options.step.method).collect();
+    let others = Method::EVERY.iter().filter(|method| !taken.contains(method)).map(|&method| {
+        let mut options = BakeOptions::of(Quality::Standard);
+        options.step.method = method;
+        ("steps of quality standard".to_owned(), options)
+    });
+    qualities.into_iter().chain(others).collect()
 }
 
 /// How the reference is baked.
