@@ -7,7 +7,6 @@ mod conjugate_gradient;
 mod follow;
 mod integrator;
 mod newton;
-mod once;
 mod state;
 mod step;
 mod sweep;

@@ -351,7 +351,8 @@ impl Problem<'_> {
             report.seconds[2] += clock.elapsed().as_secs_f64();
             let clock = std::time::Instant::now();
             let slope: f64 = g.iter().zip(&way).map(|(g, d)| g.dot(d)).sum();
-            moved = self.line_search(x, &way, slope, value, contact);
+            let least = if together { 0.0 } else { LEAST_SHARE };
+            moved = self.line_search(x, &way, slope, least, value, contact);
             report.seconds[0] += clock.elapsed().as_secs_f64();
             if moved > LEAST_SHARE {
                 break;
@@ -373,7 +374,8 @@ impl Problem<'_> {
         self.move_with(x, g, d, &mut value, contact, report)
     }
 
-    /// Moves `x` along `d` by the share for which phi falls enough (Armijo where the slope is down); 0 if nowhere.
+    /// Moves `x` along `d` by the share for which phi falls enough (Armijo where the slope is down); 0 if it would have
+    /// to be less than `least`.
     ///
     /// Near the end phi falls by less than its rounding, and its values say nothing any more. The slope at the trial
     /// place still does: where phi is nearly quadratic it has fallen if it rises there less steeply than it fell at the
@@ -383,11 +385,15 @@ impl Problem<'_> {
         x: &mut [Vec3],
         d: &[Vec3],
         slope: f64,
+        least: f64,
         value: &mut Value,
         contact: &Contact,
     ) -> f64 {
         let mut share = 1.0;
         for _ in 0..24 {
+            if share < least {
+                return 0.0;
+            }
             let trial: Vec<Vec3> = x.iter().zip(d).map(|(x, d)| x + d * share).collect();
             let there = self.value(&trial, contact);
             // Rounding of a sum of many terms.

@@ -240,14 +240,17 @@ impl Stepper {
             held: &forces.held,
             regularisation: 0.0,
         };
+        let mut newton = self.options.newton;
+        if self.options.method.solver() == Solver::Once {
+            newton.most_iterations = 1;
+        }
         let mut report = NewtonReport::default();
         for _ in 0..LED_AGAIN {
             report.add(&problem.follow(x, &mut self.contact, &mut self.work));
             report.add(&match self.options.method.solver() {
-                Solver::Converged => {
-                    problem.solve(x, &mut self.contact, &self.options.newton, &mut self.work)
+                Solver::Converged | Solver::Once => {
+                    problem.solve(x, &mut self.contact, &newton, &mut self.work)
                 }
-                Solver::Once => problem.once(x, &mut self.contact, &mut self.work),
                 Solver::Sweeps => problem.sweep(x, &mut self.contact, &mut self.work),
             });
             if !self.contact.body_lags() {

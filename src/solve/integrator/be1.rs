@@ -2,8 +2,9 @@
 //! and most of the older cloth solvers make.
 //!
 //! The step is as long as the linear model says and the layers allow; what the model leaves out (a strip that turns
-//! by v h in a step is drawn out by sqrt(1 + (v h / l)²)) stays in the result as strain. There is no line search
-//! (`solve/once.rs`).
+//! by v h in a step is drawn out by sqrt(1 + (v h / l)²)) stays in the result as strain. The way is cut by
+//! the line search that all share, which the original does not have: without it layers in a fold were thrown about so far
+//! that the search for contacts took twenty times as long as everything else.
 
 use super::{Recipe, Solver, backward_euler};
 
