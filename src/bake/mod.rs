@@ -4,11 +4,13 @@ pub mod checkpoint;
 mod crossing_start;
 mod home;
 mod plan;
+mod quality;
 mod settle;
 mod unmet_log;
 
 pub use checkpoint::{Checkpoint, run_key};
 pub use plan::{Choice, Plan};
+pub use quality::Quality;
 pub use settle::{Settled, rest_mesh, settle};
 
 use crate::contact::{Contact, ContactSettings};
@@ -30,13 +32,25 @@ pub struct BakeOptions {
     pub memory: bool,
     /// How steps are made.
     pub step: StepOptions,
+    /// A step is converged when what energy is left to gain would not lift the garment by this [m]: single points that
+    /// are still falling into a wrinkle go on in the next step.
+    pub slack: f64,
+    /// Every model on and at full size, short steps of one length, each solved for the whole garment: what a plan is
+    /// compared with.
+    pub everything: bool,
     /// Frames per simulated second for the observer; 0 for none.
     pub frames_per_second: f64,
 }
 
 impl Default for BakeOptions {
     fn default() -> Self {
-        Self { memory: true, step: StepOptions::default(), frames_per_second: 0.0 }
+        Self {
+            memory: true,
+            step: StepOptions::default(),
+            slack: Quality::Standard.slack(),
+            everything: false,
+            frames_per_second: 0.0,
+        }
     }
 }
 
@@ -120,9 +134,6 @@ pub struct Baked {
 
 /// First step after anything starts or stops [s].
 const FIRST_STEP: f64 = 1.0 / 120.0;
-/// A step is converged when what energy is left to gain would not lift the garment by this [m]: single points that
-/// are still falling into a wrinkle go on in the next step.
-const SLACK: f64 = 1e-5;
 /// A garment that may end early is at rest below this speed, root mean square [m/s].
 const REST_SPEED: f64 = 1e-4;
 
@@ -152,7 +163,7 @@ pub fn bake_from(
     if let Some((file, checkpoint)) = &taken_up {
         checkpoint.check(file, garment, script, &key)?;
     }
-    let plan = Plan::new(garment, fabric, script, options.memory);
+    let plan = Plan::new(garment, fabric, script, options);
     let mut cloth = Cloth::new(garment, fabric);
     cloth.membrane.set_stiffness(plan.stretch);
     let source_angle = cloth.bending.angles(&garment.points, &[]);
@@ -169,8 +180,8 @@ pub fn bake_from(
     };
     let contact =
         Contact::new(settings, &garment.points, &garment.triangles, &garment.topology, cloth.area.clone());
-    let mut step = options.step;
-    step.newton.energy = SLACK * cloth.mass.iter().sum::<f64>() * GRAVITY;
+    let mut step = options.step_made();
+    step.newton.energy = options.slack_made() * cloth.mass.iter().sum::<f64>() * GRAVITY;
     let mut run = Run {
         garment,
         stepper: Stepper::new(cloth, contact, step),

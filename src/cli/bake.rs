@@ -15,8 +15,8 @@ use super::output::Outputs;
 use super::progress::{Progress, StepNews};
 use super::talk;
 use clap::ValueEnum;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
-use crease::bake::{BakeOptions, Baked, Checkpoint, Choice, Observer, Plan, bake_from};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use crease::bake::{BakeOptions, Baked, Checkpoint, Choice, Observer, Plan, Quality, bake_from};
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
 use crease::format::gltf::write_worn_glb;
 use crease::format::{Sidecar, write_sidecar};
@@ -55,9 +55,15 @@ pub struct Arguments {
     reading: MeshReading,
     #[command(flatten)]
     also: AlsoWanted,
-    /// Time integration
-    #[arg(long, value_name = "NAME", default_value = default_method(), value_parser = method_parser())]
-    method: Method,
+    /// Time integration [default: that of the quality]
+    #[arg(long, value_name = "NAME", value_parser = method_parser())]
+    method: Option<Method>,
+    /// Speed against accuracy: how fine steps are, and how far each is solved
+    #[arg(long, value_name = "NAME", default_value = Quality::Standard.name(), value_parser = quality_parser())]
+    quality: Quality,
+    /// Every model on and at full size, fixed short steps: what the plan of --explain is compared with; slow
+    #[arg(long)]
+    everything: bool,
     /// How the cloth remembers
     #[arg(long, value_enum, default_value_t = MemoryLaw::Paper)]
     memory: MemoryLaw,
@@ -102,24 +108,32 @@ enum MemoryLaw {
     Off,
 }
 
-fn default_method() -> &'static str {
-    BakeOptions::default().step.method.name()
-}
-
 /// The library's own list of integrators, by name.
 fn method_parser() -> impl TypedValueParser<Value = Method> {
-    let names = PossibleValuesParser::new(Method::ALL.map(|(name, _)| name));
+    let names =
+        PossibleValuesParser::new(Method::EVERY.iter().map(|m| PossibleValue::new(m.name()).help(m.about())));
     names.try_map(|name| Method::named(&name).ok_or("no such method"))
 }
 
+/// The library's own list of qualities, by name.
+fn quality_parser() -> impl TypedValueParser<Value = Quality> {
+    let names = Quality::EVERY.map(|quality| PossibleValue::new(quality.name()).help(quality.about()));
+    PossibleValuesParser::new(names).try_map(|name| Quality::named(&name).ok_or("no such quality"))
+}
+
 impl Arguments {
+    fn method(&self) -> Method {
+        self.method.unwrap_or(self.quality.step().method)
+    }
+
     fn memory_on(&self) -> bool {
         self.memory == MemoryLaw::Paper
     }
 
     fn options(&self) -> BakeOptions {
-        let mut options = BakeOptions { memory: self.memory_on(), ..BakeOptions::default() };
-        options.step.method = self.method;
+        let mut options = BakeOptions { memory: self.memory_on(), ..BakeOptions::of(self.quality) };
+        options.step.method = self.method();
+        options.everything = self.everything;
         options.frames_per_second = if self.frames.is_some() { self.fps } else { 0.0 };
         options
     }
@@ -128,7 +142,8 @@ impl Arguments {
     fn run_note(&self, baked: &Baked) -> Value {
         json!({
             "tool": concat!("crease ", env!("CARGO_PKG_VERSION")),
-            "method": self.method.name(),
+            "method": self.method().name(),
+            "quality": self.quality.name(),
             "memory": if self.memory_on() { "paper" } else { "off" },
             "simulated_s": baked.report.simulated,
             "steps": baked.report.steps,
@@ -208,7 +223,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let garment = &job.mesh.garment;
     let counts = crossing_counts(garment, &baked.worn, &start);
     let mut report = Report::of_bake(garment, &baked, counts);
-    report.method = arguments.method.name().to_owned();
+    report.method = arguments.method().name().to_owned();
     report.warnings.extend(warnings);
     let glb = write_worn_glb(&job.mesh.asset, garment, &baked.worn, &extras)?;
     outputs.add(&files.worn, &glb)?;
@@ -263,7 +278,7 @@ impl Job {
     }
 
     fn plan(&self, arguments: &Arguments) -> Plan {
-        Plan::new(&self.mesh.garment, &self.fabric, &self.script, arguments.memory_on())
+        Plan::new(&self.mesh.garment, &self.fabric, &self.script, &arguments.options())
     }
 
     /// Writes the garment without wear, to nowhere: what the writers refuse is told now and not after the bake.
@@ -413,7 +428,7 @@ fn explain(plan: &Plan, as_json: bool) -> Result<()> {
         return talk::data(&format!("{:#}\n", Value::Array(list)));
     }
     let line = |choice: &Choice| {
-        format!("{:<14}{:<5}{}\n", choice.name, if choice.on { "on" } else { "off" }, choice.why)
+        format!("{:<16}{:<5}{}\n", choice.name, if choice.on { "on" } else { "off" }, choice.why)
     };
     talk::data(&plan.choices.iter().map(line).collect::<String>())
 }
