@@ -16,6 +16,7 @@ pub mod math;
 pub mod fabric;
 pub mod mesh;
 
+pub mod body;
 pub mod garment;
 
 pub mod energy;

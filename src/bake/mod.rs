@@ -1,19 +1,26 @@
 //! The main job: wear -> solve -> memory, step by step, then the garment brought home to its own pose.
 
+mod awake;
 pub mod checkpoint;
 mod crossing_start;
+mod dressing;
 mod home;
+mod on_body;
 mod plan;
 mod quality;
+mod remember;
 mod settle;
 mod unmet_log;
 
 pub use checkpoint::{Checkpoint, run_key};
+pub use on_body::stirred;
 pub use plan::{Choice, Plan};
 pub use quality::Quality;
+pub use remember::{Motion, remember};
 pub use settle::{Settled, rest_mesh, settle};
 
-use crate::contact::{Contact, ContactSettings};
+use crate::body::Wearer;
+use crate::contact::{BodyField, Contact, ContactSettings};
 use crate::error::{Error, Result};
 use crate::fabric::{EventCount, Fabric};
 use crate::garment::{Garment, RestShape, WornGarment};
@@ -22,6 +29,8 @@ use crate::memory::{Memory, Observed, Remembering};
 use crate::solve::{Cloth, State, StepOptions, Stepper};
 use crate::wear::{Action, GRAVITY, Gesture, Posture, Scene, WearScript};
 use checkpoint::{STEPS_BETWEEN, Way};
+use on_body::{OnBody, Pinch};
+use std::sync::Arc;
 use std::time::Instant;
 use unmet_log::UnmetLog;
 
@@ -40,6 +49,10 @@ pub struct BakeOptions {
     pub everything: bool,
     /// Frames per simulated second for the observer; 0 for none.
     pub frames_per_second: f64,
+    /// The body the garment is worn on.
+    pub body: Option<Arc<Wearer>>,
+    /// Whether cloth that the body cannot stir sleeps.
+    pub sleep: bool,
 }
 
 impl Default for BakeOptions {
@@ -50,6 +63,8 @@ impl Default for BakeOptions {
             slack: Quality::Standard.slack(),
             everything: false,
             frames_per_second: 0.0,
+            body: None,
+            sleep: true,
         }
     }
 }
@@ -134,6 +149,8 @@ pub struct Baked {
 
 /// First step after anything starts or stops [s].
 const FIRST_STEP: f64 = 1.0 / 120.0;
+/// Whoever asks for frames more often than this wants every step [s].
+const EVERY_STEP: f64 = 1e-5;
 /// A garment that may end early is at rest below this speed, root mean square [m/s].
 const REST_SPEED: f64 = 1e-4;
 
@@ -163,7 +180,11 @@ pub fn bake_from(
     if let Some((file, checkpoint)) = &taken_up {
         checkpoint.check(file, garment, script, &key)?;
     }
-    let plan = Plan::new(garment, fabric, script, options);
+    let on_body = OnBody::prepare(garment, script, script_file, options, taken_up.is_some())?;
+    let mut plan = Plan::new(garment, fabric, script, options);
+    if let Some(on_body) = &on_body {
+        plan.wear_on(fabric, &on_body.wearer, &on_body.asleep);
+    }
     let mut cloth = Cloth::new(garment, fabric);
     cloth.membrane.set_stiffness(plan.stretch);
     let source_angle = cloth.bending.angles(&garment.points, &[]);
@@ -202,9 +223,16 @@ pub fn bake_from(
         unconverged: 0,
         unmet: UnmetLog::default(),
         largest_rest: 0.0,
-        total: script.duration_s(),
+        total: script.duration_on(options.body.as_deref()),
+        asleep: Vec::new(),
+        field: None,
+        pinch: Pinch::default(),
+        dressing_s: 0.0,
     };
     run.report.warnings.extend(crossing_start::crossing_warning(garment));
+    if let Some(on_body) = on_body {
+        run.put_on(on_body)?;
+    }
     let (mut first, mut way) = (0, None);
     if let Some((_, checkpoint)) = taken_up {
         (first, way) = (checkpoint.action, checkpoint.way.clone());
@@ -226,6 +254,7 @@ pub fn bake_from(
         ));
     }
     run.report.warnings.extend(run.unmet.warnings());
+    run.report.warnings.extend(run.pinch.warning());
     run.frame(observer)?;
     let clock = Instant::now();
     let displacement =
@@ -237,6 +266,9 @@ pub fn bake_from(
     run.report.events = run.memory.events;
     run.report.stages =
         ["assemble", "solve", "contact", "remember", "home"].into_iter().zip(run.seconds).collect();
+    if run.dressing_s > 0.0 {
+        run.report.stages.insert(0, ("dress", run.dressing_s));
+    }
     Ok(Baked {
         worn: WornGarment { displacement, memory: run.memory.shape },
         end: run.state.x,
@@ -275,6 +307,13 @@ struct Run<'a> {
     /// Steps accepted before Newton had converged, and the largest move it still asked for [m].
     unconverged: u64,
     largest_rest: f64,
+    /// Points that a moving body cannot stir, one flag per point; empty for none.
+    asleep: Vec<bool>,
+    /// The body, if there is one.
+    field: Option<BodyField>,
+    pinch: Pinch,
+    /// Time that dressing took [s].
+    dressing_s: f64,
     /// Demands that could not be met.
     unmet: UnmetLog,
 }
@@ -318,13 +357,14 @@ impl Run<'_> {
         }
         let begin = way.as_ref().map_or(self.state.time, |way| way.begin);
         let under_way = UnderWay { number, start, begin, before, name: action.name() };
-        self.perform(under_way, begun.gesture, action.as_wear().duration_s(), way, observer)
+        let duration = begun.duration.unwrap_or_else(|| action.as_wear().duration_s());
+        self.perform(under_way, begun.gesture, duration, way, observer)
     }
 
     /// A moment before the action `number`, from which the run can be taken up.
     fn moment(&mut self, number: usize, observer: &mut dyn Observer) -> Result<()> {
         self.stepper.forget();
-        if observer.keeps_checkpoints() {
+        if self.posture.body.is_none() && observer.keeps_checkpoints() {
             observer.checkpoint(self.checkpoint(number, &self.posture, None))?;
         }
         Ok(())
@@ -340,6 +380,9 @@ impl Run<'_> {
         observer: &mut dyn Observer,
     ) -> Result<()> {
         if !self.report.steps.is_multiple_of(STEPS_BETWEEN) {
+            return Ok(());
+        }
+        if self.posture.body.is_some() {
             return Ok(());
         }
         let Some(memo) = gesture.memo() else { return Ok(()) };
@@ -396,6 +439,24 @@ impl Run<'_> {
         Ok(())
     }
 
+    /// Shows the cloth at the times of frames that the last step passed, from `before`: where it began [s], [m]. Frames are
+    /// evenly spaced, steps are not; where several steps are wanted in a frame's time, or the other way round, each shows once.
+    fn frames_due(&mut self, before: &Option<(f64, Vec<Vec3>)>, observer: &mut dyn Observer) -> Result<()> {
+        let Some((start, from)) = before else { return Ok(()) };
+        let step = self.state.time - start;
+        if self.frame_every < EVERY_STEP {
+            return self.frame(observer);
+        }
+        while self.next_frame <= self.state.time + 1e-9 {
+            let share = ((self.next_frame - start) / step.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+            let x: Vec<Vec3> = from.iter().zip(&self.state.x).map(|(a, b)| a + (b - a) * share).collect();
+            observer.frame(&x)?;
+            self.frames += 1;
+            self.next_frame += self.frame_every;
+        }
+        Ok(())
+    }
+
     /// Shows the cloth as it is.
     fn frame(&mut self, observer: &mut dyn Observer) -> Result<()> {
         observer.frame(&self.state.x)?;
@@ -417,8 +478,14 @@ impl Run<'_> {
             if remembers_length { run.stepper.cloth.membrane.measure(&run.state.x) } else { Vec::new() }
         };
         let (angle, stretch) = (self.state.angle.clone(), measure(self));
-        let mut drive_at = |time: f64, state: &State| gesture.drive(time - begin, &state.x);
-        let step = self.stepper.advance(&mut self.state, &self.memory.felt, &mut drive_at, h);
+        let before = self.frame_every.is_finite().then(|| (self.state.time, self.state.x.clone()));
+        let step = match self.field.take() {
+            Some(field) => self.step_on_body(field, gesture, begin, h),
+            None => {
+                let mut drive_at = |time: f64, state: &State| gesture.drive(time - begin, &state.x);
+                self.stepper.advance(&mut self.state, &self.memory.felt, &mut drive_at, h)
+            }
+        };
         for (total, s) in self.seconds.iter_mut().zip(step.newton.seconds) {
             *total += s;
         }
@@ -434,9 +501,9 @@ impl Run<'_> {
         let clock = Instant::now();
         if let (Some(law), true) = (&self.law, gesture.wears()) {
             let stretch_after = measure(self);
-            let before = Observed { angle: &angle, stretch: &stretch };
+            let earlier = Observed { angle: &angle, stretch: &stretch };
             let after = Observed { angle: &self.state.angle, stretch: &stretch_after };
-            self.memory.commit(law, &before, &after, step.step);
+            self.memory.commit(law, &earlier, &after, step.step);
         }
         self.seconds[3] += clock.elapsed().as_secs_f64();
         observer.progress(&Progress {
@@ -448,10 +515,7 @@ impl Run<'_> {
             iterations: step.newton.iterations,
             events: self.memory.events,
         });
-        if self.state.time >= self.next_frame - 1e-9 {
-            self.frame(observer)?;
-            self.next_frame = self.state.time + self.frame_every;
-        }
+        self.frames_due(&before, observer)?;
         Ok(step.next)
     }
 

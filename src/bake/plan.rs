@@ -5,6 +5,7 @@
 //! `crease chart plan` shows what the plan saves and that it changes nothing that counts.
 
 use super::BakeOptions;
+use crate::body::Wearer;
 use crate::fabric::Fabric;
 use crate::garment::Garment;
 use crate::math::{Vec3, bounds};
@@ -267,6 +268,38 @@ fn pieces(garment: &Garment) -> usize {
         .map(|t| find(&mut root, t[0].at()))
         .collect::<std::collections::BTreeSet<_>>()
         .len()
+}
+
+impl Plan {
+    /// The same on a body, with the points that are `asleep` (empty for none): what pulls at the cloth then is the body
+    /// and not its own weight, so it keeps the stiffness it has.
+    pub(super) fn wear_on(&mut self, fabric: &Fabric, wearer: &Wearer, asleep: &[bool]) {
+        let full = [fabric.stretch_warp(), fabric.stretch_weft(), fabric.shear()];
+        let stiffer = full[0].max(full[1]) / self.stretch[0].max(self.stretch[1]);
+        self.contact_stiffness *= stiffer.max(1.0);
+        self.stretch = full;
+        let mut say = |name, why: String, on| {
+            if let Some(choice) = self.choices.iter_mut().find(|choice| choice.name == name) {
+                *choice = Choice { name, on, why };
+            } else {
+                self.choices.push(Choice { name, on, why });
+            }
+        };
+        let stretch = full[0].min(full[1]);
+        say("stretch", format!("{stretch:.0} N/m, the fabric's own: a body stretches it"), true);
+        say(
+            "body",
+            format!(
+                "{}: {} points, {} triangles",
+                wearer.file,
+                wearer.start().len(),
+                wearer.triangles().len()
+            ),
+            true,
+        );
+        let still = asleep.iter().filter(|asleep| **asleep).count();
+        say("sleep", format!("{still} of {} points out of reach of what moves", asleep.len()), still > 0);
+    }
 }
 
 /// Mean edge length of the source shape [m].

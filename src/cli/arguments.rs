@@ -22,7 +22,8 @@ pub struct MeshReading {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Metres(pub f64);
 
-fn unit(text: &str) -> Result<Metres, String> {
+/// A unit of length by its name or in metres.
+pub fn unit(text: &str) -> Result<Metres, String> {
     let metres = match text {
         "m" => 1.0,
         "dm" => 0.1,

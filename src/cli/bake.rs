@@ -6,6 +6,7 @@
 
 use super::also::{self, AlsoWanted};
 use super::arguments::{MeshReading, glb_path, positive, seconds};
+use super::body::BodyWanted;
 use super::checkpoints::CheckpointFile;
 use super::frames::FrameFolder;
 use super::input;
@@ -16,7 +17,8 @@ use super::progress::{Progress, StepNews};
 use super::talk;
 use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use crease::bake::{BakeOptions, Baked, Checkpoint, Choice, Observer, Plan, Quality, bake_from};
+use crease::bake::{BakeOptions, Baked, Checkpoint, Choice, Observer, Plan, Quality, bake_from, stirred};
+use crease::body::Wearer;
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
 use crease::format::gltf::write_worn_glb;
 use crease::format::{Sidecar, write_sidecar};
@@ -31,6 +33,7 @@ use crease::{Error, Result};
 use serde_json::{Value, json};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 #[derive(Debug, clap::Args)]
@@ -53,6 +56,15 @@ pub struct Arguments {
     fabric: String,
     #[command(flatten)]
     reading: MeshReading,
+    #[command(flatten)]
+    body: BodyWanted,
+    /// Simulate at about this edge length, finer than the file where it moves [mm]; the file's own vertices keep number and
+    /// place
+    #[arg(long, value_name = "MM", value_parser = positive)]
+    resolution: Option<f64>,
+    /// Keep all of the cloth awake, also where the body cannot stir it
+    #[arg(long)]
+    no_sleep: bool,
     #[command(flatten)]
     also: AlsoWanted,
     /// Time integration [default: that of the quality]
@@ -130,8 +142,13 @@ impl Arguments {
         self.memory == MemoryLaw::Paper
     }
 
-    fn options(&self) -> BakeOptions {
-        let mut options = BakeOptions { memory: self.memory_on(), ..BakeOptions::of(self.quality) };
+    fn options(&self, body: Option<&Arc<Wearer>>) -> BakeOptions {
+        let mut options = BakeOptions {
+            memory: self.memory_on(),
+            body: body.cloned(),
+            sleep: !self.no_sleep,
+            ..BakeOptions::of(self.quality)
+        };
         options.step.method = self.method();
         options.everything = self.everything;
         options.frames_per_second = if self.frames.is_some() { self.fps } else { 0.0 };
@@ -199,14 +216,15 @@ pub fn run(arguments: Arguments) -> Result<()> {
             outputs.check(&files.worn.with_extension("png"))?;
         }
     }
+    use_threads(arguments.threads)?;
     let mut job = Job::read(&arguments)?;
     if arguments.explain && !(arguments.json && files.is_some()) {
         explain(&job.plan(&arguments), arguments.json)?;
     }
     let Some(files) = files else { return Ok(()) };
-    use_threads(arguments.threads)?;
     let extras = files.extras();
     let mut warnings = job.mesh.repairs();
+    warnings.extend(job.refined.clone());
     warnings.extend(job.mesh.embed_images(&arguments.mesh));
     job.try_to_write(&extras)?;
     let start = crossings(&job.mesh.garment.points, &job.mesh.garment.triangles);
@@ -260,17 +278,25 @@ struct Job {
     script: WearScript,
     script_file: String,
     fabric: Fabric,
+    body: Option<Arc<Wearer>>,
+    /// What `--resolution` did, in words.
+    refined: Option<String>,
 }
 
 impl Job {
     /// Reads everything before anything long begins, and reports the faults of all files in one go.
     fn read(arguments: &Arguments) -> Result<Self> {
         let script_file = input::name_of(&arguments.wear);
-        let script = script(&script_file, &arguments.wear);
+        let script = script(&script_file, &arguments.wear, arguments.body.body.is_some());
         let fabric = input::fabric(&arguments.fabric);
         let mesh = MeshFile::read(&arguments.mesh, &arguments.reading);
         match (script, fabric, mesh) {
-            (Ok(script), Ok(fabric), Ok(mesh)) => Ok(Self { mesh, script, script_file, fabric }),
+            (Ok(script), Ok(fabric), Ok(mut mesh)) => {
+                let body = arguments.body.read(&arguments.mesh, &arguments.reading, &mesh)?;
+                let options = arguments.options(body.as_ref());
+                let refined = arguments.resolution.map(|mm| refine(&mut mesh.garment, mm, &script, &options));
+                Ok(Self { mesh, script, script_file, fabric, body, refined })
+            }
             (script, fabric, mesh) => {
                 Err(merged([script.err(), fabric.err(), mesh.err()].into_iter().flatten()))
             }
@@ -278,7 +304,7 @@ impl Job {
     }
 
     fn plan(&self, arguments: &Arguments) -> Plan {
-        Plan::new(&self.mesh.garment, &self.fabric, &self.script, &arguments.options())
+        Plan::new(&self.mesh.garment, &self.fabric, &self.script, &arguments.options(self.body.as_ref()))
     }
 
     /// Writes the garment without wear, to nowhere: what the writers refuse is told now and not after the bake.
@@ -317,7 +343,7 @@ impl Job {
         let actions = self.script.flatten().count();
         let mut watcher = Watcher { progress, frames, checkpoints, interrupt, actions };
         let garment: &Garment = &self.mesh.garment;
-        let options = arguments.options();
+        let options = arguments.options(self.body.as_ref());
         interrupt.ends_at_once(false);
         let taken_up = taken_up.as_ref().map(|(file, checkpoint)| (file.as_str(), checkpoint.clone()));
         let baked = bake_from(
@@ -338,9 +364,26 @@ impl Job {
     }
 }
 
-fn script(file: &str, path: &Path) -> Result<WearScript> {
+/// Makes `garment` finer where the wear of `script` can move it; what it did, in words.
+fn refine(garment: &mut Garment, mm: f64, script: &WearScript, options: &BakeOptions) -> String {
+    let (before, edge) = (garment.points.len(), garment.mean_edge());
+    let wanted = stirred(garment, script, options);
+    *garment = garment.refined(1e-3 * mm, &wanted).garment;
+    let after = garment.points.len();
+    if after == before {
+        return format!(
+            "resolution: the file is as fine as {mm} mm already ({:.1} mm on average)",
+            1e3 * edge
+        );
+    }
+    let place = if wanted.is_empty() { "" } else { " where the body stirs it" };
+    format!("resolution: {after} points instead of {before}, edges of about {mm} mm{place}")
+}
+
+fn script(file: &str, path: &Path, has_body: bool) -> Result<WearScript> {
     let script = WearScript::parse(file, &input::text(path)?)?;
-    match script.faults_without_body(file) {
+    let faults = if has_body { Vec::new() } else { script.faults_without_body(file) };
+    match faults {
         faults if faults.is_empty() => Ok(script),
         faults => Err(Error::Input(faults)),
     }

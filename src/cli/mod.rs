@@ -8,6 +8,7 @@ mod also;
 mod arguments;
 mod bake;
 mod batch;
+mod body;
 mod chart;
 mod checkpoints;
 mod completions;
@@ -19,6 +20,7 @@ mod interrupt;
 mod mesh_file;
 mod output;
 mod progress;
+mod remember;
 mod render;
 mod schema;
 mod talk;
@@ -54,6 +56,8 @@ enum Command {
     Bake(Box<bake::Arguments>),
     /// Carry memory over to another garment: writes OUT.glb, OUT.crease.json and OUT.report.json
     Transfer(Box<transfer::Arguments>),
+    /// Give a garment the memory of a motion that already exists, without simulation
+    Remember(Box<remember::Arguments>),
     /// Make a picture of a worn garment
     Render(render::Arguments),
     /// Draw and write a chart: numbers of ours beside what is known by other means
@@ -78,6 +82,7 @@ impl Command {
             Self::Inspect(arguments) => inspect::run(arguments),
             Self::Bake(arguments) => bake::run(*arguments),
             Self::Transfer(arguments) => transfer::run(*arguments),
+            Self::Remember(arguments) => remember::run(*arguments),
             Self::Render(arguments) => render::run(arguments),
             Self::Chart(arguments) => chart::run(arguments),
             Self::View(arguments) => view::run(arguments),

@@ -9,6 +9,7 @@
 
 mod barrier;
 mod body;
+mod body_field;
 pub mod bound;
 pub mod candidates;
 mod entangled;
@@ -17,6 +18,7 @@ mod pairs;
 mod places;
 
 pub use body::Body;
+pub use body_field::{BodyField, FieldSettings};
 
 use crate::energy::BlockSink;
 use crate::math::{Mat3, Vec3};

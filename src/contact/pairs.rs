@@ -494,14 +494,15 @@ impl PairContact {
 
     /// Moves the cloth by `d` and the body towards its target, each point as far as all stay apart.
     pub fn advance(&mut self, x: &mut [Vec3], d: &[Vec3]) {
-        let Some(body) = self.acting() else { return };
-        let (before, body_way) = (body.now.clone(), body.way());
+        // Without a body the cloth alone goes, and presses no layer any farther.
+        let acts = self.acting().is_some();
+        let (before, body_way) = self.acting().map(|body| (body.now.clone(), body.way())).unwrap_or_default();
         for rule in [Rule::Led, Rule::LedFrozen] {
             let way = self.on_the_way(x, d, Some(&body_way), rule);
             let moves =
                 local_step_fractions(&way.quads, &way.floors, &way.from, &way.motion).apply(&way.motion);
             let end: Vec<Vec3> = x.iter().zip(&moves).map(|(x, d)| x + d).collect();
-            if let Some(body) = &mut self.body {
+            if let Some(body) = self.body.as_mut().filter(|_| acts) {
                 let there = before.iter().zip(&moves[x.len()..]);
                 body.now = there.map(|(x, d)| x + d).collect();
             }
@@ -509,7 +510,7 @@ impl PairContact {
                 x.copy_from_slice(&end);
                 return;
             }
-            if let Some(body) = &mut self.body {
+            if let Some(body) = self.body.as_mut().filter(|_| acts) {
                 body.now.clone_from(&before);
             }
         }

@@ -7,6 +7,7 @@
 
 mod bending;
 mod container;
+mod cushion;
 mod drag;
 mod gravity;
 mod guide;
@@ -15,6 +16,7 @@ mod pressure;
 
 pub use bending::{Bending, BendingTerm};
 pub use container::Container;
+pub use cushion::{Cushion, Cushions};
 pub use drag::Drag;
 pub use gravity::Gravity;
 pub use guide::{Guide, Guides};

@@ -10,6 +10,7 @@ mod read;
 mod shape_obj;
 mod sidecar;
 mod usda;
+mod wearer;
 
 pub use asset::{GltfDocument, Placement, SourceAsset, SourceFormat, SourcePiece, UpAxis};
 pub use checksum::SidecarChecksums;
@@ -21,3 +22,4 @@ pub use sidecar::{
     SidecarUp, read_sidecar, write_sidecar,
 };
 pub use usda::{UsdaMemory, read_usda, usda, wrapped_deg};
+pub use wearer::sequence;

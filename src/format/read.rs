@@ -107,7 +107,7 @@ pub fn read_asset(
 }
 
 /// File units and axes to metres, y up.
-fn to_scene(unit_m: f64, up: UpAxis) -> Mat4 {
+pub(super) fn to_scene(unit_m: f64, up: UpAxis) -> Mat4 {
     let turned = match up {
         UpAxis::Y => Mat4::identity(),
         UpAxis::Z => Mat4::new(

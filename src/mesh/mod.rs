@@ -5,6 +5,7 @@ pub mod crossings;
 pub mod distance;
 mod hinge;
 mod index;
+pub mod inside;
 pub mod motion;
 mod topology;
 pub mod tree;

@@ -86,6 +86,9 @@ pub struct Workspace {
 
 /// A line search that keeps less of the way than this has failed, and the way is cut differently.
 const LEAST_SHARE: f64 = 0.01;
+/// No point goes farther in one iteration [m]: a direction that throws one far off sweeps all others on the way, and the
+/// search for contacts drowns in candidates.
+const FARTHEST: f64 = 0.25;
 /// Share of the energy that counts as converged which points outside a part may have to gain.
 const LEFT_OUT: f64 = 0.5;
 /// A part reaches this many rings of neighbours beyond its restless points.
@@ -307,12 +310,15 @@ impl Problem<'_> {
             let is_whole = local.is_none();
             let direction = local.or_else(|| self.direction(x, &g, work));
             report.seconds[1] += clock.elapsed().as_secs_f64();
-            let Some(d) = direction else { break };
+            let Some(mut d) = direction else { break };
             report.iterations += usize::from(is_whole);
             report.local_iterations += usize::from(!is_whole);
             report.last_move = d.iter().map(|d| d.norm()).fold(0.0, f64::max);
             if !report.last_move.is_finite() {
                 break;
+            }
+            if report.last_move > FARTHEST {
+                d.iter_mut().for_each(|d| *d *= FARTHEST / report.last_move);
             }
             let decrement: f64 = -g.iter().zip(&d).map(|(g, d)| g.dot(d)).sum::<f64>();
             report.left = decrement;

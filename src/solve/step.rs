@@ -3,7 +3,7 @@
 use super::integrator::{Solver, Stage, Tried};
 use super::{Cloth, Method, NewtonOptions, NewtonReport, Previous, Problem, State, Unmet, Workspace};
 use crate::contact::Contact;
-use crate::energy::{Container, Drag, Energy, Gravity, Guides, Pressure};
+use crate::energy::{Container, Cushions, Drag, Energy, Gravity, Guides, Pressure};
 use crate::garment::RestShape;
 use crate::math::Vec3;
 use crate::wear::Drive;
@@ -171,6 +171,10 @@ impl Stepper {
         let mut report = NewtonReport::default();
         let mut x = state.x.clone();
         let mut inner: Option<Vec<Vec3>> = None;
+        let first = earlier.first().unwrap_or(drive);
+        if !first.lead.is_empty() {
+            self.contact.advance(&mut x, &first.lead);
+        }
         for drive in earlier {
             let stage = match &inner {
                 None => method.stage(state, h),
@@ -215,6 +219,7 @@ impl Stepper {
         let gravity = Gravity { mass: &self.cloth.mass, acceleration: drive.gravity };
         let guides = Guides(&drive.guides);
         let drag = Drag { mass: &self.cloth.mass, start: &stage.base, rate: drive.drag / stage.span };
+        let cushions = Cushions(&drive.cushions);
         let pressure = Pressure { force: &forces.push };
         let container = drive.ball.as_ref().map(|ball| Container {
             centre: ball.centre,
@@ -224,6 +229,9 @@ impl Stepper {
         let mut terms: Vec<&dyn Energy> = vec![&membrane, &bending, &gravity];
         if !drive.guides.is_empty() {
             terms.push(&guides);
+        }
+        if !drive.cushions.is_empty() {
+            terms.push(&cushions);
         }
         if drive.drag > 0.0 {
             terms.push(&drag);

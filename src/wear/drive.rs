@@ -1,6 +1,6 @@
 //! What a wear action does to the cloth during one step: the forces and guides that the solver adds.
 
-use crate::energy::Guide;
+use crate::energy::{Cushion, Guide};
 use crate::math::Vec3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -29,6 +29,12 @@ pub struct Drive {
     // Gestures put it there anew when a run is taken up.
     #[serde(skip)]
     pub body: Option<Arc<[Vec3]>>,
+    /// What of a body is under single points of the cloth: a bake makes it from `body`, step by step.
+    #[serde(skip)]
+    pub cushions: Arc<[Cushion]>,
+    /// Where the body takes the cloth along in this step, one move per point [m]: a guess to start from. Empty for none.
+    #[serde(skip)]
+    pub lead: Arc<[Vec3]>,
     /// Share of the fabric's friction that acts: 0 where hands let the cloth slide.
     pub friction: f64,
     /// Springs that draw points along.
@@ -59,6 +65,8 @@ impl Drive {
             ground,
             ceiling: None,
             body: None,
+            cushions: Arc::new([]),
+            lead: Arc::new([]),
             friction: 1.0,
             guides: Vec::new(),
             held: Vec::new(),

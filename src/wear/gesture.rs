@@ -5,6 +5,7 @@
 //! fractions refer to, folds that can be opened again, what holds the cloth up) is the [`Posture`].
 
 use super::Drive;
+use crate::body::Standing;
 use crate::energy::Guide;
 use crate::error::{Error, Result};
 use crate::math::{Mat3, Vec3, bounds};
@@ -111,11 +112,22 @@ pub struct Posture {
     pub ground: Option<f64>,
     /// What the last action keeps acting until it is released.
     pub kept: Option<Drive>,
+    /// The body the garment is worn on, and where it stands.
+    // A run with a body is not taken up from a checkpoint.
+    #[serde(skip)]
+    pub body: Option<Standing>,
 }
 
 impl Default for Posture {
     fn default() -> Self {
-        Self { turned: Mat3::identity(), frame: None, folds: Vec::new(), ground: None, kept: None }
+        Self {
+            turned: Mat3::identity(),
+            frame: None,
+            folds: Vec::new(),
+            ground: None,
+            kept: None,
+            body: None,
+        }
     }
 }
 
@@ -125,9 +137,10 @@ impl Posture {
         self.ground.and(self.frame)
     }
 
-    /// What acts when nothing is done: gravity, the ground and whatever has not been let go.
+    /// What acts when nothing is done: gravity, the ground, the body and whatever has not been let go.
     pub fn resting(&self) -> Drive {
-        self.kept.clone().unwrap_or_else(|| Drive::at_rest(self.ground))
+        let kept = self.kept.clone().unwrap_or_else(|| Drive::at_rest(self.ground));
+        Drive { body: self.body.as_ref().map(|body| body.points.clone()), ..kept }
     }
 }
 
@@ -180,17 +193,19 @@ pub struct Start {
     /// New positions to start from, at rest, when the action puts the garment somewhere first (a motion of the
     /// whole that cannot make layers cross).
     pub placed: Option<Vec<Vec3>>,
+    /// How long it takes [s], where only the body knows that.
+    pub duration: Option<f64>,
 }
 
 impl Start {
     /// From where the cloth is.
     pub fn here(gesture: impl Gesture + 'static) -> Result<Self> {
-        Ok(Self { gesture: Box::new(gesture), placed: None })
+        Ok(Self { gesture: Box::new(gesture), placed: None, duration: None })
     }
 }
 
 /// A gesture that lets one drive act unchanged.
-pub(super) struct Still {
+pub(crate) struct Still {
     pub drive: Drive,
     pub may_end_early: bool,
 }

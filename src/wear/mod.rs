@@ -8,6 +8,7 @@ mod actions;
 mod drive;
 mod gesture;
 mod landing;
+mod moving;
 mod script;
 mod turning;
 
@@ -17,5 +18,6 @@ pub use actions::{
     Press, Release, Repeat, Settle, Side, Unfold, WearAction,
 };
 pub use drive::{Ball, Drive, GRAVITY};
+pub(crate) use gesture::Still;
 pub use gesture::{Frame, Gesture, MadeFold, Posture, Scene, Start};
 pub use script::{ACTION_LIMIT, DURATION_LIMIT_S, Flatten, NESTING_LIMIT, WearFormat, WearScript};

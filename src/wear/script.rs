@@ -5,6 +5,7 @@
 //! (`docs/wear.md`). Nothing here knows a garment, a body or a solver: whether a joint exists is asked at bake time.
 
 use super::{Action, Repeat};
+use crate::body::{BodyPose, Wearer};
 use crate::error::{Error, Fault, Result};
 use crate::json::{Document, Path, schema_of};
 use schemars::JsonSchema;
@@ -106,6 +107,47 @@ impl WearScript {
             }
         });
         faults
+    }
+
+    /// What is wrong with its actions for this body: joints and clips that it has not.
+    pub fn faults_with_body(&self, file: &str, wearer: &Wearer) -> Vec<Fault> {
+        let mut faults = Vec::new();
+        each(&self.actions, &Path::root().name("actions"), 0, &mut |action, path, _| {
+            for misfit in action.as_wear().misfits_with(wearer) {
+                let place = path.name(action.name()).name(misfit.field).to_string();
+                faults.push(Fault::new(file, place, misfit.what, misfit.cure));
+            }
+        });
+        faults
+    }
+
+    /// How long the wear takes on this body [s], ways between clips left out.
+    pub fn duration_on(&self, wearer: Option<&Wearer>) -> f64 {
+        let clip = |action: &Action| match (action, wearer) {
+            (Action::Play(play), Some(wearer)) => {
+                f64::from(play.repeat) * wearer.clip_length(&play.clip).unwrap_or(0.0)
+            }
+            _ => 0.0,
+        };
+        self.duration_s() + self.flatten().map(clip).sum::<f64>()
+    }
+
+    /// The postures it takes the body through, in order; every action as written counts once. Empty when something is
+    /// done that takes the garment off the body, or has it moved by anything else.
+    pub fn postures(&self, wearer: &Wearer) -> Vec<BodyPose> {
+        let (mut postures, mut other) = (vec![wearer.rest()], false);
+        each(&self.actions, &Path::root().name("actions"), 0, &mut |action, _, _| match action {
+            Action::Repeat(_) | Action::Hold(_) | Action::Settle(_) | Action::Release(_) => {}
+            Action::Bend(_) | Action::Play(_) => {
+                let from = postures.last().cloned().unwrap_or(BodyPose::Still);
+                postures.extend(action.as_wear().postures(wearer, &from));
+                if matches!(action, Action::Bend(_)) {
+                    postures.push(from);
+                }
+            }
+            _ => other = true,
+        });
+        if other { Vec::new() } else { postures }
     }
 
     /// Faults that no single field shows.

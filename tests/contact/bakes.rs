@@ -82,7 +82,8 @@ pub fn baked(name: &str, obj: &str, metres: f64, fabric: &str, actions: &str) ->
 }
 
 /// The T-shirt of the folder `garments` (about 2,000 points, or 13,863 if more are wanted), its points moved by a
-/// fiftieth of an edge, baked by that folder's script `wear`.
+/// fiftieth of an edge, baked by that folder's script `wear`. Too long for a test: `contact_scenes` runs it.
+#[allow(dead_code)]
 pub fn t_shirt(wear: &str, points: usize, seed: u64) -> Outcome {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("garments");
     let mesh = if points <= 5_000 { "tshirt-draft.glb" } else { "tshirt.glb" };

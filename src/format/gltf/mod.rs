@@ -15,6 +15,7 @@ mod primitive;
 mod read;
 mod read_worn;
 mod rest_angle_map;
+mod rig;
 mod scene;
 mod skin;
 mod weights;
@@ -28,6 +29,7 @@ pub use embed::embed_images;
 pub(in crate::format) use read::read_gltf;
 pub use read_worn::{WornVertices, keep_worn_pieces, read_worn, sidecar_name};
 pub use rest_angle_map::{REST_ANGLE_DEG_ATTRIBUTE, rest_angle_per_point, write_rest_angle_map};
+pub use rig::read_rig;
 pub use write::{external_images, write_worn_glb};
 
 /// Name of the morph target that holds the worn shape.

@@ -5,6 +5,7 @@
 
 use super::cursor::Cursor;
 use crate::Result;
+use crate::body::skeleton::Local;
 use crate::math::{Mat4, Vec3};
 use nalgebra::{Quaternion, UnitQuaternion};
 
@@ -23,7 +24,8 @@ impl Scene {
     pub(super) fn read(root: &Cursor) -> Result<Self> {
         let nodes = root.entries("nodes");
         let parents = read_parents(&nodes)?;
-        let locals: Vec<Mat4> = nodes.iter().map(local_transform).collect::<Result<_>>()?;
+        let locals: Vec<Mat4> =
+            nodes.iter().map(|node| Ok(read_local(node)?.matrix())).collect::<Result<_>>()?;
         let order = parents_first(&nodes, &parents)?;
         let mut worlds = locals;
         for &node in &order {
@@ -95,10 +97,10 @@ fn shown_roots(root: &Cursor, parents: &[Option<usize>]) -> Result<Vec<bool>> {
     Ok(shown)
 }
 
-/// `matrix`, or translation * rotation * scale.
-fn local_transform(node: &Cursor) -> Result<Mat4> {
+/// A node's own transform: `matrix`, or translation, rotation and scale.
+pub(super) fn read_local(node: &Cursor) -> Result<Local> {
     if let Some(columns) = node.numbers::<16>("matrix")? {
-        return Ok(Mat4::from_column_slice(&columns));
+        return Ok(Local::Matrix(Mat4::from_column_slice(&columns)));
     }
     let translation = node.numbers::<3>("translation")?.unwrap_or([0.0; 3]);
     let [x, y, z, w] = node.numbers::<4>("rotation")?.unwrap_or([0.0, 0.0, 0.0, 1.0]);
@@ -107,7 +109,5 @@ fn local_transform(node: &Cursor) -> Result<Mat4> {
     let Some(rotation) = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-9) else {
         return Err(node.fault("its rotation is zero"));
     };
-    Ok(Mat4::new_translation(&Vec3::from(translation))
-        * rotation.to_homogeneous()
-        * Mat4::new_nonuniform_scaling(&Vec3::from(scale)))
+    Ok(Local::Parts { translation: Vec3::from(translation), rotation, scale: Vec3::from(scale) })
 }

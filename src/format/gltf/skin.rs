@@ -65,13 +65,13 @@ pub(super) fn place_skinned(
     Ok(placed)
 }
 
-fn joint_matrices(
+/// Joints of skin `skin` with their inverse bind matrices.
+pub(super) fn joints_of(
     root: &Cursor,
     accessors: &Accessors,
-    scene: &Scene,
     primitive: &Cursor,
     skin: usize,
-) -> Result<Vec<Mat4>> {
+) -> Result<Vec<(usize, Mat4)>> {
     let skin = root.required_entry("skins", skin, primitive.path())?;
     let joints = skin.indices("joints")?;
     let inverse_binds = match skin.index("inverseBindMatrices")? {
@@ -85,15 +85,31 @@ fn joint_matrices(
             joints.len()
         )));
     }
-    let matrix = |(&joint, inverse_bind): (&usize, &Mat4)| match scene.worlds.get(joint) {
+    Ok(joints.into_iter().zip(inverse_binds).collect())
+}
+
+fn joint_matrices(
+    root: &Cursor,
+    accessors: &Accessors,
+    scene: &Scene,
+    primitive: &Cursor,
+    skin: usize,
+) -> Result<Vec<Mat4>> {
+    let joints = joints_of(root, accessors, primitive, skin)?;
+    let skin = root.entry("skins", skin);
+    let matrix = |(joint, inverse_bind): &(usize, Mat4)| match scene.worlds.get(*joint) {
         Some(world) => Ok(world * inverse_bind),
         None => Err(skin.fault(format!("its joint nodes[{joint}] is not in the file"))),
     };
-    joints.iter().zip(&inverse_binds).map(matrix).collect()
+    joints.iter().map(matrix).collect()
 }
 
 /// The pairs JOINTS_n, WEIGHTS_n for n = 0, 1, ...
-fn influence_sets(accessors: &Accessors, primitive: &Cursor, count: usize) -> Result<Vec<(Table, Table)>> {
+pub(super) fn influence_sets(
+    accessors: &Accessors,
+    primitive: &Cursor,
+    count: usize,
+) -> Result<Vec<(Table, Table)>> {
     let attributes = primitive.member("attributes");
     let mut sets = Vec::new();
     loop {

@@ -1,8 +1,12 @@
 //! `bend`: a joint of the body bends and goes back, as an elbow does a thousand times.
 
 use super::{Misfit, WearAction};
+use crate::body::{BodyPose, Wearer};
 use crate::error::Result;
-use crate::wear::gesture::{Posture, Scene, Start};
+use crate::math::Vec3;
+use crate::wear::gesture::{Posture, Scene, Start, smooth};
+use crate::wear::moving::{Moving, told_names};
+use nalgebra::Unit;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -16,7 +20,8 @@ pub struct Bend {
     pub joint: String,
     /// What it turns about: `x`, `y` or `z` of the joint, or a vector [x, y, z] in them.
     pub axis: Axis,
-    /// How far it turns from its rest pose [degrees]; the sign says which way (right-hand rule).
+    /// How far it turns from where it is (in the file, unless a clip has moved it) [degrees]; the sign says which way
+    /// (right-hand rule).
     #[serde(rename = "angle")]
     #[schemars(range(min = -180, max = 180))]
     pub angle_deg: f64,
@@ -68,6 +73,39 @@ impl Axis {
     }
 }
 
+/// Postures between straight and bent that tell what moves.
+const SAMPLES: u32 = 12;
+
+impl Bend {
+    /// `from`, with `share` of the bend.
+    fn bent(&self, wearer: &Wearer, from: &BodyPose, share: f64) -> BodyPose {
+        let joint = wearer.rig().and_then(|rig| rig.skeleton.find(&self.joint));
+        let mut pose = from.clone();
+        if let (BodyPose::Joints(joints), Some(joint)) = (&mut pose, joint)
+            && let (Some(local), Some(axis)) =
+                (joints.get_mut(joint), Unit::try_new(Vec3::from(self.axis.vector()), 0.0))
+        {
+            *local = local.turned(&axis, share * self.angle_deg.to_radians());
+        }
+        pose
+    }
+
+    /// How much of it is bent at `t` [s].
+    fn share(&self, t: f64) -> f64 {
+        let once = 2.0 * self.over_s + self.hold_s;
+        let own = if t >= self.duration_s() { 0.0 } else { t.rem_euclid(once) };
+        smooth(own / self.over_s).min(smooth((once - own) / self.over_s))
+    }
+
+    /// When it is held bent: from, to [s].
+    fn hold_times(&self) -> Vec<[f64; 2]> {
+        let once = 2.0 * self.over_s + self.hold_s;
+        let begin = |k: u32| f64::from(k) * once + self.over_s;
+        let times = (0..self.repeat).map(|k| [begin(k), begin(k) + self.hold_s]);
+        times.filter(|_| self.hold_s > 0.0).collect()
+    }
+}
+
 fn over_s() -> f64 {
     1.0
 }
@@ -103,8 +141,42 @@ impl WearAction for Bend {
         misfits
     }
 
-    fn begin(&self, scene: &Scene, _posture: &mut Posture) -> Result<Start> {
-        Err(scene.refuse("`bend` moves a body, and there is none", "leave this action out"))
+    fn misfits_with(&self, wearer: &Wearer) -> Vec<Misfit> {
+        if wearer.rig().is_some_and(|rig| rig.skeleton.find(&self.joint).is_some()) {
+            return Vec::new();
+        }
+        let what = format!("{} has no joint called \"{}\"", wearer.file, self.joint);
+        vec![Misfit::new("joint", what, told_names("joints", &wearer.joint_names(), &self.joint))]
+    }
+
+    fn postures(&self, wearer: &Wearer, from: &BodyPose) -> Vec<BodyPose> {
+        (0..=SAMPLES).map(|k| self.bent(wearer, from, f64::from(k) / f64::from(SAMPLES))).collect()
+    }
+
+    fn begin(&self, scene: &Scene, posture: &mut Posture) -> Result<Start> {
+        let Some(standing) = &posture.body else {
+            return Err(scene.refuse(
+                "`bend` moves a body, and the garment is not on one",
+                "give --body, and leave out what takes the garment off before",
+            ));
+        };
+        if let Some(misfit) = self.misfits_with(&standing.wearer).into_iter().next() {
+            return Err(scene.refuse(misfit.what, misfit.cure));
+        }
+        let (bend, from) = (self.clone(), standing.pose.clone());
+        let wearer = standing.wearer.clone();
+        let once = 2.0 * self.over_s + self.hold_s;
+        let gesture = Moving {
+            wearer: wearer.clone(),
+            drive: posture.resting(),
+            pose: Box::new(move |t| bend.bent(&wearer, &from, bend.share(t))),
+            // No step may jump over a whole way down and up.
+            breaks: (0..self.repeat).map(|k| f64::from(k) * once + self.over_s + self.hold_s).collect(),
+            still: self.hold_times(),
+            duration: self.duration_s(),
+            at: None,
+        };
+        Start::here(gesture)
     }
 
     fn example() -> Self {

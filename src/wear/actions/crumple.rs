@@ -43,6 +43,7 @@ impl WearAction for Crumple {
         centre.y = posture.ground.map_or(centre.y, |ground| ground + last_radius + CLEARANCE);
         let first_radius = scene.x.iter().map(|p| (p - centre).norm()).fold(last_radius, f64::max);
         posture.folds.clear();
+        posture.body = None;
         posture.kept = None;
         let ground = posture.ground;
         Start::here(Squeeze { centre, radii: [first_radius, last_radius], over: self.over_s, ground })

@@ -86,9 +86,14 @@ impl WearAction for Hang {
         posture.frame = Some(frame);
         posture.ground = None;
         posture.folds.clear();
+        posture.body = None;
         let drive = Drive { held, longest_step: 0.1, ..Drive::at_rest(None) };
         posture.kept = Some(drive.clone());
-        Ok(Start { gesture: Box::new(Still { drive, may_end_early: true }), placed: Some(placed) })
+        Ok(Start {
+            gesture: Box::new(Still { drive, may_end_early: true }),
+            placed: Some(placed),
+            duration: None,
+        })
     }
 
     fn example() -> Self {

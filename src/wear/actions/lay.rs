@@ -63,6 +63,8 @@ impl WearAction for Lay {
         posture.turned = turn * posture.turned;
         posture.folds.clear();
         posture.kept = None;
+        // Whoever lays a garment down has taken it off.
+        posture.body = None;
         posture.ground = Some(0.0);
         posture.frame = Some(Frame::lying(&placed));
         let height = high.y - low.y + scene.thickness;
@@ -73,7 +75,7 @@ impl WearAction for Lay {
             over: self.over_s,
             thickness: scene.thickness,
         };
-        Ok(Start { gesture: Box::new(gesture), placed: Some(placed) })
+        Ok(Start { gesture: Box::new(gesture), placed: Some(placed), duration: None })
     }
 
     fn example() -> Self {

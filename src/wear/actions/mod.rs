@@ -29,6 +29,7 @@ pub use settle::Settle;
 pub use unfold::Unfold;
 
 use super::gesture::{Posture, Scene, Start};
+use crate::body::{BodyPose, Wearer};
 use crate::error::Result;
 
 /// What every action answers.
@@ -43,6 +44,16 @@ pub trait WearAction {
 
     /// Starts it on the cloth as it is.
     fn begin(&self, scene: &Scene, posture: &mut Posture) -> Result<Start>;
+
+    /// What is wrong with it for this body: a joint or a clip that it has not.
+    fn misfits_with(&self, _wearer: &Wearer) -> Vec<Misfit> {
+        Vec::new()
+    }
+
+    /// Postures that it takes the body through from `from`, close enough to tell what moves.
+    fn postures(&self, _wearer: &Wearer, _from: &BodyPose) -> Vec<BodyPose> {
+        Vec::new()
+    }
 
     /// What is wrong between its fields, each alone being in range.
     fn misfits(&self) -> Vec<Misfit> {

@@ -1,8 +1,10 @@
 //! `play`: an animation clip of the body is played.
 
-use super::WearAction;
+use super::{Misfit, WearAction};
+use crate::body::{BodyPose, Wearer, pose_between};
 use crate::error::Result;
-use crate::wear::gesture::{Posture, Scene, Start};
+use crate::wear::gesture::{Posture, Scene, Start, smooth};
+use crate::wear::moving::{Moving, told_names, way_s};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -19,6 +21,10 @@ pub struct Play {
     pub repeat: u32,
 }
 
+/// Postures per second of a clip that tell what moves, and how many at most.
+const SAMPLE_RATE: f64 = 10.0;
+const MOST_SAMPLES: u32 = 200;
+
 fn once() -> u32 {
     1
 }
@@ -33,8 +39,65 @@ impl WearAction for Play {
         true
     }
 
-    fn begin(&self, scene: &Scene, _posture: &mut Posture) -> Result<Start> {
-        Err(scene.refuse("`play` moves a body, and there is none", "leave this action out"))
+    fn misfits_with(&self, wearer: &Wearer) -> Vec<Misfit> {
+        if wearer.clip_length(&self.clip).is_some() {
+            return Vec::new();
+        }
+        let what = format!("{} has no clip called \"{}\"", wearer.file, self.clip);
+        vec![Misfit::new("clip", what, told_names("clips", &wearer.clip_names(), &self.clip))]
+    }
+
+    fn postures(&self, wearer: &Wearer, _from: &BodyPose) -> Vec<BodyPose> {
+        let length = wearer.clip_length(&self.clip).unwrap_or(0.0);
+        let count = ((length * SAMPLE_RATE).ceil() as u32).clamp(1, MOST_SAMPLES);
+        (0..=count)
+            .filter_map(|k| wearer.clip_pose(&self.clip, length * f64::from(k) / f64::from(count)))
+            .collect()
+    }
+
+    fn begin(&self, scene: &Scene, posture: &mut Posture) -> Result<Start> {
+        let Some(standing) = &posture.body else {
+            return Err(scene.refuse(
+                "`play` moves a body, and the garment is not on one",
+                "give --body, and leave out what takes the garment off before",
+            ));
+        };
+        let wearer = standing.wearer.clone();
+        let length = wearer.clip_length(&self.clip);
+        let ends = length.and_then(|length| {
+            Some((length, wearer.clip_pose(&self.clip, 0.0)?, wearer.clip_pose(&self.clip, length)?))
+        });
+        let Some((length, first, last)) = ends else {
+            let misfit = self.misfits_with(&wearer).into_iter().next();
+            let misfit = misfit.unwrap_or_else(|| Misfit::new("clip", "it cannot be played", ""));
+            return Err(scene.refuse(misfit.what, misfit.cure));
+        };
+        // The body goes to where the clip begins, and from its end back there, as fast as a calm arm.
+        let lead = way_s(&wearer, &standing.pose, &first);
+        let back = way_s(&wearer, &last, &first);
+        let (from, clip) = (standing.pose.clone(), self.clip.clone());
+        let duration = lead + f64::from(self.repeat) * length + f64::from(self.repeat - 1) * back;
+        let of_clip = wearer.clone();
+        let pose = move |t: f64| {
+            if t < lead {
+                return pose_between(&from, &first, smooth(t / lead));
+            }
+            let own = if t >= duration { length } else { (t - lead).rem_euclid(length + back) };
+            if own > length {
+                return pose_between(&last, &first, smooth((own - length) / back));
+            }
+            of_clip.clip_pose(&clip, own).unwrap_or_else(|| last.clone())
+        };
+        let gesture = Moving {
+            wearer,
+            drive: posture.resting(),
+            pose: Box::new(pose),
+            breaks: Vec::new(),
+            still: Vec::new(),
+            duration,
+            at: None,
+        };
+        Ok(Start { duration: Some(duration), ..Start::here(gesture)? })
     }
 
     fn example() -> Self {

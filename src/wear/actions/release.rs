@@ -18,7 +18,7 @@ impl WearAction for Release {
 
     fn begin(&self, scene: &Scene, posture: &mut Posture) -> Result<Start> {
         posture.kept = None;
-        if posture.ground.is_none() {
+        if posture.ground.is_none() && posture.body.is_none() {
             // What was held in the air falls on a floor just below it.
             let lowest = scene.x.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
             posture.ground = Some(lowest - 2.0 * scene.thickness);

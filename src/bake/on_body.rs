@@ -1,0 +1,191 @@
+//! A bake on a body: what has to be known before it begins, and the moment the garment is put on.
+
+use super::awake::awake;
+use super::dressing;
+use super::{BakeOptions, Run};
+use crate::body::{Standing, Wearer};
+use crate::contact::{BodyField, FieldSettings};
+use crate::energy::Cushion;
+use crate::error::{Error, Result};
+use crate::garment::Garment;
+use crate::math::Vec3;
+use crate::mesh::{PointIndex, Topology};
+use crate::solve::{State, StepReport};
+use crate::wear::{Gesture, WearScript};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// A body, checked against garment and script.
+pub(super) struct OnBody {
+    pub wearer: Arc<Wearer>,
+    /// Per point of the garment: how deep inside the body it lies [m].
+    depths: Vec<f64>,
+    /// Per point: whether the body cannot stir it; empty when all can be stirred.
+    pub asleep: Vec<bool>,
+}
+
+impl OnBody {
+    /// The body of `options`, if there is one. Refuses joints and clips that it has not, garments that do not fit it,
+    /// and a run that is to be taken up: what cloth and body have come to is not in a checkpoint.
+    pub fn prepare(
+        garment: &Garment,
+        script: &WearScript,
+        script_file: &str,
+        options: &BakeOptions,
+        taken_up: bool,
+    ) -> Result<Option<Self>> {
+        let Some(wearer) = &options.body else { return Ok(None) };
+        let mut faults = script.faults_with_body(script_file, wearer);
+        if taken_up {
+            let what = "a run with a body cannot be taken up";
+            faults.push(crate::error::Fault::new("--resume", "", what, "leave it out: the run begins anew"));
+        }
+        let depths = match dressing::depths(&garment.points, wearer) {
+            Ok(depths) => depths,
+            Err(Error::Input(more)) => {
+                faults.extend(more);
+                Vec::new()
+            }
+            Err(other) => return Err(other),
+        };
+        if !faults.is_empty() {
+            return Err(Error::Input(faults));
+        }
+        let asleep = stirred(garment, script, options).iter().map(|stirred| !stirred).collect();
+        Ok(Some(Self { wearer: wearer.clone(), depths, asleep }))
+    }
+}
+
+/// The points of `garment` that the body of `options` stirs on its way through `script`, one flag per point. Empty when all
+/// are to be taken as stirred: without a body, with one that only stands, or when a script does more than move it.
+pub fn stirred(garment: &Garment, script: &WearScript, options: &BakeOptions) -> Vec<bool> {
+    let Some(wearer) = options.body.as_ref().filter(|_| options.sleep) else { return Vec::new() };
+    let awake = awake(garment, wearer, &script.postures(wearer));
+    if awake.contains(&true) { awake } else { Vec::new() }
+}
+
+/// Rounds in which a lead is averaged with its neighbours'.
+const SMOOTHING: usize = 6;
+
+/// A lead without jumps: where two parts of a body are equally near, one point follows one and the next the other.
+fn smoothed(mut lead: Vec<Vec3>, held: &[bool], topology: &Topology) -> Vec<Vec3> {
+    let is_held = |p: usize| held.get(p).copied().unwrap_or(false);
+    lead.iter_mut().enumerate().filter(|(p, _)| is_held(*p)).for_each(|(_, d)| *d = Vec3::zeros());
+    for _ in 0..SMOOTHING {
+        let (mut sum, mut count) = (lead.clone(), vec![1.0; lead.len()]);
+        for [a, b] in topology.edges.iter().map(|e| e.map(PointIndex::at)) {
+            sum[a] += lead[b];
+            sum[b] += lead[a];
+            count[a] += 1.0;
+            count[b] += 1.0;
+        }
+        for (p, (lead, sum)) in lead.iter_mut().zip(sum).enumerate().filter(|(p, _)| !is_held(*p)) {
+            *lead = sum / count[p];
+        }
+    }
+    lead
+}
+
+/// The deepest that cloth was inside the body.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Pinch {
+    /// When that began and ended [s].
+    times: Option<[f64; 2]>,
+    /// [m].
+    depth: f64,
+    place: Vec3,
+}
+
+/// Cloth that is deeper inside than this is told [m].
+const TOLD: f64 = 1e-3;
+/// Radius of a limb, for how far straight edges of cloth sink into it [m].
+const LIMB: f64 = 0.04;
+
+impl Pinch {
+    fn note(&mut self, time: f64, x: &[Vec3], cushions: &[Cushion]) {
+        let Some((point, depth)) = BodyField::deepest(x, cushions).filter(|(_, d)| *d > TOLD) else { return };
+        self.times = Some([self.times.map_or(time, |[from, _]| from), time]);
+        if depth > self.depth {
+            (self.depth, self.place) = (depth, x.get(point as usize).copied().unwrap_or_else(Vec3::zeros));
+        }
+    }
+
+    /// In words, if there was any.
+    pub fn warning(&self) -> Option<String> {
+        let [from, to] = self.times?;
+        let p = self.place;
+        Some(format!(
+            "{from:.2} to {to:.2} s, now and then: cloth up to {:.1} mm inside the body, deepest near ({:.3}, {:.3}, {:.3}) m: where a body \
+             folds into itself there is no room for cloth",
+            1e3 * self.depth,
+            p.x,
+            p.y,
+            p.z
+        ))
+    }
+}
+
+/// Where the body is at the end of a step [m], and what of it is under the cloth.
+type Met = (Arc<[Vec3]>, Arc<[Cushion]>);
+
+impl Run<'_> {
+    /// The garment is put on.
+    pub(super) fn put_on(&mut self, on_body: OnBody) -> Result<()> {
+        let clock = Instant::now();
+        let OnBody { wearer, depths, asleep } = on_body;
+        let settings = self.stepper.contact.settings();
+        let edge = self.garment.mean_edge();
+        let settings = FieldSettings {
+            reach: settings.distance + edge * edge / (8.0 * LIMB),
+            stiffness: self.stepper.cloth.area.iter().map(|area| area * settings.stiffness).collect(),
+            friction: settings.friction_body,
+            creep: settings.creep,
+        };
+        self.field = Some(BodyField::new(wearer.start(), wearer.triangles(), settings));
+        let dressed = self.dress(&wearer, &depths);
+        self.asleep = asleep;
+        self.report.warnings.extend(dressed.warnings());
+        self.posture.body = Some(Standing::new(&wearer, wearer.rest()));
+        self.dressing_s = clock.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    /// One accepted step with the body under the cloth.
+    pub(super) fn step_on_body(
+        &mut self,
+        mut field: BodyField,
+        gesture: &mut dyn Gesture,
+        begin: f64,
+        h: f64,
+    ) -> StepReport {
+        let start = self.state.time;
+        let mut last: Option<Met> = None;
+        let mut begun = false;
+        let (asleep, topology) = (&self.asleep, &self.garment.topology);
+        let mut drive_at = |time: f64, state: &State| {
+            let mut drive = gesture.drive(time - begin, &state.x);
+            last = None;
+            if let Some(points) = drive.body.take() {
+                if drive.held.is_empty() {
+                    drive.held.clone_from(asleep);
+                }
+                if !begun {
+                    field.begin(&state.x, &drive.held);
+                    begun = true;
+                }
+                let points: Arc<[Vec3]> = field.flattened(&points).into();
+                drive.cushions = field.cushions(&state.x, &points, time - start, drive.friction).into();
+                drive.lead = smoothed(field.lead(&state.x, &points), &drive.held, topology).into();
+                last = Some((points, drive.cushions.clone()));
+            }
+            drive
+        };
+        let step = self.stepper.advance(&mut self.state, &self.memory.felt, &mut drive_at, h);
+        if let Some((points, cushions)) = last {
+            field.accept(&self.state.x, &points, &cushions);
+            self.pinch.note(self.state.time, &self.state.x, &cushions);
+        }
+        self.field = Some(field);
+        step
+    }
+}

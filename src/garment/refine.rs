@@ -1,0 +1,255 @@
+//! A finer mesh of the same garment: `--resolution`.
+//!
+//! Edges longer than wanted are halved, longest first, with the triangles on them (longest-edge bisection, Rivara 1984:
+//! no angle falls below half of the smallest before). Every point keeps its number and its place, new ones follow, so that
+//! what becomes of the source's points is read off without any carrying over. New points lie on the source's flat
+//! triangles: the rest shape is that of the file, its roundness as coarse as the file's. Never coarsens: a file that is finer
+//! stays as it is.
+
+use super::Garment;
+use crate::math::{Vec2, Vec3};
+use crate::mesh::{PointIndex, Topology};
+use rustc_hash::FxHashMap;
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+/// Edges are halved above this many times the wanted length: halves and wholes then lie around it.
+const LONGEST: f64 = 4.0 / 3.0;
+/// Points at most: beyond, no machine bakes it.
+const MOST_POINTS: usize = 2_000_000;
+
+/// A finer garment.
+#[derive(Debug, Clone)]
+pub struct Refined {
+    /// With the points of the source first.
+    pub garment: Garment,
+    /// Per triangle: the triangle of the source it is part of.
+    pub parent: Vec<u32>,
+}
+
+impl Garment {
+    /// Edges halved until none of the triangles around the flagged points (one flag per point; empty for all) has one
+    /// much longer than `edge` [m].
+    pub fn refined(&self, edge: f64, wanted: &[bool]) -> Refined {
+        let mut work = Bisection::new(self, edge.max(f64::MIN_POSITIVE));
+        work.run(wanted);
+        let Bisection { points, mask, triangles, material, parent, .. } = work;
+        let part = |f: &u32| self.triangle_part.get(*f as usize).copied().unwrap_or(0);
+        let topology = Topology::new(points.len(), &triangles);
+        Refined {
+            garment: Self {
+                points,
+                triangles,
+                material,
+                material_from_uv: self.material_from_uv,
+                source_point: self.source_point.clone(),
+                memory_mask: mask,
+                triangle_part: parent.iter().map(part).collect(),
+                topology,
+            },
+            parent,
+        }
+    }
+
+    /// Mean edge length of the source shape [m].
+    pub fn mean_edge(&self) -> f64 {
+        let length = |e: &[PointIndex; 2]| (self.points[e[0].at()] - self.points[e[1].at()]).norm();
+        self.topology.edges.iter().map(length).sum::<f64>() / self.topology.edges.len().max(1) as f64
+    }
+}
+
+/// A mesh whose edges are being halved.
+struct Bisection {
+    points: Vec<Vec3>,
+    mask: Vec<f64>,
+    triangles: Vec<[PointIndex; 3]>,
+    material: Vec<[Vec2; 3]>,
+    parent: Vec<u32>,
+    /// Triangles on every edge.
+    on_edge: FxHashMap<[PointIndex; 2], Vec<u32>>,
+    limit: f64,
+}
+
+/// An edge to be looked at; the longest first, then the lowest ends.
+#[derive(PartialEq)]
+struct Long {
+    length: f64,
+    ends: [PointIndex; 2],
+}
+
+impl Eq for Long {}
+
+impl PartialOrd for Long {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Long {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.length.total_cmp(&other.length).then(other.ends.cmp(&self.ends))
+    }
+}
+
+fn ends(t: &[PointIndex; 3], k: usize) -> [PointIndex; 2] {
+    let (a, b) = (t[k], t[(k + 1) % 3]);
+    if a < b { [a, b] } else { [b, a] }
+}
+
+impl Bisection {
+    fn new(garment: &Garment, edge: f64) -> Self {
+        let mut on_edge: FxHashMap<[PointIndex; 2], Vec<u32>> = FxHashMap::default();
+        for (f, t) in garment.triangles.iter().enumerate() {
+            (0..3).for_each(|k| on_edge.entry(ends(t, k)).or_default().push(f as u32));
+        }
+        Self {
+            points: garment.points.clone(),
+            mask: garment.memory_mask.clone(),
+            triangles: garment.triangles.clone(),
+            material: garment.material.clone(),
+            parent: (0..garment.triangles.len() as u32).collect(),
+            on_edge,
+            limit: LONGEST * edge,
+        }
+    }
+
+    fn length(&self, [a, b]: [PointIndex; 2]) -> f64 {
+        (self.points[a.at()] - self.points[b.at()]).norm()
+    }
+
+    fn long(&self, ends: [PointIndex; 2]) -> Option<Long> {
+        let length = self.length(ends);
+        (length > self.limit).then_some(Long { length, ends })
+    }
+
+    fn run(&mut self, wanted: &[bool]) {
+        let is_wanted = |t: &[PointIndex; 3]| {
+            wanted.is_empty() || t.iter().any(|p| wanted.get(p.at()).copied().unwrap_or(false))
+        };
+        let around: Vec<[PointIndex; 3]> = self.triangles.iter().filter(|t| is_wanted(t)).copied().collect();
+        let mut open: BinaryHeap<Long> =
+            around.iter().flat_map(|t| (0..3).map(|k| ends(t, k))).filter_map(|e| self.long(e)).collect();
+        while let Some(Long { length, ends }) = open.pop() {
+            if self.points.len() >= MOST_POINTS {
+                break;
+            }
+            let Some(on) = self.on_edge.get(&ends).cloned() else { continue };
+            // Beside what is not wanted lie longer edges: halving a shorter one first would leave slivers.
+            if let Some(longer) = self.longest_on(&on).filter(|long| *long > (Long { length, ends })) {
+                open.push(Long { length, ends });
+                open.push(longer);
+                continue;
+            }
+            self.halve(ends, &on, &mut open);
+        }
+    }
+
+    /// The longest edge of some triangles.
+    fn longest_on(&self, triangles: &[u32]) -> Option<Long> {
+        let edges = triangles.iter().flat_map(|f| (0..3).map(|k| ends(&self.triangles[*f as usize], k)));
+        edges.map(|ends| Long { length: self.length(ends), ends }).max()
+    }
+
+    fn halve(&mut self, edge: [PointIndex; 2], on: &[u32], open: &mut BinaryHeap<Long>) {
+        let middle = PointIndex(self.points.len() as u32);
+        let mean = |list: &[f64]| 0.5 * (list[edge[0].at()] + list[edge[1].at()]);
+        self.mask.push(mean(&self.mask));
+        self.points.push(0.5 * (self.points[edge[0].at()] + self.points[edge[1].at()]));
+        self.on_edge.remove(&edge);
+        for &f in on {
+            let t = self.triangles[f as usize];
+            let Some(k) = (0..3).find(|&k| ends(&t, k) == edge) else { continue };
+            let (a, b, c) = (k, (k + 1) % 3, (k + 2) % 3);
+            let flat = self.material[f as usize];
+            let half = 0.5 * (flat[a] + flat[b]);
+            let new = self.triangles.len() as u32;
+            (0..3).for_each(|k| {
+                if let Some(list) = self.on_edge.get_mut(&ends(&t, k)) {
+                    list.retain(|other| *other != f);
+                }
+            });
+            self.triangles[f as usize] = [t[a], middle, t[c]];
+            self.material[f as usize] = [flat[a], half, flat[c]];
+            self.triangles.push([middle, t[b], t[c]]);
+            self.material.push([half, flat[b], flat[c]]);
+            self.parent.push(self.parent[f as usize]);
+            for part in [f, new] {
+                let t = self.triangles[part as usize];
+                for k in 0..3 {
+                    self.on_edge.entry(ends(&t, k)).or_default().push(part);
+                }
+            }
+            open.extend(
+                [
+                    ends(&[t[a], middle, t[c]], 0),
+                    ends(&[t[b], middle, t[c]], 0),
+                    ends(&[middle, t[c], t[a]], 0),
+                ]
+                .into_iter()
+                .filter_map(|e| self.long(e)),
+            );
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::format::{ReadOptions, read_asset};
+
+    fn garment() -> Garment {
+        let text = "v 0 0 0\nv 0.2 0 0\nv 0.2 0.1 0\nv 0 0.1 0\nv 0.3 0.05 0.1\nf 1 2 3\nf 1 3 4\nf 2 5 3\n";
+        let asset =
+            read_asset("a.obj", text.as_bytes(), &ReadOptions::default(), &mut |_: &str| Ok(Vec::new()));
+        Garment::from_asset(&asset.expect("is a mesh").0).expect("is a garment").0
+    }
+
+    fn area(flat: &[Vec2; 3]) -> f64 {
+        0.5 * (flat[1] - flat[0]).perp(&(flat[2] - flat[0]))
+    }
+
+    #[test]
+    fn finer_with_the_same_points_area_and_border() {
+        let coarse = garment();
+        let Refined { garment: fine, parent } = coarse.refined(0.01, &[]);
+        assert_eq!(fine.points[..5], coarse.points[..]);
+        assert_eq!(fine.source_point, coarse.source_point);
+        let mean = fine.mean_edge();
+        assert!((0.006..0.0115).contains(&mean), "{mean}");
+        assert!(
+            fine.topology
+                .edges
+                .iter()
+                .all(|e| (fine.points[e[0].at()] - fine.points[e[1].at()]).norm() < 0.0134)
+        );
+        let mut sums = [0.0; 3];
+        for (flat, parent) in fine.material.iter().zip(&parent) {
+            assert!(area(flat) > 1e-6);
+            sums[*parent as usize] += area(flat);
+        }
+        for (sum, flat) in sums.iter().zip(&coarse.material) {
+            assert!((sum - area(flat)).abs() < 1e-15);
+        }
+        // No T-junctions: as many border loops as before, and no edge of three.
+        assert_eq!(fine.topology.boundary_loops(&fine.triangles).len(), 1);
+        assert!(fine.topology.edge_valence.iter().all(|v| *v <= 2) && fine.topology.misoriented.is_empty());
+        // Flat corners are as far apart as the points: the source shape is without strain.
+        for (t, flat) in fine.triangles.iter().zip(&fine.material) {
+            for k in 0..3 {
+                let [a, b] = [t[k], t[(k + 1) % 3]].map(|p| fine.points[p.at()]);
+                assert!(((a - b).norm() - (flat[k] - flat[(k + 1) % 3]).norm()).abs() < 1e-15);
+            }
+        }
+    }
+
+    #[test]
+    fn only_where_wanted_and_never_coarser() {
+        let coarse = garment();
+        assert_eq!(coarse.refined(1.0, &[]).garment.triangles, coarse.triangles);
+        let mut wanted = [false; 5];
+        wanted[4] = true;
+        let fine = coarse.refined(0.01, &wanted);
+        let of = |parent: u32| fine.parent.iter().filter(|p| **p == parent).count();
+        assert!(of(2) > 50 && of(1) < 10, "{} {}", of(2), of(1));
+    }
+}

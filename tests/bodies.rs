@@ -1,0 +1,159 @@
+//! Garments on bodies, and memory from motion, through the public interface.
+
+use assert_cmd::Command;
+use crease::bake::{BakeOptions, bake};
+use crease::body::{BodyPose, Motion, Wearer};
+use crease::fabric::Fabric;
+use crease::format::{ReadOptions, SourceAsset, SourcePiece, read_asset};
+use crease::garment::Garment;
+use crease::math::Vec3;
+use crease::wear::WearScript;
+use std::fmt::Write;
+use std::path::Path;
+use std::sync::Arc;
+
+fn asset(name: &str, bytes: &[u8]) -> SourceAsset {
+    read_asset(name, bytes, &ReadOptions::default(), &mut |_| Ok(Vec::new())).expect("is a mesh").0
+}
+
+/// A sheet of `n` x `n` squares of `edge` [m], level, at `height`, bent to a roof of `angle` [rad] along its middle.
+fn sheet(n: u32, edge: f64, height: f64, angle: f64) -> String {
+    let mut text = String::new();
+    for i in 0..=n {
+        for j in 0..=n {
+            let (x, z) = (f64::from(i) - 0.5 * f64::from(n), f64::from(j) - 0.5 * f64::from(n));
+            let (sin, cos) = (0.5 * angle).sin_cos();
+            let _ = writeln!(text, "v {} {} {}", x * edge * cos, height - x.abs() * edge * sin, z * edge);
+        }
+    }
+    for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+        let at = |i: u32, j: u32| i * (n + 1) + j + 1;
+        let _ = writeln!(text, "f {} {} {}", at(i, j), at(i, j + 1), at(i + 1, j));
+        let _ = writeln!(text, "f {} {} {}", at(i + 1, j), at(i, j + 1), at(i + 1, j + 1));
+    }
+    text
+}
+
+/// A block with its upper side at height 0, outwards.
+fn block() -> Arc<Wearer> {
+    let (a, b) = (-0.3, 0.3);
+    let corner = |k: u32| {
+        Vec3::new(
+            if k & 1 > 0 { b } else { a },
+            if k & 2 > 0 { 0.0 } else { -0.4 },
+            if k & 4 > 0 { b } else { a },
+        )
+    };
+    let points: Vec<Vec3> = (0..8).map(corner).collect();
+    let sides = [[0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5], [0, 2, 3, 1], [4, 5, 7, 6]];
+    let triangles: Vec<[u32; 3]> =
+        sides.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
+    Arc::new(Wearer::new("block", "", Motion::Still, &points, &triangles))
+}
+
+fn on_block(height: f64) -> crease::Result<crease::bake::Baked> {
+    let garment =
+        Garment::from_asset(&asset("a.obj", sheet(8, 0.02, height, 0.0).as_bytes())).expect("a garment").0;
+    let script = r#"{"format": "crease-wear/1", "actions": [{"settle": {"for": 0.5}}]}"#;
+    let script = WearScript::parse("w.json", script).expect("is valid");
+    let options = BakeOptions { body: Some(block()), ..BakeOptions::default() };
+    bake(&garment, &Fabric::preset("kow-tshirt").expect("exists"), &script, "w.json", &options, &mut ())
+}
+
+#[test]
+fn cloth_comes_to_rest_on_a_body_and_out_of_it() {
+    for height in [0.004, -0.008] {
+        let baked = on_block(height).expect("fits");
+        let lowest = baked.end.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
+        let highest = baked.end.iter().map(|p| p.y).fold(f64::NEG_INFINITY, f64::max);
+        assert!(lowest > 0.0 && highest < 0.003, "from {height}: {lowest} {highest}");
+        let told = baked.report.warnings.iter().any(|w| w.contains("lay up to 8.0 mm inside the body"));
+        assert_eq!(told, height < 0.0, "{:?}", baked.report.warnings);
+    }
+}
+
+#[test]
+fn clothes_that_do_not_fit_are_refused_with_the_number() {
+    let message = on_block(-0.045).expect_err("too deep").to_string();
+    assert!(message.contains("up to 45 mm inside") && message.contains("deeper than 30 mm"), "{message}");
+}
+
+/// Linear blend skinning in the pose of the file is where the reader puts the vertices, and the clip bends the arm.
+#[test]
+fn the_arm_of_the_sleeve_bends_by_its_clip() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("garments/sleeve.glb");
+    let asset = asset("sleeve.glb", &std::fs::read(path).expect("is there"));
+    let arm: Vec<&SourcePiece> = asset.pieces.iter().filter(|piece| piece.name == "arm").collect();
+    let wearer = Wearer::from_pieces(&asset, &arm).expect("is a body");
+    let there = wearer.points(&wearer.rest());
+    let farthest = there.iter().zip(wearer.start()).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+    assert!(farthest < 1e-9, "{farthest}");
+    let middle = wearer.clip_pose("elbow", 1.0).expect("has the clip");
+    assert!(matches!(middle, BodyPose::Joints(_)));
+    let moved = wearer.points(&middle);
+    for (a, b) in wearer.start().iter().zip(&moved) {
+        // The upper arm stands, the hand goes by more than its own size.
+        assert!(a.x > 0.1 || (a - b).norm() < 1e-9);
+        assert!(a.x < 0.6 || (a - b).norm() > 0.1);
+    }
+}
+
+#[test]
+fn joints_and_clips_that_are_not_there_are_told_at_once() {
+    let garment =
+        Garment::from_asset(&asset("a.obj", sheet(2, 0.05, 0.1, 0.0).as_bytes())).expect("a garment").0;
+    let script = r#"{"format": "crease-wear/1", "actions": [{"play": {"clip": "walk"}},
+        {"bend": {"joint": "elbow", "axis": "z", "angle": 90}}]}"#;
+    let script = WearScript::parse("w.json", script).expect("is valid");
+    let options = BakeOptions { body: Some(block()), ..BakeOptions::default() };
+    let fabric = Fabric::preset("kow-tshirt").expect("exists");
+    let message =
+        bake(&garment, &fabric, &script, "w.json", &options, &mut ()).expect_err("refused").to_string();
+    assert_eq!(message.lines().count(), 2, "{message}");
+    assert!(
+        message.contains("actions[0].play.clip") && message.contains("actions[1].bend.joint"),
+        "{message}"
+    );
+}
+
+/// A sheet that is folded to a roof of 120 degrees within a second and held for five remembers the fold, along the ridge.
+#[test]
+fn a_given_motion_is_remembered_without_simulation() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let frames = folder.path().join("frames");
+    std::fs::create_dir(&frames).expect("makes it");
+    let angle = |k: u32| 120f64.to_radians() * (f64::from(k) / 10.0).min(1.0);
+    for k in 0..60 {
+        let text = sheet(4, 0.02, 0.0, angle(k));
+        std::fs::write(frames.join(format!("frame_{k:04}.obj")), text).expect("writes");
+    }
+    let out = folder.path().join("out.glb");
+    let remember = || {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_crease"));
+        command.arg("remember").arg(&frames).arg("-o").arg(&out).args(["--fps", "10", "--quiet"]);
+        command
+    };
+    remember().assert().success();
+    let text = std::fs::read_to_string(folder.path().join("out.crease.json")).expect("is written");
+    let sidecar: serde_json::Value = serde_json::from_str(&text).expect("is JSON");
+    let rest = sidecar["hinges"]["rest_angle_rad"].as_array().expect("a list");
+    let bent = rest.iter().filter(|angle| angle.as_f64().is_some_and(|a| a.abs() > 0.5)).count();
+    assert_eq!(bent, 4, "the four hinges of the ridge");
+    // A frame is missing; then its mesh is another.
+    let message = |mut command: Command| {
+        let output = command.assert().code(1).get_output().stderr.clone();
+        String::from_utf8_lossy(&output).into_owned()
+    };
+    std::fs::write(frames.join("frame_0030.obj"), sheet(3, 0.02, 0.0, 0.0)).expect("writes");
+    let told = message(remember());
+    assert!(
+        told.contains("frame_0030.obj: 16 vertices, the first frame") && told.contains("has 25"),
+        "{told}"
+    );
+    std::fs::remove_file(frames.join("frame_0030.obj")).expect("removes");
+    let told = message(remember());
+    assert!(told.contains("frame 30 is missing"), "{told}");
+    let mut without = Command::new(env!("CARGO_BIN_EXE_crease"));
+    without.arg("remember").arg(&frames).arg("-o").arg(&out);
+    assert!(message(without).contains("--fps"));
+}
