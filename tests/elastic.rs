@@ -15,6 +15,8 @@ mod buckling;
 mod cantilever;
 #[path = "elastic/hinge.rs"]
 mod hinge;
+#[path = "elastic/lateral.rs"]
+mod lateral;
 #[path = "elastic/membrane.rs"]
 mod membrane;
 #[path = "elastic/motion.rs"]

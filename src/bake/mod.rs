@@ -7,6 +7,7 @@ mod dressing;
 mod home;
 mod on_body;
 mod plan;
+mod quality;
 mod remember;
 mod settle;
 mod unmet_log;
@@ -14,6 +15,7 @@ mod unmet_log;
 pub use checkpoint::{Checkpoint, run_key};
 pub use on_body::stirred;
 pub use plan::{Choice, Plan};
+pub use quality::Quality;
 pub use remember::{Motion, remember};
 pub use settle::{Settled, rest_mesh, settle};
 
@@ -39,6 +41,12 @@ pub struct BakeOptions {
     pub memory: bool,
     /// How steps are made.
     pub step: StepOptions,
+    /// A step is converged when what energy is left to gain would not lift the garment by this [m]: single points that
+    /// are still falling into a wrinkle go on in the next step.
+    pub slack: f64,
+    /// Every model on and at full size, short steps of one length, each solved for the whole garment: what a plan is
+    /// compared with.
+    pub everything: bool,
     /// Frames per simulated second for the observer; 0 for none.
     pub frames_per_second: f64,
     /// The body the garment is worn on.
@@ -49,7 +57,15 @@ pub struct BakeOptions {
 
 impl Default for BakeOptions {
     fn default() -> Self {
-        Self { memory: true, step: StepOptions::default(), frames_per_second: 0.0, body: None, sleep: true }
+        Self {
+            memory: true,
+            step: StepOptions::default(),
+            slack: Quality::Standard.slack(),
+            everything: false,
+            frames_per_second: 0.0,
+            body: None,
+            sleep: true,
+        }
     }
 }
 
@@ -133,9 +149,6 @@ pub struct Baked {
 
 /// First step after anything starts or stops [s].
 const FIRST_STEP: f64 = 1.0 / 120.0;
-/// A step is converged when what energy is left to gain would not lift the garment by this [m]: single points that
-/// are still falling into a wrinkle go on in the next step.
-const SLACK: f64 = 1e-5;
 /// Whoever asks for frames more often than this wants every step [s].
 const EVERY_STEP: f64 = 1e-5;
 /// A garment that may end early is at rest below this speed, root mean square [m/s].
@@ -168,7 +181,7 @@ pub fn bake_from(
         checkpoint.check(file, garment, script, &key)?;
     }
     let on_body = OnBody::prepare(garment, script, script_file, options, taken_up.is_some())?;
-    let mut plan = Plan::new(garment, fabric, script, options.memory);
+    let mut plan = Plan::new(garment, fabric, script, options);
     if let Some(on_body) = &on_body {
         plan.wear_on(fabric, &on_body.wearer, &on_body.asleep);
     }
@@ -188,8 +201,8 @@ pub fn bake_from(
     };
     let contact =
         Contact::new(settings, &garment.points, &garment.triangles, &garment.topology, cloth.area.clone());
-    let mut step = options.step;
-    step.newton.energy = SLACK * cloth.mass.iter().sum::<f64>() * GRAVITY;
+    let mut step = options.step_made();
+    step.newton.energy = options.slack_made() * cloth.mass.iter().sum::<f64>() * GRAVITY;
     let mut run = Run {
         garment,
         stepper: Stepper::new(cloth, contact, step),

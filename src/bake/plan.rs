@@ -1,9 +1,15 @@
-//! What a scene needs, decided before the run from the script and the garment, with the number behind each choice.
+//! What a scene needs, decided before the run from the script and the garment, with the number behind each choice
+//! (physics.md 10, point 7).
+//!
+//! What is off costs nothing. With `BakeOptions::everything` every model is on and at full size, for comparison:
+//! `crease chart plan` shows what the plan saves and that it changes nothing that counts.
 
+use super::BakeOptions;
 use crate::body::Wearer;
 use crate::fabric::Fabric;
 use crate::garment::Garment;
-use crate::math::bounds;
+use crate::math::{Vec3, bounds};
+use crate::mesh::PointIndex;
 use crate::wear::{Action, GRAVITY, WearScript};
 
 /// One decision.
@@ -41,70 +47,227 @@ const CONTACT_GIVE: f64 = 0.3;
 /// Contact distance is at most this share of the mean edge: nearer points of one layer must not meet.
 const MOST_OF_EDGE: f64 = 0.2;
 
+/// Elements longer than this share of the bending length are too long for wrinkles that form by themselves
+/// (physics.md 10: h <= c/4), and bending says nothing beyond twice that length.
+const FREE_WRINKLES: f64 = 0.25;
+/// Folds tighter than this make creases [degrees]: beyond it the crease law decides, not how the cloth bends.
+const CREASING_FOLD: f64 = 150.0;
+
 impl Plan {
     /// The plan for wearing `garment` of `fabric` through `script`.
-    pub fn new(garment: &Garment, fabric: &Fabric, script: &WearScript, memory: bool) -> Self {
+    pub fn new(garment: &Garment, fabric: &Fabric, script: &WearScript, options: &BakeOptions) -> Self {
+        let actions: Vec<&Action> = script.flatten().collect();
+        let scene = PlannedScene { garment, fabric, actions: &actions, everything: options.everything };
         let mut choices = Vec::new();
-        let mut say = |name, on, why: String| choices.push(Choice { name, on, why });
-        let (low, high) = bounds(&garment.points);
-        let size = (high - low).max();
+        let stretch = scene.stretch(&mut choices);
+        scene.bending(&mut choices);
+        choices.push(scene.memory(options.memory));
+        let (layers_meet, contact_distance) = scene.self_contact(&mut choices);
+        choices.push(scene.friction(layers_meet));
+        choices.push(Choice { name: "body", on: false, why: "no body was given".into() });
+        choices.push(scene.hysteresis());
+        choices.extend(steps(options));
+        let contact_stiffness = scene.contact_stiffness(stretch, contact_distance);
+        Self { stretch, contact_distance, contact_stiffness, layers_meet, choices }
+    }
+}
 
+/// What a plan is made from.
+struct PlannedScene<'a> {
+    garment: &'a Garment,
+    fabric: &'a Fabric,
+    actions: &'a [&'a Action],
+    /// Every model on and at full size.
+    everything: bool,
+}
+
+impl PlannedScene<'_> {
+    /// Stretch stiffness along warp and weft, shear stiffness [N/m].
+    fn stretch(&self, choices: &mut Vec<Choice>) -> [f64; 3] {
+        let fabric = self.fabric;
+        let (low, high) = bounds(&self.garment.points);
+        let size = (high - low).max();
         let weight = fabric.area_density() * GRAVITY * size;
         let enough = weight / MOST_SAG;
-        let scale = (enough / fabric.stretch_warp().min(fabric.stretch_weft())).min(1.0);
+        let softest = fabric.stretch_warp().min(fabric.stretch_weft());
+        let scale = if self.everything { 1.0 } else { (enough / softest).min(1.0) };
         let stretch = [fabric.stretch_warp() * scale, fabric.stretch_weft() * scale, fabric.shear()];
-        say(
-            "stretch",
-            true,
-            format!(
-                "{:.0} N/m instead of {:.0}: own weight over {:.2} m stretches it {:.2} % at most",
-                stretch[0],
-                fabric.stretch_warp(),
-                size,
-                100.0 * weight / stretch[0].min(stretch[1])
-            ),
+        let why = format!(
+            "{:.0} N/m instead of {:.0}: own weight over {:.2} m stretches it {:.2} % at most",
+            stretch[0],
+            fabric.stretch_warp(),
+            size,
+            100.0 * weight / stretch[0].min(stretch[1])
         );
-        say(
-            "bending",
-            true,
-            format!(
-                "bending length {:.1} mm against elements of {:.1} mm",
-                1e3 * fabric.bending_length(),
-                1e3 * mean_edge(garment)
-            ),
-        );
-        say("memory", memory, if memory { "the script wears".into() } else { "switched off".into() });
+        choices.push(Choice { name: "stretch", on: true, why });
+        stretch
+    }
 
-        let actions: Vec<&Action> = script.flatten().collect();
-        let layers_meet = garment.triangles.len() > 1;
-        let contact_distance = fabric.thickness().min(MOST_OF_EDGE * mean_edge(garment));
-        say(
-            "self-contact",
-            layers_meet,
-            format!(
-                "layers {:.2} mm apart; the script has {} actions",
-                1e3 * contact_distance,
-                actions.len()
-            ),
+    fn bending(&self, choices: &mut Vec<Choice>) {
+        let (length, element) = (self.fabric.bending_length(), mean_edge(self.garment));
+        let why =
+            format!("bending length {:.1} mm against elements of {:.1} mm", 1e3 * length, 1e3 * element);
+        choices.push(Choice { name: "bending", on: true, why });
+        let wanted = FREE_WRINKLES * length;
+        let fine = element <= wanted;
+        let why = format!(
+            "{:.1} mm; free wrinkles ask for {:.1} mm (a quarter of the bending length){}",
+            1e3 * element,
+            1e3 * wanted,
+            if fine { "" } else { ": the narrower ones are left to creases of the script" }
         );
-        let pressed = actions
+        choices.push(Choice { name: "elements", on: fine, why });
+    }
+
+    /// Sharpest fold that the script makes by itself [degrees], and whether it presses or crumples.
+    fn sharpest(&self) -> (f64, bool) {
+        self.actions.iter().fold((0.0, false), |(fold, pressed), action| match action {
+            Action::Fold(action) => (action.angle_deg.abs().max(fold), pressed),
+            Action::Bend(action) => (action.angle_deg.abs().max(fold), pressed),
+            Action::Press(_) | Action::Crumple(_) => (fold, true),
+            _ => (fold, pressed),
+        })
+    }
+
+    fn memory(&self, on: bool) -> Choice {
+        let (fold, pressed) = self.sharpest();
+        let memory = &self.fabric.memory;
+        let [gradual, critical] =
+            [memory.gradual_threshold(), memory.critical_threshold()].map(f64::to_degrees);
+        let why = if on {
+            let creases = if fold >= CREASING_FOLD || pressed { "critical" } else { "gradual" };
+            let presses = if pressed { " and pressing or crumpling" } else { "" };
+            format!(
+                "gradual beyond {gradual:.0} degrees, critical beyond {critical:.0}; folds of {fold:.0} degrees{presses} reach the {creases} band"
+            )
+        } else {
+            "switched off".into()
+        };
+        Choice { name: "memory", on, why }
+    }
+
+    /// Whether layers can meet, and the distance within which they push apart [m].
+    fn self_contact(&self, choices: &mut Vec<Choice>) -> (bool, f64) {
+        let element = mean_edge(self.garment);
+        let distance = self.fabric.thickness().min(MOST_OF_EDGE * element);
+        let quiet = |action: &&Action| {
+            matches!(
+                action,
+                Action::Lay(_) | Action::Press(_) | Action::Hold(_) | Action::Settle(_) | Action::Release(_)
+            )
+        };
+        let moving = self.actions.iter().filter(|action| !quiet(action)).count();
+        let one_layer = is_one_flat_layer(self.garment);
+        let meet = self.garment.triangles.len() > 1 && (self.everything || moving > 0 || !one_layer);
+        let why = if meet {
+            let layers = if one_layer { "one flat layer" } else { "more than one layer" };
+            format!(
+                "layers {:.2} mm apart: {layers} at the start, {moving} of {} actions bring layers together",
+                1e3 * distance,
+                self.actions.len()
+            )
+        } else {
+            format!("one flat layer, and none of {} actions folds it", self.actions.len())
+        };
+        choices.push(Choice { name: "self-contact", on: meet, why });
+        (meet, distance)
+    }
+
+    fn friction(&self, layers_meet: bool) -> Choice {
+        let fabric = self.fabric;
+        let degrees = |coefficient: f64| coefficient.atan().to_degrees();
+        let on = fabric.friction > 0.0 || fabric.friction_ground > 0.0;
+        let where_to = if layers_meet { "layers and the ground" } else { "the ground" };
+        let why = format!(
+            "coefficient {} on cloth, {} on the ground: holds slopes up to {:.0} and {:.0} degrees, and {where_to} are met",
+            fabric.friction,
+            fabric.friction_ground,
+            degrees(fabric.friction),
+            degrees(fabric.friction_ground)
+        );
+        Choice { name: "friction", on, why }
+    }
+
+    /// Friction between fibres in bending: never on.
+    fn hysteresis(&self) -> Choice {
+        let why = "alone it leaves 1 to 5 degrees of a fold of 180, critical memory 60 and more".into();
+        Choice { name: "hysteresis", on: false, why }
+    }
+
+    /// Stiffness of contact per area [N/m³].
+    fn contact_stiffness(&self, stretch: [f64; 3], distance: f64) -> f64 {
+        let pressed = self
+            .actions
             .iter()
             .map(|a| if let Action::Press(press) = a { press.pressure_pa } else { 0.0 })
             .fold(0.0, f64::max);
-        let load = pressed + EXPECTED_LAYERS * fabric.area_density() * GRAVITY;
+        let load = pressed + EXPECTED_LAYERS * self.fabric.area_density() * GRAVITY;
         // Layers must also hold against what the membrane can push: no softer than it is, point for point.
-        let area: f64 = garment.material.iter().map(|m| 0.5 * (m[1] - m[0]).perp(&(m[2] - m[0])).abs()).sum();
-        let area_per_point = area / garment.points.len().max(1) as f64;
-        let contact_stiffness =
-            (load / (CONTACT_GIVE * contact_distance)).max(stretch[0].max(stretch[1]) / area_per_point);
-        say(
-            "friction",
-            fabric.friction > 0.0,
-            format!("coefficient {} on cloth, {} on the ground", fabric.friction, fabric.friction_ground),
-        );
-        say("body", false, "no body was given".into());
-        Self { stretch, contact_distance, contact_stiffness, layers_meet, choices }
+        let material = &self.garment.material;
+        let area: f64 = material.iter().map(|m| 0.5 * (m[1] - m[0]).perp(&(m[2] - m[0])).abs()).sum();
+        let area_per_point = area / self.garment.points.len().max(1) as f64;
+        (load / (CONTACT_GIVE * distance)).max(stretch[0].max(stretch[1]) / area_per_point)
     }
+}
+
+/// How time is stepped.
+fn steps(options: &BakeOptions) -> [Choice; 3] {
+    let step = options.step_made();
+    let method = Choice { name: "method", on: true, why: step.method.about().into() };
+    let by_error = step.shortest < step.longest;
+    let why = if by_error {
+        format!(
+            "{:.1} ms to {:.1} s, as long as each errs by less than {:.2} mm root mean square",
+            1e3 * step.shortest,
+            step.longest,
+            1e3 * step.error
+        )
+    } else {
+        format!("{:.1} ms, all of them", 1e3 * step.shortest)
+    };
+    let adaptive = Choice { name: "steps by error", on: by_error, why };
+    let sleeping = Choice {
+        name: "sleeping",
+        on: !options.everything,
+        why: format!(
+            "after a step's first solve only places with more than {:.1} micrometres of lift to gain are solved for",
+            1e6 * options.slack_made()
+        ),
+    };
+    [method, adaptive, sleeping]
+}
+
+/// Whether the source shape is a single piece whose triangles all face one way: no part of it lies over another.
+fn is_one_flat_layer(garment: &Garment) -> bool {
+    let normal = |t: &[PointIndex; 3]| {
+        let [a, b, c] = t.map(|p| garment.points[p.at()]);
+        (b - a).cross(&(c - a))
+    };
+    let whole = garment.triangles.iter().map(normal).sum::<Vec3>();
+    garment.triangles.iter().all(|t| normal(t).dot(&whole) > 0.5 * normal(t).norm() * whole.norm())
+        && pieces(garment) == 1
+}
+
+/// Number of pieces that hang together.
+fn pieces(garment: &Garment) -> usize {
+    let mut root: Vec<usize> = (0..garment.points.len()).collect();
+    fn find(root: &mut [usize], mut p: usize) -> usize {
+        while root[p] != p {
+            root[p] = root[root[p]];
+            p = root[p];
+        }
+        p
+    }
+    for [a, b] in &garment.topology.edges {
+        let (a, b) = (find(&mut root, a.at()), find(&mut root, b.at()));
+        root[a.max(b)] = a.min(b);
+    }
+    garment
+        .triangles
+        .iter()
+        .map(|t| find(&mut root, t[0].at()))
+        .collect::<std::collections::BTreeSet<_>>()
+        .len()
 }
 
 impl Plan {
@@ -144,4 +307,70 @@ fn mean_edge(garment: &Garment) -> f64 {
     let length =
         |e: &[crate::mesh::PointIndex; 2]| (garment.points[e[0].at()] - garment.points[e[1].at()]).norm();
     garment.topology.edges.iter().map(length).sum::<f64>() / garment.topology.edges.len().max(1) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fabric::DEFAULT_FABRIC;
+    use crate::math::Vec2;
+    use crate::mesh::Topology;
+
+    /// `layers` squares over one another, each of two triangles.
+    fn squares(layers: u32) -> Garment {
+        let corners = [[0.0, 0.0], [0.1, 0.0], [0.1, 0.1], [0.0, 0.1]];
+        let points: Vec<Vec3> =
+            (0..layers).flat_map(|k| corners.map(|c| Vec3::new(c[0], 0.01 * f64::from(k), -c[1]))).collect();
+        let flat = [[0, 1, 2], [0, 2, 3]];
+        let triangles: Vec<[PointIndex; 3]> =
+            (0..layers).flat_map(|k| flat.map(|t| t.map(|p| PointIndex(p + 4 * k)))).collect();
+        let material =
+            (0..layers).flat_map(|_| flat.map(|t| t.map(|p: u32| Vec2::from(corners[p as usize])))).collect();
+        Garment {
+            material,
+            material_from_uv: true,
+            source_point: (0..4 * layers).map(PointIndex).collect(),
+            memory_mask: vec![1.0; points.len()],
+            triangle_part: vec![0; triangles.len()],
+            topology: Topology::new(points.len(), &triangles),
+            triangles,
+            points,
+        }
+    }
+
+    fn plan(garment: &Garment, script: &str, everything: bool) -> Plan {
+        let fabric = Fabric::preset(DEFAULT_FABRIC).expect("exists");
+        let text = format!(r#"{{"format": "crease-wear/1", "name": "", "actions": [{script}]}}"#);
+        let script = WearScript::parse("wear.json", &text).expect("is a script");
+        Plan::new(garment, &fabric, &script, &BakeOptions { everything, ..BakeOptions::default() })
+    }
+
+    const FOLD: &str = r#"{"fold": {"line": [[0.5, 0.0], [0.5, 1.0]], "side": "left", "angle": 180, "over": 2.0, "hold": 5.0}}"#;
+    const SETTLE: &str = r#"{"settle": {"for": 3.0}}"#;
+
+    #[test]
+    fn layers_are_modelled_only_where_they_can_meet() {
+        assert!(!plan(&squares(1), SETTLE, false).layers_meet);
+        assert!(plan(&squares(1), FOLD, false).layers_meet);
+        assert!(plan(&squares(2), SETTLE, false).layers_meet);
+        assert!(plan(&squares(1), SETTLE, true).layers_meet);
+    }
+
+    #[test]
+    fn stretch_is_as_soft_as_sag_allows_and_full_with_everything() {
+        let fabric = Fabric::preset(DEFAULT_FABRIC).expect("exists");
+        let soft = plan(&squares(1), FOLD, false).stretch;
+        let weight = fabric.area_density() * GRAVITY * 0.1;
+        let softest = soft[0].min(soft[1]);
+        assert!(weight / softest <= MOST_SAG * (1.0 + 1e-12));
+        assert_eq!(plan(&squares(1), FOLD, true).stretch[0], fabric.stretch_warp());
+    }
+
+    #[test]
+    fn every_choice_has_a_reason_and_most_a_number() {
+        let plan = plan(&squares(1), FOLD, false);
+        assert!(plan.choices.iter().all(|c| !c.why.is_empty()));
+        let numbers = plan.choices.iter().filter(|c| c.why.contains(|d: char| d.is_ascii_digit())).count();
+        assert!(numbers + 2 >= plan.choices.len(), "{:?}", plan.choices);
+    }
 }

@@ -5,7 +5,7 @@
 //! that carries the rest angles best, free of pose and contact, for programs that take rest angles from a shape.
 
 use super::home::bring_home;
-use super::{BakeReport, Plan, SLACK};
+use super::{BakeOptions, BakeReport, Plan, Quality};
 use crate::contact::{Contact, ContactSettings};
 use crate::fabric::Fabric;
 use crate::garment::{Garment, RestShape};
@@ -59,7 +59,7 @@ pub fn rest_mesh(garment: &Garment, fabric: &Fabric, memory: &RestShape) -> Sett
 
 fn cloth_and_plan(garment: &Garment, fabric: &Fabric) -> (Cloth, Plan) {
     let nothing = WearScript { format: WearFormat::V1, name: String::new(), actions: Vec::new() };
-    let plan = Plan::new(garment, fabric, &nothing, true);
+    let plan = Plan::new(garment, fabric, &nothing, &BakeOptions::default());
     let mut cloth = Cloth::new(garment, fabric);
     cloth.membrane.set_stiffness(plan.stretch);
     (cloth, plan)
@@ -74,7 +74,7 @@ fn rest(
     hold: f64,
 ) -> Settled {
     let mut options = StepOptions::default();
-    options.newton.energy = SLACK * cloth.mass.iter().sum::<f64>() * GRAVITY;
+    options.newton.energy = Quality::Standard.slack() * cloth.mass.iter().sum::<f64>() * GRAVITY;
     let mut report = BakeReport::default();
     let mut stepper = Stepper::new(cloth, contact, options);
     let displacement = bring_home(garment, fabric, &mut stepper, memory, hold, &mut report);

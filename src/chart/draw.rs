@@ -55,12 +55,20 @@ pub(super) fn png(figure: &Figure) -> Result<Vec<u8>> {
 }
 
 fn size(figure: &Figure) -> (u32, u32) {
-    (PANEL[0] * figure.panels.len().max(1) as u32, PANEL[1] + ROW * legend_rows(figure).len() as u32)
+    let [rows, columns] = grid(figure).map(|n| n as u32);
+    (PANEL[0] * columns, PANEL[1] * rows + ROW * legend_rows(figure).len() as u32)
+}
+
+/// Rows and columns of panels: three panels stand beside one another at most.
+fn grid(figure: &Figure) -> [usize; 2] {
+    let count = figure.panels.len().max(1);
+    let columns = count.min(3);
+    [count.div_ceil(columns), columns]
 }
 
 /// Series of the legend, in rows that fit the width.
 fn legend_rows(figure: &Figure) -> Vec<Vec<&Series>> {
-    let room = PANEL[0] as usize * figure.panels.len().max(1) - 40;
+    let room = PANEL[0] as usize * grid(figure)[1] - 40;
     let mut rows: Vec<Vec<&Series>> = Vec::new();
     let mut seen: Vec<&str> = vec![""];
     let mut used = usize::MAX;
@@ -117,8 +125,8 @@ fn draw<B: DrawingBackend>(root: Area<B>, figure: &Figure, scale: u32) -> Result
         top += ROW;
     }
     let (_, body) = root.split_vertically(scaled(top));
-    let count = figure.panels.len().max(1);
-    for (area, panel) in body.split_evenly((1, count)).iter().zip(&figure.panels) {
+    let [rows, columns] = grid(figure);
+    for (area, panel) in body.split_evenly((rows, columns)).iter().zip(&figure.panels) {
         draw_panel(area, panel, scale)?;
     }
     root.present().map_err(fault)

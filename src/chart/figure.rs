@@ -5,7 +5,7 @@
 pub struct Figure {
     /// Over everything.
     pub title: String,
-    /// Beside one another, from the left.
+    /// Beside one another from the left, three in a row.
     pub panels: Vec<Panel>,
 }
 

@@ -15,7 +15,9 @@ mod figure;
 pub mod plates;
 mod raster;
 mod sheet;
+mod still;
 mod table;
+pub mod trial;
 
 pub use figure::{Axis, Figure, Mark, Panel, Series};
 pub use table::{Cell, Table};
@@ -37,6 +39,12 @@ chart_list! {
     hinge "hinge" "torque and rest angle of one hinge that is folded, beside the paper's Table 2",
     strip "strip" "seconds to come to rest of falling strips with and without memory, the paper's Table 1",
     kes_loop "loop" "moment over curvature of a strip bent to and fro, as on a KES-FB2 tester",
+    cantilever "cantilever" "strips that bend under their own weight, beside the heavy elastica",
+    drape "drape" "drape coefficients of Cusick over bending length, beside an independent solver's",
+    accuracy "accuracy" "what every method costs for what error; `--full` with a whole T-shirt (an hour)",
+    stability "stability" "where methods fail: step against stiffness, contrast, slivers, layers, speed",
+    plan "plan" "what choosing the models saves: the draft T-shirt by plan and with everything on (long)",
+    speed "speed" "wall time and where it goes, beside kernels of the machine; `--full` with the T-shirt of 13,863 points",
     recovery "recovery" "crease recovery angles of the fabrics that come along, beside published ranges",
 }
 
@@ -47,12 +55,14 @@ pub struct ChartOptions {
     pub fabric: Fabric,
     /// How often timed scenes are run; medians are shown.
     pub runs: usize,
+    /// Whether scenes that take long are run, too.
+    pub full: bool,
 }
 
 impl ChartOptions {
     /// The default fabric, and five runs.
     pub fn new() -> Result<Self> {
-        Ok(Self { fabric: Fabric::preset(DEFAULT_FABRIC)?, runs: 5 })
+        Ok(Self { fabric: Fabric::preset(DEFAULT_FABRIC)?, runs: 5, full: false })
     }
 }
 

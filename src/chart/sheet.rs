@@ -49,13 +49,17 @@ impl Sheet {
         let near = [fine, coarse].map(|share| scattered(length, width, share * unit));
         let [more, fewer] = near;
         let flat = if more.len().abs_diff(count) < fewer.len().abs_diff(count) { more } else { fewer };
+        Self::delaunay(flat, 1e-3 * unit * unit)
+    }
+
+    /// Delaunay triangulation of `flat`; triangles of twice the area `sliver` [m²] or less are left out: on a straight
+    /// border three points in a row span triangles of rounding errors.
+    fn delaunay(flat: Vec<Vec2>, sliver: f64) -> Result<Self> {
         let mut mesh = DelaunayTriangulation::<Point2<f64>>::new();
         for p in &flat {
             mesh.insert(Point2::new(p.x, p.y))
                 .map_err(|e| Error::fault("chart", "", format!("cannot be meshed: {e:?}"), ""))?;
         }
-        // On the straight border three points in a row span triangles of rounding errors.
-        let sliver = 1e-3 * unit * unit;
         let triangles = mesh
             .inner_faces()
             .map(|face| face.vertices().map(|v| v.fix().index() as u32))
@@ -65,6 +69,68 @@ impl Sheet {
             })
             .collect();
         Ok(Self { flat, triangles })
+    }
+
+    /// A strip 0..`length` of `width` [m] with one more row before 0 for a clamp, filled with an equilateral lattice of
+    /// `length` / `along` turned by `degrees`; lattice points nearer than 0.45 edges to the border give way.
+    pub(super) fn lattice(length: f64, width: f64, along: usize, degrees: f64) -> Result<Self> {
+        let h = length / along as f64;
+        let across = (width / h).round() as usize;
+        let (s, c) = degrees.to_radians().sin_cos();
+        let (margin, reach) = (0.45 * h, 2 * along as i32);
+        let mut flat = Vec::new();
+        for i in -reach..reach {
+            for j in -reach..reach {
+                let shift = 0.5 * f64::from(j.rem_euclid(2));
+                let q = Vec2::new(f64::from(i) + shift, f64::from(j) * 0.75f64.sqrt()) * h;
+                let p = Vec2::new(c * q.x - s * q.y + 0.5 * length, s * q.x + c * q.y);
+                if p.x > margin && p.x < length - margin && p.y.abs() < 0.5 * width - margin {
+                    flat.push(p);
+                }
+            }
+        }
+        let even = |k: usize| width * (k as f64 / across as f64 - 0.5);
+        for k in -1..=along as i64 {
+            flat.extend([-0.5 * width, 0.5 * width].map(|y| Vec2::new(k as f64 * h, y)));
+        }
+        for x in [-h, 0.0, length] {
+            flat.extend((1..across).map(|k| Vec2::new(x, even(k))));
+        }
+        Self::delaunay(flat, 1e-3 * h * h)
+    }
+
+    /// A disc of outer radius `radii[1]` [m] of which only what lies beyond `radii[0]`, and one row of elements inside of it
+    /// for a clamp, is meshed: rings of points `h` [m] apart.
+    pub(super) fn ring(radii: [f64; 2], h: f64) -> Result<Self> {
+        let [inner, outer] = radii;
+        let rings = ((outer - inner) / h).round().max(1.0) as usize;
+        let mut flat = Vec::new();
+        for k in 0..=rings + 1 {
+            let radius = inner + (k as f64 - 1.0) * (outer - inner) / rings as f64;
+            let count = (std::f64::consts::TAU * radius / h).round().max(12.0) as usize;
+            let shift = 0.5 * (k % 2) as f64;
+            flat.extend((0..count).map(|i| {
+                let (sin, cos) = (std::f64::consts::TAU * (i as f64 + shift) / count as f64).sin_cos();
+                Vec2::new(radius * cos, radius * sin)
+            }));
+        }
+        let mut sheet = Self::delaunay(flat, 1e-3 * h * h)?;
+        // What spans the hole is not cloth.
+        let hole = inner - (outer - inner) / rings as f64;
+        let flat = &sheet.flat;
+        sheet.triangles.retain(|t| !t.iter().all(|p| flat[*p as usize].norm() < hole + 1e-9));
+        Ok(sheet)
+    }
+
+    /// Stiffness ratio of every hinge of a specimen clamped where `clamped` holds: twice as stiff between a wholly clamped
+    /// triangle and a free one. Without it the clamp lies half an element inside the free cloth and the order falls to
+    /// one (physics.md, finding 1).
+    pub(super) fn half_clamp(&self, clamped: impl Fn(&Vec2) -> bool) -> Vec<f64> {
+        let triangles: Vec<[PointIndex; 3]> = self.triangles.iter().map(|t| t.map(PointIndex)).collect();
+        let wholly = |f: u32| self.triangles[f as usize].iter().all(|&p| clamped(&self.flat[p as usize]));
+        let topology = Topology::new(self.flat.len(), &triangles);
+        let across = |[a, b]: [u32; 2]| wholly(a) != wholly(b);
+        topology.hinges.iter().map(|h| if across(h.triangles) { 2.0 } else { 1.0 }).collect()
     }
 
     /// As a garment whose source pose has its points at `points` [m].

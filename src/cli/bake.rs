@@ -16,8 +16,8 @@ use super::output::Outputs;
 use super::progress::{Progress, StepNews};
 use super::talk;
 use clap::ValueEnum;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
-use crease::bake::{BakeOptions, Baked, Checkpoint, Choice, Observer, Plan, bake_from, stirred};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use crease::bake::{BakeOptions, Baked, Checkpoint, Choice, Observer, Plan, Quality, bake_from, stirred};
 use crease::body::Wearer;
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
 use crease::format::gltf::write_worn_glb;
@@ -67,9 +67,15 @@ pub struct Arguments {
     no_sleep: bool,
     #[command(flatten)]
     also: AlsoWanted,
-    /// Time integration
-    #[arg(long, value_name = "NAME", default_value = default_method(), value_parser = method_parser())]
-    method: Method,
+    /// Time integration [default: that of the quality]
+    #[arg(long, value_name = "NAME", value_parser = method_parser())]
+    method: Option<Method>,
+    /// Speed against accuracy: how fine steps are, and how far each is solved
+    #[arg(long, value_name = "NAME", default_value = Quality::Standard.name(), value_parser = quality_parser())]
+    quality: Quality,
+    /// Every model on and at full size, fixed short steps: what the plan of --explain is compared with; slow
+    #[arg(long)]
+    everything: bool,
     /// How the cloth remembers
     #[arg(long, value_enum, default_value_t = MemoryLaw::Paper)]
     memory: MemoryLaw,
@@ -114,17 +120,24 @@ enum MemoryLaw {
     Off,
 }
 
-fn default_method() -> &'static str {
-    BakeOptions::default().step.method.name()
-}
-
 /// The library's own list of integrators, by name.
 fn method_parser() -> impl TypedValueParser<Value = Method> {
-    let names = PossibleValuesParser::new(Method::ALL.map(|(name, _)| name));
+    let names =
+        PossibleValuesParser::new(Method::EVERY.iter().map(|m| PossibleValue::new(m.name()).help(m.about())));
     names.try_map(|name| Method::named(&name).ok_or("no such method"))
 }
 
+/// The library's own list of qualities, by name.
+fn quality_parser() -> impl TypedValueParser<Value = Quality> {
+    let names = Quality::EVERY.map(|quality| PossibleValue::new(quality.name()).help(quality.about()));
+    PossibleValuesParser::new(names).try_map(|name| Quality::named(&name).ok_or("no such quality"))
+}
+
 impl Arguments {
+    fn method(&self) -> Method {
+        self.method.unwrap_or(self.quality.step().method)
+    }
+
     fn memory_on(&self) -> bool {
         self.memory == MemoryLaw::Paper
     }
@@ -134,9 +147,10 @@ impl Arguments {
             memory: self.memory_on(),
             body: body.cloned(),
             sleep: !self.no_sleep,
-            ..BakeOptions::default()
+            ..BakeOptions::of(self.quality)
         };
-        options.step.method = self.method;
+        options.step.method = self.method();
+        options.everything = self.everything;
         options.frames_per_second = if self.frames.is_some() { self.fps } else { 0.0 };
         options
     }
@@ -145,7 +159,8 @@ impl Arguments {
     fn run_note(&self, baked: &Baked) -> Value {
         json!({
             "tool": concat!("crease ", env!("CARGO_PKG_VERSION")),
-            "method": self.method.name(),
+            "method": self.method().name(),
+            "quality": self.quality.name(),
             "memory": if self.memory_on() { "paper" } else { "off" },
             "simulated_s": baked.report.simulated,
             "steps": baked.report.steps,
@@ -226,7 +241,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let garment = &job.mesh.garment;
     let counts = crossing_counts(garment, &baked.worn, &start);
     let mut report = Report::of_bake(garment, &baked, counts);
-    report.method = arguments.method.name().to_owned();
+    report.method = arguments.method().name().to_owned();
     report.warnings.extend(warnings);
     let glb = write_worn_glb(&job.mesh.asset, garment, &baked.worn, &extras)?;
     outputs.add(&files.worn, &glb)?;
@@ -289,7 +304,7 @@ impl Job {
     }
 
     fn plan(&self, arguments: &Arguments) -> Plan {
-        Plan::new(&self.mesh.garment, &self.fabric, &self.script, arguments.memory_on())
+        Plan::new(&self.mesh.garment, &self.fabric, &self.script, &arguments.options(self.body.as_ref()))
     }
 
     /// Writes the garment without wear, to nowhere: what the writers refuse is told now and not after the bake.
@@ -456,7 +471,7 @@ fn explain(plan: &Plan, as_json: bool) -> Result<()> {
         return talk::data(&format!("{:#}\n", Value::Array(list)));
     }
     let line = |choice: &Choice| {
-        format!("{:<14}{:<5}{}\n", choice.name, if choice.on { "on" } else { "off" }, choice.why)
+        format!("{:<16}{:<5}{}\n", choice.name, if choice.on { "on" } else { "off" }, choice.why)
     };
     talk::data(&plan.choices.iter().map(line).collect::<String>())
 }

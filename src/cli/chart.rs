@@ -21,6 +21,9 @@ pub struct Arguments {
     /// Runs of every timed scene, all in one process; medians are shown
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u8).range(1..))]
     runs: u8,
+    /// With the scenes that take long
+    #[arg(long)]
+    full: bool,
 }
 
 fn list() -> String {
@@ -29,7 +32,11 @@ fn list() -> String {
 }
 
 pub fn run(arguments: Arguments) -> Result<()> {
-    let options = ChartOptions { fabric: input::fabric(&arguments.fabric)?, runs: arguments.runs.into() };
+    let options = ChartOptions {
+        fabric: input::fabric(&arguments.fabric)?,
+        runs: arguments.runs.into(),
+        full: arguments.full,
+    };
     let folder = Folder::at(&arguments.output)?;
     let chart = Chart::make(&arguments.name, &options)?;
     let mut outputs = Outputs::new([]);

@@ -74,6 +74,22 @@ impl PairKind {
         }
     }
 
+    /// Whether the boxes of the two pieces at `x` \[m\] are at least `reach` \[m\] apart on some axis: then their distance is
+    /// no less. Never true when anything is not finite.
+    #[inline]
+    pub fn apart_on_an_axis(self, x: &[Vec3; 4], reach: f64) -> bool {
+        let second_from = match self {
+            Self::PointTriangle => 1,
+            Self::EdgeEdge => 2,
+        };
+        let span = |corners: &[Vec3]| {
+            corners[1..].iter().fold((corners[0], corners[0]), |(low, high), c| (low.inf(c), high.sup(c)))
+        };
+        let ((low, high), (other_low, other_high)) = (span(&x[..second_from]), span(&x[second_from..]));
+        let apart = (other_low - high).sup(&(low - other_high)).max();
+        apart >= reach && x.iter().all(|x| x.sum().is_finite())
+    }
+
     /// The largest safe fraction of the motion `dx` \[m\] of a pair of this kind at `x` \[m\] (`mesh::motion`).
     #[inline]
     pub fn step(self, x: [Vec3; 4], dx: [Vec3; 4], floor: f64) -> f64 {

@@ -416,7 +416,12 @@ impl PairContact {
             .par_iter()
             .filter(|pair| !pair.free)
             .filter_map(|pair| {
-                let gap = gap(places, &pair.points, pair.kind);
+                let four = places.four(&pair.points);
+                // Most candidates are not near, and their boxes say so.
+                if pair.kind.apart_on_an_axis(&four, margin * pair.reach) {
+                    return None;
+                }
+                let gap = pair.kind.gap(&four);
                 (gap.distance < margin * pair.reach).then(|| Touch {
                     kind: pair.kind,
                     points: pair.points,

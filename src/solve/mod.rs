@@ -9,13 +9,14 @@ mod integrator;
 mod newton;
 mod state;
 mod step;
+mod sweep;
 mod unmet;
 
 pub use block_matrix::{BlockMatrix, HELD, Visit};
 pub use cholesky::{Cholesky, FactorError};
 pub use cloth::Cloth;
 pub use conjugate_gradient::{Solution, conjugate_gradient};
-pub use integrator::{MOST_GROWTH, Method, Stage};
+pub use integrator::{MOST_GROWTH, Method, Solver, Stage};
 pub use newton::{NewtonOptions, NewtonReport, Problem, Workspace};
 pub use state::{Previous, State};
 pub use step::{StepOptions, StepReport, Stepper};

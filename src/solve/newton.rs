@@ -101,6 +101,11 @@ const LOCAL_FOR_WHOLE: usize = 2;
 const PATTERN_MARGIN: f64 = 1.5;
 
 impl Workspace {
+    /// The system as last assembled.
+    pub(super) fn matrix(&self) -> &BlockMatrix {
+        &self.matrix
+    }
+
     /// Forgets the pattern: the terms of the next solve couple other points.
     pub fn reset(&mut self) {
         *self = Self::default();
@@ -318,25 +323,7 @@ impl Problem<'_> {
             let decrement: f64 = -g.iter().zip(&d).map(|(g, d)| g.dot(d)).sum::<f64>();
             report.left = decrement;
             let done = report.last_move <= options.tolerance || decrement <= options.energy;
-            let mut moved = 0.0;
-            // Single points cut short first; if that spoils the direction, all cut alike, which cannot.
-            for together in [false, true] {
-                let clock = std::time::Instant::now();
-                let mut way = d.clone();
-                if together {
-                    contact.bound_together(x, &mut way);
-                } else {
-                    contact.bound_motion(x, &mut way);
-                }
-                report.seconds[2] += clock.elapsed().as_secs_f64();
-                let clock = std::time::Instant::now();
-                let slope: f64 = g.iter().zip(&way).map(|(g, d)| g.dot(d)).sum();
-                moved = self.line_search(x, &way, slope, &mut value, contact);
-                report.seconds[0] += clock.elapsed().as_secs_f64();
-                if moved > LEAST_SHARE {
-                    break;
-                }
-            }
+            let moved = self.move_with(x, &g, &d, &mut value, contact, &mut report);
             whole_went = if is_whole { moved == 1.0 } else { whole_went && moved > LEAST_SHARE };
             if done || moved == 0.0 {
                 // A direction along which phi no longer falls to rounding is as good as converged.
@@ -347,7 +334,54 @@ impl Problem<'_> {
         report
     }
 
-    /// Moves `x` along `d` by the share for which phi falls enough (Armijo where the slope is down); 0 if nowhere.
+    /// Moves `x` along `d` as far as layers and the line search allow; the share of the way that was kept.
+    fn move_with(
+        &self,
+        x: &mut [Vec3],
+        g: &[Vec3],
+        d: &[Vec3],
+        value: &mut Value,
+        contact: &mut Contact,
+        report: &mut NewtonReport,
+    ) -> f64 {
+        let mut moved = 0.0;
+        // Single points cut short first; if that spoils the direction, all cut alike, which cannot.
+        for together in [false, true] {
+            let clock = std::time::Instant::now();
+            let mut way = d.to_vec();
+            if together {
+                contact.bound_together(x, &mut way);
+            } else {
+                contact.bound_motion(x, &mut way);
+            }
+            report.seconds[2] += clock.elapsed().as_secs_f64();
+            let clock = std::time::Instant::now();
+            let slope: f64 = g.iter().zip(&way).map(|(g, d)| g.dot(d)).sum();
+            let least = if together { 0.0 } else { LEAST_SHARE };
+            moved = self.line_search(x, &way, slope, least, value, contact);
+            report.seconds[0] += clock.elapsed().as_secs_f64();
+            if moved > LEAST_SHARE {
+                break;
+            }
+        }
+        moved
+    }
+
+    /// The same for those who keep no value of phi.
+    pub(super) fn move_along(
+        &self,
+        x: &mut [Vec3],
+        g: &[Vec3],
+        d: &[Vec3],
+        contact: &mut Contact,
+        report: &mut NewtonReport,
+    ) -> f64 {
+        let mut value = self.value(x, contact);
+        self.move_with(x, g, d, &mut value, contact, report)
+    }
+
+    /// Moves `x` along `d` by the share for which phi falls enough (Armijo where the slope is down); 0 if it would have
+    /// to be less than `least`.
     ///
     /// Near the end phi falls by less than its rounding, and its values say nothing any more. The slope at the trial
     /// place still does: where phi is nearly quadratic it has fallen if it rises there less steeply than it fell at the
@@ -357,11 +391,15 @@ impl Problem<'_> {
         x: &mut [Vec3],
         d: &[Vec3],
         slope: f64,
+        least: f64,
         value: &mut Value,
         contact: &Contact,
     ) -> f64 {
         let mut share = 1.0;
         for _ in 0..24 {
+            if share < least {
+                return 0.0;
+            }
             let trial: Vec<Vec3> = x.iter().zip(d).map(|(x, d)| x + d * share).collect();
             let there = self.value(&trial, contact);
             // Rounding of a sum of many terms.

@@ -1,5 +1,6 @@
 //! One time step of the cloth: the stages in the order of the method, and the control of the step's length.
 
+use super::integrator::{Solver, Stage, Tried};
 use super::{Cloth, Method, NewtonOptions, NewtonReport, Previous, Problem, State, Unmet, Workspace};
 use crate::contact::Contact;
 use crate::energy::{Container, Cushions, Drag, Energy, Gravity, Guides, Pressure};
@@ -100,14 +101,16 @@ impl Stepper {
         }
         let mut total = NewtonReport::default();
         for rejected in 0.. {
-            let (next, report) = self.attempt(state, memory, &drive, h);
+            let earlier = self.earlier_drives(state, h, drive_at);
+            let (next, error, report) = self.attempt(state, memory, (&earlier, &drive), h);
             total.add(&report);
-            let error = step_error(&next, state, h, self.options.method);
             let last_chance = h <= self.options.shortest * 1.001;
             let too_coarse = error > 4.0 * self.options.error;
             // Little enough is left to go on from here in the next step.
             let unmet = Unmet::notice(&next.x, &self.cloth, &self.contact);
-            let solved = report.converged || report.left <= ENOUGH * self.options.newton.energy;
+            let solved = report.converged
+                || report.left <= ENOUGH * self.options.newton.energy
+                || self.options.method.solver() != Solver::Converged;
             // A shorter step may lead the cloth out of the body's way.
             let settled = solved && unmet.body_held_up.is_none();
             // What barely moves is pressed fast: smaller steps would not loosen it.
@@ -140,21 +143,83 @@ impl Stepper {
         unreachable!("the shortest step is always accepted")
     }
 
-    /// Tries one step; the state it would lead to.
-    fn attempt(&mut self, state: &State, memory: &RestShape, drive: &Drive, h: f64) -> (State, NewtonReport) {
-        let stage = self.options.method.stage(state, h);
-        let inertial = stage.inertial();
+    /// What acts at the ends of all parts of a step but the last.
+    fn earlier_drives(
+        &self,
+        state: &State,
+        h: f64,
+        drive_at: &mut dyn FnMut(f64, &State) -> Drive,
+    ) -> Vec<Drive> {
+        let parts = self.options.method.parts();
+        parts[..parts.len() - 1].iter().map(|share| drive_at(state.time + share * h, state)).collect()
+    }
+
+    /// Tries one step; the state it would lead to, and its error [m]. Obstacles are where they are at its end from the
+    /// beginning on: who is near is found once.
+    fn attempt(
+        &mut self,
+        state: &State,
+        memory: &RestShape,
+        (earlier, drive): (&[Drive], &Drive),
+        h: f64,
+    ) -> (State, f64, NewtonReport) {
+        let method = self.options.method;
         self.contact.set_planes(drive.ground, drive.ceiling);
         self.contact.aim_body(drive.body.as_deref());
         let forces = self.forces(drive, &state.x);
         self.contact.begin_step(&state.x, h, drive.friction, &forces.held);
-        let measure = self.cloth.membrane.measure(&state.x);
-        let membrane = self.cloth.membrane.term(memory, &measure, stage.span);
-        let bending = self.cloth.bending.term(memory, &state.angle, stage.span);
+        let mut report = NewtonReport::default();
+        let mut x = state.x.clone();
+        let mut inner: Option<Vec<Vec3>> = None;
+        let first = earlier.first().unwrap_or(drive);
+        if !first.lead.is_empty() {
+            self.contact.advance(&mut x, &first.lead);
+        }
+        for drive in earlier {
+            let stage = match &inner {
+                None => method.stage(state, h),
+                Some(inner) => method.later_stage(state, h, inner),
+            };
+            report.add(&self.solve_part(state, memory, drive, &forces, &stage, &mut x));
+            inner = Some(x.clone());
+        }
+        let stage = match &inner {
+            None => method.stage(state, h),
+            Some(inner) => method.later_stage(state, h, inner),
+        };
+        report.add(&self.solve_part(state, memory, drive, &forces, &stage, &mut x));
+        let angle = self.cloth.bending.angles(&x, &state.angle);
+        let v = stage.velocity(&x);
+        let previous = Some(Previous { step: h, x: state.x.clone(), v: state.v.clone() });
+        let next = State { time: state.time + h, x, v, angle, previous };
+        let error = method.error(&Tried { state, next: &next, inner: inner.as_deref(), h });
+        (next, error, report)
+    }
+
+    /// Solves the problem of one part of a step, from `x` on.
+    fn solve_part(
+        &mut self,
+        state: &State,
+        memory: &RestShape,
+        drive: &Drive,
+        forces: &Forces,
+        stage: &Stage,
+        x: &mut [Vec3],
+    ) -> NewtonReport {
+        let inertial = stage.inertial();
+        // Damping and drag count from where their rates do in this method.
+        let membrane_model = &self.cloth.membrane;
+        let measure =
+            stage.base_of(membrane_model.measure(&state.x), |x| membrane_model.measure(x), |m| *m, |m| m);
+        let bending_model = &self.cloth.bending;
+        let angles = |x: &[Vec3]| bending_model.angles(x, &state.angle);
+        let angle = stage.base_of(state.angle.clone(), angles, |a| [*a], |[a]| a);
+        let membrane = membrane_model.term(memory, &measure, stage.span);
+        let bending = bending_model.term(memory, &angle, stage.span);
         let gravity = Gravity { mass: &self.cloth.mass, acceleration: drive.gravity };
         let guides = Guides(&drive.guides);
+        let drag = Drag { mass: &self.cloth.mass, start: &stage.base, rate: drive.drag / stage.span };
         let cushions = Cushions(&drive.cushions);
-        let drag = Drag { mass: &self.cloth.mass, start: &state.x, rate: drive.drag / h };
         let pressure = Pressure { force: &forces.push };
         let container = drive.ball.as_ref().map(|ball| Container {
             centre: ball.centre,
@@ -183,22 +248,24 @@ impl Stepper {
             held: &forces.held,
             regularisation: 0.0,
         };
-        let mut x = state.x.clone();
-        let mut report = NewtonReport::default();
-        if !drive.lead.is_empty() {
-            self.contact.advance(&mut x, &drive.lead);
+        let mut newton = self.options.newton;
+        if self.options.method.solver() == Solver::Once {
+            newton.most_iterations = 1;
         }
+        let mut report = NewtonReport::default();
         for _ in 0..LED_AGAIN {
-            report.add(&problem.follow(&mut x, &mut self.contact, &mut self.work));
-            report.add(&problem.solve(&mut x, &mut self.contact, &self.options.newton, &mut self.work));
+            report.add(&problem.follow(x, &mut self.contact, &mut self.work));
+            report.add(&match self.options.method.solver() {
+                Solver::Converged | Solver::Once => {
+                    problem.solve(x, &mut self.contact, &newton, &mut self.work)
+                }
+                Solver::Sweeps => problem.sweep(x, &mut self.contact, &mut self.work),
+            });
             if !self.contact.body_lags() {
                 break;
             }
         }
-        let angle = self.cloth.bending.angles(&x, &state.angle);
-        let v = stage.velocity(&x);
-        let previous = Some(Previous { step: h, x: state.x.clone(), v: state.v.clone() });
-        (State { time: state.time + h, x, v, angle, previous }, report)
+        report
     }
 
     fn forces(&self, drive: &Drive, x: &[Vec3]) -> Forces {
@@ -246,29 +313,3 @@ const LED_AGAIN: usize = 3;
 /// A step that ran out of iterations counts as settled when what is left to gain is below this many times what
 /// convergence asks for.
 const ENOUGH: f64 = 10.0;
-
-/// Local error of a step [m], root mean square over the points: against extrapolation of the same order.
-fn step_error(next: &State, state: &State, h: f64, method: Method) -> f64 {
-    let count = state.x.len().max(1) as f64;
-    let sum: f64 = match (&state.previous, method) {
-        (Some(previous), Method::Bdf2) => {
-            let r = h / previous.step;
-            // Quadratic extrapolation from x_n, v_n and x_{n-1}; its error is about three times the method's own.
-            next.x
-                .iter()
-                .zip(&state.x)
-                .zip(&state.v)
-                .zip(&previous.x)
-                .map(|(((new, x), v), old)| {
-                    let bend = (old - x + v * previous.step) * (r * r);
-                    (new - x - v * h - bend).norm_squared() / 9.0
-                })
-                .sum()
-        }
-        _ => {
-            // Backward Euler: h/2 (v1 - v0).
-            next.v.iter().zip(&state.v).map(|(a, b)| (a - b).norm_squared() * 0.25 * h * h).sum()
-        }
-    };
-    (sum / count).sqrt()
-}

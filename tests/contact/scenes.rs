@@ -27,13 +27,15 @@ use run::Run;
 /// One run of a scene: its line, and whether it holds.
 type Scene = fn(usize, u64) -> (String, bool);
 
-const SCENES: [(&str, Scene); 11] = [
+const SCENES: [(&str, Scene); 13] = [
     ("sphere", |n, seed| uncrossed("sphere", &drop::drop(&drop::sphere(), n, seed, 1.0))),
     ("spiked", |n, seed| uncrossed("spiked", &drop::drop(&drop::spiked(), n, seed, 1.0))),
     ("torus", |n, seed| uncrossed("torus", &drop::drop(&drop::torus(), n, seed, 1.0))),
     ("sleeve", |n, seed| uncrossed("sleeve, 4 turns", &layers::wring(n, 4.0, seed))),
     ("stack5", |n, seed| stacked(5, n, seed)),
     ("stack10", |n, seed| stacked(10, n, seed)),
+    ("fold-thrice", |n, seed| worn("fold-thrice.json", n, seed)),
+    ("crumple", |n, seed| worn("crumple.json", n, seed)),
     ("folds", |n, seed| {
         let done =
             bakes::baked("five folds", &bakes::handkerchief(n, seed), 1.0, "cotton-poplin", &bakes::folds(5));
@@ -63,6 +65,12 @@ const SCENES: [(&str, Scene); 11] = [
         (found.line("pinched by plates"), found.holds())
     }),
 ];
+
+/// The T-shirt by a script of the folder `garments/wear`.
+fn worn(wear: &str, points: usize, seed: u64) -> (String, bool) {
+    let done = bakes::t_shirt(wear, points, seed);
+    (format!("{}; {:?}", done.line(), done.report.warnings), done.start == 0 && done.worst == 0)
+}
 
 /// T-shirts that another program folded, with 48 and 108 crossings, laid and hung; none where the files are not there.
 fn folded_by_others() -> Vec<(bakes::Outcome, usize)> {

@@ -1,13 +1,16 @@
 //! Promises about the solver and the memory together.
 
 use crate::hinge::{Watched, folded, pair};
+use crease::bake::{BakeOptions, bake};
 use crease::contact::Contact;
 use crease::fabric::Fabric;
+use crease::format::{ReadOptions, read_asset};
 use crease::garment::{Garment, RestShape};
 use crease::math::Vec3;
 use crease::memory::{Memory, Observed};
 use crease::solve::{Cloth, Method, NewtonOptions, State, StepOptions, Stepper};
-use crease::wear::Drive;
+use crease::wear::{Drive, WearScript};
+use std::fmt::Write;
 
 fn stepper(garment: &Garment, fabric: &Fabric, step: f64) -> Stepper {
     let newton = NewtonOptions { tolerance: 1e-9, energy: 0.0, most_iterations: 30 };
@@ -118,4 +121,50 @@ fn memory_off_is_the_elastic_run_to_the_last_bit() {
     assert_eq!(bits(&unreached), bits(&plain));
     let remembered = swing(&garment, &Fabric::preset("kow-tshirt").expect("exists"), 2.5, 200, 0.01, true);
     println!("events with memory: {:?}", remembered.2.events);
+}
+
+/// A handkerchief of 24 cm, 13 x 13 points.
+fn handkerchief() -> Garment {
+    let mut obj = String::new();
+    for k in 0..13 * 13 {
+        writeln!(obj, "v {} 0 {}", 0.02 * f64::from(k % 13), 0.02 * f64::from(k / 13))
+            .expect("a string takes all");
+    }
+    for (row, column) in (0..12).flat_map(|row| (0..12).map(move |column| (row, column))) {
+        let a = 13 * row + column + 1;
+        writeln!(obj, "f {a} {} {}\nf {a} {} {}", a + 13, a + 14, a + 14, a + 1).expect("a string takes all");
+    }
+    let mut alone = |name: &str| panic!("asks for {name}");
+    let read = read_asset("handkerchief.obj", obj.as_bytes(), &ReadOptions::default(), &mut alone);
+    Garment::from_asset(&read.expect("reads").0).expect("is a garment").0
+}
+
+/// The same of a whole bake, with contact, friction and the way home: after a fold, with memory off and with thresholds
+/// out of reach, every point is at the same place to the last bit; with the fabric's own it is not.
+#[test]
+fn a_bake_with_memory_off_is_elastic_to_the_last_bit() {
+    let garment = handkerchief();
+    let script = r#"{"format": "crease-wear/1", "actions": [{"lay": {"facing": "up", "over": 0.2}},
+        {"fold": {"line": [[0.5, 0], [0.5, 1]], "side": "left", "angle": 180, "over": 1, "hold": 2}},
+        {"unfold": {"all": true, "over": 1}}]}"#;
+    let script = WearScript::parse("wear.json", script).expect("parses");
+    let run = |fabric: &Fabric, memory: bool| {
+        let options = BakeOptions { memory, ..BakeOptions::default() };
+        let baked = bake(&garment, fabric, &script, "wear.json", &options, &mut ()).expect("bakes");
+        let places = baked.end.iter().chain(&baked.worn.displacement);
+        let bits: Vec<[u64; 3]> = places.map(|p| [p.x, p.y, p.z].map(f64::to_bits)).collect();
+        (bits, baked.report.events.gradual + baked.report.events.critical)
+    };
+    let own = Fabric::preset("kow-tshirt").expect("exists");
+    let mut unreached = own.clone();
+    unreached.memory.gradual_threshold_percent = 10_000.0;
+    unreached.memory.critical_threshold_percent = 10_000.0;
+    unreached.memory.gradual_stretch_threshold_percent = 10_000.0;
+    unreached.memory.critical_stretch_threshold_percent = 10_000.0;
+    let ((off, _), (never, none), (worn, some)) = (run(&own, false), run(&unreached, true), run(&own, true));
+    println!("events {none} and {some}");
+    assert_eq!(none, 0);
+    assert!(some > 0);
+    assert!(off == never, "memory that is off, or never used, costs bits");
+    assert!(off != worn, "the scene asks nothing of memory");
 }

@@ -103,6 +103,11 @@ impl Appender {
         self.vectors(values.as_chunks::<1>().0, purpose)
     }
 
+    /// Appends bytes that are no numbers, such as a picture; the view's index.
+    pub(super) fn bytes(&mut self, bytes: Vec<u8>) -> usize {
+        self.view(bytes, None)
+    }
+
     /// Appends triangle corners; the accessor's index.
     pub(super) fn triangles(&mut self, triangles: &[[u32; 3]]) -> usize {
         let bytes = bytes_of(triangles.iter().flatten().map(|x| x.to_le_bytes()));

@@ -7,6 +7,7 @@ mod append;
 mod buffers;
 mod container;
 mod cursor;
+mod detail;
 mod edit;
 mod embed;
 mod obj_to_gltf;
@@ -23,6 +24,7 @@ mod write;
 
 pub use accessor::{Accessors, Table};
 pub use container::{is_glb, join_glb, split_glb};
+pub use detail::{DETAIL_SIDE, Detail, DetailMap, Detailed, add_detail_map};
 pub use embed::embed_images;
 pub(in crate::format) use read::read_gltf;
 pub use read_worn::{WornVertices, keep_worn_pieces, read_worn, sidecar_name};

@@ -75,14 +75,14 @@ fn primitive<'a>(document: &'a GltfDocument, piece: &SourcePiece) -> &'a Value {
 }
 
 /// The worn target of a piece.
-fn worn_target<'a>(document: &'a GltfDocument, piece: &SourcePiece) -> Option<&'a Value> {
+pub(super) fn worn_target<'a>(document: &'a GltfDocument, piece: &SourcePiece) -> Option<&'a Value> {
     let names = document.json["meshes"][piece.mesh]["extras"]["targetNames"].as_array()?;
     let index = names.iter().rposition(|name| name == WORN_TARGET)?;
     primitive(document, piece)["targets"].get(index)
 }
 
 /// All numbers of an accessor, row by row; `None` if none is named.
-fn column(
+pub(super) fn column(
     document: &GltfDocument,
     accessor: &Value,
     width: usize,

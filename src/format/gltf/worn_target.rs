@@ -76,7 +76,7 @@ impl LinearParts {
     }
 
     /// Linear part and its inverse at vertex `v`; the last entry stands for all beyond.
-    fn of(&self, v: usize) -> (Mat3, Mat3) {
+    pub(super) fn of(&self, v: usize) -> (Mat3, Mat3) {
         let last = self.0.len().saturating_sub(1);
         self.0.get(v.min(last)).copied().unwrap_or((Mat3::identity(), Mat3::identity()))
     }
@@ -136,7 +136,12 @@ impl<'a> WornShape<'a> {
     }
 
     /// `normal` (own coordinates) after wear, unit; `None` where nothing moved or no direction is left.
-    fn turned_normal(&self, p: PointIndex, normal: Vec3, (linear, inverse): (Mat3, Mat3)) -> Option<Vec3> {
+    pub(super) fn turned_normal(
+        &self,
+        p: PointIndex,
+        normal: Vec3,
+        (linear, inverse): (Mat3, Mat3),
+    ) -> Option<Vec3> {
         let rotation = self.rotations[p.at()].filter(|_| self.moved[p.at()])?;
         (linear.transpose() * rotation * inverse.transpose() * normal).try_normalize(f64::MIN_POSITIVE)
     }

@@ -88,6 +88,15 @@ pub fn side_by_side(left: &Image, right: &Image, captions: [&str; 2]) -> Image {
     image
 }
 
+/// Two pictures, or rows of pictures, one above the other.
+pub fn one_above_the_other(upper: &Image, lower: &Image) -> Image {
+    let (width, height) = (upper.width.max(lower.width), upper.height + GUTTER + lower.height);
+    let mut image = Image::filled(width, height, BACKGROUND_SRGB);
+    image.paste(upper, 0, 0);
+    image.paste(lower, 0, upper.height + GUTTER);
+    image
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -116,5 +125,15 @@ mod tests {
                 "a caption is missing"
             );
         }
+    }
+
+    #[test]
+    fn rows_keep_their_pictures() {
+        let (upper, lower) = (Image::filled(120, 40, [255, 0, 0]), Image::filled(80, 60, [0, 0, 255]));
+        let rows = one_above_the_other(&upper, &lower);
+        assert_eq!([rows.width, rows.height], [120, 100 + GUTTER]);
+        assert_eq!(rows.pixel(119, 39), [255, 0, 0, 255]);
+        assert_eq!(rows.pixel(0, 40 + GUTTER), [0, 0, 255, 255]);
+        assert_eq!(rows.pixel(100, 99)[..3], BACKGROUND_SRGB);
     }
 }

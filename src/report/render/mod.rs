@@ -19,7 +19,7 @@ mod raster;
 mod shade;
 
 pub use camera::Camera;
-pub use caption::side_by_side;
+pub use caption::{one_above_the_other, side_by_side};
 pub use colour::ColourMap;
 pub use field::{Field, Values, curvature, largest_of_hinges, mean_of_hinges};
 pub use image::{Image, encode_png};

@@ -1,0 +1,95 @@
+//! How finely a bake is made: three points on the front of `crease chart accuracy` (docs/accuracy.md says what error each
+//! leaves, and how they were chosen).
+
+use super::BakeOptions;
+use crate::solve::{Method, NewtonOptions, StepOptions};
+
+/// A point between speed and accuracy.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quality {
+    /// To see whether a script does what was meant.
+    Draft,
+    /// The knee of the front: what a bake does unless told otherwise.
+    Standard,
+    /// To compare others with.
+    Reference,
+}
+
+impl Quality {
+    /// Every quality, from fast to accurate.
+    pub const EVERY: [Self; 3] = [Self::Draft, Self::Standard, Self::Reference];
+
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Draft => "draft",
+            Self::Standard => "standard",
+            Self::Reference => "reference",
+        }
+    }
+
+    /// The quality of that name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::EVERY.into_iter().find(|quality| quality.name() == name)
+    }
+
+    /// What it is, in one line.
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::Draft => "to see whether the script does what was meant",
+            Self::Standard => "the knee between speed and accuracy",
+            Self::Reference => "to compare others with",
+        }
+    }
+
+    /// How steps are made.
+    pub fn step(self) -> StepOptions {
+        let standard = StepOptions::default();
+        match self {
+            // Rejected steps cost more than coarse ones save: with looser errors and four iterations a bake took as many
+            // solves as the standard. One iteration is never rejected for not converging.
+            Self::Draft => StepOptions { method: Method::BackwardEulerOnce, ..standard },
+            Self::Standard => standard,
+            Self::Reference => StepOptions {
+                error: 1e-4,
+                shortest: 1.0 / 120.0,
+                newton: NewtonOptions { tolerance: 1e-5, most_iterations: 16, ..standard.newton },
+                ..standard
+            },
+        }
+    }
+
+    /// A step is converged, too, when what energy is left to gain would not lift the garment by this [m].
+    pub fn slack(self) -> f64 {
+        match self {
+            Self::Draft | Self::Standard => 1e-5,
+            Self::Reference => 3e-6,
+        }
+    }
+}
+
+/// Steps with everything on [s].
+const EVERY_STEP: f64 = 1.0 / 60.0;
+/// Share of the slack that is left with everything on: next to none, so that every solve is of the whole.
+const LEAST_SLACK: f64 = 0.01;
+
+impl BakeOptions {
+    /// How steps are made in the end.
+    pub(super) fn step_made(&self) -> StepOptions {
+        if self.everything {
+            StepOptions { shortest: EVERY_STEP, longest: EVERY_STEP, ..self.step }
+        } else {
+            self.step
+        }
+    }
+
+    /// The slack of a step in the end [m].
+    pub(super) fn slack_made(&self) -> f64 {
+        if self.everything { LEAST_SLACK * self.slack } else { self.slack }
+    }
+
+    /// The options of a quality.
+    pub fn of(quality: Quality) -> Self {
+        Self { step: quality.step(), slack: quality.slack(), ..Self::default() }
+    }
+}

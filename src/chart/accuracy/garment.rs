@@ -1,0 +1,179 @@
+//! The draft T-shirt that is folded thrice, baked in every quality and by every method: the product itself on the chart.
+//!
+//! Steps are chosen by error here, as in a bake, so that a setting is a quality (`bake::Quality`). The reference is backward
+//! Euler with a sixth of the standard error per step and steps down to 1/240 s. Folds that start in contact are decided by
+//! little: this is a band, not a line (physics.md 10, scenes S4 and S5).
+
+use super::Point;
+use crate::bake::{BakeOptions, Baked, Quality, bake};
+use crate::error::{Error, Result};
+use crate::fabric::{DEFAULT_FABRIC, Fabric};
+use crate::format::{ReadOptions, read_asset};
+use crate::garment::Garment;
+use crate::math::bounds;
+use crate::mesh::crossings::crossings;
+use crate::solve::Method;
+use crate::wear::WearScript;
+use std::time::Instant;
+
+pub(super) const NAME: &str = "fold-thrice";
+
+const MESH: (&str, &[u8]) =
+    ("tshirt-draft.glb", include_bytes!("../../../garments/tshirt-draft.glb"));
+const FULL_MESH: (&str, &[u8]) = ("tshirt.glb", include_bytes!("../../../garments/tshirt.glb"));
+const SCRIPT: (&str, &str) =
+    ("fold-thrice.json", include_str!("../../../garments/wear/fold-thrice.json"));
+
+/// The garment and what is done to it.
+pub struct FoldThrice {
+    garment: Garment,
+    fabric: Fabric,
+    script: WearScript,
+}
+
+/// A bake, with its cost.
+pub struct Run {
+    /// Wall time [s].
+    pub wall: f64,
+    /// Linear systems solved, of the whole and of parts.
+    pub linear_solves: u64,
+    /// What came out.
+    pub baked: Baked,
+}
+
+impl FoldThrice {
+    /// The draft T-shirt that comes along, in the default fabric.
+    pub fn new() -> Result<Self> {
+        Self::of(MESH)
+    }
+
+    /// The T-shirt of 13,863 points.
+    pub fn full() -> Result<Self> {
+        Self::of(FULL_MESH)
+    }
+
+    fn of((file, bytes): (&str, &[u8])) -> Result<Self> {
+        let nothing = |name: &str| Err(Error::fault(file, name, "refers to another file", ""));
+        let asset = read_asset(file, bytes, &ReadOptions::default(), &mut |name| nothing(name))?.0;
+        Ok(Self {
+            garment: Garment::from_asset(&asset)?.0,
+            fabric: Fabric::preset(DEFAULT_FABRIC)?,
+            script: WearScript::parse(SCRIPT.0, SCRIPT.1)?,
+        })
+    }
+
+    /// Bakes it.
+    pub fn run(&self, options: &BakeOptions) -> Result<Run> {
+        let clock = Instant::now();
+        let baked = bake(&self.garment, &self.fabric, &self.script, SCRIPT.0, options, &mut ())?;
+        let linear_solves = baked.report.solves + baked.report.local_solves;
+        Ok(Run { wall: clock.elapsed().as_secs_f64(), linear_solves, baked })
+    }
+
+    /// Root mean square over the hinges, by the area they stand for, of the difference of two memories' rest angles [rad].
+    pub fn rest_angle_error(&self, a: &Baked, b: &Baked) -> f64 {
+        let area: Vec<f64> =
+            self.garment.material.iter().map(|m| 0.5 * (m[1] - m[0]).perp(&(m[2] - m[0])).abs()).collect();
+        let rest = a.worn.memory.rest_angle.iter().zip(&b.worn.memory.rest_angle);
+        let (mut sum, mut whole) = (0.0, 0.0);
+        for ((a, b), hinge) in rest.zip(&self.garment.topology.hinges) {
+            let weight: f64 = hinge.triangles.iter().map(|f| area[*f as usize] / 3.0).sum();
+            sum += weight * (a - b) * (a - b);
+            whole += weight;
+        }
+        (sum / whole).sqrt()
+    }
+
+    /// Root mean square of the rest angles themselves, by area [rad]: what errors compare with.
+    pub fn rest_angle_size(&self, a: &Baked) -> f64 {
+        let mut flat = a.clone();
+        flat.worn.memory.rest_angle.clone_from(&a.worn.memory.source_angle);
+        self.rest_angle_error(a, &flat)
+    }
+
+    /// Mean magnitude of what wear changed the rest angles by, by area [rad]: how much the garment remembers.
+    pub fn rest_angle_mean(&self, a: &Baked) -> f64 {
+        let memory = &a.worn.memory;
+        let area: Vec<f64> =
+            self.garment.material.iter().map(|m| 0.5 * (m[1] - m[0]).perp(&(m[2] - m[0])).abs()).collect();
+        let changed = memory.rest_angle.iter().zip(&memory.source_angle);
+        let (mut sum, mut whole) = (0.0, 0.0);
+        for ((rest, source), hinge) in changed.zip(&self.garment.topology.hinges) {
+            let weight: f64 = hinge.triangles.iter().map(|f| area[*f as usize] / 3.0).sum();
+            sum += weight * (rest - source).abs();
+            whole += weight;
+        }
+        sum / whole
+    }
+
+    fn position_error(&self, a: &Baked, b: &Baked) -> f64 {
+        let (low, high) = bounds(&self.garment.points);
+        let size = (high - low).max();
+        let moved = a.worn.displacement.iter().zip(&b.worn.displacement);
+        moved.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max) / size
+    }
+
+    fn crosses(&self, baked: &Baked) -> bool {
+        let home: Vec<_> =
+            self.garment.points.iter().zip(&baked.worn.displacement).map(|(x, d)| x + d).collect();
+        !crossings(&home, &self.garment.triangles).is_empty()
+    }
+}
+
+/// Cloth that is drawn out by more than any fabric bears.
+const DRAWN_OUT: &str = "drawn out";
+
+/// All points of the chart.
+pub(super) fn points(notes: &mut Vec<String>) -> Result<Vec<Point>> {
+    let scene = FoldThrice::new()?;
+    let reference = scene.run(&reference_options())?;
+    notes.push(format!(
+        "{NAME}: the reference took {:.0} s, {} steps; its rest angles are {:.2} degrees, root mean square",
+        reference.wall,
+        reference.baked.report.steps,
+        scene.rest_angle_size(&reference.baked).to_degrees()
+    ));
+    let mut all = Vec::new();
+    for (name, options) in settings() {
+        let run = scene.run(&options)?;
+        let drawn_out = run.baked.report.warnings.iter().any(|w| w.contains("stretched by"));
+        let failed =
+            if scene.crosses(&run.baked) { Some("layers cross") } else { drawn_out.then_some(DRAWN_OUT) };
+        all.push(Point {
+            method: options.step.method,
+            setting: name,
+            knobs: [options.step.shortest, options.step.newton.tolerance],
+            wall: run.wall,
+            linear_solves: run.linear_solves,
+            position: scene.position_error(&run.baked, &reference.baked),
+            angle: f64::NAN,
+            rest_angle: Some(scene.rest_angle_error(&run.baked, &reference.baked)),
+            strain: f64::NAN,
+            failed,
+        });
+    }
+    Ok(all)
+}
+
+/// Every quality, and every other method in the standard quality.
+fn settings() -> Vec<(String, BakeOptions)> {
+    let qualities = Quality::EVERY.map(|quality| {
+        let options = BakeOptions::of(quality);
+        (format!("quality {}", quality.name()), options)
+    });
+    let taken: Vec<Method> = qualities.iter().map(|(_, options)| options.step.method).collect();
+    let others = Method::EVERY.iter().filter(|method| !taken.contains(method)).map(|&method| {
+        let mut options = BakeOptions::of(Quality::Standard);
+        options.step.method = method;
+        ("steps of quality standard".to_owned(), options)
+    });
+    qualities.into_iter().chain(others).collect()
+}
+
+/// How the reference is baked.
+pub fn reference_options() -> BakeOptions {
+    let mut options = BakeOptions::of(Quality::Reference);
+    options.step.error *= 0.5;
+    options.step.shortest *= 0.5;
+    options
+}

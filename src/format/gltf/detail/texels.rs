@@ -1,0 +1,255 @@
+//! A picture of directions: filled triangle by triangle in texture space, padded beyond the borders of what is filled,
+//! and written as 16-bit PNG; a picture that is there already is read back.
+
+use crate::math::{Vec2, Vec3};
+
+/// Two directions for one texel that differ by more than this [rad] contradict one another.
+const CONTRADICTION: f64 = 0.17;
+
+/// Unit directions in tangent space, rows from the top.
+#[derive(Debug, Clone)]
+pub(super) struct Texels {
+    pub(super) width: usize,
+    pub(super) height: usize,
+    /// One per texel; zero where nothing is known.
+    pub(super) direction: Vec<Vec3>,
+    /// One per texel [m]: how far the fine surface lies above the coarse one.
+    pub(super) lift: Vec<f32>,
+    /// Texels that two places of the garment claim with different directions.
+    pub(super) contradicted: usize,
+}
+
+impl Texels {
+    pub(super) fn new(size: usize) -> Self {
+        let count = size * size;
+        Self {
+            width: size,
+            height: size,
+            direction: vec![Vec3::zeros(); count],
+            lift: vec![0.0; count],
+            contradicted: 0,
+        }
+    }
+
+    /// Texels that something is known of.
+    pub(super) fn filled(&self) -> usize {
+        self.direction.iter().filter(|d| **d != Vec3::zeros()).count()
+    }
+
+    /// Gives every texel whose centre lies in the triangle of `corners` (texture coordinates) what `of` says for its
+    /// barycentric coordinates: a unit direction and a lift [m]. Coordinates beyond 0 to 1 repeat.
+    pub(super) fn fill(&mut self, corners: [Vec2; 3], of: &dyn Fn([f64; 3]) -> Option<(Vec3, f64)>) {
+        let size = Vec2::new(self.width as f64, self.height as f64);
+        let [a, b, c] = corners.map(|uv| uv.component_mul(&size));
+        let doubled = (b - a).perp(&(c - a));
+        let (low, high) = (a.inf(&b).inf(&c), a.sup(&b).sup(&c));
+        // A triangle as wide as several pictures is damage.
+        let sound = doubled != 0.0 && (high - low).iter().zip(&size).all(|(side, size)| *side <= 2.0 * size);
+        if !sound || !low.iter().chain(high.iter()).all(|x| x.abs() < 1e9) {
+            return;
+        }
+        for row in (low.y - 0.5).ceil() as i64..=(high.y - 0.5).floor() as i64 {
+            for column in (low.x - 0.5).ceil() as i64..=(high.x - 0.5).floor() as i64 {
+                let p = Vec2::new(column as f64 + 0.5, row as f64 + 0.5);
+                let share = [
+                    (b - p).perp(&(c - p)) / doubled,
+                    (c - p).perp(&(a - p)) / doubled,
+                    (a - p).perp(&(b - p)) / doubled,
+                ];
+                if share.iter().any(|s| *s < -1e-9) {
+                    continue;
+                }
+                let (x, y) = (column.rem_euclid(self.width as i64), row.rem_euclid(self.height as i64));
+                if let Some((direction, lift)) = of(share) {
+                    self.set(y as usize * self.width + x as usize, direction, lift);
+                }
+            }
+        }
+    }
+
+    fn set(&mut self, at: usize, direction: Vec3, lift: f64) {
+        let there = self.direction[at];
+        if there == Vec3::zeros() {
+            self.direction[at] = direction;
+            self.lift[at] = lift as f32;
+        } else if there.dot(&direction) < CONTRADICTION.cos() {
+            self.contradicted += 1;
+        }
+    }
+
+    /// Spreads what is known over its borders, so that no filter mixes in what is not; all other texels become flat.
+    pub(super) fn pad(&mut self, texels: usize) {
+        let mut front: Vec<usize> =
+            (0..self.direction.len()).filter(|&at| self.direction[at] != Vec3::zeros()).collect();
+        for _ in 0..texels {
+            // A texel takes the mean of its known neighbours, all of one ring at the same time.
+            let mut ring: Vec<usize> = front.iter().flat_map(|&at| self.around(at)).collect();
+            ring.sort_unstable();
+            ring.dedup();
+            ring.retain(|&at| self.direction[at] == Vec3::zeros());
+            let means: Vec<(Vec3, f32)> = ring.iter().map(|&at| self.mean_around(at)).collect();
+            for (&at, (direction, lift)) in ring.iter().zip(means) {
+                self.direction[at] = direction;
+                self.lift[at] = lift;
+            }
+            front = ring;
+        }
+        self.direction.iter_mut().filter(|d| **d == Vec3::zeros()).for_each(|d| *d = Vec3::z());
+    }
+
+    fn around(&self, at: usize) -> impl Iterator<Item = usize> + use<> {
+        let (x, y, width, height) = (at % self.width, at / self.width, self.width, self.height);
+        let steps = (0..9)
+            .filter(|k| *k != 4)
+            .map(move |k| ((x + k % 3).wrapping_sub(1), (y + k / 3).wrapping_sub(1)));
+        steps.filter(move |&(x, y)| x < width && y < height).map(move |(x, y)| y * width + x)
+    }
+
+    fn mean_around(&self, at: usize) -> (Vec3, f32) {
+        let (mut direction, mut lift, mut count) = (Vec3::zeros(), 0.0, 0.0f32);
+        for near in self.around(at).filter(|&near| self.direction[near] != Vec3::zeros()) {
+            direction += self.direction[near];
+            lift += self.lift[near];
+            count += 1.0;
+        }
+        (direction.try_normalize(1e-9).unwrap_or_else(Vec3::z), lift / count.max(1.0))
+    }
+
+    /// The direction at texture coordinates `uv`, between texels as a viewer reads it.
+    pub(super) fn sample(&self, uv: Vec2) -> Vec3 {
+        let place = |along: f64, count: usize| {
+            let at = along * count as f64 - 0.5;
+            let low = at.floor();
+            let index = |k: f64| (k as i64).rem_euclid(count as i64) as usize;
+            (index(low), index(low + 1.0), at - low)
+        };
+        let ((x0, x1, s), (y0, y1, t)) = (place(uv.x, self.width), place(uv.y, self.height));
+        let at = |x: usize, y: usize| self.direction[y * self.width + x];
+        let sum = (at(x0, y0) * (1.0 - s) + at(x1, y0) * s) * (1.0 - t)
+            + (at(x0, y1) * (1.0 - s) + at(x1, y1) * s) * t;
+        sum.try_normalize(1e-9).unwrap_or_else(Vec3::z)
+    }
+
+    /// As a picture with three 16-bit channels.
+    pub(super) fn to_png(&self) -> Result<Vec<u8>, String> {
+        let word = |x: f64| ((0.5 + 0.5 * x.clamp(-1.0, 1.0)) * 65535.0).round() as u16;
+        let rows = self.direction.iter().flat_map(|d| [d.x, d.y, d.z]).map(word);
+        write_png(self.width, self.height, png::ColorType::Rgb, rows)
+    }
+
+    /// The lift as a grey 16-bit picture, and what its black and its white stand for [m].
+    pub(super) fn lift_png(&self) -> Result<(Vec<u8>, [f32; 2]), String> {
+        let most = self.lift.iter().fold(1e-6f32, |most, lift| most.max(lift.abs()));
+        let word = |lift: &f32| ((0.5 + 0.5 * lift / most) * 65535.0).round() as u16;
+        let png = write_png(self.width, self.height, png::ColorType::Grayscale, self.lift.iter().map(word))?;
+        Ok((png, [-most, most]))
+    }
+
+    /// Directions of a normal map in a PNG file.
+    pub(super) fn from_png(bytes: &[u8]) -> Result<Self, String> {
+        let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));
+        decoder.set_transformations(png::Transformations::EXPAND);
+        let mut reader = decoder.read_info().map_err(|e| e.to_string())?;
+        let size = reader.output_buffer_size().filter(|size| *size <= LARGEST).ok_or("it is too large")?;
+        let mut buffer = vec![0; size];
+        let info = reader.next_frame(&mut buffer).map_err(|e| e.to_string())?;
+        let channels = info.color_type.samples();
+        if channels < 3 {
+            return Err("it has no colours".into());
+        }
+        let values: Vec<f64> = match info.bit_depth {
+            png::BitDepth::Sixteen => {
+                let words = buffer.as_chunks::<2>().0.iter();
+                words.map(|&w| f64::from(u16::from_be_bytes(w)) / 65535.0).collect()
+            }
+            _ => buffer.iter().map(|&b| f64::from(b) / 255.0).collect(),
+        };
+        let direction: Vec<Vec3> = values
+            .chunks_exact(channels)
+            .map(|c| Vec3::new(c[0], c[1], c[2]).map(|x| 2.0 * x - 1.0))
+            .map(|d| d.try_normalize(1e-6).unwrap_or_else(Vec3::z))
+            .collect();
+        let (width, height) = (info.width as usize, info.height as usize);
+        if direction.len() < width * height || direction.is_empty() {
+            return Err("it ends too early".into());
+        }
+        Ok(Self { width, height, lift: vec![0.0; direction.len()], direction, contradicted: 0 })
+    }
+}
+
+/// Pictures beyond this many bytes are not decoded.
+const LARGEST: usize = 1 << 30;
+
+fn write_png(
+    width: usize,
+    height: usize,
+    colour: png::ColorType,
+    words: impl Iterator<Item = u16>,
+) -> Result<Vec<u8>, String> {
+    let side = |n: usize| u32::try_from(n).map_err(|e| e.to_string());
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, side(width)?, side(height)?);
+    encoder.set_color(colour);
+    encoder.set_depth(png::BitDepth::Sixteen);
+    encoder.set_compression(png::Compression::Fast);
+    let mut writer = encoder.write_header().map_err(|e| e.to_string())?;
+    let data: Vec<u8> = words.flat_map(u16::to_be_bytes).collect();
+    writer.write_image_data(&data).map_err(|e| e.to_string())?;
+    writer.finish().map_err(|e| e.to_string())?;
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tilted() -> Vec3 {
+        Vec3::new(0.3, -0.2, 1.0).normalize()
+    }
+
+    #[test]
+    fn triangles_fill_their_texels_once_and_borders_are_padded() {
+        let mut texels = Texels::new(16);
+        let square = [[0.25, 0.25], [0.75, 0.25], [0.75, 0.75], [0.25, 0.75]].map(Vec2::from);
+        let half = |texels: &mut Texels, k: [usize; 3], d: Vec3| {
+            texels.fill(k.map(|k| square[k]), &|_| Some((d, 1e-3)));
+        };
+        half(&mut texels, [0, 1, 2], tilted());
+        half(&mut texels, [0, 2, 3], tilted());
+        assert_eq!(texels.filled(), 64);
+        assert_eq!(texels.contradicted, 0);
+        half(&mut texels, [0, 1, 2], -tilted());
+        assert!(texels.contradicted >= 28, "{}", texels.contradicted);
+        texels.pad(2);
+        assert_eq!(texels.direction[16 * 2 + 2], tilted());
+        assert_eq!(texels.direction[0], Vec3::z());
+        // Between texels beyond the border a viewer still reads the same.
+        assert!((texels.sample(Vec2::new(0.22, 0.5)) - tilted()).norm() < 1e-12);
+    }
+
+    #[test]
+    fn coordinates_beyond_one_repeat_and_damage_is_left_out() {
+        let mut texels = Texels::new(8);
+        texels.fill([[1.0, 0.0], [2.0, 0.0], [1.0, 1.0]].map(Vec2::from), &|_| Some((tilted(), 0.0)));
+        assert!(texels.filled() >= 28);
+        let before = texels.filled();
+        for bad in [f64::NAN, 1e30, 50.0] {
+            texels.fill([[bad, 0.0], [0.0, 0.0], [0.0, bad]].map(Vec2::from), &|_| Some((tilted(), 0.0)));
+        }
+        assert_eq!(texels.filled(), before);
+    }
+
+    #[test]
+    fn a_png_reads_back_to_sixteen_bits() {
+        let mut texels = Texels::new(4);
+        texels.fill([[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]].map(Vec2::from), &|s| {
+            Some((Vec3::new(0.4 * s[1], 0.4 * s[2], 1.0).normalize(), s[0]))
+        });
+        let back = Texels::from_png(&texels.to_png().unwrap()).unwrap();
+        let worst =
+            texels.direction.iter().zip(&back.direction).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+        assert!(worst < 4e-5, "{worst}");
+        assert!(Texels::from_png(b"\x89PNG broken").is_err());
+        assert!(texels.lift_png().is_ok());
+    }
+}

@@ -1,0 +1,178 @@
+//! Strips that swing, against the chain of physics.md 4.5 that was integrated elsewhere to 1e-12.
+
+use crate::reference;
+use crease::chart::trial::{self, Outcome, Scene, Setting, Swing};
+use crease::math::Vec3;
+use crease::solve::Method;
+
+/// Tip of the chain at 0.5 s [m]: swing30, release90.
+const TIPS: [(Swing, [f64; 2]); 2] =
+    [(Swing::SWING_30, [-0.257_877_48, -0.411_313_45]), (Swing::RELEASE_90, [-0.438_309_01, -0.235_632_86])];
+
+fn run(swing: Swing, method: Method, step: f64, tolerance: f64) -> Outcome {
+    trial::run(&Wide(swing), &Setting::fixed(method, step, tolerance)).expect("the scene can be made")
+}
+
+fn tip(outcome: &Outcome) -> Vec3 {
+    let count = outcome.x.len();
+    0.5 * (outcome.x[count - 1] + outcome.x[count - 2])
+}
+
+/// Promise: as steps get short the strip is the chain, within 1 mm (the bar for the face operator), and stays in its plane.
+#[test]
+fn a_swinging_strip_is_the_chain() {
+    for (swing, exact) in TIPS {
+        let [coarse, fine] = [1250e-6, 625e-6].map(|h| run(swing, Method::Sdirk2, h, 1e-9));
+        let limit = tip(&fine) + (tip(&fine) - tip(&coarse)) / 3.0;
+        let off = (limit - Vec3::new(exact[0], exact[1], 0.0)).norm();
+        println!("{}: tip {:.6} {:.6}, off the chain by {off:.2e} m", swing.name, limit.x, limit.y);
+        assert!(off < 1e-3);
+        let Some(file) = reference::json("dynamics_reference.json") else { continue };
+        // The whole chain, point by point: points of the strip come two by two, the chain has no first one.
+        let states = file["chain"][swing.name]["states"].as_array().expect("states");
+        let state = states.iter().find(|s| s["t"] == 0.5).expect("the state at 0.5 s");
+        let chain = state["x"].as_array().expect("points").iter();
+        let largest = chain
+            .zip(fine.x.chunks(2).zip(coarse.x.chunks(2)).skip(1))
+            .map(|(p, (fine, coarse))| {
+                let p = Vec3::new(p[0].as_f64().expect("x"), p[1].as_f64().expect("y"), fine[0].z);
+                (fine[0] + (fine[0] - coarse[0]) / 3.0 - p).norm()
+            })
+            .fold(0.0, f64::max);
+        println!("{}: all points within {largest:.2e} m of the chain", swing.name);
+        assert!(largest < 1e-3);
+    }
+}
+
+/// Promise: BDF2 with 2.5 ms ends where the same discretisation of the chain does (physics.md 4.5): the tip within 0.1 mm.
+#[test]
+fn bdf2_ends_where_the_chain_of_the_same_step_does() {
+    for (swing, expected) in
+        [(Swing::RELEASE_90, [-0.439_304, -0.235_134]), (Swing::SWING_30, [-0.257_903, -0.411_667])]
+    {
+        let end = tip(&run(swing, Method::Bdf2, 2.5e-3, 1e-10));
+        let off = (end - Vec3::new(expected[0], expected[1], 0.0)).norm();
+        println!("{}: BDF2, 2.5 ms: tip {:.6} {:.6}, off by {off:.2e} m", swing.name, end.x, end.y);
+        assert!(off < 1e-4);
+    }
+}
+
+/// Promise: for the errors of `chain_work_precision.csv` no method takes more linear solves than it does there: with the
+/// steps of each row, 3 % shorter where Newton converges (to 0.03 of the row's error).
+#[test]
+fn errors_cost_no_more_solves_than_in_the_table() {
+    let Some(rows) = reference::table("chain_work_precision.csv") else { return };
+    for (swing, _) in TIPS {
+        let fine = run(swing, Method::Sdirk2, 156.25e-6, 1e-10);
+        let coarse = run(swing, Method::Sdirk2, 312.5e-6, 1e-10);
+        let truth: Vec<Vec3> = fine.x.iter().zip(&coarse.x).map(|(a, b)| a + (a - b) / 3.0).collect();
+        for (name, method) in
+            [("BE", Method::BackwardEuler), ("BE1", Method::BackwardEulerOnce), ("BDF2", Method::Bdf2)]
+        {
+            for row in rows.iter().filter(|row| row[0] == swing.name && row[2] == name) {
+                let number = |column: usize| row[column].parse::<f64>().expect("a number");
+                let (step, error, solves) = (number(3), number(4), number(7));
+                // The finest rows are at the rounding of Newton's tolerance and take long.
+                if step < 6e-4 {
+                    continue;
+                }
+                let step = if name == "BE1" { step } else { step / 1.03 };
+                let found = run(swing, method, step, 0.03 * error);
+                let largest = found.x.iter().zip(&truth).map(|(a, b)| (a - b).amax()).fold(0.0, f64::max);
+                println!(
+                    "{} {name} {:.3} ms: error {largest:.3e} m in {} solves (table {error:.3e} m in {solves})",
+                    swing.name,
+                    1e3 * step,
+                    found.linear_solves
+                );
+                assert!(found.linear_solves as f64 <= solves, "{name} {step}");
+                // One iteration cannot take fewer solves than steps, and our Hessian leaves negative curvature out, which
+                // shows where a step of 20 ms draws the whipping strip out: 3 % there, 0.1 % elsewhere.
+                assert!(largest <= error * if name == "BE1" { 1.04 } else { 1.0 }, "{name} {step}");
+            }
+        }
+    }
+}
+
+/// Promise: one Newton iteration draws a stiff strip out by per cents at 1/60 s (Y = 2000 N/m), converged steps by 0.103 %
+/// as the chain's do, to a hundredth of that, and within five times what hanging still does. (The chain's own figure for
+/// one iteration is 7.3 %, with a Hessian that keeps negative curvature; ours leaves it out.)
+#[test]
+fn one_iteration_draws_a_stiff_strip_out() {
+    let swing = Swing { stretch: 2000.0, ..Swing::RELEASE_90 };
+    // The scene fails where cloth is drawn out; here that is what is measured.
+    let strain = |method| {
+        let h = 1.0 / 60.0;
+        trial::run(&Wide(swing), &Setting::fixed(method, h, 1e-9)).expect("runs").largest_strain
+    };
+    let (once, converged) = (strain(Method::BackwardEulerOnce), strain(Method::BackwardEuler));
+    println!("largest strain: one iteration {once:.5} (0.0733), converged {converged:.6} (0.00103)");
+    assert!((0.04..0.08).contains(&once));
+    assert!((converged / 0.001_03 - 1.0).abs() < 0.01 && converged < swing.honest_strain());
+}
+
+/// A swing without a bound on its strain.
+struct Wide(Swing);
+
+impl Scene for Wide {
+    fn name(&self) -> &'static str {
+        self.0.name()
+    }
+    fn until(&self) -> f64 {
+        self.0.until()
+    }
+    fn size(&self) -> f64 {
+        self.0.size()
+    }
+    fn strain_bound(&self) -> f64 {
+        f64::INFINITY
+    }
+    fn begin(&self) -> crease::Result<trial::Actors> {
+        self.0.begin()
+    }
+    fn drive(&self, t: f64, x: &[Vec3]) -> crease::wear::Drive {
+        self.0.drive(t, x)
+    }
+}
+
+/// Promise: the first mode of a hanging strip of 32 quads without bending stiffness has omega sqrt(L/g) = 1.20207 (the lumped
+/// chain's; a string's is j01/2 = 1.20241), within 0.5 %.
+#[test]
+fn a_hanging_strip_has_the_first_mode_of_the_chain() {
+    let (length, gravity, until) = (0.5, 9.81, 1.0);
+    let swing = Swing {
+        name: "first mode",
+        degrees: 1.0,
+        stretch: 2e4,
+        bend: 1e-10,
+        quads: 32,
+        until,
+        ..Swing::SWING_30
+    };
+    // Orthogonal to all other modes of a string: J0(j01 sqrt(height over the end)), by its series.
+    let bessel = |z: f64| {
+        (1..30).fold((1.0, 1.0), |(sum, term), k| {
+            let term = -term * z * z / (4.0 * f64::from(k * k));
+            (sum + term, term)
+        })
+    };
+    let amplitude = |x: &[Vec3]| -> f64 {
+        let rows = x.len() / 2;
+        (0..rows)
+            .map(|i| {
+                let height = 1.0 - i as f64 / (rows - 1) as f64;
+                let mass = if i == 0 || i == rows - 1 { 0.5 } else { 1.0 };
+                mass * bessel(2.404_825_557_7 * height.sqrt()).0 * x[2 * i].x
+            })
+            .sum()
+    };
+    let start: Vec<Vec3> = (0..66)
+        .map(|p| Vec3::new((p / 2) as f64 * length / 32.0 * 1f64.to_radians().sin(), 0.0, 0.0))
+        .collect();
+    let end = trial::run(&Wide(swing), &Setting::fixed(Method::Sdirk2, 1e-3, 1e-12)).expect("runs");
+    // Between three quarters of a period and a whole one.
+    let phase = std::f64::consts::TAU - (amplitude(&end.x) / amplitude(&start)).acos();
+    let found = phase / until * (length / gravity).sqrt();
+    println!("first mode: {found:.5} (lumped chain 1.20207, string 1.20241)");
+    assert!((found / 1.202_07 - 1.0).abs() < 5e-3);
+}
