@@ -101,6 +101,11 @@ fn stepper(garment: &Garment, fabric: &Fabric) -> Stepper {
     Stepper::new(cloth, contact, options)
 }
 
+/// Points of the paper's three meshes.
+pub(super) fn points_of_meshes() -> [usize; 3] {
+    MESHES.map(|(points, _)| points)
+}
+
 /// Lets a strip of about `points` points fall, in the `run`-th of the starts, until it has come to rest.
 pub fn fall(points: usize, fabric: &Fabric, remember: bool, run: usize) -> Result<Fall> {
     let garment = strip(points, TILT + TILT_MORE * run as f64)?;

@@ -20,6 +20,7 @@ pub(super) const NAME: &str = "fold-thrice";
 
 const MESH: (&str, &[u8]) =
     ("tshirt-draft.glb", include_bytes!("../../../garments/tshirt-draft.glb"));
+const FULL_MESH: (&str, &[u8]) = ("tshirt.glb", include_bytes!("../../../garments/tshirt.glb"));
 const SCRIPT: (&str, &str) =
     ("fold-thrice.json", include_str!("../../../garments/wear/fold-thrice.json"));
 
@@ -43,8 +44,17 @@ pub struct Run {
 impl FoldThrice {
     /// The draft T-shirt that comes along, in the default fabric.
     pub fn new() -> Result<Self> {
-        let nothing = |name: &str| Err(Error::fault(MESH.0, name, "refers to another file", ""));
-        let asset = read_asset(MESH.0, MESH.1, &ReadOptions::default(), &mut |name| nothing(name))?.0;
+        Self::of(MESH)
+    }
+
+    /// The T-shirt of 13,863 points.
+    pub fn full() -> Result<Self> {
+        Self::of(FULL_MESH)
+    }
+
+    fn of((file, bytes): (&str, &[u8])) -> Result<Self> {
+        let nothing = |name: &str| Err(Error::fault(file, name, "refers to another file", ""));
+        let asset = read_asset(file, bytes, &ReadOptions::default(), &mut |name| nothing(name))?.0;
         Ok(Self {
             garment: Garment::from_asset(&asset)?.0,
             fabric: Fabric::preset(DEFAULT_FABRIC)?,

@@ -1,0 +1,291 @@
+//! `crease chart speed`: what a bake costs and where the time goes, beside kernels of the same machine in the same run.
+//!
+//! Scenes: the T-shirt folded thrice (2,000 points; with `--full` 13,863, and the growth between them), the three falling strips
+//! of the paper's Table 1 with memory. Kernels bound what can be had: a streaming copy of memory, the sparse product and
+//! the factorisation of one sheet's system, of about as many points as the T-shirt. `ratio` is a scene's wall time over
+//! that of the kernel named beside it in the notes. Medians of `runs`; the T-shirt is baked once.
+
+use super::accuracy::FoldThrice;
+use super::sheet::Sheet;
+use super::strip;
+use super::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
+use crate::bake::BakeOptions;
+use crate::energy::BlockSink;
+use crate::error::Result;
+use crate::fabric::{DEFAULT_FABRIC, Fabric};
+use crate::math::{Mat3, Vec3};
+use crate::solve::{BlockMatrix, Cholesky};
+use std::time::Instant;
+
+/// Numbers that the streaming copy moves: far more than caches hold.
+const STREAM: usize = 1 << 24;
+/// Side of the kernels' sheet [m].
+const SHEET: f64 = 0.7;
+/// The stages of a bake, as its report names them.
+const STAGES: [&str; 5] = ["assemble", "solve", "contact", "remember", "home"];
+
+/// What one scene took.
+struct Cost {
+    scene: &'static str,
+    points: usize,
+    wall: f64,
+    simulated: f64,
+    steps: u64,
+    solves: u64,
+    stages: Vec<(&'static str, f64)>,
+}
+
+pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
+    let mut costs = Vec::new();
+    let mut shirts = vec![FoldThrice::new()?];
+    if options.full {
+        shirts.push(FoldThrice::full()?);
+    }
+    for shirt in &shirts {
+        let run = shirt.run(&BakeOptions::default())?;
+        let report = &run.baked.report;
+        costs.push(Cost {
+            scene: "fold-thrice",
+            points: run.baked.end.len(),
+            wall: run.wall,
+            simulated: report.simulated,
+            steps: report.steps,
+            solves: run.linear_solves,
+            stages: report.stages.clone(),
+        });
+    }
+    let fabric = Fabric::preset(DEFAULT_FABRIC)?;
+    for points in strip::points_of_meshes() {
+        let mut falls = Vec::new();
+        for run in 0..options.runs.max(1) {
+            falls.push(strip::fall(points, &fabric, true, run)?);
+        }
+        falls.sort_by(|a, b| a.wall.total_cmp(&b.wall));
+        let fall = &falls[falls.len() / 2];
+        costs.push(Cost {
+            scene: "falling strip",
+            points,
+            wall: fall.wall,
+            simulated: fall.residuals.last().map_or(0.0, |r| r[0]),
+            steps: fall.steps,
+            solves: fall.iterations,
+            stages: Vec::new(),
+        });
+    }
+    let mut notes = growth(&costs);
+    let mut table =
+        Table::new(&["scene", "points", "wall_s", "simulated_s", "steps", "linear_solves", "ratio", "stages"]);
+    for points in [2_000, 14_000] {
+        let kernels = Kernels::measure(points, options.runs)?;
+        for (name, wall) in kernels.rows() {
+            let blank = || None::<f64>.into();
+            table.push([name.into(), (kernels.points as u64).into(), wall.into(), blank(), blank(), blank(), blank(), "".into()]);
+        }
+        notes.push(kernels.note());
+        for cost in costs.iter().filter(|c| (c.points < 7_000) == (points < 7_000) && c.solves > 0) {
+            notes.push(format!(
+                "{}, {} points: {:.2} times one factorisation for every linear solve",
+                cost.scene,
+                cost.points,
+                cost.wall / cost.solves as f64 / kernels.factor
+            ));
+        }
+        for cost in costs.iter().filter(|c| (c.points < 7_000) == (points < 7_000)) {
+            let stages: Vec<String> = cost.stages.iter().map(|(name, s)| format!("{name} {s:.2}")).collect();
+            table.push([
+                cost.scene.into(),
+                (cost.points as u64).into(),
+                cost.wall.into(),
+                cost.simulated.into(),
+                cost.steps.into(),
+                cost.solves.into(),
+                (cost.wall / cost.solves.max(1) as f64 / kernels.factor).into(),
+                stages.join(", ").as_str().into(),
+            ]);
+        }
+    }
+    notes.push("ratio: wall time for every linear solve over one factorisation; a solve of a part counts like one of the whole".into());
+    Ok(Chart { name: "speed", table, figure: figure(&costs), notes })
+}
+
+/// Exponents of the growth of wall time with points.
+fn growth(costs: &[Cost]) -> Vec<String> {
+    let of = |scene: &str| -> Vec<&Cost> { costs.iter().filter(|c| c.scene == scene).collect() };
+    let exponent = |a: &Cost, b: &Cost| (b.wall / a.wall).ln() / (b.points as f64 / a.points as f64).ln();
+    let mut notes = Vec::new();
+    for scene in ["fold-thrice", "falling strip"] {
+        for pair in of(scene).windows(2) {
+            let [a, b] = pair else { continue };
+            notes.push(format!(
+                "{scene}: {} to {} points, {:.1} to {:.1} s, growth with exponent {:.2}",
+                a.points,
+                b.points,
+                a.wall,
+                b.wall,
+                exponent(a, b)
+            ));
+        }
+    }
+    for cost in costs.iter().filter(|c| c.scene == "fold-thrice") {
+        notes.push(format!(
+            "fold-thrice, {} points: {:.2} s of wall time for every second of wear",
+            cost.points,
+            cost.wall / cost.simulated
+        ));
+    }
+    notes
+}
+
+/// What the machine can do with a sheet.
+struct Kernels {
+    points: usize,
+    /// Streaming copy [bytes/s].
+    copy: f64,
+    /// Sparse product [s], and the bytes it reads.
+    product: (f64, f64),
+    /// Factorisation and solution [s], and multiplications of the former.
+    factor: f64,
+    solve: f64,
+    work: f64,
+}
+
+impl Kernels {
+    fn measure(points: usize, runs: usize) -> Result<Self> {
+        let (matrix, places) = sheet_system(points)?;
+        let rows = matrix.row_count();
+        let from: Vec<f64> = (0..STREAM).map(|k| k as f64).collect();
+        let mut to = vec![0.0; STREAM];
+        let copy = median(runs, || to.copy_from_slice(std::hint::black_box(&from)));
+        std::hint::black_box(&to);
+        let x = vec![Vec3::new(1.0, 2.0, 3.0); rows];
+        let mut y = vec![Vec3::zeros(); rows];
+        let product = median(runs, || matrix.multiply(std::hint::black_box(&x), &mut y));
+        let mut direct = Cholesky::default();
+        // The first one finds the order of elimination.
+        let fails = |_| crate::Error::fault("chart", "speed", "a sheet's system is not positive", "");
+        direct.factorise(&matrix, &places).map_err(fails)?;
+        let mut sound = true;
+        let factor = median(runs, || sound &= direct.factorise(&matrix, &places).is_ok());
+        let solve = median(runs, || sound &= direct.solve(&matrix, &mut x.clone()).is_ok());
+        if !sound {
+            return Err(crate::Error::fault("chart", "speed", "a sheet's system could not be solved", ""));
+        }
+        Ok(Self {
+            points: rows,
+            copy: (2 * STREAM * size_of::<f64>()) as f64 / copy,
+            product: (product, (matrix.block_count() * (size_of::<Mat3>() + 4)) as f64),
+            factor,
+            solve,
+            work: direct.size().0,
+        })
+    }
+
+    fn rows(&self) -> [(&'static str, f64); 3] {
+        [("kernel: sparse product", self.product.0), ("kernel: factorisation", self.factor), ("kernel: solution", self.solve)]
+    }
+
+    fn note(&self) -> String {
+        format!(
+            "kernels at {} points: copy {:.1} GB/s; sparse product {:.2} ms, {:.1} GB/s of matrix; factorisation {:.1} ms, {:.0} GFlop/s; solution {:.1} ms",
+            self.points,
+            self.copy / 1e9,
+            1e3 * self.product.0,
+            self.product.1 / self.product.0 / 1e9,
+            1e3 * self.factor,
+            2.0 * self.work / self.factor / 1e9,
+            1e3 * self.solve
+        )
+    }
+}
+
+/// A flat sheet's system: every edge a spring along itself and every hinge one across, and mass.
+fn sheet_system(points: usize) -> Result<(BlockMatrix, Vec<Vec3>)> {
+    let garment = Sheet::unstructured(SHEET, SHEET, points)?.flat_garment();
+    let count = garment.points.len();
+    let hinges: Vec<[u32; 4]> = garment.topology.hinges.iter().map(|h| h.points.map(|p| p.0)).collect();
+    let mut matrix = BlockMatrix::with_pattern((0..count as u32).collect(), &mut |visit| {
+        hinges.iter().for_each(|points| visit(points));
+    });
+    for [a, b, c, d] in &hinges {
+        for (p, q) in [(a, b), (c, d), (a, c), (b, d)] {
+            let along = (garment.points[*q as usize] - garment.points[*p as usize]).normalize();
+            let block = along * along.transpose() * 100.0 + Mat3::identity();
+            for (i, j, sign) in [(p, p, 1.0), (q, q, 1.0), (p, q, -1.0), (q, p, -1.0)] {
+                matrix.add(*i, *j, &(block * sign));
+            }
+        }
+    }
+    (0..count).for_each(|p| matrix.add_diagonal(p, 1.0));
+    Ok((matrix, garment.points))
+}
+
+/// Median time of `work` over `runs` [s].
+fn median(runs: usize, mut work: impl FnMut()) -> f64 {
+    let mut times: Vec<f64> = (0..runs.max(1))
+        .map(|_| {
+            let clock = Instant::now();
+            work();
+            clock.elapsed().as_secs_f64()
+        })
+        .collect();
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}
+
+fn figure(costs: &[Cost]) -> Figure {
+    let points = |scene: &str| -> Vec<[f64; 2]> {
+        costs.iter().filter(|c| c.scene == scene).map(|c| [c.points as f64, c.wall]).collect()
+    };
+    let most = costs.iter().map(|c| c.wall).fold(1.0, f64::max);
+    let shirt = costs.iter().rfind(|c| c.scene == "fold-thrice");
+    let shares: Vec<[f64; 2]> = shirt.map_or(Vec::new(), |cost| {
+        let of = |name: &str| cost.stages.iter().find(|(n, _)| *n == name).map_or(0.0, |(_, s)| *s);
+        let share = |name: &&str| 100.0 * of(name) / cost.wall;
+        STAGES.iter().enumerate().flat_map(|(k, name)| [[k as f64, 0.0], [k as f64, share(&name)]]).collect()
+    });
+    let title = shirt.map_or(0, |cost| cost.points);
+    Figure {
+        title: "What it costs".into(),
+        panels: vec![
+            Panel {
+                title: "wall time".into(),
+                x: Axis::decades("points"),
+                y: Axis::decades("wall time [s]").between(0.1, 2.0 * most),
+                series: vec![
+                    Series::new("T-shirt folded thrice, 58 s", 0, Mark::Rings, points("fold-thrice")),
+                    Series::new("falling strip, to rest", 1, Mark::Crosses, points("falling strip")),
+                ],
+            },
+            Panel {
+                title: format!("T-shirt of {title} points: where the time goes"),
+                x: Axis {
+                    names: STAGES.iter().map(|name| (*name).to_owned()).collect(),
+                    range: Some([-0.5, STAGES.len() as f64 - 0.5]),
+                    ..Axis::default()
+                },
+                y: Axis::of("share of wall time [%]").between(0.0, 100.0),
+                series: vec![Series::new("", 0, Mark::Bars, shares)],
+            },
+        ],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kernels_solve_what_they_are_given() {
+        let (matrix, places) = sheet_system(300).unwrap();
+        let x: Vec<Vec3> = places.iter().map(|p| Vec3::new(p.x, 1.0, p.z)).collect();
+        let mut y = vec![Vec3::zeros(); x.len()];
+        matrix.multiply(&x, &mut y);
+        let mut direct = Cholesky::default();
+        direct.factorise(&matrix, &places).unwrap();
+        direct.solve(&matrix, &mut y).unwrap();
+        let off = x.iter().zip(&y).map(|(a, b)| (a - b).amax()).fold(0.0, f64::max);
+        assert!(off < 1e-6, "{off}");
+        let kernels = Kernels::measure(300, 1).unwrap();
+        assert!(kernels.factor > 0.0 && kernels.work > 0.0 && kernels.copy > 0.0);
+    }
+}
