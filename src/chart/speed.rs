@@ -241,7 +241,7 @@ fn figure(costs: &[Cost]) -> Figure {
     let shares: Vec<[f64; 2]> = shirt.map_or(Vec::new(), |cost| {
         let of = |name: &str| cost.stages.iter().find(|(n, _)| *n == name).map_or(0.0, |(_, s)| *s);
         let share = |name: &&str| 100.0 * of(name) / cost.wall;
-        STAGES.iter().enumerate().flat_map(|(k, name)| [[k as f64, 0.0], [k as f64, share(&name)]]).collect()
+        STAGES.iter().enumerate().flat_map(|(k, name)| [[k as f64, 0.0], [k as f64, share(name)]]).collect()
     });
     let title = shirt.map_or(0, |cost| cost.points);
     Figure {
