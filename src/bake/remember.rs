@@ -34,13 +34,19 @@ pub fn remember(garment: &Garment, fabric: &Fabric, motion: &mut Motion) -> Bake
     let mut memory = Memory::new(RestShape::new(source_angle.clone(), garment.triangles.len()));
     let measure = |x: &[Vec3]| if law.remembers_length() { cloth.membrane.measure(x) } else { Vec::new() };
     let mut angle = source_angle;
+    let mut first_angle: Option<Vec<f64>> = None;
     let mut stretch: Option<Vec<[f64; 3]>> = None;
     let mut x = garment.points.clone();
     let mut time = 0.0;
     for round in 0..motion.times {
         for k in 0..motion.frame_count {
             let next = (motion.frame)(k);
-            let next_angle = cloth.bending.angles(&next, &angle);
+            // Back at the first frame every angle is what it was there: a jump of more than half a turn has no other sign.
+            let next_angle = match &first_angle {
+                Some(first) if k == 0 => first.clone(),
+                _ => cloth.bending.angles(&next, &angle),
+            };
+            first_angle.get_or_insert_with(|| next_angle.clone());
             let next_stretch = measure(&next);
             // The first frame only says where the motion begins; a later round comes back to it.
             if let Some(stretch) = stretch.as_ref().filter(|_| round > 0 || k > 0) {

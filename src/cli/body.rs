@@ -132,8 +132,7 @@ fn frame_paths(folder: &Path) -> Result<Vec<PathBuf>> {
     let Some((first, name, _)) = numbered.first() else {
         return refuse("has no numbered .obj files".into(), "name the folder that holds frame_0000.obj, ...");
     };
-    let mut next = *first;
-    for (number, other, _) in &numbered {
+    for (next, (number, other, _)) in (*first..).zip(&numbered) {
         if other != name {
             return refuse(
                 format!("holds frames of several names: \"{name}\" and \"{other}\""),
@@ -151,7 +150,6 @@ fn frame_paths(folder: &Path) -> Result<Vec<PathBuf>> {
                 "export the whole sequence",
             );
         }
-        next += 1;
     }
     Ok(numbered.into_iter().map(|(_, _, path)| path).collect())
 }
