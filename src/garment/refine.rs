@@ -65,6 +65,8 @@ struct Bisection {
     triangles: Vec<[PointIndex; 3]>,
     material: Vec<[Vec2; 3]>,
     parent: Vec<u32>,
+    /// Per triangle of the source: whether it is to be fine.
+    wanted: Vec<bool>,
     /// Triangles on every edge.
     on_edge: FxHashMap<[PointIndex; 2], Vec<u32>>,
     limit: f64,
@@ -108,6 +110,7 @@ impl Bisection {
             triangles: garment.triangles.clone(),
             material: garment.material.clone(),
             parent: (0..garment.triangles.len() as u32).collect(),
+            wanted: Vec::new(),
             on_edge,
             limit: LONGEST * edge,
         }
@@ -126,9 +129,10 @@ impl Bisection {
         let is_wanted = |t: &[PointIndex; 3]| {
             wanted.is_empty() || t.iter().any(|p| wanted.get(p.at()).copied().unwrap_or(false))
         };
-        let around: Vec<[PointIndex; 3]> = self.triangles.iter().filter(|t| is_wanted(t)).copied().collect();
+        self.wanted = self.triangles.iter().map(is_wanted).collect();
+        let around = self.triangles.iter().zip(&self.wanted).filter(|(_, wanted)| **wanted);
         let mut open: BinaryHeap<Long> =
-            around.iter().flat_map(|t| (0..3).map(|k| ends(t, k))).filter_map(|e| self.long(e)).collect();
+            around.flat_map(|(t, _)| (0..3).map(|k| ends(t, k))).filter_map(|edge| self.long(edge)).collect();
         while let Some(Long { length, ends }) = open.pop() {
             if self.points.len() >= MOST_POINTS {
                 break;
@@ -179,15 +183,15 @@ impl Bisection {
                     self.on_edge.entry(ends(&t, k)).or_default().push(part);
                 }
             }
-            open.extend(
-                [
-                    ends(&[t[a], middle, t[c]], 0),
-                    ends(&[t[b], middle, t[c]], 0),
-                    ends(&[middle, t[c], t[a]], 0),
-                ]
-                .into_iter()
-                .filter_map(|e| self.long(e)),
-            );
+            let inner = [middle, t[c]];
+            let inner = if inner[0] < inner[1] { inner } else { [inner[1], inner[0]] };
+            if self.wanted[self.parent[f as usize] as usize] {
+                open.extend(self.long(inner));
+            }
+        }
+        // What neighbours had to be cut for stays as long as it comes out.
+        if on.iter().any(|f| self.wanted[self.parent[*f as usize] as usize]) {
+            open.extend(edge.iter().filter_map(|end| self.long([*end, middle])));
         }
     }
 }
