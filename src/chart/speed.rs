@@ -210,7 +210,8 @@ fn sheet_system(points: usize) -> Result<(BlockMatrix, Vec<Vec3>)> {
         for (p, q) in [(a, b), (c, d), (a, c), (b, d)] {
             let along = (garment.points[*q as usize] - garment.points[*p as usize]).normalize();
             let block = along * along.transpose() * 100.0 + Mat3::identity();
-            for (i, j, sign) in [(p, p, 1.0), (q, q, 1.0), (p, q, -1.0), (q, p, -1.0)] {
+            // Only blocks on and below the diagonal are given.
+            for (i, j, sign) in [(p, p, 1.0), (q, q, 1.0), (p.max(q), p.min(q), -1.0)] {
                 matrix.add(*i, *j, &(block * sign));
             }
         }

@@ -8,6 +8,7 @@ use super::also::{self, AlsoWanted};
 use super::arguments::{MeshReading, glb_path, positive, seconds};
 use super::body::BodyWanted;
 use super::checkpoints::CheckpointFile;
+use super::detail::DetailWanted;
 use super::frames::FrameFolder;
 use super::input;
 use super::interrupt::Interrupt;
@@ -20,7 +21,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use crease::bake::{BakeOptions, Baked, Checkpoint, Choice, Observer, Plan, Quality, bake_from, stirred};
 use crease::body::Wearer;
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
-use crease::format::gltf::write_worn_glb;
+use crease::format::gltf::{Detail, write_worn_glb};
 use crease::format::{Sidecar, write_sidecar};
 use crease::garment::{Garment, RestShape, WornGarment};
 use crease::math::Vec3;
@@ -62,6 +63,8 @@ pub struct Arguments {
     /// place
     #[arg(long, value_name = "MM", value_parser = positive)]
     resolution: Option<f64>,
+    #[command(flatten)]
+    detail: DetailWanted,
     /// Keep all of the cloth awake, also where the body cannot stir it
     #[arg(long)]
     no_sleep: bool,
@@ -224,7 +227,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let Some(files) = files else { return Ok(()) };
     let extras = files.extras();
     let mut warnings = job.mesh.repairs();
-    warnings.extend(job.refined.clone());
+    warnings.extend(job.refined.as_ref().map(|finer| finer.told.clone()));
     warnings.extend(job.mesh.embed_images(&arguments.mesh));
     job.try_to_write(&extras)?;
     let start = crossings(&job.mesh.garment.points, &job.mesh.garment.triangles);
@@ -244,6 +247,11 @@ pub fn run(arguments: Arguments) -> Result<()> {
     report.method = arguments.method().name().to_owned();
     report.warnings.extend(warnings);
     let glb = write_worn_glb(&job.mesh.asset, garment, &baked.worn, &extras)?;
+    let asset = &job.mesh.asset;
+    let detail = job.refined.as_ref().and_then(|finer| finer.detail(garment, &baked.worn));
+    let (glb, maps, notes) = arguments.detail.add(&files.worn, &mut outputs, asset, detail, glb)?;
+    report.detail_maps = maps;
+    report.warnings.extend(notes);
     outputs.add(&files.worn, &glb)?;
     let sidecar = job.sidecar(&baked.worn, arguments.run_note(&baked))?;
     outputs.add(&files.sidecar, &write_sidecar(&sidecar))?;
@@ -252,7 +260,6 @@ pub fn run(arguments: Arguments) -> Result<()> {
         let picture = portrait.draw_before_after(Show::Shape, &Camera::default(), PREVIEW)?;
         outputs.add(&files.worn.with_extension("png"), &encode_png(&picture)?)?;
     }
-    let asset = &job.mesh.asset;
     report.also = arguments.also.add(&files.worn, &mut outputs, asset, garment, &baked.worn, &job.fabric)?;
     report.stages.add("read", read_s);
     report.stages.add("write", write_began.elapsed().as_secs_f64());
@@ -279,8 +286,26 @@ struct Job {
     script_file: String,
     fabric: Fabric,
     body: Option<Arc<Wearer>>,
-    /// What `--resolution` did, in words.
-    refined: Option<String>,
+    /// What `--resolution` did.
+    refined: Option<Finer>,
+}
+
+/// A garment that was made finer than its file.
+#[derive(Debug)]
+struct Finer {
+    /// In words.
+    told: String,
+    /// The garment as the file has it, and the triangle of it that each of the finer ones lies on; none where the file was fine
+    /// enough.
+    coarse: Option<(Garment, Vec<u32>)>,
+}
+
+impl Finer {
+    /// What the wear of the finer garment has beyond the file.
+    fn detail<'a>(&'a self, fine: &'a Garment, worn: &'a WornGarment) -> Option<Detail<'a>> {
+        let (coarse, parent) = self.coarse.as_ref()?;
+        Some(Detail { coarse, fine, parent, worn })
+    }
 }
 
 impl Job {
@@ -364,20 +389,21 @@ impl Job {
     }
 }
 
-/// Makes `garment` finer where the wear of `script` can move it; what it did, in words.
-fn refine(garment: &mut Garment, mm: f64, script: &WearScript, options: &BakeOptions) -> String {
-    let (before, edge) = (garment.points.len(), garment.mean_edge());
+/// Makes `garment` finer where the wear of `script` can move it.
+fn refine(garment: &mut Garment, mm: f64, script: &WearScript, options: &BakeOptions) -> Finer {
+    let edge = garment.mean_edge();
     let wanted = stirred(garment, script, options);
-    *garment = garment.refined(1e-3 * mm, &wanted).garment;
-    let after = garment.points.len();
+    let finer = garment.refined(1e-3 * mm, &wanted);
+    let (before, after) = (garment.points.len(), finer.garment.points.len());
     if after == before {
-        return format!(
-            "resolution: the file is as fine as {mm} mm already ({:.1} mm on average)",
-            1e3 * edge
-        );
+        let told =
+            format!("resolution: the file is as fine as {mm} mm already ({:.1} mm on average)", 1e3 * edge);
+        return Finer { told, coarse: None };
     }
     let place = if wanted.is_empty() { "" } else { " where the body stirs it" };
-    format!("resolution: {after} points instead of {before}, edges of about {mm} mm{place}")
+    let told = format!("resolution: {after} points instead of {before}, edges of about {mm} mm{place}");
+    let coarse = std::mem::replace(garment, finer.garment);
+    Finer { told, coarse: Some((coarse, finer.parent)) }
 }
 
 fn script(file: &str, path: &Path, has_body: bool) -> Result<WearScript> {

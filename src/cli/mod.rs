@@ -12,6 +12,7 @@ mod body;
 mod chart;
 mod checkpoints;
 mod completions;
+mod detail;
 mod fabric;
 mod frames;
 mod input;

@@ -3,7 +3,7 @@
 //! Plain data: the bake fills it in, the tool writes it, others read it by these names (`docs/formats.md`). Units
 //! stand in the names. It measures nothing itself; `crossings` are counted exactly by who fills them in.
 
-use super::AlsoReport;
+use super::{AlsoReport, DetailReport};
 use crate::bake::{Baked, Choice};
 use crate::garment::{Garment, WornGarment};
 use crate::math::Vec3;
@@ -50,6 +50,9 @@ pub struct Report {
     /// What the files of `--also` say when read back; left out without any.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub also: Vec<AlsoReport>,
+    /// Normal maps of fine wrinkles; left out without any.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub detail_maps: Vec<DetailReport>,
 }
 
 /// Events of memory, counted over all hinges and triangles.

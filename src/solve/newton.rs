@@ -86,8 +86,8 @@ pub struct Workspace {
 
 /// A line search that keeps less of the way than this has failed, and the way is cut differently.
 const LEAST_SHARE: f64 = 0.01;
-/// No point goes farther in one iteration [m]: a direction that throws one far off sweeps all others on the way, and the
-/// search for contacts drowns in candidates.
+/// No point goes farther in one iteration [m], apart from what all do alike: a direction that throws one far off sweeps all
+/// others on the way, and the search for contacts drowns in candidates.
 const FARTHEST: f64 = 0.25;
 /// Share of the energy that counts as converged which points outside a part may have to gain.
 const LEFT_OUT: f64 = 0.5;
@@ -119,6 +119,13 @@ impl Workspace {
         }
         fits
     }
+}
+
+/// The farthest that a point which is not held goes from what all of those do on average [m].
+fn spread(d: &[Vec3], held: &[bool]) -> f64 {
+    let free = || d.iter().zip(held).filter(|(_, held)| !**held).map(|(d, _)| d);
+    let mean = free().sum::<Vec3>() / free().count().max(1) as f64;
+    free().map(|d| (d - mean).norm()).fold(0.0, f64::max)
 }
 
 /// Rows counted over the points that are not held.
@@ -317,8 +324,9 @@ impl Problem<'_> {
             if !report.last_move.is_finite() {
                 break;
             }
-            if report.last_move > FARTHEST {
-                d.iter_mut().for_each(|d| *d *= FARTHEST / report.last_move);
+            let spread = spread(&d, self.held);
+            if spread > FARTHEST {
+                d.iter_mut().for_each(|d| *d *= FARTHEST / spread);
             }
             let decrement: f64 = -g.iter().zip(&d).map(|(g, d)| g.dot(d)).sum::<f64>();
             report.left = decrement;

@@ -29,7 +29,7 @@ use texels::Texels;
 
 /// Texels that what is known spreads over its borders: as many as keep eight levels of smaller pictures apart.
 const PADDING: usize = 16;
-/// Sides of the map that can be asked for [texels].
+/// Texels a side that can be asked for.
 pub const DETAIL_SIDE: std::ops::RangeInclusive<usize> = 64..=16384;
 
 /// A garment as its file has it and as it was simulated.

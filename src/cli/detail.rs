@@ -1,0 +1,83 @@
+//! `--detail-map`: fine wrinkles of a garment that is simulated finer than its file, as a normal map in its material.
+
+use super::output::Outputs;
+use clap::builder::RangedU64ValueParser;
+use crease::Result;
+use crease::format::SourceAsset;
+use crease::format::gltf::{DETAIL_SIDE, Detail, add_detail_map};
+use crease::report::DetailReport;
+use std::path::{Path, PathBuf};
+
+/// What is wanted of detail maps.
+#[derive(Debug, clap::Args)]
+pub struct DetailWanted {
+    /// Put what only the finer mesh of --resolution shows into a normal map of so many texels a side [2048 if no number is
+    /// given], in the material of OUT.glb
+    #[arg(
+        long,
+        value_name = "TEXELS",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "2048",
+        requires = "resolution",
+        value_parser = side()
+    )]
+    detail_map: Option<u64>,
+    /// Also write the height of the fine wrinkles over the file's own triangles, as OUT.height.png
+    #[arg(long, requires = "detail_map")]
+    height_map: bool,
+}
+
+fn side() -> RangedU64ValueParser {
+    RangedU64ValueParser::new().range(*DETAIL_SIDE.start() as u64..=*DETAIL_SIDE.end() as u64)
+}
+
+impl DetailWanted {
+    /// The worn file with its maps, pictures that go beside it, and what there is to tell; `detail` is none where the file
+    /// was fine enough.
+    pub fn add(
+        &self,
+        worn: &Path,
+        outputs: &mut Outputs,
+        asset: &SourceAsset,
+        detail: Option<Detail>,
+        glb: Vec<u8>,
+    ) -> Result<(Vec<u8>, Vec<DetailReport>, Vec<String>)> {
+        let Some(side) = self.detail_map else { return Ok((glb, Vec::new(), Vec::new())) };
+        let Some(detail) = detail else {
+            return Ok((
+                glb,
+                Vec::new(),
+                vec!["no detail map: the garment was not simulated finer than its file".into()],
+            ));
+        };
+        let detailed = add_detail_map(&glb, asset, &detail, side as usize)?;
+        let mut told = Vec::new();
+        for (k, map) in detailed.maps.iter().enumerate() {
+            let beside = |what: &str| numbered(worn, what, k, detailed.maps.len());
+            let mut report = DetailReport::of(map, side);
+            if !map.in_material {
+                let path = beside("normal");
+                outputs.add(&path, &map.normal_png)?;
+                report.normal_map = name_of(&path);
+            }
+            if self.height_map {
+                let path = beside("height");
+                outputs.add(&path, &map.height_png)?;
+                report.height_map = name_of(&path);
+            }
+            told.push(report);
+        }
+        Ok((detailed.glb, told, detailed.notes))
+    }
+}
+
+/// OUT.normal.png, or OUT.normal.2.png where there are several.
+fn numbered(worn: &Path, what: &str, k: usize, count: usize) -> PathBuf {
+    let ending = if count > 1 { format!("{what}.{}.png", k + 1) } else { format!("{what}.png") };
+    worn.with_extension(ending)
+}
+
+fn name_of(path: &Path) -> Option<String> {
+    path.file_name().map(|name| name.to_string_lossy().into_owned())
+}
