@@ -104,7 +104,7 @@ impl PlannedScene<'_> {
     }
 
     fn bending(&self, choices: &mut Vec<Choice>) {
-        let (length, element) = (self.fabric.bending_length(), mean_edge(self.garment));
+        let (length, element) = (self.fabric.bending_length(), self.garment.mean_edge());
         let why =
             format!("bending length {:.1} mm against elements of {:.1} mm", 1e3 * length, 1e3 * element);
         choices.push(Choice { name: "bending", on: true, why });
@@ -148,7 +148,7 @@ impl PlannedScene<'_> {
 
     /// Whether layers can meet, and the distance within which they push apart [m].
     fn self_contact(&self, choices: &mut Vec<Choice>) -> (bool, f64) {
-        let element = mean_edge(self.garment);
+        let element = self.garment.mean_edge();
         let distance = self.fabric.thickness().min(MOST_OF_EDGE * element);
         let quiet = |action: &&Action| {
             matches!(
@@ -245,29 +245,7 @@ fn is_one_flat_layer(garment: &Garment) -> bool {
     };
     let whole = garment.triangles.iter().map(normal).sum::<Vec3>();
     garment.triangles.iter().all(|t| normal(t).dot(&whole) > 0.5 * normal(t).norm() * whole.norm())
-        && pieces(garment) == 1
-}
-
-/// Number of pieces that hang together.
-fn pieces(garment: &Garment) -> usize {
-    let mut root: Vec<usize> = (0..garment.points.len()).collect();
-    fn find(root: &mut [usize], mut p: usize) -> usize {
-        while root[p] != p {
-            root[p] = root[root[p]];
-            p = root[p];
-        }
-        p
-    }
-    for [a, b] in &garment.topology.edges {
-        let (a, b) = (find(&mut root, a.at()), find(&mut root, b.at()));
-        root[a.max(b)] = a.min(b);
-    }
-    garment
-        .triangles
-        .iter()
-        .map(|t| find(&mut root, t[0].at()))
-        .collect::<std::collections::BTreeSet<_>>()
-        .len()
+        && garment.triangle_part.iter().all(|part| Some(part) == garment.triangle_part.first())
 }
 
 impl Plan {
@@ -302,13 +280,6 @@ impl Plan {
     }
 }
 
-/// Mean edge length of the source shape [m].
-fn mean_edge(garment: &Garment) -> f64 {
-    let length =
-        |e: &[crate::mesh::PointIndex; 2]| (garment.points[e[0].at()] - garment.points[e[1].at()]).norm();
-    garment.topology.edges.iter().map(length).sum::<f64>() / garment.topology.edges.len().max(1) as f64
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -331,7 +302,7 @@ mod tests {
             material_from_uv: true,
             source_point: (0..4 * layers).map(PointIndex).collect(),
             memory_mask: vec![1.0; points.len()],
-            triangle_part: vec![0; triangles.len()],
+            triangle_part: (0..layers).flat_map(|k| [k; 2]).collect(),
             topology: Topology::new(points.len(), &triangles),
             triangles,
             points,

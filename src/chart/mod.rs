@@ -115,3 +115,10 @@ impl Chart {
         ])
     }
 }
+
+/// Value in the middle of `values`; of an even number the upper one.
+fn median<T: PartialOrd + Copy>(values: impl Iterator<Item = T>) -> Option<T> {
+    let mut values: Vec<T> = values.collect();
+    values.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
+    values.get(values.len() / 2).copied()
+}

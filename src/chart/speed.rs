@@ -8,7 +8,7 @@
 use super::accuracy::FoldThrice;
 use super::sheet::Sheet;
 use super::strip;
-use super::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
+use super::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table, median};
 use crate::bake::BakeOptions;
 use crate::energy::BlockSink;
 use crate::error::Result;
@@ -155,18 +155,18 @@ impl Kernels {
         let rows = matrix.row_count();
         let from: Vec<f64> = (0..STREAM).map(|k| k as f64).collect();
         let mut to = vec![0.0; STREAM];
-        let copy = median(runs, || to.copy_from_slice(std::hint::black_box(&from)));
+        let copy = time_of(runs, || to.copy_from_slice(std::hint::black_box(&from)));
         std::hint::black_box(&to);
         let x = vec![Vec3::new(1.0, 2.0, 3.0); rows];
         let mut y = vec![Vec3::zeros(); rows];
-        let product = median(runs, || matrix.multiply(std::hint::black_box(&x), &mut y));
+        let product = time_of(runs, || matrix.multiply(std::hint::black_box(&x), &mut y));
         let mut direct = Cholesky::default();
         // The first one finds the order of elimination.
         let fails = |_| crate::Error::fault("chart", "speed", "a sheet's system is not positive", "");
         direct.factorise(&matrix, &places).map_err(fails)?;
         let mut sound = true;
-        let factor = median(runs, || sound &= direct.factorise(&matrix, &places).is_ok());
-        let solve = median(runs, || sound &= direct.solve(&matrix, &mut x.clone()).is_ok());
+        let factor = time_of(runs, || sound &= direct.factorise(&matrix, &places).is_ok());
+        let solve = time_of(runs, || sound &= direct.solve(&matrix, &mut x.clone()).is_ok());
         if !sound {
             return Err(crate::Error::fault("chart", "speed", "a sheet's system could not be solved", ""));
         }
@@ -221,16 +221,13 @@ fn sheet_system(points: usize) -> Result<(BlockMatrix, Vec<Vec3>)> {
 }
 
 /// Median time of `work` over `runs` [s].
-fn median(runs: usize, mut work: impl FnMut()) -> f64 {
-    let mut times: Vec<f64> = (0..runs.max(1))
-        .map(|_| {
-            let clock = Instant::now();
-            work();
-            clock.elapsed().as_secs_f64()
-        })
-        .collect();
-    times.sort_by(f64::total_cmp);
-    times[times.len() / 2]
+fn time_of(runs: usize, mut work: impl FnMut()) -> f64 {
+    let times = (0..runs.max(1)).map(|_| {
+        let clock = Instant::now();
+        work();
+        clock.elapsed().as_secs_f64()
+    });
+    median(times).unwrap_or(0.0)
 }
 
 fn figure(costs: &[Cost]) -> Figure {

@@ -11,7 +11,7 @@
 
 use super::draw::BLACK;
 use super::sheet::Sheet;
-use super::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
+use super::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table, median};
 use crate::contact::{Contact, ContactSettings};
 use crate::error::Result;
 use crate::fabric::{DEFAULT_FABRIC, Fabric};
@@ -162,13 +162,6 @@ fn falls(points: usize, fabric: &Fabric, remember: bool, runs: usize) -> Result<
         (0..runs.max(1)).map(|run| fall(points, fabric, remember, run)).collect::<Result<_>>()?;
     falls.sort_by_key(|f| f.steps);
     Ok(falls)
-}
-
-/// Value in the middle of `values`; of an even number the upper one.
-fn median<T: PartialOrd + Copy>(values: impl Iterator<Item = T>) -> Option<T> {
-    let mut values: Vec<T> = values.collect();
-    values.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
-    values.get(values.len() / 2).copied()
 }
 
 pub(super) fn make(options: &ChartOptions) -> Result<Chart> {

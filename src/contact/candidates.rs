@@ -14,7 +14,7 @@
 use crate::math::Vec3;
 use crate::mesh::boxes::SweptBox;
 use crate::mesh::distance::{Gap, edge_edge, edge_edge_squared, point_triangle, point_triangle_squared};
-use crate::mesh::motion::{edge_edge_step, point_triangle_step};
+use crate::mesh::motion::{edge_edge_step, point_triangle_step, stay_apart_on_an_axis};
 use crate::mesh::tree::TriangleTree;
 use crate::mesh::{PointIndex, Topology};
 use rayon::prelude::*;
@@ -74,20 +74,10 @@ impl PairKind {
         }
     }
 
-    /// Whether the boxes of the two pieces at `x` \[m\] are at least `reach` \[m\] apart on some axis: then their distance is
-    /// no less. Never true when anything is not finite.
+    /// Whether the boxes of the two pieces at `x` \[m\] are more than `reach` \[m\] apart on some axis: then so are they.
     #[inline]
     pub fn apart_on_an_axis(self, x: &[Vec3; 4], reach: f64) -> bool {
-        let second_from = match self {
-            Self::PointTriangle => 1,
-            Self::EdgeEdge => 2,
-        };
-        let span = |corners: &[Vec3]| {
-            corners[1..].iter().fold((corners[0], corners[0]), |(low, high), c| (low.inf(c), high.sup(c)))
-        };
-        let ((low, high), (other_low, other_high)) = (span(&x[..second_from]), span(&x[second_from..]));
-        let apart = (other_low - high).sup(&(low - other_high)).max();
-        apart >= reach && x.iter().all(|x| x.sum().is_finite())
+        stay_apart_on_an_axis(x, &[Vec3::zeros(); 4], reach, self == Self::PointTriangle)
     }
 
     /// The largest safe fraction of the motion `dx` \[m\] of a pair of this kind at `x` \[m\] (`mesh::motion`).

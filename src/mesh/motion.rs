@@ -80,7 +80,7 @@ fn safe_fraction<const N: usize>(
 
 /// Whether the boxes swept by the two pieces are more than `floor` apart on some axis: most pairs end here.
 #[inline(always)]
-fn stay_apart_on_an_axis(x: &[Vec3; 4], dx: &[Vec3; 4], floor: f64, first_is_point: bool) -> bool {
+pub(crate) fn stay_apart_on_an_axis(x: &[Vec3; 4], dx: &[Vec3; 4], floor: f64, first_is_point: bool) -> bool {
     for axis in 0..3 {
         let low = |i: usize| x[i][axis] + dx[i][axis].min(0.0);
         let high = |i: usize| x[i][axis] + dx[i][axis].max(0.0);

@@ -217,6 +217,22 @@ impl Problem<'_> {
         contact.add_hessian(x, &mut work.matrix);
     }
 
+    /// Assembles the system at `x`; the gradient [N].
+    pub(super) fn linearise(
+        &self,
+        x: &[Vec3],
+        contact: &Contact,
+        work: &mut Workspace,
+        report: &mut NewtonReport,
+    ) -> Vec<Vec3> {
+        let clock = std::time::Instant::now();
+        let g = self.gradient(x, contact);
+        report.residual = g.iter().map(|g| g.amax()).fold(0.0, f64::max);
+        self.assemble(x, contact, work);
+        report.seconds[0] += clock.elapsed().as_secs_f64();
+        g
+    }
+
     /// The points that still have energy to gain, one flag per point, and those that they are coupled to; `None` if
     /// they are many.
     ///
@@ -306,11 +322,7 @@ impl Problem<'_> {
         // Local iterations are cheap: they count for less.
         let spent = |report: &NewtonReport| report.iterations + report.local_iterations / LOCAL_FOR_WHOLE;
         while spent(&report) < options.most_iterations {
-            let clock = std::time::Instant::now();
-            let g = self.gradient(x, contact);
-            report.residual = g.iter().map(|g| g.amax()).fold(0.0, f64::max);
-            self.assemble(x, contact, work);
-            report.seconds[0] += clock.elapsed().as_secs_f64();
+            let g = self.linearise(x, contact, work, &mut report);
             let clock = std::time::Instant::now();
             let part = if whole_went { self.restless(&g, options.energy, work) } else { None };
             let local = part.and_then(|part| self.local_direction(x, &g, &part, work));

@@ -22,11 +22,7 @@ impl Problem<'_> {
             return report;
         }
         for round in 0..ROUNDS {
-            let clock = std::time::Instant::now();
-            let g = self.gradient(x, contact);
-            report.residual = g.iter().map(|g| g.amax()).fold(0.0, f64::max);
-            self.assemble(x, contact, work);
-            report.seconds[0] += clock.elapsed().as_secs_f64();
+            let g = self.linearise(x, contact, work, &mut report);
             let clock = std::time::Instant::now();
             // The first guess is what the cloth would do without forces: sweeps carry no motion of the whole far.
             let guess: Vec<Vec3> = match self.inertia {

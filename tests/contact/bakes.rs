@@ -92,10 +92,8 @@ pub fn t_shirt(wear: &str, points: usize, seed: u64) -> Outcome {
         read_asset(mesh, &bytes, &ReadOptions::default(), &mut |_: &str| Ok(Vec::new())).expect("is a mesh");
     let (mut garment, _) = Garment::from_asset(&asset).expect("is a garment");
     let mut draw = Draw::new(seed);
-    let edge = |[a, b]: [PointIndex; 2]| (garment.points[a.at()] - garment.points[b.at()]).norm();
-    let mean =
-        garment.topology.edges.iter().map(|e| edge(*e)).sum::<f64>() / garment.topology.edges.len() as f64;
-    garment.points.iter_mut().for_each(|x| *x += draw.vector() * (0.02 * mean));
+    let edge = garment.mean_edge();
+    garment.points.iter_mut().for_each(|x| *x += draw.vector() * (0.02 * edge));
     let text = std::fs::read_to_string(folder.join("wear").join(wear)).expect("is in the repository");
     watched(wear, &garment, crease::fabric::DEFAULT_FABRIC, &text)
 }

@@ -1,7 +1,7 @@
 //! Strips that swing, against the chain of physics.md 4.5 that was integrated elsewhere to 1e-12.
 
 use crate::reference;
-use crease::chart::trial::{self, Outcome, Scene, Setting, Swing};
+use crease::chart::trial::{self, Outcome, Setting, Swing};
 use crease::math::Vec3;
 use crease::solve::Method;
 
@@ -10,7 +10,7 @@ const TIPS: [(Swing, [f64; 2]); 2] =
     [(Swing::SWING_30, [-0.257_877_48, -0.411_313_45]), (Swing::RELEASE_90, [-0.438_309_01, -0.235_632_86])];
 
 fn run(swing: Swing, method: Method, step: f64, tolerance: f64) -> Outcome {
-    trial::run(&Wide(swing), &Setting::fixed(method, step, tolerance)).expect("the scene can be made")
+    trial::run(&wide(swing), &Setting::fixed(method, step, tolerance)).expect("the scene can be made")
 }
 
 fn tip(outcome: &Outcome) -> Vec3 {
@@ -104,7 +104,7 @@ fn one_iteration_draws_a_stiff_strip_out() {
     // The scene fails where cloth is drawn out; here that is what is measured.
     let strain = |method| {
         let h = 1.0 / 60.0;
-        trial::run(&Wide(swing), &Setting::fixed(method, h, 1e-9)).expect("runs").largest_strain
+        trial::run(&wide(swing), &Setting::fixed(method, h, 1e-9)).expect("runs").largest_strain
     };
     let (once, converged) = (strain(Method::BackwardEulerOnce), strain(Method::BackwardEuler));
     println!("largest strain: one iteration {once:.5} (0.0733), converged {converged:.6} (0.00103)");
@@ -112,28 +112,9 @@ fn one_iteration_draws_a_stiff_strip_out() {
     assert!((converged / 0.001_03 - 1.0).abs() < 0.01 && converged < swing.honest_strain());
 }
 
-/// A swing without a bound on its strain.
-struct Wide(Swing);
-
-impl Scene for Wide {
-    fn name(&self) -> &'static str {
-        self.0.name()
-    }
-    fn until(&self) -> f64 {
-        self.0.until()
-    }
-    fn size(&self) -> f64 {
-        self.0.size()
-    }
-    fn strain_bound(&self) -> f64 {
-        f64::INFINITY
-    }
-    fn begin(&self) -> crease::Result<trial::Actors> {
-        self.0.begin()
-    }
-    fn drive(&self, t: f64, x: &[Vec3]) -> crease::wear::Drive {
-        self.0.drive(t, x)
-    }
+/// `swing` without a bound on its strain.
+fn wide(swing: Swing) -> Swing {
+    Swing { bears: Some(f64::INFINITY), ..swing }
 }
 
 /// Promise: the first mode of a hanging strip of 32 quads without bending stiffness has omega sqrt(L/g) = 1.20207 (the lumped
@@ -170,7 +151,7 @@ fn a_hanging_strip_has_the_first_mode_of_the_chain() {
     let start: Vec<Vec3> = (0..66)
         .map(|p| Vec3::new((p / 2) as f64 * length / 32.0 * 1f64.to_radians().sin(), 0.0, 0.0))
         .collect();
-    let end = trial::run(&Wide(swing), &Setting::fixed(Method::Sdirk2, 1e-3, 1e-12)).expect("runs");
+    let end = trial::run(&wide(swing), &Setting::fixed(Method::Sdirk2, 1e-3, 1e-12)).expect("runs");
     // Between three quarters of a period and a whole one.
     let phase = std::f64::consts::TAU - (amplitude(&end.x) / amplitude(&start)).acos();
     let found = phase / until * (length / gravity).sqrt();

@@ -72,16 +72,8 @@ impl FoldThrice {
 
     /// Root mean square over the hinges, by the area they stand for, of the difference of two memories' rest angles [rad].
     pub fn rest_angle_error(&self, a: &Baked, b: &Baked) -> f64 {
-        let area: Vec<f64> =
-            self.garment.material.iter().map(|m| 0.5 * (m[1] - m[0]).perp(&(m[2] - m[0])).abs()).collect();
         let rest = a.worn.memory.rest_angle.iter().zip(&b.worn.memory.rest_angle);
-        let (mut sum, mut whole) = (0.0, 0.0);
-        for ((a, b), hinge) in rest.zip(&self.garment.topology.hinges) {
-            let weight: f64 = hinge.triangles.iter().map(|f| area[*f as usize] / 3.0).sum();
-            sum += weight * (a - b) * (a - b);
-            whole += weight;
-        }
-        (sum / whole).sqrt()
+        self.mean_by_area(rest.map(|(a, b)| (a - b) * (a - b))).sqrt()
     }
 
     /// Root mean square of the rest angles themselves, by area [rad]: what errors compare with.
@@ -94,13 +86,18 @@ impl FoldThrice {
     /// Mean magnitude of what wear changed the rest angles by, by area [rad]: how much the garment remembers.
     pub fn rest_angle_mean(&self, a: &Baked) -> f64 {
         let memory = &a.worn.memory;
+        let changed = memory.rest_angle.iter().zip(&memory.source_angle);
+        self.mean_by_area(changed.map(|(rest, source)| (rest - source).abs()))
+    }
+
+    /// Mean of one value per hinge, by the area each stands for.
+    fn mean_by_area(&self, values: impl Iterator<Item = f64>) -> f64 {
         let area: Vec<f64> =
             self.garment.material.iter().map(|m| 0.5 * (m[1] - m[0]).perp(&(m[2] - m[0])).abs()).collect();
-        let changed = memory.rest_angle.iter().zip(&memory.source_angle);
         let (mut sum, mut whole) = (0.0, 0.0);
-        for ((rest, source), hinge) in changed.zip(&self.garment.topology.hinges) {
+        for (value, hinge) in values.zip(&self.garment.topology.hinges) {
             let weight: f64 = hinge.triangles.iter().map(|f| area[*f as usize] / 3.0).sum();
-            sum += weight * (rest - source).abs();
+            sum += weight * value;
             whole += weight;
         }
         sum / whole

@@ -31,6 +31,8 @@ pub struct Swing {
     pub bend: f64,
     /// Time at the end [s].
     pub until: f64,
+    /// Strain beyond which it has failed [-]; `None` for what is clearly of the method ([`Self::honest_strain`]).
+    pub bears: Option<f64>,
 }
 
 impl Swing {
@@ -44,6 +46,7 @@ impl Swing {
         quads: 20,
         bend: 1e-4,
         until: 0.5,
+        bears: None,
     };
     /// Let go from level.
     pub const RELEASE_90: Self = Self { name: "release90", degrees: 90.0, ..Self::SWING_30 };
@@ -77,7 +80,7 @@ impl Scene for Swing {
     }
 
     fn strain_bound(&self) -> f64 {
-        self.honest_strain().max(0.02)
+        self.bears.unwrap_or_else(|| self.honest_strain().max(0.02))
     }
 
     fn begin(&self) -> Result<Actors> {

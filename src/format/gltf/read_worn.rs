@@ -76,9 +76,13 @@ fn primitive<'a>(document: &'a GltfDocument, piece: &SourcePiece) -> &'a Value {
 
 /// The worn target of a piece.
 pub(super) fn worn_target<'a>(document: &'a GltfDocument, piece: &SourcePiece) -> Option<&'a Value> {
+    primitive(document, piece)["targets"].get(worn_target_index(document, piece)?)
+}
+
+/// Its place among the targets.
+pub(super) fn worn_target_index(document: &GltfDocument, piece: &SourcePiece) -> Option<usize> {
     let names = document.json["meshes"][piece.mesh]["extras"]["targetNames"].as_array()?;
-    let index = names.iter().rposition(|name| name == WORN_TARGET)?;
-    primitive(document, piece)["targets"].get(index)
+    names.iter().rposition(|name| name == WORN_TARGET)
 }
 
 /// All numbers of an accessor, row by row; `None` if none is named.

@@ -200,9 +200,9 @@ fn smallest_rotation(from: Vec3, to: Vec3) -> Mat3 {
     half_turn(halfway) * half_turn(from)
 }
 
-/// A unit vector across unit `v`: built from its smallest component, so never near zero.
-fn across(v: Vec3) -> Vec3 {
-    v.cross(&Vec3::ith(v.iamin(), 1.0)).normalize()
+/// A unit vector across unit `v`: built from its smallest component, so never near zero. Any for a zero, as a file may hold.
+pub(super) fn across(v: Vec3) -> Vec3 {
+    v.cross(&Vec3::ith(v.iamin(), 1.0)).try_normalize(0.0).unwrap_or_else(Vec3::x)
 }
 
 fn unit(v: Vec3) -> Option<Vec3> {

@@ -15,7 +15,7 @@ mod texels;
 
 use super::accessor::Accessors;
 use super::append::{Appender, Purpose};
-use super::read_worn::{column, keep_worn_pieces, worn_target};
+use super::read_worn::{column, keep_worn_pieces, worn_target, worn_target_index};
 use super::worn_target::{LinearParts, WornShape};
 use crate::format::{GltfDocument, Placement, ReadOptions, SourceAsset, SourcePiece, read_asset};
 use crate::garment::{Garment, WornGarment};
@@ -297,11 +297,6 @@ impl<'a> Surface<'a> {
         primitive["attributes"]["TANGENT"] = json!(base);
         primitive["targets"][self.target]["TANGENT"] = json!(shift);
     }
-}
-
-fn worn_target_index(document: &GltfDocument, piece: &SourcePiece) -> Option<usize> {
-    let names = document.json["meshes"][piece.mesh]["extras"]["targetNames"].as_array()?;
-    names.iter().rposition(|name| name == super::WORN_TARGET)
 }
 
 fn unit_or(v: Vec3, otherwise: Vec3) -> Vec3 {

@@ -4,6 +4,7 @@
 //! picture; MikkTSpace is therefore given 1 - v. It works per corner and may want a vertex split; a file's vertices keep
 //! their number here, so a vertex gets the mean of its corners, with the handedness of most of them.
 
+use crate::format::gltf::worn_target::across;
 use crate::math::{Vec2, Vec3};
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 
@@ -82,16 +83,11 @@ pub(super) fn tangents(
     // It fails only where there is nothing to work on; then no corner has been told anything.
     let _ = generate_tangents(&mut mesh);
     let finished = mesh.sums.iter().zip(normals).map(|((sum, sign), n)| {
-        let across = sum - n * n.dot(sum);
-        let along = across.try_normalize(1e-9).unwrap_or_else(|| any_across(n));
+        let level = sum - n * n.dot(sum);
+        let along = level.try_normalize(1e-9).unwrap_or_else(|| across(*n));
         Tangent { along, handedness: if *sign < 0.0 { -1.0 } else { 1.0 } }
     });
     finished.collect()
-}
-
-/// A unit vector across `n`.
-fn any_across(n: &Vec3) -> Vec3 {
-    n.cross(&Vec3::ith(n.iamin(), 1.0)).try_normalize(0.0).unwrap_or_else(Vec3::x)
 }
 
 #[cfg(test)]
