@@ -60,6 +60,8 @@ pub fn floor(gap: f64, reach: f64) -> f64 {
 
 /// Share of the contact distance at which a new contact stops first.
 const FIRST_TOUCH: f64 = 0.5;
+/// No floor is higher than this share of the contact distance.
+pub const HIGHEST_FLOOR: f64 = FIRST_TOUCH;
 /// Share of its gap that a contact keeps at least.
 const KEPT_GAP: f64 = 0.25;
 

@@ -75,7 +75,10 @@ fn fractions_within(
     let still = Vec3::zeros();
     let mut motion: Vec<Vec3> =
         displacement.iter().zip(&sound).map(|(d, &sound)| if sound { *d } else { still }).collect();
-    let mut active: Vec<u32> = (0..quads.len().min(floors.len()) as u32).collect();
+    // Ways only ever become shorter: pairs whose swept boxes are apart at first stay so.
+    let every: Vec<u32> = (0..quads.len().min(floors.len()) as u32).collect();
+    let near = near(&every, quads, floors, points, &motion);
+    let mut active = near.clone();
     let mut first_hits = Vec::new();
     let mut fallen_back = 0;
     let mut rounds = 0;
@@ -94,28 +97,35 @@ fn fractions_within(
             break;
         }
         let slowed = slow_down(&hits, quads, displacement, &mut factor, &mut fraction, &mut motion);
-        active = touching(&slowed, quads);
+        let concerned = |k: &u32| quads[*k as usize].points.iter().any(|p| slowed[p.at()]);
+        active = near.iter().copied().filter(concerned).collect();
     }
     let least = fraction.iter().copied().fold(1.0, f64::min);
     let slowed = fraction.iter().filter(|&&f| f < 1.0).count();
     StepFractions { fraction, least, slowed, rounds, fallen_back }
 }
 
+/// Boxes around the ways of all points.
+pub fn swept_boxes(points: &[Vec3], motion: &[Vec3]) -> Vec<SweptBox> {
+    let swept = |(x, d): (&Vec3, &Vec3)| {
+        let known = x.sum().is_finite();
+        if known { SweptBox::of_point(x, &(x + d)) } else { SweptBox::EVERYWHERE }
+    };
+    points.iter().zip(motion).map(swept).collect()
+}
+
+/// Of the `active` pairs those whose swept boxes come as near as their floor, in their order.
+fn near(active: &[u32], quads: &[Quad], floors: &[f64], points: &[Vec3], motion: &[Vec3]) -> Vec<u32> {
+    let boxes = swept_boxes(points, motion);
+    let near = |&k: &u32| !stay_apart(&quads[k as usize], &boxes, floors[k as usize]);
+    let of_chunk = |chunk: &[u32]| -> Vec<u32> { chunk.iter().copied().filter(near).collect() };
+    let parts: Vec<Vec<u32>> = active.par_chunks(CHUNK).map(of_chunk).collect();
+    parts.concat()
+}
+
 /// Of the `active` pairs those that are not free, with the fraction each may go, in the order of `active`.
 fn hits(active: &[u32], quads: &[Quad], floors: &[f64], points: &[Vec3], motion: &[Vec3]) -> Vec<(u32, f64)> {
-    // Boxes first: of a million pairs nearly all end there.
-    let boxes: Vec<SweptBox> = points
-        .iter()
-        .zip(motion)
-        .map(|(x, d)| {
-            let known = x.sum().is_finite();
-            if known { SweptBox::of_point(x, &(x + d)) } else { SweptBox::EVERYWHERE }
-        })
-        .collect();
     let test = |&k: &u32| {
-        if stay_apart(&quads[k as usize], &boxes, floors[k as usize]) {
-            return None;
-        }
         let t = quads[k as usize].step(points, motion, floors[k as usize]);
         (t < 1.0).then_some((k, t))
     };
@@ -124,9 +134,9 @@ fn hits(active: &[u32], quads: &[Quad], floors: &[f64], points: &[Vec3], motion:
     parts.concat()
 }
 
-/// Whether the boxes swept by the two pieces of a pair are further apart than its floor.
+/// Whether the boxes swept by the two pieces of a pair are further apart than its floor [m].
 #[inline]
-fn stay_apart(quad: &Quad, boxes: &[SweptBox], floor: f64) -> bool {
+pub fn stay_apart(quad: &Quad, boxes: &[SweptBox], floor: f64) -> bool {
     let [a, b, c, d] = quad.points.map(|p| &boxes[p.at()]);
     let (first, second) = match quad.kind {
         PairKind::PointTriangle => (*a, b.joined(c).joined(d)),
@@ -161,21 +171,6 @@ fn slow_down(
         }
     }
     slowed
-}
-
-/// The pairs with at least one point that was slowed.
-fn touching(slowed: &[bool], quads: &[Quad]) -> Vec<u32> {
-    let concerned = |quad: &Quad| quad.points.iter().any(|p| slowed[p.at()]);
-    let every: Vec<&[Quad]> = quads.chunks(CHUNK).collect();
-    let parts: Vec<Vec<u32>> = every
-        .par_iter()
-        .enumerate()
-        .map(|(part, chunk)| {
-            let indices = (part * CHUNK) as u32..;
-            indices.zip(chunk.iter()).filter(|(_, quad)| concerned(quad)).map(|(k, _)| k).collect()
-        })
-        .collect();
-    parts.concat()
 }
 
 /// Gives every connected part that still has a hit one fraction: the smallest that any of its pairs got in the first

@@ -27,6 +27,7 @@ pub use friction::KeptStretch;
 use friction::{Friction, Slider, spread};
 use pairs::{PairContact, Touch};
 use places::Places;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
@@ -258,7 +259,7 @@ impl Contact {
         if settings.friction <= 0.0 && settings.friction_body <= 0.0 {
             return;
         }
-        for t in self.pairs.iter().flat_map(|pairs| pairs.touches(x)) {
+        for t in self.touches(x).iter() {
             let with_body = is_with_body(&t.points, x.len());
             let coefficient = if with_body { settings.friction_body } else { settings.friction };
             if coefficient > 0.0 {
@@ -382,6 +383,10 @@ impl Contact {
         }
     }
 
+    fn touches(&self, x: &[Vec3]) -> Arc<Vec<Touch>> {
+        self.pairs.as_ref().map(|pairs| pairs.touches(x)).unwrap_or_default()
+    }
+
     fn ground_stiffness(&self, p: usize) -> f64 {
         self.settings.stiffness * self.area[p]
     }
@@ -423,7 +428,7 @@ impl Contact {
             }
         }
         if let Some(pairs) = &self.pairs {
-            for t in pairs.touches(x) {
+            for t in pairs.touches(x).iter() {
                 let force = t.normal * barrier::slope(t.distance, t.reach, t.stiffness);
                 spread(out, &t.points, &t.weights, &force);
             }
@@ -445,7 +450,7 @@ impl Contact {
             }
         }
         if let Some(pairs) = &self.pairs {
-            for t in pairs.touches(x) {
+            for t in pairs.touches(x).iter() {
                 let k = barrier::curvature(t.distance, t.reach, t.stiffness);
                 let block = t.normal * t.normal.transpose() * k;
                 friction::add_weighted(out, x.len(), &t.points, &t.weights, &block);
@@ -465,7 +470,9 @@ impl Contact {
             visit(&cloth);
         };
         if let Some(pairs) = &self.pairs {
-            pairs.touches_within(x, margin).iter().for_each(|t: &Touch| visit_cloth(&t.points));
+            let near =
+                if margin > 1.0 { Arc::new(pairs.touches_within(x, margin)) } else { pairs.touches(x) };
+            near.iter().for_each(|t| visit_cloth(&t.points));
         }
         for s in self.friction.sliders.iter().filter(|s| s.kind.is_some()) {
             visit_cloth(&s.points);
@@ -487,7 +494,7 @@ impl Contact {
             let cloth = points.iter().zip(weights).filter(|(p, _)| (**p as usize) < x.len());
             cloth.map(|(_, w)| w).sum::<f64>()
         };
-        for t in self.pairs.iter().flat_map(|pairs| pairs.touches(x)) {
+        for t in self.touches(x).iter() {
             if is_with_body(&t.points, x.len()) {
                 let force = t.normal * barrier::slope(t.distance, t.reach, t.stiffness);
                 forces.body -= force * on_cloth(&t.points, &t.weights);

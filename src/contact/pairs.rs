@@ -7,7 +7,7 @@
 use super::ContactSettings;
 use super::barrier;
 use super::body::{Body, edge_area};
-use super::bound::local_step_fractions;
+use super::bound::{local_step_fractions, stay_apart, swept_boxes};
 use super::candidates::{CandidateFinder, Candidates, CandidatesBetween, PairKind, Quad};
 use super::entangled::{Entangled, Mesh};
 use super::places::Places;
@@ -16,6 +16,7 @@ use crate::mesh::distance::Gap;
 use crate::mesh::tree::TriangleTree;
 use crate::mesh::{PointIndex, Topology};
 use rayon::prelude::*;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// A pair within its contact distance.
 #[derive(Debug, Clone, Copy)]
@@ -33,6 +34,13 @@ pub(super) struct Touch {
     pub reach: f64,
     /// [N/m].
     pub stiffness: f64,
+}
+
+/// What touches at one place.
+struct TouchesAt {
+    /// [m].
+    x: Vec<Vec3>,
+    touches: Arc<Vec<Touch>>,
 }
 
 /// A pair that may come near.
@@ -63,6 +71,8 @@ pub(super) struct PairContact {
     /// Whether the body takes part.
     body_acts: bool,
     pairs: Vec<Pair>,
+    /// What touched when last asked, if that still holds.
+    last_touches: Mutex<Option<TouchesAt>>,
     /// Points that stay where they are during the step, one flag per point; empty for none.
     asleep: Vec<bool>,
     /// Per point: contact distance at most [m]; less than the thickness where something was nearer at the start.
@@ -130,6 +140,7 @@ impl PairContact {
             body: None,
             body_acts: false,
             pairs: Vec::new(),
+            last_touches: Mutex::default(),
             asleep: Vec::new(),
             room: vec![settings.distance; rest.len()],
             clear: None,
@@ -139,6 +150,7 @@ impl PairContact {
     }
 
     pub fn set_body(&mut self, body: Option<Body>) {
+        self.forget_touches();
         self.body = body;
         self.body_acts = false;
     }
@@ -149,6 +161,7 @@ impl PairContact {
 
     /// See [`super::Contact::aim_body`].
     pub fn aim_body(&mut self, target: Option<&[Vec3]>) {
+        self.forget_touches();
         let acts = target.is_some() && self.body.is_some();
         if acts && !self.body_acts {
             // Whoever brings a body in may have put it anywhere.
@@ -162,6 +175,7 @@ impl PairContact {
 
     /// See [`super::Contact::keep_crossings`].
     pub fn keep_crossings(&mut self) {
+        self.forget_touches();
         self.entangled = Some(Entangled::default());
         self.room.fill(self.distance);
     }
@@ -194,6 +208,7 @@ impl PairContact {
 
     /// Starts a step in which the points that are `held` do not move: what crosses, and who is near.
     pub fn begin(&mut self, x: &[Vec3], held: &[bool]) {
+        self.forget_touches();
         self.asleep.clear();
         self.asleep.extend_from_slice(held);
         let first = self.entangled.is_none();
@@ -286,6 +301,7 @@ impl PairContact {
 
     /// The step of `h` seconds is over at `x`.
     pub fn accept(&mut self, x: &[Vec3], h: f64) {
+        self.forget_touches();
         if self.room.iter().any(|room| *room < self.distance) {
             self.let_room_grow(x, h);
         }
@@ -356,12 +372,15 @@ impl PairContact {
         let corners = |f: u32| self.triangles[f as usize].map(|c| c.0);
         let edge = |e: u32| self.edges[e as usize];
         let entangled = self.entangled.as_ref().filter(|e| !e.is_empty());
-        let pair = |kind, points: [u32; 4], area, free: &dyn Fn(&Entangled) -> bool| {
+        let pair = |kind: PairKind, points: [u32; 4], area, free: &dyn Fn(&Entangled) -> bool| {
             let room = points.iter().filter_map(|p| self.room.get(*p as usize)).copied();
             let mut reach = room.fold(self.distance, f64::min);
             if points.iter().all(|p| *p < count) {
-                let rest = Places { cloth: &self.rest, body: &[] };
-                reach = reach.min(REST_SHARE * gap(rest, &points, kind).distance);
+                // Few pairs are near at rest, and their boxes say so.
+                let rest = points.map(|p| self.rest[p as usize]);
+                if !kind.apart_on_an_axis(&rest, reach / REST_SHARE) {
+                    reach = reach.min(REST_SHARE * kind.gap(&rest).distance);
+                }
             }
             Pair { points, kind, reach, area, free: entangled.is_some_and(free) }
         };
@@ -404,9 +423,21 @@ impl PairContact {
 
     // ---- Response ----
 
-    /// All pairs within their contact distance at `x`, in a fixed order.
-    pub fn touches(&self, x: &[Vec3]) -> Vec<Touch> {
-        self.touches_within(x, 1.0)
+    /// All pairs within their contact distance at `x`, in a fixed order. Those of the last place asked for are kept:
+    /// value, gradient and Hessian of one place are asked for one by one.
+    pub fn touches(&self, x: &[Vec3]) -> Arc<Vec<Touch>> {
+        let mut last = self.last_touches.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = last.as_ref().filter(|known| known.x == x) {
+            return Arc::clone(&known.touches);
+        }
+        let touches = Arc::new(self.touches_within(x, 1.0));
+        *last = Some(TouchesAt { x: x.to_vec(), touches: Arc::clone(&touches) });
+        touches
+    }
+
+    /// The touches kept are those of other pairs, other distances or another place of the body.
+    fn forget_touches(&mut self) {
+        *self.last_touches.get_mut().unwrap_or_else(PoisonError::into_inner) = None;
     }
 
     /// The same for pairs within `margin` times their contact distance (as far as they are candidates).
@@ -494,6 +525,7 @@ impl PairContact {
 
     /// Moves the cloth by `d` and the body towards its target, each point as far as all stay apart.
     pub fn advance(&mut self, x: &mut [Vec3], d: &[Vec3]) {
+        self.forget_touches();
         // Without a body the cloth alone goes, and presses no layer any farther.
         let acts = self.acting().is_some();
         let (before, body_way) = self.acting().map(|body| (body.now.clone(), body.way())).unwrap_or_default();
@@ -522,23 +554,30 @@ impl PairContact {
         let places = self.places(x);
         let nothing_passes = matches!(rule, Rule::Together | Rule::LedFrozen);
         let led = body_way.is_some();
+        let mut motion = d.to_vec();
+        motion.extend_from_slice(body_way.unwrap_or(&[]));
+        motion.resize(x.len() + places.body.len(), Vec3::zeros());
+        let from = places.joined();
+        let boxes = swept_boxes(&from, &motion);
         let (quads, floors) = self
             .pairs
             .par_iter()
             .filter(|pair| nothing_passes || !pair.free)
-            .map(|pair| {
+            .filter_map(|pair| {
+                let quad = Quad { kind: pair.kind, points: pair.points.map(PointIndex) };
+                // Most pairs stay farther apart than any floor, and their boxes say so.
+                if stay_apart(&quad, &boxes, barrier::HIGHEST_FLOOR * pair.reach) {
+                    return None;
+                }
                 let near = gap(places, &pair.points, pair.kind).distance;
                 let mut floor = barrier::floor(near, pair.reach);
                 if led {
                     floor = floor.max((SQUEEZED * pair.reach).min((1.0 - BARELY) * near));
                 }
-                (Quad { kind: pair.kind, points: pair.points.map(PointIndex) }, floor)
+                Some((quad, floor))
             })
             .unzip();
-        let mut motion = d.to_vec();
-        motion.extend_from_slice(body_way.unwrap_or(&[]));
-        motion.resize(x.len() + places.body.len(), Vec3::zeros());
-        Way { quads, floors, from: places.joined(), motion }
+        Way { quads, floors, from, motion }
     }
 }
 

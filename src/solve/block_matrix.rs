@@ -221,7 +221,7 @@ impl BlockSink for BlockMatrix {
         let from = self.start[row as usize] as usize;
         let columns = &self.column[from..self.start[row as usize + 1] as usize];
         // A block outside the pattern would be a stencil its energy did not announce.
-        let Some(k) = columns.iter().position(|&x| x == col) else {
+        let Ok(k) = columns.binary_search(&col) else {
             debug_assert!(false, "block ({i}, {j}) is outside the pattern");
             return;
         };

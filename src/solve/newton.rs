@@ -377,6 +377,10 @@ impl Problem<'_> {
             report.seconds[2] += clock.elapsed().as_secs_f64();
             let clock = std::time::Instant::now();
             let slope: f64 = g.iter().zip(&way).map(|(g, d)| g.dot(d)).sum();
+            if slope > 0.0 && !together {
+                // The cuts have spoiled it.
+                continue;
+            }
             let least = if together { 0.0 } else { LEAST_SHARE };
             moved = self.line_search(x, &way, slope, least, value, contact);
             report.seconds[0] += clock.elapsed().as_secs_f64();
