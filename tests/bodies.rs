@@ -157,3 +157,40 @@ fn a_given_motion_is_remembered_without_simulation() {
     without.arg("remember").arg(&frames).arg("-o").arg(&out);
     assert!(message(without).contains("--fps"));
 }
+
+/// Frames number their vertices by their faces, a glTF as it likes: the frames of a run at rest are rest, not a motion.
+#[test]
+fn frames_of_a_run_are_of_the_garment_they_came_from() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    let garments = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("garments");
+    let sleeve = garments.join("sleeve.glb");
+    std::fs::write(at("w.json"), r#"{"format": "crease-wear/1", "actions": [{"settle": {"for": 0.1}}]}"#)
+        .expect("writes");
+    let crease = || Command::new(env!("CARGO_BIN_EXE_crease"));
+    let mut bake = crease();
+    bake.arg("bake").arg(&sleeve).arg("--wear").arg(at("w.json")).arg("--frames").arg(at("frames"));
+    bake.args(["--garment", "sleeve", "--fps", "20", "--quiet", "-o"]).arg(at("run.glb")).assert().success();
+    // One pose, held for three seconds.
+    let mut frames: Vec<_> =
+        std::fs::read_dir(at("frames")).expect("is there").map(|e| e.expect("reads").path()).collect();
+    frames.sort();
+    std::fs::create_dir(at("held")).expect("makes it");
+    for k in 0..4 {
+        std::fs::copy(&frames[0], at("held").join(format!("frame_{k}.obj"))).expect("copies");
+    }
+    let mut remember = crease();
+    remember.arg("remember").arg(at("held")).arg("--mesh").arg(&sleeve).args(["--garment", "sleeve"]);
+    remember.args(["--fps", "1", "--quiet", "-o"]).arg(at("out.glb")).assert().success();
+    let text = std::fs::read_to_string(at("out.report.json")).expect("is written");
+    let report: serde_json::Value = serde_json::from_str(&text).expect("is JSON");
+    assert_eq!(report["events"]["gradual"], 0);
+    assert_eq!(report["events"]["critical"], 0);
+    // Without the garment that the frames are of.
+    let mut other = crease();
+    other.arg("remember").arg(at("held")).arg("--mesh").arg(garments.join("handkerchief.glb"));
+    let output =
+        other.args(["--fps", "1", "-o"]).arg(at("no.glb")).assert().code(1).get_output().stderr.clone();
+    let told = String::from_utf8_lossy(&output).into_owned();
+    assert!(told.contains("are not of the garment") && told.contains("3040 vertices"), "{told}");
+}

@@ -12,12 +12,13 @@ use crease::bake::{Baked, Motion, remember};
 use crease::body::rig::Rig;
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
 use crease::format::gltf::{read_rig, write_worn_glb};
-use crease::format::{Sidecar, SourcePiece, sequence, write_sidecar};
+use crease::format::{Sidecar, SourceAsset, SourcePiece, sequence, write_sidecar};
 use crease::math::Vec3;
 use crease::mesh::crossings::crossings;
 use crease::report::{Report, crossing_counts};
 use crease::{Error, Result};
 use serde_json::{Value, json};
+use std::collections::HashMap;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -122,8 +123,8 @@ struct Job {
 
 /// Where positions come from.
 enum Source {
-    /// Per frame: one place per vertex of the garment, or per point.
-    Frames { frames: Vec<Vec<Vec3>>, per_point: bool },
+    /// Per frame: its places; per point of the garment: which of them is its own (none for a point without triangles).
+    Frames { frames: Vec<Vec<Vec3>>, vertex_of: Vec<Option<u32>> },
     /// A clip of a rig whose vertices are the garment's.
     Clip { rig: Box<Rig>, clip: usize },
 }
@@ -143,11 +144,13 @@ impl Job {
             first_vertex.iter().zip(&garment.points).map(place).collect()
         };
         let mut frame = |k: usize| match source {
-            Source::Frames { frames, per_point } => match frames.get(k) {
-                Some(frame) if *per_point => frame.clone(),
-                Some(frame) => welded(frame),
-                None => garment.points.clone(),
-            },
+            Source::Frames { frames, vertex_of } => {
+                let place = |(vertex, rest): (&Option<u32>, &Vec3)| {
+                    let vertex = vertex.and_then(|v| frames.get(k)?.get(v as usize));
+                    vertex.copied().unwrap_or(*rest)
+                };
+                vertex_of.iter().zip(&garment.points).map(place).collect()
+            }
             Source::Clip { rig, clip } => match rig.clips.get(*clip) {
                 Some(clip) => {
                     let t = k as f64 * *interval;
@@ -191,19 +194,57 @@ fn of_frames(arguments: &Arguments) -> Result<Job> {
     let Some(first) = assets.first() else { return Err(Error::fault(folder, "", "has no frames", "")) };
     let path = arguments.mesh.clone().unwrap_or_else(|| PathBuf::from(&first.file));
     let mesh = MeshFile::read(&path, &arguments.reading)?;
-    let count = frames.first().map_or(0, Vec::len);
-    let (points, vertices) = (mesh.garment.points.len(), mesh.garment.source_point.len());
-    if count != points && count != vertices {
-        let what = format!(
-            "its frames have {count} vertices, the garment {} has {vertices} ({points} points)",
-            path.display()
-        );
+    let Some(vertex_of) = vertex_of_point(&mesh, first) else {
+        let count = |asset: &SourceAsset| {
+            let pieces = || asset.worn_pieces();
+            let vertices: usize = pieces().map(|piece| piece.positions.len()).sum();
+            let triangles: usize = pieces().map(|piece| piece.triangles.len()).sum();
+            format!("{vertices} vertices in {triangles} triangles")
+        };
+        let (frame, own) = (count(first), count(&mesh.asset));
+        let what = format!("its frames ({frame}) are not of the garment {} ({own})", path.display());
         let cure = "give the mesh that the frames are of with --mesh (and --garment), or leave it out";
         return Err(Error::fault(folder, "", what, cure));
-    }
-    let per_point = count == points && count != vertices;
+    };
     let frame_count = frames.len();
-    Ok(Job { mesh, path, source: Source::Frames { frames, per_point }, interval: 1.0 / rate, frame_count })
+    Ok(Job { mesh, path, source: Source::Frames { frames, vertex_of }, interval: 1.0 / rate, frame_count })
+}
+
+/// Per point of the garment: its vertex in `frame`, found corner by corner, as files number their vertices as they
+/// like. The triangles of `frame` are those of the garment (frames of a run) or those of its file; `None` if neither.
+fn vertex_of_point(mesh: &MeshFile, frame: &SourceAsset) -> Option<Vec<Option<u32>>> {
+    let garment = &mesh.garment;
+    let corners = numbered_triangles(frame);
+    let own: Vec<[u32; 3]> = garment.triangles.iter().map(|t| t.map(|p| p.0)).collect();
+    let point_of = |v: u32| garment.source_point.get(v as usize).map(|p| p.0);
+    let of_file: Option<Vec<[u32; 3]>> = numbered_triangles(&mesh.asset)
+        .into_iter()
+        .map(|[a, b, c]| Some([point_of(a)?, point_of(b)?, point_of(c)?]))
+        .collect();
+    std::iter::once(own).chain(of_file).find_map(|triangles| {
+        if triangles.len() != corners.len() {
+            return None;
+        }
+        let mut point_of: HashMap<u32, u32> = HashMap::new();
+        let mut vertex_of = vec![None; garment.points.len()];
+        for (&vertex, &point) in corners.iter().flatten().zip(triangles.iter().flatten()) {
+            if *point_of.entry(vertex).or_insert(point) != point {
+                return None;
+            }
+            vertex_of.get_mut(point as usize)?.get_or_insert(vertex);
+        }
+        Some(vertex_of)
+    })
+}
+
+/// Triangles of the worn pieces, their vertices counted through.
+fn numbered_triangles(asset: &SourceAsset) -> Vec<[u32; 3]> {
+    let (mut all, mut first) = (Vec::new(), 0);
+    for piece in asset.worn_pieces() {
+        all.extend(piece.triangles.iter().map(|t| t.map(|v| first + v)));
+        first += piece.positions.len() as u32;
+    }
+    all
 }
 
 /// An animated glTF.
