@@ -53,7 +53,7 @@ impl Quality {
             Self::Reference => StepOptions {
                 error: 1e-4,
                 shortest: 1.0 / 120.0,
-                newton: NewtonOptions { tolerance: 1e-5, most_iterations: 16, ..standard.newton },
+                newton: NewtonOptions { tolerance: 1e-5, most_iterations: 100, ..standard.newton },
                 ..standard
             },
         }

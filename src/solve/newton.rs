@@ -26,7 +26,7 @@ pub struct NewtonOptions {
 
 impl Default for NewtonOptions {
     fn default() -> Self {
-        Self { tolerance: 3e-5, energy: 0.0, most_iterations: 6 }
+        Self { tolerance: 3e-5, energy: 0.0, most_iterations: 40 }
     }
 }
 

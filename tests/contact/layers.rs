@@ -70,7 +70,6 @@ pub fn wring(points: usize, turns: f64, seed: u64) -> Run {
     let mut run = Run::new(&pattern, COTTON, 4.0);
     // A rope of pressed layers: what a step leaves unsolved the next goes on with, as in a bake.
     run.stepper.options.shortest = 1.0 / 120.0;
-    run.stepper.options.newton.most_iterations = 6;
     let rings: Vec<(u32, Vec3, bool)> = (0..around)
         .map(|i| (i as u32, false))
         .chain((0..around).map(|i| ((along * around + i) as u32, true)))
