@@ -26,6 +26,7 @@ use crate::fabric::{EventCount, Fabric};
 use crate::garment::{Garment, RestShape, WornGarment};
 use crate::math::Vec3;
 use crate::memory::{Memory, Observed, Remembering};
+use crate::mesh::crossings::crossings;
 use crate::solve::{Cloth, State, StepOptions, Stepper};
 use crate::wear::{Action, GRAVITY, Gesture, Posture, Scene, WearScript};
 use checkpoint::{STEPS_BETWEEN, Way};
@@ -441,6 +442,7 @@ impl Run<'_> {
 
     /// Shows the cloth at the times of frames that the last step passed, from `before`: where it began [s], [m]. Frames are
     /// evenly spaced, steps are not; where several steps are wanted in a frame's time, or the other way round, each shows once.
+    /// Straight between two accepted places layers may run through one another: then the later place is shown.
     fn frames_due(&mut self, before: &Option<(f64, Vec<Vec3>)>, observer: &mut dyn Observer) -> Result<()> {
         let Some((start, from)) = before else { return Ok(()) };
         let step = self.state.time - start;
@@ -449,8 +451,11 @@ impl Run<'_> {
         }
         while self.next_frame <= self.state.time + 1e-9 {
             let share = ((self.next_frame - start) / step.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-            let x: Vec<Vec3> = from.iter().zip(&self.state.x).map(|(a, b)| a + (b - a) * share).collect();
-            observer.frame(&x)?;
+            let between: Vec<Vec3> =
+                from.iter().zip(&self.state.x).map(|(a, b)| a + (b - a) * share).collect();
+            let crossing = |x: &[Vec3]| crossings(x, &self.garment.triangles).len();
+            let crosses = share < 1.0 && crossing(&between) > crossing(&self.state.x);
+            observer.frame(if crosses { &self.state.x } else { &between })?;
             self.frames += 1;
             self.next_frame += self.frame_every;
         }
