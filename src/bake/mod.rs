@@ -454,7 +454,8 @@ impl Run<'_> {
             let between: Vec<Vec3> =
                 from.iter().zip(&self.state.x).map(|(a, b)| a + (b - a) * share).collect();
             let crossing = |x: &[Vec3]| crossings(x, &self.garment.triangles).len();
-            let crosses = share < 1.0 && crossing(&between) > crossing(&self.state.x);
+            let count = if share < 1.0 { crossing(&between) } else { 0 };
+            let crosses = count > 0 && count > crossing(&self.state.x);
             observer.frame(if crosses { &self.state.x } else { &between })?;
             self.frames += 1;
             self.next_frame += self.frame_every;

@@ -59,6 +59,12 @@ impl Quality {
         }
     }
 
+    /// The same for cloth of so much `weight` [N], each step solved as far as this quality solves it.
+    pub fn step_for(self, weight: f64) -> StepOptions {
+        let step = self.step();
+        StepOptions { newton: NewtonOptions { energy: self.slack() * weight, ..step.newton }, ..step }
+    }
+
     /// A step is converged, too, when what energy is left to gain would not lift the garment by this [m].
     pub fn slack(self) -> f64 {
         match self {

@@ -10,7 +10,7 @@ use crate::contact::{Contact, ContactSettings};
 use crate::fabric::Fabric;
 use crate::garment::{Garment, RestShape};
 use crate::math::Vec3;
-use crate::solve::{Cloth, StepOptions, Stepper};
+use crate::solve::{Cloth, Stepper};
 use crate::wear::{GRAVITY, WearFormat, WearScript};
 
 /// A garment at rest with its memory.
@@ -73,8 +73,7 @@ fn rest(
     contact: Contact,
     hold: f64,
 ) -> Settled {
-    let mut options = StepOptions::default();
-    options.newton.energy = Quality::Standard.slack() * cloth.mass.iter().sum::<f64>() * GRAVITY;
+    let options = Quality::Standard.step_for(cloth.mass.iter().sum::<f64>() * GRAVITY);
     let mut report = BakeReport::default();
     let mut stepper = Stepper::new(cloth, contact, options);
     let displacement = bring_home(garment, fabric, &mut stepper, memory, hold, &mut report);

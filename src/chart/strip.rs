@@ -12,14 +12,14 @@
 use super::draw::BLACK;
 use super::sheet::Sheet;
 use super::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table, median};
+use crate::bake::Quality;
 use crate::contact::{Contact, ContactSettings};
 use crate::error::Result;
 use crate::fabric::{DEFAULT_FABRIC, Fabric};
 use crate::garment::{Garment, RestShape};
 use crate::math::Vec3;
 use crate::memory::{Memory, Observed, Remembering};
-use crate::bake::Quality;
-use crate::solve::{Cloth, NewtonOptions, State, StepOptions, Stepper};
+use crate::solve::{Cloth, State, StepOptions, Stepper};
 use crate::wear::{Drive, GRAVITY};
 use std::time::Instant;
 
@@ -99,10 +99,8 @@ fn stepper(garment: &Garment, fabric: &Fabric) -> Stepper {
     let contact =
         Contact::new(settings, &garment.points, &garment.triangles, &garment.topology, cloth.area.clone());
     // Steps are solved as far as a bake of the default quality solves them.
-    let quality = Quality::Standard;
-    let StepOptions { newton, .. } = quality.step();
-    let newton = NewtonOptions { energy: quality.slack() * cloth.mass.iter().sum::<f64>() * GRAVITY, ..newton };
-    let options = StepOptions { newton, shortest: STEP, longest: STEP, ..quality.step() };
+    let step = Quality::Standard.step_for(cloth.mass.iter().sum::<f64>() * GRAVITY);
+    let options = StepOptions { shortest: STEP, longest: STEP, ..step };
     Stepper::new(cloth, contact, options)
 }
 
@@ -276,7 +274,10 @@ mod tests {
         for points in [156, 603] {
             let [off, on] = [false, true].map(|remember| falls(points, &fabric, remember, 5).expect("fall"));
             assert!(off.iter().chain(&on).all(|f| f.stabilised.is_some()), "{points}: all come to rest");
-            assert!(off.iter().all(|f| f.events == 0));
+            // A strip at rest within its first second has no event yet: the median must be of runs that had some.
+            let acted = on.iter().filter(|f| f.events > 0).count();
+            println!("{points}: memory acted in {acted} of {} falls", on.len());
+            assert!(2 * acted > on.len() && off.iter().all(|f| f.events == 0));
             let [off, on] = [off, on].map(|falls| median(falls.iter().map(|f| f.steps)));
             println!("{points}: steps {off:?} without memory, {on:?} with");
             assert!(on <= off, "{points}: {on:?} against {off:?}");

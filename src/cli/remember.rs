@@ -117,45 +117,35 @@ struct Job {
     mesh: MeshFile,
     path: PathBuf,
     source: Source,
+    /// Per point of the garment: its vertex among those of the source (none for a point without triangles).
+    vertex_of: Vec<Option<u32>>,
     interval: f64,
     frame_count: usize,
 }
 
 /// Where positions come from.
 enum Source {
-    /// Per frame: its places; per point of the garment: which of them is its own (none for a point without triangles).
-    Frames { frames: Vec<Vec<Vec3>>, vertex_of: Vec<Option<u32>> },
+    /// Per frame: its places.
+    Frames(Vec<Vec<Vec3>>),
     /// A clip of a rig whose vertices are the garment's.
     Clip { rig: Box<Rig>, clip: usize },
 }
 
 impl Job {
     fn remember(&mut self, fabric: &Fabric, times: u32) -> Baked {
-        let Self { mesh, source, interval, frame_count, .. } = self;
+        let Self { mesh, source, vertex_of, interval, frame_count, .. } = self;
         let garment = &mesh.garment;
-        let mut first_vertex = vec![0usize; garment.points.len()];
-        for (vertex, point) in garment.source_point.iter().enumerate().rev() {
-            if let Some(slot) = first_vertex.get_mut(point.at()) {
-                *slot = vertex;
-            }
-        }
-        let welded = |vertices: &[Vec3]| -> Vec<Vec3> {
-            let place = |(v, rest): (&usize, &Vec3)| vertices.get(*v).copied().unwrap_or(*rest);
-            first_vertex.iter().zip(&garment.points).map(place).collect()
+        let of_points = |vertices: &[Vec3]| -> Vec<Vec3> {
+            let own = |vertex: &Option<u32>| vertex.and_then(|v| vertices.get(v as usize)).copied();
+            vertex_of.iter().zip(&garment.points).map(|(v, rest)| own(v).unwrap_or(*rest)).collect()
         };
         let mut frame = |k: usize| match source {
-            Source::Frames { frames, vertex_of } => {
-                let place = |(vertex, rest): (&Option<u32>, &Vec3)| {
-                    let vertex = vertex.and_then(|v| frames.get(k)?.get(v as usize));
-                    vertex.copied().unwrap_or(*rest)
-                };
-                vertex_of.iter().zip(&garment.points).map(place).collect()
-            }
+            Source::Frames(frames) => of_points(frames.get(k).map_or(&[], Vec::as_slice)),
             Source::Clip { rig, clip } => match rig.clips.get(*clip) {
                 Some(clip) => {
                     let t = k as f64 * *interval;
                     let pose = clip.pose(&rig.skeleton.rest(), t);
-                    welded(&rig.vertices(&pose, Some((clip, t))))
+                    of_points(&rig.vertices(&pose, Some((clip, t))))
                 }
                 None => garment.points.clone(),
             },
@@ -207,17 +197,19 @@ fn of_frames(arguments: &Arguments) -> Result<Job> {
         return Err(Error::fault(folder, "", what, cure));
     };
     let frame_count = frames.len();
-    Ok(Job { mesh, path, source: Source::Frames { frames, vertex_of }, interval: 1.0 / rate, frame_count })
+    Ok(Job { mesh, path, source: Source::Frames(frames), vertex_of, interval: 1.0 / rate, frame_count })
 }
 
 /// Per point of the garment: its vertex in `frame`, found corner by corner, as files number their vertices as they
 /// like. The triangles of `frame` are those of the garment (frames of a run) or those of its file; `None` if neither.
 fn vertex_of_point(mesh: &MeshFile, frame: &SourceAsset) -> Option<Vec<Option<u32>>> {
     let garment = &mesh.garment;
-    let corners = numbered_triangles(frame);
+    let corners = frame.worn_triangles();
     let own: Vec<[u32; 3]> = garment.triangles.iter().map(|t| t.map(|p| p.0)).collect();
     let point_of = |v: u32| garment.source_point.get(v as usize).map(|p| p.0);
-    let of_file: Option<Vec<[u32; 3]>> = numbered_triangles(&mesh.asset)
+    let of_file: Option<Vec<[u32; 3]>> = mesh
+        .asset
+        .worn_triangles()
         .into_iter()
         .map(|[a, b, c]| Some([point_of(a)?, point_of(b)?, point_of(c)?]))
         .collect();
@@ -235,16 +227,6 @@ fn vertex_of_point(mesh: &MeshFile, frame: &SourceAsset) -> Option<Vec<Option<u3
         }
         Some(vertex_of)
     })
-}
-
-/// Triangles of the worn pieces, their vertices counted through.
-fn numbered_triangles(asset: &SourceAsset) -> Vec<[u32; 3]> {
-    let (mut all, mut first) = (Vec::new(), 0);
-    for piece in asset.worn_pieces() {
-        all.extend(piece.triangles.iter().map(|t| t.map(|v| first + v)));
-        first += piece.positions.len() as u32;
-    }
-    all
 }
 
 /// An animated glTF.
@@ -278,7 +260,14 @@ fn of_clip(arguments: &Arguments) -> Result<Job> {
         return refuse(what, "give a lower rate with --fps".to_owned());
     }
     let frame_count = (length * rate).round() as usize + 1;
+    let mut vertex_of = vec![None; mesh.garment.points.len()];
+    for (vertex, point) in (0..).zip(&mesh.garment.source_point) {
+        if let Some(own) = vertex_of.get_mut(point.at()) {
+            own.get_or_insert(vertex);
+        }
+    }
     Ok(Job {
+        vertex_of,
         mesh,
         path,
         source: Source::Clip { rig: Box::new(rig), clip },

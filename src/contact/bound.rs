@@ -76,8 +76,7 @@ fn fractions_within(
     let mut motion: Vec<Vec3> =
         displacement.iter().zip(&sound).map(|(d, &sound)| if sound { *d } else { still }).collect();
     // Ways only ever become shorter: pairs whose swept boxes are apart at first stay so.
-    let every: Vec<u32> = (0..quads.len().min(floors.len()) as u32).collect();
-    let near = near(&every, quads, floors, points, &motion);
+    let near = near(quads, floors, points, &motion);
     let mut active = near.clone();
     let mut first_hits = Vec::new();
     let mut fallen_back = 0;
@@ -114,13 +113,12 @@ pub fn swept_boxes(points: &[Vec3], motion: &[Vec3]) -> Vec<SweptBox> {
     points.iter().zip(motion).map(swept).collect()
 }
 
-/// Of the `active` pairs those whose swept boxes come as near as their floor, in their order.
-fn near(active: &[u32], quads: &[Quad], floors: &[f64], points: &[Vec3], motion: &[Vec3]) -> Vec<u32> {
+/// The pairs whose swept boxes come as near as their floor, in order.
+fn near(quads: &[Quad], floors: &[f64], points: &[Vec3], motion: &[Vec3]) -> Vec<u32> {
     let boxes = swept_boxes(points, motion);
-    let near = |&k: &u32| !stay_apart(&quads[k as usize], &boxes, floors[k as usize]);
-    let of_chunk = |chunk: &[u32]| -> Vec<u32> { chunk.iter().copied().filter(near).collect() };
-    let parts: Vec<Vec<u32>> = active.par_chunks(CHUNK).map(of_chunk).collect();
-    parts.concat()
+    let pairs = quads.par_iter().zip(floors).enumerate();
+    let near = pairs.filter(|(_, (quad, floor))| !stay_apart(quad, &boxes, **floor));
+    near.map(|(k, _)| k as u32).collect()
 }
 
 /// Of the `active` pairs those that are not free, with the fraction each may go, in the order of `active`.

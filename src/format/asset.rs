@@ -117,6 +117,16 @@ impl SourceAsset {
         self.pieces.iter().filter(|piece| piece.worn)
     }
 
+    /// Triangles of the worn pieces, their vertices counted through.
+    pub fn worn_triangles(&self) -> Vec<[u32; 3]> {
+        let (mut all, mut first) = (Vec::new(), 0u32);
+        for piece in self.worn_pieces() {
+            all.extend(piece.triangles.iter().map(|t| t.map(|v| first.saturating_add(v))));
+            first = first.saturating_add(piece.positions.len() as u32);
+        }
+        all
+    }
+
     /// Lowest and highest corner \[m\] of the box around the worn vertices that carry triangles; `None` without any.
     pub fn worn_box_m(&self) -> Option<(Vec3, Vec3)> {
         let mut bounds: Option<(Vec3, Vec3)> = None;

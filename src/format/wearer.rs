@@ -48,11 +48,8 @@ pub fn sequence(frames: &[SourceAsset], rate: f64) -> Result<Sequence> {
         return Err(Error::fault("frames", "", what, "give the rate with --fps"));
     }
     let Some(first) = frames.first() else { return Err(no_frames()) };
-    let triangles = |asset: &SourceAsset| -> Vec<[u32; 3]> {
-        asset.worn_pieces().flat_map(|piece| piece.triangles.iter().copied()).collect()
-    };
     let (mut faults, mut all) = (Vec::new(), Vec::with_capacity(frames.len()));
-    let reference = triangles(first);
+    let reference = first.worn_triangles();
     for asset in frames {
         let vertices: Vec<Vec3> = asset.worn_pieces().flat_map(places).collect();
         let expected = all.first().map_or(vertices.len(), Vec::len);
@@ -60,7 +57,7 @@ pub fn sequence(frames: &[SourceAsset], rate: f64) -> Result<Sequence> {
             let what =
                 format!("{} vertices, the first frame ({}) has {expected}", vertices.len(), first.file);
             faults.push(Fault::new(&asset.file, "", what, "export all frames from one mesh"));
-        } else if triangles(asset) != reference {
+        } else if asset.worn_triangles() != reference {
             let what = format!("its triangles are not those of the first frame ({})", first.file);
             faults.push(Fault::new(&asset.file, "", what, "export all frames from one mesh"));
         }

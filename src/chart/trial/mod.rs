@@ -57,10 +57,9 @@ impl Setting {
     fn options(&self, weight: f64) -> StepOptions {
         match self.quality {
             Some(quality) => {
-                let step = quality.step();
-                let newton = NewtonOptions { energy: quality.slack() * weight, ..step.newton };
+                let step = quality.step_for(weight);
                 let shortest = step.shortest.min(self.step);
-                StepOptions { method: self.method, newton, shortest, longest: self.step, ..step }
+                StepOptions { method: self.method, shortest, longest: self.step, ..step }
             }
             None => StepOptions {
                 method: self.method,
