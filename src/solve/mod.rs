@@ -4,6 +4,7 @@ mod block_matrix;
 mod cholesky;
 mod cloth;
 mod conjugate_gradient;
+mod damping;
 mod follow;
 mod integrator;
 mod newton;

@@ -8,6 +8,7 @@
 //! yet), a bound on the motion that keeps layers apart, a line
 //! search that never lets phi grow. Knows no integrator and no script.
 
+use super::damping::Damping;
 use super::{BlockMatrix, Cholesky, FactorError, HELD, conjugate_gradient};
 use crate::contact::Contact;
 use crate::energy::Energy;
@@ -319,12 +320,17 @@ impl Problem<'_> {
         }
         let mut value = self.value(x, contact);
         let mut whole_went = false;
+        let mut damping = Damping::default();
         // Local iterations are cheap: they count for less.
         let spent = |report: &NewtonReport| report.iterations + report.local_iterations / LOCAL_FOR_WHOLE;
         while spent(&report) < options.most_iterations {
             let g = self.linearise(x, contact, work, &mut report);
             let clock = std::time::Instant::now();
-            let part = if whole_went { self.restless(&g, options.energy, work) } else { None };
+            if let Some((mass, _, span)) = self.inertia.filter(|_| damping.acts()) {
+                damping.add_to(&mut work.matrix, mass, span);
+            }
+            let part =
+                if whole_went && !damping.acts() { self.restless(&g, options.energy, work) } else { None };
             let local = part.and_then(|part| self.local_direction(x, &g, &part, work));
             let is_whole = local.is_none();
             let direction = local.or_else(|| self.direction(x, &g, work));
@@ -342,9 +348,21 @@ impl Problem<'_> {
             }
             let decrement: f64 = -g.iter().zip(&d).map(|(g, d)| g.dot(d)).sum::<f64>();
             report.left = decrement;
-            let done = report.last_move <= options.tolerance || decrement <= options.energy;
+            let done =
+                !damping.acts() && (report.last_move <= options.tolerance || decrement <= options.energy);
+            let before = value.sum;
             let moved = self.move_with(x, &g, &d, &mut value, contact, &mut report);
             whole_went = if is_whole { moved == 1.0 } else { whole_went && moved > LEAST_SHARE };
+            if damping.acts() && decrement <= options.energy {
+                damping.relieve();
+                continue;
+            }
+            if moved == 0.0 && damping.tighten() {
+                continue;
+            }
+            if is_whole && self.inertia.is_some() {
+                damping.learn((before - value.sum) / decrement.max(f64::MIN_POSITIVE), spread);
+            }
             if done || moved == 0.0 {
                 // A direction along which phi no longer falls to rounding is as good as converged.
                 report.converged = done || decrement.abs() <= 1e-12 * value.size.max(f64::MIN_POSITIVE);

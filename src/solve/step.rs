@@ -69,7 +69,9 @@ pub struct Stepper {
 struct Forces {
     held: Vec<bool>,
     push: Vec<f64>,
-    stiffness: Vec<f64>,
+    /// Of a closing ball, one per point each: stiffness [N/m], force at most [N]; empty without one.
+    wall: Vec<f64>,
+    hands: Vec<f64>,
 }
 
 impl Stepper {
@@ -224,7 +226,8 @@ impl Stepper {
         let container = drive.ball.as_ref().map(|ball| Container {
             centre: ball.centre,
             radius: ball.radius,
-            stiffness: &forces.stiffness,
+            stiffness: &forces.wall,
+            most: &forces.hands,
         });
         let mut terms: Vec<&dyn Energy> = vec![&membrane, &bending, &gravity];
         if !drive.guides.is_empty() {
@@ -278,13 +281,13 @@ impl Stepper {
             Vec::new()
         };
         // The ball's wall is as stiff as layers are to one another.
-        let wall = self.contact.settings().stiffness;
-        let stiffness = if drive.ball.is_some() {
-            self.cloth.area.iter().map(|a| a * wall).collect()
-        } else {
-            Vec::new()
+        let per_area = self.contact.settings().stiffness;
+        let of_area = |amount: f64| self.cloth.area.iter().map(|a| a * amount).collect();
+        let (wall, hands) = match &drive.ball {
+            Some(ball) => (of_area(per_area), of_area(ball.pressure)),
+            None => (Vec::new(), Vec::new()),
         };
-        Forces { held, push, stiffness }
+        Forces { held, push, wall, hands }
     }
 
     /// Comes to equilibrium of `terms` from `x`, without inertia, friction and body. What crosses at `x` still does then.

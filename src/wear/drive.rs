@@ -13,6 +13,8 @@ pub struct Ball {
     pub centre: Vec3,
     /// Radius [m].
     pub radius: f64,
+    /// What the hands that close it can press with at most, on every piece of cloth that is outside [Pa].
+    pub pressure: f64,
 }
 
 /// Everything that acts on the cloth from outside, as it is at the end of a step.

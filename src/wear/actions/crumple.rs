@@ -56,6 +56,9 @@ impl WearAction for Crumple {
 
 /// Height of the closed ball over the ground [m].
 const CLEARANCE: f64 = 0.02;
+/// What hands press with on cloth outside the ball [Pa]: 160 N on a T-shirt's 0.8 m² at most. Cloth is in no hurry that
+/// would need more; with 1 kPa and above layers were pressed to nothing, and cloth stretched by half (docs/contact.md).
+const PRESSURE: f64 = 200.0;
 /// Longest step while the ball closes, as a share of the time that takes.
 const STEP_SHARE: f64 = 0.01;
 
@@ -74,7 +77,7 @@ impl Gesture for Squeeze {
         let radius = self.radii[0] * (self.radii[1] / self.radii[0]).powf(smooth(t / self.over));
         let closing = t <= self.over * (1.0 + 1e-9);
         Drive {
-            ball: Some(Ball { centre: self.centre, radius }),
+            ball: Some(Ball { centre: self.centre, radius, pressure: PRESSURE }),
             longest_step: if closing { STEP_SHARE * self.over } else { f64::INFINITY },
             ..Drive::at_rest(self.ground)
         }
