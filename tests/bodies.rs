@@ -7,6 +7,7 @@ use crease::fabric::Fabric;
 use crease::format::{ReadOptions, SourceAsset, SourcePiece, read_asset};
 use crease::garment::Garment;
 use crease::math::Vec3;
+use crease::mesh::crossings::crossings_between;
 use crease::wear::WearScript;
 use std::fmt::Write;
 use std::path::Path;
@@ -34,8 +35,8 @@ fn sheet(n: u32, edge: f64, height: f64, angle: f64) -> String {
     text
 }
 
-/// A block with its upper side at height 0, outwards.
-fn block() -> Arc<Wearer> {
+/// A block with its upper side at height 0, outwards; a spike stands on it, between the points of the cloth, this high [m].
+fn block(spike: f64) -> Arc<Wearer> {
     let (a, b) = (-0.3, 0.3);
     let corner = |k: u32| {
         Vec3::new(
@@ -44,26 +45,33 @@ fn block() -> Arc<Wearer> {
             if k & 4 > 0 { b } else { a },
         )
     };
-    let points: Vec<Vec3> = (0..8).map(corner).collect();
+    let mut points: Vec<Vec3> = (0..8).map(corner).collect();
     let sides = [[0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5], [0, 2, 3, 1], [4, 5, 7, 6]];
-    let triangles: Vec<[u32; 3]> =
+    let mut triangles: Vec<[u32; 3]> =
         sides.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
+    if spike > 0.0 {
+        let foot = [[0.004, 0.0, 0.004], [0.010, 0.0, 0.004], [0.007, 0.0, 0.010], [0.007, spike, 0.006]];
+        points.extend(foot.map(Vec3::from));
+        triangles.extend([[8, 10, 11], [10, 9, 11], [9, 8, 11], [8, 9, 10]]);
+    }
     Arc::new(Wearer::new("block", "", Motion::Still, &points, &triangles))
 }
 
-fn on_block(height: f64) -> crease::Result<crease::bake::Baked> {
+fn on_block(height: f64, spike: f64) -> crease::Result<(Garment, crease::bake::Baked)> {
     let garment =
         Garment::from_asset(&asset("a.obj", sheet(8, 0.02, height, 0.0).as_bytes())).expect("a garment").0;
     let script = r#"{"format": "crease-wear/1", "actions": [{"settle": {"for": 0.5}}]}"#;
     let script = WearScript::parse("w.json", script).expect("is valid");
-    let options = BakeOptions { body: Some(block()), ..BakeOptions::default() };
-    bake(&garment, &Fabric::preset("kow-tshirt").expect("exists"), &script, "w.json", &options, &mut ())
+    let options = BakeOptions { body: Some(block(spike)), ..BakeOptions::default() };
+    let fabric = Fabric::preset("kow-tshirt").expect("exists");
+    let baked = bake(&garment, &fabric, &script, "w.json", &options, &mut ())?;
+    Ok((garment, baked))
 }
 
 #[test]
 fn cloth_comes_to_rest_on_a_body_and_out_of_it() {
     for height in [0.004, -0.008] {
-        let baked = on_block(height).expect("fits");
+        let (_, baked) = on_block(height, 0.0).expect("fits");
         let lowest = baked.end.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
         let highest = baked.end.iter().map(|p| p.y).fold(f64::NEG_INFINITY, f64::max);
         assert!(lowest > 0.0 && highest < 0.003, "from {height}: {lowest} {highest}");
@@ -72,9 +80,22 @@ fn cloth_comes_to_rest_on_a_body_and_out_of_it() {
     }
 }
 
+/// All points of the cloth are outside, and its triangles are still run through: dressing lifts them over the corner.
+#[test]
+fn corners_between_the_points_of_the_cloth_do_not_show() {
+    let (garment, baked) = on_block(0.002, 0.005).expect("fits");
+    let body = block(0.005);
+    let crossing =
+        |x: &[Vec3]| crossings_between(x, &garment.triangles, body.start(), body.triangles()).len();
+    assert!(crossing(&garment.points) > 0, "the spike is in the way at the start");
+    assert_eq!(crossing(&baked.end), 0, "{:?}", baked.report.warnings);
+    let highest = baked.end.iter().map(|p| p.y).fold(f64::NEG_INFINITY, f64::max);
+    assert!(highest < 0.009, "not thrown off: {highest}");
+}
+
 #[test]
 fn clothes_that_do_not_fit_are_refused_with_the_number() {
-    let message = on_block(-0.045).expect_err("too deep").to_string();
+    let message = on_block(-0.045, 0.0).map(|_| ()).expect_err("too deep").to_string();
     assert!(message.contains("up to 45 mm inside") && message.contains("deeper than 30 mm"), "{message}");
 }
 
@@ -105,7 +126,7 @@ fn joints_and_clips_that_are_not_there_are_told_at_once() {
     let script = r#"{"format": "crease-wear/1", "actions": [{"play": {"clip": "walk"}},
         {"bend": {"joint": "elbow", "axis": "z", "angle": 90}}]}"#;
     let script = WearScript::parse("w.json", script).expect("is valid");
-    let options = BakeOptions { body: Some(block()), ..BakeOptions::default() };
+    let options = BakeOptions { body: Some(block(0.0)), ..BakeOptions::default() };
     let fabric = Fabric::preset("kow-tshirt").expect("exists");
     let message =
         bake(&garment, &fabric, &script, "w.json", &options, &mut ()).expect_err("refused").to_string();

@@ -20,8 +20,8 @@ const DEEPEST: f64 = 0.030;
 const USUAL: f64 = 0.015;
 /// How far inside is looked [m].
 const SEARCH: f64 = 0.3;
-/// Steps in which it is pushed out, and their length [s].
-const STEPS: usize = 8;
+/// Steps in which it is pushed out, at least and at most, and their length [s].
+const STEPS: [usize; 2] = [8, 60];
 const STEP: f64 = 0.1;
 
 /// What dressing found and did.
@@ -109,7 +109,10 @@ impl Run<'_> {
             body: Some(body),
             ..Drive::at_rest(None)
         };
-        for _ in 0..STEPS {
+        for step in 0..STEPS[1] {
+            if step >= STEPS[0] && count(&self.state.x) == 0 {
+                break;
+            }
             self.state.stop();
             let Some(field) = self.field.take() else { break };
             let step = self.step_on_body(
@@ -124,8 +127,7 @@ impl Run<'_> {
         self.state.stop();
         self.state.time = 0.0;
         self.pinch = Pinch::default();
-        dressed.crossed[1] =
-            crossings_between(&self.state.x, &self.garment.triangles, start, triangles).len();
+        dressed.crossed[1] = count(&self.state.x);
         dressed.pushed = before.iter().zip(&self.state.x).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
         dressed
     }

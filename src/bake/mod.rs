@@ -255,7 +255,7 @@ pub fn bake_from(
         ));
     }
     run.report.warnings.extend(run.unmet.warnings());
-    run.report.warnings.extend(run.pinch.warning());
+    run.report.warnings.extend(run.pinch.warnings());
     run.frame(observer)?;
     let clock = Instant::now();
     let displacement =

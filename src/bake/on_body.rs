@@ -12,6 +12,7 @@ use crate::math::Vec3;
 use crate::mesh::{PointIndex, Topology};
 use crate::solve::{State, StepReport};
 use crate::wear::{Gesture, WearScript};
+use std::fmt::Write;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -86,9 +87,15 @@ fn smoothed(mut lead: Vec<Vec3>, held: &[bool], topology: &Topology) -> Vec<Vec3
     lead
 }
 
-/// The deepest that cloth was inside the body.
+/// How far cloth was inside the body.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Pinch {
+    /// Pairs of triangles of cloth and body that crossed where the body is open, and where it lies on itself: most after any
+    /// step, when that was [s], and after the last.
+    crossed: [(usize, f64); 2],
+    crossing: [usize; 2],
+    /// Steps with crossings where the body is open.
+    steps: usize,
     /// When that began and ended [s].
     times: Option<[f64; 2]>,
     /// [m].
@@ -102,7 +109,15 @@ const TOLD: f64 = 1e-3;
 const LIMB: f64 = 0.04;
 
 impl Pinch {
-    fn note(&mut self, time: f64, x: &[Vec3], cushions: &[Cushion]) {
+    /// After a step that ended at `time` [s] with the cloth at `x` and `crossing` pairs of triangles.
+    fn note(&mut self, time: f64, x: &[Vec3], cushions: &[Cushion], crossing: [usize; 2]) {
+        self.crossing = crossing;
+        self.steps += usize::from(crossing[0] > 0);
+        for (most, now) in self.crossed.iter_mut().zip(crossing) {
+            if now > most.0 {
+                *most = (now, time);
+            }
+        }
         let Some((point, depth)) = BodyField::deepest(x, cushions).filter(|(_, d)| *d > TOLD) else { return };
         self.times = Some([self.times.map_or(time, |[from, _]| from), time]);
         if depth > self.depth {
@@ -111,7 +126,34 @@ impl Pinch {
     }
 
     /// In words, if there was any.
-    pub fn warning(&self) -> Option<String> {
+    pub fn warnings(&self) -> Vec<String> {
+        self.inside().into_iter().chain(self.across()).collect()
+    }
+
+    fn across(&self) -> Option<String> {
+        let [(open, at), (folded, when)] = self.crossed;
+        (open + folded > 0).then(|| {
+            let mut text = String::from("pairs of triangles that crossed the body:");
+            if open > 0 {
+                let (steps, now) = (self.steps, self.crossing[0]);
+                let _ = write!(
+                    text,
+                    " {open} at {at:.2} s, in {steps} steps some, {now} at the end of the wear ("
+                );
+                text.push_str("its corners between points of the cloth: a finer --resolution has fewer)");
+            }
+            if folded > 0 {
+                let (comma, now) = (if open > 0 { "; " } else { " " }, self.crossing[1]);
+                let _ = write!(
+                    text,
+                    "{comma}where it folds into itself {folded} at {when:.2} s, {now} at the end"
+                );
+            }
+            text
+        })
+    }
+
+    fn inside(&self) -> Option<String> {
         let [from, to] = self.times?;
         let p = self.place;
         Some(format!(
@@ -182,8 +224,10 @@ impl Run<'_> {
         };
         let step = self.stepper.advance(&mut self.state, &self.memory.felt, &mut drive_at, h);
         if let Some((points, cushions)) = last {
+            let moves = points[..] != *field.points();
             field.accept(&self.state.x, &points, &cushions);
-            self.pinch.note(self.state.time, &self.state.x, &cushions);
+            let crossing = field.lift(&self.state.x, &self.garment.triangles, moves);
+            self.pinch.note(self.state.time, &self.state.x, &cushions, crossing);
         }
         self.field = Some(field);
         step

@@ -10,12 +10,17 @@
 //! Where the body folds into itself (an elbow's crease) real flesh gives way and a skinned one does not: its two sides would
 //! press the cloth between them to nothing. There both are flattened ([`BodyField::flattened`]).
 //!
+//! Points alone do not keep triangles out: between three points outside a corner of the body still pokes through. Where cloth is
+//! found to cross the body after a step its points are lifted higher over it, step by step until it no longer does
+//! ([`BodyField::lift`]).
+//!
 //! Friction is that of `contact::friction`: Coulomb, with a tangential stretch kept from step to step. Does not do:
-//! corners of the body that are finer than the cloth's mesh, between its points.
+//! a promise; cloth may cross a body for the moments until it is lifted, and where there is no room for it.
 
 use crate::energy::Cushion;
 use crate::math::{Mat3, Vec3};
 use crate::mesh::PointIndex;
+use crate::mesh::crossings::crossings_between;
 use crate::mesh::inside::point_normals;
 use crate::mesh::tree::TriangleTree;
 use rayon::prelude::*;
@@ -30,6 +35,13 @@ const FACING: f64 = -0.2;
 /// Room between two parts of a body that lie on each other, in reaches: two layers on each, and one to move.
 const LAYERS: f64 = 5.0;
 
+/// Cloth that crosses the body is lifted by this share of the reach in each step [-],
+const RISE: f64 = 0.25;
+/// to at most this many reaches,
+const HIGHEST: f64 = 6.0;
+/// and sinks by this share of its lift in each step in which the body moves on and it does not cross.
+const SINKING: f64 = 0.02;
+
 /// A body and what the cloth has to do with it.
 pub struct BodyField {
     triangles: Vec<[PointIndex; 3]>,
@@ -43,8 +55,12 @@ pub struct BodyField {
     settings: FieldSettings,
     /// Per point: whether it is near what lies under cloth in this step.
     covered: Vec<bool>,
+    /// Per point: whether the body lies on itself there, when last asked.
+    folded: Vec<bool>,
     /// Per point of the cloth: what is under it in this step.
     under: Vec<Option<Under>>,
+    /// Per point of the cloth: how much higher than the reach it is held [m].
+    lifted: Vec<f64>,
     /// Per point of the cloth: tangential stretch as a share of what sticks.
     kept: Vec<Vec3>,
 }
@@ -86,7 +102,9 @@ impl BodyField {
             open: points.to_vec(),
             now: points.to_vec(),
             covered: vec![false; points.len()],
+            folded: vec![false; points.len()],
             under: vec![None; kept.len()],
+            lifted: vec![0.0; kept.len()],
             triangles,
             settings,
             kept,
@@ -148,6 +166,7 @@ impl BodyField {
         let each = |(p, under): (usize, &Option<Under>)| {
             let under = (*under)?;
             let (place, normal) = self.surface(target, &normals, under.triangle, &under.weights);
+            let reach = reach + self.lifted[p];
             // Pressed as deep as it may be at rest: a point that starts inside must not be nailed down there.
             let press = (reach - under.gap).clamp(0.0, reach);
             Some(Cushion {
@@ -195,7 +214,9 @@ impl BodyField {
             let height = (at - target[self.triangles[nearest.triangle as usize][0].at()]).dot(&other);
             if height < need { at + other * (0.5 * (need - height).min(2.0 * FOLDED)) } else { *at }
         };
-        target.par_iter().enumerate().map(give).collect()
+        let flattened: Vec<Vec3> = target.par_iter().enumerate().map(give).collect();
+        self.folded.iter_mut().zip(target.iter().zip(&flattened)).for_each(|(f, (a, b))| *f = a != b);
+        flattened
     }
 
     /// Where the body takes the cloth along on its way to `target`: with the surface under it, as a rigid piece, less and
@@ -213,6 +234,27 @@ impl BodyField {
             (goal + to * from.transpose() * (x - under.place) - x) * share
         };
         x.par_iter().zip(&self.under).map(each).collect()
+    }
+
+    /// Lifts the points of the cloth's triangles that cross the body now, and lets others sink if the body `moves`. The
+    /// number of pairs of triangles that cross: where the body is open, and where it lies on itself.
+    pub fn lift(&mut self, x: &[Vec3], cloth: &[[PointIndex; 3]], moves: bool) -> [usize; 2] {
+        let crossing = crossings_between(x, cloth, &self.now, &self.triangles);
+        let mut crosses = vec![false; x.len()];
+        for [of_cloth, _] in &crossing {
+            cloth[*of_cloth as usize].iter().for_each(|p| crosses[p.at()] = true);
+        }
+        let (rise, highest) = (RISE * self.settings.reach, HIGHEST * self.settings.reach);
+        for (lifted, crosses) in self.lifted.iter_mut().zip(crosses) {
+            if crosses {
+                *lifted = (*lifted + rise).min(highest);
+            } else if moves {
+                *lifted *= 1.0 - SINKING;
+            }
+        }
+        let folded = |f: u32| self.triangles[f as usize].iter().any(|p| self.folded[p.at()]);
+        let pinched = crossing.iter().filter(|[_, of_body]| folded(*of_body)).count();
+        [crossing.len() - pinched, pinched]
     }
 
     /// The step is over with the cloth at `x` and the body at `target`; `cushions` were those of the step.

@@ -1,0 +1,89 @@
+//! A memory baked on one tessellation of the T-shirt and carried to another, against what was baked there:
+//!
+//! ```text
+//! cargo run --release --example transfer_bakes -- FROM.crease.json TO.crease.json
+//! ```
+//!
+//! Both from `fold-thrice`. With two bakes of one mesh from jittered starts it tells how well a bake fits another of its kind.
+
+// The angle that a made fold has is the test's.
+#[allow(dead_code)]
+#[path = "measure.rs"]
+mod measure;
+
+use crease::format::read_sidecar;
+use crease::garment::RestShape;
+use crease::transfer::{By, Sheet};
+use measure::{FOLDS, carry, correlation, tensors, total};
+
+/// Widths over which curvature is averaged before it is compared [m]: none, an edge of 5,000 points, a narrow fold.
+const WIDTHS: [f64; 4] = [0.0, 0.01, 0.02, 0.04];
+
+fn main() {
+    let paths: Vec<String> = std::env::args().skip(1).collect();
+    let [from, to] = paths.as_slice() else {
+        eprintln!("two sidecars are needed: FROM.crease.json TO.crease.json");
+        std::process::exit(1)
+    };
+    let [(from, earned), (to, baked)] = [from, to].map(|path| match load(path) {
+        Ok(loaded) => loaded,
+        Err(error) => {
+            eprintln!("{error}");
+            std::process::exit(1)
+        }
+    });
+    let there = carry(&from, &earned, &to, By::Surface);
+    let back = carry(&to, &there.memory, &from, By::Surface);
+    let [carried, wanted] = [&there.memory, &baked].map(|memory| tensors(&to, memory));
+    println!("{} -> {} points", from.points.len(), to.points.len());
+    for width in WIDTHS {
+        let [a, b] = [&carried, &wanted].map(|t| averaged(&to, t, width));
+        println!("  correlation, averaged over {:.0} mm: {:.3}", 1e3 * width, correlation(&a, &b));
+    }
+    for fold in &FOLDS {
+        for front in [true, false] {
+            let [own, got, wanted, again] = [
+                total(&from, &earned, fold, front),
+                total(&to, &there.memory, fold, front),
+                total(&to, &baked, fold, front),
+                total(&from, &back.memory, fold, front),
+            ];
+            println!(
+                "  fold across {} at {:+.3} m, {}: {own:+.4} carried {got:+.4}, baked there {wanted:+.4}, back {again:+.4} rad",
+                ["x", "y", "z"][fold.axis],
+                fold.at,
+                if front { "front" } else { "back" }
+            );
+        }
+    }
+}
+
+fn load(path: &str) -> Result<(Sheet, RestShape), Box<dyn std::error::Error>> {
+    let sidecar = read_sidecar(path, &std::fs::read(path)?)?;
+    Ok(Sheet::of_sidecar(path, &sidecar)?)
+}
+
+/// Every triangle's curvature averaged with its neighbours on the same side by a bell of standard deviation `width` [m].
+fn averaged(sheet: &Sheet, tensors: &[[f64; 4]], width: f64) -> Vec<[f64; 4]> {
+    if width == 0.0 {
+        return tensors.to_vec();
+    }
+    let centres: Vec<_> =
+        (0..tensors.len()).map(|f| sheet.corners(f).iter().sum::<crease::math::Vec3>() / 3.0).collect();
+    let up: Vec<bool> = (0..tensors.len()).map(|f| sheet.normal(f).y > 0.0).collect();
+    let one = |f: usize| {
+        let mut out = [tensors[f][0], 0.0, 0.0, 0.0];
+        let mut sum = 0.0;
+        for g in 0..tensors.len() {
+            let apart = (centres[g] - centres[f]).norm_squared() / (width * width);
+            if up[g] == up[f] && apart < 9.0 {
+                let weight = tensors[g][0] * (-0.5 * apart).exp();
+                sum += weight;
+                (1..4).for_each(|c| out[c] += weight * tensors[g][c]);
+            }
+        }
+        (1..4).for_each(|c| out[c] /= sum);
+        out
+    };
+    (0..tensors.len()).map(one).collect()
+}
