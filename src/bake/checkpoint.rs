@@ -90,6 +90,8 @@ pub struct Counts {
     pub unconverged: u64,
     /// The largest move they still asked for [m].
     pub largest_rest: f64,
+    /// The move that the last step still asked for, if it did not converge [m].
+    pub last_rest: Option<f64>,
     /// What went less well.
     pub warnings: Vec<String>,
     /// Demands that could not be met.
@@ -213,6 +215,7 @@ impl Run<'_> {
                 local_solves,
                 unconverged: self.unconverged,
                 largest_rest: self.largest_rest,
+                last_rest: self.last_rest,
                 warnings: warnings.clone(),
                 unmet: self.unmet.clone(),
                 seconds: self.seconds,
@@ -237,6 +240,7 @@ impl Run<'_> {
         self.report.warnings = counts.warnings;
         self.unconverged = counts.unconverged;
         self.largest_rest = counts.largest_rest;
+        self.last_rest = counts.last_rest;
         self.seconds = counts.seconds;
         self.frames = counts.frames;
         self.next_frame = counts.next_frame;

@@ -66,10 +66,12 @@ pub(super) fn bring_home(
         report.solves += solved.iterations as u64;
         report.local_solves += solved.local_iterations as u64;
         if !solved.converged && share == SHARES {
-            report.warnings.push(format!(
+            let what = format!(
                 "home: the equilibrium did not converge in {} iterations (last move {:.1e} m)",
                 newton.most_iterations, solved.last_move
-            ));
+            );
+            report.warnings.push(what.clone());
+            report.not_at_rest = Some(what);
         }
         angle = stepper.cloth.bending.angles(&x, &angle);
     }

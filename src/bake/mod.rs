@@ -133,6 +133,9 @@ pub struct BakeReport {
     pub stages: Vec<(&'static str, f64)>,
     /// What went less well, with time and place.
     pub warnings: Vec<String>,
+    /// Why what came out is no state of rest, if it is none: the last step, or the way home, did not converge. One bad step on
+    /// the way is only a warning, as the cloth comes to rest after it.
+    pub not_at_rest: Option<String>,
     /// What was modelled, and why.
     pub choices: Vec<Choice>,
 }
@@ -224,6 +227,7 @@ pub fn bake_from(
         unconverged: 0,
         unmet: UnmetLog::default(),
         largest_rest: 0.0,
+        last_rest: None,
         total: script.duration_on(options.body.as_deref()),
         asleep: Vec::new(),
         field: None,
@@ -254,6 +258,9 @@ pub fn bake_from(
             1e3 * run.largest_rest
         ));
     }
+    run.report.not_at_rest = run.last_rest.map(|rest| {
+        format!("the last step, at {:.3} s (it asked for {:.1} mm more)", run.state.time, 1e3 * rest)
+    });
     run.report.warnings.extend(run.unmet.warnings());
     run.report.warnings.extend(run.pinch.warnings());
     run.frame(observer)?;
@@ -308,6 +315,8 @@ struct Run<'a> {
     /// Steps accepted before Newton had converged, and the largest move it still asked for [m].
     unconverged: u64,
     largest_rest: f64,
+    /// The move that the last step still asked for, if it did not converge [m].
+    last_rest: Option<f64>,
     /// Points that a moving body cannot stir, one flag per point; empty for none.
     asleep: Vec<bool>,
     /// The body, if there is one.
@@ -499,6 +508,7 @@ impl Run<'_> {
         self.report.rejected += step.rejected as u64;
         self.report.solves += step.newton.iterations as u64;
         self.report.local_solves += step.newton.local_iterations as u64;
+        self.last_rest = (!step.converged).then_some(step.newton.last_move);
         if !step.converged {
             self.unconverged += 1;
             self.largest_rest = self.largest_rest.max(step.newton.last_move);

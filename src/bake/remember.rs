@@ -66,6 +66,7 @@ pub fn remember(garment: &Garment, fabric: &Fabric, motion: &mut Motion) -> Bake
         events: memory.events,
         solves: settled.solves,
         warnings: settled.warnings,
+        not_at_rest: settled.not_at_rest,
         stages: vec![("remember", remembered), ("home", home)],
         ..BakeReport::default()
     };

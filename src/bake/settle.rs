@@ -14,7 +14,7 @@ use crate::solve::{Cloth, Stepper};
 use crate::wear::{GRAVITY, WearFormat, WearScript};
 
 /// A garment at rest with its memory.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Settled {
     /// One per point: displacement from the source pose [m].
     pub displacement: Vec<Vec3>,
@@ -22,6 +22,8 @@ pub struct Settled {
     pub solves: u64,
     /// What went less well.
     pub warnings: Vec<String>,
+    /// Why it is not at rest, if it is not.
+    pub not_at_rest: Option<String>,
 }
 
 /// Tether of a rest mesh, as a share of that of a garment at home: only where it stays in space is held.
@@ -77,5 +79,6 @@ fn rest(
     let mut report = BakeReport::default();
     let mut stepper = Stepper::new(cloth, contact, options);
     let displacement = bring_home(garment, fabric, &mut stepper, memory, hold, &mut report);
-    Settled { displacement, solves: report.solves, warnings: report.warnings }
+    let BakeReport { solves, warnings, not_at_rest, .. } = report;
+    Settled { displacement, solves, warnings, not_at_rest }
 }

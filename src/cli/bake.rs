@@ -269,7 +269,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     checkpoints.remove();
     progress.finish();
     tell(&arguments, &files, &report)?;
-    match not_converged(&baked) {
+    match &baked.report.not_at_rest {
         Some(what) => Err(Error::NotConverged(format!(
             "{what}; what was reached is in {}",
             input::name_of(&files.worn)
@@ -520,16 +520,6 @@ fn tell(arguments: &Arguments, files: &BakeOutputs, report: &Report) -> Result<(
     if arguments.json { talk::data(&report.to_json()) } else { Ok(()) }
 }
 
-/// Why the end of the bake is not an end state, if it is not: its last step, or the way home, did not converge.
-/// One bad step on the way is only a warning, as the cloth comes to rest after it.
-fn not_converged(baked: &Baked) -> Option<&str> {
-    let last_step = format!(" at {:.3} s:", baked.report.simulated);
-    let at_end = |warning: &&String| {
-        warning.contains("did not converge") && (warning.starts_with("home:") || warning.contains(&last_step))
-    };
-    baked.report.warnings.iter().find(at_end).map(String::as_str)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -540,19 +530,5 @@ mod tests {
         assert_eq!(outputs.sidecar, Path::new("a/my.shirt.crease.json"));
         assert_eq!(outputs.report, Path::new("a/my.shirt.report.json"));
         assert_eq!(outputs.extras(), json!({"crease": {"sidecar": "my.shirt.crease.json"}}));
-    }
-
-    #[test]
-    fn only_the_end_decides_whether_a_bake_converged() {
-        let verdict = |warning: &str| {
-            let worn = WornGarment { displacement: Vec::new(), memory: RestShape::flat(0, 0) };
-            let mut report = crease::bake::BakeReport { simulated: 12.5, ..Default::default() };
-            report.warnings.push(warning.to_owned());
-            not_converged(&Baked { worn, end: Vec::new(), report }).is_some()
-        };
-        assert!(verdict("settle at 12.500 s: the shortest step did not converge (last move 1e-3 m)"));
-        assert!(verdict("home: the equilibrium did not converge in 60 iterations (last move 1e-3 m)"));
-        assert!(!verdict("fold at 2.500 s: the shortest step did not converge (last move 1e-3 m)"));
-        assert!(!verdict("settle at 12.500 s: something else"));
     }
 }

@@ -109,7 +109,10 @@ pub fn run(arguments: Arguments) -> Result<()> {
             report.crossings
         ));
     }
-    if arguments.json { talk::data(&report.to_json()) } else { Ok(()) }
+    if arguments.json {
+        talk::data(&report.to_json())?;
+    }
+    baked.report.not_at_rest.map_or(Ok(()), |what| Err(Error::NotConverged(what)))
 }
 
 /// A garment and its motion.

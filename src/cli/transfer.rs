@@ -9,7 +9,7 @@ use super::mesh_file::MeshFile;
 use super::output::Outputs;
 use super::talk;
 use clap::ValueEnum;
-use crease::bake::settle;
+use crease::bake::{Settled, settle};
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
 use crease::format::gltf::write_worn_glb;
 use crease::format::{Sidecar, read_sidecar, write_sidecar};
@@ -167,7 +167,9 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let target = Sheet::of_garment(garment, &job.mesh.asset);
     let carried = transfer(&job.sources, &target, &arguments.options(garment.memory_mask.clone()))?;
     let start = crossings(&garment.points, &garment.triangles);
-    let worn = job.settled(&carried, &mut warnings);
+    let Settled { displacement, warnings: more, not_at_rest, .. } = job.settled(&carried);
+    warnings.extend(more);
+    let worn = WornGarment { displacement, memory: carried.memory.clone() };
 
     let counts = crossing_counts(garment, &worn, &start);
     let mut report = TransferReport {
@@ -189,10 +191,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     outputs.add(&files.report, report.to_json().as_bytes())?;
     outputs.commit()?;
     tell(&arguments, &files, &report)?;
-    match report.warnings.iter().find(|warning| warning.contains("did not converge")) {
-        Some(what) => Err(Error::NotConverged(what.clone())),
-        None => Ok(()),
-    }
+    not_at_rest.map_or(Ok(()), |what| Err(Error::NotConverged(what)))
 }
 
 /// What a transfer is made from, read and checked.
@@ -229,16 +228,13 @@ impl Job {
     }
 
     /// The target at rest with what came over. Numbers taken over as they are bring their shape along.
-    fn settled(&self, carried: &Carried, warnings: &mut Vec<String>) -> WornGarment {
-        let memory = carried.memory.clone();
+    fn settled(&self, carried: &Carried) -> Settled {
         if carried.unchanged
             && let Some(sidecar) = self.sidecars.first()
         {
-            return WornGarment { displacement: sidecar.worn().displacement, memory };
+            return Settled { displacement: sidecar.worn().displacement, ..Settled::default() };
         }
-        let settled = settle(&self.mesh.garment, &self.fabric, &memory);
-        warnings.extend(settled.warnings);
-        WornGarment { displacement: settled.displacement, memory }
+        settle(&self.mesh.garment, &self.fabric, &carried.memory)
     }
 
     fn carried_sources(&self, carried: &Carried) -> Vec<CarriedSource> {

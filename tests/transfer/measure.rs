@@ -19,23 +19,34 @@ pub const FOLDS: [Fold; 3] = [
     Fold { axis: 2, at: 0.0, angle: 0.7, width: 0.02 },
 ];
 
-/// Sum of (change x length x (across)²) over the hinges of one layer within reach of a fold, per length of the fold:
-/// the angle by which the cloth turns there [rad].
+/// Sum of (change x length x (across)²) over the hinges of one layer near a fold, per length of the fold: the angle by which
+/// the cloth turns there [rad]. Hinges count less and less towards the ends of the window: with a sharp end it would depend
+/// on which side of it single hinges of other wrinkles fall.
 pub fn total(sheet: &Sheet, memory: &RestShape, fold: &Fold, front: bool) -> f64 {
     let other = 2 - fold.axis;
-    let (mut sum, reach) = (0.0, 4.0 * fold.width);
     // Away from borders and from the other folds.
-    let along = if fold.axis == 0 { 0.05..0.25 } else { -0.1..0.1 };
+    let (middle, half) = if fold.axis == 0 { (0.15, 0.1) } else { (0.0, 0.1) };
+    let reach = 4.0 * fold.width;
+    let mut sum = 0.0;
     for (h, hinge) in sheet.topology.hinges.iter().enumerate() {
         let [a, b] = [hinge.points[0], hinge.points[1]].map(|p| sheet.points[p.at()]);
-        let (middle, edge) = (0.5 * (a + b), b - a);
+        let (centre, edge) = (0.5 * (a + b), b - a);
         let up = sheet.normal(hinge.triangles[0] as usize).y > 0.0;
-        if up == front && (middle[fold.axis] - fold.at).abs() < reach && along.contains(&middle[other]) {
+        if up == front {
             let across = edge[other] / edge.norm();
-            sum += (memory.rest_angle[h] - memory.source_angle[h]) * edge.norm() * across * across;
+            let window =
+                flank((centre[fold.axis] - fold.at) / reach) * flank((centre[other] - middle) / half);
+            let change = memory.rest_angle[h] - memory.source_angle[h];
+            sum += window * change * edge.norm() * across * across;
         }
     }
-    sum / (along.end - along.start)
+    // The integral of the window along the fold.
+    sum / (1.5 * half)
+}
+
+/// 1 up to half of the way, then down to 0 at its end as a cosine.
+fn flank(way: f64) -> f64 {
+    0.5 + 0.5 * (std::f64::consts::PI * (2.0 * way.abs() - 1.0).clamp(0.0, 1.0)).cos()
 }
 
 /// Change of curvature of every triangle as (area, xx, zz, sqrt2 xz), from its hinges.
