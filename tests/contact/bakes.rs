@@ -6,7 +6,7 @@ use crease::error::Result;
 use crease::fabric::Fabric;
 use crease::format::{ReadOptions, read_asset};
 use crease::garment::Garment;
-use crease::math::Vec3;
+use crease::math::{Vec3, bounds};
 use crease::mesh::PointIndex;
 use crease::mesh::crossings::crossings;
 use crease::wear::WearScript;
@@ -23,6 +23,8 @@ pub struct Outcome {
     /// Farthest a point moved between two steps, over the time between them [m/s].
     pub fastest: f64,
     pub wall: f64,
+    /// Largest extent at the end of the script [m].
+    pub across: f64,
     pub report: BakeReport,
 }
 
@@ -120,6 +122,7 @@ fn watched(name: &str, garment: &Garment, fabric: &str, script: &str) -> Outcome
         worst: count.worst,
         fastest: count.fastest,
         wall: clock.elapsed().as_secs_f64(),
+        across: bounds(&done.end).1.zip_map(&bounds(&done.end).0, |high, low| high - low).max(),
         report: done.report,
     }
 }
@@ -177,6 +180,18 @@ fn a_handkerchief_folded_twice_never_crosses() {
     let done = baked("folded twice", &handkerchief(300, 1), 1.0, "cotton-jersey", &folds(2));
     println!("{}; {:?}", done.line(), done.report.warnings);
     assert_eq!((done.start, done.worst), (0, 0));
+}
+
+/// Promise: hands that crumple close to the size they are told, and neither tear cloth nor press layers to nothing.
+#[test]
+fn crumpled_cloth_is_neither_torn_nor_crushed() {
+    let actions = r#"{"crumple": {"to": 0.3, "over": 2.0, "hold": 1.0}}"#;
+    let done = baked("crumpled", &handkerchief(200, 1), 1.0, "cotton-poplin", actions);
+    println!("{}; {:.3} m across; {:?}", done.line(), done.across, done.report.warnings);
+    assert_eq!((done.start, done.worst), (0, 0));
+    assert!(done.across < 1.15 * 0.3 * 0.7, "the ball is {} m across", done.across);
+    let harmed = |w: &&String| w.contains("stretched by") || w.contains("pressed to");
+    assert_eq!(done.report.warnings.iter().find(harmed), None);
 }
 
 /// Whether a garment that crosses `crossing` times at the start kept to it, told its parts and did not fly apart.
