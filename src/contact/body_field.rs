@@ -240,21 +240,27 @@ impl BodyField {
     /// number of pairs of triangles that cross: where the body is open, and where it lies on itself.
     pub fn lift(&mut self, x: &[Vec3], cloth: &[[PointIndex; 3]], moves: bool) -> [usize; 2] {
         let crossing = crossings_between(x, cloth, &self.now, &self.triangles);
+        // Where the body lies on itself there is no room to lift cloth into.
+        let folded = |f: u32| self.triangles[f as usize].iter().any(|p| self.folded[p.at()]);
+        let open = crossing.iter().filter(|[_, of_body]| !folded(*of_body));
         let mut crosses = vec![false; x.len()];
-        for [of_cloth, _] in &crossing {
+        let mut count = 0;
+        for [of_cloth, _] in open {
+            count += 1;
             cloth[*of_cloth as usize].iter().for_each(|p| crosses[p.at()] = true);
         }
+        let over_fold = |p: usize| self.under[p].is_some_and(|under| folded(under.triangle));
         let (rise, highest) = (RISE * self.settings.reach, HIGHEST * self.settings.reach);
-        for (lifted, crosses) in self.lifted.iter_mut().zip(crosses) {
-            if crosses {
+        for (p, lifted) in self.lifted.iter_mut().enumerate() {
+            if over_fold(p) {
+                *lifted = (*lifted - rise).max(0.0);
+            } else if crosses[p] {
                 *lifted = (*lifted + rise).min(highest);
             } else if moves {
                 *lifted *= 1.0 - SINKING;
             }
         }
-        let folded = |f: u32| self.triangles[f as usize].iter().any(|p| self.folded[p.at()]);
-        let pinched = crossing.iter().filter(|[_, of_body]| folded(*of_body)).count();
-        [crossing.len() - pinched, pinched]
+        [count, crossing.len() - count]
     }
 
     /// The step is over with the cloth at `x` and the body at `target`; `cushions` were those of the step.

@@ -105,12 +105,8 @@ impl Cholesky {
         }
         self.in_double = self.doubt > 0 || self.fronts.work() < SMALL;
         self.doubt = self.doubt.saturating_sub(1);
-        if !self.in_double {
-            // One factor is kept, not both: they are the largest pieces of memory of a bake.
-            self.double = Factor::default();
-            if self.single.fill(&self.fronts, matrix).is_ok() {
-                return Ok(());
-            }
+        if !self.in_double && self.single.fill(&self.fronts, matrix).is_ok() {
+            return Ok(());
         }
         self.refill_in_double(matrix)
     }
@@ -144,7 +140,6 @@ impl Cholesky {
             self.in_double = true;
             self.doubt = DOUBT;
         }
-        self.single = Factor::default();
         self.double.fill(&self.fronts, matrix).map_err(|_| FactorError::NotPositive)
     }
 
