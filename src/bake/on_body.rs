@@ -12,7 +12,6 @@ use crate::math::Vec3;
 use crate::mesh::{PointIndex, Topology};
 use crate::solve::{State, StepReport};
 use crate::wear::{Gesture, WearScript};
-use std::fmt::Write;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -132,25 +131,21 @@ impl Pinch {
 
     fn across(&self) -> Option<String> {
         let [(open, at), (folded, when)] = self.crossed;
-        (open + folded > 0).then(|| {
-            let mut text = String::from("pairs of triangles that crossed the body:");
-            if open > 0 {
-                let (steps, now) = (self.steps, self.crossing[0]);
-                let _ = write!(
-                    text,
-                    " {open} at {at:.2} s, in {steps} steps some, {now} at the end of the wear ("
-                );
-                text.push_str("its corners between points of the cloth: a finer --resolution has fewer)");
-            }
-            if folded > 0 {
-                let (comma, now) = (if open > 0 { "; " } else { " " }, self.crossing[1]);
-                let _ = write!(
-                    text,
-                    "{comma}where it folds into itself {folded} at {when:.2} s, {now} at the end"
-                );
-            }
-            text
-        })
+        let [open_now, folded_now] = self.crossing;
+        let parts = [
+            (open > 0).then(|| {
+                format!(
+                    "{open} at {at:.2} s, in {} steps some, {open_now} at the end of the wear (its corners between points of the cloth: a \
+                     finer --resolution has fewer)",
+                    self.steps
+                )
+            }),
+            (folded > 0).then(|| {
+                format!("where it folds into itself {folded} at {when:.2} s, {folded_now} at the end")
+            }),
+        ];
+        let parts: Vec<String> = parts.into_iter().flatten().collect();
+        (!parts.is_empty()).then(|| format!("pairs of triangles that crossed the body: {}", parts.join("; ")))
     }
 
     fn inside(&self) -> Option<String> {
@@ -224,8 +219,7 @@ impl Run<'_> {
         };
         let step = self.stepper.advance(&mut self.state, &self.memory.felt, &mut drive_at, h);
         if let Some((points, cushions)) = last {
-            let moves = points[..] != *field.points();
-            field.accept(&self.state.x, &points, &cushions);
+            let moves = field.accept(&self.state.x, &points, &cushions);
             let crossing = field.lift(&self.state.x, &self.garment.triangles, moves);
             self.pinch.note(self.state.time, &self.state.x, &cushions, crossing);
         }

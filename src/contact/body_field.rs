@@ -263,18 +263,21 @@ impl BodyField {
         [count, crossing.len() - count]
     }
 
-    /// The step is over with the cloth at `x` and the body at `target`; `cushions` were those of the step.
-    pub fn accept(&mut self, x: &[Vec3], target: &[Vec3], cushions: &[Cushion]) {
+    /// The step is over with the cloth at `x` and the body at `target`; `cushions` were those of the step. Whether
+    /// the body has moved in it.
+    pub fn accept(&mut self, x: &[Vec3], target: &[Vec3], cushions: &[Cushion]) -> bool {
         self.kept.fill(Vec3::zeros());
         for c in cushions.iter().filter(|c| c.limit > 0.0 && c.gap(&x[c.point as usize]) < c.reach) {
             let share = c.stretch_at(&x[c.point as usize]) / c.slip;
             self.kept[c.point as usize] = share / share.norm().max(1.0);
         }
-        if target.len() == self.now.len() && target != self.now {
+        let moved = target.len() == self.now.len() && target != self.now;
+        if moved {
             self.now.copy_from_slice(target);
             self.normals = point_normals(target, &self.triangles);
         }
         self.tree.refit(&self.now, &self.now, 0.0);
+        moved
     }
 
     /// The deepest point of the cloth at `x` under its own plane, and how deep [m].

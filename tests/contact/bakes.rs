@@ -115,6 +115,7 @@ fn watched(name: &str, garment: &Garment, fabric: &str, script: &str) -> Outcome
     let clock = Instant::now();
     let options = BakeOptions { frames_per_second: 1e9, ..BakeOptions::default() };
     let done = bake(garment, &fabric, &script, "scene.json", &options, &mut count).expect("bakes");
+    let (low, high) = bounds(&done.end);
     Outcome {
         name: name.to_owned(),
         points: garment.points.len(),
@@ -122,7 +123,7 @@ fn watched(name: &str, garment: &Garment, fabric: &str, script: &str) -> Outcome
         worst: count.worst,
         fastest: count.fastest,
         wall: clock.elapsed().as_secs_f64(),
-        across: bounds(&done.end).1.zip_map(&bounds(&done.end).0, |high, low| high - low).max(),
+        across: (high - low).max(),
         report: done.report,
     }
 }
