@@ -1,7 +1,8 @@
 //! A symmetric sparse matrix of 3 x 3 blocks with a pattern that is built once and refilled many times.
 //!
 //! Only the lower triangle is stored, row by row. Points that are held (pins, sleeping parts) have no row: blocks
-//! that touch them are dropped on the way in.
+//! that touch them are dropped on the way in. Energies add their blocks in the same order again and again, so where each
+//! went last time is looked at before it is searched for.
 
 use crate::energy::BlockSink;
 use crate::math::{Mat3, Vec3};
@@ -24,6 +25,10 @@ pub struct BlockMatrix {
     /// Block columns, increasing within a row; the last of a row is its diagonal.
     column: Vec<u32>,
     value: Vec<Mat3>,
+    /// Where the blocks added since the last [`Self::clear`] went, in order; then where later ones went the time before.
+    went: Vec<u32>,
+    /// Blocks added since the last [`Self::clear`].
+    added: usize,
 }
 
 impl BlockMatrix {
@@ -57,7 +62,7 @@ impl BlockMatrix {
             start.push(column.len() as u32);
         }
         let value = vec![Mat3::zeros(); column.len()];
-        Self { row_of, point_of, start, column, value }
+        Self { row_of, point_of, start, column, value, went: Vec::new(), added: 0 }
     }
 
     /// Whether exactly the points with `held` unset have rows.
@@ -132,7 +137,7 @@ impl BlockMatrix {
             }
             start.push(column.len() as u32);
         }
-        Self { row_of, point_of, start, column, value }
+        Self { row_of, point_of, start, column, value, went: Vec::new(), added: 0 }
     }
 
     /// Adds to `marked`, one flag per point, the points that a marked one is coupled to.
@@ -154,6 +159,28 @@ impl BlockMatrix {
     /// Sets every value to zero.
     pub fn clear(&mut self) {
         self.value.fill(Mat3::zeros());
+        self.added = 0;
+    }
+
+    /// Where the block (`row`, `column`) lies.
+    #[inline]
+    fn find(&mut self, row: u32, column: u32) -> Option<usize> {
+        let [from, to] = [row, row + 1].map(|r| self.start[r as usize]);
+        let last = self.went.get(self.added).copied();
+        let at = match last.filter(|at| (from..to).contains(at) && self.column[*at as usize] == column) {
+            Some(at) => at,
+            None => {
+                let columns = &self.column[from as usize..to as usize];
+                let at = from + columns.binary_search(&column).ok()? as u32;
+                match self.went.get_mut(self.added) {
+                    Some(went) => *went = at,
+                    None => self.went.push(at),
+                }
+                at
+            }
+        };
+        self.added += 1;
+        Some(at as usize)
     }
 
     /// Adds `amount` times the identity to the diagonal block of point `p`, if it is free.
@@ -218,13 +245,11 @@ impl BlockSink for BlockMatrix {
             return;
         }
         let (row, col, turned) = if r >= c { (r, c, false) } else { (c, r, true) };
-        let from = self.start[row as usize] as usize;
-        let columns = &self.column[from..self.start[row as usize + 1] as usize];
         // A block outside the pattern would be a stencil its energy did not announce.
-        let Ok(k) = columns.binary_search(&col) else {
+        let Some(at) = self.find(row, col) else {
             debug_assert!(false, "block ({i}, {j}) is outside the pattern");
             return;
         };
-        if turned { self.value[from + k] += block.transpose() } else { self.value[from + k] += block }
+        if turned { self.value[at] += block.transpose() } else { self.value[at] += block }
     }
 }
