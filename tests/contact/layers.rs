@@ -58,6 +58,8 @@ fn stacked_sheets_keep_their_order_and_their_weight() {
 pub fn wring(points: usize, turns: f64, seed: u64) -> Run {
     const RADIUS: f64 = 0.05;
     const LENGTH: f64 = 0.3;
+    /// [s].
+    const STEP: f64 = 1.0 / 30.0;
     let around = (points as f64 * TAU * RADIUS / LENGTH).sqrt().round() as usize;
     let around = 2 * around.div_ceil(2);
     let along = points / around;
@@ -68,8 +70,9 @@ pub fn wring(points: usize, turns: f64, seed: u64) -> Run {
     });
     pattern.jitter(0.5e-3, seed);
     let mut run = Run::new(&pattern, COTTON, 4.0);
-    // A rope of pressed layers: what a step leaves unsolved the next goes on with, as in a bake.
-    run.stepper.options.shortest = 1.0 / 120.0;
+    // A rope of pressed layers: what a step leaves unsolved the next goes on with, as in a bake, and as many iterations.
+    run.stepper.options.shortest = STEP;
+    run.stepper.options.newton.most_iterations = NewtonOptions::default().most_iterations;
     let rings: Vec<(u32, Vec3, bool)> = (0..around)
         .map(|i| (i as u32, false))
         .chain((0..around).map(|i| ((along * around + i) as u32, true)))
@@ -88,8 +91,7 @@ pub fn wring(points: usize, turns: f64, seed: u64) -> Run {
             }
         };
         let guides = if t < turns + 0.3 { rings.iter().map(guide).collect() } else { Vec::new() };
-        let longest_step = 1.0 / 120.0;
-        Drive { guides, gravity: Vec3::zeros(), drag: 2.0, longest_step, ..Drive::at_rest(None) }
+        Drive { guides, gravity: Vec3::zeros(), drag: 2.0, longest_step: STEP, ..Drive::at_rest(None) }
     });
     run
 }
