@@ -11,7 +11,7 @@ use crease::format::{ReadOptions, SourceAsset, read_asset};
 use crease::garment::{Garment, RestShape};
 use crease::math::Vec3;
 use crease::mesh::hinge_angle;
-use crease::transfer::{By, Sheet, Source, TransferOptions, transfer};
+use crease::transfer::{Align, By, Sheet, Source, TransferOptions, transfer};
 use measure::{FOLDS, Fold, carry, correlation, tensors, total};
 use std::path::Path;
 
@@ -123,7 +123,7 @@ fn the_same_mesh_keeps_every_bit_and_no_memory_changes_nothing() {
         assert_eq!(new, RestShape::new(angles(&target), target.triangles.len()), "{by:?}");
     }
     let refused = {
-        let source = Source { file: "made".into(), sheet, memory };
+        let source = Source { file: "made".into(), sheet, memory, joints: Vec::new() };
         let options = TransferOptions { by: By::Same, ..TransferOptions::full(target.points.len()) };
         transfer(&[source], &target, &options).expect_err("another mesh").to_string()
     };
@@ -137,7 +137,8 @@ fn strength_mask_parts_layers_and_mirror_do_what_they_say() {
     let mut memory = made_memory(&sheet);
     memory.stiffness_ratio.iter_mut().for_each(|s| *s = 3.0);
     memory.rest_stretch_warp.iter_mut().for_each(|r| *r = 1.02);
-    let source = Source { file: "made".into(), sheet: sheet.clone(), memory: memory.clone() };
+    let source =
+        Source { file: "made".into(), sheet: sheet.clone(), memory: memory.clone(), joints: Vec::new() };
     let with = |change: &dyn Fn(&mut TransferOptions), sources: &[Source]| {
         let mut options = TransferOptions { by: By::Surface, ..TransferOptions::full(sheet.points.len()) };
         change(&mut options);
@@ -236,6 +237,108 @@ fn folds_land_where_they_were_on_garments_of_another_cut() {
     }
 }
 
+/// A sleeve of the repository, its elbow bent by `angle` [rad] in the file.
+fn sleeve(angle: f64) -> (SourceAsset, Garment) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("garments/sleeve.glb");
+    let bytes = std::fs::read(path).expect("a garment of the repository");
+    let length = u32::from_le_bytes(bytes[12..16].try_into().expect("four bytes")) as usize;
+    let mut json: serde_json::Value = serde_json::from_slice(&bytes[20..20 + length]).expect("is JSON");
+    let elbow = json["nodes"].as_array().and_then(|nodes| nodes.iter().position(|n| n["name"] == "elbow"));
+    json["nodes"][elbow.expect("has an elbow")]["rotation"] =
+        serde_json::json!([0.0, (0.5 * angle).sin(), 0.0, (0.5 * angle).cos()]);
+    let mut text = serde_json::to_vec(&json).expect("is JSON");
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let mut file = bytes[..12].to_vec();
+    file.extend((text.len() as u32).to_le_bytes());
+    file.extend(&bytes[16..20]);
+    file.extend(text);
+    file.extend(&bytes[20 + length..]);
+    let all = file.len() as u32;
+    file[8..12].copy_from_slice(&all.to_le_bytes());
+    let options = ReadOptions { garment: Some("sleeve".into()), ..ReadOptions::default() };
+    let (asset, _) = read_asset("sleeve.glb", &file, &options, &mut |_| Ok(Vec::new())).expect("reads");
+    let (garment, _) = Garment::from_asset(&asset).expect("is a garment");
+    (asset, garment)
+}
+
+/// Rings of crease around the lower arm of a straight sleeve must be on the lower arm of a bent one, where boxes would leave
+/// them hanging in the air.
+#[test]
+fn joints_and_landmarks_lay_a_straight_sleeve_over_a_bent_one() {
+    let ((straight, from), (bent, to)) = (sleeve(0.0), sleeve(1.2));
+    let (sheet, target) = (Sheet::of_garment(&from, &straight), Sheet::of_garment(&to, &bent));
+    assert_eq!(straight.worn_joints().len(), 3, "{:?}", straight.worn_joints());
+    let mut memory = RestShape::new(vec![0.0; sheet.topology.hinges.len()], sheet.triangles.len());
+    let length =
+        |s: &Sheet, h: &crease::mesh::Hinge| (s.points[h.points[0].at()] - s.points[h.points[1].at()]).norm();
+    for (h, hinge) in sheet.topology.hinges.iter().enumerate() {
+        let [a, b] = [hinge.points[0], hinge.points[1]].map(|p| sheet.points[p.at()]);
+        let middle = 0.5 * (a + b).x;
+        if (0.4..0.42).contains(&middle) || (0.47..0.49).contains(&middle) {
+            memory.rest_angle[h] = 0.5 * (1.0 - ((b - a).x / (b - a).norm()).powi(2));
+        }
+    }
+    // Share of what came over that lies within a few elements of where it belongs.
+    let hits = |carried: &RestShape| {
+        let (mut on, mut all) = (0.0, 0.0);
+        for (h, hinge) in target.topology.hinges.iter().enumerate() {
+            let weight = (carried.rest_angle[h] - carried.source_angle[h]).abs() * length(&target, hinge);
+            let middle = 0.5 * (sheet.points[hinge.points[0].at()] + sheet.points[hinge.points[1].at()]).x;
+            all += weight;
+            if (0.385..0.435).contains(&middle) || (0.455..0.505).contains(&middle) {
+                on += weight;
+            }
+        }
+        let made: f64 = sheet
+            .topology
+            .hinges
+            .iter()
+            .zip(&memory.rest_angle)
+            .map(|(h, a)| a.abs() * length(&sheet, h))
+            .sum();
+        (on / all, all / made)
+    };
+    let source = Source {
+        file: "made".into(),
+        sheet: sheet.clone(),
+        memory: memory.clone(),
+        joints: straight.worn_joints(),
+    };
+    let with = |change: &dyn Fn(&mut TransferOptions)| {
+        let mut options = TransferOptions {
+            by: By::Surface,
+            joints: bent.worn_joints(),
+            ..TransferOptions::full(target.points.len())
+        };
+        change(&mut options);
+        transfer(std::slice::from_ref(&source), &target, &options)
+    };
+    // Marked: every 37th point.
+    let marked: Vec<[Vec3; 2]> =
+        (0..sheet.points.len()).step_by(37).map(|p| [sheet.points[p], target.points[p]]).collect();
+    type Change<'a> = &'a dyn Fn(&mut TransferOptions);
+    let cases: [(&str, Change, f64); 3] = [
+        ("joints", &|_| {}, 0.98),
+        ("landmarks", &|o| o.landmarks = marked.clone(), 0.98),
+        ("box", &|o| o.align = Align::Box, 0.0),
+    ];
+    let mut found = Vec::new();
+    for (name, change, bar) in cases {
+        let carried = with(change).expect("carries");
+        let (share, amount) = hits(&carried.memory);
+        println!("{name}: {:.1} % where it belongs, {:.2} of it", 100.0 * share, amount);
+        assert_eq!(carried.aligned, [Some(name)]);
+        assert!(share >= bar);
+        found.push(share);
+    }
+    assert!(found[2] < 0.5, "boxes need no help");
+    let refused =
+        with(&|o| (o.align, o.joints) = (Align::Joints, Vec::new())).expect_err("no joints").to_string();
+    assert!(refused.contains("--landmarks"), "{refused}");
+    let twice = with(&|o| o.landmarks = vec![[Vec3::zeros(), Vec3::x()]; 2]).expect_err("no map").to_string();
+    assert!(twice.contains("apart"), "{twice}");
+}
+
 /// A sheet of n x n points, 0.2 m wide, lying; `skew` moves the inner points so that no edge is where another's is.
 fn grid(n: usize, skew: f64) -> String {
     use std::fmt::Write;
@@ -307,6 +410,23 @@ fn the_tool_carries_settles_and_writes_what_others_read() {
     {
         assert!(path(name).is_file(), "{name}");
     }
+    // Laid over by places that a person marked.
+    let pair = |x: f64, z: f64| format!(r#"{{"source_m": [{x}, 0, {z}], "target_m": [{x}, 0, {z}]}}"#);
+    let marks = [pair(0.0, 0.0), pair(0.2, 0.0), pair(0.1, 0.2)].join(", ");
+    let text = format!(r#"{{"format": "crease-landmarks/1", "pairs": [{marks}]}}"#);
+    std::fs::write(path("marks.json"), &text).expect("writes");
+    let (out, err, code) =
+        run("transfer from.crease.json --to to.obj --by surface --landmarks marks.json --json -o marked.glb");
+    assert_eq!(code, Some(0), "{err}");
+    let report: serde_json::Value = serde_json::from_str(&out).expect("is JSON");
+    assert_eq!(
+        (&report["sources"][0]["by"], &report["sources"][0]["aligned"]),
+        (&"surface".into(), &"landmarks".into())
+    );
+    assert!(report["sources"][0]["crease_left_behind"].as_f64() < Some(0.05), "{report}");
+    std::fs::write(path("marks.json"), text.replace("target_m", "targets")).expect("writes");
+    let (_, err, code) = run("transfer from.crease.json --to to.obj --landmarks marks.json -o no.glb");
+    assert!(code == Some(1) && err.contains("targets") && err.contains("target_m"), "{err}");
     // Onto the very mesh it now is for: the same memory, bit for bit.
     let (_, err, code) = run("transfer out.crease.json --to to.obj -o again.glb --by same --quiet");
     assert_eq!(code, Some(0), "{err}");

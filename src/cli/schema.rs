@@ -5,7 +5,7 @@ use super::talk;
 use clap::ValueEnum;
 use crease::Result;
 use crease::fabric::Fabric;
-use crease::format::Sidecar;
+use crease::format::{Landmarks, Sidecar};
 use crease::json::schema_of;
 use crease::report::{Report, TransferReport};
 use crease::wear::WearScript;
@@ -33,6 +33,8 @@ enum Format {
     TransferReport,
     /// Job file of `crease batch`, crease-batch/1
     Batch,
+    /// Landmarks of `crease transfer`, crease-landmarks/1
+    Landmarks,
 }
 
 pub fn run(arguments: Arguments) -> Result<()> {
@@ -41,6 +43,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
         Format::Fabric => Fabric::schema(),
         Format::Sidecar => schema_of::<Sidecar>(),
         Format::Batch => JobFile::schema(),
+        Format::Landmarks => Landmarks::schema(),
         Format::TransferReport => schema_of::<TransferReport>(),
         Format::Report => schema_of::<Report>(),
     };

@@ -12,8 +12,9 @@ use clap::ValueEnum;
 use crease::bake::{Settled, settle};
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
 use crease::format::gltf::write_worn_glb;
-use crease::format::{Sidecar, read_sidecar, write_sidecar};
+use crease::format::{Landmarks, Sidecar, read_sidecar, write_sidecar};
 use crease::garment::WornGarment;
+use crease::math::Vec3;
 use crease::mesh::crossings::crossings;
 use crease::report::{CarriedSource, TransferReport, crossing_counts};
 use crease::transfer::{Align, By, Carried, Parts, Sheet, Source, TransferOptions, transfer};
@@ -40,6 +41,9 @@ pub struct Arguments {
     /// How garments are laid over one another before places are matched by surface
     #[arg(long, value_enum, default_value_t = Laying::Auto)]
     align: Laying,
+    /// Places of both garments that belong together (`crease schema landmarks`); they lay one over the other
+    #[arg(long, value_name = "FILE", conflicts_with = "align")]
+    landmarks: Option<PathBuf>,
     /// Multiplies every change: 0 for none, 1 as it is
     #[arg(long, value_name = "S", value_parser = strength, default_value_t = 1.0)]
     strength: f64,
@@ -84,8 +88,10 @@ enum Matching {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Laying {
-    /// As they stand, if most of MESH lies close to the source there; else by their boxes
+    /// As they stand, if most of MESH lies close to the source there; else by joints, else by their boxes
     Auto,
+    /// By the joints of one skeleton that both follow
+    Joints,
     /// The source's box becomes that of MESH
     Box,
     /// As they stand in their files, as garments of one body do
@@ -96,6 +102,7 @@ impl From<Laying> for Align {
     fn from(laying: Laying) -> Self {
         match laying {
             Laying::Auto => Self::Auto,
+            Laying::Joints => Self::Joints,
             Laying::Box => Self::Box,
             Laying::Place => Self::Place,
         }
@@ -135,12 +142,14 @@ fn strength(text: &str) -> std::result::Result<f64, String> {
 }
 
 impl Arguments {
-    fn options(&self, mask: Vec<f64>) -> TransferOptions {
+    fn options(&self, job: &Job) -> TransferOptions {
         TransferOptions {
             by: self.by.into(),
             align: self.align.into(),
+            landmarks: job.landmarks.clone(),
+            joints: job.mesh.asset.worn_joints(),
             strength: self.strength,
-            mask,
+            mask: job.mesh.garment.memory_mask.clone(),
             parts: Parts {
                 creases: self.only != Some(Only::Bagging),
                 bagging: self.only != Some(Only::Creases),
@@ -154,7 +163,8 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let began = Instant::now();
     use_threads(arguments.threads)?;
     let files = BakeOutputs::beside(&arguments.output);
-    let inputs = arguments.sidecars.iter().map(PathBuf::as_path).chain([arguments.to.as_path()]);
+    let sidecars = arguments.sidecars.iter().map(PathBuf::as_path);
+    let inputs = sidecars.chain([arguments.to.as_path()]).chain(arguments.landmarks.as_deref());
     let mut outputs = Outputs::new(inputs);
     for path in files.paths() {
         outputs.check(path)?;
@@ -165,7 +175,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     warnings.extend(job.mesh.embed_images(&arguments.to));
     let garment = &job.mesh.garment;
     let target = Sheet::of_garment(garment, &job.mesh.asset);
-    let carried = transfer(&job.sources, &target, &arguments.options(garment.memory_mask.clone()))?;
+    let carried = transfer(&job.sources, &target, &arguments.options(&job))?;
     let start = crossings(&garment.points, &garment.triangles);
     let Settled { displacement, warnings: more, not_at_rest, .. } = job.settled(&carried);
     warnings.extend(more);
@@ -200,6 +210,8 @@ struct Job {
     sources: Vec<Source>,
     sidecars: Vec<Sidecar>,
     fabric: Fabric,
+    /// Source and target place of each [m].
+    landmarks: Vec<[Vec3; 2]>,
 }
 
 impl Job {
@@ -221,9 +233,16 @@ impl Job {
             (None, Some(first)) => fabric_of(&input::name_of(&arguments.sidecars[0]), first),
             (None, None) => input::fabric(DEFAULT_FABRIC),
         };
-        match (mesh, fabric) {
-            (Ok(mesh), Ok(fabric)) if errors.is_empty() => Ok(Self { mesh, sources, sidecars, fabric }),
-            (mesh, fabric) => Err(merged([mesh.err(), fabric.err()].into_iter().flatten().chain(errors))),
+        let landmarks = arguments.landmarks.as_deref().map_or(Ok(Vec::new()), |path| {
+            Landmarks::parse(&input::name_of(path), &input::text(path)?).map(|landmarks| landmarks.places())
+        });
+        match (mesh, fabric, landmarks) {
+            (Ok(mesh), Ok(fabric), Ok(landmarks)) if errors.is_empty() => {
+                Ok(Self { mesh, sources, sidecars, fabric, landmarks })
+            }
+            (mesh, fabric, landmarks) => {
+                Err(merged([mesh.err(), fabric.err(), landmarks.err()].into_iter().flatten().chain(errors)))
+            }
         }
     }
 
@@ -238,10 +257,12 @@ impl Job {
     }
 
     fn carried_sources(&self, carried: &Carried) -> Vec<CarriedSource> {
-        let each = self.sources.iter().zip(&carried.ways).zip(&carried.losses);
-        each.map(|((source, way), losses)| CarriedSource {
+        let ways = carried.ways.iter().zip(&carried.aligned);
+        let each = self.sources.iter().zip(ways).zip(&carried.losses);
+        each.map(|((source, (way, aligned)), losses)| CarriedSource {
             file: source.file.clone(),
             by: (*way).to_owned(),
+            aligned: aligned.map(str::to_owned),
             losses: *losses,
         })
         .collect()
@@ -284,7 +305,8 @@ fn read_source(path: &Path) -> Result<(Source, Sidecar)> {
     let file = input::name_of(path);
     let sidecar = read_sidecar(&file, &input::bytes(path)?)?;
     let (sheet, memory) = Sheet::of_sidecar(&file, &sidecar)?;
-    Ok((Source { file, sheet, memory }, sidecar))
+    let joints = sidecar.joints();
+    Ok((Source { file, sheet, memory, joints }, sidecar))
 }
 
 /// The fabric the memory was earned in.
@@ -300,9 +322,10 @@ fn tell(arguments: &Arguments, files: &BakeOutputs, report: &TransferReport) -> 
         report.warnings.iter().for_each(|warning| talk::say(&format!("warning: {warning}")));
         for source in &report.sources {
             talk::say(&format!(
-                "{}: by {}; {:.0} % of its creases left behind, {:.0} % of the target without a source",
+                "{}: by {}{}; {:.0} % of its creases left behind, {:.0} % of the target without a source",
                 source.file,
                 source.by,
+                source.aligned.as_ref().map(|by| format!(", laid over by {by}")).unwrap_or_default(),
                 100.0 * source.losses.crease_left_behind,
                 100.0 * source.losses.target_without_source,
             ));

@@ -2,7 +2,7 @@
 //! so that export can give everything back untouched. Import makes it, `Garment` is built from its worn pieces,
 //! export writes it out again with the worn pieces changed.
 
-use crate::math::{Mat4, Vec2, Vec3};
+use crate::math::{Mat3, Mat4, Vec2, Vec3};
 use serde_json::Value;
 
 /// Which format a file was in.
@@ -76,6 +76,8 @@ pub struct SourcePiece {
     pub triangles: Vec<[u32; 3]>,
     /// Own coordinates to scene metres.
     pub placement: Placement,
+    /// The joints of its skin; none without one.
+    pub joints: Vec<SourceJoint>,
     /// Whether the piece is part of the garment (chosen by `--garment`, else every piece).
     pub worn: bool,
 }
@@ -90,6 +92,19 @@ impl SourcePiece {
         };
         Some((transform * own.push(1.0)).xyz())
     }
+}
+
+/// A joint that moves a piece, in the pose of the file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SourceJoint {
+    /// Name of its node; empty when it has none.
+    pub name: String,
+    /// Where it stands in the scene \[m\], y up.
+    pub place: Vec3,
+    /// Its own axes in the scene: columns of unit length.
+    pub axes: Mat3,
+    /// Name of the next joint above it that moves the piece.
+    pub parent: Option<String>,
 }
 
 /// A mesh file as it came.
@@ -115,6 +130,17 @@ impl SourceAsset {
     /// Pieces that are part of the garment, in file order.
     pub fn worn_pieces(&self) -> impl Iterator<Item = &SourcePiece> {
         self.pieces.iter().filter(|piece| piece.worn)
+    }
+
+    /// Joints that move the worn pieces, each name once, in file order; those without a name left out.
+    pub fn worn_joints(&self) -> Vec<SourceJoint> {
+        let mut all: Vec<SourceJoint> = Vec::new();
+        for joint in self.worn_pieces().flat_map(|piece| &piece.joints) {
+            if !joint.name.is_empty() && all.iter().all(|known| known.name != joint.name) {
+                all.push(joint.clone());
+            }
+        }
+        all
     }
 
     /// Triangles of the worn pieces, their vertices counted through.

@@ -10,14 +10,14 @@
 //! It does not check that the hinges are those of the triangles (`transfer` does), nor that texture coordinates make sense.
 
 use crate::garment::{Garment, RestShape, WornGarment, corner_vertices};
-use crate::math::{Vec2, Vec3, bounds};
+use crate::math::{Mat3, Vec2, Vec3, bounds};
 use crate::mesh::PointIndex;
 use crate::{Error, Fault, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use super::asset::{SourceAsset, UpAxis};
+use super::asset::{SourceAsset, SourceJoint, UpAxis};
 use super::checksum::SidecarChecksums;
 
 /// The format and version this module writes and reads.
@@ -101,6 +101,27 @@ pub struct SidecarMesh {
     /// versions before 0.1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub triangle_vertices: Option<Vec<[u32; 3]>>,
+    /// Joints of the skeleton that moves the worn pieces, as they stand in the pose of the file: garments that follow joints
+    /// of the same names can be laid over one another by them. Left out without any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub joints: Option<Vec<SidecarJoint>>,
+    /// Fields this version does not know.
+    #[serde(flatten)]
+    pub extra: Map<String, Value>,
+}
+
+/// A joint of a skeleton.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SidecarJoint {
+    /// Name of its node.
+    pub name: String,
+    /// Where it stands, in metres, y up.
+    pub position_m: [f64; 3],
+    /// Unit vectors along its own x, y and z, y up.
+    pub axes: [[f64; 3]; 3],
+    /// Name of the next joint above it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub parent: Option<String>,
     /// Fields this version does not know.
     #[serde(flatten)]
     pub extra: Map<String, Value>,
@@ -181,6 +202,7 @@ impl Sidecar {
                 source_point: garment.source_point.iter().map(|p| p.0).collect(),
                 source_uv: source_uv(asset),
                 triangle_vertices: Some(corner_vertices(asset, garment)),
+                joints: source_joints(asset),
                 extra: Map::new(),
             },
             hinges: SidecarHinges {
@@ -220,6 +242,17 @@ impl Sidecar {
     /// Every triangle of the mesh.
     pub fn mesh_triangles(&self) -> Vec<[PointIndex; 3]> {
         self.mesh.triangles.iter().map(|t| t.map(PointIndex)).collect()
+    }
+
+    /// Joints that move the garment, as it came.
+    pub fn joints(&self) -> Vec<SourceJoint> {
+        let joint = |j: &SidecarJoint| SourceJoint {
+            name: j.name.clone(),
+            place: j.position_m.into(),
+            axes: Mat3::from_columns(&j.axes.map(Vec3::from)),
+            parent: j.parent.clone(),
+        };
+        self.mesh.joints.iter().flatten().map(joint).collect()
     }
 
     /// Displacement and memory, as a bake left them; entries as in the lists of this sidecar.
@@ -275,6 +308,10 @@ impl Sidecar {
         if let Some(corners) = &self.mesh.triangle_vertices {
             check.length("mesh.triangle_vertices", corners.len(), triangles, "triangles");
             check.indices("mesh.triangle_vertices", corners, vertices);
+        }
+        for (i, joint) in self.mesh.joints.iter().flatten().enumerate() {
+            check.finite(&format!("mesh.joints[{i}].position_m"), &[joint.position_m]);
+            check.finite(&format!("mesh.joints[{i}].axes"), &joint.axes);
         }
         for (place, values) in [
             ("triangles.warp_angle_rad", &self.triangles.warp_angle_rad),
@@ -346,6 +383,20 @@ fn source_uv(asset: &SourceAsset) -> Option<Vec<[f64; 2]>> {
         all.extend(piece.uvs.as_ref()?.iter().map(|uv| [uv.x, uv.y]));
     }
     Some(all)
+}
+
+/// Joints of the worn pieces, if there are any.
+fn source_joints(asset: &SourceAsset) -> Option<Vec<SidecarJoint>> {
+    let axis = |axes: &Mat3, k: usize| axes.column(k).into_owned().into();
+    let joint = |joint: SourceJoint| SidecarJoint {
+        name: joint.name,
+        position_m: joint.place.into(),
+        axes: [0, 1, 2].map(|k| axis(&joint.axes, k)),
+        parent: joint.parent,
+        extra: Map::new(),
+    };
+    let all: Vec<SidecarJoint> = asset.worn_joints().into_iter().map(joint).collect();
+    (!all.is_empty()).then_some(all)
 }
 
 /// Angle of the first side of a triangle laid flat, warp along x [rad].
@@ -446,6 +497,7 @@ mod tests {
             mask: None,
             triangles: vec![[0, 1, 2], [2, 4, 3]],
             placement: Placement::Rigid(Mat4::identity()),
+            joints: Vec::new(),
             worn: true,
         };
         let asset = SourceAsset {

@@ -251,6 +251,7 @@ mod tests {
             mask: None,
             triangles: triangles.to_vec(),
             placement: Placement::Rigid(Mat4::identity()),
+            joints: Vec::new(),
             worn: true,
         }
     }

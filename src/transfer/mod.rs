@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! sidecar -> sheet -> stand both garments up, boxes laid over one another (stance)
+//!            or places that belong together: landmarks, joints (registration)
 //!         -> where does each place of the target land on the source (landing)
 //!         -> change of curvature, stiffness, rest lengths per target triangle (spread)
 //!         -> angles of the target's hinges (discretise) -> rest shape, with its confidence
@@ -14,21 +15,25 @@
 //!
 //! Does not settle the garment (`bake::settle` does, with what comes out of here) and opens no files.
 
+mod align;
 mod confidence;
 mod discretise;
 mod landing;
+mod registration;
 mod sheet;
 mod spread;
 mod stance;
 
+pub use align::Align;
 pub use confidence::{Losses, Region};
 pub use sheet::Sheet;
 
+use crate::format::SourceJoint;
 use crate::garment::RestShape;
 use crate::math::Vec3;
 use crate::mesh::hinge_angle;
-use crate::mesh::tree::TriangleTree;
 use crate::{Error, Result};
+use align::lay_over;
 use discretise::{PlaneTensor, hinge_angles};
 use landing::{Finder, Place, Way, landed_at, texture_gradient};
 use spread::gather;
@@ -68,19 +73,6 @@ pub struct Parts {
     pub bagging: bool,
 }
 
-/// How garments are laid over one another before places are matched by surface.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Align {
-    /// As they stand where they are, if most of the target lies close to the source there (both were made for one body);
-    /// else by their boxes.
-    #[default]
-    Auto,
-    /// The source's box becomes the target's.
-    Box,
-    /// As they stand in their files.
-    Place,
-}
-
 /// How to carry.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TransferOptions {
@@ -88,6 +80,10 @@ pub struct TransferOptions {
     pub by: By,
     /// How garments are laid over one another.
     pub align: Align,
+    /// Places of source and target that belong together [m], marked by a person: they come before `align`.
+    pub landmarks: Vec<[Vec3; 2]>,
+    /// Joints that move the target, in the pose of its file.
+    pub joints: Vec<SourceJoint>,
     /// Every change is multiplied by this [-], 0 or more.
     pub strength: f64,
     /// One per point of the target, 0..1: changes are multiplied by it.
@@ -104,6 +100,8 @@ impl TransferOptions {
         Self {
             by: By::Auto,
             align: Align::Auto,
+            landmarks: Vec::new(),
+            joints: Vec::new(),
             strength: 1.0,
             mask: vec![1.0; point_count],
             parts: Parts { creases: true, bagging: true },
@@ -129,6 +127,8 @@ pub struct Source {
     pub sheet: Sheet,
     /// One entry per hinge of the sheet's topology.
     pub memory: RestShape,
+    /// Joints that move it, in the pose of its file.
+    pub joints: Vec<SourceJoint>,
 }
 
 /// What came over.
@@ -138,6 +138,8 @@ pub struct Carried {
     pub memory: RestShape,
     /// Per source: the way that was taken.
     pub ways: Vec<&'static str>,
+    /// Per source: by what it was laid over the target; none where numbers went over one by one.
+    pub aligned: Vec<Option<&'static str>>,
     /// Per target triangle, 0..1: how sure it is that its memory belongs there (mean over the sources).
     pub confidence: Vec<f64>,
     /// Confidence by region of the garment, those without cloth left out.
@@ -162,6 +164,7 @@ pub fn transfer(sources: &[Source], target: &Sheet, options: &TransferOptions) -
         return Ok(Carried {
             memory: source.memory.clone(),
             ways: vec![By::Same.name()],
+            aligned: vec![None],
             confidence: vec![1.0; target.triangles.len()],
             regions: confidence::regions(&standing, &vec![1.0; target.triangles.len()]),
             losses: vec![Losses::default()],
@@ -170,17 +173,19 @@ pub fn transfer(sources: &[Source], target: &Sheet, options: &TransferOptions) -
     }
     let mut sum = Change::none(target);
     let mut confidence = vec![0.0; target.triangles.len()];
-    let (mut ways, mut losses) = (Vec::new(), Vec::new());
+    let (mut ways, mut aligned, mut losses) = (Vec::new(), Vec::new(), Vec::new());
     for source in sources {
         let one = carry_one(source, target, &standing, &stance, options)?;
         sum.add(&one.change);
         confidence.iter_mut().zip(&one.confidence).for_each(|(c, own)| *c += own / sources.len() as f64);
         ways.push(one.way);
+        aligned.push(one.aligned);
         losses.push(one.losses);
     }
     Ok(Carried {
         memory: sum.applied_to(new, target, options),
         ways,
+        aligned,
         regions: confidence::regions(&standing, &confidence),
         confidence,
         losses,
@@ -282,6 +287,7 @@ const LEAST_RATIO: f64 = 1e-3;
 struct One {
     change: Change,
     way: &'static str,
+    aligned: Option<&'static str>,
     confidence: Vec<f64>,
     losses: Losses,
 }
@@ -299,6 +305,7 @@ fn carry_one(
             return Ok(One {
                 change: Change::of_memory(&source.memory),
                 way: By::Same.name(),
+                aligned: None,
                 confidence: vec![1.0; target.triangles.len()],
                 losses: Losses::default(),
             });
@@ -317,12 +324,7 @@ fn carry_one(
     let (sheet, memory) = mirrored.as_ref().map_or((&source.sheet, &source.memory), |(s, m)| (s, m));
     let own = Stance::of(sheet);
     let size = stance.size.norm();
-    let in_place = || stand(sheet, &Stance { middle: stance.middle, ..own }, Vec3::repeat(1.0));
-    let aligned = match options.align {
-        Align::Place => in_place(),
-        Align::Auto if own.turn == stance.turn && is_close(&in_place(), standing, size) => in_place(),
-        _ => stand(sheet, &own, own.scale_to(stance)),
-    };
+    let (aligned, by) = lay_over(source, sheet, &own, (standing, stance), options)?;
     let surface = if own.flat || stance.flat { Way::Front } else { Way::Nearest };
     let both_textured = aligned.uvs.is_some() && standing.uvs.is_some();
     let way = match options.by {
@@ -349,26 +351,11 @@ fn carry_one(
     };
     Ok(One {
         change,
+        aligned: Some(by),
         way: if way == Way::Texture { By::Uv.name() } else { By::Surface.name() },
         losses: confidence::losses(&aligned, memory, standing, &gathered),
         confidence: gathered.iter().map(|g| g.confidence).collect(),
     })
-}
-
-/// Distance, as a share of the garment's size, up to which the target lies close to the source.
-const CLOSE: f64 = 0.02;
-/// Share of the target's triangles that must.
-const CLOSE_SHARE: f64 = 0.6;
-
-/// Whether most of `target` lies close to `source`, both where they are.
-fn is_close(source: &Sheet, target: &Sheet, size: f64) -> bool {
-    let tree = TriangleTree::new(&source.points, &source.triangles, 0.0);
-    let count = target.triangles.len();
-    let close = |f: &usize| {
-        let middle = target.corners(*f).iter().sum::<Vec3>() / 3.0;
-        tree.nearest(&source.points, middle, CLOSE * size).is_some()
-    };
-    (0..count).filter(close).count() as f64 >= CLOSE_SHARE * count as f64
 }
 
 /// Per hinge: stiffness ratio minus 1, from the compliance gathered on both sides.

@@ -80,7 +80,8 @@ pub fn correlation(a: &[[f64; 4]], b: &[[f64; 4]]) -> f64 {
 }
 
 pub fn carry(from: &Sheet, memory: &RestShape, to: &Sheet, by: By) -> Carried {
-    let source = Source { file: "made".into(), sheet: from.clone(), memory: memory.clone() };
+    let source =
+        Source { file: "made".into(), sheet: from.clone(), memory: memory.clone(), joints: Vec::new() };
     let options = TransferOptions { by, ..TransferOptions::full(to.points.len()) };
     transfer(&[source], to, &options).expect("carries")
 }

@@ -13,9 +13,9 @@ use super::scene::Scene;
 use super::skin::place_skinned;
 use crate::format::fault_list::FaultList;
 use crate::format::read::{NamedPiece, ReadPieces};
-use crate::format::{GltfDocument, Placement, SourcePiece};
+use crate::format::{GltfDocument, Placement, SourceJoint, SourcePiece};
 use crate::garment::{Finding, Severity};
-use crate::math::Mat4;
+use crate::math::{Mat3, Mat4};
 use crate::{Error, Result};
 
 /// Beginnings of extensions that may be required without our knowing them: they change how surfaces look or what
@@ -216,7 +216,7 @@ impl<'a> Reader<'a> {
         };
         self.elements_left = self.elements_left.saturating_sub(data.positions.len() + data.triangles.len());
         self.report(primitive, &data);
-        let placement = self.place(node, primitive, &data)?;
+        let (placement, joints) = self.place(node, primitive, &data)?;
         let names = self.names(node, mesh, primitive);
         let material =
             primitive.index("material")?.and_then(|m| self.root.entry("materials", m).text("name"));
@@ -232,6 +232,7 @@ impl<'a> Reader<'a> {
             mask: data.mask,
             triangles: data.triangles,
             placement,
+            joints,
             worn: true,
         };
         Ok(Some(NamedPiece { piece, names }))
@@ -252,8 +253,14 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn place(&mut self, node: Option<usize>, primitive: &Cursor, data: &MeshData) -> Result<Placement> {
-        let Some(node) = node else { return Ok(Placement::Rigid(self.to_scene)) };
+    /// Where a piece stands, and the joints that move it.
+    fn place(
+        &mut self,
+        node: Option<usize>,
+        primitive: &Cursor,
+        data: &MeshData,
+    ) -> Result<(Placement, Vec<SourceJoint>)> {
+        let Some(node) = node else { return Ok((Placement::Rigid(self.to_scene), Vec::new())) };
         let cursor = self.root.entry("nodes", node);
         if let Some(skin) = cursor.index("skin")? {
             let count = data.positions.len();
@@ -269,13 +276,34 @@ impl<'a> Reader<'a> {
             if let Some(vertex) = transforms.iter().position(flattens) {
                 return Err(primitive.fault(format!("its skin squeezes vertex {vertex} to nothing")));
             }
-            return Ok(Placement::Skinned(transforms));
+            let name =
+                |node: usize| self.root.entry("nodes", node).text("name").unwrap_or_default().to_owned();
+            let above = |node: usize| {
+                let ancestors = std::iter::successors(self.scene.parents[node], |up| self.scene.parents[*up]);
+                ancestors.into_iter().find(|up| placed.joints.contains(up))
+            };
+            let joint = |&node: &usize| {
+                let world = self.to_scene * self.scene.worlds[node];
+                let axis = |k: usize| {
+                    let along = world.column(k).xyz().try_normalize(f64::MIN_POSITIVE);
+                    along.unwrap_or_else(|| Mat3::identity().column(k).into())
+                };
+                SourceJoint {
+                    name: name(node),
+                    place: world.column(3).xyz(),
+                    axes: Mat3::from_columns(&[axis(0), axis(1), axis(2)]),
+                    parent: above(node).map(name),
+                }
+            };
+            // Their nodes are in the file: the vertices could not have been placed otherwise.
+            let joints = placed.joints.iter().map(joint).collect();
+            return Ok((Placement::Skinned(transforms), joints));
         }
         let transform = self.to_scene * self.scene.worlds.get(node).copied().unwrap_or_else(Mat4::identity);
         if flattens(&transform) {
             return Err(cursor.fault("its transform, with those above it, squeezes the mesh flat"));
         }
-        Ok(Placement::Rigid(transform))
+        Ok((Placement::Rigid(transform), Vec::new()))
     }
 
     /// Names of the nodes that show the mesh, of the nodes above, of the mesh and of the material; the best first.

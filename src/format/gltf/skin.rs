@@ -13,8 +13,13 @@ use crate::math::Mat4;
 /// Weights whose sum is off one by more than this are reported; quantised ones are off by less.
 const SUM_TOLERANCE: f64 = 0.01;
 
+/// A vertex follows a joint that moves it by more than this share.
+const FOLLOWED: f64 = 0.01;
+
 /// Where a skin puts each vertex.
 pub(super) struct SkinnedVertices {
+    /// Nodes of the joints that some vertex follows, in the order of the skin.
+    pub(super) joints: Vec<usize>,
     /// Per vertex: own coordinates to scene coordinates, in file units.
     pub(super) transforms: Vec<Mat4>,
     /// Vertices whose weights did not sum to one.
@@ -30,9 +35,14 @@ pub(super) fn place_skinned(
     skin: usize,
     vertex_count: usize,
 ) -> Result<SkinnedVertices> {
-    let joints = joint_matrices(root, accessors, scene, primitive, skin)?;
+    let (nodes, joints) = joint_matrices(root, accessors, scene, primitive, skin)?;
     let sets = influence_sets(accessors, primitive, vertex_count)?;
-    let mut placed = SkinnedVertices { transforms: Vec::with_capacity(vertex_count), normalised_count: 0 };
+    let mut placed = SkinnedVertices {
+        joints: Vec::new(),
+        transforms: Vec::with_capacity(vertex_count),
+        normalised_count: 0,
+    };
+    let mut followed = vec![false; joints.len()];
     for vertex in 0..vertex_count {
         let mut influences = Vec::with_capacity(4 * sets.len());
         for (numbers, weights) in &sets {
@@ -59,9 +69,12 @@ pub(super) fn place_skinned(
                 )));
             };
             transform += matrix * (weight / sum);
+            followed[joint] |= weight / sum > FOLLOWED;
         }
         placed.transforms.push(transform);
     }
+    placed.joints =
+        nodes.into_iter().zip(followed).filter(|(_, followed)| *followed).map(|(n, _)| n).collect();
     Ok(placed)
 }
 
@@ -88,20 +101,22 @@ pub(super) fn joints_of(
     Ok(joints.into_iter().zip(inverse_binds).collect())
 }
 
+/// Nodes of the joints of skin `skin`, and what each does to a vertex in bind pose.
 fn joint_matrices(
     root: &Cursor,
     accessors: &Accessors,
     scene: &Scene,
     primitive: &Cursor,
     skin: usize,
-) -> Result<Vec<Mat4>> {
+) -> Result<(Vec<usize>, Vec<Mat4>)> {
     let joints = joints_of(root, accessors, primitive, skin)?;
     let skin = root.entry("skins", skin);
     let matrix = |(joint, inverse_bind): &(usize, Mat4)| match scene.worlds.get(*joint) {
         Some(world) => Ok(world * inverse_bind),
         None => Err(skin.fault(format!("its joint nodes[{joint}] is not in the file"))),
     };
-    joints.iter().map(matrix).collect()
+    let matrices = joints.iter().map(matrix).collect::<Result<_>>()?;
+    Ok((joints.into_iter().map(|(node, _)| node).collect(), matrices))
 }
 
 /// The pairs JOINTS_n, WEIGHTS_n for n = 0, 1, ...

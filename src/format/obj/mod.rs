@@ -149,6 +149,7 @@ impl PieceBuilder {
             mask: mask.map(|k| self.corners.iter().map(|c| colour(c, k)).collect()),
             triangles: self.triangles,
             placement: Placement::Rigid(*to_scene),
+            joints: Vec::new(),
             worn: true,
         };
         NamedPiece { piece, names }
