@@ -1,6 +1,7 @@
 //! Checkpoints: a bake that is taken up from any of them ends with the bytes of one that was never interrupted.
 
 use crease::bake::{BakeOptions, Baked, Checkpoint, Observer, bake, bake_from};
+use crease::body::Wearer;
 use crease::fabric::Fabric;
 use crease::format::{ReadOptions, read_asset};
 use crease::garment::Garment;
@@ -65,7 +66,7 @@ impl Scene {
     fn resume(&self, from: &Checkpoint, observer: &mut dyn Observer) -> Result<Baked> {
         // Through the file, as a killed process would.
         let read = Checkpoint::parse("x.checkpoint", &from.to_bytes())?;
-        assert_eq!(&read, from, "a checkpoint reads back as it was");
+        assert!(&read == from, "a checkpoint does not read back as it was");
         let from = Some(("x.checkpoint", read));
         bake_from(from, &self.garment, &self.fabric, &self.script, "wear.json", &self.options, observer)
     }
@@ -145,6 +146,43 @@ fn backward_euler_goes_on_as_if_nothing_had_been() {
 #[test]
 fn bdf2_goes_on_as_if_nothing_had_been() {
     taken_up_anywhere(Method::Bdf2);
+}
+
+/// On a body: how it is bent, where it is, what it has lifted and pinched go on, too.
+#[test]
+fn on_a_body_it_goes_on_as_if_nothing_had_been() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("garments/sleeve.glb");
+    let read = ReadOptions { garment: Some("sleeve".into()), ..ReadOptions::default() };
+    let bytes = std::fs::read(path).unwrap();
+    let (asset, _) = read_asset("sleeve.glb", &bytes, &read, &mut |_| Ok(Vec::new())).unwrap();
+    let arm: Vec<_> = asset.pieces.iter().filter(|piece| piece.name == "arm").collect();
+    let script = r#"{"format": "crease-wear/1", "actions": [
+        {"bend": {"joint": "elbow", "axis": "z", "angle": 30, "over": 0.2, "hold": 0.1}},
+        {"settle": {"for": 0.1}}]}"#;
+    let scene = Scene {
+        garment: Garment::from_asset(&asset).unwrap().0,
+        fabric: Fabric::preset("cotton-jersey").unwrap(),
+        script: WearScript::parse("wear.json", script).unwrap(),
+        options: BakeOptions {
+            body: Some(std::sync::Arc::new(Wearer::from_pieces(&asset, &arm).unwrap())),
+            ..BakeOptions::default()
+        },
+    };
+    let mut keeper = Keeper::new(u64::MAX);
+    let plain = scene.bake(&mut keeper).unwrap();
+    let between: Vec<&Checkpoint> = keeper.checkpoints.iter().filter(|c| c.way.is_some()).collect();
+    assert!(between.len() >= 3, "{} checkpoints lie within actions", between.len());
+    for checkpoint in
+        [between[0], between[between.len() / 2], &keeper.checkpoints[keeper.checkpoints.len() - 2]]
+    {
+        let what = format!("from action {}, {:.2} s", checkpoint.action, checkpoint.state.time);
+        let taken_up = scene.resume(checkpoint, &mut ()).unwrap();
+        assert_same(&plain, &taken_up, &what);
+    }
+    let mut other = between[0].clone();
+    other.body = None;
+    let refused = scene.resume(&other, &mut ()).unwrap_err().to_string();
+    assert!(refused.contains("does not fit"), "{refused}");
 }
 
 #[test]

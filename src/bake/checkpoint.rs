@@ -11,8 +11,10 @@
 //!
 //! Does not do: when a checkpoint is written and where (the tool), results (they are written when all is done).
 
+use super::on_body::BodyMoment;
 use super::unmet_log::UnmetLog;
 use super::{BakeOptions, BakeReport, Run};
+use crate::body::Wearer;
 use crate::contact::KeptStretch;
 use crate::error::{Error, Result};
 use crate::fabric::Fabric;
@@ -51,6 +53,9 @@ pub struct Checkpoint {
     pub state: State,
     /// What friction keeps from step to step.
     pub friction: Vec<KeptStretch>,
+    /// The body it is on, if there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub body: Option<BodyMoment>,
     /// Its memory.
     pub memory: Memory,
     /// Counts so far.
@@ -158,7 +163,14 @@ impl Checkpoint {
     }
 
     /// Whether it can be of a run on `garment` with `key`; every index and length is checked.
-    pub fn check(&self, file: &str, garment: &Garment, script: &WearScript, key: &str) -> Result<()> {
+    pub fn check(
+        &self,
+        file: &str,
+        garment: &Garment,
+        script: &WearScript,
+        wearer: Option<&Wearer>,
+        key: &str,
+    ) -> Result<()> {
         let refuse = |what: &str| Err(Error::fault(file, "", what, CURE));
         if self.key != key {
             return refuse(
@@ -173,6 +185,11 @@ impl Checkpoint {
             && self.state.previous.as_ref().is_none_or(|p| p.x.len() == points && p.v.len() == points)
             && self.way.as_ref().is_none_or(|way| way.start.len() == points)
             && self.memory.fits(hinges, garment.triangles.len());
+        let on_body = match (&self.body, wearer) {
+            (None, None) => true,
+            (Some(body), Some(wearer)) => body.fits(wearer, points),
+            _ => false,
+        };
         let inside = |p: &u32| (*p as usize) < points;
         let kept = |drive: &Drive| {
             (drive.held.is_empty() || drive.held.len() == points)
@@ -186,7 +203,7 @@ impl Checkpoint {
                 .way
                 .as_ref()
                 .is_none_or(|w| w.wished >= LEAST_STEP && (0.0..=self.state.time).contains(&w.begin));
-        if !(lists && posture && times && self.action <= script.flatten().count()) {
+        if !(lists && on_body && posture && times && self.action <= script.flatten().count()) {
             return refuse("does not fit the garment it says it is of");
         }
         Ok(())
@@ -204,10 +221,11 @@ impl Run<'_> {
             key: self.key.clone(),
             action,
             way,
-            posture: posture.clone(),
+            posture: Posture { body: None, ..posture.clone() },
             state: self.state.clone(),
             memory: self.memory.clone(),
             friction: self.stepper.contact.kept_friction(),
+            body: self.body_moment(posture),
             counts: Counts {
                 steps,
                 rejected,
@@ -228,7 +246,9 @@ impl Run<'_> {
     /// Takes up the cloth, its memory and the counts of a checkpoint that fits.
     pub(super) fn restore(&mut self, from: Checkpoint) {
         let counts = from.counts;
-        self.posture = from.posture;
+        // The body was put on before.
+        let body = self.posture.body.take();
+        self.posture = Posture { body, ..from.posture };
         self.state = from.state;
         self.memory = from.memory;
         self.stepper.contact.restore_friction(&from.friction);

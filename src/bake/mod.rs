@@ -182,9 +182,9 @@ pub fn bake_from(
 ) -> Result<Baked> {
     let key = run_key(garment, fabric, script, options);
     if let Some((file, checkpoint)) = &taken_up {
-        checkpoint.check(file, garment, script, &key)?;
+        checkpoint.check(file, garment, script, options.body.as_deref(), &key)?;
     }
-    let on_body = OnBody::prepare(garment, script, script_file, options, taken_up.is_some())?;
+    let on_body = OnBody::prepare(garment, script, script_file, options)?;
     let mut plan = Plan::new(garment, fabric, script, options);
     if let Some(on_body) = &on_body {
         plan.wear_on(fabric, &on_body.wearer, &on_body.asleep);
@@ -236,7 +236,7 @@ pub fn bake_from(
     };
     run.report.warnings.extend(crossing_start::crossing_warning(garment));
     if let Some(on_body) = on_body {
-        run.put_on(on_body)?;
+        run.put_on(on_body, taken_up.as_ref().and_then(|(_, checkpoint)| checkpoint.body.as_ref()));
     }
     let (mut first, mut way) = (0, None);
     if let Some((_, checkpoint)) = taken_up {
@@ -371,10 +371,18 @@ impl Run<'_> {
         self.perform(under_way, begun.gesture, duration, way, observer)
     }
 
+    /// Forgets what is kept between steps for speed alone, as a run that is taken up has none of it.
+    fn forget(&mut self) {
+        self.stepper.forget();
+        if let Some(field) = &mut self.field {
+            field.forget();
+        }
+    }
+
     /// A moment before the action `number`, from which the run can be taken up.
     fn moment(&mut self, number: usize, observer: &mut dyn Observer) -> Result<()> {
-        self.stepper.forget();
-        if self.posture.body.is_none() && observer.keeps_checkpoints() {
+        self.forget();
+        if observer.keeps_checkpoints() {
             observer.checkpoint(self.checkpoint(number, &self.posture, None))?;
         }
         Ok(())
@@ -392,11 +400,8 @@ impl Run<'_> {
         if !self.report.steps.is_multiple_of(STEPS_BETWEEN) {
             return Ok(());
         }
-        if self.posture.body.is_some() {
-            return Ok(());
-        }
         let Some(memo) = gesture.memo() else { return Ok(()) };
-        self.stepper.forget();
+        self.forget();
         if observer.keeps_checkpoints() {
             let way = Way { start: action.start.clone(), begin: action.begin, part, wished, memo };
             observer.checkpoint(self.checkpoint(action.number, &action.before, Some(way)))?;

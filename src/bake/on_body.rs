@@ -3,15 +3,16 @@
 use super::awake::awake;
 use super::dressing;
 use super::{BakeOptions, Run};
-use crate::body::{Standing, Wearer};
-use crate::contact::{BodyField, FieldSettings};
+use crate::body::{BodyPose, Standing, Wearer};
+use crate::contact::{BodyField, FieldSettings, KeptField};
 use crate::energy::Cushion;
 use crate::error::{Error, Result};
 use crate::garment::Garment;
 use crate::math::Vec3;
 use crate::mesh::{PointIndex, Topology};
 use crate::solve::{State, StepReport};
-use crate::wear::{Gesture, WearScript};
+use crate::wear::{Gesture, Posture, WearScript};
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -25,21 +26,15 @@ pub(super) struct OnBody {
 }
 
 impl OnBody {
-    /// The body of `options`, if there is one. Refuses joints and clips that it has not, garments that do not fit it,
-    /// and a run that is to be taken up: what cloth and body have come to is not in a checkpoint.
+    /// The body of `options`, if there is one. Refuses joints and clips that it has not and garments that do not fit it.
     pub fn prepare(
         garment: &Garment,
         script: &WearScript,
         script_file: &str,
         options: &BakeOptions,
-        taken_up: bool,
     ) -> Result<Option<Self>> {
         let Some(wearer) = &options.body else { return Ok(None) };
         let mut faults = script.faults_with_body(script_file, wearer);
-        if taken_up {
-            let what = "a run with a body cannot be taken up";
-            faults.push(crate::error::Fault::new("--resume", "", what, "leave it out: the run begins anew"));
-        }
         let depths = match dressing::depths(&garment.points, wearer) {
             Ok(depths) => depths,
             Err(Error::Input(more)) => {
@@ -87,8 +82,9 @@ fn smoothed(mut lead: Vec<Vec3>, held: &[bool], topology: &Topology) -> Vec<Vec3
 }
 
 /// How far cloth was inside the body.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Pinch {
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Pinch {
     /// Pairs of triangles of cloth and body that crossed where the body is open, and where it lies on itself: most after any
     /// step, when that was [s], and after the last.
     crossed: [(usize, f64); 2],
@@ -99,6 +95,7 @@ pub(super) struct Pinch {
     times: Option<[f64; 2]>,
     /// [m].
     depth: f64,
+    #[serde(with = "crate::math::plain::vector")]
     place: Vec3,
 }
 
@@ -162,12 +159,33 @@ impl Pinch {
     }
 }
 
+/// What a checkpoint keeps of a body and the cloth on it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BodyMoment {
+    /// As the actions before have left it.
+    pub pose: BodyPose,
+    /// How it meets the cloth.
+    pub field: KeptField,
+    /// How far cloth was inside it so far.
+    pub pinch: Pinch,
+    /// Time that dressing took [s].
+    pub dressing_s: f64,
+}
+
+impl BodyMoment {
+    /// Whether it can be of `wearer` under a cloth of `points` points.
+    pub fn fits(&self, wearer: &Wearer, points: usize) -> bool {
+        self.field.fits(wearer.start().len(), points)
+    }
+}
+
 /// Where the body is at the end of a step [m], and what of it is under the cloth.
 type Met = (Arc<[Vec3]>, Arc<[Cushion]>);
 
 impl Run<'_> {
-    /// The garment is put on.
-    pub(super) fn put_on(&mut self, on_body: OnBody) -> Result<()> {
+    /// The garment is put on; where it was left, if the run is taken up.
+    pub(super) fn put_on(&mut self, on_body: OnBody, taken_up: Option<&BodyMoment>) {
         let clock = Instant::now();
         let OnBody { wearer, depths, asleep } = on_body;
         let settings = self.stepper.contact.settings();
@@ -178,13 +196,33 @@ impl Run<'_> {
             friction: settings.friction_body,
             creep: settings.creep,
         };
-        self.field = Some(BodyField::new(wearer.start(), wearer.triangles(), settings));
-        let dressed = self.dress(&wearer, &depths);
+        let mut field = BodyField::new(wearer.start(), wearer.triangles(), settings);
         self.asleep = asleep;
+        if let Some(moment) = taken_up {
+            // That it fits was checked with the rest of the checkpoint.
+            field.restore(&moment.field);
+            self.field = Some(field);
+            self.posture.body = Some(Standing::new(&wearer, moment.pose.clone()));
+            self.pinch = moment.pinch.clone();
+            self.dressing_s = moment.dressing_s;
+            return;
+        }
+        self.field = Some(field);
+        let dressed = self.dress(&wearer, &depths);
         self.report.warnings.extend(dressed.warnings());
         self.posture.body = Some(Standing::new(&wearer, wearer.rest()));
         self.dressing_s = clock.elapsed().as_secs_f64();
-        Ok(())
+    }
+
+    /// What a checkpoint must have of the body, which stood as `posture` says when the action under way began.
+    pub(super) fn body_moment(&self, posture: &Posture) -> Option<BodyMoment> {
+        let (field, standing) = (self.field.as_ref()?, posture.body.as_ref()?);
+        Some(BodyMoment {
+            pose: standing.pose.clone(),
+            field: field.kept(),
+            pinch: self.pinch.clone(),
+            dressing_s: self.dressing_s,
+        })
     }
 
     /// One accepted step with the body under the cloth.

@@ -6,9 +6,11 @@
 
 use crate::math::{Mat4, Vec3};
 use nalgebra::{Quaternion, Unit, UnitQuaternion};
+use serde::{Deserialize, Serialize};
 
 /// Transform of a node in its parent's coordinates.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(into = "LocalNumbers", from = "LocalNumbers")]
 pub enum Local {
     /// Scale first, then rotation, then translation [file units].
     Parts {
@@ -21,6 +23,40 @@ pub enum Local {
     },
     /// As it is.
     Matrix(Mat4),
+}
+
+/// A [`Local`] as plain numbers, bit for bit, for files.
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum LocalNumbers {
+    /// Translation, rotation (x, y, z, w), scale.
+    Parts([f64; 3], [f64; 4], [f64; 3]),
+    /// Columns.
+    Matrix([[f64; 4]; 4]),
+}
+
+impl From<Local> for LocalNumbers {
+    fn from(local: Local) -> Self {
+        match local {
+            Local::Parts { translation, rotation, scale } => {
+                Self::Parts(translation.into(), rotation.coords.into(), scale.into())
+            }
+            Local::Matrix(matrix) => Self::Matrix(matrix.into()),
+        }
+    }
+}
+
+impl From<LocalNumbers> for Local {
+    fn from(numbers: LocalNumbers) -> Self {
+        match numbers {
+            LocalNumbers::Parts(translation, rotation, scale) => Self::Parts {
+                translation: translation.into(),
+                rotation: Unit::new_unchecked(Quaternion::from(nalgebra::Vector4::from(rotation))),
+                scale: scale.into(),
+            },
+            LocalNumbers::Matrix(matrix) => Self::Matrix(matrix.into()),
+        }
+    }
 }
 
 impl Local {

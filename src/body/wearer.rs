@@ -9,6 +9,7 @@ use super::sequence::Sequence;
 use super::skeleton::{Pose, between};
 use crate::math::Vec3;
 use crate::mesh::{PointIndex, Welder};
+use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::sync::Arc;
 
@@ -29,7 +30,8 @@ pub enum Motion {
 }
 
 /// A posture of the body.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum BodyPose {
     /// The only one it has.
     Still,

@@ -24,6 +24,7 @@ use crate::mesh::crossings::crossings_between;
 use crate::mesh::inside::point_normals;
 use crate::mesh::tree::TriangleTree;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// Surface farther from a point than this does not matter in a step [m].
 const SEARCH: f64 = 0.03;
@@ -63,6 +64,27 @@ pub struct BodyField {
     lifted: Vec<f64>,
     /// Per point of the cloth: tangential stretch as a share of what sticks.
     kept: Vec<Vec3>,
+}
+
+/// What a [`BodyField`] keeps from step to step.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct KeptField {
+    /// Where the body is, one per point [m].
+    #[serde(with = "crate::math::plain::vectors")]
+    now: Vec<Vec3>,
+    /// How much higher than the reach it is held, per point of the cloth [m].
+    lifted: Vec<f64>,
+    /// Tangential stretch as a share of what sticks, per point of the cloth.
+    #[serde(with = "crate::math::plain::vectors")]
+    stretch: Vec<Vec3>,
+}
+
+impl KeptField {
+    /// Whether it is of a body and a cloth of so many points.
+    pub fn fits(&self, body: usize, cloth: usize) -> bool {
+        self.now.len() == body && self.lifted.len() == cloth && self.stretch.len() == cloth
+    }
 }
 
 /// How a body pushes.
@@ -119,6 +141,30 @@ impl BodyField {
     /// Its triangles.
     pub fn triangles(&self) -> &[[PointIndex; 3]] {
         &self.triangles
+    }
+
+    /// What the next step depends on, besides the body itself.
+    pub fn kept(&self) -> KeptField {
+        KeptField { now: self.now.clone(), lifted: self.lifted.clone(), stretch: self.kept.clone() }
+    }
+
+    /// Goes on with what another such field kept; false, and nothing is changed, where it is of another body or cloth.
+    pub fn restore(&mut self, kept: &KeptField) -> bool {
+        let fits = kept.fits(self.now.len(), self.kept.len());
+        if fits {
+            self.now.clone_from(&kept.now);
+            self.normals = point_normals(&self.now, &self.triangles);
+            self.lifted.clone_from(&kept.lifted);
+            self.kept.clone_from(&kept.stretch);
+            self.forget();
+        }
+        fits
+    }
+
+    /// Forgets what is kept for speed alone: the tree grows with the body, and which of two equally near places is found first
+    /// depends on how it grew.
+    pub fn forget(&mut self) {
+        self.tree = TriangleTree::new(&self.now, &self.triangles, 0.0);
     }
 
     /// A step begins with the cloth at `x`: what is under each point that is not `held` (empty for none).

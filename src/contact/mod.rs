@@ -18,7 +18,7 @@ mod pairs;
 mod places;
 
 pub use body::Body;
-pub use body_field::{BodyField, FieldSettings};
+pub use body_field::{BodyField, FieldSettings, KeptField};
 
 use crate::energy::BlockSink;
 use crate::math::{Mat3, Vec3};

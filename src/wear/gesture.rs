@@ -113,7 +113,7 @@ pub struct Posture {
     /// What the last action keeps acting until it is released.
     pub kept: Option<Drive>,
     /// The body the garment is worn on, and where it stands.
-    // A run with a body is not taken up from a checkpoint.
+    // A checkpoint has its pose apart: the body itself is the caller's.
     #[serde(skip)]
     pub body: Option<Standing>,
 }

@@ -8,6 +8,7 @@ use super::gesture::{Gesture, Posture};
 use crate::body::{BodyPose, Standing, Wearer};
 use crate::json::nearest;
 use crate::math::Vec3;
+use serde_json::Value;
 use std::sync::Arc;
 
 /// Steps while a body moves [s].
@@ -47,6 +48,11 @@ impl Gesture for Moving {
 
     fn breaks(&self) -> Vec<f64> {
         self.breaks.clone()
+    }
+
+    fn memo(&self) -> Option<Value> {
+        // Where the body is at a time was settled when it began.
+        Some(Value::Null)
     }
 
     fn end(&mut self, posture: &mut Posture, _x: &[Vec3]) {
