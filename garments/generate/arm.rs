@@ -5,6 +5,7 @@
 //! `BLEND > 3 radius tan(angle / 2)`, which at 120 degrees and 46 mm means 0.24 m.
 
 use crate::Mesh;
+use crate::glb::{Clip, Joint};
 use crease::math::{Vec2, Vec3};
 use std::f64::consts::TAU;
 
@@ -37,6 +38,27 @@ pub fn weights(x: f64) -> [f64; 3] {
     };
     let (elbow, wrist) = (step(JOINTS[1], BLEND), step(JOINTS[2], WRIST_BLEND));
     [1.0 - elbow, elbow * (1.0 - wrist), elbow * wrist]
+}
+
+/// Shoulder, elbow and wrist.
+pub fn joints() -> Vec<Joint> {
+    let joint =
+        |k: usize, name| Joint { name, place: Vec3::new(JOINTS[k], HEIGHT, 0.0), parent: k.checked_sub(1) };
+    vec![joint(0, "shoulder"), joint(1, "elbow"), joint(2, "wrist")]
+}
+
+/// Keys of the clip "elbow": 0 to 120 degrees and back within 2 s, starting and ending at rest.
+pub fn elbow() -> Clip {
+    const KEYS: usize = 32;
+    let (times, turns) = (0..=KEYS)
+        .map(|k| {
+            let turn = k as f64 / KEYS as f64;
+            let angle = 120f64.to_radians() * 0.5 * (1.0 - (TAU * turn).cos());
+            let (sin, cos) = (angle / 2.0).sin_cos();
+            ([(2.0 * turn) as f32], [0.0, 0.0, sin as f32, cos as f32])
+        })
+        .unzip();
+    (times, vec![(1, turns)])
 }
 
 fn around(turn: f64) -> Vec3 {

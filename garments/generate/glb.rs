@@ -1,6 +1,7 @@
 //! Garments as binary glTF: one buffer, plain accessors, f32 and u32, nothing optional.
 
-use crate::{Mesh, arm};
+use crate::Mesh;
+use crease::math::Vec3;
 use serde_json::{Value, json};
 
 /// Component types of glTF.
@@ -10,6 +11,40 @@ const F32: u32 = 5126;
 /// Buffer view targets of glTF.
 const VERTICES: u32 = 34962;
 const INDICES: u32 = 34963;
+
+/// A joint of a skeleton that stands unturned.
+pub struct Joint {
+    /// Its name.
+    pub name: &'static str,
+    /// Where it stands [m].
+    pub place: Vec3,
+    /// The joint above it, one before it in the list.
+    pub parent: Option<usize>,
+}
+
+/// Skin weights at a place [m]: at most four (joint, weight), the weights summing to one.
+pub type Weights<'a> = &'a dyn Fn(&Vec3) -> Vec<(u8, f64)>;
+
+/// A clip: key times [s], and for each joint that turns its turns at them as (x, y, z, w).
+pub type Clip = (Vec<[f32; 1]>, Vec<(usize, Vec<[f32; 4]>)>);
+
+/// A body with the garment it wears.
+pub struct Dressed<'a> {
+    /// Names of body and garment.
+    pub names: [&'a str; 2],
+    /// Body and garment.
+    pub meshes: [&'a Mesh; 2],
+    /// What moves both.
+    pub joints: &'a [Joint],
+    /// How.
+    pub weights: Weights<'a>,
+    /// Name of the clip.
+    pub clip_name: &'a str,
+    /// The clip.
+    pub clip: Clip,
+    /// Of the cloth.
+    pub colour: [f64; 3],
+}
 
 /// A buffer under construction, with its views and accessors.
 #[derive(Default)]
@@ -54,8 +89,8 @@ impl Buffer {
     }
 
     /// One primitive of `mesh`, triangles and attributes.
-    fn primitive(&mut self, mesh: &Mesh, material: usize, skinned: bool) -> Value {
-        let narrow = |rows: &[crease::math::Vec3]| -> Vec<[f32; 3]> {
+    fn primitive(&mut self, mesh: &Mesh, material: usize, weights: Option<Weights>) -> Value {
+        let narrow = |rows: &[Vec3]| -> Vec<[f32; 3]> {
             rows.iter().map(|p| [p.x as f32, p.y as f32, p.z as f32]).collect()
         };
         let mut attributes = json!({
@@ -66,24 +101,21 @@ impl Buffer {
             let uvs: Vec<[f32; 2]> = mesh.uvs.iter().map(|p| [p.x as f32, p.y as f32]).collect();
             attributes["TEXCOORD_0"] = json!(self.floats(&uvs, "VEC2", Some(VERTICES), false));
         }
-        if skinned {
+        if let Some(weights) = weights {
             let count = mesh.positions.len();
-            // A joint without weight must be joint 0: glTF forbids unused references.
-            let weights: Vec<[f32; 4]> = mesh
-                .positions
-                .iter()
-                .map(|p| {
-                    let [a, b, c] = arm::weights(p.x).map(|w| w as f32);
-                    [a, b, c, 0.0]
-                })
-                .collect();
-            let joints: Vec<u8> = weights
-                .iter()
-                .flat_map(|w| (0..4u8).map(|k| if w[usize::from(k)] > 0.0 { k } else { 0 }))
-                .collect();
+            let (mut joints, mut shares) = (Vec::with_capacity(4 * count), Vec::with_capacity(count));
+            for p in &mesh.positions {
+                // A joint without weight must be joint 0: glTF forbids unused references.
+                let (mut joint, mut share) = ([0u8; 4], [0f32; 4]);
+                for (k, (j, w)) in weights(p).into_iter().enumerate() {
+                    (joint[k], share[k]) = (if w > 0.0 { j } else { 0 }, w as f32);
+                }
+                joints.extend(joint);
+                shares.push(share);
+            }
             let accessor = json!({"componentType": U8, "count": count, "type": "VEC4"});
             attributes["JOINTS_0"] = json!(self.push(&joints, Some(VERTICES), accessor));
-            attributes["WEIGHTS_0"] = json!(self.floats(&weights, "VEC4", Some(VERTICES), false));
+            attributes["WEIGHTS_0"] = json!(self.floats(&shares, "VEC4", Some(VERTICES), false));
         }
         let indices: Vec<u8> = mesh.triangles.iter().flatten().flat_map(|i| i.to_le_bytes()).collect();
         let accessor = json!({"componentType": U32, "count": 3 * mesh.triangles.len(), "type": "SCALAR"});
@@ -125,7 +157,7 @@ fn material(name: &str, [r, g, b]: [f64; 3], double_sided: bool) -> Value {
 /// A garment that lies on the ground, one node, no body.
 pub fn flat_garment(name: &str, cloth: &Mesh, colour: [f64; 3]) -> Vec<u8> {
     let mut buffer = Buffer::default();
-    let primitive = buffer.primitive(cloth, 0, false);
+    let primitive = buffer.primitive(cloth, 0, None);
     buffer.glb(json!({
         "scenes": [{"nodes": [0]}],
         "nodes": [{"name": name, "mesh": 0}],
@@ -134,54 +166,54 @@ pub fn flat_garment(name: &str, cloth: &Mesh, colour: [f64; 3]) -> Vec<u8> {
     }))
 }
 
-/// Keys of the clip "elbow": 0 to 120 degrees and back within 2 s, starting and ending at rest.
-fn elbow_keys() -> (Vec<[f32; 1]>, Vec<[f32; 4]>) {
-    const KEYS: usize = 32;
-    (0..=KEYS)
-        .map(|k| {
-            let turn = k as f64 / KEYS as f64;
-            let angle = 120f64.to_radians() * 0.5 * (1.0 - (std::f64::consts::TAU * turn).cos());
-            let (sin, cos) = (angle / 2.0).sin_cos();
-            ([(2.0 * turn) as f32], [0.0, 0.0, sin as f32, cos as f32])
-        })
-        .unzip()
-}
-
-/// The sleeve on its arm, both bound to the same three joints, with the clip "elbow".
-pub fn dressed_arm(body: &Mesh, cloth: &Mesh) -> Vec<u8> {
+/// A garment on its body, both bound to the same joints, with one clip.
+pub fn dressed(what: Dressed) -> Vec<u8> {
     let mut buffer = Buffer::default();
-    let body = buffer.primitive(body, 0, true);
-    let cloth = buffer.primitive(cloth, 1, true);
-    let bind: Vec<[f32; 16]> = arm::JOINTS
+    let Dressed { names, meshes, joints, weights, clip_name, clip, colour } = what;
+    let [body, cloth] = [0, 1].map(|k| buffer.primitive(meshes[k], k, Some(weights)));
+    let bind: Vec<[f32; 16]> = joints
         .iter()
-        .map(|&x| {
+        .map(|joint| {
             let mut m = [0.0; 16];
             (m[0], m[5], m[10], m[15]) = (1.0, 1.0, 1.0, 1.0);
-            (m[12], m[13]) = (-x as f32, -arm::HEIGHT as f32);
+            let home = Vec3::zeros() - joint.place;
+            (m[12], m[13], m[14]) = (home.x as f32, home.y as f32, home.z as f32);
             m
         })
         .collect();
     let bind = buffer.floats(&bind, "MAT4", None, false);
-    let (times, turns) = elbow_keys();
+    // Nodes: body, garment, then the joints.
+    const FIRST: usize = 2;
+    let node = |(k, joint): (usize, &Joint)| {
+        let above = joint.parent.map_or(Vec3::zeros(), |p| joints[p].place);
+        let [x, y, z]: [f64; 3] = (joint.place - above).into();
+        let mut node = json!({"name": joint.name, "translation": [x, y, z]});
+        let children: Vec<usize> =
+            (0..joints.len()).filter(|c| joints[*c].parent == Some(k)).map(|c| FIRST + c).collect();
+        if !children.is_empty() {
+            node["children"] = json!(children);
+        }
+        node
+    };
+    let mut nodes: Vec<Value> =
+        names.iter().enumerate().map(|(k, name)| json!({"name": name, "mesh": k, "skin": 0})).collect();
+    nodes.extend(joints.iter().enumerate().map(node));
+    let (times, turns) = clip;
     let times = buffer.floats(&times, "SCALAR", None, true);
-    let turns = buffer.floats(&turns, "VEC4", None, false);
-    let [shoulder, elbow, wrist] = arm::JOINTS;
+    let (mut channels, mut samplers) = (Vec::new(), Vec::new());
+    for (joint, turns) in turns {
+        channels
+            .push(json!({"sampler": samplers.len(), "target": {"node": FIRST + joint, "path": "rotation"}}));
+        let turns = buffer.floats(&turns, "VEC4", None, false);
+        samplers.push(json!({"input": times, "output": turns, "interpolation": "LINEAR"}));
+    }
+    let all: Vec<usize> = (0..joints.len()).map(|k| FIRST + k).collect();
     buffer.glb(json!({
-        "scenes": [{"nodes": [0, 1, 2]}],
-        "nodes": [
-            {"name": "arm", "mesh": 0, "skin": 0},
-            {"name": "sleeve", "mesh": 1, "skin": 0},
-            {"name": "shoulder", "translation": [shoulder, arm::HEIGHT, 0.0], "children": [3]},
-            {"name": "elbow", "translation": [elbow - shoulder, 0.0, 0.0], "children": [4]},
-            {"name": "wrist", "translation": [wrist - elbow, 0.0, 0.0]},
-        ],
-        "skins": [{"name": "arm", "joints": [2, 3, 4], "skeleton": 2, "inverseBindMatrices": bind}],
-        "animations": [{
-            "name": "elbow",
-            "channels": [{"sampler": 0, "target": {"node": 3, "path": "rotation"}}],
-            "samplers": [{"input": times, "output": turns, "interpolation": "LINEAR"}],
-        }],
-        "meshes": [{"name": "arm", "primitives": [body]}, {"name": "sleeve", "primitives": [cloth]}],
-        "materials": [material("skin", [0.60, 0.42, 0.33], false), material("cloth", [0.62, 0.35, 0.25], true)],
+        "scenes": [{"nodes": [0, 1, FIRST]}],
+        "nodes": nodes,
+        "skins": [{"name": names[0], "joints": all, "skeleton": FIRST, "inverseBindMatrices": bind}],
+        "animations": [{"name": clip_name, "channels": channels, "samplers": samplers}],
+        "meshes": [{"name": names[0], "primitives": [body]}, {"name": names[1], "primitives": [cloth]}],
+        "materials": [material("skin", [0.60, 0.42, 0.33], false), material("cloth", colour, true)],
     }))
 }

@@ -13,6 +13,7 @@
 
 mod arm;
 mod glb;
+mod legs;
 mod outline;
 mod patterns;
 mod quality;
@@ -49,7 +50,27 @@ pub struct Product {
 fn products() -> Vec<Product> {
     let mut all: Vec<Product> = patterns::all().into_iter().map(product).collect();
     let (arm, cloth) = (arm::arm(), arm::sleeve());
-    all.push(Product { name: "sleeve", glb: glb::dressed_arm(&arm, &cloth), cloth });
+    let glb = glb::dressed(glb::Dressed {
+        names: ["arm", "sleeve"],
+        meshes: [&arm, &cloth],
+        joints: &arm::joints(),
+        weights: &|x| (0..).zip(arm::weights(x.x)).collect(),
+        clip_name: "elbow",
+        clip: arm::elbow(),
+        colour: [0.62, 0.35, 0.25],
+    });
+    all.push(Product { name: "sleeve", glb, cloth });
+    let (body, cloth) = (legs::body(), legs::trousers());
+    let glb = glb::dressed(glb::Dressed {
+        names: ["legs", "trousers"],
+        meshes: [&body, &cloth],
+        joints: &legs::joints(),
+        weights: &legs::weights,
+        clip_name: "sit-down",
+        clip: legs::sit_down(),
+        colour: [0.25, 0.31, 0.42],
+    });
+    all.push(Product { name: "trousers-on-legs", glb, cloth });
     all
 }
 
@@ -128,6 +149,7 @@ mod tests {
             ("handkerchief", 2_500.0, 0.05),
             ("trousers", 6_000.0, 0.05),
             ("sleeve", 3_000.0, 0.05),
+            ("trousers-on-legs", 3_170.0, 0.05),
         ] {
             let made = of(name).point_count as f64;
             assert!((made - points).abs() <= tolerance * points, "{name}: {made} points, not {points}");
@@ -146,6 +168,14 @@ mod tests {
             assert_eq!(q.part_count, 1, "{name} falls apart");
             assert_eq!(q.bad_edge_count, 0, "{name} is not an oriented manifold");
         }
+    }
+
+    /// Where the legs part triangles are less even.
+    #[test]
+    fn trousers_on_legs_are_one_piece_with_three_openings() {
+        let q = of("trousers-on-legs");
+        assert!(q.min_angle_deg > 12.0 && q.mean_shape > 0.95, "{q}");
+        assert_eq!((q.opening_count, q.part_count, q.bad_edge_count), (3, 1, 0));
     }
 
     #[test]

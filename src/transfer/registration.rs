@@ -16,6 +16,8 @@ const LINE: f64 = 0.05;
 const BESIDE: f64 = 0.05;
 /// And so do its bones, at these shares of their lengths.
 const ALONG: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];
+/// No garment has a place farther away [m]: squares of larger numbers leave the range in which turns are found.
+const FARTHEST: f64 = 1e6;
 /// So many places are enough for any skeleton: the work grows with their cube.
 const MOST: usize = 1500;
 /// Places nearer than this share of that distance to one before are left out.
@@ -38,6 +40,10 @@ impl Registration {
     /// The map that takes the first of each pair to the second [m]. Without three places off a line the spline goes over `rough`,
     /// a map that brings the garments together as well as is known without. `None` if no such map can be found.
     pub(super) fn fit(pairs: &[[Vec3; 2]], rough: (Mat3, Vec3)) -> Option<Self> {
+        // Not written as `beyond`: what is no number is no place either.
+        if !pairs.iter().flatten().all(|x| x.amax() < FARTHEST) {
+            return None;
+        }
         let (turn, shift) = similarity(pairs).unwrap_or(rough);
         let centres: Vec<Vec3> = pairs.iter().map(|[from, _]| turn * from + shift).collect();
         let n = pairs.len();
@@ -209,6 +215,9 @@ mod tests {
     fn a_place_given_twice_is_refused_and_not_a_crash() {
         let twice = [[Vec3::zeros(), Vec3::zeros()], [Vec3::zeros(), Vec3::x()]];
         assert!(Registration::fit(&twice, ROUGH).is_none());
+        let far =
+            [[Vec3::x() * 1e300, Vec3::zeros()], [Vec3::y() * 1e300, Vec3::x()], [Vec3::z(), Vec3::z()]];
+        assert!(Registration::fit(&far, ROUGH).is_none());
     }
 
     #[test]
