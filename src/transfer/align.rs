@@ -23,9 +23,6 @@ pub enum Align {
     Place,
 }
 
-/// Joints of one skeleton, so many or more, are trusted over boxes.
-const FEW_JOINTS: usize = 3;
-
 /// `sheet` of `source`, which stands as `own`, laid over the target, which stands as `stance`; and by what.
 pub(super) fn lay_over(
     source: &Source,
@@ -67,24 +64,23 @@ pub(super) fn lay_over(
         true => Vec::new(),
         false => joint_places(&source.joints, &options.joints, own.size.norm()),
     };
-    let shared = places.len() >= FEW_JOINTS;
     match options.align {
         Align::Place => Ok((in_place(), "place")),
         Align::Auto if own.turn == stance.turn && is_close(&in_place(), standing, size) => {
             Ok((in_place(), "place"))
         }
-        Align::Joints if !shared => Err(Error::fault(
+        Align::Joints if places.is_empty() => Err(Error::fault(
             &source.file,
             "mesh.joints",
             if options.mirror_x {
                 "mirrored, its joints are not those of the target"
             } else {
-                "it and the target follow no joints of the same names"
+                "it and the target do not follow three joints of the same names or more"
             },
             "use --align box, or mark places with --landmarks",
         )),
         Align::Joints => Ok((registered(&places, "use --align box")?, "joints")),
-        Align::Auto if shared => match registered(&places, "") {
+        Align::Auto if !places.is_empty() => match registered(&places, "") {
             Ok(over) => Ok((over, "joints")),
             Err(_) => Ok((by_box(), "box")),
         },

@@ -14,6 +14,8 @@ use nalgebra::DMatrix;
 const LINE: f64 = 0.05;
 /// A joint also says how it is turned: by places this share of the garment's size away from it along its axes.
 const BESIDE: f64 = 0.05;
+/// Joints of one name, so many or more, are of one skeleton.
+const FEW: usize = 3;
 /// And so do its bones, at these shares of their lengths.
 const ALONG: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];
 /// No garment has a place farther away [m]: squares of larger numbers leave the range in which turns are found.
@@ -129,12 +131,15 @@ fn similarity(pairs: &[[Vec3; 2]]) -> Option<(Mat3, Vec3)> {
 }
 
 /// The places that joints of one name give: themselves, and beside them along their axes, so that they also turn.
-/// `size` of the source [m].
+/// None for fewer than three: any two rigs may share a root. `size` of the source [m].
 pub(super) fn joint_places(source: &[SourceJoint], target: &[SourceJoint], size: f64) -> Vec<[Vec3; 2]> {
     let shared: Vec<[&SourceJoint; 2]> = source
         .iter()
         .filter_map(|joint| Some([joint, target.iter().find(|other| other.name == joint.name)?]))
         .collect();
+    if shared.len() < FEW {
+        return Vec::new();
+    }
     // As much larger as the skeleton is, so much farther away.
     let spread = |k: usize| {
         let middle = shared.iter().map(|pair| pair[k].place).sum::<Vec3>() / shared.len().max(1) as f64;
