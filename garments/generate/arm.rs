@@ -4,8 +4,8 @@
 //! elbow: with linear blend skinning the inner side of a bent arm folds into itself unless
 //! `BLEND > 3 radius tan(angle / 2)`, which at 120 degrees and 46 mm means 0.24 m.
 
-use crate::Mesh;
 use crate::glb::{Clip, Joint};
+use crate::{Mesh, smooth};
 use crease::math::{Vec2, Vec3};
 use std::f64::consts::TAU;
 
@@ -32,10 +32,7 @@ const WRIST_BLEND: f64 = 0.06;
 
 /// Skin weights of (shoulder, elbow, wrist) at `x` along the arm; they sum to one.
 pub fn weights(x: f64) -> [f64; 3] {
-    let step = |middle: f64, width: f64| {
-        let t = ((x - middle) / width + 0.5).clamp(0.0, 1.0);
-        t * t * (3.0 - 2.0 * t)
-    };
+    let step = |middle: f64, width: f64| smooth((x - middle) / width + 0.5);
     let (elbow, wrist) = (step(JOINTS[1], BLEND), step(JOINTS[2], WRIST_BLEND));
     [1.0 - elbow, elbow * (1.0 - wrist), elbow * wrist]
 }

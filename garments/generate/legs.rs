@@ -4,8 +4,8 @@
 //! trousers are the same surface a little farther out. Both are rings laid around it, split at the crotch, then evened out:
 //! every point goes towards the mean of its neighbours and back to the surface. Front is +z, the wearer's left is +x.
 
-use crate::Mesh;
 use crate::glb::{Clip, Joint};
+use crate::{Mesh, smooth};
 use crease::math::{Vec2, Vec3};
 use std::f64::consts::TAU;
 
@@ -305,14 +305,10 @@ pub fn joints() -> Vec<Joint> {
 
 /// Skin weights at `x`: (joint, weight), the weights summing to one.
 pub fn weights(x: &Vec3) -> Vec<(u8, f64)> {
-    let step = |height: f64, width: f64| {
-        let t = ((height - x.y) / width + 0.5).clamp(0.0, 1.0);
-        t * t * (3.0 - 2.0 * t)
-    };
+    let step = |height: f64, width: f64| smooth((height - x.y) / width + 0.5);
     let (hip, knee) = (step(HIP.y - 0.02, BLENDS[0]), step(KNEE.y, BLENDS[1]));
     // Between the legs both hips have a share.
-    let left = ((x.x / 0.08 + 1.0) * 0.5).clamp(0.0, 1.0);
-    let left = left * left * (3.0 - 2.0 * left);
+    let left = smooth((x.x / 0.08 + 1.0) * 0.5);
     let side = |first: u8, share: f64| [(first, share * hip * (1.0 - knee)), (first + 1, share * hip * knee)];
     let all = [(0, 1.0 - hip)].into_iter().chain(side(1, left)).chain(side(3, 1.0 - left));
     all.filter(|(_, w)| *w > 0.0).collect()
@@ -321,13 +317,7 @@ pub fn weights(x: &Vec3) -> Vec<(u8, f64)> {
 /// Keys of the clip "sit-down", 6 s: down, a second seated, slowly up. Per joint: its turns as (x, y, z, w).
 pub fn sit_down() -> Clip {
     const KEYS: usize = 72;
-    let seated = |t: f64| {
-        let way = |t: f64| {
-            let t = t.clamp(0.0, 1.0);
-            t * t * (3.0 - 2.0 * t)
-        };
-        way(t / 1.5).min(way((6.0 - t) / 3.5))
-    };
+    let seated = |t: f64| smooth(t / 1.5).min(smooth((6.0 - t) / 3.5));
     let times: Vec<f64> = (0..=KEYS).map(|k| 6.0 * k as f64 / KEYS as f64).collect();
     let turns = |degrees: f64| -> Vec<[f32; 4]> {
         let turn = |t: &f64| {

@@ -46,6 +46,12 @@ pub struct Product {
     pub glb: Vec<u8>,
 }
 
+/// 0 below 0, 1 above 1, and in between without a kink.
+fn smooth(t: f64) -> f64 {
+    let t = t.clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
 /// Every garment, in the order they are written.
 fn products() -> Vec<Product> {
     let mut all: Vec<Product> = patterns::all().into_iter().map(product).collect();

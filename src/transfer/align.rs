@@ -4,7 +4,7 @@
 use super::registration::{Registration, joint_places};
 use super::stance::{Stance, stand};
 use super::{Sheet, Source, TransferOptions};
-use crate::math::{Mat3, Vec3, bounds};
+use crate::math::{Mat3, Vec3};
 use crate::mesh::tree::TriangleTree;
 use crate::{Error, Result};
 
@@ -50,19 +50,18 @@ pub(super) fn lay_over(
     };
     if !options.landmarks.is_empty() {
         // Marked on the source as it is; mirrored, they go along.
-        let mirrored = |x: &Vec3| {
-            let (low, high) = bounds(&source.sheet.points);
-            if options.mirror_x { Vec3::new(low.x + high.x - x.x, x.y, x.z) } else { *x }
-        };
-        let pairs: Vec<[Vec3; 2]> =
-            options.landmarks.iter().map(|[from, to]| [mirrored(from), *to]).collect();
+        let mirror = source.sheet.mirror();
+        let own = |x: &Vec3| if options.mirror_x { mirror(x) } else { *x };
+        let pairs: Vec<[Vec3; 2]> = options.landmarks.iter().map(|[from, to]| [own(from), *to]).collect();
         let over = registered(&pairs, "move landmarks that are at one place apart")?;
         return Ok((over, "landmarks"));
     }
     // In a mirror left joints are right ones, and which is which their names do not say.
-    let places = match options.mirror_x {
-        true => Vec::new(),
-        false => joint_places(&source.joints, &options.joints, own.size.norm()),
+    let places = match options.align {
+        Align::Auto | Align::Joints if !options.mirror_x => {
+            joint_places(&source.joints, &options.joints, own.size.norm())
+        }
+        _ => Vec::new(),
     };
     match options.align {
         Align::Place => Ok((in_place(), "place")),

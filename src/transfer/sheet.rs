@@ -85,12 +85,16 @@ impl Sheet {
         self.points == other.points && self.triangles == other.triangles
     }
 
+    /// Where a mirror in the middle of its box shows a place: x turned round.
+    pub(super) fn mirror(&self) -> impl Fn(&Vec3) -> Vec3 + use<> {
+        let (low, high) = crate::math::bounds(&self.points);
+        move |p| Vec3::new(low.x + high.x - p.x, p.y, p.z)
+    }
+
     /// Seen in a mirror: x turned round at the box's middle, triangles turned so that the outside stays outside. The
     /// texture is that of the other side and is left out.
     pub fn mirrored(&self, memory: &RestShape) -> (Self, RestShape) {
-        let (low, high) = crate::math::bounds(&self.points);
-        let flip = |p: &Vec3| Vec3::new(low.x + high.x - p.x, p.y, p.z);
-        let points: Vec<Vec3> = self.points.iter().map(flip).collect();
+        let points: Vec<Vec3> = self.points.iter().map(self.mirror()).collect();
         let triangles: Vec<[PointIndex; 3]> = self.triangles.iter().map(|t| [t[0], t[2], t[1]]).collect();
         let topology = Topology::new(points.len(), &triangles);
         // Edges are the same and so are, edge by edge, the hinges; turning inside out twice keeps every angle's sign.
