@@ -7,6 +7,7 @@
 use crease::format::gltf::{WORN_TARGET, join_glb, split_glb, write_worn_glb};
 use crease::format::{ReadOptions, Sidecar, SourceAsset, read_asset, read_sidecar, write_sidecar};
 use crease::garment::{Garment, RestShape, WornGarment};
+use crease::math::Draw;
 use crease::mesh::{PointIndex, Topology};
 use nalgebra::{Matrix4, Vector2, Vector3};
 use serde_json::{Value, json};
@@ -154,11 +155,8 @@ fn garment(asset: &SourceAsset) -> Garment {
 
 /// Some displacement, of some centimetres, and some memory; the same on every machine.
 fn some_wear(garment: &Garment) -> WornGarment {
-    let mut state = 1u64;
-    let mut next = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 40) as f64 / (1u64 << 24) as f64 - 0.5
-    };
+    let mut draw = Draw::from_state(1);
+    let mut next = || draw.unit() - 0.5;
     let hinges = garment.topology.hinges.len();
     WornGarment {
         displacement: garment.points.iter().map(|_| Vector3::new(next(), next(), next()) * 0.1).collect(),

@@ -239,21 +239,10 @@ impl Parts {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::Draw;
     use crate::contact::candidates::CandidateFinder;
     use crate::mesh::crossings::crossings;
     use crate::mesh::{PointIndex, Topology};
-
-    struct Draw(u64);
-
-    impl Draw {
-        fn unit(&mut self) -> f64 {
-            self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            ((self.0 >> 11) as f64) / (1u64 << 53) as f64
-        }
-        fn vector(&mut self) -> Vec3 {
-            Vec3::new(self.unit() - 0.5, self.unit() - 0.5, self.unit() - 0.5) * 2.0
-        }
-    }
 
     /// `layers` sheets of n x n squares of 8 mm, `apart` \[m\] above each other, each turned a little.
     fn pile(layers: usize, n: usize, apart: f64) -> (Vec<Vec3>, Vec<[PointIndex; 3]>) {
@@ -303,7 +292,7 @@ mod tests {
     /// A pile whose layers are thrown through each other, each point its own way, 20 gaps a step.
     fn thrown(layers: usize) -> (Vec<Vec3>, Vec<[PointIndex; 3]>, Vec<Vec3>) {
         let (points, triangles) = pile(layers, 6, 1e-3);
-        let mut draw = Draw(21);
+        let mut draw = Draw::from_state(21);
         let mut displacement: Vec<Vec3> = points.iter().map(|_| draw.vector() * 4e-3).collect();
         for (d, x) in displacement.iter_mut().zip(&points) {
             d.z -= 5.0 * x.z;

@@ -550,20 +550,9 @@ fn sorted(parts: &[Vec<[u32; 2]>], count: usize) -> Vec<[u32; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::Draw;
     use std::collections::BTreeSet;
     use std::time::Instant;
-
-    struct Draw(u64);
-
-    impl Draw {
-        fn unit(&mut self) -> f64 {
-            self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            ((self.0 >> 11) as f64) / (1u64 << 53) as f64
-        }
-        fn vector(&mut self) -> Vec3 {
-            Vec3::new(self.unit() - 0.5, self.unit() - 0.5, self.unit() - 0.5) * 2.0
-        }
-    }
 
     struct Mesh {
         points: Vec<Vec3>,
@@ -576,7 +565,7 @@ mod tests {
         /// each other, each shifted by part of a cell and shaken by `shake` \[m\].
         fn pile(layers: usize, nx: usize, ny: usize, apart: f64, shake: f64) -> Self {
             let (mut points, mut triangles) = (Vec::new(), Vec::new());
-            let mut draw = Draw(31);
+            let mut draw = Draw::from_state(31);
             for layer in 0..layers {
                 let base = points.len() as u32;
                 for i in 0..(nx + 1) * (ny + 1) {
@@ -635,7 +624,7 @@ mod tests {
     #[test]
     fn no_pair_that_may_come_near_is_missing() {
         let mesh = Mesh::pile(3, 6, 5, 1e-3, 2e-4);
-        let mut draw = Draw(5);
+        let mut draw = Draw::from_state(5);
         for (way, reach) in [(0.0, 3e-3), (1e-3, 2e-3), (8e-3, 1e-3), (2e-2, 0.0)] {
             let end = shaken(&mesh.points, way, &mut draw);
             let found = mesh.finder().find(&mesh.points, &end, reach, false, &|_| false);
@@ -656,7 +645,7 @@ mod tests {
             assert!(
                 found.quads(&finder).all(|q| q.gap(&mesh.points).distance <= reach * (1.0 + 2.0 * ROUNDING))
             );
-            let mut draw = Draw(6);
+            let mut draw = Draw::from_state(6);
             assert_complete(&mesh, &mesh.points, reach, &found, &mut draw);
         }
     }
@@ -664,7 +653,7 @@ mod tests {
     #[test]
     fn the_answer_knows_no_history_and_no_threads() {
         let mesh = Mesh::pile(3, 12, 12, 1e-3, 2e-4);
-        let mut draw = Draw(8);
+        let mut draw = Draw::from_state(8);
         let (mut old, mut at) = (mesh.finder(), mesh.points.clone());
         for _ in 0..5 {
             let start = shaken(&at, 6e-3, &mut draw);
@@ -765,7 +754,7 @@ mod tests {
             ("8 layers 0.5 mm apart", Mesh::pile(8, 41, 41, 5e-4, 5e-5)),
         ] {
             println!("{name}: {} points, {} triangles", mesh.points.len(), mesh.triangles.len());
-            let mut draw = Draw(1);
+            let mut draw = Draw::from_state(1);
             let mut finder = mesh.finder();
             let x = mesh.points.clone();
             let mut count = 0;

@@ -1,6 +1,9 @@
 //! Aliases and small pieces of algebra that the floors above share.
 
+mod draw;
 pub mod plain;
+
+pub use draw::Draw;
 
 /// Point or vector in space [m].
 pub type Vec3 = nalgebra::Vector3<f64>;

@@ -98,27 +98,16 @@ fn below(value: f64) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::Draw;
     use crate::mesh::distance::edge_edge;
-
-    struct Draw(u64);
-
-    impl Draw {
-        fn unit(&mut self) -> f64 {
-            self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            ((self.0 >> 11) as f64) / (1u64 << 53) as f64
-        }
-        fn vector(&mut self) -> Vec3 {
-            Vec3::new(self.unit(), self.unit(), self.unit())
-        }
-    }
 
     #[test]
     fn never_calls_near_boxes_far_and_seldom_the_reverse() {
-        let mut draw = Draw(1);
+        let mut draw = Draw::from_state(1);
         let (mut wrong, mut tested) = (0, 0);
         for k in 0..100_000 {
             let offset = Vec3::repeat([0.0, 1.0, -30.0][k % 3]);
-            let x = [0; 4].map(|_| draw.vector() + offset);
+            let x = [0; 4].map(|_| draw.in_unit_cube() + offset);
             let (one, other) = (SweptBox::of_point(&x[0], &x[1]), SweptBox::of_point(&x[2], &x[3]));
             let distance = edge_edge(&x[0], &x[1], &x[2], &x[3]).distance;
             assert!(one.near(&other, SweptBox::reach(distance)), "{distance}");

@@ -99,18 +99,11 @@ fn lone_corner_first(corners: &[Vec3; 3], sides: [i8; 3]) -> ([Vec3; 3], [i8; 3]
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::Draw;
     use std::path::Path;
 
-    struct Draw(u64);
-
-    impl Draw {
-        fn unit(&mut self) -> f64 {
-            self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            ((self.0 >> 11) as f64) / (1u64 << 53) as f64
-        }
-        fn triangle(&mut self) -> [Vec3; 3] {
-            [0; 3].map(|_| Vec3::new(self.unit(), self.unit(), self.unit()))
-        }
+    fn triangle(draw: &mut Draw) -> [Vec3; 3] {
+        [0; 3].map(|_| draw.in_unit_cube())
     }
 
     /// Does the segment p q pass through the inside of the triangle? The plain definition, as an oracle.
@@ -126,10 +119,10 @@ mod tests {
 
     #[test]
     fn agrees_with_edges_that_pierce_in_every_order_of_corners() {
-        let mut draw = Draw(9);
+        let mut draw = Draw::from_state(9);
         let mut crossing = 0;
         for _ in 0..20_000 {
-            let (a, b) = (draw.triangle(), draw.triangle());
+            let (a, b) = (triangle(&mut draw), triangle(&mut draw));
             let expected = some_edge_pierces(&a, &b);
             crossing += usize::from(expected);
             for i in 0..3 {
@@ -167,9 +160,9 @@ mod tests {
 
     #[test]
     fn one_mesh_against_itself_and_two_meshes() {
-        let mut draw = Draw(10);
+        let mut draw = Draw::from_state(10);
         let points: Vec<Vec3> =
-            (0..120).flat_map(|_| draw.triangle().map(|x| x * 0.3).map(|x| x + Vec3::z())).collect();
+            (0..120).flat_map(|_| triangle(&mut draw).map(|x| x * 0.3).map(|x| x + Vec3::z())).collect();
         let triangles: Vec<[PointIndex; 3]> =
             (0..120u32).map(|f| [0, 1, 2].map(|k| PointIndex((3 * f + k * 5) % 360))).collect();
         let cross = |i: usize, j: usize| {
@@ -187,8 +180,8 @@ mod tests {
 
     #[test]
     fn what_is_not_finite_crosses_nothing() {
-        let mut draw = Draw(12);
-        let mut points: Vec<Vec3> = (0..40).flat_map(|_| draw.triangle()).collect();
+        let mut draw = Draw::from_state(12);
+        let mut points: Vec<Vec3> = (0..40).flat_map(|_| triangle(&mut draw)).collect();
         let triangles: Vec<_> = (0..40u32).map(|f| [0, 1, 2].map(|k| PointIndex(3 * f + k))).collect();
         let before = crossings(&points, &triangles);
         points[0].x = f64::NAN;

@@ -200,21 +200,11 @@ pub fn edge_parallel_mollifier(a0: &Vec3, a1: &Vec3, b0: &Vec3, b1: &Vec3, rest_
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::Draw;
 
     /// Small repeatable generator, so that a failure can be found again.
-    struct Draw(u64);
-
-    impl Draw {
-        fn unit(&mut self) -> f64 {
-            self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            ((self.0 >> 11) as f64) / (1u64 << 53) as f64
-        }
-        fn vector(&mut self) -> Vec3 {
-            Vec3::new(self.unit() - 0.5, self.unit() - 0.5, self.unit() - 0.5)
-        }
-        fn four(&mut self) -> [Vec3; 4] {
-            [self.vector(), self.vector(), self.vector(), self.vector()]
-        }
+    fn four(draw: &mut Draw) -> [Vec3; 4] {
+        [0; 4].map(|_| draw.vector() * 0.5)
     }
 
     type Pair = fn(&[Vec3; 4]) -> Gap;
@@ -227,10 +217,10 @@ mod tests {
 
     #[test]
     fn vector_is_the_weighted_sum_of_the_points() {
-        let mut draw = Draw(1);
+        let mut draw = Draw::from_state(1);
         for (name, gap) in pairs() {
             for _ in 0..20_000 {
-                let x = draw.four();
+                let x = four(&mut draw);
                 let g = gap(&x);
                 let sum: Vec3 = (0..4).map(|i| x[i] * g.weights[i]).sum();
                 assert!((sum - g.vector).norm() < 1e-14, "{name}: {x:?}");
@@ -245,12 +235,12 @@ mod tests {
     /// Optimality: a convex problem has found its minimum when no corner lies nearer along the gap.
     #[test]
     fn nothing_lies_nearer_than_the_closest_points() {
-        let mut draw = Draw(2);
+        let mut draw = Draw::from_state(2);
         for k in 0..100_000 {
-            let mut x = draw.four();
+            let mut x = four(&mut draw);
             if k % 3 == 0 {
                 // Needles and nearly parallel edges.
-                let bend = draw.vector() * 10f64.powf(-12.0 * draw.unit());
+                let bend = draw.vector() * 0.5 * 10f64.powf(-12.0 * draw.unit());
                 x[3] = x[1] + (x[2] - x[1]) * (3.0 * draw.unit() - 1.0) + bend;
             }
             let g = point_triangle(&x[0], &x[1], &x[2], &x[3]);
@@ -259,7 +249,7 @@ mod tests {
             assert!(support > g.distance - 1e-9, "point-triangle {k}: {support} {} {x:?}", g.distance);
 
             if k % 3 == 0 {
-                let bend = draw.vector() * 10f64.powf(-12.0 * draw.unit());
+                let bend = draw.vector() * 0.5 * 10f64.powf(-12.0 * draw.unit());
                 x[3] = x[2] + (x[1] - x[0]) * (4.0 * draw.unit() - 2.0) + bend;
             }
             let g = edge_edge(&x[0], &x[1], &x[2], &x[3]);

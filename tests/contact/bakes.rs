@@ -1,12 +1,11 @@
 //! Whole bakes: a handkerchief folded five times (32 layers), and garments that cross at the start.
 
-use crate::run::Draw;
 use crease::bake::{BakeOptions, BakeReport, Observer, bake};
 use crease::error::Result;
 use crease::fabric::Fabric;
 use crease::format::{ReadOptions, read_asset};
 use crease::garment::Garment;
-use crease::math::{Vec3, bounds};
+use crease::math::{Draw, Vec3, bounds};
 use crease::mesh::PointIndex;
 use crease::mesh::crossings::crossings;
 use crease::wear::WearScript;
@@ -93,7 +92,7 @@ pub fn t_shirt(wear: &str, points: usize, seed: u64) -> Outcome {
     let (asset, _) =
         read_asset(mesh, &bytes, &ReadOptions::default(), &mut |_: &str| Ok(Vec::new())).expect("is a mesh");
     let (mut garment, _) = Garment::from_asset(&asset).expect("is a garment");
-    let mut draw = Draw::new(seed);
+    let mut draw = Draw::seeded(seed);
     let edge = garment.mean_edge();
     garment.points.iter_mut().for_each(|x| *x += draw.vector() * (0.02 * edge));
     let text = std::fs::read_to_string(folder.join("wear").join(wear)).expect("is in the repository");
@@ -135,7 +134,7 @@ pub fn handkerchief(points: usize, seed: u64) -> String {
     let across = ((points as f64) * (3f64.sqrt() / 2.0)).sqrt().round() as usize;
     let along = (across as f64 / (3f64.sqrt() / 2.0)).round() as usize;
     let edge = side / across as f64;
-    let mut draw = Draw::new(seed);
+    let mut draw = Draw::seeded(seed);
     let mut text = String::new();
     for j in 0..=along {
         for i in 0..=across {

@@ -4,37 +4,12 @@
 use crease::contact::{Contact, ContactSettings};
 use crease::energy::{Bending, Membrane};
 use crease::garment::RestShape;
-use crease::math::{Vec2, Vec3};
+use crease::math::{Draw, Vec2, Vec3};
 use crease::mesh::crossings::{crossings, crossings_between};
 use crease::mesh::{PointIndex, Topology};
 use crease::solve::{Cloth, Method, NewtonOptions, State, StepOptions, StepReport, Stepper};
 use crease::wear::Drive;
 use std::time::Instant;
-
-/// Numbers that are drawn the same on every machine.
-#[derive(Debug, Clone)]
-pub struct Draw(u64);
-
-impl Draw {
-    pub fn new(seed: u64) -> Self {
-        let mut draw = Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(1));
-        (0..4).for_each(|_| {
-            draw.unit();
-        });
-        draw
-    }
-
-    /// 0 to 1.
-    pub fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        ((self.0 >> 11) as f64) / (1u64 << 53) as f64
-    }
-
-    /// -1 to 1 along every axis.
-    pub fn vector(&mut self) -> Vec3 {
-        Vec3::new(self.unit() - 0.5, self.unit() - 0.5, self.unit() - 0.5) * 2.0
-    }
-}
 
 /// Cloth before it is made: points in space, triangles, and each triangle laid flat.
 #[derive(Debug, Clone, Default)]
@@ -90,7 +65,7 @@ impl Pattern {
 
     /// Moves every point by up to `most` [m] along every axis.
     pub fn jitter(&mut self, most: f64, seed: u64) {
-        let mut draw = Draw::new(seed);
+        let mut draw = Draw::seeded(seed);
         self.x.iter_mut().for_each(|x| *x += draw.vector() * most);
     }
 }

@@ -1,7 +1,7 @@
 //! Tunnelling: scraps of cloth shot at a sheet, by many thicknesses a step.
 
-use crate::run::{COTTON, Draw, Kind, Pattern, Run};
-use crease::math::Vec3;
+use crate::run::{COTTON, Kind, Pattern, Run};
+use crease::math::{Draw, Vec3};
 use crease::mesh::tree::TriangleTree;
 use crease::wear::Drive;
 
@@ -22,7 +22,7 @@ pub struct Shots {
 /// `count` scraps of 2 cm, each turned and aimed at random, fly at `speed` [m/s] at a sheet of 0.2 m held at its border, in
 /// steps of 1/60 s and no shorter.
 pub fn shoot(count: usize, speed: f64, seed: u64) -> Shots {
-    let mut draw = Draw::new(seed);
+    let mut draw = Draw::seeded(seed);
     let mut found = Shots::default();
     for _ in 0..count {
         let (hit, run, scrap, aim) = one_shot(speed, &mut draw);

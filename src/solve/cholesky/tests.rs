@@ -2,23 +2,13 @@
 
 use super::*;
 use crate::energy::BlockSink;
-use crate::math::Mat3;
+use crate::math::{Draw, Mat3};
 use crate::solve::{HELD, conjugate_gradient};
 
 /// Points of a sheet or of anything else, with the pairs that are coupled.
 struct Scene {
     positions: Vec<Vec3>,
     pairs: Vec<(u32, u32)>,
-}
-
-/// Numbers in -1..1 that look random and are the same everywhere.
-struct Noise(u64);
-
-impl Noise {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
 }
 
 /// A sheet of `n` x `n` points 5 mm apart, folded `folds` times across alternating axes into layers 0.6 mm apart, with
@@ -93,8 +83,8 @@ impl Scene {
 }
 
 fn right_hand_side(n: usize) -> Vec<Vec3> {
-    let mut noise = Noise(3);
-    (0..n).map(|_| Vec3::new(noise.next(), noise.next(), noise.next())).collect()
+    let mut draw = Draw::from_state(3);
+    (0..n).map(|_| draw.vector()).collect()
 }
 
 fn residual(matrix: &BlockMatrix, x: &[Vec3], rhs: &[Vec3]) -> f64 {
@@ -113,14 +103,14 @@ fn solved(direct: &mut Cholesky, matrix: &BlockMatrix, positions: &[Vec3], rhs: 
 
 #[test]
 fn small_systems_match_a_dense_solve() {
-    let mut noise = Noise(11);
+    let mut draw = Draw::from_state(11);
     // Random graphs of all small sizes: no row, one row, loose points, separate parts, everything coupled.
     for n in 0..40u32 {
-        let positions = (0..n).map(|_| Vec3::new(noise.next(), noise.next(), noise.next())).collect();
+        let positions = (0..n).map(|_| draw.vector()).collect();
         let density = [-0.9, 0.0, 1.0][n as usize % 3];
         let mut pairs = Vec::new();
         for a in 0..n {
-            pairs.extend((0..a).filter(|_| noise.next() < density).map(|b| (a, b)));
+            pairs.extend((0..a).filter(|_| 2.0 * draw.unit() - 1.0 < density).map(|b| (a, b)));
         }
         let scene = Scene { positions, pairs };
         let matrix = scene.matrix(0.1, 100.0, |_| false);
