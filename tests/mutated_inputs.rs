@@ -152,6 +152,7 @@ fn the_seeds_themselves_are_read() {
     read("fabric", &|_, bytes| feed::fabric(bytes));
     read("sidecar", &|_, bytes| feed::sidecar(bytes));
     read("checkpoint", &|_, bytes| feed::checkpoint(bytes));
+    read("landmarks", &|_, bytes| feed::landmarks(bytes));
 }
 
 #[test]
@@ -182,6 +183,11 @@ fn mutated_sidecars() {
 #[test]
 fn mutated_checkpoints() {
     mutate_seeds("checkpoint", &|_, bytes| feed::checkpoint(bytes));
+}
+
+#[test]
+fn mutated_landmarks() {
+    mutate_seeds("landmarks", &|_, bytes| feed::landmarks(bytes));
 }
 
 /// A count that claims 10^12 must not be believed: nothing is allocated that the file does not hold.

@@ -4,7 +4,7 @@
 use crease::bake::Checkpoint;
 use crease::fabric::Fabric;
 use crease::format::gltf::write_worn_glb;
-use crease::format::{ReadOptions, Sidecar, read_asset, read_sidecar, write_sidecar};
+use crease::format::{Landmarks, ReadOptions, Sidecar, read_asset, read_sidecar, write_sidecar};
 use crease::garment::{Garment, RestShape, WornGarment, inspect};
 use crease::math::Vec3;
 use crease::mesh::crossings::crossings;
@@ -63,6 +63,15 @@ pub fn sidecar(bytes: &[u8]) -> Result<()> {
     assert_eq!(portrait.before.len(), portrait.after.len());
     let again = read_sidecar("again.json", &write_sidecar(&sidecar)).expect("our own sidecar is read");
     assert_eq!(again, sidecar);
+    Ok(())
+}
+
+/// Landmarks, also as `crease transfer` takes them.
+pub fn landmarks(bytes: &[u8]) -> Result<()> {
+    let landmarks = Landmarks::parse("landmarks.json", &text(bytes)?)?;
+    assert!(landmarks.places().iter().flatten().all(|place| place.iter().all(|x| x.is_finite())));
+    let again = serde_json::to_string(&landmarks).expect("is plain data");
+    assert_eq!(Landmarks::parse("again.json", &again).expect("our own landmarks are read"), landmarks);
     Ok(())
 }
 
