@@ -45,6 +45,8 @@ pub struct BakeOptions {
     /// A step is converged when what energy is left to gain would not lift the garment by this [m]: single points that
     /// are still falling into a wrinkle go on in the next step.
     pub slack: f64,
+    /// Strain under the garment's own weight that a lower stretch stiffness than the fabric's may cost [-].
+    pub sag: f64,
     /// Every model on and at full size, short steps of one length, each solved for the whole garment: what a plan is
     /// compared with.
     pub everything: bool,
@@ -62,6 +64,7 @@ impl Default for BakeOptions {
             memory: true,
             step: StepOptions::default(),
             slack: Quality::Standard.slack(),
+            sag: Quality::Standard.sag(),
             everything: false,
             frames_per_second: 0.0,
             body: None,
@@ -520,11 +523,13 @@ impl Run<'_> {
         }
         self.unmet.note(self.state.time, &step.unmet);
         let clock = Instant::now();
+        let mut next = step.next;
         if let (Some(law), true) = (&self.law, gesture.wears()) {
             let stretch_after = measure(self);
             let earlier = Observed { angle: &angle, stretch: &stretch };
             let after = Observed { angle: &self.state.angle, stretch: &stretch_after };
-            self.memory.commit(law, &earlier, &after, step.step);
+            let events = self.memory.commit(law, &earlier, &after, step.step);
+            next = next.min(law.longest_step_after(events)).max(self.stepper.options.shortest);
         }
         self.seconds[3] += clock.elapsed().as_secs_f64();
         observer.progress(&Progress {
@@ -537,7 +542,7 @@ impl Run<'_> {
             events: self.memory.events,
         });
         self.frames_due(&before, observer)?;
-        Ok(step.next)
+        Ok(next)
     }
 
     fn at_rest(&self) -> bool {

@@ -38,8 +38,6 @@ pub struct Plan {
     pub choices: Vec<Choice>,
 }
 
-/// Strain that lowered stretch stiffness may cost under the garment's own weight.
-const MOST_SAG: f64 = 0.005;
 /// Layers that the ground layer is expected to carry.
 const EXPECTED_LAYERS: f64 = 16.0;
 /// Share of the contact distance that the expected load may use up.
@@ -57,7 +55,7 @@ impl Plan {
     /// The plan for wearing `garment` of `fabric` through `script`.
     pub fn new(garment: &Garment, fabric: &Fabric, script: &WearScript, options: &BakeOptions) -> Self {
         let actions: Vec<&Action> = script.flatten().collect();
-        let scene = PlannedScene { garment, fabric, actions: &actions, everything: options.everything };
+        let scene = PlannedScene { garment, fabric, actions: &actions, sag: options.sag, everything: options.everything };
         let mut choices = Vec::new();
         let stretch = scene.stretch(&mut choices);
         scene.bending(&mut choices);
@@ -77,6 +75,8 @@ struct PlannedScene<'a> {
     garment: &'a Garment,
     fabric: &'a Fabric,
     actions: &'a [&'a Action],
+    /// Strain under the garment's own weight that a lower stretch stiffness may cost [-].
+    sag: f64,
     /// Every model on and at full size.
     everything: bool,
 }
@@ -88,14 +88,14 @@ impl PlannedScene<'_> {
         let (low, high) = bounds(&self.garment.points);
         let size = (high - low).max();
         let weight = fabric.area_density() * GRAVITY * size;
-        let enough = weight / MOST_SAG;
+        let enough = weight / self.sag;
         let softest = fabric.stretch_warp().min(fabric.stretch_weft());
         let scale = if self.everything { 1.0 } else { (enough / softest).min(1.0) };
         let stretch = [fabric.stretch_warp() * scale, fabric.stretch_weft() * scale, fabric.shear()];
+        let kept = if scale < 1.0 { format!("instead of {:.0}", fabric.stretch_warp()) } else { "the fabric's own".into() };
         let why = format!(
-            "{:.0} N/m instead of {:.0}: own weight over {:.2} m stretches it {:.2} % at most",
+            "{:.0} N/m, {kept}: own weight over {:.2} m stretches it {:.2} % at most",
             stretch[0],
-            fabric.stretch_warp(),
             size,
             100.0 * weight / stretch[0].min(stretch[1])
         );
@@ -283,6 +283,7 @@ impl Plan {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bake::Quality;
     use crate::fabric::DEFAULT_FABRIC;
     use crate::math::Vec2;
     use crate::mesh::Topology;
@@ -333,7 +334,8 @@ mod tests {
         let soft = plan(&squares(1), FOLD, false).stretch;
         let weight = fabric.area_density() * GRAVITY * 0.1;
         let softest = soft[0].min(soft[1]);
-        assert!(weight / softest <= MOST_SAG * (1.0 + 1e-12));
+        assert!(softest < fabric.stretch_warp());
+        assert!(weight / softest <= Quality::Standard.sag() * (1.0 + 1e-12));
         assert_eq!(plan(&squares(1), FOLD, true).stretch[0], fabric.stretch_warp());
     }
 

@@ -72,6 +72,16 @@ impl Quality {
             Self::Reference => 3e-6,
         }
     }
+
+    /// Strain under the garment's own weight that a lower stretch stiffness than the fabric's may cost [-]. Softer
+    /// membranes take up as stretch what stiffer ones throw into wrinkles (docs/accuracy.md has what that changes).
+    pub fn sag(self) -> f64 {
+        match self {
+            Self::Draft => 5e-3,
+            Self::Standard => 1e-3,
+            Self::Reference => 0.0,
+        }
+    }
 }
 
 /// Steps with everything on [s].
@@ -96,6 +106,6 @@ impl BakeOptions {
 
     /// The options of a quality.
     pub fn of(quality: Quality) -> Self {
-        Self { step: quality.step(), slack: quality.slack(), ..Self::default() }
+        Self { step: quality.step(), slack: quality.slack(), sag: quality.sag(), ..Self::default() }
     }
 }

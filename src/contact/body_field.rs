@@ -17,6 +17,7 @@
 //! Friction is that of `contact::friction`: Coulomb, with a tangential stretch kept from step to step. Does not do:
 //! a promise; cloth may cross a body for the moments until it is lifted, and where there is no room for it.
 
+use super::friction::stick;
 use crate::energy::Cushion;
 use crate::math::{Mat3, Vec3};
 use crate::mesh::PointIndex;
@@ -208,7 +209,7 @@ impl BodyField {
     pub fn cushions(&self, x: &[Vec3], target: &[Vec3], h: f64, friction: f64) -> Vec<Cushion> {
         let normals = point_normals(target, &self.triangles);
         let FieldSettings { reach, ref stiffness, friction: coefficient, creep } = self.settings;
-        let slip = creep * h;
+        let slip = stick(creep, h);
         let each = |(p, under): (usize, &Option<Under>)| {
             let under = (*under)?;
             let (place, normal) = self.surface(target, &normals, under.triangle, &under.weights);

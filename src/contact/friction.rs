@@ -70,6 +70,15 @@ pub struct KeptStretch {
     share: Vec3,
 }
 
+/// Stretch at which a contact begins to slide, at most [m]. It grows with the step, so that what sticks keeps still for
+/// Newton; in a step of seconds that would be millimetres, and wrinkles that friction holds would slide flat.
+const MOST_STICK: f64 = 1e-4;
+
+/// Stretch at which a contact begins to slide in a step of `h` seconds [m], where `creep` [m/s] still counts as rest.
+pub(super) fn stick(creep: f64, h: f64) -> f64 {
+    (creep * h).min(MOST_STICK)
+}
+
 /// A contact counts as sliding above this share of `stick`.
 const SLIDES: f64 = 1.0 - 1e-9;
 

@@ -231,7 +231,8 @@ impl Contact {
             pairs.begin(x, held);
         }
         let mut friction = std::mem::take(&mut self.friction);
-        friction.begin(self.places(x), self.settings.creep * h, self.settings.stiction);
+        let stick = friction::stick(self.settings.creep, h);
+        friction.begin(self.places(x), stick, self.settings.stiction);
         if h.is_finite() && share > 0.0 {
             self.add_sliders(x, share, &mut friction);
         }

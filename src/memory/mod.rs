@@ -84,11 +84,23 @@ impl Remembering {
         }
     }
 
+    /// How long a step may be after one with these `events` [s]; infinite after none. Where something has worn in, more
+    /// will, and the cloth must have answered one event before the next is due.
+    pub fn longest_step_after(&self, events: EventCount) -> f64 {
+        let laws = [Some(&self.angle), self.length.as_ref()].into_iter().flatten();
+        let bands = laws.flat_map(|law| [(events.gradual, law.gradual), (events.critical, law.critical)]);
+        let due = bands.filter(|(count, _)| *count > 0).map(|(_, band)| band.duration);
+        STEPS_TO_EVENT * due.fold(f64::INFINITY, f64::min)
+    }
+
     /// Whether lengths are remembered.
     pub fn remembers_length(&self) -> bool {
         self.length.is_some()
     }
 }
+
+/// Share of the time from event to event that one step may take.
+const STEPS_TO_EVENT: f64 = 0.25;
 
 /// Angles and stretches of an accepted state.
 pub struct Observed<'a> {
