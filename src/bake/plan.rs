@@ -38,6 +38,9 @@ pub struct Plan {
     pub choices: Vec<Choice>,
 }
 
+/// Strain under its own weight [-] as which the stretch stiffness is chosen of cloth that is crumpled or worn on a body:
+/// its ridges are finer than its elements, and it goes where it must only by stretching.
+const RIDGE_SAG: f64 = 5e-3;
 /// Layers that the ground layer is expected to carry.
 const EXPECTED_LAYERS: f64 = 16.0;
 /// Share of the contact distance that the expected load may use up.
@@ -55,7 +58,7 @@ impl Plan {
     /// The plan for wearing `garment` of `fabric` through `script`.
     pub fn new(garment: &Garment, fabric: &Fabric, script: &WearScript, options: &BakeOptions) -> Self {
         let actions: Vec<&Action> = script.flatten().collect();
-        let scene = PlannedScene { garment, fabric, actions: &actions, sag: options.sag, everything: options.everything };
+        let scene = PlannedScene { garment, fabric, actions: &actions, options };
         let mut choices = Vec::new();
         let stretch = scene.stretch(&mut choices);
         scene.bending(&mut choices);
@@ -75,10 +78,7 @@ struct PlannedScene<'a> {
     garment: &'a Garment,
     fabric: &'a Fabric,
     actions: &'a [&'a Action],
-    /// Strain under the garment's own weight that a lower stretch stiffness may cost [-].
-    sag: f64,
-    /// Every model on and at full size.
-    everything: bool,
+    options: &'a BakeOptions,
 }
 
 impl PlannedScene<'_> {
@@ -88,16 +88,24 @@ impl PlannedScene<'_> {
         let (low, high) = bounds(&self.garment.points);
         let size = (high - low).max();
         let weight = fabric.area_density() * GRAVITY * size;
-        let enough = weight / self.sag;
+        let ridges =
+            self.options.body.is_some() || self.actions.iter().any(|a| matches!(a, Action::Crumple(_)));
+        let sag = if ridges { self.options.sag.max(RIDGE_SAG) } else { self.options.sag };
+        let enough = weight / sag;
         let softest = fabric.stretch_warp().min(fabric.stretch_weft());
-        let scale = if self.everything { 1.0 } else { (enough / softest).min(1.0) };
+        let scale = if self.options.everything { 1.0 } else { (enough / softest).min(1.0) };
         let stretch = [fabric.stretch_warp() * scale, fabric.stretch_weft() * scale, fabric.shear()];
-        let kept = if scale < 1.0 { format!("instead of {:.0}", fabric.stretch_warp()) } else { "the fabric's own".into() };
+        let kept = if scale < 1.0 {
+            format!("instead of {:.0}", fabric.stretch_warp())
+        } else {
+            "the fabric's own".into()
+        };
         let why = format!(
-            "{:.0} N/m, {kept}: own weight over {:.2} m stretches it {:.2} % at most",
+            "{:.0} N/m, {kept}: own weight over {:.2} m stretches it {:.2} % at most{}",
             stretch[0],
             size,
-            100.0 * weight / stretch[0].min(stretch[1])
+            100.0 * weight / stretch[0].min(stretch[1]),
+            if ridges { ", as ridges finer than the mesh ask for" } else { "" }
         );
         choices.push(Choice { name: "stretch", on: true, why });
         stretch
@@ -158,7 +166,7 @@ impl PlannedScene<'_> {
         };
         let moving = self.actions.iter().filter(|action| !quiet(action)).count();
         let one_layer = is_one_flat_layer(self.garment);
-        let meet = self.garment.triangles.len() > 1 && (self.everything || moving > 0 || !one_layer);
+        let meet = self.garment.triangles.len() > 1 && (self.options.everything || moving > 0 || !one_layer);
         let why = if meet {
             let layers = if one_layer { "one flat layer" } else { "more than one layer" };
             format!(

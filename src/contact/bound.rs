@@ -239,8 +239,8 @@ impl Parts {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Draw;
     use crate::contact::candidates::CandidateFinder;
+    use crate::math::Draw;
     use crate::mesh::crossings::crossings;
     use crate::mesh::{PointIndex, Topology};
 

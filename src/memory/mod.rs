@@ -99,8 +99,9 @@ impl Remembering {
     }
 }
 
-/// Share of the time from event to event that one step may take.
-const STEPS_TO_EVENT: f64 = 0.25;
+/// Share of the time from event to event that one step may take: a quarter still misses an eighth of what cloth that is
+/// pressed for half a minute remembers (docs/accuracy.md).
+const STEPS_TO_EVENT: f64 = 0.025;
 
 /// Angles and stretches of an accepted state.
 pub struct Observed<'a> {

@@ -345,7 +345,8 @@ mod tests {
                 other_triangles.iter().map(|t| swept_box(t, &other_points, &other_points, 0.01)).collect();
             let mut at = start;
             for _ in 0..6 {
-                let end: Vec<Vec3> = at.iter().map(|x| x + (draw.in_unit_cube() - draw.in_unit_cube()) * 0.1).collect();
+                let end: Vec<Vec3> =
+                    at.iter().map(|x| x + (draw.in_unit_cube() - draw.in_unit_cube()) * 0.1).collect();
                 tree.refit(&at, &end, 0.02);
                 let boxes: Vec<Aabb> = triangles.iter().map(|t| swept_box(t, &at, &end, 0.02)).collect();
                 assert_eq!(tree.overlapping_pairs(), brute(&boxes, None));

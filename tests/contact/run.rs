@@ -199,9 +199,19 @@ impl Run {
             let report =
                 self.step(drive_at, if wished >= left { left } else { wished.min(0.5 * left.max(wished)) });
             wished = report.next;
+            self.tell(report.step);
             if !watch(self, &report) {
                 break;
             }
+        }
+    }
+
+    /// Says on stderr how far a long run is, ten times a simulated second.
+    fn tell(&self, step: f64) {
+        const LONG: usize = 5_000;
+        let tenths = |time: f64| (10.0 * time + 1e-6).floor();
+        if self.state.x.len() > LONG && tenths(self.state.time) > tenths(self.state.time - step) {
+            eprintln!("{:.2} s, {} steps, {} solves", self.state.time, self.steps, self.solves);
         }
     }
 
