@@ -28,13 +28,13 @@ pub struct Settled {
 
 /// Tether of a rest mesh, as a share of that of a garment at home: only where it stays in space is held.
 const LOOSE: f64 = 1e-4;
-/// Stretch stiffness of a rest mesh, as a share of the garment's: a memory is seldom the angles of a surface that exists,
+/// Stretch stiffness of a rest mesh, as a share of a draft's: a memory is seldom the angles of a surface that exists,
 /// and lengths may give way by parts of a per cent before angles do.
 const SOFT: f64 = 0.1;
 
 /// Settles `garment` of `fabric` in its own pose with `memory` (one entry per hinge and triangle of it).
 pub fn settle(garment: &Garment, fabric: &Fabric, memory: &RestShape) -> Settled {
-    let (cloth, plan) = cloth_and_plan(garment, fabric);
+    let (cloth, plan) = cloth_and_plan(garment, fabric, Quality::Standard);
     let settings = ContactSettings {
         distance: plan.contact_distance,
         stiffness: plan.contact_stiffness,
@@ -53,15 +53,16 @@ pub fn settle(garment: &Garment, fabric: &Fabric, memory: &RestShape) -> Settled
 /// The mesh of `garment`'s topology that best carries the rest angles of `memory`: displacements from the source pose.
 /// Layers may cross in it, as it is a shape to measure angles on and not to be seen.
 pub fn rest_mesh(garment: &Garment, fabric: &Fabric, memory: &RestShape) -> Settled {
-    let (mut cloth, plan) = cloth_and_plan(garment, fabric);
+    let (mut cloth, plan) = cloth_and_plan(garment, fabric, Quality::Draft);
     cloth.membrane.set_stiffness(plan.stretch.map(|k| k * SOFT));
     let contact = Contact::none(garment.points.len());
     rest(garment, fabric, memory, cloth, contact, LOOSE)
 }
 
-fn cloth_and_plan(garment: &Garment, fabric: &Fabric) -> (Cloth, Plan) {
+/// The elastic model and the plan, as stiff in stretch as a bake of that quality.
+fn cloth_and_plan(garment: &Garment, fabric: &Fabric, quality: Quality) -> (Cloth, Plan) {
     let nothing = WearScript { format: WearFormat::V1, name: String::new(), actions: Vec::new() };
-    let plan = Plan::new(garment, fabric, &nothing, &BakeOptions::default());
+    let plan = Plan::new(garment, fabric, &nothing, &BakeOptions::of(quality));
     let mut cloth = Cloth::new(garment, fabric);
     cloth.membrane.set_stiffness(plan.stretch);
     (cloth, plan)
