@@ -27,7 +27,7 @@ struct Kind {
 
 impl Kind {
     fn mean(&self) -> f64 {
-        self.means.iter().sum::<f64>() / self.means.len().max(1) as f64
+        mean_of(&self.means)
     }
 
     /// Standard error of the mean; not a number of less than two bakes.
@@ -40,6 +40,10 @@ impl Kind {
     fn wall(&self) -> f64 {
         median(self.walls.iter().copied()).unwrap_or(f64::NAN)
     }
+}
+
+fn mean_of(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
 pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
@@ -105,7 +109,7 @@ fn panel(title: &str, label: &str, colour: usize, kinds: &[&Vec<f64>]) -> Panel 
     let top = kinds.iter().flat_map(|values| values.iter()).copied().fold(1e-9, f64::max);
     let (mut bars, mut dots) = (Vec::new(), Vec::new());
     for (place, values) in kinds.iter().enumerate() {
-        let (place, mean) = (place as f64, values.iter().sum::<f64>() / values.len().max(1) as f64);
+        let (place, mean) = (place as f64, mean_of(values));
         bars.extend([[place, 0.0], [place, mean]]);
         dots.extend(values.iter().map(|value| [place, *value]));
     }

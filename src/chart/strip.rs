@@ -272,7 +272,7 @@ mod tests {
     fn strips_come_to_rest_no_later_with_memory() {
         let fabric = Fabric::preset(DEFAULT_FABRIC).expect("exists");
         for points in [156, 603] {
-            let [off, on] = [false, true].map(|remember| falls(points, &fabric, remember, 5).expect("fall"));
+            let [off, on] = [false, true].map(|remember| falls(points, &fabric, remember, 11).expect("fall"));
             assert!(off.iter().chain(&on).all(|f| f.stabilised.is_some()), "{points}: all come to rest");
             // A strip at rest within its first second has no event yet: the median must be of runs that had some.
             let acted = on.iter().filter(|f| f.events > 0).count();
