@@ -187,6 +187,9 @@ impl Friction {
     /// Adds the Hessian by the points of the cloth.
     pub fn add_hessian(&self, places: Places, out: &mut dyn BlockSink) {
         for s in &self.sliders {
+            if !out.wants(&s.points) {
+                continue;
+            }
             add_weighted(out, places.cloth.len(), &s.points, &s.weights, &self.block(s, places));
         }
     }

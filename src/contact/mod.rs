@@ -440,6 +440,8 @@ impl Contact {
     /// Adds a positive Hessian: the barrier's curvature along the normal (its tangential part is negative).
     pub fn add_hessian(&self, x: &[Vec3], out: &mut dyn BlockSink) {
         let _spending = self.spending();
+        // Those of friction stay the same for a step, and the order of all before them: a filling goes faster so.
+        self.friction.add_hessian(self.places(x), out);
         let up = Mat3::from_diagonal(&Vec3::y());
         for (height, side) in self.planes() {
             for (p, x) in x.iter().enumerate() {
@@ -452,12 +454,14 @@ impl Contact {
         }
         if let Some(pairs) = &self.pairs {
             for t in pairs.touches(x).iter() {
+                if !out.wants(&t.points) {
+                    continue;
+                }
                 let k = barrier::curvature(t.distance, t.reach, t.stiffness);
                 let block = t.normal * t.normal.transpose() * k;
                 friction::add_weighted(out, x.len(), &t.points, &t.weights, &block);
             }
         }
-        self.friction.add_hessian(self.places(x), out);
     }
 
     /// Visits the groups of points that the Hessian at `x` couples, and those within `margin` times the contact

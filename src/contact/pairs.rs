@@ -426,12 +426,13 @@ impl PairContact {
     /// All pairs within their contact distance at `x`, in a fixed order. Those of the last place asked for are kept:
     /// value, gradient and Hessian of one place are asked for one by one.
     pub fn touches(&self, x: &[Vec3]) -> Arc<Vec<Touch>> {
-        let mut last = self.last_touches.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(known) = last.as_ref().filter(|known| known.x == x) {
+        let last = || self.last_touches.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = last().as_ref().filter(|known| known.x == x) {
             return Arc::clone(&known.touches);
         }
+        // Not under the lock: a thread that waits for others here may be given work that wants it, too.
         let touches = Arc::new(self.touches_within(x, 1.0));
-        *last = Some(TouchesAt { x: x.to_vec(), touches: Arc::clone(&touches) });
+        *last() = Some(TouchesAt { x: x.to_vec(), touches: Arc::clone(&touches) });
         touches
     }
 

@@ -13,12 +13,13 @@
 //! angle and stiffness ratio s stay per hinge. The Hessian is Gauss-Newton, which is positive by construction.
 //! Angles are unwrapped against the last accepted step, so folds pass 180 degrees without a jump.
 
-use super::{BlockSink, Energy, add_symmetric};
+use super::{BlockSink, Energy, add_symmetric, sum_of};
 use crate::fabric::Fabric;
 use crate::garment::{Garment, RestShape};
 use crate::math::{Vec2, Vec3};
 use crate::mesh::{Topology, hinge_angle, hinge_gradient, unwrap_angle};
 use nalgebra::{Matrix3, Vector3};
+use rayon::prelude::*;
 
 /// What never changes during a run.
 #[derive(Debug, Clone)]
@@ -27,6 +28,8 @@ pub struct Bending {
     points: Vec<[u32; 4]>,
     /// Per face with at least one hinge: its hinges, `NONE` where the edge carries none.
     faces: Vec<[u32; 3]>,
+    /// Per such face: the points of its hinges, `NONE` after the last.
+    stencils: Vec<[u32; MOST_POINTS]>,
     /// Per such face: the 3 x 3 matrix Q_f over its hinges [N·m]; zero rows where there is none.
     coupling: Vec<Matrix3<f64>>,
     /// Per hinge: (A1 + A2) / l [m], the width of cloth the hinge stands for.
@@ -36,6 +39,21 @@ pub struct Bending {
 }
 
 const NONE: u32 = u32::MAX;
+/// Points of the hinges of a face: its corners and one beyond each side.
+const MOST_POINTS: usize = 6;
+/// Hinges that one task takes at least.
+const FEWEST: usize = 512;
+
+/// The points of `hinges`, each once, `NONE` after the last. `points` are those of every hinge.
+fn stencil(hinges: &[u32; 3], points: &[[u32; 4]]) -> [u32; MOST_POINTS] {
+    let mut stencil = [NONE; MOST_POINTS];
+    for p in hinges.iter().filter(|h| **h != NONE).flat_map(|&h| points[h as usize]) {
+        if let Some(slot) = stencil.iter_mut().find(|slot| **slot == p || **slot == NONE) {
+            *slot = p;
+        }
+    }
+    stencil
+}
 
 impl Bending {
     /// Bending of `garment` made of `fabric`.
@@ -93,8 +111,15 @@ impl Bending {
             faces.push(hinges);
             coupling.push(columns.transpose() * columns * area);
         }
-        let points = topology.hinges.iter().map(|h| h.points.map(|p| p.0)).collect();
-        Self { points, faces, coupling, width, damping }
+        let points: Vec<[u32; 4]> = topology.hinges.iter().map(|h| h.points.map(|p| p.0)).collect();
+        let stencils = faces.iter().map(|hinges| stencil(hinges, &points)).collect();
+        Self { points, faces, stencils, coupling, width, damping }
+    }
+
+    /// The points of the hinges of face `f`.
+    fn stencil(&self, f: usize) -> &[u32] {
+        let points = &self.stencils[f];
+        &points[..points.iter().position(|p| *p == NONE).unwrap_or(points.len())]
     }
 
     /// Number of hinges.
@@ -143,8 +168,9 @@ impl BendingTerm<'_> {
     fn strain(&self, x: &[Vec3]) -> Vec<f64> {
         self.model
             .points
-            .iter()
+            .par_iter()
             .enumerate()
+            .with_min_len(FEWEST)
             .map(|(h, p)| {
                 let angle = unwrap_angle(hinge_angle(&p.map(|i| x[i as usize])), self.last[h]);
                 self.root[h] * (angle - self.target[h])
@@ -180,50 +206,41 @@ impl Energy for BendingTerm<'_> {
 
     fn value(&self, x: &[Vec3]) -> f64 {
         let strain = self.strain(x);
-        let mut sum = 0.0;
-        for (hinges, q) in self.model.faces.iter().zip(&self.model.coupling) {
+        let of = |(f, hinges): (usize, &[u32; 3])| {
             let c = Self::of_face(&strain, hinges);
-            sum += c.dot(&(q * c));
-        }
-        0.5 * sum
+            c.dot(&(self.model.coupling[f] * c))
+        };
+        0.5 * sum_of(&self.model.faces, of)
     }
 
     fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) {
-        for (h, torque) in self.torques(x).into_iter().enumerate() {
-            let p = &self.model.points[h];
-            if let Some(g) = hinge_gradient(&p.map(|i| x[i as usize])) {
-                for (&i, g) in p.iter().zip(&g) {
-                    out[i as usize] += g * torque;
-                }
+        let gradients = self.model.points.par_iter().with_min_len(FEWEST);
+        let gradients: Vec<_> = gradients.map(|p| hinge_gradient(&p.map(|i| x[i as usize]))).collect();
+        let torques = self.torques(x);
+        for ((p, gradient), torque) in self.model.points.iter().zip(&gradients).zip(torques) {
+            for (&i, g) in p.iter().zip(gradient.iter().flatten()) {
+                out[i as usize] += g * torque;
             }
         }
     }
 
     fn add_hessian(&self, x: &[Vec3], out: &mut dyn BlockSink) {
-        // Scaled hinge gradients sqrt(s) g; a degenerate hinge contributes nothing.
-        let gradient: Vec<[Vec3; 4]> = self
-            .model
-            .points
-            .iter()
-            .zip(&self.root)
-            .map(|(p, &root)| hinge_gradient(&p.map(|i| x[i as usize])).unwrap_or_default().map(|g| g * root))
-            .collect();
-        for (hinges, q) in self.model.faces.iter().zip(&self.model.coupling) {
-            // Points of the face's hinges (at most six) and, for each, its derivative of the three angles.
-            let mut points = [0u32; 6];
-            let mut by_angle = [[Vec3::zeros(); 3]; 6];
-            let mut count = 0;
+        for (f, (hinges, q)) in self.model.faces.iter().zip(&self.model.coupling).enumerate() {
+            let points = self.model.stencil(f);
+            if !out.wants(points) {
+                continue;
+            }
+            // For each point its derivative of the three angles, scaled by sqrt(s); a degenerate hinge has none.
+            let mut by_angle = [[Vec3::zeros(); 3]; MOST_POINTS];
             for (k, &h) in hinges.iter().enumerate().filter(|(_, h)| **h != NONE) {
-                for (&p, g) in self.model.points[h as usize].iter().zip(&gradient[h as usize]) {
-                    let slot = points[..count].iter().position(|&known| known == p).unwrap_or_else(|| {
-                        points[count] = p;
-                        count += 1;
-                        count - 1
-                    });
-                    by_angle[slot][k] = *g;
+                let hinge = &self.model.points[h as usize];
+                let gradient = hinge_gradient(&hinge.map(|i| x[i as usize])).unwrap_or_default();
+                for (p, g) in hinge.iter().zip(&gradient) {
+                    let slot = points.iter().position(|known| known == p).unwrap_or_default();
+                    by_angle[slot][k] = g * self.root[h as usize];
                 }
             }
-            for i in 0..count {
+            for i in 0..points.len() {
                 // Column k: sum_l Q_kl g_il
                 let weighted: [Vec3; 3] = std::array::from_fn(|k| {
                     by_angle[i][0] * q[(k, 0)] + by_angle[i][1] * q[(k, 1)] + by_angle[i][2] * q[(k, 2)]
@@ -239,17 +256,7 @@ impl Energy for BendingTerm<'_> {
     }
 
     fn visit_stencils(&self, visit: &mut dyn FnMut(&[u32])) {
-        for hinges in &self.model.faces {
-            let mut points = Vec::with_capacity(6);
-            for &h in hinges.iter().filter(|h| **h != NONE) {
-                for &p in &self.model.points[h as usize] {
-                    if !points.contains(&p) {
-                        points.push(p);
-                    }
-                }
-            }
-            visit(&points);
-        }
+        (0..self.model.faces.len()).for_each(|f| visit(self.model.stencil(f)));
     }
 }
 

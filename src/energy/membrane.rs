@@ -12,7 +12,7 @@
 //! k * damping/step: both springs together are one with a shifted target, made once per step.
 //! Out-of-plane stiffness of a compressed axis is left out of the Hessian (it would be negative).
 
-use super::{BlockSink, Energy, add_symmetric};
+use super::{BlockSink, Energy, add_symmetric, sum_of};
 use crate::fabric::Fabric;
 use crate::garment::{Garment, RestShape};
 use crate::math::{Mat3, Vec2, Vec3};
@@ -143,13 +143,12 @@ impl Energy for MembraneTerm<'_> {
 
     fn value(&self, x: &[Vec3]) -> f64 {
         let [ku, kv, ks] = self.model.stiffness;
-        let mut sum = 0.0;
-        for (f, t) in self.target.iter().enumerate() {
+        let of = |(f, t): (usize, &[f64; 3])| {
             let (u, v) = self.model.axes(f, x);
             let (cu, cv, cs) = (u.norm() - t[0], v.norm() - t[1], u.dot(&v) - t[2]);
-            sum += self.model.area[f] * (ku * cu * cu + kv * cv * cv + ks * cs * cs);
-        }
-        0.5 * self.factor * sum
+            self.model.area[f] * (ku * cu * cu + kv * cv * cv + ks * cs * cs)
+        };
+        0.5 * self.factor * sum_of(&self.target, of)
     }
 
     fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) {
@@ -170,6 +169,9 @@ impl Energy for MembraneTerm<'_> {
     fn add_hessian(&self, x: &[Vec3], out: &mut dyn BlockSink) {
         let [ku, kv, ks] = self.model.stiffness;
         for (f, t) in self.target.iter().enumerate() {
+            if !out.wants(&self.model.corners[f]) {
+                continue;
+            }
             let (u, v) = self.model.axes(f, x);
             let scale = self.factor * self.model.area[f];
             let shear = u.dot(&v) - t[2];

@@ -24,11 +24,16 @@ pub use membrane::{Membrane, MembraneTerm};
 pub use pressure::Pressure;
 
 use crate::math::{Mat3, Vec3};
+use rayon::prelude::*;
 
 /// Receives the 3 x 3 blocks of a symmetric Hessian.
 pub trait BlockSink {
     /// Adds `block` at block row `i`, block column `j`. Only blocks with `i >= j` are given.
     fn add(&mut self, i: u32, j: u32, block: &Mat3);
+    /// Whether any block between `points` is of use; those of others need not be made.
+    fn wants(&self, _points: &[u32]) -> bool {
+        true
+    }
 }
 
 /// An energy over the points of a mesh.
@@ -44,6 +49,18 @@ pub trait Energy: Sync {
     /// Visits every group of points that the Hessian couples.
     fn visit_stencils(&self, _visit: &mut dyn FnMut(&[u32])) {}
 }
+
+/// The sum of a function of every element and its number, in the same order for any number of threads.
+pub(crate) fn sum_of<T: Sync>(elements: &[T], of: impl Fn((usize, &T)) -> f64 + Sync) -> f64 {
+    let part = |(k, part): (usize, &[T])| {
+        let numbered = part.iter().enumerate().map(|(i, element)| (k * CHUNK + i, element));
+        numbered.map(&of).sum::<f64>()
+    };
+    elements.par_chunks(CHUNK).enumerate().map(part).collect::<Vec<f64>>().into_iter().sum()
+}
+
+/// Elements that one task takes.
+const CHUNK: usize = 1024;
 
 /// Adds the block of the pair (`i`, `j`) of a symmetric element matrix at its lower-triangle place.
 #[inline]

@@ -2,10 +2,12 @@
 //!
 //! Only the lower triangle is stored, row by row. Points that are held (pins, sleeping parts) have no row: blocks
 //! that touch them are dropped on the way in. Energies add their blocks in the same order again and again, so where each
-//! went last time is looked at before it is searched for.
+//! went last time is looked at before it is searched for. The matrix is filled by several threads at once, each with
+//! rows of its own: every block is the sum of the same numbers in the same order for any number of threads.
 
 use crate::energy::BlockSink;
 use crate::math::{Mat3, Vec3};
+use rayon::prelude::*;
 
 /// Marks a point without a row.
 pub const HELD: u32 = u32::MAX;
@@ -25,10 +27,24 @@ pub struct BlockMatrix {
     /// Block columns, increasing within a row; the last of a row is its diagonal.
     column: Vec<u32>,
     value: Vec<Mat3>,
-    /// Where the blocks added since the last [`Self::clear`] went, in order; then where later ones went the time before.
-    went: Vec<u32>,
-    /// Blocks added since the last [`Self::clear`].
-    added: usize,
+    /// Per range of rows that was filled: where its blocks went, in order.
+    went: Vec<Vec<u32>>,
+}
+
+/// A thread takes at least so many rows.
+const FEWEST_ROWS: usize = 256;
+
+/// Sorts a list and moves its different numbers to the front; how many those are.
+fn sort_once(list: &mut [u32]) -> usize {
+    list.sort_unstable();
+    let mut count = 0;
+    for k in 0..list.len() {
+        if k == 0 || list[k] != list[count - 1] {
+            list[count] = list[k];
+            count += 1;
+        }
+    }
+    count
 }
 
 impl BlockMatrix {
@@ -40,45 +56,52 @@ impl BlockMatrix {
         for (p, &r) in row_of.iter().enumerate().filter(|(_, r)| **r != HELD) {
             point_of[r as usize] = p as u32;
         }
-        let mut lower: Vec<Vec<u32>> = (0..rows as u32).map(|r| vec![r]).collect();
+        // Couplings as (row, column); then each row's columns together, sorted, the diagonal last.
+        let mut below: Vec<[u32; 2]> = Vec::new();
         couplings(&mut |points: &[u32]| {
             for (k, &p) in points.iter().enumerate() {
                 let i = row_of[p as usize];
                 for &q in points[..k].iter().filter(|_| i != HELD) {
                     let j = row_of[q as usize];
                     if j != HELD && i != j {
-                        lower[i.max(j) as usize].push(i.min(j));
+                        below.push([i.max(j), i.min(j)]);
                     }
                 }
             }
         });
+        let mut end = vec![0u32; rows];
+        below.iter().for_each(|[i, _]| end[*i as usize] += 1);
+        let mut lists: Vec<&mut [u32]> = Vec::with_capacity(rows);
+        let mut columns = vec![0; below.len()];
+        let mut rest = columns.as_mut_slice();
+        for count in &end {
+            let (list, others) = rest.split_at_mut(*count as usize);
+            lists.push(list);
+            rest = others;
+        }
+        end.fill(0);
+        for [i, j] in below {
+            let at = &mut end[i as usize];
+            lists[i as usize][*at as usize] = j;
+            *at += 1;
+        }
+        let distinct: Vec<usize> =
+            lists.par_iter_mut().with_min_len(FEWEST_ROWS).map(|l| sort_once(l)).collect();
         let mut start = Vec::with_capacity(rows + 1);
-        let mut column = Vec::new();
+        let mut column = Vec::with_capacity(distinct.iter().sum::<usize>() + rows);
         start.push(0);
-        for row in &mut lower {
-            row.sort_unstable();
-            row.dedup();
-            column.extend_from_slice(row);
+        for (r, (list, count)) in lists.iter().zip(distinct).enumerate() {
+            column.extend_from_slice(&list[..count]);
+            column.push(r as u32);
             start.push(column.len() as u32);
         }
         let value = vec![Mat3::zeros(); column.len()];
-        Self { row_of, point_of, start, column, value, went: Vec::new(), added: 0 }
+        Self { row_of, point_of, start, column, value, went: Vec::new() }
     }
 
     /// Whether exactly the points with `held` unset have rows.
     pub fn holds(&self, held: &[bool]) -> bool {
         self.row_of.len() == held.len() && self.row_of.iter().zip(held).all(|(r, h)| (*r == HELD) == *h)
-    }
-
-    /// Whether every pair of the free ones among `points` has a block.
-    pub fn couples(&self, points: &[u32]) -> bool {
-        points.iter().enumerate().all(|(k, &p)| {
-            let i = self.row_of[p as usize];
-            points[..k].iter().all(|&q| {
-                let j = self.row_of[q as usize];
-                i == HELD || j == HELD || self.row(i.max(j) as usize).binary_search(&i.min(j)).is_ok()
-            })
-        })
     }
 
     /// Number of block rows.
@@ -137,7 +160,7 @@ impl BlockMatrix {
             }
             start.push(column.len() as u32);
         }
-        Self { row_of, point_of, start, column, value, went: Vec::new(), added: 0 }
+        Self { row_of, point_of, start, column, value, went: Vec::new() }
     }
 
     /// Adds to `marked`, one flag per point, the points that a marked one is coupled to.
@@ -156,31 +179,32 @@ impl BlockMatrix {
         &self.value[self.start[r + 1] as usize - 1]
     }
 
-    /// Sets every value to zero.
-    pub fn clear(&mut self) {
-        self.value.fill(Mat3::zeros());
-        self.added = 0;
-    }
-
-    /// Where the block (`row`, `column`) lies.
-    #[inline]
-    fn find(&mut self, row: u32, column: u32) -> Option<usize> {
-        let [from, to] = [row, row + 1].map(|r| self.start[r as usize]);
-        let last = self.went.get(self.added).copied();
-        let at = match last.filter(|at| (from..to).contains(at) && self.column[*at as usize] == column) {
-            Some(at) => at,
-            None => {
-                let columns = &self.column[from as usize..to as usize];
-                let at = from + columns.binary_search(&column).ok()? as u32;
-                match self.went.get_mut(self.added) {
-                    Some(went) => *went = at,
-                    None => self.went.push(at),
-                }
-                at
-            }
-        };
-        self.added += 1;
-        Some(at as usize)
+    /// Replaces all values by what `add` adds, which is called once by every thread and must add the same blocks in the
+    /// same order each time. Whether every block had its place; if not, the values are of no use.
+    pub fn fill(&mut self, add: &(dyn Fn(&mut dyn BlockSink) + Sync)) -> bool {
+        let threads = rayon::current_num_threads().min(self.row_count() / FEWEST_ROWS).max(1);
+        self.went.resize(threads, Vec::new());
+        let Self { row_of, start, column, value, went, .. } = self;
+        let mut rest = value.as_mut_slice();
+        let mut first = 0;
+        let mut ranges: Vec<Rows> = Vec::with_capacity(threads);
+        for (k, went) in went.iter_mut().enumerate() {
+            // Ranges of as many blocks each.
+            let until = (column.len() * (k + 1) / threads) as u32;
+            let end = start.partition_point(|at| *at < until) as u32;
+            let (mine, others) = rest.split_at_mut((start[end as usize] - start[first as usize]) as usize);
+            rest = others;
+            let rows = [first, end];
+            ranges.push(Rows { row_of, start, column, rows, value: mine, went, added: 0, complete: true });
+            first = end;
+        }
+        // Each range is moved to its thread: what they count must not share a cache line.
+        let complete = ranges.into_par_iter().map(|mut range| {
+            range.value.fill(Mat3::zeros());
+            add(&mut range);
+            range.complete
+        });
+        complete.reduce(|| true, |a, b| a && b)
     }
 
     /// Adds `amount` times the identity to the diagonal block of point `p`, if it is free.
@@ -238,6 +262,57 @@ impl BlockMatrix {
 }
 
 impl BlockSink for BlockMatrix {
+    fn add(&mut self, i: u32, j: u32, block: &Mat3) {
+        let rows = [0, self.row_count() as u32];
+        let Self { row_of, start, column, value, .. } = self;
+        let went = &mut Vec::new();
+        let mut all = Rows { row_of, start, column, rows, value, went, added: 0, complete: true };
+        all.add(i, j, block);
+        debug_assert!(all.complete, "block ({i}, {j}) is outside the pattern");
+    }
+}
+
+/// Some neighbouring rows of a matrix on their way to being filled.
+struct Rows<'a> {
+    row_of: &'a [u32],
+    start: &'a [u32],
+    column: &'a [u32],
+    /// The first, and the one after the last.
+    rows: [u32; 2],
+    /// Their blocks.
+    value: &'a mut [Mat3],
+    /// Where the blocks added so far went; then where later ones went the time before.
+    went: &'a mut Vec<u32>,
+    /// Blocks added so far.
+    added: usize,
+    /// Whether all that was added had its place.
+    complete: bool,
+}
+
+impl Rows<'_> {
+    /// Where the block (`row`, `column`) lies among the blocks of all rows.
+    #[inline]
+    fn find(&mut self, row: u32, column: u32) -> Option<u32> {
+        let [from, to] = [row, row + 1].map(|r| self.start[r as usize]);
+        let last = self.went.get(self.added).copied();
+        let at = match last.filter(|at| (from..to).contains(at) && self.column[*at as usize] == column) {
+            Some(at) => at,
+            None => {
+                let columns = &self.column[from as usize..to as usize];
+                let at = from + columns.binary_search(&column).ok()? as u32;
+                match self.went.get_mut(self.added) {
+                    Some(went) => *went = at,
+                    None => self.went.push(at),
+                }
+                at
+            }
+        };
+        self.added += 1;
+        Some(at)
+    }
+}
+
+impl BlockSink for Rows<'_> {
     #[inline]
     fn add(&mut self, i: u32, j: u32, block: &Mat3) {
         let (r, c) = (self.row_of[i as usize], self.row_of[j as usize]);
@@ -245,11 +320,91 @@ impl BlockSink for BlockMatrix {
             return;
         }
         let (row, col, turned) = if r >= c { (r, c, false) } else { (c, r, true) };
-        // A block outside the pattern would be a stencil its energy did not announce.
+        if !(self.rows[0]..self.rows[1]).contains(&row) {
+            return;
+        }
         let Some(at) = self.find(row, col) else {
-            debug_assert!(false, "block ({i}, {j}) is outside the pattern");
+            self.complete = false;
             return;
         };
-        if turned { self.value[at] += block.transpose() } else { self.value[at] += block }
+        let value = &mut self.value[(at - self.start[self.rows[0] as usize]) as usize];
+        if turned { *value += block.transpose() } else { *value += block }
+    }
+
+    #[inline]
+    fn wants(&self, points: &[u32]) -> bool {
+        // A block lies in the row of the later of its two points.
+        let (mut low, mut high) = (HELD, 0);
+        for row in points.iter().filter_map(|p| self.row_of.get(*p as usize)).filter(|row| **row != HELD) {
+            (low, high) = (low.min(*row), high.max(*row));
+        }
+        low < self.rows[1] && high >= self.rows[0]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Draw;
+
+    /// Triples of points, near and far, every seventh point held.
+    fn scene() -> (Vec<u32>, Vec<[u32; 3]>) {
+        let mut draw = Draw::from_state(5);
+        let count = 3000;
+        let mut rows = 0;
+        let row_of = (0..count).map(|p| {
+            let row = if p % 7 == 0 { HELD } else { rows };
+            rows += u32::from(row != HELD);
+            row
+        });
+        let row_of = row_of.collect();
+        let mut any = |most: u32| (draw.unit() * f64::from(most)) as u32;
+        let triples = (0..4 * count).map(|_| {
+            let p = any(count);
+            [p, (p + 1 + any(5)) % count, any(count)]
+        });
+        (row_of, triples.collect())
+    }
+
+    fn add_all(triples: &[[u32; 3]], out: &mut dyn BlockSink) {
+        for (k, triple) in triples.iter().enumerate() {
+            if !out.wants(triple) {
+                continue;
+            }
+            for (i, &p) in triple.iter().enumerate() {
+                for &q in &triple[..=i] {
+                    let block = Mat3::repeat(1.0 / (k + i + 1) as f64);
+                    crate::energy::add_symmetric(out, p, q, &block);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn values_do_not_depend_on_the_number_of_threads() {
+        let (row_of, triples) = scene();
+        let mut matrix =
+            BlockMatrix::with_pattern(row_of, &mut |visit| triples.iter().for_each(|t| visit(t)));
+        add_all(&triples, &mut matrix);
+        let expected = matrix.value.clone();
+        assert!(expected.iter().any(|block| block.norm() > 0.0));
+        for threads in [1, 2, 3, 8] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            // Twice: the second time with the places known, and with some that are not.
+            for triples in [&triples[..], &triples[1..], &triples[..]] {
+                assert!(pool.install(|| matrix.fill(&|out| add_all(triples, out))));
+            }
+            assert_eq!(matrix.value, expected, "{threads} threads");
+        }
+    }
+
+    #[test]
+    fn a_block_without_a_place_is_told() {
+        let (row_of, triples) = scene();
+        let mut matrix =
+            BlockMatrix::with_pattern(row_of, &mut |visit| triples[1..].iter().for_each(|t| visit(t)));
+        assert!(matrix.fill(&|out| add_all(&triples[1..], out)));
+        let strange = [[1, 2, 1501]];
+        assert!(!matrix.fill(&|out| add_all(&strange, out)));
     }
 }

@@ -13,6 +13,7 @@ use super::{BlockMatrix, Cholesky, FactorError, HELD, conjugate_gradient};
 use crate::contact::Contact;
 use crate::energy::Energy;
 use crate::math::Vec3;
+use rayon::prelude::*;
 
 /// When to stop.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -83,6 +84,11 @@ pub struct Workspace {
     direct: Cholesky,
     /// For parts.
     local: Cholesky,
+    /// Points that were held when the whole was last factorised, one flag each; empty without a factor.
+    factorised_for: Vec<bool>,
+    /// Solves to come that do without an older factor, and how many will after it has failed again.
+    pause: u32,
+    next_pause: u32,
 }
 
 /// A line search that keeps less of the way than this has failed, and the way is cut differently.
@@ -98,6 +104,10 @@ const RINGS: usize = 2;
 const FEW: f64 = 0.6;
 /// So many local iterations are allowed in place of one of the whole.
 const LOCAL_FOR_WHOLE: usize = 2;
+/// Share of the energy that counts as converged which a direction from an older factor may leave open.
+const LEFT_OPEN: f64 = 0.01;
+/// Where an older factor fails again and again it is tried once in so many solves.
+const LONGEST_PAUSE: u32 = 8;
 /// Contacts up to this many times their distance get a place in a new pattern, so that it lasts.
 const PATTERN_MARGIN: f64 = 1.5;
 
@@ -110,15 +120,6 @@ impl Workspace {
     /// Forgets the pattern: the terms of the next solve couple other points.
     pub fn reset(&mut self) {
         *self = Self::default();
-    }
-
-    /// Whether the pattern has a place for every block that will be added.
-    fn fits(&self, held: &[bool], contact: &Contact, x: &[Vec3]) -> bool {
-        let mut fits = self.matrix.holds(held);
-        if fits {
-            contact.visit_stencils(x, 1.0, &mut |points| fits = fits && self.matrix.couples(points));
-        }
-        fits
     }
 }
 
@@ -171,8 +172,10 @@ impl Problem<'_> {
                 .sum();
             value.add(moved / (2.0 * span * span));
         }
-        self.terms.iter().for_each(|t| value.add(t.value(x)));
-        value.add(contact.value(x));
+        let terms = || self.terms.par_iter().map(|term| term.value(x)).collect::<Vec<f64>>();
+        let (terms, contact) = rayon::join(terms, || contact.value(x));
+        terms.into_iter().for_each(|term| value.add(term));
+        value.add(contact);
         value
     }
 
@@ -183,10 +186,22 @@ impl Problem<'_> {
                 *g += (x - y) * (m / (span * span));
             }
         }
-        for term in self.terms {
+        let none = || vec![Vec3::zeros(); x.len()];
+        let of_term = |term: &&dyn Energy| {
+            let mut g = none();
             term.add_gradient(x, &mut g);
+            g
+        };
+        let of_contact = || {
+            let mut g = none();
+            contact.add_gradient(x, &mut g);
+            g
+        };
+        let (terms, contact) =
+            rayon::join(|| self.terms.par_iter().map(of_term).collect::<Vec<_>>(), of_contact);
+        for term in terms.iter().chain([&contact]) {
+            g.iter_mut().zip(term).for_each(|(g, term)| *g += term);
         }
-        contact.add_gradient(x, &mut g);
         g.iter_mut().zip(self.held).filter(|(_, held)| **held).for_each(|(g, _)| *g = Vec3::zeros());
         g
     }
@@ -197,13 +212,21 @@ impl Problem<'_> {
     }
 
     pub(super) fn assemble(&self, x: &[Vec3], contact: &Contact, work: &mut Workspace) {
-        if !work.fits(self.held, contact, x) {
+        let fill = |matrix: &mut BlockMatrix| {
+            matrix.fill(&|out| {
+                self.terms.iter().for_each(|term| term.add_hessian(x, out));
+                contact.add_hessian(x, out);
+            })
+        };
+        // The pattern looks ahead and is kept until a block finds no place in it.
+        if !(work.matrix.holds(self.held) && fill(&mut work.matrix)) {
             work.matrix = BlockMatrix::with_pattern(rows_of_free(self.held), &mut |visit| {
                 self.terms.iter().for_each(|t| t.visit_stencils(visit));
                 contact.visit_stencils(x, PATTERN_MARGIN, visit);
             });
+            let complete = fill(&mut work.matrix);
+            debug_assert!(complete, "a term adds a block that it did not announce");
         }
-        work.matrix.clear();
         if let Some((mass, _, span)) = self.inertia {
             for (p, m) in mass.iter().enumerate() {
                 work.matrix.add_diagonal(p, m / (span * span));
@@ -212,10 +235,6 @@ impl Problem<'_> {
         if self.regularisation > 0.0 {
             (0..x.len()).for_each(|p| work.matrix.add_diagonal(p, self.regularisation));
         }
-        for term in self.terms {
-            term.add_hessian(x, &mut work.matrix);
-        }
-        contact.add_hessian(x, &mut work.matrix);
     }
 
     /// Assembles the system at `x`; the gradient [N].
@@ -277,15 +296,39 @@ impl Problem<'_> {
         Some(part.scatter(&rhs))
     }
 
+    /// Newton direction from the factor that is there, of an older system; none where too much has changed since.
+    fn direction_from_older(&self, g: &[Vec3], enough: f64, work: &mut Workspace) -> Option<Vec<Vec3>> {
+        if work.factorised_for != self.held {
+            return None;
+        }
+        if work.pause > 0 {
+            work.pause -= 1;
+            return None;
+        }
+        let mut rhs: Vec<Vec3> = work.matrix.gather(g);
+        rhs.iter_mut().for_each(|v| *v = -*v);
+        if work.direct.solve_with_older(&work.matrix, &mut rhs, LEFT_OPEN * enough) {
+            work.next_pause = 1;
+            return Some(work.matrix.scatter(&rhs));
+        }
+        work.pause = work.next_pause;
+        work.next_pause = (2 * work.next_pause).clamp(1, LONGEST_PAUSE);
+        None
+    }
+
     /// Newton direction at `x` for gradient `g`.
     pub(super) fn direction(&self, x: &[Vec3], g: &[Vec3], work: &mut Workspace) -> Option<Vec<Vec3>> {
         let mut rhs: Vec<Vec3> = work.matrix.gather(g);
         rhs.iter_mut().for_each(|v| *v = -*v);
         let mut shift = 0.0;
+        work.factorised_for.clear();
         for _ in 0..12 {
             let factorised = work.direct.factorise(&work.matrix, x);
             match factorised.and_then(|()| work.direct.solve(&work.matrix, &mut rhs)) {
-                Ok(()) => return Some(work.matrix.scatter(&rhs)),
+                Ok(()) => {
+                    work.factorised_for.extend_from_slice(self.held);
+                    return Some(work.matrix.scatter(&rhs));
+                }
                 Err(FactorError::TooLarge) => {
                     let solution = conjugate_gradient(&work.matrix, &rhs, 1e-6, 20_000);
                     return Some(work.matrix.scatter(&solution.x));
@@ -333,7 +376,8 @@ impl Problem<'_> {
                 if whole_went && !damping.acts() { self.restless(&g, options.energy, work) } else { None };
             let local = part.and_then(|part| self.local_direction(x, &g, &part, work));
             let is_whole = local.is_none();
-            let direction = local.or_else(|| self.direction(x, &g, work));
+            let older = if is_whole { self.direction_from_older(&g, options.energy, work) } else { None };
+            let direction = local.or(older).or_else(|| self.direction(x, &g, work));
             report.seconds[1] += clock.elapsed().as_secs_f64();
             let Some(mut d) = direction else { break };
             report.iterations += usize::from(is_whole);

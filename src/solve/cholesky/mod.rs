@@ -5,8 +5,8 @@
 //! precision first (`factor.rs`; `dense.rs` is the door to faer): half the time, half the memory. Conjugate gradients
 //! in double precision with that factor as preconditioner reach [`TOLERANCE`] in one to three iterations; if they do
 //! not, or if a pivot is not positive, the factor is made again in double precision. The bits of a solution depend
-//! neither on the number of threads nor on the buffers kept between factorisations. Does not reuse an older factor for
-//! new values (`docs/decisions.md`).
+//! neither on the number of threads nor on the buffers kept between factorisations. The same iterations solve a system that
+//! has hardly changed with the factor of an older one, as far as a direction needs ([`Cholesky::solve_with_older`]).
 
 mod dense;
 mod dissection;
@@ -36,6 +36,10 @@ const LARGEST_FACTOR: usize = 512 << 20;
 const TOLERANCE: f64 = 1e-8;
 /// Iterations after which a factor in single precision is given up.
 const MOST_ITERATIONS: usize = 30;
+/// With an older factor: share of what there was to gain that may be left, and of what was left that each iteration may
+/// leave. Ten iterations cost as much as a factorisation.
+const LEFT_SHARE: f64 = 1e-3;
+const SLOWEST: f64 = 0.3;
 /// Factorisations of less work (multiplications) are made in double precision at once: they take a millisecond.
 const SMALL: f64 = 2e7;
 /// Factorisations that stay in double precision after one in single precision was not good enough.
@@ -115,7 +119,8 @@ impl Cholesky {
     /// right-hand side is what it was.
     pub fn solve(&mut self, matrix: &BlockMatrix, rhs: &mut [Vec3]) -> Result<(), FactorError> {
         if !self.in_double {
-            if let Some(x) = self.refine(matrix, rhs) {
+            let goal = Goal::Residual(TOLERANCE * TOLERANCE * dot(rhs, rhs));
+            if let Some(x) = self.iterate(matrix, rhs, goal) {
                 rhs.copy_from_slice(&x);
                 return Ok(());
             }
@@ -143,20 +148,47 @@ impl Cholesky {
         self.double.fill(&self.fronts, matrix).map_err(|_| FactorError::NotPositive)
     }
 
+    /// Solves in place with the factor of an older matrix of the same rows: only until what is left to gain of the energy
+    /// 1/2 x·Ax - rhs·x, by the measure of that factor, is below [`LEFT_SHARE`] of the gain at first, or below `enough`
+    /// [J]. Where that is not coming soon the right-hand side is what it was, and the answer is no; so it is where a factor
+    /// costs next to nothing.
+    pub fn solve_with_older(&self, matrix: &BlockMatrix, rhs: &mut [Vec3], enough: f64) -> bool {
+        if self.in_double {
+            return false;
+        }
+        let solved = self.iterate(matrix, rhs, Goal::Gain(enough));
+        solved.is_some_and(|x| {
+            rhs.copy_from_slice(&x);
+            true
+        })
+    }
+
     /// Conjugate gradients with the single factor as preconditioner; none if they do not arrive. Flexible (Notay 2000):
     /// rounding makes the preconditioner a slightly different one every time.
-    fn refine(&self, matrix: &BlockMatrix, rhs: &[Vec3]) -> Option<Vec<Vec3>> {
-        let goal = TOLERANCE * TOLERANCE * dot(rhs, rhs);
+    fn iterate(&self, matrix: &BlockMatrix, rhs: &[Vec3], goal: Goal) -> Option<Vec<Vec3>> {
         let mut x = vec![Vec3::zeros(); rhs.len()];
         let mut r = rhs.to_vec();
         let (mut p, mut image) = (x.clone(), x.clone());
         let mut curvature = 1.0;
-        for _ in 0..=MOST_ITERATIONS {
-            if dot(&r, &r) <= goal {
+        let mut first = f64::NAN;
+        for k in 0..=MOST_ITERATIONS {
+            if matches!(goal, Goal::Residual(squared) if dot(&r, &r) <= squared) {
                 return Some(x);
             }
             let mut z = r.clone();
             self.single.solve(&self.fronts, &mut z);
+            if let Goal::Gain(enough) = goal {
+                let left = dot(&r, &z);
+                if k == 0 {
+                    first = left;
+                } else if left <= enough.max(LEFT_SHARE * first) {
+                    return Some(x);
+                }
+                // Not a number is given up, too.
+                if !(left <= first * SLOWEST.powi(k as i32 - 1)) {
+                    return None;
+                }
+            }
             let share = -dot(&z, &image) / curvature;
             p.iter_mut().zip(&z).for_each(|(p, z)| *p = z + *p * share);
             matrix.multiply(&p, &mut image);
@@ -172,6 +204,15 @@ impl Cholesky {
         }
         None
     }
+}
+
+/// When iterations have arrived.
+#[derive(Clone, Copy)]
+enum Goal {
+    /// At this squared residual.
+    Residual(f64),
+    /// When little enough is left to gain [J].
+    Gain(f64),
 }
 
 fn dot(a: &[Vec3], b: &[Vec3]) -> f64 {

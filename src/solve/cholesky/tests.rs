@@ -254,3 +254,22 @@ fn a_factor_that_does_not_fit_is_refused() {
     });
     assert_eq!(Cholesky::default().factorise(&matrix, &scene.positions), Err(FactorError::TooLarge));
 }
+
+#[test]
+fn an_older_factor_solves_what_has_hardly_changed_and_says_so_of_the_rest() {
+    let scene = folded_sheet(40, 2);
+    let then = scene.matrix(0.1, 100.0, |_| false);
+    let rhs = right_hand_side(then.row_count());
+    let mut direct = Cholesky::default();
+    direct.factorise(&then, &scene.positions).unwrap();
+    assert!(!direct.is_double(), "a factor that costs nothing is made anew");
+    let gain = |x: &[Vec3]| dot(x, &rhs);
+    let now = scene.matrix(0.11, 105.0, |_| false);
+    let mut x = rhs.clone();
+    assert!(direct.solve_with_older(&now, &mut x, 0.0));
+    let exact = solved(&mut Cholesky::default(), &now, &scene.positions, &rhs);
+    assert!((gain(&x) / gain(&exact) - 1.0).abs() < 1e-3, "{} {}", gain(&x), gain(&exact));
+    let mut x = rhs.clone();
+    assert!(!direct.solve_with_older(&scene.matrix(1e-4, 1e5, |_| false), &mut x, 0.0));
+    assert_eq!(x, rhs);
+}
