@@ -47,6 +47,9 @@ pub struct BakeOptions {
     pub slack: f64,
     /// Strain under the garment's own weight that a lower stretch stiffness than the fabric's may cost [-].
     pub sag: f64,
+    /// Share of the time from event to event that the step after one may take: the cloth answers each before the next is
+    /// due [-].
+    pub event_share: f64,
     /// Every model on and at full size, short steps of one length, each solved for the whole garment: what a plan is
     /// compared with.
     pub everything: bool,
@@ -65,6 +68,7 @@ impl Default for BakeOptions {
             step: StepOptions::default(),
             slack: Quality::Standard.slack(),
             sag: Quality::Standard.sag(),
+            event_share: Quality::Standard.event_share(),
             everything: false,
             frames_per_second: 0.0,
             body: None,
@@ -216,6 +220,7 @@ pub fn bake_from(
         state: State::at_rest(garment.points.clone(), source_angle.clone()),
         memory: Memory::new(RestShape::new(source_angle, garment.triangles.len())),
         law: options.memory.then_some(law),
+        event_share: options.event_share,
         posture: Posture::default(),
         report: BakeReport { choices: plan.choices, ..BakeReport::default() },
         seconds: [0.0; 5],
@@ -304,6 +309,8 @@ struct Run<'a> {
     memory: Memory,
     /// `None` when the cloth does not remember.
     law: Option<Remembering>,
+    /// See [`BakeOptions`].
+    event_share: f64,
     posture: Posture,
     report: BakeReport,
     /// Assemble, solve, contact, remember, home.
@@ -529,7 +536,8 @@ impl Run<'_> {
             let earlier = Observed { angle: &angle, stretch: &stretch };
             let after = Observed { angle: &self.state.angle, stretch: &stretch_after };
             let events = self.memory.commit(law, &earlier, &after, step.step);
-            next = next.min(law.longest_step_after(events)).max(self.stepper.options.shortest);
+            next =
+                next.min(law.longest_step_after(events, self.event_share)).max(self.stepper.options.shortest);
         }
         self.seconds[3] += clock.elapsed().as_secs_f64();
         observer.progress(&Progress {

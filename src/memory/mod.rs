@@ -84,13 +84,13 @@ impl Remembering {
         }
     }
 
-    /// How long a step may be after one with these `events` [s]; infinite after none. Where something has worn in, more
-    /// will, and the cloth must have answered one event before the next is due.
-    pub fn longest_step_after(&self, events: EventCount) -> f64 {
+    /// How long a step may be after one with these `events` [s]: the `share` of the time to another; infinite after none.
+    /// Where something has worn in, more will, and the cloth must have answered one event before the next is due.
+    pub fn longest_step_after(&self, events: EventCount, share: f64) -> f64 {
         let laws = [Some(&self.angle), self.length.as_ref()].into_iter().flatten();
         let bands = laws.flat_map(|law| [(events.gradual, law.gradual), (events.critical, law.critical)]);
         let due = bands.filter(|(count, _)| *count > 0).map(|(_, band)| band.duration);
-        STEPS_TO_EVENT * due.fold(f64::INFINITY, f64::min)
+        share * due.fold(f64::INFINITY, f64::min)
     }
 
     /// Whether lengths are remembered.
@@ -98,10 +98,6 @@ impl Remembering {
         self.length.is_some()
     }
 }
-
-/// Share of the time from event to event that one step may take: a quarter still misses an eighth of what cloth that is
-/// pressed for half a minute remembers (docs/accuracy.md).
-const STEPS_TO_EVENT: f64 = 0.025;
 
 /// Angles and stretches of an accepted state.
 pub struct Observed<'a> {
