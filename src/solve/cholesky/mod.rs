@@ -184,8 +184,7 @@ impl Cholesky {
                 } else if left <= enough.max(LEFT_SHARE * first) {
                     return Some(x);
                 }
-                // Not a number is given up, too.
-                if !(left <= first * SLOWEST.powi(k as i32 - 1)) {
+                if left.is_nan() || left > first * SLOWEST.powi(k as i32 - 1) {
                     return None;
                 }
             }
