@@ -186,18 +186,15 @@ fn a_handkerchief_folded_twice_never_crosses() {
 #[test]
 fn crumpled_cloth_is_neither_torn_nor_crushed() {
     let actions = r#"{"crumple": {"to": 0.3, "over": 2.0, "hold": 1.0}}"#;
-    let mut sizes = Vec::new();
+    // Where single folds of a ball go is decided by rounding: its size differs by 4 % from start to start.
     for seed in 1..=3 {
         let done = baked("crumpled", &handkerchief(200, seed), 1.0, "cotton-poplin", actions);
         println!("{}; {:.3} m across; {:?}", done.line(), done.across, done.report.warnings);
         assert_eq!((done.start, done.worst), (0, 0));
+        assert!(done.across < 1.15 * 0.3 * 0.7, "the ball is {} m across", done.across);
         let harmed = |w: &&String| w.contains("stretched by") || w.contains("pressed to");
         assert_eq!(done.report.warnings.iter().find(harmed), None);
-        sizes.push(done.across);
     }
-    // Where single folds of a ball go is decided by rounding: its size differs by 4 % from start to start.
-    sizes.sort_by(f64::total_cmp);
-    assert!(sizes[1] < 1.15 * 0.3 * 0.7, "the balls are {sizes:?} m across");
 }
 
 /// Whether a garment that crosses `crossing` times at the start kept to it, told its parts and did not fly apart.
