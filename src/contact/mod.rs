@@ -464,8 +464,8 @@ impl Contact {
         }
     }
 
-    /// Visits the groups of points that the Hessian at `x` couples, and those within `margin` times the contact
-    /// distance.
+    /// Visits the groups of points that the Hessian at `x` couples, and those within `margin` (at least 1) times the
+    /// contact distance.
     pub fn visit_stencils(&self, x: &[Vec3], margin: f64, visit: &mut dyn FnMut(&[u32])) {
         let _spending = self.spending();
         let mut cloth = Vec::with_capacity(4);
@@ -475,9 +475,7 @@ impl Contact {
             visit(&cloth);
         };
         if let Some(pairs) = &self.pairs {
-            let near =
-                if margin > 1.0 { Arc::new(pairs.touches_within(x, margin)) } else { pairs.touches(x) };
-            near.iter().for_each(|t| visit_cloth(&t.points));
+            pairs.touches_within(x, margin).iter().for_each(|t| visit_cloth(&t.points));
         }
         for s in self.friction.sliders.iter().filter(|s| s.kind.is_some()) {
             visit_cloth(&s.points);

@@ -130,6 +130,11 @@ fn spread(d: &[Vec3], held: &[bool]) -> f64 {
     free().map(|d| (d - mean).norm()).fold(0.0, f64::max)
 }
 
+/// The right-hand side of a Newton direction: the gradient `g`, turned, over the rows of `matrix`.
+fn downhill(matrix: &BlockMatrix, g: &[Vec3]) -> Vec<Vec3> {
+    matrix.gather(g).into_iter().map(|g| -g).collect()
+}
+
 /// Rows counted over the points that are not held.
 fn rows_of_free(held: &[bool]) -> Vec<u32> {
     let mut next = 0;
@@ -289,8 +294,7 @@ impl Problem<'_> {
         work: &mut Workspace,
     ) -> Option<Vec<Vec3>> {
         let part = work.matrix.part(kept);
-        let mut rhs: Vec<Vec3> = part.gather(g);
-        rhs.iter_mut().for_each(|v| *v = -*v);
+        let mut rhs = downhill(&part, g);
         work.local.factorise(&part, x).ok()?;
         work.local.solve(&part, &mut rhs).ok()?;
         Some(part.scatter(&rhs))
@@ -305,8 +309,7 @@ impl Problem<'_> {
             work.pause -= 1;
             return None;
         }
-        let mut rhs: Vec<Vec3> = work.matrix.gather(g);
-        rhs.iter_mut().for_each(|v| *v = -*v);
+        let mut rhs = downhill(&work.matrix, g);
         if work.direct.solve_with_older(&work.matrix, &mut rhs, LEFT_OPEN * enough) {
             work.next_pause = 1;
             return Some(work.matrix.scatter(&rhs));
@@ -318,8 +321,7 @@ impl Problem<'_> {
 
     /// Newton direction at `x` for gradient `g`.
     pub(super) fn direction(&self, x: &[Vec3], g: &[Vec3], work: &mut Workspace) -> Option<Vec<Vec3>> {
-        let mut rhs: Vec<Vec3> = work.matrix.gather(g);
-        rhs.iter_mut().for_each(|v| *v = -*v);
+        let mut rhs = downhill(&work.matrix, g);
         let mut shift = 0.0;
         work.factorised_for.clear();
         for _ in 0..12 {

@@ -36,9 +36,9 @@ const LARGEST_FACTOR: usize = 512 << 20;
 const TOLERANCE: f64 = 1e-8;
 /// Iterations after which a factor in single precision is given up.
 const MOST_ITERATIONS: usize = 30;
-/// With an older factor: share of what there was to gain that may be left, and of what was left that each iteration may
-/// leave. Ten iterations cost as much as a factorisation.
+/// Share of what there was to gain that iterations with an older factor may leave.
 const LEFT_SHARE: f64 = 1e-3;
+/// Share of what was left that each of them may leave: ten cost as much as a factorisation.
 const SLOWEST: f64 = 0.3;
 /// Factorisations of less work (multiplications) are made in double precision at once: they take a millisecond.
 const SMALL: f64 = 2e7;
