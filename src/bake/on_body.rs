@@ -197,8 +197,8 @@ impl Run<'_> {
             creep: settings.creep,
         };
         let mut field = BodyField::new(wearer.start(), wearer.triangles(), settings);
-        self.asleep = asleep;
         if let Some(moment) = taken_up {
+            self.asleep = asleep;
             // That it fits was checked with the rest of the checkpoint.
             field.restore(&moment.field);
             self.field = Some(field);
@@ -208,7 +208,9 @@ impl Run<'_> {
             return;
         }
         self.field = Some(field);
+        // What will sleep is dressed, too.
         let dressed = self.dress(&wearer, &depths);
+        self.asleep = asleep;
         self.report.warnings.extend(dressed.warnings());
         self.posture.body = Some(Standing::new(&wearer, wearer.rest()));
         self.dressing_s = clock.elapsed().as_secs_f64();
