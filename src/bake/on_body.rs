@@ -5,7 +5,7 @@ use super::dressing;
 use super::{BakeOptions, Run};
 use crate::body::{BodyPose, Standing, Wearer};
 use crate::contact::{BodyField, FieldSettings, KeptField};
-use crate::energy::Cushion;
+use crate::energy::{Cushion, Support};
 use crate::error::{Error, Result};
 use crate::garment::Garment;
 use crate::math::Vec3;
@@ -138,7 +138,7 @@ impl Pinch {
                 )
             }),
             (folded > 0).then(|| {
-                format!("where it folds into itself {folded} at {when:.2} s, {folded_now} at the end")
+                format!("where it folds into itself and 15 mm around {folded} at {when:.2} s, {folded_now} at the end")
             }),
         ];
         let parts: Vec<String> = parts.into_iter().flatten().collect();
@@ -181,7 +181,7 @@ impl BodyMoment {
 }
 
 /// Where the body is at the end of a step [m], and what of it is under the cloth.
-type Met = (Arc<[Vec3]>, Arc<[Cushion]>);
+type Met = (Arc<[Vec3]>, Arc<[Cushion]>, Arc<[Support]>);
 
 impl Run<'_> {
     /// The garment is put on; where it was left, if the run is taken up.
@@ -192,7 +192,9 @@ impl Run<'_> {
         let edge = self.garment.mean_edge();
         let settings = FieldSettings {
             reach: settings.distance + edge * edge / (8.0 * LIMB),
-            stiffness: self.stepper.cloth.area.iter().map(|area| area * settings.stiffness).collect(),
+            clear: settings.distance,
+            stiffness: settings.stiffness,
+            areas: self.stepper.cloth.area.clone(),
             friction: settings.friction_body,
             creep: settings.creep,
         };
@@ -238,7 +240,7 @@ impl Run<'_> {
         let start = self.state.time;
         let mut last: Option<Met> = None;
         let mut begun = false;
-        let (asleep, topology) = (&self.asleep, &self.garment.topology);
+        let (asleep, garment) = (&self.asleep, self.garment);
         let mut drive_at = |time: f64, state: &State| {
             let mut drive = gesture.drive(time - begin, &state.x);
             last = None;
@@ -247,20 +249,21 @@ impl Run<'_> {
                     drive.held.clone_from(asleep);
                 }
                 if !begun {
-                    field.begin(&state.x, &drive.held);
+                    field.begin(&state.x, &garment.triangles, &garment.topology, &drive.held);
                     begun = true;
                 }
                 let points: Arc<[Vec3]> = field.flattened(&points).into();
                 drive.cushions = field.cushions(&state.x, &points, time - start, drive.friction).into();
-                drive.lead = smoothed(field.lead(&state.x, &points), &drive.held, topology).into();
-                last = Some((points, drive.cushions.clone()));
+                drive.supports = field.supports(&points).into();
+                drive.lead = smoothed(field.lead(&state.x, &points), &drive.held, &garment.topology).into();
+                last = Some((points, drive.cushions.clone(), drive.supports.clone()));
             }
             drive
         };
         let step = self.stepper.advance(&mut self.state, &self.memory.felt, &mut drive_at, h);
-        if let Some((points, cushions)) = last {
-            let moves = field.accept(&self.state.x, &points, &cushions);
-            let crossing = field.lift(&self.state.x, &self.garment.triangles, moves);
+        if let Some((points, cushions, supports)) = last {
+            let moves = field.accept(&self.state.x, &points, &cushions, &supports);
+            let crossing = field.lift(&self.state.x, &garment.triangles, moves);
             self.pinch.note(self.state.time, &self.state.x, &cushions, crossing);
         }
         self.field = Some(field);

@@ -10,20 +10,21 @@
 //! Where the body folds into itself (an elbow's crease) real flesh gives way and a skinned one does not: its two sides would
 //! press the cloth between them to nothing. There both are flattened ([`BodyField::flattened`]).
 //!
-//! Points alone do not keep triangles out: between three points outside a corner of the body still pokes through. Where cloth is
-//! found to cross the body after a step its points are lifted higher over it, step by step until it no longer does
-//! ([`BodyField::lift`]).
+//! Points alone do not keep triangles out: between three points outside a corner of the body would still poke through. So its
+//! points and edges hold up the cloth over them, too (`contact::body_support`). Where cloth is found to cross the body after a step all the
+//! same its points are lifted higher over it, step by step until it no longer does ([`BodyField::lift`]).
 //!
 //! Friction is that of `contact::friction`: Coulomb, with a tangential stretch kept from step to step. Does not do:
 //! a promise; cloth may cross a body for the moments until it is lifted, and where there is no room for it.
 
+use super::body_support::BodySupport;
 use super::friction::stick;
-use crate::energy::Cushion;
+use crate::energy::{Cushion, Support};
 use crate::math::{Mat3, Vec3};
-use crate::mesh::PointIndex;
 use crate::mesh::crossings::crossings_between;
 use crate::mesh::inside::point_normals;
 use crate::mesh::tree::TriangleTree;
+use crate::mesh::{PointIndex, Topology};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -34,6 +35,8 @@ const SEARCH: f64 = 0.03;
 const FOLDED: f64 = 0.03;
 /// Two parts face each other when the cosine between their normals is below this.
 const FACING: f64 = -0.2;
+/// What is within this of where it lies on itself counts as its fold, too [m]: cloth that is caught there reaches as far.
+const RIM: f64 = 0.015;
 /// Room between two parts of a body that lie on each other, in reaches: two layers on each, and one to move.
 const LAYERS: f64 = 5.0;
 
@@ -42,7 +45,7 @@ const RISE: f64 = 0.25;
 /// to at most this many reaches,
 const HIGHEST: f64 = 6.0;
 /// and sinks by this share of its lift in each step in which the body moves on and it does not cross.
-const SINKING: f64 = 0.02;
+pub(super) const SINKING: f64 = 0.02;
 
 /// A body and what the cloth has to do with it.
 pub struct BodyField {
@@ -61,6 +64,8 @@ pub struct BodyField {
     folded: Vec<bool>,
     /// Per point of the cloth: what is under it in this step.
     under: Vec<Option<Under>>,
+    /// Its points and edges under triangles and edges of the cloth.
+    support: BodySupport,
     /// Per point of the cloth: how much higher than the reach it is held [m].
     lifted: Vec<f64>,
     /// Per point of the cloth: tangential stretch as a share of what sticks.
@@ -76,6 +81,8 @@ pub struct KeptField {
     now: Vec<Vec3>,
     /// How much higher than the reach it is held, per point of the cloth [m].
     lifted: Vec<f64>,
+    /// How much higher than its reach it holds cloth up, per point of the body [m].
+    raised: Vec<f64>,
     /// Tangential stretch as a share of what sticks, per point of the cloth.
     #[serde(with = "crate::math::plain::vectors")]
     stretch: Vec<Vec3>,
@@ -84,7 +91,8 @@ pub struct KeptField {
 impl KeptField {
     /// Whether it is of a body and a cloth of so many points.
     pub fn fits(&self, body: usize, cloth: usize) -> bool {
-        self.now.len() == body && self.lifted.len() == cloth && self.stretch.len() == cloth
+        [self.now.len(), self.raised.len()] == [body; 2]
+            && [self.lifted.len(), self.stretch.len()] == [cloth; 2]
     }
 }
 
@@ -93,8 +101,12 @@ impl KeptField {
 pub struct FieldSettings {
     /// It pushes nearer than this [m].
     pub reach: f64,
-    /// Per point of the cloth [N/m].
-    pub stiffness: Vec<f64>,
+    /// Its points hold cloth up nearer than this [m].
+    pub clear: f64,
+    /// [Pa/m].
+    pub stiffness: f64,
+    /// Per point of the cloth: its area [m²].
+    pub areas: Vec<f64>,
     /// Friction coefficient.
     pub friction: f64,
     /// A contact gives by up to this times the step before it slides [m/s].
@@ -117,7 +129,7 @@ impl BodyField {
     pub fn new(points: &[Vec3], triangles: &[[PointIndex; 3]], settings: FieldSettings) -> Self {
         let triangles: Vec<_> =
             triangles.iter().filter(|[a, b, c]| a != b && b != c && c != a).copied().collect();
-        let kept = vec![Vec3::zeros(); settings.stiffness.len()];
+        let kept = vec![Vec3::zeros(); settings.areas.len()];
         Self {
             tree: TriangleTree::new(points, &triangles, 0.0),
             normals: point_normals(points, &triangles),
@@ -127,6 +139,7 @@ impl BodyField {
             covered: vec![false; points.len()],
             folded: vec![false; points.len()],
             under: vec![None; kept.len()],
+            support: BodySupport::new(points, &triangles),
             lifted: vec![0.0; kept.len()],
             triangles,
             settings,
@@ -146,7 +159,12 @@ impl BodyField {
 
     /// What the next step depends on, besides the body itself.
     pub fn kept(&self) -> KeptField {
-        KeptField { now: self.now.clone(), lifted: self.lifted.clone(), stretch: self.kept.clone() }
+        KeptField {
+            now: self.now.clone(),
+            lifted: self.lifted.clone(),
+            raised: self.support.raised.clone(),
+            stretch: self.kept.clone(),
+        }
     }
 
     /// Goes on with what another such field kept; false, and nothing is changed, where it is of another body or cloth.
@@ -156,6 +174,7 @@ impl BodyField {
             self.now.clone_from(&kept.now);
             self.normals = point_normals(&self.now, &self.triangles);
             self.lifted.clone_from(&kept.lifted);
+            self.support.raised.clone_from(&kept.raised);
             self.kept.clone_from(&kept.stretch);
             self.forget();
         }
@@ -168,10 +187,13 @@ impl BodyField {
         self.tree = TriangleTree::new(&self.now, &self.triangles, 0.0);
     }
 
-    /// A step begins with the cloth at `x`: what is under each point that is not `held` (empty for none).
-    pub fn begin(&mut self, x: &[Vec3], held: &[bool]) {
+    /// A step begins with the cloth at `x`, of triangles `cloth` and their `topology`: what is under each point that is not `held`
+    /// (empty for none).
+    pub fn begin(&mut self, x: &[Vec3], cloth: &[[PointIndex; 3]], topology: &Topology, held: &[bool]) {
+        let is_held = |p: usize| held.get(p).copied().unwrap_or(false);
+        self.support.begin(x, cloth, topology, &is_held, (&self.now, &self.triangles, &self.normals));
         let look = |(p, x): (usize, &Vec3)| {
-            if held.get(p).copied().unwrap_or(false) {
+            if is_held(p) {
                 return None;
             }
             let nearest = self.tree.nearest(&self.now, *x, SEARCH)?;
@@ -195,6 +217,13 @@ impl BodyField {
         }
     }
 
+    /// What of the body's points and edges is under the cloth, for a step that leads the body to `target`. Where it lies on
+    /// itself there is none: what is over one side is under the other.
+    pub fn supports(&self, target: &[Vec3]) -> Vec<Support> {
+        let normals = point_normals(target, &self.triangles);
+        self.support.supports(target, &normals, &self.folded, &self.settings)
+    }
+
     fn surface(&self, points: &[Vec3], normals: &[Vec3], triangle: u32, weights: &[f64; 3]) -> (Vec3, Vec3) {
         let corners = self.triangles[triangle as usize].map(PointIndex::at);
         let (mut place, mut normal) = (Vec3::zeros(), Vec3::zeros());
@@ -208,12 +237,13 @@ impl BodyField {
     /// What is under the cloth, which began at `x`, at the end of a step of `h` seconds that leads the body to `target`.
     pub fn cushions(&self, x: &[Vec3], target: &[Vec3], h: f64, friction: f64) -> Vec<Cushion> {
         let normals = point_normals(target, &self.triangles);
-        let FieldSettings { reach, ref stiffness, friction: coefficient, creep } = self.settings;
+        let FieldSettings { reach, stiffness, ref areas, friction: coefficient, creep, .. } = self.settings;
         let slip = stick(creep, h);
         let each = |(p, under): (usize, &Option<Under>)| {
             let under = (*under)?;
             let (place, normal) = self.surface(target, &normals, under.triangle, &under.weights);
             let reach = reach + self.lifted[p];
+            let stiffness = stiffness * areas[p];
             // Pressed as deep as it may be at rest: a point that starts inside must not be nailed down there.
             let press = (reach - under.gap).clamp(0.0, reach);
             Some(Cushion {
@@ -221,9 +251,9 @@ impl BodyField {
                 place,
                 normal,
                 reach,
-                stiffness: stiffness[p],
+                stiffness,
                 from: x[p] + (place - under.place),
-                limit: friction * coefficient * stiffness[p] * press,
+                limit: friction * coefficient * stiffness * press,
                 slip,
                 stretch: self.kept[p] * slip,
             })
@@ -284,16 +314,22 @@ impl BodyField {
     }
 
     /// Lifts the points of the cloth's triangles that cross the body now, and lets others sink if the body `moves`. The
-    /// number of pairs of triangles that cross: where the body is open, and where it lies on itself.
+    /// number of pairs of triangles that cross: where the body is open, and where it lies on itself or near that ([`RIM`]).
     pub fn lift(&mut self, x: &[Vec3], cloth: &[[PointIndex; 3]], moves: bool) -> [usize; 2] {
         let crossing = crossings_between(x, cloth, &self.now, &self.triangles);
         // Where the body lies on itself there is no room to lift cloth into.
         let folded = |f: u32| self.triangles[f as usize].iter().any(|p| self.folded[p.at()]);
         let open = crossing.iter().filter(|[_, of_body]| !folded(*of_body));
+        let fold: Vec<Vec3> =
+            self.now.iter().zip(&self.folded).filter(|(_, folded)| **folded).map(|(at, _)| *at).collect();
+        let near_fold = |f: u32| {
+            let corners = self.triangles[f as usize].map(|p| self.now[p.at()]);
+            corners.iter().any(|at| fold.iter().any(|f| (f - at).norm() < RIM))
+        };
         let mut crosses = vec![false; x.len()];
         let mut count = 0;
-        for [of_cloth, _] in open {
-            count += 1;
+        for [of_cloth, of_body] in open {
+            count += usize::from(!near_fold(*of_body));
             cloth[*of_cloth as usize].iter().for_each(|p| crosses[p.at()] = true);
         }
         let over_fold = |p: usize| self.under[p].is_some_and(|under| folded(under.triangle));
@@ -310,9 +346,16 @@ impl BodyField {
         [count, crossing.len() - count]
     }
 
-    /// The step is over with the cloth at `x` and the body at `target`; `cushions` were those of the step. Whether
-    /// the body has moved in it.
-    pub fn accept(&mut self, x: &[Vec3], target: &[Vec3], cushions: &[Cushion]) -> bool {
+    /// The step is over with the cloth at `x` and the body at `target`; `cushions` and `supports` were those of the step.
+    /// Whether the body has moved in it.
+    pub fn accept(
+        &mut self,
+        x: &[Vec3],
+        target: &[Vec3],
+        cushions: &[Cushion],
+        supports: &[Support],
+    ) -> bool {
+        self.support.accept(x, supports, &self.settings);
         self.kept.fill(Vec3::zeros());
         for c in cushions.iter().filter(|c| c.limit > 0.0 && c.gap(&x[c.point as usize]) < c.reach) {
             let share = c.stretch_at(&x[c.point as usize]) / c.slip;
@@ -352,17 +395,27 @@ mod tests {
         (points.to_vec(), [[0, 2, 1], [0, 3, 2]].map(|t| t.map(PointIndex)).to_vec())
     }
 
+    fn settings() -> FieldSettings {
+        FieldSettings {
+            reach: 1e-3,
+            clear: 5e-4,
+            stiffness: 1e6,
+            areas: vec![1e-4; 2],
+            friction: 0.5,
+            creep: 1e-3,
+        }
+    }
+
     fn field() -> BodyField {
         let (points, triangles) = plate();
-        let settings = FieldSettings { reach: 1e-3, stiffness: vec![100.0; 2], friction: 0.5, creep: 1e-3 };
-        BodyField::new(&points, &triangles, settings)
+        BodyField::new(&points, &triangles, settings())
     }
 
     #[test]
     fn a_fast_body_does_not_get_past_its_cloth() {
         let mut field = field();
         let x = [Vec3::new(0.1, 0.0005, 0.2), Vec3::new(0.3, 0.5, 0.0)];
-        field.begin(&x, &[]);
+        field.begin(&x, &[], &Topology::new(2, &[]), &[]);
         // Upwards by twenty times the reach and sideways by thirty.
         let target: Vec<Vec3> = field.points().iter().map(|p| p + Vec3::new(0.03, 0.02, 0.0)).collect();
         let cushions = field.cushions(&x, &target, 0.1, 1.0);
@@ -385,15 +438,14 @@ mod tests {
         let high = low.iter().map(|p| p + 0.02 * Vec3::y());
         let points: Vec<Vec3> = low.iter().copied().chain(high).collect();
         triangles.extend([[4, 5, 6], [4, 6, 7]].map(|t| t.map(PointIndex)));
-        let settings = FieldSettings { reach: 1e-3, stiffness: vec![100.0; 2], friction: 0.5, creep: 1e-3 };
         let x = [Vec3::new(0.1, 0.0005, 0.2), Vec3::new(-0.1, 0.0005, -0.2)];
         let heights = |height: f64, turned: bool| {
             let mut triangles = triangles.clone();
             if turned {
                 triangles.iter_mut().for_each(|t| t.swap(0, 1));
             }
-            let mut field = BodyField::new(&points, &triangles, settings.clone());
-            field.begin(&x, &[]);
+            let mut field = BodyField::new(&points, &triangles, settings());
+            field.begin(&x, &[], &Topology::new(2, &[]), &[]);
             let mut target = points.clone();
             target[4..].iter_mut().for_each(|p| p.y = height);
             field.flattened(&target)[0].y
@@ -413,14 +465,14 @@ mod tests {
         let mut field = field();
         let x = [Vec3::new(0.1, 0.0005, 0.2), Vec3::new(0.3, 0.5, 0.0)];
         let target = field.points().to_vec();
-        field.begin(&x, &[]);
+        field.begin(&x, &[], &Topology::new(2, &[]), &[]);
         let cushions = field.cushions(&x, &target, 0.1, 1.0);
         let half = Vec3::new(0.5 * cushions[0].slip, 0.0, 0.0);
-        field.accept(&[x[0] + half, x[1]], &target, &cushions);
+        field.accept(&[x[0] + half, x[1]], &target, &cushions, &[]);
         assert!((field.kept[0] - Vec3::new(0.5, 0.0, 0.0)).norm() < 1e-12);
-        field.accept(&[x[0] + half * 9.0, x[1]], &target, &cushions);
+        field.accept(&[x[0] + half * 9.0, x[1]], &target, &cushions, &[]);
         assert!((field.kept[0] - Vec3::x()).norm() < 1e-12);
-        field.begin(&x, &[true, false]);
+        field.begin(&x, &[], &Topology::new(2, &[]), &[true, false]);
         assert!(field.cushions(&x, &target, 0.1, 1.0).is_empty(), "held points meet nothing");
     }
 }

@@ -10,6 +10,7 @@
 mod barrier;
 mod body;
 mod body_field;
+mod body_support;
 pub mod bound;
 pub mod candidates;
 mod entangled;

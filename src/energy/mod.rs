@@ -13,6 +13,7 @@ mod gravity;
 mod guide;
 mod membrane;
 mod pressure;
+mod support;
 
 pub use bending::{Bending, BendingTerm};
 pub use container::Container;
@@ -22,6 +23,7 @@ pub use gravity::Gravity;
 pub use guide::{Guide, Guides};
 pub use membrane::{Membrane, MembraneTerm};
 pub use pressure::Pressure;
+pub use support::{Support, Supports};
 
 use crate::math::{Mat3, Vec3};
 use rayon::prelude::*;

@@ -3,7 +3,7 @@
 use super::integrator::{Solver, Stage, Tried};
 use super::{Cloth, Method, NewtonOptions, NewtonReport, Previous, Problem, State, Unmet, Workspace};
 use crate::contact::Contact;
-use crate::energy::{Container, Cushions, Drag, Energy, Gravity, Guides, Pressure};
+use crate::energy::{Container, Cushions, Drag, Energy, Gravity, Guides, Pressure, Supports};
 use crate::garment::RestShape;
 use crate::math::Vec3;
 use crate::wear::Drive;
@@ -222,6 +222,7 @@ impl Stepper {
         let guides = Guides(&drive.guides);
         let drag = Drag { mass: &self.cloth.mass, start: &stage.base, rate: drive.drag / stage.span };
         let cushions = Cushions(&drive.cushions);
+        let supports = Supports(&drive.supports);
         let pressure = Pressure { force: &forces.push };
         let container = drive.ball.as_ref().map(|ball| Container {
             centre: ball.centre,
@@ -235,6 +236,9 @@ impl Stepper {
         }
         if !drive.cushions.is_empty() {
             terms.push(&cushions);
+        }
+        if !drive.supports.is_empty() {
+            terms.push(&supports);
         }
         if drive.drag > 0.0 {
             terms.push(&drag);

@@ -1,6 +1,6 @@
 //! What a wear action does to the cloth during one step: the forces and guides that the solver adds.
 
-use crate::energy::{Cushion, Guide};
+use crate::energy::{Cushion, Guide, Support};
 use crate::math::Vec3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -34,6 +34,9 @@ pub struct Drive {
     /// What of a body is under single points of the cloth: a bake makes it from `body`, step by step.
     #[serde(skip)]
     pub cushions: Arc<[Cushion]>,
+    /// What of it is under triangles and edges of the cloth, made with them.
+    #[serde(skip)]
+    pub supports: Arc<[Support]>,
     /// Where the body takes the cloth along in this step, one move per point [m]: a guess to start from. Empty for none.
     #[serde(skip)]
     pub lead: Arc<[Vec3]>,
@@ -68,6 +71,7 @@ impl Drive {
             ceiling: None,
             body: None,
             cushions: Arc::new([]),
+            supports: Arc::new([]),
             lead: Arc::new([]),
             friction: 1.0,
             guides: Vec::new(),
