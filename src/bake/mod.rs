@@ -198,6 +198,9 @@ pub fn bake_from(
     }
     let mut cloth = Cloth::new(garment, fabric);
     cloth.membrane.set_stiffness(plan.stretch);
+    if plan.layers_meet {
+        cloth.bending.keep_apart();
+    }
     let source_angle = cloth.bending.angles(&garment.points, &[]);
     let law = Remembering::new(garment, fabric, cloth.bending.width());
     let settings = ContactSettings {

@@ -11,7 +11,9 @@
 //! 0 on one-diagonal and equilateral meshes, where independent hinges bend 20 % too soft and twist up to 3 times
 //! too stiff. Hinges missing at a border are eliminated by minimising over their angle (the free border). Rest
 //! angle and stiffness ratio s stay per hinge. The Hessian is Gauss-Newton, which is positive by construction.
-//! Angles are unwrapped against the last accepted step, so folds pass 180 degrees without a jump.
+//! Angles are unwrapped against the last accepted step, so folds pass 180 degrees without a jump. Where layers are kept apart
+//! no fold passes it: there the angle that the shape itself has is the right one, however far a hinge snaps within one step
+//! ([`Bending::keep_apart`]).
 
 use super::{BlockSink, Energy, add_symmetric, sum_of};
 use crate::fabric::Fabric;
@@ -36,11 +38,15 @@ pub struct Bending {
     width: Vec<f64>,
     /// Relaxation time of bending damping [s].
     damping: f64,
+    /// Whether layers never pass through each other.
+    apart: bool,
 }
 
 const NONE: u32 = u32::MAX;
 /// Points of the hinges of a face: its corners and one beyond each side.
 const MOST_POINTS: usize = 6;
+/// A hinge that is closed farther than this [rad] is unwrapped even so: its wings may lie in each other in the file itself.
+const CLOSED: f64 = 179.5 * std::f64::consts::PI / 180.0;
 /// Hinges that one task takes at least.
 const FEWEST: usize = 512;
 
@@ -113,7 +119,7 @@ impl Bending {
         }
         let points: Vec<[u32; 4]> = topology.hinges.iter().map(|h| h.points.map(|p| p.0)).collect();
         let stencils = faces.iter().map(|hinges| stencil(hinges, &points)).collect();
-        Self { points, faces, stencils, coupling, width, damping }
+        Self { points, faces, stencils, coupling, width, damping, apart: false }
     }
 
     /// The points of the hinges of face `f`.
@@ -132,13 +138,24 @@ impl Bending {
         &self.width
     }
 
-    /// Angle of every hinge at `x` [rad], nearest to `last` (one per hinge, or empty for the principal value).
+    /// From here on layers never pass through each other: an angle is within half a turn.
+    pub fn keep_apart(&mut self) {
+        self.apart = true;
+    }
+
+    /// Angle of every hinge at `x` [rad], nearest to `last` (one per hinge, or empty for the principal value) where layers may
+    /// pass through each other.
     pub fn angles(&self, x: &[Vec3], last: &[f64]) -> Vec<f64> {
-        let angle = |p: &[u32; 4]| hinge_angle(&p.map(|i| x[i as usize]));
         if last.is_empty() {
-            return self.points.iter().map(angle).collect();
+            return self.points.iter().map(|p| hinge_angle(&p.map(|i| x[i as usize]))).collect();
         }
-        self.points.iter().zip(last).map(|(p, &l)| unwrap_angle(angle(p), l)).collect()
+        self.points.iter().zip(last).map(|(p, &last)| self.angle(p, x, last)).collect()
+    }
+
+    #[inline]
+    fn angle(&self, points: &[u32; 4], x: &[Vec3], last: f64) -> f64 {
+        let angle = hinge_angle(&points.map(|i| x[i as usize]));
+        if self.apart && last.abs() < CLOSED { angle } else { unwrap_angle(angle, last) }
     }
 
     /// The term of one step: rest angles and stiffness from `memory`, damping over `step` [s] towards `last`, the
@@ -171,10 +188,7 @@ impl BendingTerm<'_> {
             .par_iter()
             .enumerate()
             .with_min_len(FEWEST)
-            .map(|(h, p)| {
-                let angle = unwrap_angle(hinge_angle(&p.map(|i| x[i as usize])), self.last[h]);
-                self.root[h] * (angle - self.target[h])
-            })
+            .map(|(h, p)| self.root[h] * (self.model.angle(p, x, self.last[h]) - self.target[h]))
             .collect()
     }
 
@@ -278,6 +292,32 @@ mod tests {
         let topology = Topology::new(6, &triangles.iter().map(|t| t.map(PointIndex)).collect::<Vec<_>>());
         let material = triangles.iter().map(|t| t.map(|i| flat[i as usize])).collect();
         (topology, material, flat)
+    }
+
+    /// A wing goes from 120 to -120 degrees within a step: around the front where layers cannot pass, around the back where they can.
+    #[test]
+    fn a_hinge_that_snaps_stays_within_half_a_turn_where_layers_are_kept_apart() {
+        let triangles = [[0, 1, 2], [1, 0, 3]].map(|t| t.map(PointIndex));
+        let flat = [[0.0, 0.0], [1.0, 0.0], [0.5, 1.0], [0.5, -1.0]].map(Vec2::from);
+        let material = triangles.map(|t| t.map(|p| flat[p.at()]));
+        let at = |degrees: f64| {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 1.0, 0.0], [0.5, -cos, sin]].map(Vec3::from)
+        };
+        let mut bending = Bending::from_parts(&Topology::new(4, &triangles), &material, [1e-5; 2], 0.0);
+        let turned = |bending: &Bending, from: f64, to: f64| {
+            let last = bending.angles(&at(from), &[]);
+            bending.angles(&at(to), &last)[0].to_degrees() * last[0].signum() * from.signum()
+        };
+        assert!((turned(&bending, 120.0, -120.0) - 240.0).abs() < 1e-9);
+        bending.keep_apart();
+        assert!((turned(&bending, 120.0, -120.0) + 120.0).abs() < 1e-9);
+        assert!((turned(&bending, 179.9, -179.9) - 180.1).abs() < 1e-9, "wings that lie in each other");
+        // What Newton sees is what is told.
+        let (last, memory) = (bending.angles(&at(120.0), &[]), RestShape::flat(1, 2));
+        let [there, back] =
+            [-120.0, 120.0].map(|to| bending.term(&memory, &last, f64::INFINITY).value(&at(to)));
+        assert!((there - back).abs() < 1e-12 * back, "{there} {back}");
     }
 
     #[test]
