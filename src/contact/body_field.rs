@@ -314,7 +314,7 @@ impl BodyField {
     }
 
     /// Lifts the points of the cloth's triangles that cross the body now, and lets others sink if the body `moves`. The
-    /// number of pairs of triangles that cross: where the body is open, and where it lies on itself or near that ([`RIM`]).
+    /// number of pairs of triangles that cross: where the body is open, and where it lies on itself or within 15 mm of that.
     pub fn lift(&mut self, x: &[Vec3], cloth: &[[PointIndex; 3]], moves: bool) -> [usize; 2] {
         let crossing = crossings_between(x, cloth, &self.now, &self.triangles);
         // Where the body lies on itself there is no room to lift cloth into.
