@@ -93,13 +93,18 @@ fn corners_between_the_points_of_the_cloth_do_not_show() {
     assert!(highest < 0.009, "not thrown off: {highest}");
 }
 
-/// Only one end of the body moves; the cloth at the other end sleeps, and it is dressed all the same.
-#[test]
-fn what_sleeps_is_dressed_too() {
+/// The arm in the sleeve of the repository.
+fn arm() -> Wearer {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("garments/sleeve.glb");
     let asset = asset("sleeve.glb", &std::fs::read(path).expect("is there"));
     let arm: Vec<&SourcePiece> = asset.pieces.iter().filter(|piece| piece.name == "arm").collect();
-    let wearer = Arc::new(Wearer::from_pieces(&asset, &arm).expect("is a body"));
+    Wearer::from_pieces(&asset, &arm).expect("is a body")
+}
+
+/// Only one end of the body moves; the cloth at the other end sleeps, and it is dressed all the same.
+#[test]
+fn what_sleeps_is_dressed_too() {
+    let wearer = Arc::new(arm());
     // Two pieces of cloth 2 mm inside the arm: one under its shoulder end, which stands, one at its hand, which moves.
     let low = |from: f64, to: f64| {
         let of = |p: &&Vec3| p.x > from && p.x < to;
@@ -117,7 +122,7 @@ fn what_sleeps_is_dressed_too() {
         let [a, b, c, d] = [1, 2, 3, 4].map(|k| 4 * piece + k);
         let _ = writeln!(text, "f {a} {b} {c}\nf {b} {d} {c}");
     }
-    let garment = Garment::from_asset(&self::asset("two.obj", text.as_bytes())).expect("a garment").0;
+    let garment = Garment::from_asset(&asset("two.obj", text.as_bytes())).expect("a garment").0;
     let script = r#"{"format": "crease-wear/1", "actions": [{"play": {"clip": "elbow"}}]}"#;
     let script = WearScript::parse("w.json", script).expect("is valid");
     let options = BakeOptions { body: Some(wearer.clone()), ..BakeOptions::default() };
@@ -141,10 +146,7 @@ fn clothes_that_do_not_fit_are_refused_with_the_number() {
 /// Linear blend skinning in the pose of the file is where the reader puts the vertices, and the clip bends the arm.
 #[test]
 fn the_arm_of_the_sleeve_bends_by_its_clip() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("garments/sleeve.glb");
-    let asset = asset("sleeve.glb", &std::fs::read(path).expect("is there"));
-    let arm: Vec<&SourcePiece> = asset.pieces.iter().filter(|piece| piece.name == "arm").collect();
-    let wearer = Wearer::from_pieces(&asset, &arm).expect("is a body");
+    let wearer = arm();
     let there = wearer.points(&wearer.rest());
     let farthest = there.iter().zip(wearer.start()).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
     assert!(farthest < 1e-9, "{farthest}");
@@ -167,9 +169,7 @@ fn skinning_is_that_of_blender() {
     let text =
         std::fs::read_to_string(root.join("tests/reference/sleeve_arm_in_blender.json")).expect("is there");
     let reference: serde_json::Value = serde_json::from_str(&text).expect("is JSON");
-    let asset = asset("sleeve.glb", &std::fs::read(root.join("garments/sleeve.glb")).expect("is there"));
-    let arm: Vec<&SourcePiece> = asset.pieces.iter().filter(|piece| piece.name == "arm").collect();
-    let wearer = Wearer::from_pieces(&asset, &arm).expect("is a body");
+    let wearer = arm();
     let rig = wearer.rig().expect("is skinned");
     let stride = reference["stride"].as_u64().expect("a number") as usize;
     for pose in reference["poses"].as_array().expect("a list") {

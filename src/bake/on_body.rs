@@ -253,8 +253,10 @@ impl Run<'_> {
                     begun = true;
                 }
                 let points: Arc<[Vec3]> = field.flattened(&points).into();
-                drive.cushions = field.cushions(&state.x, &points, time - start, drive.friction).into();
-                drive.supports = field.supports(&points).into();
+                let normals = field.normals(&points);
+                drive.cushions =
+                    field.cushions(&state.x, &points, &normals, time - start, drive.friction).into();
+                drive.supports = field.supports(&points, &normals).into();
                 drive.lead = smoothed(field.lead(&state.x, &points), &drive.held, &garment.topology).into();
                 last = Some((points, drive.cushions.clone(), drive.supports.clone()));
             }

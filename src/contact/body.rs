@@ -12,6 +12,7 @@ use super::candidates::CandidateFinder;
 use super::entangled::Mesh;
 use crate::error::{Error, Fault, Result};
 use crate::math::Vec3;
+use crate::mesh::inside::point_areas;
 use crate::mesh::{PointIndex, Topology};
 
 /// A body of triangles that moves as it is told.
@@ -56,11 +57,7 @@ impl Body {
         let triangles: Vec<_> =
             triangles.into_iter().filter(|[a, b, c]| a != b && b != c && c != a).collect();
         let topology = Topology::new(points.len(), &triangles);
-        let mut point_area = vec![0.0; points.len()];
-        for t in &triangles {
-            let [a, b, c] = t.map(|p| points[p.at()]);
-            t.iter().for_each(|p| point_area[p.at()] += (b - a).cross(&(c - a)).norm() / 6.0);
-        }
+        let point_area = point_areas(&points, &triangles);
         let edges: Vec<[u32; 2]> = topology.edges.iter().map(|e| e.map(|p| p.0)).collect();
         Ok(Self {
             edge_area: edge_area(&edges, &point_area),

@@ -191,7 +191,7 @@ impl BodyField {
     /// (empty for none).
     pub fn begin(&mut self, x: &[Vec3], cloth: &[[PointIndex; 3]], topology: &Topology, held: &[bool]) {
         let is_held = |p: usize| held.get(p).copied().unwrap_or(false);
-        self.support.begin(x, cloth, topology, &is_held, (&self.now, &self.triangles, &self.normals));
+        self.support.begin(x, cloth, topology, &is_held, (&self.now, &self.tree, &self.normals));
         let look = |(p, x): (usize, &Vec3)| {
             if is_held(p) {
                 return None;
@@ -217,11 +217,15 @@ impl BodyField {
         }
     }
 
-    /// What of the body's points and edges is under the cloth, for a step that leads the body to `target`. Where it lies on
-    /// itself there is none: what is over one side is under the other.
-    pub fn supports(&self, target: &[Vec3]) -> Vec<Support> {
-        let normals = point_normals(target, &self.triangles);
-        self.support.supports(target, &normals, &self.folded, &self.settings)
+    /// What of the body's points and edges is under the cloth, for a step that leads the body to `target` with `normals`. Where
+    /// it lies on itself there is none: what is over one side is under the other.
+    pub fn supports(&self, target: &[Vec3], normals: &[Vec3]) -> Vec<Support> {
+        self.support.supports(target, normals, &self.folded, &self.settings)
+    }
+
+    /// Outward unit normals with the body at `target`, one per point.
+    pub fn normals(&self, target: &[Vec3]) -> Vec<Vec3> {
+        point_normals(target, &self.triangles)
     }
 
     fn surface(&self, points: &[Vec3], normals: &[Vec3], triangle: u32, weights: &[f64; 3]) -> (Vec3, Vec3) {
@@ -234,14 +238,21 @@ impl BodyField {
         (place, normal.try_normalize(1e-9).unwrap_or_else(Vec3::y))
     }
 
-    /// What is under the cloth, which began at `x`, at the end of a step of `h` seconds that leads the body to `target`.
-    pub fn cushions(&self, x: &[Vec3], target: &[Vec3], h: f64, friction: f64) -> Vec<Cushion> {
-        let normals = point_normals(target, &self.triangles);
+    /// What is under the cloth, which began at `x`, at the end of a step of `h` seconds that leads the body to `target` with
+    /// `normals`.
+    pub fn cushions(
+        &self,
+        x: &[Vec3],
+        target: &[Vec3],
+        normals: &[Vec3],
+        h: f64,
+        friction: f64,
+    ) -> Vec<Cushion> {
         let FieldSettings { reach, stiffness, ref areas, friction: coefficient, creep, .. } = self.settings;
         let slip = stick(creep, h);
         let each = |(p, under): (usize, &Option<Under>)| {
             let under = (*under)?;
-            let (place, normal) = self.surface(target, &normals, under.triangle, &under.weights);
+            let (place, normal) = self.surface(target, normals, under.triangle, &under.weights);
             let reach = reach + self.lifted[p];
             let stiffness = stiffness * areas[p];
             // Pressed as deep as it may be at rest: a point that starts inside must not be nailed down there.
@@ -418,7 +429,7 @@ mod tests {
         field.begin(&x, &[], &Topology::new(2, &[]), &[]);
         // Upwards by twenty times the reach and sideways by thirty.
         let target: Vec<Vec3> = field.points().iter().map(|p| p + Vec3::new(0.03, 0.02, 0.0)).collect();
-        let cushions = field.cushions(&x, &target, 0.1, 1.0);
+        let cushions = field.cushions(&x, &target, &field.normals(&target), 0.1, 1.0);
         assert_eq!(cushions.len(), 1, "the other is far");
         assert!((cushions[0].gap(&x[0]) + 0.0195).abs() < 1e-15, "it is inside by what the body moved");
         let mut g = [Vec3::zeros(); 2];
@@ -466,13 +477,16 @@ mod tests {
         let x = [Vec3::new(0.1, 0.0005, 0.2), Vec3::new(0.3, 0.5, 0.0)];
         let target = field.points().to_vec();
         field.begin(&x, &[], &Topology::new(2, &[]), &[]);
-        let cushions = field.cushions(&x, &target, 0.1, 1.0);
+        let cushions = field.cushions(&x, &target, &field.normals(&target), 0.1, 1.0);
         let half = Vec3::new(0.5 * cushions[0].slip, 0.0, 0.0);
         field.accept(&[x[0] + half, x[1]], &target, &cushions, &[]);
         assert!((field.kept[0] - Vec3::new(0.5, 0.0, 0.0)).norm() < 1e-12);
         field.accept(&[x[0] + half * 9.0, x[1]], &target, &cushions, &[]);
         assert!((field.kept[0] - Vec3::x()).norm() < 1e-12);
         field.begin(&x, &[], &Topology::new(2, &[]), &[true, false]);
-        assert!(field.cushions(&x, &target, 0.1, 1.0).is_empty(), "held points meet nothing");
+        assert!(
+            field.cushions(&x, &target, &field.normals(&target), 0.1, 1.0).is_empty(),
+            "held points meet nothing"
+        );
     }
 }

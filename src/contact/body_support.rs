@@ -8,6 +8,7 @@ use super::body_field::{FieldSettings, SINKING};
 use crate::energy::Support;
 use crate::math::Vec3;
 use crate::mesh::distance::edge_edge;
+use crate::mesh::inside::point_areas;
 use crate::mesh::tree::TriangleTree;
 use crate::mesh::{PointIndex, Topology};
 use rayon::prelude::*;
@@ -49,8 +50,8 @@ struct Over {
     weights: [f64; 3],
 }
 
-/// A body: its points [m], its triangles, its normals.
-type Surface<'a> = (&'a [Vec3], &'a [[PointIndex; 3]], &'a [Vec3]);
+/// A body: its points [m], the tree over its triangles, its normals.
+type Surface<'a> = (&'a [Vec3], &'a TriangleTree, &'a [Vec3]);
 
 impl BodySupport {
     /// Of a body of `triangles` at `points` [m].
@@ -70,20 +71,19 @@ impl BodySupport {
         cloth: &[[PointIndex; 3]],
         topology: &Topology,
         is_held: &impl Fn(usize) -> bool,
-        (body, triangles, normals): Surface,
+        (body, under, normals): Surface,
     ) {
         let moves = |t: &[PointIndex; 3]| t.iter().any(|p| !is_held(p.at()));
         let moving: Vec<usize> = (0..cloth.len()).filter(|f| moves(&cloth[*f])).collect();
         let moving_triangles: Vec<_> = moving.iter().map(|f| cloth[*f]).collect();
-        let tree = TriangleTree::new(x, &moving_triangles, 0.0);
+        let tree = TriangleTree::new(x, &moving_triangles, ACROSS);
         let look = |(corner, (at, normal)): (usize, (&Vec3, &Vec3))| {
             let hit = tree.first_hit(x, at - normal * INSIDE, *normal, INSIDE + OVER)?;
             let points = moving_triangles[hit.triangle as usize].map(|p| p.0);
             Some(Over { ends: [corner as u32; 2], share: [1.0, 0.0], points, weights: hit.weights })
         };
         self.over = body.par_iter().zip(normals).enumerate().filter_map(look).collect();
-        let under = TriangleTree::new(body, triangles, ACROSS);
-        for [f, g] in tree.overlapping_pairs_with(&under) {
+        for [f, g] in tree.overlapping_pairs_with(under) {
             // Every edge is its first triangle's.
             let owned = |topology: &Topology, f: usize| {
                 let edges = topology.triangle_edges[f].map(|e| e as usize);
@@ -172,17 +172,6 @@ fn between(of: &[Vec3], ends: [u32; 2], share: [f64; 2]) -> Vec3 {
     ends.iter().zip(share).map(|(p, w)| of[*p as usize] * w).sum()
 }
 
-/// Per point: a third of the triangles around it [m²].
-fn point_areas(points: &[Vec3], triangles: &[[PointIndex; 3]]) -> Vec<f64> {
-    let mut areas = vec![0.0; points.len()];
-    for t in triangles {
-        let [a, b, c] = t.map(|p| points[p.at()]);
-        let third = (b - a).cross(&(c - a)).norm() / 6.0;
-        t.iter().for_each(|p| areas[p.at()] += third);
-    }
-    areas
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -218,9 +207,10 @@ mod tests {
     fn supports(x: &[Vec3], cloth: &[[PointIndex; 3]], held: bool, folded: bool) -> Vec<Support> {
         let (body, triangles) = roof();
         let normals = point_normals(&body, &triangles);
+        let under = TriangleTree::new(&body, &triangles, 0.0);
         let mut support = BodySupport::new(&body, &triangles);
         let topology = Topology::new(x.len(), cloth);
-        support.begin(x, cloth, &topology, &|_| held, (&body, &triangles, &normals));
+        support.begin(x, cloth, &topology, &|_| held, (&body, &under, &normals));
         support.supports(&body, &normals, &vec![folded; body.len()], &settings(x.len()))
     }
 
@@ -252,10 +242,11 @@ mod tests {
         let cloth = [[0, 1, 2].map(PointIndex)];
         let (body, triangles) = roof();
         let normals = point_normals(&body, &triangles);
+        let under = TriangleTree::new(&body, &triangles, 0.0);
         let mut support = BodySupport::new(&body, &triangles);
         let topology = Topology::new(3, &cloth);
         let x = over(2e-4);
-        support.begin(&x, &cloth, &topology, &|_| false, (&body, &triangles, &normals));
+        support.begin(&x, &cloth, &topology, &|_| false, (&body, &under, &normals));
         let found = support.supports(&body, &normals, &[false; 6], &settings(3));
         let corner = found.iter().find(|s| s.ends == [0, 0]).expect("has one");
         assert!((corner.gap(&x) - 2e-4).abs() < 1e-12);

@@ -75,6 +75,16 @@ pub fn point_normals(points: &[Vec3], triangles: &[[PointIndex; 3]]) -> Vec<Vec3
     normals.iter().map(|n| n.try_normalize(0.0).unwrap_or_else(Vec3::y)).collect()
 }
 
+/// Per point: a third of the triangles around it [m²].
+pub fn point_areas(points: &[Vec3], triangles: &[[PointIndex; 3]]) -> Vec<f64> {
+    let mut areas = vec![0.0; points.len()];
+    for t in triangles {
+        let [a, b, c] = t.map(|p| points[p.at()]);
+        t.iter().for_each(|p| areas[p.at()] += (b - a).cross(&(c - a)).norm() / 6.0);
+    }
+    areas
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Where Blender puts the vertices of a skinned mesh while a clip plays (needs the PyPI package bpy; made with 5.0.1).
 
-usage: skin_in_blender.py FILE.glb MESH T[,T...] STRIDE > OUT.json      every STRIDE-th vertex [m], y up as in the file
+usage: skin_in_blender.py FILE.glb MESH T[,T...] STRIDE OUT.json      every STRIDE-th vertex [m], y up as in the file
 """
 import json
 import sys
@@ -20,4 +20,4 @@ for time in times:
     shown = mesh.evaluated_get(bpy.context.evaluated_depsgraph_get())
     places = [shown.matrix_world @ v.co for v in shown.to_mesh().vertices]
     poses.append({"time_s": time, "points_m": [[round(p.x, 7), round(p.z, 7), round(-p.y, 7)] for p in places[::stride]]})
-json.dump({"vertices": len(places), "stride": stride, "poses": poses}, sys.stdout)
+json.dump({"vertices": len(places), "stride": stride, "poses": poses}, open(sys.argv[5], "w"))
