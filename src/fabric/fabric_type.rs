@@ -118,6 +118,9 @@ pub struct FabricMemory {
     /// Part of the critical stretch threshold by which a critical event moves the rest stretch [-], KOW's rho_bl.
     #[schemars(range(min = 0, max = 1))]
     pub critical_length_ratio: f64,
+    /// Rest stretch that no cloth reaches: an event adds the share of it that is left [percent].
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 1000))]
+    pub rest_stretch_ceiling_percent: f64,
     /// Hinge width from which on the bend is measured as an angle; narrower hinges count by curvature [mm].
     #[schemars(extend("exclusiveMinimum" = 0), range(max = 1000))]
     pub reference_length_mm: f64,
@@ -144,6 +147,7 @@ impl Default for FabricMemory {
             critical_stretch_threshold_percent: 6.0,
             gradual_length_ratio: 0.0,
             critical_length_ratio: 0.0,
+            rest_stretch_ceiling_percent: 10.0,
             reference_length_mm: 10.0,
             stiffness_ceiling: 30.0,
             reopening_percent_per_decade: 0.0,
@@ -275,6 +279,7 @@ impl FabricMemory {
                 rest_rate: self.critical_angle_ratio,
             },
             ceiling: self.stiffness_ceiling,
+            rest_ceiling: f64::INFINITY,
             reopening: self.reopening_percent_per_decade * 0.01,
         }
     }
@@ -296,6 +301,7 @@ impl FabricMemory {
                 self.critical_length_ratio,
             ),
             ceiling: 1.0,
+            rest_ceiling: self.rest_stretch_ceiling_percent * 0.01,
             reopening: 0.0,
         })
     }

@@ -8,6 +8,9 @@
 //!                                         s <- min( s (1 + rho_k C^), max(s, s (C / C')²) ), s <= ceiling
 //! ```
 //!
+//! Lengths have one thing more, ours: an event that leads away from new cloth moves rest by the share of its ceiling that
+//! is left, so that bagging levels off (the residual height of bags over cycles of wear: Zhang, Yeung, Miao, Yao 1999).
+//!
 //! The second bound on s is a guard: an event never raises the stored energy s C²/2. Within a step the angle moves
 //! linearly, and entry into a band, events and leaving are found at their own times, so that a step of half a
 //! second has the same events as thirty of a sixtieth.
@@ -39,6 +42,8 @@ pub struct Law {
     pub critical: Band,
     /// Largest stiffness ratio.
     pub ceiling: f64,
+    /// Distance from the rest value of new cloth that none reaches (radians for hinges, strain for lengths); infinite for none.
+    pub rest_ceiling: f64,
     /// Share of a remembered change that reopens per decade of time once let go [-]; 0 for never.
     pub reopening: f64,
 }
@@ -175,7 +180,7 @@ impl Law {
                 trace.timer = 0.0;
                 trace.idle = 0.0;
                 let condition = (from + rate * now - trace.rest) * gain;
-                self.event(trace, &band, condition, gain, mask);
+                self.event(trace, &band, condition, element);
                 match zone {
                     Zone::Critical => count.critical += 1,
                     _ => count.gradual += 1,
@@ -256,8 +261,11 @@ impl Law {
         trace.rest = side * (side * reopened).max(limit.min(rest));
     }
 
-    fn event(&self, trace: &mut Trace, band: &Band, condition: f64, gain: f64, mask: f64) {
-        let moved = condition.signum() * band.rest_rate * band.threshold * mask;
+    fn event(&self, trace: &mut Trace, band: &Band, condition: f64, element: &Element) {
+        let Element { home, gain, mask } = *element;
+        let outwards = (trace.rest - home) * condition.signum();
+        let room = (1.0 - outwards.max(0.0) / self.rest_ceiling).max(0.0);
+        let moved = condition.signum() * band.rest_rate * band.threshold * mask * room;
         trace.rest += moved / gain;
         let after = condition - moved;
         let wished = trace.stiffness * (1.0 + band.stiffness_rate * band.threshold * mask);
@@ -291,6 +299,7 @@ mod tests {
                 rest_rate: 1.0,
             },
             ceiling: 30.0,
+            rest_ceiling: f64::INFINITY,
             reopening: 0.0,
         }
     }
@@ -392,6 +401,36 @@ mod tests {
             assert_eq!(count.gradual > 0, reached, "{gradual} {critical}: {count:?}");
             assert_eq!(trace.rest != 0.0, gradual == 0.4, "{gradual} {critical}: {trace:?}");
         }
+    }
+
+    /// A cloth pulled again and again, always 8 % farther than it is long: without a ceiling it grows by the same at every
+    /// pull; with one each pull adds less, and none leads past it.
+    #[test]
+    fn what_is_pulled_again_and_again_levels_off() {
+        let strain = |threshold| Band { threshold, duration: 0.5, stiffness_rate: 0.0, rest_rate: 0.25 };
+        let endless = Law { gradual: strain(0.02), critical: strain(0.06), ..paper(1.0, 1.0) };
+        let law = Law { rest_ceiling: 0.05, ..endless };
+        let added = |law: &Law, element: &Element| -> Vec<f64> {
+            let mut trace = Trace::new(1.0);
+            let pull = |trace: &mut Trace| {
+                let (before, far) = (trace.rest, trace.rest + 0.08);
+                law.advance(trace, far, far, 0.6, element);
+                law.advance(trace, before, before, 0.1, element);
+                trace.rest - before
+            };
+            (0..100).map(|_| pull(&mut trace)).collect()
+        };
+        let new = Element { home: 1.0, ..Element::PLAIN };
+        assert!(added(&endless, &new).iter().all(|a| (a - 0.015).abs() < 1e-12));
+        let limited = added(&law, &new);
+        assert_eq!(limited[0].to_bits(), added(&endless, &new)[0].to_bits());
+        assert!(limited.windows(2).all(|a| a[1] <= a[0]), "{limited:?}");
+        let whole: f64 = limited.iter().sum();
+        assert!((0.0499..=0.05).contains(&whole), "{whole}");
+        // What came from elsewhere already stretched beyond the ceiling stays as it is.
+        let mut carried = Trace::new(1.2);
+        law.advance(&mut carried, 1.3, 1.3, 10.0, &new);
+        assert_eq!(carried.rest, 1.2);
     }
 
     fn reopening() -> Law {
