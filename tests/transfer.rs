@@ -237,6 +237,30 @@ fn folds_land_where_they_were_on_garments_of_another_cut() {
     }
 }
 
+/// Trousers with legs in them onto trousers that lie flat: where the round ones are seen edge-on, their triangles have next to no
+/// area from the front, and angles taken for so much curvature came out as thousands of degrees.
+#[test]
+fn what_is_seen_edge_on_does_not_grow() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("garments/trousers-on-legs.glb");
+    let bytes = std::fs::read(path).expect("a garment of the repository");
+    let options = ReadOptions { garment: Some("trousers".into()), ..ReadOptions::default() };
+    let (asset, _) = read_asset("legs", &bytes, &options, &mut |_| Ok(Vec::new())).expect("reads");
+    let (garment, _) = Garment::from_asset(&asset).expect("is a garment");
+    let round = Sheet::of_garment(&garment, &asset);
+    let (asset, garment) = load("trousers.glb");
+    let flat = Sheet::of_garment(&garment, &asset);
+    let source = round.topology.hinges.iter().map(|h| hinge_angle(&h.points.map(|p| round.points[p.at()])));
+    let mut memory = RestShape::new(source.collect(), round.triangles.len());
+    memory.rest_angle.iter_mut().for_each(|angle| *angle += 0.3);
+    let carried = carry(&round, &memory, &flat, By::Surface).memory;
+    let changes =
+        carried.rest_angle.iter().zip(&carried.source_angle).map(|(rest, source)| (rest - source).abs());
+    let (largest, sum) = changes.fold((0.0f64, 0.0), |(most, sum), c| (most.max(c), sum + c));
+    let mean = sum / carried.rest_angle.len() as f64;
+    println!("0.3 rad everywhere: largest {largest:.2} rad, mean {mean:.3} rad");
+    assert!(largest < 1.2 && mean > 0.05);
+}
+
 /// A sleeve of the repository, its elbow bent by `angle` [rad] in the file.
 fn sleeve(angle: f64) -> (SourceAsset, Garment) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("garments/sleeve.glb");

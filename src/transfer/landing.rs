@@ -19,7 +19,8 @@ const REACH: [f64; 2] = [0.03, 0.12];
 const REACH_TRIANGLES: f64 = 0.75;
 /// Cosine between normals from which they agree, and from which they agree fully.
 const AGREE: [f64; 2] = [0.2, 0.7];
-/// Seen edge-on (cosine below this), the lift onto the target's plane would stretch without bound.
+/// Seen edge-on (cosine below this), the lift onto the target's plane would stretch without bound, and a source triangle shrink
+/// to one without area, whose angles would be so much curvature.
 const EDGE_ON: f64 = 0.3;
 
 /// A place of the target, in the standing frame.
@@ -133,11 +134,8 @@ impl<'a> Finder<'a> {
         let found = self.tree.nearest_where(&self.points, from, self.reach, same_side)?;
         let triangle = found.triangle as usize;
         let own = &self.normals[triangle];
-        let map = match place.normal.z.abs() < EDGE_ON {
-            true => smallest_rotation(own, &place.normal),
-            false => lift(&place.normal),
-        };
         let steep = place.normal.z.abs().min(own.z.abs());
+        let map = if steep < EDGE_ON { smallest_rotation(own, &place.normal) } else { lift(&place.normal) };
         let quality = nearness(&found, self.reach) * ramp(steep, [0.0, EDGE_ON]);
         Some(Landing { triangle, quality, map })
     }

@@ -38,6 +38,7 @@ use discretise::{PlaneTensor, hinge_angles};
 use landing::{Finder, Place, Way, landed_at, texture_gradient};
 use spread::gather;
 use stance::{Stance, stand};
+use std::f64::consts::PI;
 
 /// How the places of two garments are matched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -265,7 +266,8 @@ impl Change {
         if options.parts.creases {
             for (h, hinge) in target.topology.hinges.iter().enumerate() {
                 let share = mask(&hinge.points[..2]);
-                memory.rest_angle[h] += share * self.angle[h];
+                // Folded flat on itself is as far as cloth goes, however strong the transfer.
+                memory.rest_angle[h] = (memory.rest_angle[h] + share * self.angle[h]).clamp(-PI, PI);
                 memory.stiffness_ratio[h] = (1.0 + share * self.stiffness[h]).max(LEAST_RATIO);
             }
         }
