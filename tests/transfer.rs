@@ -462,6 +462,23 @@ fn the_tool_carries_settles_and_writes_what_others_read() {
     assert_eq!((&first.hinges, &first.points), (&again.hinges, &again.points));
     let (_, err, code) = run("render out.glb --show confidence --size 64 -o out.png");
     assert_eq!(code, Some(0), "{err}");
+    // Finer than the file: its own points first, by texture as before, what they cannot show in a map.
+    let (out, err, code) =
+        run("transfer from.crease.json --to to.obj -o fine.glb --resolution 8 --detail-map=256 --json");
+    assert_eq!(code, Some(0), "{err}");
+    let report: serde_json::Value = serde_json::from_str(&out).expect("is JSON");
+    assert_eq!((&report["sources"][0]["by"], &report["crossings"]), (&"uv".into(), &0.into()));
+    assert!(report["detail_maps"].as_array().is_some_and(|maps| maps.len() == 1), "{report}");
+    let fine = read("fine.crease.json");
+    let own = first.mesh.points_m.len();
+    assert!(fine.mesh.points_m.len() > 2 * own && fine.mesh.points_m[..own] == first.mesh.points_m);
+    assert!(fine.mesh.triangle_vertices.is_none() && first.mesh.triangle_vertices.is_some());
+    // Both stand as high.
+    let height = |sidecar: &crease::format::Sidecar| {
+        sidecar.points.displacement_m.iter().map(|d| d[1].abs()).fold(0.0, f64::max)
+    };
+    println!("height of the fold {:.4} m, finer {:.4} m", height(&first), height(&fine));
+    assert!((height(&fine) / height(&first) - 1.0).abs() < 0.25);
 
     let whole = std::fs::read_to_string(path("from.crease.json")).expect("is text");
     let refused = |name: &str, text: &str, arguments: &str, expected: &str| {

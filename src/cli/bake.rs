@@ -8,7 +8,7 @@ use super::also::{self, AlsoWanted};
 use super::arguments::{MeshReading, glb_path, positive, seconds};
 use super::body::BodyWanted;
 use super::checkpoints::CheckpointFile;
-use super::detail::DetailWanted;
+use super::finer::{Finer, FinerWanted};
 use super::frames::FrameFolder;
 use super::input;
 use super::interrupt::Interrupt;
@@ -21,7 +21,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use crease::bake::{BakeOptions, Baked, Checkpoint, Choice, Observer, Plan, Quality, bake_from, stirred};
 use crease::body::Wearer;
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
-use crease::format::gltf::{Detail, write_worn_glb};
+use crease::format::gltf::write_worn_glb;
 use crease::format::{Sidecar, write_sidecar};
 use crease::garment::{Garment, RestShape, WornGarment};
 use crease::math::Vec3;
@@ -59,12 +59,8 @@ pub struct Arguments {
     reading: MeshReading,
     #[command(flatten)]
     body: BodyWanted,
-    /// Simulate at about this edge length, finer than the file where it moves [mm]; the file's own vertices keep number and
-    /// place
-    #[arg(long, value_name = "MM", value_parser = positive)]
-    resolution: Option<f64>,
     #[command(flatten)]
-    detail: DetailWanted,
+    finer: FinerWanted,
     /// Keep all of the cloth awake, also where the body cannot stir it
     #[arg(long)]
     no_sleep: bool,
@@ -249,7 +245,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let glb = write_worn_glb(&job.mesh.asset, garment, &baked.worn, &extras)?;
     let asset = &job.mesh.asset;
     let detail = job.refined.as_ref().and_then(|finer| finer.detail(garment, &baked.worn));
-    let (glb, maps, notes) = arguments.detail.add(&files.worn, &mut outputs, asset, detail, glb)?;
+    let (glb, maps, notes) = arguments.finer.add(&files.worn, &mut outputs, asset, detail, glb)?;
     report.detail_maps = maps;
     report.warnings.extend(notes);
     outputs.add(&files.worn, &glb)?;
@@ -290,24 +286,6 @@ struct Job {
     refined: Option<Finer>,
 }
 
-/// A garment that was made finer than its file.
-#[derive(Debug)]
-struct Finer {
-    /// In words.
-    told: String,
-    /// The garment as the file has it, and the triangle of it that each of the finer ones lies on; none where the file was fine
-    /// enough.
-    coarse: Option<(Garment, Vec<u32>)>,
-}
-
-impl Finer {
-    /// What the wear of the finer garment has beyond the file.
-    fn detail<'a>(&'a self, fine: &'a Garment, worn: &'a WornGarment) -> Option<Detail<'a>> {
-        let (coarse, parent) = self.coarse.as_ref()?;
-        Some(Detail { coarse, fine, parent, worn })
-    }
-}
-
 impl Job {
     /// Reads everything before anything long begins, and reports the faults of all files in one go.
     fn read(arguments: &Arguments) -> Result<Self> {
@@ -319,7 +297,8 @@ impl Job {
             (Ok(script), Ok(fabric), Ok(mut mesh)) => {
                 let body = arguments.body.read(&arguments.mesh, &arguments.reading, &mesh)?;
                 let options = arguments.options(body.as_ref());
-                let refined = arguments.resolution.map(|mm| refine(&mut mesh.garment, mm, &script, &options));
+                let stirred = |garment: &Garment| stirred(garment, &script, &options);
+                let refined = arguments.finer.refine(&mut mesh.garment, stirred);
                 Ok(Self { mesh, script, script_file, fabric, body, refined })
             }
             (script, fabric, mesh) => {
@@ -387,23 +366,6 @@ impl Job {
         });
         Ok((baked, left_over))
     }
-}
-
-/// Makes `garment` finer where the wear of `script` can move it.
-fn refine(garment: &mut Garment, mm: f64, script: &WearScript, options: &BakeOptions) -> Finer {
-    let edge = garment.mean_edge();
-    let wanted = stirred(garment, script, options);
-    let finer = garment.refined(1e-3 * mm, &wanted);
-    let (before, after) = (garment.points.len(), finer.garment.points.len());
-    if after == before {
-        let told =
-            format!("resolution: the file is as fine as {mm} mm already ({:.1} mm on average)", 1e3 * edge);
-        return Finer { told, coarse: None };
-    }
-    let place = if wanted.is_empty() { "" } else { " where the body stirs it" };
-    let told = format!("resolution: {after} points instead of {before}, edges of about {mm} mm{place}");
-    let coarse = std::mem::replace(garment, finer.garment);
-    Finer { told, coarse: Some((coarse, finer.parent)) }
 }
 
 fn script(file: &str, path: &Path, has_body: bool) -> Result<WearScript> {

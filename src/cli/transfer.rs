@@ -4,6 +4,7 @@
 use super::also::{self, AlsoWanted};
 use super::arguments::{MeshReading, glb_path};
 use super::bake::{BakeOutputs, merged, use_threads};
+use super::finer::{Finer, FinerWanted};
 use super::input;
 use super::mesh_file::MeshFile;
 use super::output::Outputs;
@@ -61,6 +62,8 @@ pub struct Arguments {
     fabric: Option<String>,
     #[command(flatten)]
     reading: MeshReading,
+    #[command(flatten)]
+    finer: FinerWanted,
     #[command(flatten)]
     also: AlsoWanted,
     /// Threads; the result does not depend on them [default: as many as are of use]
@@ -172,9 +175,10 @@ pub fn run(arguments: Arguments) -> Result<()> {
     arguments.also.check(&files.worn, &outputs)?;
     let mut job = Job::read(&arguments)?;
     let mut warnings = job.mesh.repairs();
+    warnings.extend(job.refined.as_ref().map(|finer| finer.told.clone()));
     warnings.extend(job.mesh.embed_images(&arguments.to));
     let garment = &job.mesh.garment;
-    let target = Sheet::of_garment(garment, &job.mesh.asset);
+    let target = job.target();
     let carried = transfer(&job.sources, &target, &arguments.options(&job))?;
     let start = crossings(&garment.points, &garment.triangles);
     let Settled { displacement, warnings: more, not_at_rest, .. } = job.settled(&carried);
@@ -192,6 +196,10 @@ pub fn run(arguments: Arguments) -> Result<()> {
     };
     report.warnings.extend(warnings);
     let glb = write_worn_glb(&job.mesh.asset, garment, &worn, &files.extras())?;
+    let detail = job.refined.as_ref().and_then(|finer| finer.detail(garment, &worn));
+    let (glb, maps, notes) = arguments.finer.add(&files.worn, &mut outputs, &job.mesh.asset, detail, glb)?;
+    report.detail_maps = maps;
+    report.warnings.extend(notes);
     outputs.add(&files.worn, &glb)?;
     let sidecar = job.sidecar(&arguments, &worn, &carried, &report)?;
     outputs.add(&files.sidecar, &write_sidecar(&sidecar))?;
@@ -207,6 +215,8 @@ pub fn run(arguments: Arguments) -> Result<()> {
 /// What a transfer is made from, read and checked.
 struct Job {
     mesh: MeshFile,
+    /// What `--resolution` did.
+    refined: Option<Finer>,
     sources: Vec<Source>,
     sidecars: Vec<Sidecar>,
     fabric: Fabric,
@@ -237,12 +247,24 @@ impl Job {
             Landmarks::parse(&input::name_of(path), &input::text(path)?).map(|landmarks| landmarks.places())
         });
         match (mesh, fabric, landmarks) {
-            (Ok(mesh), Ok(fabric), Ok(landmarks)) if errors.is_empty() => {
-                Ok(Self { mesh, sources, sidecars, fabric, landmarks })
+            (Ok(mut mesh), Ok(fabric), Ok(landmarks)) if errors.is_empty() => {
+                let refined = arguments.finer.refine(&mut mesh.garment, |_| Vec::new());
+                Ok(Self { mesh, refined, sources, sidecars, fabric, landmarks })
             }
             (mesh, fabric, landmarks) => {
                 Err(merged([mesh.err(), fabric.err(), landmarks.err()].into_iter().flatten().chain(errors)))
             }
+        }
+    }
+
+    /// The surface that memory goes to.
+    fn target(&self) -> Sheet {
+        let MeshFile { asset, garment, .. } = &self.mesh;
+        match self.refined.as_ref().and_then(|finer| finer.coarse.as_ref()) {
+            Some((coarse, parent)) => {
+                Sheet::of_finer(&Sheet::of_garment(coarse, asset), garment, asset, parent)
+            }
+            None => Sheet::of_garment(garment, asset),
         }
     }
 

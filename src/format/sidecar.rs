@@ -97,8 +97,8 @@ pub struct SidecarMesh {
     /// has none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub source_uv: Option<Vec<[f64; 2]>>,
-    /// One per triangle: the source vertices at its corners, which tell its texture coordinates at seams. Left out by
-    /// versions before 0.1.
+    /// One per triangle: the source vertices at its corners, which tell its texture coordinates at seams. Left out where the
+    /// mesh is finer than its file, and by versions before 0.1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub triangle_vertices: Option<Vec<[u32; 3]>>,
     /// Joints of the skeleton that moves the worn pieces, as they stand in the pose of the file: garments that follow joints
@@ -201,7 +201,7 @@ impl Sidecar {
                 triangles: garment.triangles.iter().map(|t| t.map(|p| p.0)).collect(),
                 source_point: garment.source_point.iter().map(|p| p.0).collect(),
                 source_uv: source_uv(asset),
-                triangle_vertices: Some(corner_vertices(asset, garment)),
+                triangle_vertices: corner_vertices(asset, garment),
                 joints: source_joints(asset),
                 extra: Map::new(),
             },

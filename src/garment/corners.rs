@@ -10,12 +10,13 @@ use crate::mesh::PointIndex;
 use rustc_hash::FxHashMap;
 
 /// Per triangle of `garment`: the vertices at its corners, counted over the worn pieces of `asset` in file order. A
-/// triangle that mending made has the first vertex of each of its points.
-pub fn corner_vertices(asset: &SourceAsset, garment: &Garment) -> Vec<[u32; 3]> {
-    let mut first_vertex = vec![0u32; garment.points.len()];
+/// triangle that mending made has the first vertex of each of its points. None for a garment that was made finer than its
+/// file: its points have no vertices there.
+pub fn corner_vertices(asset: &SourceAsset, garment: &Garment) -> Option<Vec<[u32; 3]>> {
+    let mut first_vertex = vec![None; garment.points.len()];
     for (vertex, point) in garment.source_point.iter().enumerate().rev() {
         if let Some(slot) = first_vertex.get_mut(point.at()) {
-            *slot = vertex as u32;
+            *slot = Some(vertex as u32);
         }
     }
     let mut of_points: FxHashMap<[PointIndex; 3], [u32; 3]> = FxHashMap::default();
@@ -33,8 +34,13 @@ pub fn corner_vertices(asset: &SourceAsset, garment: &Garment) -> Vec<[u32; 3]> 
     }
     let find = |t: &[PointIndex; 3]| {
         let (key, _) = sorted(*t, [0; 3]);
-        let Some(vertices) = of_points.get(&key) else { return t.map(|p| first_vertex[p.at()]) };
-        t.map(|p| key.iter().position(|q| *q == p).map_or(0, |k| vertices[k]))
+        let known = of_points.get(&key);
+        let at = |p: PointIndex| match known {
+            Some(vertices) => key.iter().position(|q| *q == p).map(|k| vertices[k]),
+            None => first_vertex[p.at()],
+        };
+        let [a, b, c] = t.map(at);
+        Some([a?, b?, c?])
     };
     garment.triangles.iter().map(find).collect()
 }

@@ -2,7 +2,7 @@
 //!
 //! Plain data, as the report of a bake; names that both have mean the same.
 
-use super::AlsoReport;
+use super::{AlsoReport, DetailReport};
 use crate::transfer::{Carried, Losses, Region, Sheet};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -31,6 +31,9 @@ pub struct TransferReport {
     pub regions: Vec<Region>,
     /// One per sidecar, in the order given.
     pub sources: Vec<CarriedSource>,
+    /// Normal maps of fine wrinkles; left out without any.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub detail_maps: Vec<DetailReport>,
     /// What the other files say when read back.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub also: Vec<AlsoReport>,

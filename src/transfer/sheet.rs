@@ -36,9 +36,27 @@ impl Sheet {
             points: garment.points.clone(),
             triangles: garment.triangles.clone(),
             topology: garment.topology.clone(),
-            uvs: corner_uvs(asset, &corner_vertices(asset, garment)),
+            uvs: corner_vertices(asset, garment).and_then(|corners| corner_uvs(asset, &corners)),
             warp: Some(warp.collect()),
         }
+    }
+
+    /// The surface of `garment`, which is `coarse` made finer: triangle by triangle part of the `parent` it lies on. Texture
+    /// coordinates are the parents'.
+    pub fn of_finer(coarse: &Self, garment: &Garment, asset: &SourceAsset, parent: &[u32]) -> Self {
+        let mut sheet = Self::of_garment(garment, asset);
+        sheet.uvs = coarse.uvs.as_ref().map(|uvs| {
+            let each = garment.triangles.iter().zip(parent);
+            each.map(|(t, &f)| {
+                let (whole, uv) = (coarse.corners(f as usize), &uvs[f as usize]);
+                t.map(|p| {
+                    let weights = weights_in(&garment.points[p.at()], &whole);
+                    uv[0] * weights[0] + uv[1] * weights[1] + uv[2] * weights[2]
+                })
+            })
+            .collect()
+        });
+        sheet
     }
 
     /// The surface of `sidecar` and its memory, one entry per hinge of the surface's topology; `file` names it in faults.
@@ -163,6 +181,19 @@ fn hinge_order(file: &str, topology: &Topology, listed: &[[u32; 4]]) -> Result<V
             })
         })
         .collect()
+}
+
+/// Weights of the corners of a triangle at a place in its plane.
+fn weights_in(place: &Vec3, [a, b, c]: &[Vec3; 3]) -> [f64; 3] {
+    let (u, v, w) = (b - a, c - a, place - a);
+    let (uu, uv, vv) = (u.dot(&u), u.dot(&v), v.dot(&v));
+    let (wu, wv) = (w.dot(&u), w.dot(&v));
+    let all = uu * vv - uv * uv;
+    if all <= 0.0 {
+        return [1.0, 0.0, 0.0];
+    }
+    let (beta, gamma) = ((vv * wu - uv * wv) / all, (uu * wv - uv * wu) / all);
+    [1.0 - beta - gamma, beta, gamma]
 }
 
 fn contradiction(file: &str, place: String, what: impl Into<String>) -> Error {

@@ -1,16 +1,23 @@
-//! `--detail-map`: fine wrinkles of a garment that is simulated finer than its file, as a normal map in its material.
+//! `--resolution`: a garment made finer than its file. `--detail-map`: what only the finer mesh shows, as a normal map in its
+//! material.
 
+use super::arguments::positive;
 use super::output::Outputs;
 use clap::builder::RangedU64ValueParser;
 use crease::Result;
 use crease::format::SourceAsset;
 use crease::format::gltf::{DETAIL_SIDE, Detail, add_detail_map};
+use crease::garment::{Garment, WornGarment};
 use crease::report::DetailReport;
 use std::path::{Path, PathBuf};
 
-/// What is wanted of detail maps.
+/// What is wanted of finer meshes.
 #[derive(Debug, clap::Args)]
-pub struct DetailWanted {
+pub struct FinerWanted {
+    /// Work at about this edge length, finer than the file (on a body: where it moves) [mm]; the file's own vertices keep
+    /// number and place
+    #[arg(long, value_name = "MM", value_parser = positive)]
+    resolution: Option<f64>,
     /// Put what only the finer mesh of --resolution shows into a normal map of so many texels a side [2048 if no number is
     /// given], in the material of OUT.glb
     #[arg(
@@ -32,7 +39,45 @@ fn side() -> RangedU64ValueParser {
     RangedU64ValueParser::new().range(*DETAIL_SIDE.start() as u64..=*DETAIL_SIDE.end() as u64)
 }
 
-impl DetailWanted {
+/// A garment that was made finer than its file.
+#[derive(Debug)]
+pub struct Finer {
+    /// In words.
+    pub told: String,
+    /// The garment as the file has it, and the triangle of it that each of the finer ones lies on; none where the file was fine
+    /// enough.
+    pub coarse: Option<(Garment, Vec<u32>)>,
+}
+
+impl Finer {
+    /// What the wear of the finer garment has beyond the file.
+    pub fn detail<'a>(&'a self, fine: &'a Garment, worn: &'a WornGarment) -> Option<Detail<'a>> {
+        let (coarse, parent) = self.coarse.as_ref()?;
+        Some(Detail { coarse, fine, parent, worn })
+    }
+}
+
+impl FinerWanted {
+    /// Makes `garment` finer, if that is wanted: around the points that `wanted` flags, one flag per point; empty for all.
+    pub fn refine(&self, garment: &mut Garment, wanted: impl FnOnce(&Garment) -> Vec<bool>) -> Option<Finer> {
+        let mm = self.resolution?;
+        let edge = garment.mean_edge();
+        let wanted = wanted(garment);
+        let finer = garment.refined(1e-3 * mm, &wanted);
+        let (before, after) = (garment.points.len(), finer.garment.points.len());
+        if after == before {
+            let told = format!(
+                "resolution: the file is as fine as {mm} mm already ({:.1} mm on average)",
+                1e3 * edge
+            );
+            return Some(Finer { told, coarse: None });
+        }
+        let place = if wanted.is_empty() { "" } else { " where the body stirs it" };
+        let told = format!("resolution: {after} points instead of {before}, edges of about {mm} mm{place}");
+        let coarse = std::mem::replace(garment, finer.garment);
+        Some(Finer { told, coarse: Some((coarse, finer.parent)) })
+    }
+
     /// The worn file with its maps, pictures that go beside it, and what there is to tell; `detail` is none where the file
     /// was fine enough.
     pub fn add(
@@ -48,7 +93,7 @@ impl DetailWanted {
             return Ok((
                 glb,
                 Vec::new(),
-                vec!["no detail map: the garment was not simulated finer than its file".into()],
+                vec!["no detail map: the garment was not made finer than its file".into()],
             ));
         };
         let detailed = add_detail_map(&glb, asset, &detail, side as usize)?;
