@@ -4,7 +4,7 @@
 //! cargo run --release --example transfer_bakes -- FROM.crease.json TO.crease.json
 //! ```
 //!
-//! Both from `fold-thrice`. With two bakes of one mesh from jittered starts it tells how well a bake fits another of its kind.
+//! Both from `fold-thrice`, or both from `press-crease`, whose one fold lies in the middle. With two bakes of one mesh from jittered starts it tells how well a bake fits another of its kind.
 
 // The angle that a made fold has is the test's.
 #[allow(dead_code)]
@@ -14,10 +14,13 @@ mod measure;
 use crease::format::read_sidecar;
 use crease::garment::RestShape;
 use crease::transfer::{By, Sheet};
-use measure::{FOLDS, carry, correlation, tensors, total};
+use measure::{FOLDS, Fold, carry, correlation, tensors, total};
 
 /// Widths over which curvature is averaged before it is compared [m]: none, an edge of 5,000 points, a narrow fold.
 const WIDTHS: [f64; 4] = [0.0, 0.01, 0.02, 0.04];
+
+/// Where `press-crease` folds.
+const MIDDLE: Fold = Fold { axis: 0, at: 0.0, ..FOLDS[0] };
 
 fn main() {
     let paths: Vec<String> = std::env::args().skip(1).collect();
@@ -40,7 +43,7 @@ fn main() {
         let [a, b] = [&carried, &wanted].map(|t| averaged(&to, t, width));
         println!("  correlation, averaged over {:.0} mm: {:.3}", 1e3 * width, correlation(&a, &b));
     }
-    for fold in &FOLDS {
+    for fold in FOLDS.iter().chain([&MIDDLE]) {
         for front in [true, false] {
             let [own, got, wanted, again] = [
                 total(&from, &earned, fold, front),
