@@ -2,8 +2,11 @@
 //!
 //! Scenes: the T-shirt folded thrice (2,000 points; with `--full` 13,863, and the growth between them), the three falling strips
 //! of the paper's Table 1 with memory. Kernels bound what can be had: a streaming copy of memory, the sparse product and
-//! the factorisation of one sheet's system, of about as many points as the T-shirt. `ratio` is a scene's wall time over
-//! that of the kernel named beside it in the notes. Medians of `runs`; the T-shirt is baked once.
+//! the factorisation of one sheet's system, of about as many points as the T-shirt, and one search for triangles that are
+//! near one another in two layers of as many points (parry's tree: refitted, and all overlaps of its boxes listed).
+//! `ratio` is a scene's wall time for every linear solve over one factorisation, `solver_ratio` that of its linear solves
+//! alone, `contact_ratio` its time in contact for every linear solve over one search. Medians of `runs`; the T-shirt is baked
+//! once.
 
 use super::accuracy::FoldThrice;
 use super::sheet::Sheet;
@@ -14,6 +17,8 @@ use crate::energy::BlockSink;
 use crate::error::Result;
 use crate::fabric::{DEFAULT_FABRIC, Fabric};
 use crate::math::{Mat3, Vec3};
+use crate::mesh::PointIndex;
+use crate::mesh::tree::TriangleTree;
 use crate::solve::{BlockMatrix, Cholesky};
 use std::time::Instant;
 
@@ -21,6 +26,8 @@ use std::time::Instant;
 const STREAM: usize = 1 << 24;
 /// Side of the kernels' sheet [m].
 const SHEET: f64 = 0.7;
+/// Distance of two layers that touch, and how far boxes reach [m].
+const LAYER: f64 = 0.65e-3;
 /// The stages of a bake, as its report names them.
 const STAGES: [&str; 5] = ["assemble", "solve", "contact", "remember", "home"];
 
@@ -33,6 +40,20 @@ struct Cost {
     steps: u64,
     solves: u64,
     stages: Vec<(&'static str, f64)>,
+}
+
+impl Cost {
+    /// Time of a stage [s], if the scene tells it.
+    fn stage(&self, name: &str) -> Option<f64> {
+        self.stages.iter().find(|(stage, _)| *stage == name).map(|(_, seconds)| *seconds)
+    }
+
+    /// Time of the linear solves and of contact for every linear solve, over one factorisation and one search.
+    fn ratios(&self, kernels: &Kernels) -> [Option<f64>; 2] {
+        let solves = self.solves.max(1) as f64;
+        [("solve", kernels.factor), ("contact", kernels.search)]
+            .map(|(stage, kernel)| self.stage(stage).map(|seconds| seconds / solves / kernel))
+    }
 }
 
 pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
@@ -73,13 +94,24 @@ pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
         });
     }
     let mut notes = growth(&costs);
-    let mut table =
-        Table::new(&["scene", "points", "wall_s", "simulated_s", "steps", "linear_solves", "ratio", "stages"]);
+    let mut table = Table::new(&[
+        "scene",
+        "points",
+        "wall_s",
+        "simulated_s",
+        "steps",
+        "linear_solves",
+        "ratio",
+        "solver_ratio",
+        "contact_ratio",
+        "stages",
+    ]);
     for points in [2_000, 14_000] {
         let kernels = Kernels::measure(points, options.runs)?;
         for (name, wall) in kernels.rows() {
             let blank = || None::<f64>.into();
-            table.push([name.into(), (kernels.points as u64).into(), wall.into(), blank(), blank(), blank(), blank(), "".into()]);
+            let (b, points) = (blank, kernels.points as u64);
+            table.push([name.into(), points.into(), wall.into(), b(), b(), b(), b(), b(), b(), "".into()]);
         }
         notes.push(kernels.note());
         for cost in costs.iter().filter(|c| (c.points < 7_000) == (points < 7_000) && c.solves > 0) {
@@ -89,6 +121,12 @@ pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
                 cost.points,
                 cost.wall / cost.solves as f64 / kernels.factor
             ));
+            if let [Some(solver), Some(contact)] = cost.ratios(&kernels) {
+                notes.push(format!(
+                    "{}, {} points: {solver:.2} times one factorisation in the solver and {contact:.2} times one search in contact for every linear solve",
+                    cost.scene, cost.points
+                ));
+            }
         }
         for cost in costs.iter().filter(|c| (c.points < 7_000) == (points < 7_000)) {
             let stages: Vec<String> = cost.stages.iter().map(|(name, s)| format!("{name} {s:.2}")).collect();
@@ -100,6 +138,8 @@ pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
                 cost.steps.into(),
                 cost.solves.into(),
                 (cost.wall / cost.solves.max(1) as f64 / kernels.factor).into(),
+                cost.ratios(&kernels)[0].into(),
+                cost.ratios(&kernels)[1].into(),
                 stages.join(", ").as_str().into(),
             ]);
         }
@@ -147,6 +187,9 @@ struct Kernels {
     factor: f64,
     solve: f64,
     work: f64,
+    /// One search of two layers that touch [s], and pairs of triangles that it finds.
+    search: f64,
+    near: usize,
 }
 
 impl Kernels {
@@ -170,6 +213,13 @@ impl Kernels {
         if !sound {
             return Err(crate::Error::fault("chart", "speed", "a sheet's system could not be solved", ""));
         }
+        let (points_of_layers, triangles) = two_layers(points)?;
+        let mut tree = TriangleTree::new(&points_of_layers, &triangles, LAYER);
+        let mut near = 0;
+        let search = time_of(runs, || {
+            tree.refit(&points_of_layers, std::hint::black_box(&points_of_layers), LAYER);
+            near = tree.overlapping_pairs().len();
+        });
         Ok(Self {
             points: rows,
             copy: (2 * STREAM * size_of::<f64>()) as f64 / copy,
@@ -177,23 +227,32 @@ impl Kernels {
             factor,
             solve,
             work: direct.size().0,
+            search,
+            near,
         })
     }
 
-    fn rows(&self) -> [(&'static str, f64); 3] {
-        [("kernel: sparse product", self.product.0), ("kernel: factorisation", self.factor), ("kernel: solution", self.solve)]
+    fn rows(&self) -> [(&'static str, f64); 4] {
+        [
+            ("kernel: sparse product", self.product.0),
+            ("kernel: factorisation", self.factor),
+            ("kernel: solution", self.solve),
+            ("kernel: search", self.search),
+        ]
     }
 
     fn note(&self) -> String {
         format!(
-            "kernels at {} points: copy {:.1} GB/s; sparse product {:.2} ms, {:.1} GB/s of matrix; factorisation {:.1} ms, {:.0} GFlop/s; solution {:.1} ms",
+            "kernels at {} points: copy {:.1} GB/s; sparse product {:.2} ms, {:.1} GB/s of matrix; factorisation {:.1} ms, {:.0} GFlop/s; solution {:.1} ms; search of two layers {:.1} ms, {} pairs of triangles",
             self.points,
             self.copy / 1e9,
             1e3 * self.product.0,
             self.product.1 / self.product.0 / 1e9,
             1e3 * self.factor,
             2.0 * self.work / self.factor / 1e9,
-            1e3 * self.solve
+            1e3 * self.solve,
+            1e3 * self.search,
+            self.near
         )
     }
 }
@@ -220,6 +279,20 @@ fn sheet_system(points: usize) -> Result<(BlockMatrix, Vec<Vec3>)> {
     Ok((matrix, garment.points))
 }
 
+/// Two flat layers of about `points` points in all that touch.
+fn two_layers(points: usize) -> Result<(Vec<Vec3>, Vec<[PointIndex; 3]>)> {
+    let layer = Sheet::unstructured(SHEET, SHEET, points / 2)?.flat_garment();
+    let count = layer.points.len() as u32;
+    // The axis in which the sheet is flat.
+    let up = Vec3::y() * LAYER;
+    let above = layer.points.iter().map(|p| p + up);
+    let shifted = layer.triangles.iter().map(|t| t.map(|p| PointIndex(p.0 + count)));
+    Ok((
+        layer.points.iter().copied().chain(above).collect(),
+        layer.triangles.iter().copied().chain(shifted).collect(),
+    ))
+}
+
 /// Median time of `work` over `runs` [s].
 fn time_of(runs: usize, mut work: impl FnMut()) -> f64 {
     let times = (0..runs.max(1)).map(|_| {
@@ -237,8 +310,7 @@ fn figure(costs: &[Cost]) -> Figure {
     let most = costs.iter().map(|c| c.wall).fold(1.0, f64::max);
     let shirt = costs.iter().rfind(|c| c.scene == "fold-thrice");
     let shares: Vec<[f64; 2]> = shirt.map_or(Vec::new(), |cost| {
-        let of = |name: &str| cost.stages.iter().find(|(n, _)| *n == name).map_or(0.0, |(_, s)| *s);
-        let share = |name: &&str| 100.0 * of(name) / cost.wall;
+        let share = |name: &&str| 100.0 * cost.stage(name).unwrap_or(0.0) / cost.wall;
         STAGES.iter().enumerate().flat_map(|(k, name)| [[k as f64, 0.0], [k as f64, share(name)]]).collect()
     });
     let title = shirt.map_or(0, |cost| cost.points);
@@ -285,5 +357,11 @@ mod tests {
         assert!(off < 1e-6, "{off}");
         let kernels = Kernels::measure(300, 1).unwrap();
         assert!(kernels.factor > 0.0 && kernels.work > 0.0 && kernels.copy > 0.0);
+        // Every triangle finds the one over it.
+        let (points, triangles) = two_layers(300).unwrap();
+        let half = triangles.len() as u32 / 2;
+        let pairs = TriangleTree::new(&points, &triangles, LAYER).overlapping_pairs();
+        let found = |f: u32| pairs.iter().any(|pair| pair.contains(&f) && pair.contains(&(f + half)));
+        assert!((0..half).all(found));
     }
 }
