@@ -81,7 +81,7 @@ mod tests {
             read_asset("two.obj", text.as_bytes(), &ReadOptions::default(), &mut |_| Ok(Vec::new())).unwrap();
         let (garment, _) = Garment::from_asset(&asset).unwrap();
         assert_eq!(garment.points.len(), 4);
-        let corners = corner_vertices(&asset, &garment);
+        let corners = corner_vertices(&asset, &garment).unwrap();
         let uvs = corner_uvs(&asset, &corners).unwrap();
         for (t, (vertices, uv)) in garment.triangles.iter().zip(corners.iter().zip(&uvs)) {
             for k in 0..3 {
