@@ -14,7 +14,7 @@ mod measure;
 use crease::format::read_sidecar;
 use crease::garment::RestShape;
 use crease::transfer::{By, Sheet};
-use measure::{FOLDS, Fold, carry, correlation, tensors, total};
+use measure::{FOLDS, Fold, carry, correlation, tensors, total, turns};
 
 /// Widths over which curvature is averaged before it is compared [m]: none, an edge of 5,000 points, a narrow fold.
 const WIDTHS: [f64; 4] = [0.0, 0.01, 0.02, 0.04];
@@ -45,14 +45,15 @@ fn main() {
     }
     for fold in FOLDS.iter().chain([&MIDDLE]) {
         for front in [true, false] {
-            let [own, got, wanted, again] = [
-                total(&from, &earned, fold, front),
-                total(&to, &there.memory, fold, front),
-                total(&to, &baked, fold, front),
-                total(&from, &back.memory, fold, front),
-            ];
+            let each = [(&from, &earned), (&to, &there.memory), (&to, &baked), (&from, &back.memory)];
+            let [own, got, wanted, again] = each.map(|(sheet, memory)| total(sheet, memory, fold, front));
+            let [crease, come, made, home] = each.map(|(sheet, memory)| {
+                let [one, other] = turns(sheet, memory, fold, front);
+                if one > -other { one } else { other }
+            });
             println!(
-                "  fold across {} at {:+.3} m, {}: {own:+.4} carried {got:+.4}, baked there {wanted:+.4}, back {again:+.4} rad",
+                "  fold across {} at {:+.3} m, {}: {own:+.4} carried {got:+.4}, baked there {wanted:+.4}, back {again:+.4} rad; without what bends \
+                 back beside it {crease:+.4}, {come:+.4}, {made:+.4}, {home:+.4} rad",
                 ["x", "y", "z"][fold.axis],
                 fold.at,
                 if front { "front" } else { "back" }

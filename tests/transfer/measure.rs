@@ -23,11 +23,17 @@ pub const FOLDS: [Fold; 3] = [
 /// the cloth turns there [rad]. Hinges count less and less towards the ends of the window: with a sharp end it would depend
 /// on which side of it single hinges of other wrinkles fall.
 pub fn total(sheet: &Sheet, memory: &RestShape, fold: &Fold, front: bool) -> f64 {
+    turns(sheet, memory, fold, front).iter().sum()
+}
+
+/// The same of hinges that turn one way and of those that turn the other [rad]: cloth that was pressed flat beside a sharp crease
+/// bends back there.
+pub fn turns(sheet: &Sheet, memory: &RestShape, fold: &Fold, front: bool) -> [f64; 2] {
     let other = 2 - fold.axis;
     // Away from borders and from the other folds.
     let (middle, half) = if fold.axis == 0 { (0.15, 0.1) } else { (0.0, 0.1) };
     let reach = 4.0 * fold.width;
-    let mut sum = 0.0;
+    let mut sum = [0.0; 2];
     for (h, hinge) in sheet.topology.hinges.iter().enumerate() {
         let [a, b] = [hinge.points[0], hinge.points[1]].map(|p| sheet.points[p.at()]);
         let (centre, edge) = (0.5 * (a + b), b - a);
@@ -37,11 +43,11 @@ pub fn total(sheet: &Sheet, memory: &RestShape, fold: &Fold, front: bool) -> f64
             let window =
                 flank((centre[fold.axis] - fold.at) / reach) * flank((centre[other] - middle) / half);
             let change = memory.rest_angle[h] - memory.source_angle[h];
-            sum += window * change * edge.norm() * across * across;
+            sum[usize::from(change < 0.0)] += window * change * edge.norm() * across * across;
         }
     }
     // The integral of the window along the fold.
-    sum / (1.5 * half)
+    sum.map(|sum| sum / (1.5 * half))
 }
 
 /// 1 up to half of the way, then down to 0 at its end as a cosine.
