@@ -98,6 +98,18 @@ enum Rule {
     Led,
     /// The same, and nothing may pass.
     LedFrozen,
+    /// Led by the same share, and nothing may pass.
+    LedTogether,
+}
+
+impl Rule {
+    fn together(self) -> bool {
+        matches!(self, Self::Together | Self::SingleTogether | Self::LedTogether)
+    }
+
+    fn nothing_passes(self) -> bool {
+        matches!(self, Self::Together | Self::LedFrozen | Self::LedTogether)
+    }
 }
 
 /// Pairs that are this near in the rest shape push apart only below this share of their rest distance.
@@ -108,6 +120,8 @@ const CANDIDATE_MARGIN: f64 = 1.5;
 const SQUEEZED: f64 = 0.3;
 /// Where they are nearer already it takes up to this share of the gap: nothing, but that they must be free to part.
 const BARELY: f64 = 0.02;
+/// Share of its way by which a point that is led may get ahead of its neighbour.
+const BEHIND: f64 = 0.1;
 /// A wide search reaches this many times as far as the others.
 const WIDE: f64 = 4.0;
 /// A move of more than this many search distances is first tested as a whole.
@@ -525,15 +539,34 @@ impl PairContact {
     }
 
     /// Moves the cloth by `d` and the body towards its target, each point as far as all stay apart.
+    ///
+    /// Without a body the cloth alone goes, and presses no layer any farther: first all by the same share, so that layers
+    /// that go along with one another do, then each by what is left of its way, and those around a point that is held up
+    /// stay behind with it: alone it would be drawn out of them.
     pub fn advance(&mut self, x: &mut [Vec3], d: &[Vec3]) {
         self.forget_touches();
-        // Without a body the cloth alone goes, and presses no layer any farther.
         let acts = self.acting().is_some();
+        let mut d = d.to_vec();
+        if !acts {
+            let share = self.on_the_way(x, &d, Some(&[]), Rule::LedTogether).common_share();
+            x.iter_mut().zip(&d).for_each(|(x, d)| *x += d * share);
+            d.iter_mut().for_each(|d| *d *= 1.0 - share);
+            if share >= 1.0 {
+                return;
+            }
+        }
+        let d = &d[..];
         let (before, body_way) = self.acting().map(|body| (body.now.clone(), body.way())).unwrap_or_default();
         for rule in [Rule::Led, Rule::LedFrozen] {
             let way = self.on_the_way(x, d, Some(&body_way), rule);
-            let moves =
-                local_step_fractions(&way.quads, &way.floors, &way.from, &way.motion).apply(&way.motion);
+            let share = |motion: &[Vec3]| local_step_fractions(&way.quads, &way.floors, &way.from, motion);
+            let moves = if acts {
+                share(&way.motion).apply(&way.motion)
+            } else {
+                let spread = self.spread(share(&way.motion).fraction);
+                let motion: Vec<Vec3> = way.motion.iter().zip(spread).map(|(d, f)| d * f).collect();
+                share(&motion).apply(&motion)
+            };
             let end: Vec<Vec3> = x.iter().zip(&moves).map(|(x, d)| x + d).collect();
             if let Some(body) = self.body.as_mut().filter(|_| acts) {
                 let there = before.iter().zip(&moves[x.len()..]);
@@ -549,11 +582,24 @@ impl PairContact {
         }
     }
 
+    /// Shares of a way, one per point, that differ by no more than a step from point to point: the lesser ones spread.
+    fn spread(&self, mut share: Vec<f64>) -> Vec<f64> {
+        for _ in 0..(1.0 / BEHIND).ceil() as usize {
+            let before = share.clone();
+            for &[a, b] in &self.edges {
+                let [a, b] = [a as usize, b as usize];
+                share[a] = share[a].min(before[b] + BEHIND);
+                share[b] = share[b].min(before[a] + BEHIND);
+            }
+        }
+        share
+    }
+
     /// Takes up the candidates for a way: the pairs, and how near each may come.
     fn on_the_way(&mut self, x: &[Vec3], d: &[Vec3], body_way: Option<&[Vec3]>, rule: Rule) -> Way {
-        self.look(x, d, body_way, matches!(rule, Rule::Together | Rule::SingleTogether));
+        self.look(x, d, body_way, rule.together());
         let places = self.places(x);
-        let nothing_passes = matches!(rule, Rule::Together | Rule::LedFrozen);
+        let nothing_passes = rule.nothing_passes();
         let led = body_way.is_some();
         let mut motion = d.to_vec();
         motion.extend_from_slice(body_way.unwrap_or(&[]));

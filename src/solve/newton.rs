@@ -96,6 +96,9 @@ const LEAST_SHARE: f64 = 0.01;
 /// No point goes farther in one iteration [m], apart from what all do alike: a direction that throws one far off sweeps all
 /// others on the way, and the search for contacts drowns in candidates.
 const FARTHEST: f64 = 0.25;
+/// A step whose moves are short has not converged while it has more than this many times the energy to gain that counts as
+/// converged.
+const JAMMED: f64 = 100.0;
 /// Share of the energy that counts as converged which points outside a part may have to gain.
 const LEFT_OUT: f64 = 0.5;
 /// A part reaches this many rings of neighbours beyond its restless points.
@@ -394,8 +397,10 @@ impl Problem<'_> {
             }
             let decrement: f64 = -g.iter().zip(&d).map(|(g, d)| g.dot(d)).sum::<f64>();
             report.left = decrement;
-            let done =
-                !damping.acts() && (report.last_move <= options.tolerance || decrement <= options.energy);
+            // Where layers are jammed moves are short although much is left to gain.
+            let jammed = options.energy > 0.0 && decrement > JAMMED * options.energy;
+            let done = !damping.acts()
+                && (report.last_move <= options.tolerance && !jammed || decrement <= options.energy);
             let before = value.sum;
             let moved = self.move_with(x, &g, &d, &mut value, contact, &mut report);
             whole_went = if is_whole { moved == 1.0 } else { whole_went && moved > LEAST_SHARE };
