@@ -4,7 +4,7 @@ use super::awake::awake;
 use super::dressing;
 use super::{BakeOptions, Run};
 use crate::body::{BodyPose, Standing, Wearer};
-use crate::contact::{BodyField, FieldSettings, KeptField, RIM};
+use crate::contact::{BodyField, FOLD_RIM, FieldSettings, KeptField};
 use crate::energy::{Cushion, Support};
 use crate::error::{Error, Result};
 use crate::garment::Garment;
@@ -140,7 +140,7 @@ impl Pinch {
             (folded > 0).then(|| {
                 format!(
                     "where it folds into itself and {:.0} mm around {folded} at {when:.2} s, {folded_now} at the end",
-                    1e3 * RIM
+                    1e3 * FOLD_RIM
                 )
             }),
         ];

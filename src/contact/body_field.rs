@@ -36,7 +36,7 @@ const FOLDED: f64 = 0.03;
 /// Two parts face each other when the cosine between their normals is below this.
 const FACING: f64 = -0.2;
 /// What is within this of where it lies on itself counts as its fold, too [m]: cloth that is caught there reaches as far.
-pub const RIM: f64 = 0.015;
+pub const FOLD_RIM: f64 = 0.015;
 /// Room between two parts of a body that lie on each other, in reaches: two layers on each, and one to move.
 const LAYERS: f64 = 5.0;
 
@@ -325,7 +325,7 @@ impl BodyField {
     }
 
     /// Lifts the points of the cloth's triangles that cross the body now, and lets others sink if the body `moves`. The
-    /// number of pairs of triangles that cross: where the body is open, and where it lies on itself or within [`RIM`] of that.
+    /// number of pairs of triangles that cross: where the body is open, and where it lies on itself or within [`FOLD_RIM`] of that.
     pub fn lift(&mut self, x: &[Vec3], cloth: &[[PointIndex; 3]], moves: bool) -> [usize; 2] {
         let crossing = crossings_between(x, cloth, &self.now, &self.triangles);
         // Where the body lies on itself there is no room to lift cloth into.
@@ -335,7 +335,7 @@ impl BodyField {
             self.now.iter().zip(&self.folded).filter(|(_, folded)| **folded).map(|(at, _)| *at).collect();
         let near_fold = |f: u32| {
             let corners = self.triangles[f as usize].map(|p| self.now[p.at()]);
-            corners.iter().any(|at| fold.iter().any(|f| (f - at).norm() < RIM))
+            corners.iter().any(|at| fold.iter().any(|f| (f - at).norm() < FOLD_RIM))
         };
         let mut crosses = vec![false; x.len()];
         let mut count = 0;

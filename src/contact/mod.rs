@@ -19,7 +19,7 @@ mod pairs;
 mod places;
 
 pub use body::Body;
-pub use body_field::{BodyField, FieldSettings, KeptField, RIM};
+pub use body_field::{BodyField, FOLD_RIM, FieldSettings, KeptField};
 
 use crate::energy::BlockSink;
 use crate::math::{Mat3, Vec3};
