@@ -3,8 +3,6 @@
 use crate::run::{COTTON, Kind, Pattern, Run};
 use crease::energy::Guide;
 use crease::math::{Mat3, Vec3};
-use crease::mesh::Topology;
-use crease::mesh::crossings::crossings;
 use crease::solve::{NewtonOptions, State};
 use crease::wear::Drive;
 use std::f64::consts::TAU;
@@ -116,14 +114,14 @@ fn what_is_led_against_a_wall_stays_together() {
         Vec3::new(0.155, 0.04 * (u - 0.5) + 1e-3, 0.04 * (v - 0.5) + 2e-3)
     });
     let mut run = Run::new(&pattern, STACKED, 2.0);
-    let topology = Topology::new(pattern.x.len(), &pattern.triangles);
+    let topology = crease::mesh::Topology::new(pattern.x.len(), &pattern.triangles);
     let lead: Vec<Vec3> =
         (0..pattern.x.len()).map(|p| if p < led { Vec3::x() * WAY } else { Vec3::zeros() }).collect();
     let mut x = pattern.x.clone();
     let contact = &mut run.stepper.contact;
     contact.begin_step(&x, 0.03, 0.0, &vec![false; x.len()]);
     contact.advance(&mut x, &lead);
-    assert!(crossings(&x, &pattern.triangles).is_empty());
+    assert!(crease::mesh::crossings::crossings(&x, &pattern.triangles).is_empty());
     let went = |p: usize| (x[p] - pattern.x[p]).x / WAY;
     let apart = topology.edges.iter().map(|e| (went(e[0].at()) - went(e[1].at())).abs()).fold(0.0, f64::max);
     let (least, most) =
