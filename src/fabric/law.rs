@@ -9,7 +9,7 @@
 //! ```
 //!
 //! Lengths have one thing more, ours: an event that leads away from new cloth moves rest by the share of its ceiling that
-//! is left, so that bagging levels off (the residual height of bags over cycles of wear: Zhang, Yeung, Miao, Yao 1999).
+//! is left, so that bagging levels off over cycles of wear. Without it cloth that is caught again and again grows for ever.
 //!
 //! The second bound on s is a guard: an event never raises the stored energy s C²/2. Within a step the angle moves
 //! linearly, and entry into a band, events and leaving are found at their own times, so that a step of half a

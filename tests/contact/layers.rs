@@ -104,7 +104,7 @@ fn a_wrung_sleeve_never_crosses() {
 }
 
 /// Promise: cloth that is led against something is held up there and around, and no point is drawn out of the others: from point
-/// to point the way differs by a tenth, where it did by three quarters.
+/// to point the way differs by a tenth.
 #[test]
 fn what_is_led_against_a_wall_stays_together() {
     const WAY: f64 = 0.02;
