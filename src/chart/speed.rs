@@ -130,6 +130,7 @@ pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
         }
         for cost in costs.iter().filter(|c| (c.points < 7_000) == (points < 7_000)) {
             let stages: Vec<String> = cost.stages.iter().map(|(name, s)| format!("{name} {s:.2}")).collect();
+            let [solver, contact] = cost.ratios(&kernels);
             table.push([
                 cost.scene.into(),
                 (cost.points as u64).into(),
@@ -138,8 +139,8 @@ pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
                 cost.steps.into(),
                 cost.solves.into(),
                 (cost.wall / cost.solves.max(1) as f64 / kernels.factor).into(),
-                cost.ratios(&kernels)[0].into(),
-                cost.ratios(&kernels)[1].into(),
+                solver.into(),
+                contact.into(),
                 stages.join(", ").as_str().into(),
             ]);
         }

@@ -47,6 +47,18 @@ fn along_edge(p: &Vec3, a: &Vec3, b: &Vec3) -> f64 {
     if t > 0.0 { t.min(1.0) } else { 0.0 }
 }
 
+/// Shares of the corners of a triangle at `p`, which lies in their plane; all of the first where it has no area.
+pub fn barycentric(p: &Vec3, [a, b, c]: &[Vec3; 3]) -> [f64; 3] {
+    let (u, v, w) = (b - a, c - a, p - a);
+    let (uu, uv, vv, wu, wv) = (u.dot(&u), u.dot(&v), v.dot(&v), w.dot(&u), w.dot(&v));
+    let determinant = uu * vv - uv * uv;
+    if determinant <= 0.0 {
+        return [1.0, 0.0, 0.0];
+    }
+    let (s, t) = ((vv * wu - uv * wv) / determinant, (uu * wv - uv * wu) / determinant);
+    [1.0 - s - t, s, t]
+}
+
 /// Closest points of the point `p` and the edge `a b`; weights `[1, -(1-t), -t, 0]`.
 #[inline]
 pub fn point_edge(p: &Vec3, a: &Vec3, b: &Vec3) -> Gap {

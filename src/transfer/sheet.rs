@@ -6,6 +6,7 @@
 use crate::format::{Sidecar, SourceAsset};
 use crate::garment::{Garment, RestShape, corner_uvs, corner_vertices};
 use crate::math::{Vec2, Vec3};
+use crate::mesh::distance::barycentric;
 use crate::mesh::{PointIndex, Topology};
 use crate::{Error, Result};
 use rustc_hash::FxHashMap;
@@ -50,7 +51,7 @@ impl Sheet {
             each.map(|(t, &f)| {
                 let (whole, uv) = (coarse.corners(f as usize), &uvs[f as usize]);
                 t.map(|p| {
-                    let weights = weights_in(&garment.points[p.at()], &whole);
+                    let weights = barycentric(&garment.points[p.at()], &whole);
                     uv[0] * weights[0] + uv[1] * weights[1] + uv[2] * weights[2]
                 })
             })
@@ -181,19 +182,6 @@ fn hinge_order(file: &str, topology: &Topology, listed: &[[u32; 4]]) -> Result<V
             })
         })
         .collect()
-}
-
-/// Weights of the corners of a triangle at a place in its plane.
-fn weights_in(place: &Vec3, [a, b, c]: &[Vec3; 3]) -> [f64; 3] {
-    let (u, v, w) = (b - a, c - a, place - a);
-    let (uu, uv, vv) = (u.dot(&u), u.dot(&v), v.dot(&v));
-    let (wu, wv) = (w.dot(&u), w.dot(&v));
-    let all = uu * vv - uv * uv;
-    if all <= 0.0 {
-        return [1.0, 0.0, 0.0];
-    }
-    let (beta, gamma) = ((vv * wu - uv * wv) / all, (uu * wv - uv * wu) / all);
-    [1.0 - beta - gamma, beta, gamma]
 }
 
 fn contradiction(file: &str, place: String, what: impl Into<String>) -> Error {

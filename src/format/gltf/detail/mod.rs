@@ -21,6 +21,7 @@ use crate::format::{GltfDocument, Placement, ReadOptions, SourceAsset, SourcePie
 use crate::garment::{Garment, WornGarment};
 use crate::math::{Mat3, Vec2, Vec3};
 use crate::mesh::PointIndex;
+use crate::mesh::distance::barycentric;
 use crate::{Error, Result};
 use rustc_hash::FxHashMap;
 use serde_json::{Value, json};
@@ -380,18 +381,6 @@ impl<'a> Painter<'a> {
         }
         texels
     }
-}
-
-/// Shares of the corners at `p`, which lies in their plane.
-fn barycentric(p: &Vec3, [a, b, c]: &[Vec3; 3]) -> [f64; 3] {
-    let (u, v, w) = (b - a, c - a, p - a);
-    let (uu, uv, vv, wu, wv) = (u.dot(&u), u.dot(&v), v.dot(&v), w.dot(&u), w.dot(&v));
-    let determinant = uu * vv - uv * uv;
-    if determinant <= 0.0 {
-        return [1.0, 0.0, 0.0];
-    }
-    let (s, t) = ((vv * wu - uv * wv) / determinant, (uu * wv - uv * wu) / determinant);
-    [1.0 - s - t, s, t]
 }
 
 /// The normal map that a material has already, with its scale; why it cannot be combined as the error.
