@@ -190,6 +190,18 @@ pub struct CandidateFinder {
     pairs: Vec<[u32; 2]>,
 }
 
+/// Some points of a mesh and what is around them.
+#[derive(Debug, Clone, Default)]
+pub struct Portion {
+    points: Vec<u32>,
+    /// All with an end among the points.
+    edges: Vec<u32>,
+    /// All with a corner among the points.
+    triangles: Vec<u32>,
+    /// One per triangle of the mesh: whether it is one of them.
+    has: Vec<bool>,
+}
+
 /// A triangle with what belongs to it; [`NONE`] after the last.
 #[derive(Debug, Clone, Copy)]
 struct Triangle {
@@ -293,6 +305,19 @@ impl CandidateFinder {
         let mut pairs = std::mem::take(&mut self.pairs);
         pairs.clear();
         self.tree.for_each_overlap(|a, b| pairs.push([a, b]));
+        self.pairs = pairs;
+        self.compare(start, end, reach, together, skip)
+    }
+
+    /// What comes near of the pairs of triangles found.
+    fn compare(
+        &self,
+        start: &[Vec3],
+        end: &[Vec3],
+        reach: f64,
+        together: bool,
+        skip: &(dyn Fn(Quad) -> bool + Sync),
+    ) -> Candidates {
         let side = Side { together: (together && start != end).then_some(end), ..self.side(start, reach) };
         let compare = |lists: &mut [Shortlist; 2], chunk: &[[u32; 2]]| {
             let [points, edges] = lists;
@@ -308,12 +333,75 @@ impl CandidateFinder {
                 edges.drain(|e, f| side.edge_near::<true>(e, &side, f) && !skip(self.quad_edge_edge(e, f)));
             (points, edges)
         };
-        let found: Vec<_> = pairs.par_chunks(CHUNK).map_init(Default::default, compare).collect();
+        let found: Vec<_> = self.pairs.par_chunks(CHUNK).map_init(Default::default, compare).collect();
         let (point_parts, edge_parts): (Vec<_>, Vec<_>) = found.into_iter().unzip();
         let (point_triangle, edge_edge) =
             rayon::join(|| sorted(&point_parts, start.len()), || sorted(&edge_parts, self.edges.len()));
-        self.pairs = pairs;
         Candidates { point_triangle, edge_edge }
+    }
+
+    /// Fits all to a mesh that rests at `x` \[m\], for searches of `reach` \[m\].
+    pub fn rest(&mut self, x: &[Vec3], reach: f64) {
+        self.fit(x, x, 0.5 * reach * (1.0 + ROUNDING));
+    }
+
+    /// The points for which `moving` is set, one flag per point, as what [`Self::find_around`] moves while everything else
+    /// rests at `x` \[m\]; `reach` \[m\] is that of the searches to come.
+    pub fn portion(&mut self, moving: &[bool], x: &[Vec3], reach: f64) -> Portion {
+        self.rest(x, reach);
+        let among = |points: &[u32]| points.iter().any(|p| moving[*p as usize]);
+        let numbers = |flags: &[bool]| (0..flags.len() as u32).filter(|i| flags[*i as usize]).collect();
+        let edges: Vec<bool> = self.edges.iter().map(|e| among(e)).collect();
+        let has: Vec<bool> = self.triangles.iter().map(|t| among(&t.corners)).collect();
+        Portion { points: numbers(moving), edges: numbers(&edges), triangles: numbers(&has), has }
+    }
+
+    /// [`Self::find`] where only the points of a portion move, all others being where they were when it was made: the pairs
+    /// with one of its triangles.
+    pub fn find_around(
+        &mut self,
+        portion: &Portion,
+        start: &[Vec3],
+        end: &[Vec3],
+        reach: f64,
+        together: bool,
+        skip: &(dyn Fn(Quad) -> bool + Sync),
+    ) -> Candidates {
+        let reach = reach * (1.0 + ROUNDING);
+        self.fit_portion(portion, start, end, 0.5 * reach);
+        let mut pairs = std::mem::take(&mut self.pairs);
+        pairs.clear();
+        for &a in &portion.triangles {
+            self.tree.for_each_overlap_of(a, &self.tree, |b| {
+                if a < b || !portion.has[b as usize] {
+                    pairs.push([a, b]);
+                }
+            });
+        }
+        self.pairs = pairs;
+        self.compare(start, end, reach, together, skip)
+    }
+
+    /// [`Self::find_between`] where only the points of a portion move, all others being where they were when it was made;
+    /// `other` was fitted for this reach and rests.
+    pub fn find_between_around(
+        &mut self,
+        portion: &Portion,
+        start: &[Vec3],
+        end: &[Vec3],
+        other: &Self,
+        other_start: &[Vec3],
+        reach: f64,
+    ) -> CandidatesBetween {
+        let reach = reach * (1.0 + ROUNDING);
+        self.fit_portion(portion, start, end, 0.5 * reach);
+        let mut pairs = std::mem::take(&mut self.pairs);
+        pairs.clear();
+        for &a in &portion.triangles {
+            self.tree.for_each_overlap_of(a, &other.tree, |b| pairs.push([a, b]));
+        }
+        self.pairs = pairs;
+        self.compare_between(start, other, other_start, reach)
     }
 
     /// The same between this mesh and another, both moving.
@@ -332,6 +420,17 @@ impl CandidateFinder {
         let mut pairs = std::mem::take(&mut self.pairs);
         pairs.clear();
         self.tree.for_each_overlap_with(&other.tree, |a, b| pairs.push([a, b]));
+        self.pairs = pairs;
+        self.compare_between(start, other, other_start, reach)
+    }
+
+    fn compare_between(
+        &self,
+        start: &[Vec3],
+        other: &Self,
+        other_start: &[Vec3],
+        reach: f64,
+    ) -> CandidatesBetween {
         let (first, second) = (self.side(start, reach), other.side(other_start, reach));
         let compare = |lists: &mut [Shortlist; 3], chunk: &[[u32; 2]]| {
             let [points, triangles, edges] = lists;
@@ -345,16 +444,14 @@ impl CandidateFinder {
             let edges = edges.drain(|e, f| first.edge_near::<false>(e, &second, f));
             (points, (triangles, edges))
         };
-        let found: Vec<_> = pairs.par_chunks(CHUNK).map_init(Default::default, compare).collect();
+        let found: Vec<_> = self.pairs.par_chunks(CHUNK).map_init(Default::default, compare).collect();
         let (points, rest): (Vec<_>, Vec<_>) = found.into_iter().unzip();
         let (triangles, edges): (Vec<_>, Vec<_>) = rest.into_iter().unzip();
-        let candidates = CandidatesBetween {
+        CandidatesBetween {
             point_triangle: sorted(&points, start.len()),
             triangle_point: sorted(&triangles, other_start.len()),
             edge_edge: sorted(&edges, self.edges.len()),
-        };
-        self.pairs = pairs;
-        candidates
+        }
     }
 
     fn fit(&mut self, start: &[Vec3], end: &[Vec3], inflate: f64) {
@@ -374,6 +471,28 @@ impl CandidateFinder {
         self.triangle_boxes.clear();
         let corners = self.triangles.iter().map(|t| t.corners);
         self.triangle_boxes.extend(corners.map(|[a, b, c]| point(a).with(point(b)).with(point(c))));
+    }
+
+    /// Fits what belongs to a portion to its motion.
+    fn fit_portion(&mut self, portion: &Portion, start: &[Vec3], end: &[Vec3], inflate: f64) {
+        self.tree.refit_some(&portion.triangles, start, end, inflate);
+        self.ways.resize(start.len(), 0.0);
+        for &p in &portion.points {
+            let (from, to) = (&start[p as usize], &end[p as usize]);
+            let way = (to - from).norm();
+            self.ways[p as usize] = if way.is_finite() { way } else { 0.0 };
+            self.point_boxes[p as usize] = SweptBox::of_point(from, to);
+        }
+        let points = &self.point_boxes;
+        let point = |p: u32| &points[p as usize];
+        for &e in &portion.edges {
+            let [a, b] = self.edges[e as usize];
+            self.edge_boxes[e as usize] = point(a).with(point(b));
+        }
+        for &f in &portion.triangles {
+            let [a, b, c] = self.triangles[f as usize].corners;
+            self.triangle_boxes[f as usize] = point(a).with(point(b)).with(point(c));
+        }
     }
 
     fn side<'a>(&'a self, start: &'a [Vec3], reach: f64) -> Side<'a> {
@@ -634,6 +753,58 @@ mod tests {
             assert!(found.point_triangle.is_sorted() && found.edge_edge.is_sorted());
             assert!(found.edge_edge.iter().all(|[e, f]| e < f));
         }
+    }
+
+    /// Around a portion that moves while the rest does not: the same pairs as a search of everything, less those that rest.
+    #[test]
+    fn around_a_portion_no_pair_is_missing_and_none_too_many() {
+        let mesh = Mesh::pile(4, 6, 5, 1e-3, 2e-4);
+        let mut draw = Draw::from_state(9);
+        let moving: Vec<bool> = (0..mesh.points.len()).map(|p| p % 11 < 2).collect();
+        for way in [0.0, 1e-3, 8e-3] {
+            let all = shaken(&mesh.points, way, &mut draw);
+            let ends = mesh.points.iter().zip(&all).zip(&moving);
+            let end: Vec<Vec3> = ends.map(|((x, y), moving)| if *moving { *y } else { *x }).collect();
+            let rests = |quad: Quad| quad.points.iter().all(|p| !moving[p.at()]);
+            for together in [false, true] {
+                let wanted = mesh.finder().find(&mesh.points, &end, 2e-3, together, &rests);
+                let mut finder = mesh.finder();
+                let portion = finder.portion(&moving, &mesh.points, 2e-3);
+                // What is found does not depend on where the portion went before.
+                let elsewhere = shaken(&mesh.points, 4e-3, &mut draw);
+                for (target, told) in [(&elsewhere, false), (&all, true)] {
+                    let to = |p: usize| if moving[p] { target[p] } else { mesh.points[p] };
+                    let end: Vec<Vec3> = (0..moving.len()).map(to).collect();
+                    let found = finder.find_around(&portion, &mesh.points, &end, 2e-3, together, &rests);
+                    assert!(!told || found == wanted, "{way} {together}");
+                }
+                assert!(wanted.len() > 100, "{}", wanted.len());
+            }
+        }
+    }
+
+    #[test]
+    fn between_a_portion_and_another_mesh_no_pair_is_missing() {
+        let (mesh, other) = (Mesh::pile(1, 6, 5, 1e-3, 2e-4), Mesh::pile(1, 7, 4, 1e-3, 2e-4));
+        let below: Vec<Vec3> = other.points.iter().map(|x| x - Vec3::z() * 1e-3).collect();
+        let moving: Vec<bool> = (0..mesh.points.len()).map(|p| p % 7 == 0).collect();
+        let mut draw = Draw::from_state(4);
+        let all = shaken(&mesh.points, 3e-3, &mut draw);
+        let end: Vec<Vec3> =
+            (0..all.len()).map(|p| if moving[p] { all[p] } else { mesh.points[p] }).collect();
+        let (mut finder, mut second) = (mesh.finder(), other.finder());
+        let everything = finder.find_between(&mesh.points, &end, &mut second, &below, &below, 2e-3);
+        second.rest(&below, 2e-3);
+        let portion = finder.portion(&moving, &mesh.points, 2e-3);
+        let found = finder.find_between_around(&portion, &mesh.points, &end, &second, &below, 2e-3);
+        let (count, fixed) = (mesh.points.len() as u32, mesh.finder());
+        let moves = |quad: &Quad| quad.points.iter().any(|p| moving.get(p.at()).is_some_and(|m| *m));
+        let quads = |found: &CandidatesBetween| -> BTreeSet<Quad> {
+            found.quads(&fixed, &second, count).filter(moves).collect()
+        };
+        let wanted = quads(&everything);
+        assert!(wanted.len() > 30, "{}", wanted.len());
+        assert_eq!(quads(&found), wanted);
     }
 
     #[test]

@@ -54,6 +54,8 @@ pub(super) struct Friction {
     stick: f64,
     /// How much more a contact bears that sticks.
     stiction: f64,
+    /// All of them, while only some points move.
+    all: Option<Vec<Slider>>,
     /// Stretch after the last accepted step, as a share of `stick`.
     kept: FxHashMap<Key, Vec3>,
 }
@@ -107,6 +109,20 @@ impl Friction {
             }
         }
         self.sliders.push(slider);
+    }
+
+    /// Leaves out contacts of points that all rest: one flag per point that `moving` ones have set.
+    pub fn focus(&mut self, moving: &[bool]) {
+        let moves = |s: &&Slider| s.points.iter().any(|p| moving.get(*p as usize).is_some_and(|m| *m));
+        let few = self.sliders.iter().filter(moves).copied().collect();
+        self.all = Some(std::mem::replace(&mut self.sliders, few));
+    }
+
+    /// All contacts count again.
+    pub fn unfocus(&mut self) {
+        if let Some(all) = self.all.take() {
+            self.sliders = all;
+        }
     }
 
     /// What all contacts kept, in a fixed order.

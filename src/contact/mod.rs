@@ -299,6 +299,27 @@ impl Contact {
         *self.spent.get_mut() += clock.elapsed().as_nanos() as u64;
     }
 
+    /// From here on only the points for which `moving` is set move, one flag per point: contacts of all others with one another
+    /// and with the body are left out of value, gradient and Hessian, and no move is bounded by them.
+    pub fn focus(&mut self, x: &[Vec3], moving: &[bool]) {
+        let clock = Instant::now();
+        if let Some(pairs) = &mut self.pairs {
+            pairs.focus(x, moving);
+        }
+        self.friction.focus(moving);
+        *self.spent.get_mut() += clock.elapsed().as_nanos() as u64;
+    }
+
+    /// All points move again, and all contacts count.
+    pub fn unfocus(&mut self) {
+        let clock = Instant::now();
+        if let Some(pairs) = &mut self.pairs {
+            pairs.unfocus();
+        }
+        self.friction.unfocus();
+        *self.spent.get_mut() += clock.elapsed().as_nanos() as u64;
+    }
+
     /// Shortens the moves `d` of single points until the way from `x` to `x + d` (and to every share of it) keeps
     /// all pairs apart. Afterwards values may be asked for anywhere on that way.
     pub fn bound_motion(&mut self, x: &[Vec3], d: &mut [Vec3]) {

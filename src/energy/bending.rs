@@ -22,6 +22,8 @@ use crate::math::{Vec2, Vec3};
 use crate::mesh::{Topology, hinge_angle, hinge_gradient, unwrap_angle};
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
+use rustc_hash::FxHashMap;
+use std::borrow::Cow;
 
 /// What never changes during a run.
 #[derive(Debug, Clone)]
@@ -122,6 +124,32 @@ impl Bending {
         Self { points, faces, stencils, coupling, width, damping, apart: false }
     }
 
+    /// The same with the faces only that have a point for which `kept` is set, and the hinges of those in the new order.
+    fn around(&self, kept: &[bool]) -> (Self, Vec<u32>) {
+        let has = |f: &usize| self.stencil(*f).iter().any(|p| kept[*p as usize]);
+        let faces: Vec<usize> = (0..self.faces.len()).filter(has).collect();
+        let (mut hinges, mut number) = (Vec::new(), FxHashMap::default());
+        let mut anew = |h: u32| {
+            if h == NONE {
+                return NONE;
+            }
+            *number.entry(h).or_insert_with(|| {
+                hinges.push(h);
+                hinges.len() as u32 - 1
+            })
+        };
+        let model = Self {
+            faces: faces.iter().map(|&f| self.faces[f].map(&mut anew)).collect(),
+            stencils: faces.iter().map(|&f| self.stencils[f]).collect(),
+            coupling: faces.iter().map(|&f| self.coupling[f]).collect(),
+            points: hinges.iter().map(|&h| self.points[h as usize]).collect(),
+            width: hinges.iter().map(|&h| self.width[h as usize]).collect(),
+            damping: self.damping,
+            apart: self.apart,
+        };
+        (model, hinges)
+    }
+
     /// The points of the hinges of face `f`.
     fn stencil(&self, f: usize) -> &[u32] {
         let points = &self.stencils[f];
@@ -165,19 +193,19 @@ impl Bending {
         let target =
             memory.rest_angle.iter().zip(last).map(|(r, l)| (r + share * l) / (1.0 + share)).collect();
         let root = memory.stiffness_ratio.iter().map(|s| (s * (1.0 + share)).sqrt()).collect();
-        BendingTerm { model: self, target, root, last }
+        BendingTerm { model: Cow::Borrowed(self), target, root, last: Cow::Borrowed(last) }
     }
 }
 
 /// Bending during one step.
 pub struct BendingTerm<'a> {
-    model: &'a Bending,
+    model: Cow<'a, Bending>,
     /// Per hinge: target angle of elasticity and damping together [rad].
     target: Vec<f64>,
     /// Per hinge: square root of its stiffness factor.
     root: Vec<f64>,
     /// Per hinge: unwrapped angle of the last accepted state [rad].
-    last: &'a [f64],
+    last: Cow<'a, [f64]>,
 }
 
 impl BendingTerm<'_> {
@@ -272,11 +300,24 @@ impl Energy for BendingTerm<'_> {
     fn visit_stencils(&self, visit: &mut dyn FnMut(&[u32])) {
         (0..self.model.faces.len()).for_each(|f| visit(self.model.stencil(f)));
     }
+
+    fn around(&self, kept: &[bool]) -> Option<Box<dyn Energy + '_>> {
+        let (model, hinges) = self.model.around(kept);
+        let of = |field: &[f64]| hinges.iter().map(|&h| field[h as usize]).collect::<Vec<f64>>();
+        Some(Box::new(BendingTerm {
+            target: of(&self.target),
+            root: of(&self.root),
+            last: Cow::Owned(of(&self.last)),
+            model: Cow::Owned(model),
+        }))
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::shelf_tests::{check_gradient_and_hessian, check_rigid_motion, dense_hessian};
+    use super::super::shelf_tests::{
+        check_around, check_gradient_and_hessian, check_rigid_motion, dense_hessian,
+    };
     use super::*;
     use crate::mesh::PointIndex;
 
@@ -336,6 +377,7 @@ mod tests {
         let term = bending.term(&memory, &last, 0.01);
         check_gradient_and_hessian(&term, &x, 1e-8);
         check_rigid_motion(&term, &x);
+        check_around(&term, &x, &[false, true, false, false, false, false], 1e-4);
     }
 
     #[test]

@@ -16,6 +16,7 @@ use super::{BlockSink, Energy, add_symmetric, sum_of};
 use crate::fabric::Fabric;
 use crate::garment::{Garment, RestShape};
 use crate::math::{Mat3, Vec2, Vec3};
+use std::borrow::Cow;
 
 /// What never changes during a run: one entry per triangle.
 #[derive(Debug, Clone)]
@@ -67,6 +68,16 @@ impl Membrane {
             area.push(0.5 * twice.abs());
         }
         Self { corners: corners.to_vec(), derivative, area, stiffness, damping }
+    }
+
+    /// The same of some triangles only.
+    fn of(&self, faces: &[usize]) -> Self {
+        Self {
+            corners: faces.iter().map(|&f| self.corners[f]).collect(),
+            derivative: faces.iter().map(|&f| self.derivative[f]).collect(),
+            area: faces.iter().map(|&f| self.area[f]).collect(),
+            ..*self
+        }
     }
 
     /// Rest area of every triangle [m²].
@@ -123,13 +134,13 @@ impl Membrane {
                 }
             })
             .collect();
-        MembraneTerm { model: self, target, factor: 1.0 + share }
+        MembraneTerm { model: Cow::Borrowed(self), target, factor: 1.0 + share }
     }
 }
 
 /// Stretch and shear during one step.
 pub struct MembraneTerm<'a> {
-    model: &'a Membrane,
+    model: Cow<'a, Membrane>,
     /// Per triangle: target of |w_u|, |w_v|, w_u.w_v.
     target: Vec<[f64; 3]>,
     /// Stiffness factor of elasticity and damping together.
@@ -203,11 +214,22 @@ impl Energy for MembraneTerm<'_> {
     fn visit_stencils(&self, visit: &mut dyn FnMut(&[u32])) {
         self.model.corners.iter().for_each(|t| visit(t));
     }
+
+    fn around(&self, kept: &[bool]) -> Option<Box<dyn Energy + '_>> {
+        let has = |t: &[u32; 3]| t.iter().any(|p| kept[*p as usize]);
+        let faces: Vec<usize> =
+            self.model.corners.iter().enumerate().filter(|(_, t)| has(t)).map(|(f, _)| f).collect();
+        Some(Box::new(MembraneTerm {
+            target: faces.iter().map(|&f| self.target[f]).collect(),
+            model: Cow::Owned(self.model.of(&faces)),
+            factor: self.factor,
+        }))
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::shelf_tests::{check_gradient_and_hessian, check_rigid_motion};
+    use super::super::shelf_tests::{check_around, check_gradient_and_hessian, check_rigid_motion};
     use super::*;
 
     fn pair() -> (Membrane, RestShape) {
@@ -236,6 +258,7 @@ mod tests {
         for term in [membrane.term(&memory, &[], 0.01), membrane.term(&memory, &last, 0.01)] {
             check_gradient_and_hessian(&term, &posed(), 1e-7);
             check_rigid_motion(&term, &posed());
+            check_around(&term, &posed(), &[false, false, false, true], 1e-3);
         }
     }
 

@@ -50,6 +50,11 @@ pub trait Energy: Sync {
     fn add_hessian(&self, x: &[Vec3], out: &mut dyn BlockSink);
     /// Visits every group of points that the Hessian couples.
     fn visit_stencils(&self, _visit: &mut dyn FnMut(&[u32])) {}
+    /// The same with fewer elements: all that have a point for which `kept` is set (one flag per point). There gradient and
+    /// Hessian stay what they are, and the value changes alike. `None` where leaving elements out is not worth while.
+    fn around(&self, _kept: &[bool]) -> Option<Box<dyn Energy + '_>> {
+        None
+    }
 }
 
 /// The sum of a function of every element and its number, in the same order for any number of threads.
@@ -130,6 +135,25 @@ pub(crate) mod shelf_tests {
             eigen.min(),
             eigen.max()
         );
+    }
+
+    /// With the elements around some points only: the same forces and blocks there, and the same differences of the value.
+    pub(crate) fn check_around(term: &dyn Energy, x: &[Vec3], kept: &[bool], step: f64) {
+        let part = term.around(kept).expect("the term has parts");
+        let (mut whole, mut few) = (vec![Vec3::zeros(); x.len()], vec![Vec3::zeros(); x.len()]);
+        term.add_gradient(x, &mut whole);
+        part.add_gradient(x, &mut few);
+        let scale = whole.iter().map(|g| g.amax()).fold(0.0, f64::max);
+        let (h, hp) = (dense_hessian(term, x), dense_hessian(part.as_ref(), x));
+        for p in (0..x.len()).filter(|&p| kept[p]) {
+            assert!((whole[p] - few[p]).amax() <= 1e-12 * scale, "{}: point {p}", term.name());
+            let (rows, fewer) = (h.rows(3 * p, 3), hp.rows(3 * p, 3));
+            assert!((rows - fewer).amax() <= 1e-12 * h.amax(), "{}: rows of point {p}", term.name());
+            let mut moved = x.to_vec();
+            moved[p].z += step;
+            let [all, some] = [term, part.as_ref()].map(|term| term.value(&moved) - term.value(x));
+            assert!((all - some).abs() <= 1e-9 * all.abs().max(some.abs()), "{}: {all} {some}", term.name());
+        }
     }
 
     /// Translation and rotation change neither the value nor (in their frame) the forces.

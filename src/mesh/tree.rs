@@ -93,11 +93,20 @@ impl TriangleTree {
         self.bvh = Bvh::from_iter(BvhBuildStrategy::Binned, grown);
     }
 
+    /// Fits the boxes of some triangles only; those of the others stay as they were fitted last.
+    pub fn refit_some(&mut self, triangles: &[u32], start: &[Vec3], end: &[Vec3], inflate: f64) {
+        self.fit_these(triangles.iter().copied(), start, end, inflate);
+    }
+
     fn fit(&mut self, start: &[Vec3], end: &[Vec3], inflate: f64) {
-        for (f, t) in self.triangles.iter().enumerate() {
-            let swept = swept_box(t, start, end, inflate);
+        self.fit_these(0..self.triangles.len() as u32, start, end, inflate);
+    }
+
+    fn fit_these(&mut self, which: impl Iterator<Item = u32>, start: &[Vec3], end: &[Vec3], inflate: f64) {
+        for f in which {
+            let swept = swept_box(&self.triangles[f as usize], start, end, inflate);
             // A margin of zero: the box is taken as it is. Always present, the tree was built over all triangles.
-            let _ = self.bvh.update_partially_if_present(swept, f as u32, 0.0);
+            let _ = self.bvh.update_partially_if_present(swept, f, 0.0);
         }
         self.bvh.refit_without_opt();
     }
@@ -117,6 +126,13 @@ impl TriangleTree {
             {
                 visit(a, b);
             }
+        }
+    }
+
+    /// Calls `visit` for every triangle of `other` whose box overlaps that of the triangle `own`, in no order to rely on.
+    pub fn for_each_overlap_of(&self, own: u32, other: &Self, visit: impl FnMut(u32)) {
+        if let Some(node) = self.bvh.leaf_node(own) {
+            other.bvh.leaves(|other| node.intersects(other)).for_each(visit);
         }
     }
 

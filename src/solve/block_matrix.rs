@@ -139,30 +139,6 @@ impl BlockMatrix {
         &self.value
     }
 
-    /// The rows and columns of the points for which `kept` is set, one flag per point, with their values.
-    pub fn part(&self, kept: &[bool]) -> Self {
-        let mut row_of = vec![HELD; self.row_of.len()];
-        let mut point_of = Vec::new();
-        for &p in self.point_of.iter().filter(|&&p| kept[p as usize]) {
-            row_of[p as usize] = point_of.len() as u32;
-            point_of.push(p);
-        }
-        let (mut start, mut column, mut value) = (vec![0], Vec::new(), Vec::new());
-        for &p in &point_of {
-            let r = self.row_of[p as usize] as usize;
-            for (&c, block) in self.row(r).iter().zip(self.blocks(r)) {
-                // Rows keep their order, so columns stay sorted and the diagonal last.
-                let c = row_of[self.point_of[c as usize] as usize];
-                if c != HELD {
-                    column.push(c);
-                    value.push(*block);
-                }
-            }
-            start.push(column.len() as u32);
-        }
-        Self { row_of, point_of, start, column, value, went: Vec::new() }
-    }
-
     /// Adds to `marked`, one flag per point, the points that a marked one is coupled to.
     pub fn widen(&self, marked: &mut [bool]) {
         let before = marked.to_vec();

@@ -8,6 +8,7 @@ mod damping;
 mod follow;
 mod integrator;
 mod newton;
+mod places;
 mod state;
 mod step;
 mod sweep;

@@ -9,6 +9,7 @@
 //! search that never lets phi grow. Knows no integrator and no script.
 
 use super::damping::Damping;
+use super::places::Peace;
 use super::{BlockMatrix, Cholesky, FactorError, HELD, conjugate_gradient};
 use crate::contact::Contact;
 use crate::energy::Energy;
@@ -82,31 +83,35 @@ const BLIND: f64 = 1e-10;
 pub struct Workspace {
     matrix: BlockMatrix,
     direct: Cholesky,
-    /// For parts.
-    local: Cholesky,
+    /// For single places.
+    pub(super) places: Option<Box<Self>>,
     /// Points that were held when the whole was last factorised, one flag each; empty without a factor.
     factorised_for: Vec<bool>,
+    /// Solves to come that may begin with single places.
+    calm: u32,
+    /// Whether something was added to the system as it was assembled: inertia, or a shift.
+    altered: bool,
     /// Solves to come that do without an older factor, and how many will after it has failed again.
     pause: u32,
     next_pause: u32,
 }
 
 /// A line search that keeps less of the way than this has failed, and the way is cut differently.
-const LEAST_SHARE: f64 = 0.01;
+pub(super) const LEAST_SHARE: f64 = 0.01;
 /// No point goes farther in one iteration [m], apart from what all do alike: a direction that throws one far off sweeps all
 /// others on the way, and the search for contacts drowns in candidates.
-const FARTHEST: f64 = 0.25;
+pub(super) const FARTHEST: f64 = 0.25;
 /// A step whose moves are short has not converged while it has more than this many times the energy to gain that counts as
 /// converged.
 const JAMMED: f64 = 100.0;
-/// Share of the energy that counts as converged which points outside a part may have to gain.
-const LEFT_OUT: f64 = 0.5;
-/// A part reaches this many rings of neighbours beyond its restless points.
-const RINGS: usize = 2;
-/// A part of more than this share of the free points is not worth while.
-const FEW: f64 = 0.6;
+/// A direction of the whole of which this share was gone leaves single places to settle.
+const WENT: f64 = 0.2;
+/// Where a first look at the whole finds it converged, so many solves after it begin with single places,
+const CALM_SOLVES: u32 = 4;
+/// in steps of up to so many seconds.
+const CALM_SPAN: f64 = 0.15;
 /// So many local iterations are allowed in place of one of the whole.
-const LOCAL_FOR_WHOLE: usize = 2;
+const LOCAL_FOR_WHOLE: usize = 8;
 /// Share of the energy that counts as converged which a direction from an older factor may leave open.
 const LEFT_OPEN: f64 = 0.01;
 /// Where an older factor fails again and again it is tried once in so many solves.
@@ -120,6 +125,11 @@ impl Workspace {
         &self.matrix
     }
 
+    /// The next solve begins with the whole.
+    pub(super) fn expect_motion(&mut self) {
+        self.calm = 0;
+    }
+
     /// Forgets the pattern: the terms of the next solve couple other points.
     pub fn reset(&mut self) {
         *self = Self::default();
@@ -127,7 +137,7 @@ impl Workspace {
 }
 
 /// The farthest that a point which is not held goes from what all of those do on average [m].
-fn spread(d: &[Vec3], held: &[bool]) -> f64 {
+pub(super) fn spread(d: &[Vec3], held: &[bool]) -> f64 {
     let free = || d.iter().zip(held).filter(|(_, held)| !**held).map(|(d, _)| d);
     let mean = free().sum::<Vec3>() / free().count().max(1) as f64;
     free().map(|d| (d - mean).norm()).fold(0.0, f64::max)
@@ -152,7 +162,7 @@ fn rows_of_free(held: &[bool]) -> Vec<u32> {
 
 /// phi at one place.
 #[derive(Debug, Clone, Copy)]
-struct Value {
+pub(super) struct Value {
     /// phi [J].
     sum: f64,
     /// Sum of the magnitudes of its terms [J]: they may cancel, their rounding does not.
@@ -167,7 +177,7 @@ impl Value {
 }
 
 impl Problem<'_> {
-    fn value(&self, x: &[Vec3], contact: &Contact) -> Value {
+    pub(super) fn value(&self, x: &[Vec3], contact: &Contact) -> Value {
         let mut value = Value { sum: 0.0, size: 0.0 };
         if let Some((mass, inertial, span)) = self.inertia {
             let moved: f64 = x
@@ -226,6 +236,7 @@ impl Problem<'_> {
                 contact.add_hessian(x, out);
             })
         };
+        work.altered = false;
         // The pattern looks ahead and is kept until a block finds no place in it.
         if !(work.matrix.holds(self.held) && fill(&mut work.matrix)) {
             work.matrix = BlockMatrix::with_pattern(rows_of_free(self.held), &mut |visit| {
@@ -259,48 +270,6 @@ impl Problem<'_> {
         self.assemble(x, contact, work);
         report.seconds[0] += clock.elapsed().as_secs_f64();
         g
-    }
-
-    /// The points that still have energy to gain, one flag per point, and those that they are coupled to; `None` if
-    /// they are many.
-    ///
-    /// What a point could gain by itself is g·D⁻¹g with its diagonal block D. After a full step of the whole, what is left is
-    /// local: a contact that came or went, an element that turned over. The points that are left out could gain less
-    /// than a share of what counts as converged.
-    fn restless(&self, g: &[Vec3], enough: f64, work: &Workspace) -> Option<Vec<bool>> {
-        let matrix = &work.matrix;
-        let mut gains: Vec<(f64, u32)> = Vec::with_capacity(matrix.row_count());
-        for (r, &p) in matrix.points().iter().enumerate() {
-            let g = &g[p as usize];
-            gains.push((matrix.diagonal(r).cholesky()?.solve(g).dot(g), p));
-        }
-        gains.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let mut left = LEFT_OUT * enough;
-        let peaceful = gains.iter().take_while(|(gain, _)| {
-            left -= gain;
-            left >= 0.0
-        });
-        let peaceful = peaceful.count();
-        let mut restless = vec![false; g.len()];
-        gains[peaceful..].iter().for_each(|&(_, p)| restless[p as usize] = true);
-        (0..RINGS).for_each(|_| matrix.widen(&mut restless));
-        let count = restless.iter().filter(|r| **r).count();
-        (count as f64 <= FEW * matrix.row_count() as f64).then_some(restless)
-    }
-
-    /// Newton direction of the restless points, all others staying.
-    fn local_direction(
-        &self,
-        x: &[Vec3],
-        g: &[Vec3],
-        kept: &[bool],
-        work: &mut Workspace,
-    ) -> Option<Vec<Vec3>> {
-        let part = work.matrix.part(kept);
-        let mut rhs = downhill(&part, g);
-        work.local.factorise(&part, x).ok()?;
-        work.local.solve(&part, &mut rhs).ok()?;
-        Some(part.scatter(&rhs))
     }
 
     /// Newton direction from the factor that is there, of an older system; none where too much has changed since.
@@ -346,11 +315,20 @@ impl Problem<'_> {
                     }
                     let more = if shift == 0.0 { 1e-10 * largest } else { 9.0 * shift };
                     shift += more;
+                    work.altered = true;
                     (0..x.len()).for_each(|p| work.matrix.add_diagonal(p, more));
                 }
             }
         }
         None
+    }
+
+    /// Whether the last look at the whole found so little to gain that single places may settle first.
+    fn begins_with_places(&self, work: &mut Workspace) -> bool {
+        let short = self.inertia.is_some_and(|(_, _, span)| span <= CALM_SPAN);
+        let calm = work.calm > 0 && short && !work.altered && work.matrix.holds(self.held);
+        work.calm = work.calm.saturating_sub(1);
+        calm
     }
 
     /// Minimises phi from `x`, in place, where `contact` has begun its step. Every intermediate position keeps layers apart if the first did.
@@ -366,27 +344,47 @@ impl Problem<'_> {
             report.converged = true;
             return report;
         }
+        if self.begins_with_places(work) {
+            let clock = std::time::Instant::now();
+            let g = self.gradient(x, contact);
+            report.seconds[0] += clock.elapsed().as_secs_f64();
+            if let Peace::Everywhere = self.settle_places(x, &g, contact, options, work, &mut report) {
+                report.converged = true;
+                return report;
+            }
+        }
         let mut value = self.value(x, contact);
-        let mut whole_went = false;
+        let mut whole_went = 0.0;
         let mut damping = Damping::default();
         // Local iterations are cheap: they count for less.
         let spent = |report: &NewtonReport| report.iterations + report.local_iterations / LOCAL_FOR_WHOLE;
         while spent(&report) < options.most_iterations {
             let g = self.linearise(x, contact, work, &mut report);
             let clock = std::time::Instant::now();
+            if whole_went >= WENT && !damping.acts() {
+                match self.settle_places(x, &g, contact, options, work, &mut report) {
+                    Peace::Everywhere if whole_went == 1.0 => {
+                        report.converged = true;
+                        break;
+                    }
+                    // What is left of a direction that was cut short no single place can tell.
+                    Peace::Everywhere | Peace::Nearer => {
+                        value = self.value(x, contact);
+                        whole_went = 0.0;
+                        continue;
+                    }
+                    Peace::Nowhere => {}
+                }
+            }
             if let Some((mass, _, span)) = self.inertia.filter(|_| damping.acts()) {
                 damping.add_to(&mut work.matrix, mass, span);
+                work.altered = true;
             }
-            let part =
-                if whole_went && !damping.acts() { self.restless(&g, options.energy, work) } else { None };
-            let local = part.and_then(|part| self.local_direction(x, &g, &part, work));
-            let is_whole = local.is_none();
-            let older = if is_whole { self.direction_from_older(&g, options.energy, work) } else { None };
-            let direction = local.or(older).or_else(|| self.direction(x, &g, work));
+            let older = self.direction_from_older(&g, options.energy, work);
+            let direction = older.or_else(|| self.direction(x, &g, work));
             report.seconds[1] += clock.elapsed().as_secs_f64();
             let Some(mut d) = direction else { break };
-            report.iterations += usize::from(is_whole);
-            report.local_iterations += usize::from(!is_whole);
+            report.iterations += 1;
             report.last_move = d.iter().map(|d| d.norm()).fold(0.0, f64::max);
             if !report.last_move.is_finite() {
                 break;
@@ -397,13 +395,16 @@ impl Problem<'_> {
             }
             let decrement: f64 = -g.iter().zip(&d).map(|(g, d)| g.dot(d)).sum::<f64>();
             report.left = decrement;
+            if report.iterations == 1 {
+                work.calm = if decrement <= options.energy { CALM_SOLVES } else { 0 };
+            }
             // Where layers are jammed moves are short although much is left to gain.
             let jammed = options.energy > 0.0 && decrement > JAMMED * options.energy;
             let done = !damping.acts()
                 && (report.last_move <= options.tolerance && !jammed || decrement <= options.energy);
             let before = value.sum;
             let moved = self.move_with(x, &g, &d, &mut value, contact, &mut report);
-            whole_went = if is_whole { moved == 1.0 } else { whole_went && moved > LEAST_SHARE };
+            whole_went = moved;
             if damping.acts() && decrement <= options.energy {
                 damping.relieve();
                 continue;
@@ -411,7 +412,7 @@ impl Problem<'_> {
             if moved == 0.0 && damping.tighten() {
                 continue;
             }
-            if is_whole && self.inertia.is_some() {
+            if self.inertia.is_some() {
                 damping.learn((before - value.sum) / decrement.max(f64::MIN_POSITIVE), spread);
             }
             if done || moved == 0.0 {
@@ -424,7 +425,7 @@ impl Problem<'_> {
     }
 
     /// Moves `x` along `d` as far as layers and the line search allow; the share of the way that was kept.
-    fn move_with(
+    pub(super) fn move_with(
         &self,
         x: &mut [Vec3],
         g: &[Vec3],

@@ -63,6 +63,8 @@ pub struct Stepper {
     /// How steps are made.
     pub options: StepOptions,
     work: Workspace,
+    /// Length that the error of the last step would have let the next one have [s].
+    could_take: f64,
 }
 
 /// Energies of a step borrow its parts; this owns what must outlive them.
@@ -77,13 +79,14 @@ struct Forces {
 impl Stepper {
     /// A stepper for `cloth`.
     pub fn new(cloth: Cloth, contact: Contact, options: StepOptions) -> Self {
-        Self { cloth, contact, options, work: Workspace::default() }
+        Self { cloth, contact, options, work: Workspace::default(), could_take: 0.0 }
     }
 
     /// Forgets what is kept between steps for speed alone (the pattern of the system, its elimination order): the next
     /// step then depends on nothing but what it is given. The pattern decides the order of sums and so the last bits.
     pub fn forget(&mut self) {
         self.work.reset();
+        self.could_take = 0.0;
     }
 
     /// One accepted step of at most `wished` seconds; `drive_at` gives what acts at a time [s]. The memory is only
@@ -97,6 +100,11 @@ impl Stepper {
     ) -> StepReport {
         let mut h = wished.min(self.options.longest);
         let mut drive = drive_at(state.time + h, state);
+        // Only in a hold, with steps that something else than motion keeps short, does next to nothing but memory move the cloth.
+        let holds = drive.longest_step.is_infinite() && h <= KEPT_SHORT * self.could_take;
+        if !holds || self.options.method.solver() != Solver::Converged {
+            self.work.expect_motion();
+        }
         if h > drive.longest_step {
             h = drive.longest_step;
             drive = drive_at(state.time + h, state);
@@ -122,6 +130,7 @@ impl Stepper {
                 let wanted = (0.8 * self.options.error / error.max(1e-12)).powf(exponent).clamp(0.3, 1.9);
                 // A step that did not converge is a hard one: do not grow into the next.
                 let growth = if settled || stands { wanted } else { wanted.min(1.0) };
+                self.could_take = h * growth;
                 *state = next;
                 self.contact.accept(&state.x, h);
                 return StepReport {
@@ -313,6 +322,9 @@ impl Stepper {
         problem.solve(x, &mut self.contact, newton, &mut self.work)
     }
 }
+
+/// A step is kept short by something else if it is at most this share of what its error would allow.
+const KEPT_SHORT: f64 = 0.6;
 
 /// A body that is held up is led again, after the cloth has given way, this many times in all.
 const LED_AGAIN: usize = 3;

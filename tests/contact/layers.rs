@@ -129,3 +129,44 @@ fn what_is_led_against_a_wall_stays_together() {
     println!("shares of the way: {least:.2} to {most:.2}, {apart:.3} at most from point to point");
     assert!(least > 0.1 && least < 0.26 && most > 0.999 && apart < 0.11);
 }
+
+/// Promise: where only some points move, contact among them and with what rests is what it is among all: same forces, same
+/// differences of the energy, and what bounds a move.
+#[test]
+fn focused_contact_is_the_same_for_those_that_move() {
+    let mut run = stack(4, 400, 3, 0.3);
+    let x = run.state.x.clone();
+    let contact = &mut run.stepper.contact;
+    let moving: Vec<bool> = (0..x.len()).map(|p| p % 9 == 4).collect();
+    contact.begin_step(&x, 0.01, 1.0, &vec![false; x.len()]);
+    let mut way: Vec<Vec3> = moving.iter().map(|m| Vec3::new(4e-5, -4e-4, 2e-5) * f64::from(*m)).collect();
+    contact.bound_motion(&x, &mut way);
+    let moved: Vec<Vec3> = x.iter().zip(&way).map(|(x, d)| x + d).collect();
+    let force = |contact: &crease::contact::Contact, x: &[Vec3]| {
+        let mut g = vec![Vec3::zeros(); x.len()];
+        contact.add_gradient(x, &mut g);
+        g
+    };
+    let all = contact.value(&moved) - contact.value(&x);
+    let forces = [force(contact, &x), force(contact, &moved)];
+    contact.focus(&x, &moving);
+    let mut bounded: Vec<Vec3> =
+        moving.iter().map(|m| Vec3::new(4e-5, -4e-4, 2e-5) * f64::from(*m)).collect();
+    contact.bound_motion(&x, &mut bounded);
+    assert!(way.iter().any(|d| d.norm() > 0.0 && d.norm() < 4e-4), "some moves are cut");
+    let apart = bounded.iter().zip(&way).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+    assert!(apart < 1e-15, "bounded alike, but for {apart} m");
+    let some = contact.value(&moved) - contact.value(&x);
+    assert!((all - some).abs() < 1e-9 * all.abs(), "{all} {some}");
+    for (x, wanted) in [(&x, &forces[0]), (&moved, &forces[1])] {
+        let scale = wanted.iter().map(|g| g.norm()).fold(0.0, f64::max);
+        let found = force(contact, x);
+        let differs = |p: &usize| (found[*p] - wanted[*p]).norm() > 1e-12 * scale;
+        assert_eq!((0..x.len()).filter(|p| moving[*p]).find(differs), None);
+    }
+    contact.unfocus();
+    assert!((contact.value(&moved) - contact.value(&x) - all).abs() < 1e-9 * all.abs());
+    let again = force(contact, &moved);
+    let off = again.iter().zip(&forces[1]).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+    assert!(off < 1e-12 * forces[1].iter().map(|g| g.norm()).fold(0.0, f64::max), "{off}");
+}

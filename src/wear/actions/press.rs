@@ -2,10 +2,12 @@
 
 use super::WearAction;
 use crate::error::Result;
+use crate::math::Vec3;
 use crate::wear::Drive;
-use crate::wear::gesture::{Posture, Scene, Start, Still};
+use crate::wear::gesture::{Gesture, Posture, Scene, Start, smooth};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 /// Press straight down on the whole garment as it lies.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -30,11 +32,45 @@ impl WearAction for Press {
         if posture.ground.is_none() {
             return Err(scene.refuse("`press` needs a garment on the ground", "lay it first: {\"lay\": {}}"));
         }
-        let drive = Drive { pressure: self.pressure_pa, ..posture.resting() };
-        Start::here(Still { drive, may_end_early: false })
+        let laid_on = LAID_ON.min(0.5 * self.for_s);
+        Start::here(Weight { pressure: self.pressure_pa, laid_on, resting: posture.resting() })
     }
 
     fn example() -> Self {
         Self { pressure_pa: 200.0, for_s: 30.0 }
+    }
+}
+
+/// Time in which a weight is laid on [s], or half of the press if that is shorter: dropped all at once it would throw whatever stands
+/// up somewhere.
+const LAID_ON: f64 = 0.4;
+/// Steps in which it is, at least.
+const STEPS: f64 = 4.0;
+
+/// A weight that lies on the cloth.
+struct Weight {
+    /// [Pa].
+    pressure: f64,
+    /// [s].
+    laid_on: f64,
+    resting: Drive,
+}
+
+impl Gesture for Weight {
+    fn drive(&mut self, t: f64, _x: &[Vec3]) -> Drive {
+        let rises = t <= self.laid_on * (1.0 + 1e-9);
+        Drive {
+            pressure: self.pressure * smooth(t / self.laid_on),
+            longest_step: if rises { self.laid_on / STEPS } else { f64::INFINITY },
+            ..self.resting.clone()
+        }
+    }
+
+    fn breaks(&self) -> Vec<f64> {
+        vec![self.laid_on]
+    }
+
+    fn memo(&self) -> Option<Value> {
+        Some(Value::Null)
     }
 }

@@ -4,6 +4,8 @@
 //! The points of the body follow those of the cloth in one numbering. In a solve the body stands still where it has
 //! come to; only [`PairContact::advance`] moves it, together with the cloth.
 
+mod focus;
+
 use super::ContactSettings;
 use super::barrier;
 use super::body::{Body, edge_area};
@@ -15,6 +17,7 @@ use crate::math::{Vec3, bounds};
 use crate::mesh::distance::Gap;
 use crate::mesh::tree::TriangleTree;
 use crate::mesh::{PointIndex, Topology};
+use focus::Focus;
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -75,6 +78,8 @@ pub(super) struct PairContact {
     last_touches: Mutex<Option<TouchesAt>>,
     /// Points that stay where they are during the step, one flag per point; empty for none.
     asleep: Vec<bool>,
+    /// Set while only some points move.
+    focus: Option<Focus>,
     /// Per point: contact distance at most [m]; less than the thickness where something was nearer at the start.
     room: Vec<f64>,
     /// When nothing was near in a wide search, where the points were then [m], and how wide it was [m].
@@ -156,6 +161,7 @@ impl PairContact {
             pairs: Vec::new(),
             last_touches: Mutex::default(),
             asleep: Vec::new(),
+            focus: None,
             room: vec![settings.distance; rest.len()],
             clear: None,
             search_after: 0,
@@ -352,6 +358,9 @@ impl PairContact {
 
     /// Takes up who may come near while the cloth goes by `d` and the body by `body_way` (or stands).
     fn look(&mut self, x: &[Vec3], d: &[Vec3], body_way: Option<&[Vec3]>, together: bool) {
+        if self.focus.is_some() {
+            return self.look_around(x, d, together);
+        }
         // Going together, only what moves against one another matters: cloth that falls as a whole sweeps nothing.
         let common = if together { mean(d) } else { Vec3::zeros() };
         let end: Vec<Vec3> = x.iter().zip(d).map(|(x, d)| x + (d - common)).collect();

@@ -1,0 +1,159 @@
+//! Newton for the few places that are not at peace yet, everything else standing still.
+//!
+//! After a full step of the whole, what is left is local: a contact that came or went, an element that turned over. What a
+//! point could gain by itself is g·D⁻¹g with its diagonal block D; points that together could gain next to nothing are left
+//! out. For the others, with some rings around them, Newton goes on by itself: with the elements and contacts around them,
+//! which costs next to nothing beside a look at the whole. Then the gradient of the whole says whether it is at peace now.
+
+use super::newton::{FARTHEST, LEAST_SHARE, NewtonOptions, NewtonReport, Problem, Workspace, spread};
+use crate::contact::Contact;
+use crate::energy::Energy;
+use crate::math::Vec3;
+use std::time::Instant;
+
+/// Share of the energy that counts as converged which points outside a part may have to gain; a part goes on until it has
+/// less, too.
+const LEFT_OUT: f64 = 0.5;
+/// A part reaches this many rings of neighbours beyond its restless points.
+const RINGS: usize = 2;
+/// A part of more than this share of the free points is not worth while.
+const FEW: f64 = 0.3;
+/// Times that restless points are looked for before the whole is solved again.
+const ROUNDS: usize = 4;
+/// Iterations of one part.
+const ITERATIONS: usize = 8;
+
+/// What came of it.
+pub(super) enum Peace {
+    /// Nothing is left to gain that counts.
+    Everywhere,
+    /// Something has moved, and more is left than single places can do.
+    Nearer,
+    /// Nothing has moved.
+    Nowhere,
+}
+
+impl Problem<'_> {
+    /// Lets restless places settle, from `x` with gradient `g` and the system as last assembled.
+    pub(super) fn settle_places(
+        &self,
+        x: &mut [Vec3],
+        g: &[Vec3],
+        contact: &mut Contact,
+        options: &NewtonOptions,
+        work: &mut Workspace,
+        report: &mut NewtonReport,
+    ) -> Peace {
+        let mut g = g.to_vec();
+        let mut peace = Peace::Nowhere;
+        let enough = LEFT_OUT * options.energy;
+        for _ in 0..ROUNDS {
+            let clock = Instant::now();
+            let restless = self.restless(&g, enough, work, report);
+            report.seconds[1] += clock.elapsed().as_secs_f64();
+            let Some(restless) = restless else { break };
+            if !restless.contains(&true) {
+                return Peace::Everywhere;
+            }
+            if !self.settle(x, &restless, contact, options, work, report) {
+                break;
+            }
+            peace = Peace::Nearer;
+            let clock = Instant::now();
+            g = self.gradient(x, contact);
+            report.seconds[0] += clock.elapsed().as_secs_f64();
+        }
+        peace
+    }
+
+    /// The points that still have energy to gain, one flag per point, and those that they are coupled to: without them no more than
+    /// `enough` [J] is left, and none are restless where all have no more. `None` if they are many.
+    fn restless(
+        &self,
+        g: &[Vec3],
+        enough: f64,
+        work: &Workspace,
+        report: &mut NewtonReport,
+    ) -> Option<Vec<bool>> {
+        let matrix = work.matrix();
+        let mut gains: Vec<(f64, u32)> = Vec::with_capacity(matrix.row_count());
+        for (r, &p) in matrix.points().iter().enumerate() {
+            let g = &g[p as usize];
+            gains.push((matrix.diagonal(r).cholesky()?.solve(g).dot(g), p));
+        }
+        gains.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let mut restless = vec![false; g.len()];
+        let total = gains.iter().map(|(gain, _)| gain).sum::<f64>();
+        if total <= enough {
+            report.left = total;
+            return Some(restless);
+        }
+        let mut left = enough;
+        let peaceful = gains.iter().take_while(|(gain, _)| {
+            left -= gain;
+            left >= 0.0
+        });
+        let peaceful = peaceful.count();
+        gains[peaceful..].iter().for_each(|&(_, p)| restless[p as usize] = true);
+        (0..RINGS).for_each(|_| matrix.widen(&mut restless));
+        let count = restless.iter().filter(|r| **r).count();
+        (count as f64 <= FEW * matrix.row_count() as f64).then_some(restless)
+    }
+
+    /// Newton for the `restless` points alone. Whether anything has moved.
+    fn settle(
+        &self,
+        x: &mut [Vec3],
+        restless: &[bool],
+        contact: &mut Contact,
+        options: &NewtonOptions,
+        work: &mut Workspace,
+        report: &mut NewtonReport,
+    ) -> bool {
+        let clock = Instant::now();
+        let parts: Vec<_> = self.terms.iter().map(|term| term.around(restless)).collect();
+        let terms: Vec<&dyn Energy> =
+            self.terms.iter().zip(&parts).map(|(whole, part)| part.as_deref().unwrap_or(*whole)).collect();
+        let held: Vec<bool> = restless.iter().map(|restless| !restless).collect();
+        let problem = Problem {
+            inertia: self.inertia,
+            terms: &terms,
+            held: &held,
+            regularisation: self.regularisation,
+        };
+        report.seconds[0] += clock.elapsed().as_secs_f64();
+        let clock = Instant::now();
+        contact.focus(x, restless);
+        report.seconds[2] += clock.elapsed().as_secs_f64();
+        let mut own = work.places.take().unwrap_or_default();
+        let mut value = problem.value(x, contact);
+        let mut moved_at_all = false;
+        for _ in 0..ITERATIONS {
+            let g = problem.linearise(x, contact, &mut own, report);
+            let clock = Instant::now();
+            let direction = problem.direction(x, &g, &mut own);
+            report.seconds[1] += clock.elapsed().as_secs_f64();
+            let Some(mut d) = direction else { break };
+            report.local_iterations += 1;
+            report.last_move = d.iter().map(|d| d.norm()).fold(0.0, f64::max);
+            if !report.last_move.is_finite() {
+                break;
+            }
+            let spread = spread(&d, &held);
+            if spread > FARTHEST {
+                d.iter_mut().for_each(|d| *d *= FARTHEST / spread);
+            }
+            let decrement: f64 = -g.iter().zip(&d).map(|(g, d)| g.dot(d)).sum::<f64>();
+            let moved = problem.move_with(x, &g, &d, &mut value, contact, report);
+            moved_at_all |= moved > LEAST_SHARE;
+            if decrement <= LEFT_OUT * options.energy || moved <= LEAST_SHARE {
+                break;
+            }
+        }
+        work.places = Some(own);
+        let clock = Instant::now();
+        contact.unfocus();
+        report.seconds[2] += clock.elapsed().as_secs_f64();
+        moved_at_all
+    }
+}
