@@ -302,10 +302,9 @@ impl CandidateFinder {
     ) -> Candidates {
         let reach = reach * (1.0 + ROUNDING);
         self.fit(start, end, 0.5 * reach);
-        let mut pairs = std::mem::take(&mut self.pairs);
+        let Self { tree, pairs, .. } = self;
         pairs.clear();
-        self.tree.for_each_overlap(|a, b| pairs.push([a, b]));
-        self.pairs = pairs;
+        tree.for_each_overlap(|a, b| pairs.push([a, b]));
         self.compare(start, end, reach, together, skip)
     }
 
@@ -369,16 +368,15 @@ impl CandidateFinder {
     ) -> Candidates {
         let reach = reach * (1.0 + ROUNDING);
         self.fit_portion(portion, start, end, 0.5 * reach);
-        let mut pairs = std::mem::take(&mut self.pairs);
+        let Self { tree, pairs, .. } = self;
         pairs.clear();
         for &a in &portion.triangles {
-            self.tree.for_each_overlap_of(a, &self.tree, |b| {
+            tree.for_each_overlap_of(a, tree, |b| {
                 if a < b || !portion.has[b as usize] {
                     pairs.push([a, b]);
                 }
             });
         }
-        self.pairs = pairs;
         self.compare(start, end, reach, together, skip)
     }
 
@@ -395,12 +393,11 @@ impl CandidateFinder {
     ) -> CandidatesBetween {
         let reach = reach * (1.0 + ROUNDING);
         self.fit_portion(portion, start, end, 0.5 * reach);
-        let mut pairs = std::mem::take(&mut self.pairs);
+        let Self { tree, pairs, .. } = self;
         pairs.clear();
         for &a in &portion.triangles {
-            self.tree.for_each_overlap_of(a, &other.tree, |b| pairs.push([a, b]));
+            tree.for_each_overlap_of(a, &other.tree, |b| pairs.push([a, b]));
         }
-        self.pairs = pairs;
         self.compare_between(start, other, other_start, reach)
     }
 
@@ -417,10 +414,9 @@ impl CandidateFinder {
         let reach = reach * (1.0 + ROUNDING);
         self.fit(start, end, 0.5 * reach);
         other.fit(other_start, other_end, 0.5 * reach);
-        let mut pairs = std::mem::take(&mut self.pairs);
+        let Self { tree, pairs, .. } = self;
         pairs.clear();
-        self.tree.for_each_overlap_with(&other.tree, |a, b| pairs.push([a, b]));
-        self.pairs = pairs;
+        tree.for_each_overlap_with(&other.tree, |a, b| pairs.push([a, b]));
         self.compare_between(start, other, other_start, reach)
     }
 
@@ -458,9 +454,7 @@ impl CandidateFinder {
         self.tree.refit(start, end, inflate);
         self.ways.clear();
         if start != end {
-            let way = |(from, to): (&Vec3, &Vec3)| (to - from).norm();
-            let finite = |way: f64| if way.is_finite() { way } else { 0.0 };
-            self.ways.extend(start.iter().zip(end).map(way).map(finite));
+            self.ways.extend(start.iter().zip(end).map(|(from, to)| length_of_way(from, to)));
         }
         self.point_boxes.clear();
         self.point_boxes.extend(start.iter().zip(end).map(|(from, to)| SweptBox::of_point(from, to)));
@@ -479,8 +473,7 @@ impl CandidateFinder {
         self.ways.resize(start.len(), 0.0);
         for &p in &portion.points {
             let (from, to) = (&start[p as usize], &end[p as usize]);
-            let way = (to - from).norm();
-            self.ways[p as usize] = if way.is_finite() { way } else { 0.0 };
+            self.ways[p as usize] = length_of_way(from, to);
             self.point_boxes[p as usize] = SweptBox::of_point(from, to);
         }
         let points = &self.point_boxes;
@@ -498,6 +491,12 @@ impl CandidateFinder {
     fn side<'a>(&'a self, start: &'a [Vec3], reach: f64) -> Side<'a> {
         Side { mesh: self, start, ways: &self.ways, reach, box_reach: SweptBox::reach(reach), together: None }
     }
+}
+
+/// Length of a way \[m\]; none where it is not finite.
+fn length_of_way(from: &Vec3, to: &Vec3) -> f64 {
+    let way = (to - from).norm();
+    if way.is_finite() { way } else { 0.0 }
 }
 
 /// One of the two meshes that meet (or the same one twice), with its motion.

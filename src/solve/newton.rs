@@ -100,7 +100,7 @@ pub struct Workspace {
 pub(super) const LEAST_SHARE: f64 = 0.01;
 /// No point goes farther in one iteration [m], apart from what all do alike: a direction that throws one far off sweeps all
 /// others on the way, and the search for contacts drowns in candidates.
-pub(super) const FARTHEST: f64 = 0.25;
+const FARTHEST: f64 = 0.25;
 /// A step whose moves are short has not converged while it has more than this many times the energy to gain that counts as
 /// converged.
 const JAMMED: f64 = 100.0;
@@ -137,7 +137,7 @@ impl Workspace {
 }
 
 /// The farthest that a point which is not held goes from what all of those do on average [m].
-pub(super) fn spread(d: &[Vec3], held: &[bool]) -> f64 {
+fn spread(d: &[Vec3], held: &[bool]) -> f64 {
     let free = || d.iter().zip(held).filter(|(_, held)| !**held).map(|(d, _)| d);
     let mean = free().sum::<Vec3>() / free().count().max(1) as f64;
     free().map(|d| (d - mean).norm()).fold(0.0, f64::max)
@@ -158,6 +158,14 @@ fn rows_of_free(held: &[bool]) -> Vec<u32> {
             row
         })
         .collect()
+}
+
+/// What a direction asks for.
+pub(super) struct Asked {
+    /// The farthest that a point went from the mean before it was cut [m].
+    pub spread: f64,
+    /// The gain it promises to first order [J].
+    pub decrement: f64,
 }
 
 /// phi at one place.
@@ -323,6 +331,21 @@ impl Problem<'_> {
         None
     }
 
+    /// Cuts the direction `d` where it throws a point too far, and notes the largest move it asked for; what it promises for gradient
+    /// `g`. `None` if it is not finite.
+    pub(super) fn rein_in(&self, g: &[Vec3], d: &mut [Vec3], report: &mut NewtonReport) -> Option<Asked> {
+        report.last_move = d.iter().map(|d| d.norm()).fold(0.0, f64::max);
+        if !report.last_move.is_finite() {
+            return None;
+        }
+        let spread = spread(d, self.held);
+        if spread > FARTHEST {
+            d.iter_mut().for_each(|d| *d *= FARTHEST / spread);
+        }
+        let decrement = -g.iter().zip(d.iter()).map(|(g, d)| g.dot(d)).sum::<f64>();
+        Some(Asked { spread, decrement })
+    }
+
     /// Whether the last look at the whole found so little to gain that single places may settle first.
     fn begins_with_places(&self, work: &mut Workspace) -> bool {
         let short = self.inertia.is_some_and(|(_, _, span)| span <= CALM_SPAN);
@@ -360,7 +383,6 @@ impl Problem<'_> {
         let spent = |report: &NewtonReport| report.iterations + report.local_iterations / LOCAL_FOR_WHOLE;
         while spent(&report) < options.most_iterations {
             let g = self.linearise(x, contact, work, &mut report);
-            let clock = std::time::Instant::now();
             if whole_went >= WENT && !damping.acts() {
                 match self.settle_places(x, &g, contact, options, work, &mut report) {
                     Peace::Everywhere if whole_went == 1.0 => {
@@ -376,6 +398,7 @@ impl Problem<'_> {
                     Peace::Nowhere => {}
                 }
             }
+            let clock = std::time::Instant::now();
             if let Some((mass, _, span)) = self.inertia.filter(|_| damping.acts()) {
                 damping.add_to(&mut work.matrix, mass, span);
                 work.altered = true;
@@ -385,15 +408,7 @@ impl Problem<'_> {
             report.seconds[1] += clock.elapsed().as_secs_f64();
             let Some(mut d) = direction else { break };
             report.iterations += 1;
-            report.last_move = d.iter().map(|d| d.norm()).fold(0.0, f64::max);
-            if !report.last_move.is_finite() {
-                break;
-            }
-            let spread = spread(&d, self.held);
-            if spread > FARTHEST {
-                d.iter_mut().for_each(|d| *d *= FARTHEST / spread);
-            }
-            let decrement: f64 = -g.iter().zip(&d).map(|(g, d)| g.dot(d)).sum::<f64>();
+            let Some(Asked { spread, decrement }) = self.rein_in(&g, &mut d, &mut report) else { break };
             report.left = decrement;
             if report.iterations == 1 {
                 work.calm = if decrement <= options.energy { CALM_SOLVES } else { 0 };

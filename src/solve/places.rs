@@ -5,7 +5,7 @@
 //! out. For the others, with some rings around them, Newton goes on by itself: with the elements and contacts around them,
 //! which costs next to nothing beside a look at the whole. Then the gradient of the whole says whether it is at peace now.
 
-use super::newton::{FARTHEST, LEAST_SHARE, NewtonOptions, NewtonReport, Problem, Workspace, spread};
+use super::newton::{LEAST_SHARE, NewtonOptions, NewtonReport, Problem, Workspace};
 use crate::contact::Contact;
 use crate::energy::Energy;
 use crate::math::Vec3;
@@ -135,18 +135,10 @@ impl Problem<'_> {
             report.seconds[1] += clock.elapsed().as_secs_f64();
             let Some(mut d) = direction else { break };
             report.local_iterations += 1;
-            report.last_move = d.iter().map(|d| d.norm()).fold(0.0, f64::max);
-            if !report.last_move.is_finite() {
-                break;
-            }
-            let spread = spread(&d, &held);
-            if spread > FARTHEST {
-                d.iter_mut().for_each(|d| *d *= FARTHEST / spread);
-            }
-            let decrement: f64 = -g.iter().zip(&d).map(|(g, d)| g.dot(d)).sum::<f64>();
+            let Some(asked) = problem.rein_in(&g, &mut d, report) else { break };
             let moved = problem.move_with(x, &g, &d, &mut value, contact, report);
             moved_at_all |= moved > LEAST_SHARE;
-            if decrement <= LEFT_OUT * options.energy || moved <= LEAST_SHARE {
+            if asked.decrement <= LEFT_OUT * options.energy || moved <= LEAST_SHARE {
                 break;
             }
         }
