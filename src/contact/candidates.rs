@@ -22,6 +22,8 @@ use serde::{Deserialize, Serialize};
 
 /// Pairs of triangles that one task compares.
 const CHUNK: usize = 2048;
+/// Triangles whose overlaps one task looks for.
+const OWN_CHUNK: usize = 128;
 /// The reach is widened by this fraction, so that rounding in boxes and distances never loses a pair.
 const ROUNDING: f64 = 1e-9;
 
@@ -187,7 +189,7 @@ pub struct CandidateFinder {
     /// One per point: length of its way \[m\]; empty at rest.
     ways: Vec<f64>,
     /// Pairs of triangles, kept for their memory.
-    pairs: Vec<[u32; 2]>,
+    pairs: Vec<(u32, u32)>,
 }
 
 /// Some points of a mesh and what is around them.
@@ -302,9 +304,7 @@ impl CandidateFinder {
     ) -> Candidates {
         let reach = reach * (1.0 + ROUNDING);
         self.fit(start, end, 0.5 * reach);
-        let Self { tree, pairs, .. } = self;
-        pairs.clear();
-        tree.for_each_overlap(|a, b| pairs.push([a, b]));
+        self.pairs = self.tree.overlaps();
         self.compare(start, end, reach, together, skip)
     }
 
@@ -318,9 +318,9 @@ impl CandidateFinder {
         skip: &(dyn Fn(Quad) -> bool + Sync),
     ) -> Candidates {
         let side = Side { together: (together && start != end).then_some(end), ..self.side(start, reach) };
-        let compare = |lists: &mut [Shortlist; 2], chunk: &[[u32; 2]]| {
+        let compare = |lists: &mut [Shortlist; 2], chunk: &[(u32, u32)]| {
             let [points, edges] = lists;
-            for &[a, b] in chunk {
+            for &(a, b) in chunk {
                 side.shortlist_points(a, &side, b, points);
                 side.shortlist_points(b, &side, a, points);
                 side.shortlist_edges(a, &side, b, edges);
@@ -368,15 +368,8 @@ impl CandidateFinder {
     ) -> Candidates {
         let reach = reach * (1.0 + ROUNDING);
         self.fit_portion(portion, start, end, 0.5 * reach);
-        let Self { tree, pairs, .. } = self;
-        pairs.clear();
-        for &a in &portion.triangles {
-            tree.for_each_overlap_of(a, tree, |b| {
-                if a < b || !portion.has[b as usize] {
-                    pairs.push([a, b]);
-                }
-            });
-        }
+        let first = |a: u32, b: u32| a < b || !portion.has[b as usize];
+        self.pairs = self.overlaps_of(&portion.triangles, &self.tree, first);
         self.compare(start, end, reach, together, skip)
     }
 
@@ -393,11 +386,7 @@ impl CandidateFinder {
     ) -> CandidatesBetween {
         let reach = reach * (1.0 + ROUNDING);
         self.fit_portion(portion, start, end, 0.5 * reach);
-        let Self { tree, pairs, .. } = self;
-        pairs.clear();
-        for &a in &portion.triangles {
-            tree.for_each_overlap_of(a, &other.tree, |b| pairs.push([a, b]));
-        }
+        self.pairs = self.overlaps_of(&portion.triangles, &other.tree, |_, _| true);
         self.compare_between(start, other, other_start, reach)
     }
 
@@ -416,7 +405,7 @@ impl CandidateFinder {
         other.fit(other_start, other_end, 0.5 * reach);
         let Self { tree, pairs, .. } = self;
         pairs.clear();
-        tree.for_each_overlap_with(&other.tree, |a, b| pairs.push([a, b]));
+        tree.for_each_overlap_with(&other.tree, |a, b| pairs.push((a, b)));
         self.compare_between(start, other, other_start, reach)
     }
 
@@ -428,9 +417,9 @@ impl CandidateFinder {
         reach: f64,
     ) -> CandidatesBetween {
         let (first, second) = (self.side(start, reach), other.side(other_start, reach));
-        let compare = |lists: &mut [Shortlist; 3], chunk: &[[u32; 2]]| {
+        let compare = |lists: &mut [Shortlist; 3], chunk: &[(u32, u32)]| {
             let [points, triangles, edges] = lists;
-            for &[a, b] in chunk {
+            for &(a, b) in chunk {
                 first.shortlist_points(a, &second, b, points);
                 second.shortlist_points(b, &first, a, triangles);
                 first.shortlist_edges(a, &second, b, edges);
@@ -450,21 +439,45 @@ impl CandidateFinder {
         }
     }
 
+    /// Pairs of the triangles `own` with those of `other` whose boxes overlap theirs, where `wanted`.
+    fn overlaps_of(
+        &self,
+        own: &[u32],
+        other: &TriangleTree,
+        wanted: impl Fn(u32, u32) -> bool + Sync,
+    ) -> Vec<(u32, u32)> {
+        let of_some = |own: &[u32]| {
+            let mut pairs = Vec::new();
+            for &a in own {
+                self.tree.for_each_overlap_of(a, other, |b| {
+                    if wanted(a, b) {
+                        pairs.push((a, b));
+                    }
+                });
+            }
+            pairs
+        };
+        own.par_chunks(OWN_CHUNK).map(of_some).collect::<Vec<_>>().concat()
+    }
+
     fn fit(&mut self, start: &[Vec3], end: &[Vec3], inflate: f64) {
         self.tree.refit(start, end, inflate);
         self.ways.clear();
         if start != end {
-            self.ways.extend(start.iter().zip(end).map(|(from, to)| length_of_way(from, to)));
+            let ways = start.par_iter().zip(end).map(|(from, to)| length_of_way(from, to));
+            ways.collect_into_vec(&mut self.ways);
         }
-        self.point_boxes.clear();
-        self.point_boxes.extend(start.iter().zip(end).map(|(from, to)| SweptBox::of_point(from, to)));
+        let boxes = start.par_iter().zip(end).map(|(from, to)| SweptBox::of_point(from, to));
+        boxes.collect_into_vec(&mut self.point_boxes);
         let points = &self.point_boxes;
         let point = |p: u32| &points[p as usize];
-        self.edge_boxes.clear();
-        self.edge_boxes.extend(self.edges.iter().map(|&[a, b]| point(a).with(point(b))));
-        self.triangle_boxes.clear();
-        let corners = self.triangles.iter().map(|t| t.corners);
-        self.triangle_boxes.extend(corners.map(|[a, b, c]| point(a).with(point(b)).with(point(c))));
+        let boxes = self.edges.par_iter().map(|&[a, b]| point(a).with(point(b)));
+        boxes.collect_into_vec(&mut self.edge_boxes);
+        let boxes = self.triangles.par_iter().map(|triangle| {
+            let [a, b, c] = triangle.corners;
+            point(a).with(point(b)).with(point(c))
+        });
+        boxes.collect_into_vec(&mut self.triangle_boxes);
     }
 
     /// Fits what belongs to a portion to its motion.
@@ -934,7 +947,7 @@ mod tests {
             });
             time("triangle pairs (reach 3 mm)", &mut || {
                 count = 0;
-                finder.tree.for_each_overlap(|_, _| count += 1);
+                count += finder.tree.overlaps().len();
                 count
             });
             time("candidates, reach 3 mm, at rest", &mut || {

@@ -11,19 +11,20 @@
 use super::PointIndex;
 use super::tree::TriangleTree;
 use crate::math::Vec3;
+use rayon::prelude::*;
 use robust::{Coord3D, orient3d};
 
 /// Pairs of triangles of one mesh that cross, lower index first, sorted; pairs that share a point are left out, and
 /// so are triangles with a corner that is not finite.
 pub fn crossings(points: &[Vec3], triangles: &[[PointIndex; 3]]) -> Vec<[u32; 2]> {
-    let mut found = Vec::new();
-    TriangleTree::new(points, triangles, 0.0).for_each_overlap(|a, b| {
+    let cross = |(a, b): (u32, u32)| {
         let (first, second) = (&triangles[a as usize], &triangles[b as usize]);
         let shared = first.iter().any(|p| second.contains(p));
-        if !shared && triangles_cross(&corners(points, first), &corners(points, second)) {
-            found.push([a.min(b), a.max(b)]);
-        }
-    });
+        let cross = !shared && triangles_cross(&corners(points, first), &corners(points, second));
+        cross.then(|| [a.min(b), a.max(b)])
+    };
+    let near = TriangleTree::new(points, triangles, 0.0).overlaps();
+    let mut found: Vec<_> = near.into_par_iter().filter_map(cross).collect();
     found.sort_unstable();
     found
 }

@@ -3,7 +3,8 @@
 //! The one door to parry's bounding-volume hierarchy; nothing else uses that package. The tree is built once and
 //! refitted as points move; it is built anew once they have moved far, because boxes that were near in the old
 //! shape no longer are. Answers never depend on how the tree came about: pairs come sorted, and of several
-//! triangles at the same distance the first counts. Only the closures given to `for_each_*` see tree order.
+//! triangles at the same distance the first counts. Only `overlaps` and the closures given to `for_each_*` see tree
+//! order, which is the same for any number of threads.
 //!
 //! A triangle with a corner that is not finite is left out: it overlaps nothing and nothing finds it. Whoever moves
 //! points checks them. Motion within a step is covered by boxes swept from start to end; the exact tests are in
@@ -14,7 +15,8 @@ use super::distance::{Gap, point_triangle};
 use crate::math::Vec3;
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
-use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode, BvhWorkspace};
+use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhLeafUpdateStatus, BvhNode};
+use rayon::prelude::*;
 
 /// Half width \[m\] of the inside-out box of a triangle that is left out; far, but its cube is still finite.
 const NOWHERE: f64 = 1e100;
@@ -35,6 +37,10 @@ pub struct TriangleTree {
     built_at: Vec<Vec3>,
     /// Mean largest side of the boxes when the tree was last built \[m\].
     box_size: f64,
+    /// New boxes, kept for their memory.
+    updates: Vec<(Aabb, u32, f64)>,
+    /// What became of them, kept for its memory.
+    updated: Vec<BvhLeafUpdateStatus>,
 }
 
 /// Where a ray meets a triangle.
@@ -60,8 +66,14 @@ pub struct Nearest {
 impl TriangleTree {
     /// Tree over `triangles`; every box is grown by `inflate` \[m\] on all sides. `points` \[m\], one per point.
     pub fn new(points: &[Vec3], triangles: &[[PointIndex; 3]], inflate: f64) -> Self {
-        let mut tree =
-            Self { triangles: triangles.to_vec(), bvh: Bvh::new(), built_at: Vec::new(), box_size: 0.0 };
+        let mut tree = Self {
+            triangles: triangles.to_vec(),
+            bvh: Bvh::new(),
+            built_at: Vec::new(),
+            box_size: 0.0,
+            updates: Vec::new(),
+            updated: Vec::new(),
+        };
         tree.build(points);
         tree.fit(points, points, inflate);
         tree
@@ -84,7 +96,7 @@ impl TriangleTree {
 
     fn build(&mut self, points: &[Vec3]) {
         self.built_at = points.to_vec();
-        let boxes: Vec<Aabb> = self.triangles.iter().map(|t| swept_box(t, points, points, 0.0)).collect();
+        let boxes: Vec<Aabb> = self.triangles.par_iter().map(|t| swept_box(t, points, points, 0.0)).collect();
         let sizes = boxes.iter().map(|b| (b.maxs - b.mins).max_element()).filter(|&size| size >= 0.0);
         let (sum, count) = sizes.fold((0.0, 0usize), |(sum, count), size| (sum + size, count + 1));
         self.box_size = sum / count.max(1) as f64;
@@ -95,26 +107,30 @@ impl TriangleTree {
 
     /// Fits the boxes of some triangles only; those of the others stay as they were fitted last.
     pub fn refit_some(&mut self, triangles: &[u32], start: &[Vec3], end: &[Vec3], inflate: f64) {
-        self.fit_these(triangles.iter().copied(), start, end, inflate);
+        self.fit_these(triangles.par_iter().copied(), start, end, inflate);
     }
 
     fn fit(&mut self, start: &[Vec3], end: &[Vec3], inflate: f64) {
-        self.fit_these(0..self.triangles.len() as u32, start, end, inflate);
+        self.fit_these((0..self.triangles.len() as u32).into_par_iter(), start, end, inflate);
     }
 
-    fn fit_these(&mut self, which: impl Iterator<Item = u32>, start: &[Vec3], end: &[Vec3], inflate: f64) {
-        for f in which {
-            let swept = swept_box(&self.triangles[f as usize], start, end, inflate);
-            // A margin of zero: the box is taken as it is. Always present, the tree was built over all triangles.
-            let _ = self.bvh.update_partially_if_present(swept, f, 0.0);
-        }
+    fn fit_these(
+        &mut self,
+        which: impl IndexedParallelIterator<Item = u32>,
+        start: &[Vec3],
+        end: &[Vec3],
+        inflate: f64,
+    ) {
+        // A margin of zero: the box is taken as it is. Always present, the tree was built over all triangles.
+        let update = |f: u32| (swept_box(&self.triangles[f as usize], start, end, inflate), f, 0.0);
+        which.map(update).collect_into_vec(&mut self.updates);
+        self.bvh.insert_or_update_batch_partially_parallel(&self.updates, &mut self.updated);
         self.bvh.refit_without_opt();
     }
 
-    /// Calls `visit` for every pair of different triangles whose boxes overlap, once, in no order to rely on.
-    pub fn for_each_overlap(&self, mut visit: impl FnMut(u32, u32)) {
-        let mut workspace = BvhWorkspace::default();
-        self.bvh.traverse_bvtt_single_tree::<false>(&mut workspace, &mut |a, b| visit(a, b));
+    /// All pairs of different triangles whose boxes overlap, each once, in no order to rely on.
+    pub fn overlaps(&self) -> Vec<(u32, u32)> {
+        self.bvh.traverse_bvtt_single_tree_parallel::<false>()
     }
 
     /// Calls `visit(own, other)` for every pair of boxes that overlap between the trees, in no order to rely on.
@@ -138,8 +154,7 @@ impl TriangleTree {
 
     /// All pairs of different triangles whose boxes overlap, lower index first, sorted.
     pub fn overlapping_pairs(&self) -> Vec<[u32; 2]> {
-        let mut pairs = Vec::new();
-        self.for_each_overlap(|a, b| pairs.push([a.min(b), a.max(b)]));
+        let mut pairs: Vec<_> = self.overlaps().into_iter().map(|(a, b)| [a.min(b), a.max(b)]).collect();
         pairs.sort_unstable();
         pairs
     }
