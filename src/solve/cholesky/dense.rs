@@ -16,7 +16,9 @@ use rayon::prelude::*;
 /// Columns eliminated at a time: products of this depth run at full rate.
 const PANEL: usize = 96;
 /// Columns of one tile of a product; a multiple of 3.
-const TILE: usize = 48;
+const TILE: usize = 192;
+/// Columns of one stripe of a tile's square on the diagonal.
+const STRIPE: usize = 48;
 /// Rows of one tile of a triangular solve.
 const ROWS: usize = 192;
 /// Columns of one step of a substitution.
@@ -83,9 +85,19 @@ fn subtract_product<T: Real>(columns: &mut [T], rows: usize, first: usize, facto
     let tile = |(k, columns): (usize, &mut [T])| {
         let at = first + k * TILE;
         let width = columns.len() / rows;
-        let columns = MatMut::from_column_major_slice_mut(columns, rows, width).subrows_mut(at, rows - at);
+        let mut columns =
+            MatMut::from_column_major_slice_mut(columns, rows, width).subrows_mut(at, rows - at);
         let factor = factor.subrows(at, rows - at);
-        matmul(columns, keep, factor, factor.subrows(0, width).transpose(), -T::one(), Par::Seq);
+        let across = factor.subrows(0, width).transpose();
+        // Of the square on the diagonal little more than the half that counts.
+        for from in (0..width).step_by(STRIPE) {
+            let stripe = STRIPE.min(width - from);
+            let square = columns.rb_mut().submatrix_mut(from, from, width - from, stripe);
+            let across = across.subcols(from, stripe);
+            matmul(square, keep, factor.subrows(from, width - from), across, -T::one(), Par::Seq);
+        }
+        let below = columns.subrows_mut(width, rows - at - width);
+        matmul(below, keep, factor.subrows(width, rows - at - width), across, -T::one(), Par::Seq);
     };
     // Half of it lies above the diagonal.
     if columns.len() * factor.ncols() > 2 * SHARED {
