@@ -440,10 +440,12 @@ impl Observer for Watcher<'_, '_> {
     }
 }
 
+/// The pool of this run: so many threads, all cores unless told otherwise. The main thread is one of them, so that it
+/// works where it would wait.
 pub(super) fn use_threads(count: Option<NonZeroUsize>) -> Result<()> {
-    let Some(count) = count else { return Ok(()) };
     rayon::ThreadPoolBuilder::new()
-        .num_threads(count.get())
+        .num_threads(count.map_or(0, NonZeroUsize::get))
+        .use_current_thread()
         .build_global()
         .map_err(|refusal| Error::fault("--threads", "", refusal.to_string(), "ask for fewer"))
 }
