@@ -16,6 +16,7 @@ use super::mesh_file::MeshFile;
 use super::output::Outputs;
 use super::progress::{Progress, StepNews};
 use super::talk;
+use super::threads::use_threads;
 use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use crease::bake::{BakeOptions, Baked, Checkpoint, Choice, Observer, Plan, Quality, bake_from, stirred};
@@ -438,16 +439,6 @@ impl Observer for Watcher<'_, '_> {
         self.checkpoints.flush();
         true
     }
-}
-
-/// The pool of this run: so many threads, all cores unless told otherwise. The main thread is one of them, so that it
-/// works where it would wait.
-pub(super) fn use_threads(count: Option<NonZeroUsize>) -> Result<()> {
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(count.map_or(0, NonZeroUsize::get))
-        .use_current_thread()
-        .build_global()
-        .map_err(|refusal| Error::fault("--threads", "", refusal.to_string(), "ask for fewer"))
 }
 
 /// The plan on stdout.

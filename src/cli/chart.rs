@@ -1,6 +1,6 @@
 //! `crease chart`: what crease does, measured and drawn beside what is known by other means.
 
-use super::{input, output::Outputs, talk};
+use super::{input, output::Outputs, talk, threads::use_threads};
 use crease::chart::{Chart, ChartOptions};
 use crease::fabric::DEFAULT_FABRIC;
 use crease::{Error, Result};
@@ -32,6 +32,7 @@ fn list() -> String {
 }
 
 pub fn run(arguments: Arguments) -> Result<()> {
+    use_threads(None)?;
     let options = ChartOptions {
         fabric: input::fabric(&arguments.fabric)?,
         runs: arguments.runs.into(),

@@ -25,6 +25,7 @@ mod remember;
 mod render;
 mod schema;
 mod talk;
+mod threads;
 mod transfer;
 mod view;
 

@@ -2,12 +2,13 @@
 //! worn garment, its sidecar and the report, as `crease bake` does.
 
 use super::arguments::{MeshReading, glb_path, positive};
-use super::bake::{BakeOutputs, use_threads};
+use super::bake::BakeOutputs;
 use super::body::read_frames;
 use super::input;
 use super::mesh_file::MeshFile;
 use super::output::Outputs;
 use super::talk;
+use super::threads::use_threads;
 use crease::bake::{Baked, Motion, remember};
 use crease::body::rig::Rig;
 use crease::fabric::{DEFAULT_FABRIC, Fabric};

@@ -3,12 +3,13 @@
 
 use super::also::{self, AlsoWanted};
 use super::arguments::{MeshReading, glb_path};
-use super::bake::{BakeOutputs, merged, use_threads};
+use super::bake::{BakeOutputs, merged};
 use super::finer::{Finer, FinerWanted};
 use super::input;
 use super::mesh_file::MeshFile;
 use super::output::Outputs;
 use super::talk;
+use super::threads::use_threads;
 use clap::ValueEnum;
 use crease::bake::{Settled, settle};
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
