@@ -4,7 +4,7 @@
 //! product. Large products and solves are cut into tiles of fixed size for several threads, and each tile is one call
 //! on one thread, so that the bits of the result do not depend on the number of threads.
 
-use super::Real;
+use super::{Real, stairs};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::matmul::matmul;
@@ -15,8 +15,8 @@ use rayon::prelude::*;
 
 /// Columns eliminated at a time: products of this depth run at full rate.
 const PANEL: usize = 96;
-/// Columns of one tile of a product; a multiple of 3.
-const TILE: usize = 192;
+/// Columns of one tile of a product.
+const TILE: usize = stairs::STAIR;
 /// Columns of one stripe of a tile's square on the diagonal.
 const STRIPE: usize = 48;
 /// Rows of one tile of a triangular solve.
@@ -49,17 +49,28 @@ pub fn eliminate<T: Real>(panel: &mut [T], rows: usize, own: usize) -> Result<()
         drop_tiny(done);
         let done = MatRef::from_column_major_slice(done, rows, width);
         let next = from + width;
-        subtract_product(&mut rest[..(own - next) * rows], rows, next, done, Accum::Add);
+        subtract_product(&mut rest[..(own - next) * rows], rows, next, done);
         from = next;
     }
     Ok(())
 }
 
-/// What the eliminated `panel` (`rows` x `own`) leaves on the boundary: minus its lower part times its transpose, the
-/// lower triangle of a square matrix by columns. Above the diagonal there is no promise.
+/// What the eliminated `panel` (`rows` x `own`) leaves on the boundary: minus its lower part times its transpose, a
+/// triangle in stairs. Above the diagonal there is no promise.
 pub fn leave<T: Real>(panel: &[T], rows: usize, own: usize, update: &mut [T]) {
-    let below = MatRef::from_column_major_slice(panel, rows, own).subrows(own, rows - own);
-    subtract_product(update, rows - own, 0, below, Accum::Replace);
+    let size = rows - own;
+    let below = MatRef::from_column_major_slice(panel, rows, own).subrows(own, size);
+    let tile = |(top, stair): (usize, &mut [T])| {
+        let (tall, wide) = (size - top, TILE.min(size - top));
+        let columns = MatMut::from_column_major_slice_mut(stair, tall, wide);
+        subtract_tile(columns, below.subrows(top, tall), Accum::Replace);
+    };
+    let tiles = stairs::each(update, size);
+    if size * size * own > 2 * SHARED {
+        tiles.into_par_iter().for_each(tile);
+    } else {
+        tiles.into_iter().for_each(tile);
+    }
 }
 
 /// Sets to zero what is too small to matter, before its products become subnormal: those are a hundred times slower.
@@ -80,24 +91,13 @@ fn solve_below<T: Real>(l: MatRef<T>, below: MatMut<T>) {
     }
 }
 
-/// Columns `first..` of a lower triangle of `rows` rows <- (themselves, or 0) - `factor` `factor`^T.
-fn subtract_product<T: Real>(columns: &mut [T], rows: usize, first: usize, factor: MatRef<T>, keep: Accum) {
+/// Columns `first..` of a lower triangle of `rows` rows <- themselves - `factor` `factor`^T.
+fn subtract_product<T: Real>(columns: &mut [T], rows: usize, first: usize, factor: MatRef<T>) {
     let tile = |(k, columns): (usize, &mut [T])| {
         let at = first + k * TILE;
         let width = columns.len() / rows;
-        let mut columns =
-            MatMut::from_column_major_slice_mut(columns, rows, width).subrows_mut(at, rows - at);
-        let factor = factor.subrows(at, rows - at);
-        let across = factor.subrows(0, width).transpose();
-        // Of the square on the diagonal little more than the half that counts.
-        for from in (0..width).step_by(STRIPE) {
-            let stripe = STRIPE.min(width - from);
-            let square = columns.rb_mut().submatrix_mut(from, from, width - from, stripe);
-            let across = across.subcols(from, stripe);
-            matmul(square, keep, factor.subrows(from, width - from), across, -T::one(), Par::Seq);
-        }
-        let below = columns.subrows_mut(width, rows - at - width);
-        matmul(below, keep, factor.subrows(width, rows - at - width), across, -T::one(), Par::Seq);
+        let columns = MatMut::from_column_major_slice_mut(columns, rows, width).subrows_mut(at, rows - at);
+        subtract_tile(columns, factor.subrows(at, rows - at), Accum::Add);
     };
     // Half of it lies above the diagonal.
     if columns.len() * factor.ncols() > 2 * SHARED {
@@ -105,6 +105,21 @@ fn subtract_product<T: Real>(columns: &mut [T], rows: usize, first: usize, facto
     } else {
         columns.chunks_mut(TILE * rows).enumerate().for_each(tile);
     }
+}
+
+/// The first columns of a lower triangle <- (themselves, or 0) - `factor` `factor`^T, the rows of which are theirs.
+fn subtract_tile<T: Real>(mut columns: MatMut<T>, factor: MatRef<T>, keep: Accum) {
+    let (rows, width) = columns.shape();
+    let across = factor.subrows(0, width).transpose();
+    // Of the square on the diagonal little more than the half that counts.
+    for from in (0..width).step_by(STRIPE) {
+        let stripe = STRIPE.min(width - from);
+        let square = columns.rb_mut().submatrix_mut(from, from, width - from, stripe);
+        let across = across.subcols(from, stripe);
+        matmul(square, keep, factor.subrows(from, width - from), across, -T::one(), Par::Seq);
+    }
+    let below = columns.subrows_mut(width, rows - width);
+    matmul(below, keep, factor.subrows(width, rows - width), across, -T::one(), Par::Seq);
 }
 
 /// Own part of w <- L^-1 w; the rest of `w`, less what its own part takes from it.

@@ -8,6 +8,7 @@
 use super::Real;
 use super::dense::{self, NotPositive};
 use super::fronts::{Front, Fronts};
+use super::stairs;
 use crate::math::Mat3;
 use crate::solve::BlockMatrix;
 use std::sync::Mutex;
@@ -90,16 +91,18 @@ impl<T: Real> Job<'_, T> {
         panel.fill(T::zero());
         self.enter(front, panel, rows);
         for (&c, update) in children.iter().zip(&left) {
-            add(self.fronts.places_of(c), update, panel, rows, [0, own]);
+            add(self.fronts.places_of(c), update, panel, [0, own], |column| column * rows);
         }
         dense::eliminate(panel, rows, own)?;
         let size = rows - own;
-        let mut update = self.spare.take(size * size);
+        let mut update = self.spare.take(stairs::len(size));
         if size > 0 {
             // The product comes first: it overwrites whatever the buffer held.
-            dense::leave(panel, rows, own, &mut update[..size * size]);
+            dense::leave(panel, rows, own, &mut update[..stairs::len(size)]);
             for (&c, from) in children.iter().zip(&left) {
-                add(self.fronts.places_of(c), from, &mut update, size, [own, rows]);
+                add(self.fronts.places_of(c), from, &mut update, [own, rows], |column| {
+                    stairs::row_zero(size, column)
+                });
             }
         }
         self.spare.give(left);
@@ -122,8 +125,14 @@ impl<T: Real> Job<'_, T> {
 }
 
 /// Adds the part of a child's `update` that falls into columns `columns[0]..columns[1]` of its parent front to `target`,
-/// which holds these columns from row `columns[0]` on, `rows` long. `places` are the parent's local rows.
-fn add<T: Real>(places: &[u32], update: &[T], target: &mut [T], rows: usize, columns: [usize; 2]) {
+/// which holds these columns from row `columns[0]` on: row 0 of each at `row_zero`. `places` are the parent's local rows.
+fn add<T: Real>(
+    places: &[u32],
+    update: &[T],
+    target: &mut [T],
+    columns: [usize; 2],
+    row_zero: impl Fn(usize) -> usize,
+) {
     let size = 3 * places.len();
     let [first, last] = columns.map(|limit| places.partition_point(|&p| 3 * (p as usize) < limit));
     // Runs of neighbouring rows are added at once: (start in the child, start in the target, length), in numbers.
@@ -139,8 +148,8 @@ fn add<T: Real>(places: &[u32], update: &[T], target: &mut [T], rows: usize, col
     for j in first..last {
         let column = 3 * places[j] as usize - columns[0];
         for c in 0..3 {
-            let source = &update[(3 * j + c) * size..][..size];
-            let target = &mut target[(column + c) * rows..][..rows];
+            let source = &update[stairs::row_zero(size, 3 * j + c)..][..size];
+            let target = &mut target[row_zero(column + c)..];
             for &(from, to, len) in runs.iter() {
                 for (to, from) in target[to..to + len].iter_mut().zip(&source[from..from + len]) {
                     *to += *from;

@@ -13,6 +13,7 @@ mod dissection;
 mod factor;
 mod fronts;
 mod matching;
+mod stairs;
 mod substitution;
 
 use super::BlockMatrix;
