@@ -10,9 +10,7 @@
 //! area, which makes stiffness depend on the mesh; here the energy is, so k_u, k_v, k_s are in N/m of cloth width.
 //! Damping along the constraint (KOW eq. 4) is a spring to the last accepted value C_n with stiffness
 //! k * damping/step: both springs together are one with a shifted target, made once per step.
-//! Out-of-plane stiffness of a compressed axis is negative; in the Hessian it counts by its magnitude (Chen et al. 2024,
-//! "Stabler Neo-Hookean Simulation: Absolute Eigenvalue Filtering for Projected Newton"), and never by more than that
-//! along the axis.
+//! Out-of-plane stiffness of a compressed axis is left out of the Hessian (it would be negative).
 
 use super::{BlockSink, Energy, add_symmetric, sum_of};
 use crate::fabric::Fabric;
@@ -193,7 +191,7 @@ impl Energy for MembraneTerm<'_> {
             let axis = |w: &Vec3, k: f64, rest: f64| {
                 let length = w.norm().max(1e-12);
                 let along = w * w.transpose() / (length * length);
-                let across = (1.0 - rest / length).abs().min(1.0);
+                let across = (1.0 - rest / length).max(0.0);
                 (along + (Mat3::identity() - along) * across) * k
             };
             let uu = (axis(&u, ku, t[0]) + v * v.transpose() * ks + Mat3::identity() * half) * scale;
