@@ -188,8 +188,6 @@ pub struct CandidateFinder {
     triangle_boxes: Vec<SweptBox>,
     /// One per point: length of its way \[m\]; empty at rest.
     ways: Vec<f64>,
-    /// Pairs of triangles, kept for their memory.
-    pairs: Vec<(u32, u32)>,
 }
 
 /// Some points of a mesh and what is around them.
@@ -267,7 +265,6 @@ impl CandidateFinder {
             edge_boxes: Vec::new(),
             triangle_boxes: Vec::new(),
             ways: Vec::new(),
-            pairs: Vec::new(),
         }
     }
 
@@ -304,13 +301,13 @@ impl CandidateFinder {
     ) -> Candidates {
         let reach = reach * (1.0 + ROUNDING);
         self.fit(start, end, 0.5 * reach);
-        self.pairs = self.tree.overlaps();
-        self.compare(start, end, reach, together, skip)
+        self.compare(&self.tree.overlaps(), start, end, reach, together, skip)
     }
 
-    /// What comes near of the pairs of triangles found.
+    /// What comes near of the pairs of triangles.
     fn compare(
         &self,
+        pairs: &[(u32, u32)],
         start: &[Vec3],
         end: &[Vec3],
         reach: f64,
@@ -332,7 +329,7 @@ impl CandidateFinder {
                 edges.drain(|e, f| side.edge_near::<true>(e, &side, f) && !skip(self.quad_edge_edge(e, f)));
             (points, edges)
         };
-        let found: Vec<_> = self.pairs.par_chunks(CHUNK).map_init(Default::default, compare).collect();
+        let found: Vec<_> = pairs.par_chunks(CHUNK).map_init(Default::default, compare).collect();
         let (point_parts, edge_parts): (Vec<_>, Vec<_>) = found.into_iter().unzip();
         let (point_triangle, edge_edge) =
             rayon::join(|| sorted(&point_parts, start.len()), || sorted(&edge_parts, self.edges.len()));
@@ -369,8 +366,8 @@ impl CandidateFinder {
         let reach = reach * (1.0 + ROUNDING);
         self.fit_portion(portion, start, end, 0.5 * reach);
         let first = |a: u32, b: u32| a < b || !portion.has[b as usize];
-        self.pairs = self.overlaps_of(&portion.triangles, &self.tree, first);
-        self.compare(start, end, reach, together, skip)
+        let pairs = self.overlaps_of(&portion.triangles, &self.tree, first);
+        self.compare(&pairs, start, end, reach, together, skip)
     }
 
     /// [`Self::find_between`] where only the points of a portion move, all others being where they were when it was made;
@@ -386,8 +383,8 @@ impl CandidateFinder {
     ) -> CandidatesBetween {
         let reach = reach * (1.0 + ROUNDING);
         self.fit_portion(portion, start, end, 0.5 * reach);
-        self.pairs = self.overlaps_of(&portion.triangles, &other.tree, |_, _| true);
-        self.compare_between(start, other, other_start, reach)
+        let pairs = self.overlaps_of(&portion.triangles, &other.tree, |_, _| true);
+        self.compare_between(&pairs, start, other, other_start, reach)
     }
 
     /// The same between this mesh and another, both moving.
@@ -403,14 +400,14 @@ impl CandidateFinder {
         let reach = reach * (1.0 + ROUNDING);
         self.fit(start, end, 0.5 * reach);
         other.fit(other_start, other_end, 0.5 * reach);
-        let Self { tree, pairs, .. } = self;
-        pairs.clear();
-        tree.for_each_overlap_with(&other.tree, |a, b| pairs.push((a, b)));
-        self.compare_between(start, other, other_start, reach)
+        let mut pairs = Vec::new();
+        self.tree.for_each_overlap_with(&other.tree, |a, b| pairs.push((a, b)));
+        self.compare_between(&pairs, start, other, other_start, reach)
     }
 
     fn compare_between(
         &self,
+        pairs: &[(u32, u32)],
         start: &[Vec3],
         other: &Self,
         other_start: &[Vec3],
@@ -429,7 +426,7 @@ impl CandidateFinder {
             let edges = edges.drain(|e, f| first.edge_near::<false>(e, &second, f));
             (points, (triangles, edges))
         };
-        let found: Vec<_> = self.pairs.par_chunks(CHUNK).map_init(Default::default, compare).collect();
+        let found: Vec<_> = pairs.par_chunks(CHUNK).map_init(Default::default, compare).collect();
         let (points, rest): (Vec<_>, Vec<_>) = found.into_iter().unzip();
         let (triangles, edges): (Vec<_>, Vec<_>) = rest.into_iter().unzip();
         CandidatesBetween {
@@ -946,8 +943,7 @@ mod tests {
                 0
             });
             time("triangle pairs (reach 3 mm)", &mut || {
-                count = 0;
-                count += finder.tree.overlaps().len();
+                count = finder.tree.overlaps().len();
                 count
             });
             time("candidates, reach 3 mm, at rest", &mut || {

@@ -65,12 +65,7 @@ pub fn leave<T: Real>(panel: &[T], rows: usize, own: usize, update: &mut [T]) {
         let columns = MatMut::from_column_major_slice_mut(stair, tall, wide);
         subtract_tile(columns, below.subrows(top, tall), Accum::Replace);
     };
-    let tiles = stairs::each(update, size);
-    if size * size * own > 2 * SHARED {
-        tiles.into_par_iter().for_each(tile);
-    } else {
-        tiles.into_iter().for_each(tile);
-    }
+    share(stairs::each(update, size), size * size * own, tile);
 }
 
 /// Sets to zero what is too small to matter, before its products become subnormal: those are a hundred times slower.
@@ -99,11 +94,17 @@ fn subtract_product<T: Real>(columns: &mut [T], rows: usize, first: usize, facto
         let columns = MatMut::from_column_major_slice_mut(columns, rows, width).subrows_mut(at, rows - at);
         subtract_tile(columns, factor.subrows(at, rows - at), Accum::Add);
     };
-    // Half of it lies above the diagonal.
-    if columns.len() * factor.ncols() > 2 * SHARED {
-        columns.par_chunks_mut(TILE * rows).enumerate().for_each(tile);
+    let multiplications = columns.len() * factor.ncols();
+    share(columns.chunks_mut(TILE * rows).enumerate(), multiplications, tile);
+}
+
+/// Does the `work` of every tile of a product of so many multiplications, on all threads where it is large.
+fn share<I: Send>(tiles: impl Iterator<Item = I>, multiplications: usize, work: impl Fn(I) + Sync + Send) {
+    // Half of them lie above the diagonal.
+    if multiplications > 2 * SHARED {
+        tiles.collect::<Vec<_>>().into_par_iter().for_each(work);
     } else {
-        columns.chunks_mut(TILE * rows).enumerate().for_each(tile);
+        tiles.for_each(work);
     }
 }
 

@@ -18,14 +18,13 @@ pub fn row_zero(size: usize, j: usize) -> usize {
 }
 
 /// Every stair of a triangle of `size` rows, with the row (and column) it begins in.
-pub fn each<T>(mut numbers: &mut [T], size: usize) -> Vec<(usize, &mut [T])> {
-    let mut stairs = Vec::with_capacity(size.div_ceil(STAIR));
-    for top in (0..size).step_by(STAIR) {
-        let (stair, rest) = numbers.split_at_mut(STAIR.min(size - top) * (size - top));
-        stairs.push((top, stair));
+pub fn each<T>(mut numbers: &mut [T], size: usize) -> impl Iterator<Item = (usize, &mut [T])> {
+    (0..size).step_by(STAIR).map(move |top| {
+        let len = STAIR.min(size - top) * (size - top);
+        let (stair, rest) = std::mem::take(&mut numbers).split_at_mut(len);
         numbers = rest;
-    }
-    stairs
+        (top, stair)
+    })
 }
 
 #[cfg(test)]
@@ -45,7 +44,7 @@ mod tests {
             }
             assert_eq!(len(size), next);
             let mut numbers: Vec<usize> = (0..next).collect();
-            let stairs = each(&mut numbers, size);
+            let stairs: Vec<_> = each(&mut numbers, size).collect();
             assert_eq!(stairs.iter().map(|(_, stair)| stair.len()).sum::<usize>(), next);
             assert!(stairs.iter().all(|(top, stair)| stair[0] == row_zero(size, *top) + top));
         }
