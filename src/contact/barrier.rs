@@ -1,15 +1,17 @@
-//! How two pieces of cloth push apart: a spring within the contact distance that becomes a steep wall in the inner
-//! half of it. The spring and where it ends follow Chen et al. 2025 ("Offset Geometric Contact", eq. 18); the wall
-//! does not: theirs is a logarithm, which is so flat that a gain elsewhere squeezed single pairs to nanometres, where
-//! any sliding jams them (`docs/decisions.md`). With u = 2 d / r:
+//! How two pieces of cloth push apart: a spring within the contact distance, without any stiffness where it begins, that
+//! becomes a steep wall in the inner half of it. Where the two join follows Chen et al. 2025 ("Offset Geometric Contact",
+//! eq. 18); the rest does not. Their spring has its full stiffness from the start: in a pile most contacts bear next to
+//! nothing and come and go there, and each changed what Newton solves by that much (`docs/decisions.md`). Their wall is a
+//! logarithm, which is so flat that a gain elsewhere squeezed single pairs to nanometres, where any sliding jams them. With
+//! u = 2 d / r:
 //!
 //! ```text
-//! b(d) = k/2 (r - d)²                                  r/2 <= d <= r
-//! b(d) = k r²/4 (u^-3 / 12 - 3 u / 4 + 7/6)            0 < d < r/2
+//! b(d) = 2 k / (3 r) (r - d)³                          r/2 <= d <= r
+//! b(d) = k r²/4 (u^-3 / 6 - u / 2 + 2/3)               0 < d < r/2
 //! ```
 //!
-//! Twice continuously differentiable at r/2. The spring is no stiffer than the loads ask for, so Newton sees a
-//! well-conditioned system; the wall is there for what was not foreseen.
+//! Twice continuously differentiable. `k` is the mean stiffness of the spring, which is no more than the loads ask for, so
+//! Newton sees a well-conditioned system; the wall is there for what was not foreseen.
 
 /// Energy \[J\] at distance `d` for contact distance `r` \[m\] and stiffness `k` \[N/m\].
 #[inline]
@@ -17,10 +19,11 @@ pub fn value(d: f64, r: f64, k: f64) -> f64 {
     if d >= r {
         0.0
     } else if d >= 0.5 * r {
-        0.5 * k * (r - d) * (r - d)
+        let way = r - d;
+        2.0 / 3.0 * k / r * way * way * way
     } else {
         let u = 2.0 * d / r;
-        0.25 * k * r * r * (1.0 / (12.0 * u * u * u) - 0.75 * u + 7.0 / 6.0)
+        0.25 * k * r * r * (1.0 / (6.0 * u * u * u) - 0.5 * u + 2.0 / 3.0)
     }
 }
 
@@ -30,10 +33,10 @@ pub fn slope(d: f64, r: f64, k: f64) -> f64 {
     if d >= r {
         0.0
     } else if d >= 0.5 * r {
-        -k * (r - d)
+        -2.0 * k / r * (r - d) * (r - d)
     } else {
         let u = 2.0 * d / r;
-        -0.5 * k * r * (0.25 / (u * u * u * u) + 0.75)
+        -0.25 * k * r * (1.0 / (u * u * u * u) + 1.0)
     }
 }
 
@@ -43,10 +46,10 @@ pub fn curvature(d: f64, r: f64, k: f64) -> f64 {
     if d >= r {
         0.0
     } else if d >= 0.5 * r {
-        k
+        4.0 * k / r * (r - d)
     } else {
         let u = 2.0 * d / r;
-        k / (u * u * u * u * u)
+        2.0 * k / (u * u * u * u * u)
     }
 }
 
@@ -83,6 +86,7 @@ mod tests {
         for f in [value, slope, curvature] {
             let (below, above) = (f(half * (1.0 - 1e-9), r, k), f(half, r, k));
             assert!((below / above - 1.0).abs() < 1e-6);
+            assert!(f(r * (1.0 - 1e-9), r, k).abs() < 1e-6 * f(half, r, k).abs(), "it begins with nothing");
         }
     }
 }
