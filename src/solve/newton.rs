@@ -113,7 +113,7 @@ const CALM_SPAN: f64 = 0.15;
 /// So many local iterations are allowed in place of one of the whole.
 const LOCAL_FOR_WHOLE: usize = 8;
 /// Share of the energy that counts as converged which a direction from an older factor may leave open.
-const LEFT_OPEN: f64 = 0.01;
+const LEFT_OPEN: f64 = 0.3;
 /// Where an older factor fails again and again it is tried once in so many solves.
 const LONGEST_PAUSE: u32 = 8;
 /// Contacts up to this many times their distance get a place in a new pattern, so that it lasts.

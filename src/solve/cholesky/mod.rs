@@ -39,8 +39,16 @@ const TOLERANCE: f64 = 1e-8;
 const MOST_ITERATIONS: usize = 30;
 /// Share of what there was to gain that iterations with an older factor may leave.
 const LEFT_SHARE: f64 = 1e-3;
-/// Share of what was left that each of them may leave: ten cost as much as a factorisation.
+/// Share of what was left that each of them may leave, while much is.
 const SLOWEST: f64 = 0.3;
+/// Up to this many times what may be left in the end the older factor is no judge of single iterations: it takes contacts that
+/// have become stiff since for soft, and what is left by its measure goes up and down.
+const CLOSE: f64 = 30.0;
+/// An iteration takes as long as about so many multiplications of a factorisation for each number of the factor, twice over:
+/// all of them together must not take longer than half a factorisation.
+const HALF_OF_FACTORISATION: f64 = 200.0;
+/// So many are always made.
+const FEWEST_ITERATIONS: usize = 2;
 /// Factorisations of less work (multiplications) are made in double precision at once: they take a millisecond.
 const SMALL: f64 = 2e7;
 /// Factorisations that stay in double precision after one in single precision was not good enough.
@@ -151,7 +159,7 @@ impl Cholesky {
 
     /// Solves in place with the factor of an older matrix of the same rows: only until what is left to gain of the energy
     /// 1/2 x·Ax - rhs·x, by the measure of that factor, is below a thousandth of the gain at first, or below `enough`
-    /// [J]. Where that is not coming soon the right-hand side is what it was, and the answer is no; so it is where a factor
+    /// [J]. Where that is not coming in half the time of a factorisation the right-hand side is what it was, and the answer is no; so it is where a factor
     /// costs next to nothing.
     pub fn solve_with_older(&self, matrix: &BlockMatrix, rhs: &mut [Vec3], enough: f64) -> bool {
         if self.in_double {
@@ -172,6 +180,7 @@ impl Cholesky {
         let (mut p, mut image) = (x.clone(), x.clone());
         let mut curvature = 1.0;
         let mut first = f64::NAN;
+        let worth_while = self.fronts.work() / (HALF_OF_FACTORISATION * self.fronts.factor_len as f64);
         for k in 0..=MOST_ITERATIONS {
             if matches!(goal, Goal::Residual(squared) if dot(&r, &r) <= squared) {
                 return Some(x);
@@ -185,7 +194,8 @@ impl Cholesky {
                 } else if left <= enough.max(LEFT_SHARE * first) {
                     return Some(x);
                 }
-                if left.is_nan() || left > first * SLOWEST.powi(k as i32 - 1) {
+                let slow = left > first * SLOWEST.powi(k as i32 - 1) && left > CLOSE * enough;
+                if left.is_nan() || slow || (k > FEWEST_ITERATIONS && k as f64 >= worth_while) {
                     return None;
                 }
             }
