@@ -1,10 +1,11 @@
 //! Dense kernels inside one front: the one door to faer.
 //!
-//! A front is stored by columns. Its own columns are eliminated in panels; what they leave on the boundary is a
+//! A front is stored in stairs of columns. Its own columns are eliminated in panels; what they leave on the boundary is a
 //! product. Large products and solves are cut into tiles of fixed size for several threads, and each tile is one call
 //! on one thread, so that the bits of the result do not depend on the number of threads.
 
-use super::{Real, stairs};
+use super::Real;
+use super::stairs::{self, STAIR};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::matmul::matmul;
@@ -15,8 +16,6 @@ use rayon::prelude::*;
 
 /// Columns eliminated at a time: products of this depth run at full rate.
 const PANEL: usize = 96;
-/// Columns of one tile of a product.
-const TILE: usize = stairs::STAIR;
 /// Columns of one stripe of a tile's square on the diagonal.
 const STRIPE: usize = 48;
 /// Rows of one tile of a triangular solve.
@@ -30,42 +29,69 @@ const SHARED: usize = 1 << 21;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct NotPositive;
 
-/// Eliminates the first `own` of the `rows` columns of a symmetric matrix whose first columns, from the diagonal
-/// down, are in `panel` (`rows` x `own`): Cholesky factor in place.
+/// Eliminates the first `own` of the `rows` columns of a symmetric matrix, which are in `panel`, in stairs: Cholesky factor
+/// in place.
 pub fn eliminate<T: Real>(panel: &mut [T], rows: usize, own: usize) -> Result<(), NotPositive> {
     let mut memory =
         MemBuffer::new(cholesky_in_place_scratch::<T>(PANEL.min(own), Par::Seq, Default::default()));
-    let mut from = 0;
-    while from < own {
-        let width = PANEL.min(own - from);
-        let (done, rest) = panel[from * rows..].split_at_mut(width * rows);
-        drop_tiny(done);
-        let columns = MatMut::from_column_major_slice_mut(done, rows, width).subrows_mut(from, rows - from);
-        let (mut diagonal, below) = columns.split_at_row_mut(width);
-        let stack = MemStack::new(&mut memory);
-        cholesky_in_place(diagonal.rb_mut(), Default::default(), Par::Seq, stack, Default::default())
-            .map_err(|_| NotPositive)?;
-        solve_below(diagonal.rb(), below);
-        drop_tiny(done);
-        let done = MatRef::from_column_major_slice(done, rows, width);
-        let next = from + width;
-        subtract_product(&mut rest[..(own - next) * rows], rows, next, done);
-        from = next;
+    for (top, range) in stairs::ranges(rows, own) {
+        let (stair, later) = panel[range.start..].split_at_mut(range.len());
+        let (tall, wide) = (rows - top, STAIR.min(own - top));
+        eliminate_stair(stair, tall, wide, MemStack::new(&mut memory))?;
+        let stair = MatRef::from_column_major_slice(stair, tall, wide);
+        let multiplications = (own - top - wide) * tall * wide;
+        share(stairs::each_from(later, rows, own, top + wide), multiplications, |(at, later)| {
+            let (tall, wide) = (rows - at, STAIR.min(own - at));
+            let columns = MatMut::from_column_major_slice_mut(later, tall, wide);
+            subtract_tile(columns, stair.subrows(at - top, tall), Accum::Add);
+        });
     }
     Ok(())
 }
 
-/// What the eliminated `panel` (`rows` x `own`) leaves on the boundary: minus its lower part times its transpose, a
-/// triangle in stairs. Above the diagonal there is no promise.
+/// The same within one stair of `tall` rows and `wide` columns.
+fn eliminate_stair<T: Real>(
+    stair: &mut [T],
+    tall: usize,
+    wide: usize,
+    memory: &mut MemStack,
+) -> Result<(), NotPositive> {
+    for from in (0..wide).step_by(PANEL) {
+        let width = PANEL.min(wide - from);
+        let (done, rest) = stair[from * tall..].split_at_mut(width * tall);
+        drop_tiny(done);
+        let columns = MatMut::from_column_major_slice_mut(done, tall, width).subrows_mut(from, tall - from);
+        let (mut diagonal, below) = columns.split_at_row_mut(width);
+        cholesky_in_place(diagonal.rb_mut(), Default::default(), Par::Seq, memory, Default::default())
+            .map_err(|_| NotPositive)?;
+        solve_below(diagonal.rb(), below);
+        drop_tiny(done);
+        let next = from + width;
+        if next < wide {
+            let done = MatRef::from_column_major_slice(done, tall, width).subrows(next, tall - next);
+            let rest = MatMut::from_column_major_slice_mut(rest, tall, wide - next);
+            subtract_rows(rest.subrows_mut(next, tall - next), done, done.subrows(0, wide - next));
+        }
+    }
+    Ok(())
+}
+
+/// What the eliminated `panel` (the first `own` of `rows` columns, in stairs) leaves on the boundary: minus its lower part
+/// times its transpose, a triangle in stairs. Above the diagonal there is no promise.
 pub fn leave<T: Real>(panel: &[T], rows: usize, own: usize, update: &mut [T]) {
     let size = rows - own;
-    let below = MatRef::from_column_major_slice(panel, rows, own).subrows(own, size);
     let tile = |(top, stair): (usize, &mut [T])| {
-        let (tall, wide) = (size - top, TILE.min(size - top));
-        let columns = MatMut::from_column_major_slice_mut(stair, tall, wide);
-        subtract_tile(columns, below.subrows(top, tall), Accum::Replace);
+        let (tall, wide) = (size - top, STAIR.min(size - top));
+        let mut columns = MatMut::from_column_major_slice_mut(stair, tall, wide);
+        let mut keep = Accum::Replace;
+        for (from, range) in stairs::ranges(rows, own) {
+            let width = STAIR.min(own - from);
+            let factor = MatRef::from_column_major_slice(&panel[range], rows - from, width);
+            subtract_tile(columns.rb_mut(), factor.subrows(own - from + top, tall), keep);
+            keep = Accum::Add;
+        }
     };
-    share(stairs::each(update, size), size * size * own, tile);
+    share(stairs::each_from(update, size, size, 0), size * size * own, tile);
 }
 
 /// Sets to zero what is too small to matter, before its products become subnormal: those are a hundred times slower.
@@ -86,16 +112,17 @@ fn solve_below<T: Real>(l: MatRef<T>, below: MatMut<T>) {
     }
 }
 
-/// Columns `first..` of a lower triangle of `rows` rows <- themselves - `factor` `factor`^T.
-fn subtract_product<T: Real>(columns: &mut [T], rows: usize, first: usize, factor: MatRef<T>) {
-    let tile = |(k, columns): (usize, &mut [T])| {
-        let at = first + k * TILE;
-        let width = columns.len() / rows;
-        let columns = MatMut::from_column_major_slice_mut(columns, rows, width).subrows_mut(at, rows - at);
-        subtract_tile(columns, factor.subrows(at, rows - at), Accum::Add);
-    };
-    let multiplications = columns.len() * factor.ncols();
-    share(columns.chunks_mut(TILE * rows).enumerate(), multiplications, tile);
+/// columns <- columns - factor across^T
+fn subtract_rows<T: Real>(columns: MatMut<T>, factor: MatRef<T>, across: MatRef<T>) {
+    let rows = columns.nrows();
+    if rows > ROWS && rows * across.nrows() * across.ncols() > SHARED {
+        let half = (rows / 2).next_multiple_of(16);
+        let (top, bottom) = columns.split_at_row_mut(half);
+        let (above, below) = factor.split_at_row(half);
+        rayon::join(|| subtract_rows(top, above, across), || subtract_rows(bottom, below, across));
+    } else if rows > 0 {
+        matmul(columns, Accum::Add, factor, across.transpose(), -T::one(), Par::Seq);
+    }
 }
 
 /// Does the `work` of every tile of a product of so many multiplications, on all threads where it is large.
@@ -123,36 +150,55 @@ fn subtract_tile<T: Real>(mut columns: MatMut<T>, factor: MatRef<T>, keep: Accum
     matmul(below, keep, factor.subrows(width, rows - width), across, -T::one(), Par::Seq);
 }
 
-/// Own part of w <- L^-1 w; the rest of `w`, less what its own part takes from it.
-pub fn forwards<T: Real>(panel: &[T], rows: usize, w: &mut [T]) {
-    for (k, columns) in panel.chunks(STEP * rows).enumerate() {
-        let (from, width) = (k * STEP, columns.len() / rows);
-        let (head, rest) = w[from..].split_at_mut(width);
-        for (j, column) in columns.chunks_exact(rows).enumerate() {
-            let column = &column[from + j..from + width];
-            let x = head[j] / column[0];
-            head[j] = x;
-            head[j + 1..].iter_mut().zip(&column[1..]).for_each(|(w, l)| *w -= *l * x);
+/// Own part of w <- L^-1 w; the rest of `w`, less what its own part takes from it. Of the factor the `panel` holds the first
+/// `own` columns, in stairs.
+pub fn forwards<T: Real>(panel: &[T], own: usize, w: &mut [T]) {
+    let rows = w.len();
+    for (top, range) in stairs::ranges(rows, own) {
+        let tall = rows - top;
+        for (k, columns) in panel[range].chunks(STEP * tall).enumerate() {
+            let (from, width) = (k * STEP, columns.len() / tall);
+            let (head, rest) = w[top + from..].split_at_mut(width);
+            for (j, column) in columns.chunks_exact(tall).enumerate() {
+                let column = &column[from + j..from + width];
+                let x = head[j] / column[0];
+                head[j] = x;
+                head[j + 1..].iter_mut().zip(&column[1..]).for_each(|(w, l)| *w -= *l * x);
+            }
+            let below = MatRef::from_column_major_slice(columns, tall, width);
+            let below = below.subrows(from + width, rest.len());
+            let rest = ColMut::from_slice_mut(rest);
+            matmul(
+                rest.as_mat_mut(),
+                Accum::Add,
+                below,
+                ColRef::from_slice(head).as_mat(),
+                -T::one(),
+                Par::Seq,
+            );
         }
-        let below = MatRef::from_column_major_slice(columns, rows, width).subrows(from + width, rest.len());
-        let rest = ColMut::from_slice_mut(rest);
-        matmul(rest.as_mat_mut(), Accum::Add, below, ColRef::from_slice(head).as_mat(), -T::one(), Par::Seq);
     }
 }
 
 /// Own part of w <- L^-T w, the rest being known.
-pub fn backwards<T: Real>(panel: &[T], rows: usize, w: &mut [T]) {
-    for (k, columns) in panel.chunks(STEP * rows).enumerate().rev() {
-        let (from, width) = (k * STEP, columns.len() / rows);
-        let (head, known) = w[from..].split_at_mut(width);
-        let below = MatRef::from_column_major_slice(columns, rows, width).subrows(from + width, known.len());
-        let to = ColMut::from_slice_mut(head);
-        let known = ColRef::from_slice(known).as_mat();
-        matmul(to.as_mat_mut(), Accum::Add, below.transpose(), known, -T::one(), Par::Seq);
-        for (j, column) in columns.chunks_exact(rows).enumerate().rev() {
-            let column = &column[from + j..from + width];
-            let taken = head[j + 1..].iter().zip(&column[1..]).fold(T::zero(), |sum, (w, l)| sum + *w * *l);
-            head[j] = (head[j] - taken) / column[0];
+pub fn backwards<T: Real>(panel: &[T], own: usize, w: &mut [T]) {
+    let rows = w.len();
+    for (top, range) in stairs::ranges(rows, own).collect::<Vec<_>>().into_iter().rev() {
+        let tall = rows - top;
+        for (k, columns) in panel[range].chunks(STEP * tall).enumerate().rev() {
+            let (from, width) = (k * STEP, columns.len() / tall);
+            let (head, known) = w[top + from..].split_at_mut(width);
+            let below = MatRef::from_column_major_slice(columns, tall, width);
+            let below = below.subrows(from + width, known.len());
+            let to = ColMut::from_slice_mut(head);
+            let known = ColRef::from_slice(known).as_mat();
+            matmul(to.as_mat_mut(), Accum::Add, below.transpose(), known, -T::one(), Par::Seq);
+            for (j, column) in columns.chunks_exact(tall).enumerate().rev() {
+                let column = &column[from + j..from + width];
+                let taken =
+                    head[j + 1..].iter().zip(&column[1..]).fold(T::zero(), |sum, (w, l)| sum + *w * *l);
+                head[j] = (head[j] - taken) / column[0];
+            }
         }
     }
 }

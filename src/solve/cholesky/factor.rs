@@ -16,7 +16,7 @@ use std::sync::Mutex;
 /// Lower triangular factor of a scaled matrix.
 #[derive(Default)]
 pub struct Factor<T> {
-    /// Per front its own columns, from its first own row down.
+    /// Per front its own columns, from its first own row down, in stairs.
     pub number: Vec<T>,
     /// The matrix was multiplied with this power of two.
     pub scale: f64,
@@ -91,14 +91,15 @@ impl<T: Real> Job<'_, T> {
         panel.fill(T::zero());
         self.enter(front, panel, rows);
         for (&c, update) in children.iter().zip(&left) {
-            add(self.fronts.places_of(c), update, panel, [0, own], |column| column * rows);
+            let row_zero = |column| stairs::row_zero(rows, column);
+            add(self.fronts.places_of(c), update, panel, [0, own], row_zero);
         }
         dense::eliminate(panel, rows, own)?;
         let size = rows - own;
-        let mut update = self.spare.take(stairs::len(size));
+        let mut update = self.spare.take(stairs::len(size, size));
         if size > 0 {
             // The product comes first: it overwrites whatever the buffer held.
-            dense::leave(panel, rows, own, &mut update[..stairs::len(size)]);
+            dense::leave(panel, rows, own, &mut update[..stairs::len(size, size)]);
             for (&c, from) in children.iter().zip(&left) {
                 add(self.fronts.places_of(c), from, &mut update, [own, rows], |column| {
                     stairs::row_zero(size, column)
@@ -114,7 +115,7 @@ impl<T: Real> Job<'_, T> {
         for e in &self.fronts.entries[front.entries[0] as usize..front.entries[1] as usize] {
             let block = &self.values[e.block as usize];
             for c in 0..3 {
-                let at = (3 * e.column as usize + c) * rows + 3 * e.row as usize;
+                let at = stairs::row_zero(rows, 3 * e.column as usize + c) + 3 * e.row as usize;
                 for (r, to) in panel[at..at + 3].iter_mut().enumerate() {
                     let value = if e.turned { block[(c, r)] } else { block[(r, c)] };
                     *to = T::from_f64(value * self.scale);

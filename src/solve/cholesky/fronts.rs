@@ -5,6 +5,7 @@
 //! is a flat sorted list, because contacts come and go and with them the pattern. Knows no values.
 
 use super::dissection::{NONE, Tree};
+use super::stairs;
 use crate::math::Vec3;
 use crate::solve::BlockMatrix;
 
@@ -191,7 +192,7 @@ impl Fronts {
             let (k, b) = (own as f64, (all - own) as f64);
             self.list[v].work = below + k * (k * k / 3.0 + k * b + b * b);
             self.list[v].start = self.factor_len;
-            self.factor_len = self.factor_len.saturating_add(own.saturating_mul(all));
+            self.factor_len += stairs::len(all, own);
         }
     }
 }

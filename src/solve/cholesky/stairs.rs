@@ -1,26 +1,45 @@
-//! The lower triangle of a square matrix in one piece of memory: stairs of [`STAIR`] columns, each from the row of its
-//! first column down. Little more than half of the square, and to dense kernels each stair is a matrix by columns.
+//! The lower part of a dense matrix in one piece of memory: stairs of [`STAIR`] columns, each from the row of its first
+//! column down. Of a square little more than half, and to dense kernels each stair is a matrix by columns.
+
+use std::ops::Range;
 
 /// Columns of a stair; a multiple of 3, so that blocks of the cloth lie in one.
 pub const STAIR: usize = 192;
 
-/// Numbers of a triangle of `size` rows.
-pub fn len(size: usize) -> usize {
-    row_zero(size, size) + size - size % STAIR
+/// Numbers of the first `columns` columns of `rows` rows.
+pub fn len(rows: usize, columns: usize) -> usize {
+    let top = columns - columns % STAIR;
+    before(rows, top) + (columns - top) * (rows - top)
 }
 
-/// Where row 0 of column `j` would lie in a triangle of `size` rows, if its stair began there; the other rows follow.
-pub fn row_zero(size: usize, j: usize) -> usize {
+/// Where row 0 of column `j` would lie in `rows` rows, if its stair began there; the other rows follow.
+pub fn row_zero(rows: usize, j: usize) -> usize {
     let top = j - j % STAIR;
-    // The stairs before are STAIR columns of size, size - STAIR, size - 2 STAIR, ... rows.
-    let before = top * size - top * top.saturating_sub(STAIR) / 2;
-    before + (j - top) * (size - top) - top
+    before(rows, top) + (j - top) * (rows - top) - top
 }
 
-/// Every stair of a triangle of `size` rows, with the row (and column) it begins in.
-pub fn each<T>(mut numbers: &mut [T], size: usize) -> impl Iterator<Item = (usize, &mut [T])> {
-    (0..size).step_by(STAIR).map(move |top| {
-        let len = STAIR.min(size - top) * (size - top);
+/// Numbers of all stairs before the one that begins in column `top`: STAIR columns of rows, rows - STAIR, ... each.
+fn before(rows: usize, top: usize) -> usize {
+    top * rows - top * top.saturating_sub(STAIR) / 2
+}
+
+/// Every stair of the first `columns` columns of `rows` rows: the row (and column) it begins in, and where its numbers are.
+pub fn ranges(rows: usize, columns: usize) -> impl Iterator<Item = (usize, Range<usize>)> {
+    (0..columns).step_by(STAIR).map(move |top| {
+        let start = before(rows, top);
+        (top, start..start + STAIR.min(columns - top) * (rows - top))
+    })
+}
+
+/// The same from the stair on that begins in column `first`, whose `numbers` come first.
+pub fn each_from<T>(
+    mut numbers: &mut [T],
+    rows: usize,
+    columns: usize,
+    first: usize,
+) -> impl Iterator<Item = (usize, &mut [T])> {
+    (first..columns).step_by(STAIR).map(move |top| {
+        let len = STAIR.min(columns - top) * (rows - top);
         let (stair, rest) = std::mem::take(&mut numbers).split_at_mut(len);
         numbers = rest;
         (top, stair)
@@ -31,22 +50,27 @@ pub fn each<T>(mut numbers: &mut [T], size: usize) -> impl Iterator<Item = (usiz
 mod tests {
     use super::*;
 
-    /// Every number of the triangle has a place of its own, and the stairs are those places.
+    /// Every number has a place of its own, and the stairs are those places.
     #[test]
     fn places_fill_the_memory_in_order() {
-        for size in [0, 3, 192, 195, 384, 600] {
+        for (rows, columns) in
+            [(0, 0), (3, 3), (192, 192), (195, 192), (384, 384), (600, 600), (600, 3), (903, 420)]
+        {
             let mut next = 0;
-            for j in 0..size {
-                for i in j - j % STAIR..size {
-                    assert_eq!(row_zero(size, j) + i, next, "row {i} of column {j} of {size}");
+            for j in 0..columns {
+                for i in j - j % STAIR..rows {
+                    assert_eq!(row_zero(rows, j) + i, next, "row {i} of column {j} of {rows} x {columns}");
                     next += 1;
                 }
             }
-            assert_eq!(len(size), next);
+            assert_eq!(len(rows, columns), next);
             let mut numbers: Vec<usize> = (0..next).collect();
-            let stairs: Vec<_> = each(&mut numbers, size).collect();
-            assert_eq!(stairs.iter().map(|(_, stair)| stair.len()).sum::<usize>(), next);
-            assert!(stairs.iter().all(|(top, stair)| stair[0] == row_zero(size, *top) + top));
+            for (top, range) in ranges(rows, columns) {
+                assert_eq!(range.start, row_zero(rows, top) + top);
+                let later: Vec<_> = each_from(&mut numbers[range.start..], rows, columns, top).collect();
+                assert_eq!((later[0].0, later[0].1[0], later[0].1.len()), (top, range.start, range.len()));
+                assert_eq!(later.iter().map(|(_, stair)| stair.len()).sum::<usize>(), next - range.start);
+            }
         }
     }
 }

@@ -5,7 +5,7 @@
 
 use super::factor::Factor;
 use super::fronts::{Front, Fronts};
-use super::{Real, dense};
+use super::{Real, dense, stairs};
 use crate::math::Vec3;
 
 /// Subtrees of less than this many rows are not shared between threads.
@@ -46,7 +46,7 @@ impl<T: Real> Pass<'_, T> {
 
     fn panel(&self, front: &Front) -> &[T] {
         let (own, rows) = front.shape();
-        &self.number[front.start..front.start + own * rows]
+        &self.number[front.start..front.start + stairs::len(rows, own)]
     }
 
     /// x <- L^-1 x in the subtrees of neighbouring fronts; gives what each leaves on its boundary.
@@ -81,7 +81,7 @@ impl<T: Real> Pass<'_, T> {
                 w[3 * p as usize..][..3].iter_mut().zip(from).for_each(|(to, from)| *to += *from);
             }
         }
-        dense::forwards(self.panel(front), rows, &mut w);
+        dense::forwards(self.panel(front), own, &mut w);
         mine.copy_from_slice(&w[..own]);
         w.split_off(own)
     }
@@ -112,7 +112,7 @@ impl<T: Real> Pass<'_, T> {
         for &p in self.fronts.places_of(v) {
             w.extend_from_slice(&above[3 * p as usize..][..3]);
         }
-        dense::backwards(self.panel(front), rows, &mut w);
+        dense::backwards(self.panel(front), own, &mut w);
         mine.copy_from_slice(&w[..own]);
         self.forest_backwards(self.fronts.children_of(front), &w, below);
     }

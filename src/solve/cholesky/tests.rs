@@ -245,8 +245,8 @@ fn positions_that_tell_nothing_are_no_obstacle() {
 
 #[test]
 fn a_factor_that_does_not_fit_is_refused() {
-    // One front of 8000 points: 576 million numbers.
-    let n = 8000;
+    // One front of 11,000 points: 545 million numbers.
+    let n = 11_000;
     let scene =
         Scene { positions: vec![Vec3::zeros(); n], pairs: (1..n as u32).map(|p| (p, p - 1)).collect() };
     let matrix = BlockMatrix::with_pattern((0..n as u32).collect(), &mut |visit| {
