@@ -399,8 +399,8 @@ impl Contact {
     }
 
     /// Per point: the part of its area that nothing covers from above, as seen from above [m²].
-    pub fn uncovered_area(&self, x: &[Vec3]) -> Vec<f64> {
-        match &self.pairs {
+    pub fn uncovered_area(&mut self, x: &[Vec3]) -> Vec<f64> {
+        match &mut self.pairs {
             Some(pairs) => pairs.uncovered_area(x),
             None => vec![0.0; x.len()],
         }

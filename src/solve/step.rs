@@ -284,7 +284,7 @@ impl Stepper {
         report
     }
 
-    fn forces(&self, drive: &Drive, x: &[Vec3]) -> Forces {
+    fn forces(&mut self, drive: &Drive, x: &[Vec3]) -> Forces {
         let held = if drive.held.is_empty() { vec![false; x.len()] } else { drive.held.clone() };
         let push = if drive.pressure > 0.0 {
             let area = self.contact.uncovered_area(x);

@@ -40,9 +40,9 @@ impl PairContact {
         }
     }
 
-    /// Takes up who may come near of those that move, while they go by `d` and all else rests.
-    pub(super) fn look_around(&mut self, x: &[Vec3], d: &[Vec3], together: bool) {
-        let Some(focus) = self.focus.take() else { return };
+    /// Takes up who may come near of those that move, while they go by `d` and all else rests. Whether layers of the cloth do.
+    pub(super) fn look_around(&mut self, x: &[Vec3], d: &[Vec3], together: bool) -> bool {
+        let Some(focus) = self.focus.take() else { return false };
         let end: Vec<Vec3> = x.iter().zip(d).map(|(x, d)| x + d).collect();
         let reach = CANDIDATE_MARGIN * self.distance;
         let moving = &focus.moving;
@@ -56,6 +56,6 @@ impl PairContact {
             None => CandidatesBetween::default(),
         };
         self.focus = Some(focus);
-        self.take(own, between);
+        self.take(own, between)
     }
 }

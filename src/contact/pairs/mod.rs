@@ -15,7 +15,6 @@ use super::entangled::{Entangled, Mesh};
 use super::places::Places;
 use crate::math::{Vec3, bounds};
 use crate::mesh::distance::Gap;
-use crate::mesh::tree::TriangleTree;
 use crate::mesh::{PointIndex, Topology};
 use focus::Focus;
 use rayon::prelude::*;
@@ -247,8 +246,8 @@ impl PairContact {
         if first {
             self.count_crossings(x);
         }
-        self.look_wide(x);
-        self.look(x, &still, None, true);
+        let layers_near = self.look(x, &still, None, true);
+        self.look_wide(x, layers_near);
         if first && self.body_acts {
             // Cloth that starts nearer to the body than its thickness is not thrown off.
             let near: Vec<Pair> =
@@ -257,8 +256,9 @@ impl PairContact {
         }
     }
 
-    /// Looks wide, now and then: cloth of which no two parts are near needs no other search until it has bent.
-    fn look_wide(&mut self, x: &[Vec3]) {
+    /// Looks wide, now and then, unless `layers_near`: cloth of which no two parts are near needs no other search until it has
+    /// bent.
+    fn look_wide(&mut self, x: &[Vec3], layers_near: bool) {
         let still = vec![Vec3::zeros(); x.len()];
         let reach = CANDIDATE_MARGIN * self.distance;
         if !self.between_layers || self.stays_clear(x, &still, reach, true) {
@@ -267,7 +267,7 @@ impl PairContact {
         self.clear = None;
         self.search_after = self.search_after.saturating_sub(1);
         if self.search_after == 0 {
-            if self.finder.find(x, x, WIDE * reach, true, &|_| false).is_empty() {
+            if !layers_near && self.finder.find(x, x, WIDE * reach, true, &|_| false).is_empty() {
                 self.clear = Some((x.to_vec(), WIDE * reach));
             } else {
                 self.search_after = WAIT;
@@ -356,8 +356,8 @@ impl PairContact {
         pair.points.iter().any(|p| *p as usize >= self.rest.len())
     }
 
-    /// Takes up who may come near while the cloth goes by `d` and the body by `body_way` (or stands).
-    fn look(&mut self, x: &[Vec3], d: &[Vec3], body_way: Option<&[Vec3]>, together: bool) {
+    /// Takes up who may come near while the cloth goes by `d` and the body by `body_way` (or stands). Whether layers of the cloth do.
+    fn look(&mut self, x: &[Vec3], d: &[Vec3], body_way: Option<&[Vec3]>, together: bool) -> bool {
         if self.focus.is_some() {
             return self.look_around(x, d, together);
         }
@@ -387,10 +387,11 @@ impl PairContact {
                 between = self.finder.find_between(x, &end, &mut body.finder, &body.now, &body_end, reach);
             }
         }
-        self.take(own, between);
+        self.take(own, between)
     }
 
-    fn take(&mut self, own: Candidates, between: CandidatesBetween) {
+    /// Makes candidates the pairs that count. Whether there are any of the cloth's own.
+    fn take(&mut self, own: Candidates, between: CandidatesBetween) -> bool {
         let count = self.rest.len() as u32;
         let corners = |f: u32| self.triangles[f as usize].map(|c| c.0);
         let edge = |e: u32| self.edges[e as usize];
@@ -442,6 +443,7 @@ impl PairContact {
             }));
         }
         self.pairs = pairs;
+        !own.is_empty()
     }
 
     // ---- Response ----
@@ -501,8 +503,9 @@ impl PairContact {
     }
 
     /// See [`super::Contact::uncovered_area`].
-    pub fn uncovered_area(&self, x: &[Vec3]) -> Vec<f64> {
-        let tree = TriangleTree::new(x, &self.triangles, 0.0);
+    pub fn uncovered_area(&mut self, x: &[Vec3]) -> Vec<f64> {
+        self.finder.rest(x, 0.0);
+        let tree = self.finder.tree();
         let open: Vec<f64> = self
             .triangles
             .par_iter()
