@@ -15,6 +15,7 @@ mod completions;
 mod fabric;
 mod finer;
 mod frames;
+mod heap;
 mod input;
 mod inspect;
 mod interrupt;
