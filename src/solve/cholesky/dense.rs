@@ -18,7 +18,7 @@ use rayon::prelude::*;
 const PANEL: usize = 96;
 /// Columns of one stripe of a tile's square on the diagonal.
 const STRIPE: usize = 48;
-/// Rows of one tile of a triangular solve.
+/// As many rows of a stair are solved for, or take a product, as one tile.
 const ROWS: usize = 192;
 /// Columns of one step of a substitution.
 const STEP: usize = 48;

@@ -192,7 +192,9 @@ impl Fronts {
             let (k, b) = (own as f64, (all - own) as f64);
             self.list[v].work = below + k * (k * k / 3.0 + k * b + b * b);
             self.list[v].start = self.factor_len;
-            self.factor_len += stairs::len(all, own);
+            // Where even the whole rectangle cannot be counted the factor is refused.
+            let len = own.checked_mul(all).map_or(usize::MAX, |_| stairs::len(all, own));
+            self.factor_len = self.factor_len.saturating_add(len);
         }
     }
 }

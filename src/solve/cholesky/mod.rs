@@ -159,8 +159,8 @@ impl Cholesky {
 
     /// Solves in place with the factor of an older matrix of the same rows: only until what is left to gain of the energy
     /// 1/2 x·Ax - rhs·x, by the measure of that factor, is below a thousandth of the gain at first, or below `enough`
-    /// [J]. Where that is not coming in half the time of a factorisation the right-hand side is what it was, and the answer is no; so it is where a factor
-    /// costs next to nothing.
+    /// [J]. Where that is not coming in half the time of a factorisation the right-hand side is what it was, and the answer
+    /// is no; so it is where a factor costs next to nothing.
     pub fn solve_with_older(&self, matrix: &BlockMatrix, rhs: &mut [Vec3], enough: f64) -> bool {
         if self.in_double {
             return false;

@@ -38,9 +38,8 @@ pub fn each_from<T>(
     columns: usize,
     first: usize,
 ) -> impl Iterator<Item = (usize, &mut [T])> {
-    (first..columns).step_by(STAIR).map(move |top| {
-        let len = STAIR.min(columns - top) * (rows - top);
-        let (stair, rest) = std::mem::take(&mut numbers).split_at_mut(len);
+    ranges(rows, columns).skip(first.div_ceil(STAIR)).map(move |(top, range)| {
+        let (stair, rest) = std::mem::take(&mut numbers).split_at_mut(range.len());
         numbers = rest;
         (top, stair)
     })
