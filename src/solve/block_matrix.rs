@@ -1,8 +1,9 @@
-//! A symmetric sparse matrix of 3 x 3 blocks with a pattern that is built once and refilled many times.
+//! A symmetric sparse matrix of 3 x 3 blocks with a pattern that is built once, refilled many times, and grows where it must.
 //!
 //! Only the lower triangle is stored, row by row. Points that are held (pins, sleeping parts) have no row: blocks
 //! that touch them are dropped on the way in. Energies add their blocks in the same order again and again, so where each
-//! went last time is looked at before it is searched for. The matrix is filled by several threads at once, each with
+//! went last time is looked at before it is searched for. A block without a place gets one: contacts come and go, and what
+//! was filled before stays. The matrix is filled by several threads at once, each with
 //! rows of its own: every block is the sum of the same numbers in the same order for any number of threads.
 
 use crate::energy::BlockSink;
@@ -27,12 +28,20 @@ pub struct BlockMatrix {
     /// Block columns, increasing within a row; the last of a row is its diagonal.
     column: Vec<u32>,
     value: Vec<Mat3>,
-    /// Per range of rows that was filled: where its blocks went, in order.
+    /// Blocks of the pattern as it was built.
+    planned: usize,
+    /// Rows at which one thread's range ends and the next begins, from 0 to the number of rows.
+    cuts: Vec<u32>,
+    /// Per range: where its blocks went, in order.
     went: Vec<Vec<u32>>,
 }
 
 /// A thread takes at least so many rows.
 const FEWEST_ROWS: usize = 256;
+/// A pattern that has grown by more than this share is worth building anew.
+const OVERGROWN: f64 = 0.1;
+/// In the place of one that was not found.
+const NOWHERE: u32 = u32::MAX;
 
 /// Sorts a list and moves its different numbers to the front; how many those are.
 fn sort_once(list: &mut [u32]) -> usize {
@@ -96,7 +105,13 @@ impl BlockMatrix {
             start.push(column.len() as u32);
         }
         let value = vec![Mat3::zeros(); column.len()];
-        Self { row_of, point_of, start, column, value, went: Vec::new() }
+        let planned = column.len();
+        Self { row_of, point_of, start, column, value, planned, cuts: Vec::new(), went: Vec::new() }
+    }
+
+    /// Whether so many blocks have been added to the pattern that it is worth building anew.
+    pub fn is_overgrown(&self) -> bool {
+        (self.column.len() - self.planned) as f64 > OVERGROWN * self.planned as f64
     }
 
     /// Whether exactly the points with `held` unset have rows.
@@ -156,31 +171,83 @@ impl BlockMatrix {
     }
 
     /// Replaces all values by what `add` adds, which is called once by every thread and must add the same blocks in the
-    /// same order each time. Whether every block had its place; if not, the values are of no use.
-    pub fn fill(&mut self, add: &(dyn Fn(&mut dyn BlockSink) + Sync)) -> bool {
+    /// same order each time. The pattern grows by the blocks that have no place in it.
+    pub fn fill(&mut self, add: &(dyn Fn(&mut dyn BlockSink) + Sync)) {
         let threads = rayon::current_num_threads().min(self.row_count() / FEWEST_ROWS).max(1);
-        self.went.resize(threads, Vec::new());
-        let Self { row_of, start, column, value, went, .. } = self;
+        if self.cuts.len() != threads + 1 {
+            self.cut_into(threads);
+        }
+        let Self { row_of, start, column, value, cuts, went, .. } = self;
         let mut rest = value.as_mut_slice();
-        let mut first = 0;
         let mut ranges: Vec<Rows> = Vec::with_capacity(threads);
-        for (k, went) in went.iter_mut().enumerate() {
-            // Ranges of as many blocks each.
-            let until = (column.len() * (k + 1) / threads) as u32;
-            let end = start.partition_point(|at| *at < until) as u32;
-            let (mine, others) = rest.split_at_mut((start[end as usize] - start[first as usize]) as usize);
+        for (ends, went) in cuts.windows(2).zip(went) {
+            let rows = [ends[0], ends[1]];
+            let [from, to] = rows.map(|r| start[r as usize] as usize);
+            let (mine, others) = rest.split_at_mut(to - from);
             rest = others;
-            let rows = [first, end];
-            ranges.push(Rows { row_of, start, column, rows, value: mine, went, added: 0, complete: true });
-            first = end;
+            ranges.push(Rows {
+                row_of,
+                start,
+                column,
+                rows,
+                value: mine,
+                went,
+                added: 0,
+                strays: Vec::new(),
+            });
         }
         // Each range is moved to its thread: what they count must not share a cache line.
-        let complete = ranges.into_par_iter().map(|mut range| {
+        let strays = ranges.into_par_iter().map(|mut range| {
             range.value.fill(Mat3::zeros());
             add(&mut range);
-            range.complete
+            range.strays
         });
-        complete.reduce(|| true, |a, b| a && b)
+        let strays: Vec<Stray> = strays.collect::<Vec<_>>().concat();
+        if !strays.is_empty() {
+            self.grow(strays);
+        }
+    }
+
+    /// Shares the rows between so many threads: as many blocks each.
+    fn cut_into(&mut self, threads: usize) {
+        let until = |k: usize| (self.column.len() * k / threads) as u32;
+        let row = |k: usize| self.start.partition_point(|at| *at < until(k)) as u32;
+        self.cuts = (0..threads).map(row).chain([self.row_count() as u32]).collect();
+        self.went = vec![Vec::new(); threads];
+    }
+
+    /// Gives places to blocks that have none, with the values they bring.
+    fn grow(&mut self, mut strays: Vec<Stray>) {
+        // Those of one place stay in the order in which they came.
+        strays.sort_by_key(|stray| [stray.row, stray.column]);
+        let mut strays = strays.into_iter().peekable();
+        let more = self.column.len() + strays.len();
+        let (mut start, mut column, mut value) =
+            (vec![0], Vec::with_capacity(more), Vec::with_capacity(more));
+        let mut now_at = vec![NOWHERE; self.column.len()];
+        for r in 0..self.row_count() {
+            for at in self.start[r] as usize..self.start[r + 1] as usize {
+                while let Some(stray) = strays.next_if(|s| s.row as usize == r && s.column <= self.column[at])
+                {
+                    if column.len() > start[r] as usize && column.last() == Some(&stray.column) {
+                        if let Some(value) = value.last_mut() {
+                            *value += stray.block;
+                        }
+                    } else {
+                        column.push(stray.column);
+                        value.push(stray.block);
+                    }
+                }
+                now_at[at] = column.len() as u32;
+                column.push(self.column[at]);
+                value.push(self.value[at]);
+            }
+            start.push(column.len() as u32);
+        }
+        for at in self.went.iter_mut().flatten().filter(|at| **at != NOWHERE) {
+            *at = now_at[*at as usize];
+        }
+        (self.start, self.column, self.value) = (start, column, value);
     }
 
     /// Adds `amount` times the identity to the diagonal block of point `p`, if it is free.
@@ -242,9 +309,12 @@ impl BlockSink for BlockMatrix {
         let rows = [0, self.row_count() as u32];
         let Self { row_of, start, column, value, .. } = self;
         let went = &mut Vec::new();
-        let mut all = Rows { row_of, start, column, rows, value, went, added: 0, complete: true };
+        let mut all = Rows { row_of, start, column, rows, value, went, added: 0, strays: Vec::new() };
         all.add(i, j, block);
-        debug_assert!(all.complete, "block ({i}, {j}) is outside the pattern");
+        let strays = all.strays;
+        if !strays.is_empty() {
+            self.grow(strays);
+        }
     }
 }
 
@@ -261,30 +331,39 @@ struct Rows<'a> {
     went: &'a mut Vec<u32>,
     /// Blocks added so far.
     added: usize,
-    /// Whether all that was added had its place.
-    complete: bool,
+    /// Those without a place.
+    strays: Vec<Stray>,
+}
+
+/// A block without a place in the pattern.
+#[derive(Debug, Clone, Copy)]
+struct Stray {
+    row: u32,
+    column: u32,
+    block: Mat3,
 }
 
 impl Rows<'_> {
-    /// Where the block (`row`, `column`) lies among the blocks of all rows.
+    /// Where the block (`row`, `column`) lies among the blocks of all rows; none if it has no place.
     #[inline]
     fn find(&mut self, row: u32, column: u32) -> Option<u32> {
         let [from, to] = [row, row + 1].map(|r| self.start[r as usize]);
         let last = self.went.get(self.added).copied();
-        let at = match last.filter(|at| (from..to).contains(at) && self.column[*at as usize] == column) {
-            Some(at) => at,
+        let found = match last.filter(|at| (from..to).contains(at) && self.column[*at as usize] == column) {
+            Some(at) => Some(at),
             None => {
                 let columns = &self.column[from as usize..to as usize];
-                let at = from + columns.binary_search(&column).ok()? as u32;
+                let found = columns.binary_search(&column).ok().map(|at| from + at as u32);
+                let at = found.unwrap_or(NOWHERE);
                 match self.went.get_mut(self.added) {
                     Some(went) => *went = at,
                     None => self.went.push(at),
                 }
-                at
+                found
             }
         };
         self.added += 1;
-        Some(at)
+        found
     }
 }
 
@@ -295,12 +374,13 @@ impl BlockSink for Rows<'_> {
         if r == HELD || c == HELD {
             return;
         }
-        let (row, col, turned) = if r >= c { (r, c, false) } else { (c, r, true) };
+        let (row, column, turned) = if r >= c { (r, c, false) } else { (c, r, true) };
         if !(self.rows[0]..self.rows[1]).contains(&row) {
             return;
         }
-        let Some(at) = self.find(row, col) else {
-            self.complete = false;
+        let Some(at) = self.find(row, column) else {
+            let block = if turned { block.transpose() } else { *block };
+            self.strays.push(Stray { row, column, block });
             return;
         };
         let value = &mut self.value[(at - self.start[self.rows[0] as usize]) as usize];
@@ -368,19 +448,33 @@ mod tests {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             // Twice: the second time with the places known, and with some that are not.
             for triples in [&triples[..], &triples[1..], &triples[..]] {
-                assert!(pool.install(|| matrix.fill(&|out| add_all(triples, out))));
+                pool.install(|| matrix.fill(&|out| add_all(triples, out)));
             }
             assert_eq!(matrix.value, expected, "{threads} threads");
         }
     }
 
     #[test]
-    fn a_block_without_a_place_is_told() {
+    fn a_block_without_a_place_gets_one() {
         let (row_of, triples) = scene();
-        let mut matrix =
-            BlockMatrix::with_pattern(row_of, &mut |visit| triples[1..].iter().for_each(|t| visit(t)));
-        assert!(matrix.fill(&|out| add_all(&triples[1..], out)));
-        let strange = [[1, 2, 1501]];
-        assert!(!matrix.fill(&|out| add_all(&strange, out)));
+        let of = |triples: &[[u32; 3]]| {
+            BlockMatrix::with_pattern(row_of.clone(), &mut |visit| triples.iter().for_each(|t| visit(t)))
+        };
+        let mut whole = of(&triples);
+        whole.fill(&|out| add_all(&triples, out));
+        for threads in [1, 2, 3] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let mut grown = of(&triples[triples.len() / 30..]);
+            // What has grown is filled again like any other, also by another number of threads.
+            for again in [&pool, &pool, &rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap()] {
+                again.install(|| grown.fill(&|out| add_all(&triples, out)));
+                assert_eq!(grown.pattern(), whole.pattern());
+                assert_eq!(grown.value, whole.value, "{threads} threads");
+            }
+            assert!(!grown.is_overgrown());
+        }
+        let mut small = of(&triples[triples.len() / 3..]);
+        small.fill(&|out| add_all(&triples, out));
+        assert!(small.is_overgrown() && !whole.is_overgrown());
     }
 }

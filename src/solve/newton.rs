@@ -238,22 +238,18 @@ impl Problem<'_> {
     }
 
     pub(super) fn assemble(&self, x: &[Vec3], contact: &Contact, work: &mut Workspace) {
-        let fill = |matrix: &mut BlockMatrix| {
-            matrix.fill(&|out| {
-                self.terms.iter().for_each(|term| term.add_hessian(x, out));
-                contact.add_hessian(x, out);
-            })
-        };
         work.altered = false;
-        // The pattern looks ahead and is kept until a block finds no place in it.
-        if !(work.matrix.holds(self.held) && fill(&mut work.matrix)) {
+        // The pattern looks ahead, and grows by what comes into contact later.
+        if !work.matrix.holds(self.held) || work.matrix.is_overgrown() {
             work.matrix = BlockMatrix::with_pattern(rows_of_free(self.held), &mut |visit| {
                 self.terms.iter().for_each(|t| t.visit_stencils(visit));
                 contact.visit_stencils(x, PATTERN_MARGIN, visit);
             });
-            let complete = fill(&mut work.matrix);
-            debug_assert!(complete, "a term adds a block that it did not announce");
         }
+        work.matrix.fill(&|out| {
+            self.terms.iter().for_each(|term| term.add_hessian(x, out));
+            contact.add_hessian(x, out);
+        });
         if let Some((mass, _, span)) = self.inertia {
             for (p, m) in mass.iter().enumerate() {
                 work.matrix.add_diagonal(p, m / (span * span));
