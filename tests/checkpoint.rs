@@ -49,7 +49,8 @@ impl Scene {
         let text = sheet(9);
         let read = ReadOptions { unit_m: None, up: None, garment: None, mask: None };
         let (asset, _) = read_asset("sheet.obj", text.as_bytes(), &read, &mut |_| Ok(Vec::new())).unwrap();
-        let mut options = BakeOptions { frames_per_second: 5.0, ..BakeOptions::default() };
+        let mut options =
+            BakeOptions { frames_per_second: 5.0, checkpoint_steps: 8, ..BakeOptions::default() };
         options.step.method = method;
         Self {
             garment: Garment::from_asset(&asset).unwrap().0,
@@ -165,6 +166,7 @@ fn on_a_body_it_goes_on_as_if_nothing_had_been() {
         script: WearScript::parse("wear.json", script).unwrap(),
         options: BakeOptions {
             body: Some(std::sync::Arc::new(Wearer::from_pieces(&asset, &arm).unwrap())),
+            checkpoint_steps: 8,
             ..BakeOptions::default()
         },
     };

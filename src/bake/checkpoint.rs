@@ -30,10 +30,6 @@ use sha2::{Digest, Sha256};
 /// The format and version this module writes and reads.
 pub const CHECKPOINT_FORMAT: &str = "crease-checkpoint/1";
 
-/// Between two moments that a checkpoint may be of lie at most so many steps: what an interrupted run loses. Making the
-/// pattern anew so often costs less than a linear solve each time.
-pub(super) const STEPS_BETWEEN: u64 = 8;
-
 /// Steps never ask for less than this [s]; a file that does was made up.
 const LEAST_STEP: f64 = 1e-6;
 

@@ -29,7 +29,7 @@ use crate::memory::{Memory, Observed, Remembering};
 use crate::mesh::crossings::crossings;
 use crate::solve::{Cloth, State, StepOptions, Stepper};
 use crate::wear::{Action, GRAVITY, Gesture, Posture, Scene, WearScript};
-use checkpoint::{STEPS_BETWEEN, Way};
+use checkpoint::Way;
 use on_body::{OnBody, Pinch};
 use std::sync::Arc;
 use std::time::Instant;
@@ -59,6 +59,9 @@ pub struct BakeOptions {
     pub body: Option<Arc<Wearer>>,
     /// Whether cloth that the body cannot stir sleeps.
     pub sleep: bool,
+    /// Steps of an action between moments that a checkpoint may be of: what an interrupted run loses. At each the pattern of the
+    /// linear system is made anew, and in a hold a factor, which the steps between share.
+    pub checkpoint_steps: u64,
 }
 
 impl Default for BakeOptions {
@@ -73,6 +76,7 @@ impl Default for BakeOptions {
             frames_per_second: 0.0,
             body: None,
             sleep: true,
+            checkpoint_steps: 32,
         }
     }
 }
@@ -224,6 +228,7 @@ pub fn bake_from(
         memory: Memory::new(RestShape::new(source_angle, garment.triangles.len())),
         law: options.memory.then_some(law),
         event_share: options.event_share,
+        checkpoint_steps: options.checkpoint_steps,
         posture: Posture::default(),
         report: BakeReport { choices: plan.choices, ..BakeReport::default() },
         seconds: [0.0; 5],
@@ -314,6 +319,7 @@ struct Run<'a> {
     law: Option<Remembering>,
     /// See [`BakeOptions`].
     event_share: f64,
+    checkpoint_steps: u64,
     posture: Posture,
     report: BakeReport,
     /// Assemble, solve, contact, remember, home.
@@ -410,7 +416,7 @@ impl Run<'_> {
         wished: f64,
         observer: &mut dyn Observer,
     ) -> Result<()> {
-        if !self.report.steps.is_multiple_of(STEPS_BETWEEN) {
+        if !self.report.steps.is_multiple_of(self.checkpoint_steps) {
             return Ok(());
         }
         let Some(memo) = gesture.memo() else { return Ok(()) };
