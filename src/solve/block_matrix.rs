@@ -224,7 +224,7 @@ impl BlockMatrix {
         let more = self.column.len() + strays.len();
         let (mut start, mut column, mut value) =
             (vec![0], Vec::with_capacity(more), Vec::with_capacity(more));
-        let mut now_at = vec![NOWHERE; self.column.len()];
+        let mut now_at = Vec::with_capacity(self.column.len());
         for r in 0..self.row_count() {
             for at in self.start[r] as usize..self.start[r + 1] as usize {
                 while let Some(stray) = strays.next_if(|s| s.row as usize == r && s.column <= self.column[at])
@@ -238,7 +238,7 @@ impl BlockMatrix {
                         value.push(stray.block);
                     }
                 }
-                now_at[at] = column.len() as u32;
+                now_at.push(column.len() as u32);
                 column.push(self.column[at]);
                 value.push(self.value[at]);
             }
