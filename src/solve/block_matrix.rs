@@ -171,8 +171,8 @@ impl BlockMatrix {
     }
 
     /// Replaces all values by what `add` adds, which is called once by every thread and must add the same blocks in the
-    /// same order each time. The pattern grows by the blocks that have no place in it.
-    pub fn fill(&mut self, add: &(dyn Fn(&mut dyn BlockSink) + Sync)) {
+    /// same order each time. The pattern grows by the blocks that have no place in it; whether there were any.
+    pub fn fill(&mut self, add: &(dyn Fn(&mut dyn BlockSink) + Sync)) -> bool {
         let threads = rayon::current_num_threads().min(self.row_count() / FEWEST_ROWS).max(1);
         if self.cuts.len() != threads + 1 {
             self.cut_into(threads);
@@ -203,9 +203,11 @@ impl BlockMatrix {
             range.strays
         });
         let strays: Vec<Stray> = strays.collect::<Vec<_>>().concat();
-        if !strays.is_empty() {
+        let grows = !strays.is_empty();
+        if grows {
             self.grow(strays);
         }
+        grows
     }
 
     /// Shares the rows between so many threads: as many blocks each.
@@ -311,10 +313,7 @@ impl BlockSink for BlockMatrix {
         let went = &mut Vec::new();
         let mut all = Rows { row_of, start, column, rows, value, went, added: 0, strays: Vec::new() };
         all.add(i, j, block);
-        let strays = all.strays;
-        if !strays.is_empty() {
-            self.grow(strays);
-        }
+        debug_assert!(all.strays.is_empty(), "block ({i}, {j}) is outside the pattern");
     }
 }
 

@@ -233,23 +233,25 @@ impl Problem<'_> {
     }
 
     /// Slope of phi at `x` along `d` [J].
-    fn slope(&self, x: &[Vec3], d: &[Vec3], contact: &Contact) -> f64 {
+    pub(super) fn slope(&self, x: &[Vec3], d: &[Vec3], contact: &Contact) -> f64 {
         self.gradient(x, contact).iter().zip(d).map(|(g, d)| g.dot(d)).sum()
     }
 
     pub(super) fn assemble(&self, x: &[Vec3], contact: &Contact, work: &mut Workspace) {
         work.altered = false;
         // The pattern looks ahead, and grows by what comes into contact later.
-        if !work.matrix.holds(self.held) || work.matrix.is_overgrown() {
+        let anew = !work.matrix.holds(self.held) || work.matrix.is_overgrown();
+        if anew {
             work.matrix = BlockMatrix::with_pattern(rows_of_free(self.held), &mut |visit| {
                 self.terms.iter().for_each(|t| t.visit_stencils(visit));
                 contact.visit_stencils(x, PATTERN_MARGIN, visit);
             });
         }
-        work.matrix.fill(&|out| {
+        let grew = work.matrix.fill(&|out| {
             self.terms.iter().for_each(|term| term.add_hessian(x, out));
             contact.add_hessian(x, out);
         });
+        debug_assert!(!(anew && grew), "a term adds a block that it did not announce");
         if let Some((mass, _, span)) = self.inertia {
             for (p, m) in mass.iter().enumerate() {
                 work.matrix.add_diagonal(p, m / (span * span));
