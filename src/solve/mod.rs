@@ -7,6 +7,7 @@ mod conjugate_gradient;
 mod damping;
 mod follow;
 mod integrator;
+mod moves;
 mod newton;
 mod places;
 mod state;

@@ -9,7 +9,7 @@
 //! search that never lets phi grow. Knows no integrator and no script.
 
 use super::damping::Damping;
-use super::places::Peace;
+use super::places::{FEW, Peace, Settling};
 use super::{BlockMatrix, Cholesky, FactorError, HELD, conjugate_gradient};
 use crate::contact::Contact;
 use crate::energy::Energy;
@@ -74,10 +74,6 @@ pub struct Problem<'a> {
     pub regularisation: f64,
 }
 
-/// Differences of phi below this share of its terms are not trusted over its slope: the terms are sums themselves
-/// and may lose some digits inside (the weight of cloth on both sides of height zero).
-const BLIND: f64 = 1e-10;
-
 /// Buffers that are worth keeping between solves.
 #[derive(Default)]
 pub struct Workspace {
@@ -96,8 +92,6 @@ pub struct Workspace {
     next_pause: u32,
 }
 
-/// A line search that keeps less of the way than this has failed, and the way is cut differently.
-pub(super) const LEAST_SHARE: f64 = 0.01;
 /// No point goes farther in one iteration [m], apart from what all do alike: a direction that throws one far off sweeps all
 /// others on the way, and the search for contacts drowns in candidates.
 const FARTHEST: f64 = 0.25;
@@ -123,6 +117,11 @@ impl Workspace {
     /// The system as last assembled.
     pub(super) fn matrix(&self) -> &BlockMatrix {
         &self.matrix
+    }
+
+    /// Takes the solver's buffers of `other`, which gets these: one of the two works at a time.
+    pub(super) fn borrow_buffers(&mut self, other: &mut Self) {
+        self.direct.swap_buffers(&mut other.direct);
     }
 
     /// The next solve begins with the whole.
@@ -172,9 +171,9 @@ pub(super) struct Asked {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Value {
     /// phi [J].
-    sum: f64,
+    pub sum: f64,
     /// Sum of the magnitudes of its terms [J]: they may cancel, their rounding does not.
-    size: f64,
+    pub size: f64,
 }
 
 impl Value {
@@ -365,11 +364,12 @@ impl Problem<'_> {
             report.converged = true;
             return report;
         }
+        let settling = Settling { energy: options.energy, few: FEW };
         if self.begins_with_places(work) {
             let clock = std::time::Instant::now();
             let g = self.gradient(x, contact);
             report.seconds[0] += clock.elapsed().as_secs_f64();
-            if let Peace::Everywhere = self.settle_places(x, &g, contact, options, work, &mut report) {
+            if let Peace::Everywhere = self.settle_places(x, &g, contact, settling, work, &mut report) {
                 report.converged = true;
                 return report;
             }
@@ -382,7 +382,7 @@ impl Problem<'_> {
         while spent(&report) < options.most_iterations {
             let g = self.linearise(x, contact, work, &mut report);
             if whole_went >= WENT && !damping.acts() {
-                match self.settle_places(x, &g, contact, options, work, &mut report) {
+                match self.settle_places(x, &g, contact, settling, work, &mut report) {
                     Peace::Everywhere if whole_went == 1.0 => {
                         report.converged = true;
                         break;
@@ -416,7 +416,7 @@ impl Problem<'_> {
             let done = !damping.acts()
                 && (report.last_move <= options.tolerance && !jammed || decrement <= options.energy);
             let before = value.sum;
-            let moved = self.move_with(x, &g, &d, &mut value, contact, &mut report);
+            let moved = self.move_whole(x, &g, &d, &mut value, contact, (options, work), &mut report);
             whole_went = moved;
             if damping.acts() && decrement <= options.energy {
                 damping.relieve();
@@ -435,92 +435,5 @@ impl Problem<'_> {
             }
         }
         report
-    }
-
-    /// Moves `x` along `d` as far as layers and the line search allow; the share of the way that was kept.
-    pub(super) fn move_with(
-        &self,
-        x: &mut [Vec3],
-        g: &[Vec3],
-        d: &[Vec3],
-        value: &mut Value,
-        contact: &mut Contact,
-        report: &mut NewtonReport,
-    ) -> f64 {
-        let mut moved = 0.0;
-        // Single points cut short first; if that spoils the direction, all cut alike, which cannot.
-        for together in [false, true] {
-            let clock = std::time::Instant::now();
-            let mut way = d.to_vec();
-            if together {
-                contact.bound_together(x, &mut way);
-            } else {
-                contact.bound_motion(x, &mut way);
-            }
-            report.seconds[2] += clock.elapsed().as_secs_f64();
-            let clock = std::time::Instant::now();
-            let slope: f64 = g.iter().zip(&way).map(|(g, d)| g.dot(d)).sum();
-            if slope > 0.0 && !together {
-                // The cuts have spoiled it.
-                continue;
-            }
-            let least = if together { 0.0 } else { LEAST_SHARE };
-            moved = self.line_search(x, &way, slope, least, value, contact);
-            report.seconds[0] += clock.elapsed().as_secs_f64();
-            if moved > LEAST_SHARE {
-                break;
-            }
-        }
-        moved
-    }
-
-    /// The same for those who keep no value of phi.
-    pub(super) fn move_along(
-        &self,
-        x: &mut [Vec3],
-        g: &[Vec3],
-        d: &[Vec3],
-        contact: &mut Contact,
-        report: &mut NewtonReport,
-    ) -> f64 {
-        let mut value = self.value(x, contact);
-        self.move_with(x, g, d, &mut value, contact, report)
-    }
-
-    /// Moves `x` along `d` by the share for which phi falls enough (Armijo where the slope is down); 0 if it would have
-    /// to be less than `least`.
-    ///
-    /// Near the end phi falls by less than its rounding, and its values say nothing any more. The slope at the trial
-    /// place still does: where phi is nearly quadratic it has fallen if it rises there less steeply than it fell at the
-    /// start (the approximate Wolfe condition of Hager and Zhang 2005).
-    fn line_search(
-        &self,
-        x: &mut [Vec3],
-        d: &[Vec3],
-        slope: f64,
-        least: f64,
-        value: &mut Value,
-        contact: &Contact,
-    ) -> f64 {
-        let mut share = 1.0;
-        for _ in 0..24 {
-            if share < least {
-                return 0.0;
-            }
-            let trial: Vec<Vec3> = x.iter().zip(d).map(|(x, d)| x + d * share).collect();
-            let there = self.value(&trial, contact);
-            // Rounding of a sum of many terms.
-            let noise = 1e-13 * value.size;
-            let falls = there.sum <= value.sum + 1e-4 * share * slope.min(0.0) + noise;
-            // Not a number never counts as blind.
-            let blind = (there.sum - value.sum).abs() <= BLIND * value.size;
-            if falls || (blind && self.slope(&trial, d, contact) <= -0.9 * slope) {
-                x.copy_from_slice(&trial);
-                *value = there;
-                return share;
-            }
-            share *= 0.5;
-        }
-        0.0
     }
 }

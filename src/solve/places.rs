@@ -5,7 +5,8 @@
 //! out. For the others, with some rings around them, Newton goes on by itself: with the elements and contacts around them,
 //! which costs next to nothing beside a look at the whole. Then the gradient of the whole says whether it is at peace now.
 
-use super::newton::{LEAST_SHARE, NewtonOptions, NewtonReport, Problem, Workspace};
+use super::moves::LEAST_SHARE;
+use super::newton::{NewtonReport, Problem, Workspace};
 use crate::contact::Contact;
 use crate::energy::Energy;
 use crate::math::Vec3;
@@ -17,11 +18,20 @@ const LEFT_OUT: f64 = 0.5;
 /// A part reaches this many rings of neighbours beyond its restless points.
 const RINGS: usize = 2;
 /// A part of more than this share of the free points is not worth while.
-const FEW: f64 = 0.3;
+pub(super) const FEW: f64 = 0.3;
 /// Times that restless points are looked for before the whole is solved again.
 const ROUNDS: usize = 4;
 /// Iterations of one part.
 const ITERATIONS: usize = 8;
+
+/// How far places shall settle.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Settling {
+    /// What may be left to gain [J].
+    pub energy: f64,
+    /// A part of more than this share of the free points is not worth while.
+    pub few: f64,
+}
 
 /// What came of it.
 pub(super) enum Peace {
@@ -40,22 +50,21 @@ impl Problem<'_> {
         x: &mut [Vec3],
         g: &[Vec3],
         contact: &mut Contact,
-        options: &NewtonOptions,
+        settling: Settling,
         work: &mut Workspace,
         report: &mut NewtonReport,
     ) -> Peace {
         let mut g = g.to_vec();
         let mut peace = Peace::Nowhere;
-        let enough = LEFT_OUT * options.energy;
         for _ in 0..ROUNDS {
             let clock = Instant::now();
-            let restless = self.restless(&g, enough, work, report);
+            let restless = self.restless(&g, settling, work, report);
             report.seconds[1] += clock.elapsed().as_secs_f64();
             let Some(restless) = restless else { break };
             if !restless.contains(&true) {
                 return Peace::Everywhere;
             }
-            if !self.settle(x, &restless, contact, options, work, report) {
+            if !self.settle(x, &restless, contact, settling.energy, work, report) {
                 break;
             }
             peace = Peace::Nearer;
@@ -67,15 +76,16 @@ impl Problem<'_> {
     }
 
     /// The points that still have energy to gain, one flag per point, and those that they are coupled to: without them no more than
-    /// `enough` [J] is left, and none are restless where all have no more. `None` if they are many.
+    /// [`LEFT_OUT`] of what may be is left, and none are restless where all have no more. `None` if they are many.
     fn restless(
         &self,
         g: &[Vec3],
-        enough: f64,
+        settling: Settling,
         work: &Workspace,
         report: &mut NewtonReport,
     ) -> Option<Vec<bool>> {
         let matrix = work.matrix();
+        let enough = LEFT_OUT * settling.energy;
         let mut gains: Vec<(f64, u32)> = Vec::with_capacity(matrix.row_count());
         for (r, &p) in matrix.points().iter().enumerate() {
             let g = &g[p as usize];
@@ -97,16 +107,17 @@ impl Problem<'_> {
         gains[peaceful..].iter().for_each(|&(_, p)| restless[p as usize] = true);
         (0..RINGS).for_each(|_| matrix.widen(&mut restless));
         let count = restless.iter().filter(|r| **r).count();
-        (count as f64 <= FEW * matrix.row_count() as f64).then_some(restless)
+        (count as f64 <= settling.few * matrix.row_count() as f64).then_some(restless)
     }
 
-    /// Newton for the `restless` points alone. Whether anything has moved.
+    /// Newton for the `restless` points alone, until they have no more than [`LEFT_OUT`] of `energy` [J] to gain. Whether anything has
+    /// moved.
     fn settle(
         &self,
         x: &mut [Vec3],
         restless: &[bool],
         contact: &mut Contact,
-        options: &NewtonOptions,
+        energy: f64,
         work: &mut Workspace,
         report: &mut NewtonReport,
     ) -> bool {
@@ -126,6 +137,7 @@ impl Problem<'_> {
         contact.focus(x, restless);
         report.seconds[2] += clock.elapsed().as_secs_f64();
         let mut own = work.places.take().unwrap_or_default();
+        own.borrow_buffers(work);
         let mut value = problem.value(x, contact);
         let mut moved_at_all = false;
         for _ in 0..ITERATIONS {
@@ -138,10 +150,11 @@ impl Problem<'_> {
             let Some(asked) = problem.rein_in(&g, &mut d, report) else { break };
             let moved = problem.move_with(x, &g, &d, &mut value, contact, report);
             moved_at_all |= moved > LEAST_SHARE;
-            if asked.decrement <= LEFT_OUT * options.energy || moved <= LEAST_SHARE {
+            if asked.decrement <= LEFT_OUT * energy || moved <= LEAST_SHARE {
                 break;
             }
         }
+        own.borrow_buffers(work);
         work.places = Some(own);
         let clock = Instant::now();
         contact.unfocus();

@@ -100,8 +100,8 @@ impl Stepper {
     ) -> StepReport {
         let mut h = wished.min(self.options.longest);
         let mut drive = drive_at(state.time + h, state);
-        // Only in a hold, with steps that something else than motion keeps short, does next to nothing but memory move the cloth.
-        let holds = drive.longest_step.is_infinite() && h <= KEPT_SHORT * self.could_take;
+        // Only in a hold, with steps that memory keeps short, not motion nor what acts, does next to nothing move the cloth.
+        let holds = h <= KEPT_SHORT * self.could_take.min(drive.longest_step);
         if !holds || self.options.method.solver() != Solver::Converged {
             self.work.expect_motion();
         }
@@ -323,7 +323,7 @@ impl Stepper {
     }
 }
 
-/// A step is kept short by something else if it is at most this share of what its error would allow.
+/// A step is kept short by something else if it is at most this share of what its error and what acts would allow.
 const KEPT_SHORT: f64 = 0.6;
 
 /// A body that is held up is led again, after the cloth has given way, this many times in all.

@@ -29,6 +29,11 @@ const LARGEST: f64 = (1u64 << 40) as f64;
 const SHARED: f64 = 1e6;
 
 impl<T: Real> Factor<T> {
+    /// Exchanges what is of use during a filling only.
+    pub fn swap_buffers(&mut self, other: &mut Self) {
+        std::mem::swap(&mut self.spare, &mut other.spare);
+    }
+
     /// Factorises `matrix`, to whose pattern `fronts` belong.
     pub fn fill(&mut self, fronts: &Fronts, matrix: &BlockMatrix) -> Result<(), NotPositive> {
         let largest = matrix.largest_diagonal();

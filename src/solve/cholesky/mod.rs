@@ -139,6 +139,12 @@ impl Cholesky {
         Ok(())
     }
 
+    /// Exchanges the buffers that are of use during a factorisation only.
+    pub fn swap_buffers(&mut self, other: &mut Self) {
+        self.single.swap_buffers(&mut other.single);
+        self.double.swap_buffers(&mut other.double);
+    }
+
     /// Multiplications of a factorisation, and numbers in its factor.
     pub fn size(&self) -> (f64, usize) {
         (self.fronts.work(), self.fronts.factor_len)
