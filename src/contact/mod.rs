@@ -212,6 +212,13 @@ impl Contact {
         }
     }
 
+    /// Forgets what is kept between steps for speed alone.
+    pub fn forget(&mut self) {
+        if let Some(pairs) = &mut self.pairs {
+            pairs.forget();
+        }
+    }
+
     /// Where cloth and body are.
     fn places<'a>(&'a self, x: &'a [Vec3]) -> Places<'a> {
         self.pairs.as_ref().map_or(Places { cloth: x, body: &[] }, |pairs| pairs.places(x))

@@ -86,6 +86,7 @@ impl Stepper {
     /// step then depends on nothing but what it is given. The pattern decides the order of sums and so the last bits.
     pub fn forget(&mut self) {
         self.work.reset();
+        self.contact.forget();
         self.could_take = 0.0;
     }
 

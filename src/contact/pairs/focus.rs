@@ -18,6 +18,7 @@ impl PairContact {
     /// rests, too.
     pub fn focus(&mut self, x: &[Vec3], moving: &[bool]) {
         self.forget_touches();
+        self.rested = None;
         let reach = CANDIDATE_MARGIN * self.distance;
         let portion = self.finder.portion(moving, x, reach);
         if let Some(body) = self.body.as_mut().filter(|_| self.body_acts) {

@@ -81,6 +81,11 @@ pub(super) struct PairContact {
     focus: Option<Focus>,
     /// Per point: contact distance at most [m]; less than the thickness where something was nearer at the start.
     room: Vec<f64>,
+    /// Where the cloth was [m] and who slept when the pairs were taken up, where everything rested and no body took part; none
+    /// once they are those of a motion.
+    rested: Option<(Vec<Vec3>, Vec<bool>)>,
+    /// Where uncovered areas were asked for last [m], and what they were there, one per point [m²].
+    uncovered: Option<(Vec<Vec3>, Vec<f64>)>,
     /// When nothing was near in a wide search, where the points were then [m], and how wide it was [m].
     clear: Option<(Vec<Vec3>, f64)>,
     /// Steps until a wide search is worth trying again.
@@ -162,6 +167,8 @@ impl PairContact {
             asleep: Vec::new(),
             focus: None,
             room: vec![settings.distance; rest.len()],
+            rested: None,
+            uncovered: None,
             clear: None,
             search_after: 0,
             entangled: None,
@@ -195,8 +202,15 @@ impl PairContact {
     /// See [`super::Contact::keep_crossings`].
     pub fn keep_crossings(&mut self) {
         self.forget_touches();
+        self.rested = None;
         self.entangled = Some(Entangled::default());
         self.room.fill(self.distance);
+    }
+
+    /// See [`super::Contact::forget`].
+    pub fn forget(&mut self) {
+        self.rested = None;
+        self.finder.forget();
     }
 
     /// Whether a body takes part.
@@ -246,8 +260,14 @@ impl PairContact {
         if first {
             self.count_crossings(x);
         }
+        // In a hold next to nothing moves, and often nothing at all.
+        let rests = |(at, asleep): &(Vec<Vec3>, Vec<bool>)| at == x && asleep == held;
+        if !first && !self.body_acts && self.rested.as_ref().is_some_and(rests) {
+            return;
+        }
         let layers_near = self.look(x, &still, None, true);
         self.look_wide(x, layers_near);
+        self.rested = (!self.body_acts).then(|| (x.to_vec(), held.to_vec()));
         if first && self.body_acts {
             // Cloth that starts nearer to the body than its thickness is not thrown off.
             let near: Vec<Pair> =
@@ -334,6 +354,7 @@ impl PairContact {
 
     /// Contact distances that had to start small grow: with time, and never beyond where they push gently.
     fn let_room_grow(&mut self, x: &[Vec3], h: f64) {
+        self.rested = None;
         let places = self.places(x);
         let mut nearest = vec![f64::INFINITY; x.len()];
         for pair in self.pairs.iter().filter(|pair| !pair.free) {
@@ -366,7 +387,7 @@ impl PairContact {
         let end: Vec<Vec3> = x.iter().zip(d).map(|(x, d)| x + (d - common)).collect();
         let reach = CANDIDATE_MARGIN * self.distance;
         let own = if self.between_layers && !self.stays_clear(x, d, reach, together) {
-            self.finder.find(x, &end, reach, together, &sleeps(&self.asleep))
+            self.finder.find_again(x, &end, reach, together, &sleeps(&self.asleep))
         } else {
             Candidates::default()
         };
@@ -392,6 +413,7 @@ impl PairContact {
 
     /// Makes candidates the pairs that count. Whether there are any of the cloth's own.
     fn take(&mut self, own: Candidates, between: CandidatesBetween) -> bool {
+        self.rested = None;
         let count = self.rest.len() as u32;
         let corners = |f: u32| self.triangles[f as usize].map(|c| c.0);
         let edge = |e: u32| self.edges[e as usize];
@@ -504,6 +526,17 @@ impl PairContact {
 
     /// See [`super::Contact::uncovered_area`].
     pub fn uncovered_area(&mut self, x: &[Vec3]) -> Vec<f64> {
+        match &self.uncovered {
+            Some((at, area)) if at == x => area.clone(),
+            _ => {
+                let area = self.find_uncovered(x);
+                self.uncovered = Some((x.to_vec(), area.clone()));
+                area
+            }
+        }
+    }
+
+    fn find_uncovered(&mut self, x: &[Vec3]) -> Vec<f64> {
         self.finder.rest(x, 0.0);
         let tree = self.finder.tree();
         let open: Vec<f64> = self

@@ -11,12 +11,15 @@
 //! the actual distance. A motion that is not finite counts as none (`contact::bound` makes none); a start that is not
 //! finite takes the triangles around it out of the search, so whoever makes positions checks them.
 
+mod kept;
+
 use crate::math::Vec3;
 use crate::mesh::boxes::SweptBox;
 use crate::mesh::distance::{Gap, edge_edge, edge_edge_squared, point_triangle, point_triangle_squared};
 use crate::mesh::motion::{edge_edge_step, point_triangle_step, stay_apart_on_an_axis};
 use crate::mesh::tree::TriangleTree;
 use crate::mesh::{PointIndex, Topology};
+use kept::Kept;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -179,7 +182,11 @@ impl CandidatesBetween {
 pub struct CandidateFinder {
     triangles: Vec<Triangle>,
     edges: Vec<[u32; 2]>,
+    /// The triangle that each point and each edge belongs to; [`NONE`] for points in no triangle.
+    point_owner: Vec<u32>,
+    edge_owner: Vec<u32>,
     tree: TriangleTree,
+    kept: Kept,
     /// One per point.
     point_boxes: Vec<SweptBox>,
     /// One per edge.
@@ -200,6 +207,8 @@ pub struct Portion {
     triangles: Vec<u32>,
     /// One per triangle of the mesh: whether it is one of them.
     has: Vec<bool>,
+    /// The kept candidates with one of its triangles, where they say all.
+    known: Option<Candidates>,
 }
 
 /// A triangle with what belongs to it; [`NONE`] after the last.
@@ -256,11 +265,23 @@ impl CandidateFinder {
         let corners = triangles.iter().map(|t| t.map(|p| p.0));
         let points_of = shared_out(corners.clone(), topology.point_count);
         let edges_of = shared_out(topology.triangle_edges.iter().copied(), topology.edges.len());
+        let owners = |of: &[[u32; 3]], count: usize| {
+            let mut owner = vec![NONE; count];
+            for (f, own) in of.iter().enumerate() {
+                own.iter().filter(|i| **i != NONE).for_each(|i| owner[*i as usize] = f as u32);
+            }
+            owner
+        };
+        let point_owner = owners(&points_of, topology.point_count);
+        let edge_owner = owners(&edges_of, topology.edges.len());
         let owning = corners.zip(points_of).zip(edges_of);
         Self {
             triangles: owning.map(|((corners, points), edges)| Triangle { corners, points, edges }).collect(),
             edges: topology.edges.iter().map(|e| e.map(|p| p.0)).collect(),
+            point_owner,
+            edge_owner,
             tree: TriangleTree::new(points, triangles, 0.0),
+            kept: Kept::default(),
             point_boxes: Vec::new(),
             edge_boxes: Vec::new(),
             triangle_boxes: Vec::new(),
@@ -314,7 +335,7 @@ impl CandidateFinder {
         together: bool,
         skip: &(dyn Fn(Quad) -> bool + Sync),
     ) -> Candidates {
-        let side = Side { together: (together && start != end).then_some(end), ..self.side(start, reach) };
+        let side = self.same_side(start, end, reach, together);
         let compare = |lists: &mut [Shortlist; 2], chunk: &[(u32, u32)]| {
             let [points, edges] = lists;
             for &(a, b) in chunk {
@@ -349,7 +370,8 @@ impl CandidateFinder {
         let numbers = |flags: &[bool]| (0..flags.len() as u32).filter(|i| flags[*i as usize]).collect();
         let edges: Vec<bool> = self.edges.iter().map(|e| among(e)).collect();
         let has: Vec<bool> = self.triangles.iter().map(|t| among(&t.corners)).collect();
-        Portion { points: numbers(moving), edges: numbers(&edges), triangles: numbers(&has), has }
+        let known = self.around_portion(&has, x, reach);
+        Portion { points: numbers(moving), edges: numbers(&edges), triangles: numbers(&has), has, known }
     }
 
     /// [`Self::find`] where only the points of a portion move, all others being where they were when it was made: the pairs
@@ -364,7 +386,11 @@ impl CandidateFinder {
         skip: &(dyn Fn(Quad) -> bool + Sync),
     ) -> Candidates {
         let reach = reach * (1.0 + ROUNDING);
-        self.fit_portion(portion, start, end, 0.5 * reach);
+        self.sweep_portion(portion, start, end);
+        if let Some(found) = self.find_around_known(portion, start, end, reach, together, skip) {
+            return found;
+        }
+        self.tree.refit_some(&portion.triangles, start, end, 0.5 * reach);
         let first = |a: u32, b: u32| a < b || !portion.has[b as usize];
         let pairs = self.overlaps_of(&portion.triangles, &self.tree, first);
         self.compare(&pairs, start, end, reach, together, skip)
@@ -382,7 +408,8 @@ impl CandidateFinder {
         reach: f64,
     ) -> CandidatesBetween {
         let reach = reach * (1.0 + ROUNDING);
-        self.fit_portion(portion, start, end, 0.5 * reach);
+        self.sweep_portion(portion, start, end);
+        self.tree.refit_some(&portion.triangles, start, end, 0.5 * reach);
         let pairs = self.overlaps_of(&portion.triangles, &other.tree, |_, _| true);
         self.compare_between(&pairs, start, other, other_start, reach)
     }
@@ -459,6 +486,11 @@ impl CandidateFinder {
 
     fn fit(&mut self, start: &[Vec3], end: &[Vec3], inflate: f64) {
         self.tree.refit(start, end, inflate);
+        self.sweep(start, end);
+    }
+
+    /// Fits ways and boxes of points, edges and triangles to a motion.
+    fn sweep(&mut self, start: &[Vec3], end: &[Vec3]) {
         self.ways.clear();
         if start != end {
             let ways = start.par_iter().zip(end).map(|(from, to)| length_of_way(from, to));
@@ -478,8 +510,7 @@ impl CandidateFinder {
     }
 
     /// Fits what belongs to a portion to its motion.
-    fn fit_portion(&mut self, portion: &Portion, start: &[Vec3], end: &[Vec3], inflate: f64) {
-        self.tree.refit_some(&portion.triangles, start, end, inflate);
+    fn sweep_portion(&mut self, portion: &Portion, start: &[Vec3], end: &[Vec3]) {
         self.ways.resize(start.len(), 0.0);
         for &p in &portion.points {
             let (from, to) = (&start[p as usize], &end[p as usize]);
@@ -496,6 +527,11 @@ impl CandidateFinder {
             let [a, b, c] = self.triangles[f as usize].corners;
             self.triangle_boxes[f as usize] = point(a).with(point(b)).with(point(c));
         }
+    }
+
+    /// Both sides of a mesh that meets itself.
+    fn same_side<'a>(&'a self, start: &'a [Vec3], end: &'a [Vec3], reach: f64, together: bool) -> Side<'a> {
+        Side { together: (together && start != end).then_some(end), ..self.side(start, reach) }
     }
 
     fn side<'a>(&'a self, start: &'a [Vec3], reach: f64) -> Side<'a> {
@@ -790,6 +826,47 @@ mod tests {
                 assert!(wanted.len() > 100, "{}", wanted.len());
             }
         }
+    }
+
+    #[test]
+    fn what_is_kept_gives_the_same_answers() {
+        let mesh = Mesh::pile(3, 12, 10, 1.2e-3, 3e-4);
+        let (mut kept, mut anew) = (mesh.finder(), mesh.finder());
+        let mut draw = Draw::from_state(3);
+        let reach = 1.5e-3;
+        let skip = |quad: Quad| quad.points.iter().all(|p| p.at() % 3 == 0);
+        let mut x = mesh.points.clone();
+        let mut served = [0; 3];
+        for round in 0..60 {
+            let mut end = x.clone();
+            if round % 2 == 1 {
+                // Everything a little, or a corner far as well, or all of it.
+                let few = if round % 6 == 5 { x.len() } else { x.len() / 20 * (round % 4) };
+                end = shaken(&x, 2e-5, &mut draw);
+                end[..few].iter_mut().for_each(|x| *x += draw.vector() * 2e-3);
+            }
+            let together = round % 3 == 0;
+            let found = kept.find_again(&x, &end, reach, together, &skip);
+            assert_eq!(found, anew.find(&x, &end, reach, together, &skip), "round {round}");
+            match kept.far(&x, &end, reach) {
+                None => served[0] += 1,
+                Some(far) => served[1 + usize::from(far.contains(&true))] += 1,
+            }
+            x = end;
+            let moving: Vec<bool> = (0..x.len()).map(|p| p % 90 < 20).collect();
+            let portion = kept.portion(&moving, &x, reach);
+            let some = |by: f64, draw: &mut Draw| -> Vec<Vec3> {
+                x.iter().zip(&moving).map(|(x, m)| if *m { x + draw.vector() * by } else { *x }).collect()
+            };
+            for by in [1e-5, 1e-3] {
+                let end = some(by, &mut draw);
+                let found = kept.find_around(&portion, &x, &end, reach, false, &skip);
+                let fresh = anew.portion(&moving, &x, reach);
+                assert!(fresh.known.is_none());
+                assert_eq!(found, anew.find_around(&fresh, &x, &end, reach, false, &skip), "round {round}");
+            }
+        }
+        assert!(served.iter().all(|count| *count > 5), "without, with and partly with the list: {served:?}");
     }
 
     #[test]
