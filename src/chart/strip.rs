@@ -271,21 +271,32 @@ mod tests {
     #[test]
     fn strips_come_to_rest_no_later_with_memory() {
         let fabric = Fabric::preset(DEFAULT_FABRIC).expect("exists");
+        let mut acted = Vec::new();
         for points in [156, 603] {
-            let [off, on] = [false, true].map(|remember| falls(points, &fabric, remember, 11).expect("fall"));
+            let [off, on] = [false, true].map(|remember| {
+                let fall = |run| fall(points, &fabric, remember, run).expect("fall");
+                (0..11).map(fall).collect::<Vec<_>>()
+            });
             assert!(off.iter().chain(&on).all(|f| f.stabilised.is_some()), "{points}: all come to rest");
-            // A strip at rest within its first second has no event yet; some falls take longer.
-            let acted = on.iter().filter(|f| f.events > 0).count();
-            println!("{points}: memory acted in {acted} of {} falls", on.len());
-            assert!(acted >= 3 && off.iter().all(|f| f.events == 0));
-            let all = [&off, &on].map(|falls| falls.iter().map(|f| f.steps).collect::<Vec<_>>());
-            println!("{points}: steps {:?} without memory, {:?} with", all[0], all[1]);
-            let [off, on] = all.each_ref().map(|steps| median(steps.iter().copied()));
-            assert!(on <= off, "{points}: {on:?} against {off:?}");
-            // Where less than half have events the median knows nothing of them, and falls are chaotic: single ones come
-            // to rest a fifth later or sooner.
-            let [off, on] = all.map(|steps| steps.iter().sum::<u64>() as f64);
-            assert!(on <= 1.15 * off, "{points}: {on} steps in all against {off}");
+            assert!(off.iter().all(|f| f.events == 0));
+            let steps = [&off, &on].map(|falls| falls.iter().map(|f| f.steps).collect::<Vec<_>>());
+            println!("{points}: steps {:?} without memory, {:?} with", steps[0], steps[1]);
+            let [without, with] = steps.map(|steps| median(steps.into_iter()));
+            assert!(with <= without, "{points}: {with:?} against {without:?}");
+            for (off, on) in off.iter().zip(&on) {
+                // A strip at rest within its first second has no event yet, and some falls take longer.
+                if on.events > 0 {
+                    acted.push([off.steps as f64, on.steps as f64]);
+                } else {
+                    assert_eq!(off.residuals, on.residuals, "{points}: what has no event yet changes nothing");
+                }
+            }
         }
+        // The median knows little of falls with events where those are few, and falls are chaotic: single ones come to
+        // rest a fifth later or sooner. So all with events count together.
+        let [off, on] = [0, 1].map(|k| acted.iter().map(|steps| steps[k]).sum::<f64>());
+        println!("memory acted in {} of 22 falls, which took {on} steps, {off} without it", acted.len());
+        assert!(acted.len() >= 6);
+        assert!(on <= 1.15 * off, "{on} steps against {off}");
     }
 }
