@@ -84,11 +84,12 @@ impl Quality {
     }
 
     /// Share of the time from event to event that the step after one may take [-]: a quarter still misses an eighth of
-    /// what cloth that is pressed for half a minute remembers (docs/accuracy.md).
+    /// what cloth that is pressed for half a minute remembers, a tenth nothing that can be told (docs/accuracy.md).
     pub fn event_share(self) -> f64 {
         match self {
             Self::Draft => 0.25,
-            Self::Standard | Self::Reference => 0.025,
+            Self::Standard => 0.1,
+            Self::Reference => 0.025,
         }
     }
 }

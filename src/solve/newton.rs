@@ -103,7 +103,7 @@ const WENT: f64 = 0.2;
 /// Where a first look at the whole finds it converged, so many solves after it begin with single places,
 const CALM_SOLVES: u32 = 4;
 /// in steps of up to so many seconds.
-const CALM_SPAN: f64 = 0.15;
+const CALM_SPAN: f64 = 0.5;
 /// So many local iterations are allowed in place of one of the whole.
 const LOCAL_FOR_WHOLE: usize = 8;
 /// Share of the energy that counts as converged which a direction from an older factor may leave open.
@@ -122,6 +122,11 @@ impl Workspace {
     /// Takes the solver's buffers of `other`, which gets these: one of the two works at a time.
     pub(super) fn borrow_buffers(&mut self, other: &mut Self) {
         self.direct.swap_buffers(&mut other.direct);
+    }
+
+    /// Lets go of a factor of more than so many numbers, which is not asked for again.
+    pub(super) fn let_go_beyond(&mut self, numbers: usize) {
+        self.direct.let_go_beyond(numbers);
     }
 
     /// The next solve begins with the whole.

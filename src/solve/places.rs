@@ -21,6 +21,8 @@ const RINGS: usize = 2;
 pub(super) const FEW: f64 = 0.3;
 /// Times that restless points are looked for before the whole is solved again.
 const ROUNDS: usize = 4;
+/// Room for so many numbers of its factor is kept for the next part: most have less, few a hundred times as many.
+const KEPT_NUMBERS: usize = 1 << 20;
 /// Iterations of one part.
 const ITERATIONS: usize = 8;
 
@@ -155,6 +157,7 @@ impl Problem<'_> {
             }
         }
         own.borrow_buffers(work);
+        own.let_go_beyond(KEPT_NUMBERS);
         work.places = Some(own);
         let clock = Instant::now();
         contact.unfocus();

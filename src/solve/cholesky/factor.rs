@@ -34,6 +34,13 @@ impl<T: Real> Factor<T> {
         std::mem::swap(&mut self.spare, &mut other.spare);
     }
 
+    /// See [`super::Cholesky::let_go_beyond`].
+    pub fn let_go_beyond(&mut self, numbers: usize) {
+        if self.number.len() > numbers {
+            self.number = Vec::new();
+        }
+    }
+
     /// Factorises `matrix`, to whose pattern `fronts` belong.
     pub fn fill(&mut self, fronts: &Fronts, matrix: &BlockMatrix) -> Result<(), NotPositive> {
         let largest = matrix.largest_diagonal();

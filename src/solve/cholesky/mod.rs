@@ -145,6 +145,12 @@ impl Cholesky {
         self.double.swap_buffers(&mut other.double);
     }
 
+    /// Lets go of a factor of more than so many numbers, which is not asked for again.
+    pub fn let_go_beyond(&mut self, numbers: usize) {
+        self.single.let_go_beyond(numbers);
+        self.double.let_go_beyond(numbers);
+    }
+
     /// Multiplications of a factorisation, and numbers in its factor.
     pub fn size(&self) -> (f64, usize) {
         (self.fronts.work(), self.fronts.factor_len)
