@@ -200,3 +200,97 @@ fn bounded_together(x: &[Vec3], d: &[Vec3], contact: &mut Contact, report: &mut 
     report.seconds[2] += clock.elapsed().as_secs_f64();
     way
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::energy::{BlockSink, Energy, add_symmetric};
+    use crate::math::Mat3;
+
+    const COUNT: usize = 60;
+    /// Where all points are pulled to, and where a wall stops one of them [m].
+    const AIM: f64 = 0.01;
+    const WALL: f64 = 0.002;
+
+    /// A chain whose points are pulled upwards, one of them against a wall that its Hessian does not know of before it is touched.
+    struct Chain;
+
+    impl Chain {
+        /// How deep the point in the middle is in the wall [m].
+        fn depth(x: &[Vec3]) -> f64 {
+            (x[COUNT / 2].y - WALL).max(0.0)
+        }
+    }
+
+    impl Energy for Chain {
+        fn name(&self) -> &'static str {
+            "chain"
+        }
+
+        fn value(&self, x: &[Vec3]) -> f64 {
+            let pull: f64 = x.iter().map(|x| 0.5 * (x.y - AIM).powi(2)).sum();
+            let springs: f64 = x.windows(2).map(|x| 0.5 * (x[1] - x[0]).norm_squared()).sum();
+            pull + springs + 500.0 * Self::depth(x).powi(2)
+        }
+
+        fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) {
+            for (out, x) in out.iter_mut().zip(x) {
+                out.y += x.y - AIM;
+            }
+            for k in 1..COUNT {
+                let pull = x[k] - x[k - 1];
+                out[k] += pull;
+                out[k - 1] -= pull;
+            }
+            out[COUNT / 2].y += 1000.0 * Self::depth(x);
+        }
+
+        fn add_hessian(&self, x: &[Vec3], out: &mut dyn BlockSink) {
+            let upwards = Mat3::from_diagonal(&Vec3::y());
+            for p in 0..COUNT as u32 {
+                add_symmetric(out, p, p, &upwards);
+            }
+            for p in 1..COUNT as u32 {
+                add_symmetric(out, p, p, &Mat3::identity());
+                add_symmetric(out, p - 1, p - 1, &Mat3::identity());
+                add_symmetric(out, p, p - 1, &-Mat3::identity());
+            }
+            if Self::depth(x) > 0.0 {
+                let p = COUNT as u32 / 2;
+                add_symmetric(out, p, p, &(upwards * 1000.0));
+            }
+        }
+
+        fn visit_stencils(&self, visit: &mut dyn FnMut(&[u32])) {
+            (1..COUNT as u32).for_each(|p| visit(&[p - 1, p]));
+        }
+    }
+
+    /// One point at a wall cuts the way of all to a quarter; where it settles first all others go to their end.
+    #[test]
+    fn a_place_that_spoils_a_direction_settles_and_the_others_arrive() {
+        let held = vec![false; COUNT];
+        let terms: [&dyn Energy; 1] = [&Chain];
+        let problem = Problem { inertia: None, terms: &terms, held: &held, regularisation: 1e-6 };
+        let options = NewtonOptions { energy: 1e-9, ..NewtonOptions::default() };
+        let mut contact = Contact::none(COUNT);
+        let (mut work, mut report) = (Workspace::default(), NewtonReport::default());
+        let start = vec![Vec3::zeros(); COUNT];
+        let g = problem.linearise(&start, &contact, &mut work, &mut report);
+        let d = problem.direction(&start, &g, &mut work).expect("positive");
+        let at_start = problem.value(&start, &contact);
+
+        let (mut x, mut value) = (start.clone(), at_start);
+        assert_eq!(problem.move_with(&mut x, &g, &d, &mut value, &mut contact, &mut report), 0.25);
+        let cut_short = value.sum;
+
+        let (mut x, mut value) = (start, at_start);
+        let share =
+            problem.move_whole(&mut x, &g, &d, &mut value, &mut contact, (&options, &mut work), &mut report);
+        assert_eq!(share, 1.0);
+        assert!(report.local_iterations > 0);
+        assert!(value.sum < 0.5 * cut_short, "{} against {cut_short}", value.sum);
+        assert_eq!(value.sum, problem.value(&x, &contact).sum);
+        assert!((x[0].y - AIM).abs() < 1e-6 && Chain::depth(&x) < 1e-4, "{} {}", x[0].y, x[COUNT / 2].y);
+    }
+}
