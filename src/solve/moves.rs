@@ -16,9 +16,7 @@ use std::time::Instant;
 const BLIND: f64 = 1e-10;
 /// A line search that keeps less of the way than this has failed, and the way is cut differently.
 pub(super) const LEAST_SHARE: f64 = 0.01;
-/// Places that spoil a way settle until they have no more to gain than this share of what the way promised.
-const SPOILED: f64 = 1.0;
-/// They may be up to this share of the free points.
+/// Places that spoil a way may be up to this share of the free points.
 const MANY: f64 = 0.5;
 /// With them settled, phi must have fallen by this share of what the way promised.
 const FAIR: f64 = 0.1;
@@ -39,7 +37,7 @@ impl Problem<'_> {
         (options, work): (&NewtonOptions, &mut Workspace),
         report: &mut NewtonReport,
     ) -> f64 {
-        let way = bounded(x, d, contact, report);
+        let way = bounded(x, d, false, contact, report);
         let slope: f64 = g.iter().zip(&way).map(|(g, d)| g.dot(d)).sum();
         let mut share = 1.0;
         while slope <= 0.0 && share >= LEAST_MENDED {
@@ -58,7 +56,8 @@ impl Problem<'_> {
             if let Some(g) = g {
                 // What is said of the whole is still true of it.
                 let (left, last_move) = (report.left, report.last_move);
-                let energy = options.energy.max(SPOILED * share * -slope);
+                // As far as what the way promised is worth.
+                let energy = options.energy.max(share * -slope);
                 let settling = Settling { energy, few: MANY };
                 self.settle_places(&mut there, &g, contact, settling, work, report);
                 (report.left, report.last_move) = (left, last_move);
@@ -73,7 +72,7 @@ impl Problem<'_> {
                     return share;
                 }
                 // Who may come near on the way is known around the places only by now.
-                bounded(x, d, contact, report);
+                bounded(x, d, false, contact, report);
             }
             share *= 0.5;
         }
@@ -93,11 +92,7 @@ impl Problem<'_> {
         let mut moved = 0.0;
         // Single points cut short first; if that spoils the direction, all cut alike, which cannot.
         for together in [false, true] {
-            let way = if together {
-                bounded_together(x, d, contact, report)
-            } else {
-                bounded(x, d, contact, report)
-            };
+            let way = bounded(x, d, together, contact, report);
             let clock = Instant::now();
             let slope: f64 = g.iter().zip(&way).map(|(g, d)| g.dot(d)).sum();
             if slope > 0.0 && !together {
@@ -183,20 +178,22 @@ fn along(x: &[Vec3], d: &[Vec3], share: f64) -> Vec<Vec3> {
     x.iter().zip(d).map(|(x, d)| x + d * share).collect()
 }
 
-/// The way from `x` by `d`, single points cut short where layers are near. Afterwards values may be asked for anywhere on it.
-fn bounded(x: &[Vec3], d: &[Vec3], contact: &mut Contact, report: &mut NewtonReport) -> Vec<Vec3> {
+/// The way from `x` by `d` where layers are near: all points cut short alike if `together`, else single ones. Afterwards values may be
+/// asked for anywhere on it.
+fn bounded(
+    x: &[Vec3],
+    d: &[Vec3],
+    together: bool,
+    contact: &mut Contact,
+    report: &mut NewtonReport,
+) -> Vec<Vec3> {
     let clock = Instant::now();
     let mut way = d.to_vec();
-    contact.bound_motion(x, &mut way);
-    report.seconds[2] += clock.elapsed().as_secs_f64();
-    way
-}
-
-/// The same, all points cut alike.
-fn bounded_together(x: &[Vec3], d: &[Vec3], contact: &mut Contact, report: &mut NewtonReport) -> Vec<Vec3> {
-    let clock = Instant::now();
-    let mut way = d.to_vec();
-    contact.bound_together(x, &mut way);
+    if together {
+        contact.bound_together(x, &mut way);
+    } else {
+        contact.bound_motion(x, &mut way);
+    }
     report.seconds[2] += clock.elapsed().as_secs_f64();
     way
 }

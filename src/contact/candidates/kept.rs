@@ -41,6 +41,18 @@ impl Kept {
     }
 }
 
+impl Candidates {
+    /// Those of its pairs for which `point`, of point-triangle, and `edge`, of edge-edge pairs, is true.
+    fn only(&self, point: impl Fn([u32; 2]) -> bool + Sync, edge: impl Fn([u32; 2]) -> bool + Sync) -> Self {
+        Self { point_triangle: chosen(&self.point_triangle, point), edge_edge: chosen(&self.edge_edge, edge) }
+    }
+}
+
+/// The pairs of a list for which `wanted` is true, in order.
+fn chosen(list: &[[u32; 2]], wanted: impl Fn([u32; 2]) -> bool + Sync) -> Vec<[u32; 2]> {
+    list.par_iter().with_min_len(CHUNK).copied().filter(|pair| wanted(*pair)).collect()
+}
+
 impl CandidateFinder {
     /// [`Self::find`] for a mesh that is searched again and again as it moves; the same answer.
     pub fn find_again(
@@ -129,20 +141,18 @@ impl CandidateFinder {
     ) -> Candidates {
         let side = self.same_side(start, end, reach, together);
         let box_reach = SweptBox::reach(reach);
-        let point = |&&[p, f]: &&[u32; 2]| {
+        let point = |[p, f]: [u32; 2]| {
             self.point_boxes[p as usize].near(&self.triangle_boxes[f as usize], box_reach)
                 && side.point_near::<true>(p, &side, f)
                 && wanted(self.quad_point_triangle(p, f), self.point_owner[p as usize], f)
         };
-        let edge = |&&[e, f]: &&[u32; 2]| {
+        let edge = |[e, f]: [u32; 2]| {
             let [a, b] = [e, f].map(|e| self.edge_owner[e as usize]);
             self.edge_boxes[e as usize].near(&self.edge_boxes[f as usize], box_reach)
                 && side.edge_near::<true>(e, &side, f)
                 && wanted(self.quad_edge_edge(e, f), a, b)
         };
-        let points = list.point_triangle.par_iter().with_min_len(CHUNK).filter(point).copied();
-        let edges = list.edge_edge.par_iter().with_min_len(CHUNK).filter(edge).copied();
-        Candidates { point_triangle: points.collect(), edge_edge: edges.collect() }
+        list.only(point, edge)
     }
 
     /// Of the list the pairs with one of a portion's triangles, where the mesh rests at `x` \[m\] and the list knows all of it.
@@ -152,20 +162,9 @@ impl CandidateFinder {
             return None;
         }
         let has = |f: u32| has[f as usize];
-        let point = |&&[p, f]: &&[u32; 2]| has(self.point_owner[p as usize]) || has(f);
-        let edge =
-            |&&[e, f]: &&[u32; 2]| has(self.edge_owner[e as usize]) || has(self.edge_owner[f as usize]);
-        let list = &self.kept.list;
-        Some(Candidates {
-            point_triangle: list
-                .point_triangle
-                .par_iter()
-                .with_min_len(CHUNK)
-                .filter(point)
-                .copied()
-                .collect(),
-            edge_edge: list.edge_edge.par_iter().with_min_len(CHUNK).filter(edge).copied().collect(),
-        })
+        let point = |[p, f]: [u32; 2]| has(self.point_owner[p as usize]) || has(f);
+        let edge = |[e, f]: [u32; 2]| has(self.edge_owner[e as usize]) || has(self.edge_owner[f as usize]);
+        Some(self.kept.list.only(point, edge))
     }
 
     /// [`Self::find_around`] from the list, if that knows all about this motion; what belongs to the portion is swept.
