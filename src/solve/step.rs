@@ -259,10 +259,13 @@ impl Stepper {
         if let Some(container) = &container {
             terms.push(container);
         }
+        // One iteration alone is what its method says, not a better one.
+        let ahead = (self.options.method.solver() == Solver::Converged).then_some(&inertial[..]);
         let problem = Problem {
             inertia: Some((&self.cloth.mass, &inertial, stage.span)),
             terms: &terms,
             held: &forces.held,
+            ahead,
             regularisation: 0.0,
         };
         let mut newton = self.options.newton;
@@ -319,7 +322,7 @@ impl Stepper {
         self.contact.begin_step(x, f64::INFINITY, 0.0, &held);
         // Terms may differ from those of steps.
         self.work.reset();
-        let problem = Problem { inertia: None, terms, held: &held, regularisation };
+        let problem = Problem { inertia: None, terms, held: &held, ahead: None, regularisation };
         problem.solve(x, &mut self.contact, newton, &mut self.work)
     }
 }
