@@ -24,7 +24,8 @@ pub struct NewtonOptions {
     /// Converged, too, when the energy left to gain is below this [J]: a few points still on their way. 0 for never.
     pub energy: f64,
     /// And when it is below this share of what the first direction promised [-]: where cloth goes far in a step there is no sense in
-    /// finding its place much better than the step can tell it. 0 for never; only where `energy` is not.
+    /// finding its place much better than the step can tell it. 0 for never; only where `energy` is not, and in steps in which hands
+    /// lead the cloth.
     pub share: f64,
     /// Iterations at most.
     pub most_iterations: usize,

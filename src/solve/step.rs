@@ -272,6 +272,11 @@ impl Stepper {
         if self.options.method.solver() == Solver::Once {
             newton.most_iterations = 1;
         }
+        // What a direction promises may be all of stiff contact: beside it the way of cloth that floats counts for nothing. Hands hold
+        // what they move.
+        if drive.guides.is_empty() {
+            newton.share = 0.0;
+        }
         let mut report = NewtonReport::default();
         for _ in 0..LED_AGAIN {
             report.add(&problem.follow(x, &mut self.contact, &mut self.work));
