@@ -53,12 +53,7 @@ impl Quality {
             Self::Reference => StepOptions {
                 error: 1e-4,
                 shortest: 1.0 / 120.0,
-                newton: NewtonOptions {
-                    tolerance: 1e-5,
-                    share: 0.0,
-                    most_iterations: 100,
-                    ..standard.newton
-                },
+                newton: NewtonOptions { tolerance: 1e-5, most_iterations: 100, ..standard.newton },
                 ..standard
             },
         }
@@ -108,8 +103,7 @@ impl BakeOptions {
     /// How steps are made in the end.
     pub(super) fn step_made(&self) -> StepOptions {
         if self.everything {
-            let newton = NewtonOptions { share: 0.0, ..self.step.newton };
-            StepOptions { newton, shortest: EVERY_STEP, longest: EVERY_STEP, ..self.step }
+            StepOptions { shortest: EVERY_STEP, longest: EVERY_STEP, ..self.step }
         } else {
             self.step
         }

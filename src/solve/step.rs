@@ -259,23 +259,15 @@ impl Stepper {
         if let Some(container) = &container {
             terms.push(container);
         }
-        // One iteration alone is what its method says, not a better one.
-        let ahead = (self.options.method.solver() == Solver::Converged).then_some(&inertial[..]);
         let problem = Problem {
             inertia: Some((&self.cloth.mass, &inertial, stage.span)),
             terms: &terms,
             held: &forces.held,
-            ahead,
             regularisation: 0.0,
         };
         let mut newton = self.options.newton;
         if self.options.method.solver() == Solver::Once {
             newton.most_iterations = 1;
-        }
-        // What a direction promises may be all of stiff contact: beside it the way of cloth that floats counts for nothing. Hands hold
-        // what they move.
-        if drive.guides.is_empty() {
-            newton.share = 0.0;
         }
         let mut report = NewtonReport::default();
         for _ in 0..LED_AGAIN {
@@ -327,7 +319,7 @@ impl Stepper {
         self.contact.begin_step(x, f64::INFINITY, 0.0, &held);
         // Terms may differ from those of steps.
         self.work.reset();
-        let problem = Problem { inertia: None, terms, held: &held, ahead: None, regularisation };
+        let problem = Problem { inertia: None, terms, held: &held, regularisation };
         problem.solve(x, &mut self.contact, newton, &mut self.work)
     }
 }

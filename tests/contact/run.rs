@@ -138,7 +138,7 @@ impl Run {
         let energy = 3e-6 * cloth.mass.iter().sum::<f64>() * crease::wear::GRAVITY;
         let options = StepOptions {
             method: Method::BackwardEuler,
-            newton: NewtonOptions { tolerance: 3e-5, energy, share: 0.0, most_iterations: 10 },
+            newton: NewtonOptions { tolerance: 3e-5, energy, most_iterations: 10 },
             error: 1e-3,
             shortest: 1.0 / 240.0,
             longest: 1.0 / 30.0,
@@ -160,8 +160,7 @@ impl Run {
 
     /// From now on steps are solved as far as rounding allows.
     pub fn precisely(&mut self) {
-        self.stepper.options.newton =
-            NewtonOptions { tolerance: 1e-8, energy: 0.0, share: 0.0, most_iterations: 60 };
+        self.stepper.options.newton = NewtonOptions { tolerance: 1e-8, energy: 0.0, most_iterations: 60 };
     }
 
     /// One step of at most `wished` seconds.

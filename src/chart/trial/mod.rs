@@ -66,7 +66,6 @@ impl Setting {
                 newton: NewtonOptions {
                     tolerance: self.tolerance,
                     energy: 0.0,
-                    share: 0.0,
                     most_iterations: MOST_ITERATIONS,
                 },
                 error: f64::INFINITY,
