@@ -42,7 +42,7 @@ pub struct BakeOptions {
     pub memory: bool,
     /// How steps are made.
     pub step: StepOptions,
-    /// A step is converged when what energy is left to gain would not lift the garment, with what presses on it, by this [m]: single points that
+    /// A step is converged when what energy is left to gain would not lift the garment by this [m]: single points that
     /// are still falling into a wrinkle go on in the next step.
     pub slack: f64,
     /// Strain under the garment's own weight that a lower stretch stiffness than the fabric's may cost [-].

@@ -21,8 +21,7 @@ use rayon::prelude::*;
 pub struct NewtonOptions {
     /// Converged when no point would move farther than this [m].
     pub tolerance: f64,
-    /// Converged, too, when the energy left to gain is below this [J]: a few points still on their way. 0 for never. In a step
-    /// under a weight it counts for the cloth's own and grows with both.
+    /// Converged, too, when the energy left to gain is below this [J]: a few points still on their way. 0 for never.
     pub energy: f64,
     /// Iterations at most.
     pub most_iterations: usize,

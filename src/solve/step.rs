@@ -266,7 +266,6 @@ impl Stepper {
             regularisation: 0.0,
         };
         let mut newton = self.options.newton;
-        newton.energy *= self.load(drive, forces);
         if self.options.method.solver() == Solver::Once {
             newton.most_iterations = 1;
         }
@@ -284,14 +283,6 @@ impl Stepper {
             }
         }
         report
-    }
-
-    /// What bears on the cloth in multiples of its own weight, which is what the energy that counts as converged is given for: a
-    /// weight that lies on it and gives way by the same length has as much more to gain.
-    fn load(&self, drive: &Drive, forces: &Forces) -> f64 {
-        let weight = self.cloth.mass.iter().sum::<f64>() * drive.gravity.norm();
-        let pressed = forces.push.iter().sum::<f64>();
-        if weight > 0.0 { 1.0 + pressed / weight } else { 1.0 }
     }
 
     fn forces(&mut self, drive: &Drive, x: &[Vec3]) -> Forces {
