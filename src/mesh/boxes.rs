@@ -88,6 +88,85 @@ impl SweptBox {
     }
 }
 
+/// Box around points that move straight: where they are at first and in the end, and in between what lies between the two.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MovingBox {
+    start: SweptBox,
+    end: SweptBox,
+}
+
+impl MovingBox {
+    /// Around nothing.
+    pub const EMPTY: Self = Self { start: SweptBox::EMPTY, end: SweptBox::EMPTY };
+
+    /// Around a point on its way from `start` to `end` \[m\], where all go the same share of theirs.
+    #[inline]
+    pub fn together(start: &Vec3, end: &Vec3) -> Self {
+        let end = if end.sum().is_finite() { end } else { start };
+        Self { start: SweptBox::of_point(start, start), end: SweptBox::of_point(end, end) }
+    }
+
+    /// The same where each goes any share of its way.
+    #[inline]
+    pub fn swept(start: &Vec3, end: &Vec3) -> Self {
+        let all = SweptBox::of_point(start, end);
+        Self { start: all, end: all }
+    }
+
+    /// Around both; empty if one is ([`SweptBox::with`]).
+    #[inline(always)]
+    pub fn with(&self, other: &Self) -> Self {
+        Self { start: self.start.with(&other.start), end: self.end.with(&other.end) }
+    }
+
+    /// Around both; around the other if one is empty.
+    #[inline(always)]
+    pub fn joined(&self, other: &Self) -> Self {
+        Self { start: self.start.joined(&other.start), end: self.end.joined(&other.end) }
+    }
+
+    /// False only if at every moment the boxes are more than `reach` apart along some axis ([`SweptBox::reach`]). What `rests` has
+    /// boxes that are the same at both ends.
+    #[inline(always)]
+    pub fn near(&self, other: &Self, reach: f32, rests: bool) -> bool {
+        if rests {
+            return self.start.near(&other.start, reach);
+        }
+        let [(a, b), (c, d)] =
+            [(&self.start.bounds, &other.start.bounds), (&self.end.bounds, &other.end.bounds)];
+        let (mut apart, mut at_start, mut at_end) = (false, true, true);
+        for k in 0..4 {
+            let first = [a[k] + b[k + 4] <= reach, b[k] + a[k + 4] <= reach];
+            let last = [c[k] + d[k + 4] <= reach, d[k] + c[k + 4] <= reach];
+            apart |= !(first[0] | last[0]) | !(first[1] | last[1]);
+            at_start &= first[0] & first[1];
+            at_end &= last[0] & last[1];
+        }
+        !apart & (at_start | at_end) || !apart && self.meets(other, reach)
+    }
+
+    /// Whether there is a moment at which they are near along every axis, where along each they are at first or in the end.
+    #[cold]
+    fn meets(&self, other: &Self, reach: f32) -> bool {
+        let reach = f64::from(reach);
+        let (mut from, mut until) = (0.0f64, 1.0f64);
+        for k in 0..8 {
+            let sum = |a: &SweptBox, b: &SweptBox| f64::from(a.bounds[k]) + f64::from(b.bounds[(k + 4) % 8]);
+            let (first, last) = (sum(&self.start, &other.start), sum(&self.end, &other.end));
+            let moment = (first - reach) / (first - last);
+            if first > reach {
+                from = from.max(moment);
+            } else if last > reach {
+                until = until.min(moment);
+            }
+        }
+        from <= until + MOMENT_ROUNDING
+    }
+}
+
+/// Rounding of a moment, as a share of the motion.
+const MOMENT_ROUNDING: f64 = 1e-9;
+
 /// The nearest single-precision number or the one below, never above `value`.
 #[inline(always)]
 fn below(value: f64) -> f32 {
@@ -122,6 +201,42 @@ mod tests {
         }
         assert!(tested > 10_000);
         assert_eq!(wrong, 0, "a box at 30 m is loose by less than 10 micrometres");
+    }
+
+    /// Two pieces on their way, all points by the same share: near at some moment means near boxes, and boxes that are near only at
+    /// different moments are not.
+    #[test]
+    fn moving_boxes_are_near_when_they_meet_and_not_when_one_passes_where_the_other_was() {
+        let mut draw = Draw::from_state(2);
+        let mut far = 0;
+        for _ in 0..20_000 {
+            let x = [0; 4].map(|_| draw.in_unit_cube() * 0.1);
+            let common = draw.vector() * 3.0;
+            let y = x.map(|x| x + common + draw.vector() * 0.2);
+            let at = |t: f64| std::array::from_fn::<Vec3, 4, _>(|i| x[i] + (y[i] - x[i]) * t);
+            let of = |i: usize| MovingBox::together(&x[i], &y[i]);
+            let (one, other) = (of(0).with(&of(1)), of(2).with(&of(3)));
+            let nearest = (0..=20)
+                .map(|k| {
+                    let [a, b, c, d] = at(f64::from(k) / 20.0);
+                    edge_edge(&a, &b, &c, &d).distance
+                })
+                .fold(f64::INFINITY, f64::min);
+            assert!(one.near(&other, SweptBox::reach(nearest), false), "{nearest}");
+            far += usize::from(!one.near(&other, SweptBox::reach(0.0), false));
+        }
+        assert!(far > 2_000, "{far}");
+        let step = Vec3::new(0.1, 0.0, 0.0);
+        let goes = |from: Vec3, to: Vec3| MovingBox::together(&from, &to);
+        let (first, second) = (goes(Vec3::zeros(), step * 10.0), goes(step, step * 11.0));
+        assert!(!first.near(&second, SweptBox::reach(0.09), false), "one behind the other");
+        assert!(first.near(&second, SweptBox::reach(0.11), false));
+        let across = goes(step * 5.0 + Vec3::y(), step * 5.0 - Vec3::y());
+        assert!(first.near(&across, SweptBox::reach(1e-3), false), "both are there in the middle");
+        let late = goes(step * 2.0 + Vec3::y(), step * 2.0 - Vec3::y());
+        assert!(!first.near(&late, SweptBox::reach(1e-3), false), "the first has passed");
+        assert!(!first.near(&MovingBox::EMPTY, f32::MAX, false));
+        assert_eq!(first.joined(&MovingBox::EMPTY), first);
     }
 
     #[test]

@@ -7,6 +7,7 @@ mod hinge;
 mod index;
 pub mod inside;
 pub mod motion;
+pub mod patches;
 mod topology;
 pub mod tree;
 mod weld;

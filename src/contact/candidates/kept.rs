@@ -73,16 +73,19 @@ impl CandidateFinder {
             None => return self.find(start, end, reach, together, skip),
         };
         let reach = reach * (1.0 + ROUNDING);
-        let moved: Vec<u32> = (0..far.len() as u32).filter(|f| far[*f as usize]).collect();
-        self.sweep(start, end);
+        self.sweep(start, end, together);
         let known = self.among(&self.kept.list, start, end, reach, together, &|quad, a, b| {
             !far[a as usize] && !far[b as usize] && !skip(quad)
         });
-        if moved.is_empty() {
+        if !far.contains(&true) {
             return known;
         }
-        self.tree.refit(start, end, 0.5 * reach);
-        let pairs = self.overlaps_of(&moved, &self.tree, |a, b| a < b || !far[b as usize]);
+        let pairs = self.patches.meetings(
+            &self.triangle_boxes,
+            SweptBox::reach(reach),
+            !together || rests,
+            Some(&far),
+        );
         let others = self.compare(&pairs, start, end, reach, together, skip);
         Candidates {
             point_triangle: merged(known.point_triangle, others.point_triangle),
@@ -142,13 +145,16 @@ impl CandidateFinder {
         let side = self.same_side(start, end, reach, together);
         let box_reach = SweptBox::reach(reach);
         let point = |[p, f]: [u32; 2]| {
-            self.point_boxes[p as usize].near(&self.triangle_boxes[f as usize], box_reach)
-                && side.point_near::<true>(p, &side, f)
+            self.point_boxes[p as usize].near(
+                &self.triangle_boxes[f as usize],
+                box_reach,
+                side.together.is_none(),
+            ) && side.point_near::<true>(p, &side, f)
                 && wanted(self.quad_point_triangle(p, f), self.point_owner[p as usize], f)
         };
         let edge = |[e, f]: [u32; 2]| {
             let [a, b] = [e, f].map(|e| self.edge_owner[e as usize]);
-            self.edge_boxes[e as usize].near(&self.edge_boxes[f as usize], box_reach)
+            self.edge_boxes[e as usize].near(&self.edge_boxes[f as usize], box_reach, side.together.is_none())
                 && side.edge_near::<true>(e, &side, f)
                 && wanted(self.quad_edge_edge(e, f), a, b)
         };

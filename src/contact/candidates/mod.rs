@@ -1,13 +1,13 @@
 //! Which point-triangle and edge-edge pairs may come near each other during a motion: the broad phase.
 //!
-//! Two triangles are compared when their boxes, swept along the motion and grown by half the reach each, overlap
-//! (`mesh::tree`). Every point and every edge belongs to one of the triangles around it, and a pair of triangles
+//! Two triangles are compared when their boxes, swept along the motion, come within the reach, or, where all points go the same share of
+//! their ways, do so at some moment (`mesh::patches`; between two meshes `mesh::tree`). Every point and every edge belongs to one of the triangles around it, and a pair of triangles
 //! compares only what belongs to it: its points with the other triangle, its edges with the other's edges. So each
 //! pair of primitives is looked at exactly once, and nothing has to be deduplicated. What passes its own boxes is
 //! kept if its distance at the start is at most the reach plus the way the two can go towards each other.
 //!
 //! Pairs that share a point never count, points in no triangle are ignored. The lists are sorted and do not depend
-//! on the history of the tree or on the number of threads. A candidate is not yet a contact: the energies decide by
+//! on the history of the trees or on the number of threads. A candidate is not yet a contact: the energies decide by
 //! the actual distance. A motion that is not finite counts as none (`contact::bound` makes none); a start that is not
 //! finite takes the triangles around it out of the search, so whoever makes positions checks them.
 
@@ -16,7 +16,8 @@ mod pair;
 mod side;
 
 use crate::math::Vec3;
-use crate::mesh::boxes::SweptBox;
+use crate::mesh::boxes::{MovingBox, SweptBox};
+use crate::mesh::patches::{Pairs, Patches};
 use crate::mesh::tree::TriangleTree;
 use crate::mesh::{PointIndex, Topology};
 use kept::Kept;
@@ -115,14 +116,17 @@ pub struct CandidateFinder {
     /// The triangle that each point and each edge belongs to; [`NONE`] for points in no triangle.
     point_owner: Vec<u32>,
     edge_owner: Vec<u32>,
+    /// For searches between two meshes.
     tree: TriangleTree,
+    /// For those within this one.
+    patches: Patches,
     kept: Kept,
     /// One per point.
-    point_boxes: Vec<SweptBox>,
+    point_boxes: Vec<MovingBox>,
     /// One per edge.
-    edge_boxes: Vec<SweptBox>,
+    edge_boxes: Vec<MovingBox>,
     /// One per triangle.
-    triangle_boxes: Vec<SweptBox>,
+    triangle_boxes: Vec<MovingBox>,
     /// One per point: length of its way \[m\]; empty at rest.
     ways: Vec<f64>,
 }
@@ -211,6 +215,7 @@ impl CandidateFinder {
             point_owner,
             edge_owner,
             tree: TriangleTree::new(points, triangles, 0.0),
+            patches: Patches::new(points, triangles),
             kept: Kept::default(),
             point_boxes: Vec::new(),
             edge_boxes: Vec::new(),
@@ -251,14 +256,20 @@ impl CandidateFinder {
         skip: &(dyn Fn(Quad) -> bool + Sync),
     ) -> Candidates {
         let reach = reach * (1.0 + ROUNDING);
-        self.fit(start, end, 0.5 * reach);
-        self.compare(&self.tree.overlaps(), start, end, reach, together, skip)
+        self.sweep(start, end, together);
+        let pairs = self.patches.meetings(
+            &self.triangle_boxes,
+            SweptBox::reach(reach),
+            !together || start == end,
+            None,
+        );
+        self.compare(&pairs, start, end, reach, together, skip)
     }
 
     /// What comes near of the pairs of triangles.
     fn compare(
         &self,
-        pairs: &[(u32, u32)],
+        pairs: &[Pairs],
         start: &[Vec3],
         end: &[Vec3],
         reach: f64,
@@ -266,9 +277,9 @@ impl CandidateFinder {
         skip: &(dyn Fn(Quad) -> bool + Sync),
     ) -> Candidates {
         let side = self.same_side(start, end, reach, together);
-        let compare = |lists: &mut [Shortlist; 2], chunk: &[(u32, u32)]| {
+        let compare = |lists: &mut [Shortlist; 2], part: &Pairs| {
             let [points, edges] = lists;
-            for &(a, b) in chunk {
+            for &(a, b) in part {
                 side.shortlist_points(a, &side, b, points);
                 side.shortlist_points(b, &side, a, points);
                 side.shortlist_edges(a, &side, b, edges);
@@ -280,7 +291,7 @@ impl CandidateFinder {
                 edges.drain(|e, f| side.edge_near::<true>(e, &side, f) && !skip(self.quad_edge_edge(e, f)));
             (points, edges)
         };
-        let found: Vec<_> = pairs.par_chunks(CHUNK).map_init(Default::default, compare).collect();
+        let found: Vec<_> = pairs.par_iter().with_max_len(1).map_init(Default::default, compare).collect();
         let (point_parts, edge_parts): (Vec<_>, Vec<_>) = found.into_iter().unzip();
         let (point_triangle, edge_edge) =
             rayon::join(|| sorted(&point_parts, start.len()), || sorted(&edge_parts, self.edges.len()));
@@ -295,7 +306,7 @@ impl CandidateFinder {
     /// The points for which `moving` is set, one flag per point, as what [`Self::find_around`] moves while everything else
     /// rests at `x` \[m\]; `reach` \[m\] is that of the searches to come.
     pub fn portion(&mut self, moving: &[bool], x: &[Vec3], reach: f64) -> Portion {
-        self.rest(x, reach);
+        self.sweep(x, x, true);
         let among = |points: &[u32]| points.iter().any(|p| moving[*p as usize]);
         let numbers = |flags: &[bool]| (0..flags.len() as u32).filter(|i| flags[*i as usize]).collect();
         let edges: Vec<bool> = self.edges.iter().map(|e| among(e)).collect();
@@ -316,13 +327,16 @@ impl CandidateFinder {
         skip: &(dyn Fn(Quad) -> bool + Sync),
     ) -> Candidates {
         let reach = reach * (1.0 + ROUNDING);
-        self.sweep_portion(portion, start, end);
+        self.sweep_portion(portion, start, end, together);
         if let Some(found) = self.find_around_known(portion, start, end, reach, together, skip) {
             return found;
         }
-        self.tree.refit_some(&portion.triangles, start, end, 0.5 * reach);
-        let first = |a: u32, b: u32| a < b || !portion.has[b as usize];
-        let pairs = self.overlaps_of(&portion.triangles, &self.tree, first);
+        let pairs = self.patches.meetings(
+            &self.triangle_boxes,
+            SweptBox::reach(reach),
+            !together,
+            Some(&portion.has),
+        );
         self.compare(&pairs, start, end, reach, together, skip)
     }
 
@@ -338,9 +352,9 @@ impl CandidateFinder {
         reach: f64,
     ) -> CandidatesBetween {
         let reach = reach * (1.0 + ROUNDING);
-        self.sweep_portion(portion, start, end);
+        self.sweep_portion(portion, start, end, false);
         self.tree.refit_some(&portion.triangles, start, end, 0.5 * reach);
-        let pairs = self.overlaps_of(&portion.triangles, &other.tree, |_, _| true);
+        let pairs = self.overlaps_of(&portion.triangles, &other.tree);
         self.compare_between(&pairs, start, other, other_start, reach)
     }
 
@@ -393,21 +407,12 @@ impl CandidateFinder {
         }
     }
 
-    /// Pairs of the triangles `own` with those of `other` whose boxes overlap theirs, where `wanted`.
-    fn overlaps_of(
-        &self,
-        own: &[u32],
-        other: &TriangleTree,
-        wanted: impl Fn(u32, u32) -> bool + Sync,
-    ) -> Vec<(u32, u32)> {
+    /// Pairs of the triangles `own` with those of `other` whose boxes overlap theirs.
+    fn overlaps_of(&self, own: &[u32], other: &TriangleTree) -> Vec<(u32, u32)> {
         let of_some = |own: &[u32]| {
             let mut pairs = Vec::new();
             for &a in own {
-                self.tree.for_each_overlap_of(a, other, |b| {
-                    if wanted(a, b) {
-                        pairs.push((a, b));
-                    }
-                });
+                self.tree.for_each_overlap_of(a, other, |b| pairs.push((a, b)));
             }
             pairs
         };
@@ -416,17 +421,17 @@ impl CandidateFinder {
 
     fn fit(&mut self, start: &[Vec3], end: &[Vec3], inflate: f64) {
         self.tree.refit(start, end, inflate);
-        self.sweep(start, end);
+        self.sweep(start, end, false);
     }
 
     /// Fits ways and boxes of points, edges and triangles to a motion.
-    fn sweep(&mut self, start: &[Vec3], end: &[Vec3]) {
+    fn sweep(&mut self, start: &[Vec3], end: &[Vec3], together: bool) {
         self.ways.clear();
         if start != end {
             let ways = start.par_iter().zip(end).map(|(from, to)| length_of_way(from, to));
             ways.collect_into_vec(&mut self.ways);
         }
-        let boxes = start.par_iter().zip(end).map(|(from, to)| SweptBox::of_point(from, to));
+        let boxes = start.par_iter().zip(end).map(|(from, to)| box_of(from, to, together));
         boxes.collect_into_vec(&mut self.point_boxes);
         let points = &self.point_boxes;
         let point = |p: u32| &points[p as usize];
@@ -440,12 +445,12 @@ impl CandidateFinder {
     }
 
     /// Fits what belongs to a portion to its motion.
-    fn sweep_portion(&mut self, portion: &Portion, start: &[Vec3], end: &[Vec3]) {
+    fn sweep_portion(&mut self, portion: &Portion, start: &[Vec3], end: &[Vec3], together: bool) {
         self.ways.resize(start.len(), 0.0);
         for &p in &portion.points {
             let (from, to) = (&start[p as usize], &end[p as usize]);
             self.ways[p as usize] = length_of_way(from, to);
-            self.point_boxes[p as usize] = SweptBox::of_point(from, to);
+            self.point_boxes[p as usize] = box_of(from, to, together);
         }
         let points = &self.point_boxes;
         let point = |p: u32| &points[p as usize];
@@ -467,6 +472,12 @@ impl CandidateFinder {
     fn side<'a>(&'a self, start: &'a [Vec3], reach: f64) -> Side<'a> {
         Side { mesh: self, start, ways: &self.ways, reach, box_reach: SweptBox::reach(reach), together: None }
     }
+}
+
+/// Around a point on its way.
+#[inline]
+fn box_of(from: &Vec3, to: &Vec3, together: bool) -> MovingBox {
+    if together { MovingBox::together(from, to) } else { MovingBox::swept(from, to) }
 }
 
 /// Length of a way \[m\]; none where it is not finite.

@@ -25,7 +25,10 @@ impl Side<'_> {
         let other_box = &other.mesh.triangle_boxes[of_other as usize];
         list.make_room(3);
         for p in self.mesh.triangles[triangle as usize].points() {
-            list.add_if([p, of_other], self.mesh.point_boxes[p as usize].near(other_box, self.box_reach));
+            list.add_if(
+                [p, of_other],
+                self.mesh.point_boxes[p as usize].near(other_box, self.box_reach, self.together.is_none()),
+            );
         }
     }
 
@@ -37,7 +40,10 @@ impl Side<'_> {
         for e in self.mesh.triangles[triangle as usize].edges() {
             let own_box = &self.mesh.edge_boxes[e as usize];
             for f in others.edges() {
-                list.add_if([e, f], own_box.near(&other.mesh.edge_boxes[f as usize], self.box_reach));
+                list.add_if(
+                    [e, f],
+                    own_box.near(&other.mesh.edge_boxes[f as usize], self.box_reach, self.together.is_none()),
+                );
             }
         }
     }
