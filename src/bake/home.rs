@@ -51,7 +51,7 @@ pub(super) fn bring_home(
     let mut x = garment.points.clone();
     let mut angle = memory.source_angle.clone();
     let weight = stepper.cloth.mass.iter().sum::<f64>() * GRAVITY;
-    let newton = NewtonOptions { tolerance: 1e-5, energy: SLACK * weight, most_iterations: 60 };
+    let newton = NewtonOptions { tolerance: 1e-5, energy: SLACK * weight, share: 0.0, most_iterations: 60 };
     for share in 1..=SHARES {
         let part = f64::from(share) / f64::from(SHARES);
         let partial = share_of(memory, part);

@@ -455,7 +455,7 @@ impl Run<'_> {
                 // Two equal steps rather than one and a remainder.
                 let mut h = if wished >= left { left } else { wished.min(0.5 * left.max(wished)) };
                 let now = self.state.time;
-                h = h.min(gesture.drive(now - begin + h, &self.state.x).longest_step);
+                h = h.min(self.stepper.longest_under(&gesture.drive(now - begin + h, &self.state.x)));
                 if gesture.carry(now - begin + h, &mut self.state.x) {
                     self.state.stop();
                     self.state.angle = self.stepper.cloth.bending.angles(&self.state.x, &self.state.angle);

@@ -63,9 +63,11 @@ impl Still {
             let terms: [&dyn Energy; 3] = [&membrane, &bending, &gravity];
             let last = round == ROUNDS.0;
             let inertia = (!last).then_some((&self.mass[..], &start[..], span));
-            let problem = Problem { inertia, terms: &terms, held: &self.held, regularisation: 0.0 };
+            let problem =
+                Problem { inertia, terms: &terms, held: &self.held, ahead: None, regularisation: 0.0 };
             let (share, most_iterations) = if last { (1.0, MOST_ITERATIONS) } else { (1e3, ROUNDS.1) };
-            let newton = NewtonOptions { tolerance: share * tolerance, energy: 0.0, most_iterations };
+            let newton =
+                NewtonOptions { tolerance: share * tolerance, energy: 0.0, share: 0.0, most_iterations };
             total.add(&problem.solve(x, &mut contact, &newton, &mut work));
             span *= 2.0;
         }

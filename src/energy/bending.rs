@@ -297,6 +297,10 @@ impl Energy for BendingTerm<'_> {
         }
     }
 
+    fn add_secant(&self, _x: &[Vec3], half: &[Vec3], out: &mut dyn BlockSink) {
+        self.add_hessian(half, out);
+    }
+
     fn visit_stencils(&self, visit: &mut dyn FnMut(&[u32])) {
         (0..self.model.faces.len()).for_each(|f| visit(self.model.stencil(f)));
     }
@@ -316,7 +320,7 @@ impl Energy for BendingTerm<'_> {
 #[cfg(test)]
 mod tests {
     use super::super::shelf_tests::{
-        check_around, check_gradient_and_hessian, check_rigid_motion, dense_hessian,
+        check_around, check_gradient_and_hessian, check_rigid_motion, check_secant_of_a_turn, dense_hessian,
     };
     use super::*;
     use crate::mesh::PointIndex;
@@ -377,6 +381,7 @@ mod tests {
         let term = bending.term(&memory, &last, 0.01);
         check_gradient_and_hessian(&term, &x, 1e-8);
         check_rigid_motion(&term, &x);
+        check_secant_of_a_turn(&term, &x);
         check_around(&term, &x, &[false, true, false, false, false, false], 1e-4);
     }
 

@@ -178,24 +178,31 @@ impl Energy for MembraneTerm<'_> {
     }
 
     fn add_hessian(&self, x: &[Vec3], out: &mut dyn BlockSink) {
+        self.add_secant(x, x, out);
+    }
+
+    /// Axes are those in the middle of the way: |w'|² - |w|² is (w' + w) . (w' - w), whatever the angle between the two. Tensions
+    /// are those at its beginning, as the middle of a chord is nearer to its ends than they are to each other.
+    fn add_secant(&self, x: &[Vec3], half: &[Vec3], out: &mut dyn BlockSink) {
         let [ku, kv, ks] = self.model.stiffness;
         for (f, t) in self.target.iter().enumerate() {
             if !out.wants(&self.model.corners[f]) {
                 continue;
             }
-            let (u, v) = self.model.axes(f, x);
+            let (from_u, from_v) = self.model.axes(f, x);
+            let (u, v) = self.model.axes(f, half);
             let scale = self.factor * self.model.area[f];
-            let shear = u.dot(&v) - t[2];
+            let shear = from_u.dot(&from_v) - t[2];
             // The indefinite part shear * [[0, I], [I, 0]] split into its positive half.
             let half = 0.5 * ks * shear.abs();
-            let axis = |w: &Vec3, k: f64, rest: f64| {
+            let axis = |from: &Vec3, w: &Vec3, k: f64, rest: f64| {
                 let length = w.norm().max(1e-12);
                 let along = w * w.transpose() / (length * length);
-                let across = (1.0 - rest / length).max(0.0);
+                let across = (1.0 - rest / from.norm().max(1e-12)).max(0.0);
                 (along + (Mat3::identity() - along) * across) * k
             };
-            let uu = (axis(&u, ku, t[0]) + v * v.transpose() * ks + Mat3::identity() * half) * scale;
-            let vv = (axis(&v, kv, t[1]) + u * u.transpose() * ks + Mat3::identity() * half) * scale;
+            let uu = (axis(&from_u, &u, ku, t[0]) + v * v.transpose() * ks + Mat3::identity() * half) * scale;
+            let vv = (axis(&from_v, &v, kv, t[1]) + u * u.transpose() * ks + Mat3::identity() * half) * scale;
             let uv = (v * u.transpose() * ks + Mat3::identity() * (half * shear.signum())) * scale;
             let (corner, b) = (&self.model.corners[f], &self.model.derivative[f]);
             let vu = uv.transpose();
@@ -229,7 +236,9 @@ impl Energy for MembraneTerm<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::shelf_tests::{check_around, check_gradient_and_hessian, check_rigid_motion};
+    use super::super::shelf_tests::{
+        check_around, check_gradient_and_hessian, check_rigid_motion, check_secant_of_a_turn,
+    };
     use super::*;
 
     fn pair() -> (Membrane, RestShape) {
@@ -260,6 +269,13 @@ mod tests {
             check_rigid_motion(&term, &posed());
             check_around(&term, &posed(), &[false, false, false, true], 1e-3);
         }
+    }
+
+    #[test]
+    fn a_turn_costs_nothing_by_the_secant() {
+        let (membrane, _) = pair();
+        let flat = [(0.0, 0.0), (0.1, 0.0), (0.03, 0.08), (0.06, -0.05)].map(|(u, v)| Vec3::new(u, v, 0.0));
+        check_secant_of_a_turn(&membrane.term(&RestShape::flat(0, 2), &[], 0.01), &flat);
     }
 
     #[test]

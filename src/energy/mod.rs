@@ -48,6 +48,12 @@ pub trait Energy: Sync {
     fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]);
     /// Adds a positive semi-definite Hessian [N/m].
     fn add_hessian(&self, x: &[Vec3], out: &mut dyn BlockSink);
+    /// The same for a way that begins at `x` and has its middle about at `half` [m]: the gradients at its two ends differ by about
+    /// this times the way. Where elements turn on it the Hessian at `x` is wrong by the square of the angle, this one by its cube.
+    /// Elements that stay as they are do with the Hessian at `x`.
+    fn add_secant(&self, x: &[Vec3], _half: &[Vec3], out: &mut dyn BlockSink) {
+        self.add_hessian(x, out);
+    }
     /// Visits every group of points that the Hessian couples.
     fn visit_stencils(&self, _visit: &mut dyn FnMut(&[u32])) {}
     /// The same with fewer elements: all that have a point for which `kept` is set (one flag per point). There gradient and
@@ -170,5 +176,20 @@ pub(crate) mod shelf_tests {
         for (a, b) in g.iter().zip(&gm) {
             assert!((turn * a - b).amax() <= 1e-10 * scale);
         }
+    }
+
+    /// At rest at `x`, a turn of the whole by any angle asks for no force by the secant, and by the Hessian for some.
+    pub(crate) fn check_secant_of_a_turn(term: &dyn Energy, x: &[Vec3]) {
+        let turn = nalgebra::Rotation3::new(Vec3::new(0.4, -0.9, 0.3));
+        let way: Vec<Vec3> = x.iter().map(|p| turn * p - p).collect();
+        let half: Vec<Vec3> = x.iter().zip(&way).map(|(x, d)| x + d * 0.5).collect();
+        let force = |half: &[Vec3]| {
+            let mut dense = Dense(nalgebra::DMatrix::zeros(3 * x.len(), 3 * x.len()));
+            term.add_secant(x, half, &mut dense);
+            let way = nalgebra::DVector::from_iterator(3 * x.len(), way.iter().flat_map(|d| [d.x, d.y, d.z]));
+            (dense.0 * way).amax()
+        };
+        let (by_secant, by_hessian) = (force(&half), force(x));
+        assert!(by_hessian > 0.0 && by_secant <= 1e-10 * by_hessian, "{by_secant} {by_hessian}");
     }
 }

@@ -35,7 +35,7 @@ impl Problem<'_> {
             pull.iter_mut().zip(self.held).filter(|(_, held)| **held).for_each(|(g, _)| *g = Vec3::zeros());
             let mut d = vec![Vec3::zeros(); x.len()];
             if led {
-                self.assemble(x, contact, work);
+                self.assemble(x, x, contact, work);
                 report.seconds[0] += clock.elapsed().as_secs_f64();
                 let clock = std::time::Instant::now();
                 let Some(solved) = self.direction(x, &pull, work) else { break };

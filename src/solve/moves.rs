@@ -5,7 +5,7 @@
 //! Newton of their own (`places`), everything else standing still, and what comes out is taken where phi has fallen by its
 //! share: nonlinear elimination (Lanzkron, Rose, Wilkes 1996; Cai, Li 2011).
 
-use super::newton::{NewtonOptions, NewtonReport, Problem, Value, Workspace};
+use super::newton::{NewtonReport, Problem, Value, Workspace};
 use super::places::Settling;
 use crate::contact::Contact;
 use crate::math::Vec3;
@@ -25,7 +25,8 @@ const LEAST_MENDED: f64 = 0.1;
 
 impl Problem<'_> {
     /// Moves `x` along `d`, a direction of the whole, as far as layers and phi allow, where places that spoil the way settle first; the
-    /// share of the way that was kept. `work` holds the system at `x`.
+    /// share of the way that was kept. What is below `enough` [J] does not
+    /// count, `work` holds the system at `x`.
     #[allow(clippy::too_many_arguments)] // what a solve has in hand
     pub(super) fn move_whole(
         &self,
@@ -34,7 +35,7 @@ impl Problem<'_> {
         d: &[Vec3],
         value: &mut Value,
         contact: &mut Contact,
-        (options, work): (&NewtonOptions, &mut Workspace),
+        (enough, work): (f64, &mut Workspace),
         report: &mut NewtonReport,
     ) -> f64 {
         let way = bounded(x, d, false, contact, report);
@@ -57,8 +58,8 @@ impl Problem<'_> {
                 // What is said of the whole is still true of it.
                 let (left, last_move) = (report.left, report.last_move);
                 // As far as what the way promised is worth.
-                let energy = options.energy.max(share * -slope);
-                let settling = Settling { energy, few: MANY };
+                let energy = enough.max(share * -slope);
+                let settling = Settling { energy, spread: 0.0, few: MANY };
                 self.settle_places(&mut there, &g, contact, settling, work, report);
                 (report.left, report.last_move) = (left, last_move);
             }
@@ -268,12 +269,12 @@ mod tests {
     fn a_place_that_spoils_a_direction_settles_and_the_others_arrive() {
         let held = vec![false; COUNT];
         let terms: [&dyn Energy; 1] = [&Chain];
-        let problem = Problem { inertia: None, terms: &terms, held: &held, regularisation: 1e-6 };
-        let options = NewtonOptions { energy: 1e-9, ..NewtonOptions::default() };
+        let problem =
+            Problem { inertia: None, terms: &terms, held: &held, ahead: None, regularisation: 1e-6 };
         let mut contact = Contact::none(COUNT);
         let (mut work, mut report) = (Workspace::default(), NewtonReport::default());
         let start = vec![Vec3::zeros(); COUNT];
-        let g = problem.linearise(&start, &contact, &mut work, &mut report);
+        let g = problem.linearise(&start, &start, &contact, &mut work, &mut report);
         let d = problem.direction(&start, &g, &mut work).expect("positive");
         let at_start = problem.value(&start, &contact);
 
@@ -283,7 +284,7 @@ mod tests {
 
         let (mut x, mut value) = (start, at_start);
         let share =
-            problem.move_whole(&mut x, &g, &d, &mut value, &mut contact, (&options, &mut work), &mut report);
+            problem.move_whole(&mut x, &g, &d, &mut value, &mut contact, (1e-9, &mut work), &mut report);
         assert_eq!(share, 1.0);
         assert!(report.local_iterations > 0);
         assert!(value.sum < 0.5 * cut_short, "{} against {cut_short}", value.sum);

@@ -23,13 +23,17 @@ pub struct NewtonOptions {
     pub tolerance: f64,
     /// Converged, too, when the energy left to gain is below this [J]: a few points still on their way. 0 for never.
     pub energy: f64,
+    /// And when it is below this share of what the first direction promised [-]: where cloth goes far in a step there is no sense in
+    /// finding its place much better than the step can tell it. 0 for never; only where `energy` is not, and in steps in which hands
+    /// lead the cloth.
+    pub share: f64,
     /// Iterations at most.
     pub most_iterations: usize,
 }
 
 impl Default for NewtonOptions {
     fn default() -> Self {
-        Self { tolerance: 3e-5, energy: 0.0, most_iterations: 40 }
+        Self { tolerance: 3e-5, energy: 0.0, share: 1e-3, most_iterations: 40 }
     }
 }
 
@@ -70,6 +74,9 @@ pub struct Problem<'a> {
     pub terms: &'a [&'a dyn Energy],
     /// Points that stay where they are put, one flag per point.
     pub held: &'a [bool],
+    /// Where the points are expected in the end [m], if anything is known of it: the first direction is made for the way there. It
+    /// changes how fast Newton arrives, not where.
+    pub ahead: Option<&'a [Vec3]>,
     /// Added to every diagonal [N/m]: keeps equilibria of loose parts well posed; 0 in time steps.
     pub regularisation: f64,
 }
@@ -145,6 +152,11 @@ fn spread(d: &[Vec3], held: &[bool]) -> f64 {
     let free = || d.iter().zip(held).filter(|(_, held)| !**held).map(|(d, _)| d);
     let mean = free().sum::<Vec3>() / free().count().max(1) as f64;
     free().map(|d| (d - mean).norm()).fold(0.0, f64::max)
+}
+
+/// The middle between two places of the points.
+fn half_way(from: &[Vec3], to: &[Vec3]) -> Vec<Vec3> {
+    from.iter().zip(to).map(|(from, to)| (from + to) * 0.5).collect()
 }
 
 /// The right-hand side of a Newton direction: the gradient `g`, turned, over the rows of `matrix`.
@@ -241,7 +253,8 @@ impl Problem<'_> {
         self.gradient(x, contact).iter().zip(d).map(|(g, d)| g.dot(d)).sum()
     }
 
-    pub(super) fn assemble(&self, x: &[Vec3], contact: &Contact, work: &mut Workspace) {
+    /// Assembles the system at `x`, for a way with its middle at `half` (or `x` itself).
+    pub(super) fn assemble(&self, x: &[Vec3], half: &[Vec3], contact: &Contact, work: &mut Workspace) {
         work.altered = false;
         // The pattern looks ahead, and grows by what comes into contact later.
         let anew = !work.matrix.holds(self.held) || work.matrix.is_overgrown();
@@ -252,7 +265,7 @@ impl Problem<'_> {
             });
         }
         let grew = work.matrix.fill(&|out| {
-            self.terms.iter().for_each(|term| term.add_hessian(x, out));
+            self.terms.iter().for_each(|term| term.add_secant(x, half, out));
             contact.add_hessian(x, out);
         });
         debug_assert!(!(anew && grew), "a term adds a block that it did not announce");
@@ -266,10 +279,11 @@ impl Problem<'_> {
         }
     }
 
-    /// Assembles the system at `x`; the gradient [N].
+    /// Assembles the system at `x`, for a way with its middle at `half`; the gradient [N].
     pub(super) fn linearise(
         &self,
         x: &[Vec3],
+        half: &[Vec3],
         contact: &Contact,
         work: &mut Workspace,
         report: &mut NewtonReport,
@@ -277,7 +291,7 @@ impl Problem<'_> {
         let clock = std::time::Instant::now();
         let g = self.gradient(x, contact);
         report.residual = g.iter().map(|g| g.amax()).fold(0.0, f64::max);
-        self.assemble(x, contact, work);
+        self.assemble(x, half, contact, work);
         report.seconds[0] += clock.elapsed().as_secs_f64();
         g
     }
@@ -369,7 +383,7 @@ impl Problem<'_> {
             report.converged = true;
             return report;
         }
-        let settling = Settling { energy: options.energy, few: FEW };
+        let mut settling = Settling { energy: options.energy, spread: 0.0, few: FEW };
         if self.begins_with_places(work) {
             let clock = std::time::Instant::now();
             let g = self.gradient(x, contact);
@@ -385,7 +399,8 @@ impl Problem<'_> {
         // Local iterations are cheap: they count for less.
         let spent = |report: &NewtonReport| report.iterations + report.local_iterations / LOCAL_FOR_WHOLE;
         while spent(&report) < options.most_iterations {
-            let g = self.linearise(x, contact, work, &mut report);
+            let half = self.ahead.filter(|_| report.iterations == 0).map(|ahead| half_way(x, ahead));
+            let g = self.linearise(x, half.as_deref().unwrap_or(x), contact, work, &mut report);
             if whole_went >= WENT && !damping.acts() {
                 match self.settle_places(x, &g, contact, settling, work, &mut report) {
                     Peace::Everywhere if whole_went == 1.0 => {
@@ -415,15 +430,20 @@ impl Problem<'_> {
             report.left = decrement;
             if report.iterations == 1 {
                 work.calm = if decrement <= options.energy { CALM_SOLVES } else { 0 };
+                if options.energy > 0.0 && self.inertia.is_some() {
+                    settling.spread = options.share * decrement;
+                }
             }
+            // What a direction of the whole promises is spread out.
+            let enough = options.energy.max(settling.spread);
             // Where layers are jammed moves are short although much is left to gain.
-            let jammed = options.energy > 0.0 && decrement > JAMMED * options.energy;
-            let done = !damping.acts()
-                && (report.last_move <= options.tolerance && !jammed || decrement <= options.energy);
+            let jammed = enough > 0.0 && decrement > JAMMED * enough;
+            let done =
+                !damping.acts() && (report.last_move <= options.tolerance && !jammed || decrement <= enough);
             let before = value.sum;
-            let moved = self.move_whole(x, &g, &d, &mut value, contact, (options, work), &mut report);
+            let moved = self.move_whole(x, &g, &d, &mut value, contact, (enough, work), &mut report);
             whole_went = moved;
-            if damping.acts() && decrement <= options.energy {
+            if damping.acts() && decrement <= enough {
                 damping.relieve();
                 continue;
             }

@@ -15,6 +15,8 @@ use std::time::Instant;
 /// Share of the energy that counts as converged which points outside a part may have to gain; a part goes on until it has
 /// less, too.
 const LEFT_OUT: f64 = 0.5;
+/// A point that has more than this share of it is not one of many that have little.
+const ALONE: f64 = 0.05;
 /// A part reaches this many rings of neighbours beyond its restless points.
 const RINGS: usize = 2;
 /// A part of more than this share of the free points is not worth while.
@@ -31,6 +33,8 @@ const ITERATIONS: usize = 8;
 pub(super) struct Settling {
     /// What may be left to gain [J].
     pub energy: f64,
+    /// The same where it is spread out over more of the garment than that, little at each point [J].
+    pub spread: f64,
     /// A part of more than this share of the free points is not worth while.
     pub few: f64,
 }
@@ -94,22 +98,33 @@ impl Problem<'_> {
             gains.push((matrix.diagonal(r).cholesky()?.solve(g).dot(g), p));
         }
         gains.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let mut restless = vec![false; g.len()];
         let total = gains.iter().map(|(gain, _)| gain).sum::<f64>();
         if total <= enough {
             report.left = total;
-            return Some(restless);
+            return Some(vec![false; g.len()]);
         }
-        let mut left = enough;
-        let peaceful = gains.iter().take_while(|(gain, _)| {
-            left -= gain;
-            left >= 0.0
-        });
-        let peaceful = peaceful.count();
-        gains[peaceful..].iter().for_each(|&(_, p)| restless[p as usize] = true);
-        (0..RINGS).for_each(|_| matrix.widen(&mut restless));
-        let count = restless.iter().filter(|r| **r).count();
-        (count as f64 <= settling.few * matrix.row_count() as f64).then_some(restless)
+        // Those that have most, without whom the others have no more than `enough` together and `alone` each.
+        let chosen = |enough: f64, alone: f64| {
+            let mut left = enough;
+            let peaceful = gains.iter().take_while(|(gain, _)| {
+                left -= gain;
+                left >= 0.0 && *gain <= alone
+            });
+            let peaceful = peaceful.count();
+            let mut restless = vec![false; g.len()];
+            gains[peaceful..].iter().for_each(|&(_, p)| restless[p as usize] = true);
+            (0..RINGS).for_each(|_| matrix.widen(&mut restless));
+            let count = restless.iter().filter(|r| **r).count();
+            (count as f64 <= settling.few * matrix.row_count() as f64).then_some(restless)
+        };
+        chosen(enough, f64::INFINITY).or_else(|| {
+            let spread = LEFT_OUT * settling.spread;
+            let restless = (spread > enough).then(|| chosen(spread, ALONE * settling.energy)).flatten()?;
+            if !restless.contains(&true) {
+                report.left = total;
+            }
+            Some(restless)
+        })
     }
 
     /// Newton for the `restless` points alone, until they have no more than [`LEFT_OUT`] of `energy` [J] to gain. Whether anything has
@@ -132,6 +147,7 @@ impl Problem<'_> {
             inertia: self.inertia,
             terms: &terms,
             held: &held,
+            ahead: None,
             regularisation: self.regularisation,
         };
         report.seconds[0] += clock.elapsed().as_secs_f64();
@@ -143,7 +159,7 @@ impl Problem<'_> {
         let mut value = problem.value(x, contact);
         let mut moved_at_all = false;
         for _ in 0..ITERATIONS {
-            let g = problem.linearise(x, contact, &mut own, report);
+            let g = problem.linearise(x, x, contact, &mut own, report);
             let clock = Instant::now();
             let direction = problem.direction(x, &g, &mut own);
             report.seconds[1] += clock.elapsed().as_secs_f64();

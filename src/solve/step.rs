@@ -21,6 +21,9 @@ pub struct StepOptions {
     pub shortest: f64,
     /// Longest step [s].
     pub longest: f64,
+    /// How many times as long as gestures ask a step may be while hands lead the cloth ([`Drive::leads`]), and, squared, how many times the error: most of
+    /// it is the arc that a straight way cuts short, and where the cloth is after it hands tell. 1 for no difference.
+    pub stride: f64,
 }
 
 impl Default for StepOptions {
@@ -31,6 +34,7 @@ impl Default for StepOptions {
             error: 3e-4,
             shortest: 1.0 / 30.0,
             longest: 5.0,
+            stride: 3.0,
         }
     }
 }
@@ -90,6 +94,16 @@ impl Stepper {
         self.could_take = 0.0;
     }
 
+    /// How many times as long as others steps may be under this drive.
+    fn stride(&self, drive: &Drive) -> f64 {
+        if drive.leads { self.options.stride } else { 1.0 }
+    }
+
+    /// The longest step that what acts allows [s].
+    pub fn longest_under(&self, drive: &Drive) -> f64 {
+        drive.longest_step * self.stride(drive)
+    }
+
     /// One accepted step of at most `wished` seconds; `drive_at` gives what acts at a time [s]. The memory is only
     /// read. `state` is replaced by the accepted state; a rejected try leaves no trace.
     pub fn advance(
@@ -102,12 +116,12 @@ impl Stepper {
         let mut h = wished.min(self.options.longest);
         let mut drive = drive_at(state.time + h, state);
         // Only in a hold, with steps that memory keeps short, not motion nor what acts, does next to nothing move the cloth.
-        let holds = h <= KEPT_SHORT * self.could_take.min(drive.longest_step);
+        let holds = h <= KEPT_SHORT * self.could_take.min(self.longest_under(&drive));
         if !holds || self.options.method.solver() != Solver::Converged {
             self.work.expect_motion();
         }
-        if h > drive.longest_step {
-            h = drive.longest_step;
+        if h > self.longest_under(&drive) {
+            h = self.longest_under(&drive);
             drive = drive_at(state.time + h, state);
         }
         let mut total = NewtonReport::default();
@@ -116,7 +130,8 @@ impl Stepper {
             let (next, error, report) = self.attempt(state, memory, (&earlier, &drive), h);
             total.add(&report);
             let last_chance = h <= self.options.shortest * 1.001;
-            let too_coarse = error > 4.0 * self.options.error;
+            let aim = self.options.error * self.stride(&drive).powi(2);
+            let too_coarse = error > 4.0 * aim;
             // Little enough is left to go on from here in the next step.
             let unmet = Unmet::notice(&next.x, &self.cloth, &self.contact);
             let solved = report.converged
@@ -125,10 +140,10 @@ impl Stepper {
             // A shorter step may lead the cloth out of the body's way.
             let settled = solved && unmet.body_held_up.is_none();
             // What barely moves is pressed fast: smaller steps would not loosen it.
-            let stands = error <= self.options.error;
+            let stands = error <= aim;
             if (settled && !too_coarse) || stands || last_chance {
                 let exponent = 1.0 / f64::from(self.options.method.order() + 1);
-                let wanted = (0.8 * self.options.error / error.max(1e-12)).powf(exponent).clamp(0.3, 1.9);
+                let wanted = (0.8 * aim / error.max(1e-12)).powf(exponent).clamp(0.3, 1.9);
                 // A step that did not converge is a hard one: do not grow into the next.
                 let growth = if settled || stands { wanted } else { wanted.min(1.0) };
                 self.could_take = h * growth;
@@ -259,15 +274,23 @@ impl Stepper {
         if let Some(container) = &container {
             terms.push(container);
         }
+        // One iteration alone is what its method says, not a better one.
+        let ahead = (self.options.method.solver() == Solver::Converged).then_some(&inertial[..]);
         let problem = Problem {
             inertia: Some((&self.cloth.mass, &inertial, stage.span)),
             terms: &terms,
             held: &forces.held,
+            ahead,
             regularisation: 0.0,
         };
         let mut newton = self.options.newton;
         if self.options.method.solver() == Solver::Once {
             newton.most_iterations = 1;
+        }
+        // What a direction promises may be all of stiff contact: beside it the way of cloth that floats counts for nothing. Hands hold
+        // what they move.
+        if !drive.leads {
+            newton.share = 0.0;
         }
         let mut report = NewtonReport::default();
         for _ in 0..LED_AGAIN {
@@ -319,7 +342,7 @@ impl Stepper {
         self.contact.begin_step(x, f64::INFINITY, 0.0, &held);
         // Terms may differ from those of steps.
         self.work.reset();
-        let problem = Problem { inertia: None, terms, held: &held, regularisation };
+        let problem = Problem { inertia: None, terms, held: &held, ahead: None, regularisation };
         problem.solve(x, &mut self.contact, newton, &mut self.work)
     }
 }

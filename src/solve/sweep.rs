@@ -22,7 +22,7 @@ impl Problem<'_> {
             return report;
         }
         for round in 0..ROUNDS {
-            let g = self.linearise(x, contact, work, &mut report);
+            let g = self.linearise(x, x, contact, work, &mut report);
             let clock = std::time::Instant::now();
             // The first guess is what the cloth would do without forces: sweeps carry no motion of the whole far.
             let guess: Vec<Vec3> = match self.inertia {

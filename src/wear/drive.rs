@@ -44,6 +44,8 @@ pub struct Drive {
     pub friction: f64,
     /// Springs that draw points along.
     pub guides: Vec<Guide>,
+    /// Whether hands lead the cloth along a way of theirs by these.
+    pub leads: bool,
     /// Points that are held where they are, one flag per point; empty for none.
     pub held: Vec<bool>,
     /// Pressure from above on every uncovered part [Pa].
@@ -75,6 +77,7 @@ impl Drive {
             lead: Arc::new([]),
             friction: 1.0,
             guides: Vec::new(),
+            leads: false,
             held: Vec::new(),
             pressure: 0.0,
             pressed: Vec::new(),

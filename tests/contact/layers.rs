@@ -21,7 +21,8 @@ pub fn stack(count: usize, points: usize, seed: u64, seconds: f64) -> Run {
     pattern.jitter(0.15e-3, seed);
     let mut run = Run::new(&pattern, STACKED, 2.0 * count as f64);
     // Parallel edges of sheets that lie point over point keep Newton from its last digits.
-    run.stepper.options.newton = NewtonOptions { tolerance: 1e-6, energy: 0.0, most_iterations: 12 };
+    run.stepper.options.newton =
+        NewtonOptions { tolerance: 1e-6, energy: 0.0, share: 0.0, most_iterations: 12 };
     run.go(seconds, &mut |_, _| Drive::at_rest(Some(0.0)));
     run
 }

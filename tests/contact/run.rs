@@ -138,10 +138,11 @@ impl Run {
         let energy = 3e-6 * cloth.mass.iter().sum::<f64>() * crease::wear::GRAVITY;
         let options = StepOptions {
             method: Method::BackwardEuler,
-            newton: NewtonOptions { tolerance: 3e-5, energy, most_iterations: 10 },
+            newton: NewtonOptions { tolerance: 3e-5, energy, share: 0.0, most_iterations: 10 },
             error: 1e-3,
             shortest: 1.0 / 240.0,
             longest: 1.0 / 30.0,
+            stride: 1.0,
         };
         Self {
             memory: RestShape::flat(topology.hinges.len(), pattern.triangles.len()),
@@ -160,7 +161,8 @@ impl Run {
 
     /// From now on steps are solved as far as rounding allows.
     pub fn precisely(&mut self) {
-        self.stepper.options.newton = NewtonOptions { tolerance: 1e-8, energy: 0.0, most_iterations: 60 };
+        self.stepper.options.newton =
+            NewtonOptions { tolerance: 1e-8, energy: 0.0, share: 0.0, most_iterations: 60 };
     }
 
     /// One step of at most `wished` seconds.

@@ -129,7 +129,8 @@ fn newton_converges_where_the_energy_vanishes() {
                 x + Vec3::new(0.0, 0.0, height + bump)
             })
             .collect();
-        let newton = NewtonOptions { tolerance: 1e-12 * length, energy: 0.0, most_iterations: 200 };
+        let newton =
+            NewtonOptions { tolerance: 1e-12 * length, energy: 0.0, share: 0.0, most_iterations: 200 };
         let start = bumped.clone();
         let report = scene.terms(&start, |terms| balance(terms, &mut bumped, &scene.held, 0.0, newton));
         println!("datum {k}: {report:?}, residual {:.1e}", scene.residual_over_weight(&bumped));

@@ -9,7 +9,8 @@ use crease::mesh::PointIndex;
 use crease::solve::NewtonOptions;
 use nalgebra::{Matrix3x2, Rotation3};
 
-const NEWTON: NewtonOptions = NewtonOptions { tolerance: 1e-14, energy: 0.0, most_iterations: 100 };
+const NEWTON: NewtonOptions =
+    NewtonOptions { tolerance: 1e-14, energy: 0.0, share: 0.0, most_iterations: 100 };
 
 fn undamped<'a>(membrane: &'a Membrane, sheet: &Sheet) -> crease::energy::MembraneTerm<'a> {
     membrane.term(&sheet.memory(), &[], f64::INFINITY)
@@ -224,7 +225,7 @@ fn extend(degrees: f64, tension: f64) -> [f64; 2] {
     let mut held = vec![false; laid.flat.len()];
     held[0] = true;
     let mut x = laid.laid();
-    let newton = NewtonOptions { tolerance: 1e-13, energy: 0.0, most_iterations: 400 };
+    let newton = NewtonOptions { tolerance: 1e-13, energy: 0.0, share: 0.0, most_iterations: 400 };
     balance(&[&undamped(&membrane, &cut), &pull], &mut x, &held, 1e-5, newton);
     let last = x.len() - 1;
     let along = x[last - count].x - x[0].x;

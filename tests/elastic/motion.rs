@@ -10,7 +10,8 @@ use crease::math::{Vec2, Vec3};
 use crease::solve::{Method, NewtonOptions, Previous, Problem, State, Workspace};
 
 /// Newton works until rounding [m]: the tests look at the integrator, not at the solver's tolerance.
-const NEWTON: NewtonOptions = NewtonOptions { tolerance: 1e-13, energy: 0.0, most_iterations: 30 };
+const NEWTON: NewtonOptions =
+    NewtonOptions { tolerance: 1e-13, energy: 0.0, share: 0.0, most_iterations: 30 };
 
 /// One step of `h` seconds under `terms`; the state's angles are left as they were.
 fn advance(
@@ -47,7 +48,13 @@ fn minimise(
     work: &mut Workspace,
 ) -> Vec<Vec3> {
     let held = vec![false; mass.len()];
-    let problem = Problem { inertia: Some((mass, inertial, span)), terms, held: &held, regularisation: 0.0 };
+    let problem = Problem {
+        inertia: Some((mass, inertial, span)),
+        terms,
+        held: &held,
+        ahead: None,
+        regularisation: 0.0,
+    };
     let mut x = from.to_vec();
     let report = problem.solve(&mut x, &mut Contact::none(mass.len()), &NEWTON, work);
     assert!(report.converged, "a step did not converge: {report:?}");

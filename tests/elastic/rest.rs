@@ -28,7 +28,7 @@ pub fn balance(
     regularisation: f64,
     newton: NewtonOptions,
 ) -> NewtonReport {
-    let problem = Problem { inertia: None, terms, held, regularisation };
+    let problem = Problem { inertia: None, terms, held, ahead: None, regularisation };
     problem.solve(x, &mut Contact::none(x.len()), &newton, &mut Workspace::default())
 }
 
@@ -74,16 +74,17 @@ impl Scene {
         let mut span = pseudo_time;
         for _ in 0..24 {
             let start = x.to_vec();
-            let newton = NewtonOptions { tolerance: 1e3 * tolerance, energy: 0.0, most_iterations: 3 };
+            let newton =
+                NewtonOptions { tolerance: 1e3 * tolerance, energy: 0.0, share: 0.0, most_iterations: 3 };
             let report = self.terms(&start, |terms| {
                 let inertia = Some((&self.mass[..], &start[..], span));
-                let problem = Problem { inertia, terms, held: &self.held, regularisation: 0.0 };
+                let problem = Problem { inertia, terms, held: &self.held, ahead: None, regularisation: 0.0 };
                 problem.solve(x, &mut contact, &newton, &mut work)
             });
             total.add(&report);
             span *= 2.0;
         }
-        let newton = NewtonOptions { tolerance, energy: 0.0, most_iterations: 200 };
+        let newton = NewtonOptions { tolerance, energy: 0.0, share: 0.0, most_iterations: 200 };
         let start = x.to_vec();
         total.add(&self.terms(&start, |terms| balance(terms, x, &self.held, 0.0, newton)));
         total

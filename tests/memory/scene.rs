@@ -13,9 +13,15 @@ use crease::wear::{Drive, WearScript};
 use std::fmt::Write;
 
 fn stepper(garment: &Garment, fabric: &Fabric, step: f64) -> Stepper {
-    let newton = NewtonOptions { tolerance: 1e-9, energy: 0.0, most_iterations: 30 };
-    let options =
-        StepOptions { method: Method::BackwardEuler, newton, error: 1.0, shortest: step, longest: step };
+    let newton = NewtonOptions { tolerance: 1e-9, energy: 0.0, share: 0.0, most_iterations: 30 };
+    let options = StepOptions {
+        method: Method::BackwardEuler,
+        newton,
+        error: 1.0,
+        shortest: step,
+        longest: step,
+        stride: 1.0,
+    };
     Stepper::new(Cloth::new(garment, fabric), Contact::none(garment.points.len()), options)
 }
 

@@ -57,8 +57,9 @@ fn the_solver_opens_the_strip_to_its_rest_angles() {
         let membrane = membrane.term(&memory, &[], f64::INFINITY);
         let term = bending.term(&memory, &angle, f64::INFINITY);
         let terms: [&dyn Energy; 2] = [&membrane, &term];
-        let problem = Problem { inertia: None, terms: &terms, held: &held, regularisation: 1e-9 };
-        let newton = NewtonOptions { tolerance: 1e-10, energy: 0.0, most_iterations: 60 };
+        let problem =
+            Problem { inertia: None, terms: &terms, held: &held, ahead: None, regularisation: 1e-9 };
+        let newton = NewtonOptions { tolerance: 1e-10, energy: 0.0, share: 0.0, most_iterations: 60 };
         let mut contact = Contact::none(x.len());
         problem.solve(&mut x, &mut contact, &newton, &mut Workspace::default());
         angle = bending.angles(&x, &angle);

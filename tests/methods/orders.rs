@@ -26,11 +26,16 @@ fn advance(method: Method, state: &State, terms: &[&dyn Energy], h: f64) -> Stat
             inertia: Some((&[1.0], &inertial, stage.span)),
             terms,
             held: &held,
+            ahead: None,
             regularisation: 0.0,
         };
         let once = method.solver() == Solver::Once;
-        let newton =
-            NewtonOptions { tolerance: 1e-13, energy: 0.0, most_iterations: if once { 1 } else { 30 } };
+        let newton = NewtonOptions {
+            tolerance: 1e-13,
+            energy: 0.0,
+            share: 0.0,
+            most_iterations: if once { 1 } else { 30 },
+        };
         problem.solve(&mut x, &mut Contact::none(1), &newton, &mut Workspace::default());
     }
     let v = stage.velocity(&x);

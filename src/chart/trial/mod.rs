@@ -66,9 +66,11 @@ impl Setting {
                 newton: NewtonOptions {
                     tolerance: self.tolerance,
                     energy: 0.0,
+                    share: 0.0,
                     most_iterations: MOST_ITERATIONS,
                 },
                 error: f64::INFINITY,
+                stride: 1.0,
                 shortest: 1e-9,
                 longest: self.step,
             },

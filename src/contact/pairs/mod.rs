@@ -135,6 +135,9 @@ const BEHIND: f64 = 0.1;
 const WIDE: f64 = 4.0;
 /// A move of more than this many search distances is first tested as a whole.
 const FAR: f64 = 4.0;
+/// Where all can go this share of a long way together they do: single points cut short hold up all around them, most of all where layers go
+/// along with one another.
+const ALIKE: f64 = 0.1;
 /// After a wide search that found something the next waits this many steps.
 const WAIT: u32 = 16;
 /// A contact distance that had to start small reaches the thickness in this time [s].
@@ -568,8 +571,12 @@ impl PairContact {
     pub fn bound_motion(&mut self, x: &[Vec3], d: &mut [Vec3]) {
         let far = FAR * CANDIDATE_MARGIN * self.distance;
         let goes_far = self.clear.is_some() || d.iter().any(|d| d.norm_squared() > far * far);
-        if goes_far && self.on_the_way(x, d, None, Rule::SingleTogether).common_share() >= 1.0 {
-            return;
+        if goes_far {
+            let share = self.on_the_way(x, d, None, Rule::SingleTogether).common_share();
+            if share >= ALIKE {
+                d.iter_mut().for_each(|d| *d *= share);
+                return;
+            }
         }
         let way = self.on_the_way(x, d, None, Rule::Single);
         let bounded =

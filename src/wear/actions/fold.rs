@@ -269,7 +269,14 @@ impl Gesture for Turn {
         let stay = self.stay.iter().map(|guide| guide.scaled(grip));
         // Hands that let go slow down what they held.
         let drag = self.resting.drag + if turning { 0.0 } else { HAND_DRAG * grip };
-        Drive { guides: flap.chain(stay).collect(), held, drag, longest_step, ..self.resting.clone() }
+        Drive {
+            guides: flap.chain(stay).collect(),
+            leads: turning,
+            held,
+            drag,
+            longest_step,
+            ..self.resting.clone()
+        }
     }
 
     fn breaks(&self) -> Vec<f64> {

@@ -174,7 +174,13 @@ impl Gesture for Open {
             .collect();
         let held = opening.held.clone();
         self.under_way = Some(opening);
-        Drive { guides, held, longest_step: MOST_TURN * self.each / (1.5 * angle), ..self.resting.clone() }
+        Drive {
+            guides,
+            leads: true,
+            held,
+            longest_step: MOST_TURN * self.each / (1.5 * angle),
+            ..self.resting.clone()
+        }
     }
 
     fn memo(&self) -> Option<Value> {
