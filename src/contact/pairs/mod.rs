@@ -137,7 +137,7 @@ const WIDE: f64 = 4.0;
 const FAR: f64 = 4.0;
 /// Where all can go this share of a long way together they do: single points cut short hold up all around them, most of all where layers go
 /// along with one another.
-const ALIKE: f64 = 0.1;
+const ALIKE: f64 = 0.3;
 /// After a wide search that found something the next waits this many steps.
 const WAIT: u32 = 16;
 /// A contact distance that had to start small reaches the thickness in this time [s].
