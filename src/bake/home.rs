@@ -26,9 +26,6 @@ const SHARES: u32 = 6;
 /// asks for, far below what shows.
 const SLACK: f64 = 3e-7;
 
-/// So many times as much counts as converged before the last share.
-const ON_THE_WAY: f64 = 100.0;
-
 /// Displacement of every point from the source pose [m]. `hold` scales the springs: 1 for a garment at home.
 pub(super) fn bring_home(
     garment: &Garment,
@@ -65,16 +62,6 @@ pub(super) fn bring_home(
         let bending_term = bending.term(&partial, &last, f64::INFINITY);
         let springs = Guides(&guides);
         let terms: [&dyn Energy; 3] = [&membrane, &bending_term, &springs];
-        // On the way there is no sense in more than the next share can use.
-        let newton = if share < SHARES {
-            NewtonOptions {
-                tolerance: ON_THE_WAY * newton.tolerance,
-                energy: ON_THE_WAY * newton.energy,
-                ..newton
-            }
-        } else {
-            newton
-        };
         let solved = stepper.equilibrium(&mut x, &terms, &newton, 0.0);
         report.solves += solved.iterations as u64;
         report.local_solves += solved.local_iterations as u64;
