@@ -564,8 +564,8 @@ impl PairContact {
     /// See [`super::Contact::bound_motion`].
     ///
     /// Most long moves bring nobody together: they are found free with all points going by the same share, which needs
-    /// only the pairs that come near in that motion, or go together as far as they can, if that is far enough ([`ALIKE`]). Else candidates hold for any fractions of the moves; every point then
-    /// gets the fraction that keeps its pairs apart (`bound`). A pair may use up most of its gap in one go but not all
+    /// only the pairs that come near in that motion, or go together as far as they can, if that is far enough ([`ALIKE`]).
+    /// Else candidates hold for any fractions of the moves; every point then gets the fraction that keeps its pairs apart (`bound`). A pair may use up most of its gap in one go but not all
     /// of it: the barrier must have a say before layers come really near, or a gain elsewhere would squeeze them to
     /// nothing.
     pub fn bound_motion(&mut self, x: &[Vec3], d: &mut [Vec3]) {
