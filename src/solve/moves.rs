@@ -25,8 +25,7 @@ const LEAST_MENDED: f64 = 0.1;
 
 impl Problem<'_> {
     /// Moves `x` along `d`, a direction of the whole, as far as layers and phi allow, where places that spoil the way settle first; the
-    /// share of the way that was kept. What is below `enough` [J] does not
-    /// count, `work` holds the system at `x`.
+    /// share of the way that was kept. What is below `enough` [J] does not count, `work` holds the system at `x`.
     #[allow(clippy::too_many_arguments)] // what a solve has in hand
     pub(super) fn move_whole(
         &self,

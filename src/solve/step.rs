@@ -21,8 +21,9 @@ pub struct StepOptions {
     pub shortest: f64,
     /// Longest step [s].
     pub longest: f64,
-    /// How many times as long as gestures ask a step may be while hands lead the cloth ([`Drive::leads`]), and, squared, how many times the error: most of
-    /// it is the arc that a straight way cuts short, and where the cloth is after it hands tell. 1 for no difference.
+    /// How many times as long as gestures ask a step may be while hands lead the cloth ([`Drive::leads`]), and, squared, how
+    /// many times the error: most of it is the arc that a straight way cuts short, and where the cloth is after it hands
+    /// tell. 1 for no difference.
     pub stride: f64,
 }
 

@@ -80,12 +80,7 @@ impl CandidateFinder {
         if !far.contains(&true) {
             return known;
         }
-        let pairs = self.patches.meetings(
-            &self.triangle_boxes,
-            SweptBox::reach(reach),
-            !together || rests,
-            Some(&far),
-        );
+        let pairs = self.meetings(start, end, reach, together, Some(&far));
         let others = self.compare(&pairs, start, end, reach, together, skip);
         Candidates {
             point_triangle: merged(known.point_triangle, others.point_triangle),
@@ -145,16 +140,13 @@ impl CandidateFinder {
         let side = self.same_side(start, end, reach, together);
         let box_reach = SweptBox::reach(reach);
         let point = |[p, f]: [u32; 2]| {
-            self.point_boxes[p as usize].near(
-                &self.triangle_boxes[f as usize],
-                box_reach,
-                side.together.is_none(),
-            ) && side.point_near::<true>(p, &side, f)
+            self.point_boxes[p as usize].near(&self.triangle_boxes[f as usize], box_reach, side.rests())
+                && side.point_near::<true>(p, &side, f)
                 && wanted(self.quad_point_triangle(p, f), self.point_owner[p as usize], f)
         };
         let edge = |[e, f]: [u32; 2]| {
             let [a, b] = [e, f].map(|e| self.edge_owner[e as usize]);
-            self.edge_boxes[e as usize].near(&self.edge_boxes[f as usize], box_reach, side.together.is_none())
+            self.edge_boxes[e as usize].near(&self.edge_boxes[f as usize], box_reach, side.rests())
                 && side.edge_near::<true>(e, &side, f)
                 && wanted(self.quad_edge_edge(e, f), a, b)
         };

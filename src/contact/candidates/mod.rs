@@ -1,10 +1,11 @@
 //! Which point-triangle and edge-edge pairs may come near each other during a motion: the broad phase.
 //!
-//! Two triangles are compared when their boxes, swept along the motion, come within the reach, or, where all points go the same share of
-//! their ways, do so at some moment (`mesh::patches`; between two meshes `mesh::tree`). Every point and every edge belongs to one of the triangles around it, and a pair of triangles
-//! compares only what belongs to it: its points with the other triangle, its edges with the other's edges. So each
-//! pair of primitives is looked at exactly once, and nothing has to be deduplicated. What passes its own boxes is
-//! kept if its distance at the start is at most the reach plus the way the two can go towards each other.
+//! Two triangles are compared when their boxes, swept along the motion, come within the reach, or, where all points go the
+//! same share of their ways, do so at some moment (`mesh::patches`; between two meshes `mesh::tree`). Every point and
+//! every edge belongs to one of the triangles around it, and a pair of triangles compares only what belongs to it: its
+//! points with the other triangle, its edges with the other's edges. So each pair of primitives is looked at exactly
+//! once, and nothing has to be deduplicated. What passes its own boxes is kept if its distance at the start is at most
+//! the reach plus the way the two can go towards each other.
 //!
 //! Pairs that share a point never count, points in no triangle are ignored. The lists are sorted and do not depend
 //! on the history of the trees or on the number of threads. A candidate is not yet a contact: the energies decide by
@@ -238,7 +239,7 @@ impl CandidateFinder {
         Quad { kind: PairKind::EdgeEdge, points: [a, b, c, d].map(PointIndex) }
     }
 
-    /// The tree as of the last search, its boxes swept and grown by half the reach.
+    /// The tree as of the last rest or search between two meshes, its boxes swept and grown by half the reach.
     pub fn tree(&self) -> &TriangleTree {
         &self.tree
     }
@@ -257,13 +258,21 @@ impl CandidateFinder {
     ) -> Candidates {
         let reach = reach * (1.0 + ROUNDING);
         self.sweep(start, end, together);
-        let pairs = self.patches.meetings(
-            &self.triangle_boxes,
-            SweptBox::reach(reach),
-            !together || start == end,
-            None,
-        );
+        let pairs = self.meetings(start, end, reach, together, None);
         self.compare(&pairs, start, end, reach, together, skip)
+    }
+
+    /// The pairs of triangles that meet on the way the boxes were swept along, only those with a `marked` one, if any are told.
+    fn meetings(
+        &mut self,
+        start: &[Vec3],
+        end: &[Vec3],
+        reach: f64,
+        together: bool,
+        marked: Option<&[bool]>,
+    ) -> Vec<Pairs> {
+        let rests = !together || start == end;
+        self.patches.meetings(&self.triangle_boxes, SweptBox::reach(reach), rests, marked)
     }
 
     /// What comes near of the pairs of triangles.
@@ -331,12 +340,7 @@ impl CandidateFinder {
         if let Some(found) = self.find_around_known(portion, start, end, reach, together, skip) {
             return found;
         }
-        let pairs = self.patches.meetings(
-            &self.triangle_boxes,
-            SweptBox::reach(reach),
-            !together,
-            Some(&portion.has),
-        );
+        let pairs = self.meetings(start, end, reach, together, Some(&portion.has));
         self.compare(&pairs, start, end, reach, together, skip)
     }
 

@@ -19,6 +19,12 @@ pub(super) struct Side<'a> {
 }
 
 impl Side<'_> {
+    /// Whether the boxes are the same at both ends of the motion: they were swept along it, or nothing moves.
+    #[inline(always)]
+    pub fn rests(&self) -> bool {
+        self.together.is_none()
+    }
+
     /// Adds the points of `triangle` whose boxes are near triangle `of_other`.
     #[inline(always)]
     pub fn shortlist_points(&self, triangle: u32, other: &Side, of_other: u32, list: &mut Shortlist) {
@@ -27,7 +33,7 @@ impl Side<'_> {
         for p in self.mesh.triangles[triangle as usize].points() {
             list.add_if(
                 [p, of_other],
-                self.mesh.point_boxes[p as usize].near(other_box, self.box_reach, self.together.is_none()),
+                self.mesh.point_boxes[p as usize].near(other_box, self.box_reach, self.rests()),
             );
         }
     }
@@ -42,7 +48,7 @@ impl Side<'_> {
             for f in others.edges() {
                 list.add_if(
                     [e, f],
-                    own_box.near(&other.mesh.edge_boxes[f as usize], self.box_reach, self.together.is_none()),
+                    own_box.near(&other.mesh.edge_boxes[f as usize], self.box_reach, self.rests()),
                 );
             }
         }

@@ -135,8 +135,8 @@ const BEHIND: f64 = 0.1;
 const WIDE: f64 = 4.0;
 /// A move of more than this many search distances is first tested as a whole.
 const FAR: f64 = 4.0;
-/// Where all can go this share of a long way together they do: single points cut short hold up all around them, most of all where layers go
-/// along with one another.
+/// Where all can go this share of a long way together they do: single points cut short hold up all around them, most of all
+/// where layers go along with one another.
 const ALIKE: f64 = 0.3;
 /// After a wide search that found something the next waits this many steps.
 const WAIT: u32 = 16;
@@ -565,9 +565,9 @@ impl PairContact {
     ///
     /// Most long moves bring nobody together: they are found free with all points going by the same share, which needs
     /// only the pairs that come near in that motion, or go together as far as they can, if that is far enough ([`ALIKE`]).
-    /// Else candidates hold for any fractions of the moves; every point then gets the fraction that keeps its pairs apart (`bound`). A pair may use up most of its gap in one go but not all
-    /// of it: the barrier must have a say before layers come really near, or a gain elsewhere would squeeze them to
-    /// nothing.
+    /// Else candidates hold for any fractions of the moves; every point then gets the fraction that keeps its pairs apart
+    /// (`bound`). A pair may use up most of its gap in one go but not all of it: the barrier must have a say before layers
+    /// come really near, or a gain elsewhere would squeeze them to nothing.
     pub fn bound_motion(&mut self, x: &[Vec3], d: &mut [Vec3]) {
         let far = FAR * CANDIDATE_MARGIN * self.distance;
         let goes_far = self.clear.is_some() || d.iter().any(|d| d.norm_squared() > far * far);
