@@ -94,7 +94,7 @@ pub struct Workspace {
     calm: u32,
     /// Whether something was added to the system as it was assembled: inertia, or a shift.
     altered: bool,
-    /// Solves to come that do without an older factor, and how many will after it has failed again.
+    /// Solves to come that are wary of an older factor, and how many will be after it has failed again.
     pause: u32,
     next_pause: u32,
 }
@@ -113,9 +113,7 @@ const CALM_SOLVES: u32 = 4;
 const CALM_SPAN: f64 = 0.5;
 /// So many local iterations are allowed in place of one of the whole.
 const LOCAL_FOR_WHOLE: usize = 8;
-/// Share of the energy that counts as converged which a direction from an older factor may leave open.
-const LEFT_OPEN: f64 = 0.3;
-/// Where an older factor fails again and again it is tried once in so many solves.
+/// Where an older factor fails again and again only one in so many solves is not wary of it.
 const LONGEST_PAUSE: u32 = 8;
 /// Contacts up to this many times their distance get a place in a new pattern, so that it lasts.
 const PATTERN_MARGIN: f64 = 1.5;
@@ -301,14 +299,15 @@ impl Problem<'_> {
         if work.factorised_for != self.held {
             return None;
         }
-        if work.pause > 0 {
+        let wary = work.pause > 0;
+        let mut rhs = downhill(&work.matrix, g);
+        if work.direct.solve_with_older(&work.matrix, &mut rhs, enough, wary) {
+            (work.pause, work.next_pause) = (0, 1);
+            return Some(work.matrix.scatter(&rhs));
+        }
+        if wary {
             work.pause -= 1;
             return None;
-        }
-        let mut rhs = downhill(&work.matrix, g);
-        if work.direct.solve_with_older(&work.matrix, &mut rhs, LEFT_OPEN * enough) {
-            work.next_pause = 1;
-            return Some(work.matrix.scatter(&rhs));
         }
         work.pause = work.next_pause;
         work.next_pause = (2 * work.next_pause).clamp(1, LONGEST_PAUSE);

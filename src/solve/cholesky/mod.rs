@@ -47,8 +47,12 @@ const CLOSE: f64 = 30.0;
 /// An iteration takes as long as about so many multiplications of a factorisation for each number of the factor, twice over:
 /// all of them together must not take longer than half a factorisation.
 const HALF_OF_FACTORISATION: f64 = 200.0;
-/// So many are always made.
+/// So many are always made, and are enough where there was no more to gain than what counts as converged.
 const FEWEST_ITERATIONS: usize = 2;
+/// Share of what counts as converged that they may leave.
+const LEFT_OPEN: f64 = 0.3;
+/// Who is wary of an older factor asks it only where by its measure no more than so many times what counts as converged is to gain.
+const NEARLY_THERE: f64 = 3.0;
 /// Factorisations of less work (multiplications) are made in double precision at once: they take a millisecond.
 const SMALL: f64 = 2e7;
 /// Factorisations that stay in double precision after one in single precision was not good enough.
@@ -170,14 +174,15 @@ impl Cholesky {
     }
 
     /// Solves in place with the factor of an older matrix of the same rows: only until what is left to gain of the energy
-    /// 1/2 x·Ax - rhs·x, by the measure of that factor, is below a thousandth of the gain at first, or below `enough`
-    /// [J]. Where that is not coming in half the time of a factorisation the right-hand side is what it was, and the answer
-    /// is no; so it is where a factor costs next to nothing.
-    pub fn solve_with_older(&self, matrix: &BlockMatrix, rhs: &mut [Vec3], enough: f64) -> bool {
+    /// 1/2 x·Ax - rhs·x, by the measure of that factor, is below a thousandth of the gain at first or three tenths of `enough`
+    /// [J], what counts as converged; where no more than `enough` is to gain at first two iterations must do, as all of them gain
+    /// something. Where that is not coming in half the time of a factorisation the right-hand side is what it was, and the answer
+    /// is no; so it is where a factor costs next to nothing, and, if asked to be `wary`, where more than little is to gain.
+    pub fn solve_with_older(&self, matrix: &BlockMatrix, rhs: &mut [Vec3], enough: f64, wary: bool) -> bool {
         if self.in_double {
             return false;
         }
-        let solved = self.iterate(matrix, rhs, Goal::Gain(enough));
+        let solved = self.iterate(matrix, rhs, Goal::Gain { enough, wary });
         solved.is_some_and(|x| {
             rhs.copy_from_slice(&x);
             true
@@ -199,14 +204,20 @@ impl Cholesky {
             }
             let mut z = r.clone();
             self.single.solve(&self.fronts, &mut z);
-            if let Goal::Gain(enough) = goal {
+            if let Goal::Gain { enough, wary } = goal {
                 let left = dot(&r, &z);
+                let little = LEFT_OPEN * enough;
                 if k == 0 {
                     first = left;
-                } else if left <= enough.max(LEFT_SHARE * first) {
+                    if wary && first > NEARLY_THERE * enough {
+                        return None;
+                    }
+                } else if left <= little.max(LEFT_SHARE * first)
+                    || (k == FEWEST_ITERATIONS && first <= enough)
+                {
                     return Some(x);
                 }
-                let slow = left > first * SLOWEST.powi(k as i32 - 1) && left > CLOSE * enough;
+                let slow = left > first * SLOWEST.powi(k as i32 - 1) && left > CLOSE * little;
                 if left.is_nan() || slow || (k > FEWEST_ITERATIONS && k as f64 >= worth_while) {
                     return None;
                 }
@@ -233,8 +244,8 @@ impl Cholesky {
 enum Goal {
     /// At this squared residual.
     Residual(f64),
-    /// When little enough is left to gain [J].
-    Gain(f64),
+    /// When little enough of what counts as converged [J] is left to gain; not at all if much is and one is wary.
+    Gain { enough: f64, wary: bool },
 }
 
 fn dot(a: &[Vec3], b: &[Vec3]) -> f64 {
