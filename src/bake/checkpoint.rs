@@ -21,7 +21,7 @@ use crate::fabric::Fabric;
 use crate::garment::Garment;
 use crate::math::Vec3;
 use crate::memory::Memory;
-use crate::solve::State;
+use crate::solve::{SolveCost, State};
 use crate::wear::{DURATION_LIMIT_S, Drive, Posture, WearScript};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -87,6 +87,9 @@ pub struct Counts {
     pub solves: u64,
     /// Linear solves of a few places.
     pub local_solves: u64,
+    /// What they took.
+    #[serde(default)]
+    pub cost: SolveCost,
     /// Steps accepted before Newton had converged.
     pub unconverged: u64,
     /// The largest move they still asked for [m].
@@ -212,7 +215,7 @@ const CURE: &str = "delete it, or leave out --resume, and the run begins anew";
 impl Run<'_> {
     /// The checkpoint of this moment: `action` actions are over.
     pub(super) fn checkpoint(&self, action: usize, posture: &Posture, way: Option<Way>) -> Checkpoint {
-        let BakeReport { steps, rejected, solves, local_solves, ref warnings, .. } = self.report;
+        let BakeReport { steps, rejected, solves, local_solves, cost, ref warnings, .. } = self.report;
         Checkpoint {
             key: self.key.clone(),
             action,
@@ -227,6 +230,7 @@ impl Run<'_> {
                 rejected,
                 solves,
                 local_solves,
+                cost,
                 unconverged: self.unconverged,
                 largest_rest: self.largest_rest,
                 last_rest: self.last_rest,
@@ -253,6 +257,7 @@ impl Run<'_> {
         self.report.rejected = counts.rejected;
         self.report.solves = counts.solves;
         self.report.local_solves = counts.local_solves;
+        self.report.cost = counts.cost;
         self.report.warnings = counts.warnings;
         self.unconverged = counts.unconverged;
         self.largest_rest = counts.largest_rest;

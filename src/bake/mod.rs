@@ -27,7 +27,7 @@ use crate::garment::{Garment, RestShape, WornGarment};
 use crate::math::Vec3;
 use crate::memory::{Memory, Observed, Remembering};
 use crate::mesh::crossings::crossings;
-use crate::solve::{Cloth, State, StepOptions, Stepper};
+use crate::solve::{Cloth, SolveCost, State, StepOptions, Stepper};
 use crate::wear::{Action, GRAVITY, Gesture, Posture, Scene, WearScript};
 use checkpoint::Way;
 use on_body::{OnBody, Pinch};
@@ -138,6 +138,8 @@ pub struct BakeReport {
     pub solves: u64,
     /// Linear solves of a few places.
     pub local_solves: u64,
+    /// What they took.
+    pub cost: SolveCost,
     /// Memory events.
     pub events: EventCount,
     /// Seconds by stage, in the order of a step.
@@ -532,6 +534,7 @@ impl Run<'_> {
         self.report.rejected += step.rejected as u64;
         self.report.solves += step.newton.iterations as u64;
         self.report.local_solves += step.newton.local_iterations as u64;
+        self.report.cost += step.newton.cost;
         self.last_rest = (!step.converged).then_some(step.newton.last_move);
         if !step.converged {
             self.unconverged += 1;

@@ -13,6 +13,7 @@ use super::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
 use super::still::Still;
 use crate::error::Result;
 use crate::math::{Vec2, Vec3};
+use crate::solve::NewtonReport;
 use crate::wear::GRAVITY;
 
 /// Length [m], width over length, Y L² / B, area density [kg/m²].
@@ -57,8 +58,18 @@ pub fn elastica(gamma: f64) -> f64 {
     end[2] / end[3]
 }
 
-/// Drop over reach of the tip of `sheet`, a strip, at `gamma`.
-fn bend(sheet: &Sheet, gamma: f64) -> f64 {
+/// A strip that has come to rest.
+pub(super) struct Bent {
+    /// Drop over reach of its tip.
+    pub height_over_width: f64,
+    /// Points of the mesh.
+    pub points: usize,
+    /// What it took.
+    pub newton: NewtonReport,
+}
+
+/// `sheet`, a strip, at `gamma`.
+fn bend(sheet: &Sheet, gamma: f64) -> Bent {
     let (length, _, stretch, density) = STRIP;
     let garment = sheet.flat_garment();
     let rigidity = density * GRAVITY * length.powi(3) / gamma;
@@ -66,11 +77,11 @@ fn bend(sheet: &Sheet, gamma: f64) -> f64 {
     let clamped = |p: &Vec2| p.x < 1e-9;
     let scene = Still::new(sheet, [k, k, 0.5 * k], rigidity, density, clamped);
     let mut x = garment.points;
-    scene.settle(&mut x, 0.2 * (length / GRAVITY).sqrt(), 1e-11 * length);
+    let newton = scene.settle(&mut x, 0.2 * (length / GRAVITY).sqrt(), 1e-11 * length);
     let tip = x.iter().zip(&sheet.flat).filter(|(_, p)| (p.x - length).abs() < 1e-6 * length);
     let (sum, count) = tip.fold((Vec3::zeros(), 0.0), |(sum, n), (x, _)| (sum + x, n + 1.0));
     let tip = sum / count;
-    -tip.y / tip.x
+    Bent { height_over_width: -tip.y / tip.x, points: x.len(), newton }
 }
 
 /// One-diagonal strip of `elements`, with one more row before 0 for the clamp.
@@ -83,6 +94,11 @@ fn straight(elements: usize) -> Sheet {
 
 /// Drop over reach of a one-diagonal strip of `elements` at `gamma`.
 pub fn height_over_width(elements: usize, gamma: f64) -> f64 {
+    bent(elements, gamma).height_over_width
+}
+
+/// A one-diagonal strip of `elements` at `gamma`, with what it took.
+pub(super) fn bent(elements: usize, gamma: f64) -> Bent {
     bend(&straight(elements), gamma)
 }
 
@@ -92,7 +108,7 @@ pub fn height_over_width(elements: usize, gamma: f64) -> f64 {
 /// Where the points cannot be meshed, which does not happen.
 pub fn height_over_width_turned(elements: usize, gamma: f64, degrees: f64) -> Result<f64> {
     let (length, width, ..) = STRIP;
-    Ok(bend(&Sheet::lattice(length, width * length, elements, degrees)?, gamma))
+    Ok(bend(&Sheet::lattice(length, width * length, elements, degrees)?, gamma).height_over_width)
 }
 
 pub(super) fn make(_options: &ChartOptions) -> Result<Chart> {

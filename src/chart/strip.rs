@@ -19,7 +19,7 @@ use crate::fabric::{DEFAULT_FABRIC, Fabric};
 use crate::garment::{Garment, RestShape};
 use crate::math::Vec3;
 use crate::memory::{Memory, Observed, Remembering};
-use crate::solve::{Cloth, State, StepOptions, Stepper};
+use crate::solve::{Cloth, SolveCost, State, StepOptions, Stepper};
 use crate::wear::{Drive, GRAVITY};
 use std::time::Instant;
 
@@ -58,8 +58,14 @@ pub struct Fall {
     pub wall: f64,
     /// Steps made until then.
     pub steps: u64,
-    /// Linear systems solved until then.
+    /// Linear systems of the whole solved until then.
     pub iterations: u64,
+    /// Of a few places.
+    pub local_iterations: u64,
+    /// What they took.
+    pub cost: SolveCost,
+    /// Seconds spent: assembling, factorising and solving, contact search and bounds.
+    pub seconds: [f64; 3],
     /// Memory events.
     pub events: u64,
     /// Time [s] and residual [-] of every step.
@@ -123,6 +129,9 @@ pub fn fall(points: usize, fabric: &Fabric, remember: bool, run: usize) -> Resul
         wall: 0.0,
         steps: 0,
         iterations: 0,
+        local_iterations: 0,
+        cost: SolveCost::default(),
+        seconds: [0.0; 3],
         events: 0,
         residuals: Vec::new(),
     };
@@ -135,6 +144,9 @@ pub fn fall(points: usize, fabric: &Fabric, remember: bool, run: usize) -> Resul
         let step = stepper.advance(&mut state, &memory.felt, &mut |_, _| drive.clone(), STEP);
         fall.steps += 1;
         fall.iterations += step.newton.iterations as u64;
+        fall.local_iterations += step.newton.local_iterations as u64;
+        fall.cost += step.newton.cost;
+        fall.seconds.iter_mut().zip(step.newton.seconds).for_each(|(sum, s)| *sum += s);
         if let Some(law) = &law {
             let seen = |angle| Observed { angle, stretch: &[] };
             memory.commit(law, &seen(&angle), &seen(&state.angle), step.step);

@@ -124,6 +124,11 @@ impl BlockMatrix {
         self.point_of.len()
     }
 
+    /// Bytes that a product reads of it.
+    pub fn bytes(&self) -> f64 {
+        (self.block_count() * (size_of::<Mat3>() + size_of::<u32>())) as f64
+    }
+
     /// Number of stored blocks.
     pub fn block_count(&self) -> usize {
         self.column.len()

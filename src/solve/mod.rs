@@ -16,7 +16,7 @@ mod sweep;
 mod unmet;
 
 pub use block_matrix::{BlockMatrix, HELD, Visit};
-pub use cholesky::{Cholesky, FactorError};
+pub use cholesky::{Cholesky, FactorError, SolveCost};
 pub use cloth::Cloth;
 pub use conjugate_gradient::{Solution, conjugate_gradient};
 pub use integrator::{MOST_GROWTH, Method, Solver, Stage};

@@ -10,7 +10,7 @@
 
 use super::damping::Damping;
 use super::places::{FEW, Peace, Settling};
-use super::{BlockMatrix, Cholesky, FactorError, HELD, conjugate_gradient};
+use super::{BlockMatrix, Cholesky, FactorError, HELD, SolveCost, conjugate_gradient};
 use crate::contact::Contact;
 use crate::energy::Energy;
 use crate::math::Vec3;
@@ -54,6 +54,8 @@ pub struct NewtonReport {
     pub residual: f64,
     /// Seconds spent: assembling, factorising and solving, contact search and bounds.
     pub seconds: [f64; 3],
+    /// What the linear solves took.
+    pub cost: SolveCost,
 }
 
 impl NewtonReport {
@@ -62,7 +64,9 @@ impl NewtonReport {
         let iterations = self.iterations + other.iterations;
         let local_iterations = self.local_iterations + other.local_iterations;
         let seconds = std::array::from_fn(|k| self.seconds[k] + other.seconds[k]);
-        *self = Self { iterations, local_iterations, seconds, ..*other };
+        let mut cost = self.cost;
+        cost += other.cost;
+        *self = Self { iterations, local_iterations, seconds, cost, ..*other };
     }
 }
 
@@ -132,6 +136,11 @@ impl Workspace {
     /// Lets go of a factor of more than so many numbers, which is not asked for again.
     pub(super) fn let_go_beyond(&mut self, numbers: usize) {
         self.direct.let_go_beyond(numbers);
+    }
+
+    /// What linear solves took since this was last asked for.
+    pub(super) fn take_cost(&mut self) -> SolveCost {
+        self.direct.take_cost()
     }
 
     /// The next solve begins with the whole.
@@ -422,6 +431,7 @@ impl Problem<'_> {
             }
             let older = self.direction_from_older(&g, options.energy, work);
             let direction = older.or_else(|| self.direction(x, &g, work));
+            report.cost += work.take_cost();
             report.seconds[1] += clock.elapsed().as_secs_f64();
             let Some(mut d) = direction else { break };
             report.iterations += 1;

@@ -162,6 +162,7 @@ impl Problem<'_> {
             let g = problem.linearise(x, x, contact, &mut own, report);
             let clock = Instant::now();
             let direction = problem.direction(x, &g, &mut own);
+            report.cost += own.take_cost();
             report.seconds[1] += clock.elapsed().as_secs_f64();
             let Some(mut d) = direction else { break };
             report.local_iterations += 1;

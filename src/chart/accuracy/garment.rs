@@ -65,6 +65,18 @@ impl FoldThrice {
         })
     }
 
+    /// Number of points.
+    pub fn points(&self) -> usize {
+        self.garment.points.len()
+    }
+
+    /// The same garment with edges halved down to `edge` [m].
+    #[must_use]
+    pub fn refined(&self, edge: f64) -> Self {
+        let garment = self.garment.refined(edge, &[]).garment;
+        Self { garment, fabric: self.fabric.clone(), script: self.script.clone() }
+    }
+
     /// The same garment with its points moved by up to a fiftieth of an edge along every axis, one way for each `seed`: folds
     /// that begin in contact are decided by little, so that one bake says little.
     #[must_use]

@@ -20,6 +20,8 @@ use super::BlockMatrix;
 use crate::math::Vec3;
 use factor::Factor;
 use fronts::Fronts;
+use serde::{Deserialize, Serialize};
+use std::ops::AddAssign;
 
 /// Why a factorisation failed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -91,6 +93,23 @@ impl Real for f64 {
     }
 }
 
+/// What linear solves took, whatever the machine.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SolveCost {
+    /// Multiplications of factorisations.
+    pub multiplications: f64,
+    /// Bytes moved at least: every factor written once and read twice by a substitution, the matrix read by a product.
+    pub bytes: f64,
+}
+
+impl AddAssign for SolveCost {
+    fn add_assign(&mut self, other: Self) {
+        self.multiplications += other.multiplications;
+        self.bytes += other.bytes;
+    }
+}
+
 /// A factorisation that can be refilled.
 #[derive(Default)]
 pub struct Cholesky {
@@ -104,6 +123,8 @@ pub struct Cholesky {
     in_double: bool,
     /// Factorisations still to be made in double precision.
     doubt: u32,
+    /// Of what has been done since it was last asked for.
+    cost: SolveCost,
 }
 
 impl Cholesky {
@@ -122,8 +143,11 @@ impl Cholesky {
         }
         self.in_double = self.doubt > 0 || self.fronts.work() < SMALL;
         self.doubt = self.doubt.saturating_sub(1);
-        if !self.in_double && self.single.fill(&self.fronts, matrix).is_ok() {
-            return Ok(());
+        if !self.in_double {
+            self.cost += self.of_factor::<f32>();
+            if self.single.fill(&self.fronts, matrix).is_ok() {
+                return Ok(());
+            }
         }
         self.refill_in_double(matrix)
     }
@@ -140,7 +164,19 @@ impl Cholesky {
             self.refill_in_double(matrix)?;
         }
         self.double.solve(&self.fronts, rhs);
+        self.cost.bytes += 2.0 * self.of_factor::<f64>().bytes;
         Ok(())
+    }
+
+    /// What has been done since this was last asked for.
+    pub fn take_cost(&mut self) -> SolveCost {
+        std::mem::take(&mut self.cost)
+    }
+
+    /// Of one factorisation.
+    fn of_factor<T>(&self) -> SolveCost {
+        let bytes = (self.fronts.factor_len * size_of::<T>()) as f64;
+        SolveCost { multiplications: self.fronts.work(), bytes }
     }
 
     /// Exchanges the buffers that are of use during a factorisation only.
@@ -170,6 +206,7 @@ impl Cholesky {
             self.in_double = true;
             self.doubt = DOUBT;
         }
+        self.cost += self.of_factor::<f64>();
         self.double.fill(&self.fronts, matrix).map_err(|_| FactorError::NotPositive)
     }
 
@@ -178,7 +215,13 @@ impl Cholesky {
     /// [J], what counts as converged; where no more than `enough` is to gain at first two iterations must do, as all of them gain
     /// something. Where that is not coming in half the time of a factorisation the right-hand side is what it was, and the answer
     /// is no; so it is where a factor costs next to nothing, and, if asked to be `wary`, where more than little is to gain.
-    pub fn solve_with_older(&self, matrix: &BlockMatrix, rhs: &mut [Vec3], enough: f64, wary: bool) -> bool {
+    pub fn solve_with_older(
+        &mut self,
+        matrix: &BlockMatrix,
+        rhs: &mut [Vec3],
+        enough: f64,
+        wary: bool,
+    ) -> bool {
         if self.in_double {
             return false;
         }
@@ -191,7 +234,9 @@ impl Cholesky {
 
     /// Conjugate gradients with the single factor as preconditioner; none if they do not arrive. Flexible (Notay 2000):
     /// rounding makes the preconditioner a slightly different one every time.
-    fn iterate(&self, matrix: &BlockMatrix, rhs: &[Vec3], goal: Goal) -> Option<Vec<Vec3>> {
+    fn iterate(&mut self, matrix: &BlockMatrix, rhs: &[Vec3], goal: Goal) -> Option<Vec<Vec3>> {
+        let substitution = 2.0 * self.of_factor::<f32>().bytes;
+        let product = matrix.bytes();
         let mut x = vec![Vec3::zeros(); rhs.len()];
         let mut r = rhs.to_vec();
         let (mut p, mut image) = (x.clone(), x.clone());
@@ -204,6 +249,7 @@ impl Cholesky {
             }
             let mut z = r.clone();
             self.single.solve(&self.fronts, &mut z);
+            self.cost.bytes += substitution;
             if let Goal::Gain { enough, wary } = goal {
                 let left = dot(&r, &z);
                 let little = LEFT_OPEN * enough;
@@ -225,6 +271,7 @@ impl Cholesky {
             let share = -dot(&z, &image) / curvature;
             p.iter_mut().zip(&z).for_each(|(p, z)| *p = z + *p * share);
             matrix.multiply(&p, &mut image);
+            self.cost.bytes += product;
             curvature = dot(&p, &image);
             let step = dot(&p, &r) / curvature;
             if !(curvature > 0.0 && step.is_finite()) {

@@ -1,0 +1,152 @@
+//! What is timed.
+
+use super::super::accuracy::FoldThrice;
+use super::super::{ChartOptions, cantilever, strip};
+use super::Cost;
+use crate::bake::{BakeOptions, BakeReport, bake};
+use crate::body::Wearer;
+use crate::error::{Error, Result};
+use crate::fabric::{DEFAULT_FABRIC, Fabric};
+use crate::format::{ReadOptions, SourcePiece, read_asset};
+use crate::garment::Garment;
+use crate::wear::WearScript;
+use std::sync::Arc;
+use std::time::Instant;
+
+pub(super) const SHIRT: &str = "fold-thrice";
+pub(super) const STRIP: &str = "falling strip";
+pub(super) const ELBOW: &str = "elbow, one bend";
+pub(super) const CANTILEVER: &str = "cantilever";
+
+/// Edge to which the T-shirt of 13,863 points is refined for the largest [m].
+const FINE_EDGE: f64 = 5.4e-3;
+/// Elements along the cantilever, and its weight over its rigidity.
+const ELEMENTS: usize = 80;
+const GAMMA: f64 = 10.0;
+const ARM: (&str, &[u8]) = ("sleeve.glb", include_bytes!("../../../garments/sleeve.glb"));
+/// The first of the ten bends of `garments/wear/elbow-ten-bends.json`.
+const BEND: &str = r#"{"format": "crease-wear/1", "actions": [
+    {"bend": {"joint": "elbow", "axis": "z", "angle": 95, "over": 1.0, "hold": 0.5}}]}"#;
+
+/// Runs all scenes.
+pub(super) fn costs(options: &ChartOptions) -> Result<Vec<Cost>> {
+    let mut costs = Vec::new();
+    let mut shirts = vec![FoldThrice::new()?];
+    if options.full {
+        let full = FoldThrice::full()?;
+        let fine = full.refined(FINE_EDGE);
+        shirts.extend([full, fine]);
+    }
+    for shirt in &shirts {
+        let run = shirt.run(&BakeOptions::default())?;
+        costs.push(of_bake(SHIRT, run.baked.end.len(), run.wall, &run.baked.report));
+    }
+    costs.push(elbow()?);
+    let fabric = Fabric::preset(DEFAULT_FABRIC)?;
+    for points in strip::points_of_meshes() {
+        let falls = (0..options.runs.max(1)).map(|run| strip::fall(points, &fabric, true, run));
+        costs.extend(median(falls.map(|fall| Ok(of_fall(points, &fall?))).collect::<Result<_>>()?));
+    }
+    let bends = (0..options.runs.max(1)).map(|_| cantilever_bent());
+    costs.extend(median(bends.collect()));
+    Ok(costs)
+}
+
+/// The one in the middle by wall time.
+fn median(mut costs: Vec<Cost>) -> Option<Cost> {
+    costs.sort_by(|a, b| a.wall.total_cmp(&b.wall));
+    let middle = costs.len() / 2;
+    (middle < costs.len()).then(|| costs.swap_remove(middle))
+}
+
+fn of_bake(scene: &'static str, points: usize, wall: f64, report: &BakeReport) -> Cost {
+    Cost {
+        scene,
+        points,
+        wall,
+        simulated: Some(report.simulated),
+        steps: report.steps,
+        solves: report.solves + report.local_solves,
+        work: report.cost,
+        stages: report.stages.clone(),
+    }
+}
+
+fn of_fall(points: usize, fall: &strip::Fall) -> Cost {
+    Cost {
+        scene: STRIP,
+        points,
+        wall: fall.wall,
+        simulated: fall.residuals.last().map(|r| r[0]),
+        steps: fall.steps,
+        solves: fall.iterations + fall.local_iterations,
+        work: fall.cost,
+        stages: ["assemble", "solve", "contact"].into_iter().zip(fall.seconds).collect(),
+    }
+}
+
+/// A sleeve on an arm that bends once.
+fn elbow() -> Result<Cost> {
+    let (file, bytes) = ARM;
+    let nothing = |name: &str| Err(Error::fault(file, name, "refers to another file", ""));
+    let reading = ReadOptions { garment: Some("sleeve".into()), ..ReadOptions::default() };
+    let asset = read_asset(file, bytes, &reading, &mut |name| nothing(name))?.0;
+    let arm: Vec<&SourcePiece> = asset.pieces.iter().filter(|piece| !piece.worn).collect();
+    let options =
+        BakeOptions { body: Some(Arc::new(Wearer::from_pieces(&asset, &arm)?)), ..BakeOptions::default() };
+    let (garment, _) = Garment::from_asset(&asset)?;
+    let fabric = Fabric::preset(DEFAULT_FABRIC)?;
+    let script = WearScript::parse("elbow.json", BEND)?;
+    let clock = Instant::now();
+    let baked = bake(&garment, &fabric, &script, "elbow.json", &options, &mut ())?;
+    Ok(of_bake(ELBOW, baked.end.len(), clock.elapsed().as_secs_f64(), &baked.report))
+}
+
+/// A strip that bends under its weight until it hangs still.
+fn cantilever_bent() -> Cost {
+    let clock = Instant::now();
+    let bent = cantilever::bent(ELEMENTS, GAMMA);
+    let wall = clock.elapsed().as_secs_f64();
+    let [assemble, solve, contact] = bent.newton.seconds;
+    Cost {
+        scene: CANTILEVER,
+        points: bent.points,
+        wall,
+        simulated: None,
+        steps: 0,
+        solves: (bent.newton.iterations + bent.newton.local_iterations) as u64,
+        work: bent.newton.cost,
+        stages: vec![("assemble", assemble), ("solve", solve), ("contact", contact)],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_elbow_bends_once_as_it_does_ten_times() {
+        let ten = include_str!("../../../garments/wear/elbow-ten-bends.json");
+        let [mut ten, one] = [ten, BEND].map(|text| serde_json::from_str::<serde_json::Value>(text).unwrap());
+        let bend = ten["actions"][0]["bend"].as_object_mut().unwrap();
+        assert_eq!(bend.remove("repeat"), Some(10.into()));
+        assert_eq!(ten["actions"], one["actions"]);
+    }
+
+    #[test]
+    fn shirts_have_the_points_that_the_chart_says() {
+        let [draft, full] = [FoldThrice::new().unwrap(), FoldThrice::full().unwrap()];
+        let fine = full.refined(FINE_EDGE);
+        for (shirt, points) in [(draft, 2_000.0), (full, 14_000.0), (fine, 60_000.0)] {
+            let share = shirt.points() as f64 / points;
+            assert!((share - 1.0).abs() < 0.05, "{points}: {}", shirt.points());
+        }
+    }
+
+    #[test]
+    fn a_cantilever_tells_what_it_took() {
+        let cost = cantilever_bent();
+        assert!(cost.solves > 0 && cost.work.multiplications > 0.0 && cost.work.bytes > 0.0);
+        assert!(cost.stages.iter().map(|(_, s)| s).sum::<f64>() <= cost.wall);
+    }
+}
