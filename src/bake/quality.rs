@@ -48,12 +48,15 @@ impl Quality {
         match self {
             // Rejected steps cost more than coarse ones save: with looser errors and four iterations a bake took as many
             // solves as the standard. One iteration is never rejected for not converging.
-            Self::Draft => StepOptions { method: Method::BackwardEulerOnce, stride: 1.0, ..standard },
+            Self::Draft => {
+                StepOptions { method: Method::BackwardEulerOnce, stride: 1.0, passing: 1.0, ..standard }
+            }
             Self::Standard => standard,
             Self::Reference => StepOptions {
                 error: 1e-4,
                 shortest: 1.0 / 120.0,
                 stride: 1.0,
+                passing: 1.0,
                 newton: NewtonOptions {
                     tolerance: 1e-5,
                     share: 0.0,
@@ -110,7 +113,7 @@ impl BakeOptions {
     pub(super) fn step_made(&self) -> StepOptions {
         if self.everything {
             let newton = NewtonOptions { share: 0.0, ..self.step.newton };
-            StepOptions { newton, shortest: EVERY_STEP, longest: EVERY_STEP, ..self.step }
+            StepOptions { newton, shortest: EVERY_STEP, longest: EVERY_STEP, passing: 1.0, ..self.step }
         } else {
             self.step
         }

@@ -25,6 +25,9 @@ pub struct StepOptions {
     /// many times the error: most of it is the arc that a straight way cuts short, and where the cloth is after it hands
     /// tell. 1 for no difference.
     pub stride: f64,
+    /// How many times as much energy as `newton` says may be left to gain while what acts passes from one thing to another
+    /// ([`Drive::passing`]): where the cloth is then is gone over again right after. 1 for no difference.
+    pub passing: f64,
 }
 
 impl Default for StepOptions {
@@ -36,6 +39,7 @@ impl Default for StepOptions {
             shortest: 1.0 / 30.0,
             longest: 5.0,
             stride: 3.0,
+            passing: 5.0,
         }
     }
 }
@@ -292,6 +296,9 @@ impl Stepper {
         // what they move.
         if !drive.leads {
             newton.share = 0.0;
+        }
+        if drive.passing {
+            newton.energy *= self.options.passing;
         }
         let mut report = NewtonReport::default();
         for _ in 0..LED_AGAIN {

@@ -46,6 +46,9 @@ pub struct Drive {
     pub guides: Vec<Guide>,
     /// Whether hands lead the cloth along a way of theirs by these.
     pub leads: bool,
+    /// Whether what acts is on its way from one thing to another, so that where the cloth is now is gone over again.
+    #[serde(default)]
+    pub passing: bool,
     /// Points that are held where they are, one flag per point; empty for none.
     pub held: Vec<bool>,
     /// Pressure from above on every uncovered part [Pa].
@@ -78,6 +81,7 @@ impl Drive {
             friction: 1.0,
             guides: Vec::new(),
             leads: false,
+            passing: false,
             held: Vec::new(),
             pressure: 0.0,
             pressed: Vec::new(),

@@ -143,6 +143,7 @@ impl Run {
             shortest: 1.0 / 240.0,
             longest: 1.0 / 30.0,
             stride: 1.0,
+            passing: 1.0,
         };
         Self {
             memory: RestShape::flat(topology.hinges.len(), pattern.triangles.len()),

@@ -21,6 +21,7 @@ fn stepper(garment: &Garment, fabric: &Fabric, step: f64) -> Stepper {
         shortest: step,
         longest: step,
         stride: 1.0,
+        passing: 1.0,
     };
     Stepper::new(Cloth::new(garment, fabric), Contact::none(garment.points.len()), options)
 }

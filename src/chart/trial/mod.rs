@@ -71,6 +71,7 @@ impl Setting {
                 },
                 error: f64::INFINITY,
                 stride: 1.0,
+                passing: 1.0,
                 shortest: 1e-9,
                 longest: self.step,
             },

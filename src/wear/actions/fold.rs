@@ -239,6 +239,7 @@ impl Turn {
             pressure: PALM_PRESSURE * smooth(t / LETTING_GO),
             pressed: x.iter().map(near).collect(),
             longest_step: if t < LETTING_GO { LETTING_GO / 4.0 } else { f64::INFINITY },
+            passing: t < LETTING_GO,
             ..self.resting.clone()
         }
     }
@@ -272,6 +273,7 @@ impl Gesture for Turn {
         Drive {
             guides: flap.chain(stay).collect(),
             leads: turning,
+            passing: grip < 1.0,
             held,
             drag,
             longest_step,
@@ -315,6 +317,34 @@ mod tests {
                     assert!(!fold.turns(Fraction2(outside)), "{fold:?}");
                 }
             }
+        }
+    }
+
+    /// Only while hands let go, and palms come down after them, is what acts on its way to something else.
+    #[test]
+    fn a_fold_that_is_held_passes_to_nothing() {
+        let x: Vec<Vec3> =
+            [[0.0, 0.0], [0.4, 0.0], [0.0, -0.4], [0.4, -0.4]].map(|[x, z]| Vec3::new(x, 1e-3, z)).to_vec();
+        let scene = Scene { x: &x, source: &x, mass: &[1e-3; 4], thickness: 1e-3, place: ("w.json", "0") };
+        let over = 2.0;
+        for (angle_deg, passes) in [(180.0, true), (90.0, false)] {
+            let frame = Some(crate::wear::Frame::lying(&x));
+            let mut posture = Posture { frame, ground: Some(0.0), ..Posture::default() };
+            let fold = Fold {
+                line: [Fraction2([0.5, 0.0]), Fraction2([0.5, 1.0])],
+                angle_deg,
+                over_s: over,
+                ..Fold::example()
+            };
+            let mut gesture = fold.begin(&scene, &mut posture).expect("can be folded").gesture;
+            let mut at = |t: f64| gesture.drive(t, &x);
+            assert!(at(0.5 * over).leads && !at(0.5 * over).passing && !at(over).passing);
+            for t in [0.25, 0.75, 1.0, 1.5] {
+                assert_eq!(at(over + t * LETTING_GO).passing, passes, "{angle_deg} {t}");
+            }
+            assert!(!at(over + 2.5 * LETTING_GO).passing);
+            gesture.end(&mut posture, &x);
+            assert!(!posture.resting().passing);
         }
     }
 }
