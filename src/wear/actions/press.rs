@@ -61,7 +61,6 @@ impl Gesture for Weight {
         let rises = t <= self.laid_on * (1.0 + 1e-9);
         Drive {
             pressure: self.pressure * smooth(t / self.laid_on),
-            passing: rises,
             longest_step: if rises { self.laid_on / STEPS } else { f64::INFINITY },
             ..self.resting.clone()
         }
