@@ -8,7 +8,7 @@ use super::Point;
 use crate::bake::{BakeOptions, Baked, Quality, bake};
 use crate::error::{Error, Result};
 use crate::fabric::{DEFAULT_FABRIC, Fabric};
-use crate::format::{ReadOptions, read_asset};
+use crate::format::{ReadOptions, SourceAsset, read_asset};
 use crate::garment::Garment;
 use crate::math::{Draw, bounds};
 use crate::mesh::crossings::crossings;
@@ -44,6 +44,15 @@ pub struct Run {
     pub baked: Baked,
 }
 
+/// Reads a mesh that comes along, by name and bytes.
+///
+/// # Errors
+/// Where it is no such mesh or needs a file beside it, which does not happen.
+pub(in crate::chart) fn read_own((file, bytes): (&str, &[u8]), reading: &ReadOptions) -> Result<SourceAsset> {
+    let nothing = |name: &str| Err(Error::fault(file, name, "refers to another file", ""));
+    Ok(read_asset(file, bytes, reading, &mut |name| nothing(name))?.0)
+}
+
 impl FoldThrice {
     /// The draft T-shirt that comes along, in the default fabric.
     pub fn new() -> Result<Self> {
@@ -55,9 +64,8 @@ impl FoldThrice {
         Self::of(FULL_MESH)
     }
 
-    fn of((file, bytes): (&str, &[u8])) -> Result<Self> {
-        let nothing = |name: &str| Err(Error::fault(file, name, "refers to another file", ""));
-        let asset = read_asset(file, bytes, &ReadOptions::default(), &mut |name| nothing(name))?.0;
+    fn of(mesh: (&str, &[u8])) -> Result<Self> {
+        let asset = read_own(mesh, &ReadOptions::default())?;
         Ok(Self {
             garment: Garment::from_asset(&asset)?.0,
             fabric: Fabric::preset(DEFAULT_FABRIC)?,

@@ -11,6 +11,7 @@
 
 mod garment;
 
+pub(super) use garment::read_own;
 pub use garment::{FoldThrice, Run, reference_options};
 
 use super::trial::{self, Cantilever, Flap, Outcome, OverSphere, Scene, Setting, Swing};

@@ -1,13 +1,13 @@
 //! What is timed.
 
-use super::super::accuracy::FoldThrice;
+use super::super::accuracy::{FoldThrice, read_own};
 use super::super::{ChartOptions, cantilever, strip};
 use super::Cost;
 use crate::bake::{BakeOptions, BakeReport, bake};
 use crate::body::Wearer;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::fabric::{DEFAULT_FABRIC, Fabric};
-use crate::format::{ReadOptions, SourcePiece, read_asset};
+use crate::format::{ReadOptions, SourcePiece};
 use crate::garment::Garment;
 use crate::wear::WearScript;
 use std::sync::Arc;
@@ -87,10 +87,7 @@ fn of_fall(points: usize, fall: &strip::Fall) -> Cost {
 
 /// A sleeve on an arm that bends once.
 fn elbow() -> Result<Cost> {
-    let (file, bytes) = ARM;
-    let nothing = |name: &str| Err(Error::fault(file, name, "refers to another file", ""));
-    let reading = ReadOptions { garment: Some("sleeve".into()), ..ReadOptions::default() };
-    let asset = read_asset(file, bytes, &reading, &mut |name| nothing(name))?.0;
+    let asset = read_own(ARM, &ReadOptions { garment: Some("sleeve".into()), ..ReadOptions::default() })?;
     let arm: Vec<&SourcePiece> = asset.pieces.iter().filter(|piece| !piece.worn).collect();
     let options =
         BakeOptions { body: Some(Arc::new(Wearer::from_pieces(&asset, &arm)?)), ..BakeOptions::default() };
