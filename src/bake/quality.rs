@@ -2,7 +2,7 @@
 //! leaves, and how they were chosen).
 
 use super::BakeOptions;
-use crate::solve::{Method, NewtonOptions, StepOptions};
+use crate::solve::{Leeway, Method, NewtonOptions, StepOptions};
 
 /// A point between speed and accuracy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,14 +49,13 @@ impl Quality {
             // Rejected steps cost more than coarse ones save: with looser errors and four iterations a bake took as many
             // solves as the standard. One iteration is never rejected for not converging.
             Self::Draft => {
-                StepOptions { method: Method::BackwardEulerOnce, stride: 1.0, passing: 1.0, ..standard }
+                StepOptions { method: Method::BackwardEulerOnce, leeway: Leeway::NONE, ..standard }
             }
             Self::Standard => standard,
             Self::Reference => StepOptions {
                 error: 1e-4,
                 shortest: 1.0 / 120.0,
-                stride: 1.0,
-                passing: 1.0,
+                leeway: Leeway::NONE,
                 newton: NewtonOptions {
                     tolerance: 1e-5,
                     share: 0.0,
@@ -113,7 +112,13 @@ impl BakeOptions {
     pub(super) fn step_made(&self) -> StepOptions {
         if self.everything {
             let newton = NewtonOptions { share: 0.0, ..self.step.newton };
-            StepOptions { newton, shortest: EVERY_STEP, longest: EVERY_STEP, passing: 1.0, ..self.step }
+            StepOptions {
+                newton,
+                shortest: EVERY_STEP,
+                longest: EVERY_STEP,
+                leeway: Leeway::NONE,
+                ..self.step
+            }
         } else {
             self.step
         }

@@ -4,7 +4,7 @@
 //! with its short edge over the ground, a little askew and a little bowed, and falls. It has come to rest when the
 //! residual, the force that is out of balance over the weight (root mean square over the mass), stays below a
 //! hundredth for a quarter of a second. All of it goes through the solver of a bake: self-contact, friction, ground,
-//! fixed steps of 1/60 s, so that steps and simulated seconds say the same.
+//! fixed steps of 1/60 s, so that steps and simulated seconds say the same. (`crease chart speed` lets the solver choose them.)
 //!
 //! A falling strip is chaotic: a degree more of tilt changes the time to rest by a third, memory or not. So every run
 //! starts from a tilt of its own, the same ones with and without memory, and the chart gives medians.
@@ -19,7 +19,7 @@ use crate::fabric::{DEFAULT_FABRIC, Fabric};
 use crate::garment::{Garment, RestShape};
 use crate::math::Vec3;
 use crate::memory::{Memory, Observed, Remembering};
-use crate::solve::{Cloth, SolveCost, State, StepOptions, Stepper};
+use crate::solve::{Cloth, Leeway, SolveCost, State, StepOptions, Stepper};
 use crate::wear::{Drive, GRAVITY};
 use std::time::Instant;
 
@@ -28,12 +28,14 @@ const STRIP: (f64, f64) = (0.44, 0.32);
 /// Points of the paper's meshes, and seconds to stabilisation without and with memory where we know them.
 const MESHES: [(usize, Option<[f64; 2]>); 3] =
     [(156, Some([9.0, 7.0])), (603, None), (2306, Some([94.0, 83.0]))];
-/// Length of a step [s].
+/// Length of an even step, and of the first of others [s].
 const STEP: f64 = 1.0 / 60.0;
 /// Residual below which the strip is at rest, as a share of its weight [-].
 const RESIDUAL: f64 = 1e-2;
 /// Time for which the residual must stay there [s].
 const STAYS: f64 = 0.25;
+/// Steps in that time, at least.
+const STEPS_OF_STAY: f64 = 4.0;
 /// The run is given up after this time [s].
 const LONGEST: f64 = 20.0;
 /// Height of the lower edge over the ground at the start [m].
@@ -48,6 +50,15 @@ const BOW: f64 = 0.01;
 const SAG: f64 = 0.005;
 /// Most of a mean edge that the contact distance may be.
 const MOST_OF_EDGE: f64 = 0.2;
+
+/// How steps are made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pace {
+    /// All of one length and each solved as strictly as the default quality says, so that steps of two falls compare.
+    Even,
+    /// As a bake of the default quality makes them, a few at least in the time for which a strip must be calm.
+    Own,
+}
 
 /// What a fall took.
 #[derive(Debug, Clone, PartialEq)]
@@ -85,7 +96,7 @@ fn strip(points: usize, tilt: f64) -> Result<Garment> {
     Ok(sheet.garment(points))
 }
 
-fn stepper(garment: &Garment, fabric: &Fabric) -> Stepper {
+fn stepper(garment: &Garment, fabric: &Fabric, pace: Pace) -> Stepper {
     let mut cloth = Cloth::new(garment, fabric);
     let enough = fabric.area_density() * GRAVITY * STRIP.0 / SAG;
     let stiffness = fabric.stretch_warp().min(enough);
@@ -106,7 +117,10 @@ fn stepper(garment: &Garment, fabric: &Fabric) -> Stepper {
         Contact::new(settings, &garment.points, &garment.triangles, &garment.topology, cloth.area.clone());
     // Steps are solved as far as a bake of the default quality solves them.
     let step = Quality::Standard.step_for(cloth.mass.iter().sum::<f64>() * GRAVITY);
-    let options = StepOptions { shortest: STEP, longest: STEP, ..step };
+    let options = match pace {
+        Pace::Even => StepOptions { shortest: STEP, longest: STEP, leeway: Leeway::NONE, ..step },
+        Pace::Own => StepOptions { longest: STAYS / STEPS_OF_STAY, ..step },
+    };
     Stepper::new(cloth, contact, options)
 }
 
@@ -116,9 +130,9 @@ pub(super) fn points_of_meshes() -> [usize; 3] {
 }
 
 /// Lets a strip of about `points` points fall, in the `run`-th of the starts, until it has come to rest.
-pub fn fall(points: usize, fabric: &Fabric, remember: bool, run: usize) -> Result<Fall> {
+pub fn fall(points: usize, fabric: &Fabric, remember: bool, run: usize, pace: Pace) -> Result<Fall> {
     let garment = strip(points, TILT + TILT_MORE * run as f64)?;
-    let mut stepper = stepper(&garment, fabric);
+    let mut stepper = stepper(&garment, fabric, pace);
     let flat = vec![0.0; garment.topology.hinges.len()];
     let angle = stepper.cloth.bending.angles(&garment.points, &flat);
     let law = remember.then(|| Remembering::new(&garment, fabric, stepper.cloth.bending.width()));
@@ -139,9 +153,11 @@ pub fn fall(points: usize, fabric: &Fabric, remember: bool, run: usize) -> Resul
     let drive = Drive { drag: 0.5, ..Drive::at_rest(Some(0.0)) };
     let clock = Instant::now();
     let mut calm_since = None;
+    let mut wished = STEP;
     while state.time < LONGEST && fall.stabilised.is_none() {
         let (angle, velocity) = (state.angle.clone(), state.v.clone());
-        let step = stepper.advance(&mut state, &memory.felt, &mut |_, _| drive.clone(), STEP);
+        let step = stepper.advance(&mut state, &memory.felt, &mut |_, _| drive.clone(), wished);
+        wished = step.next;
         fall.steps += 1;
         fall.iterations += step.newton.iterations as u64;
         fall.local_iterations += step.newton.local_iterations as u64;
@@ -174,7 +190,7 @@ pub fn fall(points: usize, fabric: &Fabric, remember: bool, run: usize) -> Resul
 /// The falls of all starts, the soonest at rest first.
 fn falls(points: usize, fabric: &Fabric, remember: bool, runs: usize) -> Result<Vec<Fall>> {
     let mut falls: Vec<Fall> =
-        (0..runs.max(1)).map(|run| fall(points, fabric, remember, run)).collect::<Result<_>>()?;
+        (0..runs.max(1)).map(|run| fall(points, fabric, remember, run, Pace::Even)).collect::<Result<_>>()?;
     falls.sort_by_key(|f| f.steps);
     Ok(falls)
 }
@@ -286,7 +302,7 @@ mod tests {
         let mut acted = Vec::new();
         for points in [156, 603] {
             let [off, on] = [false, true].map(|remember| {
-                let fall = |run| fall(points, &fabric, remember, run).expect("fall");
+                let fall = |run| fall(points, &fabric, remember, run, Pace::Even).expect("fall");
                 (0..11).map(fall).collect::<Vec<_>>()
             });
             assert!(off.iter().chain(&on).all(|f| f.stabilised.is_some()), "{points}: all come to rest");

@@ -3,6 +3,7 @@
 use crate::energy::{Bending, Membrane};
 use crate::fabric::Fabric;
 use crate::garment::Garment;
+use crate::math::Vec3;
 
 /// What the solver keeps of a garment and its fabric; nothing in it changes during a run.
 #[derive(Debug, Clone)]
@@ -29,5 +30,10 @@ impl Cloth {
         }
         let mass = area.iter().map(|a| a * fabric.area_density()).collect();
         Self { mass, area, membrane, bending: Bending::new(garment, fabric) }
+    }
+
+    /// What cloth of velocities `v` [m/s], one per point, carries with it [J].
+    pub fn kinetic_energy(&self, v: &[Vec3]) -> f64 {
+        0.5 * self.mass.iter().zip(v).map(|(m, v)| m * v.norm_squared()).sum::<f64>()
     }
 }

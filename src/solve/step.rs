@@ -1,7 +1,7 @@
 //! One time step of the cloth: the stages in the order of the method, and the control of the step's length.
 
 use super::integrator::{Solver, Stage, Tried};
-use super::{Cloth, Method, NewtonOptions, NewtonReport, Previous, Problem, State, Unmet, Workspace};
+use super::{Cloth, Leeway, Method, NewtonOptions, NewtonReport, Previous, Problem, State, Unmet, Workspace};
 use crate::contact::Contact;
 use crate::energy::{Container, Cushions, Drag, Energy, Gravity, Guides, Pressure, Supports};
 use crate::garment::RestShape;
@@ -21,13 +21,8 @@ pub struct StepOptions {
     pub shortest: f64,
     /// Longest step [s].
     pub longest: f64,
-    /// How many times as long as gestures ask a step may be while hands lead the cloth ([`Drive::leads`]), and, squared, how
-    /// many times the error: most of it is the arc that a straight way cuts short, and where the cloth is after it hands
-    /// tell. 1 for no difference.
-    pub stride: f64,
-    /// How many times as much energy as `newton` says may be left to gain while what acts passes from one thing to another
-    /// ([`Drive::passing`]): where the cloth is then is gone over again right after. 1 for no difference.
-    pub passing: f64,
+    /// Where it may be less strict.
+    pub leeway: Leeway,
 }
 
 impl Default for StepOptions {
@@ -38,8 +33,7 @@ impl Default for StepOptions {
             error: 3e-4,
             shortest: 1.0 / 30.0,
             longest: 5.0,
-            stride: 3.0,
-            passing: 5.0,
+            leeway: Leeway::USUAL,
         }
     }
 }
@@ -99,14 +93,9 @@ impl Stepper {
         self.could_take = 0.0;
     }
 
-    /// How many times as long as others steps may be under this drive.
-    fn stride(&self, drive: &Drive) -> f64 {
-        if drive.leads { self.options.stride } else { 1.0 }
-    }
-
     /// The longest step that what acts allows [s].
     pub fn longest_under(&self, drive: &Drive) -> f64 {
-        drive.longest_step * self.stride(drive)
+        drive.longest_step * self.options.leeway.stride(drive)
     }
 
     /// One accepted step of at most `wished` seconds; `drive_at` gives what acts at a time [s]. The memory is only
@@ -135,7 +124,7 @@ impl Stepper {
             let (next, error, report) = self.attempt(state, memory, (&earlier, &drive), h);
             total.add(&report);
             let last_chance = h <= self.options.shortest * 1.001;
-            let aim = self.options.error * self.stride(&drive).powi(2);
+            let aim = self.options.error * self.options.leeway.stride(&drive).powi(2);
             let too_coarse = error > 4.0 * aim;
             // Little enough is left to go on from here in the next step.
             let unmet = Unmet::notice(&next.x, &self.cloth, &self.contact);
@@ -297,9 +286,7 @@ impl Stepper {
         if !drive.leads {
             newton.share = 0.0;
         }
-        if drive.passing {
-            newton.energy *= self.options.passing;
-        }
+        newton.energy = self.options.leeway.energy(newton.energy, drive, self.cloth.kinetic_energy(&state.v));
         let mut report = NewtonReport::default();
         for _ in 0..LED_AGAIN {
             report.add(&problem.follow(x, &mut self.contact, &mut self.work));

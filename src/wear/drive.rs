@@ -68,6 +68,13 @@ pub struct Drive {
 pub const GRAVITY: f64 = 9.81;
 
 impl Drive {
+    /// Whether the cloth is on its own: nobody leads, holds or presses it, and it is on no body.
+    pub fn is_free(&self) -> bool {
+        let held = self.held.contains(&true) || !self.guides.is_empty();
+        let pressed = self.pressure > 0.0 || self.ball.is_some() || self.ceiling.is_some();
+        !held && !pressed && self.body.is_none()
+    }
+
     /// Nothing but gravity, the ground and still air.
     pub fn at_rest(ground: Option<f64>) -> Self {
         Self {

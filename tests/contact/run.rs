@@ -7,7 +7,7 @@ use crease::garment::RestShape;
 use crease::math::{Draw, Vec2, Vec3};
 use crease::mesh::crossings::{crossings, crossings_between};
 use crease::mesh::{PointIndex, Topology};
-use crease::solve::{Cloth, Method, NewtonOptions, State, StepOptions, StepReport, Stepper};
+use crease::solve::{Cloth, Leeway, Method, NewtonOptions, State, StepOptions, StepReport, Stepper};
 use crease::wear::Drive;
 use std::time::Instant;
 
@@ -142,8 +142,7 @@ impl Run {
             error: 1e-3,
             shortest: 1.0 / 240.0,
             longest: 1.0 / 30.0,
-            stride: 1.0,
-            passing: 1.0,
+            leeway: Leeway::NONE,
         };
         Self {
             memory: RestShape::flat(topology.hinges.len(), pattern.triangles.len()),

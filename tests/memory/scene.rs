@@ -8,7 +8,7 @@ use crease::format::{ReadOptions, read_asset};
 use crease::garment::{Garment, RestShape};
 use crease::math::Vec3;
 use crease::memory::{Memory, Observed};
-use crease::solve::{Cloth, Method, NewtonOptions, State, StepOptions, Stepper};
+use crease::solve::{Cloth, Leeway, Method, NewtonOptions, State, StepOptions, Stepper};
 use crease::wear::{Drive, WearScript};
 use std::fmt::Write;
 
@@ -20,8 +20,7 @@ fn stepper(garment: &Garment, fabric: &Fabric, step: f64) -> Stepper {
         error: 1.0,
         shortest: step,
         longest: step,
-        stride: 1.0,
-        passing: 1.0,
+        leeway: Leeway::NONE,
     };
     Stepper::new(Cloth::new(garment, fabric), Contact::none(garment.points.len()), options)
 }

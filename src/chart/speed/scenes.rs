@@ -44,7 +44,7 @@ pub(super) fn costs(options: &ChartOptions) -> Result<Vec<Cost>> {
     costs.push(elbow()?);
     let fabric = Fabric::preset(DEFAULT_FABRIC)?;
     for points in strip::points_of_meshes() {
-        let falls = (0..options.runs.max(1)).map(|run| strip::fall(points, &fabric, true, run));
+        let falls = (0..options.runs.max(1)).map(|run| strip::fall(points, &fabric, true, run, strip::Pace::Own));
         costs.extend(median(falls.map(|fall| Ok(of_fall(points, &fall?))).collect::<Result<_>>()?));
     }
     let bends = (0..options.runs.max(1)).map(|_| cantilever_bent());

@@ -31,7 +31,7 @@ use crate::garment::{Garment, RestShape};
 use crate::math::Vec3;
 use crate::memory::{Memory, Observed, Remembering};
 use crate::mesh::crossings::crossings;
-use crate::solve::{Cloth, Method, NewtonOptions, State, StepOptions, StepReport, Stepper};
+use crate::solve::{Cloth, Leeway, Method, NewtonOptions, State, StepOptions, StepReport, Stepper};
 use crate::wear::{Drive, GRAVITY};
 use std::time::Instant;
 
@@ -70,8 +70,7 @@ impl Setting {
                     most_iterations: MOST_ITERATIONS,
                 },
                 error: f64::INFINITY,
-                stride: 1.0,
-                passing: 1.0,
+                leeway: Leeway::NONE,
                 shortest: 1e-9,
                 longest: self.step,
             },
