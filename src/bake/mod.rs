@@ -373,8 +373,6 @@ impl Run<'_> {
             place: (script_file, &place),
         };
         let mut begun = action.as_wear().begin(&scene, &mut self.posture)?;
-        // Taken over by what has begun, or gone.
-        self.posture.palms = false;
         match &way {
             Some(way) => {
                 if !begun.gesture.recall(&way.memo, start.len()) {

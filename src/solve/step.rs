@@ -307,8 +307,8 @@ impl Stepper {
         let held = if drive.held.is_empty() { vec![false; x.len()] } else { drive.held.clone() };
         let push = if drive.pressure > 0.0 {
             let area = self.contact.uncovered_area(x);
-            let share = |p: usize| drive.pressed.get(p).copied().unwrap_or(1.0);
-            area.iter().enumerate().map(|(p, a)| a * drive.pressure * share(p)).collect()
+            let acts = |p: usize| drive.pressed.is_empty() || drive.pressed[p];
+            area.iter().enumerate().map(|(p, a)| if acts(p) { a * drive.pressure } else { 0.0 }).collect()
         } else {
             Vec::new()
         };

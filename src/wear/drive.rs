@@ -53,8 +53,8 @@ pub struct Drive {
     pub held: Vec<bool>,
     /// Pressure from above on every uncovered part [Pa].
     pub pressure: f64,
-    /// Share of it that acts on each point; empty for all of it on all.
-    pub pressed: Vec<f64>,
+    /// Points that it acts on, one flag per point; empty for all.
+    pub pressed: Vec<bool>,
     /// A closing ball.
     pub ball: Option<Ball>,
     /// Air drag [1/s].

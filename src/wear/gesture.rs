@@ -98,13 +98,6 @@ pub struct MadeFold {
     pub angle: f64,
 }
 
-impl MadeFold {
-    /// Whether palms that smooth the fold along its line lie on the point `p`.
-    pub(super) fn is_under_palms(&self, p: &Vec3) -> bool {
-        (p - self.origin).dot(&self.out).abs() < HAND
-    }
-}
-
 /// What outlives an action.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Posture {
@@ -115,9 +108,6 @@ pub struct Posture {
     pub frame: Option<Frame>,
     /// Folds not opened yet, oldest first.
     pub folds: Vec<MadeFold>,
-    /// Whether palms still lie on the last of them: until the next action has begun.
-    #[serde(default)]
-    pub palms: bool,
     /// Height of the ground, where there is one [m].
     pub ground: Option<f64>,
     /// What the last action keeps acting until it is released.
@@ -134,7 +124,6 @@ impl Default for Posture {
             turned: Mat3::identity(),
             frame: None,
             folds: Vec::new(),
-            palms: false,
             ground: None,
             kept: None,
             body: None,
@@ -235,10 +224,6 @@ impl Gesture for Still {
     }
 }
 
-/// Width of a hand [m].
-pub(super) const HAND: f64 = 0.05;
-/// Pressure of palms that smooth a fold along its line while it is held [Pa]: 10 N over a fold of 0.5 m.
-pub(super) const PALM_PRESSURE: f64 = 200.0;
 /// Guides are this stiff along their normal: without help the weight of the point would bend them by so much [m].
 const GUIDE_SAG: f64 = 5e-4;
 /// Stiffness of a guide across its normal, as a share of that along it.

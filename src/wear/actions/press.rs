@@ -4,7 +4,7 @@ use super::WearAction;
 use crate::error::Result;
 use crate::math::Vec3;
 use crate::wear::Drive;
-use crate::wear::gesture::{Gesture, MadeFold, PALM_PRESSURE, Posture, Scene, Start, smooth};
+use crate::wear::gesture::{Gesture, Posture, Scene, Start, smooth};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -33,8 +33,7 @@ impl WearAction for Press {
             return Err(scene.refuse("`press` needs a garment on the ground", "lay it first: {\"lay\": {}}"));
         }
         let laid_on = LAID_ON.min(0.5 * self.for_s);
-        let palms = posture.folds.last().filter(|_| posture.palms).cloned();
-        Start::here(Weight { pressure: self.pressure_pa, laid_on, palms, resting: posture.resting() })
+        Start::here(Weight { pressure: self.pressure_pa, laid_on, resting: posture.resting() })
     }
 
     fn example() -> Self {
@@ -54,26 +53,14 @@ struct Weight {
     pressure: f64,
     /// [s].
     laid_on: f64,
-    /// The fold on which palms lie until the weight does.
-    palms: Option<MadeFold>,
     resting: Drive,
 }
 
 impl Gesture for Weight {
-    fn drive(&mut self, t: f64, x: &[Vec3]) -> Drive {
+    fn drive(&mut self, t: f64, _x: &[Vec3]) -> Drive {
         let rises = t <= self.laid_on * (1.0 + 1e-9);
-        let lies = smooth(t / self.laid_on);
-        let palms = (1.0 - lies) * PALM_PRESSURE / self.pressure;
-        let (pressure, pressed) = match &self.palms {
-            Some(fold) if lies < 1.0 => {
-                let share = |p: &Vec3| lies + if fold.is_under_palms(p) { palms } else { 0.0 };
-                (self.pressure, x.iter().map(share).collect())
-            }
-            _ => (self.pressure * lies, Vec::new()),
-        };
         Drive {
-            pressure,
-            pressed,
+            pressure: self.pressure * smooth(t / self.laid_on),
             longest_step: if rises { self.laid_on / STEPS } else { f64::INFINITY },
             ..self.resting.clone()
         }
