@@ -56,7 +56,8 @@ const MOST_OF_EDGE: f64 = 0.2;
 pub enum Pace {
     /// All of one length and each solved as strictly as the default quality says, so that steps of two falls compare.
     Even,
-    /// As a bake of the default quality makes them, a few at least in the time for which a strip must be calm.
+    /// By error, as a bake of the default quality makes them, but for those that memory keeps short there after an event; a few at
+    /// least in the time for which a strip must be calm.
     Own,
 }
 

@@ -228,7 +228,7 @@ impl Run {
 
     /// [J].
     pub fn kinetic_energy(&self) -> f64 {
-        self.state.v.iter().zip(&self.stepper.cloth.mass).map(|(v, m)| 0.5 * m * v.norm_squared()).sum()
+        self.stepper.cloth.kinetic_energy(&self.state.v)
     }
 
     /// [N].

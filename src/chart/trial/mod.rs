@@ -222,8 +222,7 @@ pub fn run(scene: &dyn Scene, setting: &Setting) -> Result<Outcome> {
     if outcome.failed.is_none() && !crossings(&actors.state.x, &actors.garment.triangles).is_empty() {
         outcome.failed = Some("layers cross");
     }
-    let moving = actors.state.v.iter().zip(&actors.stepper.cloth.mass);
-    outcome.kinetic = moving.map(|(v, m)| 0.5 * m * v.norm_squared()).sum();
+    outcome.kinetic = actors.stepper.cloth.kinetic_energy(&actors.state.v);
     let Actors { state, memory, .. } = actors;
     Ok(Outcome { x: state.x, v: state.v, angle: state.angle, rest_angle: memory.shape.rest_angle, ..outcome })
 }
