@@ -56,7 +56,9 @@ mod tests {
         assert_eq!(usual.energy(1e-3, &free, 1.0), 0.1);
         assert_eq!(usual.energy(1e-3, &free, 0.005), 1e-3);
         assert_eq!(usual.energy(0.0, &free, 1.0), 0.0);
-        for drive in [&pressed, &held, &leads] {
+        // As a bake has made it of a body.
+        let worn = Drive { lead: std::sync::Arc::new([crate::math::Vec3::zeros()]), ..free.clone() };
+        for drive in [&pressed, &held, &leads, &worn] {
             assert_eq!(usual.energy(1e-3, drive, 1.0), 1e-3);
         }
         assert_eq!(usual.energy(1e-3, &passing, 1.0), 5e-3);

@@ -72,7 +72,9 @@ impl Drive {
     pub fn is_free(&self) -> bool {
         let held = self.held.contains(&true) || !self.guides.is_empty();
         let pressed = self.pressure > 0.0 || self.ball.is_some() || self.ceiling.is_some();
-        !held && !pressed && self.body.is_none()
+        // What a bake makes of a body takes its place.
+        let worn = self.body.is_some() || !self.lead.is_empty();
+        !held && !pressed && !worn
     }
 
     /// Nothing but gravity, the ground and still air.
