@@ -28,9 +28,10 @@ pub mod contact;
 pub mod memory;
 pub mod solve;
 
+pub mod transfer;
+
 pub mod bake;
 pub mod report;
-pub mod transfer;
 
 pub mod chart;
 

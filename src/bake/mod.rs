@@ -4,6 +4,7 @@ mod awake;
 pub mod checkpoint;
 mod crossing_start;
 mod dressing;
+mod grading;
 mod home;
 mod on_body;
 mod plan;
@@ -13,6 +14,8 @@ mod settle;
 mod unmet_log;
 
 pub use checkpoint::{Checkpoint, run_key};
+pub use grading::Grading;
+use grading::Shown;
 pub use on_body::stirred;
 pub use plan::{Choice, Plan};
 pub use quality::Quality;
@@ -28,6 +31,7 @@ use crate::math::Vec3;
 use crate::memory::{Memory, Observed, Remembering};
 use crate::mesh::crossings::crossings;
 use crate::solve::{Cloth, SolveCost, State, StepOptions, Stepper};
+use crate::transfer::carry_back;
 use crate::wear::{Action, GRAVITY, Gesture, Posture, Scene, WearScript};
 use checkpoint::Way;
 use on_body::{OnBody, Pinch};
@@ -59,6 +63,8 @@ pub struct BakeOptions {
     pub body: Option<Arc<Wearer>>,
     /// Whether cloth that the body cannot stir sleeps.
     pub sleep: bool,
+    /// Whether cloth that the script does not crease is simulated on fewer points ([`Grading`]).
+    pub grade: bool,
     /// Steps of an action between moments that a checkpoint may be of: what an interrupted run loses. At each the pattern of the
     /// linear system is made anew, and in a hold a factor, which the steps between share.
     pub checkpoint_steps: u64,
@@ -76,6 +82,7 @@ impl Default for BakeOptions {
             frames_per_second: 0.0,
             body: None,
             sleep: true,
+            grade: true,
             checkpoint_steps: 32,
         }
     }
@@ -193,6 +200,78 @@ pub fn bake_from(
     options: &BakeOptions,
     observer: &mut dyn Observer,
 ) -> Result<Baked> {
+    let grading = Grading::of(garment, fabric, script, options);
+    let wear = Wear { fabric, script, script_file, options };
+    let mut run = match &grading.mesh {
+        None => wear_through(taken_up, garment, &wear, observer)?,
+        Some(mesh) => wear_through(taken_up, &mesh.garment, &wear, &mut Shown { mesh, observer })?,
+    };
+    run.report.choices.push(grading.choice);
+    let clock = Instant::now();
+    let mut end = std::mem::take(&mut run.state.x);
+    let mut memory = run.memory.shape;
+    if let Some(mesh) = &grading.mesh {
+        end = mesh.placed(&end);
+        memory = carry_back(mesh, &memory, garment);
+        run.stepper = wear.stepper(garment, &Plan::new(garment, fabric, script, options));
+    }
+    let displacement = home::bring_home(garment, fabric, &mut run.stepper, &memory, 1.0, &mut run.report);
+    run.seconds[4] += clock.elapsed().as_secs_f64();
+    let home: Vec<Vec3> = garment.points.iter().zip(&displacement).map(|(x, d)| x + d).collect();
+    observer.frame(&home)?;
+    run.report.simulated = run.state.time;
+    run.report.events = run.memory.events;
+    run.report.stages =
+        ["assemble", "solve", "contact", "remember", "home"].into_iter().zip(run.seconds).collect();
+    if run.dressing_s > 0.0 {
+        run.report.stages.insert(0, ("dress", run.dressing_s));
+    }
+    Ok(Baked { worn: WornGarment { displacement, memory }, end, report: run.report })
+}
+
+/// What is done, to which cloth, and how.
+struct Wear<'a> {
+    fabric: &'a Fabric,
+    script: &'a WearScript,
+    script_file: &'a str,
+    options: &'a BakeOptions,
+}
+
+impl Wear<'_> {
+    /// The cloth and what keeps its layers apart, ready to be moved.
+    fn stepper(&self, garment: &Garment, plan: &Plan) -> Stepper {
+        let (fabric, options) = (self.fabric, self.options);
+        let mut cloth = Cloth::new(garment, fabric);
+        cloth.membrane.set_stiffness(plan.stretch);
+        if plan.layers_meet {
+            cloth.bending.keep_apart();
+        }
+        let settings = ContactSettings {
+            distance: plan.contact_distance,
+            stiffness: plan.contact_stiffness,
+            friction: fabric.friction,
+            friction_ground: fabric.friction_ground,
+            friction_body: fabric.friction_ground,
+            stiction: 1.0,
+            creep: 1e-3,
+            between_layers: plan.layers_meet,
+        };
+        let area = cloth.area.clone();
+        let contact = Contact::new(settings, &garment.points, &garment.triangles, &garment.topology, area);
+        let mut step = options.step_made();
+        step.newton.energy = options.slack_made() * cloth.mass.iter().sum::<f64>() * GRAVITY;
+        Stepper::new(cloth, contact, step)
+    }
+}
+
+/// The script from its beginning, or from a checkpoint, to its end.
+fn wear_through<'a>(
+    taken_up: Option<(&str, Checkpoint)>,
+    garment: &'a Garment,
+    wear: &Wear,
+    observer: &mut dyn Observer,
+) -> Result<Run<'a>> {
+    let &Wear { fabric, script, script_file, options } = wear;
     let key = run_key(garment, fabric, script, options);
     if let Some((file, checkpoint)) = &taken_up {
         checkpoint.check(file, garment, script, options.body.as_deref(), &key)?;
@@ -202,30 +281,12 @@ pub fn bake_from(
     if let Some(on_body) = &on_body {
         plan.wear_on(fabric, &on_body.wearer, &on_body.asleep);
     }
-    let mut cloth = Cloth::new(garment, fabric);
-    cloth.membrane.set_stiffness(plan.stretch);
-    if plan.layers_meet {
-        cloth.bending.keep_apart();
-    }
-    let source_angle = cloth.bending.angles(&garment.points, &[]);
-    let law = Remembering::new(garment, fabric, cloth.bending.width());
-    let settings = ContactSettings {
-        distance: plan.contact_distance,
-        stiffness: plan.contact_stiffness,
-        friction: fabric.friction,
-        friction_ground: fabric.friction_ground,
-        friction_body: fabric.friction_ground,
-        stiction: 1.0,
-        creep: 1e-3,
-        between_layers: plan.layers_meet,
-    };
-    let contact =
-        Contact::new(settings, &garment.points, &garment.triangles, &garment.topology, cloth.area.clone());
-    let mut step = options.step_made();
-    step.newton.energy = options.slack_made() * cloth.mass.iter().sum::<f64>() * GRAVITY;
+    let stepper = wear.stepper(garment, &plan);
+    let source_angle = stepper.cloth.bending.angles(&garment.points, &[]);
+    let law = Remembering::new(garment, fabric, stepper.cloth.bending.width());
     let mut run = Run {
         garment,
-        stepper: Stepper::new(cloth, contact, step),
+        stepper,
         state: State::at_rest(garment.points.clone(), source_angle.clone()),
         memory: Memory::new(RestShape::new(source_angle, garment.triangles.len())),
         law: options.memory.then_some(law),
@@ -282,24 +343,7 @@ pub fn bake_from(
     run.report.warnings.extend(run.unmet.warnings());
     run.report.warnings.extend(run.pinch.warnings());
     run.frame(observer)?;
-    let clock = Instant::now();
-    let displacement =
-        home::bring_home(garment, fabric, &mut run.stepper, &run.memory.shape, 1.0, &mut run.report);
-    run.seconds[4] += clock.elapsed().as_secs_f64();
-    let home: Vec<Vec3> = garment.points.iter().zip(&displacement).map(|(x, d)| x + d).collect();
-    observer.frame(&home)?;
-    run.report.simulated = run.state.time;
-    run.report.events = run.memory.events;
-    run.report.stages =
-        ["assemble", "solve", "contact", "remember", "home"].into_iter().zip(run.seconds).collect();
-    if run.dressing_s > 0.0 {
-        run.report.stages.insert(0, ("dress", run.dressing_s));
-    }
-    Ok(Baked {
-        worn: WornGarment { displacement, memory: run.memory.shape },
-        end: run.state.x,
-        report: run.report,
-    })
+    Ok(run)
 }
 
 /// An action under way: its number and name, the cloth, the posture and the time it began with.

@@ -4,7 +4,7 @@
 //! What is off costs nothing. With `BakeOptions::everything` every model is on and at full size, for comparison:
 //! `crease chart plan` shows what the plan saves and that it changes nothing that counts.
 
-use super::BakeOptions;
+use super::{BakeOptions, Grading};
 use crate::body::Wearer;
 use crate::fabric::Fabric;
 use crate::garment::Garment;
@@ -70,6 +70,20 @@ impl Plan {
         choices.extend(steps(options));
         let contact_stiffness = scene.contact_stiffness(stretch, contact_distance);
         Self { stretch, contact_distance, contact_stiffness, layers_meet, choices }
+    }
+
+    /// The same of the mesh that is simulated, with the reasons for it.
+    pub fn with_grading(
+        garment: &Garment,
+        fabric: &Fabric,
+        script: &WearScript,
+        options: &BakeOptions,
+    ) -> Self {
+        let grading = Grading::of(garment, fabric, script, options);
+        let simulated = grading.mesh.as_ref().map_or(garment, |mesh| &mesh.garment);
+        let mut plan = Self::new(simulated, fabric, script, options);
+        plan.choices.push(grading.choice);
+        plan
     }
 }
 

@@ -136,6 +136,7 @@ impl BakeOptions {
             slack: quality.slack(),
             sag: quality.sag(),
             event_share: quality.event_share(),
+            grade: quality != Quality::Reference,
             ..Self::default()
         }
     }

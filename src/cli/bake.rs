@@ -65,6 +65,9 @@ pub struct Arguments {
     /// Keep all of the cloth awake, also where the body cannot stir it
     #[arg(long)]
     no_sleep: bool,
+    /// Simulate every point of the mesh, also where the script creases nothing
+    #[arg(long)]
+    no_grading: bool,
     #[command(flatten)]
     also: AlsoWanted,
     /// Time integration [default: that of the quality]
@@ -147,6 +150,7 @@ impl Arguments {
             memory: self.memory_on(),
             body: body.cloned(),
             sleep: !self.no_sleep,
+            grade: BakeOptions::of(self.quality).grade && !self.no_grading,
             ..BakeOptions::of(self.quality)
         };
         options.step.method = self.method();
@@ -309,7 +313,8 @@ impl Job {
     }
 
     fn plan(&self, arguments: &Arguments) -> Plan {
-        Plan::new(&self.mesh.garment, &self.fabric, &self.script, &arguments.options(self.body.as_ref()))
+        let options = arguments.options(self.body.as_ref());
+        Plan::with_grading(&self.mesh.garment, &self.fabric, &self.script, &options)
     }
 
     /// Writes the garment without wear, to nowhere: what the writers refuse is told now and not after the bake.

@@ -142,7 +142,7 @@ fn shape_reference(shapes: &[[Vec3; 3]]) -> Vec3 {
 }
 
 /// `direction` brought into the triangle's plane, if that leaves enough of it.
-fn in_plane(shape: &[Vec3; 3], direction: Vec3) -> Option<Vec3> {
+pub(super) fn in_plane(shape: &[Vec3; 3], direction: Vec3) -> Option<Vec3> {
     let normal = unit_normal(shape);
     (direction - normal * normal.dot(&direction)).try_normalize(TOO_STEEP)
 }
@@ -171,7 +171,7 @@ fn neighbour_direction(
 }
 
 /// The triangle in the plane of `warp` (x) and the weft (y), counter-clockwise.
-fn flatten(shape: &[Vec3; 3], warp: Vec3) -> [Vec2; 3] {
+pub(super) fn flatten(shape: &[Vec3; 3], warp: Vec3) -> [Vec2; 3] {
     let weft = unit_normal(shape).cross(&warp);
     shape.map(|p| Vec2::new((p - shape[0]).dot(&warp), (p - shape[0]).dot(&weft)))
 }

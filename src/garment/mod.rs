@@ -1,6 +1,7 @@
 //! The nouns that flow through the pipeline: the garment, its memory, its state, the worn result.
 
 mod build;
+mod coarsen;
 mod corners;
 mod finding;
 mod garment_type;
@@ -11,6 +12,7 @@ mod repair;
 mod rest_shape;
 mod worn;
 
+pub use coarsen::Coarsened;
 pub use corners::{corner_uvs, corner_vertices};
 pub use finding::{Finding, Severity};
 pub use garment_type::Garment;

@@ -45,6 +45,15 @@ pub(super) struct Landing {
     pub(super) map: Mat3,
 }
 
+/// Finds where places of a target land.
+pub(super) trait Lands: Sync {
+    /// What they land on.
+    fn source(&self) -> &Sheet;
+
+    /// Where `place` lands, of triangle `f` of the target, if anywhere.
+    fn land(&self, f: usize, place: &Place) -> Option<Landing>;
+}
+
 /// How places are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Way {
@@ -163,10 +172,15 @@ impl<'a> Finder<'a> {
         let open = &self.open[found.triangle as usize];
         (0..3).any(|k| open[k] && weights[1 + (k + 2) % 3].abs() < 1e-9)
     }
+}
 
-    /// The source sheet.
-    pub(super) fn source(&self) -> &Sheet {
+impl Lands for Finder<'_> {
+    fn source(&self) -> &Sheet {
         self.source
+    }
+
+    fn land(&self, _f: usize, place: &Place) -> Option<Landing> {
+        self.land(place)
     }
 }
 
@@ -203,6 +217,6 @@ fn lift(normal: &Vec3) -> Mat3 {
     Mat3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, a, b, 0.0)
 }
 
-fn smallest_rotation(from: &Vec3, to: &Vec3) -> Mat3 {
+pub(super) fn smallest_rotation(from: &Vec3, to: &Vec3) -> Mat3 {
     Rotation3::rotation_between(from, to).map_or_else(Mat3::identity, Rotation3::into_inner)
 }

@@ -23,10 +23,12 @@ mod registration;
 mod sheet;
 mod spread;
 mod stance;
+mod within;
 
 pub use align::Align;
 pub use confidence::{Losses, Region};
 pub use sheet::Sheet;
+pub use within::carry_back;
 
 use crate::format::SourceJoint;
 use crate::garment::RestShape;

@@ -29,6 +29,12 @@ pub struct Sheet {
 impl Sheet {
     /// The surface of `garment`, which was made of `asset`.
     pub fn of_garment(garment: &Garment, asset: &SourceAsset) -> Self {
+        let uvs = corner_vertices(asset, garment).and_then(|corners| corner_uvs(asset, &corners));
+        Self { uvs, ..Self::without_texture(garment) }
+    }
+
+    /// The surface of `garment`, texture left out.
+    pub fn without_texture(garment: &Garment) -> Self {
         let warp = garment.triangles.iter().zip(&garment.material).map(|(t, flat)| {
             let edge = flat[1] - flat[0];
             warp_of(&t.map(|p| garment.points[p.at()]), edge.y.atan2(edge.x))
@@ -37,7 +43,7 @@ impl Sheet {
             points: garment.points.clone(),
             triangles: garment.triangles.clone(),
             topology: garment.topology.clone(),
-            uvs: corner_vertices(asset, garment).and_then(|corners| corner_uvs(asset, &corners)),
+            uvs: None,
             warp: Some(warp.collect()),
         }
     }

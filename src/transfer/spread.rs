@@ -12,7 +12,7 @@
 //! Samples without a source count as new cloth.
 
 use super::discretise::{FaceFrame, PlaneTensor, across};
-use super::landing::{Finder, Place, texture_gradient};
+use super::landing::{Lands, Place, texture_gradient};
 use super::{Sheet, landing::Landing};
 use crate::garment::RestShape;
 use crate::math::{Vec2, Vec3};
@@ -50,10 +50,10 @@ struct SourceFace {
     compliance: [Option<f64>; 3],
 }
 
-/// Gathers for every triangle of `target`, standing aligned with the finder's source. `sign` is -1 where one of both
+/// Gathers for every triangle of `target`, standing aligned with the source it lands on. `sign` is -1 where one of both
 /// garments has its normals inside.
-pub(super) fn gather(finder: &Finder, memory: &RestShape, target: &Sheet, sign: f64) -> Vec<Gathered> {
-    let source = finder.source();
+pub(super) fn gather(lands: &impl Lands, memory: &RestShape, target: &Sheet, sign: f64) -> Vec<Gathered> {
+    let source = lands.source();
     let faces: Vec<SourceFace> =
         (0..source.triangles.len()).map(|f| source_face(source, memory, f)).collect();
     let source_area: f64 = (0..source.triangles.len()).map(|f| 0.5 * source.normal(f).norm()).sum();
@@ -81,7 +81,7 @@ pub(super) fn gather(finder: &Finder, memory: &RestShape, target: &Sheet, sign: 
                 normal: outward * frame.normal,
                 gradient,
             };
-            match finder.land(&place) {
+            match lands.land(f, &place) {
                 Some(landing) => sum.add(&landing, &faces[landing.triangle], source, memory),
                 None => sum.add_nothing(),
             }

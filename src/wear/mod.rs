@@ -10,6 +10,7 @@ mod gesture;
 mod landing;
 mod moving;
 mod script;
+mod sketch;
 mod turning;
 
 pub use action_list::Action;
@@ -21,3 +22,4 @@ pub use drive::{Ball, Drive, GRAVITY};
 pub(crate) use gesture::Still;
 pub use gesture::{Frame, Gesture, MadeFold, Posture, Scene, Start};
 pub use script::{ACTION_LIMIT, DURATION_LIMIT_S, Flatten, NESTING_LIMIT, WearFormat, WearScript};
+pub use sketch::{Near, Sketch};

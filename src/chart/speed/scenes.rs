@@ -39,7 +39,7 @@ pub(super) fn costs(options: &ChartOptions) -> Result<Vec<Cost>> {
     }
     for shirt in &shirts {
         let run = shirt.run(&BakeOptions::default())?;
-        costs.push(of_bake(SHIRT, run.baked.end.len(), run.wall, &run.baked.report));
+        costs.push(of_bake(SHIRT, run.baked.worn.displacement.len(), run.wall, &run.baked.report));
     }
     costs.push(elbow()?);
     let fabric = Fabric::preset(DEFAULT_FABRIC)?;
@@ -96,7 +96,7 @@ fn elbow() -> Result<Cost> {
     let script = WearScript::parse("elbow.json", BEND)?;
     let clock = Instant::now();
     let baked = bake(&garment, &fabric, &script, "elbow.json", &options, &mut ())?;
-    Ok(of_bake(ELBOW, baked.end.len(), clock.elapsed().as_secs_f64(), &baked.report))
+    Ok(of_bake(ELBOW, baked.worn.displacement.len(), clock.elapsed().as_secs_f64(), &baked.report))
 }
 
 /// A strip that bends under its weight until it hangs still.

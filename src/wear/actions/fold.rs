@@ -5,8 +5,9 @@ use crate::energy::Guide;
 use crate::error::Result;
 use crate::math::Vec3;
 use crate::wear::Drive;
-use crate::wear::gesture::{Gesture, MadeFold, Posture, Scene, Start, hand, palm, smooth};
+use crate::wear::gesture::{Frame, Gesture, MadeFold, Posture, Scene, Start, hand, palm, smooth};
 use crate::wear::landing::HeightField;
+use crate::wear::sketch::Sketch;
 use crate::wear::turning::{Axis, OnSheet};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -90,6 +91,17 @@ impl Fold {
     }
 }
 
+impl Fold {
+    /// A place on the line [m], and unit vectors along it and from it to what is turned over.
+    fn line_in(&self, frame: &Frame) -> (Vec3, Vec3, Vec3) {
+        let [a, b] = self.line.map(|f| frame.place(f.0));
+        let along = (b - a).normalize();
+        let across = along.cross(&Vec3::y());
+        let out = if self.turns(Fraction2(frame.fraction(&(a + across)))) { across } else { -across };
+        (a, along, out)
+    }
+}
+
 impl WearAction for Fold {
     fn duration_s(&self) -> f64 {
         self.over_s + self.hold_s
@@ -123,14 +135,22 @@ impl WearAction for Fold {
         }
     }
 
+    /// Marks its line and lays the flap over.
+    fn sketch(&self, sketch: &mut Sketch) {
+        match sketch.lying() {
+            Some(frame) if self.angle_deg > LAID_OVER => {
+                let (a, _, out) = self.line_in(&frame);
+                sketch.fold(a, out);
+            }
+            _ => sketch.anywhere(),
+        }
+    }
+
     fn begin(&self, scene: &Scene, posture: &mut Posture) -> Result<Start> {
         let Some(frame) = posture.lying() else {
             return Err(scene.refuse("`fold` needs a garment that lies", "lay it first: {\"lay\": {}}"));
         };
-        let [a, b] = self.line.map(|f| frame.place(f.0));
-        let along = (b - a).normalize();
-        let across = along.cross(&Vec3::y());
-        let out = if self.turns(Fraction2(frame.fraction(&(a + across)))) { across } else { -across };
+        let (a, along, out) = self.line_in(&frame);
         // A stack bends over half its circumference: its middle shall come to lie on the line.
         let thick = stack_height(scene.x.iter().filter(|p| (*p - a).dot(&out).abs() < HAND), scene.thickness);
         let a = a - out * (0.25 * PI * thick);
@@ -183,6 +203,8 @@ impl WearAction for Fold {
     }
 }
 
+/// A flap turned by more than this lies on the rest [degrees].
+const LAID_OVER: f64 = 150.0;
 /// Width of the hand that holds the resting part along the line [m].
 pub(in crate::wear) const HAND: f64 = 0.05;
 /// A step turns the flap by this angle at most [rad].

@@ -3,6 +3,7 @@
 use super::WearAction;
 use crate::error::Result;
 use crate::wear::gesture::{Posture, Scene, Start, Still};
+use crate::wear::sketch::Sketch;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -20,6 +21,9 @@ impl WearAction for Hold {
     fn duration_s(&self) -> f64 {
         self.for_s
     }
+
+    /// Creases nothing that is not folded yet.
+    fn sketch(&self, _sketch: &mut Sketch) {}
 
     fn begin(&self, _scene: &Scene, posture: &mut Posture) -> Result<Start> {
         Start::here(Still { drive: posture.resting(), may_end_early: false })

@@ -5,6 +5,7 @@ use crate::error::Result;
 use crate::math::{Mat3, Vec3, bounds};
 use crate::wear::Drive;
 use crate::wear::gesture::{Frame, Gesture, Posture, Scene, Start, smooth};
+use crate::wear::sketch::Sketch;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -49,6 +50,11 @@ fn over_s() -> f64 {
 impl WearAction for Lay {
     fn duration_s(&self) -> f64 {
         self.over_s
+    }
+
+    /// Lays it down.
+    fn sketch(&self, sketch: &mut Sketch) {
+        sketch.lay(self);
     }
 
     fn begin(&self, scene: &Scene, posture: &mut Posture) -> Result<Start> {

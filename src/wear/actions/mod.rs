@@ -29,6 +29,7 @@ pub use settle::Settle;
 pub use unfold::Unfold;
 
 use super::gesture::{Posture, Scene, Start};
+use super::sketch::Sketch;
 use crate::body::{BodyPose, Wearer};
 use crate::error::Result;
 
@@ -44,6 +45,11 @@ pub trait WearAction {
 
     /// Starts it on the cloth as it is.
     fn begin(&self, scene: &Scene, posture: &mut Posture) -> Result<Start>;
+
+    /// Draws on a flat garment where it creases the cloth. Unless it says otherwise, that may be anywhere.
+    fn sketch(&self, sketch: &mut Sketch) {
+        sketch.anywhere();
+    }
 
     /// What is wrong with it for this body: a joint or a clip that it has not.
     fn misfits_with(&self, _wearer: &Wearer) -> Vec<Misfit> {

@@ -5,6 +5,7 @@ use crate::error::Result;
 use crate::math::Vec3;
 use crate::wear::Drive;
 use crate::wear::gesture::{Gesture, Posture, Scene, Start, smooth};
+use crate::wear::sketch::Sketch;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -26,6 +27,11 @@ pub struct Press {
 impl WearAction for Press {
     fn duration_s(&self) -> f64 {
         self.for_s
+    }
+
+    /// Marks what lies on sides.
+    fn sketch(&self, sketch: &mut Sketch) {
+        sketch.press();
     }
 
     fn begin(&self, scene: &Scene, posture: &mut Posture) -> Result<Start> {

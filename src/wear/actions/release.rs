@@ -3,6 +3,7 @@
 use super::WearAction;
 use crate::error::Result;
 use crate::wear::gesture::{Posture, Scene, Start, Still};
+use crate::wear::sketch::Sketch;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -15,6 +16,9 @@ impl WearAction for Release {
     fn duration_s(&self) -> f64 {
         0.0
     }
+
+    /// Creases nothing that is not folded yet.
+    fn sketch(&self, _sketch: &mut Sketch) {}
 
     fn begin(&self, scene: &Scene, posture: &mut Posture) -> Result<Start> {
         posture.kept = None;

@@ -4,6 +4,7 @@ use super::WearAction;
 use crate::error::Result;
 use crate::wear::Drive;
 use crate::wear::gesture::{Posture, Scene, Start, Still};
+use crate::wear::sketch::Sketch;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -25,6 +26,9 @@ impl WearAction for Settle {
     fn duration_s(&self) -> f64 {
         self.for_s
     }
+
+    /// Creases nothing that is not folded yet.
+    fn sketch(&self, _sketch: &mut Sketch) {}
 
     fn begin(&self, _scene: &Scene, posture: &mut Posture) -> Result<Start> {
         let drive = Drive { drag: 3.0, ..posture.resting() };

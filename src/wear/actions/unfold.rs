@@ -6,6 +6,7 @@ use crate::math::Vec3;
 use crate::wear::Drive;
 use crate::wear::actions::fold::{HAND, MOST_TURN};
 use crate::wear::gesture::{Gesture, MadeFold, Posture, Scene, Start, hand, smooth};
+use crate::wear::sketch::Sketch;
 use crate::wear::turning::{Axis, OnSheet};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -52,6 +53,11 @@ impl WearAction for Unfold {
             }
             _ => Vec::new(),
         }
+    }
+
+    /// Opens what was folded.
+    fn sketch(&self, sketch: &mut Sketch) {
+        sketch.unfold(self.last.map(|n| n as usize));
     }
 
     fn begin(&self, scene: &Scene, posture: &mut Posture) -> Result<Start> {
