@@ -9,11 +9,9 @@
 //! Where a script may crease the cloth anywhere (crumpling, a body that moves) every point is simulated. docs/accuracy.md has
 //! what grading changes.
 
-use super::{BakeOptions, Checkpoint, Choice, Observer, Progress};
-use crate::error::Result;
+use super::{BakeOptions, Choice};
 use crate::fabric::Fabric;
 use crate::garment::{Coarsened, Garment};
-use crate::math::Vec3;
 use crate::mesh::crossings::crossings;
 use crate::wear::{Sketch, WearScript};
 
@@ -24,7 +22,7 @@ const ALONG_SIDES: f64 = 0.3;
 /// Longest edges, in bending lengths.
 const LONGEST: f64 = 4.0;
 /// By how much edges may be longer for every metre farther away [-].
-const GROWTH: f64 = 0.8;
+const GROWTH: f64 = 1.0;
 /// Not worth it if more than this share of the points is left [-].
 const WORTH: f64 = 0.75;
 
@@ -54,7 +52,7 @@ fn graded(
     fabric: &Fabric,
     script: &WearScript,
     options: &BakeOptions,
-) -> std::result::Result<(Coarsened, String), String> {
+) -> Result<(Coarsened, String), String> {
     if !options.grade || options.everything {
         return Err("switched off".into());
     }
@@ -64,7 +62,7 @@ fn graded(
     let (own, length) = (garment.mean_edge(), fabric.bending_length());
     let [folds, sides] = [(ALONG_FOLDS * length).max(own), ALONG_SIDES * length];
     let longest = LONGEST * length;
-    let Some(near) = Sketch::of(garment, script, folds + longest / GROWTH) else {
+    let Some(near) = Sketch::of(garment, script, fabric.thickness(), folds + longest / GROWTH) else {
         return Err("the script may crease the cloth anywhere".into());
     };
     let wanted: Vec<f64> = near
@@ -90,32 +88,4 @@ fn graded(
         1e3 * longest
     );
     Ok((mesh, why))
-}
-
-/// Shows an observer every point of the garment whose graded `mesh` is simulated.
-pub(super) struct Shown<'a> {
-    pub(super) mesh: &'a Coarsened,
-    pub(super) observer: &'a mut dyn Observer,
-}
-
-impl Observer for Shown<'_> {
-    fn progress(&mut self, progress: &Progress) {
-        self.observer.progress(progress);
-    }
-
-    fn frame(&mut self, x: &[Vec3]) -> Result<()> {
-        self.observer.frame(&self.mesh.placed(x))
-    }
-
-    fn keeps_checkpoints(&self) -> bool {
-        self.observer.keeps_checkpoints()
-    }
-
-    fn checkpoint(&mut self, now: Checkpoint) -> Result<()> {
-        self.observer.checkpoint(now)
-    }
-
-    fn stops(&mut self) -> bool {
-        self.observer.stops()
-    }
 }

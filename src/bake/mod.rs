@@ -15,7 +15,6 @@ mod unmet_log;
 
 pub use checkpoint::{Checkpoint, run_key};
 pub use grading::Grading;
-use grading::Shown;
 pub use on_body::stirred;
 pub use plan::{Choice, Plan};
 pub use quality::Quality;
@@ -111,7 +110,10 @@ pub struct Progress<'a> {
 pub trait Observer {
     /// After every step.
     fn progress(&mut self, _progress: &Progress) {}
-    /// A frame is due: positions, one per point [m].
+    /// Before the first step: the mesh that is simulated, whose points frames are of. It is the garment's own unless that is
+    /// graded ([`Grading`]).
+    fn simulates(&mut self, _mesh: &Garment) {}
+    /// A frame is due: positions, one per point of the mesh that is simulated [m].
     fn frame(&mut self, _x: &[Vec3]) -> Result<()> {
         Ok(())
     }
@@ -202,10 +204,9 @@ pub fn bake_from(
 ) -> Result<Baked> {
     let grading = Grading::of(garment, fabric, script, options);
     let wear = Wear { fabric, script, script_file, options };
-    let mut run = match &grading.mesh {
-        None => wear_through(taken_up, garment, &wear, observer)?,
-        Some(mesh) => wear_through(taken_up, &mesh.garment, &wear, &mut Shown { mesh, observer })?,
-    };
+    let simulated = grading.mesh.as_ref().map_or(garment, |mesh| &mesh.garment);
+    observer.simulates(simulated);
+    let mut run = wear_through(taken_up, simulated, &wear, observer)?;
     run.report.choices.push(grading.choice);
     let clock = Instant::now();
     let mut end = std::mem::take(&mut run.state.x);
@@ -217,8 +218,12 @@ pub fn bake_from(
     }
     let displacement = home::bring_home(garment, fabric, &mut run.stepper, &memory, 1.0, &mut run.report);
     run.seconds[4] += clock.elapsed().as_secs_f64();
-    let home: Vec<Vec3> = garment.points.iter().zip(&displacement).map(|(x, d)| x + d).collect();
-    observer.frame(&home)?;
+    let home = |p: usize| garment.points[p] + displacement[p];
+    let shown: Vec<Vec3> = match &grading.mesh {
+        None => (0..garment.points.len()).map(home).collect(),
+        Some(mesh) => mesh.source.iter().map(|p| home(p.at())).collect(),
+    };
+    observer.frame(&shown)?;
     run.report.simulated = run.state.time;
     run.report.events = run.memory.events;
     run.report.stages =

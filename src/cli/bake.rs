@@ -344,10 +344,7 @@ impl Job {
         let taken_up = if arguments.resume { checkpoints.read()? } else { None };
         let frames_before = taken_up.as_ref().map_or(0, |(_, checkpoint)| checkpoint.counts.frames);
         let frames = match &arguments.frames {
-            Some(folder) => {
-                let triangles = &self.mesh.garment.triangles;
-                Some(FrameFolder::new(folder, triangles, &arguments.mesh, frames_before as usize)?)
-            }
+            Some(folder) => Some(FrameFolder::new(folder, &arguments.mesh, frames_before as usize)?),
             None => None,
         };
         let actions = self.script.flatten().count();
@@ -416,6 +413,12 @@ impl Observer for Watcher<'_, '_> {
                 events: now.events.gradual + now.events.critical,
             },
         );
+    }
+
+    fn simulates(&mut self, mesh: &Garment) {
+        if let Some(frames) = &mut self.frames {
+            frames.show(&mesh.triangles);
+        }
     }
 
     fn frame(&mut self, x: &[Vec3]) -> Result<()> {

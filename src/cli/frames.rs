@@ -13,7 +13,8 @@ use std::path::{Path, PathBuf};
 #[derive(Debug)]
 pub struct FrameFolder<'a> {
     folder: PathBuf,
-    triangles: &'a [[PointIndex; 3]],
+    /// Of the mesh that is simulated.
+    triangles: Vec<[PointIndex; 3]>,
     /// Read by the run, and perhaps a frame of an earlier one: not to be written over.
     mesh: &'a Path,
     written: usize,
@@ -22,20 +23,20 @@ pub struct FrameFolder<'a> {
 impl<'a> FrameFolder<'a> {
     /// Makes `folder` if there is none. No frame is written over `mesh`; `written` are there from a run that is taken
     /// up.
-    pub fn new(
-        folder: &Path,
-        triangles: &'a [[PointIndex; 3]],
-        mesh: &'a Path,
-        written: usize,
-    ) -> Result<Self> {
+    pub fn new(folder: &Path, mesh: &'a Path, written: usize) -> Result<Self> {
         std::fs::create_dir_all(folder).map_err(|source| Error::File { file: name_of(folder), source })?;
-        Ok(Self { folder: folder.to_owned(), triangles, mesh, written })
+        Ok(Self { folder: folder.to_owned(), triangles: Vec::new(), mesh, written })
+    }
+
+    /// Frames from now on are of a mesh of these triangles.
+    pub fn show(&mut self, triangles: &[[PointIndex; 3]]) {
+        self.triangles = triangles.to_vec();
     }
 
     /// Writes the next frame: `points` [m], one per point of the mesh.
     pub fn write(&mut self, points: &[Vec3]) -> Result<()> {
         let mut outputs = Outputs::new([self.mesh]);
-        outputs.add(&self.path_of(self.written), &frame_obj(points, self.triangles))?;
+        outputs.add(&self.path_of(self.written), &frame_obj(points, &self.triangles))?;
         outputs.commit()?;
         self.written += 1;
         Ok(())
@@ -59,7 +60,7 @@ mod tests {
     fn frames_are_numbered_and_old_ones_noticed() {
         let folder = tempfile::tempdir().expect("a folder");
         let deep = folder.path().join("a/b");
-        let mut frames = FrameFolder::new(&deep, &[], Path::new("in.obj"), 0).expect("makes the folder");
+        let mut frames = FrameFolder::new(&deep, Path::new("in.obj"), 0).expect("makes the folder");
         for x in [1.0, 2.0] {
             frames.write(&[Vec3::repeat(x)]).expect("writes");
         }

@@ -44,8 +44,8 @@ impl Outcome {
 }
 
 /// Counts crossings in every frame; the bake is asked for one after every step.
-struct Count<'a> {
-    triangles: &'a [[PointIndex; 3]],
+struct Count {
+    triangles: Vec<[PointIndex; 3]>,
     worst: usize,
     last: Vec<Vec3>,
     time: f64,
@@ -53,14 +53,18 @@ struct Count<'a> {
     fastest: f64,
 }
 
-impl Observer for Count<'_> {
+impl Observer for Count {
+    fn simulates(&mut self, mesh: &Garment) {
+        self.triangles = mesh.triangles.clone();
+    }
+
     fn progress(&mut self, progress: &crease::bake::Progress) {
         (self.last_time, self.time) = (self.time, progress.time);
     }
 
     fn frame(&mut self, x: &[Vec3]) -> Result<()> {
         assert!(x.iter().all(|x| x.sum().is_finite()));
-        self.worst = self.worst.max(crossings(x, self.triangles).len());
+        self.worst = self.worst.max(crossings(x, &self.triangles).len());
         let span = self.time - self.last_time;
         if span > 0.0 && !self.last.is_empty() {
             let way = x.iter().zip(&self.last).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
@@ -103,14 +107,8 @@ pub fn t_shirt(wear: &str, points: usize, seed: u64) -> Outcome {
 fn watched(name: &str, garment: &Garment, fabric: &str, script: &str) -> Outcome {
     let script = WearScript::parse("scene.json", script).expect("is a script");
     let fabric = Fabric::preset(fabric).expect("is a fabric");
-    let mut count = Count {
-        triangles: &garment.triangles,
-        worst: 0,
-        last: Vec::new(),
-        time: 0.0,
-        last_time: 0.0,
-        fastest: 0.0,
-    };
+    let mut count =
+        Count { triangles: Vec::new(), worst: 0, last: Vec::new(), time: 0.0, last_time: 0.0, fastest: 0.0 };
     let clock = Instant::now();
     let options = BakeOptions { frames_per_second: 1e9, ..BakeOptions::default() };
     let done = bake(garment, &fabric, &script, "scene.json", &options, &mut count).expect("bakes");

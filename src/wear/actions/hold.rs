@@ -23,7 +23,9 @@ impl WearAction for Hold {
     }
 
     /// Creases nothing that is not folded yet.
-    fn sketch(&self, _sketch: &mut Sketch) {}
+    fn sketch(&self, sketch: &mut Sketch) {
+        sketch.rest();
+    }
 
     fn begin(&self, _scene: &Scene, posture: &mut Posture) -> Result<Start> {
         Start::here(Still { drive: posture.resting(), may_end_early: false })

@@ -18,7 +18,9 @@ impl WearAction for Release {
     }
 
     /// Creases nothing that is not folded yet.
-    fn sketch(&self, _sketch: &mut Sketch) {}
+    fn sketch(&self, sketch: &mut Sketch) {
+        sketch.rest();
+    }
 
     fn begin(&self, scene: &Scene, posture: &mut Posture) -> Result<Start> {
         posture.kept = None;

@@ -28,7 +28,9 @@ impl WearAction for Settle {
     }
 
     /// Creases nothing that is not folded yet.
-    fn sketch(&self, _sketch: &mut Sketch) {}
+    fn sketch(&self, sketch: &mut Sketch) {
+        sketch.rest();
+    }
 
     fn begin(&self, _scene: &Scene, posture: &mut Posture) -> Result<Start> {
         let drive = Drive { drag: 3.0, ..posture.resting() };
