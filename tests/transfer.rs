@@ -7,11 +7,14 @@
 #[path = "transfer/measure.rs"]
 mod measure;
 
+use crease::bake::{BakeOptions, Grading};
+use crease::fabric::{DEFAULT_FABRIC, Fabric};
 use crease::format::{ReadOptions, SourceAsset, read_asset};
 use crease::garment::{Garment, RestShape};
 use crease::math::Vec3;
 use crease::mesh::hinge_angle;
-use crease::transfer::{Align, By, Sheet, Source, TransferOptions, transfer};
+use crease::transfer::{Align, By, Sheet, Source, TransferOptions, carry_back, transfer};
+use crease::wear::WearScript;
 use measure::{FOLDS, Fold, carry, correlation, tensors, total};
 use std::path::Path;
 
@@ -99,6 +102,43 @@ fn folds_survive_finer_and_coarser_tessellations_and_the_way_back() {
                 }
             }
             assert!(fits > 0.9 && returns > 0.9);
+        }
+    }
+}
+
+/// What the mesh remembers that is simulated instead of the whole garment comes back to it: bit for bit where both are one, and as
+/// much of it across each fold.
+#[test]
+fn what_a_graded_mesh_remembers_comes_back_to_the_whole() {
+    let (_, garment) = load("tshirt.glb");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("garments/wear/fold-thrice.json");
+    let text = std::fs::read_to_string(path).expect("a script of the repository");
+    let script = WearScript::parse("fold-thrice.json", &text).expect("is a script");
+    let fabric = Fabric::preset(DEFAULT_FABRIC).expect("exists");
+    let mesh = Grading::of(&garment, &fabric, &script, &BakeOptions::default()).mesh.expect("is graded");
+    assert!(mesh.source.len() < garment.points.len() / 2, "{} points", mesh.source.len());
+    let (coarse, whole) = (Sheet::without_texture(&mesh.garment), Sheet::without_texture(&garment));
+    let (earned, there) = (made_memory(&coarse), made_memory(&whole));
+    let back = carry_back(&mesh, &earned, &garment);
+    let mut same = 0;
+    for (h, hinge) in coarse.topology.hinges.iter().enumerate() {
+        let [Some(a), Some(b)] = hinge.triangles.map(|f| mesh.same[f as usize]) else { continue };
+        let is_it = |whole: &&crease::mesh::Hinge| whole.triangles == [a.min(b), a.max(b)];
+        if same % 20 == 0 {
+            let own = whole.topology.hinges.iter().position(|hinge| is_it(&hinge)).expect("is in both");
+            assert!((back.rest_angle[own] - earned.rest_angle[h]).abs() < 1e-15);
+        }
+        same += 1;
+    }
+    assert!(same > 5_000, "{same} hinges are in both");
+    let fits = correlation(&tensors(&whole, &back), &tensors(&whole, &there));
+    println!("{} -> {} points: correlation {fits:.3}, {same} hinges", mesh.source.len(), whole.points.len());
+    assert!(fits > 0.9);
+    for fold in &FOLDS {
+        for front in [true, false] {
+            let [made, got] = [&there, &back].map(|memory| total(&whole, memory, fold, front));
+            println!("  fold of {:+.2}: {made:+.4} -> {got:+.4} rad", fold.angle);
+            assert!((got - made).abs() < 0.1 * made.abs());
         }
     }
 }

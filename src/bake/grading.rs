@@ -60,6 +60,10 @@ fn graded(
         return Err("a body creases the cloth where it moves".into());
     }
     let (own, length) = (garment.mean_edge(), fabric.bending_length());
+    if own > length {
+        let [own, length] = [own, length].map(|l| 1e3 * l);
+        return Err(format!("elements of {own:.1} mm are no finer than the bending length, {length:.1} mm"));
+    }
     let [folds, sides] = [(ALONG_FOLDS * length).max(own), ALONG_SIDES * length];
     let longest = LONGEST * length;
     let Some(near) = Sketch::of(garment, script, fabric.thickness(), folds + longest / GROWTH) else {

@@ -26,13 +26,31 @@ const SHARES: u32 = 6;
 /// asks for, far below what shows.
 const SLACK: f64 = 3e-7;
 
-/// Displacement of every point from the source pose [m]. `hold` scales the springs: 1 for a garment at home.
+/// How a garment is brought home.
+pub(super) struct Homeward {
+    /// Scales the springs: 1 for a garment at home.
+    pub(super) hold: f64,
+    /// Solves of the whole for each share but the last, at most: what is left of one the next finds.
+    pub(super) on_the_way: usize,
+}
+
+impl Homeward {
+    /// Every share solved for to its end.
+    pub(super) const STEADILY: Self = Self { hold: 1.0, on_the_way: MOST_ITERATIONS };
+    /// One solve of the whole a share: for a garment of which fewer points were worn, whose way home is the longest part.
+    pub(super) const SWIFTLY: Self = Self { hold: 1.0, on_the_way: 1 };
+}
+
+/// Solves of the whole for a share, at most.
+const MOST_ITERATIONS: usize = 60;
+
+/// Displacement of every point from the source pose [m].
 pub(super) fn bring_home(
     garment: &Garment,
     fabric: &Fabric,
     stepper: &mut Stepper,
     memory: &RestShape,
-    hold: f64,
+    how: &Homeward,
     report: &mut BakeReport,
 ) -> Vec<Vec3> {
     let changed = memory.rest_angle != memory.source_angle
@@ -40,7 +58,7 @@ pub(super) fn bring_home(
     if !changed {
         return vec![Vec3::zeros(); garment.points.len()];
     }
-    let tether = hold * fabric.area_density() * GRAVITY / fabric.bending_length();
+    let tether = how.hold * fabric.area_density() * GRAVITY / fabric.bending_length();
     let guides: Vec<Guide> = garment
         .points
         .iter()
@@ -51,7 +69,13 @@ pub(super) fn bring_home(
     let mut x = garment.points.clone();
     let mut angle = memory.source_angle.clone();
     let weight = stepper.cloth.mass.iter().sum::<f64>() * GRAVITY;
-    let newton = NewtonOptions { tolerance: 1e-5, energy: SLACK * weight, share: 0.0, most_iterations: 60 };
+    let newton = NewtonOptions {
+        tolerance: 1e-5,
+        energy: SLACK * weight,
+        share: 0.0,
+        most_iterations: MOST_ITERATIONS,
+    };
+    let passing = NewtonOptions { most_iterations: how.on_the_way, ..newton };
     for share in 1..=SHARES {
         let part = f64::from(share) / f64::from(SHARES);
         let partial = share_of(memory, part);
@@ -62,7 +86,8 @@ pub(super) fn bring_home(
         let bending_term = bending.term(&partial, &last, f64::INFINITY);
         let springs = Guides(&guides);
         let terms: [&dyn Energy; 3] = [&membrane, &bending_term, &springs];
-        let solved = stepper.equilibrium(&mut x, &terms, &newton, 0.0);
+        let own = if share < SHARES { &passing } else { &newton };
+        let solved = stepper.equilibrium(&mut x, &terms, own, 0.0);
         report.solves += solved.iterations as u64;
         report.local_solves += solved.local_iterations as u64;
         if !solved.converged && share == SHARES {

@@ -33,6 +33,7 @@ use crate::solve::{Cloth, SolveCost, State, StepOptions, Stepper};
 use crate::transfer::carry_back;
 use crate::wear::{Action, GRAVITY, Gesture, Posture, Scene, WearScript};
 use checkpoint::Way;
+use home::{Homeward, bring_home};
 use on_body::{OnBody, Pinch};
 use std::sync::Arc;
 use std::time::Instant;
@@ -139,6 +140,8 @@ impl Observer for () {}
 pub struct BakeReport {
     /// Simulated time [s].
     pub simulated: f64,
+    /// Points that were simulated.
+    pub points: usize,
     /// Accepted steps.
     pub steps: u64,
     /// Thrown-away tries.
@@ -209,14 +212,16 @@ pub fn bake_from(
     let mut run = wear_through(taken_up, simulated, &wear, observer)?;
     run.report.choices.push(grading.choice);
     let clock = Instant::now();
+    let mut how = &Homeward::STEADILY;
     let mut end = std::mem::take(&mut run.state.x);
     let mut memory = run.memory.shape;
     if let Some(mesh) = &grading.mesh {
         end = mesh.placed(&end);
         memory = carry_back(mesh, &memory, garment);
         run.stepper = wear.stepper(garment, &Plan::new(garment, fabric, script, options));
+        how = &Homeward::SWIFTLY;
     }
-    let displacement = home::bring_home(garment, fabric, &mut run.stepper, &memory, 1.0, &mut run.report);
+    let displacement = bring_home(garment, fabric, &mut run.stepper, &memory, how, &mut run.report);
     run.seconds[4] += clock.elapsed().as_secs_f64();
     let home = |p: usize| garment.points[p] + displacement[p];
     let shown: Vec<Vec3> = match &grading.mesh {
@@ -224,6 +229,7 @@ pub fn bake_from(
         Some(mesh) => mesh.source.iter().map(|p| home(p.at())).collect(),
     };
     observer.frame(&shown)?;
+    run.report.points = simulated.points.len();
     run.report.simulated = run.state.time;
     run.report.events = run.memory.events;
     run.report.stages =

@@ -4,7 +4,7 @@
 //! apart as ever; nothing is worn and nothing is remembered. Beside it, the rest mesh: the shape of the same topology
 //! that carries the rest angles best, free of pose and contact, for programs that take rest angles from a shape.
 
-use super::home::bring_home;
+use super::home::{Homeward, bring_home};
 use super::{BakeOptions, BakeReport, Plan, Quality};
 use crate::contact::{Contact, ContactSettings};
 use crate::fabric::Fabric;
@@ -47,7 +47,7 @@ pub fn settle(garment: &Garment, fabric: &Fabric, memory: &RestShape) -> Settled
     };
     let area = cloth.area.clone();
     let contact = Contact::new(settings, &garment.points, &garment.triangles, &garment.topology, area);
-    rest(garment, fabric, memory, cloth, contact, 1.0)
+    rest(garment, fabric, memory, cloth, contact, &Homeward::STEADILY)
 }
 
 /// The mesh of `garment`'s topology that best carries the rest angles of `memory`: displacements from the source pose.
@@ -56,7 +56,8 @@ pub fn rest_mesh(garment: &Garment, fabric: &Fabric, memory: &RestShape) -> Sett
     let (mut cloth, plan) = cloth_and_plan(garment, fabric, Quality::Draft);
     cloth.membrane.set_stiffness(plan.stretch.map(|k| k * SOFT));
     let contact = Contact::none(garment.points.len());
-    rest(garment, fabric, memory, cloth, contact, LOOSE)
+    let how = Homeward { hold: LOOSE, ..Homeward::STEADILY };
+    rest(garment, fabric, memory, cloth, contact, &how)
 }
 
 /// The elastic model and the plan, as stiff in stretch as a bake of that quality.
@@ -74,12 +75,12 @@ fn rest(
     memory: &RestShape,
     cloth: Cloth,
     contact: Contact,
-    hold: f64,
+    how: &Homeward,
 ) -> Settled {
     let options = Quality::Standard.step_for(cloth.mass.iter().sum::<f64>() * GRAVITY);
     let mut report = BakeReport::default();
     let mut stepper = Stepper::new(cloth, contact, options);
-    let displacement = bring_home(garment, fabric, &mut stepper, memory, hold, &mut report);
+    let displacement = bring_home(garment, fabric, &mut stepper, memory, how, &mut report);
     let BakeReport { solves, warnings, not_at_rest, .. } = report;
     Settled { displacement, solves, warnings, not_at_rest }
 }

@@ -161,14 +161,18 @@ impl Arguments {
 
     /// What the sidecar says of the run. Nothing that differs from run to run: the same wear gives the same bytes.
     fn run_note(&self, baked: &Baked) -> Value {
-        json!({
+        let mut note = json!({
             "tool": concat!("crease ", env!("CARGO_PKG_VERSION")),
             "method": self.method().name(),
             "quality": self.quality.name(),
             "memory": if self.memory_on() { "paper" } else { "off" },
             "simulated_s": baked.report.simulated,
             "steps": baked.report.steps,
-        })
+        });
+        if baked.report.points != baked.end.len() {
+            note["simulated_points"] = json!(baked.report.points);
+        }
+        note
     }
 }
 

@@ -427,3 +427,152 @@ fn turns(source: &Garment, hinge: &Hinge) -> bool {
     let turned = between.sin().abs() > SEAM.sin();
     turned || crate::mesh::hinge_angle(&x).abs() > SHARP
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Vec2;
+
+    const EDGE: f64 = 5e-3;
+
+    /// A level sheet of 0.3 x 0.2 m in a lattice of equilateral triangles, the warp along x; `bent` lifts its points.
+    fn sheet(bent: impl Fn(f64) -> f64) -> Garment {
+        let (columns, rows) = (61u32, 47u32);
+        let place = |k: u32| {
+            let (i, j) = (f64::from(k % columns), f64::from(k / columns));
+            let x = EDGE * (i + 0.5 * (j % 2.0));
+            Vec3::new(x, bent(x), EDGE * 0.75f64.sqrt() * j)
+        };
+        let points: Vec<Vec3> = (0..columns * rows).map(place).collect();
+        let cells = (0..rows - 1).flat_map(|j| (0..columns - 1).map(move |i| (i, j)));
+        let triangles: Vec<[PointIndex; 3]> = cells
+            .flat_map(|(i, j)| {
+                let at = |di: u32, dj: u32| PointIndex((j + dj) * columns + i + di);
+                if j % 2 == 0 {
+                    [[at(0, 0), at(0, 1), at(1, 0)], [at(1, 0), at(0, 1), at(1, 1)]]
+                } else {
+                    [[at(0, 0), at(0, 1), at(1, 1)], [at(0, 0), at(1, 1), at(1, 0)]]
+                }
+            })
+            .collect();
+        let flat = |t: &[PointIndex; 3]| {
+            let x = t.map(|p| points[p.at()]);
+            flatten(&x, in_plane(&x, Vec3::x()).expect("is not steep"))
+        };
+        Garment {
+            material: triangles.iter().map(flat).collect(),
+            material_from_uv: true,
+            source_point: Vec::new(),
+            memory_mask: vec![1.0; points.len()],
+            triangle_part: vec![0; triangles.len()],
+            topology: Topology::new(points.len(), &triangles),
+            triangles,
+            points,
+        }
+    }
+
+    fn corners(garment: &Garment, t: &[PointIndex; 3]) -> [Vec3; 3] {
+        t.map(|p| garment.points[p.at()])
+    }
+
+    fn area(garment: &Garment) -> f64 {
+        let one = |t| {
+            let [a, b, c] = corners(garment, t);
+            0.5 * (b - a).cross(&(c - a)).norm()
+        };
+        garment.triangles.iter().map(one).sum()
+    }
+
+    /// Fine up to x = 0.1 m, then ever coarser.
+    fn wanted(garment: &Garment) -> Vec<f64> {
+        let one = |p: &Vec3| if p.x < 0.1 { 0.0 } else { (EDGE + (p.x - 0.1)).min(4.0 * EDGE) };
+        garment.points.iter().map(one).collect()
+    }
+
+    #[test]
+    fn edges_become_as_long_as_wanted_and_what_wants_none_stays() {
+        let whole = sheet(|_| 0.0);
+        let Coarsened { garment, source, same, .. } = whole.coarsened(&wanted(&whole));
+        assert!(garment.points.len() < 6 * whole.points.len() / 10, "{} points", garment.points.len());
+        assert!(source.iter().zip(&garment.points).all(|(p, x)| whole.points[p.at()] == *x));
+        // The sheet is whole: no hole, one border, the same area and outline but for its zigzag.
+        assert_eq!(garment.topology.boundary_loops(&garment.triangles).len(), 1);
+        assert!((area(&garment) / area(&whole) - 1.0).abs() < 0.01);
+        let euler = |g: &Garment| g.points.len() + g.triangles.len() - g.topology.edges.len();
+        assert_eq!(euler(&garment), euler(&whole));
+        assert!(garment.topology.misoriented.is_empty());
+        let (mut kept, mut long) = (0, 0);
+        for (t, same) in garment.triangles.iter().zip(&same) {
+            let x = corners(&garment, t);
+            assert!(shape(&x) > 0.39, "{x:?}");
+            assert!((0..3).all(|k| (x[k] - x[(k + 1) % 3]).norm() < LENGTHS[1] * 4.0 * EDGE));
+            long += usize::from((0..3).any(|k| (x[k] - x[(k + 1) % 3]).norm() > 2.5 * EDGE));
+            if let Some(f) = same {
+                kept += 1;
+                assert_eq!(corners(&whole, &whole.triangles[*f as usize]), x);
+            } else {
+                assert!(x.iter().any(|p| p.x >= 0.1 - EDGE), "taken away where nothing was wanted: {x:?}");
+            }
+        }
+        let fine = whole.triangles.iter().filter(|t| corners(&whole, t).iter().all(|p| p.x < 0.1 - EDGE));
+        assert!(kept >= fine.count() && long > 100, "{kept} kept, {long} long");
+    }
+
+    #[test]
+    fn triangles_keep_their_warp_and_size_and_points_their_place() {
+        // A quarter of a tube: chords are shorter than arcs, by little.
+        let whole = sheet(|x| 0.3 - (0.09 - (x - 0.15).powi(2)).sqrt());
+        let coarse = whole.coarsened(&wanted(&whole));
+        assert!(coarse.garment.points.len() < whole.points.len());
+        for (t, flat) in coarse.garment.triangles.iter().zip(&coarse.garment.material) {
+            let x = corners(&coarse.garment, t);
+            let (side, edge) = (x[1] - x[0], flat[1] - flat[0]);
+            assert!((side.norm() - edge.norm()).abs() < 0.02 * side.norm());
+            // z does not change along the warp.
+            assert!((side.z.abs() - edge.y.abs()).abs() < 0.05 * side.norm(), "{side} {edge}");
+        }
+        let placed = coarse.placed(&coarse.garment.points);
+        for (x, there) in whole.points.iter().zip(&placed) {
+            assert!((x - there).norm() < 0.15 * EDGE, "{x} {there}");
+        }
+    }
+
+    #[test]
+    fn nothing_wanted_is_nothing_done() {
+        let whole = sheet(|_| 0.0);
+        let coarse = whole.coarsened(&vec![0.0; whole.points.len()]);
+        assert_eq!(
+            (coarse.garment.points, coarse.garment.triangles),
+            (whole.points.clone(), whole.triangles.clone())
+        );
+        assert_eq!(coarse.garment.material, whole.material);
+        assert!(coarse.same.iter().enumerate().all(|(f, same)| *same == Some(f as u32)));
+    }
+
+    /// The rim of a garment that lies, and a seam where the warp turns, stay where they are.
+    #[test]
+    fn sharp_edges_and_seams_keep_their_course() {
+        let fold = 0.15;
+        let roof = sheet(|x| (x - fold).abs());
+        let mut seam = sheet(|_| 0.0);
+        for (t, flat) in seam.triangles.iter().zip(&mut seam.material) {
+            let middle = t.iter().map(|p| seam.points[p.at()].x).sum::<f64>() / 3.0;
+            if middle > fold {
+                *flat = flat.map(|p| Vec2::new(-p.y, p.x));
+            }
+        }
+        for whole in [roof, seam] {
+            let course = |g: &Garment| {
+                let on = |h: &&Hinge| turns(g, h);
+                let hinges: Vec<&Hinge> = g.topology.hinges.iter().filter(on).collect();
+                let ends = |h: &&Hinge| h.points.map(|p| g.points[p.at()]);
+                let length: f64 = hinges.iter().map(ends).map(|x| (x[1] - x[0]).norm()).sum();
+                (hinges.len(), length)
+            };
+            let coarse = whole.coarsened(&vec![4.0 * EDGE; whole.points.len()]);
+            let ((many, length), (few, left)) = (course(&whole), course(&coarse.garment));
+            assert!(few > 0 && few <= many, "{few} of {many}");
+            assert!((left / length - 1.0).abs() < 0.2, "{left} of {length} m");
+        }
+    }
+}
