@@ -187,12 +187,11 @@ fn a_full_disk_is_told() {
     assert!(err.contains("standard output"), "{err}");
 }
 
-/// A handkerchief of 20 x 20 points, 0.2 m wide, lying flat.
-fn handkerchief() -> String {
-    const SIDE: usize = 20;
+/// A handkerchief of `side` x `side` points, 0.2 m wide, lying flat.
+fn handkerchief(side: usize) -> String {
     let mut text = String::new();
-    let share = |i: usize| i as f64 / (SIDE - 1) as f64;
-    for (row, column) in (0..SIDE * SIDE).map(|n| (n / SIDE, n % SIDE)) {
+    let share = |i: usize| i as f64 / (side - 1) as f64;
+    for (row, column) in (0..side * side).map(|n| (n / side, n % side)) {
         text += &format!(
             "v {} 0 {}\nvt {} {}\n",
             0.2 * share(column),
@@ -201,10 +200,10 @@ fn handkerchief() -> String {
             share(row)
         );
     }
-    for (row, column) in (0..SIDE * SIDE).map(|n| (n / SIDE, n % SIDE)) {
-        if row + 1 < SIDE && column + 1 < SIDE {
-            let a = row * SIDE + column + 1;
-            let (b, c, d) = (a + 1, a + SIDE, a + SIDE + 1);
+    for (row, column) in (0..side * side).map(|n| (n / side, n % side)) {
+        if row + 1 < side && column + 1 < side {
+            let a = row * side + column + 1;
+            let (b, c, d) = (a + 1, a + side, a + side + 1);
             text += &format!("f {a}/{a} {c}/{c} {d}/{d}\nf {a}/{a} {d}/{d} {b}/{b}\n");
         }
     }
@@ -220,7 +219,7 @@ const FOLD_ONCE: &str = r#"{"format": "crease-wear/1", "name": "fold once", "act
 /// A folder with handkerchief.obj and wear.json.
 fn workshop(script: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
-    std::fs::write(folder.path().join("handkerchief.obj"), handkerchief()).expect("writes");
+    std::fs::write(folder.path().join("handkerchief.obj"), handkerchief(20)).expect("writes");
     std::fs::write(folder.path().join("wear.json"), script).expect("writes");
     folder
 }
@@ -289,6 +288,58 @@ fn a_bake_gives_three_files_that_do_not_depend_on_threads() {
     assert_eq!(first.lines().filter(|line| line.starts_with("v ")).count(), 400);
 
     check_pictures(folder);
+}
+
+/// Cloth finer than its bending length is simulated on its own points along the fold and on fewer elsewhere; what comes out is of
+/// all of them, and remembers what it does when all are simulated.
+#[test]
+fn a_fine_mesh_is_simulated_on_fewer_points() {
+    let workshop = workshop(FOLD_ONCE);
+    let folder = workshop.path();
+    std::fs::write(folder.join("fine.obj"), handkerchief(37)).expect("writes");
+    for (name, option) in [("fewer", ""), ("every", " --no-grading")] {
+        let frames = format!(" --frames {name} --fps 2");
+        let line = format!("bake fine.obj --wear wear.json -o {name}.glb --quiet{frames}{option}");
+        assert_eq!(run_in(folder, &line), (String::new(), String::new(), 0));
+    }
+    let count = |name: &str| {
+        let first = std::fs::read_to_string(folder.join(name).join("frame_0000.obj")).expect("is there");
+        first.lines().filter(|line| line.starts_with("v ")).count()
+    };
+    assert!(count("fewer") < 3 * count("every") / 4, "{} of {}", count("fewer"), count("every"));
+    assert_eq!(count("every"), 37 * 37);
+    let run = |name: &str| json_of(&folder.join(format!("{name}.crease.json")))["run"].clone();
+    assert_eq!(run("fewer")["simulated_points"], count("fewer"));
+    assert!(run("every")["simulated_points"].is_null());
+    // Angle across the fold: change times length over the width, of hinges that run along it.
+    let across = |name: &str| {
+        let report = json_of(&folder.join(format!("{name}.report.json")));
+        assert_eq!((&report["points"], &report["crossings"]), (&(37 * 37).into(), &0.into()));
+        let sidecar = json_of(&folder.join(format!("{name}.crease.json")));
+        let points: Vec<[f64; 3]> =
+            serde_json::from_value(sidecar["mesh"]["points_m"].clone()).expect("points");
+        let hinges = &sidecar["hinges"];
+        let ends: Vec<[usize; 4]> = serde_json::from_value(hinges["points"].clone()).expect("hinges");
+        let angles = |key: &str| -> Vec<f64> { serde_json::from_value(hinges[key].clone()).expect("angles") };
+        let change = angles("rest_angle_rad").into_iter().zip(angles("source_angle_rad")).map(|(r, s)| r - s);
+        let sum: f64 = ends
+            .iter()
+            .zip(change)
+            .map(|(h, change)| {
+                let edge = [0, 1, 2].map(|k| points[h[1]][k] - points[h[0]][k]);
+                let length = edge.iter().map(|c| c * c).sum::<f64>().sqrt();
+                change * edge[2] * edge[2] / length
+            })
+            .sum();
+        sum / 0.2
+    };
+    let (fewer, every) = (across("fewer"), across("every"));
+    assert!((fewer / every - 1.0).abs() < 0.25, "{fewer} and {every} rad across the fold");
+    let (_, err, code) = run_in(folder, "view fewer.glb --frames fewer -o fewer.html");
+    assert_eq!(code, 0, "{err}");
+    assert!(std::fs::read_to_string(folder.join("fewer.html")).expect("is there").contains("simulated"));
+    let (_, err, code) = run_in(folder, "remember fewer --fps 2 --mesh fine.obj -o again.glb");
+    assert!(code == 1 && err.contains("--no-grading"), "{err}");
 }
 
 /// The worn target is there, switched on, and moves something.

@@ -22,7 +22,7 @@ const ALONG_SIDES: f64 = 0.3;
 /// Longest edges, in bending lengths.
 const LONGEST: f64 = 4.0;
 /// By how much edges may be longer for every metre farther away [-].
-const GROWTH: f64 = 1.0;
+const GROWTH: f64 = 0.8;
 /// Not worth it if more than this share of the points is left [-].
 const WORTH: f64 = 0.75;
 

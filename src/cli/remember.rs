@@ -197,7 +197,8 @@ fn of_frames(arguments: &Arguments) -> Result<Job> {
         };
         let (frame, own) = (count(first), count(&mesh.asset));
         let what = format!("its frames ({frame}) are not of the garment {} ({own})", path.display());
-        let cure = "give the mesh that the frames are of with --mesh (and --garment), or leave it out";
+        let cure = "give the mesh that the frames are of with --mesh (and --garment), or leave it out; frames of a bake \
+                    are of the whole garment with --no-grading";
         return Err(Error::fault(folder, "", what, cure));
     };
     let frame_count = frames.len();

@@ -7,7 +7,8 @@ use super::output::Outputs;
 use super::render::{self, Colours};
 use super::talk;
 use crease::math::Vec3;
-use crease::report::{Exhibit, HingeLabel, viewer_page};
+use crease::mesh::PointIndex;
+use crease::report::{Exhibit, HingeLabel, Portrait, viewer_page};
 use crease::{Error, Result};
 use std::path::{Path, PathBuf};
 
@@ -40,7 +41,14 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let mut exhibits = arguments.worn.iter().map(|path| exhibit(path)).collect::<Result<Vec<_>>>()?;
     let mut names = Vec::new();
     if let (Some(folder), Some(first)) = (&arguments.frames, exhibits.first_mut()) {
-        (first.frames, names) = frames(folder, first.portrait.before.len(), arguments.most_frames.into())?;
+        let Shots { positions, names: shown, triangles } = frames(folder, arguments.most_frames.into())?;
+        names = shown;
+        if positions.iter().all(|x| x.len() == first.portrait.before.len()) {
+            first.frames = positions;
+        } else {
+            // Of the mesh that was simulated, which had fewer points: it stands beside the garment.
+            exhibits.insert(1, simulated(folder, positions, triangles));
+        }
     }
     let page = viewer_page(&exhibits, arguments.show.into(), &names);
     outputs.add(&arguments.output, page.as_bytes())?;
@@ -57,8 +65,24 @@ fn exhibit(path: &Path) -> Result<Exhibit> {
     Ok(Exhibit { name, portrait, hinges, frames: Vec::new() })
 }
 
-/// Positions and names of the frames in `folder`, evenly thinned to at most `most`.
-fn frames(folder: &Path, point_count: usize, most: usize) -> Result<(Vec<Vec<Vec3>>, Vec<String>)> {
+/// Frames of a run.
+struct Shots {
+    /// Per frame: one position per point [m].
+    positions: Vec<Vec<Vec3>>,
+    names: Vec<String>,
+    triangles: Vec<[PointIndex; 3]>,
+}
+
+/// The mesh of frames: as it began, and as it ended.
+fn simulated(folder: &Path, frames: Vec<Vec<Vec3>>, triangles: Vec<[PointIndex; 3]>) -> Exhibit {
+    let file = input::name_of(folder);
+    let [before, after] = [frames.first(), frames.last()].map(|x| x.cloned().unwrap_or_default());
+    let portrait = Portrait { file, before, after, triangles, memory: None, confidence: None };
+    Exhibit { name: "simulated".to_owned(), portrait, hinges: Vec::new(), frames }
+}
+
+/// The frames in `folder`, evenly thinned to at most `most`.
+fn frames(folder: &Path, most: usize) -> Result<Shots> {
     let path = |number: usize| folder.join(format!("frame_{number:04}.obj"));
     let count = (0..).take_while(|&number| path(number).is_file()).count();
     if count == 0 {
@@ -66,19 +90,25 @@ fn frames(folder: &Path, point_count: usize, most: usize) -> Result<(Vec<Vec<Vec
         return Err(Error::fault(input::name_of(folder), "", "has no frame_0000.obj", cure));
     }
     let step = count.div_ceil(most);
-    let mut positions = Vec::new();
-    let mut names = Vec::new();
+    let mut shots = Shots { positions: Vec::new(), names: Vec::new(), triangles: Vec::new() };
     for number in (0..count).step_by(step) {
         let reading = MeshReading { unit: Some(Metres(1.0)), up: None, garment: None };
         let (asset, _) = read_asset_at(&path(number), &reading)?;
-        let x: Vec<Vec3> = asset.pieces.into_iter().flat_map(|piece| piece.positions).collect();
-        if x.len() != point_count {
-            let what = format!("has {} points, the garment {point_count}", x.len());
-            let cure = "give the frames of the same bake";
+        let (mut x, mut triangles) = (Vec::new(), Vec::new());
+        for piece in asset.pieces {
+            let first = x.len() as u32;
+            x.extend(piece.positions);
+            triangles.extend(piece.triangles.iter().map(|t| t.map(|v| PointIndex(v + first))));
+        }
+        if number == 0 {
+            shots.triangles = triangles;
+        } else if x.len() != shots.positions[0].len() || triangles != shots.triangles {
+            let what = "is of another mesh than frame_0000.obj";
+            let cure = "give the frames of one bake";
             return Err(Error::fault(input::name_of(&path(number)), "", what, cure));
         }
-        positions.push(x);
-        names.push(format!("{number}"));
+        shots.positions.push(x);
+        shots.names.push(format!("{number}"));
     }
-    Ok((positions, names))
+    Ok(shots)
 }
