@@ -66,7 +66,7 @@ fn graded(
     }
     let [folds, sides] = [(ALONG_FOLDS * length).max(own), ALONG_SIDES * length];
     let longest = LONGEST * length;
-    let Some(near) = Sketch::of(garment, script, fabric.thickness(), folds + longest / GROWTH) else {
+    let Some(near) = Sketch::of(garment, script, folds + longest / GROWTH) else {
         return Err("the script may crease the cloth anywhere".into());
     };
     let wanted: Vec<f64> = near

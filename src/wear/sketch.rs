@@ -11,8 +11,7 @@ use super::gesture::{Posture, Scene};
 use super::{Frame, Lay, WearAction, WearScript};
 use crate::garment::Garment;
 use crate::math::Vec3;
-use rustc_hash::{FxHashMap, FxHashSet};
-use std::f64::consts::PI;
+use rustc_hash::FxHashMap;
 
 /// Steepness (|normal . y|, mean over the area) from which a garment that is laid down is flat already: others are pressed flat, and
 /// wrinkle anywhere.
@@ -23,7 +22,7 @@ const THROUGH: usize = 2;
 /// Distances of a point from what creases it [m]; infinite beyond the reach of a sketch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Near {
-    /// From what a fold bends along the nearest of its lines.
+    /// From the nearest line of a fold.
     pub fold: f64,
     /// From the nearest side of the garment, its own or one that it is pressed on.
     pub side: f64,
@@ -33,9 +32,8 @@ pub struct Near {
 #[derive(Debug, Clone)]
 pub struct Sketch<'a> {
     garment: &'a Garment,
-    /// How far from a line things count, and how thick a layer is [m].
+    /// How far from a line things count [m].
     reach: f64,
-    thickness: f64,
     /// Positions without thickness, one per point [m].
     x: Vec<Vec3>,
     /// Per point: its layer, counted from below.
@@ -54,14 +52,13 @@ pub struct Sketch<'a> {
 type Places = FxHashMap<[i32; 2], Vec<(Vec3, u32)>>;
 
 impl<'a> Sketch<'a> {
-    /// How near each point of `garment`, whose layers have this `thickness` [m], is to what creases it when `script` is worn, up to
-    /// a distance of `reach` [m]; `None` where it may be creased anywhere.
-    pub fn of(garment: &'a Garment, script: &WearScript, thickness: f64, reach: f64) -> Option<Vec<Near>> {
+    /// How near each point of `garment` is to what creases it when `script` is worn, up to a distance of `reach` [m]; `None` where
+    /// it may be creased anywhere.
+    pub fn of(garment: &'a Garment, script: &WearScript, reach: f64) -> Option<Vec<Near>> {
         let count = garment.points.len();
         let mut sketch = Self {
             garment,
             reach,
-            thickness,
             x: garment.points.clone(),
             layer: vec![0; count],
             before: Vec::new(),
@@ -121,15 +118,10 @@ impl<'a> Sketch<'a> {
     pub(super) fn fold(&mut self, a: Vec3, out: Vec3) {
         self.before.push((self.x.clone(), self.layer.clone()));
         let top = self.layer.iter().copied().max().unwrap_or(0);
-        let at_line = self.x.iter().zip(&self.layer).filter(|(p, _)| (**p - a).dot(&out).abs() < self.reach);
-        let layers: FxHashSet<u32> = at_line.map(|(_, layer)| *layer).collect();
-        // A stack bends over half its circumference: so far from the line its outer layers are bent.
-        let bend = 0.5 * PI * self.thickness * layers.len() as f64;
         for ((p, near), layer) in self.x.iter_mut().zip(&mut self.near).zip(&mut self.layer) {
             let beyond = (*p - a).dot(&out);
-            let distance = (beyond.abs() - bend).max(0.0);
-            if distance < self.reach {
-                near.fold = near.fold.min(distance);
+            if beyond.abs() < self.reach {
+                near.fold = near.fold.min(beyond.abs());
             }
             if beyond > 0.0 {
                 *p -= out * (2.0 * beyond);
@@ -261,7 +253,7 @@ mod tests {
 
     fn near(actions: &str) -> Option<Vec<Near>> {
         let text = format!(r#"{{"format": "crease-wear/1", "name": "", "actions": [{actions}]}}"#);
-        Sketch::of(&sleeve(), &WearScript::parse("wear.json", &text).expect("is a script"), 0.0, 0.03)
+        Sketch::of(&sleeve(), &WearScript::parse("wear.json", &text).expect("is a script"), 0.03)
     }
 
     /// Columns (0 to 20) and sheet (0 below, 1 above) of the points that are nearer than half a step to what `pick` looks at.
