@@ -63,6 +63,7 @@ fn of_bake(scene: &'static str, points: usize, wall: f64, report: &BakeReport) -
     Cost {
         scene,
         points,
+        simulated_points: report.points,
         wall,
         simulated: Some(report.simulated),
         steps: report.steps,
@@ -76,6 +77,7 @@ fn of_fall(points: usize, fall: &strip::Fall) -> Cost {
     Cost {
         scene: STRIP,
         points,
+        simulated_points: points,
         wall: fall.wall,
         simulated: fall.residuals.last().map(|r| r[0]),
         steps: fall.steps,
@@ -108,6 +110,7 @@ fn cantilever_bent() -> Cost {
     Cost {
         scene: CANTILEVER,
         points: bent.points,
+        simulated_points: bent.points,
         wall,
         simulated: None,
         steps: 0,
