@@ -20,13 +20,13 @@ pub mod body;
 pub mod garment;
 
 pub mod energy;
-pub mod format;
+pub mod io;
+pub mod sim;
 pub mod wear;
 
 pub mod contact;
 
 pub mod memory;
-pub mod solve;
 
 pub mod transfer;
 

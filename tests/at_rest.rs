@@ -2,8 +2,8 @@
 
 use crease::bake::{BakeOptions, BakeReport, bake, settle};
 use crease::fabric::Fabric;
-use crease::format::{ReadOptions, read_asset};
 use crease::garment::{Garment, RestShape};
+use crease::io::{ReadOptions, read_asset};
 use crease::wear::WearScript;
 use std::fmt::Write;
 

@@ -3,10 +3,10 @@
 use crease::bake::{BakeOptions, Baked, Checkpoint, Observer, bake, bake_from};
 use crease::body::Wearer;
 use crease::fabric::Fabric;
-use crease::format::{ReadOptions, read_asset};
 use crease::garment::Garment;
+use crease::io::{ReadOptions, read_asset};
 use crease::math::Vec3;
-use crease::solve::Method;
+use crease::sim::Method;
 use crease::wear::WearScript;
 use crease::{Error, Result};
 

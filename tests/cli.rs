@@ -344,17 +344,17 @@ fn a_fine_mesh_is_simulated_on_fewer_points() {
 
 /// The worn target is there, switched on, and moves something.
 fn check_worn_glb(bytes: &[u8]) {
-    let options = crease::format::ReadOptions { unit_m: Some(1.0), ..Default::default() };
+    let options = crease::io::ReadOptions { unit_m: Some(1.0), ..Default::default() };
     let mut nothing = |name: &str| Err(crease::Error::fault(name, "", "is not asked for", ""));
     let (mut asset, _) =
-        crease::format::read_asset("one.glb", bytes, &options, &mut nothing).expect("reads back");
+        crease::io::read_asset("one.glb", bytes, &options, &mut nothing).expect("reads back");
     let document = asset.document.clone().expect("is glTF");
     let mesh = &document.json["meshes"][0];
     assert_eq!(mesh["extras"]["targetNames"][0], "worn");
     assert_eq!(mesh["weights"][0].as_f64(), Some(1.0));
-    assert_eq!(crease::format::gltf::sidecar_name(&document), Some("one.crease.json"));
-    assert!(crease::format::gltf::keep_worn_pieces(&mut asset));
-    let worn = crease::format::gltf::read_worn(&asset).expect("reads");
+    assert_eq!(crease::io::gltf::sidecar_name(&document), Some("one.crease.json"));
+    assert!(crease::io::gltf::keep_worn_pieces(&mut asset));
+    let worn = crease::io::gltf::read_worn(&asset).expect("reads");
     assert_eq!(worn.positions.len(), 400);
     let raised = worn.positions.iter().map(|x| x.y.abs()).fold(0.0, f64::max);
     assert!(raised > 1e-4, "the crease stands {raised} m out of the plane");
@@ -363,10 +363,10 @@ fn check_worn_glb(bytes: &[u8]) {
 
 /// What is drawn is the same with the sidecar and from the file alone, up to single precision.
 fn check_portraits(glb: &[u8], sidecar: &[u8]) {
-    let options = crease::format::ReadOptions { unit_m: Some(1.0), ..Default::default() };
+    let options = crease::io::ReadOptions { unit_m: Some(1.0), ..Default::default() };
     let mut nothing = |name: &str| Err(crease::Error::fault(name, "", "is not asked for", ""));
-    let (asset, _) = crease::format::read_asset("one.glb", glb, &options, &mut nothing).expect("reads back");
-    let sidecar = crease::format::read_sidecar("one.crease.json", sidecar).expect("reads back");
+    let (asset, _) = crease::io::read_asset("one.glb", glb, &options, &mut nothing).expect("reads back");
+    let sidecar = crease::io::read_sidecar("one.crease.json", sidecar).expect("reads back");
     let in_full = crease::report::Portrait::of_sidecar("one.glb", &sidecar);
     let alone = crease::report::Portrait::of_asset(asset).expect("is a garment");
     let largest = |portrait: &crease::report::Portrait| {
@@ -472,10 +472,10 @@ fn images_named_by_a_path_are_embedded() {
         0
     );
     let (mut json, binary) =
-        crease::format::gltf::split_glb(&std::fs::read(folder.join("plain.glb")).expect("is there"))
+        crease::io::gltf::split_glb(&std::fs::read(folder.join("plain.glb")).expect("is there"))
             .expect("is a GLB");
     json["images"] = serde_json::json!([{"uri": "my%20weave.png"}, {"uri": "gone.png"}]);
-    let glb = crease::format::gltf::join_glb(&json, &binary.expect("has bytes"));
+    let glb = crease::io::gltf::join_glb(&json, &binary.expect("has bytes"));
     std::fs::create_dir(folder.join("in")).expect("makes");
     std::fs::write(folder.join("in/pictured.glb"), glb).expect("writes");
     let png = b"\x89PNG\r\n\x1a\nnot looked into";
@@ -484,7 +484,7 @@ fn images_named_by_a_path_are_embedded() {
     assert_eq!(code, 0, "{err}");
     assert!(err.contains("warning: images[1] still names \"gone.png\""), "{err}");
     let out = std::fs::read(folder.join("out.glb")).expect("is there");
-    let (json, _) = crease::format::gltf::split_glb(&out).expect("is a GLB");
+    let (json, _) = crease::io::gltf::split_glb(&out).expect("is a GLB");
     assert_eq!(json["images"][0]["mimeType"], "image/png");
     assert!(out.windows(png.len()).any(|window| window == png));
 }

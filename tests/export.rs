@@ -4,9 +4,9 @@
 //!
 //! Each output is left in `target/tmp/export/`, so that the Khronos validator can be run over all of them.
 
-use crease::format::gltf::{WORN_TARGET, join_glb, split_glb, write_worn_glb};
-use crease::format::{ReadOptions, Sidecar, SourceAsset, read_asset, read_sidecar, write_sidecar};
 use crease::garment::{Garment, RestShape, WornGarment};
+use crease::io::gltf::{WORN_TARGET, join_glb, split_glb, write_worn_glb};
+use crease::io::{ReadOptions, Sidecar, SourceAsset, read_asset, read_sidecar, write_sidecar};
 use crease::math::Draw;
 use crease::mesh::{PointIndex, Topology};
 use nalgebra::{Matrix4, Vector2, Vector3};

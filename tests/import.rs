@@ -1,9 +1,9 @@
 //! Reading mesh files through the public interface: files nobody here made, each with a decided outcome; two other
 //! parsers as oracles; damaged bytes.
 
-use crease::format::gltf::join_glb;
-use crease::format::{ReadOptions, SourceAsset, read_asset};
 use crease::garment::{Finding, Garment, Inspection, inspect};
+use crease::io::gltf::join_glb;
+use crease::io::{ReadOptions, SourceAsset, read_asset};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 

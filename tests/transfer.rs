@@ -9,8 +9,8 @@ mod measure;
 
 use crease::bake::{BakeOptions, Grading};
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
-use crease::format::{ReadOptions, SourceAsset, read_asset};
 use crease::garment::{Garment, RestShape};
+use crease::io::{ReadOptions, SourceAsset, read_asset};
 use crease::math::Vec3;
 use crease::mesh::hinge_angle;
 use crease::transfer::{Align, By, Sheet, Source, TransferOptions, carry_back, transfer};
@@ -442,9 +442,9 @@ fn the_tool_carries_settles_and_writes_what_others_read() {
     let worn =
         crease::garment::WornGarment { displacement: vec![Vec3::zeros(); garment.points.len()], memory };
     let null = serde_json::Value::Null;
-    let sidecar = crease::format::Sidecar::new(&asset, &garment, &worn, null.clone(), null.clone(), null)
+    let sidecar = crease::io::Sidecar::new(&asset, &garment, &worn, null.clone(), null.clone(), null)
         .expect("is sound");
-    std::fs::write(path("from.crease.json"), crease::format::write_sidecar(&sidecar)).expect("writes");
+    std::fs::write(path("from.crease.json"), crease::io::write_sidecar(&sidecar)).expect("writes");
 
     let run = |arguments: &str| {
         let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_crease"));
@@ -496,7 +496,7 @@ fn the_tool_carries_settles_and_writes_what_others_read() {
     assert_eq!(code, Some(0), "{err}");
     let read = |name: &str| {
         let bytes = std::fs::read(path(name)).expect("is there");
-        crease::format::read_sidecar(name, &bytes).expect("reads")
+        crease::io::read_sidecar(name, &bytes).expect("reads")
     };
     let (first, again) = (read("out.crease.json"), read("again.crease.json"));
     assert_eq!((&first.hinges, &first.points), (&again.hinges, &again.points));
@@ -514,7 +514,7 @@ fn the_tool_carries_settles_and_writes_what_others_read() {
     assert!(fine.mesh.points_m.len() > 2 * own && fine.mesh.points_m[..own] == first.mesh.points_m);
     assert!(fine.mesh.triangle_vertices.is_none() && first.mesh.triangle_vertices.is_some());
     // Both stand as high.
-    let height = |sidecar: &crease::format::Sidecar| {
+    let height = |sidecar: &crease::io::Sidecar| {
         sidecar.points.displacement_m.iter().map(|d| d[1].abs()).fold(0.0, f64::max)
     };
     println!("height of the fold {:.4} m, finer {:.4} m", height(&first), height(&fine));

@@ -8,7 +8,7 @@
 //! ```
 
 use crease::Result;
-use crease::format::read_sidecar;
+use crease::io::read_sidecar;
 use crease::report::render::{Camera, encode_png, one_above_the_other, side_by_side};
 use crease::report::{Portrait, Show};
 

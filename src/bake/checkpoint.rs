@@ -11,9 +11,9 @@
 //!
 //! Does not do: when a checkpoint is written and where (the tool), results (they are written when all is done).
 
-use super::on_body::BodyMoment;
-use super::unmet_log::UnmetLog;
-use super::{BakeOptions, BakeReport, Run};
+use crate::bake::body_coupling::BodyMoment;
+use crate::bake::violation_log::UnmetLog;
+use crate::bake::{BakeOptions, BakeReport, Run};
 use crate::body::Wearer;
 use crate::contact::KeptStretch;
 use crate::error::{Error, Result};
@@ -21,8 +21,9 @@ use crate::fabric::Fabric;
 use crate::garment::Garment;
 use crate::math::Vec3;
 use crate::memory::Memory;
-use crate::solve::{SolveCost, State};
-use crate::wear::{DURATION_LIMIT_S, Drive, Posture, WearScript};
+use crate::sim::Drive;
+use crate::sim::{SolveCost, State};
+use crate::wear::{DURATION_LIMIT_S, Posture, WearScript};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
@@ -63,7 +64,7 @@ pub struct Checkpoint {
 #[serde(deny_unknown_fields)]
 pub struct Way {
     /// Positions on which the action began, one per point [m].
-    #[serde(with = "crate::math::plain::vectors")]
+    #[serde(with = "crate::math::serde_vec::vectors")]
     pub start: Vec<Vec3>,
     /// Simulated time at which it began [s].
     pub begin: f64,
@@ -105,7 +106,7 @@ pub struct Counts {
     /// Frames given to the observer.
     pub frames: u64,
     /// Simulated time of the next frame [s]; infinite for never.
-    #[serde(with = "crate::math::plain::limit")]
+    #[serde(with = "crate::math::serde_vec::limit")]
     pub next_frame: f64,
 }
 

@@ -1,26 +1,29 @@
 //! The main job: wear -> solve -> memory, step by step, then the garment brought home to its own pose.
 
-mod awake;
+mod active_region;
+mod adaptive_mesh;
+mod body_coupling;
 pub mod checkpoint;
-mod crossing_start;
-mod dressing;
-mod grading;
-mod home;
-mod on_body;
+mod depenetration;
+mod from_motion;
+mod initial_intersections;
 mod plan;
 mod quality;
-mod remember;
-mod settle;
-mod unmet_log;
+mod relax;
+mod relax_to_source;
+mod violation_log;
 
+pub use adaptive_mesh::Grading;
+pub use body_coupling::stirred;
 pub use checkpoint::{Checkpoint, run_key};
-pub use grading::Grading;
-pub use on_body::stirred;
+pub use from_motion::{Motion, remember};
 pub use plan::{Choice, Plan};
 pub use quality::Quality;
-pub use remember::{Motion, remember};
-pub use settle::{Settled, rest_mesh, settle};
+pub use relax::{Settled, rest_mesh, settle};
 
+use crate::bake::body_coupling::{OnBody, Pinch};
+use crate::bake::relax_to_source::{Homeward, bring_home};
+use crate::bake::violation_log::UnmetLog;
 use crate::body::Wearer;
 use crate::contact::{BodyField, Contact, ContactSettings};
 use crate::error::{Error, Result};
@@ -28,16 +31,14 @@ use crate::fabric::{EventCount, Fabric};
 use crate::garment::{Garment, RestShape, WornGarment};
 use crate::math::Vec3;
 use crate::memory::{Memory, Observed, Remembering};
-use crate::mesh::crossings::crossings;
-use crate::solve::{Cloth, SolveCost, State, StepOptions, Stepper};
+use crate::mesh::intersections::crossings;
+use crate::sim::GRAVITY;
+use crate::sim::{Cloth, SolveCost, State, StepOptions, Stepper};
 use crate::transfer::carry_back;
-use crate::wear::{Action, GRAVITY, Gesture, Posture, Scene, WearScript};
+use crate::wear::{Action, Gesture, Posture, Scene, WearScript};
 use checkpoint::Way;
-use home::{Homeward, bring_home};
-use on_body::{OnBody, Pinch};
 use std::sync::Arc;
 use std::time::Instant;
-use unmet_log::UnmetLog;
 
 /// How to bake.
 #[derive(Debug, Clone, PartialEq)]
@@ -324,7 +325,7 @@ fn wear_through<'a>(
         pinch: Pinch::default(),
         dressing_s: 0.0,
     };
-    run.report.warnings.extend(crossing_start::crossing_warning(garment));
+    run.report.warnings.extend(initial_intersections::crossing_warning(garment));
     if let Some(on_body) = on_body {
         run.put_on(on_body, taken_up.as_ref().and_then(|(_, checkpoint)| checkpoint.body.as_ref()));
     }

@@ -4,13 +4,14 @@
 //! What is off costs nothing. With `BakeOptions::everything` every model is on and at full size, for comparison:
 //! `crease chart plan` shows what the plan saves and that it changes nothing that counts.
 
-use super::{BakeOptions, Grading};
+use crate::bake::{BakeOptions, Grading};
 use crate::body::Wearer;
 use crate::fabric::Fabric;
 use crate::garment::Garment;
 use crate::math::{Vec3, bounds};
 use crate::mesh::PointIndex;
-use crate::wear::{Action, GRAVITY, WearScript};
+use crate::sim::GRAVITY;
+use crate::wear::{Action, WearScript};
 
 /// One decision.
 #[derive(Debug, Clone, PartialEq)]

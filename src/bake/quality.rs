@@ -1,8 +1,8 @@
 //! How finely a bake is made: three points on the front of `crease chart accuracy` (docs/accuracy.md says what error each
 //! leaves, and how they were chosen).
 
-use super::BakeOptions;
-use crate::solve::{Leeway, Method, NewtonOptions, StepOptions};
+use crate::bake::BakeOptions;
+use crate::sim::{Leeway, Method, NewtonOptions, StepOptions};
 
 /// A point between speed and accuracy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

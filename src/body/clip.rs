@@ -9,7 +9,7 @@
 //!
 //! Before the first key and after the last the value stays. Knows no file and no mesh.
 
-use super::skeleton::{Local, Pose, turn_towards};
+use crate::body::skeleton::{Local, Pose, turn_towards};
 use crate::math::Vec3;
 use nalgebra::{Quaternion, UnitQuaternion};
 

@@ -8,8 +8,8 @@
 //! specification asks readers to make them sum to one; a vertex without any follows its first joint, as viewers have it.
 //! A piece without skin follows its node. Everything comes out in the scene, in metres, y up.
 
-use super::clip::Clip;
-use super::skeleton::{Local, Skeleton};
+use crate::body::clip::Clip;
+use crate::body::skeleton::{Local, Skeleton};
 use crate::math::{Mat4, Vec3};
 use rayon::prelude::*;
 

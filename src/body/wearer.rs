@@ -3,10 +3,10 @@
 //! It stands still, follows a skeleton or goes through given frames. Vertices that its file splits at texture borders
 //! are one point, so that its surface is closed where it looks closed. How the cloth meets it is `contact::Body`'s.
 
-use super::clip::Clip;
-use super::rig::Rig;
-use super::sequence::Sequence;
-use super::skeleton::{Pose, between};
+use crate::body::clip::Clip;
+use crate::body::rig::Rig;
+use crate::body::sequence::Sequence;
+use crate::body::skeleton::{Pose, between};
 use crate::math::Vec3;
 use crate::mesh::{PointIndex, Welder};
 use serde::{Deserialize, Serialize};

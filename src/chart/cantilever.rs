@@ -8,13 +8,13 @@
 //! whole range of Gamma, and equilateral lattices turned by 0, 15 and 30 degrees. The reference is solved here by shooting
 //! from the tip. Reported is drop over reach of the tip.
 
-use super::sheet::Sheet;
-use super::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
-use super::still::Still;
+use crate::chart::test_sheet::Sheet;
+use crate::chart::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
+use crate::chart::static_solve::Still;
 use crate::error::Result;
 use crate::math::{Vec2, Vec3};
-use crate::solve::NewtonReport;
-use crate::wear::GRAVITY;
+use crate::sim::NewtonReport;
+use crate::sim::GRAVITY;
 
 /// Length [m], width over length, Y L² / B, area density [kg/m²].
 const STRIP: (f64, f64, f64, f64) = (0.2, 0.3, 1e5, 0.2);
@@ -179,7 +179,7 @@ pub(super) fn make(_options: &ChartOptions) -> Result<Chart> {
             x: Axis::decades("Gamma = rho g L^3 / B [-]"),
             y: Axis::decades("height over width [-]"),
             series: vec![
-                Series::new("heavy elastica", super::draw::BLACK, Mark::Line, exact),
+                Series::new("heavy elastica", crate::chart::draw::BLACK, Mark::Line, exact),
                 Series::new("crease, 40 elements", 1, Mark::Rings, found),
             ],
         },

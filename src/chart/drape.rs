@@ -5,12 +5,12 @@
 //! clamp at the ring. Many equilibria are near one another, so that starts differ by seeds. The reference was made with an
 //! independent shell solver on the same kind of mesh (physics.md 6); its own scatter is 2 to 4 points.
 
-use super::sheet::Sheet;
-use super::still::Still;
-use super::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
+use crate::chart::test_sheet::Sheet;
+use crate::chart::static_solve::Still;
+use crate::chart::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
 use crate::error::Result;
 use crate::math::{Vec2, Vec3};
-use crate::wear::GRAVITY;
+use crate::sim::GRAVITY;
 use std::f64::consts::{PI, TAU};
 
 /// Radii of support and specimen [m].
@@ -113,7 +113,7 @@ pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
         Table::new(&["bending_length_cm", "element_mm", "seed", "drape_coefficient", "nodes", "reference", "converged"]);
     let elements: &[f64] = if options.full { &[0.010, 0.007] } else { &[0.010] };
     let reference = REFERENCE.map(|(c, dc)| [100.0 * c, dc]);
-    let mut series = vec![Series::new("independent solver", super::draw::BLACK, Mark::Line, reference.into())];
+    let mut series = vec![Series::new("independent solver", crate::chart::draw::BLACK, Mark::Line, reference.into())];
     let (mut worst, mut notes): (f64, _) = (0.0, Vec::new());
     for (number, &element) in elements.iter().enumerate() {
         let mut points = Vec::new();

@@ -3,8 +3,8 @@
 //! Colours are Okabe and Ito's, which colour-blind readers tell apart; series differ in mark as well where they cross.
 //! Ticks are ours: 1, 2, 5 times a power of ten, decades, or names.
 
-use super::raster::Canvas;
-use super::{Axis, Figure, Mark, Panel, Series};
+use crate::chart::raster::Canvas;
+use crate::chart::{Axis, Figure, Mark, Panel, Series};
 use crate::error::{Error, Result};
 use crate::report::render::{Image, encode_png};
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};

@@ -5,8 +5,8 @@
 //! it: without gravity and in equilibrium its angle is its rest angle. The duration of a critical event is 1.25 s here:
 //! with the paper's 1 s its own table does not come out of this reading (`docs/memory.md`).
 
-use super::draw::BLACK;
-use super::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
+use crate::chart::draw::BLACK;
+use crate::chart::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
 use crate::error::Result;
 use crate::fabric::{Element, EventCount, FabricMemory, Law, Trace};
 

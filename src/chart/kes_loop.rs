@@ -6,9 +6,9 @@
 //! sides, 2HB the width of the loop at 1 per cm. What a loop of this law shows is memory alone: the law knows no
 //! friction between yarns, so a fabric whose thresholds are not reached has a loop without area (`docs/memory.md`).
 
-use super::draw::GREY;
-use super::sheet::Sheet;
-use super::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
+use crate::chart::draw::GREY;
+use crate::chart::test_sheet::Sheet;
+use crate::chart::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
 use crate::energy::Bending;
 use crate::error::Result;
 use crate::fabric::Fabric;

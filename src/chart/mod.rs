@@ -12,12 +12,12 @@
 
 mod draw;
 mod figure;
-pub mod plates;
+pub mod press_between_plates;
 mod raster;
-mod sheet;
-mod still;
+pub mod scenes;
+mod static_solve;
 mod table;
-pub mod trial;
+mod test_sheet;
 
 pub use figure::{Axis, Figure, Mark, Panel, Series};
 pub use table::{Cell, Table};

@@ -6,8 +6,8 @@
 //! so that two equally good bakes differ; each kind is baked from several shaken starts, and means are compared, with the
 //! standard error of their difference beside it.
 
-use super::accuracy::FoldThrice;
-use super::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table, median};
+use crate::chart::accuracy::FoldThrice;
+use crate::chart::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table, median};
 use crate::bake::BakeOptions;
 use crate::error::Result;
 

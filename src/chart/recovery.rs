@@ -5,9 +5,9 @@
 //! degrees is full recovery. Holds of 30 and 3000 s and readings at 5 s and 1 h show what time does. The published
 //! ranges are typical ones of the fibre, warp direction alone (`docs/fabrics.md`).
 
-use super::draw::{BLACK, GREY};
-use super::plates::Press;
-use super::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
+use crate::chart::draw::{BLACK, GREY};
+use crate::chart::press_between_plates::Press;
+use crate::chart::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
 use crate::error::Result;
 use crate::fabric::Fabric;
 

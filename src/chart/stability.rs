@@ -13,11 +13,12 @@
 //!
 //! The last column is what a bake does unless told otherwise: the standard quality with its own control of steps. All 21 rows of physics.md 9 and the tests that stand for them are listed in docs/accuracy.md.
 
-use super::trial::{self, Flight, Outcome, Scene, Setting, Stack, Swing};
-use super::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
+use crate::chart::scenes;
+use crate::chart::scenes::{Flight, Outcome, Scene, Setting, Stack, Swing};
+use crate::chart::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
 use crate::bake::Quality;
 use crate::error::Result;
-use crate::solve::Method;
+use crate::sim::Method;
 
 /// How a cell came out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -156,7 +157,7 @@ impl Map {
     pub fn reference(&self, value: f64) -> Result<Outcome> {
         let scene = (self.scene)(value);
         let step = 0.25 * self.steps.iter().copied().fold(f64::INFINITY, f64::min);
-        trial::run(
+        scenes::run(
             scene.as_ref(),
             &Setting::fixed(Method::Sdirk2, step, 1e-3 * TOLERANCE * scene.size()),
         )
@@ -173,7 +174,7 @@ impl Map {
                 Setting { quality: Some(Quality::Standard), ..fixed(method) }
             }
         };
-        let outcome = trial::run(scene.as_ref(), &setting)?;
+        let outcome = scenes::run(scene.as_ref(), &setting)?;
         let error = outcome.position_error(reference, scene.size());
         let off = error > self.right || !error.is_finite();
         let drawn_out = outcome.largest_strain > (self.strain)(value);

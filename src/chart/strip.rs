@@ -9,9 +9,9 @@
 //! A falling strip is chaotic: a degree more of tilt changes the time to rest by a third, memory or not. So every run
 //! starts from a tilt of its own, the same ones with and without memory, and the chart gives medians.
 
-use super::draw::BLACK;
-use super::sheet::Sheet;
-use super::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table, median};
+use crate::chart::draw::BLACK;
+use crate::chart::test_sheet::Sheet;
+use crate::chart::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table, median};
 use crate::bake::Quality;
 use crate::contact::{Contact, ContactSettings};
 use crate::error::Result;
@@ -19,8 +19,8 @@ use crate::fabric::{DEFAULT_FABRIC, Fabric};
 use crate::garment::{Garment, RestShape};
 use crate::math::Vec3;
 use crate::memory::{Memory, Observed, Remembering};
-use crate::solve::{Cloth, Leeway, SolveCost, State, StepOptions, Stepper};
-use crate::wear::{Drive, GRAVITY};
+use crate::sim::{Cloth, Leeway, SolveCost, State, StepOptions, Stepper};
+use crate::sim::{Drive, GRAVITY};
 use std::time::Instant;
 
 /// Height and width of the strip as it hangs [m].

@@ -4,34 +4,15 @@
 //! 1 bad input, 2 wrong usage, 3 did not converge, 130 interrupted. A command is one file and one line in the list
 //! below.
 
-mod also;
-mod arguments;
-mod bake;
-mod batch;
-mod body;
-mod chart;
-mod checkpoints;
-mod completions;
-mod fabric;
-mod finer;
-mod frames;
-mod heap;
-mod input;
-mod inspect;
-mod interrupt;
-mod mesh_file;
-mod output;
-mod progress;
-mod remember;
-mod render;
-mod schema;
-mod talk;
-mod threads;
-mod transfer;
-mod view;
+mod args;
+mod commands;
+mod files;
+mod runtime;
 
 use clap::{Parser, Subcommand};
+use commands::{bake, batch, chart, completions, fabric, inspect, remember, render, schema, transfer, view};
 use crease::{Error, Result};
+use runtime::{console, interrupt};
 use std::process::ExitCode;
 
 /// Garments that remember how they were worn: wear a mesh in, bake its wrinkles.
@@ -111,7 +92,7 @@ pub fn run() -> ExitCode {
     match arguments.command.run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            talk::error(&error);
+            console::error(&error);
             ExitCode::from(exit_code(&error))
         }
     }

@@ -19,8 +19,8 @@
 //!
 //! A contact that sticks holds up to `stiction` times what it bears while it slides.
 
-use super::candidates::PairKind;
-use super::places::Places;
+use crate::contact::broad_phase::PairKind;
+use crate::contact::stacked_positions::Places;
 use crate::energy::{BlockSink, add_symmetric};
 use crate::math::{Mat3, Vec3};
 use rustc_hash::FxHashMap;
@@ -72,7 +72,7 @@ pub struct KeptStretch {
     kind: Option<PairKind>,
     points: [u32; 4],
     /// As a share of what makes it slide.
-    #[serde(with = "crate::math::plain::vector")]
+    #[serde(with = "crate::math::serde_vec::vector")]
     share: Vec3,
 }
 

@@ -8,26 +8,26 @@
 //! the cloth leaves it room ([`Contact::advance`]).
 
 mod barrier;
-mod body;
-mod body_field;
-mod body_support;
-pub mod bound;
-pub mod candidates;
-mod entangled;
+mod body_edges;
+mod body_planes;
+pub mod broad_phase;
+mod collision_set;
 mod friction;
-mod pairs;
-mod places;
+mod initial_intersections;
+mod stacked_positions;
+pub mod step_bounds;
+mod two_way_body;
 
-pub use body::Body;
-pub use body_field::{BodyField, FOLD_RIM, FieldSettings, KeptField};
+pub use body_planes::{BodyField, FOLD_RIM, FieldSettings, KeptField};
+pub use two_way_body::Body;
 
+use crate::contact::collision_set::{PairContact, Touch};
+use crate::contact::stacked_positions::Places;
 use crate::energy::BlockSink;
 use crate::math::{Mat3, Vec3};
 use crate::mesh::{PointIndex, Topology};
 pub use friction::KeptStretch;
 use friction::{Friction, Slider, spread};
-use pairs::{PairContact, Touch};
-use places::Places;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};

@@ -15,7 +15,7 @@
 //! no fold passes it: there the angle that the shape itself has is the right one, however far a hinge snaps within one step
 //! ([`Bending::keep_apart`]).
 
-use super::{BlockSink, Energy, add_symmetric, sum_of};
+use crate::energy::{BlockSink, Energy, add_symmetric, sum_of};
 use crate::fabric::Fabric;
 use crate::garment::{Garment, RestShape};
 use crate::math::{Vec2, Vec3};

@@ -1,6 +1,6 @@
 //! Air drag: E = c/(2 h) sum m_i |x_i - start_i|² over a step of h seconds, a force -c m v.
 
-use super::{BlockSink, Energy};
+use crate::energy::{BlockSink, Energy};
 use crate::math::{Mat3, Vec3};
 
 /// Drag of one step.

@@ -1,6 +1,6 @@
 //! Weight: E = -sum m_i g . x_i.
 
-use super::{BlockSink, Energy};
+use crate::energy::{BlockSink, Energy};
 use crate::math::Vec3;
 
 /// Weight of every point.

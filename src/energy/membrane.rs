@@ -12,7 +12,7 @@
 //! k * damping/step: both springs together are one with a shifted target, made once per step.
 //! Out-of-plane stiffness of a compressed axis is left out of the Hessian (it would be negative).
 
-use super::{BlockSink, Energy, add_symmetric, sum_of};
+use crate::energy::{BlockSink, Energy, add_symmetric, sum_of};
 use crate::fabric::Fabric;
 use crate::garment::{Garment, RestShape};
 use crate::math::{Mat3, Vec2, Vec3};

@@ -6,24 +6,24 @@
 //! called once for it in that file.
 
 mod bending;
-mod container;
-mod cushion;
 mod drag;
+mod edge_contact;
 mod gravity;
-mod guide;
 mod membrane;
+mod plane_contact;
 mod pressure;
-mod support;
+mod shrinking_sphere;
+mod target_spring;
 
 pub use bending::{Bending, BendingTerm};
-pub use container::Container;
-pub use cushion::{Cushion, Cushions};
 pub use drag::Drag;
+pub use edge_contact::{Support, Supports};
 pub use gravity::Gravity;
-pub use guide::{Guide, Guides};
 pub use membrane::{Membrane, MembraneTerm};
+pub use plane_contact::{Cushion, Cushions};
 pub use pressure::Pressure;
-pub use support::{Support, Supports};
+pub use shrinking_sphere::Container;
+pub use target_spring::{Guide, Guides};
 
 use crate::math::{Mat3, Vec3};
 use rayon::prelude::*;

@@ -1,7 +1,7 @@
 //! Pressure of a soft plate from above: a force straight down on every uncovered triangle,
 //! E = p sum_f A_f^xz h_f with the triangle's shadow area held for the step, so that it is a plain linear term.
 
-use super::{BlockSink, Energy};
+use crate::energy::{BlockSink, Energy};
 use crate::math::Vec3;
 
 /// Downward force on points.

@@ -4,7 +4,7 @@
 //! `docs/method.md`: stretch and shear per width [N/m] and bending per width [N·m], the B of a plate. The memory
 //! numbers follow KOW's ten parameters, with thresholds in percent of a right angle. Does not do: the memory law itself.
 
-use super::{Band, Law};
+use crate::fabric::{Band, Law};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;

@@ -1,8 +1,8 @@
 //! The fabrics that come along: one file each in `presets/`, one line each here. `docs/fabrics.md` says where their
 //! numbers come from, as does `provenance` in each.
 
-use super::Fabric;
 use crate::error::{Error, Result};
+use crate::fabric::Fabric;
 use crate::json::nearest;
 
 /// The fabric of a bake that names none.

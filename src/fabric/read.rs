@@ -1,11 +1,11 @@
 //! Reads `crease-fabric/1`: a fabric in full, or one based on a preset that says only what is different.
 
-use super::{Fabric, preset_list};
 use crate::error::{Error, Fault, Result};
+use crate::fabric::{Fabric, preset_list};
 use crate::json::{Document, Path, nearest, schema_of};
 use serde_json::{Value, json};
 
-/// Each group of [`super::Provenance`] with the fields it speaks of.
+/// Each group of [`crate::fabric::Provenance`] with the fields it speaks of.
 const GROUPS: [(&str, &[&str]); 7] = [
     ("mass", &["area_density_g_m2", "thickness_mm"]),
     ("stretch", &["stretch_warp_n_per_m", "stretch_weft_n_per_m"]),

@@ -5,10 +5,10 @@
 //! strips) stays and carries no hinge, so that the garment is still usable. Sews no seams that are apart, changes no
 //! positions, and looks for no crossings.
 
-use super::material::lay_flat;
-use super::repair::{Corners, drop_copies, mend_caps, turn_alike};
-use super::{Finding, Garment, Severity};
-use crate::format::{SourceAsset, SourcePiece};
+use crate::garment::material_coords::lay_flat;
+use crate::garment::repair::{Corners, drop_copies, mend_caps, turn_alike};
+use crate::garment::{Finding, Garment, Severity};
+use crate::io::{SourceAsset, SourcePiece};
 use crate::math::{Vec2, Vec3};
 use crate::mesh::{Groups, PointIndex, Topology, Welder};
 use crate::{Error, Fault, Result};
@@ -235,7 +235,7 @@ fn mean_per_point(mask: &[f64], source_point: &[PointIndex], point_count: usize)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::format::{Placement, SourceFormat, UpAxis};
+    use crate::io::{Placement, SourceFormat, UpAxis};
     use crate::math::Mat4;
 
     fn piece(positions: &[[f64; 3]], uvs: Option<&[[f64; 2]]>, triangles: &[[u32; 3]]) -> SourcePiece {

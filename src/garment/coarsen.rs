@@ -6,8 +6,8 @@
 //! edges are turned where that makes triangles rounder. Open borders, seams at which the warp turns, sharp edges of the
 //! source shape and borders between parts keep their course; triangles of which nothing was taken away stay as they are.
 
-use super::Garment;
-use super::material::{flatten, in_plane};
+use crate::garment::Garment;
+use crate::garment::material_coords::{flatten, in_plane};
 use crate::math::Vec3;
 use crate::mesh::distance::{barycentric, point_triangle_squared};
 use crate::mesh::{Hinge, PointIndex, Topology};

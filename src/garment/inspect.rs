@@ -3,8 +3,8 @@
 //! Made from the source, the garment built from it, and the findings of both stages. Counts no crossings: that is the
 //! contact floor's work, and the caller fills it in.
 
-use super::{Finding, Garment, Severity};
-use crate::format::{Placement, SourceAsset, SourceFormat, UpAxis};
+use crate::garment::{Finding, Garment, Severity};
+use crate::io::{Placement, SourceAsset, SourceFormat, UpAxis};
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -145,7 +145,7 @@ pub fn inspect(asset: &SourceAsset, garment: &Garment, findings: &[Finding]) -> 
 }
 
 fn piece_reports(asset: &SourceAsset) -> Vec<PieceReport> {
-    let report = |piece: &crate::format::SourcePiece| PieceReport {
+    let report = |piece: &crate::io::SourcePiece| PieceReport {
         name: piece.name.clone(),
         material: piece.material.clone(),
         vertices: piece.positions.len(),
@@ -287,7 +287,7 @@ fn abridged(shown: &[String], count: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::format::{ReadOptions, read_asset};
+    use crate::io::{ReadOptions, read_asset};
 
     /// A square of 10 cm with a stray triangle of two corners, in centimetres.
     const TEXT: &str = "o Hanky\nv 0 0 0\nv 10 0 0\nv 10 10 0\nv 0 10 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\

@@ -2,21 +2,21 @@
 
 mod build;
 mod coarsen;
-mod corners;
-mod finding;
+mod diagnostic;
 mod garment_type;
 mod inspect;
-mod material;
+mod material_coords;
 mod refine;
 mod repair;
 mod rest_shape;
+mod wedges;
 mod worn;
 
 pub use coarsen::Coarsened;
-pub use corners::{corner_uvs, corner_vertices};
-pub use finding::{Finding, Severity};
+pub use diagnostic::{Finding, Severity};
 pub use garment_type::Garment;
 pub use inspect::{Inspection, PartReport, PieceReport, inspect};
 pub use refine::Refined;
 pub use rest_shape::RestShape;
+pub use wedges::{corner_uvs, corner_vertices};
 pub use worn::WornGarment;

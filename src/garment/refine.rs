@@ -6,7 +6,7 @@
 //! triangles: the rest shape is that of the file, its roundness as coarse as the file's. Never coarsens: a file that is finer
 //! stays as it is.
 
-use super::Garment;
+use crate::garment::Garment;
 use crate::math::{Vec2, Vec3};
 use crate::mesh::{PointIndex, Topology};
 use rustc_hash::FxHashMap;
@@ -199,7 +199,7 @@ impl Bisection {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::format::{ReadOptions, read_asset};
+    use crate::io::{ReadOptions, read_asset};
 
     fn garment() -> Garment {
         let text = "v 0 0 0\nv 0.2 0 0\nv 0.2 0.1 0\nv 0 0.1 0\nv 0.3 0.05 0.1\nf 1 2 3\nf 1 3 4\nf 2 5 3\n";

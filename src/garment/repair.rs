@@ -1,7 +1,7 @@
 //! Repairs of an imported triangle list that are safe to make unasked: copies of triangles, triangles without area,
 //! and triangles that show the wrong side. Every repair is counted in a finding. Moves no point.
 
-use super::build::FindingList;
+use crate::garment::build::FindingList;
 use crate::math::{Vec2, Vec3};
 use crate::mesh::{PointIndex, Topology, Welder};
 use rustc_hash::FxHashMap;

@@ -1,6 +1,6 @@
 //! The result: the garment back in its own pose, with its memory.
 
-use super::RestShape;
+use crate::garment::RestShape;
 use crate::math::Vec3;
 
 /// A garment after wear.

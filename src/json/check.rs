@@ -5,8 +5,8 @@
 //! enums, as externally tagged enums (`{"fold": {...}}`) and as options. Other words of the language are ignored:
 //! serde still has the last say.
 
-use super::{Document, FAULT_LIMIT, Path, Segment, nearest, quoted};
 use crate::error::Fault;
+use crate::json::{Document, FAULT_LIMIT, Path, Segment, nearest, quoted};
 use serde_json::Value;
 
 /// References followed one after the other before a schema is taken to go in circles.

@@ -9,14 +9,14 @@
 //! of this crate use.
 
 mod check;
-mod nearest;
-mod places;
+mod spans;
+mod suggest;
 
-pub use nearest::nearest;
-pub use places::{Path, Segment};
+pub use spans::{Path, Segment};
+pub use suggest::nearest;
 
 use crate::error::{Error, Fault, Result};
-use places::Places;
+use crate::json::spans::Places;
 use schemars::{JsonSchema, generate::SchemaSettings};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -38,7 +38,7 @@ impl Document {
     pub fn parse(file: &str, text: &str) -> Result<Self> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let value = serde_json::from_str(text).map_err(|e| {
-            let place = places::line_and_column(text, e.line(), e.column());
+            let place = spans::line_and_column(text, e.line(), e.column());
             let what = e.to_string();
             let what = what.split(" at line ").next().unwrap_or(&what).to_owned();
             Error::fault(

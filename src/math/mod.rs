@@ -1,9 +1,9 @@
 //! Aliases and small pieces of algebra that the floors above share.
 
-mod draw;
-pub mod plain;
+mod rng;
+pub mod serde_vec;
 
-pub use draw::Draw;
+pub use rng::Draw;
 
 /// Point or vector in space [m].
 pub type Vec3 = nalgebra::Vector3<f64>;

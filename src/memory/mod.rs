@@ -8,7 +8,7 @@
 //! An event changes what is remembered at once, but enters the forces smoothly: energies read [`Memory::felt`], which
 //! follows [`Memory::shape`] within a fifth of a second. What is baked and written to files is `shape`.
 
-mod felt;
+mod rest_smoothing;
 
 use crate::fabric::{Element, EventCount, Fabric, Law, Trace, Zone};
 use crate::garment::{Garment, RestShape};
@@ -165,7 +165,7 @@ impl Memory {
     ) -> EventCount {
         let mut count = EventCount::default();
         if self.frozen {
-            felt::follow(&mut self.felt, &self.shape, duration);
+            rest_smoothing::follow(&mut self.felt, &self.shape, duration);
             return count;
         }
         let shape = &mut self.shape;
@@ -196,7 +196,7 @@ impl Memory {
             }
         }
         self.events += count;
-        felt::follow(&mut self.felt, &self.shape, duration);
+        rest_smoothing::follow(&mut self.felt, &self.shape, duration);
         count
     }
 }

@@ -1,15 +1,15 @@
 //! Triangle meshes as geometry: indices, topology, hinge angles, distances, search. Knows no cloth and no file.
 
-pub mod boxes;
-pub mod crossings;
+pub mod aabb;
+pub mod ccd;
 pub mod distance;
 mod hinge;
 mod index;
-pub mod inside;
-pub mod motion;
-pub mod patches;
+pub mod intersections;
+pub mod point_in_solid;
+pub mod static_bvh;
 mod topology;
-pub mod tree;
+pub mod triangle_bvh;
 mod weld;
 
 pub use hinge::{hinge_angle, hinge_gradient, hinge_hessian, unwrap_angle};

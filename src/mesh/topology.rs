@@ -13,7 +13,7 @@
 //! Edges with one triangle are boundary; with three or more, or with two that disagree, they carry no hinge and
 //! are reported by the importer.
 
-use super::PointIndex;
+use crate::mesh::PointIndex;
 use rustc_hash::FxHashMap;
 
 /// Marks the missing second triangle of a boundary edge.

@@ -5,8 +5,8 @@
 //! in the middle of a layer, closed all around, is never joined to another layer's. What else belongs together
 //! (copies of a triangle) the caller joins. Looks at places only, not at texture or material.
 
-use super::PointIndex;
 use crate::math::Vec3;
+use crate::mesh::PointIndex;
 use rustc_hash::FxHashMap;
 
 /// Vertices on their way to become points.

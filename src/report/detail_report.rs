@@ -1,6 +1,6 @@
 //! What the report of a bake says of a detail map.
 
-use crate::format::gltf::DetailMap;
+use crate::io::gltf::DetailMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

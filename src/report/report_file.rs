@@ -3,11 +3,11 @@
 //! Plain data: the bake fills it in, the tool writes it, others read it by these names (`docs/formats.md`). Units
 //! stand in the names. It measures nothing itself; `crossings` are counted exactly by who fills them in.
 
-use super::{AlsoReport, DetailReport};
 use crate::bake::{Baked, Choice};
 use crate::garment::{Garment, WornGarment};
 use crate::math::Vec3;
-use crate::mesh::crossings::crossings;
+use crate::mesh::intersections::crossings;
+use crate::report::{AlsoReport, DetailReport};
 use schemars::JsonSchema;
 use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -202,10 +202,10 @@ mod tests {
     /// A triangle that lies, and one that stands on a corner at height `y` above its middle.
     fn lying_and_standing(y: f64) -> Garment {
         let text = format!("v -1 0 -1\nv 1 0 -1\nv 0 0 1\nv 0 {y} 0\nv -1 2 0\nv 1 2 0\nf 1 2 3\nf 4 5 6\n");
-        let options = crate::format::ReadOptions::default();
+        let options = crate::io::ReadOptions::default();
         let mut nothing = |_: &str| Ok(Vec::new());
         let (asset, _) =
-            crate::format::read_asset("two.obj", text.as_bytes(), &options, &mut nothing).expect("is a mesh");
+            crate::io::read_asset("two.obj", text.as_bytes(), &options, &mut nothing).expect("is a mesh");
         Garment::from_asset(&asset).expect("is a garment").0
     }
 

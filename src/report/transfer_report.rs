@@ -2,7 +2,7 @@
 //!
 //! Plain data, as the report of a bake; names that both have mean the same.
 
-use super::{AlsoReport, DetailReport};
+use crate::report::{AlsoReport, DetailReport};
 use crate::transfer::{Carried, Losses, Region, Sheet};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

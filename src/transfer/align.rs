@@ -1,11 +1,11 @@
 //! One garment laid over another, so that places of both can be compared: where they are, by places that belong together, or box
 //! over box.
 
-use super::registration::{Registration, joint_places};
-use super::stance::{Stance, stand};
-use super::{Sheet, Source, TransferOptions};
 use crate::math::{Mat3, Vec3};
-use crate::mesh::tree::TriangleTree;
+use crate::mesh::triangle_bvh::TriangleTree;
+use crate::transfer::canonical_pose::{Stance, stand};
+use crate::transfer::registration::{Registration, joint_places};
+use crate::transfer::{Sheet, Source, TransferOptions};
 use crate::{Error, Result};
 
 /// How garments are laid over one another before places are matched by surface.

@@ -3,10 +3,10 @@
 //! A region is a ninth of the box seen from the front (left, middle, right by upper, middle, lower), front and back apart:
 //! names that suit any garment and that a user can check by looking. Left and right are the wearer's.
 
-use super::Sheet;
-use super::spread::Gathered;
 use crate::garment::RestShape;
 use crate::math::bounds;
+use crate::transfer::Sheet;
+use crate::transfer::resample::Gathered;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

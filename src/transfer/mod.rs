@@ -16,30 +16,30 @@
 //! Does not settle the garment (`bake::settle` does, with what comes out of here) and opens no files.
 
 mod align;
+mod canonical_pose;
 mod confidence;
-mod discretise;
-mod landing;
+mod correspondence;
+mod hinge_fit;
+mod prolongate;
 mod registration;
-mod sheet;
-mod spread;
-mod stance;
-mod within;
+mod resample;
+mod surface;
 
 pub use align::Align;
 pub use confidence::{Losses, Region};
-pub use sheet::Sheet;
-pub use within::carry_back;
+pub use prolongate::carry_back;
+pub use surface::Sheet;
 
-use crate::format::SourceJoint;
 use crate::garment::RestShape;
+use crate::io::SourceJoint;
 use crate::math::Vec3;
 use crate::mesh::hinge_angle;
+use crate::transfer::canonical_pose::{Stance, stand};
+use crate::transfer::correspondence::{Finder, Place, Way, landed_at, texture_gradient};
+use crate::transfer::hinge_fit::{PlaneTensor, hinge_angles};
+use crate::transfer::resample::gather;
 use crate::{Error, Result};
 use align::lay_over;
-use discretise::{PlaneTensor, hinge_angles};
-use landing::{Finder, Place, Way, landed_at, texture_gradient};
-use spread::gather;
-use stance::{Stance, stand};
 use std::f64::consts::PI;
 
 /// How the places of two garments are matched.
@@ -363,7 +363,7 @@ fn carry_one(
 }
 
 /// Per hinge: stiffness ratio minus 1, from the compliance gathered on both sides.
-fn stiffness(target: &Sheet, gathered: &[spread::Gathered]) -> Vec<f64> {
+fn stiffness(target: &Sheet, gathered: &[resample::Gathered]) -> Vec<f64> {
     let side = |f: u32, edge: u32| {
         let k = target.topology.triangle_edges[f as usize].iter().position(|&e| e == edge).unwrap_or(0);
         gathered[f as usize].compliance[k]

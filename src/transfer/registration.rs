@@ -5,9 +5,9 @@
 //! where it belongs: displacements in between are sums of distances to the places, the biharmonic spline of three dimensions
 //! (Duchon 1977, Bookstein 1989). So an arm that hangs here and is raised there goes along with its joints.
 
-use super::Sheet;
-use crate::format::SourceJoint;
+use crate::io::SourceJoint;
 use crate::math::{Mat3, Vec3};
+use crate::transfer::Sheet;
 use nalgebra::DMatrix;
 
 /// Places on a line, or nearly (second extent below this share of the first), say nothing of a turn.

@@ -1,7 +1,7 @@
 //! The list of actions. One line per action gives its variant of [`Action`], its name in scripts, its entry in the
 //! schema and its place in the tests that walk the list.
 
-use super::actions::*;
+use crate::wear::actions::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -4,10 +4,10 @@
 //! one script suits any garment. Reading reports every fault of a file in one go, with line, column and path
 //! (`docs/wear.md`). Nothing here knows a garment, a body or a solver: whether a joint exists is asked at bake time.
 
-use super::{Action, Repeat};
 use crate::body::{BodyPose, Wearer};
 use crate::error::{Error, Fault, Result};
 use crate::json::{Document, Path, schema_of};
+use crate::wear::{Action, Repeat};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;

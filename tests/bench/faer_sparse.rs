@@ -2,7 +2,7 @@
 //! order of a bisection at the median of the widest axis.
 
 use crease::math::Vec3;
-use crease::solve::BlockMatrix;
+use crease::sim::BlockMatrix;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::perm::PermRef;

@@ -8,7 +8,7 @@ mod faer_sparse;
 
 use crease::energy::BlockSink;
 use crease::math::{Mat3, Vec3};
-use crease::solve::{BlockMatrix, Cholesky};
+use crease::sim::{BlockMatrix, Cholesky};
 use faer_sparse::FaerSparse;
 use std::collections::HashMap;
 use std::time::Instant;

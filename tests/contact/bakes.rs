@@ -3,11 +3,11 @@
 use crease::bake::{BakeOptions, BakeReport, Observer, bake};
 use crease::error::Result;
 use crease::fabric::Fabric;
-use crease::format::{ReadOptions, read_asset};
 use crease::garment::Garment;
+use crease::io::{ReadOptions, read_asset};
 use crease::math::{Draw, Vec3, bounds};
 use crease::mesh::PointIndex;
-use crease::mesh::crossings::crossings;
+use crease::mesh::intersections::crossings;
 use crease::wear::WearScript;
 use std::fmt::Write;
 use std::time::Instant;

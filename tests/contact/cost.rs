@@ -11,7 +11,7 @@
 mod run;
 
 use crease::math::Vec3;
-use crease::wear::Drive;
+use crease::sim::Drive;
 use run::{COTTON, Kind, Pattern, Run};
 use std::time::Instant;
 
@@ -38,7 +38,7 @@ fn pile(layers: usize, points: usize) -> Run {
 /// Milliseconds of a step and of contact in it, linear solves in it: mean over `steps` steps of 1/100 s.
 fn measure(layers: usize, points: usize, steps: usize) -> (usize, [f64; 3]) {
     let mut run = pile(layers, points);
-    let mut drive = |_: f64, _: &crease::solve::State| Drive::at_rest(Some(0.0));
+    let mut drive = |_: f64, _: &crease::sim::State| Drive::at_rest(Some(0.0));
     run.stepper.options.longest = 0.01;
     run.stepper.options.shortest = 0.01;
     let mut advance = |run: &mut Run| {

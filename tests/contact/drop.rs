@@ -3,7 +3,7 @@
 use crate::run::{COTTON, Pattern, Run};
 use crate::shapes::Shape;
 use crease::math::Vec3;
-use crease::wear::Drive;
+use crease::sim::Drive;
 use std::sync::Arc;
 
 /// A square of 0.3 m and about `points` points, jittered, falls on `shape`.
@@ -50,11 +50,8 @@ fn cloth_over_a_sphere_comes_to_rest_in_balance() {
     run.precisely();
     run.stepper.contact.set_body(Some(shape.body()));
     let at: Arc<[Vec3]> = shape.points.clone().into();
-    let mut drive = |_: f64, _: &crease::solve::State| Drive {
-        body: Some(at.clone()),
-        drag: 3.0,
-        ..Drive::at_rest(None)
-    };
+    let mut drive =
+        |_: f64, _: &crease::sim::State| Drive { body: Some(at.clone()), drag: 3.0, ..Drive::at_rest(None) };
     run.go(0.2, &mut drive);
     // A quarter turn takes the point (i, j) to (N - j, i).
     let turned = |p: usize| (p % (N + 1)) * (N + 1) + N - p / (N + 1);

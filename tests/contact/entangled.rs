@@ -4,8 +4,8 @@ use crate::run::{COTTON, Pattern, Run};
 use crate::shapes::Shape;
 use crease::energy::Guide;
 use crease::math::Vec3;
-use crease::solve::State;
-use crease::wear::Drive;
+use crease::sim::Drive;
+use crease::sim::State;
 use std::sync::Arc;
 
 /// Two sheets 2 mm apart, the lower pushed through the upper around the middle.

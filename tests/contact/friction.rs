@@ -5,8 +5,8 @@ use crate::run::{COTTON, Kind, Pattern, Run};
 use crate::shapes::Shape;
 use crease::energy::Guide;
 use crease::math::Vec3;
-use crease::solve::State;
-use crease::wear::{Drive, GRAVITY};
+use crease::sim::State;
+use crease::sim::{Drive, GRAVITY};
 use std::sync::Arc;
 
 const MU: f64 = 0.3;

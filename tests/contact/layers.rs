@@ -3,8 +3,8 @@
 use crate::run::{COTTON, Kind, Pattern, Run};
 use crease::energy::Guide;
 use crease::math::{Mat3, Vec3};
-use crease::solve::{NewtonOptions, State};
-use crease::wear::Drive;
+use crease::sim::Drive;
+use crease::sim::{NewtonOptions, State};
 use std::f64::consts::TAU;
 
 const STACKED: Kind = Kind { thickness: 0.5e-3, ..COTTON };
@@ -122,7 +122,7 @@ fn what_is_led_against_a_wall_stays_together() {
     let contact = &mut run.stepper.contact;
     contact.begin_step(&x, 0.03, 0.0, &vec![false; x.len()]);
     contact.advance(&mut x, &lead);
-    assert!(crease::mesh::crossings::crossings(&x, &pattern.triangles).is_empty());
+    assert!(crease::mesh::intersections::crossings(&x, &pattern.triangles).is_empty());
     let went = |p: usize| (x[p] - pattern.x[p]).x / WAY;
     let apart = topology.edges.iter().map(|e| (went(e[0].at()) - went(e[1].at())).abs()).fold(0.0, f64::max);
     let (least, most) =

@@ -5,8 +5,8 @@ use crate::run::{COTTON, Pattern, Run};
 use crate::shapes::Shape;
 use crease::energy::Guide;
 use crease::math::Vec3;
-use crease::solve::State;
-use crease::wear::Drive;
+use crease::sim::Drive;
+use crease::sim::State;
 use std::sync::Arc;
 
 /// What was seen while two halves of a body closed on cloth and opened again.
@@ -140,7 +140,7 @@ fn pins_pulled_apart_are_told_and_forgiven() {
         .filter(|(_, x)| x.x.abs() > 0.098)
         .map(|(p, x)| (p as u32, *x))
         .collect();
-    let mut told: Vec<(f64, crease::solve::StepReport)> = Vec::new();
+    let mut told: Vec<(f64, crease::sim::StepReport)> = Vec::new();
     run.watch(
         3.0,
         &mut |t, _: &State| {

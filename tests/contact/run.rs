@@ -5,10 +5,10 @@ use crease::contact::{Contact, ContactSettings};
 use crease::energy::{Bending, Membrane};
 use crease::garment::RestShape;
 use crease::math::{Draw, Vec2, Vec3};
-use crease::mesh::crossings::{crossings, crossings_between};
+use crease::mesh::intersections::{crossings, crossings_between};
 use crease::mesh::{PointIndex, Topology};
-use crease::solve::{Cloth, Leeway, Method, NewtonOptions, State, StepOptions, StepReport, Stepper};
-use crease::wear::Drive;
+use crease::sim::Drive;
+use crease::sim::{Cloth, Leeway, Method, NewtonOptions, State, StepOptions, StepReport, Stepper};
 use std::time::Instant;
 
 /// Cloth before it is made: points in space, triangles, and each triangle laid flat.
@@ -121,7 +121,7 @@ impl Run {
         let bending = Bending::from_parts(&topology, &pattern.material, [kind.bend; 2], 0.02);
         let angle = bending.angles(&pattern.x, &[]);
         let mean_area = area.iter().sum::<f64>() / area.len() as f64;
-        let load = layers * kind.density * crease::wear::GRAVITY;
+        let load = layers * kind.density * crease::sim::GRAVITY;
         let settings = ContactSettings {
             distance: kind.thickness,
             stiffness: (load / (0.3 * kind.thickness)).max(k / mean_area),
@@ -135,7 +135,7 @@ impl Run {
         let contact = Contact::new(settings, &pattern.x, &pattern.triangles, &topology, area.clone());
         let cloth = Cloth { mass, area, membrane, bending };
         // As in a bake, but for the steps, which may be shorter.
-        let energy = 3e-6 * cloth.mass.iter().sum::<f64>() * crease::wear::GRAVITY;
+        let energy = 3e-6 * cloth.mass.iter().sum::<f64>() * crease::sim::GRAVITY;
         let options = StepOptions {
             method: Method::BackwardEuler,
             newton: NewtonOptions { tolerance: 3e-5, energy, share: 0.0, most_iterations: 10 },
@@ -233,7 +233,7 @@ impl Run {
 
     /// [N].
     pub fn weight(&self) -> f64 {
-        self.stepper.cloth.mass.iter().sum::<f64>() * crease::wear::GRAVITY
+        self.stepper.cloth.mass.iter().sum::<f64>() * crease::sim::GRAVITY
     }
 
     pub fn line(&self, name: &str) -> String {

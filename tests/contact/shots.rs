@@ -2,8 +2,8 @@
 
 use crate::run::{COTTON, Kind, Pattern, Run};
 use crease::math::{Draw, Vec3};
-use crease::mesh::tree::TriangleTree;
-use crease::wear::Drive;
+use crease::mesh::triangle_bvh::TriangleTree;
+use crease::sim::Drive;
 
 /// What became of a number of shots.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

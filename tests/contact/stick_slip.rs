@@ -4,8 +4,8 @@
 use crate::run::{COTTON, Kind, Pattern, Run};
 use crate::shapes::Shape;
 use crease::math::Vec3;
-use crease::solve::State;
-use crease::wear::Drive;
+use crease::sim::Drive;
+use crease::sim::State;
 use std::sync::Arc;
 
 const LENGTH: f64 = 0.1;

@@ -3,7 +3,7 @@
 use crate::rest::{Scene, balance};
 use crate::sheet::Sheet;
 use crease::math::Vec3;
-use crease::solve::NewtonOptions;
+use crease::sim::NewtonOptions;
 
 const G: f64 = 9.81;
 /// [kg/m²]

@@ -6,7 +6,7 @@ use crate::sheet::{Sheet, spaced};
 use crease::energy::{Energy, Gravity, Membrane};
 use crease::math::{Vec2, Vec3};
 use crease::mesh::PointIndex;
-use crease::solve::NewtonOptions;
+use crease::sim::NewtonOptions;
 use nalgebra::{Matrix3x2, Rotation3};
 
 const NEWTON: NewtonOptions =

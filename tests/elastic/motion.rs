@@ -7,7 +7,7 @@ use crease::contact::Contact;
 use crease::energy::{Bending, Energy, Gravity, Guide, Guides, Membrane};
 use crease::garment::RestShape;
 use crease::math::{Vec2, Vec3};
-use crease::solve::{Method, NewtonOptions, Previous, Problem, State, Workspace};
+use crease::sim::{Method, NewtonOptions, Previous, Problem, State, Workspace};
 
 /// Newton works until rounding [m]: the tests look at the integrator, not at the solver's tolerance.
 const NEWTON: NewtonOptions =

@@ -5,7 +5,7 @@ use crease::contact::Contact;
 use crease::energy::{Bending, Energy, Gravity, Membrane};
 use crease::garment::RestShape;
 use crease::math::Vec3;
-use crease::solve::{NewtonOptions, NewtonReport, Problem, Workspace};
+use crease::sim::{NewtonOptions, NewtonReport, Problem, Workspace};
 
 /// Gradient of all `terms` [N], one per point.
 pub fn forces(terms: &[&dyn Energy], x: &[Vec3]) -> Vec<Vec3> {

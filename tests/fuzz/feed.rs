@@ -3,11 +3,11 @@
 
 use crease::bake::Checkpoint;
 use crease::fabric::Fabric;
-use crease::format::gltf::write_worn_glb;
-use crease::format::{Landmarks, ReadOptions, Sidecar, read_asset, read_sidecar, write_sidecar};
 use crease::garment::{Garment, RestShape, WornGarment, inspect};
+use crease::io::gltf::write_worn_glb;
+use crease::io::{Landmarks, ReadOptions, Sidecar, read_asset, read_sidecar, write_sidecar};
 use crease::math::Vec3;
-use crease::mesh::crossings::crossings;
+use crease::mesh::intersections::crossings;
 use crease::report::Portrait;
 use crease::wear::WearScript;
 use crease::{Error, Result};

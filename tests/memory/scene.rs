@@ -4,12 +4,13 @@ use crate::hinge::{Watched, folded, pair};
 use crease::bake::{BakeOptions, bake};
 use crease::contact::Contact;
 use crease::fabric::Fabric;
-use crease::format::{ReadOptions, read_asset};
 use crease::garment::{Garment, RestShape};
+use crease::io::{ReadOptions, read_asset};
 use crease::math::Vec3;
 use crease::memory::{Memory, Observed};
-use crease::solve::{Cloth, Leeway, Method, NewtonOptions, State, StepOptions, Stepper};
-use crease::wear::{Drive, WearScript};
+use crease::sim::Drive;
+use crease::sim::{Cloth, Leeway, Method, NewtonOptions, State, StepOptions, Stepper};
+use crease::wear::WearScript;
 use std::fmt::Write;
 
 fn stepper(garment: &Garment, fabric: &Fabric, step: f64) -> Stepper {

@@ -1,11 +1,11 @@
 //! Promises about strips that are folded between plates or bent to and fro, as the charts have them.
 
 use crease::chart::kes_loop::{bend, read};
-use crease::chart::plates::Press;
+use crease::chart::press_between_plates::Press;
 use crease::energy::{Energy, Membrane};
 use crease::fabric::Fabric;
 use crease::math::Vec3;
-use crease::solve::{NewtonOptions, Problem, Workspace};
+use crease::sim::{NewtonOptions, Problem, Workspace};
 use crease::{contact::Contact, energy::Bending};
 
 fn press(gap: f64, element: f64, offset: f64) -> Press {

@@ -1,11 +1,12 @@
 //! Points that are held, too much or beside one another (physics.md 9, rows 14 and 19), and what sweeps leave (row 15).
 
-use crease::chart::trial::{self, Setting, Swing};
+use crease::chart::scenes;
+use crease::chart::scenes::{Setting, Swing};
 use crease::contact::Contact;
 use crease::energy::{Energy, Gravity, Guide, Guides, Membrane};
 use crease::garment::RestShape;
 use crease::math::{Vec2, Vec3};
-use crease::solve::{Method, NewtonOptions, Problem, Workspace};
+use crease::sim::{Method, NewtonOptions, Problem, Workspace};
 
 /// One row of `count` quads of `side` [m] along x, points two by two.
 fn strip(count: usize, side: f64) -> (Vec<Vec2>, Vec<[u32; 3]>) {
@@ -95,7 +96,7 @@ fn sweeps_are_drawn_out_and_are_labelled_visual() {
     let expected = 0.2 * 9.81 * 0.5 / 200.0 / 2.0;
     let elongation = |method| {
         let setting = Setting::fixed(method, 1.0 / 60.0, 1e-9);
-        let outcome = trial::run(&hanging, &setting).expect("runs");
+        let outcome = scenes::run(&hanging, &setting).expect("runs");
         let low = outcome.x.iter().map(|x| x.y).fold(0.0, f64::min);
         -low / 0.5 - 1.0
     };

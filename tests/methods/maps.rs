@@ -1,7 +1,7 @@
 //! The maps of `crease chart stability`, cell by cell for the methods that promise something.
 
 use crease::chart::stability::{Column, MAPS, Verdict};
-use crease::solve::Method;
+use crease::sim::Method;
 
 /// Runs every cell of the map `name` by `method`; the outcomes, and the worst strain.
 fn cells(name: &str, method: Column) -> Vec<(f64, f64, Verdict)> {

@@ -4,7 +4,7 @@ use crate::reference::figures;
 use crease::contact::Contact;
 use crease::energy::{Energy, Guide, Guides};
 use crease::math::Vec3;
-use crease::solve::{Method, NewtonOptions, Previous, Problem, Solver, State, Workspace};
+use crease::sim::{Method, NewtonOptions, Previous, Problem, Solver, State, Workspace};
 use std::f64::consts::TAU;
 
 /// A linear spring of `stiffness` [N/m] to the origin, for 1 kg.

@@ -1,16 +1,17 @@
 //! Strips that swing, against the chain of physics.md 4.5 that was integrated elsewhere to 1e-12.
 
 use crate::reference;
-use crease::chart::trial::{self, Outcome, Setting, Swing};
+use crease::chart::scenes;
+use crease::chart::scenes::{Outcome, Setting, Swing};
 use crease::math::Vec3;
-use crease::solve::Method;
+use crease::sim::Method;
 
 /// Tip of the chain at 0.5 s [m]: swing30, release90.
 const TIPS: [(Swing, [f64; 2]); 2] =
     [(Swing::SWING_30, [-0.257_877_48, -0.411_313_45]), (Swing::RELEASE_90, [-0.438_309_01, -0.235_632_86])];
 
 fn run(swing: Swing, method: Method, step: f64, tolerance: f64) -> Outcome {
-    trial::run(&wide(swing), &Setting::fixed(method, step, tolerance)).expect("the scene can be made")
+    scenes::run(&wide(swing), &Setting::fixed(method, step, tolerance)).expect("the scene can be made")
 }
 
 fn tip(outcome: &Outcome) -> Vec3 {
@@ -104,7 +105,7 @@ fn one_iteration_draws_a_stiff_strip_out() {
     // The scene fails where cloth is drawn out; here that is what is measured.
     let strain = |method| {
         let h = 1.0 / 60.0;
-        trial::run(&wide(swing), &Setting::fixed(method, h, 1e-9)).expect("runs").largest_strain
+        scenes::run(&wide(swing), &Setting::fixed(method, h, 1e-9)).expect("runs").largest_strain
     };
     let (once, converged) = (strain(Method::BackwardEulerOnce), strain(Method::BackwardEuler));
     println!("largest strain: one iteration {once:.5} (0.0733), converged {converged:.6} (0.00103)");
@@ -151,7 +152,7 @@ fn a_hanging_strip_has_the_first_mode_of_the_chain() {
     let start: Vec<Vec3> = (0..66)
         .map(|p| Vec3::new((p / 2) as f64 * length / 32.0 * 1f64.to_radians().sin(), 0.0, 0.0))
         .collect();
-    let end = trial::run(&wide(swing), &Setting::fixed(Method::Sdirk2, 1e-3, 1e-12)).expect("runs");
+    let end = scenes::run(&wide(swing), &Setting::fixed(Method::Sdirk2, 1e-3, 1e-12)).expect("runs");
     // Between three quarters of a period and a whole one.
     let phase = std::f64::consts::TAU - (amplitude(&end.x) / amplitude(&start)).acos();
     let found = phase / until * (length / gravity).sqrt();

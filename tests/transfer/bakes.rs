@@ -11,8 +11,8 @@
 #[path = "measure.rs"]
 mod measure;
 
-use crease::format::read_sidecar;
 use crease::garment::RestShape;
+use crease::io::read_sidecar;
 use crease::transfer::{By, Sheet};
 use measure::{FOLDS, Fold, carry, correlation, tensors, total, turns};
 

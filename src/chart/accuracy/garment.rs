@@ -4,15 +4,15 @@
 //! Euler with a sixth of the standard error per step and steps down to 1/240 s. Folds that start in contact are decided by
 //! little: this is a band, not a line (physics.md 10, scenes S4 and S5).
 
-use super::Point;
+use crate::chart::accuracy::Point;
 use crate::bake::{BakeOptions, Baked, Quality, bake};
 use crate::error::{Error, Result};
 use crate::fabric::{DEFAULT_FABRIC, Fabric};
-use crate::format::{ReadOptions, SourceAsset, read_asset};
+use crate::io::{ReadOptions, SourceAsset, read_asset};
 use crate::garment::Garment;
 use crate::math::{Draw, bounds};
-use crate::mesh::crossings::crossings;
-use crate::solve::Method;
+use crate::mesh::intersections::crossings;
+use crate::sim::Method;
 use crate::wear::WearScript;
 use std::time::Instant;
 

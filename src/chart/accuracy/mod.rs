@@ -14,10 +14,11 @@ mod garment;
 pub(super) use garment::read_own;
 pub use garment::{FoldThrice, Run, reference_options};
 
-use super::trial::{self, Cantilever, Flap, Outcome, OverSphere, Scene, Setting, Swing};
-use super::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
+use crate::chart::scenes;
+use crate::chart::scenes::{Cantilever, Flap, Outcome, OverSphere, Scene, Setting, Swing};
+use crate::chart::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
 use crate::error::Result;
-use crate::solve::{Method, Solver};
+use crate::sim::{Method, Solver};
 
 /// One point of the chart.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,7 +57,7 @@ pub struct Reference {
 /// The reference of a scene whose shortest plotted step is `step` [s].
 pub fn reference(scene: &dyn Scene, step: f64, smooth: bool) -> Result<Reference> {
     let share = if smooth { 8.0 } else { 4.0 };
-    let make = |h: f64| trial::run(scene, &Setting::fixed(Method::Sdirk2, h, 1e-10));
+    let make = |h: f64| scenes::run(scene, &Setting::fixed(Method::Sdirk2, h, 1e-10));
     let (fine, coarse) = (make(step / share)?, make(2.0 * step / share)?);
     if !smooth {
         let own_error = fine.profile_error(&coarse, scene.size());
@@ -78,11 +79,11 @@ pub fn point(
     smooth: bool,
     runs: usize,
 ) -> Result<Point> {
-    let outcome = trial::run(scene, setting)?;
+    let outcome = scenes::run(scene, setting)?;
     let mut walls = vec![outcome.wall];
     let again = if outcome.wall < LONG { runs } else { 1 };
     for _ in 1..again {
-        walls.push(trial::run(scene, setting)?.wall);
+        walls.push(scenes::run(scene, setting)?.wall);
     }
     walls.sort_by(f64::total_cmp);
     let remembers = reference.rest_angle.iter().any(|a| *a != 0.0);

@@ -1,13 +1,13 @@
 //! What the machine can do: kernels that bound a bake, each measured alone.
 
-use super::super::median;
-use super::super::sheet::Sheet;
+use crate::chart::median;
+use crate::chart::test_sheet::Sheet;
 use crate::energy::BlockSink;
 use crate::error::Result;
 use crate::math::{Mat3, Vec3};
 use crate::mesh::PointIndex;
-use crate::mesh::tree::TriangleTree;
-use crate::solve::{BlockMatrix, Cholesky};
+use crate::mesh::triangle_bvh::TriangleTree;
+use crate::sim::{BlockMatrix, Cholesky};
 use std::time::Instant;
 
 /// Numbers that the streaming copy moves: far more than caches hold.

@@ -13,9 +13,9 @@
 mod kernels;
 mod scenes;
 
-use super::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
+use crate::chart::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
 use crate::error::Result;
-use crate::solve::SolveCost;
+use crate::sim::SolveCost;
 use kernels::Kernels;
 
 /// The stages of a bake, as its report names them.

@@ -1,13 +1,13 @@
 //! What is timed.
 
-use super::super::accuracy::{FoldThrice, read_own};
-use super::super::{ChartOptions, cantilever, strip};
-use super::Cost;
+use crate::chart::accuracy::{FoldThrice, read_own};
+use crate::chart::{ChartOptions, cantilever, strip};
+use crate::chart::speed::Cost;
 use crate::bake::{BakeOptions, BakeReport, bake};
 use crate::body::Wearer;
 use crate::error::Result;
 use crate::fabric::{DEFAULT_FABRIC, Fabric};
-use crate::format::{ReadOptions, SourcePiece};
+use crate::io::{ReadOptions, SourcePiece};
 use crate::garment::Garment;
 use crate::wear::WearScript;
 use std::sync::Arc;

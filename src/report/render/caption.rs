@@ -1,6 +1,7 @@
 //! Words on a picture: the legend of a field, and captions over two pictures side by side.
 
-use super::{Field, Image, font, shade::BACKGROUND_SRGB};
+use crate::report::render::shade::BACKGROUND_SRGB;
+use crate::report::render::{Field, Image, font};
 
 /// Colour of writing.
 const INK: [u8; 3] = [40, 42, 46];

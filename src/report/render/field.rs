@@ -3,9 +3,9 @@
 //! Memory lives on hinges; a picture colours points or triangles. Rest angle takes the largest magnitude of a point's
 //! hinges (a crease must not be averaged away), stiffness their mean: the same rule as the attributes of the glTF.
 
-use super::ColourMap;
 use crate::math::Vec3;
 use crate::mesh::{Hinge, PointIndex, Topology};
+use crate::report::render::ColourMap;
 
 /// One value per point or per triangle.
 #[derive(Debug, Clone, PartialEq)]

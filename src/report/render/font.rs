@@ -1,7 +1,7 @@
 //! A small bitmap font for legends and captions, drawn for this project: five columns, seven rows and two below the
 //! line. Letters, digits and the signs that units need; anything else shows as a blank.
 
-use super::Image;
+use crate::report::render::Image;
 
 /// Columns from one letter to the next, in dots.
 const ADVANCE: usize = 6;

@@ -1,7 +1,7 @@
 //! Which triangle each sample of the picture shows, by a depth buffer at twice the picture's resolution each way.
 
-use super::camera::View;
 use crate::math::{Vec2, Vec3};
+use crate::report::render::camera::View;
 
 /// Samples per pixel, each way.
 pub(super) const SAMPLES: usize = 2;

@@ -4,12 +4,12 @@
 //! Occlusion compares each pixel's depth with pairs of opposite neighbours: a plane, however tilted, gives none; a valley or
 //! the foot of an overlapping layer does. It is a cue, not physics. Everything is in linear light until the last step.
 
-use super::camera::View;
-use super::colour::to_srgb;
-use super::raster::{NOTHING, SAMPLES, Samples, sample_position, weights};
-use super::{Colouring, Image, Values};
 use crate::math::{Vec2, Vec3};
 use crate::mesh::PointIndex;
+use crate::report::render::camera::View;
+use crate::report::render::colour::to_srgb;
+use crate::report::render::raster::{NOTHING, SAMPLES, Samples, sample_position, weights};
+use crate::report::render::{Colouring, Image, Values};
 use rayon::prelude::*;
 
 /// Background and ground, linear light.

@@ -7,10 +7,10 @@
 //!
 //! Does not do: files (the tool writes the page), textures and materials of the glTF (any glTF viewer shows those).
 
-use super::portrait::{Portrait, Show};
-use super::render::{ColourMap, Values};
-use crate::format::Sidecar;
+use crate::io::Sidecar;
 use crate::math::{Vec3, bounds};
+use crate::report::garment_view::{Portrait, Show};
+use crate::report::render::{ColourMap, Values};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};

@@ -1,11 +1,11 @@
 //! `bend`: a joint of the body bends and goes back, as an elbow does a thousand times.
 
-use super::{Misfit, WearAction};
 use crate::body::{BodyPose, Wearer};
 use crate::error::Result;
 use crate::math::Vec3;
-use crate::wear::gesture::{Posture, Scene, Start, smooth};
-use crate::wear::moving::{Moving, told_names};
+use crate::wear::action_runner::{Posture, Scene, Start, smooth};
+use crate::wear::actions::{Misfit, WearAction};
+use crate::wear::body_motion::{Moving, told_names};
 use nalgebra::Unit;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,10 +1,10 @@
 //! `crumple`: the garment is squeezed into a ball, as in a fist or a full suitcase.
 
-use super::WearAction;
 use crate::error::Result;
 use crate::math::{Vec3, bounds};
-use crate::wear::gesture::{Gesture, Posture, Scene, Start, smooth};
-use crate::wear::{Ball, Drive};
+use crate::sim::{Ball, Drive};
+use crate::wear::action_runner::{Gesture, Posture, Scene, Start, smooth};
+use crate::wear::actions::WearAction;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;

@@ -1,14 +1,14 @@
 //! `fold`: one side of a line is turned over, as hands fold cloth on a table.
 
-use super::{Misfit, WearAction};
 use crate::energy::Guide;
 use crate::error::Result;
 use crate::math::Vec3;
-use crate::wear::Drive;
-use crate::wear::gesture::{Frame, Gesture, MadeFold, Posture, Scene, Start, hand, palm, smooth};
-use crate::wear::landing::HeightField;
-use crate::wear::sketch::Sketch;
-use crate::wear::turning::{Axis, OnSheet};
+use crate::sim::Drive;
+use crate::wear::action_runner::{Frame, Gesture, MadeFold, Posture, Scene, Start, hand, palm, smooth};
+use crate::wear::actions::{Misfit, WearAction};
+use crate::wear::crease_prediction::Sketch;
+use crate::wear::fold_map::{Axis, OnSheet};
+use crate::wear::height_field::HeightField;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;

@@ -1,10 +1,10 @@
 //! `hang`: the garment is hung up.
 
-use super::{Fraction2, WearAction};
 use crate::error::Result;
 use crate::math::{Mat3, Vec3, bounds};
-use crate::wear::Drive;
-use crate::wear::gesture::{Frame, Posture, Scene, Start, Still};
+use crate::sim::Drive;
+use crate::wear::action_runner::{Frame, Posture, Scene, Start, Still};
+use crate::wear::actions::{Fraction2, WearAction};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -1,9 +1,9 @@
 //! `hold`: everything that is held stays held.
 
-use super::WearAction;
 use crate::error::Result;
-use crate::wear::gesture::{Posture, Scene, Start, Still};
-use crate::wear::sketch::Sketch;
+use crate::wear::action_runner::{Posture, Scene, Start, Still};
+use crate::wear::actions::WearAction;
+use crate::wear::crease_prediction::Sketch;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

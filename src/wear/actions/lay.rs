@@ -1,11 +1,11 @@
 //! `lay`: the garment is laid flat on the ground, layers in order, none crossing.
 
-use super::WearAction;
 use crate::error::Result;
 use crate::math::{Mat3, Vec3, bounds};
-use crate::wear::Drive;
-use crate::wear::gesture::{Frame, Gesture, Posture, Scene, Start, smooth};
-use crate::wear::sketch::Sketch;
+use crate::sim::Drive;
+use crate::wear::action_runner::{Frame, Gesture, Posture, Scene, Start, smooth};
+use crate::wear::actions::WearAction;
+use crate::wear::crease_prediction::Sketch;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};

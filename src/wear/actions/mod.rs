@@ -28,10 +28,10 @@ pub use repeat::Repeat;
 pub use settle::Settle;
 pub use unfold::Unfold;
 
-use super::gesture::{Posture, Scene, Start};
-use super::sketch::Sketch;
 use crate::body::{BodyPose, Wearer};
 use crate::error::Result;
+use crate::wear::action_runner::{Posture, Scene, Start};
+use crate::wear::crease_prediction::Sketch;
 
 /// What every action answers.
 pub trait WearAction {

@@ -1,10 +1,10 @@
 //! `play`: an animation clip of the body is played.
 
-use super::{Misfit, WearAction};
 use crate::body::{BodyPose, Wearer, pose_between};
 use crate::error::Result;
-use crate::wear::gesture::{Posture, Scene, Start, smooth};
-use crate::wear::moving::{Moving, told_names, way_s};
+use crate::wear::action_runner::{Posture, Scene, Start, smooth};
+use crate::wear::actions::{Misfit, WearAction};
+use crate::wear::body_motion::{Moving, told_names, way_s};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -1,11 +1,11 @@
 //! `press`: weight or an iron, straight down.
 
-use super::WearAction;
 use crate::error::Result;
 use crate::math::Vec3;
-use crate::wear::Drive;
-use crate::wear::gesture::{Gesture, Posture, Scene, Start, smooth};
-use crate::wear::sketch::Sketch;
+use crate::sim::Drive;
+use crate::wear::action_runner::{Gesture, Posture, Scene, Start, smooth};
+use crate::wear::actions::WearAction;
+use crate::wear::crease_prediction::Sketch;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;

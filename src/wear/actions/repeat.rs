@@ -1,9 +1,9 @@
 //! `repeat`: a list of actions, several times over.
 
-use super::WearAction;
 use crate::error::Result;
 use crate::wear::Action;
-use crate::wear::gesture::{Posture, Scene, Start};
+use crate::wear::action_runner::{Posture, Scene, Start};
+use crate::wear::actions::WearAction;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -35,7 +35,10 @@ impl WearAction for Repeat {
     fn example() -> Self {
         Self {
             times: 3,
-            actions: vec![Action::Hold(super::Hold::example()), Action::Release(super::Release {})],
+            actions: vec![
+                Action::Hold(crate::wear::actions::Hold::example()),
+                Action::Release(crate::wear::actions::Release {}),
+            ],
         }
     }
 }

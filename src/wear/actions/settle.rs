@@ -1,10 +1,10 @@
 //! `settle`: hands off; gravity, friction and memory do the rest.
 
-use super::WearAction;
 use crate::error::Result;
-use crate::wear::Drive;
-use crate::wear::gesture::{Posture, Scene, Start, Still};
-use crate::wear::sketch::Sketch;
+use crate::sim::Drive;
+use crate::wear::action_runner::{Posture, Scene, Start, Still};
+use crate::wear::actions::WearAction;
+use crate::wear::crease_prediction::Sketch;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -1,13 +1,13 @@
 //! `unfold`: folds are opened again, the last one first.
 
-use super::{Misfit, WearAction};
 use crate::error::Result;
 use crate::math::Vec3;
-use crate::wear::Drive;
+use crate::sim::Drive;
+use crate::wear::action_runner::{Gesture, MadeFold, Posture, Scene, Start, hand, smooth};
 use crate::wear::actions::fold::{HAND, MOST_TURN};
-use crate::wear::gesture::{Gesture, MadeFold, Posture, Scene, Start, hand, smooth};
-use crate::wear::sketch::Sketch;
-use crate::wear::turning::{Axis, OnSheet};
+use crate::wear::actions::{Misfit, WearAction};
+use crate::wear::crease_prediction::Sketch;
+use crate::wear::fold_map::{Axis, OnSheet};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};

@@ -1,0 +1,65 @@
+//! Jobs for engines that speak Open Job Description: a job template (jobtemplate-2023-09) whose tasks each do a share,
+//! with the summary as a second step. Run it with `openjd run TEMPLATE.json --step Bake`, or submit it to a farm.
+
+use crate::cli::commands::batch::jobs::Jobs;
+use crate::cli::files::output::Outputs;
+use crease::Result;
+use serde_json::{Value, json};
+use std::path::Path;
+
+/// Tasks of one step at most, a limit of the format.
+const MOST_TASKS: usize = 1024;
+/// A task that is cancelled is asked first and ended so much later [s].
+const NOTICE_S: u32 = 30;
+
+/// Writes the template.
+pub fn write(jobs: &Jobs, path: &Path) -> Result<()> {
+    let mut outputs = Outputs::new([jobs.file.as_path()]);
+    outputs.add(path, format!("{:#}\n", template(jobs, path)).as_bytes())?;
+    outputs.commit()
+}
+
+fn template(jobs: &Jobs, path: &Path) -> Value {
+    let tasks = jobs.list.len().min(MOST_TASKS);
+    let on_run = |rest: &[&str]| {
+        let mut args = vec!["batch".to_owned(), "{{Param.Jobs}}".to_owned()];
+        args.extend(rest.iter().map(|text| (*text).to_owned()));
+        json!({"actions": {"onRun": {
+            "command": "{{Param.Crease}}",
+            "args": args,
+            "cancelation": {"mode": "NOTIFY_THEN_TERMINATE", "notifyPeriodInSeconds": NOTICE_S},
+        }}})
+    };
+    let mut parameter = json!({"name": "Jobs", "type": "PATH", "objectType": "FILE", "dataFlow": "IN",
+        "description": "The job file, crease-batch/1."});
+    // A default counts from the folder of the template; without one the parameter must be given.
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if let (Ok(folder), Some(name)) = (folder.canonicalize(), jobs.file.file_name())
+        && folder == jobs.folder
+    {
+        parameter["default"] = json!(name.to_string_lossy());
+    }
+    let share = format!("{{{{Task.Param.Share}}}}/{tasks}");
+    json!({
+        "specificationVersion": "jobtemplate-2023-09",
+        "name": "crease batch",
+        "parameterDefinitions": [
+            parameter,
+            {"name": "Crease", "type": "STRING", "default": "crease", "description": "The tool."},
+        ],
+        "steps": [
+            {
+                "name": "Bake",
+                "parameterSpace": {"taskParameterDefinitions": [
+                    {"name": "Share", "type": "INT", "range": format!("0-{}", tasks - 1)},
+                ]},
+                "script": on_run(&["--share", &share, "--parallel", "1", "--json"]),
+            },
+            {
+                "name": "Summary",
+                "dependencies": [{"dependsOn": "Bake"}],
+                "script": on_run(&["--summary"]),
+            },
+        ],
+    })
+}

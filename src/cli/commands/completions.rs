@@ -1,0 +1,65 @@
+//! `crease completions` and `crease man`: made from the same definition that the command line is parsed by, so that
+//! they cannot say anything else.
+
+use crate::cli::files::input::name_of;
+use crate::cli::files::output::Outputs;
+use crate::cli::runtime::console;
+use clap::CommandFactory;
+use clap_complete::Shell;
+use crease::{Error, Result};
+use std::path::{Path, PathBuf};
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  crease completions bash > ~/.local/share/bash-completion/completions/crease
+  crease completions zsh  > ~/.zfunc/_crease
+  crease completions fish > ~/.config/fish/completions/crease.fish")]
+pub struct Arguments {
+    /// Which shell
+    #[arg(value_enum)]
+    shell: Shell,
+}
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  crease man | man -l -
+  crease man --to ~/.local/share/man/man1")]
+pub struct ManArguments {
+    /// Folder for crease.1 and one page per command [default: crease.1 on standard output]
+    #[arg(long, value_name = "DIR")]
+    to: Option<PathBuf>,
+}
+
+pub fn run(arguments: Arguments) -> Result<()> {
+    let mut text = Vec::new();
+    clap_complete::generate(arguments.shell, &mut crate::cli::Arguments::command(), "crease", &mut text);
+    console::data(&String::from_utf8_lossy(&text))
+}
+
+pub fn run_man(arguments: ManArguments) -> Result<()> {
+    let mut command = crate::cli::Arguments::command();
+    command.build();
+    let Some(folder) = arguments.to else { return console::data(&page(command)) };
+    if !folder.is_dir() {
+        return Err(Error::fault(name_of(&folder), "", "there is no such folder", "make it first"));
+    }
+    let mut outputs = Outputs::new([]);
+    add_pages(&mut outputs, &folder, &command)?;
+    outputs.commit()
+}
+
+fn add_pages(outputs: &mut Outputs, folder: &Path, command: &clap::Command) -> Result<()> {
+    let name = command.get_display_name().unwrap_or_else(|| command.get_name()).to_owned();
+    outputs.add(&folder.join(format!("{name}.1")), page(command.clone()).as_bytes())?;
+    for sub in command.get_subcommands().filter(|sub| sub.get_name() != "help") {
+        add_pages(outputs, folder, sub)?;
+    }
+    Ok(())
+}
+
+fn page(command: clap::Command) -> String {
+    let mut text = Vec::new();
+    // Writing to memory does not fail.
+    let _ = clap_mangen::Man::new(command).render(&mut text);
+    String::from_utf8_lossy(&text).into_owned()
+}

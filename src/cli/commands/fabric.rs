@@ -1,0 +1,73 @@
+//! `crease fabric`: the fabrics that come along.
+
+use crate::cli::args::common::html_path;
+use crate::cli::files::input;
+use crate::cli::files::output::Outputs;
+use crate::cli::runtime::console;
+use clap::Subcommand;
+use crease::Result;
+use crease::fabric::{DEFAULT_FABRIC, Fabric};
+use crease::report::swatch_page;
+use std::path::PathBuf;
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  crease fabric list --swatches fabrics.html
+  crease fabric show denim > own.json")]
+pub struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// One line per fabric that comes along
+    List {
+        /// As JSON: a list of fabrics in full
+        #[arg(long)]
+        json: bool,
+        /// Also write a page with a swatch of each
+        #[arg(long, value_name = "OUT.html", value_parser = html_path)]
+        swatches: Option<PathBuf>,
+    },
+    /// A fabric in full, as a file to start one of your own from
+    Show {
+        /// Name of a fabric that comes along, or a fabric file
+        #[arg(value_name = "NAME|FILE")]
+        fabric: String,
+    },
+}
+
+pub fn run(arguments: Arguments) -> Result<()> {
+    match arguments.command {
+        Command::List { json, swatches } => {
+            let fabrics: Vec<Fabric> =
+                Fabric::preset_names().into_iter().map(Fabric::preset).collect::<Result<_>>()?;
+            if let Some(path) = swatches {
+                let mut outputs = Outputs::new([]);
+                outputs.add(&path, swatch_page(&fabrics).as_bytes())?;
+                outputs.commit()?;
+            }
+            match json {
+                true => console::data(&format!("{:#}\n", serde_json::json!(fabrics))),
+                false => console::data(&table(&fabrics)),
+            }
+        }
+        Command::Show { fabric } => console::data(&input::fabric(&fabric)?.to_json()),
+    }
+}
+
+fn table(fabrics: &[Fabric]) -> String {
+    let mut text = format!("{:<22}{:>6}  {:>9}  what it is\n", "name", "g/m2", "bends, cm");
+    for fabric in fabrics {
+        let mark = if fabric.name == DEFAULT_FABRIC { " (default)" } else { "" };
+        text += &format!(
+            "{:<22}{:>6.0}  {:>9.2}  {}{mark}\n",
+            fabric.name,
+            fabric.area_density_g_m2,
+            fabric.bending_length() * 100.0,
+            fabric.description,
+        );
+    }
+    text
+}

@@ -1,0 +1,51 @@
+//! `crease schema`: the JSON Schema of a file format, for editors and other programs.
+
+use crate::cli::commands::batch::JobFile;
+use crate::cli::runtime::console;
+use clap::ValueEnum;
+use crease::Result;
+use crease::fabric::Fabric;
+use crease::io::{Landmarks, Sidecar};
+use crease::json::schema_of;
+use crease::report::{Report, TransferReport};
+use crease::wear::WearScript;
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  crease schema wear > wear.schema.json")]
+pub struct Arguments {
+    /// Which format
+    #[arg(value_enum, value_name = "FORMAT")]
+    format: Format,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Format {
+    /// Wear script, crease-wear/1
+    Wear,
+    /// Fabric, crease-fabric/1
+    Fabric,
+    /// Sidecar, crease-sidecar/1
+    Sidecar,
+    /// Report of a bake, OUT.report.json
+    Report,
+    /// Report of a transfer, OUT.report.json
+    TransferReport,
+    /// Job file of `crease batch`, crease-batch/1
+    Batch,
+    /// Landmarks of `crease transfer`, crease-landmarks/1
+    Landmarks,
+}
+
+pub fn run(arguments: Arguments) -> Result<()> {
+    let schema = match arguments.format {
+        Format::Wear => WearScript::schema(),
+        Format::Fabric => Fabric::schema(),
+        Format::Sidecar => schema_of::<Sidecar>(),
+        Format::Batch => JobFile::schema(),
+        Format::Landmarks => Landmarks::schema(),
+        Format::TransferReport => schema_of::<TransferReport>(),
+        Format::Report => schema_of::<Report>(),
+    };
+    console::data(&format!("{schema:#}\n"))
+}

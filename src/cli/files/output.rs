@@ -1,0 +1,203 @@
+//! Output files whole or not at all: written beside their place under another name, and moved there together at the
+//! end. An interrupted or failed run leaves what was there before.
+
+use crate::cli::files::input::name_of;
+use crease::{Error, Result};
+use std::fs::{File, Permissions};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
+
+/// Files to be written together. Dropped without [`Outputs::commit`], it leaves nothing.
+#[derive(Debug)]
+pub struct Outputs {
+    /// Files that were read, and must not be written over.
+    inputs: Vec<PathBuf>,
+    waiting: Vec<Waiting>,
+}
+
+#[derive(Debug)]
+struct Waiting {
+    target: PathBuf,
+    content: Content,
+}
+
+#[derive(Debug)]
+enum Content {
+    /// Complete, under another name in the same folder.
+    Beside(NamedTempFile),
+    /// For a target that is no ordinary file (a device, a pipe): moving a file there would replace it.
+    Direct(Vec<u8>),
+}
+
+impl Outputs {
+    /// No file yet; none may be one of `inputs`.
+    pub fn new<'a>(inputs: impl IntoIterator<Item = &'a Path>) -> Self {
+        let inputs = inputs.into_iter().filter_map(|path| path.canonicalize().ok()).collect();
+        Self { inputs, waiting: Vec::new() }
+    }
+
+    /// Whether `path` can be written to: to be asked before a long run.
+    pub fn check(&self, path: &Path) -> Result<()> {
+        let refuse = |what: &str, cure: &str| Err(Error::fault(name_of(path), "", what, cure));
+        if path.is_dir() {
+            return refuse("is a folder, cannot be written as a file", "name a file in it");
+        }
+        if path.canonicalize().is_ok_and(|real| self.inputs.contains(&real)) {
+            return refuse(
+                "is read by this command and would be overwritten",
+                "give the output another name",
+            );
+        }
+        if !folder_of(path).is_dir() {
+            return refuse("its folder does not exist", "make the folder first");
+        }
+        // The only sure way to know whether a folder takes files; rights alone do not tell.
+        let is_file_to_be = !path.exists() || path.is_file();
+        if is_file_to_be && tempfile::tempfile_in(folder_of(path)).is_err() {
+            return refuse("its folder cannot be written to", "choose another folder, or mend its rights");
+        }
+        Ok(())
+    }
+
+    /// Writes `bytes` for `path`, to appear there on commit.
+    pub fn add(&mut self, path: &Path, bytes: &[u8]) -> Result<()> {
+        self.check(path)?;
+        // Through a link to where it leads, so that the link stays.
+        let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        let content = if target.exists() && !target.is_file() {
+            Content::Direct(bytes.to_vec())
+        } else {
+            Content::Beside(written_beside(&target, bytes).map_err(|source| failed(path, source))?)
+        };
+        self.waiting.push(Waiting { target, content });
+        Ok(())
+    }
+
+    /// Moves every file to its place.
+    pub fn commit(self) -> Result<()> {
+        for Waiting { target, content } in self.waiting {
+            match content {
+                Content::Beside(file) => file.persist(&target).map(drop).map_err(|e| e.error),
+                Content::Direct(bytes) => {
+                    File::options().write(true).open(&target).and_then(|mut f| f.write_all(&bytes))
+                }
+            }
+            .map_err(|source| failed(&target, source))?;
+        }
+        Ok(())
+    }
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+fn written_beside(target: &Path, bytes: &[u8]) -> std::io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".crease-").suffix(".tmp");
+    // Temporary files are for their owner only unless told otherwise; outputs are ordinary files.
+    let permissions = target.metadata().map(|there| there.permissions()).ok().or_else(ordinary);
+    if let Some(permissions) = permissions.clone() {
+        builder.permissions(permissions);
+    }
+    let mut file = builder.tempfile_in(folder_of(target))?;
+    file.write_all(bytes)?;
+    file.as_file().sync_all()?;
+    Ok(file)
+}
+
+/// Read and write for all, less what the user's mask takes away.
+#[cfg(unix)]
+fn ordinary() -> Option<Permissions> {
+    use std::os::unix::fs::PermissionsExt;
+    Some(Permissions::from_mode(0o666))
+}
+
+#[cfg(not(unix))]
+fn ordinary() -> Option<Permissions> {
+    None
+}
+
+fn failed(path: &Path, source: std::io::Error) -> Error {
+    Error::File { file: name_of(path), source }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_appear_together_on_commit_and_not_before() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (a, b) = (folder.path().join("a.glb"), folder.path().join("a.json"));
+        std::fs::write(&b, "before").expect("writes");
+        let mut outputs = Outputs::new([]);
+        outputs.add(&a, b"one").expect("adds");
+        outputs.add(&b, b"two").expect("adds");
+        assert!(!a.exists());
+        assert_eq!(std::fs::read(&b).expect("reads"), b"before");
+        outputs.commit().expect("commits");
+        assert_eq!(
+            (std::fs::read(&a).expect("reads"), std::fs::read(&b).expect("reads")),
+            (b"one".to_vec(), b"two".to_vec())
+        );
+        assert_eq!(std::fs::read_dir(folder.path()).expect("lists").count(), 2);
+    }
+
+    #[test]
+    fn without_commit_nothing_is_left() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut outputs = Outputs::new([]);
+        outputs.add(&folder.path().join("a"), b"one").expect("adds");
+        drop(outputs);
+        assert_eq!(std::fs::read_dir(folder.path()).expect("lists").count(), 0);
+    }
+
+    #[test]
+    fn inputs_folders_and_missing_folders_are_refused() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let input = folder.path().join("in.glb");
+        std::fs::write(&input, "mesh").expect("writes");
+        let mut outputs = Outputs::new([input.as_path()]);
+        let mut message = |path: &Path| outputs.add(path, b"x").expect_err("refused").to_string();
+        assert!(message(&folder.path().join("./in.glb")).contains("would be overwritten"));
+        assert!(message(folder.path()).contains("is a folder"));
+        assert!(message(&folder.path().join("none/out.glb")).contains("folder does not exist"));
+        assert_eq!(std::fs::read(&input).expect("reads"), b"mesh");
+    }
+
+    /// Not even its owner can put a file into /proc.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_folder_that_takes_no_files_is_found_out_beforehand() {
+        let refusal = Outputs::new([]).check(Path::new("/proc/out.glb")).expect_err("is refused");
+        assert!(refusal.to_string().contains("cannot be written to"), "{refusal}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn devices_and_links_stay_what_they_are() {
+        use std::os::unix::fs::{FileTypeExt, PermissionsExt};
+        let folder = tempfile::tempdir().expect("a folder");
+        let (real, link) = (folder.path().join("real"), folder.path().join("link"));
+        std::fs::write(&real, "old").expect("writes");
+        std::fs::set_permissions(&real, Permissions::from_mode(0o640)).expect("sets");
+        std::os::unix::fs::symlink(&real, &link).expect("links");
+        let fresh = folder.path().join("fresh");
+        let mut outputs = Outputs::new([]);
+        outputs.add(Path::new("/dev/null"), b"x").expect("adds");
+        outputs.add(&link, b"new").expect("adds");
+        outputs.add(&fresh, b"new").expect("adds");
+        outputs.commit().expect("commits");
+        assert!(std::fs::metadata("/dev/null").expect("is there").file_type().is_char_device());
+        assert!(link.is_symlink());
+        assert_eq!(std::fs::read(&real).expect("reads"), b"new");
+        let mode = |path: &Path| path.metadata().expect("is there").permissions().mode() & 0o777;
+        assert_eq!(mode(&real), 0o640);
+        // As any program's file: what the user's mask leaves of 666.
+        let plain = folder.path().join("plain");
+        std::fs::write(&plain, "").expect("writes");
+        assert_eq!(mode(&fresh), mode(&plain));
+    }
+}

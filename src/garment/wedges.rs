@@ -1,0 +1,94 @@
+//! Which vertices of the file stand at the corners of each triangle of a garment.
+//!
+//! A garment knows points; texture coordinates belong to vertices, and at a seam one point has several. A triangle of
+//! the garment is that triangle of the file whose corners became its points.
+
+use crate::garment::Garment;
+use crate::io::SourceAsset;
+use crate::math::Vec2;
+use crate::mesh::PointIndex;
+use rustc_hash::FxHashMap;
+
+/// Per triangle of `garment`: the vertices at its corners, counted over the worn pieces of `asset` in file order. A
+/// triangle that mending made has the first vertex of each of its points. None for a garment that was made finer than its
+/// file: its points have no vertices there.
+pub fn corner_vertices(asset: &SourceAsset, garment: &Garment) -> Option<Vec<[u32; 3]>> {
+    let mut first_vertex = vec![None; garment.points.len()];
+    for (vertex, point) in garment.source_point.iter().enumerate().rev() {
+        if let Some(slot) = first_vertex.get_mut(point.at()) {
+            *slot = Some(vertex as u32);
+        }
+    }
+    let mut of_points: FxHashMap<[PointIndex; 3], [u32; 3]> = FxHashMap::default();
+    let mut start = 0u32;
+    for piece in asset.worn_pieces() {
+        for corners in &piece.triangles {
+            let vertices = corners.map(|c| start + c);
+            let points = vertices.map(|v| garment.source_point.get(v as usize).copied());
+            if let [Some(a), Some(b), Some(c)] = points {
+                let (key, vertices) = sorted([a, b, c], vertices);
+                of_points.entry(key).or_insert(vertices);
+            }
+        }
+        start += piece.positions.len() as u32;
+    }
+    let find = |t: &[PointIndex; 3]| {
+        let (key, _) = sorted(*t, [0; 3]);
+        let known = of_points.get(&key);
+        let at = |p: PointIndex| match known {
+            Some(vertices) => key.iter().position(|q| *q == p).map(|k| vertices[k]),
+            None => first_vertex[p.at()],
+        };
+        let [a, b, c] = t.map(at);
+        Some([a?, b?, c?])
+    };
+    garment.triangles.iter().map(find).collect()
+}
+
+/// Texture coordinates of every corner of every triangle, if all worn pieces of `asset` have them.
+pub fn corner_uvs(asset: &SourceAsset, corners: &[[u32; 3]]) -> Option<Vec<[Vec2; 3]>> {
+    let mut uvs: Vec<Vec2> = Vec::new();
+    for piece in asset.worn_pieces() {
+        uvs.extend(piece.uvs.as_ref()?);
+    }
+    corners
+        .iter()
+        .map(|vertices| {
+            let [a, b, c] = vertices.map(|v| uvs.get(v as usize).copied());
+            Some([a?, b?, c?])
+        })
+        .collect()
+}
+
+/// Points in increasing order, the vertices moved along.
+fn sorted(points: [PointIndex; 3], vertices: [u32; 3]) -> ([PointIndex; 3], [u32; 3]) {
+    let mut order = [0, 1, 2];
+    order.sort_unstable_by_key(|&k| points[k]);
+    (order.map(|k| points[k]), order.map(|k| vertices[k]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::{ReadOptions, read_asset};
+
+    /// Two triangles sewn at an edge whose texture is split there.
+    #[test]
+    fn at_a_seam_each_triangle_has_its_own_vertices() {
+        let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0 0\nvt .4 0\nvt 0 .4\nvt .6 .6\nvt .6 1\nvt 1 .6\n\
+                    f 1/1 2/2 3/3\nf 4/4 3/5 2/6\n";
+        let (asset, _) =
+            read_asset("two.obj", text.as_bytes(), &ReadOptions::default(), &mut |_| Ok(Vec::new())).unwrap();
+        let (garment, _) = Garment::from_asset(&asset).unwrap();
+        assert_eq!(garment.points.len(), 4);
+        let corners = corner_vertices(&asset, &garment).unwrap();
+        let uvs = corner_uvs(&asset, &corners).unwrap();
+        for (t, (vertices, uv)) in garment.triangles.iter().zip(corners.iter().zip(&uvs)) {
+            for k in 0..3 {
+                assert_eq!(garment.source_point[vertices[k] as usize], t[k]);
+            }
+            let split = uv.iter().all(|uv| uv.x < 0.5) || uv.iter().all(|uv| uv.x > 0.5);
+            assert!(split, "{uv:?} mixes both panels");
+        }
+    }
+}

@@ -1,0 +1,272 @@
+//! Appending to a glTF document without touching what it has: new views and accessors go to the end of the lists and
+//! of the bytes, so every index and every byte of the input stays valid.
+//!
+//! A document with several buffers becomes one with a single buffer (a GLB has one binary chunk): the buffers are laid
+//! one behind the other, and each view gets its buffer's offset added. The bytes themselves stay as they are. Of the
+//! buffers after the first, name and extras are lost with them. Writes floats only; knows nothing of meshes.
+
+use crate::io::GltfDocument;
+use crate::io::gltf::container::join_glb;
+use crate::{Error, Result};
+use serde_json::{Map, Value, json};
+
+/// Component types and view targets of the specification.
+const UNSIGNED_INT: u32 = 5125;
+const FLOAT: u32 = 5126;
+const ARRAY_BUFFER: u32 = 34962;
+const ELEMENT_ARRAY_BUFFER: u32 = 34963;
+
+/// Start of each buffer in the merged one [bytes]. The specification asks for 4; 8 serves extensions with doubles.
+const BUFFER_ALIGNMENT: usize = 8;
+/// Start of each appended view [bytes]: the size of a float.
+const VIEW_ALIGNMENT: usize = 4;
+
+/// What an appended accessor is for; the specification treats these views differently.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Purpose {
+    /// A vertex attribute or morph target.
+    Vertex,
+    /// The same, with `min` and `max`: asked for wherever the attribute is POSITION.
+    Position,
+    /// An animation's output.
+    Animation,
+}
+
+/// A document being added to.
+pub(super) struct Appender {
+    json: Map<String, Value>,
+    binary: Vec<u8>,
+    /// Views of the one index 0 and the one value (0, 0, 0) that all empty targets share.
+    zero_views: Option<(usize, usize)>,
+}
+
+impl Appender {
+    /// A document of `json` without buffers.
+    pub(super) fn new(json: Map<String, Value>) -> Self {
+        Self { json, binary: Vec::new(), zero_views: None }
+    }
+
+    /// A copy of `document` with its buffers laid into one; `file` names it in faults.
+    pub(super) fn of_document(file: &str, document: &GltfDocument) -> Result<Self> {
+        let Value::Object(json) = &document.json else {
+            return Err(Error::fault(file, "", "the glTF document is not a JSON object", ""));
+        };
+        let mut appender = Self::new(json.clone());
+        let starts = appender.merge_buffers(file, &document.buffers)?;
+        if starts.len() > 1 {
+            appender.move_views(file, &starts)?;
+        }
+        Ok(appender)
+    }
+
+    /// The document so far.
+    pub(super) fn json(&self) -> &Map<String, Value> {
+        &self.json
+    }
+
+    /// The list `key` of the document, made empty if there is none or if it is no list.
+    pub(super) fn list(&mut self, key: &str) -> &mut Vec<Value> {
+        let entry = self.json.entry(key).or_insert_with(|| json!([]));
+        if !entry.is_array() {
+            *entry = json!([]);
+        }
+        match entry {
+            Value::Array(list) => list,
+            _ => unreachable!("made a list above"),
+        }
+    }
+
+    /// Appends `entry` to the list `key`; its index.
+    pub(super) fn push(&mut self, key: &str, entry: Value) -> usize {
+        let list = self.list(key);
+        list.push(entry);
+        list.len() - 1
+    }
+
+    /// Appends vectors; the accessor's index.
+    pub(super) fn vectors<const N: usize>(&mut self, rows: &[[f32; N]], purpose: Purpose) -> usize {
+        let kind = ["SCALAR", "VEC2", "VEC3", "VEC4"].get(N.wrapping_sub(1)).copied().unwrap_or("SCALAR");
+        let target = (purpose != Purpose::Animation).then_some(ARRAY_BUFFER);
+        let view = self.view(bytes_of(rows.iter().flatten().map(|x| x.to_le_bytes())), target);
+        let mut accessor =
+            json!({"bufferView": view, "componentType": FLOAT, "count": rows.len(), "type": kind});
+        if purpose == Purpose::Position {
+            let (low, high) = bounds(rows);
+            accessor["min"] = json!(low.to_vec());
+            accessor["max"] = json!(high.to_vec());
+        }
+        self.push("accessors", accessor)
+    }
+
+    /// Appends numbers; the accessor's index.
+    pub(super) fn scalars(&mut self, values: &[f32], purpose: Purpose) -> usize {
+        self.vectors(values.as_chunks::<1>().0, purpose)
+    }
+
+    /// Appends bytes that are no numbers, such as a picture; the view's index.
+    pub(super) fn bytes(&mut self, bytes: Vec<u8>) -> usize {
+        self.view(bytes, None)
+    }
+
+    /// Appends triangle corners; the accessor's index.
+    pub(super) fn triangles(&mut self, triangles: &[[u32; 3]]) -> usize {
+        let bytes = bytes_of(triangles.iter().flatten().map(|x| x.to_le_bytes()));
+        let view = self.view(bytes, Some(ELEMENT_ARRAY_BUFFER));
+        let count = triangles.len() * 3;
+        self.push(
+            "accessors",
+            json!({"bufferView": view, "componentType": UNSIGNED_INT, "count": count, "type": "SCALAR"}),
+        )
+    }
+
+    /// Appends `count` zero displacements that take no room. A plain accessor without a view would say the same, but
+    /// several readers refuse it; a sparse one with a single zero is read by all.
+    pub(super) fn zero_positions(&mut self, count: usize) -> usize {
+        let (indices, values) = match self.zero_views {
+            Some(views) => views,
+            None => (self.view(vec![0; 4], None), self.view(vec![0; 12], None)),
+        };
+        self.zero_views = Some((indices, values));
+        let sparse = json!({
+            "count": 1,
+            "indices": {"bufferView": indices, "componentType": UNSIGNED_INT},
+            "values": {"bufferView": values},
+        });
+        self.push(
+            "accessors",
+            json!({
+                "componentType": FLOAT, "count": count, "type": "VEC3",
+                "min": [0.0, 0.0, 0.0], "max": [0.0, 0.0, 0.0], "sparse": sparse,
+            }),
+        )
+    }
+
+    /// The finished document as a GLB file.
+    pub(super) fn into_glb(mut self) -> Vec<u8> {
+        if !self.binary.is_empty() {
+            let length = json!(self.binary.len());
+            let buffers = self.list("buffers");
+            match buffers.first_mut() {
+                Some(buffer) => buffer["byteLength"] = length,
+                None => buffers.push(json!({"byteLength": length})),
+            }
+        }
+        join_glb(&Value::Object(self.json), &self.binary)
+    }
+
+    fn view(&mut self, bytes: Vec<u8>, target: Option<u32>) -> usize {
+        pad(&mut self.binary, VIEW_ALIGNMENT);
+        let mut view = json!({"buffer": 0, "byteOffset": self.binary.len(), "byteLength": bytes.len()});
+        if let Some(target) = target {
+            view["target"] = json!(target);
+        }
+        self.binary.extend(bytes);
+        self.push("bufferViews", view)
+    }
+
+    /// Lays all buffers into the binary chunk; where each starts in it.
+    fn merge_buffers(&mut self, file: &str, buffers: &[Vec<u8>]) -> Result<Vec<usize>> {
+        if !self.json.contains_key("buffers") {
+            return Ok(Vec::new());
+        }
+        let stated: Vec<Option<u64>> =
+            self.list("buffers").iter().map(|b| b["byteLength"].as_u64()).collect();
+        let used = self.used_lengths(buffers);
+        let mut starts = Vec::with_capacity(buffers.len());
+        for (i, length) in stated.iter().enumerate() {
+            // A binary chunk is padded, so it may be longer than its buffer; what is beyond belongs to nobody, unless a
+            // view says otherwise: then the stated length is wrong, and reading has not minded.
+            let bytes = length
+                .and_then(|length| usize::try_from(length).ok())
+                .map(|length| used.get(i).map_or(length, |used| length.max(*used)))
+                .and_then(|length| buffers.get(i).and_then(|bytes| bytes.get(..length)));
+            let Some(bytes) = bytes else {
+                let found = buffers.get(i).map_or(0, Vec::len);
+                return Err(Error::fault(
+                    file,
+                    format!("buffers[{i}]"),
+                    format!("has {found} bytes, fewer than its byteLength says"),
+                    "export the file again",
+                ));
+            };
+            pad(&mut self.binary, BUFFER_ALIGNMENT);
+            starts.push(self.binary.len());
+            self.binary.extend_from_slice(bytes);
+        }
+        let list = self.list("buffers");
+        list.truncate(1);
+        for buffer in list.iter_mut().filter_map(Value::as_object_mut) {
+            // `remove` would move the last key into the gap.
+            buffer.shift_remove("uri");
+        }
+        Ok(starts)
+    }
+
+    /// Per buffer: how far the views that lie within its bytes reach.
+    fn used_lengths(&self, buffers: &[Vec<u8>]) -> Vec<usize> {
+        let mut used = vec![0; buffers.len()];
+        for view in self.json.get("bufferViews").and_then(Value::as_array).into_iter().flatten() {
+            let number = |name: &str| view[name].as_u64().and_then(|n| usize::try_from(n).ok());
+            let end = number("byteOffset").unwrap_or(0).checked_add(number("byteLength").unwrap_or(0));
+            let buffer = number("buffer").unwrap_or(usize::MAX);
+            if let (Some(slot), Some(bytes), Some(end)) = (used.get_mut(buffer), buffers.get(buffer), end)
+                && end <= bytes.len()
+            {
+                *slot = end.max(*slot);
+            }
+        }
+        used
+    }
+
+    /// Points every view, and every extension of a view that names a buffer, into the merged buffer.
+    fn move_views(&mut self, file: &str, starts: &[usize]) -> Result<()> {
+        for (i, view) in self.list("bufferViews").iter_mut().enumerate() {
+            let Some(view) = view.as_object_mut() else { continue };
+            let mut sound = move_view(view, starts);
+            let extensions = view.get_mut("extensions").and_then(Value::as_object_mut);
+            for extension in extensions.into_iter().flat_map(|all| all.values_mut()) {
+                if let Some(extension) = extension.as_object_mut().filter(|e| e.contains_key("buffer")) {
+                    sound &= move_view(extension, starts);
+                }
+            }
+            if !sound {
+                let place = format!("bufferViews[{i}]");
+                return Err(Error::fault(
+                    file,
+                    place,
+                    "names a buffer that is not there",
+                    "export the file again",
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Points one view into the merged buffer; false if its buffer is not there.
+fn move_view(view: &mut Map<String, Value>, starts: &[usize]) -> bool {
+    let buffer = view.get("buffer").and_then(Value::as_u64).and_then(|b| usize::try_from(b).ok());
+    let Some(&start) = buffer.and_then(|b| starts.get(b)) else { return false };
+    view.insert("buffer".into(), json!(0));
+    if start > 0 {
+        let offset = view.get("byteOffset").and_then(Value::as_u64).unwrap_or(0);
+        view.insert("byteOffset".into(), json!(offset.saturating_add(start as u64)));
+    }
+    true
+}
+
+fn pad(bytes: &mut Vec<u8>, alignment: usize) {
+    bytes.resize(bytes.len().next_multiple_of(alignment), 0);
+}
+
+fn bytes_of(words: impl Iterator<Item = [u8; 4]>) -> Vec<u8> {
+    words.flatten().collect()
+}
+
+/// Smallest and largest of each component; zeros when there are no rows.
+fn bounds<const N: usize>(rows: &[[f32; N]]) -> ([f32; N], [f32; N]) {
+    let Some(&first) = rows.first() else { return ([0.0; N], [0.0; N]) };
+    rows.iter().fold((first, first), |(low, high), row| {
+        (std::array::from_fn(|k| low[k].min(row[k])), std::array::from_fn(|k| high[k].max(row[k])))
+    })
+}

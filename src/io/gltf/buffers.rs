@@ -1,0 +1,100 @@
+//! The bytes behind a document: the binary chunk of a GLB, data addresses, and outside files, which the caller
+//! fetches. A buffer without bytes of its own (fallback of a compression) is empty; whoever reads it gets the fault.
+
+use crate::io::diagnostics::FaultList;
+use crate::io::gltf::json_cursor::Cursor;
+use crate::{Error, Result};
+use base64::Engine;
+use base64::alphabet::STANDARD;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+
+/// Writers disagree about the padding at the end of base64.
+const BASE64: GeneralPurpose = GeneralPurpose::new(
+    &STANDARD,
+    GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
+);
+
+/// The bytes of every entry of `buffers`; `binary` is the GLB's own chunk.
+pub(super) fn load_buffers(
+    root: &Cursor,
+    mut binary: Option<Vec<u8>>,
+    resolve: &mut dyn FnMut(&str) -> Result<Vec<u8>>,
+    faults: &mut FaultList,
+) -> Vec<Vec<u8>> {
+    let mut buffers = Vec::new();
+    for (number, entry) in root.entries("buffers").iter().enumerate() {
+        let bytes = match entry.text("uri") {
+            Some(uri) => faults.take(load_uri(entry, uri, resolve)),
+            None if number == 0 => Some(binary.take().unwrap_or_default()),
+            None => Some(Vec::new()),
+        };
+        let bytes = bytes.unwrap_or_default();
+        let stated = faults.take(entry.index("byteLength")).flatten().unwrap_or(0);
+        if faults.is_empty() && !bytes.is_empty() && bytes.len() < stated {
+            faults.push(
+                entry.path(),
+                format!("it promises {stated} bytes and has {}", bytes.len()),
+                "copy or export the file again; it may be cut off",
+            );
+        }
+        buffers.push(bytes);
+    }
+    buffers
+}
+
+fn load_uri(entry: &Cursor, uri: &str, resolve: &mut dyn FnMut(&str) -> Result<Vec<u8>>) -> Result<Vec<u8>> {
+    let Some(data) = uri.strip_prefix("data:") else {
+        return resolve(&percent_decoded(uri)).map_err(|error| match error {
+            Error::Input(faults) => Error::Input(faults),
+            other => Error::fault(
+                "glTF",
+                entry.path(),
+                format!("\"{uri}\" cannot be read: {other}"),
+                "put the file beside the .gltf, or export as .glb",
+            ),
+        });
+    };
+    let bytes = data.split_once(";base64,").map(|(_, text)| BASE64.decode(text.trim()));
+    match bytes {
+        Some(Ok(bytes)) => Ok(bytes),
+        Some(Err(fault)) => Err(entry.fault(format!("its base64 text is damaged: {fault}"))),
+        None => Err(entry.fault("its data address is not base64")),
+    }
+}
+
+/// "my%20mesh.bin" names the file "my mesh.bin".
+pub(super) fn percent_decoded(uri: &str) -> String {
+    let mut bytes = Vec::with_capacity(uri.len());
+    let mut rest = uri.as_bytes();
+    while let Some((&first, after)) = rest.split_first() {
+        let code = (first == b'%')
+            .then(|| after.get(..2))
+            .flatten()
+            .and_then(|two| std::str::from_utf8(two).ok())
+            .and_then(|two| u8::from_str_radix(two, 16).ok());
+        match code {
+            Some(byte) => {
+                bytes.push(byte);
+                rest = after.get(2..).unwrap_or(&[]);
+            }
+            None => {
+                bytes.push(first);
+                rest = after;
+            }
+        }
+    }
+    String::from_utf8(bytes).unwrap_or_else(|_| uri.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn percent_signs_stand_for_bytes() {
+        assert_eq!(percent_decoded("my%20mesh%C3%A9.bin"), "my meshé.bin");
+        for odd in ["100%", "%2", "%zz", "%ff"] {
+            assert_eq!(percent_decoded(odd), odd);
+        }
+    }
+}

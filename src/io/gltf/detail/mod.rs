@@ -1,0 +1,458 @@
+//! Fine wrinkles as a normal map: what a garment that was simulated finer than its file shows beyond the file's own
+//! vertices.
+//!
+//! Last pass over the worn GLB. Every triangle of the fine garment lies on one of the file (its parent), so it has
+//! a place in texture space. There the fine garment's worn normal is written in the frame that a viewer makes of
+//! the file's own worn vertices: normal and tangent with the morph target on, interpolated and normalised, bitangent
+//! cross(normal, tangent) times handedness; directions are solved for in that frame, which need not be square. The
+//! fine normal is the file's normal turned by what wear did (`worn_target.rs`), so that unworn cloth gives a flat map and
+//! hard edges stay hard. A normal map that the material has already is turned along with the fine surface (the file's
+//! weave goes on over the wrinkles; as in Barré-Brisebois and Hill, "Blending in Detail", 2012).
+//! Without tangents in the file, MikkTSpace's are added, at rest and worn. Vertices stay what they were.
+
+mod tangents;
+#[cfg(test)]
+mod tests;
+mod texels;
+
+use crate::garment::{Garment, WornGarment};
+use crate::io::gltf::accessor::Accessors;
+use crate::io::gltf::append::{Appender, Purpose};
+use crate::io::gltf::detail::tangents::{Tangent, tangents};
+use crate::io::gltf::detail::texels::Texels;
+use crate::io::gltf::read_worn::{column, keep_worn_pieces, worn_target, worn_target_index};
+use crate::io::gltf::worn_target::{LinearParts, WornShape};
+use crate::io::{GltfDocument, Placement, ReadOptions, SourceAsset, SourcePiece, read_asset};
+use crate::math::{Mat3, Vec2, Vec3};
+use crate::mesh::PointIndex;
+use crate::mesh::distance::barycentric;
+use crate::{Error, Result};
+use rustc_hash::FxHashMap;
+use serde_json::{Value, json};
+
+/// Texels that what is known spreads over its borders: as many as keep eight levels of smaller pictures apart.
+const PADDING: usize = 16;
+/// Texels a side that can be asked for.
+pub const DETAIL_SIDE: std::ops::RangeInclusive<usize> = 64..=16384;
+
+/// A garment as its file has it and as it was simulated.
+#[derive(Debug, Clone, Copy)]
+pub struct Detail<'a> {
+    /// As the file has it.
+    pub coarse: &'a Garment,
+    /// As it was simulated; its first points are those of `coarse`.
+    pub fine: &'a Garment,
+    /// Per triangle of `fine`: the triangle of `coarse` it lies on.
+    pub parent: &'a [u32],
+    /// Wear of `fine`.
+    pub worn: &'a WornGarment,
+}
+
+/// One map, for one material.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DetailMap {
+    /// Name of the material, if it has one.
+    pub material: Option<String>,
+    /// The normal map: PNG, three channels of 16 bits, tangent space as glTF has it (y up).
+    pub normal_png: Vec<u8>,
+    /// Height of the fine surface over the coarse one: PNG, grey, 16 bits.
+    pub height_png: Vec<u8>,
+    /// What its black and its white stand for [m].
+    pub height_range_m: [f32; 2],
+    /// Whether the material refers to it; otherwise `notes` of the result say why.
+    pub in_material: bool,
+    /// Mean angle between the map's directions and those of the bare coarse mesh [degrees].
+    pub mean_tilt_deg: f64,
+    /// Share of the map's texels that two places of the garment claim differently [-]: a picture used twice.
+    pub contradicted: f64,
+}
+
+/// A worn GLB with its maps.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Detailed {
+    /// The file.
+    pub glb: Vec<u8>,
+    /// The maps, in the order of the materials.
+    pub maps: Vec<DetailMap>,
+    /// What could not be done, and why.
+    pub notes: Vec<String>,
+}
+
+/// The worn file `glb` (as [`crate::io::gltf::write_worn_glb`] wrote it for `detail.coarse`; `asset` is what it was made from) with maps
+/// of `side` x `side` texels.
+pub fn add_detail_map(glb: &[u8], asset: &SourceAsset, detail: &Detail, side: usize) -> Result<Detailed> {
+    if !DETAIL_SIDE.contains(&side) {
+        let what =
+            format!("{side} texels a side are outside {} to {}", DETAIL_SIDE.start(), DETAIL_SIDE.end());
+        return Err(Error::fault(&asset.file, "detail map", what, "ask for 2048"));
+    }
+    let worn = read_back(glb, asset, detail)?;
+    let Some(document) = &worn.document else {
+        return Err(Error::fault(&asset.file, "detail map", "the worn file is no glTF", ""));
+    };
+    let mut notes = Vec::new();
+    let surfaces = surfaces(&worn, document, detail, &mut notes)?;
+    let mut appender = Appender::of_document(&worn.file, document)?;
+    for surface in &surfaces {
+        surface.add_tangents(&mut appender);
+    }
+    let mut materials: Vec<Option<usize>> = surfaces.iter().map(|s| s.material).collect();
+    materials.sort_unstable();
+    materials.dedup();
+    let painter = Painter::new(detail, &surfaces);
+    let mut maps = Vec::new();
+    for material in materials {
+        let mut texels = painter.paint(material, side);
+        let filled = texels.filled();
+        if filled == 0 {
+            continue;
+        }
+        let tilt = |d: &Vec3| if *d == Vec3::zeros() { 0.0 } else { d.z.clamp(-1.0, 1.0).acos() };
+        let mean_tilt_deg = (texels.direction.iter().map(tilt).sum::<f64>() / filled as f64).to_degrees();
+        let contradicted = texels.contradicted as f64 / filled as f64;
+        let name = material.and_then(|m| document.json["materials"][m]["name"].as_str()).map(str::to_owned);
+        let in_material = match own_normal_map(document, material) {
+            Ok(own) => {
+                if let Some((own, scale)) = own {
+                    turn_along(&mut texels, &own, scale);
+                }
+                true
+            }
+            Err(why) => {
+                let of = name.as_deref().unwrap_or("a material without a name");
+                notes.push(format!(
+                    "the normal map of {of} stays alone, the wrinkles' is a file of its own: {why}"
+                ));
+                false
+            }
+        };
+        texels.pad(PADDING);
+        let broken = |what: String| Error::fault(&asset.file, "detail map", what, "");
+        let normal_png = texels.to_png().map_err(broken)?;
+        let (height_png, height_range_m) = texels.lift_png().map_err(broken)?;
+        if in_material {
+            refer_to(&mut appender, material, &surfaces, &normal_png);
+        }
+        maps.push(DetailMap {
+            material: name,
+            normal_png,
+            height_png,
+            height_range_m,
+            in_material,
+            mean_tilt_deg,
+            contradicted,
+        });
+    }
+    Ok(Detailed { glb: appender.into_glb(), maps, notes })
+}
+
+/// The worn file, read again; its worn vertices are those of the garment.
+fn read_back(glb: &[u8], asset: &SourceAsset, detail: &Detail) -> Result<SourceAsset> {
+    // Of an OBJ the worn file is in metres, y up; of a glTF in the source's own unit.
+    let same = asset.document.is_some();
+    let options = ReadOptions {
+        unit_m: Some(if same { asset.unit_m } else { 1.0 }),
+        up: same.then_some(asset.up),
+        ..ReadOptions::default()
+    };
+    let mut nothing = |name: &str| Err(Error::fault(&asset.file, name, "is beside the file, not in it", ""));
+    let (mut worn, _) = read_asset(&asset.file, glb, &options, &mut nothing)?;
+    keep_worn_pieces(&mut worn);
+    let count: usize = worn.worn_pieces().map(|piece| piece.positions.len()).sum();
+    let fits = count == detail.fine.source_point.len()
+        && detail.parent.len() == detail.fine.triangles.len()
+        && detail.worn.displacement.len() == detail.fine.points.len()
+        && detail.coarse.points.len() <= detail.fine.points.len()
+        && detail.parent.iter().all(|&k| (k as usize) < detail.coarse.triangles.len());
+    match fits {
+        true => Ok(worn),
+        false => {
+            let what = "the worn file and the finer garment are not of one mesh";
+            Err(Error::fault(&asset.file, "detail map", what, "use what was made of this file"))
+        }
+    }
+}
+
+/// A worn piece as a viewer sees it.
+struct Surface<'a> {
+    piece: &'a SourcePiece,
+    material: Option<usize>,
+    uvs: &'a [Vec2],
+    /// Per vertex: its point.
+    points: &'a [PointIndex],
+    /// Per vertex, scene: unit normal before wear.
+    unworn: Vec<Vec3>,
+    /// Per vertex, scene: unit normal and unit tangent with the worn target on.
+    worn: Vec<(Vec3, Tangent)>,
+    /// Tangents that the file does not have yet, own coordinates: before wear, and with the worn target on.
+    added: Option<(Vec<Tangent>, Vec<Tangent>)>,
+    /// Place of the worn target among the primitive's.
+    target: usize,
+}
+
+/// All worn pieces that can carry a map.
+fn surfaces<'a>(
+    worn: &'a SourceAsset,
+    document: &GltfDocument,
+    detail: &'a Detail,
+    notes: &mut Vec<String>,
+) -> Result<Vec<Surface<'a>>> {
+    let mut surfaces = Vec::new();
+    let mut rest = &detail.fine.source_point[..];
+    for piece in worn.worn_pieces() {
+        let (points, after) = rest.split_at(piece.positions.len());
+        rest = after;
+        let (Some(uvs), Some(normals)) = (&piece.uvs, &piece.normals) else {
+            let lacks = if piece.uvs.is_none() { "texture coordinates" } else { "normals" };
+            notes.push(format!("{} has no {lacks} and gets no map", piece.name));
+            continue;
+        };
+        surfaces.push(Surface::new(&worn.file, document, piece, points, uvs, normals)?);
+    }
+    Ok(surfaces)
+}
+
+impl<'a> Surface<'a> {
+    fn new(
+        file: &str,
+        document: &GltfDocument,
+        piece: &'a SourcePiece,
+        points: &'a [PointIndex],
+        uvs: &'a [Vec2],
+        normals: &[Vec3],
+    ) -> Result<Self> {
+        let count = piece.positions.len();
+        let primitive = &document.json["meshes"][piece.mesh]["primitives"][piece.primitive];
+        let target = worn_target(document, piece).unwrap_or(&Value::Null);
+        let shift = |name: &str| -> Result<Vec<Vec3>> {
+            let numbers = column(document, &target[name], 3, count, name)?;
+            let rows = numbers.unwrap_or_else(|| vec![0.0; 3 * count]);
+            Ok(rows.chunks_exact(3).map(Vec3::from_row_slice).collect())
+        };
+        let moved = |rows: &[Vec3], shifts: &[Vec3]| -> Vec<Vec3> {
+            rows.iter().zip(shifts).map(|(x, d)| x + d).collect()
+        };
+        let positions = moved(&piece.positions, &shift("POSITION")?);
+        let worn_normals: Vec<Vec3> = moved(normals, &shift("NORMAL")?)
+            .into_iter()
+            .zip(normals)
+            .map(|(n, own)| unit_or(n, *own))
+            .collect();
+        let stored = primitive["attributes"]["TANGENT"].as_u64().and_then(|i| usize::try_from(i).ok());
+        let (own, added) = match stored {
+            Some(accessor) => {
+                let table = Accessors::new(document).table_of(accessor, 4, Some(count), "TANGENT")?;
+                let stored = table.rows().zip(shift("TANGENT")?).map(|(row, d)| Tangent {
+                    along: unit_or(Vec3::new(row[0], row[1], row[2]) + d, Vec3::x()),
+                    handedness: if row[3] < 0.0 { -1.0 } else { 1.0 },
+                });
+                (stored.collect::<Vec<_>>(), None)
+            }
+            None => {
+                let before = tangents(&piece.positions, normals, uvs, &piece.triangles);
+                let mut after = tangents(&positions, &worn_normals, uvs, &piece.triangles);
+                // A morph target does not change the handedness.
+                after.iter_mut().zip(&before).for_each(|(a, b)| a.handedness = b.handedness);
+                (after.clone(), Some((before, after)))
+            }
+        };
+        let placements = match &piece.placement {
+            Placement::Rigid(one) => std::slice::from_ref(one),
+            Placement::Skinned(all) => &all[..],
+        };
+        let linear = LinearParts::new(placements).map_err(|v| {
+            Error::fault(file, &piece.name, format!("vertex {v} is flattened"), "give it a scale")
+        })?;
+        let in_scene = |v: usize, n: &Vec3| unit_or(linear.of(v).1.transpose() * n, Vec3::z());
+        let frame = |v: usize| {
+            let along = unit_or(linear.of(v).0 * own[v].along, Vec3::x());
+            (in_scene(v, &worn_normals[v]), Tangent { along, ..own[v] })
+        };
+        Ok(Self {
+            piece,
+            material: primitive["material"].as_u64().and_then(|m| usize::try_from(m).ok()),
+            uvs,
+            points,
+            unworn: normals.iter().enumerate().map(|(v, n)| in_scene(v, n)).collect(),
+            worn: (0..count).map(frame).collect(),
+            added,
+            target: worn_target_index(document, piece).unwrap_or(0),
+        })
+    }
+
+    /// Writes tangents into the document where it has none.
+    fn add_tangents(&self, appender: &mut Appender) {
+        let Some((before, after)) = &self.added else { return };
+        let narrow = |v: &Vec3| [v.x as f32, v.y as f32, v.z as f32];
+        let rows: Vec<[f32; 4]> = before
+            .iter()
+            .map(|t| {
+                let [x, y, z] = narrow(&t.along);
+                [x, y, z, t.handedness as f32]
+            })
+            .collect();
+        let shifts: Vec<[f32; 3]> =
+            before.iter().zip(after).map(|(b, a)| narrow(&(a.along - b.along))).collect();
+        let (base, shift) =
+            (appender.vectors(&rows, Purpose::Vertex), appender.vectors(&shifts, Purpose::Vertex));
+        let Some(mesh) = appender.list("meshes").get_mut(self.piece.mesh) else { return };
+        let primitive = &mut mesh["primitives"][self.piece.primitive];
+        primitive["attributes"]["TANGENT"] = json!(base);
+        primitive["targets"][self.target]["TANGENT"] = json!(shift);
+    }
+}
+
+fn unit_or(v: Vec3, otherwise: Vec3) -> Vec3 {
+    v.try_normalize(1e-12).unwrap_or(otherwise)
+}
+
+/// Paints maps.
+struct Painter<'a> {
+    detail: &'a Detail<'a>,
+    surfaces: &'a [Surface<'a>],
+    /// Per triangle of the coarse garment: its surface, and the vertices of its corners there.
+    place: Vec<Option<(usize, [usize; 3])>>,
+    shape: WornShape<'a>,
+}
+
+impl<'a> Painter<'a> {
+    fn new(detail: &'a Detail, surfaces: &'a [Surface]) -> Self {
+        let sorted = |mut points: [PointIndex; 3]| {
+            points.sort_unstable();
+            points
+        };
+        let mut found = FxHashMap::default();
+        for (s, surface) in surfaces.iter().enumerate() {
+            for t in &surface.piece.triangles {
+                let vertices = t.map(|v| v as usize);
+                if vertices.iter().all(|&v| v < surface.points.len()) {
+                    found.entry(sorted(vertices.map(|v| surface.points[v]))).or_insert((s, vertices));
+                }
+            }
+        }
+        let place = detail.coarse.triangles.iter().map(|t| {
+            let &(s, vertices) = found.get(&sorted(*t))?;
+            let points = surfaces[s].points;
+            let mut corners = [0; 3];
+            for (corner, p) in corners.iter_mut().zip(t) {
+                *corner = *vertices.iter().find(|&&v| points[v] == *p)?;
+            }
+            Some((s, corners))
+        });
+        Self { detail, surfaces, place: place.collect(), shape: WornShape::new(detail.fine, detail.worn) }
+    }
+
+    /// The map of one material.
+    fn paint(&self, material: Option<usize>, side: usize) -> Texels {
+        let mut texels = Texels::new(side);
+        let Detail { coarse, fine, parent, worn } = *self.detail;
+        for (triangle, &k) in fine.triangles.iter().zip(parent) {
+            let Some((s, vertices)) = self.place[k as usize] else { continue };
+            let surface = &self.surfaces[s];
+            if surface.material != material {
+                continue;
+            }
+            let corners = coarse.triangles[k as usize].map(|p| coarse.points[p.at()]);
+            let shares = triangle.map(|p| barycentric(&fine.points[p.at()], &corners));
+            let mix = |share: &[f64; 3], of: &dyn Fn(usize) -> Vec3| -> Vec3 {
+                share.iter().zip(vertices).map(|(s, v)| of(v) * *s).sum()
+            };
+            let normals: [Vec3; 3] = std::array::from_fn(|i| {
+                let base = unit_or(mix(&shares[i], &|v| surface.unworn[v]), Vec3::z());
+                let turned =
+                    self.shape.turned_normal(triangle[i], base, (Mat3::identity(), Mat3::identity()));
+                turned.unwrap_or(base)
+            });
+            let place = |p: PointIndex, points: &[Vec3]| points[p.at()] + worn.displacement[p.at()];
+            let above = triangle.map(|p| place(p, &fine.points));
+            let below = coarse.triangles[k as usize].map(|p| place(p, &coarse.points));
+            let uvs = shares.map(|share| share.iter().zip(vertices).map(|(s, v)| surface.uvs[v] * *s).sum());
+            texels.fill(uvs, &|b| {
+                let blend = |of: &[Vec3; 3]| of[0] * b[0] + of[1] * b[1] + of[2] * b[2];
+                let share: [f64; 3] = std::array::from_fn(|j| (0..3).map(|i| b[i] * shares[i][j]).sum());
+                let n = mix(&share, &|v| surface.worn[v].0).try_normalize(1e-9)?;
+                let t = mix(&share, &|v| surface.worn[v].1.along).try_normalize(1e-9)?;
+                let bitangent = n.cross(&t) * surface.worn[vertices[0]].1.handedness;
+                let frame = Mat3::from_columns(&[t, bitangent, n]);
+                let direction =
+                    (frame.try_inverse()? * blend(&normals).try_normalize(1e-9)?).try_normalize(1e-9)?;
+                let on_coarse: Vec3 = below.iter().zip(share).map(|(x, s)| x * s).sum();
+                // A map cannot point below its surface.
+                (direction.z > 0.0).then(|| (direction, n.dot(&(blend(&above) - on_coarse))))
+            });
+        }
+        texels
+    }
+}
+
+/// The normal map that a material has already, with its scale; why it cannot be combined as the error.
+fn own_normal_map(
+    document: &GltfDocument,
+    material: Option<usize>,
+) -> std::result::Result<Option<(Texels, f64)>, String> {
+    let Some(entry) = material.and_then(|m| document.json["materials"][m].get("normalTexture")) else {
+        return Ok(None);
+    };
+    if entry["texCoord"].as_u64().unwrap_or(0) != 0 {
+        return Err("it uses other texture coordinates".into());
+    }
+    if entry["extensions"].get("KHR_texture_transform").is_some() {
+        return Err("it is moved or scaled (KHR_texture_transform)".into());
+    }
+    let index = |value: &Value| value.as_u64().and_then(|i| usize::try_from(i).ok());
+    let lost = "its picture is not in the file";
+    let texture = index(&entry["index"]).ok_or(lost)?;
+    let image = index(&document.json["textures"][texture]["source"]).ok_or(lost)?;
+    let view = index(&document.json["images"][image]["bufferView"]).ok_or(lost)?;
+    let view = &document.json["bufferViews"][view];
+    let (start, length) = (index(&view["byteOffset"]).unwrap_or(0), index(&view["byteLength"]).ok_or(lost)?);
+    let buffer = document.buffers.get(index(&view["buffer"]).ok_or(lost)?).ok_or(lost)?;
+    let bytes = start.checked_add(length).and_then(|end| buffer.get(start..end)).ok_or(lost)?;
+    let own = Texels::from_png(bytes).map_err(|why| format!("only PNG can be combined ({why})"))?;
+    Ok(Some((own, entry["scale"].as_f64().unwrap_or(1.0))))
+}
+
+/// Directions of the material's own map, turned along with the fine surface.
+fn turn_along(texels: &mut Texels, own: &Texels, scale: f64) {
+    let (width, height) = (texels.width, texels.height);
+    for (at, fine) in texels.direction.iter_mut().enumerate().filter(|(_, d)| **d != Vec3::zeros()) {
+        let uv = Vec2::new((at % width) as f64 + 0.5, (at / width) as f64 + 0.5);
+        let weave = own.sample(uv.component_div(&Vec2::new(width as f64, height as f64)));
+        let weave = Vec3::new(weave.x * scale, weave.y * scale, weave.z);
+        let along = unit_or(Vec3::x() - *fine * fine.x, Vec3::x());
+        let turned = along * weave.x + fine.cross(&along) * weave.y + *fine * weave.z;
+        *fine = unit_or(turned, *fine);
+    }
+}
+
+/// Makes the worn primitives of `material` show `png`. A material that others use too is copied first.
+fn refer_to(appender: &mut Appender, material: Option<usize>, surfaces: &[Surface], png: &[u8]) {
+    let view = appender.bytes(png.to_vec());
+    let image =
+        appender.push("images", json!({"bufferView": view, "mimeType": "image/png", "name": "wrinkles"}));
+    let texture = appender.push("textures", json!({"source": image, "name": "wrinkles"}));
+    let mine = |mesh: usize, primitive: usize| {
+        surfaces.iter().any(|s| (s.piece.mesh, s.piece.primitive) == (mesh, primitive))
+    };
+    let mut shared = material.is_none();
+    for (m, mesh) in appender.list("meshes").iter().enumerate() {
+        for (p, primitive) in mesh["primitives"].as_array().into_iter().flatten().enumerate() {
+            let uses = primitive["material"].as_u64() == material.map(|m| m as u64);
+            shared |= uses && !mine(m, p);
+        }
+    }
+    let mut entry =
+        material.and_then(|m| appender.list("materials").get(m).cloned()).unwrap_or_else(|| json!({}));
+    entry["normalTexture"] = json!({"index": texture});
+    match material.filter(|_| !shared) {
+        Some(m) => appender.list("materials")[m] = entry,
+        None => {
+            let copy = appender.push("materials", entry);
+            for surface in surfaces.iter().filter(|s| s.material == material) {
+                if let Some(mesh) = appender.list("meshes").get_mut(surface.piece.mesh) {
+                    mesh["primitives"][surface.piece.primitive]["material"] = json!(copy);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,232 @@
+//! A coarse sheet with fine ripples: what a viewer makes of mesh and map, against the fine surface itself.
+
+use super::*;
+use crate::garment::RestShape;
+use crate::io::gltf::write_worn_glb;
+use crate::mesh::Topology;
+use std::fmt::Write;
+
+/// Quads a side of the coarse sheet, and its side [m].
+const QUADS: usize = 6;
+const SIDE: f64 = 0.3;
+
+/// A level sheet in two islands of texture space, the second turned by a quarter, with a seam between the two halves.
+fn sheet() -> SourceAsset {
+    let mut obj = String::new();
+    let step = SIDE / QUADS as f64;
+    for k in 0..(QUADS + 1) * (QUADS + 1) {
+        let (i, j) = (k % (QUADS + 1), k / (QUADS + 1));
+        writeln!(obj, "v {} 0 {}", i as f64 * step, j as f64 * step).unwrap();
+    }
+    // Two sets of texture coordinates for every point: left island upright, right island turned.
+    for turned in [false, true] {
+        for k in 0..(QUADS + 1) * (QUADS + 1) {
+            let [u, v] = [(k % (QUADS + 1)) as f64, (k / (QUADS + 1)) as f64].map(|x| x / QUADS as f64);
+            let (u, v) =
+                if turned { (0.05 + 0.45 * v, 0.95 - 0.45 * u) } else { (0.05 + 0.45 * u, 0.5 - 0.45 * v) };
+            writeln!(obj, "vt {u} {v}").unwrap();
+        }
+    }
+    writeln!(obj, "vn 0 1 0").unwrap();
+    let count = (QUADS + 1) * (QUADS + 1);
+    for (j, i) in (0..QUADS).flat_map(|j| (0..QUADS).map(move |i| (j, i))) {
+        let a = j * (QUADS + 1) + i + 1;
+        let set = if i < QUADS / 2 { 0 } else { count };
+        let corner = |p: usize| format!("{p}/{}/1", p + set);
+        let [a, b, c, d] = [a, a + QUADS + 1, a + QUADS + 2, a + 1].map(corner);
+        writeln!(obj, "f {a} {b} {c}\nf {a} {c} {d}").unwrap();
+    }
+    let mut alone = |name: &str| panic!("asks for {name}");
+    read_asset("sheet.obj", obj.as_bytes(), &ReadOptions::default(), &mut alone).unwrap().0
+}
+
+/// Every triangle cut into four, so many times; with its parents.
+fn finer(coarse: &Garment, times: usize) -> (Garment, Vec<u32>) {
+    let (mut points, mut triangles) = (coarse.points.clone(), coarse.triangles.clone());
+    let mut parent: Vec<u32> = (0..triangles.len() as u32).collect();
+    for _ in 0..times {
+        let mut halfway = FxHashMap::default();
+        let mut middle = |a: PointIndex, b: PointIndex| {
+            let key = if a < b { [a, b] } else { [b, a] };
+            *halfway.entry(key).or_insert_with(|| {
+                points.push((points[a.at()] + points[b.at()]) * 0.5);
+                PointIndex(points.len() as u32 - 1)
+            })
+        };
+        let cut = |[a, b, c]: [PointIndex; 3],
+                   middle: &mut dyn FnMut(PointIndex, PointIndex) -> PointIndex| {
+            let (x, y, z) = (middle(a, b), middle(b, c), middle(c, a));
+            [[a, x, z], [x, b, y], [z, y, c], [x, y, z]]
+        };
+        triangles = triangles.iter().flat_map(|t| cut(*t, &mut middle)).collect();
+        parent = parent.iter().flat_map(|k| [*k; 4]).collect();
+    }
+    let topology = Topology::new(points.len(), &triangles);
+    let count = triangles.len();
+    let fine = Garment {
+        memory_mask: vec![1.0; points.len()],
+        material: vec![[Vec2::zeros(), Vec2::x(), Vec2::y()]; count],
+        triangle_part: vec![0; count],
+        points,
+        triangles,
+        topology,
+        ..coarse.clone()
+    };
+    (fine, parent)
+}
+
+/// Ripples much finer than the coarse mesh: height [m] at a place.
+fn ripple(x: &Vec3) -> f64 {
+    0.0025 * (x.x * 180.0).sin() + 0.002 * (x.z * 140.0 + x.x * 60.0).cos()
+}
+
+struct Scene {
+    asset: SourceAsset,
+    coarse: Garment,
+    fine: Garment,
+    parent: Vec<u32>,
+    worn: WornGarment,
+}
+
+impl Scene {
+    fn new(height: &dyn Fn(&Vec3) -> f64) -> Self {
+        let asset = sheet();
+        let coarse = Garment::from_asset(&asset).unwrap().0;
+        let (fine, parent) = finer(&coarse, 5);
+        let displacement = fine.points.iter().map(|x| Vec3::y() * height(x)).collect();
+        let memory = RestShape::flat(fine.topology.hinges.len(), fine.triangles.len());
+        Self { asset, coarse, worn: WornGarment { displacement, memory }, fine, parent }
+    }
+
+    fn detail(&self) -> Detail<'_> {
+        Detail { coarse: &self.coarse, fine: &self.fine, parent: &self.parent, worn: &self.worn }
+    }
+
+    fn worn_glb(&self) -> Vec<u8> {
+        let count = self.coarse.points.len();
+        let worn = WornGarment {
+            displacement: self.worn.displacement[..count].to_vec(),
+            memory: RestShape::flat(self.coarse.topology.hinges.len(), self.coarse.triangles.len()),
+        };
+        write_worn_glb(&self.asset, &self.coarse, &worn, &json!({"crease": {"sidecar": "x"}})).unwrap()
+    }
+
+    fn detailed(&self) -> Detailed {
+        add_detail_map(&self.worn_glb(), &self.asset, &self.detail(), 1024).unwrap()
+    }
+}
+
+/// What a viewer shows in the middle of every fine triangle, and the fine surface's own smooth normal there.
+fn shown_and_true(scene: &Scene, detailed: &Detailed) -> Vec<(Vec3, Vec3, Vec3)> {
+    let options = ReadOptions { unit_m: Some(1.0), ..ReadOptions::default() };
+    let mut alone = |name: &str| panic!("asks for {name}");
+    let mut asset = read_asset("worn.glb", &detailed.glb, &options, &mut alone).unwrap().0;
+    assert!(keep_worn_pieces(&mut asset));
+    let document = asset.document.as_ref().unwrap();
+    let detail = scene.detail();
+    let surfaces = surfaces(&asset, document, &detail, &mut Vec::new()).unwrap();
+    assert!(surfaces.iter().all(|s| s.added.is_none()), "the file has tangents now");
+    let painter = Painter::new(&detail, &surfaces);
+    let (own, _) = own_normal_map(document, surfaces[0].material).unwrap().expect("the material has the map");
+    let mut smooth = vec![Vec3::zeros(); scene.fine.points.len()];
+    let place = |p: PointIndex| scene.fine.points[p.at()] + scene.worn.displacement[p.at()];
+    for t in &scene.fine.triangles {
+        let n = (place(t[1]) - place(t[0])).cross(&(place(t[2]) - place(t[0])));
+        t.iter().for_each(|p| smooth[p.at()] += n);
+    }
+    let mut all = Vec::new();
+    for (t, &k) in scene.fine.triangles.iter().zip(&scene.parent) {
+        let (s, vertices) = painter.place[k as usize].unwrap();
+        let corners = scene.coarse.triangles[k as usize].map(|p| scene.coarse.points[p.at()]);
+        let centre = t.iter().map(|p| scene.fine.points[p.at()]).sum::<Vec3>() / 3.0;
+        let share = barycentric(&centre, &corners);
+        let mix =
+            |of: &dyn Fn(usize) -> Vec3| share.iter().zip(vertices).map(|(s, v)| of(v) * *s).sum::<Vec3>();
+        let surface = &surfaces[s];
+        let n = mix(&|v| surface.worn[v].0).normalize();
+        let along = mix(&|v| surface.worn[v].1.along).normalize();
+        let uv = share.iter().zip(vertices).map(|(s, v)| surface.uvs[v] * *s).sum();
+        let d = own.sample(uv);
+        let shown = along * d.x + n.cross(&along) * (surface.worn[vertices[0]].1.handedness * d.y) + n * d.z;
+        let truth = t.iter().map(|p| smooth[p.at()].normalize()).sum::<Vec3>().normalize();
+        all.push((shown.normalize(), truth, n));
+    }
+    all
+}
+
+fn angle_deg(a: &Vec3, b: &Vec3) -> f64 {
+    a.dot(b).clamp(-1.0, 1.0).acos().to_degrees()
+}
+
+#[test]
+fn coarse_mesh_and_map_look_like_the_fine_mesh_from_three_lights() {
+    let scene = Scene::new(&ripple);
+    let detailed = scene.detailed();
+    assert!(detailed.notes.is_empty(), "{:?}", detailed.notes);
+    let pixels = shown_and_true(&scene, &detailed);
+    let lights = [Vec3::new(0.0, 1.0, 0.0), Vec3::new(1.0, 0.5, 0.2), Vec3::new(-0.3, 0.4, -1.0)];
+    for light in lights.map(|l| l.normalize()) {
+        let lit: Vec<_> = pixels.iter().filter(|(_, truth, _)| truth.dot(&light) > 0.0).collect();
+        let mean =
+            lit.iter().map(|(shown, truth, _)| angle_deg(shown, truth)).sum::<f64>() / lit.len() as f64;
+        let bare = lit.iter().map(|(_, truth, n)| angle_deg(n, truth)).sum::<f64>() / lit.len() as f64;
+        println!(
+            "lit from {light:?}: {mean:.2} degrees with the map, {bare:.2} without, {} places",
+            lit.len()
+        );
+        assert!(mean < 5.0 && bare > 15.0, "{mean} {bare}");
+        // The places along the seam between the islands are no worse than five times the mean.
+        let worst = lit.iter().map(|(shown, truth, _)| angle_deg(shown, truth)).fold(0.0, f64::max);
+        println!("  worst {worst:.2}");
+        assert!(worst < 10.0, "a seam shows: {worst}");
+    }
+    let map = &detailed.maps[0];
+    assert!(map.in_material && map.contradicted < 0.01, "{}", map.contradicted);
+    assert!(map.height_range_m[1] > 0.003 && map.height_range_m[1] < 0.012, "{:?}", map.height_range_m);
+}
+
+#[test]
+fn cloth_without_wear_has_a_flat_map() {
+    let detailed = Scene::new(&|_| 0.0).detailed();
+    assert!(detailed.maps[0].mean_tilt_deg < 1e-3, "{}", detailed.maps[0].mean_tilt_deg);
+}
+
+/// The map that a first run left in the material is the weave that a second run turns along: on flat cloth it stays.
+#[test]
+fn a_normal_map_that_is_there_is_kept_under_the_wrinkles() {
+    let scene = Scene::new(&ripple);
+    let first = scene.detailed();
+    let mut alone = |name: &str| panic!("asks for {name}");
+    let options = ReadOptions { unit_m: Some(1.0), ..ReadOptions::default() };
+    let asset = read_asset("first.glb", &first.glb, &options, &mut alone).unwrap().0;
+    let flat = Scene::new(&|_| 0.0);
+    let coarse = Garment::from_asset(&asset).unwrap().0;
+    let (fine, parent) = finer(&coarse, 5);
+    let memory = RestShape::flat(fine.topology.hinges.len(), fine.triangles.len());
+    let worn = WornGarment { displacement: vec![Vec3::zeros(); fine.points.len()], memory };
+    let detail = Detail { coarse: &coarse, fine: &fine, parent: &parent, worn: &worn };
+    // Worn anew, so that the worn target is that of the flat sheet.
+    let unworn = WornGarment { displacement: vec![Vec3::zeros(); coarse.points.len()], ..flat.worn.clone() };
+    let unworn = WornGarment {
+        memory: RestShape::flat(coarse.topology.hinges.len(), coarse.triangles.len()),
+        ..unworn
+    };
+    let glb = write_worn_glb(&asset, &coarse, &unworn, &json!({"crease": {"sidecar": "x"}})).unwrap();
+    let second = add_detail_map(&glb, &asset, &detail, 1024).unwrap();
+    assert!(second.notes.is_empty(), "{:?}", second.notes);
+    let [a, b] = [&first, &second].map(|d| Texels::from_png(&d.maps[0].normal_png).unwrap());
+    let off: f64 = a.direction.iter().zip(&b.direction).map(|(a, b)| angle_deg(a, b)).sum::<f64>();
+    let mean = off / a.direction.len() as f64;
+    println!("mean change of the weave {mean:.3} degrees");
+    assert!(mean < 0.5, "{mean}");
+}
+
+#[test]
+fn what_does_not_belong_together_is_refused() {
+    let scene = Scene::new(&ripple);
+    let glb = scene.worn_glb();
+    let short = Detail { parent: &scene.parent[1..], ..scene.detail() };
+    assert!(add_detail_map(&glb, &scene.asset, &short, 1024).is_err());
+    assert!(add_detail_map(&glb, &scene.asset, &scene.detail(), 7).is_err());
+    assert!(add_detail_map(b"no glTF", &scene.asset, &scene.detail(), 1024).is_err());
+}

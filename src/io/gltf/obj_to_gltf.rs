@@ -1,0 +1,181 @@
+//! A glTF document from the pieces of an OBJ file, since OBJ cannot hold a second shape of the same mesh.
+//!
+//! One node, one mesh, one primitive for each piece with at least one triangle; vertices keep number and order within
+//! their piece. Positions are in metres, y up. Normals are the file's, or smooth ones where it has none: area-weighted
+//! over triangles that share a position, so that texture seams do not show. Materials carry the names of the OBJ's and a
+//! plain two-sided cloth colour, as cloth is seen from both sides; the .mtl file is not read.
+
+use crate::io::gltf::add_morph_target::worn_target;
+use crate::io::gltf::append::{Appender, Purpose};
+use crate::io::gltf::worn_target::WornTarget;
+use crate::io::gltf::{REST_ANGLE_ATTRIBUTE, STIFFNESS_ATTRIBUTE, WORN_TARGET};
+use crate::io::{SourceAsset, SourcePiece};
+use crate::math::Vec3;
+use crate::{Error, Result};
+use rustc_hash::FxHashMap;
+use serde_json::{Map, Value, json};
+
+/// Look of a material of which only the name is known: light grey, not shiny.
+const BASE_COLOUR: [f64; 4] = [0.8, 0.8, 0.8, 1.0];
+const ROUGHNESS: f64 = 0.9;
+
+/// A piece in scene coordinates.
+pub(super) struct ScenePiece {
+    /// Per vertex: position [m], y up.
+    pub(super) positions: Vec<Vec3>,
+    /// Per vertex: unit normal.
+    pub(super) normals: Vec<Vec3>,
+}
+
+/// Every piece of `asset` brought into the scene, with normals.
+pub(super) fn scene_pieces(asset: &SourceAsset) -> Vec<ScenePiece> {
+    let positions: Vec<Vec<Vec3>> = asset.pieces.iter().map(scene_positions).collect();
+    let smooth = smooth_normals(asset, &positions);
+    let with_normals = |(piece, (positions, smooth)): (&SourcePiece, (Vec<Vec3>, Vec<Vec3>))| {
+        let own = scene_normals(piece);
+        let normals =
+            smooth.into_iter().enumerate().map(|(v, smooth)| own.get(v).copied().flatten().unwrap_or(smooth));
+        ScenePiece { normals: normals.collect(), positions }
+    };
+    asset.pieces.iter().zip(positions.into_iter().zip(smooth)).map(with_normals).collect()
+}
+
+/// The document of all pieces as a GLB file; `targets` has one entry per piece, `None` where it is not worn.
+pub(super) fn obj_document(
+    asset: &SourceAsset,
+    scene: &[ScenePiece],
+    targets: &[Option<WornTarget>],
+    extras: &Map<String, Value>,
+) -> Result<Vec<u8>> {
+    let name = stem(&asset.file);
+    let mut extras = extras.clone();
+    extras.insert("targetNames".into(), json!([WORN_TARGET]));
+    let document = json!({
+        "asset": {"version": "2.0", "generator": concat!("crease ", env!("CARGO_PKG_VERSION"))},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"name": name, "mesh": 0}],
+        "meshes": [{"name": name, "primitives": [], "weights": [1.0], "extras": extras}],
+        "materials": [], "accessors": [], "bufferViews": [], "buffers": [],
+    });
+    let Value::Object(document) = document else { return Ok(Vec::new()) };
+    let mut appender = Appender::new(document);
+    let mut materials = FxHashMap::default();
+    let mut primitives = Vec::new();
+    for ((piece, scene), target) in asset.pieces.iter().zip(scene).zip(targets) {
+        if piece.triangles.is_empty() {
+            continue;
+        }
+        let material = *materials
+            .entry(piece.material.as_deref())
+            .or_insert_with(|| appender.push("materials", material(piece.material.as_deref())));
+        let mut primitive = primitive(&mut appender, piece, scene, target.as_ref())
+            .map_err(|what| Error::fault(&asset.file, &piece.name, what, "check the unit of the file"))?;
+        primitive["material"] = json!(material);
+        primitives.push(primitive);
+    }
+    if primitives.is_empty() {
+        return Err(Error::fault(&asset.file, "", "has no triangles", "give a mesh with faces"));
+    }
+    if let Some(mesh) = appender.list("meshes").first_mut() {
+        mesh["primitives"] = Value::Array(primitives);
+    }
+    Ok(appender.into_glb())
+}
+
+/// One primitive with its numbers appended; what is wrong if they do not fit the file's floats.
+fn primitive(
+    appender: &mut Appender,
+    piece: &SourcePiece,
+    scene: &ScenePiece,
+    worn: Option<&WornTarget>,
+) -> std::result::Result<Value, &'static str> {
+    let narrow =
+        |rows: &[Vec3]| rows.iter().map(|p| [p.x as f32, p.y as f32, p.z as f32]).collect::<Vec<_>>();
+    let positions = narrow(&scene.positions);
+    if positions.iter().flatten().any(|x| !x.is_finite()) {
+        return Err("has positions too large for glTF");
+    }
+    let mut attributes = json!({
+        "POSITION": appender.vectors(&positions, Purpose::Position),
+        "NORMAL": appender.vectors(&narrow(&scene.normals), Purpose::Vertex),
+    });
+    if let Some(uvs) = &piece.uvs {
+        let uvs: Vec<[f32; 2]> = uvs.iter().map(|uv| [uv.x as f32, uv.y as f32]).collect();
+        if uvs.iter().flatten().all(|x| x.is_finite()) {
+            attributes["TEXCOORD_0"] = json!(appender.vectors(&uvs, Purpose::Vertex));
+        }
+    }
+    let target = match worn {
+        Some(worn) => {
+            attributes[REST_ANGLE_ATTRIBUTE] =
+                json!(appender.scalars(&worn.rest_change_deg, Purpose::Vertex));
+            attributes[STIFFNESS_ATTRIBUTE] = json!(appender.scalars(&worn.stiffness, Purpose::Vertex));
+            worn_target(appender, worn)
+        }
+        None => json!({"POSITION": appender.zero_positions(positions.len())}),
+    };
+    let indices = appender.triangles(&piece.triangles);
+    Ok(json!({
+        "attributes": attributes, "indices": indices, "targets": [target], "extras": {"name": piece.name},
+    }))
+}
+
+fn material(name: Option<&str>) -> Value {
+    let mut material = json!({
+        "pbrMetallicRoughness": {"baseColorFactor": BASE_COLOUR, "metallicFactor": 0.0, "roughnessFactor": ROUGHNESS},
+        "doubleSided": true,
+    });
+    if let Some(name) = name {
+        material["name"] = json!(name);
+    }
+    material
+}
+
+/// File name without folders and without its last ending.
+fn stem(file: &str) -> &str {
+    let name = file.rsplit(['/', '\\']).next().unwrap_or(file);
+    name.rsplit_once('.').map_or(name, |(stem, _)| stem)
+}
+
+fn scene_positions(piece: &SourcePiece) -> Vec<Vec3> {
+    (0..piece.positions.len()).map(|v| piece.scene_position(v).unwrap_or_default()).collect()
+}
+
+/// The file's normals in the scene; `None` where one is missing or has no length.
+fn scene_normals(piece: &SourcePiece) -> Vec<Option<Vec3>> {
+    let turned = |(v, n): (usize, &Vec3)| {
+        let linear = piece.placement.of(v).fixed_view::<3, 3>(0, 0).into_owned();
+        (linear.try_inverse()?.transpose() * n).try_normalize(f64::MIN_POSITIVE)
+    };
+    piece.normals.iter().flatten().enumerate().map(turned).collect()
+}
+
+/// Area-weighted normals over all triangles that share a position, whatever piece they are in. Where these cancel (the
+/// same sheet facing both ways), those of the vertex alone; where there is no triangle, straight up.
+fn smooth_normals(asset: &SourceAsset, positions: &[Vec<Vec3>]) -> Vec<Vec<Vec3>> {
+    let mut shared: FxHashMap<[u64; 3], Vec3> = FxHashMap::default();
+    let mut alone: Vec<Vec<Vec3>> = positions.iter().map(|p| vec![Vec3::zeros(); p.len()]).collect();
+    for ((piece, positions), alone) in asset.pieces.iter().zip(positions).zip(&mut alone) {
+        for t in &piece.triangles {
+            let [a, b, c] = t.map(|v| positions[v as usize]);
+            let normal = (b - a).cross(&(c - a));
+            for (v, p) in t.iter().zip([a, b, c]) {
+                *shared.entry(bits(p)).or_insert_with(Vec3::zeros) += normal;
+                alone[*v as usize] += normal;
+            }
+        }
+    }
+    let choose = |(p, alone): (&Vec3, Vec3)| {
+        // Cancelling leaves rounding behind, which is no direction.
+        let floor = alone.norm() * 1e-9;
+        let shared = shared.get(&bits(*p)).and_then(|n| n.try_normalize(floor));
+        shared.or_else(|| alone.try_normalize(f64::MIN_POSITIVE)).unwrap_or_else(Vec3::y)
+    };
+    positions.iter().zip(alone).map(|(p, alone)| p.iter().zip(alone).map(choose).collect()).collect()
+}
+
+/// A position as a key; both zeros are one.
+fn bits(p: Vec3) -> [u64; 3] {
+    [p.x, p.y, p.z].map(|x| (x + 0.0).to_bits())
+}

@@ -1,0 +1,99 @@
+//! The wear in a glTF file, read back from the morph target and the attributes that a bake wrote: enough to look at a
+//! worn garment whose sidecar is lost, not enough to wear it further (memory lives on hinges, and these are vertices).
+//!
+//! The inverse of `write.rs`. Positions are single precision here; the sidecar has them in full.
+
+use crate::Result;
+use crate::io::gltf::accessor::Accessors;
+use crate::io::gltf::{REST_ANGLE_ATTRIBUTE, STIFFNESS_ATTRIBUTE, WORN_TARGET};
+use crate::io::{GltfDocument, SourceAsset, SourcePiece};
+use crate::math::Vec3;
+use serde_json::Value;
+
+/// What the vertices of worn pieces show of wear; all lists have one entry per vertex, in file order.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct WornVertices {
+    /// Position with the morph target fully on [m], y up.
+    pub positions: Vec<Vec3>,
+    /// Change of rest angle [degrees]; 0 where the file says nothing.
+    pub rest_angle_deg: Vec<f64>,
+    /// Stiffness ratio [-]; 1 where the file says nothing.
+    pub stiffness_ratio: Vec<f64>,
+}
+
+/// Name of the sidecar that the worn meshes of `document` point to.
+pub fn sidecar_name(document: &GltfDocument) -> Option<&str> {
+    let meshes = document.json["meshes"].as_array()?;
+    meshes.iter().find_map(|mesh| mesh["extras"]["crease"]["sidecar"].as_str())
+}
+
+/// Leaves `worn` on the pieces that have a worn target; false, and nothing changed, if there is none.
+pub fn keep_worn_pieces(asset: &mut SourceAsset) -> bool {
+    let Some(document) = &asset.document else { return false };
+    let has_target: Vec<bool> =
+        asset.pieces.iter().map(|piece| worn_target(document, piece).is_some()).collect();
+    if !has_target.contains(&true) {
+        return false;
+    }
+    asset.pieces.iter_mut().zip(has_target).for_each(|(piece, has)| piece.worn = has);
+    true
+}
+
+/// What the worn pieces of `asset` show; empty for a file that is no glTF.
+pub fn read_worn(asset: &SourceAsset) -> Result<WornVertices> {
+    let mut all = WornVertices::default();
+    if let Some(document) = &asset.document {
+        for piece in asset.worn_pieces() {
+            all.add(document, piece)?;
+        }
+    }
+    Ok(all)
+}
+
+impl WornVertices {
+    fn add(&mut self, document: &GltfDocument, piece: &SourcePiece) -> Result<()> {
+        let count = piece.positions.len();
+        let attributes = &primitive(document, piece)["attributes"];
+        let shift = worn_target(document, piece).map_or(&Value::Null, |target| &target["POSITION"]);
+        let shift = column(document, shift, 3, count, "POSITION of the worn target")?;
+        for (v, own) in piece.positions.iter().enumerate() {
+            let shift = shift.as_ref().and_then(|all| all.get(3 * v..3 * v + 3)).unwrap_or(&[0.0; 3]);
+            let worn = own + Vec3::from_row_slice(shift);
+            self.positions.push((piece.placement.of(v) * worn.push(1.0)).xyz());
+        }
+        let scalars = |name: &str, otherwise: f64| {
+            Ok(column(document, &attributes[name], 1, count, name)?.unwrap_or_else(|| vec![otherwise; count]))
+        };
+        self.rest_angle_deg.extend(scalars(REST_ANGLE_ATTRIBUTE, 0.0)?);
+        self.stiffness_ratio.extend(scalars(STIFFNESS_ATTRIBUTE, 1.0)?);
+        Ok(())
+    }
+}
+
+fn primitive<'a>(document: &'a GltfDocument, piece: &SourcePiece) -> &'a Value {
+    &document.json["meshes"][piece.mesh]["primitives"][piece.primitive]
+}
+
+/// The worn target of a piece.
+pub(super) fn worn_target<'a>(document: &'a GltfDocument, piece: &SourcePiece) -> Option<&'a Value> {
+    primitive(document, piece)["targets"].get(worn_target_index(document, piece)?)
+}
+
+/// Its place among the targets.
+pub(super) fn worn_target_index(document: &GltfDocument, piece: &SourcePiece) -> Option<usize> {
+    let names = document.json["meshes"][piece.mesh]["extras"]["targetNames"].as_array()?;
+    names.iter().rposition(|name| name == WORN_TARGET)
+}
+
+/// All numbers of an accessor, row by row; `None` if none is named.
+pub(super) fn column(
+    document: &GltfDocument,
+    accessor: &Value,
+    width: usize,
+    count: usize,
+    user: &str,
+) -> Result<Option<Vec<f64>>> {
+    let Some(index) = accessor.as_u64().and_then(|i| usize::try_from(i).ok()) else { return Ok(None) };
+    let table = Accessors::new(document).table_of(index, width, Some(count), user)?;
+    Ok(Some(table.rows().flatten().copied().collect()))
+}

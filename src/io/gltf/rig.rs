@@ -1,0 +1,202 @@
+//! A document's skeleton, skins, morph targets and clips, as a `body` moves by them.
+//!
+//! Beside the reader of pieces, which only wants to know where they stand. What a file says of motion is checked here in
+//! one go: joints, weights, keys. Clips move nodes' translation, rotation and scale and the weights of morph targets;
+//! other targets (`KHR_animation_pointer`) are left out. Plays nothing itself.
+
+use crate::Result;
+use crate::body::clip::{Channel, Clip, Interpolation, Target};
+use crate::body::rig::{Follows, Piece, Rig, normalised};
+use crate::body::skeleton::{Node, Skeleton};
+use crate::io::diagnostics::FaultList;
+use crate::io::gltf::accessor::Accessors;
+use crate::io::gltf::json_cursor::Cursor;
+use crate::io::gltf::scene::read_local;
+use crate::io::gltf::skin::{influence_sets, joints_of};
+use crate::io::read::to_scene;
+use crate::io::{SourceAsset, SourcePiece};
+use crate::math::Vec3;
+
+/// Numbers of keys and morph targets granted to a file of any size; beyond, as many as its buffers have bytes. Channels
+/// may share keys, and a short file could otherwise ask for any amount of memory.
+const FREE_NUMBERS: usize = 4_000_000;
+
+/// The rig of `pieces`, which are of `asset`; `None` when that is no glTF.
+pub fn read_rig(asset: &SourceAsset, pieces: &[&SourcePiece]) -> Result<Option<Rig>> {
+    let Some(document) = &asset.document else { return Ok(None) };
+    let root = Cursor::root(&document.json);
+    let accessors = Accessors::new(document);
+    let mut reader = RigReader {
+        numbers_left: accessors.byte_count().max(FREE_NUMBERS),
+        root,
+        accessors,
+        faults: FaultList::new(&asset.file),
+    };
+    let skeleton = reader.skeleton();
+    let pieces = pieces.iter().filter_map(|piece| reader.piece(piece)).collect();
+    let clips = reader.clips(skeleton.nodes().len());
+    reader.faults.finish()?;
+    Ok(Some(Rig { skeleton, pieces, clips, to_scene: to_scene(asset.unit_m, asset.up) }))
+}
+
+struct RigReader<'a> {
+    root: Cursor<'a>,
+    accessors: Accessors<'a>,
+    faults: FaultList,
+    numbers_left: usize,
+}
+
+impl RigReader<'_> {
+    fn skeleton(&mut self) -> Skeleton {
+        let cursors = self.root.entries("nodes");
+        let mut parents = vec![None; cursors.len()];
+        for (number, node) in cursors.iter().enumerate() {
+            for child in self.faults.take(node.indices("children")).into_iter().flatten() {
+                // That the nodes are a forest was checked when the pieces were read.
+                if let Some(slot) = parents.get_mut(child) {
+                    *slot = Some(number);
+                }
+            }
+        }
+        let mut nodes = Vec::with_capacity(cursors.len());
+        for (node, parent) in cursors.iter().zip(parents) {
+            if let Some(rest) = self.faults.take(read_local(node)) {
+                nodes.push(Node { name: node.text("name").unwrap_or_default().to_owned(), parent, rest });
+            }
+        }
+        Skeleton::new(nodes)
+    }
+
+    fn piece(&mut self, piece: &SourcePiece) -> Option<Piece> {
+        let mesh = self.root.entry("meshes", piece.mesh);
+        let primitive = mesh.entry("primitives", piece.primitive);
+        let follows = self.follows(piece, &primitive);
+        let follows = self.faults.take(follows)?;
+        let targets = self.targets(&primitive, piece.positions.len());
+        let targets = self.faults.take(targets)?;
+        let morph = piece.node.filter(|_| !targets.is_empty()).map(|node| {
+            let own = self.root.entry("nodes", node);
+            let weighted = if own.member("weights").exists() { own } else { mesh };
+            // The base shape is what is worn: weights of the file count only where a clip moves them.
+            (node, vec![0.0; weighted.length("weights").min(targets.len())])
+        });
+        Some(Piece { positions: piece.positions.clone(), follows, morph, targets })
+    }
+
+    fn follows(&self, piece: &SourcePiece, primitive: &Cursor) -> Result<Follows> {
+        let Some(node) = piece.node else { return Ok(Follows::Nothing) };
+        let Some(skin) = self.root.entry("nodes", node).index("skin")? else {
+            return Ok(Follows::Node(node));
+        };
+        let joints = joints_of(&self.root, &self.accessors, primitive, skin)?;
+        let count = piece.positions.len();
+        let sets = influence_sets(&self.accessors, primitive, count)?;
+        let mut influences = Vec::with_capacity(count);
+        for vertex in 0..count {
+            let mut own = Vec::new();
+            for (numbers, weights) in &sets {
+                let rows = numbers.row(vertex).unwrap_or(&[]).iter().zip(weights.row(vertex).unwrap_or(&[]));
+                own.extend(rows.map(|(&joint, &weight)| (joint as u32, weight)));
+            }
+            let own = normalised(own);
+            if let Some((joint, _)) = own.iter().find(|(j, w)| *j as usize >= joints.len() || !w.is_finite())
+            {
+                let what =
+                    format!("vertex {vertex} follows joint {joint}, skins[{skin}] has {}", joints.len());
+                return Err(primitive.fault(what));
+            }
+            influences.push(own);
+        }
+        Ok(Follows::Skin { joints, influences })
+    }
+
+    fn targets(&mut self, primitive: &Cursor, count: usize) -> Result<Vec<Vec<Vec3>>> {
+        let mut targets = Vec::new();
+        for target in primitive.entries("targets") {
+            self.spend(3 * count, &target)?;
+            targets.push(match target.index("POSITION")? {
+                Some(index) => {
+                    let table = self.accessors.table_of(index, 3, Some(count), target.path())?;
+                    table.rows().map(Vec3::from_column_slice).collect()
+                }
+                None => vec![Vec3::zeros(); count],
+            });
+        }
+        Ok(targets)
+    }
+
+    fn clips(&mut self, node_count: usize) -> Vec<Clip> {
+        let mut clips = Vec::new();
+        for (number, animation) in self.root.entries("animations").iter().enumerate() {
+            let mut channels = Vec::new();
+            for channel in animation.entries("channels") {
+                let read = self.channel(animation, &channel, node_count);
+                channels.extend(self.faults.take(read).flatten());
+            }
+            // Clips without a name are called as viewers list them.
+            let name = animation.text("name").map_or_else(|| format!("animation {number}"), str::to_owned);
+            clips.push(Clip { name, channels });
+        }
+        clips
+    }
+
+    fn channel(
+        &mut self,
+        animation: &Cursor,
+        channel: &Cursor,
+        node_count: usize,
+    ) -> Result<Option<Channel>> {
+        let target = channel.member("target");
+        // Without a node an extension says what moves: not known here.
+        let Some(node) = target.index("node")? else { return Ok(None) };
+        if node >= node_count {
+            return Err(target.fault(format!("nodes[{node}] is not in the file")));
+        }
+        let moved = match target.text("path") {
+            Some("translation") => Target::Translation,
+            Some("rotation") => Target::Rotation,
+            Some("scale") => Target::Scale,
+            Some("weights") => Target::Weights,
+            _ => return Ok(None),
+        };
+        let number = channel.required_index("sampler")?;
+        let sampler = animation.entry("samplers", number);
+        if !sampler.exists() {
+            return Err(channel.fault(format!("samplers[{number}] is not in the animation")));
+        }
+        let interpolation = match sampler.text("interpolation") {
+            None | Some("LINEAR") => Interpolation::Linear,
+            Some("STEP") => Interpolation::Step,
+            Some("CUBICSPLINE") => Interpolation::CubicSpline,
+            Some(other) => return Err(sampler.fault(format!("interpolation \"{other}\" is unknown"))),
+        };
+        let (input, output) = (sampler.required_index("input")?, sampler.required_index("output")?);
+        let keys = self.accessors.row_count(input, sampler.path())?;
+        let rows = self.accessors.row_count(output, sampler.path())?;
+        self.spend(keys.saturating_add(rows.saturating_mul(4)), &sampler)?;
+        let times = self.accessors.table_of(input, 1, None, sampler.path())?.values;
+        let values = self.accessors.table(output, sampler.path())?.values;
+        let per_key = if interpolation == Interpolation::CubicSpline { 3 } else { 1 };
+        let width = moved.width().unwrap_or_else(|| values.len() / (per_key * times.len()).max(1));
+        let channel = Channel { node, target: moved, interpolation, times, values, width };
+        if channel.is_whole() {
+            return Ok(Some(channel));
+        }
+        let what = format!(
+            "{} keys and {} numbers do not make a channel: times must rise, and every key needs its value",
+            channel.times.len(),
+            channel.values.len()
+        );
+        Err(sampler.fault(what))
+    }
+
+    fn spend(&mut self, numbers: usize, user: &Cursor) -> Result<()> {
+        match self.numbers_left.checked_sub(numbers) {
+            Some(left) => {
+                self.numbers_left = left;
+                Ok(())
+            }
+            None => Err(user.fault("the file asks for more motion than its data could hold")),
+        }
+    }
+}

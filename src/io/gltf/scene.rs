@@ -1,0 +1,113 @@
+//! The node tree: where every node stands in the scene, and which nodes the scene shows.
+//!
+//! The specification asks for a forest; files that are none (two parents, a cycle) are refused, as any walk over
+//! them would not end or not be unique.
+
+use crate::Result;
+use crate::body::skeleton::Local;
+use crate::io::gltf::json_cursor::Cursor;
+use crate::math::{Mat4, Vec3};
+use nalgebra::{Quaternion, UnitQuaternion};
+
+/// Every node's place.
+pub(super) struct Scene {
+    /// Per node: own coordinates to scene coordinates.
+    pub(super) worlds: Vec<Mat4>,
+    /// Per node: its parent.
+    pub(super) parents: Vec<Option<usize>>,
+    /// Per node: whether the default scene shows it.
+    pub(super) shown: Vec<bool>,
+}
+
+impl Scene {
+    /// The node tree of a document.
+    pub(super) fn read(root: &Cursor) -> Result<Self> {
+        let nodes = root.entries("nodes");
+        let parents = read_parents(&nodes)?;
+        let locals: Vec<Mat4> =
+            nodes.iter().map(|node| Ok(read_local(node)?.matrix())).collect::<Result<_>>()?;
+        let order = parents_first(&nodes, &parents)?;
+        let mut worlds = locals;
+        for &node in &order {
+            if let Some(parent) = parents[node] {
+                worlds[node] = worlds[parent] * worlds[node];
+            }
+        }
+        let mut shown = shown_roots(root, &parents)?;
+        for &node in &order {
+            if let Some(parent) = parents[node] {
+                shown[node] |= shown[parent];
+            }
+        }
+        Ok(Self { worlds, parents, shown })
+    }
+}
+
+fn read_parents(nodes: &[Cursor]) -> Result<Vec<Option<usize>>> {
+    let mut parents = vec![None; nodes.len()];
+    for (number, node) in nodes.iter().enumerate() {
+        for child in node.indices("children")? {
+            match parents.get_mut(child) {
+                Some(slot @ None) => *slot = Some(number),
+                Some(Some(other)) => {
+                    return Err(node.fault(format!("nodes[{child}] is also a child of nodes[{other}]")));
+                }
+                None => return Err(node.fault(format!("its child nodes[{child}] is not in the file"))),
+            }
+        }
+    }
+    Ok(parents)
+}
+
+/// Node numbers, each after its parent.
+fn parents_first(nodes: &[Cursor], parents: &[Option<usize>]) -> Result<Vec<usize>> {
+    let mut order = Vec::with_capacity(parents.len());
+    let mut done = vec![false; parents.len()];
+    let mut upward = Vec::new();
+    for (start, cursor) in nodes.iter().enumerate() {
+        let mut at = Some(start);
+        while let Some(node) = at.filter(|&node| !done[node]) {
+            upward.push(node);
+            if upward.len() > parents.len() {
+                return Err(cursor.fault("it is its own ancestor"));
+            }
+            at = parents[node];
+        }
+        while let Some(node) = upward.pop() {
+            done[node] = true;
+            order.push(node);
+        }
+    }
+    Ok(order)
+}
+
+/// Roots of the default scene; of every tree if there is no scene.
+fn shown_roots(root: &Cursor, parents: &[Option<usize>]) -> Result<Vec<bool>> {
+    if root.length("scenes") == 0 {
+        return Ok(parents.iter().map(Option::is_none).collect());
+    }
+    let scene = root.required_entry("scenes", root.index("scene")?.unwrap_or(0), "scene")?;
+    let mut shown = vec![false; parents.len()];
+    for node in scene.indices("nodes")? {
+        match shown.get_mut(node) {
+            Some(slot) => *slot = true,
+            None => return Err(scene.fault(format!("nodes[{node}] is not in the file"))),
+        }
+    }
+    Ok(shown)
+}
+
+/// A node's own transform: `matrix`, or translation, rotation and scale.
+pub(super) fn read_local(node: &Cursor) -> Result<Local> {
+    if let Some(columns) = node.numbers::<16>("matrix")? {
+        return Ok(Local::Matrix(Mat4::from_column_slice(&columns)));
+    }
+    let translation = node.numbers::<3>("translation")?.unwrap_or([0.0; 3]);
+    let [x, y, z, w] = node.numbers::<4>("rotation")?.unwrap_or([0.0, 0.0, 0.0, 1.0]);
+    let scale = node.numbers::<3>("scale")?.unwrap_or([1.0; 3]);
+    // Single precision leaves quaternions slightly off unit length; scale is not theirs to give.
+    let Some(rotation) = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-9) else {
+        return Err(node.fault("its rotation is zero"));
+    };
+    Ok(Local::Parts { translation: Vec3::from(translation), rotation, scale: Vec3::from(scale) })
+}

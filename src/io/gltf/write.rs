@@ -1,0 +1,202 @@
+//! The main output of a bake: the source file with the worn shape as a morph target, as one GLB file.
+//!
+//! Last stage of the pipeline. glTF input comes back as it was with the worn target added (`edit.rs`); OBJ input becomes
+//! a new document (`obj_to_gltf.rs`). The numbers are worked out in `worn_target.rs`, the same for both.
+//! Vertices keep their number and order, so rigs, textures and other tools' data go on fitting. Images that a .gltf
+//! names by a path stay named by it: see [`external_images`].
+
+use crate::garment::{Garment, WornGarment};
+use crate::io::gltf::accessor::Accessors;
+use crate::io::gltf::add_morph_target::{WornPrimitive, add_worn_targets};
+use crate::io::gltf::append::Appender;
+use crate::io::gltf::obj_to_gltf::{obj_document, scene_pieces};
+use crate::io::gltf::worn_target::{LinearParts, PieceBase, WornShape, WornTarget};
+use crate::io::{GltfDocument, Placement, SourceAsset, SourceFormat, SourcePiece};
+use crate::math::Vec3;
+use crate::mesh::PointIndex;
+use crate::{Error, Fault, Result};
+use serde_json::{Map, Value};
+
+/// `asset` as a GLB file in which every worn piece has the shape of `worn` as morph target `worn`, switched on, and its
+/// memory as vertex attributes. `garment` is what was made of `asset`. `extras` (an object, or null for none) goes into
+/// the extras of every worn mesh: `{"crease": {"sidecar": "OUT.crease.json"}}`.
+pub fn write_worn_glb(
+    asset: &SourceAsset,
+    garment: &Garment,
+    worn: &WornGarment,
+    extras: &Value,
+) -> Result<Vec<u8>> {
+    check_parts(asset, garment, worn)?;
+    let none = Map::new();
+    let extras = match extras {
+        Value::Object(extras) => extras,
+        Value::Null => &none,
+        _ => return Err(Error::fault(&asset.file, "extras", "are not a JSON object", "")),
+    };
+    match (asset.format, &asset.document) {
+        (SourceFormat::Gltf, Some(document)) => worn_gltf(asset, document, garment, worn, extras),
+        (SourceFormat::Gltf, None) => {
+            Err(Error::fault(&asset.file, "", "its glTF document is not at hand", ""))
+        }
+        (SourceFormat::Obj, _) => worn_obj(asset, garment, worn, extras),
+    }
+}
+
+/// Paths of images that `document` names instead of holding them; they are relative to the source file, so whoever
+/// puts the output elsewhere must bring them along.
+pub fn external_images(document: &GltfDocument) -> Vec<String> {
+    let images = document.json["images"].as_array().map_or(&[][..], Vec::as_slice);
+    let uris = images.iter().filter_map(|image| image["uri"].as_str());
+    uris.filter(|uri| !uri.starts_with("data:")).map(str::to_owned).collect()
+}
+
+fn worn_gltf(
+    asset: &SourceAsset,
+    document: &GltfDocument,
+    garment: &Garment,
+    worn: &WornGarment,
+    extras: &Map<String, Value>,
+) -> Result<Vec<u8>> {
+    let mut bases = Vec::new();
+    for (piece, points) in asset.pieces.iter().zip(points_of_pieces(asset, garment)) {
+        if let Some(points) = points {
+            bases.push((piece, gltf_base(asset, document, piece, points)?));
+        }
+    }
+    let shape = WornShape::new(garment, worn);
+    let mut primitives = Vec::with_capacity(bases.len());
+    for (piece, base) in &bases {
+        let target = worn_target(asset, piece, &shape, base)?;
+        primitives.push(WornPrimitive {
+            node: piece.node,
+            mesh: piece.mesh,
+            primitive: piece.primitive,
+            target,
+        });
+    }
+    let mut appender = Appender::of_document(&asset.file, document)?;
+    let claimed: Vec<usize> = asset.pieces.iter().filter_map(|piece| piece.node).collect();
+    add_worn_targets(&asset.file, &mut appender, document, &primitives, &claimed, extras)?;
+    Ok(appender.into_glb())
+}
+
+fn worn_obj(
+    asset: &SourceAsset,
+    garment: &Garment,
+    worn: &WornGarment,
+    extras: &Map<String, Value>,
+) -> Result<Vec<u8>> {
+    let scene = scene_pieces(asset);
+    let shape = WornShape::new(garment, worn);
+    let mut targets = Vec::with_capacity(asset.pieces.len());
+    for ((piece, scene), points) in asset.pieces.iter().zip(&scene).zip(points_of_pieces(asset, garment)) {
+        targets.push(match points {
+            // The new document is in scene coordinates throughout.
+            Some(points) => {
+                let normals = Some(scene.normals.clone());
+                let base = PieceBase { points, linear: LinearParts::identity(), normals, tangents: None };
+                Some(worn_target(asset, piece, &shape, &base)?)
+            }
+            None => None,
+        });
+    }
+    obj_document(asset, &scene, &targets, extras)
+}
+
+/// What the document says about a worn primitive.
+fn gltf_base<'a>(
+    asset: &SourceAsset,
+    document: &GltfDocument,
+    piece: &SourcePiece,
+    points: &'a [PointIndex],
+) -> Result<PieceBase<'a>> {
+    let placements = match &piece.placement {
+        Placement::Rigid(one) => std::slice::from_ref(one),
+        Placement::Skinned(all) => &all[..],
+    };
+    let linear = LinearParts::new(placements).map_err(|v| {
+        let what = match &piece.placement {
+            Placement::Rigid(_) => "its node's transform flattens it".to_owned(),
+            Placement::Skinned(_) => format!("the skin flattens it at vertex {v}"),
+        };
+        Error::fault(&asset.file, &piece.name, what, "give every node and joint a scale other than 0")
+    })?;
+    let attributes = &document.json["meshes"][piece.mesh]["primitives"][piece.primitive]["attributes"];
+    let stored = |name: &str, width: usize| -> Result<Option<Vec<Vec3>>> {
+        let Some(accessor) = attributes[name].as_u64().and_then(|i| usize::try_from(i).ok()) else {
+            return Ok(None);
+        };
+        let table = Accessors::new(document).table_of(accessor, width, Some(points.len()), name)?;
+        Ok(Some(table.rows().map(direction).collect()))
+    };
+    // The fourth number of a tangent, its handedness, is not morphed.
+    Ok(PieceBase { points, linear, normals: stored("NORMAL", 3)?, tangents: stored("TANGENT", 4)? })
+}
+
+/// First three of `row`; zero, which stays as it is, if the file has no numbers there.
+fn direction(row: &[f64]) -> Vec3 {
+    match row {
+        [x, y, z, ..] if x.is_finite() && y.is_finite() && z.is_finite() => Vec3::new(*x, *y, *z),
+        _ => Vec3::zeros(),
+    }
+}
+
+fn worn_target(
+    asset: &SourceAsset,
+    piece: &SourcePiece,
+    shape: &WornShape,
+    base: &PieceBase,
+) -> Result<WornTarget> {
+    shape.target(base).map_err(|v| {
+        let what = format!("the worn shape of vertex {v} is too large for glTF");
+        Error::fault(&asset.file, &piece.name, what, "check the unit of the file")
+    })
+}
+
+/// Per piece: the points of its vertices, `None` where it is not worn. Lengths have been checked.
+fn points_of_pieces<'a>(asset: &SourceAsset, garment: &'a Garment) -> Vec<Option<&'a [PointIndex]>> {
+    let mut rest = &garment.source_point[..];
+    let mut next = |piece: &SourcePiece| {
+        let (points, after) = rest.split_at_checked(piece.positions.len()).filter(|_| piece.worn)?;
+        rest = after;
+        Some(points)
+    };
+    asset.pieces.iter().map(&mut next).collect()
+}
+
+/// Refuses parts that do not belong together, all faults at once, so that nothing later has to doubt an index.
+fn check_parts(asset: &SourceAsset, garment: &Garment, worn: &WornGarment) -> Result<()> {
+    let mut faults = Vec::new();
+    let mut same = |place: &str, found: usize, wanted: usize, of: &str| {
+        if found != wanted {
+            let what = format!("{place} has {found} entries for {wanted} {of}");
+            faults.push(Fault::new(&asset.file, "worn garment", what, "use the garment made from this file"));
+        }
+    };
+    let (points, hinges) = (garment.points.len(), garment.topology.hinges.len());
+    let vertices = asset.pieces.iter().filter(|p| p.worn).map(|p| p.positions.len()).sum();
+    same("source_point", garment.source_point.len(), vertices, "vertices of worn pieces");
+    let beyond = garment.source_point.iter().filter(|p| p.at() >= points).count();
+    same("source_point beyond the last point", beyond, 0, "allowed");
+    same("displacement", worn.displacement.len(), points, "points");
+    let finite = worn.displacement.iter().filter(|d| d.iter().all(|x| x.is_finite())).count();
+    same("finite displacement", finite, worn.displacement.len(), "points");
+    same("source_angle", worn.memory.source_angle.len(), hinges, "hinges");
+    same("rest_angle", worn.memory.rest_angle.len(), hinges, "hinges");
+    same("stiffness_ratio", worn.memory.stiffness_ratio.len(), hinges, "hinges");
+    let memory = [&worn.memory.source_angle, &worn.memory.rest_angle, &worn.memory.stiffness_ratio];
+    let unsound = memory.iter().flat_map(|list| list.iter()).filter(|x| !x.is_finite()).count();
+    same("memory that is not a number", unsound, 0, "allowed");
+    for piece in &asset.pieces {
+        let count = piece.positions.len();
+        if let Some(normals) = &piece.normals {
+            same(&format!("normals of {}", piece.name), normals.len(), count, "vertices");
+        }
+        let beyond = piece.triangles.iter().flatten().filter(|&&v| v as usize >= count).count();
+        same(&format!("corners of {} beyond its vertices", piece.name), beyond, 0, "allowed");
+        if let Placement::Skinned(all) = &piece.placement {
+            same(&format!("placement of {}", piece.name), all.len(), count, "vertices");
+        }
+    }
+    if faults.is_empty() { Ok(()) } else { Err(Error::Input(faults)) }
+}

@@ -1,0 +1,303 @@
+//! Wavefront OBJ, read by a tolerant line reader of ours. The `obj-rs` crate panics on some keywords, refuses colours,
+//! blanks in names and mixed corners, and reads single precision, so it serves as the oracle in tests.
+//!
+//! Statements -> pieces: a piece is what stands under one object, group and material; a vertex is a `v/vt/vn` triplet,
+//! in order of first use. Material libraries are not read: names are all that is kept of materials.
+
+mod lines;
+mod parse;
+mod polygon;
+
+use crate::garment::{Finding, Severity};
+use crate::io::diagnostics::FaultList;
+use crate::io::obj::parse::{Corner, Label, NONE, Statements};
+use crate::io::obj::polygon::{PolygonCutter, newell_normal};
+use crate::io::read::{NamedPiece, ReadPieces};
+use crate::io::{Placement, SourcePiece};
+use crate::math::{Mat4, Vec2, Vec3};
+use crate::{Error, Result};
+use rustc_hash::FxHashMap;
+
+/// Name of a piece under neither object nor group.
+const UNNAMED: &str = "default";
+
+/// The pieces of an OBJ file.
+pub(super) fn read_obj(file: &str, bytes: &[u8], to_scene: &Mat4, mask: Option<&str>) -> Result<ReadPieces> {
+    let mut faults = FaultList::new(file);
+    let mut statements = parse::parse(bytes, &mut faults);
+    faults.finish()?;
+    let mask = mask.map(|wanted| mask_component(file, wanted, &statements)).transpose()?;
+    let mut findings = std::mem::take(&mut statements.findings);
+    let mut builders: Vec<PieceBuilder> = statements.labels.iter().map(|_| PieceBuilder::default()).collect();
+    let mut cutter = PolygonCutter::new();
+    for face in &statements.faces {
+        let corners = statements.corners.get(face.corners.clone()).unwrap_or(&[]);
+        if let Some(builder) = builders.get_mut(face.label) {
+            builder.add_face(&statements, corners, &mut cutter);
+        }
+    }
+    if cutter.fan_count > 0 {
+        findings.push(Finding {
+            severity: Severity::Note,
+            place: String::new(),
+            what: format!("{} faces cross themselves or have no area: cut as they come", cutter.fan_count),
+        });
+    }
+    let pieces = builders
+        .into_iter()
+        .zip(&statements.labels)
+        .enumerate()
+        .map(|(number, (builder, label))| builder.finish(number, label, to_scene, mask, &statements))
+        .collect();
+    Ok(ReadPieces { pieces, document: None, findings })
+}
+
+/// Which colour component scales the memory.
+fn mask_component(file: &str, wanted: &str, statements: &Statements) -> Result<usize> {
+    let component = match wanted {
+        "COLOR_0" | "COLOR_0.r" | "COLOR_0.x" => Some(0),
+        "COLOR_0.g" | "COLOR_0.y" => Some(1),
+        "COLOR_0.b" | "COLOR_0.z" => Some(2),
+        _ => None,
+    };
+    match component {
+        Some(component) if statements.has_colours => Ok(component),
+        Some(_) => {
+            Err(Error::fault(file, "", "no vertex colours in it to take the mask from", "leave out --mask"))
+        }
+        None => Err(Error::fault(
+            file,
+            "",
+            format!("no vertex attribute called \"{wanted}\""),
+            "an OBJ file has COLOR_0, with .r .g .b",
+        )),
+    }
+}
+
+/// A piece in the making.
+#[derive(Default)]
+struct PieceBuilder {
+    numbers: FxHashMap<Corner, u32>,
+    corners: Vec<Corner>,
+    /// Per vertex: normal of the first face that uses it, for corners without one.
+    face_normals: Vec<Vec3>,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl PieceBuilder {
+    fn add_face(&mut self, statements: &Statements, corners: &[Corner], cutter: &mut PolygonCutter) {
+        let at = |corner: &Corner| statements.positions.get(corner.position as usize).copied();
+        let positions: Vec<Vec3> = corners.iter().filter_map(at).collect();
+        let normal = newell_normal(&positions).try_normalize(0.0).unwrap_or_else(Vec3::y);
+        let vertices: Vec<u32> = corners.iter().map(|corner| self.vertex(*corner, normal)).collect();
+        for triangle in cutter.cut(&positions) {
+            self.triangles.push(triangle.map(|k| vertices[k as usize]));
+        }
+    }
+
+    fn vertex(&mut self, corner: Corner, face_normal: Vec3) -> u32 {
+        let next = self.corners.len() as u32;
+        let number = *self.numbers.entry(corner).or_insert(next);
+        if number == next {
+            self.corners.push(corner);
+            self.face_normals.push(face_normal);
+        }
+        number
+    }
+
+    fn finish(
+        self,
+        number: usize,
+        label: &Label,
+        to_scene: &Mat4,
+        mask: Option<usize>,
+        statements: &Statements,
+    ) -> NamedPiece {
+        let (has_uvs, has_normals) =
+            (self.corners.iter().any(|c| c.uv != NONE), self.corners.iter().any(|c| c.normal != NONE));
+        let position =
+            |c: &Corner| statements.positions.get(c.position as usize).copied().unwrap_or_default();
+        let uv = |c: &Corner| statements.uvs.get(c.uv as usize).copied().unwrap_or_else(Vec2::zeros);
+        let normal = |(c, face_normal): (&Corner, &Vec3)| {
+            let own = statements.normals.get(c.normal as usize);
+            own.copied().filter(|n| n.norm_squared() > 0.0).unwrap_or(*face_normal)
+        };
+        let colour = |c: &Corner, k: usize| {
+            statements.colours.get(c.position as usize).map_or(1.0, |rgb| rgb[k].clamp(0.0, 1.0))
+        };
+        let mut names: Vec<String> = Vec::new();
+        let group_words = label.group.iter().flat_map(|group| group.split(' ').map(str::to_owned));
+        let given = label.group.iter().chain(&label.object).chain(&label.material).cloned();
+        for name in given.chain(group_words) {
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        let name = label.group.as_ref().or(label.object.as_ref());
+        if name.is_none() {
+            names.push(UNNAMED.to_owned());
+        }
+        let piece = SourcePiece {
+            name: name.map_or(UNNAMED, String::as_str).to_owned(),
+            material: label.material.clone(),
+            mesh: 0,
+            primitive: number,
+            node: None,
+            positions: self.corners.iter().map(position).collect(),
+            normals: has_normals.then(|| self.corners.iter().zip(&self.face_normals).map(normal).collect()),
+            uvs: has_uvs.then(|| self.corners.iter().map(uv).collect()),
+            mask: mask.map(|k| self.corners.iter().map(|c| colour(c, k)).collect()),
+            triangles: self.triangles,
+            placement: Placement::Rigid(*to_scene),
+            joints: Vec::new(),
+            worn: true,
+        };
+        NamedPiece { piece, names }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::garment::{Finding, Severity};
+    use crate::io::{ReadOptions, SourceAsset, read_asset};
+    use crate::math::{Vec2, Vec3};
+
+    fn read_with(text: &str, options: &ReadOptions) -> crate::Result<(SourceAsset, Vec<Finding>)> {
+        read_asset("test.obj", text.as_bytes(), options, &mut |_| unreachable!("an OBJ refers to nothing"))
+    }
+
+    fn read(text: &str) -> (SourceAsset, Vec<Finding>) {
+        read_with(text, &ReadOptions::default()).unwrap()
+    }
+
+    fn message(text: &str) -> String {
+        read_with(text, &ReadOptions::default()).unwrap_err().to_string()
+    }
+
+    const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+    #[test]
+    fn a_vertex_is_a_triplet_in_order_of_first_use() {
+        let text =
+            format!("{SQUARE}vt 0.25 0.75\nvt 1 0\nvn 0 0 2\nf 3/2/1 1/1/1 2/1/1\nf 3/2/1 4/1/1 1/2/1\n");
+        let (asset, findings) = read(&text);
+        let piece = &asset.pieces[0];
+        assert_eq!(piece.triangles, [[0, 1, 2], [0, 3, 4]]);
+        assert_eq!(piece.positions[0], Vec3::new(1.0, 1.0, 0.0));
+        assert_eq!(piece.positions[4], piece.positions[1], "two texture coordinates, two vertices");
+        // Convention: OBJ counts v upward, glTF (and we) downward.
+        assert_eq!(piece.uvs.as_ref().unwrap()[1], Vec2::new(0.25, 0.25));
+        assert_eq!(piece.normals.as_ref().unwrap()[0], Vec3::z(), "of unit length");
+        assert!(findings.is_empty(), "{findings:?}");
+    }
+
+    #[test]
+    fn corners_may_be_mixed() {
+        let (asset, _) = read(&format!("{SQUARE}vt 1 1\nvn 1 0 0\nf 1 2/1 3//1\nf 1/ 3// 4/1/\n"));
+        let piece = &asset.pieces[0];
+        assert_eq!(piece.positions.len(), 5, "1, 2/1, 3//1, 3, 4/1");
+        assert_eq!(piece.uvs.as_ref().unwrap()[0], Vec2::zeros());
+        let normals = piece.normals.as_ref().unwrap();
+        assert_eq!(
+            (normals[0], normals[2]),
+            (Vec3::z(), Vec3::x()),
+            "the face's own where the file has none"
+        );
+    }
+
+    #[test]
+    fn groups_materials_and_objects_make_pieces() {
+        let text = format!(
+            "{SQUARE}f 1 2 3\no Shirt\nusemtl blue  cloth\nf 1 3 4\ng left  arm\nf 1 2 4\nusemtl red\nf 2 3 4\no Shirt\nusemtl blue cloth\nf 1 2 3 4\n"
+        );
+        let (asset, _) = read(&text);
+        let names: Vec<_> = asset
+            .pieces
+            .iter()
+            .map(|p| (p.name.as_str(), p.material.as_deref(), p.triangles.len()))
+            .collect();
+        let expected = [
+            ("default", None, 1),
+            ("Shirt", Some("blue cloth"), 3),
+            ("left arm", Some("blue cloth"), 1),
+            ("left arm", Some("red"), 1),
+        ];
+        assert_eq!(names, expected);
+        for (garment, worn) in [
+            ("Shirt", [false, true, true, true]),
+            ("arm", [false, false, true, true]),
+            ("blue cloth", [false, true, true, false]),
+            ("default", [true, false, false, false]),
+        ] {
+            let options = ReadOptions { garment: Some(garment.into()), ..ReadOptions::default() };
+            let (asset, _) = read_with(&text, &options).unwrap();
+            assert_eq!(asset.pieces.iter().map(|p| p.worn).collect::<Vec<_>>(), worn, "{garment}");
+        }
+        let options = ReadOptions { garment: Some("sleeve".into()), ..ReadOptions::default() };
+        let message = read_with(&text, &options).unwrap_err().to_string();
+        assert!(
+            message.contains("\"sleeve\"") && message.contains("left arm") && message.contains("red"),
+            "{message}"
+        );
+    }
+
+    #[test]
+    fn every_fault_is_told_with_its_line() {
+        let message =
+            message("v 0 0 0\nv 1 nan 0\nv 1 1\nv 1 1 1e400\nf 1 2 0\nf 1 2 x\nf 1 2 9\nf -5 1 2\n");
+        for line in 2..=8 {
+            assert!(message.contains(&format!("line {line}:")), "line {line} in {message}");
+        }
+        assert_eq!(message.lines().count(), 7);
+    }
+
+    #[test]
+    fn a_thousand_faults_are_counted_not_listed() {
+        let message = message(&"v 1 1 nan\n".repeat(1000));
+        assert!(message.contains("and 980 more") && message.lines().count() == 21, "{message}");
+    }
+
+    #[test]
+    fn what_is_not_cloth_is_skipped_and_noted() {
+        let (_, findings) = read(&format!(
+            "{SQUARE}cstype bezier\nlod 3\nl 1 2\np 1\np 2\nf 1 2\nf 1 2 3 # a comment\nvt 1 nan\n"
+        ));
+        let told: Vec<_> = findings.iter().map(|f| (f.severity, f.place.as_str(), f.what.as_str())).collect();
+        let expected = [
+            (Severity::Repaired, "line 10", "1 faces of fewer than 3 corners dropped"),
+            (Severity::Repaired, "line 12", "1 texture coordinates or normals that are not numbers replaced"),
+            (Severity::Note, "line 5", "1 \"cstype\" statements skipped"),
+            (Severity::Note, "line 7", "1 \"l\" statements skipped"),
+            (Severity::Note, "line 8", "2 \"p\" statements skipped"),
+        ];
+        assert_eq!(told, expected);
+    }
+
+    #[test]
+    fn a_mask_comes_from_vertex_colours() {
+        let text = "v 0 0 0 1 0.25 0\nv 1 0 0 0 0 0\nv 1 1 0 0 7 0\nf 1 2 3\n";
+        let options = ReadOptions { mask: Some("COLOR_0.g".into()), ..ReadOptions::default() };
+        let (asset, _) = read_with(text, &options).unwrap();
+        assert_eq!(asset.pieces[0].mask.as_deref(), Some(&[0.25, 0.0, 1.0][..]));
+        let options = ReadOptions { mask: Some("_PIN".into()), ..ReadOptions::default() };
+        assert!(read_with(text, &options).unwrap_err().to_string().contains("_PIN"));
+    }
+
+    #[test]
+    fn unit_and_up_axis_are_applied() {
+        let text = "v 0 0 0\nv 100 0 0\nv 0 0 100\nf 1 2 3\n";
+        assert!(message(text).contains("--unit cm makes it 1.00 m"), "{}", message(text));
+        let options =
+            ReadOptions { unit_m: Some(0.01), up: Some(crate::io::UpAxis::Z), ..ReadOptions::default() };
+        let (asset, _) = read_with(text, &options).unwrap();
+        let top = asset.pieces[0].scene_position(2).unwrap();
+        assert!((top - Vec3::y()).norm() < 1e-15, "the file's z is up: {top}");
+        // An impossible size is believed if the unit is given.
+        let options = ReadOptions { unit_m: Some(1.0), ..ReadOptions::default() };
+        assert!(read_with(text, &options).is_ok());
+        for unit in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            let options = ReadOptions { unit_m: Some(unit), ..ReadOptions::default() };
+            assert!(read_with(text, &options).is_err());
+        }
+    }
+}

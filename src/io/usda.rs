@@ -1,0 +1,122 @@
+//! The garment as a USD surface deformable, as text (`--also usda`).
+//!
+//! After the deformables proposal of the AOUSD physics working group: one triangle mesh with
+//! `PhysicsSurfaceDeformableSimAPI`, whose `physics:restBendAngles` are degrees, one per pair of adjacent triangles in
+//! `physics:restAdjTriPairs`. The mesh is the welded one, its points the worn shape; `physics:restShapePoints` is the rest
+//! mesh and `physics:restBendAnglesDefault` says `restShape`, so that a simulator which reads only those has the creases
+//! too. Angles lie in [-180, 180); positive where the wings fold away from the normals, as everywhere in crease. (The
+//! proposal, as we read it, leaves the sign open.) Writes and reads back this one layout; it is no USD library.
+
+use crate::garment::Garment;
+use crate::math::Vec3;
+use crate::{Error, Result};
+use std::fmt::Write;
+
+/// What the file says of bending, and the points, as read back.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct UsdaMemory {
+    /// Pairs of adjacent triangles.
+    pub pairs: Vec<[u32; 2]>,
+    /// One per pair (degrees).
+    pub angles_deg: Vec<f64>,
+    /// Points of the rest shape [m].
+    pub rest_points: Vec<Vec3>,
+}
+
+/// USDA text of `garment`: worn shape and rest shape (displacements [m], one per point), rest angles [rad], one per hinge.
+pub fn usda(garment: &Garment, worn: &[Vec3], rest_shape: &[Vec3], rest_angle: &[f64]) -> Vec<u8> {
+    let moved = |shift: &[Vec3]| list(garment.points.iter().zip(shift).map(|(x, d)| vector(&(x + d))));
+    let corners = garment.triangles.iter().flatten().map(|p| p.0.to_string());
+    let counts = garment.triangles.iter().map(|_| "3".to_owned());
+    let hinges = &garment.topology.hinges;
+    let pairs = hinges.iter().map(|h| format!("({}, {})", h.triangles[0], h.triangles[1]));
+    let angles = rest_angle.iter().map(|angle| format!("{}", wrapped_deg(*angle) as f32));
+    let mut text = String::new();
+    // Writing to a string cannot fail.
+    let _ = write!(
+        text,
+        "#usda 1.0\n(\n    defaultPrim = \"Garment\"\n    metersPerUnit = 1\n    upAxis = \"Y\"\n)\n\n\
+         def Mesh \"Garment\" (\n    prepend apiSchemas = [\"PhysicsDeformableBodyAPI\", \
+         \"PhysicsSurfaceDeformableSimAPI\", \"PhysicsCollisionAPI\"]\n)\n{{\n    \
+         uniform bool doubleSided = 1\n    uniform token subdivisionScheme = \"none\"\n    \
+         int[] faceVertexCounts = {}\n    int[] faceVertexIndices = {}\n    point3f[] points = {}\n    \
+         point3f[] physics:restShapePoints = {}\n    \
+         uniform token physics:restBendAnglesDefault = \"restShape\"\n    \
+         int2[] physics:restAdjTriPairs = {}\n    float[] physics:restBendAngles = {}\n}}\n",
+        list(counts),
+        list(corners),
+        moved(worn),
+        moved(rest_shape),
+        list(pairs),
+        list(angles),
+    );
+    text.into_bytes()
+}
+
+/// `angle` [rad] in degrees, in [-180, 180).
+pub fn wrapped_deg(angle: f64) -> f64 {
+    (angle.to_degrees() + 180.0).rem_euclid(360.0) - 180.0
+}
+
+fn vector(x: &Vec3) -> String {
+    format!("({}, {}, {})", x.x as f32, x.y as f32, x.z as f32)
+}
+
+fn list(entries: impl Iterator<Item = String>) -> String {
+    format!("[{}]", entries.collect::<Vec<_>>().join(", "))
+}
+
+/// What a file that [`usda`] wrote says of bending; `file` names it in faults.
+pub fn read_usda(file: &str, bytes: &[u8]) -> Result<UsdaMemory> {
+    let text = String::from_utf8_lossy(bytes);
+    let numbers = |name: &str| -> Result<Vec<f64>> {
+        let missing = || Error::fault(file, name, "is missing", "write the file again");
+        let line = text.lines().find(|line| line.contains(name)).ok_or_else(missing)?;
+        let (_, values) = line.split_once(" = ").ok_or_else(missing)?;
+        let words = values.split(['[', ']', '(', ')', ',', ' ']).filter(|word| !word.is_empty());
+        let parsed: std::result::Result<Vec<f64>, _> = words.map(str::parse).collect();
+        parsed.map_err(|_| {
+            Error::fault(file, name, "holds something that is no number", "write the file again")
+        })
+    };
+    let pairs = numbers("physics:restAdjTriPairs")?;
+    let points = numbers("physics:restShapePoints")?;
+    Ok(UsdaMemory {
+        pairs: pairs.as_chunks::<2>().0.iter().map(|p| p.map(|f| f as u32)).collect(),
+        angles_deg: numbers("physics:restBendAngles = ")?,
+        rest_points: points.as_chunks::<3>().0.iter().map(|&p| Vec3::from(p)).collect(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn angles_are_wrapped_to_the_half_open_turn() {
+        use std::f64::consts::PI;
+        for (angle, degrees) in [(0.0, 0.0), (PI / 2.0, 90.0), (PI, -180.0), (-PI, -180.0), (3.5 * PI, -90.0)]
+        {
+            assert!((wrapped_deg(angle) - degrees).abs() < 1e-9, "{angle}: {}", wrapped_deg(angle));
+        }
+    }
+
+    #[test]
+    fn the_layout_of_two_triangles_is_fixed() {
+        let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 4 3 2\n";
+        let options = crate::io::ReadOptions::default();
+        let (asset, _) =
+            crate::io::read_asset("two.obj", text.as_bytes(), &options, &mut |_| Ok(Vec::new())).unwrap();
+        let (garment, _) = Garment::from_asset(&asset).unwrap();
+        let still = vec![Vec3::zeros(); 4];
+        let written = String::from_utf8(usda(&garment, &still, &still, &[0.5])).unwrap();
+        assert!(written.contains("int[] faceVertexIndices = [0, 1, 2, 3, 2, 1]\n"), "{written}");
+        assert!(written.contains("int2[] physics:restAdjTriPairs = [(0, 1)]\n"));
+        assert!(written.contains("float[] physics:restBendAngles = [28.64789]\n"), "degrees, not radians");
+        let back = read_usda("two.usda", written.as_bytes()).unwrap();
+        assert_eq!(back.pairs, [[0, 1]]);
+        assert_eq!(back.rest_points, garment.points);
+        assert!((back.angles_deg[0] - 28.64789).abs() < 1e-6);
+        assert!(read_usda("two.usda", b"#usda 1.0\n").is_err());
+    }
+}

@@ -1,0 +1,236 @@
+//! Which triangles run through each other: the exact count that the report gives and that nothing may raise.
+//!
+//! Two triangles cross when each has corners strictly on both sides of the other's plane and the two segments they
+//! cut from the line of both planes overlap by more than a point (Guigue and Devillers, "Fast and robust
+//! triangle-triangle overlap test using orientation predicates", 2003). Every decision is the sign of a determinant,
+//! found exactly (Shewchuk's predicates, package `robust`), so the answer has no tolerance. Touching, lying in one
+//! plane, and sharing a point do not count.
+//!
+//! Shares nothing with the code that prevents crossings but the box tree, so that it can judge it.
+
+use crate::math::Vec3;
+use crate::mesh::PointIndex;
+use crate::mesh::triangle_bvh::TriangleTree;
+use rayon::prelude::*;
+use robust::{Coord3D, orient3d};
+
+/// Pairs of triangles of one mesh that cross, lower index first, sorted; pairs that share a point are left out, and
+/// so are triangles with a corner that is not finite.
+pub fn crossings(points: &[Vec3], triangles: &[[PointIndex; 3]]) -> Vec<[u32; 2]> {
+    let cross = |(a, b): (u32, u32)| {
+        let (first, second) = (&triangles[a as usize], &triangles[b as usize]);
+        let shared = first.iter().any(|p| second.contains(p));
+        let cross = !shared && triangles_cross(&corners(points, first), &corners(points, second));
+        cross.then(|| [a.min(b), a.max(b)])
+    };
+    let near = TriangleTree::new(points, triangles, 0.0).overlaps();
+    let mut found: Vec<_> = near.into_par_iter().filter_map(cross).collect();
+    found.sort_unstable();
+    found
+}
+
+/// Pairs (triangle of the first mesh, triangle of the second) that cross, sorted.
+pub fn crossings_between(
+    points: &[Vec3],
+    triangles: &[[PointIndex; 3]],
+    other_points: &[Vec3],
+    other_triangles: &[[PointIndex; 3]],
+) -> Vec<[u32; 2]> {
+    let other_tree = TriangleTree::new(other_points, other_triangles, 0.0);
+    let mut found = Vec::new();
+    TriangleTree::new(points, triangles, 0.0).for_each_overlap_with(&other_tree, |a, b| {
+        let first = corners(points, &triangles[a as usize]);
+        if triangles_cross(&first, &corners(other_points, &other_triangles[b as usize])) {
+            found.push([a, b]);
+        }
+    });
+    found.sort_unstable();
+    found
+}
+
+fn corners(points: &[Vec3], triangle: &[PointIndex; 3]) -> [Vec3; 3] {
+    triangle.map(|p| points[p.at()])
+}
+
+/// On which side of the plane a b c the point d lies, exactly: 1, 0 or -1.
+fn side(a: &Vec3, b: &Vec3, c: &Vec3, d: &Vec3) -> i8 {
+    let at = |v: &Vec3| Coord3D { x: v.x, y: v.y, z: v.z };
+    let determinant = orient3d(at(a), at(b), at(c), at(d));
+    i8::from(determinant > 0.0) - i8::from(determinant < 0.0)
+}
+
+/// Whether two triangles cross, exactly.
+pub fn triangles_cross(a: &[Vec3; 3], b: &[Vec3; 3]) -> bool {
+    let of_a = [0, 1, 2].map(|i| side(&b[0], &b[1], &b[2], &a[i]));
+    if !both_sides(&of_a) {
+        return false;
+    }
+    let of_b = [0, 1, 2].map(|i| side(&a[0], &a[1], &a[2], &b[i]));
+    if !both_sides(&of_b) {
+        return false;
+    }
+    let (mut a, of_a) = lone_corner_first(a, of_a);
+    let (mut b, of_b) = lone_corner_first(b, of_b);
+    // Turn each triangle so that the lone corner of the other lies on its positive side.
+    if of_b[0] < 0 {
+        a.swap(1, 2);
+    }
+    if of_a[0] < 0 {
+        b.swap(1, 2);
+    }
+    // The cuts of the sides 0-1 and 0-2 now follow each other forward along the common line for a, backward for b:
+    // a's first cut must come before b's first, and b's second before a's second.
+    side(&a[0], &a[1], &b[0], &b[1]) < 0 && side(&a[0], &a[2], &b[2], &b[0]) < 0
+}
+
+fn both_sides(sides: &[i8; 3]) -> bool {
+    sides.contains(&1) && sides.contains(&-1)
+}
+
+/// Rotates the corners so that the first is alone on its side (the others on the other side or in the plane).
+fn lone_corner_first(corners: &[Vec3; 3], sides: [i8; 3]) -> ([Vec3; 3], [i8; 3]) {
+    let sum: i8 = sides.iter().sum();
+    // Two against one: the one opposes the sum. One each and one in the plane: either may be taken.
+    let lone = if sum > 0 { -1 } else { 1 };
+    let k = sides.iter().position(|&s| s == lone).unwrap_or(0);
+    let turn = [k, (k + 1) % 3, (k + 2) % 3];
+    (turn.map(|i| corners[i]), turn.map(|i| sides[i]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Draw;
+    use std::path::Path;
+
+    fn triangle(draw: &mut Draw) -> [Vec3; 3] {
+        [0; 3].map(|_| draw.in_unit_cube())
+    }
+
+    /// Does the segment p q pass through the inside of the triangle? The plain definition, as an oracle.
+    fn pierces(p: &Vec3, q: &Vec3, t: &[Vec3; 3]) -> bool {
+        let (from, to) = (side(&t[0], &t[1], &t[2], p), side(&t[0], &t[1], &t[2], q));
+        let turns = [0, 1, 2].map(|k| side(p, q, &t[k], &t[(k + 1) % 3]));
+        from * to < 0 && turns[0] != 0 && turns.iter().all(|&s| s == turns[0])
+    }
+
+    fn some_edge_pierces(a: &[Vec3; 3], b: &[Vec3; 3]) -> bool {
+        (0..3).any(|k| pierces(&a[k], &a[(k + 1) % 3], b) || pierces(&b[k], &b[(k + 1) % 3], a))
+    }
+
+    #[test]
+    fn agrees_with_edges_that_pierce_in_every_order_of_corners() {
+        let mut draw = Draw::from_state(9);
+        let mut crossing = 0;
+        for _ in 0..20_000 {
+            let (a, b) = (triangle(&mut draw), triangle(&mut draw));
+            let expected = some_edge_pierces(&a, &b);
+            crossing += usize::from(expected);
+            for i in 0..3 {
+                let mut turned = [a[i], a[(i + 1) % 3], a[(i + 2) % 3]];
+                assert_eq!(triangles_cross(&turned, &b), expected);
+                turned.swap(0, 2);
+                assert_eq!(triangles_cross(&turned, &b), expected);
+                assert_eq!(triangles_cross(&b, &turned), expected);
+            }
+        }
+        assert!(crossing > 2_000 && crossing < 18_000, "{crossing}");
+    }
+
+    #[test]
+    fn touching_and_coplanar_do_not_count_and_edge_through_edge_does() {
+        let at = Vec3::new;
+        let floor = [at(-1.0, -1.0, 0.0), at(2.0, -1.0, 0.0), at(-1.0, 2.0, 0.0)];
+        let flap = |low: f64| [at(0.0, 0.0, low), at(0.3, 0.1, 1.0), at(-0.3, 0.1, 1.0)];
+        assert!(!triangles_cross(&floor, &flap(0.0)), "a corner touches");
+        assert!(!triangles_cross(&floor, &flap(1e-300)));
+        assert!(triangles_cross(&floor, &flap(-1e-300)), "no tolerance");
+        let stands = [at(0.0, 0.0, 0.0), at(0.3, 0.1, 0.0), at(0.0, 0.0, 1.0)];
+        assert!(!triangles_cross(&floor, &stands), "an edge touches");
+        assert!(!triangles_cross(&floor, &floor.map(|x| x + at(0.1, 0.1, 0.0))), "one plane");
+        assert!(!triangles_cross(&floor, &[floor[0]; 3]), "no area");
+        // A fin whose edges pass exactly through two sides of the floor: no edge pierces an inside.
+        let (p, q) = (at(-1.0, 0.0, 0.0), at(0.0, -1.0, 0.0));
+        let fin = [at(-0.5, -0.5, 2.0), p * 2.0 - at(-0.5, -0.5, 2.0), q * 2.0 - at(-0.5, -0.5, 2.0)];
+        assert!(!some_edge_pierces(&floor, &fin));
+        assert!(triangles_cross(&floor, &fin));
+        // The same fin shifted so that the segments only touch end to end.
+        let beside = fin.map(|x| x + (q - p));
+        assert!(!triangles_cross(&floor, &beside));
+    }
+
+    #[test]
+    fn one_mesh_against_itself_and_two_meshes() {
+        let mut draw = Draw::from_state(10);
+        let points: Vec<Vec3> =
+            (0..120).flat_map(|_| triangle(&mut draw).map(|x| x * 0.3).map(|x| x + Vec3::z())).collect();
+        let triangles: Vec<[PointIndex; 3]> =
+            (0..120u32).map(|f| [0, 1, 2].map(|k| PointIndex((3 * f + k * 5) % 360))).collect();
+        let cross = |i: usize, j: usize| {
+            triangles_cross(&corners(&points, &triangles[i]), &corners(&points, &triangles[j]))
+        };
+        let all = (0..120).flat_map(|i| (0..120).map(move |j| (i, j))).filter(|&(i, j)| cross(i, j));
+        let every: Vec<[u32; 2]> = all.map(|(i, j)| [i as u32, j as u32]).collect();
+        assert_eq!(crossings_between(&points, &triangles, &points, &triangles), every);
+        let shares =
+            |p: &[u32; 2]| triangles[p[0] as usize].iter().any(|c| triangles[p[1] as usize].contains(c));
+        let own: Vec<_> = every.into_iter().filter(|p| p[0] < p[1] && !shares(p)).collect();
+        assert!(own.len() > 100);
+        assert_eq!(crossings(&points, &triangles), own);
+    }
+
+    #[test]
+    fn what_is_not_finite_crosses_nothing() {
+        let mut draw = Draw::from_state(12);
+        let mut points: Vec<Vec3> = (0..40).flat_map(|_| triangle(&mut draw)).collect();
+        let triangles: Vec<_> = (0..40u32).map(|f| [0, 1, 2].map(|k| PointIndex(3 * f + k))).collect();
+        let before = crossings(&points, &triangles);
+        points[0].x = f64::NAN;
+        points[4].x = f64::INFINITY;
+        let without: Vec<_> = before.into_iter().filter(|p| p[0] > 1).collect();
+        assert_eq!(crossings(&points, &triangles), without);
+    }
+
+    /// The points and triangles of a plain OBJ file (all of these are triangles, welded).
+    fn read(text: &str) -> (Vec<Vec3>, Vec<[PointIndex; 3]>) {
+        let (mut points, mut triangles) = (Vec::new(), Vec::new());
+        for line in text.lines() {
+            let mut words = line.split_whitespace();
+            match words.next() {
+                Some("v") => {
+                    let x: Vec<f64> = words.filter_map(|w| w.parse().ok()).collect();
+                    points.push(Vec3::new(x[0], x[1], x[2]));
+                }
+                Some("f") => {
+                    let c: Vec<u32> = words
+                        .filter_map(|w| w.split('/').next()?.parse::<u32>().ok())
+                        .map(|i| i - 1)
+                        .collect();
+                    triangles.push([c[0], c[1], c[2]].map(PointIndex));
+                }
+                _ => {}
+            }
+        }
+        (points, triangles)
+    }
+
+    /// T-shirts folded by another simulator; an independent program in another language counts the same.
+    #[test]
+    fn counts_of_folded_shirts_made_by_others() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/garments/diffcloth-tshirt-folds");
+        for (name, count) in [
+            ("tshirt1900.obj", 0),
+            ("tshirt1900-flattened.obj", 0),
+            ("tshirt1900-folding-biFolded.obj", 48),
+            ("tshirt1900-folding-triFolded.obj", 108),
+        ] {
+            let Ok(text) = std::fs::read_to_string(folder.join(name)) else {
+                println!("not checked, not there: {name}");
+                return;
+            };
+            let (points, triangles) = read(&text);
+            assert_eq!(triangles.len(), 3726);
+            assert_eq!(crossings(&points, &triangles).len(), count, "{name}");
+        }
+    }
+}

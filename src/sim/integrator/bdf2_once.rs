@@ -1,0 +1,13 @@
+//! BDF2 with one Newton iteration: what KOW's solver does in a step.
+//!
+//! The linear model errs by the square of the move it predicts, so that second order is kept where steps are short
+//! against the curvature of the forces; otherwise as `be1`.
+
+use crate::sim::integrator::{Recipe, Solver, bdf2};
+
+pub(super) const RECIPE: Recipe = Recipe {
+    name: "bdf2-1",
+    about: "BDF2, one Newton iteration: KOW's own; for smooth motion in short steps",
+    solver: Solver::Once,
+    ..bdf2::RECIPE
+};

@@ -1,0 +1,5 @@
+//! Linear algebra of one Newton iteration: block matrix, sparse Cholesky factorisation, conjugate gradients.
+
+pub mod block_matrix;
+pub mod cholesky;
+pub mod conjugate_gradient;

@@ -1,0 +1,355 @@
+//! One time step of the cloth: the stages in the order of the method, and the control of the step's length.
+
+use crate::contact::Contact;
+use crate::energy::{Container, Cushions, Drag, Energy, Gravity, Guides, Pressure, Supports};
+use crate::garment::RestShape;
+use crate::math::Vec3;
+use crate::sim::Drive;
+use crate::sim::integrator::{Solver, Stage, Tried};
+use crate::sim::{
+    Cloth, Leeway, Method, NewtonOptions, NewtonReport, Previous, Problem, State, Unmet, Workspace,
+};
+
+/// How steps are made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepOptions {
+    /// The integrator.
+    pub method: Method,
+    /// When Newton stops.
+    pub newton: NewtonOptions,
+    /// Error of one step that is aimed at, root mean square over the points [m].
+    pub error: f64,
+    /// Shortest step [s]; below it a step is accepted as it is, with a warning.
+    pub shortest: f64,
+    /// Longest step [s].
+    pub longest: f64,
+    /// Where it may be less strict.
+    pub leeway: Leeway,
+}
+
+impl Default for StepOptions {
+    fn default() -> Self {
+        Self {
+            method: Method::BackwardEuler,
+            newton: NewtonOptions::default(),
+            error: 3e-4,
+            shortest: 1.0 / 30.0,
+            longest: 5.0,
+            leeway: Leeway::USUAL,
+        }
+    }
+}
+
+/// What an accepted step was like.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepReport {
+    /// Length [s].
+    pub step: f64,
+    /// Length the next step should have [s].
+    pub next: f64,
+    /// Estimated error, root mean square over the points [m].
+    pub error: f64,
+    /// Newton's work, summed over rejected tries.
+    pub newton: NewtonReport,
+    /// Tries that were thrown away.
+    pub rejected: usize,
+    /// Whether Newton converged, or nearly (it need not at the shortest step).
+    pub converged: bool,
+    /// What it could not do as it was told.
+    pub unmet: Unmet,
+}
+
+/// Makes steps of one garment.
+pub struct Stepper {
+    /// The elastic model.
+    pub cloth: Cloth,
+    /// Contact.
+    pub contact: Contact,
+    /// How steps are made.
+    pub options: StepOptions,
+    work: Workspace,
+    /// Length that the error of the last step would have let the next one have [s].
+    could_take: f64,
+}
+
+/// Energies of a step borrow its parts; this owns what must outlive them.
+struct Forces {
+    held: Vec<bool>,
+    push: Vec<f64>,
+    /// Of a closing ball, one per point each: stiffness [N/m], force at most [N]; empty without one.
+    wall: Vec<f64>,
+    hands: Vec<f64>,
+}
+
+impl Stepper {
+    /// A stepper for `cloth`.
+    pub fn new(cloth: Cloth, contact: Contact, options: StepOptions) -> Self {
+        Self { cloth, contact, options, work: Workspace::default(), could_take: 0.0 }
+    }
+
+    /// Forgets what is kept between steps for speed alone (the pattern of the system, its elimination order): the next
+    /// step then depends on nothing but what it is given. The pattern decides the order of sums and so the last bits.
+    pub fn forget(&mut self) {
+        self.work.reset();
+        self.contact.forget();
+        self.could_take = 0.0;
+    }
+
+    /// The longest step that what acts allows [s].
+    pub fn longest_under(&self, drive: &Drive) -> f64 {
+        drive.longest_step * self.options.leeway.stride(drive)
+    }
+
+    /// One accepted step of at most `wished` seconds; `drive_at` gives what acts at a time [s]. The memory is only
+    /// read. `state` is replaced by the accepted state; a rejected try leaves no trace.
+    pub fn advance(
+        &mut self,
+        state: &mut State,
+        memory: &RestShape,
+        drive_at: &mut dyn FnMut(f64, &State) -> Drive,
+        wished: f64,
+    ) -> StepReport {
+        let mut h = wished.min(self.options.longest);
+        let mut drive = drive_at(state.time + h, state);
+        // Only in a hold, with steps that memory keeps short, not motion nor what acts, does next to nothing move the cloth.
+        let holds = h <= KEPT_SHORT * self.could_take.min(self.longest_under(&drive));
+        if !holds || self.options.method.solver() != Solver::Converged {
+            self.work.expect_motion();
+        }
+        if h > self.longest_under(&drive) {
+            h = self.longest_under(&drive);
+            drive = drive_at(state.time + h, state);
+        }
+        let mut total = NewtonReport::default();
+        for rejected in 0.. {
+            let earlier = self.earlier_drives(state, h, drive_at);
+            let (next, error, report) = self.attempt(state, memory, (&earlier, &drive), h);
+            total.add(&report);
+            let last_chance = h <= self.options.shortest * 1.001;
+            let aim = self.options.error * self.options.leeway.stride(&drive).powi(2);
+            let too_coarse = error > 4.0 * aim;
+            // Little enough is left to go on from here in the next step.
+            let unmet = Unmet::notice(&next.x, &self.cloth, &self.contact);
+            let solved = report.converged
+                || report.left <= ENOUGH * self.options.newton.energy
+                || self.options.method.solver() != Solver::Converged;
+            // A shorter step may lead the cloth out of the body's way.
+            let settled = solved && unmet.body_held_up.is_none();
+            // What barely moves is pressed fast: smaller steps would not loosen it.
+            let stands = error <= aim;
+            if (settled && !too_coarse) || stands || last_chance {
+                let exponent = 1.0 / f64::from(self.options.method.order() + 1);
+                let wanted = (0.8 * aim / error.max(1e-12)).powf(exponent).clamp(0.3, 1.9);
+                // A step that did not converge is a hard one: do not grow into the next.
+                let growth = if settled || stands { wanted } else { wanted.min(1.0) };
+                self.could_take = h * growth;
+                *state = next;
+                self.contact.accept(&state.x, h);
+                return StepReport {
+                    step: h,
+                    next: (h * growth).max(self.options.shortest).min(self.options.longest),
+                    error,
+                    newton: total,
+                    rejected,
+                    converged: solved,
+                    unmet,
+                };
+            }
+            // Trying every half on the way down costs more than the shortest step itself.
+            h = if report.converged {
+                (0.5 * h).max(self.options.shortest)
+            } else {
+                self.options.shortest.min(0.5 * h)
+            };
+            drive = drive_at(state.time + h, state);
+        }
+        unreachable!("the shortest step is always accepted")
+    }
+
+    /// What acts at the ends of all parts of a step but the last.
+    fn earlier_drives(
+        &self,
+        state: &State,
+        h: f64,
+        drive_at: &mut dyn FnMut(f64, &State) -> Drive,
+    ) -> Vec<Drive> {
+        let parts = self.options.method.parts();
+        parts[..parts.len() - 1].iter().map(|share| drive_at(state.time + share * h, state)).collect()
+    }
+
+    /// Tries one step; the state it would lead to, and its error [m]. Obstacles are where they are at its end from the
+    /// beginning on: who is near is found once.
+    fn attempt(
+        &mut self,
+        state: &State,
+        memory: &RestShape,
+        (earlier, drive): (&[Drive], &Drive),
+        h: f64,
+    ) -> (State, f64, NewtonReport) {
+        let method = self.options.method;
+        self.contact.set_planes(drive.ground, drive.ceiling);
+        self.contact.aim_body(drive.body.as_deref());
+        let forces = self.forces(drive, &state.x);
+        self.contact.begin_step(&state.x, h, drive.friction, &forces.held);
+        let mut report = NewtonReport::default();
+        let mut x = state.x.clone();
+        let mut inner: Option<Vec<Vec3>> = None;
+        let first = earlier.first().unwrap_or(drive);
+        if !first.lead.is_empty() {
+            self.contact.advance(&mut x, &first.lead);
+        }
+        for drive in earlier {
+            let stage = match &inner {
+                None => method.stage(state, h),
+                Some(inner) => method.later_stage(state, h, inner),
+            };
+            report.add(&self.solve_part(state, memory, drive, &forces, &stage, &mut x));
+            inner = Some(x.clone());
+        }
+        let stage = match &inner {
+            None => method.stage(state, h),
+            Some(inner) => method.later_stage(state, h, inner),
+        };
+        report.add(&self.solve_part(state, memory, drive, &forces, &stage, &mut x));
+        let angle = self.cloth.bending.angles(&x, &state.angle);
+        let v = stage.velocity(&x);
+        let previous = Some(Previous { step: h, x: state.x.clone(), v: state.v.clone() });
+        let next = State { time: state.time + h, x, v, angle, previous };
+        let error = method.error(&Tried { state, next: &next, inner: inner.as_deref(), h });
+        (next, error, report)
+    }
+
+    /// Solves the problem of one part of a step, from `x` on.
+    fn solve_part(
+        &mut self,
+        state: &State,
+        memory: &RestShape,
+        drive: &Drive,
+        forces: &Forces,
+        stage: &Stage,
+        x: &mut [Vec3],
+    ) -> NewtonReport {
+        let inertial = stage.inertial();
+        // Damping and drag count from where their rates do in this method.
+        let membrane_model = &self.cloth.membrane;
+        let measure =
+            stage.base_of(membrane_model.measure(&state.x), |x| membrane_model.measure(x), |m| *m, |m| m);
+        let bending_model = &self.cloth.bending;
+        let angles = |x: &[Vec3]| bending_model.angles(x, &state.angle);
+        let angle = stage.base_of(state.angle.clone(), angles, |a| [*a], |[a]| a);
+        let membrane = membrane_model.term(memory, &measure, stage.span);
+        let bending = bending_model.term(memory, &angle, stage.span);
+        let gravity = Gravity { mass: &self.cloth.mass, acceleration: drive.gravity };
+        let guides = Guides(&drive.guides);
+        let drag = Drag { mass: &self.cloth.mass, start: &stage.base, rate: drive.drag / stage.span };
+        let cushions = Cushions(&drive.cushions);
+        let supports = Supports(&drive.supports);
+        let pressure = Pressure { force: &forces.push };
+        let container = drive.ball.as_ref().map(|ball| Container {
+            centre: ball.centre,
+            radius: ball.radius,
+            stiffness: &forces.wall,
+            most: &forces.hands,
+        });
+        let mut terms: Vec<&dyn Energy> = vec![&membrane, &bending, &gravity];
+        if !drive.guides.is_empty() {
+            terms.push(&guides);
+        }
+        if !drive.cushions.is_empty() {
+            terms.push(&cushions);
+        }
+        if !drive.supports.is_empty() {
+            terms.push(&supports);
+        }
+        if drive.drag > 0.0 {
+            terms.push(&drag);
+        }
+        if drive.pressure > 0.0 {
+            terms.push(&pressure);
+        }
+        if let Some(container) = &container {
+            terms.push(container);
+        }
+        // One iteration alone is what its method says, not a better one.
+        let ahead = (self.options.method.solver() == Solver::Converged).then_some(&inertial[..]);
+        let problem = Problem {
+            inertia: Some((&self.cloth.mass, &inertial, stage.span)),
+            terms: &terms,
+            held: &forces.held,
+            ahead,
+            regularisation: 0.0,
+        };
+        let mut newton = self.options.newton;
+        if self.options.method.solver() == Solver::Once {
+            newton.most_iterations = 1;
+        }
+        // What a direction promises may be all of stiff contact: beside it the way of cloth that floats counts for nothing. Hands hold
+        // what they move.
+        if !drive.leads {
+            newton.share = 0.0;
+        }
+        newton.energy = self.options.leeway.energy(newton.energy, drive, self.cloth.kinetic_energy(&state.v));
+        let mut report = NewtonReport::default();
+        for _ in 0..LED_AGAIN {
+            report.add(&problem.follow(x, &mut self.contact, &mut self.work));
+            report.add(&match self.options.method.solver() {
+                Solver::Converged | Solver::Once => {
+                    problem.solve(x, &mut self.contact, &newton, &mut self.work)
+                }
+                Solver::Sweeps => problem.sweep(x, &mut self.contact, &mut self.work),
+            });
+            if !self.contact.body_lags() {
+                break;
+            }
+        }
+        report
+    }
+
+    fn forces(&mut self, drive: &Drive, x: &[Vec3]) -> Forces {
+        let held = if drive.held.is_empty() { vec![false; x.len()] } else { drive.held.clone() };
+        let push = if drive.pressure > 0.0 {
+            let area = self.contact.uncovered_area(x);
+            let acts = |p: usize| drive.pressed.is_empty() || drive.pressed[p];
+            area.iter().enumerate().map(|(p, a)| if acts(p) { a * drive.pressure } else { 0.0 }).collect()
+        } else {
+            Vec::new()
+        };
+        // The ball's wall is as stiff as layers are to one another.
+        let per_area = self.contact.settings().stiffness;
+        let of_area = |amount: f64| self.cloth.area.iter().map(|a| a * amount).collect();
+        let (wall, hands) = match &drive.ball {
+            Some(ball) => (of_area(per_area), of_area(ball.pressure)),
+            None => (Vec::new(), Vec::new()),
+        };
+        Forces { held, push, wall, hands }
+    }
+
+    /// Comes to equilibrium of `terms` from `x`, without inertia, friction and body. What crosses at `x` still does then.
+    pub fn equilibrium(
+        &mut self,
+        x: &mut [Vec3],
+        terms: &[&dyn Energy],
+        newton: &NewtonOptions,
+        regularisation: f64,
+    ) -> NewtonReport {
+        self.contact.set_planes(None, None);
+        self.contact.aim_body(None);
+        self.contact.keep_crossings();
+        let held = vec![false; x.len()];
+        self.contact.begin_step(x, f64::INFINITY, 0.0, &held);
+        // Terms may differ from those of steps.
+        self.work.reset();
+        let problem = Problem { inertia: None, terms, held: &held, ahead: None, regularisation };
+        problem.solve(x, &mut self.contact, newton, &mut self.work)
+    }
+}
+
+/// A step is kept short by something else if it is at most this share of what its error and what acts would allow.
+const KEPT_SHORT: f64 = 0.6;
+
+/// A body that is held up is led again, after the cloth has given way, this many times in all.
+const LED_AGAIN: usize = 3;
+
+/// A step that ran out of iterations counts as settled when what is left to gain is below this many times what
+/// convergence asks for.
+const ENOUGH: f64 = 10.0;

@@ -1,0 +1,195 @@
+//! A garment's surface as transfer sees it: triangles in space with the texture and the warp on each.
+//!
+//! Made of a sidecar (where the memory comes from) or of a garment (where it goes to). The memory of a sidecar is put
+//! in the order of the sheet's own hinges here, and a sidecar whose hinges are not those of its triangles is refused.
+
+use crate::garment::{Garment, RestShape, corner_uvs, corner_vertices};
+use crate::io::{Sidecar, SourceAsset};
+use crate::math::{Vec2, Vec3};
+use crate::mesh::distance::barycentric;
+use crate::mesh::{PointIndex, Topology};
+use crate::{Error, Result};
+use rustc_hash::FxHashMap;
+
+/// A surface that memory lies on.
+#[derive(Debug, Clone)]
+pub struct Sheet {
+    /// One per point [m], y up.
+    pub points: Vec<Vec3>,
+    /// Corners of every triangle.
+    pub triangles: Vec<[PointIndex; 3]>,
+    /// Edges and hinges.
+    pub topology: Topology,
+    /// Per triangle: texture coordinates of its corners.
+    pub uvs: Option<Vec<[Vec2; 3]>>,
+    /// Per triangle: unit direction of the warp in its plane.
+    pub warp: Option<Vec<Vec3>>,
+}
+
+impl Sheet {
+    /// The surface of `garment`, which was made of `asset`.
+    pub fn of_garment(garment: &Garment, asset: &SourceAsset) -> Self {
+        let uvs = corner_vertices(asset, garment).and_then(|corners| corner_uvs(asset, &corners));
+        Self { uvs, ..Self::without_texture(garment) }
+    }
+
+    /// The surface of `garment`, texture left out.
+    pub fn without_texture(garment: &Garment) -> Self {
+        let warp = garment.triangles.iter().zip(&garment.material).map(|(t, flat)| {
+            let edge = flat[1] - flat[0];
+            warp_of(&t.map(|p| garment.points[p.at()]), edge.y.atan2(edge.x))
+        });
+        Self {
+            points: garment.points.clone(),
+            triangles: garment.triangles.clone(),
+            topology: garment.topology.clone(),
+            uvs: None,
+            warp: Some(warp.collect()),
+        }
+    }
+
+    /// The surface of `garment`, which is `coarse` made finer: triangle by triangle part of the `parent` it lies on. Texture
+    /// coordinates are the parents'.
+    pub fn of_finer(coarse: &Self, garment: &Garment, asset: &SourceAsset, parent: &[u32]) -> Self {
+        let mut sheet = Self::of_garment(garment, asset);
+        sheet.uvs = coarse.uvs.as_ref().map(|uvs| {
+            let each = garment.triangles.iter().zip(parent);
+            each.map(|(t, &f)| {
+                let (whole, uv) = (coarse.corners(f as usize), &uvs[f as usize]);
+                t.map(|p| {
+                    let weights = barycentric(&garment.points[p.at()], &whole);
+                    uv[0] * weights[0] + uv[1] * weights[1] + uv[2] * weights[2]
+                })
+            })
+            .collect()
+        });
+        sheet
+    }
+
+    /// The surface of `sidecar` and its memory, one entry per hinge of the surface's topology; `file` names it in faults.
+    pub fn of_sidecar(file: &str, sidecar: &Sidecar) -> Result<(Self, RestShape)> {
+        let points = sidecar.mesh_points();
+        let triangles = sidecar.mesh_triangles();
+        if let Some(i) = triangles.iter().position(|[a, b, c]| a == b || b == c || c == a) {
+            return Err(contradiction(file, format!("mesh.triangles[{i}]"), "names a point twice"));
+        }
+        let topology = Topology::new(points.len(), &triangles);
+        let order = hinge_order(file, &topology, &sidecar.hinges.points)?;
+        let pick = |values: &[f64]| order.iter().map(|&h| values[h]).collect::<Vec<f64>>();
+        let memory = RestShape {
+            source_angle: pick(&sidecar.hinges.source_angle_rad),
+            rest_angle: pick(&sidecar.hinges.rest_angle_rad),
+            stiffness_ratio: pick(&sidecar.hinges.stiffness_ratio),
+            rest_stretch_warp: sidecar.triangles.rest_stretch_warp.clone(),
+            rest_stretch_weft: sidecar.triangles.rest_stretch_weft.clone(),
+        };
+        let warp = sidecar.triangles.warp_angle_rad.as_ref().map(|angles| {
+            let corners = |t: &[PointIndex; 3]| t.map(|p| points[p.at()]);
+            triangles.iter().zip(angles).map(|(t, &angle)| warp_of(&corners(t), angle)).collect()
+        });
+        let uvs =
+            sidecar.mesh.source_uv.as_ref().zip(sidecar.mesh.triangle_vertices.as_ref()).map(
+                |(uvs, corners)| corners.iter().map(|t| t.map(|v| Vec2::from(uvs[v as usize]))).collect(),
+            );
+        Ok((Self { points, triangles, topology, uvs, warp }, memory))
+    }
+
+    /// Corners of triangle `f` [m].
+    pub fn corners(&self, f: usize) -> [Vec3; 3] {
+        self.triangles[f].map(|p| self.points[p.at()])
+    }
+
+    /// Twice the area of triangle `f` times its unit normal [m²].
+    pub fn normal(&self, f: usize) -> Vec3 {
+        let [a, b, c] = self.corners(f);
+        (b - a).cross(&(c - a))
+    }
+
+    /// Whether `other` is the same mesh, number for number.
+    pub fn is_same_mesh(&self, other: &Self) -> bool {
+        self.points == other.points && self.triangles == other.triangles
+    }
+
+    /// Where a mirror in the middle of its box shows a place: x turned round.
+    pub(super) fn mirror(&self) -> impl Fn(&Vec3) -> Vec3 + use<> {
+        let (low, high) = crate::math::bounds(&self.points);
+        move |p| Vec3::new(low.x + high.x - p.x, p.y, p.z)
+    }
+
+    /// Seen in a mirror: x turned round at the box's middle, triangles turned so that the outside stays outside. The
+    /// texture is that of the other side and is left out.
+    pub fn mirrored(&self, memory: &RestShape) -> (Self, RestShape) {
+        let points: Vec<Vec3> = self.points.iter().map(self.mirror()).collect();
+        let triangles: Vec<[PointIndex; 3]> = self.triangles.iter().map(|t| [t[0], t[2], t[1]]).collect();
+        let topology = Topology::new(points.len(), &triangles);
+        // Edges are the same and so are, edge by edge, the hinges; turning inside out twice keeps every angle's sign.
+        let of_edge = |values: &[f64]| -> Vec<f64> {
+            let own = |h: &crate::mesh::Hinge| self.topology.edge_hinge[h.edge as usize];
+            topology.hinges.iter().map(|h| own(h).map_or(0.0, |i| values[i as usize])).collect()
+        };
+        let memory = RestShape {
+            source_angle: of_edge(&memory.source_angle),
+            rest_angle: of_edge(&memory.rest_angle),
+            stiffness_ratio: of_edge(&memory.stiffness_ratio),
+            rest_stretch_warp: memory.rest_stretch_warp.clone(),
+            rest_stretch_weft: memory.rest_stretch_weft.clone(),
+        };
+        let warp = self.warp.as_ref().map(|all| all.iter().map(|w| Vec3::new(-w.x, w.y, w.z)).collect());
+        (Self { points, triangles, topology, uvs: None, warp }, memory)
+    }
+
+    /// +1 if the normals look out of the garment, -1 if into it; +1 for a sheet that encloses next to nothing.
+    pub fn outward(&self) -> f64 {
+        let centre = self.points.iter().sum::<Vec3>() / self.points.len().max(1) as f64;
+        let (mut volume, mut area) = (0.0, 0.0);
+        for f in 0..self.triangles.len() {
+            let normal = self.normal(f);
+            let middle = self.corners(f).iter().sum::<Vec3>() / 3.0;
+            volume += normal.dot(&(middle - centre));
+            area += normal.norm();
+        }
+        let (low, high) = crate::math::bounds(&self.points);
+        if volume < -ENCLOSED * area * (high - low).norm() { -1.0 } else { 1.0 }
+    }
+}
+
+/// Volume over (area times size) below which the sign of the volume says nothing.
+const ENCLOSED: f64 = 1e-3;
+
+/// Unit warp of a triangle whose first side stands at `angle` [rad] to it, counter-clockwise seen from outside.
+fn warp_of([a, b, c]: &[Vec3; 3], angle: f64) -> Vec3 {
+    let side = (b - a).try_normalize(0.0).unwrap_or_else(Vec3::x);
+    let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_else(Vec3::z);
+    side * angle.cos() - normal.cross(&side) * angle.sin()
+}
+
+/// Per hinge of `topology`: its place among `listed`.
+fn hinge_order(file: &str, topology: &Topology, listed: &[[u32; 4]]) -> Result<Vec<usize>> {
+    let key = |a: u32, b: u32| if a < b { [a, b] } else { [b, a] };
+    let places: FxHashMap<[u32; 2], usize> =
+        listed.iter().enumerate().map(|(i, h)| (key(h[0], h[1]), i)).collect();
+    if listed.len() != topology.hinges.len() {
+        let what = format!("has {} hinges, the triangles have {}", listed.len(), topology.hinges.len());
+        return Err(contradiction(file, "hinges.points".to_owned(), what));
+    }
+    let find = |h: &crate::mesh::Hinge| {
+        let [a, b, c, d] = h.points.map(|p| p.0);
+        let place = places.get(&key(a, b)).copied()?;
+        let wings = &listed[place][2..];
+        (wings == [c, d] || wings == [d, c]).then_some(place)
+    };
+    topology
+        .hinges
+        .iter()
+        .map(|h| {
+            find(h).ok_or_else(|| {
+                let what = format!("lacks the hinge between points {} and {}", h.points[0].0, h.points[1].0);
+                contradiction(file, "hinges.points".to_owned(), what)
+            })
+        })
+        .collect()
+}
+
+fn contradiction(file: &str, place: String, what: impl Into<String>) -> Error {
+    Error::fault(file, place, what, "use the sidecar as crease wrote it, or bake again")
+}
