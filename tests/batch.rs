@@ -103,9 +103,9 @@ fn what_is_done_is_skipped_and_what_changed_is_not() {
 
     let before = results(folder.path());
     assert_eq!(skipped(&crease(&["batch", &jobs]).1), 4);
-    // Another script: all anew. A damaged result: that one. Shares cover the rest.
+    // Another script: all anew. A damaged result: that one. Shards cover the rest.
     std::fs::write(worn.join("sheet0_fold0_denim.glb"), "broken").expect("writes");
-    let (_, err, _) = crease(&["batch", &jobs, "--share", "0/2"]);
+    let (_, err, _) = crease(&["batch", &jobs, "--shard", "0/2"]);
     assert_eq!((skipped(&err), err.lines().count()), (1, 2), "{err}");
     assert!(before == results(folder.path()), "the mended one is what it was");
     std::fs::write(folder.path().join("fold0.json"), fold(0.4)).expect("writes");

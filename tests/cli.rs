@@ -258,7 +258,10 @@ fn a_bake_gives_three_files_that_do_not_depend_on_threads() {
     assert_eq!(serde_json::from_str::<Value>(&out).expect("stdout is JSON"), report);
     assert_eq!((report["crossings"].as_u64(), report["crossings_at_start"].as_u64()), (Some(0), Some(0)));
     assert_eq!((report["points"].as_u64(), report["triangles"].as_u64()), (Some(400), Some(722)));
-    assert!(report["max_rest_angle_deg"].as_f64() > Some(10.0), "a sharp fold leaves a crease: {report}");
+    assert!(
+        report["max_rest_angle_change_deg"].as_f64() > Some(10.0),
+        "a sharp fold leaves a crease: {report}"
+    );
     for line in err.lines() {
         assert!(serde_json::from_str::<Value>(line).is_ok_and(|news| news["stage"].is_string()), "{line}");
     }
@@ -279,7 +282,7 @@ fn a_bake_gives_three_files_that_do_not_depend_on_threads() {
     check_worn_glb(&glb);
     check_portraits(&glb, &std::fs::read(folder.join("one.crease.json")).expect("is there"));
     let sidecar = json_of(&folder.join("one.crease.json"));
-    assert_eq!(sidecar["run"]["memory"], "paper");
+    assert_eq!(sidecar["run"]["memory"], "on");
     assert_eq!(sidecar["wear"]["name"], "fold once");
 
     let frames = names_in(&folder.join("frames"));
@@ -367,12 +370,12 @@ fn check_portraits(glb: &[u8], sidecar: &[u8]) {
     let mut nothing = |name: &str| Err(crease::Error::fault(name, "", "is not asked for", ""));
     let (asset, _) = crease::io::read_asset("one.glb", glb, &options, &mut nothing).expect("reads back");
     let sidecar = crease::io::read_sidecar("one.crease.json", sidecar).expect("reads back");
-    let in_full = crease::report::Portrait::of_sidecar("one.glb", &sidecar);
-    let alone = crease::report::Portrait::of_asset(asset).expect("is a garment");
-    let largest = |portrait: &crease::report::Portrait| {
-        let memory = portrait.memory.as_ref().expect("is worn");
-        let moved = portrait.before.iter().zip(&portrait.after).map(|(a, b)| 1e3 * (a - b).norm());
-        let turned = memory.rest_angle_deg.iter().map(|angle| angle.abs());
+    let in_full = crease::report::GarmentView::of_sidecar("one.glb", &sidecar);
+    let alone = crease::report::GarmentView::of_asset(asset).expect("is a garment");
+    let largest = |garment_view: &crease::report::GarmentView| {
+        let memory = garment_view.memory.as_ref().expect("is worn");
+        let moved = garment_view.before.iter().zip(&garment_view.after).map(|(a, b)| 1e3 * (a - b).norm());
+        let turned = memory.rest_angle_change_deg.iter().map(|angle| angle.abs());
         let stiffened = memory.stiffness_ratio.iter().copied();
         [moved.fold(0.0, f64::max), turned.fold(0.0, f64::max), stiffened.fold(0.0, f64::max)]
     };
@@ -385,7 +388,7 @@ fn check_portraits(glb: &[u8], sidecar: &[u8]) {
 fn check_pictures(folder: &Path) {
     std::fs::create_dir(folder.join("alone")).expect("makes");
     std::fs::copy(folder.join("one.glb"), folder.join("alone/one.glb")).expect("copies");
-    for show in ["shape", "rest-angle", "curvature", "stiffness", "displacement"] {
+    for show in ["shape", "rest-angle-change", "curvature", "stiffness", "displacement"] {
         for glb in ["one.glb", "alone/one.glb"] {
             let (out, err, code) =
                 run_in(folder, &format!("render {glb} --show {show} -o {show}.png --size 64"));
@@ -396,8 +399,10 @@ fn check_pictures(folder: &Path) {
         // Width and height stand at bytes 16 to 24.
         assert_eq!(png[16..24], [0, 0, 0, 64, 0, 0, 0, 48]);
     }
-    let (_, err, code) =
-        run_in(folder, "render one.glb --show rest-angle --before-after --azimuth -20 -o both.png --size 64");
+    let (_, err, code) = run_in(
+        folder,
+        "render one.glb --show rest-angle-change --before-after --azimuth -20 -o both.png --size 64",
+    );
     assert_eq!(code, 0, "{err}");
     let (_, err, code) =
         run_in(folder, "render frames/frame_0000.obj --show curvature -o frame.png --size 64");

@@ -453,7 +453,7 @@ fn the_tool_carries_settles_and_writes_what_others_read() {
         (text(output.stdout), text(output.stderr), output.status.code())
     };
     let (out, err, code) = run(
-        "transfer from.crease.json --to to.obj -o out.glb --json --also obj,rest-mesh,rest-angle-map,usda",
+        "transfer from.crease.json --to to.obj -o out.glb --json --export obj,rest-mesh,rest-angle-map,usda",
     );
     assert_eq!(code, Some(0), "{err}");
     let report: serde_json::Value = serde_json::from_str(&out).expect("is JSON");
@@ -479,20 +479,21 @@ fn the_tool_carries_settles_and_writes_what_others_read() {
     let marks = [pair(0.0, 0.0), pair(0.2, 0.0), pair(0.1, 0.2)].join(", ");
     let text = format!(r#"{{"format": "crease-landmarks/1", "pairs": [{marks}]}}"#);
     std::fs::write(path("marks.json"), &text).expect("writes");
-    let (out, err, code) =
-        run("transfer from.crease.json --to to.obj --by surface --landmarks marks.json --json -o marked.glb");
+    let (out, err, code) = run(
+        "transfer from.crease.json --to to.obj --match surface --landmarks marks.json --json -o marked.glb",
+    );
     assert_eq!(code, Some(0), "{err}");
     let report: serde_json::Value = serde_json::from_str(&out).expect("is JSON");
     assert_eq!(
         (&report["sources"][0]["by"], &report["sources"][0]["aligned"]),
         (&"surface".into(), &"landmarks".into())
     );
-    assert!(report["sources"][0]["crease_left_behind"].as_f64() < Some(0.05), "{report}");
+    assert!(report["sources"][0]["lost_crease_fraction"].as_f64() < Some(0.05), "{report}");
     std::fs::write(path("marks.json"), text.replace("target_m", "targets")).expect("writes");
     let (_, err, code) = run("transfer from.crease.json --to to.obj --landmarks marks.json -o no.glb");
     assert!(code == Some(1) && err.contains("targets") && err.contains("target_m"), "{err}");
     // Onto the very mesh it now is for: the same memory, bit for bit.
-    let (_, err, code) = run("transfer out.crease.json --to to.obj -o again.glb --by same --quiet");
+    let (_, err, code) = run("transfer out.crease.json --to to.obj -o again.glb --match same --quiet");
     assert_eq!(code, Some(0), "{err}");
     let read = |name: &str| {
         let bytes = std::fs::read(path(name)).expect("is there");
@@ -529,7 +530,7 @@ fn the_tool_carries_settles_and_writes_what_others_read() {
     refused("cut.json", &whole[..whole.len() / 2], "transfer cut.json --to to.obj -o no.glb", "EOF");
     let edited = whole.replacen("\"stiffness_ratio\":[1.0", "\"stiffness_ratio\":[1.5", 1);
     refused("edited.json", &edited, "transfer edited.json --to to.obj -o no.glb", "checksums.");
-    let by_same = "transfer from.crease.json --to to.obj -o no.glb --by same";
+    let by_same = "transfer from.crease.json --to to.obj -o no.glb --match same";
     refused("unused", "", by_same, "is not the mesh it is to go to");
     refused(
         "out.crease.json",
@@ -596,5 +597,5 @@ fn on_one_body_places_stay_and_what_has_no_place_is_told() {
     let elbow = made(&sweater, &|p: Vec3| p.x > reach);
     let carried = carry(&sweater, &elbow, &tee, By::Surface);
     println!("elbow: {:?}", carried.losses);
-    assert!(carried.losses[0].crease_left_behind > 0.9);
+    assert!(carried.losses[0].lost_crease_fraction > 0.9);
 }

@@ -98,7 +98,7 @@ fn the_page_shows_the_worn_garment_and_its_colours() {
     assert!(dom.contains(">50 %<"), "the slider says where it is");
 
     let mut pictures = Vec::new();
-    for state in ["show=rest-angle", "show=rest-angle&worn=0", "show=displacement"] {
+    for state in ["show=rest-angle-change", "show=rest-angle-change&worn=0", "show=displacement"] {
         let picture = folder.path().join("picture.png");
         let screenshot = format!("--screenshot={}", picture.display());
         browse(browser, folder.path(), &[&screenshot], &address(state));

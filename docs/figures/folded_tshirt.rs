@@ -10,7 +10,7 @@
 use crease::Result;
 use crease::io::read_sidecar;
 use crease::report::render::{Camera, encode_png, one_above_the_other, side_by_side};
-use crease::report::{Portrait, Show};
+use crease::report::{ColorBy, GarmentView};
 
 /// Width and height of each of the four pictures [pixels].
 const SIZE: [usize; 2] = [640, 480];
@@ -21,23 +21,23 @@ fn main() -> std::result::Result<(), Box<dyn std::error::Error>> {
         eprintln!("three paths are needed: WITHOUT.crease.json WITH.crease.json OUT.png");
         std::process::exit(1)
     };
-    let portrait = |path: &String| -> std::result::Result<Portrait, Box<dyn std::error::Error>> {
-        Ok(Portrait::of_sidecar(path, &read_sidecar(path, &std::fs::read(path)?)?))
+    let garment_view = |path: &String| -> std::result::Result<GarmentView, Box<dyn std::error::Error>> {
+        Ok(GarmentView::of_sidecar(path, &read_sidecar(path, &std::fs::read(path)?)?))
     };
-    std::fs::write(picture, figure(&portrait(without)?, &portrait(with)?)?)?;
+    std::fs::write(picture, figure(&garment_view(without)?, &garment_view(with)?)?)?;
     Ok(())
 }
 
-fn figure(without: &Portrait, with: &Portrait) -> Result<Vec<u8>> {
-    let draw = |portrait: &Portrait, show| portrait.draw(show, &Camera::default(), SIZE);
+fn figure(without: &GarmentView, with: &GarmentView) -> Result<Vec<u8>> {
+    let draw = |garment_view: &GarmentView, show| garment_view.draw(show, &Camera::default(), SIZE);
     let shapes = side_by_side(
-        &draw(without, Show::Shape)?,
-        &draw(with, Show::Shape)?,
+        &draw(without, ColorBy::Shape)?,
+        &draw(with, ColorBy::Shape)?,
         ["folded thrice, without memory", "with memory"],
     );
     let remembered = side_by_side(
-        &draw(with, Show::RestAngle)?,
-        &draw(with, Show::Curvature)?,
+        &draw(with, ColorBy::RestAngleChange)?,
+        &draw(with, ColorBy::Curvature)?,
         ["what it remembers", "how it lies"],
     );
     encode_png(&one_above_the_other(&shapes, &remembered))

@@ -41,6 +41,7 @@ enum Command {
     /// Carry memory over to another garment: writes OUT.glb, OUT.crease.json and OUT.report.json
     Transfer(Box<transfer::Arguments>),
     /// Give a garment the memory of a motion that already exists, without simulation
+    #[command(visible_alias = "from-motion")]
     Remember(Box<remember::Arguments>),
     /// Make a picture of a worn garment
     Render(render::Arguments),
@@ -84,7 +85,7 @@ pub fn run() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(refusal) => {
-            // Also how clap hands out help and version; a closed pipe is no reason to fail.
+            // This is also how clap hands out help and version; a closed pipe is no reason to fail.
             let _ = refusal.print();
             return if refusal.use_stderr() { ExitCode::from(2) } else { ExitCode::SUCCESS };
         }

@@ -1,6 +1,6 @@
 //! A shape of the garment as OBJ, with the vertices of its file: number, order, texture coordinates, groups.
 //!
-//! What `--also obj` and `--also rest-mesh` write. One `v` per vertex of the worn pieces in file order, in metres, y up,
+//! What `--export obj` and `--export rest-mesh` write. One `v` per vertex of the worn pieces in file order, in metres, y up,
 //! so that a program that has the source file open can take this one for a second shape of the same mesh (a rest shape,
 //! a shape key, a blend shape). Triangles are those of the file, polygons cut as they were when read. Numbers read back
 //! exactly. Normals are left out: they are the reader's to make.

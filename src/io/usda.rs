@@ -1,4 +1,4 @@
-//! The garment as a USD surface deformable, as text (`--also usda`).
+//! The garment as a USD surface deformable, as text (`--export usda`).
 //!
 //! After the deformables proposal of the AOUSD physics working group: one triangle mesh with
 //! `PhysicsSurfaceDeformableSimAPI`, whose `physics:restBendAngles` are degrees, one per pair of adjacent triangles in

@@ -17,7 +17,8 @@ pub struct DetailReport {
     /// Mean angle between the map's directions and the bare coarse mesh [degrees].
     pub mean_tilt_deg: f64,
     /// Texels that two places of the garment claim differently, because they share a part of the picture [%].
-    pub contradicted_percent: f64,
+    #[serde(alias = "contradicted_percent")]
+    pub conflicting_texel_percent: f64,
     /// What black and white of the height map stand for [m].
     pub height_range_m: [f32; 2],
     /// The normal map's file, where it is not in the material.
@@ -36,7 +37,7 @@ impl DetailReport {
             texels,
             in_material: map.in_material,
             mean_tilt_deg: map.mean_tilt_deg,
-            contradicted_percent: 100.0 * map.contradicted,
+            conflicting_texel_percent: 100.0 * map.contradicted,
             height_range_m: map.height_range_m,
             normal_map: None,
             height_map: None,

@@ -1,4 +1,4 @@
-//! Files for other programs (`--also`): each is made, read back, and what it says then compared with what it should.
+//! Files for other programs (`--export`): each is made, read back, and what it says then compared with what it should.
 //!
 //! | kind | file | who takes it |
 //! |---|---|---|
@@ -24,7 +24,7 @@ use serde::{Deserialize, Serialize};
 
 /// A kind of file for other programs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Also {
+pub enum Export {
     /// The worn shape as OBJ.
     Obj,
     /// The rest mesh as OBJ.
@@ -37,18 +37,18 @@ pub enum Also {
 
 /// A file made and read back.
 #[derive(Debug, Clone)]
-pub struct AlsoFile {
+pub struct ExportFile {
     /// What its name ends in, behind that of the main output: `rest.obj`.
     pub ending: &'static str,
     /// Its bytes.
     pub bytes: Vec<u8>,
     /// What it said when read back; the caller puts the file's name in.
-    pub reports: Vec<AlsoReport>,
+    pub reports: Vec<ExportCheck>,
 }
 
 /// A file written on the side, as it was found when read back.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct AlsoReport {
+pub struct ExportCheck {
     /// The file.
     pub file: String,
     /// What was compared.
@@ -63,7 +63,7 @@ pub struct AlsoReport {
     pub unit: String,
 }
 
-impl Also {
+impl Export {
     /// Every kind, by its name on the command line.
     pub const ALL: [(&str, Self); 4] = [
         ("obj", Self::Obj),
@@ -89,7 +89,7 @@ impl Also {
         garment: &Garment,
         worn: &WornGarment,
         fabric: &Fabric,
-    ) -> Result<AlsoFile> {
+    ) -> Result<ExportFile> {
         let scene = Scene { asset, garment, worn };
         let (bytes, reports) = match self {
             Self::Obj => scene.worn_obj()?,
@@ -97,7 +97,7 @@ impl Also {
             Self::RestAngleMap => scene.rest_angle_map()?,
             Self::Usda => scene.usda(fabric)?,
         };
-        Ok(AlsoFile { ending: self.ending(), bytes, reports })
+        Ok(ExportFile { ending: self.ending(), bytes, reports })
     }
 }
 
@@ -108,7 +108,7 @@ struct Scene<'a> {
 }
 
 impl Scene<'_> {
-    fn worn_obj(&self) -> Result<(Vec<u8>, Vec<AlsoReport>)> {
+    fn worn_obj(&self) -> Result<(Vec<u8>, Vec<ExportCheck>)> {
         let bytes = shape_obj(self.asset, self.garment, &self.worn.displacement);
         let back = self.points_of(&read_shape_obj("OUT.worn.obj", &bytes)?)?;
         let should: Vec<Vec3> = add(&self.garment.points, &self.worn.displacement);
@@ -117,14 +117,14 @@ impl Scene<'_> {
         Ok((bytes, vec![report("positions", "mm", &off(&back), &off(&self.garment.points), &even)]))
     }
 
-    fn rest_obj(&self, fabric: &Fabric) -> Result<(Vec<u8>, Vec<AlsoReport>)> {
+    fn rest_obj(&self, fabric: &Fabric) -> Result<(Vec<u8>, Vec<ExportCheck>)> {
         let shape = rest_mesh(self.garment, fabric, &self.worn.memory);
         let bytes = shape_obj(self.asset, self.garment, &shape.displacement);
         let back = self.points_of(&read_shape_obj("OUT.rest.obj", &bytes)?)?;
         Ok((bytes, self.shape_reports(&back)))
     }
 
-    fn usda(&self, fabric: &Fabric) -> Result<(Vec<u8>, Vec<AlsoReport>)> {
+    fn usda(&self, fabric: &Fabric) -> Result<(Vec<u8>, Vec<ExportCheck>)> {
         let shape = rest_mesh(self.garment, fabric, &self.worn.memory);
         let memory = &self.worn.memory;
         let bytes = usda(self.garment, &self.worn.displacement, &shape.displacement, &memory.rest_angle);
@@ -152,7 +152,7 @@ impl Scene<'_> {
         Ok((bytes, reports))
     }
 
-    fn rest_angle_map(&self) -> Result<(Vec<u8>, Vec<AlsoReport>)> {
+    fn rest_angle_map(&self) -> Result<(Vec<u8>, Vec<ExportCheck>)> {
         let memory = &self.worn.memory;
         let bytes = write_rest_angle_map(self.asset, self.garment, memory)?;
         let options =
@@ -184,7 +184,7 @@ impl Scene<'_> {
     }
 
     /// Of a rest shape: angles against the rest angles, lengths against those of the garment.
-    fn shape_reports(&self, points: &[Vec3]) -> Vec<AlsoReport> {
+    fn shape_reports(&self, points: &[Vec3]) -> Vec<ExportCheck> {
         let (with, without) = (self.angles_off(points), self.angles_off(&self.garment.points));
         let lengths = self.lengths();
         let length = |h: &crate::mesh::Hinge| (points[h.points[1].at()] - points[h.points[0].at()]).norm();
@@ -237,12 +237,12 @@ fn add(x: &[Vec3], d: &[Vec3]) -> Vec<Vec3> {
     x.iter().zip(d).map(|(x, d)| x + d).collect()
 }
 
-fn report(compared: &str, unit: &str, with: &[f64], without: &[f64], weight: &[f64]) -> AlsoReport {
+fn report(compared: &str, unit: &str, with: &[f64], without: &[f64], weight: &[f64]) -> ExportCheck {
     let rms = |off: &[f64]| {
         let sum: f64 = off.iter().zip(weight).map(|(o, w)| o * o * w).sum();
         (sum / weight.iter().sum::<f64>().max(f64::MIN_POSITIVE)).sqrt()
     };
-    AlsoReport {
+    ExportCheck {
         file: String::new(),
         compared: compared.to_owned(),
         largest_difference: with.iter().copied().fold(0.0, f64::max),

@@ -15,11 +15,11 @@ use crate::{Error, Result};
 
 /// What the colours of a picture show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Show {
+pub enum ColorBy {
     /// The shape alone.
     Shape,
     /// Change of rest angle [degrees].
-    RestAngle,
+    RestAngleChange,
     /// Magnitude of curvature [1/m].
     Curvature,
     /// Stiffness ratio [-].
@@ -32,11 +32,11 @@ pub enum Show {
     Confidence,
 }
 
-impl Show {
+impl ColorBy {
     /// Every one, in the order of menus.
     pub const ALL: [Self; 7] = [
         Self::Shape,
-        Self::RestAngle,
+        Self::RestAngleChange,
         Self::Curvature,
         Self::Stiffness,
         Self::Displacement,
@@ -48,7 +48,7 @@ impl Show {
     pub fn name(self) -> &'static str {
         match self {
             Self::Shape => "shape",
-            Self::RestAngle => "rest-angle",
+            Self::RestAngleChange => "rest-angle-change",
             Self::Curvature => "curvature",
             Self::Stiffness => "stiffness",
             Self::Displacement => "displacement",
@@ -60,7 +60,7 @@ impl Show {
 
 /// A worn garment, ready to be drawn.
 #[derive(Debug, Clone)]
-pub struct Portrait {
+pub struct GarmentView {
     /// The file it came from, for messages.
     pub file: String,
     /// Own shape, one per point [m].
@@ -79,14 +79,14 @@ pub struct Portrait {
 #[derive(Debug, Clone, PartialEq)]
 pub struct PointMemory {
     /// Change of rest angle of largest magnitude among the point's hinges [degrees].
-    pub rest_angle_deg: Vec<f64>,
+    pub rest_angle_change_deg: Vec<f64>,
     /// Mean stiffness ratio of the point's hinges [-].
     pub stiffness_ratio: Vec<f64>,
     /// One per triangle: growth of the rest length [%]; only a sidecar says it.
     pub stretch_percent: Option<Vec<f64>>,
 }
 
-impl Portrait {
+impl GarmentView {
     /// From a sidecar, which has been checked when it was read.
     pub fn of_sidecar(file: &str, sidecar: &Sidecar) -> Self {
         let before = sidecar.mesh_points();
@@ -108,7 +108,7 @@ impl Portrait {
             file: file.to_owned(),
             after: before.iter().zip(&worn.displacement).map(|(x, d)| x + d).collect(),
             memory: Some(PointMemory {
-                rest_angle_deg: largest_of_hinges(before.len(), &hinges, &change),
+                rest_angle_change_deg: largest_of_hinges(before.len(), &hinges, &change),
                 stiffness_ratio: mean_of_hinges(before.len(), &hinges, &memory.stiffness_ratio, 1.0),
                 stretch_percent: Some(stretch_percent(&memory.rest_stretch_warp, &memory.rest_stretch_weft)),
             }),
@@ -125,7 +125,7 @@ impl Portrait {
         let mut after = garment.points.clone();
         let memory = worn.map(|worn| {
             let mut memory = PointMemory {
-                rest_angle_deg: vec![0.0; after.len()],
+                rest_angle_change_deg: vec![0.0; after.len()],
                 stiffness_ratio: vec![1.0; after.len()],
                 stretch_percent: None,
             };
@@ -134,7 +134,7 @@ impl Portrait {
                 if let Some(x) = worn.positions.get(v) {
                     after[point.at()] = *x;
                 }
-                memory.rest_angle_deg[point.at()] = worn.rest_angle_deg.get(v).copied().unwrap_or(0.0);
+                memory.rest_angle_change_deg[point.at()] = worn.rest_angle_deg.get(v).copied().unwrap_or(0.0);
                 memory.stiffness_ratio[point.at()] = worn.stiffness_ratio.get(v).copied().unwrap_or(1.0);
             }
             memory
@@ -150,12 +150,12 @@ impl Portrait {
     }
 
     /// The worn garment, seen by `camera`, in `size` = [width, height] pixels.
-    pub fn draw(&self, show: Show, camera: &Camera, size: [usize; 2]) -> Result<Image> {
+    pub fn draw(&self, show: ColorBy, camera: &Camera, size: [usize; 2]) -> Result<Image> {
         render(&self.after, &self.triangles, &self.colouring(show)?, camera, size)
     }
 
     /// Own shape and worn shape beside each other, each of `size` pixels, in the same colours.
-    pub fn draw_before_after(&self, show: Show, camera: &Camera, size: [usize; 2]) -> Result<Image> {
+    pub fn draw_before_after(&self, show: ColorBy, camera: &Camera, size: [usize; 2]) -> Result<Image> {
         let colouring = self.colouring(show)?;
         let new = match (&colouring, self.field(show, &self.before, None)) {
             (Colouring::Field(worn), Some(new)) => {
@@ -169,15 +169,15 @@ impl Portrait {
     }
 
     /// What `show` colours the worn garment with; `None` for the bare shape, and for what its file does not say.
-    pub fn field_of(&self, show: Show) -> Option<Field> {
-        if self.memory.is_none() && !matches!(show, Show::Curvature | Show::Displacement) {
+    pub fn field_of(&self, show: ColorBy) -> Option<Field> {
+        if self.memory.is_none() && !matches!(show, ColorBy::Curvature | ColorBy::Displacement) {
             return None;
         }
         self.field(show, &self.after, self.memory.as_ref())
     }
 
-    fn colouring(&self, show: Show) -> Result<Colouring> {
-        if show == Show::Confidence && self.confidence.is_none() {
+    fn colouring(&self, show: ColorBy) -> Result<Colouring> {
+        if show == ColorBy::Confidence && self.confidence.is_none() {
             return Err(Error::fault(
                 &self.file,
                 "",
@@ -185,7 +185,7 @@ impl Portrait {
                 "give the OUT.glb that `crease transfer` wrote, with its sidecar beside it",
             ));
         }
-        if show != Show::Shape && show != Show::Curvature && self.memory.is_none() {
+        if show != ColorBy::Shape && show != ColorBy::Curvature && self.memory.is_none() {
             return Err(Error::fault(
                 &self.file,
                 "",
@@ -195,7 +195,7 @@ impl Portrait {
         }
         match self.field(show, &self.after, self.memory.as_ref()) {
             Some(field) => Ok(Colouring::Field(field)),
-            None if show == Show::Shape => Ok(Colouring::Shape),
+            None if show == ColorBy::Shape => Ok(Colouring::Shape),
             None => Err(Error::fault(
                 &self.file,
                 "",
@@ -206,26 +206,26 @@ impl Portrait {
     }
 
     /// Field on the shape `x`; without `memory` that of new cloth. `None` for the bare shape.
-    fn field(&self, show: Show, x: &[Vec3], memory: Option<&PointMemory>) -> Option<Field> {
+    fn field(&self, show: ColorBy, x: &[Vec3], memory: Option<&PointMemory>) -> Option<Field> {
         let new = |value: f64| vec![value; x.len()];
         match show {
-            Show::Shape => None,
-            Show::RestAngle => {
-                Some(Field::rest_angle(memory.map_or_else(|| new(0.0), |m| m.rest_angle_deg.clone())))
+            ColorBy::Shape => None,
+            ColorBy::RestAngleChange => {
+                Some(Field::rest_angle(memory.map_or_else(|| new(0.0), |m| m.rest_angle_change_deg.clone())))
             }
-            Show::Stiffness => {
+            ColorBy::Stiffness => {
                 Some(Field::stiffness_ratio(memory.map_or_else(|| new(1.0), |m| m.stiffness_ratio.clone())))
             }
-            Show::Displacement => {
+            ColorBy::Displacement => {
                 let moved = x.iter().zip(&self.before).map(|(x, home)| 1e3 * (x - home).norm());
                 Some(Field::displacement_mm(moved.collect()))
             }
-            Show::Stretch => match memory {
+            ColorBy::Stretch => match memory {
                 Some(memory) => memory.stretch_percent.clone().map(Field::stretch_percent),
                 None => Some(Field::stretch_percent(vec![0.0; self.triangles.len()])),
             },
-            Show::Confidence => self.confidence.clone().map(Field::confidence),
-            Show::Curvature => {
+            ColorBy::Confidence => self.confidence.clone().map(Field::confidence),
+            ColorBy::Curvature => {
                 // A file may name a point twice in a triangle; topology may not be asked about that.
                 let sound: Vec<[PointIndex; 3]> =
                     self.triangles.iter().filter(|[a, b, c]| a != b && b != c && c != a).copied().collect();
@@ -248,10 +248,10 @@ mod tests {
 
     #[test]
     fn names_are_those_of_the_command_line_and_differ() {
-        let mut names = Show::ALL.map(Show::name).to_vec();
+        let mut names = ColorBy::ALL.map(ColorBy::name).to_vec();
         names.sort_unstable();
         names.dedup();
-        assert_eq!(names.len(), Show::ALL.len());
+        assert_eq!(names.len(), ColorBy::ALL.len());
     }
 
     #[test]

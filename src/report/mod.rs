@@ -10,9 +10,9 @@ mod transfer_report;
 mod viewer;
 
 pub use detail_report::DetailReport;
-pub use export::{Also, AlsoFile, AlsoReport};
-pub use garment_view::{PointMemory, Portrait, Show};
+pub use export::{Export, ExportCheck, ExportFile};
+pub use garment_view::{ColorBy, GarmentView, PointMemory};
 pub use report_file::{CrossingCounts, EventCounts, ModelChoice, Report, StageTimes, crossing_counts};
 pub use swatch::{overhang, swatch_page};
 pub use transfer_report::{CarriedSource, TransferReport};
-pub use viewer::{Exhibit, HingeLabel, escaped, viewer_page};
+pub use viewer::{HingeLabel, ViewerItem, escaped, viewer_page};

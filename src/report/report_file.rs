@@ -7,7 +7,7 @@ use crate::bake::{Baked, Choice};
 use crate::garment::{Garment, WornGarment};
 use crate::math::Vec3;
 use crate::mesh::intersections::crossings;
-use crate::report::{AlsoReport, DetailReport};
+use crate::report::{DetailReport, ExportCheck};
 use schemars::JsonSchema;
 use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -24,6 +24,9 @@ pub struct Report {
     pub simulated_s: f64,
     /// Accepted time steps.
     pub steps: u64,
+    /// Linear solves: iterations of the global and of the local Newton solver.
+    #[serde(default)]
+    pub linear_solves: u64,
     /// Welded points of the simulated mesh.
     pub points: usize,
     /// Triangles of the simulated mesh.
@@ -35,7 +38,8 @@ pub struct Report {
     /// Events of memory.
     pub events: EventCounts,
     /// Largest magnitude of a change of rest angle, rest minus source angle, in the result [degrees].
-    pub max_rest_angle_deg: f64,
+    #[serde(alias = "max_rest_angle_deg")]
+    pub max_rest_angle_change_deg: f64,
     /// Largest stiffness ratio in the result [-]; 1 is new cloth.
     pub max_stiffness_ratio: f64,
     /// Time integration, by its name on the command line.
@@ -47,9 +51,9 @@ pub struct Report {
     pub stages: StageTimes,
     /// What the user should know of, in words.
     pub warnings: Vec<String>,
-    /// What the files of `--also` say when read back; left out without any.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub also: Vec<AlsoReport>,
+    /// Files of `--export`, compared after reading them back; omitted if there are none.
+    #[serde(default, rename = "also", alias = "exports", skip_serializing_if = "Vec::is_empty")]
+    pub exports: Vec<ExportCheck>,
     /// Normal maps of fine wrinkles; left out without any.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub detail_maps: Vec<DetailReport>,
@@ -156,12 +160,13 @@ impl Report {
         Self {
             simulated_s: work.simulated,
             steps: work.steps,
+            linear_solves: work.solves + work.local_solves,
             points: garment.points.len(),
             triangles: garment.triangles.len(),
             crossings: counts.made,
             crossings_at_start: counts.at_start,
             events: EventCounts { gradual: work.events.gradual, critical: work.events.critical },
-            max_rest_angle_deg: changes.map(f64::abs).fold(0.0, f64::max).to_degrees(),
+            max_rest_angle_change_deg: changes.map(f64::abs).fold(0.0, f64::max).to_degrees(),
             max_stiffness_ratio: memory.stiffness_ratio.iter().copied().fold(1.0, f64::max),
             models: work.choices.iter().map(ModelChoice::from).collect(),
             stages,
@@ -234,7 +239,7 @@ mod tests {
             value.as_object().into_iter().flatten().map(|(name, _)| name.as_str()).collect();
         assert_eq!(
             names.join(" "),
-            "wall_s simulated_s steps points triangles crossings crossings_at_start events max_rest_angle_deg \
+            "wall_s simulated_s steps linear_solves points triangles crossings crossings_at_start events max_rest_angle_change_deg \
              max_stiffness_ratio method models stages warnings"
         );
         let text = report().to_json();

@@ -2,7 +2,7 @@
 //!
 //! Plain data, as the report of a bake; names that both have mean the same.
 
-use crate::report::{AlsoReport, DetailReport};
+use crate::report::{DetailReport, ExportCheck};
 use crate::transfer::{Carried, Losses, Region, Sheet};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -22,7 +22,8 @@ pub struct TransferReport {
     /// Pairs of triangles that intersect in the target already.
     pub crossings_at_start: usize,
     /// Largest magnitude of a change of rest angle [degrees].
-    pub max_rest_angle_deg: f64,
+    #[serde(alias = "max_rest_angle_deg")]
+    pub max_rest_angle_change_deg: f64,
     /// Largest stiffness ratio [-]; 1 is new cloth.
     pub max_stiffness_ratio: f64,
     /// Mean confidence over the cloth, 0 to 1.
@@ -34,9 +35,9 @@ pub struct TransferReport {
     /// Normal maps of fine wrinkles; left out without any.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub detail_maps: Vec<DetailReport>,
-    /// What the other files say when read back.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub also: Vec<AlsoReport>,
+    /// Files of `--export`, compared after reading them back; omitted if there are none.
+    #[serde(default, rename = "also", alias = "exports", skip_serializing_if = "Vec::is_empty")]
+    pub exports: Vec<ExportCheck>,
     /// What the user should know of, in words.
     pub warnings: Vec<String>,
 }
@@ -66,7 +67,7 @@ impl TransferReport {
         let (sum, area) =
             areas.zip(&carried.confidence).fold((0.0, 0.0), |(sum, area), (a, c)| (sum + a * c, area + a));
         Self {
-            max_rest_angle_deg: changes.map(f64::abs).fold(0.0, f64::max).to_degrees(),
+            max_rest_angle_change_deg: changes.map(f64::abs).fold(0.0, f64::max).to_degrees(),
             max_stiffness_ratio: memory.stiffness_ratio.iter().copied().fold(1.0, f64::max),
             confidence: if area > 0.0 { sum / area } else { 0.0 },
             regions: carried.regions.clone(),

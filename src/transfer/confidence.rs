@@ -25,9 +25,11 @@ pub struct Region {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Losses {
     /// Share of the target's cloth that found no place on the source.
-    pub target_without_source: f64,
+    #[serde(alias = "target_without_source")]
+    pub unmatched_target_fraction: f64,
     /// Share of the source's crease (angle times length) on cloth that no place of the target landed on.
-    pub crease_left_behind: f64,
+    #[serde(alias = "crease_left_behind")]
+    pub lost_crease_fraction: f64,
 }
 
 /// Least confidence of the regions of `standing`, which has one confidence per triangle.
@@ -81,5 +83,5 @@ pub(super) fn losses(source: &Sheet, memory: &RestShape, target: &Sheet, gathere
         }
     }
     let share = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
-    Losses { target_without_source: share(without, area), crease_left_behind: share(behind, crease) }
+    Losses { unmatched_target_fraction: share(without, area), lost_crease_fraction: share(behind, crease) }
 }

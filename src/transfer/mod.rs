@@ -319,7 +319,7 @@ fn carry_one(
                 &source.file,
                 "mesh",
                 "is not the mesh it is to go to: points or triangles differ",
-                "leave --by same out to carry it over by place",
+                "leave --match same out to carry it over by place",
             ));
         }
         _ => {}
@@ -338,7 +338,7 @@ fn carry_one(
             } else {
                 "it and the target do not both have texture coordinates"
             };
-            return Err(Error::fault(&source.file, "", what, "use --by surface"));
+            return Err(Error::fault(&source.file, "", what, "use --match surface"));
         }
         By::Uv => Way::Texture,
         By::Auto if both_textured && texture_agrees(&aligned, standing, size) => Way::Texture,

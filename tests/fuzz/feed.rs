@@ -8,7 +8,7 @@ use crease::io::gltf::write_worn_glb;
 use crease::io::{Landmarks, ReadOptions, Sidecar, read_asset, read_sidecar, write_sidecar};
 use crease::math::Vec3;
 use crease::mesh::intersections::crossings;
-use crease::report::Portrait;
+use crease::report::GarmentView;
 use crease::wear::WearScript;
 use crease::{Error, Result};
 use serde_json::Value;
@@ -59,8 +59,8 @@ pub fn fabric(bytes: &[u8]) -> Result<()> {
 /// A sidecar, also as `crease render` takes it.
 pub fn sidecar(bytes: &[u8]) -> Result<()> {
     let sidecar = read_sidecar("out.crease.json", bytes)?;
-    let portrait = Portrait::of_sidecar("out.glb", &sidecar);
-    assert_eq!(portrait.before.len(), portrait.after.len());
+    let garment_view = GarmentView::of_sidecar("out.glb", &sidecar);
+    assert_eq!(garment_view.before.len(), garment_view.after.len());
     let again = read_sidecar("again.json", &write_sidecar(&sidecar)).expect("our own sidecar is read");
     assert_eq!(again, sidecar);
     Ok(())

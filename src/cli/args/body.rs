@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 /// The body a garment is worn on.
 #[derive(Debug, Clone, Args)]
-pub struct BodyWanted {
+pub struct BodyArgs {
     /// Body it is worn on: .glb, .gltf or .obj (may be the garment's own file), or a folder of numbered .obj frames
     #[arg(long, value_name = "BODY")]
     pub body: Option<PathBuf>,
@@ -29,7 +29,7 @@ pub struct BodyWanted {
     pub body_fps: Option<f64>,
 }
 
-impl BodyWanted {
+impl BodyArgs {
     /// The body, if one is wanted for the garment `mesh`, which was read from `path` as `reading` says.
     pub fn read(&self, path: &Path, reading: &MeshReading, mesh: &MeshFile) -> Result<Option<Arc<Wearer>>> {
         let Some(body) = &self.body else { return Ok(None) };

@@ -1,4 +1,4 @@
-//! `--also`: files for other programs beside the main outputs.
+//! `--export`: files for other programs beside the main outputs.
 
 use crate::cli::files::input;
 use crate::cli::files::output::Outputs;
@@ -8,35 +8,35 @@ use crease::Result;
 use crease::fabric::Fabric;
 use crease::garment::{Garment, WornGarment};
 use crease::io::SourceAsset;
-use crease::report::{Also, AlsoReport};
+use crease::report::{Export, ExportCheck};
 use std::path::{Path, PathBuf};
 
 /// Files to be written on the side.
 #[derive(Debug, Clone, clap::Args)]
-pub struct AlsoWanted {
+pub struct ExportArgs {
     /// Files for other programs, comma-separated: the worn shape as OBJ, the rest mesh as OBJ, rest angles per vertex as
     /// GLB, a USD surface deformable
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = kinds())]
-    also: Vec<Also>,
+    #[arg(long, alias = "also", value_name = "LIST", value_delimiter = ',', value_parser = kinds())]
+    export: Vec<Export>,
 }
 
-fn kinds() -> impl TypedValueParser<Value = Also> {
-    let names = PossibleValuesParser::new(Also::ALL.map(|(name, _)| name));
+fn kinds() -> impl TypedValueParser<Value = Export> {
+    let names = PossibleValuesParser::new(Export::ALL.map(|(name, _)| name));
     names.try_map(|name| {
-        Also::ALL.iter().find(|(own, _)| *own == name).map(|(_, kind)| *kind).ok_or("no such kind")
+        Export::ALL.iter().find(|(own, _)| *own == name).map(|(_, kind)| *kind).ok_or("no such kind")
     })
 }
 
-impl AlsoWanted {
+impl ExportArgs {
     /// Where the files of the main output `worn` go.
-    fn paths<'a>(&'a self, worn: &'a Path) -> impl Iterator<Item = (Also, PathBuf)> + 'a {
+    fn paths<'a>(&'a self, worn: &'a Path) -> impl Iterator<Item = (Export, PathBuf)> + 'a {
         let mut seen = Vec::new();
-        let first_time = move |kind: &Also| {
+        let first_time = move |kind: &Export| {
             let new = !seen.contains(kind);
             seen.push(*kind);
             new
         };
-        self.also.iter().copied().filter(first_time).map(|kind| (kind, worn.with_extension(kind.ending())))
+        self.export.iter().copied().filter(first_time).map(|kind| (kind, worn.with_extension(kind.ending())))
     }
 
     /// Whether all of them can be written: to be asked before a long run.
@@ -53,12 +53,12 @@ impl AlsoWanted {
         garment: &Garment,
         worn: &WornGarment,
         fabric: &Fabric,
-    ) -> Result<Vec<AlsoReport>> {
+    ) -> Result<Vec<ExportCheck>> {
         let mut reports = Vec::new();
         for (kind, path) in self.paths(worn_path) {
             let file = kind.make(asset, garment, worn, fabric)?;
             outputs.add(&path, &file.bytes)?;
-            let named = |report| AlsoReport { file: input::name_of(&path), ..report };
+            let named = |report| ExportCheck { file: input::name_of(&path), ..report };
             reports.extend(file.reports.into_iter().map(named));
         }
         Ok(reports)
@@ -66,16 +66,16 @@ impl AlsoWanted {
 }
 
 /// What was written on the side, for people.
-pub fn tell(reports: &[AlsoReport]) {
-    for also in reports {
+pub fn tell(reports: &[ExportCheck]) {
+    for check in reports {
         console::say(&format!(
             "{}: {} off by {:.3} {} root mean square, {:.3} at most ({:.3} without it)",
-            also.file,
-            also.compared,
-            also.rms_difference,
-            also.unit,
-            also.largest_difference,
-            also.rms_without
+            check.file,
+            check.compared,
+            check.rms_difference,
+            check.unit,
+            check.largest_difference,
+            check.rms_without
         ));
     }
 }

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 /// What is wanted of finer meshes.
 #[derive(Debug, clap::Args)]
-pub struct FinerWanted {
+pub struct RefineArgs {
     /// Work at about this edge length, finer than the file (on a body: where it moves) [mm]; the file's own vertices keep
     /// number and place
     #[arg(long, value_name = "MM", value_parser = positive)]
@@ -57,7 +57,7 @@ impl Finer {
     }
 }
 
-impl FinerWanted {
+impl RefineArgs {
     /// Makes `garment` finer, if that is wanted: around the points that `wanted` flags, one flag per point; empty for all.
     pub fn refine(&self, garment: &mut Garment, wanted: impl FnOnce(&Garment) -> Vec<bool>) -> Option<Finer> {
         let mm = self.resolution?;

@@ -4,11 +4,11 @@
 //! Everything that can be refused is refused before the long part: files are read, outputs tried, and the worn garment
 //! written once without wear.
 
-use crate::cli::args::body::BodyWanted;
+use crate::cli::args::body::BodyArgs;
 use crate::cli::args::common::{MeshReading, glb_path, positive, seconds};
 use crate::cli::args::export;
-use crate::cli::args::export::AlsoWanted;
-use crate::cli::args::refine::{Finer, FinerWanted};
+use crate::cli::args::export::ExportArgs;
+use crate::cli::args::refine::{Finer, RefineArgs};
 use crate::cli::files::checkpoints::CheckpointFile;
 use crate::cli::files::frames::FrameFolder;
 use crate::cli::files::input;
@@ -29,7 +29,7 @@ use crease::io::{Sidecar, write_sidecar};
 use crease::math::Vec3;
 use crease::mesh::intersections::crossings;
 use crease::report::render::{Camera, encode_png};
-use crease::report::{Portrait, Report, Show, crossing_counts};
+use crease::report::{ColorBy, GarmentView, Report, crossing_counts};
 use crease::sim::Method;
 use crease::wear::WearScript;
 use crease::{Error, Result};
@@ -60,28 +60,28 @@ pub struct Arguments {
     #[command(flatten)]
     reading: MeshReading,
     #[command(flatten)]
-    body: BodyWanted,
+    body: BodyArgs,
     #[command(flatten)]
-    finer: FinerWanted,
-    /// Keep all of the cloth awake, also where the body cannot stir it
-    #[arg(long)]
-    no_sleep: bool,
-    /// Simulate every point of the mesh, also where the script creases nothing
+    finer: RefineArgs,
+    /// Simulate the whole garment, including regions the body cannot reach
+    #[arg(long, alias = "no-sleep")]
+    simulate_all: bool,
+    /// Simulate the triangles of the file, without coarsening where the script creases nothing
     #[arg(long)]
     no_grading: bool,
     #[command(flatten)]
-    also: AlsoWanted,
+    export: ExportArgs,
     /// Time integration [default: that of the quality]
     #[arg(long, value_name = "NAME", value_parser = method_parser())]
     method: Option<Method>,
     /// Speed against accuracy: how fine steps are, and how far each is solved
     #[arg(long, value_name = "NAME", default_value = Quality::Standard.name(), value_parser = quality_parser())]
     quality: Quality,
-    /// Every model on and at full size, fixed short steps: what the plan of --explain is compared with; slow
-    #[arg(long)]
-    everything: bool,
-    /// How the cloth remembers
-    #[arg(long, value_enum, default_value_t = MemoryLaw::Paper)]
+    /// Validation run: every model on at full size, fixed short time steps; slow
+    #[arg(long, alias = "everything")]
+    full_fidelity: bool,
+    /// Memory law of the cloth
+    #[arg(long, value_enum, default_value_t = MemoryLaw::On)]
     memory: MemoryLaw,
     /// Also draw OUT.png: the garment before and after
     #[arg(long, requires = "output")]
@@ -92,7 +92,7 @@ pub struct Arguments {
     /// Frames per second of wear
     #[arg(long, value_name = "N", value_parser = positive, default_value_t = 10.0, requires = "frames")]
     fps: f64,
-    /// Threads; the result does not depend on them [default: as many as are of use]
+    /// Worker threads [default: all cores]. Results are bit-identical for any value.
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
     /// Go on from OUT.checkpoint, if an interrupted run left one; the result is the same to the last bit
@@ -115,12 +115,13 @@ pub struct Arguments {
 /// Size of each half of `--preview` [pixels].
 const PREVIEW: [usize; 2] = [800, 600];
 
-/// How the cloth remembers.
+/// Values of `--memory`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum MemoryLaw {
     /// The law of Kim, Oh and Wohn
-    Paper,
-    /// Not at all: a plain elastic run
+    #[value(alias = "paper")]
+    On,
+    /// No memory: a purely elastic simulation
     Off,
 }
 
@@ -143,19 +144,19 @@ impl Arguments {
     }
 
     fn memory_on(&self) -> bool {
-        self.memory == MemoryLaw::Paper
+        self.memory == MemoryLaw::On
     }
 
     fn options(&self, body: Option<&Arc<Wearer>>) -> BakeOptions {
         let mut options = BakeOptions {
             memory: self.memory_on(),
             body: body.cloned(),
-            sleep: !self.no_sleep,
+            sleep: !self.simulate_all,
             grade: BakeOptions::of(self.quality).grade && !self.no_grading,
             ..BakeOptions::of(self.quality)
         };
         options.step.method = self.method();
-        options.everything = self.everything;
+        options.everything = self.full_fidelity;
         options.frames_per_second = if self.frames.is_some() { self.fps } else { 0.0 };
         options
     }
@@ -166,7 +167,7 @@ impl Arguments {
             "tool": concat!("crease ", env!("CARGO_PKG_VERSION")),
             "method": self.method().name(),
             "quality": self.quality.name(),
-            "memory": if self.memory_on() { "paper" } else { "off" },
+            "memory": if self.memory_on() { "on" } else { "off" },
             "simulated_s": baked.report.simulated,
             "steps": baked.report.steps,
         });
@@ -220,7 +221,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
         outputs.check(path)?;
     }
     if let Some(files) = &files {
-        arguments.also.check(&files.worn, &outputs)?;
+        arguments.export.check(&files.worn, &outputs)?;
         if arguments.preview {
             outputs.check(&files.worn.with_extension("png"))?;
         }
@@ -262,11 +263,12 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let sidecar = job.sidecar(&baked.worn, arguments.run_note(&baked))?;
     outputs.add(&files.sidecar, &write_sidecar(&sidecar))?;
     if arguments.preview {
-        let portrait = Portrait::of_sidecar(&input::name_of(&files.worn), &sidecar);
-        let picture = portrait.draw_before_after(Show::Shape, &Camera::default(), PREVIEW)?;
+        let garment_view = GarmentView::of_sidecar(&input::name_of(&files.worn), &sidecar);
+        let picture = garment_view.draw_before_after(ColorBy::Shape, &Camera::default(), PREVIEW)?;
         outputs.add(&files.worn.with_extension("png"), &encode_png(&picture)?)?;
     }
-    report.also = arguments.also.add(&files.worn, &mut outputs, asset, garment, &baked.worn, &job.fabric)?;
+    report.exports =
+        arguments.export.add(&files.worn, &mut outputs, asset, garment, &baked.worn, &job.fabric)?;
     report.stages.add("read", read_s);
     report.stages.add("write", write_began.elapsed().as_secs_f64());
     report.wall_s = began.elapsed().as_secs_f64();
@@ -474,7 +476,7 @@ fn explain(plan: &Plan, as_json: bool) -> Result<()> {
 fn tell(arguments: &Arguments, files: &BakeOutputs, report: &Report) -> Result<()> {
     if !arguments.quiet && !arguments.json {
         report.warnings.iter().for_each(|warning| console::say(&format!("warning: {warning}")));
-        export::tell(&report.also);
+        export::tell(&report.exports);
         console::say(&format!(
             "{}: {} points, {:.1} s of wear in {} steps and {:.1} s; {} crossings",
             files.worn.display(),

@@ -52,7 +52,7 @@ pub struct Arguments {
     fabric: String,
     #[command(flatten)]
     reading: MeshReading,
-    /// Threads; the result does not depend on them [default: as many as are of use]
+    /// Worker threads [default: all cores]. Results are bit-identical for any value.
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
     /// The report on standard output

@@ -11,22 +11,22 @@ use clap::ValueEnum;
 use crease::io::gltf::{keep_worn_pieces, sidecar_name};
 use crease::io::{Sidecar, read_sidecar};
 use crease::report::render::{Camera, encode_png};
-use crease::report::{Portrait, Show};
+use crease::report::{ColorBy, GarmentView};
 use crease::{Error, Result};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   crease render worn.glb -o worn.png --before-after
-  crease render worn.glb --show rest-angle -o angles.png
+  crease render worn.glb --show rest-angle-change -o angles.png
   crease render worn.glb --turntable 36 -o turn.png")]
 pub struct Arguments {
     /// Worn garment, as `crease bake` wrote it; for shape and curvature any .glb, .gltf or .obj
     #[arg(value_name = "WORN.glb")]
     worn: PathBuf,
     /// What the colours show
-    #[arg(long, value_enum, default_value_t = Colours::Shape)]
-    show: Colours,
+    #[arg(long, value_enum, default_value_t = ColorByArg::Shape)]
+    show: ColorByArg,
     /// Picture to write
     #[arg(short, long, value_name = "OUT.png", value_parser = png_path)]
     output: PathBuf,
@@ -49,11 +49,12 @@ pub struct Arguments {
 
 /// What the colours of a picture show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Colours {
+pub enum ColorByArg {
     /// The shape alone, in one colour
     Shape,
     /// Change of the hinges' rest angle
-    RestAngle,
+    #[value(alias = "rest-angle")]
+    RestAngleChange,
     /// Magnitude of curvature
     Curvature,
     /// Stiffness ratio
@@ -66,16 +67,16 @@ pub enum Colours {
     Confidence,
 }
 
-impl From<Colours> for Show {
-    fn from(colours: Colours) -> Self {
+impl From<ColorByArg> for ColorBy {
+    fn from(colours: ColorByArg) -> Self {
         match colours {
-            Colours::Shape => Self::Shape,
-            Colours::RestAngle => Self::RestAngle,
-            Colours::Curvature => Self::Curvature,
-            Colours::Stiffness => Self::Stiffness,
-            Colours::Displacement => Self::Displacement,
-            Colours::Stretch => Self::Stretch,
-            Colours::Confidence => Self::Confidence,
+            ColorByArg::Shape => Self::Shape,
+            ColorByArg::RestAngleChange => Self::RestAngleChange,
+            ColorByArg::Curvature => Self::Curvature,
+            ColorByArg::Stiffness => Self::Stiffness,
+            ColorByArg::Displacement => Self::Displacement,
+            ColorByArg::Stretch => Self::Stretch,
+            ColorByArg::Confidence => Self::Confidence,
         }
     }
 }
@@ -86,14 +87,14 @@ pub fn run(arguments: Arguments) -> Result<()> {
     for (path, _) in &views {
         outputs.check(path)?;
     }
-    let portrait = read(&arguments.worn)?.0;
+    let garment_view = read(&arguments.worn)?.0;
     let width = usize::from(arguments.size);
     let size = [width, width * 3 / 4];
     let show = arguments.show.into();
     for (path, camera) in &views {
         let image = match arguments.before_after {
-            true => portrait.draw_before_after(show, camera, size)?,
-            false => portrait.draw(show, camera, size)?,
+            true => garment_view.draw_before_after(show, camera, size)?,
+            false => garment_view.draw(show, camera, size)?,
         };
         outputs.add(path, &encode_png(&image)?)?;
     }
@@ -116,7 +117,7 @@ fn views(arguments: &Arguments) -> Vec<(PathBuf, Camera)> {
 }
 
 /// What can be drawn of `path`, and its sidecar where it names one that lies beside it.
-pub fn read(path: &Path) -> Result<(Portrait, Option<Sidecar>)> {
+pub fn read(path: &Path) -> Result<(GarmentView, Option<Sidecar>)> {
     // The size of what is only looked at is not questioned.
     let reading = MeshReading { unit: Some(Metres(1.0)), up: None, garment: None };
     let (mut asset, _) = read_asset_at(path, &reading)?;
@@ -130,8 +131,8 @@ pub fn read(path: &Path) -> Result<(Portrait, Option<Sidecar>)> {
                 let cure = format!("put the sidecar that was written with {} beside it", path.display());
                 return Err(Error::fault(file, "mesh", what, cure));
             }
-            Ok((Portrait::of_sidecar(&input::name_of(path), &sidecar), Some(sidecar)))
+            Ok((GarmentView::of_sidecar(&input::name_of(path), &sidecar), Some(sidecar)))
         }
-        None => Ok((Portrait::of_asset(asset)?, None)),
+        None => Ok((GarmentView::of_asset(asset)?, None)),
     }
 }

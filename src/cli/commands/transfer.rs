@@ -3,8 +3,8 @@
 
 use crate::cli::args::common::{MeshReading, glb_path};
 use crate::cli::args::export;
-use crate::cli::args::export::AlsoWanted;
-use crate::cli::args::refine::{Finer, FinerWanted};
+use crate::cli::args::export::ExportArgs;
+use crate::cli::args::refine::{Finer, RefineArgs};
 use crate::cli::commands::bake::{BakeOutputs, merged};
 use crate::cli::files::input;
 use crate::cli::files::mesh_file::MeshFile;
@@ -38,9 +38,9 @@ pub struct Arguments {
     /// Worn garment to write; OUT.crease.json and OUT.report.json go beside it
     #[arg(short, long, value_name = "OUT.glb", value_parser = glb_path)]
     output: PathBuf,
-    /// How places of both garments are matched
-    #[arg(long, value_enum, default_value_t = Matching::Auto)]
-    by: Matching,
+    /// How points of both garments are matched
+    #[arg(long = "match", alias = "by", value_enum, default_value_t = Matching::Auto)]
+    match_by: Matching,
     /// How garments are laid over one another before places are matched by surface
     #[arg(long, value_enum, default_value_t = Laying::Auto)]
     align: Laying,
@@ -65,10 +65,10 @@ pub struct Arguments {
     #[command(flatten)]
     reading: MeshReading,
     #[command(flatten)]
-    finer: FinerWanted,
+    finer: RefineArgs,
     #[command(flatten)]
-    also: AlsoWanted,
-    /// Threads; the result does not depend on them [default: as many as are of use]
+    export: ExportArgs,
+    /// Worker threads [default: all cores]. Results are bit-identical for any value.
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
     /// The report on standard output
@@ -99,8 +99,9 @@ enum Laying {
     Joints,
     /// The source's box becomes that of MESH
     Box,
-    /// As they stand in their files, as garments of one body do
-    Place,
+    /// No alignment: both garments keep the coordinates of their files, as garments of one body do
+    #[value(alias = "place")]
+    None,
 }
 
 impl From<Laying> for Align {
@@ -109,7 +110,7 @@ impl From<Laying> for Align {
             Laying::Auto => Self::Auto,
             Laying::Joints => Self::Joints,
             Laying::Box => Self::Box,
-            Laying::Place => Self::Place,
+            Laying::None => Self::Place,
         }
     }
 }
@@ -149,7 +150,7 @@ fn strength(text: &str) -> std::result::Result<f64, String> {
 impl Arguments {
     fn options(&self, job: &Job) -> TransferOptions {
         TransferOptions {
-            by: self.by.into(),
+            by: self.match_by.into(),
             align: self.align.into(),
             landmarks: job.landmarks.clone(),
             joints: job.mesh.asset.worn_joints(),
@@ -174,7 +175,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     for path in files.paths() {
         outputs.check(path)?;
     }
-    arguments.also.check(&files.worn, &outputs)?;
+    arguments.export.check(&files.worn, &outputs)?;
     let mut job = Job::read(&arguments)?;
     let mut warnings = job.mesh.repairs();
     warnings.extend(job.refined.as_ref().map(|finer| finer.told.clone()));
@@ -206,7 +207,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let sidecar = job.sidecar(&arguments, &worn, &carried, &report)?;
     outputs.add(&files.sidecar, &write_sidecar(&sidecar))?;
     let asset = &job.mesh.asset;
-    report.also = arguments.also.add(&files.worn, &mut outputs, asset, garment, &worn, &job.fabric)?;
+    report.exports = arguments.export.add(&files.worn, &mut outputs, asset, garment, &worn, &job.fabric)?;
     report.wall_s = began.elapsed().as_secs_f64();
     outputs.add(&files.report, report.to_json().as_bytes())?;
     outputs.commit()?;
@@ -350,11 +351,11 @@ fn tell(arguments: &Arguments, files: &BakeOutputs, report: &TransferReport) -> 
                 source.file,
                 source.by,
                 source.aligned.as_ref().map(|by| format!(", laid over by {by}")).unwrap_or_default(),
-                100.0 * source.losses.crease_left_behind,
-                100.0 * source.losses.target_without_source,
+                100.0 * source.losses.lost_crease_fraction,
+                100.0 * source.losses.unmatched_target_fraction,
             ));
         }
-        export::tell(&report.also);
+        export::tell(&report.exports);
         console::say(&format!(
             "{}: {} points, confidence {:.2}, {:.1} s; {} crossings",
             files.worn.display(),

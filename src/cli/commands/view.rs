@@ -2,14 +2,14 @@
 
 use crate::cli::args::common::{MeshReading, Metres, html_path};
 use crate::cli::commands::render;
-use crate::cli::commands::render::Colours;
+use crate::cli::commands::render::ColorByArg;
 use crate::cli::files::input;
 use crate::cli::files::mesh_file::read_asset_at;
 use crate::cli::files::output::Outputs;
 use crate::cli::runtime::console;
 use crease::math::Vec3;
 use crease::mesh::PointIndex;
-use crease::report::{Exhibit, HingeLabel, Portrait, viewer_page};
+use crease::report::{GarmentView, HingeLabel, ViewerItem, viewer_page};
 use crease::{Error, Result};
 use std::path::{Path, PathBuf};
 
@@ -25,45 +25,45 @@ pub struct Arguments {
     /// Page to write
     #[arg(short, long, value_name = "OUT.html", value_parser = html_path)]
     output: PathBuf,
-    /// Colours it opens with
-    #[arg(long, value_enum, default_value_t = Colours::RestAngle)]
-    show: Colours,
+    /// ColorByArg it opens with
+    #[arg(long, value_enum, default_value_t = ColorByArg::RestAngleChange)]
+    show: ColorByArg,
     /// Folder of the frames of the bake (the first garment's): adds a timeline
     #[arg(long, value_name = "DIR")]
     frames: Option<PathBuf>,
-    /// Frames on the page at most; of more, every second, third ... is taken
-    #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u16).range(1..=1000))]
-    most_frames: u16,
+    /// Maximum number of frames embedded; longer sequences are subsampled
+    #[arg(long, alias = "most-frames", value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    max_frames: u16,
 }
 
 pub fn run(arguments: Arguments) -> Result<()> {
     let mut outputs = Outputs::new(arguments.worn.iter().map(PathBuf::as_path));
     outputs.check(&arguments.output)?;
-    let mut exhibits = arguments.worn.iter().map(|path| exhibit(path)).collect::<Result<Vec<_>>>()?;
+    let mut items = arguments.worn.iter().map(|path| item(path)).collect::<Result<Vec<_>>>()?;
     let mut names = Vec::new();
-    if let (Some(folder), Some(first)) = (&arguments.frames, exhibits.first_mut()) {
-        let Shots { positions, names: shown, triangles } = frames(folder, arguments.most_frames.into())?;
+    if let (Some(folder), Some(first)) = (&arguments.frames, items.first_mut()) {
+        let Shots { positions, names: shown, triangles } = frames(folder, arguments.max_frames.into())?;
         names = shown;
-        if positions.iter().all(|x| x.len() == first.portrait.before.len()) {
+        if positions.iter().all(|x| x.len() == first.garment_view.before.len()) {
             first.frames = positions;
         } else {
             // Of the mesh that was simulated, which had fewer points: it stands beside the garment.
-            exhibits.insert(1, simulated(folder, positions, triangles));
+            items.insert(1, simulated(folder, positions, triangles));
         }
     }
-    let page = viewer_page(&exhibits, arguments.show.into(), &names);
+    let page = viewer_page(&items, arguments.show.into(), &names);
     outputs.add(&arguments.output, page.as_bytes())?;
     outputs.commit()?;
     console::say(&format!("{}: {:.1} MB", input::name_of(&arguments.output), page.len() as f64 / 1e6));
     Ok(())
 }
 
-fn exhibit(path: &Path) -> Result<Exhibit> {
-    let (portrait, sidecar) = render::read(path)?;
+fn item(path: &Path) -> Result<ViewerItem> {
+    let (garment_view, sidecar) = render::read(path)?;
     let hinges = sidecar.as_ref().map_or_else(Vec::new, HingeLabel::all_of);
     let name =
         path.file_name().map_or_else(|| input::name_of(path), |name| name.to_string_lossy().into_owned());
-    Ok(Exhibit { name, portrait, hinges, frames: Vec::new() })
+    Ok(ViewerItem { name, garment_view, hinges, frames: Vec::new() })
 }
 
 /// Frames of a run.
@@ -75,11 +75,11 @@ struct Shots {
 }
 
 /// The mesh of frames: as it began, and as it ended.
-fn simulated(folder: &Path, frames: Vec<Vec<Vec3>>, triangles: Vec<[PointIndex; 3]>) -> Exhibit {
+fn simulated(folder: &Path, frames: Vec<Vec<Vec3>>, triangles: Vec<[PointIndex; 3]>) -> ViewerItem {
     let file = input::name_of(folder);
     let [before, after] = [frames.first(), frames.last()].map(|x| x.cloned().unwrap_or_default());
-    let portrait = Portrait { file, before, after, triangles, memory: None, confidence: None };
-    Exhibit { name: "simulated".to_owned(), portrait, hinges: Vec::new(), frames }
+    let garment_view = GarmentView { file, before, after, triangles, memory: None, confidence: None };
+    ViewerItem { name: "simulated".to_owned(), garment_view, hinges: Vec::new(), frames }
 }
 
 /// The frames in `folder`, evenly thinned to at most `most`.

@@ -1,4 +1,4 @@
-//! The garment with its rest angles as a vertex map (`--also rest-angle-map`), for programs that paint them.
+//! The garment with its rest angles as a vertex map (`--export rest-angle-map`), for programs that paint them.
 //!
 //! A GLB of the worn pieces in their own pose, vertices in number and order of the file, with
 //! - `COLOR_0`: grey, 0 for -180 degrees, 0.5 for flat, 1 for +180 degrees,

@@ -9,7 +9,7 @@
 
 use crate::io::Sidecar;
 use crate::math::{Vec3, bounds};
-use crate::report::garment_view::{Portrait, Show};
+use crate::report::garment_view::{ColorBy, GarmentView};
 use crate::report::render::{ColourMap, Values};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -25,11 +25,11 @@ const LYING_SHARE: f64 = 0.35;
 
 /// A garment to be put on the page.
 #[derive(Debug, Clone)]
-pub struct Exhibit {
+pub struct ViewerItem {
     /// Heading over it.
     pub name: String,
     /// Its shapes and memory.
-    pub portrait: Portrait,
+    pub garment_view: GarmentView,
     /// Its hinges, where there is a sidecar.
     pub hinges: Vec<HingeLabel>,
     /// Positions over time [m], one list per frame, one entry per point.
@@ -69,13 +69,13 @@ impl HingeLabel {
 }
 
 /// The page. `show` is what it opens with; `frame_names` say what each frame is.
-pub fn viewer_page(exhibits: &[Exhibit], show: Show, frame_names: &[String]) -> String {
-    let title = exhibits.iter().map(|exhibit| exhibit.name.as_str()).collect::<Vec<_>>().join(", ");
+pub fn viewer_page(items: &[ViewerItem], show: ColorBy, frame_names: &[String]) -> String {
+    let title = items.iter().map(|item| item.name.as_str()).collect::<Vec<_>>().join(", ");
     let data = json!({
-        "garments": exhibits.iter().map(garment).collect::<Vec<_>>(),
+        "garments": items.iter().map(garment).collect::<Vec<_>>(),
         "maps": {"sequential": scale(ColourMap::Sequential), "diverging": scale(ColourMap::Diverging)},
         "show": show.name(),
-        "lies": exhibits.iter().all(lies),
+        "lies": items.iter().all(lies),
         "frame_names": frame_names,
     });
     // A name that ends the block early must not end it.
@@ -102,8 +102,8 @@ pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-fn lies(exhibit: &Exhibit) -> bool {
-    let (low, high) = bounds(&exhibit.portrait.after);
+fn lies(item: &ViewerItem) -> bool {
+    let (low, high) = bounds(&item.garment_view.after);
     let size = high - low;
     size.y < LYING_SHARE * size.x.min(size.z)
 }
@@ -118,21 +118,21 @@ fn scale(map: ColourMap) -> Vec<Value> {
         .collect()
 }
 
-fn garment(exhibit: &Exhibit) -> Value {
-    let portrait = &exhibit.portrait;
-    let triangles = portrait.triangles.iter().flat_map(|t| t.map(|p| p.0.to_le_bytes())).flatten();
-    let (hinge, hinges) = strongest(portrait.before.len(), &exhibit.hinges);
-    let (low, size) = frame_box(&exhibit.frames);
+fn garment(item: &ViewerItem) -> Value {
+    let garment_view = &item.garment_view;
+    let triangles = garment_view.triangles.iter().flat_map(|t| t.map(|p| p.0.to_le_bytes())).flatten();
+    let (hinge, hinges) = strongest(garment_view.before.len(), &item.hinges);
+    let (low, size) = frame_box(&item.frames);
     json!({
-        "name": exhibit.name,
-        "before": positions(&portrait.before),
-        "after": positions(&portrait.after),
+        "name": item.name,
+        "before": positions(&garment_view.before),
+        "after": positions(&garment_view.after),
         "triangles": STANDARD.encode(triangles.collect::<Vec<u8>>()),
-        "fields": Show::ALL.iter().filter_map(|show| field(portrait, *show)).collect::<Vec<_>>(),
-        "hinge": (!exhibit.hinges.is_empty())
+        "fields": ColorBy::ALL.iter().filter_map(|show| field(garment_view, *show)).collect::<Vec<_>>(),
+        "hinge": (!item.hinges.is_empty())
             .then(|| STANDARD.encode(hinge.iter().flat_map(|h| h.to_le_bytes()).collect::<Vec<u8>>())),
         "hinges": hinges,
-        "frames": exhibit.frames.iter().map(|frame| shares(frame, &low, &size)).collect::<Vec<_>>(),
+        "frames": item.frames.iter().map(|frame| shares(frame, &low, &size)).collect::<Vec<_>>(),
         "frame_low": [low.x, low.y, low.z],
         "frame_size": [size.x, size.y, size.z],
     })
@@ -147,8 +147,8 @@ fn positions(x: &[Vec3]) -> String {
 }
 
 /// A colouring that this garment has.
-fn field(portrait: &Portrait, show: Show) -> Option<Value> {
-    let field = portrait.field_of(show)?;
+fn field(garment_view: &GarmentView, show: ColorBy) -> Option<Value> {
+    let field = garment_view.field_of(show)?;
     let (Values::PerPoint(values) | Values::PerTriangle(values)) = &field.values;
     Some(json!({
         "name": show.name(),
@@ -215,21 +215,21 @@ mod tests {
     use super::super::render::tests::sphere;
     use super::*;
 
-    fn exhibit(name: &str) -> Exhibit {
+    fn item(name: &str) -> ViewerItem {
         let (before, triangles) = sphere(0.3, 6);
         let after = before.iter().map(|p| p * 1.1).collect();
         let (file, memory) = (name.to_owned(), None);
-        let portrait = Portrait { file, before, after, triangles, memory, confidence: None };
+        let garment_view = GarmentView { file, before, after, triangles, memory, confidence: None };
         let hinges = vec![
             HingeLabel { points: [0, 1], source_deg: 1.0, rest_deg: 3.0, stiffness: 1.5 },
             HingeLabel { points: [1, 2], source_deg: 0.0, rest_deg: -40.0, stiffness: 2.0 },
         ];
-        Exhibit { name: name.to_owned(), portrait, hinges, frames: Vec::new() }
+        ViewerItem { name: name.to_owned(), garment_view, hinges, frames: Vec::new() }
     }
 
     #[test]
     fn the_page_needs_nothing_else_and_survives_odd_names() {
-        let page = viewer_page(&[exhibit("a</script><b>\"&"), exhibit("TITLE DATA")], Show::Curvature, &[]);
+        let page = viewer_page(&[item("a</script><b>\"&"), item("TITLE DATA")], ColorBy::Curvature, &[]);
         for far in ["src=\"http", "href=\"http", "<link"] {
             let outside = page.replace(&library(), "");
             assert!(!outside.contains(far), "{far}");
@@ -250,7 +250,7 @@ mod tests {
 
     #[test]
     fn every_point_names_the_hinge_that_remembers_most() {
-        let (per_point, list) = strongest(4, &exhibit("a").hinges);
+        let (per_point, list) = strongest(4, &item("a").hinges);
         assert_eq!(per_point, [0, 1, 1, NO_HINGE]);
         assert_eq!(list[1], json!([1, 1, 2, 0.0, -40.0, 2.0]));
     }

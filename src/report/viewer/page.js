@@ -227,7 +227,8 @@ async function start() {
   }
   // The page can be opened in a given state: OUT.html#show=curvature&worn=0.5, or #frame=12.
   const wish = new URLSearchParams(location.hash.slice(1));
-  if (wish.has('show')) { find('show').value = wish.get('show'); await showColours(); }
+  const oldNames = { 'rest-angle': 'rest-angle-change' };
+  if (wish.has('show')) { find('show').value = oldNames[wish.get('show')] || wish.get('show'); await showColours(); }
   if (wish.has('worn')) { find('worn').value = wish.get('worn'); await showWorn(); }
   if (wish.has('frame') && count > 0) { find('frame').value = wish.get('frame'); await showFrame(); }
   document.body.dataset.ready = 'yes';

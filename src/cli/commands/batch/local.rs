@@ -3,7 +3,7 @@
 use crate::cli::commands::batch::job;
 use crate::cli::commands::batch::job::{JobState, Record, Running};
 use crate::cli::commands::batch::jobs::{Job, Jobs};
-use crate::cli::commands::batch::{Arguments, Share};
+use crate::cli::commands::batch::{Arguments, Shard};
 use crate::cli::runtime::console;
 use crate::cli::runtime::interrupt::Interrupt;
 use crease::{Error, Result};
@@ -11,11 +11,11 @@ use serde_json::json;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Runs the jobs of a share, or all. Jobs that fail do not stop the others; that any failed is the error.
+/// Runs the jobs of a shard, or all. Jobs that fail do not stop the others; that any failed is the error.
 pub fn run(jobs: &Jobs, arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
-    let share = arguments.share.unwrap_or(Share::ALL);
+    let shard = arguments.shard.unwrap_or(Shard::ALL);
     let mine: Vec<&Job> =
-        jobs.list.iter().enumerate().filter(|(number, _)| share.holds(*number)).map(|(_, job)| job).collect();
+        jobs.list.iter().enumerate().filter(|(number, _)| shard.holds(*number)).map(|(_, job)| job).collect();
     let processors = std::thread::available_parallelism().map_or(1, usize::from);
     let at_once = arguments.parallel.map_or(processors, usize::from).min(mine.len()).max(1);
     let threads = arguments.threads.map_or((processors / at_once).max(1), usize::from);

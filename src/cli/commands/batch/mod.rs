@@ -1,7 +1,7 @@
 //! `crease batch`: many garments, each worn by every script in every fabric, from one job file.
 //!
 //! The same file serves this machine (N at a time), a Slurm job array and an engine that speaks Open Job Description:
-//! all three run shares of the same list of jobs, and a job is the same call of `crease bake --resume` everywhere. A
+//! all three run shards of the same list of jobs, and a job is the same call of `crease bake --resume` everywhere. A
 //! job that is done, by the hashes of what goes in and of what came out, is skipped; one that was killed goes on from
 //! its checkpoint, so that it ends with the same bytes.
 
@@ -39,15 +39,15 @@ pub struct Arguments {
     /// Jobs at the same time [default: as many as there are processors]
     #[arg(long, value_name = "N")]
     parallel: Option<NonZeroUsize>,
-    /// How often a job that was killed or broke down is tried again
+    /// Retries per failed or killed job
     #[arg(long, value_name = "N", default_value_t = 2)]
     retries: u32,
-    /// Threads of each job [default: the processors shared out]
+    /// Worker threads of each job [default: cores divided by parallel jobs]
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
-    /// Only share I of N: jobs I, I + N, I + 2 N ..., counted from 0; without the summary
-    #[arg(long, value_name = "I/N", value_parser = share, conflicts_with_all = ["list", "summary", "slurm", "openjd"])]
-    share: Option<Share>,
+    /// Run only shard I of N: jobs I, I + N, I + 2 N, ..., counted from 0; writes no summary
+    #[arg(long, alias = "share", value_name = "I/N", value_parser = shard, conflicts_with_all = ["list", "summary", "slurm", "openjd"])]
+    shard: Option<Shard>,
     /// Say what would be done and what is done already, as JSON
     #[arg(long, conflicts_with_all = ["summary", "slurm", "openjd"])]
     list: bool,
@@ -66,7 +66,7 @@ pub struct Arguments {
     /// Write an Open Job Description template instead
     #[arg(long, value_name = "TEMPLATE.json")]
     openjd: Option<PathBuf>,
-    /// News as JSON lines
+    /// Print progress as JSON lines
     #[arg(long)]
     json: bool,
     /// Errors only
@@ -76,12 +76,12 @@ pub struct Arguments {
 
 /// Every job whose number leaves `number` when divided by `of`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Share {
+pub struct Shard {
     number: usize,
     of: usize,
 }
 
-impl Share {
+impl Shard {
     const ALL: Self = Self { number: 0, of: 1 };
 
     fn holds(self, job: usize) -> bool {
@@ -89,10 +89,10 @@ impl Share {
     }
 }
 
-fn share(text: &str) -> std::result::Result<Share, String> {
+fn shard(text: &str) -> std::result::Result<Shard, String> {
     let parsed = text.split_once('/').and_then(|(number, of)| Some((number.parse().ok()?, of.parse().ok()?)));
     match parsed {
-        Some((number, of)) if number < of => Ok(Share { number, of }),
+        Some((number, of)) if number < of => Ok(Shard { number, of }),
         _ => Err("expected I/N with I from 0 to N - 1".to_owned()),
     }
 }
@@ -116,8 +116,8 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let interrupt = Interrupt::listen()?;
     interrupt.ends_at_once(false);
     let outcome = local::run(&jobs, &arguments, &interrupt);
-    // What is there so far is worth seeing, also after an interruption; shares are summed up by whoever shared out.
-    if arguments.share.is_none() {
+    // What is there so far is worth seeing, also after an interruption; shards are summed up by whoever split the jobs.
+    if arguments.shard.is_none() {
         summary::write(&jobs)?;
     }
     outcome
@@ -128,15 +128,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn shares_cover_every_job_once() {
+    fn shards_cover_every_job_once() {
         for of in 1..6 {
             for job in 0..20 {
-                assert_eq!((0..of).filter(|&number| Share { number, of }.holds(job)).count(), 1);
+                assert_eq!((0..of).filter(|&number| Shard { number, of }.holds(job)).count(), 1);
             }
         }
-        assert_eq!(share("3/20"), Ok(Share { number: 3, of: 20 }));
+        assert_eq!(shard("3/20"), Ok(Shard { number: 3, of: 20 }));
         for text in ["", "1", "2/2", "-1/3", "0/0", "a/b"] {
-            assert!(share(text).is_err(), "{text}");
+            assert!(shard(text).is_err(), "{text}");
         }
     }
 }

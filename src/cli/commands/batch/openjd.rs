@@ -1,4 +1,4 @@
-//! Jobs for engines that speak Open Job Description: a job template (jobtemplate-2023-09) whose tasks each do a share,
+//! Jobs for engines that speak Open Job Description: a job template (jobtemplate-2023-09) whose tasks each run a shard,
 //! with the summary as a second step. Run it with `openjd run TEMPLATE.json --step Bake`, or submit it to a farm.
 
 use crate::cli::commands::batch::jobs::Jobs;
@@ -39,7 +39,7 @@ fn template(jobs: &Jobs, path: &Path) -> Value {
     {
         parameter["default"] = json!(name.to_string_lossy());
     }
-    let share = format!("{{{{Task.Param.Share}}}}/{tasks}");
+    let shard = format!("{{{{Task.Param.Shard}}}}/{tasks}");
     json!({
         "specificationVersion": "jobtemplate-2023-09",
         "name": "crease batch",
@@ -51,9 +51,9 @@ fn template(jobs: &Jobs, path: &Path) -> Value {
             {
                 "name": "Bake",
                 "parameterSpace": {"taskParameterDefinitions": [
-                    {"name": "Share", "type": "INT", "range": format!("0-{}", tasks - 1)},
+                    {"name": "Shard", "type": "INT", "range": format!("0-{}", tasks - 1)},
                 ]},
-                "script": on_run(&["--share", &share, "--parallel", "1", "--json"]),
+                "script": on_run(&["--shard", &shard, "--parallel", "1", "--json"]),
             },
             {
                 "name": "Summary",

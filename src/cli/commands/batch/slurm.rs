@@ -1,4 +1,4 @@
-//! Jobs on a Slurm cluster: an array whose tasks each do a share, submitted by sbatch, and the summary after it.
+//! Jobs on a Slurm cluster: an array whose tasks each run a shard, submitted by sbatch, and the summary after it.
 //!
 //! Needs a file system that all nodes see, with the tool and the job file on it at the same place. A task that is
 //! requeued (a node went down, a higher priority came) skips what is done and goes on from the checkpoint.
@@ -67,7 +67,7 @@ fn array_script(jobs: &Jobs, arguments: &Arguments, crease: &Path) -> Result<Str
          #SBATCH --open-mode=append\n\
          #SBATCH --output={log}\n\
          #SBATCH --signal=B:TERM@{WARNING_S}\n\
-         exec {} batch {} --share \"$SLURM_ARRAY_TASK_ID/{tasks}\" --parallel 1 --threads {threads} --retries {} --json\n",
+         exec {} batch {} --shard \"$SLURM_ARRAY_TASK_ID/{tasks}\" --parallel 1 --threads {threads} --retries {} --json\n",
         tasks - 1,
         quoted(crease)?,
         quoted(&jobs.file)?,

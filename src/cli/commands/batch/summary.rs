@@ -8,7 +8,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use crease::Result;
 use crease::report::render::{Camera, encode_png};
-use crease::report::{Show, escaped};
+use crease::report::{ColorBy, escaped};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;
@@ -48,7 +48,7 @@ fn entry(jobs: &Jobs, job: &Job) -> Value {
         "message": record.as_ref().map_or("", |r| r.message.as_str()),
         "outputs": record.as_ref().map(|r| &r.outputs),
         "points": report["points"], "crossings": report["crossings"],
-        "max_rest_angle_deg": report["max_rest_angle_deg"],
+        "max_rest_angle_change_deg": report.get("max_rest_angle_change_deg").or(report.get("max_rest_angle_deg")),
         "max_stiffness_ratio": report["max_stiffness_ratio"],
     })
 }
@@ -85,7 +85,7 @@ fn page(jobs: &Jobs, list: &Value) -> String {
              to {}, {} crossings</p><pre>{}</pre></article>",
             state.replace('_', " "),
             number("wall_s", " s"),
-            number("max_rest_angle_deg", "°"),
+            number("max_rest_angle_change_deg", "°"),
             number("max_stiffness_ratio", "×"),
             number("crossings", ""),
             escaped(entry["message"].as_str().unwrap_or_default()),
@@ -110,7 +110,7 @@ fn page(jobs: &Jobs, list: &Value) -> String {
 
 /// The worn garment as a small PNG in base64; none if it cannot be read.
 fn thumbnail(worn: &Path) -> Option<String> {
-    let (portrait, _) = render::read(worn).ok()?;
-    let image = portrait.draw(Show::Shape, &Camera::default(), THUMBNAIL).ok()?;
+    let (garment_view, _) = render::read(worn).ok()?;
+    let image = garment_view.draw(ColorBy::Shape, &Camera::default(), THUMBNAIL).ok()?;
     Some(STANDARD.encode(encode_png(&image).ok()?))
 }
