@@ -4,11 +4,15 @@
 //!
 //! Each output is left in `target/tmp/export/`, so that the Khronos validator can be run over all of them.
 
+#[path = "reference/external.rs"]
+mod external;
+
 use crease::garment::{Garment, RestShape, WornGarment};
 use crease::io::gltf::{WORN_TARGET, join_glb, split_glb, write_worn_glb};
 use crease::io::{ReadOptions, Sidecar, SourceAsset, read_asset, read_sidecar, write_sidecar};
 use crease::math::Draw;
 use crease::mesh::{PointIndex, Topology};
+use external::external;
 use nalgebra::{Matrix4, Vector2, Vector3};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -831,7 +835,7 @@ fn parts_that_do_not_belong_together_are_refused_all_at_once() {
 /// Real files of others, where they are at hand.
 #[test]
 fn real_files_come_back_whole_with_a_worn_target() {
-    let shared = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/garments");
+    let Some(folder) = external("garments") else { return };
     let files = [
         ("khronos-small/RiggedFigure.glb", 1.0),
         ("khronos-small/AnimatedMorphCube.glb", 1.0),
@@ -843,7 +847,7 @@ fn real_files_come_back_whole_with_a_worn_target() {
         ("diffcloth-tshirt-folds/tshirt1900-flattened.obj", 0.065),
     ];
     for (file, unit_m) in files {
-        let path = shared.join(file);
+        let path = folder.join(file);
         let Ok(bytes) = std::fs::read(&path) else {
             println!("{file} is not here: skipped");
             continue;

@@ -1,4 +1,4 @@
-//! The memory law under stress, through the public interface: every promise of `docs/memory.md` is a test that walks a
+//! The memory law under stress, through the public interface: every promise of `docs/theory/memory.md` is a test that walks a
 //! table. Each prints the figure it reached:
 //!
 //! ```text

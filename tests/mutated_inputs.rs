@@ -1,14 +1,17 @@
 //! Hostile files: cut off and with flipped bits, every reader gives a result or a message, never a panic, never takes
 //! long, never takes much memory.
 //!
-//! The seeds that fuzzing starts from are mutated in full, in every run. The real garments of `../shared/garments`
-//! are mutated at 4 places and with 8 flips each, and with `CREASE_MUTATE=all` at 64 places and with 256 flips each, as
-//! `docs/robustness.md` reports. `CREASE_MUTATE_SECONDS=N` spends N more seconds on each reader's seeds.
+//! The seeds that fuzzing starts from are mutated in full, in every run. The real garments of the folder `garments` of
+//! `CREASE_TEST_DATA` are mutated at 4 places and with 8 flips each, and with `CREASE_MUTATE=all` at 64 places and with 256 flips each, as
+//! `docs/validation/robustness.md` reports. `CREASE_MUTATE_SECONDS=N` spends N more seconds on each reader's seeds.
 
+#[path = "reference/external.rs"]
+mod external;
 #[path = "fuzz/feed.rs"]
 mod feed;
 
 use crease::{Error, Result};
+use external::external;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -230,11 +233,7 @@ fn a_buffer_that_states_too_little_is_written_whole() {
 /// Every file of the shared garments, whatever its kind, and those it refers to.
 #[test]
 fn mutated_garments() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/garments");
-    if !folder.is_dir() {
-        println!("skipped: ../shared/garments is not there");
-        return;
-    }
+    let Some(folder) = external("garments") else { return };
     let all = std::env::var("CREASE_MUTATE").is_ok_and(|value| value == "all");
     let (cuts, flips) = if all { (64, 256) } else { (4, 8) };
     let mut tally = Tally::default();

@@ -4,6 +4,8 @@
 //! `fold-thrice`, and the angles its hinges then have are what it remembers. That is exact on any tessellation, so what is
 //! carried from one to another can be judged against what would be there, with no noise of a simulation in between.
 
+#[path = "reference/external.rs"]
+mod external;
 #[path = "transfer/measure.rs"]
 mod measure;
 
@@ -15,6 +17,7 @@ use crease::math::Vec3;
 use crease::mesh::hinge_angle;
 use crease::transfer::{Align, By, Sheet, Source, TransferOptions, carry_back, transfer};
 use crease::wear::WearScript;
+use external::external;
 use measure::{FOLDS, Fold, carry, correlation, tensors, total};
 use std::path::Path;
 
@@ -229,7 +232,7 @@ fn strength_mask_parts_layers_and_mirror_do_what_they_say() {
 fn folds_land_where_they_were_on_garments_of_another_cut() {
     let (asset, garment) = load("tshirt-draft.glb");
     let sheet = Sheet::of_garment(&garment, &asset);
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/garments/diffavatar-tshirt");
+    let Some(folder) = external("garments/diffavatar-tshirt") else { return };
     for name in ["tshirt.obj", "shirt_initial.obj"] {
         let Ok(bytes) = std::fs::read(folder.join(name)) else {
             println!("not checked, not there: {name}");
@@ -545,8 +548,7 @@ fn the_tool_carries_settles_and_writes_what_others_read() {
 /// remember is left behind by a tee, which has none.
 #[test]
 fn on_one_body_places_stay_and_what_has_no_place_is_told() {
-    let folder =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/garments/makehuman-body-sweater/derived");
+    let Some(folder) = external("garments/makehuman-body-sweater/derived") else { return };
     let read = |name: &str| {
         let bytes = std::fs::read(folder.join(name)).ok()?;
         let options = ReadOptions { unit_m: Some(0.1), ..ReadOptions::default() };

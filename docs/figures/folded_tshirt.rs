@@ -4,7 +4,7 @@
 //! ```text
 //! crease bake garments/tshirt.glb --wear garments/wear/fold-thrice.json --memory off -o without.glb
 //! crease bake garments/tshirt.glb --wear garments/wear/fold-thrice.json -o with.glb
-//! cargo run --release --example folded_tshirt -- without.crease.json with.crease.json docs/tshirt-figure.png
+//! cargo run --release --example folded_tshirt -- without.crease.json with.crease.json docs/figures/tshirt-figure.png
 //! ```
 
 use crease::Result;

@@ -6,7 +6,7 @@
 //! number where both meshes are one and spread elsewhere ([`crate::transfer::carry_back`]), and the garment is brought home as a
 //! whole.
 //!
-//! Where a script may crease the cloth anywhere (crumpling, a body that moves) every point is simulated. docs/accuracy.md has
+//! Where a script may crease the cloth anywhere (crumpling, a body that moves) every point is simulated. docs/validation/accuracy.md has
 //! what grading changes.
 
 use crate::bake::{BakeOptions, Choice};

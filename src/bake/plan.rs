@@ -1,5 +1,4 @@
-//! What a scene needs, decided before the run from the script and the garment, with the number behind each choice
-//! (physics.md 10, point 7).
+//! What a scene needs, decided before the run from the script and the garment, with the number behind each choice.
 //!
 //! What is off costs nothing. With `BakeOptions::everything` every model is on and at full size, for comparison:
 //! `crease chart plan` shows what the plan saves and that it changes nothing that counts.
@@ -50,7 +49,7 @@ const CONTACT_GIVE: f64 = 0.3;
 const MOST_OF_EDGE: f64 = 0.2;
 
 /// Elements longer than this share of the bending length are too long for wrinkles that form by themselves
-/// (physics.md 10: h <= c/4), and bending says nothing beyond twice that length.
+/// (edges of at most a quarter of it resolve them), and bending says nothing beyond twice that length.
 const FREE_WRINKLES: f64 = 0.25;
 /// Folds tighter than this make creases [degrees]: beyond it the crease law decides, not how the cloth bends.
 const CREASING_FOLD: f64 = 150.0;

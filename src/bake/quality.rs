@@ -1,4 +1,4 @@
-//! How finely a bake is made: three points on the front of `crease chart accuracy` (docs/accuracy.md says what error each
+//! How finely a bake is made: three points on the front of `crease chart accuracy` (docs/validation/accuracy.md says what error each
 //! leaves, and how they were chosen).
 
 use crate::bake::BakeOptions;
@@ -82,7 +82,7 @@ impl Quality {
     }
 
     /// Strain under the garment's own weight that a lower stretch stiffness than the fabric's may cost [-]. Softer
-    /// membranes take up as stretch what stiffer ones throw into wrinkles (docs/accuracy.md has what that changes).
+    /// membranes take up as stretch what stiffer ones throw into wrinkles (docs/validation/accuracy.md has what that changes).
     pub fn sag(self) -> f64 {
         match self {
             Self::Draft => 5e-3,
@@ -92,7 +92,7 @@ impl Quality {
     }
 
     /// Share of the time from event to event that the step after one may take [-]: a quarter still misses an eighth of
-    /// what cloth that is pressed for half a minute remembers, a tenth nothing that can be told (docs/accuracy.md).
+    /// what cloth that is pressed for half a minute remembers, a tenth nothing that can be told (docs/validation/accuracy.md).
     pub fn event_share(self) -> f64 {
         match self {
             Self::Draft => 0.25,

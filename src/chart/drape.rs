@@ -3,7 +3,7 @@
 //! A disc of 30 cm lies on one of 18 cm and hangs over its border; reported is the share of the ring that its shadow covers,
 //! and the number of folds. Equilibria without self-contact: isotropic membrane of 1000 N/m, shear 40 N/m, 0.15 kg/m², half
 //! clamp at the ring. Many equilibria are near one another, so that starts differ by seeds. The reference was made with an
-//! independent shell solver on the same kind of mesh (physics.md 6); its own scatter is 2 to 4 points.
+//! independent shell solver on the same kind of mesh; its own scatter is 2 to 4 points.
 
 use crate::chart::test_sheet::Sheet;
 use crate::chart::static_solve::Still;

@@ -3,7 +3,7 @@
 //! One hinge of stiffness 1 with KOW's T-shirt numbers is folded to 3.01 rad by a smoothstep over 9 s; its torque is
 //! `s (theta - rest)`, shown is the largest over the fold, and the rest angle when it is let go. Then nothing acts on
 //! it: without gravity and in equilibrium its angle is its rest angle. The duration of a critical event is 1.25 s here:
-//! with the paper's 1 s its own table does not come out of this reading (`docs/memory.md`).
+//! with the paper's 1 s its own table does not come out of this reading (`docs/theory/memory.md`).
 
 use crate::chart::draw::BLACK;
 use crate::chart::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};

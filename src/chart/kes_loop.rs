@@ -4,7 +4,7 @@
 //! 20 s a cycle; its width only scales the moment. The mesh is laid on the arc, the memory stage is told every step,
 //! and the moment per width is read from the bending energy. B is the mean slope between 0.5 and 1.5 per cm of both
 //! sides, 2HB the width of the loop at 1 per cm. What a loop of this law shows is memory alone: the law knows no
-//! friction between yarns, so a fabric whose thresholds are not reached has a loop without area (`docs/memory.md`).
+//! friction between yarns, so a fabric whose thresholds are not reached has a loop without area (`docs/theory/memory.md`).
 
 use crate::chart::draw::GREY;
 use crate::chart::test_sheet::Sheet;

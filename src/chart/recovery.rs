@@ -3,7 +3,7 @@
 //! The protocol of ISO 2313: a strip of 40 x 15 mm is folded end to end, pressed with 10 N for 300 s, let go within
 //! 1 s, and the angle between its limbs is read 300 s later, without weight (the free limb is kept upright). 180
 //! degrees is full recovery. Holds of 30 and 3000 s and readings at 5 s and 1 h show what time does. The published
-//! ranges are typical ones of the fibre, warp direction alone (`docs/fabrics.md`).
+//! ranges are typical ones of the fibre, warp direction alone (`docs/reference/fabrics.md`).
 
 use crate::chart::draw::{BLACK, GREY};
 use crate::chart::press_between_plates::Press;

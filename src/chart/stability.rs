@@ -1,4 +1,4 @@
-//! `crease chart stability`: where methods fail (physics.md 9).
+//! `crease chart stability`: where methods fail.
 //!
 //! Five maps, each step length against what makes a scene hard: stretch stiffness, contrast of bending stiffness (what
 //! memory makes), thin elements, layers, speed of approach. Every method runs every cell; against a reference of the
@@ -11,7 +11,8 @@
 //! failed       crosses, is no number, or drawn out beyond what any cloth bears
 //! ```
 //!
-//! The last column is what a bake does unless told otherwise: the standard quality with its own control of steps. All 21 rows of physics.md 9 and the tests that stand for them are listed in docs/accuracy.md.
+//! The last column is what a bake does unless told otherwise: the standard quality with its own control of steps. docs/validation/accuracy.md lists 21 failures of
+//! physics and numerics with the tests that stand for them.
 
 use crate::chart::scenes;
 use crate::chart::scenes::{Flight, Outcome, Scene, Setting, Stack, Swing};

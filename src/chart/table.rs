@@ -1,6 +1,6 @@
 //! The numbers of a chart as CSV and JSON: `{"chart": NAME, "rows": [{column: cell, ...}, ...], "notes": [...]}`.
 //!
-//! Columns carry their unit in the name and are read by others (`docs/formats.md`): they are added to, never renamed.
+//! Columns carry their unit in the name and are read by others (`docs/reference/formats/charts.md`): they are added to, never renamed.
 
 use serde_json::{Map, Value, json};
 

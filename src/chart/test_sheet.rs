@@ -124,7 +124,7 @@ impl Sheet {
 
     /// Stiffness ratio of every hinge of a specimen clamped where `clamped` holds: twice as stiff between a wholly clamped
     /// triangle and a free one. Without it the clamp lies half an element inside the free cloth and the order falls to
-    /// one (physics.md, finding 1).
+    /// one.
     pub(super) fn half_clamp(&self, clamped: impl Fn(&Vec2) -> bool) -> Vec<f64> {
         let triangles: Vec<[PointIndex; 3]> = self.triangles.iter().map(|t| t.map(PointIndex)).collect();
         let wholly = |f: u32| self.triangles[f as usize].iter().all(|&p| clamped(&self.flat[p as usize]));

@@ -1,7 +1,7 @@
 //! How two pieces of cloth push apart: a spring within the contact distance, without any stiffness where it begins, that
 //! becomes a steep wall in the inner half of it. Where the two join follows Chen et al. 2025 ("Offset Geometric Contact",
 //! eq. 18); the rest does not. Their spring has its full stiffness from the start: in a pile most contacts bear next to
-//! nothing and come and go there, and each changed what Newton solves by that much (`docs/decisions.md`). Their wall is a
+//! nothing and come and go there, and each changed what Newton solves by that much (`docs/adr/0011-contact-barrier.md`). Their wall is a
 //! logarithm, which is so flat that a gain elsewhere squeezed single pairs to nanometres, where any sliding jams them. With
 //! u = 2 d / r:
 //!

@@ -2,7 +2,7 @@
 //!
 //! [`crate::contact::Body`] lets cloth and body share one guarantee: no triangle of either ever crosses the other. An elbow breaks
 //! it: where skin folds into itself there is no room for cloth, the arm is held up by its sleeve, and every step is a struggle
-//! (`docs/bodies.md` has the figures). Here the body goes where it is told, whatever is in between. At the beginning of a step
+//! (`docs/validation/bodies.md` has the figures). Here the body goes where it is told, whatever is in between. At the beginning of a step
 //! each point of cloth is given the place of the surface nearest to it; where that place is at the end of the step, with its
 //! normal, is a plane that the point rests on (`energy::Cushion`). Surface and cloth are followed together, so a fast
 //! body does not get past its cloth; a point that is inside, by a fault of the file or caught in a crease, is pushed out.

@@ -1,4 +1,4 @@
-//! Bending: the face-coupled hinge operator (`physics.md` section 0, finding 3).
+//! Bending: the face-coupled hinge operator (`docs/adr/0008-face-coupled-bending.md` says why).
 //!
 //! The three hinge angles of a face make a curvature tensor of that face,
 //!

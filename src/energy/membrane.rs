@@ -33,7 +33,7 @@ pub struct Membrane {
 }
 
 /// Triangles whose rest altitude is below this share of their longest edge are stiffened no further: the
-/// material derivative of a sliver grows without bound (physics.md section 9, row 5).
+/// material derivative of a sliver grows without bound.
 const SMALLEST_ALTITUDE: f64 = 1e-3;
 
 impl Membrane {

@@ -1,7 +1,7 @@
 //! What cloth is made of: numbers with units and provenance, as they stand in `crease-fabric/1` files.
 //!
 //! Fields carry their unit in the name, as in the file; the methods give SI. Stiffnesses are those of
-//! `docs/method.md`: stretch and shear per width [N/m] and bending per width [N·m], the B of a plate. The memory
+//! `docs/theory/method.md`: stretch and shear per width [N/m] and bending per width [N·m], the B of a plate. The memory
 //! numbers follow KOW's ten parameters, with thresholds in percent of a right angle. Does not do: the memory law itself.
 
 use crate::fabric::{Band, Law};

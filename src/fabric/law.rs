@@ -1,6 +1,6 @@
 //! The memory law: how one hinge (or one axis of a triangle) changes its rest value and stiffness with use.
 //!
-//! KOW eq. 6 and 7 in the reading of `docs/memory.md`. Pure scalar functions; who calls them, and when, is `memory`.
+//! KOW eq. 6 and 7 in the reading of `docs/theory/memory.md`. Pure scalar functions; who calls them, and when, is `memory`.
 //!
 //! ```text
 //! C = (theta - rest) L / min(w, L)        band: critical if |C| > C^b, gradual if C^a < |C| <= C^b, else none

@@ -96,7 +96,7 @@ pub fn unwrap_angle(angle: f64, last: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// The generic pose of physics.md section 2.
+    /// A generic pose: no two of its edges are equal or parallel.
     fn generic() -> [Vec3; 4] {
         [
             Vec3::new(0.013, -0.021, 0.034),

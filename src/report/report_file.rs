@@ -1,6 +1,6 @@
 //! `OUT.report.json`: what a bake did, what it cost and what there is to worry about, in numbers.
 //!
-//! Plain data: the bake fills it in, the tool writes it, others read it by these names (`docs/formats.md`). Units
+//! Plain data: the bake fills it in, the tool writes it, others read it by these names (`docs/reference/formats/report.md`). Units
 //! stand in the names. It measures nothing itself; `crossings` are counted exactly by who fills them in.
 
 use crate::bake::{Baked, Choice};

@@ -2,7 +2,7 @@
 //!
 //! Positions are fractions of the garment's bounding box as it lies or hangs, angles degrees, times seconds, so that
 //! one script suits any garment. Reading reports every fault of a file in one go, with line, column and path
-//! (`docs/wear.md`). Nothing here knows a garment, a body or a solver: whether a joint exists is asked at bake time.
+//! (`docs/guide/wear-scripts.md`). Nothing here knows a garment, a body or a solver: whether a joint exists is asked at bake time.
 
 use crate::body::{BodyPose, Wearer};
 use crate::error::{Error, Fault, Result};
@@ -311,20 +311,23 @@ mod tests {
 
     #[test]
     fn the_guide_names_every_action_and_field() {
-        let guide = include_str!("../../docs/wear.md");
+        let guide = include_str!("../../docs/guide/wear-scripts.md");
         for example in Action::examples() {
             let name = example.name();
-            assert!(guide.contains(&format!("| `{name}` |")), "docs/wear.md lacks {name}");
+            assert!(guide.contains(&format!("| `{name}` |")), "docs/guide/wear-scripts.md lacks {name}");
             let value = serde_json::to_value(&example).expect("plain data");
             for field in
                 value.get(name).and_then(Value::as_object).into_iter().flatten().map(|(field, _)| field)
             {
-                assert!(guide.contains(&format!("`{field}`")), "docs/wear.md lacks {name}.{field}");
+                assert!(
+                    guide.contains(&format!("`{field}`")),
+                    "docs/guide/wear-scripts.md lacks {name}.{field}"
+                );
             }
         }
         assert!(
             guide.contains(FOLD_THRICE.trim()),
-            "the script in docs/wear.md is not the one that comes along"
+            "the script in docs/guide/wear-scripts.md is not the one that comes along"
         );
     }
 

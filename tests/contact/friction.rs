@@ -1,5 +1,4 @@
-//! Coulomb friction against closed forms: `physics.md` section 5, `friction_reference.json`, `incline.csv`,
-//! `strip_over_cylinder.csv`, `stick_slip_elastica.csv`.
+//! Coulomb friction against closed forms: incline, capstan, belt with two coefficients, and the elastica that slips.
 
 use crate::run::{COTTON, Kind, Pattern, Run};
 use crate::shapes::Shape;

@@ -11,6 +11,8 @@
 mod bakes;
 #[path = "drop.rs"]
 mod drop;
+#[path = "../reference/external.rs"]
+mod external;
 #[path = "layers.rs"]
 mod layers;
 #[path = "pinch.rs"]
@@ -22,6 +24,7 @@ mod shapes;
 #[path = "shots.rs"]
 mod shots;
 
+use external::external;
 use run::Run;
 
 /// One run of a scene: its line, and whether it holds.
@@ -74,8 +77,7 @@ fn worn(wear: &str, points: usize, seed: u64) -> (String, bool) {
 
 /// T-shirts that another program folded, with 48 and 108 crossings, laid and hung; none where the files are not there.
 fn folded_by_others() -> Vec<(bakes::Outcome, usize)> {
-    let folder =
-        std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/garments/diffcloth-tshirt-folds");
+    let Some(folder) = external("garments/diffcloth-tshirt-folds") else { return Vec::new() };
     let mut all = Vec::new();
     for (file, crossing) in
         [("tshirt1900-folding-biFolded.obj", 48), ("tshirt1900-folding-triFolded.obj", 108)]

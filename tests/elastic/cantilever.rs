@@ -163,7 +163,7 @@ fn spread(along: usize, stretch: f64) -> f64 {
 #[test]
 fn cantilever_does_not_feel_the_direction_of_the_mesh() {
     for stretch in [SOFT, STIFF] {
-        // Coarser meshes lock; their figures are printed for docs/accuracy.md and have no bar.
+        // Coarser meshes lock; their figures are printed for docs/validation/accuracy.md and have no bar.
         spread(20, stretch);
         assert!(spread(40, stretch) <= 0.02);
     }

@@ -1,10 +1,13 @@
-//! Tables of the reference folder, which lies beside the repository and is not part of it.
+//! Tables of reference numbers, which are not part of the repository (`CREASE_TEST_DATA`).
 
+#[path = "../reference/external.rs"]
+mod external;
+
+use external::external;
 use serde_json::Value;
-use std::path::Path;
 
 fn text(name: &str) -> Option<String> {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/reference").join(name);
+    let file = external("reference")?.join(name);
     match std::fs::read_to_string(&file) {
         Ok(text) => Some(text),
         Err(_) => {

@@ -1,4 +1,4 @@
-//! Points that are held, too much or beside one another (physics.md 9, rows 14 and 19), and what sweeps leave (row 15).
+//! Points that are held, too much or beside one another, and what sweeps leave.
 
 use crease::chart::scenes;
 use crease::chart::scenes::{Setting, Swing};

@@ -1,4 +1,4 @@
-//! Elements that no mesh should have: slivers, obtuse triangles (physics.md 9, rows 5 and 6).
+//! Elements that no mesh should have: slivers, obtuse triangles.
 
 use crease::energy::{Bending, BlockSink, Energy, Membrane};
 use crease::garment::RestShape;

@@ -2,7 +2,7 @@
 //!
 //! Steps are chosen by error here, as in a bake, so that a setting is a quality (`bake::Quality`). The reference is backward
 //! Euler with a sixth of the standard error per step and steps down to 1/240 s. Folds that start in contact are decided by
-//! little: this is a band, not a line (physics.md 10, scenes S4 and S5).
+//! little: this is a band, not a line.
 
 use crate::chart::accuracy::Point;
 use crate::bake::{BakeOptions, Baked, Quality, bake};

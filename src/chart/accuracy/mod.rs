@@ -1,4 +1,4 @@
-//! `crease chart accuracy`: what every method of the shelf costs for what error (physics.md 10).
+//! `crease chart accuracy`: what every method of the shelf costs for what error.
 //!
 //! ```text
 //! scene x method x step x tolerance -> Outcome   against the scene's reference -> error, cost

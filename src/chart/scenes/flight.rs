@@ -1,4 +1,4 @@
-//! A patch of cloth that flies at a sheet held by its border (physics.md 9, row 11): at 20 m/s it moves by 83 thicknesses in
+//! A patch of cloth that flies at a sheet held by its border: at 20 m/s it moves by 83 thicknesses in
 //! a step of 1/240 s.
 
 use crate::chart::scenes::{Actors, Kind, Scene, Sheet, spaced};

@@ -1,4 +1,4 @@
-//! Sheets that fall on the ground on top of one another: layers that press layers (physics.md 9, row 12).
+//! Sheets that fall on the ground on top of one another: layers that press layers.
 
 use crate::chart::scenes::{Actors, Kind, Scene, Sheet, spaced};
 use crate::error::Result;

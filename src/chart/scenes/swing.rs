@@ -1,4 +1,4 @@
-//! A strip that hangs from its upper edge and is let go from the side: the chain of physics.md 4.5, as cloth.
+//! A strip that hangs from its upper edge and is let go from the side: a planar chain of 20 links, as cloth.
 //!
 //! 0.5 m long, one row of 20 quads, 0.2 kg/m², Y = 200 N/m, B = 1e-4 N·m, no damping, no air. `swing30` starts 30 degrees
 //! from the vertical, `release90` level: its free end whips, which is hard on every method.

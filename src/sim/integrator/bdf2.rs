@@ -1,4 +1,4 @@
-//! BDF2 with variable steps (physics.md 4.2): with r = h2 / h1 and y' = f,
+//! BDF2 with variable steps: with r = h2 / h1 and y' = f,
 //!
 //! ```text
 //! y2 = [ (1 + r)² y1 - r² y0 + (1 + r) h2 f2 ] / (1 + 2 r)

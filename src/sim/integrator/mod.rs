@@ -137,7 +137,7 @@ method_list! {
     VertexBlockDescent vbd,
 }
 
-/// Steps may grow by this factor at most: variable-step BDF2 is unstable beyond 1 + sqrt 2 (physics.md 4.2).
+/// Steps may grow by this factor at most: variable-step BDF2 is unstable beyond 1 + sqrt 2.
 pub const MOST_GROWTH: f64 = 2.0;
 
 impl Method {

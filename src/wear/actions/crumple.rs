@@ -57,7 +57,7 @@ impl WearAction for Crumple {
 /// Height of the closed ball over the ground [m].
 const CLEARANCE: f64 = 0.02;
 /// What hands press with on cloth outside the ball [Pa]: 320 N on a T-shirt's 0.8 m² at most. With half of it stiff balls stay up to a
-/// fifth too large; with 1 kPa and above layers were pressed to nothing, and cloth stretched by half (docs/contact.md).
+/// fifth too large; with 1 kPa and above layers were pressed to nothing, and cloth stretched by half (docs/validation/contact.md).
 const PRESSURE: f64 = 400.0;
 /// Longest step while the ball closes, as a share of the time that takes.
 const STEP_SHARE: f64 = 0.01;

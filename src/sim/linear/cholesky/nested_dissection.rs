@@ -3,7 +3,7 @@
 //! A plane across an axis cuts a part of the points in two; the fewest points that touch all couplings across it form
 //! the separator, which is eliminated after both halves (George 1973). Cuts follow the *present* positions because
 //! contact pairs are neighbours in space: an order from the rest shape makes a folded sheet up to sixty times dearer
-//! to factorise (`docs/decisions.md`). Where to cut is read off histograms: how far each point reaches along an axis
+//! to factorise (`docs/adr/0009-direct-solver.md`). Where to cut is read off histograms: how far each point reaches along an axis
 //! tells for every plane how many points it would take. The fewest points on a plane are a vertex cover, and that a
 //! matching (Koenig's theorem). The tree of separators is the assembly tree of the factorisation (`fronts.rs`).
 //! Knows no values.
