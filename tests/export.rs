@@ -16,7 +16,7 @@ use external::external;
 use nalgebra::{Matrix4, Vector2, Vector3};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 const FLOAT: u32 = 5126;
 const SHORT: u32 = 5122;
