@@ -33,6 +33,7 @@ pub mod transfer;
 pub mod bake;
 pub mod report;
 
+#[cfg(feature = "charts")]
 pub mod chart;
 
 pub use error::{Error, Fault, Result};

@@ -10,7 +10,11 @@ mod files;
 mod runtime;
 
 use clap::{Parser, Subcommand};
-use commands::{bake, batch, chart, completions, fabric, inspect, remember, render, schema, transfer, view};
+#[cfg(feature = "charts")]
+use commands::chart;
+#[cfg(feature = "viewer")]
+use commands::view;
+use commands::{bake, batch, completions, fabric, inspect, remember, render, schema, transfer};
 use crease::{Error, Result};
 use runtime::{console, interrupt};
 use std::process::ExitCode;
@@ -46,8 +50,10 @@ enum Command {
     /// Make a picture of a worn garment
     Render(render::Arguments),
     /// Draw and write a chart: numbers of ours beside what is known by other means
+    #[cfg(feature = "charts")]
     Chart(chart::Arguments),
     /// Make a page to turn worn garments on, colour and compare them
+    #[cfg(feature = "viewer")]
     View(view::Arguments),
     /// Wear many garments by many scripts in many fabrics: here, on a Slurm cluster, or by Open Job Description
     Batch(Box<batch::Arguments>),
@@ -69,7 +75,9 @@ impl Command {
             Self::Transfer(arguments) => transfer::run(*arguments),
             Self::Remember(arguments) => remember::run(*arguments),
             Self::Render(arguments) => render::run(arguments),
+            #[cfg(feature = "charts")]
             Self::Chart(arguments) => chart::run(arguments),
+            #[cfg(feature = "viewer")]
             Self::View(arguments) => view::run(arguments),
             Self::Batch(arguments) => batch::run(*arguments),
             Self::Fabric(arguments) => fabric::run(arguments),

@@ -2,17 +2,24 @@
 
 mod detail_report;
 mod export;
+#[cfg(feature = "render")]
 mod garment_view;
+mod html;
+#[cfg(feature = "render")]
 pub mod render;
 mod report_file;
 mod swatch;
 mod transfer_report;
+#[cfg(feature = "viewer")]
 mod viewer;
 
 pub use detail_report::DetailReport;
 pub use export::{Export, ExportCheck, ExportFile};
+#[cfg(feature = "render")]
 pub use garment_view::{ColorBy, GarmentView, PointMemory};
+pub use html::escaped;
 pub use report_file::{CrossingCounts, EventCounts, ModelChoice, Report, StageTimes, crossing_counts};
 pub use swatch::{overhang, swatch_page};
 pub use transfer_report::{CarriedSource, TransferReport};
-pub use viewer::{HingeLabel, ViewerItem, escaped, viewer_page};
+#[cfg(feature = "viewer")]
+pub use viewer::{HingeLabel, ViewerItem, viewer_page};

@@ -10,7 +10,7 @@
 //! solved by shooting for phi(0). It shows the drape, not the colour, which is nobody's knowledge here.
 
 use crate::fabric::Fabric;
-use crate::report::viewer::escaped;
+use crate::report::escaped;
 use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write;
 

@@ -2,6 +2,7 @@
 
 pub mod bake;
 pub mod batch;
+#[cfg(feature = "charts")]
 pub mod chart;
 pub mod completions;
 pub mod fabric;
@@ -10,4 +11,5 @@ pub mod remember;
 pub mod render;
 pub mod schema;
 pub mod transfer;
+#[cfg(feature = "viewer")]
 pub mod view;

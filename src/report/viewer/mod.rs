@@ -9,6 +9,7 @@
 
 use crate::io::Sidecar;
 use crate::math::{Vec3, bounds};
+use crate::report::escaped;
 use crate::report::garment_view::{ColorBy, GarmentView};
 use crate::report::render::{ColourMap, Values};
 use base64::Engine;
@@ -95,11 +96,6 @@ fn library() -> String {
         sources.truncate(end);
     }
     sources
-}
-
-/// As text of a page.
-pub fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 fn lies(item: &ViewerItem) -> bool {
