@@ -2,7 +2,7 @@
 
 use crease::bake::{BakeOptions, BakeReport, bake, settle};
 use crease::fabric::Fabric;
-use crease::garment::{Garment, RestShape};
+use crease::garment::{Garment, RestState};
 use crease::io::{ReadOptions, read_asset};
 use crease::wear::WearScript;
 use std::fmt::Write;
@@ -31,7 +31,7 @@ fn fabric() -> Fabric {
 fn worn(actions: &str, iterations: usize, slack: f64) -> BakeReport {
     let text = format!(r#"{{"format": "crease-wear/1", "actions": [{actions}]}}"#);
     let script = WearScript::parse("wear.json", &text).expect("is valid");
-    let mut options = BakeOptions { memory: false, slack, ..BakeOptions::default() };
+    let mut options = BakeOptions { memory: false, energy_tol_m: slack, ..BakeOptions::default() };
     options.step.newton.most_iterations = iterations;
     if slack == 0.0 {
         options.step.newton.tolerance = 0.0;
@@ -44,7 +44,7 @@ const CRUMPLE: &str = r#"{"crumple": {"to": 0.4, "over": 0.5}}"#;
 #[test]
 fn a_last_step_that_did_not_converge_is_no_rest() {
     let report = worn(r#"{"settle": {"for": 0.1}}"#, 1, 0.0);
-    let why = report.not_at_rest.expect("nothing converges in one iteration without tolerance");
+    let why = report.unconverged_reason.expect("nothing converges in one iteration without tolerance");
     assert!(why.starts_with(&format!("the last step, at {:.3} s", report.simulated)), "{why}");
 }
 
@@ -56,7 +56,7 @@ fn bad_steps_on_the_way_are_only_a_warning() {
         "{:?}",
         report.warnings
     );
-    assert_eq!(report.not_at_rest, None);
+    assert_eq!(report.unconverged_reason, None);
 }
 
 /// A memory that no shape can carry: every third edge a sharp crease, neighbours of a quarter and of four times their length.
@@ -64,15 +64,15 @@ fn bad_steps_on_the_way_are_only_a_warning() {
 fn a_way_home_that_did_not_converge_is_no_rest() {
     let garment = sheet();
     let (hinges, triangles) = (garment.topology.hinges.len(), garment.triangles.len());
-    let mut memory = RestShape::flat(hinges, triangles);
-    assert_eq!(settle(&garment, &fabric(), &memory).not_at_rest, None);
+    let mut memory = RestState::flat(hinges, triangles);
+    assert_eq!(settle(&garment, &fabric(), &memory).unconverged_reason, None);
     (0..hinges).for_each(|h| memory.rest_angle[h] = [3.0, -3.0, 2.0][h % 3]);
     (0..triangles).for_each(|t| {
         memory.rest_stretch_warp[t] = [0.25, 4.0][t % 2];
         memory.rest_stretch_weft[t] = [4.0, 0.25][t / 2 % 2];
     });
     let settled = settle(&garment, &fabric(), &memory);
-    let why = settled.not_at_rest.expect("no equilibrium within sixty iterations");
+    let why = settled.unconverged_reason.expect("no equilibrium within sixty iterations");
     assert!(why.starts_with("home: the equilibrium did not converge"), "{why}");
     assert!(settled.warnings.contains(&why));
 }

@@ -57,7 +57,7 @@ fn block(spike: f64) -> Arc<Wearer> {
     Arc::new(Wearer::new("block", "", Motion::Still, &points, &triangles))
 }
 
-fn on_block(height: f64, spike: f64) -> crease::Result<(Garment, crease::bake::Baked)> {
+fn on_block(height: f64, spike: f64) -> crease::Result<(Garment, crease::bake::BakeResult)> {
     let garment =
         Garment::from_asset(&asset("a.obj", sheet(8, 0.02, height, 0.0).as_bytes())).expect("a garment").0;
     let script = r#"{"format": "crease-wear/1", "actions": [{"settle": {"for": 0.5}}]}"#;
@@ -126,7 +126,7 @@ fn what_sleeps_is_dressed_too() {
     let script = r#"{"format": "crease-wear/1", "actions": [{"play": {"clip": "elbow"}}]}"#;
     let script = WearScript::parse("w.json", script).expect("is valid");
     let options = BakeOptions { body: Some(wearer.clone()), ..BakeOptions::default() };
-    let awake = crease::bake::stirred(&garment, &script, &options);
+    let awake = crease::bake::active_points(&garment, &script, &options);
     assert_eq!(awake.iter().filter(|awake| **awake).count(), 4, "{awake:?}");
     let fabric = Fabric::preset("kow-tshirt").expect("exists");
     let baked = bake(&garment, &fabric, &script, "w.json", &options, &mut ()).expect("fits");

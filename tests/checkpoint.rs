@@ -1,6 +1,6 @@
 //! Checkpoints: a bake that is taken up from any of them ends with the bytes of one that was never interrupted.
 
-use crease::bake::{BakeOptions, Baked, Checkpoint, Observer, bake, bake_from};
+use crease::bake::{BakeOptions, BakeResult, Checkpoint, Observer, bake, bake_from};
 use crease::body::Wearer;
 use crease::fabric::Fabric;
 use crease::garment::Garment;
@@ -60,11 +60,11 @@ impl Scene {
         }
     }
 
-    fn bake(&self, observer: &mut dyn Observer) -> Result<Baked> {
+    fn bake(&self, observer: &mut dyn Observer) -> Result<BakeResult> {
         bake(&self.garment, &self.fabric, &self.script, "wear.json", &self.options, observer)
     }
 
-    fn resume(&self, from: &Checkpoint, observer: &mut dyn Observer) -> Result<Baked> {
+    fn resume(&self, from: &Checkpoint, observer: &mut dyn Observer) -> Result<BakeResult> {
         // Through the file, as a killed process would.
         let read = Checkpoint::parse("x.checkpoint", &from.to_bytes())?;
         assert!(&read == from, "a checkpoint does not read back as it was");
@@ -92,7 +92,7 @@ impl Observer for Keeper {
         Ok(())
     }
 
-    fn keeps_checkpoints(&self) -> bool {
+    fn wants_checkpoints(&self) -> bool {
         true
     }
 
@@ -101,17 +101,17 @@ impl Observer for Keeper {
         Ok(())
     }
 
-    fn stops(&mut self) -> bool {
+    fn should_stop(&mut self) -> bool {
         self.most_steps -= 1;
         self.most_steps == 0
     }
 }
 
-fn assert_same(one: &Baked, other: &Baked, what: &str) {
+fn assert_same(one: &BakeResult, other: &BakeResult, what: &str) {
     assert_eq!(one.worn.displacement, other.worn.displacement, "{what}: displacement");
     assert_eq!(one.worn.memory, other.worn.memory, "{what}: memory");
     assert_eq!(one.end, other.end, "{what}: end");
-    let counts = |b: &Baked| (b.report.steps, b.report.rejected, b.report.solves, b.report.warnings.clone());
+    let counts = |b: &BakeResult| (b.report.steps, b.report.rejected, b.report.solves, b.report.warnings.clone());
     assert_eq!(counts(one), counts(other), "{what}: counts");
 }
 
@@ -239,7 +239,7 @@ fn a_checkpoint_of_another_run_or_a_damaged_one_is_refused() {
     };
     assert!(short(&|c| assert!(c.state.x.pop().is_some())).contains("does not fit"));
     assert!(short(&|c| assert!(c.state.angle.pop().is_some())).contains("does not fit"));
-    assert!(short(&|c| assert!(c.memory.shape.rest_angle.pop().is_some())).contains("does not fit"));
+    assert!(short(&|c| assert!(c.memory.rest.rest_angle.pop().is_some())).contains("does not fit"));
     assert!(short(&|c| c.action = 1000).contains("does not fit"));
     assert!(short(&|c| c.state.time = -1.0).contains("does not fit"));
 }

@@ -7,7 +7,7 @@
 #[path = "reference/external.rs"]
 mod external;
 
-use crease::garment::{Garment, RestShape, WornGarment};
+use crease::garment::{Garment, RestState, WornGarment};
 use crease::io::gltf::{WORN_TARGET, join_glb, split_glb, write_worn_glb};
 use crease::io::{ReadOptions, Sidecar, SourceAsset, read_asset, read_sidecar, write_sidecar};
 use crease::math::Draw;
@@ -164,7 +164,7 @@ fn some_wear(garment: &Garment) -> WornGarment {
     let hinges = garment.topology.hinges.len();
     WornGarment {
         displacement: garment.points.iter().map(|_| Vector3::new(next(), next(), next()) * 0.1).collect(),
-        memory: RestShape {
+        memory: RestState {
             source_angle: (0..hinges).map(|_| next()).collect(),
             rest_angle: (0..hinges).map(|_| next() * 2.0).collect(),
             stiffness_ratio: (0..hinges).map(|_| 1.5 + next()).collect(),

@@ -9,9 +9,9 @@ mod external;
 #[path = "transfer/measure.rs"]
 mod measure;
 
-use crease::bake::{BakeOptions, Grading};
+use crease::bake::{BakeOptions, SimulationMesh};
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
-use crease::garment::{Garment, RestShape};
+use crease::garment::{Garment, RestState};
 use crease::io::{ReadOptions, SourceAsset, read_asset};
 use crease::math::Vec3;
 use crease::mesh::hinge_angle;
@@ -52,11 +52,11 @@ fn rolled(sheet: &Sheet, fold: &Fold) -> Vec<Vec3> {
     sheet.points.iter().map(place).collect()
 }
 
-fn made_memory(sheet: &Sheet) -> RestShape {
+fn made_memory(sheet: &Sheet) -> RestState {
     let angles = |x: &[Vec3]| -> Vec<f64> {
         sheet.topology.hinges.iter().map(|h| hinge_angle(&h.points.map(|p| x[p.at()]))).collect()
     };
-    let mut memory = RestShape::new(angles(&sheet.points), sheet.triangles.len());
+    let mut memory = RestState::new(angles(&sheet.points), sheet.triangles.len());
     let flat: Vec<Vec3> = sheet.points.iter().map(|p| Vec3::new(p.x, 0.0, p.z)).collect();
     let flat_angle = angles(&flat);
     for fold in &FOLDS {
@@ -118,7 +118,7 @@ fn what_a_graded_mesh_remembers_comes_back_to_the_whole() {
     let text = std::fs::read_to_string(path).expect("a script of the repository");
     let script = WearScript::parse("fold-thrice.json", &text).expect("is a script");
     let fabric = Fabric::preset(DEFAULT_FABRIC).expect("exists");
-    let mesh = Grading::of(&garment, &fabric, &script, &BakeOptions::default()).mesh.expect("is graded");
+    let mesh = SimulationMesh::choose(&garment, &fabric, &script, &BakeOptions::default()).mesh.expect("is graded");
     assert!(mesh.source.len() < garment.points.len() / 2, "{} points", mesh.source.len());
     let (coarse, whole) = (Sheet::without_texture(&mesh.garment), Sheet::without_texture(&garment));
     let (earned, there) = (made_memory(&coarse), made_memory(&whole));
@@ -160,10 +160,10 @@ fn the_same_mesh_keeps_every_bit_and_no_memory_changes_nothing() {
     let angles = |s: &Sheet| -> Vec<f64> {
         s.topology.hinges.iter().map(|h| hinge_angle(&h.points.map(|p| s.points[p.at()]))).collect()
     };
-    let nothing = RestShape::new(angles(&sheet), sheet.triangles.len());
+    let nothing = RestState::new(angles(&sheet), sheet.triangles.len());
     for by in [By::Auto, By::Surface, By::Uv] {
         let new = carry(&sheet, &nothing, &target, by).memory;
-        assert_eq!(new, RestShape::new(angles(&target), target.triangles.len()), "{by:?}");
+        assert_eq!(new, RestState::new(angles(&target), target.triangles.len()), "{by:?}");
     }
     let refused = {
         let source = Source { file: "made".into(), sheet, memory, joints: Vec::new() };
@@ -195,7 +195,7 @@ fn strength_mask_parts_layers_and_mirror_do_what_they_say() {
     let half = with(&|o| o.strength = 0.5, one);
     let twice = with(&|_| {}, &[source.clone(), source.clone()]);
     for h in 0..sheet.topology.hinges.len() {
-        let change = |m: &RestShape| m.rest_angle[h] - m.source_angle[h];
+        let change = |m: &RestState| m.rest_angle[h] - m.source_angle[h];
         assert!((2.0 * change(&half) - change(&full)).abs() < 1e-9);
         assert!((change(&twice) - 2.0 * change(&full)).abs() < 1e-9);
         assert!(
@@ -245,7 +245,7 @@ fn folds_land_where_they_were_on_garments_of_another_cut() {
         let low = target.points.iter().fold(target.points[0], |a, b| a.inf(b));
         let high = target.points.iter().fold(target.points[0], |a, b| a.sup(b));
         for (i, fold) in FOLDS.iter().enumerate() {
-            let mut memory = RestShape::new(made_memory(&sheet).source_angle, sheet.triangles.len());
+            let mut memory = RestState::new(made_memory(&sheet).source_angle, sheet.triangles.len());
             let all = made_memory(&sheet);
             for (h, hinge) in sheet.topology.hinges.iter().enumerate() {
                 let middle = 0.5 * (sheet.points[hinge.points[0].at()] + sheet.points[hinge.points[1].at()]);
@@ -293,7 +293,7 @@ fn what_is_seen_edge_on_does_not_grow() {
     let (asset, garment) = load("trousers.glb");
     let flat = Sheet::of_garment(&garment, &asset);
     let source = round.topology.hinges.iter().map(|h| hinge_angle(&h.points.map(|p| round.points[p.at()])));
-    let mut memory = RestShape::new(source.collect(), round.triangles.len());
+    let mut memory = RestState::new(source.collect(), round.triangles.len());
     memory.rest_angle.iter_mut().for_each(|angle| *angle += 0.3);
     let carried = carry(&round, &memory, &flat, By::Surface).memory;
     let changes =
@@ -335,7 +335,7 @@ fn joints_and_landmarks_lay_a_straight_sleeve_over_a_bent_one() {
     let ((straight, from), (bent, to)) = (sleeve(0.0), sleeve(1.2));
     let (sheet, target) = (Sheet::of_garment(&from, &straight), Sheet::of_garment(&to, &bent));
     assert_eq!(straight.worn_joints().len(), 3, "{:?}", straight.worn_joints());
-    let mut memory = RestShape::new(vec![0.0; sheet.topology.hinges.len()], sheet.triangles.len());
+    let mut memory = RestState::new(vec![0.0; sheet.topology.hinges.len()], sheet.triangles.len());
     let length =
         |s: &Sheet, h: &crease::mesh::Hinge| (s.points[h.points[0].at()] - s.points[h.points[1].at()]).norm();
     for (h, hinge) in sheet.topology.hinges.iter().enumerate() {
@@ -346,7 +346,7 @@ fn joints_and_landmarks_lay_a_straight_sleeve_over_a_bent_one() {
         }
     }
     // Share of what came over that lies within a few elements of where it belongs.
-    let hits = |carried: &RestShape| {
+    let hits = |carried: &RestState| {
         let (mut on, mut all) = (0.0, 0.0);
         for (h, hinge) in target.topology.hinges.iter().enumerate() {
             let weight = (carried.rest_angle[h] - carried.source_angle[h]).abs() * length(&target, hinge);
@@ -440,7 +440,7 @@ fn the_tool_carries_settles_and_writes_what_others_read() {
     let angles = |x: &[Vec3]| -> Vec<f64> {
         sheet.topology.hinges.iter().map(|h| hinge_angle(&h.points.map(|p| x[p.at()]))).collect()
     };
-    let mut memory = RestShape::new(angles(&sheet.points), sheet.triangles.len());
+    let mut memory = RestState::new(angles(&sheet.points), sheet.triangles.len());
     memory.rest_angle = angles(&rolled(&sheet, &fold));
     let worn =
         crease::garment::WornGarment { displacement: vec![Vec3::zeros(); garment.points.len()], memory };
@@ -569,13 +569,13 @@ fn on_one_body_places_stay_and_what_has_no_place_is_told() {
     // What lies inside a ball remembers half a radian.
     let made = |s: &Sheet, inside: &dyn Fn(Vec3) -> bool| {
         let angle = |h: &crease::mesh::Hinge| hinge_angle(&h.points.map(|p| s.points[p.at()]));
-        let mut memory = RestShape::new(s.topology.hinges.iter().map(angle).collect(), s.triangles.len());
+        let mut memory = RestState::new(s.topology.hinges.iter().map(angle).collect(), s.triangles.len());
         for h in 0..memory.rest_angle.len() {
             memory.rest_angle[h] += if inside(middle(s, h)) { 0.5 } else { 0.0 };
         }
         memory
     };
-    let heart = |s: &Sheet, m: &RestShape| {
+    let heart = |s: &Sheet, m: &RestState| {
         let (mut sum, mut place) = (0.0, Vec3::zeros());
         for h in 0..m.rest_angle.len() {
             let weight = (m.rest_angle[h] - m.source_angle[h]).abs();

@@ -9,7 +9,7 @@
 //! Where a script may crease the cloth anywhere (crumpling, a body that moves) every point is simulated. docs/validation/accuracy.md has
 //! what grading changes.
 
-use crate::bake::{BakeOptions, Choice};
+use crate::bake::{BakeOptions, ModelDecision};
 use crate::fabric::Fabric;
 use crate::garment::{Coarsened, Garment};
 use crate::mesh::intersections::crossings;
@@ -28,21 +28,21 @@ const WORTH: f64 = 0.75;
 
 /// Whether a garment is simulated on fewer points.
 #[derive(Debug, Clone)]
-pub struct Grading {
+pub struct SimulationMesh {
     /// What is simulated instead of the garment.
     pub mesh: Option<Coarsened>,
     /// Why.
-    pub choice: Choice,
+    pub choice: ModelDecision,
 }
 
-impl Grading {
+impl SimulationMesh {
     /// For wearing `garment` of `fabric` through `script`.
-    pub fn of(garment: &Garment, fabric: &Fabric, script: &WearScript, options: &BakeOptions) -> Self {
+    pub fn choose(garment: &Garment, fabric: &Fabric, script: &WearScript, options: &BakeOptions) -> Self {
         let (mesh, why) = match graded(garment, fabric, script, options) {
             Ok((mesh, why)) => (Some(mesh), why),
             Err(why) => (None, why),
         };
-        Self { choice: Choice { name: "grading", on: mesh.is_some(), why }, mesh }
+        Self { choice: ModelDecision { name: "grading", on: mesh.is_some(), why }, mesh }
     }
 }
 
@@ -53,7 +53,7 @@ fn graded(
     script: &WearScript,
     options: &BakeOptions,
 ) -> Result<(Coarsened, String), String> {
-    if !options.grade || options.everything {
+    if !options.adaptive_mesh || options.full_fidelity {
         return Err("switched off".into());
     }
     if options.body.is_some() {

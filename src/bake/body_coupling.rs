@@ -46,15 +46,15 @@ impl OnBody {
         if !faults.is_empty() {
             return Err(Error::Input(faults));
         }
-        let asleep = stirred(garment, script, options).iter().map(|stirred| !stirred).collect();
+        let asleep = active_points(garment, script, options).iter().map(|stirred| !stirred).collect();
         Ok(Some(Self { wearer: wearer.clone(), depths, asleep }))
     }
 }
 
 /// The points of `garment` that the body of `options` stirs on its way through `script`, one flag per point. Empty when all
 /// are to be taken as stirred: without a body, with one that only stands, or when a script does more than move it.
-pub fn stirred(garment: &Garment, script: &WearScript, options: &BakeOptions) -> Vec<bool> {
-    let Some(wearer) = options.body.as_ref().filter(|_| options.sleep) else { return Vec::new() };
+pub fn active_points(garment: &Garment, script: &WearScript, options: &BakeOptions) -> Vec<bool> {
+    let Some(wearer) = options.body.as_ref().filter(|_| options.deactivate_static) else { return Vec::new() };
     let awake = awake(garment, wearer, &script.postures(wearer));
     if awake.contains(&true) { awake } else { Vec::new() }
 }
@@ -84,7 +84,7 @@ fn smoothed(mut lead: Vec<Vec3>, held: &[bool], topology: &Topology) -> Vec<Vec3
 /// How far cloth was inside the body.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Pinch {
+pub struct BodyPenetrationStats {
     /// Pairs of triangles of cloth and body that crossed where the body is open, and where it lies on itself: most after any
     /// step, when that was [s], and after the last.
     crossed: [(usize, f64); 2],
@@ -104,7 +104,7 @@ const TOLD: f64 = 1e-3;
 /// Radius of a limb, for how far straight edges of cloth sink into it [m].
 const LIMB: f64 = 0.04;
 
-impl Pinch {
+impl BodyPenetrationStats {
     /// After a step that ended at `time` [s] with the cloth at `x` and `crossing` pairs of triangles.
     fn note(&mut self, time: f64, x: &[Vec3], cushions: &[Cushion], crossing: [usize; 2]) {
         self.crossing = crossing;
@@ -165,18 +165,18 @@ impl Pinch {
 /// What a checkpoint keeps of a body and the cloth on it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct BodyMoment {
+pub struct BodyCheckpoint {
     /// As the actions before have left it.
     pub pose: BodyPose,
     /// How it meets the cloth.
     pub field: KeptField,
     /// How far cloth was inside it so far.
-    pub pinch: Pinch,
+    pub pinch: BodyPenetrationStats,
     /// Time that dressing took [s].
     pub dressing_s: f64,
 }
 
-impl BodyMoment {
+impl BodyCheckpoint {
     /// Whether it can be of `wearer` under a cloth of `points` points.
     pub fn fits(&self, wearer: &Wearer, points: usize) -> bool {
         self.field.fits(wearer.start().len(), points)
@@ -188,7 +188,7 @@ type Met = (Arc<[Vec3]>, Arc<[Cushion]>, Arc<[Support]>);
 
 impl Run<'_> {
     /// The garment is put on; where it was left, if the run is taken up.
-    pub(super) fn put_on(&mut self, on_body: OnBody, taken_up: Option<&BodyMoment>) {
+    pub(super) fn put_on(&mut self, on_body: OnBody, taken_up: Option<&BodyCheckpoint>) {
         let clock = Instant::now();
         let OnBody { wearer, depths, asleep } = on_body;
         let settings = self.stepper.contact.settings();
@@ -222,9 +222,9 @@ impl Run<'_> {
     }
 
     /// What a checkpoint must have of the body, which stood as `posture` says when the action under way began.
-    pub(super) fn body_moment(&self, posture: &Posture) -> Option<BodyMoment> {
+    pub(super) fn body_moment(&self, posture: &Posture) -> Option<BodyCheckpoint> {
         let (field, standing) = (self.field.as_ref()?, posture.body.as_ref()?);
-        Some(BodyMoment {
+        Some(BodyCheckpoint {
             pose: standing.pose.clone(),
             field: field.kept(),
             pinch: self.pinch.clone(),
@@ -265,7 +265,7 @@ impl Run<'_> {
             }
             drive
         };
-        let step = self.stepper.advance(&mut self.state, &self.memory.felt, &mut drive_at, h);
+        let step = self.stepper.advance(&mut self.state, &self.memory.effective_rest, &mut drive_at, h);
         if let Some((points, cushions, supports)) = last {
             let moves = field.accept(&self.state.x, &points, &cushions, &supports);
             let crossing = field.lift(&self.state.x, &garment.triangles, moves);

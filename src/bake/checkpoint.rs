@@ -11,7 +11,7 @@
 //!
 //! Does not do: when a checkpoint is written and where (the tool), results (they are written when all is done).
 
-use crate::bake::body_coupling::BodyMoment;
+use crate::bake::body_coupling::BodyCheckpoint;
 use crate::bake::violation_log::UnmetLog;
 use crate::bake::{BakeOptions, BakeReport, Run};
 use crate::body::Wearer;
@@ -38,7 +38,7 @@ const LEAST_STEP: f64 = 1e-6;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Checkpoint {
-    /// Hash of what the run is made from: [`run_key`].
+    /// Hash of what the run is made from: [`fingerprint`].
     pub key: String,
     /// Actions that are over; the next one has begun if there is a `way`.
     pub action: usize,
@@ -52,7 +52,7 @@ pub struct Checkpoint {
     pub friction: Vec<KeptStretch>,
     /// The body it is on, if there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub body: Option<BodyMoment>,
+    pub body: Option<BodyCheckpoint>,
     /// Its memory.
     pub memory: Memory,
     /// Counts so far.
@@ -111,7 +111,7 @@ pub struct Counts {
 }
 
 /// Hash of everything that the result of a bake depends on.
-pub fn run_key(garment: &Garment, fabric: &Fabric, script: &WearScript, options: &BakeOptions) -> String {
+pub fn fingerprint(garment: &Garment, fabric: &Fabric, script: &WearScript, options: &BakeOptions) -> String {
     let mut hash = Sha256::new();
     let head = json!([env!("CARGO_PKG_VERSION"), fabric, script, format!("{options:?}")]);
     hash.update(head.to_string());

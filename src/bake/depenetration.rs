@@ -5,7 +5,7 @@
 //! do not fit: refused with the number. Does not do: moving a garment to another body, sizes, poses.
 
 use crate::bake::Run;
-use crate::bake::body_coupling::Pinch;
+use crate::bake::body_coupling::BodyPenetrationStats;
 use crate::body::Wearer;
 use crate::error::{Error, Result};
 use crate::math::Vec3;
@@ -26,7 +26,7 @@ const STEPS: [usize; 2] = [8, 60];
 const STEP: f64 = 0.1;
 
 /// What dressing found and did.
-pub(super) struct Dressed {
+pub(super) struct DepenetrationReport {
     /// Points of the garment that lay inside, and how deep the deepest [m].
     pub inside: usize,
     pub deepest: f64,
@@ -36,7 +36,7 @@ pub(super) struct Dressed {
     pub pushed: f64,
 }
 
-impl Dressed {
+impl DepenetrationReport {
     /// For the report, if there is anything to say.
     pub fn warnings(&self) -> Vec<String> {
         let mut all = Vec::new();
@@ -90,13 +90,13 @@ pub(super) fn depths(garment_points: &[Vec3], wearer: &Wearer) -> Result<Vec<f64
 
 impl Run<'_> {
     /// Brings the garment outside of the body.
-    pub(super) fn dress(&mut self, wearer: &Arc<Wearer>, depths: &[f64]) -> Dressed {
+    pub(super) fn dress(&mut self, wearer: &Arc<Wearer>, depths: &[f64]) -> DepenetrationReport {
         let (start, triangles) = (wearer.start(), wearer.triangles());
         let count = |x: &[Vec3]| crossings_between(x, &self.garment.triangles, start, triangles).len();
         let deepest = depths.iter().copied().fold(0.0, f64::max);
         let inside = depths.iter().filter(|d| **d > 0.0).count();
         let crossed = count(&self.state.x);
-        let mut dressed = Dressed { inside, deepest, crossed: [crossed, 0], pushed: 0.0 };
+        let mut dressed = DepenetrationReport { inside, deepest, crossed: [crossed, 0], pushed: 0.0 };
         if crossed == 0 && inside == 0 {
             return dressed;
         }
@@ -127,7 +127,7 @@ impl Run<'_> {
         }
         self.state.stop();
         self.state.time = 0.0;
-        self.pinch = Pinch::default();
+        self.pinch = BodyPenetrationStats::default();
         dressed.crossed[1] = count(&self.state.x);
         dressed.pushed = before.iter().zip(&self.state.x).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
         dressed

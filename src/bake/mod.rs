@@ -13,24 +13,24 @@ mod relax;
 mod relax_to_source;
 mod violation_log;
 
-pub use adaptive_mesh::Grading;
-pub use body_coupling::stirred;
-pub use checkpoint::{Checkpoint, run_key};
-pub use from_motion::{Motion, remember};
-pub use plan::{Choice, Plan};
+pub use adaptive_mesh::SimulationMesh;
+pub use body_coupling::active_points;
+pub use checkpoint::{Checkpoint, fingerprint};
+pub use from_motion::{GarmentMotion, memory_from_motion};
+pub use plan::{ModelDecision, ModelPlan};
 pub use quality::Quality;
-pub use relax::{Settled, rest_mesh, settle};
+pub use relax::{RelaxResult, rest_mesh, settle};
 
-use crate::bake::body_coupling::{OnBody, Pinch};
+use crate::bake::body_coupling::{OnBody, BodyPenetrationStats};
 use crate::bake::relax_to_source::{Homeward, bring_home};
 use crate::bake::violation_log::UnmetLog;
 use crate::body::Wearer;
 use crate::contact::{BodyField, Contact, ContactSettings};
 use crate::error::{Error, Result};
-use crate::fabric::{EventCount, Fabric};
-use crate::garment::{Garment, RestShape, WornGarment};
+use crate::fabric::Fabric;
+use crate::garment::{Garment, RestState, WornGarment};
 use crate::math::Vec3;
-use crate::memory::{Memory, Observed, Remembering};
+use crate::memory::{EventCount, Memory, Strains, MemoryModel};
 use crate::mesh::intersections::crossings;
 use crate::sim::GRAVITY;
 use crate::sim::{Cloth, SolveCost, State, StepOptions, Stepper};
@@ -49,23 +49,23 @@ pub struct BakeOptions {
     pub step: StepOptions,
     /// A step is converged when what energy is left to gain would not lift the garment by this [m]: single points that
     /// are still falling into a wrinkle go on in the next step.
-    pub slack: f64,
+    pub energy_tol_m: f64,
     /// Strain under the garment's own weight that a lower stretch stiffness than the fabric's may cost [-].
-    pub sag: f64,
+    pub max_weight_strain: f64,
     /// Share of the time from event to event that the step after one may take: the cloth answers each before the next is
     /// due [-].
-    pub event_share: f64,
+    pub event_dt_fraction: f64,
     /// Every model on and at full size, short steps of one length, each solved for the whole garment: what a plan is
     /// compared with.
-    pub everything: bool,
+    pub full_fidelity: bool,
     /// Frames per simulated second for the observer; 0 for none.
     pub frames_per_second: f64,
     /// The body the garment is worn on.
     pub body: Option<Arc<Wearer>>,
     /// Whether cloth that the body cannot stir sleeps.
-    pub sleep: bool,
-    /// Whether cloth that the script does not crease is simulated on fewer points ([`Grading`]).
-    pub grade: bool,
+    pub deactivate_static: bool,
+    /// Whether cloth that the script does not crease is simulated on fewer points ([`SimulationMesh`]).
+    pub adaptive_mesh: bool,
     /// Steps of an action between moments that a checkpoint may be of: what an interrupted run loses. At each the pattern of the
     /// linear system is made anew, and in a hold a factor, which the steps between share.
     pub checkpoint_steps: u64,
@@ -76,14 +76,14 @@ impl Default for BakeOptions {
         Self {
             memory: true,
             step: StepOptions::default(),
-            slack: Quality::Standard.slack(),
-            sag: Quality::Standard.sag(),
-            event_share: Quality::Standard.event_share(),
-            everything: false,
+            energy_tol_m: Quality::Standard.energy_tol(),
+            max_weight_strain: Quality::Standard.max_weight_strain(),
+            event_dt_fraction: Quality::Standard.event_dt_fraction(),
+            full_fidelity: false,
             frames_per_second: 0.0,
             body: None,
-            sleep: true,
-            grade: true,
+            deactivate_static: true,
+            adaptive_mesh: true,
             checkpoint_steps: 32,
         }
     }
@@ -113,14 +113,14 @@ pub trait Observer {
     /// After every step.
     fn progress(&mut self, _progress: &Progress) {}
     /// Before the first step: the mesh that is simulated, whose points frames are of. It is the garment's own unless that is
-    /// graded ([`Grading`]).
-    fn simulates(&mut self, _mesh: &Garment) {}
+    /// graded ([`SimulationMesh`]).
+    fn on_mesh(&mut self, _mesh: &Garment) {}
     /// A frame is due: positions, one per point of the mesh that is simulated [m].
     fn frame(&mut self, _x: &[Vec3]) -> Result<()> {
         Ok(())
     }
     /// Whether [`Observer::checkpoint`] shall be given anything.
-    fn keeps_checkpoints(&self) -> bool {
+    fn wants_checkpoints(&self) -> bool {
         false
     }
     /// The run can be taken up from here: before every action, after the last, and every few steps between.
@@ -128,7 +128,7 @@ pub trait Observer {
         Ok(())
     }
     /// Whether the bake shall stop here, with [`Error::Interrupted`]; asked after every step.
-    fn stops(&mut self) -> bool {
+    fn should_stop(&mut self) -> bool {
         false
     }
 }
@@ -161,14 +161,14 @@ pub struct BakeReport {
     pub warnings: Vec<String>,
     /// Why what came out is no state of rest, if it is none: the last step, or the way home, did not converge. One bad step on
     /// the way is only a warning, as the cloth comes to rest after it.
-    pub not_at_rest: Option<String>,
+    pub unconverged_reason: Option<String>,
     /// What was modelled, and why.
-    pub choices: Vec<Choice>,
+    pub decisions: Vec<ModelDecision>,
 }
 
 /// What a bake gives back.
 #[derive(Debug, Clone)]
-pub struct Baked {
+pub struct BakeResult {
     /// The garment in its own pose.
     pub worn: WornGarment,
     /// Positions at the end of the script [m].
@@ -192,7 +192,7 @@ pub fn bake(
     script_file: &str,
     options: &BakeOptions,
     observer: &mut dyn Observer,
-) -> Result<Baked> {
+) -> Result<BakeResult> {
     bake_from(None, garment, fabric, script, script_file, options, observer)
 }
 
@@ -205,21 +205,21 @@ pub fn bake_from(
     script_file: &str,
     options: &BakeOptions,
     observer: &mut dyn Observer,
-) -> Result<Baked> {
-    let grading = Grading::of(garment, fabric, script, options);
+) -> Result<BakeResult> {
+    let grading = SimulationMesh::choose(garment, fabric, script, options);
     let wear = Wear { fabric, script, script_file, options };
     let simulated = grading.mesh.as_ref().map_or(garment, |mesh| &mesh.garment);
-    observer.simulates(simulated);
+    observer.on_mesh(simulated);
     let mut run = wear_through(taken_up, simulated, &wear, observer)?;
-    run.report.choices.push(grading.choice);
+    run.report.decisions.push(grading.choice);
     let clock = Instant::now();
     let mut how = &Homeward::STEADILY;
     let mut end = std::mem::take(&mut run.state.x);
-    let mut memory = run.memory.shape;
+    let mut memory = run.memory.rest;
     if let Some(mesh) = &grading.mesh {
         end = mesh.placed(&end);
         memory = carry_back(mesh, &memory, garment);
-        run.stepper = wear.stepper(garment, &Plan::new(garment, fabric, script, options));
+        run.stepper = wear.stepper(garment, &ModelPlan::new(garment, fabric, script, options));
         how = &Homeward::SWIFTLY;
     }
     let displacement = bring_home(garment, fabric, &mut run.stepper, &memory, how, &mut run.report);
@@ -238,7 +238,7 @@ pub fn bake_from(
     if run.dressing_s > 0.0 {
         run.report.stages.insert(0, ("dress", run.dressing_s));
     }
-    Ok(Baked { worn: WornGarment { displacement, memory }, end, report: run.report })
+    Ok(BakeResult { worn: WornGarment { displacement, memory }, end, report: run.report })
 }
 
 /// What is done, to which cloth, and how.
@@ -251,7 +251,7 @@ struct Wear<'a> {
 
 impl Wear<'_> {
     /// The cloth and what keeps its layers apart, ready to be moved.
-    fn stepper(&self, garment: &Garment, plan: &Plan) -> Stepper {
+    fn stepper(&self, garment: &Garment, plan: &ModelPlan) -> Stepper {
         let (fabric, options) = (self.fabric, self.options);
         let mut cloth = Cloth::new(garment, fabric);
         cloth.membrane.set_stiffness(plan.stretch);
@@ -270,8 +270,8 @@ impl Wear<'_> {
         };
         let area = cloth.area.clone();
         let contact = Contact::new(settings, &garment.points, &garment.triangles, &garment.topology, area);
-        let mut step = options.step_made();
-        step.newton.energy = options.slack_made() * cloth.mass.iter().sum::<f64>() * GRAVITY;
+        let mut step = options.effective_step();
+        step.newton.energy = options.effective_energy_tol() * cloth.mass.iter().sum::<f64>() * GRAVITY;
         Stepper::new(cloth, contact, step)
     }
 }
@@ -284,28 +284,28 @@ fn wear_through<'a>(
     observer: &mut dyn Observer,
 ) -> Result<Run<'a>> {
     let &Wear { fabric, script, script_file, options } = wear;
-    let key = run_key(garment, fabric, script, options);
+    let key = fingerprint(garment, fabric, script, options);
     if let Some((file, checkpoint)) = &taken_up {
         checkpoint.check(file, garment, script, options.body.as_deref(), &key)?;
     }
     let on_body = OnBody::prepare(garment, script, script_file, options)?;
-    let mut plan = Plan::new(garment, fabric, script, options);
+    let mut plan = ModelPlan::new(garment, fabric, script, options);
     if let Some(on_body) = &on_body {
         plan.wear_on(fabric, &on_body.wearer, &on_body.asleep);
     }
     let stepper = wear.stepper(garment, &plan);
     let source_angle = stepper.cloth.bending.angles(&garment.points, &[]);
-    let law = Remembering::new(garment, fabric, stepper.cloth.bending.width());
+    let law = MemoryModel::new(garment, fabric, stepper.cloth.bending.width());
     let mut run = Run {
         garment,
         stepper,
         state: State::at_rest(garment.points.clone(), source_angle.clone()),
-        memory: Memory::new(RestShape::new(source_angle, garment.triangles.len())),
+        memory: Memory::new(RestState::new(source_angle, garment.triangles.len())),
         law: options.memory.then_some(law),
-        event_share: options.event_share,
+        event_dt_fraction: options.event_dt_fraction,
         checkpoint_steps: options.checkpoint_steps,
         posture: Posture::default(),
-        report: BakeReport { choices: plan.choices, ..BakeReport::default() },
+        report: BakeReport { decisions: plan.decisions, ..BakeReport::default() },
         seconds: [0.0; 5],
         frame_every: if options.frames_per_second > 0.0 {
             1.0 / options.frames_per_second
@@ -322,7 +322,7 @@ fn wear_through<'a>(
         total: script.duration_on(options.body.as_deref()),
         asleep: Vec::new(),
         field: None,
-        pinch: Pinch::default(),
+        pinch: BodyPenetrationStats::default(),
         dressing_s: 0.0,
     };
     run.report.warnings.extend(initial_intersections::crossing_warning(garment));
@@ -349,7 +349,7 @@ fn wear_through<'a>(
             1e3 * run.largest_rest
         ));
     }
-    run.report.not_at_rest = run.last_rest.map(|rest| {
+    run.report.unconverged_reason = run.last_rest.map(|rest| {
         format!("the last step, at {:.3} s (it asked for {:.1} mm more)", run.state.time, 1e3 * rest)
     });
     run.report.warnings.extend(run.unmet.warnings());
@@ -359,7 +359,7 @@ fn wear_through<'a>(
 }
 
 /// An action under way: its number and name, the cloth, the posture and the time it began with.
-struct UnderWay {
+struct ActiveAction {
     number: usize,
     name: &'static str,
     start: Vec<Vec3>,
@@ -374,9 +374,9 @@ struct Run<'a> {
     state: State,
     memory: Memory,
     /// `None` when the cloth does not remember.
-    law: Option<Remembering>,
+    law: Option<MemoryModel>,
     /// See [`BakeOptions`].
-    event_share: f64,
+    event_dt_fraction: f64,
     checkpoint_steps: u64,
     posture: Posture,
     report: BakeReport,
@@ -398,7 +398,7 @@ struct Run<'a> {
     asleep: Vec<bool>,
     /// The body, if there is one.
     field: Option<BodyField>,
-    pinch: Pinch,
+    pinch: BodyPenetrationStats,
     /// Time that dressing took [s].
     dressing_s: f64,
     /// Demands that could not be met.
@@ -443,7 +443,7 @@ impl Run<'_> {
             }
         }
         let begin = way.as_ref().map_or(self.state.time, |way| way.begin);
-        let under_way = UnderWay { number, start, begin, before, name: action.name() };
+        let under_way = ActiveAction { number, start, begin, before, name: action.name() };
         let duration = begun.duration.unwrap_or_else(|| action.as_wear().duration_s());
         self.perform(under_way, begun.gesture, duration, way, observer)
     }
@@ -459,7 +459,7 @@ impl Run<'_> {
     /// A moment before the action `number`, from which the run can be taken up.
     fn moment(&mut self, number: usize, observer: &mut dyn Observer) -> Result<()> {
         self.forget();
-        if observer.keeps_checkpoints() {
+        if observer.wants_checkpoints() {
             observer.checkpoint(self.checkpoint(number, &self.posture, None))?;
         }
         Ok(())
@@ -468,7 +468,7 @@ impl Run<'_> {
     /// The same between two steps of an action, every few steps.
     fn moment_between(
         &mut self,
-        action: &UnderWay,
+        action: &ActiveAction,
         gesture: &dyn Gesture,
         part: usize,
         wished: f64,
@@ -479,7 +479,7 @@ impl Run<'_> {
         }
         let Some(memo) = gesture.memo() else { return Ok(()) };
         self.forget();
-        if observer.keeps_checkpoints() {
+        if observer.wants_checkpoints() {
             let way = Way { start: action.start.clone(), begin: action.begin, part, wished, memo };
             observer.checkpoint(self.checkpoint(action.number, &action.before, Some(way)))?;
         }
@@ -489,7 +489,7 @@ impl Run<'_> {
     /// Performs one gesture to its end, from `way` if there is one.
     fn perform(
         &mut self,
-        action: UnderWay,
+        action: ActiveAction,
         mut gesture: Box<dyn Gesture>,
         duration: f64,
         way: Option<Way>,
@@ -519,7 +519,7 @@ impl Run<'_> {
                     self.state.angle = self.stepper.cloth.bending.angles(&self.state.x, &self.state.angle);
                 }
                 wished = self.step(gesture.as_mut(), begin, h, action.name, observer)?;
-                if observer.stops() {
+                if observer.should_stop() {
                     return Err(Error::Interrupted);
                 }
                 if gesture.may_end_early() && self.at_rest() {
@@ -570,7 +570,7 @@ impl Run<'_> {
         name: &str,
         observer: &mut dyn Observer,
     ) -> Result<f64> {
-        let remembers_length = self.law.as_ref().is_some_and(Remembering::remembers_length);
+        let remembers_length = self.law.as_ref().is_some_and(MemoryModel::remembers_length);
         let measure = |run: &Self| {
             if remembers_length { run.stepper.cloth.membrane.measure(&run.state.x) } else { Vec::new() }
         };
@@ -580,7 +580,7 @@ impl Run<'_> {
             Some(field) => self.step_on_body(field, gesture, begin, h),
             None => {
                 let mut drive_at = |time: f64, state: &State| gesture.drive(time - begin, &state.x);
-                self.stepper.advance(&mut self.state, &self.memory.felt, &mut drive_at, h)
+                self.stepper.advance(&mut self.state, &self.memory.effective_rest, &mut drive_at, h)
             }
         };
         for (total, s) in self.seconds.iter_mut().zip(step.newton.seconds) {
@@ -601,11 +601,11 @@ impl Run<'_> {
         let mut next = step.next;
         if let (Some(law), true) = (&self.law, gesture.wears()) {
             let stretch_after = measure(self);
-            let earlier = Observed { angle: &angle, stretch: &stretch };
-            let after = Observed { angle: &self.state.angle, stretch: &stretch_after };
+            let earlier = Strains { angle: &angle, stretch: &stretch };
+            let after = Strains { angle: &self.state.angle, stretch: &stretch_after };
             let events = self.memory.commit(law, &earlier, &after, step.step);
             next =
-                next.min(law.longest_step_after(events, self.event_share)).max(self.stepper.options.shortest);
+                next.min(law.max_dt_after_events(events, self.event_dt_fraction)).max(self.stepper.options.shortest);
         }
         self.seconds[3] += clock.elapsed().as_secs_f64();
         observer.progress(&Progress {

@@ -1,9 +1,9 @@
 //! What a scene needs, decided before the run from the script and the garment, with the number behind each choice.
 //!
-//! What is off costs nothing. With `BakeOptions::everything` every model is on and at full size, for comparison:
+//! What is off costs nothing. With `BakeOptions::full_fidelity` every model is on and at full size, for comparison:
 //! `crease chart plan` shows what the plan saves and that it changes nothing that counts.
 
-use crate::bake::{BakeOptions, Grading};
+use crate::bake::{BakeOptions, SimulationMesh};
 use crate::body::Wearer;
 use crate::fabric::Fabric;
 use crate::garment::Garment;
@@ -14,7 +14,7 @@ use crate::wear::{Action, WearScript};
 
 /// One decision.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Choice {
+pub struct ModelDecision {
     /// The model.
     pub name: &'static str,
     /// Whether it is on.
@@ -25,7 +25,7 @@ pub struct Choice {
 
 /// What is modelled, and how stiff.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Plan {
+pub struct ModelPlan {
     /// Stretch stiffness along warp and weft, shear stiffness [N/m].
     pub stretch: [f64; 3],
     /// Distance within which layers push apart [m].
@@ -35,7 +35,7 @@ pub struct Plan {
     /// Whether cloth can meet cloth.
     pub layers_meet: bool,
     /// Every decision, in the order of the report.
-    pub choices: Vec<Choice>,
+    pub decisions: Vec<ModelDecision>,
 }
 
 /// Strain under its own weight [-] as which the stretch stiffness is chosen of cloth that is crumpled or worn on a body:
@@ -54,35 +54,35 @@ const FREE_WRINKLES: f64 = 0.25;
 /// Folds tighter than this make creases [degrees]: beyond it the crease law decides, not how the cloth bends.
 const CREASING_FOLD: f64 = 150.0;
 
-impl Plan {
+impl ModelPlan {
     /// The plan for wearing `garment` of `fabric` through `script`.
     pub fn new(garment: &Garment, fabric: &Fabric, script: &WearScript, options: &BakeOptions) -> Self {
         let actions: Vec<&Action> = script.flatten().collect();
         let scene = PlannedScene { garment, fabric, actions: &actions, options };
-        let mut choices = Vec::new();
-        let stretch = scene.stretch(&mut choices);
-        scene.bending(&mut choices);
-        choices.push(scene.memory(options.memory));
-        let (layers_meet, contact_distance) = scene.self_contact(&mut choices);
-        choices.push(scene.friction(layers_meet));
-        choices.push(Choice { name: "body", on: false, why: "no body was given".into() });
-        choices.push(scene.hysteresis());
-        choices.extend(steps(options));
+        let mut decisions = Vec::new();
+        let stretch = scene.stretch(&mut decisions);
+        scene.bending(&mut decisions);
+        decisions.push(scene.memory(options.memory));
+        let (layers_meet, contact_distance) = scene.self_contact(&mut decisions);
+        decisions.push(scene.friction(layers_meet));
+        decisions.push(ModelDecision { name: "body", on: false, why: "no body was given".into() });
+        decisions.push(scene.hysteresis());
+        decisions.extend(steps(options));
         let contact_stiffness = scene.contact_stiffness(stretch, contact_distance);
-        Self { stretch, contact_distance, contact_stiffness, layers_meet, choices }
+        Self { stretch, contact_distance, contact_stiffness, layers_meet, decisions }
     }
 
     /// The same of the mesh that is simulated, with the reasons for it.
-    pub fn with_grading(
+    pub fn for_simulated_mesh(
         garment: &Garment,
         fabric: &Fabric,
         script: &WearScript,
         options: &BakeOptions,
     ) -> Self {
-        let grading = Grading::of(garment, fabric, script, options);
+        let grading = SimulationMesh::choose(garment, fabric, script, options);
         let simulated = grading.mesh.as_ref().map_or(garment, |mesh| &mesh.garment);
         let mut plan = Self::new(simulated, fabric, script, options);
-        plan.choices.push(grading.choice);
+        plan.decisions.push(grading.choice);
         plan
     }
 }
@@ -97,17 +97,17 @@ struct PlannedScene<'a> {
 
 impl PlannedScene<'_> {
     /// Stretch stiffness along warp and weft, shear stiffness [N/m].
-    fn stretch(&self, choices: &mut Vec<Choice>) -> [f64; 3] {
+    fn stretch(&self, decisions: &mut Vec<ModelDecision>) -> [f64; 3] {
         let fabric = self.fabric;
         let (low, high) = bounds(&self.garment.points);
         let size = (high - low).max();
         let weight = fabric.area_density() * GRAVITY * size;
         let ridges =
             self.options.body.is_some() || self.actions.iter().any(|a| matches!(a, Action::Crumple(_)));
-        let sag = if ridges { self.options.sag.max(RIDGE_SAG) } else { self.options.sag };
+        let sag = if ridges { self.options.max_weight_strain.max(RIDGE_SAG) } else { self.options.max_weight_strain };
         let enough = weight / sag;
         let softest = fabric.stretch_warp().min(fabric.stretch_weft());
-        let scale = if self.options.everything { 1.0 } else { (enough / softest).min(1.0) };
+        let scale = if self.options.full_fidelity { 1.0 } else { (enough / softest).min(1.0) };
         let stretch = [fabric.stretch_warp() * scale, fabric.stretch_weft() * scale, fabric.shear()];
         let kept = if scale < 1.0 {
             format!("instead of {:.0}", fabric.stretch_warp())
@@ -121,15 +121,15 @@ impl PlannedScene<'_> {
             100.0 * weight / stretch[0].min(stretch[1]),
             if ridges { ", as ridges finer than the mesh ask for" } else { "" }
         );
-        choices.push(Choice { name: "stretch", on: true, why });
+        decisions.push(ModelDecision { name: "stretch", on: true, why });
         stretch
     }
 
-    fn bending(&self, choices: &mut Vec<Choice>) {
+    fn bending(&self, decisions: &mut Vec<ModelDecision>) {
         let (length, element) = (self.fabric.bending_length(), self.garment.mean_edge());
         let why =
             format!("bending length {:.1} mm against elements of {:.1} mm", 1e3 * length, 1e3 * element);
-        choices.push(Choice { name: "bending", on: true, why });
+        decisions.push(ModelDecision { name: "bending", on: true, why });
         let wanted = FREE_WRINKLES * length;
         let fine = element <= wanted;
         let why = format!(
@@ -138,7 +138,7 @@ impl PlannedScene<'_> {
             1e3 * wanted,
             if fine { "" } else { ": the narrower ones are left to creases of the script" }
         );
-        choices.push(Choice { name: "elements", on: fine, why });
+        decisions.push(ModelDecision { name: "elements", on: fine, why });
     }
 
     /// Sharpest fold that the script makes by itself [degrees], and whether it presses or crumples.
@@ -151,7 +151,7 @@ impl PlannedScene<'_> {
         })
     }
 
-    fn memory(&self, on: bool) -> Choice {
+    fn memory(&self, on: bool) -> ModelDecision {
         let (fold, pressed) = self.sharpest();
         let memory = &self.fabric.memory;
         let [gradual, critical] =
@@ -165,11 +165,11 @@ impl PlannedScene<'_> {
         } else {
             "switched off".into()
         };
-        Choice { name: "memory", on, why }
+        ModelDecision { name: "memory", on, why }
     }
 
     /// Whether layers can meet, and the distance within which they push apart [m].
-    fn self_contact(&self, choices: &mut Vec<Choice>) -> (bool, f64) {
+    fn self_contact(&self, decisions: &mut Vec<ModelDecision>) -> (bool, f64) {
         let element = self.garment.mean_edge();
         let distance = self.fabric.thickness().min(MOST_OF_EDGE * element);
         let quiet = |action: &&Action| {
@@ -180,7 +180,7 @@ impl PlannedScene<'_> {
         };
         let moving = self.actions.iter().filter(|action| !quiet(action)).count();
         let one_layer = is_one_flat_layer(self.garment);
-        let meet = self.garment.triangles.len() > 1 && (self.options.everything || moving > 0 || !one_layer);
+        let meet = self.garment.triangles.len() > 1 && (self.options.full_fidelity || moving > 0 || !one_layer);
         let why = if meet {
             let layers = if one_layer { "one flat layer" } else { "more than one layer" };
             format!(
@@ -191,11 +191,11 @@ impl PlannedScene<'_> {
         } else {
             format!("one flat layer, and none of {} actions folds it", self.actions.len())
         };
-        choices.push(Choice { name: "self-contact", on: meet, why });
+        decisions.push(ModelDecision { name: "self-contact", on: meet, why });
         (meet, distance)
     }
 
-    fn friction(&self, layers_meet: bool) -> Choice {
+    fn friction(&self, layers_meet: bool) -> ModelDecision {
         let fabric = self.fabric;
         let degrees = |coefficient: f64| coefficient.atan().to_degrees();
         let on = fabric.friction > 0.0 || fabric.friction_ground > 0.0;
@@ -207,13 +207,13 @@ impl PlannedScene<'_> {
             degrees(fabric.friction),
             degrees(fabric.friction_ground)
         );
-        Choice { name: "friction", on, why }
+        ModelDecision { name: "friction", on, why }
     }
 
     /// Friction between fibres in bending: never on.
-    fn hysteresis(&self) -> Choice {
+    fn hysteresis(&self) -> ModelDecision {
         let why = "alone it leaves 1 to 5 degrees of a fold of 180, critical memory 60 and more".into();
-        Choice { name: "hysteresis", on: false, why }
+        ModelDecision { name: "hysteresis", on: false, why }
     }
 
     /// Stiffness of contact per area [N/m³].
@@ -233,9 +233,9 @@ impl PlannedScene<'_> {
 }
 
 /// How time is stepped.
-fn steps(options: &BakeOptions) -> [Choice; 3] {
-    let step = options.step_made();
-    let method = Choice { name: "method", on: true, why: step.method.about().into() };
+fn steps(options: &BakeOptions) -> [ModelDecision; 3] {
+    let step = options.effective_step();
+    let method = ModelDecision { name: "method", on: true, why: step.method.about().into() };
     let by_error = step.shortest < step.longest;
     let why = if by_error {
         format!(
@@ -247,13 +247,13 @@ fn steps(options: &BakeOptions) -> [Choice; 3] {
     } else {
         format!("{:.1} ms, all of them", 1e3 * step.shortest)
     };
-    let adaptive = Choice { name: "steps by error", on: by_error, why };
-    let sleeping = Choice {
+    let adaptive = ModelDecision { name: "steps by error", on: by_error, why };
+    let sleeping = ModelDecision {
         name: "sleeping",
-        on: !options.everything,
+        on: !options.full_fidelity,
         why: format!(
             "after a step's first solve only places with more than {:.1} micrometres of lift to gain are solved for",
-            1e6 * options.slack_made()
+            1e6 * options.effective_energy_tol()
         ),
     };
     [method, adaptive, sleeping]
@@ -270,7 +270,7 @@ fn is_one_flat_layer(garment: &Garment) -> bool {
         && garment.triangle_part.iter().all(|part| Some(part) == garment.triangle_part.first())
 }
 
-impl Plan {
+impl ModelPlan {
     /// The same on a body, with the points that are `asleep` (empty for none): what pulls at the cloth then is the body
     /// and not its own weight, so it keeps the stiffness it has.
     pub(super) fn wear_on(&mut self, fabric: &Fabric, wearer: &Wearer, asleep: &[bool]) {
@@ -279,10 +279,10 @@ impl Plan {
         self.contact_stiffness *= stiffer.max(1.0);
         self.stretch = full;
         let mut say = |name, why: String, on| {
-            if let Some(choice) = self.choices.iter_mut().find(|choice| choice.name == name) {
-                *choice = Choice { name, on, why };
+            if let Some(choice) = self.decisions.iter_mut().find(|choice| choice.name == name) {
+                *choice = ModelDecision { name, on, why };
             } else {
-                self.choices.push(Choice { name, on, why });
+                self.decisions.push(ModelDecision { name, on, why });
             }
         };
         let stretch = full[0].min(full[1]);
@@ -332,11 +332,11 @@ mod tests {
         }
     }
 
-    fn plan(garment: &Garment, script: &str, everything: bool) -> Plan {
+    fn plan(garment: &Garment, script: &str, everything: bool) -> ModelPlan {
         let fabric = Fabric::preset(DEFAULT_FABRIC).expect("exists");
         let text = format!(r#"{{"format": "crease-wear/1", "name": "", "actions": [{script}]}}"#);
         let script = WearScript::parse("wear.json", &text).expect("is a script");
-        Plan::new(garment, &fabric, &script, &BakeOptions { everything, ..BakeOptions::default() })
+        ModelPlan::new(garment, &fabric, &script, &BakeOptions { full_fidelity: everything, ..BakeOptions::default() })
     }
 
     const FOLD: &str = r#"{"fold": {"line": [[0.5, 0.0], [0.5, 1.0]], "side": "left", "angle": 180, "over": 2.0, "hold": 5.0}}"#;
@@ -357,15 +357,15 @@ mod tests {
         let weight = fabric.area_density() * GRAVITY * 0.1;
         let softest = soft[0].min(soft[1]);
         assert!(softest < fabric.stretch_warp());
-        assert!(weight / softest <= Quality::Standard.sag() * (1.0 + 1e-12));
+        assert!(weight / softest <= Quality::Standard.max_weight_strain() * (1.0 + 1e-12));
         assert_eq!(plan(&squares(1), FOLD, true).stretch[0], fabric.stretch_warp());
     }
 
     #[test]
     fn every_choice_has_a_reason_and_most_a_number() {
         let plan = plan(&squares(1), FOLD, false);
-        assert!(plan.choices.iter().all(|c| !c.why.is_empty()));
-        let numbers = plan.choices.iter().filter(|c| c.why.contains(|d: char| d.is_ascii_digit())).count();
-        assert!(numbers + 2 >= plan.choices.len(), "{:?}", plan.choices);
+        assert!(plan.decisions.iter().all(|c| !c.why.is_empty()));
+        let numbers = plan.decisions.iter().filter(|c| c.why.contains(|d: char| d.is_ascii_digit())).count();
+        assert!(numbers + 2 >= plan.decisions.len(), "{:?}", plan.decisions);
     }
 }

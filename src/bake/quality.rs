@@ -17,7 +17,7 @@ pub enum Quality {
 
 impl Quality {
     /// Every quality, from fast to accurate.
-    pub const EVERY: [Self; 3] = [Self::Draft, Self::Standard, Self::Reference];
+    pub const ALL: [Self; 3] = [Self::Draft, Self::Standard, Self::Reference];
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
@@ -29,12 +29,12 @@ impl Quality {
     }
 
     /// The quality of that name.
-    pub fn named(name: &str) -> Option<Self> {
-        Self::EVERY.into_iter().find(|quality| quality.name() == name)
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|quality| quality.name() == name)
     }
 
     /// What it is, in one line.
-    pub fn about(self) -> &'static str {
+    pub fn description(self) -> &'static str {
         match self {
             Self::Draft => "to see whether the script does what was meant",
             Self::Standard => "the knee between speed and accuracy",
@@ -70,11 +70,11 @@ impl Quality {
     /// The same for cloth of so much `weight` [N], each step solved as far as this quality solves it.
     pub fn step_for(self, weight: f64) -> StepOptions {
         let step = self.step();
-        StepOptions { newton: NewtonOptions { energy: self.slack() * weight, ..step.newton }, ..step }
+        StepOptions { newton: NewtonOptions { energy: self.energy_tol() * weight, ..step.newton }, ..step }
     }
 
     /// A step is converged, too, when what energy is left to gain would not lift the garment by this [m].
-    pub fn slack(self) -> f64 {
+    pub fn energy_tol(self) -> f64 {
         match self {
             Self::Draft | Self::Standard => 1e-5,
             Self::Reference => 3e-6,
@@ -83,7 +83,7 @@ impl Quality {
 
     /// Strain under the garment's own weight that a lower stretch stiffness than the fabric's may cost [-]. Softer
     /// membranes take up as stretch what stiffer ones throw into wrinkles (docs/validation/accuracy.md has what that changes).
-    pub fn sag(self) -> f64 {
+    pub fn max_weight_strain(self) -> f64 {
         match self {
             Self::Draft => 5e-3,
             Self::Standard => 1e-3,
@@ -93,7 +93,7 @@ impl Quality {
 
     /// Share of the time from event to event that the step after one may take [-]: a quarter still misses an eighth of
     /// what cloth that is pressed for half a minute remembers, a tenth nothing that can be told (docs/validation/accuracy.md).
-    pub fn event_share(self) -> f64 {
+    pub fn event_dt_fraction(self) -> f64 {
         match self {
             Self::Draft => 0.25,
             Self::Standard => 0.1,
@@ -109,8 +109,8 @@ const LEAST_SLACK: f64 = 0.01;
 
 impl BakeOptions {
     /// How steps are made in the end.
-    pub(super) fn step_made(&self) -> StepOptions {
-        if self.everything {
+    pub(super) fn effective_step(&self) -> StepOptions {
+        if self.full_fidelity {
             let newton = NewtonOptions { share: 0.0, ..self.step.newton };
             StepOptions {
                 newton,
@@ -125,18 +125,18 @@ impl BakeOptions {
     }
 
     /// The slack of a step in the end [m].
-    pub(super) fn slack_made(&self) -> f64 {
-        if self.everything { LEAST_SLACK * self.slack } else { self.slack }
+    pub(super) fn effective_energy_tol(&self) -> f64 {
+        if self.full_fidelity { LEAST_SLACK * self.energy_tol_m } else { self.energy_tol_m }
     }
 
     /// The options of a quality.
-    pub fn of(quality: Quality) -> Self {
+    pub fn for_quality(quality: Quality) -> Self {
         Self {
             step: quality.step(),
-            slack: quality.slack(),
-            sag: quality.sag(),
-            event_share: quality.event_share(),
-            grade: quality != Quality::Reference,
+            energy_tol_m: quality.energy_tol(),
+            max_weight_strain: quality.max_weight_strain(),
+            event_dt_fraction: quality.event_dt_fraction(),
+            adaptive_mesh: quality != Quality::Reference,
             ..Self::default()
         }
     }

@@ -5,10 +5,10 @@
 //! that carries the rest angles best, free of pose and contact, for programs that take rest angles from a shape.
 
 use crate::bake::relax_to_source::{Homeward, bring_home};
-use crate::bake::{BakeOptions, BakeReport, Plan, Quality};
+use crate::bake::{BakeOptions, BakeReport, ModelPlan, Quality};
 use crate::contact::{Contact, ContactSettings};
 use crate::fabric::Fabric;
-use crate::garment::{Garment, RestShape};
+use crate::garment::{Garment, RestState};
 use crate::math::Vec3;
 use crate::sim::GRAVITY;
 use crate::sim::{Cloth, Stepper};
@@ -16,7 +16,7 @@ use crate::wear::{WearFormat, WearScript};
 
 /// A garment at rest with its memory.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Settled {
+pub struct RelaxResult {
     /// One per point: displacement from the source pose [m].
     pub displacement: Vec<Vec3>,
     /// Linear solves it took.
@@ -24,7 +24,7 @@ pub struct Settled {
     /// What went less well.
     pub warnings: Vec<String>,
     /// Why it is not at rest, if it is not.
-    pub not_at_rest: Option<String>,
+    pub unconverged_reason: Option<String>,
 }
 
 /// Tether of a rest mesh, as a share of that of a garment at home: only where it stays in space is held.
@@ -34,7 +34,7 @@ const LOOSE: f64 = 1e-4;
 const SOFT: f64 = 0.1;
 
 /// Settles `garment` of `fabric` in its own pose with `memory` (one entry per hinge and triangle of it).
-pub fn settle(garment: &Garment, fabric: &Fabric, memory: &RestShape) -> Settled {
+pub fn settle(garment: &Garment, fabric: &Fabric, memory: &RestState) -> RelaxResult {
     let (cloth, plan) = cloth_and_plan(garment, fabric, Quality::Standard);
     let settings = ContactSettings {
         distance: plan.contact_distance,
@@ -53,7 +53,7 @@ pub fn settle(garment: &Garment, fabric: &Fabric, memory: &RestShape) -> Settled
 
 /// The mesh of `garment`'s topology that best carries the rest angles of `memory`: displacements from the source pose.
 /// Layers may cross in it, as it is a shape to measure angles on and not to be seen.
-pub fn rest_mesh(garment: &Garment, fabric: &Fabric, memory: &RestShape) -> Settled {
+pub fn rest_mesh(garment: &Garment, fabric: &Fabric, memory: &RestState) -> RelaxResult {
     let (mut cloth, plan) = cloth_and_plan(garment, fabric, Quality::Draft);
     cloth.membrane.set_stiffness(plan.stretch.map(|k| k * SOFT));
     let contact = Contact::none(garment.points.len());
@@ -62,9 +62,9 @@ pub fn rest_mesh(garment: &Garment, fabric: &Fabric, memory: &RestShape) -> Sett
 }
 
 /// The elastic model and the plan, as stiff in stretch as a bake of that quality.
-fn cloth_and_plan(garment: &Garment, fabric: &Fabric, quality: Quality) -> (Cloth, Plan) {
+fn cloth_and_plan(garment: &Garment, fabric: &Fabric, quality: Quality) -> (Cloth, ModelPlan) {
     let nothing = WearScript { format: WearFormat::V1, name: String::new(), actions: Vec::new() };
-    let plan = Plan::new(garment, fabric, &nothing, &BakeOptions::of(quality));
+    let plan = ModelPlan::new(garment, fabric, &nothing, &BakeOptions::for_quality(quality));
     let mut cloth = Cloth::new(garment, fabric);
     cloth.membrane.set_stiffness(plan.stretch);
     (cloth, plan)
@@ -73,15 +73,15 @@ fn cloth_and_plan(garment: &Garment, fabric: &Fabric, quality: Quality) -> (Clot
 fn rest(
     garment: &Garment,
     fabric: &Fabric,
-    memory: &RestShape,
+    memory: &RestState,
     cloth: Cloth,
     contact: Contact,
     how: &Homeward,
-) -> Settled {
+) -> RelaxResult {
     let options = Quality::Standard.step_for(cloth.mass.iter().sum::<f64>() * GRAVITY);
     let mut report = BakeReport::default();
     let mut stepper = Stepper::new(cloth, contact, options);
     let displacement = bring_home(garment, fabric, &mut stepper, memory, how, &mut report);
-    let BakeReport { solves, warnings, not_at_rest, .. } = report;
-    Settled { displacement, solves, warnings, not_at_rest }
+    let BakeReport { solves, warnings, unconverged_reason, .. } = report;
+    RelaxResult { displacement, solves, warnings, unconverged_reason }
 }

@@ -14,7 +14,7 @@
 use crate::bake::BakeReport;
 use crate::energy::{Energy, Guide, Guides};
 use crate::fabric::Fabric;
-use crate::garment::{Garment, RestShape};
+use crate::garment::{Garment, RestState};
 use crate::math::Vec3;
 use crate::sim::GRAVITY;
 use crate::sim::{NewtonOptions, Stepper};
@@ -49,7 +49,7 @@ pub(super) fn bring_home(
     garment: &Garment,
     fabric: &Fabric,
     stepper: &mut Stepper,
-    memory: &RestShape,
+    memory: &RestState,
     how: &Homeward,
     report: &mut BakeReport,
 ) -> Vec<Vec3> {
@@ -96,7 +96,7 @@ pub(super) fn bring_home(
                 newton.most_iterations, solved.last_move
             );
             report.warnings.push(what.clone());
-            report.not_at_rest = Some(what);
+            report.unconverged_reason = Some(what);
         }
         angle = stepper.cloth.bending.angles(&x, &angle);
     }
@@ -104,9 +104,9 @@ pub(super) fn bring_home(
 }
 
 /// The memory with only `part` of what changed.
-fn share_of(memory: &RestShape, part: f64) -> RestShape {
+fn share_of(memory: &RestState, part: f64) -> RestState {
     let towards = |from: f64, to: f64| from + part * (to - from);
-    RestShape {
+    RestState {
         source_angle: memory.source_angle.clone(),
         rest_angle: memory
             .source_angle

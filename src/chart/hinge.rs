@@ -8,7 +8,8 @@
 use crate::chart::draw::BLACK;
 use crate::chart::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
 use crate::error::Result;
-use crate::fabric::{Element, EventCount, FabricMemory, Law, Trace};
+use crate::fabric::FabricMemory;
+use crate::memory::{ElementParams, EventCount, HysteresisState, MemoryLaw};
 
 /// Fold angle [rad] and the time it takes [s].
 const FOLD: (f64, f64) = (3.01, 9.0);
@@ -41,13 +42,13 @@ pub struct Fold {
 }
 
 /// The law of this protocol; `None` remembers nothing.
-fn law(tau_gradual: Option<f64>) -> Option<Law> {
+fn law(tau_gradual: Option<f64>) -> Option<MemoryLaw> {
     let memory = FabricMemory {
         gradual_duration_s: tau_gradual?,
         critical_duration_s: CRITICAL_DURATION,
         ..FabricMemory::default()
     };
-    Some(memory.angle_law())
+    Some(MemoryLaw::for_angles(&memory))
 }
 
 /// Folds the hinge in steps of `step` [s].
@@ -57,23 +58,23 @@ pub fn fold(tau_gradual: Option<f64>, step: f64) -> Fold {
         FOLD.0 * u * u * (3.0 - 2.0 * u)
     };
     let law = law(tau_gradual);
-    let (mut trace, mut fold) = (Trace::new(0.0), Fold::default());
+    let (mut state, mut fold) = (HysteresisState::new(0.0), Fold::default());
     fold.path.push([0.0; 3]);
     let steps = (FOLD.1 / step).round() as usize;
     for k in 0..steps {
         let [from, to] = [k, k + 1].map(|k| FOLD.1 * k as f64 / steps as f64);
         let count = law.map_or(EventCount::default(), |law| {
-            law.advance(&mut trace, angle(from), angle(to), to - from, &Element::PLAIN)
+            law.advance(&mut state, angle(from), angle(to), to - from, &ElementParams::PLAIN)
         });
         for (times, count) in fold.events.iter_mut().zip([count.gradual, count.critical]) {
             times.extend((0..count).map(|_| to));
         }
-        let torque = trace.stiffness * (angle(to) - trace.rest);
+        let torque = state.stiffness * (angle(to) - state.rest);
         fold.max_torque = fold.max_torque.max(torque);
-        fold.path.push([to, trace.rest, torque]);
+        fold.path.push([to, state.rest, torque]);
     }
-    fold.rest_angle = trace.rest;
-    fold.path.extend([FOLD.1, FOLD.1 + AFTER].map(|t| [t, trace.rest, 0.0]));
+    fold.rest_angle = state.rest;
+    fold.path.extend([FOLD.1, FOLD.1 + AFTER].map(|t| [t, state.rest, 0.0]));
     fold
 }
 

@@ -12,9 +12,9 @@ use crate::chart::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table
 use crate::energy::Bending;
 use crate::error::Result;
 use crate::fabric::Fabric;
-use crate::garment::{Garment, RestShape};
+use crate::garment::{Garment, RestState};
 use crate::math::Vec3;
-use crate::memory::{Memory, Observed, Remembering};
+use crate::memory::{Memory, Strains, MemoryModel};
 
 /// Length between the jaws, and width [m].
 const SPAN: (f64, f64) = (0.01, 0.02);
@@ -107,10 +107,10 @@ fn curvature(time: f64) -> f64 {
 /// Bends a strip of `fabric`, `steps_per_second` steps a second, for `cycles` cycles.
 pub fn bend(fabric: &Fabric, cycles: usize, steps_per_second: usize) -> Vec<Sample> {
     let strip = Strip::of(fabric);
-    let law = Remembering::new(&strip.garment, fabric, strip.bending.width());
+    let law = MemoryModel::new(&strip.garment, fabric, strip.bending.width());
     let flat = strip.bending.angles(&strip.garment.points, &[]);
     let unstretched = vec![[1.0, 1.0, 0.0]; strip.garment.triangles.len()];
-    let mut memory = Memory::new(RestShape::new(flat.clone(), strip.garment.triangles.len()));
+    let mut memory = Memory::new(RestState::new(flat.clone(), strip.garment.triangles.len()));
     let mut angle = flat;
     let step = SPAN.0 / ELEMENTS as f64;
     let period = 4.0 * BENDING.0 / BENDING.1;
@@ -122,11 +122,11 @@ pub fn bend(fabric: &Fabric, cycles: usize, steps_per_second: usize) -> Vec<Samp
         let next = strip.bending.angles(&x, &angle);
         if k > 0 {
             let [before, after] =
-                [&angle, &next].map(|angle| Observed { angle, stretch: &unstretched });
+                [&angle, &next].map(|angle| Strains { angle, stretch: &unstretched });
             memory.commit(&law, &before, &after, 1.0 / steps_per_second as f64);
         }
         angle = next;
-        let torques = strip.bending.term(&memory.shape, &angle, f64::INFINITY).torques(&x);
+        let torques = strip.bending.term(&memory.rest, &angle, f64::INFINITY).torques(&x);
         // A line's torque is that of its hinges together; per width it is the moment.
         let lines: Vec<f64> = torques.iter().zip(&strip.garment.topology.hinges).map(|(t, h)| {
             let [a, b] = [h.points[0], h.points[1]].map(|p| strip.garment.points[p.at()]);
@@ -136,8 +136,8 @@ pub fn bend(fabric: &Fabric, cycles: usize, steps_per_second: usize) -> Vec<Samp
             time,
             curvature: curvature(time),
             moment: strip.mean_over_lines(&lines),
-            rest_curvature: strip.mean_over_lines(&memory.shape.rest_angle) / step,
-            stiffness_ratio: strip.mean_over_lines(&memory.shape.stiffness_ratio),
+            rest_curvature: strip.mean_over_lines(&memory.rest.rest_angle) / step,
+            stiffness_ratio: strip.mean_over_lines(&memory.rest.stiffness_ratio),
         });
     }
     samples

@@ -14,7 +14,7 @@ use crate::error::Result;
 /// The kinds of bakes that are compared.
 fn kinds() -> [(&'static str, BakeOptions); 2] {
     let plan = BakeOptions::default();
-    [("plan", plan.clone()), ("everything", BakeOptions { everything: true, ..plan })]
+    [("plan", plan.clone()), ("everything", BakeOptions { full_fidelity: true, ..plan })]
 }
 
 /// Several bakes of one kind.

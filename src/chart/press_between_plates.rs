@@ -9,9 +9,9 @@
 use crate::chart::test_sheet::Sheet;
 use crate::energy::Bending;
 use crate::fabric::Fabric;
-use crate::garment::{Garment, RestShape};
+use crate::garment::{Garment, RestState};
 use crate::math::Vec3;
-use crate::memory::{Memory, Observed, Remembering};
+use crate::memory::{Memory, Strains, MemoryModel};
 use std::f64::consts::PI;
 
 /// J of the elastica between plates: the integral of sqrt(sin theta) from 0 to pi.
@@ -95,15 +95,15 @@ impl Press {
         let sheet = self.sheet();
         let garment = sheet.flat_garment();
         let bending = Bending::new(&garment, fabric);
-        let law = Remembering::new(&garment, fabric, bending.width());
+        let law = MemoryModel::new(&garment, fabric, bending.width());
         let flat = bending.angles(&garment.points, &[]);
         let folded = bending.angles(&self.folded(&sheet), &flat);
-        let mut memory = Memory::new(RestShape::new(flat.clone(), garment.triangles.len()));
+        let mut memory = Memory::new(RestState::new(flat.clone(), garment.triangles.len()));
         let unstretched = vec![[1.0, 1.0, 0.0]; garment.triangles.len()];
         let mut pass = |from: &[f64], to: &[f64], duration| {
-            let seen = |angle| Observed { angle, stretch: &unstretched };
+            let seen = |angle| Strains { angle, stretch: &unstretched };
             memory.commit(&law, &seen(from), &seen(to), duration);
-            memory.shape.rest_angle.clone()
+            memory.rest.rest_angle.clone()
         };
         pass(&flat, &folded, CLOSING);
         let rest = pass(&folded, &folded, hold);
@@ -131,7 +131,7 @@ fn fold_curve(gap: f64) -> Vec<[f64; 3]> {
 /// The strip after it was let go, at rest without weight.
 pub struct LetGo {
     garment: Garment,
-    law: Remembering,
+    law: MemoryModel,
     /// What it remembers.
     pub memory: Memory,
     angle: Vec<f64>,
@@ -150,9 +150,9 @@ impl LetGo {
             let step = longest.min(since - self.since);
             // It is at rest all the time: its angles follow its rest angles.
             let angle = std::mem::take(&mut self.angle);
-            let seen = || Observed { angle: &angle, stretch: &self.unstretched };
+            let seen = || Strains { angle: &angle, stretch: &self.unstretched };
             self.memory.commit(&self.law, &seen(), &seen(), step);
-            self.angle = self.memory.shape.rest_angle.clone();
+            self.angle = self.memory.rest.rest_angle.clone();
             self.since += step;
         }
     }
@@ -162,7 +162,7 @@ impl LetGo {
         let hinges = &self.garment.topology.hinges;
         let sum: f64 = hinges
             .iter()
-            .zip(&self.memory.shape.rest_angle)
+            .zip(&self.memory.rest.rest_angle)
             .map(|(hinge, rest)| {
                 let [a, b] = [hinge.points[0], hinge.points[1]].map(|p| self.garment.points[p.at()]);
                 rest * (a.z - b.z).abs()

@@ -7,7 +7,7 @@
 use crate::chart::test_sheet::Sheet;
 use crate::contact::Contact;
 use crate::energy::{Bending, Energy, Gravity, Membrane};
-use crate::garment::RestShape;
+use crate::garment::RestState;
 use crate::math::{Vec2, Vec3};
 use crate::sim::GRAVITY;
 use crate::sim::{NewtonOptions, NewtonReport, Problem, Workspace};
@@ -21,7 +21,7 @@ const MOST_ITERATIONS: usize = 200;
 pub(super) struct Still {
     membrane: Membrane,
     bending: Bending,
-    memory: RestShape,
+    memory: RestState,
     mass: Vec<f64>,
     held: Vec<bool>,
 }
@@ -43,7 +43,7 @@ impl Still {
         for (t, area) in sheet.triangles.iter().zip(membrane.area()) {
             t.iter().for_each(|&p| mass[p as usize] += density * area / 3.0);
         }
-        let mut memory = RestShape::flat(garment.topology.hinges.len(), sheet.triangles.len());
+        let mut memory = RestState::flat(garment.topology.hinges.len(), sheet.triangles.len());
         memory.stiffness_ratio = sheet.half_clamp(&clamped);
         Self { membrane, bending, memory, mass, held: sheet.flat.iter().map(clamped).collect() }
     }

@@ -16,9 +16,9 @@ use crate::bake::Quality;
 use crate::contact::{Contact, ContactSettings};
 use crate::error::Result;
 use crate::fabric::{DEFAULT_FABRIC, Fabric};
-use crate::garment::{Garment, RestShape};
+use crate::garment::{Garment, RestState};
 use crate::math::Vec3;
-use crate::memory::{Memory, Observed, Remembering};
+use crate::memory::{Memory, Strains, MemoryModel};
 use crate::sim::{Cloth, Leeway, SolveCost, State, StepOptions, Stepper};
 use crate::sim::{Drive, GRAVITY};
 use std::time::Instant;
@@ -136,8 +136,8 @@ pub fn fall(points: usize, fabric: &Fabric, remember: bool, run: usize, pace: Pa
     let mut stepper = stepper(&garment, fabric, pace);
     let flat = vec![0.0; garment.topology.hinges.len()];
     let angle = stepper.cloth.bending.angles(&garment.points, &flat);
-    let law = remember.then(|| Remembering::new(&garment, fabric, stepper.cloth.bending.width()));
-    let mut memory = Memory::new(RestShape::new(flat, garment.triangles.len()));
+    let law = remember.then(|| MemoryModel::new(&garment, fabric, stepper.cloth.bending.width()));
+    let mut memory = Memory::new(RestState::new(flat, garment.triangles.len()));
     let mut state = State::at_rest(garment.points.clone(), angle);
     let mut fall = Fall {
         stabilised: None,
@@ -157,7 +157,7 @@ pub fn fall(points: usize, fabric: &Fabric, remember: bool, run: usize, pace: Pa
     let mut wished = STEP;
     while state.time < LONGEST && fall.stabilised.is_none() {
         let (angle, velocity) = (state.angle.clone(), state.v.clone());
-        let step = stepper.advance(&mut state, &memory.felt, &mut |_, _| drive.clone(), wished);
+        let step = stepper.advance(&mut state, &memory.effective_rest, &mut |_, _| drive.clone(), wished);
         wished = step.next;
         fall.steps += 1;
         fall.iterations += step.newton.iterations as u64;
@@ -165,7 +165,7 @@ pub fn fall(points: usize, fabric: &Fabric, remember: bool, run: usize, pace: Pa
         fall.cost += step.newton.cost;
         fall.seconds.iter_mut().zip(step.newton.seconds).for_each(|(sum, s)| *sum += s);
         if let Some(law) = &law {
-            let seen = |angle| Observed { angle, stretch: &[] };
+            let seen = |angle| Strains { angle, stretch: &[] };
             memory.commit(law, &seen(&angle), &seen(&state.angle), step.step);
         }
         let out_of_balance = state

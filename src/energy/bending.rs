@@ -17,7 +17,7 @@
 
 use crate::energy::{BlockSink, Energy, add_symmetric, sum_of};
 use crate::fabric::Fabric;
-use crate::garment::{Garment, RestShape};
+use crate::garment::{Garment, RestState};
 use crate::math::{Vec2, Vec3};
 use crate::mesh::{Topology, hinge_angle, hinge_gradient, unwrap_angle};
 use nalgebra::{Matrix3, Vector3};
@@ -188,7 +188,7 @@ impl Bending {
 
     /// The term of one step: rest angles and stiffness from `memory`, damping over `step` [s] towards `last`, the
     /// unwrapped angles of the last accepted state. An infinite step leaves damping out.
-    pub fn term<'a>(&'a self, memory: &RestShape, last: &'a [f64], step: f64) -> BendingTerm<'a> {
+    pub fn term<'a>(&'a self, memory: &RestState, last: &'a [f64], step: f64) -> BendingTerm<'a> {
         let share = if self.damping > 0.0 { self.damping / step } else { 0.0 };
         let target =
             memory.rest_angle.iter().zip(last).map(|(r, l)| (r + share * l) / (1.0 + share)).collect();
@@ -359,7 +359,7 @@ mod tests {
         assert!((turned(&bending, 120.0, -120.0) + 120.0).abs() < 1e-9);
         assert!((turned(&bending, 179.9, -179.9) - 180.1).abs() < 1e-9, "wings that lie in each other");
         // What Newton sees is what is told.
-        let (last, memory) = (bending.angles(&at(120.0), &[]), RestShape::flat(1, 2));
+        let (last, memory) = (bending.angles(&at(120.0), &[]), RestState::flat(1, 2));
         let [there, back] =
             [-120.0, 120.0].map(|to| bending.term(&memory, &last, f64::INFINITY).value(&at(to)));
         assert!((there - back).abs() < 1e-12 * back, "{there} {back}");
@@ -369,7 +369,7 @@ mod tests {
     fn passes_the_shelf() {
         let (topology, material, flat) = fan();
         let bending = Bending::from_parts(&topology, &material, [1e-5, 6e-6], 0.01);
-        let mut memory = RestShape::flat(bending.hinge_count(), material.len());
+        let mut memory = RestState::flat(bending.hinge_count(), material.len());
         memory.rest_angle[1] = 0.4;
         memory.stiffness_ratio[2] = 3.0;
         let x: Vec<Vec3> = flat
@@ -389,7 +389,7 @@ mod tests {
     fn at_rest_the_gauss_newton_hessian_is_the_true_one() {
         let (topology, material, flat) = fan();
         let bending = Bending::from_parts(&topology, &material, [1e-5, 1e-5], 0.0);
-        let memory = RestShape::flat(bending.hinge_count(), material.len());
+        let memory = RestState::flat(bending.hinge_count(), material.len());
         let x: Vec<Vec3> = flat.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
         let last = bending.angles(&x, &[]);
         let term = bending.term(&memory, &last, f64::INFINITY);

@@ -14,7 +14,7 @@
 
 use crate::energy::{BlockSink, Energy, add_symmetric, sum_of};
 use crate::fabric::Fabric;
-use crate::garment::{Garment, RestShape};
+use crate::garment::{Garment, RestState};
 use crate::math::{Mat3, Vec2, Vec3};
 use std::borrow::Cow;
 
@@ -119,7 +119,7 @@ impl Membrane {
 
     /// The term of one step: rest stretches from `memory`, damping over `step` [s] towards `last` (the measure at
     /// the last accepted state). An infinite step leaves damping out.
-    pub fn term(&self, memory: &RestShape, last: &[[f64; 3]], step: f64) -> MembraneTerm<'_> {
+    pub fn term(&self, memory: &RestState, last: &[[f64; 3]], step: f64) -> MembraneTerm<'_> {
         let share = if self.damping > 0.0 { self.damping / step } else { 0.0 };
         let rest = memory.rest_stretch_warp.iter().zip(&memory.rest_stretch_weft);
         let target = rest
@@ -241,12 +241,12 @@ mod tests {
     };
     use super::*;
 
-    fn pair() -> (Membrane, RestShape) {
+    fn pair() -> (Membrane, RestState) {
         let flat = [Vec2::new(0.0, 0.0), Vec2::new(0.1, 0.0), Vec2::new(0.03, 0.08), Vec2::new(0.06, -0.05)];
         let corners = [[0u32, 1, 2], [1, 0, 3]];
         let material: Vec<[Vec2; 3]> = corners.iter().map(|t| t.map(|i| flat[i as usize])).collect();
         let membrane = Membrane::from_parts(&corners, &material, [1000.0, 800.0, 40.0], 0.02);
-        let mut memory = RestShape::flat(0, 2);
+        let mut memory = RestState::flat(0, 2);
         memory.rest_stretch_warp[0] = 1.03;
         (membrane, memory)
     }
@@ -275,14 +275,14 @@ mod tests {
     fn a_turn_costs_nothing_by_the_secant() {
         let (membrane, _) = pair();
         let flat = [(0.0, 0.0), (0.1, 0.0), (0.03, 0.08), (0.06, -0.05)].map(|(u, v)| Vec3::new(u, v, 0.0));
-        check_secant_of_a_turn(&membrane.term(&RestShape::flat(0, 2), &[], 0.01), &flat);
+        check_secant_of_a_turn(&membrane.term(&RestState::flat(0, 2), &[], 0.01), &flat);
     }
 
     #[test]
     fn warp_is_u_and_weft_is_v() {
         // Swapping the axes still drapes and merely turns the cloth by 90 degrees, so it is nailed down here.
         let (membrane, _) = pair();
-        let memory = RestShape::flat(0, 2);
+        let memory = RestState::flat(0, 2);
         let stretch = |sx: f64, sy: f64| {
             let x: Vec<Vec3> = [(0.0, 0.0), (0.1, 0.0), (0.03, 0.08), (0.06, -0.05)]
                 .map(|(u, v)| Vec3::new(u * sx, v * sy, 0.0))

@@ -4,7 +4,6 @@
 //! `docs/theory/method.md`: stretch and shear per width [N/m] and bending per width [N·m], the B of a plate. The memory
 //! numbers follow KOW's ten parameters, with thresholds in percent of a right angle. Does not do: the memory law itself.
 
-use crate::fabric::{Band, Law};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
@@ -261,48 +260,5 @@ impl FabricMemory {
     /// Hinge width L from which on angles count as they are [m].
     pub fn reference_length(&self) -> f64 {
         self.reference_length_mm * 1e-3
-    }
-
-    /// The law of angles.
-    pub fn angle_law(&self) -> Law {
-        Law {
-            gradual: Band {
-                threshold: self.gradual_threshold(),
-                duration: self.gradual_duration_s,
-                stiffness_rate: self.gradual_stiffness_ratio,
-                rest_rate: self.gradual_angle_ratio,
-            },
-            critical: Band {
-                threshold: self.critical_threshold(),
-                duration: self.critical_duration_s,
-                stiffness_rate: self.critical_stiffness_ratio,
-                rest_rate: self.critical_angle_ratio,
-            },
-            ceiling: self.stiffness_ceiling,
-            rest_ceiling: f64::INFINITY,
-            reopening: self.reopening_percent_per_decade * 0.01,
-        }
-    }
-
-    /// The law of lengths, if lengths are remembered. Stretching does not stiffen the membrane, and what has bagged
-    /// out does not come back: only the rest length moves, and only outwards.
-    pub fn length_law(&self) -> Option<Law> {
-        let band =
-            |threshold, duration, rest_rate| Band { threshold, duration, stiffness_rate: 0.0, rest_rate };
-        (self.gradual_length_ratio > 0.0 || self.critical_length_ratio > 0.0).then(|| Law {
-            gradual: band(
-                self.gradual_stretch_threshold(),
-                self.gradual_duration_s,
-                self.gradual_length_ratio,
-            ),
-            critical: band(
-                self.critical_stretch_threshold(),
-                self.critical_duration_s,
-                self.critical_length_ratio,
-            ),
-            ceiling: 1.0,
-            rest_ceiling: self.rest_stretch_ceiling_percent * 0.01,
-            reopening: 0.0,
-        })
     }
 }

@@ -1,12 +1,9 @@
 //! What cloth is made of. [`Fabric`] is a plain bag of numbers with units and provenance; [`Fabric::preset`] knows
 //! the fabrics that come along (one file each under `presets/`), [`Fabric::parse`] reads one of the user's own.
-//! [`Law`] is the memory law as pure scalar functions.
 
 mod fabric_type;
-mod law;
 mod preset_list;
 mod read;
 
 pub use fabric_type::{Fabric, FabricFormat, FabricMemory, Provenance};
-pub use law::{Band, Element, EventCount, Law, Trace, Zone};
 pub use preset_list::DEFAULT_FABRIC;

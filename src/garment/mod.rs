@@ -8,7 +8,7 @@ mod inspect;
 mod material_coords;
 mod refine;
 mod repair;
-mod rest_shape;
+mod rest_state;
 mod wedges;
 mod worn;
 
@@ -17,6 +17,6 @@ pub use diagnostic::{Finding, Severity};
 pub use garment_type::Garment;
 pub use inspect::{Inspection, PartReport, PieceReport, inspect};
 pub use refine::Refined;
-pub use rest_shape::RestShape;
+pub use rest_state::RestState;
 pub use wedges::{corner_uvs, corner_vertices};
 pub use worn::WornGarment;

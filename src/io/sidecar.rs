@@ -9,7 +9,7 @@
 //! Checksums over the numbers tell an edited file from the one that was written; a file without them is taken as it is.
 //! It does not check that the hinges are those of the triangles (`transfer` does), nor that texture coordinates make sense.
 
-use crate::garment::{Garment, RestShape, WornGarment, corner_vertices};
+use crate::garment::{Garment, RestState, WornGarment, corner_vertices};
 use crate::math::{Mat3, Vec2, Vec3, bounds};
 use crate::mesh::PointIndex;
 use crate::{Error, Fault, Result};
@@ -259,7 +259,7 @@ impl Sidecar {
     pub fn worn(&self) -> WornGarment {
         WornGarment {
             displacement: self.points.displacement_m.iter().map(|&d| d.into()).collect(),
-            memory: RestShape {
+            memory: RestState {
                 source_angle: self.hinges.source_angle_rad.clone(),
                 rest_angle: self.hinges.rest_angle_rad.clone(),
                 stiffness_ratio: self.hinges.stiffness_ratio.clone(),
@@ -523,7 +523,7 @@ mod tests {
         };
         let worn = WornGarment {
             displacement: vec![Vec3::new(0.1, -2e-17, 3.0); 4],
-            memory: RestShape {
+            memory: RestState {
                 source_angle: vec![0.0],
                 rest_angle: vec![-0.7],
                 stiffness_ratio: vec![1.3],
@@ -678,7 +678,7 @@ mod tests {
         };
         let own = read("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
         let (garment, _) = Garment::from_asset(&own).unwrap();
-        let worn = WornGarment { displacement: vec![Vec3::zeros(); 3], memory: RestShape::flat(0, 1) };
+        let worn = WornGarment { displacement: vec![Vec3::zeros(); 3], memory: RestState::flat(0, 1) };
         let sidecar = Sidecar::new(&own, &garment, &worn, Value::Null, Value::Null, Value::Null).unwrap();
         assert_eq!(sidecar.misfit(&own), None);
         let moved = read("v 0 0 0\nv 1 0 0\nv 0 1.01 0\nf 1 2 3\n");

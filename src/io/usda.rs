@@ -24,7 +24,7 @@ pub struct UsdaMemory {
 }
 
 /// USDA text of `garment`: worn shape and rest shape (displacements [m], one per point), rest angles [rad], one per hinge.
-pub fn usda(garment: &Garment, worn: &[Vec3], rest_shape: &[Vec3], rest_angle: &[f64]) -> Vec<u8> {
+pub fn usda(garment: &Garment, worn: &[Vec3], rest_state: &[Vec3], rest_angle: &[f64]) -> Vec<u8> {
     let moved = |shift: &[Vec3]| list(garment.points.iter().zip(shift).map(|(x, d)| vector(&(x + d))));
     let corners = garment.triangles.iter().flatten().map(|p| p.0.to_string());
     let counts = garment.triangles.iter().map(|_| "3".to_owned());
@@ -46,7 +46,7 @@ pub fn usda(garment: &Garment, worn: &[Vec3], rest_shape: &[Vec3], rest_angle: &
         list(counts),
         list(corners),
         moved(worn),
-        moved(rest_shape),
+        moved(rest_state),
         list(pairs),
         list(angles),
     );

@@ -11,7 +11,7 @@
 //! functions, so the stored energy stays between its values at both ends: the guard of the law, which says that an
 //! event never raises it, holds on the whole way.
 
-use crate::garment::RestShape;
+use crate::garment::RestState;
 
 /// Time in which all but a third of a change has entered [s].
 const ENTRY: f64 = 0.2;
@@ -19,7 +19,7 @@ const ENTRY: f64 = 0.2;
 const ENTERED: f64 = 1e-9;
 
 /// Lets `felt` follow `remembered` for `duration` [s].
-pub(super) fn follow(felt: &mut RestShape, remembered: &RestShape, duration: f64) {
+pub(super) fn follow(felt: &mut RestState, remembered: &RestState, duration: f64) {
     let share = 1.0 - (-duration / ENTRY).exp();
     let plain = |felt: &mut [f64], remembered: &[f64]| {
         for (felt, &goal) in felt.iter_mut().zip(remembered).filter(|(felt, goal)| *felt != *goal) {

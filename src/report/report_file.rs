@@ -3,7 +3,7 @@
 //! Plain data: the bake fills it in, the tool writes it, others read it by these names (`docs/reference/formats/report.md`). Units
 //! stand in the names. It measures nothing itself; `crossings` are counted exactly by who fills them in.
 
-use crate::bake::{Baked, Choice};
+use crate::bake::{BakeResult, ModelDecision};
 use crate::garment::{Garment, WornGarment};
 use crate::math::Vec3;
 use crate::mesh::intersections::crossings;
@@ -79,8 +79,8 @@ pub struct ModelChoice {
     pub why: String,
 }
 
-impl From<&Choice> for ModelChoice {
-    fn from(choice: &Choice) -> Self {
+impl From<&ModelDecision> for ModelChoice {
+    fn from(choice: &ModelDecision) -> Self {
         Self { name: choice.name.to_owned(), on: choice.on, why: choice.why.clone() }
     }
 }
@@ -152,7 +152,7 @@ pub fn crossing_counts(garment: &Garment, worn: &WornGarment, start: &[[u32; 2]]
 
 impl Report {
     /// What `baked`, which was `garment`, has to tell. `method` and the times of reading and writing are the caller's.
-    pub fn of_bake(garment: &Garment, baked: &Baked, counts: CrossingCounts) -> Self {
+    pub fn of_bake(garment: &Garment, baked: &BakeResult, counts: CrossingCounts) -> Self {
         let (work, memory) = (&baked.report, &baked.worn.memory);
         let mut stages = StageTimes::default();
         work.stages.iter().for_each(|(stage, seconds)| stages.add(stage, *seconds));
@@ -168,7 +168,7 @@ impl Report {
             events: EventCounts { gradual: work.events.gradual, critical: work.events.critical },
             max_rest_angle_change_deg: changes.map(f64::abs).fold(0.0, f64::max).to_degrees(),
             max_stiffness_ratio: memory.stiffness_ratio.iter().copied().fold(1.0, f64::max),
-            models: work.choices.iter().map(ModelChoice::from).collect(),
+            models: work.decisions.iter().map(ModelChoice::from).collect(),
             stages,
             warnings: work.warnings.clone(),
             ..Self::default()
@@ -222,7 +222,7 @@ mod tests {
             let lowest = garment.points.iter().position(|p| p.x == 0.0 && p.z == 0.0).expect("is there");
             let mut displacement = vec![Vec3::zeros(); garment.points.len()];
             displacement[lowest].y = -fall;
-            let worn = WornGarment { displacement, memory: crate::garment::RestShape::flat(0, 2) };
+            let worn = WornGarment { displacement, memory: crate::garment::RestState::flat(0, 2) };
             let counts = crossing_counts(&garment, &worn, &start);
             (counts.at_start, counts.made)
         };

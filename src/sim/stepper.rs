@@ -2,7 +2,7 @@
 
 use crate::contact::Contact;
 use crate::energy::{Container, Cushions, Drag, Energy, Gravity, Guides, Pressure, Supports};
-use crate::garment::RestShape;
+use crate::garment::RestState;
 use crate::math::Vec3;
 use crate::sim::Drive;
 use crate::sim::integrator::{Solver, Stage, Tried};
@@ -105,7 +105,7 @@ impl Stepper {
     pub fn advance(
         &mut self,
         state: &mut State,
-        memory: &RestShape,
+        memory: &RestState,
         drive_at: &mut dyn FnMut(f64, &State) -> Drive,
         wished: f64,
     ) -> StepReport {
@@ -182,7 +182,7 @@ impl Stepper {
     fn attempt(
         &mut self,
         state: &State,
-        memory: &RestShape,
+        memory: &RestState,
         (earlier, drive): (&[Drive], &Drive),
         h: f64,
     ) -> (State, f64, NewtonReport) {
@@ -223,7 +223,7 @@ impl Stepper {
     fn solve_part(
         &mut self,
         state: &State,
-        memory: &RestShape,
+        memory: &RestState,
         drive: &Drive,
         forces: &Forces,
         stage: &Stage,

@@ -3,7 +3,7 @@
 //! A region is a ninth of the box seen from the front (left, middle, right by upper, middle, lower), front and back apart:
 //! names that suit any garment and that a user can check by looking. Left and right are the wearer's.
 
-use crate::garment::RestShape;
+use crate::garment::RestState;
 use crate::math::bounds;
 use crate::transfer::Sheet;
 use crate::transfer::resample::Gathered;
@@ -64,7 +64,7 @@ pub(super) fn regions(standing: &Sheet, confidence: &[f64]) -> Vec<Region> {
 }
 
 /// What was lost between `source` and `target`.
-pub(super) fn losses(source: &Sheet, memory: &RestShape, target: &Sheet, gathered: &[Gathered]) -> Losses {
+pub(super) fn losses(source: &Sheet, memory: &RestState, target: &Sheet, gathered: &[Gathered]) -> Losses {
     let mut reached = vec![false; source.triangles.len()];
     let (mut area, mut without) = (0.0, 0.0);
     for (f, one) in gathered.iter().enumerate() {

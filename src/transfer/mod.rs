@@ -30,7 +30,7 @@ pub use confidence::{Losses, Region};
 pub use prolongate::carry_back;
 pub use surface::Sheet;
 
-use crate::garment::RestShape;
+use crate::garment::RestState;
 use crate::io::SourceJoint;
 use crate::math::Vec3;
 use crate::mesh::hinge_angle;
@@ -129,7 +129,7 @@ pub struct Source {
     /// The surface it lies on.
     pub sheet: Sheet,
     /// One entry per hinge of the sheet's topology.
-    pub memory: RestShape,
+    pub memory: RestState,
     /// Joints that move it, in the pose of its file.
     pub joints: Vec<SourceJoint>,
 }
@@ -138,7 +138,7 @@ pub struct Source {
 #[derive(Debug, Clone)]
 pub struct Carried {
     /// Memory of the target, one entry per hinge of its topology.
-    pub memory: RestShape,
+    pub memory: RestState,
     /// Per source: the way that was taken.
     pub ways: Vec<&'static str>,
     /// Per source: by what it was laid over the target; none where numbers went over one by one.
@@ -197,9 +197,9 @@ pub fn transfer(sources: &[Source], target: &Sheet, options: &TransferOptions) -
 }
 
 /// Memory of `sheet` as new cloth: its own angles.
-fn new_memory(sheet: &Sheet) -> RestShape {
+fn new_memory(sheet: &Sheet) -> RestState {
     let angle = |h: &crate::mesh::Hinge| hinge_angle(&h.points.map(|p| sheet.points[p.at()]));
-    RestShape::new(sheet.topology.hinges.iter().map(angle).collect(), sheet.triangles.len())
+    RestState::new(sheet.topology.hinges.iter().map(angle).collect(), sheet.triangles.len())
 }
 
 fn check(sources: &[Source], target: &Sheet, options: &TransferOptions) -> Result<()> {
@@ -237,7 +237,7 @@ impl Change {
     }
 
     /// Of a memory on the target's own mesh.
-    fn of_memory(memory: &RestShape) -> Self {
+    fn of_memory(memory: &RestState) -> Self {
         let stretches = memory.rest_stretch_warp.iter().zip(&memory.rest_stretch_weft);
         Self {
             angle: memory.rest_angle.iter().zip(&memory.source_angle).map(|(r, s)| r - s).collect(),
@@ -260,7 +260,7 @@ impl Change {
     }
 
     /// The memory of new cloth with this change in it, as far as `options` let it.
-    fn applied_to(&self, mut memory: RestShape, target: &Sheet, options: &TransferOptions) -> RestShape {
+    fn applied_to(&self, mut memory: RestState, target: &Sheet, options: &TransferOptions) -> RestState {
         // The least of the points decides, as it does while cloth is worn.
         let mask = |points: &[crate::mesh::PointIndex]| {
             options.strength * points.iter().map(|p| options.mask[p.at()]).fold(1.0, f64::min).max(0.0)

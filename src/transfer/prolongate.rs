@@ -4,7 +4,7 @@
 //! nearest of those around the ones its corners lie in, so that layers that touch are never taken for one another. Hinges
 //! between triangles that both meshes have go over number by number; what lies between is spread as between any two meshes.
 
-use crate::garment::{Coarsened, Garment, RestShape};
+use crate::garment::{Coarsened, Garment, RestState};
 use crate::math::Vec3;
 use crate::mesh::distance::point_triangle_squared;
 use crate::transfer::correspondence::{Landing, Lands, Place, smallest_rotation};
@@ -14,7 +14,7 @@ use crate::transfer::{Change, Sheet, TransferOptions, new_memory, stiffness};
 use rustc_hash::FxHashMap;
 
 /// Memory of `garment`, one entry per hinge and triangle of it: that which `coarse`, made of it, has earned.
-pub fn carry_back(coarse: &Coarsened, memory: &RestShape, garment: &Garment) -> RestShape {
+pub fn carry_back(coarse: &Coarsened, memory: &RestState, garment: &Garment) -> RestState {
     let target = Sheet::without_texture(garment);
     let lands = Within::new(coarse, &target);
     let gathered = gather(&lands, memory, &target, 1.0);

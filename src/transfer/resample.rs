@@ -11,7 +11,7 @@
 //! towards hinges of the same direction by cos^4; rest lengths as the tensor of their changes along warp and weft.
 //! Samples without a source count as new cloth.
 
-use crate::garment::RestShape;
+use crate::garment::RestState;
 use crate::math::{Vec2, Vec3};
 use crate::transfer::Sheet;
 use crate::transfer::correspondence::Landing;
@@ -53,7 +53,7 @@ struct SourceFace {
 
 /// Gathers for every triangle of `target`, standing aligned with the source it lands on. `sign` is -1 where one of both
 /// garments has its normals inside.
-pub(super) fn gather(lands: &impl Lands, memory: &RestShape, target: &Sheet, sign: f64) -> Vec<Gathered> {
+pub(super) fn gather(lands: &impl Lands, memory: &RestState, target: &Sheet, sign: f64) -> Vec<Gathered> {
     let source = lands.source();
     let faces: Vec<SourceFace> =
         (0..source.triangles.len()).map(|f| source_face(source, memory, f)).collect();
@@ -92,7 +92,7 @@ pub(super) fn gather(lands: &impl Lands, memory: &RestShape, target: &Sheet, sig
     (0..target.triangles.len()).into_par_iter().map(one).collect()
 }
 
-fn source_face(source: &Sheet, memory: &RestShape, f: usize) -> SourceFace {
+fn source_face(source: &Sheet, memory: &RestState, f: usize) -> SourceFace {
     let corners = source.corners(f);
     let hinge = |k: usize| source.topology.edge_hinge[source.topology.triangle_edges[f][k] as usize];
     let change = |h: u32| memory.rest_angle[h as usize] - memory.source_angle[h as usize];
@@ -154,7 +154,7 @@ impl Gather {
         }
     }
 
-    fn add(&mut self, landing: &Landing, face: &SourceFace, source: &Sheet, memory: &RestShape) {
+    fn add(&mut self, landing: &Landing, face: &SourceFace, source: &Sheet, memory: &RestState) {
         let edges = face.edges.map(|e| self.frame.flat(&(landing.map * e)));
         let area = 0.5 * edges[0].perp(&edges[1]).abs();
         if area.is_nan() || area <= 0.0 {

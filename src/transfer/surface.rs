@@ -3,7 +3,7 @@
 //! Made of a sidecar (where the memory comes from) or of a garment (where it goes to). The memory of a sidecar is put
 //! in the order of the sheet's own hinges here, and a sidecar whose hinges are not those of its triangles is refused.
 
-use crate::garment::{Garment, RestShape, corner_uvs, corner_vertices};
+use crate::garment::{Garment, RestState, corner_uvs, corner_vertices};
 use crate::io::{Sidecar, SourceAsset};
 use crate::math::{Vec2, Vec3};
 use crate::mesh::distance::barycentric;
@@ -67,7 +67,7 @@ impl Sheet {
     }
 
     /// The surface of `sidecar` and its memory, one entry per hinge of the surface's topology; `file` names it in faults.
-    pub fn of_sidecar(file: &str, sidecar: &Sidecar) -> Result<(Self, RestShape)> {
+    pub fn of_sidecar(file: &str, sidecar: &Sidecar) -> Result<(Self, RestState)> {
         let points = sidecar.mesh_points();
         let triangles = sidecar.mesh_triangles();
         if let Some(i) = triangles.iter().position(|[a, b, c]| a == b || b == c || c == a) {
@@ -76,7 +76,7 @@ impl Sheet {
         let topology = Topology::new(points.len(), &triangles);
         let order = hinge_order(file, &topology, &sidecar.hinges.points)?;
         let pick = |values: &[f64]| order.iter().map(|&h| values[h]).collect::<Vec<f64>>();
-        let memory = RestShape {
+        let memory = RestState {
             source_angle: pick(&sidecar.hinges.source_angle_rad),
             rest_angle: pick(&sidecar.hinges.rest_angle_rad),
             stiffness_ratio: pick(&sidecar.hinges.stiffness_ratio),
@@ -118,7 +118,7 @@ impl Sheet {
 
     /// Seen in a mirror: x turned round at the box's middle, triangles turned so that the outside stays outside. The
     /// texture is that of the other side and is left out.
-    pub fn mirrored(&self, memory: &RestShape) -> (Self, RestShape) {
+    pub fn mirrored(&self, memory: &RestState) -> (Self, RestState) {
         let points: Vec<Vec3> = self.points.iter().map(self.mirror()).collect();
         let triangles: Vec<[PointIndex; 3]> = self.triangles.iter().map(|t| [t[0], t[2], t[1]]).collect();
         let topology = Topology::new(points.len(), &triangles);
@@ -127,7 +127,7 @@ impl Sheet {
             let own = |h: &crate::mesh::Hinge| self.topology.edge_hinge[h.edge as usize];
             topology.hinges.iter().map(|h| own(h).map_or(0.0, |i| values[i as usize])).collect()
         };
-        let memory = RestShape {
+        let memory = RestState {
             source_angle: of_edge(&memory.source_angle),
             rest_angle: of_edge(&memory.rest_angle),
             stiffness_ratio: of_edge(&memory.stiffness_ratio),

@@ -54,7 +54,7 @@ struct Count {
 }
 
 impl Observer for Count {
-    fn simulates(&mut self, mesh: &Garment) {
+    fn on_mesh(&mut self, mesh: &Garment) {
         self.triangles = mesh.triangles.clone();
     }
 

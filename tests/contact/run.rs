@@ -3,7 +3,7 @@
 
 use crease::contact::{Contact, ContactSettings};
 use crease::energy::{Bending, Membrane};
-use crease::garment::RestShape;
+use crease::garment::RestState;
 use crease::math::{Draw, Vec2, Vec3};
 use crease::mesh::intersections::{crossings, crossings_between};
 use crease::mesh::{PointIndex, Topology};
@@ -93,7 +93,7 @@ pub const COTTON: Kind =
 pub struct Run {
     pub stepper: Stepper,
     pub state: State,
-    pub memory: RestShape,
+    pub memory: RestState,
     pub triangles: Vec<[PointIndex; 3]>,
     /// Crossings after the worst accepted step: cloth with cloth, cloth with body.
     pub worst: [usize; 2],
@@ -145,7 +145,7 @@ impl Run {
             leeway: Leeway::NONE,
         };
         Self {
-            memory: RestShape::flat(topology.hinges.len(), pattern.triangles.len()),
+            memory: RestState::flat(topology.hinges.len(), pattern.triangles.len()),
             stepper: Stepper::new(cloth, contact, options),
             state: State::at_rest(pattern.x.clone(), angle),
             triangles: pattern.triangles.clone(),

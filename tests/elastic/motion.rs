@@ -5,7 +5,7 @@ use crate::rest::forces;
 use crate::sheet::Sheet;
 use crease::contact::Contact;
 use crease::energy::{Bending, Energy, Gravity, Guide, Guides, Membrane};
-use crease::garment::RestShape;
+use crease::garment::RestState;
 use crease::math::{Vec2, Vec3};
 use crease::sim::{Method, NewtonOptions, Previous, Problem, State, Workspace};
 
@@ -242,7 +242,7 @@ struct Flight {
     mass: Vec<f64>,
     membrane: Membrane,
     bending: Bending,
-    memory: RestShape,
+    memory: RestState,
 }
 
 /// How a flight begins.

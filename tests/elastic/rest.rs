@@ -3,7 +3,7 @@
 use crate::sheet::Sheet;
 use crease::contact::Contact;
 use crease::energy::{Bending, Energy, Gravity, Membrane};
-use crease::garment::RestShape;
+use crease::garment::RestState;
 use crease::math::Vec3;
 use crease::sim::{NewtonOptions, NewtonReport, Problem, Workspace};
 
@@ -36,7 +36,7 @@ pub fn balance(
 pub struct Scene {
     pub membrane: Membrane,
     pub bending: Bending,
-    pub memory: RestShape,
+    pub memory: RestState,
     pub mass: Vec<f64>,
     pub gravity: Vec3,
     pub held: Vec<bool>,

@@ -1,7 +1,7 @@
 //! Flat sheets of cloth for tests: triangles in the material plane and the models made from them.
 
 use crease::energy::{Bending, Membrane};
-use crease::garment::RestShape;
+use crease::garment::RestState;
 use crease::math::{Vec2, Vec3};
 use crease::mesh::{PointIndex, Topology};
 use spade::{DelaunayTriangulation, Point2, Triangulation};
@@ -114,13 +114,13 @@ impl Sheet {
     }
 
     /// New, flat memory.
-    pub fn memory(&self) -> RestShape {
-        RestShape::flat(self.topology().hinges.len(), self.triangles.len())
+    pub fn memory(&self) -> RestState {
+        RestState::flat(self.topology().hinges.len(), self.triangles.len())
     }
 
     /// Memory whose hinges between a wholly held triangle and a free one are twice as stiff: the half clamp. Without
     /// it the clamp line lies half an element inside the free cloth and the order falls to one.
-    pub fn half_clamped(&self, held: &[bool]) -> RestShape {
+    pub fn half_clamped(&self, held: &[bool]) -> RestState {
         let wholly = |f: u32| self.triangles[f as usize].iter().all(|&i| held[i as usize]);
         let mut memory = self.memory();
         for (ratio, hinge) in memory.stiffness_ratio.iter_mut().zip(&self.topology().hinges) {

@@ -3,7 +3,7 @@
 
 use crease::bake::Checkpoint;
 use crease::fabric::Fabric;
-use crease::garment::{Garment, RestShape, WornGarment, inspect};
+use crease::garment::{Garment, RestState, WornGarment, inspect};
 use crease::io::gltf::write_worn_glb;
 use crease::io::{Landmarks, ReadOptions, Sidecar, read_asset, read_sidecar, write_sidecar};
 use crease::math::Vec3;
@@ -24,7 +24,7 @@ pub fn mesh(name: &str, bytes: &[u8], resolve: &mut dyn FnMut(&str) -> Result<Ve
     crossings(&garment.points, &garment.triangles);
     let worn = WornGarment {
         displacement: vec![Vec3::zeros(); garment.points.len()],
-        memory: RestShape::flat(garment.topology.hinges.len(), garment.triangles.len()),
+        memory: RestState::flat(garment.topology.hinges.len(), garment.triangles.len()),
     };
     let glb = write_worn_glb(&asset, &garment, &worn, &Value::Null)?;
     let sidecar = Sidecar::new(&asset, &garment, &worn, Value::Null, Value::Null, Value::Null)?;

@@ -2,10 +2,10 @@
 
 use crate::law::{PATHS, random};
 use crease::energy::Bending;
-use crease::fabric::{Element, Fabric, Trace};
-use crease::garment::{Garment, RestShape};
+use crease::fabric::Fabric;
+use crease::garment::{Garment, RestState};
 use crease::math::{Vec2, Vec3};
-use crease::memory::{Memory, Observed, Remembering};
+use crease::memory::{ElementParams, HysteresisState, MemoryLaw, Memory, Strains, MemoryModel};
 use crease::mesh::{PointIndex, Topology};
 
 /// Two triangles on a common edge of `size` [m], flat.
@@ -35,7 +35,7 @@ pub fn folded(garment: &Garment, angle: f64) -> Vec<Vec3> {
 /// A hinge under observation.
 pub struct Watched {
     pub bending: Bending,
-    pub law: Remembering,
+    pub law: MemoryModel,
     pub memory: Memory,
     pub angle: Vec<f64>,
 }
@@ -43,16 +43,16 @@ pub struct Watched {
 impl Watched {
     pub fn new(garment: &Garment, fabric: &Fabric) -> Self {
         let bending = Bending::new(garment, fabric);
-        let law = Remembering::new(garment, fabric, bending.width());
+        let law = MemoryModel::new(garment, fabric, bending.width());
         let angle = bending.angles(&garment.points, &[]);
-        let memory = Memory::new(RestShape::new(angle.clone(), garment.triangles.len()));
+        let memory = Memory::new(RestState::new(angle.clone(), garment.triangles.len()));
         Self { bending, law, memory, angle }
     }
 
     /// One accepted step that ends at `x`.
     pub fn step(&mut self, x: &[Vec3], duration: f64) {
         let next = self.bending.angles(x, &self.angle);
-        let seen = |angle| Observed { angle, stretch: &[] };
+        let seen = |angle| Strains { angle, stretch: &[] };
         self.memory.commit(&self.law, &seen(&self.angle), &seen(&next), duration);
         self.angle = next;
     }
@@ -67,7 +67,7 @@ fn t_shirt() -> Fabric {
 #[test]
 fn beyond_half_a_turn_nothing_jumps() {
     let garment = pair(0.02);
-    let law = t_shirt().memory.angle_law();
+    let law = MemoryLaw::for_angles(&t_shirt().memory);
     // The sense of the angle is the mesh's; turn the way it counts up.
     let sense = {
         let mut watched = Watched::new(&garment, &t_shirt());
@@ -76,17 +76,17 @@ fn beyond_half_a_turn_nothing_jumps() {
     };
     let degrees: Vec<f64> = (0..=190).chain((-190..190).rev()).map(f64::from).collect();
     let mut watched = Watched::new(&garment, &t_shirt());
-    let mut trace = Trace::new(0.0);
+    let mut state = HysteresisState::new(0.0);
     for ends in degrees.windows(2) {
         let [from, to] = [ends[0].to_radians(), ends[1].to_radians()];
         watched.step(&folded(&garment, sense * to), 0.1);
-        law.advance(&mut trace, from, to, 0.1, &Element::PLAIN);
+        law.advance(&mut state, from, to, 0.1, &ElementParams::PLAIN);
         assert!((watched.angle[0] - to).abs() < 1e-12, "{} is not {to}", watched.angle[0]);
     }
-    let rest = watched.memory.shape.rest_angle[0];
-    println!("rest angle {rest:.6} rad, by the law {:.6}", trace.rest);
-    assert!((rest - trace.rest).abs() < 1e-9 && rest != 0.0);
-    assert!((watched.memory.shape.stiffness_ratio[0] / trace.stiffness - 1.0).abs() < 1e-9);
+    let rest = watched.memory.rest.rest_angle[0];
+    println!("rest angle {rest:.6} rad, by the law {:.6}", state.rest);
+    assert!((rest - state.rest).abs() < 1e-9 && rest != 0.0);
+    assert!((watched.memory.rest.stiffness_ratio[0] / state.stiffness - 1.0).abs() < 1e-9);
 }
 
 /// Promise: carried about and turned as a whole, cloth remembers the same to the last bit of its rest angle.
@@ -109,7 +109,7 @@ fn rigid_motion_changes_nothing() {
             }
         }
         let [a, b] =
-            [&still, &moved].map(|w| (w.memory.shape.rest_angle[0], w.memory.shape.stiffness_ratio[0]));
+            [&still, &moved].map(|w| (w.memory.rest.rest_angle[0], w.memory.rest.stiffness_ratio[0]));
         assert_eq!(a.0.to_bits(), b.0.to_bits(), "{name}: {a:?} {b:?}");
         assert!((a.1 / b.1 - 1.0).abs() < 1e-9 && a.0 != 0.0, "{name}: {a:?} {b:?}");
     }
@@ -126,14 +126,14 @@ fn memory_is_read_frozen_and_reset() {
     watched.step(&bent, 1.0);
     watched.step(&bent, 60.0);
     assert!(
-        watched.memory.is_frozen() && watched.memory.shape == new.shape && watched.memory.felt == new.felt
+        watched.memory.is_frozen() && watched.memory.rest == new.rest && watched.memory.effective_rest == new.effective_rest
     );
     watched.memory.freeze(false);
     watched.step(&bent, 60.0);
-    let shape = &watched.memory.shape;
+    let shape = &watched.memory.rest;
     assert!(shape.rest_angle[0].abs() > 1.3 && shape.stiffness_ratio[0] > 2.0);
     assert!(watched.memory.events.critical >= 1 && watched.memory.events.gradual >= 1);
-    assert!((watched.memory.felt.rest_angle[0] - shape.rest_angle[0]).abs() < 1e-9, "all has entered");
+    assert!((watched.memory.effective_rest.rest_angle[0] - shape.rest_angle[0]).abs() < 1e-9, "all has entered");
     watched.memory.reset();
     assert_eq!(watched.memory, new);
 }
@@ -148,7 +148,7 @@ fn masks_scale_what_is_remembered() {
         let bent = folded(&garment, 1.6);
         watched.step(&bent, 1.0);
         watched.step(&bent, 0.9);
-        watched.memory.shape.rest_angle[0].abs()
+        watched.memory.rest.rest_angle[0].abs()
     });
     println!("{left:.3?}");
     assert_eq!(left[0], 0.0);

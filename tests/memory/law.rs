@@ -1,6 +1,7 @@
 //! Promises of the law itself: scalar paths of one hinge.
 
-use crease::fabric::{Element, EventCount, FabricMemory, Law, Trace};
+use crease::fabric::FabricMemory;
+use crease::memory::{ElementParams, EventCount, HysteresisState, MemoryLaw};
 use std::f64::consts::PI;
 
 /// Paths of a hinge: times [s] and angles [rad] that it passes in straight lines.
@@ -13,13 +14,13 @@ pub const PATHS: [(&str, &[(f64, f64)]); 5] = [
 ];
 
 /// The T-shirt's numbers with other durations, or its own.
-fn laws() -> [(&'static str, Law); 4] {
+fn laws() -> [(&'static str, MemoryLaw); 4] {
     let with = |gradual_duration_s, critical_duration_s| {
-        FabricMemory { gradual_duration_s, critical_duration_s, ..FabricMemory::default() }.angle_law()
+        MemoryLaw::for_angles(&FabricMemory { gradual_duration_s, critical_duration_s, ..FabricMemory::default() })
     };
-    let reopening = FabricMemory { reopening_percent_per_decade: 5.0, ..FabricMemory::default() }.angle_law();
+    let reopening = MemoryLaw::for_angles(&FabricMemory { reopening_percent_per_decade: 5.0, ..FabricMemory::default() });
     [
-        ("t-shirt", FabricMemory::default().angle_law()),
+        ("t-shirt", MemoryLaw::for_angles(&FabricMemory::default())),
         ("quick", with(0.7, 0.3)),
         ("slow", with(11.0, 3.1)),
         ("reopening", reopening),
@@ -38,14 +39,14 @@ fn angle_at(path: &[(f64, f64)], time: f64) -> f64 {
 }
 
 /// Goes along a path in steps of `step` seconds; `change` is added to every angle but the first.
-fn walk(law: &Law, path: &[(f64, f64)], step: f64, sign: f64, change: f64) -> (Trace, EventCount) {
-    let (mut trace, mut count) = (Trace::new(0.0), EventCount::default());
+fn walk(law: &MemoryLaw, path: &[(f64, f64)], step: f64, sign: f64, change: f64) -> (HysteresisState, EventCount) {
+    let (mut state, mut count) = (HysteresisState::new(0.0), EventCount::default());
     let steps = (path.last().map_or(0.0, |p| p.0) / step).round() as usize;
     let angle = |k: usize| sign * (angle_at(path, k as f64 * step) + if k > 0 { change } else { 0.0 });
     for k in 0..steps {
-        count += law.advance(&mut trace, angle(k), angle(k + 1), step, &Element::PLAIN);
+        count += law.advance(&mut state, angle(k), angle(k + 1), step, &ElementParams::PLAIN);
     }
-    (trace, count)
+    (state, count)
 }
 
 /// Promise: what is left does not depend on the step.
@@ -55,13 +56,13 @@ fn step_sizes_from_a_240th_to_half_a_second_leave_the_same() {
         for (path_name, path) in PATHS {
             let (reference, events) = walk(&law, path, 1.0 / 240.0, 1.0, 0.0);
             for step in [1.0 / 60.0, 1.0 / 24.0, 0.1, 0.25, 0.5] {
-                let (trace, count) = walk(&law, path, step, 1.0, 0.0);
-                let off = (trace.rest - reference.rest).abs();
+                let (state, count) = walk(&law, path, step, 1.0, 0.0);
+                let off = (state.rest - reference.rest).abs();
                 assert_eq!(count, events, "{law_name}, {path_name}, step {step}");
                 // Reopening starts with the first whole step that is let go.
-                let bar = if law.reopening > 0.0 { 0.01 * reference.rest.abs() } else { 1e-9 };
+                let bar = if law.recovery_per_decade > 0.0 { 0.01 * reference.rest.abs() } else { 1e-9 };
                 assert!(off <= bar, "{law_name}, {path_name}, step {step}: off by {off}");
-                assert!((trace.stiffness / reference.stiffness - 1.0).abs() < 1e-9);
+                assert!((state.stiffness / reference.stiffness - 1.0).abs() < 1e-9);
             }
         }
     }
@@ -83,16 +84,16 @@ fn reversal_leaves_the_mirror_image() {
 /// Promise: folded the other way for as long, the crease turns over.
 #[test]
 fn reversal_turns_the_crease_over() {
-    let law = FabricMemory::default().angle_law();
-    let mut trace = Trace::new(0.0);
-    law.advance(&mut trace, 0.0, 2.5, 1.0, &Element::PLAIN);
-    law.advance(&mut trace, 2.5, 2.5, 30.0, &Element::PLAIN);
-    let there = trace.rest;
-    law.advance(&mut trace, 2.5, -2.5, 2.0, &Element::PLAIN);
-    law.advance(&mut trace, -2.5, -2.5, 30.0, &Element::PLAIN);
-    println!("{there:.3} rad, then {:.3} rad", trace.rest);
-    assert!(there > 2.0 && trace.rest < -2.0);
-    assert!(trace.rest.abs() <= 2.5, "an event never goes beyond where the hinge is held");
+    let law = MemoryLaw::for_angles(&FabricMemory::default());
+    let mut state = HysteresisState::new(0.0);
+    law.advance(&mut state, 0.0, 2.5, 1.0, &ElementParams::PLAIN);
+    law.advance(&mut state, 2.5, 2.5, 30.0, &ElementParams::PLAIN);
+    let there = state.rest;
+    law.advance(&mut state, 2.5, -2.5, 2.0, &ElementParams::PLAIN);
+    law.advance(&mut state, -2.5, -2.5, 30.0, &ElementParams::PLAIN);
+    println!("{there:.3} rad, then {:.3} rad", state.rest);
+    assert!(there > 2.0 && state.rest < -2.0);
+    assert!(state.rest.abs() <= 2.5, "an event never goes beyond where the hinge is held");
 }
 
 /// Promise: 1e-9 rad in gives less than 1e-6 rad out, and less than 1e-6 of stiffness, away from an event.
@@ -103,10 +104,10 @@ fn small_changes_stay_small() {
         for (path_name, path) in PATHS {
             let (reference, events) = walk(&law, path, 1.0 / 60.0, 1.0, 0.0);
             for change in [1e-9, -1e-9] {
-                let (trace, count) = walk(&law, path, 1.0 / 60.0, 1.0, change);
+                let (state, count) = walk(&law, path, 1.0 / 60.0, 1.0, change);
                 assert_eq!(count, events, "{law_name}, {path_name}: these paths keep away from events");
                 let off =
-                    (trace.rest - reference.rest).abs().max((trace.stiffness - reference.stiffness).abs());
+                    (state.rest - reference.rest).abs().max((state.stiffness - reference.stiffness).abs());
                 largest = largest.max(off);
                 assert!(off < 1e-6, "{law_name}, {path_name}: {off}");
             }
@@ -126,18 +127,18 @@ pub fn random(seed: &mut u64) -> f64 {
 fn dissipation_is_never_negative() {
     let mut seed = 7;
     let mut events = EventCount::default();
-    for (law_name, law) in laws().into_iter().filter(|(_, law)| law.reopening == 0.0) {
+    for (law_name, law) in laws().into_iter().filter(|(_, law)| law.recovery_per_decade == 0.0) {
         for gain in [1.0, 2.0, 4.0] {
-            let element = Element { gain, ..Element::PLAIN };
-            let mut trace = Trace::new(0.0);
+            let element = ElementParams { gain, ..ElementParams::PLAIN };
+            let mut state = HysteresisState::new(0.0);
             for _ in 0..3000 {
                 let angle = (2.0 * random(&mut seed) - 1.0) * 1.1 * PI;
-                let stored = |t: &Trace| 0.5 * t.stiffness * (angle - t.rest).powi(2);
-                let before = stored(&trace);
-                events += law.advance(&mut trace, angle, angle, 6.0 * random(&mut seed), &element);
-                let after = stored(&trace);
+                let stored = |t: &HysteresisState| 0.5 * t.stiffness * (angle - t.rest).powi(2);
+                let before = stored(&state);
+                events += law.advance(&mut state, angle, angle, 6.0 * random(&mut seed), &element);
+                let after = stored(&state);
                 assert!(after <= before * (1.0 + 1e-12), "{law_name}, gain {gain}: {before} to {after}");
-                assert!(trace.stiffness <= law.ceiling);
+                assert!(state.stiffness <= law.max_stiffness_ratio);
             }
         }
     }
@@ -152,14 +153,14 @@ fn zero_and_infinite_thresholds_do_no_harm() {
         [(0.0, 0.0), (0.0, f64::INFINITY), (f64::INFINITY, f64::INFINITY), (0.3, f64::INFINITY)]
     {
         for (path_name, path) in PATHS {
-            let mut law = FabricMemory::default().angle_law();
+            let mut law = MemoryLaw::for_angles(&FabricMemory::default());
             (law.gradual.threshold, law.critical.threshold) = (low, high);
-            let (trace, count) = walk(&law, path, 1.0 / 60.0, 1.0, 0.0);
-            assert!(trace.rest.is_finite() && trace.stiffness.is_finite(), "{path_name}: {trace:?}");
+            let (state, count) = walk(&law, path, 1.0 / 60.0, 1.0, 0.0);
+            assert!(state.rest.is_finite() && state.stiffness.is_finite(), "{path_name}: {state:?}");
             assert_eq!(count.critical > 0, high == 0.0, "{path_name}");
             assert_eq!(count.gradual > 0, low.is_finite() && high > 0.0, "{path_name}");
             // Events of a band without a threshold move nothing.
-            assert_eq!((trace.rest, trace.stiffness) != (0.0, 1.0), low == 0.3, "{path_name}: {trace:?}");
+            assert_eq!((state.rest, state.stiffness) != (0.0, 1.0), low == 0.3, "{path_name}: {state:?}");
         }
     }
 }

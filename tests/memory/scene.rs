@@ -4,10 +4,10 @@ use crate::hinge::{Watched, folded, pair};
 use crease::bake::{BakeOptions, bake};
 use crease::contact::Contact;
 use crease::fabric::Fabric;
-use crease::garment::{Garment, RestShape};
+use crease::garment::{Garment, RestState};
 use crease::io::{ReadOptions, read_asset};
 use crease::math::Vec3;
-use crease::memory::{Memory, Observed};
+use crease::memory::{Memory, Strains};
 use crease::sim::Drive;
 use crease::sim::{Cloth, Leeway, Method, NewtonOptions, State, StepOptions, Stepper};
 use crease::wear::WearScript;
@@ -48,9 +48,9 @@ fn swing(
     let (mut course, mut events) = (vec![start], vec![0]);
     for _ in 0..steps {
         let before = state.angle.clone();
-        stepper.advance(&mut state, &watched.memory.felt, &mut |_, _| free(), step);
+        stepper.advance(&mut state, &watched.memory.effective_rest, &mut |_, _| free(), step);
         if remember {
-            let seen = |angle| Observed { angle, stretch: &[] };
+            let seen = |angle| Strains { angle, stretch: &[] };
             watched.memory.commit(&watched.law, &seen(&before), &seen(&state.angle), step);
         }
         course.push(state.x.clone());
@@ -112,7 +112,7 @@ fn memory_off_is_the_elastic_run_to_the_last_bit() {
         let start = folded(&garment, 2.5);
         let flat = stepper.cloth.bending.angles(&garment.points, &[]);
         let angle = stepper.cloth.bending.angles(&start, &flat);
-        let rest = RestShape::new(flat, garment.triangles.len());
+        let rest = RestState::new(flat, garment.triangles.len());
         let mut state = State::at_rest(start.clone(), angle);
         let mut course = vec![start];
         for _ in 0..200 {
@@ -146,7 +146,7 @@ fn handkerchief() -> Garment {
     Garment::from_asset(&read.expect("reads").0).expect("is a garment").0
 }
 
-/// The same of a whole bake, with contact, friction and the way home: after a fold, with memory off and with thresholds
+/// The same of a whole bake, with contact, friction and the way initial_rest: after a fold, with memory off and with thresholds
 /// out of reach, every point is at the same place to the last bit; with the fabric's own it is not.
 #[test]
 fn a_bake_with_memory_off_is_elastic_to_the_last_bit() {

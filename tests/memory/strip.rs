@@ -49,7 +49,7 @@ fn the_solver_opens_the_strip_to_its_rest_angles() {
     let held: Vec<bool> = garment.points.iter().map(|p| p.x < -0.001).collect();
     let mut x: Vec<Vec3> = garment.points.iter().map(|p| p + Vec3::y() * 0.1 * p.x.max(0.0)).collect();
     let mut angle = bending.angles(&garment.points, &[]);
-    let goal = &strip.memory.shape;
+    let goal = &strip.memory.rest;
     // The rest angles are let in by degrees, as a bake does: a fold is not one Newton step away.
     for share in 1..=40 {
         let mut memory = goal.clone();

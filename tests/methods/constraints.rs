@@ -4,7 +4,7 @@ use crease::chart::scenes;
 use crease::chart::scenes::{Setting, Swing};
 use crease::contact::Contact;
 use crease::energy::{Energy, Gravity, Guide, Guides, Membrane};
-use crease::garment::RestShape;
+use crease::garment::RestState;
 use crease::math::{Vec2, Vec3};
 use crease::sim::{Method, NewtonOptions, Problem, Workspace};
 
@@ -33,7 +33,7 @@ const EXACT: NewtonOptions =
 fn a_strip_pinned_too_long_bears_the_tension() {
     let (flat, triangles) = strip(10, 0.01);
     let membrane = membrane(&flat, &triangles, 500.0);
-    let memory = RestShape::flat(flat.len(), triangles.len());
+    let memory = RestState::flat(flat.len(), triangles.len());
     let term = membrane.term(&memory, &[], f64::INFINITY);
     let held: Vec<bool> = (0..flat.len()).map(|p| p < 2 || p >= flat.len() - 2).collect();
     let mut x: Vec<Vec3> = flat.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
@@ -55,7 +55,7 @@ fn a_strip_pinned_too_long_bears_the_tension() {
 fn held_points_stay_and_dependent_constraints_count_once() {
     let (flat, triangles) = strip(4, 0.05);
     let membrane = membrane(&flat, &triangles, 300.0);
-    let memory = RestShape::flat(flat.len(), triangles.len());
+    let memory = RestState::flat(flat.len(), triangles.len());
     let mass = vec![1e-3; flat.len()];
     let gravity = Gravity { mass: &mass, acceleration: Vec3::new(0.0, -9.81, 0.0) };
     let start: Vec<Vec3> = flat.iter().map(|p| Vec3::new(p.x, 0.0, p.y)).collect();

@@ -1,7 +1,7 @@
 //! Elements that no mesh should have: slivers, obtuse triangles.
 
 use crease::energy::{Bending, BlockSink, Energy, Membrane};
-use crease::garment::RestShape;
+use crease::garment::RestState;
 use crease::math::{Mat3, Vec2, Vec3};
 use crease::mesh::{PointIndex, Topology};
 
@@ -38,7 +38,7 @@ fn stiffness(place: f64, height: f64) -> ([[f64; 2]; 2], f64) {
     let topology = Topology::new(4, &triangles.iter().map(|t| t.map(PointIndex)).collect::<Vec<_>>());
     let membrane = Membrane::from_parts(&triangles, &material, [1.0, 1.0, 0.5], 0.0);
     let bending = Bending::from_parts(&topology, &material, [1.0; 2], 0.0);
-    let memory = RestShape::flat(1, 2);
+    let memory = RestState::flat(1, 2);
     let x: Vec<Vec3> =
         flat.iter().map(|p| Vec3::new(1.02 * p.x, p.y, 0.2 * p.y.abs() + 0.01 * p.x * p.y)).collect();
     let last = bending.angles(&x, &[]);

@@ -11,7 +11,7 @@
 #[path = "measure.rs"]
 mod measure;
 
-use crease::garment::RestShape;
+use crease::garment::RestState;
 use crease::io::read_sidecar;
 use crease::transfer::{By, Sheet};
 use measure::{FOLDS, Fold, carry, correlation, tensors, total, turns};
@@ -62,7 +62,7 @@ fn main() {
     }
 }
 
-fn load(path: &str) -> Result<(Sheet, RestShape), Box<dyn std::error::Error>> {
+fn load(path: &str) -> Result<(Sheet, RestState), Box<dyn std::error::Error>> {
     let sidecar = read_sidecar(path, &std::fs::read(path)?)?;
     Ok(Sheet::of_sidecar(path, &sidecar)?)
 }

@@ -5,7 +5,7 @@
 //! little: this is a band, not a line.
 
 use crate::chart::accuracy::Point;
-use crate::bake::{BakeOptions, Baked, Quality, bake};
+use crate::bake::{BakeOptions, BakeResult, Quality, bake};
 use crate::error::{Error, Result};
 use crate::fabric::{DEFAULT_FABRIC, Fabric};
 use crate::io::{ReadOptions, SourceAsset, read_asset};
@@ -41,7 +41,7 @@ pub struct Run {
     /// Linear systems solved, of the whole and of parts.
     pub linear_solves: u64,
     /// What came out.
-    pub baked: Baked,
+    pub baked: BakeResult,
 }
 
 /// Reads a mesh that comes along, by name and bytes.
@@ -105,20 +105,20 @@ impl FoldThrice {
     }
 
     /// Root mean square over the hinges, by the area they stand for, of the difference of two memories' rest angles [rad].
-    pub fn rest_angle_error(&self, a: &Baked, b: &Baked) -> f64 {
+    pub fn rest_angle_error(&self, a: &BakeResult, b: &BakeResult) -> f64 {
         let rest = a.worn.memory.rest_angle.iter().zip(&b.worn.memory.rest_angle);
         self.mean_by_area(rest.map(|(a, b)| (a - b) * (a - b))).sqrt()
     }
 
     /// Root mean square of the rest angles themselves, by area [rad]: what errors compare with.
-    pub fn rest_angle_size(&self, a: &Baked) -> f64 {
+    pub fn rest_angle_size(&self, a: &BakeResult) -> f64 {
         let mut flat = a.clone();
         flat.worn.memory.rest_angle.clone_from(&a.worn.memory.source_angle);
         self.rest_angle_error(a, &flat)
     }
 
     /// Mean magnitude of what wear changed the rest angles by, by area [rad]: how much the garment remembers.
-    pub fn rest_angle_mean(&self, a: &Baked) -> f64 {
+    pub fn rest_angle_mean(&self, a: &BakeResult) -> f64 {
         let memory = &a.worn.memory;
         let changed = memory.rest_angle.iter().zip(&memory.source_angle);
         self.mean_by_area(changed.map(|(rest, source)| (rest - source).abs()))
@@ -137,14 +137,14 @@ impl FoldThrice {
         sum / whole
     }
 
-    fn position_error(&self, a: &Baked, b: &Baked) -> f64 {
+    fn position_error(&self, a: &BakeResult, b: &BakeResult) -> f64 {
         let (low, high) = bounds(&self.garment.points);
         let size = (high - low).max();
         let moved = a.worn.displacement.iter().zip(&b.worn.displacement);
         moved.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max) / size
     }
 
-    fn crosses(&self, baked: &Baked) -> bool {
+    fn crosses(&self, baked: &BakeResult) -> bool {
         let home: Vec<_> =
             self.garment.points.iter().zip(&baked.worn.displacement).map(|(x, d)| x + d).collect();
         !crossings(&home, &self.garment.triangles).is_empty()
@@ -188,13 +188,13 @@ pub(super) fn points(notes: &mut Vec<String>) -> Result<Vec<Point>> {
 
 /// Every quality, and every other method in the standard quality.
 fn settings() -> Vec<(String, BakeOptions)> {
-    let qualities = Quality::EVERY.map(|quality| {
-        let options = BakeOptions::of(quality);
+    let qualities = Quality::ALL.map(|quality| {
+        let options = BakeOptions::for_quality(quality);
         (format!("quality {}", quality.name()), options)
     });
     let taken: Vec<Method> = qualities.iter().map(|(_, options)| options.step.method).collect();
     let others = Method::EVERY.iter().filter(|method| !taken.contains(method)).map(|&method| {
-        let mut options = BakeOptions::of(Quality::Standard);
+        let mut options = BakeOptions::for_quality(Quality::Standard);
         options.step.method = method;
         ("steps of quality standard".to_owned(), options)
     });
@@ -203,7 +203,7 @@ fn settings() -> Vec<(String, BakeOptions)> {
 
 /// How the reference is baked.
 pub fn reference_options() -> BakeOptions {
-    let mut options = BakeOptions::of(Quality::Reference);
+    let mut options = BakeOptions::for_quality(Quality::Reference);
     options.step.error *= 0.5;
     options.step.shortest *= 0.5;
     options

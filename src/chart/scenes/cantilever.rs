@@ -48,8 +48,8 @@ impl Scene for Cantilever {
         let contact = Contact::none(garment.points.len());
         let mut actors = Actors::new(garment, cloth, contact);
         let ratio = sheet.half_clamp(|p| p.x < 1e-9);
-        actors.memory.shape.stiffness_ratio.clone_from(&ratio);
-        actors.memory.felt.stiffness_ratio = ratio;
+        actors.memory.rest.stiffness_ratio.clone_from(&ratio);
+        actors.memory.effective_rest.stiffness_ratio = ratio;
         Ok(actors)
     }
 

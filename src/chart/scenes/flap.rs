@@ -10,7 +10,7 @@ use crate::energy::Guide;
 use crate::error::Result;
 use crate::fabric::{DEFAULT_FABRIC, Fabric};
 use crate::math::Vec3;
-use crate::memory::Remembering;
+use crate::memory::MemoryModel;
 use crate::sim::Drive;
 
 /// Length and width [m], quads along and across.
@@ -60,7 +60,7 @@ impl Scene for Flap {
             damping: [fabric.stretch_damping_s, fabric.bend_damping_s],
         };
         let cloth = kind.cloth(&sheet, &garment);
-        let law = Remembering::new(&garment, &fabric, cloth.bending.width());
+        let law = MemoryModel::new(&garment, &fabric, cloth.bending.width());
         let contact = Contact::none(garment.points.len());
         Ok(Actors { law: Some(law), ..Actors::new(garment, cloth, contact) })
     }

@@ -27,9 +27,9 @@ use crate::chart::test_sheet::Sheet;
 use crate::contact::{Contact, ContactSettings};
 use crate::energy::{Bending, Membrane};
 use crate::error::Result;
-use crate::garment::{Garment, RestShape};
+use crate::garment::{Garment, RestState};
 use crate::math::Vec3;
-use crate::memory::{Memory, Observed, Remembering};
+use crate::memory::{Memory, Strains, MemoryModel};
 use crate::mesh::intersections::crossings;
 use crate::sim::{Cloth, Leeway, Method, NewtonOptions, State, StepOptions, StepReport, Stepper};
 use crate::sim::{Drive, GRAVITY};
@@ -84,7 +84,7 @@ pub struct Actors {
     state: State,
     memory: Memory,
     /// `None` for cloth that does not remember.
-    law: Option<Remembering>,
+    law: Option<MemoryModel>,
     garment: Garment,
     /// One flag per triangle: whether the membrane takes it as it is at the start.
     unstrained: Vec<bool>,
@@ -224,7 +224,7 @@ pub fn run(scene: &dyn Scene, setting: &Setting) -> Result<Outcome> {
     }
     outcome.kinetic = actors.stepper.cloth.kinetic_energy(&actors.state.v);
     let Actors { state, memory, .. } = actors;
-    Ok(Outcome { x: state.x, v: state.v, angle: state.angle, rest_angle: memory.shape.rest_angle, ..outcome })
+    Ok(Outcome { x: state.x, v: state.v, angle: state.angle, rest_angle: memory.rest.rest_angle, ..outcome })
 }
 
 /// One step and the memory after it.
@@ -232,9 +232,9 @@ fn step(scene: &dyn Scene, actors: &mut Actors, h: f64, outcome: &mut Outcome) -
     let before = actors.state.angle.clone();
     let clock = Instant::now();
     let mut drive_at = |time: f64, state: &State| scene.drive(time, &state.x);
-    let report = actors.stepper.advance(&mut actors.state, &actors.memory.felt, &mut drive_at, h);
+    let report = actors.stepper.advance(&mut actors.state, &actors.memory.effective_rest, &mut drive_at, h);
     if let Some(law) = &actors.law {
-        let seen = |angle| Observed { angle, stretch: &[] };
+        let seen = |angle| Strains { angle, stretch: &[] };
         actors.memory.commit(law, &seen(&before), &seen(&actors.state.angle), report.step);
     }
     outcome.wall += clock.elapsed().as_secs_f64();
@@ -338,7 +338,7 @@ impl Actors {
         Self {
             unstrained,
             state: State::at_rest(garment.points.clone(), angle),
-            memory: Memory::new(RestShape::new(flat, garment.triangles.len())),
+            memory: Memory::new(RestState::new(flat, garment.triangles.len())),
             law: None,
             stepper: Stepper::new(cloth, contact, StepOptions::default()),
             garment,

@@ -101,8 +101,8 @@ impl Scene for Swing {
                 (a - b).abs() < 1e-9 && every_other(a)
             };
             let ratio: Vec<f64> = hinges.iter().map(|h| if stiff(h) { self.contrast } else { 1.0 }).collect();
-            actors.memory.shape.stiffness_ratio.clone_from(&ratio);
-            actors.memory.felt.stiffness_ratio = ratio;
+            actors.memory.rest.stiffness_ratio.clone_from(&ratio);
+            actors.memory.effective_rest.stiffness_ratio = ratio;
         }
         Ok(actors)
     }

@@ -20,10 +20,10 @@ use crate::cli::runtime::progress::{Progress, StepNews};
 use crate::cli::runtime::threads::use_threads;
 use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use crease::bake::{BakeOptions, Baked, Checkpoint, Choice, Observer, Plan, Quality, bake_from, stirred};
+use crease::bake::{BakeOptions, BakeResult, Checkpoint, ModelDecision, Observer, ModelPlan, Quality, active_points, bake_from};
 use crease::body::Wearer;
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
-use crease::garment::{Garment, RestShape, WornGarment};
+use crease::garment::{Garment, RestState, WornGarment};
 use crease::io::gltf::write_worn_glb;
 use crease::io::{Sidecar, write_sidecar};
 use crease::math::Vec3;
@@ -134,8 +134,8 @@ fn method_parser() -> impl TypedValueParser<Value = Method> {
 
 /// The library's own list of qualities, by name.
 fn quality_parser() -> impl TypedValueParser<Value = Quality> {
-    let names = Quality::EVERY.map(|quality| PossibleValue::new(quality.name()).help(quality.about()));
-    PossibleValuesParser::new(names).try_map(|name| Quality::named(&name).ok_or("no such quality"))
+    let names = Quality::ALL.map(|quality| PossibleValue::new(quality.name()).help(quality.description()));
+    PossibleValuesParser::new(names).try_map(|name| Quality::from_name(&name).ok_or("no such quality"))
 }
 
 impl Arguments {
@@ -151,18 +151,18 @@ impl Arguments {
         let mut options = BakeOptions {
             memory: self.memory_on(),
             body: body.cloned(),
-            sleep: !self.simulate_all,
-            grade: BakeOptions::of(self.quality).grade && !self.no_grading,
-            ..BakeOptions::of(self.quality)
+            deactivate_static: !self.simulate_all,
+            adaptive_mesh: BakeOptions::for_quality(self.quality).adaptive_mesh && !self.no_grading,
+            ..BakeOptions::for_quality(self.quality)
         };
         options.step.method = self.method();
-        options.everything = self.full_fidelity;
+        options.full_fidelity = self.full_fidelity;
         options.frames_per_second = if self.frames.is_some() { self.fps } else { 0.0 };
         options
     }
 
     /// What the sidecar says of the run. Nothing that differs from run to run: the same wear gives the same bytes.
-    fn run_note(&self, baked: &Baked) -> Value {
+    fn run_note(&self, baked: &BakeResult) -> Value {
         let mut note = json!({
             "tool": concat!("crease ", env!("CARGO_PKG_VERSION")),
             "method": self.method().name(),
@@ -277,7 +277,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     checkpoints.remove();
     progress.finish();
     tell(&arguments, &files, &report)?;
-    match &baked.report.not_at_rest {
+    match &baked.report.unconverged_reason {
         Some(what) => Err(Error::NotConverged(format!(
             "{what}; what was reached is in {}",
             input::name_of(&files.worn)
@@ -309,7 +309,7 @@ impl Job {
             (Ok(script), Ok(fabric), Ok(mut mesh)) => {
                 let body = arguments.body.read(&arguments.mesh, &arguments.reading, &mesh)?;
                 let options = arguments.options(body.as_ref());
-                let stirred = |garment: &Garment| stirred(garment, &script, &options);
+                let stirred = |garment: &Garment| active_points(garment, &script, &options);
                 let refined = arguments.finer.refine(&mut mesh.garment, stirred);
                 Ok(Self { mesh, script, script_file, fabric, body, refined })
             }
@@ -319,9 +319,9 @@ impl Job {
         }
     }
 
-    fn plan(&self, arguments: &Arguments) -> Plan {
+    fn plan(&self, arguments: &Arguments) -> ModelPlan {
         let options = arguments.options(self.body.as_ref());
-        Plan::with_grading(&self.mesh.garment, &self.fabric, &self.script, &options)
+        ModelPlan::for_simulated_mesh(&self.mesh.garment, &self.fabric, &self.script, &options)
     }
 
     /// Writes the garment without wear, to nowhere: what the writers refuse is told now and not after the bake.
@@ -329,7 +329,7 @@ impl Job {
         let garment = &self.mesh.garment;
         let unworn = WornGarment {
             displacement: vec![Vec3::zeros(); garment.points.len()],
-            memory: RestShape::flat(garment.topology.hinges.len(), garment.triangles.len()),
+            memory: RestState::flat(garment.topology.hinges.len(), garment.triangles.len()),
         };
         write_worn_glb(&self.mesh.asset, garment, &unworn, extras)?;
         self.sidecar(&unworn, Value::Null).map(drop)
@@ -347,7 +347,7 @@ impl Job {
         progress: &mut Progress,
         checkpoints: &mut CheckpointFile,
         interrupt: &Interrupt,
-    ) -> Result<(Baked, Option<String>)> {
+    ) -> Result<(BakeResult, Option<String>)> {
         let taken_up = if arguments.resume { checkpoints.read()? } else { None };
         let frames_before = taken_up.as_ref().map_or(0, |(_, checkpoint)| checkpoint.counts.frames);
         let frames = match &arguments.frames {
@@ -422,7 +422,7 @@ impl Observer for Watcher<'_, '_> {
         );
     }
 
-    fn simulates(&mut self, mesh: &Garment) {
+    fn on_mesh(&mut self, mesh: &Garment) {
         if let Some(frames) = &mut self.frames {
             frames.show(&mesh.triangles);
         }
@@ -432,7 +432,7 @@ impl Observer for Watcher<'_, '_> {
         self.frames.as_mut().map_or(Ok(()), |frames| frames.write(x))
     }
 
-    fn keeps_checkpoints(&self) -> bool {
+    fn wants_checkpoints(&self) -> bool {
         true
     }
 
@@ -447,7 +447,7 @@ impl Observer for Watcher<'_, '_> {
         Ok(())
     }
 
-    fn stops(&mut self) -> bool {
+    fn should_stop(&mut self) -> bool {
         if !self.interrupt.asked() {
             return false;
         }
@@ -457,19 +457,19 @@ impl Observer for Watcher<'_, '_> {
 }
 
 /// The plan on stdout.
-fn explain(plan: &Plan, as_json: bool) -> Result<()> {
+fn explain(plan: &ModelPlan, as_json: bool) -> Result<()> {
     if as_json {
         let list: Vec<Value> = plan
-            .choices
+            .decisions
             .iter()
             .map(|choice| json!({"name": choice.name, "on": choice.on, "why": choice.why}))
             .collect();
         return console::data(&format!("{:#}\n", Value::Array(list)));
     }
-    let line = |choice: &Choice| {
+    let line = |choice: &ModelDecision| {
         format!("{:<16}{:<5}{}\n", choice.name, if choice.on { "on" } else { "off" }, choice.why)
     };
-    console::data(&plan.choices.iter().map(line).collect::<String>())
+    console::data(&plan.decisions.iter().map(line).collect::<String>())
 }
 
 /// What came out: for people, and for programs that asked.

@@ -9,7 +9,7 @@ use crate::cli::files::mesh_file::MeshFile;
 use crate::cli::files::output::Outputs;
 use crate::cli::runtime::console;
 use crate::cli::runtime::threads::use_threads;
-use crease::bake::{Baked, Motion, remember};
+use crease::bake::{BakeResult, GarmentMotion, memory_from_motion};
 use crease::body::rig::Rig;
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
 use crease::io::gltf::{read_rig, write_worn_glb};
@@ -113,7 +113,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     if arguments.json {
         console::data(&report.to_json())?;
     }
-    baked.report.not_at_rest.map_or(Ok(()), |what| Err(Error::NotConverged(what)))
+    baked.report.unconverged_reason.map_or(Ok(()), |what| Err(Error::NotConverged(what)))
 }
 
 /// A garment and its motion.
@@ -136,7 +136,7 @@ enum Source {
 }
 
 impl Job {
-    fn remember(&mut self, fabric: &Fabric, times: u32) -> Baked {
+    fn remember(&mut self, fabric: &Fabric, times: u32) -> BakeResult {
         let Self { mesh, source, vertex_of, interval, frame_count, .. } = self;
         let garment = &mesh.garment;
         let of_points = |vertices: &[Vec3]| -> Vec<Vec3> {
@@ -154,11 +154,11 @@ impl Job {
                 None => garment.points.clone(),
             },
         };
-        let mut motion = Motion { frame_count: *frame_count, interval: *interval, times, frame: &mut frame };
-        remember(garment, fabric, &mut motion)
+        let mut motion = GarmentMotion { frame_count: *frame_count, interval: *interval, repetitions: times, frame: &mut frame };
+        memory_from_motion(garment, fabric, &mut motion)
     }
 
-    fn sidecar(&self, baked: &Baked, fabric: &Fabric, arguments: &Arguments) -> Result<Sidecar> {
+    fn sidecar(&self, baked: &BakeResult, fabric: &Fabric, arguments: &Arguments) -> Result<Sidecar> {
         let run = json!({
             "tool": concat!("crease ", env!("CARGO_PKG_VERSION")),
             "method": "remember",

@@ -12,7 +12,7 @@ use crate::cli::files::output::Outputs;
 use crate::cli::runtime::console;
 use crate::cli::runtime::threads::use_threads;
 use clap::ValueEnum;
-use crease::bake::{Settled, settle};
+use crease::bake::{RelaxResult, settle};
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
 use crease::garment::WornGarment;
 use crease::io::gltf::write_worn_glb;
@@ -184,7 +184,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let target = job.target();
     let carried = transfer(&job.sources, &target, &arguments.options(&job))?;
     let start = crossings(&garment.points, &garment.triangles);
-    let Settled { displacement, warnings: more, not_at_rest, .. } = job.settled(&carried);
+    let RelaxResult { displacement, warnings: more, unconverged_reason, .. } = job.settled(&carried);
     warnings.extend(more);
     let worn = WornGarment { displacement, memory: carried.memory.clone() };
 
@@ -212,7 +212,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     outputs.add(&files.report, report.to_json().as_bytes())?;
     outputs.commit()?;
     tell(&arguments, &files, &report)?;
-    not_at_rest.map_or(Ok(()), |what| Err(Error::NotConverged(what)))
+    unconverged_reason.map_or(Ok(()), |what| Err(Error::NotConverged(what)))
 }
 
 /// What a transfer is made from, read and checked.
@@ -272,11 +272,11 @@ impl Job {
     }
 
     /// The target at rest with what came over. Numbers taken over as they are bring their shape along.
-    fn settled(&self, carried: &Carried) -> Settled {
+    fn settled(&self, carried: &Carried) -> RelaxResult {
         if carried.unchanged
             && let Some(sidecar) = self.sidecars.first()
         {
-            return Settled { displacement: sidecar.worn().displacement, ..Settled::default() };
+            return RelaxResult { displacement: sidecar.worn().displacement, ..RelaxResult::default() };
         }
         settle(&self.mesh.garment, &self.fabric, &carried.memory)
     }

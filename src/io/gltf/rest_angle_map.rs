@@ -10,7 +10,7 @@
 //! error (weighted by length), until none changes. A vertex has no direction, so an edge across a crease cannot always
 //! stay flat: how much is lost is measured when the file is read back.
 
-use crate::garment::{Garment, RestShape};
+use crate::garment::{Garment, RestState};
 use crate::io::SourceAsset;
 use crate::io::gltf::append::{Appender, Purpose};
 use crate::io::gltf::obj_to_gltf::scene_pieces;
@@ -25,7 +25,7 @@ const MOST_ROUNDS: usize = 30;
 
 /// Per point of `garment`: the angle (degrees, within +-180) with which edges that take the lesser magnitude of both their
 /// ends come closest to the rest angles of `memory`.
-pub fn rest_angle_per_point(garment: &Garment, memory: &RestShape) -> Vec<f64> {
+pub fn rest_angle_per_point(garment: &Garment, memory: &RestState) -> Vec<f64> {
     let hinges = &garment.topology.hinges;
     let mut around: Vec<Vec<usize>> = vec![Vec::new(); garment.points.len()];
     for (h, hinge) in hinges.iter().enumerate() {
@@ -77,7 +77,7 @@ fn grey(degrees: f64) -> f32 {
 }
 
 /// The worn pieces of `asset` as a GLB with the rest angles of `memory` as vertex colours and in degrees.
-pub fn write_rest_angle_map(asset: &SourceAsset, garment: &Garment, memory: &RestShape) -> Result<Vec<u8>> {
+pub fn write_rest_angle_map(asset: &SourceAsset, garment: &Garment, memory: &RestState) -> Result<Vec<u8>> {
     let document = json!({
         "asset": {"version": "2.0", "generator": concat!("crease ", env!("CARGO_PKG_VERSION"))},
         "scene": 0,

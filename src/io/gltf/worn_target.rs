@@ -238,7 +238,7 @@ fn narrow(v: Vec3) -> Option<[f32; 3]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::garment::RestShape;
+    use crate::garment::RestState;
     use crate::math::Vec2;
     use crate::mesh::Topology;
 
@@ -268,7 +268,7 @@ mod tests {
         let hinges = garment.topology.hinges.len();
         WornGarment {
             displacement: garment.points.iter().map(|&p| shape(p) - p).collect(),
-            memory: RestShape {
+            memory: RestState {
                 source_angle: vec![0.0; hinges],
                 rest_angle: vec![0.0; hinges],
                 stiffness_ratio: vec![1.0; hinges],

@@ -1,7 +1,7 @@
 //! A coarse sheet with fine ripples: what a viewer makes of mesh and map, against the fine surface itself.
 
 use super::*;
-use crate::garment::RestShape;
+use crate::garment::RestState;
 use crate::io::gltf::write_worn_glb;
 use crate::mesh::Topology;
 use std::fmt::Write;
@@ -94,7 +94,7 @@ impl Scene {
         let coarse = Garment::from_asset(&asset).unwrap().0;
         let (fine, parent) = finer(&coarse, 5);
         let displacement = fine.points.iter().map(|x| Vec3::y() * height(x)).collect();
-        let memory = RestShape::flat(fine.topology.hinges.len(), fine.triangles.len());
+        let memory = RestState::flat(fine.topology.hinges.len(), fine.triangles.len());
         Self { asset, coarse, worn: WornGarment { displacement, memory }, fine, parent }
     }
 
@@ -106,7 +106,7 @@ impl Scene {
         let count = self.coarse.points.len();
         let worn = WornGarment {
             displacement: self.worn.displacement[..count].to_vec(),
-            memory: RestShape::flat(self.coarse.topology.hinges.len(), self.coarse.triangles.len()),
+            memory: RestState::flat(self.coarse.topology.hinges.len(), self.coarse.triangles.len()),
         };
         write_worn_glb(&self.asset, &self.coarse, &worn, &json!({"crease": {"sidecar": "x"}})).unwrap()
     }
@@ -202,13 +202,13 @@ fn a_normal_map_that_is_there_is_kept_under_the_wrinkles() {
     let flat = Scene::new(&|_| 0.0);
     let coarse = Garment::from_asset(&asset).unwrap().0;
     let (fine, parent) = finer(&coarse, 5);
-    let memory = RestShape::flat(fine.topology.hinges.len(), fine.triangles.len());
+    let memory = RestState::flat(fine.topology.hinges.len(), fine.triangles.len());
     let worn = WornGarment { displacement: vec![Vec3::zeros(); fine.points.len()], memory };
     let detail = Detail { coarse: &coarse, fine: &fine, parent: &parent, worn: &worn };
     // Worn anew, so that the worn target is that of the flat sheet.
     let unworn = WornGarment { displacement: vec![Vec3::zeros(); coarse.points.len()], ..flat.worn.clone() };
     let unworn = WornGarment {
-        memory: RestShape::flat(coarse.topology.hinges.len(), coarse.triangles.len()),
+        memory: RestState::flat(coarse.topology.hinges.len(), coarse.triangles.len()),
         ..unworn
     };
     let glb = write_worn_glb(&asset, &coarse, &unworn, &json!({"crease": {"sidecar": "x"}})).unwrap();

@@ -18,11 +18,12 @@
 //! Ours, off in KOW's setting: what is remembered reopens, once the cloth is let go, by an equal share per decade of
 //! time, as measured on creased sheets and woven fabric (Benusiglio et al. 2012, "The anatomy of a crease").
 
+use crate::fabric::FabricMemory;
 use serde::{Deserialize, Serialize};
 
 /// A band of the law: how far, how long, and what one event changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Band {
+pub struct BandParams {
     /// Condition beyond which the band's timer runs (radians for hinges, strain for lengths).
     pub threshold: f64,
     /// Time in the band until an event [s].
@@ -35,38 +36,38 @@ pub struct Band {
 
 /// The law for one kind of condition.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Law {
+pub struct MemoryLaw {
     /// The wide, slow band (alpha).
-    pub gradual: Band,
+    pub gradual: BandParams,
     /// The narrow, fast band (beta).
-    pub critical: Band,
+    pub critical: BandParams,
     /// Largest stiffness ratio.
-    pub ceiling: f64,
+    pub max_stiffness_ratio: f64,
     /// Distance from the rest value of new cloth that none reaches (radians for hinges, strain for lengths); infinite for none.
-    pub rest_ceiling: f64,
+    pub max_rest_change: f64,
     /// Share of a remembered change that reopens per decade of time once let go [-]; 0 for never.
-    pub reopening: f64,
+    pub recovery_per_decade: f64,
 }
 
 /// What the law needs to know of one element, and never changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Element {
+pub struct ElementParams {
     /// Rest value of new cloth (angle [rad] or stretch [-]).
-    pub home: f64,
+    pub initial_rest: f64,
     /// L / min(w, L) for hinges, 1 for lengths [-].
     pub gain: f64,
     /// 0..1: scales what events change.
     pub mask: f64,
 }
 
-impl Element {
+impl ElementParams {
     /// Flat when new, at least as wide as the reference length, unmasked.
-    pub const PLAIN: Self = Self { home: 0.0, gain: 1.0, mask: 1.0 };
+    pub const PLAIN: Self = Self { initial_rest: 0.0, gain: 1.0, mask: 1.0 };
 }
 
 /// Which band a condition is in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub enum Zone {
+pub enum Band {
     /// Below both thresholds.
     #[default]
     Rest,
@@ -78,23 +79,23 @@ pub enum Zone {
 
 /// What one element remembers.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Trace {
+pub struct HysteresisState {
     /// Rest value (angle [rad] or stretch [-]).
     pub rest: f64,
     /// Stiffness ratio [-].
     pub stiffness: f64,
-    /// Band it was in last.
-    pub zone: Zone,
+    /// BandParams it was in last.
+    pub band: Band,
     /// Time spent in that band [s].
     pub timer: f64,
     /// Time without load since the last event [s]: the clock of reopening.
     pub idle: f64,
 }
 
-impl Trace {
+impl HysteresisState {
     /// New cloth with the given rest value.
     pub fn new(rest: f64) -> Self {
-        Self { rest, stiffness: 1.0, zone: Zone::Rest, timer: 0.0, idle: 0.0 }
+        Self { rest, stiffness: 1.0, band: Band::Rest, timer: 0.0, idle: 0.0 }
     }
 }
 
@@ -121,75 +122,118 @@ const REOPENING_FROM: f64 = 1.0;
 /// What is held bent by more than this share of the gradual threshold does not reopen.
 const HELD: f64 = 0.5;
 
-impl Law {
-    fn zone(&self, size: f64) -> Zone {
+impl MemoryLaw {
+    /// The law of angles.
+    pub fn for_angles(memory: &FabricMemory) -> Self {
+        Self {
+            gradual: BandParams {
+                threshold: memory.gradual_threshold(),
+                duration: memory.gradual_duration_s,
+                stiffness_rate: memory.gradual_stiffness_ratio,
+                rest_rate: memory.gradual_angle_ratio,
+            },
+            critical: BandParams {
+                threshold: memory.critical_threshold(),
+                duration: memory.critical_duration_s,
+                stiffness_rate: memory.critical_stiffness_ratio,
+                rest_rate: memory.critical_angle_ratio,
+            },
+            max_stiffness_ratio: memory.stiffness_ceiling,
+            max_rest_change: f64::INFINITY,
+            recovery_per_decade: memory.reopening_percent_per_decade * 0.01,
+        }
+    }
+
+    /// The law of lengths, if lengths are remembered. Stretching does not stiffen the membrane, and what has bagged
+    /// out does not come back: only the rest length moves, and only outwards.
+    pub fn for_lengths(memory: &FabricMemory) -> Option<Self> {
+        let band =
+            |threshold, duration, rest_rate| BandParams { threshold, duration, stiffness_rate: 0.0, rest_rate };
+        (memory.gradual_length_ratio > 0.0 || memory.critical_length_ratio > 0.0).then(|| Self {
+            gradual: band(
+                memory.gradual_stretch_threshold(),
+                memory.gradual_duration_s,
+                memory.gradual_length_ratio,
+            ),
+            critical: band(
+                memory.critical_stretch_threshold(),
+                memory.critical_duration_s,
+                memory.critical_length_ratio,
+            ),
+            max_stiffness_ratio: 1.0,
+            max_rest_change: memory.rest_stretch_ceiling_percent * 0.01,
+            recovery_per_decade: 0.0,
+        })
+    }
+
+    fn band_of(&self, size: f64) -> Band {
         if size > self.critical.threshold {
-            Zone::Critical
+            Band::Critical
         } else if size > self.gradual.threshold {
-            Zone::Gradual
+            Band::Gradual
         } else {
-            Zone::Rest
+            Band::Rest
         }
     }
 
-    fn band(&self, zone: Zone) -> Option<&Band> {
-        match zone {
-            Zone::Rest => None,
-            Zone::Gradual => Some(&self.gradual),
-            Zone::Critical => Some(&self.critical),
+    fn params(&self, band: Band) -> Option<&BandParams> {
+        match band {
+            Band::Rest => None,
+            Band::Gradual => Some(&self.gradual),
+            Band::Critical => Some(&self.critical),
         }
     }
 
-    /// Moves `trace` over a step of `duration` [s] during which the value goes linearly from `from` to `to`.
+    /// Moves `state` over a step of `duration` [s] during which the value goes linearly from `from` to `to`.
     pub fn advance(
         &self,
-        trace: &mut Trace,
+        state: &mut HysteresisState,
         from: f64,
         to: f64,
         duration: f64,
-        element: &Element,
+        element: &ElementParams,
     ) -> EventCount {
         let mut count = EventCount::default();
-        let Element { home, gain, mask } = *element;
+        let ElementParams { initial_rest, gain, mask } = *element;
         // Every finite condition that stays below the gradual threshold leaves at once: nearly all hinges.
-        let largest = (from - trace.rest).abs().max((to - trace.rest).abs()) * gain;
+        let largest = (from - state.rest).abs().max((to - state.rest).abs()) * gain;
         if largest <= self.gradual.threshold || !largest.is_finite() || mask <= 0.0 {
-            trace.zone = Zone::Rest;
-            trace.timer = 0.0;
-            if self.reopening > 0.0 && trace.rest != home && largest.is_finite() {
-                self.reopen(trace, from, to, duration, element);
+            state.band = Band::Rest;
+            state.timer = 0.0;
+            if self.recovery_per_decade > 0.0 && state.rest != initial_rest && largest.is_finite() {
+                self.reopen(state, from, to, duration, element);
             }
             return count;
         }
         let rate = if duration > 0.0 { (to - from) / duration } else { 0.0 };
         let mut now = 0.0;
         for _ in 0..MOST_EVENTS {
-            let condition = (from + rate * now - trace.rest) * gain;
+            let condition = (from + rate * now - state.rest) * gain;
             let slope = rate * gain;
             // Just beyond a threshold the next instant decides which side counts.
-            let zone = self.zone_ahead(condition, slope);
-            if zone != trace.zone {
-                trace.zone = zone;
-                trace.timer = 0.0;
+            let band = self.band_ahead(condition, slope);
+            if band != state.band {
+                state.band = band;
+                state.timer = 0.0;
             }
-            let leave = now + self.time_in_zone(condition, slope, zone);
-            let event = self.band(zone).map_or(f64::INFINITY, |b| now + (b.duration - trace.timer).max(0.0));
+            let leave = now + self.time_in_band(condition, slope, band);
+            let event = self.params(band).map_or(f64::INFINITY, |b| now + (b.duration - state.timer).max(0.0));
             if event <= duration && event <= leave {
-                let band = *self.band(zone).unwrap_or(&self.gradual);
+                let params = *self.params(band).unwrap_or(&self.gradual);
                 now = event;
-                trace.timer = 0.0;
-                trace.idle = 0.0;
-                let condition = (from + rate * now - trace.rest) * gain;
-                self.event(trace, &band, condition, element);
-                match zone {
-                    Zone::Critical => count.critical += 1,
+                state.timer = 0.0;
+                state.idle = 0.0;
+                let condition = (from + rate * now - state.rest) * gain;
+                self.event(state, &params, condition, element);
+                match band {
+                    Band::Critical => count.critical += 1,
                     _ => count.gradual += 1,
                 }
             } else {
                 let end = leave.min(duration);
-                trace.timer += end - now;
-                if zone == Zone::Rest && self.reopening > 0.0 && trace.rest != home {
-                    self.reopen(trace, from + rate * now, from + rate * end, end - now, element);
+                state.timer += end - now;
+                if band == Band::Rest && self.recovery_per_decade > 0.0 && state.rest != initial_rest {
+                    self.reopen(state, from + rate * now, from + rate * end, end - now, element);
                 }
                 now = end;
                 if leave >= duration {
@@ -201,7 +245,7 @@ impl Law {
     }
 
     /// The band entered in the next instant: on a threshold (to rounding), the direction of motion decides.
-    fn zone_ahead(&self, condition: f64, slope: f64) -> Zone {
+    fn band_ahead(&self, condition: f64, slope: f64) -> Band {
         let growing = slope * condition > 0.0;
         let size = condition.abs();
         for threshold in [self.critical.threshold, self.gradual.threshold] {
@@ -209,21 +253,21 @@ impl Law {
             let met = threshold.is_finite() && (size - threshold).abs() <= 1e-12 * threshold.max(1e-300);
             if met && slope != 0.0 {
                 let nudge = if growing { 2e-12 } else { -2e-12 };
-                return self.zone(threshold * (1.0 + nudge));
+                return self.band_of(threshold * (1.0 + nudge));
             }
         }
-        self.zone(size)
+        self.band_of(size)
     }
 
-    /// Time until a linearly moving condition leaves `zone` [s].
-    fn time_in_zone(&self, condition: f64, slope: f64, zone: Zone) -> f64 {
+    /// Time until a linearly moving condition leaves `band` [s].
+    fn time_in_band(&self, condition: f64, slope: f64, band: Band) -> f64 {
         if slope == 0.0 {
             return f64::INFINITY;
         }
-        let bounds = match zone {
-            Zone::Rest => [self.gradual.threshold, f64::NAN],
-            Zone::Gradual => [self.gradual.threshold, self.critical.threshold],
-            Zone::Critical => [self.critical.threshold, f64::NAN],
+        let bounds = match band {
+            Band::Rest => [self.gradual.threshold, f64::NAN],
+            Band::Gradual => [self.gradual.threshold, self.critical.threshold],
+            Band::Critical => [self.critical.threshold, f64::NAN],
         };
         let mut first = f64::INFINITY;
         for bound in bounds.into_iter().filter(|b| b.is_finite()) {
@@ -240,42 +284,42 @@ impl Law {
 
     /// Lets what is remembered reopen for that part of a step without events in which nothing holds it bent, and no
     /// farther than to where something does.
-    fn reopen(&self, trace: &mut Trace, from: f64, to: f64, duration: f64, element: &Element) {
-        let side = (trace.rest - element.home).signum();
+    fn reopen(&self, state: &mut HysteresisState, from: f64, to: f64, duration: f64, element: &ElementParams) {
+        let side = (state.rest - element.initial_rest).signum();
         let held = HELD * self.gradual.threshold / element.gain;
         // How far beyond the rest value the cloth is held, at both ends of the step.
-        let (first, last) = (side * (from - trace.rest) - held, side * (to - trace.rest) - held);
+        let (first, last) = (side * (from - state.rest) - held, side * (to - state.rest) - held);
         let share = match (first < 0.0, last < 0.0) {
             (true, true) => 1.0,
             (false, false) => 0.0,
             (true, false) => first / (first - last),
             (false, true) => last / (last - first),
         };
-        let left = |idle: f64| (1.0 - self.reopening * (1.0 + idle / REOPENING_FROM).log10()).max(0.0);
-        let before = left(trace.idle);
-        trace.idle += share * duration;
-        let ratio = if before > 0.0 { left(trace.idle) / before } else { 0.0 };
-        let reopened = element.home + (trace.rest - element.home) * ratio;
+        let left = |idle: f64| (1.0 - self.recovery_per_decade * (1.0 + idle / REOPENING_FROM).log10()).max(0.0);
+        let before = left(state.idle);
+        state.idle += share * duration;
+        let ratio = if before > 0.0 { left(state.idle) / before } else { 0.0 };
+        let reopened = element.initial_rest + (state.rest - element.initial_rest) * ratio;
         let limit = side * to - held;
-        let rest = side * trace.rest;
-        trace.rest = side * (side * reopened).max(limit.min(rest));
+        let rest = side * state.rest;
+        state.rest = side * (side * reopened).max(limit.min(rest));
     }
 
-    fn event(&self, trace: &mut Trace, band: &Band, condition: f64, element: &Element) {
-        let Element { home, gain, mask } = *element;
-        let outwards = (trace.rest - home) * condition.signum();
-        let room = (1.0 - outwards.max(0.0) / self.rest_ceiling).max(0.0);
+    fn event(&self, state: &mut HysteresisState, band: &BandParams, condition: f64, element: &ElementParams) {
+        let ElementParams { initial_rest, gain, mask } = *element;
+        let outwards = (state.rest - initial_rest) * condition.signum();
+        let room = (1.0 - outwards.max(0.0) / self.max_rest_change).max(0.0);
         let moved = condition.signum() * band.rest_rate * band.threshold * mask * room;
-        trace.rest += moved / gain;
+        state.rest += moved / gain;
         let after = condition - moved;
-        let wished = trace.stiffness * (1.0 + band.stiffness_rate * band.threshold * mask);
+        let wished = state.stiffness * (1.0 + band.stiffness_rate * band.threshold * mask);
         // Guard: s' C'² <= s C².
         let allowed = if after == 0.0 {
             f64::INFINITY
         } else {
-            trace.stiffness.max(trace.stiffness * (condition / after).powi(2))
+            state.stiffness.max(state.stiffness * (condition / after).powi(2))
         };
-        trace.stiffness = wished.min(allowed).min(self.ceiling.max(trace.stiffness));
+        state.stiffness = wished.min(allowed).min(self.max_stiffness_ratio.max(state.stiffness));
     }
 }
 
@@ -283,42 +327,42 @@ impl Law {
 mod tests {
     use super::*;
 
-    fn paper(tau_gradual: f64, tau_critical: f64) -> Law {
+    fn paper(tau_gradual: f64, tau_critical: f64) -> MemoryLaw {
         let right = std::f64::consts::FRAC_PI_2;
-        Law {
-            gradual: Band {
+        MemoryLaw {
+            gradual: BandParams {
                 threshold: 0.27 * right,
                 duration: tau_gradual,
                 stiffness_rate: 1.1,
                 rest_rate: 0.4,
             },
-            critical: Band {
+            critical: BandParams {
                 threshold: 0.85 * right,
                 duration: tau_critical,
                 stiffness_rate: 2.5,
                 rest_rate: 1.0,
             },
-            ceiling: 30.0,
-            rest_ceiling: f64::INFINITY,
-            reopening: 0.0,
+            max_stiffness_ratio: 30.0,
+            max_rest_change: f64::INFINITY,
+            recovery_per_decade: 0.0,
         }
     }
 
-    /// The fold of KOW's Table 2: a smoothstep to 3.01 rad over 9 s; the last trace and the largest torque (k = 1).
-    fn fold(law: &Law, step: f64) -> (Trace, f64) {
+    /// The fold of KOW's Table 2: a smoothstep to 3.01 rad over 9 s; the last state and the largest torque (k = 1).
+    fn fold(law: &MemoryLaw, step: f64) -> (HysteresisState, f64) {
         let angle = |t: f64| {
             let u = (t / 9.0).min(1.0);
             3.01 * u * u * (3.0 - 2.0 * u)
         };
-        let mut trace = Trace::new(0.0);
+        let mut state = HysteresisState::new(0.0);
         let mut largest: f64 = 0.0;
         let steps = (9.0 / step).round() as usize;
         for k in 0..steps {
             let (a, b) = (angle(k as f64 * step), angle((k + 1) as f64 * step));
-            law.advance(&mut trace, a, b, step, &Element::PLAIN);
-            largest = largest.max(trace.stiffness * (b - trace.rest));
+            law.advance(&mut state, a, b, step, &ElementParams::PLAIN);
+            largest = largest.max(state.stiffness * (b - state.rest));
         }
-        (trace, largest)
+        (state, largest)
     }
 
     #[test]
@@ -328,8 +372,8 @@ mod tests {
         for step in [1.0 / 24.0, 1.0 / 60.0, 1.0 / 240.0] {
             let mut errors = Vec::new();
             for (tau, rest, torque) in table {
-                let (trace, largest) = fold(&paper(tau, 1.25), step);
-                errors.push((trace.rest / rest - 1.0).abs());
+                let (state, largest) = fold(&paper(tau, 1.25), step);
+                errors.push((state.rest / rest - 1.0).abs());
                 errors.push((largest / torque - 1.0).abs());
             }
             let mean = errors.iter().sum::<f64>() / 8.0;
@@ -342,11 +386,11 @@ mod tests {
     fn a_hold_in_one_step_has_the_events_of_many() {
         let law = paper(1.0, 1.25);
         for angle in [0.6, 1.5, 3.0] {
-            let (mut one, mut many) = (Trace::new(0.0), Trace::new(0.0));
-            let a = law.advance(&mut one, angle, angle, 30.0, &Element::PLAIN);
+            let (mut one, mut many) = (HysteresisState::new(0.0), HysteresisState::new(0.0));
+            let a = law.advance(&mut one, angle, angle, 30.0, &ElementParams::PLAIN);
             let mut b = EventCount::default();
             for _ in 0..1800 {
-                b += law.advance(&mut many, angle, angle, 1.0 / 60.0, &Element::PLAIN);
+                b += law.advance(&mut many, angle, angle, 1.0 / 60.0, &ElementParams::PLAIN);
             }
             assert_eq!(a, b, "angle {angle}");
             assert!((one.rest - many.rest).abs() < 1e-12 && (one.stiffness - many.stiffness).abs() < 1e-12);
@@ -358,11 +402,11 @@ mod tests {
         let law = paper(0.1, 0.1);
         for k in 1..300 {
             let angle = 0.01 * f64::from(k);
-            let mut trace = Trace::new(0.0);
+            let mut state = HysteresisState::new(0.0);
             let mut energy = angle * angle;
             for _ in 0..50 {
-                law.advance(&mut trace, angle, angle, 0.1, &Element::PLAIN);
-                let now = trace.stiffness * (angle - trace.rest).powi(2);
+                law.advance(&mut state, angle, angle, 0.1, &ElementParams::PLAIN);
+                let now = state.stiffness * (angle - state.rest).powi(2);
                 assert!(now <= energy * (1.0 + 1e-12), "angle {angle}: {now} over {energy}");
                 energy = now;
             }
@@ -372,11 +416,11 @@ mod tests {
     #[test]
     fn crossing_both_thresholds_in_one_step_starts_the_right_timer() {
         let law = paper(1.0, 1.0);
-        let mut trace = Trace::new(0.0);
+        let mut state = HysteresisState::new(0.0);
         // From 0 to 3 rad in one step of 3 s: the critical band is entered at C^b / (1 rad/s).
-        law.advance(&mut trace, 0.0, 2.0, 2.0, &Element::PLAIN);
-        assert_eq!(trace.zone, Zone::Critical);
-        assert!((trace.timer - (2.0 - law.critical.threshold)).abs() < 1e-9, "{}", trace.timer);
+        law.advance(&mut state, 0.0, 2.0, 2.0, &ElementParams::PLAIN);
+        assert_eq!(state.band, Band::Critical);
+        assert!((state.timer - (2.0 - law.critical.threshold)).abs() < 1e-9, "{}", state.timer);
     }
 
     /// Nothing meets an infinite threshold, and a threshold of zero leaves nothing to move by.
@@ -388,18 +432,18 @@ mod tests {
             let mut law = paper(1.0, 1.0);
             law.gradual.threshold = gradual;
             law.critical.threshold = critical;
-            let mut trace = Trace::new(0.0);
+            let mut state = HysteresisState::new(0.0);
             let mut count = EventCount::default();
             for (from, to, duration) in
                 [(0.0, 3.0, 1.0), (3.0, 3.0, 20.0), (3.0, -3.0, 2.0), (-3.0, 0.0, 1.0)]
             {
-                count += law.advance(&mut trace, from, to, duration, &Element::PLAIN);
+                count += law.advance(&mut state, from, to, duration, &ElementParams::PLAIN);
             }
-            assert!(trace.rest.is_finite() && (1.0..=30.0).contains(&trace.stiffness), "{trace:?}");
+            assert!(state.rest.is_finite() && (1.0..=30.0).contains(&state.stiffness), "{state:?}");
             assert_eq!(count.critical > 0, critical == 0.0, "{gradual} {critical}: {count:?}");
             let reached = gradual.is_finite() && critical > 0.0;
             assert_eq!(count.gradual > 0, reached, "{gradual} {critical}: {count:?}");
-            assert_eq!(trace.rest != 0.0, gradual == 0.4, "{gradual} {critical}: {trace:?}");
+            assert_eq!(state.rest != 0.0, gradual == 0.4, "{gradual} {critical}: {state:?}");
         }
     }
 
@@ -407,20 +451,20 @@ mod tests {
     /// pull; with one each pull adds less, and none leads past it.
     #[test]
     fn what_is_pulled_again_and_again_levels_off() {
-        let strain = |threshold| Band { threshold, duration: 0.5, stiffness_rate: 0.0, rest_rate: 0.25 };
-        let endless = Law { gradual: strain(0.02), critical: strain(0.06), ..paper(1.0, 1.0) };
-        let law = Law { rest_ceiling: 0.05, ..endless };
-        let added = |law: &Law, element: &Element| -> Vec<f64> {
-            let mut trace = Trace::new(1.0);
-            let pull = |trace: &mut Trace| {
-                let (before, far) = (trace.rest, trace.rest + 0.08);
-                law.advance(trace, far, far, 0.6, element);
-                law.advance(trace, before, before, 0.1, element);
-                trace.rest - before
+        let strain = |threshold| BandParams { threshold, duration: 0.5, stiffness_rate: 0.0, rest_rate: 0.25 };
+        let endless = MemoryLaw { gradual: strain(0.02), critical: strain(0.06), ..paper(1.0, 1.0) };
+        let law = MemoryLaw { max_rest_change: 0.05, ..endless };
+        let added = |law: &MemoryLaw, element: &ElementParams| -> Vec<f64> {
+            let mut state = HysteresisState::new(1.0);
+            let pull = |state: &mut HysteresisState| {
+                let (before, far) = (state.rest, state.rest + 0.08);
+                law.advance(state, far, far, 0.6, element);
+                law.advance(state, before, before, 0.1, element);
+                state.rest - before
             };
-            (0..100).map(|_| pull(&mut trace)).collect()
+            (0..100).map(|_| pull(&mut state)).collect()
         };
-        let new = Element { home: 1.0, ..Element::PLAIN };
+        let new = ElementParams { initial_rest: 1.0, ..ElementParams::PLAIN };
         assert!(added(&endless, &new).iter().all(|a| (a - 0.015).abs() < 1e-12));
         let limited = added(&law, &new);
         assert_eq!(limited[0].to_bits(), added(&endless, &new)[0].to_bits());
@@ -428,46 +472,46 @@ mod tests {
         let whole: f64 = limited.iter().sum();
         assert!((0.0499..=0.05).contains(&whole), "{whole}");
         // What came from elsewhere already stretched beyond the ceiling stays as it is.
-        let mut carried = Trace::new(1.2);
+        let mut carried = HysteresisState::new(1.2);
         law.advance(&mut carried, 1.3, 1.3, 10.0, &new);
         assert_eq!(carried.rest, 1.2);
     }
 
-    fn reopening() -> Law {
-        Law { reopening: 0.1, ..paper(4.3, 1.0) }
+    fn reopening() -> MemoryLaw {
+        MemoryLaw { recovery_per_decade: 0.1, ..paper(4.3, 1.0) }
     }
 
     #[test]
     fn what_is_let_go_reopens_by_decades_of_time_whatever_the_step() {
         let law = reopening();
-        let mut set = Trace::new(0.0);
-        law.advance(&mut set, 3.0, 3.0, 30.0, &Element::PLAIN);
+        let mut set = HysteresisState::new(0.0);
+        law.advance(&mut set, 3.0, 3.0, 30.0, &ElementParams::PLAIN);
         let before = set.rest;
         // A free hinge follows its rest angle.
-        let wait = |trace: &mut Trace, duration: f64| {
-            let rest = trace.rest;
-            law.advance(trace, rest, rest, duration, &Element::PLAIN);
+        let wait = |state: &mut HysteresisState, duration: f64| {
+            let rest = state.rest;
+            law.advance(state, rest, rest, duration, &ElementParams::PLAIN);
         };
         for steps in [99, 990] {
-            let mut trace = set;
-            (0..steps).for_each(|_| wait(&mut trace, 99.0 / f64::from(steps)));
-            assert!((trace.rest / before - 0.8).abs() < 1e-12, "two decades: {} of {before}", trace.rest);
-            (0..80).for_each(|k| wait(&mut trace, 50.0 * 1.5f64.powi(k)));
-            assert_eq!(trace.rest, 0.0, "in the end nothing is left, and it does not open beyond");
+            let mut state = set;
+            (0..steps).for_each(|_| wait(&mut state, 99.0 / f64::from(steps)));
+            assert!((state.rest / before - 0.8).abs() < 1e-12, "two decades: {} of {before}", state.rest);
+            (0..80).for_each(|k| wait(&mut state, 50.0 * 1.5f64.powi(k)));
+            assert_eq!(state.rest, 0.0, "in the end nothing is left, and it does not open beyond");
         }
     }
 
     #[test]
     fn what_is_held_does_not_reopen() {
         let law = reopening();
-        let mut trace = Trace::new(0.0);
-        law.advance(&mut trace, 3.0, 3.0, 30.0, &Element::PLAIN);
-        let (rest, gap) = (trace.rest, 3.0 - trace.rest);
+        let mut state = HysteresisState::new(0.0);
+        law.advance(&mut state, 3.0, 3.0, 30.0, &ElementParams::PLAIN);
+        let (rest, gap) = (state.rest, 3.0 - state.rest);
         assert!(gap > HELD * law.gradual.threshold && gap < law.gradual.threshold);
-        law.advance(&mut trace, 3.0, 3.0, 1000.0, &Element::PLAIN);
-        assert_eq!(trace.rest, rest);
+        law.advance(&mut state, 3.0, 3.0, 1000.0, &ElementParams::PLAIN);
+        assert_eq!(state.rest, rest);
         // Held a little bent, it opens until it pulls against what holds it, and no farther.
-        law.advance(&mut trace, rest, rest, 1e9, &Element::PLAIN);
-        assert!((rest - trace.rest - HELD * law.gradual.threshold).abs() < 1e-12, "{trace:?}");
+        law.advance(&mut state, rest, rest, 1e9, &ElementParams::PLAIN);
+        assert!((rest - state.rest - HELD * law.gradual.threshold).abs() < 1e-12, "{state:?}");
     }
 }

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// Rest angles, stiffness ratios, rest lengths and running timers of one garment.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct RestShape {
+pub struct RestState {
     /// One per hinge: angle of the source shape [rad].
     pub source_angle: Vec<f64>,
     /// One per hinge: rest angle [rad].
@@ -17,7 +17,7 @@ pub struct RestShape {
     pub rest_stretch_weft: Vec<f64>,
 }
 
-impl RestShape {
+impl RestState {
     /// Memory of new, flat cloth.
     pub fn flat(hinge_count: usize, triangle_count: usize) -> Self {
         Self::new(vec![0.0; hinge_count], triangle_count)
