@@ -111,7 +111,8 @@ fn assert_same(one: &BakeResult, other: &BakeResult, what: &str) {
     assert_eq!(one.worn.displacement, other.worn.displacement, "{what}: displacement");
     assert_eq!(one.worn.memory, other.worn.memory, "{what}: memory");
     assert_eq!(one.end, other.end, "{what}: end");
-    let counts = |b: &BakeResult| (b.report.steps, b.report.rejected, b.report.solves, b.report.warnings.clone());
+    let counts =
+        |b: &BakeResult| (b.report.steps, b.report.rejected, b.report.solves, b.report.warnings.clone());
     assert_eq!(counts(one), counts(other), "{what}: counts");
 }
 

@@ -118,7 +118,8 @@ fn what_a_graded_mesh_remembers_comes_back_to_the_whole() {
     let text = std::fs::read_to_string(path).expect("a script of the repository");
     let script = WearScript::parse("fold-thrice.json", &text).expect("is a script");
     let fabric = Fabric::preset(DEFAULT_FABRIC).expect("exists");
-    let mesh = SimulationMesh::choose(&garment, &fabric, &script, &BakeOptions::default()).mesh.expect("is graded");
+    let mesh =
+        SimulationMesh::choose(&garment, &fabric, &script, &BakeOptions::default()).mesh.expect("is graded");
     assert!(mesh.source.len() < garment.points.len() / 2, "{} points", mesh.source.len());
     let (coarse, whole) = (Sheet::without_texture(&mesh.garment), Sheet::without_texture(&garment));
     let (earned, there) = (made_memory(&coarse), made_memory(&whole));

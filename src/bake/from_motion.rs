@@ -9,7 +9,7 @@ use crate::bake::{BakeReport, BakeResult, settle};
 use crate::fabric::Fabric;
 use crate::garment::{Garment, RestState, WornGarment};
 use crate::math::Vec3;
-use crate::memory::{Memory, Strains, MemoryModel};
+use crate::memory::{Memory, MemoryModel, Strains};
 use crate::sim::Cloth;
 use std::time::Instant;
 
@@ -70,5 +70,9 @@ pub fn memory_from_motion(garment: &Garment, fabric: &Fabric, motion: &mut Garme
         stages: vec![("remember", remembered), ("home", home)],
         ..BakeReport::default()
     };
-    BakeResult { worn: WornGarment { displacement: settled.displacement, memory: memory.rest }, end: x, report }
+    BakeResult {
+        worn: WornGarment { displacement: settled.displacement, memory: memory.rest },
+        end: x,
+        report,
+    }
 }

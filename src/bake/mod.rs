@@ -21,7 +21,7 @@ pub use plan::{ModelDecision, ModelPlan};
 pub use quality::Quality;
 pub use relax::{RelaxResult, rest_mesh, settle};
 
-use crate::bake::body_coupling::{OnBody, BodyPenetrationStats};
+use crate::bake::body_coupling::{BodyPenetrationStats, OnBody};
 use crate::bake::relax_to_source::{Homeward, bring_home};
 use crate::bake::violation_log::UnmetLog;
 use crate::body::Wearer;
@@ -30,7 +30,7 @@ use crate::error::{Error, Result};
 use crate::fabric::Fabric;
 use crate::garment::{Garment, RestState, WornGarment};
 use crate::math::Vec3;
-use crate::memory::{EventCount, Memory, Strains, MemoryModel};
+use crate::memory::{EventCount, Memory, MemoryModel, Strains};
 use crate::mesh::intersections::crossings;
 use crate::sim::GRAVITY;
 use crate::sim::{Cloth, SolveCost, State, StepOptions, Stepper};
@@ -604,8 +604,9 @@ impl Run<'_> {
             let earlier = Strains { angle: &angle, stretch: &stretch };
             let after = Strains { angle: &self.state.angle, stretch: &stretch_after };
             let events = self.memory.commit(law, &earlier, &after, step.step);
-            next =
-                next.min(law.max_dt_after_events(events, self.event_dt_fraction)).max(self.stepper.options.shortest);
+            next = next
+                .min(law.max_dt_after_events(events, self.event_dt_fraction))
+                .max(self.stepper.options.shortest);
         }
         self.seconds[3] += clock.elapsed().as_secs_f64();
         observer.progress(&Progress {

@@ -104,7 +104,11 @@ impl PlannedScene<'_> {
         let weight = fabric.area_density() * GRAVITY * size;
         let ridges =
             self.options.body.is_some() || self.actions.iter().any(|a| matches!(a, Action::Crumple(_)));
-        let sag = if ridges { self.options.max_weight_strain.max(RIDGE_SAG) } else { self.options.max_weight_strain };
+        let sag = if ridges {
+            self.options.max_weight_strain.max(RIDGE_SAG)
+        } else {
+            self.options.max_weight_strain
+        };
         let enough = weight / sag;
         let softest = fabric.stretch_warp().min(fabric.stretch_weft());
         let scale = if self.options.full_fidelity { 1.0 } else { (enough / softest).min(1.0) };
@@ -180,7 +184,8 @@ impl PlannedScene<'_> {
         };
         let moving = self.actions.iter().filter(|action| !quiet(action)).count();
         let one_layer = is_one_flat_layer(self.garment);
-        let meet = self.garment.triangles.len() > 1 && (self.options.full_fidelity || moving > 0 || !one_layer);
+        let meet =
+            self.garment.triangles.len() > 1 && (self.options.full_fidelity || moving > 0 || !one_layer);
         let why = if meet {
             let layers = if one_layer { "one flat layer" } else { "more than one layer" };
             format!(
@@ -336,7 +341,12 @@ mod tests {
         let fabric = Fabric::preset(DEFAULT_FABRIC).expect("exists");
         let text = format!(r#"{{"format": "crease-wear/1", "name": "", "actions": [{script}]}}"#);
         let script = WearScript::parse("wear.json", &text).expect("is a script");
-        ModelPlan::new(garment, &fabric, &script, &BakeOptions { full_fidelity: everything, ..BakeOptions::default() })
+        ModelPlan::new(
+            garment,
+            &fabric,
+            &script,
+            &BakeOptions { full_fidelity: everything, ..BakeOptions::default() },
+        )
     }
 
     const FOLD: &str = r#"{"fold": {"line": [[0.5, 0.0], [0.5, 1.0]], "side": "left", "angle": 180, "over": 2.0, "hold": 5.0}}"#;

@@ -11,7 +11,7 @@ use crate::energy::Bending;
 use crate::fabric::Fabric;
 use crate::garment::{Garment, RestState};
 use crate::math::Vec3;
-use crate::memory::{Memory, Strains, MemoryModel};
+use crate::memory::{Memory, MemoryModel, Strains};
 use std::f64::consts::PI;
 
 /// J of the elastica between plates: the integral of sqrt(sin theta) from 0 to pi.

@@ -147,8 +147,12 @@ impl MemoryLaw {
     /// The law of lengths, if lengths are remembered. Stretching does not stiffen the membrane, and what has bagged
     /// out does not come back: only the rest length moves, and only outwards.
     pub fn for_lengths(memory: &FabricMemory) -> Option<Self> {
-        let band =
-            |threshold, duration, rest_rate| BandParams { threshold, duration, stiffness_rate: 0.0, rest_rate };
+        let band = |threshold, duration, rest_rate| BandParams {
+            threshold,
+            duration,
+            stiffness_rate: 0.0,
+            rest_rate,
+        };
         (memory.gradual_length_ratio > 0.0 || memory.critical_length_ratio > 0.0).then(|| Self {
             gradual: band(
                 memory.gradual_stretch_threshold(),
@@ -217,7 +221,8 @@ impl MemoryLaw {
                 state.timer = 0.0;
             }
             let leave = now + self.time_in_band(condition, slope, band);
-            let event = self.params(band).map_or(f64::INFINITY, |b| now + (b.duration - state.timer).max(0.0));
+            let event =
+                self.params(band).map_or(f64::INFINITY, |b| now + (b.duration - state.timer).max(0.0));
             if event <= duration && event <= leave {
                 let params = *self.params(band).unwrap_or(&self.gradual);
                 now = event;
@@ -284,7 +289,14 @@ impl MemoryLaw {
 
     /// Lets what is remembered reopen for that part of a step without events in which nothing holds it bent, and no
     /// farther than to where something does.
-    fn reopen(&self, state: &mut HysteresisState, from: f64, to: f64, duration: f64, element: &ElementParams) {
+    fn reopen(
+        &self,
+        state: &mut HysteresisState,
+        from: f64,
+        to: f64,
+        duration: f64,
+        element: &ElementParams,
+    ) {
         let side = (state.rest - element.initial_rest).signum();
         let held = HELD * self.gradual.threshold / element.gain;
         // How far beyond the rest value the cloth is held, at both ends of the step.
@@ -295,7 +307,8 @@ impl MemoryLaw {
             (true, false) => first / (first - last),
             (false, true) => last / (last - first),
         };
-        let left = |idle: f64| (1.0 - self.recovery_per_decade * (1.0 + idle / REOPENING_FROM).log10()).max(0.0);
+        let left =
+            |idle: f64| (1.0 - self.recovery_per_decade * (1.0 + idle / REOPENING_FROM).log10()).max(0.0);
         let before = left(state.idle);
         state.idle += share * duration;
         let ratio = if before > 0.0 { left(state.idle) / before } else { 0.0 };
@@ -451,7 +464,8 @@ mod tests {
     /// pull; with one each pull adds less, and none leads past it.
     #[test]
     fn what_is_pulled_again_and_again_levels_off() {
-        let strain = |threshold| BandParams { threshold, duration: 0.5, stiffness_rate: 0.0, rest_rate: 0.25 };
+        let strain =
+            |threshold| BandParams { threshold, duration: 0.5, stiffness_rate: 0.0, rest_rate: 0.25 };
         let endless = MemoryLaw { gradual: strain(0.02), critical: strain(0.06), ..paper(1.0, 1.0) };
         let law = MemoryLaw { max_rest_change: 0.05, ..endless };
         let added = |law: &MemoryLaw, element: &ElementParams| -> Vec<f64> {

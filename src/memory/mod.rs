@@ -174,7 +174,11 @@ impl Memory {
         let shape = &mut self.rest;
         for (h, running) in self.hinge.iter_mut().enumerate() {
             let mut state = running.state(shape.rest_angle[h], shape.stiffness_ratio[h]);
-            let element = ElementParams { initial_rest: shape.source_angle[h], gain: law.gain[h], mask: law.hinge_mask[h] };
+            let element = ElementParams {
+                initial_rest: shape.source_angle[h],
+                gain: law.gain[h],
+                mask: law.hinge_mask[h],
+            };
             count += law.angle.advance(&mut state, before.angle[h], after.angle[h], duration, &element);
             shape.rest_angle[h] = state.rest;
             shape.stiffness_ratio[h] = state.stiffness;

@@ -5,7 +5,7 @@ use crease::energy::Bending;
 use crease::fabric::Fabric;
 use crease::garment::{Garment, RestState};
 use crease::math::{Vec2, Vec3};
-use crease::memory::{ElementParams, HysteresisState, MemoryLaw, Memory, Strains, MemoryModel};
+use crease::memory::{ElementParams, HysteresisState, Memory, MemoryLaw, MemoryModel, Strains};
 use crease::mesh::{PointIndex, Topology};
 
 /// Two triangles on a common edge of `size` [m], flat.
@@ -126,14 +126,19 @@ fn memory_is_read_frozen_and_reset() {
     watched.step(&bent, 1.0);
     watched.step(&bent, 60.0);
     assert!(
-        watched.memory.is_frozen() && watched.memory.rest == new.rest && watched.memory.effective_rest == new.effective_rest
+        watched.memory.is_frozen()
+            && watched.memory.rest == new.rest
+            && watched.memory.effective_rest == new.effective_rest
     );
     watched.memory.freeze(false);
     watched.step(&bent, 60.0);
     let shape = &watched.memory.rest;
     assert!(shape.rest_angle[0].abs() > 1.3 && shape.stiffness_ratio[0] > 2.0);
     assert!(watched.memory.events.critical >= 1 && watched.memory.events.gradual >= 1);
-    assert!((watched.memory.effective_rest.rest_angle[0] - shape.rest_angle[0]).abs() < 1e-9, "all has entered");
+    assert!(
+        (watched.memory.effective_rest.rest_angle[0] - shape.rest_angle[0]).abs() < 1e-9,
+        "all has entered"
+    );
     watched.memory.reset();
     assert_eq!(watched.memory, new);
 }

@@ -16,9 +16,14 @@ pub const PATHS: [(&str, &[(f64, f64)]); 5] = [
 /// The T-shirt's numbers with other durations, or its own.
 fn laws() -> [(&'static str, MemoryLaw); 4] {
     let with = |gradual_duration_s, critical_duration_s| {
-        MemoryLaw::for_angles(&FabricMemory { gradual_duration_s, critical_duration_s, ..FabricMemory::default() })
+        MemoryLaw::for_angles(&FabricMemory {
+            gradual_duration_s,
+            critical_duration_s,
+            ..FabricMemory::default()
+        })
     };
-    let reopening = MemoryLaw::for_angles(&FabricMemory { reopening_percent_per_decade: 5.0, ..FabricMemory::default() });
+    let reopening =
+        MemoryLaw::for_angles(&FabricMemory { reopening_percent_per_decade: 5.0, ..FabricMemory::default() });
     [
         ("t-shirt", MemoryLaw::for_angles(&FabricMemory::default())),
         ("quick", with(0.7, 0.3)),
@@ -39,7 +44,13 @@ fn angle_at(path: &[(f64, f64)], time: f64) -> f64 {
 }
 
 /// Goes along a path in steps of `step` seconds; `change` is added to every angle but the first.
-fn walk(law: &MemoryLaw, path: &[(f64, f64)], step: f64, sign: f64, change: f64) -> (HysteresisState, EventCount) {
+fn walk(
+    law: &MemoryLaw,
+    path: &[(f64, f64)],
+    step: f64,
+    sign: f64,
+    change: f64,
+) -> (HysteresisState, EventCount) {
     let (mut state, mut count) = (HysteresisState::new(0.0), EventCount::default());
     let steps = (path.last().map_or(0.0, |p| p.0) / step).round() as usize;
     let angle = |k: usize| sign * (angle_at(path, k as f64 * step) + if k > 0 { change } else { 0.0 });

@@ -29,7 +29,7 @@ use crate::energy::{Bending, Membrane};
 use crate::error::Result;
 use crate::garment::{Garment, RestState};
 use crate::math::Vec3;
-use crate::memory::{Memory, Strains, MemoryModel};
+use crate::memory::{Memory, MemoryModel, Strains};
 use crate::mesh::intersections::crossings;
 use crate::sim::{Cloth, Leeway, Method, NewtonOptions, State, StepOptions, StepReport, Stepper};
 use crate::sim::{Drive, GRAVITY};

@@ -20,7 +20,10 @@ use crate::cli::runtime::progress::{Progress, StepNews};
 use crate::cli::runtime::threads::use_threads;
 use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use crease::bake::{BakeOptions, BakeResult, Checkpoint, ModelDecision, Observer, ModelPlan, Quality, active_points, bake_from};
+use crease::bake::{
+    BakeOptions, BakeResult, Checkpoint, ModelDecision, ModelPlan, Observer, Quality, active_points,
+    bake_from,
+};
 use crease::body::Wearer;
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
 use crease::garment::{Garment, RestState, WornGarment};

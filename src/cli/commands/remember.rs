@@ -154,7 +154,12 @@ impl Job {
                 None => garment.points.clone(),
             },
         };
-        let mut motion = GarmentMotion { frame_count: *frame_count, interval: *interval, repetitions: times, frame: &mut frame };
+        let mut motion = GarmentMotion {
+            frame_count: *frame_count,
+            interval: *interval,
+            repetitions: times,
+            frame: &mut frame,
+        };
         memory_from_motion(garment, fabric, &mut motion)
     }
 
