@@ -36,4 +36,4 @@ pub mod report;
 #[cfg(feature = "charts")]
 pub mod chart;
 
-pub use error::{Error, Fault, Result};
+pub use error::{Diagnostic, Error, Result};

@@ -2,7 +2,7 @@
 
 use assert_cmd::Command;
 use crease::bake::{BakeOptions, bake};
-use crease::body::{BodyPose, Motion, Wearer};
+use crease::body::{AnimatedBody, BodyPose, Motion};
 use crease::fabric::Fabric;
 use crease::garment::Garment;
 use crease::io::{ReadOptions, SourceAsset, SourcePiece, read_asset};
@@ -36,7 +36,7 @@ fn sheet(n: u32, edge: f64, height: f64, angle: f64) -> String {
 }
 
 /// A block with its upper side at height 0, outwards; a spike stands on it, between the points of the cloth, this high [m].
-fn block(spike: f64) -> Arc<Wearer> {
+fn block(spike: f64) -> Arc<AnimatedBody> {
     let (a, b) = (-0.3, 0.3);
     let corner = |k: u32| {
         Vec3::new(
@@ -54,7 +54,7 @@ fn block(spike: f64) -> Arc<Wearer> {
         points.extend(foot.map(Vec3::from));
         triangles.extend([[8, 10, 11], [10, 9, 11], [9, 8, 11], [8, 9, 10]]);
     }
-    Arc::new(Wearer::new("block", "", Motion::Still, &points, &triangles))
+    Arc::new(AnimatedBody::new("block", "", Motion::Still, &points, &triangles))
 }
 
 fn on_block(height: f64, spike: f64) -> crease::Result<(Garment, crease::bake::BakeResult)> {
@@ -86,7 +86,7 @@ fn corners_between_the_points_of_the_cloth_do_not_show() {
     let (garment, baked) = on_block(0.002, 0.005).expect("fits");
     let body = block(0.005);
     let crossing =
-        |x: &[Vec3]| crossings_between(x, &garment.triangles, body.start(), body.triangles()).len();
+        |x: &[Vec3]| crossings_between(x, &garment.triangles, body.rest_points(), body.triangles()).len();
     assert!(crossing(&garment.points) > 0, "the spike is in the way at the start");
     assert_eq!(crossing(&baked.end), 0, "{:?}", baked.report.warnings);
     let highest = baked.end.iter().map(|p| p.y).fold(f64::NEG_INFINITY, f64::max);
@@ -94,11 +94,11 @@ fn corners_between_the_points_of_the_cloth_do_not_show() {
 }
 
 /// The arm in the sleeve of the repository.
-fn arm() -> Wearer {
+fn arm() -> AnimatedBody {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("garments/sleeve.glb");
     let asset = asset("sleeve.glb", &std::fs::read(path).expect("is there"));
     let arm: Vec<&SourcePiece> = asset.pieces.iter().filter(|piece| piece.name == "arm").collect();
-    Wearer::from_pieces(&asset, &arm).expect("is a body")
+    AnimatedBody::from_pieces(&asset, &arm).expect("is a body")
 }
 
 /// Only one end of the body moves; the cloth at the other end sleeps, and it is dressed all the same.
@@ -109,7 +109,7 @@ fn what_sleeps_is_dressed_too() {
     let low = |from: f64, to: f64| {
         let of = |p: &&Vec3| p.x > from && p.x < to;
         wearer
-            .start()
+            .rest_points()
             .iter()
             .filter(of)
             .fold(Vec3::repeat(f64::INFINITY), |least, p| if p.y < least.y { *p } else { least })
@@ -148,12 +148,12 @@ fn clothes_that_do_not_fit_are_refused_with_the_number() {
 fn the_arm_of_the_sleeve_bends_by_its_clip() {
     let wearer = arm();
     let there = wearer.points(&wearer.rest());
-    let farthest = there.iter().zip(wearer.start()).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+    let farthest = there.iter().zip(wearer.rest_points()).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
     assert!(farthest < 1e-9, "{farthest}");
     let middle = wearer.clip_pose("elbow", 1.0).expect("has the clip");
     assert!(matches!(middle, BodyPose::Joints(_)));
     let moved = wearer.points(&middle);
-    for (a, b) in wearer.start().iter().zip(&moved) {
+    for (a, b) in wearer.rest_points().iter().zip(&moved) {
         // The upper arm stands, the hand goes by more than its own size.
         assert!(a.x > 0.1 || (a - b).norm() < 1e-9);
         assert!(a.x < 0.6 || (a - b).norm() > 0.1);

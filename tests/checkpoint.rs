@@ -1,7 +1,7 @@
 //! Checkpoints: a bake that is taken up from any of them ends with the bytes of one that was never interrupted.
 
 use crease::bake::{BakeOptions, BakeResult, Checkpoint, Observer, bake, bake_from};
-use crease::body::Wearer;
+use crease::body::AnimatedBody;
 use crease::fabric::Fabric;
 use crease::garment::Garment;
 use crease::io::{ReadOptions, read_asset};
@@ -166,7 +166,7 @@ fn on_a_body_it_goes_on_as_if_nothing_had_been() {
         fabric: Fabric::preset("cotton-jersey").unwrap(),
         script: WearScript::parse("wear.json", script).unwrap(),
         options: BakeOptions {
-            body: Some(std::sync::Arc::new(Wearer::from_pieces(&asset, &arm).unwrap())),
+            body: Some(std::sync::Arc::new(AnimatedBody::from_pieces(&asset, &arm).unwrap())),
             checkpoint_steps: 8,
             ..BakeOptions::default()
         },

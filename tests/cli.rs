@@ -348,7 +348,7 @@ fn a_fine_mesh_is_simulated_on_fewer_points() {
 /// The worn target is there, switched on, and moves something.
 fn check_worn_glb(bytes: &[u8]) {
     let options = crease::io::ReadOptions { unit_m: Some(1.0), ..Default::default() };
-    let mut nothing = |name: &str| Err(crease::Error::fault(name, "", "is not asked for", ""));
+    let mut nothing = |name: &str| Err(crease::Error::input(name, "", "is not asked for", ""));
     let (mut asset, _) =
         crease::io::read_asset("one.glb", bytes, &options, &mut nothing).expect("reads back");
     let document = asset.document.clone().expect("is glTF");
@@ -367,7 +367,7 @@ fn check_worn_glb(bytes: &[u8]) {
 /// What is drawn is the same with the sidecar and from the file alone, up to single precision.
 fn check_portraits(glb: &[u8], sidecar: &[u8]) {
     let options = crease::io::ReadOptions { unit_m: Some(1.0), ..Default::default() };
-    let mut nothing = |name: &str| Err(crease::Error::fault(name, "", "is not asked for", ""));
+    let mut nothing = |name: &str| Err(crease::Error::input(name, "", "is not asked for", ""));
     let (asset, _) = crease::io::read_asset("one.glb", glb, &options, &mut nothing).expect("reads back");
     let sidecar = crease::io::read_sidecar("one.crease.json", sidecar).expect("reads back");
     let in_full = crease::report::GarmentView::of_sidecar("one.glb", &sidecar);

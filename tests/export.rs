@@ -10,7 +10,7 @@ mod external;
 use crease::garment::{Garment, RestState, WornGarment};
 use crease::io::gltf::{WORN_TARGET, join_glb, split_glb, write_worn_glb};
 use crease::io::{ReadOptions, Sidecar, SourceAsset, read_asset, read_sidecar, write_sidecar};
-use crease::math::Draw;
+use crease::math::Rng;
 use crease::mesh::{PointIndex, Topology};
 use external::external;
 use nalgebra::{Matrix4, Vector2, Vector3};
@@ -159,8 +159,8 @@ fn garment(asset: &SourceAsset) -> Garment {
 
 /// Some displacement, of some centimetres, and some memory; the same on every machine.
 fn some_wear(garment: &Garment) -> WornGarment {
-    let mut draw = Draw::from_state(1);
-    let mut next = || draw.unit() - 0.5;
+    let mut rng = Rng::from_state(1);
+    let mut next = || rng.uniform() - 0.5;
     let hinges = garment.topology.hinges.len();
     WornGarment {
         displacement: garment.points.iter().map(|_| Vector3::new(next(), next(), next()) * 0.1).collect(),

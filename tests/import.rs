@@ -4,7 +4,7 @@
 #[path = "reference/external.rs"]
 mod external;
 
-use crease::garment::{Finding, Garment, Inspection, inspect};
+use crease::garment::{ImportDiagnostic, Garment, Inspection, inspect};
 use crease::io::gltf::join_glb;
 use crease::io::{ReadOptions, SourceAsset, read_asset};
 use external::external;
@@ -27,7 +27,7 @@ fn mesh_files(folder: &Path) -> Vec<PathBuf> {
     files
 }
 
-fn read(path: &Path, options: &ReadOptions) -> crease::Result<(SourceAsset, Vec<Finding>)> {
+fn read(path: &Path, options: &ReadOptions) -> crease::Result<(SourceAsset, Vec<ImportDiagnostic>)> {
     let bytes = std::fs::read(path).unwrap();
     let name = path.file_name().unwrap().to_string_lossy().into_owned();
     read_asset(&name, &bytes, options, &mut |uri| {
@@ -405,7 +405,7 @@ fn small_gltf() -> Vec<u8> {
 fn survive(name: &str, bytes: &[u8]) -> bool {
     let options = ReadOptions { unit_m: Some(1.0), mask: None, ..ReadOptions::default() };
     let read =
-        read_asset(name, bytes, &options, &mut |uri| Err(crease::Error::fault(uri, "", "not there", "")));
+        read_asset(name, bytes, &options, &mut |uri| Err(crease::Error::input(uri, "", "not there", "")));
     let Ok((asset, findings)) = read else { return false };
     let Ok((garment, _)) = Garment::from_asset(&asset) else { return false };
     assert!(garment.points.iter().all(|p| p.iter().all(|x| x.is_finite())));

@@ -22,9 +22,9 @@ const LONGEST: Duration = Duration::from_secs(10);
 const MOST_MEMORY_KIB: u64 = 2 << 20;
 
 /// A cheap sequence of numbers that only look random (splitmix64).
-struct Draw(u64);
+struct SplitMix64(u64);
 
-impl Draw {
+impl SplitMix64 {
     fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -36,11 +36,11 @@ impl Draw {
 /// `cuts` beginnings of `bytes`, then `flips` copies with one to eight bits flipped.
 fn mutations(bytes: &[u8], cuts: usize, flips: usize, seed: u64) -> impl Iterator<Item = Vec<u8>> + '_ {
     let cut = move |k: usize| bytes[..bytes.len() * k / cuts].to_vec();
-    let mut draw = Draw(seed);
+    let mut rng = SplitMix64(seed);
     let flip = move |_| {
         let mut copy = bytes.to_vec();
-        for _ in 0..=draw.next() % 8 {
-            let bit = draw.next() as usize % (8 * copy.len().max(1));
+        for _ in 0..=rng.next() % 8 {
+            let bit = rng.next() as usize % (8 * copy.len().max(1));
             if let Some(byte) = copy.get_mut(bit / 8) {
                 *byte ^= 1 << (bit % 8);
             }

@@ -120,13 +120,13 @@ fn what_a_graded_mesh_remembers_comes_back_to_the_whole() {
     let fabric = Fabric::preset(DEFAULT_FABRIC).expect("exists");
     let mesh =
         SimulationMesh::choose(&garment, &fabric, &script, &BakeOptions::default()).mesh.expect("is graded");
-    assert!(mesh.source.len() < garment.points.len() / 2, "{} points", mesh.source.len());
+    assert!(mesh.source_point.len() < garment.points.len() / 2, "{} points", mesh.source_point.len());
     let (coarse, whole) = (Sheet::without_texture(&mesh.garment), Sheet::without_texture(&garment));
     let (earned, there) = (made_memory(&coarse), made_memory(&whole));
     let back = carry_back(&mesh, &earned, &garment);
     let mut same = 0;
     for (h, hinge) in coarse.topology.hinges.iter().enumerate() {
-        let [Some(a), Some(b)] = hinge.triangles.map(|f| mesh.same[f as usize]) else { continue };
+        let [Some(a), Some(b)] = hinge.triangles.map(|f| mesh.unchanged_from[f as usize]) else { continue };
         let is_it = |whole: &&crease::mesh::Hinge| whole.triangles == [a.min(b), a.max(b)];
         if same % 20 == 0 {
             let own = whole.topology.hinges.iter().position(|hinge| is_it(&hinge)).expect("is in both");
@@ -136,7 +136,11 @@ fn what_a_graded_mesh_remembers_comes_back_to_the_whole() {
     }
     assert!(same > 5_000, "{same} hinges are in both");
     let fits = correlation(&tensors(&whole, &back), &tensors(&whole, &there));
-    println!("{} -> {} points: correlation {fits:.3}, {same} hinges", mesh.source.len(), whole.points.len());
+    println!(
+        "{} -> {} points: correlation {fits:.3}, {same} hinges",
+        mesh.source_point.len(),
+        whole.points.len()
+    );
     assert!(fits > 0.9);
     for fold in &FOLDS {
         for front in [true, false] {

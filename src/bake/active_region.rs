@@ -4,7 +4,7 @@
 //! stands under it, and costs nothing in the solver. Awake is what lies near a moving part of the body in any of its
 //! postures, and what is joined to it within a hand's breadth of cloth.
 
-use crate::body::{BodyPose, Wearer};
+use crate::body::{AnimatedBody, BodyPose};
 use crate::garment::Garment;
 use crate::math::Vec3;
 use crate::mesh::triangle_bvh::TriangleTree;
@@ -20,8 +20,8 @@ const REACH: f64 = 0.03;
 const PULL: f64 = 0.10;
 
 /// One flag per point of `garment`: whether the body stirs it on its way through `postures`.
-pub(super) fn awake(garment: &Garment, wearer: &Wearer, postures: &[BodyPose]) -> Vec<bool> {
-    let start = wearer.start();
+pub(super) fn awake(garment: &Garment, wearer: &AnimatedBody, postures: &[BodyPose]) -> Vec<bool> {
+    let start = wearer.rest_points();
     let places: Vec<Vec<Vec3>> = postures.iter().map(|pose| wearer.points(pose)).collect();
     let mut moves = vec![false; start.len()];
     for place in &places {

@@ -11,7 +11,7 @@
 
 use crate::bake::{BakeOptions, ModelDecision};
 use crate::fabric::Fabric;
-use crate::garment::{Coarsened, Garment};
+use crate::garment::{CoarseMesh, Garment};
 use crate::mesh::intersections::crossings;
 use crate::wear::{Sketch, WearScript};
 
@@ -30,7 +30,7 @@ const WORTH: f64 = 0.75;
 #[derive(Debug, Clone)]
 pub struct SimulationMesh {
     /// What is simulated instead of the garment.
-    pub mesh: Option<Coarsened>,
+    pub mesh: Option<CoarseMesh>,
     /// Why.
     pub choice: ModelDecision,
 }
@@ -52,7 +52,7 @@ fn graded(
     fabric: &Fabric,
     script: &WearScript,
     options: &BakeOptions,
-) -> Result<(Coarsened, String), String> {
+) -> Result<(CoarseMesh, String), String> {
     if !options.adaptive_mesh || options.full_fidelity {
         return Err("switched off".into());
     }
@@ -76,8 +76,8 @@ fn graded(
             if beyond < 0.0 { 0.0 } else { (own + GROWTH * beyond).min(longest) }
         })
         .collect();
-    let mesh = garment.coarsened(&wanted);
-    let (left, all) = (mesh.source.len(), garment.points.len());
+    let mesh = garment.coarsen(&wanted);
+    let (left, all) = (mesh.source_point.len(), garment.points.len());
     if left as f64 > WORTH * all as f64 {
         return Err(format!("{left} of {all} points are needed"));
     }

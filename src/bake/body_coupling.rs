@@ -3,7 +3,7 @@
 use crate::bake::active_region::awake;
 use crate::bake::depenetration;
 use crate::bake::{BakeOptions, Run};
-use crate::body::{BodyPose, Standing, Wearer};
+use crate::body::{AnimatedBody, BodyPose, PosedBody};
 use crate::contact::{BodyField, FOLD_RIM, FieldSettings, KeptField};
 use crate::energy::{Cushion, Support};
 use crate::error::{Error, Result};
@@ -18,7 +18,7 @@ use std::time::Instant;
 
 /// A body, checked against garment and script.
 pub(super) struct OnBody {
-    pub wearer: Arc<Wearer>,
+    pub wearer: Arc<AnimatedBody>,
     /// Per point of the garment: how deep inside the body it lies [m].
     depths: Vec<f64>,
     /// Per point: whether the body cannot stir it; empty when all can be stirred.
@@ -178,8 +178,8 @@ pub struct BodyCheckpoint {
 
 impl BodyCheckpoint {
     /// Whether it can be of `wearer` under a cloth of `points` points.
-    pub fn fits(&self, wearer: &Wearer, points: usize) -> bool {
-        self.field.fits(wearer.start().len(), points)
+    pub fn fits(&self, wearer: &AnimatedBody, points: usize) -> bool {
+        self.field.fits(wearer.rest_points().len(), points)
     }
 }
 
@@ -201,13 +201,13 @@ impl Run<'_> {
             friction: settings.friction_body,
             creep: settings.creep,
         };
-        let mut field = BodyField::new(wearer.start(), wearer.triangles(), settings);
+        let mut field = BodyField::new(wearer.rest_points(), wearer.triangles(), settings);
         if let Some(moment) = taken_up {
             self.asleep = asleep;
             // That it fits was checked with the rest of the checkpoint.
             field.restore(&moment.field);
             self.field = Some(field);
-            self.posture.body = Some(Standing::new(&wearer, moment.pose.clone()));
+            self.posture.body = Some(PosedBody::new(&wearer, moment.pose.clone()));
             self.pinch = moment.pinch.clone();
             self.dressing_s = moment.dressing_s;
             return;
@@ -217,7 +217,7 @@ impl Run<'_> {
         let dressed = self.dress(&wearer, &depths);
         self.asleep = asleep;
         self.report.warnings.extend(dressed.warnings());
-        self.posture.body = Some(Standing::new(&wearer, wearer.rest()));
+        self.posture.body = Some(PosedBody::new(&wearer, wearer.rest()));
         self.dressing_s = clock.elapsed().as_secs_f64();
     }
 

@@ -14,7 +14,7 @@
 use crate::bake::body_coupling::BodyCheckpoint;
 use crate::bake::violation_log::UnmetLog;
 use crate::bake::{BakeOptions, BakeReport, Run};
-use crate::body::Wearer;
+use crate::body::AnimatedBody;
 use crate::contact::KeptStretch;
 use crate::error::{Error, Result};
 use crate::fabric::Fabric;
@@ -137,7 +137,7 @@ impl Checkpoint {
 
     /// Reads the file `file` (a name for messages). Fails on anything but what [`Checkpoint::to_bytes`] wrote.
     pub fn parse(file: &str, bytes: &[u8]) -> Result<Self> {
-        let refuse = |place: &str, what: String| Err(Error::fault(file, place, what, CURE));
+        let refuse = |place: &str, what: String| Err(Error::input(file, place, what, CURE));
         let Some((head, body)) = std::str::from_utf8(bytes).ok().and_then(|text| text.split_once('\n'))
         else {
             return refuse("", "is no checkpoint of crease: two lines of text were expected".into());
@@ -158,7 +158,7 @@ impl Checkpoint {
         serde_json::from_str(body).map_err(|e| {
             let what = e.to_string();
             let what = what.split(" at line ").next().unwrap_or(&what);
-            Error::fault(file, format!("line 2, column {}", e.column()), what, CURE)
+            Error::input(file, format!("line 2, column {}", e.column()), what, CURE)
         })
     }
 
@@ -168,10 +168,10 @@ impl Checkpoint {
         file: &str,
         garment: &Garment,
         script: &WearScript,
-        wearer: Option<&Wearer>,
+        wearer: Option<&AnimatedBody>,
         key: &str,
     ) -> Result<()> {
-        let refuse = |what: &str| Err(Error::fault(file, "", what, CURE));
+        let refuse = |what: &str| Err(Error::input(file, "", what, CURE));
         if self.key != key {
             return refuse(
                 "is of another run: the garment, the fabric, the script, an option or crease differs",

@@ -6,7 +6,7 @@
 
 use crate::bake::Run;
 use crate::bake::body_coupling::BodyPenetrationStats;
-use crate::body::Wearer;
+use crate::body::AnimatedBody;
 use crate::error::{Error, Result};
 use crate::math::Vec3;
 use crate::mesh::intersections::crossings_between;
@@ -68,8 +68,8 @@ impl DepenetrationReport {
 }
 
 /// Refuses a garment that does not fit the body.
-pub(super) fn depths(garment_points: &[Vec3], wearer: &Wearer) -> Result<Vec<f64>> {
-    let depths = Solid::new(wearer.start(), wearer.triangles()).depths(garment_points, SEARCH);
+pub(super) fn depths(garment_points: &[Vec3], wearer: &AnimatedBody) -> Result<Vec<f64>> {
+    let depths = Solid::new(wearer.rest_points(), wearer.triangles()).depths(garment_points, SEARCH);
     let (deepest, at) =
         depths.iter().copied().zip(0..).fold((0.0, 0), |most, d| if d.0 > most.0 { d } else { most });
     if deepest <= DEEPEST {
@@ -85,13 +85,13 @@ pub(super) fn depths(garment_points: &[Vec3], wearer: &Wearer) -> Result<Vec<f64
         place.z,
         1e3 * DEEPEST
     );
-    Err(Error::fault(&wearer.file, "", what, "fit the garment to this body first, or check the unit of both"))
+    Err(Error::input(&wearer.file, "", what, "fit the garment to this body first, or check the unit of both"))
 }
 
 impl Run<'_> {
     /// Brings the garment outside of the body.
-    pub(super) fn dress(&mut self, wearer: &Arc<Wearer>, depths: &[f64]) -> DepenetrationReport {
-        let (start, triangles) = (wearer.start(), wearer.triangles());
+    pub(super) fn dress(&mut self, wearer: &Arc<AnimatedBody>, depths: &[f64]) -> DepenetrationReport {
+        let (start, triangles) = (wearer.rest_points(), wearer.triangles());
         let count = |x: &[Vec3]| crossings_between(x, &self.garment.triangles, start, triangles).len();
         let deepest = depths.iter().copied().fold(0.0, f64::max);
         let inside = depths.iter().filter(|d| **d > 0.0).count();

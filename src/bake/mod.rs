@@ -24,7 +24,7 @@ pub use relax::{RelaxResult, rest_mesh, settle};
 use crate::bake::body_coupling::{BodyPenetrationStats, OnBody};
 use crate::bake::relax_to_source::{Homeward, bring_home};
 use crate::bake::violation_log::UnmetLog;
-use crate::body::Wearer;
+use crate::body::AnimatedBody;
 use crate::contact::{BodyField, Contact, ContactSettings};
 use crate::error::{Error, Result};
 use crate::fabric::Fabric;
@@ -61,7 +61,7 @@ pub struct BakeOptions {
     /// Frames per simulated second for the observer; 0 for none.
     pub frames_per_second: f64,
     /// The body the garment is worn on.
-    pub body: Option<Arc<Wearer>>,
+    pub body: Option<Arc<AnimatedBody>>,
     /// Whether cloth that the body cannot stir sleeps.
     pub deactivate_static: bool,
     /// Whether cloth that the script does not crease is simulated on fewer points ([`SimulationMesh`]).
@@ -217,7 +217,7 @@ pub fn bake_from(
     let mut end = std::mem::take(&mut run.state.x);
     let mut memory = run.memory.rest;
     if let Some(mesh) = &grading.mesh {
-        end = mesh.placed(&end);
+        end = mesh.interpolate(&end);
         memory = carry_back(mesh, &memory, garment);
         run.stepper = wear.stepper(garment, &ModelPlan::new(garment, fabric, script, options));
         how = &Homeward::SWIFTLY;
@@ -227,7 +227,7 @@ pub fn bake_from(
     let home = |p: usize| garment.points[p] + displacement[p];
     let shown: Vec<Vec3> = match &grading.mesh {
         None => (0..garment.points.len()).map(home).collect(),
-        Some(mesh) => mesh.source.iter().map(|p| home(p.at())).collect(),
+        Some(mesh) => mesh.source_point.iter().map(|p| home(p.at())).collect(),
     };
     observer.frame(&shown)?;
     run.report.points = simulated.points.len();

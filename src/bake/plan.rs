@@ -4,7 +4,7 @@
 //! `crease chart plan` shows what the plan saves and that it changes nothing that counts.
 
 use crate::bake::{BakeOptions, SimulationMesh};
-use crate::body::Wearer;
+use crate::body::AnimatedBody;
 use crate::fabric::Fabric;
 use crate::garment::Garment;
 use crate::math::{Vec3, bounds};
@@ -278,7 +278,7 @@ fn is_one_flat_layer(garment: &Garment) -> bool {
 impl ModelPlan {
     /// The same on a body, with the points that are `asleep` (empty for none): what pulls at the cloth then is the body
     /// and not its own weight, so it keeps the stiffness it has.
-    pub(super) fn wear_on(&mut self, fabric: &Fabric, wearer: &Wearer, asleep: &[bool]) {
+    pub(super) fn wear_on(&mut self, fabric: &Fabric, wearer: &AnimatedBody, asleep: &[bool]) {
         let full = [fabric.stretch_warp(), fabric.stretch_weft(), fabric.shear()];
         let stiffer = full[0].max(full[1]) / self.stretch[0].max(self.stretch[1]);
         self.contact_stiffness *= stiffer.max(1.0);
@@ -297,7 +297,7 @@ impl ModelPlan {
             format!(
                 "{}: {} points, {} triangles",
                 wearer.file,
-                wearer.start().len(),
+                wearer.rest_points().len(),
                 wearer.triangles().len()
             ),
             true,

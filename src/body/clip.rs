@@ -9,7 +9,7 @@
 //!
 //! Before the first key and after the last the value stays. Knows no file and no mesh.
 
-use crate::body::skeleton::{Local, Pose, turn_towards};
+use crate::body::skeleton::{NodeTransform, Pose, turn_towards};
 use crate::math::Vec3;
 use nalgebra::{Quaternion, UnitQuaternion};
 
@@ -140,10 +140,11 @@ impl Clip {
     }
 
     /// `pose` with what this clip moves at its place at `t` [s].
-    pub fn pose(&self, rest: &[Local], t: f64) -> Pose {
+    pub fn pose(&self, rest: &[NodeTransform], t: f64) -> Pose {
         let mut pose = rest.to_vec();
         for channel in self.channels.iter().filter(|c| c.target != Target::Weights) {
-            let Some(Local::Parts { translation, rotation, scale }) = pose.get_mut(channel.node) else {
+            let Some(NodeTransform::Parts { translation, rotation, scale }) = pose.get_mut(channel.node)
+            else {
                 continue;
             };
             let value = channel.at(t);
@@ -223,12 +224,14 @@ mod tests {
             width: 4,
         };
         let clip = Clip { name: "turn".into(), channels: vec![turn] };
-        let rest = [Local::Parts {
+        let rest = [NodeTransform::Parts {
             translation: Vec3::x(),
             rotation: UnitQuaternion::identity(),
             scale: Vec3::repeat(1.0),
         }];
-        let Local::Parts { rotation, translation, .. } = clip.pose(&rest, 0.25)[0] else { panic!("parts") };
+        let NodeTransform::Parts { rotation, translation, .. } = clip.pose(&rest, 0.25)[0] else {
+            panic!("parts")
+        };
         assert!(rotation.angle_to(&at(0.25 * FRAC_PI_2)) < 1e-12);
         assert_eq!((translation, clip.length()), (Vec3::x(), 1.0));
     }

@@ -9,13 +9,13 @@
 //! A piece without skin follows its node. Everything comes out in the scene, in metres, y up.
 
 use crate::body::clip::Clip;
-use crate::body::skeleton::{Local, Skeleton};
+use crate::body::skeleton::{NodeTransform, Skeleton};
 use crate::math::{Mat4, Vec3};
 use rayon::prelude::*;
 
 /// What moves the vertices of a piece.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Follows {
+pub enum SkinBinding {
     /// Nothing: the transform of the file.
     Nothing,
     /// One node.
@@ -35,7 +35,7 @@ pub struct Piece {
     /// One per vertex, own coordinates, file units.
     pub positions: Vec<Vec3>,
     /// What it follows.
-    pub follows: Follows,
+    pub follows: SkinBinding,
     /// The node whose morph weights count, and the weights of the file.
     pub morph: Option<(usize, Vec<f64>)>,
     /// Per morph target: one displacement per vertex.
@@ -57,7 +57,7 @@ pub struct Rig {
 
 impl Rig {
     /// Every vertex of every piece in `pose` [m], one after the other. With a clip and its time, morph targets move, too.
-    pub fn vertices(&self, pose: &[Local], clip: Option<(&Clip, f64)>) -> Vec<Vec3> {
+    pub fn vertices(&self, pose: &[NodeTransform], clip: Option<(&Clip, f64)>) -> Vec<Vec3> {
         let worlds: Vec<Mat4> =
             self.skeleton.worlds(pose).iter().map(|world| self.to_scene * world).collect();
         let mut all = Vec::with_capacity(self.pieces.iter().map(|piece| piece.positions.len()).sum());
@@ -91,12 +91,12 @@ impl Piece {
     fn placed(&self, own: &[Vec3], worlds: &[Mat4], to_scene: &Mat4) -> Vec<Vec3> {
         let by = |m: &Mat4, p: &Vec3| (m * p.push(1.0)).xyz();
         match &self.follows {
-            Follows::Nothing => own.iter().map(|p| by(to_scene, p)).collect(),
-            Follows::Node(node) => {
+            SkinBinding::Nothing => own.iter().map(|p| by(to_scene, p)).collect(),
+            SkinBinding::Node(node) => {
                 let world = worlds.get(*node).unwrap_or(to_scene);
                 own.iter().map(|p| by(world, p)).collect()
             }
-            Follows::Skin { joints, influences } => {
+            SkinBinding::Skin { joints, influences } => {
                 let matrix = |(node, inverse_bind): &(usize, Mat4)| {
                     worlds.get(*node).map_or(*to_scene, |world| world * inverse_bind)
                 };
@@ -135,7 +135,7 @@ mod tests {
     /// to 1/4 (1.5, 0, 0) + 3/4 (1, 0.5, 0) = (1.125, 0.375, 0).
     #[test]
     fn two_joints_by_hand() {
-        let at = |x: f64| Local::Parts {
+        let at = |x: f64| NodeTransform::Parts {
             translation: Vec3::new(x, 0.0, 0.0),
             rotation: UnitQuaternion::identity(),
             scale: Vec3::repeat(1.0),
@@ -146,7 +146,7 @@ mod tests {
         let influences = vec![normalised(vec![(1, 0.5), (0, 0.0)]), normalised(vec![(0, 0.1), (1, 0.3)])];
         let piece = Piece {
             positions: vec![Vec3::new(2.0, 0.0, 0.0), Vec3::new(1.5, 0.0, 0.0)],
-            follows: Follows::Skin { joints, influences },
+            follows: SkinBinding::Skin { joints, influences },
             morph: None,
             targets: Vec::new(),
         };

@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize};
 
 /// Transform of a node in its parent's coordinates.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(into = "LocalNumbers", from = "LocalNumbers")]
-pub enum Local {
+#[serde(into = "NodeTransformNumbers", from = "NodeTransformNumbers")]
+pub enum NodeTransform {
     /// Scale first, then rotation, then translation [file units].
     Parts {
         /// [file units].
@@ -25,41 +25,41 @@ pub enum Local {
     Matrix(Mat4),
 }
 
-/// A [`Local`] as plain numbers, bit for bit, for files.
+/// A [`NodeTransform`] as plain numbers, bit for bit, for files.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-enum LocalNumbers {
+enum NodeTransformNumbers {
     /// Translation, rotation (x, y, z, w), scale.
     Parts([f64; 3], [f64; 4], [f64; 3]),
     /// Columns.
     Matrix([[f64; 4]; 4]),
 }
 
-impl From<Local> for LocalNumbers {
-    fn from(local: Local) -> Self {
+impl From<NodeTransform> for NodeTransformNumbers {
+    fn from(local: NodeTransform) -> Self {
         match local {
-            Local::Parts { translation, rotation, scale } => {
+            NodeTransform::Parts { translation, rotation, scale } => {
                 Self::Parts(translation.into(), rotation.coords.into(), scale.into())
             }
-            Local::Matrix(matrix) => Self::Matrix(matrix.into()),
+            NodeTransform::Matrix(matrix) => Self::Matrix(matrix.into()),
         }
     }
 }
 
-impl From<LocalNumbers> for Local {
-    fn from(numbers: LocalNumbers) -> Self {
+impl From<NodeTransformNumbers> for NodeTransform {
+    fn from(numbers: NodeTransformNumbers) -> Self {
         match numbers {
-            LocalNumbers::Parts(translation, rotation, scale) => Self::Parts {
+            NodeTransformNumbers::Parts(translation, rotation, scale) => Self::Parts {
                 translation: translation.into(),
                 rotation: Unit::new_unchecked(Quaternion::from(nalgebra::Vector4::from(rotation))),
                 scale: scale.into(),
             },
-            LocalNumbers::Matrix(matrix) => Self::Matrix(matrix.into()),
+            NodeTransformNumbers::Matrix(matrix) => Self::Matrix(matrix.into()),
         }
     }
 }
 
-impl Local {
+impl NodeTransform {
     /// As a matrix.
     pub fn matrix(&self) -> Mat4 {
         match self {
@@ -128,7 +128,7 @@ pub struct Node {
     /// The node above it; always one with a place in [`Skeleton::new`]'s order before it.
     pub parent: Option<usize>,
     /// In the pose of the file.
-    pub rest: Local,
+    pub rest: NodeTransform,
 }
 
 /// The node tree.
@@ -140,7 +140,7 @@ pub struct Skeleton {
 }
 
 /// One transform per node.
-pub type Pose = Vec<Local>;
+pub type Pose = Vec<NodeTransform>;
 
 impl Skeleton {
     /// Of `nodes`. Parents that are not there, or are below themselves, count as none.
@@ -183,7 +183,7 @@ impl Skeleton {
     }
 
     /// Per node: its coordinates to the scene's, in file units.
-    pub fn worlds(&self, pose: &[Local]) -> Vec<Mat4> {
+    pub fn worlds(&self, pose: &[NodeTransform]) -> Vec<Mat4> {
         let mut worlds = vec![Mat4::identity(); self.nodes.len()];
         for &node in &self.order {
             let own = pose.get(node).unwrap_or(&self.nodes[node].rest).matrix();
@@ -197,7 +197,7 @@ impl Skeleton {
 }
 
 /// The pose `share` of the way from one to another.
-pub fn between(from: &[Local], to: &[Local], share: f64) -> Pose {
+pub fn between(from: &[NodeTransform], to: &[NodeTransform], share: f64) -> Pose {
     from.iter().zip(to).map(|(a, b)| a.towards(b, share)).collect()
 }
 
@@ -206,8 +206,8 @@ mod tests {
     use super::*;
     use std::f64::consts::FRAC_PI_2;
 
-    fn parts(translation: Vec3) -> Local {
-        Local::Parts { translation, rotation: UnitQuaternion::identity(), scale: Vec3::repeat(1.0) }
+    fn parts(translation: Vec3) -> NodeTransform {
+        NodeTransform::Parts { translation, rotation: UnitQuaternion::identity(), scale: Vec3::repeat(1.0) }
     }
 
     fn arm() -> Skeleton {

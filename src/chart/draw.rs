@@ -98,7 +98,7 @@ fn entry_width(name: &str) -> usize {
 type Area<B> = DrawingArea<B, plotters::coord::Shift>;
 
 fn fault(error: impl std::fmt::Display) -> Error {
-    Error::fault("chart", "", format!("cannot be drawn: {error}"), "")
+    Error::input("chart", "", format!("cannot be drawn: {error}"), "")
 }
 
 /// Text of `size` SVG pixels; plotters writes 1 / 1.24 of what it is told.

@@ -95,7 +95,7 @@ impl Chart {
                     Some(meant) => format!("did you mean `{meant}`?"),
                     None => format!("the charts are {}", names.join(", ")),
                 };
-                Err(Error::fault(
+                Err(Error::input(
                     "chart",
                     "",
                     format!("there is no chart {}", crate::json::quoted(name)),

@@ -58,7 +58,7 @@ impl Sheet {
         let mut mesh = DelaunayTriangulation::<Point2<f64>>::new();
         for p in &flat {
             mesh.insert(Point2::new(p.x, p.y))
-                .map_err(|e| Error::fault("chart", "", format!("cannot be meshed: {e:?}"), ""))?;
+                .map_err(|e| Error::input("chart", "", format!("cannot be meshed: {e:?}"), ""))?;
         }
         let triangles = mesh
             .inner_faces()

@@ -127,7 +127,7 @@ mod tests {
 
     #[test]
     fn exit_codes_are_those_promised() {
-        assert_eq!(exit_code(&Error::fault("f", "", "bad", "")), 1);
+        assert_eq!(exit_code(&Error::input("f", "", "bad", "")), 1);
         assert_eq!(
             exit_code(&Error::File { file: "f".to_owned(), source: std::io::Error::other("disk") }),
             1

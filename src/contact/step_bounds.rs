@@ -240,7 +240,7 @@ impl Parts {
 mod tests {
     use super::*;
     use crate::contact::broad_phase::CandidateFinder;
-    use crate::math::Draw;
+    use crate::math::Rng;
     use crate::mesh::intersections::crossings;
     use crate::mesh::{PointIndex, Topology};
 
@@ -292,8 +292,8 @@ mod tests {
     /// A pile whose layers are thrown through each other, each point its own way, 20 gaps a step.
     fn thrown(layers: usize) -> (Vec<Vec3>, Vec<[PointIndex; 3]>, Vec<Vec3>) {
         let (points, triangles) = pile(layers, 6, 1e-3);
-        let mut draw = Draw::from_state(21);
-        let mut displacement: Vec<Vec3> = points.iter().map(|_| draw.vector() * 4e-3).collect();
+        let mut rng = Rng::from_state(21);
+        let mut displacement: Vec<Vec3> = points.iter().map(|_| rng.in_cube() * 4e-3).collect();
         for (d, x) in displacement.iter_mut().zip(&points) {
             d.z -= 5.0 * x.z;
         }

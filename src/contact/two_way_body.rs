@@ -10,7 +10,7 @@
 
 use crate::contact::broad_phase::CandidateFinder;
 use crate::contact::initial_intersections::Mesh;
-use crate::error::{Error, Fault, Result};
+use crate::error::{Diagnostic, Error, Result};
 use crate::math::Vec3;
 use crate::mesh::point_in_solid::point_areas;
 use crate::mesh::{PointIndex, Topology};
@@ -43,12 +43,12 @@ impl Body {
         let mut faults = Vec::new();
         for (k, _) in points.iter().enumerate().filter(|(_, x)| !x.sum().is_finite()) {
             let cure = "give every point three finite coordinates";
-            faults.push(Fault::new("body", format!("points[{k}]"), "is not finite", cure));
+            faults.push(Diagnostic::new("body", format!("points[{k}]"), "is not finite", cure));
         }
         for (k, t) in triangles.iter().enumerate() {
             if let Some(p) = t.iter().find(|p| p.at() >= points.len()) {
                 let what = format!("names point {} of {}", p.0, points.len());
-                faults.push(Fault::new("body", format!("triangles[{k}]"), what, "count points from 0"));
+                faults.push(Diagnostic::new("body", format!("triangles[{k}]"), what, "count points from 0"));
             }
         }
         if !faults.is_empty() {
@@ -140,7 +140,7 @@ mod tests {
         let points = vec![Vec3::zeros(), Vec3::x(), Vec3::new(f64::NAN, 0.0, 0.0)];
         let triangles = vec![[0, 1, 2].map(PointIndex), [0, 1, 7].map(PointIndex)];
         let Err(Error::Input(faults)) = Body::new(points, triangles) else { panic!("must be refused") };
-        let places: Vec<&str> = faults.iter().map(|f| f.place.as_str()).collect();
+        let places: Vec<&str> = faults.iter().map(|f| f.location.as_str()).collect();
         assert_eq!(places, ["points[2]", "triangles[1]"]);
     }
 

@@ -57,7 +57,7 @@ impl Fabric {
                     Some(meant) => format!("did you mean `{meant}`? `crease fabric list` names them all"),
                     None => format!("the presets are {}", names().join(", ")),
                 };
-                Err(Error::fault(
+                Err(Error::input(
                     "fabric",
                     "",
                     format!("there is no preset {}", crate::json::quoted(name)),

@@ -1,6 +1,6 @@
 //! Reads `crease-fabric/1`: a fabric in full, or one based on a preset that says only what is different.
 
-use crate::error::{Error, Fault, Result};
+use crate::error::{Diagnostic, Error, Result};
 use crate::fabric::{Fabric, preset_list};
 use crate::json::{Document, Path, nearest, schema_of};
 use serde_json::{Value, json};
@@ -27,14 +27,14 @@ impl Fabric {
         };
         if let Some((base_name, base)) = base {
             restate_provenance(&mut document, file, &base_name);
-            document.complete_from(&base);
+            document.merge_defaults(&base);
         }
-        let faults = document.faults(&schema_of::<Self>());
+        let faults = document.validate(&schema_of::<Self>());
         if !faults.is_empty() {
             return Err(Error::Input(faults));
         }
         let fabric: Self = document.decode()?;
-        let faults = fabric.misfits(&document);
+        let faults = fabric.validate(&document);
         if faults.is_empty() { Ok(fabric) } else { Err(Error::Input(faults)) }
     }
 
@@ -58,7 +58,7 @@ impl Fabric {
     }
 
     /// Faults that no single field shows.
-    fn misfits(&self, document: &Document) -> Vec<Fault> {
+    fn validate(&self, document: &Document) -> Vec<Diagnostic> {
         let at = Path::root().name("memory");
         let memory = &self.memory;
         let pairs = [
@@ -77,7 +77,7 @@ impl Fabric {
         swapped
             .map(|(field, critical, gradual)| {
                 let what = format!("is {critical}, not above the gradual threshold of {gradual}");
-                document.fault(&at.name(field), what, "raise it, or lower the gradual one")
+                document.diagnostic(&at.name(field), what, "raise it, or lower the gradual one")
             })
             .collect()
     }
@@ -91,7 +91,7 @@ fn base_of(document: &Document, name: &str) -> Result<(String, Value)> {
             None => format!("the presets are {}", names.join(", ")),
         };
         let what = format!("there is no preset {}", crate::json::quoted(name));
-        return Err(Error::Input(vec![document.fault(&Path::root().name("based_on"), what, cure)]));
+        return Err(Error::Input(vec![document.diagnostic(&Path::root().name("based_on"), what, cure)]));
     };
     Ok((name.to_owned(), Document::parse(name, text)?.value().clone()))
 }

@@ -7,11 +7,11 @@
 
 use crate::garment::material_coords::lay_flat;
 use crate::garment::repair::{Corners, drop_copies, mend_caps, turn_alike};
-use crate::garment::{Finding, Garment, Severity};
+use crate::garment::{Garment, ImportDiagnostic, Severity};
 use crate::io::{SourceAsset, SourcePiece};
 use crate::math::{Vec2, Vec3};
 use crate::mesh::{Groups, PointIndex, Topology, Welder};
-use crate::{Error, Fault, Result};
+use crate::{Diagnostic, Error, Result};
 
 /// Vertices closer than this part of the garment's diagonal are one point: a hundred times the rounding of single
 /// precision, a hundredth of the finest edge worth simulating.
@@ -21,9 +21,9 @@ const WELD_LIMIT_M: f64 = 1e-4;
 
 impl Garment {
     /// The garment made of the worn pieces of `asset`, and what was mended or is worth knowing.
-    pub fn from_asset(asset: &SourceAsset) -> Result<(Self, Vec<Finding>)> {
+    pub fn from_asset(asset: &SourceAsset) -> Result<(Self, Vec<ImportDiagnostic>)> {
         let sheet = SourceSheet::gather(asset)?;
-        let mut findings = FindingList::default();
+        let mut findings = ImportDiagnostics::default();
         let mut welder = Welder::new(&sheet.positions, sheet.weld_distance());
         let kept = drop_copies(&sheet.triangles, &sheet.uvs, &mut welder, &mut findings);
         welder.join_open_edges(&kept);
@@ -36,7 +36,7 @@ impl Garment {
         }
         mend_caps(&positions, &mut corners, &mut findings);
         if corners.is_empty() {
-            return Err(Error::fault(
+            return Err(Error::input(
                 &asset.file,
                 "",
                 "no triangle of the garment has any area",
@@ -69,22 +69,26 @@ impl Garment {
 
 /// Findings in the order they come up.
 #[derive(Default)]
-pub(super) struct FindingList {
-    list: Vec<Finding>,
+pub(super) struct ImportDiagnostics {
+    list: Vec<ImportDiagnostic>,
 }
 
-impl FindingList {
+impl ImportDiagnostics {
     pub(super) fn note(&mut self, what: impl Into<String>) {
-        self.list.push(Finding { severity: Severity::Note, place: String::new(), what: what.into() });
+        self.list.push(ImportDiagnostic {
+            severity: Severity::Note,
+            location: String::new(),
+            message: what.into(),
+        });
     }
 
     /// `count` things were mended; nothing is said of none.
     pub(super) fn repaired(&mut self, count: usize, what: &str) {
         if count > 0 {
-            self.list.push(Finding {
+            self.list.push(ImportDiagnostic {
                 severity: Severity::Repaired,
-                place: String::new(),
-                what: format!("{count} {what}"),
+                location: String::new(),
+                message: format!("{count} {what}"),
             });
         }
     }
@@ -109,7 +113,7 @@ impl SourceSheet {
         for piece in asset.worn_pieces() {
             if let Err(what) = sheet.add(piece) {
                 let place = format!("piece \"{}\"", piece.name);
-                faults.push(Fault::new(&asset.file, place, what, "read the file again"));
+                faults.push(Diagnostic::new(&asset.file, place, what, "read the file again"));
             }
         }
         if faults.is_empty() { Ok(sheet) } else { Err(Error::Input(faults)) }
@@ -145,7 +149,11 @@ impl SourceSheet {
 }
 
 /// Triangles between points; those that repeat a point are left out.
-fn collapse(kept: &[[u32; 3]], vertex_point: &[PointIndex], findings: &mut FindingList) -> Vec<Corners> {
+fn collapse(
+    kept: &[[u32; 3]],
+    vertex_point: &[PointIndex],
+    findings: &mut ImportDiagnostics,
+) -> Vec<Corners> {
     let corners: Vec<Corners> = kept
         .iter()
         .map(|&vertices| Corners {
@@ -164,7 +172,7 @@ fn drop_loose(
     positions: &[Vec3],
     vertex_point: &[PointIndex],
     corners: &mut [Corners],
-    findings: &mut FindingList,
+    findings: &mut ImportDiagnostics,
 ) -> (Vec<Vec3>, Vec<PointIndex>) {
     let mut used = vec![false; positions.len()];
     corners.iter().flat_map(|c| c.points).for_each(|point| used[point.at()] = true);
@@ -196,7 +204,7 @@ fn drop_loose(
 }
 
 /// Says which edges will carry no hinge.
-fn note_edges(topology: &Topology, findings: &mut FindingList) {
+fn note_edges(topology: &Topology, findings: &mut ImportDiagnostics) {
     let crowded = topology.edge_valence.iter().filter(|&&valence| valence > 2).count();
     if crowded > 0 {
         findings.note(format!(
@@ -256,7 +264,7 @@ mod tests {
         }
     }
 
-    fn build(pieces: Vec<SourcePiece>) -> Result<(Garment, Vec<Finding>)> {
+    fn build(pieces: Vec<SourcePiece>) -> Result<(Garment, Vec<ImportDiagnostic>)> {
         Garment::from_asset(&SourceAsset {
             file: "cloth.obj".into(),
             sha256: String::new(),
@@ -268,8 +276,8 @@ mod tests {
         })
     }
 
-    fn repaired(findings: &[Finding]) -> Vec<&str> {
-        findings.iter().filter(|f| f.severity == Severity::Repaired).map(|f| f.what.as_str()).collect()
+    fn repaired(findings: &[ImportDiagnostic]) -> Vec<&str> {
+        findings.iter().filter(|f| f.severity == Severity::Repaired).map(|f| f.message.as_str()).collect()
     }
 
     /// Convention: swapping warp and weft, or laying flat at the texture's size, still runs and merely drapes wrongly.
@@ -328,7 +336,7 @@ mod tests {
         let (garment, findings) = build(vec![piece(&positions, Some(&uvs), &triangles)]).unwrap();
         assert_eq!(garment.points.len(), 20);
         assert!(!garment.material_from_uv);
-        assert!(findings.iter().any(|f| f.what.contains("18 texture islands")), "{findings:?}");
+        assert!(findings.iter().any(|f| f.message.contains("18 texture islands")), "{findings:?}");
     }
 
     #[test]
@@ -385,7 +393,7 @@ mod tests {
         let (garment, findings) = build(vec![piece(&positions, None, &triangles)]).unwrap();
         assert_eq!(garment.topology.misoriented.len(), 1);
         assert!(
-            findings.iter().any(|f| f.what.starts_with("1 edges join triangles of opposite sides")),
+            findings.iter().any(|f| f.message.starts_with("1 edges join triangles of opposite sides")),
             "{findings:?}"
         );
     }
@@ -397,7 +405,7 @@ mod tests {
         let (garment, findings) =
             build(vec![piece(&positions, None, &[[0, 1, 2], [1, 0, 3], [0, 1, 4]])]).unwrap();
         assert_eq!((garment.triangles.len(), garment.topology.hinges.len()), (3, 0));
-        assert!(findings.iter().any(|f| f.what.starts_with("1 edges join more than two")), "{findings:?}");
+        assert!(findings.iter().any(|f| f.message.starts_with("1 edges join more than two")), "{findings:?}");
     }
 
     /// Both sides of a sheet modelled, with vertices of their own: one sheet. The same with other texture coordinates:
@@ -445,7 +453,7 @@ mod tests {
         assert_eq!(garment.source_point.len(), 5);
         assert!(garment.source_point.iter().all(|p| p.at() < 3));
         assert_eq!(repaired(&findings), ["1 triangles with coinciding corners dropped"]);
-        assert!(findings.iter().any(|f| f.what.starts_with("2 vertices belong to no triangle")));
+        assert!(findings.iter().any(|f| f.message.starts_with("2 vertices belong to no triangle")));
     }
 
     #[test]

@@ -30,30 +30,30 @@ const MOST_ROUNDS: usize = 40;
 
 /// A coarser garment.
 #[derive(Debug, Clone)]
-pub struct Coarsened {
+pub struct CoarseMesh {
     /// What is left. No source vertex has a point of it.
     pub garment: Garment,
     /// Per point: the point of the source it is.
-    pub source: Vec<PointIndex>,
+    pub source_point: Vec<PointIndex>,
     /// Per triangle: the triangle of the source it is, number for number, if nothing of it was taken away.
-    pub same: Vec<Option<u32>>,
+    pub unchanged_from: Vec<Option<u32>>,
     /// Per point of the source: the triangle it lies in, or one of those at it if it was left.
-    pub lies_in: Vec<u32>,
+    pub containing_triangle: Vec<u32>,
     /// Per point of the source: the corners of that triangle and their weights, 0 to 1.
-    within: Vec<([PointIndex; 3], [f64; 3])>,
+    barycentric: Vec<([PointIndex; 3], [f64; 3])>,
 }
 
-impl Coarsened {
+impl CoarseMesh {
     /// Places of all points of the source [m] when those that are left are at `x`: on the triangles they lie in.
-    pub fn placed(&self, x: &[Vec3]) -> Vec<Vec3> {
-        self.within.iter().map(|(t, w)| (0..3).map(|k| x[t[k].at()] * w[k]).sum()).collect()
+    pub fn interpolate(&self, x: &[Vec3]) -> Vec<Vec3> {
+        self.barycentric.iter().map(|(t, w)| (0..3).map(|k| x[t[k].at()] * w[k]).sum()).collect()
     }
 }
 
 impl Garment {
     /// Points taken away until edges are about as long as `wanted` (one length per point [m]; a point that wants no longer
     /// edges than it has stays).
-    pub fn coarsened(&self, wanted: &[f64]) -> Coarsened {
+    pub fn coarsen(&self, wanted: &[f64]) -> CoarseMesh {
         let mut work = Collapsing::new(self, wanted);
         for _ in 0..MOST_ROUNDS {
             let collapsed = work.collapse_round();
@@ -361,7 +361,7 @@ impl<'a> Collapsing<'a> {
         true
     }
 
-    fn finish(self) -> Coarsened {
+    fn finish(self) -> CoarseMesh {
         let mut number = vec![PointIndex(u32::MAX); self.source.points.len()];
         let mut source = Vec::new();
         for (p, on) in self.around.iter().enumerate() {
@@ -390,10 +390,10 @@ impl<'a> Collapsing<'a> {
             topology: Topology::new(source.len(), &triangles),
             triangles,
         };
-        let mut lies_in = vec![0; self.source.points.len()];
+        let mut containing_triangle = vec![0; self.source.points.len()];
         for (new, &f) in left.iter().enumerate() {
             let points = self.inside[f].iter().chain(&self.triangles[f]);
-            points.for_each(|&p| lies_in[p as usize] = new as u32);
+            points.for_each(|&p| containing_triangle[p as usize] = new as u32);
         }
         let weights = |(p, &f): (usize, &u32)| {
             let corners = garment.triangles[f as usize];
@@ -407,9 +407,15 @@ impl<'a> Collapsing<'a> {
             };
             (corners, weights)
         };
-        let within = lies_in.iter().enumerate().map(weights).collect();
+        let within = containing_triangle.iter().enumerate().map(weights).collect();
         let same = left.iter().map(|&f| (!self.touched[f]).then_some(f as u32)).collect();
-        Coarsened { garment, source, same, lies_in, within }
+        CoarseMesh {
+            garment,
+            source_point: source,
+            unchanged_from: same,
+            containing_triangle,
+            barycentric: within,
+        }
     }
 }
 
@@ -492,7 +498,8 @@ mod tests {
     #[test]
     fn edges_become_as_long_as_wanted_and_what_wants_none_stays() {
         let whole = sheet(|_| 0.0);
-        let Coarsened { garment, source, same, .. } = whole.coarsened(&wanted(&whole));
+        let CoarseMesh { garment, source_point: source, unchanged_from: same, .. } =
+            whole.coarsen(&wanted(&whole));
         assert!(garment.points.len() < 6 * whole.points.len() / 10, "{} points", garment.points.len());
         assert!(source.iter().zip(&garment.points).all(|(p, x)| whole.points[p.at()] == *x));
         // The sheet is whole: no hole, one border, the same area and outline but for its zigzag.
@@ -522,7 +529,7 @@ mod tests {
     fn triangles_keep_their_warp_and_size_and_points_their_place() {
         // A quarter of a tube: chords are shorter than arcs, by little.
         let whole = sheet(|x| 0.3 - (0.09 - (x - 0.15).powi(2)).sqrt());
-        let coarse = whole.coarsened(&wanted(&whole));
+        let coarse = whole.coarsen(&wanted(&whole));
         assert!(coarse.garment.points.len() < whole.points.len());
         for (t, flat) in coarse.garment.triangles.iter().zip(&coarse.garment.material) {
             let x = corners(&coarse.garment, t);
@@ -531,7 +538,7 @@ mod tests {
             // z does not change along the warp.
             assert!((side.z.abs() - edge.y.abs()).abs() < 0.05 * side.norm(), "{side} {edge}");
         }
-        let placed = coarse.placed(&coarse.garment.points);
+        let placed = coarse.interpolate(&coarse.garment.points);
         for (x, there) in whole.points.iter().zip(&placed) {
             assert!((x - there).norm() < 0.15 * EDGE, "{x} {there}");
         }
@@ -540,13 +547,13 @@ mod tests {
     #[test]
     fn nothing_wanted_is_nothing_done() {
         let whole = sheet(|_| 0.0);
-        let coarse = whole.coarsened(&vec![0.0; whole.points.len()]);
+        let coarse = whole.coarsen(&vec![0.0; whole.points.len()]);
         assert_eq!(
             (coarse.garment.points, coarse.garment.triangles),
             (whole.points.clone(), whole.triangles.clone())
         );
         assert_eq!(coarse.garment.material, whole.material);
-        assert!(coarse.same.iter().enumerate().all(|(f, same)| *same == Some(f as u32)));
+        assert!(coarse.unchanged_from.iter().enumerate().all(|(f, same)| *same == Some(f as u32)));
     }
 
     /// The rim of a garment that lies, and a seam where the warp turns, stay where they are.
@@ -569,7 +576,7 @@ mod tests {
                 let length: f64 = hinges.iter().map(ends).map(|x| (x[1] - x[0]).norm()).sum();
                 (hinges.len(), length)
             };
-            let coarse = whole.coarsened(&vec![4.0 * EDGE; whole.points.len()]);
+            let coarse = whole.coarsen(&vec![4.0 * EDGE; whole.points.len()]);
             let ((many, length), (few, left)) = (course(&whole), course(&coarse.garment));
             assert!(few > 0 && few <= many, "{few} of {many}");
             assert!((left / length - 1.0).abs() < 0.2, "{left} of {length} m");

@@ -16,11 +16,13 @@ pub enum Severity {
 
 /// One thing noticed about an imported mesh.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Finding {
+pub struct ImportDiagnostic {
     /// How serious.
     pub severity: Severity,
     /// Where in the file (line, element), or empty.
-    pub place: String,
+    #[serde(rename = "place")]
+    pub location: String,
     /// What was noticed, and the cure where there is one.
-    pub what: String,
+    #[serde(rename = "what")]
+    pub message: String,
 }

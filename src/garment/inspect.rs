@@ -3,7 +3,7 @@
 //! Made from the source, the garment built from it, and the findings of both stages. Counts no crossings: that is the
 //! contact floor's work, and the caller fills it in.
 
-use crate::garment::{Finding, Garment, Severity};
+use crate::garment::{Garment, ImportDiagnostic, Severity};
 use crate::io::{Placement, SourceAsset, SourceFormat, UpAxis};
 use serde::Serialize;
 use std::fmt::Write;
@@ -65,11 +65,11 @@ pub struct Inspection {
     /// Pairs of triangles that already cross; none where nobody has counted.
     pub crossings_at_start: Option<usize>,
     /// Worth knowing.
-    pub notes: Vec<Finding>,
+    pub notes: Vec<ImportDiagnostic>,
     /// What was repaired.
-    pub repaired: Vec<Finding>,
+    pub repaired: Vec<ImportDiagnostic>,
     /// What makes the garment unusable.
-    pub refused: Vec<Finding>,
+    pub refused: Vec<ImportDiagnostic>,
 }
 
 /// One piece of the file.
@@ -101,7 +101,7 @@ pub struct PartReport {
 }
 
 /// Gathers the report; `findings` are those of reading and of building the garment.
-pub fn inspect(asset: &SourceAsset, garment: &Garment, findings: &[Finding]) -> Inspection {
+pub fn inspect(asset: &SourceAsset, garment: &Garment, findings: &[ImportDiagnostic]) -> Inspection {
     let box_m = asset.worn_box_m().map_or([0.0; 3], |(low, high)| (high - low).into());
     let of = |severity| findings.iter().filter(|f| f.severity == severity).cloned().collect();
     let edges = edge_lengths_m(garment);
@@ -250,9 +250,12 @@ impl Inspection {
             [("note", &self.notes), ("repaired", &self.repaired), ("refused", &self.refused)]
         {
             for finding in findings {
-                let place =
-                    if finding.place.is_empty() { String::new() } else { format!("{}: ", finding.place) };
-                writeln!(out, "  {title:<10} {place}{}", finding.what)?;
+                let place = if finding.location.is_empty() {
+                    String::new()
+                } else {
+                    format!("{}: ", finding.location)
+                };
+                writeln!(out, "  {title:<10} {place}{}", finding.message)?;
             }
         }
         Ok(())

@@ -12,11 +12,11 @@ mod rest_state;
 mod wedges;
 mod worn;
 
-pub use coarsen::Coarsened;
-pub use diagnostic::{Finding, Severity};
+pub use coarsen::CoarseMesh;
+pub use diagnostic::{ImportDiagnostic, Severity};
 pub use garment_type::Garment;
 pub use inspect::{Inspection, PartReport, PieceReport, inspect};
-pub use refine::Refined;
+pub use refine::RefinedMesh;
 pub use rest_state::RestState;
 pub use wedges::{corner_uvs, corner_vertices};
 pub use worn::WornGarment;

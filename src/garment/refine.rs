@@ -20,7 +20,7 @@ const MOST_POINTS: usize = 2_000_000;
 
 /// A finer garment.
 #[derive(Debug, Clone)]
-pub struct Refined {
+pub struct RefinedMesh {
     /// With the points of the source first.
     pub garment: Garment,
     /// Per triangle: the triangle of the source it is part of.
@@ -30,13 +30,13 @@ pub struct Refined {
 impl Garment {
     /// Edges halved until none of the triangles around the flagged points (one flag per point; empty for all) has one
     /// much longer than `edge` [m].
-    pub fn refined(&self, edge: f64, wanted: &[bool]) -> Refined {
+    pub fn refine(&self, edge: f64, wanted: &[bool]) -> RefinedMesh {
         let mut work = Bisection::new(self, edge.max(f64::MIN_POSITIVE));
         work.run(wanted);
         let Bisection { points, mask, triangles, material, parent, .. } = work;
         let part = |f: &u32| self.triangle_part.get(*f as usize).copied().unwrap_or(0);
         let topology = Topology::new(points.len(), &triangles);
-        Refined {
+        RefinedMesh {
             garment: Self {
                 points,
                 triangles,
@@ -215,7 +215,7 @@ mod tests {
     #[test]
     fn finer_with_the_same_points_area_and_border() {
         let coarse = garment();
-        let Refined { garment: fine, parent } = coarse.refined(0.01, &[]);
+        let RefinedMesh { garment: fine, parent } = coarse.refine(0.01, &[]);
         assert_eq!(fine.points[..5], coarse.points[..]);
         assert_eq!(fine.source_point, coarse.source_point);
         let mean = fine.mean_edge();
@@ -249,10 +249,10 @@ mod tests {
     #[test]
     fn only_where_wanted_and_never_coarser() {
         let coarse = garment();
-        assert_eq!(coarse.refined(1.0, &[]).garment.triangles, coarse.triangles);
+        assert_eq!(coarse.refine(1.0, &[]).garment.triangles, coarse.triangles);
         let mut wanted = [false; 5];
         wanted[4] = true;
-        let fine = coarse.refined(0.01, &wanted);
+        let fine = coarse.refine(0.01, &wanted);
         let of = |parent: u32| fine.parent.iter().filter(|p| **p == parent).count();
         assert!(of(2) > 50 && of(1) < 10, "{} {}", of(2), of(1));
     }

@@ -1,7 +1,7 @@
 //! Repairs of an imported triangle list that are safe to make unasked: copies of triangles, triangles without area,
 //! and triangles that show the wrong side. Every repair is counted in a finding. Moves no point.
 
-use crate::garment::build::FindingList;
+use crate::garment::build::ImportDiagnostics;
 use crate::math::{Vec2, Vec3};
 use crate::mesh::{PointIndex, Topology, Welder};
 use rustc_hash::FxHashMap;
@@ -27,7 +27,7 @@ pub(super) fn drop_copies(
     triangles: &[[u32; 3]],
     uvs: &[Option<Vec2>],
     welder: &mut Welder,
-    findings: &mut FindingList,
+    findings: &mut ImportDiagnostics,
 ) -> Vec<[u32; 3]> {
     let mut first_on: FxHashMap<[u32; 3], [u32; 3]> = FxHashMap::default();
     let mut kept = Vec::with_capacity(triangles.len());
@@ -62,7 +62,7 @@ pub(super) fn drop_copies(
 /// Mends triangles without area. Such a cap has a corner on its longest side; simply dropped, the cloth would be slit
 /// along that side. So the side is turned: cap (a, c, b) and its neighbour (a, b, d) become (a, c, d) and (c, b, d).
 /// A cap on the border is dropped, and so is one whose side cannot be turned; then repeats of triangles are dropped.
-pub(super) fn mend_caps(positions: &[Vec3], corners: &mut Vec<Corners>, findings: &mut FindingList) {
+pub(super) fn mend_caps(positions: &[Vec3], corners: &mut Vec<Corners>, findings: &mut ImportDiagnostics) {
     let mut turned_count = 0;
     for _ in 0..CAP_ROUNDS {
         let turned = turn_caps(positions, corners);
@@ -140,7 +140,7 @@ fn edge(a: PointIndex, b: PointIndex) -> [PointIndex; 2] {
 
 /// Turns triangles so that neighbours agree on the side they show, the smaller number of each sheet giving way.
 /// Only edges with two triangles tell; a strip with half a twist keeps edges that disagree.
-pub(super) fn turn_alike(point_count: usize, corners: &mut [Corners], findings: &mut FindingList) {
+pub(super) fn turn_alike(point_count: usize, corners: &mut [Corners], findings: &mut ImportDiagnostics) {
     let triangles: Vec<[PointIndex; 3]> = corners.iter().map(|c| c.points).collect();
     let topology = Topology::new(point_count, &triangles);
     if topology.misoriented.is_empty() {

@@ -3,16 +3,16 @@
 //! Of a glTF the chosen pieces with their skeleton and clips, of an OBJ its pieces as they stand, of a sequence of OBJ
 //! files their places over time. Files of a sequence must agree in their vertices; what is missing is named.
 
-use crate::body::{Motion, Sequence, Wearer};
+use crate::body::{AnimatedBody, Motion, Sequence};
 use crate::io::gltf::read_rig;
 use crate::io::{SourceAsset, SourcePiece};
 use crate::math::Vec3;
-use crate::{Error, Fault, Result};
+use crate::{Diagnostic, Error, Result};
 
 /// Frames told in one message.
 const FRAMES_TOLD: usize = 5;
 
-impl Wearer {
+impl AnimatedBody {
     /// The body made of `pieces` of `asset`.
     pub fn from_pieces(asset: &SourceAsset, pieces: &[&SourcePiece]) -> Result<Self> {
         let motion = match read_rig(asset, pieces)? {
@@ -45,7 +45,7 @@ impl Wearer {
 pub fn sequence(frames: &[SourceAsset], rate: f64) -> Result<Sequence> {
     if !(rate > 0.0 && rate.is_finite()) {
         let what = format!("{rate} frames per second cannot be");
-        return Err(Error::fault("frames", "", what, "give the rate with --fps"));
+        return Err(Error::input("frames", "", what, "give the rate with --fps"));
     }
     let Some(first) = frames.first() else { return Err(no_frames()) };
     let (mut faults, mut all) = (Vec::new(), Vec::with_capacity(frames.len()));
@@ -56,23 +56,23 @@ pub fn sequence(frames: &[SourceAsset], rate: f64) -> Result<Sequence> {
         if vertices.len() != expected {
             let what =
                 format!("{} vertices, the first frame ({}) has {expected}", vertices.len(), first.file);
-            faults.push(Fault::new(&asset.file, "", what, "export all frames from one mesh"));
+            faults.push(Diagnostic::new(&asset.file, "", what, "export all frames from one mesh"));
         } else if asset.worn_triangles() != reference {
             let what = format!("its triangles are not those of the first frame ({})", first.file);
-            faults.push(Fault::new(&asset.file, "", what, "export all frames from one mesh"));
+            faults.push(Diagnostic::new(&asset.file, "", what, "export all frames from one mesh"));
         }
         all.push(vertices);
     }
     let count = faults.len();
     faults.truncate(FRAMES_TOLD);
     if count > FRAMES_TOLD {
-        faults.push(Fault::new("frames", "", format!("{} more like that", count - FRAMES_TOLD), ""));
+        faults.push(Diagnostic::new("frames", "", format!("{} more like that", count - FRAMES_TOLD), ""));
     }
     if faults.is_empty() { Ok(Sequence { rate, frames: all }) } else { Err(Error::Input(faults)) }
 }
 
 fn no_frames() -> Error {
-    Error::fault("frames", "", "there are none", "name a folder of numbered .obj files")
+    Error::input("frames", "", "there are none", "name a folder of numbered .obj files")
 }
 
 /// Places of a piece's vertices [m].

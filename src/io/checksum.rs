@@ -4,7 +4,7 @@
 //! apart, so that a fault says which of them changed. Optional in the file: who edits it on purpose leaves them out.
 //! A protection against accidents, not against anybody.
 
-use crate::Fault;
+use crate::Diagnostic;
 use crate::io::Sidecar;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -51,7 +51,7 @@ impl Sidecar {
     }
 
     /// What the stated checksums, if there are any, say against the numbers.
-    pub(super) fn checksum_faults(&self, file: &str) -> Vec<Fault> {
+    pub(super) fn checksum_faults(&self, file: &str) -> Vec<Diagnostic> {
         let Some(stated) = &self.checksums else { return Vec::new() };
         let own = self.own_checksums();
         [
@@ -62,7 +62,7 @@ impl Sidecar {
         .filter(|(_, stated, own)| stated != own)
         .map(|(part, _, _)| {
             let what = format!("does not fit: the {part} is not the one this sidecar was written with");
-            Fault::new(file, format!("checksums.{part}_sha256"), what, EDITED)
+            Diagnostic::new(file, format!("checksums.{part}_sha256"), what, EDITED)
         })
         .collect()
     }

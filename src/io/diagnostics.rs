@@ -1,19 +1,19 @@
 //! Collects the faults of one file, so that a user can mend it in one round.
 
-use crate::{Error, Fault, Result};
+use crate::{Diagnostic, Error, Result};
 
 /// Faults told in full; the rest is counted. A file with a wrong header easily has one fault per line.
 const TOLD: usize = 20;
 
 /// The faults found so far in one file.
 #[derive(Debug)]
-pub(super) struct FaultList {
+pub(super) struct DiagnosticList {
     file: String,
-    told: Vec<Fault>,
+    told: Vec<Diagnostic>,
     untold: usize,
 }
 
-impl FaultList {
+impl DiagnosticList {
     /// No faults yet in `file`.
     pub(super) fn new(file: &str) -> Self {
         Self { file: file.to_owned(), told: Vec::new(), untold: 0 }
@@ -27,7 +27,7 @@ impl FaultList {
         cure: impl Into<String>,
     ) {
         if self.told.len() < TOLD {
-            self.told.push(Fault::new(self.file.clone(), place, what, cure));
+            self.told.push(Diagnostic::new(self.file.clone(), place, what, cure));
         } else {
             self.untold += 1;
         }
@@ -39,7 +39,7 @@ impl FaultList {
             Ok(value) => Some(value),
             Err(Error::Input(faults)) => {
                 for fault in faults {
-                    self.push(fault.place, fault.what, fault.cure);
+                    self.push(fault.location, fault.message, fault.help);
                 }
                 None
             }
@@ -61,7 +61,7 @@ impl FaultList {
             return Ok(());
         }
         if self.untold > 0 {
-            self.told.push(Fault::new(self.file, "", format!("and {} more faults", self.untold), ""));
+            self.told.push(Diagnostic::new(self.file, "", format!("and {} more faults", self.untold), ""));
         }
         Err(Error::Input(self.told))
     }

@@ -49,7 +49,7 @@ impl Landmarks {
     /// Reads landmarks; `file` is their name in messages. Refused, too, when a place of the source is there twice.
     pub fn parse(file: &str, text: &str) -> Result<Self> {
         let document = Document::parse(file, text)?;
-        let faults = document.faults(&Self::schema());
+        let faults = document.validate(&Self::schema());
         if !faults.is_empty() {
             return Err(Error::Input(faults));
         }
@@ -62,7 +62,7 @@ impl Landmarks {
             if let Some(first) = read.pairs[..i].iter().position(same) {
                 let place = Path::root().name("pairs").entry(i).name("source_m");
                 let what = format!("is where pairs[{first}] is");
-                faults.push(document.fault(&place, what, "keep one of them"));
+                faults.push(document.diagnostic(&place, what, "keep one of them"));
             }
         }
         if faults.is_empty() { Ok(read) } else { Err(Error::Input(faults)) }

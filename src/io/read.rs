@@ -5,8 +5,8 @@
 //! still runs, only wrongly; so a size no garment has must be confirmed by naming the unit.
 //! Opens no files: what a document refers to comes through `resolve`.
 
-use crate::garment::Finding;
-use crate::io::diagnostics::FaultList;
+use crate::garment::ImportDiagnostic;
+use crate::io::diagnostics::DiagnosticList;
 use crate::io::{SourceAsset, SourceFormat, SourcePiece, UpAxis, gltf, obj};
 use crate::math::{Mat4, Vec3};
 use crate::{Error, Result};
@@ -44,7 +44,7 @@ pub(super) struct ReadPieces {
     /// The document, for glTF.
     pub(super) document: Option<crate::io::GltfDocument>,
     /// What was noticed.
-    pub(super) findings: Vec<Finding>,
+    pub(super) findings: Vec<ImportDiagnostic>,
 }
 
 /// A piece and every name it answers to.
@@ -60,8 +60,8 @@ pub fn read_asset(
     bytes: &[u8],
     options: &ReadOptions,
     resolve: &mut dyn FnMut(&str) -> Result<Vec<u8>>,
-) -> Result<(SourceAsset, Vec<Finding>)> {
-    let mut faults = FaultList::new(file_name);
+) -> Result<(SourceAsset, Vec<ImportDiagnostic>)> {
+    let mut faults = DiagnosticList::new(file_name);
     let unit_m = options.unit_m.unwrap_or(1.0);
     if !UNIT_M.contains(&unit_m) {
         faults.push(
@@ -83,10 +83,10 @@ pub fn read_asset(
     };
     if read.pieces.iter().all(|named| named.piece.triangles.is_empty()) {
         // What was skipped is why.
-        let seen: Vec<&str> = read.findings.iter().take(5).map(|finding| finding.what.as_str()).collect();
+        let seen: Vec<&str> = read.findings.iter().take(5).map(|finding| finding.message.as_str()).collect();
         let seen = if seen.is_empty() { String::new() } else { format!(": {}", seen.join(", ")) };
         let what = format!("there are no triangles in it{seen}");
-        return Err(Error::fault(file_name, "", what, "export the garment as a mesh"));
+        return Err(Error::input(file_name, "", what, "export the garment as a mesh"));
     }
     let mut pieces = read.pieces;
     choose_worn(file_name, &mut pieces, options.garment.as_deref())?;
@@ -130,7 +130,7 @@ fn format_of(file_name: &str, bytes: &[u8]) -> Result<SourceFormat> {
     }
     let foreign = ["fbx", "stl", "ply", "dae", "abc", "usd", "usda", "usdc", "usdz", "blend", "3ds", "zprj"];
     if foreign.contains(&extension.as_str()) {
-        return Err(Error::fault(
+        return Err(Error::input(
             file_name,
             "",
             format!(".{extension} files cannot be read"),
@@ -138,10 +138,10 @@ fn format_of(file_name: &str, bytes: &[u8]) -> Result<SourceFormat> {
         ));
     }
     if bytes.starts_with(b"\xFF\xFE") || bytes.starts_with(b"\xFE\xFF") {
-        return Err(Error::fault(file_name, "byte 0", "the text is UTF-16", "save it as UTF-8"));
+        return Err(Error::input(file_name, "byte 0", "the text is UTF-16", "save it as UTF-8"));
     }
     if extension != "obj" && bytes.iter().take(4096).any(|&byte| byte == 0) {
-        return Err(Error::fault(file_name, "", "neither glTF nor OBJ", "export it as glTF (.glb) or OBJ"));
+        return Err(Error::input(file_name, "", "neither glTF nor OBJ", "export it as glTF (.glb) or OBJ"));
     }
     Ok(SourceFormat::Obj)
 }
@@ -165,7 +165,7 @@ fn choose_worn(file: &str, pieces: &mut [NamedPiece], garment: Option<&str>) -> 
     }
     let more = if names.len() > NAMES_TOLD { ", and more" } else { "" };
     names.truncate(NAMES_TOLD);
-    Err(Error::fault(
+    Err(Error::input(
         file,
         "",
         format!("no garment called \"{wanted}\" in it"),
@@ -175,7 +175,7 @@ fn choose_worn(file: &str, pieces: &mut [NamedPiece], garment: Option<&str>) -> 
 
 /// Refuses coordinates that are not numbers or absurdly far.
 fn check_reach(asset: &SourceAsset) -> Result<()> {
-    let mut faults = FaultList::new(&asset.file);
+    let mut faults = DiagnosticList::new(&asset.file);
     for piece in &asset.pieces {
         let near = |p: Vec3| p.iter().all(|x| x.abs() <= FARTHEST_M);
         let far = (0..piece.positions.len()).find(|&v| !piece.scene_position(v).is_some_and(near));
@@ -204,7 +204,7 @@ fn check_size(asset: &SourceAsset) -> Result<()> {
         .map(|(name, unit)| format!("--unit {name} makes it {:.2} m", units.max() * unit))
         .collect();
     let hint = if fits.is_empty() { String::new() } else { format!("; {}", fits.join(", ")) };
-    Err(Error::fault(
+    Err(Error::input(
         &asset.file,
         "",
         format!(

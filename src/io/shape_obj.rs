@@ -60,7 +60,7 @@ pub fn read_shape_obj(file: &str, bytes: &[u8]) -> Result<Vec<Vec3>> {
         let x: Vec<f64> = numbers.split_whitespace().map_while(|w| w.parse().ok()).collect();
         match x[..] {
             [x, y, z] => points.push(Vec3::new(x, y, z)),
-            _ => return Err(Error::fault(file, format!("line {}", number + 1), "is no position", "")),
+            _ => return Err(Error::input(file, format!("line {}", number + 1), "is no position", "")),
         }
     }
     Ok(points)

@@ -12,7 +12,7 @@
 use crate::garment::{Garment, RestState, WornGarment, corner_vertices};
 use crate::math::{Mat3, Vec2, Vec3, bounds};
 use crate::mesh::PointIndex;
-use crate::{Error, Fault, Result};
+use crate::{Diagnostic, Error, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -414,13 +414,13 @@ fn stated_format(bytes: &[u8]) -> Option<String> {
     serde_json::from_slice::<Stated>(bytes).ok().map(|stated| stated.format)
 }
 
-fn wrong_format(file: &str, format: &str) -> Fault {
+fn wrong_format(file: &str, format: &str) -> Diagnostic {
     let cure = if format.starts_with("crease-sidecar/") {
         "use the version of crease that wrote it"
     } else {
         "give the OUT.crease.json that `crease bake` wrote beside OUT.glb"
     };
-    Fault::new(file, "format", format!("is {format:?}, not {SIDECAR_FORMAT:?}"), cure)
+    Diagnostic::new(file, "format", format!("is {format:?}, not {SIDECAR_FORMAT:?}"), cure)
 }
 
 fn unreadable(file: &str, path: &str, error: &serde_json::Error) -> Error {
@@ -429,18 +429,18 @@ fn unreadable(file: &str, path: &str, error: &serde_json::Error) -> Error {
     let what = message.rsplit_once(" at line ").map_or(message.as_str(), |(what, _)| what);
     let spot = format!("line {}, column {}", error.line(), error.column());
     let place = if path.is_empty() || path == "." { spot } else { format!("{spot}, {path}") };
-    Error::fault(file, place, what, CURE)
+    Error::input(file, place, what, CURE)
 }
 
 /// Collects faults; each list is reported once, at its first bad entry.
 struct Check<'a> {
     file: &'a str,
-    faults: Vec<Fault>,
+    faults: Vec<Diagnostic>,
 }
 
 impl Check<'_> {
     fn add(&mut self, place: String, what: String) {
-        self.faults.push(Fault::new(self.file, place, what, CURE));
+        self.faults.push(Diagnostic::new(self.file, place, what, CURE));
     }
 
     fn length(&mut self, place: &str, found: usize, wanted: usize, of: &str) {

@@ -70,13 +70,13 @@ fn list(entries: impl Iterator<Item = String>) -> String {
 pub fn read_usda(file: &str, bytes: &[u8]) -> Result<UsdaMemory> {
     let text = String::from_utf8_lossy(bytes);
     let numbers = |name: &str| -> Result<Vec<f64>> {
-        let missing = || Error::fault(file, name, "is missing", "write the file again");
+        let missing = || Error::input(file, name, "is missing", "write the file again");
         let line = text.lines().find(|line| line.contains(name)).ok_or_else(missing)?;
         let (_, values) = line.split_once(" = ").ok_or_else(missing)?;
         let words = values.split(['[', ']', '(', ')', ',', ' ']).filter(|word| !word.is_empty());
         let parsed: std::result::Result<Vec<f64>, _> = words.map(str::parse).collect();
         parsed.map_err(|_| {
-            Error::fault(file, name, "holds something that is no number", "write the file again")
+            Error::input(file, name, "holds something that is no number", "write the file again")
         })
     };
     let pairs = numbers("physics:restAdjTriPairs")?;

@@ -5,19 +5,23 @@
 //! enums, as externally tagged enums (`{"fold": {...}}`) and as options. Other words of the language are ignored:
 //! serde still has the last say.
 
-use crate::error::Fault;
+use crate::error::Diagnostic;
 use crate::json::{Document, FAULT_LIMIT, Path, Segment, nearest, quoted};
 use serde_json::Value;
 
 /// References followed one after the other before a schema is taken to go in circles.
 const REFERENCE_LIMIT: usize = 16;
 
-pub(super) fn faults(document: &Document, schema: &Value) -> Vec<Fault> {
+pub(super) fn faults(document: &Document, schema: &Value) -> Vec<Diagnostic> {
     let mut check = Check::new(document, schema, Path::root());
     check.value(schema, &document.value);
     let Check { mut faults, left_out, .. } = check;
     if left_out > 0 {
-        faults.push(document.fault(&Path::root(), format!("and {left_out} more faults"), "mend these first"));
+        faults.push(document.diagnostic(
+            &Path::root(),
+            format!("and {left_out} more faults"),
+            "mend these first",
+        ));
     }
     faults
 }
@@ -26,7 +30,7 @@ struct Check<'a> {
     document: &'a Document,
     root: &'a Value,
     path: Path,
-    faults: Vec<Fault>,
+    faults: Vec<Diagnostic>,
     left_out: usize,
     /// What the list around a value is for: entries seldom say it themselves.
     list_purpose: String,
@@ -111,7 +115,7 @@ impl<'a> Check<'a> {
             None => format!("allowed here: {list}"),
         };
         self.within(Segment::Name(name.to_owned()), |check| {
-            let fault = check.document.fault_of_name(&check.path, what, cure);
+            let fault = check.document.diagnostic_of_name(&check.path, what, cure);
             check.add(fault);
         });
     }
@@ -188,11 +192,11 @@ impl<'a> Check<'a> {
     }
 
     fn fault(&mut self, what: String, cure: String) {
-        let fault = self.document.fault(&self.path, what, cure);
+        let fault = self.document.diagnostic(&self.path, what, cure);
         self.add(fault);
     }
 
-    fn add(&mut self, fault: Fault) {
+    fn add(&mut self, fault: Diagnostic) {
         if self.faults.len() < FAULT_LIMIT {
             self.faults.push(fault);
         } else {

@@ -15,7 +15,7 @@ mod suggest;
 pub use spans::{Path, Segment};
 pub use suggest::nearest;
 
-use crate::error::{Error, Fault, Result};
+use crate::error::{Diagnostic, Error, Result};
 use crate::json::spans::Places;
 use schemars::{JsonSchema, generate::SchemaSettings};
 use serde::de::DeserializeOwned;
@@ -41,7 +41,7 @@ impl Document {
             let place = spans::line_and_column(text, e.line(), e.column());
             let what = e.to_string();
             let what = what.split(" at line ").next().unwrap_or(&what).to_owned();
-            Error::fault(
+            Error::input(
                 file,
                 place,
                 format!("not valid JSON: {what}"),
@@ -49,11 +49,11 @@ impl Document {
             )
         })?;
         let places = Places::of(text);
-        let twice: Vec<Fault> = places
-            .given_twice()
+        let twice: Vec<Diagnostic> = places
+            .duplicate_keys()
             .take(FAULT_LIMIT)
             .map(|(place, name)| {
-                Fault::new(file, place, format!("{name} is given twice"), "keep one of them")
+                Diagnostic::new(file, place, format!("{name} is given twice"), "keep one of them")
             })
             .collect();
         if !twice.is_empty() {
@@ -73,7 +73,7 @@ impl Document {
     }
 
     /// Fills what the document leaves out from `base`, object by object; what it has itself stays.
-    pub fn complete_from(&mut self, base: &Value) {
+    pub fn merge_defaults(&mut self, base: &Value) {
         complete(&mut self.value, base);
     }
 
@@ -88,7 +88,7 @@ impl Document {
     }
 
     /// Everything that does not suit `schema`, in file order; empty when all is well.
-    pub fn faults(&self, schema: &Value) -> Vec<Fault> {
+    pub fn validate(&self, schema: &Value) -> Vec<Diagnostic> {
         check::faults(self, schema)
     }
 
@@ -96,18 +96,18 @@ impl Document {
     pub fn decode<T: DeserializeOwned>(&self) -> Result<T> {
         serde_path_to_error::deserialize(&self.value).map_err(|e| {
             let path = Path::of_serde(e.path());
-            Error::Input(vec![self.fault(&path, e.inner().to_string(), "")])
+            Error::Input(vec![self.diagnostic(&path, e.inner().to_string(), "")])
         })
     }
 
     /// A fault at the value that `path` leads to.
-    pub fn fault(&self, path: &Path, what: impl Into<String>, cure: impl Into<String>) -> Fault {
-        Fault::new(&self.file, self.place(path, false), what, cure)
+    pub fn diagnostic(&self, path: &Path, what: impl Into<String>, cure: impl Into<String>) -> Diagnostic {
+        Diagnostic::new(&self.file, self.place(path, false), what, cure)
     }
 
     /// A fault of the name of the member that `path` leads to.
-    fn fault_of_name(&self, path: &Path, what: String, cure: String) -> Fault {
-        Fault::new(&self.file, self.place(path, true), what, cure)
+    fn diagnostic_of_name(&self, path: &Path, what: String, cure: String) -> Diagnostic {
+        Diagnostic::new(&self.file, self.place(path, true), what, cure)
     }
 
     fn place(&self, path: &Path, of_name: bool) -> String {
@@ -187,7 +187,9 @@ mod tests {
 
     fn faults(text: &str) -> Vec<String> {
         match Document::parse("t.json", text) {
-            Ok(document) => document.faults(&schema_of::<Thing>()).iter().map(ToString::to_string).collect(),
+            Ok(document) => {
+                document.validate(&schema_of::<Thing>()).iter().map(ToString::to_string).collect()
+            }
             Err(Error::Input(faults)) => faults.iter().map(ToString::to_string).collect(),
             Err(other) => vec![other.to_string()],
         }

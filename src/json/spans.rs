@@ -109,7 +109,7 @@ impl Places {
     }
 
     /// Names that an object has more than once: place of the later one, and the name, quoted.
-    pub(super) fn given_twice(&self) -> impl Iterator<Item = (String, String)> {
+    pub(super) fn duplicate_keys(&self) -> impl Iterator<Item = (String, String)> {
         self.twice.iter().map(|(at, name)| (self.spot(*at), crate::json::quoted(name)))
     }
 

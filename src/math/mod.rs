@@ -3,7 +3,7 @@
 mod rng;
 pub mod serde_vec;
 
-pub use rng::Draw;
+pub use rng::Rng;
 
 /// Point or vector in space [m].
 pub type Vec3 = nalgebra::Vector3<f64>;

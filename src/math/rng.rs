@@ -1,44 +1,44 @@
-//! Numbers that look random and are the same on every machine: shaken starts of charts, and tests.
+//! Pseudo-random numbers that are the same on every machine: perturbed initial conditions of charts, and tests.
 
 use crate::math::Vec3;
 
-/// A linear congruential generator (multiplier and increment of Knuth's MMIX), of which the upper 53 bits are given.
+/// Linear congruential generator with the multiplier and increment of Knuth's MMIX; real numbers use its upper 53 bits.
 #[derive(Debug, Clone)]
-pub struct Draw(u64);
+pub struct Rng(u64);
 
-impl Draw {
-    /// Goes on from `state`. States in a row give first numbers that are close together: see [`Draw::seeded`].
+impl Rng {
+    /// Continues from `state`. Consecutive states give first numbers that are close together: see [`Rng::from_seed`].
     pub fn from_state(state: u64) -> Self {
         Self(state)
     }
 
-    /// Draws that have nothing in common for seeds in a row.
-    pub fn seeded(seed: u64) -> Self {
-        let mut draw = Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(1));
+    /// Creates a generator; consecutive seeds give unrelated sequences.
+    pub fn from_seed(seed: u64) -> Self {
+        let mut rng = Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(1));
         (0..4).for_each(|_| {
-            draw.unit();
+            rng.uniform();
         });
-        draw
+        rng
     }
 
-    /// The next 64 bits; the lower ones repeat early.
-    pub fn bits(&mut self) -> u64 {
+    /// Returns the next 64 bits; the lower ones have short periods.
+    pub fn next_u64(&mut self) -> u64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         self.0
     }
 
-    /// 0 to 1, less than 1.
-    pub fn unit(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / (1u64 << 53) as f64
+    /// Returns a number in [0, 1).
+    pub fn uniform(&mut self) -> f64 {
+        (self.next_u64() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// 0 to 1 along every axis.
+    /// Returns a vector in [0, 1)^3.
     pub fn in_unit_cube(&mut self) -> Vec3 {
-        Vec3::new(self.unit(), self.unit(), self.unit())
+        Vec3::new(self.uniform(), self.uniform(), self.uniform())
     }
 
-    /// -1 to 1 along every axis.
-    pub fn vector(&mut self) -> Vec3 {
+    /// Returns a vector in [-1, 1)^3.
+    pub fn in_cube(&mut self) -> Vec3 {
         (self.in_unit_cube() - Vec3::repeat(0.5)) * 2.0
     }
 }

@@ -177,16 +177,16 @@ fn below(value: f64) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Draw;
+    use crate::math::Rng;
     use crate::mesh::distance::edge_edge;
 
     #[test]
     fn never_calls_near_boxes_far_and_seldom_the_reverse() {
-        let mut draw = Draw::from_state(1);
+        let mut rng = Rng::from_state(1);
         let (mut wrong, mut tested) = (0, 0);
         for k in 0..100_000 {
             let offset = Vec3::repeat([0.0, 1.0, -30.0][k % 3]);
-            let x = [0; 4].map(|_| draw.in_unit_cube() + offset);
+            let x = [0; 4].map(|_| rng.in_unit_cube() + offset);
             let (one, other) = (SweptBox::of_point(&x[0], &x[1]), SweptBox::of_point(&x[2], &x[3]));
             let distance = edge_edge(&x[0], &x[1], &x[2], &x[3]).distance;
             assert!(one.near(&other, SweptBox::reach(distance)), "{distance}");
@@ -207,12 +207,12 @@ mod tests {
     /// different moments are not.
     #[test]
     fn moving_boxes_are_near_when_they_meet_and_not_when_one_passes_where_the_other_was() {
-        let mut draw = Draw::from_state(2);
+        let mut rng = Rng::from_state(2);
         let mut far = 0;
         for _ in 0..20_000 {
-            let x = [0; 4].map(|_| draw.in_unit_cube() * 0.1);
-            let common = draw.vector() * 3.0;
-            let y = x.map(|x| x + common + draw.vector() * 0.2);
+            let x = [0; 4].map(|_| rng.in_unit_cube() * 0.1);
+            let common = rng.in_cube() * 3.0;
+            let y = x.map(|x| x + common + rng.in_cube() * 0.2);
             let at = |t: f64| std::array::from_fn::<Vec3, 4, _>(|i| x[i] + (y[i] - x[i]) * t);
             let of = |i: usize| MovingBox::together(&x[i], &y[i]);
             let (one, other) = (of(0).with(&of(1)), of(2).with(&of(3)));

@@ -150,10 +150,10 @@ fn advance<const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Draw;
+    use crate::math::Rng;
 
-    fn four(draw: &mut Draw, size: f64) -> [Vec3; 4] {
-        [0; 4].map(|_| draw.vector() * size)
+    fn four(rng: &mut Rng, size: f64) -> [Vec3; 4] {
+        [0; 4].map(|_| rng.in_cube() * size)
     }
 
     fn moved(x: &[Vec3; 4], dx: &[Vec3; 4], t: f64) -> [Vec3; 4] {
@@ -279,13 +279,13 @@ mod tests {
     #[test]
     fn never_late_and_seldom_early_against_dense_sampling() {
         for (name, step, measure) in kinds() {
-            let mut draw = Draw::from_state(7);
+            let mut rng = Rng::from_state(7);
             let (mut hits, mut tight, mut needless) = (0, 0, 0);
             let mut tried = 0;
             while tried < 50_000 {
-                let x = four(&mut draw, 1.0);
-                let size = 10f64.powf(2.0 * draw.unit() - 1.0);
-                let dx = four(&mut draw, size);
+                let x = four(&mut rng, 1.0);
+                let size = 10f64.powf(2.0 * rng.uniform() - 1.0);
+                let dx = four(&mut rng, size);
                 let distance = measure(&x).distance;
                 let floor = distance * [0.0, 1e-3, 0.3, 0.9][tried % 4];
                 tried += 1;
@@ -322,9 +322,9 @@ mod tests {
     #[test]
     fn a_motion_cut_short_is_free() {
         for (name, step, _) in kinds() {
-            let mut draw = Draw::from_state(11);
+            let mut rng = Rng::from_state(11);
             for k in 0..50_000 {
-                let (x, dx) = (four(&mut draw, 1.0), four(&mut draw, 2.0));
+                let (x, dx) = (four(&mut rng, 1.0), four(&mut rng, 2.0));
                 let floor = [0.0, 0.05][k % 2];
                 let t = step(x, dx, floor);
                 assert_eq!(step(x, dx.map(|d| d * t), floor), 1.0, "{name}: {t} {x:?} {dx:?}");
@@ -336,12 +336,12 @@ mod tests {
     #[test]
     fn slivers_that_spin_are_never_late() {
         for (name, step, measure) in kinds() {
-            let mut draw = Draw::from_state(13);
+            let mut rng = Rng::from_state(13);
             for _ in 0..5_000 {
-                let mut x = four(&mut draw, 1.0);
-                x[3] = x[2] + draw.vector() * 1e-3;
-                x[1] = x[0] + draw.vector() * 0.05;
-                let dx = four(&mut draw, 1.0);
+                let mut x = four(&mut rng, 1.0);
+                x[3] = x[2] + rng.in_cube() * 1e-3;
+                x[1] = x[0] + rng.in_cube() * 0.05;
+                let dx = four(&mut rng, 1.0);
                 let t = step(x, dx, 1e-3);
                 let begin = measure(&x).distance;
                 let floor = if begin > 1e-3 { 1e-3 } else { 0.45 * begin };

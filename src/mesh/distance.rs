@@ -212,11 +212,11 @@ pub fn edge_parallel_mollifier(a0: &Vec3, a1: &Vec3, b0: &Vec3, b1: &Vec3, rest_
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Draw;
+    use crate::math::Rng;
 
     /// Small repeatable generator, so that a failure can be found again.
-    fn four(draw: &mut Draw) -> [Vec3; 4] {
-        [0; 4].map(|_| draw.vector() * 0.5)
+    fn four(rng: &mut Rng) -> [Vec3; 4] {
+        [0; 4].map(|_| rng.in_cube() * 0.5)
     }
 
     type Pair = fn(&[Vec3; 4]) -> Gap;
@@ -229,10 +229,10 @@ mod tests {
 
     #[test]
     fn vector_is_the_weighted_sum_of_the_points() {
-        let mut draw = Draw::from_state(1);
+        let mut rng = Rng::from_state(1);
         for (name, gap) in pairs() {
             for _ in 0..20_000 {
-                let x = four(&mut draw);
+                let x = four(&mut rng);
                 let g = gap(&x);
                 let sum: Vec3 = (0..4).map(|i| x[i] * g.weights[i]).sum();
                 assert!((sum - g.vector).norm() < 1e-14, "{name}: {x:?}");
@@ -247,13 +247,13 @@ mod tests {
     /// Optimality: a convex problem has found its minimum when no corner lies nearer along the gap.
     #[test]
     fn nothing_lies_nearer_than_the_closest_points() {
-        let mut draw = Draw::from_state(2);
+        let mut rng = Rng::from_state(2);
         for k in 0..100_000 {
-            let mut x = four(&mut draw);
+            let mut x = four(&mut rng);
             if k % 3 == 0 {
                 // Needles and nearly parallel edges.
-                let bend = draw.vector() * 0.5 * 10f64.powf(-12.0 * draw.unit());
-                x[3] = x[1] + (x[2] - x[1]) * (3.0 * draw.unit() - 1.0) + bend;
+                let bend = rng.in_cube() * 0.5 * 10f64.powf(-12.0 * rng.uniform());
+                x[3] = x[1] + (x[2] - x[1]) * (3.0 * rng.uniform() - 1.0) + bend;
             }
             let g = point_triangle(&x[0], &x[1], &x[2], &x[3]);
             let n = g.vector / g.distance;
@@ -261,8 +261,8 @@ mod tests {
             assert!(support > g.distance - 1e-9, "point-triangle {k}: {support} {} {x:?}", g.distance);
 
             if k % 3 == 0 {
-                let bend = draw.vector() * 0.5 * 10f64.powf(-12.0 * draw.unit());
-                x[3] = x[2] + (x[1] - x[0]) * (4.0 * draw.unit() - 2.0) + bend;
+                let bend = rng.in_cube() * 0.5 * 10f64.powf(-12.0 * rng.uniform());
+                x[3] = x[2] + (x[1] - x[0]) * (4.0 * rng.uniform() - 2.0) + bend;
             }
             let g = edge_edge(&x[0], &x[1], &x[2], &x[3]);
             let n = g.vector / g.distance;

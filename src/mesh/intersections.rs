@@ -100,11 +100,11 @@ fn lone_corner_first(corners: &[Vec3; 3], sides: [i8; 3]) -> ([Vec3; 3], [i8; 3]
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Draw;
+    use crate::math::Rng;
     use std::path::Path;
 
-    fn triangle(draw: &mut Draw) -> [Vec3; 3] {
-        [0; 3].map(|_| draw.in_unit_cube())
+    fn triangle(rng: &mut Rng) -> [Vec3; 3] {
+        [0; 3].map(|_| rng.in_unit_cube())
     }
 
     /// Does the segment p q pass through the inside of the triangle? The plain definition, as an oracle.
@@ -120,10 +120,10 @@ mod tests {
 
     #[test]
     fn agrees_with_edges_that_pierce_in_every_order_of_corners() {
-        let mut draw = Draw::from_state(9);
+        let mut rng = Rng::from_state(9);
         let mut crossing = 0;
         for _ in 0..20_000 {
-            let (a, b) = (triangle(&mut draw), triangle(&mut draw));
+            let (a, b) = (triangle(&mut rng), triangle(&mut rng));
             let expected = some_edge_pierces(&a, &b);
             crossing += usize::from(expected);
             for i in 0..3 {
@@ -161,9 +161,9 @@ mod tests {
 
     #[test]
     fn one_mesh_against_itself_and_two_meshes() {
-        let mut draw = Draw::from_state(10);
+        let mut rng = Rng::from_state(10);
         let points: Vec<Vec3> =
-            (0..120).flat_map(|_| triangle(&mut draw).map(|x| x * 0.3).map(|x| x + Vec3::z())).collect();
+            (0..120).flat_map(|_| triangle(&mut rng).map(|x| x * 0.3).map(|x| x + Vec3::z())).collect();
         let triangles: Vec<[PointIndex; 3]> =
             (0..120u32).map(|f| [0, 1, 2].map(|k| PointIndex((3 * f + k * 5) % 360))).collect();
         let cross = |i: usize, j: usize| {
@@ -181,8 +181,8 @@ mod tests {
 
     #[test]
     fn what_is_not_finite_crosses_nothing() {
-        let mut draw = Draw::from_state(12);
-        let mut points: Vec<Vec3> = (0..40).flat_map(|_| triangle(&mut draw)).collect();
+        let mut rng = Rng::from_state(12);
+        let mut points: Vec<Vec3> = (0..40).flat_map(|_| triangle(&mut rng)).collect();
         let triangles: Vec<_> = (0..40u32).map(|f| [0, 1, 2].map(|k| PointIndex(3 * f + k))).collect();
         let before = crossings(&points, &triangles);
         points[0].x = f64::NAN;

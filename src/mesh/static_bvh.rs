@@ -175,21 +175,21 @@ impl Patches {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Draw;
+    use crate::math::Rng;
     use crate::mesh::aabb::SweptBox;
     use std::collections::BTreeSet;
 
     /// Loose triangles that fly along together, every third its own way.
     #[test]
     fn every_pair_that_meets_comes_once() {
-        let mut draw = Draw::from_state(6);
+        let mut rng = Rng::from_state(6);
         let (mut start, mut end, mut triangles) = (Vec::new(), Vec::new(), Vec::new());
         for k in 0..400u32 {
-            let (at, way) = (draw.in_unit_cube(), if k % 3 == 0 { draw.vector() } else { Vec3::x() });
+            let (at, way) = (rng.in_unit_cube(), if k % 3 == 0 { rng.in_cube() } else { Vec3::x() });
             for _ in 0..3 {
-                let x = at + draw.in_unit_cube() * 0.1;
+                let x = at + rng.in_unit_cube() * 0.1;
                 start.push(x);
-                end.push(x + way + draw.in_unit_cube() * 0.02);
+                end.push(x + way + rng.in_unit_cube() * 0.02);
             }
             triangles.push([3 * k, 3 * k + 1, 3 * k + 2].map(PointIndex));
         }

@@ -319,14 +319,14 @@ impl Ray {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Draw;
+    use crate::math::Rng;
 
     /// Loose triangles of size `size` in a unit cube.
-    fn soup(draw: &mut Draw, count: usize, size: f64) -> (Vec<Vec3>, Vec<[PointIndex; 3]>) {
+    fn soup(rng: &mut Rng, count: usize, size: f64) -> (Vec<Vec3>, Vec<[PointIndex; 3]>) {
         let mut points = Vec::new();
         for _ in 0..count {
-            let at = draw.in_unit_cube();
-            points.extend((0..3).map(|_| at + draw.in_unit_cube() * size));
+            let at = rng.in_unit_cube();
+            points.extend((0..3).map(|_| at + rng.in_unit_cube() * size));
         }
         let triangles = (0..count as u32).map(|f| [0, 1, 2].map(|k| PointIndex(3 * f + k))).collect();
         (points, triangles)
@@ -366,18 +366,18 @@ mod tests {
 
     #[test]
     fn overlaps_are_those_of_every_box_with_every_box() {
-        let mut draw = Draw::from_state(3);
+        let mut rng = Rng::from_state(3);
         for count in [0, 1, 2, 3, 7, 300] {
-            let (start, triangles) = soup(&mut draw, count, 0.1);
+            let (start, triangles) = soup(&mut rng, count, 0.1);
             let (mut tree, other_count) = (TriangleTree::new(&start, &triangles, 0.0), count / 2 + 1);
-            let (other_points, other_triangles) = soup(&mut draw, other_count, 0.2);
+            let (other_points, other_triangles) = soup(&mut rng, other_count, 0.2);
             let other = TriangleTree::new(&other_points, &other_triangles, 0.01);
             let other_boxes: Vec<Aabb> =
                 other_triangles.iter().map(|t| swept_box(t, &other_points, &other_points, 0.01)).collect();
             let mut at = start;
             for _ in 0..6 {
                 let end: Vec<Vec3> =
-                    at.iter().map(|x| x + (draw.in_unit_cube() - draw.in_unit_cube()) * 0.1).collect();
+                    at.iter().map(|x| x + (rng.in_unit_cube() - rng.in_unit_cube()) * 0.1).collect();
                 tree.refit(&at, &end, 0.02);
                 let boxes: Vec<Aabb> = triangles.iter().map(|t| swept_box(t, &at, &end, 0.02)).collect();
                 assert_eq!(tree.overlapping_pairs(), brute(&boxes, None));
@@ -416,11 +416,11 @@ mod tests {
 
     #[test]
     fn nearest_is_that_of_all_triangles_and_keeps_to_its_limit() {
-        let mut draw = Draw::from_state(4);
-        let (points, triangles) = soup(&mut draw, 500, 0.1);
+        let mut rng = Rng::from_state(4);
+        let (points, triangles) = soup(&mut rng, 500, 0.1);
         let tree = TriangleTree::new(&points, &triangles, 0.03);
         for _ in 0..300 {
-            let p = draw.in_unit_cube() * 1.4;
+            let p = rng.in_unit_cube() * 1.4;
             let all: Vec<f64> = (0..500)
                 .map(|f| point_triangle(&p, &points[3 * f], &points[3 * f + 1], &points[3 * f + 2]).distance)
                 .collect();
@@ -441,20 +441,20 @@ mod tests {
     #[test]
     fn rays_find_the_first_triangle_and_never_slip_through_a_sheet() {
         let (mut points, triangles) = sheet(20);
-        let mut draw = Draw::from_state(5);
-        points.iter_mut().for_each(|x| x.z = 0.05 * draw.unit());
+        let mut rng = Rng::from_state(5);
+        points.iter_mut().for_each(|x| x.z = 0.05 * rng.uniform());
         let tree = TriangleTree::new(&points, &triangles, 0.0);
         for k in 0..2_000 {
             // Many aimed exactly at points and sides.
             let target = match k % 3 {
                 0 => points[22 + k % 300],
                 1 => (points[22 + k % 300] + points[23 + k % 300]) / 2.0,
-                _ => Vec3::new(0.1 + 0.8 * draw.unit(), 0.1 + 0.8 * draw.unit(), 0.0),
+                _ => Vec3::new(0.1 + 0.8 * rng.uniform(), 0.1 + 0.8 * rng.uniform(), 0.0),
             };
             if !(0.04..0.96).contains(&target.x) || !(0.04..0.96).contains(&target.y) {
                 continue;
             }
-            let direction = if k % 2 == 0 { -Vec3::z() } else { (target - draw.in_unit_cube()) - Vec3::z() };
+            let direction = if k % 2 == 0 { -Vec3::z() } else { (target - rng.in_unit_cube()) - Vec3::z() };
             let origin = target - direction * 2.0;
             let hit = tree.first_hit(&points, origin, direction, f64::INFINITY);
             let Some(hit) = hit else { panic!("slipped through at {target}") };

@@ -131,11 +131,11 @@ impl Scene<'_> {
         let back = read_usda("OUT.usda", &bytes)?;
         let hinges = &self.garment.topology.hinges;
         if back.rest_points.len() != self.garment.points.len() {
-            return Err(Error::fault("OUT.usda", "physics:restShapePoints", "did not read back", ""));
+            return Err(Error::input("OUT.usda", "physics:restShapePoints", "did not read back", ""));
         }
         let same = back.pairs.iter().zip(hinges).filter(|(pair, h)| **pair == h.triangles).count();
         if same != hinges.len() || back.pairs.len() != hinges.len() || back.angles_deg.len() != hinges.len() {
-            return Err(Error::fault("OUT.usda", "physics:restAdjTriPairs", "did not read back", ""));
+            return Err(Error::input("OUT.usda", "physics:restAdjTriPairs", "did not read back", ""));
         }
         let off = |angles: &dyn Fn(usize) -> f64| -> Vec<f64> {
             let gap = |h: usize| {
@@ -165,7 +165,7 @@ impl Scene<'_> {
             for _ in 0..piece.positions.len() {
                 let (Some(point), false) = (points.next(), piece.triangles.is_empty()) else { continue };
                 let Some(grey) = read.next() else {
-                    return Err(Error::fault("OUT.rest-angle.glb", "COLOR_0", "did not read back", ""));
+                    return Err(Error::input("OUT.rest-angle.glb", "COLOR_0", "did not read back", ""));
                 };
                 per_point[point.at()] = 360.0 * grey - 180.0;
             }
@@ -223,7 +223,7 @@ impl Scene<'_> {
     /// Points of the garment from positions per vertex: the first vertex of a point decides, as it did on import.
     fn points_of(&self, vertices: &[Vec3]) -> Result<Vec<Vec3>> {
         if vertices.len() != self.garment.source_point.len() {
-            return Err(Error::fault("OUT.obj", "", "did not read back: vertices are missing", ""));
+            return Err(Error::input("OUT.obj", "", "did not read back: vertices are missing", ""));
         }
         let mut points = self.garment.points.clone();
         for (point, x) in self.garment.source_point.iter().zip(vertices).rev() {

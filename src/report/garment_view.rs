@@ -178,7 +178,7 @@ impl GarmentView {
 
     fn colouring(&self, show: ColorBy) -> Result<Colouring> {
         if show == ColorBy::Confidence && self.confidence.is_none() {
-            return Err(Error::fault(
+            return Err(Error::input(
                 &self.file,
                 "",
                 "says nothing of confidence",
@@ -186,7 +186,7 @@ impl GarmentView {
             ));
         }
         if show != ColorBy::Shape && show != ColorBy::Curvature && self.memory.is_none() {
-            return Err(Error::fault(
+            return Err(Error::input(
                 &self.file,
                 "",
                 "holds no wear to show",
@@ -196,7 +196,7 @@ impl GarmentView {
         match self.field(show, &self.after, self.memory.as_ref()) {
             Some(field) => Ok(Colouring::Field(field)),
             None if show == ColorBy::Shape => Ok(Colouring::Shape),
-            None => Err(Error::fault(
+            None => Err(Error::input(
                 &self.file,
                 "",
                 format!("says nothing of {}", show.name()),

@@ -39,7 +39,7 @@ pub(super) fn lay_over(
         let scale = Mat3::from_diagonal(&own.scale_to(stance));
         let rough = (scale * own.turn, -(scale * own.middle));
         let map = Registration::fit(&pairs, rough).ok_or_else(|| {
-            Error::fault(
+            Error::input(
                 &source.file,
                 "",
                 "the places that belong together leave no map between the garments",
@@ -68,7 +68,7 @@ pub(super) fn lay_over(
         Align::Auto if own.turn == stance.turn && is_close(&in_place(), standing, size) => {
             Ok((in_place(), "place"))
         }
-        Align::Joints if places.is_empty() => Err(Error::fault(
+        Align::Joints if places.is_empty() => Err(Error::input(
             &source.file,
             "mesh.joints",
             if options.mirror_x {

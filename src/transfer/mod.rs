@@ -203,7 +203,7 @@ fn new_memory(sheet: &Sheet) -> RestState {
 }
 
 fn check(sources: &[Source], target: &Sheet, options: &TransferOptions) -> Result<()> {
-    let refuse = |what: &str, cure: &str| Err(Error::fault("transfer", "", what, cure));
+    let refuse = |what: &str, cure: &str| Err(Error::input("transfer", "", what, cure));
     if sources.is_empty() {
         return refuse("there is no memory to carry", "give a sidecar");
     }
@@ -315,7 +315,7 @@ fn carry_one(
             });
         }
         (By::Same, false) => {
-            return Err(Error::fault(
+            return Err(Error::input(
                 &source.file,
                 "mesh",
                 "is not the mesh it is to go to: points or triangles differ",
@@ -338,7 +338,7 @@ fn carry_one(
             } else {
                 "it and the target do not both have texture coordinates"
             };
-            return Err(Error::fault(&source.file, "", what, "use --match surface"));
+            return Err(Error::input(&source.file, "", what, "use --match surface"));
         }
         By::Uv => Way::Texture,
         By::Auto if both_textured && texture_agrees(&aligned, standing, size) => Way::Texture,

@@ -4,7 +4,7 @@
 //! nearest of those around the ones its corners lie in, so that layers that touch are never taken for one another. Hinges
 //! between triangles that both meshes have go over number by number; what lies between is spread as between any two meshes.
 
-use crate::garment::{Coarsened, Garment, RestState};
+use crate::garment::{CoarseMesh, Garment, RestState};
 use crate::math::Vec3;
 use crate::mesh::distance::point_triangle_squared;
 use crate::transfer::correspondence::{Landing, Lands, Place, smallest_rotation};
@@ -14,7 +14,7 @@ use crate::transfer::{Change, Sheet, TransferOptions, new_memory, stiffness};
 use rustc_hash::FxHashMap;
 
 /// Memory of `garment`, one entry per hinge and triangle of it: that which `coarse`, made of it, has earned.
-pub fn carry_back(coarse: &Coarsened, memory: &RestState, garment: &Garment) -> RestState {
+pub fn carry_back(coarse: &CoarseMesh, memory: &RestState, garment: &Garment) -> RestState {
     let target = Sheet::without_texture(garment);
     let lands = Within::new(coarse, &target);
     let gathered = gather(&lands, memory, &target, 1.0);
@@ -29,17 +29,17 @@ pub fn carry_back(coarse: &Coarsened, memory: &RestState, garment: &Garment) -> 
 }
 
 /// The numbers of what both meshes have.
-fn take_over(change: &mut Change, own: &Change, coarse: &Coarsened, garment: &Garment) {
+fn take_over(change: &mut Change, own: &Change, coarse: &CoarseMesh, garment: &Garment) {
     let hinges = garment.topology.hinges.iter().enumerate();
     let numbers: FxHashMap<[u32; 2], usize> = hinges.map(|(h, hinge)| (hinge.triangles, h)).collect();
     for (h, hinge) in coarse.garment.topology.hinges.iter().enumerate() {
-        let [Some(a), Some(b)] = hinge.triangles.map(|f| coarse.same[f as usize]) else { continue };
+        let [Some(a), Some(b)] = hinge.triangles.map(|f| coarse.unchanged_from[f as usize]) else { continue };
         if let Some(&whole) = numbers.get(&[a.min(b), a.max(b)]) {
             change.angle[whole] = own.angle[h];
             change.stiffness[whole] = own.stiffness[h];
         }
     }
-    for (f, same) in coarse.same.iter().enumerate() {
+    for (f, same) in coarse.unchanged_from.iter().enumerate() {
         if let Some(whole) = same {
             change.stretch[*whole as usize] = own.stretch[f];
         }
@@ -50,7 +50,7 @@ fn take_over(change: &mut Change, own: &Change, coarse: &Coarsened, garment: &Ga
 struct Within<'a> {
     source: Sheet,
     target: &'a Sheet,
-    lies_in: &'a [u32],
+    containing_triangle: &'a [u32],
     /// Per coarse triangle: itself and all that share a point with it, sorted.
     around: Vec<Vec<u32>>,
     /// Per coarse triangle: outward unit normal.
@@ -58,7 +58,7 @@ struct Within<'a> {
 }
 
 impl<'a> Within<'a> {
-    fn new(coarse: &'a Coarsened, target: &'a Sheet) -> Self {
+    fn new(coarse: &'a CoarseMesh, target: &'a Sheet) -> Self {
         let source = Sheet::without_texture(&coarse.garment);
         let mut on_point = vec![Vec::new(); source.points.len()];
         for (f, t) in source.triangles.iter().enumerate() {
@@ -77,7 +77,7 @@ impl<'a> Within<'a> {
             normals: (0..source.triangles.len()).map(unit).collect(),
             source,
             target,
-            lies_in: &coarse.lies_in,
+            containing_triangle: &coarse.containing_triangle,
         }
     }
 }
@@ -92,7 +92,7 @@ impl Lands for Within<'_> {
             let [a, b, c] = self.source.corners(g as usize);
             point_triangle_squared(&place.position, &a, &b, &c)
         };
-        let corners = self.target.triangles[f].iter().map(|p| self.lies_in[p.at()]);
+        let corners = self.target.triangles[f].iter().map(|p| self.containing_triangle[p.at()]);
         let near = corners.flat_map(|g| self.around[g as usize].iter().copied());
         let nearest =
             near.map(|g| (distance(g), g)).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))?;

@@ -191,5 +191,5 @@ fn hinge_order(file: &str, topology: &Topology, listed: &[[u32; 4]]) -> Result<V
 }
 
 fn contradiction(file: &str, place: String, what: impl Into<String>) -> Error {
-    Error::fault(file, place, what, "use the sidecar as crease wrote it, or bake again")
+    Error::input(file, place, what, "use the sidecar as crease wrote it, or bake again")
 }

@@ -4,7 +4,7 @@
 //! [`Gesture`], which says for every time what acts on the cloth. What must outlive an action (the box that
 //! fractions refer to, folds that can be opened again, what holds the cloth up) is the [`Posture`].
 
-use crate::body::Standing;
+use crate::body::PosedBody;
 use crate::energy::Guide;
 use crate::error::{Error, Result};
 use crate::math::{Mat3, Vec3, bounds};
@@ -29,7 +29,7 @@ pub struct Scene<'a> {
 impl Scene<'_> {
     /// The action cannot be done here: `what` is in the way, `cure` helps.
     pub fn refuse(&self, what: impl Into<String>, cure: impl Into<String>) -> Error {
-        Error::fault(self.place.0, self.place.1, what, cure)
+        Error::input(self.place.0, self.place.1, what, cure)
     }
 }
 
@@ -115,7 +115,7 @@ pub struct Posture {
     /// The body the garment is worn on, and where it stands.
     // A checkpoint has its pose apart: the body itself is the caller's.
     #[serde(skip)]
-    pub body: Option<Standing>,
+    pub body: Option<PosedBody>,
 }
 
 impl Default for Posture {

@@ -3,7 +3,7 @@
 //! While it moves, steps are short enough to follow it; while it stands, the cloth decides. The garment feels it through
 //! `Drive::body`, nothing else: what the body is doing to it is for contact and friction to say.
 
-use crate::body::{BodyPose, Standing, Wearer};
+use crate::body::{AnimatedBody, BodyPose, PosedBody};
 use crate::json::nearest;
 use crate::math::Vec3;
 use crate::sim::Drive;
@@ -22,7 +22,7 @@ const NAMES_TOLD: usize = 40;
 
 /// A body that goes through postures.
 pub(super) struct Moving {
-    pub wearer: Arc<Wearer>,
+    pub wearer: Arc<AnimatedBody>,
     /// What else acts.
     pub drive: Drive,
     /// Posture at a time after its start [s].
@@ -56,12 +56,12 @@ impl Gesture for Moving {
     }
 
     fn end(&mut self, posture: &mut Posture, _x: &[Vec3]) {
-        posture.body = Some(Standing::new(&self.wearer, (self.pose)(self.duration)));
+        posture.body = Some(PosedBody::new(&self.wearer, (self.pose)(self.duration)));
     }
 }
 
 /// Time for the way from one posture to another [s]; 0 if they are the same.
-pub(super) fn way_s(wearer: &Wearer, from: &BodyPose, to: &BodyPose) -> f64 {
+pub(super) fn way_s(wearer: &AnimatedBody, from: &BodyPose, to: &BodyPose) -> f64 {
     let (a, b) = (wearer.points(from), wearer.points(to));
     let farthest = a.iter().zip(&b).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
     // The smooth start and end make the fastest part 1.5 times the mean.

@@ -4,8 +4,8 @@
 //! one script suits any garment. Reading reports every fault of a file in one go, with line, column and path
 //! (`docs/guide/wear-scripts.md`). Nothing here knows a garment, a body or a solver: whether a joint exists is asked at bake time.
 
-use crate::body::{BodyPose, Wearer};
-use crate::error::{Error, Fault, Result};
+use crate::body::{AnimatedBody, BodyPose};
+use crate::error::{Diagnostic, Error, Result};
 use crate::json::{Document, Path, schema_of};
 use crate::wear::{Action, Repeat};
 use schemars::JsonSchema;
@@ -59,12 +59,12 @@ impl WearScript {
     }
 
     fn of_document(document: &Document) -> Result<Self> {
-        let faults = document.faults(&Self::schema());
+        let faults = document.validate(&Self::schema());
         if !faults.is_empty() {
             return Err(Error::Input(faults));
         }
         let script: Self = document.decode()?;
-        let faults = script.misfits(document);
+        let faults = script.validate(document);
         if faults.is_empty() { Ok(script) } else { Err(Error::Input(faults)) }
     }
 
@@ -97,32 +97,32 @@ impl WearScript {
     }
 
     /// One fault per action that moves a body, for a bake that has none.
-    pub fn faults_without_body(&self, file: &str) -> Vec<Fault> {
+    pub fn errors_without_body(&self, file: &str) -> Vec<Diagnostic> {
         let mut faults = Vec::new();
         each(&self.actions, &Path::root().name("actions"), 0, &mut |action, path, _| {
             let own = !matches!(action, Action::Repeat(_)) && action.as_wear().needs_body();
             if own {
                 let what = format!("`{}` moves a body, and there is none", action.name());
-                faults.push(Fault::new(file, path.to_string(), what, "leave the action out"));
+                faults.push(Diagnostic::new(file, path.to_string(), what, "leave the action out"));
             }
         });
         faults
     }
 
     /// What is wrong with its actions for this body: joints and clips that it has not.
-    pub fn faults_with_body(&self, file: &str, wearer: &Wearer) -> Vec<Fault> {
+    pub fn faults_with_body(&self, file: &str, wearer: &AnimatedBody) -> Vec<Diagnostic> {
         let mut faults = Vec::new();
         each(&self.actions, &Path::root().name("actions"), 0, &mut |action, path, _| {
             for misfit in action.as_wear().misfits_with(wearer) {
                 let place = path.name(action.name()).name(misfit.field).to_string();
-                faults.push(Fault::new(file, place, misfit.what, misfit.cure));
+                faults.push(Diagnostic::new(file, place, misfit.what, misfit.cure));
             }
         });
         faults
     }
 
     /// How long the wear takes on this body [s], ways between clips left out.
-    pub fn duration_on(&self, wearer: Option<&Wearer>) -> f64 {
+    pub fn duration_on(&self, wearer: Option<&AnimatedBody>) -> f64 {
         let clip = |action: &Action| match (action, wearer) {
             (Action::Play(play), Some(wearer)) => {
                 f64::from(play.repeat) * wearer.clip_length(&play.clip).unwrap_or(0.0)
@@ -134,7 +134,7 @@ impl WearScript {
 
     /// The postures it takes the body through, in order; every action as written counts once. Empty when something is
     /// done that takes the garment off the body, or has it moved by anything else.
-    pub fn postures(&self, wearer: &Wearer) -> Vec<BodyPose> {
+    pub fn postures(&self, wearer: &AnimatedBody) -> Vec<BodyPose> {
         let (mut postures, mut other) = (vec![wearer.rest()], false);
         each(&self.actions, &Path::root().name("actions"), 0, &mut |action, _, _| match action {
             Action::Repeat(_) | Action::Hold(_) | Action::Settle(_) | Action::Release(_) => {}
@@ -151,16 +151,16 @@ impl WearScript {
     }
 
     /// Faults that no single field shows.
-    fn misfits(&self, document: &Document) -> Vec<Fault> {
+    fn validate(&self, document: &Document) -> Vec<Diagnostic> {
         let mut faults = Vec::new();
         each(&self.actions, &Path::root().name("actions"), 0, &mut |action, path, depth| {
             let inside = path.name(action.name());
             for misfit in action.as_wear().misfits() {
-                faults.push(document.fault(&inside.name(misfit.field), misfit.what, misfit.cure));
+                faults.push(document.diagnostic(&inside.name(misfit.field), misfit.what, misfit.cure));
             }
             if depth >= NESTING_LIMIT && matches!(action, Action::Repeat(_)) {
                 let what = format!("repeats lie more than {NESTING_LIMIT} deep");
-                faults.push(document.fault(path, what, "multiply their `times` instead"));
+                faults.push(document.diagnostic(path, what, "multiply their `times` instead"));
             }
         });
         let (duration_s, count) = (self.duration_s(), self.action_count());
@@ -168,11 +168,11 @@ impl WearScript {
         if duration_s > DURATION_LIMIT_S {
             let what =
                 format!("the wear takes {duration_s:.0} s, more than {DURATION_LIMIT_S:.0} s (one day)");
-            faults.push(document.fault(&at, what, "shorten holds or lower `times`"));
+            faults.push(document.diagnostic(&at, what, "shorten holds or lower `times`"));
         }
         if count > ACTION_LIMIT {
             let what = format!("{count} actions with repeats written out, more than {ACTION_LIMIT}");
-            faults.push(document.fault(&at, what, "lower `times`"));
+            faults.push(document.diagnostic(&at, what, "lower `times`"));
         }
         faults
     }
@@ -482,7 +482,7 @@ mod tests {
         );
         let Err(Error::Input(faults)) = bad else { panic!("accepted") };
         assert_eq!(faults.len(), 2);
-        assert_eq!(faults[1].place, "actions[1].hold.for");
+        assert_eq!(faults[1].location, "actions[1].hold.for");
     }
 
     #[test]
@@ -490,9 +490,9 @@ mod tests {
         let actions =
             r#"{"hold": {"for": 1}}, {"repeat": {"times": 2, "actions": [{"play": {"clip": "walk"}}]}}"#;
         let script = WearScript::parse("w.json", &script(actions)).expect("is valid");
-        let faults = script.faults_without_body("w.json");
+        let faults = script.errors_without_body("w.json");
         assert_eq!(faults.len(), 1);
-        assert_eq!(faults[0].place, "actions[1].repeat.actions[0]");
+        assert_eq!(faults[0].location, "actions[1].repeat.actions[0]");
         assert!(script.actions[1].as_wear().needs_body());
     }
 

@@ -5,7 +5,7 @@ use crease::error::Result;
 use crease::fabric::Fabric;
 use crease::garment::Garment;
 use crease::io::{ReadOptions, read_asset};
-use crease::math::{Draw, Vec3, bounds};
+use crease::math::{Rng, Vec3, bounds};
 use crease::mesh::PointIndex;
 use crease::mesh::intersections::crossings;
 use crease::wear::WearScript;
@@ -96,9 +96,9 @@ pub fn t_shirt(wear: &str, points: usize, seed: u64) -> Outcome {
     let (asset, _) =
         read_asset(mesh, &bytes, &ReadOptions::default(), &mut |_: &str| Ok(Vec::new())).expect("is a mesh");
     let (mut garment, _) = Garment::from_asset(&asset).expect("is a garment");
-    let mut draw = Draw::seeded(seed);
+    let mut rng = Rng::from_seed(seed);
     let edge = garment.mean_edge();
-    garment.points.iter_mut().for_each(|x| *x += draw.vector() * (0.02 * edge));
+    garment.points.iter_mut().for_each(|x| *x += rng.in_cube() * (0.02 * edge));
     let text = std::fs::read_to_string(folder.join("wear").join(wear)).expect("is in the repository");
     watched(wear, &garment, crease::fabric::DEFAULT_FABRIC, &text)
 }
@@ -132,12 +132,12 @@ pub fn handkerchief(points: usize, seed: u64) -> String {
     let across = ((points as f64) * (3f64.sqrt() / 2.0)).sqrt().round() as usize;
     let along = (across as f64 / (3f64.sqrt() / 2.0)).round() as usize;
     let edge = side / across as f64;
-    let mut draw = Draw::seeded(seed);
+    let mut rng = Rng::from_seed(seed);
     let mut text = String::new();
     for j in 0..=along {
         for i in 0..=across {
             let shift = if j % 2 == 1 && i > 0 && i < across { 0.5 } else { 0.0 };
-            let jitter = draw.vector() * (0.05 * edge);
+            let jitter = rng.in_cube() * (0.05 * edge);
             let x = edge * (i as f64 + shift).min(across as f64) + jitter.x;
             let z = side * j as f64 / along as f64 + jitter.z;
             writeln!(text, "v {x} 0 {z}").expect("text grows");

@@ -4,7 +4,7 @@
 use crease::contact::{Contact, ContactSettings};
 use crease::energy::{Bending, Membrane};
 use crease::garment::RestState;
-use crease::math::{Draw, Vec2, Vec3};
+use crease::math::{Rng, Vec2, Vec3};
 use crease::mesh::intersections::{crossings, crossings_between};
 use crease::mesh::{PointIndex, Topology};
 use crease::sim::Drive;
@@ -65,8 +65,8 @@ impl Pattern {
 
     /// Moves every point by up to `most` [m] along every axis.
     pub fn jitter(&mut self, most: f64, seed: u64) {
-        let mut draw = Draw::seeded(seed);
-        self.x.iter_mut().for_each(|x| *x += draw.vector() * most);
+        let mut rng = Rng::from_seed(seed);
+        self.x.iter_mut().for_each(|x| *x += rng.in_cube() * most);
     }
 }
 

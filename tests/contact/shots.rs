@@ -1,7 +1,7 @@
 //! Tunnelling: scraps of cloth shot at a sheet, by many thicknesses a step.
 
 use crate::run::{COTTON, Kind, Pattern, Run};
-use crease::math::{Draw, Vec3};
+use crease::math::{Rng, Vec3};
 use crease::mesh::triangle_bvh::TriangleTree;
 use crease::sim::Drive;
 
@@ -22,10 +22,10 @@ pub struct Shots {
 /// `count` scraps of 2 cm, each turned and aimed at random, fly at `speed` [m/s] at a sheet of 0.2 m held at its border, in
 /// steps of 1/60 s and no shorter.
 pub fn shoot(count: usize, speed: f64, seed: u64) -> Shots {
-    let mut draw = Draw::seeded(seed);
+    let mut rng = Rng::from_seed(seed);
     let mut found = Shots::default();
     for _ in 0..count {
-        let (hit, run, scrap, aim) = one_shot(speed, &mut draw);
+        let (hit, run, scrap, aim) = one_shot(speed, &mut rng);
         let tree = TriangleTree::new(&run.state.x, &run.triangles, 0.0);
         // Looking back along the way it came, the sheet is met an even number of times from the near side.
         let through = (scrap..run.state.x.len()).any(|p| {
@@ -47,17 +47,17 @@ pub fn shoot(count: usize, speed: f64, seed: u64) -> Shots {
     found
 }
 
-fn one_shot(speed: f64, draw: &mut Draw) -> (bool, Run, usize, Vec3) {
+fn one_shot(speed: f64, rng: &mut Rng) -> (bool, Run, usize, Vec3) {
     const SIDE: usize = 12;
     let mut pattern = Pattern::square((SIDE + 1) * (SIDE + 1), 0.2, Vec3::zeros());
     let scrap = pattern.x.len();
-    let (a, b) = (draw.vector(), draw.vector());
+    let (a, b) = (rng.in_cube(), rng.in_cube());
     let e1 = a.normalize();
     let e2 = (b - e1 * e1.dot(&b)).normalize();
-    let above = Vec3::new(0.1 * (draw.unit() - 0.5), 0.03, 0.1 * (draw.unit() - 0.5));
+    let above = Vec3::new(0.1 * (rng.uniform() - 0.5), 0.03, 0.1 * (rng.uniform() - 0.5));
     pattern
         .add([3, 3], [0.02, 0.02], false, |u, v| above + e1 * (0.02 * (u - 0.5)) + e2 * (0.02 * (v - 0.5)));
-    let aim = Vec3::new(0.6 * (draw.unit() - 0.5), -1.0, 0.6 * (draw.unit() - 0.5)).normalize();
+    let aim = Vec3::new(0.6 * (rng.uniform() - 0.5), -1.0, 0.6 * (rng.uniform() - 0.5)).normalize();
     let mut run = Run::new(&pattern, Kind { thickness: 0.5e-3, ..COTTON }, 4.0);
     let h = 1.0 / 60.0;
     run.stepper.options.shortest = h;

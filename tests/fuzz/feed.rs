@@ -36,13 +36,13 @@ pub fn mesh(name: &str, bytes: &[u8], resolve: &mut dyn FnMut(&str) -> Result<Ve
 
 /// A mesh file on its own.
 pub fn lone_mesh(name: &str, bytes: &[u8]) -> Result<()> {
-    mesh(name, bytes, &mut |file| Err(Error::fault(file, "", "there is no such file", "")))
+    mesh(name, bytes, &mut |file| Err(Error::input(file, "", "there is no such file", "")))
 }
 
 /// A wear script.
 pub fn wear(bytes: &[u8]) -> Result<()> {
     let script = WearScript::parse("wear.json", &text(bytes)?)?;
-    script.faults_without_body("wear.json");
+    script.errors_without_body("wear.json");
     assert!(script.flatten().take(100_000).count() <= 100_000 && script.duration_s().is_finite());
     Ok(())
 }
@@ -101,5 +101,5 @@ fn small_run() -> (Garment, WearScript) {
 }
 
 fn text(bytes: &[u8]) -> Result<String> {
-    String::from_utf8(bytes.to_vec()).map_err(|_| Error::fault("file", "", "is not UTF-8 text", ""))
+    String::from_utf8(bytes.to_vec()).map_err(|_| Error::input("file", "", "is not UTF-8 text", ""))
 }

@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::fabric::{DEFAULT_FABRIC, Fabric};
 use crate::io::{ReadOptions, SourceAsset, read_asset};
 use crate::garment::Garment;
-use crate::math::{Draw, bounds};
+use crate::math::{Rng, bounds};
 use crate::mesh::intersections::crossings;
 use crate::sim::Method;
 use crate::wear::WearScript;
@@ -49,7 +49,7 @@ pub struct Run {
 /// # Errors
 /// Where it is no such mesh or needs a file beside it, which does not happen.
 pub(in crate::chart) fn read_own((file, bytes): (&str, &[u8]), reading: &ReadOptions) -> Result<SourceAsset> {
-    let nothing = |name: &str| Err(Error::fault(file, name, "refers to another file", ""));
+    let nothing = |name: &str| Err(Error::input(file, name, "refers to another file", ""));
     Ok(read_asset(file, bytes, reading, &mut |name| nothing(name))?.0)
 }
 
@@ -80,8 +80,8 @@ impl FoldThrice {
 
     /// The same garment with edges halved down to `edge` [m].
     #[must_use]
-    pub fn refined(&self, edge: f64) -> Self {
-        let garment = self.garment.refined(edge, &[]).garment;
+    pub fn refine(&self, edge: f64) -> Self {
+        let garment = self.garment.refine(edge, &[]).garment;
         Self { garment, fabric: self.fabric.clone(), script: self.script.clone() }
     }
 
@@ -90,9 +90,9 @@ impl FoldThrice {
     #[must_use]
     pub fn shaken(&self, seed: u64) -> Self {
         let mut garment = self.garment.clone();
-        let mut draw = Draw::seeded(seed);
+        let mut rng = Rng::from_seed(seed);
         let most = SHAKE * garment.mean_edge();
-        garment.points.iter_mut().for_each(|x| *x += draw.vector() * most);
+        garment.points.iter_mut().for_each(|x| *x += rng.in_cube() * most);
         Self { garment, fabric: self.fabric.clone(), script: self.script.clone() }
     }
 

@@ -48,13 +48,13 @@ impl Kernels {
         let product = time_of(runs, || matrix.multiply(std::hint::black_box(&x), &mut y));
         let mut direct = Cholesky::default();
         // The first one finds the order of elimination.
-        let fails = |_| crate::Error::fault("chart", "speed", "a sheet's system is not positive", "");
+        let fails = |_| crate::Error::input("chart", "speed", "a sheet's system is not positive", "");
         direct.factorise(&matrix, &places).map_err(fails)?;
         let mut sound = true;
         let factor = time_of(runs, || sound &= direct.factorise(&matrix, &places).is_ok());
         let solve = time_of(runs, || sound &= direct.solve(&matrix, &mut x.clone()).is_ok());
         if !sound {
-            return Err(crate::Error::fault("chart", "speed", "a sheet's system could not be solved", ""));
+            return Err(crate::Error::input("chart", "speed", "a sheet's system could not be solved", ""));
         }
         let (points_of_layers, triangles) = two_layers(points)?;
         let mut tree = TriangleTree::new(&points_of_layers, &triangles, LAYER);

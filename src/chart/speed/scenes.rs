@@ -4,7 +4,7 @@ use crate::chart::accuracy::{FoldThrice, read_own};
 use crate::chart::{ChartOptions, cantilever, strip};
 use crate::chart::speed::Cost;
 use crate::bake::{BakeOptions, BakeReport, bake};
-use crate::body::Wearer;
+use crate::body::AnimatedBody;
 use crate::error::Result;
 use crate::fabric::{DEFAULT_FABRIC, Fabric};
 use crate::io::{ReadOptions, SourcePiece};
@@ -34,7 +34,7 @@ pub(super) fn costs(options: &ChartOptions) -> Result<Vec<Cost>> {
     let mut shirts = vec![FoldThrice::new()?];
     if options.full {
         let full = FoldThrice::full()?;
-        let fine = full.refined(FINE_EDGE);
+        let fine = full.refine(FINE_EDGE);
         shirts.extend([full, fine]);
     }
     for shirt in &shirts {
@@ -92,7 +92,7 @@ fn elbow() -> Result<Cost> {
     let asset = read_own(ARM, &ReadOptions { garment: Some("sleeve".into()), ..ReadOptions::default() })?;
     let arm: Vec<&SourcePiece> = asset.pieces.iter().filter(|piece| !piece.worn).collect();
     let options =
-        BakeOptions { body: Some(Arc::new(Wearer::from_pieces(&asset, &arm)?)), ..BakeOptions::default() };
+        BakeOptions { body: Some(Arc::new(AnimatedBody::from_pieces(&asset, &arm)?)), ..BakeOptions::default() };
     let (garment, _) = Garment::from_asset(&asset)?;
     let fabric = Fabric::preset(DEFAULT_FABRIC)?;
     let script = WearScript::parse("elbow.json", BEND)?;
@@ -136,7 +136,7 @@ mod tests {
     #[test]
     fn shirts_have_the_points_that_the_chart_says() {
         let [draft, full] = [FoldThrice::new().unwrap(), FoldThrice::full().unwrap()];
-        let fine = full.refined(FINE_EDGE);
+        let fine = full.refine(FINE_EDGE);
         for (shirt, points) in [(draft, 2_000.0), (full, 14_000.0), (fine, 60_000.0)] {
             let share = shirt.points() as f64 / points;
             assert!((share - 1.0).abs() < 0.05, "{points}: {}", shirt.points());

@@ -5,7 +5,7 @@ use crate::cli::args::common::{MeshReading, Metres, positive};
 use crate::cli::files::input::name_of;
 use crate::cli::files::mesh_file::{MeshFile, read_asset_at};
 use clap::Args;
-use crease::body::Wearer;
+use crease::body::AnimatedBody;
 use crease::io::{SourceAsset, SourceFormat, SourcePiece};
 use crease::{Error, Result};
 use std::ffi::OsStr;
@@ -31,7 +31,12 @@ pub struct BodyArgs {
 
 impl BodyArgs {
     /// The body, if one is wanted for the garment `mesh`, which was read from `path` as `reading` says.
-    pub fn read(&self, path: &Path, reading: &MeshReading, mesh: &MeshFile) -> Result<Option<Arc<Wearer>>> {
+    pub fn read(
+        &self,
+        path: &Path,
+        reading: &MeshReading,
+        mesh: &MeshFile,
+    ) -> Result<Option<Arc<AnimatedBody>>> {
         let Some(body) = &self.body else { return Ok(None) };
         let same = matches!((body.canonicalize(), path.canonicalize()), (Ok(a), Ok(b)) if a == b);
         let wearer = if body.is_dir() {
@@ -41,7 +46,7 @@ impl BodyArgs {
         } else {
             let (asset, _) = read_asset_at(body, &self.reading(body, reading))?;
             let pieces: Vec<&SourcePiece> = asset.worn_pieces().collect();
-            Wearer::from_pieces(&asset, &pieces)?
+            AnimatedBody::from_pieces(&asset, &pieces)?
         };
         Ok(Some(Arc::new(wearer)))
     }
@@ -59,7 +64,7 @@ impl BodyArgs {
     }
 
     /// The body in the garment's own file: the pieces called `--body-node`, or all that is not worn.
-    fn of_own_file(&self, asset: &SourceAsset, reading: &MeshReading) -> Result<Wearer> {
+    fn of_own_file(&self, asset: &SourceAsset, reading: &MeshReading) -> Result<AnimatedBody> {
         let worn: Vec<bool> = asset.pieces.iter().map(|piece| piece.worn).collect();
         let chosen = match &self.body_node {
             None => worn.iter().map(|worn| !worn).collect(),
@@ -71,9 +76,9 @@ impl BodyArgs {
         if pieces.is_empty() {
             let what = "body and garment are the same part of this file";
             let cure = "name the garment with --garment (and the body with --body-node)";
-            return Err(Error::fault(&asset.file, "", what, cure));
+            return Err(Error::input(&asset.file, "", what, cure));
         }
-        Wearer::from_pieces(asset, &pieces)
+        AnimatedBody::from_pieces(asset, &pieces)
     }
 
     /// Which pieces of the garment's file answer to `node`: reading it again is the one place that knows all names.
@@ -85,13 +90,13 @@ impl BodyArgs {
         Ok(again.pieces.iter().map(|piece| piece.worn).collect())
     }
 
-    fn of_frames(&self, folder: &Path, reading: &MeshReading) -> Result<Wearer> {
+    fn of_frames(&self, folder: &Path, reading: &MeshReading) -> Result<AnimatedBody> {
         let Some(rate) = self.body_fps else {
             let what = "a folder of frames has no rate of its own";
-            return Err(Error::fault(name_of(folder), "", what, "give it with --body-fps"));
+            return Err(Error::input(name_of(folder), "", what, "give it with --body-fps"));
         };
         let frames = read_frames(folder, &self.reading(Path::new("frame.obj"), reading))?;
-        Wearer::from_frames(&frames, rate)
+        AnimatedBody::from_frames(&frames, rate)
     }
 }
 
@@ -105,7 +110,7 @@ pub fn read_frames(folder: &Path, reading: &MeshReading) -> Result<Vec<SourceAss
         match read_asset_at(&path, reading) {
             Ok((asset, _)) if asset.format == SourceFormat::Obj => frames.push(asset),
             Ok((asset, _)) => {
-                faults.push(Error::fault(asset.file, "", "is no OBJ file", "export the frames as .obj"))
+                faults.push(Error::input(asset.file, "", "is no OBJ file", "export the frames as .obj"))
             }
             Err(fault) => faults.push(fault),
         }
@@ -128,7 +133,7 @@ fn frame_paths(folder: &Path) -> Result<Vec<PathBuf>> {
         }
     }
     numbered.sort();
-    let refuse = |what: String, cure: &str| Err(Error::fault(name_of(folder), "", what, cure));
+    let refuse = |what: String, cure: &str| Err(Error::input(name_of(folder), "", what, cure));
     let Some((first, name, _)) = numbered.first() else {
         return refuse("has no numbered .obj files".into(), "name the folder that holds frame_0000.obj, ...");
     };

@@ -63,7 +63,7 @@ impl RefineArgs {
         let mm = self.resolution?;
         let edge = garment.mean_edge();
         let wanted = wanted(garment);
-        let finer = garment.refined(1e-3 * mm, &wanted);
+        let finer = garment.refine(1e-3 * mm, &wanted);
         let (before, after) = (garment.points.len(), finer.garment.points.len());
         if after == before {
             let told = format!(

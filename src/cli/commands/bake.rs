@@ -24,7 +24,7 @@ use crease::bake::{
     BakeOptions, BakeResult, Checkpoint, ModelDecision, ModelPlan, Observer, Quality, active_points,
     bake_from,
 };
-use crease::body::Wearer;
+use crease::body::AnimatedBody;
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
 use crease::garment::{Garment, RestState, WornGarment};
 use crease::io::gltf::write_worn_glb;
@@ -150,7 +150,7 @@ impl Arguments {
         self.memory == MemoryLaw::On
     }
 
-    fn options(&self, body: Option<&Arc<Wearer>>) -> BakeOptions {
+    fn options(&self, body: Option<&Arc<AnimatedBody>>) -> BakeOptions {
         let mut options = BakeOptions {
             memory: self.memory_on(),
             body: body.cloned(),
@@ -296,7 +296,7 @@ struct Job {
     script: WearScript,
     script_file: String,
     fabric: Fabric,
-    body: Option<Arc<Wearer>>,
+    body: Option<Arc<AnimatedBody>>,
     /// What `--resolution` did.
     refined: Option<Finer>,
 }
@@ -383,7 +383,7 @@ impl Job {
 
 fn script(file: &str, path: &Path, has_body: bool) -> Result<WearScript> {
     let script = WearScript::parse(file, &input::text(path)?)?;
-    let faults = if has_body { Vec::new() } else { script.faults_without_body(file) };
+    let faults = if has_body { Vec::new() } else { script.errors_without_body(file) };
     match faults {
         faults if faults.is_empty() => Ok(script),
         faults => Err(Error::Input(faults)),

@@ -63,7 +63,7 @@ impl<'a> Folder<'a> {
         if path.is_dir() {
             return Ok(Self { made: None });
         }
-        let fault = |what: String, cure| Error::fault(input::name_of(path), "", what, cure);
+        let fault = |what: String, cure| Error::input(input::name_of(path), "", what, cure);
         if path.exists() {
             return Err(fault("is not a folder".into(), "name a folder"));
         }

@@ -41,7 +41,7 @@ pub fn run_man(arguments: ManArguments) -> Result<()> {
     command.build();
     let Some(folder) = arguments.to else { return console::data(&page(command)) };
     if !folder.is_dir() {
-        return Err(Error::fault(name_of(&folder), "", "there is no such folder", "make it first"));
+        return Err(Error::input(name_of(&folder), "", "there is no such folder", "make it first"));
     }
     let mut outputs = Outputs::new([]);
     add_pages(&mut outputs, &folder, &command)?;

@@ -181,7 +181,7 @@ fn of_frames(arguments: &Arguments) -> Result<Job> {
     let folder = input::name_of(&arguments.motion);
     let Some(rate) = arguments.fps else {
         let what = "a folder of frames has no rate of its own";
-        return Err(Error::fault(folder, "", what, "give it with --fps"));
+        return Err(Error::input(folder, "", what, "give it with --fps"));
     };
     // Frames are in metres when they are those of a run; a file beside them has its own unit.
     let reading = match &arguments.mesh {
@@ -190,7 +190,7 @@ fn of_frames(arguments: &Arguments) -> Result<Job> {
     };
     let assets = read_frames(&arguments.motion, &reading)?;
     let frames = sequence(&assets, rate)?.frames;
-    let Some(first) = assets.first() else { return Err(Error::fault(folder, "", "has no frames", "")) };
+    let Some(first) = assets.first() else { return Err(Error::input(folder, "", "has no frames", "")) };
     let path = arguments.mesh.clone().unwrap_or_else(|| PathBuf::from(&first.file));
     let mesh = MeshFile::read(&path, &arguments.reading)?;
     let Some(vertex_of) = vertex_of_point(&mesh, first) else {
@@ -204,7 +204,7 @@ fn of_frames(arguments: &Arguments) -> Result<Job> {
         let what = format!("its frames ({frame}) are not of the garment {} ({own})", path.display());
         let cure = "give the mesh that the frames are of with --mesh (and --garment), or leave it out; frames of a bake \
                     are of the whole garment with --no-grading";
-        return Err(Error::fault(folder, "", what, cure));
+        return Err(Error::input(folder, "", what, cure));
     };
     let frame_count = frames.len();
     Ok(Job { mesh, path, source: Source::Frames(frames), vertex_of, interval: 1.0 / rate, frame_count })
@@ -245,16 +245,16 @@ fn of_clip(arguments: &Arguments) -> Result<Job> {
     let file = input::name_of(&path);
     if arguments.mesh.is_some() {
         let cure = "leave --mesh out: the garment is in the animated file itself";
-        return Err(Error::fault(file, "", "an animated file is its own garment", cure));
+        return Err(Error::input(file, "", "an animated file is its own garment", cure));
     }
     let mesh = MeshFile::read(&path, &arguments.reading)?;
     let pieces: Vec<&SourcePiece> = mesh.asset.worn_pieces().collect();
     let Some(rig) = read_rig(&mesh.asset, &pieces)? else {
         let cure = "give an animated .glb, or a folder of numbered .obj frames with --fps";
-        return Err(Error::fault(file, "", "an OBJ file does not move", cure));
+        return Err(Error::input(file, "", "an OBJ file does not move", cure));
     };
     let names: Vec<String> = rig.clips.iter().map(|clip| format!("\"{}\"", clip.name)).collect();
-    let refuse = |what: String, cure: String| Err(Error::fault(file.clone(), "animations", what, cure));
+    let refuse = |what: String, cure: String| Err(Error::input(file.clone(), "animations", what, cure));
     let found = match &arguments.clip {
         Some(name) => rig.clips.iter().position(|clip| clip.name == *name),
         None => (!rig.clips.is_empty()).then_some(0),

@@ -129,7 +129,7 @@ pub fn read(path: &Path) -> Result<(GarmentView, Option<Sidecar>)> {
             keep_worn_pieces(&mut asset);
             if let Some(what) = sidecar.misfit(&asset) {
                 let cure = format!("put the sidecar that was written with {} beside it", path.display());
-                return Err(Error::fault(file, "mesh", what, cure));
+                return Err(Error::input(file, "mesh", what, cure));
             }
             Ok((GarmentView::of_sidecar(&input::name_of(path), &sidecar), Some(sidecar)))
         }

@@ -88,7 +88,7 @@ fn frames(folder: &Path, most: usize) -> Result<Shots> {
     let count = (0..).take_while(|&number| path(number).is_file()).count();
     if count == 0 {
         let cure = "give the folder that `crease bake --frames DIR` wrote";
-        return Err(Error::fault(input::name_of(folder), "", "has no frame_0000.obj", cure));
+        return Err(Error::input(input::name_of(folder), "", "has no frame_0000.obj", cure));
     }
     let step = count.div_ceil(most);
     let mut shots = Shots { positions: Vec::new(), names: Vec::new(), triangles: Vec::new() };
@@ -106,7 +106,7 @@ fn frames(folder: &Path, most: usize) -> Result<Shots> {
         } else if x.len() != shots.positions[0].len() || triangles != shots.triangles {
             let what = "is of another mesh than frame_0000.obj";
             let cure = "give the frames of one bake";
-            return Err(Error::fault(input::name_of(&path(number)), "", what, cure));
+            return Err(Error::input(input::name_of(&path(number)), "", what, cure));
         }
         shots.positions.push(x);
         shots.names.push(format!("{number}"));

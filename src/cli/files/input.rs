@@ -1,7 +1,7 @@
 //! Reads files whole, with messages a user can act on.
 
 use crease::fabric::Fabric;
-use crease::{Error, Fault, Result};
+use crease::{Diagnostic, Error, Result};
 use std::io::ErrorKind;
 use std::path::Path;
 
@@ -14,14 +14,14 @@ pub fn name_of(path: &Path) -> String {
 pub fn bytes(path: &Path) -> Result<Vec<u8>> {
     let file = name_of(path);
     if path.is_dir() {
-        return Err(Error::fault(file, "", "is a folder, not a file", "name the file in it"));
+        return Err(Error::input(file, "", "is a folder, not a file", "name the file in it"));
     }
     std::fs::read(path).map_err(|source| match source.kind() {
         ErrorKind::NotFound => {
-            Error::fault(file, "", "there is no such file", "check the name and the folder")
+            Error::input(file, "", "there is no such file", "check the name and the folder")
         }
         ErrorKind::PermissionDenied => {
-            Error::fault(file, "", "may not be read", "give yourself the right to read it")
+            Error::input(file, "", "may not be read", "give yourself the right to read it")
         }
         _ => Error::File { file, source },
     })
@@ -33,7 +33,7 @@ pub fn text(path: &Path) -> Result<String> {
         let at = broken.utf8_error().valid_up_to();
         let before = broken.as_bytes().get(..at).unwrap_or_default();
         let line = before.iter().filter(|byte| **byte == b'\n').count() + 1;
-        Error::fault(name_of(path), format!("line {line}"), "is not UTF-8 text", "save it as UTF-8")
+        Error::input(name_of(path), format!("line {line}"), "is not UTF-8 text", "save it as UTF-8")
     })
 }
 
@@ -50,7 +50,7 @@ pub fn fabric(name: &str) -> Result<Fabric> {
         Err(Error::Input(faults)) => Err(Error::Input(
             faults
                 .into_iter()
-                .map(|fault| Fault { what: format!("{}, and no such file", fault.what), ..fault })
+                .map(|fault| Diagnostic { message: format!("{}, and no such file", fault.message), ..fault })
                 .collect(),
         )),
         other => other,

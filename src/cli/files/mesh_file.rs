@@ -3,7 +3,7 @@
 
 use crate::cli::args::common::MeshReading;
 use crate::cli::files::input;
-use crease::garment::{Finding, Garment, Severity};
+use crease::garment::{Garment, ImportDiagnostic, Severity};
 use crease::io::gltf::embed_images;
 use crease::io::{ReadOptions, SourceAsset, read_asset};
 use crease::{Error, Result};
@@ -17,7 +17,7 @@ pub struct MeshFile {
     /// The garment in it.
     pub garment: Garment,
     /// What reading and mending noticed.
-    pub findings: Vec<Finding>,
+    pub findings: Vec<ImportDiagnostic>,
 }
 
 impl MeshFile {
@@ -37,7 +37,7 @@ impl MeshFile {
     /// What was mended, in words.
     pub fn repairs(&self) -> Vec<String> {
         let repaired = self.findings.iter().filter(|finding| finding.severity == Severity::Repaired);
-        repaired.map(|finding| format!("repaired: {}", finding.what)).collect()
+        repaired.map(|finding| format!("repaired: {}", finding.message)).collect()
     }
 
     /// Takes images that the document names by a path into the document; what could not be taken in, in words.
@@ -50,7 +50,7 @@ impl MeshFile {
 }
 
 /// Reads `path` with the buffers it refers to.
-pub fn read_asset_at(path: &Path, reading: &MeshReading) -> Result<(SourceAsset, Vec<Finding>)> {
+pub fn read_asset_at(path: &Path, reading: &MeshReading) -> Result<(SourceAsset, Vec<ImportDiagnostic>)> {
     read_masked_at(path, reading, None)
 }
 
@@ -58,7 +58,7 @@ fn read_masked_at(
     path: &Path,
     reading: &MeshReading,
     mask: Option<String>,
-) -> Result<(SourceAsset, Vec<Finding>)> {
+) -> Result<(SourceAsset, Vec<ImportDiagnostic>)> {
     let options = ReadOptions {
         unit_m: reading.unit.map(|unit| unit.0),
         up: reading.up,
@@ -72,7 +72,7 @@ fn read_masked_at(
 /// The bytes of what `mesh` refers to as `name`.
 fn beside(mesh: &Path, name: &str) -> Result<Vec<u8>> {
     if name.contains("://") {
-        return Err(Error::fault(
+        return Err(Error::input(
             input::name_of(mesh),
             name,
             "lies on a network, which is not asked",

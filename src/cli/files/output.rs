@@ -39,7 +39,7 @@ impl Outputs {
 
     /// Whether `path` can be written to: to be asked before a long run.
     pub fn check(&self, path: &Path) -> Result<()> {
-        let refuse = |what: &str, cure: &str| Err(Error::fault(name_of(path), "", what, cure));
+        let refuse = |what: &str, cure: &str| Err(Error::input(name_of(path), "", what, cure));
         if path.is_dir() {
             return refuse("is a folder, cannot be written as a file", "name a file in it");
         }

@@ -12,5 +12,5 @@ pub(in crate::cli) fn use_threads(count: Option<NonZeroUsize>) -> Result<()> {
         .num_threads(count.map_or(0, NonZeroUsize::get))
         .use_current_thread()
         .build_global()
-        .map_err(|refusal| Error::fault("--threads", "", refusal.to_string(), "ask for fewer"))
+        .map_err(|refusal| Error::input("--threads", "", refusal.to_string(), "ask for fewer"))
 }

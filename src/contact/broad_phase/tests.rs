@@ -1,5 +1,5 @@
 use super::*;
-use crate::math::Draw;
+use crate::math::Rng;
 use std::collections::BTreeSet;
 use std::time::Instant;
 
@@ -14,14 +14,14 @@ impl Mesh {
     /// each other, each shifted by part of a cell and shaken by `shake` \[m\].
     fn pile(layers: usize, nx: usize, ny: usize, apart: f64, shake: f64) -> Self {
         let (mut points, mut triangles) = (Vec::new(), Vec::new());
-        let mut draw = Draw::from_state(31);
+        let mut rng = Rng::from_state(31);
         for layer in 0..layers {
             let base = points.len() as u32;
             for i in 0..(nx + 1) * (ny + 1) {
                 let (column, row) = ((i % (nx + 1)) as f64, (i / (nx + 1)) as f64);
                 let x = 8e-3 * (column + 0.5 * (row % 2.0) + 0.37 * layer as f64);
                 let flat = Vec3::new(x, 8e-3 * 0.866 * row, apart * layer as f64);
-                points.push(flat + draw.vector() * shake);
+                points.push(flat + rng.in_cube() * shake);
             }
             for i in 0..nx * ny {
                 let (column, row) = (i % nx, i / nx);
@@ -40,19 +40,19 @@ impl Mesh {
     }
 }
 
-fn shaken(points: &[Vec3], by: f64, draw: &mut Draw) -> Vec<Vec3> {
-    points.iter().map(|x| x + draw.vector() * by).collect()
+fn shaken(points: &[Vec3], by: f64, rng: &mut Rng) -> Vec<Vec3> {
+    points.iter().map(|x| x + rng.in_cube() * by).collect()
 }
 
 /// Every pair that comes within the reach for any fractions must be there; tried at random fractions.
-fn assert_complete(mesh: &Mesh, end: &[Vec3], reach: f64, found: &Candidates, draw: &mut Draw) {
+fn assert_complete(mesh: &Mesh, end: &[Vec3], reach: f64, found: &Candidates, rng: &mut Rng) {
     let finder = mesh.finder();
     let quads: BTreeSet<Quad> = found.quads(&finder).collect();
     assert_eq!(quads.len(), found.len(), "no pair twice");
     let mut near = 0;
     for _ in 0..4 {
         let now: Vec<Vec3> =
-            mesh.points.iter().zip(end).map(|(x, y)| x + (y - x) * draw.unit().sqrt()).collect();
+            mesh.points.iter().zip(end).map(|(x, y)| x + (y - x) * rng.uniform().sqrt()).collect();
         let mut check = |quad: Quad| {
             let shared = (0..4).any(|i| (0..i).any(|j| quad.points[i] == quad.points[j]));
             if !shared && quad.gap(&now).distance <= reach {
@@ -73,12 +73,12 @@ fn assert_complete(mesh: &Mesh, end: &[Vec3], reach: f64, found: &Candidates, dr
 #[test]
 fn no_pair_that_may_come_near_is_missing() {
     let mesh = Mesh::pile(3, 6, 5, 1e-3, 2e-4);
-    let mut draw = Draw::from_state(5);
+    let mut rng = Rng::from_state(5);
     for (way, reach) in [(0.0, 3e-3), (1e-3, 2e-3), (8e-3, 1e-3), (2e-2, 0.0)] {
-        let end = shaken(&mesh.points, way, &mut draw);
+        let end = shaken(&mesh.points, way, &mut rng);
         let found = mesh.finder().find(&mesh.points, &end, reach, false, &|_| false);
         if way < 1e-2 {
-            assert_complete(&mesh, &end, reach, &found, &mut draw);
+            assert_complete(&mesh, &end, reach, &found, &mut rng);
         }
         assert!(found.point_triangle.is_sorted() && found.edge_edge.is_sorted());
         assert!(found.edge_edge.iter().all(|[e, f]| e < f));
@@ -89,10 +89,10 @@ fn no_pair_that_may_come_near_is_missing() {
 #[test]
 fn around_a_portion_no_pair_is_missing_and_none_too_many() {
     let mesh = Mesh::pile(4, 6, 5, 1e-3, 2e-4);
-    let mut draw = Draw::from_state(9);
+    let mut rng = Rng::from_state(9);
     let moving: Vec<bool> = (0..mesh.points.len()).map(|p| p % 11 < 2).collect();
     for way in [0.0, 1e-3, 8e-3] {
-        let all = shaken(&mesh.points, way, &mut draw);
+        let all = shaken(&mesh.points, way, &mut rng);
         let ends = mesh.points.iter().zip(&all).zip(&moving);
         let end: Vec<Vec3> = ends.map(|((x, y), moving)| if *moving { *y } else { *x }).collect();
         let rests = |quad: Quad| quad.points.iter().all(|p| !moving[p.at()]);
@@ -101,7 +101,7 @@ fn around_a_portion_no_pair_is_missing_and_none_too_many() {
             let mut finder = mesh.finder();
             let portion = finder.portion(&moving, &mesh.points, 2e-3);
             // What is found does not depend on where the portion went before.
-            let elsewhere = shaken(&mesh.points, 4e-3, &mut draw);
+            let elsewhere = shaken(&mesh.points, 4e-3, &mut rng);
             for (target, told) in [(&elsewhere, false), (&all, true)] {
                 let to = |p: usize| if moving[p] { target[p] } else { mesh.points[p] };
                 let end: Vec<Vec3> = (0..moving.len()).map(to).collect();
@@ -117,7 +117,7 @@ fn around_a_portion_no_pair_is_missing_and_none_too_many() {
 fn what_is_kept_gives_the_same_answers() {
     let mesh = Mesh::pile(3, 12, 10, 1.2e-3, 3e-4);
     let (mut kept, mut anew) = (mesh.finder(), mesh.finder());
-    let mut draw = Draw::from_state(3);
+    let mut rng = Rng::from_state(3);
     let reach = 1.5e-3;
     let skip = |quad: Quad| quad.points.iter().all(|p| p.at() % 3 == 0);
     let mut x = mesh.points.clone();
@@ -127,8 +127,8 @@ fn what_is_kept_gives_the_same_answers() {
         if round % 2 == 1 {
             // Everything a little, or a corner far as well, or all of it.
             let few = if round % 6 == 5 { x.len() } else { x.len() / 20 * (round % 4) };
-            end = shaken(&x, 2e-5, &mut draw);
-            end[..few].iter_mut().for_each(|x| *x += draw.vector() * 2e-3);
+            end = shaken(&x, 2e-5, &mut rng);
+            end[..few].iter_mut().for_each(|x| *x += rng.in_cube() * 2e-3);
         }
         let together = round % 3 == 0;
         let found = kept.find_again(&x, &end, reach, together, &skip);
@@ -140,11 +140,11 @@ fn what_is_kept_gives_the_same_answers() {
         x = end;
         let moving: Vec<bool> = (0..x.len()).map(|p| p % 90 < 20).collect();
         let portion = kept.portion(&moving, &x, reach);
-        let some = |by: f64, draw: &mut Draw| -> Vec<Vec3> {
-            x.iter().zip(&moving).map(|(x, m)| if *m { x + draw.vector() * by } else { *x }).collect()
+        let some = |by: f64, rng: &mut Rng| -> Vec<Vec3> {
+            x.iter().zip(&moving).map(|(x, m)| if *m { x + rng.in_cube() * by } else { *x }).collect()
         };
         for by in [1e-5, 1e-3] {
-            let end = some(by, &mut draw);
+            let end = some(by, &mut rng);
             let found = kept.find_around(&portion, &x, &end, reach, false, &skip);
             let fresh = anew.portion(&moving, &x, reach);
             assert!(fresh.known.is_none());
@@ -159,8 +159,8 @@ fn between_a_portion_and_another_mesh_no_pair_is_missing() {
     let (mesh, other) = (Mesh::pile(1, 6, 5, 1e-3, 2e-4), Mesh::pile(1, 7, 4, 1e-3, 2e-4));
     let below: Vec<Vec3> = other.points.iter().map(|x| x - Vec3::z() * 1e-3).collect();
     let moving: Vec<bool> = (0..mesh.points.len()).map(|p| p % 7 == 0).collect();
-    let mut draw = Draw::from_state(4);
-    let all = shaken(&mesh.points, 3e-3, &mut draw);
+    let mut rng = Rng::from_state(4);
+    let all = shaken(&mesh.points, 3e-3, &mut rng);
     let end: Vec<Vec3> = (0..all.len()).map(|p| if moving[p] { all[p] } else { mesh.points[p] }).collect();
     let (mut finder, mut second) = (mesh.finder(), other.finder());
     let everything = finder.find_between(&mesh.points, &end, &mut second, &below, &below, 2e-3);
@@ -184,19 +184,19 @@ fn at_rest_the_candidates_are_exactly_the_pairs_within_reach() {
     for reach in [1.2e-3, 3e-3, 6e-3] {
         let found = finder.find(&mesh.points, &mesh.points, reach, false, &|_| false);
         assert!(found.quads(&finder).all(|q| q.gap(&mesh.points).distance <= reach * (1.0 + 2.0 * ROUNDING)));
-        let mut draw = Draw::from_state(6);
-        assert_complete(&mesh, &mesh.points, reach, &found, &mut draw);
+        let mut rng = Rng::from_state(6);
+        assert_complete(&mesh, &mesh.points, reach, &found, &mut rng);
     }
 }
 
 #[test]
 fn the_answer_knows_no_history_and_no_threads() {
     let mesh = Mesh::pile(3, 12, 12, 1e-3, 2e-4);
-    let mut draw = Draw::from_state(8);
+    let mut rng = Rng::from_state(8);
     let (mut old, mut at) = (mesh.finder(), mesh.points.clone());
     for _ in 0..5 {
-        let start = shaken(&at, 6e-3, &mut draw);
-        let end = shaken(&start, 2e-3, &mut draw);
+        let start = shaken(&at, 6e-3, &mut rng);
+        let end = shaken(&start, 2e-3, &mut rng);
         let expected = mesh.finder().find(&start, &end, 2e-3, false, &|_| false);
         for threads in [1, 3] {
             let Ok(pool) = rayon::ThreadPoolBuilder::new().num_threads(threads).build() else {
@@ -291,7 +291,7 @@ fn speed() {
         ("8 layers 0.5 mm apart", Mesh::pile(8, 41, 41, 5e-4, 5e-5)),
     ] {
         println!("{name}: {} points, {} triangles", mesh.points.len(), mesh.triangles.len());
-        let mut draw = Draw::from_state(1);
+        let mut rng = Rng::from_state(1);
         let mut finder = mesh.finder();
         let x = mesh.points.clone();
         let mut count = 0;
@@ -305,7 +305,7 @@ fn speed() {
         });
         time("candidates, reach 3 mm, at rest", &mut || finder.find(&x, &x, 3e-3, false, &|_| false).len());
         time("candidates, reach 1 mm, at rest", &mut || finder.find(&x, &x, 1e-3, false, &|_| false).len());
-        let end = shaken(&x, 1e-3, &mut draw);
+        let end = shaken(&x, 1e-3, &mut rng);
         time("candidates, reach 1 mm, way 1 mm", &mut || {
             finder.find(&x, &end, 1e-3, false, &|_| false).len()
         });

@@ -74,7 +74,7 @@ pub(super) fn add_worn_targets(
         let Some(mut mesh) = document.json["meshes"].get(instance.mesh).and_then(Value::as_object).cloned()
         else {
             let place = format!("meshes[{}]", instance.mesh);
-            return Err(Error::fault(file, place, "is not there", "export the file again"));
+            return Err(Error::input(file, place, "is not there", "export the file again"));
         };
         let place = edit_mesh(file, appender, &mut mesh, instance, extras)?;
         if in_place {
@@ -142,12 +142,12 @@ fn edit_mesh(
     for worn in &instance.primitives {
         let place = || format!("meshes[{}].primitives[{}]", instance.mesh, worn.primitive);
         let Some(attributes) = primitives.get(worn.primitive).and_then(|p| p.get("attributes")) else {
-            return Err(Error::fault(file, place(), "has no attributes", "export the file again"));
+            return Err(Error::input(file, place(), "has no attributes", "export the file again"));
         };
         let (found, wanted) = (accessor_count(appender, &attributes["POSITION"]), worn.target.position.len());
         if found != Some(wanted) {
             let what = format!("has {} vertices in the file, {wanted} in the garment", found.unwrap_or(0));
-            return Err(Error::fault(file, place(), what, "give the document the garment was made from"));
+            return Err(Error::input(file, place(), what, "give the document the garment was made from"));
         }
     }
     let index = old_worn_target(mesh.get("extras"), old_count).unwrap_or(old_count);

@@ -49,7 +49,7 @@ impl Appender {
     /// A copy of `document` with its buffers laid into one; `file` names it in faults.
     pub(super) fn of_document(file: &str, document: &GltfDocument) -> Result<Self> {
         let Value::Object(json) = &document.json else {
-            return Err(Error::fault(file, "", "the glTF document is not a JSON object", ""));
+            return Err(Error::input(file, "", "the glTF document is not a JSON object", ""));
         };
         let mut appender = Self::new(json.clone());
         let starts = appender.merge_buffers(file, &document.buffers)?;
@@ -182,7 +182,7 @@ impl Appender {
                 .and_then(|length| buffers.get(i).and_then(|bytes| bytes.get(..length)));
             let Some(bytes) = bytes else {
                 let found = buffers.get(i).map_or(0, Vec::len);
-                return Err(Error::fault(
+                return Err(Error::input(
                     file,
                     format!("buffers[{i}]"),
                     format!("has {found} bytes, fewer than its byteLength says"),
@@ -231,7 +231,7 @@ impl Appender {
             }
             if !sound {
                 let place = format!("bufferViews[{i}]");
-                return Err(Error::fault(
+                return Err(Error::input(
                     file,
                     place,
                     "names a buffer that is not there",

@@ -1,7 +1,7 @@
 //! The bytes behind a document: the binary chunk of a GLB, data addresses, and outside files, which the caller
 //! fetches. A buffer without bytes of its own (fallback of a compression) is empty; whoever reads it gets the fault.
 
-use crate::io::diagnostics::FaultList;
+use crate::io::diagnostics::DiagnosticList;
 use crate::io::gltf::json_cursor::Cursor;
 use crate::{Error, Result};
 use base64::Engine;
@@ -19,7 +19,7 @@ pub(super) fn load_buffers(
     root: &Cursor,
     mut binary: Option<Vec<u8>>,
     resolve: &mut dyn FnMut(&str) -> Result<Vec<u8>>,
-    faults: &mut FaultList,
+    faults: &mut DiagnosticList,
 ) -> Vec<Vec<u8>> {
     let mut buffers = Vec::new();
     for (number, entry) in root.entries("buffers").iter().enumerate() {
@@ -46,7 +46,7 @@ fn load_uri(entry: &Cursor, uri: &str, resolve: &mut dyn FnMut(&str) -> Result<V
     let Some(data) = uri.strip_prefix("data:") else {
         return resolve(&percent_decoded(uri)).map_err(|error| match error {
             Error::Input(faults) => Error::Input(faults),
-            other => Error::fault(
+            other => Error::input(
                 "glTF",
                 entry.path(),
                 format!("\"{uri}\" cannot be read: {other}"),

@@ -30,7 +30,7 @@ pub fn split_glb(bytes: &[u8]) -> Result<(Value, Option<Vec<u8>>)> {
     match word(bytes, 4) {
         Some(2) => {}
         Some(version) => {
-            return Err(Error::fault(
+            return Err(Error::input(
                 "GLB",
                 "byte 4",
                 format!("it is glTF version {version}; only version 2 can be read"),
@@ -77,7 +77,7 @@ pub fn join_glb(json: &Value, binary: &[u8]) -> Vec<u8> {
 pub(super) fn parse_json(text: &[u8]) -> Result<Value> {
     let text = text.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(text);
     serde_json::from_slice(text).map_err(|fault| {
-        Error::fault(
+        Error::input(
             "GLB",
             format!("JSON line {}, column {}", fault.line(), fault.column()),
             format!("the JSON cannot be read: {fault}"),
@@ -117,7 +117,7 @@ fn word(bytes: &[u8], start: usize) -> Option<u32> {
 }
 
 fn broken(place: impl Into<String>, what: impl Into<String>) -> Error {
-    Error::fault(
+    Error::input(
         "GLB",
         place,
         format!("not a whole GLB file: {}", what.into()),

@@ -101,7 +101,7 @@ mod tests {
         let left = embed_images(&mut document, &mut |name| match name {
             "my weave.png" => Ok(PNG.to_vec()),
             "notes.txt" => Ok(b"secret".to_vec()),
-            _ => Err(Error::fault(name, "", "there is no such file", "")),
+            _ => Err(Error::input(name, "", "there is no such file", "")),
         });
         assert_eq!(left.len(), 2, "{left:?}");
         assert!(

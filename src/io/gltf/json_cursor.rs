@@ -24,7 +24,7 @@ impl<'a> Cursor<'a> {
 
     /// A fault of this value.
     pub(super) fn fault(&self, what: impl Into<String>) -> Error {
-        Error::fault("glTF", self.path.clone(), what, "export the file again, or mend it at this place")
+        Error::input("glTF", self.path.clone(), what, "export the file again, or mend it at this place")
     }
 
     /// Whether there is such a value.
@@ -51,7 +51,7 @@ impl<'a> Cursor<'a> {
         if entry.exists() {
             return Ok(entry);
         }
-        Err(Error::fault(
+        Err(Error::input(
             "glTF",
             user,
             format!("{key}[{index}] is not in the file"),

@@ -70,12 +70,12 @@ pub(super) fn obj_document(
             .entry(piece.material.as_deref())
             .or_insert_with(|| appender.push("materials", material(piece.material.as_deref())));
         let mut primitive = primitive(&mut appender, piece, scene, target.as_ref())
-            .map_err(|what| Error::fault(&asset.file, &piece.name, what, "check the unit of the file"))?;
+            .map_err(|what| Error::input(&asset.file, &piece.name, what, "check the unit of the file"))?;
         primitive["material"] = json!(material);
         primitives.push(primitive);
     }
     if primitives.is_empty() {
-        return Err(Error::fault(&asset.file, "", "has no triangles", "give a mesh with faces"));
+        return Err(Error::input(&asset.file, "", "has no triangles", "give a mesh with faces"));
     }
     if let Some(mesh) = appender.list("meshes").first_mut() {
         mesh["primitives"] = Value::Array(primitives);

@@ -4,8 +4,8 @@
 //! A mesh that several nodes show is worn through the first of them: one mesh can keep only one set of wrinkles.
 //! Skinned meshes stand in the pose of the file; morph targets are left alone. Plays no animation.
 
-use crate::garment::{Finding, Severity};
-use crate::io::diagnostics::FaultList;
+use crate::garment::{ImportDiagnostic, Severity};
+use crate::io::diagnostics::DiagnosticList;
 use crate::io::gltf::accessor::Accessors;
 use crate::io::gltf::buffers::load_buffers;
 use crate::io::gltf::container::{is_glb, parse_json, split_glb};
@@ -50,7 +50,7 @@ pub(in crate::io) fn read_gltf(
     mask: Option<&str>,
     resolve: &mut dyn FnMut(&str) -> Result<Vec<u8>>,
 ) -> Result<ReadPieces> {
-    let mut faults = FaultList::new(file);
+    let mut faults = DiagnosticList::new(file);
     let split = if is_glb(bytes) { split_glb(bytes) } else { parse_json(bytes).map(|json| (json, None)) };
     let Some((json, binary)) = faults.take(split) else { return Err(failed(faults)) };
     let root = Cursor::root(&json);
@@ -85,14 +85,14 @@ pub(in crate::io) fn read_gltf(
 }
 
 /// The error of a list that is known to hold a fault.
-fn failed(faults: FaultList) -> Error {
+fn failed(faults: DiagnosticList) -> Error {
     match faults.finish() {
         Err(error) => error,
         Ok(()) => Error::Input(Vec::new()),
     }
 }
 
-fn check_version(root: &Cursor, faults: &mut FaultList) {
+fn check_version(root: &Cursor, faults: &mut DiagnosticList) {
     let asset = root.member("asset");
     let needed = asset.text("minVersion").or(asset.text("version"));
     match needed {
@@ -105,7 +105,7 @@ fn check_version(root: &Cursor, faults: &mut FaultList) {
     }
 }
 
-fn check_extensions(root: &Cursor, faults: &mut FaultList) {
+fn check_extensions(root: &Cursor, faults: &mut DiagnosticList) {
     for required in root.entries("extensionsRequired") {
         let Some(name) = required.as_text() else { continue };
         if !HARMLESS_EXTENSIONS.iter().any(|harmless| name.starts_with(harmless)) {
@@ -124,7 +124,7 @@ struct Reader<'a> {
     scene: Scene,
     to_scene: Mat4,
     mask: Option<MaskChannel>,
-    faults: FaultList,
+    faults: DiagnosticList,
     read: ReadPieces,
     /// Per mesh: names of the nodes that show it.
     node_names: Vec<Vec<&'a str>>,
@@ -368,7 +368,7 @@ impl<'a> Reader<'a> {
     }
 
     fn find(&mut self, severity: Severity, place: impl Into<String>, what: impl Into<String>) {
-        self.read.findings.push(Finding { severity, place: place.into(), what: what.into() });
+        self.read.findings.push(ImportDiagnostic { severity, location: place.into(), message: what.into() });
     }
 }
 
@@ -385,7 +385,7 @@ fn flattens(transform: &Mat4) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use crate::garment::Finding;
+    use crate::garment::ImportDiagnostic;
     use crate::io::gltf::join_glb;
     use crate::io::{ReadOptions, SourceAsset, UpAxis, read_asset};
     use crate::math::{Vec2, Vec3};
@@ -395,13 +395,13 @@ mod tests {
         document: &Value,
         binary: &[u8],
         options: &ReadOptions,
-    ) -> crate::Result<(SourceAsset, Vec<Finding>)> {
+    ) -> crate::Result<(SourceAsset, Vec<ImportDiagnostic>)> {
         read_asset("test.glb", &join_glb(document, binary), options, &mut |uri| {
-            Err(crate::Error::fault(uri, "", "asked for", ""))
+            Err(crate::Error::input(uri, "", "asked for", ""))
         })
     }
 
-    fn read(document: &Value, binary: &[u8]) -> (SourceAsset, Vec<Finding>) {
+    fn read(document: &Value, binary: &[u8]) -> (SourceAsset, Vec<ImportDiagnostic>) {
         read_with(document, binary, &ReadOptions::default()).unwrap()
     }
 
@@ -499,7 +499,7 @@ mod tests {
         assert_eq!(piece.uvs.as_ref().unwrap()[0], Vec2::new(0.0, 1.0));
         assert!((piece.uvs.as_ref().unwrap()[1].x - 32768.0 / 65535.0).abs() < 1e-15);
         assert_eq!(piece.normals.as_ref().unwrap()[0], Vec3::y(), "zero normals (no buffer view) are mended");
-        assert!(findings.iter().any(|f| f.what.starts_with("3 normals")), "{findings:?}");
+        assert!(findings.iter().any(|f| f.message.starts_with("3 normals")), "{findings:?}");
     }
 
     /// Joint 0 moved by +x, joint 1 by +y, both bound at the origin; the mesh's node is far away, which must not matter.
@@ -540,7 +540,7 @@ mod tests {
             "without weights the first joint: {}",
             at(2)
         );
-        assert!(findings.iter().any(|f| f.what.contains("2 of 3 vertices")), "{findings:?}");
+        assert!(findings.iter().any(|f| f.message.contains("2 of 3 vertices")), "{findings:?}");
 
         document["skins"] = json!([{"joints": [1]}]);
         assert!(message(&document, &binary).contains("follows joint 1"));
@@ -554,7 +554,7 @@ mod tests {
         document["scenes"] = json!([{"nodes": [0, 1]}]);
         let (asset, findings) = read(&document, &binary);
         assert_eq!((asset.pieces.len(), asset.pieces[0].node), (1, Some(0)));
-        assert_eq!(findings[0].place, "nodes[1]");
+        assert_eq!(findings[0].location, "nodes[1]");
     }
 
     #[test]

@@ -93,7 +93,7 @@ pub fn write_rest_angle_map(asset: &SourceAsset, garment: &Garment, memory: &Res
     let mut rest = &garment.source_point[..];
     for (piece, scene) in asset.pieces.iter().zip(scene_pieces(asset)).filter(|(piece, _)| piece.worn) {
         let Some((points, after)) = rest.split_at_checked(piece.positions.len()) else {
-            return Err(Error::fault(
+            return Err(Error::input(
                 &asset.file,
                 &piece.name,
                 "is not the garment's",

@@ -6,9 +6,9 @@
 
 use crate::Result;
 use crate::body::clip::{Channel, Clip, Interpolation, Target};
-use crate::body::rig::{Follows, Piece, Rig, normalised};
+use crate::body::rig::{Piece, Rig, SkinBinding, normalised};
 use crate::body::skeleton::{Node, Skeleton};
-use crate::io::diagnostics::FaultList;
+use crate::io::diagnostics::DiagnosticList;
 use crate::io::gltf::accessor::Accessors;
 use crate::io::gltf::json_cursor::Cursor;
 use crate::io::gltf::scene::read_local;
@@ -30,7 +30,7 @@ pub fn read_rig(asset: &SourceAsset, pieces: &[&SourcePiece]) -> Result<Option<R
         numbers_left: accessors.byte_count().max(FREE_NUMBERS),
         root,
         accessors,
-        faults: FaultList::new(&asset.file),
+        faults: DiagnosticList::new(&asset.file),
     };
     let skeleton = reader.skeleton();
     let pieces = pieces.iter().filter_map(|piece| reader.piece(piece)).collect();
@@ -42,7 +42,7 @@ pub fn read_rig(asset: &SourceAsset, pieces: &[&SourcePiece]) -> Result<Option<R
 struct RigReader<'a> {
     root: Cursor<'a>,
     accessors: Accessors<'a>,
-    faults: FaultList,
+    faults: DiagnosticList,
     numbers_left: usize,
 }
 
@@ -83,10 +83,10 @@ impl RigReader<'_> {
         Some(Piece { positions: piece.positions.clone(), follows, morph, targets })
     }
 
-    fn follows(&self, piece: &SourcePiece, primitive: &Cursor) -> Result<Follows> {
-        let Some(node) = piece.node else { return Ok(Follows::Nothing) };
+    fn follows(&self, piece: &SourcePiece, primitive: &Cursor) -> Result<SkinBinding> {
+        let Some(node) = piece.node else { return Ok(SkinBinding::Nothing) };
         let Some(skin) = self.root.entry("nodes", node).index("skin")? else {
-            return Ok(Follows::Node(node));
+            return Ok(SkinBinding::Node(node));
         };
         let joints = joints_of(&self.root, &self.accessors, primitive, skin)?;
         let count = piece.positions.len();
@@ -107,7 +107,7 @@ impl RigReader<'_> {
             }
             influences.push(own);
         }
-        Ok(Follows::Skin { joints, influences })
+        Ok(SkinBinding::Skin { joints, influences })
     }
 
     fn targets(&mut self, primitive: &Cursor, count: usize) -> Result<Vec<Vec<Vec3>>> {

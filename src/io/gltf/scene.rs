@@ -4,7 +4,7 @@
 //! them would not end or not be unique.
 
 use crate::Result;
-use crate::body::skeleton::Local;
+use crate::body::skeleton::NodeTransform;
 use crate::io::gltf::json_cursor::Cursor;
 use crate::math::{Mat4, Vec3};
 use nalgebra::{Quaternion, UnitQuaternion};
@@ -98,9 +98,9 @@ fn shown_roots(root: &Cursor, parents: &[Option<usize>]) -> Result<Vec<bool>> {
 }
 
 /// A node's own transform: `matrix`, or translation, rotation and scale.
-pub(super) fn read_local(node: &Cursor) -> Result<Local> {
+pub(super) fn read_local(node: &Cursor) -> Result<NodeTransform> {
     if let Some(columns) = node.numbers::<16>("matrix")? {
-        return Ok(Local::Matrix(Mat4::from_column_slice(&columns)));
+        return Ok(NodeTransform::Matrix(Mat4::from_column_slice(&columns)));
     }
     let translation = node.numbers::<3>("translation")?.unwrap_or([0.0; 3]);
     let [x, y, z, w] = node.numbers::<4>("rotation")?.unwrap_or([0.0, 0.0, 0.0, 1.0]);
@@ -109,5 +109,5 @@ pub(super) fn read_local(node: &Cursor) -> Result<Local> {
     let Some(rotation) = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-9) else {
         return Err(node.fault("its rotation is zero"));
     };
-    Ok(Local::Parts { translation: Vec3::from(translation), rotation, scale: Vec3::from(scale) })
+    Ok(NodeTransform::Parts { translation: Vec3::from(translation), rotation, scale: Vec3::from(scale) })
 }

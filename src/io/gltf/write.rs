@@ -14,7 +14,7 @@ use crate::io::gltf::worn_target::{LinearParts, PieceBase, WornShape, WornTarget
 use crate::io::{GltfDocument, Placement, SourceAsset, SourceFormat, SourcePiece};
 use crate::math::Vec3;
 use crate::mesh::PointIndex;
-use crate::{Error, Fault, Result};
+use crate::{Diagnostic, Error, Result};
 use serde_json::{Map, Value};
 
 /// `asset` as a GLB file in which every worn piece has the shape of `worn` as morph target `worn`, switched on, and its
@@ -31,12 +31,12 @@ pub fn write_worn_glb(
     let extras = match extras {
         Value::Object(extras) => extras,
         Value::Null => &none,
-        _ => return Err(Error::fault(&asset.file, "extras", "are not a JSON object", "")),
+        _ => return Err(Error::input(&asset.file, "extras", "are not a JSON object", "")),
     };
     match (asset.format, &asset.document) {
         (SourceFormat::Gltf, Some(document)) => worn_gltf(asset, document, garment, worn, extras),
         (SourceFormat::Gltf, None) => {
-            Err(Error::fault(&asset.file, "", "its glTF document is not at hand", ""))
+            Err(Error::input(&asset.file, "", "its glTF document is not at hand", ""))
         }
         (SourceFormat::Obj, _) => worn_obj(asset, garment, worn, extras),
     }
@@ -119,7 +119,7 @@ fn gltf_base<'a>(
             Placement::Rigid(_) => "its node's transform flattens it".to_owned(),
             Placement::Skinned(_) => format!("the skin flattens it at vertex {v}"),
         };
-        Error::fault(&asset.file, &piece.name, what, "give every node and joint a scale other than 0")
+        Error::input(&asset.file, &piece.name, what, "give every node and joint a scale other than 0")
     })?;
     let attributes = &document.json["meshes"][piece.mesh]["primitives"][piece.primitive]["attributes"];
     let stored = |name: &str, width: usize| -> Result<Option<Vec<Vec3>>> {
@@ -149,7 +149,7 @@ fn worn_target(
 ) -> Result<WornTarget> {
     shape.target(base).map_err(|v| {
         let what = format!("the worn shape of vertex {v} is too large for glTF");
-        Error::fault(&asset.file, &piece.name, what, "check the unit of the file")
+        Error::input(&asset.file, &piece.name, what, "check the unit of the file")
     })
 }
 
@@ -170,7 +170,12 @@ fn check_parts(asset: &SourceAsset, garment: &Garment, worn: &WornGarment) -> Re
     let mut same = |place: &str, found: usize, wanted: usize, of: &str| {
         if found != wanted {
             let what = format!("{place} has {found} entries for {wanted} {of}");
-            faults.push(Fault::new(&asset.file, "worn garment", what, "use the garment made from this file"));
+            faults.push(Diagnostic::new(
+                &asset.file,
+                "worn garment",
+                what,
+                "use the garment made from this file",
+            ));
         }
     };
     let (points, hinges) = (garment.points.len(), garment.topology.hinges.len());

@@ -8,8 +8,8 @@ mod lines;
 mod parse;
 mod polygon;
 
-use crate::garment::{Finding, Severity};
-use crate::io::diagnostics::FaultList;
+use crate::garment::{ImportDiagnostic, Severity};
+use crate::io::diagnostics::DiagnosticList;
 use crate::io::obj::parse::{Corner, Label, NONE, Statements};
 use crate::io::obj::polygon::{PolygonCutter, newell_normal};
 use crate::io::read::{NamedPiece, ReadPieces};
@@ -23,7 +23,7 @@ const UNNAMED: &str = "default";
 
 /// The pieces of an OBJ file.
 pub(super) fn read_obj(file: &str, bytes: &[u8], to_scene: &Mat4, mask: Option<&str>) -> Result<ReadPieces> {
-    let mut faults = FaultList::new(file);
+    let mut faults = DiagnosticList::new(file);
     let mut statements = parse::parse(bytes, &mut faults);
     faults.finish()?;
     let mask = mask.map(|wanted| mask_component(file, wanted, &statements)).transpose()?;
@@ -37,10 +37,10 @@ pub(super) fn read_obj(file: &str, bytes: &[u8], to_scene: &Mat4, mask: Option<&
         }
     }
     if cutter.fan_count > 0 {
-        findings.push(Finding {
+        findings.push(ImportDiagnostic {
             severity: Severity::Note,
-            place: String::new(),
-            what: format!("{} faces cross themselves or have no area: cut as they come", cutter.fan_count),
+            location: String::new(),
+            message: format!("{} faces cross themselves or have no area: cut as they come", cutter.fan_count),
         });
     }
     let pieces = builders
@@ -63,9 +63,9 @@ fn mask_component(file: &str, wanted: &str, statements: &Statements) -> Result<u
     match component {
         Some(component) if statements.has_colours => Ok(component),
         Some(_) => {
-            Err(Error::fault(file, "", "no vertex colours in it to take the mask from", "leave out --mask"))
+            Err(Error::input(file, "", "no vertex colours in it to take the mask from", "leave out --mask"))
         }
-        None => Err(Error::fault(
+        None => Err(Error::input(
             file,
             "",
             format!("no vertex attribute called \"{wanted}\""),
@@ -158,15 +158,15 @@ impl PieceBuilder {
 
 #[cfg(test)]
 mod tests {
-    use crate::garment::{Finding, Severity};
+    use crate::garment::{ImportDiagnostic, Severity};
     use crate::io::{ReadOptions, SourceAsset, read_asset};
     use crate::math::{Vec2, Vec3};
 
-    fn read_with(text: &str, options: &ReadOptions) -> crate::Result<(SourceAsset, Vec<Finding>)> {
+    fn read_with(text: &str, options: &ReadOptions) -> crate::Result<(SourceAsset, Vec<ImportDiagnostic>)> {
         read_asset("test.obj", text.as_bytes(), options, &mut |_| unreachable!("an OBJ refers to nothing"))
     }
 
-    fn read(text: &str) -> (SourceAsset, Vec<Finding>) {
+    fn read(text: &str) -> (SourceAsset, Vec<ImportDiagnostic>) {
         read_with(text, &ReadOptions::default()).unwrap()
     }
 
@@ -262,7 +262,8 @@ mod tests {
         let (_, findings) = read(&format!(
             "{SQUARE}cstype bezier\nlod 3\nl 1 2\np 1\np 2\nf 1 2\nf 1 2 3 # a comment\nvt 1 nan\n"
         ));
-        let told: Vec<_> = findings.iter().map(|f| (f.severity, f.place.as_str(), f.what.as_str())).collect();
+        let told: Vec<_> =
+            findings.iter().map(|f| (f.severity, f.location.as_str(), f.message.as_str())).collect();
         let expected = [
             (Severity::Repaired, "line 10", "1 faces of fewer than 3 corners dropped"),
             (Severity::Repaired, "line 12", "1 texture coordinates or normals that are not numbers replaced"),

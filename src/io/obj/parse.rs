@@ -5,8 +5,8 @@
 //! Indices are resolved here: relative ones against what has been read so far, all of them against the whole file at
 //! the end (some writers put vertices after the faces). Cuts no faces and makes no pieces: see [`super`].
 
-use crate::garment::{Finding, Severity};
-use crate::io::diagnostics::FaultList;
+use crate::garment::{ImportDiagnostic, Severity};
+use crate::io::diagnostics::DiagnosticList;
 use crate::io::obj::lines::Lines;
 use crate::math::{Vec2, Vec3};
 use rustc_hash::FxHashMap;
@@ -56,11 +56,11 @@ pub(super) struct Statements {
     pub(super) faces: Vec<Face>,
     /// In order of first use by a face.
     pub(super) labels: Vec<Label>,
-    pub(super) findings: Vec<Finding>,
+    pub(super) findings: Vec<ImportDiagnostic>,
 }
 
 /// Reads every statement of `bytes`; faults go to `faults`.
-pub(super) fn parse(bytes: &[u8], faults: &mut FaultList) -> Statements {
+pub(super) fn parse(bytes: &[u8], faults: &mut DiagnosticList) -> Statements {
     let mut parser = Parser::new(faults);
     for line in Lines::new(bytes) {
         parser.statement(line.number, &line.text);
@@ -70,7 +70,7 @@ pub(super) fn parse(bytes: &[u8], faults: &mut FaultList) -> Statements {
 
 struct Parser<'f> {
     read: Statements,
-    faults: &'f mut FaultList,
+    faults: &'f mut DiagnosticList,
     label: Label,
     label_number: Option<usize>,
     label_numbers: FxHashMap<Label, usize>,
@@ -81,7 +81,7 @@ struct Parser<'f> {
 }
 
 impl<'f> Parser<'f> {
-    fn new(faults: &'f mut FaultList) -> Self {
+    fn new(faults: &'f mut DiagnosticList) -> Self {
         Self {
             read: Statements::default(),
             faults,
@@ -246,7 +246,7 @@ impl<'f> Parser<'f> {
         self.check_indices();
         let mut findings = Vec::new();
         let mut find = |severity, line: usize, what| {
-            findings.push(Finding { severity, place: format!("line {line}"), what });
+            findings.push(ImportDiagnostic { severity, location: format!("line {line}"), message: what });
         };
         if let (count @ 1.., line) = self.dropped_faces {
             find(Severity::Repaired, line, format!("{count} faces of fewer than 3 corners dropped"));

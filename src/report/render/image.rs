@@ -51,7 +51,7 @@ impl Image {
 
 /// The picture as a PNG file.
 pub fn encode_png(image: &Image) -> Result<Vec<u8>> {
-    let fault = |what: String| Error::fault("picture", "", what, "");
+    let fault = |what: String| Error::input("picture", "", what, "");
     let side = |n: usize| u32::try_from(n).map_err(|_| fault(format!("{n} pixels do not fit into a PNG")));
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, side(image.width)?, side(image.height)?);

@@ -51,7 +51,7 @@ pub fn render(
     size: [usize; 2],
 ) -> Result<Image> {
     if size.iter().any(|&side| side == 0 || side > LARGEST_SIDE) {
-        return Err(Error::fault(
+        return Err(Error::input(
             "picture",
             "size",
             format!("{} x {} pixels cannot be drawn", size[0], size[1]),

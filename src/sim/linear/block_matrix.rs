@@ -405,11 +405,11 @@ impl BlockSink for Rows<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Draw;
+    use crate::math::Rng;
 
     /// Triples of points, near and far, every seventh point held.
     fn scene() -> (Vec<u32>, Vec<[u32; 3]>) {
-        let mut draw = Draw::from_state(5);
+        let mut rng = Rng::from_state(5);
         let count = 3000;
         let mut rows = 0;
         let row_of = (0..count).map(|p| {
@@ -418,7 +418,7 @@ mod tests {
             row
         });
         let row_of = row_of.collect();
-        let mut any = |most: u32| (draw.unit() * f64::from(most)) as u32;
+        let mut any = |most: u32| (rng.uniform() * f64::from(most)) as u32;
         let triples = (0..4 * count).map(|_| {
             let p = any(count);
             [p, (p + 1 + any(5)) % count, any(count)]

@@ -1,6 +1,6 @@
 //! `bend`: a joint of the body bends and goes back, as an elbow does a thousand times.
 
-use crate::body::{BodyPose, Wearer};
+use crate::body::{AnimatedBody, BodyPose};
 use crate::error::Result;
 use crate::math::Vec3;
 use crate::wear::action_runner::{Posture, Scene, Start, smooth};
@@ -78,7 +78,7 @@ const SAMPLES: u32 = 12;
 
 impl Bend {
     /// `from`, with `share` of the bend.
-    fn bent(&self, wearer: &Wearer, from: &BodyPose, share: f64) -> BodyPose {
+    fn bent(&self, wearer: &AnimatedBody, from: &BodyPose, share: f64) -> BodyPose {
         let joint = wearer.rig().and_then(|rig| rig.skeleton.find(&self.joint));
         let mut pose = from.clone();
         if let (BodyPose::Joints(joints), Some(joint)) = (&mut pose, joint)
@@ -141,7 +141,7 @@ impl WearAction for Bend {
         misfits
     }
 
-    fn misfits_with(&self, wearer: &Wearer) -> Vec<Misfit> {
+    fn misfits_with(&self, wearer: &AnimatedBody) -> Vec<Misfit> {
         if wearer.rig().is_some_and(|rig| rig.skeleton.find(&self.joint).is_some()) {
             return Vec::new();
         }
@@ -149,7 +149,7 @@ impl WearAction for Bend {
         vec![Misfit::new("joint", what, told_names("joints", &wearer.joint_names(), &self.joint))]
     }
 
-    fn postures(&self, wearer: &Wearer, from: &BodyPose) -> Vec<BodyPose> {
+    fn postures(&self, wearer: &AnimatedBody, from: &BodyPose) -> Vec<BodyPose> {
         (0..=SAMPLES).map(|k| self.bent(wearer, from, f64::from(k) / f64::from(SAMPLES))).collect()
     }
 
@@ -160,11 +160,11 @@ impl WearAction for Bend {
                 "give --body, and leave out what takes the garment off before",
             ));
         };
-        if let Some(misfit) = self.misfits_with(&standing.wearer).into_iter().next() {
+        if let Some(misfit) = self.misfits_with(&standing.body).into_iter().next() {
             return Err(scene.refuse(misfit.what, misfit.cure));
         }
         let (bend, from) = (self.clone(), standing.pose.clone());
-        let wearer = standing.wearer.clone();
+        let wearer = standing.body.clone();
         let once = 2.0 * self.over_s + self.hold_s;
         let gesture = Moving {
             wearer: wearer.clone(),

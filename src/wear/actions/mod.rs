@@ -28,7 +28,7 @@ pub use repeat::Repeat;
 pub use settle::Settle;
 pub use unfold::Unfold;
 
-use crate::body::{BodyPose, Wearer};
+use crate::body::{AnimatedBody, BodyPose};
 use crate::error::Result;
 use crate::wear::action_runner::{Posture, Scene, Start};
 use crate::wear::crease_prediction::Sketch;
@@ -52,12 +52,12 @@ pub trait WearAction {
     }
 
     /// What is wrong with it for this body: a joint or a clip that it has not.
-    fn misfits_with(&self, _wearer: &Wearer) -> Vec<Misfit> {
+    fn misfits_with(&self, _wearer: &AnimatedBody) -> Vec<Misfit> {
         Vec::new()
     }
 
     /// Postures that it takes the body through from `from`, close enough to tell what moves.
-    fn postures(&self, _wearer: &Wearer, _from: &BodyPose) -> Vec<BodyPose> {
+    fn postures(&self, _wearer: &AnimatedBody, _from: &BodyPose) -> Vec<BodyPose> {
         Vec::new()
     }
 

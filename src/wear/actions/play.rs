@@ -1,6 +1,6 @@
 //! `play`: an animation clip of the body is played.
 
-use crate::body::{BodyPose, Wearer, pose_between};
+use crate::body::{AnimatedBody, BodyPose, interpolate_body_pose};
 use crate::error::Result;
 use crate::wear::action_runner::{Posture, Scene, Start, smooth};
 use crate::wear::actions::{Misfit, WearAction};
@@ -39,7 +39,7 @@ impl WearAction for Play {
         true
     }
 
-    fn misfits_with(&self, wearer: &Wearer) -> Vec<Misfit> {
+    fn misfits_with(&self, wearer: &AnimatedBody) -> Vec<Misfit> {
         if wearer.clip_length(&self.clip).is_some() {
             return Vec::new();
         }
@@ -47,7 +47,7 @@ impl WearAction for Play {
         vec![Misfit::new("clip", what, told_names("clips", &wearer.clip_names(), &self.clip))]
     }
 
-    fn postures(&self, wearer: &Wearer, _from: &BodyPose) -> Vec<BodyPose> {
+    fn postures(&self, wearer: &AnimatedBody, _from: &BodyPose) -> Vec<BodyPose> {
         let length = wearer.clip_length(&self.clip).unwrap_or(0.0);
         let count = ((length * SAMPLE_RATE).ceil() as u32).clamp(1, MOST_SAMPLES);
         (0..=count)
@@ -62,7 +62,7 @@ impl WearAction for Play {
                 "give --body, and leave out what takes the garment off before",
             ));
         };
-        let wearer = standing.wearer.clone();
+        let wearer = standing.body.clone();
         let length = wearer.clip_length(&self.clip);
         let ends = length.and_then(|length| {
             Some((length, wearer.clip_pose(&self.clip, 0.0)?, wearer.clip_pose(&self.clip, length)?))
@@ -80,11 +80,11 @@ impl WearAction for Play {
         let of_clip = wearer.clone();
         let pose = move |t: f64| {
             if t < lead {
-                return pose_between(&from, &first, smooth(t / lead));
+                return interpolate_body_pose(&from, &first, smooth(t / lead));
             }
             let own = if t >= duration { length } else { (t - lead).rem_euclid(length + back) };
             if own > length {
-                return pose_between(&last, &first, smooth((own - length) / back));
+                return interpolate_body_pose(&last, &first, smooth((own - length) / back));
             }
             of_clip.clip_pose(&clip, own).unwrap_or_else(|| last.clone())
         };

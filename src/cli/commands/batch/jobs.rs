@@ -4,7 +4,7 @@ use crate::cli::files::input;
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
 use crease::json::{Document, Path as JsonPath, schema_of};
 use crease::wear::WearScript;
-use crease::{Error, Fault, Result};
+use crease::{Diagnostic, Error, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -68,18 +68,20 @@ impl JobFile {
 
     fn parse(file: &str, text: &str) -> Result<Self> {
         let document = Document::parse(file, text)?;
-        let faults = document.faults(&Self::schema());
+        let faults = document.validate(&Self::schema());
         if !faults.is_empty() {
             return Err(Error::Input(faults));
         }
         let read: Self = document.decode()?;
         let own = |a: &&String| OWN_ARGUMENTS.iter().any(|own| a.split('=').next() == Some(own));
         let place = JsonPath::root().name("bake");
-        let faults: Vec<Fault> = read
+        let faults: Vec<Diagnostic> = read
             .bake
             .iter()
             .filter(own)
-            .map(|a| document.fault(&place, format!("`{a}` is given by the batch itself"), "leave it out"))
+            .map(|a| {
+                document.diagnostic(&place, format!("`{a}` is given by the batch itself"), "leave it out")
+            })
             .collect();
         if faults.is_empty() { Ok(read) } else { Err(Error::Input(faults)) }
     }
@@ -131,7 +133,7 @@ impl Jobs {
         };
         for garment in &read.garments {
             let missing =
-                || Error::fault(garment, "", "there is no such file", "check the name and the folder");
+                || Error::input(garment, "", "there is no such file", "check the name and the folder");
             note(if folder.join(garment).is_file() { Ok(()) } else { Err(missing()) })?;
         }
         for wear in &read.wear {
@@ -144,7 +146,7 @@ impl Jobs {
         let count = read.garments.len().saturating_mul(read.wear.len()).saturating_mul(read.fabrics.len());
         if count > MOST_JOBS {
             let what = format!("stands for {count} jobs, more than {MOST_JOBS}");
-            note(Err(Error::fault(&name, "", what, "split it")))?;
+            note(Err(Error::input(&name, "", what, "split it")))?;
         } else {
             faults.extend(same_names(&name, &read));
         }
@@ -220,7 +222,7 @@ fn stem(path: &str) -> String {
 }
 
 /// Jobs that would write the same files.
-fn same_names(file: &str, read: &JobFile) -> Vec<Fault> {
+fn same_names(file: &str, read: &JobFile) -> Vec<Diagnostic> {
     let mut seen: HashMap<String, Job> = HashMap::new();
     let mut faults = Vec::new();
     for job in product(read) {
@@ -229,7 +231,7 @@ fn same_names(file: &str, read: &JobFile) -> Vec<Fault> {
                 "{} with {} in {} and {} with {} in {} would both be written as {}",
                 other.garment, other.wear, other.fabric, job.garment, job.wear, job.fabric, job.name
             );
-            faults.push(Fault::new(file, "", what, "give the files different names"));
+            faults.push(Diagnostic::new(file, "", what, "give the files different names"));
         }
         seen.entry(job.name.clone()).or_insert(job);
     }

@@ -50,7 +50,7 @@ pub fn run(jobs: &Jobs, arguments: &Arguments, interrupt: &Interrupt) -> Result<
     if failed > 0 {
         let what = format!("{failed} of {} jobs failed", mine.len());
         let cure = format!("see NAME.job.json in {}", jobs.output.display());
-        return Err(Error::fault(jobs.file.display().to_string(), "", what, cure));
+        return Err(Error::input(jobs.file.display().to_string(), "", what, cure));
     }
     Ok(())
 }

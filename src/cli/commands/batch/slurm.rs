@@ -41,7 +41,7 @@ fn sbatch(arguments: &[String], script: &Path) -> Result<String> {
     let output = output.map_err(|source| Error::File { file: "sbatch".to_owned(), source })?;
     if !output.status.success() {
         let said = String::from_utf8_lossy(&output.stderr).trim().to_owned();
-        return Err(Error::fault(
+        return Err(Error::input(
             "sbatch",
             "",
             said,
@@ -86,7 +86,7 @@ fn summary_script(jobs: &Jobs, crease: &Path) -> Result<String> {
 
 fn text_of(path: &Path) -> Result<&str> {
     let text = path.to_str().filter(|text| !text.contains(['\n', '\r']));
-    text.ok_or_else(|| Error::fault(path.display().to_string(), "", "cannot stand in a script", "rename it"))
+    text.ok_or_else(|| Error::input(path.display().to_string(), "", "cannot stand in a script", "rename it"))
 }
 
 /// For the shell: in single quotes.

@@ -84,11 +84,11 @@ pub fn add_detail_map(glb: &[u8], asset: &SourceAsset, detail: &Detail, side: us
     if !DETAIL_SIDE.contains(&side) {
         let what =
             format!("{side} texels a side are outside {} to {}", DETAIL_SIDE.start(), DETAIL_SIDE.end());
-        return Err(Error::fault(&asset.file, "detail map", what, "ask for 2048"));
+        return Err(Error::input(&asset.file, "detail map", what, "ask for 2048"));
     }
     let worn = read_back(glb, asset, detail)?;
     let Some(document) = &worn.document else {
-        return Err(Error::fault(&asset.file, "detail map", "the worn file is no glTF", ""));
+        return Err(Error::input(&asset.file, "detail map", "the worn file is no glTF", ""));
     };
     let mut notes = Vec::new();
     let surfaces = surfaces(&worn, document, detail, &mut notes)?;
@@ -127,7 +127,7 @@ pub fn add_detail_map(glb: &[u8], asset: &SourceAsset, detail: &Detail, side: us
             }
         };
         texels.pad(PADDING);
-        let broken = |what: String| Error::fault(&asset.file, "detail map", what, "");
+        let broken = |what: String| Error::input(&asset.file, "detail map", what, "");
         let normal_png = texels.to_png().map_err(broken)?;
         let (height_png, height_range_m) = texels.lift_png().map_err(broken)?;
         if in_material {
@@ -155,7 +155,7 @@ fn read_back(glb: &[u8], asset: &SourceAsset, detail: &Detail) -> Result<SourceA
         up: same.then_some(asset.up),
         ..ReadOptions::default()
     };
-    let mut nothing = |name: &str| Err(Error::fault(&asset.file, name, "is beside the file, not in it", ""));
+    let mut nothing = |name: &str| Err(Error::input(&asset.file, name, "is beside the file, not in it", ""));
     let (mut worn, _) = read_asset(&asset.file, glb, &options, &mut nothing)?;
     keep_worn_pieces(&mut worn);
     let count: usize = worn.worn_pieces().map(|piece| piece.positions.len()).sum();
@@ -168,7 +168,7 @@ fn read_back(glb: &[u8], asset: &SourceAsset, detail: &Detail) -> Result<SourceA
         true => Ok(worn),
         false => {
             let what = "the worn file and the finer garment are not of one mesh";
-            Err(Error::fault(&asset.file, "detail map", what, "use what was made of this file"))
+            Err(Error::input(&asset.file, "detail map", what, "use what was made of this file"))
         }
     }
 }
@@ -261,7 +261,7 @@ impl<'a> Surface<'a> {
             Placement::Skinned(all) => &all[..],
         };
         let linear = LinearParts::new(placements).map_err(|v| {
-            Error::fault(file, &piece.name, format!("vertex {v} is flattened"), "give it a scale")
+            Error::input(file, &piece.name, format!("vertex {v} is flattened"), "give it a scale")
         })?;
         let in_scene = |v: usize, n: &Vec3| unit_or(linear.of(v).1.transpose() * n, Vec3::z());
         let frame = |v: usize| {

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::energy::BlockSink;
-use crate::math::{Draw, Mat3};
+use crate::math::{Mat3, Rng};
 use crate::sim::HELD;
 use crate::sim::linear::conjugate_gradient::conjugate_gradient;
 
@@ -84,8 +84,8 @@ impl Scene {
 }
 
 fn right_hand_side(n: usize) -> Vec<Vec3> {
-    let mut draw = Draw::from_state(3);
-    (0..n).map(|_| draw.vector()).collect()
+    let mut rng = Rng::from_state(3);
+    (0..n).map(|_| rng.in_cube()).collect()
 }
 
 fn residual(matrix: &BlockMatrix, x: &[Vec3], rhs: &[Vec3]) -> f64 {
@@ -104,14 +104,14 @@ fn solved(direct: &mut Cholesky, matrix: &BlockMatrix, positions: &[Vec3], rhs: 
 
 #[test]
 fn small_systems_match_a_dense_solve() {
-    let mut draw = Draw::from_state(11);
+    let mut rng = Rng::from_state(11);
     // Random graphs of all small sizes: no row, one row, loose points, separate parts, everything coupled.
     for n in 0..40u32 {
-        let positions = (0..n).map(|_| draw.vector()).collect();
+        let positions = (0..n).map(|_| rng.in_cube()).collect();
         let density = [-0.9, 0.0, 1.0][n as usize % 3];
         let mut pairs = Vec::new();
         for a in 0..n {
-            pairs.extend((0..a).filter(|_| 2.0 * draw.unit() - 1.0 < density).map(|b| (a, b)));
+            pairs.extend((0..a).filter(|_| 2.0 * rng.uniform() - 1.0 < density).map(|b| (a, b)));
         }
         let scene = Scene { positions, pairs };
         let matrix = scene.matrix(0.1, 100.0, |_| false);

@@ -91,17 +91,17 @@ impl Matching {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Draw;
+    use crate::math::Rng;
 
     #[test]
     fn covers_are_as_small_as_the_smallest() {
         // Pseudo-random graphs of five and five nodes against all 1024 choices.
-        let mut draw = Draw::from_state(7);
+        let mut rng = Rng::from_state(7);
         for _ in 0..200 {
             let (mut start, mut across) = (vec![0], Vec::new());
             for _ in 0..5 {
                 for j in 0..5 {
-                    if draw.bits() >> 62 == 0 {
+                    if rng.next_u64() >> 62 == 0 {
                         across.push(j);
                     }
                 }

@@ -43,7 +43,7 @@ pub enum BodyPose {
 
 /// The body a garment is worn on.
 #[derive(Clone, PartialEq)]
-pub struct Wearer {
+pub struct AnimatedBody {
     /// What its file is called, for messages.
     pub file: String,
     /// Hash of what it was made from.
@@ -58,30 +58,30 @@ pub struct Wearer {
 
 /// A body and where it stands, as an action leaves it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Standing {
+pub struct PosedBody {
     /// The body.
-    pub wearer: Arc<Wearer>,
+    pub body: Arc<AnimatedBody>,
     /// Its posture.
     pub pose: BodyPose,
     /// Its points in that posture [m].
     pub points: Arc<[Vec3]>,
 }
 
-impl Standing {
-    /// `wearer` in `pose`.
-    pub fn new(wearer: &Arc<Wearer>, pose: BodyPose) -> Self {
-        Self { points: wearer.points(&pose).into(), wearer: wearer.clone(), pose }
+impl PosedBody {
+    /// `body` in `pose`.
+    pub fn new(body: &Arc<AnimatedBody>, pose: BodyPose) -> Self {
+        Self { points: body.points(&pose).into(), body: body.clone(), pose }
     }
 }
 
-impl fmt::Debug for Wearer {
+impl fmt::Debug for AnimatedBody {
     /// Says which body it is, not all of its numbers.
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(out, "Wearer({}, {} points, {})", self.file, self.start.len(), self.sha256)
+        write!(out, "AnimatedBody({}, {} points, {})", self.file, self.start.len(), self.sha256)
     }
 }
 
-impl Wearer {
+impl AnimatedBody {
     /// A body of `vertices` (as [`Motion`] gives them in the posture of the file [m]) and `triangles` between them.
     /// Numbers are checked when the cloth meets it (`contact::Body::new`).
     pub fn new(
@@ -106,7 +106,7 @@ impl Wearer {
     }
 
     /// Points in the posture of the file [m].
-    pub fn start(&self) -> &[Vec3] {
+    pub fn rest_points(&self) -> &[Vec3] {
         &self.start
     }
 
@@ -179,7 +179,7 @@ impl Wearer {
 }
 
 /// The posture `share` of the way from one to another.
-pub fn pose_between(from: &BodyPose, to: &BodyPose, share: f64) -> BodyPose {
+pub fn interpolate_body_pose(from: &BodyPose, to: &BodyPose, share: f64) -> BodyPose {
     match (from, to) {
         (BodyPose::Joints(a), BodyPose::Joints(b)) => BodyPose::Joints(between(a, b, share)),
         (BodyPose::Time(a), BodyPose::Time(b)) => BodyPose::Time(a + share * (b - a)),
