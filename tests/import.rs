@@ -4,7 +4,7 @@
 #[path = "reference/external.rs"]
 mod external;
 
-use crease::garment::{ImportDiagnostic, Garment, Inspection, inspect};
+use crease::garment::{Garment, ImportDiagnostic, Inspection, inspect};
 use crease::io::gltf::join_glb;
 use crease::io::{ReadOptions, SourceAsset, read_asset};
 use external::external;
