@@ -31,7 +31,7 @@ enum Command {
         swatches: Option<PathBuf>,
     },
     /// A fabric in full, as a file to start one of your own from
-    ColorBy {
+    Show {
         /// Name of a fabric that comes along, or a fabric file
         #[arg(value_name = "NAME|FILE")]
         fabric: String,
@@ -53,7 +53,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
                 false => console::data(&table(&fabrics)),
             }
         }
-        Command::ColorBy { fabric } => console::data(&input::fabric(&fabric)?.to_json()),
+        Command::Show { fabric } => console::data(&input::fabric(&fabric)?.to_json()),
     }
 }
 

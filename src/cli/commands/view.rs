@@ -25,7 +25,7 @@ pub struct Arguments {
     /// Page to write
     #[arg(short, long, value_name = "OUT.html", value_parser = html_path)]
     output: PathBuf,
-    /// ColorByArg it opens with
+    /// Colours it opens with
     #[arg(long, value_enum, default_value_t = ColorByArg::RestAngleChange)]
     show: ColorByArg,
     /// Folder of the frames of the bake (the first garment's): adds a timeline
