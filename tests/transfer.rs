@@ -15,7 +15,9 @@ use crease::garment::{Garment, RestState};
 use crease::io::{ReadOptions, SourceAsset, read_asset};
 use crease::math::Vec3;
 use crease::mesh::hinge_angle;
-use crease::transfer::{Align, By, Sheet, Source, TransferOptions, carry_back, transfer};
+use crease::transfer::{
+    Align, GarmentSurface, MatchBy, TransferOptions, TransferSource, prolongate, transfer,
+};
 use crease::wear::WearScript;
 use external::external;
 use measure::{FOLDS, Fold, carry, correlation, tensors, total};
@@ -31,7 +33,7 @@ fn load(name: &str) -> (SourceAsset, Garment) {
 }
 
 /// The sheet rolled flat and then along the folds of `axis`: the surface turns by the fold's angle over its width.
-fn rolled(sheet: &Sheet, fold: &Fold) -> Vec<Vec3> {
+fn rolled(sheet: &GarmentSurface, fold: &Fold) -> Vec<Vec3> {
     let (half, total) = (fold.width, fold.angle);
     let bent = |s: f64| {
         // Turning angle rises evenly from 0 to the total over [-half, half].
@@ -52,7 +54,7 @@ fn rolled(sheet: &Sheet, fold: &Fold) -> Vec<Vec3> {
     sheet.points.iter().map(place).collect()
 }
 
-fn made_memory(sheet: &Sheet) -> RestState {
+fn made_memory(sheet: &GarmentSurface) -> RestState {
     let angles = |x: &[Vec3]| -> Vec<f64> {
         sheet.topology.hinges.iter().map(|h| hinge_angle(&h.points.map(|p| x[p.at()]))).collect()
     };
@@ -76,11 +78,11 @@ fn folds_survive_finer_and_coarser_tessellations_and_the_way_back() {
     let (first, second) = others.split_once(',').unwrap_or(("tshirt-draft.glb", "tshirt.glb"));
     let sheets = [first, second].map(|name| {
         let (asset, garment) = load(name);
-        Sheet::of_garment(&garment, &asset)
+        GarmentSurface::from_garment(&garment, &asset)
     });
     let memories = [made_memory(&sheets[0]), made_memory(&sheets[1])];
     for (from, to) in [(0, 1), (1, 0)] {
-        for by in [By::Surface, By::Uv] {
+        for by in [MatchBy::Surface, MatchBy::Uv] {
             let there = carry(&sheets[from], &memories[from], &sheets[to], by);
             let back = carry(&sheets[to], &there.memory, &sheets[from], by);
             let fits =
@@ -121,9 +123,10 @@ fn what_a_graded_mesh_remembers_comes_back_to_the_whole() {
     let mesh =
         SimulationMesh::choose(&garment, &fabric, &script, &BakeOptions::default()).mesh.expect("is graded");
     assert!(mesh.source_point.len() < garment.points.len() / 2, "{} points", mesh.source_point.len());
-    let (coarse, whole) = (Sheet::without_texture(&mesh.garment), Sheet::without_texture(&garment));
+    let (coarse, whole) =
+        (GarmentSurface::without_texture(&mesh.garment), GarmentSurface::without_texture(&garment));
     let (earned, there) = (made_memory(&coarse), made_memory(&whole));
-    let back = carry_back(&mesh, &earned, &garment);
+    let back = prolongate(&mesh, &earned, &garment);
     let mut same = 0;
     for (h, hinge) in coarse.topology.hinges.iter().enumerate() {
         let [Some(a), Some(b)] = hinge.triangles.map(|f| mesh.unchanged_from[f as usize]) else { continue };
@@ -155,24 +158,25 @@ fn what_a_graded_mesh_remembers_comes_back_to_the_whole() {
 #[test]
 fn the_same_mesh_keeps_every_bit_and_no_memory_changes_nothing() {
     let (asset, garment) = load("tshirt-draft.glb");
-    let sheet = Sheet::of_garment(&garment, &asset);
+    let sheet = GarmentSurface::from_garment(&garment, &asset);
     let memory = made_memory(&sheet);
-    let same = carry(&sheet, &memory, &sheet, By::Auto);
+    let same = carry(&sheet, &memory, &sheet, MatchBy::Auto);
     assert_eq!(same.memory, memory);
     assert!(same.unchanged);
     let (asset, other) = load("handkerchief.glb");
-    let target = Sheet::of_garment(&other, &asset);
-    let angles = |s: &Sheet| -> Vec<f64> {
+    let target = GarmentSurface::from_garment(&other, &asset);
+    let angles = |s: &GarmentSurface| -> Vec<f64> {
         s.topology.hinges.iter().map(|h| hinge_angle(&h.points.map(|p| s.points[p.at()]))).collect()
     };
     let nothing = RestState::new(angles(&sheet), sheet.triangles.len());
-    for by in [By::Auto, By::Surface, By::Uv] {
+    for by in [MatchBy::Auto, MatchBy::Surface, MatchBy::Uv] {
         let new = carry(&sheet, &nothing, &target, by).memory;
         assert_eq!(new, RestState::new(angles(&target), target.triangles.len()), "{by:?}");
     }
     let refused = {
-        let source = Source { file: "made".into(), sheet, memory, joints: Vec::new() };
-        let options = TransferOptions { by: By::Same, ..TransferOptions::full(target.points.len()) };
+        let source = TransferSource { file: "made".into(), surface: sheet, memory, joints: Vec::new() };
+        let options =
+            TransferOptions { match_by: MatchBy::Same, ..TransferOptions::full(target.points.len()) };
         transfer(&[source], &target, &options).expect_err("another mesh").to_string()
     };
     assert!(refused.contains("is not the mesh it is to go to"), "{refused}");
@@ -181,14 +185,19 @@ fn the_same_mesh_keeps_every_bit_and_no_memory_changes_nothing() {
 #[test]
 fn strength_mask_parts_layers_and_mirror_do_what_they_say() {
     let (asset, garment) = load("tshirt-draft.glb");
-    let sheet = Sheet::of_garment(&garment, &asset);
+    let sheet = GarmentSurface::from_garment(&garment, &asset);
     let mut memory = made_memory(&sheet);
     memory.stiffness_ratio.iter_mut().for_each(|s| *s = 3.0);
     memory.rest_stretch_warp.iter_mut().for_each(|r| *r = 1.02);
-    let source =
-        Source { file: "made".into(), sheet: sheet.clone(), memory: memory.clone(), joints: Vec::new() };
-    let with = |change: &dyn Fn(&mut TransferOptions), sources: &[Source]| {
-        let mut options = TransferOptions { by: By::Surface, ..TransferOptions::full(sheet.points.len()) };
+    let source = TransferSource {
+        file: "made".into(),
+        surface: sheet.clone(),
+        memory: memory.clone(),
+        joints: Vec::new(),
+    };
+    let with = |change: &dyn Fn(&mut TransferOptions), sources: &[TransferSource]| {
+        let mut options =
+            TransferOptions { match_by: MatchBy::Surface, ..TransferOptions::full(sheet.points.len()) };
         change(&mut options);
         transfer(sources, &sheet, &options).expect("carries").memory
     };
@@ -207,10 +216,10 @@ fn strength_mask_parts_layers_and_mirror_do_what_they_say() {
             (half.stiffness_ratio[h] - 2.0).abs() < 1e-9 && (twice.stiffness_ratio[h] - 3.0).abs() < 1e-9
         );
     }
-    let bagging = with(&|o| o.parts.creases = false, one);
+    let bagging = with(&|o| o.channels.creases = false, one);
     assert_eq!(bagging.rest_angle, bagging.source_angle);
     assert!(bagging.rest_stretch_warp.iter().all(|r| (r - 1.02).abs() < 1e-3));
-    let creases = with(&|o| o.parts.bagging = false, one);
+    let creases = with(&|o| o.channels.bagging = false, one);
     assert_eq!(creases.rest_angle, full.rest_angle);
     assert!(creases.rest_stretch_warp.iter().all(|r| *r == 1.0));
     let left: Vec<f64> = sheet.points.iter().map(|p| if p.x > 0.0 { 1.0 } else { 0.0 }).collect();
@@ -236,7 +245,7 @@ fn strength_mask_parts_layers_and_mirror_do_what_they_say() {
 #[test]
 fn folds_land_where_they_were_on_garments_of_another_cut() {
     let (asset, garment) = load("tshirt-draft.glb");
-    let sheet = Sheet::of_garment(&garment, &asset);
+    let sheet = GarmentSurface::from_garment(&garment, &asset);
     let Some(folder) = external("garments/diffavatar-tshirt") else { return };
     for name in ["tshirt.obj", "shirt_initial.obj"] {
         let Ok(bytes) = std::fs::read(folder.join(name)) else {
@@ -246,7 +255,7 @@ fn folds_land_where_they_were_on_garments_of_another_cut() {
         let options = ReadOptions { unit_m: Some(0.01), ..ReadOptions::default() };
         let (asset, _) = read_asset(name, &bytes, &options, &mut |_| Ok(Vec::new())).expect("reads");
         let (garment, _) = Garment::from_asset(&asset).expect("is a garment");
-        let target = Sheet::of_garment(&garment, &asset);
+        let target = GarmentSurface::from_garment(&garment, &asset);
         let low = target.points.iter().fold(target.points[0], |a, b| a.inf(b));
         let high = target.points.iter().fold(target.points[0], |a, b| a.sup(b));
         for (i, fold) in FOLDS.iter().enumerate() {
@@ -258,7 +267,7 @@ fn folds_land_where_they_were_on_garments_of_another_cut() {
                     memory.rest_angle[h] = all.rest_angle[h];
                 }
             }
-            let carried = carry(&sheet, &memory, &target, By::Auto);
+            let carried = carry(&sheet, &memory, &target, MatchBy::Auto);
             // The lying shirt's x is the standing one's; its z is downwards.
             let axis = if fold.axis == 0 { 0 } else { 1 };
             let wanted = match fold.axis {
@@ -294,13 +303,13 @@ fn what_is_seen_edge_on_does_not_grow() {
     let options = ReadOptions { garment: Some("trousers".into()), ..ReadOptions::default() };
     let (asset, _) = read_asset("legs", &bytes, &options, &mut |_| Ok(Vec::new())).expect("reads");
     let (garment, _) = Garment::from_asset(&asset).expect("is a garment");
-    let round = Sheet::of_garment(&garment, &asset);
+    let round = GarmentSurface::from_garment(&garment, &asset);
     let (asset, garment) = load("trousers.glb");
-    let flat = Sheet::of_garment(&garment, &asset);
+    let flat = GarmentSurface::from_garment(&garment, &asset);
     let source = round.topology.hinges.iter().map(|h| hinge_angle(&h.points.map(|p| round.points[p.at()])));
     let mut memory = RestState::new(source.collect(), round.triangles.len());
     memory.rest_angle.iter_mut().for_each(|angle| *angle += 0.3);
-    let carried = carry(&round, &memory, &flat, By::Surface).memory;
+    let carried = carry(&round, &memory, &flat, MatchBy::Surface).memory;
     let changes =
         carried.rest_angle.iter().zip(&carried.source_angle).map(|(rest, source)| (rest - source).abs());
     let (largest, sum) = changes.fold((0.0f64, 0.0), |(most, sum), c| (most.max(c), sum + c));
@@ -338,11 +347,13 @@ fn sleeve(angle: f64) -> (SourceAsset, Garment) {
 #[test]
 fn joints_and_landmarks_lay_a_straight_sleeve_over_a_bent_one() {
     let ((straight, from), (bent, to)) = (sleeve(0.0), sleeve(1.2));
-    let (sheet, target) = (Sheet::of_garment(&from, &straight), Sheet::of_garment(&to, &bent));
+    let (sheet, target) =
+        (GarmentSurface::from_garment(&from, &straight), GarmentSurface::from_garment(&to, &bent));
     assert_eq!(straight.worn_joints().len(), 3, "{:?}", straight.worn_joints());
     let mut memory = RestState::new(vec![0.0; sheet.topology.hinges.len()], sheet.triangles.len());
-    let length =
-        |s: &Sheet, h: &crease::mesh::Hinge| (s.points[h.points[0].at()] - s.points[h.points[1].at()]).norm();
+    let length = |s: &GarmentSurface, h: &crease::mesh::Hinge| {
+        (s.points[h.points[0].at()] - s.points[h.points[1].at()]).norm()
+    };
     for (h, hinge) in sheet.topology.hinges.iter().enumerate() {
         let [a, b] = [hinge.points[0], hinge.points[1]].map(|p| sheet.points[p.at()]);
         let middle = 0.5 * (a + b).x;
@@ -370,15 +381,15 @@ fn joints_and_landmarks_lay_a_straight_sleeve_over_a_bent_one() {
             .sum();
         (on / all, all / made)
     };
-    let source = Source {
+    let source = TransferSource {
         file: "made".into(),
-        sheet: sheet.clone(),
+        surface: sheet.clone(),
         memory: memory.clone(),
         joints: straight.worn_joints(),
     };
     let with = |change: &dyn Fn(&mut TransferOptions)| {
         let mut options = TransferOptions {
-            by: By::Surface,
+            match_by: MatchBy::Surface,
             joints: bent.worn_joints(),
             ..TransferOptions::full(target.points.len())
         };
@@ -399,7 +410,7 @@ fn joints_and_landmarks_lay_a_straight_sleeve_over_a_bent_one() {
         let carried = with(change).expect("carries");
         let (share, amount) = hits(&carried.memory);
         println!("{name}: {:.1} % where it belongs, {:.2} of it", 100.0 * share, amount);
-        assert_eq!(carried.aligned, [Some(name)]);
+        assert_eq!(carried.alignments, [Some(name)]);
         assert!(share >= bar);
         found.push(share);
     }
@@ -440,7 +451,7 @@ fn the_tool_carries_settles_and_writes_what_others_read() {
     let (asset, _) =
         read_asset("from.obj", text.as_bytes(), &options, &mut |_| Ok(Vec::new())).expect("reads");
     let (garment, _) = Garment::from_asset(&asset).expect("is a garment");
-    let sheet = Sheet::of_garment(&garment, &asset);
+    let sheet = GarmentSurface::from_garment(&garment, &asset);
     let fold = Fold { axis: 0, at: 0.1, angle: 1.5, width: 0.02 };
     let angles = |x: &[Vec3]| -> Vec<f64> {
         sheet.topology.hinges.iter().map(|h| hinge_angle(&h.points.map(|p| x[p.at()]))).collect()
@@ -559,7 +570,7 @@ fn on_one_body_places_stay_and_what_has_no_place_is_told() {
         let options = ReadOptions { unit_m: Some(0.1), ..ReadOptions::default() };
         let (asset, _) = read_asset(name, &bytes, &options, &mut |_| Ok(Vec::new())).expect("reads");
         let (garment, _) = Garment::from_asset(&asset).expect("is a garment");
-        Some(Sheet::of_garment(&garment, &asset))
+        Some(GarmentSurface::from_garment(&garment, &asset))
     };
     let (Some(sweater), Some(tee)) =
         (read("male_casualsuit02_fitted.obj"), read("male_casualsuit04_fitted.obj"))
@@ -567,12 +578,12 @@ fn on_one_body_places_stay_and_what_has_no_place_is_told() {
         println!("not checked, not there: {}", folder.display());
         return;
     };
-    let middle = |s: &Sheet, h: usize| {
+    let middle = |s: &GarmentSurface, h: usize| {
         let hinge = &s.topology.hinges[h];
         0.5 * (s.points[hinge.points[0].at()] + s.points[hinge.points[1].at()])
     };
     // What lies inside a ball remembers half a radian.
-    let made = |s: &Sheet, inside: &dyn Fn(Vec3) -> bool| {
+    let made = |s: &GarmentSurface, inside: &dyn Fn(Vec3) -> bool| {
         let angle = |h: &crease::mesh::Hinge| hinge_angle(&h.points.map(|p| s.points[p.at()]));
         let mut memory = RestState::new(s.topology.hinges.iter().map(angle).collect(), s.triangles.len());
         for h in 0..memory.rest_angle.len() {
@@ -580,7 +591,7 @@ fn on_one_body_places_stay_and_what_has_no_place_is_told() {
         }
         memory
     };
-    let heart = |s: &Sheet, m: &RestState| {
+    let heart = |s: &GarmentSurface, m: &RestState| {
         let (mut sum, mut place) = (0.0, Vec3::zeros());
         for h in 0..m.rest_angle.len() {
             let weight = (m.rest_angle[h] - m.source_angle[h]).abs();
@@ -595,14 +606,14 @@ fn on_one_body_places_stay_and_what_has_no_place_is_told() {
     let knee = |p: Vec3| p.x > 0.0 && (p.y - (low.y + 0.22 * (high.y - low.y))).abs() < 0.06;
     for (from, to) in [(&sweater, &tee), (&tee, &sweater)] {
         let memory = made(from, &knee);
-        let carried = carry(from, &memory, to, By::Surface);
+        let carried = carry(from, &memory, to, MatchBy::Surface);
         let off = (heart(to, &carried.memory) - heart(from, &memory)).norm();
         println!("knee {:.1} % of the garment off, {:?}", 100.0 * off / size, carried.losses);
         assert!(off < 0.03 * size);
     }
     let reach = high.x - 0.5 * (high.x - low.x) * 0.35;
     let elbow = made(&sweater, &|p: Vec3| p.x > reach);
-    let carried = carry(&sweater, &elbow, &tee, By::Surface);
+    let carried = carry(&sweater, &elbow, &tee, MatchBy::Surface);
     println!("elbow: {:?}", carried.losses);
     assert!(carried.losses[0].lost_crease_fraction > 0.9);
 }

@@ -1,9 +1,9 @@
 //! The mesh that is simulated: the garment's own where the script creases it, and fewer points where it creases nothing.
 //!
 //! What a bake costs goes with its points, and creases lie where the script makes them: along its fold lines, through all layers, at
-//! the sides of a garment that lies, and where it is pressed on one ([`crate::wear::Sketch`]). There every point of the garment is
+//! the sides of a garment that lies, and where it is pressed on one ([`crate::wear::FoldLayout`]). There every point of the garment is
 //! simulated, and away from there edges grow. Afterwards the memory is carried back to every hinge of the garment, number by
-//! number where both meshes are one and spread elsewhere ([`crate::transfer::carry_back`]), and the garment is brought home as a
+//! number where both meshes are one and spread elsewhere ([`crate::transfer::prolongate`]), and the garment is brought home as a
 //! whole.
 //!
 //! Where a script may crease the cloth anywhere (crumpling, a body that moves) every point is simulated. docs/validation/accuracy.md has
@@ -13,7 +13,7 @@ use crate::bake::{BakeOptions, ModelDecision};
 use crate::fabric::Fabric;
 use crate::garment::{CoarseMesh, Garment};
 use crate::mesh::intersections::crossings;
-use crate::wear::{Sketch, WearScript};
+use crate::wear::{FoldLayout, WearScript};
 
 /// How far from a fold line every point is kept, in bending lengths; an edge if that is more.
 const ALONG_FOLDS: f64 = 0.8;
@@ -66,7 +66,7 @@ fn graded(
     }
     let [folds, sides] = [(ALONG_FOLDS * length).max(own), ALONG_SIDES * length];
     let longest = LONGEST * length;
-    let Some(near) = Sketch::of(garment, script, folds + longest / GROWTH) else {
+    let Some(near) = FoldLayout::crease_distances(garment, script, folds + longest / GROWTH) else {
         return Err("the script may crease the cloth anywhere".into());
     };
     let wanted: Vec<f64> = near

@@ -11,7 +11,7 @@ use crate::garment::Garment;
 use crate::math::Vec3;
 use crate::mesh::{PointIndex, Topology};
 use crate::sim::{State, StepReport};
-use crate::wear::{Gesture, Posture, WearScript};
+use crate::wear::{ActionRunner, PersistentState, WearScript};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::time::Instant;
@@ -34,7 +34,7 @@ impl OnBody {
         options: &BakeOptions,
     ) -> Result<Option<Self>> {
         let Some(wearer) = &options.body else { return Ok(None) };
-        let mut faults = script.faults_with_body(script_file, wearer);
+        let mut faults = script.body_errors(script_file, wearer);
         let depths = match depenetration::depths(&garment.points, wearer) {
             Ok(depths) => depths,
             Err(Error::Input(more)) => {
@@ -55,7 +55,7 @@ impl OnBody {
 /// are to be taken as stirred: without a body, with one that only stands, or when a script does more than move it.
 pub fn active_points(garment: &Garment, script: &WearScript, options: &BakeOptions) -> Vec<bool> {
     let Some(wearer) = options.body.as_ref().filter(|_| options.deactivate_static) else { return Vec::new() };
-    let awake = awake(garment, wearer, &script.postures(wearer));
+    let awake = awake(garment, wearer, &script.body_poses(wearer));
     if awake.contains(&true) { awake } else { Vec::new() }
 }
 
@@ -222,7 +222,7 @@ impl Run<'_> {
     }
 
     /// What a checkpoint must have of the body, which stood as `posture` says when the action under way began.
-    pub(super) fn body_moment(&self, posture: &Posture) -> Option<BodyCheckpoint> {
+    pub(super) fn body_moment(&self, posture: &PersistentState) -> Option<BodyCheckpoint> {
         let (field, standing) = (self.field.as_ref()?, posture.body.as_ref()?);
         Some(BodyCheckpoint {
             pose: standing.pose.clone(),
@@ -236,7 +236,7 @@ impl Run<'_> {
     pub(super) fn step_on_body(
         &mut self,
         mut field: BodyField,
-        gesture: &mut dyn Gesture,
+        gesture: &mut dyn ActionRunner,
         begin: f64,
         h: f64,
     ) -> StepReport {
@@ -245,7 +245,7 @@ impl Run<'_> {
         let mut begun = false;
         let (asleep, garment) = (&self.asleep, self.garment);
         let mut drive_at = |time: f64, state: &State| {
-            let mut drive = gesture.drive(time - begin, &state.x);
+            let mut drive = gesture.loads_at(time - begin, &state.x);
             last = None;
             if let Some(points) = drive.body.take() {
                 if drive.held.is_empty() {

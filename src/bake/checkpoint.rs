@@ -23,7 +23,7 @@ use crate::math::Vec3;
 use crate::memory::Memory;
 use crate::sim::Drive;
 use crate::sim::{SolveCost, State};
-use crate::wear::{DURATION_LIMIT_S, Posture, WearScript};
+use crate::wear::{DURATION_LIMIT_S, PersistentState, WearScript};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
@@ -45,7 +45,7 @@ pub struct Checkpoint {
     /// Where in the action; `None` before its beginning.
     pub way: Option<Way>,
     /// What the actions before have left.
-    pub posture: Posture,
+    pub posture: PersistentState,
     /// The cloth.
     pub state: State,
     /// What friction keeps from step to step.
@@ -196,7 +196,7 @@ impl Checkpoint {
                 && drive.guides.iter().all(|guide| inside(&guide.point))
         };
         let posture = self.posture.folds.iter().all(|fold| fold.flap.iter().all(inside))
-            && self.posture.kept.as_ref().is_none_or(kept);
+            && self.posture.held_loads.as_ref().is_none_or(kept);
         let times = (0.0..=2.0 * DURATION_LIMIT_S).contains(&self.state.time)
             && self.state.previous.as_ref().is_none_or(|p| p.step > 0.0)
             && self
@@ -215,13 +215,18 @@ const CURE: &str = "delete it, or leave out --resume, and the run begins anew";
 
 impl Run<'_> {
     /// The checkpoint of this moment: `action` actions are over.
-    pub(super) fn checkpoint(&self, action: usize, posture: &Posture, way: Option<Way>) -> Checkpoint {
+    pub(super) fn checkpoint(
+        &self,
+        action: usize,
+        posture: &PersistentState,
+        way: Option<Way>,
+    ) -> Checkpoint {
         let BakeReport { steps, rejected, solves, local_solves, cost, ref warnings, .. } = self.report;
         Checkpoint {
             key: self.key.clone(),
             action,
             way,
-            posture: Posture { body: None, ..posture.clone() },
+            posture: PersistentState { body: None, ..posture.clone() },
             state: self.state.clone(),
             memory: self.memory.clone(),
             friction: self.stepper.contact.kept_friction(),
@@ -249,7 +254,7 @@ impl Run<'_> {
         let counts = from.counts;
         // The body was put on before.
         let body = self.posture.body.take();
-        self.posture = Posture { body, ..from.posture };
+        self.posture = PersistentState { body, ..from.posture };
         self.state = from.state;
         self.memory = from.memory;
         self.stepper.contact.restore_friction(&from.friction);

@@ -12,7 +12,7 @@ use crate::math::Vec3;
 use crate::mesh::intersections::crossings_between;
 use crate::mesh::point_in_solid::Solid;
 use crate::sim::Drive;
-use crate::wear::Still;
+use crate::wear::ConstantLoads;
 use std::sync::Arc;
 
 /// Cloth that is deeper inside than this does not fit [m].
@@ -118,7 +118,7 @@ impl Run<'_> {
             let Some(field) = self.field.take() else { break };
             let step = self.step_on_body(
                 field,
-                &mut Still { drive: drive.clone(), may_end_early: false },
+                &mut ConstantLoads { loads: drive.clone(), may_end_early: false },
                 0.0,
                 STEP,
             );

@@ -34,8 +34,8 @@ use crate::memory::{EventCount, Memory, MemoryModel, Strains};
 use crate::mesh::intersections::crossings;
 use crate::sim::GRAVITY;
 use crate::sim::{Cloth, SolveCost, State, StepOptions, Stepper};
-use crate::transfer::carry_back;
-use crate::wear::{Action, Gesture, Posture, Scene, WearScript};
+use crate::transfer::prolongate;
+use crate::wear::{Action, ActionContext, ActionRunner, PersistentState, WearScript};
 use checkpoint::Way;
 use std::sync::Arc;
 use std::time::Instant;
@@ -218,7 +218,7 @@ pub fn bake_from(
     let mut memory = run.memory.rest;
     if let Some(mesh) = &grading.mesh {
         end = mesh.interpolate(&end);
-        memory = carry_back(mesh, &memory, garment);
+        memory = prolongate(mesh, &memory, garment);
         run.stepper = wear.stepper(garment, &ModelPlan::new(garment, fabric, script, options));
         how = &Homeward::SWIFTLY;
     }
@@ -304,7 +304,7 @@ fn wear_through<'a>(
         law: options.memory.then_some(law),
         event_dt_fraction: options.event_dt_fraction,
         checkpoint_steps: options.checkpoint_steps,
-        posture: Posture::default(),
+        posture: PersistentState::default(),
         report: BakeReport { decisions: plan.decisions, ..BakeReport::default() },
         seconds: [0.0; 5],
         frame_every: if options.frames_per_second > 0.0 {
@@ -319,7 +319,7 @@ fn wear_through<'a>(
         unmet: UnmetLog::default(),
         largest_rest: 0.0,
         last_rest: None,
-        total: script.duration_on(options.body.as_deref()),
+        total: script.duration_with_body(options.body.as_deref()),
         asleep: Vec::new(),
         field: None,
         pinch: BodyPenetrationStats::default(),
@@ -364,7 +364,7 @@ struct ActiveAction {
     name: &'static str,
     start: Vec<Vec3>,
     begin: f64,
-    before: Posture,
+    before: PersistentState,
 }
 
 /// A bake under way.
@@ -378,7 +378,7 @@ struct Run<'a> {
     /// See [`BakeOptions`].
     event_dt_fraction: f64,
     checkpoint_steps: u64,
-    posture: Posture,
+    posture: PersistentState,
     report: BakeReport,
     /// Assemble, solve, contact, remember, home.
     seconds: [f64; 5],
@@ -421,22 +421,23 @@ impl Run<'_> {
         let place = format!("actions[{number}] ({})", action.name());
         let before = self.posture.clone();
         let start = way.as_ref().map_or(&self.state.x, |way| &way.start).clone();
-        let scene = Scene {
-            x: &start,
-            source: &self.garment.points,
-            mass: &self.stepper.cloth.mass,
+        let scene = ActionContext {
+            positions: &start,
+            source_positions: &self.garment.points,
+            masses: &self.stepper.cloth.mass,
             thickness: self.stepper.contact.settings().distance,
-            place: (script_file, &place),
+            script_file,
+            location: &place,
         };
-        let mut begun = action.as_wear().begin(&scene, &mut self.posture)?;
+        let mut begun = action.as_wear_action().start_action(&scene, &mut self.posture)?;
         match &way {
             Some(way) => {
-                if !begun.gesture.recall(&way.memo, start.len()) {
+                if !begun.runner.restore_state(&way.memo, start.len()) {
                     return Err(scene.refuse("the checkpoint does not fit this action", "leave out --resume"));
                 }
             }
             None => {
-                if let Some(placed) = begun.placed {
+                if let Some(placed) = begun.start_positions {
                     self.state.x = placed;
                     self.state.stop();
                 }
@@ -444,8 +445,8 @@ impl Run<'_> {
         }
         let begin = way.as_ref().map_or(self.state.time, |way| way.begin);
         let under_way = ActiveAction { number, start, begin, before, name: action.name() };
-        let duration = begun.duration.unwrap_or_else(|| action.as_wear().duration_s());
-        self.perform(under_way, begun.gesture, duration, way, observer)
+        let duration = begun.duration.unwrap_or_else(|| action.as_wear_action().duration());
+        self.perform(under_way, begun.runner, duration, way, observer)
     }
 
     /// Forgets what is kept between steps for speed alone, as a run that is taken up has none of it.
@@ -469,7 +470,7 @@ impl Run<'_> {
     fn moment_between(
         &mut self,
         action: &ActiveAction,
-        gesture: &dyn Gesture,
+        gesture: &dyn ActionRunner,
         part: usize,
         wished: f64,
         observer: &mut dyn Observer,
@@ -477,7 +478,7 @@ impl Run<'_> {
         if !self.report.steps.is_multiple_of(self.checkpoint_steps) {
             return Ok(());
         }
-        let Some(memo) = gesture.memo() else { return Ok(()) };
+        let Some(memo) = gesture.save_state() else { return Ok(()) };
         self.forget();
         if observer.wants_checkpoints() {
             let way = Way { start: action.start.clone(), begin: action.begin, part, wished, memo };
@@ -490,13 +491,13 @@ impl Run<'_> {
     fn perform(
         &mut self,
         action: ActiveAction,
-        mut gesture: Box<dyn Gesture>,
+        mut gesture: Box<dyn ActionRunner>,
         duration: f64,
         way: Option<Way>,
         observer: &mut dyn Observer,
     ) -> Result<()> {
         let begin = action.begin;
-        let mut breaks = gesture.breaks();
+        let mut breaks = gesture.event_times();
         breaks.retain(|stop| *stop < duration);
         breaks.push(duration);
         let mut wished = way.as_ref().map_or(FIRST_STEP, |way| way.wished);
@@ -513,8 +514,8 @@ impl Run<'_> {
                 // Two equal steps rather than one and a remainder.
                 let mut h = if wished >= left { left } else { wished.min(0.5 * left.max(wished)) };
                 let now = self.state.time;
-                h = h.min(self.stepper.longest_under(&gesture.drive(now - begin + h, &self.state.x)));
-                if gesture.carry(now - begin + h, &mut self.state.x) {
+                h = h.min(self.stepper.longest_under(&gesture.loads_at(now - begin + h, &self.state.x)));
+                if gesture.apply_map(now - begin + h, &mut self.state.x) {
                     self.state.stop();
                     self.state.angle = self.stepper.cloth.bending.angles(&self.state.x, &self.state.angle);
                 }
@@ -527,7 +528,7 @@ impl Run<'_> {
                 }
             }
         }
-        gesture.end(&mut self.posture, &self.state.x);
+        gesture.finish(&mut self.posture, &self.state.x);
         Ok(())
     }
 
@@ -564,7 +565,7 @@ impl Run<'_> {
     /// One accepted step: solve, then remember. Returns the length the next should have.
     fn step(
         &mut self,
-        gesture: &mut dyn Gesture,
+        gesture: &mut dyn ActionRunner,
         begin: f64,
         h: f64,
         name: &str,
@@ -579,7 +580,7 @@ impl Run<'_> {
         let step = match self.field.take() {
             Some(field) => self.step_on_body(field, gesture, begin, h),
             None => {
-                let mut drive_at = |time: f64, state: &State| gesture.drive(time - begin, &state.x);
+                let mut drive_at = |time: f64, state: &State| gesture.loads_at(time - begin, &state.x);
                 self.stepper.advance(&mut self.state, &self.memory.effective_rest, &mut drive_at, h)
             }
         };
@@ -599,7 +600,7 @@ impl Run<'_> {
         self.unmet.note(self.state.time, &step.unmet);
         let clock = Instant::now();
         let mut next = step.next;
-        if let (Some(law), true) = (&self.law, gesture.wears()) {
+        if let (Some(law), true) = (&self.law, gesture.accumulates_memory()) {
             let stretch_after = measure(self);
             let earlier = Strains { angle: &angle, stretch: &stretch };
             let after = Strains { angle: &self.state.angle, stretch: &stretch_after };

@@ -3,7 +3,7 @@
 //! Plain data, as the report of a bake; names that both have mean the same.
 
 use crate::report::{DetailReport, ExportCheck};
-use crate::transfer::{Carried, Losses, Region, Sheet};
+use crate::transfer::{GarmentSurface, RegionConfidence, TransferLosses, TransferResult};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -29,7 +29,7 @@ pub struct TransferReport {
     /// Mean confidence over the cloth, 0 to 1.
     pub confidence: f64,
     /// Confidence by region.
-    pub regions: Vec<Region>,
+    pub regions: Vec<RegionConfidence>,
     /// One per sidecar, in the order given.
     pub sources: Vec<CarriedSource>,
     /// Normal maps of fine wrinkles; left out without any.
@@ -49,18 +49,18 @@ pub struct CarriedSource {
     pub file: String,
     /// How places were matched: `same`, `uv` or `surface`.
     pub by: String,
-    /// By what the source was laid over the target before: `place`, `landmarks`, `joints` or `box`. Left out where numbers went
+    /// MatchBy what the source was laid over the target before: `place`, `landmarks`, `joints` or `box`. Left out where numbers went
     /// over one by one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub aligned: Option<String>,
     /// What was lost.
     #[serde(flatten)]
-    pub losses: Losses,
+    pub losses: TransferLosses,
 }
 
 impl TransferReport {
     /// What `carried`, which lies on `target`, has to tell; counts, sources and times are the caller's.
-    pub fn of(carried: &Carried, target: &Sheet) -> Self {
+    pub fn of(carried: &TransferResult, target: &GarmentSurface) -> Self {
         let memory = &carried.memory;
         let changes = memory.rest_angle.iter().zip(&memory.source_angle).map(|(rest, source)| rest - source);
         let areas = (0..target.triangles.len()).map(|f| target.normal(f).norm());

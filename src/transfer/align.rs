@@ -5,7 +5,7 @@ use crate::math::{Mat3, Vec3};
 use crate::mesh::triangle_bvh::TriangleTree;
 use crate::transfer::canonical_pose::{Stance, stand};
 use crate::transfer::registration::{Registration, joint_places};
-use crate::transfer::{Sheet, Source, TransferOptions};
+use crate::transfer::{GarmentSurface, TransferOptions, TransferSource};
 use crate::{Error, Result};
 
 /// How garments are laid over one another before places are matched by surface.
@@ -15,22 +15,22 @@ pub enum Align {
     /// else by the joints of one skeleton that both follow, if there are a few; else by their boxes.
     #[default]
     Auto,
-    /// By the joints of one skeleton that both follow.
+    /// MatchBy the joints of one skeleton that both follow.
     Joints,
     /// The source's box becomes the target's.
     Box,
     /// As they stand in their files.
-    Place,
+    InPlace,
 }
 
 /// `sheet` of `source`, which stands as `own`, laid over the target, which stands as `stance`; and by what.
 pub(super) fn lay_over(
-    source: &Source,
-    sheet: &Sheet,
+    source: &TransferSource,
+    sheet: &GarmentSurface,
     own: &Stance,
-    (standing, stance): (&Sheet, &Stance),
+    (standing, stance): (&GarmentSurface, &Stance),
     options: &TransferOptions,
-) -> Result<(Sheet, &'static str)> {
+) -> Result<(GarmentSurface, &'static str)> {
     let size = stance.size.norm();
     let in_place = || stand(sheet, &Stance { middle: stance.middle, ..*own }, Vec3::repeat(1.0));
     let by_box = || stand(sheet, own, own.scale_to(stance));
@@ -50,7 +50,7 @@ pub(super) fn lay_over(
     };
     if !options.landmarks.is_empty() {
         // Marked on the source as it is; mirrored, they go along.
-        let mirror = source.sheet.mirror();
+        let mirror = source.surface.mirror();
         let own = |x: &Vec3| if options.mirror_x { mirror(x) } else { *x };
         let pairs: Vec<[Vec3; 2]> = options.landmarks.iter().map(|[from, to]| [own(from), *to]).collect();
         let over = registered(&pairs, "move landmarks that are at one place apart")?;
@@ -64,7 +64,7 @@ pub(super) fn lay_over(
         _ => Vec::new(),
     };
     match options.align {
-        Align::Place => Ok((in_place(), "place")),
+        Align::InPlace => Ok((in_place(), "place")),
         Align::Auto if own.turn == stance.turn && is_close(&in_place(), standing, size) => {
             Ok((in_place(), "place"))
         }
@@ -93,7 +93,7 @@ const CLOSE: f64 = 0.02;
 const CLOSE_SHARE: f64 = 0.6;
 
 /// Whether most of `target` lies close to `source`, both where they are.
-fn is_close(source: &Sheet, target: &Sheet, size: f64) -> bool {
+fn is_close(source: &GarmentSurface, target: &GarmentSurface, size: f64) -> bool {
     let tree = TriangleTree::new(&source.points, &source.triangles, 0.0);
     let count = target.triangles.len();
     let close = |f: &usize| {

@@ -6,7 +6,7 @@
 //! scripts name places. The depth of a garment that lies flat says nothing about a body: it is scaled like the rest.
 
 use crate::math::{Mat3, Vec3, bounds};
-use crate::transfer::Sheet;
+use crate::transfer::GarmentSurface;
 
 /// Thinner than this share of its other sides, a garment is flat, and lying if that side is upright.
 const FLAT: f64 = 0.25;
@@ -28,7 +28,7 @@ pub(super) struct Stance {
 
 impl Stance {
     /// How `sheet` stands.
-    pub(super) fn of(sheet: &Sheet) -> Self {
+    pub(super) fn of(sheet: &GarmentSurface) -> Self {
         let (low, high) = bounds(&sheet.points);
         let size = high - low;
         let turn = if size.y < FLAT * size.x.min(size.z) {
@@ -54,14 +54,14 @@ impl Stance {
 }
 
 /// `sheet` standing, its box's middle at the origin, scaled by `scale`.
-pub(super) fn stand(sheet: &Sheet, stance: &Stance, scale: Vec3) -> Sheet {
+pub(super) fn stand(sheet: &GarmentSurface, stance: &Stance, scale: Vec3) -> GarmentSurface {
     let place = |p: &Vec3| stance.place(p).component_mul(&scale);
     // Directions of the warp scale with the cloth.
     let turn_warp = |w: &Vec3| {
         let scaled = (stance.turn * w).component_mul(&scale);
         scaled.try_normalize(0.0).unwrap_or_else(Vec3::x)
     };
-    Sheet {
+    GarmentSurface {
         points: sheet.points.iter().map(place).collect(),
         warp: sheet.warp.as_ref().map(|all| all.iter().map(turn_warp).collect()),
         ..sheet.clone()

@@ -5,14 +5,15 @@
 
 use crate::garment::RestState;
 use crate::math::bounds;
-use crate::transfer::Sheet;
+use crate::transfer::GarmentSurface;
 use crate::transfer::resample::Gathered;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Confidence of one region of the target.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Region {
+#[schemars(rename = "Region")]
+pub struct RegionConfidence {
     /// Where: "upper left front", ...
     pub name: String,
     /// Its cloth [m²].
@@ -23,7 +24,7 @@ pub struct Region {
 
 /// What one source lost on the way.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Losses {
+pub struct TransferLosses {
     /// Share of the target's cloth that found no place on the source.
     #[serde(alias = "target_without_source")]
     pub unmatched_target_fraction: f64,
@@ -33,7 +34,7 @@ pub struct Losses {
 }
 
 /// Least confidence of the regions of `standing`, which has one confidence per triangle.
-pub(super) fn regions(standing: &Sheet, confidence: &[f64]) -> Vec<Region> {
+pub(super) fn regions(standing: &GarmentSurface, confidence: &[f64]) -> Vec<RegionConfidence> {
     let (low, high) = bounds(&standing.points);
     let outward = standing.outward();
     let third =
@@ -55,7 +56,7 @@ pub(super) fn regions(standing: &Sheet, confidence: &[f64]) -> Vec<Region> {
                 let [area, sum] = sums[6 * r + 2 * c + s];
                 if area > 0.0 {
                     let name = format!("{row} {column} {side}");
-                    all.push(Region { name, area_m2: area, confidence: sum / area });
+                    all.push(RegionConfidence { name, area_m2: area, confidence: sum / area });
                 }
             }
         }
@@ -64,7 +65,12 @@ pub(super) fn regions(standing: &Sheet, confidence: &[f64]) -> Vec<Region> {
 }
 
 /// What was lost between `source` and `target`.
-pub(super) fn losses(source: &Sheet, memory: &RestState, target: &Sheet, gathered: &[Gathered]) -> Losses {
+pub(super) fn losses(
+    source: &GarmentSurface,
+    memory: &RestState,
+    target: &GarmentSurface,
+    gathered: &[Gathered],
+) -> TransferLosses {
     let mut reached = vec![false; source.triangles.len()];
     let (mut area, mut without) = (0.0, 0.0);
     for (f, one) in gathered.iter().enumerate() {
@@ -83,5 +89,8 @@ pub(super) fn losses(source: &Sheet, memory: &RestState, target: &Sheet, gathere
         }
     }
     let share = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
-    Losses { unmatched_target_fraction: share(without, area), lost_crease_fraction: share(behind, crease) }
+    TransferLosses {
+        unmatched_target_fraction: share(without, area),
+        lost_crease_fraction: share(behind, crease),
+    }
 }

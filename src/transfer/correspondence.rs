@@ -1,7 +1,7 @@
 //! Which place of the source belongs to a place of the target, and how directions go over from one to the other.
 //!
-//! Three ways. By texture: the same texture coordinates. By surface, both garments with depth: the nearest place whose
-//! normal agrees. By surface, one of them flat: what lies behind one another seen from the front, on the same side of
+//! Three ways. MatchBy texture: the same texture coordinates. MatchBy surface, both garments with depth: the nearest place whose
+//! normal agrees. MatchBy surface, one of them flat: what lies behind one another seen from the front, on the same side of
 //! the garment. A place that lands beyond an open border of the source, or farther off than a small part of the garment,
 //! has no source: sleeves do not get what a vest remembers.
 //! The map of directions `J` takes tangents of the source to tangents of the target (3 x 3, of use on the source's
@@ -10,7 +10,7 @@
 
 use crate::math::{Mat3, Vec2, Vec3, bounds};
 use crate::mesh::triangle_bvh::{Nearest, TriangleTree};
-use crate::transfer::Sheet;
+use crate::transfer::GarmentSurface;
 use nalgebra::{Matrix2, Matrix3x2, Rotation3};
 
 /// Farthest landing, as a share of the target's box diagonal: seen from the front, and by nearest place.
@@ -37,7 +37,7 @@ pub(super) struct Place {
 /// Where a place of the target lands.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Landing {
-    /// Source triangle.
+    /// TransferSource triangle.
     pub(super) triangle: usize,
     /// 0..1: how near, and how well the normals agree.
     pub(super) quality: f64,
@@ -48,7 +48,7 @@ pub(super) struct Landing {
 /// Finds where places of a target land.
 pub(super) trait Lands: Sync {
     /// What they land on.
-    fn source(&self) -> &Sheet;
+    fn source(&self) -> &GarmentSurface;
 
     /// Where `place` lands, of triangle `f` of the target, if anywhere.
     fn land(&self, f: usize, place: &Place) -> Option<Landing>;
@@ -64,7 +64,7 @@ pub(super) enum Way {
 
 /// Finds landings on one source sheet.
 pub(super) struct Finder<'a> {
-    source: &'a Sheet,
+    source: &'a GarmentSurface,
     way: Way,
     /// What the tree stands on: texture, front view or space.
     points: Vec<Vec3>,
@@ -80,9 +80,9 @@ pub(super) struct Finder<'a> {
 }
 
 impl<'a> Finder<'a> {
-    /// For a `source` that stands aligned with the target, whose box has the diagonal `size` [m]. By texture only if
+    /// For a `source` that stands aligned with the target, whose box has the diagonal `size` [m]. MatchBy texture only if
     /// the source has it, else by nearest place.
-    pub(super) fn new(source: &'a Sheet, way: Way, size: f64) -> Self {
+    pub(super) fn new(source: &'a GarmentSurface, way: Way, size: f64) -> Self {
         let outward = source.outward();
         let count = source.triangles.len();
         let normals =
@@ -175,7 +175,7 @@ impl<'a> Finder<'a> {
 }
 
 impl Lands for Finder<'_> {
-    fn source(&self) -> &Sheet {
+    fn source(&self) -> &GarmentSurface {
         self.source
     }
 

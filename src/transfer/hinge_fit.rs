@@ -19,7 +19,7 @@
 //! conjugate gradients in a fixed order; for `W` = 0 the answer is exactly 0.
 
 use crate::math::{Vec2, Vec3};
-use crate::transfer::Sheet;
+use crate::transfer::GarmentSurface;
 use nalgebra::{Matrix3, Vector3};
 
 /// Residual at which the solution stands, relative to the right side. The matrix is well conditioned (3 hinges of one
@@ -63,7 +63,7 @@ pub(super) fn across(edge: &Vec2) -> PlaneTensor {
 
 /// Angles [rad], one per hinge of `sheet`, that come closest to the tensors `wanted` [1/m], one per face in the frame
 /// [`FaceFrame::of`] its corners. Triangles without area want nothing.
-pub(super) fn hinge_angles(sheet: &Sheet, wanted: &[PlaneTensor]) -> Vec<f64> {
+pub(super) fn hinge_angles(sheet: &GarmentSurface, wanted: &[PlaneTensor]) -> Vec<f64> {
     let count = sheet.topology.hinges.len();
     let mut faces = Vec::with_capacity(wanted.len());
     let mut right = vec![0.0; count];

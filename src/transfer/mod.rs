@@ -26,9 +26,9 @@ mod resample;
 mod surface;
 
 pub use align::Align;
-pub use confidence::{Losses, Region};
-pub use prolongate::carry_back;
-pub use surface::Sheet;
+pub use confidence::{RegionConfidence, TransferLosses};
+pub use prolongate::prolongate;
+pub use surface::GarmentSurface;
 
 use crate::garment::RestState;
 use crate::io::SourceJoint;
@@ -44,19 +44,19 @@ use std::f64::consts::PI;
 
 /// How the places of two garments are matched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum By {
-    /// By texture where both textures agree on where things are, else by surface; the same mesh number by number.
+pub enum MatchBy {
+    /// MatchBy texture where both textures agree on where things are, else by surface; the same mesh number by number.
     #[default]
     Auto,
-    /// By texture coordinates.
+    /// MatchBy texture coordinates.
     Uv,
-    /// By place on the surface, boxes laid over one another.
+    /// MatchBy place on the surface, boxes laid over one another.
     Surface,
     /// Number by number; refused unless the mesh is the same.
     Same,
 }
 
-impl By {
+impl MatchBy {
     /// Every way, by its name on the command line and in reports.
     pub const ALL: [(&str, Self); 4] =
         [("auto", Self::Auto), ("uv", Self::Uv), ("surface", Self::Surface), ("same", Self::Same)];
@@ -69,7 +69,7 @@ impl By {
 
 /// What is carried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Parts {
+pub struct Channels {
     /// Rest angles and stiffness.
     pub creases: bool,
     /// Rest lengths.
@@ -80,7 +80,7 @@ pub struct Parts {
 #[derive(Debug, Clone, PartialEq)]
 pub struct TransferOptions {
     /// How places are matched.
-    pub by: By,
+    pub match_by: MatchBy,
     /// How garments are laid over one another.
     pub align: Align,
     /// Places of source and target that belong together [m], marked by a person: they come before `align`.
@@ -92,7 +92,7 @@ pub struct TransferOptions {
     /// One per point of the target, 0..1: changes are multiplied by it.
     pub mask: Vec<f64>,
     /// What is carried.
-    pub parts: Parts,
+    pub channels: Channels,
     /// Whether the source is mirrored left to right.
     pub mirror_x: bool,
 }
@@ -101,13 +101,13 @@ impl TransferOptions {
     /// Everything, in full, onto a target of `point_count` points.
     pub fn full(point_count: usize) -> Self {
         Self {
-            by: By::Auto,
+            match_by: MatchBy::Auto,
             align: Align::Auto,
             landmarks: Vec::new(),
             joints: Vec::new(),
             strength: 1.0,
             mask: vec![1.0; point_count],
-            parts: Parts { creases: true, bagging: true },
+            channels: Channels { creases: true, bagging: true },
             mirror_x: false,
         }
     }
@@ -116,18 +116,18 @@ impl TransferOptions {
     fn is_plain(&self) -> bool {
         self.strength == 1.0
             && self.mask.iter().all(|m| *m == 1.0)
-            && self.parts == (Parts { creases: true, bagging: true })
+            && self.channels == (Channels { creases: true, bagging: true })
             && !self.mirror_x
     }
 }
 
 /// A memory to be carried.
 #[derive(Debug, Clone)]
-pub struct Source {
+pub struct TransferSource {
     /// Its file, for messages.
     pub file: String,
     /// The surface it lies on.
-    pub sheet: Sheet,
+    pub surface: GarmentSurface,
     /// One entry per hinge of the sheet's topology.
     pub memory: RestState,
     /// Joints that move it, in the pose of its file.
@@ -136,41 +136,45 @@ pub struct Source {
 
 /// What came over.
 #[derive(Debug, Clone)]
-pub struct Carried {
+pub struct TransferResult {
     /// Memory of the target, one entry per hinge of its topology.
     pub memory: RestState,
     /// Per source: the way that was taken.
-    pub ways: Vec<&'static str>,
+    pub match_modes: Vec<&'static str>,
     /// Per source: by what it was laid over the target; none where numbers went over one by one.
-    pub aligned: Vec<Option<&'static str>>,
+    pub alignments: Vec<Option<&'static str>>,
     /// Per target triangle, 0..1: how sure it is that its memory belongs there (mean over the sources).
     pub confidence: Vec<f64>,
     /// Confidence by region of the garment, those without cloth left out.
-    pub regions: Vec<Region>,
+    pub regions: Vec<RegionConfidence>,
     /// Per source: what could not be carried.
-    pub losses: Vec<Losses>,
+    pub losses: Vec<TransferLosses>,
     /// Whether the numbers of a single source were taken over as they are.
     pub unchanged: bool,
 }
 
 /// Carries `sources` onto `target`.
-pub fn transfer(sources: &[Source], target: &Sheet, options: &TransferOptions) -> Result<Carried> {
+pub fn transfer(
+    sources: &[TransferSource],
+    target: &GarmentSurface,
+    options: &TransferOptions,
+) -> Result<TransferResult> {
     check(sources, target, options)?;
     let stance = Stance::of(target);
     let standing = stand(target, &stance, Vec3::repeat(1.0));
     let new = new_memory(target);
     if let [source] = sources
         && options.is_plain()
-        && source.sheet.is_same_mesh(target)
-        && matches!(options.by, By::Auto | By::Same)
+        && source.surface.is_same_mesh(target)
+        && matches!(options.match_by, MatchBy::Auto | MatchBy::Same)
     {
-        return Ok(Carried {
+        return Ok(TransferResult {
             memory: source.memory.clone(),
-            ways: vec![By::Same.name()],
-            aligned: vec![None],
+            match_modes: vec![MatchBy::Same.name()],
+            alignments: vec![None],
             confidence: vec![1.0; target.triangles.len()],
             regions: confidence::regions(&standing, &vec![1.0; target.triangles.len()]),
-            losses: vec![Losses::default()],
+            losses: vec![TransferLosses::default()],
             unchanged: true,
         });
     }
@@ -185,10 +189,10 @@ pub fn transfer(sources: &[Source], target: &Sheet, options: &TransferOptions) -
         aligned.push(one.aligned);
         losses.push(one.losses);
     }
-    Ok(Carried {
+    Ok(TransferResult {
         memory: sum.applied_to(new, target, options),
-        ways,
-        aligned,
+        match_modes: ways,
+        alignments: aligned,
         regions: confidence::regions(&standing, &confidence),
         confidence,
         losses,
@@ -197,12 +201,12 @@ pub fn transfer(sources: &[Source], target: &Sheet, options: &TransferOptions) -
 }
 
 /// Memory of `sheet` as new cloth: its own angles.
-fn new_memory(sheet: &Sheet) -> RestState {
+fn new_memory(sheet: &GarmentSurface) -> RestState {
     let angle = |h: &crate::mesh::Hinge| hinge_angle(&h.points.map(|p| sheet.points[p.at()]));
     RestState::new(sheet.topology.hinges.iter().map(angle).collect(), sheet.triangles.len())
 }
 
-fn check(sources: &[Source], target: &Sheet, options: &TransferOptions) -> Result<()> {
+fn check(sources: &[TransferSource], target: &GarmentSurface, options: &TransferOptions) -> Result<()> {
     let refuse = |what: &str, cure: &str| Err(Error::input("transfer", "", what, cure));
     if sources.is_empty() {
         return refuse("there is no memory to carry", "give a sidecar");
@@ -227,7 +231,7 @@ struct Change {
 }
 
 impl Change {
-    fn none(target: &Sheet) -> Self {
+    fn none(target: &GarmentSurface) -> Self {
         let hinges = target.topology.hinges.len();
         Self {
             angle: vec![0.0; hinges],
@@ -260,12 +264,17 @@ impl Change {
     }
 
     /// The memory of new cloth with this change in it, as far as `options` let it.
-    fn applied_to(&self, mut memory: RestState, target: &Sheet, options: &TransferOptions) -> RestState {
+    fn applied_to(
+        &self,
+        mut memory: RestState,
+        target: &GarmentSurface,
+        options: &TransferOptions,
+    ) -> RestState {
         // The least of the points decides, as it does while cloth is worn.
         let mask = |points: &[crate::mesh::PointIndex]| {
             options.strength * points.iter().map(|p| options.mask[p.at()]).fold(1.0, f64::min).max(0.0)
         };
-        if options.parts.creases {
+        if options.channels.creases {
             for (h, hinge) in target.topology.hinges.iter().enumerate() {
                 let share = mask(&hinge.points[..2]);
                 // Folded flat on itself is as far as cloth goes, however strong the transfer.
@@ -273,7 +282,7 @@ impl Change {
                 memory.stiffness_ratio[h] = (1.0 + share * self.stiffness[h]).max(LEAST_RATIO);
             }
         }
-        if options.parts.bagging {
+        if options.channels.bagging {
             for (f, t) in target.triangles.iter().enumerate() {
                 let share = mask(t);
                 memory.rest_stretch_warp[f] = (1.0 + share * self.stretch[f][0]).max(LEAST_RATIO);
@@ -293,28 +302,28 @@ struct One {
     way: &'static str,
     aligned: Option<&'static str>,
     confidence: Vec<f64>,
-    losses: Losses,
+    losses: TransferLosses,
 }
 
 fn carry_one(
-    source: &Source,
-    target: &Sheet,
-    standing: &Sheet,
+    source: &TransferSource,
+    target: &GarmentSurface,
+    standing: &GarmentSurface,
     stance: &Stance,
     options: &TransferOptions,
 ) -> Result<One> {
-    let same = !options.mirror_x && source.sheet.is_same_mesh(target);
-    match (options.by, same) {
-        (By::Same | By::Auto, true) => {
+    let same = !options.mirror_x && source.surface.is_same_mesh(target);
+    match (options.match_by, same) {
+        (MatchBy::Same | MatchBy::Auto, true) => {
             return Ok(One {
                 change: Change::of_memory(&source.memory),
-                way: By::Same.name(),
+                way: MatchBy::Same.name(),
                 aligned: None,
                 confidence: vec![1.0; target.triangles.len()],
-                losses: Losses::default(),
+                losses: TransferLosses::default(),
             });
         }
-        (By::Same, false) => {
+        (MatchBy::Same, false) => {
             return Err(Error::input(
                 &source.file,
                 "mesh",
@@ -324,15 +333,15 @@ fn carry_one(
         }
         _ => {}
     }
-    let mirrored = options.mirror_x.then(|| source.sheet.mirrored(&source.memory));
-    let (sheet, memory) = mirrored.as_ref().map_or((&source.sheet, &source.memory), |(s, m)| (s, m));
+    let mirrored = options.mirror_x.then(|| source.surface.mirrored(&source.memory));
+    let (sheet, memory) = mirrored.as_ref().map_or((&source.surface, &source.memory), |(s, m)| (s, m));
     let own = Stance::of(sheet);
     let size = stance.size.norm();
     let (aligned, by) = lay_over(source, sheet, &own, (standing, stance), options)?;
     let surface = if own.flat || stance.flat { Way::Front } else { Way::Nearest };
     let both_textured = aligned.uvs.is_some() && standing.uvs.is_some();
-    let way = match options.by {
-        By::Uv if !both_textured => {
+    let way = match options.match_by {
+        MatchBy::Uv if !both_textured => {
             let what = if options.mirror_x {
                 "mirrored, it has no texture coordinates that fit"
             } else {
@@ -340,8 +349,8 @@ fn carry_one(
             };
             return Err(Error::input(&source.file, "", what, "use --match surface"));
         }
-        By::Uv => Way::Texture,
-        By::Auto if both_textured && texture_agrees(&aligned, standing, size) => Way::Texture,
+        MatchBy::Uv => Way::Texture,
+        MatchBy::Auto if both_textured && texture_agrees(&aligned, standing, size) => Way::Texture,
         _ => surface,
     };
     let finder = Finder::new(&aligned, way, size);
@@ -356,14 +365,14 @@ fn carry_one(
     Ok(One {
         change,
         aligned: Some(by),
-        way: if way == Way::Texture { By::Uv.name() } else { By::Surface.name() },
+        way: if way == Way::Texture { MatchBy::Uv.name() } else { MatchBy::Surface.name() },
         losses: confidence::losses(&aligned, memory, standing, &gathered),
         confidence: gathered.iter().map(|g| g.confidence).collect(),
     })
 }
 
 /// Per hinge: stiffness ratio minus 1, from the compliance gathered on both sides.
-fn stiffness(target: &Sheet, gathered: &[resample::Gathered]) -> Vec<f64> {
+fn stiffness(target: &GarmentSurface, gathered: &[resample::Gathered]) -> Vec<f64> {
     let side = |f: u32, edge: u32| {
         let k = target.topology.triangle_edges[f as usize].iter().position(|&e| e == edge).unwrap_or(0);
         gathered[f as usize].compliance[k]
@@ -385,7 +394,7 @@ const TEXTURE_OFF: f64 = 0.05;
 const TEXTURE_SHARE: f64 = 0.9;
 
 /// Whether equal texture coordinates are at about equal places of both garments.
-fn texture_agrees(source: &Sheet, target: &Sheet, size: f64) -> bool {
+fn texture_agrees(source: &GarmentSurface, target: &GarmentSurface, size: f64) -> bool {
     let finder = Finder::new(source, Way::Texture, size);
     let Some(uvs) = &target.uvs else { return false };
     let agrees = |f: &usize| {

@@ -10,12 +10,12 @@ use crate::mesh::distance::point_triangle_squared;
 use crate::transfer::correspondence::{Landing, Lands, Place, smallest_rotation};
 use crate::transfer::hinge_fit::{PlaneTensor, hinge_angles};
 use crate::transfer::resample::gather;
-use crate::transfer::{Change, Sheet, TransferOptions, new_memory, stiffness};
+use crate::transfer::{Change, GarmentSurface, TransferOptions, new_memory, stiffness};
 use rustc_hash::FxHashMap;
 
 /// Memory of `garment`, one entry per hinge and triangle of it: that which `coarse`, made of it, has earned.
-pub fn carry_back(coarse: &CoarseMesh, memory: &RestState, garment: &Garment) -> RestState {
-    let target = Sheet::without_texture(garment);
+pub fn prolongate(coarse: &CoarseMesh, memory: &RestState, garment: &Garment) -> RestState {
+    let target = GarmentSurface::without_texture(garment);
     let lands = Within::new(coarse, &target);
     let gathered = gather(&lands, memory, &target, 1.0);
     let wanted: Vec<PlaneTensor> = gathered.iter().map(|g| g.curvature).collect();
@@ -48,8 +48,8 @@ fn take_over(change: &mut Change, own: &Change, coarse: &CoarseMesh, garment: &G
 
 /// Finds places of a garment on its coarser mesh.
 struct Within<'a> {
-    source: Sheet,
-    target: &'a Sheet,
+    source: GarmentSurface,
+    target: &'a GarmentSurface,
     containing_triangle: &'a [u32],
     /// Per coarse triangle: itself and all that share a point with it, sorted.
     around: Vec<Vec<u32>>,
@@ -58,8 +58,8 @@ struct Within<'a> {
 }
 
 impl<'a> Within<'a> {
-    fn new(coarse: &'a CoarseMesh, target: &'a Sheet) -> Self {
-        let source = Sheet::without_texture(&coarse.garment);
+    fn new(coarse: &'a CoarseMesh, target: &'a GarmentSurface) -> Self {
+        let source = GarmentSurface::without_texture(&coarse.garment);
         let mut on_point = vec![Vec::new(); source.points.len()];
         for (f, t) in source.triangles.iter().enumerate() {
             t.iter().for_each(|p| on_point[p.at()].push(f as u32));
@@ -83,7 +83,7 @@ impl<'a> Within<'a> {
 }
 
 impl Lands for Within<'_> {
-    fn source(&self) -> &Sheet {
+    fn source(&self) -> &GarmentSurface {
         &self.source
     }
 

@@ -7,7 +7,7 @@
 
 use crate::io::SourceJoint;
 use crate::math::{Mat3, Vec3};
-use crate::transfer::Sheet;
+use crate::transfer::GarmentSurface;
 use nalgebra::DMatrix;
 
 /// Places on a line, or nearly (second extent below this share of the first), say nothing of a turn.
@@ -78,7 +78,7 @@ impl Registration {
     }
 
     /// `sheet` with its points where the map takes them; the warp goes along with its triangle.
-    pub(super) fn apply(&self, sheet: &Sheet) -> Sheet {
+    pub(super) fn apply(&self, sheet: &GarmentSurface) -> GarmentSurface {
         let points: Vec<Vec3> = sheet.points.iter().map(|p| self.place(p)).collect();
         let carried = |(t, w): (&[crate::mesh::PointIndex; 3], &Vec3)| {
             let sides = |x: &[Vec3]| {
@@ -93,7 +93,7 @@ impl Registration {
             (to_u * of_u + to_v * of_v).try_normalize(0.0).unwrap_or_else(Vec3::x)
         };
         let warp = sheet.warp.as_ref().map(|all| sheet.triangles.iter().zip(all).map(carried).collect());
-        Sheet { points, warp, ..sheet.clone() }
+        GarmentSurface { points, warp, ..sheet.clone() }
     }
 }
 

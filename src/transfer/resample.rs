@@ -13,7 +13,7 @@
 
 use crate::garment::RestState;
 use crate::math::{Vec2, Vec3};
-use crate::transfer::Sheet;
+use crate::transfer::GarmentSurface;
 use crate::transfer::correspondence::Landing;
 use crate::transfer::correspondence::{Lands, Place, texture_gradient};
 use crate::transfer::hinge_fit::{FaceFrame, PlaneTensor, across};
@@ -39,7 +39,7 @@ pub(super) struct Gathered {
     pub(super) found: f64,
     /// Mean quality of all samples, 0 where none was found.
     pub(super) confidence: f64,
-    /// Source triangles the samples landed on, sorted.
+    /// TransferSource triangles the samples landed on, sorted.
     pub(super) landed: Vec<u32>,
 }
 
@@ -53,7 +53,12 @@ struct SourceFace {
 
 /// Gathers for every triangle of `target`, standing aligned with the source it lands on. `sign` is -1 where one of both
 /// garments has its normals inside.
-pub(super) fn gather(lands: &impl Lands, memory: &RestState, target: &Sheet, sign: f64) -> Vec<Gathered> {
+pub(super) fn gather(
+    lands: &impl Lands,
+    memory: &RestState,
+    target: &GarmentSurface,
+    sign: f64,
+) -> Vec<Gathered> {
     let source = lands.source();
     let faces: Vec<SourceFace> =
         (0..source.triangles.len()).map(|f| source_face(source, memory, f)).collect();
@@ -92,7 +97,7 @@ pub(super) fn gather(lands: &impl Lands, memory: &RestState, target: &Sheet, sig
     (0..target.triangles.len()).into_par_iter().map(one).collect()
 }
 
-fn source_face(source: &Sheet, memory: &RestState, f: usize) -> SourceFace {
+fn source_face(source: &GarmentSurface, memory: &RestState, f: usize) -> SourceFace {
     let corners = source.corners(f);
     let hinge = |k: usize| source.topology.edge_hinge[source.topology.triangle_edges[f][k] as usize];
     let change = |h: u32| memory.rest_angle[h as usize] - memory.source_angle[h as usize];
@@ -154,7 +159,7 @@ impl Gather {
         }
     }
 
-    fn add(&mut self, landing: &Landing, face: &SourceFace, source: &Sheet, memory: &RestState) {
+    fn add(&mut self, landing: &Landing, face: &SourceFace, source: &GarmentSurface, memory: &RestState) {
         let edges = face.edges.map(|e| self.frame.flat(&(landing.map * e)));
         let area = 0.5 * edges[0].perp(&edges[1]).abs();
         if area.is_nan() || area <= 0.0 {
@@ -184,7 +189,7 @@ impl Gather {
     }
 
     /// (r_u - 1) u u^T + (r_v - 1) v v^T, read along the target's warp and weft.
-    fn add_stretch(&mut self, landing: &Landing, source: &Sheet, f: usize, change: [f64; 2]) {
+    fn add_stretch(&mut self, landing: &Landing, source: &GarmentSurface, f: usize, change: [f64; 2]) {
         let own = source.warp.as_ref().map(|warp| self.frame.flat(&(landing.map * warp[f])));
         let Some(u) = own.and_then(|u| u.try_normalize(0.0)) else {
             // Without directions only what both have in common can be carried.

@@ -13,7 +13,7 @@ use rustc_hash::FxHashMap;
 
 /// A surface that memory lies on.
 #[derive(Debug, Clone)]
-pub struct Sheet {
+pub struct GarmentSurface {
     /// One per point [m], y up.
     pub points: Vec<Vec3>,
     /// Corners of every triangle.
@@ -26,9 +26,9 @@ pub struct Sheet {
     pub warp: Option<Vec<Vec3>>,
 }
 
-impl Sheet {
+impl GarmentSurface {
     /// The surface of `garment`, which was made of `asset`.
-    pub fn of_garment(garment: &Garment, asset: &SourceAsset) -> Self {
+    pub fn from_garment(garment: &Garment, asset: &SourceAsset) -> Self {
         let uvs = corner_vertices(asset, garment).and_then(|corners| corner_uvs(asset, &corners));
         Self { uvs, ..Self::without_texture(garment) }
     }
@@ -50,8 +50,8 @@ impl Sheet {
 
     /// The surface of `garment`, which is `coarse` made finer: triangle by triangle part of the `parent` it lies on. Texture
     /// coordinates are the parents'.
-    pub fn of_finer(coarse: &Self, garment: &Garment, asset: &SourceAsset, parent: &[u32]) -> Self {
-        let mut sheet = Self::of_garment(garment, asset);
+    pub fn from_refined(coarse: &Self, garment: &Garment, asset: &SourceAsset, parent: &[u32]) -> Self {
+        let mut sheet = Self::from_garment(garment, asset);
         sheet.uvs = coarse.uvs.as_ref().map(|uvs| {
             let each = garment.triangles.iter().zip(parent);
             each.map(|(t, &f)| {
@@ -67,7 +67,7 @@ impl Sheet {
     }
 
     /// The surface of `sidecar` and its memory, one entry per hinge of the surface's topology; `file` names it in faults.
-    pub fn of_sidecar(file: &str, sidecar: &Sidecar) -> Result<(Self, RestState)> {
+    pub fn from_sidecar(file: &str, sidecar: &Sidecar) -> Result<(Self, RestState)> {
         let points = sidecar.mesh_points();
         let triangles = sidecar.mesh_triangles();
         if let Some(i) = triangles.iter().position(|[a, b, c]| a == b || b == c || c == a) {

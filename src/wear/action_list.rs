@@ -23,7 +23,7 @@ macro_rules! action_list {
             }
 
             /// As what all actions have in common.
-            pub fn as_wear(&self) -> &dyn WearAction {
+            pub fn as_wear_action(&self) -> &dyn WearAction {
                 match self { $(Self::$variant(action) => action,)* }
             }
 

@@ -1,8 +1,8 @@
-//! From actions to drives: a gesture is an action under way.
+//! From actions to drives: a runner is an action under way.
 //!
 //! An action of the script is data; when its turn comes it looks at the cloth as it lies (or hangs) and becomes a
-//! [`Gesture`], which says for every time what acts on the cloth. What must outlive an action (the box that
-//! fractions refer to, folds that can be opened again, what holds the cloth up) is the [`Posture`].
+//! [`ActionRunner`], which says for every time what acts on the cloth. What must outlive an action (the box that
+//! fractions refer to, folds that can be opened again, what holds the cloth up) is the [`PersistentState`].
 
 use crate::body::PosedBody;
 use crate::energy::Guide;
@@ -12,30 +12,32 @@ use crate::sim::Drive;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// What a gesture may know of the cloth.
-pub struct Scene<'a> {
+/// What a runner may know of the cloth.
+pub struct ActionContext<'a> {
     /// Positions, one per point [m].
-    pub x: &'a [Vec3],
-    /// Source positions, one per point [m].
-    pub source: &'a [Vec3],
+    pub positions: &'a [Vec3],
+    /// Positions in the garment's file, one per point [m].
+    pub source_positions: &'a [Vec3],
     /// Masses, one per point [kg].
-    pub mass: &'a [f64],
+    pub masses: &'a [f64],
     /// Contact distance: the thickness of a layer [m].
     pub thickness: f64,
-    /// How the script is called in messages, and the place of the action in it.
-    pub place: (&'a str, &'a str),
+    /// Name of the script in messages.
+    pub script_file: &'a str,
+    /// Location of the action in the script, for messages.
+    pub location: &'a str,
 }
 
-impl Scene<'_> {
+impl ActionContext<'_> {
     /// The action cannot be done here: `what` is in the way, `cure` helps.
     pub fn refuse(&self, what: impl Into<String>, cure: impl Into<String>) -> Error {
-        Error::input(self.place.0, self.place.1, what, cure)
+        Error::input(self.script_file, self.location, what, cure)
     }
 }
 
 /// The plane that fractions refer to.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Frame {
+pub struct GarmentFrame {
     /// The point (0, 0): lower left [m].
     #[serde(with = "crate::math::serde_vec::vector")]
     pub origin: Vec3,
@@ -47,7 +49,7 @@ pub struct Frame {
     pub upward: Vec3,
 }
 
-impl Frame {
+impl GarmentFrame {
     /// The place of a fraction [m].
     pub fn place(&self, fraction: [f64; 2]) -> Vec3 {
         self.origin + self.right * fraction[0] + self.upward * fraction[1]
@@ -82,7 +84,7 @@ impl Frame {
 
 /// A fold that has been made and not opened.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct MadeFold {
+pub struct FoldRecord {
     /// The points that were turned over.
     pub flap: Vec<u32>,
     /// A point of the fold line on the ground [m].
@@ -100,68 +102,69 @@ pub struct MadeFold {
 
 /// What outlives an action.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Posture {
+pub struct PersistentState {
     /// How the garment as a whole is turned against its file: file directions to present ones.
-    #[serde(with = "crate::math::serde_vec::matrix")]
-    pub turned: Mat3,
+    #[serde(rename = "turned", with = "crate::math::serde_vec::matrix")]
+    pub orientation: Mat3,
     /// What fractions refer to, once the cloth lies or hangs.
-    pub frame: Option<Frame>,
+    pub frame: Option<GarmentFrame>,
     /// Folds not opened yet, oldest first.
-    pub folds: Vec<MadeFold>,
+    pub folds: Vec<FoldRecord>,
     /// Height of the ground, where there is one [m].
     pub ground: Option<f64>,
     /// What the last action keeps acting until it is released.
-    pub kept: Option<Drive>,
+    #[serde(rename = "kept")]
+    pub held_loads: Option<Drive>,
     /// The body the garment is worn on, and where it stands.
     // A checkpoint has its pose apart: the body itself is the caller's.
     #[serde(skip)]
     pub body: Option<PosedBody>,
 }
 
-impl Default for Posture {
+impl Default for PersistentState {
     fn default() -> Self {
         Self {
-            turned: Mat3::identity(),
+            orientation: Mat3::identity(),
             frame: None,
             folds: Vec::new(),
             ground: None,
-            kept: None,
+            held_loads: None,
             body: None,
         }
     }
 }
 
-impl Posture {
+impl PersistentState {
     /// The frame, if the cloth lies on the ground.
-    pub fn lying(&self) -> Option<Frame> {
+    pub fn ground_frame(&self) -> Option<GarmentFrame> {
         self.ground.and(self.frame)
     }
 
     /// What acts when nothing is done: gravity, the ground, the body and whatever has not been let go.
-    pub fn resting(&self) -> Drive {
-        let kept = self.kept.clone().unwrap_or_else(|| Drive::at_rest(self.ground));
+    pub fn idle_loads(&self) -> Drive {
+        let kept = self.held_loads.clone().unwrap_or_else(|| Drive::at_rest(self.ground));
         Drive { body: self.body.as_ref().map(|body| body.points.clone()), ..kept }
     }
 }
 
 /// An action under way.
-pub trait Gesture {
+pub trait ActionRunner {
     /// What acts at `t` seconds after its start; `x` are the positions at the start of the step that ends then.
-    fn drive(&mut self, t: f64, x: &[Vec3]) -> Drive;
+    fn loads_at(&mut self, t: f64, x: &[Vec3]) -> Drive;
 
     /// Times after its start that no step may jump over [s], increasing.
-    fn breaks(&self) -> Vec<f64> {
+    fn event_times(&self) -> Vec<f64> {
         Vec::new()
     }
 
     /// Moves the points before a step that ends at `t` seconds, by a map that keeps layers in order (`lay` squeezes).
     /// Returns whether it did.
-    fn carry(&mut self, _t: f64, _x: &mut [Vec3]) -> bool {
+    fn apply_map(&mut self, _t: f64, _x: &mut [Vec3]) -> bool {
         false
     }
 
     /// Whether the cloth earns memory meanwhile (`lay` only prepares).
-    fn wears(&self) -> bool {
+    fn accumulates_memory(&self) -> bool {
         true
     }
 
@@ -172,54 +175,54 @@ pub trait Gesture {
 
     /// What it has learnt since it began, for a checkpoint between its steps: null when nothing changes. `None` (the
     /// safe answer) means that a run can be taken up at its beginning only.
-    fn memo(&self) -> Option<Value> {
+    fn save_state(&self) -> Option<Value> {
         None
     }
 
-    /// Takes up, just after its beginning, what [`Gesture::memo`] said of a cloth of `point_count` points. Returns
+    /// Takes up, just after its beginning, what [`ActionRunner::memo`] said of a cloth of `point_count` points. Returns
     /// whether that made sense.
-    fn recall(&mut self, memo: &Value, _point_count: usize) -> bool {
+    fn restore_state(&mut self, memo: &Value, _point_count: usize) -> bool {
         memo.is_null()
     }
 
     /// What it leaves behind when it is over.
-    fn end(&mut self, _posture: &mut Posture, _x: &[Vec3]) {}
+    fn finish(&mut self, _posture: &mut PersistentState, _x: &[Vec3]) {}
 }
 
 /// How an action starts.
-pub struct Start {
-    /// The gesture.
-    pub gesture: Box<dyn Gesture>,
+pub struct ActionStart {
+    /// The runner.
+    pub runner: Box<dyn ActionRunner>,
     /// New positions to start from, at rest, when the action puts the garment somewhere first (a motion of the
     /// whole that cannot make layers cross).
-    pub placed: Option<Vec<Vec3>>,
+    pub start_positions: Option<Vec<Vec3>>,
     /// How long it takes [s], where only the body knows that.
     pub duration: Option<f64>,
 }
 
-impl Start {
+impl ActionStart {
     /// From where the cloth is.
-    pub fn here(gesture: impl Gesture + 'static) -> Result<Self> {
-        Ok(Self { gesture: Box::new(gesture), placed: None, duration: None })
+    pub fn here(runner: impl ActionRunner + 'static) -> Result<Self> {
+        Ok(Self { runner: Box::new(runner), start_positions: None, duration: None })
     }
 }
 
-/// A gesture that lets one drive act unchanged.
-pub(crate) struct Still {
-    pub drive: Drive,
+/// A runner that lets one drive act unchanged.
+pub(crate) struct ConstantLoads {
+    pub loads: Drive,
     pub may_end_early: bool,
 }
 
-impl Gesture for Still {
-    fn drive(&mut self, _t: f64, _x: &[Vec3]) -> Drive {
-        self.drive.clone()
+impl ActionRunner for ConstantLoads {
+    fn loads_at(&mut self, _t: f64, _x: &[Vec3]) -> Drive {
+        self.loads.clone()
     }
 
     fn may_end_early(&self) -> bool {
         self.may_end_early
     }
 
-    fn memo(&self) -> Option<Value> {
+    fn save_state(&self) -> Option<Value> {
         Some(Value::Null)
     }
 }
@@ -230,7 +233,7 @@ const GUIDE_SAG: f64 = 5e-4;
 const GUIDE_SLIDE: f64 = 0.02;
 
 /// The hand under a point of `mass`: draws it to `target`, stiffly along `normal`, and carries its weight.
-pub(super) fn hand(point: u32, target: Vec3, normal: Vec3, mass: f64) -> Guide {
+pub(super) fn carry_spring(point: u32, target: Vec3, normal: Vec3, mass: f64) -> Guide {
     let weight = Vec3::y() * (mass * crate::sim::GRAVITY);
     let stiffness = mass * crate::sim::GRAVITY / GUIDE_SAG;
     let slide = GUIDE_SLIDE * stiffness;
@@ -240,12 +243,12 @@ pub(super) fn hand(point: u32, target: Vec3, normal: Vec3, mass: f64) -> Guide {
 }
 
 /// The hand on a point of `mass` that stays where it is.
-pub(super) fn palm(point: u32, place: Vec3, mass: f64) -> Guide {
+pub(super) fn pin_spring(point: u32, place: Vec3, mass: f64) -> Guide {
     Guide::round(point, place, mass * crate::sim::GRAVITY / GUIDE_SAG)
 }
 
 /// From 0 to 1 without a jerk at either end.
-pub(super) fn smooth(u: f64) -> f64 {
+pub(super) fn smoothstep(u: f64) -> f64 {
     let u = u.clamp(0.0, 1.0);
     u * u * (3.0 - 2.0 * u)
 }

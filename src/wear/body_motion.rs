@@ -7,7 +7,7 @@ use crate::body::{AnimatedBody, BodyPose, PosedBody};
 use crate::json::nearest;
 use crate::math::Vec3;
 use crate::sim::Drive;
-use crate::wear::action_runner::{Gesture, Posture};
+use crate::wear::action_runner::{ActionRunner, PersistentState};
 use serde_json::Value;
 use std::sync::Arc;
 
@@ -25,9 +25,9 @@ pub(super) struct Moving {
     pub wearer: Arc<AnimatedBody>,
     /// What else acts.
     pub drive: Drive,
-    /// Posture at a time after its start [s].
+    /// PersistentState at a time after its start [s].
     pub pose: Box<dyn Fn(f64) -> BodyPose>,
-    /// See [`Gesture::breaks`].
+    /// See [`ActionRunner::breaks`].
     pub breaks: Vec<f64>,
     /// From, to: when it stands [s].
     pub still: Vec<[f64; 2]>,
@@ -36,8 +36,8 @@ pub(super) struct Moving {
     pub at: Option<(f64, Arc<[Vec3]>)>,
 }
 
-impl Gesture for Moving {
-    fn drive(&mut self, t: f64, _x: &[Vec3]) -> Drive {
+impl ActionRunner for Moving {
+    fn loads_at(&mut self, t: f64, _x: &[Vec3]) -> Drive {
         let known = self.at.take().filter(|(at, _)| *at == t);
         let (_, points) = known.unwrap_or_else(|| (t, self.wearer.points(&(self.pose)(t)).into()));
         self.at = Some((t, points.clone()));
@@ -46,21 +46,21 @@ impl Gesture for Moving {
         Drive { body: Some(points), longest_step, ..self.drive.clone() }
     }
 
-    fn breaks(&self) -> Vec<f64> {
+    fn event_times(&self) -> Vec<f64> {
         self.breaks.clone()
     }
 
-    fn memo(&self) -> Option<Value> {
+    fn save_state(&self) -> Option<Value> {
         // Where the body is at a time was settled when it began.
         Some(Value::Null)
     }
 
-    fn end(&mut self, posture: &mut Posture, _x: &[Vec3]) {
-        posture.body = Some(PosedBody::new(&self.wearer, (self.pose)(self.duration)));
+    fn finish(&mut self, persistent: &mut PersistentState, _x: &[Vec3]) {
+        persistent.body = Some(PosedBody::new(&self.wearer, (self.pose)(self.duration)));
     }
 }
 
-/// Time for the way from one posture to another [s]; 0 if they are the same.
+/// Time for the way from one persistent to another [s]; 0 if they are the same.
 pub(super) fn way_s(wearer: &AnimatedBody, from: &BodyPose, to: &BodyPose) -> f64 {
     let (a, b) = (wearer.points(from), wearer.points(to));
     let farthest = a.iter().zip(&b).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);

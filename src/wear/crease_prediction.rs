@@ -9,8 +9,8 @@
 
 use crate::garment::Garment;
 use crate::math::Vec3;
-use crate::wear::action_runner::{Posture, Scene};
-use crate::wear::{Frame, Lay, WearAction, WearScript};
+use crate::wear::action_runner::{ActionContext, PersistentState};
+use crate::wear::{GarmentFrame, Lay, WearAction, WearScript};
 use rustc_hash::FxHashMap;
 
 /// Steepness (|normal . y|, mean over the area) from which a garment that is laid down is flat already: others are pressed flat, and
@@ -21,7 +21,7 @@ const THROUGH: usize = 2;
 
 /// Distances of a point from what creases it [m]; infinite beyond the reach of a sketch.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Near {
+pub struct CreaseDistance {
     /// From the nearest line of a fold.
     pub fold: f64,
     /// From the nearest side of the garment, its own or one that it is pressed on.
@@ -30,7 +30,7 @@ pub struct Near {
 
 /// A garment on which lines are drawn.
 #[derive(Debug, Clone)]
-pub struct Sketch<'a> {
+pub struct FoldLayout<'a> {
     garment: &'a Garment,
     /// How far from a line things count [m].
     reach: f64,
@@ -40,10 +40,10 @@ pub struct Sketch<'a> {
     layer: Vec<u32>,
     /// Positions and layers before every fold that has not been opened, oldest first.
     before: Vec<(Vec<Vec3>, Vec<u32>)>,
-    posture: Posture,
+    persistent: PersistentState,
     /// Edges between the upper layer and the lower one.
     sides: Vec<[u32; 2]>,
-    near: Vec<Near>,
+    near: Vec<CreaseDistance>,
     /// Whether an action creases the cloth where nobody can tell beforehand.
     anywhere: bool,
 }
@@ -51,10 +51,14 @@ pub struct Sketch<'a> {
 /// Places [m] with their layers, by cell.
 type Places = FxHashMap<[i32; 2], Vec<(Vec3, u32)>>;
 
-impl<'a> Sketch<'a> {
+impl<'a> FoldLayout<'a> {
     /// How near each point of `garment` is to what creases it when `script` is worn, up to a distance of `reach` [m]; `None` where
     /// it may be creased anywhere.
-    pub fn of(garment: &'a Garment, script: &WearScript, reach: f64) -> Option<Vec<Near>> {
+    pub fn crease_distances(
+        garment: &'a Garment,
+        script: &WearScript,
+        reach: f64,
+    ) -> Option<Vec<CreaseDistance>> {
         let count = garment.points.len();
         let mut sketch = Self {
             garment,
@@ -62,13 +66,13 @@ impl<'a> Sketch<'a> {
             x: garment.points.clone(),
             layer: vec![0; count],
             before: Vec::new(),
-            posture: Posture::default(),
+            persistent: PersistentState::default(),
             sides: Vec::new(),
-            near: vec![Near { fold: f64::INFINITY, side: f64::INFINITY }; count],
+            near: vec![CreaseDistance { fold: f64::INFINITY, side: f64::INFINITY }; count],
             anywhere: false,
         };
         for action in script.flatten() {
-            action.as_wear().sketch(&mut sketch);
+            action.as_wear_action().sketch(&mut sketch);
             if sketch.anywhere {
                 return None;
             }
@@ -78,7 +82,7 @@ impl<'a> Sketch<'a> {
 
     /// Leaves the cloth as it lies; what does not lie falls, and may wrinkle anywhere.
     pub(super) fn rest(&mut self) {
-        if self.lying().is_none() {
+        if self.ground_frame().is_none() {
             self.anywhere();
         }
     }
@@ -89,15 +93,23 @@ impl<'a> Sketch<'a> {
     }
 
     /// What fractions refer to, if the cloth lies.
-    pub(super) fn lying(&self) -> Option<Frame> {
-        self.posture.lying()
+    pub(super) fn ground_frame(&self) -> Option<GarmentFrame> {
+        self.persistent.ground_frame()
     }
 
     /// Lays the cloth down as `action` does.
     pub(super) fn lay(&mut self, action: &Lay) {
         let source = &self.garment.points;
-        let scene = Scene { x: &self.x, source, mass: &[], thickness: 0.0, place: ("", "") };
-        let placed = action.begin(&scene, &mut self.posture).ok().and_then(|start| start.placed);
+        let context = ActionContext {
+            positions: &self.x,
+            source_positions: source,
+            masses: &[],
+            thickness: 0.0,
+            script_file: "",
+            location: "",
+        };
+        let placed =
+            action.start_action(&context, &mut self.persistent).ok().and_then(|start| start.start_positions);
         let Some(placed) = placed else { return self.anywhere() };
         self.x = placed;
         self.before.clear();
@@ -251,13 +263,17 @@ mod tests {
         }
     }
 
-    fn near(actions: &str) -> Option<Vec<Near>> {
+    fn near(actions: &str) -> Option<Vec<CreaseDistance>> {
         let text = format!(r#"{{"format": "crease-wear/1", "name": "", "actions": [{actions}]}}"#);
-        Sketch::of(&sleeve(), &WearScript::parse("wear.json", &text).expect("is a script"), 0.03)
+        FoldLayout::crease_distances(
+            &sleeve(),
+            &WearScript::parse("wear.json", &text).expect("is a script"),
+            0.03,
+        )
     }
 
     /// Columns (0 to 20) and sheet (0 below, 1 above) of the points that are nearer than half a step to what `pick` looks at.
-    fn marked(near: &[Near], pick: fn(&Near) -> f64) -> Vec<(usize, usize)> {
+    fn marked(near: &[CreaseDistance], pick: fn(&CreaseDistance) -> f64) -> Vec<(usize, usize)> {
         let hit = |p: &usize| pick(&near[*p]) < 0.5 * STEP;
         let mut found: Vec<(usize, usize)> = (0..near.len()).filter(hit).map(|p| (p % 21, p / 441)).collect();
         found.sort_unstable();

@@ -13,11 +13,13 @@ mod height_field;
 mod script;
 
 pub use action_list::Action;
-pub(crate) use action_runner::Still;
-pub use action_runner::{Frame, Gesture, MadeFold, Posture, Scene, Start};
-pub use actions::{
-    Axis, Bend, Crumple, Facing, Fold, Fraction2, Hang, HangBy, HangPlace, Hold, Lay, Misfit, OwnAxis, Play,
-    Press, Release, Repeat, Settle, Side, Unfold, WearAction,
+pub(crate) use action_runner::ConstantLoads;
+pub use action_runner::{
+    ActionContext, ActionRunner, ActionStart, FoldRecord, GarmentFrame, PersistentState,
 };
-pub use crease_prediction::{Near, Sketch};
+pub use actions::{
+    Bend, Crumple, Facing, FieldError, Fold, Fraction2, Hang, HangBy, HangPlace, Hold, JointAxis, Lay,
+    LocalAxis, Play, Press, Release, Repeat, Settle, Side, Unfold, WearAction,
+};
+pub use crease_prediction::{CreaseDistance, FoldLayout};
 pub use script::{ACTION_LIMIT, DURATION_LIMIT_S, Flatten, NESTING_LIMIT, WearFormat, WearScript};

@@ -82,8 +82,8 @@ impl WearScript {
     }
 
     /// How long the wear takes [s], repeats counted, clips not: only the body knows how long those are.
-    pub fn duration_s(&self) -> f64 {
-        self.actions.iter().map(|action| action.as_wear().duration_s()).sum()
+    pub fn duration(&self) -> f64 {
+        self.actions.iter().map(|action| action.as_wear_action().duration()).sum()
     }
 
     /// Number of actions with repeats written out.
@@ -100,7 +100,7 @@ impl WearScript {
     pub fn errors_without_body(&self, file: &str) -> Vec<Diagnostic> {
         let mut faults = Vec::new();
         each(&self.actions, &Path::root().name("actions"), 0, &mut |action, path, _| {
-            let own = !matches!(action, Action::Repeat(_)) && action.as_wear().needs_body();
+            let own = !matches!(action, Action::Repeat(_)) && action.as_wear_action().needs_body();
             if own {
                 let what = format!("`{}` moves a body, and there is none", action.name());
                 faults.push(Diagnostic::new(file, path.to_string(), what, "leave the action out"));
@@ -110,10 +110,10 @@ impl WearScript {
     }
 
     /// What is wrong with its actions for this body: joints and clips that it has not.
-    pub fn faults_with_body(&self, file: &str, wearer: &AnimatedBody) -> Vec<Diagnostic> {
+    pub fn body_errors(&self, file: &str, wearer: &AnimatedBody) -> Vec<Diagnostic> {
         let mut faults = Vec::new();
         each(&self.actions, &Path::root().name("actions"), 0, &mut |action, path, _| {
-            for misfit in action.as_wear().misfits_with(wearer) {
+            for misfit in action.as_wear_action().validate_body(wearer) {
                 let place = path.name(action.name()).name(misfit.field).to_string();
                 faults.push(Diagnostic::new(file, place, misfit.what, misfit.cure));
             }
@@ -122,25 +122,25 @@ impl WearScript {
     }
 
     /// How long the wear takes on this body [s], ways between clips left out.
-    pub fn duration_on(&self, wearer: Option<&AnimatedBody>) -> f64 {
+    pub fn duration_with_body(&self, wearer: Option<&AnimatedBody>) -> f64 {
         let clip = |action: &Action| match (action, wearer) {
             (Action::Play(play), Some(wearer)) => {
                 f64::from(play.repeat) * wearer.clip_length(&play.clip).unwrap_or(0.0)
             }
             _ => 0.0,
         };
-        self.duration_s() + self.flatten().map(clip).sum::<f64>()
+        self.duration() + self.flatten().map(clip).sum::<f64>()
     }
 
     /// The postures it takes the body through, in order; every action as written counts once. Empty when something is
     /// done that takes the garment off the body, or has it moved by anything else.
-    pub fn postures(&self, wearer: &AnimatedBody) -> Vec<BodyPose> {
+    pub fn body_poses(&self, wearer: &AnimatedBody) -> Vec<BodyPose> {
         let (mut postures, mut other) = (vec![wearer.rest()], false);
         each(&self.actions, &Path::root().name("actions"), 0, &mut |action, _, _| match action {
             Action::Repeat(_) | Action::Hold(_) | Action::Settle(_) | Action::Release(_) => {}
             Action::Bend(_) | Action::Play(_) => {
                 let from = postures.last().cloned().unwrap_or(BodyPose::Still);
-                postures.extend(action.as_wear().postures(wearer, &from));
+                postures.extend(action.as_wear_action().body_poses(wearer, &from));
                 if matches!(action, Action::Bend(_)) {
                     postures.push(from);
                 }
@@ -155,7 +155,7 @@ impl WearScript {
         let mut faults = Vec::new();
         each(&self.actions, &Path::root().name("actions"), 0, &mut |action, path, depth| {
             let inside = path.name(action.name());
-            for misfit in action.as_wear().misfits() {
+            for misfit in action.as_wear_action().validate() {
                 faults.push(document.diagnostic(&inside.name(misfit.field), misfit.what, misfit.cure));
             }
             if depth >= NESTING_LIMIT && matches!(action, Action::Repeat(_)) {
@@ -163,7 +163,7 @@ impl WearScript {
                 faults.push(document.diagnostic(path, what, "multiply their `times` instead"));
             }
         });
-        let (duration_s, count) = (self.duration_s(), self.action_count());
+        let (duration_s, count) = (self.duration(), self.action_count());
         let at = Path::root().name("actions");
         if duration_s > DURATION_LIMIT_S {
             let what =
@@ -271,7 +271,7 @@ mod tests {
         ];
         for (text, duration_s, names) in expected {
             let script = WearScript::parse("w.json", text).expect("is valid");
-            assert_eq!(script.duration_s(), duration_s);
+            assert_eq!(script.duration(), duration_s);
             assert_eq!(script.flatten().map(Action::name).collect::<Vec<_>>(), names);
             assert_eq!(WearScript::parse("again", &script.to_json()).expect("round trip"), script);
         }
@@ -340,7 +340,7 @@ mod tests {
                {{"play": {{"clip": "walk"}}}}"#
         ));
         let script = WearScript::parse("w.json", &text).expect("is valid");
-        assert_eq!(script.duration_s(), 2.0 + 2.0 + 2.0 + 3.0 + 5.0 + 3.0 + 2.0 + 0.0);
+        assert_eq!(script.duration(), 2.0 + 2.0 + 2.0 + 3.0 + 5.0 + 3.0 + 2.0 + 0.0);
         assert!(
             matches!(&script.actions[1], Action::Fold(fold) if fold.angle_deg == 180.0 && fold.hold_s == 0.0)
         );
@@ -444,7 +444,7 @@ mod tests {
             ["hold", "settle", "settle", "settle", "hold", "settle", "settle", "settle", "release"]
         );
         assert_eq!(script.action_count(), 9);
-        assert_eq!(script.duration_s(), 14.0);
+        assert_eq!(script.duration(), 14.0);
     }
 
     #[test]
@@ -493,7 +493,7 @@ mod tests {
         let faults = script.errors_without_body("w.json");
         assert_eq!(faults.len(), 1);
         assert_eq!(faults[0].location, "actions[1].repeat.actions[0]");
-        assert!(script.actions[1].as_wear().needs_body());
+        assert!(script.actions[1].as_wear_action().needs_body());
     }
 
     #[test]
@@ -506,6 +506,6 @@ mod tests {
             }
             let _ = WearScript::parse("w.json", &FOLD_THRICE[..at]);
         }
-        assert!(Hold::example().misfits().is_empty());
+        assert!(Hold::example().validate().is_empty());
     }
 }

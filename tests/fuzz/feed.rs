@@ -43,7 +43,7 @@ pub fn lone_mesh(name: &str, bytes: &[u8]) -> Result<()> {
 pub fn wear(bytes: &[u8]) -> Result<()> {
     let script = WearScript::parse("wear.json", &text(bytes)?)?;
     script.errors_without_body("wear.json");
-    assert!(script.flatten().take(100_000).count() <= 100_000 && script.duration_s().is_finite());
+    assert!(script.flatten().take(100_000).count() <= 100_000 && script.duration().is_finite());
     Ok(())
 }
 

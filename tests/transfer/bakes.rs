@@ -13,7 +13,7 @@ mod measure;
 
 use crease::garment::RestState;
 use crease::io::read_sidecar;
-use crease::transfer::{By, Sheet};
+use crease::transfer::{GarmentSurface, MatchBy};
 use measure::{FOLDS, Fold, carry, correlation, tensors, total, turns};
 
 /// Widths over which curvature is averaged before it is compared [m]: none, an edge of 5,000 points, a narrow fold.
@@ -35,8 +35,8 @@ fn main() {
             std::process::exit(1)
         }
     });
-    let there = carry(&from, &earned, &to, By::Surface);
-    let back = carry(&to, &there.memory, &from, By::Surface);
+    let there = carry(&from, &earned, &to, MatchBy::Surface);
+    let back = carry(&to, &there.memory, &from, MatchBy::Surface);
     let [carried, wanted] = [&there.memory, &baked].map(|memory| tensors(&to, memory));
     println!("{} -> {} points", from.points.len(), to.points.len());
     for width in WIDTHS {
@@ -62,13 +62,13 @@ fn main() {
     }
 }
 
-fn load(path: &str) -> Result<(Sheet, RestState), Box<dyn std::error::Error>> {
+fn load(path: &str) -> Result<(GarmentSurface, RestState), Box<dyn std::error::Error>> {
     let sidecar = read_sidecar(path, &std::fs::read(path)?)?;
-    Ok(Sheet::of_sidecar(path, &sidecar)?)
+    Ok(GarmentSurface::from_sidecar(path, &sidecar)?)
 }
 
 /// Every triangle's curvature averaged with its neighbours on the same side by a bell of standard deviation `width` [m].
-fn averaged(sheet: &Sheet, tensors: &[[f64; 4]], width: f64) -> Vec<[f64; 4]> {
+fn averaged(sheet: &GarmentSurface, tensors: &[[f64; 4]], width: f64) -> Vec<[f64; 4]> {
     if width == 0.0 {
         return tensors.to_vec();
     }

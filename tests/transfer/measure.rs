@@ -1,7 +1,7 @@
 //! How memories are compared: crease angle across the folds of `fold-thrice`, and the change of curvature over a surface.
 
 use crease::garment::RestState;
-use crease::transfer::{By, Carried, Sheet, Source, TransferOptions, transfer};
+use crease::transfer::{GarmentSurface, MatchBy, TransferOptions, TransferResult, TransferSource, transfer};
 
 /// A fold: axis across it (0 = x, 2 = z), place on it [m], total angle [rad], half width [m].
 #[derive(Clone, Copy)]
@@ -22,13 +22,13 @@ pub const FOLDS: [Fold; 3] = [
 /// Sum of (change x length x (across)²) over the hinges of one layer near a fold, per length of the fold: the angle by which
 /// the cloth turns there [rad]. Hinges count less and less towards the ends of the window: with a sharp end it would depend
 /// on which side of it single hinges of other wrinkles fall.
-pub fn total(sheet: &Sheet, memory: &RestState, fold: &Fold, front: bool) -> f64 {
+pub fn total(sheet: &GarmentSurface, memory: &RestState, fold: &Fold, front: bool) -> f64 {
     turns(sheet, memory, fold, front).iter().sum()
 }
 
 /// The same of hinges that turn one way and of those that turn the other [rad]: cloth that was pressed flat beside a sharp crease
 /// bends back there.
-pub fn turns(sheet: &Sheet, memory: &RestState, fold: &Fold, front: bool) -> [f64; 2] {
+pub fn turns(sheet: &GarmentSurface, memory: &RestState, fold: &Fold, front: bool) -> [f64; 2] {
     let other = 2 - fold.axis;
     // Away from borders and from the other folds.
     let (middle, half) = if fold.axis == 0 { (0.15, 0.1) } else { (0.0, 0.1) };
@@ -56,7 +56,7 @@ fn flank(way: f64) -> f64 {
 }
 
 /// Change of curvature of every triangle as (area, xx, zz, sqrt2 xz), from its hinges.
-pub fn tensors(sheet: &Sheet, memory: &RestState) -> Vec<[f64; 4]> {
+pub fn tensors(sheet: &GarmentSurface, memory: &RestState) -> Vec<[f64; 4]> {
     let one = |f: usize| {
         let area = 0.5 * sheet.normal(f).norm();
         let corners = sheet.corners(f);
@@ -85,9 +85,13 @@ pub fn correlation(a: &[[f64; 4]], b: &[[f64; 4]]) -> f64 {
     dot(a, b) / (dot(a, a) * dot(b, b)).sqrt()
 }
 
-pub fn carry(from: &Sheet, memory: &RestState, to: &Sheet, by: By) -> Carried {
-    let source =
-        Source { file: "made".into(), sheet: from.clone(), memory: memory.clone(), joints: Vec::new() };
-    let options = TransferOptions { by, ..TransferOptions::full(to.points.len()) };
+pub fn carry(from: &GarmentSurface, memory: &RestState, to: &GarmentSurface, by: MatchBy) -> TransferResult {
+    let source = TransferSource {
+        file: "made".into(),
+        surface: from.clone(),
+        memory: memory.clone(),
+        joints: Vec::new(),
+    };
+    let options = TransferOptions { match_by: by, ..TransferOptions::full(to.points.len()) };
     transfer(&[source], to, &options).expect("carries")
 }

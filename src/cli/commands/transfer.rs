@@ -20,7 +20,9 @@ use crease::io::{Landmarks, Sidecar, read_sidecar, write_sidecar};
 use crease::math::Vec3;
 use crease::mesh::intersections::crossings;
 use crease::report::{CarriedSource, TransferReport, crossing_counts};
-use crease::transfer::{Align, By, Carried, Parts, Sheet, Source, TransferOptions, transfer};
+use crease::transfer::{
+    Align, Channels, GarmentSurface, MatchBy, TransferOptions, TransferResult, TransferSource, transfer,
+};
 use crease::{Error, Result};
 use serde_json::{Value, json};
 use std::num::NonZeroUsize;
@@ -81,11 +83,11 @@ pub struct Arguments {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Matching {
-    /// By texture where both textures agree, else by surface; the same mesh number by number
+    /// MatchBy texture where both textures agree, else by surface; the same mesh number by number
     Auto,
-    /// By texture coordinates
+    /// MatchBy texture coordinates
     Uv,
-    /// By place on the surface, boxes laid over one another
+    /// MatchBy place on the surface, boxes laid over one another
     Surface,
     /// Number by number; refused unless the mesh is the same
     Same,
@@ -95,7 +97,7 @@ enum Matching {
 enum Laying {
     /// As they stand, if most of MESH lies close to the source there; else by joints, else by their boxes
     Auto,
-    /// By the joints of one skeleton that both follow
+    /// MatchBy the joints of one skeleton that both follow
     Joints,
     /// The source's box becomes that of MESH
     Box,
@@ -110,12 +112,12 @@ impl From<Laying> for Align {
             Laying::Auto => Self::Auto,
             Laying::Joints => Self::Joints,
             Laying::Box => Self::Box,
-            Laying::None => Self::Place,
+            Laying::None => Self::InPlace,
         }
     }
 }
 
-impl From<Matching> for By {
+impl From<Matching> for MatchBy {
     fn from(matching: Matching) -> Self {
         match matching {
             Matching::Auto => Self::Auto,
@@ -150,13 +152,13 @@ fn strength(text: &str) -> std::result::Result<f64, String> {
 impl Arguments {
     fn options(&self, job: &Job) -> TransferOptions {
         TransferOptions {
-            by: self.match_by.into(),
+            match_by: self.match_by.into(),
             align: self.align.into(),
             landmarks: job.landmarks.clone(),
             joints: job.mesh.asset.worn_joints(),
             strength: self.strength,
             mask: job.mesh.garment.memory_mask.clone(),
-            parts: Parts {
+            channels: Channels {
                 creases: self.only != Some(Only::Bagging),
                 bagging: self.only != Some(Only::Creases),
             },
@@ -220,10 +222,10 @@ struct Job {
     mesh: MeshFile,
     /// What `--resolution` did.
     refined: Option<Finer>,
-    sources: Vec<Source>,
+    sources: Vec<TransferSource>,
     sidecars: Vec<Sidecar>,
     fabric: Fabric,
-    /// Source and target place of each [m].
+    /// TransferSource and target place of each [m].
     landmarks: Vec<[Vec3; 2]>,
 }
 
@@ -261,18 +263,21 @@ impl Job {
     }
 
     /// The surface that memory goes to.
-    fn target(&self) -> Sheet {
+    fn target(&self) -> GarmentSurface {
         let MeshFile { asset, garment, .. } = &self.mesh;
         match self.refined.as_ref().and_then(|finer| finer.coarse.as_ref()) {
-            Some((coarse, parent)) => {
-                Sheet::of_finer(&Sheet::of_garment(coarse, asset), garment, asset, parent)
-            }
-            None => Sheet::of_garment(garment, asset),
+            Some((coarse, parent)) => GarmentSurface::from_refined(
+                &GarmentSurface::from_garment(coarse, asset),
+                garment,
+                asset,
+                parent,
+            ),
+            None => GarmentSurface::from_garment(garment, asset),
         }
     }
 
     /// The target at rest with what came over. Numbers taken over as they are bring their shape along.
-    fn settled(&self, carried: &Carried) -> RelaxResult {
+    fn settled(&self, carried: &TransferResult) -> RelaxResult {
         if carried.unchanged
             && let Some(sidecar) = self.sidecars.first()
         {
@@ -281,8 +286,8 @@ impl Job {
         settle(&self.mesh.garment, &self.fabric, &carried.memory)
     }
 
-    fn carried_sources(&self, carried: &Carried) -> Vec<CarriedSource> {
-        let ways = carried.ways.iter().zip(&carried.aligned);
+    fn carried_sources(&self, carried: &TransferResult) -> Vec<CarriedSource> {
+        let ways = carried.match_modes.iter().zip(&carried.alignments);
         let each = self.sources.iter().zip(ways).zip(&carried.losses);
         each.map(|((source, (way, aligned)), losses)| CarriedSource {
             file: source.file.clone(),
@@ -297,7 +302,7 @@ impl Job {
         &self,
         arguments: &Arguments,
         worn: &WornGarment,
-        carried: &Carried,
+        carried: &TransferResult,
         report: &TransferReport,
     ) -> Result<Sidecar> {
         let from: Vec<Value> = self
@@ -326,12 +331,12 @@ impl Job {
     }
 }
 
-fn read_source(path: &Path) -> Result<(Source, Sidecar)> {
+fn read_source(path: &Path) -> Result<(TransferSource, Sidecar)> {
     let file = input::name_of(path);
     let sidecar = read_sidecar(&file, &input::bytes(path)?)?;
-    let (sheet, memory) = Sheet::of_sidecar(&file, &sidecar)?;
+    let (sheet, memory) = GarmentSurface::from_sidecar(&file, &sidecar)?;
     let joints = sidecar.joints();
-    Ok((Source { file, sheet, memory, joints }, sidecar))
+    Ok((TransferSource { file, surface: sheet, memory, joints }, sidecar))
 }
 
 /// The fabric the memory was earned in.

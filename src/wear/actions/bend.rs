@@ -3,8 +3,8 @@
 use crate::body::{AnimatedBody, BodyPose};
 use crate::error::Result;
 use crate::math::Vec3;
-use crate::wear::action_runner::{Posture, Scene, Start, smooth};
-use crate::wear::actions::{Misfit, WearAction};
+use crate::wear::action_runner::{ActionContext, ActionStart, PersistentState, smoothstep};
+use crate::wear::actions::{FieldError, WearAction};
 use crate::wear::body_motion::{Moving, told_names};
 use nalgebra::Unit;
 use schemars::JsonSchema;
@@ -19,7 +19,7 @@ pub struct Bend {
     #[schemars(length(min = 1))]
     pub joint: String,
     /// What it turns about: `x`, `y` or `z` of the joint, or a vector [x, y, z] in them.
-    pub axis: Axis,
+    pub axis: JointAxis,
     /// How far it turns from where it is (in the file, unless a clip has moved it) [degrees]; the sign says which way
     /// (right-hand rule).
     #[serde(rename = "angle")]
@@ -42,9 +42,10 @@ pub struct Bend {
 /// An axis of a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
-pub enum Axis {
+#[schemars(rename = "Axis")]
+pub enum JointAxis {
     /// One of the joint's own.
-    Own(OwnAxis),
+    Own(LocalAxis),
     /// A direction in the joint's own axes, of any length but zero.
     Vector([f64; 3]),
 }
@@ -52,7 +53,8 @@ pub enum Axis {
 /// One of a joint's own axes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum OwnAxis {
+#[schemars(rename = "OwnAxis")]
+pub enum LocalAxis {
     /// Its x axis.
     X,
     /// Its y axis.
@@ -61,13 +63,13 @@ pub enum OwnAxis {
     Z,
 }
 
-impl Axis {
+impl JointAxis {
     /// As a vector; not of unit length when the script's was not.
     pub fn vector(self) -> [f64; 3] {
         match self {
-            Self::Own(OwnAxis::X) => [1.0, 0.0, 0.0],
-            Self::Own(OwnAxis::Y) => [0.0, 1.0, 0.0],
-            Self::Own(OwnAxis::Z) => [0.0, 0.0, 1.0],
+            Self::Own(LocalAxis::X) => [1.0, 0.0, 0.0],
+            Self::Own(LocalAxis::Y) => [0.0, 1.0, 0.0],
+            Self::Own(LocalAxis::Z) => [0.0, 0.0, 1.0],
             Self::Vector(vector) => vector,
         }
     }
@@ -93,8 +95,8 @@ impl Bend {
     /// How much of it is bent at `t` [s].
     fn share(&self, t: f64) -> f64 {
         let once = 2.0 * self.over_s + self.hold_s;
-        let own = if t >= self.duration_s() { 0.0 } else { t.rem_euclid(once) };
-        smooth(own / self.over_s).min(smooth((once - own) / self.over_s))
+        let own = if t >= self.duration() { 0.0 } else { t.rem_euclid(once) };
+        smoothstep(own / self.over_s).min(smoothstep((once - own) / self.over_s))
     }
 
     /// When it is held bent: from, to [s].
@@ -115,7 +117,7 @@ fn once() -> u32 {
 }
 
 impl WearAction for Bend {
-    fn duration_s(&self) -> f64 {
+    fn duration(&self) -> f64 {
         f64::from(self.repeat) * (2.0 * self.over_s + self.hold_s)
     }
 
@@ -123,16 +125,16 @@ impl WearAction for Bend {
         true
     }
 
-    fn misfits(&self) -> Vec<Misfit> {
+    fn validate(&self) -> Vec<FieldError> {
         let mut misfits = Vec::new();
         let length = self.axis.vector().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         // Squares of smaller or larger numbers leave the range of doubles.
         if !(1e-100..=1e100).contains(&length) {
             let cure = "give a direction such as [0, 0, 1], or `x`, `y`, `z`";
-            misfits.push(Misfit::new("axis", "the axis has no usable direction", cure));
+            misfits.push(FieldError::new("axis", "the axis has no usable direction", cure));
         }
         if self.angle_deg == 0.0 {
-            misfits.push(Misfit::new(
+            misfits.push(FieldError::new(
                 "angle",
                 "an angle of 0 bends nothing",
                 "give an angle in degrees, not 0",
@@ -141,48 +143,48 @@ impl WearAction for Bend {
         misfits
     }
 
-    fn misfits_with(&self, wearer: &AnimatedBody) -> Vec<Misfit> {
+    fn validate_body(&self, wearer: &AnimatedBody) -> Vec<FieldError> {
         if wearer.rig().is_some_and(|rig| rig.skeleton.find(&self.joint).is_some()) {
             return Vec::new();
         }
         let what = format!("{} has no joint called \"{}\"", wearer.file, self.joint);
-        vec![Misfit::new("joint", what, told_names("joints", &wearer.joint_names(), &self.joint))]
+        vec![FieldError::new("joint", what, told_names("joints", &wearer.joint_names(), &self.joint))]
     }
 
-    fn postures(&self, wearer: &AnimatedBody, from: &BodyPose) -> Vec<BodyPose> {
+    fn body_poses(&self, wearer: &AnimatedBody, from: &BodyPose) -> Vec<BodyPose> {
         (0..=SAMPLES).map(|k| self.bent(wearer, from, f64::from(k) / f64::from(SAMPLES))).collect()
     }
 
-    fn begin(&self, scene: &Scene, posture: &mut Posture) -> Result<Start> {
-        let Some(standing) = &posture.body else {
-            return Err(scene.refuse(
+    fn start_action(&self, context: &ActionContext, persistent: &mut PersistentState) -> Result<ActionStart> {
+        let Some(standing) = &persistent.body else {
+            return Err(context.refuse(
                 "`bend` moves a body, and the garment is not on one",
                 "give --body, and leave out what takes the garment off before",
             ));
         };
-        if let Some(misfit) = self.misfits_with(&standing.body).into_iter().next() {
-            return Err(scene.refuse(misfit.what, misfit.cure));
+        if let Some(misfit) = self.validate_body(&standing.body).into_iter().next() {
+            return Err(context.refuse(misfit.what, misfit.cure));
         }
         let (bend, from) = (self.clone(), standing.pose.clone());
         let wearer = standing.body.clone();
         let once = 2.0 * self.over_s + self.hold_s;
-        let gesture = Moving {
+        let runner = Moving {
             wearer: wearer.clone(),
-            drive: posture.resting(),
+            drive: persistent.idle_loads(),
             pose: Box::new(move |t| bend.bent(&wearer, &from, bend.share(t))),
             // No step may jump over a whole way down and up.
             breaks: (0..self.repeat).map(|k| f64::from(k) * once + self.over_s + self.hold_s).collect(),
             still: self.hold_times(),
-            duration: self.duration_s(),
+            duration: self.duration(),
             at: None,
         };
-        Start::here(gesture)
+        ActionStart::here(runner)
     }
 
     fn example() -> Self {
         Self {
             joint: "elbow".to_owned(),
-            axis: Axis::Vector([0.0, 0.5, 1.0]),
+            axis: JointAxis::Vector([0.0, 0.5, 1.0]),
             angle_deg: -110.0,
             over_s: 0.8,
             hold_s: 0.5,

@@ -3,7 +3,7 @@
 use crate::error::Result;
 use crate::math::{Vec3, bounds};
 use crate::sim::{Ball, Drive};
-use crate::wear::action_runner::{Gesture, Posture, Scene, Start, smooth};
+use crate::wear::action_runner::{ActionContext, ActionRunner, ActionStart, PersistentState, smoothstep};
 use crate::wear::actions::WearAction;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -31,22 +31,22 @@ fn over_s() -> f64 {
 }
 
 impl WearAction for Crumple {
-    fn duration_s(&self) -> f64 {
+    fn duration(&self) -> f64 {
         self.over_s + self.hold_s
     }
 
-    fn begin(&self, scene: &Scene, posture: &mut Posture) -> Result<Start> {
-        let (low, high) = bounds(scene.x);
+    fn start_action(&self, context: &ActionContext, persistent: &mut PersistentState) -> Result<ActionStart> {
+        let (low, high) = bounds(context.positions);
         let last_radius = 0.5 * self.to * (high - low).max();
         let mut centre = (low + high) * 0.5;
         // The closed ball hovers over the ground: hands hold it.
-        centre.y = posture.ground.map_or(centre.y, |ground| ground + last_radius + CLEARANCE);
-        let first_radius = scene.x.iter().map(|p| (p - centre).norm()).fold(last_radius, f64::max);
-        posture.folds.clear();
-        posture.body = None;
-        posture.kept = None;
-        let ground = posture.ground;
-        Start::here(Squeeze { centre, radii: [first_radius, last_radius], over: self.over_s, ground })
+        centre.y = persistent.ground.map_or(centre.y, |ground| ground + last_radius + CLEARANCE);
+        let first_radius = context.positions.iter().map(|p| (p - centre).norm()).fold(last_radius, f64::max);
+        persistent.folds.clear();
+        persistent.body = None;
+        persistent.held_loads = None;
+        let ground = persistent.ground;
+        ActionStart::here(Squeeze { centre, radii: [first_radius, last_radius], over: self.over_s, ground })
     }
 
     fn example() -> Self {
@@ -71,10 +71,10 @@ struct Squeeze {
     ground: Option<f64>,
 }
 
-impl Gesture for Squeeze {
-    fn drive(&mut self, t: f64, _x: &[Vec3]) -> Drive {
+impl ActionRunner for Squeeze {
+    fn loads_at(&mut self, t: f64, _x: &[Vec3]) -> Drive {
         // Equal steps in the logarithm: every step shortens all ways by the same share.
-        let radius = self.radii[0] * (self.radii[1] / self.radii[0]).powf(smooth(t / self.over));
+        let radius = self.radii[0] * (self.radii[1] / self.radii[0]).powf(smoothstep(t / self.over));
         let closing = t <= self.over * (1.0 + 1e-9);
         Drive {
             ball: Some(Ball { centre: self.centre, radius, pressure: PRESSURE }),
@@ -83,15 +83,15 @@ impl Gesture for Squeeze {
         }
     }
 
-    fn breaks(&self) -> Vec<f64> {
+    fn event_times(&self) -> Vec<f64> {
         vec![self.over]
     }
 
-    fn memo(&self) -> Option<Value> {
+    fn save_state(&self) -> Option<Value> {
         Some(Value::Null)
     }
 
-    fn end(&mut self, posture: &mut Posture, x: &[Vec3]) {
-        posture.kept = Some(self.drive(f64::INFINITY, x));
+    fn finish(&mut self, persistent: &mut PersistentState, x: &[Vec3]) {
+        persistent.held_loads = Some(self.loads_at(f64::INFINITY, x));
     }
 }

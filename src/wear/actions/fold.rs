@@ -4,9 +4,12 @@ use crate::energy::Guide;
 use crate::error::Result;
 use crate::math::Vec3;
 use crate::sim::Drive;
-use crate::wear::action_runner::{Frame, Gesture, MadeFold, Posture, Scene, Start, hand, palm, smooth};
-use crate::wear::actions::{Misfit, WearAction};
-use crate::wear::crease_prediction::Sketch;
+use crate::wear::action_runner::{
+    ActionContext, ActionRunner, ActionStart, FoldRecord, GarmentFrame, PersistentState, carry_spring,
+    pin_spring, smoothstep,
+};
+use crate::wear::actions::{FieldError, WearAction};
+use crate::wear::crease_prediction::FoldLayout;
 use crate::wear::fold_map::{Axis, OnSheet};
 use crate::wear::height_field::HeightField;
 use schemars::JsonSchema;
@@ -93,7 +96,7 @@ impl Fold {
 
 impl Fold {
     /// A place on the line [m], and unit vectors along it and from it to what is turned over.
-    fn line_in(&self, frame: &Frame) -> (Vec3, Vec3, Vec3) {
+    fn line_in(&self, frame: &GarmentFrame) -> (Vec3, Vec3, Vec3) {
         let [a, b] = self.line.map(|f| frame.place(f.0));
         let along = (b - a).normalize();
         let across = along.cross(&Vec3::y());
@@ -103,29 +106,29 @@ impl Fold {
 }
 
 impl WearAction for Fold {
-    fn duration_s(&self) -> f64 {
+    fn duration(&self) -> f64 {
         self.over_s + self.hold_s
     }
 
-    fn misfits(&self) -> Vec<Misfit> {
+    fn validate(&self) -> Vec<FieldError> {
         let [a, b] = self.line;
         let (dx, dy) = ((b.x() - a.x()).abs(), (b.y() - a.y()).abs());
         // A line shorter than a millionth of the garment has no direction worth trusting.
         const LEAST: f64 = 1e-6;
         if dx.max(dy) < LEAST {
             let what = "the two points of the line are the same: it has no direction";
-            return vec![Misfit::new("line", what, "give two points apart from each other")];
+            return vec![FieldError::new("line", what, "give two points apart from each other")];
         }
         match self.side {
             Side::Left | Side::Right if dy < LEAST => {
-                vec![Misfit::new(
+                vec![FieldError::new(
                     "side",
                     "a level line has no left and no right side",
                     "use `upper` or `lower`",
                 )]
             }
             Side::Upper | Side::Lower if dx < LEAST => {
-                vec![Misfit::new(
+                vec![FieldError::new(
                     "side",
                     "an upright line has no upper and no lower side",
                     "use `left` or `right`",
@@ -136,8 +139,8 @@ impl WearAction for Fold {
     }
 
     /// Marks its line and lays the flap over.
-    fn sketch(&self, sketch: &mut Sketch) {
-        match sketch.lying() {
+    fn sketch(&self, sketch: &mut FoldLayout) {
+        match sketch.ground_frame() {
             Some(frame) if self.angle_deg > LAID_OVER => {
                 let (a, _, out) = self.line_in(&frame);
                 sketch.fold(a, out);
@@ -146,50 +149,60 @@ impl WearAction for Fold {
         }
     }
 
-    fn begin(&self, scene: &Scene, posture: &mut Posture) -> Result<Start> {
-        let Some(frame) = posture.lying() else {
-            return Err(scene.refuse("`fold` needs a garment that lies", "lay it first: {\"lay\": {}}"));
+    fn start_action(&self, context: &ActionContext, persistent: &mut PersistentState) -> Result<ActionStart> {
+        let Some(frame) = persistent.ground_frame() else {
+            return Err(context.refuse("`fold` needs a garment that lies", "lay it first: {\"lay\": {}}"));
         };
         let (a, along, out) = self.line_in(&frame);
         // A stack bends over half its circumference: its middle shall come to lie on the line.
-        let thick = stack_height(scene.x.iter().filter(|p| (*p - a).dot(&out).abs() < HAND), scene.thickness);
+        let thick = stack_height(
+            context.positions.iter().filter(|p| (*p - a).dot(&out).abs() < GRIP_WIDTH),
+            context.thickness,
+        );
         let a = a - out * (0.25 * PI * thick);
         let beyond = |p: &Vec3| (p - a).dot(&out);
         let (flap, rest): (Vec<u32>, Vec<u32>) =
-            (0..scene.x.len() as u32).partition(|&p| beyond(&scene.x[p as usize]) > 0.0);
+            (0..context.positions.len() as u32).partition(|&p| beyond(&context.positions[p as usize]) > 0.0);
         if flap.is_empty() || rest.is_empty() {
             let side = if flap.is_empty() { "nothing" } else { "everything" };
-            return Err(scene.refuse(
+            return Err(context.refuse(
                 format!("{side} lies on the side of the line that is turned"),
                 "move the line: fractions of the box run from 0 to 1, x to the right, y upward",
             ));
         }
         // The axis runs over the stack as it is along the line; bulges elsewhere are pressed down as the flap lands.
-        let top = stack_height(scene.x.iter().filter(|p| beyond(p).abs() < HAND), scene.thickness);
-        let axis_height = top + 0.75 * scene.thickness;
-        let axis =
-            Axis { origin: Vec3::new(a.x, axis_height, a.z), along, out, least_depth: 0.5 * scene.thickness };
-        let under = HeightField::over(rest.iter().map(|&p| scene.x[p as usize]));
+        let top = stack_height(
+            context.positions.iter().filter(|p| beyond(p).abs() < GRIP_WIDTH),
+            context.thickness,
+        );
+        let axis_height = top + 0.75 * context.thickness;
+        let axis = Axis {
+            origin: Vec3::new(a.x, axis_height, a.z),
+            along,
+            out,
+            least_depth: 0.5 * context.thickness,
+        };
+        let under = HeightField::over(rest.iter().map(|&p| context.positions[p as usize]));
         let guided = flap
             .iter()
             .map(|&p| {
-                let place = axis.on_sheet(&scene.x[p as usize], 0.0);
+                let place = axis.on_sheet(&context.positions[p as usize], 0.0);
                 let rise = under.rise(&axis.turned(&place, PI), top);
                 let straight = ((place.s - PI * place.depth) / RISE_RAMP).clamp(0.0, 1.0);
-                Guided { point: p, place, rise: rise * straight, mass: scene.mass[p as usize] }
+                Guided { point: p, place, rise: rise * straight, mass: context.masses[p as usize] }
             })
             .collect();
         // A hand on the part that stays, along the line.
         let stay = rest
             .iter()
-            .filter(|&&p| beyond(&scene.x[p as usize]) > -HAND)
-            .map(|&p| palm(p, scene.x[p as usize], scene.mass[p as usize]))
+            .filter(|&&p| beyond(&context.positions[p as usize]) > -GRIP_WIDTH)
+            .map(|&p| pin_spring(p, context.positions[p as usize], context.masses[p as usize]))
             .collect();
         // The rest sleeps on the table while the flap is turned: nothing moves it.
-        let held = scene.x.iter().map(|p| beyond(p) <= -HAND).collect();
-        let made = MadeFold { flap, origin: a, along, out, angle: self.angle_deg.to_radians() };
-        let resting = posture.resting();
-        Start::here(Turn { axis, guided, stay, held, made, over: self.over_s, resting })
+        let held = context.positions.iter().map(|p| beyond(p) <= -GRIP_WIDTH).collect();
+        let made = FoldRecord { flap, origin: a, along, out, angle: self.angle_deg.to_radians() };
+        let resting = persistent.idle_loads();
+        ActionStart::here(Turn { axis, guided, stay, held, made, over: self.over_s, resting })
     }
 
     fn example() -> Self {
@@ -206,9 +219,9 @@ impl WearAction for Fold {
 /// A flap turned by more than this lies on the rest [degrees].
 const LAID_OVER: f64 = 150.0;
 /// Width of the hand that holds the resting part along the line [m].
-pub(in crate::wear) const HAND: f64 = 0.05;
+pub(in crate::wear) const GRIP_WIDTH: f64 = 0.05;
 /// A step turns the flap by this angle at most [rad].
-pub(in crate::wear) const MOST_TURN: f64 = 0.12;
+pub(in crate::wear) const MAX_TURN_PER_STEP: f64 = 0.12;
 /// Share of the points along the line that lie no higher than the stack; the others are bulges of older folds.
 const STACK_SHARE: f64 = 0.9;
 /// How long hands take to let go of a flap that lies [s].
@@ -237,7 +250,7 @@ struct Turn {
     stay: Vec<Guide>,
     /// Points that sleep meanwhile, one flag per point.
     held: Vec<bool>,
-    made: MadeFold,
+    made: FoldRecord,
     over: f64,
     resting: Drive,
 }
@@ -256,9 +269,9 @@ struct Guided {
 impl Turn {
     /// What acts `t` seconds after the flap was let go: palms lie on the new fold and smooth it.
     fn smoothed(&self, t: f64, x: &[Vec3]) -> Drive {
-        let near = |p: &Vec3| (p - self.made.origin).dot(&self.made.out).abs() < HAND;
+        let near = |p: &Vec3| (p - self.made.origin).dot(&self.made.out).abs() < GRIP_WIDTH;
         Drive {
-            pressure: PALM_PRESSURE * smooth(t / LETTING_GO),
+            pressure: PALM_PRESSURE * smoothstep(t / LETTING_GO),
             pressed: x.iter().map(near).collect(),
             longest_step: if t < LETTING_GO { LETTING_GO / 4.0 } else { f64::INFINITY },
             passing: t < LETTING_GO,
@@ -267,27 +280,27 @@ impl Turn {
     }
 }
 
-impl Gesture for Turn {
-    fn drive(&mut self, t: f64, x: &[Vec3]) -> Drive {
+impl ActionRunner for Turn {
+    fn loads_at(&mut self, t: f64, x: &[Vec3]) -> Drive {
         let turning = t <= self.over * (1.0 + 1e-9);
         let grip = if turning || self.made.angle <= LIES_BEYOND {
             1.0
         } else {
-            1.0 - smooth((t - self.over) / LETTING_GO)
+            1.0 - smoothstep((t - self.over) / LETTING_GO)
         };
         if grip <= 0.0 {
             return self.smoothed(t - self.over - LETTING_GO, x);
         }
-        let phi = self.made.angle * smooth(t / self.over);
-        let lifted = smooth(phi / PI);
+        let phi = self.made.angle * smoothstep(t / self.over);
+        let lifted = smoothstep(phi / PI);
         let flap = self.guided.iter().map(|g| {
             let normal = self.axis.normal(&g.place, phi);
             let target = self.axis.turned(&g.place, phi) + normal * (g.rise * lifted);
-            hand(g.point, target, normal, g.mass).scaled(grip)
+            carry_spring(g.point, target, normal, g.mass).scaled(grip)
         });
         // The smooth motion is 1.5 times as fast in the middle as on average.
         let longest_step =
-            if turning { MOST_TURN * self.over / (1.5 * self.made.angle) } else { LETTING_GO / 4.0 };
+            if turning { MAX_TURN_PER_STEP * self.over / (1.5 * self.made.angle) } else { LETTING_GO / 4.0 };
         let held = if turning { self.held.clone() } else { Vec::new() };
         let stay = self.stay.iter().map(|guide| guide.scaled(grip));
         // Hands that let go slow down what they held.
@@ -303,19 +316,19 @@ impl Gesture for Turn {
         }
     }
 
-    fn breaks(&self) -> Vec<f64> {
+    fn event_times(&self) -> Vec<f64> {
         vec![self.over, self.over + LETTING_GO, self.over + 2.0 * LETTING_GO]
     }
 
-    fn memo(&self) -> Option<Value> {
+    fn save_state(&self) -> Option<Value> {
         Some(Value::Null)
     }
 
-    fn end(&mut self, posture: &mut Posture, x: &[Vec3]) {
+    fn finish(&mut self, persistent: &mut PersistentState, x: &[Vec3]) {
         if self.made.angle <= LIES_BEYOND {
-            posture.kept = Some(self.drive(f64::INFINITY, x));
+            persistent.held_loads = Some(self.loads_at(f64::INFINITY, x));
         }
-        posture.folds.push(self.made.clone());
+        persistent.folds.push(self.made.clone());
     }
 }
 
@@ -347,26 +360,33 @@ mod tests {
     fn a_fold_that_is_held_passes_to_nothing() {
         let x: Vec<Vec3> =
             [[0.0, 0.0], [0.4, 0.0], [0.0, -0.4], [0.4, -0.4]].map(|[x, z]| Vec3::new(x, 1e-3, z)).to_vec();
-        let scene = Scene { x: &x, source: &x, mass: &[1e-3; 4], thickness: 1e-3, place: ("w.json", "0") };
+        let context = ActionContext {
+            positions: &x,
+            source_positions: &x,
+            masses: &[1e-3; 4],
+            thickness: 1e-3,
+            script_file: "w.json",
+            location: "0",
+        };
         let over = 2.0;
         for (angle_deg, passes) in [(180.0, true), (90.0, false)] {
-            let frame = Some(crate::wear::Frame::lying(&x));
-            let mut posture = Posture { frame, ground: Some(0.0), ..Posture::default() };
+            let frame = Some(crate::wear::GarmentFrame::lying(&x));
+            let mut persistent = PersistentState { frame, ground: Some(0.0), ..PersistentState::default() };
             let fold = Fold {
                 line: [Fraction2([0.5, 0.0]), Fraction2([0.5, 1.0])],
                 angle_deg,
                 over_s: over,
                 ..Fold::example()
             };
-            let mut gesture = fold.begin(&scene, &mut posture).expect("can be folded").gesture;
-            let mut at = |t: f64| gesture.drive(t, &x);
+            let mut runner = fold.start_action(&context, &mut persistent).expect("can be folded").runner;
+            let mut at = |t: f64| runner.loads_at(t, &x);
             assert!(at(0.5 * over).leads && !at(0.5 * over).passing && !at(over).passing);
             for t in [0.25, 0.75, 1.0, 1.5] {
                 assert_eq!(at(over + t * LETTING_GO).passing, passes, "{angle_deg} {t}");
             }
             assert!(!at(over + 2.5 * LETTING_GO).passing);
-            gesture.end(&mut posture, &x);
-            assert!(!posture.resting().passing);
+            runner.finish(&mut persistent, &x);
+            assert!(!persistent.idle_loads().passing);
         }
     }
 }

@@ -3,7 +3,7 @@
 use crate::error::Result;
 use crate::math::{Mat3, Vec3, bounds};
 use crate::sim::Drive;
-use crate::wear::action_runner::{Frame, Posture, Scene, Start, Still};
+use crate::wear::action_runner::{ActionContext, ActionStart, ConstantLoads, GarmentFrame, PersistentState};
 use crate::wear::actions::{Fraction2, WearAction};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -50,19 +50,19 @@ fn for_s() -> f64 {
 }
 
 impl WearAction for Hang {
-    fn duration_s(&self) -> f64 {
+    fn duration(&self) -> f64 {
         self.for_s
     }
 
-    fn begin(&self, scene: &Scene, posture: &mut Posture) -> Result<Start> {
+    fn start_action(&self, context: &ActionContext, persistent: &mut PersistentState) -> Result<ActionStart> {
         // Lying: what points away from the viewer (-z) goes up, what looks up (+y) looks at the viewer.
-        let upright = if posture.lying().is_some() {
+        let upright = if persistent.ground_frame().is_some() {
             Mat3::new(1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0)
         } else {
             Mat3::identity()
         };
-        let placed: Vec<Vec3> = scene.x.iter().map(|p| upright * p).collect();
-        let frame = Frame::hanging(&placed);
+        let placed: Vec<Vec3> = context.positions.iter().map(|p| upright * p).collect();
+        let frame = GarmentFrame::hanging(&placed);
         let (low, high) = bounds(&placed);
         let grip = GRIP * (high - low).norm();
         let held: Vec<bool> = match &self.by {
@@ -82,16 +82,16 @@ impl WearAction for Hang {
                 held
             }
         };
-        posture.turned = upright * posture.turned;
-        posture.frame = Some(frame);
-        posture.ground = None;
-        posture.folds.clear();
-        posture.body = None;
+        persistent.orientation = upright * persistent.orientation;
+        persistent.frame = Some(frame);
+        persistent.ground = None;
+        persistent.folds.clear();
+        persistent.body = None;
         let drive = Drive { held, longest_step: 0.1, ..Drive::at_rest(None) };
-        posture.kept = Some(drive.clone());
-        Ok(Start {
-            gesture: Box::new(Still { drive, may_end_early: true }),
-            placed: Some(placed),
+        persistent.held_loads = Some(drive.clone());
+        Ok(ActionStart {
+            runner: Box::new(ConstantLoads { loads: drive, may_end_early: true }),
+            start_positions: Some(placed),
             duration: None,
         })
     }

@@ -1,9 +1,9 @@
 //! `hold`: everything that is held stays held.
 
 use crate::error::Result;
-use crate::wear::action_runner::{Posture, Scene, Start, Still};
+use crate::wear::action_runner::{ActionContext, ActionStart, ConstantLoads, PersistentState};
 use crate::wear::actions::WearAction;
-use crate::wear::crease_prediction::Sketch;
+use crate::wear::crease_prediction::FoldLayout;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -18,17 +18,17 @@ pub struct Hold {
 }
 
 impl WearAction for Hold {
-    fn duration_s(&self) -> f64 {
+    fn duration(&self) -> f64 {
         self.for_s
     }
 
     /// Creases nothing that is not folded yet.
-    fn sketch(&self, sketch: &mut Sketch) {
+    fn sketch(&self, sketch: &mut FoldLayout) {
         sketch.rest();
     }
 
-    fn begin(&self, _scene: &Scene, posture: &mut Posture) -> Result<Start> {
-        Start::here(Still { drive: posture.resting(), may_end_early: false })
+    fn start_action(&self, _scene: &ActionContext, persistent: &mut PersistentState) -> Result<ActionStart> {
+        ActionStart::here(ConstantLoads { loads: persistent.idle_loads(), may_end_early: false })
     }
 
     fn example() -> Self {

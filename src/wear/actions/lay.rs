@@ -3,9 +3,11 @@
 use crate::error::Result;
 use crate::math::{Mat3, Vec3, bounds};
 use crate::sim::Drive;
-use crate::wear::action_runner::{Frame, Gesture, Posture, Scene, Start, smooth};
+use crate::wear::action_runner::{
+    ActionContext, ActionRunner, ActionStart, GarmentFrame, PersistentState, smoothstep,
+};
 use crate::wear::actions::WearAction;
-use crate::wear::crease_prediction::Sketch;
+use crate::wear::crease_prediction::FoldLayout;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -48,40 +50,40 @@ fn over_s() -> f64 {
 }
 
 impl WearAction for Lay {
-    fn duration_s(&self) -> f64 {
+    fn duration(&self) -> f64 {
         self.over_s
     }
 
     /// Lays it down.
-    fn sketch(&self, sketch: &mut Sketch) {
+    fn sketch(&self, sketch: &mut FoldLayout) {
         sketch.lay(self);
     }
 
-    fn begin(&self, scene: &Scene, posture: &mut Posture) -> Result<Start> {
-        let (facing, upper) = self.directions(scene.source);
-        let (facing, upper) = (posture.turned * facing, posture.turned * upper);
+    fn start_action(&self, context: &ActionContext, persistent: &mut PersistentState) -> Result<ActionStart> {
+        let (facing, upper) = self.directions(context.source_positions);
+        let (facing, upper) = (persistent.orientation * facing, persistent.orientation * upper);
         let turn =
             Mat3::from_rows(&[upper.cross(&facing).transpose(), facing.transpose(), (-upper).transpose()]);
-        let mut placed: Vec<Vec3> = scene.x.iter().map(|p| turn * p).collect();
+        let mut placed: Vec<Vec3> = context.positions.iter().map(|p| turn * p).collect();
         let (low, high) = bounds(&placed);
-        let shift = Vec3::new(-0.5 * (low.x + high.x), scene.thickness - low.y, -0.5 * (low.z + high.z));
+        let shift = Vec3::new(-0.5 * (low.x + high.x), context.thickness - low.y, -0.5 * (low.z + high.z));
         placed.iter_mut().for_each(|p| *p += shift);
-        posture.turned = turn * posture.turned;
-        posture.folds.clear();
-        posture.kept = None;
+        persistent.orientation = turn * persistent.orientation;
+        persistent.folds.clear();
+        persistent.held_loads = None;
         // Whoever lays a garment down has taken it off.
-        posture.body = None;
-        posture.ground = Some(0.0);
-        posture.frame = Some(Frame::lying(&placed));
-        let height = high.y - low.y + scene.thickness;
-        let flat = FLAT_LAYERS * scene.thickness;
-        let gesture = Flatten {
+        persistent.body = None;
+        persistent.ground = Some(0.0);
+        persistent.frame = Some(GarmentFrame::lying(&placed));
+        let height = high.y - low.y + context.thickness;
+        let flat = FLAT_LAYERS * context.thickness;
+        let runner = Flatten {
             heights: [height, flat.min(height)],
             now: height,
             over: self.over_s,
-            thickness: scene.thickness,
+            thickness: context.thickness,
         };
-        Ok(Start { gesture: Box::new(gesture), placed: Some(placed), duration: None })
+        Ok(ActionStart { runner: Box::new(runner), start_positions: Some(placed), duration: None })
     }
 
     fn example() -> Self {
@@ -136,13 +138,13 @@ impl Flatten {
     }
 
     fn height(&self, t: f64) -> f64 {
-        let done = smooth(t / (PRESS_SHARE * self.over));
+        let done = smoothstep(t / (PRESS_SHARE * self.over));
         self.heights[0] * (self.heights[1] / self.heights[0]).powf(done)
     }
 }
 
-impl Gesture for Flatten {
-    fn drive(&mut self, t: f64, _x: &[Vec3]) -> Drive {
+impl ActionRunner for Flatten {
+    fn loads_at(&mut self, t: f64, _x: &[Vec3]) -> Drive {
         let pressing = self.presses() && t <= PRESS_SHARE * self.over * (1.0 + 1e-9);
         let steps = (self.heights[0] / self.heights[1]).ln() / -(1.0 - MOST_SQUEEZE).ln();
         Drive {
@@ -159,11 +161,11 @@ impl Gesture for Flatten {
         }
     }
 
-    fn breaks(&self) -> Vec<f64> {
+    fn event_times(&self) -> Vec<f64> {
         if self.presses() { vec![PRESS_SHARE * self.over] } else { Vec::new() }
     }
 
-    fn carry(&mut self, t: f64, x: &mut [Vec3]) -> bool {
+    fn apply_map(&mut self, t: f64, x: &mut [Vec3]) -> bool {
         if !self.presses() || t > PRESS_SHARE * self.over * (1.0 + 1e-9) {
             return false;
         }
@@ -174,21 +176,21 @@ impl Gesture for Flatten {
         true
     }
 
-    fn wears(&self) -> bool {
+    fn accumulates_memory(&self) -> bool {
         false
     }
 
-    fn memo(&self) -> Option<Value> {
+    fn save_state(&self) -> Option<Value> {
         Some(json!(self.now))
     }
 
-    fn recall(&mut self, memo: &Value, _point_count: usize) -> bool {
+    fn restore_state(&mut self, memo: &Value, _point_count: usize) -> bool {
         let now = memo.as_f64().filter(|now| *now > 0.0);
         self.now = now.unwrap_or(self.now);
         now.is_some()
     }
 
-    fn end(&mut self, posture: &mut Posture, x: &[Vec3]) {
-        posture.frame = Some(Frame::lying(x));
+    fn finish(&mut self, persistent: &mut PersistentState, x: &[Vec3]) {
+        persistent.frame = Some(GarmentFrame::lying(x));
     }
 }

@@ -15,7 +15,7 @@ mod repeat;
 mod settle;
 mod unfold;
 
-pub use bend::{Axis, Bend, OwnAxis};
+pub use bend::{Bend, JointAxis, LocalAxis};
 pub use crumple::Crumple;
 pub use fold::{Fold, Fraction2, Side};
 pub use hang::{Hang, HangBy, HangPlace};
@@ -30,13 +30,13 @@ pub use unfold::Unfold;
 
 use crate::body::{AnimatedBody, BodyPose};
 use crate::error::Result;
-use crate::wear::action_runner::{Posture, Scene, Start};
-use crate::wear::crease_prediction::Sketch;
+use crate::wear::action_runner::{ActionContext, ActionStart, PersistentState};
+use crate::wear::crease_prediction::FoldLayout;
 
 /// What every action answers.
 pub trait WearAction {
     /// How long it takes [s]; 0 for a clip, whose length only the body knows.
-    fn duration_s(&self) -> f64;
+    fn duration(&self) -> f64;
 
     /// Whether it moves a body, so that a bake without one must refuse it.
     fn needs_body(&self) -> bool {
@@ -44,25 +44,25 @@ pub trait WearAction {
     }
 
     /// Starts it on the cloth as it is.
-    fn begin(&self, scene: &Scene, posture: &mut Posture) -> Result<Start>;
+    fn start_action(&self, context: &ActionContext, persistent: &mut PersistentState) -> Result<ActionStart>;
 
     /// Draws on a flat garment where it creases the cloth. Unless it says otherwise, that may be anywhere.
-    fn sketch(&self, sketch: &mut Sketch) {
+    fn sketch(&self, sketch: &mut FoldLayout) {
         sketch.anywhere();
     }
 
     /// What is wrong with it for this body: a joint or a clip that it has not.
-    fn misfits_with(&self, _wearer: &AnimatedBody) -> Vec<Misfit> {
+    fn validate_body(&self, _wearer: &AnimatedBody) -> Vec<FieldError> {
         Vec::new()
     }
 
     /// Postures that it takes the body through from `from`, close enough to tell what moves.
-    fn postures(&self, _wearer: &AnimatedBody, _from: &BodyPose) -> Vec<BodyPose> {
+    fn body_poses(&self, _wearer: &AnimatedBody, _from: &BodyPose) -> Vec<BodyPose> {
         Vec::new()
     }
 
     /// What is wrong between its fields, each alone being in range.
-    fn misfits(&self) -> Vec<Misfit> {
+    fn validate(&self) -> Vec<FieldError> {
         Vec::new()
     }
 
@@ -74,7 +74,7 @@ pub trait WearAction {
 
 /// A field that does not go with the others of its action.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Misfit {
+pub struct FieldError {
     /// The field.
     pub field: &'static str,
     /// What is wrong.
@@ -83,7 +83,7 @@ pub struct Misfit {
     pub cure: String,
 }
 
-impl Misfit {
+impl FieldError {
     /// Of `field`.
     pub fn new(field: &'static str, what: impl Into<String>, cure: impl Into<String>) -> Self {
         Self { field, what: what.into(), cure: cure.into() }

@@ -2,8 +2,8 @@
 
 use crate::body::{AnimatedBody, BodyPose, interpolate_body_pose};
 use crate::error::Result;
-use crate::wear::action_runner::{Posture, Scene, Start, smooth};
-use crate::wear::actions::{Misfit, WearAction};
+use crate::wear::action_runner::{ActionContext, ActionStart, PersistentState, smoothstep};
+use crate::wear::actions::{FieldError, WearAction};
 use crate::wear::body_motion::{Moving, told_names, way_s};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -31,7 +31,7 @@ fn once() -> u32 {
 
 impl WearAction for Play {
     /// 0: only the body knows how long its clip is.
-    fn duration_s(&self) -> f64 {
+    fn duration(&self) -> f64 {
         0.0
     }
 
@@ -39,15 +39,15 @@ impl WearAction for Play {
         true
     }
 
-    fn misfits_with(&self, wearer: &AnimatedBody) -> Vec<Misfit> {
+    fn validate_body(&self, wearer: &AnimatedBody) -> Vec<FieldError> {
         if wearer.clip_length(&self.clip).is_some() {
             return Vec::new();
         }
         let what = format!("{} has no clip called \"{}\"", wearer.file, self.clip);
-        vec![Misfit::new("clip", what, told_names("clips", &wearer.clip_names(), &self.clip))]
+        vec![FieldError::new("clip", what, told_names("clips", &wearer.clip_names(), &self.clip))]
     }
 
-    fn postures(&self, wearer: &AnimatedBody, _from: &BodyPose) -> Vec<BodyPose> {
+    fn body_poses(&self, wearer: &AnimatedBody, _from: &BodyPose) -> Vec<BodyPose> {
         let length = wearer.clip_length(&self.clip).unwrap_or(0.0);
         let count = ((length * SAMPLE_RATE).ceil() as u32).clamp(1, MOST_SAMPLES);
         (0..=count)
@@ -55,9 +55,9 @@ impl WearAction for Play {
             .collect()
     }
 
-    fn begin(&self, scene: &Scene, posture: &mut Posture) -> Result<Start> {
-        let Some(standing) = &posture.body else {
-            return Err(scene.refuse(
+    fn start_action(&self, context: &ActionContext, persistent: &mut PersistentState) -> Result<ActionStart> {
+        let Some(standing) = &persistent.body else {
+            return Err(context.refuse(
                 "`play` moves a body, and the garment is not on one",
                 "give --body, and leave out what takes the garment off before",
             ));
@@ -68,9 +68,9 @@ impl WearAction for Play {
             Some((length, wearer.clip_pose(&self.clip, 0.0)?, wearer.clip_pose(&self.clip, length)?))
         });
         let Some((length, first, last)) = ends else {
-            let misfit = self.misfits_with(&wearer).into_iter().next();
-            let misfit = misfit.unwrap_or_else(|| Misfit::new("clip", "it cannot be played", ""));
-            return Err(scene.refuse(misfit.what, misfit.cure));
+            let misfit = self.validate_body(&wearer).into_iter().next();
+            let misfit = misfit.unwrap_or_else(|| FieldError::new("clip", "it cannot be played", ""));
+            return Err(context.refuse(misfit.what, misfit.cure));
         };
         // The body goes to where the clip begins, and from its end back there, as fast as a calm arm.
         let lead = way_s(&wearer, &standing.pose, &first);
@@ -80,24 +80,24 @@ impl WearAction for Play {
         let of_clip = wearer.clone();
         let pose = move |t: f64| {
             if t < lead {
-                return interpolate_body_pose(&from, &first, smooth(t / lead));
+                return interpolate_body_pose(&from, &first, smoothstep(t / lead));
             }
             let own = if t >= duration { length } else { (t - lead).rem_euclid(length + back) };
             if own > length {
-                return interpolate_body_pose(&last, &first, smooth((own - length) / back));
+                return interpolate_body_pose(&last, &first, smoothstep((own - length) / back));
             }
             of_clip.clip_pose(&clip, own).unwrap_or_else(|| last.clone())
         };
-        let gesture = Moving {
+        let runner = Moving {
             wearer,
-            drive: posture.resting(),
+            drive: persistent.idle_loads(),
             pose: Box::new(pose),
             breaks: Vec::new(),
             still: Vec::new(),
             duration,
             at: None,
         };
-        Ok(Start { duration: Some(duration), ..Start::here(gesture)? })
+        Ok(ActionStart { duration: Some(duration), ..ActionStart::here(runner)? })
     }
 
     fn example() -> Self {

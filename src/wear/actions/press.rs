@@ -3,9 +3,9 @@
 use crate::error::Result;
 use crate::math::Vec3;
 use crate::sim::Drive;
-use crate::wear::action_runner::{Gesture, Posture, Scene, Start, smooth};
+use crate::wear::action_runner::{ActionContext, ActionRunner, ActionStart, PersistentState, smoothstep};
 use crate::wear::actions::WearAction;
-use crate::wear::crease_prediction::Sketch;
+use crate::wear::crease_prediction::FoldLayout;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -25,21 +25,23 @@ pub struct Press {
 }
 
 impl WearAction for Press {
-    fn duration_s(&self) -> f64 {
+    fn duration(&self) -> f64 {
         self.for_s
     }
 
     /// Marks what lies on sides.
-    fn sketch(&self, sketch: &mut Sketch) {
+    fn sketch(&self, sketch: &mut FoldLayout) {
         sketch.press();
     }
 
-    fn begin(&self, scene: &Scene, posture: &mut Posture) -> Result<Start> {
-        if posture.ground.is_none() {
-            return Err(scene.refuse("`press` needs a garment on the ground", "lay it first: {\"lay\": {}}"));
+    fn start_action(&self, context: &ActionContext, persistent: &mut PersistentState) -> Result<ActionStart> {
+        if persistent.ground.is_none() {
+            return Err(
+                context.refuse("`press` needs a garment on the ground", "lay it first: {\"lay\": {}}")
+            );
         }
         let laid_on = LAID_ON.min(0.5 * self.for_s);
-        Start::here(Weight { pressure: self.pressure_pa, laid_on, resting: posture.resting() })
+        ActionStart::here(Weight { pressure: self.pressure_pa, laid_on, resting: persistent.idle_loads() })
     }
 
     fn example() -> Self {
@@ -62,21 +64,21 @@ struct Weight {
     resting: Drive,
 }
 
-impl Gesture for Weight {
-    fn drive(&mut self, t: f64, _x: &[Vec3]) -> Drive {
+impl ActionRunner for Weight {
+    fn loads_at(&mut self, t: f64, _x: &[Vec3]) -> Drive {
         let rises = t <= self.laid_on * (1.0 + 1e-9);
         Drive {
-            pressure: self.pressure * smooth(t / self.laid_on),
+            pressure: self.pressure * smoothstep(t / self.laid_on),
             longest_step: if rises { self.laid_on / STEPS } else { f64::INFINITY },
             ..self.resting.clone()
         }
     }
 
-    fn breaks(&self) -> Vec<f64> {
+    fn event_times(&self) -> Vec<f64> {
         vec![self.laid_on]
     }
 
-    fn memo(&self) -> Option<Value> {
+    fn save_state(&self) -> Option<Value> {
         Some(Value::Null)
     }
 }

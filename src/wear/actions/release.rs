@@ -1,9 +1,9 @@
 //! `release`: whatever is held is let go at once.
 
 use crate::error::Result;
-use crate::wear::action_runner::{Posture, Scene, Start, Still};
+use crate::wear::action_runner::{ActionContext, ActionStart, ConstantLoads, PersistentState};
 use crate::wear::actions::WearAction;
-use crate::wear::crease_prediction::Sketch;
+use crate::wear::crease_prediction::FoldLayout;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -13,24 +13,24 @@ use serde::{Deserialize, Serialize};
 pub struct Release {}
 
 impl WearAction for Release {
-    fn duration_s(&self) -> f64 {
+    fn duration(&self) -> f64 {
         0.0
     }
 
     /// Creases nothing that is not folded yet.
-    fn sketch(&self, sketch: &mut Sketch) {
+    fn sketch(&self, sketch: &mut FoldLayout) {
         sketch.rest();
     }
 
-    fn begin(&self, scene: &Scene, posture: &mut Posture) -> Result<Start> {
-        posture.kept = None;
-        if posture.ground.is_none() && posture.body.is_none() {
+    fn start_action(&self, context: &ActionContext, persistent: &mut PersistentState) -> Result<ActionStart> {
+        persistent.held_loads = None;
+        if persistent.ground.is_none() && persistent.body.is_none() {
             // What was held in the air falls on a floor just below it.
-            let lowest = scene.x.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
-            posture.ground = Some(lowest - 2.0 * scene.thickness);
-            posture.frame = None;
+            let lowest = context.positions.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
+            persistent.ground = Some(lowest - 2.0 * context.thickness);
+            persistent.frame = None;
         }
-        Start::here(Still { drive: posture.resting(), may_end_early: false })
+        ActionStart::here(ConstantLoads { loads: persistent.idle_loads(), may_end_early: false })
     }
 
     fn example() -> Self {

@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::wear::Action;
-use crate::wear::action_runner::{Posture, Scene, Start};
+use crate::wear::action_runner::{ActionContext, ActionStart, PersistentState};
 use crate::wear::actions::WearAction;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -20,16 +20,18 @@ pub struct Repeat {
 }
 
 impl WearAction for Repeat {
-    fn duration_s(&self) -> f64 {
-        f64::from(self.times) * self.actions.iter().map(|action| action.as_wear().duration_s()).sum::<f64>()
+    fn duration(&self) -> f64 {
+        f64::from(self.times)
+            * self.actions.iter().map(|action| action.as_wear_action().duration()).sum::<f64>()
     }
 
     fn needs_body(&self) -> bool {
-        self.actions.iter().any(|action| action.as_wear().needs_body())
+        self.actions.iter().any(|action| action.as_wear_action().needs_body())
     }
 
-    fn begin(&self, scene: &Scene, _posture: &mut Posture) -> Result<Start> {
-        Err(scene.refuse("`repeat` is a list of actions, not one", "write it out with `WearScript::flatten`"))
+    fn start_action(&self, context: &ActionContext, _posture: &mut PersistentState) -> Result<ActionStart> {
+        Err(context
+            .refuse("`repeat` is a list of actions, not one", "write it out with `WearScript::flatten`"))
     }
 
     fn example() -> Self {

@@ -2,9 +2,9 @@
 
 use crate::error::Result;
 use crate::sim::Drive;
-use crate::wear::action_runner::{Posture, Scene, Start, Still};
+use crate::wear::action_runner::{ActionContext, ActionStart, ConstantLoads, PersistentState};
 use crate::wear::actions::WearAction;
-use crate::wear::crease_prediction::Sketch;
+use crate::wear::crease_prediction::FoldLayout;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -23,18 +23,18 @@ fn for_s() -> f64 {
 }
 
 impl WearAction for Settle {
-    fn duration_s(&self) -> f64 {
+    fn duration(&self) -> f64 {
         self.for_s
     }
 
     /// Creases nothing that is not folded yet.
-    fn sketch(&self, sketch: &mut Sketch) {
+    fn sketch(&self, sketch: &mut FoldLayout) {
         sketch.rest();
     }
 
-    fn begin(&self, _scene: &Scene, posture: &mut Posture) -> Result<Start> {
-        let drive = Drive { drag: 3.0, ..posture.resting() };
-        Start::here(Still { drive, may_end_early: true })
+    fn start_action(&self, _scene: &ActionContext, persistent: &mut PersistentState) -> Result<ActionStart> {
+        let drive = Drive { drag: 3.0, ..persistent.idle_loads() };
+        ActionStart::here(ConstantLoads { loads: drive, may_end_early: true })
     }
 
     fn example() -> Self {

@@ -3,10 +3,12 @@
 use crate::error::Result;
 use crate::math::Vec3;
 use crate::sim::Drive;
-use crate::wear::action_runner::{Gesture, MadeFold, Posture, Scene, Start, hand, smooth};
-use crate::wear::actions::fold::{HAND, MOST_TURN};
-use crate::wear::actions::{Misfit, WearAction};
-use crate::wear::crease_prediction::Sketch;
+use crate::wear::action_runner::{
+    ActionContext, ActionRunner, ActionStart, FoldRecord, PersistentState, carry_spring, smoothstep,
+};
+use crate::wear::actions::fold::{GRIP_WIDTH, MAX_TURN_PER_STEP};
+use crate::wear::actions::{FieldError, WearAction};
+use crate::wear::crease_prediction::FoldLayout;
 use crate::wear::fold_map::{Axis, OnSheet};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -35,17 +37,17 @@ fn over_s() -> f64 {
 
 impl WearAction for Unfold {
     /// All folds together take `over`: a script does not know how many there are.
-    fn duration_s(&self) -> f64 {
+    fn duration(&self) -> f64 {
         self.over_s
     }
 
-    fn misfits(&self) -> Vec<Misfit> {
+    fn validate(&self) -> Vec<FieldError> {
         match (self.all, self.last) {
             (Some(true), Some(_)) => {
-                vec![Misfit::new("last", "`all` and `last` do not go together", "keep one of them")]
+                vec![FieldError::new("last", "`all` and `last` do not go together", "keep one of them")]
             }
             (Some(false), None) => {
-                vec![Misfit::new(
+                vec![FieldError::new(
                     "all",
                     "`all` is false and `last` is missing",
                     "say how many folds with `last`",
@@ -56,29 +58,29 @@ impl WearAction for Unfold {
     }
 
     /// Opens what was folded.
-    fn sketch(&self, sketch: &mut Sketch) {
+    fn sketch(&self, sketch: &mut FoldLayout) {
         sketch.unfold(self.last.map(|n| n as usize));
     }
 
-    fn begin(&self, scene: &Scene, posture: &mut Posture) -> Result<Start> {
-        let count = posture.folds.len();
+    fn start_action(&self, context: &ActionContext, persistent: &mut PersistentState) -> Result<ActionStart> {
+        let count = persistent.folds.len();
         if count == 0 {
-            return Err(scene.refuse("there is no fold to open", "fold first, or leave `unfold` out"));
+            return Err(context.refuse("there is no fold to open", "fold first, or leave `unfold` out"));
         }
         let wanted = self.last.map_or(count, |n| n as usize);
         if wanted > count {
             let cure = format!("`last` may be at most {count} here");
             return Err(
-                scene.refuse(format!("{wanted} folds shall be opened and only {count} are made"), cure)
+                context.refuse(format!("{wanted} folds shall be opened and only {count} are made"), cure)
             );
         }
-        posture.kept = None;
-        let mut folds = posture.folds.split_off(count - wanted);
+        persistent.held_loads = None;
+        let mut folds = persistent.folds.split_off(count - wanted);
         folds.reverse();
         let each = self.over_s / folds.len() as f64;
-        let resting = posture.resting();
-        let (mass, thickness) = (scene.mass.to_vec(), scene.thickness);
-        Start::here(Open { folds, each, under_way: None, mass, thickness, resting })
+        let resting = persistent.idle_loads();
+        let (mass, thickness) = (context.masses.to_vec(), context.thickness);
+        ActionStart::here(Open { folds, each, under_way: None, mass, thickness, resting })
     }
 
     fn example() -> Self {
@@ -91,7 +93,7 @@ const STRAY: f64 = 0.02;
 
 /// Folds that are opened one after the other, latest first.
 struct Open {
-    folds: Vec<MadeFold>,
+    folds: Vec<FoldRecord>,
     /// Time for one fold [s].
     each: f64,
     under_way: Option<Opening>,
@@ -152,20 +154,20 @@ impl Open {
         let held = x
             .iter()
             .zip(&in_flap)
-            .map(|(p, flap)| !flap && (p - fold.origin).dot(&fold.out) <= -HAND)
+            .map(|(p, flap)| !flap && (p - fold.origin).dot(&fold.out) <= -GRIP_WIDTH)
             .collect();
         Opening { number, axis, guided, held, lift }
     }
 }
 
-impl Gesture for Open {
-    fn drive(&mut self, t: f64, x: &[Vec3]) -> Drive {
+impl ActionRunner for Open {
+    fn loads_at(&mut self, t: f64, x: &[Vec3]) -> Drive {
         let number = ((t / self.each - 1e-9).floor().max(0.0) as usize).min(self.folds.len() - 1);
         let opening = match self.under_way.take() {
             Some(opening) if opening.number == number => opening,
             _ => self.opening(number, x),
         };
-        let done = smooth((t - self.each * number as f64) / self.each);
+        let done = smoothstep((t - self.each * number as f64) / self.each);
         let angle = self.folds[number].angle;
         let guides = opening
             .guided
@@ -175,7 +177,7 @@ impl Gesture for Open {
                 let lift = opening.lift * done * (place.s / LIFT_RAMP).min(1.0);
                 let phi = angle * (1.0 - done);
                 let target = opening.axis.turned(place, phi) + Vec3::y() * lift;
-                hand(*point, target, opening.axis.normal(place, phi), *mass)
+                carry_spring(*point, target, opening.axis.normal(place, phi), *mass)
             })
             .collect();
         let held = opening.held.clone();
@@ -184,16 +186,16 @@ impl Gesture for Open {
             guides,
             leads: true,
             held,
-            longest_step: MOST_TURN * self.each / (1.5 * angle),
+            longest_step: MAX_TURN_PER_STEP * self.each / (1.5 * angle),
             ..self.resting.clone()
         }
     }
 
-    fn memo(&self) -> Option<Value> {
+    fn save_state(&self) -> Option<Value> {
         Some(json!(self.under_way))
     }
 
-    fn recall(&mut self, memo: &Value, point_count: usize) -> bool {
+    fn restore_state(&mut self, memo: &Value, point_count: usize) -> bool {
         let Ok(under_way) = Option::<Opening>::deserialize(memo) else { return false };
         let fits = under_way.as_ref().is_none_or(|opening| {
             opening.held.len() == point_count
@@ -203,7 +205,7 @@ impl Gesture for Open {
         fits
     }
 
-    fn breaks(&self) -> Vec<f64> {
+    fn event_times(&self) -> Vec<f64> {
         (1..self.folds.len()).map(|k| self.each * k as f64).collect()
     }
 }
