@@ -1,4 +1,4 @@
-//! Layers that never cross: contact of cloth with itself, with the ground and with bodies, through the public interface.
+//! Layers that never cross: contact of cloth with itself, with the ground and with a body, through the public interface.
 //!
 //! After every accepted step of every scene the crossing triangles are counted by `mesh::crossings`, exact predicates
 //! that share nothing with the code that prevents crossings but the box tree. Starts are jittered. The same scenes at
@@ -10,16 +10,16 @@
 
 #[path = "contact/bakes.rs"]
 mod bakes;
-#[path = "contact/drop.rs"]
-mod drop;
 #[path = "contact/entangled.rs"]
 mod entangled;
 #[path = "contact/friction.rs"]
 mod friction;
 #[path = "contact/layers.rs"]
 mod layers;
-#[path = "contact/pinch.rs"]
-mod pinch;
+#[path = "contact/on_body.rs"]
+mod on_body;
+#[path = "contact/pins.rs"]
+mod pins;
 #[path = "contact/run.rs"]
 mod run;
 #[path = "contact/shapes.rs"]

@@ -15,6 +15,8 @@ mod buckling;
 mod cantilever;
 #[path = "elastic/hinge.rs"]
 mod hinge;
+#[path = "elastic/hinge_hessian.rs"]
+mod hinge_hessian;
 #[path = "elastic/lateral.rs"]
 mod lateral;
 #[path = "elastic/membrane.rs"]

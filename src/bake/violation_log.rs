@@ -17,19 +17,19 @@ struct Episode {
     worst: Shortfall,
 }
 
-/// Everything unmet so far: body held up, layers pressed, cloth stretched.
+/// Everything unmet so far: layers pressed, cloth stretched.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct UnmetLog([Vec<Episode>; 3]);
+pub struct UnmetLog([Vec<Episode>; 2]);
 
 impl UnmetLog {
     /// Takes up what the step that ended at `time` [s] left unmet.
     pub fn note(&mut self, time: f64, unmet: &Unmet) {
-        let all = [unmet.body_held_up, unmet.pressed, unmet.stretched];
+        let all = [unmet.pressed, unmet.stretched];
         for (kind, (episodes, found)) in self.0.iter_mut().zip(all).enumerate() {
             let Some(found) = found else { continue };
             // The less there is left between pressed layers, the worse.
             let worse =
-                |a: &Shortfall, b: &Shortfall| if kind == 1 { a.size < b.size } else { a.size > b.size };
+                |a: &Shortfall, b: &Shortfall| if kind == 0 { a.size < b.size } else { a.size > b.size };
             match episodes.last_mut().filter(|last| time - last.to <= PAUSE) {
                 Some(last) => {
                     last.to = time;
@@ -51,11 +51,6 @@ impl UnmetLog {
                 let size = e.worst.size;
                 all.push(match kind {
                     0 => format!(
-                        "{when}: cloth without room held the body up by {:.1} mm near {at}; it went on \
-                         as soon as there was room",
-                        1e3 * size
-                    ),
-                    1 => format!(
                         "{when}: layers pressed to {:.0} % of their thickness near {at}; none of them crossed",
                         100.0 * size
                     ),
@@ -63,7 +58,7 @@ impl UnmetLog {
                 });
             }
             if episodes.len() > MOST {
-                let what = ["held the body up", "pressed layers too thin", "overstretched cloth"][kind];
+                let what = ["pressed layers too thin", "overstretched cloth"][kind];
                 all.push(format!("{} more times something {what}", episodes.len() - MOST));
             }
         }
@@ -86,19 +81,19 @@ mod tests {
     #[test]
     fn near_times_make_one_warning_with_the_worst_place() {
         let mut log = UnmetLog::default();
-        let held = |size: f64, x: f64| Unmet {
-            body_held_up: Some(Shortfall { size, place: Vec3::new(x, 0.0, 0.0) }),
+        let stretched = |size: f64, x: f64| Unmet {
+            stretched: Some(Shortfall { size, place: Vec3::new(x, 0.0, 0.0) }),
             ..Unmet::default()
         };
-        log.note(1.0, &held(1e-3, 0.1));
-        log.note(1.2, &held(3e-3, 0.2));
+        log.note(1.0, &stretched(0.31, 0.1));
+        log.note(1.2, &stretched(0.43, 0.2));
         log.note(1.3, &Unmet::default());
-        log.note(1.4, &held(2e-3, 0.3));
-        log.note(5.0, &held(1e-3, 0.4));
+        log.note(1.4, &stretched(0.32, 0.3));
+        log.note(5.0, &stretched(0.31, 0.4));
         let warnings = log.warnings();
         assert_eq!(warnings.len(), 2);
         assert!(warnings[0].starts_with("1.00 to 1.40 s: "), "{}", warnings[0]);
-        assert!(warnings[0].contains("3.0 mm near (0.200, 0.000, 0.000) m"), "{}", warnings[0]);
+        assert!(warnings[0].contains("43 % near (0.200, 0.000, 0.000) m"), "{}", warnings[0]);
         assert!(warnings[1].starts_with("5.00 s: "));
     }
 

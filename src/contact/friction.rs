@@ -20,7 +20,6 @@
 //! A contact that sticks holds up to `stiction` times what it bears while it slides.
 
 use crate::contact::broad_phase::PairKind;
-use crate::contact::stacked_positions::Places;
 use crate::energy::{BlockSink, add_symmetric};
 use crate::math::{Mat3, Vec3};
 use rustc_hash::FxHashMap;
@@ -34,8 +33,7 @@ type Key = (Option<PairKind>, [u32; 4]);
 pub(super) struct Slider {
     /// The kind of pair; none for a plane.
     pub kind: Option<PairKind>,
-    /// The points in contact, those of the body after those of the cloth; unused ones have weight 0 and repeat the
-    /// first.
+    /// The points in contact; unused ones have weight 0 and repeat the first.
     pub points: [u32; 4],
     /// Signed weights: relative motion = sum w_i (x_i - start_i).
     pub weights: [f64; 4],
@@ -53,7 +51,6 @@ pub(super) struct Friction {
     pub sliders: Vec<Slider>,
     /// Positions at the start of the step [m].
     start: Vec<Vec3>,
-    body_start: Vec<Vec3>,
     /// Stretch at which a contact begins to slide [m].
     stick: f64,
     /// How much more a contact bears that sticks.
@@ -90,12 +87,10 @@ const SLIDES: f64 = 1.0 - 1e-9;
 
 impl Friction {
     /// Starts a step at these places without any slider.
-    pub fn begin(&mut self, places: Places, stick: f64, stiction: f64) {
+    pub fn begin(&mut self, x: &[Vec3], stick: f64, stiction: f64) {
         self.sliders.clear();
         self.start.clear();
-        self.start.extend_from_slice(places.cloth);
-        self.body_start.clear();
-        self.body_start.extend_from_slice(places.body);
+        self.start.extend_from_slice(x);
         self.stick = stick;
         self.stiction = stiction;
     }
@@ -143,10 +138,10 @@ impl Friction {
     }
 
     /// The step is over at these places: keeps every contact's stretch.
-    pub fn accept(&mut self, places: Places) {
+    pub fn accept(&mut self, x: &[Vec3]) {
         self.kept.clear();
         for s in &self.sliders {
-            let u = self.slip(s, places);
+            let u = self.slip(s, x);
             let y = u.norm();
             let share = if y < self.stick { u / self.stick } else { u / y };
             self.kept.insert((s.kind, s.points), share);
@@ -154,22 +149,21 @@ impl Friction {
     }
 
     #[inline]
-    fn slip(&self, s: &Slider, places: Places) -> Vec3 {
-        let start = Places { cloth: &self.start, body: &self.body_start };
+    fn slip(&self, s: &Slider, x: &[Vec3]) -> Vec3 {
         let mut u = Vec3::zeros();
         for (&p, &w) in s.points.iter().zip(&s.weights) {
-            u += (places.at(p) - start.at(p)) * w;
+            u += (x[p as usize] - self.start[p as usize]) * w;
         }
         u - s.normal * s.normal.dot(&u) + s.stretch
     }
 
     /// Dissipation potential [J].
-    pub fn value(&self, places: Places) -> f64 {
+    pub fn value(&self, x: &[Vec3]) -> f64 {
         let e = self.stick;
         let potential = |y: f64| {
             if y < e { y * y / e - y * y * y / (3.0 * e * e) + e / 3.0 } else { y }
         };
-        self.sliders.iter().map(|s| s.limit * potential(self.slip(s, places).norm())).sum()
+        self.sliders.iter().map(|s| s.limit * potential(self.slip(s, x).norm())).sum()
     }
 
     /// f'(y) / y [1/m].
@@ -180,58 +174,50 @@ impl Friction {
     }
 
     /// Force with which one contact resists, as a gradient by its relative motion [N].
-    pub fn force(&self, s: &Slider, places: Places) -> Vec3 {
-        let u = self.slip(s, places);
+    pub fn force(&self, s: &Slider, x: &[Vec3]) -> Vec3 {
+        let u = self.slip(s, x);
         u * (s.limit * self.secant(u.norm()))
     }
 
-    /// Adds the gradient by the points of the cloth [N].
-    pub fn add_gradient(&self, places: Places, out: &mut [Vec3]) {
+    /// Adds the gradient [N].
+    pub fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) {
         for s in &self.sliders {
-            spread(out, &s.points, &s.weights, &self.force(s, places));
+            spread(out, &s.points, &s.weights, &self.force(s, x));
         }
     }
 
     /// The secant Hessian of one contact by its relative motion [N/m], which is positive.
-    pub fn block(&self, s: &Slider, places: Places) -> Mat3 {
-        let y = self.slip(s, places).norm();
+    pub fn block(&self, s: &Slider, x: &[Vec3]) -> Mat3 {
+        let y = self.slip(s, x).norm();
         (Mat3::identity() - s.normal * s.normal.transpose()) * (s.limit * self.secant(y))
     }
 
-    /// Adds the secant Hessian by the points of the cloth.
-    pub fn add_hessian(&self, places: Places, out: &mut dyn BlockSink) {
+    /// Adds the secant Hessian.
+    pub fn add_hessian(&self, x: &[Vec3], out: &mut dyn BlockSink) {
         for s in &self.sliders {
             if !out.wants(&s.points) {
                 continue;
             }
-            add_weighted(out, places.cloth.len(), &s.points, &s.weights, &self.block(s, places));
+            add_weighted(out, &s.points, &s.weights, &self.block(s, x));
         }
     }
 }
 
-/// Adds w_i `force` for those of the four points that are cloth (the first `out.len()`).
+/// Adds w_i `force` for each of the four points.
 #[inline]
 pub(super) fn spread(out: &mut [Vec3], points: &[u32; 4], weights: &[f64; 4], force: &Vec3) {
     for (&p, &w) in points.iter().zip(weights) {
-        if let Some(out) = out.get_mut(p as usize) {
-            *out += force * w;
-        }
+        out[p as usize] += force * w;
     }
 }
 
-/// Adds w_i w_j `block` for every pair of the four points that are cloth (the first `count`).
+/// Adds w_i w_j `block` for every pair of the four points.
 #[inline]
-pub(super) fn add_weighted(
-    out: &mut dyn BlockSink,
-    count: usize,
-    points: &[u32; 4],
-    weights: &[f64; 4],
-    block: &Mat3,
-) {
+pub(super) fn add_weighted(out: &mut dyn BlockSink, points: &[u32; 4], weights: &[f64; 4], block: &Mat3) {
     for i in 0..4 {
         for j in 0..=i {
             let share = weights[i] * weights[j];
-            if share != 0.0 && (points[i] as usize) < count && (points[j] as usize) < count {
+            if share != 0.0 {
                 add_symmetric(out, points[i], points[j], &(block * share));
             }
         }
@@ -253,21 +239,17 @@ mod tests {
         }
     }
 
-    fn at(x: &[Vec3; 1]) -> Places<'_> {
-        Places { cloth: x, body: &[] }
-    }
-
     /// Drags a point along by `ways` [m], one accepted step each; the force after each.
     fn dragged(ways: &[f64], stick: f64) -> Vec<f64> {
         let mut friction = Friction::default();
         let mut x = [Vec3::zeros()];
         let mut forces = Vec::new();
         for way in ways {
-            friction.begin(at(&x), stick, 1.0);
+            friction.begin(&x, stick, 1.0);
             friction.add(on_the_ground(2.0));
             x[0].x += way;
-            forces.push(friction.force(&friction.sliders[0], at(&x)).x);
-            friction.accept(at(&x));
+            forces.push(friction.force(&friction.sliders[0], &x).x);
+            friction.accept(&x);
         }
         forces
     }
@@ -285,45 +267,45 @@ mod tests {
     fn force_and_place_stay_when_the_step_changes() {
         let mut friction = Friction::default();
         let mut x = [Vec3::zeros()];
-        friction.begin(at(&x), 1e-5, 1.0);
+        friction.begin(&x, 1e-5, 1.0);
         friction.add(on_the_ground(2.0));
         x[0].z = 0.3e-5;
-        let before = friction.force(&friction.sliders[0], at(&x));
-        friction.accept(at(&x));
-        friction.begin(at(&x), 7e-4, 1.0);
+        let before = friction.force(&friction.sliders[0], &x);
+        friction.accept(&x);
+        friction.begin(&x, 7e-4, 1.0);
         friction.add(on_the_ground(2.0));
-        assert!((friction.force(&friction.sliders[0], at(&x)) - before).norm() < 1e-12);
+        assert!((friction.force(&friction.sliders[0], &x) - before).norm() < 1e-12);
     }
 
     #[test]
     fn the_gradient_matches_differences_and_the_secant_lies_nowhere_below() {
         let mut friction = Friction::default();
         let mut x = [Vec3::zeros()];
-        friction.begin(at(&x), 1e-3, 1.0);
+        friction.begin(&x, 1e-3, 1.0);
         friction.add(on_the_ground(3.0));
         x[0] = Vec3::new(2e-4, 0.0, -3e-4);
-        friction.accept(at(&x));
-        friction.begin(at(&x), 1e-3, 1.0);
+        friction.accept(&x);
+        friction.begin(&x, 1e-3, 1.0);
         friction.add(on_the_ground(3.0));
         for way in [Vec3::new(1e-4, 2e-4, 3e-4), Vec3::new(2e-3, 0.0, 1e-3)] {
             let here = [x[0] + way];
             let e = 1e-8;
-            let force = friction.force(&friction.sliders[0], at(&here));
-            let block = friction.block(&friction.sliders[0], at(&here));
+            let force = friction.force(&friction.sliders[0], &here);
+            let block = friction.block(&friction.sliders[0], &here);
             for axis in 0..3 {
                 let (mut up, mut down) = (here, here);
                 up[0][axis] += e;
                 down[0][axis] -= e;
-                let slope = (friction.value(at(&up)) - friction.value(at(&down))) / (2.0 * e);
+                let slope = (friction.value(&up) - friction.value(&down)) / (2.0 * e);
                 assert!((slope - force[axis]).abs() < 1e-6 * 3.0, "{slope} {force}");
             }
-            let value = friction.value(at(&here));
+            let value = friction.value(&here);
             let mut tight = f64::INFINITY;
             for k in 0..400 {
                 let (sin, cos) = (0.1 * f64::from(k)).sin_cos();
                 let d = Vec3::new(cos, 0.3, sin) * (1e-5 * f64::from(k));
                 let bound = value + force.dot(&d) + 0.5 * d.dot(&(block * d));
-                let there = friction.value(at(&[here[0] + d]));
+                let there = friction.value(&[here[0] + d]);
                 assert!(there <= bound + 1e-15, "{d}: {there} above {bound}");
                 tight = if k > 0 { tight.min((bound - there) / (0.5 * d.dot(&(block * d)))) } else { tight };
             }
@@ -336,11 +318,11 @@ mod tests {
         let mut friction = Friction::default();
         let mut x = [Vec3::zeros()];
         let mut force_after = |way: f64, friction: &mut Friction| {
-            friction.begin(at(&x), 1e-5, 1.5);
+            friction.begin(&x, 1e-5, 1.5);
             friction.add(on_the_ground(2.0));
             x[0].x += way;
-            let force = friction.force(&friction.sliders[0], at(&x)).x;
-            friction.accept(at(&x));
+            let force = friction.force(&friction.sliders[0], &x).x;
+            friction.accept(&x);
             force
         };
         assert!((force_after(0.1e-5, &mut friction) - 2.0 * (0.2 - 0.01)).abs() < 1e-12);

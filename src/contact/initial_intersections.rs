@@ -9,10 +9,9 @@
 //! That it does not get worse is not left to chance: no position is accepted at which more triangles cross than at
 //! the start, counted exactly (`mesh::crossings`). What has come apart is guarded from the next step on.
 
-use crate::contact::two_way_body::Body;
 use crate::math::Vec3;
 use crate::mesh::PointIndex;
-use crate::mesh::intersections::{crossings, crossings_between};
+use crate::mesh::intersections::crossings;
 use rustc_hash::FxHashSet;
 
 /// Triangles that cross, and the patches that are therefore left alone.
@@ -20,15 +19,11 @@ use rustc_hash::FxHashSet;
 pub(super) struct Entangled {
     /// Pairs of triangles of the cloth, sorted.
     pub layers: Vec<[u32; 2]>,
-    /// (triangle of the cloth, triangle of the body), sorted.
-    pub with_body: Vec<[u32; 2]>,
-    /// How many of each there may be: as many as at the start.
-    allowed: [usize; 2],
-    cloth: Patches,
-    body: Patches,
-    /// Pairs of patches of the cloth, both ways round, and (patch of the cloth, patch of the body).
+    /// How many there may be: as many as at the start.
+    allowed: usize,
+    patches: Patches,
+    /// Pairs of patches that cross, both ways round.
     cross: FxHashSet<[u32; 2]>,
-    cross_body: FxHashSet<[u32; 2]>,
 }
 
 /// A mesh as it is counted: positions [m], triangles, the edges of each triangle, and the number of edges.
@@ -42,70 +37,36 @@ pub(super) struct Mesh<'a> {
 
 impl Entangled {
     /// Counts at these places. `before` is the count of an earlier step, if there was one.
-    pub fn find(cloth: Mesh, body: Option<&Body>, before: Option<&Self>) -> Self {
+    pub fn find(cloth: Mesh, before: Option<&Self>) -> Self {
         let layers = crossings(cloth.x, cloth.triangles);
-        let mut found = Self { layers, ..Self::default() };
-        let mut of_cloth: Vec<u32> = found.layers.iter().flatten().copied().collect();
-        if let Some(body) = body {
-            let mesh = body.mesh();
-            found.with_body = crossings_between(cloth.x, cloth.triangles, mesh.x, mesh.triangles);
-            of_cloth.extend(found.with_body.iter().map(|pair| pair[0]));
-            found.body = Patches::around(mesh, found.with_body.iter().map(|pair| pair[1]).collect());
+        let patches = Patches::around(cloth, layers.iter().flatten().copied().collect());
+        let allowed = before.map_or(layers.len(), |before| before.allowed);
+        let mut cross = FxHashSet::default();
+        for &pair in &layers {
+            let [a, b] = pair.map(|f| patches.seed[f as usize]);
+            cross.extend([[a, b], [b, a]]);
         }
-        found.cloth = Patches::around(cloth, of_cloth);
-        let counts = [found.layers.len(), found.with_body.len()];
-        found.allowed = before.map_or(counts, |before| before.allowed);
-        let patch = |patches: &Patches, f: u32| patches.seed[f as usize];
-        for &[a, b] in &found.layers {
-            let (a, b) = (patch(&found.cloth, a), patch(&found.cloth, b));
-            found.cross.extend([[a, b], [b, a]]);
-        }
-        for &[a, b] in &found.with_body {
-            found.cross_body.insert([patch(&found.cloth, a), patch(&found.body, b)]);
-        }
-        found
+        Self { layers, allowed, patches, cross }
     }
 
     /// Whether nothing crosses.
     pub fn is_empty(&self) -> bool {
-        self.layers.is_empty() && self.with_body.is_empty()
+        self.layers.is_empty()
     }
 
     /// Whether a point and a triangle of the cloth are left alone.
     pub fn frees_point(&self, p: u32, f: u32) -> bool {
-        crossing(&self.cross, self.cloth.point(p), self.cloth.triangle(f))
+        crossing(&self.cross, self.patches.point(p), self.patches.triangle(f))
     }
 
     /// Whether two edges of the cloth are left alone.
     pub fn frees_edges(&self, e: u32, f: u32) -> bool {
-        crossing(&self.cross, self.cloth.edge(e), self.cloth.edge(f))
-    }
-
-    /// Whether a point of the cloth and a triangle of the body are left alone.
-    pub fn frees_point_of_cloth(&self, p: u32, f: u32) -> bool {
-        crossing(&self.cross_body, self.cloth.point(p), self.body.triangle(f))
-    }
-
-    /// Whether a triangle of the cloth and a point of the body are left alone.
-    pub fn frees_point_of_body(&self, f: u32, p: u32) -> bool {
-        crossing(&self.cross_body, self.cloth.triangle(f), self.body.point(p))
-    }
-
-    /// Whether an edge of the cloth and one of the body are left alone.
-    pub fn frees_edges_with_body(&self, e: u32, f: u32) -> bool {
-        crossing(&self.cross_body, self.cloth.edge(e), self.body.edge(f))
+        crossing(&self.cross, self.patches.edge(e), self.patches.edge(f))
     }
 
     /// Whether more triangles cross at these places than at the start.
-    pub fn is_worse_at(&self, cloth: Mesh, body: Option<&Body>) -> bool {
-        if self.is_empty() {
-            return false;
-        }
-        let with_body = |body: &Body| {
-            let mesh = body.mesh();
-            crossings_between(cloth.x, cloth.triangles, mesh.x, mesh.triangles).len() > self.allowed[1]
-        };
-        crossings(cloth.x, cloth.triangles).len() > self.allowed[0] || body.is_some_and(with_body)
+    pub fn is_worse_at(&self, cloth: Mesh) -> bool {
+        !self.is_empty() && crossings(cloth.x, cloth.triangles).len() > self.allowed
     }
 }
 
@@ -303,22 +264,19 @@ mod tests {
             triangle_edges: &topology.triangle_edges,
             edge_count: topology.edges.len(),
         };
-        let found = Entangled::find(mesh, None, None);
+        let found = Entangled::find(mesh, None);
         assert!(found.layers.len() > 20);
         // The bump's top is on the wrong side of the other sheet's middle; the corners are where they should be.
         let middle = (n / 2) * (n + 1) + n / 2;
         let over = (triangles.len() / 2 + triangles.len() / 4) as u32 + n;
         assert!(found.frees_point(middle, over));
         assert!(!found.frees_point(0, over) && !found.frees_point(middle, triangles.len() as u32 - 1));
-        assert!(!found.is_worse_at(mesh, None));
+        assert!(!found.is_worse_at(mesh));
         let mut worse = x.clone();
         worse[..half as usize].iter_mut().for_each(|p| p.y += 2e-3);
-        let now = Entangled::find(Mesh { x: &worse, ..mesh }, None, Some(&found));
-        assert_eq!(
-            found.is_worse_at(Mesh { x: &worse, ..mesh }, None),
-            now.layers.len() > found.layers.len()
-        );
+        let now = Entangled::find(Mesh { x: &worse, ..mesh }, Some(&found));
+        assert_eq!(found.is_worse_at(Mesh { x: &worse, ..mesh }), now.layers.len() > found.layers.len());
         worse[..half as usize].iter_mut().for_each(|p| p.y -= 0.05);
-        assert!(Entangled::find(Mesh { x: &worse, ..mesh }, None, Some(&found)).is_empty());
+        assert!(Entangled::find(Mesh { x: &worse, ..mesh }, Some(&found)).is_empty());
     }
 }

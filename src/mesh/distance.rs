@@ -1,4 +1,4 @@
-//! How far apart two small pieces of mesh are: point and edge, point and triangle, edge and edge.
+//! How far apart two small pieces of mesh are: point and triangle, edge and edge.
 //!
 //! Each function gives a [`Gap`]: the vector between the two closest points, its length, and that vector as signed
 //! weights of the corner points, so that a force along the gap spreads over the points by the same weights. These
@@ -15,9 +15,6 @@ use crate::math::Vec3;
 const FLAT_CORNER: f64 = 1e-20;
 /// Below this squared sine two edges count as parallel (angle 1e-8: over a centimetre, 0.1 nm).
 const PARALLEL: f64 = 1e-16;
-/// IPC: the mollifier acts below this squared sine of the angle between the edges, at rest lengths.
-const MOLLIFIER_REACH: f64 = 1e-3;
-
 /// The closest points of two pieces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gap {
@@ -57,13 +54,6 @@ pub fn barycentric(p: &Vec3, [a, b, c]: &[Vec3; 3]) -> [f64; 3] {
     }
     let (s, t) = ((vv * wu - uv * wv) / determinant, (uu * wv - uv * wu) / determinant);
     [1.0 - s - t, s, t]
-}
-
-/// Closest points of the point `p` and the edge `a b`; weights `[1, -(1-t), -t, 0]`.
-#[inline]
-pub fn point_edge(p: &Vec3, a: &Vec3, b: &Vec3) -> Gap {
-    let t = along_edge(p, a, b);
-    Gap::new((p - a) - (b - a) * t, [1.0, t - 1.0, -t, 0.0])
 }
 
 /// Closest points of the point `p` and the triangle `a b c`; weights `[1, -wa, -wb, -wc]`.
@@ -200,15 +190,6 @@ fn feet_on_parallels(a0: &Vec3, a1: &Vec3, b0: &Vec3, b1: &Vec3) -> (f64, f64) {
     (s, along_edge(&(a0 + (a1 - a0) * s), b0, b1))
 }
 
-/// Fades the contact of two edges out as they turn parallel (IPC equation 24): 0 when parallel, 1 from a squared
-/// sine of 1e-3 on. `rest_lengths` are those of edge a and edge b \[m\].
-#[inline]
-pub fn edge_parallel_mollifier(a0: &Vec3, a1: &Vec3, b0: &Vec3, b1: &Vec3, rest_lengths: [f64; 2]) -> f64 {
-    let c = (a1 - a0).cross(&(b1 - b0)).norm_squared();
-    let reach = MOLLIFIER_REACH * rest_lengths[0].powi(2) * rest_lengths[1].powi(2);
-    if c < reach { (2.0 - c / reach) * (c / reach) } else { 1.0 }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -315,7 +296,6 @@ mod tests {
     #[test]
     fn degenerate_pieces_are_the_point_or_edge_they_shrank_to() {
         let (p, a, b) = (Vec3::new(0.3, 1.0, 0.0), Vec3::zeros(), Vec3::new(1.0, 0.0, 0.0));
-        assert!((point_edge(&p, &a, &a).distance - p.norm()).abs() < 1e-15);
         for (x, y, z) in [(a, b, b), (a, a, b), (b, a, a), (a, b, a), (a, b, (a + b) / 2.0), (a, b * 0.5, b)]
         {
             let g = point_triangle(&p, &x, &y, &z);
@@ -348,19 +328,5 @@ mod tests {
         assert!(!point_triangle(&c, &a, &nan, &b).distance.is_finite());
         assert!(!edge_edge(&a, &nan, &b, &c).distance.is_finite());
         assert!(!edge_edge(&a, &b, &c, &nan).distance.is_finite());
-    }
-
-    #[test]
-    fn mollifier_rises_smoothly_from_parallel_to_its_reach() {
-        let value = |sine: f64| {
-            let turned = Vec3::new((1.0 - sine * sine).sqrt(), sine, 0.1);
-            let b0 = Vec3::new(0.0, 0.0, 0.1);
-            edge_parallel_mollifier(&Vec3::zeros(), &Vec3::x(), &b0, &turned, [1.0, 1.0])
-        };
-        assert_eq!(value(0.0), 0.0);
-        assert!((value((0.5e-3f64).sqrt()) - 0.75).abs() < 1e-12);
-        assert_eq!(value(0.04), 1.0);
-        let edge = 1e-3f64.sqrt();
-        assert!((value(edge * 1.001) - value(edge * 0.999)) < 1e-5, "no corner where it ends");
     }
 }

@@ -12,7 +12,7 @@ mod topology;
 pub mod triangle_bvh;
 mod weld;
 
-pub use hinge::{hinge_angle, hinge_gradient, hinge_hessian, unwrap_angle};
+pub use hinge::{hinge_angle, hinge_gradient, unwrap_angle};
 pub use index::{PointIndex, VertexIndex};
 pub use topology::{Hinge, NO_TRIANGLE, Topology};
 pub use weld::{Groups, Welder};

@@ -105,25 +105,11 @@ impl TriangleTree {
         self.bvh = Bvh::from_iter(BvhBuildStrategy::Binned, grown);
     }
 
-    /// Fits the boxes of some triangles only; those of the others stay as they were fitted last.
-    pub fn refit_some(&mut self, triangles: &[u32], start: &[Vec3], end: &[Vec3], inflate: f64) {
-        self.fit_these(triangles.par_iter().copied(), start, end, inflate);
-    }
-
     fn fit(&mut self, start: &[Vec3], end: &[Vec3], inflate: f64) {
-        self.fit_these((0..self.triangles.len() as u32).into_par_iter(), start, end, inflate);
-    }
-
-    fn fit_these(
-        &mut self,
-        which: impl IndexedParallelIterator<Item = u32>,
-        start: &[Vec3],
-        end: &[Vec3],
-        inflate: f64,
-    ) {
         // A margin of zero: the box is taken as it is. Always present, the tree was built over all triangles.
         let update = |f: u32| (swept_box(&self.triangles[f as usize], start, end, inflate), f, 0.0);
-        which.map(update).collect_into_vec(&mut self.updates);
+        let all = (0..self.triangles.len() as u32).into_par_iter();
+        all.map(update).collect_into_vec(&mut self.updates);
         self.bvh.insert_or_update_batch_partially_parallel(&self.updates, &mut self.updated);
         self.bvh.refit_without_opt();
     }
@@ -142,13 +128,6 @@ impl TriangleTree {
             {
                 visit(a, b);
             }
-        }
-    }
-
-    /// Calls `visit` for every triangle of `other` whose box overlaps that of the triangle `own`, in no order to rely on.
-    pub fn for_each_overlap_of(&self, own: u32, other: &Self, visit: impl FnMut(u32)) {
-        if let Some(node) = self.bvh.leaf_node(own) {
-            other.bvh.leaves(|other| node.intersects(other)).for_each(visit);
         }
     }
 

@@ -133,15 +133,13 @@ impl Stepper {
             let solved = report.converged
                 || report.left <= ENOUGH * self.options.newton.energy
                 || self.options.method.solver() != Solver::Converged;
-            // A shorter step may lead the cloth out of the body's way.
-            let settled = solved && unmet.body_held_up.is_none();
             // What barely moves is pressed fast: smaller steps would not loosen it.
             let stands = error <= aim;
-            if (settled && !too_coarse) || stands || last_chance {
+            if (solved && !too_coarse) || stands || last_chance {
                 let exponent = 1.0 / f64::from(self.options.method.order() + 1);
                 let wanted = (0.8 * aim / error.max(1e-12)).powf(exponent).clamp(0.3, 1.9);
                 // A step that did not converge is a hard one: do not grow into the next.
-                let growth = if settled || stands { wanted } else { wanted.min(1.0) };
+                let growth = if solved || stands { wanted } else { wanted.min(1.0) };
                 self.could_take = h * growth;
                 *state = next;
                 self.contact.accept(&state.x, h);
@@ -188,7 +186,6 @@ impl Stepper {
     ) -> (State, f64, NewtonReport) {
         let method = self.options.method;
         self.contact.set_planes(drive.ground, drive.ceiling);
-        self.contact.aim_body(drive.body.as_deref());
         let forces = self.forces(drive, &state.x);
         self.contact.begin_step(&state.x, h, drive.friction, &forces.held);
         let mut report = NewtonReport::default();
@@ -289,20 +286,10 @@ impl Stepper {
             newton.share = 0.0;
         }
         newton.energy = self.options.leeway.energy(newton.energy, drive, self.cloth.kinetic_energy(&state.v));
-        let mut report = NewtonReport::default();
-        for _ in 0..LED_AGAIN {
-            report.add(&problem.follow(x, &mut self.contact, &mut self.work));
-            report.add(&match self.options.method.solver() {
-                Solver::Converged | Solver::Once => {
-                    problem.solve(x, &mut self.contact, &newton, &mut self.work)
-                }
-                Solver::Sweeps => problem.sweep(x, &mut self.contact, &mut self.work),
-            });
-            if !self.contact.body_lags() {
-                break;
-            }
+        match self.options.method.solver() {
+            Solver::Converged | Solver::Once => problem.solve(x, &mut self.contact, &newton, &mut self.work),
+            Solver::Sweeps => problem.sweep(x, &mut self.contact, &mut self.work),
         }
-        report
     }
 
     fn forces(&mut self, drive: &Drive, x: &[Vec3]) -> Forces {
@@ -324,7 +311,7 @@ impl Stepper {
         Forces { held, push, wall, hands }
     }
 
-    /// Comes to equilibrium of `terms` from `x`, without inertia, friction and body. What crosses at `x` still does then.
+    /// Comes to equilibrium of `terms` from `x`, without inertia and friction. What crosses at `x` still does then.
     pub fn equilibrium(
         &mut self,
         x: &mut [Vec3],
@@ -333,7 +320,6 @@ impl Stepper {
         regularisation: f64,
     ) -> NewtonReport {
         self.contact.set_planes(None, None);
-        self.contact.aim_body(None);
         self.contact.keep_crossings();
         let held = vec![false; x.len()];
         self.contact.begin_step(x, f64::INFINITY, 0.0, &held);
@@ -346,9 +332,6 @@ impl Stepper {
 
 /// A step is kept short by something else if it is at most this share of what its error and what acts would allow.
 const KEPT_SHORT: f64 = 0.6;
-
-/// A body that is held up is led again, after the cloth has given way, this many times in all.
-const LED_AGAIN: usize = 3;
 
 /// A step that ran out of iterations counts as settled when what is left to gain is below this many times what
 /// convergence asks for.

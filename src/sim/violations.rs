@@ -1,7 +1,6 @@
 //! Demands that a step could not meet: noticed after it, with their size and place, so that the report can tell.
 //!
-//! Nothing here changes the motion. A body that the cloth holds up lags and catches up by itself (`contact::body`),
-//! layers that are pressed thinner than they are push back ever harder, and stretched cloth pulls: the demand simply
+//! Nothing here changes the motion. Layers that are pressed thinner than they are push back ever harder, and stretched cloth pulls: the demand simply
 //! stays unmet, and when it ends everything goes on.
 
 use crate::contact::Contact;
@@ -22,16 +21,12 @@ pub struct Shortfall {
 /// What one accepted step could not do as it was told.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Unmet {
-    /// The body is this far from where it should be [m].
-    pub body_held_up: Option<Shortfall>,
     /// Layers are pressed to this share of their contact distance.
     pub pressed: Option<Shortfall>,
     /// Cloth is stretched by this strain.
     pub stretched: Option<Shortfall>,
 }
 
-/// A body that lags by more than this share of the contact distance is held up.
-const LAG: f64 = 0.5;
 /// Layers nearer than this share of their contact distance are pressed beyond what contact is made for.
 const PRESSED: f64 = 0.02;
 /// Strain beyond what any of the fabrics bears in wear.
@@ -40,11 +35,6 @@ const STRETCHED: f64 = 0.3;
 impl Unmet {
     /// What is unmet at `x`, after a step of `contact`.
     pub(super) fn notice(x: &[Vec3], cloth: &Cloth, contact: &Contact) -> Self {
-        let body_held_up = contact.body().filter(|_| contact.body_lags()).and_then(|body| {
-            let (size, point) = body.lag();
-            let place = *body.points().get(point)?;
-            (size > LAG * contact.settings().distance).then_some(Shortfall { size, place })
-        });
         let pressed = contact
             .tightest(x)
             .filter(|tightest| tightest.share < PRESSED)
@@ -54,7 +44,7 @@ impl Unmet {
             strains.zip(0..).fold((STRETCHED, usize::MAX), |most, s| if s.0 > most.0 { s } else { most });
         let stretched = (most.1 != usize::MAX)
             .then(|| Shortfall { size: most.0, place: cloth.membrane.centre(most.1, x) });
-        Self { body_held_up, pressed, stretched }
+        Self { pressed, stretched }
     }
 
     /// Whether everything was met.

@@ -1,4 +1,5 @@
-//! What contact costs: its share of a step for 0, 1, 2, 4 and 8 layers, and how it grows with the number of points.
+//! What the search for contacts and the bound on motion cost: their fraction of a step for 0, 1, 2, 4 and 8 layers, and how it
+//! grows with the number of points.
 //!
 //! ```text
 //! cargo run --release --example contact_cost
@@ -9,6 +10,8 @@
 
 #[path = "run.rs"]
 mod run;
+#[path = "shapes.rs"]
+mod shapes;
 
 use crease::math::Vec3;
 use crease::sim::Drive;
@@ -43,16 +46,20 @@ fn measure(layers: usize, points: usize, steps: usize) -> (usize, [f64; 3]) {
     run.stepper.options.shortest = 0.01;
     let mut advance = |run: &mut Run| {
         let report = run.stepper.advance(&mut run.state, &run.memory, &mut drive, 0.01);
-        report.newton.iterations
+        (report.newton.iterations, report.newton.seconds[2])
     };
     // The first two build patterns.
     (0..2).for_each(|_| {
         advance(&mut run);
     });
-    let (clock, before) = (Instant::now(), run.stepper.contact.time_spent());
-    let solves: usize = (0..steps).map(|_| advance(&mut run)).sum();
+    let clock = Instant::now();
+    let (mut solves, mut contact) = (0, 0.0);
+    for _ in 0..steps {
+        let (more, seconds) = advance(&mut run);
+        solves += more;
+        contact += seconds;
+    }
     let whole = clock.elapsed().as_secs_f64();
-    let contact = (run.stepper.contact.time_spent() - before).as_secs_f64();
     let count = steps as f64;
     (run.state.x.len(), [1e3 * whole / count, 1e3 * contact / count, solves as f64 / count])
 }

@@ -1,14 +1,16 @@
 //! Scenes of cloth in contact, built from parts of the library, and how they are judged: crossings are counted exactly
 //! after every accepted step.
 
-use crease::contact::{Contact, ContactSettings};
-use crease::energy::{Bending, Membrane};
+use crate::shapes::Shape;
+use crease::contact::{BodyField, Contact, ContactSettings, FieldSettings};
+use crease::energy::{Bending, Cushion, Cushions, Energy, Membrane, Support, Supports};
 use crease::garment::RestState;
 use crease::math::{Rng, Vec2, Vec3};
-use crease::mesh::intersections::{crossings, crossings_between};
+use crease::mesh::intersections::crossings;
 use crease::mesh::{PointIndex, Topology};
 use crease::sim::Drive;
 use crease::sim::{Cloth, Leeway, Method, NewtonOptions, State, StepOptions, StepReport, Stepper};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Cloth before it is made: points in space, triangles, and each triangle laid flat.
@@ -89,14 +91,32 @@ pub struct Kind {
 pub const COTTON: Kind =
     Kind { density: 0.2, stretch: 400.0, bend: 5e-6, thickness: 1e-3, friction: 0.3, stiction: 1.0 };
 
+/// The body's points at the end of a step [m], and the contacts of the cloth with it.
+#[derive(Clone)]
+struct Met {
+    points: Arc<[Vec3]>,
+    cushions: Arc<[Cushion]>,
+    supports: Arc<[Support]>,
+}
+
+impl Default for Met {
+    fn default() -> Self {
+        Self { points: Arc::new([]), cushions: Arc::new([]), supports: Arc::new([]) }
+    }
+}
+
 /// A scene under way.
 pub struct Run {
     pub stepper: Stepper,
     pub state: State,
     pub memory: RestState,
     pub triangles: Vec<[PointIndex; 3]>,
-    /// Crossings after the worst accepted step: cloth with cloth, cloth with body.
-    pub worst: [usize; 2],
+    topology: Topology,
+    /// The body under the cloth, and what of it the last step met.
+    body: Option<BodyField>,
+    met: Met,
+    /// Crossings of the cloth with itself after the worst accepted step.
+    pub worst: usize,
     pub steps: usize,
     pub solves: usize,
     pub unconverged: usize,
@@ -149,7 +169,10 @@ impl Run {
             stepper: Stepper::new(cloth, contact, options),
             state: State::at_rest(pattern.x.clone(), angle),
             triangles: pattern.triangles.clone(),
-            worst: [0; 2],
+            topology,
+            body: None,
+            met: Met::default(),
+            worst: 0,
             steps: 0,
             solves: 0,
             unconverged: 0,
@@ -157,6 +180,36 @@ impl Run {
             fastest_at: (0.0, Vec3::zeros()),
             begun: Instant::now(),
         }
+    }
+
+    /// Puts `shape` under the cloth. It takes part in steps whose loads say where its points are.
+    pub fn put_on(&mut self, shape: &Shape) {
+        let settings = self.stepper.contact.settings();
+        let settings = FieldSettings {
+            reach: settings.distance,
+            clear: settings.distance,
+            stiffness: settings.stiffness,
+            areas: self.stepper.cloth.area.clone(),
+            friction: settings.friction_body,
+            creep: settings.creep,
+        };
+        self.body = Some(BodyField::new(&shape.points, &shape.triangles, settings));
+    }
+
+    /// Force of the body on the cloth in the last step [N], without friction.
+    pub fn body_force(&self) -> Vec3 {
+        let mut gradient = vec![Vec3::zeros(); self.state.x.len()];
+        let cushions: Vec<Cushion> = self.met.cushions.iter().map(|c| Cushion { limit: 0.0, ..*c }).collect();
+        Cushions(&cushions).add_gradient(&self.state.x, &mut gradient);
+        Supports(&self.met.supports).add_gradient(&self.state.x, &mut gradient);
+        -gradient.iter().sum::<Vec3>()
+    }
+
+    /// Force of ground and ceiling on the cloth [N], without friction: those between layers add up to nothing.
+    pub fn plane_force(&self) -> Vec3 {
+        let mut gradient = vec![Vec3::zeros(); self.state.x.len()];
+        self.stepper.contact.add_gradient(&self.state.x, &mut gradient);
+        -gradient.iter().sum::<Vec3>()
     }
 
     /// From now on steps are solved as far as rounding allows.
@@ -167,7 +220,10 @@ impl Run {
 
     /// One step of at most `wished` seconds.
     pub fn step(&mut self, drive_at: &mut dyn FnMut(f64, &State) -> Drive, wished: f64) -> StepReport {
-        let report = self.stepper.advance(&mut self.state, &self.memory, drive_at, wished);
+        let report = match self.body.take() {
+            Some(body) => self.step_on_body(body, drive_at, wished),
+            None => self.stepper.advance(&mut self.state, &self.memory, drive_at, wished),
+        };
         assert!(self.state.x.iter().all(|x| x.sum().is_finite()), "not finite at {} s", self.state.time);
         self.steps += 1;
         self.solves += report.newton.iterations;
@@ -177,8 +233,47 @@ impl Run {
                 (self.fastest, self.fastest_at) = (v.norm(), (self.state.time, *x));
             }
         }
-        let now = self.crossings();
-        self.worst = [0, 1].map(|k| self.worst[k].max(now[k]));
+        self.worst = self.worst.max(self.crossings());
+        report
+    }
+
+    /// One step with the body under the cloth, as a bake makes it.
+    fn step_on_body(
+        &mut self,
+        mut body: BodyField,
+        drive_at: &mut dyn FnMut(f64, &State) -> Drive,
+        wished: f64,
+    ) -> StepReport {
+        let start = self.state.time;
+        let mut met: Option<Met> = None;
+        let mut begun = false;
+        let (triangles, topology) = (&self.triangles, &self.topology);
+        let mut drive_on_body = |time: f64, state: &State| {
+            let mut drive = drive_at(time, state);
+            if let Some(points) = drive.body.take() {
+                if !begun {
+                    body.begin(&state.x, triangles, topology, &drive.held);
+                    begun = true;
+                }
+                let normals = body.normals(&points);
+                let h = time - start;
+                drive.cushions = body.cushions(&state.x, &points, &normals, h, drive.friction).into();
+                drive.supports = body.supports(&points, &normals).into();
+                drive.lead = body.lead(&state.x, &points).into();
+                met = Some(Met {
+                    points,
+                    cushions: Arc::clone(&drive.cushions),
+                    supports: Arc::clone(&drive.supports),
+                });
+            }
+            drive
+        };
+        let report = self.stepper.advance(&mut self.state, &self.memory, &mut drive_on_body, wished);
+        if let Some(met) = met {
+            body.accept(&self.state.x, &met.points, &met.cushions, &met.supports);
+            self.met = met;
+        }
+        self.body = Some(body);
         report
     }
 
@@ -217,13 +312,9 @@ impl Run {
         }
     }
 
-    /// Pairs of triangles that cross now: of the cloth, and of cloth and body.
-    pub fn crossings(&self) -> [usize; 2] {
-        let x = &self.state.x;
-        let body = self.stepper.contact.body();
-        let with_body =
-            body.map_or(0, |b| crossings_between(x, &self.triangles, b.points(), b.triangles()).len());
-        [crossings(x, &self.triangles).len(), with_body]
+    /// Pairs of triangles of the cloth that cross now.
+    pub fn crossings(&self) -> usize {
+        crossings(&self.state.x, &self.triangles).len()
     }
 
     /// [J].
@@ -239,7 +330,7 @@ impl Run {
     pub fn line(&self, name: &str) -> String {
         format!(
             "{name}: {} points, {:.2} s in {} steps ({} not converged), {} solves, {:.1} s wall; fastest {:.2} m/s at \
-             {:.2} s ({:.3}, {:.3}, {:.3}); crossings {} + {}",
+             {:.2} s ({:.3}, {:.3}, {:.3}); crossings {}",
             self.state.x.len(),
             self.state.time,
             self.steps,
@@ -251,8 +342,7 @@ impl Run {
             self.fastest_at.1.x,
             self.fastest_at.1.y,
             self.fastest_at.1.z,
-            self.worst[0],
-            self.worst[1]
+            self.worst
         )
     }
 }

@@ -9,14 +9,10 @@
 
 #[path = "bakes.rs"]
 mod bakes;
-#[path = "drop.rs"]
-mod drop;
 #[path = "../reference/external.rs"]
 mod external;
 #[path = "layers.rs"]
 mod layers;
-#[path = "pinch.rs"]
-mod pinch;
 #[path = "run.rs"]
 mod run;
 #[path = "shapes.rs"]
@@ -30,10 +26,7 @@ use run::Run;
 /// One run of a scene: its line, and whether it holds.
 type Scene = fn(usize, u64) -> (String, bool);
 
-const SCENES: [(&str, Scene); 13] = [
-    ("sphere", |n, seed| uncrossed("sphere", &drop::drop(&drop::sphere(), n, seed, 1.0))),
-    ("spiked", |n, seed| uncrossed("spiked", &drop::drop(&drop::spiked(), n, seed, 1.0))),
-    ("torus", |n, seed| uncrossed("torus", &drop::drop(&drop::torus(), n, seed, 1.0))),
+const SCENES: [(&str, Scene); 8] = [
     ("sleeve", |n, seed| uncrossed("sleeve, 4 turns", &layers::wring(n, 4.0, seed))),
     ("stack5", |n, seed| stacked(5, n, seed)),
     ("stack10", |n, seed| stacked(10, n, seed)),
@@ -56,16 +49,6 @@ const SCENES: [(&str, Scene); 13] = [
         let found = [5.0, 20.0].map(|speed| shots::shoot(50, speed, seed));
         let holds = found.iter().all(|f| (f.crossed, f.through) == (0, 0));
         (format!("shots at 5 and 20 m/s: {found:?}"), holds)
-    }),
-    ("pinch", |n, seed| {
-        let (shape, half) = pinch::spheres();
-        let found = pinch::pinch(&shape, half, 0.013, n, seed);
-        (found.line("pinched by spheres"), found.holds())
-    }),
-    ("plates", |n, seed| {
-        let (shape, half) = pinch::plates();
-        let found = pinch::pinch(&shape, half, 0.013, n, seed);
-        (found.line("pinched by plates"), found.holds())
     }),
 ];
 
@@ -99,7 +82,7 @@ fn folded_by_others() -> Vec<(bakes::Outcome, usize)> {
 }
 
 fn uncrossed(name: &str, run: &Run) -> (String, bool) {
-    (run.line(name), run.worst == [0, 0])
+    (run.line(name), run.worst == 0)
 }
 
 fn stacked(count: usize, points: usize, seed: u64) -> (String, bool) {
@@ -111,7 +94,7 @@ fn stacked(count: usize, points: usize, seed: u64) -> (String, bool) {
         1e3 * least,
         run.kinetic_energy()
     );
-    let holds = run.worst == [0, 0] && in_order && reaction.abs() < 1e-3 && run.kinetic_energy() < 1e-8;
+    let holds = run.worst == 0 && in_order && reaction.abs() < 1e-3 && run.kinetic_energy() < 1e-8;
     (line, holds)
 }
 

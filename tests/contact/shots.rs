@@ -40,7 +40,7 @@ pub fn shoot(count: usize, speed: f64, seed: u64) -> Shots {
         });
         found.shots += 1;
         found.hits += usize::from(hit);
-        found.crossed += usize::from(run.worst != [0, 0]);
+        found.crossed += usize::from(run.worst != 0);
         found.through += usize::from(through);
         found.steps += run.steps;
     }

@@ -49,7 +49,7 @@ fn slips_at(mu: f64, up_to: f64) -> f64 {
     let rise = 0.003;
     // Its diagonal does not run below the strip: edges of a flat body tilt the forces of edges that stand on them.
     let floor = Shape::plate(Vec3::new(-0.03, -below, -0.05), Vec3::x() * 0.1, Vec3::z() * 0.1, [1, 1]);
-    run.stepper.contact.set_body(Some(floor.body()));
+    run.put_on(&floor);
     let at = |up: f64| -> Arc<[Vec3]> { floor.points.iter().map(|p| p + Vec3::y() * up).collect() };
     let (mut found, mut home) = (f64::NAN, f64::NAN);
     run.watch(

@@ -1,10 +1,11 @@
 //! A single hinge against 50-digit differentiation of its energy (`r04_hinge.py`).
 
+use crate::hinge_hessian::hinge_hessian;
 use crate::reference;
 use crate::sheet::Sheet;
 use crease::energy::Energy;
 use crease::math::{Vec2, Vec3};
-use crease::mesh::{hinge_angle, hinge_gradient, hinge_hessian};
+use crease::mesh::{hinge_angle, hinge_gradient};
 use nalgebra::DMatrix;
 
 /// One pose: points, and what 50 digits say of E = k/2 (theta - 0.25)².

@@ -5,8 +5,7 @@
 //! ```
 //!
 //! The reference of a scene is made on the same mesh with the same energies by the two-stage method with an eighth of the
-//! shortest step, Newton to 1e-10 m, and extrapolated from that and twice the step; with contact, which is not smooth,
-//! it is the finer of the two. Its own error is told in the notes. Failures stand in the picture as crosses at their cost.
+//! shortest step, Newton to 1e-10 m, and extrapolated from that and twice the step. Its own error is told in the notes. Failures stand in the picture as crosses at their cost.
 //! `--full` adds the T-shirt that is folded thrice (`garment.rs`), which takes an hour.
 
 mod garment;
@@ -15,7 +14,7 @@ pub(super) use garment::read_own;
 pub use garment::{FoldThrice, Run, reference_options};
 
 use crate::chart::scenes;
-use crate::chart::scenes::{Cantilever, Flap, Outcome, OverSphere, Scene, Setting, Swing};
+use crate::chart::scenes::{Cantilever, Flap, Outcome, Scene, Setting, Swing};
 use crate::chart::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
 use crate::error::Result;
 use crate::sim::{Method, Solver};
@@ -55,14 +54,9 @@ pub struct Reference {
 }
 
 /// The reference of a scene whose shortest plotted step is `step` [s].
-pub fn reference(scene: &dyn Scene, step: f64, smooth: bool) -> Result<Reference> {
-    let share = if smooth { 8.0 } else { 4.0 };
+pub fn reference(scene: &dyn Scene, step: f64) -> Result<Reference> {
     let make = |h: f64| scenes::run(scene, &Setting::fixed(Method::Sdirk2, h, 1e-10));
-    let (fine, coarse) = (make(step / share)?, make(2.0 * step / share)?);
-    if !smooth {
-        let own_error = fine.profile_error(&coarse, scene.size());
-        return Ok(Reference { outcome: fine, own_error });
-    }
+    let (fine, coarse) = (make(step / 8.0)?, make(2.0 * step / 8.0)?);
     let own_error = fine.position_error(&coarse, scene.size());
     let more = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + (a - b) / 3.0).collect();
     let x = fine.x.iter().zip(&coarse.x).map(|(a, b)| a + (a - b) / 3.0).collect();
@@ -72,13 +66,7 @@ pub fn reference(scene: &dyn Scene, step: f64, smooth: bool) -> Result<Reference
 }
 
 /// Runs `scene` by one setting, `runs` times if it is quick, and compares.
-pub fn point(
-    scene: &dyn Scene,
-    reference: &Outcome,
-    setting: &Setting,
-    smooth: bool,
-    runs: usize,
-) -> Result<Point> {
+pub fn point(scene: &dyn Scene, reference: &Outcome, setting: &Setting, runs: usize) -> Result<Point> {
     let outcome = scenes::run(scene, setting)?;
     let mut walls = vec![outcome.wall];
     let again = if outcome.wall < LONG { runs } else { 1 };
@@ -93,11 +81,7 @@ pub fn point(
         knobs: [setting.step, setting.tolerance],
         wall: walls[walls.len() / 2],
         linear_solves: outcome.linear_solves,
-        position: if smooth {
-            outcome.position_error(reference, scene.size())
-        } else {
-            outcome.profile_error(reference, scene.size())
-        },
+        position: outcome.position_error(reference, scene.size()),
         angle: outcome.angle_error(reference),
         rest_angle: remembers.then(|| outcome.rest_angle_error(reference)),
         strain: outcome.largest_strain,
@@ -119,66 +103,46 @@ fn words(setting: &Setting) -> String {
 
 /// A scene and the steps it is run with.
 struct Sweep {
-    scenes: Vec<Box<dyn Scene>>,
-    /// Longest step [s], and how often it is halved.
-    steps: (f64, u32),
-    /// Whether it has no contact.
-    smooth: bool,
+    scene: Box<dyn Scene>,
+    /// Longest step [s].
+    longest: f64,
+    /// How often it is halved.
+    halvings: u32,
 }
 
-fn sweeps(full: bool) -> Vec<Sweep> {
-    let smooth = |scene: Box<dyn Scene>, steps| Sweep { scenes: vec![scene], steps, smooth: true };
+fn sweeps() -> Vec<Sweep> {
     vec![
-        smooth(Box::new(Flap), (1.0 / 10.0, 5)),
-        smooth(Box::new(Swing::SWING_30), (0.02, 5)),
-        smooth(Box::new(Swing::RELEASE_90), (0.02, 5)),
-        smooth(Box::new(Cantilever), (0.5, 6)),
-        Sweep {
-            scenes: (1..=SEEDS).map(|seed| Box::new(OverSphere { seed }) as Box<dyn Scene>).collect(),
-            steps: (1.0 / 20.0, if full { 4 } else { 2 }),
-            smooth: false,
-        },
+        Sweep { scene: Box::new(Flap), longest: 1.0 / 10.0, halvings: 5 },
+        Sweep { scene: Box::new(Swing::SWING_30), longest: 0.02, halvings: 5 },
+        Sweep { scene: Box::new(Swing::RELEASE_90), longest: 0.02, halvings: 5 },
+        Sweep { scene: Box::new(Cantilever), longest: 0.5, halvings: 6 },
     ]
 }
 
-/// Tolerances of Newton, over the size of the scene: where the scene is smooth, and where contact leaves more error than
-/// Newton ever does.
-const TOLERANCES: [&[f64]; 2] = [&[1e-4, 1e-7], &[1e-4]];
-/// Starts of a scene whose folds are decided by little.
-const SEEDS: u32 = 3;
+/// Tolerances of Newton, over the size of the scene.
+const TOLERANCES: &[f64] = &[1e-4, 1e-7];
 
-/// All points of one sweep; of several seeds that with the median error of position.
+/// All points of one sweep.
 fn points(sweep: &Sweep, runs: usize, notes: &mut Vec<String>) -> Result<Vec<Point>> {
-    let (longest, halvings) = sweep.steps;
+    let Sweep { scene, longest, halvings } = sweep;
+    let (scene, longest, halvings) = (scene.as_ref(), *longest, *halvings);
     let shortest = longest / f64::from(1 << halvings);
-    let references: Vec<Reference> = sweep
-        .scenes
-        .iter()
-        .map(|scene| reference(scene.as_ref(), shortest, sweep.smooth))
-        .collect::<Result<_>>()?;
+    let Reference { outcome, own_error } = reference(scene, shortest)?;
     let mut all = Vec::new();
     for &method in Method::EVERY {
         for k in 0..=halvings {
             let step = longest / f64::from(1 << k);
-            let tolerances = if method.solver() == Solver::Converged { TOLERANCES[usize::from(!sweep.smooth)] } else { &[0.0] };
+            let tolerances = if method.solver() == Solver::Converged { TOLERANCES } else { &[0.0] };
             for tolerance in tolerances {
-                let mut seeds = Vec::new();
-                for (scene, reference) in sweep.scenes.iter().zip(&references) {
-                    let setting = Setting::fixed(method, step, tolerance * scene.size());
-                    seeds.push(point(scene.as_ref(), &reference.outcome, &setting, sweep.smooth, runs)?);
-                }
-                seeds.sort_by(|a, b| a.position.total_cmp(&b.position));
-                all.extend(seeds.into_iter().nth(sweep.scenes.len() / 2));
+                let setting = Setting::fixed(method, step, tolerance * scene.size());
+                all.push(point(scene, &outcome, &setting, runs)?);
             }
         }
     }
-    let name = sweep.scenes.first().map_or("", |scene| scene.name());
-    let mut own: Vec<f64> = references.iter().map(|r| r.own_error).collect();
-    own.sort_by(f64::total_cmp);
-    let own = own.get(own.len() / 2).copied().unwrap_or(0.0);
+    let name = scene.name();
     let least = all.iter().filter(|p| p.failed.is_none()).map(|p| p.position).fold(f64::INFINITY, f64::min);
     notes.push(format!(
-        "{name}: the reference is good to {own:.1e} of the size, the smallest error shown is {least:.1e}"
+        "{name}: the reference is good to {own_error:.1e} of the size, the smallest error shown is {least:.1e}"
     ));
     notes.extend(at_equal_error(name, &all));
     Ok(all)
@@ -226,16 +190,14 @@ pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
         "why_failed",
     ]);
     let mut notes = vec![
-        "error_position: largest distance of a point from the reference at the end, over the size of the scene; for \
-         sphere-twist root mean square of sorted heights, median of three starts"
+        "error_position: largest distance of a point from the reference at the end, over the size of the scene"
             .into(),
         "linear_solves: systems solved, of the whole or of parts; rounds of sweeps for vbd, which is visual".into(),
     ];
     let mut panels = Vec::new();
     let mut scenes: Vec<(&'static str, Vec<Point>)> = Vec::new();
-    for sweep in sweeps(options.full) {
-        let name = sweep.scenes.first().map_or("", |scene| scene.name());
-        scenes.push((name, points(&sweep, options.runs, &mut notes)?));
+    for sweep in sweeps() {
+        scenes.push((sweep.scene.name(), points(&sweep, options.runs, &mut notes)?));
     }
     if options.full {
         scenes.push((garment::NAME, garment::points(&mut notes)?));

@@ -11,14 +11,12 @@
 mod cantilever;
 mod flap;
 mod flight;
-mod sphere;
 mod stack;
 mod swing;
 
 pub use cantilever::Cantilever;
 pub use flap::Flap;
 pub use flight::Flight;
-pub use sphere::OverSphere;
 pub use stack::Stack;
 pub use swing::Swing;
 
@@ -143,17 +141,6 @@ impl Outcome {
     /// Largest distance of a point from where it is in `other`, as a share of `size`.
     pub fn position_error(&self, other: &Self, size: f64) -> f64 {
         self.x.iter().zip(&other.x).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max) / size
-    }
-
-    /// Root mean square difference of the heights, lowest with lowest and so on, as a share of `size`: where which fold
-    /// went does not count, how far the cloth hangs does.
-    pub fn profile_error(&self, other: &Self, size: f64) -> f64 {
-        let heights = |x: &[Vec3]| {
-            let mut y: Vec<f64> = x.iter().map(|x| x.y).collect();
-            y.sort_by(f64::total_cmp);
-            y
-        };
-        rms(&heights(&self.x), &heights(&other.x)) / size
     }
 
     /// Root mean square difference of the rest angles [rad].

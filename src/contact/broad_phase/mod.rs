@@ -23,15 +23,10 @@ use crate::contact::broad_phase::verlet_list::Kept;
 use crate::math::Vec3;
 use crate::mesh::aabb::{MovingBox, SweptBox};
 use crate::mesh::static_bvh::{Pairs, Patches};
-use crate::mesh::triangle_bvh::TriangleTree;
 use crate::mesh::{PointIndex, Topology};
 pub use primitive_pair::{PairKind, Quad, rest_distance};
 use rayon::prelude::*;
 
-/// Pairs of triangles that one task compares.
-const CHUNK: usize = 2048;
-/// Triangles whose overlaps one task looks for.
-const OWN_CHUNK: usize = 128;
 /// The reach is widened by this fraction, so that rounding in boxes and distances never loses a pair.
 const ROUNDING: f64 = 1e-9;
 
@@ -41,17 +36,6 @@ pub struct Candidates {
     /// (point, triangle), sorted.
     pub point_triangle: Vec<[u32; 2]>,
     /// (edge, edge), lower first, sorted.
-    pub edge_edge: Vec<[u32; 2]>,
-}
-
-/// Pairs between two meshes, the first usually the cloth and the second the body.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct CandidatesBetween {
-    /// (point of the first, triangle of the second), sorted.
-    pub point_triangle: Vec<[u32; 2]>,
-    /// (point of the second, triangle of the first), sorted.
-    pub triangle_point: Vec<[u32; 2]>,
-    /// (edge of the first, edge of the second), sorted.
     pub edge_edge: Vec<[u32; 2]>,
 }
 
@@ -74,43 +58,6 @@ impl Candidates {
     }
 }
 
-impl CandidatesBetween {
-    /// Number of pairs of all kinds.
-    pub fn len(&self) -> usize {
-        self.point_triangle.len() + self.triangle_point.len() + self.edge_edge.len()
-    }
-
-    /// Whether there is no pair at all.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// All pairs as their points, in the order of the fields; points of the second mesh are counted on from `offset`,
-    /// the number of points of the first.
-    pub fn quads<'a>(
-        &'a self,
-        first: &'a CandidateFinder,
-        second: &'a CandidateFinder,
-        offset: u32,
-    ) -> impl Iterator<Item = Quad> + 'a {
-        let own = |p: u32| PointIndex(p);
-        let other = move |p: u32| PointIndex(p + offset);
-        let point_triangle = self.point_triangle.iter().map(move |&[p, f]| {
-            let [a, b, c] = second.triangles[f as usize].corners.map(other);
-            Quad { kind: PairKind::PointTriangle, points: [own(p), a, b, c] }
-        });
-        let triangle_point = self.triangle_point.iter().map(move |&[p, f]| {
-            let [a, b, c] = first.triangles[f as usize].corners.map(own);
-            Quad { kind: PairKind::PointTriangle, points: [other(p), a, b, c] }
-        });
-        let edge_edge = self.edge_edge.iter().map(move |&[e, f]| {
-            let ([a, b], [c, d]) = (first.edges[e as usize].map(own), second.edges[f as usize].map(other));
-            Quad { kind: PairKind::EdgeEdge, points: [a, b, c, d] }
-        });
-        point_triangle.chain(triangle_point).chain(edge_edge)
-    }
-}
-
 /// Finds candidates for one mesh as it moves; keeps its tree from call to call.
 #[derive(Clone)]
 pub struct CandidateFinder {
@@ -119,9 +66,6 @@ pub struct CandidateFinder {
     /// The triangle that each point and each edge belongs to; [`NONE`] for points in no triangle.
     point_owner: Vec<u32>,
     edge_owner: Vec<u32>,
-    /// For searches between two meshes.
-    tree: TriangleTree,
-    /// For those within this one.
     patches: Patches,
     kept: Kept,
     /// One per point.
@@ -217,7 +161,6 @@ impl CandidateFinder {
             edges: topology.edges.iter().map(|e| e.map(|p| p.0)).collect(),
             point_owner,
             edge_owner,
-            tree: TriangleTree::new(points, triangles, 0.0),
             patches: Patches::new(points, triangles),
             kept: Kept::default(),
             point_boxes: Vec::new(),
@@ -239,11 +182,6 @@ impl CandidateFinder {
     pub fn quad_edge_edge(&self, first: u32, second: u32) -> Quad {
         let ([a, b], [c, d]) = (self.edges[first as usize], self.edges[second as usize]);
         Quad { kind: PairKind::EdgeEdge, points: [a, b, c, d].map(PointIndex) }
-    }
-
-    /// The tree as of the last rest or search between two meshes, its boxes swept and grown by half the reach.
-    pub fn tree(&self) -> &TriangleTree {
-        &self.tree
     }
 
     /// All pairs that may come within `reach` \[m\] while every point moves straight from `start` to `end` \[m\] by any
@@ -291,15 +229,13 @@ impl CandidateFinder {
         let compare = |lists: &mut [Shortlist; 2], part: &Pairs| {
             let [points, edges] = lists;
             for &(a, b) in part {
-                side.shortlist_points(a, &side, b, points);
-                side.shortlist_points(b, &side, a, points);
-                side.shortlist_edges(a, &side, b, edges);
+                side.shortlist_points(a, b, points);
+                side.shortlist_points(b, a, points);
+                side.shortlist_edges(a, b, edges);
             }
             edges.ordered();
-            let points = points
-                .drain(|p, f| side.point_near::<true>(p, &side, f) && !skip(self.quad_point_triangle(p, f)));
-            let edges =
-                edges.drain(|e, f| side.edge_near::<true>(e, &side, f) && !skip(self.quad_edge_edge(e, f)));
+            let points = points.drain(|p, f| side.point_near(p, f) && !skip(self.quad_point_triangle(p, f)));
+            let edges = edges.drain(|e, f| side.edge_near(e, f) && !skip(self.quad_edge_edge(e, f)));
             (points, edges)
         };
         let found: Vec<_> = pairs.par_iter().with_max_len(1).map_init(Default::default, compare).collect();
@@ -307,11 +243,6 @@ impl CandidateFinder {
         let (point_triangle, edge_edge) =
             rayon::join(|| sorted(&point_parts, start.len()), || sorted(&edge_parts, self.edges.len()));
         Candidates { point_triangle, edge_edge }
-    }
-
-    /// Fits all to a mesh that rests at `x` \[m\], for searches of `reach` \[m\].
-    pub fn rest(&mut self, x: &[Vec3], reach: f64) {
-        self.fit(x, x, 0.5 * reach * (1.0 + ROUNDING));
     }
 
     /// The points for which `moving` is set, one flag per point, as what [`Self::find_around`] moves while everything else
@@ -344,90 +275,6 @@ impl CandidateFinder {
         }
         let pairs = self.meetings(start, end, reach, together, Some(&portion.has));
         self.compare(&pairs, start, end, reach, together, skip)
-    }
-
-    /// [`Self::find_between`] where only the points of a portion move, all others being where they were when it was made;
-    /// `other` was fitted for this reach and rests.
-    pub fn find_between_around(
-        &mut self,
-        portion: &Portion,
-        start: &[Vec3],
-        end: &[Vec3],
-        other: &Self,
-        other_start: &[Vec3],
-        reach: f64,
-    ) -> CandidatesBetween {
-        let reach = reach * (1.0 + ROUNDING);
-        self.sweep_portion(portion, start, end, false);
-        self.tree.refit_some(&portion.triangles, start, end, 0.5 * reach);
-        let pairs = self.overlaps_of(&portion.triangles, &other.tree);
-        self.compare_between(&pairs, start, other, other_start, reach)
-    }
-
-    /// The same between this mesh and another, both moving.
-    pub fn find_between(
-        &mut self,
-        start: &[Vec3],
-        end: &[Vec3],
-        other: &mut Self,
-        other_start: &[Vec3],
-        other_end: &[Vec3],
-        reach: f64,
-    ) -> CandidatesBetween {
-        let reach = reach * (1.0 + ROUNDING);
-        self.fit(start, end, 0.5 * reach);
-        other.fit(other_start, other_end, 0.5 * reach);
-        let mut pairs = Vec::new();
-        self.tree.for_each_overlap_with(&other.tree, |a, b| pairs.push((a, b)));
-        self.compare_between(&pairs, start, other, other_start, reach)
-    }
-
-    fn compare_between(
-        &self,
-        pairs: &[(u32, u32)],
-        start: &[Vec3],
-        other: &Self,
-        other_start: &[Vec3],
-        reach: f64,
-    ) -> CandidatesBetween {
-        let (first, second) = (self.side(start, reach), other.side(other_start, reach));
-        let compare = |lists: &mut [Shortlist; 3], chunk: &[(u32, u32)]| {
-            let [points, triangles, edges] = lists;
-            for &(a, b) in chunk {
-                first.shortlist_points(a, &second, b, points);
-                second.shortlist_points(b, &first, a, triangles);
-                first.shortlist_edges(a, &second, b, edges);
-            }
-            let points = points.drain(|p, f| first.point_near::<false>(p, &second, f));
-            let triangles = triangles.drain(|p, f| second.point_near::<false>(p, &first, f));
-            let edges = edges.drain(|e, f| first.edge_near::<false>(e, &second, f));
-            (points, (triangles, edges))
-        };
-        let found: Vec<_> = pairs.par_chunks(CHUNK).map_init(Default::default, compare).collect();
-        let (points, rest): (Vec<_>, Vec<_>) = found.into_iter().unzip();
-        let (triangles, edges): (Vec<_>, Vec<_>) = rest.into_iter().unzip();
-        CandidatesBetween {
-            point_triangle: sorted(&points, start.len()),
-            triangle_point: sorted(&triangles, other_start.len()),
-            edge_edge: sorted(&edges, self.edges.len()),
-        }
-    }
-
-    /// Pairs of the triangles `own` with those of `other` whose boxes overlap theirs.
-    fn overlaps_of(&self, own: &[u32], other: &TriangleTree) -> Vec<(u32, u32)> {
-        let of_some = |own: &[u32]| {
-            let mut pairs = Vec::new();
-            for &a in own {
-                self.tree.for_each_overlap_of(a, other, |b| pairs.push((a, b)));
-            }
-            pairs
-        };
-        own.par_chunks(OWN_CHUNK).map(of_some).collect::<Vec<_>>().concat()
-    }
-
-    fn fit(&mut self, start: &[Vec3], end: &[Vec3], inflate: f64) {
-        self.tree.refit(start, end, inflate);
-        self.sweep(start, end, false);
     }
 
     /// Fits ways and boxes of points, edges and triangles to a motion.
@@ -470,13 +317,9 @@ impl CandidateFinder {
         }
     }
 
-    /// Both sides of a mesh that meets itself.
     fn same_side<'a>(&'a self, start: &'a [Vec3], end: &'a [Vec3], reach: f64, together: bool) -> Side<'a> {
-        Side { together: (together && start != end).then_some(end), ..self.side(start, reach) }
-    }
-
-    fn side<'a>(&'a self, start: &'a [Vec3], reach: f64) -> Side<'a> {
-        Side { mesh: self, start, ways: &self.ways, reach, box_reach: SweptBox::reach(reach), together: None }
+        let together = (together && start != end).then_some(end);
+        Side { mesh: self, start, ways: &self.ways, reach, box_reach: SweptBox::reach(reach), together }
     }
 }
 

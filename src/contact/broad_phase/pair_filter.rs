@@ -4,7 +4,7 @@ use crate::contact::broad_phase::CandidateFinder;
 use crate::math::Vec3;
 use crate::mesh::distance::{edge_edge_squared, point_triangle_squared};
 
-/// One of the two meshes that meet (or the same one twice), with its motion.
+/// A mesh that meets itself, with its motion.
 pub(super) struct Side<'a> {
     pub mesh: &'a CandidateFinder,
     pub start: &'a [Vec3],
@@ -25,51 +25,50 @@ impl Side<'_> {
         self.together.is_none()
     }
 
-    /// Adds the points of `triangle` whose boxes are near triangle `of_other`.
+    /// Adds the points of `triangle` whose boxes are near triangle `other`.
     #[inline(always)]
-    pub fn shortlist_points(&self, triangle: u32, other: &Side, of_other: u32, list: &mut Shortlist) {
-        let other_box = &other.mesh.triangle_boxes[of_other as usize];
+    pub fn shortlist_points(&self, triangle: u32, other: u32, list: &mut Shortlist) {
+        let other_box = &self.mesh.triangle_boxes[other as usize];
         list.make_room(3);
         for p in self.mesh.triangles[triangle as usize].points() {
             list.add_if(
-                [p, of_other],
+                [p, other],
                 self.mesh.point_boxes[p as usize].near(other_box, self.box_reach, self.rests()),
             );
         }
     }
 
-    /// Adds the edges of `triangle` with the edges of triangle `of_other` whose boxes are near.
+    /// Adds the edges of `triangle` with the edges of triangle `other` whose boxes are near.
     #[inline(always)]
-    pub fn shortlist_edges(&self, triangle: u32, other: &Side, of_other: u32, list: &mut Shortlist) {
-        let others = &other.mesh.triangles[of_other as usize];
+    pub fn shortlist_edges(&self, triangle: u32, other: u32, list: &mut Shortlist) {
+        let others = &self.mesh.triangles[other as usize];
         list.make_room(9);
         for e in self.mesh.triangles[triangle as usize].edges() {
             let own_box = &self.mesh.edge_boxes[e as usize];
             for f in others.edges() {
                 list.add_if(
                     [e, f],
-                    own_box.near(&other.mesh.edge_boxes[f as usize], self.box_reach, self.rests()),
+                    own_box.near(&self.mesh.edge_boxes[f as usize], self.box_reach, self.rests()),
                 );
             }
         }
     }
 
-    /// Whether a point and a triangle of the other side can come near. `SAME`: both sides are one mesh, where a
-    /// shared point excludes the pair.
+    /// Whether a point and a triangle can come near; a shared point excludes the pair.
     #[inline(always)]
-    pub fn point_near<const SAME: bool>(&self, point: u32, other: &Side, triangle: u32) -> bool {
-        let corners = other.mesh.triangles[triangle as usize].corners;
+    pub fn point_near(&self, point: u32, triangle: u32) -> bool {
+        let corners = self.mesh.triangles[triangle as usize].corners;
         let squared = |[p]: [&Vec3; 1], [a, b, c]: [&Vec3; 3]| point_triangle_squared(p, a, b, c);
-        !(SAME && corners.contains(&point)) && self.may_come_near([point], other, corners, squared)
+        !corners.contains(&point) && self.may_come_near([point], corners, squared)
     }
 
-    /// Whether an edge and an edge of the other side can come near.
+    /// Whether two edges can come near; a shared point excludes the pair.
     #[inline(always)]
-    pub fn edge_near<const SAME: bool>(&self, edge: u32, other: &Side, other_edge: u32) -> bool {
-        let (ends, others) = (self.mesh.edges[edge as usize], other.mesh.edges[other_edge as usize]);
+    pub fn edge_near(&self, edge: u32, other: u32) -> bool {
+        let (ends, others) = (self.mesh.edges[edge as usize], self.mesh.edges[other as usize]);
         let squared = |[a, b]: [&Vec3; 2], [c, d]: [&Vec3; 2]| edge_edge_squared(a, b, c, d);
-        let shared = SAME && ends.iter().any(|p| others.contains(p));
-        !shared && self.may_come_near(ends, other, others, squared)
+        let shared = ends.iter().any(|p| others.contains(p));
+        !shared && self.may_come_near(ends, others, squared)
     }
 
     /// Whether a pair can come within the reach: its distance now, less the longest way of a point on either side.
@@ -79,17 +78,16 @@ impl Side<'_> {
     fn may_come_near<const M: usize, const N: usize>(
         &self,
         own: [u32; M],
-        other: &Side,
         others: [u32; N],
         squared: impl Fn([&Vec3; M], [&Vec3; N]) -> f64,
     ) -> bool {
         let limit = self.reach
             + match self.together {
                 Some(end) => self.way_against(end, &own, &others),
-                None => self.way(&own) + other.way(&others),
+                None => self.way(&own) + self.way(&others),
             };
         let x = own.map(|p| &self.start[p as usize]);
-        let y = others.map(|p| &other.start[p as usize]);
+        let y = others.map(|p| &self.start[p as usize]);
         squared(x, y) <= limit * limit
     }
 

@@ -141,13 +141,13 @@ impl CandidateFinder {
         let box_reach = SweptBox::reach(reach);
         let point = |[p, f]: [u32; 2]| {
             self.point_boxes[p as usize].near(&self.triangle_boxes[f as usize], box_reach, side.rests())
-                && side.point_near::<true>(p, &side, f)
+                && side.point_near(p, f)
                 && wanted(self.quad_point_triangle(p, f), self.point_owner[p as usize], f)
         };
         let edge = |[e, f]: [u32; 2]| {
             let [a, b] = [e, f].map(|e| self.edge_owner[e as usize]);
             self.edge_boxes[e as usize].near(&self.edge_boxes[f as usize], box_reach, side.rests())
-                && side.edge_near::<true>(e, &side, f)
+                && side.edge_near(e, f)
                 && wanted(self.quad_edge_edge(e, f), a, b)
         };
         list.only(point, edge)

@@ -1,20 +1,15 @@
-//! Cloth against cloth and against a body: point-triangle and edge-edge pairs within the contact distance, and the
-//! bound on motion.
-//!
-//! The points of the body follow those of the cloth in one numbering. In a solve the body stands still where it has
-//! come to; only [`PairContact::advance`] moves it, together with the cloth.
+//! Cloth against cloth: point-triangle and edge-edge pairs within the contact distance, and the bound on motion.
 
 mod subset;
 
 use crate::contact::ContactSettings;
 use crate::contact::barrier;
-use crate::contact::broad_phase::{CandidateFinder, Candidates, CandidatesBetween, PairKind, Quad};
+use crate::contact::broad_phase::{CandidateFinder, Candidates, PairKind, Quad};
 use crate::contact::collision_set::subset::Focus;
 use crate::contact::initial_intersections::{Entangled, Mesh};
-use crate::contact::stacked_positions::Places;
 use crate::contact::step_bounds::{local_step_fractions, stay_apart, swept_boxes};
-use crate::contact::two_way_body::{Body, edge_area};
-use crate::math::{Vec3, bounds};
+use crate::contact::uncovered_area::UncoveredArea;
+use crate::math::Vec3;
 use crate::mesh::distance::Gap;
 use crate::mesh::{PointIndex, Topology};
 use rayon::prelude::*;
@@ -24,7 +19,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Touch {
     pub kind: PairKind,
-    /// Points of the body are counted on from those of the cloth.
     pub points: [u32; 4],
     /// Signed: distance vector = sum w_i x_i.
     pub weights: [f64; 4],
@@ -69,9 +63,6 @@ pub(super) struct PairContact {
     point_area: Vec<f64>,
     edge_area: Vec<f64>,
     finder: CandidateFinder,
-    body: Option<Body>,
-    /// Whether the body takes part.
-    body_acts: bool,
     pairs: Vec<Pair>,
     /// What touched when last asked, if that still holds.
     last_touches: Mutex<Option<TouchesAt>>,
@@ -81,16 +72,15 @@ pub(super) struct PairContact {
     focus: Option<Focus>,
     /// Per point: contact distance at most [m]; less than the thickness where something was nearer at the start.
     room: Vec<f64>,
-    /// Where the cloth was [m] and who slept when the pairs were taken up, where everything rested and no body took part; none
+    /// Where the cloth was [m] and who slept when the pairs were taken up, where everything rested; none
     /// once they are those of a motion.
     rested: Option<(Vec<Vec3>, Vec<bool>)>,
-    /// Where uncovered areas were asked for last [m], and what they were there, one per point [m²].
-    uncovered: Option<(Vec<Vec3>, Vec<f64>)>,
+    uncovered: UncoveredArea,
     /// When nothing was near in a wide search, where the points were then [m], and how wide it was [m].
     clear: Option<(Vec<Vec3>, f64)>,
     /// Steps until a wide search is worth trying again.
     search_after: u32,
-    /// What crosses since the start; none before the first step (or the first with a body).
+    /// What crosses since the start; none before the first step.
     entangled: Option<Entangled>,
 }
 
@@ -103,7 +93,7 @@ enum Rule {
     SingleTogether,
     /// All points by the same share, and nothing may pass.
     Together,
-    /// The body moves, too, and presses no layer below the inner part of the contact distance.
+    /// Each by its own share, and no layer is pressed below the inner part of the contact distance.
     Led,
     /// The same, and nothing may pass.
     LedFrozen,
@@ -119,13 +109,17 @@ impl Rule {
     fn nothing_passes(self) -> bool {
         matches!(self, Self::Together | Self::LedFrozen | Self::LedTogether)
     }
+
+    fn led(self) -> bool {
+        matches!(self, Self::Led | Self::LedFrozen | Self::LedTogether)
+    }
 }
 
 /// Pairs that are this near in the rest shape push apart only below this share of their rest distance.
 const REST_SHARE: f64 = 0.9;
 /// Candidates reach this many contact distances, so that the pattern of the linear system can look ahead.
 const CANDIDATE_MARGIN: f64 = 1.5;
-/// A moving body presses layers together to this share of the contact distance and no further: there it waits.
+/// Cloth that is led presses layers together to this share of the contact distance and no further.
 const SQUEEZED: f64 = 0.3;
 /// Where they are nearer already it takes up to this share of the gap: nothing, but that they must be free to part.
 const BARELY: f64 = 0.02;
@@ -163,42 +157,16 @@ impl PairContact {
             edges,
             point_area: area.to_vec(),
             finder: CandidateFinder::new(rest, triangles, topology),
-            body: None,
-            body_acts: false,
             pairs: Vec::new(),
             last_touches: Mutex::default(),
             asleep: Vec::new(),
             focus: None,
             room: vec![settings.distance; rest.len()],
             rested: None,
-            uncovered: None,
+            uncovered: UncoveredArea::new(rest, triangles),
             clear: None,
             search_after: 0,
             entangled: None,
-        }
-    }
-
-    pub fn set_body(&mut self, body: Option<Body>) {
-        self.forget_touches();
-        self.body = body;
-        self.body_acts = false;
-    }
-
-    pub fn body(&self) -> Option<&Body> {
-        self.body.as_ref()
-    }
-
-    /// See [`crate::contact::Contact::aim_body`].
-    pub fn aim_body(&mut self, target: Option<&[Vec3]>) {
-        self.forget_touches();
-        let acts = target.is_some() && self.body.is_some();
-        if acts && !self.body_acts {
-            // Whoever brings a body in may have put it anywhere.
-            self.entangled = None;
-        }
-        self.body_acts = acts;
-        if let (Some(body), Some(target)) = (&mut self.body, target) {
-            body.aim(target);
         }
     }
 
@@ -214,21 +182,6 @@ impl PairContact {
     pub fn forget(&mut self) {
         self.rested = None;
         self.finder.forget();
-    }
-
-    /// Whether a body takes part.
-    pub fn body_acts(&self) -> bool {
-        self.body_acts
-    }
-
-    /// The body, if it takes part.
-    fn acting(&self) -> Option<&Body> {
-        self.body.as_ref().filter(|_| self.body_acts)
-    }
-
-    /// Where cloth and body are.
-    pub fn places<'a>(&'a self, x: &'a [Vec3]) -> Places<'a> {
-        Places { cloth: x, body: self.acting().map_or(&[], |body| &body.now) }
     }
 
     fn mesh<'a>(&'a self, x: &'a [Vec3]) -> Mesh<'a> {
@@ -250,10 +203,10 @@ impl PairContact {
         let first = self.entangled.is_none();
         let still = vec![Vec3::zeros(); x.len()];
         if self.entangled.as_ref().is_some_and(|e| !e.is_empty()) {
-            self.look(x, &still, None, true);
+            self.look(x, &still, true);
             let before: Vec<bool> = self.pairs.iter().map(|pair| pair.free).collect();
             self.count_crossings(x);
-            self.look(x, &still, None, true);
+            self.look(x, &still, true);
             // The same pairs in the same order: those that have come apart start with the distance they have.
             let parted = self.pairs.iter().zip(before).filter(|(pair, was_free)| *was_free && !pair.free);
             let parted: Vec<Pair> = parted.map(|(pair, _)| *pair).collect();
@@ -265,18 +218,12 @@ impl PairContact {
         }
         // In a hold next to nothing moves, and often nothing at all.
         let rests = |(at, asleep): &(Vec<Vec3>, Vec<bool>)| at == x && asleep == held;
-        if !first && !self.body_acts && self.rested.as_ref().is_some_and(rests) {
+        if !first && self.rested.as_ref().is_some_and(rests) {
             return;
         }
-        let layers_near = self.look(x, &still, None, true);
+        let layers_near = self.look(x, &still, true);
         self.look_wide(x, layers_near);
-        self.rested = (!self.body_acts).then(|| (x.to_vec(), held.to_vec()));
-        if first && self.body_acts {
-            // Cloth that starts nearer to the body than its thickness is not thrown off.
-            let near: Vec<Pair> =
-                self.pairs.iter().filter(|pair| !pair.free && self.is_with_body(pair)).copied().collect();
-            self.start_from_where_they_are(x, &near);
-        }
+        self.rested = Some((x.to_vec(), held.to_vec()));
     }
 
     /// Looks wide, now and then, unless `layers_near`: cloth of which no two parts are near needs no other search until it has
@@ -318,27 +265,21 @@ impl PairContact {
     }
 
     fn count_crossings(&mut self, x: &[Vec3]) {
-        let found = Entangled::find(self.mesh(x), self.acting(), self.entangled.as_ref());
+        let found = Entangled::find(self.mesh(x), self.entangled.as_ref());
         self.entangled = Some(found);
     }
 
     /// The contact distance of the points of these pairs starts below their gap, and grows.
     fn start_from_where_they_are(&mut self, x: &[Vec3], pairs: &[Pair]) {
-        let places = self.places(x);
-        let mut room = self.room.clone();
+        let room = &mut self.room;
         for pair in pairs {
-            let near = REST_SHARE * gap(places, &pair.points, pair.kind).distance;
+            let near = REST_SHARE * gap(x, &pair.points, pair.kind).distance;
             for p in pair.points {
-                if let Some(room) = room.get_mut(p as usize) {
-                    *room = room.min(near);
-                }
+                room[p as usize] = room[p as usize].min(near);
             }
         }
-        self.room = room;
         let room = &self.room;
-        let most = |points: &[u32; 4]| {
-            points.iter().filter_map(|p| room.get(*p as usize)).copied().fold(f64::INFINITY, f64::min)
-        };
+        let most = |points: &[u32; 4]| points.iter().map(|p| room[*p as usize]).fold(f64::INFINITY, f64::min);
         self.pairs.iter_mut().for_each(|pair| pair.reach = pair.reach.min(most(&pair.points)));
     }
 
@@ -348,25 +289,17 @@ impl PairContact {
         if self.room.iter().any(|room| *room < self.distance) {
             self.let_room_grow(x, h);
         }
-        if self.body_acts
-            && let Some(body) = &mut self.body
-        {
-            body.accept();
-        }
     }
 
     /// Contact distances that had to start small grow: with time, and never beyond where they push gently.
     fn let_room_grow(&mut self, x: &[Vec3], h: f64) {
         self.rested = None;
-        let places = self.places(x);
         let mut nearest = vec![f64::INFINITY; x.len()];
         for pair in self.pairs.iter().filter(|pair| !pair.free) {
-            if pair.points.iter().any(|p| self.room.get(*p as usize).is_some_and(|r| *r < self.distance)) {
-                let near = gap(places, &pair.points, pair.kind).distance;
+            if pair.points.iter().any(|p| self.room[*p as usize] < self.distance) {
+                let near = gap(x, &pair.points, pair.kind).distance;
                 for p in pair.points {
-                    if let Some(nearest) = nearest.get_mut(p as usize) {
-                        *nearest = nearest.min(near);
-                    }
+                    nearest[p as usize] = nearest[p as usize].min(near);
                 }
             }
         }
@@ -376,12 +309,8 @@ impl PairContact {
         }
     }
 
-    fn is_with_body(&self, pair: &Pair) -> bool {
-        pair.points.iter().any(|p| *p as usize >= self.rest.len())
-    }
-
-    /// Takes up who may come near while the cloth goes by `d` and the body by `body_way` (or stands). Whether layers of the cloth do.
-    fn look(&mut self, x: &[Vec3], d: &[Vec3], body_way: Option<&[Vec3]>, together: bool) -> bool {
+    /// Takes up who may come near while the cloth goes by `d`. Whether any do.
+    fn look(&mut self, x: &[Vec3], d: &[Vec3], together: bool) -> bool {
         if self.focus.is_some() {
             return self.look_around(x, d, together);
         }
@@ -394,42 +323,21 @@ impl PairContact {
         } else {
             Candidates::default()
         };
-        let mut between = CandidatesBetween::default();
-        if let Some(body) = self.body.as_mut().filter(|_| self.body_acts) {
-            let body_end: Vec<Vec3> = match body_way {
-                Some(way) => body.now.iter().zip(way).map(|(x, d)| x + (d - common)).collect(),
-                None => body.now.iter().map(|x| x - common).collect(),
-            };
-            let boxes = |a: &[Vec3], b: &[Vec3]| {
-                let ((low, high), (low_end, high_end)) = (bounds(a), bounds(b));
-                (low.inf(&low_end), high.sup(&high_end))
-            };
-            let (cloth, there) = (boxes(x, &end), boxes(&body.now, &body_end));
-            // Not written as `apart`: what is not finite must be looked at.
-            let meet = (0..3).all(|k| !(cloth.0[k] - there.1[k] > reach || there.0[k] - cloth.1[k] > reach));
-            if meet {
-                between = self.finder.find_between(x, &end, &mut body.finder, &body.now, &body_end, reach);
-            }
-        }
-        self.take(own, between)
+        self.take(own)
     }
 
     /// Makes candidates the pairs that count. Whether there are any of the cloth's own.
-    fn take(&mut self, own: Candidates, between: CandidatesBetween) -> bool {
+    fn take(&mut self, own: Candidates) -> bool {
         self.rested = None;
-        let count = self.rest.len() as u32;
         let corners = |f: u32| self.triangles[f as usize].map(|c| c.0);
         let edge = |e: u32| self.edges[e as usize];
         let entangled = self.entangled.as_ref().filter(|e| !e.is_empty());
         let pair = |kind: PairKind, points: [u32; 4], area, free: &dyn Fn(&Entangled) -> bool| {
-            let room = points.iter().filter_map(|p| self.room.get(*p as usize)).copied();
-            let mut reach = room.fold(self.distance, f64::min);
-            if points.iter().all(|p| *p < count) {
-                // Few pairs are near at rest, and their boxes say so.
-                let rest = points.map(|p| self.rest[p as usize]);
-                if !kind.apart_on_an_axis(&rest, reach / REST_SHARE) {
-                    reach = reach.min(REST_SHARE * kind.gap(&rest).distance);
-                }
+            let mut reach = points.iter().map(|p| self.room[*p as usize]).fold(self.distance, f64::min);
+            // Few pairs are near at rest, and their boxes say so.
+            let rest = points.map(|p| self.rest[p as usize]);
+            if !kind.apart_on_an_axis(&rest, reach / REST_SHARE) {
+                reach = reach.min(REST_SHARE * kind.gap(&rest).distance);
             }
             Pair { points, kind, reach, area, free: entangled.is_some_and(free) }
         };
@@ -443,30 +351,8 @@ impl PairContact {
             let area = 0.25 * (self.edge_area[e as usize] + self.edge_area[f as usize]);
             pair(PairKind::EdgeEdge, [a, b, c, d], area, &|entangled| entangled.frees_edges(e, f))
         };
-        let mut pairs: Vec<Pair> =
+        let pairs: Vec<Pair> =
             own.point_triangle.par_iter().map(point).chain(own.edge_edge.par_iter().map(edges)).collect();
-        if let Some(body) = self.acting() {
-            let there = |f: u32| body.triangles[f as usize].map(|c| c.0 + count);
-            pairs.extend(between.point_triangle.iter().map(|&[p, f]| {
-                let [a, b, c] = there(f);
-                let area = 0.5 * self.point_area[p as usize];
-                pair(PairKind::PointTriangle, [p, a, b, c], area, &|e| e.frees_point_of_cloth(p, f))
-            }));
-            // A coarse body must not push harder than the cloth it meets weighs in, nor a fine one add up.
-            pairs.extend(between.triangle_point.iter().map(|&[p, f]| {
-                let [a, b, c] = corners(f);
-                let around = [a, b, c].iter().map(|&p| self.point_area[p as usize]).fold(0.0, f64::max);
-                let area = 0.5 * body.point_area[p as usize].min(around);
-                pair(PairKind::PointTriangle, [p + count, a, b, c], area, &|e| e.frees_point_of_body(f, p))
-            }));
-            pairs.extend(between.edge_edge.iter().map(|&[e, f]| {
-                let ([a, b], [c, d]) = (edge(e), body.edges[f as usize].map(|p| p + count));
-                let area = 0.5 * self.edge_area[e as usize].min(body.edge_area[f as usize]);
-                pair(PairKind::EdgeEdge, [a, b, c, d], area, &|entangled| {
-                    entangled.frees_edges_with_body(e, f)
-                })
-            }));
-        }
         self.pairs = pairs;
         !own.is_empty()
     }
@@ -486,19 +372,18 @@ impl PairContact {
         touches
     }
 
-    /// The touches kept are those of other pairs, other distances or another place of the body.
+    /// The touches kept are those of other pairs or other distances.
     fn forget_touches(&mut self) {
         *self.last_touches.get_mut().unwrap_or_else(PoisonError::into_inner) = None;
     }
 
     /// The same for pairs within `margin` times their contact distance (as far as they are candidates).
     pub fn touches_within(&self, x: &[Vec3], margin: f64) -> Vec<Touch> {
-        let places = self.places(x);
         self.pairs
             .par_iter()
             .filter(|pair| !pair.free)
             .filter_map(|pair| {
-                let four = places.four(&pair.points);
+                let four = pair.points.map(|p| x[p as usize]);
                 // Most candidates are not near, and their boxes say so.
                 if pair.kind.apart_on_an_axis(&four, margin * pair.reach) {
                     return None;
@@ -519,44 +404,12 @@ impl PairContact {
 
     /// Whether more crosses at `x` than when the step began.
     pub fn is_worse_at(&self, x: &[Vec3]) -> bool {
-        self.entangled.as_ref().is_some_and(|e| e.is_worse_at(self.mesh(x), self.acting()))
-    }
-
-    /// What crosses since the start: pairs of the cloth's triangles, and (cloth, body).
-    pub fn entangled(&self) -> (&[[u32; 2]], &[[u32; 2]]) {
-        self.entangled.as_ref().map_or((&[], &[]), |e| (&e.layers, &e.with_body))
+        self.entangled.as_ref().is_some_and(|e| e.is_worse_at(self.mesh(x)))
     }
 
     /// See [`crate::contact::Contact::uncovered_area`].
     pub fn uncovered_area(&mut self, x: &[Vec3]) -> Vec<f64> {
-        match &self.uncovered {
-            Some((at, area)) if at == x => area.clone(),
-            _ => {
-                let area = self.find_uncovered(x);
-                self.uncovered = Some((x.to_vec(), area.clone()));
-                area
-            }
-        }
-    }
-
-    fn find_uncovered(&mut self, x: &[Vec3]) -> Vec<f64> {
-        self.finder.rest(x, 0.0);
-        let tree = self.finder.tree();
-        let open: Vec<f64> = self
-            .triangles
-            .par_iter()
-            .map(|t| {
-                let [a, b, c] = t.map(|p| x[p.at()]);
-                let centre = (a + b + c) / 3.0 + Vec3::y() * 1e-6;
-                let shadow = 0.5 * ((b - a).cross(&(c - a))).y.abs();
-                if tree.any_hit(x, centre, Vec3::y(), 10.0) { 0.0 } else { shadow }
-            })
-            .collect();
-        let mut area = vec![0.0; x.len()];
-        for (t, open) in self.triangles.iter().zip(open) {
-            t.iter().for_each(|p| area[p.at()] += open / 3.0);
-        }
-        area
+        self.uncovered.at(x)
     }
 
     // ---- Bound ----
@@ -572,64 +425,46 @@ impl PairContact {
         let far = FAR * CANDIDATE_MARGIN * self.distance;
         let goes_far = self.clear.is_some() || d.iter().any(|d| d.norm_squared() > far * far);
         if goes_far {
-            let share = self.on_the_way(x, d, None, Rule::SingleTogether).common_share();
+            let share = self.on_the_way(x, d, Rule::SingleTogether).common_share();
             if share >= ALIKE {
                 d.iter_mut().for_each(|d| *d *= share);
                 return;
             }
         }
-        let way = self.on_the_way(x, d, None, Rule::Single);
+        let way = self.on_the_way(x, d, Rule::Single);
         let bounded =
             local_step_fractions(&way.quads, &way.floors, &way.from, &way.motion).apply(&way.motion);
-        d.copy_from_slice(&bounded[..d.len()]);
+        d.copy_from_slice(&bounded);
     }
 
     /// See [`crate::contact::Contact::bound_together`].
     pub fn bound_together(&mut self, x: &[Vec3], d: &mut [Vec3]) {
-        let least = self.on_the_way(x, d, None, Rule::Together).common_share();
+        let least = self.on_the_way(x, d, Rule::Together).common_share();
         d.iter_mut().for_each(|d| *d *= least);
     }
 
-    /// Moves the cloth by `d` and the body towards its target, each point as far as all stay apart.
-    ///
-    /// Without a body the cloth alone goes, and presses no layer any farther: first all by the same share, so that layers
+    /// Moves the cloth by `d`, each point as far as all stay apart, and presses no layer any farther: first all by the same share, so that layers
     /// that go along with one another do, then each by what is left of its way, and those around a point that is held up
     /// stay behind with it: alone it would be drawn out of them.
     pub fn advance(&mut self, x: &mut [Vec3], d: &[Vec3]) {
         self.forget_touches();
-        let acts = self.acting().is_some();
         let mut d = d.to_vec();
-        if !acts {
-            let share = self.on_the_way(x, &d, Some(&[]), Rule::LedTogether).common_share();
-            x.iter_mut().zip(&d).for_each(|(x, d)| *x += d * share);
-            d.iter_mut().for_each(|d| *d *= 1.0 - share);
-            if share >= 1.0 {
-                return;
-            }
+        let share = self.on_the_way(x, &d, Rule::LedTogether).common_share();
+        x.iter_mut().zip(&d).for_each(|(x, d)| *x += d * share);
+        d.iter_mut().for_each(|d| *d *= 1.0 - share);
+        if share >= 1.0 {
+            return;
         }
-        let d = &d[..];
-        let (before, body_way) = self.acting().map(|body| (body.now.clone(), body.way())).unwrap_or_default();
         for rule in [Rule::Led, Rule::LedFrozen] {
-            let way = self.on_the_way(x, d, Some(&body_way), rule);
+            let way = self.on_the_way(x, &d, rule);
             let share = |motion: &[Vec3]| local_step_fractions(&way.quads, &way.floors, &way.from, motion);
-            let moves = if acts {
-                share(&way.motion).apply(&way.motion)
-            } else {
-                let spread = self.spread(share(&way.motion).fraction);
-                let motion: Vec<Vec3> = way.motion.iter().zip(spread).map(|(d, f)| d * f).collect();
-                share(&motion).apply(&motion)
-            };
+            let spread = self.spread(share(&way.motion).fraction);
+            let motion: Vec<Vec3> = way.motion.iter().zip(spread).map(|(d, f)| d * f).collect();
+            let moves = share(&motion).apply(&motion);
             let end: Vec<Vec3> = x.iter().zip(&moves).map(|(x, d)| x + d).collect();
-            if let Some(body) = self.body.as_mut().filter(|_| acts) {
-                let there = before.iter().zip(&moves[x.len()..]);
-                body.now = there.map(|(x, d)| x + d).collect();
-            }
             if rule == Rule::LedFrozen || !self.is_worse_at(&end) {
                 x.copy_from_slice(&end);
                 return;
-            }
-            if let Some(body) = self.body.as_mut().filter(|_| acts) {
-                body.now.clone_from(&before);
             }
         }
     }
@@ -648,16 +483,11 @@ impl PairContact {
     }
 
     /// Takes up the candidates for a way: the pairs, and how near each may come.
-    fn on_the_way(&mut self, x: &[Vec3], d: &[Vec3], body_way: Option<&[Vec3]>, rule: Rule) -> Way {
-        self.look(x, d, body_way, rule.together());
-        let places = self.places(x);
+    fn on_the_way(&mut self, x: &[Vec3], d: &[Vec3], rule: Rule) -> Way {
+        self.look(x, d, rule.together());
         let nothing_passes = rule.nothing_passes();
-        let led = body_way.is_some();
-        let mut motion = d.to_vec();
-        motion.extend_from_slice(body_way.unwrap_or(&[]));
-        motion.resize(x.len() + places.body.len(), Vec3::zeros());
-        let from = places.joined();
-        let boxes = swept_boxes(&from, &motion);
+        let led = rule.led();
+        let boxes = swept_boxes(x, d);
         let (quads, floors) = self
             .pairs
             .par_iter()
@@ -668,7 +498,7 @@ impl PairContact {
                 if stay_apart(&quad, &boxes, barrier::HIGHEST_FLOOR * pair.reach) {
                     return None;
                 }
-                let near = gap(places, &pair.points, pair.kind).distance;
+                let near = gap(x, &pair.points, pair.kind).distance;
                 let mut floor = barrier::floor(near, pair.reach);
                 if led {
                     floor = floor.max((SQUEEZED * pair.reach).min((1.0 - BARELY) * near));
@@ -676,11 +506,11 @@ impl PairContact {
                 Some((quad, floor))
             })
             .unzip();
-        Way { quads, floors, from, motion }
+        Way { quads, floors, from: x.to_vec(), motion: d.to_vec() }
     }
 }
 
-/// A motion to be bounded: pairs with their floors [m], positions and moves of cloth and body [m].
+/// A motion to be bounded: pairs with their floors [m], positions and moves [m].
 struct Way {
     quads: Vec<Quad>,
     floors: Vec<f64>,
@@ -709,6 +539,14 @@ fn sleeps(asleep: &[bool]) -> impl Fn(Quad) -> bool + Sync + '_ {
 }
 
 #[inline]
-fn gap(places: Places, points: &[u32; 4], kind: PairKind) -> Gap {
-    kind.gap(&places.four(points))
+fn gap(x: &[Vec3], points: &[u32; 4], kind: PairKind) -> Gap {
+    kind.gap(&points.map(|p| x[p as usize]))
+}
+
+/// An edge stands for its share of the area of its two ends: summed over edges as much as over points.
+fn edge_area(edges: &[[u32; 2]], point_area: &[f64]) -> Vec<f64> {
+    let mut degree = vec![0.0f64; point_area.len()];
+    edges.iter().flatten().for_each(|&p| degree[p as usize] += 1.0);
+    let share = |p: u32| point_area[p as usize] / degree[p as usize].max(1.0);
+    edges.iter().map(|e| share(e[0]) + share(e[1])).collect()
 }

@@ -1,6 +1,6 @@
 //! While only some points move: contact of those with one another and with all that rests.
 
-use crate::contact::broad_phase::{Candidates, CandidatesBetween, Portion};
+use crate::contact::broad_phase::{Candidates, Portion};
 use crate::contact::collision_set::{CANDIDATE_MARGIN, Pair, PairContact, sleeps};
 use crate::math::Vec3;
 
@@ -14,16 +14,12 @@ pub(super) struct Focus {
 }
 
 impl PairContact {
-    /// From here on only the points for which `moving` is set move, one flag per point; pairs of others do not count. The body
-    /// rests, too.
+    /// From here on only the points for which `moving` is set move, one flag per point; pairs of others do not count.
     pub fn focus(&mut self, x: &[Vec3], moving: &[bool]) {
         self.forget_touches();
         self.rested = None;
         let reach = CANDIDATE_MARGIN * self.distance;
         let portion = self.finder.portion(moving, x, reach);
-        if let Some(body) = self.body.as_mut().filter(|_| self.body_acts) {
-            body.finder.rest(&body.now, reach);
-        }
         let moves = |pair: &Pair| pair.points.iter().any(|p| moving.get(*p as usize).is_some_and(|m| *m));
         let (pairs, others) = std::mem::take(&mut self.pairs).into_iter().partition(moves);
         self.pairs = pairs;
@@ -52,11 +48,7 @@ impl PairContact {
         } else {
             Candidates::default()
         };
-        let between = match self.body.as_ref().filter(|_| self.body_acts) {
-            Some(body) => self.finder.find_between_around(moving, x, &end, &body.finder, &body.now, reach),
-            None => CandidatesBetween::default(),
-        };
         self.focus = Some(focus);
-        self.take(own, between)
+        self.take(own)
     }
 }

@@ -8,7 +8,6 @@
 //! yet), a bound on the motion that keeps layers apart, a line
 //! search that never lets phi grow. Knows no integrator and no script.
 
-mod body_predictor;
 mod levenberg_marquardt;
 mod line_search;
 mod local_solve;
