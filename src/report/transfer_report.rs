@@ -49,7 +49,7 @@ pub struct CarriedSource {
     pub file: String,
     /// How places were matched: `same`, `uv` or `surface`.
     pub by: String,
-    /// MatchBy what the source was laid over the target before: `place`, `landmarks`, `joints` or `box`. Left out where numbers went
+    /// By what the source was laid over the target before: `place`, `landmarks`, `joints` or `box`. Left out where numbers went
     /// over one by one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub aligned: Option<String>,

@@ -25,7 +25,7 @@ pub(super) struct Moving {
     pub wearer: Arc<AnimatedBody>,
     /// What else acts.
     pub drive: Drive,
-    /// PersistentState at a time after its start [s].
+    /// Pose at a time after its start [s].
     pub pose: Box<dyn Fn(f64) -> BodyPose>,
     /// See [`ActionRunner::breaks`].
     pub breaks: Vec<f64>,

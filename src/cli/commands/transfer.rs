@@ -83,11 +83,11 @@ pub struct Arguments {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Matching {
-    /// MatchBy texture where both textures agree, else by surface; the same mesh number by number
+    /// By texture where both textures agree, else by surface; the same mesh number by number
     Auto,
-    /// MatchBy texture coordinates
+    /// By texture coordinates
     Uv,
-    /// MatchBy place on the surface, boxes laid over one another
+    /// By place on the surface, boxes laid over one another
     Surface,
     /// Number by number; refused unless the mesh is the same
     Same,
@@ -97,7 +97,7 @@ enum Matching {
 enum Laying {
     /// As they stand, if most of MESH lies close to the source there; else by joints, else by their boxes
     Auto,
-    /// MatchBy the joints of one skeleton that both follow
+    /// By the joints of one skeleton that both follow
     Joints,
     /// The source's box becomes that of MESH
     Box,
@@ -225,7 +225,7 @@ struct Job {
     sources: Vec<TransferSource>,
     sidecars: Vec<Sidecar>,
     fabric: Fabric,
-    /// TransferSource and target place of each [m].
+    /// Source and target place of each [m].
     landmarks: Vec<[Vec3; 2]>,
 }
 
