@@ -2,10 +2,10 @@
 
 use assert_cmd::Command;
 use crease::bake::{BakeOptions, bake};
-use crease::body::{AnimatedBody, BodyPose, Motion};
+use crease::body::{AnimatedBody, BodyMotion, BodyPose};
 use crease::fabric::Fabric;
-use crease::garment::Garment;
-use crease::io::{ReadOptions, SourceAsset, SourcePiece, read_asset};
+use crease::garment::{Garment, SourceAsset, SourcePiece};
+use crease::io::{ReadOptions, read_asset};
 use crease::math::Vec3;
 use crease::mesh::intersections::crossings_between;
 use crease::wear::WearScript;
@@ -54,7 +54,7 @@ fn block(spike: f64) -> Arc<AnimatedBody> {
         points.extend(foot.map(Vec3::from));
         triangles.extend([[8, 10, 11], [10, 9, 11], [9, 8, 11], [8, 9, 10]]);
     }
-    Arc::new(AnimatedBody::new("block", "", Motion::Still, &points, &triangles))
+    Arc::new(AnimatedBody::new("block", "", BodyMotion::Still, &points, &triangles))
 }
 
 fn on_block(height: f64, spike: f64) -> crease::Result<(Garment, crease::bake::BakeResult)> {

@@ -7,9 +7,12 @@
 #[path = "reference/external.rs"]
 mod external;
 
-use crease::garment::{Garment, RestState, WornGarment};
-use crease::io::gltf::{WORN_TARGET, join_glb, split_glb, write_worn_glb};
-use crease::io::{ReadOptions, Sidecar, SourceAsset, read_asset, read_sidecar, write_sidecar};
+use crease::garment::{Garment, RestState, SourceAsset, WornGarment};
+use crease::io::gltf::{
+    FORMER_REST_ANGLE_ATTRIBUTE, REST_ANGLE_CHANGE_ATTRIBUTE, WORN_TARGET, join_glb, read_worn, split_glb,
+    write_worn_glb,
+};
+use crease::io::{ReadOptions, Sidecar, read_asset, read_sidecar, write_sidecar};
 use crease::math::Rng;
 use crease::mesh::{PointIndex, Topology};
 use external::external;
@@ -325,7 +328,7 @@ fn assert_displaced(asset: &SourceAsset, garment: &Garment, worn: &WornGarment, 
         assert_eq!(rows.len(), piece.positions.len());
         for (v, row) in rows.iter().enumerate() {
             let transform =
-                if asset.document.is_some() { *piece.placement.of(v) } else { Matrix4::identity() };
+                if asset.document.is_some() { *piece.placement.matrix(v) } else { Matrix4::identity() };
             let local = Vector3::from(row.map(f64::from));
             let moved = transform.fixed_view::<3, 3>(0, 0) * local;
             let wanted = worn.displacement[points.next().unwrap().at()];
@@ -339,7 +342,7 @@ fn assert_displaced(asset: &SourceAsset, garment: &Garment, worn: &WornGarment, 
         assert!(
             primitive
                 .attributes()
-                .any(|(name, _)| name == gltf::Semantic::Extras("CREASE_REST_ANGLE".into()))
+                .any(|(name, _)| name == gltf::Semantic::Extras("CREASE_REST_ANGLE_CHANGE".into()))
         );
         assert!(
             primitive.attributes().any(|(name, _)| name == gltf::Semantic::Extras("CREASE_STIFFNESS".into()))
@@ -783,6 +786,33 @@ fn a_mesh_worn_before_has_its_worn_target_replaced() {
     assert_counts(&json);
     assert_eq!(json["meshes"][0]["extras"]["targetNames"], json!(["target_0", "worn"]));
     assert_eq!(json["meshes"][0]["weights"], json!([0.0, 1.0]));
+}
+
+/// Files of earlier versions call the change of rest angle `_CREASE_REST_ANGLE`: they are read as before, and worn again
+/// they carry the present name only.
+#[test]
+fn the_former_name_of_the_rest_angle_attribute_is_read_and_replaced() {
+    let mut d = Document::new();
+    let position = d.positions(&QUAD);
+    let primitive = d.quad(json!({"POSITION": position}));
+    d.push("meshes", json!({"primitives": [primitive]}));
+    d.push("nodes", json!({"mesh": 0}));
+    let present = wear("present_name", &d.glb(), None);
+    let (mut json, binary) = split_glb(&present).unwrap();
+    let attributes = json["meshes"][0]["primitives"][0]["attributes"].as_object_mut().unwrap();
+    let index = attributes.shift_remove(REST_ANGLE_CHANGE_ATTRIBUTE).unwrap();
+    attributes.insert(FORMER_REST_ANGLE_ATTRIBUTE.into(), index);
+    let former = join_glb(&json, &binary.unwrap());
+    let [asset, old_asset] = [&present, &former].map(|glb| read("rest_angle", glb, None));
+    let angles = read_worn(&old_asset).unwrap().rest_angle_deg;
+    assert!(angles.iter().any(|angle| *angle != 0.0));
+    assert_eq!(angles, read_worn(&asset).unwrap().rest_angle_deg);
+    let garment = garment(&old_asset);
+    let again = write_worn_glb(&old_asset, &garment, &some_wear(&garment), &extras()).unwrap();
+    let (json, _) = split_glb(&again).unwrap();
+    let attributes = json["meshes"][0]["primitives"][0]["attributes"].as_object().unwrap();
+    assert!(attributes.contains_key(REST_ANGLE_CHANGE_ATTRIBUTE));
+    assert!(!attributes.contains_key(FORMER_REST_ANGLE_ATTRIBUTE));
 }
 
 const TWO_GROUPS: &str = "v 0 0 0\nv 50 0 0\nv 0 50 0\nv 50 50 10\nv 100 0 0\nv 100 50 10\n\

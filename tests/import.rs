@@ -4,9 +4,9 @@
 #[path = "reference/external.rs"]
 mod external;
 
-use crease::garment::{Garment, ImportDiagnostic, Inspection, inspect};
+use crease::garment::{Garment, ImportDiagnostic, Inspection, SourceAsset, inspect};
 use crease::io::gltf::join_glb;
-use crease::io::{ReadOptions, SourceAsset, read_asset};
+use crease::io::{ReadOptions, read_asset};
 use external::external;
 use serde_json::json;
 use std::path::{Path, PathBuf};

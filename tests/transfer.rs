@@ -11,8 +11,8 @@ mod measure;
 
 use crease::bake::{BakeOptions, SimulationMesh};
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
-use crease::garment::{Garment, RestState};
-use crease::io::{ReadOptions, SourceAsset, read_asset};
+use crease::garment::{Garment, RestState, SourceAsset};
+use crease::io::{ReadOptions, read_asset};
 use crease::math::Vec3;
 use crease::mesh::hinge_angle;
 use crease::transfer::{

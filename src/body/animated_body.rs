@@ -20,7 +20,7 @@ pub const FRAMES_CLIP: &str = "frames";
 
 /// What moves it.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Motion {
+pub enum BodyMotion {
     /// Nothing.
     Still,
     /// A skeleton with its skin.
@@ -48,7 +48,7 @@ pub struct AnimatedBody {
     pub file: String,
     /// Hash of what it was made from.
     pub sha256: String,
-    motion: Motion,
+    motion: BodyMotion,
     /// Per point: the first of its vertices.
     first_vertex: Vec<u32>,
     triangles: Vec<[PointIndex; 3]>,
@@ -82,12 +82,12 @@ impl fmt::Debug for AnimatedBody {
 }
 
 impl AnimatedBody {
-    /// A body of `vertices` (as [`Motion`] gives them in the posture of the file [m]) and `triangles` between them.
+    /// A body of `vertices` (as [`BodyMotion`] gives them in the posture of the file [m]) and `triangles` between them.
     /// Numbers are checked when the cloth meets it (`contact::Body::new`).
     pub fn new(
         file: impl Into<String>,
         sha256: impl Into<String>,
-        motion: Motion,
+        motion: BodyMotion,
         vertices: &[Vec3],
         triangles: &[[u32; 3]],
     ) -> Self {
@@ -118,7 +118,7 @@ impl AnimatedBody {
     /// The rig, if it has one.
     pub fn rig(&self) -> Option<&Rig> {
         match &self.motion {
-            Motion::Rig(rig) => Some(rig),
+            BodyMotion::Rig(rig) => Some(rig),
             _ => None,
         }
     }
@@ -126,17 +126,17 @@ impl AnimatedBody {
     /// The posture of the file.
     pub fn rest(&self) -> BodyPose {
         match &self.motion {
-            Motion::Still => BodyPose::Still,
-            Motion::Rig(rig) => BodyPose::Joints(rig.skeleton.rest()),
-            Motion::Sequence(_) => BodyPose::Time(0.0),
+            BodyMotion::Still => BodyPose::Still,
+            BodyMotion::Rig(rig) => BodyPose::Joints(rig.skeleton.rest()),
+            BodyMotion::Sequence(_) => BodyPose::Time(0.0),
         }
     }
 
     /// Its points in a posture [m]. A posture of another kind of body leaves it where its file has it.
     pub fn points(&self, pose: &BodyPose) -> Vec<Vec3> {
         let vertices = match (&self.motion, pose) {
-            (Motion::Rig(rig), BodyPose::Joints(pose)) => rig.vertices(pose, None),
-            (Motion::Sequence(sequence), BodyPose::Time(t)) => sequence.at(*t),
+            (BodyMotion::Rig(rig), BodyPose::Joints(pose)) => rig.vertices(pose, None),
+            (BodyMotion::Sequence(sequence), BodyPose::Time(t)) => sequence.at(*t),
             _ => return self.start.clone(),
         };
         let place = |v: &u32| vertices.get(*v as usize).copied();
@@ -146,27 +146,27 @@ impl AnimatedBody {
     /// How long the clip `name` is [s]; `None` if there is none.
     pub fn clip_length(&self, name: &str) -> Option<f64> {
         match &self.motion {
-            Motion::Still => None,
-            Motion::Rig(rig) => rig.clip(name).map(Clip::length),
-            Motion::Sequence(sequence) => (name == FRAMES_CLIP).then(|| sequence.length()),
+            BodyMotion::Still => None,
+            BodyMotion::Rig(rig) => rig.clip(name).map(Clip::length),
+            BodyMotion::Sequence(sequence) => (name == FRAMES_CLIP).then(|| sequence.length()),
         }
     }
 
     /// Posture at `t` [s] of the clip `name`.
     pub fn clip_pose(&self, name: &str, t: f64) -> Option<BodyPose> {
         match &self.motion {
-            Motion::Still => None,
-            Motion::Rig(rig) => Some(BodyPose::Joints(rig.clip(name)?.pose(&rig.skeleton.rest(), t))),
-            Motion::Sequence(_) => (name == FRAMES_CLIP).then_some(BodyPose::Time(t)),
+            BodyMotion::Still => None,
+            BodyMotion::Rig(rig) => Some(BodyPose::Joints(rig.clip(name)?.pose(&rig.skeleton.rest(), t))),
+            BodyMotion::Sequence(_) => (name == FRAMES_CLIP).then_some(BodyPose::Time(t)),
         }
     }
 
     /// Names of the clips there are.
     pub fn clip_names(&self) -> Vec<String> {
         match &self.motion {
-            Motion::Still => Vec::new(),
-            Motion::Rig(rig) => rig.clips.iter().map(|clip| clip.name.clone()).collect(),
-            Motion::Sequence(_) => vec![FRAMES_CLIP.to_owned()],
+            BodyMotion::Still => Vec::new(),
+            BodyMotion::Rig(rig) => rig.clips.iter().map(|clip| clip.name.clone()).collect(),
+            BodyMotion::Sequence(_) => vec![FRAMES_CLIP.to_owned()],
         }
     }
 

@@ -11,5 +11,5 @@ pub mod rig;
 pub mod sequence;
 pub mod skeleton;
 
-pub use animated_body::{AnimatedBody, BodyPose, FRAMES_CLIP, Motion, PosedBody, interpolate_body_pose};
+pub use animated_body::{AnimatedBody, BodyMotion, BodyPose, FRAMES_CLIP, PosedBody, interpolate_body_pose};
 pub use sequence::Sequence;

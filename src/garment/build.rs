@@ -7,8 +7,7 @@
 
 use crate::garment::material_coords::lay_flat;
 use crate::garment::repair::{Corners, drop_copies, mend_caps, turn_alike};
-use crate::garment::{Garment, ImportDiagnostic, Severity};
-use crate::io::{SourceAsset, SourcePiece};
+use crate::garment::{Garment, ImportDiagnostic, Severity, SourceAsset, SourcePiece};
 use crate::math::{Vec2, Vec3};
 use crate::mesh::{Groups, PointIndex, Topology, Welder};
 use crate::{Diagnostic, Error, Result};
@@ -243,7 +242,7 @@ fn mean_per_point(mask: &[f64], source_point: &[PointIndex], point_count: usize)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::io::{Placement, SourceFormat, UpAxis};
+    use crate::garment::{Placement, SourceFormat, UpAxis};
     use crate::math::Mat4;
 
     fn piece(positions: &[[f64; 3]], uvs: Option<&[[f64; 2]]>, triangles: &[[u32; 3]]) -> SourcePiece {

@@ -3,8 +3,7 @@
 //! Made from the source, the garment built from it, and the findings of both stages. Counts no crossings: that is the
 //! contact floor's work, and the caller fills it in.
 
-use crate::garment::{Garment, ImportDiagnostic, Severity};
-use crate::io::{Placement, SourceAsset, SourceFormat, UpAxis};
+use crate::garment::{Garment, ImportDiagnostic, Placement, Severity, SourceAsset, SourceFormat, UpAxis};
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -102,7 +101,7 @@ pub struct PartReport {
 
 /// Gathers the report; `findings` are those of reading and of building the garment.
 pub fn inspect(asset: &SourceAsset, garment: &Garment, findings: &[ImportDiagnostic]) -> Inspection {
-    let box_m = asset.worn_box_m().map_or([0.0; 3], |(low, high)| (high - low).into());
+    let box_m = asset.worn_bounds().map_or([0.0; 3], |(low, high)| (high - low).into());
     let of = |severity| findings.iter().filter(|f| f.severity == severity).cloned().collect();
     let edges = edge_lengths_m(garment);
     let parts = part_reports(garment);
@@ -145,7 +144,7 @@ pub fn inspect(asset: &SourceAsset, garment: &Garment, findings: &[ImportDiagnos
 }
 
 fn piece_reports(asset: &SourceAsset) -> Vec<PieceReport> {
-    let report = |piece: &crate::io::SourcePiece| PieceReport {
+    let report = |piece: &crate::garment::SourcePiece| PieceReport {
         name: piece.name.clone(),
         material: piece.material.clone(),
         vertices: piece.positions.len(),

@@ -7,6 +7,7 @@
 //!
 //! The area of the flat triangle is that of the source shape, never of the texture. Knows no stiffness.
 
+use crate::garment::lying::is_lying_by_normals;
 use crate::garment::repair::Corners;
 use crate::math::{Vec2, Vec3};
 use crate::mesh::{Groups, Topology};
@@ -132,13 +133,8 @@ fn count_islands(corners: &[Corners], texture: &[Option<[Vec2; 3]>], topology: &
 
 /// The scene's y, or z for a garment that lies.
 fn shape_reference(shapes: &[[Vec3; 3]]) -> Vec3 {
-    let (mut steep, mut area) = (0.0, 0.0);
-    for shape in shapes {
-        let normal = (shape[1] - shape[0]).cross(&(shape[2] - shape[0]));
-        steep += normal.y.abs();
-        area += normal.norm();
-    }
-    if steep > LYING * area { Vec3::z() } else { Vec3::y() }
+    let normals = shapes.iter().map(|shape| (shape[1] - shape[0]).cross(&(shape[2] - shape[0])));
+    if is_lying_by_normals(normals, LYING) { Vec3::z() } else { Vec3::y() }
 }
 
 /// `direction` brought into the triangle's plane, if that leaves enough of it.

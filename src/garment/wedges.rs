@@ -3,8 +3,7 @@
 //! A garment knows points; texture coordinates belong to vertices, and at a seam one point has several. A triangle of
 //! the garment is that triangle of the file whose corners became its points.
 
-use crate::garment::Garment;
-use crate::io::SourceAsset;
+use crate::garment::{Garment, SourceAsset};
 use crate::math::Vec2;
 use crate::mesh::PointIndex;
 use rustc_hash::FxHashMap;

@@ -3,9 +3,9 @@
 //! Of a glTF the chosen pieces with their skeleton and clips, of an OBJ its pieces as they stand, of a sequence of OBJ
 //! files their places over time. Files of a sequence must agree in their vertices; what is missing is named.
 
-use crate::body::{AnimatedBody, Motion, Sequence};
+use crate::body::{AnimatedBody, BodyMotion, Sequence};
+use crate::garment::{SourceAsset, SourcePiece};
 use crate::io::gltf::read_rig;
-use crate::io::{SourceAsset, SourcePiece};
 use crate::math::Vec3;
 use crate::{Diagnostic, Error, Result};
 
@@ -16,21 +16,21 @@ impl AnimatedBody {
     /// The body made of `pieces` of `asset`.
     pub fn from_pieces(asset: &SourceAsset, pieces: &[&SourcePiece]) -> Result<Self> {
         let motion = match read_rig(asset, pieces)? {
-            Some(rig) => Motion::Rig(Box::new(rig)),
-            None => Motion::Still,
+            Some(rig) => BodyMotion::Rig(Box::new(rig)),
+            None => BodyMotion::Still,
         };
         Ok(Self::of_motion(asset, pieces, motion))
     }
 
     /// The body of the worn pieces of the first of `frames`, moving through all of them at `rate` frames per second.
     pub fn from_frames(frames: &[SourceAsset], rate: f64) -> Result<Self> {
-        let sequence = sequence(frames, rate)?;
+        let sequence = sequence_from_assets(frames, rate)?;
         let Some(first) = frames.first() else { return Err(no_frames()) };
         let pieces: Vec<&SourcePiece> = first.worn_pieces().collect();
-        Ok(Self::of_motion(first, &pieces, Motion::Sequence(sequence)))
+        Ok(Self::of_motion(first, &pieces, BodyMotion::Sequence(sequence)))
     }
 
-    fn of_motion(asset: &SourceAsset, pieces: &[&SourcePiece], motion: Motion) -> Self {
+    fn of_motion(asset: &SourceAsset, pieces: &[&SourcePiece], motion: BodyMotion) -> Self {
         let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
         for piece in pieces {
             let first = vertices.len() as u32;
@@ -42,7 +42,7 @@ impl AnimatedBody {
 }
 
 /// Places of the worn vertices over time, all frames checked against the first.
-pub fn sequence(frames: &[SourceAsset], rate: f64) -> Result<Sequence> {
+pub fn sequence_from_assets(frames: &[SourceAsset], rate: f64) -> Result<Sequence> {
     if !(rate > 0.0 && rate.is_finite()) {
         let what = format!("{rate} frames per second cannot be");
         return Err(Error::input("frames", "", what, "give the rate with --fps"));

@@ -30,7 +30,7 @@ const EDITED: &str = "bring the file back, or, if the change is meant, delete \"
 
 impl Sidecar {
     /// The checksums of the numbers as they are now.
-    pub fn own_checksums(&self) -> SidecarChecksums {
+    pub fn compute_checksums(&self) -> SidecarChecksums {
         let (hinges, triangles) = (&self.hinges, &self.triangles);
         let mut mesh = ListHash::default();
         mesh.floats(&self.mesh.points_m);
@@ -53,7 +53,7 @@ impl Sidecar {
     /// What the stated checksums, if there are any, say against the numbers.
     pub(super) fn checksum_faults(&self, file: &str) -> Vec<Diagnostic> {
         let Some(stated) = &self.checksums else { return Vec::new() };
-        let own = self.own_checksums();
+        let own = self.compute_checksums();
         [
             ("mesh", &stated.mesh_sha256, &own.mesh_sha256),
             ("memory", &stated.memory_sha256, &own.memory_sha256),

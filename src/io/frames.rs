@@ -14,7 +14,7 @@ const FACE_LINE_BYTES: usize = 24;
 
 /// OBJ text of `triangles` over `points`, in metres. Points that are not finite are written as `NaN` or `inf`, which every
 /// reader refuses: a run gone wrong must not look like a good one.
-pub fn frame_obj(points: &[Vec3], triangles: &[[PointIndex; 3]]) -> Vec<u8> {
+pub fn write_frame_obj(points: &[Vec3], triangles: &[[PointIndex; 3]]) -> Vec<u8> {
     let capacity = points.len() * VERTEX_LINE_BYTES + triangles.len() * FACE_LINE_BYTES;
     let mut text = String::with_capacity(capacity);
     for p in points {
@@ -40,7 +40,7 @@ mod tests {
             [Vec3::new(0.0, -1.5, 1e-9), Vec3::new(0.1, 2.0, 1.0 / 3.0), Vec3::new(-0.0, 1e300, 3.0)];
         let triangles = [[PointIndex(0), PointIndex(2), PointIndex(1)]];
         let expected = "v 0.0 -1.5 1e-9\nv 0.1 2.0 0.3333333333333333\nv -0.0 1e300 3.0\nf 1 3 2\n";
-        assert_eq!(String::from_utf8(frame_obj(&points, &triangles)).unwrap(), expected);
+        assert_eq!(String::from_utf8(write_frame_obj(&points, &triangles)).unwrap(), expected);
     }
 
     #[test]
@@ -54,7 +54,7 @@ mod tests {
             .filter(|p| p.iter().all(|x| x.is_finite()))
             .take(2000)
             .collect();
-        let text = String::from_utf8(frame_obj(&points, &[])).unwrap();
+        let text = String::from_utf8(write_frame_obj(&points, &[])).unwrap();
         let read: Vec<u64> = text
             .lines()
             .flat_map(|line| line.split(' ').skip(1).map(|x| x.parse::<f64>().unwrap().to_bits()))

@@ -74,7 +74,7 @@ impl Landmarks {
     }
 
     /// Source and target place of each [m].
-    pub fn places(&self) -> Vec<[Vec3; 2]> {
+    pub fn position_pairs(&self) -> Vec<[Vec3; 2]> {
         self.pairs.iter().map(|pair| [pair.source_m, pair.target_m].map(Vec3::from)).collect()
     }
 }
@@ -89,7 +89,7 @@ mod tests {
             "l.json",
             r#"{"format": "crease-landmarks/1", "pairs": [{"name": "neck", "source_m": [0, 1, 0], "target_m": [0, 1.1, 0]}]}"#,
         );
-        assert_eq!(read.unwrap().places(), [[Vec3::y(), Vec3::y() * 1.1]]);
+        assert_eq!(read.unwrap().position_pairs(), [[Vec3::y(), Vec3::y() * 1.1]]);
         let twice = r#"{"format": "crease-landmarks/1", "pairs": [{"source_m": [0, 1, 0], "target_m": [0, 1, 0]},
             {"source_m": [0, 1, 0], "target_m": [0, 2, 0]}]}"#;
         let message = Landmarks::parse("l.json", twice).unwrap_err().to_string();

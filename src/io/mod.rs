@@ -1,6 +1,5 @@
 //! Bytes <-> nouns: OBJ, glTF, sidecar, landmarks. No paths, no file system; every attribute name once.
 
-mod asset;
 mod body;
 mod checksum;
 mod diagnostics;
@@ -13,15 +12,14 @@ mod shape_obj;
 mod sidecar;
 mod usda;
 
-pub use asset::{GltfDocument, Placement, SourceAsset, SourceFormat, SourceJoint, SourcePiece, UpAxis};
-pub use body::sequence;
+pub use body::sequence_from_assets;
 pub use checksum::SidecarChecksums;
-pub use frames::frame_obj;
+pub use frames::write_frame_obj;
 pub use landmarks::{Landmark, Landmarks};
 pub use read::{ReadOptions, read_asset};
-pub use shape_obj::{read_shape_obj, shape_obj};
+pub use shape_obj::{read_shape_obj, write_shape_obj};
 pub use sidecar::{
     SIDECAR_FORMAT, Sidecar, SidecarHinges, SidecarJoint, SidecarMesh, SidecarPoints, SidecarSource,
     SidecarTriangles, SidecarUp, read_sidecar, write_sidecar,
 };
-pub use usda::{UsdaMemory, read_usda, usda, wrapped_deg};
+pub use usda::{UsdaMemory, read_usda, wrapped_deg, write_usda};

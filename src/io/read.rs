@@ -5,9 +5,9 @@
 //! still runs, only wrongly; so a size no garment has must be confirmed by naming the unit.
 //! Opens no files: what a document refers to comes through `resolve`.
 
-use crate::garment::ImportDiagnostic;
+use crate::garment::{ImportDiagnostic, SourceAsset, SourceFormat, SourcePiece, UpAxis};
 use crate::io::diagnostics::DiagnosticList;
-use crate::io::{SourceAsset, SourceFormat, SourcePiece, UpAxis, gltf, obj};
+use crate::io::{gltf, obj};
 use crate::math::{Mat4, Vec3};
 use crate::{Error, Result};
 use sha2::{Digest, Sha256};
@@ -42,7 +42,7 @@ pub(super) struct ReadPieces {
     /// Pieces in file order, all marked as worn.
     pub(super) pieces: Vec<NamedPiece>,
     /// The document, for glTF.
-    pub(super) document: Option<crate::io::GltfDocument>,
+    pub(super) document: Option<crate::garment::GltfDocument>,
     /// What was noticed.
     pub(super) findings: Vec<ImportDiagnostic>,
 }
@@ -192,7 +192,7 @@ fn check_reach(asset: &SourceAsset) -> Result<()> {
 
 /// Refuses a garment no one could wear, as its unit is probably another one.
 fn check_size(asset: &SourceAsset) -> Result<()> {
-    let Some((low, high)) = asset.worn_box_m() else { return Ok(()) };
+    let Some((low, high)) = asset.worn_bounds() else { return Ok(()) };
     let size = high - low;
     if GARMENT_SIDE_M.contains(&size.max()) {
         return Ok(());

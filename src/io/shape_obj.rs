@@ -5,15 +5,14 @@
 //! a shape key, a blend shape). Triangles are those of the file, polygons cut as they were when read. Numbers read back
 //! exactly. Normals are left out: they are the reader's to make.
 
-use crate::garment::Garment;
-use crate::io::SourceAsset;
+use crate::garment::{Garment, SourceAsset};
 use crate::math::Vec3;
 use crate::{Error, Result};
 use std::fmt::Write;
 
 /// OBJ text of the worn pieces of `asset`, every vertex moved by the displacement [m] of its point of `garment`
 /// (one per point).
-pub fn shape_obj(asset: &SourceAsset, garment: &Garment, displacement: &[Vec3]) -> Vec<u8> {
+pub fn write_shape_obj(asset: &SourceAsset, garment: &Garment, displacement: &[Vec3]) -> Vec<u8> {
     let mut text = String::new();
     let moved = moved_vertices(asset, garment, displacement);
     for x in &moved {
@@ -51,7 +50,7 @@ pub(super) fn moved_vertices(asset: &SourceAsset, garment: &Garment, displacemen
     own.zip(shift).map(|(x, d)| x + d).collect()
 }
 
-/// Positions of the vertices of a file that [`shape_obj`] wrote, in file order [m]; `file` names it in faults.
+/// Positions of the vertices of a file that [`write_shape_obj`] wrote, in file order [m]; `file` names it in faults.
 pub fn read_shape_obj(file: &str, bytes: &[u8]) -> Result<Vec<Vec3>> {
     let text = String::from_utf8_lossy(bytes);
     let mut points = Vec::new();

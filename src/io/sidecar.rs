@@ -9,7 +9,7 @@
 //! Checksums over the numbers tell an edited file from the one that was written; a file without them is taken as it is.
 //! It does not check that the hinges are those of the triangles (`transfer` does), nor that texture coordinates make sense.
 
-use crate::garment::{Garment, RestState, WornGarment, corner_vertices};
+use crate::garment::{Garment, RestState, SourceAsset, SourceJoint, UpAxis, WornGarment, corner_vertices};
 use crate::math::{Mat3, Vec2, Vec3, bounds};
 use crate::mesh::PointIndex;
 use crate::{Diagnostic, Error, Result};
@@ -17,7 +17,6 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use crate::io::asset::{SourceAsset, SourceJoint, UpAxis};
 use crate::io::checksum::SidecarChecksums;
 
 /// The format and version this module writes and reads.
@@ -229,7 +228,7 @@ impl Sidecar {
             run,
             extra: Map::new(),
         };
-        sidecar.checksums = Some(sidecar.own_checksums());
+        sidecar.checksums = Some(sidecar.compute_checksums());
         sidecar.check(&asset.file)?;
         Ok(sidecar)
     }
@@ -248,7 +247,7 @@ impl Sidecar {
     pub fn joints(&self) -> Vec<SourceJoint> {
         let joint = |j: &SidecarJoint| SourceJoint {
             name: j.name.clone(),
-            place: j.position_m.into(),
+            position: j.position_m.into(),
             axes: Mat3::from_columns(&j.axes.map(Vec3::from)),
             parent: j.parent.clone(),
         };
@@ -270,7 +269,7 @@ impl Sidecar {
     }
 
     /// Why this is not the sidecar of `asset`, if it is not: its worn vertices are others, or elsewhere.
-    pub fn misfit(&self, asset: &SourceAsset) -> Option<String> {
+    pub fn mesh_mismatch(&self, asset: &SourceAsset) -> Option<String> {
         let count: usize = asset.worn_pieces().map(|piece| piece.positions.len()).sum();
         let listed = self.mesh.source_point.len();
         if count != listed {
@@ -390,7 +389,7 @@ fn source_joints(asset: &SourceAsset) -> Option<Vec<SidecarJoint>> {
     let axis = |axes: &Mat3, k: usize| axes.column(k).into_owned().into();
     let joint = |joint: SourceJoint| SidecarJoint {
         name: joint.name,
-        position_m: joint.place.into(),
+        position_m: joint.position.into(),
         axes: [0, 1, 2].map(|k| axis(&joint.axes, k)),
         parent: joint.parent,
         extra: Map::new(),
@@ -477,7 +476,7 @@ impl Check<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::io::{Placement, SourceFormat, SourcePiece};
+    use crate::garment::{Placement, SourceFormat, SourcePiece};
     use crate::math::{Mat4, Vec2};
     use crate::mesh::Topology;
     use serde_json::json;
@@ -680,11 +679,11 @@ mod tests {
         let (garment, _) = Garment::from_asset(&own).unwrap();
         let worn = WornGarment { displacement: vec![Vec3::zeros(); 3], memory: RestState::flat(0, 1) };
         let sidecar = Sidecar::new(&own, &garment, &worn, Value::Null, Value::Null, Value::Null).unwrap();
-        assert_eq!(sidecar.misfit(&own), None);
+        assert_eq!(sidecar.mesh_mismatch(&own), None);
         let moved = read("v 0 0 0\nv 1 0 0\nv 0 1.01 0\nf 1 2 3\n");
-        assert!(sidecar.misfit(&moved).unwrap().contains("vertex 2 is elsewhere"));
+        assert!(sidecar.mesh_mismatch(&moved).unwrap().contains("vertex 2 is elsewhere"));
         let more = read("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n");
-        assert!(sidecar.misfit(&more).unwrap().contains("3 vertices, this one has 4"));
+        assert!(sidecar.mesh_mismatch(&more).unwrap().contains("3 vertices, this one has 4"));
     }
 
     #[test]

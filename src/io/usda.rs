@@ -24,7 +24,7 @@ pub struct UsdaMemory {
 }
 
 /// USDA text of `garment`: worn shape and rest shape (displacements [m], one per point), rest angles [rad], one per hinge.
-pub fn usda(garment: &Garment, worn: &[Vec3], rest_state: &[Vec3], rest_angle: &[f64]) -> Vec<u8> {
+pub fn write_usda(garment: &Garment, worn: &[Vec3], rest_state: &[Vec3], rest_angle: &[f64]) -> Vec<u8> {
     let moved = |shift: &[Vec3]| list(garment.points.iter().zip(shift).map(|(x, d)| vector(&(x + d))));
     let corners = garment.triangles.iter().flatten().map(|p| p.0.to_string());
     let counts = garment.triangles.iter().map(|_| "3".to_owned());
@@ -66,7 +66,7 @@ fn list(entries: impl Iterator<Item = String>) -> String {
     format!("[{}]", entries.collect::<Vec<_>>().join(", "))
 }
 
-/// What a file that [`usda`] wrote says of bending; `file` names it in faults.
+/// What a file that [`write_usda`] wrote says of bending; `file` names it in faults.
 pub fn read_usda(file: &str, bytes: &[u8]) -> Result<UsdaMemory> {
     let text = String::from_utf8_lossy(bytes);
     let numbers = |name: &str| -> Result<Vec<f64>> {
@@ -109,7 +109,7 @@ mod tests {
             crate::io::read_asset("two.obj", text.as_bytes(), &options, &mut |_| Ok(Vec::new())).unwrap();
         let (garment, _) = Garment::from_asset(&asset).unwrap();
         let still = vec![Vec3::zeros(); 4];
-        let written = String::from_utf8(usda(&garment, &still, &still, &[0.5])).unwrap();
+        let written = String::from_utf8(write_usda(&garment, &still, &still, &[0.5])).unwrap();
         assert!(written.contains("int[] faceVertexIndices = [0, 1, 2, 3, 2, 1]\n"), "{written}");
         assert!(written.contains("int2[] physics:restAdjTriPairs = [(0, 1)]\n"));
         assert!(written.contains("float[] physics:restBendAngles = [28.64789]\n"), "degrees, not radians");

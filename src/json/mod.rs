@@ -63,7 +63,7 @@ impl Document {
     }
 
     /// A value made by a program; faults name the path in it only.
-    pub fn of_value(file: &str, value: Value) -> Self {
+    pub fn from_value(file: &str, value: Value) -> Self {
         Self { file: file.to_owned(), value, places: None }
     }
 

@@ -37,7 +37,7 @@ impl DetailReport {
             texels,
             in_material: map.in_material,
             mean_tilt_deg: map.mean_tilt_deg,
-            conflicting_texel_percent: 100.0 * map.contradicted,
+            conflicting_texel_percent: 100.0 * map.conflicting_fraction,
             height_range_m: map.height_range_m,
             normal_map: None,
             height_map: None,

@@ -11,10 +11,10 @@
 
 use crate::bake::rest_mesh;
 use crate::fabric::Fabric;
-use crate::garment::{Garment, WornGarment};
+use crate::garment::{Garment, SourceAsset, WornGarment};
 use crate::io::gltf::write_rest_angle_map;
 use crate::io::{
-    ReadOptions, SourceAsset, read_asset, read_shape_obj, read_usda, shape_obj, usda, wrapped_deg,
+    ReadOptions, read_asset, read_shape_obj, read_usda, wrapped_deg, write_shape_obj, write_usda,
 };
 use crate::math::Vec3;
 use crate::mesh::{hinge_angle, unwrap_angle};
@@ -109,7 +109,7 @@ struct Scene<'a> {
 
 impl Scene<'_> {
     fn worn_obj(&self) -> Result<(Vec<u8>, Vec<ExportCheck>)> {
-        let bytes = shape_obj(self.asset, self.garment, &self.worn.displacement);
+        let bytes = write_shape_obj(self.asset, self.garment, &self.worn.displacement);
         let back = self.points_of(&read_shape_obj("OUT.worn.obj", &bytes)?)?;
         let should: Vec<Vec3> = add(&self.garment.points, &self.worn.displacement);
         let off = |a: &[Vec3]| a.iter().zip(&should).map(|(a, b)| 1e3 * (a - b).norm()).collect::<Vec<_>>();
@@ -119,7 +119,7 @@ impl Scene<'_> {
 
     fn rest_obj(&self, fabric: &Fabric) -> Result<(Vec<u8>, Vec<ExportCheck>)> {
         let shape = rest_mesh(self.garment, fabric, &self.worn.memory);
-        let bytes = shape_obj(self.asset, self.garment, &shape.displacement);
+        let bytes = write_shape_obj(self.asset, self.garment, &shape.displacement);
         let back = self.points_of(&read_shape_obj("OUT.rest.obj", &bytes)?)?;
         Ok((bytes, self.shape_reports(&back)))
     }
@@ -127,7 +127,8 @@ impl Scene<'_> {
     fn usda(&self, fabric: &Fabric) -> Result<(Vec<u8>, Vec<ExportCheck>)> {
         let shape = rest_mesh(self.garment, fabric, &self.worn.memory);
         let memory = &self.worn.memory;
-        let bytes = usda(self.garment, &self.worn.displacement, &shape.displacement, &memory.rest_angle);
+        let bytes =
+            write_usda(self.garment, &self.worn.displacement, &shape.displacement, &memory.rest_angle);
         let back = read_usda("OUT.usda", &bytes)?;
         let hinges = &self.garment.topology.hinges;
         if back.rest_points.len() != self.garment.points.len() {

@@ -3,9 +3,9 @@
 //! Made from the sidecar, which has everything in full, or from the mesh file alone, which has it per vertex and in
 //! single precision, or not at all (any mesh: shape and curvature can be shown). Chooses no camera; `render` draws.
 
-use crate::garment::Garment;
+use crate::garment::{Garment, SourceAsset};
+use crate::io::Sidecar;
 use crate::io::gltf::{keep_worn_pieces, read_worn};
-use crate::io::{Sidecar, SourceAsset};
 use crate::math::Vec3;
 use crate::mesh::{Hinge, PointIndex, Topology};
 use crate::report::render::{

@@ -5,6 +5,7 @@
 //! first. Boxes are then made equal axis by axis, so that a place keeps its fractions of the box, which is also how wear
 //! scripts name places. The depth of a garment that lies flat says nothing about a body: it is scaled like the rest.
 
+use crate::garment::{Footprint, is_lying};
 use crate::math::{Mat3, Vec3, bounds};
 use crate::transfer::GarmentSurface;
 
@@ -31,7 +32,7 @@ impl Stance {
     pub(super) fn of(sheet: &GarmentSurface) -> Self {
         let (low, high) = bounds(&sheet.points);
         let size = high - low;
-        let turn = if size.y < FLAT * size.x.min(size.z) {
+        let turn = if is_lying(&size, Footprint::Shorter, FLAT) {
             Mat3::new(1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0)
         } else {
             Mat3::identity()

@@ -30,8 +30,7 @@ pub use confidence::{RegionConfidence, TransferLosses};
 pub use prolongate::prolongate;
 pub use surface::GarmentSurface;
 
-use crate::garment::RestState;
-use crate::io::SourceJoint;
+use crate::garment::{RestState, SourceJoint};
 use crate::math::Vec3;
 use crate::mesh::hinge_angle;
 use crate::transfer::canonical_pose::{Stance, stand};

@@ -5,7 +5,7 @@
 //! where it belongs: displacements in between are sums of distances to the places, the biharmonic spline of three dimensions
 //! (Duchon 1977, Bookstein 1989). So an arm that hangs here and is raised there goes along with its joints.
 
-use crate::io::SourceJoint;
+use crate::garment::SourceJoint;
 use crate::math::{Mat3, Vec3};
 use crate::transfer::GarmentSurface;
 use nalgebra::DMatrix;
@@ -142,8 +142,8 @@ pub(super) fn joint_places(source: &[SourceJoint], target: &[SourceJoint], size:
     }
     // As much larger as the skeleton is, so much farther away.
     let spread = |k: usize| {
-        let middle = shared.iter().map(|pair| pair[k].place).sum::<Vec3>() / shared.len().max(1) as f64;
-        shared.iter().map(|pair| (pair[k].place - middle).norm()).sum::<f64>()
+        let middle = shared.iter().map(|pair| pair[k].position).sum::<Vec3>() / shared.len().max(1) as f64;
+        shared.iter().map(|pair| (pair[k].position - middle).norm()).sum::<f64>()
     };
     let scale = if spread(0) > 0.0 { spread(1) / spread(0) } else { 1.0 };
     let beside = BESIDE * size;
@@ -153,17 +153,18 @@ pub(super) fn joint_places(source: &[SourceJoint], target: &[SourceJoint], size:
             places.push(pair);
         }
     };
-    shared.iter().for_each(|pair| add(pair.map(|joint| joint.place)));
+    shared.iter().for_each(|pair| add(pair.map(|joint| joint.position)));
     for pair in &shared {
         // Its bones, to the joints below it, turn as it does.
         let below = |other: &&[&SourceJoint; 2]| {
             other.iter().zip(pair).all(|(o, own)| o.parent.as_ref() == Some(&own.name))
         };
         let ends: Vec<[Vec3; 2]> =
-            shared.iter().filter(below).map(|other| other.map(|joint| joint.place)).collect();
-        let along =
-            ends.iter().flat_map(|end| ALONG.map(|share| [0, 1].map(|k| pair[k].place.lerp(&end[k], share))));
-        for middle in std::iter::once(pair.map(|joint| joint.place)).chain(along) {
+            shared.iter().filter(below).map(|other| other.map(|joint| joint.position)).collect();
+        let along = ends
+            .iter()
+            .flat_map(|end| ALONG.map(|share| [0, 1].map(|k| pair[k].position.lerp(&end[k], share))));
+        for middle in std::iter::once(pair.map(|joint| joint.position)).chain(along) {
             for axis in 0..3 {
                 for way in [beside, -beside] {
                     let step = |k: usize, way: f64| middle[k] + pair[k].axes.column(axis) * way;
@@ -233,7 +234,7 @@ mod tests {
                 "wrist" => Some("elbow".into()),
                 _ => None,
             };
-            SourceJoint { name: name.into(), place, axes, parent }
+            SourceJoint { name: name.into(), position: place, axes, parent }
         };
         let straight = Mat3::identity();
         let quarter = nalgebra::Rotation3::new(Vec3::z() * std::f64::consts::FRAC_PI_2).into_inner();

@@ -3,8 +3,8 @@
 //! Made of a sidecar (where the memory comes from) or of a garment (where it goes to). The memory of a sidecar is put
 //! in the order of the sheet's own hinges here, and a sidecar whose hinges are not those of its triangles is refused.
 
-use crate::garment::{Garment, RestState, corner_uvs, corner_vertices};
-use crate::io::{Sidecar, SourceAsset};
+use crate::garment::{Garment, RestState, SourceAsset, corner_uvs, corner_vertices};
+use crate::io::Sidecar;
 use crate::math::{Vec2, Vec3};
 use crate::mesh::distance::barycentric;
 use crate::mesh::{PointIndex, Topology};

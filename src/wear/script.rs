@@ -52,7 +52,7 @@ impl WearScript {
     /// A script made by a program, checked like one from a file.
     pub fn new(name: impl Into<String>, actions: Vec<Action>) -> Result<Self> {
         let script = Self { format: WearFormat::V1, name: name.into(), actions };
-        Self::of_document(&Document::of_value(
+        Self::of_document(&Document::from_value(
             "wear script",
             serde_json::to_value(&script).unwrap_or(Value::Null),
         ))

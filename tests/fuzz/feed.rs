@@ -69,7 +69,7 @@ pub fn sidecar(bytes: &[u8]) -> Result<()> {
 /// Landmarks, also as `crease transfer` takes them.
 pub fn landmarks(bytes: &[u8]) -> Result<()> {
     let landmarks = Landmarks::parse("landmarks.json", &text(bytes)?)?;
-    assert!(landmarks.places().iter().flatten().all(|place| place.iter().all(|x| x.is_finite())));
+    assert!(landmarks.position_pairs().iter().flatten().all(|place| place.iter().all(|x| x.is_finite())));
     let again = serde_json::to_string(&landmarks).expect("is plain data");
     assert_eq!(Landmarks::parse("again.json", &again).expect("our own landmarks are read"), landmarks);
     Ok(())

@@ -6,7 +6,7 @@ use crate::cli::files::input::name_of;
 use crate::cli::files::mesh_file::{MeshFile, read_asset_at};
 use clap::Args;
 use crease::body::AnimatedBody;
-use crease::io::{SourceAsset, SourceFormat, SourcePiece};
+use crease::garment::{SourceAsset, SourceFormat, SourcePiece};
 use crease::{Error, Result};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! Values and groups of options that several commands share.
 
 use clap::Args;
-use crease::io::UpAxis;
+use crease::garment::UpAxis;
 use std::path::{Path, PathBuf};
 
 /// How the coordinates of a mesh file are to be read.

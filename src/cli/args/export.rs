@@ -6,8 +6,7 @@ use crate::cli::runtime::console;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use crease::Result;
 use crease::fabric::Fabric;
-use crease::garment::{Garment, WornGarment};
-use crease::io::SourceAsset;
+use crease::garment::{Garment, SourceAsset, WornGarment};
 use crease::report::{Export, ExportCheck};
 use std::path::{Path, PathBuf};
 

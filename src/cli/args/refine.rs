@@ -5,9 +5,8 @@ use crate::cli::args::common::positive;
 use crate::cli::files::output::Outputs;
 use clap::builder::RangedU64ValueParser;
 use crease::Result;
-use crease::garment::{Garment, WornGarment};
-use crease::io::SourceAsset;
-use crease::io::gltf::{DETAIL_SIDE, Detail, add_detail_map};
+use crease::garment::{Garment, SourceAsset, WornGarment};
+use crease::io::gltf::{DETAIL_MAP_SIZES, DetailInput, add_detail_map};
 use crease::report::DetailReport;
 use std::path::{Path, PathBuf};
 
@@ -36,7 +35,7 @@ pub struct RefineArgs {
 }
 
 fn side() -> RangedU64ValueParser {
-    RangedU64ValueParser::new().range(*DETAIL_SIDE.start() as u64..=*DETAIL_SIDE.end() as u64)
+    RangedU64ValueParser::new().range(*DETAIL_MAP_SIZES.start() as u64..=*DETAIL_MAP_SIZES.end() as u64)
 }
 
 /// A garment that was made finer than its file.
@@ -51,9 +50,9 @@ pub struct Finer {
 
 impl Finer {
     /// What the wear of the finer garment has beyond the file.
-    pub fn detail<'a>(&'a self, fine: &'a Garment, worn: &'a WornGarment) -> Option<Detail<'a>> {
+    pub fn detail<'a>(&'a self, fine: &'a Garment, worn: &'a WornGarment) -> Option<DetailInput<'a>> {
         let (coarse, parent) = self.coarse.as_ref()?;
-        Some(Detail { coarse, fine, parent, worn })
+        Some(DetailInput { coarse, fine, parent, worn })
     }
 }
 
@@ -85,7 +84,7 @@ impl RefineArgs {
         worn: &Path,
         outputs: &mut Outputs,
         asset: &SourceAsset,
-        detail: Option<Detail>,
+        detail: Option<DetailInput>,
         glb: Vec<u8>,
     ) -> Result<(Vec<u8>, Vec<DetailReport>, Vec<String>)> {
         let Some(side) = self.detail_map else { return Ok((glb, Vec::new(), Vec::new())) };

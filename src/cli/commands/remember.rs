@@ -12,8 +12,9 @@ use crate::cli::runtime::threads::use_threads;
 use crease::bake::{BakeResult, GarmentMotion, memory_from_motion};
 use crease::body::rig::Rig;
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
+use crease::garment::{SourceAsset, SourcePiece};
 use crease::io::gltf::{read_rig, write_worn_glb};
-use crease::io::{Sidecar, SourceAsset, SourcePiece, sequence, write_sidecar};
+use crease::io::{Sidecar, sequence_from_assets, write_sidecar};
 use crease::math::Vec3;
 use crease::mesh::intersections::crossings;
 use crease::report::{Report, crossing_counts};
@@ -189,7 +190,7 @@ fn of_frames(arguments: &Arguments) -> Result<Job> {
         None => arguments.reading.clone(),
     };
     let assets = read_frames(&arguments.motion, &reading)?;
-    let frames = sequence(&assets, rate)?.frames;
+    let frames = sequence_from_assets(&assets, rate)?.frames;
     let Some(first) = assets.first() else { return Err(Error::input(folder, "", "has no frames", "")) };
     let path = arguments.mesh.clone().unwrap_or_else(|| PathBuf::from(&first.file));
     let mesh = MeshFile::read(&path, &arguments.reading)?;

@@ -127,7 +127,7 @@ pub fn read(path: &Path) -> Result<(GarmentView, Option<Sidecar>)> {
             let file = input::name_of(&beside);
             let sidecar = read_sidecar(&file, &input::bytes(&beside)?)?;
             keep_worn_pieces(&mut asset);
-            if let Some(what) = sidecar.misfit(&asset) {
+            if let Some(what) = sidecar.mesh_mismatch(&asset) {
                 let cure = format!("put the sidecar that was written with {} beside it", path.display());
                 return Err(Error::input(file, "mesh", what, cure));
             }

@@ -249,7 +249,8 @@ impl Job {
             (None, None) => input::fabric(DEFAULT_FABRIC),
         };
         let landmarks = arguments.landmarks.as_deref().map_or(Ok(Vec::new()), |path| {
-            Landmarks::parse(&input::name_of(path), &input::text(path)?).map(|landmarks| landmarks.places())
+            Landmarks::parse(&input::name_of(path), &input::text(path)?)
+                .map(|landmarks| landmarks.position_pairs())
         });
         match (mesh, fabric, landmarks) {
             (Ok(mut mesh), Ok(fabric), Ok(landmarks)) if errors.is_empty() => {

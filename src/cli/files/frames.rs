@@ -3,7 +3,7 @@
 
 use crate::cli::files::input::name_of;
 use crate::cli::files::output::Outputs;
-use crease::io::frame_obj;
+use crease::io::write_frame_obj;
 use crease::math::Vec3;
 use crease::mesh::PointIndex;
 use crease::{Error, Result};
@@ -36,7 +36,7 @@ impl<'a> FrameFolder<'a> {
     /// Writes the next frame: `points` [m], one per point of the mesh.
     pub fn write(&mut self, points: &[Vec3]) -> Result<()> {
         let mut outputs = Outputs::new([self.mesh]);
-        outputs.add(&self.path_of(self.written), &frame_obj(points, &self.triangles))?;
+        outputs.add(&self.path_of(self.written), &write_frame_obj(points, &self.triangles))?;
         outputs.commit()?;
         self.written += 1;
         Ok(())

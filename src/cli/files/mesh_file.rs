@@ -3,9 +3,9 @@
 
 use crate::cli::args::common::MeshReading;
 use crate::cli::files::input;
-use crease::garment::{Garment, ImportDiagnostic, Severity};
+use crease::garment::{Garment, ImportDiagnostic, Severity, SourceAsset};
 use crease::io::gltf::embed_images;
-use crease::io::{ReadOptions, SourceAsset, read_asset};
+use crease::io::{ReadOptions, read_asset};
 use crease::{Error, Result};
 use std::path::Path;
 

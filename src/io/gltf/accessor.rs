@@ -5,7 +5,7 @@
 //! documents that need that are refused before anything is read.
 
 use crate::Result;
-use crate::io::GltfDocument;
+use crate::garment::GltfDocument;
 use crate::io::gltf::json_cursor::Cursor;
 use crate::math::Mat4;
 use serde_json::Value;

@@ -11,11 +11,13 @@
 //! A mesh that crease has worn before (it names a sidecar) has its old worn target replaced, not joined by a second:
 //! both would show at once.
 
-use crate::io::GltfDocument;
+use crate::garment::GltfDocument;
 use crate::io::gltf::animated_weights::extend_animations;
 use crate::io::gltf::append::{Appender, Purpose};
 use crate::io::gltf::worn_target::WornTarget;
-use crate::io::gltf::{REST_ANGLE_ATTRIBUTE, STIFFNESS_ATTRIBUTE, WORN_TARGET};
+use crate::io::gltf::{
+    FORMER_REST_ANGLE_ATTRIBUTE, REST_ANGLE_CHANGE_ATTRIBUTE, STIFFNESS_ATTRIBUTE, WORN_TARGET,
+};
 use crate::{Error, Result};
 use serde_json::{Map, Value, json};
 
@@ -190,7 +192,8 @@ fn edit_primitive(
     {
         let rest_change = appender.scalars(&worn.rest_change_deg, Purpose::Vertex);
         let stiffness = appender.scalars(&worn.stiffness, Purpose::Vertex);
-        attributes.insert(REST_ANGLE_ATTRIBUTE.into(), json!(rest_change));
+        attributes.shift_remove(FORMER_REST_ANGLE_ATTRIBUTE);
+        attributes.insert(REST_ANGLE_CHANGE_ATTRIBUTE.into(), json!(rest_change));
         attributes.insert(STIFFNESS_ATTRIBUTE.into(), json!(stiffness));
         // Compressed data would be decoded in an order of its own, which the target does not follow; the plain data
         // that was read stands beside it.

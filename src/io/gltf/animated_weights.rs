@@ -7,7 +7,7 @@
 //! Channels are found by node, and by `KHR_animation_pointer` to the weights of the node or of the mesh.
 
 use crate::Result;
-use crate::io::GltfDocument;
+use crate::garment::GltfDocument;
 use crate::io::gltf::accessor::Accessors;
 use crate::io::gltf::append::{Appender, Purpose};
 use serde_json::{Map, Value, json};

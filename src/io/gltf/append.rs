@@ -5,7 +5,7 @@
 //! one behind the other, and each view gets its buffer's offset added. The bytes themselves stay as they are. Of the
 //! buffers after the first, name and extras are lost with them. Writes floats only; knows nothing of meshes.
 
-use crate::io::GltfDocument;
+use crate::garment::GltfDocument;
 use crate::io::gltf::container::join_glb;
 use crate::{Error, Result};
 use serde_json::{Map, Value, json};

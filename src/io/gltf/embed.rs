@@ -5,7 +5,7 @@
 //! malice keeps the name. Opens no files; decodes no picture.
 
 use crate::Result;
-use crate::io::GltfDocument;
+use crate::garment::GltfDocument;
 use crate::io::gltf::buffers::percent_decoded;
 use serde_json::{Value, json};
 

@@ -24,7 +24,7 @@ mod write;
 
 pub use accessor::{Accessors, Table};
 pub use container::{is_glb, join_glb, split_glb};
-pub use detail::{DETAIL_SIDE, Detail, DetailMap, Detailed, add_detail_map};
+pub use detail::{DETAIL_MAP_SIZES, DetailInput, DetailMap, DetailOutput, add_detail_map};
 pub use embed::embed_images;
 pub(in crate::io) use read::read_gltf;
 pub use read_worn::{WornVertices, keep_worn_pieces, read_worn, sidecar_name};
@@ -36,6 +36,8 @@ pub use write::{external_images, write_worn_glb};
 pub const WORN_TARGET: &str = "worn";
 /// Vertex attribute: change of rest angle (rest minus source angle) of largest magnitude among the hinges whose edge
 /// ends at the vertex, in degrees, signed; 0 where nothing is remembered.
-pub const REST_ANGLE_ATTRIBUTE: &str = "_CREASE_REST_ANGLE";
+pub const REST_ANGLE_CHANGE_ATTRIBUTE: &str = "_CREASE_REST_ANGLE_CHANGE";
+/// Name of [`REST_ANGLE_CHANGE_ATTRIBUTE`] in files written by earlier versions; read, never written.
+pub const FORMER_REST_ANGLE_ATTRIBUTE: &str = "_CREASE_REST_ANGLE";
 /// Vertex attribute: mean stiffness ratio of the hinges whose edge ends at the vertex [-]; 1 where there is none.
 pub const STIFFNESS_ATTRIBUTE: &str = "_CREASE_STIFFNESS";

@@ -5,11 +5,11 @@
 //! over triangles that share a position, so that texture seams do not show. Materials carry the names of the OBJ's and a
 //! plain two-sided cloth colour, as cloth is seen from both sides; the .mtl file is not read.
 
+use crate::garment::{SourceAsset, SourcePiece};
 use crate::io::gltf::add_morph_target::worn_target;
 use crate::io::gltf::append::{Appender, Purpose};
 use crate::io::gltf::worn_target::WornTarget;
-use crate::io::gltf::{REST_ANGLE_ATTRIBUTE, STIFFNESS_ATTRIBUTE, WORN_TARGET};
-use crate::io::{SourceAsset, SourcePiece};
+use crate::io::gltf::{REST_ANGLE_CHANGE_ATTRIBUTE, STIFFNESS_ATTRIBUTE, WORN_TARGET};
 use crate::math::Vec3;
 use crate::{Error, Result};
 use rustc_hash::FxHashMap;
@@ -108,7 +108,7 @@ fn primitive(
     }
     let target = match worn {
         Some(worn) => {
-            attributes[REST_ANGLE_ATTRIBUTE] =
+            attributes[REST_ANGLE_CHANGE_ATTRIBUTE] =
                 json!(appender.scalars(&worn.rest_change_deg, Purpose::Vertex));
             attributes[STIFFNESS_ATTRIBUTE] = json!(appender.scalars(&worn.stiffness, Purpose::Vertex));
             worn_target(appender, worn)
@@ -145,7 +145,7 @@ fn scene_positions(piece: &SourcePiece) -> Vec<Vec3> {
 /// The file's normals in the scene; `None` where one is missing or has no length.
 fn scene_normals(piece: &SourcePiece) -> Vec<Option<Vec3>> {
     let turned = |(v, n): (usize, &Vec3)| {
-        let linear = piece.placement.of(v).fixed_view::<3, 3>(0, 0).into_owned();
+        let linear = piece.placement.matrix(v).fixed_view::<3, 3>(0, 0).into_owned();
         (linear.try_inverse()?.transpose() * n).try_normalize(f64::MIN_POSITIVE)
     };
     piece.normals.iter().flatten().enumerate().map(turned).collect()

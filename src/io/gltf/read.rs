@@ -4,7 +4,7 @@
 //! A mesh that several nodes show is worn through the first of them: one mesh can keep only one set of wrinkles.
 //! Skinned meshes stand in the pose of the file; morph targets are left alone. Plays no animation.
 
-use crate::garment::{ImportDiagnostic, Severity};
+use crate::garment::{GltfDocument, ImportDiagnostic, Placement, Severity, SourceJoint, SourcePiece};
 use crate::io::diagnostics::DiagnosticList;
 use crate::io::gltf::accessor::Accessors;
 use crate::io::gltf::buffers::load_buffers;
@@ -14,7 +14,6 @@ use crate::io::gltf::primitive::{Drawn, MaskChannel, MeshData, read_primitive};
 use crate::io::gltf::scene::Scene;
 use crate::io::gltf::skin::place_skinned;
 use crate::io::read::{NamedPiece, ReadPieces};
-use crate::io::{GltfDocument, Placement, SourceJoint, SourcePiece};
 use crate::math::{Mat3, Mat4};
 use crate::{Error, Result};
 
@@ -290,7 +289,7 @@ impl<'a> Reader<'a> {
                 };
                 SourceJoint {
                     name: name(node),
-                    place: world.column(3).xyz(),
+                    position: world.column(3).xyz(),
                     axes: Mat3::from_columns(&[axis(0), axis(1), axis(2)]),
                     parent: above(node).map(name),
                 }
@@ -385,9 +384,9 @@ fn flattens(transform: &Mat4) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use crate::garment::ImportDiagnostic;
+    use crate::garment::{ImportDiagnostic, SourceAsset, UpAxis};
     use crate::io::gltf::join_glb;
-    use crate::io::{ReadOptions, SourceAsset, UpAxis, read_asset};
+    use crate::io::{ReadOptions, read_asset};
     use crate::math::{Vec2, Vec3};
     use serde_json::{Value, json};
 

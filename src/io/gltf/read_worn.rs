@@ -4,9 +4,11 @@
 //! The inverse of `write.rs`. Positions are single precision here; the sidecar has them in full.
 
 use crate::Result;
+use crate::garment::{GltfDocument, SourceAsset, SourcePiece};
 use crate::io::gltf::accessor::Accessors;
-use crate::io::gltf::{REST_ANGLE_ATTRIBUTE, STIFFNESS_ATTRIBUTE, WORN_TARGET};
-use crate::io::{GltfDocument, SourceAsset, SourcePiece};
+use crate::io::gltf::{
+    FORMER_REST_ANGLE_ATTRIBUTE, REST_ANGLE_CHANGE_ATTRIBUTE, STIFFNESS_ATTRIBUTE, WORN_TARGET,
+};
 use crate::math::Vec3;
 use serde_json::Value;
 
@@ -59,12 +61,15 @@ impl WornVertices {
         for (v, own) in piece.positions.iter().enumerate() {
             let shift = shift.as_ref().and_then(|all| all.get(3 * v..3 * v + 3)).unwrap_or(&[0.0; 3]);
             let worn = own + Vec3::from_row_slice(shift);
-            self.positions.push((piece.placement.of(v) * worn.push(1.0)).xyz());
+            self.positions.push((piece.placement.matrix(v) * worn.push(1.0)).xyz());
         }
         let scalars = |name: &str, otherwise: f64| {
             Ok(column(document, &attributes[name], 1, count, name)?.unwrap_or_else(|| vec![otherwise; count]))
         };
-        self.rest_angle_deg.extend(scalars(REST_ANGLE_ATTRIBUTE, 0.0)?);
+        let is_present = |name: &&str| attributes.get(*name).is_some();
+        let names = [REST_ANGLE_CHANGE_ATTRIBUTE, FORMER_REST_ANGLE_ATTRIBUTE];
+        let name = names.into_iter().find(is_present).unwrap_or(REST_ANGLE_CHANGE_ATTRIBUTE);
+        self.rest_angle_deg.extend(scalars(name, 0.0)?);
         self.stiffness_ratio.extend(scalars(STIFFNESS_ATTRIBUTE, 1.0)?);
         Ok(())
     }

@@ -10,8 +10,7 @@
 //! error (weighted by length), until none changes. A vertex has no direction, so an edge across a crease cannot always
 //! stay flat: how much is lost is measured when the file is read back.
 
-use crate::garment::{Garment, RestState};
-use crate::io::SourceAsset;
+use crate::garment::{Garment, RestState, SourceAsset};
 use crate::io::gltf::append::{Appender, Purpose};
 use crate::io::gltf::obj_to_gltf::scene_pieces;
 use crate::{Error, Result};

@@ -8,13 +8,13 @@ use crate::Result;
 use crate::body::clip::{Channel, Clip, Interpolation, Target};
 use crate::body::rig::{Piece, Rig, SkinBinding, normalised};
 use crate::body::skeleton::{Node, Skeleton};
+use crate::garment::{SourceAsset, SourcePiece};
 use crate::io::diagnostics::DiagnosticList;
 use crate::io::gltf::accessor::Accessors;
 use crate::io::gltf::json_cursor::Cursor;
 use crate::io::gltf::scene::read_local;
 use crate::io::gltf::skin::{influence_sets, joints_of};
 use crate::io::read::to_scene;
-use crate::io::{SourceAsset, SourcePiece};
 use crate::math::Vec3;
 
 /// Numbers of keys and morph targets granted to a file of any size; beyond, as many as its buffers have bytes. Channels

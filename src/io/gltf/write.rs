@@ -5,13 +5,12 @@
 //! Vertices keep their number and order, so rigs, textures and other tools' data go on fitting. Images that a .gltf
 //! names by a path stay named by it: see [`external_images`].
 
-use crate::garment::{Garment, WornGarment};
+use crate::garment::{Garment, GltfDocument, Placement, SourceAsset, SourceFormat, SourcePiece, WornGarment};
 use crate::io::gltf::accessor::Accessors;
 use crate::io::gltf::add_morph_target::{WornPrimitive, add_worn_targets};
 use crate::io::gltf::append::Appender;
 use crate::io::gltf::obj_to_gltf::{obj_document, scene_pieces};
 use crate::io::gltf::worn_target::{LinearParts, PieceBase, WornShape, WornTarget};
-use crate::io::{GltfDocument, Placement, SourceAsset, SourceFormat, SourcePiece};
 use crate::math::Vec3;
 use crate::mesh::PointIndex;
 use crate::{Diagnostic, Error, Result};

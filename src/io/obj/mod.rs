@@ -8,12 +8,11 @@ mod lines;
 mod parse;
 mod polygon;
 
-use crate::garment::{ImportDiagnostic, Severity};
+use crate::garment::{ImportDiagnostic, Placement, Severity, SourcePiece};
 use crate::io::diagnostics::DiagnosticList;
 use crate::io::obj::parse::{Corner, Label, NONE, Statements};
 use crate::io::obj::polygon::{PolygonCutter, newell_normal};
 use crate::io::read::{NamedPiece, ReadPieces};
-use crate::io::{Placement, SourcePiece};
 use crate::math::{Mat4, Vec2, Vec3};
 use crate::{Error, Result};
 use rustc_hash::FxHashMap;
@@ -158,8 +157,8 @@ impl PieceBuilder {
 
 #[cfg(test)]
 mod tests {
-    use crate::garment::{ImportDiagnostic, Severity};
-    use crate::io::{ReadOptions, SourceAsset, read_asset};
+    use crate::garment::{ImportDiagnostic, Severity, SourceAsset};
+    use crate::io::{ReadOptions, read_asset};
     use crate::math::{Vec2, Vec3};
 
     fn read_with(text: &str, options: &ReadOptions) -> crate::Result<(SourceAsset, Vec<ImportDiagnostic>)> {
@@ -289,7 +288,7 @@ mod tests {
         let text = "v 0 0 0\nv 100 0 0\nv 0 0 100\nf 1 2 3\n";
         assert!(message(text).contains("--unit cm makes it 1.00 m"), "{}", message(text));
         let options =
-            ReadOptions { unit_m: Some(0.01), up: Some(crate::io::UpAxis::Z), ..ReadOptions::default() };
+            ReadOptions { unit_m: Some(0.01), up: Some(crate::garment::UpAxis::Z), ..ReadOptions::default() };
         let (asset, _) = read_with(text, &options).unwrap();
         let top = asset.pieces[0].scene_position(2).unwrap();
         assert!((top - Vec3::y()).norm() < 1e-15, "the file's z is up: {top}");

@@ -3,6 +3,7 @@
 //! A garment that lies is seen from 35 degrees above, its lower end towards the viewer; one that stands or hangs
 //! from the front. The perspective is mild, as from across the room, so that sizes can still be compared.
 
+use crate::garment::{Footprint, is_lying};
 use crate::math::{Vec2, Vec3};
 
 /// Angles of the camera; what is `None` is chosen from the garment.
@@ -56,7 +57,7 @@ impl Camera {
     /// The angles used for a garment of these bounds: azimuth and elevation [degrees].
     fn angles(&self, low: Vec3, high: Vec3) -> [f64; 2] {
         let size = high - low;
-        let lies = size.y < LYING_SHARE * size.x.max(size.z);
+        let lies = is_lying(&size, Footprint::Longer, LYING_SHARE);
         let elevation = if lies { ABOVE_LYING_DEG } else { ABOVE_STANDING_DEG };
         let given = |angle: Option<f64>, own: f64| angle.filter(|a| a.is_finite()).unwrap_or(own);
         [given(self.azimuth_deg, 0.0), given(self.elevation_deg, elevation).clamp(-90.0, 90.0)]

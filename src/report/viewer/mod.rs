@@ -7,6 +7,7 @@
 //!
 //! Does not do: files (the tool writes the page), textures and materials of the glTF (any glTF viewer shows those).
 
+use crate::garment::{Footprint, is_lying};
 use crate::io::Sidecar;
 use crate::math::{Vec3, bounds};
 use crate::report::escaped;
@@ -101,7 +102,7 @@ fn library() -> String {
 fn lies(item: &ViewerItem) -> bool {
     let (low, high) = bounds(&item.garment_view.after);
     let size = high - low;
-    size.y < LYING_SHARE * size.x.min(size.z)
+    is_lying(&size, Footprint::Shorter, LYING_SHARE)
 }
 
 fn scale(map: ColourMap) -> Vec<Value> {

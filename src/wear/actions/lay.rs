@@ -1,6 +1,7 @@
 //! `lay`: the garment is laid flat on the ground, layers in order, none crossing.
 
 use crate::error::Result;
+use crate::garment::{Footprint, is_lying};
 use crate::math::{Mat3, Vec3, bounds};
 use crate::sim::Drive;
 use crate::wear::action_runner::{
@@ -105,7 +106,7 @@ impl Lay {
     fn directions(&self, source: &[Vec3]) -> (Vec3, Vec3) {
         let (low, high) = bounds(source);
         let size = high - low;
-        let lies = size.y < LYING_RATIO * size.x.min(size.z);
+        let lies = is_lying(&size, Footprint::Shorter, LYING_RATIO);
         let facing = match (self.facing, lies) {
             (Facing::Front, false) => Vec3::z(),
             (Facing::Back, false) => -Vec3::z(),

@@ -15,14 +15,14 @@ mod tangents;
 mod tests;
 mod texels;
 
-use crate::garment::{Garment, WornGarment};
+use crate::garment::{Garment, GltfDocument, Placement, SourceAsset, SourcePiece, WornGarment};
 use crate::io::gltf::accessor::Accessors;
 use crate::io::gltf::append::{Appender, Purpose};
 use crate::io::gltf::detail::tangents::{Tangent, tangents};
 use crate::io::gltf::detail::texels::Texels;
 use crate::io::gltf::read_worn::{column, keep_worn_pieces, worn_target, worn_target_index};
 use crate::io::gltf::worn_target::{LinearParts, WornShape};
-use crate::io::{GltfDocument, Placement, ReadOptions, SourceAsset, SourcePiece, read_asset};
+use crate::io::{ReadOptions, read_asset};
 use crate::math::{Mat3, Vec2, Vec3};
 use crate::mesh::PointIndex;
 use crate::mesh::distance::barycentric;
@@ -33,11 +33,11 @@ use serde_json::{Value, json};
 /// Texels that what is known spreads over its borders: as many as keep eight levels of smaller pictures apart.
 const PADDING: usize = 16;
 /// Texels a side that can be asked for.
-pub const DETAIL_SIDE: std::ops::RangeInclusive<usize> = 64..=16384;
+pub const DETAIL_MAP_SIZES: std::ops::RangeInclusive<usize> = 64..=16384;
 
 /// A garment as its file has it and as it was simulated.
 #[derive(Debug, Clone, Copy)]
-pub struct Detail<'a> {
+pub struct DetailInput<'a> {
     /// As the file has it.
     pub coarse: &'a Garment,
     /// As it was simulated; its first points are those of `coarse`.
@@ -64,12 +64,12 @@ pub struct DetailMap {
     /// Mean angle between the map's directions and those of the bare coarse mesh [degrees].
     pub mean_tilt_deg: f64,
     /// Share of the map's texels that two places of the garment claim differently [-]: a picture used twice.
-    pub contradicted: f64,
+    pub conflicting_fraction: f64,
 }
 
 /// A worn GLB with its maps.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Detailed {
+pub struct DetailOutput {
     /// The file.
     pub glb: Vec<u8>,
     /// The maps, in the order of the materials.
@@ -80,10 +80,18 @@ pub struct Detailed {
 
 /// The worn file `glb` (as [`crate::io::gltf::write_worn_glb`] wrote it for `detail.coarse`; `asset` is what it was made from) with maps
 /// of `side` x `side` texels.
-pub fn add_detail_map(glb: &[u8], asset: &SourceAsset, detail: &Detail, side: usize) -> Result<Detailed> {
-    if !DETAIL_SIDE.contains(&side) {
-        let what =
-            format!("{side} texels a side are outside {} to {}", DETAIL_SIDE.start(), DETAIL_SIDE.end());
+pub fn add_detail_map(
+    glb: &[u8],
+    asset: &SourceAsset,
+    detail: &DetailInput,
+    side: usize,
+) -> Result<DetailOutput> {
+    if !DETAIL_MAP_SIZES.contains(&side) {
+        let what = format!(
+            "{side} texels a side are outside {} to {}",
+            DETAIL_MAP_SIZES.start(),
+            DETAIL_MAP_SIZES.end()
+        );
         return Err(Error::input(&asset.file, "detail map", what, "ask for 2048"));
     }
     let worn = read_back(glb, asset, detail)?;
@@ -140,14 +148,14 @@ pub fn add_detail_map(glb: &[u8], asset: &SourceAsset, detail: &Detail, side: us
             height_range_m,
             in_material,
             mean_tilt_deg,
-            contradicted,
+            conflicting_fraction: contradicted,
         });
     }
-    Ok(Detailed { glb: appender.into_glb(), maps, notes })
+    Ok(DetailOutput { glb: appender.into_glb(), maps, notes })
 }
 
 /// The worn file, read again; its worn vertices are those of the garment.
-fn read_back(glb: &[u8], asset: &SourceAsset, detail: &Detail) -> Result<SourceAsset> {
+fn read_back(glb: &[u8], asset: &SourceAsset, detail: &DetailInput) -> Result<SourceAsset> {
     // Of an OBJ the worn file is in metres, y up; of a glTF in the source's own unit.
     let same = asset.document.is_some();
     let options = ReadOptions {
@@ -194,7 +202,7 @@ struct Surface<'a> {
 fn surfaces<'a>(
     worn: &'a SourceAsset,
     document: &GltfDocument,
-    detail: &'a Detail,
+    detail: &'a DetailInput,
     notes: &mut Vec<String>,
 ) -> Result<Vec<Surface<'a>>> {
     let mut surfaces = Vec::new();
@@ -308,7 +316,7 @@ fn unit_or(v: Vec3, otherwise: Vec3) -> Vec3 {
 
 /// Paints maps.
 struct Painter<'a> {
-    detail: &'a Detail<'a>,
+    detail: &'a DetailInput<'a>,
     surfaces: &'a [Surface<'a>],
     /// Per triangle of the coarse garment: its surface, and the vertices of its corners there.
     place: Vec<Option<(usize, [usize; 3])>>,
@@ -316,7 +324,7 @@ struct Painter<'a> {
 }
 
 impl<'a> Painter<'a> {
-    fn new(detail: &'a Detail, surfaces: &'a [Surface]) -> Self {
+    fn new(detail: &'a DetailInput, surfaces: &'a [Surface]) -> Self {
         let sorted = |mut points: [PointIndex; 3]| {
             points.sort_unstable();
             points
@@ -345,7 +353,7 @@ impl<'a> Painter<'a> {
     /// The map of one material.
     fn paint(&self, material: Option<usize>, side: usize) -> Texels {
         let mut texels = Texels::new(side);
-        let Detail { coarse, fine, parent, worn } = *self.detail;
+        let DetailInput { coarse, fine, parent, worn } = *self.detail;
         for (triangle, &k) in fine.triangles.iter().zip(parent) {
             let Some((s, vertices)) = self.place[k as usize] else { continue };
             let surface = &self.surfaces[s];

@@ -98,8 +98,8 @@ impl Scene {
         Self { asset, coarse, worn: WornGarment { displacement, memory }, fine, parent }
     }
 
-    fn detail(&self) -> Detail<'_> {
-        Detail { coarse: &self.coarse, fine: &self.fine, parent: &self.parent, worn: &self.worn }
+    fn detail(&self) -> DetailInput<'_> {
+        DetailInput { coarse: &self.coarse, fine: &self.fine, parent: &self.parent, worn: &self.worn }
     }
 
     fn worn_glb(&self) -> Vec<u8> {
@@ -111,13 +111,13 @@ impl Scene {
         write_worn_glb(&self.asset, &self.coarse, &worn, &json!({"crease": {"sidecar": "x"}})).unwrap()
     }
 
-    fn detailed(&self) -> Detailed {
+    fn detailed(&self) -> DetailOutput {
         add_detail_map(&self.worn_glb(), &self.asset, &self.detail(), 1024).unwrap()
     }
 }
 
 /// What a viewer shows in the middle of every fine triangle, and the fine surface's own smooth normal there.
-fn shown_and_true(scene: &Scene, detailed: &Detailed) -> Vec<(Vec3, Vec3, Vec3)> {
+fn shown_and_true(scene: &Scene, detailed: &DetailOutput) -> Vec<(Vec3, Vec3, Vec3)> {
     let options = ReadOptions { unit_m: Some(1.0), ..ReadOptions::default() };
     let mut alone = |name: &str| panic!("asks for {name}");
     let mut asset = read_asset("worn.glb", &detailed.glb, &options, &mut alone).unwrap().0;
@@ -181,7 +181,7 @@ fn coarse_mesh_and_map_look_like_the_fine_mesh_from_three_lights() {
         assert!(worst < 10.0, "a seam shows: {worst}");
     }
     let map = &detailed.maps[0];
-    assert!(map.in_material && map.contradicted < 0.01, "{}", map.contradicted);
+    assert!(map.in_material && map.conflicting_fraction < 0.01, "{}", map.conflicting_fraction);
     assert!(map.height_range_m[1] > 0.003 && map.height_range_m[1] < 0.012, "{:?}", map.height_range_m);
 }
 
@@ -204,7 +204,7 @@ fn a_normal_map_that_is_there_is_kept_under_the_wrinkles() {
     let (fine, parent) = finer(&coarse, 5);
     let memory = RestState::flat(fine.topology.hinges.len(), fine.triangles.len());
     let worn = WornGarment { displacement: vec![Vec3::zeros(); fine.points.len()], memory };
-    let detail = Detail { coarse: &coarse, fine: &fine, parent: &parent, worn: &worn };
+    let detail = DetailInput { coarse: &coarse, fine: &fine, parent: &parent, worn: &worn };
     // Worn anew, so that the worn target is that of the flat sheet.
     let unworn = WornGarment { displacement: vec![Vec3::zeros(); coarse.points.len()], ..flat.worn.clone() };
     let unworn = WornGarment {
@@ -225,7 +225,7 @@ fn a_normal_map_that_is_there_is_kept_under_the_wrinkles() {
 fn what_does_not_belong_together_is_refused() {
     let scene = Scene::new(&ripple);
     let glb = scene.worn_glb();
-    let short = Detail { parent: &scene.parent[1..], ..scene.detail() };
+    let short = DetailInput { parent: &scene.parent[1..], ..scene.detail() };
     assert!(add_detail_map(&glb, &scene.asset, &short, 1024).is_err());
     assert!(add_detail_map(&glb, &scene.asset, &scene.detail(), 7).is_err());
     assert!(add_detail_map(b"no glTF", &scene.asset, &scene.detail(), 1024).is_err());

@@ -43,7 +43,7 @@ pub enum Placement {
 
 impl Placement {
     /// The transform of vertex `v` of the piece.
-    pub fn of(&self, v: usize) -> &Mat4 {
+    pub fn matrix(&self, v: usize) -> &Mat4 {
         match self {
             Self::Rigid(m) => m,
             Self::Skinned(all) => &all[v],
@@ -100,7 +100,7 @@ pub struct SourceJoint {
     /// Name of its node; empty when it has none.
     pub name: String,
     /// Where it stands in the scene \[m\], y up.
-    pub place: Vec3,
+    pub position: Vec3,
     /// Its own axes in the scene: columns of unit length.
     pub axes: Mat3,
     /// Name of the next joint above it that moves the piece.
@@ -154,7 +154,7 @@ impl SourceAsset {
     }
 
     /// Lowest and highest corner \[m\] of the box around the worn vertices that carry triangles; `None` without any.
-    pub fn worn_box_m(&self) -> Option<(Vec3, Vec3)> {
+    pub fn worn_bounds(&self) -> Option<(Vec3, Vec3)> {
         let mut bounds: Option<(Vec3, Vec3)> = None;
         for piece in self.worn_pieces() {
             for &corner in piece.triangles.iter().flatten() {
