@@ -32,9 +32,9 @@ fn worn(actions: &str, iterations: usize, slack: f64) -> BakeReport {
     let text = format!(r#"{{"format": "crease-wear/1", "actions": [{actions}]}}"#);
     let script = WearScript::parse("wear.json", &text).expect("is valid");
     let mut options = BakeOptions { memory: false, energy_tol_m: slack, ..BakeOptions::default() };
-    options.step.newton.most_iterations = iterations;
+    options.step.newton.max_iterations = iterations;
     if slack == 0.0 {
-        options.step.newton.tolerance = 0.0;
+        options.step.newton.displacement_tol = 0.0;
     }
     bake(&sheet(), &fabric(), &script, "wear.json", &options, &mut ()).expect("bakes").report
 }

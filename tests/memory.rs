@@ -5,6 +5,8 @@
 //! cargo test --test memory NAME -- --nocapture
 //! ```
 
+#[path = "common/hessian_shift.rs"]
+mod hessian_shift;
 #[path = "memory/hinge.rs"]
 mod hinge;
 #[path = "memory/law.rs"]

@@ -5,7 +5,7 @@ use crate::bake::depenetration;
 use crate::bake::{BakeOptions, Run};
 use crate::body::{AnimatedBody, BodyPose, PosedBody};
 use crate::contact::{BodyField, FOLD_RIM, FieldSettings, KeptField};
-use crate::energy::{Cushion, Support};
+use crate::energy::{EdgeContact, PlaneContact};
 use crate::error::{Error, Result};
 use crate::garment::Garment;
 use crate::math::Vec3;
@@ -106,7 +106,7 @@ const LIMB: f64 = 0.04;
 
 impl BodyPenetrationStats {
     /// After a step that ended at `time` [s] with the cloth at `x` and `crossing` pairs of triangles.
-    fn note(&mut self, time: f64, x: &[Vec3], cushions: &[Cushion], crossing: [usize; 2]) {
+    fn note(&mut self, time: f64, x: &[Vec3], cushions: &[PlaneContact], crossing: [usize; 2]) {
         self.crossing = crossing;
         self.steps += usize::from(crossing[0] > 0);
         for (most, now) in self.crossed.iter_mut().zip(crossing) {
@@ -184,7 +184,7 @@ impl BodyCheckpoint {
 }
 
 /// Where the body is at the end of a step [m], and what of it is under the cloth.
-type Met = (Arc<[Vec3]>, Arc<[Cushion]>, Arc<[Support]>);
+type Met = (Arc<[Vec3]>, Arc<[PlaneContact]>, Arc<[EdgeContact]>);
 
 impl Run<'_> {
     /// The garment is put on; where it was left, if the run is taken up.
@@ -248,20 +248,21 @@ impl Run<'_> {
             let mut drive = gesture.loads_at(time - begin, &state.x);
             last = None;
             if let Some(points) = drive.body.take() {
-                if drive.held.is_empty() {
-                    drive.held.clone_from(asleep);
+                if drive.fixed.is_empty() {
+                    drive.fixed.clone_from(asleep);
                 }
                 if !begun {
-                    field.begin(&state.x, &garment.triangles, &garment.topology, &drive.held);
+                    field.begin(&state.x, &garment.triangles, &garment.topology, &drive.fixed);
                     begun = true;
                 }
                 let points: Arc<[Vec3]> = field.flattened(&points).into();
                 let normals = field.normals(&points);
-                drive.cushions =
+                drive.plane_contacts =
                     field.cushions(&state.x, &points, &normals, time - start, drive.friction).into();
-                drive.supports = field.supports(&points, &normals).into();
-                drive.lead = smoothed(field.lead(&state.x, &points), &drive.held, &garment.topology).into();
-                last = Some((points, drive.cushions.clone(), drive.supports.clone()));
+                drive.edge_contacts = field.supports(&points, &normals).into();
+                drive.body_displacement =
+                    smoothed(field.lead(&state.x, &points), &drive.fixed, &garment.topology).into();
+                last = Some((points, drive.plane_contacts.clone(), drive.edge_contacts.clone()));
             }
             drive
         };

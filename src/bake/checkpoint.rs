@@ -21,7 +21,7 @@ use crate::fabric::Fabric;
 use crate::garment::Garment;
 use crate::math::Vec3;
 use crate::memory::Memory;
-use crate::sim::Drive;
+use crate::sim::Loads;
 use crate::sim::{SolveCost, State};
 use crate::wear::{DURATION_LIMIT_S, PersistentState, WearScript};
 use serde::{Deserialize, Serialize};
@@ -191,9 +191,9 @@ impl Checkpoint {
             _ => false,
         };
         let inside = |p: &u32| (*p as usize) < points;
-        let kept = |drive: &Drive| {
-            (drive.held.is_empty() || drive.held.len() == points)
-                && drive.guides.iter().all(|guide| inside(&guide.point))
+        let kept = |drive: &Loads| {
+            (drive.fixed.is_empty() || drive.fixed.len() == points)
+                && drive.springs.iter().all(|guide| inside(&guide.point))
         };
         let posture = self.posture.folds.iter().all(|fold| fold.flap.iter().all(inside))
             && self.posture.held_loads.as_ref().is_none_or(kept);

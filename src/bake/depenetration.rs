@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::math::Vec3;
 use crate::mesh::intersections::crossings_between;
 use crate::mesh::point_in_solid::Solid;
-use crate::sim::Drive;
+use crate::sim::Loads;
 use crate::wear::ConstantLoads;
 use std::sync::Arc;
 
@@ -102,13 +102,13 @@ impl Run<'_> {
         }
         let before = self.state.x.clone();
         let body: Arc<[Vec3]> = start.into();
-        let drive = Drive {
+        let drive = Loads {
             gravity: Vec3::zeros(),
             drag: 20.0,
             friction: 0.0,
-            longest_step: STEP,
+            max_dt: STEP,
             body: Some(body),
-            ..Drive::at_rest(None)
+            ..Loads::gravity_only(None)
         };
         for step in 0..STEPS[1] {
             if step >= STEPS[0] && count(&self.state.x) == 0 {
@@ -122,7 +122,7 @@ impl Run<'_> {
                 0.0,
                 STEP,
             );
-            self.report.solves += step.newton.iterations as u64;
+            self.report.solves += step.newton.global_iterations as u64;
             self.report.local_solves += step.newton.local_iterations as u64;
         }
         self.state.stop();

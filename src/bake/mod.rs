@@ -271,7 +271,7 @@ impl Wear<'_> {
         let area = cloth.area.clone();
         let contact = Contact::new(settings, &garment.points, &garment.triangles, &garment.topology, area);
         let mut step = options.effective_step();
-        step.newton.energy = options.effective_energy_tol() * cloth.mass.iter().sum::<f64>() * GRAVITY;
+        step.newton.decrement_tol = options.effective_energy_tol() * cloth.mass.iter().sum::<f64>() * GRAVITY;
         Stepper::new(cloth, contact, step)
     }
 }
@@ -451,7 +451,7 @@ impl Run<'_> {
 
     /// Forgets what is kept between steps for speed alone, as a run that is taken up has none of it.
     fn forget(&mut self) {
-        self.stepper.forget();
+        self.stepper.clear_caches();
         if let Some(field) = &mut self.field {
             field.forget();
         }
@@ -514,7 +514,7 @@ impl Run<'_> {
                 // Two equal steps rather than one and a remainder.
                 let mut h = if wished >= left { left } else { wished.min(0.5 * left.max(wished)) };
                 let now = self.state.time;
-                h = h.min(self.stepper.longest_under(&gesture.loads_at(now - begin + h, &self.state.x)));
+                h = h.min(self.stepper.max_dt_under(&gesture.loads_at(now - begin + h, &self.state.x)));
                 if gesture.apply_map(now - begin + h, &mut self.state.x) {
                     self.state.stop();
                     self.state.angle = self.stepper.cloth.bending.angles(&self.state.x, &self.state.angle);
@@ -584,30 +584,32 @@ impl Run<'_> {
                 self.stepper.advance(&mut self.state, &self.memory.effective_rest, &mut drive_at, h)
             }
         };
-        for (total, s) in self.seconds.iter_mut().zip(step.newton.seconds) {
+        let seconds = step.newton.seconds;
+        let stages = [seconds.assembly, seconds.linear_solve, seconds.contact];
+        for (total, s) in self.seconds.iter_mut().zip(stages) {
             *total += s;
         }
         self.report.steps += 1;
         self.report.rejected += step.rejected as u64;
-        self.report.solves += step.newton.iterations as u64;
+        self.report.solves += step.newton.global_iterations as u64;
         self.report.local_solves += step.newton.local_iterations as u64;
         self.report.cost += step.newton.cost;
-        self.last_rest = (!step.converged).then_some(step.newton.last_move);
+        self.last_rest = (!step.converged).then_some(step.newton.max_displacement);
         if !step.converged {
             self.unconverged += 1;
-            self.largest_rest = self.largest_rest.max(step.newton.last_move);
+            self.largest_rest = self.largest_rest.max(step.newton.max_displacement);
         }
-        self.unmet.note(self.state.time, &step.unmet);
+        self.unmet.note(self.state.time, &step.violations);
         let clock = Instant::now();
-        let mut next = step.next;
+        let mut next = step.next_dt;
         if let (Some(law), true) = (&self.law, gesture.accumulates_memory()) {
             let stretch_after = measure(self);
             let earlier = Strains { angle: &angle, stretch: &stretch };
             let after = Strains { angle: &self.state.angle, stretch: &stretch_after };
-            let events = self.memory.commit(law, &earlier, &after, step.step);
+            let events = self.memory.commit(law, &earlier, &after, step.dt);
             next = next
                 .min(law.max_dt_after_events(events, self.event_dt_fraction))
-                .max(self.stepper.options.shortest);
+                .max(self.stepper.options.min_dt);
         }
         self.seconds[3] += clock.elapsed().as_secs_f64();
         observer.progress(&Progress {
@@ -615,8 +617,8 @@ impl Run<'_> {
             time: self.state.time,
             total: self.total,
             steps: self.report.steps,
-            step: step.step,
-            iterations: step.newton.iterations,
+            step: step.dt,
+            iterations: step.newton.global_iterations,
             events: self.memory.events,
         });
         self.frames_due(&before, observer)?;

@@ -240,17 +240,17 @@ impl PlannedScene<'_> {
 /// How time is stepped.
 fn steps(options: &BakeOptions) -> [ModelDecision; 3] {
     let step = options.effective_step();
-    let method = ModelDecision { name: "method", on: true, why: step.method.about().into() };
-    let by_error = step.shortest < step.longest;
+    let method = ModelDecision { name: "method", on: true, why: step.method.description().into() };
+    let by_error = step.min_dt < step.max_dt;
     let why = if by_error {
         format!(
             "{:.1} ms to {:.1} s, as long as each errs by less than {:.2} mm root mean square",
-            1e3 * step.shortest,
-            step.longest,
-            1e3 * step.error
+            1e3 * step.min_dt,
+            step.max_dt,
+            1e3 * step.local_error_tol
         )
     } else {
-        format!("{:.1} ms, all of them", 1e3 * step.shortest)
+        format!("{:.1} ms, all of them", 1e3 * step.min_dt)
     };
     let adaptive = ModelDecision { name: "steps by error", on: by_error, why };
     let sleeping = ModelDecision {

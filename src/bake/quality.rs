@@ -2,7 +2,7 @@
 //! leaves, and how they were chosen).
 
 use crate::bake::BakeOptions;
-use crate::sim::{Leeway, Method, NewtonOptions, StepOptions};
+use crate::sim::{Method, NewtonOptions, StepOptions, StepRelaxation};
 
 /// A point between speed and accuracy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,17 +49,17 @@ impl Quality {
             // Rejected steps cost more than coarse ones save: with looser errors and four iterations a bake took as many
             // solves as the standard. One iteration is never rejected for not converging.
             Self::Draft => {
-                StepOptions { method: Method::BackwardEulerOnce, leeway: Leeway::NONE, ..standard }
+                StepOptions { method: Method::BackwardEulerOnce, relaxation: StepRelaxation::OFF, ..standard }
             }
             Self::Standard => standard,
             Self::Reference => StepOptions {
-                error: 1e-4,
-                shortest: 1.0 / 120.0,
-                leeway: Leeway::NONE,
+                local_error_tol: 1e-4,
+                min_dt: 1.0 / 120.0,
+                relaxation: StepRelaxation::OFF,
                 newton: NewtonOptions {
-                    tolerance: 1e-5,
-                    share: 0.0,
-                    most_iterations: 100,
+                    displacement_tol: 1e-5,
+                    rel_decrement_tol: 0.0,
+                    max_iterations: 100,
                     ..standard.newton
                 },
                 ..standard
@@ -70,7 +70,10 @@ impl Quality {
     /// The same for cloth of so much `weight` [N], each step solved as far as this quality solves it.
     pub fn step_for(self, weight: f64) -> StepOptions {
         let step = self.step();
-        StepOptions { newton: NewtonOptions { energy: self.energy_tol() * weight, ..step.newton }, ..step }
+        StepOptions {
+            newton: NewtonOptions { decrement_tol: self.energy_tol() * weight, ..step.newton },
+            ..step
+        }
     }
 
     /// A step is converged, too, when what energy is left to gain would not lift the garment by this [m].
@@ -111,12 +114,12 @@ impl BakeOptions {
     /// How steps are made in the end.
     pub(super) fn effective_step(&self) -> StepOptions {
         if self.full_fidelity {
-            let newton = NewtonOptions { share: 0.0, ..self.step.newton };
+            let newton = NewtonOptions { rel_decrement_tol: 0.0, ..self.step.newton };
             StepOptions {
                 newton,
-                shortest: EVERY_STEP,
-                longest: EVERY_STEP,
-                leeway: Leeway::NONE,
+                min_dt: EVERY_STEP,
+                max_dt: EVERY_STEP,
+                relaxation: StepRelaxation::OFF,
                 ..self.step
             }
         } else {

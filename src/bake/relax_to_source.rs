@@ -12,7 +12,7 @@
 //! pose itself is the equilibrium. Layers are kept apart on the way as in any other step.
 
 use crate::bake::BakeReport;
-use crate::energy::{Energy, Guide, Guides};
+use crate::energy::{Energy, TargetSpring, TargetSprings};
 use crate::fabric::Fabric;
 use crate::garment::{Garment, RestState};
 use crate::math::Vec3;
@@ -59,23 +59,23 @@ pub(super) fn bring_home(
         return vec![Vec3::zeros(); garment.points.len()];
     }
     let tether = how.hold * fabric.area_density() * GRAVITY / fabric.bending_length();
-    let guides: Vec<Guide> = garment
+    let guides: Vec<TargetSpring> = garment
         .points
         .iter()
         .zip(&stepper.cloth.area)
         .enumerate()
-        .map(|(p, (x, area))| Guide::round(p as u32, *x, area * tether))
+        .map(|(p, (x, area))| TargetSpring::isotropic(p as u32, *x, area * tether))
         .collect();
     let mut x = garment.points.clone();
     let mut angle = memory.source_angle.clone();
     let weight = stepper.cloth.mass.iter().sum::<f64>() * GRAVITY;
     let newton = NewtonOptions {
-        tolerance: 1e-5,
-        energy: SLACK * weight,
-        share: 0.0,
-        most_iterations: MOST_ITERATIONS,
+        displacement_tol: 1e-5,
+        decrement_tol: SLACK * weight,
+        rel_decrement_tol: 0.0,
+        max_iterations: MOST_ITERATIONS,
     };
-    let passing = NewtonOptions { most_iterations: how.on_the_way, ..newton };
+    let passing = NewtonOptions { max_iterations: how.on_the_way, ..newton };
     for share in 1..=SHARES {
         let part = f64::from(share) / f64::from(SHARES);
         let partial = share_of(memory, part);
@@ -84,16 +84,16 @@ pub(super) fn bring_home(
         let membrane = membrane.term(&partial, &[], f64::INFINITY);
         let last = angle.clone();
         let bending_term = bending.term(&partial, &last, f64::INFINITY);
-        let springs = Guides(&guides);
+        let springs = TargetSprings(&guides);
         let terms: [&dyn Energy; 3] = [&membrane, &bending_term, &springs];
         let own = if share < SHARES { &passing } else { &newton };
-        let solved = stepper.equilibrium(&mut x, &terms, own, 0.0);
-        report.solves += solved.iterations as u64;
+        let solved = stepper.equilibrium(&mut x, &terms, own);
+        report.solves += solved.global_iterations as u64;
         report.local_solves += solved.local_iterations as u64;
         if !solved.converged && share == SHARES {
             let what = format!(
                 "home: the equilibrium did not converge in {} iterations (last move {:.1e} m)",
-                newton.most_iterations, solved.last_move
+                newton.max_iterations, solved.max_displacement
             );
             report.warnings.push(what.clone());
             report.unconverged_reason = Some(what);

@@ -1,7 +1,7 @@
 //! Demands that could not be met, gathered over a run: one warning for every stretch of time, with the worst place.
 
 use crate::math::Vec3;
-use crate::sim::{Shortfall, Unmet};
+use crate::sim::{Violation, Violations};
 use serde::{Deserialize, Serialize};
 
 /// Times nearer than this belong to one warning [s].
@@ -14,7 +14,7 @@ const MOST: usize = 5;
 struct Episode {
     from: f64,
     to: f64,
-    worst: Shortfall,
+    worst: Violation,
 }
 
 /// Everything unmet so far: layers pressed, cloth stretched.
@@ -23,13 +23,13 @@ pub struct UnmetLog([Vec<Episode>; 2]);
 
 impl UnmetLog {
     /// Takes up what the step that ended at `time` [s] left unmet.
-    pub fn note(&mut self, time: f64, unmet: &Unmet) {
+    pub fn note(&mut self, time: f64, unmet: &Violations) {
         let all = [unmet.pressed, unmet.stretched];
         for (kind, (episodes, found)) in self.0.iter_mut().zip(all).enumerate() {
             let Some(found) = found else { continue };
             // The less there is left between pressed layers, the worse.
             let worse =
-                |a: &Shortfall, b: &Shortfall| if kind == 0 { a.size < b.size } else { a.size > b.size };
+                |a: &Violation, b: &Violation| if kind == 0 { a.size < b.size } else { a.size > b.size };
             match episodes.last_mut().filter(|last| time - last.to <= PAUSE) {
                 Some(last) => {
                     last.to = time;
@@ -47,7 +47,7 @@ impl UnmetLog {
         let mut all = Vec::new();
         for (kind, episodes) in self.0.iter().enumerate() {
             for e in episodes.iter().take(MOST) {
-                let (when, at) = (span(e.from, e.to), place(&e.worst.place));
+                let (when, at) = (span(e.from, e.to), place(&e.worst.position));
                 let size = e.worst.size;
                 all.push(match kind {
                     0 => format!(
@@ -81,13 +81,13 @@ mod tests {
     #[test]
     fn near_times_make_one_warning_with_the_worst_place() {
         let mut log = UnmetLog::default();
-        let stretched = |size: f64, x: f64| Unmet {
-            stretched: Some(Shortfall { size, place: Vec3::new(x, 0.0, 0.0) }),
-            ..Unmet::default()
+        let stretched = |size: f64, x: f64| Violations {
+            stretched: Some(Violation { size, position: Vec3::new(x, 0.0, 0.0) }),
+            ..Violations::default()
         };
         log.note(1.0, &stretched(0.31, 0.1));
         log.note(1.2, &stretched(0.43, 0.2));
-        log.note(1.3, &Unmet::default());
+        log.note(1.3, &Violations::default());
         log.note(1.4, &stretched(0.32, 0.3));
         log.note(5.0, &stretched(0.31, 0.4));
         let warnings = log.warnings();
@@ -100,8 +100,10 @@ mod tests {
     #[test]
     fn the_rest_is_counted() {
         let mut log = UnmetLog::default();
-        let pressed =
-            Unmet { pressed: Some(Shortfall { size: 0.05, place: Vec3::zeros() }), ..Unmet::default() };
+        let pressed = Violations {
+            pressed: Some(Violation { size: 0.05, position: Vec3::zeros() }),
+            ..Violations::default()
+        };
         (0..9).for_each(|k| log.note(f64::from(k), &pressed));
         let warnings = log.warnings();
         assert_eq!(warnings.len(), 6);

@@ -205,7 +205,7 @@ pub enum Column {
 impl Column {
     /// Every method, and the default.
     pub fn every() -> impl Iterator<Item = Self> {
-        Method::EVERY.iter().map(|m| Self::Method(*m)).chain([Self::Default])
+        Method::ALL.iter().map(|m| Self::Method(*m)).chain([Self::Default])
     }
 
     /// As in tables.

@@ -10,7 +10,7 @@ use crate::energy::{Bending, Energy, Gravity, Membrane};
 use crate::garment::RestState;
 use crate::math::{Vec2, Vec3};
 use crate::sim::GRAVITY;
-use crate::sim::{NewtonOptions, NewtonReport, Problem, Workspace};
+use crate::sim::{Inertia, NewtonOptions, NewtonReport, Problem, Workspace};
 
 /// Rounds with inertia, and iterations of each.
 const ROUNDS: (usize, usize) = (24, 3);
@@ -62,12 +62,16 @@ impl Still {
             let gravity = Gravity { mass: &self.mass, acceleration: Vec3::new(0.0, -GRAVITY, 0.0) };
             let terms: [&dyn Energy; 3] = [&membrane, &bending, &gravity];
             let last = round == ROUNDS.0;
-            let inertia = (!last).then_some((&self.mass[..], &start[..], span));
-            let problem =
-                Problem { inertia, terms: &terms, held: &self.held, ahead: None, regularisation: 0.0 };
+            let inertia =
+                (!last).then_some(Inertia { mass: &self.mass, inertial: &start, effective_dt: span });
+            let problem = Problem { inertia, terms: &terms, fixed: &self.held, predicted_positions: None };
             let (share, most_iterations) = if last { (1.0, MOST_ITERATIONS) } else { (1e3, ROUNDS.1) };
-            let newton =
-                NewtonOptions { tolerance: share * tolerance, energy: 0.0, share: 0.0, most_iterations };
+            let newton = NewtonOptions {
+                displacement_tol: share * tolerance,
+                decrement_tol: 0.0,
+                rel_decrement_tol: 0.0,
+                max_iterations: most_iterations,
+            };
             total.add(&problem.solve(x, &mut contact, &newton, &mut work));
             span *= 2.0;
         }

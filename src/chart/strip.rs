@@ -19,8 +19,8 @@ use crate::fabric::{DEFAULT_FABRIC, Fabric};
 use crate::garment::{Garment, RestState};
 use crate::math::Vec3;
 use crate::memory::{Memory, Strains, MemoryModel};
-use crate::sim::{Cloth, Leeway, SolveCost, State, StepOptions, Stepper};
-use crate::sim::{Drive, GRAVITY};
+use crate::sim::{NewtonSeconds, Cloth, StepRelaxation, SolveCost, State, StepOptions, Stepper};
+use crate::sim::{Loads, GRAVITY};
 use std::time::Instant;
 
 /// Height and width of the strip as it hangs [m].
@@ -77,7 +77,7 @@ pub struct Fall {
     /// What they took.
     pub cost: SolveCost,
     /// Seconds spent: assembling, factorising and solving, contact search and bounds.
-    pub seconds: [f64; 3],
+    pub seconds: NewtonSeconds,
     /// Memory events.
     pub events: u64,
     /// Time [s] and residual [-] of every step.
@@ -119,8 +119,8 @@ fn stepper(garment: &Garment, fabric: &Fabric, pace: Pace) -> Stepper {
     // Steps are solved as far as a bake of the default quality solves them.
     let step = Quality::Standard.step_for(cloth.mass.iter().sum::<f64>() * GRAVITY);
     let options = match pace {
-        Pace::Even => StepOptions { shortest: STEP, longest: STEP, leeway: Leeway::NONE, ..step },
-        Pace::Own => StepOptions { longest: STAYS / STEPS_OF_STAY, ..step },
+        Pace::Even => StepOptions { min_dt: STEP, max_dt: STEP, relaxation: StepRelaxation::OFF, ..step },
+        Pace::Own => StepOptions { max_dt: STAYS / STEPS_OF_STAY, ..step },
     };
     Stepper::new(cloth, contact, options)
 }
@@ -146,34 +146,34 @@ pub fn fall(points: usize, fabric: &Fabric, remember: bool, run: usize, pace: Pa
         iterations: 0,
         local_iterations: 0,
         cost: SolveCost::default(),
-        seconds: [0.0; 3],
+        seconds: NewtonSeconds::default(),
         events: 0,
         residuals: Vec::new(),
     };
     let mass: f64 = stepper.cloth.mass.iter().sum();
-    let drive = Drive { drag: 0.5, ..Drive::at_rest(Some(0.0)) };
+    let drive = Loads { drag: 0.5, ..Loads::gravity_only(Some(0.0)) };
     let clock = Instant::now();
     let mut calm_since = None;
     let mut wished = STEP;
     while state.time < LONGEST && fall.stabilised.is_none() {
         let (angle, velocity) = (state.angle.clone(), state.v.clone());
         let step = stepper.advance(&mut state, &memory.effective_rest, &mut |_, _| drive.clone(), wished);
-        wished = step.next;
+        wished = step.next_dt;
         fall.steps += 1;
-        fall.iterations += step.newton.iterations as u64;
+        fall.iterations += step.newton.global_iterations as u64;
         fall.local_iterations += step.newton.local_iterations as u64;
         fall.cost += step.newton.cost;
-        fall.seconds.iter_mut().zip(step.newton.seconds).for_each(|(sum, s)| *sum += s);
+        fall.seconds += step.newton.seconds;
         if let Some(law) = &law {
             let seen = |angle| Strains { angle, stretch: &[] };
-            memory.commit(law, &seen(&angle), &seen(&state.angle), step.step);
+            memory.commit(law, &seen(&angle), &seen(&state.angle), step.dt);
         }
         let out_of_balance = state
             .v
             .iter()
             .zip(&velocity)
             .zip(&stepper.cloth.mass)
-            .map(|((now, before), m)| m * ((now - before) / step.step).norm_squared())
+            .map(|((now, before), m)| m * ((now - before) / step.dt).norm_squared())
             .sum::<f64>();
         let residual = (out_of_balance / mass).sqrt() / GRAVITY;
         fall.residuals.push([state.time, residual]);

@@ -1,11 +1,11 @@
-//! Which points and edges of a body hold up which triangles and edges of the cloth (`energy::Support`).
+//! Which points and edges of a body hold up which triangles and edges of the cloth (`energy::EdgeContact`).
 //!
 //! A point of the body holds up the cloth on the line along its normal, of several layers the innermost; an edge of it the
 //! edges of cloth that run across it, nearest to it in between their ends. One that has been pressed through its cloth pushes from
 //! farther away in the next step, until it no longer is. Does not do: friction, and what lies in a fold of the body.
 
 use crate::contact::body_planes::{FieldSettings, SINKING};
-use crate::energy::Support;
+use crate::energy::EdgeContact;
 use crate::math::Vec3;
 use crate::mesh::distance::edge_edge;
 use crate::mesh::point_in_solid::point_areas;
@@ -104,7 +104,7 @@ impl BodySupport {
         normals: &[Vec3],
         folded: &[bool],
         settings: &FieldSettings,
-    ) -> Vec<Support> {
+    ) -> Vec<EdgeContact> {
         let open = self.over.iter().filter(|over| !over.ends.iter().any(|p| folded[*p as usize]));
         let each = |over: &Over| {
             let mean = |of: &[f64]| -> f64 {
@@ -113,14 +113,14 @@ impl BodySupport {
             let of_cloth: f64 =
                 over.points.iter().zip(over.weights).map(|(p, w)| settings.areas[*p as usize] * w).sum();
             let [place, normal] = [target, normals].map(|of| between(of, over.ends, over.share));
-            Some(Support {
-                ends: over.ends,
-                share: over.share,
+            Some(EdgeContact {
+                edge: over.ends,
+                edge_weights: over.share,
                 points: over.points,
                 weights: over.weights,
-                place,
+                anchor: place,
                 normal: normal.try_normalize(1e-9)?,
-                reach: settings.clear + mean(&self.raised),
+                dhat: settings.clear + mean(&self.raised),
                 stiffness: STIFFER * settings.stiffness * mean(&self.areas).max(of_cloth),
             })
         };
@@ -128,12 +128,12 @@ impl BodySupport {
     }
 
     /// The step is over with the cloth at `x`; `supports` were those of the step.
-    pub fn accept(&mut self, x: &[Vec3], supports: &[Support], settings: &FieldSettings) {
+    pub fn accept(&mut self, x: &[Vec3], supports: &[EdgeContact], settings: &FieldSettings) {
         let highest = HIGHEST * settings.reach;
         let mut missing = vec![0.0f64; self.raised.len()];
         for support in supports {
             let amount = LEFT * settings.clear - support.gap(x);
-            for (p, w) in support.ends.iter().zip(support.share) {
+            for (p, w) in support.edge.iter().zip(support.edge_weights) {
                 missing[*p as usize] = missing[*p as usize].max(w * amount);
             }
         }
@@ -175,7 +175,7 @@ fn between(of: &[Vec3], ends: [u32; 2], share: [f64; 2]) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::energy::{Energy, Supports};
+    use crate::energy::{EdgeContacts, Energy};
     use crate::mesh::point_in_solid::point_normals;
 
     fn settings(points: usize) -> FieldSettings {
@@ -204,7 +204,7 @@ mod tests {
         (points, triangles)
     }
 
-    fn supports(x: &[Vec3], cloth: &[[PointIndex; 3]], held: bool, folded: bool) -> Vec<Support> {
+    fn supports(x: &[Vec3], cloth: &[[PointIndex; 3]], held: bool, folded: bool) -> Vec<EdgeContact> {
         let (body, triangles) = roof();
         let normals = point_normals(&body, &triangles);
         let under = TriangleTree::new(&body, &triangles, 0.0);
@@ -223,10 +223,10 @@ mod tests {
         assert!(!found.is_empty());
         for support in &found {
             assert!((support.gap(&x) + 4e-4).abs() < 1e-12 && support.normal.y > 0.999, "{support:?}");
-            assert_eq!(support.ends, [0, 1]);
+            assert_eq!(support.edge, [0, 1]);
         }
         let mut g = [Vec3::zeros(); 3];
-        Supports(&found).add_gradient(&x, &mut g);
+        EdgeContacts(&found).add_gradient(&x, &mut g);
         assert!(g.iter().all(|g| g.y < 0.0), "pushed up: {g:?}");
         assert!(supports(&x, &cloth, true, false).is_empty(), "what is held is not");
         assert!(supports(&x, &cloth, false, true).is_empty(), "nothing in a fold");
@@ -248,9 +248,9 @@ mod tests {
         let x = over(2e-4);
         support.begin(&x, &cloth, &topology, &|_| false, (&body, &under, &normals));
         let found = support.supports(&body, &normals, &[false; 6], &settings(3));
-        let corner = found.iter().find(|s| s.ends == [0, 0]).expect("has one");
+        let corner = found.iter().find(|s| s.edge == [0, 0]).expect("has one");
         assert!((corner.gap(&x) - 2e-4).abs() < 1e-12);
-        assert_eq!(corner.reach, 5e-4);
+        assert_eq!(corner.dhat, 5e-4);
         // A tenth of a millimetre through it, then far over it.
         support.accept(&over(-1e-4), &found, &settings(3));
         assert!((support.raised[0] - 3.5e-4).abs() < 1e-12, "{}", support.raised[0]);

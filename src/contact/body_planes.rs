@@ -4,7 +4,7 @@
 //! it: where skin folds into itself there is no room for cloth, the arm is held up by its sleeve, and every step is a struggle
 //! (`docs/validation/bodies.md` has the figures). Here the body goes where it is told, whatever is in between. At the beginning of a step
 //! each point of cloth is given the place of the surface nearest to it; where that place is at the end of the step, with its
-//! normal, is a plane that the point rests on (`energy::Cushion`). Surface and cloth are followed together, so a fast
+//! normal, is a plane that the point rests on (`energy::PlaneContact`). Surface and cloth are followed together, so a fast
 //! body does not get past its cloth; a point that is inside, by a fault of the file or caught in a crease, is pushed out.
 //!
 //! Where the body folds into itself (an elbow's crease) real flesh gives way and a skinned one does not: its two sides would
@@ -19,7 +19,7 @@
 
 use crate::contact::body_edges::BodySupport;
 use crate::contact::friction::stick;
-use crate::energy::{Cushion, Support};
+use crate::energy::{EdgeContact, PlaneContact};
 use crate::math::{Mat3, Vec3};
 use crate::mesh::intersections::crossings_between;
 use crate::mesh::point_in_solid::point_normals;
@@ -219,7 +219,7 @@ impl BodyField {
 
     /// What of the body's points and edges is under the cloth, for a step that leads the body to `target` with `normals`. Where
     /// it lies on itself there is none: what is over one side is under the other.
-    pub fn supports(&self, target: &[Vec3], normals: &[Vec3]) -> Vec<Support> {
+    pub fn supports(&self, target: &[Vec3], normals: &[Vec3]) -> Vec<EdgeContact> {
         self.support.supports(target, normals, &self.folded, &self.settings)
     }
 
@@ -247,7 +247,7 @@ impl BodyField {
         normals: &[Vec3],
         h: f64,
         friction: f64,
-    ) -> Vec<Cushion> {
+    ) -> Vec<PlaneContact> {
         let FieldSettings { reach, stiffness, ref areas, friction: coefficient, creep, .. } = self.settings;
         let slip = stick(creep, h);
         let each = |(p, under): (usize, &Option<Under>)| {
@@ -257,15 +257,15 @@ impl BodyField {
             let stiffness = stiffness * areas[p];
             // Pressed as deep as it may be at rest: a point that starts inside must not be nailed down there.
             let press = (reach - under.gap).clamp(0.0, reach);
-            Some(Cushion {
+            Some(PlaneContact {
                 point: p as u32,
-                place,
+                anchor: place,
                 normal,
-                reach,
+                dhat: reach,
                 stiffness,
-                from: x[p] + (place - under.place),
-                limit: friction * coefficient * stiffness * press,
-                slip,
+                stick_point: x[p] + (place - under.place),
+                max_friction: friction * coefficient * stiffness * press,
+                slip_tol: slip,
                 stretch: self.kept[p] * slip,
             })
         };
@@ -363,13 +363,13 @@ impl BodyField {
         &mut self,
         x: &[Vec3],
         target: &[Vec3],
-        cushions: &[Cushion],
-        supports: &[Support],
+        cushions: &[PlaneContact],
+        supports: &[EdgeContact],
     ) -> bool {
         self.support.accept(x, supports, &self.settings);
         self.kept.fill(Vec3::zeros());
-        for c in cushions.iter().filter(|c| c.limit > 0.0 && c.gap(&x[c.point as usize]) < c.reach) {
-            let share = c.stretch_at(&x[c.point as usize]) / c.slip;
+        for c in cushions.iter().filter(|c| c.max_friction > 0.0 && c.gap(&x[c.point as usize]) < c.dhat) {
+            let share = c.stretch_at(&x[c.point as usize]) / c.slip_tol;
             self.kept[c.point as usize] = share / share.norm().max(1.0);
         }
         let moved = target.len() == self.now.len() && target != self.now;
@@ -382,7 +382,7 @@ impl BodyField {
     }
 
     /// The deepest point of the cloth at `x` under its own plane, and how deep [m].
-    pub fn deepest(x: &[Vec3], cushions: &[Cushion]) -> Option<(u32, f64)> {
+    pub fn deepest(x: &[Vec3], cushions: &[PlaneContact]) -> Option<(u32, f64)> {
         let pushing = cushions.iter().filter(|c| c.stiffness > 0.0);
         let depths = pushing.map(|c| (c.point, -c.gap(&x[c.point as usize])));
         depths.filter(|(_, depth)| *depth > 0.0).max_by(|a, b| a.1.total_cmp(&b.1))
@@ -399,7 +399,7 @@ fn frame(points: &[Vec3], [a, b, c]: [usize; 3]) -> Option<Mat3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::energy::{Cushions, Energy};
+    use crate::energy::{Energy, PlaneContacts};
 
     fn plate() -> (Vec<Vec3>, Vec<[PointIndex; 3]>) {
         let points = [[-1.0, 0.0, -1.0], [1.0, 0.0, -1.0], [1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]].map(Vec3::from);
@@ -433,13 +433,13 @@ mod tests {
         assert_eq!(cushions.len(), 1, "the other is far");
         assert!((cushions[0].gap(&x[0]) + 0.0195).abs() < 1e-15, "it is inside by what the body moved");
         let mut g = [Vec3::zeros(); 2];
-        Cushions(&cushions).add_gradient(&x, &mut g);
+        PlaneContacts(&cushions).add_gradient(&x, &mut g);
         assert!(
             g[0].y < 0.0 && g[0].x < 0.0 && g[1] == Vec3::zeros(),
             "pushed out and dragged along: {}",
             g[0]
         );
-        assert!((cushions[0].from - (x[0] + Vec3::new(0.03, 0.02, 0.0))).norm() < 1e-15);
+        assert!((cushions[0].stick_point - (x[0] + Vec3::new(0.03, 0.02, 0.0))).norm() < 1e-15);
     }
 
     /// Two plates that face each other, near, then laid through each other; and the far side of a plate with two sides.
@@ -478,7 +478,7 @@ mod tests {
         let target = field.points().to_vec();
         field.begin(&x, &[], &Topology::new(2, &[]), &[]);
         let cushions = field.cushions(&x, &target, &field.normals(&target), 0.1, 1.0);
-        let half = Vec3::new(0.5 * cushions[0].slip, 0.0, 0.0);
+        let half = Vec3::new(0.5 * cushions[0].slip_tol, 0.0, 0.0);
         field.accept(&[x[0] + half, x[1]], &target, &cushions, &[]);
         assert!((field.kept[0] - Vec3::new(0.5, 0.0, 0.0)).norm() < 1e-12);
         field.accept(&[x[0] + half * 9.0, x[1]], &target, &cushions, &[]);

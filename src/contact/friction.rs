@@ -195,7 +195,7 @@ impl Friction {
     /// Adds the secant Hessian.
     pub fn add_hessian(&self, x: &[Vec3], out: &mut dyn BlockSink) {
         for s in &self.sliders {
-            if !out.wants(&s.points) {
+            if !out.is_relevant(&s.points) {
                 continue;
             }
             add_weighted(out, &s.points, &s.weights, &self.block(s, x));

@@ -340,7 +340,7 @@ impl Contact {
         }
         if let Some(pairs) = &self.pairs {
             for t in pairs.touches(x).iter() {
-                if !out.wants(&t.points) {
+                if !out.is_relevant(&t.points) {
                     continue;
                 }
                 let k = barrier::curvature(t.distance, t.reach, t.stiffness);

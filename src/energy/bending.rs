@@ -269,7 +269,7 @@ impl Energy for BendingTerm<'_> {
     fn add_hessian(&self, x: &[Vec3], out: &mut dyn BlockSink) {
         for (f, (hinges, q)) in self.model.faces.iter().zip(&self.model.coupling).enumerate() {
             let points = self.model.stencil(f);
-            if !out.wants(points) {
+            if !out.is_relevant(points) {
                 continue;
             }
             // For each point its derivative of the three angles, scaled by sqrt(s); a degenerate hinge has none.
@@ -297,7 +297,7 @@ impl Energy for BendingTerm<'_> {
         }
     }
 
-    fn add_secant(&self, _x: &[Vec3], half: &[Vec3], out: &mut dyn BlockSink) {
+    fn add_secant_hessian(&self, _x: &[Vec3], half: &[Vec3], out: &mut dyn BlockSink) {
         self.add_hessian(half, out);
     }
 
@@ -305,7 +305,7 @@ impl Energy for BendingTerm<'_> {
         (0..self.model.faces.len()).for_each(|f| visit(self.model.stencil(f)));
     }
 
-    fn around(&self, kept: &[bool]) -> Option<Box<dyn Energy + '_>> {
+    fn restricted_to(&self, kept: &[bool]) -> Option<Box<dyn Energy + '_>> {
         let (model, hinges) = self.model.around(kept);
         let of = |field: &[f64]| hinges.iter().map(|&h| field[h as usize]).collect::<Vec<f64>>();
         Some(Box::new(BendingTerm {
@@ -319,7 +319,7 @@ impl Energy for BendingTerm<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::shelf_tests::{
+    use super::super::energy_checks::{
         check_around, check_gradient_and_hessian, check_rigid_motion, check_secant_of_a_turn, dense_hessian,
     };
     use super::*;
@@ -366,7 +366,7 @@ mod tests {
     }
 
     #[test]
-    fn passes_the_shelf() {
+    fn gradient_and_hessian_match() {
         let (topology, material, flat) = fan();
         let bending = Bending::from_parts(&topology, &material, [1e-5, 6e-6], 0.01);
         let mut memory = RestState::flat(bending.hinge_count(), material.len());

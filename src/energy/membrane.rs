@@ -178,15 +178,15 @@ impl Energy for MembraneTerm<'_> {
     }
 
     fn add_hessian(&self, x: &[Vec3], out: &mut dyn BlockSink) {
-        self.add_secant(x, x, out);
+        self.add_secant_hessian(x, x, out);
     }
 
     /// Axes are those in the middle of the way: |w'|² - |w|² is (w' + w) . (w' - w), whatever the angle between the two. Tensions
     /// are those at its beginning, as the middle of a chord is nearer to its ends than they are to each other.
-    fn add_secant(&self, x: &[Vec3], half: &[Vec3], out: &mut dyn BlockSink) {
+    fn add_secant_hessian(&self, x: &[Vec3], half: &[Vec3], out: &mut dyn BlockSink) {
         let [ku, kv, ks] = self.model.stiffness;
         for (f, t) in self.target.iter().enumerate() {
-            if !out.wants(&self.model.corners[f]) {
+            if !out.is_relevant(&self.model.corners[f]) {
                 continue;
             }
             let (from_u, from_v) = self.model.axes(f, x);
@@ -222,7 +222,7 @@ impl Energy for MembraneTerm<'_> {
         self.model.corners.iter().for_each(|t| visit(t));
     }
 
-    fn around(&self, kept: &[bool]) -> Option<Box<dyn Energy + '_>> {
+    fn restricted_to(&self, kept: &[bool]) -> Option<Box<dyn Energy + '_>> {
         let has = |t: &[u32; 3]| t.iter().any(|p| kept[*p as usize]);
         let faces: Vec<usize> =
             self.model.corners.iter().enumerate().filter(|(_, t)| has(t)).map(|(f, _)| f).collect();
@@ -236,7 +236,7 @@ impl Energy for MembraneTerm<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::shelf_tests::{
+    use super::super::energy_checks::{
         check_around, check_gradient_and_hessian, check_rigid_motion, check_secant_of_a_turn,
     };
     use super::*;

@@ -17,13 +17,13 @@ mod target_spring;
 
 pub use bending::{Bending, BendingTerm};
 pub use drag::Drag;
-pub use edge_contact::{Support, Supports};
+pub use edge_contact::{EdgeContact, EdgeContacts};
 pub use gravity::Gravity;
 pub use membrane::{Membrane, MembraneTerm};
-pub use plane_contact::{Cushion, Cushions};
+pub use plane_contact::{PlaneContact, PlaneContacts};
 pub use pressure::Pressure;
-pub use shrinking_sphere::Container;
-pub use target_spring::{Guide, Guides};
+pub use shrinking_sphere::ShrinkingSphere;
+pub use target_spring::{TargetSpring, TargetSprings};
 
 use crate::math::{Mat3, Vec3};
 use rayon::prelude::*;
@@ -33,7 +33,7 @@ pub trait BlockSink {
     /// Adds `block` at block row `i`, block column `j`. Only blocks with `i >= j` are given.
     fn add(&mut self, i: u32, j: u32, block: &Mat3);
     /// Whether any block between `points` is of use; those of others need not be made.
-    fn wants(&self, _points: &[u32]) -> bool {
+    fn is_relevant(&self, _points: &[u32]) -> bool {
         true
     }
 }
@@ -51,14 +51,14 @@ pub trait Energy: Sync {
     /// The same for a way that begins at `x` and has its middle about at `half` [m]: the gradients at its two ends differ by about
     /// this times the way. Where elements turn on it the Hessian at `x` is wrong by the square of the angle, this one by its cube.
     /// Elements that stay as they are do with the Hessian at `x`.
-    fn add_secant(&self, x: &[Vec3], _half: &[Vec3], out: &mut dyn BlockSink) {
+    fn add_secant_hessian(&self, x: &[Vec3], _half: &[Vec3], out: &mut dyn BlockSink) {
         self.add_hessian(x, out);
     }
     /// Visits every group of points that the Hessian couples.
     fn visit_stencils(&self, _visit: &mut dyn FnMut(&[u32])) {}
     /// The same with fewer elements: all that have a point for which `kept` is set (one flag per point). There gradient and
     /// Hessian stay what they are, and the value changes alike. `None` where leaving elements out is not worth while.
-    fn around(&self, _kept: &[bool]) -> Option<Box<dyn Energy + '_>> {
+    fn restricted_to(&self, _kept: &[bool]) -> Option<Box<dyn Energy + '_>> {
         None
     }
 }
@@ -82,7 +82,7 @@ pub(crate) fn add_symmetric(out: &mut dyn BlockSink, i: u32, j: u32, block: &Mat
 }
 
 #[cfg(test)]
-pub(crate) mod shelf_tests {
+pub(crate) mod energy_checks {
     //! The checks every term on the shelf passes.
     use super::*;
 
@@ -145,7 +145,7 @@ pub(crate) mod shelf_tests {
 
     /// With the elements around some points only: the same forces and blocks there, and the same differences of the value.
     pub(crate) fn check_around(term: &dyn Energy, x: &[Vec3], kept: &[bool], step: f64) {
-        let part = term.around(kept).expect("the term has parts");
+        let part = term.restricted_to(kept).expect("the term has parts");
         let (mut whole, mut few) = (vec![Vec3::zeros(); x.len()], vec![Vec3::zeros(); x.len()]);
         term.add_gradient(x, &mut whole);
         part.add_gradient(x, &mut few);
@@ -185,7 +185,7 @@ pub(crate) mod shelf_tests {
         let half: Vec<Vec3> = x.iter().zip(&way).map(|(x, d)| x + d * 0.5).collect();
         let force = |half: &[Vec3]| {
             let mut dense = Dense(nalgebra::DMatrix::zeros(3 * x.len(), 3 * x.len()));
-            term.add_secant(x, half, &mut dense);
+            term.add_secant_hessian(x, half, &mut dense);
             let way = nalgebra::DVector::from_iterator(3 * x.len(), way.iter().flat_map(|d| [d.x, d.y, d.z]));
             (dense.0 * way).amax()
         };

@@ -9,7 +9,7 @@ use crate::energy::{BlockSink, Energy};
 use crate::math::{Mat3, Vec3};
 
 /// A spherical container.
-pub struct Container<'a> {
+pub struct ShrinkingSphere<'a> {
     /// Centre [m].
     pub centre: Vec3,
     /// Radius [m].
@@ -17,14 +17,14 @@ pub struct Container<'a> {
     /// One per point [N/m].
     pub stiffness: &'a [f64],
     /// Force at most, one per point [N].
-    pub most: &'a [f64],
+    pub max_force: &'a [f64],
 }
 
-impl Container<'_> {
+impl ShrinkingSphere<'_> {
     /// Every point outside: its number, its way from the centre [m], how long that is [m], its stiffness [N/m], and the
     /// force at most [N].
     fn outside<'b>(&'b self, x: &'b [Vec3]) -> impl Iterator<Item = (usize, Vec3, f64, f64, f64)> + 'b {
-        let all = x.iter().zip(self.stiffness).zip(self.most).enumerate();
+        let all = x.iter().zip(self.stiffness).zip(self.max_force).enumerate();
         let outside = all.map(|(i, ((x, k), most))| {
             let arm = x - self.centre;
             (i, arm, arm.norm(), *k, *most)
@@ -33,7 +33,7 @@ impl Container<'_> {
     }
 }
 
-impl Energy for Container<'_> {
+impl Energy for ShrinkingSphere<'_> {
     fn name(&self) -> &'static str {
         "container"
     }
@@ -65,21 +65,21 @@ impl Energy for Container<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::shelf_tests::check_gradient_and_hessian;
+    use super::super::energy_checks::check_gradient_and_hessian;
     use super::*;
 
     #[test]
-    fn passes_the_shelf() {
-        let term = Container {
+    fn gradient_and_hessian_match() {
+        let term = ShrinkingSphere {
             centre: Vec3::new(0.1, 0.0, 0.0),
             radius: 0.2,
             stiffness: &[3.0, 4.0],
-            most: &[9.0, 9.0],
+            max_force: &[9.0, 9.0],
         };
         let x = [Vec3::new(0.4, 0.1, -0.2), Vec3::new(0.2, 0.05, 0.0)];
         check_gradient_and_hessian(&term, &x, 1e-6);
         // Beyond its most the force stays as it is, and the energy joins smoothly.
-        let term = Container { most: &[0.2, 9.0], ..term };
+        let term = ShrinkingSphere { max_force: &[0.2, 9.0], ..term };
         check_gradient_and_hessian(&term, &x, 1e-6);
         let mut pushed = vec![Vec3::zeros(); 2];
         term.add_gradient(&x, &mut pushed);

@@ -1,13 +1,13 @@
 //! What a wear action does to the cloth during one step: the forces and guides that the solver adds.
 
-use crate::energy::{Cushion, Guide, Support};
+use crate::energy::{EdgeContact, PlaneContact, TargetSpring};
 use crate::math::Vec3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// A ball that closes around the cloth.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Ball {
+pub struct SphereLoad {
     /// Centre [m].
     #[serde(with = "crate::math::serde_vec::vector")]
     pub centre: Vec3,
@@ -19,7 +19,7 @@ pub struct Ball {
 
 /// Everything that acts on the cloth from outside, as it is at the end of a step.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Drive {
+pub struct Loads {
     /// Acceleration of gravity [m/s²].
     #[serde(with = "crate::math::serde_vec::vector")]
     pub gravity: Vec3,
@@ -33,70 +33,74 @@ pub struct Drive {
     pub body: Option<Arc<[Vec3]>>,
     /// What of a body is under single points of the cloth: a bake makes it from `body`, step by step.
     #[serde(skip)]
-    pub cushions: Arc<[Cushion]>,
+    pub plane_contacts: Arc<[PlaneContact]>,
     /// What of it is under triangles and edges of the cloth, made with them.
     #[serde(skip)]
-    pub supports: Arc<[Support]>,
+    pub edge_contacts: Arc<[EdgeContact]>,
     /// Where the body takes the cloth along in this step, one move per point [m]: a guess to start from. Empty for none.
     #[serde(skip)]
-    pub lead: Arc<[Vec3]>,
+    pub body_displacement: Arc<[Vec3]>,
     /// Share of the fabric's friction that acts: 0 where hands let the cloth slide.
     pub friction: f64,
     /// Springs that draw points along.
-    pub guides: Vec<Guide>,
+    #[serde(rename = "guides")]
+    pub springs: Vec<TargetSpring>,
     /// Whether hands lead the cloth along a way of theirs by these.
-    pub leads: bool,
+    #[serde(rename = "leads")]
+    pub guided: bool,
     /// Whether what acts is on its way from one thing to another, so that where the cloth is now is gone over again.
-    #[serde(default)]
-    pub passing: bool,
+    #[serde(default, rename = "passing")]
+    pub transient: bool,
     /// Points that are held where they are, one flag per point; empty for none.
-    pub held: Vec<bool>,
+    #[serde(rename = "held")]
+    pub fixed: Vec<bool>,
     /// Pressure from above on every uncovered part [Pa].
     pub pressure: f64,
     /// Points that it acts on, one flag per point; empty for all.
     pub pressed: Vec<bool>,
     /// A closing ball.
-    pub ball: Option<Ball>,
+    #[serde(rename = "ball")]
+    pub sphere: Option<SphereLoad>,
     /// Air drag [1/s].
     pub drag: f64,
     /// Longest step that still follows the motion [s].
-    #[serde(with = "crate::math::serde_vec::limit")]
-    pub longest_step: f64,
+    #[serde(rename = "longest_step", with = "crate::math::serde_vec::limit")]
+    pub max_dt: f64,
 }
 
 /// Standard gravity, y up [m/s²].
 pub const GRAVITY: f64 = 9.81;
 
-impl Drive {
+impl Loads {
     /// Whether the cloth is on its own: nobody leads, holds or presses it, and it is on no body.
-    pub fn is_free(&self) -> bool {
-        let held = self.held.contains(&true) || !self.guides.is_empty();
-        let pressed = self.pressure > 0.0 || self.ball.is_some() || self.ceiling.is_some();
+    pub fn is_unloaded(&self) -> bool {
+        let held = self.fixed.contains(&true) || !self.springs.is_empty();
+        let pressed = self.pressure > 0.0 || self.sphere.is_some() || self.ceiling.is_some();
         // What a bake makes of a body takes its place.
-        let worn = self.body.is_some() || !self.lead.is_empty();
+        let worn = self.body.is_some() || !self.body_displacement.is_empty();
         !held && !pressed && !worn
     }
 
     /// Nothing but gravity, the ground and still air.
-    pub fn at_rest(ground: Option<f64>) -> Self {
+    pub fn gravity_only(ground: Option<f64>) -> Self {
         Self {
             gravity: Vec3::new(0.0, -GRAVITY, 0.0),
             ground,
             ceiling: None,
             body: None,
-            cushions: Arc::new([]),
-            supports: Arc::new([]),
-            lead: Arc::new([]),
+            plane_contacts: Arc::new([]),
+            edge_contacts: Arc::new([]),
+            body_displacement: Arc::new([]),
             friction: 1.0,
-            guides: Vec::new(),
-            leads: false,
-            passing: false,
-            held: Vec::new(),
+            springs: Vec::new(),
+            guided: false,
+            transient: false,
+            fixed: Vec::new(),
             pressure: 0.0,
             pressed: Vec::new(),
-            ball: None,
+            sphere: None,
             drag: 1.0,
-            longest_step: f64::INFINITY,
+            max_dt: f64::INFINITY,
         }
     }
 }

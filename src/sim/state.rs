@@ -17,12 +17,12 @@ pub struct State {
     /// Unwrapped hinge angles, one per hinge [rad].
     pub angle: Vec<f64>,
     /// The accepted state before this one, unless motion has just been restarted.
-    pub previous: Option<Previous>,
+    pub previous: Option<PreviousState>,
 }
 
 /// What a two-step method remembers of the step before.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Previous {
+pub struct PreviousState {
     /// Length of the step that led from it to the state [s].
     pub step: f64,
     /// Positions, one per point [m].

@@ -1,13 +1,16 @@
 //! One time step of the cloth: the stages in the order of the method, and the control of the step's length.
 
 use crate::contact::Contact;
-use crate::energy::{Container, Cushions, Drag, Energy, Gravity, Guides, Pressure, Supports};
+use crate::energy::{
+    Drag, EdgeContacts, Energy, Gravity, PlaneContacts, Pressure, ShrinkingSphere, TargetSprings,
+};
 use crate::garment::RestState;
 use crate::math::Vec3;
-use crate::sim::Drive;
-use crate::sim::integrator::{Solver, Stage, Tried};
+use crate::sim::Loads;
+use crate::sim::integrator::{InnerSolver, Stage, StepAttempt};
 use crate::sim::{
-    Cloth, Leeway, Method, NewtonOptions, NewtonReport, Previous, Problem, State, Unmet, Workspace,
+    Cloth, Inertia, Method, NewtonOptions, NewtonReport, PreviousState, Problem, State, StepRelaxation,
+    Violations, Workspace,
 };
 
 /// How steps are made.
@@ -18,13 +21,13 @@ pub struct StepOptions {
     /// When Newton stops.
     pub newton: NewtonOptions,
     /// Error of one step that is aimed at, root mean square over the points [m].
-    pub error: f64,
+    pub local_error_tol: f64,
     /// Shortest step [s]; below it a step is accepted as it is, with a warning.
-    pub shortest: f64,
+    pub min_dt: f64,
     /// Longest step [s].
-    pub longest: f64,
+    pub max_dt: f64,
     /// Where it may be less strict.
-    pub leeway: Leeway,
+    pub relaxation: StepRelaxation,
 }
 
 impl Default for StepOptions {
@@ -32,10 +35,10 @@ impl Default for StepOptions {
         Self {
             method: Method::BackwardEuler,
             newton: NewtonOptions::default(),
-            error: 3e-4,
-            shortest: 1.0 / 30.0,
-            longest: 5.0,
-            leeway: Leeway::USUAL,
+            local_error_tol: 3e-4,
+            min_dt: 1.0 / 30.0,
+            max_dt: 5.0,
+            relaxation: StepRelaxation::DEFAULT,
         }
     }
 }
@@ -44,9 +47,9 @@ impl Default for StepOptions {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepReport {
     /// Length [s].
-    pub step: f64,
+    pub dt: f64,
     /// Length the next step should have [s].
-    pub next: f64,
+    pub next_dt: f64,
     /// Estimated error, root mean square over the points [m].
     pub error: f64,
     /// Newton's work, summed over rejected tries.
@@ -56,7 +59,7 @@ pub struct StepReport {
     /// Whether Newton converged, or nearly (it need not at the shortest step).
     pub converged: bool,
     /// What it could not do as it was told.
-    pub unmet: Unmet,
+    pub violations: Violations,
 }
 
 /// Makes steps of one garment.
@@ -89,15 +92,15 @@ impl Stepper {
 
     /// Forgets what is kept between steps for speed alone (the pattern of the system, its elimination order): the next
     /// step then depends on nothing but what it is given. The pattern decides the order of sums and so the last bits.
-    pub fn forget(&mut self) {
+    pub fn clear_caches(&mut self) {
         self.work.reset();
         self.contact.forget();
         self.could_take = 0.0;
     }
 
     /// The longest step that what acts allows [s].
-    pub fn longest_under(&self, drive: &Drive) -> f64 {
-        drive.longest_step * self.options.leeway.stride(drive)
+    pub fn max_dt_under(&self, drive: &Loads) -> f64 {
+        drive.max_dt * self.options.relaxation.stride(drive)
     }
 
     /// One accepted step of at most `wished` seconds; `drive_at` gives what acts at a time [s]. The memory is only
@@ -106,18 +109,18 @@ impl Stepper {
         &mut self,
         state: &mut State,
         memory: &RestState,
-        drive_at: &mut dyn FnMut(f64, &State) -> Drive,
+        drive_at: &mut dyn FnMut(f64, &State) -> Loads,
         wished: f64,
     ) -> StepReport {
-        let mut h = wished.min(self.options.longest);
+        let mut h = wished.min(self.options.max_dt);
         let mut drive = drive_at(state.time + h, state);
         // Only in a hold, with steps that memory keeps short, not motion nor what acts, does next to nothing move the cloth.
-        let holds = h <= KEPT_SHORT * self.could_take.min(self.longest_under(&drive));
-        if !holds || self.options.method.solver() != Solver::Converged {
+        let holds = h <= KEPT_SHORT * self.could_take.min(self.max_dt_under(&drive));
+        if !holds || self.options.method.solver() != InnerSolver::Newton {
             self.work.expect_motion();
         }
-        if h > self.longest_under(&drive) {
-            h = self.longest_under(&drive);
+        if h > self.max_dt_under(&drive) {
+            h = self.max_dt_under(&drive);
             drive = drive_at(state.time + h, state);
         }
         let mut total = NewtonReport::default();
@@ -125,14 +128,14 @@ impl Stepper {
             let earlier = self.earlier_drives(state, h, drive_at);
             let (next, error, report) = self.attempt(state, memory, (&earlier, &drive), h);
             total.add(&report);
-            let last_chance = h <= self.options.shortest * 1.001;
-            let aim = self.options.error * self.options.leeway.stride(&drive).powi(2);
+            let last_chance = h <= self.options.min_dt * 1.001;
+            let aim = self.options.local_error_tol * self.options.relaxation.stride(&drive).powi(2);
             let too_coarse = error > 4.0 * aim;
             // Little enough is left to go on from here in the next step.
-            let unmet = Unmet::notice(&next.x, &self.cloth, &self.contact);
+            let unmet = Violations::detect(&next.x, &self.cloth, &self.contact);
             let solved = report.converged
-                || report.left <= ENOUGH * self.options.newton.energy
-                || self.options.method.solver() != Solver::Converged;
+                || report.newton_decrement <= ENOUGH * self.options.newton.decrement_tol
+                || self.options.method.solver() != InnerSolver::Newton;
             // What barely moves is pressed fast: smaller steps would not loosen it.
             let stands = error <= aim;
             if (solved && !too_coarse) || stands || last_chance {
@@ -144,20 +147,20 @@ impl Stepper {
                 *state = next;
                 self.contact.accept(&state.x, h);
                 return StepReport {
-                    step: h,
-                    next: (h * growth).max(self.options.shortest).min(self.options.longest),
+                    dt: h,
+                    next_dt: (h * growth).max(self.options.min_dt).min(self.options.max_dt),
                     error,
                     newton: total,
                     rejected,
                     converged: solved,
-                    unmet,
+                    violations: unmet,
                 };
             }
             // Trying every half on the way down costs more than the shortest step itself.
             h = if report.converged {
-                (0.5 * h).max(self.options.shortest)
+                (0.5 * h).max(self.options.min_dt)
             } else {
-                self.options.shortest.min(0.5 * h)
+                self.options.min_dt.min(0.5 * h)
             };
             drive = drive_at(state.time + h, state);
         }
@@ -169,9 +172,9 @@ impl Stepper {
         &self,
         state: &State,
         h: f64,
-        drive_at: &mut dyn FnMut(f64, &State) -> Drive,
-    ) -> Vec<Drive> {
-        let parts = self.options.method.parts();
+        drive_at: &mut dyn FnMut(f64, &State) -> Loads,
+    ) -> Vec<Loads> {
+        let parts = self.options.method.stage_times();
         parts[..parts.len() - 1].iter().map(|share| drive_at(state.time + share * h, state)).collect()
     }
 
@@ -181,7 +184,7 @@ impl Stepper {
         &mut self,
         state: &State,
         memory: &RestState,
-        (earlier, drive): (&[Drive], &Drive),
+        (earlier, drive): (&[Loads], &Loads),
         h: f64,
     ) -> (State, f64, NewtonReport) {
         let method = self.options.method;
@@ -192,8 +195,8 @@ impl Stepper {
         let mut x = state.x.clone();
         let mut inner: Option<Vec<Vec3>> = None;
         let first = earlier.first().unwrap_or(drive);
-        if !first.lead.is_empty() {
-            self.contact.advance(&mut x, &first.lead);
+        if !first.body_displacement.is_empty() {
+            self.contact.advance(&mut x, &first.body_displacement);
         }
         for drive in earlier {
             let stage = match &inner {
@@ -210,9 +213,9 @@ impl Stepper {
         report.add(&self.solve_part(state, memory, drive, &forces, &stage, &mut x));
         let angle = self.cloth.bending.angles(&x, &state.angle);
         let v = stage.velocity(&x);
-        let previous = Some(Previous { step: h, x: state.x.clone(), v: state.v.clone() });
+        let previous = Some(PreviousState { step: h, x: state.x.clone(), v: state.v.clone() });
         let next = State { time: state.time + h, x, v, angle, previous };
-        let error = method.error(&Tried { state, next: &next, inner: inner.as_deref(), h });
+        let error = method.error(&StepAttempt { state, next: &next, stage_positions: inner.as_deref(), h });
         (next, error, report)
     }
 
@@ -221,7 +224,7 @@ impl Stepper {
         &mut self,
         state: &State,
         memory: &RestState,
-        drive: &Drive,
+        drive: &Loads,
         forces: &Forces,
         stage: &Stage,
         x: &mut [Vec3],
@@ -234,28 +237,32 @@ impl Stepper {
         let bending_model = &self.cloth.bending;
         let angles = |x: &[Vec3]| bending_model.angles(x, &state.angle);
         let angle = stage.base_of(state.angle.clone(), angles, |a| [*a], |[a]| a);
-        let membrane = membrane_model.term(memory, &measure, stage.span);
-        let bending = bending_model.term(memory, &angle, stage.span);
+        let membrane = membrane_model.term(memory, &measure, stage.effective_dt);
+        let bending = bending_model.term(memory, &angle, stage.effective_dt);
         let gravity = Gravity { mass: &self.cloth.mass, acceleration: drive.gravity };
-        let guides = Guides(&drive.guides);
-        let drag = Drag { mass: &self.cloth.mass, start: &stage.base, rate: drive.drag / stage.span };
-        let cushions = Cushions(&drive.cushions);
-        let supports = Supports(&drive.supports);
+        let guides = TargetSprings(&drive.springs);
+        let drag = Drag {
+            mass: &self.cloth.mass,
+            start: &stage.base_positions,
+            rate: drive.drag / stage.effective_dt,
+        };
+        let cushions = PlaneContacts(&drive.plane_contacts);
+        let supports = EdgeContacts(&drive.edge_contacts);
         let pressure = Pressure { force: &forces.push };
-        let container = drive.ball.as_ref().map(|ball| Container {
+        let container = drive.sphere.as_ref().map(|ball| ShrinkingSphere {
             centre: ball.centre,
             radius: ball.radius,
             stiffness: &forces.wall,
-            most: &forces.hands,
+            max_force: &forces.hands,
         });
         let mut terms: Vec<&dyn Energy> = vec![&membrane, &bending, &gravity];
-        if !drive.guides.is_empty() {
+        if !drive.springs.is_empty() {
             terms.push(&guides);
         }
-        if !drive.cushions.is_empty() {
+        if !drive.plane_contacts.is_empty() {
             terms.push(&cushions);
         }
-        if !drive.supports.is_empty() {
+        if !drive.edge_contacts.is_empty() {
             terms.push(&supports);
         }
         if drive.drag > 0.0 {
@@ -268,32 +275,38 @@ impl Stepper {
             terms.push(container);
         }
         // One iteration alone is what its method says, not a better one.
-        let ahead = (self.options.method.solver() == Solver::Converged).then_some(&inertial[..]);
+        let ahead = (self.options.method.solver() == InnerSolver::Newton).then_some(&inertial[..]);
         let problem = Problem {
-            inertia: Some((&self.cloth.mass, &inertial, stage.span)),
+            inertia: Some(Inertia {
+                mass: &self.cloth.mass,
+                inertial: &inertial,
+                effective_dt: stage.effective_dt,
+            }),
             terms: &terms,
-            held: &forces.held,
-            ahead,
-            regularisation: 0.0,
+            fixed: &forces.held,
+            predicted_positions: ahead,
         };
         let mut newton = self.options.newton;
-        if self.options.method.solver() == Solver::Once {
-            newton.most_iterations = 1;
+        if self.options.method.solver() == InnerSolver::SingleNewton {
+            newton.max_iterations = 1;
         }
         // What a direction promises may be all of stiff contact: beside it the way of cloth that floats counts for nothing. Hands hold
         // what they move.
-        if !drive.leads {
-            newton.share = 0.0;
+        if !drive.guided {
+            newton.rel_decrement_tol = 0.0;
         }
-        newton.energy = self.options.leeway.energy(newton.energy, drive, self.cloth.kinetic_energy(&state.v));
+        newton.decrement_tol =
+            self.options.relaxation.energy(newton.decrement_tol, drive, self.cloth.kinetic_energy(&state.v));
         match self.options.method.solver() {
-            Solver::Converged | Solver::Once => problem.solve(x, &mut self.contact, &newton, &mut self.work),
-            Solver::Sweeps => problem.sweep(x, &mut self.contact, &mut self.work),
+            InnerSolver::Newton | InnerSolver::SingleNewton => {
+                problem.solve(x, &mut self.contact, &newton, &mut self.work)
+            }
+            InnerSolver::Vbd => problem.sweep(x, &mut self.contact, &mut self.work),
         }
     }
 
-    fn forces(&mut self, drive: &Drive, x: &[Vec3]) -> Forces {
-        let held = if drive.held.is_empty() { vec![false; x.len()] } else { drive.held.clone() };
+    fn forces(&mut self, drive: &Loads, x: &[Vec3]) -> Forces {
+        let held = if drive.fixed.is_empty() { vec![false; x.len()] } else { drive.fixed.clone() };
         let push = if drive.pressure > 0.0 {
             let area = self.contact.uncovered_area(x);
             let acts = |p: usize| drive.pressed.is_empty() || drive.pressed[p];
@@ -304,7 +317,7 @@ impl Stepper {
         // The ball's wall is as stiff as layers are to one another.
         let per_area = self.contact.settings().stiffness;
         let of_area = |amount: f64| self.cloth.area.iter().map(|a| a * amount).collect();
-        let (wall, hands) = match &drive.ball {
+        let (wall, hands) = match &drive.sphere {
             Some(ball) => (of_area(per_area), of_area(ball.pressure)),
             None => (Vec::new(), Vec::new()),
         };
@@ -317,7 +330,6 @@ impl Stepper {
         x: &mut [Vec3],
         terms: &[&dyn Energy],
         newton: &NewtonOptions,
-        regularisation: f64,
     ) -> NewtonReport {
         self.contact.set_planes(None, None);
         self.contact.keep_crossings();
@@ -325,7 +337,7 @@ impl Stepper {
         self.contact.begin_step(x, f64::INFINITY, 0.0, &held);
         // Terms may differ from those of steps.
         self.work.reset();
-        let problem = Problem { inertia: None, terms, held: &held, ahead: None, regularisation };
+        let problem = Problem { inertia: None, terms, fixed: &held, predicted_positions: None };
         problem.solve(x, &mut self.contact, newton, &mut self.work)
     }
 }

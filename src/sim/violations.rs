@@ -10,21 +10,21 @@ use serde::{Deserialize, Serialize};
 
 /// How far off, and where [m].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Shortfall {
+pub struct Violation {
     /// In the unit of its kind.
     pub size: f64,
     /// [m].
-    #[serde(with = "crate::math::serde_vec::vector")]
-    pub place: Vec3,
+    #[serde(rename = "place", with = "crate::math::serde_vec::vector")]
+    pub position: Vec3,
 }
 
 /// What one accepted step could not do as it was told.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Unmet {
+pub struct Violations {
     /// Layers are pressed to this share of their contact distance.
-    pub pressed: Option<Shortfall>,
+    pub pressed: Option<Violation>,
     /// Cloth is stretched by this strain.
-    pub stretched: Option<Shortfall>,
+    pub stretched: Option<Violation>,
 }
 
 /// Layers nearer than this share of their contact distance are pressed beyond what contact is made for.
@@ -32,18 +32,18 @@ const PRESSED: f64 = 0.02;
 /// Strain beyond what any of the fabrics bears in wear.
 const STRETCHED: f64 = 0.3;
 
-impl Unmet {
+impl Violations {
     /// What is unmet at `x`, after a step of `contact`.
-    pub(super) fn notice(x: &[Vec3], cloth: &Cloth, contact: &Contact) -> Self {
+    pub(super) fn detect(x: &[Vec3], cloth: &Cloth, contact: &Contact) -> Self {
         let pressed = contact
             .tightest(x)
             .filter(|tightest| tightest.share < PRESSED)
-            .map(|tightest| Shortfall { size: tightest.share, place: tightest.place });
+            .map(|tightest| Violation { size: tightest.share, position: tightest.place });
         let strains = cloth.membrane.measure(x).into_iter().map(|[u, v, _]| u.max(v) - 1.0);
         let most =
             strains.zip(0..).fold((STRETCHED, usize::MAX), |most, s| if s.0 > most.0 { s } else { most });
         let stretched = (most.1 != usize::MAX)
-            .then(|| Shortfall { size: most.0, place: cloth.membrane.centre(most.1, x) });
+            .then(|| Violation { size: most.0, position: cloth.membrane.centre(most.1, x) });
         Self { pressed, stretched }
     }
 

@@ -5,10 +5,10 @@
 //! fractions refer to, folds that can be opened again, what holds the cloth up) is the [`PersistentState`].
 
 use crate::body::PosedBody;
-use crate::energy::Guide;
+use crate::energy::TargetSpring;
 use crate::error::{Error, Result};
 use crate::math::{Mat3, Vec3, bounds};
-use crate::sim::Drive;
+use crate::sim::Loads;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -114,7 +114,7 @@ pub struct PersistentState {
     pub ground: Option<f64>,
     /// What the last action keeps acting until it is released.
     #[serde(rename = "kept")]
-    pub held_loads: Option<Drive>,
+    pub held_loads: Option<Loads>,
     /// The body the garment is worn on, and where it stands.
     // A checkpoint has its pose apart: the body itself is the caller's.
     #[serde(skip)]
@@ -141,16 +141,16 @@ impl PersistentState {
     }
 
     /// What acts when nothing is done: gravity, the ground, the body and whatever has not been let go.
-    pub fn idle_loads(&self) -> Drive {
-        let kept = self.held_loads.clone().unwrap_or_else(|| Drive::at_rest(self.ground));
-        Drive { body: self.body.as_ref().map(|body| body.points.clone()), ..kept }
+    pub fn idle_loads(&self) -> Loads {
+        let kept = self.held_loads.clone().unwrap_or_else(|| Loads::gravity_only(self.ground));
+        Loads { body: self.body.as_ref().map(|body| body.points.clone()), ..kept }
     }
 }
 
 /// An action under way.
 pub trait ActionRunner {
     /// What acts at `t` seconds after its start; `x` are the positions at the start of the step that ends then.
-    fn loads_at(&mut self, t: f64, x: &[Vec3]) -> Drive;
+    fn loads_at(&mut self, t: f64, x: &[Vec3]) -> Loads;
 
     /// Times after its start that no step may jump over [s], increasing.
     fn event_times(&self) -> Vec<f64> {
@@ -209,12 +209,12 @@ impl ActionStart {
 
 /// A runner that lets one drive act unchanged.
 pub(crate) struct ConstantLoads {
-    pub loads: Drive,
+    pub loads: Loads,
     pub may_end_early: bool,
 }
 
 impl ActionRunner for ConstantLoads {
-    fn loads_at(&mut self, _t: f64, _x: &[Vec3]) -> Drive {
+    fn loads_at(&mut self, _t: f64, _x: &[Vec3]) -> Loads {
         self.loads.clone()
     }
 
@@ -227,24 +227,24 @@ impl ActionRunner for ConstantLoads {
     }
 }
 
-/// Guides are this stiff along their normal: without help the weight of the point would bend them by so much [m].
+/// TargetSprings are this stiff along their normal: without help the weight of the point would bend them by so much [m].
 const GUIDE_SAG: f64 = 5e-4;
 /// Stiffness of a guide across its normal, as a share of that along it.
 const GUIDE_SLIDE: f64 = 0.02;
 
 /// The hand under a point of `mass`: draws it to `target`, stiffly along `normal`, and carries its weight.
-pub(super) fn carry_spring(point: u32, target: Vec3, normal: Vec3, mass: f64) -> Guide {
+pub(super) fn carry_spring(point: u32, target: Vec3, normal: Vec3, mass: f64) -> TargetSpring {
     let weight = Vec3::y() * (mass * crate::sim::GRAVITY);
     let stiffness = mass * crate::sim::GRAVITY / GUIDE_SAG;
     let slide = GUIDE_SLIDE * stiffness;
     let along = normal * normal.dot(&weight);
     let target = target + along / stiffness + (weight - along) / slide;
-    Guide { point, target, normal, stiffness, slide }
+    TargetSpring { point, target, normal, stiffness, tangential_stiffness: slide }
 }
 
 /// The hand on a point of `mass` that stays where it is.
-pub(super) fn pin_spring(point: u32, place: Vec3, mass: f64) -> Guide {
-    Guide::round(point, place, mass * crate::sim::GRAVITY / GUIDE_SAG)
+pub(super) fn pin_spring(point: u32, place: Vec3, mass: f64) -> TargetSpring {
+    TargetSpring::isotropic(point, place, mass * crate::sim::GRAVITY / GUIDE_SAG)
 }
 
 /// From 0 to 1 without a jerk at either end.

@@ -1,12 +1,12 @@
 //! A body under way: what `bend` and `play` have in common.
 //!
 //! While it moves, steps are short enough to follow it; while it stands, the cloth decides. The garment feels it through
-//! `Drive::body`, nothing else: what the body is doing to it is for contact and friction to say.
+//! `Loads::body`, nothing else: what the body is doing to it is for contact and friction to say.
 
 use crate::body::{AnimatedBody, BodyPose, PosedBody};
 use crate::json::nearest;
 use crate::math::Vec3;
-use crate::sim::Drive;
+use crate::sim::Loads;
 use crate::wear::action_runner::{ActionRunner, PersistentState};
 use serde_json::Value;
 use std::sync::Arc;
@@ -24,7 +24,7 @@ const NAMES_TOLD: usize = 40;
 pub(super) struct Moving {
     pub wearer: Arc<AnimatedBody>,
     /// What else acts.
-    pub drive: Drive,
+    pub drive: Loads,
     /// Pose at a time after its start [s].
     pub pose: Box<dyn Fn(f64) -> BodyPose>,
     /// See [`ActionRunner::breaks`].
@@ -37,13 +37,13 @@ pub(super) struct Moving {
 }
 
 impl ActionRunner for Moving {
-    fn loads_at(&mut self, t: f64, _x: &[Vec3]) -> Drive {
+    fn loads_at(&mut self, t: f64, _x: &[Vec3]) -> Loads {
         let known = self.at.take().filter(|(at, _)| *at == t);
         let (_, points) = known.unwrap_or_else(|| (t, self.wearer.points(&(self.pose)(t)).into()));
         self.at = Some((t, points.clone()));
         let stands = self.still.iter().any(|[from, to]| *from + MOVING_STEP < t && t <= to + 1e-9);
         let longest_step = if stands { f64::INFINITY } else { MOVING_STEP };
-        Drive { body: Some(points), longest_step, ..self.drive.clone() }
+        Loads { body: Some(points), max_dt: longest_step, ..self.drive.clone() }
     }
 
     fn event_times(&self) -> Vec<f64> {

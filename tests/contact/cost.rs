@@ -14,7 +14,7 @@ mod run;
 mod shapes;
 
 use crease::math::Vec3;
-use crease::sim::Drive;
+use crease::sim::Loads;
 use run::{COTTON, Kind, Pattern, Run};
 use std::time::Instant;
 
@@ -41,12 +41,12 @@ fn pile(layers: usize, points: usize) -> Run {
 /// Milliseconds of a step and of contact in it, linear solves in it: mean over `steps` steps of 1/100 s.
 fn measure(layers: usize, points: usize, steps: usize) -> (usize, [f64; 3]) {
     let mut run = pile(layers, points);
-    let mut drive = |_: f64, _: &crease::sim::State| Drive::at_rest(Some(0.0));
-    run.stepper.options.longest = 0.01;
-    run.stepper.options.shortest = 0.01;
+    let mut drive = |_: f64, _: &crease::sim::State| Loads::gravity_only(Some(0.0));
+    run.stepper.options.max_dt = 0.01;
+    run.stepper.options.min_dt = 0.01;
     let mut advance = |run: &mut Run| {
         let report = run.stepper.advance(&mut run.state, &run.memory, &mut drive, 0.01);
-        (report.newton.iterations, report.newton.seconds[2])
+        (report.newton.global_iterations, report.newton.seconds.contact)
     };
     // The first two build patterns.
     (0..2).for_each(|_| {

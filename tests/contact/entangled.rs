@@ -1,9 +1,9 @@
 //! Crossings that are there at the start: never more of them, no explosion, gone once they come apart, and guarded then.
 
 use crate::run::{COTTON, Pattern, Run};
-use crease::energy::Guide;
+use crease::energy::TargetSpring;
 use crease::math::Vec3;
-use crease::sim::Drive;
+use crease::sim::Loads;
 use crease::sim::State;
 
 /// Two sheets 2 mm apart, the lower pushed through the upper around the middle.
@@ -27,7 +27,7 @@ fn what_crosses_at_the_start_never_becomes_worse() {
     let mut run = Run::new(&pierced(400, 1), COTTON, 4.0);
     let start = run.crossings();
     let mut last = start;
-    run.watch(1.0, &mut |_, _| Drive::at_rest(Some(0.0)), &mut |run, _| {
+    run.watch(1.0, &mut |_, _| Loads::gravity_only(Some(0.0)), &mut |run, _| {
         let now = run.crossings();
         assert!(now <= start, "{now} after {last}");
         last = now;
@@ -49,18 +49,23 @@ fn what_has_come_apart_is_guarded() {
     let mut run = Run::new(&pattern, COTTON, 4.0);
     let start = run.crossings();
     // A hand under every point: the lower sheet goes down and comes back up, the upper stays.
-    let guides = |shift: f64| -> Vec<Guide> {
+    let guides = |shift: f64| -> Vec<TargetSpring> {
         let target = |p: usize, x: &Vec3| {
             if p < half { Vec3::new(x.x, -shift, x.z) } else { Vec3::new(x.x, 4e-3, x.z) }
         };
-        pattern.x.iter().enumerate().map(|(p, x)| Guide::round(p as u32, target(p, x), 0.05)).collect()
+        pattern
+            .x
+            .iter()
+            .enumerate()
+            .map(|(p, x)| TargetSpring::isotropic(p as u32, target(p, x), 0.05))
+            .collect()
     };
-    let drive = |shift: f64| Drive {
-        guides: guides(shift),
+    let drive = |shift: f64| Loads {
+        springs: guides(shift),
         gravity: Vec3::zeros(),
         drag: 5.0,
-        longest_step: 1.0 / 60.0,
-        ..Drive::at_rest(None)
+        max_dt: 1.0 / 60.0,
+        ..Loads::gravity_only(None)
     };
     run.go(2.0, &mut |t, _: &State| drive(0.03 * t.min(1.0)));
     let apart = run.crossings();

@@ -2,17 +2,17 @@
 
 use crate::run::{COTTON, Kind, Pattern, Run};
 use crate::shapes::Shape;
-use crease::energy::Guide;
+use crease::energy::TargetSpring;
 use crease::math::Vec3;
 use crease::sim::State;
-use crease::sim::{Drive, GRAVITY};
+use crease::sim::{GRAVITY, Loads};
 use std::sync::Arc;
 
 const MU: f64 = 0.3;
 
 /// A small square on the level ground, with gravity that leans by `alpha` [degrees] towards `heading` [degrees], which
 /// is a slope; it has come to rest. Returns it and what acts.
-fn on_slope(alpha: f64, heading: f64, mu: f64) -> (Run, Drive) {
+fn on_slope(alpha: f64, heading: f64, mu: f64) -> (Run, Loads) {
     let (sin, cos) = alpha.to_radians().sin_cos();
     let (s, c) = heading.to_radians().sin_cos();
     let gravity = Vec3::new(sin * c, -cos, sin * s) * GRAVITY;
@@ -20,12 +20,12 @@ fn on_slope(alpha: f64, heading: f64, mu: f64) -> (Run, Drive) {
     pattern.jitter(1e-5, 3);
     let mut run = Run::new(&pattern, Kind { friction: mu, stretch: 4000.0, ..COTTON }, 1.0);
     run.precisely();
-    run.stepper.options.newton.tolerance = 1e-10;
-    run.stepper.options.error = f64::INFINITY;
-    run.stepper.options.longest = 0.01;
+    run.stepper.options.newton.displacement_tol = 1e-10;
+    run.stepper.options.local_error_tol = f64::INFINITY;
+    run.stepper.options.max_dt = 0.01;
     // It comes to rest on the level first.
-    run.go(1.0, &mut |_, _| Drive { drag: 20.0, ..Drive::at_rest(Some(0.0)) });
-    (run, Drive { gravity, drag: 0.0, ..Drive::at_rest(Some(0.0)) })
+    run.go(1.0, &mut |_, _| Loads { drag: 20.0, ..Loads::gravity_only(Some(0.0)) });
+    (run, Loads { gravity, drag: 0.0, ..Loads::gravity_only(Some(0.0)) })
 }
 
 fn centre(state: &State) -> Vec3 {
@@ -85,11 +85,11 @@ fn above_the_threshold_it_slides_alike_in_every_direction() {
 fn stops_where_it_should() {
     for h in [0.02, 0.01, 0.0025] {
         let (mut run, _) = on_slope(0.0, 0.0, MU);
-        run.stepper.options.longest = h;
+        run.stepper.options.max_dt = h;
         run.state.v.fill(Vec3::new(0.6, 0.0, 0.8));
         run.state.previous = None;
         let start = centre(&run.state);
-        run.go(0.6, &mut |_, _| Drive { drag: 0.0, ..Drive::at_rest(Some(0.0)) });
+        run.go(0.6, &mut |_, _| Loads { drag: 0.0, ..Loads::gravity_only(Some(0.0)) });
         let way = (centre(&run.state) - start).norm();
         println!(
             "stop with steps of {h} s: {way:.6} m (exact 0.169895, backward Euler {:.6})",
@@ -112,25 +112,25 @@ fn sticks_and_slips_on_a_belt() {
         let kind = Kind { density: 10.0, friction: 0.3, stiction, stretch: 4e5, bend: 1e-2, thickness: 1e-3 };
         let mut run = Run::new(&pattern, kind, 1.0);
         run.precisely();
-        run.stepper.options.newton.tolerance = 1e-10;
-        run.stepper.options.error = f64::INFINITY;
-        run.stepper.options.longest = h;
+        run.stepper.options.newton.displacement_tol = 1e-10;
+        run.stepper.options.local_error_tol = f64::INFINITY;
+        run.stepper.options.max_dt = h;
         let home: Vec<Vec3> = run.state.x.clone();
         let mass = run.stepper.cloth.mass.clone();
         let total: f64 = mass.iter().sum();
         let target = |x: &Vec3, t: f64| x - Vec3::x() * (0.02 * t);
-        let guides = |t: f64| -> Vec<Guide> {
-            let along = |(p, x): (usize, &Vec3)| Guide {
+        let guides = |t: f64| -> Vec<TargetSpring> {
+            let along = |(p, x): (usize, &Vec3)| TargetSpring {
                 point: p as u32,
                 target: target(x, t),
                 normal: Vec3::x(),
                 stiffness: 50.0 * mass[p] / total,
-                slide: 0.0,
+                tangential_stiffness: 0.0,
             };
             home.iter().enumerate().map(along).collect()
         };
         let mut drive =
-            |t: f64, _: &State| Drive { guides: guides(t), drag: 0.0, ..Drive::at_rest(Some(0.0)) };
+            |t: f64, _: &State| Loads { springs: guides(t), drag: 0.0, ..Loads::gravity_only(Some(0.0)) };
         let mut pulls = Vec::new();
         run.watch(4.0, &mut drive, &mut |run, _| {
             let time = run.state.time;
@@ -200,8 +200,8 @@ fn slides_over(mu: f64, long: f64) -> f64 {
     });
     let mut run = Run::new(&pattern, kind, 20.0);
     run.precisely();
-    run.stepper.options.error = f64::INFINITY;
-    run.stepper.options.longest = 0.005;
+    run.stepper.options.local_error_tol = f64::INFINITY;
+    run.stepper.options.max_dt = 0.005;
     let mut cylinder = Shape::default();
     let count = 6 * COUNT;
     for k in 0..count {
@@ -215,11 +215,11 @@ fn slides_over(mu: f64, long: f64) -> f64 {
     let at: Arc<[Vec3]> = cylinder.points.clone().into();
     let ends = [0, pattern.x.len() - 1];
     // Gravity grows slowly, so that nothing bounces.
-    let mut drive = |t: f64, _: &State| Drive {
+    let mut drive = |t: f64, _: &State| Loads {
         body: Some(at.clone()),
         gravity: Vec3::new(0.0, -GRAVITY * (t / 0.5).min(1.0), 0.0),
         drag: 5.0,
-        ..Drive::at_rest(None)
+        ..Loads::gravity_only(None)
     };
     run.go(1.0, &mut drive);
     let before = ends.map(|p| run.state.x[p].y);

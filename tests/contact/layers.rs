@@ -1,9 +1,9 @@
 //! Sheets that fall on one another, and a sleeve that is wrung.
 
 use crate::run::{COTTON, Kind, Pattern, Run};
-use crease::energy::Guide;
+use crease::energy::TargetSpring;
 use crease::math::{Mat3, Vec3};
-use crease::sim::Drive;
+use crease::sim::Loads;
 use crease::sim::{NewtonOptions, State};
 use std::f64::consts::TAU;
 
@@ -21,9 +21,13 @@ pub fn stack(count: usize, points: usize, seed: u64, seconds: f64) -> Run {
     pattern.jitter(0.15e-3, seed);
     let mut run = Run::new(&pattern, STACKED, 2.0 * count as f64);
     // Parallel edges of sheets that lie point over point keep Newton from its last digits.
-    run.stepper.options.newton =
-        NewtonOptions { tolerance: 1e-6, energy: 0.0, share: 0.0, most_iterations: 12 };
-    run.go(seconds, &mut |_, _| Drive::at_rest(Some(0.0)));
+    run.stepper.options.newton = NewtonOptions {
+        displacement_tol: 1e-6,
+        decrement_tol: 0.0,
+        rel_decrement_tol: 0.0,
+        max_iterations: 12,
+    };
+    run.go(seconds, &mut |_, _| Loads::gravity_only(Some(0.0)));
     run
 }
 
@@ -72,8 +76,8 @@ pub fn wring(points: usize, turns: f64, seed: u64) -> Run {
     pattern.jitter(0.5e-3, seed);
     let mut run = Run::new(&pattern, COTTON, 4.0);
     // A rope of pressed layers: what a step leaves unsolved the next goes on with, as in a bake, and as many iterations.
-    run.stepper.options.shortest = STEP;
-    run.stepper.options.newton.most_iterations = NewtonOptions::default().most_iterations;
+    run.stepper.options.min_dt = STEP;
+    run.stepper.options.newton.max_iterations = NewtonOptions::default().max_iterations;
     let rings: Vec<(u32, Vec3, bool)> = (0..around)
         .map(|i| (i as u32, false))
         .chain((0..around).map(|i| ((along * around + i) as u32, true)))
@@ -86,13 +90,25 @@ pub fn wring(points: usize, turns: f64, seed: u64) -> Run {
         let guide = |&(point, home, turned): &(u32, Vec3, bool)| {
             if turned {
                 // Free along the axis.
-                Guide { point, target: turn * home, normal: Vec3::y(), stiffness: 0.0, slide: 200.0 }
+                TargetSpring {
+                    point,
+                    target: turn * home,
+                    normal: Vec3::y(),
+                    stiffness: 0.0,
+                    tangential_stiffness: 200.0,
+                }
             } else {
-                Guide::round(point, home, 200.0)
+                TargetSpring::isotropic(point, home, 200.0)
             }
         };
         let guides = if t < turns + 0.3 { rings.iter().map(guide).collect() } else { Vec::new() };
-        Drive { guides, gravity: Vec3::zeros(), drag: 2.0, longest_step: STEP, ..Drive::at_rest(None) }
+        Loads {
+            springs: guides,
+            gravity: Vec3::zeros(),
+            drag: 2.0,
+            max_dt: STEP,
+            ..Loads::gravity_only(None)
+        }
     });
     run
 }

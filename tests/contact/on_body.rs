@@ -3,7 +3,7 @@
 use crate::run::{COTTON, Pattern, Run};
 use crate::shapes::Shape;
 use crease::math::Vec3;
-use crease::sim::Drive;
+use crease::sim::Loads;
 use std::sync::Arc;
 
 /// Promise: cloth at rest on a sphere: the sphere carries its weight within 1e-3 and pushes nowhere else, nothing moves any
@@ -17,8 +17,11 @@ fn cloth_over_a_sphere_comes_to_rest_in_balance() {
     run.precisely();
     run.put_on(&shape);
     let at: Arc<[Vec3]> = shape.points.clone().into();
-    let mut drive =
-        |_: f64, _: &crease::sim::State| Drive { body: Some(at.clone()), drag: 3.0, ..Drive::at_rest(None) };
+    let mut drive = |_: f64, _: &crease::sim::State| Loads {
+        body: Some(at.clone()),
+        drag: 3.0,
+        ..Loads::gravity_only(None)
+    };
     run.go(0.2, &mut drive);
     // A quarter turn takes the point (i, j) to (N - j, i).
     let turned = |p: usize| (p % (N + 1)) * (N + 1) + N - p / (N + 1);
@@ -26,7 +29,7 @@ fn cloth_over_a_sphere_comes_to_rest_in_balance() {
     let off = |x: &[Vec3]| (0..x.len()).map(|p| (quarter(&x[p]) - x[turned(p)]).norm()).fold(0.0, f64::max);
     assert!(off(&pattern.x) < 1e-15, "the start is symmetric");
     let asymmetry = off(&run.state.x);
-    run.stepper.options.newton.most_iterations = 20;
+    run.stepper.options.newton.max_iterations = 20;
     run.go(3.0, &mut drive);
     let force = run.body_force() / run.weight();
     println!(

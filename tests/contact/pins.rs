@@ -2,9 +2,9 @@
 //! again.
 
 use crate::run::{COTTON, Pattern, Run};
-use crease::energy::Guide;
+use crease::energy::TargetSpring;
 use crease::math::Vec3;
-use crease::sim::Drive;
+use crease::sim::Loads;
 use crease::sim::State;
 
 /// Promise: pins pulled apart to twice the cloth's length stretch it and say so; back again it is as before.
@@ -26,22 +26,23 @@ fn pins_pulled_apart_are_told_and_forgiven() {
         3.0,
         &mut |t, _: &State| {
             let guide = |(p, x): &(u32, Vec3)| {
-                Guide::round(*p, x + Vec3::x() * (x.x.signum() * 0.5 * pulled(t)), 2000.0)
+                TargetSpring::isotropic(*p, x + Vec3::x() * (x.x.signum() * 0.5 * pulled(t)), 2000.0)
             };
-            Drive {
-                guides: ends.iter().map(guide).collect(),
-                longest_step: 1.0 / 60.0,
-                ..Drive::at_rest(None)
+            Loads {
+                springs: ends.iter().map(guide).collect(),
+                max_dt: 1.0 / 60.0,
+                ..Loads::gravity_only(None)
             }
         },
         &mut |run, step| {
-            if !step.unmet.is_none() {
+            if !step.violations.is_none() {
                 told.push((run.state.time, *step));
             }
             true
         },
     );
-    let most = told.iter().filter_map(|(_, step)| step.unmet.stretched).map(|s| s.size).fold(0.0, f64::max);
+    let most =
+        told.iter().filter_map(|(_, step)| step.violations.stretched).map(|s| s.size).fold(0.0, f64::max);
     let (first, last) = (told.first().map_or(0.0, |t| t.0), told.last().map_or(0.0, |t| t.0));
     let strain = |run: &Run| {
         let stretch = run.stepper.cloth.membrane.measure(&run.state.x);

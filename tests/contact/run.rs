@@ -3,13 +3,13 @@
 
 use crate::shapes::Shape;
 use crease::contact::{BodyField, Contact, ContactSettings, FieldSettings};
-use crease::energy::{Bending, Cushion, Cushions, Energy, Membrane, Support, Supports};
+use crease::energy::{Bending, EdgeContact, EdgeContacts, Energy, Membrane, PlaneContact, PlaneContacts};
 use crease::garment::RestState;
 use crease::math::{Rng, Vec2, Vec3};
 use crease::mesh::intersections::crossings;
 use crease::mesh::{PointIndex, Topology};
-use crease::sim::Drive;
-use crease::sim::{Cloth, Leeway, Method, NewtonOptions, State, StepOptions, StepReport, Stepper};
+use crease::sim::Loads;
+use crease::sim::{Cloth, Method, NewtonOptions, State, StepOptions, StepRelaxation, StepReport, Stepper};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -95,8 +95,8 @@ pub const COTTON: Kind =
 #[derive(Clone)]
 struct Met {
     points: Arc<[Vec3]>,
-    cushions: Arc<[Cushion]>,
-    supports: Arc<[Support]>,
+    cushions: Arc<[PlaneContact]>,
+    supports: Arc<[EdgeContact]>,
 }
 
 impl Default for Met {
@@ -158,11 +158,16 @@ impl Run {
         let energy = 3e-6 * cloth.mass.iter().sum::<f64>() * crease::sim::GRAVITY;
         let options = StepOptions {
             method: Method::BackwardEuler,
-            newton: NewtonOptions { tolerance: 3e-5, energy, share: 0.0, most_iterations: 10 },
-            error: 1e-3,
-            shortest: 1.0 / 240.0,
-            longest: 1.0 / 30.0,
-            leeway: Leeway::NONE,
+            newton: NewtonOptions {
+                displacement_tol: 3e-5,
+                decrement_tol: energy,
+                rel_decrement_tol: 0.0,
+                max_iterations: 10,
+            },
+            local_error_tol: 1e-3,
+            min_dt: 1.0 / 240.0,
+            max_dt: 1.0 / 30.0,
+            relaxation: StepRelaxation::OFF,
         };
         Self {
             memory: RestState::flat(topology.hinges.len(), pattern.triangles.len()),
@@ -199,9 +204,10 @@ impl Run {
     /// Force of the body on the cloth in the last step [N], without friction.
     pub fn body_force(&self) -> Vec3 {
         let mut gradient = vec![Vec3::zeros(); self.state.x.len()];
-        let cushions: Vec<Cushion> = self.met.cushions.iter().map(|c| Cushion { limit: 0.0, ..*c }).collect();
-        Cushions(&cushions).add_gradient(&self.state.x, &mut gradient);
-        Supports(&self.met.supports).add_gradient(&self.state.x, &mut gradient);
+        let cushions: Vec<PlaneContact> =
+            self.met.cushions.iter().map(|c| PlaneContact { max_friction: 0.0, ..*c }).collect();
+        PlaneContacts(&cushions).add_gradient(&self.state.x, &mut gradient);
+        EdgeContacts(&self.met.supports).add_gradient(&self.state.x, &mut gradient);
         -gradient.iter().sum::<Vec3>()
     }
 
@@ -214,19 +220,23 @@ impl Run {
 
     /// From now on steps are solved as far as rounding allows.
     pub fn precisely(&mut self) {
-        self.stepper.options.newton =
-            NewtonOptions { tolerance: 1e-8, energy: 0.0, share: 0.0, most_iterations: 60 };
+        self.stepper.options.newton = NewtonOptions {
+            displacement_tol: 1e-8,
+            decrement_tol: 0.0,
+            rel_decrement_tol: 0.0,
+            max_iterations: 60,
+        };
     }
 
     /// One step of at most `wished` seconds.
-    pub fn step(&mut self, drive_at: &mut dyn FnMut(f64, &State) -> Drive, wished: f64) -> StepReport {
+    pub fn step(&mut self, drive_at: &mut dyn FnMut(f64, &State) -> Loads, wished: f64) -> StepReport {
         let report = match self.body.take() {
             Some(body) => self.step_on_body(body, drive_at, wished),
             None => self.stepper.advance(&mut self.state, &self.memory, drive_at, wished),
         };
         assert!(self.state.x.iter().all(|x| x.sum().is_finite()), "not finite at {} s", self.state.time);
         self.steps += 1;
-        self.solves += report.newton.iterations;
+        self.solves += report.newton.global_iterations;
         self.unconverged += usize::from(!report.converged);
         for (v, x) in self.state.v.iter().zip(&self.state.x) {
             if v.norm() > self.fastest {
@@ -241,7 +251,7 @@ impl Run {
     fn step_on_body(
         &mut self,
         mut body: BodyField,
-        drive_at: &mut dyn FnMut(f64, &State) -> Drive,
+        drive_at: &mut dyn FnMut(f64, &State) -> Loads,
         wished: f64,
     ) -> StepReport {
         let start = self.state.time;
@@ -252,18 +262,18 @@ impl Run {
             let mut drive = drive_at(time, state);
             if let Some(points) = drive.body.take() {
                 if !begun {
-                    body.begin(&state.x, triangles, topology, &drive.held);
+                    body.begin(&state.x, triangles, topology, &drive.fixed);
                     begun = true;
                 }
                 let normals = body.normals(&points);
                 let h = time - start;
-                drive.cushions = body.cushions(&state.x, &points, &normals, h, drive.friction).into();
-                drive.supports = body.supports(&points, &normals).into();
-                drive.lead = body.lead(&state.x, &points).into();
+                drive.plane_contacts = body.cushions(&state.x, &points, &normals, h, drive.friction).into();
+                drive.edge_contacts = body.supports(&points, &normals).into();
+                drive.body_displacement = body.lead(&state.x, &points).into();
                 met = Some(Met {
                     points,
-                    cushions: Arc::clone(&drive.cushions),
-                    supports: Arc::clone(&drive.supports),
+                    cushions: Arc::clone(&drive.plane_contacts),
+                    supports: Arc::clone(&drive.edge_contacts),
                 });
             }
             drive
@@ -278,7 +288,7 @@ impl Run {
     }
 
     /// Goes on for `seconds`.
-    pub fn go(&mut self, seconds: f64, drive_at: &mut dyn FnMut(f64, &State) -> Drive) {
+    pub fn go(&mut self, seconds: f64, drive_at: &mut dyn FnMut(f64, &State) -> Loads) {
         self.watch(seconds, drive_at, &mut |_, _| true);
     }
 
@@ -286,7 +296,7 @@ impl Run {
     pub fn watch(
         &mut self,
         seconds: f64,
-        drive_at: &mut dyn FnMut(f64, &State) -> Drive,
+        drive_at: &mut dyn FnMut(f64, &State) -> Loads,
         watch: &mut dyn FnMut(&mut Self, &StepReport) -> bool,
     ) {
         let end = self.state.time + seconds;
@@ -295,8 +305,8 @@ impl Run {
             let left = end - self.state.time;
             let report =
                 self.step(drive_at, if wished >= left { left } else { wished.min(0.5 * left.max(wished)) });
-            wished = report.next;
-            self.tell(report.step);
+            wished = report.next_dt;
+            self.tell(report.dt);
             if !watch(self, &report) {
                 break;
             }

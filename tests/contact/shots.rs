@@ -3,7 +3,7 @@
 use crate::run::{COTTON, Kind, Pattern, Run};
 use crease::math::{Rng, Vec3};
 use crease::mesh::triangle_bvh::TriangleTree;
-use crease::sim::Drive;
+use crease::sim::Loads;
 
 /// What became of a number of shots.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -60,19 +60,19 @@ fn one_shot(speed: f64, rng: &mut Rng) -> (bool, Run, usize, Vec3) {
     let aim = Vec3::new(0.6 * (rng.uniform() - 0.5), -1.0, 0.6 * (rng.uniform() - 0.5)).normalize();
     let mut run = Run::new(&pattern, Kind { thickness: 0.5e-3, ..COTTON }, 4.0);
     let h = 1.0 / 60.0;
-    run.stepper.options.shortest = h;
-    run.stepper.options.longest = h;
-    run.stepper.options.newton.most_iterations = 10;
+    run.stepper.options.min_dt = h;
+    run.stepper.options.max_dt = h;
+    run.stepper.options.newton.max_iterations = 10;
     run.state.v[scrap..].fill(aim * speed);
     let border =
         |p: usize| p < scrap && [0, SIDE].iter().any(|&k| p % (SIDE + 1) == k || p / (SIDE + 1) == k);
     let held: Vec<bool> = (0..pattern.x.len()).map(border).collect();
     let would_be = above + aim * (speed * 0.1);
-    run.go(0.1, &mut |_, _| Drive {
-        held: held.clone(),
+    run.go(0.1, &mut |_, _| Loads {
+        fixed: held.clone(),
         gravity: Vec3::zeros(),
         drag: 0.0,
-        ..Drive::at_rest(None)
+        ..Loads::gravity_only(None)
     });
     (would_be.y < 0.0, run, scrap, aim)
 }

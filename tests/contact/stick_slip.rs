@@ -4,7 +4,7 @@
 use crate::run::{COTTON, Kind, Pattern, Run};
 use crate::shapes::Shape;
 use crease::math::Vec3;
-use crease::sim::Drive;
+use crease::sim::Loads;
 use crease::sim::State;
 use std::sync::Arc;
 
@@ -33,9 +33,9 @@ fn slips_at(mu: f64, up_to: f64) -> f64 {
     });
     let mut run = Run::new(&pattern, kind, 1.0);
     run.precisely();
-    run.stepper.options.error = f64::INFINITY;
-    run.stepper.options.longest = 1.0 / 250.0;
-    run.stepper.options.shortest = 1.0 / 250.0;
+    run.stepper.options.local_error_tol = f64::INFINITY;
+    run.stepper.options.max_dt = 1.0 / 250.0;
+    run.stepper.options.min_dt = 1.0 / 250.0;
     let held: Vec<bool> = pattern.x.iter().map(|x| x.y > LENGTH - 0.5 * edge).collect();
     // Hinges between wholly held triangles and free ones are twice as stiff: the half clamp of `tests/elastic`.
     let wholly = |f: u32| run.triangles[f as usize].iter().all(|p| held[p.at()]);
@@ -54,12 +54,12 @@ fn slips_at(mu: f64, up_to: f64) -> f64 {
     let (mut found, mut home) = (f64::NAN, f64::NAN);
     run.watch(
         up_to * LENGTH / rise,
-        &mut |t, _: &State| Drive {
+        &mut |t, _: &State| Loads {
             gravity: Vec3::zeros(),
-            held: held.clone(),
+            fixed: held.clone(),
             drag: 50.0,
             body: Some(at(rise * t)),
-            ..Drive::at_rest(None)
+            ..Loads::gravity_only(None)
         },
         &mut |run, _| {
             let tip = run.state.x[1];

@@ -43,7 +43,7 @@ fn a_compressed_strip_buckles_as_the_elastica() {
             "shortened by {shortening}: rise {:+.3} %, force {:+.3} %, {} iterations",
             100.0 * off_rise,
             100.0 * off_push,
-            report.iterations
+            report.global_iterations
         );
         assert!(off_rise.abs() <= 0.01 && off_push.abs() <= 0.03);
         checked += 1;

@@ -4,14 +4,14 @@ use crate::reference::{self, figures};
 use crate::rest::forces;
 use crate::sheet::Sheet;
 use crease::contact::Contact;
-use crease::energy::{Bending, Energy, Gravity, Guide, Guides, Membrane};
+use crease::energy::{Bending, Energy, Gravity, Membrane, TargetSpring, TargetSprings};
 use crease::garment::RestState;
 use crease::math::{Vec2, Vec3};
-use crease::sim::{Method, NewtonOptions, Previous, Problem, State, Workspace};
+use crease::sim::{Inertia, Method, NewtonOptions, PreviousState, Problem, State, Workspace};
 
 /// Newton works until rounding [m]: the tests look at the integrator, not at the solver's tolerance.
 const NEWTON: NewtonOptions =
-    NewtonOptions { tolerance: 1e-13, energy: 0.0, share: 0.0, most_iterations: 30 };
+    NewtonOptions { displacement_tol: 1e-13, decrement_tol: 0.0, rel_decrement_tol: 0.0, max_iterations: 30 };
 
 /// One step of `h` seconds under `terms`; the state's angles are left as they were.
 fn advance(
@@ -23,7 +23,7 @@ fn advance(
     work: &mut Workspace,
 ) -> State {
     let stage = method.stage(state, h);
-    let x = minimise(mass, &stage.inertial(), stage.span, terms, &state.x, work);
+    let x = minimise(mass, &stage.inertial(), stage.effective_dt, terms, &state.x, work);
     let v = stage.velocity(&x);
     follow(state, x, v, h)
 }
@@ -49,11 +49,10 @@ fn minimise(
 ) -> Vec<Vec3> {
     let held = vec![false; mass.len()];
     let problem = Problem {
-        inertia: Some((mass, inertial, span)),
+        inertia: Some(Inertia { mass, inertial, effective_dt: span }),
         terms,
-        held: &held,
-        ahead: None,
-        regularisation: 0.0,
+        fixed: &held,
+        predicted_positions: None,
     };
     let mut x = from.to_vec();
     let report = problem.solve(&mut x, &mut Contact::none(mass.len()), &NEWTON, work);
@@ -62,7 +61,7 @@ fn minimise(
 }
 
 fn follow(state: &State, x: Vec<Vec3>, v: Vec<Vec3>, h: f64) -> State {
-    let previous = Some(Previous { step: h, x: state.x.clone(), v: state.v.clone() });
+    let previous = Some(PreviousState { step: h, x: state.x.clone(), v: state.v.clone() });
     State { time: state.time + h, x, v, angle: state.angle.clone(), previous }
 }
 
@@ -83,12 +82,12 @@ fn orders(errors: &[f64]) -> Vec<f64> {
 const OMEGA: f64 = std::f64::consts::TAU;
 
 /// A linear spring to the origin, of `OMEGA` for 1 kg.
-const SPRING: [Guide; 1] = [Guide {
+const SPRING: [TargetSpring; 1] = [TargetSpring {
     point: 0,
     target: Vec3::new(0.0, 0.0, 0.0),
     normal: Vec3::new(0.0, 1.0, 0.0),
     stiffness: OMEGA * OMEGA,
-    slide: OMEGA * OMEGA,
+    tangential_stiffness: OMEGA * OMEGA,
 }];
 
 /// x + i v / omega of an oscillator that starts at x = 1, after each of `steps` steps of omega h = `z`.
@@ -97,7 +96,7 @@ fn oscillate(method: Method, z: f64, steps: usize) -> Vec<[f64; 2]> {
     let mut work = Workspace::default();
     (0..steps)
         .map(|_| {
-            state = advance(method, &state, &[1.0], &[&Guides(&SPRING)], z / OMEGA, &mut work);
+            state = advance(method, &state, &[1.0], &[&TargetSprings(&SPRING)], z / OMEGA, &mut work);
             [state.x[0].x, state.v[0].x / OMEGA]
         })
         .collect()
@@ -196,10 +195,10 @@ fn a_forced_ratio_of_three_restarts_with_backward_euler() {
     let mut state = particle(Vec3::new(0.3, 0.0, 0.0), Vec3::x());
     state = advance(Method::Bdf2, &state, &[1.0], &[], 0.01, &mut Workspace::default());
     let (three, euler) = (Method::Bdf2.stage(&state, 0.03), Method::BackwardEuler.stage(&state, 0.03));
-    assert_eq!(three.span, euler.span);
-    assert_eq!((three.base, three.drift), (euler.base, euler.drift));
+    assert_eq!(three.effective_dt, euler.effective_dt);
+    assert_eq!((three.base_positions, three.base_velocities), (euler.base_positions, euler.base_velocities));
     let two = Method::Bdf2.stage(&state, 0.02);
-    assert!((two.span - 0.6 * 0.02).abs() < 1e-15, "(1 + r) h / (1 + 2 r) with r = 2");
+    assert!((two.effective_dt - 0.6 * 0.02).abs() < 1e-15, "(1 + r) h / (1 + 2 r) with r = 2");
 
     // A disturbance of 1e-12 m/s, which unrefused BDF2 would grow to 2e-8 in 40 steps.
     let velocity = Vec3::new(1.0 + 1e-12, 0.0, 0.0);

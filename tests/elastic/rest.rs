@@ -5,7 +5,7 @@ use crease::contact::Contact;
 use crease::energy::{Bending, Energy, Gravity, Membrane};
 use crease::garment::RestState;
 use crease::math::Vec3;
-use crease::sim::{NewtonOptions, NewtonReport, Problem, Workspace};
+use crease::sim::{Inertia, NewtonOptions, NewtonReport, Problem, Workspace};
 
 /// Gradient of all `terms` [N], one per point.
 pub fn forces(terms: &[&dyn Energy], x: &[Vec3]) -> Vec<Vec3> {
@@ -21,14 +21,8 @@ pub fn residual(terms: &[&dyn Energy], x: &[Vec3], held: &[bool]) -> f64 {
 }
 
 /// Newton without inertia, from `x`.
-pub fn balance(
-    terms: &[&dyn Energy],
-    x: &mut [Vec3],
-    held: &[bool],
-    regularisation: f64,
-    newton: NewtonOptions,
-) -> NewtonReport {
-    let problem = Problem { inertia: None, terms, held, ahead: None, regularisation };
+pub fn balance(terms: &[&dyn Energy], x: &mut [Vec3], held: &[bool], newton: NewtonOptions) -> NewtonReport {
+    let problem = Problem { inertia: None, terms, fixed: held, predicted_positions: None };
     problem.solve(x, &mut Contact::none(x.len()), &newton, &mut Workspace::default())
 }
 
@@ -74,19 +68,28 @@ impl Scene {
         let mut span = pseudo_time;
         for _ in 0..24 {
             let start = x.to_vec();
-            let newton =
-                NewtonOptions { tolerance: 1e3 * tolerance, energy: 0.0, share: 0.0, most_iterations: 3 };
+            let newton = NewtonOptions {
+                displacement_tol: 1e3 * tolerance,
+                decrement_tol: 0.0,
+                rel_decrement_tol: 0.0,
+                max_iterations: 3,
+            };
             let report = self.terms(&start, |terms| {
-                let inertia = Some((&self.mass[..], &start[..], span));
-                let problem = Problem { inertia, terms, held: &self.held, ahead: None, regularisation: 0.0 };
+                let inertia = Some(Inertia { mass: &self.mass, inertial: &start, effective_dt: span });
+                let problem = Problem { inertia, terms, fixed: &self.held, predicted_positions: None };
                 problem.solve(x, &mut contact, &newton, &mut work)
             });
             total.add(&report);
             span *= 2.0;
         }
-        let newton = NewtonOptions { tolerance, energy: 0.0, share: 0.0, most_iterations: 200 };
+        let newton = NewtonOptions {
+            displacement_tol: tolerance,
+            decrement_tol: 0.0,
+            rel_decrement_tol: 0.0,
+            max_iterations: 200,
+        };
         let start = x.to_vec();
-        total.add(&self.terms(&start, |terms| balance(terms, x, &self.held, 0.0, newton)));
+        total.add(&self.terms(&start, |terms| balance(terms, x, &self.held, newton)));
         total
     }
 

@@ -8,27 +8,32 @@ use crease::garment::{Garment, RestState};
 use crease::io::{ReadOptions, read_asset};
 use crease::math::Vec3;
 use crease::memory::{Memory, Strains};
-use crease::sim::Drive;
-use crease::sim::{Cloth, Leeway, Method, NewtonOptions, State, StepOptions, Stepper};
+use crease::sim::Loads;
+use crease::sim::{Cloth, Method, NewtonOptions, State, StepOptions, StepRelaxation, Stepper};
 use crease::wear::WearScript;
 use std::fmt::Write;
 
 fn stepper(garment: &Garment, fabric: &Fabric, step: f64) -> Stepper {
-    let newton = NewtonOptions { tolerance: 1e-9, energy: 0.0, share: 0.0, most_iterations: 30 };
+    let newton = NewtonOptions {
+        displacement_tol: 1e-9,
+        decrement_tol: 0.0,
+        rel_decrement_tol: 0.0,
+        max_iterations: 30,
+    };
     let options = StepOptions {
         method: Method::BackwardEuler,
         newton,
-        error: 1.0,
-        shortest: step,
-        longest: step,
-        leeway: Leeway::NONE,
+        local_error_tol: 1.0,
+        min_dt: step,
+        max_dt: step,
+        relaxation: StepRelaxation::OFF,
     };
     Stepper::new(Cloth::new(garment, fabric), Contact::none(garment.points.len()), options)
 }
 
 /// Nothing acts from outside.
-fn free() -> Drive {
-    Drive { gravity: Vec3::zeros(), drag: 0.0, ..Drive::at_rest(None) }
+fn free() -> Loads {
+    Loads { gravity: Vec3::zeros(), drag: 0.0, ..Loads::gravity_only(None) }
 }
 
 /// Moves a free hinge from rest at `angle` [rad] and returns positions after every step; `remember` may be no one.

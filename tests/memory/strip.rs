@@ -1,5 +1,6 @@
 //! Promises about strips that are folded between plates or bent to and fro, as the charts have them.
 
+use crate::hessian_shift::HessianShift;
 use crease::chart::kes_loop::{bend, read};
 use crease::chart::press_between_plates::Press;
 use crease::energy::{Energy, Membrane};
@@ -56,10 +57,14 @@ fn the_solver_opens_the_strip_to_its_rest_angles() {
         memory.rest_angle.iter_mut().for_each(|r| *r *= f64::from(share) / 40.0);
         let membrane = membrane.term(&memory, &[], f64::INFINITY);
         let term = bending.term(&memory, &angle, f64::INFINITY);
-        let terms: [&dyn Energy; 2] = [&membrane, &term];
-        let problem =
-            Problem { inertia: None, terms: &terms, held: &held, ahead: None, regularisation: 1e-9 };
-        let newton = NewtonOptions { tolerance: 1e-10, energy: 0.0, share: 0.0, most_iterations: 60 };
+        let terms: [&dyn Energy; 3] = [&membrane, &term, &HessianShift(1e-9)];
+        let problem = Problem { inertia: None, terms: &terms, fixed: &held, predicted_positions: None };
+        let newton = NewtonOptions {
+            displacement_tol: 1e-10,
+            decrement_tol: 0.0,
+            rel_decrement_tol: 0.0,
+            max_iterations: 60,
+        };
         let mut contact = Contact::none(x.len());
         problem.solve(&mut x, &mut contact, &newton, &mut Workspace::default());
         angle = bending.angles(&x, &angle);

@@ -2,44 +2,43 @@
 
 use crate::reference::figures;
 use crease::contact::Contact;
-use crease::energy::{Energy, Guide, Guides};
+use crease::energy::{Energy, TargetSpring, TargetSprings};
 use crease::math::Vec3;
-use crease::sim::{Method, NewtonOptions, Previous, Problem, Solver, State, Workspace};
+use crease::sim::{Inertia, InnerSolver, Method, NewtonOptions, PreviousState, Problem, State, Workspace};
 use std::f64::consts::TAU;
 
 /// A linear spring of `stiffness` [N/m] to the origin, for 1 kg.
-fn spring(stiffness: f64) -> [Guide; 1] {
-    [Guide::round(0, Vec3::zeros(), stiffness)]
+fn spring(stiffness: f64) -> [TargetSpring; 1] {
+    [TargetSpring::isotropic(0, Vec3::zeros(), stiffness)]
 }
 
 /// One step of `h` seconds by `method`, all its parts.
 fn advance(method: Method, state: &State, terms: &[&dyn Energy], h: f64) -> State {
     let mut x = state.x.clone();
     let mut stage = method.stage(state, h);
-    for part in 0..method.parts().len() {
+    for part in 0..method.stage_times().len() {
         if part > 0 {
             stage = method.later_stage(state, h, &x);
         }
         let inertial = stage.inertial();
         let held = [false];
         let problem = Problem {
-            inertia: Some((&[1.0], &inertial, stage.span)),
+            inertia: Some(Inertia { mass: &[1.0], inertial: &inertial, effective_dt: stage.effective_dt }),
             terms,
-            held: &held,
-            ahead: None,
-            regularisation: 0.0,
+            fixed: &held,
+            predicted_positions: None,
         };
-        let once = method.solver() == Solver::Once;
+        let once = method.solver() == InnerSolver::SingleNewton;
         let newton = NewtonOptions {
-            tolerance: 1e-13,
-            energy: 0.0,
-            share: 0.0,
-            most_iterations: if once { 1 } else { 30 },
+            displacement_tol: 1e-13,
+            decrement_tol: 0.0,
+            rel_decrement_tol: 0.0,
+            max_iterations: if once { 1 } else { 30 },
         };
         problem.solve(&mut x, &mut Contact::none(1), &newton, &mut Workspace::default());
     }
     let v = stage.velocity(&x);
-    let previous = Some(Previous { step: h, x: state.x.clone(), v: state.v.clone() });
+    let previous = Some(PreviousState { step: h, x: state.x.clone(), v: state.v.clone() });
     State { time: state.time + h, x, v, angle: Vec::new(), previous }
 }
 
@@ -48,7 +47,7 @@ fn error(method: Method, count: usize) -> f64 {
     let mut state = State::at_rest(vec![Vec3::x()], Vec::new());
     let spring = spring(TAU * TAU);
     for _ in 0..count {
-        state = advance(method, &state, &[&Guides(&spring)], 1.0 / count as f64);
+        state = advance(method, &state, &[&TargetSprings(&spring)], 1.0 / count as f64);
     }
     (state.x[0].x - 1.0).hypot(state.v[0].x / TAU)
 }
@@ -58,7 +57,7 @@ fn error(method: Method, count: usize) -> f64 {
 /// a single point, too: what it lacks shows between points.)
 #[test]
 fn every_method_has_its_order() {
-    for &method in Method::EVERY.iter().filter(|m| !m.is_visual()) {
+    for &method in Method::ALL.iter().filter(|m| !m.is_visual()) {
         let errors = [160, 320, 640].map(|count| error(method, count));
         let orders = [(errors[0] / errors[1]).log2(), (errors[1] / errors[2]).log2()];
         println!("{}: errors {}, orders {orders:.3?}", method.name(), figures(&errors));
@@ -74,11 +73,11 @@ fn every_method_has_its_order() {
 fn stiff_modes_die() {
     let h: f64 = 0.01;
     let spring = spring((100.0 / h).powi(2));
-    for &method in Method::EVERY.iter().filter(|m| !m.is_visual()) {
+    for &method in Method::ALL.iter().filter(|m| !m.is_visual()) {
         let mut state = State::at_rest(vec![Vec3::x()], Vec::new());
         let mut sizes = vec![1.0];
         for _ in 0..60 {
-            state = advance(method, &state, &[&Guides(&spring)], h);
+            state = advance(method, &state, &[&TargetSprings(&spring)], h);
             sizes.push(state.x[0].x.hypot(state.v[0].x * h / 100.0));
         }
         // BDF2 has two roots of nearly one size here, which beat: over many steps.

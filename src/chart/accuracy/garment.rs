@@ -173,7 +173,7 @@ pub(super) fn points(notes: &mut Vec<String>) -> Result<Vec<Point>> {
         all.push(Point {
             method: options.step.method,
             setting: name,
-            knobs: [options.step.shortest, options.step.newton.tolerance],
+            knobs: [options.step.min_dt, options.step.newton.displacement_tol],
             wall: run.wall,
             linear_solves: run.linear_solves,
             position: scene.position_error(&run.baked, &reference.baked),
@@ -193,7 +193,7 @@ fn settings() -> Vec<(String, BakeOptions)> {
         (format!("quality {}", quality.name()), options)
     });
     let taken: Vec<Method> = qualities.iter().map(|(_, options)| options.step.method).collect();
-    let others = Method::EVERY.iter().filter(|method| !taken.contains(method)).map(|&method| {
+    let others = Method::ALL.iter().filter(|method| !taken.contains(method)).map(|&method| {
         let mut options = BakeOptions::for_quality(Quality::Standard);
         options.step.method = method;
         ("steps of quality standard".to_owned(), options)
@@ -204,7 +204,7 @@ fn settings() -> Vec<(String, BakeOptions)> {
 /// How the reference is baked.
 pub fn reference_options() -> BakeOptions {
     let mut options = BakeOptions::for_quality(Quality::Reference);
-    options.step.error *= 0.5;
-    options.step.shortest *= 0.5;
+    options.step.local_error_tol *= 0.5;
+    options.step.min_dt *= 0.5;
     options
 }

@@ -17,7 +17,7 @@ use crate::chart::scenes;
 use crate::chart::scenes::{Cantilever, Flap, Outcome, Scene, Setting, Swing};
 use crate::chart::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
 use crate::error::Result;
-use crate::sim::{Method, Solver};
+use crate::sim::{Method, InnerSolver};
 
 /// One point of the chart.
 #[derive(Debug, Clone, PartialEq)]
@@ -95,9 +95,9 @@ const LONG: f64 = 0.5;
 fn words(setting: &Setting) -> String {
     let step = format!("{:.3} ms", 1e3 * setting.step);
     match setting.method.solver() {
-        Solver::Converged => format!("{step}, to {:.0e} m", setting.tolerance),
-        Solver::Once => format!("{step}, 1 iteration"),
-        Solver::Sweeps => format!("{step}, sweeps"),
+        InnerSolver::Newton => format!("{step}, to {:.0e} m", setting.tolerance),
+        InnerSolver::SingleNewton => format!("{step}, 1 iteration"),
+        InnerSolver::Vbd => format!("{step}, sweeps"),
     }
 }
 
@@ -129,10 +129,10 @@ fn points(sweep: &Sweep, runs: usize, notes: &mut Vec<String>) -> Result<Vec<Poi
     let shortest = longest / f64::from(1 << halvings);
     let Reference { outcome, own_error } = reference(scene, shortest)?;
     let mut all = Vec::new();
-    for &method in Method::EVERY {
+    for &method in Method::ALL {
         for k in 0..=halvings {
             let step = longest / f64::from(1 << k);
-            let tolerances = if method.solver() == Solver::Converged { TOLERANCES } else { &[0.0] };
+            let tolerances = if method.solver() == InnerSolver::Newton { TOLERANCES } else { &[0.0] };
             for tolerance in tolerances {
                 let setting = Setting::fixed(method, step, tolerance * scene.size());
                 all.push(point(scene, &outcome, &setting, runs)?);
@@ -159,7 +159,7 @@ fn at_equal_error(scene: &str, points: &[Point]) -> Vec<String> {
                 });
                 good.min_by(|a, b| a.wall.total_cmp(&b.wall))
             };
-            let mut each: Vec<&Point> = Method::EVERY.iter().filter_map(|m| cheapest(*m)).collect();
+            let mut each: Vec<&Point> = Method::ALL.iter().filter_map(|m| cheapest(*m)).collect();
             each.sort_by(|a, b| a.wall.total_cmp(&b.wall));
             let best = each.first()?.wall;
             let words: Vec<String> = each
@@ -254,7 +254,7 @@ fn pictures(name: &str, points: &[Point]) -> [Panel; 3] {
 /// Per method: its settings as dots, the front of them as a line, failures as crosses.
 fn fronts(points: &[Point], error: &dyn Fn(&Point) -> f64, cost: &dyn Fn(&Point) -> f64) -> Vec<Series> {
     let mut series = Vec::new();
-    for (colour, &method) in Method::EVERY.iter().enumerate() {
+    for (colour, &method) in Method::ALL.iter().enumerate() {
         let own = || points.iter().filter(|p| p.method == method);
         let place = |p: &Point| [error(p), cost(p)];
         let mut dots: Vec<[f64; 2]> = own().filter(|p| p.failed.is_none()).map(place).collect();

@@ -7,7 +7,7 @@ use crate::chart::scenes::{Actors, Kind, Scene, Sheet, spaced};
 use crate::contact::Contact;
 use crate::error::Result;
 use crate::math::Vec3;
-use crate::sim::{Drive, GRAVITY};
+use crate::sim::{GRAVITY, Loads};
 
 const LENGTH: f64 = 0.1;
 const ELEMENTS: usize = 20;
@@ -53,8 +53,8 @@ impl Scene for Cantilever {
         Ok(actors)
     }
 
-    fn drive(&self, _t: f64, _x: &[Vec3]) -> Drive {
+    fn drive(&self, _t: f64, _x: &[Vec3]) -> Loads {
         let held = Self::sheet().flat.iter().map(|p| p.x < 1e-9).collect();
-        Drive { held, drag: 4.0, ..Drive::at_rest(None) }
+        Loads { fixed: held, drag: 4.0, ..Loads::gravity_only(None) }
     }
 }

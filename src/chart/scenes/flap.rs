@@ -6,12 +6,12 @@
 
 use crate::chart::scenes::{Actors, Kind, Scene, Sheet, smoothstep, spaced};
 use crate::contact::Contact;
-use crate::energy::Guide;
+use crate::energy::TargetSpring;
 use crate::error::Result;
 use crate::fabric::{DEFAULT_FABRIC, Fabric};
 use crate::math::Vec3;
 use crate::memory::MemoryModel;
-use crate::sim::Drive;
+use crate::sim::Loads;
 
 /// Length and width [m], quads along and across.
 const STRIP: (f64, f64, usize, usize) = (0.040, 0.015, 16, 6);
@@ -65,19 +65,19 @@ impl Scene for Flap {
         Ok(Actors { law: Some(law), ..Actors::new(garment, cloth, contact) })
     }
 
-    fn drive(&self, t: f64, _x: &[Vec3]) -> Drive {
+    fn drive(&self, t: f64, _x: &[Vec3]) -> Loads {
         let sheet = Self::sheet();
         let held = sheet.flat.iter().map(|p| p.x < 1e-9 - 0.1 * STRIP.0).collect();
         let angle = FOLD * smoothstep(t, 0.0, TIMES[0]);
         let led = |(i, p): (usize, &crate::math::Vec2)| {
             let target = Vec3::new(p.x * angle.cos(), p.x * angle.sin(), -p.y);
-            (p.x > 0.42 * STRIP.0).then(|| Guide::round(i as u32, target, HAND))
+            (p.x > 0.42 * STRIP.0).then(|| TargetSpring::isotropic(i as u32, target, HAND))
         };
         let guides = if t <= TIMES[1] + 1e-9 {
             sheet.flat.iter().enumerate().filter_map(led).collect()
         } else {
             Vec::new()
         };
-        Drive { held, guides, gravity: Vec3::zeros(), drag: 1.0, ..Drive::at_rest(None) }
+        Loads { fixed: held, springs: guides, gravity: Vec3::zeros(), drag: 1.0, ..Loads::gravity_only(None) }
     }
 }

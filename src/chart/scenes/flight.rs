@@ -4,7 +4,7 @@
 use crate::chart::scenes::{Actors, Kind, Scene, Sheet, spaced};
 use crate::error::Result;
 use crate::math::{Vec2, Vec3};
-use crate::sim::Drive;
+use crate::sim::Loads;
 
 const SIDE: f64 = 0.1;
 const QUADS: usize = 8;
@@ -63,12 +63,12 @@ impl Scene for Flight {
         Ok(actors)
     }
 
-    fn drive(&self, _t: f64, x: &[Vec3]) -> Drive {
+    fn drive(&self, _t: f64, x: &[Vec3]) -> Loads {
         let border = |p: usize| {
             let (i, j) = (p / (QUADS + 1), p % (QUADS + 1));
             p < (QUADS + 1).pow(2) && (i == 0 || j == 0 || i == QUADS || j == QUADS)
         };
         let held = (0..x.len()).map(border).collect();
-        Drive { held, drag: 0.0, gravity: Vec3::zeros(), ..Drive::at_rest(None) }
+        Loads { fixed: held, drag: 0.0, gravity: Vec3::zeros(), ..Loads::gravity_only(None) }
     }
 }

@@ -29,8 +29,8 @@ use crate::garment::{Garment, RestState};
 use crate::math::Vec3;
 use crate::memory::{Memory, MemoryModel, Strains};
 use crate::mesh::intersections::crossings;
-use crate::sim::{Cloth, Leeway, Method, NewtonOptions, State, StepOptions, StepReport, Stepper};
-use crate::sim::{Drive, GRAVITY};
+use crate::sim::{Cloth, Method, NewtonOptions, State, StepOptions, StepRelaxation, StepReport, Stepper};
+use crate::sim::{GRAVITY, Loads};
 use std::time::Instant;
 
 /// How a scene is run.
@@ -56,21 +56,21 @@ impl Setting {
         match self.quality {
             Some(quality) => {
                 let step = quality.step_for(weight);
-                let shortest = step.shortest.min(self.step);
-                StepOptions { method: self.method, shortest, longest: self.step, ..step }
+                let shortest = step.min_dt.min(self.step);
+                StepOptions { method: self.method, min_dt: shortest, max_dt: self.step, ..step }
             }
             None => StepOptions {
                 method: self.method,
                 newton: NewtonOptions {
-                    tolerance: self.tolerance,
-                    energy: 0.0,
-                    share: 0.0,
-                    most_iterations: MOST_ITERATIONS,
+                    displacement_tol: self.tolerance,
+                    decrement_tol: 0.0,
+                    rel_decrement_tol: 0.0,
+                    max_iterations: MOST_ITERATIONS,
                 },
-                error: f64::INFINITY,
-                leeway: Leeway::NONE,
-                shortest: 1e-9,
-                longest: self.step,
+                local_error_tol: f64::INFINITY,
+                relaxation: StepRelaxation::OFF,
+                min_dt: 1e-9,
+                max_dt: self.step,
             },
         }
     }
@@ -103,7 +103,7 @@ pub trait Scene: Sync {
     /// What takes part, before the first step.
     fn begin(&self) -> Result<Actors>;
     /// What acts at time `t` [s] on cloth at `x` [m].
-    fn drive(&self, t: f64, x: &[Vec3]) -> Drive;
+    fn drive(&self, t: f64, x: &[Vec3]) -> Loads;
     /// Times at which something starts or stops [s]: a step ends there and motion restarts.
     fn breaks(&self) -> Vec<f64> {
         Vec::new()
@@ -196,7 +196,7 @@ pub fn run(scene: &dyn Scene, setting: &Setting) -> Result<Outcome> {
             let h = if wished > left - 1e-9 { left } else { wished };
             steps += 1;
             let report = step(scene, &mut actors, h, &mut outcome);
-            wished = if setting.quality.is_some() { report.next } else { even };
+            wished = if setting.quality.is_some() { report.next_dt } else { even };
             unconverged += u64::from(!report.converged);
             outcome.failed = outcome.failed.or(broken(scene, &actors, &mut outcome));
             if outcome.failed == Some(NOT_A_NUMBER) {
@@ -222,10 +222,10 @@ fn step(scene: &dyn Scene, actors: &mut Actors, h: f64, outcome: &mut Outcome) -
     let report = actors.stepper.advance(&mut actors.state, &actors.memory.effective_rest, &mut drive_at, h);
     if let Some(law) = &actors.law {
         let seen = |angle| Strains { angle, stretch: &[] };
-        actors.memory.commit(law, &seen(&before), &seen(&actors.state.angle), report.step);
+        actors.memory.commit(law, &seen(&before), &seen(&actors.state.angle), report.dt);
     }
     outcome.wall += clock.elapsed().as_secs_f64();
-    outcome.linear_solves += (report.newton.iterations + report.newton.local_iterations) as u64;
+    outcome.linear_solves += (report.newton.global_iterations + report.newton.local_iterations) as u64;
     report
 }
 

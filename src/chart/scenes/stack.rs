@@ -3,7 +3,7 @@
 use crate::chart::scenes::{Actors, Kind, Scene, Sheet, spaced};
 use crate::error::Result;
 use crate::math::{Vec2, Vec3};
-use crate::sim::Drive;
+use crate::sim::Loads;
 
 const SIDE: f64 = 0.1;
 const QUADS: usize = 6;
@@ -61,7 +61,7 @@ impl Scene for Stack {
         Ok(Actors::new(garment, cloth, contact))
     }
 
-    fn drive(&self, _t: f64, _x: &[Vec3]) -> Drive {
-        Drive { drag: 2.0, ..Drive::at_rest(Some(0.0)) }
+    fn drive(&self, _t: f64, _x: &[Vec3]) -> Loads {
+        Loads { drag: 2.0, ..Loads::gravity_only(Some(0.0)) }
     }
 }

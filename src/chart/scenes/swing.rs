@@ -7,7 +7,7 @@ use crate::chart::scenes::{Actors, Kind, Scene, Sheet, spaced};
 use crate::contact::Contact;
 use crate::error::Result;
 use crate::math::Vec3;
-use crate::sim::{Drive, GRAVITY};
+use crate::sim::{GRAVITY, Loads};
 
 /// Length of the strip [m].
 const LENGTH: f64 = 0.5;
@@ -107,8 +107,8 @@ impl Scene for Swing {
         Ok(actors)
     }
 
-    fn drive(&self, _t: f64, x: &[Vec3]) -> Drive {
+    fn drive(&self, _t: f64, x: &[Vec3]) -> Loads {
         let held = (0..x.len()).map(|p| p < 2).collect();
-        Drive { held, drag: 0.0, ..Drive::at_rest(None) }
+        Loads { fixed: held, drag: 0.0, ..Loads::gravity_only(None) }
     }
 }

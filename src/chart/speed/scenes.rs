@@ -9,6 +9,7 @@ use crate::error::Result;
 use crate::fabric::{DEFAULT_FABRIC, Fabric};
 use crate::garment::{Garment, SourcePiece};
 use crate::io::{ReadOptions};
+use crate::sim::NewtonSeconds;
 use crate::wear::WearScript;
 use std::sync::Arc;
 use std::time::Instant;
@@ -73,6 +74,11 @@ fn of_bake(scene: &'static str, points: usize, wall: f64, report: &BakeReport) -
     }
 }
 
+/// InnerSolver seconds by the names of the table.
+fn stages(seconds: NewtonSeconds) -> Vec<(&'static str, f64)> {
+    vec![("assemble", seconds.assembly), ("solve", seconds.linear_solve), ("contact", seconds.contact)]
+}
+
 fn of_fall(points: usize, fall: &strip::Fall) -> Cost {
     Cost {
         scene: STRIP,
@@ -83,7 +89,7 @@ fn of_fall(points: usize, fall: &strip::Fall) -> Cost {
         steps: fall.steps,
         solves: fall.iterations + fall.local_iterations,
         work: fall.cost,
-        stages: ["assemble", "solve", "contact"].into_iter().zip(fall.seconds).collect(),
+        stages: stages(fall.seconds),
     }
 }
 
@@ -106,7 +112,6 @@ fn cantilever_bent() -> Cost {
     let clock = Instant::now();
     let bent = cantilever::bent(ELEMENTS, GAMMA);
     let wall = clock.elapsed().as_secs_f64();
-    let [assemble, solve, contact] = bent.newton.seconds;
     Cost {
         scene: CANTILEVER,
         points: bent.points,
@@ -114,9 +119,9 @@ fn cantilever_bent() -> Cost {
         wall,
         simulated: None,
         steps: 0,
-        solves: (bent.newton.iterations + bent.newton.local_iterations) as u64,
+        solves: (bent.newton.global_iterations + bent.newton.local_iterations) as u64,
         work: bent.newton.cost,
-        stages: vec![("assemble", assemble), ("solve", solve), ("contact", contact)],
+        stages: stages(bent.newton.seconds),
     }
 }
 

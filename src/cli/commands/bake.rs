@@ -130,9 +130,10 @@ enum MemoryLaw {
 
 /// The library's own list of integrators, by name.
 fn method_parser() -> impl TypedValueParser<Value = Method> {
-    let names =
-        PossibleValuesParser::new(Method::EVERY.iter().map(|m| PossibleValue::new(m.name()).help(m.about())));
-    names.try_map(|name| Method::named(&name).ok_or("no such method"))
+    let names = PossibleValuesParser::new(
+        Method::ALL.iter().map(|m| PossibleValue::new(m.name()).help(m.description())),
+    );
+    names.try_map(|name| Method::from_name(&name).ok_or("no such method"))
 }
 
 /// The library's own list of qualities, by name.

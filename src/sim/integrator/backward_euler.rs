@@ -2,21 +2,21 @@
 //!
 //! First order; takes amplitude z/2 of every radian from a motion with z = omega h, and so calms whatever shakes.
 
-use crate::sim::integrator::{Recipe, Solver, Stage};
+use crate::sim::integrator::{MethodSpec, InnerSolver, Stage};
 use crate::sim::State;
 
-pub(super) const RECIPE: Recipe = Recipe {
+pub(super) const SPEC: MethodSpec = MethodSpec {
     name: "backward-euler",
-    about: "backward Euler, converged: first order, calms; for holds, presses and whatever shall come to rest",
+    description: "backward Euler, converged: first order, calms; for holds, presses and whatever shall come to rest",
     order: 1,
-    parts: &[1.0],
-    solver: Solver::Converged,
+    stage_times: &[1.0],
+    solver: InnerSolver::Newton,
     stage: |state, h, _| stage(state, h),
     error: |step| error(step.state, step.next, step.h),
 };
 
 pub(super) fn stage(state: &State, h: f64) -> Stage {
-    Stage { base: state.x.clone(), drift: state.v.clone(), span: h, now: 1.0, other: None }
+    Stage { base_positions: state.x.clone(), base_velocities: state.v.clone(), effective_dt: h, current_weight: 1.0, previous_positions: None }
 }
 
 /// h/2 (v1 - v0), root mean square over the points [m].

@@ -6,11 +6,11 @@
 //! the line search that all share, which the original does not have: without it layers in a fold were thrown about so far
 //! that the search for contacts took twenty times as long as everything else.
 
-use crate::sim::integrator::{Recipe, Solver, backward_euler};
+use crate::sim::integrator::{MethodSpec, InnerSolver, backward_euler};
 
-pub(super) const RECIPE: Recipe = Recipe {
+pub(super) const SPEC: MethodSpec = MethodSpec {
     name: "be1",
-    about: "backward Euler, one Newton iteration: cheap steps; what turns fast is drawn out, so for short steps only",
-    solver: Solver::Once,
-    ..backward_euler::RECIPE
+    description: "backward Euler, one Newton iteration: cheap steps; what turns fast is drawn out, so for short steps only",
+    solver: InnerSolver::SingleNewton,
+    ..backward_euler::SPEC
 };

@@ -10,18 +10,18 @@
 //! it. TR-BDF2 asks for the force at the beginning of the step besides: with damping, lagged friction and guides that
 //! have just begun to pull there is no such force, which is why this one stands here.
 
-use crate::sim::integrator::{Recipe, Solver, Stage, Tried, backward_euler, mixed};
+use crate::sim::integrator::{MethodSpec, InnerSolver, Stage, StepAttempt, backward_euler, mixed};
 use crate::sim::State;
 
 /// g.
 const SHARE: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 
-pub(super) const RECIPE: Recipe = Recipe {
+pub(super) const SPEC: MethodSpec = MethodSpec {
     name: "sdirk2",
-    about: "two-stage, L-stable, converged: second order from the first step on; for motion that keeps being interrupted",
+    description: "two-stage, L-stable, converged: second order from the first step on; for motion that keeps being interrupted",
     order: 2,
-    parts: &[SHARE, 1.0],
-    solver: Solver::Converged,
+    stage_times: &[SHARE, 1.0],
+    solver: InnerSolver::Newton,
     stage: |state, h, inner| match inner {
         None => backward_euler::stage(state, SHARE * h),
         Some(x) => second(state, h, x),
@@ -37,17 +37,17 @@ fn second(state: &State, h: f64, inner: &[crate::math::Vec3]) -> Stage {
         v0 + (v1 - v0) * ahead
     };
     Stage {
-        base: mixed(1.0 - ahead, &state.x, inner),
-        drift: inner.iter().zip(&state.x).zip(&state.v).map(drift).collect(),
-        span,
-        now: 1.0 - ahead,
-        other: Some(inner.to_vec()),
+        base_positions: mixed(1.0 - ahead, &state.x, inner),
+        base_velocities: inner.iter().zip(&state.x).zip(&state.v).map(drift).collect(),
+        effective_dt: span,
+        current_weight: 1.0 - ahead,
+        previous_positions: Some(inner.to_vec()),
     }
 }
 
 /// C h³ x''' with C = 0.0404, the first term in which the stability function is not e^z; x''' from a1 and a2.
-fn error(step: &Tried) -> f64 {
-    let (Some(inner), span) = (step.inner, SHARE * step.h) else {
+fn error(step: &StepAttempt) -> f64 {
+    let (Some(inner), span) = (step.stage_positions, SHARE * step.h) else {
         return backward_euler::error(step.state, step.next, step.h);
     };
     let sum: f64 = inner

@@ -4,11 +4,11 @@
 //! Visual: what a sweep moves reaches neighbours only, so that stiff or long cloth stays stretched however short the
 //! step, and how much depends on the number of sweeps and not on the cloth (`crease chart accuracy`, `stability`).
 
-use crate::sim::integrator::{Recipe, Solver, backward_euler};
+use crate::sim::integrator::{MethodSpec, InnerSolver, backward_euler};
 
-pub(super) const RECIPE: Recipe = Recipe {
+pub(super) const SPEC: MethodSpec = MethodSpec {
     name: "vbd",
-    about: "vertex block descent, VISUAL: looks like cloth, is not solved; for previews of small or soft garments",
-    solver: Solver::Sweeps,
-    ..backward_euler::RECIPE
+    description: "vertex block descent, VISUAL: looks like cloth, is not solved; for previews of small or soft garments",
+    solver: InnerSolver::Vbd,
+    ..backward_euler::SPEC
 };

@@ -11,15 +11,15 @@ use crate::math::{Mat3, Vec3};
 use rayon::prelude::*;
 
 /// Marks a point without a row.
-pub const HELD: u32 = u32::MAX;
+pub const FIXED_ROW: u32 = u32::MAX;
 
 /// Takes one group of points that are coupled to one another.
-pub type Visit<'a> = dyn FnMut(&[u32]) + 'a;
+pub type StencilVisitor<'a> = dyn FnMut(&[u32]) + 'a;
 
 /// Symmetric block matrix over the free points.
 #[derive(Debug, Clone, Default)]
 pub struct BlockMatrix {
-    /// Per point: its row, or [`HELD`].
+    /// Per point: its row, or [`FIXED_ROW`].
     row_of: Vec<u32>,
     /// Per row: its point.
     point_of: Vec<u32>,
@@ -58,11 +58,11 @@ fn sort_once(list: &mut [u32]) -> usize {
 
 impl BlockMatrix {
     /// Pattern of the given `couplings` between points. `row_of` gives every free point its row (rows counted
-    /// from 0 without gaps) and [`HELD`] to the others.
-    pub fn with_pattern(row_of: Vec<u32>, couplings: &mut dyn FnMut(&mut Visit)) -> Self {
-        let rows = row_of.iter().filter(|r| **r != HELD).count();
+    /// from 0 without gaps) and [`FIXED_ROW`] to the others.
+    pub fn with_pattern(row_of: Vec<u32>, couplings: &mut dyn FnMut(&mut StencilVisitor)) -> Self {
+        let rows = row_of.iter().filter(|r| **r != FIXED_ROW).count();
         let mut point_of = vec![0; rows];
-        for (p, &r) in row_of.iter().enumerate().filter(|(_, r)| **r != HELD) {
+        for (p, &r) in row_of.iter().enumerate().filter(|(_, r)| **r != FIXED_ROW) {
             point_of[r as usize] = p as u32;
         }
         // Couplings as (row, column); then each row's columns together, sorted, the diagonal last.
@@ -70,9 +70,9 @@ impl BlockMatrix {
         couplings(&mut |points: &[u32]| {
             for (k, &p) in points.iter().enumerate() {
                 let i = row_of[p as usize];
-                for &q in points[..k].iter().filter(|_| i != HELD) {
+                for &q in points[..k].iter().filter(|_| i != FIXED_ROW) {
                     let j = row_of[q as usize];
-                    if j != HELD && i != j {
+                    if j != FIXED_ROW && i != j {
                         below.push([i.max(j), i.min(j)]);
                     }
                 }
@@ -110,13 +110,13 @@ impl BlockMatrix {
     }
 
     /// Whether so many blocks have been added to the pattern that it is worth building anew.
-    pub fn is_overgrown(&self) -> bool {
+    pub fn should_rebuild(&self) -> bool {
         (self.column.len() - self.planned) as f64 > OVERGROWN * self.planned as f64
     }
 
     /// Whether exactly the points with `held` unset have rows.
-    pub fn holds(&self, held: &[bool]) -> bool {
-        self.row_of.len() == held.len() && self.row_of.iter().zip(held).all(|(r, h)| (*r == HELD) == *h)
+    pub fn has_fixed_set(&self, held: &[bool]) -> bool {
+        self.row_of.len() == held.len() && self.row_of.iter().zip(held).all(|(r, h)| (*r == FIXED_ROW) == *h)
     }
 
     /// Number of block rows.
@@ -160,7 +160,7 @@ impl BlockMatrix {
     }
 
     /// Adds to `marked`, one flag per point, the points that a marked one is coupled to.
-    pub fn widen(&self, marked: &mut [bool]) {
+    pub fn dilate(&self, marked: &mut [bool]) {
         let before = marked.to_vec();
         for (r, &p) in self.point_of.iter().enumerate() {
             for q in self.row(r).iter().map(|&c| self.point_of[c as usize]) {
@@ -259,7 +259,7 @@ impl BlockMatrix {
 
     /// Adds `amount` times the identity to the diagonal block of point `p`, if it is free.
     pub fn add_diagonal(&mut self, p: usize, amount: f64) {
-        if self.row_of[p] != HELD {
+        if self.row_of[p] != FIXED_ROW {
             let at = self.start[self.row_of[p] as usize + 1] as usize - 1;
             for k in 0..3 {
                 self.value[at][(k, k)] += amount;
@@ -375,7 +375,7 @@ impl BlockSink for Rows<'_> {
     #[inline]
     fn add(&mut self, i: u32, j: u32, block: &Mat3) {
         let (r, c) = (self.row_of[i as usize], self.row_of[j as usize]);
-        if r == HELD || c == HELD {
+        if r == FIXED_ROW || c == FIXED_ROW {
             return;
         }
         let (row, column, turned) = if r >= c { (r, c, false) } else { (c, r, true) };
@@ -392,10 +392,11 @@ impl BlockSink for Rows<'_> {
     }
 
     #[inline]
-    fn wants(&self, points: &[u32]) -> bool {
+    fn is_relevant(&self, points: &[u32]) -> bool {
         // A block lies in the row of the later of its two points.
-        let (mut low, mut high) = (HELD, 0);
-        for row in points.iter().filter_map(|p| self.row_of.get(*p as usize)).filter(|row| **row != HELD) {
+        let (mut low, mut high) = (FIXED_ROW, 0);
+        for row in points.iter().filter_map(|p| self.row_of.get(*p as usize)).filter(|row| **row != FIXED_ROW)
+        {
             (low, high) = (low.min(*row), high.max(*row));
         }
         low < self.rows[1] && high >= self.rows[0]
@@ -413,8 +414,8 @@ mod tests {
         let count = 3000;
         let mut rows = 0;
         let row_of = (0..count).map(|p| {
-            let row = if p % 7 == 0 { HELD } else { rows };
-            rows += u32::from(row != HELD);
+            let row = if p % 7 == 0 { FIXED_ROW } else { rows };
+            rows += u32::from(row != FIXED_ROW);
             row
         });
         let row_of = row_of.collect();
@@ -428,7 +429,7 @@ mod tests {
 
     fn add_all(triples: &[[u32; 3]], out: &mut dyn BlockSink) {
         for (k, triple) in triples.iter().enumerate() {
-            if !out.wants(triple) {
+            if !out.is_relevant(triple) {
                 continue;
             }
             for (i, &p) in triple.iter().enumerate() {
@@ -475,10 +476,10 @@ mod tests {
                 assert_eq!(grown.pattern(), whole.pattern());
                 assert_eq!(grown.value, whole.value, "{threads} threads");
             }
-            assert!(!grown.is_overgrown());
+            assert!(!grown.should_rebuild());
         }
         let mut small = of(&triples[triples.len() / 3..]);
         small.fill(&|out| add_all(&triples, out));
-        assert!(small.is_overgrown() && !whole.is_overgrown());
+        assert!(small.should_rebuild() && !whole.should_rebuild());
     }
 }

@@ -46,7 +46,7 @@ impl Problem<'_> {
             let arrived = self.value(&there, contact);
             let falls = self.falls(&there, &arrived, value, (&way, slope), share, contact);
             let g = (!falls && arrived.sum.is_finite()).then(|| self.gradient(&there, contact));
-            report.seconds[0] += clock.elapsed().as_secs_f64();
+            report.seconds.assembly += clock.elapsed().as_secs_f64();
             if falls {
                 x.copy_from_slice(&there);
                 *value = arrived;
@@ -55,17 +55,17 @@ impl Problem<'_> {
             let before = report.local_iterations;
             if let Some(g) = g {
                 // What is said of the whole is still true of it.
-                let (left, last_move) = (report.left, report.last_move);
+                let (left, last_move) = (report.newton_decrement, report.max_displacement);
                 // As far as what the way promised is worth.
                 let energy = enough.max(share * -slope);
                 let settling = Settling { energy, spread: 0.0, few: MANY };
                 self.settle_places(&mut there, &g, contact, settling, work, report);
-                (report.left, report.last_move) = (left, last_move);
+                (report.newton_decrement, report.max_displacement) = (left, last_move);
             }
             if report.local_iterations > before {
                 let clock = Instant::now();
                 let settled = self.value(&there, contact);
-                report.seconds[0] += clock.elapsed().as_secs_f64();
+                report.seconds.assembly += clock.elapsed().as_secs_f64();
                 if settled.sum <= value.sum + FAIR * share * slope {
                     x.copy_from_slice(&there);
                     *value = settled;
@@ -101,7 +101,7 @@ impl Problem<'_> {
             }
             let least = if together { 0.0 } else { LEAST_SHARE };
             moved = self.line_search(x, &way, slope, least, value, contact);
-            report.seconds[0] += clock.elapsed().as_secs_f64();
+            report.seconds.assembly += clock.elapsed().as_secs_f64();
             if moved > LEAST_SHARE {
                 break;
             }
@@ -194,7 +194,7 @@ fn bounded(
     } else {
         contact.bound_motion(x, &mut way);
     }
-    report.seconds[2] += clock.elapsed().as_secs_f64();
+    report.seconds.contact += clock.elapsed().as_secs_f64();
     way
 }
 
@@ -263,13 +263,31 @@ mod tests {
         }
     }
 
+    /// Makes the Hessian positive where the chain leaves it singular.
+    struct HessianShift;
+
+    impl Energy for HessianShift {
+        fn name(&self) -> &'static str {
+            "hessian shift"
+        }
+
+        fn value(&self, _x: &[Vec3]) -> f64 {
+            0.0
+        }
+
+        fn add_gradient(&self, _x: &[Vec3], _out: &mut [Vec3]) {}
+
+        fn add_hessian(&self, _x: &[Vec3], out: &mut dyn BlockSink) {
+            (0..COUNT as u32).for_each(|p| out.add(p, p, &(Mat3::identity() * 1e-6)));
+        }
+    }
+
     /// One point at a wall cuts the way of all to a quarter; where it settles first all others go to their end.
     #[test]
     fn a_place_that_spoils_a_direction_settles_and_the_others_arrive() {
         let held = vec![false; COUNT];
-        let terms: [&dyn Energy; 1] = [&Chain];
-        let problem =
-            Problem { inertia: None, terms: &terms, held: &held, ahead: None, regularisation: 1e-6 };
+        let terms: [&dyn Energy; 2] = [&Chain, &HessianShift];
+        let problem = Problem { inertia: None, terms: &terms, fixed: &held, predicted_positions: None };
         let mut contact = Contact::none(COUNT);
         let (mut work, mut report) = (Workspace::default(), NewtonReport::default());
         let start = vec![Vec3::zeros(); COUNT];

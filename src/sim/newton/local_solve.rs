@@ -65,7 +65,7 @@ impl Problem<'_> {
         for _ in 0..ROUNDS {
             let clock = Instant::now();
             let restless = self.restless(&g, settling, work, report);
-            report.seconds[1] += clock.elapsed().as_secs_f64();
+            report.seconds.linear_solve += clock.elapsed().as_secs_f64();
             let Some(restless) = restless else { break };
             if !restless.contains(&true) {
                 return Peace::Everywhere;
@@ -76,7 +76,7 @@ impl Problem<'_> {
             peace = Peace::Nearer;
             let clock = Instant::now();
             g = self.gradient(x, contact);
-            report.seconds[0] += clock.elapsed().as_secs_f64();
+            report.seconds.assembly += clock.elapsed().as_secs_f64();
         }
         peace
     }
@@ -100,7 +100,7 @@ impl Problem<'_> {
         gains.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let total = gains.iter().map(|(gain, _)| gain).sum::<f64>();
         if total <= enough {
-            report.left = total;
+            report.newton_decrement = total;
             return Some(vec![false; g.len()]);
         }
         // Those that have most, without whom the others have no more than `enough` together and `alone` each.
@@ -113,7 +113,7 @@ impl Problem<'_> {
             let peaceful = peaceful.count();
             let mut restless = vec![false; g.len()];
             gains[peaceful..].iter().for_each(|&(_, p)| restless[p as usize] = true);
-            (0..RINGS).for_each(|_| matrix.widen(&mut restless));
+            (0..RINGS).for_each(|_| matrix.dilate(&mut restless));
             let count = restless.iter().filter(|r| **r).count();
             (count as f64 <= settling.few * matrix.row_count() as f64).then_some(restless)
         };
@@ -121,7 +121,7 @@ impl Problem<'_> {
             let spread = LEFT_OUT * settling.spread;
             let restless = (spread > enough).then(|| chosen(spread, ALONE * settling.energy)).flatten()?;
             if !restless.contains(&true) {
-                report.left = total;
+                report.newton_decrement = total;
             }
             Some(restless)
         })
@@ -139,21 +139,16 @@ impl Problem<'_> {
         report: &mut NewtonReport,
     ) -> bool {
         let clock = Instant::now();
-        let parts: Vec<_> = self.terms.iter().map(|term| term.around(restless)).collect();
+        let parts: Vec<_> = self.terms.iter().map(|term| term.restricted_to(restless)).collect();
         let terms: Vec<&dyn Energy> =
             self.terms.iter().zip(&parts).map(|(whole, part)| part.as_deref().unwrap_or(*whole)).collect();
         let held: Vec<bool> = restless.iter().map(|restless| !restless).collect();
-        let problem = Problem {
-            inertia: self.inertia,
-            terms: &terms,
-            held: &held,
-            ahead: None,
-            regularisation: self.regularisation,
-        };
-        report.seconds[0] += clock.elapsed().as_secs_f64();
+        let problem =
+            Problem { inertia: self.inertia, terms: &terms, fixed: &held, predicted_positions: None };
+        report.seconds.assembly += clock.elapsed().as_secs_f64();
         let clock = Instant::now();
         contact.focus(x, restless);
-        report.seconds[2] += clock.elapsed().as_secs_f64();
+        report.seconds.contact += clock.elapsed().as_secs_f64();
         let mut own = work.places.take().unwrap_or_default();
         own.borrow_buffers(work);
         let mut value = problem.value(x, contact);
@@ -163,7 +158,7 @@ impl Problem<'_> {
             let clock = Instant::now();
             let direction = problem.direction(x, &g, &mut own);
             report.cost += own.take_cost();
-            report.seconds[1] += clock.elapsed().as_secs_f64();
+            report.seconds.linear_solve += clock.elapsed().as_secs_f64();
             let Some(mut d) = direction else { break };
             report.local_iterations += 1;
             let Some(asked) = problem.rein_in(&g, &mut d, report) else { break };
@@ -178,7 +173,7 @@ impl Problem<'_> {
         work.places = Some(own);
         let clock = Instant::now();
         contact.unfocus();
-        report.seconds[2] += clock.elapsed().as_secs_f64();
+        report.seconds.contact += clock.elapsed().as_secs_f64();
         moved_at_all
     }
 }

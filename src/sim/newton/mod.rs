@@ -19,27 +19,47 @@ use crate::math::Vec3;
 use crate::sim::linear::conjugate_gradient::conjugate_gradient;
 use crate::sim::newton::levenberg_marquardt::Damping;
 use crate::sim::newton::local_solve::{FEW, Peace, Settling};
-use crate::sim::{BlockMatrix, Cholesky, FactorError, HELD, SolveCost};
+use crate::sim::{BlockMatrix, Cholesky, FIXED_ROW, FactorError, SolveCost};
 use rayon::prelude::*;
+use std::ops::AddAssign;
 
 /// When to stop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NewtonOptions {
     /// Converged when no point would move farther than this [m].
-    pub tolerance: f64,
+    pub displacement_tol: f64,
     /// Converged, too, when the energy left to gain is below this [J]: a few points still on their way. 0 for never.
-    pub energy: f64,
+    pub decrement_tol: f64,
     /// And when it is below this share of what the first direction promised [-]: where cloth goes far in a step there is no sense in
     /// finding its place much better than the step can tell it. 0 for never; only where `energy` is not, and in steps in which hands
     /// lead the cloth.
-    pub share: f64,
+    pub rel_decrement_tol: f64,
     /// Iterations at most.
-    pub most_iterations: usize,
+    pub max_iterations: usize,
 }
 
 impl Default for NewtonOptions {
     fn default() -> Self {
-        Self { tolerance: 3e-5, energy: 0.0, share: 1e-3, most_iterations: 40 }
+        Self { displacement_tol: 3e-5, decrement_tol: 0.0, rel_decrement_tol: 1e-3, max_iterations: 40 }
+    }
+}
+
+/// Wall-clock time of a solve by stage [s].
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct NewtonSeconds {
+    /// Values, gradients and Hessians of all energies.
+    pub assembly: f64,
+    /// Factorisations and triangular solves.
+    pub linear_solve: f64,
+    /// Search for contacts and collision-free step sizes.
+    pub contact: f64,
+}
+
+impl AddAssign for NewtonSeconds {
+    fn add_assign(&mut self, other: Self) {
+        self.assembly += other.assembly;
+        self.linear_solve += other.linear_solve;
+        self.contact += other.contact;
     }
 }
 
@@ -47,19 +67,19 @@ impl Default for NewtonOptions {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct NewtonReport {
     /// Iterations made (linear solves of the whole).
-    pub iterations: usize,
+    pub global_iterations: usize,
     /// Iterations that solved for a few places only.
     pub local_iterations: usize,
     /// Whether the tolerance was met.
     pub converged: bool,
     /// Largest move the last iteration asked for [m].
-    pub last_move: f64,
+    pub max_displacement: f64,
     /// Energy that the last iteration still had to gain [J].
-    pub left: f64,
+    pub newton_decrement: f64,
     /// Largest gradient entry over the free points at the end [N].
     pub residual: f64,
-    /// Seconds spent: assembling, factorising and solving, contact search and bounds.
-    pub seconds: [f64; 3],
+    /// Wall-clock time by stage.
+    pub seconds: NewtonSeconds,
     /// What the linear solves took.
     pub cost: SolveCost,
 }
@@ -67,28 +87,37 @@ pub struct NewtonReport {
 impl NewtonReport {
     /// Adds the work of another solve; the outcome is the other's.
     pub fn add(&mut self, other: &Self) {
-        let iterations = self.iterations + other.iterations;
+        let iterations = self.global_iterations + other.global_iterations;
         let local_iterations = self.local_iterations + other.local_iterations;
-        let seconds = std::array::from_fn(|k| self.seconds[k] + other.seconds[k]);
-        let mut cost = self.cost;
+        let (mut seconds, mut cost) = (self.seconds, self.cost);
+        seconds += other.seconds;
         cost += other.cost;
-        *self = Self { iterations, local_iterations, seconds, cost, ..*other };
+        *self = Self { global_iterations: iterations, local_iterations, seconds, cost, ..*other };
     }
+}
+
+/// The inertia term `|x - inertial|²_M / (2 effective_dt²)` of one implicit problem.
+#[derive(Debug, Clone, Copy)]
+pub struct Inertia<'a> {
+    /// Masses, one per point [kg].
+    pub mass: &'a [f64],
+    /// Positions without forces, one per point [m].
+    pub inertial: &'a [Vec3],
+    /// Effective time step [s].
+    pub effective_dt: f64,
 }
 
 /// One problem: minimise phi over the free points.
 pub struct Problem<'a> {
-    /// Inertia: masses [kg], where points would go [m], span [s]. `None` for equilibria.
-    pub inertia: Option<(&'a [f64], &'a [Vec3], f64)>,
+    /// Inertia; `None` for equilibria.
+    pub inertia: Option<Inertia<'a>>,
     /// The energies.
     pub terms: &'a [&'a dyn Energy],
     /// Points that stay where they are put, one flag per point.
-    pub held: &'a [bool],
+    pub fixed: &'a [bool],
     /// Where the points are expected in the end [m], if anything is known of it: the first direction is made for the way there. It
     /// changes how fast Newton arrives, not where.
-    pub ahead: Option<&'a [Vec3]>,
-    /// Added to every diagonal [N/m]: keeps equilibria of loose parts well posed; 0 in time steps.
-    pub regularisation: f64,
+    pub predicted_positions: Option<&'a [Vec3]>,
 }
 
 /// Buffers that are worth keeping between solves.
@@ -141,7 +170,7 @@ impl Workspace {
 
     /// Lets go of a factor of more than so many numbers, which is not asked for again.
     pub(super) fn let_go_beyond(&mut self, numbers: usize) {
-        self.direct.let_go_beyond(numbers);
+        self.direct.release_if_larger_than(numbers);
     }
 
     /// What linear solves took since this was last asked for.
@@ -182,7 +211,7 @@ fn rows_of_free(held: &[bool]) -> Vec<u32> {
     let mut next = 0;
     held.iter()
         .map(|held| {
-            let row = if *held { HELD } else { next };
+            let row = if *held { FIXED_ROW } else { next };
             next += u32::from(!*held);
             row
         })
@@ -216,12 +245,12 @@ impl Value {
 impl Problem<'_> {
     pub(super) fn value(&self, x: &[Vec3], contact: &Contact) -> Value {
         let mut value = Value { sum: 0.0, size: 0.0 };
-        if let Some((mass, inertial, span)) = self.inertia {
+        if let Some(Inertia { mass, inertial, effective_dt: span }) = self.inertia {
             let moved: f64 = x
                 .iter()
                 .zip(inertial)
                 .zip(mass)
-                .zip(self.held)
+                .zip(self.fixed)
                 .filter(|(_, held)| !**held)
                 .map(|(((x, y), m), _)| m * (x - y).norm_squared())
                 .sum();
@@ -236,7 +265,7 @@ impl Problem<'_> {
 
     pub(super) fn gradient(&self, x: &[Vec3], contact: &Contact) -> Vec<Vec3> {
         let mut g = vec![Vec3::zeros(); x.len()];
-        if let Some((mass, inertial, span)) = self.inertia {
+        if let Some(Inertia { mass, inertial, effective_dt: span }) = self.inertia {
             for (((g, x), y), m) in g.iter_mut().zip(x).zip(inertial).zip(mass) {
                 *g += (x - y) * (m / (span * span));
             }
@@ -257,7 +286,7 @@ impl Problem<'_> {
         for term in terms.iter().chain([&contact]) {
             g.iter_mut().zip(term).for_each(|(g, term)| *g += term);
         }
-        g.iter_mut().zip(self.held).filter(|(_, held)| **held).for_each(|(g, _)| *g = Vec3::zeros());
+        g.iter_mut().zip(self.fixed).filter(|(_, held)| **held).for_each(|(g, _)| *g = Vec3::zeros());
         g
     }
 
@@ -270,25 +299,22 @@ impl Problem<'_> {
     pub(super) fn assemble(&self, x: &[Vec3], half: &[Vec3], contact: &Contact, work: &mut Workspace) {
         work.altered = false;
         // The pattern looks ahead, and grows by what comes into contact later.
-        let anew = !work.matrix.holds(self.held) || work.matrix.is_overgrown();
+        let anew = !work.matrix.has_fixed_set(self.fixed) || work.matrix.should_rebuild();
         if anew {
-            work.matrix = BlockMatrix::with_pattern(rows_of_free(self.held), &mut |visit| {
+            work.matrix = BlockMatrix::with_pattern(rows_of_free(self.fixed), &mut |visit| {
                 self.terms.iter().for_each(|t| t.visit_stencils(visit));
                 contact.visit_stencils(x, PATTERN_MARGIN, visit);
             });
         }
         let grew = work.matrix.fill(&|out| {
-            self.terms.iter().for_each(|term| term.add_secant(x, half, out));
+            self.terms.iter().for_each(|term| term.add_secant_hessian(x, half, out));
             contact.add_hessian(x, out);
         });
         debug_assert!(!(anew && grew), "a term adds a block that it did not announce");
-        if let Some((mass, _, span)) = self.inertia {
+        if let Some(Inertia { mass, effective_dt: span, .. }) = self.inertia {
             for (p, m) in mass.iter().enumerate() {
                 work.matrix.add_diagonal(p, m / (span * span));
             }
-        }
-        if self.regularisation > 0.0 {
-            (0..x.len()).for_each(|p| work.matrix.add_diagonal(p, self.regularisation));
         }
     }
 
@@ -305,18 +331,18 @@ impl Problem<'_> {
         let g = self.gradient(x, contact);
         report.residual = g.iter().map(|g| g.amax()).fold(0.0, f64::max);
         self.assemble(x, half, contact, work);
-        report.seconds[0] += clock.elapsed().as_secs_f64();
+        report.seconds.assembly += clock.elapsed().as_secs_f64();
         g
     }
 
     /// Newton direction from the factor that is there, of an older system; none where too much has changed since.
     fn direction_from_older(&self, g: &[Vec3], enough: f64, work: &mut Workspace) -> Option<Vec<Vec3>> {
-        if work.factorised_for != self.held {
+        if work.factorised_for != self.fixed {
             return None;
         }
         let wary = work.pause > 0;
         let mut rhs = downhill(&work.matrix, g);
-        if work.direct.solve_with_older(&work.matrix, &mut rhs, enough, wary) {
+        if work.direct.solve_with_stale_factor(&work.matrix, &mut rhs, enough, wary) {
             (work.pause, work.next_pause) = (0, 1);
             return Some(work.matrix.scatter(&rhs));
         }
@@ -338,7 +364,7 @@ impl Problem<'_> {
             let factorised = work.direct.factorise(&work.matrix, x);
             match factorised.and_then(|()| work.direct.solve(&work.matrix, &mut rhs)) {
                 Ok(()) => {
-                    work.factorised_for.extend_from_slice(self.held);
+                    work.factorised_for.extend_from_slice(self.fixed);
                     return Some(work.matrix.scatter(&rhs));
                 }
                 Err(FactorError::TooLarge) => {
@@ -364,11 +390,11 @@ impl Problem<'_> {
     /// Cuts the direction `d` where it throws a point too far, and notes the largest move it asked for; what it promises for gradient
     /// `g`. `None` if it is not finite.
     pub(super) fn rein_in(&self, g: &[Vec3], d: &mut [Vec3], report: &mut NewtonReport) -> Option<Asked> {
-        report.last_move = d.iter().map(|d| d.norm()).fold(0.0, f64::max);
-        if !report.last_move.is_finite() {
+        report.max_displacement = d.iter().map(|d| d.norm()).fold(0.0, f64::max);
+        if !report.max_displacement.is_finite() {
             return None;
         }
-        let spread = spread(d, self.held);
+        let spread = spread(d, self.fixed);
         if spread > FARTHEST {
             d.iter_mut().for_each(|d| *d *= FARTHEST / spread);
         }
@@ -378,8 +404,8 @@ impl Problem<'_> {
 
     /// Whether the last look at the whole found so little to gain that single places may settle first.
     fn begins_with_places(&self, work: &mut Workspace) -> bool {
-        let short = self.inertia.is_some_and(|(_, _, span)| span <= CALM_SPAN);
-        let calm = work.calm > 0 && short && !work.altered && work.matrix.holds(self.held);
+        let short = self.inertia.is_some_and(|inertia| inertia.effective_dt <= CALM_SPAN);
+        let calm = work.calm > 0 && short && !work.altered && work.matrix.has_fixed_set(self.fixed);
         work.calm = work.calm.saturating_sub(1);
         calm
     }
@@ -393,15 +419,15 @@ impl Problem<'_> {
         work: &mut Workspace,
     ) -> NewtonReport {
         let mut report = NewtonReport::default();
-        if self.held.iter().all(|held| *held) {
+        if self.fixed.iter().all(|held| *held) {
             report.converged = true;
             return report;
         }
-        let mut settling = Settling { energy: options.energy, spread: 0.0, few: FEW };
+        let mut settling = Settling { energy: options.decrement_tol, spread: 0.0, few: FEW };
         if self.begins_with_places(work) {
             let clock = std::time::Instant::now();
             let g = self.gradient(x, contact);
-            report.seconds[0] += clock.elapsed().as_secs_f64();
+            report.seconds.assembly += clock.elapsed().as_secs_f64();
             if let Peace::Everywhere = self.settle_places(x, &g, contact, settling, work, &mut report) {
                 report.converged = true;
                 return report;
@@ -411,9 +437,13 @@ impl Problem<'_> {
         let mut whole_went = 0.0;
         let mut damping = Damping::default();
         // Local iterations are cheap: they count for less.
-        let spent = |report: &NewtonReport| report.iterations + report.local_iterations / LOCAL_FOR_WHOLE;
-        while spent(&report) < options.most_iterations {
-            let half = self.ahead.filter(|_| report.iterations == 0).map(|ahead| half_way(x, ahead));
+        let spent =
+            |report: &NewtonReport| report.global_iterations + report.local_iterations / LOCAL_FOR_WHOLE;
+        while spent(&report) < options.max_iterations {
+            let half = self
+                .predicted_positions
+                .filter(|_| report.global_iterations == 0)
+                .map(|ahead| half_way(x, ahead));
             let g = self.linearise(x, half.as_deref().unwrap_or(x), contact, work, &mut report);
             if whole_went >= WENT && !damping.acts() {
                 match self.settle_places(x, &g, contact, settling, work, &mut report) {
@@ -431,30 +461,30 @@ impl Problem<'_> {
                 }
             }
             let clock = std::time::Instant::now();
-            if let Some((mass, _, span)) = self.inertia.filter(|_| damping.acts()) {
+            if let Some(Inertia { mass, effective_dt: span, .. }) = self.inertia.filter(|_| damping.acts()) {
                 damping.add_to(&mut work.matrix, mass, span);
                 work.altered = true;
             }
-            let older = self.direction_from_older(&g, options.energy, work);
+            let older = self.direction_from_older(&g, options.decrement_tol, work);
             let direction = older.or_else(|| self.direction(x, &g, work));
             report.cost += work.take_cost();
-            report.seconds[1] += clock.elapsed().as_secs_f64();
+            report.seconds.linear_solve += clock.elapsed().as_secs_f64();
             let Some(mut d) = direction else { break };
-            report.iterations += 1;
+            report.global_iterations += 1;
             let Some(Asked { spread, decrement }) = self.rein_in(&g, &mut d, &mut report) else { break };
-            report.left = decrement;
-            if report.iterations == 1 {
-                work.calm = if decrement <= options.energy { CALM_SOLVES } else { 0 };
-                if options.energy > 0.0 && self.inertia.is_some() {
-                    settling.spread = options.share * decrement;
+            report.newton_decrement = decrement;
+            if report.global_iterations == 1 {
+                work.calm = if decrement <= options.decrement_tol { CALM_SOLVES } else { 0 };
+                if options.decrement_tol > 0.0 && self.inertia.is_some() {
+                    settling.spread = options.rel_decrement_tol * decrement;
                 }
             }
             // What a direction of the whole promises is spread out.
-            let enough = options.energy.max(settling.spread);
+            let enough = options.decrement_tol.max(settling.spread);
             // Where layers are jammed moves are short although much is left to gain.
             let jammed = enough > 0.0 && decrement > JAMMED * enough;
-            let done =
-                !damping.acts() && (report.last_move <= options.tolerance && !jammed || decrement <= enough);
+            let done = !damping.acts()
+                && (report.max_displacement <= options.displacement_tol && !jammed || decrement <= enough);
             let before = value.sum;
             let moved = self.move_whole(x, &g, &d, &mut value, contact, (enough, work), &mut report);
             whole_went = moved;

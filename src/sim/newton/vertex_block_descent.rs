@@ -7,7 +7,7 @@
 
 use crate::contact::Contact;
 use crate::math::{Mat3, Vec3};
-use crate::sim::{BlockMatrix, NewtonReport, Problem, Workspace};
+use crate::sim::{BlockMatrix, Inertia, NewtonReport, Problem, Workspace};
 
 /// Rounds of a step, and pairs of sweeps (to and fro) of a round: where more cost more than they gained on the chart of
 /// accuracy.
@@ -23,7 +23,7 @@ impl Problem<'_> {
         work: &mut Workspace,
     ) -> NewtonReport {
         let mut report = NewtonReport::default();
-        if self.held.iter().all(|held| *held) {
+        if self.fixed.iter().all(|held| *held) {
             return report;
         }
         for round in 0..ROUNDS {
@@ -31,17 +31,18 @@ impl Problem<'_> {
             let clock = std::time::Instant::now();
             // The first guess is what the cloth would do without forces: sweeps carry no motion of the whole far.
             let guess: Vec<Vec3> = match self.inertia {
-                Some((_, inertial, _)) if round == 0 => {
+                Some(Inertia { inertial, .. }) if round == 0 => {
                     inertial.iter().zip(&*x).map(|(y, x)| y - x).collect()
                 }
                 _ => vec![Vec3::zeros(); x.len()],
             };
             let Some(d) = swept(work.matrix(), &g, &guess) else { break };
-            report.seconds[1] += clock.elapsed().as_secs_f64();
+            report.seconds.linear_solve += clock.elapsed().as_secs_f64();
             report.local_iterations += 1;
-            report.last_move = d.iter().map(|d| d.norm()).fold(0.0, f64::max);
-            report.left = -g.iter().zip(&d).map(|(g, d)| g.dot(d)).sum::<f64>();
-            if !report.last_move.is_finite() || self.move_along(x, &g, &d, contact, &mut report) == 0.0 {
+            report.max_displacement = d.iter().map(|d| d.norm()).fold(0.0, f64::max);
+            report.newton_decrement = -g.iter().zip(&d).map(|(g, d)| g.dot(d)).sum::<f64>();
+            if !report.max_displacement.is_finite() || self.move_along(x, &g, &d, contact, &mut report) == 0.0
+            {
                 break;
             }
         }

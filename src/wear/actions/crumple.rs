@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::math::{Vec3, bounds};
-use crate::sim::{Ball, Drive};
+use crate::sim::{Loads, SphereLoad};
 use crate::wear::action_runner::{ActionContext, ActionRunner, ActionStart, PersistentState, smoothstep};
 use crate::wear::actions::WearAction;
 use schemars::JsonSchema;
@@ -72,14 +72,14 @@ struct Squeeze {
 }
 
 impl ActionRunner for Squeeze {
-    fn loads_at(&mut self, t: f64, _x: &[Vec3]) -> Drive {
+    fn loads_at(&mut self, t: f64, _x: &[Vec3]) -> Loads {
         // Equal steps in the logarithm: every step shortens all ways by the same share.
         let radius = self.radii[0] * (self.radii[1] / self.radii[0]).powf(smoothstep(t / self.over));
         let closing = t <= self.over * (1.0 + 1e-9);
-        Drive {
-            ball: Some(Ball { centre: self.centre, radius, pressure: PRESSURE }),
-            longest_step: if closing { STEP_SHARE * self.over } else { f64::INFINITY },
-            ..Drive::at_rest(self.ground)
+        Loads {
+            sphere: Some(SphereLoad { centre: self.centre, radius, pressure: PRESSURE }),
+            max_dt: if closing { STEP_SHARE * self.over } else { f64::INFINITY },
+            ..Loads::gravity_only(self.ground)
         }
     }
 

@@ -1,9 +1,9 @@
 //! `fold`: one side of a line is turned over, as hands fold cloth on a table.
 
-use crate::energy::Guide;
+use crate::energy::TargetSpring;
 use crate::error::Result;
 use crate::math::Vec3;
-use crate::sim::Drive;
+use crate::sim::Loads;
 use crate::wear::action_runner::{
     ActionContext, ActionRunner, ActionStart, FoldRecord, GarmentFrame, PersistentState, carry_spring,
     pin_spring, smoothstep,
@@ -247,12 +247,12 @@ fn stack_height<'a>(points: impl Iterator<Item = &'a Vec3>, thickness: f64) -> f
 struct Turn {
     axis: Axis,
     guided: Vec<Guided>,
-    stay: Vec<Guide>,
+    stay: Vec<TargetSpring>,
     /// Points that sleep meanwhile, one flag per point.
     held: Vec<bool>,
     made: FoldRecord,
     over: f64,
-    resting: Drive,
+    resting: Loads,
 }
 
 /// A point of the flap.
@@ -268,20 +268,20 @@ struct Guided {
 
 impl Turn {
     /// What acts `t` seconds after the flap was let go: palms lie on the new fold and smooth it.
-    fn smoothed(&self, t: f64, x: &[Vec3]) -> Drive {
+    fn smoothed(&self, t: f64, x: &[Vec3]) -> Loads {
         let near = |p: &Vec3| (p - self.made.origin).dot(&self.made.out).abs() < GRIP_WIDTH;
-        Drive {
+        Loads {
             pressure: PALM_PRESSURE * smoothstep(t / LETTING_GO),
             pressed: x.iter().map(near).collect(),
-            longest_step: if t < LETTING_GO { LETTING_GO / 4.0 } else { f64::INFINITY },
-            passing: t < LETTING_GO,
+            max_dt: if t < LETTING_GO { LETTING_GO / 4.0 } else { f64::INFINITY },
+            transient: t < LETTING_GO,
             ..self.resting.clone()
         }
     }
 }
 
 impl ActionRunner for Turn {
-    fn loads_at(&mut self, t: f64, x: &[Vec3]) -> Drive {
+    fn loads_at(&mut self, t: f64, x: &[Vec3]) -> Loads {
         let turning = t <= self.over * (1.0 + 1e-9);
         let grip = if turning || self.made.angle <= LIES_BEYOND {
             1.0
@@ -305,13 +305,13 @@ impl ActionRunner for Turn {
         let stay = self.stay.iter().map(|guide| guide.scaled(grip));
         // Hands that let go slow down what they held.
         let drag = self.resting.drag + if turning { 0.0 } else { HAND_DRAG * grip };
-        Drive {
-            guides: flap.chain(stay).collect(),
-            leads: turning,
-            passing: grip < 1.0,
-            held,
+        Loads {
+            springs: flap.chain(stay).collect(),
+            guided: turning,
+            transient: grip < 1.0,
+            fixed: held,
             drag,
-            longest_step,
+            max_dt: longest_step,
             ..self.resting.clone()
         }
     }
@@ -380,13 +380,13 @@ mod tests {
             };
             let mut runner = fold.start_action(&context, &mut persistent).expect("can be folded").runner;
             let mut at = |t: f64| runner.loads_at(t, &x);
-            assert!(at(0.5 * over).leads && !at(0.5 * over).passing && !at(over).passing);
+            assert!(at(0.5 * over).guided && !at(0.5 * over).transient && !at(over).transient);
             for t in [0.25, 0.75, 1.0, 1.5] {
-                assert_eq!(at(over + t * LETTING_GO).passing, passes, "{angle_deg} {t}");
+                assert_eq!(at(over + t * LETTING_GO).transient, passes, "{angle_deg} {t}");
             }
-            assert!(!at(over + 2.5 * LETTING_GO).passing);
+            assert!(!at(over + 2.5 * LETTING_GO).transient);
             runner.finish(&mut persistent, &x);
-            assert!(!persistent.idle_loads().passing);
+            assert!(!persistent.idle_loads().transient);
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::math::{Mat3, Vec3, bounds};
-use crate::sim::Drive;
+use crate::sim::Loads;
 use crate::wear::action_runner::{ActionContext, ActionStart, ConstantLoads, GarmentFrame, PersistentState};
 use crate::wear::actions::{Fraction2, WearAction};
 use schemars::JsonSchema;
@@ -87,7 +87,7 @@ impl WearAction for Hang {
         persistent.ground = None;
         persistent.folds.clear();
         persistent.body = None;
-        let drive = Drive { held, longest_step: 0.1, ..Drive::at_rest(None) };
+        let drive = Loads { fixed: held, max_dt: 0.1, ..Loads::gravity_only(None) };
         persistent.held_loads = Some(drive.clone());
         Ok(ActionStart {
             runner: Box::new(ConstantLoads { loads: drive, may_end_early: true }),

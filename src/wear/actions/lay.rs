@@ -3,7 +3,7 @@
 use crate::error::Result;
 use crate::garment::{Footprint, is_lying};
 use crate::math::{Mat3, Vec3, bounds};
-use crate::sim::Drive;
+use crate::sim::Loads;
 use crate::wear::action_runner::{
     ActionContext, ActionRunner, ActionStart, GarmentFrame, PersistentState, smoothstep,
 };
@@ -145,20 +145,20 @@ impl Flatten {
 }
 
 impl ActionRunner for Flatten {
-    fn loads_at(&mut self, t: f64, _x: &[Vec3]) -> Drive {
+    fn loads_at(&mut self, t: f64, _x: &[Vec3]) -> Loads {
         let pressing = self.presses() && t <= PRESS_SHARE * self.over * (1.0 + 1e-9);
         let steps = (self.heights[0] / self.heights[1]).ln() / -(1.0 - MOST_SQUEEZE).ln();
-        Drive {
+        Loads {
             ceiling: pressing.then(|| self.height(t) + self.thickness),
             friction: if pressing { 0.0 } else { 1.0 },
             drag: 10.0,
             // The smooth start and end make the fastest part 1.5 times the mean.
-            longest_step: if pressing {
+            max_dt: if pressing {
                 PRESS_SHARE * self.over / (1.5 * steps).max(10.0)
             } else {
                 0.1 * self.over
             },
-            ..Drive::at_rest(Some(0.0))
+            ..Loads::gravity_only(Some(0.0))
         }
     }
 

@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::math::Vec3;
-use crate::sim::Drive;
+use crate::sim::Loads;
 use crate::wear::action_runner::{ActionContext, ActionRunner, ActionStart, PersistentState, smoothstep};
 use crate::wear::actions::WearAction;
 use crate::wear::crease_prediction::FoldLayout;
@@ -61,15 +61,15 @@ struct Weight {
     pressure: f64,
     /// [s].
     laid_on: f64,
-    resting: Drive,
+    resting: Loads,
 }
 
 impl ActionRunner for Weight {
-    fn loads_at(&mut self, t: f64, _x: &[Vec3]) -> Drive {
+    fn loads_at(&mut self, t: f64, _x: &[Vec3]) -> Loads {
         let rises = t <= self.laid_on * (1.0 + 1e-9);
-        Drive {
+        Loads {
             pressure: self.pressure * smoothstep(t / self.laid_on),
-            longest_step: if rises { self.laid_on / STEPS } else { f64::INFINITY },
+            max_dt: if rises { self.laid_on / STEPS } else { f64::INFINITY },
             ..self.resting.clone()
         }
     }

@@ -1,7 +1,7 @@
 //! `settle`: hands off; gravity, friction and memory do the rest.
 
 use crate::error::Result;
-use crate::sim::Drive;
+use crate::sim::Loads;
 use crate::wear::action_runner::{ActionContext, ActionStart, ConstantLoads, PersistentState};
 use crate::wear::actions::WearAction;
 use crate::wear::crease_prediction::FoldLayout;
@@ -33,7 +33,7 @@ impl WearAction for Settle {
     }
 
     fn start_action(&self, _scene: &ActionContext, persistent: &mut PersistentState) -> Result<ActionStart> {
-        let drive = Drive { drag: 3.0, ..persistent.idle_loads() };
+        let drive = Loads { drag: 3.0, ..persistent.idle_loads() };
         ActionStart::here(ConstantLoads { loads: drive, may_end_early: true })
     }
 

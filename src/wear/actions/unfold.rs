@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::math::Vec3;
-use crate::sim::Drive;
+use crate::sim::Loads;
 use crate::wear::action_runner::{
     ActionContext, ActionRunner, ActionStart, FoldRecord, PersistentState, carry_spring, smoothstep,
 };
@@ -99,7 +99,7 @@ struct Open {
     under_way: Option<Opening>,
     mass: Vec<f64>,
     thickness: f64,
-    resting: Drive,
+    resting: Loads,
 }
 
 /// One fold that is being opened.
@@ -161,7 +161,7 @@ impl Open {
 }
 
 impl ActionRunner for Open {
-    fn loads_at(&mut self, t: f64, x: &[Vec3]) -> Drive {
+    fn loads_at(&mut self, t: f64, x: &[Vec3]) -> Loads {
         let number = ((t / self.each - 1e-9).floor().max(0.0) as usize).min(self.folds.len() - 1);
         let opening = match self.under_way.take() {
             Some(opening) if opening.number == number => opening,
@@ -182,11 +182,11 @@ impl ActionRunner for Open {
             .collect();
         let held = opening.held.clone();
         self.under_way = Some(opening);
-        Drive {
-            guides,
-            leads: true,
-            held,
-            longest_step: MAX_TURN_PER_STEP * self.each / (1.5 * angle),
+        Loads {
+            springs: guides,
+            guided: true,
+            fixed: held,
+            max_dt: MAX_TURN_PER_STEP * self.each / (1.5 * angle),
             ..self.resting.clone()
         }
     }

@@ -188,7 +188,7 @@ impl Cholesky {
     }
 
     /// Lets go of a factor of more than so many numbers, which is not asked for again.
-    pub fn let_go_beyond(&mut self, numbers: usize) {
+    pub fn release_if_larger_than(&mut self, numbers: usize) {
         self.single.let_go_beyond(numbers);
         self.double.let_go_beyond(numbers);
     }
@@ -217,7 +217,7 @@ impl Cholesky {
     /// [J], what counts as converged; where no more than `enough` is to gain at first two iterations must do, as all of them gain
     /// something. Where that is not coming in half the time of a factorisation the right-hand side is what it was, and the answer
     /// is no; so it is where a factor costs next to nothing, and, if asked to be `wary`, where more than little is to gain.
-    pub fn solve_with_older(
+    pub fn solve_with_stale_factor(
         &mut self,
         matrix: &BlockMatrix,
         rhs: &mut [Vec3],

@@ -3,7 +3,7 @@
 use super::*;
 use crate::energy::BlockSink;
 use crate::math::{Mat3, Rng};
-use crate::sim::HELD;
+use crate::sim::FIXED_ROW;
 use crate::sim::linear::conjugate_gradient::conjugate_gradient;
 
 /// Points of a sheet or of anything else, with the pairs that are coupled.
@@ -58,8 +58,8 @@ impl Scene {
         let mut next = 0;
         let row_of = (0..self.positions.len() as u32)
             .map(|p| {
-                let row = if held(p) { HELD } else { next };
-                next += u32::from(row != HELD);
+                let row = if held(p) { FIXED_ROW } else { next };
+                next += u32::from(row != FIXED_ROW);
                 row
             })
             .collect();
@@ -267,18 +267,18 @@ fn an_older_factor_solves_what_has_hardly_changed_and_says_so_of_the_rest() {
     let gain = |x: &[Vec3]| dot(x, &rhs);
     let now = scene.matrix(0.11, 105.0, |_| false);
     let mut x = rhs.clone();
-    assert!(direct.solve_with_older(&now, &mut x, 0.0, false));
+    assert!(direct.solve_with_stale_factor(&now, &mut x, 0.0, false));
     let exact = solved(&mut Cholesky::default(), &now, &scene.positions, &rhs);
     assert!((gain(&x) / gain(&exact) - 1.0).abs() < 1e-3, "{} {}", gain(&x), gain(&exact));
     // Who is wary asks nothing of it where much is to gain.
     let mut x = rhs.clone();
-    assert!(!direct.solve_with_older(&now, &mut x, 0.0, true));
+    assert!(!direct.solve_with_stale_factor(&now, &mut x, 0.0, true));
     let other = scene.matrix(1e-4, 1e5, |_| false);
     let mut x = rhs.clone();
-    assert!(!direct.solve_with_older(&other, &mut x, 0.0, false));
+    assert!(!direct.solve_with_stale_factor(&other, &mut x, 0.0, false));
     assert_eq!(x, rhs);
     // Where what there is to gain counts as nothing two iterations do, and gain something.
-    assert!(direct.solve_with_older(&other, &mut x, f64::MAX, true));
+    assert!(direct.solve_with_stale_factor(&other, &mut x, f64::MAX, true));
     let mut image = x.clone();
     other.multiply(&x, &mut image);
     let energy = 0.5 * dot(&x, &image) - gain(&x);
