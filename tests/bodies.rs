@@ -7,7 +7,7 @@ use crease::fabric::Fabric;
 use crease::garment::{Garment, SourceAsset, SourcePiece};
 use crease::io::{ReadOptions, read_asset};
 use crease::math::Vec3;
-use crease::mesh::intersections::crossings_between;
+use crease::mesh::intersections::intersections_between;
 use crease::wear::WearScript;
 use std::fmt::Write;
 use std::path::Path;
@@ -86,7 +86,7 @@ fn corners_between_the_points_of_the_cloth_do_not_show() {
     let (garment, baked) = on_block(0.002, 0.005).expect("fits");
     let body = block(0.005);
     let crossing =
-        |x: &[Vec3]| crossings_between(x, &garment.triangles, body.rest_points(), body.triangles()).len();
+        |x: &[Vec3]| intersections_between(x, &garment.triangles, body.rest_points(), body.triangles()).len();
     assert!(crossing(&garment.points) > 0, "the spike is in the way at the start");
     assert_eq!(crossing(&baked.end), 0, "{:?}", baked.report.warnings);
     let highest = baked.end.iter().map(|p| p.y).fold(f64::NEG_INFINITY, f64::max);

@@ -1,6 +1,6 @@
 //! Layers that never cross: contact of cloth with itself, with the ground and with a body, through the public interface.
 //!
-//! After every accepted step of every scene the crossing triangles are counted by `mesh::crossings`, exact predicates
+//! After every accepted step of every scene the crossing triangles are counted by `mesh::intersections`, exact predicates
 //! that share nothing with the code that prevents crossings but the box tree. Starts are jittered. The same scenes at
 //! full size and with more starts: `cargo run --release --example contact_scenes`.
 //!

@@ -7,7 +7,7 @@
 use crate::body::{AnimatedBody, BodyPose};
 use crate::garment::Garment;
 use crate::math::Vec3;
-use crate::mesh::triangle_bvh::TriangleTree;
+use crate::mesh::triangle_bvh::TriangleBvh;
 use crate::mesh::{PointIndex, Topology};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -35,7 +35,7 @@ pub(super) fn awake(garment: &Garment, wearer: &AnimatedBody, postures: &[BodyPo
     if moving.is_empty() {
         return near;
     }
-    let mut tree = TriangleTree::new(start, &moving, 0.0);
+    let mut tree = TriangleBvh::new(start, &moving, 0.0);
     for place in std::iter::once(start).chain(places.iter().map(Vec::as_slice)) {
         tree.refit(place, place, 0.0);
         for (near, x) in near.iter_mut().zip(&garment.points).filter(|(near, _)| !**near) {

@@ -12,7 +12,7 @@
 use crate::bake::{BakeOptions, ModelDecision};
 use crate::fabric::Fabric;
 use crate::garment::{CoarseMesh, Garment};
-use crate::mesh::intersections::crossings;
+use crate::mesh::intersections::self_intersections;
 use crate::wear::{FoldLayout, WearScript};
 
 /// How far from a fold line every point is kept, in bending lengths; an edge if that is more.
@@ -81,7 +81,7 @@ fn graded(
     if left as f64 > WORTH * all as f64 {
         return Err(format!("{left} of {all} points are needed"));
     }
-    let cross = |garment: &Garment| !crossings(&garment.points, &garment.triangles).is_empty();
+    let cross = |garment: &Garment| !self_intersections(&garment.points, &garment.triangles).is_empty();
     if cross(garment) || cross(&mesh.garment) {
         return Err("layers cross at the start: on fewer points they would elsewhere".into());
     }

@@ -4,7 +4,7 @@ use crate::bake::active_region::awake;
 use crate::bake::depenetration;
 use crate::bake::{BakeOptions, Run};
 use crate::body::{AnimatedBody, BodyPose, PosedBody};
-use crate::contact::{BodyField, FOLD_RIM, FieldSettings, KeptField};
+use crate::contact::{BodyContactSettings, BodyContactState, BodyPlanes, SELF_FOLD_MARGIN};
 use crate::energy::{EdgeContact, PlaneContact};
 use crate::error::{Error, Result};
 use crate::garment::Garment;
@@ -114,7 +114,10 @@ impl BodyPenetrationStats {
                 *most = (now, time);
             }
         }
-        let Some((point, depth)) = BodyField::deepest(x, cushions).filter(|(_, d)| *d > TOLD) else { return };
+        let Some((point, depth)) = BodyPlanes::deepest_penetration(x, cushions).filter(|(_, d)| *d > TOLD)
+        else {
+            return;
+        };
         self.times = Some([self.times.map_or(time, |[from, _]| from), time]);
         if depth > self.depth {
             (self.depth, self.place) = (depth, x.get(point as usize).copied().unwrap_or_else(Vec3::zeros));
@@ -140,7 +143,7 @@ impl BodyPenetrationStats {
             (folded > 0).then(|| {
                 format!(
                     "where it folds into itself and {:.0} mm around {folded} at {when:.2} s, {folded_now} at the end",
-                    1e3 * FOLD_RIM
+                    1e3 * SELF_FOLD_MARGIN
                 )
             }),
         ];
@@ -169,7 +172,7 @@ pub struct BodyCheckpoint {
     /// As the actions before have left it.
     pub pose: BodyPose,
     /// How it meets the cloth.
-    pub field: KeptField,
+    pub field: BodyContactState,
     /// How far cloth was inside it so far.
     pub pinch: BodyPenetrationStats,
     /// Time that dressing took [s].
@@ -193,15 +196,15 @@ impl Run<'_> {
         let OnBody { wearer, depths, asleep } = on_body;
         let settings = self.stepper.contact.settings();
         let edge = self.garment.mean_edge();
-        let settings = FieldSettings {
-            reach: settings.distance + edge * edge / (8.0 * LIMB),
-            clear: settings.distance,
+        let settings = BodyContactSettings {
+            point_dhat: settings.dhat + edge * edge / (8.0 * LIMB),
+            edge_dhat: settings.dhat,
             stiffness: settings.stiffness,
             areas: self.stepper.cloth.area.clone(),
             friction: settings.friction_body,
-            creep: settings.creep,
+            slip_velocity_tol: settings.slip_velocity_tol,
         };
-        let mut field = BodyField::new(wearer.rest_points(), wearer.triangles(), settings);
+        let mut field = BodyPlanes::new(wearer.rest_points(), wearer.triangles(), settings);
         if let Some(moment) = taken_up {
             self.asleep = asleep;
             // That it fits was checked with the rest of the checkpoint.
@@ -226,7 +229,7 @@ impl Run<'_> {
         let (field, standing) = (self.field.as_ref()?, posture.body.as_ref()?);
         Some(BodyCheckpoint {
             pose: standing.pose.clone(),
-            field: field.kept(),
+            field: field.state(),
             pinch: self.pinch.clone(),
             dressing_s: self.dressing_s,
         })
@@ -235,7 +238,7 @@ impl Run<'_> {
     /// One accepted step with the body under the cloth.
     pub(super) fn step_on_body(
         &mut self,
-        mut field: BodyField,
+        mut field: BodyPlanes,
         gesture: &mut dyn ActionRunner,
         begin: f64,
         h: f64,
@@ -252,16 +255,17 @@ impl Run<'_> {
                     drive.fixed.clone_from(asleep);
                 }
                 if !begun {
-                    field.begin(&state.x, &garment.triangles, &garment.topology, &drive.fixed);
+                    field.begin_step(&state.x, &garment.triangles, &garment.topology, &drive.fixed);
                     begun = true;
                 }
-                let points: Arc<[Vec3]> = field.flattened(&points).into();
+                let points: Arc<[Vec3]> = field.resolve_self_contact(&points).into();
                 let normals = field.normals(&points);
                 drive.plane_contacts =
-                    field.cushions(&state.x, &points, &normals, time - start, drive.friction).into();
-                drive.edge_contacts = field.supports(&points, &normals).into();
+                    field.plane_contacts(&state.x, &points, &normals, time - start, drive.friction).into();
+                drive.edge_contacts = field.edge_contacts(&points, &normals).into();
                 drive.body_displacement =
-                    smoothed(field.lead(&state.x, &points), &drive.fixed, &garment.topology).into();
+                    smoothed(field.carried_displacement(&state.x, &points), &drive.fixed, &garment.topology)
+                        .into();
                 last = Some((points, drive.plane_contacts.clone(), drive.edge_contacts.clone()));
             }
             drive
@@ -269,7 +273,7 @@ impl Run<'_> {
         let step = self.stepper.advance(&mut self.state, &self.memory.effective_rest, &mut drive_at, h);
         if let Some((points, cushions, supports)) = last {
             let moves = field.accept(&self.state.x, &points, &cushions, &supports);
-            let crossing = field.lift(&self.state.x, &garment.triangles, moves);
+            let crossing = field.raise_offsets(&self.state.x, &garment.triangles, moves);
             self.pinch.note(self.state.time, &self.state.x, &cushions, crossing);
         }
         self.field = Some(field);

@@ -15,7 +15,7 @@ use crate::bake::body_coupling::BodyCheckpoint;
 use crate::bake::violation_log::UnmetLog;
 use crate::bake::{BakeOptions, BakeReport, Run};
 use crate::body::AnimatedBody;
-use crate::contact::KeptStretch;
+use crate::contact::TangentialState;
 use crate::error::{Error, Result};
 use crate::fabric::Fabric;
 use crate::garment::Garment;
@@ -49,7 +49,7 @@ pub struct Checkpoint {
     /// The cloth.
     pub state: State,
     /// What friction keeps from step to step.
-    pub friction: Vec<KeptStretch>,
+    pub friction: Vec<TangentialState>,
     /// The body it is on, if there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub body: Option<BodyCheckpoint>,
@@ -229,7 +229,7 @@ impl Run<'_> {
             posture: PersistentState { body: None, ..posture.clone() },
             state: self.state.clone(),
             memory: self.memory.clone(),
-            friction: self.stepper.contact.kept_friction(),
+            friction: self.stepper.contact.friction_state(),
             body: self.body_moment(posture),
             counts: Counts {
                 steps,
@@ -257,7 +257,7 @@ impl Run<'_> {
         self.posture = PersistentState { body, ..from.posture };
         self.state = from.state;
         self.memory = from.memory;
-        self.stepper.contact.restore_friction(&from.friction);
+        self.stepper.contact.restore_friction_state(&from.friction);
         self.unmet = counts.unmet;
         self.report.steps = counts.steps;
         self.report.rejected = counts.rejected;

@@ -9,7 +9,7 @@ use crate::bake::body_coupling::BodyPenetrationStats;
 use crate::body::AnimatedBody;
 use crate::error::{Error, Result};
 use crate::math::Vec3;
-use crate::mesh::intersections::crossings_between;
+use crate::mesh::intersections::intersections_between;
 use crate::mesh::point_in_solid::Solid;
 use crate::sim::Loads;
 use crate::wear::ConstantLoads;
@@ -92,7 +92,7 @@ impl Run<'_> {
     /// Brings the garment outside of the body.
     pub(super) fn dress(&mut self, wearer: &Arc<AnimatedBody>, depths: &[f64]) -> DepenetrationReport {
         let (start, triangles) = (wearer.rest_points(), wearer.triangles());
-        let count = |x: &[Vec3]| crossings_between(x, &self.garment.triangles, start, triangles).len();
+        let count = |x: &[Vec3]| intersections_between(x, &self.garment.triangles, start, triangles).len();
         let deepest = depths.iter().copied().fold(0.0, f64::max);
         let inside = depths.iter().filter(|d| **d > 0.0).count();
         let crossed = count(&self.state.x);

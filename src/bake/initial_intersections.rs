@@ -2,7 +2,7 @@
 
 use crate::garment::Garment;
 use crate::math::Vec3;
-use crate::mesh::intersections::crossings;
+use crate::mesh::intersections::self_intersections;
 use std::collections::BTreeMap;
 
 /// Pairs of parts named in the warning at most; the rest are counted.
@@ -10,7 +10,7 @@ const MOST: usize = 6;
 
 /// A warning, if anything crosses: which parts, how often, and around where.
 pub(super) fn crossing_warning(garment: &Garment) -> Option<String> {
-    let found = crossings(&garment.points, &garment.triangles);
+    let found = self_intersections(&garment.points, &garment.triangles);
     if found.is_empty() {
         return None;
     }

@@ -25,13 +25,13 @@ use crate::bake::body_coupling::{BodyPenetrationStats, OnBody};
 use crate::bake::relax_to_source::{Homeward, bring_home};
 use crate::bake::violation_log::UnmetLog;
 use crate::body::AnimatedBody;
-use crate::contact::{BodyField, Contact, ContactSettings};
+use crate::contact::{BodyPlanes, Contact, ContactSettings};
 use crate::error::{Error, Result};
 use crate::fabric::Fabric;
 use crate::garment::{Garment, RestState, WornGarment};
 use crate::math::Vec3;
 use crate::memory::{EventCount, Memory, MemoryModel, Strains};
-use crate::mesh::intersections::crossings;
+use crate::mesh::intersections::self_intersections;
 use crate::sim::GRAVITY;
 use crate::sim::{Cloth, SolveCost, State, StepOptions, Stepper};
 use crate::transfer::prolongate;
@@ -258,16 +258,8 @@ impl Wear<'_> {
         if plan.layers_meet {
             cloth.bending.keep_apart();
         }
-        let settings = ContactSettings {
-            distance: plan.contact_distance,
-            stiffness: plan.contact_stiffness,
-            friction: fabric.friction,
-            friction_ground: fabric.friction_ground,
-            friction_body: fabric.friction_ground,
-            stiction: 1.0,
-            creep: 1e-3,
-            between_layers: plan.layers_meet,
-        };
+        let (dhat, stiffness) = (plan.contact_distance, plan.contact_stiffness);
+        let settings = ContactSettings::for_fabric(fabric, dhat, stiffness, plan.layers_meet);
         let area = cloth.area.clone();
         let contact = Contact::new(settings, &garment.points, &garment.triangles, &garment.topology, area);
         let mut step = options.effective_step();
@@ -397,7 +389,7 @@ struct Run<'a> {
     /// Points that a moving body cannot stir, one flag per point; empty for none.
     asleep: Vec<bool>,
     /// The body, if there is one.
-    field: Option<BodyField>,
+    field: Option<BodyPlanes>,
     pinch: BodyPenetrationStats,
     /// Time that dressing took [s].
     dressing_s: f64,
@@ -425,7 +417,7 @@ impl Run<'_> {
             positions: &start,
             source_positions: &self.garment.points,
             masses: &self.stepper.cloth.mass,
-            thickness: self.stepper.contact.settings().distance,
+            thickness: self.stepper.contact.settings().dhat,
             script_file,
             location: &place,
         };
@@ -453,7 +445,7 @@ impl Run<'_> {
     fn forget(&mut self) {
         self.stepper.clear_caches();
         if let Some(field) = &mut self.field {
-            field.forget();
+            field.clear_caches();
         }
     }
 
@@ -545,7 +537,7 @@ impl Run<'_> {
             let share = ((self.next_frame - start) / step.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
             let between: Vec<Vec3> =
                 from.iter().zip(&self.state.x).map(|(a, b)| a + (b - a) * share).collect();
-            let crossing = |x: &[Vec3]| crossings(x, &self.garment.triangles).len();
+            let crossing = |x: &[Vec3]| self_intersections(x, &self.garment.triangles).len();
             let count = if share < 1.0 { crossing(&between) } else { 0 };
             let crosses = count > 0 && count > crossing(&self.state.x);
             observer.frame(if crosses { &self.state.x } else { &between })?;

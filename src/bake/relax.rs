@@ -36,16 +36,8 @@ const SOFT: f64 = 0.1;
 /// Settles `garment` of `fabric` in its own pose with `memory` (one entry per hinge and triangle of it).
 pub fn settle(garment: &Garment, fabric: &Fabric, memory: &RestState) -> RelaxResult {
     let (cloth, plan) = cloth_and_plan(garment, fabric, Quality::Standard);
-    let settings = ContactSettings {
-        distance: plan.contact_distance,
-        stiffness: plan.contact_stiffness,
-        friction: fabric.friction,
-        friction_ground: fabric.friction_ground,
-        friction_body: 0.0,
-        stiction: 1.0,
-        creep: 1e-3,
-        between_layers: plan.layers_meet,
-    };
+    let (dhat, stiffness) = (plan.contact_distance, plan.contact_stiffness);
+    let settings = ContactSettings::for_fabric(fabric, dhat, stiffness, plan.layers_meet);
     let area = cloth.area.clone();
     let contact = Contact::new(settings, &garment.points, &garment.triangles, &garment.topology, area);
     rest(garment, fabric, memory, cloth, contact, &Homeward::STEADILY)

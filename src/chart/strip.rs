@@ -104,16 +104,9 @@ fn stepper(garment: &Garment, fabric: &Fabric, pace: Pace) -> Stepper {
     cloth.membrane.set_stiffness([stiffness, stiffness, fabric.shear().min(enough)]);
     let area: f64 = cloth.area.iter().sum();
     let edge = (area / garment.points.len() as f64).sqrt();
-    let settings = ContactSettings {
-        distance: fabric.thickness().min(MOST_OF_EDGE * edge),
-        stiffness: stiffness / (area / garment.points.len() as f64),
-        friction: fabric.friction,
-        friction_ground: fabric.friction_ground,
-        friction_body: 0.0,
-        stiction: 1.0,
-        creep: 1e-3,
-        between_layers: true,
-    };
+    let dhat = fabric.thickness().min(MOST_OF_EDGE * edge);
+    let contact_stiffness = stiffness / (area / garment.points.len() as f64);
+    let settings = ContactSettings::for_fabric(fabric, dhat, contact_stiffness, true);
     let contact =
         Contact::new(settings, &garment.points, &garment.triangles, &garment.topology, cloth.area.clone());
     // Steps are solved as far as a bake of the default quality solves them.

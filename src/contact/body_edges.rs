@@ -4,12 +4,12 @@
 //! edges of cloth that run across it, nearest to it in between their ends. One that has been pressed through its cloth pushes from
 //! farther away in the next step, until it no longer is. Does not do: friction, and what lies in a fold of the body.
 
-use crate::contact::body_planes::{FieldSettings, SINKING};
+use crate::contact::body_planes::{BodyContactSettings, SINKING};
 use crate::energy::EdgeContact;
 use crate::math::Vec3;
 use crate::mesh::distance::edge_edge;
 use crate::mesh::point_in_solid::point_areas;
-use crate::mesh::triangle_bvh::TriangleTree;
+use crate::mesh::triangle_bvh::TriangleBvh;
 use crate::mesh::{PointIndex, Topology};
 use rayon::prelude::*;
 
@@ -31,7 +31,7 @@ const STIFFER: f64 = 4.0;
 const HIGHEST: f64 = 3.0;
 
 /// What of a body is under triangles and edges of cloth.
-pub(super) struct BodySupport {
+pub(super) struct BodyEdges {
     topology: Topology,
     /// Per point of the body: the part of its surface that is nearest to it [m²].
     areas: Vec<f64>,
@@ -51,9 +51,9 @@ struct Over {
 }
 
 /// A body: its points [m], the tree over its triangles, its normals.
-type Surface<'a> = (&'a [Vec3], &'a TriangleTree, &'a [Vec3]);
+type Surface<'a> = (&'a [Vec3], &'a TriangleBvh, &'a [Vec3]);
 
-impl BodySupport {
+impl BodyEdges {
     /// Of a body of `triangles` at `points` [m].
     pub fn new(points: &[Vec3], triangles: &[[PointIndex; 3]]) -> Self {
         Self {
@@ -65,7 +65,7 @@ impl BodySupport {
     }
 
     /// A step begins with the cloth at `x`, of triangles `cloth` and their `topology`.
-    pub fn begin(
+    pub fn begin_step(
         &mut self,
         x: &[Vec3],
         cloth: &[[PointIndex; 3]],
@@ -76,7 +76,7 @@ impl BodySupport {
         let moves = |t: &[PointIndex; 3]| t.iter().any(|p| !is_held(p.at()));
         let moving: Vec<usize> = (0..cloth.len()).filter(|f| moves(&cloth[*f])).collect();
         let moving_triangles: Vec<_> = moving.iter().map(|f| cloth[*f]).collect();
-        let tree = TriangleTree::new(x, &moving_triangles, ACROSS);
+        let tree = TriangleBvh::new(x, &moving_triangles, ACROSS);
         let look = |(corner, (at, normal)): (usize, (&Vec3, &Vec3))| {
             let hit = tree.first_hit(x, at - normal * INSIDE, *normal, INSIDE + OVER)?;
             let points = moving_triangles[hit.triangle as usize].map(|p| p.0);
@@ -98,12 +98,12 @@ impl BodySupport {
     }
 
     /// For a step that leads the body to `target` with `normals`; `folded` tells which of its points lie on others.
-    pub fn supports(
+    pub fn edge_contacts(
         &self,
         target: &[Vec3],
         normals: &[Vec3],
         folded: &[bool],
-        settings: &FieldSettings,
+        settings: &BodyContactSettings,
     ) -> Vec<EdgeContact> {
         let open = self.over.iter().filter(|over| !over.ends.iter().any(|p| folded[*p as usize]));
         let each = |over: &Over| {
@@ -120,7 +120,7 @@ impl BodySupport {
                 weights: over.weights,
                 anchor: place,
                 normal: normal.try_normalize(1e-9)?,
-                dhat: settings.clear + mean(&self.raised),
+                dhat: settings.edge_dhat + mean(&self.raised),
                 stiffness: STIFFER * settings.stiffness * mean(&self.areas).max(of_cloth),
             })
         };
@@ -128,11 +128,11 @@ impl BodySupport {
     }
 
     /// The step is over with the cloth at `x`; `supports` were those of the step.
-    pub fn accept(&mut self, x: &[Vec3], supports: &[EdgeContact], settings: &FieldSettings) {
-        let highest = HIGHEST * settings.reach;
+    pub fn accept(&mut self, x: &[Vec3], supports: &[EdgeContact], settings: &BodyContactSettings) {
+        let highest = HIGHEST * settings.point_dhat;
         let mut missing = vec![0.0f64; self.raised.len()];
         for support in supports {
-            let amount = LEFT * settings.clear - support.gap(x);
+            let amount = LEFT * settings.edge_dhat - support.gap(x);
             for (p, w) in support.edge.iter().zip(support.edge_weights) {
                 missing[*p as usize] = missing[*p as usize].max(w * amount);
             }
@@ -178,14 +178,14 @@ mod tests {
     use crate::energy::{EdgeContacts, Energy};
     use crate::mesh::point_in_solid::point_normals;
 
-    fn settings(points: usize) -> FieldSettings {
-        FieldSettings {
-            reach: 1e-3,
-            clear: 5e-4,
+    fn settings(points: usize) -> BodyContactSettings {
+        BodyContactSettings {
+            point_dhat: 1e-3,
+            edge_dhat: 5e-4,
             stiffness: 1e6,
             areas: vec![1e-4; points],
             friction: 0.5,
-            creep: 1e-3,
+            slip_velocity_tol: 1e-3,
         }
     }
 
@@ -207,11 +207,11 @@ mod tests {
     fn supports(x: &[Vec3], cloth: &[[PointIndex; 3]], held: bool, folded: bool) -> Vec<EdgeContact> {
         let (body, triangles) = roof();
         let normals = point_normals(&body, &triangles);
-        let under = TriangleTree::new(&body, &triangles, 0.0);
-        let mut support = BodySupport::new(&body, &triangles);
+        let under = TriangleBvh::new(&body, &triangles, 0.0);
+        let mut support = BodyEdges::new(&body, &triangles);
         let topology = Topology::new(x.len(), cloth);
-        support.begin(x, cloth, &topology, &|_| held, (&body, &under, &normals));
-        support.supports(&body, &normals, &vec![folded; body.len()], &settings(x.len()))
+        support.begin_step(x, cloth, &topology, &|_| held, (&body, &under, &normals));
+        support.edge_contacts(&body, &normals, &vec![folded; body.len()], &settings(x.len()))
     }
 
     /// Edges of a triangle cross the ridge 0.4 mm under it, while all its points are outside the roof.
@@ -242,12 +242,12 @@ mod tests {
         let cloth = [[0, 1, 2].map(PointIndex)];
         let (body, triangles) = roof();
         let normals = point_normals(&body, &triangles);
-        let under = TriangleTree::new(&body, &triangles, 0.0);
-        let mut support = BodySupport::new(&body, &triangles);
+        let under = TriangleBvh::new(&body, &triangles, 0.0);
+        let mut support = BodyEdges::new(&body, &triangles);
         let topology = Topology::new(3, &cloth);
         let x = over(2e-4);
-        support.begin(&x, &cloth, &topology, &|_| false, (&body, &under, &normals));
-        let found = support.supports(&body, &normals, &[false; 6], &settings(3));
+        support.begin_step(&x, &cloth, &topology, &|_| false, (&body, &under, &normals));
+        let found = support.edge_contacts(&body, &normals, &[false; 6], &settings(3));
         let corner = found.iter().find(|s| s.edge == [0, 0]).expect("has one");
         assert!((corner.gap(&x) - 2e-4).abs() < 1e-12);
         assert_eq!(corner.dhat, 5e-4);

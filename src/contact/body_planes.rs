@@ -8,22 +8,22 @@
 //! body does not get past its cloth; a point that is inside, by a fault of the file or caught in a crease, is pushed out.
 //!
 //! Where the body folds into itself (an elbow's crease) real flesh gives way and a skinned one does not: its two sides would
-//! press the cloth between them to nothing. There both are flattened ([`BodyField::flattened`]).
+//! press the cloth between them to nothing. There both are flattened ([`BodyPlanes::resolve_self_contact`]).
 //!
 //! Points alone do not keep triangles out: between three points outside a corner of the body would still poke through. So its
 //! points and edges hold up the cloth over them, too (`contact::body_support`). Where cloth is found to cross the body after a step all the
-//! same its points are lifted higher over it, step by step until it no longer does ([`BodyField::lift`]).
+//! same its points are lifted higher over it, step by step until it no longer does ([`BodyPlanes::raise_offsets`]).
 //!
 //! Friction is that of `contact::friction`: Coulomb, with a tangential stretch kept from step to step. Does not do:
 //! a promise; cloth may cross a body for the moments until it is lifted, and where there is no room for it.
 
-use crate::contact::body_edges::BodySupport;
+use crate::contact::body_edges::BodyEdges;
 use crate::contact::friction::stick;
 use crate::energy::{EdgeContact, PlaneContact};
 use crate::math::{Mat3, Vec3};
-use crate::mesh::intersections::crossings_between;
+use crate::mesh::intersections::intersections_between;
 use crate::mesh::point_in_solid::point_normals;
-use crate::mesh::triangle_bvh::TriangleTree;
+use crate::mesh::triangle_bvh::TriangleBvh;
 use crate::mesh::{PointIndex, Topology};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -36,7 +36,7 @@ const FOLDED: f64 = 0.03;
 /// Two parts face each other when the cosine between their normals is below this.
 const FACING: f64 = -0.2;
 /// What is within this of where it lies on itself counts as its fold, too [m]: cloth that is caught there reaches as far.
-pub const FOLD_RIM: f64 = 0.015;
+pub const SELF_FOLD_MARGIN: f64 = 0.015;
 /// Room between two parts of a body that lie on each other, in reaches: two layers on each, and one to move.
 const LAYERS: f64 = 5.0;
 
@@ -48,16 +48,16 @@ const HIGHEST: f64 = 6.0;
 pub(super) const SINKING: f64 = 0.02;
 
 /// A body and what the cloth has to do with it.
-pub struct BodyField {
+pub struct BodyPlanes {
     triangles: Vec<[PointIndex; 3]>,
-    tree: TriangleTree,
+    tree: TriangleBvh,
     /// Where nothing of it is folded into itself [m]: as its file has it, with normals.
     open: Vec<Vec3>,
     open_normals: Vec<Vec3>,
     /// At the beginning of the step [m], with normals.
     now: Vec<Vec3>,
     normals: Vec<Vec3>,
-    settings: FieldSettings,
+    settings: BodyContactSettings,
     /// Per point: whether it is near what lies under cloth in this step.
     covered: Vec<bool>,
     /// Per point: whether the body lies on itself there, when last asked.
@@ -65,17 +65,17 @@ pub struct BodyField {
     /// Per point of the cloth: what is under it in this step.
     under: Vec<Option<Under>>,
     /// Its points and edges under triangles and edges of the cloth.
-    support: BodySupport,
+    support: BodyEdges,
     /// Per point of the cloth: how much higher than the reach it is held [m].
     lifted: Vec<f64>,
     /// Per point of the cloth: tangential stretch as a share of what sticks.
     kept: Vec<Vec3>,
 }
 
-/// What a [`BodyField`] keeps from step to step.
+/// What a [`BodyPlanes`] keeps from step to step.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct KeptField {
+pub struct BodyContactState {
     /// Where the body is, one per point [m].
     #[serde(with = "crate::math::serde_vec::vectors")]
     now: Vec<Vec3>,
@@ -88,7 +88,7 @@ pub struct KeptField {
     stretch: Vec<Vec3>,
 }
 
-impl KeptField {
+impl BodyContactState {
     /// Whether it is of a body and a cloth of so many points.
     pub fn fits(&self, body: usize, cloth: usize) -> bool {
         [self.now.len(), self.raised.len()] == [body; 2]
@@ -98,11 +98,11 @@ impl KeptField {
 
 /// How a body pushes.
 #[derive(Debug, Clone, PartialEq)]
-pub struct FieldSettings {
-    /// It pushes nearer than this [m].
-    pub reach: f64,
-    /// Its points hold cloth up nearer than this [m].
-    pub clear: f64,
+pub struct BodyContactSettings {
+    /// Activation distance of points of the cloth on its surface [m].
+    pub point_dhat: f64,
+    /// Activation distance of its points and edges on triangles and edges of the cloth [m].
+    pub edge_dhat: f64,
     /// [Pa/m].
     pub stiffness: f64,
     /// Per point of the cloth: its area [m²].
@@ -110,7 +110,7 @@ pub struct FieldSettings {
     /// Friction coefficient.
     pub friction: f64,
     /// A contact gives by up to this times the step before it slides [m/s].
-    pub creep: f64,
+    pub slip_velocity_tol: f64,
 }
 
 /// The surface under a point at the beginning of a step.
@@ -124,14 +124,14 @@ struct Under {
     gap: f64,
 }
 
-impl BodyField {
+impl BodyPlanes {
     /// A body of `triangles`, at `points` [m] now, under cloth of `cloth_count` points.
-    pub fn new(points: &[Vec3], triangles: &[[PointIndex; 3]], settings: FieldSettings) -> Self {
+    pub fn new(points: &[Vec3], triangles: &[[PointIndex; 3]], settings: BodyContactSettings) -> Self {
         let triangles: Vec<_> =
             triangles.iter().filter(|[a, b, c]| a != b && b != c && c != a).copied().collect();
         let kept = vec![Vec3::zeros(); settings.areas.len()];
         Self {
-            tree: TriangleTree::new(points, &triangles, 0.0),
+            tree: TriangleBvh::new(points, &triangles, 0.0),
             normals: point_normals(points, &triangles),
             open_normals: point_normals(points, &triangles),
             open: points.to_vec(),
@@ -139,7 +139,7 @@ impl BodyField {
             covered: vec![false; points.len()],
             folded: vec![false; points.len()],
             under: vec![None; kept.len()],
-            support: BodySupport::new(points, &triangles),
+            support: BodyEdges::new(points, &triangles),
             lifted: vec![0.0; kept.len()],
             triangles,
             settings,
@@ -158,8 +158,8 @@ impl BodyField {
     }
 
     /// What the next step depends on, besides the body itself.
-    pub fn kept(&self) -> KeptField {
-        KeptField {
+    pub fn state(&self) -> BodyContactState {
+        BodyContactState {
             now: self.now.clone(),
             lifted: self.lifted.clone(),
             raised: self.support.raised.clone(),
@@ -168,7 +168,7 @@ impl BodyField {
     }
 
     /// Goes on with what another such field kept; false, and nothing is changed, where it is of another body or cloth.
-    pub fn restore(&mut self, kept: &KeptField) -> bool {
+    pub fn restore(&mut self, kept: &BodyContactState) -> bool {
         let fits = kept.fits(self.now.len(), self.kept.len());
         if fits {
             self.now.clone_from(&kept.now);
@@ -176,22 +176,22 @@ impl BodyField {
             self.lifted.clone_from(&kept.lifted);
             self.support.raised.clone_from(&kept.raised);
             self.kept.clone_from(&kept.stretch);
-            self.forget();
+            self.clear_caches();
         }
         fits
     }
 
     /// Forgets what is kept for speed alone: the tree grows with the body, and which of two equally near places is found first
     /// depends on how it grew.
-    pub fn forget(&mut self) {
-        self.tree = TriangleTree::new(&self.now, &self.triangles, 0.0);
+    pub fn clear_caches(&mut self) {
+        self.tree = TriangleBvh::new(&self.now, &self.triangles, 0.0);
     }
 
     /// A step begins with the cloth at `x`, of triangles `cloth` and their `topology`: what is under each point that is not `held`
     /// (empty for none).
-    pub fn begin(&mut self, x: &[Vec3], cloth: &[[PointIndex; 3]], topology: &Topology, held: &[bool]) {
+    pub fn begin_step(&mut self, x: &[Vec3], cloth: &[[PointIndex; 3]], topology: &Topology, held: &[bool]) {
         let is_held = |p: usize| held.get(p).copied().unwrap_or(false);
-        self.support.begin(x, cloth, topology, &is_held, (&self.now, &self.tree, &self.normals));
+        self.support.begin_step(x, cloth, topology, &is_held, (&self.now, &self.tree, &self.normals));
         let look = |(p, x): (usize, &Vec3)| {
             if is_held(p) {
                 return None;
@@ -219,8 +219,8 @@ impl BodyField {
 
     /// What of the body's points and edges is under the cloth, for a step that leads the body to `target` with `normals`. Where
     /// it lies on itself there is none: what is over one side is under the other.
-    pub fn supports(&self, target: &[Vec3], normals: &[Vec3]) -> Vec<EdgeContact> {
-        self.support.supports(target, normals, &self.folded, &self.settings)
+    pub fn edge_contacts(&self, target: &[Vec3], normals: &[Vec3]) -> Vec<EdgeContact> {
+        self.support.edge_contacts(target, normals, &self.folded, &self.settings)
     }
 
     /// Outward unit normals with the body at `target`, one per point.
@@ -240,7 +240,7 @@ impl BodyField {
 
     /// What is under the cloth, which began at `x`, at the end of a step of `h` seconds that leads the body to `target` with
     /// `normals`.
-    pub fn cushions(
+    pub fn plane_contacts(
         &self,
         x: &[Vec3],
         target: &[Vec3],
@@ -248,12 +248,19 @@ impl BodyField {
         h: f64,
         friction: f64,
     ) -> Vec<PlaneContact> {
-        let FieldSettings { reach, stiffness, ref areas, friction: coefficient, creep, .. } = self.settings;
-        let slip = stick(creep, h);
+        let BodyContactSettings {
+            point_dhat,
+            stiffness,
+            ref areas,
+            friction: coefficient,
+            slip_velocity_tol,
+            ..
+        } = self.settings;
+        let slip = stick(slip_velocity_tol, h);
         let each = |(p, under): (usize, &Option<Under>)| {
             let under = (*under)?;
             let (place, normal) = self.surface(target, normals, under.triangle, &under.weights);
-            let reach = reach + self.lifted[p];
+            let reach = point_dhat + self.lifted[p];
             let stiffness = stiffness * areas[p];
             // Pressed as deep as it may be at rest: a point that starts inside must not be nailed down there.
             let press = (reach - under.gap).clamp(0.0, reach);
@@ -275,7 +282,7 @@ impl BodyField {
     /// `target` with its flesh flattened where the body lies on itself: there both sides give way, half each, so far that the cloth
     /// between them has room. Only parts that face each other across air where the body is open count, not the far side of a
     /// hand; only what lies under cloth is looked at.
-    pub fn flattened(&mut self, target: &[Vec3]) -> Vec<Vec3> {
+    pub fn resolve_self_contact(&mut self, target: &[Vec3]) -> Vec<Vec3> {
         let normals = point_normals(target, &self.triangles);
         self.tree.refit(target, target, 0.0);
         let triangle_normals: Vec<Vec3> = self
@@ -286,7 +293,7 @@ impl BodyField {
                 (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_else(Vec3::zeros)
             })
             .collect();
-        let need = LAYERS * self.settings.reach;
+        let need = LAYERS * self.settings.point_dhat;
         let give = |(p, at): (usize, &Vec3)| {
             if !self.covered[p] {
                 return *at;
@@ -309,7 +316,7 @@ impl BodyField {
 
     /// Where the body takes the cloth along on its way to `target`: with the surface under it, as a rigid piece, less and
     /// less with the height over it. One move per point [m].
-    pub fn lead(&self, x: &[Vec3], target: &[Vec3]) -> Vec<Vec3> {
+    pub fn carried_displacement(&self, x: &[Vec3], target: &[Vec3]) -> Vec<Vec3> {
         let each = |(x, under): (&Vec3, &Option<Under>)| {
             let Some(under) = under else { return Vec3::zeros() };
             let corners = self.triangles[under.triangle as usize].map(PointIndex::at);
@@ -325,9 +332,9 @@ impl BodyField {
     }
 
     /// Lifts the points of the cloth's triangles that cross the body now, and lets others sink if the body `moves`. The
-    /// number of pairs of triangles that cross: where the body is open, and where it lies on itself or within [`FOLD_RIM`] of that.
-    pub fn lift(&mut self, x: &[Vec3], cloth: &[[PointIndex; 3]], moves: bool) -> [usize; 2] {
-        let crossing = crossings_between(x, cloth, &self.now, &self.triangles);
+    /// number of pairs of triangles that cross: where the body is open, and where it lies on itself or within [`SELF_FOLD_MARGIN`] of that.
+    pub fn raise_offsets(&mut self, x: &[Vec3], cloth: &[[PointIndex; 3]], moves: bool) -> [usize; 2] {
+        let crossing = intersections_between(x, cloth, &self.now, &self.triangles);
         // Where the body lies on itself there is no room to lift cloth into.
         let folded = |f: u32| self.triangles[f as usize].iter().any(|p| self.folded[p.at()]);
         let open = crossing.iter().filter(|[_, of_body]| !folded(*of_body));
@@ -335,7 +342,7 @@ impl BodyField {
             self.now.iter().zip(&self.folded).filter(|(_, folded)| **folded).map(|(at, _)| *at).collect();
         let near_fold = |f: u32| {
             let corners = self.triangles[f as usize].map(|p| self.now[p.at()]);
-            corners.iter().any(|at| fold.iter().any(|f| (f - at).norm() < FOLD_RIM))
+            corners.iter().any(|at| fold.iter().any(|f| (f - at).norm() < SELF_FOLD_MARGIN))
         };
         let mut crosses = vec![false; x.len()];
         let mut count = 0;
@@ -344,7 +351,7 @@ impl BodyField {
             cloth[*of_cloth as usize].iter().for_each(|p| crosses[p.at()] = true);
         }
         let over_fold = |p: usize| self.under[p].is_some_and(|under| folded(under.triangle));
-        let (rise, highest) = (RISE * self.settings.reach, HIGHEST * self.settings.reach);
+        let (rise, highest) = (RISE * self.settings.point_dhat, HIGHEST * self.settings.point_dhat);
         for (p, lifted) in self.lifted.iter_mut().enumerate() {
             if over_fold(p) {
                 *lifted = (*lifted - rise).max(0.0);
@@ -382,7 +389,7 @@ impl BodyField {
     }
 
     /// The deepest point of the cloth at `x` under its own plane, and how deep [m].
-    pub fn deepest(x: &[Vec3], cushions: &[PlaneContact]) -> Option<(u32, f64)> {
+    pub fn deepest_penetration(x: &[Vec3], cushions: &[PlaneContact]) -> Option<(u32, f64)> {
         let pushing = cushions.iter().filter(|c| c.stiffness > 0.0);
         let depths = pushing.map(|c| (c.point, -c.gap(&x[c.point as usize])));
         depths.filter(|(_, depth)| *depth > 0.0).max_by(|a, b| a.1.total_cmp(&b.1))
@@ -406,30 +413,30 @@ mod tests {
         (points.to_vec(), [[0, 2, 1], [0, 3, 2]].map(|t| t.map(PointIndex)).to_vec())
     }
 
-    fn settings() -> FieldSettings {
-        FieldSettings {
-            reach: 1e-3,
-            clear: 5e-4,
+    fn settings() -> BodyContactSettings {
+        BodyContactSettings {
+            point_dhat: 1e-3,
+            edge_dhat: 5e-4,
             stiffness: 1e6,
             areas: vec![1e-4; 2],
             friction: 0.5,
-            creep: 1e-3,
+            slip_velocity_tol: 1e-3,
         }
     }
 
-    fn field() -> BodyField {
+    fn field() -> BodyPlanes {
         let (points, triangles) = plate();
-        BodyField::new(&points, &triangles, settings())
+        BodyPlanes::new(&points, &triangles, settings())
     }
 
     #[test]
     fn a_fast_body_does_not_get_past_its_cloth() {
         let mut field = field();
         let x = [Vec3::new(0.1, 0.0005, 0.2), Vec3::new(0.3, 0.5, 0.0)];
-        field.begin(&x, &[], &Topology::new(2, &[]), &[]);
+        field.begin_step(&x, &[], &Topology::new(2, &[]), &[]);
         // Upwards by twenty times the reach and sideways by thirty.
         let target: Vec<Vec3> = field.points().iter().map(|p| p + Vec3::new(0.03, 0.02, 0.0)).collect();
-        let cushions = field.cushions(&x, &target, &field.normals(&target), 0.1, 1.0);
+        let cushions = field.plane_contacts(&x, &target, &field.normals(&target), 0.1, 1.0);
         assert_eq!(cushions.len(), 1, "the other is far");
         assert!((cushions[0].gap(&x[0]) + 0.0195).abs() < 1e-15, "it is inside by what the body moved");
         let mut g = [Vec3::zeros(); 2];
@@ -455,11 +462,11 @@ mod tests {
             if turned {
                 triangles.iter_mut().for_each(|t| t.swap(0, 1));
             }
-            let mut field = BodyField::new(&points, &triangles, settings());
-            field.begin(&x, &[], &Topology::new(2, &[]), &[]);
+            let mut field = BodyPlanes::new(&points, &triangles, settings());
+            field.begin_step(&x, &[], &Topology::new(2, &[]), &[]);
             let mut target = points.clone();
             target[4..].iter_mut().for_each(|p| p.y = height);
-            field.flattened(&target)[0].y
+            field.resolve_self_contact(&target)[0].y
         };
         assert_eq!(heights(0.02, false), 0.0, "wide open");
         assert!((heights(0.004, false) + 0.0005).abs() < 1e-15, "half of what is missing to 5 mm");
@@ -476,16 +483,16 @@ mod tests {
         let mut field = field();
         let x = [Vec3::new(0.1, 0.0005, 0.2), Vec3::new(0.3, 0.5, 0.0)];
         let target = field.points().to_vec();
-        field.begin(&x, &[], &Topology::new(2, &[]), &[]);
-        let cushions = field.cushions(&x, &target, &field.normals(&target), 0.1, 1.0);
+        field.begin_step(&x, &[], &Topology::new(2, &[]), &[]);
+        let cushions = field.plane_contacts(&x, &target, &field.normals(&target), 0.1, 1.0);
         let half = Vec3::new(0.5 * cushions[0].slip_tol, 0.0, 0.0);
         field.accept(&[x[0] + half, x[1]], &target, &cushions, &[]);
         assert!((field.kept[0] - Vec3::new(0.5, 0.0, 0.0)).norm() < 1e-12);
         field.accept(&[x[0] + half * 9.0, x[1]], &target, &cushions, &[]);
         assert!((field.kept[0] - Vec3::x()).norm() < 1e-12);
-        field.begin(&x, &[], &Topology::new(2, &[]), &[true, false]);
+        field.begin_step(&x, &[], &Topology::new(2, &[]), &[true, false]);
         assert!(
-            field.cushions(&x, &target, &field.normals(&target), 0.1, 1.0).is_empty(),
+            field.plane_contacts(&x, &target, &field.normals(&target), 0.1, 1.0).is_empty(),
             "held points meet nothing"
         );
     }

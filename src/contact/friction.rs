@@ -17,7 +17,7 @@
 //! lies nowhere below D (f is concave in y²: de Leeuw, Lange 2009, "Sharp quadratic majorization in one dimension"). The
 //! true Hessian of what slides is zero along its way: directions went far beyond the place where it sticks again.
 //!
-//! A contact that sticks holds up to `stiction` times what it bears while it slides.
+//! A contact that sticks holds up to `static_ratio` times what it bears while it slides.
 
 use crate::contact::broad_phase::PairKind;
 use crate::energy::{BlockSink, add_symmetric};
@@ -30,7 +30,7 @@ type Key = (Option<PairKind>, [u32; 4]);
 
 /// One lagged contact.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Slider {
+pub(super) struct FrictionContact {
     /// The kind of pair; none for a plane.
     pub kind: Option<PairKind>,
     /// The points in contact; unused ones have weight 0 and repeat the first.
@@ -48,15 +48,15 @@ pub(super) struct Slider {
 /// All sliders of a step.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Friction {
-    pub sliders: Vec<Slider>,
+    pub sliders: Vec<FrictionContact>,
     /// Positions at the start of the step [m].
     start: Vec<Vec3>,
     /// Stretch at which a contact begins to slide [m].
     stick: f64,
     /// How much more a contact bears that sticks.
-    stiction: f64,
+    static_ratio: f64,
     /// All of them, while only some points move.
-    all: Option<Vec<Slider>>,
+    all: Option<Vec<FrictionContact>>,
     /// Stretch after the last accepted step, as a share of `stick`.
     kept: FxHashMap<Key, Vec3>,
 }
@@ -64,7 +64,7 @@ pub(super) struct Friction {
 /// The stretch that one contact kept from the last accepted step.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct KeptStretch {
+pub struct TangentialState {
     /// The kind of pair; none for a plane.
     kind: Option<PairKind>,
     points: [u32; 4],
@@ -77,9 +77,9 @@ pub struct KeptStretch {
 /// Newton; in a step of seconds that would be millimetres, and wrinkles that friction holds would slide flat.
 const MOST_STICK: f64 = 1e-4;
 
-/// Stretch at which a contact begins to slide in a step of `h` seconds [m], where `creep` [m/s] still counts as rest.
-pub(super) fn stick(creep: f64, h: f64) -> f64 {
-    (creep * h).min(MOST_STICK)
+/// Stretch at which a contact begins to slide in a step of `h` seconds [m], where `slip_velocity_tol` [m/s] still counts as rest.
+pub(super) fn stick(slip_velocity_tol: f64, h: f64) -> f64 {
+    (slip_velocity_tol * h).min(MOST_STICK)
 }
 
 /// A contact counts as sliding above this share of `stick`.
@@ -87,16 +87,16 @@ const SLIDES: f64 = 1.0 - 1e-9;
 
 impl Friction {
     /// Starts a step at these places without any slider.
-    pub fn begin(&mut self, x: &[Vec3], stick: f64, stiction: f64) {
+    pub fn begin(&mut self, x: &[Vec3], stick: f64, static_ratio: f64) {
         self.sliders.clear();
         self.start.clear();
         self.start.extend_from_slice(x);
         self.stick = stick;
-        self.stiction = stiction;
+        self.static_ratio = static_ratio;
     }
 
     /// Adds a contact; its stretch is taken from what was kept, turned into the present tangent plane.
-    pub fn add(&mut self, mut slider: Slider) {
+    pub fn add(&mut self, mut slider: FrictionContact) {
         if let Some(kept) = self.kept.get(&(slider.kind, slider.points)) {
             let across = kept - slider.normal * slider.normal.dot(kept);
             let length = across.norm();
@@ -104,36 +104,40 @@ impl Friction {
                 slider.stretch = across * (self.stick * kept.norm() / length);
             }
             if kept.norm() < SLIDES {
-                slider.limit *= self.stiction;
+                slider.limit *= self.static_ratio;
             }
         }
         self.sliders.push(slider);
     }
 
     /// Leaves out contacts of points that all rest: one flag per point that `moving` ones have set.
-    pub fn focus(&mut self, moving: &[bool]) {
-        let moves = |s: &&Slider| s.points.iter().any(|p| moving.get(*p as usize).is_some_and(|m| *m));
+    pub fn restrict_to(&mut self, moving: &[bool]) {
+        let moves =
+            |s: &&FrictionContact| s.points.iter().any(|p| moving.get(*p as usize).is_some_and(|m| *m));
         let few = self.sliders.iter().filter(moves).copied().collect();
         self.all = Some(std::mem::replace(&mut self.sliders, few));
     }
 
     /// All contacts count again.
-    pub fn unfocus(&mut self) {
+    pub fn unrestrict(&mut self) {
         if let Some(all) = self.all.take() {
             self.sliders = all;
         }
     }
 
     /// What all contacts kept, in a fixed order.
-    pub fn kept(&self) -> Vec<KeptStretch> {
-        let mut all: Vec<_> =
-            self.kept.iter().map(|(&(kind, points), &share)| KeptStretch { kind, points, share }).collect();
+    pub fn kept(&self) -> Vec<TangentialState> {
+        let mut all: Vec<_> = self
+            .kept
+            .iter()
+            .map(|(&(kind, points), &share)| TangentialState { kind, points, share })
+            .collect();
         all.sort_unstable_by_key(|k| (k.kind, k.points));
         all
     }
 
     /// Goes on from what contacts kept.
-    pub fn restore(&mut self, kept: &[KeptStretch]) {
+    pub fn restore(&mut self, kept: &[TangentialState]) {
         self.kept = kept.iter().map(|k| ((k.kind, k.points), k.share)).collect();
     }
 
@@ -149,7 +153,7 @@ impl Friction {
     }
 
     #[inline]
-    fn slip(&self, s: &Slider, x: &[Vec3]) -> Vec3 {
+    fn slip(&self, s: &FrictionContact, x: &[Vec3]) -> Vec3 {
         let mut u = Vec3::zeros();
         for (&p, &w) in s.points.iter().zip(&s.weights) {
             u += (x[p as usize] - self.start[p as usize]) * w;
@@ -174,7 +178,7 @@ impl Friction {
     }
 
     /// Force with which one contact resists, as a gradient by its relative motion [N].
-    pub fn force(&self, s: &Slider, x: &[Vec3]) -> Vec3 {
+    pub fn force(&self, s: &FrictionContact, x: &[Vec3]) -> Vec3 {
         let u = self.slip(s, x);
         u * (s.limit * self.secant(u.norm()))
     }
@@ -187,7 +191,7 @@ impl Friction {
     }
 
     /// The secant Hessian of one contact by its relative motion [N/m], which is positive.
-    pub fn block(&self, s: &Slider, x: &[Vec3]) -> Mat3 {
+    pub fn block(&self, s: &FrictionContact, x: &[Vec3]) -> Mat3 {
         let y = self.slip(s, x).norm();
         (Mat3::identity() - s.normal * s.normal.transpose()) * (s.limit * self.secant(y))
     }
@@ -228,8 +232,8 @@ pub(super) fn add_weighted(out: &mut dyn BlockSink, points: &[u32; 4], weights: 
 mod tests {
     use super::*;
 
-    fn on_the_ground(limit: f64) -> Slider {
-        Slider {
+    fn on_the_ground(limit: f64) -> FrictionContact {
+        FrictionContact {
             kind: None,
             points: [0; 4],
             weights: [1.0, 0.0, 0.0, 0.0],

@@ -7,16 +7,16 @@
 //! the largest; what lies in two patches that cross each other may pass freely, and all else is guarded as ever.
 //!
 //! That it does not get worse is not left to chance: no position is accepted at which more triangles cross than at
-//! the start, counted exactly (`mesh::crossings`). What has come apart is guarded from the next step on.
+//! the start, counted exactly (`mesh::intersections`). What has come apart is guarded from the next step on.
 
 use crate::math::Vec3;
 use crate::mesh::PointIndex;
-use crate::mesh::intersections::crossings;
+use crate::mesh::intersections::self_intersections;
 use rustc_hash::FxHashSet;
 
 /// Triangles that cross, and the patches that are therefore left alone.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Entangled {
+pub(super) struct InitialIntersections {
     /// Pairs of triangles of the cloth, sorted.
     pub layers: Vec<[u32; 2]>,
     /// How many there may be: as many as at the start.
@@ -35,10 +35,10 @@ pub(super) struct Mesh<'a> {
     pub edge_count: usize,
 }
 
-impl Entangled {
+impl InitialIntersections {
     /// Counts at these places. `before` is the count of an earlier step, if there was one.
     pub fn find(cloth: Mesh, before: Option<&Self>) -> Self {
-        let layers = crossings(cloth.x, cloth.triangles);
+        let layers = self_intersections(cloth.x, cloth.triangles);
         let patches = Patches::around(cloth, layers.iter().flatten().copied().collect());
         let allowed = before.map_or(layers.len(), |before| before.allowed);
         let mut cross = FxHashSet::default();
@@ -66,7 +66,7 @@ impl Entangled {
 
     /// Whether more triangles cross at these places than at the start.
     pub fn is_worse_at(&self, cloth: Mesh) -> bool {
-        !self.is_empty() && crossings(cloth.x, cloth.triangles).len() > self.allowed
+        !self.is_empty() && self_intersections(cloth.x, cloth.triangles).len() > self.allowed
     }
 }
 
@@ -264,7 +264,7 @@ mod tests {
             triangle_edges: &topology.triangle_edges,
             edge_count: topology.edges.len(),
         };
-        let found = Entangled::find(mesh, None);
+        let found = InitialIntersections::find(mesh, None);
         assert!(found.layers.len() > 20);
         // The bump's top is on the wrong side of the other sheet's middle; the corners are where they should be.
         let middle = (n / 2) * (n + 1) + n / 2;
@@ -274,9 +274,9 @@ mod tests {
         assert!(!found.is_worse_at(mesh));
         let mut worse = x.clone();
         worse[..half as usize].iter_mut().for_each(|p| p.y += 2e-3);
-        let now = Entangled::find(Mesh { x: &worse, ..mesh }, Some(&found));
+        let now = InitialIntersections::find(Mesh { x: &worse, ..mesh }, Some(&found));
         assert_eq!(found.is_worse_at(Mesh { x: &worse, ..mesh }), now.layers.len() > found.layers.len());
         worse[..half as usize].iter_mut().for_each(|p| p.y -= 0.05);
-        assert!(Entangled::find(Mesh { x: &worse, ..mesh }, Some(&found)).is_empty());
+        assert!(InitialIntersections::find(Mesh { x: &worse, ..mesh }, Some(&found)).is_empty());
     }
 }

@@ -2,9 +2,9 @@
 //!
 //! The promise: if no two triangles of the cloth cross at the start of a step, none do at any position the solver accepts;
 //! what crosses at the start never becomes more (`contact::initial_intersections`).
-//! It is kept by [`Contact::bound_motion`], which cuts every move short of the first touch by continuous collision
+//! It is kept by [`Contact::limit_displacement`], which cuts every move short of the first touch by continuous collision
 //! detection; the barrier makes such cuts rare, and friction rides on the barrier's forces.
-//! The ground is the half space y >= height, seen by points only. A body of triangles is met from one side ([`BodyField`]).
+//! The ground is the half space y >= height, seen by points only. A body of triangles is met from one side ([`BodyPlanes`]).
 
 mod barrier;
 mod body_edges;
@@ -16,21 +16,22 @@ mod initial_intersections;
 pub mod step_bounds;
 mod uncovered_area;
 
-pub use body_planes::{BodyField, FOLD_RIM, FieldSettings, KeptField};
+pub use body_planes::{BodyContactSettings, BodyContactState, BodyPlanes, SELF_FOLD_MARGIN};
 
 use crate::contact::collision_set::{PairContact, Touch};
 use crate::energy::BlockSink;
+use crate::fabric::Fabric;
 use crate::math::{Mat3, Vec3};
 use crate::mesh::{PointIndex, Topology};
-pub use friction::KeptStretch;
-use friction::{Friction, Slider, spread};
+pub use friction::TangentialState;
+use friction::{Friction, FrictionContact, spread};
 use std::sync::Arc;
 
 /// What contact there is in a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactSettings {
-    /// Distance within which cloth pushes cloth apart [m]: the thickness of one layer.
-    pub distance: f64,
+    /// Activation distance d-hat of the barrier [m]: cloth nearer to cloth than this is pushed apart. The thickness of one layer.
+    pub dhat: f64,
     /// Stiffness per area [N/m³]: pressure per metre of approach.
     pub stiffness: f64,
     /// Friction coefficient, cloth on cloth.
@@ -40,20 +41,52 @@ pub struct ContactSettings {
     /// Friction coefficient, cloth on body.
     pub friction_body: f64,
     /// What a contact that sticks bears, as a multiple of what it bears while it slides; 1 for plain Coulomb friction.
-    pub stiction: f64,
+    pub static_ratio: f64,
     /// A contact gives by up to this times the step before it slides [m/s].
-    pub creep: f64,
+    pub slip_velocity_tol: f64,
     /// Whether cloth can meet cloth.
-    pub between_layers: bool,
+    pub self_contact: bool,
 }
+
+impl ContactSettings {
+    /// Cloth of `fabric`: plain Coulomb friction by its coefficients, that of the ground on a body, too. `dhat` [m], `stiffness`
+    /// [N/m³]; `self_contact`: whether cloth can meet cloth.
+    pub fn for_fabric(fabric: &Fabric, dhat: f64, stiffness: f64, self_contact: bool) -> Self {
+        Self {
+            friction: fabric.friction,
+            friction_ground: fabric.friction_ground,
+            friction_body: fabric.friction_ground,
+            self_contact,
+            ..Self::uniform(dhat, stiffness, 0.0)
+        }
+    }
+
+    /// Cloth that meets itself, the ground and a body with the same coefficient of plain Coulomb `friction`. `dhat` [m], `stiffness`
+    /// [N/m³].
+    pub fn uniform(dhat: f64, stiffness: f64, friction: f64) -> Self {
+        Self {
+            dhat,
+            stiffness,
+            friction,
+            friction_ground: friction,
+            friction_body: friction,
+            static_ratio: 1.0,
+            slip_velocity_tol: SLIP_VELOCITY_TOL,
+            self_contact: true,
+        }
+    }
+}
+
+/// Default of [`ContactSettings::slip_velocity_tol`] [m/s].
+const SLIP_VELOCITY_TOL: f64 = 1e-3;
 
 /// The pair that is nearest for its contact distance.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tightest {
-    /// Its gap as a share of its contact distance.
-    pub share: f64,
-    /// A point between the two pieces [m].
-    pub place: Vec3,
+pub struct TightestPair {
+    /// Distance over activation distance.
+    pub gap_ratio: f64,
+    /// A point between the two primitives [m].
+    pub position: Vec3,
 }
 
 /// Contact of one garment with itself, the ground and a ceiling.
@@ -82,16 +115,7 @@ impl Contact {
 
     /// No contact at all.
     pub fn none(point_count: usize) -> Self {
-        let settings = ContactSettings {
-            distance: 1e-3,
-            stiffness: 0.0,
-            friction: 0.0,
-            friction_ground: 0.0,
-            friction_body: 0.0,
-            stiction: 1.0,
-            creep: 1e-3,
-            between_layers: false,
-        };
+        let settings = ContactSettings { self_contact: false, ..ContactSettings::uniform(1e-3, 0.0, 0.0) };
         Self {
             settings,
             area: vec![0.0; point_count],
@@ -115,16 +139,16 @@ impl Contact {
 
     /// The cloth has been put somewhere else (its source pose, say), and what crosses there shall stay as it is: nothing
     /// passes, not even what could come apart.
-    pub fn keep_crossings(&mut self) {
+    pub fn freeze_initial_intersections(&mut self) {
         if let Some(pairs) = &mut self.pairs {
-            pairs.keep_crossings();
+            pairs.freeze_initial_intersections();
         }
     }
 
     /// Forgets what is kept between steps for speed alone.
-    pub fn forget(&mut self) {
+    pub fn clear_caches(&mut self) {
         if let Some(pairs) = &mut self.pairs {
-            pairs.forget();
+            pairs.clear_caches();
         }
     }
 
@@ -142,8 +166,8 @@ impl Contact {
             pairs.begin(x, held);
         }
         let mut friction = std::mem::take(&mut self.friction);
-        let stick = friction::stick(self.settings.creep, h);
-        friction.begin(x, stick, self.settings.stiction);
+        let stick = friction::stick(self.settings.slip_velocity_tol, h);
+        friction.begin(x, stick, self.settings.static_ratio);
         if h.is_finite() && share > 0.0 {
             self.add_sliders(x, share, &mut friction);
         }
@@ -154,9 +178,9 @@ impl Contact {
         let settings = &self.settings;
         if let (Some(ground), true) = (self.ground, settings.friction_ground > 0.0) {
             for (p, x) in x.iter().enumerate() {
-                let force = -barrier::slope(x.y - ground, settings.distance, self.ground_stiffness(p));
+                let force = -barrier::slope(x.y - ground, settings.dhat, self.ground_stiffness(p));
                 if force > 0.0 {
-                    friction.add(Slider {
+                    friction.add(FrictionContact {
                         kind: None,
                         points: [p as u32; 4],
                         weights: [1.0, 0.0, 0.0, 0.0],
@@ -171,7 +195,7 @@ impl Contact {
             return;
         }
         for t in self.touches(x).iter() {
-            friction.add(Slider {
+            friction.add(FrictionContact {
                 kind: Some(t.kind),
                 points: t.points,
                 weights: t.weights,
@@ -183,12 +207,12 @@ impl Contact {
     }
 
     /// What friction keeps from step to step.
-    pub fn kept_friction(&self) -> Vec<KeptStretch> {
+    pub fn friction_state(&self) -> Vec<TangentialState> {
         self.friction.kept()
     }
 
     /// Goes on with what friction kept.
-    pub fn restore_friction(&mut self, kept: &[KeptStretch]) {
+    pub fn restore_friction_state(&mut self, kept: &[TangentialState]) {
         self.friction.restore(kept);
     }
 
@@ -202,36 +226,36 @@ impl Contact {
 
     /// From here on only the points for which `moving` is set move, one flag per point: contacts of all others with one another
     /// are left out of value, gradient and Hessian, and no move is bounded by them.
-    pub fn focus(&mut self, x: &[Vec3], moving: &[bool]) {
+    pub fn restrict_to(&mut self, x: &[Vec3], moving: &[bool]) {
         if let Some(pairs) = &mut self.pairs {
-            pairs.focus(x, moving);
+            pairs.restrict_to(x, moving);
         }
-        self.friction.focus(moving);
+        self.friction.restrict_to(moving);
     }
 
     /// All points move again, and all contacts count.
-    pub fn unfocus(&mut self) {
+    pub fn unrestrict(&mut self) {
         if let Some(pairs) = &mut self.pairs {
-            pairs.unfocus();
+            pairs.unrestrict();
         }
-        self.friction.unfocus();
+        self.friction.unrestrict();
     }
 
     /// Shortens the moves `d` of single points until the way from `x` to `x + d` (and to every share of it) keeps
     /// all pairs apart. Afterwards values may be asked for anywhere on that way.
-    pub fn bound_motion(&mut self, x: &[Vec3], d: &mut [Vec3]) {
+    pub fn limit_displacement(&mut self, x: &[Vec3], d: &mut [Vec3]) {
         for (height, side) in self.planes() {
             for (x, d) in x.iter().zip(d.iter_mut()) {
                 *d *= self.plane_share(x, d, height, side);
             }
         }
         if let Some(pairs) = &mut self.pairs {
-            pairs.bound_motion(x, d);
+            pairs.limit_displacement(x, d);
         }
     }
 
     /// The same with one share for all points: the direction stays what it was.
-    pub fn bound_together(&mut self, x: &[Vec3], d: &mut [Vec3]) {
+    pub fn limit_displacement_uniform(&mut self, x: &[Vec3], d: &mut [Vec3]) {
         let mut share: f64 = 1.0;
         for (height, side) in self.planes() {
             for (x, d) in x.iter().zip(d.iter()) {
@@ -240,13 +264,13 @@ impl Contact {
         }
         d.iter_mut().for_each(|d| *d *= share);
         if let Some(pairs) = &mut self.pairs {
-            pairs.bound_together(x, d);
+            pairs.limit_displacement_uniform(x, d);
         }
     }
 
     /// Moves the cloth by `d`, each point as far as all stay apart and presses no layer below the inner part of its contact
     /// distance. Afterwards values may be asked for at the new positions.
-    pub fn advance(&mut self, x: &mut [Vec3], d: &[Vec3]) {
+    pub fn carry(&mut self, x: &mut [Vec3], d: &[Vec3]) {
         let mut d = d.to_vec();
         for (height, side) in self.planes() {
             for (x, d) in x.iter().zip(d.iter_mut()) {
@@ -254,14 +278,14 @@ impl Contact {
             }
         }
         if let Some(pairs) = &mut self.pairs {
-            pairs.advance(x, &d);
+            pairs.carry(x, &d);
         }
     }
 
     /// Share of the move `d` from `x` that stays off a plane.
     fn plane_share(&self, x: &Vec3, d: &Vec3, height: f64, side: f64) -> f64 {
         let (gap, way) = (side * (x.y - height), side * d.y);
-        let floor = barrier::floor(gap, self.settings.distance);
+        let floor = barrier::floor(gap, self.settings.dhat);
         if way < 0.0 && gap + way < floor { ((gap - floor) / -way).clamp(0.0, 1.0) } else { 1.0 }
     }
 
@@ -291,7 +315,7 @@ impl Contact {
                 if gap <= 0.0 {
                     return f64::INFINITY;
                 }
-                sum += barrier::value(gap, self.settings.distance, self.ground_stiffness(p));
+                sum += barrier::value(gap, self.settings.dhat, self.ground_stiffness(p));
             }
         }
         if let Some(pairs) = &self.pairs {
@@ -312,7 +336,7 @@ impl Contact {
         for (height, side) in self.planes() {
             for (p, (x, g)) in x.iter().zip(out.iter_mut()).enumerate() {
                 let gap = side * (x.y - height);
-                g.y += side * barrier::slope(gap, self.settings.distance, self.ground_stiffness(p));
+                g.y += side * barrier::slope(gap, self.settings.dhat, self.ground_stiffness(p));
             }
         }
         if let Some(pairs) = &self.pairs {
@@ -332,7 +356,7 @@ impl Contact {
         for (height, side) in self.planes() {
             for (p, x) in x.iter().enumerate() {
                 let gap = side * (x.y - height);
-                let k = barrier::curvature(gap, self.settings.distance, self.ground_stiffness(p));
+                let k = barrier::curvature(gap, self.settings.dhat, self.ground_stiffness(p));
                 if k > 0.0 {
                     out.add(p as u32, p as u32, &(up * k));
                 }
@@ -362,11 +386,11 @@ impl Contact {
     }
 
     /// The tightest of all pairs within their contact distance at `x`.
-    pub fn tightest(&self, x: &[Vec3]) -> Option<Tightest> {
+    pub fn tightest_pair(&self, x: &[Vec3]) -> Option<TightestPair> {
         let touches = self.pairs.as_ref()?.touches(x);
-        let share = |t: &Touch| t.distance / t.reach;
-        let tightest = touches.iter().min_by(|a, b| share(a).total_cmp(&share(b)))?;
-        let place = tightest.points.iter().map(|p| &x[*p as usize]).sum::<Vec3>() / 4.0;
-        Some(Tightest { share: share(tightest), place })
+        let ratio = |t: &Touch| t.distance / t.reach;
+        let tightest = touches.iter().min_by(|a, b| ratio(a).total_cmp(&ratio(b)))?;
+        let position = tightest.points.iter().map(|p| &x[*p as usize]).sum::<Vec3>() / 4.0;
+        Some(TightestPair { gap_ratio: ratio(tightest), position })
     }
 }

@@ -11,7 +11,7 @@
 //! `contact::candidates` finds for the same motion. The result depends neither on the number of threads nor on the
 //! order of the pairs: fractions are combined by the minimum only.
 
-use crate::contact::broad_phase::{PairKind, Quad};
+use crate::contact::broad_phase::{PairKind, PrimitivePair};
 use crate::math::Vec3;
 use crate::mesh::aabb::SweptBox;
 use rayon::prelude::*;
@@ -54,7 +54,7 @@ impl StepFractions {
 /// \[m\], no pair comes to its floor: `floors[k]` \[m\] belongs to `quads[k]`. What `mesh::motion` says of pairs that
 /// start below their floor holds here too.
 pub fn local_step_fractions(
-    quads: &[Quad],
+    quads: &[PrimitivePair],
     floors: &[f64],
     points: &[Vec3],
     displacement: &[Vec3],
@@ -64,7 +64,7 @@ pub fn local_step_fractions(
 
 fn fractions_within(
     rounds_most: usize,
-    quads: &[Quad],
+    quads: &[PrimitivePair],
     floors: &[f64],
     points: &[Vec3],
     displacement: &[Vec3],
@@ -114,7 +114,7 @@ pub fn swept_boxes(points: &[Vec3], motion: &[Vec3]) -> Vec<SweptBox> {
 }
 
 /// The pairs whose swept boxes come as near as their floor, in order.
-fn near(quads: &[Quad], floors: &[f64], points: &[Vec3], motion: &[Vec3]) -> Vec<u32> {
+fn near(quads: &[PrimitivePair], floors: &[f64], points: &[Vec3], motion: &[Vec3]) -> Vec<u32> {
     let boxes = swept_boxes(points, motion);
     let pairs = quads.par_iter().zip(floors).enumerate();
     let near = pairs.filter(|(_, (quad, floor))| !stay_apart(quad, &boxes, **floor));
@@ -122,7 +122,13 @@ fn near(quads: &[Quad], floors: &[f64], points: &[Vec3], motion: &[Vec3]) -> Vec
 }
 
 /// Of the `active` pairs those that are not free, with the fraction each may go, in the order of `active`.
-fn hits(active: &[u32], quads: &[Quad], floors: &[f64], points: &[Vec3], motion: &[Vec3]) -> Vec<(u32, f64)> {
+fn hits(
+    active: &[u32],
+    quads: &[PrimitivePair],
+    floors: &[f64],
+    points: &[Vec3],
+    motion: &[Vec3],
+) -> Vec<(u32, f64)> {
     let test = |&k: &u32| {
         let t = quads[k as usize].step(points, motion, floors[k as usize]);
         (t < 1.0).then_some((k, t))
@@ -134,7 +140,7 @@ fn hits(active: &[u32], quads: &[Quad], floors: &[f64], points: &[Vec3], motion:
 
 /// Whether the boxes swept by the two pieces of a pair are further apart than its floor [m].
 #[inline]
-pub fn stay_apart(quad: &Quad, boxes: &[SweptBox], floor: f64) -> bool {
+pub fn stay_apart(quad: &PrimitivePair, boxes: &[SweptBox], floor: f64) -> bool {
     let [a, b, c, d] = quad.points.map(|p| &boxes[p.at()]);
     let (first, second) = match quad.kind {
         PairKind::PointTriangle => (*a, b.joined(c).joined(d)),
@@ -147,7 +153,7 @@ pub fn stay_apart(quad: &Quad, boxes: &[SweptBox], floor: f64) -> bool {
 /// whether it was slowed.
 fn slow_down(
     hits: &[(u32, f64)],
-    quads: &[Quad],
+    quads: &[PrimitivePair],
     displacement: &[Vec3],
     factor: &mut [f64],
     fraction: &mut [f64],
@@ -182,7 +188,7 @@ fn slow_down(
 fn fall_back(
     hits: &[(u32, f64)],
     first_hits: &[(u32, f64)],
-    quads: &[Quad],
+    quads: &[PrimitivePair],
     sound: &[bool],
     fraction: &mut [f64],
 ) -> usize {
@@ -241,7 +247,7 @@ mod tests {
     use super::*;
     use crate::contact::broad_phase::CandidateFinder;
     use crate::math::Rng;
-    use crate::mesh::intersections::crossings;
+    use crate::mesh::intersections::self_intersections;
     use crate::mesh::{PointIndex, Topology};
 
     /// `layers` sheets of n x n squares of 8 mm, `apart` \[m\] above each other, each turned a little.
@@ -265,7 +271,7 @@ mod tests {
     }
 
     /// The candidates of a motion as quads.
-    fn quads(points: &[Vec3], triangles: &[[PointIndex; 3]], displacement: &[Vec3]) -> Vec<Quad> {
+    fn quads(points: &[Vec3], triangles: &[[PointIndex; 3]], displacement: &[Vec3]) -> Vec<PrimitivePair> {
         let topology = Topology::new(points.len(), triangles);
         let mut finder = CandidateFinder::new(points, triangles, &topology);
         let end: Vec<Vec3> = points.iter().zip(displacement).map(|(x, d)| x + d).collect();
@@ -274,7 +280,7 @@ mod tests {
     }
 
     /// Walks each pair through its motion in steps within which its gap cannot close.
-    fn assert_apart(quads: &[Quad], floors: &[f64], points: &[Vec3], motion: &[Vec3]) {
+    fn assert_apart(quads: &[PrimitivePair], floors: &[f64], points: &[Vec3], motion: &[Vec3]) {
         for (quad, &floor) in quads.iter().zip(floors) {
             let (x, dx) = (quad.gather(points), quad.gather(motion));
             let floor = floor.min(0.5 * quad.gap(points).distance);
@@ -321,9 +327,9 @@ mod tests {
         let motion = found.apply(&displacement);
         assert_apart(&quads, &floors, &points, &motion);
         let end: Vec<Vec3> = points.iter().zip(&motion).map(|(x, d)| x + d).collect();
-        assert!(crossings(&end, &triangles).is_empty());
+        assert!(self_intersections(&end, &triangles).is_empty());
         let whole: Vec<Vec3> = points.iter().zip(&displacement).map(|(x, d)| x + d).collect();
-        assert!(crossings(&whole, &triangles).len() > 100, "the motion must be one that crosses");
+        assert!(self_intersections(&whole, &triangles).len() > 100, "the motion must be one that crosses");
         println!("rounds {} least {} slowed {}", found.rounds, found.least, found.slowed);
         assert_eq!(found.fallen_back, 0);
     }
@@ -367,7 +373,7 @@ mod tests {
         let (points, triangles, displacement) = thrown(5);
         let mut quads = quads(&points, &triangles, &displacement);
         let floors = vec![2e-4; quads.len()];
-        let run = |quads: &[Quad], threads: usize| {
+        let run = |quads: &[PrimitivePair], threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
             let Ok(pool) = pool else { panic!("no threads") };
             pool.install(|| local_step_fractions(quads, &floors, &points, &displacement))
@@ -397,7 +403,7 @@ mod tests {
     #[test]
     fn pairs_below_their_floor_may_part() {
         let points = [Vec3::new(0.2, 0.2, 1e-4), Vec3::zeros(), Vec3::x(), Vec3::y()];
-        let quad = Quad { kind: PairKind::PointTriangle, points: [0, 1, 2, 3].map(PointIndex) };
+        let quad = PrimitivePair { kind: PairKind::PointTriangle, points: [0, 1, 2, 3].map(PointIndex) };
         let mut displacement = [Vec3::zeros(); 4];
         displacement[0].z = 1.0;
         let found = local_step_fractions(&[quad], &[1e-3], &points, &displacement);

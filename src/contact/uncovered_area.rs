@@ -2,7 +2,7 @@
 
 use crate::math::Vec3;
 use crate::mesh::PointIndex;
-use crate::mesh::triangle_bvh::TriangleTree;
+use crate::mesh::triangle_bvh::TriangleBvh;
 use rayon::prelude::*;
 
 /// A ray starts this far above the centre of its triangle, so that it does not meet it [m].
@@ -13,7 +13,7 @@ const MAX_COVER_HEIGHT: f64 = 10.0;
 /// Finds uncovered areas; the last answer is kept, because steps of a hold ask for the same positions again.
 pub(super) struct UncoveredArea {
     triangles: Vec<[PointIndex; 3]>,
-    tree: TriangleTree,
+    tree: TriangleBvh,
     last: Option<Answer>,
 }
 
@@ -27,7 +27,7 @@ struct Answer {
 impl UncoveredArea {
     /// For a mesh of `triangles`, at first at `x` [m].
     pub fn new(x: &[Vec3], triangles: &[[PointIndex; 3]]) -> Self {
-        Self { triangles: triangles.to_vec(), tree: TriangleTree::new(x, triangles, 0.0), last: None }
+        Self { triangles: triangles.to_vec(), tree: TriangleBvh::new(x, triangles, 0.0), last: None }
     }
 
     /// Per point: the uncovered part of its area at `x` [m²], projected onto the ground.

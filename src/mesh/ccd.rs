@@ -11,7 +11,7 @@
 //! Straight motion of each point; no time of impact to the last digit, no response. Whole meshes: `contact::bound`.
 
 use crate::math::Vec3;
-use crate::mesh::distance::{Gap, edge_edge, point_triangle};
+use crate::mesh::distance::{ClosestPoints, edge_edge, point_triangle};
 
 /// Fraction of the gap above the floor that is left when a pair is stopped (ACCD's s; there 0.1).
 const KEPT: f64 = 0.08;
@@ -51,7 +51,7 @@ fn safe_fraction<const N: usize>(
     dx: [Vec3; 4],
     floor: f64,
     corners: &[(usize, usize); N],
-    gap: impl Fn(&[Vec3; 4]) -> Gap,
+    gap: impl Fn(&[Vec3; 4]) -> ClosestPoints,
 ) -> f64 {
     if stay_apart_on_an_axis(&x, &dx, floor, N == 3) {
         return 1.0;
@@ -118,7 +118,7 @@ fn advance<const N: usize>(
     level: f64,
     close_enough: f64,
     corners: &[(usize, usize); N],
-    gap: &impl Fn(&[Vec3; 4]) -> Gap,
+    gap: &impl Fn(&[Vec3; 4]) -> ClosestPoints,
 ) -> f64 {
     let mut time = 0.0;
     for _ in 0..STEPS_MOST {
@@ -161,7 +161,7 @@ mod tests {
     }
 
     type Step = fn([Vec3; 4], [Vec3; 4], f64) -> f64;
-    type Measure = fn(&[Vec3; 4]) -> Gap;
+    type Measure = fn(&[Vec3; 4]) -> ClosestPoints;
     fn kinds() -> [(&'static str, Step, Measure); 2] {
         [
             ("point-triangle", point_triangle_step, |x| point_triangle(&x[0], &x[1], &x[2], &x[3])),

@@ -1,6 +1,6 @@
 //! How far apart two small pieces of mesh are: point and triangle, edge and edge.
 //!
-//! Each function gives a [`Gap`]: the vector between the two closest points, its length, and that vector as signed
+//! Each function gives a [`ClosestPoints`]: the vector between the two closest points, its length, and that vector as signed
 //! weights of the corner points, so that a force along the gap spreads over the points by the same weights. These
 //! are the primitive pairs of Li et al., "Incremental Potential Contact" (2020; below: IPC); the
 //! closest feature is found by looking only at the sides that face the other piece, with cross products instead
@@ -17,7 +17,7 @@ const FLAT_CORNER: f64 = 1e-20;
 const PARALLEL: f64 = 1e-16;
 /// The closest points of two pieces.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Gap {
+pub struct ClosestPoints {
     /// From the closest point of the second piece to the closest point of the first \[m\].
     pub vector: Vec3,
     /// Length of `vector` \[m\].
@@ -27,7 +27,7 @@ pub struct Gap {
     pub weights: [f64; 4],
 }
 
-impl Gap {
+impl ClosestPoints {
     #[inline]
     fn new(vector: Vec3, weights: [f64; 4]) -> Self {
         Self { vector, distance: vector.norm(), weights }
@@ -58,9 +58,9 @@ pub fn barycentric(p: &Vec3, [a, b, c]: &[Vec3; 3]) -> [f64; 3] {
 
 /// Closest points of the point `p` and the triangle `a b c`; weights `[1, -wa, -wb, -wc]`.
 #[inline]
-pub fn point_triangle(p: &Vec3, a: &Vec3, b: &Vec3, c: &Vec3) -> Gap {
+pub fn point_triangle(p: &Vec3, a: &Vec3, b: &Vec3, c: &Vec3) -> ClosestPoints {
     let (v, w) = foot_on_triangle(p, a, b, c);
-    Gap::new((p - a) - (b - a) * v - (c - a) * w, [1.0, v + w - 1.0, -v, -w])
+    ClosestPoints::new((p - a) - (b - a) * v - (c - a) * w, [1.0, v + w - 1.0, -v, -w])
 }
 
 /// Squared distance \[m²\] of the point `p` and the triangle `a b c`, where nothing else is needed.
@@ -121,10 +121,10 @@ fn nearest_side(p: &Vec3, corners: [&Vec3; 3], asked: [bool; 3]) -> (f64, f64) {
 /// Closest points of the edges `a0 a1` and `b0 b1`; weights `[1-s, s, -(1-t), -t]`. Parallel edges that run side
 /// by side are joined in the middle of their overlap.
 #[inline]
-pub fn edge_edge(a0: &Vec3, a1: &Vec3, b0: &Vec3, b1: &Vec3) -> Gap {
+pub fn edge_edge(a0: &Vec3, a1: &Vec3, b0: &Vec3, b1: &Vec3) -> ClosestPoints {
     let (s, t) = feet_on_edges(a0, a1, b0, b1);
     let vector = (a0 - b0) + (a1 - a0) * s - (b1 - b0) * t;
-    Gap::new(vector, [1.0 - s, s, t - 1.0, -t])
+    ClosestPoints::new(vector, [1.0 - s, s, t - 1.0, -t])
 }
 
 /// Squared distance \[m²\] of the edges `a0 a1` and `b0 b1`, where nothing else is needed.
@@ -200,7 +200,7 @@ mod tests {
         [0; 4].map(|_| rng.in_cube() * 0.5)
     }
 
-    type Pair = fn(&[Vec3; 4]) -> Gap;
+    type Pair = fn(&[Vec3; 4]) -> ClosestPoints;
     fn pairs() -> [(&'static str, Pair); 2] {
         [
             ("point-triangle", |x| point_triangle(&x[0], &x[1], &x[2], &x[3])),

@@ -10,35 +10,35 @@
 
 use crate::math::Vec3;
 use crate::mesh::PointIndex;
-use crate::mesh::triangle_bvh::TriangleTree;
+use crate::mesh::triangle_bvh::TriangleBvh;
 use rayon::prelude::*;
 use robust::{Coord3D, orient3d};
 
 /// Pairs of triangles of one mesh that cross, lower index first, sorted; pairs that share a point are left out, and
 /// so are triangles with a corner that is not finite.
-pub fn crossings(points: &[Vec3], triangles: &[[PointIndex; 3]]) -> Vec<[u32; 2]> {
+pub fn self_intersections(points: &[Vec3], triangles: &[[PointIndex; 3]]) -> Vec<[u32; 2]> {
     let cross = |(a, b): (u32, u32)| {
         let (first, second) = (&triangles[a as usize], &triangles[b as usize]);
         let shared = first.iter().any(|p| second.contains(p));
         let cross = !shared && triangles_cross(&corners(points, first), &corners(points, second));
         cross.then(|| [a.min(b), a.max(b)])
     };
-    let near = TriangleTree::new(points, triangles, 0.0).overlaps();
+    let near = TriangleBvh::new(points, triangles, 0.0).overlaps();
     let mut found: Vec<_> = near.into_par_iter().filter_map(cross).collect();
     found.sort_unstable();
     found
 }
 
 /// Pairs (triangle of the first mesh, triangle of the second) that cross, sorted.
-pub fn crossings_between(
+pub fn intersections_between(
     points: &[Vec3],
     triangles: &[[PointIndex; 3]],
     other_points: &[Vec3],
     other_triangles: &[[PointIndex; 3]],
 ) -> Vec<[u32; 2]> {
-    let other_tree = TriangleTree::new(other_points, other_triangles, 0.0);
+    let other_tree = TriangleBvh::new(other_points, other_triangles, 0.0);
     let mut found = Vec::new();
-    TriangleTree::new(points, triangles, 0.0).for_each_overlap_with(&other_tree, |a, b| {
+    TriangleBvh::new(points, triangles, 0.0).for_each_overlap_with(&other_tree, |a, b| {
         let first = corners(points, &triangles[a as usize]);
         if triangles_cross(&first, &corners(other_points, &other_triangles[b as usize])) {
             found.push([a, b]);
@@ -171,12 +171,12 @@ mod tests {
         };
         let all = (0..120).flat_map(|i| (0..120).map(move |j| (i, j))).filter(|&(i, j)| cross(i, j));
         let every: Vec<[u32; 2]> = all.map(|(i, j)| [i as u32, j as u32]).collect();
-        assert_eq!(crossings_between(&points, &triangles, &points, &triangles), every);
+        assert_eq!(intersections_between(&points, &triangles, &points, &triangles), every);
         let shares =
             |p: &[u32; 2]| triangles[p[0] as usize].iter().any(|c| triangles[p[1] as usize].contains(c));
         let own: Vec<_> = every.into_iter().filter(|p| p[0] < p[1] && !shares(p)).collect();
         assert!(own.len() > 100);
-        assert_eq!(crossings(&points, &triangles), own);
+        assert_eq!(self_intersections(&points, &triangles), own);
     }
 
     #[test]
@@ -184,11 +184,11 @@ mod tests {
         let mut rng = Rng::from_state(12);
         let mut points: Vec<Vec3> = (0..40).flat_map(|_| triangle(&mut rng)).collect();
         let triangles: Vec<_> = (0..40u32).map(|f| [0, 1, 2].map(|k| PointIndex(3 * f + k))).collect();
-        let before = crossings(&points, &triangles);
+        let before = self_intersections(&points, &triangles);
         points[0].x = f64::NAN;
         points[4].x = f64::INFINITY;
         let without: Vec<_> = before.into_iter().filter(|p| p[0] > 1).collect();
-        assert_eq!(crossings(&points, &triangles), without);
+        assert_eq!(self_intersections(&points, &triangles), without);
     }
 
     /// The points and triangles of a plain OBJ file (all of these are triangles, welded).
@@ -234,7 +234,7 @@ mod tests {
             };
             let (points, triangles) = read(&text);
             assert_eq!(triangles.len(), 3726);
-            assert_eq!(crossings(&points, &triangles).len(), count, "{name}");
+            assert_eq!(self_intersections(&points, &triangles).len(), count, "{name}");
         }
     }
 }

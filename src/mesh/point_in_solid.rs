@@ -7,14 +7,14 @@
 
 use crate::math::Vec3;
 use crate::mesh::PointIndex;
-use crate::mesh::triangle_bvh::TriangleTree;
+use crate::mesh::triangle_bvh::TriangleBvh;
 use rayon::prelude::*;
 
 /// A surface that has an inside.
 pub struct Solid<'a> {
     points: &'a [Vec3],
     triangles: &'a [[PointIndex; 3]],
-    tree: TriangleTree,
+    tree: TriangleBvh,
     normals: Vec<Vec3>,
 }
 
@@ -24,7 +24,7 @@ const INSIDE: f64 = 0.5;
 impl<'a> Solid<'a> {
     /// Of `triangles` between `points` [m].
     pub fn new(points: &'a [Vec3], triangles: &'a [[PointIndex; 3]]) -> Self {
-        let tree = TriangleTree::new(points, triangles, 0.0);
+        let tree = TriangleBvh::new(points, triangles, 0.0);
         Self { points, triangles, tree, normals: point_normals(points, triangles) }
     }
 

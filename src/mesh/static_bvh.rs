@@ -1,6 +1,6 @@
 //! Which triangles of one mesh may meet during a motion: a tree of its patches.
 //!
-//! Patches are cut from the mesh as it is first given and stay what they are: neighbours in cloth go along with one another, however
+//! StaticBvh are cut from the mesh as it is first given and stay what they are: neighbours in cloth go along with one another, however
 //! it is folded, so that the tree is never built anew. A box is kept for the beginning and one for the end of the motion
 //! (`boxes::MovingBox`): layers that are carried along together, be it far, sweep nothing against one another.
 //!
@@ -22,7 +22,7 @@ pub type Pairs = Vec<(u32, u32)>;
 
 /// A tree of patches.
 #[derive(Debug, Clone)]
-pub struct Patches {
+pub struct StaticBvh {
     /// Triangles, those of a patch together.
     order: Vec<u32>,
     /// Children after their parents.
@@ -41,7 +41,7 @@ struct Node {
     halves: u32,
 }
 
-impl Patches {
+impl StaticBvh {
     /// The patches of the mesh of these `triangles` at `points` \[m\].
     pub fn new(points: &[Vec3], triangles: &[[PointIndex; 3]]) -> Self {
         let centre = |t: &[PointIndex; 3]| t.iter().map(|p| points[p.at()]).sum::<Vec3>() / 3.0;
@@ -72,7 +72,7 @@ impl Patches {
 
     /// All pairs of different triangles whose `boxes`, one per triangle, come within `reach` ([`crate::mesh::aabb::SweptBox::reach`]), each
     /// once; only those with one that is `marked`, if any are told, one flag per triangle.
-    pub fn meetings(
+    pub fn overlapping_triangles(
         &mut self,
         boxes: &[MovingBox],
         reach: f32,
@@ -193,7 +193,7 @@ mod tests {
             }
             triangles.push([3 * k, 3 * k + 1, 3 * k + 2].map(PointIndex));
         }
-        let mut patches = Patches::new(&start, &triangles);
+        let mut patches = StaticBvh::new(&start, &triangles);
         let reach = SweptBox::reach(0.01);
         for rests in [false, true] {
             let of = |p: &PointIndex| {
@@ -204,7 +204,7 @@ mod tests {
             let boxes: Vec<MovingBox> = triangles.iter().map(around).collect();
             let flags: Vec<bool> = (0..triangles.len()).map(|f| f % 7 == 0).collect();
             for marked in [None, Some(&flags[..])] {
-                let found = patches.meetings(&boxes, reach, rests, marked).concat();
+                let found = patches.overlapping_triangles(&boxes, reach, rests, marked).concat();
                 let sorted: BTreeSet<(u32, u32)> = found.iter().map(|&(a, b)| (a.min(b), a.max(b))).collect();
                 assert_eq!(sorted.len(), found.len(), "no pair twice");
                 let count = triangles.len() as u32;
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn no_triangles_have_no_meetings() {
-        assert!(Patches::new(&[], &[]).meetings(&[], 1.0, true, None).concat().is_empty());
+    fn no_triangles_have_no_overlaps() {
+        assert!(StaticBvh::new(&[], &[]).overlapping_triangles(&[], 1.0, true, None).concat().is_empty());
     }
 }

@@ -12,7 +12,7 @@
 
 use crate::math::Vec3;
 use crate::mesh::PointIndex;
-use crate::mesh::distance::{Gap, point_triangle};
+use crate::mesh::distance::{ClosestPoints, point_triangle};
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhLeafUpdateStatus, BvhNode};
@@ -30,7 +30,7 @@ const RAY_SLACK: f64 = 1e-14;
 
 /// A tree of boxes over the triangles of one mesh.
 #[derive(Clone)]
-pub struct TriangleTree {
+pub struct TriangleBvh {
     triangles: Vec<[PointIndex; 3]>,
     bvh: Bvh,
     /// Positions when the tree was last built \[m\], one per point.
@@ -56,14 +56,14 @@ pub struct RayHit {
 
 /// The triangle closest to a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Nearest {
+pub struct NearestTriangle {
     /// The triangle.
     pub triangle: u32,
     /// From the closest point of the triangle to the point; weights `[1, -wa, -wb, -wc]`.
-    pub gap: Gap,
+    pub gap: ClosestPoints,
 }
 
-impl TriangleTree {
+impl TriangleBvh {
     /// Tree over `triangles`; every box is grown by `inflate` \[m\] on all sides. `points` \[m\], one per point.
     pub fn new(points: &[Vec3], triangles: &[[PointIndex; 3]], inflate: f64) -> Self {
         let mut tree = Self {
@@ -167,7 +167,7 @@ impl TriangleTree {
     }
 
     /// The triangle closest to `point` \[m\], if one lies within `most` \[m\]. `points` are those of the last fit.
-    pub fn nearest(&self, points: &[Vec3], point: Vec3, most: f64) -> Option<Nearest> {
+    pub fn nearest(&self, points: &[Vec3], point: Vec3, most: f64) -> Option<NearestTriangle> {
         self.nearest_where(points, point, most, |_| true)
     }
 
@@ -178,7 +178,7 @@ impl TriangleTree {
         point: Vec3,
         most: f64,
         accept: impl Fn(u32) -> bool,
-    ) -> Option<Nearest> {
+    ) -> Option<NearestTriangle> {
         let gap = |f: u32| {
             let [a, b, c] = self.corners(points, f);
             point_triangle(&point, a, b, c)
@@ -189,7 +189,7 @@ impl TriangleTree {
         let first =
             self.least_leaf(|node| box_distance(node, 0.0) <= distance, |f| distance_of(f) == Some(distance));
         let triangle = first.unwrap_or(found);
-        Some(Nearest { triangle, gap: gap(triangle) })
+        Some(NearestTriangle { triangle, gap: gap(triangle) })
     }
 
     /// The lowest triangle that passes `test`, among the boxes that pass `enter`.
@@ -348,9 +348,9 @@ mod tests {
         let mut rng = Rng::from_state(3);
         for count in [0, 1, 2, 3, 7, 300] {
             let (start, triangles) = soup(&mut rng, count, 0.1);
-            let (mut tree, other_count) = (TriangleTree::new(&start, &triangles, 0.0), count / 2 + 1);
+            let (mut tree, other_count) = (TriangleBvh::new(&start, &triangles, 0.0), count / 2 + 1);
             let (other_points, other_triangles) = soup(&mut rng, other_count, 0.2);
-            let other = TriangleTree::new(&other_points, &other_triangles, 0.01);
+            let other = TriangleBvh::new(&other_points, &other_triangles, 0.01);
             let other_boxes: Vec<Aabb> =
                 other_triangles.iter().map(|t| swept_box(t, &other_points, &other_points, 0.01)).collect();
             let mut at = start;
@@ -370,7 +370,7 @@ mod tests {
     #[test]
     fn a_flat_sheet_meets_only_its_neighbours() {
         let (points, triangles) = sheet(40);
-        let pairs = TriangleTree::new(&points, &triangles, 0.0).overlapping_pairs();
+        let pairs = TriangleBvh::new(&points, &triangles, 0.0).overlapping_pairs();
         assert!(pairs.len() < 14 * triangles.len(), "{} of {}", pairs.len(), triangles.len());
         assert_eq!(pairs.len(), pairs.iter().collect::<std::collections::BTreeSet<_>>().len());
     }
@@ -378,17 +378,17 @@ mod tests {
     #[test]
     fn what_is_not_finite_is_left_out_and_harms_nobody() {
         let (mut points, triangles) = sheet(8);
-        let whole = TriangleTree::new(&points, &triangles, 0.0).overlapping_pairs();
+        let whole = TriangleBvh::new(&points, &triangles, 0.0).overlapping_pairs();
         points[0].y = f64::NAN;
         let gone = |f: u32| triangles[f as usize].contains(&PointIndex(0));
         let expected: Vec<_> = whole.iter().filter(|p| !gone(p[0]) && !gone(p[1])).copied().collect();
-        let tree = TriangleTree::new(&points, &triangles, 0.0);
+        let tree = TriangleBvh::new(&points, &triangles, 0.0);
         assert_eq!(tree.overlapping_pairs(), expected);
         assert_eq!(tree.overlapping_pairs_with(&tree).len(), 2 * expected.len() + triangles.len() - 2);
         assert!(tree.nearest(&points, Vec3::new(0.0, 0.0, 1.0), f64::INFINITY).is_some());
         assert!(tree.first_hit(&points, Vec3::new(0.5, 0.4, 1.0), -Vec3::z(), f64::INFINITY).is_some());
         let nowhere = vec![Vec3::repeat(f64::INFINITY); points.len()];
-        let empty = TriangleTree::new(&nowhere, &triangles, 1.0);
+        let empty = TriangleBvh::new(&nowhere, &triangles, 1.0);
         assert!(empty.overlapping_pairs().is_empty());
         assert!(empty.nearest(&nowhere, Vec3::zeros(), f64::INFINITY).is_none());
     }
@@ -397,7 +397,7 @@ mod tests {
     fn nearest_is_that_of_all_triangles_and_keeps_to_its_limit() {
         let mut rng = Rng::from_state(4);
         let (points, triangles) = soup(&mut rng, 500, 0.1);
-        let tree = TriangleTree::new(&points, &triangles, 0.03);
+        let tree = TriangleBvh::new(&points, &triangles, 0.03);
         for _ in 0..300 {
             let p = rng.in_unit_cube() * 1.4;
             let all: Vec<f64> = (0..500)
@@ -413,7 +413,7 @@ mod tests {
         let (points, triangles) = sheet(4);
         let corner = Vec3::new(0.5, 0.5, 0.2);
         let first = triangles.iter().position(|t| t.iter().any(|p| points[p.at()].xy() == corner.xy()));
-        let found = TriangleTree::new(&points, &triangles, 0.0).nearest(&points, corner, 1.0);
+        let found = TriangleBvh::new(&points, &triangles, 0.0).nearest(&points, corner, 1.0);
         assert_eq!(found.map(|n| n.triangle as usize), first, "of equals the first");
     }
 
@@ -422,7 +422,7 @@ mod tests {
         let (mut points, triangles) = sheet(20);
         let mut rng = Rng::from_state(5);
         points.iter_mut().for_each(|x| x.z = 0.05 * rng.uniform());
-        let tree = TriangleTree::new(&points, &triangles, 0.0);
+        let tree = TriangleBvh::new(&points, &triangles, 0.0);
         for k in 0..2_000 {
             // Many aimed exactly at points and sides.
             let target = match k % 3 {
@@ -455,7 +455,7 @@ mod tests {
     #[test]
     fn far_motion_builds_the_tree_anew() {
         let (points, triangles) = sheet(30);
-        let mut tree = TriangleTree::new(&points, &triangles, 0.0);
+        let mut tree = TriangleBvh::new(&points, &triangles, 0.0);
         // Rolled up, so that points far apart come near.
         let rolled: Vec<Vec3> = points
             .iter()
@@ -471,7 +471,7 @@ mod tests {
         assert_eq!(tree.built_at, rolled);
         assert_eq!(
             tree.overlapping_pairs(),
-            TriangleTree::new(&rolled, &triangles, 0.001).overlapping_pairs()
+            TriangleBvh::new(&rolled, &triangles, 0.001).overlapping_pairs()
         );
     }
 }

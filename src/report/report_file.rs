@@ -6,7 +6,7 @@
 use crate::bake::{BakeResult, ModelDecision};
 use crate::garment::{Garment, WornGarment};
 use crate::math::Vec3;
-use crate::mesh::intersections::crossings;
+use crate::mesh::intersections::self_intersections;
 use crate::report::{DetailReport, ExportCheck};
 use schemars::JsonSchema;
 use serde::de::{MapAccess, Visitor};
@@ -142,10 +142,10 @@ pub struct CrossingCounts {
 }
 
 /// Counts the crossings of `worn` in its own pose; `start` are those of the garment as it came, sorted as
-/// [`crossings`] gives them.
+/// [`self_intersections`] gives them.
 pub fn crossing_counts(garment: &Garment, worn: &WornGarment, start: &[[u32; 2]]) -> CrossingCounts {
     let x: Vec<Vec3> = garment.points.iter().zip(&worn.displacement).map(|(x, d)| x + d).collect();
-    let end = crossings(&x, &garment.triangles);
+    let end = self_intersections(&x, &garment.triangles);
     let made = end.iter().filter(|pair| start.binary_search(pair).is_err()).count();
     CrossingCounts { at_start: start.len(), made }
 }
@@ -218,7 +218,7 @@ mod tests {
     fn crossings_of_the_input_are_not_those_of_the_bake() {
         let counts_after = |y: f64, fall: f64| {
             let garment = lying_and_standing(y);
-            let start = crossings(&garment.points, &garment.triangles);
+            let start = self_intersections(&garment.points, &garment.triangles);
             let lowest = garment.points.iter().position(|p| p.x == 0.0 && p.z == 0.0).expect("is there");
             let mut displacement = vec![Vec3::zeros(); garment.points.len()];
             displacement[lowest].y = -fall;

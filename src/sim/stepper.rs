@@ -94,7 +94,7 @@ impl Stepper {
     /// step then depends on nothing but what it is given. The pattern decides the order of sums and so the last bits.
     pub fn clear_caches(&mut self) {
         self.work.reset();
-        self.contact.forget();
+        self.contact.clear_caches();
         self.could_take = 0.0;
     }
 
@@ -196,7 +196,7 @@ impl Stepper {
         let mut inner: Option<Vec<Vec3>> = None;
         let first = earlier.first().unwrap_or(drive);
         if !first.body_displacement.is_empty() {
-            self.contact.advance(&mut x, &first.body_displacement);
+            self.contact.carry(&mut x, &first.body_displacement);
         }
         for drive in earlier {
             let stage = match &inner {
@@ -332,7 +332,7 @@ impl Stepper {
         newton: &NewtonOptions,
     ) -> NewtonReport {
         self.contact.set_planes(None, None);
-        self.contact.keep_crossings();
+        self.contact.freeze_initial_intersections();
         let held = vec![false; x.len()];
         self.contact.begin_step(x, f64::INFINITY, 0.0, &held);
         // Terms may differ from those of steps.

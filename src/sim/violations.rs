@@ -36,9 +36,9 @@ impl Violations {
     /// What is unmet at `x`, after a step of `contact`.
     pub(super) fn detect(x: &[Vec3], cloth: &Cloth, contact: &Contact) -> Self {
         let pressed = contact
-            .tightest(x)
-            .filter(|tightest| tightest.share < PRESSED)
-            .map(|tightest| Violation { size: tightest.share, position: tightest.place });
+            .tightest_pair(x)
+            .filter(|tightest| tightest.gap_ratio < PRESSED)
+            .map(|tightest| Violation { size: tightest.gap_ratio, position: tightest.position });
         let strains = cloth.membrane.measure(x).into_iter().map(|[u, v, _]| u.max(v) - 1.0);
         let most =
             strains.zip(0..).fold((STRETCHED, usize::MAX), |most, s| if s.0 > most.0 { s } else { most });

@@ -2,7 +2,7 @@
 //! over box.
 
 use crate::math::{Mat3, Vec3};
-use crate::mesh::triangle_bvh::TriangleTree;
+use crate::mesh::triangle_bvh::TriangleBvh;
 use crate::transfer::canonical_pose::{Stance, stand};
 use crate::transfer::registration::{Registration, joint_places};
 use crate::transfer::{GarmentSurface, TransferOptions, TransferSource};
@@ -94,7 +94,7 @@ const CLOSE_SHARE: f64 = 0.6;
 
 /// Whether most of `target` lies close to `source`, both where they are.
 fn is_close(source: &GarmentSurface, target: &GarmentSurface, size: f64) -> bool {
-    let tree = TriangleTree::new(&source.points, &source.triangles, 0.0);
+    let tree = TriangleBvh::new(&source.points, &source.triangles, 0.0);
     let count = target.triangles.len();
     let close = |f: &usize| {
         let middle = target.corners(*f).iter().sum::<Vec3>() / 3.0;

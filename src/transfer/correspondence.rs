@@ -9,7 +9,7 @@
 //! plane, else the smallest rotation between the normals.
 
 use crate::math::{Mat3, Vec2, Vec3, bounds};
-use crate::mesh::triangle_bvh::{Nearest, TriangleTree};
+use crate::mesh::triangle_bvh::{NearestTriangle, TriangleBvh};
 use crate::transfer::GarmentSurface;
 use nalgebra::{Matrix2, Matrix3x2, Rotation3};
 
@@ -68,7 +68,7 @@ pub(super) struct Finder<'a> {
     way: Way,
     /// What the tree stands on: texture, front view or space.
     points: Vec<Vec3>,
-    tree: TriangleTree,
+    tree: TriangleBvh,
     /// Per source triangle: outward unit normal.
     normals: Vec<Vec3>,
     /// Per source triangle: which of its sides are open.
@@ -105,7 +105,7 @@ impl<'a> Finder<'a> {
             }
             _ => (source.points.clone(), source.triangles.clone(), REACH[1] * size, Vec::new()),
         };
-        let tree = TriangleTree::new(&points, &triangles, 0.0);
+        let tree = TriangleBvh::new(&points, &triangles, 0.0);
         let slack = if way == Way::Texture { reach } else { REACH[0] * size };
         Self {
             source,
@@ -162,7 +162,7 @@ impl<'a> Finder<'a> {
     }
 
     /// Whether the landing lies on an open side of its triangle, and the place well past it.
-    fn beyond_border(&self, found: &Nearest, normal: &Vec3) -> bool {
+    fn beyond_border(&self, found: &NearestTriangle, normal: &Vec3) -> bool {
         let sideways = found.gap.vector - normal * normal.dot(&found.gap.vector);
         if sideways.norm() <= self.slack {
             return false;
@@ -189,7 +189,7 @@ pub(super) fn landed_at(finder: &Finder, landing: &Landing) -> Vec3 {
     finder.source.corners(landing.triangle).iter().sum::<Vec3>() / 3.0
 }
 
-fn nearness(found: &Nearest, reach: f64) -> f64 {
+fn nearness(found: &NearestTriangle, reach: f64) -> f64 {
     (1.0 - found.gap.distance / reach).clamp(0.0, 1.0)
 }
 

@@ -7,7 +7,7 @@ use crease::garment::Garment;
 use crease::io::{ReadOptions, read_asset};
 use crease::math::{Rng, Vec3, bounds};
 use crease::mesh::PointIndex;
-use crease::mesh::intersections::crossings;
+use crease::mesh::intersections::self_intersections;
 use crease::wear::WearScript;
 use std::fmt::Write;
 use std::time::Instant;
@@ -64,7 +64,7 @@ impl Observer for Count {
 
     fn frame(&mut self, x: &[Vec3]) -> Result<()> {
         assert!(x.iter().all(|x| x.sum().is_finite()));
-        self.worst = self.worst.max(crossings(x, &self.triangles).len());
+        self.worst = self.worst.max(self_intersections(x, &self.triangles).len());
         let span = self.time - self.last_time;
         if span > 0.0 && !self.last.is_empty() {
             let way = x.iter().zip(&self.last).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
@@ -116,7 +116,7 @@ fn watched(name: &str, garment: &Garment, fabric: &str, script: &str) -> Outcome
     Outcome {
         name: name.to_owned(),
         points: garment.points.len(),
-        start: crossings(&garment.points, &garment.triangles).len(),
+        start: self_intersections(&garment.points, &garment.triangles).len(),
         worst: count.worst,
         fastest: count.fastest,
         wall: clock.elapsed().as_secs_f64(),
@@ -217,7 +217,7 @@ fn garments_that_cross_at_the_start_are_laid_and_hung() {
         let [a, b, c] = t.map(|p| p.0 + 1);
         writeln!(obj, "f {a} {b} {c}").expect("text grows");
     }
-    let crossing = crossings(&pattern.x, &pattern.triangles).len();
+    let crossing = self_intersections(&pattern.x, &pattern.triangles).len();
     for (what, actions) in
         [("laid", r#"{"lay": {"over": 0.5}}"#), ("hung", r#"{"hang": {"by": "top", "for": 0.3}}"#)]
     {

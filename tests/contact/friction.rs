@@ -105,11 +105,12 @@ fn stops_where_it_should() {
 /// coefficients it does not stick and slip.
 #[test]
 fn sticks_and_slips_on_a_belt() {
-    let oscillate = |stiction: f64, h: f64| {
+    let oscillate = |static_ratio: f64, h: f64| {
         // The mass is a single square of cloth. The belt is the ground, seen from which the other end of the spring moves.
         let mut pattern = Pattern::square(9, 0.1, Vec3::new(0.0, 0.9e-3, 0.0));
         pattern.jitter(1e-5, 5);
-        let kind = Kind { density: 10.0, friction: 0.3, stiction, stretch: 4e5, bend: 1e-2, thickness: 1e-3 };
+        let kind =
+            Kind { density: 10.0, friction: 0.3, static_ratio, stretch: 4e5, bend: 1e-2, thickness: 1e-3 };
         let mut run = Run::new(&pattern, kind, 1.0);
         run.precisely();
         run.stepper.options.newton.displacement_tol = 1e-10;

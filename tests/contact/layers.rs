@@ -137,8 +137,8 @@ fn what_is_led_against_a_wall_stays_together() {
     let mut x = pattern.x.clone();
     let contact = &mut run.stepper.contact;
     contact.begin_step(&x, 0.03, 0.0, &vec![false; x.len()]);
-    contact.advance(&mut x, &lead);
-    assert!(crease::mesh::intersections::crossings(&x, &pattern.triangles).is_empty());
+    contact.carry(&mut x, &lead);
+    assert!(crease::mesh::intersections::self_intersections(&x, &pattern.triangles).is_empty());
     let went = |p: usize| (x[p] - pattern.x[p]).x / WAY;
     let apart = topology.edges.iter().map(|e| (went(e[0].at()) - went(e[1].at())).abs()).fold(0.0, f64::max);
     let (least, most) =
@@ -158,7 +158,7 @@ fn focused_contact_is_the_same_for_those_that_move() {
     contact.begin_step(&x, 0.01, 1.0, &vec![false; x.len()]);
     let wished: Vec<Vec3> = moving.iter().map(|m| Vec3::new(4e-5, -4e-4, 2e-5) * f64::from(*m)).collect();
     let mut way = wished.clone();
-    contact.bound_motion(&x, &mut way);
+    contact.limit_displacement(&x, &mut way);
     let moved: Vec<Vec3> = x.iter().zip(&way).map(|(x, d)| x + d).collect();
     let force = |contact: &crease::contact::Contact, x: &[Vec3]| {
         let mut g = vec![Vec3::zeros(); x.len()];
@@ -167,9 +167,9 @@ fn focused_contact_is_the_same_for_those_that_move() {
     };
     let all = contact.value(&moved) - contact.value(&x);
     let forces = [force(contact, &x), force(contact, &moved)];
-    contact.focus(&x, &moving);
+    contact.restrict_to(&x, &moving);
     let mut bounded = wished;
-    contact.bound_motion(&x, &mut bounded);
+    contact.limit_displacement(&x, &mut bounded);
     assert!(way.iter().any(|d| d.norm() > 0.0 && d.norm() < 4e-4), "some moves are cut");
     let apart = bounded.iter().zip(&way).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
     assert!(apart < 1e-15, "bounded alike, but for {apart} m");
@@ -181,7 +181,7 @@ fn focused_contact_is_the_same_for_those_that_move() {
         let differs = |p: &usize| (found[*p] - wanted[*p]).norm() > 1e-12 * scale;
         assert_eq!((0..x.len()).filter(|p| moving[*p]).find(differs), None);
     }
-    contact.unfocus();
+    contact.unrestrict();
     assert!((contact.value(&moved) - contact.value(&x) - all).abs() < 1e-9 * all.abs());
     let again = force(contact, &moved);
     let off = again.iter().zip(&forces[1]).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);

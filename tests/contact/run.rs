@@ -2,11 +2,11 @@
 //! after every accepted step.
 
 use crate::shapes::Shape;
-use crease::contact::{BodyField, Contact, ContactSettings, FieldSettings};
+use crease::contact::{BodyContactSettings, BodyPlanes, Contact, ContactSettings};
 use crease::energy::{Bending, EdgeContact, EdgeContacts, Energy, Membrane, PlaneContact, PlaneContacts};
 use crease::garment::RestState;
 use crease::math::{Rng, Vec2, Vec3};
-use crease::mesh::intersections::crossings;
+use crease::mesh::intersections::self_intersections;
 use crease::mesh::{PointIndex, Topology};
 use crease::sim::Loads;
 use crease::sim::{Cloth, Method, NewtonOptions, State, StepOptions, StepRelaxation, StepReport, Stepper};
@@ -84,12 +84,12 @@ pub struct Kind {
     /// [m].
     pub thickness: f64,
     pub friction: f64,
-    pub stiction: f64,
+    pub static_ratio: f64,
 }
 
 /// A light cotton, with the stretch stiffness that a bake lowers it to.
 pub const COTTON: Kind =
-    Kind { density: 0.2, stretch: 400.0, bend: 5e-6, thickness: 1e-3, friction: 0.3, stiction: 1.0 };
+    Kind { density: 0.2, stretch: 400.0, bend: 5e-6, thickness: 1e-3, friction: 0.3, static_ratio: 1.0 };
 
 /// The body's points at the end of a step [m], and the contacts of the cloth with it.
 #[derive(Clone)]
@@ -113,7 +113,7 @@ pub struct Run {
     pub triangles: Vec<[PointIndex; 3]>,
     topology: Topology,
     /// The body under the cloth, and what of it the last step met.
-    body: Option<BodyField>,
+    body: Option<BodyPlanes>,
     met: Met,
     /// Crossings of the cloth with itself after the worst accepted step.
     pub worst: usize,
@@ -142,16 +142,9 @@ impl Run {
         let angle = bending.angles(&pattern.x, &[]);
         let mean_area = area.iter().sum::<f64>() / area.len() as f64;
         let load = layers * kind.density * crease::sim::GRAVITY;
-        let settings = ContactSettings {
-            distance: kind.thickness,
-            stiffness: (load / (0.3 * kind.thickness)).max(k / mean_area),
-            friction: kind.friction,
-            friction_ground: kind.friction,
-            friction_body: kind.friction,
-            stiction: kind.stiction,
-            creep: 1e-3,
-            between_layers: true,
-        };
+        let stiffness = (load / (0.3 * kind.thickness)).max(k / mean_area);
+        let mut settings = ContactSettings::uniform(kind.thickness, stiffness, kind.friction);
+        settings.static_ratio = kind.static_ratio;
         let contact = Contact::new(settings, &pattern.x, &pattern.triangles, &topology, area.clone());
         let cloth = Cloth { mass, area, membrane, bending };
         // As in a bake, but for the steps, which may be shorter.
@@ -190,15 +183,15 @@ impl Run {
     /// Puts `shape` under the cloth. It takes part in steps whose loads say where its points are.
     pub fn put_on(&mut self, shape: &Shape) {
         let settings = self.stepper.contact.settings();
-        let settings = FieldSettings {
-            reach: settings.distance,
-            clear: settings.distance,
+        let settings = BodyContactSettings {
+            point_dhat: settings.dhat,
+            edge_dhat: settings.dhat,
             stiffness: settings.stiffness,
             areas: self.stepper.cloth.area.clone(),
             friction: settings.friction_body,
-            creep: settings.creep,
+            slip_velocity_tol: settings.slip_velocity_tol,
         };
-        self.body = Some(BodyField::new(&shape.points, &shape.triangles, settings));
+        self.body = Some(BodyPlanes::new(&shape.points, &shape.triangles, settings));
     }
 
     /// Force of the body on the cloth in the last step [N], without friction.
@@ -250,7 +243,7 @@ impl Run {
     /// One step with the body under the cloth, as a bake makes it.
     fn step_on_body(
         &mut self,
-        mut body: BodyField,
+        mut body: BodyPlanes,
         drive_at: &mut dyn FnMut(f64, &State) -> Loads,
         wished: f64,
     ) -> StepReport {
@@ -262,14 +255,15 @@ impl Run {
             let mut drive = drive_at(time, state);
             if let Some(points) = drive.body.take() {
                 if !begun {
-                    body.begin(&state.x, triangles, topology, &drive.fixed);
+                    body.begin_step(&state.x, triangles, topology, &drive.fixed);
                     begun = true;
                 }
                 let normals = body.normals(&points);
                 let h = time - start;
-                drive.plane_contacts = body.cushions(&state.x, &points, &normals, h, drive.friction).into();
-                drive.edge_contacts = body.supports(&points, &normals).into();
-                drive.body_displacement = body.lead(&state.x, &points).into();
+                drive.plane_contacts =
+                    body.plane_contacts(&state.x, &points, &normals, h, drive.friction).into();
+                drive.edge_contacts = body.edge_contacts(&points, &normals).into();
+                drive.body_displacement = body.carried_displacement(&state.x, &points).into();
                 met = Some(Met {
                     points,
                     cushions: Arc::clone(&drive.plane_contacts),
@@ -324,7 +318,7 @@ impl Run {
 
     /// Pairs of triangles of the cloth that cross now.
     pub fn crossings(&self) -> usize {
-        crossings(&self.state.x, &self.triangles).len()
+        self_intersections(&self.state.x, &self.triangles).len()
     }
 
     /// [J].

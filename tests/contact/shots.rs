@@ -2,7 +2,7 @@
 
 use crate::run::{COTTON, Kind, Pattern, Run};
 use crease::math::{Rng, Vec3};
-use crease::mesh::triangle_bvh::TriangleTree;
+use crease::mesh::triangle_bvh::TriangleBvh;
 use crease::sim::Loads;
 
 /// What became of a number of shots.
@@ -26,7 +26,7 @@ pub fn shoot(count: usize, speed: f64, seed: u64) -> Shots {
     let mut found = Shots::default();
     for _ in 0..count {
         let (hit, run, scrap, aim) = one_shot(speed, &mut rng);
-        let tree = TriangleTree::new(&run.state.x, &run.triangles, 0.0);
+        let tree = TriangleBvh::new(&run.state.x, &run.triangles, 0.0);
         // Looking back along the way it came, the sheet is met an even number of times from the near side.
         let through = (scrap..run.state.x.len()).any(|p| {
             let mut from = run.state.x[p];

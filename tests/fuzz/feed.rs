@@ -7,7 +7,7 @@ use crease::garment::{Garment, RestState, WornGarment, inspect};
 use crease::io::gltf::write_worn_glb;
 use crease::io::{Landmarks, ReadOptions, Sidecar, read_asset, read_sidecar, write_sidecar};
 use crease::math::Vec3;
-use crease::mesh::intersections::crossings;
+use crease::mesh::intersections::self_intersections;
 use crease::report::GarmentView;
 use crease::wear::WearScript;
 use crease::{Error, Result};
@@ -21,7 +21,7 @@ pub fn mesh(name: &str, bytes: &[u8], resolve: &mut dyn FnMut(&str) -> Result<Ve
     let (asset, findings) = read_asset(name, bytes, &options, resolve)?;
     let (garment, more) = Garment::from_asset(&asset)?;
     let _ = inspect(&asset, &garment, &[findings, more].concat()).to_text();
-    crossings(&garment.points, &garment.triangles);
+    self_intersections(&garment.points, &garment.triangles);
     let worn = WornGarment {
         displacement: vec![Vec3::zeros(); garment.points.len()],
         memory: RestState::flat(garment.topology.hinges.len(), garment.triangles.len()),

@@ -11,7 +11,7 @@ use crate::fabric::{DEFAULT_FABRIC, Fabric};
 use crate::garment::{Garment, SourceAsset};
 use crate::io::{ReadOptions, read_asset};
 use crate::math::{Rng, bounds};
-use crate::mesh::intersections::crossings;
+use crate::mesh::intersections::self_intersections;
 use crate::sim::Method;
 use crate::wear::WearScript;
 use std::time::Instant;
@@ -147,7 +147,7 @@ impl FoldThrice {
     fn crosses(&self, baked: &BakeResult) -> bool {
         let home: Vec<_> =
             self.garment.points.iter().zip(&baked.worn.displacement).map(|(x, d)| x + d).collect();
-        !crossings(&home, &self.garment.triangles).is_empty()
+        !self_intersections(&home, &self.garment.triangles).is_empty()
     }
 }
 

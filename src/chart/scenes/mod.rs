@@ -28,7 +28,7 @@ use crate::error::Result;
 use crate::garment::{Garment, RestState};
 use crate::math::Vec3;
 use crate::memory::{Memory, MemoryModel, Strains};
-use crate::mesh::intersections::crossings;
+use crate::mesh::intersections::self_intersections;
 use crate::sim::{Cloth, Method, NewtonOptions, State, StepOptions, StepRelaxation, StepReport, Stepper};
 use crate::sim::{GRAVITY, Loads};
 use std::time::Instant;
@@ -206,7 +206,8 @@ pub fn run(scene: &dyn Scene, setting: &Setting) -> Result<Outcome> {
         from = to;
     }
     outcome.unconverged = unconverged as f64 / steps.max(1) as f64;
-    if outcome.failed.is_none() && !crossings(&actors.state.x, &actors.garment.triangles).is_empty() {
+    if outcome.failed.is_none() && !self_intersections(&actors.state.x, &actors.garment.triangles).is_empty()
+    {
         outcome.failed = Some("layers cross");
     }
     outcome.kinetic = actors.stepper.cloth.kinetic_energy(&actors.state.v);
@@ -300,16 +301,8 @@ impl Kind {
     ) -> Contact {
         let mean = cloth.area.iter().sum::<f64>() / cloth.area.len() as f64;
         let load = layers * self.density * GRAVITY;
-        let settings = ContactSettings {
-            distance,
-            stiffness: (load / (0.3 * distance)).max(self.stretch / mean),
-            friction,
-            friction_ground: friction,
-            friction_body: friction,
-            stiction: 1.0,
-            creep: 1e-3,
-            between_layers: true,
-        };
+        let stiffness = (load / (0.3 * distance)).max(self.stretch / mean);
+        let settings = ContactSettings::uniform(distance, stiffness, friction);
         Contact::new(settings, &garment.points, &garment.triangles, &garment.topology, cloth.area.clone())
     }
 }

@@ -6,7 +6,7 @@ use crate::energy::BlockSink;
 use crate::error::Result;
 use crate::math::{Mat3, Vec3};
 use crate::mesh::PointIndex;
-use crate::mesh::triangle_bvh::TriangleTree;
+use crate::mesh::triangle_bvh::TriangleBvh;
 use crate::sim::{BlockMatrix, Cholesky};
 use std::time::Instant;
 
@@ -57,7 +57,7 @@ impl Kernels {
             return Err(crate::Error::input("chart", "speed", "a sheet's system could not be solved", ""));
         }
         let (points_of_layers, triangles) = two_layers(points)?;
-        let mut tree = TriangleTree::new(&points_of_layers, &triangles, LAYER);
+        let mut tree = TriangleBvh::new(&points_of_layers, &triangles, LAYER);
         let mut near = 0;
         let search = time_of(runs, || {
             tree.refit(&points_of_layers, std::hint::black_box(&points_of_layers), LAYER);
@@ -173,7 +173,7 @@ mod tests {
         // Every triangle finds the one over it.
         let (points, triangles) = two_layers(300).unwrap();
         let half = triangles.len() as u32 / 2;
-        let pairs = TriangleTree::new(&points, &triangles, LAYER).overlapping_pairs();
+        let pairs = TriangleBvh::new(&points, &triangles, LAYER).overlapping_pairs();
         let found = |f: u32| pairs.iter().any(|pair| pair.contains(&f) && pair.contains(&(f + half)));
         assert!((0..half).all(found));
     }

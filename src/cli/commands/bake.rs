@@ -30,7 +30,7 @@ use crease::garment::{Garment, RestState, WornGarment};
 use crease::io::gltf::write_worn_glb;
 use crease::io::{Sidecar, write_sidecar};
 use crease::math::Vec3;
-use crease::mesh::intersections::crossings;
+use crease::mesh::intersections::self_intersections;
 use crease::report::render::{Camera, encode_png};
 use crease::report::{ColorBy, GarmentView, Report, crossing_counts};
 use crease::sim::Method;
@@ -241,7 +241,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     warnings.extend(job.refined.as_ref().map(|finer| finer.told.clone()));
     warnings.extend(job.mesh.embed_images(&arguments.mesh));
     job.try_to_write(&extras)?;
-    let start = crossings(&job.mesh.garment.points, &job.mesh.garment.triangles);
+    let start = self_intersections(&job.mesh.garment.points, &job.mesh.garment.triangles);
     let read_s = began.elapsed().as_secs_f64();
 
     let every = Duration::from_secs_f64(arguments.checkpoint_every);

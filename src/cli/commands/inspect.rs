@@ -4,7 +4,7 @@ use crate::cli::args::common::MeshReading;
 use crate::cli::files::mesh_file::MeshFile;
 use crate::cli::runtime::console;
 use crease::Result;
-use crease::mesh::intersections::crossings;
+use crease::mesh::intersections::self_intersections;
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -25,7 +25,7 @@ pub struct Arguments {
 pub fn run(arguments: Arguments) -> Result<()> {
     let MeshFile { asset, garment, findings } = MeshFile::read(&arguments.mesh, &arguments.reading)?;
     let mut inspection = crease::garment::inspect(&asset, &garment, &findings);
-    inspection.crossings_at_start = Some(crossings(&garment.points, &garment.triangles).len());
+    inspection.crossings_at_start = Some(self_intersections(&garment.points, &garment.triangles).len());
     match arguments.json {
         true => console::data(&format!("{:#}\n", json!(inspection))),
         false => console::data(&inspection.to_text()),

@@ -16,7 +16,7 @@ use crease::garment::{SourceAsset, SourcePiece};
 use crease::io::gltf::{read_rig, write_worn_glb};
 use crease::io::{Sidecar, sequence_from_assets, write_sidecar};
 use crease::math::Vec3;
-use crease::mesh::intersections::crossings;
+use crease::mesh::intersections::self_intersections;
 use crease::report::{Report, crossing_counts};
 use crease::{Error, Result};
 use serde_json::{Value, json};
@@ -87,7 +87,8 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let baked = job.remember(&fabric, arguments.repeat);
     let write_began = Instant::now();
     let garment = &job.mesh.garment;
-    let counts = crossing_counts(garment, &baked.worn, &crossings(&garment.points, &garment.triangles));
+    let counts =
+        crossing_counts(garment, &baked.worn, &self_intersections(&garment.points, &garment.triangles));
     let mut report = Report::of_bake(garment, &baked, counts);
     report.method = "remember".to_owned();
     report.warnings.extend(warnings);

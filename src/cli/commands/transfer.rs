@@ -18,7 +18,7 @@ use crease::garment::WornGarment;
 use crease::io::gltf::write_worn_glb;
 use crease::io::{Landmarks, Sidecar, read_sidecar, write_sidecar};
 use crease::math::Vec3;
-use crease::mesh::intersections::crossings;
+use crease::mesh::intersections::self_intersections;
 use crease::report::{CarriedSource, TransferReport, crossing_counts};
 use crease::transfer::{
     Align, Channels, GarmentSurface, MatchBy, TransferOptions, TransferResult, TransferSource, transfer,
@@ -185,7 +185,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let garment = &job.mesh.garment;
     let target = job.target();
     let carried = transfer(&job.sources, &target, &arguments.options(&job))?;
-    let start = crossings(&garment.points, &garment.triangles);
+    let start = self_intersections(&garment.points, &garment.triangles);
     let RelaxResult { displacement, warnings: more, unconverged_reason, .. } = job.settled(&carried);
     warnings.extend(more);
     let worn = WornGarment { displacement, memory: carried.memory.clone() };

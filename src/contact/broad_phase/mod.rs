@@ -22,9 +22,9 @@ use crate::contact::broad_phase::pair_filter::{Shortlist, Side, sorted};
 use crate::contact::broad_phase::verlet_list::Kept;
 use crate::math::Vec3;
 use crate::mesh::aabb::{MovingBox, SweptBox};
-use crate::mesh::static_bvh::{Pairs, Patches};
+use crate::mesh::static_bvh::{Pairs, StaticBvh};
 use crate::mesh::{PointIndex, Topology};
-pub use primitive_pair::{PairKind, Quad, rest_distance};
+pub use primitive_pair::{PairKind, PrimitivePair, rest_distance};
 use rayon::prelude::*;
 
 /// The reach is widened by this fraction, so that rounding in boxes and distances never loses a pair.
@@ -51,7 +51,7 @@ impl Candidates {
     }
 
     /// All pairs as their points: first point-triangle, then edge-edge, in order. `mesh` is the finder they come from.
-    pub fn quads<'a>(&'a self, mesh: &'a CandidateFinder) -> impl Iterator<Item = Quad> + 'a {
+    pub fn quads<'a>(&'a self, mesh: &'a CandidateFinder) -> impl Iterator<Item = PrimitivePair> + 'a {
         let point_triangle = self.point_triangle.iter().map(|&[p, f]| mesh.quad_point_triangle(p, f));
         let edge_edge = self.edge_edge.iter().map(|&[e, f]| mesh.quad_edge_edge(e, f));
         point_triangle.chain(edge_edge)
@@ -66,7 +66,7 @@ pub struct CandidateFinder {
     /// The triangle that each point and each edge belongs to; [`NONE`] for points in no triangle.
     point_owner: Vec<u32>,
     edge_owner: Vec<u32>,
-    patches: Patches,
+    patches: StaticBvh,
     kept: Kept,
     /// One per point.
     point_boxes: Vec<MovingBox>,
@@ -80,7 +80,7 @@ pub struct CandidateFinder {
 
 /// Some points of a mesh and what is around them.
 #[derive(Debug, Clone, Default)]
-pub struct Portion {
+pub struct PointSubset {
     points: Vec<u32>,
     /// All with an end among the points.
     edges: Vec<u32>,
@@ -161,7 +161,7 @@ impl CandidateFinder {
             edges: topology.edges.iter().map(|e| e.map(|p| p.0)).collect(),
             point_owner,
             edge_owner,
-            patches: Patches::new(points, triangles),
+            patches: StaticBvh::new(points, triangles),
             kept: Kept::default(),
             point_boxes: Vec::new(),
             edge_boxes: Vec::new(),
@@ -172,16 +172,16 @@ impl CandidateFinder {
 
     /// The four points of a point-triangle pair.
     #[inline]
-    pub fn quad_point_triangle(&self, point: u32, triangle: u32) -> Quad {
+    pub fn quad_point_triangle(&self, point: u32, triangle: u32) -> PrimitivePair {
         let [a, b, c] = self.triangles[triangle as usize].corners;
-        Quad { kind: PairKind::PointTriangle, points: [point, a, b, c].map(PointIndex) }
+        PrimitivePair { kind: PairKind::PointTriangle, points: [point, a, b, c].map(PointIndex) }
     }
 
     /// The four points of an edge-edge pair.
     #[inline]
-    pub fn quad_edge_edge(&self, first: u32, second: u32) -> Quad {
+    pub fn quad_edge_edge(&self, first: u32, second: u32) -> PrimitivePair {
         let ([a, b], [c, d]) = (self.edges[first as usize], self.edges[second as usize]);
-        Quad { kind: PairKind::EdgeEdge, points: [a, b, c, d].map(PointIndex) }
+        PrimitivePair { kind: PairKind::EdgeEdge, points: [a, b, c, d].map(PointIndex) }
     }
 
     /// All pairs that may come within `reach` \[m\] while every point moves straight from `start` to `end` \[m\] by any
@@ -194,16 +194,16 @@ impl CandidateFinder {
         end: &[Vec3],
         reach: f64,
         together: bool,
-        skip: &(dyn Fn(Quad) -> bool + Sync),
+        skip: &(dyn Fn(PrimitivePair) -> bool + Sync),
     ) -> Candidates {
         let reach = reach * (1.0 + ROUNDING);
         self.sweep(start, end, together);
-        let pairs = self.meetings(start, end, reach, together, None);
+        let pairs = self.overlapping_triangles(start, end, reach, together, None);
         self.compare(&pairs, start, end, reach, together, skip)
     }
 
     /// The pairs of triangles that meet on the way the boxes were swept along, only those with a `marked` one, if any are told.
-    fn meetings(
+    fn overlapping_triangles(
         &mut self,
         start: &[Vec3],
         end: &[Vec3],
@@ -212,7 +212,7 @@ impl CandidateFinder {
         marked: Option<&[bool]>,
     ) -> Vec<Pairs> {
         let rests = !together || start == end;
-        self.patches.meetings(&self.triangle_boxes, SweptBox::reach(reach), rests, marked)
+        self.patches.overlapping_triangles(&self.triangle_boxes, SweptBox::reach(reach), rests, marked)
     }
 
     /// What comes near of the pairs of triangles.
@@ -223,7 +223,7 @@ impl CandidateFinder {
         end: &[Vec3],
         reach: f64,
         together: bool,
-        skip: &(dyn Fn(Quad) -> bool + Sync),
+        skip: &(dyn Fn(PrimitivePair) -> bool + Sync),
     ) -> Candidates {
         let side = self.same_side(start, end, reach, together);
         let compare = |lists: &mut [Shortlist; 2], part: &Pairs| {
@@ -247,33 +247,33 @@ impl CandidateFinder {
 
     /// The points for which `moving` is set, one flag per point, as what [`Self::find_around`] moves while everything else
     /// rests at `x` \[m\]; `reach` \[m\] is that of the searches to come.
-    pub fn portion(&mut self, moving: &[bool], x: &[Vec3], reach: f64) -> Portion {
+    pub fn portion(&mut self, moving: &[bool], x: &[Vec3], reach: f64) -> PointSubset {
         self.sweep(x, x, true);
         let among = |points: &[u32]| points.iter().any(|p| moving[*p as usize]);
         let numbers = |flags: &[bool]| (0..flags.len() as u32).filter(|i| flags[*i as usize]).collect();
         let edges: Vec<bool> = self.edges.iter().map(|e| among(e)).collect();
         let has: Vec<bool> = self.triangles.iter().map(|t| among(&t.corners)).collect();
         let known = self.around_portion(&has, x, reach);
-        Portion { points: numbers(moving), edges: numbers(&edges), triangles: numbers(&has), has, known }
+        PointSubset { points: numbers(moving), edges: numbers(&edges), triangles: numbers(&has), has, known }
     }
 
     /// [`Self::find`] where only the points of a portion move, all others being where they were when it was made: the pairs
     /// with one of its triangles.
     pub fn find_around(
         &mut self,
-        portion: &Portion,
+        portion: &PointSubset,
         start: &[Vec3],
         end: &[Vec3],
         reach: f64,
         together: bool,
-        skip: &(dyn Fn(Quad) -> bool + Sync),
+        skip: &(dyn Fn(PrimitivePair) -> bool + Sync),
     ) -> Candidates {
         let reach = reach * (1.0 + ROUNDING);
         self.sweep_portion(portion, start, end, together);
         if let Some(found) = self.find_around_known(portion, start, end, reach, together, skip) {
             return found;
         }
-        let pairs = self.meetings(start, end, reach, together, Some(&portion.has));
+        let pairs = self.overlapping_triangles(start, end, reach, together, Some(&portion.has));
         self.compare(&pairs, start, end, reach, together, skip)
     }
 
@@ -298,7 +298,7 @@ impl CandidateFinder {
     }
 
     /// Fits what belongs to a portion to its motion.
-    fn sweep_portion(&mut self, portion: &Portion, start: &[Vec3], end: &[Vec3], together: bool) {
+    fn sweep_portion(&mut self, portion: &PointSubset, start: &[Vec3], end: &[Vec3], together: bool) {
         self.ways.resize(start.len(), 0.0);
         for &p in &portion.points {
             let (from, to) = (&start[p as usize], &end[p as usize]);

@@ -3,7 +3,7 @@
 use crate::math::Vec3;
 use crate::mesh::PointIndex;
 use crate::mesh::ccd::{edge_edge_step, point_triangle_step, stay_apart_on_an_axis};
-use crate::mesh::distance::{Gap, edge_edge, point_triangle};
+use crate::mesh::distance::{ClosestPoints, edge_edge, point_triangle};
 use serde::{Deserialize, Serialize};
 
 /// The two kinds of primitive pairs.
@@ -17,14 +17,14 @@ pub enum PairKind {
 
 /// A primitive pair as its four points: the point and the triangle's corners, or the ends of the two edges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Quad {
+pub struct PrimitivePair {
     /// Which pair the points form.
     pub kind: PairKind,
     /// Into positions of one array: when two meshes meet, those of the second follow those of the first.
     pub points: [PointIndex; 4],
 }
 
-impl Quad {
+impl PrimitivePair {
     /// The values of the four points in `field`, one per point.
     #[inline]
     pub fn gather(&self, field: &[Vec3]) -> [Vec3; 4] {
@@ -33,7 +33,7 @@ impl Quad {
 
     /// The closest points at positions `points` \[m\].
     #[inline]
-    pub fn gap(&self, points: &[Vec3]) -> Gap {
+    pub fn gap(&self, points: &[Vec3]) -> ClosestPoints {
         self.kind.gap(&self.gather(points))
     }
 
@@ -48,7 +48,7 @@ impl Quad {
 impl PairKind {
     /// The closest points of a pair of this kind at `x` \[m\].
     #[inline]
-    pub fn gap(self, x: &[Vec3; 4]) -> Gap {
+    pub fn gap(self, x: &[Vec3; 4]) -> ClosestPoints {
         match self {
             Self::PointTriangle => point_triangle(&x[0], &x[1], &x[2], &x[3]),
             Self::EdgeEdge => edge_edge(&x[0], &x[1], &x[2], &x[3]),
@@ -74,5 +74,5 @@ impl PairKind {
 /// Distance \[m\] of a pair in the rest shape. Where it is less than the contact distance the pair lies close together
 /// within the cloth itself, and contact must act from a smaller distance only, or it would push at rest.
 pub fn rest_distance(kind: PairKind, points: [PointIndex; 4], rest_points: &[Vec3]) -> f64 {
-    Quad { kind, points }.gap(rest_points).distance
+    PrimitivePair { kind, points }.gap(rest_points).distance
 }

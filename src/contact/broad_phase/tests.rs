@@ -47,13 +47,13 @@ fn shaken(points: &[Vec3], by: f64, rng: &mut Rng) -> Vec<Vec3> {
 /// Every pair that comes within the reach for any fractions must be there; tried at random fractions.
 fn assert_complete(mesh: &Mesh, end: &[Vec3], reach: f64, found: &Candidates, rng: &mut Rng) {
     let finder = mesh.finder();
-    let quads: BTreeSet<Quad> = found.quads(&finder).collect();
+    let quads: BTreeSet<PrimitivePair> = found.quads(&finder).collect();
     assert_eq!(quads.len(), found.len(), "no pair twice");
     let mut near = 0;
     for _ in 0..4 {
         let now: Vec<Vec3> =
             mesh.points.iter().zip(end).map(|(x, y)| x + (y - x) * rng.uniform().sqrt()).collect();
-        let mut check = |quad: Quad| {
+        let mut check = |quad: PrimitivePair| {
             let shared = (0..4).any(|i| (0..i).any(|j| quad.points[i] == quad.points[j]));
             if !shared && quad.gap(&now).distance <= reach {
                 near += 1;
@@ -95,7 +95,7 @@ fn around_a_portion_no_pair_is_missing_and_none_too_many() {
         let all = shaken(&mesh.points, way, &mut rng);
         let ends = mesh.points.iter().zip(&all).zip(&moving);
         let end: Vec<Vec3> = ends.map(|((x, y), moving)| if *moving { *y } else { *x }).collect();
-        let rests = |quad: Quad| quad.points.iter().all(|p| !moving[p.at()]);
+        let rests = |quad: PrimitivePair| quad.points.iter().all(|p| !moving[p.at()]);
         for together in [false, true] {
             let wanted = mesh.finder().find(&mesh.points, &end, 2e-3, together, &rests);
             let mut finder = mesh.finder();
@@ -119,7 +119,7 @@ fn what_is_kept_gives_the_same_answers() {
     let (mut kept, mut anew) = (mesh.finder(), mesh.finder());
     let mut rng = Rng::from_state(3);
     let reach = 1.5e-3;
-    let skip = |quad: Quad| quad.points.iter().all(|p| p.at() % 3 == 0);
+    let skip = |quad: PrimitivePair| quad.points.iter().all(|p| p.at() % 3 == 0);
     let mut x = mesh.points.clone();
     let mut served = [0; 3];
     for round in 0..60 {
@@ -195,7 +195,7 @@ fn skipped_pairs_isolated_points_and_points_not_finite_are_left_out() {
     let mut finder = mesh.finder();
     let all = finder.find(&mesh.points, &mesh.points, 2e-3, false, &|_| false);
     assert!(all.point_triangle.iter().all(|pair| pair[0] != lone));
-    let without = |quad: &Quad| !quad.points.contains(&PointIndex(6));
+    let without = |quad: &PrimitivePair| !quad.points.contains(&PointIndex(6));
     let some = finder.find(&mesh.points, &mesh.points, 2e-3, false, &|q| q.points.contains(&PointIndex(6)));
     assert!(all.quads(&finder).filter(without).eq(some.quads(&finder)) && some.len() < all.len());
     mesh.points[6].x = f64::NAN;
@@ -244,7 +244,7 @@ fn speed() {
         });
         let found = finder.find(&x, &end, 1e-3, false, &|_| false);
         println!("    {} + {}", found.point_triangle.len(), found.edge_edge.len());
-        let mut quads: Vec<Quad> = Vec::new();
+        let mut quads: Vec<PrimitivePair> = Vec::new();
         time("quads", &mut || {
             quads.clear();
             quads.extend(found.quads(&finder));
@@ -256,6 +256,6 @@ fn speed() {
             crate::contact::step_bounds::local_step_fractions(&quads, &floors, &x, &d).rounds
         });
         time("distances", &mut || quads.iter().filter(|q| q.gap(&x).distance < 1e-3).count());
-        time("crossings", &mut || crate::mesh::intersections::crossings(&x, &mesh.triangles).len());
+        time("crossings", &mut || crate::mesh::intersections::self_intersections(&x, &mesh.triangles).len());
     }
 }

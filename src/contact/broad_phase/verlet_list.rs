@@ -3,7 +3,7 @@
 //! A point that is within the skin of where it was then, at the start and at the end of its way, has come no nearer to anything
 //! than by that on each side: whoever it may meet is in the list. Only around points that have gone farther the tree is asked.
 
-use crate::contact::broad_phase::{CandidateFinder, Candidates, Portion, Quad, ROUNDING};
+use crate::contact::broad_phase::{CandidateFinder, Candidates, PointSubset, PrimitivePair, ROUNDING};
 use crate::math::Vec3;
 use crate::mesh::aabb::SweptBox;
 use rayon::prelude::*;
@@ -61,7 +61,7 @@ impl CandidateFinder {
         end: &[Vec3],
         reach: f64,
         together: bool,
-        skip: &(dyn Fn(Quad) -> bool + Sync),
+        skip: &(dyn Fn(PrimitivePair) -> bool + Sync),
     ) -> Candidates {
         let rests = start == end;
         let far = match self.far(start, end, reach) {
@@ -80,7 +80,7 @@ impl CandidateFinder {
         if !far.contains(&true) {
             return known;
         }
-        let pairs = self.meetings(start, end, reach, together, Some(&far));
+        let pairs = self.overlapping_triangles(start, end, reach, together, Some(&far));
         let others = self.compare(&pairs, start, end, reach, together, skip);
         Candidates {
             point_triangle: merged(known.point_triangle, others.point_triangle),
@@ -89,7 +89,7 @@ impl CandidateFinder {
     }
 
     /// Forgets the list.
-    pub fn forget(&mut self) {
+    pub fn clear_caches(&mut self) {
         self.kept = Kept::default();
     }
 
@@ -135,7 +135,7 @@ impl CandidateFinder {
         end: &[Vec3],
         reach: f64,
         together: bool,
-        wanted: &(dyn Fn(Quad, u32, u32) -> bool + Sync),
+        wanted: &(dyn Fn(PrimitivePair, u32, u32) -> bool + Sync),
     ) -> Candidates {
         let side = self.same_side(start, end, reach, together);
         let box_reach = SweptBox::reach(reach);
@@ -168,12 +168,12 @@ impl CandidateFinder {
     /// [`Self::find_around`] from the list, if that knows all about this motion; what belongs to the portion is swept.
     pub(super) fn find_around_known(
         &self,
-        portion: &Portion,
+        portion: &PointSubset,
         start: &[Vec3],
         end: &[Vec3],
         reach: f64,
         together: bool,
-        skip: &(dyn Fn(Quad) -> bool + Sync),
+        skip: &(dyn Fn(PrimitivePair) -> bool + Sync),
     ) -> Option<Candidates> {
         let known = portion.known.as_ref()?;
         if portion.points.iter().any(|&p| self.kept.is_far(p as usize, start, end)) {

@@ -4,13 +4,13 @@ mod subset;
 
 use crate::contact::ContactSettings;
 use crate::contact::barrier;
-use crate::contact::broad_phase::{CandidateFinder, Candidates, PairKind, Quad};
+use crate::contact::broad_phase::{CandidateFinder, Candidates, PairKind, PrimitivePair};
 use crate::contact::collision_set::subset::Focus;
-use crate::contact::initial_intersections::{Entangled, Mesh};
+use crate::contact::initial_intersections::{InitialIntersections, Mesh};
 use crate::contact::step_bounds::{local_step_fractions, stay_apart, swept_boxes};
 use crate::contact::uncovered_area::UncoveredArea;
 use crate::math::Vec3;
-use crate::mesh::distance::Gap;
+use crate::mesh::distance::ClosestPoints;
 use crate::mesh::{PointIndex, Topology};
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -55,7 +55,7 @@ struct Pair {
 pub(super) struct PairContact {
     distance: f64,
     stiffness: f64,
-    between_layers: bool,
+    self_contact: bool,
     rest: Vec<Vec3>,
     triangles: Vec<[PointIndex; 3]>,
     triangle_edges: Vec<[u32; 3]>,
@@ -81,7 +81,7 @@ pub(super) struct PairContact {
     /// Steps until a wide search is worth trying again.
     search_after: u32,
     /// What crosses since the start; none before the first step.
-    entangled: Option<Entangled>,
+    entangled: Option<InitialIntersections>,
 }
 
 /// How a move is tested.
@@ -147,9 +147,9 @@ impl PairContact {
     ) -> Self {
         let edges: Vec<[u32; 2]> = topology.edges.iter().map(|e| e.map(|p| p.0)).collect();
         Self {
-            distance: settings.distance,
+            distance: settings.dhat,
             stiffness: settings.stiffness,
-            between_layers: settings.between_layers,
+            self_contact: settings.self_contact,
             rest: rest.to_vec(),
             triangles: triangles.to_vec(),
             triangle_edges: topology.triangle_edges.clone(),
@@ -161,7 +161,7 @@ impl PairContact {
             last_touches: Mutex::default(),
             asleep: Vec::new(),
             focus: None,
-            room: vec![settings.distance; rest.len()],
+            room: vec![settings.dhat; rest.len()],
             rested: None,
             uncovered: UncoveredArea::new(rest, triangles),
             clear: None,
@@ -170,18 +170,18 @@ impl PairContact {
         }
     }
 
-    /// See [`crate::contact::Contact::keep_crossings`].
-    pub fn keep_crossings(&mut self) {
+    /// See [`crate::contact::Contact::freeze_initial_intersections`].
+    pub fn freeze_initial_intersections(&mut self) {
         self.forget_touches();
         self.rested = None;
-        self.entangled = Some(Entangled::default());
+        self.entangled = Some(InitialIntersections::default());
         self.room.fill(self.distance);
     }
 
     /// See [`crate::contact::Contact::forget`].
-    pub fn forget(&mut self) {
+    pub fn clear_caches(&mut self) {
         self.rested = None;
-        self.finder.forget();
+        self.finder.clear_caches();
     }
 
     fn mesh<'a>(&'a self, x: &'a [Vec3]) -> Mesh<'a> {
@@ -231,7 +231,7 @@ impl PairContact {
     fn look_wide(&mut self, x: &[Vec3], layers_near: bool) {
         let still = vec![Vec3::zeros(); x.len()];
         let reach = CANDIDATE_MARGIN * self.distance;
-        if !self.between_layers || self.stays_clear(x, &still, reach, true) {
+        if !self.self_contact || self.stays_clear(x, &still, reach, true) {
             return;
         }
         self.clear = None;
@@ -265,7 +265,7 @@ impl PairContact {
     }
 
     fn count_crossings(&mut self, x: &[Vec3]) {
-        let found = Entangled::find(self.mesh(x), self.entangled.as_ref());
+        let found = InitialIntersections::find(self.mesh(x), self.entangled.as_ref());
         self.entangled = Some(found);
     }
 
@@ -318,7 +318,7 @@ impl PairContact {
         let common = if together { mean(d) } else { Vec3::zeros() };
         let end: Vec<Vec3> = x.iter().zip(d).map(|(x, d)| x + (d - common)).collect();
         let reach = CANDIDATE_MARGIN * self.distance;
-        let own = if self.between_layers && !self.stays_clear(x, d, reach, together) {
+        let own = if self.self_contact && !self.stays_clear(x, d, reach, together) {
             self.finder.find_again(x, &end, reach, together, &sleeps(&self.asleep))
         } else {
             Candidates::default()
@@ -332,7 +332,7 @@ impl PairContact {
         let corners = |f: u32| self.triangles[f as usize].map(|c| c.0);
         let edge = |e: u32| self.edges[e as usize];
         let entangled = self.entangled.as_ref().filter(|e| !e.is_empty());
-        let pair = |kind: PairKind, points: [u32; 4], area, free: &dyn Fn(&Entangled) -> bool| {
+        let pair = |kind: PairKind, points: [u32; 4], area, free: &dyn Fn(&InitialIntersections) -> bool| {
             let mut reach = points.iter().map(|p| self.room[*p as usize]).fold(self.distance, f64::min);
             // Few pairs are near at rest, and their boxes say so.
             let rest = points.map(|p| self.rest[p as usize]);
@@ -414,14 +414,14 @@ impl PairContact {
 
     // ---- Bound ----
 
-    /// See [`crate::contact::Contact::bound_motion`].
+    /// See [`crate::contact::Contact::limit_displacement`].
     ///
     /// Most long moves bring nobody together: they are found free with all points going by the same share, which needs
     /// only the pairs that come near in that motion, or go together as far as they can, if that is far enough ([`ALIKE`]).
     /// Else candidates hold for any fractions of the moves; every point then gets the fraction that keeps its pairs apart
     /// (`bound`). A pair may use up most of its gap in one go but not all of it: the barrier must have a say before layers
     /// come really near, or a gain elsewhere would squeeze them to nothing.
-    pub fn bound_motion(&mut self, x: &[Vec3], d: &mut [Vec3]) {
+    pub fn limit_displacement(&mut self, x: &[Vec3], d: &mut [Vec3]) {
         let far = FAR * CANDIDATE_MARGIN * self.distance;
         let goes_far = self.clear.is_some() || d.iter().any(|d| d.norm_squared() > far * far);
         if goes_far {
@@ -437,8 +437,8 @@ impl PairContact {
         d.copy_from_slice(&bounded);
     }
 
-    /// See [`crate::contact::Contact::bound_together`].
-    pub fn bound_together(&mut self, x: &[Vec3], d: &mut [Vec3]) {
+    /// See [`crate::contact::Contact::limit_displacement_uniform`].
+    pub fn limit_displacement_uniform(&mut self, x: &[Vec3], d: &mut [Vec3]) {
         let least = self.on_the_way(x, d, Rule::Together).common_share();
         d.iter_mut().for_each(|d| *d *= least);
     }
@@ -446,7 +446,7 @@ impl PairContact {
     /// Moves the cloth by `d`, each point as far as all stay apart, and presses no layer any farther: first all by the same share, so that layers
     /// that go along with one another do, then each by what is left of its way, and those around a point that is held up
     /// stay behind with it: alone it would be drawn out of them.
-    pub fn advance(&mut self, x: &mut [Vec3], d: &[Vec3]) {
+    pub fn carry(&mut self, x: &mut [Vec3], d: &[Vec3]) {
         self.forget_touches();
         let mut d = d.to_vec();
         let share = self.on_the_way(x, &d, Rule::LedTogether).common_share();
@@ -493,7 +493,7 @@ impl PairContact {
             .par_iter()
             .filter(|pair| nothing_passes || !pair.free)
             .filter_map(|pair| {
-                let quad = Quad { kind: pair.kind, points: pair.points.map(PointIndex) };
+                let quad = PrimitivePair { kind: pair.kind, points: pair.points.map(PointIndex) };
                 // Most pairs stay farther apart than any floor, and their boxes say so.
                 if stay_apart(&quad, &boxes, barrier::HIGHEST_FLOOR * pair.reach) {
                     return None;
@@ -512,7 +512,7 @@ impl PairContact {
 
 /// A motion to be bounded: pairs with their floors [m], positions and moves [m].
 struct Way {
-    quads: Vec<Quad>,
+    quads: Vec<PrimitivePair>,
     floors: Vec<f64>,
     from: Vec<Vec3>,
     motion: Vec<Vec3>,
@@ -534,12 +534,12 @@ fn mean(d: &[Vec3]) -> Vec3 {
 }
 
 /// Whether nothing of a pair of the cloth can move.
-fn sleeps(asleep: &[bool]) -> impl Fn(Quad) -> bool + Sync + '_ {
+fn sleeps(asleep: &[bool]) -> impl Fn(PrimitivePair) -> bool + Sync + '_ {
     |quad| !asleep.is_empty() && quad.points.iter().all(|p| asleep[p.at()])
 }
 
 #[inline]
-fn gap(x: &[Vec3], points: &[u32; 4], kind: PairKind) -> Gap {
+fn gap(x: &[Vec3], points: &[u32; 4], kind: PairKind) -> ClosestPoints {
     kind.gap(&points.map(|p| x[p as usize]))
 }
 

@@ -1,12 +1,12 @@
 //! While only some points move: contact of those with one another and with all that rests.
 
-use crate::contact::broad_phase::{Candidates, Portion};
+use crate::contact::broad_phase::{Candidates, PointSubset};
 use crate::contact::collision_set::{CANDIDATE_MARGIN, Pair, PairContact, sleeps};
 use crate::math::Vec3;
 
 /// What is set aside meanwhile.
 pub(super) struct Focus {
-    moving: Portion,
+    moving: PointSubset,
     /// Pairs of points that all rest.
     others: Vec<Pair>,
     /// Who sleeps else.
@@ -15,7 +15,7 @@ pub(super) struct Focus {
 
 impl PairContact {
     /// From here on only the points for which `moving` is set move, one flag per point; pairs of others do not count.
-    pub fn focus(&mut self, x: &[Vec3], moving: &[bool]) {
+    pub fn restrict_to(&mut self, x: &[Vec3], moving: &[bool]) {
         self.forget_touches();
         self.rested = None;
         let reach = CANDIDATE_MARGIN * self.distance;
@@ -28,7 +28,7 @@ impl PairContact {
     }
 
     /// All points move again. Values may be asked for where they are now.
-    pub fn unfocus(&mut self) {
+    pub fn unrestrict(&mut self) {
         if let Some(Focus { mut others, asleep, .. }) = self.focus.take() {
             self.forget_touches();
             others.append(&mut self.pairs);
@@ -43,7 +43,7 @@ impl PairContact {
         let end: Vec<Vec3> = x.iter().zip(d).map(|(x, d)| x + d).collect();
         let reach = CANDIDATE_MARGIN * self.distance;
         let moving = &focus.moving;
-        let own = if self.between_layers {
+        let own = if self.self_contact {
             self.finder.find_around(moving, x, &end, reach, together, &sleeps(&self.asleep))
         } else {
             Candidates::default()

@@ -190,9 +190,9 @@ fn bounded(
     let clock = Instant::now();
     let mut way = d.to_vec();
     if together {
-        contact.bound_together(x, &mut way);
+        contact.limit_displacement_uniform(x, &mut way);
     } else {
-        contact.bound_motion(x, &mut way);
+        contact.limit_displacement(x, &mut way);
     }
     report.seconds.contact += clock.elapsed().as_secs_f64();
     way

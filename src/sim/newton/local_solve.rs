@@ -147,7 +147,7 @@ impl Problem<'_> {
             Problem { inertia: self.inertia, terms: &terms, fixed: &held, predicted_positions: None };
         report.seconds.assembly += clock.elapsed().as_secs_f64();
         let clock = Instant::now();
-        contact.focus(x, restless);
+        contact.restrict_to(x, restless);
         report.seconds.contact += clock.elapsed().as_secs_f64();
         let mut own = work.places.take().unwrap_or_default();
         own.borrow_buffers(work);
@@ -172,7 +172,7 @@ impl Problem<'_> {
         own.let_go_beyond(KEPT_NUMBERS);
         work.places = Some(own);
         let clock = Instant::now();
-        contact.unfocus();
+        contact.unrestrict();
         report.seconds.contact += clock.elapsed().as_secs_f64();
         moved_at_all
     }
