@@ -11,11 +11,12 @@
 //! 0 on one-diagonal and equilateral meshes, where independent hinges bend 20 % too soft and twist up to 3 times
 //! too stiff. Hinges missing at a border are eliminated by minimising over their angle (the free border). Rest
 //! angle and stiffness ratio s stay per hinge. The Hessian is Gauss-Newton, which is positive by construction.
-//! Angles are unwrapped against the last accepted step, so folds pass 180 degrees without a jump. Where layers are kept apart
-//! no fold passes it: there the angle that the shape itself has is the right one, however far a hinge snaps within one step
-//! ([`Bending::keep_apart`]).
+//! Angles are unwrapped against the last accepted step, so that folds pass 180 degrees without a jump. With intersection-free
+//! contact no fold passes 180 degrees; there the principal angle is the right one, however far a hinge snaps within one
+//! step ([`Bending::keep_apart`]).
 
-use crate::energy::{BlockSink, Energy, add_symmetric, sum_of};
+use crate::energy::term::{BlockSink, Energy, add_symmetric, sum_of};
+use crate::energy::tuning::TUNING;
 use crate::fabric::Fabric;
 use crate::garment::{Garment, RestState};
 use crate::math::{Vec2, Vec3};
@@ -25,36 +26,33 @@ use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 use std::borrow::Cow;
 
-/// What never changes during a run.
+/// Constants of the bending model during a run.
 #[derive(Debug, Clone)]
 pub struct Bending {
-    /// Per hinge: its four points.
+    /// The four points of every hinge.
     points: Vec<[u32; 4]>,
-    /// Per face with at least one hinge: its hinges, `NONE` where the edge carries none.
+    /// The hinges of every face with at least one, `NONE` where an edge carries none.
     faces: Vec<[u32; 3]>,
-    /// Per such face: the points of its hinges, `NONE` after the last.
-    stencils: Vec<[u32; MOST_POINTS]>,
-    /// Per such face: the 3 x 3 matrix Q_f over its hinges [N·m]; zero rows where there is none.
+    /// The points of these hinges, `NONE` after the last.
+    stencils: Vec<[u32; MAX_POINTS]>,
+    /// The 3 x 3 matrices Q_f over these hinges [N·m]; zero rows where there is none.
     coupling: Vec<Matrix3<f64>>,
-    /// Per hinge: (A1 + A2) / l [m], the width of cloth the hinge stands for.
+    /// (A1 + A2) / l of every hinge [m], the width of cloth that it represents.
     width: Vec<f64>,
     /// Relaxation time of bending damping [s].
     damping: f64,
-    /// Whether layers never pass through each other.
+    /// Whether contact keeps layers from passing through each other.
     apart: bool,
 }
 
+/// Absent hinge or point.
 const NONE: u32 = u32::MAX;
-/// Points of the hinges of a face: its corners and one beyond each side.
-const MOST_POINTS: usize = 6;
-/// A hinge that is closed farther than this [rad] is unwrapped even so: its wings may lie in each other in the file itself.
-const CLOSED: f64 = 179.5 * std::f64::consts::PI / 180.0;
-/// Hinges that one task takes at least.
-const FEWEST: usize = 512;
+/// Maximum number of points of the hinges of a face: its corners and one beyond each side.
+const MAX_POINTS: usize = 6;
 
-/// The points of `hinges`, each once, `NONE` after the last. `points` are those of every hinge.
-fn stencil(hinges: &[u32; 3], points: &[[u32; 4]]) -> [u32; MOST_POINTS] {
-    let mut stencil = [NONE; MOST_POINTS];
+/// Returns the points of `hinges`, each once, `NONE` after the last. `points` are those of every hinge.
+fn stencil(hinges: &[u32; 3], points: &[[u32; 4]]) -> [u32; MAX_POINTS] {
+    let mut stencil = [NONE; MAX_POINTS];
     for p in hinges.iter().filter(|h| **h != NONE).flat_map(|&h| points[h as usize]) {
         if let Some(slot) = stencil.iter_mut().find(|slot| **slot == p || **slot == NONE) {
             *slot = p;
@@ -64,7 +62,7 @@ fn stencil(hinges: &[u32; 3], points: &[[u32; 4]]) -> [u32; MOST_POINTS] {
 }
 
 impl Bending {
-    /// Bending of `garment` made of `fabric`.
+    /// Returns the bending model of `garment` made of `fabric`.
     pub fn new(garment: &Garment, fabric: &Fabric) -> Self {
         Self::from_parts(
             &garment.topology,
@@ -74,7 +72,8 @@ impl Bending {
         )
     }
 
-    /// Bending over `topology` with triangles laid flat as `material` [m], rigidities (warp, weft) [N·m], `damping` [s].
+    /// Returns the bending model over `topology` with material coordinates `material` [m], rigidities (warp, weft) [N·m] and
+    /// relaxation time `damping` [s].
     pub fn from_parts(topology: &Topology, material: &[[Vec2; 3]], rigidity: [f64; 2], damping: f64) -> Self {
         let area = |m: &[Vec2; 3]| 0.5 * ((m[1] - m[0]).perp(&(m[2] - m[0]))).abs();
         let mut width = Vec::with_capacity(topology.hinges.len());
@@ -102,15 +101,14 @@ impl Bending {
                 s.component_mul(&scale) * (edge.norm() / (2.0 * area))
             };
             let mut columns = Matrix3::from_columns(&[column(0), column(1), column(2)]);
-            // A border edge carries no moment: project its column out of the others, which is the minimum
-            // over its angle.
+            // A border edge carries no moment: projecting its column out of the others minimises over its angle.
             for k in (0..3).filter(|&k| hinges[k] == NONE) {
                 let free = columns.column(k).into_owned();
                 let length = free.norm_squared();
                 if length > 1e-24 * scale.norm_squared() {
                     for j in 0..3 {
-                        let share = columns.column(j).dot(&free) / length;
-                        let rest = columns.column(j) - free * share;
+                        let factor = columns.column(j).dot(&free) / length;
+                        let rest = columns.column(j) - free * factor;
                         columns.set_column(j, &rest);
                     }
                 }
@@ -124,22 +122,22 @@ impl Bending {
         Self { points, faces, stencils, coupling, width, damping, apart: false }
     }
 
-    /// The same with the faces only that have a point for which `kept` is set, and the hinges of those in the new order.
-    fn around(&self, kept: &[bool]) -> (Self, Vec<u32>) {
-        let has = |f: &usize| self.stencil(*f).iter().any(|p| kept[*p as usize]);
+    /// Returns the model of those faces that contain at least one of `points`, and their hinges in the new order.
+    fn restricted_to(&self, points: &[bool]) -> (Self, Vec<u32>) {
+        let has = |f: &usize| self.stencil(*f).iter().any(|p| points[*p as usize]);
         let faces: Vec<usize> = (0..self.faces.len()).filter(has).collect();
-        let (mut hinges, mut number) = (Vec::new(), FxHashMap::default());
-        let mut anew = |h: u32| {
+        let (mut hinges, mut new_index) = (Vec::new(), FxHashMap::default());
+        let mut renumber = |h: u32| {
             if h == NONE {
                 return NONE;
             }
-            *number.entry(h).or_insert_with(|| {
+            *new_index.entry(h).or_insert_with(|| {
                 hinges.push(h);
                 hinges.len() as u32 - 1
             })
         };
         let model = Self {
-            faces: faces.iter().map(|&f| self.faces[f].map(&mut anew)).collect(),
+            faces: faces.iter().map(|&f| self.faces[f].map(&mut renumber)).collect(),
             stencils: faces.iter().map(|&f| self.stencils[f]).collect(),
             coupling: faces.iter().map(|&f| self.coupling[f]).collect(),
             points: hinges.iter().map(|&h| self.points[h as usize]).collect(),
@@ -150,7 +148,7 @@ impl Bending {
         (model, hinges)
     }
 
-    /// The points of the hinges of face `f`.
+    /// Returns the points of the hinges of face `f`.
     fn stencil(&self, f: usize) -> &[u32] {
         let points = &self.stencils[f];
         &points[..points.iter().position(|p| *p == NONE).unwrap_or(points.len())]
@@ -161,18 +159,18 @@ impl Bending {
         self.points.len()
     }
 
-    /// Per hinge: (A1 + A2) / l [m].
+    /// (A1 + A2) / l, one per hinge [m].
     pub fn width(&self) -> &[f64] {
         &self.width
     }
 
-    /// From here on layers never pass through each other: an angle is within half a turn.
+    /// Declares that layers never pass through each other from here on: angles stay within 180 degrees.
     pub fn keep_apart(&mut self) {
         self.apart = true;
     }
 
-    /// Angle of every hinge at `x` [rad], nearest to `last` (one per hinge, or empty for the principal value) where layers may
-    /// pass through each other.
+    /// Returns the angle of every hinge at `x` [rad]; where layers may pass through each other, the one nearest to `last` (one
+    /// per hinge, or empty for the principal values).
     pub fn angles(&self, x: &[Vec3], last: &[f64]) -> Vec<f64> {
         if last.is_empty() {
             return self.points.iter().map(|p| hinge_angle(&p.map(|i| x[i as usize]))).collect();
@@ -183,16 +181,16 @@ impl Bending {
     #[inline]
     fn angle(&self, points: &[u32; 4], x: &[Vec3], last: f64) -> f64 {
         let angle = hinge_angle(&points.map(|i| x[i as usize]));
-        if self.apart && last.abs() < CLOSED { angle } else { unwrap_angle(angle, last) }
+        if self.apart && last.abs() < TUNING.max_principal_angle { angle } else { unwrap_angle(angle, last) }
     }
 
-    /// The term of one step: rest angles and stiffness from `memory`, damping over `step` [s] towards `last`, the
-    /// unwrapped angles of the last accepted state. An infinite step leaves damping out.
+    /// Returns the term of one step: rest angles and stiffness from `memory`, damping over `step` [s] towards `last`, the
+    /// unwrapped angles of the last accepted state. An infinite step turns damping off.
     pub fn term<'a>(&'a self, memory: &RestState, last: &'a [f64], step: f64) -> BendingTerm<'a> {
-        let share = if self.damping > 0.0 { self.damping / step } else { 0.0 };
+        let ratio = if self.damping > 0.0 { self.damping / step } else { 0.0 };
         let target =
-            memory.rest_angle.iter().zip(last).map(|(r, l)| (r + share * l) / (1.0 + share)).collect();
-        let root = memory.stiffness_ratio.iter().map(|s| (s * (1.0 + share)).sqrt()).collect();
+            memory.rest_angle.iter().zip(last).map(|(r, l)| (r + ratio * l) / (1.0 + ratio)).collect();
+        let root = memory.stiffness_ratio.iter().map(|s| (s * (1.0 + ratio)).sqrt()).collect();
         BendingTerm { model: Cow::Borrowed(self), target, root, last: Cow::Borrowed(last) }
     }
 }
@@ -200,22 +198,22 @@ impl Bending {
 /// Bending during one step.
 pub struct BendingTerm<'a> {
     model: Cow<'a, Bending>,
-    /// Per hinge: target angle of elasticity and damping together [rad].
+    /// Target angles of elasticity and damping together, one per hinge [rad].
     target: Vec<f64>,
-    /// Per hinge: square root of its stiffness factor.
+    /// Square roots of the stiffness factors, one per hinge [-].
     root: Vec<f64>,
-    /// Per hinge: unwrapped angle of the last accepted state [rad].
+    /// Unwrapped angles of the last accepted state, one per hinge [rad].
     last: Cow<'a, [f64]>,
 }
 
 impl BendingTerm<'_> {
-    /// sqrt(s) (theta - target) of every hinge.
+    /// Returns sqrt(s) (theta - target) of every hinge [rad].
     fn strain(&self, x: &[Vec3]) -> Vec<f64> {
         self.model
             .points
             .par_iter()
             .enumerate()
-            .with_min_len(FEWEST)
+            .with_min_len(TUNING.min_hinges_per_task)
             .map(|(h, p)| self.root[h] * (self.model.angle(p, x, self.last[h]) - self.target[h]))
             .collect()
     }
@@ -225,7 +223,7 @@ impl BendingTerm<'_> {
         Vector3::from(hinges.map(|h| if h == NONE { 0.0 } else { strain[h as usize] }))
     }
 
-    /// Torque of every hinge, dE/dtheta [N·m].
+    /// Returns the torque of every hinge, dE/dtheta [N·m].
     pub fn torques(&self, x: &[Vec3]) -> Vec<f64> {
         let strain = self.strain(x);
         let mut torque = vec![0.0; strain.len()];
@@ -256,7 +254,7 @@ impl Energy for BendingTerm<'_> {
     }
 
     fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) {
-        let gradients = self.model.points.par_iter().with_min_len(FEWEST);
+        let gradients = self.model.points.par_iter().with_min_len(TUNING.min_hinges_per_task);
         let gradients: Vec<_> = gradients.map(|p| hinge_gradient(&p.map(|i| x[i as usize]))).collect();
         let torques = self.torques(x);
         for ((p, gradient), torque) in self.model.points.iter().zip(&gradients).zip(torques) {
@@ -272,8 +270,8 @@ impl Energy for BendingTerm<'_> {
             if !out.is_relevant(points) {
                 continue;
             }
-            // For each point its derivative of the three angles, scaled by sqrt(s); a degenerate hinge has none.
-            let mut by_angle = [[Vec3::zeros(); 3]; MOST_POINTS];
+            // Derivatives of the three angles by each point, scaled by sqrt(s); zero for a degenerate hinge.
+            let mut by_angle = [[Vec3::zeros(); 3]; MAX_POINTS];
             for (k, &h) in hinges.iter().enumerate().filter(|(_, h)| **h != NONE) {
                 let hinge = &self.model.points[h as usize];
                 let gradient = hinge_gradient(&hinge.map(|i| x[i as usize])).unwrap_or_default();
@@ -297,16 +295,16 @@ impl Energy for BendingTerm<'_> {
         }
     }
 
-    fn add_secant_hessian(&self, _x: &[Vec3], half: &[Vec3], out: &mut dyn BlockSink) {
-        self.add_hessian(half, out);
+    fn add_secant_hessian(&self, _x: &[Vec3], midpoint: &[Vec3], out: &mut dyn BlockSink) {
+        self.add_hessian(midpoint, out);
     }
 
     fn visit_stencils(&self, visit: &mut dyn FnMut(&[u32])) {
         (0..self.model.faces.len()).for_each(|f| visit(self.model.stencil(f)));
     }
 
-    fn restricted_to(&self, kept: &[bool]) -> Option<Box<dyn Energy + '_>> {
-        let (model, hinges) = self.model.around(kept);
+    fn restricted_to(&self, points: &[bool]) -> Option<Box<dyn Energy + '_>> {
+        let (model, hinges) = self.model.restricted_to(points);
         let of = |field: &[f64]| hinges.iter().map(|&h| field[h as usize]).collect::<Vec<f64>>();
         Some(Box::new(BendingTerm {
             target: of(&self.target),
@@ -319,10 +317,11 @@ impl Energy for BendingTerm<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::energy_checks::{
-        check_around, check_gradient_and_hessian, check_rigid_motion, check_secant_of_a_turn, dense_hessian,
-    };
     use super::*;
+    use crate::energy::energy_checks::{
+        check_gradient_and_hessian, check_restriction, check_rigid_motion, check_secant_of_a_rotation,
+        dense_hessian,
+    };
     use crate::mesh::PointIndex;
 
     /// A fan of five triangles around point 0: interior and border faces.
@@ -339,7 +338,8 @@ mod tests {
         (topology, material, flat)
     }
 
-    /// A wing goes from 120 to -120 degrees within a step: around the front where layers cannot pass, around the back where they can.
+    /// A hinge snaps from 120 to -120 degrees within a step: through zero where layers cannot pass, through 180 degrees where
+    /// they can.
     #[test]
     fn a_hinge_that_snaps_stays_within_half_a_turn_where_layers_are_kept_apart() {
         let triangles = [[0, 1, 2], [1, 0, 3]].map(|t| t.map(PointIndex));
@@ -357,8 +357,11 @@ mod tests {
         assert!((turned(&bending, 120.0, -120.0) - 240.0).abs() < 1e-9);
         bending.keep_apart();
         assert!((turned(&bending, 120.0, -120.0) + 120.0).abs() < 1e-9);
-        assert!((turned(&bending, 179.9, -179.9) - 180.1).abs() < 1e-9, "wings that lie in each other");
-        // What Newton sees is what is told.
+        assert!(
+            (turned(&bending, 179.9, -179.9) - 180.1).abs() < 1e-9,
+            "triangles that overlap from the start"
+        );
+        // The energy term uses the same angles.
         let (last, memory) = (bending.angles(&at(120.0), &[]), RestState::flat(1, 2));
         let [there, back] =
             [-120.0, 120.0].map(|to| bending.term(&memory, &last, f64::INFINITY).value(&at(to)));
@@ -381,8 +384,8 @@ mod tests {
         let term = bending.term(&memory, &last, 0.01);
         check_gradient_and_hessian(&term, &x, 1e-8);
         check_rigid_motion(&term, &x);
-        check_secant_of_a_turn(&term, &x);
-        check_around(&term, &x, &[false, true, false, false, false, false], 1e-4);
+        check_secant_of_a_rotation(&term, &x);
+        check_restriction(&term, &x, &[false, true, false, false, false, false], 1e-4);
     }
 
     #[test]

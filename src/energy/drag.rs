@@ -1,15 +1,15 @@
-//! Air drag: E = c/(2 h) sum m_i |x_i - start_i|² over a step of h seconds, a force -c m v.
+//! Linear air drag: a force -c m v, as the incremental potential E = c/(2 h) sum m_i |x_i - start_i|² of a step of h seconds.
 
-use crate::energy::{BlockSink, Energy};
+use crate::energy::term::{BlockSink, Energy};
 use crate::math::{Mat3, Vec3};
 
-/// Drag of one step.
+/// Air drag during one step.
 pub struct Drag<'a> {
-    /// One per point [kg].
+    /// Masses, one per point [kg].
     pub mass: &'a [f64],
-    /// Positions at the start of the step [m].
+    /// Positions from which velocities are measured, one per point [m].
     pub start: &'a [Vec3],
-    /// Rate over step: c / h [1/s²].
+    /// Drag rate over the effective time step: c / h [1/s²].
     pub rate: f64,
 }
 
@@ -41,8 +41,8 @@ impl Energy for Drag<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::energy_checks::check_gradient_and_hessian;
     use super::*;
+    use crate::energy::energy_checks::check_gradient_and_hessian;
 
     #[test]
     fn gradient_and_hessian_match() {

@@ -1,64 +1,66 @@
-//! EdgeContacts and edges of the body under the cloth: each holds up the triangle or the edge that lies over it.
+//! One-sided contact of points and edges of a body with the triangles and edges of the cloth above them.
 //!
 //! ```text
-//! E = k/2 (r - g)²  for g = n.(w_a x_a + w_b x_b + w_c x_c - c) < r
+//! E = k/2 (d - g)²  for g = n.(w_a x_a + w_b x_b + w_c x_c - c) < d
 //! ```
 //!
-//! The other half of `energy::cushion`: points alone do not keep triangles out. `c` and `n` are a place of the body and its normal at the
-//! end of the step; the weights are those of the place of the cloth over it at the beginning. Convex, as there; without
-//! friction, which the points have. What is over what is `contact::body_support`'s.
+//! It complements [`PlaneContact`](crate::energy::PlaneContact), which covers the points of the cloth only. `c` and `n` are a
+//! position on the body and its normal at the end of the step; the weights are the barycentric coordinates of the position
+//! of the cloth above it at the beginning; d is the activation distance. The energy is convex; friction acts at the points
+//! only. The pairs are found by `contact::body_edges`.
 
-use crate::energy::{BlockSink, Energy};
+use crate::energy::term::{BlockSink, Energy};
 use crate::math::Vec3;
 
-/// A place on an edge of the body, or one of its ends, under a triangle of cloth.
+/// Contact of a position on an edge of the body with a triangle of the cloth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EdgeContact {
-    /// The edge's ends, points of the body.
+    /// Ends of the edge, indices of points of the body.
     pub edge: [u32; 2],
-    /// Of the place between them.
+    /// Weights of the two ends at the contact position.
     pub edge_weights: [f64; 2],
-    /// The triangle's points.
+    /// Points of the triangle of the cloth.
     pub points: [u32; 3],
-    /// Of the place of the cloth over it.
+    /// Barycentric weights of these points at the contact position.
     pub weights: [f64; 3],
-    /// The body's place at the end of the step [m].
+    /// Contact position on the body at the end of the step [m].
     pub anchor: Vec3,
-    /// The body's outward normal there, unit.
+    /// Outward unit normal of the body there.
     pub normal: Vec3,
-    /// It pushes nearer than this [m].
+    /// Activation distance [m]: the contact pushes below it.
     pub dhat: f64,
-    /// [N/m].
+    /// Stiffness of the contact [N/m].
     pub stiffness: f64,
 }
 
 impl EdgeContact {
-    /// Height of the cloth over it [m].
+    /// Returns the height of the cloth above the contact position [m].
     pub fn gap(&self, x: &[Vec3]) -> f64 {
-        let over: Vec3 = self.points.iter().zip(self.weights).map(|(p, w)| x[*p as usize] * w).sum();
-        self.normal.dot(&(over - self.anchor))
+        let above: Vec3 = self.points.iter().zip(self.weights).map(|(p, w)| x[*p as usize] * w).sum();
+        self.normal.dot(&(above - self.anchor))
     }
 
-    fn press(&self, x: &[Vec3]) -> f64 {
+    /// Returns how far the cloth is inside the activation distance [m].
+    fn depth(&self, x: &[Vec3]) -> f64 {
         (self.dhat - self.gap(x)).max(0.0)
     }
 }
 
-/// All of them.
+/// All contacts of one step as an energy term.
 pub struct EdgeContacts<'a>(pub &'a [EdgeContact]);
 
 impl Energy for EdgeContacts<'_> {
     fn name(&self) -> &'static str {
-        "body supports"
+        "edge contacts"
     }
 
     fn value(&self, x: &[Vec3]) -> f64 {
-        self.0.iter().map(|c| 0.5 * c.stiffness * c.press(x).powi(2)).sum()
+        self.0.iter().map(|c| 0.5 * c.stiffness * c.depth(x).powi(2)).sum()
     }
 
     fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) {
         for c in self.0 {
-            let force = c.normal * (c.stiffness * c.press(x));
+            let force = c.normal * (c.stiffness * c.depth(x));
             c.points.iter().zip(c.weights).for_each(|(p, w)| out[*p as usize] -= force * w);
         }
     }
@@ -80,24 +82,24 @@ impl Energy for EdgeContacts<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::energy_checks::check_gradient_and_hessian;
     use super::*;
+    use crate::energy::energy_checks::check_gradient_and_hessian;
 
     #[test]
-    fn passes_the_shelf_pressing_and_not() {
-        let support = |reach, points| EdgeContact {
+    fn gradient_and_hessian_match_in_and_out_of_contact() {
+        let contact = |dhat, points| EdgeContact {
             edge: [0, 1],
             edge_weights: [1.0, 0.0],
             points,
             weights: [0.2, 0.5, 0.3],
             anchor: Vec3::new(0.4, 0.01, 0.3),
             normal: Vec3::new(0.1, 0.9, -0.3).normalize(),
-            dhat: reach,
+            dhat,
             stiffness: 80.0,
         };
-        let all = [support(0.02, [0, 1, 2]), support(0.03, [3, 1, 2]), support(-0.5, [2, 1, 0])];
+        let all = [contact(0.02, [0, 1, 2]), contact(0.03, [3, 1, 2]), contact(-0.5, [2, 1, 0])];
         let x = [[0.0, 0.0, 0.0], [1.0, 0.01, 0.1], [0.1, 0.003, 1.0], [0.2, 0.0, 0.05]].map(Vec3::from);
         check_gradient_and_hessian(&EdgeContacts(&all), &x, 1e-7);
-        assert!(all[0].gap(&x) < 0.02 && all[2].press(&x) == 0.0);
+        assert!(all[0].gap(&x) < 0.02 && all[2].depth(&x) == 0.0);
     }
 }

@@ -1,13 +1,13 @@
-//! Weight: E = -sum m_i g . x_i.
+//! Gravity: E = -sum m_i g . x_i.
 
-use crate::energy::{BlockSink, Energy};
+use crate::energy::term::{BlockSink, Energy};
 use crate::math::Vec3;
 
-/// Weight of every point.
+/// Uniform gravity on every point.
 pub struct Gravity<'a> {
-    /// One per point [kg].
+    /// Masses, one per point [kg].
     pub mass: &'a [f64],
-    /// Acceleration [m/s²].
+    /// Acceleration of gravity [m/s²].
     pub acceleration: Vec3,
 }
 

@@ -6,38 +6,35 @@
 //! E = a/2 [ k_u (|w_u| - r_u)² + k_v (|w_v| - r_v)² + k_s (w_u . w_v)² ]
 //! ```
 //!
-//! with the rest stretches r (1 when new) read from the memory. Baraff and Witkin scale the *condition* by the
-//! area, which makes stiffness depend on the mesh; here the energy is, so k_u, k_v, k_s are in N/m of cloth width.
-//! Damping along the constraint (KOW eq. 4) is a spring to the last accepted value C_n with stiffness
-//! k * damping/step: both springs together are one with a shifted target, made once per step.
-//! Out-of-plane stiffness of a compressed axis is left out of the Hessian (it would be negative).
+//! with the rest stretches r (1 when new) read from the memory. Baraff and Witkin scale the *condition* by the area, which
+//! makes stiffness depend on the mesh; here the energy is scaled, so that k_u, k_v, k_s are in N/m of cloth width.
+//! Damping along the constraint (Kim, Oh and Wohn, eq. 4) is a spring to the last accepted value C_n with stiffness
+//! k * damping/step; both springs together are one with a shifted target, computed once per step. The geometric stiffness
+//! of a compressed axis is left out of the Hessian (it would be negative).
 
-use crate::energy::{BlockSink, Energy, add_symmetric, sum_of};
+use crate::energy::term::{BlockSink, Energy, add_symmetric, sum_of};
+use crate::energy::tuning::TUNING;
 use crate::fabric::Fabric;
 use crate::garment::{Garment, RestState};
 use crate::math::{Mat3, Vec2, Vec3};
 use std::borrow::Cow;
 
-/// What never changes during a run: one entry per triangle.
+/// Constants of the membrane during a run: one entry per triangle.
 #[derive(Debug, Clone)]
 pub struct Membrane {
     corners: Vec<[u32; 3]>,
-    /// Material derivative of the corner functions [1/m]: w_u = sum x_i b_i.x, w_v = sum x_i b_i.y.
+    /// Material derivative of the shape functions [1/m]: w_u = sum x_i b_i.x, w_v = sum x_i b_i.y.
     derivative: Vec<[Vec2; 3]>,
     /// Rest areas [m²].
     area: Vec<f64>,
-    /// Stretch along warp and weft, shear [N/m].
+    /// Stretch stiffness along warp and weft, and shear stiffness [N/m].
     stiffness: [f64; 3],
     /// Relaxation time of stretch damping [s].
     damping: f64,
 }
 
-/// Triangles whose rest altitude is below this share of their longest edge are stiffened no further: the
-/// material derivative of a sliver grows without bound.
-const SMALLEST_ALTITUDE: f64 = 1e-3;
-
 impl Membrane {
-    /// Membrane of `garment` made of `fabric`.
+    /// Returns the membrane of `garment` made of `fabric`.
     pub fn new(garment: &Garment, fabric: &Fabric) -> Self {
         Self::from_parts(
             &garment.triangles.iter().map(|t| t.map(|p| p.0)).collect::<Vec<_>>(),
@@ -47,7 +44,8 @@ impl Membrane {
         )
     }
 
-    /// Membrane of triangles `corners` laid flat as `material` [m], `stiffness` (warp, weft, shear) [N/m], `damping` [s].
+    /// Returns the membrane of triangles `corners` with material coordinates `material` [m], `stiffness` (warp, weft, shear)
+    /// [N/m] and relaxation time `damping` [s].
     pub fn from_parts(
         corners: &[[u32; 3]],
         material: &[[Vec2; 3]],
@@ -60,18 +58,18 @@ impl Membrane {
             let (d1, d2) = (m[1] - m[0], m[2] - m[0]);
             let twice = d1.x * d2.y - d1.y * d2.x;
             let longest = d1.norm_squared().max(d2.norm_squared()).max((m[2] - m[1]).norm_squared());
-            let floor = SMALLEST_ALTITUDE * longest;
-            let held = if twice.abs() < floor { floor.copysign(twice) } else { twice };
-            let b1 = Vec2::new(d2.y, -d2.x) / held;
-            let b2 = Vec2::new(-d1.y, d1.x) / held;
+            let min_twice = TUNING.min_altitude_ratio * longest;
+            let divisor = if twice.abs() < min_twice { min_twice.copysign(twice) } else { twice };
+            let b1 = Vec2::new(d2.y, -d2.x) / divisor;
+            let b2 = Vec2::new(-d1.y, d1.x) / divisor;
             derivative.push([-b1 - b2, b1, b2]);
             area.push(0.5 * twice.abs());
         }
         Self { corners: corners.to_vec(), derivative, area, stiffness, damping }
     }
 
-    /// The same of some triangles only.
-    fn of(&self, faces: &[usize]) -> Self {
+    /// Returns the membrane of triangles `faces` only.
+    fn subset(&self, faces: &[usize]) -> Self {
         Self {
             corners: faces.iter().map(|&f| self.corners[f]).collect(),
             derivative: faces.iter().map(|&f| self.derivative[f]).collect(),
@@ -80,7 +78,7 @@ impl Membrane {
         }
     }
 
-    /// Rest area of every triangle [m²].
+    /// Rest areas, one per triangle [m²].
     pub fn area(&self) -> &[f64] {
         &self.area
     }
@@ -95,11 +93,12 @@ impl Membrane {
         self.stiffness
     }
 
-    /// Centre of triangle `f` at `x` [m].
+    /// Returns the centroid of triangle `f` at `x` [m].
     pub fn centre(&self, f: usize, x: &[Vec3]) -> Vec3 {
         self.corners[f].iter().map(|&p| x[p as usize]).sum::<Vec3>() / 3.0
     }
 
+    /// Returns w_u and w_v of triangle `f` at `x` [-].
     #[inline]
     fn axes(&self, f: usize, x: &[Vec3]) -> (Vec3, Vec3) {
         let ([i, j, k], b) = (self.corners[f], &self.derivative[f]);
@@ -107,7 +106,7 @@ impl Membrane {
         (p * b[0].x + q * b[1].x + r * b[2].x, p * b[0].y + q * b[1].y + r * b[2].y)
     }
 
-    /// |w_u|, |w_v|, w_u.w_v of every triangle [-].
+    /// Returns |w_u|, |w_v| and w_u.w_v of every triangle [-].
     pub fn measure(&self, x: &[Vec3]) -> Vec<[f64; 3]> {
         (0..self.corners.len())
             .map(|f| {
@@ -117,33 +116,33 @@ impl Membrane {
             .collect()
     }
 
-    /// The term of one step: rest stretches from `memory`, damping over `step` [s] towards `last` (the measure at
-    /// the last accepted state). An infinite step leaves damping out.
+    /// Returns the term of one step: rest stretches from `memory`, damping over `step` [s] towards `last` ([`Self::measure`] at
+    /// the last accepted state). An infinite step turns damping off.
     pub fn term(&self, memory: &RestState, last: &[[f64; 3]], step: f64) -> MembraneTerm<'_> {
-        let share = if self.damping > 0.0 { self.damping / step } else { 0.0 };
+        let ratio = if self.damping > 0.0 { self.damping / step } else { 0.0 };
         let rest = memory.rest_stretch_warp.iter().zip(&memory.rest_stretch_weft);
         let target = rest
             .enumerate()
             .map(|(f, (&u, &v))| {
                 let rest = [u, v, 0.0];
                 match last.get(f) {
-                    Some(c) if share > 0.0 => {
-                        std::array::from_fn(|k| (rest[k] + share * c[k]) / (1.0 + share))
+                    Some(c) if ratio > 0.0 => {
+                        std::array::from_fn(|k| (rest[k] + ratio * c[k]) / (1.0 + ratio))
                     }
                     _ => rest,
                 }
             })
             .collect();
-        MembraneTerm { model: Cow::Borrowed(self), target, factor: 1.0 + share }
+        MembraneTerm { model: Cow::Borrowed(self), target, factor: 1.0 + ratio }
     }
 }
 
 /// Stretch and shear during one step.
 pub struct MembraneTerm<'a> {
     model: Cow<'a, Membrane>,
-    /// Per triangle: target of |w_u|, |w_v|, w_u.w_v.
+    /// Targets of |w_u|, |w_v| and w_u.w_v, one per triangle [-].
     target: Vec<[f64; 3]>,
-    /// Stiffness factor of elasticity and damping together.
+    /// Stiffness factor of elasticity and damping together [-].
     factor: f64,
 }
 
@@ -181,29 +180,31 @@ impl Energy for MembraneTerm<'_> {
         self.add_secant_hessian(x, x, out);
     }
 
-    /// Axes are those in the middle of the way: |w'|² - |w|² is (w' + w) . (w' - w), whatever the angle between the two. Tensions
-    /// are those at its beginning, as the middle of a chord is nearer to its ends than they are to each other.
-    fn add_secant_hessian(&self, x: &[Vec3], half: &[Vec3], out: &mut dyn BlockSink) {
+    /// Axes are those at the midpoint: |w'|² - |w|² is (w' + w) . (w' - w) for any angle between the two. Tensions are those at
+    /// the beginning, because the midpoint of the chord of a rotation is shorter than both of its ends.
+    fn add_secant_hessian(&self, x: &[Vec3], midpoint: &[Vec3], out: &mut dyn BlockSink) {
         let [ku, kv, ks] = self.model.stiffness;
         for (f, t) in self.target.iter().enumerate() {
             if !out.is_relevant(&self.model.corners[f]) {
                 continue;
             }
             let (from_u, from_v) = self.model.axes(f, x);
-            let (u, v) = self.model.axes(f, half);
+            let (u, v) = self.model.axes(f, midpoint);
             let scale = self.factor * self.model.area[f];
             let shear = from_u.dot(&from_v) - t[2];
-            // The indefinite part shear * [[0, I], [I, 0]] split into its positive half.
-            let half = 0.5 * ks * shear.abs();
+            // The positive half of the indefinite part shear * [[0, I], [I, 0]].
+            let positive = 0.5 * ks * shear.abs();
             let axis = |from: &Vec3, w: &Vec3, k: f64, rest: f64| {
                 let length = w.norm().max(1e-12);
                 let along = w * w.transpose() / (length * length);
                 let across = (1.0 - rest / from.norm().max(1e-12)).max(0.0);
                 (along + (Mat3::identity() - along) * across) * k
             };
-            let uu = (axis(&from_u, &u, ku, t[0]) + v * v.transpose() * ks + Mat3::identity() * half) * scale;
-            let vv = (axis(&from_v, &v, kv, t[1]) + u * u.transpose() * ks + Mat3::identity() * half) * scale;
-            let uv = (v * u.transpose() * ks + Mat3::identity() * (half * shear.signum())) * scale;
+            let uu =
+                (axis(&from_u, &u, ku, t[0]) + v * v.transpose() * ks + Mat3::identity() * positive) * scale;
+            let vv =
+                (axis(&from_v, &v, kv, t[1]) + u * u.transpose() * ks + Mat3::identity() * positive) * scale;
+            let uv = (v * u.transpose() * ks + Mat3::identity() * (positive * shear.signum())) * scale;
             let (corner, b) = (&self.model.corners[f], &self.model.derivative[f]);
             let vu = uv.transpose();
             for i in 0..3 {
@@ -222,13 +223,13 @@ impl Energy for MembraneTerm<'_> {
         self.model.corners.iter().for_each(|t| visit(t));
     }
 
-    fn restricted_to(&self, kept: &[bool]) -> Option<Box<dyn Energy + '_>> {
-        let has = |t: &[u32; 3]| t.iter().any(|p| kept[*p as usize]);
+    fn restricted_to(&self, points: &[bool]) -> Option<Box<dyn Energy + '_>> {
+        let has = |t: &[u32; 3]| t.iter().any(|p| points[*p as usize]);
         let faces: Vec<usize> =
             self.model.corners.iter().enumerate().filter(|(_, t)| has(t)).map(|(f, _)| f).collect();
         Some(Box::new(MembraneTerm {
             target: faces.iter().map(|&f| self.target[f]).collect(),
-            model: Cow::Owned(self.model.of(&faces)),
+            model: Cow::Owned(self.model.subset(&faces)),
             factor: self.factor,
         }))
     }
@@ -236,10 +237,10 @@ impl Energy for MembraneTerm<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::energy_checks::{
-        check_around, check_gradient_and_hessian, check_rigid_motion, check_secant_of_a_turn,
-    };
     use super::*;
+    use crate::energy::energy_checks::{
+        check_gradient_and_hessian, check_restriction, check_rigid_motion, check_secant_of_a_rotation,
+    };
 
     fn pair() -> (Membrane, RestState) {
         let flat = [Vec2::new(0.0, 0.0), Vec2::new(0.1, 0.0), Vec2::new(0.03, 0.08), Vec2::new(0.06, -0.05)];
@@ -261,26 +262,26 @@ mod tests {
     }
 
     #[test]
-    fn passes_the_shelf_with_and_without_damping() {
+    fn gradient_and_hessian_match_with_and_without_damping() {
         let (membrane, memory) = pair();
         let last = vec![[0.98, 1.01, 0.02]; 2];
         for term in [membrane.term(&memory, &[], 0.01), membrane.term(&memory, &last, 0.01)] {
             check_gradient_and_hessian(&term, &posed(), 1e-7);
             check_rigid_motion(&term, &posed());
-            check_around(&term, &posed(), &[false, false, false, true], 1e-3);
+            check_restriction(&term, &posed(), &[false, false, false, true], 1e-3);
         }
     }
 
     #[test]
-    fn a_turn_costs_nothing_by_the_secant() {
+    fn a_rotation_costs_nothing_by_the_secant() {
         let (membrane, _) = pair();
         let flat = [(0.0, 0.0), (0.1, 0.0), (0.03, 0.08), (0.06, -0.05)].map(|(u, v)| Vec3::new(u, v, 0.0));
-        check_secant_of_a_turn(&membrane.term(&RestState::flat(0, 2), &[], 0.01), &flat);
+        check_secant_of_a_rotation(&membrane.term(&RestState::flat(0, 2), &[], 0.01), &flat);
     }
 
     #[test]
     fn warp_is_u_and_weft_is_v() {
-        // Swapping the axes still drapes and merely turns the cloth by 90 degrees, so it is nailed down here.
+        // Swapping the axes still drapes and merely rotates the cloth by 90 degrees, so that only exact values show it.
         let (membrane, _) = pair();
         let memory = RestState::flat(0, 2);
         let stretch = |sx: f64, sy: f64| {

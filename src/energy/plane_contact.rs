@@ -1,67 +1,69 @@
-//! The body under single points of cloth: each rests on a plane of its own and rubs on it.
+//! One-sided contact of single points of the cloth with a body, each with its own plane, and lagged friction on it.
 //!
 //! ```text
-//! E = k/2 (r - g)²  for g = n.(x - c) < r,      D = limit f(|u|),   u = u0 + (I - n n^T) (x - from)
+//! E = k/2 (d - g)²  for g = n.(x - c) < d,      D = max_friction f(|u|),   u = u0 + (I - n n^T) (x - stick_point)
 //! f' = 2 y/eps - y²/eps²  for y < eps, else 1
 //! ```
 //!
-//! The plane is that of the body's surface nearest to the point, where the body is at the end of the step; `from` is where
-//! the point would be had it stuck, so that cloth goes along with the skin. Convex, and defined at any depth: cloth that is
-//! caught between two parts of a body is pushed by each and held by none. Who is near what is `contact::body_field`'s.
+//! The plane is tangent to the surface of the body next to the point, with the body as it is at the end of the step; d is
+//! the activation distance, eps the slip tolerance. `stick_point` is the position of the point had it stuck, so that cloth
+//! moves along with the body. The energy is convex and defined at any penetration depth: cloth between two parts of a body
+//! is pushed by both. The friction potential is that of Li and others 2020 (IPC). The pairs are found by
+//! `contact::body_planes`.
 
-use crate::energy::{BlockSink, Energy};
+use crate::energy::term::{BlockSink, Energy};
 use crate::math::{Mat3, Vec3};
 
-/// The body under one point.
+/// Contact of one point with a plane of the body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlaneContact {
-    /// The point.
+    /// Index of the point.
     pub point: u32,
-    /// Place of the surface at the end of the step [m].
+    /// Position on the surface of the body at the end of the step [m].
     pub anchor: Vec3,
-    /// Its outward normal there, unit.
+    /// Outward unit normal of the body there.
     pub normal: Vec3,
-    /// It pushes nearer than this [m].
+    /// Activation distance [m]: the contact pushes below it.
     pub dhat: f64,
-    /// [N/m].
+    /// Stiffness of the contact [N/m].
     pub stiffness: f64,
-    /// Where the point would be had it stuck [m].
+    /// Position of the point had it stuck [m].
     pub stick_point: Vec3,
-    /// Friction coefficient times normal force [N].
+    /// Maximum friction force: friction coefficient times normal force [N].
     pub max_friction: f64,
-    /// It sticks within this [m].
+    /// Tangential displacement below which the point sticks [m].
     pub slip_tol: f64,
-    /// Tangential stretch that it begins with [m].
+    /// Tangential displacement from stick at the beginning of the step [m].
     pub stretch: Vec3,
 }
 
 impl PlaneContact {
-    /// Height over the surface [m].
+    /// Returns the height above the plane [m].
     pub fn gap(&self, x: &Vec3) -> f64 {
         self.normal.dot(&(x - self.anchor))
     }
 
-    /// Tangential stretch at `x` [m].
+    /// Returns the tangential displacement from stick at `x` [m].
     pub fn stretch_at(&self, x: &Vec3) -> Vec3 {
         let u = self.stretch + (x - self.stick_point);
         u - self.normal * self.normal.dot(&u)
     }
 
     fn value(&self, x: &Vec3) -> f64 {
-        let press = (self.dhat - self.gap(x)).max(0.0);
+        let depth = (self.dhat - self.gap(x)).max(0.0);
         let (y, eps) = (self.stretch_at(x).norm(), self.slip_tol);
-        let rub = if y < eps { y * y / eps - y.powi(3) / (3.0 * eps * eps) } else { y - eps / 3.0 };
-        0.5 * self.stiffness * press * press + self.max_friction * rub
+        let friction = if y < eps { y * y / eps - y.powi(3) / (3.0 * eps * eps) } else { y - eps / 3.0 };
+        0.5 * self.stiffness * depth * depth + self.max_friction * friction
     }
 
     fn gradient(&self, x: &Vec3) -> Vec3 {
-        let press = (self.dhat - self.gap(x)).max(0.0);
+        let depth = (self.dhat - self.gap(x)).max(0.0);
         let u = self.stretch_at(x);
-        u * (self.max_friction * self.steepness(u.norm())) - self.normal * (self.stiffness * press)
+        u * (self.max_friction * self.slope_ratio(u.norm())) - self.normal * (self.stiffness * depth)
     }
 
-    /// f'(y) / y [1/m].
-    fn steepness(&self, y: f64) -> f64 {
+    /// Returns f'(y) / y [1/m].
+    fn slope_ratio(&self, y: f64) -> f64 {
         let eps = self.slip_tol;
         if y < eps { 2.0 / eps - y / (eps * eps) } else { 1.0 / y }
     }
@@ -75,23 +77,23 @@ impl PlaneContact {
         if self.max_friction > 0.0 {
             let u = self.stretch_at(x);
             let (y, eps) = (u.norm(), self.slip_tol);
-            let steep = self.steepness(y);
-            let curve = if y < eps { 2.0 / eps - 2.0 * y / (eps * eps) } else { 0.0 };
-            block += (Mat3::identity() - along) * (self.max_friction * steep);
+            let ratio = self.slope_ratio(y);
+            let curvature = if y < eps { 2.0 / eps - 2.0 * y / (eps * eps) } else { 0.0 };
+            block += (Mat3::identity() - along) * (self.max_friction * ratio);
             if let Some(u) = u.try_normalize(0.0) {
-                block += u * u.transpose() * (self.max_friction * (curve - steep));
+                block += u * u.transpose() * (self.max_friction * (curvature - ratio));
             }
         }
         block
     }
 }
 
-/// All of them.
+/// All contacts of one step as an energy term.
 pub struct PlaneContacts<'a>(pub &'a [PlaneContact]);
 
 impl Energy for PlaneContacts<'_> {
     fn name(&self) -> &'static str {
-        "body"
+        "plane contacts"
     }
 
     fn value(&self, x: &[Vec3]) -> f64 {
@@ -114,13 +116,13 @@ impl Energy for PlaneContacts<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::energy_checks::check_gradient_and_hessian;
     use super::*;
+    use crate::energy::energy_checks::check_gradient_and_hessian;
 
     #[test]
-    fn passes_the_shelf_sticking_and_sliding() {
+    fn gradient_and_hessian_match_in_stick_and_slip() {
         let normal = Vec3::new(0.2, 0.9, -0.4).normalize();
-        let cushion = |point, stretch: Vec3| PlaneContact {
+        let contact = |point, stretch: Vec3| PlaneContact {
             point,
             anchor: Vec3::new(0.1, 0.0, 0.0),
             normal,
@@ -131,7 +133,7 @@ mod tests {
             slip_tol: 0.004,
             stretch,
         };
-        let all = [cushion(0, Vec3::zeros()), cushion(1, Vec3::new(0.02, 0.01, 0.0))];
+        let all = [contact(0, Vec3::zeros()), contact(1, Vec3::new(0.02, 0.01, 0.0))];
         check_gradient_and_hessian(
             &PlaneContacts(&all),
             &[Vec3::new(0.101, 0.001, 0.0005), Vec3::new(0.12, -0.003, 0.01)],

@@ -1,12 +1,12 @@
-//! Pressure of a soft plate from above: a force straight down on every uncovered triangle,
-//! E = p sum_f A_f^xz h_f with the triangle's shadow area held for the step, so that it is a plain linear term.
+//! Pressure of a soft plate from above: a downward force on every uncovered triangle, E = p sum_f A_f^xz h_f. The
+//! projected area A_f^xz is constant during a step, so that the term is linear.
 
-use crate::energy::{BlockSink, Energy};
+use crate::energy::term::{BlockSink, Energy};
 use crate::math::Vec3;
 
-/// Downward force on points.
+/// Downward forces on points.
 pub struct Pressure<'a> {
-    /// One per point [N], pushing towards -y.
+    /// Force towards -y, one per point [N].
     pub force: &'a [f64],
 }
 

@@ -1,65 +1,65 @@
-//! TargetSprings: springs that draw points to moving targets,
+//! Springs that pull points towards moving targets,
 //!
 //! ```text
 //! E = k/2 (n . (x - target))² + k_s/2 |(I - n n^T) (x - target)|²
 //! ```
 //!
-//! They are the hands of a wear action: stiff along their normal, to carry layers in order; soft across it, because
-//! layers slide on one another. A point held exactly is not a guide but a pin (`solve`).
+//! Wear actions move cloth with them: stiff along the normal n, which keeps layers in order, and soft across it, because
+//! layers slide on one another. A point with a prescribed position is a fixed point of the Newton problem instead.
 
-use crate::energy::{BlockSink, Energy};
+use crate::energy::term::{BlockSink, Energy};
 use crate::math::{Mat3, Vec3};
 use serde::{Deserialize, Serialize};
 
-/// One spring.
+/// A spring between one point and a target position.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct TargetSpring {
-    /// The point drawn.
+    /// Index of the point.
     pub point: u32,
-    /// Where to [m].
+    /// Target position [m].
     #[serde(with = "crate::math::serde_vec::vector")]
     pub target: Vec3,
-    /// Unit direction of the stiff spring.
+    /// Unit vector along which `stiffness` acts.
     #[serde(with = "crate::math::serde_vec::vector")]
     pub normal: Vec3,
-    /// Stiffness along the normal [N/m].
+    /// Stiffness along `normal` [N/m].
     pub stiffness: f64,
-    /// Stiffness across it [N/m].
+    /// Stiffness across `normal` [N/m].
     #[serde(rename = "slide")]
     pub tangential_stiffness: f64,
 }
 
 impl TargetSpring {
-    /// A guide that is as stiff in every direction.
+    /// Returns a spring with the same `stiffness` [N/m] in every direction.
     pub fn isotropic(point: u32, target: Vec3, stiffness: f64) -> Self {
         Self { point, target, normal: Vec3::y(), stiffness, tangential_stiffness: stiffness }
     }
 
-    /// The same with both springs scaled.
-    pub fn scaled(self, share: f64) -> Self {
+    /// Returns the spring with both stiffnesses multiplied by `factor`.
+    pub fn scaled(self, factor: f64) -> Self {
         Self {
-            stiffness: share * self.stiffness,
-            tangential_stiffness: share * self.tangential_stiffness,
+            stiffness: factor * self.stiffness,
+            tangential_stiffness: factor * self.tangential_stiffness,
             ..self
         }
     }
 
-    /// The 3 x 3 stiffness [N/m].
+    /// Returns the 3 x 3 stiffness matrix [N/m].
     fn matrix(&self) -> Mat3 {
         Mat3::identity() * self.tangential_stiffness
             + self.normal * self.normal.transpose() * (self.stiffness - self.tangential_stiffness)
     }
 }
 
-/// All springs of one step.
+/// All springs of one step as an energy term.
 pub struct TargetSprings<'a>(
-    /// At most one per point.
+    /// The springs, at most one per point.
     pub &'a [TargetSpring],
 );
 
 impl Energy for TargetSprings<'_> {
     fn name(&self) -> &'static str {
-        "guides"
+        "target springs"
     }
 
     fn value(&self, x: &[Vec3]) -> f64 {
@@ -89,19 +89,23 @@ impl Energy for TargetSprings<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::energy_checks::check_gradient_and_hessian;
     use super::*;
+    use crate::energy::energy_checks::check_gradient_and_hessian;
 
     #[test]
     fn gradient_and_hessian_match() {
         let normal = Vec3::new(0.36, 0.48, 0.8);
-        let guides = [TargetSpring {
+        let springs = [TargetSpring {
             point: 1,
             target: Vec3::new(0.1, 0.2, 0.3),
             normal,
             stiffness: 5.0,
             tangential_stiffness: 0.1,
         }];
-        check_gradient_and_hessian(&TargetSprings(&guides), &[Vec3::zeros(), Vec3::new(0.2, 0.1, 0.0)], 1e-5);
+        check_gradient_and_hessian(
+            &TargetSprings(&springs),
+            &[Vec3::zeros(), Vec3::new(0.2, 0.1, 0.0)],
+            1e-5,
+        );
     }
 }
