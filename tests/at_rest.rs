@@ -1,6 +1,6 @@
-//! Only the end decides whether a bake came to rest: its last step and the way home, not a bad step on the way.
+//! Only the end decides whether the result of a bake is an equilibrium: its last step and the relaxation, not a step between.
 
-use crease::bake::{BakeOptions, BakeReport, bake, settle};
+use crease::bake::{Bake, BakeOptions, BakeReport, relax};
 use crease::fabric::Fabric;
 use crease::garment::{Garment, RestState};
 use crease::io::{ReadOptions, read_asset};
@@ -27,7 +27,7 @@ fn fabric() -> Fabric {
     Fabric::preset("cotton-poplin").expect("exists")
 }
 
-/// Without memory, so that the way home is no question; `iterations` of Newton a step.
+/// A bake without memory, so that the relaxation has nothing to do, with at most `iterations` of Newton a step.
 fn worn(actions: &str, iterations: usize, slack: f64) -> BakeReport {
     let text = format!(r#"{{"format": "crease-wear/1", "actions": [{actions}]}}"#);
     let script = WearScript::parse("wear.json", &text).expect("is valid");
@@ -36,20 +36,23 @@ fn worn(actions: &str, iterations: usize, slack: f64) -> BakeReport {
     if slack == 0.0 {
         options.step.newton.displacement_tol = 0.0;
     }
-    bake(&sheet(), &fabric(), &script, "wear.json", &options, &mut ()).expect("bakes").report
+    Bake::new(&sheet(), &fabric(), &script).options(options).run().expect("bakes").report
 }
 
 const CRUMPLE: &str = r#"{"crumple": {"to": 0.4, "over": 0.5}}"#;
 
 #[test]
-fn a_last_step_that_did_not_converge_is_no_rest() {
+fn a_last_step_that_did_not_converge_is_no_equilibrium() {
     let report = worn(r#"{"settle": {"for": 0.1}}"#, 1, 0.0);
     let why = report.unconverged_reason.expect("nothing converges in one iteration without tolerance");
-    assert!(why.starts_with(&format!("the last step, at {:.3} s", report.simulated)), "{why}");
+    assert!(
+        why.starts_with(&format!("last step (t = {:.3} s) stopped unconverged", report.simulated)),
+        "{why}"
+    );
 }
 
 #[test]
-fn bad_steps_on_the_way_are_only_a_warning() {
+fn unconverged_steps_before_the_last_are_only_a_warning() {
     let report = worn(&format!(r#"{CRUMPLE}, {{"release": {{}}}}, {{"settle": {{"for": 3.0}}}}"#), 3, 3e-6);
     assert!(
         report.warnings.iter().any(|w| w.contains("before Newton had converged")),
@@ -61,18 +64,18 @@ fn bad_steps_on_the_way_are_only_a_warning() {
 
 /// A memory that no shape can carry: every third edge a sharp crease, neighbours of a quarter and of four times their length.
 #[test]
-fn a_way_home_that_did_not_converge_is_no_rest() {
+fn a_relaxation_that_did_not_converge_is_no_equilibrium() {
     let garment = sheet();
     let (hinges, triangles) = (garment.topology.hinges.len(), garment.triangles.len());
     let mut memory = RestState::flat(hinges, triangles);
-    assert_eq!(settle(&garment, &fabric(), &memory).unconverged_reason, None);
+    assert_eq!(relax(&garment, &fabric(), &memory).unconverged_reason, None);
     (0..hinges).for_each(|h| memory.rest_angle[h] = [3.0, -3.0, 2.0][h % 3]);
     (0..triangles).for_each(|t| {
         memory.rest_stretch_warp[t] = [0.25, 4.0][t % 2];
         memory.rest_stretch_weft[t] = [4.0, 0.25][t / 2 % 2];
     });
-    let settled = settle(&garment, &fabric(), &memory);
-    let why = settled.unconverged_reason.expect("no equilibrium within sixty iterations");
-    assert!(why.starts_with("home: the equilibrium did not converge"), "{why}");
-    assert!(settled.warnings.contains(&why));
+    let relaxed = relax(&garment, &fabric(), &memory);
+    let why = relaxed.unconverged_reason.expect("no equilibrium within sixty iterations");
+    assert!(why.starts_with("relaxation: the equilibrium did not converge"), "{why}");
+    assert!(relaxed.warnings.contains(&why));
 }

@@ -1,7 +1,7 @@
 //! Garments on bodies, and memory from motion, through the public interface.
 
 use assert_cmd::Command;
-use crease::bake::{BakeOptions, bake};
+use crease::bake::{Bake, BakeOptions};
 use crease::body::{AnimatedBody, BodyMotion, BodyPose};
 use crease::fabric::Fabric;
 use crease::garment::{Garment, SourceAsset, SourcePiece};
@@ -64,7 +64,7 @@ fn on_block(height: f64, spike: f64) -> crease::Result<(Garment, crease::bake::B
     let script = WearScript::parse("w.json", script).expect("is valid");
     let options = BakeOptions { body: Some(block(spike)), ..BakeOptions::default() };
     let fabric = Fabric::preset("kow-tshirt").expect("exists");
-    let baked = bake(&garment, &fabric, &script, "w.json", &options, &mut ())?;
+    let baked = Bake::new(&garment, &fabric, &script).options(options).run()?;
     Ok((garment, baked))
 }
 
@@ -129,7 +129,7 @@ fn what_sleeps_is_dressed_too() {
     let awake = crease::bake::active_points(&garment, &script, &options);
     assert_eq!(awake.iter().filter(|awake| **awake).count(), 4, "{awake:?}");
     let fabric = Fabric::preset("kow-tshirt").expect("exists");
-    let baked = bake(&garment, &fabric, &script, "w.json", &options, &mut ()).expect("fits");
+    let baked = Bake::new(&garment, &fabric, &script).options(options).run().expect("fits");
     let asleep: Vec<usize> = (0..8).filter(|p| !awake[*p]).collect();
     for p in asleep {
         let depth = garment.points[p].y - baked.end[p].y;
@@ -198,7 +198,7 @@ fn joints_and_clips_that_are_not_there_are_told_at_once() {
     let options = BakeOptions { body: Some(block(0.0)), ..BakeOptions::default() };
     let fabric = Fabric::preset("kow-tshirt").expect("exists");
     let message =
-        bake(&garment, &fabric, &script, "w.json", &options, &mut ()).expect_err("refused").to_string();
+        Bake::new(&garment, &fabric, &script).options(options).run().expect_err("refused").to_string();
     assert_eq!(message.lines().count(), 2, "{message}");
     assert!(
         message.contains("actions[0].play.clip") && message.contains("actions[1].bend.joint"),

@@ -1,6 +1,6 @@
-//! Checkpoints: a bake that is taken up from any of them ends with the bytes of one that was never interrupted.
+//! Checkpoints: a bake that is resumed from any of them ends with the bytes of one that was never interrupted.
 
-use crease::bake::{BakeOptions, BakeResult, Checkpoint, Observer, bake, bake_from};
+use crease::bake::{Bake, BakeOptions, BakeResult, Checkpoint, Observer};
 use crease::body::AnimatedBody;
 use crease::fabric::Fabric;
 use crease::garment::Garment;
@@ -60,29 +60,32 @@ impl Scene {
         }
     }
 
+    fn job(&self) -> Bake<'_> {
+        Bake::new(&self.garment, &self.fabric, &self.script).options(self.options.clone())
+    }
+
     fn bake(&self, observer: &mut dyn Observer) -> Result<BakeResult> {
-        bake(&self.garment, &self.fabric, &self.script, "wear.json", &self.options, observer)
+        self.job().run_with(observer)
     }
 
     fn resume(&self, from: &Checkpoint, observer: &mut dyn Observer) -> Result<BakeResult> {
         // Through the file, as a killed process would.
         let read = Checkpoint::parse("x.checkpoint", &from.to_bytes())?;
         assert!(&read == from, "a checkpoint does not read back as it was");
-        let from = Some(("x.checkpoint", read));
-        bake_from(from, &self.garment, &self.fabric, &self.script, "wear.json", &self.options, observer)
+        self.job().resume("x.checkpoint", read).run_with(observer)
     }
 }
 
-/// Keeps every checkpoint and every frame; stops after `most_steps` steps.
+/// Keeps every checkpoint and every frame; stops after `max_steps` steps.
 struct Keeper {
     checkpoints: Vec<Checkpoint>,
     frames: Vec<Vec<Vec3>>,
-    most_steps: u64,
+    max_steps: u64,
 }
 
 impl Keeper {
-    fn new(most_steps: u64) -> Self {
-        Self { checkpoints: Vec::new(), frames: Vec::new(), most_steps }
+    fn new(max_steps: u64) -> Self {
+        Self { checkpoints: Vec::new(), frames: Vec::new(), max_steps }
     }
 }
 
@@ -102,8 +105,8 @@ impl Observer for Keeper {
     }
 
     fn should_stop(&mut self) -> bool {
-        self.most_steps -= 1;
-        self.most_steps == 0
+        self.max_steps -= 1;
+        self.max_steps == 0
     }
 }
 
@@ -116,7 +119,7 @@ fn assert_same(one: &BakeResult, other: &BakeResult, what: &str) {
     assert_eq!(counts(one), counts(other), "{what}: counts");
 }
 
-fn taken_up_anywhere(method: Method) {
+fn resumed_anywhere(method: Method) {
     let scene = Scene::new(method);
     let plain = scene.bake(&mut ()).unwrap();
     let mut keeper = Keeper::new(u64::MAX);
@@ -124,30 +127,34 @@ fn taken_up_anywhere(method: Method) {
     // Keeping checkpoints changes nothing.
     assert_same(&plain, &watched, "watched");
     assert!(plain.report.events.gradual + plain.report.events.critical > 0, "the scene earns memory");
-    let between = keeper.checkpoints.iter().filter(|c| c.way.is_some()).count();
+    let between = keeper.checkpoints.iter().filter(|c| !c.position.is_before_action()).count();
     assert!(between >= 20, "{between} checkpoints lie within actions");
-    let actions: Vec<usize> =
-        keeper.checkpoints.iter().filter(|c| c.way.is_none()).map(|c| c.action).collect();
+    let actions: Vec<usize> = keeper
+        .checkpoints
+        .iter()
+        .filter(|c| c.position.is_before_action())
+        .map(|c| c.position.action)
+        .collect();
     assert_eq!(actions, (0..=scene.script.flatten().count()).collect::<Vec<_>>(), "one after every action");
-    // An odd stride meets beginnings of actions and places within them.
+    // An odd stride meets beginnings of actions and positions within them.
     for checkpoint in keeper.checkpoints.iter().step_by(keeper.checkpoints.len() / 9) {
         let mut later = Keeper::new(u64::MAX);
-        let what = format!("from action {}, {:.2} s", checkpoint.action, checkpoint.state.time);
-        let taken_up = scene.resume(checkpoint, &mut later).unwrap();
-        assert_same(&plain, &taken_up, &what);
-        let frames = &keeper.frames[checkpoint.counts.frames as usize..];
+        let what = format!("from action {}, {:.2} s", checkpoint.position.action, checkpoint.state.time);
+        let resumed = scene.resume(checkpoint, &mut later).unwrap();
+        assert_same(&plain, &resumed, &what);
+        let frames = &keeper.frames[checkpoint.counts.frames.shown as usize..];
         assert!(frames == later.frames, "{what}: frames");
     }
 }
 
 #[test]
 fn backward_euler_goes_on_as_if_nothing_had_been() {
-    taken_up_anywhere(Method::BackwardEuler);
+    resumed_anywhere(Method::BackwardEuler);
 }
 
 #[test]
 fn bdf2_goes_on_as_if_nothing_had_been() {
-    taken_up_anywhere(Method::Bdf2);
+    resumed_anywhere(Method::Bdf2);
 }
 
 /// On a body: how it is bent, where it is, what it has lifted and pinched go on, too.
@@ -173,14 +180,15 @@ fn on_a_body_it_goes_on_as_if_nothing_had_been() {
     };
     let mut keeper = Keeper::new(u64::MAX);
     let plain = scene.bake(&mut keeper).unwrap();
-    let between: Vec<&Checkpoint> = keeper.checkpoints.iter().filter(|c| c.way.is_some()).collect();
+    let between: Vec<&Checkpoint> =
+        keeper.checkpoints.iter().filter(|c| !c.position.is_before_action()).collect();
     assert!(between.len() >= 3, "{} checkpoints lie within actions", between.len());
     for checkpoint in
         [between[0], between[between.len() / 2], &keeper.checkpoints[keeper.checkpoints.len() - 2]]
     {
-        let what = format!("from action {}, {:.2} s", checkpoint.action, checkpoint.state.time);
-        let taken_up = scene.resume(checkpoint, &mut ()).unwrap();
-        assert_same(&plain, &taken_up, &what);
+        let what = format!("from action {}, {:.2} s", checkpoint.position.action, checkpoint.state.time);
+        let resumed = scene.resume(checkpoint, &mut ()).unwrap();
+        assert_same(&plain, &resumed, &what);
     }
     let mut other = between[0].clone();
     other.body = None;
@@ -241,7 +249,7 @@ fn a_checkpoint_of_another_run_or_a_damaged_one_is_refused() {
     assert!(short(&|c| assert!(c.state.x.pop().is_some())).contains("does not fit"));
     assert!(short(&|c| assert!(c.state.angle.pop().is_some())).contains("does not fit"));
     assert!(short(&|c| assert!(c.memory.rest.rest_angle.pop().is_some())).contains("does not fit"));
-    assert!(short(&|c| c.action = 1000).contains("does not fit"));
+    assert!(short(&|c| c.position.action = 1000).contains("does not fit"));
     assert!(short(&|c| c.state.time = -1.0).contains("does not fit"));
 }
 

@@ -1,96 +1,103 @@
-//! What of a garment a moving body can stir: the rest sleeps.
+//! Selects the points that a moving body can affect; all others are fixed.
 //!
-//! Where only a body moves, cloth far from what moves of it has nothing to do: it stays where it is, with the body that
-//! stands under it, and costs nothing in the solver. Awake is what lies near a moving part of the body in any of its
-//! postures, and what is joined to it within a hand's breadth of cloth.
+//! Where only the body moves, cloth far from its moving parts stays where it is, on the static part of the body under it,
+//! and is left out of the solve. Active are the points near a moving part of the body in any of its poses, and those joined
+//! to them within a hand's breadth of cloth.
 
+use crate::bake::BakeOptions;
+use crate::bake::tuning::TUNING;
 use crate::body::{AnimatedBody, BodyPose};
 use crate::garment::Garment;
 use crate::math::Vec3;
 use crate::mesh::triangle_bvh::TriangleBvh;
 use crate::mesh::{PointIndex, Topology};
+use crate::wear::WearScript;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// A part of a body that moves by less than this stands [m].
-const STIRRED: f64 = 2e-4;
-/// Cloth nearer than this to a moving part is awake [m].
-const REACH: f64 = 0.03;
-/// So is cloth that is joined to it over less than this [m].
-const PULL: f64 = 0.10;
+/// Points of `garment` that the body of `options` can affect during `script`, one flag per point. Empty when all points are
+/// to be simulated: without a body, with a body that does not move, or with [`BakeOptions::deactivate_static`] off.
+pub fn active_points(garment: &Garment, script: &WearScript, options: &BakeOptions) -> Vec<bool> {
+    let Some(animated) = options.body.as_ref().filter(|_| options.deactivate_static) else {
+        return Vec::new();
+    };
+    let active = points_near_motion(garment, animated, &script.body_poses(animated));
+    if active.contains(&true) { active } else { Vec::new() }
+}
 
-/// One flag per point of `garment`: whether the body stirs it on its way through `postures`.
-pub(super) fn awake(garment: &Garment, wearer: &AnimatedBody, postures: &[BodyPose]) -> Vec<bool> {
-    let start = wearer.rest_points();
-    let places: Vec<Vec<Vec3>> = postures.iter().map(|pose| wearer.points(pose)).collect();
+/// One flag per point of `garment`: whether it is near a part of the body that moves through `poses`.
+fn points_near_motion(garment: &Garment, animated: &AnimatedBody, poses: &[BodyPose]) -> Vec<bool> {
+    let tuning = &TUNING.active_region;
+    let start = animated.rest_points();
+    let posed: Vec<Vec<Vec3>> = poses.iter().map(|pose| animated.points(pose)).collect();
     let mut moves = vec![false; start.len()];
-    for place in &places {
-        for ((moves, a), b) in moves.iter_mut().zip(start).zip(place) {
-            *moves |= (a - b).norm() > STIRRED;
+    for positions in &posed {
+        for ((moves, a), b) in moves.iter_mut().zip(start).zip(positions) {
+            *moves |= (a - b).norm() > tuning.min_body_motion;
         }
     }
     let moving: Vec<[PointIndex; 3]> =
-        wearer.triangles().iter().filter(|t| t.iter().any(|p| moves[p.at()])).copied().collect();
+        animated.triangles().iter().filter(|t| t.iter().any(|p| moves[p.at()])).copied().collect();
     let mut near = vec![false; garment.points.len()];
     if moving.is_empty() {
         return near;
     }
     let mut tree = TriangleBvh::new(start, &moving, 0.0);
-    for place in std::iter::once(start).chain(places.iter().map(Vec::as_slice)) {
-        tree.refit(place, place, 0.0);
+    for positions in std::iter::once(start).chain(posed.iter().map(Vec::as_slice)) {
+        tree.refit(positions, positions, 0.0);
         for (near, x) in near.iter_mut().zip(&garment.points).filter(|(near, _)| !**near) {
-            *near = tree.nearest(place, *x, REACH).is_some();
+            *near = tree.nearest(positions, *x, tuning.max_body_distance).is_some();
         }
     }
-    within(&garment.points, &garment.topology, &near, PULL)
+    within_distance(&garment.points, &garment.topology, &near, tuning.geodesic_margin)
 }
 
-/// The points within `most` [m] of flagged ones along edges.
-fn within(points: &[Vec3], topology: &Topology, from: &[bool], most: f64) -> Vec<bool> {
-    let mut around: Vec<Vec<(u32, f64)>> = vec![Vec::new(); points.len()];
+/// Points within `max_distance` [m] of flagged ones along edges, by Dijkstra's algorithm.
+fn within_distance(points: &[Vec3], topology: &Topology, from: &[bool], max_distance: f64) -> Vec<bool> {
+    let mut neighbours: Vec<Vec<(u32, f64)>> = vec![Vec::new(); points.len()];
     for [a, b] in &topology.edges {
         let length = (points[a.at()] - points[b.at()]).norm();
-        around[a.at()].push((b.0, length));
-        around[b.at()].push((a.0, length));
+        neighbours[a.at()].push((b.0, length));
+        neighbours[b.at()].push((a.0, length));
     }
-    let mut way = vec![f64::INFINITY; points.len()];
+    let mut distance = vec![f64::INFINITY; points.len()];
     let mut open = BinaryHeap::new();
     for (p, _) in from.iter().enumerate().filter(|(_, from)| **from) {
-        way[p] = 0.0;
-        open.push(Open { way: 0.0, point: p as u32 });
+        distance[p] = 0.0;
+        open.push(OpenPoint { distance: 0.0, point: p as u32 });
     }
-    while let Some(Open { way: so_far, point }) = open.pop() {
-        if so_far > way[point as usize] {
+    while let Some(OpenPoint { distance: so_far, point }) = open.pop() {
+        if so_far > distance[point as usize] {
             continue;
         }
-        for &(next, length) in &around[point as usize] {
+        for &(next, length) in &neighbours[point as usize] {
             let there = so_far + length;
-            if there <= most && there < way[next as usize] {
-                way[next as usize] = there;
-                open.push(Open { way: there, point: next });
+            if there <= max_distance && there < distance[next as usize] {
+                distance[next as usize] = there;
+                open.push(OpenPoint { distance: there, point: next });
             }
         }
     }
-    way.iter().map(|way| way.is_finite()).collect()
+    distance.iter().map(|distance| distance.is_finite()).collect()
 }
 
-/// A point still to go on from; the nearest first.
+/// A point whose neighbours are still to be visited; the smallest distance comes first.
 #[derive(PartialEq)]
-struct Open {
-    way: f64,
+struct OpenPoint {
+    distance: f64,
     point: u32,
 }
 
-impl Eq for Open {}
+impl Eq for OpenPoint {}
 
-impl PartialOrd for Open {
+impl PartialOrd for OpenPoint {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Ord for Open {
+impl Ord for OpenPoint {
     fn cmp(&self, other: &Self) -> Ordering {
-        other.way.total_cmp(&self.way).then(other.point.cmp(&self.point))
+        other.distance.total_cmp(&self.distance).then(other.point.cmp(&self.point))
     }
 }

@@ -1,15 +1,14 @@
-//! What crosses in the garment as it comes, told by part: the contact leaves it alone until it comes apart.
+//! The warning on intersections of the garment with itself before the run, by part: contact ignores such pairs until they
+//! come apart.
 
+use crate::bake::tuning::TUNING;
 use crate::garment::Garment;
 use crate::math::Vec3;
 use crate::mesh::intersections::self_intersections;
 use std::collections::BTreeMap;
 
-/// Pairs of parts named in the warning at most; the rest are counted.
-const MOST: usize = 6;
-
-/// A warning, if anything crosses: which parts, how often, and around where.
-pub(super) fn crossing_warning(garment: &Garment) -> Option<String> {
+/// A warning if anything intersects: which parts, how many pairs of triangles, and near which position.
+pub(super) fn warning(garment: &Garment) -> Option<String> {
     let found = self_intersections(&garment.points, &garment.triangles);
     if found.is_empty() {
         return None;
@@ -25,19 +24,19 @@ pub(super) fn crossing_warning(garment: &Garment) -> Option<String> {
     }
     let mut parts: Vec<_> = by_parts.into_iter().collect();
     parts.sort_by_key(|(_, (count, _))| std::cmp::Reverse(*count));
-    let tell = |([a, b], (count, sum)): &([u32; 2], (usize, Vec3))| {
-        let place = sum / *count as f64;
-        let who = if a == b { format!("part {a} with itself") } else { format!("part {a} with part {b}") };
-        format!("{who} {count} (around {:.3}, {:.3}, {:.3} m)", place.x, place.y, place.z)
+    let describe = |([a, b], (count, sum)): &([u32; 2], (usize, Vec3))| {
+        let position = sum / *count as f64;
+        let parts = if a == b { format!("part {a} with itself") } else { format!("part {a} with part {b}") };
+        format!("{parts} {count} (around {:.3}, {:.3}, {:.3} m)", position.x, position.y, position.z)
     };
-    let mut told: Vec<String> = parts.iter().take(MOST).map(tell).collect();
-    if parts.len() > MOST {
-        told.push(format!("{} more pairs of parts", parts.len() - MOST));
+    let mut listed: Vec<String> = parts.iter().take(TUNING.warnings.max_part_pairs).map(describe).collect();
+    if parts.len() > TUNING.warnings.max_part_pairs {
+        listed.push(format!("{} more pairs of parts", parts.len() - TUNING.warnings.max_part_pairs));
     }
     Some(format!(
         "{} pairs of triangles cross at the start: {}; they are left alone until they come apart, and do not become more",
         found.len(),
-        told.join(", ")
+        listed.join(", ")
     ))
 }
 
@@ -53,13 +52,13 @@ mod tests {
     }
 
     #[test]
-    fn what_crosses_is_told_by_part() {
+    fn intersections_are_reported_by_part() {
         let apart = "v -1 0 -1\nv 1 0 -1\nv 0 0 1\nv 0 1 0\nv -1 2 0\nv 1 2 0\nf 1 2 3\nf 4 5 6\n";
-        assert_eq!(crossing_warning(&garment(apart)), None);
-        let told = crossing_warning(&garment(&apart.replace("v 0 1 0", "v 0 -1 0"))).expect("crosses");
+        assert_eq!(warning(&garment(apart)), None);
+        let reported = warning(&garment(&apart.replace("v 0 1 0", "v 0 -1 0"))).expect("crosses");
         assert!(
-            told.starts_with("1 pairs of triangles cross at the start: part 0 with part 1 1 (around "),
-            "{told}"
+            reported.starts_with("1 pairs of triangles cross at the start: part 0 with part 1 1 (around "),
+            "{reported}"
         );
     }
 }

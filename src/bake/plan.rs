@@ -3,8 +3,10 @@
 //! What is off costs nothing. With `BakeOptions::full_fidelity` every model is on and at full size, for comparison:
 //! `crease chart plan` shows what the plan saves and that it changes nothing that counts.
 
+use crate::bake::tuning::TUNING;
 use crate::bake::{BakeOptions, SimulationMesh};
 use crate::body::AnimatedBody;
+use crate::contact::ContactSettings;
 use crate::fabric::Fabric;
 use crate::garment::Garment;
 use crate::math::{Vec3, bounds};
@@ -38,22 +40,6 @@ pub struct ModelPlan {
     pub decisions: Vec<ModelDecision>,
 }
 
-/// Strain under its own weight [-] as which the stretch stiffness is chosen of cloth that is crumpled or worn on a body:
-/// its ridges are finer than its elements, and it goes where it must only by stretching.
-const RIDGE_SAG: f64 = 5e-3;
-/// Layers that the ground layer is expected to carry.
-const EXPECTED_LAYERS: f64 = 16.0;
-/// Share of the contact distance that the expected load may use up.
-const CONTACT_GIVE: f64 = 0.3;
-/// Contact distance is at most this share of the mean edge: nearer points of one layer must not meet.
-const MOST_OF_EDGE: f64 = 0.2;
-
-/// Elements longer than this share of the bending length are too long for wrinkles that form by themselves
-/// (edges of at most a quarter of it resolve them), and bending says nothing beyond twice that length.
-const FREE_WRINKLES: f64 = 0.25;
-/// Folds tighter than this make creases [degrees]: beyond it the crease law decides, not how the cloth bends.
-const CREASING_FOLD: f64 = 150.0;
-
 impl ModelPlan {
     /// The plan for wearing `garment` of `fabric` through `script`.
     pub fn new(garment: &Garment, fabric: &Fabric, script: &WearScript, options: &BakeOptions) -> Self {
@@ -79,11 +65,51 @@ impl ModelPlan {
         script: &WearScript,
         options: &BakeOptions,
     ) -> Self {
-        let grading = SimulationMesh::choose(garment, fabric, script, options);
-        let simulated = grading.mesh.as_ref().map_or(garment, |mesh| &mesh.garment);
+        let SimulationMesh { mesh, decision } = SimulationMesh::choose(garment, fabric, script, options);
+        let simulated = mesh.as_ref().map_or(garment, |mesh| &mesh.garment);
         let mut plan = Self::new(simulated, fabric, script, options);
-        plan.decisions.push(grading.choice);
+        plan.decisions.push(decision);
         plan
+    }
+
+    /// Settings of the contact of cloth with itself, the ground and a body.
+    pub(super) fn contact_settings(&self, fabric: &Fabric) -> ContactSettings {
+        let (dhat, stiffness) = (self.contact_distance, self.contact_stiffness);
+        ContactSettings::for_fabric(fabric, dhat, stiffness, self.layers_meet)
+    }
+
+    /// Adapts the plan to a body that wears the garment, with the points that are `inactive` (empty for none): the body
+    /// stretches the cloth more than its own weight does, so the cloth has the fabric's own stiffness.
+    pub(super) fn apply_body(&mut self, fabric: &Fabric, animated: &AnimatedBody, inactive: &[bool]) {
+        let full = [fabric.stretch_warp(), fabric.stretch_weft(), fabric.shear()];
+        let stiffer = full[0].max(full[1]) / self.stretch[0].max(self.stretch[1]);
+        self.contact_stiffness *= stiffer.max(1.0);
+        self.stretch = full;
+        let mut decide = |name, why: String, on| {
+            if let Some(choice) = self.decisions.iter_mut().find(|choice| choice.name == name) {
+                *choice = ModelDecision { name, on, why };
+            } else {
+                self.decisions.push(ModelDecision { name, on, why });
+            }
+        };
+        let stretch = full[0].min(full[1]);
+        decide("stretch", format!("{stretch:.0} N/m, the fabric's own: a body stretches it"), true);
+        decide(
+            "body",
+            format!(
+                "{}: {} points, {} triangles",
+                animated.file,
+                animated.rest_points().len(),
+                animated.triangles().len()
+            ),
+            true,
+        );
+        let fixed = inactive.iter().filter(|inactive| **inactive).count();
+        decide(
+            "sleep",
+            format!("{fixed} of {} points out of reach of what moves", inactive.len()),
+            fixed > 0,
+        );
     }
 }
 
@@ -105,7 +131,7 @@ impl PlannedScene<'_> {
         let ridges =
             self.options.body.is_some() || self.actions.iter().any(|a| matches!(a, Action::Crumple(_)));
         let sag = if ridges {
-            self.options.max_weight_strain.max(RIDGE_SAG)
+            self.options.max_weight_strain.max(TUNING.models.ridge_weight_strain)
         } else {
             self.options.max_weight_strain
         };
@@ -134,7 +160,7 @@ impl PlannedScene<'_> {
         let why =
             format!("bending length {:.1} mm against elements of {:.1} mm", 1e3 * length, 1e3 * element);
         decisions.push(ModelDecision { name: "bending", on: true, why });
-        let wanted = FREE_WRINKLES * length;
+        let wanted = TUNING.models.free_wrinkle_edge * length;
         let fine = element <= wanted;
         let why = format!(
             "{:.1} mm; free wrinkles ask for {:.1} mm (a quarter of the bending length){}",
@@ -161,7 +187,8 @@ impl PlannedScene<'_> {
         let [gradual, critical] =
             [memory.gradual_threshold(), memory.critical_threshold()].map(f64::to_degrees);
         let why = if on {
-            let creases = if fold >= CREASING_FOLD || pressed { "critical" } else { "gradual" };
+            let creases =
+                if fold >= TUNING.models.creasing_fold_deg || pressed { "critical" } else { "gradual" };
             let presses = if pressed { " and pressing or crumpling" } else { "" };
             format!(
                 "gradual beyond {gradual:.0} degrees, critical beyond {critical:.0}; folds of {fold:.0} degrees{presses} reach the {creases} band"
@@ -175,7 +202,7 @@ impl PlannedScene<'_> {
     /// Whether layers can meet, and the distance within which they push apart [m].
     fn self_contact(&self, decisions: &mut Vec<ModelDecision>) -> (bool, f64) {
         let element = self.garment.mean_edge();
-        let distance = self.fabric.thickness().min(MOST_OF_EDGE * element);
+        let distance = self.fabric.thickness().min(TUNING.models.max_contact_edge_fraction * element);
         let quiet = |action: &&Action| {
             matches!(
                 action,
@@ -228,12 +255,13 @@ impl PlannedScene<'_> {
             .iter()
             .map(|a| if let Action::Press(press) = a { press.pressure_pa } else { 0.0 })
             .fold(0.0, f64::max);
-        let load = pressed + EXPECTED_LAYERS * self.fabric.area_density() * GRAVITY;
+        let load = pressed + TUNING.models.expected_layers * self.fabric.area_density() * GRAVITY;
         // Layers must also hold against what the membrane can push: no softer than it is, point for point.
         let material = &self.garment.material;
         let area: f64 = material.iter().map(|m| 0.5 * (m[1] - m[0]).perp(&(m[2] - m[0])).abs()).sum();
         let area_per_point = area / self.garment.points.len().max(1) as f64;
-        (load / (CONTACT_GIVE * distance)).max(stretch[0].max(stretch[1]) / area_per_point)
+        (load / (TUNING.models.max_contact_compression * distance))
+            .max(stretch[0].max(stretch[1]) / area_per_point)
     }
 }
 
@@ -273,38 +301,6 @@ fn is_one_flat_layer(garment: &Garment) -> bool {
     let whole = garment.triangles.iter().map(normal).sum::<Vec3>();
     garment.triangles.iter().all(|t| normal(t).dot(&whole) > 0.5 * normal(t).norm() * whole.norm())
         && garment.triangle_part.iter().all(|part| Some(part) == garment.triangle_part.first())
-}
-
-impl ModelPlan {
-    /// The same on a body, with the points that are `asleep` (empty for none): what pulls at the cloth then is the body
-    /// and not its own weight, so it keeps the stiffness it has.
-    pub(super) fn wear_on(&mut self, fabric: &Fabric, wearer: &AnimatedBody, asleep: &[bool]) {
-        let full = [fabric.stretch_warp(), fabric.stretch_weft(), fabric.shear()];
-        let stiffer = full[0].max(full[1]) / self.stretch[0].max(self.stretch[1]);
-        self.contact_stiffness *= stiffer.max(1.0);
-        self.stretch = full;
-        let mut say = |name, why: String, on| {
-            if let Some(choice) = self.decisions.iter_mut().find(|choice| choice.name == name) {
-                *choice = ModelDecision { name, on, why };
-            } else {
-                self.decisions.push(ModelDecision { name, on, why });
-            }
-        };
-        let stretch = full[0].min(full[1]);
-        say("stretch", format!("{stretch:.0} N/m, the fabric's own: a body stretches it"), true);
-        say(
-            "body",
-            format!(
-                "{}: {} points, {} triangles",
-                wearer.file,
-                wearer.rest_points().len(),
-                wearer.triangles().len()
-            ),
-            true,
-        );
-        let still = asleep.iter().filter(|asleep| **asleep).count();
-        say("sleep", format!("{still} of {} points out of reach of what moves", asleep.len()), still > 0);
-    }
 }
 
 #[cfg(test)]

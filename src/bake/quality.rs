@@ -1,8 +1,7 @@
 //! How finely a bake is made: three points on the front of `crease chart accuracy` (docs/validation/accuracy.md says what error each
 //! leaves, and how they were chosen).
 
-use crate::bake::BakeOptions;
-use crate::sim::{Method, NewtonOptions, StepOptions, StepRelaxation};
+use crate::sim::{StepRelaxation, Method, NewtonOptions, StepOptions};
 
 /// A point between speed and accuracy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,10 +69,7 @@ impl Quality {
     /// The same for cloth of so much `weight` [N], each step solved as far as this quality solves it.
     pub fn step_for(self, weight: f64) -> StepOptions {
         let step = self.step();
-        StepOptions {
-            newton: NewtonOptions { decrement_tol: self.energy_tol() * weight, ..step.newton },
-            ..step
-        }
+        StepOptions { newton: NewtonOptions { decrement_tol: self.energy_tol() * weight, ..step.newton }, ..step }
     }
 
     /// A step is converged, too, when what energy is left to gain would not lift the garment by this [m].
@@ -101,46 +97,6 @@ impl Quality {
             Self::Draft => 0.25,
             Self::Standard => 0.1,
             Self::Reference => 0.025,
-        }
-    }
-}
-
-/// Steps with everything on [s].
-const EVERY_STEP: f64 = 1.0 / 60.0;
-/// Share of the slack that is left with everything on: next to none, so that every solve is of the whole.
-const LEAST_SLACK: f64 = 0.01;
-
-impl BakeOptions {
-    /// How steps are made in the end.
-    pub(super) fn effective_step(&self) -> StepOptions {
-        if self.full_fidelity {
-            let newton = NewtonOptions { rel_decrement_tol: 0.0, ..self.step.newton };
-            StepOptions {
-                newton,
-                min_dt: EVERY_STEP,
-                max_dt: EVERY_STEP,
-                relaxation: StepRelaxation::OFF,
-                ..self.step
-            }
-        } else {
-            self.step
-        }
-    }
-
-    /// The slack of a step in the end [m].
-    pub(super) fn effective_energy_tol(&self) -> f64 {
-        if self.full_fidelity { LEAST_SLACK * self.energy_tol_m } else { self.energy_tol_m }
-    }
-
-    /// The options of a quality.
-    pub fn for_quality(quality: Quality) -> Self {
-        Self {
-            step: quality.step(),
-            energy_tol_m: quality.energy_tol(),
-            max_weight_strain: quality.max_weight_strain(),
-            event_dt_fraction: quality.event_dt_fraction(),
-            adaptive_mesh: quality != Quality::Reference,
-            ..Self::default()
         }
     }
 }

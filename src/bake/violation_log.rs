@@ -1,95 +1,119 @@
-//! Demands that could not be met, gathered over a run: one warning for every stretch of time, with the worst place.
+//! Log of violated constraints over a run: one warning per stretch of time, with the worst position.
 
-use crate::math::Vec3;
+use crate::bake::tuning::TUNING;
 use crate::sim::{Violation, Violations};
 use serde::{Deserialize, Serialize};
 
-/// Times nearer than this belong to one warning [s].
-const PAUSE: f64 = 0.25;
-/// Warnings of one kind at most; the rest are counted.
-const MOST: usize = 5;
-
-/// One stretch of time.
+/// One stretch of time in which a constraint was violated.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Episode {
+    /// Beginning [s].
     from: f64,
+    /// End [s].
     to: f64,
     worst: Violation,
 }
 
-/// Everything unmet so far: layers pressed, cloth stretched.
+impl Episode {
+    /// Time and position in words.
+    fn describe(&self) -> [String; 2] {
+        let Self { from, to, .. } = self;
+        let when = if to > from { format!("{from:.2} to {to:.2} s") } else { format!("{from:.2} s") };
+        let x = &self.worst.position;
+        [when, format!("({:.3}, {:.3}, {:.3}) m", x.x, x.y, x.z)]
+    }
+}
+
+/// All violations so far.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct UnmetLog([Vec<Episode>; 2]);
+#[serde(deny_unknown_fields)]
+pub struct ViolationLog {
+    /// Layers pressed together: the gap left as a fraction of the thickness [-].
+    pressed: Vec<Episode>,
+    /// Cloth overstretched: its strain [-].
+    stretched: Vec<Episode>,
+}
 
-impl UnmetLog {
-    /// Takes up what the step that ended at `time` [s] left unmet.
-    pub fn note(&mut self, time: f64, unmet: &Violations) {
-        let all = [unmet.pressed, unmet.stretched];
-        for (kind, (episodes, found)) in self.0.iter_mut().zip(all).enumerate() {
-            let Some(found) = found else { continue };
-            // The less there is left between pressed layers, the worse.
-            let worse =
-                |a: &Violation, b: &Violation| if kind == 0 { a.size < b.size } else { a.size > b.size };
-            match episodes.last_mut().filter(|last| time - last.to <= PAUSE) {
-                Some(last) => {
-                    last.to = time;
-                    if worse(&found, &last.worst) {
-                        last.worst = found;
-                    }
-                }
-                None => episodes.push(Episode { from: time, to: time, worst: found }),
-            }
-        }
+impl ViolationLog {
+    /// Records the violations of the step that ended at `time` [s].
+    pub(super) fn record(&mut self, time: f64, found: &Violations) {
+        // The smaller the gap that is left between pressed layers, the worse.
+        record(&mut self.pressed, time, found.pressed, |a, b| a < b);
+        record(&mut self.stretched, time, found.stretched, |a, b| a > b);
     }
 
-    /// In words.
-    pub fn warnings(&self) -> Vec<String> {
-        let mut all = Vec::new();
-        for (kind, episodes) in self.0.iter().enumerate() {
-            for e in episodes.iter().take(MOST) {
-                let (when, at) = (span(e.from, e.to), place(&e.worst.position));
-                let size = e.worst.size;
-                all.push(match kind {
-                    0 => format!(
-                        "{when}: layers pressed to {:.0} % of their thickness near {at}; none of them crossed",
-                        100.0 * size
-                    ),
-                    _ => format!("{when}: cloth stretched by {:.0} % near {at}", 100.0 * size),
-                });
-            }
-            if episodes.len() > MOST {
-                let what = ["pressed layers too thin", "overstretched cloth"][kind];
-                all.push(format!("{} more times something {what}", episodes.len() - MOST));
-            }
-        }
-        all
+    /// Warnings, in order of the constraints.
+    pub(super) fn warnings(&self) -> Vec<String> {
+        let pressed = warnings(&self.pressed, "pressed layers too thin", |size, when, at| {
+            format!(
+                "{when}: layers pressed to {:.0} % of their thickness near {at}; none of them crossed",
+                100.0 * size
+            )
+        });
+        let stretched = warnings(&self.stretched, "overstretched cloth", |size, when, at| {
+            format!("{when}: cloth stretched by {:.0} % near {at}", 100.0 * size)
+        });
+        [pressed, stretched].concat()
     }
 }
 
-fn span(from: f64, to: f64) -> String {
-    if to > from { format!("{from:.2} to {to:.2} s") } else { format!("{from:.2} s") }
+/// Records what was `found` at `time` [s], in the last episode if that has just ended.
+fn record(
+    episodes: &mut Vec<Episode>,
+    time: f64,
+    found: Option<Violation>,
+    is_worse: impl Fn(f64, f64) -> bool,
+) {
+    let Some(found) = found else { return };
+    match episodes.last_mut().filter(|last| time - last.to <= TUNING.warnings.max_pause) {
+        Some(last) => {
+            last.to = time;
+            if is_worse(found.size, last.worst.size) {
+                last.worst = found;
+            }
+        }
+        None => episodes.push(Episode { from: time, to: time, worst: found }),
+    }
 }
 
-fn place(x: &Vec3) -> String {
-    format!("({:.3}, {:.3}, {:.3}) m", x.x, x.y, x.z)
+/// One warning for each of the first episodes, by size, time and position, and one that counts the others.
+fn warnings(
+    episodes: &[Episode],
+    summary: &str,
+    describe: impl Fn(f64, &str, &str) -> String,
+) -> Vec<String> {
+    let max = TUNING.warnings.max_violations;
+    let mut all: Vec<String> = episodes
+        .iter()
+        .take(max)
+        .map(|episode| {
+            let [when, at] = episode.describe();
+            describe(episode.worst.size, &when, &at)
+        })
+        .collect();
+    if episodes.len() > max {
+        all.push(format!("{} more times something {summary}", episodes.len() - max));
+    }
+    all
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::Vec3;
 
     #[test]
     fn near_times_make_one_warning_with_the_worst_place() {
-        let mut log = UnmetLog::default();
+        let mut log = ViolationLog::default();
         let stretched = |size: f64, x: f64| Violations {
             stretched: Some(Violation { size, position: Vec3::new(x, 0.0, 0.0) }),
             ..Violations::default()
         };
-        log.note(1.0, &stretched(0.31, 0.1));
-        log.note(1.2, &stretched(0.43, 0.2));
-        log.note(1.3, &Violations::default());
-        log.note(1.4, &stretched(0.32, 0.3));
-        log.note(5.0, &stretched(0.31, 0.4));
+        log.record(1.0, &stretched(0.31, 0.1));
+        log.record(1.2, &stretched(0.43, 0.2));
+        log.record(1.3, &Violations::default());
+        log.record(1.4, &stretched(0.32, 0.3));
+        log.record(5.0, &stretched(0.31, 0.4));
         let warnings = log.warnings();
         assert_eq!(warnings.len(), 2);
         assert!(warnings[0].starts_with("1.00 to 1.40 s: "), "{}", warnings[0]);
@@ -99,12 +123,10 @@ mod tests {
 
     #[test]
     fn the_rest_is_counted() {
-        let mut log = UnmetLog::default();
-        let pressed = Violations {
-            pressed: Some(Violation { size: 0.05, position: Vec3::zeros() }),
-            ..Violations::default()
-        };
-        (0..9).for_each(|k| log.note(f64::from(k), &pressed));
+        let mut log = ViolationLog::default();
+        let pressed =
+            Violations { pressed: Some(Violation { size: 0.05, position: Vec3::zeros() }), ..Violations::default() };
+        (0..9).for_each(|k| log.record(f64::from(k), &pressed));
         let warnings = log.warnings();
         assert_eq!(warnings.len(), 6);
         assert!(warnings[0].contains("5 % of their thickness"));

@@ -1,6 +1,6 @@
 //! Whole bakes: a handkerchief folded five times (32 layers), and garments that cross at the start.
 
-use crease::bake::{BakeOptions, BakeReport, Observer, bake};
+use crease::bake::{Bake, BakeOptions, BakeReport, Observer};
 use crease::error::Result;
 use crease::fabric::Fabric;
 use crease::garment::Garment;
@@ -58,7 +58,7 @@ impl Observer for Count {
         self.triangles = mesh.triangles.clone();
     }
 
-    fn progress(&mut self, progress: &crease::bake::Progress) {
+    fn progress(&mut self, progress: &crease::bake::BakeProgress) {
         (self.last_time, self.time) = (self.time, progress.time);
     }
 
@@ -111,7 +111,7 @@ fn watched(name: &str, garment: &Garment, fabric: &str, script: &str) -> Outcome
         Count { triangles: Vec::new(), worst: 0, last: Vec::new(), time: 0.0, last_time: 0.0, fastest: 0.0 };
     let clock = Instant::now();
     let options = BakeOptions { frames_per_second: 1e9, ..BakeOptions::default() };
-    let done = bake(garment, &fabric, &script, "scene.json", &options, &mut count).expect("bakes");
+    let done = Bake::new(garment, &fabric, &script).options(options).run_with(&mut count).expect("bakes");
     let (low, high) = bounds(&done.end);
     Outcome {
         name: name.to_owned(),

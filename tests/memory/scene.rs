@@ -1,7 +1,7 @@
 //! Promises about the solver and the memory together.
 
 use crate::hinge::{Watched, folded, pair};
-use crease::bake::{BakeOptions, bake};
+use crease::bake::{Bake, BakeOptions};
 use crease::contact::Contact;
 use crease::fabric::Fabric;
 use crease::garment::{Garment, RestState};
@@ -162,7 +162,7 @@ fn a_bake_with_memory_off_is_elastic_to_the_last_bit() {
     let script = WearScript::parse("wear.json", script).expect("parses");
     let run = |fabric: &Fabric, memory: bool| {
         let options = BakeOptions { memory, ..BakeOptions::default() };
-        let baked = bake(&garment, fabric, &script, "wear.json", &options, &mut ()).expect("bakes");
+        let baked = Bake::new(&garment, fabric, &script).options(options).run().expect("bakes");
         let places = baked.end.iter().chain(&baked.worn.displacement);
         let bits: Vec<[u64; 3]> = places.map(|p| [p.x, p.y, p.z].map(f64::to_bits)).collect();
         (bits, baked.report.events.gradual + baked.report.events.critical)

@@ -5,7 +5,7 @@
 //! little: this is a band, not a line.
 
 use crate::chart::accuracy::Point;
-use crate::bake::{BakeOptions, BakeResult, Quality, bake};
+use crate::bake::{Bake, BakeOptions, BakeResult, Quality};
 use crate::error::{Error, Result};
 use crate::fabric::{DEFAULT_FABRIC, Fabric};
 use crate::garment::{Garment, SourceAsset};
@@ -99,7 +99,8 @@ impl FoldThrice {
     /// Bakes it.
     pub fn run(&self, options: &BakeOptions) -> Result<Run> {
         let clock = Instant::now();
-        let baked = bake(&self.garment, &self.fabric, &self.script, SCRIPT.0, options, &mut ())?;
+        let bake = Bake::new(&self.garment, &self.fabric, &self.script).script_name(SCRIPT.0);
+        let baked = bake.options(options.clone()).run()?;
         let linear_solves = baked.report.solves + baked.report.local_solves;
         Ok(Run { wall: clock.elapsed().as_secs_f64(), linear_solves, baked })
     }

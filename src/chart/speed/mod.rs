@@ -19,7 +19,7 @@ use crate::sim::SolveCost;
 use kernels::Kernels;
 
 /// The stages of a bake, as its report names them.
-const STAGES: [&str; 5] = ["assemble", "solve", "contact", "remember", "home"];
+const STAGES: [&str; 5] = ["assembly", "linear_solve", "contact", "memory", "relax"];
 /// Points of the sheets that kernels are measured on; the last with `--full`.
 const KERNELS: [usize; 3] = [2_000, 6_000, 14_000];
 
@@ -60,10 +60,10 @@ impl Cost {
     fn over(&self, kernels: &Kernels) -> Ratios {
         let solves = self.solves.max(1) as f64;
         let each = |stage: &str| self.stage(stage).map(|seconds| seconds / solves);
-        let solving = self.stage("solve").filter(|seconds| *seconds > 0.0);
+        let solving = self.stage("linear_solve").filter(|seconds| *seconds > 0.0);
         Ratios {
             whole: self.wall / solves / kernels.factor,
-            solver: each("solve").map(|seconds| seconds / kernels.factor),
+            solver: each("linear_solve").map(|seconds| seconds / kernels.factor),
             contact: each("contact").map(|seconds| seconds / kernels.search),
             rate: solving.map(|seconds| 2.0 * self.work.multiplications / seconds / kernels.rate()),
             copy: solving.map(|seconds| self.work.bytes / seconds / kernels.copy),
@@ -239,7 +239,7 @@ mod tests {
             Cost { scene: "s", points: 300, simulated_points: 300, wall: 2.0, simulated: None, steps: 1, solves: 4, work, stages: vec![] };
         let ratios = cost.over(&kernels);
         assert!(ratios.solver.is_none() && ratios.rate.is_none() && ratios.copy.is_none());
-        cost.stages = vec![("solve", 1.0)];
+        cost.stages = vec![("linear_solve", 1.0)];
         let ratios = cost.over(&kernels);
         assert_eq!(ratios.rate, Some(2e9 / kernels.rate()));
         assert_eq!(ratios.whole, 0.5 / kernels.factor);

@@ -3,7 +3,7 @@
 use crate::chart::accuracy::{FoldThrice, read_own};
 use crate::chart::{ChartOptions, cantilever, strip};
 use crate::chart::speed::Cost;
-use crate::bake::{BakeOptions, BakeReport, bake};
+use crate::bake::{Bake, BakeOptions, BakeReport};
 use crate::body::AnimatedBody;
 use crate::error::Result;
 use crate::fabric::{DEFAULT_FABRIC, Fabric};
@@ -76,7 +76,7 @@ fn of_bake(scene: &'static str, points: usize, wall: f64, report: &BakeReport) -
 
 /// InnerSolver seconds by the names of the table.
 fn stages(seconds: NewtonSeconds) -> Vec<(&'static str, f64)> {
-    vec![("assemble", seconds.assembly), ("solve", seconds.linear_solve), ("contact", seconds.contact)]
+    vec![("assembly", seconds.assembly), ("linear_solve", seconds.linear_solve), ("contact", seconds.contact)]
 }
 
 fn of_fall(points: usize, fall: &strip::Fall) -> Cost {
@@ -97,13 +97,12 @@ fn of_fall(points: usize, fall: &strip::Fall) -> Cost {
 fn elbow() -> Result<Cost> {
     let asset = read_own(ARM, &ReadOptions { garment: Some("sleeve".into()), ..ReadOptions::default() })?;
     let arm: Vec<&SourcePiece> = asset.pieces.iter().filter(|piece| !piece.worn).collect();
-    let options =
-        BakeOptions { body: Some(Arc::new(AnimatedBody::from_pieces(&asset, &arm)?)), ..BakeOptions::default() };
+    let body = Arc::new(AnimatedBody::from_pieces(&asset, &arm)?);
     let (garment, _) = Garment::from_asset(&asset)?;
     let fabric = Fabric::preset(DEFAULT_FABRIC)?;
     let script = WearScript::parse("elbow.json", BEND)?;
     let clock = Instant::now();
-    let baked = bake(&garment, &fabric, &script, "elbow.json", &options, &mut ())?;
+    let baked = Bake::new(&garment, &fabric, &script).script_name("elbow.json").body(body).run()?;
     Ok(of_bake(ELBOW, baked.worn.displacement.len(), clock.elapsed().as_secs_f64(), &baked.report))
 }
 

@@ -21,8 +21,7 @@ use crate::cli::runtime::threads::use_threads;
 use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use crease::bake::{
-    BakeOptions, BakeResult, Checkpoint, ModelDecision, ModelPlan, Observer, Quality, active_points,
-    bake_from,
+    Bake, BakeOptions, BakeResult, Checkpoint, ModelDecision, ModelPlan, Observer, Quality, active_points,
 };
 use crease::body::AnimatedBody;
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
@@ -352,8 +351,8 @@ impl Job {
         checkpoints: &mut CheckpointFile,
         interrupt: &Interrupt,
     ) -> Result<(BakeResult, Option<String>)> {
-        let taken_up = if arguments.resume { checkpoints.read()? } else { None };
-        let frames_before = taken_up.as_ref().map_or(0, |(_, checkpoint)| checkpoint.counts.frames);
+        let resume_from = if arguments.resume { checkpoints.read()? } else { None };
+        let frames_before = resume_from.as_ref().map_or(0, |(_, checkpoint)| checkpoint.counts.frames.shown);
         let frames = match &arguments.frames {
             Some(folder) => Some(FrameFolder::new(folder, &arguments.mesh, frames_before as usize)?),
             None => None,
@@ -361,18 +360,14 @@ impl Job {
         let actions = self.script.flatten().count();
         let mut watcher = Watcher { progress, frames, checkpoints, interrupt, actions };
         let garment: &Garment = &self.mesh.garment;
-        let options = arguments.options(self.body.as_ref());
         interrupt.ends_at_once(false);
-        let taken_up = taken_up.as_ref().map(|(file, checkpoint)| (file.as_str(), checkpoint.clone()));
-        let baked = bake_from(
-            taken_up,
-            garment,
-            &self.fabric,
-            &self.script,
-            &self.script_file,
-            &options,
-            &mut watcher,
-        )?;
+        let mut bake = Bake::new(garment, &self.fabric, &self.script)
+            .script_name(&self.script_file)
+            .options(arguments.options(self.body.as_ref()));
+        if let Some((file, checkpoint)) = &resume_from {
+            bake = bake.resume(file, checkpoint.clone());
+        }
+        let baked = bake.run_with(&mut watcher)?;
         interrupt.ends_at_once(false);
         let old = watcher.frames.and_then(|frames| frames.left_over());
         let left_over = old.map(|path| {
@@ -414,7 +409,7 @@ struct Watcher<'a, 'b> {
 }
 
 impl Observer for Watcher<'_, '_> {
-    fn progress(&mut self, now: &crease::bake::Progress) {
+    fn progress(&mut self, now: &crease::bake::BakeProgress) {
         self.progress.step(
             now.stage,
             StepNews {
@@ -441,7 +436,7 @@ impl Observer for Watcher<'_, '_> {
     }
 
     fn checkpoint(&mut self, now: Checkpoint) -> Result<()> {
-        let wear_is_over = now.action == self.actions;
+        let wear_is_over = now.position.action == self.actions;
         self.checkpoints.keep(now);
         if wear_is_over {
             // The way home is not interrupted step by step: what it starts from lies on the disk.

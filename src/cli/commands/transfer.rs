@@ -12,7 +12,7 @@ use crate::cli::files::output::Outputs;
 use crate::cli::runtime::console;
 use crate::cli::runtime::threads::use_threads;
 use clap::ValueEnum;
-use crease::bake::{RelaxResult, settle};
+use crease::bake::{RelaxResult, relax};
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
 use crease::garment::WornGarment;
 use crease::io::gltf::write_worn_glb;
@@ -284,7 +284,7 @@ impl Job {
         {
             return RelaxResult { displacement: sidecar.worn().displacement, ..RelaxResult::default() };
         }
-        settle(&self.mesh.garment, &self.fabric, &carried.memory)
+        relax(&self.mesh.garment, &self.fabric, &carried.memory)
     }
 
     fn carried_sources(&self, carried: &TransferResult) -> Vec<CarriedSource> {

@@ -50,7 +50,7 @@ impl CheckpointFile {
 
     /// Takes the next one.
     pub fn keep(&mut self, now: Checkpoint) {
-        let wait = if now.way.is_none() { self.every.min(AFTER_ACTION) } else { self.every };
+        let wait = if now.position.is_before_action() { self.every.min(AFTER_ACTION) } else { self.every };
         self.waiting = Some(now);
         if self.written.elapsed() >= wait {
             self.flush();

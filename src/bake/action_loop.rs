@@ -1,0 +1,234 @@
+//! The loop over the steps of an action: loads -> solve -> memory.
+
+use crate::bake::body_coupling::SteppedCloth;
+use crate::bake::checkpoint::{ActionProgress, CheckpointPosition};
+use crate::bake::run::Run;
+use crate::bake::tuning::TUNING;
+use crate::bake::{BakeProgress, Observer};
+use crate::error::{Error, Result};
+use crate::math::Vec3;
+use crate::memory::{MemoryModel, Strains};
+use crate::sim::{State, StepReport};
+use crate::wear::{Action, ActionContext, ActionRunner, PersistentState};
+use std::time::Instant;
+
+/// The action that is being performed.
+struct ActiveAction {
+    /// Index in the flattened script.
+    number: usize,
+    name: &'static str,
+    /// Positions on which it began, one per point [m].
+    start: Vec<Vec3>,
+    /// Simulated time at which it began [s].
+    begin: f64,
+    /// Duration [s].
+    duration: f64,
+    /// What the actions before it left.
+    before: PersistentState,
+}
+
+impl Run<'_> {
+    /// Performs the action `number`, from its beginning or from `progress`.
+    pub(super) fn perform_action(
+        &mut self,
+        number: usize,
+        action: &Action,
+        script_name: &str,
+        progress: Option<ActionProgress>,
+        observer: &mut dyn Observer,
+    ) -> Result<()> {
+        if progress.is_none() {
+            self.checkpoint_boundary(number, observer)?;
+        }
+        let location = format!("actions[{number}] ({})", action.name());
+        let before = self.persistent.clone();
+        let start = progress.as_ref().map_or(&self.state.x, |progress| &progress.start).clone();
+        let scene = ActionContext {
+            positions: &start,
+            source_positions: &self.garment.points,
+            masses: &self.stepper.cloth.mass,
+            thickness: self.stepper.contact.settings().dhat,
+            script_file: script_name,
+            location: &location,
+        };
+        let mut begun = action.as_wear_action().start_action(&scene, &mut self.persistent)?;
+        match &progress {
+            Some(progress) => {
+                if !begun.runner.restore_state(&progress.runner_state, start.len()) {
+                    return Err(scene.refuse("the checkpoint does not fit this action", "leave out --resume"));
+                }
+            }
+            None => {
+                if let Some(placed) = begun.start_positions {
+                    self.state.x = placed;
+                    self.state.stop();
+                }
+            }
+        }
+        let begin = progress.as_ref().map_or(self.state.time, |progress| progress.begin);
+        let duration = begun.duration.unwrap_or_else(|| action.as_wear_action().duration());
+        let active = ActiveAction { number, start, begin, duration, before, name: action.name() };
+        self.perform_segments(&active, begun.runner.as_mut(), progress, observer)?;
+        begun.runner.finish(&mut self.persistent, &self.state.x);
+        Ok(())
+    }
+
+    /// Reports the checkpoint before the action `number`.
+    pub(super) fn checkpoint_boundary(&mut self, number: usize, observer: &mut dyn Observer) -> Result<()> {
+        self.clear_caches();
+        if observer.wants_checkpoints() {
+            let position = CheckpointPosition::before_action(number);
+            observer.checkpoint(self.checkpoint(position, &self.persistent))?;
+        }
+        Ok(())
+    }
+
+    /// Reports a checkpoint within an action, every few steps.
+    fn maybe_checkpoint(
+        &mut self,
+        action: &ActiveAction,
+        runner: &dyn ActionRunner,
+        segment: usize,
+        dt_request: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<()> {
+        if !self.report.steps.is_multiple_of(self.checkpoint_steps) {
+            return Ok(());
+        }
+        let Some(runner_state) = runner.save_state() else { return Ok(()) };
+        self.clear_caches();
+        if observer.wants_checkpoints() {
+            let progress = ActionProgress {
+                start: action.start.clone(),
+                begin: action.begin,
+                segment,
+                dt_request,
+                runner_state,
+            };
+            let position = CheckpointPosition::within_action(action.number, progress);
+            observer.checkpoint(self.checkpoint(position, &action.before))?;
+        }
+        Ok(())
+    }
+
+    /// Makes the steps of an action, segment by segment between its event times, from `progress` if there is one.
+    fn perform_segments(
+        &mut self,
+        action: &ActiveAction,
+        runner: &mut dyn ActionRunner,
+        progress: Option<ActionProgress>,
+        observer: &mut dyn Observer,
+    ) -> Result<()> {
+        let begin = action.begin;
+        let first_dt = TUNING.stepping.first_dt;
+        let mut ends = runner.event_times();
+        ends.retain(|stop| *stop < action.duration);
+        ends.push(action.duration);
+        let mut dt_request = progress.as_ref().map_or(first_dt, |progress| progress.dt_request);
+        let first = progress.as_ref().map_or(0, |progress| progress.segment);
+        for (segment, stop) in ends.into_iter().enumerate().skip(first) {
+            if progress.is_none() || segment > first {
+                dt_request = dt_request.min(first_dt);
+                // The loads change here: a two-step method restarts.
+                self.state.previous = None;
+            }
+            while begin + stop - self.state.time > 1e-9 {
+                self.maybe_checkpoint(action, runner, segment, dt_request, observer)?;
+                let left = begin + stop - self.state.time;
+                // Two equal steps rather than one and a remainder.
+                let mut dt =
+                    if dt_request >= left { left } else { dt_request.min(0.5 * left.max(dt_request)) };
+                let now = self.state.time;
+                dt = dt.min(self.stepper.max_dt_under(&runner.loads_at(now - begin + dt, &self.state.x)));
+                if runner.apply_map(now - begin + dt, &mut self.state.x) {
+                    self.state.stop();
+                    self.state.angle = self.stepper.cloth.bending.angles(&self.state.x, &self.state.angle);
+                }
+                dt_request = self.step(runner, action, dt, observer)?;
+                if observer.should_stop() {
+                    return Err(Error::Interrupted);
+                }
+                if runner.may_end_early() && self.is_at_rest() {
+                    break;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes one accepted step: solve, then memory. Returns the length that the next should have [s].
+    fn step(
+        &mut self,
+        runner: &mut dyn ActionRunner,
+        action: &ActiveAction,
+        dt: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<f64> {
+        let (angle, stretch) = (self.state.angle.clone(), self.stretches());
+        let start = self.frames.step_start(&self.state);
+        let step = self.advance(runner, action.begin, dt);
+        self.seconds.add_step(&step);
+        self.report.steps += 1;
+        self.report.rejected += step.rejected as u64;
+        self.report.solves += step.newton.global_iterations as u64;
+        self.report.local_solves += step.newton.local_iterations as u64;
+        self.report.cost += step.newton.cost;
+        self.convergence.record(&step);
+        self.violations.record(self.state.time, &step.violations);
+        let clock = Instant::now();
+        let mut next = step.next_dt;
+        if let (Some(model), true) = (&self.model, runner.accumulates_memory()) {
+            let stretch_after = self.stretches();
+            let before = Strains { angle: &angle, stretch: &stretch };
+            let after = Strains { angle: &self.state.angle, stretch: &stretch_after };
+            let events = self.memory.commit(model, &before, &after, step.dt);
+            next = next
+                .min(model.max_dt_after_events(events, self.event_dt_fraction))
+                .max(self.stepper.options.min_dt);
+        }
+        self.seconds.memory += clock.elapsed().as_secs_f64();
+        observer.progress(&BakeProgress {
+            stage: action.name,
+            time: self.state.time,
+            total: self.total,
+            steps: self.report.steps,
+            step: step.dt,
+            iterations: step.newton.global_iterations,
+            events: self.memory.events,
+        });
+        if let Some(start) = start {
+            self.frames.show_due(&start, &self.state, &self.garment.triangles, observer)?;
+        }
+        Ok(next)
+    }
+
+    /// Advances the cloth by one accepted step, on the body if there is one.
+    fn advance(&mut self, runner: &mut dyn ActionRunner, begin: f64, dt: f64) -> StepReport {
+        let rest = &self.memory.effective_rest;
+        match &mut self.body {
+            Some(body) => {
+                let (stepper, state) = (&mut self.stepper, &mut self.state);
+                let cloth = SteppedCloth { garment: self.garment, stepper, state, rest };
+                body.step(cloth, runner, begin, dt)
+            }
+            None => {
+                let mut loads_at_time = |time: f64, state: &State| runner.loads_at(time - begin, &state.x);
+                self.stepper.advance(&mut self.state, rest, &mut loads_at_time, dt)
+            }
+        }
+    }
+
+    /// Stretches of the triangles, if the memory law needs them.
+    fn stretches(&self) -> Vec<[f64; 3]> {
+        if self.model.as_ref().is_some_and(MemoryModel::remembers_length) {
+            self.stepper.cloth.membrane.measure(&self.state.x)
+        } else {
+            Vec::new()
+        }
+    }
+
+    fn is_at_rest(&self) -> bool {
+        let sum: f64 = self.state.v.iter().map(|v| v.norm_squared()).sum();
+        (sum / self.garment.points.len() as f64).sqrt() < TUNING.stepping.max_rest_speed
+    }
+}

@@ -1,0 +1,107 @@
+//! Statistics of the depth of cloth inside the body, and of triangles that intersect it.
+
+use crate::bake::tuning::TUNING;
+use crate::contact::{BodyPlanes, SELF_FOLD_MARGIN};
+use crate::energy::PlaneContact;
+use crate::math::Vec3;
+use serde::{Deserialize, Serialize};
+
+/// Intersecting pairs of triangles of cloth and body in one kind of region.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct IntersectionCount {
+    /// Largest number after any step.
+    max: usize,
+    /// Time of that step [s].
+    time: f64,
+    /// Number after the last step.
+    last: usize,
+}
+
+impl IntersectionCount {
+    fn record(&mut self, count: usize, time: f64) {
+        self.last = count;
+        if count > self.max {
+            (self.max, self.time) = (count, time);
+        }
+    }
+}
+
+/// Statistics of the penetration of cloth into the body over a run.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BodyPenetrationStats {
+    /// Where the body does not touch itself.
+    open: IntersectionCount,
+    /// Where the body folds into itself.
+    self_fold: IntersectionCount,
+    /// Steps with intersections where the body does not touch itself.
+    steps: usize,
+    /// Time of the first and the last step with cloth inside the body [s].
+    times: Option<[f64; 2]>,
+    /// Largest depth [m].
+    max_depth: f64,
+    /// Position of the largest depth [m].
+    #[serde(with = "crate::math::serde_vec::vector")]
+    deepest_position: Vec3,
+}
+
+impl BodyPenetrationStats {
+    /// Records a step that ended at `time` [s] with the cloth at `x` [m], in contact by `planes`. `crossing`: intersecting
+    /// pairs where the body does not touch itself, and where it folds into itself.
+    pub(super) fn record(&mut self, time: f64, x: &[Vec3], planes: &[PlaneContact], crossing: [usize; 2]) {
+        let [open, self_fold] = crossing;
+        self.open.record(open, time);
+        self.self_fold.record(self_fold, time);
+        self.steps += usize::from(open > 0);
+        let deepest = BodyPlanes::deepest_penetration(x, planes).filter(|(_, d)| *d > TUNING.body.min_reported_depth);
+        let Some((point, depth)) = deepest else { return };
+        self.times = Some([self.times.map_or(time, |[from, _]| from), time]);
+        if depth > self.max_depth {
+            self.max_depth = depth;
+            self.deepest_position = x.get(point as usize).copied().unwrap_or_else(Vec3::zeros);
+        }
+    }
+
+    /// Warnings on depth and intersections, if there were any.
+    pub(super) fn warnings(&self) -> Vec<String> {
+        self.depth_warning().into_iter().chain(self.intersection_warning()).collect()
+    }
+
+    fn intersection_warning(&self) -> Option<String> {
+        let (open, fold) = (&self.open, &self.self_fold);
+        let parts = [
+            (open.max > 0).then(|| {
+                format!(
+                    "{} at {:.2} s, in {} steps some, {} at the end of the wear (corners of the body between points of the cloth: \
+                     a finer --resolution has fewer)",
+                    open.max, open.time, self.steps, open.last
+                )
+            }),
+            (fold.max > 0).then(|| {
+                format!(
+                    "where it folds into itself and {:.0} mm around {} at {:.2} s, {} at the end",
+                    1e3 * SELF_FOLD_MARGIN,
+                    fold.max,
+                    fold.time,
+                    fold.last
+                )
+            }),
+        ];
+        let parts: Vec<String> = parts.into_iter().flatten().collect();
+        (!parts.is_empty()).then(|| format!("pairs of triangles that crossed the body: {}", parts.join("; ")))
+    }
+
+    fn depth_warning(&self) -> Option<String> {
+        let [from, to] = self.times?;
+        let p = self.deepest_position;
+        Some(format!(
+            "{from:.2} to {to:.2} s, now and then: cloth up to {:.1} mm inside the body, deepest near ({:.3}, {:.3}, {:.3}) m: where a body \
+             folds into itself there is no room for cloth",
+            1e3 * self.max_depth,
+            p.x,
+            p.y,
+            p.z
+        ))
+    }
+}

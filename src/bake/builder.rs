@@ -1,0 +1,139 @@
+//! [`Bake`]: the front door of the library.
+
+use crate::bake::checkpoint::Checkpoint;
+use crate::bake::relax_to_source::{RelaxOptions, relax_to_source_pose};
+use crate::bake::setup::BakeSetup;
+use crate::bake::simulate::{SimulationResult, simulate};
+use crate::bake::{BakeOptions, BakeResult, ModelPlan, Observer, Quality, SimulationMesh};
+use crate::body::AnimatedBody;
+use crate::error::Result;
+use crate::fabric::Fabric;
+use crate::garment::{CoarseMesh, Garment, WornGarment};
+use crate::math::Vec3;
+use crate::wear::WearScript;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// A bake to be run: the script is simulated on the garment, and the garment is relaxed to its source pose with the memory
+/// that it earned.
+#[derive(Debug, Clone)]
+pub struct Bake<'a> {
+    garment: &'a Garment,
+    fabric: &'a Fabric,
+    script: &'a WearScript,
+    script_name: &'a str,
+    options: BakeOptions,
+    resume_from: Option<(&'a str, Checkpoint)>,
+}
+
+impl<'a> Bake<'a> {
+    /// A bake of `garment`, made of `fabric`, through `script`, with the default options.
+    pub fn new(garment: &'a Garment, fabric: &'a Fabric, script: &'a WearScript) -> Self {
+        let options = BakeOptions::default();
+        Self { garment, fabric, script, script_name: "the script", options, resume_from: None }
+    }
+
+    /// Sets every option, also those that the other methods set.
+    pub fn options(self, options: BakeOptions) -> Self {
+        Self { options, ..self }
+    }
+
+    /// Sets the compromise between speed and accuracy; body, memory and frames stay as they are.
+    pub fn quality(self, quality: Quality) -> Self {
+        let BakeOptions { memory, frames_per_second, ref body, .. } = self.options;
+        let options = BakeOptions {
+            memory,
+            frames_per_second,
+            body: body.clone(),
+            ..BakeOptions::for_quality(quality)
+        };
+        Self { options, ..self }
+    }
+
+    /// Sets the body that wears the garment.
+    pub fn body(mut self, body: Arc<AnimatedBody>) -> Self {
+        self.options.body = Some(body);
+        self
+    }
+
+    /// Sets whether the cloth has memory; it has by default.
+    pub fn memory(mut self, memory: bool) -> Self {
+        self.options.memory = memory;
+        self
+    }
+
+    /// Sets the number of frames per simulated second for [`Observer::frame`]; 0, the default, for none.
+    pub fn frames_per_second(mut self, frames: f64) -> Self {
+        self.options.frames_per_second = frames;
+        self
+    }
+
+    /// Sets the name of the script in messages, usually its file.
+    pub fn script_name(self, script_name: &'a str) -> Self {
+        Self { script_name, ..self }
+    }
+
+    /// Resumes from a checkpoint of the same bake; `file` is its name in messages. The result is bit for bit that of an
+    /// uninterrupted bake.
+    pub fn resume(self, file: &'a str, checkpoint: Checkpoint) -> Self {
+        Self { resume_from: Some((file, checkpoint)), ..self }
+    }
+
+    /// The models and the mesh that the bake would use, with the reasons.
+    pub fn plan(&self) -> ModelPlan {
+        ModelPlan::for_simulated_mesh(self.garment, self.fabric, self.script, &self.options)
+    }
+
+    /// Runs the bake.
+    ///
+    /// # Errors
+    /// [`crate::Error::Input`] for an action that cannot be done with this garment, for a body that does not fit it, and for a
+    /// checkpoint of another run.
+    pub fn run(self) -> Result<BakeResult> {
+        self.run_with(&mut ())
+    }
+
+    /// Runs the bake and reports progress, frames and checkpoints to `observer`.
+    ///
+    /// # Errors
+    /// Those of [`Bake::run`], those of the observer, and [`crate::Error::Interrupted`] when the observer asks to stop.
+    pub fn run_with(self, observer: &mut dyn Observer) -> Result<BakeResult> {
+        let Self { garment, fabric, script, script_name, options, resume_from } = self;
+        let setup = BakeSetup { fabric, script, script_name, options: &options };
+        let SimulationMesh { mesh: coarse, decision } =
+            SimulationMesh::choose(garment, fabric, script, &options);
+        let mesh = coarse.as_ref().map_or(garment, |coarse| &coarse.garment);
+        observer.on_mesh(mesh);
+        let mut simulated = simulate(resume_from, mesh, &setup, observer)?;
+        simulated.report.decisions.push(decision);
+
+        let clock = Instant::now();
+        let mut relax_options = &RelaxOptions::FULL;
+        if let Some(coarse) = &coarse {
+            let stepper = setup.stepper(garment, &ModelPlan::new(garment, fabric, script, &options));
+            simulated = simulated.prolongate(coarse, garment, stepper);
+            relax_options = &RelaxOptions::FAST;
+        }
+        let SimulationResult { positions: end, rest, mut report, mut seconds, mut stepper } = simulated;
+        let relaxed = relax_to_source_pose(garment, fabric, &mut stepper, &rest, relax_options);
+        seconds.relax += clock.elapsed().as_secs_f64();
+        observer.frame(&relaxed_positions(garment, coarse.as_ref(), &relaxed.displacement))?;
+
+        report.solves += relaxed.solves;
+        report.local_solves += relaxed.local_solves;
+        report.warnings.extend(relaxed.warnings);
+        report.unconverged_reason = relaxed.unconverged_reason.or(report.unconverged_reason);
+        report.stages = seconds.named();
+        let worn = WornGarment { displacement: relaxed.displacement, memory: rest };
+        Ok(BakeResult { worn, end, report })
+    }
+}
+
+/// Relaxed positions of the simulated points [m]: those of `coarse`, or all of `garment`.
+fn relaxed_positions(garment: &Garment, coarse: Option<&CoarseMesh>, displacement: &[Vec3]) -> Vec<Vec3> {
+    let position = |p: usize| garment.points[p] + displacement[p];
+    match coarse {
+        None => (0..garment.points.len()).map(position).collect(),
+        Some(coarse) => coarse.source_point.iter().map(|p| position(p.at())).collect(),
+    }
+}

@@ -1,0 +1,70 @@
+//! Observation of a bake: progress, frames, checkpoints and the request to stop.
+
+use crate::bake::Checkpoint;
+use crate::error::Result;
+use crate::garment::Garment;
+use crate::math::Vec3;
+use crate::memory::EventCount;
+
+/// Progress of a bake after a step.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BakeProgress<'a> {
+    /// Name of the current action.
+    pub stage: &'a str,
+    /// Simulated time [s].
+    pub time: f64,
+    /// Simulated time at the end of the script [s].
+    pub total: f64,
+    /// Steps made.
+    pub steps: u64,
+    /// Length of the last step [s].
+    pub step: f64,
+    /// Linear solves of the last step.
+    pub iterations: usize,
+    /// Memory events so far.
+    pub events: EventCount,
+}
+
+/// Receives what happens during a bake. Every method has a default that does nothing; `()` observes nothing.
+///
+/// ```
+/// use crease::Observer;
+/// struct StepCounter(u64);
+/// impl Observer for StepCounter {
+///     fn progress(&mut self, now: &crease::BakeProgress) {
+///         self.0 = now.steps;
+///     }
+/// }
+/// assert!(!StepCounter(0).should_stop());
+/// ```
+pub trait Observer {
+    /// Called after every step.
+    fn progress(&mut self, _progress: &BakeProgress) {}
+
+    /// Called before the first step with the mesh that is simulated, whose points the frames are of. It is the garment's own
+    /// unless an adaptive mesh is used ([`crate::bake::SimulationMesh`]).
+    fn on_mesh(&mut self, _mesh: &Garment) {}
+
+    /// Called when a frame is due, with one position per point of the simulated mesh [m]. An error ends the bake.
+    fn frame(&mut self, _x: &[Vec3]) -> Result<()> {
+        Ok(())
+    }
+
+    /// Whether [`Observer::checkpoint`] is called.
+    fn wants_checkpoints(&self) -> bool {
+        false
+    }
+
+    /// Called with a state from which the run can be resumed: before every action, after the last, and every few steps
+    /// between ([`crate::bake::BakeOptions::checkpoint_steps`]). An error ends the bake.
+    fn checkpoint(&mut self, _now: Checkpoint) -> Result<()> {
+        Ok(())
+    }
+
+    /// Whether the bake stops here with [`crate::Error::Interrupted`]; asked after every step.
+    fn should_stop(&mut self) -> bool {
+        false
+    }
+}
+
+impl Observer for () {}

@@ -1,0 +1,89 @@
+//! Options of a bake: what [`crate::bake::Bake`] can be asked for.
+
+use crate::bake::Quality;
+use crate::bake::tuning::TUNING;
+use crate::body::AnimatedBody;
+use crate::sim::{StepRelaxation, NewtonOptions, StepOptions};
+use std::sync::Arc;
+
+/// Options of a bake.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BakeOptions {
+    /// Whether the cloth has memory.
+    pub memory: bool,
+    /// Options of the time steps.
+    pub step: StepOptions,
+    /// Energy tolerance of a step as the height by which it would lift the whole garment [m]: a step is converged when the
+    /// predicted decrease is below it, so that single points may still fall into a wrinkle in the next step.
+    pub energy_tol_m: f64,
+    /// Strain under the garment's own weight up to which a lower stretch stiffness than the fabric's may be used [-].
+    pub max_weight_strain: f64,
+    /// Step after a memory event as a fraction of the time to the next event [-]: the cloth responds to each before the
+    /// next is due.
+    pub event_dt_fraction: f64,
+    /// Whether every model is on and at full size, with short steps of one length, each solved for the whole garment: the
+    /// reference for the choice of models ([`crate::bake::ModelPlan`]).
+    pub full_fidelity: bool,
+    /// Frames per simulated second for the observer; 0 for none.
+    pub frames_per_second: f64,
+    /// The body that wears the garment.
+    pub body: Option<Arc<AnimatedBody>>,
+    /// Whether cloth that the moving body cannot affect is fixed.
+    pub deactivate_static: bool,
+    /// Whether cloth that the script does not crease is simulated on fewer points ([`crate::bake::SimulationMesh`]).
+    pub adaptive_mesh: bool,
+    /// Steps of an action between two possible checkpoints: what an interrupted run loses at most. At each the pattern of
+    /// the linear system is rebuilt, and in a hold a factor that steps share.
+    pub checkpoint_steps: u64,
+}
+
+impl Default for BakeOptions {
+    fn default() -> Self {
+        Self {
+            memory: true,
+            step: StepOptions::default(),
+            energy_tol_m: Quality::Standard.energy_tol(),
+            max_weight_strain: Quality::Standard.max_weight_strain(),
+            event_dt_fraction: Quality::Standard.event_dt_fraction(),
+            full_fidelity: false,
+            frames_per_second: 0.0,
+            body: None,
+            deactivate_static: true,
+            adaptive_mesh: true,
+            checkpoint_steps: 32,
+        }
+    }
+}
+
+impl BakeOptions {
+    /// The options of a quality.
+    pub fn for_quality(quality: Quality) -> Self {
+        Self {
+            step: quality.step(),
+            energy_tol_m: quality.energy_tol(),
+            max_weight_strain: quality.max_weight_strain(),
+            event_dt_fraction: quality.event_dt_fraction(),
+            adaptive_mesh: quality != Quality::Reference,
+            ..Self::default()
+        }
+    }
+
+    /// Step options in use: those of `full_fidelity` replace the chosen ones.
+    pub(super) fn effective_step(&self) -> StepOptions {
+        if !self.full_fidelity {
+            return self.step;
+        }
+        let newton = NewtonOptions { rel_decrement_tol: 0.0, ..self.step.newton };
+        let dt = TUNING.stepping.full_fidelity_dt;
+        StepOptions { newton, min_dt: dt, max_dt: dt, relaxation: StepRelaxation::OFF, ..self.step }
+    }
+
+    /// Energy tolerance of a step in use, as a height [m].
+    pub(super) fn effective_energy_tol(&self) -> f64 {
+        if self.full_fidelity {
+            TUNING.stepping.full_fidelity_energy_factor * self.energy_tol_m
+        } else {
+            self.energy_tol_m
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! Result and report of a bake.
+
+use crate::bake::ModelDecision;
+use crate::garment::WornGarment;
+use crate::math::Vec3;
+use crate::memory::EventCount;
+use crate::sim::{SolveCost, StepReport};
+use serde::{Deserialize, Serialize};
+
+/// Work and outcome of a bake.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct BakeReport {
+    /// Simulated time [s].
+    pub simulated: f64,
+    /// Number of points that were simulated.
+    pub points: usize,
+    /// Accepted steps.
+    pub steps: u64,
+    /// Rejected step attempts.
+    pub rejected: u64,
+    /// Linear solves of global Newton iterations.
+    pub solves: u64,
+    /// Linear solves of local Newton iterations.
+    pub local_solves: u64,
+    /// Floating-point cost of all linear solves.
+    pub cost: SolveCost,
+    /// Memory events.
+    pub events: EventCount,
+    /// Wall time by stage [s], in the order of a step.
+    pub stages: Vec<(&'static str, f64)>,
+    /// Warnings, with time and position where they have one.
+    pub warnings: Vec<String>,
+    /// Reason why the result is no equilibrium, if it is none: the last step, or the relaxation to the source pose, did not
+    /// converge. One unconverged step before the last is only a warning, as the cloth comes to rest after it.
+    pub unconverged_reason: Option<String>,
+    /// The models that were chosen, and why.
+    pub decisions: Vec<ModelDecision>,
+}
+
+/// Result of a bake.
+#[derive(Debug, Clone)]
+pub struct BakeResult {
+    /// The worn garment, in its source pose.
+    pub worn: WornGarment,
+    /// Positions at the end of the script, one per point of the garment [m].
+    pub end: Vec<Vec3>,
+    /// Work and outcome.
+    pub report: BakeReport,
+}
+
+/// Wall time by stage [s].
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StageSeconds {
+    /// Pushing the garment out of the body before the script.
+    pub depenetrate: f64,
+    /// Assembly of gradients and Hessians.
+    pub assembly: f64,
+    /// Linear solves.
+    pub linear_solve: f64,
+    /// Collision detection and step bounds.
+    pub contact: f64,
+    /// The memory law.
+    pub memory: f64,
+    /// Relaxation to the source pose.
+    pub relax: f64,
+}
+
+impl StageSeconds {
+    /// Adds what one step took.
+    pub(super) fn add_step(&mut self, step: &StepReport) {
+        let seconds = step.newton.seconds;
+        self.assembly += seconds.assembly;
+        self.linear_solve += seconds.linear_solve;
+        self.contact += seconds.contact;
+    }
+
+    /// Names and seconds in the order of a step; `depenetrate` only if it took any time.
+    pub fn named(&self) -> Vec<(&'static str, f64)> {
+        let mut all = vec![
+            ("assembly", self.assembly),
+            ("linear_solve", self.linear_solve),
+            ("contact", self.contact),
+            ("memory", self.memory),
+            ("relax", self.relax),
+        ];
+        if self.depenetrate > 0.0 {
+            all.insert(0, ("depenetrate", self.depenetrate));
+        }
+        all
+    }
+}
+
+/// Convergence of the accepted steps.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StepConvergence {
+    /// Steps accepted before Newton had converged.
+    pub unconverged_steps: u64,
+    /// Largest displacement that such a step still asked for [m].
+    pub max_unconverged_move: f64,
+    /// Displacement that the last step still asked for [m], if it did not converge.
+    pub last_unconverged_move: Option<f64>,
+}
+
+impl StepConvergence {
+    /// Records an accepted step.
+    pub(super) fn record(&mut self, step: &StepReport) {
+        self.last_unconverged_move = (!step.converged).then_some(step.newton.max_displacement);
+        if !step.converged {
+            self.unconverged_steps += 1;
+            self.max_unconverged_move = self.max_unconverged_move.max(step.newton.max_displacement);
+        }
+    }
+
+    /// A warning if any of `steps` did not converge.
+    pub(super) fn warning(&self, steps: u64) -> Option<String> {
+        (self.unconverged_steps > 0).then(|| {
+            format!(
+                "{} of {steps} steps were accepted before Newton had converged (largest residual displacement {:.1} mm): \
+                 layers pressed against one another; none of them crossed",
+                self.unconverged_steps,
+                1e3 * self.max_unconverged_move
+            )
+        })
+    }
+
+    /// Reason why the state at `time` [s] is no equilibrium, if the last step did not converge.
+    pub(super) fn unconverged_reason(&self, time: f64) -> Option<String> {
+        self.last_unconverged_move.map(|left| {
+            format!(
+                "last step (t = {time:.3} s) stopped unconverged; residual displacement {:.1} mm",
+                1e3 * left
+            )
+        })
+    }
+}

@@ -1,0 +1,191 @@
+//! State of a running simulation: what a step reads and changes, its start from nothing or from a checkpoint, and the
+//! checkpoint of it.
+
+use crate::bake::body_coupling::{BodyCheckpoint, BodyCoupling, SteppedCloth};
+use crate::bake::checkpoint::{Checkpoint, CheckpointPosition, RunCounts, fingerprint};
+use crate::bake::depenetration::depenetrate;
+use crate::bake::frames::FrameSchedule;
+use crate::bake::report::{BakeReport, StageSeconds, StepConvergence};
+use crate::bake::setup::{BakeSetup, BodySetup};
+use crate::bake::violation_log::ViolationLog;
+use crate::bake::{ModelPlan, initial_intersections};
+use crate::body::PosedBody;
+use crate::error::Result;
+use crate::garment::{Garment, RestState};
+use crate::memory::{Memory, MemoryModel};
+use crate::sim::{State, Stepper};
+use crate::wear::PersistentState;
+use std::time::Instant;
+
+/// A running simulation.
+pub(super) struct Run<'a> {
+    /// The simulated mesh.
+    pub garment: &'a Garment,
+    /// Solver and contact.
+    pub stepper: Stepper,
+    /// Positions, velocities and time.
+    pub state: State,
+    /// Rest state and timers of the memory law.
+    pub memory: Memory,
+    /// The memory law; `None` for cloth without memory.
+    pub model: Option<MemoryModel>,
+    /// See [`crate::bake::BakeOptions`].
+    pub event_dt_fraction: f64,
+    /// See [`crate::bake::BakeOptions`].
+    pub checkpoint_steps: u64,
+    /// What the finished actions left: folds, the ground, the pose of the body.
+    pub persistent: PersistentState,
+    /// The body and its contact, if there is one.
+    pub body: Option<BodyCoupling>,
+    /// Counts and warnings so far.
+    pub report: BakeReport,
+    /// Wall time so far.
+    pub seconds: StageSeconds,
+    /// Times of frames.
+    pub frames: FrameSchedule,
+    /// Hash of the inputs.
+    pub fingerprint: String,
+    /// Simulated time at the end of the script [s].
+    pub total: f64,
+    /// Convergence of the steps so far.
+    pub convergence: StepConvergence,
+    /// Violated constraints so far.
+    pub violations: ViolationLog,
+}
+
+impl<'a> Run<'a> {
+    /// A run of `garment` from the beginning, or from a checkpoint (with its file name), and the position to start from.
+    /// Fails for a checkpoint or a body that does not fit.
+    pub fn new(
+        resume_from: Option<(&str, Checkpoint)>,
+        garment: &'a Garment,
+        setup: &BakeSetup,
+    ) -> Result<(Self, CheckpointPosition)> {
+        let &BakeSetup { fabric, script, options, .. } = setup;
+        let fingerprint = fingerprint(garment, fabric, script, options);
+        if let Some((file, checkpoint)) = &resume_from {
+            checkpoint.check(file, garment, script, options.body.as_deref(), &fingerprint)?;
+        }
+        let body = BodySetup::prepare(garment, setup)?;
+        let mut plan = ModelPlan::new(garment, fabric, script, options);
+        if let Some(body) = &body {
+            plan.apply_body(fabric, &body.animated, &body.inactive);
+        }
+        let stepper = setup.stepper(garment, &plan);
+        let source_angle = stepper.cloth.bending.angles(&garment.points, &[]);
+        let model = MemoryModel::new(garment, fabric, stepper.cloth.bending.width());
+        let mut run = Run {
+            garment,
+            stepper,
+            state: State::at_rest(garment.points.clone(), source_angle.clone()),
+            memory: Memory::new(RestState::new(source_angle, garment.triangles.len())),
+            model: options.memory.then_some(model),
+            event_dt_fraction: options.event_dt_fraction,
+            checkpoint_steps: options.checkpoint_steps,
+            persistent: PersistentState::default(),
+            body: None,
+            report: BakeReport { decisions: plan.decisions, ..BakeReport::default() },
+            seconds: StageSeconds::default(),
+            frames: FrameSchedule::new(options.frames_per_second),
+            fingerprint,
+            total: script.duration_with_body(options.body.as_deref()),
+            convergence: StepConvergence::default(),
+            violations: ViolationLog::default(),
+        };
+        run.report.warnings.extend(initial_intersections::warning(garment));
+        if let Some(body) = body {
+            run.put_on(body, resume_from.as_ref().and_then(|(_, checkpoint)| checkpoint.body.as_ref()));
+        }
+        let position = match resume_from {
+            None => CheckpointPosition::before_action(0),
+            Some((_, checkpoint)) => run.restore(checkpoint),
+        };
+        Ok((run, position))
+    }
+
+    /// Puts the garment on the body: by depenetration at the beginning, as it was in a checkpoint.
+    fn put_on(&mut self, body: BodySetup, resume_from: Option<&BodyCheckpoint>) {
+        let clock = Instant::now();
+        let BodySetup { animated, depths, inactive } = body;
+        let settings = self.stepper.contact.settings();
+        let mut coupling =
+            BodyCoupling::new(self.garment, &animated, settings, self.stepper.cloth.area.clone());
+        if let Some(checkpoint) = resume_from {
+            // That it fits was checked with the rest of the checkpoint.
+            coupling.restore(checkpoint);
+            self.persistent.body = Some(PosedBody::new(&animated, checkpoint.pose.clone()));
+        } else {
+            // Points that will be inactive take part here.
+            let cloth = SteppedCloth {
+                garment: self.garment,
+                stepper: &mut self.stepper,
+                state: &mut self.state,
+                rest: &self.memory.effective_rest,
+            };
+            let done = depenetrate(&mut coupling, cloth, &animated, &depths);
+            self.report.solves += done.solves;
+            self.report.local_solves += done.local_solves;
+            self.report.warnings.extend(done.warnings());
+            self.persistent.body = Some(PosedBody::new(&animated, animated.rest()));
+            self.seconds.depenetrate = clock.elapsed().as_secs_f64();
+        }
+        coupling.inactive = inactive;
+        self.body = Some(coupling);
+    }
+
+    /// The checkpoint at `position`, with the garment as it was left by the actions before: in `persistent`.
+    pub fn checkpoint(&self, position: CheckpointPosition, persistent: &PersistentState) -> Checkpoint {
+        let standing = persistent.body.as_ref();
+        Checkpoint {
+            fingerprint: self.fingerprint.clone(),
+            position,
+            persistent: PersistentState { body: None, ..persistent.clone() },
+            state: self.state.clone(),
+            memory: self.memory.clone(),
+            friction: self.stepper.contact.friction_state(),
+            body: self.body.as_ref().zip(standing).map(|(body, standing)| body.checkpoint(&standing.pose)),
+            counts: RunCounts {
+                steps: self.report.steps,
+                rejected: self.report.rejected,
+                solves: self.report.solves,
+                local_solves: self.report.local_solves,
+                cost: self.report.cost,
+                warnings: self.report.warnings.clone(),
+                convergence: self.convergence,
+                violations: self.violations.clone(),
+                seconds: self.seconds,
+                frames: self.frames,
+            },
+        }
+    }
+
+    /// Restores the cloth, its memory and the counts of a checkpoint that fits. Returns its position.
+    fn restore(&mut self, from: Checkpoint) -> CheckpointPosition {
+        let counts = from.counts;
+        // The body was put on before.
+        let body = self.persistent.body.take();
+        self.persistent = PersistentState { body, ..from.persistent };
+        self.state = from.state;
+        self.memory = from.memory;
+        self.stepper.contact.restore_friction_state(&from.friction);
+        self.report.steps = counts.steps;
+        self.report.rejected = counts.rejected;
+        self.report.solves = counts.solves;
+        self.report.local_solves = counts.local_solves;
+        self.report.cost = counts.cost;
+        self.report.warnings = counts.warnings;
+        self.convergence = counts.convergence;
+        self.violations = counts.violations;
+        self.seconds = counts.seconds;
+        self.frames = counts.frames;
+        from.position
+    }
+
+    /// Drops what is cached between steps for speed alone, as a resumed run has none of it.
+    pub fn clear_caches(&mut self) {
+        self.stepper.clear_caches();
+        if let Some(body) = &mut self.body {
+            body.clear_caches();
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! Inputs of a bake, checked before the run: the stepper of a mesh, and the body against garment and script.
+
+use crate::bake::active_region::active_points;
+use crate::bake::depenetration::penetration_depths;
+use crate::bake::{BakeOptions, ModelPlan};
+use crate::body::AnimatedBody;
+use crate::contact::Contact;
+use crate::error::{Error, Result};
+use crate::fabric::Fabric;
+use crate::garment::Garment;
+use crate::sim::{Cloth, GRAVITY, Stepper};
+use crate::wear::WearScript;
+use std::sync::Arc;
+
+/// Inputs of a bake beside the mesh.
+pub(super) struct BakeSetup<'a> {
+    pub fabric: &'a Fabric,
+    pub script: &'a WearScript,
+    /// Name of the script in messages.
+    pub script_name: &'a str,
+    pub options: &'a BakeOptions,
+}
+
+impl BakeSetup<'_> {
+    /// The stepper of `garment` with the models of `plan`.
+    pub fn stepper(&self, garment: &Garment, plan: &ModelPlan) -> Stepper {
+        let (fabric, options) = (self.fabric, self.options);
+        let mut cloth = Cloth::new(garment, fabric);
+        cloth.membrane.set_stiffness(plan.stretch);
+        if plan.layers_meet {
+            cloth.bending.keep_apart();
+        }
+        let settings = plan.contact_settings(fabric);
+        let area = cloth.area.clone();
+        let contact = Contact::new(settings, &garment.points, &garment.triangles, &garment.topology, area);
+        let mut step = options.effective_step();
+        step.newton.decrement_tol = options.effective_energy_tol() * cloth.mass.iter().sum::<f64>() * GRAVITY;
+        Stepper::new(cloth, contact, step)
+    }
+}
+
+/// The body that wears the garment, checked against garment and script.
+pub(super) struct BodySetup {
+    pub animated: Arc<AnimatedBody>,
+    /// Per point of the garment: depth inside the body [m].
+    pub depths: Vec<f64>,
+    /// Per point of the garment: whether the body cannot affect it; empty when all can be affected.
+    pub inactive: Vec<bool>,
+}
+
+impl BodySetup {
+    /// The body of the options, if there is one. Fails for joints and clips that it lacks and for a garment that does not
+    /// fit it, with all faults at once.
+    pub fn prepare(garment: &Garment, setup: &BakeSetup) -> Result<Option<Self>> {
+        let Some(animated) = &setup.options.body else { return Ok(None) };
+        let mut faults = setup.script.body_errors(setup.script_name, animated);
+        let depths = match penetration_depths(&garment.points, animated) {
+            Ok(depths) => depths,
+            Err(Error::Input(more)) => {
+                faults.extend(more);
+                Vec::new()
+            }
+            Err(other) => return Err(other),
+        };
+        if !faults.is_empty() {
+            return Err(Error::Input(faults));
+        }
+        let inactive =
+            active_points(garment, setup.script, setup.options).iter().map(|active| !active).collect();
+        Ok(Some(Self { animated: animated.clone(), depths, inactive }))
+    }
+}

@@ -1,0 +1,197 @@
+//! The tuning constants of the bake, each with quantity, unit, default and reason.
+//!
+//! Numbers that a user may choose stand in [`crate::bake::BakeOptions`]; those of the solver in `sim`.
+
+/// All tuning constants of this folder, by subject.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct BakeTuning {
+    /// Steps and frames.
+    pub stepping: SteppingTuning,
+    /// The choice of models.
+    pub models: ModelTuning,
+    /// The adaptive simulation mesh.
+    pub adaptive_mesh: AdaptiveMeshTuning,
+    /// The region that a moving body can affect.
+    pub active_region: ActiveRegionTuning,
+    /// Coupling to a body, and depenetration.
+    pub body: BodyTuning,
+    /// Relaxation to the source pose.
+    pub relax: RelaxTuning,
+    /// Warnings.
+    pub warnings: WarningTuning,
+}
+
+/// Steps and frames.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct SteppingTuning {
+    /// First step after anything starts or stops [s]: two frames of a film of 60 Hz, before the error is known.
+    pub first_dt: f64,
+    /// Smallest request for the next step that a checkpoint may hold [s]: smaller ones are never made.
+    pub min_dt_request: f64,
+    /// Interval between frames below which every step is shown [s].
+    pub min_frame_interval: f64,
+    /// Root mean square speed below which a garment whose action may end early counts as at rest [m/s].
+    pub max_rest_speed: f64,
+    /// Length of every step with `BakeOptions::full_fidelity` [s].
+    pub full_fidelity_dt: f64,
+    /// Factor on the energy tolerance with `BakeOptions::full_fidelity` [-]: so small that every solve is global.
+    pub full_fidelity_energy_factor: f64,
+}
+
+/// The choice of models ([`crate::bake::ModelPlan`]).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct ModelTuning {
+    /// Strain under its own weight [-] that sets the stretch stiffness of cloth that is crumpled or worn on a body: its
+    /// ridges are finer than its elements, and it follows only by stretching.
+    pub ridge_weight_strain: f64,
+    /// Layers that the lowest layer is expected to carry.
+    pub expected_layers: f64,
+    /// Fraction of the contact distance that the expected load may compress [-].
+    pub max_contact_compression: f64,
+    /// Largest contact distance as a fraction of the mean edge [-]: nearer points of one layer must not meet.
+    pub max_contact_edge_fraction: f64,
+    /// Longest elements for wrinkles that form by themselves, in bending lengths; bending says nothing beyond twice the
+    /// bending length.
+    pub free_wrinkle_edge: f64,
+    /// Fold angle from which the crease law decides and not how the cloth bends [degrees].
+    pub creasing_fold_deg: f64,
+}
+
+/// The adaptive simulation mesh ([`crate::bake::SimulationMesh`]).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct AdaptiveMeshTuning {
+    /// Distance from a fold line within which every point is kept, in bending lengths (at least one edge).
+    pub fold_margin: f64,
+    /// Distance from a side of the garment within which every point is kept, in bending lengths.
+    pub side_margin: f64,
+    /// Longest edges, in bending lengths.
+    pub max_edge_bending_lengths: f64,
+    /// Growth of edges with the distance from the kept points [m/m].
+    pub edge_growth: f64,
+    /// Largest fraction of points left for which a coarser mesh is used [-]: above it too little time is saved.
+    pub max_kept_fraction: f64,
+}
+
+/// The region that a moving body can affect.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct ActiveRegionTuning {
+    /// Displacement below which a part of the body counts as static [m].
+    pub min_body_motion: f64,
+    /// Distance from a moving part of the body within which cloth is active [m].
+    pub max_body_distance: f64,
+    /// Distance along the cloth from such points within which cloth is active, too [m].
+    pub geodesic_margin: f64,
+}
+
+/// Coupling to a body, and depenetration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct BodyTuning {
+    /// Rounds of averaging of the carried displacement with that of neighbours.
+    pub smoothing_rounds: usize,
+    /// Radius of a limb [m], for the depth by which straight edges of cloth cut into it.
+    pub limb_radius: f64,
+    /// Depth inside the body that is reported [m].
+    pub min_reported_depth: f64,
+    /// Depth inside the body beyond which a garment does not fit and is refused [m].
+    pub max_fit_depth: f64,
+    /// Depth inside the body beyond which depenetration warns [m].
+    pub max_usual_depth: f64,
+    /// Search distance for the depth of a point inside the body [m].
+    pub depth_search: f64,
+    /// Steps of depenetration that are always made.
+    pub min_depenetration_steps: usize,
+    /// Steps of depenetration at most.
+    pub max_depenetration_steps: usize,
+    /// Length of a step of depenetration [s].
+    pub depenetration_dt: f64,
+    /// Drag during depenetration [1/s]: pushed points stop at once.
+    pub depenetration_drag: f64,
+}
+
+/// Relaxation to the source pose.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct RelaxTuning {
+    /// Equal load increments of the memory: a crease of 170 degrees at once would be a jump.
+    pub load_increments: u32,
+    /// Energy tolerance as the height by which it would lift the garment [m]: a tenth of what a step asks for, far below
+    /// what is visible.
+    pub energy_tol_m: f64,
+    /// Displacement tolerance [m].
+    pub displacement_tol: f64,
+    /// Newton iterations of an increment at most.
+    pub max_iterations: usize,
+    /// Tether of a rest mesh as a factor on that of a garment [-]: it only fixes the position in space.
+    pub rest_mesh_tether: f64,
+    /// Stretch stiffness of a rest mesh as a factor on that of a draft [-]: a memory is seldom the angles of a surface
+    /// that exists, and lengths may change by parts of a per cent before angles do.
+    pub rest_mesh_stretch: f64,
+}
+
+/// Warnings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct WarningTuning {
+    /// Pause between two violations of one kind up to which they are one warning [s].
+    pub max_pause: f64,
+    /// Warnings of one kind at most; the rest are counted.
+    pub max_violations: usize,
+    /// Pairs of parts named in the warning on initial intersections at most; the rest are counted.
+    pub max_part_pairs: usize,
+}
+
+impl BakeTuning {
+    /// The values that every bake uses.
+    const DEFAULT: Self = Self {
+        stepping: SteppingTuning {
+            first_dt: 1.0 / 120.0,
+            min_dt_request: 1e-6,
+            min_frame_interval: 1e-5,
+            max_rest_speed: 1e-4,
+            full_fidelity_dt: 1.0 / 60.0,
+            full_fidelity_energy_factor: 0.01,
+        },
+        models: ModelTuning {
+            ridge_weight_strain: 5e-3,
+            expected_layers: 16.0,
+            max_contact_compression: 0.3,
+            max_contact_edge_fraction: 0.2,
+            free_wrinkle_edge: 0.25,
+            creasing_fold_deg: 150.0,
+        },
+        adaptive_mesh: AdaptiveMeshTuning {
+            fold_margin: 0.8,
+            side_margin: 0.3,
+            max_edge_bending_lengths: 4.0,
+            edge_growth: 0.8,
+            max_kept_fraction: 0.75,
+        },
+        active_region: ActiveRegionTuning {
+            min_body_motion: 2e-4,
+            max_body_distance: 0.03,
+            geodesic_margin: 0.10,
+        },
+        body: BodyTuning {
+            smoothing_rounds: 6,
+            limb_radius: 0.04,
+            min_reported_depth: 1e-3,
+            max_fit_depth: 0.030,
+            max_usual_depth: 0.015,
+            depth_search: 0.3,
+            min_depenetration_steps: 8,
+            max_depenetration_steps: 60,
+            depenetration_dt: 0.1,
+            depenetration_drag: 20.0,
+        },
+        relax: RelaxTuning {
+            load_increments: 6,
+            energy_tol_m: 3e-7,
+            displacement_tol: 1e-5,
+            max_iterations: 60,
+            rest_mesh_tether: 1e-4,
+            rest_mesh_stretch: 0.1,
+        },
+        warnings: WarningTuning { max_pause: 0.25, max_violations: 5, max_part_pairs: 6 },
+    };
+}
+
+/// The values in use.
+pub(super) const TUNING: BakeTuning = BakeTuning::DEFAULT;
