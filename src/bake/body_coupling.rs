@@ -6,8 +6,8 @@
 use crate::bake::body_penetration::BodyPenetrationStats;
 use crate::bake::tuning::TUNING;
 use crate::body::{AnimatedBody, BodyPose};
-use crate::contact::{BodyPlanes, ContactSettings, BodyContactSettings, BodyContactState};
-use crate::energy::{PlaneContact, EdgeContact};
+use crate::contact::{BodyContactSettings, BodyContactState, BodyPlanes, ContactSettings};
+use crate::energy::{EdgeContact, PlaneContact};
 use crate::garment::{Garment, RestState};
 use crate::math::Vec3;
 use crate::mesh::{PointIndex, Topology};
@@ -138,7 +138,9 @@ impl BodyCoupling {
                 loads.plane_contacts =
                     planes.plane_contacts(&state.x, &points, &normals, time - start, loads.friction).into();
                 loads.edge_contacts = planes.edge_contacts(&points, &normals).into();
-                loads.body_displacement = smoothed(planes.carried_displacement(&state.x, &points), &loads.fixed, &garment.topology).into();
+                loads.body_displacement =
+                    smoothed(planes.carried_displacement(&state.x, &points), &loads.fixed, &garment.topology)
+                        .into();
                 last = Some(ContactAtEnd {
                     positions: points,
                     planes: loads.plane_contacts.clone(),

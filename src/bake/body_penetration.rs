@@ -54,7 +54,8 @@ impl BodyPenetrationStats {
         self.open.record(open, time);
         self.self_fold.record(self_fold, time);
         self.steps += usize::from(open > 0);
-        let deepest = BodyPlanes::deepest_penetration(x, planes).filter(|(_, d)| *d > TUNING.body.min_reported_depth);
+        let deepest =
+            BodyPlanes::deepest_penetration(x, planes).filter(|(_, d)| *d > TUNING.body.min_reported_depth);
         let Some((point, depth)) = deepest else { return };
         self.times = Some([self.times.map_or(time, |[from, _]| from), time]);
         if depth > self.max_depth {

@@ -3,7 +3,7 @@
 use crate::bake::Quality;
 use crate::bake::tuning::TUNING;
 use crate::body::AnimatedBody;
-use crate::sim::{StepRelaxation, NewtonOptions, StepOptions};
+use crate::sim::{NewtonOptions, StepOptions, StepRelaxation};
 use std::sync::Arc;
 
 /// Options of a bake.

@@ -1,7 +1,7 @@
 //! How finely a bake is made: three points on the front of `crease chart accuracy` (docs/validation/accuracy.md says what error each
 //! leaves, and how they were chosen).
 
-use crate::sim::{StepRelaxation, Method, NewtonOptions, StepOptions};
+use crate::sim::{Method, NewtonOptions, StepOptions, StepRelaxation};
 
 /// A point between speed and accuracy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -69,7 +69,10 @@ impl Quality {
     /// The same for cloth of so much `weight` [N], each step solved as far as this quality solves it.
     pub fn step_for(self, weight: f64) -> StepOptions {
         let step = self.step();
-        StepOptions { newton: NewtonOptions { decrement_tol: self.energy_tol() * weight, ..step.newton }, ..step }
+        StepOptions {
+            newton: NewtonOptions { decrement_tol: self.energy_tol() * weight, ..step.newton },
+            ..step
+        }
     }
 
     /// A step is converged, too, when what energy is left to gain would not lift the garment by this [m].

@@ -124,8 +124,10 @@ mod tests {
     #[test]
     fn the_rest_is_counted() {
         let mut log = ViolationLog::default();
-        let pressed =
-            Violations { pressed: Some(Violation { size: 0.05, position: Vec3::zeros() }), ..Violations::default() };
+        let pressed = Violations {
+            pressed: Some(Violation { size: 0.05, position: Vec3::zeros() }),
+            ..Violations::default()
+        };
         (0..9).for_each(|k| log.record(f64::from(k), &pressed));
         let warnings = log.warnings();
         assert_eq!(warnings.len(), 6);
