@@ -1,40 +1,40 @@
-//! A garment from the worn pieces of a mesh file: placed in metres, welded to points, mended where that is safe, with
-//! the directions of its cloth.
+//! Builds a garment from the worn pieces of a source asset: in metres, welded to points, repaired where that is safe,
+//! with material directions.
 //!
-//! Stage between reading and the solver. Everything repaired is said; what cannot be (edges of three layers, Möbius
-//! strips) stays and carries no hinge, so that the garment is still usable. Sews no seams that are apart, changes no
-//! positions, and looks for no crossings.
+//! Stage between reading and the solver. Every repair is reported; what cannot be repaired (edges of three layers, Möbius
+//! strips) stays and carries no hinge, so that the garment is still usable. Sews no open seams, changes no positions, and
+//! looks for no intersections.
 
-use crate::garment::material_coords::lay_flat;
-use crate::garment::repair::{Corners, drop_copies, mend_caps, turn_alike};
-use crate::garment::{Garment, ImportDiagnostic, Severity, SourceAsset, SourcePiece};
+use crate::garment::diagnostic::ImportDiagnostics;
+use crate::garment::material_coords::flatten_triangles;
+use crate::garment::repair::{fix_caps, orient_consistently, remove_duplicates};
+use crate::garment::tuning::TUNING;
+use crate::garment::wedges::TriangleWedges;
+use crate::garment::{Garment, ImportDiagnostic, SourceAsset, SourcePiece};
 use crate::math::{Vec2, Vec3};
 use crate::mesh::{Groups, PointIndex, Topology, Welder};
 use crate::{Diagnostic, Error, Result};
 
-/// Vertices closer than this part of the garment's diagonal are one point: a hundred times the rounding of single
-/// precision, a hundredth of the finest edge worth simulating.
-const WELD_DISTANCE: f64 = 1e-5;
-/// And never farther apart than this [m]: a stray vertex far away must not weld the garment to a lump.
-const WELD_LIMIT_M: f64 = 1e-4;
-
 impl Garment {
-    /// The garment made of the worn pieces of `asset`, and what was mended or is worth knowing.
+    /// Builds the garment from the worn pieces of `asset`; also returns the repairs and notes.
+    ///
+    /// Fails if a piece has vertices without a finite position or triangles without vertices, or if no triangle has any
+    /// area.
     pub fn from_asset(asset: &SourceAsset) -> Result<(Self, Vec<ImportDiagnostic>)> {
         let sheet = SourceSheet::gather(asset)?;
-        let mut findings = ImportDiagnostics::default();
+        let mut diagnostics = ImportDiagnostics::default();
         let mut welder = Welder::new(&sheet.positions, sheet.weld_distance());
-        let kept = drop_copies(&sheet.triangles, &sheet.uvs, &mut welder, &mut findings);
+        let kept = remove_duplicates(&sheet.triangles, &sheet.uvs, &mut welder, &mut diagnostics);
         welder.join_open_edges(&kept);
         welder.join_short_edges(&kept);
         let (vertex_point, welded_count) = welder.points();
-        let mut corners = collapse(&kept, &vertex_point, &mut findings);
+        let mut wedges = drop_collapsed(&kept, &vertex_point, &mut diagnostics);
         let mut positions = vec![Vec3::zeros(); welded_count];
         for (&point, &position) in vertex_point.iter().zip(&sheet.positions).rev() {
             positions[point.at()] = position;
         }
-        mend_caps(&positions, &mut corners, &mut findings);
-        if corners.is_empty() {
+        fix_caps(&positions, &mut wedges, &mut diagnostics);
+        if wedges.is_empty() {
             return Err(Error::input(
                 &asset.file,
                 "",
@@ -42,15 +42,16 @@ impl Garment {
                 "export it again, or choose another part with --garment",
             ));
         }
-        let (points, source_point) = drop_loose(&positions, &vertex_point, &mut corners, &mut findings);
-        turn_alike(points.len(), &mut corners, &mut findings);
-        let triangles: Vec<[PointIndex; 3]> = corners.iter().map(|c| c.points).collect();
+        let (points, source_point) =
+            drop_unused_points(&positions, &vertex_point, &mut wedges, &mut diagnostics);
+        orient_consistently(points.len(), &mut wedges, &mut diagnostics);
+        let triangles: Vec<[PointIndex; 3]> = wedges.iter().map(|w| w.points).collect();
         let topology = Topology::new(points.len(), &triangles);
-        note_edges(&topology, &mut findings);
+        note_edges(&topology, &mut diagnostics);
         let triangle_part = find_parts(points.len(), &triangles);
         let part_count = triangle_part.iter().max().map_or(0, |&last| last as usize + 1);
-        let flat = lay_flat(&points, &corners, &sheet.uvs, &topology, part_count);
-        findings.note(flat.why);
+        let flat = flatten_triangles(&points, &wedges, &sheet.uvs, &topology, part_count);
+        diagnostics.note(flat.reason);
         let memory_mask = mean_per_point(&sheet.mask, &source_point, points.len());
         let garment = Self {
             points,
@@ -62,44 +63,17 @@ impl Garment {
             triangle_part,
             topology,
         };
-        Ok((garment, findings.list))
+        Ok((garment, diagnostics.list))
     }
 }
 
-/// Findings in the order they come up.
-#[derive(Default)]
-pub(super) struct ImportDiagnostics {
-    list: Vec<ImportDiagnostic>,
-}
-
-impl ImportDiagnostics {
-    pub(super) fn note(&mut self, what: impl Into<String>) {
-        self.list.push(ImportDiagnostic {
-            severity: Severity::Note,
-            location: String::new(),
-            message: what.into(),
-        });
-    }
-
-    /// `count` things were mended; nothing is said of none.
-    pub(super) fn repaired(&mut self, count: usize, what: &str) {
-        if count > 0 {
-            self.list.push(ImportDiagnostic {
-                severity: Severity::Repaired,
-                location: String::new(),
-                message: format!("{count} {what}"),
-            });
-        }
-    }
-}
-
-/// The worn pieces as one list of vertices, numbered as [`crate::mesh::VertexIndex`] says.
+/// Worn pieces as one list of vertices, numbered as [`crate::mesh::VertexIndex`] says.
 struct SourceSheet {
     /// One per vertex [m].
     positions: Vec<Vec3>,
     /// One per vertex, if its piece has texture coordinates.
     uvs: Vec<Option<Vec2>>,
-    /// One per vertex: 0..1.
+    /// One per vertex: factor of memory, 0..1.
     mask: Vec<f64>,
     triangles: Vec<[u32; 3]>,
 }
@@ -108,14 +82,14 @@ impl SourceSheet {
     fn gather(asset: &SourceAsset) -> Result<Self> {
         let mut sheet =
             Self { positions: Vec::new(), uvs: Vec::new(), mask: Vec::new(), triangles: Vec::new() };
-        let mut faults = Vec::new();
+        let mut diagnostics = Vec::new();
         for piece in asset.worn_pieces() {
-            if let Err(what) = sheet.add(piece) {
-                let place = format!("piece \"{}\"", piece.name);
-                faults.push(Diagnostic::new(&asset.file, place, what, "read the file again"));
+            if let Err(message) = sheet.add(piece) {
+                let location = format!("piece \"{}\"", piece.name);
+                diagnostics.push(Diagnostic::new(&asset.file, location, message, "read the file again"));
             }
         }
-        if faults.is_empty() { Ok(sheet) } else { Err(Error::Input(faults)) }
+        if diagnostics.is_empty() { Ok(sheet) } else { Err(Error::Input(diagnostics)) }
     }
 
     fn add(&mut self, piece: &SourcePiece) -> std::result::Result<(), String> {
@@ -138,43 +112,43 @@ impl SourceSheet {
         Ok(())
     }
 
-    /// Distance [m] within which vertices are one point; the box is that of the triangles.
+    /// Returns the distance [m] within which vertices are one point, from the bounding box of the triangles.
     fn weld_distance(&self) -> f64 {
         let mut corners = self.triangles.iter().flatten().map(|&v| self.positions[v as usize]);
         let Some(first) = corners.next() else { return 0.0 };
         let (low, high) = corners.fold((first, first), |(low, high), p| (low.inf(&p), high.sup(&p)));
-        (WELD_DISTANCE * (high - low).norm()).min(WELD_LIMIT_M)
+        (TUNING.weld_distance_fraction * (high - low).norm()).min(TUNING.max_weld_distance)
     }
 }
 
-/// Triangles between points; those that repeat a point are left out.
-fn collapse(
+/// Returns the triangles between points, without those that repeat a point.
+fn drop_collapsed(
     kept: &[[u32; 3]],
     vertex_point: &[PointIndex],
-    findings: &mut ImportDiagnostics,
-) -> Vec<Corners> {
-    let corners: Vec<Corners> = kept
+    diagnostics: &mut ImportDiagnostics,
+) -> Vec<TriangleWedges> {
+    let wedges: Vec<TriangleWedges> = kept
         .iter()
-        .map(|&vertices| Corners {
+        .map(|&vertices| TriangleWedges {
             points: vertices.map(|v| vertex_point[v as usize]),
             vertices: Some(vertices),
         })
-        .filter(|c| c.points[0] != c.points[1] && c.points[1] != c.points[2] && c.points[2] != c.points[0])
+        .filter(|w| w.points[0] != w.points[1] && w.points[1] != w.points[2] && w.points[2] != w.points[0])
         .collect();
-    findings.repaired(kept.len() - corners.len(), "triangles with coinciding corners dropped");
-    corners
+    diagnostics.repaired(kept.len() - wedges.len(), "triangles with coinciding corners dropped");
+    wedges
 }
 
-/// Drops points no triangle uses: they would have no mass. A vertex left without a point, which nobody draws, follows
-/// the vertex before it.
-fn drop_loose(
+/// Drops points that no triangle uses: they would have no mass. A vertex left without a point, which nothing draws,
+/// takes the point of the vertex before it.
+fn drop_unused_points(
     positions: &[Vec3],
     vertex_point: &[PointIndex],
-    corners: &mut [Corners],
-    findings: &mut ImportDiagnostics,
+    wedges: &mut [TriangleWedges],
+    diagnostics: &mut ImportDiagnostics,
 ) -> (Vec<Vec3>, Vec<PointIndex>) {
     let mut used = vec![false; positions.len()];
-    corners.iter().flat_map(|c| c.points).for_each(|point| used[point.at()] = true);
+    wedges.iter().flat_map(|w| w.points).for_each(|point| used[point.at()] = true);
     let mut points = Vec::new();
     let mut renumbered: Vec<Option<PointIndex>> = Vec::with_capacity(positions.len());
     for (position, &used) in positions.iter().zip(&used) {
@@ -183,42 +157,42 @@ fn drop_loose(
             PointIndex(points.len() as u32 - 1)
         }));
     }
-    for c in corners.iter_mut() {
-        c.points = c.points.map(|point| renumbered[point.at()].unwrap_or(PointIndex(0)));
+    for w in wedges.iter_mut() {
+        w.points = w.points.map(|point| renumbered[point.at()].unwrap_or(PointIndex(0)));
     }
     let mut last = PointIndex(0);
-    let mut loose_count = 0;
+    let mut unused_count = 0;
     let source_point = vertex_point.iter().map(|point| {
         match renumbered[point.at()] {
             Some(point) => last = point,
-            None => loose_count += 1,
+            None => unused_count += 1,
         }
         last
     });
     let source_point = source_point.collect();
-    if loose_count > 0 {
-        findings.note(format!("{loose_count} vertices belong to no triangle"));
+    if unused_count > 0 {
+        diagnostics.note(format!("{unused_count} vertices belong to no triangle"));
     }
     (points, source_point)
 }
 
-/// Says which edges will carry no hinge.
-fn note_edges(topology: &Topology, findings: &mut ImportDiagnostics) {
-    let crowded = topology.edge_valence.iter().filter(|&&valence| valence > 2).count();
-    if crowded > 0 {
-        findings.note(format!(
-            "{crowded} edges join more than two triangles: they bend freely and remember nothing"
+/// Reports which edges carry no hinge.
+fn note_edges(topology: &Topology, diagnostics: &mut ImportDiagnostics) {
+    let non_manifold = topology.edge_valence.iter().filter(|&&valence| valence > 2).count();
+    if non_manifold > 0 {
+        diagnostics.note(format!(
+            "{non_manifold} edges join more than two triangles: they bend freely and remember nothing"
         ));
     }
     if !topology.misoriented.is_empty() {
-        findings.note(format!(
-            "{} edges join triangles of opposite sides, and no turning of triangles mends it: they bend freely",
+        diagnostics.note(format!(
+            "{} edges join triangles of opposite sides, and flipping triangles cannot repair it: they bend freely",
             topology.misoriented.len()
         ));
     }
 }
 
-/// Per triangle its part: triangles that share points, directly or through others, are one part.
+/// Returns the connected part of every triangle: triangles with common points, directly or through others, are one part.
 fn find_parts(point_count: usize, triangles: &[[PointIndex; 3]]) -> Vec<u32> {
     let mut groups = Groups::new(point_count);
     for t in triangles {
@@ -229,6 +203,7 @@ fn find_parts(point_count: usize, triangles: &[[PointIndex; 3]]) -> Vec<u32> {
     triangles.iter().map(|t| part_of_point[t[0].at()].0).collect()
 }
 
+/// Returns the mean of `mask` over the vertices of every point; 1 for a point without vertices.
 fn mean_per_point(mask: &[f64], source_point: &[PointIndex], point_count: usize) -> Vec<f64> {
     let mut sums = vec![(0.0, 0.0); point_count];
     for (value, point) in mask.iter().zip(source_point) {
@@ -242,7 +217,7 @@ fn mean_per_point(mask: &[f64], source_point: &[PointIndex], point_count: usize)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::garment::{Placement, SourceFormat, UpAxis};
+    use crate::garment::{Placement, Severity, SourceFormat, UpAxis};
     use crate::math::Mat4;
 
     fn piece(positions: &[[f64; 3]], uvs: Option<&[[f64; 2]]>, triangles: &[[u32; 3]]) -> SourcePiece {
@@ -275,8 +250,8 @@ mod tests {
         })
     }
 
-    fn repaired(findings: &[ImportDiagnostic]) -> Vec<&str> {
-        findings.iter().filter(|f| f.severity == Severity::Repaired).map(|f| f.message.as_str()).collect()
+    fn repaired(diagnostics: &[ImportDiagnostic]) -> Vec<&str> {
+        diagnostics.iter().filter(|f| f.severity == Severity::Repaired).map(|f| f.message.as_str()).collect()
     }
 
     /// Convention: swapping warp and weft, or laying flat at the texture's size, still runs and merely drapes wrongly.
@@ -332,10 +307,10 @@ mod tests {
         let uvs: Vec<[f64; 2]> = (0..18)
             .flat_map(|t| [[f64::from(t), 0.0], [f64::from(t) + 0.3, 0.4], [f64::from(t), 0.9]])
             .collect();
-        let (garment, findings) = build(vec![piece(&positions, Some(&uvs), &triangles)]).unwrap();
+        let (garment, diagnostics) = build(vec![piece(&positions, Some(&uvs), &triangles)]).unwrap();
         assert_eq!(garment.points.len(), 20);
         assert!(!garment.material_from_uv);
-        assert!(findings.iter().any(|f| f.message.contains("18 texture islands")), "{findings:?}");
+        assert!(diagnostics.iter().any(|f| f.message.contains("18 texture islands")), "{diagnostics:?}");
     }
 
     #[test]
@@ -354,14 +329,14 @@ mod tests {
 
     #[test]
     fn the_minority_is_turned() {
-        // A strip of six triangles, numbers 1 and 4 the wrong way round.
+        // A strip of six triangles, numbers 1 and 4 wound the other way.
         let positions: Vec<[f64; 3]> = (0..8).map(|k| [f64::from(k / 2), f64::from(k % 2), 0.0]).collect();
         let mut triangles: Vec<[u32; 3]> =
             (0..6).map(|k| if k % 2 == 0 { [k, k + 2, k + 1] } else { [k, k + 1, k + 2] }).collect();
         triangles[1].swap(0, 1);
         triangles[4].swap(0, 1);
-        let (garment, findings) = build(vec![piece(&positions, None, &triangles)]).unwrap();
-        assert_eq!(repaired(&findings), ["2 triangles turned to show the same side as their neighbours"]);
+        let (garment, diagnostics) = build(vec![piece(&positions, None, &triangles)]).unwrap();
+        assert_eq!(repaired(&diagnostics), ["2 triangles flipped to the orientation of their neighbours"]);
         assert_eq!(garment.topology.hinges.len(), 5);
         for (t, flat) in garment.triangles.iter().zip(&garment.material) {
             let [a, b, c] = t.map(|p| garment.points[p.at()]);
@@ -389,11 +364,11 @@ mod tests {
                 [[a, c, b], [b, c, d]]
             })
             .collect();
-        let (garment, findings) = build(vec![piece(&positions, None, &triangles)]).unwrap();
+        let (garment, diagnostics) = build(vec![piece(&positions, None, &triangles)]).unwrap();
         assert_eq!(garment.topology.misoriented.len(), 1);
         assert!(
-            findings.iter().any(|f| f.message.starts_with("1 edges join triangles of opposite sides")),
-            "{findings:?}"
+            diagnostics.iter().any(|f| f.message.starts_with("1 edges join triangles of opposite sides")),
+            "{diagnostics:?}"
         );
     }
 
@@ -401,10 +376,10 @@ mod tests {
     fn edges_of_three_triangles_carry_no_hinge() {
         let positions =
             [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
-        let (garment, findings) =
+        let (garment, diagnostics) =
             build(vec![piece(&positions, None, &[[0, 1, 2], [1, 0, 3], [0, 1, 4]])]).unwrap();
         assert_eq!((garment.triangles.len(), garment.topology.hinges.len()), (3, 0));
-        assert!(findings.iter().any(|f| f.message.starts_with("1 edges join more than two")), "{findings:?}");
+        assert!(diagnostics.iter().any(|f| f.message.starts_with("1 edges join more than two")), "{diagnostics:?}");
     }
 
     /// Both sides of a sheet modelled, with vertices of their own: one sheet. The same with other texture coordinates:
@@ -421,9 +396,9 @@ mod tests {
         let pair = |back_uvs| {
             build(vec![piece(&grid, Some(&uvs), &triangles), piece(&grid, Some(back_uvs), &back)]).unwrap()
         };
-        let (sheet, findings) = pair(&uvs);
+        let (sheet, diagnostics) = pair(&uvs);
         assert_eq!((sheet.points.len(), sheet.triangles.len()), (9, 8));
-        assert_eq!(repaired(&findings), ["8 copies of triangles dropped"]);
+        assert_eq!(repaired(&diagnostics), ["8 copies of triangles dropped"]);
         assert_eq!(sheet.source_point[9..], sheet.source_point[..9], "the dropped side follows");
         let (pillow, _) = pair(&other);
         assert_eq!((pillow.points.len(), pillow.triangles.len()), (10, 16), "only the inner point is double");
@@ -437,8 +412,8 @@ mod tests {
             [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, -1.0, 0.0]];
         // Above: one triangle on the whole edge. Below: two on its halves. Between: the cap 0, 2, 1.
         let triangles = [[0, 1, 3], [0, 2, 1], [0, 4, 2], [2, 4, 1]];
-        let (garment, findings) = build(vec![piece(&positions, None, &triangles)]).unwrap();
-        assert_eq!(repaired(&findings), ["1 triangles without area mended by turning an edge"]);
+        let (garment, diagnostics) = build(vec![piece(&positions, None, &triangles)]).unwrap();
+        assert_eq!(repaired(&diagnostics), ["1 triangles without area repaired by flipping an edge"]);
         assert_eq!((garment.triangles.len(), garment.topology.hinges.len()), (4, 4));
         let loops = garment.topology.boundary_loops(&garment.triangles);
         assert_eq!((loops.len(), loops[0].len()), (1, 4));
@@ -447,12 +422,12 @@ mod tests {
     #[test]
     fn loose_vertices_have_no_points() {
         let positions = [[9.0, 9.0, 9.0], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [5.0, 0.0, 0.0]];
-        let (garment, findings) = build(vec![piece(&positions, None, &[[1, 2, 3], [1, 1, 2]])]).unwrap();
+        let (garment, diagnostics) = build(vec![piece(&positions, None, &[[1, 2, 3], [1, 1, 2]])]).unwrap();
         assert_eq!(garment.points.len(), 3);
         assert_eq!(garment.source_point.len(), 5);
         assert!(garment.source_point.iter().all(|p| p.at() < 3));
-        assert_eq!(repaired(&findings), ["1 triangles with coinciding corners dropped"]);
-        assert!(findings.iter().any(|f| f.message.starts_with("2 vertices belong to no triangle")));
+        assert_eq!(repaired(&diagnostics), ["1 triangles with coinciding corners dropped"]);
+        assert!(diagnostics.iter().any(|f| f.message.starts_with("2 vertices belong to no triangle")));
     }
 
     #[test]

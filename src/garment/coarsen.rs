@@ -1,64 +1,61 @@
-//! A coarser mesh of the same garment: fewer points where a scene needs none.
+//! Coarsens the mesh of a garment: fewer points where a scene needs few.
 //!
-//! Edges shorter than wanted are collapsed onto one of their ends, so that the points left are points of the garment, in
-//! their own places, and what becomes of them is known there without carrying anything over (half-edge collapse, Hoppe and
-//! others 1993, "Mesh optimization"; the link condition keeps the surface's topology: Dey and others 1999). Between rounds
-//! edges are turned where that makes triangles rounder. Open borders, seams at which the warp turns, sharp edges of the
-//! source shape and borders between parts keep their course; triangles of which nothing was taken away stay as they are.
+//! Edges shorter than wanted are collapsed onto one of their ends, so that the remaining points are points of the garment
+//! at unchanged positions, and results carry over without interpolation (half-edge collapse, Hoppe and others 1993, "Mesh
+//! optimization"; the link condition keeps the surface's topology: Dey and others 1999). Between the passes edges are
+//! flipped where that improves the triangles. Feature edges (open borders, seams at which the warp turns, sharp edges of
+//! the source shape, borders between parts) keep their line; triangles without removed points stay unchanged.
 
 use crate::garment::Garment;
-use crate::garment::material_coords::{flatten, in_plane};
+use crate::garment::material_coords::{flatten_triangle, project_to_plane};
+use crate::garment::tuning::TUNING;
 use crate::math::Vec3;
 use crate::mesh::distance::{barycentric, point_triangle_squared};
 use crate::mesh::{Hinge, PointIndex, Topology};
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// Edges are collapsed below this share of the wanted length, and none becomes longer than this many times it.
-const LENGTHS: [f64; 2] = [0.8, 4.0 / 3.0];
-/// Shape of a triangle (1 for equal sides, 0 for none) that a collapse must leave, unless it was worse before.
-const SHAPE: f64 = 0.4;
-/// Cosine between a triangle's normal before and after a collapse, and between now and as it was made, at least.
-const NORMAL: [f64; 2] = [0.94, 0.87];
-/// Cosine up to which the course of a border may bend at a point that is taken away.
-const STRAIGHT: f64 = 0.94;
-/// Angle of the source shape from which an edge is sharp [rad]: the side of a garment that lies.
-const SHARP: f64 = 0.7;
-/// Angle between the warps of two triangles from which their edge is a seam [rad].
-const SEAM: f64 = 0.2;
-/// Rounds at most; each takes away a quarter of the points that may go, or so.
-const MOST_ROUNDS: usize = 40;
-
-/// A coarser garment.
+/// Coarser mesh of a garment.
 #[derive(Debug, Clone)]
 pub struct CoarseMesh {
-    /// What is left. No source vertex has a point of it.
+    /// Coarse garment. Its `source_point` is empty: no vertex of the file has a point of it.
     pub garment: Garment,
-    /// Per point: the point of the source it is.
+    /// Per coarse point: its point of the source.
     pub source_point: Vec<PointIndex>,
-    /// Per triangle: the triangle of the source it is, number for number, if nothing of it was taken away.
+    /// Per coarse triangle: the identical triangle of the source; `None` for triangles that were modified.
     pub unchanged_from: Vec<Option<u32>>,
-    /// Per point of the source: the triangle it lies in, or one of those at it if it was left.
+    /// Per source point: the coarse triangle that contains it, or one of those around it if it remains.
     pub containing_triangle: Vec<u32>,
-    /// Per point of the source: the corners of that triangle and their weights, 0 to 1.
-    barycentric: Vec<([PointIndex; 3], [f64; 3])>,
+    /// Per source point: its position in that triangle.
+    barycentric: Vec<BarycentricPosition>,
+}
+
+/// Position in a triangle.
+#[derive(Debug, Clone, Copy)]
+struct BarycentricPosition {
+    corners: [PointIndex; 3],
+    /// Weights of the corners, 0 to 1, with sum 1.
+    weights: [f64; 3],
 }
 
 impl CoarseMesh {
-    /// Places of all points of the source [m] when those that are left are at `x`: on the triangles they lie in.
+    /// Returns the positions [m] of all source points when the coarse points are at `x` [m]: points that were removed lie
+    /// in their triangles.
     pub fn interpolate(&self, x: &[Vec3]) -> Vec<Vec3> {
-        self.barycentric.iter().map(|(t, w)| (0..3).map(|k| x[t[k].at()] * w[k]).sum()).collect()
+        let position =
+            |b: &BarycentricPosition| (0..3).map(|k| x[b.corners[k].at()] * b.weights[k]).sum::<Vec3>();
+        self.barycentric.iter().map(position).collect()
     }
 }
 
 impl Garment {
-    /// Points taken away until edges are about as long as `wanted` (one length per point [m]; a point that wants no longer
-    /// edges than it has stays).
+    /// Returns the mesh with points removed until edges are about as long as `wanted` (one length per point [m]; a point
+    /// that wants no longer edges than it has stays).
     pub fn coarsen(&self, wanted: &[f64]) -> CoarseMesh {
-        let mut work = Collapsing::new(self, wanted);
-        for _ in 0..MOST_ROUNDS {
-            let collapsed = work.collapse_round();
-            let turned = work.turn_round();
-            if collapsed + turned == 0 {
+        let mut work = EdgeCollapse::new(self, wanted);
+        for _ in 0..TUNING.max_coarsen_passes {
+            let collapsed = work.collapse_pass();
+            let flipped = work.flip_pass();
+            if collapsed + flipped == 0 {
                 break;
             }
         }
@@ -66,33 +63,41 @@ impl Garment {
     }
 }
 
-/// A mesh whose edges are being collapsed.
-struct Collapsing<'a> {
+/// State of a mesh whose edges are being collapsed.
+struct EdgeCollapse<'a> {
     source: &'a Garment,
     wanted: &'a [f64],
     triangles: Vec<[u32; 3]>,
     alive: Vec<bool>,
-    /// Triangles that are no longer those of the source.
-    touched: Vec<bool>,
-    /// Per triangle: unit warp in its plane, and unit normal as the source has it.
+    /// Triangles that differ from those of the source.
+    modified: Vec<bool>,
+    /// Per triangle: unit warp in its plane.
     warp: Vec<Vec3>,
-    made: Vec<Vec3>,
-    /// Triangles on every point.
+    /// Per triangle: unit normal in the source.
+    source_normal: Vec<Vec3>,
+    /// Triangles around every point.
     around: Vec<Vec<u32>>,
-    /// Points that were taken away, by the triangle they lie in.
-    inside: Vec<Vec<u32>>,
-    /// Edges that keep their course, and whether each is an open border.
-    course: FxHashMap<[u32; 2], bool>,
-    /// Per point: how many of them meet there.
-    courses: Vec<u32>,
+    /// Per triangle: removed points that it contains.
+    contained_points: Vec<Vec<u32>>,
+    /// Edges that keep their line, and whether each is an open border.
+    feature_edges: FxHashMap<[u32; 2], bool>,
+    /// Per point: number of feature edges that meet there.
+    feature_degree: Vec<u32>,
 }
 
-fn ends(a: u32, b: u32) -> [u32; 2] {
+/// Feature edge at a point.
+struct FeatureEdge {
+    /// Other end.
+    end: u32,
+    is_border: bool,
+}
+
+fn edge_key(a: u32, b: u32) -> [u32; 2] {
     if a < b { [a, b] } else { [b, a] }
 }
 
-/// 1 for a triangle of equal sides, 0 for one without area.
-fn shape(x: &[Vec3; 3]) -> f64 {
+/// Returns the quality of a triangle: 1 for equal sides, 0 for no area.
+fn triangle_quality(x: &[Vec3; 3]) -> f64 {
     let [a, b, c] = [x[1] - x[0], x[2] - x[1], x[0] - x[2]];
     let sides = a.norm_squared() + b.norm_squared() + c.norm_squared();
     if sides > 0.0 { 2.0 * 3f64.sqrt() * a.cross(&b).norm() / sides } else { 0.0 }
@@ -102,7 +107,7 @@ fn normal(x: &[Vec3; 3]) -> Vec3 {
     (x[1] - x[0]).cross(&(x[2] - x[0])).try_normalize(0.0).unwrap_or_else(Vec3::zeros)
 }
 
-impl<'a> Collapsing<'a> {
+impl<'a> EdgeCollapse<'a> {
     fn new(source: &'a Garment, wanted: &'a [f64]) -> Self {
         let triangles: Vec<[u32; 3]> = source.triangles.iter().map(|t| t.map(|p| p.0)).collect();
         let mut around = vec![Vec::new(); source.points.len()];
@@ -118,43 +123,43 @@ impl<'a> Collapsing<'a> {
             along * angle.cos() - normal(&x).cross(&along) * angle.sin()
         });
         let topology = &source.topology;
-        let mut course = FxHashMap::default();
+        let mut feature_edges = FxHashMap::default();
         for (e, edge) in topology.edges.iter().enumerate() {
-            let border = topology.edge_valence[e] == 1;
-            let keeps = topology.edge_hinge[e].is_none_or(|h| turns(source, &topology.hinges[h as usize]));
-            if keeps {
-                course.insert([edge[0].0, edge[1].0], border);
+            let is_border = topology.edge_valence[e] == 1;
+            let hinge = topology.edge_hinge[e].map(|h| &topology.hinges[h as usize]);
+            if hinge.is_none_or(|hinge| is_feature_hinge(source, hinge)) {
+                feature_edges.insert([edge[0].0, edge[1].0], is_border);
             }
         }
-        let mut courses = vec![0; source.points.len()];
-        course.keys().flatten().for_each(|&p| courses[p as usize] += 1);
+        let mut feature_degree = vec![0; source.points.len()];
+        feature_edges.keys().flatten().for_each(|&p| feature_degree[p as usize] += 1);
         Self {
             source,
             wanted,
             alive: vec![true; triangles.len()],
-            inside: vec![Vec::new(); triangles.len()],
-            touched: vec![false; triangles.len()],
+            contained_points: vec![Vec::new(); triangles.len()],
+            modified: vec![false; triangles.len()],
             warp: warp.collect(),
-            made: triangles.iter().map(|t| normal(&corners(t))).collect(),
+            source_normal: triangles.iter().map(|t| normal(&corners(t))).collect(),
             triangles,
             around,
-            course,
-            courses,
+            feature_edges,
+            feature_degree,
         }
     }
 
-    fn place(&self, p: u32) -> Vec3 {
+    fn position(&self, p: u32) -> Vec3 {
         self.source.points[p as usize]
     }
 
     fn corners(&self, t: &[u32; 3]) -> [Vec3; 3] {
-        t.map(|p| self.place(p))
+        t.map(|p| self.position(p))
     }
 
-    /// Length of an edge over that which its ends want.
-    fn relative(&self, a: u32, b: u32) -> f64 {
+    /// Returns the length of an edge over the length wanted at its ends.
+    fn relative_length(&self, a: u32, b: u32) -> f64 {
         let wanted = self.wanted[a as usize].min(self.wanted[b as usize]);
-        (self.place(a) - self.place(b)).norm() / wanted.max(f64::MIN_POSITIVE)
+        (self.position(a) - self.position(b)).norm() / wanted.max(f64::MIN_POSITIVE)
     }
 
     fn neighbours(&self, p: u32) -> FxHashSet<u32> {
@@ -162,21 +167,21 @@ impl<'a> Collapsing<'a> {
         corners.filter(|&q| q != p).collect()
     }
 
-    /// Every edge once, ends in increasing order, sorted.
+    /// Returns every edge once, ends in increasing order, sorted.
     fn edges(&self) -> Vec<[u32; 2]> {
         let living = self.triangles.iter().zip(&self.alive).filter(|(_, alive)| **alive);
         let mut edges: Vec<[u32; 2]> =
-            living.flat_map(|(t, _)| [0, 1, 2].map(|k| ends(t[k], t[(k + 1) % 3]))).collect();
+            living.flat_map(|(t, _)| [0, 1, 2].map(|k| edge_key(t[k], t[(k + 1) % 3]))).collect();
         edges.sort_unstable();
         edges.dedup();
         edges
     }
 
-    /// Collapses short edges, the shortest first, no two of neighbours. Returns how many.
-    fn collapse_round(&mut self) -> usize {
+    /// Collapses short edges, the shortest first, no two of them neighbours. Returns the number of collapses.
+    fn collapse_pass(&mut self) -> usize {
         let mut short: Vec<(f64, [u32; 2])> =
-            self.edges().into_iter().map(|edge| (self.relative(edge[0], edge[1]), edge)).collect();
-        short.retain(|(length, _)| *length < LENGTHS[0]);
+            self.edges().into_iter().map(|edge| (self.relative_length(edge[0], edge[1]), edge)).collect();
+        short.retain(|(length, _)| *length < TUNING.collapse_length_fraction);
         short.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let mut busy = vec![false; self.source.points.len()];
         let mut count = 0;
@@ -184,8 +189,8 @@ impl<'a> Collapsing<'a> {
             if busy[a as usize] || busy[b as usize] {
                 continue;
             }
-            let ways = [(a, b), (b, a)].map(|(from, to)| (self.collapsed_shape(from, to), from, to));
-            let best = ways.into_iter().filter_map(|(shape, from, to)| Some((shape?, from, to)));
+            let directions = [(a, b), (b, a)].map(|(from, to)| (self.collapsed_quality(from, to), from, to));
+            let best = directions.into_iter().filter_map(|(quality, from, to)| Some((quality?, from, to)));
             let Some((_, from, to)) = best.max_by(|x, y| x.0.total_cmp(&y.0)) else { continue };
             for p in self.neighbours(from) {
                 busy[p as usize] = true;
@@ -196,17 +201,20 @@ impl<'a> Collapsing<'a> {
         count
     }
 
-    /// The least shape of the triangles that a collapse of `from` onto `to` leaves, or `None` if it may not be made.
-    fn collapsed_shape(&self, from: u32, to: u32) -> Option<f64> {
-        let edge = ends(from, to);
-        match self.courses[from as usize] {
+    /// Returns the minimum quality of the triangles that a collapse of `from` onto `to` leaves; `None` if the collapse is
+    /// not allowed.
+    fn collapsed_quality(&self, from: u32, to: u32) -> Option<f64> {
+        let edge = edge_key(from, to);
+        match self.feature_degree[from as usize] {
             0 => {}
             2 => {
-                let border = *self.course.get(&edge)?;
-                let (other, other_border) = self.other_course(from, to)?;
-                let (ahead, back) = (self.place(to) - self.place(from), self.place(from) - self.place(other));
-                let bent = ahead.dot(&back) < STRAIGHT * ahead.norm() * back.norm();
-                if bent || border != other_border || self.course.contains_key(&ends(to, other)) {
+                let is_border = *self.feature_edges.get(&edge)?;
+                let other = self.other_feature_edge(from, to)?;
+                let (ahead, back) =
+                    (self.position(to) - self.position(from), self.position(from) - self.position(other.end));
+                let is_bent = ahead.dot(&back) < TUNING.min_feature_line_cos * ahead.norm() * back.norm();
+                let is_closed = self.feature_edges.contains_key(&edge_key(to, other.end));
+                if is_bent || is_border != other.is_border || is_closed {
                     return None;
                 }
             }
@@ -215,53 +223,55 @@ impl<'a> Collapsing<'a> {
         let shared = self.around[from as usize].iter().filter(|&&f| self.triangles[f as usize].contains(&to));
         let shared = shared.count();
         let common = self.neighbours(from).intersection(&self.neighbours(to)).count();
-        // The link condition; and a triangle must be left.
+        // The link condition; and a triangle must remain.
         if common != shared || shared == 0 || shared > 2 || self.around[from as usize].len() <= shared {
             return None;
         }
-        let (mut least, mut before) = (f64::INFINITY, f64::INFINITY);
+        let (mut min_quality, mut min_before) = (f64::INFINITY, f64::INFINITY);
         for &f in &self.around[from as usize] {
             let t = self.triangles[f as usize];
-            let was = self.corners(&t);
-            before = before.min(shape(&was));
+            let old = self.corners(&t);
+            min_before = min_before.min(triangle_quality(&old));
             if t.contains(&to) {
                 continue;
             }
             let new = t.map(|p| if p == from { to } else { p });
             let x = self.corners(&new);
-            let turned = normal(&x);
-            if turned.dot(&normal(&was)) < NORMAL[0] || turned.dot(&self.made[f as usize]) < NORMAL[1] {
+            let new_normal = normal(&x);
+            if new_normal.dot(&normal(&old)) < TUNING.min_step_normal_cos
+                || new_normal.dot(&self.source_normal[f as usize]) < TUNING.min_total_normal_cos
+            {
                 return None;
             }
-            least = least.min(shape(&x));
-            let longer = new.iter().any(|&p| p != to && self.relative(p, to) > LENGTHS[1]);
-            if longer {
+            min_quality = min_quality.min(triangle_quality(&x));
+            let is_too_long = |p: &u32| *p != to && self.relative_length(*p, to) > TUNING.max_length_factor;
+            if new.iter().any(is_too_long) {
                 return None;
             }
         }
-        (least >= SHAPE.min(before)).then_some(least)
+        (min_quality >= TUNING.min_collapse_quality.min(min_before)).then_some(min_quality)
     }
 
-    /// The other end of the course that runs through `from`, away from `to`, and whether it is an open border.
-    fn other_course(&self, from: u32, to: u32) -> Option<(u32, bool)> {
-        self.neighbours(from)
-            .into_iter()
-            .filter(|&p| p != to)
-            .find_map(|p| self.course.get(&ends(from, p)).map(|border| (p, *border)))
+    /// Returns the feature edge that continues the edge from `to` to `from` beyond `from`.
+    fn other_feature_edge(&self, from: u32, to: u32) -> Option<FeatureEdge> {
+        self.neighbours(from).into_iter().filter(|&end| end != to).find_map(|end| {
+            let is_border = *self.feature_edges.get(&edge_key(from, end))?;
+            Some(FeatureEdge { end, is_border })
+        })
     }
 
     fn collapse(&mut self, from: u32, to: u32) {
-        if self.courses[from as usize] == 2
-            && let Some((other, border)) = self.other_course(from, to)
+        if self.feature_degree[from as usize] == 2
+            && let Some(FeatureEdge { end, is_border }) = self.other_feature_edge(from, to)
         {
-            self.course.remove(&ends(from, to));
-            self.course.remove(&ends(from, other));
-            self.course.insert(ends(other, to), border);
-            self.courses[from as usize] = 0;
+            self.feature_edges.remove(&edge_key(from, to));
+            self.feature_edges.remove(&edge_key(from, end));
+            self.feature_edges.insert(edge_key(end, to), is_border);
+            self.feature_degree[from as usize] = 0;
         }
         let ring = std::mem::take(&mut self.around[from as usize]);
-        let mut loose = vec![from];
-        ring.iter().for_each(|&f| loose.append(&mut self.inside[f as usize]));
+        let mut removed = vec![from];
+        ring.iter().for_each(|&f| removed.append(&mut self.contained_points[f as usize]));
         for &f in &ring {
             let t = &mut self.triangles[f as usize];
             if t.contains(&to) {
@@ -273,41 +283,41 @@ impl<'a> Collapsing<'a> {
             }
             *t = t.map(|p| if p == from { to } else { p });
             self.around[to as usize].push(f);
-            self.changed(f);
+            self.mark_modified(f);
         }
-        self.settle_in(&loose, &ring);
+        self.assign_points(&removed, &ring);
     }
 
-    /// Gives points that lost their triangle to the nearest of those that are left of `triangles`.
-    fn settle_in(&mut self, points: &[u32], triangles: &[u32]) {
+    /// Assigns removed points to the nearest of the remaining `triangles`.
+    fn assign_points(&mut self, points: &[u32], triangles: &[u32]) {
         for &p in points {
-            let place = self.place(p);
+            let position = self.position(p);
             let distance = |f: u32| {
                 let [a, b, c] = self.corners(&self.triangles[f as usize]);
-                point_triangle_squared(&place, &a, &b, &c)
+                point_triangle_squared(&position, &a, &b, &c)
             };
-            let left = triangles.iter().copied().filter(|&f| self.alive[f as usize]);
-            if let Some(f) = left.min_by(|&f, &g| distance(f).total_cmp(&distance(g))) {
-                self.inside[f as usize].push(p);
+            let remaining = triangles.iter().copied().filter(|&f| self.alive[f as usize]);
+            if let Some(f) = remaining.min_by(|&f, &g| distance(f).total_cmp(&distance(g))) {
+                self.contained_points[f as usize].push(p);
             }
         }
     }
 
-    /// Brings the warp of a triangle back into its plane.
-    fn changed(&mut self, f: u32) {
+    /// Marks a triangle as modified and projects its warp into its plane.
+    fn mark_modified(&mut self, f: u32) {
         let f = f as usize;
-        self.touched[f] = true;
+        self.modified[f] = true;
         let x = self.corners(&self.triangles[f]);
-        self.warp[f] = in_plane(&x, self.warp[f]).unwrap_or(self.warp[f]);
+        self.warp[f] = project_to_plane(&x, self.warp[f]).unwrap_or(self.warp[f]);
     }
 
-    /// Turns edges between triangles that are not the source's where both become rounder. Returns how many.
-    fn turn_round(&mut self) -> usize {
-        self.edges().into_iter().filter(|edge| self.turn(*edge)).count()
+    /// Flips edges between modified triangles where both improve. Returns the number of flips.
+    fn flip_pass(&mut self) -> usize {
+        self.edges().into_iter().filter(|edge| self.flip_edge(*edge)).count()
     }
 
-    fn turn(&mut self, [a, b]: [u32; 2]) -> bool {
-        if self.course.contains_key(&[a, b]) {
+    fn flip_edge(&mut self, [a, b]: [u32; 2]) -> bool {
+        if self.feature_edges.contains_key(&[a, b]) {
             return false;
         }
         let on: Vec<u32> = self.around[a as usize]
@@ -316,111 +326,119 @@ impl<'a> Collapsing<'a> {
             .filter(|&f| self.triangles[f as usize].contains(&b))
             .collect();
         let &[f, g] = on.as_slice() else { return false };
-        if !self.touched[f as usize] || !self.touched[g as usize] {
+        if !self.modified[f as usize] || !self.modified[g as usize] {
             return false;
         }
         // f = (p, q, c), g = (q, p, d).
         let t = self.triangles[f as usize];
-        let Some(k) = (0..3).find(|&k| ends(t[k], t[(k + 1) % 3]) == [a, b]) else { return false };
+        let Some(k) = (0..3).find(|&k| edge_key(t[k], t[(k + 1) % 3]) == [a, b]) else { return false };
         let (p, q, c) = (t[k], t[(k + 1) % 3], t[(k + 2) % 3]);
         let Some(&d) = self.triangles[g as usize].iter().find(|&&x| x != p && x != q) else { return false };
-        if c == d || self.neighbours(c).contains(&d) || self.relative(c, d) > LENGTHS[1] {
+        if c == d || self.neighbours(c).contains(&d) || self.relative_length(c, d) > TUNING.max_length_factor
+        {
             return false;
         }
         let new = [[c, d, q], [d, c, p]];
         let old = [f, g].map(|f| self.corners(&self.triangles[f as usize]));
-        let made = new.map(|t| self.corners(&t));
-        let least = |x: &[[Vec3; 3]; 2]| shape(&x[0]).min(shape(&x[1]));
-        let smooth = made.iter().all(|x| {
+        let flipped = new.map(|t| self.corners(&t));
+        let min_quality = |x: &[[Vec3; 3]; 2]| triangle_quality(&x[0]).min(triangle_quality(&x[1]));
+        let is_smooth = flipped.iter().all(|x| {
             let own = normal(x);
-            old.iter().all(|y| own.dot(&normal(y)) > NORMAL[0])
-                && [f, g].iter().all(|f| own.dot(&self.made[*f as usize]) > NORMAL[1])
+            old.iter().all(|y| own.dot(&normal(y)) > TUNING.min_step_normal_cos)
+                && [f, g]
+                    .iter()
+                    .all(|f| own.dot(&self.source_normal[*f as usize]) > TUNING.min_total_normal_cos)
         });
-        if !smooth || least(&made) <= least(&old) + 1e-9 {
+        if !is_smooth || min_quality(&flipped) <= min_quality(&old) + 1e-9 {
             return false;
         }
         let mut warp = [self.warp[f as usize], self.warp[g as usize]];
         if warp[0].dot(&warp[1]) < 0.0 {
             warp[1] = -warp[1];
         }
-        let made_normal = (self.made[f as usize] + self.made[g as usize]).try_normalize(0.0);
+        let mean_normal =
+            (self.source_normal[f as usize] + self.source_normal[g as usize]).try_normalize(0.0);
         for (f, t) in [f, g].into_iter().zip(new) {
             self.triangles[f as usize] = t;
             self.warp[f as usize] = warp[0] + warp[1];
-            self.made[f as usize] = made_normal.unwrap_or(self.made[f as usize]);
-            self.changed(f);
+            self.source_normal[f as usize] = mean_normal.unwrap_or(self.source_normal[f as usize]);
+            self.mark_modified(f);
         }
         self.around[p as usize].retain(|&x| x != f);
         self.around[q as usize].retain(|&x| x != g);
         // f was on c already, g on d.
         self.around[c as usize].push(g);
         self.around[d as usize].push(f);
-        let mut loose = std::mem::take(&mut self.inside[f as usize]);
-        loose.append(&mut self.inside[g as usize]);
-        self.settle_in(&loose, &[f, g]);
+        let mut removed = std::mem::take(&mut self.contained_points[f as usize]);
+        removed.append(&mut self.contained_points[g as usize]);
+        self.assign_points(&removed, &[f, g]);
         true
     }
 
     fn finish(self) -> CoarseMesh {
         let mut number = vec![PointIndex(u32::MAX); self.source.points.len()];
-        let mut source = Vec::new();
+        let mut source_point = Vec::new();
         for (p, on) in self.around.iter().enumerate() {
             if !on.is_empty() {
-                number[p] = PointIndex(source.len() as u32);
-                source.push(PointIndex(p as u32));
+                number[p] = PointIndex(source_point.len() as u32);
+                source_point.push(PointIndex(p as u32));
             }
         }
-        let left: Vec<usize> = (0..self.triangles.len()).filter(|&f| self.alive[f]).collect();
-        let triangles: Vec<[PointIndex; 3]> =
-            left.iter().map(|&f| self.triangles[f].map(|p| number[p as usize])).collect();
-        let material = left.iter().map(|&f| {
-            if self.touched[f] {
-                flatten(&self.corners(&self.triangles[f]), self.warp[f])
-            } else {
-                self.source.material[f]
-            }
-        });
-        let garment = Garment {
-            points: source.iter().map(|p| self.source.points[p.at()]).collect(),
-            material: material.collect(),
-            material_from_uv: self.source.material_from_uv,
-            source_point: Vec::new(),
-            memory_mask: source.iter().map(|p| self.source.memory_mask[p.at()]).collect(),
-            triangle_part: left.iter().map(|&f| self.source.triangle_part[f]).collect(),
-            topology: Topology::new(source.len(), &triangles),
-            triangles,
-        };
+        let remaining: Vec<usize> = (0..self.triangles.len()).filter(|&f| self.alive[f]).collect();
+        let garment = self.coarse_garment(&remaining, &source_point, &number);
         let mut containing_triangle = vec![0; self.source.points.len()];
-        for (new, &f) in left.iter().enumerate() {
-            let points = self.inside[f].iter().chain(&self.triangles[f]);
+        for (new, &f) in remaining.iter().enumerate() {
+            let points = self.contained_points[f].iter().chain(&self.triangles[f]);
             points.for_each(|&p| containing_triangle[p as usize] = new as u32);
         }
-        let weights = |(p, &f): (usize, &u32)| {
+        let barycentric = |(p, &f): (usize, &u32)| {
             let corners = garment.triangles[f as usize];
             let weights = match corners.iter().position(|c| *c == number[p]) {
                 Some(k) => [0, 1, 2].map(|j| if j == k { 1.0 } else { 0.0 }),
                 None => {
-                    let x = self.corners(&self.triangles[left[f as usize]]);
+                    let x = self.corners(&self.triangles[remaining[f as usize]]);
                     let inside = barycentric(&self.source.points[p], &x).map(|w| w.max(0.0));
                     inside.map(|w| w / inside.iter().sum::<f64>())
                 }
             };
-            (corners, weights)
+            BarycentricPosition { corners, weights }
         };
-        let within = containing_triangle.iter().enumerate().map(weights).collect();
-        let same = left.iter().map(|&f| (!self.touched[f]).then_some(f as u32)).collect();
-        CoarseMesh {
-            garment,
-            source_point: source,
-            unchanged_from: same,
-            containing_triangle,
-            barycentric: within,
+        let barycentric = containing_triangle.iter().enumerate().map(barycentric).collect();
+        let unchanged_from = remaining.iter().map(|&f| (!self.modified[f]).then_some(f as u32)).collect();
+        CoarseMesh { garment, source_point, unchanged_from, containing_triangle, barycentric }
+    }
+
+    /// Returns the garment of the `remaining` triangles; `number` is the coarse point of every source point.
+    fn coarse_garment(
+        &self,
+        remaining: &[usize],
+        source_point: &[PointIndex],
+        number: &[PointIndex],
+    ) -> Garment {
+        let triangles: Vec<[PointIndex; 3]> =
+            remaining.iter().map(|&f| self.triangles[f].map(|p| number[p as usize])).collect();
+        let material = remaining.iter().map(|&f| {
+            if self.modified[f] {
+                flatten_triangle(&self.corners(&self.triangles[f]), self.warp[f])
+            } else {
+                self.source.material[f]
+            }
+        });
+        Garment {
+            points: source_point.iter().map(|p| self.source.points[p.at()]).collect(),
+            material: material.collect(),
+            material_from_uv: self.source.material_from_uv,
+            source_point: Vec::new(),
+            memory_mask: source_point.iter().map(|p| self.source.memory_mask[p.at()]).collect(),
+            triangle_part: remaining.iter().map(|&f| self.source.triangle_part[f]).collect(),
+            topology: Topology::new(source_point.len(), &triangles),
+            triangles,
         }
     }
 }
 
-/// Whether the source shape has a sharp edge at a hinge, or the warp turns there.
-fn turns(source: &Garment, hinge: &Hinge) -> bool {
+/// Returns whether the source shape has a sharp edge at a hinge, or the warp turns there.
+fn is_feature_hinge(source: &Garment, hinge: &Hinge) -> bool {
     let x = hinge.points.map(|p| source.points[p.at()]);
     let direction = |f: u32| {
         let at = |p: PointIndex| source.triangles[f as usize].iter().position(|&q| q == p).unwrap_or(0);
@@ -430,8 +448,8 @@ fn turns(source: &Garment, hinge: &Hinge) -> bool {
     };
     let between = direction(hinge.triangles[0]) - direction(hinge.triangles[1]);
     // Cloth is the same along +warp and -warp.
-    let turned = between.sin().abs() > SEAM.sin();
-    turned || crate::mesh::hinge_angle(&x).abs() > SHARP
+    let is_seam = between.sin().abs() > TUNING.min_seam_angle.sin();
+    is_seam || crate::mesh::hinge_angle(&x).abs() > TUNING.min_sharp_angle
 }
 
 #[cfg(test)]
@@ -444,12 +462,12 @@ mod tests {
     /// A level sheet of 0.3 x 0.2 m in a lattice of equilateral triangles, the warp along x; `bent` lifts its points.
     fn sheet(bent: impl Fn(f64) -> f64) -> Garment {
         let (columns, rows) = (61u32, 47u32);
-        let place = |k: u32| {
+        let position = |k: u32| {
             let (i, j) = (f64::from(k % columns), f64::from(k / columns));
             let x = EDGE * (i + 0.5 * (j % 2.0));
             Vec3::new(x, bent(x), EDGE * 0.75f64.sqrt() * j)
         };
-        let points: Vec<Vec3> = (0..columns * rows).map(place).collect();
+        let points: Vec<Vec3> = (0..columns * rows).map(position).collect();
         let cells = (0..rows - 1).flat_map(|j| (0..columns - 1).map(move |i| (i, j)));
         let triangles: Vec<[PointIndex; 3]> = cells
             .flat_map(|(i, j)| {
@@ -463,7 +481,7 @@ mod tests {
             .collect();
         let flat = |t: &[PointIndex; 3]| {
             let x = t.map(|p| points[p.at()]);
-            flatten(&x, in_plane(&x, Vec3::x()).expect("is not steep"))
+            flatten_triangle(&x, project_to_plane(&x, Vec3::x()).expect("is not steep"))
         };
         Garment {
             material: triangles.iter().map(flat).collect(),
@@ -498,10 +516,9 @@ mod tests {
     #[test]
     fn edges_become_as_long_as_wanted_and_what_wants_none_stays() {
         let whole = sheet(|_| 0.0);
-        let CoarseMesh { garment, source_point: source, unchanged_from: same, .. } =
-            whole.coarsen(&wanted(&whole));
+        let CoarseMesh { garment, source_point, unchanged_from, .. } = whole.coarsen(&wanted(&whole));
         assert!(garment.points.len() < 6 * whole.points.len() / 10, "{} points", garment.points.len());
-        assert!(source.iter().zip(&garment.points).all(|(p, x)| whole.points[p.at()] == *x));
+        assert!(source_point.iter().zip(&garment.points).all(|(p, x)| whole.points[p.at()] == *x));
         // The sheet is whole: no hole, one border, the same area and outline but for its zigzag.
         assert_eq!(garment.topology.boundary_loops(&garment.triangles).len(), 1);
         assert!((area(&garment) / area(&whole) - 1.0).abs() < 0.01);
@@ -509,10 +526,10 @@ mod tests {
         assert_eq!(euler(&garment), euler(&whole));
         assert!(garment.topology.misoriented.is_empty());
         let (mut kept, mut long) = (0, 0);
-        for (t, same) in garment.triangles.iter().zip(&same) {
+        for (t, same) in garment.triangles.iter().zip(&unchanged_from) {
             let x = corners(&garment, t);
-            assert!(shape(&x) > 0.39, "{x:?}");
-            assert!((0..3).all(|k| (x[k] - x[(k + 1) % 3]).norm() < LENGTHS[1] * 4.0 * EDGE));
+            assert!(triangle_quality(&x) > 0.39, "{x:?}");
+            assert!((0..3).all(|k| (x[k] - x[(k + 1) % 3]).norm() < TUNING.max_length_factor * 4.0 * EDGE));
             long += usize::from((0..3).any(|k| (x[k] - x[(k + 1) % 3]).norm() > 2.5 * EDGE));
             if let Some(f) = same {
                 kept += 1;
@@ -526,7 +543,7 @@ mod tests {
     }
 
     #[test]
-    fn triangles_keep_their_warp_and_size_and_points_their_place() {
+    fn triangles_keep_their_warp_and_size_and_points_their_positions() {
         // A quarter of a tube: chords are shorter than arcs, by little.
         let whole = sheet(|x| 0.3 - (0.09 - (x - 0.15).powi(2)).sqrt());
         let coarse = whole.coarsen(&wanted(&whole));
@@ -538,8 +555,8 @@ mod tests {
             // z does not change along the warp.
             assert!((side.z.abs() - edge.y.abs()).abs() < 0.05 * side.norm(), "{side} {edge}");
         }
-        let placed = coarse.interpolate(&coarse.garment.points);
-        for (x, there) in whole.points.iter().zip(&placed) {
+        let interpolated = coarse.interpolate(&coarse.garment.points);
+        for (x, there) in whole.points.iter().zip(&interpolated) {
             assert!((x - there).norm() < 0.15 * EDGE, "{x} {there}");
         }
     }
@@ -558,7 +575,7 @@ mod tests {
 
     /// The rim of a garment that lies, and a seam where the warp turns, stay where they are.
     #[test]
-    fn sharp_edges_and_seams_keep_their_course() {
+    fn sharp_edges_and_seams_keep_their_line() {
         let fold = 0.15;
         let roof = sheet(|x| (x - fold).abs());
         let mut seam = sheet(|_| 0.0);
@@ -569,15 +586,15 @@ mod tests {
             }
         }
         for whole in [roof, seam] {
-            let course = |g: &Garment| {
-                let on = |h: &&Hinge| turns(g, h);
+            let feature_line = |g: &Garment| {
+                let on = |h: &&Hinge| is_feature_hinge(g, h);
                 let hinges: Vec<&Hinge> = g.topology.hinges.iter().filter(on).collect();
                 let ends = |h: &&Hinge| h.points.map(|p| g.points[p.at()]);
                 let length: f64 = hinges.iter().map(ends).map(|x| (x[1] - x[0]).norm()).sum();
                 (hinges.len(), length)
             };
             let coarse = whole.coarsen(&vec![4.0 * EDGE; whole.points.len()]);
-            let ((many, length), (few, left)) = (course(&whole), course(&coarse.garment));
+            let ((many, length), (few, left)) = (feature_line(&whole), feature_line(&coarse.garment));
             assert!(few > 0 && few <= many, "{few} of {many}");
             assert!((left / length - 1.0).abs() < 0.2, "{left} of {length} m");
         }

@@ -1,8 +1,8 @@
-//! What the importer noticed about a mesh, for `inspect` and for the report.
+//! Diagnostics of the importer, for `inspect` and for the report.
 
 use serde::Serialize;
 
-/// How serious a finding is.
+/// Severity of an import diagnostic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Severity {
@@ -10,19 +10,43 @@ pub enum Severity {
     Note,
     /// Was, or would be, repaired on import.
     Repaired,
-    /// Cannot be used: the garment is refused.
+    /// Makes the garment unusable: it is refused.
     Refused,
 }
 
-/// One thing noticed about an imported mesh.
+/// Property of an imported mesh that the user should know.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct ImportDiagnostic {
-    /// How serious.
+    /// Severity.
     pub severity: Severity,
-    /// Where in the file (line, element), or empty.
+    /// Location in the file (line, element); empty for the whole file.
     #[serde(rename = "place")]
     pub location: String,
-    /// What was noticed, and the cure where there is one.
+    /// Description, with advice where there is any.
     #[serde(rename = "what")]
     pub message: String,
+}
+
+/// Diagnostics in the order they come up.
+#[derive(Debug, Default)]
+pub(super) struct ImportDiagnostics {
+    pub(super) list: Vec<ImportDiagnostic>,
+}
+
+impl ImportDiagnostics {
+    /// Adds a note.
+    pub(super) fn note(&mut self, message: impl Into<String>) {
+        self.push(Severity::Note, message.into());
+    }
+
+    /// Adds a repair of `count` things; none if `count` is 0.
+    pub(super) fn repaired(&mut self, count: usize, message: &str) {
+        if count > 0 {
+            self.push(Severity::Repaired, format!("{count} {message}"));
+        }
+    }
+
+    fn push(&mut self, severity: Severity, message: String) {
+        self.list.push(ImportDiagnostic { severity, location: String::new(), message });
+    }
 }

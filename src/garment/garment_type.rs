@@ -1,22 +1,22 @@
-//! The garment as the solver sees it: welded points, triangles, material directions. Nobody changes it after import.
+//! The garment as the solver sees it: welded points, triangles, material directions. Nothing changes it after import.
 
 use crate::math::{Vec2, Vec3};
 use crate::mesh::{PointIndex, Topology};
 
-/// A garment after import: SI units, y up, welded at seams.
+/// Garment after import: SI units, y up, welded at seams.
 #[derive(Debug, Clone)]
 pub struct Garment {
-    /// Source pose of every point [m], y up.
+    /// Source position of every point \[m\], y up.
     pub points: Vec<Vec3>,
     /// Corners of every triangle, no point repeated within one.
     pub triangles: Vec<[PointIndex; 3]>,
-    /// Per triangle: its corners laid flat [m] at true size, x along warp (+u), y along weft (+v).
+    /// Per triangle: its corners flattened \[m\] at true size, x along warp (+u), y along weft (+v).
     pub material: Vec<[Vec2; 3]>,
-    /// Whether `material` directions come from texture coordinates (else from the rest shape).
+    /// Whether `material` directions come from texture coordinates (else from the source shape).
     pub material_from_uv: bool,
     /// Per source vertex of the worn pieces: its point.
     pub source_point: Vec<PointIndex>,
-    /// Per point: 0..1, scales how much the point's hinges and triangles remember.
+    /// Per point: factor 0..1 of how much the point's hinges and triangles remember.
     pub memory_mask: Vec<f64>,
     /// Per triangle: connected part it belongs to, counted from 0.
     pub triangle_part: Vec<u32>,

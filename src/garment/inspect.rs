@@ -1,21 +1,21 @@
-//! What `crease inspect` says about a mesh file: what is in it, how big it is, what was repaired, what will not bend.
+//! Report of `crease inspect` about a mesh file: contents, size, repairs, and edges that carry no hinge.
 //!
-//! Made from the source, the garment built from it, and the findings of both stages. Counts no crossings: that is the
-//! contact floor's work, and the caller fills it in.
+//! Made from the source asset, the garment built from it, and the diagnostics of both stages. Counts no intersections:
+//! `contact` does, and the caller fills the number in.
 
 use crate::garment::{Garment, ImportDiagnostic, Placement, Severity, SourceAsset, SourceFormat, UpAxis};
 use serde::Serialize;
 use std::fmt::Write;
 
-/// Boundary loops listed in the text; the rest is counted.
-const LOOPS_TOLD: usize = 12;
+/// Boundary loops listed in the text; the rest are counted.
+const MAX_LISTED_LOOPS: usize = 12;
 /// Pieces listed in the text.
-const PIECES_TOLD: usize = 40;
+const MAX_LISTED_PIECES: usize = 40;
 
-/// Everything `inspect` found out.
+/// Report about a mesh file and the garment made of it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Inspection {
-    /// The file as the user named it.
+    /// File as the user named it.
     pub file: String,
     /// "OBJ" or "glTF".
     pub format: &'static str,
@@ -25,7 +25,7 @@ pub struct Inspection {
     pub unit_m: f64,
     /// "y" or "z".
     pub up: &'static str,
-    /// Sides of the worn pieces' box \[m\], y up.
+    /// Sides of the bounding box of the worn pieces \[m\], y up.
     pub box_m: [f64; 3],
     /// The same sides in file units.
     pub box_units: [f64; 3],
@@ -41,15 +41,15 @@ pub struct Inspection {
     pub triangles: usize,
     /// Triangles of the worn pieces in the file that are not in the garment.
     pub dropped_triangles: usize,
-    /// Hinges: edges that bend and remember.
+    /// Hinges: edges that bend with memory.
     pub hinges: usize,
-    /// Vertices that seams, texture borders and hard edges had doubled.
+    /// Vertices that share a point with another: at seams, texture borders and hard edges.
     pub welded_vertices: usize,
     /// Length of each boundary loop \[m\], longest first.
     pub boundary_loops_m: Vec<f64>,
     /// Edges of more than two triangles.
     pub non_manifold_edges: usize,
-    /// Edges whose two triangles show opposite sides.
+    /// Edges whose two triangles have opposite orientations.
     pub misoriented_edges: usize,
     /// Whether the warp follows the texture coordinates.
     pub warp_from_uv: bool,
@@ -61,17 +61,17 @@ pub struct Inspection {
     pub shortest_edge_mm: f64,
     /// Area of the cloth \[m2\].
     pub area_m2: f64,
-    /// Pairs of triangles that already cross; none where nobody has counted.
+    /// Pairs of triangles that already intersect; `None` where they were not counted.
     pub crossings_at_start: Option<usize>,
-    /// Worth knowing.
+    /// Notes.
     pub notes: Vec<ImportDiagnostic>,
-    /// What was repaired.
+    /// Repairs.
     pub repaired: Vec<ImportDiagnostic>,
-    /// What makes the garment unusable.
+    /// Reasons why the garment is unusable.
     pub refused: Vec<ImportDiagnostic>,
 }
 
-/// One piece of the file.
+/// Report about one piece of the file.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct PieceReport {
     /// Node or group name.
@@ -90,7 +90,7 @@ pub struct PieceReport {
     pub worn: bool,
 }
 
-/// One connected part of the garment.
+/// Report about one connected part of the garment.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PartReport {
     /// Triangles.
@@ -99,10 +99,10 @@ pub struct PartReport {
     pub area_m2: f64,
 }
 
-/// Gathers the report; `findings` are those of reading and of building the garment.
-pub fn inspect(asset: &SourceAsset, garment: &Garment, findings: &[ImportDiagnostic]) -> Inspection {
+/// Makes the report; `diagnostics` are those of reading the file and of building the garment.
+pub fn inspect(asset: &SourceAsset, garment: &Garment, diagnostics: &[ImportDiagnostic]) -> Inspection {
     let box_m = asset.worn_bounds().map_or([0.0; 3], |(low, high)| (high - low).into());
-    let of = |severity| findings.iter().filter(|f| f.severity == severity).cloned().collect();
+    let of = |severity| diagnostics.iter().filter(|d| d.severity == severity).cloned().collect();
     let edges = edge_lengths_m(garment);
     let parts = part_reports(garment);
     let source_triangles: usize = asset.worn_pieces().map(|piece| piece.triangles.len()).sum();
@@ -192,7 +192,7 @@ fn boundary_loops_m(garment: &Garment) -> Vec<f64> {
 }
 
 impl Inspection {
-    /// The report as text for a person, several lines, each ended.
+    /// Returns the report as text for a person, several lines, each ended.
     pub fn to_text(&self) -> String {
         let mut text = String::new();
         // Writing to a string cannot fail.
@@ -222,7 +222,7 @@ impl Inspection {
             self.mean_edge_mm, self.shortest_edge_mm, self.non_manifold_edges, self.misoriented_edges
         )?;
         let parts: Vec<String> =
-            self.parts.iter().take(LOOPS_TOLD).map(|p| p.triangles.to_string()).collect();
+            self.parts.iter().take(MAX_LISTED_LOOPS).map(|p| p.triangles.to_string()).collect();
         writeln!(
             out,
             "  parts      {} ({} triangles), {:.3} m2 of cloth",
@@ -230,8 +230,12 @@ impl Inspection {
             abridged(&parts, self.parts.len()),
             self.area_m2
         )?;
-        let loops: Vec<String> =
-            self.boundary_loops_m.iter().take(LOOPS_TOLD).map(|length| format!("{length:.3}")).collect();
+        let loops: Vec<String> = self
+            .boundary_loops_m
+            .iter()
+            .take(MAX_LISTED_LOOPS)
+            .map(|length| format!("{length:.3}"))
+            .collect();
         let count = self.boundary_loops_m.len();
         let lengths = if count > 0 { format!(" ({} m)", abridged(&loops, count)) } else { String::new() };
         writeln!(out, "  openings   {count}{lengths}")?;
@@ -245,23 +249,23 @@ impl Inspection {
             Some(count) => writeln!(out, "  crossings  {count} pairs of triangles")?,
             None => writeln!(out, "  crossings  not counted")?,
         }
-        for (title, findings) in
+        for (title, diagnostics) in
             [("note", &self.notes), ("repaired", &self.repaired), ("refused", &self.refused)]
         {
-            for finding in findings {
-                let place = if finding.location.is_empty() {
+            for diagnostic in diagnostics {
+                let location = if diagnostic.location.is_empty() {
                     String::new()
                 } else {
-                    format!("{}: ", finding.location)
+                    format!("{}: ", diagnostic.location)
                 };
-                writeln!(out, "  {title:<10} {place}{}", finding.message)?;
+                writeln!(out, "  {title:<10} {location}{}", diagnostic.message)?;
             }
         }
         Ok(())
     }
 
     fn write_pieces(&self, out: &mut String) -> std::fmt::Result {
-        for piece in self.pieces.iter().take(PIECES_TOLD) {
+        for piece in self.pieces.iter().take(MAX_LISTED_PIECES) {
             let material =
                 piece.material.as_ref().map_or(String::new(), |name| format!(", material \"{name}\""));
             let uv = if piece.has_uv { ", UV" } else { "" };
@@ -273,14 +277,14 @@ impl Inspection {
                 piece.name, piece.vertices, piece.triangles
             )?;
         }
-        if self.pieces.len() > PIECES_TOLD {
-            writeln!(out, "  piece      and {} more", self.pieces.len() - PIECES_TOLD)?;
+        if self.pieces.len() > MAX_LISTED_PIECES {
+            writeln!(out, "  piece      and {} more", self.pieces.len() - MAX_LISTED_PIECES)?;
         }
         Ok(())
     }
 }
 
-/// "1, 2, 3 and 5 more".
+/// Returns "1, 2, 3 and 5 more".
 fn abridged(shown: &[String], count: usize) -> String {
     let list = shown.join(", ");
     if count > shown.len() { format!("{list} and {} more", count - shown.len()) } else { list }
@@ -297,11 +301,11 @@ mod tests {
 
     fn report() -> Inspection {
         let options = ReadOptions { unit_m: Some(0.01), ..ReadOptions::default() };
-        let (asset, mut findings) =
+        let (asset, mut diagnostics) =
             read_asset("hanky.obj", TEXT.as_bytes(), &options, &mut |_| Ok(Vec::new())).unwrap();
         let (garment, more) = Garment::from_asset(&asset).unwrap();
-        findings.extend(more);
-        inspect(&asset, &garment, &findings)
+        diagnostics.extend(more);
+        inspect(&asset, &garment, &diagnostics)
     }
 
     #[test]

@@ -1,4 +1,8 @@
-//! The nouns that flow through the pipeline: the garment, its memory, its state, the worn result.
+//! The garment and what flows with it through the pipeline: the source asset it is built from, its rest state, the worn
+//! result.
+//!
+//! [`Garment::from_asset`] welds, repairs and orients the triangles of a [`SourceAsset`]; [`Garment::coarsen`] and
+//! [`Garment::refine`] change its resolution. Reads no bytes: `io` does.
 
 mod build;
 mod coarsen;
@@ -11,8 +15,9 @@ mod refine;
 mod repair;
 mod rest_state;
 mod source_asset;
+mod tuning;
 mod wedges;
-mod worn;
+mod worn_garment;
 
 pub use coarsen::CoarseMesh;
 pub use diagnostic::{ImportDiagnostic, Severity};
@@ -25,4 +30,4 @@ pub use source_asset::{
     GltfDocument, Placement, SourceAsset, SourceFormat, SourceJoint, SourcePiece, UpAxis,
 };
 pub use wedges::{corner_uvs, corner_vertices};
-pub use worn::WornGarment;
+pub use worn_garment::WornGarment;

@@ -1,35 +1,31 @@
-//! A finer mesh of the same garment: `--resolution`.
+//! Refines the mesh of a garment: `--resolution`.
 //!
 //! Edges longer than wanted are halved, longest first, with the triangles on them (longest-edge bisection, Rivara 1984:
-//! no angle falls below half of the smallest before). Every point keeps its number and its place, new ones follow, so that
-//! what becomes of the source's points is read off without any carrying over. New points lie on the source's flat
-//! triangles: the rest shape is that of the file, its roundness as coarse as the file's. Never coarsens: a file that is finer
-//! stays as it is.
+//! no angle falls below half of the smallest one before). Every point keeps its number and position, new ones follow, so
+//! that results at the source's points are read off without interpolation. New points lie on the source's flat triangles:
+//! the source shape is that of the file, its curvature as coarse as the file's. Never coarsens: a finer file stays as it
+//! is.
 
 use crate::garment::Garment;
+use crate::garment::tuning::TUNING;
 use crate::math::{Vec2, Vec3};
 use crate::mesh::{PointIndex, Topology};
 use rustc_hash::FxHashMap;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// Edges are halved above this many times the wanted length: halves and wholes then lie around it.
-const LONGEST: f64 = 4.0 / 3.0;
-/// Points at most: beyond, no machine bakes it.
-const MOST_POINTS: usize = 2_000_000;
-
-/// A finer garment.
+/// Finer mesh of a garment.
 #[derive(Debug, Clone)]
 pub struct RefinedMesh {
-    /// With the points of the source first.
+    /// Fine garment, with the points of the source first.
     pub garment: Garment,
-    /// Per triangle: the triangle of the source it is part of.
+    /// Per fine triangle: the triangle of the source it is part of.
     pub parent: Vec<u32>,
 }
 
 impl Garment {
-    /// Edges halved until none of the triangles around the flagged points (one flag per point; empty for all) has one
-    /// much longer than `edge` [m].
+    /// Returns the mesh with edges halved until no triangle around the flagged points (one flag per point; empty for all)
+    /// has an edge much longer than `edge` [m].
     pub fn refine(&self, edge: f64, wanted: &[bool]) -> RefinedMesh {
         let mut work = Bisection::new(self, edge.max(f64::MIN_POSITIVE));
         work.run(wanted);
@@ -51,14 +47,14 @@ impl Garment {
         }
     }
 
-    /// Mean edge length of the source shape [m].
+    /// Returns the mean edge length of the source shape [m].
     pub fn mean_edge(&self) -> f64 {
         let length = |e: &[PointIndex; 2]| (self.points[e[0].at()] - self.points[e[1].at()]).norm();
         self.topology.edges.iter().map(length).sum::<f64>() / self.topology.edges.len().max(1) as f64
     }
 }
 
-/// A mesh whose edges are being halved.
+/// State of a mesh whose edges are being halved.
 struct Bisection {
     points: Vec<Vec3>,
     mask: Vec<f64>,
@@ -69,31 +65,32 @@ struct Bisection {
     wanted: Vec<bool>,
     /// Triangles on every edge.
     on_edge: FxHashMap<[PointIndex; 2], Vec<u32>>,
-    limit: f64,
+    /// Edges longer than this are halved [m].
+    max_length: f64,
 }
 
-/// An edge to be looked at; the longest first, then the lowest ends.
+/// Edge to be halved, ordered by length, then by its ends, lowest first.
 #[derive(PartialEq)]
-struct Long {
+struct LongEdge {
     length: f64,
     ends: [PointIndex; 2],
 }
 
-impl Eq for Long {}
+impl Eq for LongEdge {}
 
-impl PartialOrd for Long {
+impl PartialOrd for LongEdge {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Ord for Long {
+impl Ord for LongEdge {
     fn cmp(&self, other: &Self) -> Ordering {
         self.length.total_cmp(&other.length).then(other.ends.cmp(&self.ends))
     }
 }
 
-fn ends(t: &[PointIndex; 3], k: usize) -> [PointIndex; 2] {
+fn edge_key(t: &[PointIndex; 3], k: usize) -> [PointIndex; 2] {
     let (a, b) = (t[k], t[(k + 1) % 3]);
     if a < b { [a, b] } else { [b, a] }
 }
@@ -102,7 +99,7 @@ impl Bisection {
     fn new(garment: &Garment, edge: f64) -> Self {
         let mut on_edge: FxHashMap<[PointIndex; 2], Vec<u32>> = FxHashMap::default();
         for (f, t) in garment.triangles.iter().enumerate() {
-            (0..3).for_each(|k| on_edge.entry(ends(t, k)).or_default().push(f as u32));
+            (0..3).for_each(|k| on_edge.entry(edge_key(t, k)).or_default().push(f as u32));
         }
         Self {
             points: garment.points.clone(),
@@ -112,7 +109,7 @@ impl Bisection {
             parent: (0..garment.triangles.len() as u32).collect(),
             wanted: Vec::new(),
             on_edge,
-            limit: LONGEST * edge,
+            max_length: TUNING.max_length_factor * edge,
         }
     }
 
@@ -120,9 +117,9 @@ impl Bisection {
         (self.points[a.at()] - self.points[b.at()]).norm()
     }
 
-    fn long(&self, ends: [PointIndex; 2]) -> Option<Long> {
+    fn long(&self, ends: [PointIndex; 2]) -> Option<LongEdge> {
         let length = self.length(ends);
-        (length > self.limit).then_some(Long { length, ends })
+        (length > self.max_length).then_some(LongEdge { length, ends })
     }
 
     fn run(&mut self, wanted: &[bool]) {
@@ -131,16 +128,18 @@ impl Bisection {
         };
         self.wanted = self.triangles.iter().map(is_wanted).collect();
         let around = self.triangles.iter().zip(&self.wanted).filter(|(_, wanted)| **wanted);
-        let mut open: BinaryHeap<Long> =
-            around.flat_map(|(t, _)| (0..3).map(|k| ends(t, k))).filter_map(|edge| self.long(edge)).collect();
-        while let Some(Long { length, ends }) = open.pop() {
-            if self.points.len() >= MOST_POINTS {
+        let mut open: BinaryHeap<LongEdge> = around
+            .flat_map(|(t, _)| (0..3).map(|k| edge_key(t, k)))
+            .filter_map(|edge| self.long(edge))
+            .collect();
+        while let Some(LongEdge { length, ends }) = open.pop() {
+            if self.points.len() >= TUNING.max_points {
                 break;
             }
             let Some(on) = self.on_edge.get(&ends).cloned() else { continue };
-            // Beside what is not wanted lie longer edges: halving a shorter one first would leave slivers.
-            if let Some(longer) = self.longest_on(&on).filter(|long| *long > (Long { length, ends })) {
-                open.push(Long { length, ends });
+            // Unwanted triangles may have longer edges: halving a shorter one first would leave slivers.
+            if let Some(longer) = self.longest_on(&on).filter(|long| *long > (LongEdge { length, ends })) {
+                open.push(LongEdge { length, ends });
                 open.push(longer);
                 continue;
             }
@@ -148,13 +147,13 @@ impl Bisection {
         }
     }
 
-    /// The longest edge of some triangles.
-    fn longest_on(&self, triangles: &[u32]) -> Option<Long> {
-        let edges = triangles.iter().flat_map(|f| (0..3).map(|k| ends(&self.triangles[*f as usize], k)));
-        edges.map(|ends| Long { length: self.length(ends), ends }).max()
+    /// Returns the longest edge of some triangles.
+    fn longest_on(&self, triangles: &[u32]) -> Option<LongEdge> {
+        let edges = triangles.iter().flat_map(|f| (0..3).map(|k| edge_key(&self.triangles[*f as usize], k)));
+        edges.map(|ends| LongEdge { length: self.length(ends), ends }).max()
     }
 
-    fn halve(&mut self, edge: [PointIndex; 2], on: &[u32], open: &mut BinaryHeap<Long>) {
+    fn halve(&mut self, edge: [PointIndex; 2], on: &[u32], open: &mut BinaryHeap<LongEdge>) {
         let middle = PointIndex(self.points.len() as u32);
         let mean = |list: &[f64]| 0.5 * (list[edge[0].at()] + list[edge[1].at()]);
         self.mask.push(mean(&self.mask));
@@ -162,13 +161,13 @@ impl Bisection {
         self.on_edge.remove(&edge);
         for &f in on {
             let t = self.triangles[f as usize];
-            let Some(k) = (0..3).find(|&k| ends(&t, k) == edge) else { continue };
+            let Some(k) = (0..3).find(|&k| edge_key(&t, k) == edge) else { continue };
             let (a, b, c) = (k, (k + 1) % 3, (k + 2) % 3);
             let flat = self.material[f as usize];
             let half = 0.5 * (flat[a] + flat[b]);
             let new = self.triangles.len() as u32;
             (0..3).for_each(|k| {
-                if let Some(list) = self.on_edge.get_mut(&ends(&t, k)) {
+                if let Some(list) = self.on_edge.get_mut(&edge_key(&t, k)) {
                     list.retain(|other| *other != f);
                 }
             });
@@ -180,7 +179,7 @@ impl Bisection {
             for part in [f, new] {
                 let t = self.triangles[part as usize];
                 for k in 0..3 {
-                    self.on_edge.entry(ends(&t, k)).or_default().push(part);
+                    self.on_edge.entry(edge_key(&t, k)).or_default().push(part);
                 }
             }
             let inner = [middle, t[c]];
@@ -189,7 +188,7 @@ impl Bisection {
                 open.extend(self.long(inner));
             }
         }
-        // What neighbours had to be cut for stays as long as it comes out.
+        // Halves of edges that only unwanted triangles have stay as long as they are.
         if on.iter().any(|f| self.wanted[self.parent[*f as usize] as usize]) {
             open.extend(edge.iter().filter_map(|end| self.long([*end, middle])));
         }

@@ -1,8 +1,8 @@
-//! The memory: what the cloth takes for its own shape. Energies read it; only `memory::commit` writes it.
+//! The memory of the cloth: its rest angles, rest stretches and stiffness. Energies read it; only `memory` writes it.
 
 use serde::{Deserialize, Serialize};
 
-/// Rest angles, stiffness ratios, rest lengths and running timers of one garment.
+/// Rest angles, stiffness ratios and rest stretches of one garment.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RestState {
     /// One per hinge: angle of the source shape [rad].
@@ -18,12 +18,12 @@ pub struct RestState {
 }
 
 impl RestState {
-    /// Memory of new, flat cloth.
+    /// Creates the rest state of new, flat cloth.
     pub fn flat(hinge_count: usize, triangle_count: usize) -> Self {
         Self::new(vec![0.0; hinge_count], triangle_count)
     }
 
-    /// Memory of new cloth whose own shape has the angles `source_angle` [rad], one per hinge.
+    /// Creates the rest state of new cloth whose source shape has the hinge angles `source_angle` [rad], one per hinge.
     pub fn new(source_angle: Vec<f64>, triangle_count: usize) -> Self {
         Self {
             rest_angle: source_angle.clone(),

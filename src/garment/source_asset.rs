@@ -1,11 +1,11 @@
-//! A mesh file as it came: every piece in file order with its own vertices, and (for glTF) the whole document,
-//! so that export can give everything back untouched. Import makes it, `Garment` is built from its worn pieces,
-//! export writes it out again with the worn pieces changed.
+//! A mesh file as read: every piece in file order with its own vertices, and (for glTF) the whole document, so that export
+//! can return everything else untouched. `io` reads it, `Garment` is built from its worn pieces, `io` writes it out again
+//! with the worn pieces changed.
 
 use crate::math::{Mat3, Mat4, Vec2, Vec3};
 use serde_json::Value;
 
-/// Which format a file was in.
+/// Format of a mesh file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SourceFormat {
     /// Wavefront OBJ.
@@ -14,7 +14,7 @@ pub enum SourceFormat {
     Gltf,
 }
 
-/// Which axis of the file points up.
+/// Axis of a file that points up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum UpAxis {
     /// y up (glTF, most OBJ).
@@ -23,26 +23,26 @@ pub enum UpAxis {
     Z,
 }
 
-/// A glTF document: its raw JSON and its buffers.
+/// glTF document: its raw JSON and its buffers.
 #[derive(Debug, Clone)]
 pub struct GltfDocument {
-    /// The JSON as it was read, keys in file order, nothing dropped.
+    /// JSON as read, keys in file order, nothing dropped.
     pub json: Value,
-    /// The bytes of each entry of `buffers`.
+    /// Bytes of each entry of `buffers`.
     pub buffers: Vec<Vec<u8>>,
 }
 
-/// How a piece's own coordinates become metres, y up, in the scene.
+/// Transform from a piece's own coordinates to the scene (metres, y up).
 #[derive(Debug, Clone)]
 pub enum Placement {
     /// One transform for every vertex (node transform, unit and up axis).
     Rigid(Mat4),
-    /// One per vertex: a skin in bind pose (weighted sum of joint matrices, with unit and up axis).
+    /// One transform per vertex: a skin in bind pose (weighted sum of joint matrices, with unit and up axis).
     Skinned(Vec<Mat4>),
 }
 
 impl Placement {
-    /// The transform of vertex `v` of the piece.
+    /// Returns the transform of vertex `v` of the piece. Panics if there is no such vertex.
     pub fn matrix(&self, v: usize) -> &Mat4 {
         match self {
             Self::Rigid(m) => m,
@@ -51,7 +51,7 @@ impl Placement {
     }
 }
 
-/// A run of triangles with one material: a glTF primitive instance, or one group-and-material of an OBJ.
+/// Triangles with one material: a glTF primitive instance, or one group-and-material of an OBJ.
 #[derive(Debug, Clone)]
 pub struct SourcePiece {
     /// Node or group name, for `--garment` and for messages.
@@ -62,7 +62,7 @@ pub struct SourcePiece {
     pub mesh: usize,
     /// glTF: index into the mesh's `primitives`; OBJ: number of the piece.
     pub primitive: usize,
-    /// glTF: the node that carries the mesh.
+    /// glTF: index of the node that carries the mesh.
     pub node: Option<usize>,
     /// One per vertex, in the piece's own coordinates and the file's unit.
     pub positions: Vec<Vec3>,
@@ -70,20 +70,20 @@ pub struct SourcePiece {
     pub normals: Option<Vec<Vec3>>,
     /// One per vertex: first texture coordinate set (OBJ's v flipped to glTF's, so v grows downward).
     pub uvs: Option<Vec<Vec2>>,
-    /// One per vertex: scale of memory 0..1 from a colour channel or attribute, where asked for.
+    /// One per vertex: factor of memory 0..1 from a colour channel or attribute, where asked for.
     pub mask: Option<Vec<f64>>,
     /// Corners into this piece's vertices, triangulated.
     pub triangles: Vec<[u32; 3]>,
-    /// Own coordinates to scene metres.
+    /// Transform from own coordinates to the scene.
     pub placement: Placement,
-    /// The joints of its skin; none without one.
+    /// Joints of its skin; none without one.
     pub joints: Vec<SourceJoint>,
     /// Whether the piece is part of the garment (chosen by `--garment`, else every piece).
     pub worn: bool,
 }
 
 impl SourcePiece {
-    /// Position of vertex `v` in the scene \[m\], y up; `None` if there is no such vertex.
+    /// Returns the position of vertex `v` in the scene \[m\], y up; `None` if there is no such vertex.
     pub fn scene_position(&self, v: usize) -> Option<Vec3> {
         let own = self.positions.get(v)?;
         let transform = match &self.placement {
@@ -94,45 +94,45 @@ impl SourcePiece {
     }
 }
 
-/// A joint that moves a piece, in the pose of the file.
+/// Joint that moves a piece, in the pose of the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SourceJoint {
     /// Name of its node; empty when it has none.
     pub name: String,
-    /// Where it stands in the scene \[m\], y up.
+    /// Position in the scene \[m\], y up.
     pub position: Vec3,
-    /// Its own axes in the scene: columns of unit length.
+    /// Own axes in the scene: columns of unit length.
     pub axes: Mat3,
-    /// Name of the next joint above it that moves the piece.
+    /// Name of the nearest ancestor joint that moves the piece.
     pub parent: Option<String>,
 }
 
-/// A mesh file as it came.
+/// Mesh file as read.
 #[derive(Debug, Clone)]
 pub struct SourceAsset {
-    /// The file's name as the user gave it.
+    /// Name of the file as the user gave it.
     pub file: String,
     /// SHA-256 of the file's bytes, lower-case hex.
     pub sha256: String,
-    /// Its format.
+    /// Format.
     pub format: SourceFormat,
     /// Metres per file unit.
     pub unit_m: f64,
-    /// The file's up axis.
+    /// Up axis of the file.
     pub up: UpAxis,
-    /// The document, for glTF.
+    /// Document, for glTF.
     pub document: Option<GltfDocument>,
     /// Pieces in file order. Vertices of worn pieces, in this order, are counted by `VertexIndex`.
     pub pieces: Vec<SourcePiece>,
 }
 
 impl SourceAsset {
-    /// Pieces that are part of the garment, in file order.
+    /// Returns the pieces that are part of the garment, in file order.
     pub fn worn_pieces(&self) -> impl Iterator<Item = &SourcePiece> {
         self.pieces.iter().filter(|piece| piece.worn)
     }
 
-    /// Joints that move the worn pieces, each name once, in file order; those without a name left out.
+    /// Returns the joints that move the worn pieces, each name once, in file order, without unnamed ones.
     pub fn worn_joints(&self) -> Vec<SourceJoint> {
         let mut all: Vec<SourceJoint> = Vec::new();
         for joint in self.worn_pieces().flat_map(|piece| &piece.joints) {
@@ -143,7 +143,7 @@ impl SourceAsset {
         all
     }
 
-    /// Triangles of the worn pieces, their vertices counted through.
+    /// Returns the triangles of the worn pieces, vertices counted over all worn pieces.
     pub fn worn_triangles(&self) -> Vec<[u32; 3]> {
         let (mut all, mut first) = (Vec::new(), 0u32);
         for piece in self.worn_pieces() {
@@ -153,7 +153,8 @@ impl SourceAsset {
         all
     }
 
-    /// Lowest and highest corner \[m\] of the box around the worn vertices that carry triangles; `None` without any.
+    /// Returns the lowest and highest corner \[m\] of the bounding box of the worn vertices that carry triangles; `None`
+    /// without any.
     pub fn worn_bounds(&self) -> Option<(Vec3, Vec3)> {
         let mut bounds: Option<(Vec3, Vec3)> = None;
         for piece in self.worn_pieces() {

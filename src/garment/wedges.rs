@@ -1,16 +1,25 @@
-//! Which vertices of the file stand at the corners of each triangle of a garment.
+//! Wedges: the file's vertices at the corners of a garment's triangles.
 //!
-//! A garment knows points; texture coordinates belong to vertices, and at a seam one point has several. A triangle of
-//! the garment is that triangle of the file whose corners became its points.
+//! A garment has points; texture coordinates belong to vertices, and at a seam one point has several. A triangle of the
+//! garment corresponds to the triangle of the file whose corners became its points.
 
 use crate::garment::{Garment, SourceAsset};
 use crate::math::Vec2;
 use crate::mesh::PointIndex;
 use rustc_hash::FxHashMap;
 
-/// Per triangle of `garment`: the vertices at its corners, counted over the worn pieces of `asset` in file order. A
-/// triangle that mending made has the first vertex of each of its points. None for a garment that was made finer than its
-/// file: its points have no vertices there.
+/// Triangle between points, with the file's vertices at its corners.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct TriangleWedges {
+    /// Corners.
+    pub(super) points: [PointIndex; 3],
+    /// Vertices at the corners; `None` where a repair mixed those of several triangles.
+    pub(super) vertices: Option<[u32; 3]>,
+}
+
+/// Returns the vertices at the corners of every triangle of `garment`, counted over the worn pieces of `asset` in file
+/// order. A triangle made by a repair has the first vertex of each of its points. `None` for a garment that is finer than
+/// its file: its points have no vertices there.
 pub fn corner_vertices(asset: &SourceAsset, garment: &Garment) -> Option<Vec<[u32; 3]>> {
     let mut first_vertex = vec![None; garment.points.len()];
     for (vertex, point) in garment.source_point.iter().enumerate().rev() {
@@ -44,7 +53,7 @@ pub fn corner_vertices(asset: &SourceAsset, garment: &Garment) -> Option<Vec<[u3
     garment.triangles.iter().map(find).collect()
 }
 
-/// Texture coordinates of every corner of every triangle, if all worn pieces of `asset` have them.
+/// Returns the texture coordinates of every corner of every triangle, if all worn pieces of `asset` have them.
 pub fn corner_uvs(asset: &SourceAsset, corners: &[[u32; 3]]) -> Option<Vec<[Vec2; 3]>> {
     let mut uvs: Vec<Vec2> = Vec::new();
     for piece in asset.worn_pieces() {
@@ -59,7 +68,7 @@ pub fn corner_uvs(asset: &SourceAsset, corners: &[[u32; 3]]) -> Option<Vec<[Vec2
         .collect()
 }
 
-/// Points in increasing order, the vertices moved along.
+/// Sorts the points in increasing order and the vertices along with them.
 fn sorted(points: [PointIndex; 3], vertices: [u32; 3]) -> ([PointIndex; 3], [u32; 3]) {
     let mut order = [0, 1, 2];
     order.sort_unstable_by_key(|&k| points[k]);
@@ -71,7 +80,7 @@ mod tests {
     use super::*;
     use crate::io::{ReadOptions, read_asset};
 
-    /// Two triangles sewn at an edge whose texture is split there.
+    /// Two triangles joined at an edge whose texture is split there.
     #[test]
     fn at_a_seam_each_triangle_has_its_own_vertices() {
         let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0 0\nvt .4 0\nvt 0 .4\nvt .6 .6\nvt .6 1\nvt 1 .6\n\

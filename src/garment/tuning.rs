@@ -1,0 +1,77 @@
+//! Tuning constants of importing, coarsening and refining a garment mesh.
+
+/// Limits and tolerances of the folder. Lengths in metres, angles in radians.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct GarmentTuning {
+    /// Vertices closer than this fraction of the garment's diagonal are one point \[-\]: a hundred times the rounding
+    /// error of single precision, a hundredth of the finest edge worth simulating.
+    pub(crate) weld_distance_fraction: f64,
+    /// Upper bound of the weld distance \[m\]: a stray vertex far away must not weld the garment to a lump.
+    pub(crate) max_weld_distance: f64,
+    /// A triangle lower than this fraction of its longest side is a cap: it has no area \[-\].
+    pub(crate) cap_height_fraction: f64,
+    /// Passes of cap repair; a row of adjacent caps needs several.
+    pub(crate) max_cap_passes: usize,
+    /// Texture coordinates closer than this are equal when copies of triangles are looked for \[-\].
+    pub(crate) copy_uv_tol: f64,
+    /// Texture coordinates closer than this continue across an edge \[-\]: OBJ files round to five or six decimals.
+    pub(crate) island_uv_tol: f64,
+    /// A texture triangle whose area is below this fraction of its longest side squared gives no warp direction \[-\].
+    pub(crate) min_uv_area_fraction: f64,
+    /// Fraction of the triangles that must have a warp direction from texture coordinates \[-\].
+    pub(crate) min_directed_fraction: f64,
+    /// Mean number of triangles per texture island, unless every part of the garment is one island. Automatic unwrappings
+    /// that cut a mesh to scraps have one or two, and turn every scrap as it fits.
+    pub(crate) min_island_triangles: usize,
+    /// Area-weighted mean of |unit normal . y| above which a garment lies \[-\].
+    pub(crate) lying_min_slope: f64,
+    /// A reference direction gives a warp direction if the sine of its angle to the normal is above this \[-\].
+    pub(crate) min_warp_sine: f64,
+    /// Coarsening collapses edges shorter than this fraction of the wanted length \[-\].
+    pub(crate) collapse_length_fraction: f64,
+    /// Coarsening makes no edge longer than this multiple of the wanted length, and refinement halves longer ones \[-\]:
+    /// halves and wholes then lie around the wanted length.
+    pub(crate) max_length_factor: f64,
+    /// Quality (1 for equal sides, 0 for no area) of the triangles that a collapse must leave, unless one was worse
+    /// before \[-\].
+    pub(crate) min_collapse_quality: f64,
+    /// Cosine between a triangle's normals before and after one collapse or flip \[-\].
+    pub(crate) min_step_normal_cos: f64,
+    /// Cosine between a triangle's normal and its normal in the source \[-\].
+    pub(crate) min_total_normal_cos: f64,
+    /// Cosine of the bend of a feature line at a point that is removed \[-\].
+    pub(crate) min_feature_line_cos: f64,
+    /// Hinge angle of the source shape above which an edge is sharp \[rad\]: the rim of a garment that lies.
+    pub(crate) min_sharp_angle: f64,
+    /// Angle between the warps of two triangles above which their edge is a seam \[rad\].
+    pub(crate) min_seam_angle: f64,
+    /// Passes of coarsening; each removes about a quarter of the points that may go.
+    pub(crate) max_coarsen_passes: usize,
+    /// Points of a refined mesh; no machine bakes more.
+    pub(crate) max_points: usize,
+}
+
+/// Values in use.
+pub(crate) const TUNING: GarmentTuning = GarmentTuning {
+    weld_distance_fraction: 1e-5,
+    max_weld_distance: 1e-4,
+    cap_height_fraction: 1e-5,
+    max_cap_passes: 8,
+    copy_uv_tol: 1e-6,
+    island_uv_tol: 1e-5,
+    min_uv_area_fraction: 1e-4,
+    min_directed_fraction: 0.9,
+    min_island_triangles: 8,
+    lying_min_slope: 0.7,
+    min_warp_sine: 0.05,
+    collapse_length_fraction: 0.8,
+    max_length_factor: 4.0 / 3.0,
+    min_collapse_quality: 0.4,
+    min_step_normal_cos: 0.94,
+    min_total_normal_cos: 0.87,
+    min_feature_line_cos: 0.94,
+    min_sharp_angle: 0.7,
+    min_seam_angle: 0.2,
+    max_coarsen_passes: 40,
+    max_points: 2_000_000,
+};
