@@ -379,7 +379,10 @@ mod tests {
         let (garment, diagnostics) =
             build(vec![piece(&positions, None, &[[0, 1, 2], [1, 0, 3], [0, 1, 4]])]).unwrap();
         assert_eq!((garment.triangles.len(), garment.topology.hinges.len()), (3, 0));
-        assert!(diagnostics.iter().any(|f| f.message.starts_with("1 edges join more than two")), "{diagnostics:?}");
+        assert!(
+            diagnostics.iter().any(|f| f.message.starts_with("1 edges join more than two")),
+            "{diagnostics:?}"
+        );
     }
 
     /// Both sides of a sheet modelled, with vertices of their own: one sheet. The same with other texture coordinates:
