@@ -1,74 +1,111 @@
-//! One garment laid over another, so that places of both can be compared: where they are, by places that belong together, or box
-//! over box.
+//! Alignment of a source with the target, so that points of both can be compared: in place, by point pairs, or by
+//! bounding boxes.
 
 use crate::math::{Mat3, Vec3};
 use crate::mesh::triangle_bvh::TriangleBvh;
-use crate::transfer::canonical_pose::{Stance, stand};
-use crate::transfer::registration::{Registration, joint_places};
-use crate::transfer::{GarmentSurface, TransferOptions, TransferSource};
+use crate::transfer::canonical_pose::CanonicalPose;
+use crate::transfer::options::{Align, AlignedBy, TransferOptions, TransferSource};
+use crate::transfer::registration::{AffineMap, PointPair, Registration, joint_point_pairs};
+use crate::transfer::surface::GarmentSurface;
+use crate::transfer::tuning::TUNING;
 use crate::{Error, Result};
 
-/// How garments are laid over one another before places are matched by surface.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Align {
-    /// As they stand where they are, if most of the target lies close to the source there (both were made for one body);
-    /// else by the joints of one skeleton that both follow, if there are a few; else by their boxes.
-    #[default]
-    Auto,
-    /// MatchBy the joints of one skeleton that both follow.
-    Joints,
-    /// The source's box becomes the target's.
-    Box,
-    /// As they stand in their files.
-    InPlace,
+/// The target of an alignment.
+pub(super) struct AlignmentTarget {
+    /// Its canonical pose.
+    pub pose: CanonicalPose,
+    /// Its surface in that pose.
+    pub canonical: GarmentSurface,
 }
 
-/// `sheet` of `source`, which stands as `own`, laid over the target, which stands as `stance`; and by what.
-pub(super) fn lay_over(
-    source: &TransferSource,
-    sheet: &GarmentSurface,
-    own: &Stance,
-    (standing, stance): (&GarmentSurface, &Stance),
-    options: &TransferOptions,
-) -> Result<(GarmentSurface, &'static str)> {
-    let size = stance.size.norm();
-    let in_place = || stand(sheet, &Stance { middle: stance.middle, ..*own }, Vec3::repeat(1.0));
-    let by_box = || stand(sheet, own, own.scale_to(stance));
-    let registered = |pairs: &[[Vec3; 2]], cure: &str| {
-        let pairs: Vec<[Vec3; 2]> = pairs.iter().map(|[from, to]| [*from, stance.place(to)]).collect();
-        let scale = Mat3::from_diagonal(&own.scale_to(stance));
-        let rough = (scale * own.turn, -(scale * own.middle));
-        let map = Registration::fit(&pairs, rough).ok_or_else(|| {
-            Error::input(
-                &source.file,
-                "",
-                "the places that belong together leave no map between the garments",
-                cure,
-            )
-        })?;
-        Ok(map.apply(sheet))
-    };
-    if !options.landmarks.is_empty() {
-        // Marked on the source as it is; mirrored, they go along.
-        let mirror = source.surface.mirror();
-        let own = |x: &Vec3| if options.mirror_x { mirror(x) } else { *x };
-        let pairs: Vec<[Vec3; 2]> = options.landmarks.iter().map(|[from, to]| [own(from), *to]).collect();
-        let over = registered(&pairs, "move landmarks that are at one place apart")?;
-        return Ok((over, "landmarks"));
+impl AlignmentTarget {
+    /// `target` in its canonical pose.
+    pub fn new(target: &GarmentSurface) -> Self {
+        let pose = CanonicalPose::of(target);
+        Self { pose, canonical: pose.apply(target, Vec3::repeat(1.0)) }
     }
-    // In a mirror left joints are right ones, and which is which their names do not say.
-    let places = match options.align {
+}
+
+/// An aligned source.
+pub(super) struct AlignedSource {
+    /// Its surface in the canonical coordinates of the target.
+    pub surface: GarmentSurface,
+    /// The alignment that was applied.
+    pub by: AlignedBy,
+}
+
+/// Alignment of one source in progress.
+struct Alignment<'a> {
+    source: &'a TransferSource,
+    /// Surface of the source, mirrored if asked for, and its canonical pose.
+    surface: &'a GarmentSurface,
+    pose: &'a CanonicalPose,
+    target: &'a AlignmentTarget,
+}
+
+impl Alignment<'_> {
+    /// The source in the coordinates of its file, seen in the target's canonical pose.
+    fn in_place(&self) -> AlignedSource {
+        let pose = CanonicalPose { centre: self.target.pose.centre, ..*self.pose };
+        AlignedSource { surface: pose.apply(self.surface, Vec3::repeat(1.0)), by: AlignedBy::InPlace }
+    }
+
+    /// The source with its bounding box scaled to the target's.
+    fn by_box(&self) -> AlignedSource {
+        let scale = self.pose.scale_to(&self.target.pose);
+        AlignedSource { surface: self.pose.apply(self.surface, scale), by: AlignedBy::Box }
+    }
+
+    /// The source registered by point pairs in file coordinates; `cure` is the help where no map exists.
+    fn by_pairs(&self, pairs: &[PointPair], cure: &str, by: AlignedBy) -> Result<AlignedSource> {
+        let to_canonical =
+            |pair: &PointPair| PointPair { target: self.target.pose.to_canonical(&pair.target), ..*pair };
+        let pairs: Vec<PointPair> = pairs.iter().map(to_canonical).collect();
+        let scale = Mat3::from_diagonal(&self.pose.scale_to(&self.target.pose));
+        let fallback = AffineMap { linear: scale * self.pose.rotation, shift: -(scale * self.pose.centre) };
+        let map = Registration::fit(&pairs, fallback).ok_or_else(|| {
+            let what = "the point pairs define no map between the garments";
+            Error::input(&self.source.file, "", what, cure)
+        })?;
+        Ok(AlignedSource { surface: map.apply(self.surface), by })
+    }
+}
+
+/// Aligns `surface` of `source`, whose canonical pose is `pose`, with `target`.
+///
+/// # Errors
+/// Landmarks that define no map; [`Align::Joints`] without a shared skeleton.
+pub(super) fn align_source(
+    source: &TransferSource,
+    surface: &GarmentSurface,
+    pose: &CanonicalPose,
+    target: &AlignmentTarget,
+    options: &TransferOptions,
+) -> Result<AlignedSource> {
+    let alignment = Alignment { source, surface, pose, target };
+    if !options.landmarks.is_empty() {
+        // Landmarks are marked on the source as it is; a mirrored source takes them along.
+        let reflection = source.surface.reflection();
+        let mirrored = |pair: &PointPair| {
+            let source = if options.mirror_x { reflection(&pair.source) } else { pair.source };
+            PointPair { source, ..*pair }
+        };
+        let pairs: Vec<PointPair> = options.landmarks.iter().map(mirrored).collect();
+        return alignment.by_pairs(&pairs, "move landmarks that coincide apart", AlignedBy::Landmarks);
+    }
+    // In a mirror left joints are right ones, and names do not tell which is which.
+    let pairs = match options.align {
         Align::Auto | Align::Joints if !options.mirror_x => {
-            joint_places(&source.joints, &options.joints, own.size.norm())
+            joint_point_pairs(&source.joints, &options.joints, pose.size.norm())
         }
         _ => Vec::new(),
     };
     match options.align {
-        Align::InPlace => Ok((in_place(), "place")),
-        Align::Auto if own.turn == stance.turn && is_close(&in_place(), standing, size) => {
-            Ok((in_place(), "place"))
+        Align::InPlace => Ok(alignment.in_place()),
+        Align::Auto if pose.rotation == target.pose.rotation && is_close(&alignment.in_place(), target) => {
+            Ok(alignment.in_place())
         }
-        Align::Joints if places.is_empty() => Err(Error::input(
+        Align::Joints if pairs.is_empty() => Err(Error::input(
             &source.file,
             "mesh.joints",
             if options.mirror_x {
@@ -76,29 +113,24 @@ pub(super) fn lay_over(
             } else {
                 "it and the target do not follow three joints of the same names or more"
             },
-            "use --align box, or mark places with --landmarks",
+            "use --align box, or mark points with --landmarks",
         )),
-        Align::Joints => Ok((registered(&places, "use --align box")?, "joints")),
-        Align::Auto if !places.is_empty() => match registered(&places, "") {
-            Ok(over) => Ok((over, "joints")),
-            Err(_) => Ok((by_box(), "box")),
-        },
-        Align::Auto | Align::Box => Ok((by_box(), "box")),
+        Align::Joints => alignment.by_pairs(&pairs, "use --align box", AlignedBy::Joints),
+        Align::Auto if !pairs.is_empty() => {
+            Ok(alignment.by_pairs(&pairs, "", AlignedBy::Joints).unwrap_or_else(|_| alignment.by_box()))
+        }
+        Align::Auto | Align::Box => Ok(alignment.by_box()),
     }
 }
 
-/// Distance, as a share of the garment's size, up to which the target lies close to the source.
-const CLOSE: f64 = 0.02;
-/// Share of the target's triangles that must.
-const CLOSE_SHARE: f64 = 0.6;
-
-/// Whether most of `target` lies close to `source`, both where they are.
-fn is_close(source: &GarmentSurface, target: &GarmentSurface, size: f64) -> bool {
+/// Whether most of the target lies close to `source`.
+fn is_close(source: &AlignedSource, target: &AlignmentTarget) -> bool {
+    let (source, size) = (&source.surface, target.pose.size.norm());
     let tree = TriangleBvh::new(&source.points, &source.triangles, 0.0);
-    let count = target.triangles.len();
+    let count = target.canonical.triangles.len();
     let close = |f: &usize| {
-        let middle = target.corners(*f).iter().sum::<Vec3>() / 3.0;
-        tree.nearest(&source.points, middle, CLOSE * size).is_some()
+        let centroid = target.canonical.centroid(*f);
+        tree.nearest(&source.points, centroid, TUNING.close_distance_fraction * size).is_some()
     };
-    (0..count).filter(close).count() as f64 >= CLOSE_SHARE * count as f64
+    (0..count).filter(close).count() as f64 >= TUNING.min_close_fraction * count as f64
 }

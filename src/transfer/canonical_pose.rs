@@ -1,70 +1,67 @@
-//! Garments set up to be compared: both standing (x to the wearer's left, y up, front to +z), the source's box laid over
-//! the target's.
+//! Canonical pose of a garment for comparison: upright (x to the wearer's left, y up, front to +z), its box centred.
 //!
-//! A garment that lies in its file (as `lay` decides it: much lower than it is wide and long) is stood up, its upper end
-//! first. Boxes are then made equal axis by axis, so that a place keeps its fractions of the box, which is also how wear
-//! scripts name places. The depth of a garment that lies flat says nothing about a body: it is scaled like the rest.
+//! A garment that lies in its file (much lower than it is wide and long, as `lay` decides it) is turned upright, its
+//! upper end first. Boxes can then be made equal axis by axis, so that a point keeps its fractions of the box, which is
+//! also how wear scripts name positions. The depth of a garment that lies flat says nothing about a body: it is scaled
+//! like the other axes.
 
 use crate::garment::{Footprint, is_lying};
 use crate::math::{Mat3, Vec3, bounds};
-use crate::transfer::GarmentSurface;
+use crate::transfer::surface::GarmentSurface;
+use crate::transfer::tuning::TUNING;
 
-/// Thinner than this share of its other sides, a garment is flat, and lying if that side is upright.
-const FLAT: f64 = 0.25;
-/// Least side that is scaled [m].
-const LEAST: f64 = 1e-6;
-
-/// How a garment stands.
+/// Map from file coordinates to the canonical pose, and the box there.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Stance {
-    /// Takes file directions to standing ones.
-    pub(super) turn: Mat3,
-    /// Middle of the box once standing [m].
-    pub(super) middle: Vec3,
-    /// Sides of the box once standing [m].
-    pub(super) size: Vec3,
-    /// Whether it has no depth to speak of.
-    pub(super) flat: bool,
+pub(super) struct CanonicalPose {
+    /// Rotation from file directions to canonical ones.
+    pub rotation: Mat3,
+    /// Centre of the box after the rotation [m].
+    pub centre: Vec3,
+    /// Sides of the box after the rotation [m].
+    pub size: Vec3,
+    /// Whether the garment has no depth to speak of.
+    pub flat: bool,
 }
 
-impl Stance {
-    /// How `sheet` stands.
-    pub(super) fn of(sheet: &GarmentSurface) -> Self {
-        let (low, high) = bounds(&sheet.points);
+impl CanonicalPose {
+    /// The canonical pose of `surface`.
+    pub fn of(surface: &GarmentSurface) -> Self {
+        let (low, high) = bounds(&surface.points);
         let size = high - low;
-        let turn = if is_lying(&size, Footprint::Shorter, FLAT) {
+        let rotation = if is_lying(&size, Footprint::Shorter, TUNING.max_flat_ratio) {
             Mat3::new(1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0)
         } else {
             Mat3::identity()
         };
-        let size = (turn * size).abs();
-        Self { turn, middle: turn * (0.5 * (low + high)), size, flat: size.z < FLAT * size.x.min(size.y) }
+        let size = (rotation * size).abs();
+        let flat = size.z < TUNING.max_flat_ratio * size.x.min(size.y);
+        Self { rotation, centre: rotation * (0.5 * (low + high)), size, flat }
     }
 
-    /// `point` standing, the box's middle at the origin [m].
-    pub(super) fn place(&self, point: &Vec3) -> Vec3 {
-        self.turn * point - self.middle
+    /// Canonical coordinates of `point`, the centre of the box at the origin [m].
+    pub fn to_canonical(&self, point: &Vec3) -> Vec3 {
+        self.rotation * point - self.centre
     }
 
-    /// Scale by which this garment's box becomes that of `target`.
-    pub(super) fn scale_to(&self, target: &Self) -> Vec3 {
-        let ratio = target.size.sup(&Vec3::repeat(LEAST)).component_div(&self.size.sup(&Vec3::repeat(LEAST)));
+    /// Scale per axis that turns this garment's box into that of `target`.
+    pub fn scale_to(&self, target: &Self) -> Vec3 {
+        let min_size = Vec3::repeat(TUNING.min_box_side);
+        let ratio = target.size.sup(&min_size).component_div(&self.size.sup(&min_size));
         let depth = if self.flat || target.flat { (ratio.x * ratio.y).sqrt() } else { ratio.z };
         Vec3::new(ratio.x, ratio.y, depth)
     }
-}
 
-/// `sheet` standing, its box's middle at the origin, scaled by `scale`.
-pub(super) fn stand(sheet: &GarmentSurface, stance: &Stance, scale: Vec3) -> GarmentSurface {
-    let place = |p: &Vec3| stance.place(p).component_mul(&scale);
-    // Directions of the warp scale with the cloth.
-    let turn_warp = |w: &Vec3| {
-        let scaled = (stance.turn * w).component_mul(&scale);
-        scaled.try_normalize(0.0).unwrap_or_else(Vec3::x)
-    };
-    GarmentSurface {
-        points: sheet.points.iter().map(place).collect(),
-        warp: sheet.warp.as_ref().map(|all| all.iter().map(turn_warp).collect()),
-        ..sheet.clone()
+    /// `surface` in canonical coordinates, scaled per axis by `scale`. Warp directions scale with the cloth.
+    pub fn apply(&self, surface: &GarmentSurface, scale: Vec3) -> GarmentSurface {
+        let point = |p: &Vec3| self.to_canonical(p).component_mul(&scale);
+        let warp = |w: &Vec3| {
+            let scaled = (self.rotation * w).component_mul(&scale);
+            scaled.try_normalize(0.0).unwrap_or_else(Vec3::x)
+        };
+        GarmentSurface {
+            points: surface.points.iter().map(point).collect(),
+            warp: surface.warp.as_ref().map(|all| all.iter().map(warp).collect()),
+            ..surface.clone()
+        }
     }
 }

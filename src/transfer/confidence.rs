@@ -1,12 +1,12 @@
-//! How sure a transfer is, region by region, and what it left behind.
+//! Confidence of a transfer by region, and what was lost.
 //!
-//! A region is a ninth of the box seen from the front (left, middle, right by upper, middle, lower), front and back apart:
-//! names that suit any garment and that a user can check by looking. Left and right are the wearer's.
+//! A region is a ninth of the box in front view (left, middle, right by upper, middle, lower), front and back apart: names
+//! that suit any garment and that a user can check by looking. Left and right are those of the person who wears it.
 
 use crate::garment::RestState;
 use crate::math::bounds;
-use crate::transfer::GarmentSurface;
-use crate::transfer::resample::Gathered;
+use crate::transfer::resample::ResampledFace;
+use crate::transfer::surface::GarmentSurface;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -14,83 +14,96 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(rename = "Region")]
 pub struct RegionConfidence {
-    /// Where: "upper left front", ...
+    /// Name of the region: "upper left front", ...
     pub name: String,
-    /// Its cloth [m²].
+    /// Area of its cloth [m²].
     pub area_m2: f64,
     /// Mean over its cloth, 0..1.
     pub confidence: f64,
 }
 
-/// What one source lost on the way.
+/// Losses of one source.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TransferLosses {
-    /// Share of the target's cloth that found no place on the source.
+    /// Fraction of the target's cloth without a match on the source.
     #[serde(alias = "target_without_source")]
     pub unmatched_target_fraction: f64,
-    /// Share of the source's crease (angle times length) on cloth that no place of the target landed on.
+    /// Fraction of the source's crease (angle times length) on cloth that no point of the target is matched with.
     #[serde(alias = "crease_left_behind")]
     pub lost_crease_fraction: f64,
 }
 
-/// Least confidence of the regions of `standing`, which has one confidence per triangle.
-pub(super) fn regions(standing: &GarmentSurface, confidence: &[f64]) -> Vec<RegionConfidence> {
-    let (low, high) = bounds(&standing.points);
-    let outward = standing.outward();
+const ROWS: [&str; 3] = ["upper", "middle", "lower"];
+const COLUMNS: [&str; 3] = ["left", "middle", "right"];
+const SIDES: [&str; 2] = ["front", "back"];
+
+/// Sums over the cloth of one region.
+#[derive(Clone, Copy, Default)]
+struct RegionSum {
+    area: f64,
+    /// Confidence times area.
+    confidence: f64,
+}
+
+/// Confidence of the regions of `canonical`, a target in its canonical pose, from one confidence per triangle.
+pub(super) fn confidence_by_region(canonical: &GarmentSurface, confidence: &[f64]) -> Vec<RegionConfidence> {
+    let (low, high) = bounds(&canonical.points);
+    let outward = canonical.orientation_sign();
     let third =
         |x: f64, low: f64, high: f64| (3.0 * (x - low) / (high - low).max(1e-9)).clamp(0.0, 2.0) as usize;
-    let mut sums = [[0.0; 2]; 18];
+    let mut sums = [[[RegionSum::default(); SIDES.len()]; COLUMNS.len()]; ROWS.len()];
     for (f, own) in confidence.iter().enumerate() {
-        let middle = standing.corners(f).iter().sum::<crate::math::Vec3>() / 3.0;
-        let normal = standing.normal(f);
+        let centroid = canonical.centroid(f);
+        let normal = canonical.normal(f);
         let back = usize::from(outward * normal.z < 0.0);
-        let row = 2 - third(middle.y, low.y, high.y);
-        let slot = &mut sums[6 * row + 2 * (2 - third(middle.x, low.x, high.x)) + back];
+        let row = 2 - third(centroid.y, low.y, high.y);
+        let sum = &mut sums[row][2 - third(centroid.x, low.x, high.x)][back];
         let area = 0.5 * normal.norm();
-        *slot = [slot[0] + area, slot[1] + area * own];
+        sum.area += area;
+        sum.confidence += area * own;
     }
-    let mut all = Vec::new();
-    for (r, row) in ["upper", "middle", "lower"].iter().enumerate() {
-        for (c, column) in ["left", "middle", "right"].iter().enumerate() {
-            for (s, side) in ["front", "back"].iter().enumerate() {
-                let [area, sum] = sums[6 * r + 2 * c + s];
-                if area > 0.0 {
+    let mut regions = Vec::new();
+    for (row, columns) in ROWS.iter().zip(&sums) {
+        for (column, sides) in COLUMNS.iter().zip(columns) {
+            for (side, sum) in SIDES.iter().zip(sides) {
+                if sum.area > 0.0 {
                     let name = format!("{row} {column} {side}");
-                    all.push(RegionConfidence { name, area_m2: area, confidence: sum / area });
+                    let confidence = sum.confidence / sum.area;
+                    regions.push(RegionConfidence { name, area_m2: sum.area, confidence });
                 }
             }
         }
     }
-    all
+    regions
 }
 
-/// What was lost between `source` and `target`.
-pub(super) fn losses(
+/// Losses between `source` with its `memory` and `target`, which received `faces`.
+pub(super) fn transfer_losses(
     source: &GarmentSurface,
     memory: &RestState,
     target: &GarmentSurface,
-    gathered: &[Gathered],
+    faces: &[ResampledFace],
 ) -> TransferLosses {
-    let mut reached = vec![false; source.triangles.len()];
-    let (mut area, mut without) = (0.0, 0.0);
-    for (f, one) in gathered.iter().enumerate() {
+    let mut matched = vec![false; source.triangles.len()];
+    let (mut area, mut unmatched) = (0.0, 0.0);
+    for (f, face) in faces.iter().enumerate() {
         let own = target.normal(f).norm();
         area += own;
-        without += own * (1.0 - one.found);
-        one.landed.iter().for_each(|&s| reached[s as usize] = true);
+        unmatched += own * (1.0 - face.matched_fraction);
+        face.source_triangles.iter().for_each(|&s| matched[s as usize] = true);
     }
-    let (mut crease, mut behind) = (0.0, 0.0);
+    let (mut crease, mut lost) = (0.0, 0.0);
     for (h, hinge) in source.topology.hinges.iter().enumerate() {
         let length = (source.points[hinge.points[1].at()] - source.points[hinge.points[0].at()]).norm();
         let own = (memory.rest_angle[h] - memory.source_angle[h]).abs() * length;
         crease += own;
-        if !hinge.triangles.iter().any(|&f| reached[f as usize]) {
-            behind += own;
+        if !hinge.triangles.iter().any(|&f| matched[f as usize]) {
+            lost += own;
         }
     }
-    let share = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
+    let fraction = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
     TransferLosses {
-        unmatched_target_fraction: share(without, area),
-        lost_crease_fraction: share(behind, crease),
+        unmatched_target_fraction: fraction(unmatched, area),
+        lost_crease_fraction: fraction(lost, crease),
     }
 }

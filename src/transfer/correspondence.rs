@@ -1,170 +1,182 @@
-//! Which place of the source belongs to a place of the target, and how directions go over from one to the other.
+//! Correspondence between two garments: the source point that belongs to a point of the target, and the map of
+//! directions between both.
 //!
-//! Three ways. MatchBy texture: the same texture coordinates. MatchBy surface, both garments with depth: the nearest place whose
-//! normal agrees. MatchBy surface, one of them flat: what lies behind one another seen from the front, on the same side of
-//! the garment. A place that lands beyond an open border of the source, or farther off than a small part of the garment,
-//! has no source: sleeves do not get what a vest remembers.
-//! The map of directions `J` takes tangents of the source to tangents of the target (3 x 3, of use on the source's
-//! plane only): by texture the quotient of both texture gradients, seen from the front the lift onto the target's
-//! plane, else the smallest rotation between the normals.
+//! There are three match modes. By texture: the same texture coordinates. Closest point, where both garments have depth:
+//! the nearest surface point whose normal agrees. Front projection, where one of them is flat: the nearest point seen from
+//! the front, on the same side of the garment. A point beyond an open border of the source, or farther off than a small
+//! fraction of the garment, has no match: sleeves receive nothing from a vest.
+//!
+//! The map of directions `J` takes tangents of the source to tangents of the target (3 x 3, meaningful on the source's
+//! plane only): by texture the quotient of both texture gradients, in front view the lift onto the target's plane, else the
+//! smallest rotation between the normals.
 
 use crate::math::{Mat3, Vec2, Vec3, bounds};
+use crate::mesh::PointIndex;
 use crate::mesh::triangle_bvh::{NearestTriangle, TriangleBvh};
-use crate::transfer::GarmentSurface;
+use crate::transfer::surface::GarmentSurface;
+use crate::transfer::tuning::TUNING;
 use nalgebra::{Matrix2, Matrix3x2, Rotation3};
 
-/// Farthest landing, as a share of the target's box diagonal: seen from the front, and by nearest place.
-const REACH: [f64; 2] = [0.03, 0.12];
-/// Landing by texture reaches this many mean source triangles (outlines are cut differently).
-const REACH_TRIANGLES: f64 = 0.75;
-/// Cosine between normals from which they agree, and from which they agree fully.
-const AGREE: [f64; 2] = [0.2, 0.7];
-/// Seen edge-on (cosine below this), the lift onto the target's plane would stretch without bound, and a source triangle shrink
-/// to one without area, whose angles would be so much curvature.
-const EDGE_ON: f64 = 0.3;
-
-/// A place of the target, in the standing frame.
+/// A point of the target in canonical coordinates.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Place {
-    pub(super) position: Vec3,
-    pub(super) uv: Option<Vec2>,
+pub(super) struct Query {
+    /// Position [m].
+    pub position: Vec3,
+    /// Texture coordinates, if the target has any.
+    pub uv: Option<Vec2>,
     /// Outward unit normal of its triangle.
-    pub(super) normal: Vec3,
-    /// The triangle's texture gradient dX/d(u, v).
-    pub(super) gradient: Option<Matrix3x2<f64>>,
+    pub normal: Vec3,
+    /// Texture gradient dX/d(u, v) of its triangle.
+    pub gradient: Option<Matrix3x2<f64>>,
 }
 
-/// Where a place of the target lands.
+/// The source triangle that belongs to a query.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Landing {
-    /// TransferSource triangle.
-    pub(super) triangle: usize,
-    /// 0..1: how near, and how well the normals agree.
-    pub(super) quality: f64,
-    /// Takes source tangents to target tangents.
-    pub(super) map: Mat3,
+pub(super) struct Match {
+    /// Source triangle.
+    pub triangle: usize,
+    /// Quality 0..1 by distance and by how well the normals agree.
+    pub quality: f64,
+    /// Map from source tangents to target tangents.
+    pub map: Mat3,
 }
 
-/// Finds where places of a target land.
-pub(super) trait Lands: Sync {
-    /// What they land on.
+/// A rule that assigns source triangles to points of a target.
+pub(super) trait Correspondence: Sync {
+    /// The source surface.
     fn source(&self) -> &GarmentSurface;
 
-    /// Where `place` lands, of triangle `f` of the target, if anywhere.
-    fn land(&self, f: usize, place: &Place) -> Option<Landing>;
+    /// The match of `query`, a point of target triangle `f`, if there is one.
+    fn find(&self, f: usize, query: &Query) -> Option<Match>;
 }
 
-/// How places are found.
+/// How matches are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Way {
-    Texture,
-    Front,
-    Nearest,
+pub(super) enum MatchMode {
+    /// Equal texture coordinates.
+    Uv,
+    /// NearestTriangle point in front view, on the same side of the garment.
+    FrontProjection,
+    /// NearestTriangle point in space whose normal agrees.
+    ClosestPoint,
 }
 
-/// Finds landings on one source sheet.
-pub(super) struct Finder<'a> {
+/// Correspondence with a source surface that is aligned with the target.
+pub(super) struct CorrespondenceFinder<'a> {
     source: &'a GarmentSurface,
-    way: Way,
-    /// What the tree stands on: texture, front view or space.
+    mode: MatchMode,
+    /// Points of the tree: in texture space, in front view or in space.
     points: Vec<Vec3>,
     tree: TriangleBvh,
     /// Per source triangle: outward unit normal.
     normals: Vec<Vec3>,
-    /// Per source triangle: which of its sides are open.
+    /// Per source triangle: whether each of its sides is open.
     open: Vec<[bool; 3]>,
+    /// Per source triangle: texture gradient; empty unless matches are found by texture.
     gradients: Vec<Option<Matrix3x2<f64>>>,
-    reach: f64,
-    /// Landing past an open border is forgiven up to here.
-    slack: f64,
+    /// Largest distance of a match, in the space of `points`.
+    max_distance: f64,
+    /// Largest distance past an open border, in the same space.
+    border_slack: f64,
 }
 
-impl<'a> Finder<'a> {
-    /// For a `source` that stands aligned with the target, whose box has the diagonal `size` [m]. MatchBy texture only if
-    /// the source has it, else by nearest place.
-    pub(super) fn new(source: &'a GarmentSurface, way: Way, size: f64) -> Self {
-        let outward = source.outward();
+impl<'a> CorrespondenceFinder<'a> {
+    /// A finder on `source`, aligned with a target whose box has the diagonal `size` [m]. The mode [`MatchMode::Uv`] needs
+    /// texture coordinates on the source; without them the closest point is taken.
+    pub fn new(source: &'a GarmentSurface, mode: MatchMode, size: f64) -> Self {
+        let outward = source.orientation_sign();
         let count = source.triangles.len();
         let normals =
             (0..count).map(|f| outward * source.normal(f).try_normalize(0.0).unwrap_or_else(Vec3::z));
         let edges = &source.topology;
         let open = edges.triangle_edges.iter().map(|t| t.map(|e| edges.edge_valence[e as usize] == 1));
-        let (points, triangles, reach, gradients) = match (way, &source.uvs) {
-            (Way::Texture, Some(uvs)) => {
+        let front_distance = TUNING.max_front_distance_fraction * size;
+        let closest_distance = TUNING.max_closest_distance_fraction * size;
+        let (points, triangles, max_distance, gradients) = match (mode, &source.uvs) {
+            (MatchMode::Uv, Some(uvs)) => {
                 let points: Vec<Vec3> = uvs.iter().flatten().map(|uv| Vec3::new(uv.x, uv.y, 0.0)).collect();
-                let triangles =
-                    (0..count as u32).map(|f| [0, 1, 2].map(|k| crate::mesh::PointIndex(3 * f + k)));
+                let triangles = (0..count as u32).map(|f| [0, 1, 2].map(|k| PointIndex(3 * f + k)));
                 let (low, high) = bounds(&points);
-                let side = ((high - low).norm() / (count.max(1) as f64).sqrt()) * REACH_TRIANGLES;
+                let side =
+                    ((high - low).norm() / (count.max(1) as f64).sqrt()) * TUNING.max_uv_distance_triangles;
                 let gradients = (0..count).map(|f| texture_gradient(&source.corners(f), &uvs[f])).collect();
                 (points, triangles.collect(), side, gradients)
             }
-            (Way::Front, _) => {
+            (MatchMode::FrontProjection, _) => {
                 let points = source.points.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
-                (points, source.triangles.clone(), REACH[0] * size, Vec::new())
+                (points, source.triangles.clone(), front_distance, Vec::new())
             }
-            _ => (source.points.clone(), source.triangles.clone(), REACH[1] * size, Vec::new()),
+            _ => (source.points.clone(), source.triangles.clone(), closest_distance, Vec::new()),
         };
-        let tree = TriangleBvh::new(&points, &triangles, 0.0);
-        let slack = if way == Way::Texture { reach } else { REACH[0] * size };
         Self {
             source,
-            way,
-            tree,
+            mode,
+            tree: TriangleBvh::new(&points, &triangles, 0.0),
             points,
             normals: normals.collect(),
             open: open.collect(),
             gradients,
-            reach,
-            slack,
+            max_distance,
+            border_slack: if mode == MatchMode::Uv { max_distance } else { front_distance },
         }
     }
 
-    /// Where `place` lands, if anywhere.
-    pub(super) fn land(&self, place: &Place) -> Option<Landing> {
-        match self.way {
-            Way::Texture => self.by_texture(place),
-            Way::Front => self.by_front(place),
-            Way::Nearest => self.by_nearest(place),
+    /// The match of `query`, if there is one.
+    pub fn find_match(&self, query: &Query) -> Option<Match> {
+        match self.mode {
+            MatchMode::Uv => self.match_uv(query),
+            MatchMode::FrontProjection => self.match_front(query),
+            MatchMode::ClosestPoint => self.match_closest(query),
         }
     }
 
-    fn by_texture(&self, place: &Place) -> Option<Landing> {
-        let uv = place.uv?;
-        let found = self.tree.nearest(&self.points, Vec3::new(uv.x, uv.y, 0.0), self.reach)?;
-        let triangle = found.triangle as usize;
-        let map = place.gradient? * pseudo_inverse(&self.gradients[triangle]?)?;
-        Some(Landing { triangle, quality: 1.0 - 0.5 * found.gap.distance / self.reach, map })
+    /// Centroid of the matched source triangle in canonical coordinates [m].
+    pub fn match_centroid(&self, found: &Match) -> Vec3 {
+        self.source.centroid(found.triangle)
     }
 
-    fn by_front(&self, place: &Place) -> Option<Landing> {
-        let from = Vec3::new(place.position.x, place.position.y, 0.0);
-        let same_side = |f: u32| self.normals[f as usize].z * place.normal.z > 0.0;
-        let found = self.tree.nearest_where(&self.points, from, self.reach, same_side)?;
+    fn match_uv(&self, query: &Query) -> Option<Match> {
+        let uv = query.uv?;
+        let found = self.tree.nearest(&self.points, Vec3::new(uv.x, uv.y, 0.0), self.max_distance)?;
         let triangle = found.triangle as usize;
-        let own = &self.normals[triangle];
-        let steep = place.normal.z.abs().min(own.z.abs());
-        let map = if steep < EDGE_ON { smallest_rotation(own, &place.normal) } else { lift(&place.normal) };
-        let quality = nearness(&found, self.reach) * ramp(steep, [0.0, EDGE_ON]);
-        Some(Landing { triangle, quality, map })
+        let map = query.gradient? * pseudo_inverse(&self.gradients[triangle]?)?;
+        Some(Match { triangle, quality: 1.0 - 0.5 * found.gap.distance / self.max_distance, map })
     }
 
-    fn by_nearest(&self, place: &Place) -> Option<Landing> {
-        let agrees = |f: u32| self.normals[f as usize].dot(&place.normal) > AGREE[0];
-        let found = self.tree.nearest_where(&self.points, place.position, self.reach, agrees)?;
+    fn match_front(&self, query: &Query) -> Option<Match> {
+        let from = Vec3::new(query.position.x, query.position.y, 0.0);
+        let same_side = |f: u32| self.normals[f as usize].z * query.normal.z > 0.0;
+        let found = self.tree.nearest_where(&self.points, from, self.max_distance, same_side)?;
         let triangle = found.triangle as usize;
         let own = &self.normals[triangle];
-        if self.beyond_border(&found, own) {
+        let facing = query.normal.z.abs().min(own.z.abs());
+        let map = if facing < TUNING.edge_on_cosine {
+            smallest_rotation(own, &query.normal)
+        } else {
+            lift(&query.normal)
+        };
+        let quality = proximity(&found, self.max_distance) * linear_ramp(facing, 0.0, TUNING.edge_on_cosine);
+        Some(Match { triangle, quality, map })
+    }
+
+    fn match_closest(&self, query: &Query) -> Option<Match> {
+        let agrees = |f: u32| self.normals[f as usize].dot(&query.normal) > TUNING.min_normal_cosine;
+        let found = self.tree.nearest_where(&self.points, query.position, self.max_distance, agrees)?;
+        let triangle = found.triangle as usize;
+        let own = &self.normals[triangle];
+        if self.is_beyond_border(&found, own) {
             return None;
         }
-        let quality = nearness(&found, self.reach) * ramp(own.dot(&place.normal), AGREE);
-        Some(Landing { triangle, quality, map: smallest_rotation(own, &place.normal) })
+        let agreement =
+            linear_ramp(own.dot(&query.normal), TUNING.min_normal_cosine, TUNING.full_normal_cosine);
+        let quality = proximity(&found, self.max_distance) * agreement;
+        Some(Match { triangle, quality, map: smallest_rotation(own, &query.normal) })
     }
 
-    /// Whether the landing lies on an open side of its triangle, and the place well past it.
-    fn beyond_border(&self, found: &NearestTriangle, normal: &Vec3) -> bool {
+    /// Whether the nearest point lies on an open side of its triangle and the query well past that side.
+    fn is_beyond_border(&self, found: &NearestTriangle, normal: &Vec3) -> bool {
         let sideways = found.gap.vector - normal * normal.dot(&found.gap.vector);
-        if sideways.norm() <= self.slack {
+        if sideways.norm() <= self.border_slack {
             return false;
         }
         // Side k runs from corner k to k + 1; on it, the weight of the third corner is 0.
@@ -174,27 +186,23 @@ impl<'a> Finder<'a> {
     }
 }
 
-impl Lands for Finder<'_> {
+impl Correspondence for CorrespondenceFinder<'_> {
     fn source(&self) -> &GarmentSurface {
         self.source
     }
 
-    fn land(&self, _f: usize, place: &Place) -> Option<Landing> {
-        self.land(place)
+    fn find(&self, _f: usize, query: &Query) -> Option<Match> {
+        self.find_match(query)
     }
 }
 
-/// Where on the source a place lands, for judging a way: position in the standing frame.
-pub(super) fn landed_at(finder: &Finder, landing: &Landing) -> Vec3 {
-    finder.source.corners(landing.triangle).iter().sum::<Vec3>() / 3.0
+/// 1 at distance 0, falling linearly to 0 at `max_distance`.
+fn proximity(found: &NearestTriangle, max_distance: f64) -> f64 {
+    (1.0 - found.gap.distance / max_distance).clamp(0.0, 1.0)
 }
 
-fn nearness(found: &NearestTriangle, reach: f64) -> f64 {
-    (1.0 - found.gap.distance / reach).clamp(0.0, 1.0)
-}
-
-/// 0 below, 1 above, straight between.
-fn ramp(x: f64, [low, high]: [f64; 2]) -> f64 {
+/// 0 below `low`, 1 above `high`, linear between.
+fn linear_ramp(x: f64, low: f64, high: f64) -> f64 {
     ((x - low) / (high - low)).clamp(0.0, 1.0)
 }
 
@@ -211,12 +219,13 @@ fn pseudo_inverse(p: &Matrix3x2<f64>) -> Option<nalgebra::Matrix2x3<f64>> {
     Some((p.transpose() * p).try_inverse()? * p.transpose())
 }
 
-/// Tangents seen from the front, lifted onto the plane of `normal`: x and y stay, z follows.
+/// Lift of tangents in front view onto the plane of `normal`: x and y are kept, z follows.
 fn lift(normal: &Vec3) -> Mat3 {
     let (a, b) = (-normal.x / normal.z, -normal.y / normal.z);
     Mat3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, a, b, 0.0)
 }
 
+/// The smallest rotation that takes `from` to `to`.
 pub(super) fn smallest_rotation(from: &Vec3, to: &Vec3) -> Mat3 {
     Rotation3::rotation_between(from, to).map_or_else(Mat3::identity, Rotation3::into_inner)
 }

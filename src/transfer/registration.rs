@@ -1,53 +1,70 @@
-//! One garment laid over another by places that belong together: landmarks that a person marked, or the joints of a
-//! skeleton that both follow.
+//! Registration of one garment on another by point pairs: landmarks marked by a person, or the joints of a skeleton that
+//! both follow.
 //!
-//! First a similarity (turn, one scale, shift) in the sense of least squares (Umeyama 1991), then a spline that takes every place exactly to
-//! where it belongs: displacements in between are sums of distances to the places, the biharmonic spline of three dimensions
-//! (Duchon 1977, Bookstein 1989). So an arm that hangs here and is raised there goes along with its joints.
+//! First a least-squares similarity (rotation, one scale, shift; Umeyama 1991), then a spline that interpolates every pair
+//! exactly: displacements in between are sums of distances to the points, the biharmonic spline of three dimensions
+//! (Duchon 1977, Bookstein 1989). An arm that hangs on the source and is raised on the target follows its joints.
 
 use crate::garment::SourceJoint;
 use crate::math::{Mat3, Vec3};
-use crate::transfer::GarmentSurface;
+use crate::mesh::PointIndex;
+use crate::transfer::surface::GarmentSurface;
+use crate::transfer::tuning::TUNING;
 use nalgebra::DMatrix;
 
-/// Places on a line, or nearly (second extent below this share of the first), say nothing of a turn.
-const LINE: f64 = 0.05;
-/// A joint also says how it is turned: by places this share of the garment's size away from it along its axes.
-const BESIDE: f64 = 0.05;
-/// Joints of one name, so many or more, are of one skeleton.
-const FEW: usize = 3;
-/// And so do its bones, at these shares of their lengths.
-const ALONG: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];
-/// No garment has a place farther away [m]: squares of larger numbers leave the range in which turns are found.
-const FARTHEST: f64 = 1e6;
-/// So many places are enough for any skeleton: the work grows with their cube.
-const MOST: usize = 1500;
-/// Places nearer than this share of that distance to one before are left out.
-const CROWDED: f64 = 0.2;
+/// A point of the source and the point of the target that belongs to it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PointPair {
+    /// Position on the source [m].
+    pub source: Vec3,
+    /// Position on the target [m].
+    pub target: Vec3,
+}
 
-/// A map of space.
+impl From<[Vec3; 2]> for PointPair {
+    fn from([source, target]: [Vec3; 2]) -> Self {
+        Self { source, target }
+    }
+}
+
+/// An affine map: x -> linear x + shift.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct AffineMap {
+    /// Linear part.
+    pub linear: Mat3,
+    /// Shift [m].
+    pub shift: Vec3,
+}
+
+impl AffineMap {
+    fn apply(&self, point: &Vec3) -> Vec3 {
+        self.linear * point + self.shift
+    }
+}
+
+/// A map of space that interpolates point pairs.
 #[derive(Debug, Clone)]
 pub(super) struct Registration {
-    /// Linear part and shift of the similarity.
-    turn: Mat3,
-    shift: Vec3,
-    /// Where the similarity takes the places [m].
+    similarity: AffineMap,
+    /// Images of the source points under the similarity [m].
     centres: Vec<Vec3>,
-    /// Displacement per metre of distance to each, and to all.
+    /// Displacement per metre of distance to each centre [-].
     weights: Vec<Vec3>,
+    /// Constant displacement [m].
     constant: Vec3,
 }
 
 impl Registration {
-    /// The map that takes the first of each pair to the second [m]. Without three places off a line the spline goes over `rough`,
-    /// a map that brings the garments together as well as is known without. `None` if no such map can be found.
-    pub(super) fn fit(pairs: &[[Vec3; 2]], rough: (Mat3, Vec3)) -> Option<Self> {
-        // Not written as `beyond`: what is no number is no place either.
-        if !pairs.iter().flatten().all(|x| x.amax() < FARTHEST) {
+    /// The map that takes the source of each pair to its target. Without three points off a line, the spline is added to
+    /// `fallback`, a map that aligns the garments as well as is known without pairs. `None` if no such map exists.
+    pub fn fit(pairs: &[PointPair], fallback: AffineMap) -> Option<Self> {
+        let in_range = |x: &Vec3| x.amax() < TUNING.max_coordinate_m;
+        // Positive logic, so that NaN is out of range, too.
+        if !pairs.iter().all(|pair| in_range(&pair.source) && in_range(&pair.target)) {
             return None;
         }
-        let (turn, shift) = similarity(pairs).unwrap_or(rough);
-        let centres: Vec<Vec3> = pairs.iter().map(|[from, _]| turn * from + shift).collect();
+        let similarity = fit_similarity(pairs).unwrap_or(fallback);
+        let centres: Vec<Vec3> = pairs.iter().map(|pair| similarity.apply(&pair.source)).collect();
         let n = pairs.len();
         let mut system = DMatrix::zeros(n + 1, n + 1);
         let mut rest = DMatrix::zeros(n + 1, 3);
@@ -57,204 +74,235 @@ impl Registration {
             }
             system[(i, n)] = 1.0;
             system[(n, i)] = 1.0;
-            rest.fixed_view_mut::<1, 3>(i, 0).copy_from(&(pairs[i][1] - centres[i]).transpose());
+            rest.fixed_view_mut::<1, 3>(i, 0).copy_from(&(pairs[i].target - centres[i]).transpose());
         }
         let solution = system.lu().solve(&rest)?;
         let row = |i: usize| Vec3::new(solution[(i, 0)], solution[(i, 1)], solution[(i, 2)]);
         solution.iter().all(|w| w.is_finite()).then(|| Self {
-            turn,
-            shift,
+            similarity,
             centres,
             weights: (0..n).map(row).collect(),
             constant: row(n),
         })
     }
 
-    /// Where `point` goes [m].
-    pub(super) fn place(&self, point: &Vec3) -> Vec3 {
-        let near = self.turn * point + self.shift;
+    /// Image of `point` [m].
+    pub fn map_point(&self, point: &Vec3) -> Vec3 {
+        let near = self.similarity.apply(point);
         let bent: Vec3 = self.centres.iter().zip(&self.weights).map(|(c, w)| w * (near - c).norm()).sum();
         near + bent + self.constant
     }
 
-    /// `sheet` with its points where the map takes them; the warp goes along with its triangle.
-    pub(super) fn apply(&self, sheet: &GarmentSurface) -> GarmentSurface {
-        let points: Vec<Vec3> = sheet.points.iter().map(|p| self.place(p)).collect();
-        let carried = |(t, w): (&[crate::mesh::PointIndex; 3], &Vec3)| {
+    /// `surface` with its points mapped; the warp direction follows its triangle.
+    pub fn apply(&self, surface: &GarmentSurface) -> GarmentSurface {
+        let points: Vec<Vec3> = surface.points.iter().map(|p| self.map_point(p)).collect();
+        let map_warp = |(t, w): (&[PointIndex; 3], &Vec3)| {
             let sides = |x: &[Vec3]| {
                 let [a, b, c] = t.map(|p| x[p.at()]);
                 [b - a, c - a]
             };
-            let ([u, v], [to_u, to_v]) = (sides(&sheet.points), sides(&points));
-            // The warp as a sum of both sides.
+            let ([u, v], [to_u, to_v]) = (sides(&surface.points), sides(&points));
+            // The warp as a linear combination of both sides.
             let normal = u.cross(&v);
             let size = normal.norm_squared().max(f64::MIN_POSITIVE);
             let (of_u, of_v) = (w.cross(&v).dot(&normal) / size, u.cross(w).dot(&normal) / size);
             (to_u * of_u + to_v * of_v).try_normalize(0.0).unwrap_or_else(Vec3::x)
         };
-        let warp = sheet.warp.as_ref().map(|all| sheet.triangles.iter().zip(all).map(carried).collect());
-        GarmentSurface { points, warp, ..sheet.clone() }
+        let warp = surface.warp.as_ref().map(|all| surface.triangles.iter().zip(all).map(map_warp).collect());
+        GarmentSurface { points, warp, ..surface.clone() }
     }
 }
 
-/// Turn times scale, and shift, that bring the first of each pair nearest to the second. `None` for places on a line.
-fn similarity(pairs: &[[Vec3; 2]]) -> Option<(Mat3, Vec3)> {
+/// The least-squares similarity that takes sources to targets. `None` for collinear points.
+fn fit_similarity(pairs: &[PointPair]) -> Option<AffineMap> {
     let count = pairs.len().max(1) as f64;
-    let mean = |k: usize| pairs.iter().map(|pair| pair[k]).sum::<Vec3>() / count;
-    let [from, to] = [mean(0), mean(1)];
+    let from = pairs.iter().map(|pair| pair.source).sum::<Vec3>() / count;
+    let to = pairs.iter().map(|pair| pair.target).sum::<Vec3>() / count;
     let mut mixed = Mat3::zeros();
-    let mut spread = [Mat3::zeros(); 2];
-    for [a, b] in pairs {
-        let (a, b) = (a - from, b - to);
+    let (mut source_scatter, mut target_scatter) = (Mat3::zeros(), Mat3::zeros());
+    for pair in pairs {
+        let (a, b) = (pair.source - from, pair.target - to);
         mixed += b * a.transpose();
-        spread[0] += a * a.transpose();
-        spread[1] += b * b.transpose();
+        source_scatter += a * a.transpose();
+        target_scatter += b * b.transpose();
     }
-    for spread in &spread {
+    for scatter in [&source_scatter, &target_scatter] {
         let mut extents: Vec<f64> =
-            spread.symmetric_eigenvalues().iter().map(|e| e.max(0.0).sqrt()).collect();
+            scatter.symmetric_eigenvalues().iter().map(|e| e.max(0.0).sqrt()).collect();
         extents.sort_unstable_by(|a, b| b.total_cmp(a));
-        if extents[1] <= LINE * extents[0] {
+        if extents[1] <= TUNING.max_collinear_ratio * extents[0] {
             return None;
         }
     }
     let svd = mixed.try_svd(true, true, f64::EPSILON, 0)?;
     let (u, v_t) = (svd.u?, svd.v_t?);
-    // A turn, no mirror: the least of the three directions gives way.
+    // A rotation, no reflection: the direction of the smallest singular value is reversed.
     let mut signs = Vec3::repeat(1.0);
     if (u * v_t).determinant() < 0.0 {
         signs[svd.singular_values.imin()] = -1.0;
     }
-    let scale = svd.singular_values.dot(&signs) / spread[0].trace();
-    let turn = u * Mat3::from_diagonal(&signs) * v_t * scale;
-    Some((turn, to - turn * from))
+    let scale = svd.singular_values.dot(&signs) / source_scatter.trace();
+    let linear = u * Mat3::from_diagonal(&signs) * v_t * scale;
+    Some(AffineMap { linear, shift: to - linear * from })
 }
 
-/// The places that joints of one name give: themselves, and beside them along their axes, so that they also turn.
-/// None for fewer than three: any two rigs may share a root. `size` of the source [m].
-pub(super) fn joint_places(source: &[SourceJoint], target: &[SourceJoint], size: f64) -> Vec<[Vec3; 2]> {
-    let shared: Vec<[&SourceJoint; 2]> = source
+/// Joints of one name on both garments.
+#[derive(Clone, Copy)]
+struct JointPair<'a> {
+    source: &'a SourceJoint,
+    target: &'a SourceJoint,
+}
+
+impl JointPair<'_> {
+    fn points(&self) -> PointPair {
+        PointPair { source: self.source.position, target: self.target.position }
+    }
+
+    fn is_parent_of(&self, other: &Self) -> bool {
+        other.source.parent.as_ref() == Some(&self.source.name)
+            && other.target.parent.as_ref() == Some(&self.target.name)
+    }
+}
+
+/// Point pairs from joints of equal names: the joints themselves, and points beside them along their axes, which carry
+/// their rotations. Empty for fewer than three. `size` is the box diagonal of the source [m].
+pub(super) fn joint_point_pairs(source: &[SourceJoint], target: &[SourceJoint], size: f64) -> Vec<PointPair> {
+    let shared: Vec<JointPair> = source
         .iter()
-        .filter_map(|joint| Some([joint, target.iter().find(|other| other.name == joint.name)?]))
+        .filter_map(|joint| {
+            Some(JointPair { source: joint, target: target.iter().find(|other| other.name == joint.name)? })
+        })
         .collect();
-    if shared.len() < FEW {
+    if shared.len() < TUNING.min_shared_joints {
         return Vec::new();
     }
-    // As much larger as the skeleton is, so much farther away.
-    let spread = |k: usize| {
-        let middle = shared.iter().map(|pair| pair[k].position).sum::<Vec3>() / shared.len().max(1) as f64;
-        shared.iter().map(|pair| (pair[k].position - middle).norm()).sum::<f64>()
+    // The offset on the target scales with the size of the skeletons.
+    let spread = |position: fn(&JointPair) -> Vec3| {
+        let centre = shared.iter().map(position).sum::<Vec3>() / shared.len().max(1) as f64;
+        shared.iter().map(|pair| (position(pair) - centre).norm()).sum::<f64>()
     };
-    let scale = if spread(0) > 0.0 { spread(1) / spread(0) } else { 1.0 };
-    let beside = BESIDE * size;
-    let mut places: Vec<[Vec3; 2]> = Vec::new();
-    let mut add = |pair: [Vec3; 2]| {
-        if places.len() < MOST && places.iter().all(|known| (known[0] - pair[0]).norm() > CROWDED * beside) {
-            places.push(pair);
+    let source_spread = spread(|pair| pair.source.position);
+    let scale = if source_spread > 0.0 { spread(|pair| pair.target.position) / source_spread } else { 1.0 };
+    let offset = TUNING.joint_offset_fraction * size;
+    let min_spacing = TUNING.min_joint_point_spacing * offset;
+    let mut pairs: Vec<PointPair> = Vec::new();
+    let mut add = |pair: PointPair| {
+        let is_apart = |known: &PointPair| (known.source - pair.source).norm() > min_spacing;
+        if pairs.len() < TUNING.max_joint_points && pairs.iter().all(is_apart) {
+            pairs.push(pair);
         }
     };
-    shared.iter().for_each(|pair| add(pair.map(|joint| joint.position)));
+    shared.iter().for_each(|pair| add(pair.points()));
     for pair in &shared {
-        // Its bones, to the joints below it, turn as it does.
-        let below = |other: &&[&SourceJoint; 2]| {
-            other.iter().zip(pair).all(|(o, own)| o.parent.as_ref() == Some(&own.name))
+        // The bones to the joints below it rotate with it.
+        let joint = pair.points();
+        let along_bone = |end: PointPair| {
+            TUNING.bone_fractions.map(|s| PointPair {
+                source: joint.source.lerp(&end.source, s),
+                target: joint.target.lerp(&end.target, s),
+            })
         };
-        let ends: Vec<[Vec3; 2]> =
-            shared.iter().filter(below).map(|other| other.map(|joint| joint.position)).collect();
-        let along = ends
-            .iter()
-            .flat_map(|end| ALONG.map(|share| [0, 1].map(|k| pair[k].position.lerp(&end[k], share))));
-        for middle in std::iter::once(pair.map(|joint| joint.position)).chain(along) {
+        let bones = shared.iter().filter(|other| pair.is_parent_of(other));
+        let along = bones.flat_map(|other| along_bone(other.points()));
+        for middle in std::iter::once(joint).chain(along) {
             for axis in 0..3 {
-                for way in [beside, -beside] {
-                    let step = |k: usize, way: f64| middle[k] + pair[k].axes.column(axis) * way;
-                    add([step(0, way), step(1, way * scale)]);
+                for distance in [offset, -offset] {
+                    add(PointPair {
+                        source: middle.source + pair.source.axes.column(axis) * distance,
+                        target: middle.target + pair.target.axes.column(axis) * (distance * scale),
+                    });
                 }
             }
         }
     }
-    places
+    pairs
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const ROUGH: (Mat3, Vec3) =
-        (Mat3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0), Vec3::new(0.0, 0.0, 0.0));
+    fn identity() -> AffineMap {
+        AffineMap { linear: Mat3::identity(), shift: Vec3::zeros() }
+    }
 
-    fn places() -> Vec<Vec3> {
+    fn fit(pairs: &[PointPair]) -> Option<Registration> {
+        Registration::fit(pairs, identity())
+    }
+
+    fn points() -> Vec<Vec3> {
         [[0.0, 0.0, 0.0], [1.0, 0.1, 0.0], [0.2, 0.9, 0.1], [0.3, 0.2, 0.8], [-0.5, 0.4, -0.3]]
             .map(Vec3::from)
             .to_vec()
     }
 
     #[test]
-    fn a_turned_scaled_and_shifted_garment_is_met_everywhere() {
-        let turn = nalgebra::Rotation3::new(Vec3::new(0.3, -1.1, 0.4));
-        let there = |x: &Vec3| turn * x * 1.7 + Vec3::new(0.2, 3.0, -1.0);
-        for few in [3, 5] {
-            let pairs: Vec<[Vec3; 2]> = places()[..few].iter().map(|x| [*x, there(x)]).collect();
-            let map = Registration::fit(&pairs, ROUGH).unwrap();
+    fn a_rotated_scaled_and_shifted_garment_is_matched_everywhere() {
+        let rotation = nalgebra::Rotation3::new(Vec3::new(0.3, -1.1, 0.4));
+        let image = |x: &Vec3| rotation * x * 1.7 + Vec3::new(0.2, 3.0, -1.0);
+        for count in [3, 5] {
+            let pairs: Vec<PointPair> =
+                points()[..count].iter().map(|x| PointPair { source: *x, target: image(x) }).collect();
+            let map = fit(&pairs).unwrap();
             for x in [Vec3::new(2.0, -1.0, 0.5), Vec3::new(-3.0, 0.0, 4.0)] {
-                assert!((map.place(&x) - there(&x)).norm() < 1e-12, "{few}");
+                assert!((map.map_point(&x) - image(&x)).norm() < 1e-12, "{count}");
             }
         }
     }
 
     #[test]
-    fn every_place_goes_exactly_to_its_own_and_one_alone_shifts() {
-        let mut pairs: Vec<[Vec3; 2]> = places().iter().map(|x| [*x, *x]).collect();
-        pairs[1][1] += Vec3::new(-0.3, 0.6, 0.1);
-        let map = Registration::fit(&pairs, ROUGH).unwrap();
-        for [from, to] in &pairs {
-            assert!((map.place(from) - to).norm() < 1e-12);
+    fn every_pair_is_interpolated_and_a_single_one_shifts() {
+        let mut pairs: Vec<PointPair> =
+            points().iter().map(|x| PointPair { source: *x, target: *x }).collect();
+        pairs[1].target += Vec3::new(-0.3, 0.6, 0.1);
+        let map = fit(&pairs).unwrap();
+        for pair in &pairs {
+            assert!((map.map_point(&pair.source) - pair.target).norm() < 1e-12);
         }
-        let one = Registration::fit(&[[Vec3::x(), Vec3::y()]], ROUGH).unwrap();
-        assert!((one.place(&Vec3::z()) - Vec3::new(-1.0, 1.0, 1.0)).norm() < 1e-15);
-        let line =
-            Registration::fit(&[[Vec3::zeros(), Vec3::zeros()], [Vec3::x(), Vec3::y()]], ROUGH).unwrap();
-        assert!((line.place(&Vec3::x()) - Vec3::y()).norm() < 1e-12);
+        let one = fit(&[[Vec3::x(), Vec3::y()].into()]).unwrap();
+        assert!((one.map_point(&Vec3::z()) - Vec3::new(-1.0, 1.0, 1.0)).norm() < 1e-15);
+        let line = fit(&[[Vec3::zeros(), Vec3::zeros()].into(), [Vec3::x(), Vec3::y()].into()]).unwrap();
+        assert!((line.map_point(&Vec3::x()) - Vec3::y()).norm() < 1e-12);
     }
 
     #[test]
-    fn a_place_given_twice_is_refused_and_not_a_crash() {
-        let twice = [[Vec3::zeros(), Vec3::zeros()], [Vec3::zeros(), Vec3::x()]];
-        assert!(Registration::fit(&twice, ROUGH).is_none());
+    fn a_point_given_twice_is_refused_and_not_a_crash() {
+        let twice = [[Vec3::zeros(), Vec3::zeros()].into(), [Vec3::zeros(), Vec3::x()].into()];
+        assert!(fit(&twice).is_none());
         let far =
             [[Vec3::x() * 1e300, Vec3::zeros()], [Vec3::y() * 1e300, Vec3::x()], [Vec3::z(), Vec3::z()]];
-        assert!(Registration::fit(&far, ROUGH).is_none());
+        assert!(fit(&far.map(PointPair::from)).is_none());
     }
 
     #[test]
     fn joints_of_a_bent_arm_carry_what_is_beside_them() {
-        let joint = |name: &str, place: Vec3, axes: Mat3| {
+        let joint = |name: &str, position: Vec3, axes: Mat3| {
             let parent = match name {
                 "elbow" => Some("shoulder".into()),
                 "wrist" => Some("elbow".into()),
                 _ => None,
             };
-            SourceJoint { name: name.into(), position: place, axes, parent }
+            SourceJoint { name: name.into(), position, axes, parent }
         };
         let straight = Mat3::identity();
         let quarter = nalgebra::Rotation3::new(Vec3::z() * std::f64::consts::FRAC_PI_2).into_inner();
-        let arm = |turn: Mat3| {
+        let arm = |rotation: Mat3| {
             let elbow = Vec3::new(0.3, 0.0, 0.0);
             vec![
                 joint("shoulder", Vec3::zeros(), straight),
-                joint("elbow", elbow, turn),
-                joint("wrist", elbow + turn * Vec3::new(0.3, 0.0, 0.0), turn),
-                joint("unlike", Vec3::new(9.0, turn[(0, 0)], 9.0), straight),
+                joint("elbow", elbow, rotation),
+                joint("wrist", elbow + rotation * Vec3::new(0.3, 0.0, 0.0), rotation),
+                joint("unlike", Vec3::new(9.0, rotation[(0, 0)], 9.0), straight),
             ]
         };
         let mut target = arm(quarter);
         target[3].name = "other".into();
-        let pairs = joint_places(&arm(straight), &target, 0.8);
-        assert!(pairs.iter().all(|[from, _]| from.x < 1.0), "only joints of one name");
-        let map = Registration::fit(&pairs, ROUGH).unwrap();
+        let pairs = joint_point_pairs(&arm(straight), &target, 0.8);
+        assert!(pairs.iter().all(|pair| pair.source.x < 1.0), "only joints of one name");
+        let map = fit(&pairs).unwrap();
         // The skin above the middle of the lower arm.
-        let there = map.place(&Vec3::new(0.45, 0.04, 0.0));
-        let meant = Vec3::new(0.3 - 0.04, 0.15, 0.0);
-        assert!((there - meant).norm() < 0.02, "{there} for {meant}");
+        let image = map.map_point(&Vec3::new(0.45, 0.04, 0.0));
+        let expected = Vec3::new(0.3 - 0.04, 0.15, 0.0);
+        assert!((image - expected).norm() < 0.02, "{image} for {expected}");
     }
 }

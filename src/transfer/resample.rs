@@ -1,95 +1,119 @@
-//! The memory of one source, gathered per triangle of the target: the middle of the transfer.
+//! Resampling of one source's memory, per triangle of the target.
 //!
 //! On the source every triangle has the change of curvature its hinges make, `sum_e d_e l_e / (2 A) t_e t_e^T` with
-//! `d = rest - source angle`. Each target triangle is sampled on an even grid about as fine as the source; a
-//! sample takes the three hinges of the triangle it lands on, with their edges carried over by the map of directions, so
-//! that every crease keeps its angle and its direction while lengths and areas become those of the target. What a triangle
-//! gets is the mean over its samples, which is the integral over its area: nothing is lost between samples, whichever
-//! mesh is finer.
+//! `d = rest - source angle`. Each target triangle is sampled on an even grid about as fine as the source. A sample takes
+//! the three hinges of the triangle it matches, with their edges mapped to the target, so that every crease keeps its angle
+//! and its direction while lengths and areas become those of the target. A triangle receives the mean over its samples,
+//! which is the integral over its area: nothing is lost between samples, whichever mesh is finer.
 //!
-//! Stiffness goes over as compliance (hinges across a crease bend one after another, as springs in a row), weighted
+//! Stiffness is averaged as compliance (hinges across a crease bend one after another, as springs in series), weighted
 //! towards hinges of the same direction by cos^4; rest lengths as the tensor of their changes along warp and weft.
-//! Samples without a source count as new cloth.
+//! Samples without a match count as new cloth.
 
 use crate::garment::RestState;
 use crate::math::{Vec2, Vec3};
-use crate::transfer::GarmentSurface;
-use crate::transfer::correspondence::Landing;
-use crate::transfer::correspondence::{Lands, Place, texture_gradient};
-use crate::transfer::hinge_fit::{FaceFrame, PlaneTensor, across};
+use crate::transfer::correspondence::{Correspondence, Match, Query, texture_gradient};
+use crate::transfer::hinge_fit::{FaceFrame, PlaneTensor, edge_tensor};
+use crate::transfer::surface::GarmentSurface;
+use crate::transfer::tuning::TUNING;
 use rayon::prelude::*;
 
-/// Samples along a target side per source side, so that no source triangle is stepped over.
-const FINENESS: f64 = 2.0;
-/// Fewest and most samples along a side of a target triangle.
-const GRID: [f64; 2] = [3.0, 24.0];
-/// Mean of cos^4 over all directions: weight of cloth without direction.
-const ANY_DIRECTION: f64 = 0.375;
+/// Mean of cos^4 over all directions: the weight of cloth without direction.
+const MEAN_COS4: f64 = 0.375;
 
-/// What one target triangle gets.
-#[derive(Debug, Clone)]
-pub(super) struct Gathered {
-    /// Mean change of curvature [1/m].
-    pub(super) curvature: PlaneTensor,
-    /// Mean change of rest length along the triangle's own warp and weft [-].
-    pub(super) stretch: [f64; 2],
-    /// Per side: compliance summed, and its weight.
-    pub(super) compliance: [[f64; 2]; 3],
-    /// Share of the samples that found a source.
-    pub(super) found: f64,
-    /// Mean quality of all samples, 0 where none was found.
-    pub(super) confidence: f64,
-    /// TransferSource triangles the samples landed on, sorted.
-    pub(super) landed: Vec<u32>,
+/// Changes of rest length, rest stretch minus 1 [-].
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct StretchDelta {
+    /// Along the warp.
+    pub warp: f64,
+    /// Along the weft.
+    pub weft: f64,
 }
 
-/// Hinge numbers of one source triangle, by its sides.
+/// A weighted sum.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct WeightedSum {
+    sum: f64,
+    weight: f64,
+}
+
+impl WeightedSum {
+    fn add(&mut self, value: f64, weight: f64) {
+        self.sum += weight * value;
+        self.weight += weight;
+    }
+
+    /// The mean; `default` without any weight.
+    pub fn mean_or(&self, default: f64) -> f64 {
+        if self.weight > 0.0 { self.sum / self.weight } else { default }
+    }
+}
+
+/// Memory resampled on one target triangle.
+#[derive(Debug, Clone)]
+pub(super) struct ResampledFace {
+    /// Mean change of curvature [1/m].
+    pub curvature: PlaneTensor,
+    /// Mean change of rest length along the triangle's own warp and weft.
+    pub stretch: StretchDelta,
+    /// Compliance per side.
+    pub compliance: [WeightedSum; 3],
+    /// Fraction of the samples that have a match.
+    pub matched_fraction: f64,
+    /// Mean quality of all samples, 0 where none has a match.
+    pub confidence: f64,
+    /// Matched source triangles, sorted.
+    pub source_triangles: Vec<u32>,
+}
+
+/// Hinge values of one source triangle by its sides.
 struct SourceFace {
     edges: [Vec3; 3],
+    /// Change of rest angle [rad].
     angle: [f64; 3],
     /// `None` for an open side, which carries no stiffness.
     compliance: [Option<f64>; 3],
 }
 
-/// Gathers for every triangle of `target`, standing aligned with the source it lands on. `sign` is -1 where one of both
-/// garments has its normals inside.
-pub(super) fn gather(
-    lands: &impl Lands,
+/// Resamples `memory` of the source of `correspondence` on every triangle of `target`, in canonical coordinates.
+/// `orientation` is -1 where one of both garments has its normals inside, else 1.
+pub(super) fn resample(
+    correspondence: &impl Correspondence,
     memory: &RestState,
     target: &GarmentSurface,
-    sign: f64,
-) -> Vec<Gathered> {
-    let source = lands.source();
+    orientation: f64,
+) -> Vec<ResampledFace> {
+    let source = correspondence.source();
     let faces: Vec<SourceFace> =
         (0..source.triangles.len()).map(|f| source_face(source, memory, f)).collect();
     let source_area: f64 = (0..source.triangles.len()).map(|f| 0.5 * source.normal(f).norm()).sum();
     let source_side = (source_area / source.triangles.len().max(1) as f64).sqrt();
-    let outward = target.outward();
+    let outward = target.orientation_sign();
     let one = |f: usize| {
         let corners = target.corners(f);
-        let frame = FaceFrame::of(&corners);
+        let frame = FaceFrame::new(&corners);
         let area = 0.5 * target.normal(f).norm();
-        let grid =
-            (FINENESS * area.sqrt() / source_side.max(f64::MIN_POSITIVE)).ceil().clamp(GRID[0], GRID[1]);
+        let per_side =
+            (TUNING.samples_per_source_side * area.sqrt() / source_side.max(f64::MIN_POSITIVE)).ceil();
+        let grid = per_side.clamp(TUNING.min_samples_per_side, TUNING.max_samples_per_side);
         let uv = target.uvs.as_ref().map(|uvs| uvs[f]);
         let gradient = uv.and_then(|uv| texture_gradient(&corners, &uv));
         let sides = [0, 1, 2].map(|k| {
-            let edge = frame.flat(&(corners[(k + 1) % 3] - corners[k]));
+            let edge = frame.to_plane(&(corners[(k + 1) % 3] - corners[k]));
             edge.try_normalize(0.0).unwrap_or_else(Vec2::x)
         });
-        let warp = target.warp.as_ref().map_or(Vec2::x(), |warp| frame.flat(&warp[f]));
-        let mut sum = Gather::new(frame, sides, warp, sign);
-        for weights in samples(grid as u32) {
-            let mix = |x: &[Vec3; 3]| x[0] * weights[0] + x[1] * weights[1] + x[2] * weights[2];
-            let place = Place {
-                position: mix(&corners),
+        let warp = target.warp.as_ref().map_or(Vec2::x(), |warp| frame.to_plane(&warp[f]));
+        let mut sum = FaceAccumulator::new(frame, sides, warp, orientation);
+        for weights in sample_weights(grid as u32) {
+            let query = Query {
+                position: corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2],
                 uv: uv.map(|uv| uv[0] * weights[0] + uv[1] * weights[1] + uv[2] * weights[2]),
                 normal: outward * frame.normal,
                 gradient,
             };
-            match lands.land(f, &place) {
-                Some(landing) => sum.add(&landing, &faces[landing.triangle], source, memory),
-                None => sum.add_nothing(),
+            match correspondence.find(f, &query) {
+                Some(found) => sum.add(&found, &faces[found.triangle], source, memory),
+                None => sum.add_unmatched(),
             }
         }
         sum.finish()
@@ -108,8 +132,8 @@ fn source_face(source: &GarmentSurface, memory: &RestState, f: usize) -> SourceF
     }
 }
 
-/// Middles of the n² equal triangles a triangle is cut into, as weights of its corners.
-fn samples(n: u32) -> impl Iterator<Item = [f64; 3]> {
+/// Barycentric coordinates of the centroids of the n² equal triangles that a triangle is cut into.
+fn sample_weights(n: u32) -> impl Iterator<Item = [f64; 3]> {
     let at = move |i: u32, j: u32, shift: f64| {
         let (a, b) = ((f64::from(i) + shift) / f64::from(n), (f64::from(j) + shift) / f64::from(n));
         [1.0 - a - b, a, b]
@@ -120,99 +144,102 @@ fn samples(n: u32) -> impl Iterator<Item = [f64; 3]> {
 }
 
 /// Sums over the samples of one target triangle.
-struct Gather {
+struct FaceAccumulator {
     frame: FaceFrame,
+    /// Unit directions of the sides.
     sides: [Vec2; 3],
+    /// Unit direction of the warp.
     warp: Vec2,
-    sign: f64,
+    orientation: f64,
     count: f64,
-    found: f64,
+    matched: f64,
     quality: f64,
     curvature: PlaneTensor,
-    stretch: [f64; 2],
-    compliance: [[f64; 2]; 3],
-    landed: Vec<u32>,
+    stretch: StretchDelta,
+    compliance: [WeightedSum; 3],
+    source_triangles: Vec<u32>,
 }
 
-impl Gather {
-    fn new(frame: FaceFrame, sides: [Vec2; 3], warp: Vec2, sign: f64) -> Self {
+impl FaceAccumulator {
+    fn new(frame: FaceFrame, sides: [Vec2; 3], warp: Vec2, orientation: f64) -> Self {
         Self {
             frame,
             sides,
             warp: warp.try_normalize(0.0).unwrap_or_else(Vec2::x),
-            sign,
+            orientation,
             count: 0.0,
-            found: 0.0,
+            matched: 0.0,
             quality: 0.0,
             curvature: PlaneTensor::zeros(),
-            stretch: [0.0; 2],
-            compliance: [[0.0; 2]; 3],
-            landed: Vec::new(),
+            stretch: StretchDelta::default(),
+            compliance: [WeightedSum::default(); 3],
+            source_triangles: Vec::new(),
         }
     }
 
-    fn add_nothing(&mut self) {
+    /// Adds a sample without a match: three hinges of new cloth.
+    fn add_unmatched(&mut self) {
         self.count += 1.0;
-        for sum in &mut self.compliance {
-            // Three hinges of new cloth.
-            *sum = [sum[0] + 3.0 * ANY_DIRECTION, sum[1] + 3.0 * ANY_DIRECTION];
+        for total in &mut self.compliance {
+            total.add(1.0, 3.0 * MEAN_COS4);
         }
     }
 
-    fn add(&mut self, landing: &Landing, face: &SourceFace, source: &GarmentSurface, memory: &RestState) {
-        let edges = face.edges.map(|e| self.frame.flat(&(landing.map * e)));
+    fn add(&mut self, found: &Match, face: &SourceFace, source: &GarmentSurface, memory: &RestState) {
+        let edges = face.edges.map(|e| self.frame.to_plane(&(found.map * e)));
         let area = 0.5 * edges[0].perp(&edges[1]).abs();
         if area.is_nan() || area <= 0.0 {
-            return self.add_nothing();
+            return self.add_unmatched();
         }
         self.count += 1.0;
-        self.found += 1.0;
-        self.quality += landing.quality;
-        self.landed.push(landing.triangle as u32);
+        self.matched += 1.0;
+        self.quality += found.quality;
+        self.source_triangles.push(found.triangle as u32);
         for (edge, (angle, compliance)) in edges.iter().zip(face.angle.iter().zip(face.compliance)) {
             if *angle != 0.0 {
-                let density = self.sign * angle * edge.norm() / (2.0 * area);
-                self.curvature += across(edge) * density;
+                let density = self.orientation * angle * edge.norm() / (2.0 * area);
+                self.curvature += edge_tensor(edge) * density;
             }
             let Some(compliance) = compliance else { continue };
             let direction = edge.try_normalize(0.0).unwrap_or_else(Vec2::x);
-            for (side, sum) in self.sides.iter().zip(&mut self.compliance) {
-                let weight = side.dot(&direction).powi(4);
-                *sum = [sum[0] + weight * compliance, sum[1] + weight];
+            for (side, total) in self.sides.iter().zip(&mut self.compliance) {
+                total.add(compliance, side.dot(&direction).powi(4));
             }
         }
-        let f = landing.triangle;
-        let change = [memory.rest_stretch_warp[f] - 1.0, memory.rest_stretch_weft[f] - 1.0];
-        if change != [0.0; 2] {
-            self.add_stretch(landing, source, f, change);
+        let f = found.triangle;
+        let change =
+            StretchDelta { warp: memory.rest_stretch_warp[f] - 1.0, weft: memory.rest_stretch_weft[f] - 1.0 };
+        if change != StretchDelta::default() {
+            let warp = source.warp.as_ref().map(|warp| self.frame.to_plane(&(found.map * warp[f])));
+            self.add_stretch(warp.and_then(|u| u.try_normalize(0.0)), change);
         }
     }
 
-    /// (r_u - 1) u u^T + (r_v - 1) v v^T, read along the target's warp and weft.
-    fn add_stretch(&mut self, landing: &Landing, source: &GarmentSurface, f: usize, change: [f64; 2]) {
-        let own = source.warp.as_ref().map(|warp| self.frame.flat(&(landing.map * warp[f])));
-        let Some(u) = own.and_then(|u| u.try_normalize(0.0)) else {
-            // Without directions only what both have in common can be carried.
-            let mean = 0.5 * (change[0] + change[1]);
-            self.stretch = self.stretch.map(|s| s + mean);
+    /// Adds (r_u - 1) u u^T + (r_v - 1) v v^T, read along the target's warp and weft; `source_warp` is u.
+    fn add_stretch(&mut self, source_warp: Option<Vec2>, change: StretchDelta) {
+        let Some(u) = source_warp else {
+            // Without directions only the isotropic part can be transferred.
+            let mean = 0.5 * (change.warp + change.weft);
+            self.stretch.warp += mean;
+            self.stretch.weft += mean;
             return;
         };
         let cosine = u.dot(&self.warp).powi(2);
-        self.stretch[0] += change[0] * cosine + change[1] * (1.0 - cosine);
-        self.stretch[1] += change[0] * (1.0 - cosine) + change[1] * cosine;
+        self.stretch.warp += change.warp * cosine + change.weft * (1.0 - cosine);
+        self.stretch.weft += change.warp * (1.0 - cosine) + change.weft * cosine;
     }
 
-    fn finish(mut self) -> Gathered {
-        self.landed.sort_unstable();
-        self.landed.dedup();
+    fn finish(mut self) -> ResampledFace {
+        self.source_triangles.sort_unstable();
+        self.source_triangles.dedup();
         let mean = 1.0 / self.count.max(1.0);
-        Gathered {
+        ResampledFace {
             curvature: self.curvature * mean,
-            stretch: self.stretch.map(|s| s * mean),
+            stretch: StretchDelta { warp: self.stretch.warp * mean, weft: self.stretch.weft * mean },
             compliance: self.compliance,
-            found: self.found * mean,
+            matched_fraction: self.matched * mean,
             confidence: self.quality * mean,
-            landed: self.landed,
+            source_triangles: self.source_triangles,
         }
     }
 }
@@ -224,7 +251,7 @@ mod tests {
     #[test]
     fn samples_are_even_and_centred() {
         for n in [1, 2, 3, 7] {
-            let all: Vec<[f64; 3]> = samples(n).collect();
+            let all: Vec<[f64; 3]> = sample_weights(n).collect();
             assert_eq!(all.len(), (n * n) as usize);
             for k in 0..3 {
                 let mean: f64 = all.iter().map(|w| w[k]).sum::<f64>() / all.len() as f64;

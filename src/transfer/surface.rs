@@ -1,24 +1,25 @@
-//! A garment's surface as transfer sees it: triangles in space with the texture and the warp on each.
+//! Surface of a garment as the transfer sees it: triangles in space with texture coordinates and warp direction on each.
 //!
-//! Made of a sidecar (where the memory comes from) or of a garment (where it goes to). The memory of a sidecar is put
-//! in the order of the sheet's own hinges here, and a sidecar whose hinges are not those of its triangles is refused.
+//! A surface is made from a sidecar (the source) or from a garment (the target). The memory of a sidecar is reordered here
+//! to the surface's own hinges; a sidecar whose hinges are not those of its triangles is refused.
 
 use crate::garment::{Garment, RestState, SourceAsset, corner_uvs, corner_vertices};
 use crate::io::Sidecar;
 use crate::math::{Vec2, Vec3};
 use crate::mesh::distance::barycentric;
 use crate::mesh::{PointIndex, Topology};
+use crate::transfer::tuning::TUNING;
 use crate::{Error, Result};
 use rustc_hash::FxHashMap;
 
-/// A surface that memory lies on.
+/// A triangulated garment surface.
 #[derive(Debug, Clone)]
 pub struct GarmentSurface {
-    /// One per point [m], y up.
+    /// Positions, one per point [m], y up.
     pub points: Vec<Vec3>,
     /// Corners of every triangle.
     pub triangles: Vec<[PointIndex; 3]>,
-    /// Edges and hinges.
+    /// Edges and hinges of the triangles.
     pub topology: Topology,
     /// Per triangle: texture coordinates of its corners.
     pub uvs: Option<Vec<[Vec2; 3]>>,
@@ -27,17 +28,17 @@ pub struct GarmentSurface {
 }
 
 impl GarmentSurface {
-    /// The surface of `garment`, which was made of `asset`.
+    /// The surface of `garment`, which was made from `asset`, with its texture coordinates.
     pub fn from_garment(garment: &Garment, asset: &SourceAsset) -> Self {
         let uvs = corner_vertices(asset, garment).and_then(|corners| corner_uvs(asset, &corners));
         Self { uvs, ..Self::without_texture(garment) }
     }
 
-    /// The surface of `garment`, texture left out.
+    /// The surface of `garment` without texture coordinates.
     pub fn without_texture(garment: &Garment) -> Self {
         let warp = garment.triangles.iter().zip(&garment.material).map(|(t, flat)| {
             let edge = flat[1] - flat[0];
-            warp_of(&t.map(|p| garment.points[p.at()]), edge.y.atan2(edge.x))
+            warp_direction(&t.map(|p| garment.points[p.at()]), edge.y.atan2(edge.x))
         });
         Self {
             points: garment.points.clone(),
@@ -48,11 +49,11 @@ impl GarmentSurface {
         }
     }
 
-    /// The surface of `garment`, which is `coarse` made finer: triangle by triangle part of the `parent` it lies on. Texture
-    /// coordinates are the parents'.
+    /// The surface of `garment`, a refinement of `coarse`. `parent` holds, per triangle, the coarse triangle it lies on;
+    /// texture coordinates are interpolated there.
     pub fn from_refined(coarse: &Self, garment: &Garment, asset: &SourceAsset, parent: &[u32]) -> Self {
-        let mut sheet = Self::from_garment(garment, asset);
-        sheet.uvs = coarse.uvs.as_ref().map(|uvs| {
+        let mut surface = Self::from_garment(garment, asset);
+        surface.uvs = coarse.uvs.as_ref().map(|uvs| {
             let each = garment.triangles.iter().zip(parent);
             each.map(|(t, &f)| {
                 let (whole, uv) = (coarse.corners(f as usize), &uvs[f as usize]);
@@ -63,10 +64,13 @@ impl GarmentSurface {
             })
             .collect()
         });
-        sheet
+        surface
     }
 
-    /// The surface of `sidecar` and its memory, one entry per hinge of the surface's topology; `file` names it in faults.
+    /// The surface of `sidecar` and its memory, one entry per hinge of the surface's topology.
+    ///
+    /// # Errors
+    /// A diagnostic of `file` if a triangle is degenerate or the hinges are not those of the triangles.
     pub fn from_sidecar(file: &str, sidecar: &Sidecar) -> Result<(Self, RestState)> {
         let points = sidecar.mesh_points();
         let triangles = sidecar.mesh_triangles();
@@ -85,7 +89,7 @@ impl GarmentSurface {
         };
         let warp = sidecar.triangles.warp_angle_rad.as_ref().map(|angles| {
             let corners = |t: &[PointIndex; 3]| t.map(|p| points[p.at()]);
-            triangles.iter().zip(angles).map(|(t, &angle)| warp_of(&corners(t), angle)).collect()
+            triangles.iter().zip(angles).map(|(t, &angle)| warp_direction(&corners(t), angle)).collect()
         });
         let uvs =
             sidecar.mesh.source_uv.as_ref().zip(sidecar.mesh.triangle_vertices.as_ref()).map(
@@ -99,30 +103,35 @@ impl GarmentSurface {
         self.triangles[f].map(|p| self.points[p.at()])
     }
 
+    /// Centroid of triangle `f` [m].
+    pub fn centroid(&self, f: usize) -> Vec3 {
+        self.corners(f).iter().sum::<Vec3>() / 3.0
+    }
+
     /// Twice the area of triangle `f` times its unit normal [m²].
     pub fn normal(&self, f: usize) -> Vec3 {
         let [a, b, c] = self.corners(f);
         (b - a).cross(&(c - a))
     }
 
-    /// Whether `other` is the same mesh, number for number.
+    /// Whether `other` has exactly the same points and triangles.
     pub fn is_same_mesh(&self, other: &Self) -> bool {
         self.points == other.points && self.triangles == other.triangles
     }
 
-    /// Where a mirror in the middle of its box shows a place: x turned round.
-    pub(super) fn mirror(&self) -> impl Fn(&Vec3) -> Vec3 + use<> {
+    /// Reflection of x at the centre of the bounding box.
+    pub(super) fn reflection(&self) -> impl Fn(&Vec3) -> Vec3 + use<> {
         let (low, high) = crate::math::bounds(&self.points);
         move |p| Vec3::new(low.x + high.x - p.x, p.y, p.z)
     }
 
-    /// Seen in a mirror: x turned round at the box's middle, triangles turned so that the outside stays outside. The
-    /// texture is that of the other side and is left out.
+    /// The surface and its memory reflected in x at the centre of the bounding box, triangles reversed so that normals
+    /// stay outside. Texture coordinates are dropped: they are those of the other side.
     pub fn mirrored(&self, memory: &RestState) -> (Self, RestState) {
-        let points: Vec<Vec3> = self.points.iter().map(self.mirror()).collect();
+        let points: Vec<Vec3> = self.points.iter().map(self.reflection()).collect();
         let triangles: Vec<[PointIndex; 3]> = self.triangles.iter().map(|t| [t[0], t[2], t[1]]).collect();
         let topology = Topology::new(points.len(), &triangles);
-        // Edges are the same and so are, edge by edge, the hinges; turning inside out twice keeps every angle's sign.
+        // The edges are the same, and so are the hinges edge by edge. Reflection and reversal together keep angle signs.
         let of_edge = |values: &[f64]| -> Vec<f64> {
             let own = |h: &crate::mesh::Hinge| self.topology.edge_hinge[h.edge as usize];
             topology.hinges.iter().map(|h| own(h).map_or(0.0, |i| values[i as usize])).collect()
@@ -138,35 +147,31 @@ impl GarmentSurface {
         (Self { points, triangles, topology, uvs: None, warp }, memory)
     }
 
-    /// +1 if the normals look out of the garment, -1 if into it; +1 for a sheet that encloses next to nothing.
-    pub fn outward(&self) -> f64 {
+    /// +1 if the normals point out of the garment, -1 if into it; +1 for a surface that encloses next to no volume.
+    pub fn orientation_sign(&self) -> f64 {
         let centre = self.points.iter().sum::<Vec3>() / self.points.len().max(1) as f64;
         let (mut volume, mut area) = (0.0, 0.0);
         for f in 0..self.triangles.len() {
             let normal = self.normal(f);
-            let middle = self.corners(f).iter().sum::<Vec3>() / 3.0;
-            volume += normal.dot(&(middle - centre));
+            volume += normal.dot(&(self.centroid(f) - centre));
             area += normal.norm();
         }
         let (low, high) = crate::math::bounds(&self.points);
-        if volume < -ENCLOSED * area * (high - low).norm() { -1.0 } else { 1.0 }
+        if volume < -TUNING.min_enclosed_volume_ratio * area * (high - low).norm() { -1.0 } else { 1.0 }
     }
 }
 
-/// Volume over (area times size) below which the sign of the volume says nothing.
-const ENCLOSED: f64 = 1e-3;
-
-/// Unit warp of a triangle whose first side stands at `angle` [rad] to it, counter-clockwise seen from outside.
-fn warp_of([a, b, c]: &[Vec3; 3], angle: f64) -> Vec3 {
+/// Unit warp direction of a triangle whose first side is at `angle` [rad] to it, counter-clockwise seen from outside.
+fn warp_direction([a, b, c]: &[Vec3; 3], angle: f64) -> Vec3 {
     let side = (b - a).try_normalize(0.0).unwrap_or_else(Vec3::x);
     let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_else(Vec3::z);
     side * angle.cos() - normal.cross(&side) * angle.sin()
 }
 
-/// Per hinge of `topology`: its place among `listed`.
+/// Per hinge of `topology`, its index in `listed`.
 fn hinge_order(file: &str, topology: &Topology, listed: &[[u32; 4]]) -> Result<Vec<usize>> {
     let key = |a: u32, b: u32| if a < b { [a, b] } else { [b, a] };
-    let places: FxHashMap<[u32; 2], usize> =
+    let indices: FxHashMap<[u32; 2], usize> =
         listed.iter().enumerate().map(|(i, h)| (key(h[0], h[1]), i)).collect();
     if listed.len() != topology.hinges.len() {
         let what = format!("has {} hinges, the triangles have {}", listed.len(), topology.hinges.len());
@@ -174,9 +179,9 @@ fn hinge_order(file: &str, topology: &Topology, listed: &[[u32; 4]]) -> Result<V
     }
     let find = |h: &crate::mesh::Hinge| {
         let [a, b, c, d] = h.points.map(|p| p.0);
-        let place = places.get(&key(a, b)).copied()?;
-        let wings = &listed[place][2..];
-        (wings == [c, d] || wings == [d, c]).then_some(place)
+        let index = indices.get(&key(a, b)).copied()?;
+        let opposite = &listed[index][2..];
+        (opposite == [c, d] || opposite == [d, c]).then_some(index)
     };
     topology
         .hinges
@@ -190,6 +195,6 @@ fn hinge_order(file: &str, topology: &Topology, listed: &[[u32; 4]]) -> Result<V
         .collect()
 }
 
-fn contradiction(file: &str, place: String, what: impl Into<String>) -> Error {
-    Error::input(file, place, what, "use the sidecar as crease wrote it, or bake again")
+fn contradiction(file: &str, location: String, what: impl Into<String>) -> Error {
+    Error::input(file, location, what, "use the sidecar as crease wrote it, or bake again")
 }

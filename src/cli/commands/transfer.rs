@@ -17,11 +17,10 @@ use crease::fabric::{DEFAULT_FABRIC, Fabric};
 use crease::garment::WornGarment;
 use crease::io::gltf::write_worn_glb;
 use crease::io::{Landmarks, Sidecar, read_sidecar, write_sidecar};
-use crease::math::Vec3;
 use crease::mesh::intersections::self_intersections;
 use crease::report::{CarriedSource, TransferReport, crossing_counts};
 use crease::transfer::{
-    Align, Channels, GarmentSurface, MatchBy, TransferOptions, TransferResult, TransferSource, transfer,
+    Align, Channels, GarmentSurface, MatchBy, PointPair, Transfer, TransferResult, TransferSource,
 };
 use crease::{Error, Result};
 use serde_json::{Value, json};
@@ -150,20 +149,18 @@ fn strength(text: &str) -> std::result::Result<f64, String> {
 }
 
 impl Arguments {
-    fn options(&self, job: &Job) -> TransferOptions {
-        TransferOptions {
-            match_by: self.match_by.into(),
-            align: self.align.into(),
-            landmarks: job.landmarks.clone(),
-            joints: job.mesh.asset.worn_joints(),
-            strength: self.strength,
-            mask: job.mesh.garment.memory_mask.clone(),
-            channels: Channels {
-                creases: self.only != Some(Only::Bagging),
-                bagging: self.only != Some(Only::Creases),
-            },
-            mirror_x: self.mirror.is_some(),
-        }
+    fn transfer<'a>(&self, job: &'a Job, target: &'a GarmentSurface) -> Transfer<'a> {
+        let channels =
+            Channels { creases: self.only != Some(Only::Bagging), bagging: self.only != Some(Only::Creases) };
+        Transfer::between(&job.sources, target)
+            .target_joints(&job.mesh.asset)
+            .match_by(self.match_by.into())
+            .align(self.align.into())
+            .landmarks(job.landmarks.clone())
+            .strength(self.strength)
+            .mask(job.mesh.garment.memory_mask.clone())
+            .channels(channels)
+            .mirror_x(self.mirror.is_some())
     }
 }
 
@@ -184,7 +181,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     warnings.extend(job.mesh.embed_images(&arguments.to));
     let garment = &job.mesh.garment;
     let target = job.target();
-    let carried = transfer(&job.sources, &target, &arguments.options(&job))?;
+    let carried = arguments.transfer(&job, &target).run()?;
     let start = self_intersections(&garment.points, &garment.triangles);
     let RelaxResult { displacement, warnings: more, unconverged_reason, .. } = job.settled(&carried);
     warnings.extend(more);
@@ -226,7 +223,7 @@ struct Job {
     sidecars: Vec<Sidecar>,
     fabric: Fabric,
     /// Source and target place of each [m].
-    landmarks: Vec<[Vec3; 2]>,
+    landmarks: Vec<PointPair>,
 }
 
 impl Job {
@@ -250,7 +247,7 @@ impl Job {
         };
         let landmarks = arguments.landmarks.as_deref().map_or(Ok(Vec::new()), |path| {
             Landmarks::parse(&input::name_of(path), &input::text(path)?)
-                .map(|landmarks| landmarks.position_pairs())
+                .map(|landmarks| landmarks.position_pairs().into_iter().map(PointPair::from).collect())
         });
         match (mesh, fabric, landmarks) {
             (Ok(mut mesh), Ok(fabric), Ok(landmarks)) if errors.is_empty() => {
@@ -288,13 +285,12 @@ impl Job {
     }
 
     fn carried_sources(&self, carried: &TransferResult) -> Vec<CarriedSource> {
-        let ways = carried.match_modes.iter().zip(&carried.alignments);
-        let each = self.sources.iter().zip(ways).zip(&carried.losses);
-        each.map(|((source, (way, aligned)), losses)| CarriedSource {
+        let each = self.sources.iter().zip(&carried.sources);
+        each.map(|(source, outcome)| CarriedSource {
             file: source.file.clone(),
-            by: (*way).to_owned(),
-            aligned: aligned.map(str::to_owned),
-            losses: *losses,
+            by: outcome.matched_by.name().to_owned(),
+            aligned: outcome.aligned_by.map(|by| by.name().to_owned()),
+            losses: outcome.losses,
         })
         .collect()
     }
@@ -335,9 +331,7 @@ impl Job {
 fn read_source(path: &Path) -> Result<(TransferSource, Sidecar)> {
     let file = input::name_of(path);
     let sidecar = read_sidecar(&file, &input::bytes(path)?)?;
-    let (sheet, memory) = GarmentSurface::from_sidecar(&file, &sidecar)?;
-    let joints = sidecar.joints();
-    Ok((TransferSource { file, surface: sheet, memory, joints }, sidecar))
+    Ok((TransferSource::from_sidecar(&file, &sidecar)?, sidecar))
 }
 
 /// The fabric the memory was earned in.

@@ -1,0 +1,112 @@
+//! Front door of the transfer: a builder for the usual case of sidecars and a garment.
+
+use crate::Result;
+use crate::garment::{Garment, SourceAsset};
+use crate::io::Sidecar;
+use crate::transfer::options::{Align, Channels, MatchBy, TransferOptions, TransferResult, TransferSource};
+use crate::transfer::pipeline::transfer;
+use crate::transfer::registration::PointPair;
+use crate::transfer::surface::GarmentSurface;
+use std::borrow::Cow;
+
+/// A transfer of memory to another garment, to be configured and run.
+///
+/// ```no_run
+/// use crease::garment::Garment;
+/// use crease::io::Sidecar;
+/// use crease::transfer::{MatchBy, Transfer};
+///
+/// fn carry(sidecar: &Sidecar, target: &Garment) -> crease::Result<()> {
+///     let result = Transfer::new(sidecar, target).match_by(MatchBy::Surface).strength(0.8).run()?;
+///     println!("{} hinges", result.memory.rest_angle.len());
+///     Ok(())
+/// }
+/// ```
+#[derive(Debug)]
+pub struct Transfer<'a> {
+    sources: Result<Cow<'a, [TransferSource]>>,
+    target: Cow<'a, GarmentSurface>,
+    options: TransferOptions,
+}
+
+impl<'a> Transfer<'a> {
+    /// The memory of `sidecar` on `target`: points matched automatically, at full strength, masked as `target` is.
+    pub fn new(sidecar: &Sidecar, target: &Garment) -> Self {
+        let source = TransferSource::from_sidecar("sidecar", sidecar);
+        let sources = source.map(|source| vec![source].into());
+        Self::of(sources, Cow::Owned(GarmentSurface::without_texture(target)))
+            .mask(target.memory_mask.clone())
+    }
+
+    /// The memories of `sources` on `target`, unmasked.
+    pub fn between(sources: &'a [TransferSource], target: &'a GarmentSurface) -> Self {
+        Self::of(Ok(sources.into()), Cow::Borrowed(target))
+    }
+
+    fn of(sources: Result<Cow<'a, [TransferSource]>>, target: Cow<'a, GarmentSurface>) -> Self {
+        let options = TransferOptions::full(target.points.len());
+        Self { sources, target, options }
+    }
+
+    /// Takes texture coordinates and joints of the target from `asset`, the file that `target` was made from.
+    pub fn target_asset(self, target: &Garment, asset: &SourceAsset) -> Self {
+        let target = Cow::Owned(GarmentSurface::from_garment(target, asset));
+        Self { target, ..self }.target_joints(asset)
+    }
+
+    /// Takes the joints that move the target from `asset`.
+    pub fn target_joints(mut self, asset: &SourceAsset) -> Self {
+        self.options.joints = asset.worn_joints();
+        self
+    }
+
+    /// Sets how points are matched; default [`MatchBy::Auto`].
+    pub fn match_by(mut self, match_by: MatchBy) -> Self {
+        self.options.match_by = match_by;
+        self
+    }
+
+    /// Sets how the source is aligned with the target; default [`Align::Auto`].
+    pub fn align(mut self, align: Align) -> Self {
+        self.options.align = align;
+        self
+    }
+
+    /// Aligns by point pairs that a person marked; they take precedence over [`Transfer::align`].
+    pub fn landmarks(mut self, landmarks: Vec<PointPair>) -> Self {
+        self.options.landmarks = landmarks;
+        self
+    }
+
+    /// Sets the factor on every change [-], at least 0; default 1.
+    pub fn strength(mut self, strength: f64) -> Self {
+        self.options.strength = strength;
+        self
+    }
+
+    /// Sets the factor on every change, one per point of the target, 0..1.
+    pub fn mask(mut self, mask: Vec<f64>) -> Self {
+        self.options.mask = mask;
+        self
+    }
+
+    /// Sets the parts of the memory that are transferred; default [`Channels::ALL`].
+    pub fn channels(mut self, channels: Channels) -> Self {
+        self.options.channels = channels;
+        self
+    }
+
+    /// Sets whether the source is mirrored left to right; default false.
+    pub fn mirror_x(mut self, mirror_x: bool) -> Self {
+        self.options.mirror_x = mirror_x;
+        self
+    }
+
+    /// Runs the transfer.
+    ///
+    /// # Errors
+    /// Those of [`TransferSource::from_sidecar`] and [`transfer`].
+    pub fn run(self) -> Result<TransferResult> {
+        transfer(&self.sources?, &self.target, &self.options)
+    }
+}

@@ -1,0 +1,182 @@
+//! Options, sources and results of a transfer: plain data.
+
+use crate::Result;
+use crate::garment::{RestState, SourceJoint};
+use crate::io::Sidecar;
+use crate::transfer::confidence::{RegionConfidence, TransferLosses};
+use crate::transfer::registration::PointPair;
+use crate::transfer::surface::GarmentSurface;
+
+/// How points of two garments are matched.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum MatchBy {
+    /// By texture where both textures agree on positions, else by surface; the same mesh entry by entry.
+    #[default]
+    Auto,
+    /// By texture coordinates.
+    Uv,
+    /// By position on the surface after alignment.
+    Surface,
+    /// Entry by entry; refused unless the mesh is the same.
+    Same,
+}
+
+impl MatchBy {
+    /// Every variant by its name on the command line and in reports.
+    pub const ALL: [(&str, Self); 4] =
+        [("auto", Self::Auto), ("uv", Self::Uv), ("surface", Self::Surface), ("same", Self::Same)];
+
+    /// Name on the command line and in reports.
+    pub fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(_, by)| *by == self).map_or("", |(name, _)| name)
+    }
+}
+
+/// How the source is aligned with the target before points are matched by surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Align {
+    /// In place, if most of the target lies close to the source there (both were made for one body); else by the joints of
+    /// one skeleton that both follow, if there are a few; else by bounding boxes.
+    #[default]
+    Auto,
+    /// By the joints of one skeleton that both follow.
+    Joints,
+    /// The source's bounding box is scaled to the target's.
+    Box,
+    /// Both garments keep the coordinates of their files.
+    InPlace,
+}
+
+/// Parts of the memory that are transferred.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Channels {
+    /// Rest angles and stiffness.
+    pub creases: bool,
+    /// Rest lengths.
+    pub bagging: bool,
+}
+
+impl Channels {
+    /// Both channels.
+    pub const ALL: Self = Self { creases: true, bagging: true };
+}
+
+/// Options of a transfer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TransferOptions {
+    /// How points are matched.
+    pub match_by: MatchBy,
+    /// How the source is aligned with the target.
+    pub align: Align,
+    /// Point pairs marked by a person; they take precedence over `align`.
+    pub landmarks: Vec<PointPair>,
+    /// Joints that move the target, in the pose of its file.
+    pub joints: Vec<SourceJoint>,
+    /// Factor on every change [-], at least 0.
+    pub strength: f64,
+    /// Factor on every change, one per point of the target, 0..1.
+    pub mask: Vec<f64>,
+    /// Parts of the memory that are transferred.
+    pub channels: Channels,
+    /// Whether the source is mirrored left to right.
+    pub mirror_x: bool,
+}
+
+impl TransferOptions {
+    /// The whole memory at full strength, for a target of `point_count` points.
+    pub fn full(point_count: usize) -> Self {
+        Self {
+            match_by: MatchBy::Auto,
+            align: Align::Auto,
+            landmarks: Vec::new(),
+            joints: Vec::new(),
+            strength: 1.0,
+            mask: vec![1.0; point_count],
+            channels: Channels::ALL,
+            mirror_x: false,
+        }
+    }
+
+    /// Whether a memory is transferred unchanged where the mesh is the same.
+    pub(super) fn keep_values(&self) -> bool {
+        self.strength == 1.0
+            && self.mask.iter().all(|m| *m == 1.0)
+            && self.channels == Channels::ALL
+            && !self.mirror_x
+    }
+}
+
+/// A memory and the surface it lies on.
+#[derive(Debug, Clone)]
+pub struct TransferSource {
+    /// Name of its file in messages.
+    pub file: String,
+    /// The surface.
+    pub surface: GarmentSurface,
+    /// Memory, one entry per hinge of the surface's topology.
+    pub memory: RestState,
+    /// Joints that move the source, in the pose of its file.
+    pub joints: Vec<SourceJoint>,
+}
+
+impl TransferSource {
+    /// The surface, memory and joints of `sidecar`; `file` is its name in messages.
+    ///
+    /// # Errors
+    /// See [`GarmentSurface::from_sidecar`].
+    pub fn from_sidecar(file: &str, sidecar: &Sidecar) -> Result<Self> {
+        let (surface, memory) = GarmentSurface::from_sidecar(file, sidecar)?;
+        Ok(Self { file: file.to_owned(), surface, memory, joints: sidecar.joints() })
+    }
+}
+
+/// The alignment that was applied to a source.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AlignedBy {
+    /// None: both garments keep the coordinates of their files.
+    InPlace,
+    /// Landmarks.
+    Landmarks,
+    /// Joints of one skeleton.
+    Joints,
+    /// Bounding boxes.
+    Box,
+}
+
+impl AlignedBy {
+    /// Name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::InPlace => "place",
+            Self::Landmarks => "landmarks",
+            Self::Joints => "joints",
+            Self::Box => "box",
+        }
+    }
+}
+
+/// How one source was transferred.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SourceOutcome {
+    /// How points were matched: never [`MatchBy::Auto`].
+    pub matched_by: MatchBy,
+    /// How the source was aligned; `None` where the memory was transferred entry by entry.
+    pub aligned_by: Option<AlignedBy>,
+    /// What could not be transferred.
+    pub losses: TransferLosses,
+}
+
+/// Result of a transfer.
+#[derive(Debug, Clone)]
+pub struct TransferResult {
+    /// Memory of the target, one entry per hinge and triangle of it.
+    pub memory: RestState,
+    /// How the sources were transferred, one entry per source.
+    pub sources: Vec<SourceOutcome>,
+    /// Confidence 0..1 that a triangle's memory belongs there (mean over the sources), one per target triangle.
+    pub confidence: Vec<f64>,
+    /// Confidence by region of the target; regions without cloth are left out.
+    pub regions: Vec<RegionConfidence>,
+    /// Whether the memory is that of the single source, bit for bit.
+    pub unchanged: bool,
+}

@@ -1,0 +1,192 @@
+//! The transfer itself: every source is aligned, matched and resampled; the changes are added up and applied.
+
+use crate::garment::RestState;
+use crate::math::Vec3;
+use crate::transfer::align::{AlignmentTarget, align_source};
+use crate::transfer::canonical_pose::CanonicalPose;
+use crate::transfer::confidence::{TransferLosses, confidence_by_region, transfer_losses};
+use crate::transfer::correspondence::{CorrespondenceFinder, MatchMode, Query, texture_gradient};
+use crate::transfer::memory_delta::MemoryDelta;
+use crate::transfer::options::{MatchBy, SourceOutcome, TransferOptions, TransferResult, TransferSource};
+use crate::transfer::resample::resample;
+use crate::transfer::surface::GarmentSurface;
+use crate::transfer::tuning::TUNING;
+use crate::{Error, Result};
+
+/// Transfers the memories of `sources` to `target`.
+///
+/// Several sources lie on one another: angles and rest lengths add up, of stiffness the larger change counts. The memory of
+/// a single source on the same mesh at full strength is copied bit for bit.
+///
+/// # Errors
+/// No sources, a strength or mask out of range, a mesh that is not the same with [`MatchBy::Same`], no texture coordinates
+/// with [`MatchBy::Uv`], an alignment that is not possible.
+pub fn transfer(
+    sources: &[TransferSource],
+    target: &GarmentSurface,
+    options: &TransferOptions,
+) -> Result<TransferResult> {
+    validate(sources, target, options)?;
+    let aligned_to = AlignmentTarget::new(target);
+    if let [source] = sources
+        && options.keep_values()
+        && source.surface.is_same_mesh(target)
+        && matches!(options.match_by, MatchBy::Auto | MatchBy::Same)
+    {
+        return Ok(unchanged(source, target, &aligned_to));
+    }
+    let mut sum = MemoryDelta::zero(target);
+    let mut confidence = vec![0.0; target.triangles.len()];
+    let mut outcomes = Vec::new();
+    for source in sources {
+        let one = transfer_source(source, target, &aligned_to, options)?;
+        sum.add(&one.delta);
+        confidence.iter_mut().zip(&one.confidence).for_each(|(c, own)| *c += own / sources.len() as f64);
+        outcomes.push(one.outcome);
+    }
+    Ok(TransferResult {
+        memory: sum.apply(target, options),
+        sources: outcomes,
+        regions: confidence_by_region(&aligned_to.canonical, &confidence),
+        confidence,
+        unchanged: false,
+    })
+}
+
+fn validate(sources: &[TransferSource], target: &GarmentSurface, options: &TransferOptions) -> Result<()> {
+    let refuse = |what: &str, cure: &str| Err(Error::input("transfer", "", what, cure));
+    if sources.is_empty() {
+        return refuse("there is no memory to transfer", "give a sidecar");
+    }
+    if !(options.strength >= 0.0 && options.strength.is_finite()) {
+        return refuse("the strength is no number from 0 up", "give --strength 1 for the memory as it is");
+    }
+    if options.mask.len() != target.points.len() {
+        return refuse("the mask does not belong to the target", "read the mask with the target");
+    }
+    Ok(())
+}
+
+/// Outcome of a source that lies on the target's own mesh.
+const ENTRY_BY_ENTRY: SourceOutcome = SourceOutcome {
+    matched_by: MatchBy::Same,
+    aligned_by: None,
+    losses: TransferLosses { unmatched_target_fraction: 0.0, lost_crease_fraction: 0.0 },
+};
+
+/// The memory of `source` on the same mesh, bit for bit.
+fn unchanged(
+    source: &TransferSource,
+    target: &GarmentSurface,
+    aligned_to: &AlignmentTarget,
+) -> TransferResult {
+    let confidence = vec![1.0; target.triangles.len()];
+    TransferResult {
+        memory: source.memory.clone(),
+        sources: vec![ENTRY_BY_ENTRY],
+        regions: confidence_by_region(&aligned_to.canonical, &confidence),
+        confidence,
+        unchanged: true,
+    }
+}
+
+/// One source on the target.
+struct SourceResult {
+    delta: MemoryDelta,
+    outcome: SourceOutcome,
+    /// One per target triangle, 0..1.
+    confidence: Vec<f64>,
+}
+
+fn transfer_source(
+    source: &TransferSource,
+    target: &GarmentSurface,
+    aligned_to: &AlignmentTarget,
+    options: &TransferOptions,
+) -> Result<SourceResult> {
+    let same = !options.mirror_x && source.surface.is_same_mesh(target);
+    match (options.match_by, same) {
+        (MatchBy::Same | MatchBy::Auto, true) => {
+            return Ok(SourceResult {
+                delta: MemoryDelta::from_memory(&source.memory),
+                outcome: ENTRY_BY_ENTRY,
+                confidence: vec![1.0; target.triangles.len()],
+            });
+        }
+        (MatchBy::Same, false) => {
+            return Err(Error::input(
+                &source.file,
+                "mesh",
+                "is not the mesh it is to go to: points or triangles differ",
+                "leave --match same out to transfer it by position",
+            ));
+        }
+        _ => {}
+    }
+    let mirrored = options.mirror_x.then(|| source.surface.mirrored(&source.memory));
+    let (surface, memory) = mirrored.as_ref().map_or((&source.surface, &source.memory), |(s, m)| (s, m));
+    resample_source(source, surface, memory, aligned_to, options)
+}
+
+/// Aligns `surface` with its `memory`, which are those of `source` or their mirror image, and resamples the memory.
+fn resample_source(
+    source: &TransferSource,
+    surface: &GarmentSurface,
+    memory: &RestState,
+    aligned_to: &AlignmentTarget,
+    options: &TransferOptions,
+) -> Result<SourceResult> {
+    let target = &aligned_to.canonical;
+    let pose = CanonicalPose::of(surface);
+    let size = aligned_to.pose.size.norm();
+    let aligned = align_source(source, surface, &pose, aligned_to, options)?;
+    let by_surface =
+        if pose.flat || aligned_to.pose.flat { MatchMode::FrontProjection } else { MatchMode::ClosestPoint };
+    let both_textured = aligned.surface.uvs.is_some() && target.uvs.is_some();
+    let mode = match options.match_by {
+        MatchBy::Uv if !both_textured => {
+            let what = if options.mirror_x {
+                "mirrored, it has no texture coordinates that fit"
+            } else {
+                "it and the target do not both have texture coordinates"
+            };
+            return Err(Error::input(&source.file, "", what, "use --match surface"));
+        }
+        MatchBy::Uv => MatchMode::Uv,
+        MatchBy::Auto if both_textured && textures_agree(&aligned.surface, target, size) => MatchMode::Uv,
+        _ => by_surface,
+    };
+    let finder = CorrespondenceFinder::new(&aligned.surface, mode, size);
+    let orientation = aligned.surface.orientation_sign() * target.orientation_sign();
+    let faces = resample(&finder, memory, target, orientation);
+    Ok(SourceResult {
+        delta: MemoryDelta::from_faces(target, &faces),
+        outcome: SourceOutcome {
+            matched_by: if mode == MatchMode::Uv { MatchBy::Uv } else { MatchBy::Surface },
+            aligned_by: Some(aligned.by),
+            losses: transfer_losses(&aligned.surface, memory, target, &faces),
+        },
+        confidence: faces.iter().map(|face| face.confidence).collect(),
+    })
+}
+
+/// Whether equal texture coordinates lie at about equal positions of both garments; `size` is the diagonal of the target's
+/// box [m].
+fn textures_agree(source: &GarmentSurface, target: &GarmentSurface, size: f64) -> bool {
+    let finder = CorrespondenceFinder::new(source, MatchMode::Uv, size);
+    let Some(uvs) = &target.uvs else { return false };
+    let agrees = |f: &usize| {
+        let corners = target.corners(*f);
+        let query = Query {
+            position: target.centroid(*f),
+            uv: Some((uvs[*f][0] + uvs[*f][1] + uvs[*f][2]) / 3.0),
+            normal: Vec3::z(),
+            gradient: texture_gradient(&corners, &uvs[*f]),
+        };
+        let max_distance = TUNING.uv_agreement_distance_fraction * size;
+        let found = finder.find_match(&query);
+        found.is_some_and(|found| (finder.match_centroid(&found) - query.position).norm() < max_distance)
+    };
+    let count = target.triangles.len();
+    (0..count).filter(agrees).count() as f64 >= TUNING.min_uv_agreement_fraction * count as f64
+}

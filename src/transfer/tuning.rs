@@ -1,0 +1,96 @@
+//! Tuning constants of the transfer, all in one place.
+
+/// Limits and tolerances of the transfer. Lengths named "fraction" are relative to the diagonal of the target's bounding
+/// box unless the field says otherwise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct TransferTuning {
+    /// Ratio of a garment's smallest to its other box sides below which it counts as flat [-], default 0.25: garments
+    /// with depth are at least a third as deep as wide. `lay` uses the same ratio.
+    pub max_flat_ratio: f64,
+    /// Smallest box side that takes part in a scale [m], default 1e-6: avoids division by zero.
+    pub min_box_side: f64,
+    /// Largest distance of a match in front view [fraction], default 0.03: outlines of two cuts differ by that much.
+    pub max_front_distance_fraction: f64,
+    /// Largest distance of a closest-point match [fraction], default 0.12: looser garments of one body still match.
+    pub max_closest_distance_fraction: f64,
+    /// Largest distance of a match in texture space [mean source triangle sizes], default 0.75: outlines of panels are
+    /// tessellated differently.
+    pub max_uv_distance_triangles: f64,
+    /// Cosine between normals below which two surface points never match [-], default 0.2.
+    pub min_normal_cosine: f64,
+    /// Cosine between normals from which a match has full quality [-], default 0.7.
+    pub full_normal_cosine: f64,
+    /// Cosine between a normal and the view direction below which a triangle counts as edge-on [-], default 0.3: the
+    /// lift onto its plane would stretch without bound, and a source triangle would shrink to one without area.
+    pub edge_on_cosine: f64,
+    /// Distance up to which a target triangle lies close to a source in place [fraction], default 0.02.
+    pub close_distance_fraction: f64,
+    /// Fraction of the target's triangles that must lie close for an alignment in place [-], default 0.6.
+    pub min_close_fraction: f64,
+    /// Distance between the matches by texture and by position up to which both agree [fraction], default 0.05.
+    pub uv_agreement_distance_fraction: f64,
+    /// Fraction of the target's triangles that must agree for a match by texture [-], default 0.9.
+    pub min_uv_agreement_fraction: f64,
+    /// Samples along a target side per source side [-], default 2: no source triangle is stepped over.
+    pub samples_per_source_side: f64,
+    /// Smallest number of samples along a side of a target triangle, default 3.
+    pub min_samples_per_side: f64,
+    /// Largest number of samples along a side of a target triangle, default 24: bounds the work per triangle.
+    pub max_samples_per_side: f64,
+    /// Residual at which the fit of hinge angles stops, relative to the right-hand side [-], default 1e-10. The matrix is
+    /// well conditioned (the three hinges of a face are independent), so this takes some tens of iterations.
+    pub hinge_fit_residual_tol: f64,
+    /// Largest number of conjugate gradient iterations of that fit, default 2000: a bound that is not reached in practice.
+    pub max_hinge_fit_iterations: usize,
+    /// Ratio of the second to the first extent of a point set below which it counts as collinear [-], default 0.05: it
+    /// then determines no rotation.
+    pub max_collinear_ratio: f64,
+    /// Distance of the points beside a joint that carry its rotation, relative to the source's box diagonal [-],
+    /// default 0.05.
+    pub joint_offset_fraction: f64,
+    /// Smallest number of joints of equal names that make two skeletons the same, default 3: any two rigs may share a root.
+    pub min_shared_joints: usize,
+    /// Positions along a bone that also carry its rotation, relative to its length [-], default thirds.
+    pub bone_fractions: [f64; 2],
+    /// Largest coordinate of a landmark [m], default 1e6: squares of larger numbers leave the range in which rotations
+    /// are found.
+    pub max_coordinate_m: f64,
+    /// Largest number of point pairs from joints, default 1500: enough for any skeleton; the work grows with their cube.
+    pub max_joint_points: usize,
+    /// Smallest distance between two such points, relative to `joint_offset_fraction` [-], default 0.2.
+    pub min_joint_point_spacing: f64,
+    /// Smallest stiffness ratio and rest stretch of a result [-], default 1e-3: a sidecar's must be positive.
+    pub min_ratio: f64,
+    /// Enclosed volume relative to area times size below which its sign says nothing [-], default 1e-3.
+    pub min_enclosed_volume_ratio: f64,
+}
+
+/// The constants in use.
+pub(super) const TUNING: TransferTuning = TransferTuning {
+    max_flat_ratio: 0.25,
+    min_box_side: 1e-6,
+    max_front_distance_fraction: 0.03,
+    max_closest_distance_fraction: 0.12,
+    max_uv_distance_triangles: 0.75,
+    min_normal_cosine: 0.2,
+    full_normal_cosine: 0.7,
+    edge_on_cosine: 0.3,
+    close_distance_fraction: 0.02,
+    min_close_fraction: 0.6,
+    uv_agreement_distance_fraction: 0.05,
+    min_uv_agreement_fraction: 0.9,
+    samples_per_source_side: 2.0,
+    min_samples_per_side: 3.0,
+    max_samples_per_side: 24.0,
+    hinge_fit_residual_tol: 1e-10,
+    max_hinge_fit_iterations: 2000,
+    max_collinear_ratio: 0.05,
+    joint_offset_fraction: 0.05,
+    min_shared_joints: 3,
+    bone_fractions: [1.0 / 3.0, 2.0 / 3.0],
+    max_coordinate_m: 1e6,
+    max_joint_points: 1500,
+    min_joint_point_spacing: 0.2,
+    min_ratio: 1e-3,
+    min_enclosed_volume_ratio: 1e-3,
+};
