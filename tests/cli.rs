@@ -372,9 +372,9 @@ fn check_portraits(glb: &[u8], sidecar: &[u8]) {
     let sidecar = crease::io::read_sidecar("one.crease.json", sidecar).expect("reads back");
     let in_full = crease::report::GarmentView::of_sidecar("one.glb", &sidecar);
     let alone = crease::report::GarmentView::of_asset(asset).expect("is a garment");
-    let largest = |garment_view: &crease::report::GarmentView| {
-        let memory = garment_view.memory.as_ref().expect("is worn");
-        let moved = garment_view.before.iter().zip(&garment_view.after).map(|(a, b)| 1e3 * (a - b).norm());
+    let largest = |view: &crease::report::GarmentView| {
+        let memory = view.memory.as_ref().expect("is worn");
+        let moved = view.before.iter().zip(&view.after).map(|(a, b)| 1e3 * (a - b).norm());
         let turned = memory.rest_angle_change_deg.iter().map(|angle| angle.abs());
         let stiffened = memory.stiffness_ratio.iter().copied();
         [moved.fold(0.0, f64::max), turned.fold(0.0, f64::max), stiffened.fold(0.0, f64::max)]

@@ -21,15 +21,15 @@ fn main() -> std::result::Result<(), Box<dyn std::error::Error>> {
         eprintln!("three paths are needed: WITHOUT.crease.json WITH.crease.json OUT.png");
         std::process::exit(1)
     };
-    let garment_view = |path: &String| -> std::result::Result<GarmentView, Box<dyn std::error::Error>> {
+    let view = |path: &String| -> std::result::Result<GarmentView, Box<dyn std::error::Error>> {
         Ok(GarmentView::of_sidecar(path, &read_sidecar(path, &std::fs::read(path)?)?))
     };
-    std::fs::write(picture, figure(&garment_view(without)?, &garment_view(with)?)?)?;
+    std::fs::write(picture, figure(&view(without)?, &view(with)?)?)?;
     Ok(())
 }
 
 fn figure(without: &GarmentView, with: &GarmentView) -> Result<Vec<u8>> {
-    let draw = |garment_view: &GarmentView, show| garment_view.draw(show, &Camera::default(), SIZE);
+    let draw = |view: &GarmentView, show| view.draw(show, &Camera::default(), SIZE);
     let shapes = side_by_side(
         &draw(without, ColorBy::Shape)?,
         &draw(with, ColorBy::Shape)?,

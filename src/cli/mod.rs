@@ -1,25 +1,24 @@
-//! The tool. One file per command: arguments -> options -> library call -> files.
+//! The command-line tool: from arguments to options, a library call, and files.
 //!
-//! The only place that prints and the only one that opens files. stdout is data, stderr is talk. Exit codes: 0 done,
-//! 1 bad input, 2 wrong usage, 3 did not converge, 130 interrupted. A command is one file and one line in the list
-//! below.
+//! Only this side prints and opens files. Data goes to stdout, messages go to stderr. Exit codes: 0 success, 1 bad input,
+//! 2 wrong usage, 3 no convergence, 130 interrupted. A new command is a file in `commands` and an entry in [`Command`].
 
 mod args;
 mod commands;
 mod files;
 mod runtime;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 #[cfg(feature = "charts")]
 use commands::chart;
 #[cfg(feature = "viewer")]
 use commands::view;
-use commands::{bake, batch, completions, fabric, inspect, remember, render, schema, transfer};
+use commands::{bake, batch, completions, fabric, from_motion, inspect, render, schema, transfer};
 use crease::{Error, Result};
 use runtime::{console, interrupt};
 use std::process::ExitCode;
 
-/// Garments that remember how they were worn: wear a mesh in, bake its wrinkles.
+/// Simulates how a garment is worn and bakes the permanent wrinkles into its mesh.
 #[derive(Debug, Parser)]
 #[command(
     name = "crease",
@@ -29,7 +28,7 @@ use std::process::ExitCode;
   crease bake shirt.obj --wear garments/wear/fold-thrice.json -o worn.glb --preview
   crease view worn.glb -o worn.html
 
-Exit codes: 0 done, 1 bad input, 2 wrong usage, 3 did not converge, 130 interrupted."
+Exit codes: 0 success, 1 bad input, 2 wrong usage, 3 no convergence, 130 interrupted."
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -38,30 +37,30 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Say what is in a mesh file, what would be repaired, what would be refused
+    /// Describe a mesh file and the repairs and errors that a bake would report
     Inspect(inspect::Arguments),
-    /// Wear a garment in and bake its wrinkles: writes OUT.glb, OUT.crease.json and OUT.report.json
+    /// Simulate wear and bake the wrinkles: writes OUT.glb, OUT.crease.json and OUT.report.json
     Bake(Box<bake::Arguments>),
-    /// Carry memory over to another garment: writes OUT.glb, OUT.crease.json and OUT.report.json
+    /// Transfer memory to another garment: writes OUT.glb, OUT.crease.json and OUT.report.json
     Transfer(Box<transfer::Arguments>),
-    /// Give a garment the memory of a motion that already exists, without simulation
+    /// Compute memory from an existing motion, without simulation
     #[command(visible_alias = "from-motion")]
-    Remember(Box<remember::Arguments>),
-    /// Make a picture of a worn garment
+    Remember(Box<from_motion::Arguments>),
+    /// Draw a picture of a worn garment
     Render(render::Arguments),
-    /// Draw and write a chart: numbers of ours beside what is known by other means
+    /// Run a validation scene and chart it beside reference data
     #[cfg(feature = "charts")]
     Chart(chart::Arguments),
-    /// Make a page to turn worn garments on, colour and compare them
+    /// Write an interactive 3D page of worn garments
     #[cfg(feature = "viewer")]
     View(view::Arguments),
-    /// Wear many garments by many scripts in many fabrics: here, on a Slurm cluster, or by Open Job Description
+    /// Bake many garments, scripts and fabrics: on this machine, on a Slurm cluster, or through Open Job Description
     Batch(Box<batch::Arguments>),
-    /// List the fabrics that come along, or show one in full
+    /// List the built-in fabrics, or print one
     Fabric(fabric::Arguments),
     /// Print the JSON Schema of a file format
     Schema(schema::Arguments),
-    /// Print the completions of a shell
+    /// Print shell completions
     Completions(completions::Arguments),
     /// Print the manual page
     Man(completions::ManArguments),
@@ -73,7 +72,7 @@ impl Command {
             Self::Inspect(arguments) => inspect::run(arguments),
             Self::Bake(arguments) => bake::run(*arguments),
             Self::Transfer(arguments) => transfer::run(*arguments),
-            Self::Remember(arguments) => remember::run(*arguments),
+            Self::Remember(arguments) => from_motion::run(*arguments),
             Self::Render(arguments) => render::run(arguments),
             #[cfg(feature = "charts")]
             Self::Chart(arguments) => chart::run(arguments),
@@ -82,8 +81,8 @@ impl Command {
             Self::Batch(arguments) => batch::run(*arguments),
             Self::Fabric(arguments) => fabric::run(arguments),
             Self::Schema(arguments) => schema::run(arguments),
-            Self::Completions(arguments) => completions::run(arguments),
-            Self::Man(arguments) => completions::run_man(arguments),
+            Self::Completions(arguments) => completions::run(arguments, Arguments::command()),
+            Self::Man(arguments) => completions::run_man(arguments, Arguments::command()),
         }
     }
 }
@@ -92,10 +91,10 @@ impl Command {
 pub fn run() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
-        Err(refusal) => {
-            // This is also how clap hands out help and version; a closed pipe is no reason to fail.
-            let _ = refusal.print();
-            return if refusal.use_stderr() { ExitCode::from(2) } else { ExitCode::SUCCESS };
+        Err(error) => {
+            // Help and version arrive here, too. A closed pipe is not an error.
+            let _ = error.print();
+            return if error.use_stderr() { ExitCode::from(2) } else { ExitCode::SUCCESS };
         }
     };
     match arguments.command.run() {
@@ -107,6 +106,7 @@ pub fn run() -> ExitCode {
     }
 }
 
+/// Returns the exit code of `error`.
 fn exit_code(error: &Error) -> u8 {
     match error {
         Error::Input(_) | Error::File { .. } => 1,
@@ -118,7 +118,6 @@ fn exit_code(error: &Error) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     #[test]
     fn the_command_line_is_consistent() {
@@ -126,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn exit_codes_are_those_promised() {
+    fn exit_codes_match_the_documentation() {
         assert_eq!(exit_code(&Error::input("f", "", "bad", "")), 1);
         assert_eq!(
             exit_code(&Error::File { file: "f".to_owned(), source: std::io::Error::other("disk") }),

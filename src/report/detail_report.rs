@@ -30,8 +30,8 @@ pub struct DetailReport {
 }
 
 impl DetailReport {
-    /// Of a map of `texels` a side.
-    pub fn of(map: &DetailMap, texels: u64) -> Self {
+    /// Creates the report of a map of `texels` x `texels`.
+    pub fn new(map: &DetailMap, texels: u64) -> Self {
         Self {
             material: map.material.clone(),
             texels,

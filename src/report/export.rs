@@ -43,7 +43,7 @@ pub struct ExportFile {
     /// Its bytes.
     pub bytes: Vec<u8>,
     /// What it said when read back; the caller puts the file's name in.
-    pub reports: Vec<ExportCheck>,
+    pub checks: Vec<ExportCheck>,
 }
 
 /// A file written on the side, as it was found when read back.
@@ -91,13 +91,13 @@ impl Export {
         fabric: &Fabric,
     ) -> Result<ExportFile> {
         let scene = Scene { asset, garment, worn };
-        let (bytes, reports) = match self {
+        let (bytes, checks) = match self {
             Self::Obj => scene.worn_obj()?,
             Self::RestMesh => scene.rest_obj(fabric)?,
             Self::RestAngleMap => scene.rest_angle_map()?,
             Self::Usda => scene.usda(fabric)?,
         };
-        Ok(ExportFile { ending: self.ending(), bytes, reports })
+        Ok(ExportFile { ending: self.ending(), bytes, checks })
     }
 }
 

@@ -138,7 +138,7 @@ pub struct CrossingCounts {
     /// In the input.
     pub at_start: usize,
     /// In the result, those of the input left out.
-    pub made: usize,
+    pub added: usize,
 }
 
 /// Counts the crossings of `worn` in its own pose; `start` are those of the garment as it came, sorted as
@@ -146,8 +146,8 @@ pub struct CrossingCounts {
 pub fn crossing_counts(garment: &Garment, worn: &WornGarment, start: &[[u32; 2]]) -> CrossingCounts {
     let x: Vec<Vec3> = garment.points.iter().zip(&worn.displacement).map(|(x, d)| x + d).collect();
     let end = self_intersections(&x, &garment.triangles);
-    let made = end.iter().filter(|pair| start.binary_search(pair).is_err()).count();
-    CrossingCounts { at_start: start.len(), made }
+    let added = end.iter().filter(|pair| start.binary_search(pair).is_err()).count();
+    CrossingCounts { at_start: start.len(), added }
 }
 
 impl Report {
@@ -163,7 +163,7 @@ impl Report {
             linear_solves: work.solves + work.local_solves,
             points: garment.points.len(),
             triangles: garment.triangles.len(),
-            crossings: counts.made,
+            crossings: counts.added,
             crossings_at_start: counts.at_start,
             events: EventCounts { gradual: work.events.gradual, critical: work.events.critical },
             max_rest_angle_change_deg: changes.map(f64::abs).fold(0.0, f64::max).to_degrees(),
@@ -224,7 +224,7 @@ mod tests {
             displacement[lowest].y = -fall;
             let worn = WornGarment { displacement, memory: crate::garment::RestState::flat(0, 2) };
             let counts = crossing_counts(&garment, &worn, &start);
-            (counts.at_start, counts.made)
+            (counts.at_start, counts.added)
         };
         assert_eq!(counts_after(0.5, 0.0), (0, 0));
         assert_eq!(counts_after(0.5, 1.0), (0, 1), "made by the bake");

@@ -49,7 +49,7 @@ pub struct CarriedSource {
     pub file: String,
     /// How places were matched: `same`, `uv` or `surface`.
     pub by: String,
-    /// By what the source was laid over the target before: `place`, `landmarks`, `joints` or `box`. Left out where numbers went
+    /// MatchBy what the source was laid over the target before: `place`, `landmarks`, `joints` or `box`. Left out where numbers went
     /// over one by one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub aligned: Option<String>,
@@ -60,7 +60,7 @@ pub struct CarriedSource {
 
 impl TransferReport {
     /// What `carried`, which lies on `target`, has to tell; counts, sources and times are the caller's.
-    pub fn of(carried: &TransferResult, target: &GarmentSurface) -> Self {
+    pub fn of_transfer(carried: &TransferResult, target: &GarmentSurface) -> Self {
         let memory = &carried.memory;
         let changes = memory.rest_angle.iter().zip(&memory.source_angle).map(|(rest, source)| rest - source);
         let areas = (0..target.triangles.len()).map(|f| target.normal(f).norm());

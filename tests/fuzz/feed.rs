@@ -59,8 +59,8 @@ pub fn fabric(bytes: &[u8]) -> Result<()> {
 /// A sidecar, also as `crease render` takes it.
 pub fn sidecar(bytes: &[u8]) -> Result<()> {
     let sidecar = read_sidecar("out.crease.json", bytes)?;
-    let garment_view = GarmentView::of_sidecar("out.glb", &sidecar);
-    assert_eq!(garment_view.before.len(), garment_view.after.len());
+    let view = GarmentView::of_sidecar("out.glb", &sidecar);
+    assert_eq!(view.before.len(), view.after.len());
     let again = read_sidecar("again.json", &write_sidecar(&sidecar)).expect("our own sidecar is read");
     assert_eq!(again, sidecar);
     Ok(())

@@ -1,20 +1,21 @@
 //! `--export`: files for other programs beside the main outputs.
 
 use crate::cli::files::input;
+use crate::cli::files::mesh_file::MeshFile;
 use crate::cli::files::output::Outputs;
 use crate::cli::runtime::console;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use crease::Result;
 use crease::fabric::Fabric;
-use crease::garment::{Garment, SourceAsset, WornGarment};
+use crease::garment::WornGarment;
 use crease::report::{Export, ExportCheck};
 use std::path::{Path, PathBuf};
 
-/// Files to be written on the side.
+/// Files for other programs.
 #[derive(Debug, Clone, clap::Args)]
 pub struct ExportArgs {
-    /// Files for other programs, comma-separated: the worn shape as OBJ, the rest mesh as OBJ, rest angles per vertex as
-    /// GLB, a USD surface deformable
+    /// Files for other programs, comma-separated: worn shape as OBJ, rest mesh as OBJ, rest angles per vertex as GLB,
+    /// USD surface deformable
     #[arg(long, alias = "also", value_name = "LIST", value_delimiter = ',', value_parser = kinds())]
     export: Vec<Export>,
 }
@@ -27,48 +28,47 @@ fn kinds() -> impl TypedValueParser<Value = Export> {
 }
 
 impl ExportArgs {
-    /// Where the files of the main output `worn` go.
+    /// Kinds and paths of the files that go beside the worn garment `worn`, without duplicates.
     fn paths<'a>(&'a self, worn: &'a Path) -> impl Iterator<Item = (Export, PathBuf)> + 'a {
         let mut seen = Vec::new();
-        let first_time = move |kind: &Export| {
+        let is_new = move |kind: &Export| {
             let new = !seen.contains(kind);
             seen.push(*kind);
             new
         };
-        self.export.iter().copied().filter(first_time).map(|kind| (kind, worn.with_extension(kind.ending())))
+        self.export.iter().copied().filter(is_new).map(|kind| (kind, worn.with_extension(kind.ending())))
     }
 
-    /// Whether all of them can be written: to be asked before a long run.
+    /// Checks that all files can be written. To be called before a long run.
     pub fn check(&self, worn: &Path, outputs: &Outputs) -> Result<()> {
         self.paths(worn).try_for_each(|(_, path)| outputs.check(&path))
     }
 
-    /// Makes the files, to appear with the others; what they said when read back.
+    /// Adds the files to `outputs` and returns how well each carries the wear, as found when reading it back.
     pub fn add(
         &self,
         worn_path: &Path,
         outputs: &mut Outputs,
-        asset: &SourceAsset,
-        garment: &Garment,
+        mesh: &MeshFile,
         worn: &WornGarment,
         fabric: &Fabric,
     ) -> Result<Vec<ExportCheck>> {
-        let mut reports = Vec::new();
+        let mut checks = Vec::new();
         for (kind, path) in self.paths(worn_path) {
-            let file = kind.make(asset, garment, worn, fabric)?;
+            let file = kind.make(&mesh.asset, &mesh.garment, worn, fabric)?;
             outputs.add(&path, &file.bytes)?;
-            let named = |report| ExportCheck { file: input::name_of(&path), ..report };
-            reports.extend(file.reports.into_iter().map(named));
+            let with_name = |check| ExportCheck { file: input::name_of(&path), ..check };
+            checks.extend(file.checks.into_iter().map(with_name));
         }
-        Ok(reports)
+        Ok(checks)
     }
 }
 
-/// What was written on the side, for people.
-pub fn tell(reports: &[ExportCheck]) {
-    for check in reports {
-        console::say(&format!(
-            "{}: {} off by {:.3} {} root mean square, {:.3} at most ({:.3} without it)",
+/// Prints the checks of exported files for people.
+pub fn print_checks(checks: &[ExportCheck]) {
+    for check in checks {
+        console::message(&format!(
+            "{}: {} differ by {:.3} {} RMS, {:.3} at most ({:.3} without the export)",
             check.file,
             check.compared,
             check.rms_difference,

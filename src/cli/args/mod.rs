@@ -1,6 +1,9 @@
-//! Groups of command-line arguments that several commands share.
+//! Groups of command-line arguments that several commands share, and parsers of their values.
 
 pub mod body;
-pub mod common;
+pub mod color_by;
 pub mod export;
+pub mod mesh;
 pub mod refine;
+pub mod run;
+pub mod values;

@@ -1,7 +1,7 @@
-//! `--resolution`: a garment made finer than its file. `--detail-map`: what only the finer mesh shows, as a normal map in its
-//! material.
+//! `--resolution`: a garment refined beyond its file. `--detail-map`: the wrinkles that only the refined mesh resolves, as
+//! a normal map in the material of the garment.
 
-use crate::cli::args::common::positive;
+use crate::cli::args::values::positive;
 use crate::cli::files::output::Outputs;
 use clap::builder::RangedU64ValueParser;
 use crease::Result;
@@ -10,15 +10,15 @@ use crease::io::gltf::{DETAIL_MAP_SIZES, DetailInput, add_detail_map};
 use crease::report::DetailReport;
 use std::path::{Path, PathBuf};
 
-/// What is wanted of finer meshes.
+/// Resolution and detail maps.
 #[derive(Debug, clap::Args)]
 pub struct RefineArgs {
-    /// Work at about this edge length, finer than the file (on a body: where it moves) [mm]; the file's own vertices keep
-    /// number and place
+    /// Refine the mesh to about this edge length [mm] (on a body: where the body can move it); the vertices of the file
+    /// keep their number and position
     #[arg(long, value_name = "MM", value_parser = positive)]
     resolution: Option<f64>,
-    /// Put what only the finer mesh of --resolution shows into a normal map of so many texels a side [2048 if no number is
-    /// given], in the material of OUT.glb
+    /// Write wrinkles that only the refined mesh resolves into a normal map of TEXELS x TEXELS [2048 if no number is
+    /// given] in the material of OUT.glb
     #[arg(
         long,
         value_name = "TEXELS",
@@ -29,7 +29,7 @@ pub struct RefineArgs {
         value_parser = side()
     )]
     detail_map: Option<u64>,
-    /// Also write the height of the fine wrinkles over the file's own triangles, as OUT.height.png
+    /// Also write the height of these wrinkles over the triangles of the file, as OUT.height.png
     #[arg(long, requires = "detail_map")]
     height_map: bool,
 }
@@ -38,47 +38,71 @@ fn side() -> RangedU64ValueParser {
     RangedU64ValueParser::new().range(*DETAIL_MAP_SIZES.start() as u64..=*DETAIL_MAP_SIZES.end() as u64)
 }
 
-/// A garment that was made finer than its file.
+/// Outcome of refining a garment.
 #[derive(Debug)]
-pub struct Finer {
-    /// In words.
-    pub told: String,
-    /// The garment as the file has it, and the triangle of it that each of the finer ones lies on; none where the file was fine
-    /// enough.
-    pub coarse: Option<(Garment, Vec<u32>)>,
+pub struct Refinement {
+    /// Description for the report.
+    pub note: String,
+    /// Garment of the file; `None` where it was fine enough.
+    pub coarse: Option<CoarseGarment>,
 }
 
-impl Finer {
-    /// What the wear of the finer garment has beyond the file.
+/// Garment as its file has it, before refining.
+#[derive(Debug)]
+pub struct CoarseGarment {
+    /// The garment.
+    pub garment: Garment,
+    /// Per triangle of the refined garment: the triangle of the file that contains it.
+    pub parent: Vec<u32>,
+}
+
+impl Refinement {
+    /// Returns the wrinkles of the refined garment `fine` that its file cannot show; `None` if it was not refined.
     pub fn detail<'a>(&'a self, fine: &'a Garment, worn: &'a WornGarment) -> Option<DetailInput<'a>> {
-        let (coarse, parent) = self.coarse.as_ref()?;
-        Some(DetailInput { coarse, fine, parent, worn })
+        let CoarseGarment { garment, parent } = self.coarse.as_ref()?;
+        Some(DetailInput { coarse: garment, fine, parent, worn })
     }
+}
+
+/// A worn glTF with its detail maps.
+#[derive(Debug, Default)]
+pub struct DetailedGlb {
+    /// Bytes of the glTF.
+    pub glb: Vec<u8>,
+    /// One report per map.
+    pub reports: Vec<DetailReport>,
+    /// Warnings.
+    pub notes: Vec<String>,
 }
 
 impl RefineArgs {
-    /// Makes `garment` finer, if that is wanted: around the points that `wanted` flags, one flag per point; empty for all.
-    pub fn refine(&self, garment: &mut Garment, wanted: impl FnOnce(&Garment) -> Vec<bool>) -> Option<Finer> {
+    /// Refines `garment` if `--resolution` was given, around the points that `selected` flags: one flag per point, or none
+    /// for the whole garment.
+    pub fn refine(
+        &self,
+        garment: &mut Garment,
+        selected: impl FnOnce(&Garment) -> Vec<bool>,
+    ) -> Option<Refinement> {
         let mm = self.resolution?;
         let edge = garment.mean_edge();
-        let wanted = wanted(garment);
-        let finer = garment.refine(1e-3 * mm, &wanted);
-        let (before, after) = (garment.points.len(), finer.garment.points.len());
+        let selected = selected(garment);
+        let refined = garment.refine(1e-3 * mm, &selected);
+        let (before, after) = (garment.points.len(), refined.garment.points.len());
         if after == before {
-            let told = format!(
-                "resolution: the file is as fine as {mm} mm already ({:.1} mm on average)",
+            let note = format!(
+                "resolution: the edges of the file are not longer than {mm} mm ({:.1} mm on average)",
                 1e3 * edge
             );
-            return Some(Finer { told, coarse: None });
+            return Some(Refinement { note, coarse: None });
         }
-        let place = if wanted.is_empty() { "" } else { " where the body stirs it" };
-        let told = format!("resolution: {after} points instead of {before}, edges of about {mm} mm{place}");
-        let coarse = std::mem::replace(garment, finer.garment);
-        Some(Finer { told, coarse: Some((coarse, finer.parent)) })
+        let region = if selected.is_empty() { "" } else { " where the body can move it" };
+        let note = format!("resolution: {after} points instead of {before}, edges of about {mm} mm{region}");
+        let coarse = std::mem::replace(garment, refined.garment);
+        Some(Refinement { note, coarse: Some(CoarseGarment { garment: coarse, parent: refined.parent }) })
     }
 
-    /// The worn file with its maps, pictures that go beside it, and what there is to tell; `detail` is none where the file
-    /// was fine enough.
+    /// Adds detail maps to the worn glTF `glb`, and the pictures that go beside it to `outputs`. `detail` is `None` where the
+    /// garment was not refined.
     pub fn add(
         &self,
         worn: &Path,
@@ -86,20 +110,17 @@ impl RefineArgs {
         asset: &SourceAsset,
         detail: Option<DetailInput>,
         glb: Vec<u8>,
-    ) -> Result<(Vec<u8>, Vec<DetailReport>, Vec<String>)> {
-        let Some(side) = self.detail_map else { return Ok((glb, Vec::new(), Vec::new())) };
+    ) -> Result<DetailedGlb> {
+        let Some(side) = self.detail_map else { return Ok(DetailedGlb { glb, ..DetailedGlb::default() }) };
         let Some(detail) = detail else {
-            return Ok((
-                glb,
-                Vec::new(),
-                vec!["no detail map: the garment was not made finer than its file".into()],
-            ));
+            let notes = vec!["no detail map: the garment was not refined".to_owned()];
+            return Ok(DetailedGlb { glb, notes, ..DetailedGlb::default() });
         };
         let detailed = add_detail_map(&glb, asset, &detail, side as usize)?;
-        let mut told = Vec::new();
+        let mut reports = Vec::new();
         for (k, map) in detailed.maps.iter().enumerate() {
-            let beside = |what: &str| numbered(worn, what, k, detailed.maps.len());
-            let mut report = DetailReport::of(map, side);
+            let beside = |kind: &str| map_path(worn, kind, k, detailed.maps.len());
+            let mut report = DetailReport::new(map, side);
             if !map.in_material {
                 let path = beside("normal");
                 outputs.add(&path, &map.normal_png)?;
@@ -110,16 +131,16 @@ impl RefineArgs {
                 outputs.add(&path, &map.height_png)?;
                 report.height_map = name_of(&path);
             }
-            told.push(report);
+            reports.push(report);
         }
-        Ok((detailed.glb, told, detailed.notes))
+        Ok(DetailedGlb { glb: detailed.glb, reports, notes: detailed.notes })
     }
 }
 
-/// OUT.normal.png, or OUT.normal.2.png where there are several.
-fn numbered(worn: &Path, what: &str, k: usize, count: usize) -> PathBuf {
-    let ending = if count > 1 { format!("{what}.{}.png", k + 1) } else { format!("{what}.png") };
-    worn.with_extension(ending)
+/// Returns OUT.normal.png for the only map, OUT.normal.2.png for the second of several.
+fn map_path(worn: &Path, kind: &str, k: usize, count: usize) -> PathBuf {
+    let extension = if count > 1 { format!("{kind}.{}.png", k + 1) } else { format!("{kind}.png") };
+    worn.with_extension(extension)
 }
 
 fn name_of(path: &Path) -> Option<String> {

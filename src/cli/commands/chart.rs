@@ -1,4 +1,4 @@
-//! `crease chart`: what crease does, measured and drawn beside what is known by other means.
+//! `crease chart`: measurements of crease, drawn beside reference data.
 
 use crate::cli::files::input;
 use crate::cli::files::output::Outputs;
@@ -12,28 +12,30 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 #[command(after_help = list())]
 pub struct Arguments {
-    /// Which chart; the list is below
+    /// Name of the chart, listed below
     #[arg(value_parser = clap::builder::PossibleValuesParser::new(Chart::list().map(|(name, _)| name)), hide_possible_values = true)]
     name: String,
-    /// Folder for NAME.svg, NAME.png, NAME.csv and NAME.json; made if it does not exist
+    /// Folder for NAME.svg, NAME.png, NAME.csv and NAME.json; created if it is missing
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// Fabric of charts that show one: a name from `crease fabric list`, or a fabric file
+    /// Fabric of charts of a single fabric: a name from `crease fabric list`, or a fabric file
     #[arg(long, value_name = "NAME|FILE", default_value = DEFAULT_FABRIC)]
     fabric: String,
-    /// Runs of every timed scene, all in one process; medians are shown
+    /// Runs of every timed scene, in one process; medians are reported
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u8).range(1..))]
     runs: u8,
-    /// With the scenes that take long
+    /// Include scenes with a long run time
     #[arg(long)]
     full: bool,
 }
 
+/// Returns the list of charts for the help.
 fn list() -> String {
     let lines = Chart::list().map(|(name, what)| format!("  {name:<12}{what}\n"));
     format!("Charts:\n{}", lines.collect::<String>())
 }
 
+/// Runs the command.
 pub fn run(arguments: Arguments) -> Result<()> {
     use_threads(None)?;
     let options = ChartOptions {
@@ -41,7 +43,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
         runs: arguments.runs.into(),
         full: arguments.full,
     };
-    let folder = Folder::at(&arguments.output)?;
+    let folder = OutputFolder::create(&arguments.output)?;
     let chart = Chart::make(&arguments.name, &options)?;
     let mut outputs = Outputs::new([]);
     for (ending, bytes) in chart.files()? {
@@ -49,39 +51,40 @@ pub fn run(arguments: Arguments) -> Result<()> {
     }
     outputs.commit()?;
     folder.keep();
-    chart.notes.iter().for_each(|note| console::say(note));
+    chart.notes.iter().for_each(|note| console::message(note));
     Ok(())
 }
 
-/// The folder of the outputs; taken away again if it was made for a chart that failed.
-struct Folder<'a> {
-    made: Option<&'a Path>,
+/// Folder of the outputs. If the command created it, it is removed again when the chart fails.
+struct OutputFolder<'a> {
+    /// Path, if the command created the folder and has not succeeded yet.
+    created: Option<&'a Path>,
 }
 
-impl<'a> Folder<'a> {
-    fn at(path: &'a Path) -> Result<Self> {
+impl<'a> OutputFolder<'a> {
+    fn create(path: &'a Path) -> Result<Self> {
         if path.is_dir() {
-            return Ok(Self { made: None });
+            return Ok(Self { created: None });
         }
-        let fault = |what: String, cure| Error::input(input::name_of(path), "", what, cure);
+        let error = |message: String, help| Error::input(input::name_of(path), "", message, help);
         if path.exists() {
-            return Err(fault("is not a folder".into(), "name a folder"));
+            return Err(error("is not a folder".into(), "name a folder"));
         }
         std::fs::create_dir(path).map_err(|e| {
-            fault(format!("cannot be made: {e}"), "make the folder it lies in, or choose another place")
+            error(format!("cannot be made: {e}"), "make the parent folder, or choose another path")
         })?;
-        Ok(Self { made: Some(path) })
+        Ok(Self { created: Some(path) })
     }
 
     fn keep(mut self) {
-        self.made = None;
+        self.created = None;
     }
 }
 
-impl Drop for Folder<'_> {
+impl Drop for OutputFolder<'_> {
     fn drop(&mut self) {
-        if let Some(path) = self.made {
-            // Only an empty folder goes.
+        if let Some(path) = self.created {
+            // Fails, as it should, if the folder is not empty.
             let _ = std::fs::remove_dir(path);
         }
     }

@@ -1,10 +1,11 @@
-//! `crease completions` and `crease man`: made from the same definition that the command line is parsed by, so that
-//! they cannot say anything else.
+//! `crease completions` and `crease man`: shell completions and manual, generated from the definition that the command
+//! line is parsed by.
 
+use crate::cli::commands::reference;
 use crate::cli::files::input::name_of;
 use crate::cli::files::output::Outputs;
 use crate::cli::runtime::console;
-use clap::CommandFactory;
+use clap::Command;
 use clap_complete::Shell;
 use crease::{Error, Result};
 use std::path::{Path, PathBuf};
@@ -15,7 +16,7 @@ use std::path::{Path, PathBuf};
   crease completions zsh  > ~/.zfunc/_crease
   crease completions fish > ~/.config/fish/completions/crease.fish")]
 pub struct Arguments {
-    /// Which shell
+    /// Shell
     #[arg(value_enum)]
     shell: Shell,
 }
@@ -28,17 +29,24 @@ pub struct ManArguments {
     /// Folder for crease.1 and one page per command [default: crease.1 on standard output]
     #[arg(long, value_name = "DIR")]
     to: Option<PathBuf>,
+    /// Print the reference of all commands as Markdown
+    #[arg(long, hide = true, conflicts_with = "to")]
+    markdown: bool,
 }
 
-pub fn run(arguments: Arguments) -> Result<()> {
+/// Prints the completions of `command`.
+pub fn run(arguments: Arguments, mut command: Command) -> Result<()> {
     let mut text = Vec::new();
-    clap_complete::generate(arguments.shell, &mut crate::cli::Arguments::command(), "crease", &mut text);
+    clap_complete::generate(arguments.shell, &mut command, "crease", &mut text);
     console::data(&String::from_utf8_lossy(&text))
 }
 
-pub fn run_man(arguments: ManArguments) -> Result<()> {
-    let mut command = crate::cli::Arguments::command();
+/// Prints or writes the manual of `command`.
+pub fn run_man(arguments: ManArguments, mut command: Command) -> Result<()> {
     command.build();
+    if arguments.markdown {
+        return console::data(&reference::markdown(&command));
+    }
     let Some(folder) = arguments.to else { return console::data(&page(command)) };
     if !folder.is_dir() {
         return Err(Error::input(name_of(&folder), "", "there is no such folder", "make it first"));
@@ -48,7 +56,7 @@ pub fn run_man(arguments: ManArguments) -> Result<()> {
     outputs.commit()
 }
 
-fn add_pages(outputs: &mut Outputs, folder: &Path, command: &clap::Command) -> Result<()> {
+fn add_pages(outputs: &mut Outputs, folder: &Path, command: &Command) -> Result<()> {
     let name = command.get_display_name().unwrap_or_else(|| command.get_name()).to_owned();
     outputs.add(&folder.join(format!("{name}.1")), page(command.clone()).as_bytes())?;
     for sub in command.get_subcommands().filter(|sub| sub.get_name() != "help") {
@@ -57,7 +65,7 @@ fn add_pages(outputs: &mut Outputs, folder: &Path, command: &clap::Command) -> R
     Ok(())
 }
 
-fn page(command: clap::Command) -> String {
+fn page(command: Command) -> String {
     let mut text = Vec::new();
     // Writing to memory does not fail.
     let _ = clap_mangen::Man::new(command).render(&mut text);

@@ -1,6 +1,6 @@
-//! `crease fabric`: the fabrics that come along.
+//! `crease fabric`: the built-in fabrics.
 
-use crate::cli::args::common::html_path;
+use crate::cli::args::values::html_path;
 use crate::cli::files::input;
 use crate::cli::files::output::Outputs;
 use crate::cli::runtime::console;
@@ -21,23 +21,24 @@ pub struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// One line per fabric that comes along
+    /// List the built-in fabrics, one per line
     List {
-        /// As JSON: a list of fabrics in full
+        /// Print the full data of all fabrics as JSON
         #[arg(long)]
         json: bool,
-        /// Also write a page with a swatch of each
+        /// Also write a page with a swatch of each fabric
         #[arg(long, value_name = "OUT.html", value_parser = html_path)]
         swatches: Option<PathBuf>,
     },
-    /// A fabric in full, as a file to start one of your own from
+    /// Print a fabric as a file, to be edited into a new one
     Show {
-        /// Name of a fabric that comes along, or a fabric file
+        /// Name of a built-in fabric, or a fabric file
         #[arg(value_name = "NAME|FILE")]
         fabric: String,
     },
 }
 
+/// Runs the command.
 pub fn run(arguments: Arguments) -> Result<()> {
     match arguments.command {
         Command::List { json, swatches } => {

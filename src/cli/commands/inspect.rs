@@ -1,6 +1,6 @@
-//! `crease inspect`: what is in a mesh file, what would be repaired, what would be refused.
+//! `crease inspect`: content of a mesh file, with the repairs and errors that a bake would report.
 
-use crate::cli::args::common::MeshReading;
+use crate::cli::args::mesh::MeshArgs;
 use crate::cli::files::mesh_file::MeshFile;
 use crate::cli::runtime::console;
 use crease::Result;
@@ -16,14 +16,16 @@ pub struct Arguments {
     /// Mesh file: .obj, .gltf or .glb
     mesh: PathBuf,
     #[command(flatten)]
-    reading: MeshReading,
-    /// Findings as JSON
+    reading: MeshArgs,
+    /// Print the result as JSON
     #[arg(long)]
     json: bool,
 }
 
+/// Runs the command.
 pub fn run(arguments: Arguments) -> Result<()> {
-    let MeshFile { asset, garment, findings } = MeshFile::read(&arguments.mesh, &arguments.reading)?;
+    let MeshFile { asset, garment, findings } =
+        MeshFile::read(&arguments.mesh, &arguments.reading.options())?;
     let mut inspection = crease::garment::inspect(&asset, &garment, &findings);
     inspection.crossings_at_start = Some(self_intersections(&garment.points, &garment.triangles).len());
     match arguments.json {

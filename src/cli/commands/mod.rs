@@ -1,4 +1,4 @@
-//! The commands: one file each, from arguments over options and a library call to files.
+//! The commands, one file or folder each: from arguments to options, a library call, and files.
 
 pub mod bake;
 pub mod batch;
@@ -6,10 +6,12 @@ pub mod batch;
 pub mod chart;
 pub mod completions;
 pub mod fabric;
+pub mod from_motion;
 pub mod inspect;
-pub mod remember;
+mod reference;
 pub mod render;
 pub mod schema;
 pub mod transfer;
 #[cfg(feature = "viewer")]
 pub mod view;
+mod worn_job;

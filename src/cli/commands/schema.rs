@@ -1,4 +1,4 @@
-//! `crease schema`: the JSON Schema of a file format, for editors and other programs.
+//! `crease schema`: JSON Schema of a file format, for editors and other programs.
 
 use crate::cli::commands::batch::JobFile;
 use crate::cli::runtime::console;
@@ -14,11 +14,12 @@ use crease::wear::WearScript;
 #[command(after_help = "Examples:
   crease schema wear > wear.schema.json")]
 pub struct Arguments {
-    /// Which format
+    /// File format
     #[arg(value_enum, value_name = "FORMAT")]
     format: Format,
 }
 
+/// File formats with a schema.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Format {
     /// Wear script, crease-wear/1
@@ -33,10 +34,11 @@ enum Format {
     TransferReport,
     /// Job file of `crease batch`, crease-batch/1
     Batch,
-    /// Landmarks of `crease transfer`, crease-landmarks/1
+    /// Landmark file of `crease transfer`, crease-landmarks/1
     Landmarks,
 }
 
+/// Runs the command.
 pub fn run(arguments: Arguments) -> Result<()> {
     let schema = match arguments.format {
         Format::Wear => WearScript::schema(),

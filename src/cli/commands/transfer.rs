@@ -1,22 +1,20 @@
-//! `crease transfer`: memory that one garment earned, on another. Reads sidecars and a mesh, settles the mesh with what
-//! came over; writes the worn garment, its sidecar and the report, all or none.
+//! `crease transfer`: transfer of memory to another garment. Reads sidecars and a mesh, relaxes the mesh with the
+//! transferred memory; writes the worn garment, its sidecar and the report, all or none.
 
-use crate::cli::args::common::{MeshReading, glb_path};
-use crate::cli::args::export;
-use crate::cli::args::export::ExportArgs;
-use crate::cli::args::refine::{Finer, RefineArgs};
-use crate::cli::commands::bake::{BakeOutputs, merged};
+use crate::cli::args::export::{ExportArgs, print_checks};
+use crate::cli::args::mesh::MeshArgs;
+use crate::cli::args::refine::{CoarseGarment, RefineArgs, Refinement};
+use crate::cli::args::run::RunArgs;
+use crate::cli::args::values::glb_path;
+use crate::cli::commands::worn_job::{SideFiles, WornJob, WornResult};
 use crate::cli::files::input;
 use crate::cli::files::mesh_file::MeshFile;
-use crate::cli::files::output::Outputs;
 use crate::cli::runtime::console;
-use crate::cli::runtime::threads::use_threads;
 use clap::ValueEnum;
 use crease::bake::{RelaxResult, relax};
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
 use crease::garment::WornGarment;
-use crease::io::gltf::write_worn_glb;
-use crease::io::{Landmarks, Sidecar, read_sidecar, write_sidecar};
+use crease::io::{Landmarks, ReadOptions, Sidecar, read_sidecar};
 use crease::mesh::intersections::self_intersections;
 use crease::report::{CarriedSource, TransferReport, crossing_counts};
 use crease::transfer::{
@@ -24,109 +22,104 @@ use crease::transfer::{
 };
 use crease::{Error, Result};
 use serde_json::{Value, json};
-use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Memories to carry over, as `crease bake` wrote them; several lie on one another
+    /// Sidecars of the memory to transfer, as written by `crease bake`; several are added up
     #[arg(required = true, value_name = "SIDECAR")]
     sidecars: Vec<PathBuf>,
-    /// Garment they go to: .obj, .gltf or .glb
+    /// Target garment: .obj, .gltf or .glb
     #[arg(long, value_name = "MESH")]
     to: PathBuf,
     /// Worn garment to write; OUT.crease.json and OUT.report.json go beside it
     #[arg(short, long, value_name = "OUT.glb", value_parser = glb_path)]
     output: PathBuf,
     /// How points of both garments are matched
-    #[arg(long = "match", alias = "by", value_enum, default_value_t = Matching::Auto)]
-    match_by: Matching,
-    /// How garments are laid over one another before places are matched by surface
-    #[arg(long, value_enum, default_value_t = Laying::Auto)]
-    align: Laying,
-    /// Places of both garments that belong together (`crease schema landmarks`); they lay one over the other
+    #[arg(long = "match", alias = "by", value_enum, default_value_t = MatchArg::Auto)]
+    match_by: MatchArg,
+    /// How the source is aligned with the target before points are matched by surface
+    #[arg(long, value_enum, default_value_t = AlignArg::Auto)]
+    align: AlignArg,
+    /// File of corresponding points of both garments (`crease schema landmarks`), by which the source is aligned
     #[arg(long, value_name = "FILE", conflicts_with = "align")]
     landmarks: Option<PathBuf>,
-    /// Multiplies every change: 0 for none, 1 as it is
+    /// Factor on every change of the rest state: 0 for none, 1 for the full change
     #[arg(long, value_name = "S", value_parser = strength, default_value_t = 1.0)]
     strength: f64,
-    /// Vertex attribute of MESH that scales what is carried, 0 to 1: COLOR_0, COLOR_0.g, _MASK, ...
+    /// Vertex attribute of MESH that scales the transferred memory, 0 to 1: COLOR_0, COLOR_0.g, _MASK, ...
     #[arg(long, value_name = "ATTRIBUTE")]
     mask: Option<String>,
-    /// Carry only creases (rest angles, stiffness) or only bagging (rest lengths) [default: both]
+    /// Transfer only creases (rest angles, stiffness) or only bagging (rest lengths) [default: both]
     #[arg(long, value_enum)]
     only: Option<Only>,
     /// Mirror the memory left to right
     #[arg(long, value_enum, value_name = "AXIS")]
     mirror: Option<Axis>,
-    /// What MESH is made of: a name of `crease fabric list`, or a fabric file [default: the fabric of the first sidecar]
+    /// Fabric of MESH: a name of `crease fabric list`, or a fabric file [default: the fabric of the first sidecar]
     #[arg(long, value_name = "NAME|FILE")]
     fabric: Option<String>,
     #[command(flatten)]
-    reading: MeshReading,
+    reading: MeshArgs,
     #[command(flatten)]
-    finer: RefineArgs,
+    refine: RefineArgs,
     #[command(flatten)]
     export: ExportArgs,
-    /// Worker threads [default: all cores]. Results are bit-identical for any value.
-    #[arg(long, value_name = "N")]
-    threads: Option<NonZeroUsize>,
-    /// The report on standard output
-    #[arg(long)]
-    json: bool,
-    /// Errors only
-    #[arg(long)]
-    quiet: bool,
+    #[command(flatten)]
+    run: RunArgs,
 }
 
+/// Values of `--match`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Matching {
-    /// By texture where both textures agree, else by surface; the same mesh number by number
+enum MatchArg {
+    /// MatchBy texture coordinates where both textures agree, else by surface; by vertex number for the same mesh
     Auto,
-    /// By texture coordinates
+    /// MatchBy texture coordinates
     Uv,
-    /// By place on the surface, boxes laid over one another
+    /// MatchBy position on the surface, after alignment
     Surface,
-    /// Number by number; refused unless the mesh is the same
+    /// MatchBy vertex number; refused unless the mesh is the same
     Same,
 }
 
+/// Values of `--align`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Laying {
-    /// As they stand, if most of MESH lies close to the source there; else by joints, else by their boxes
+enum AlignArg {
+    /// None if most of MESH is close to the source, else by joints, else by bounding boxes
     Auto,
-    /// By the joints of one skeleton that both follow
+    /// MatchBy the joints of a skeleton that both garments are bound to
     Joints,
-    /// The source's box becomes that of MESH
+    /// Map the bounding box of the source to that of MESH
     Box,
     /// No alignment: both garments keep the coordinates of their files, as garments of one body do
     #[value(alias = "place")]
     None,
 }
 
-impl From<Laying> for Align {
-    fn from(laying: Laying) -> Self {
-        match laying {
-            Laying::Auto => Self::Auto,
-            Laying::Joints => Self::Joints,
-            Laying::Box => Self::Box,
-            Laying::None => Self::InPlace,
+impl From<AlignArg> for Align {
+    fn from(argument: AlignArg) -> Self {
+        match argument {
+            AlignArg::Auto => Self::Auto,
+            AlignArg::Joints => Self::Joints,
+            AlignArg::Box => Self::Box,
+            AlignArg::None => Self::InPlace,
         }
     }
 }
 
-impl From<Matching> for MatchBy {
-    fn from(matching: Matching) -> Self {
-        match matching {
-            Matching::Auto => Self::Auto,
-            Matching::Uv => Self::Uv,
-            Matching::Surface => Self::Surface,
-            Matching::Same => Self::Same,
+impl From<MatchArg> for MatchBy {
+    fn from(argument: MatchArg) -> Self {
+        match argument {
+            MatchArg::Auto => Self::Auto,
+            MatchArg::Uv => Self::Uv,
+            MatchArg::Surface => Self::Surface,
+            MatchArg::Same => Self::Same,
         }
     }
 }
 
+/// Values of `--only`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Only {
     /// Rest angles and stiffness
@@ -135,6 +128,7 @@ enum Only {
     Bagging,
 }
 
+/// Values of `--mirror`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Axis {
     /// Left to right
@@ -144,92 +138,83 @@ enum Axis {
 fn strength(text: &str) -> std::result::Result<f64, String> {
     match text.parse::<f64>() {
         Ok(number) if number >= 0.0 && number.is_finite() => Ok(number),
-        _ => Err("expected a number from 0 up".to_owned()),
+        _ => Err("expected a number of at least 0".to_owned()),
     }
 }
 
 impl Arguments {
-    fn transfer<'a>(&self, job: &'a Job, target: &'a GarmentSurface) -> Transfer<'a> {
+    fn transfer<'a>(&self, input: &'a TransferInput, target: &'a GarmentSurface) -> Transfer<'a> {
         let channels =
             Channels { creases: self.only != Some(Only::Bagging), bagging: self.only != Some(Only::Creases) };
-        Transfer::between(&job.sources, target)
-            .target_joints(&job.mesh.asset)
+        Transfer::between(&input.sources, target)
+            .target_joints(&input.mesh.asset)
             .match_by(self.match_by.into())
             .align(self.align.into())
-            .landmarks(job.landmarks.clone())
+            .landmarks(input.landmarks.clone())
             .strength(self.strength)
-            .mask(job.mesh.garment.memory_mask.clone())
+            .mask(input.mesh.garment.memory_mask.clone())
             .channels(channels)
             .mirror_x(self.mirror.is_some())
     }
 }
 
+/// Runs the command.
 pub fn run(arguments: Arguments) -> Result<()> {
-    let began = Instant::now();
-    use_threads(arguments.threads)?;
-    let files = BakeOutputs::beside(&arguments.output);
+    let side_files = SideFiles { export: Some(&arguments.export), ..SideFiles::default() };
     let sidecars = arguments.sidecars.iter().map(PathBuf::as_path);
     let inputs = sidecars.chain([arguments.to.as_path()]).chain(arguments.landmarks.as_deref());
-    let mut outputs = Outputs::new(inputs);
-    for path in files.paths() {
-        outputs.check(path)?;
-    }
-    arguments.export.check(&files.worn, &outputs)?;
-    let mut job = Job::read(&arguments)?;
-    let mut warnings = job.mesh.repairs();
-    warnings.extend(job.refined.as_ref().map(|finer| finer.told.clone()));
-    warnings.extend(job.mesh.embed_images(&arguments.to));
-    let garment = &job.mesh.garment;
-    let target = job.target();
-    let carried = arguments.transfer(&job, &target).run()?;
+    let mut job = WornJob::start(&arguments.run, &arguments.output, inputs, side_files)?;
+    let mut input = TransferInput::read(&arguments)?;
+    job.accept_mesh(&mut input.mesh, &arguments.to, input.refinement.as_ref());
+    job.inputs_read();
+    let garment = &input.mesh.garment;
+    let target = input.target();
+    let carried = arguments.transfer(&input, &target).run()?;
     let start = self_intersections(&garment.points, &garment.triangles);
-    let RelaxResult { displacement, warnings: more, unconverged_reason, .. } = job.settled(&carried);
-    warnings.extend(more);
+    let RelaxResult { displacement, warnings, unconverged_reason, .. } = input.relaxed(&carried);
+    job.warn(warnings);
     let worn = WornGarment { displacement, memory: carried.memory.clone() };
 
+    let computed = Instant::now();
     let counts = crossing_counts(garment, &worn, &start);
-    let mut report = TransferReport {
+    let report = TransferReport {
         points: garment.points.len(),
         triangles: garment.triangles.len(),
-        crossings: counts.made,
+        crossings: counts.added,
         crossings_at_start: counts.at_start,
-        sources: job.carried_sources(&carried),
-        ..TransferReport::of(&carried, &target)
+        sources: input.carried_sources(&carried),
+        ..TransferReport::of_transfer(&carried, &target)
     };
-    report.warnings.extend(warnings);
-    let glb = write_worn_glb(&job.mesh.asset, garment, &worn, &files.extras())?;
-    let detail = job.refined.as_ref().and_then(|finer| finer.detail(garment, &worn));
-    let (glb, maps, notes) = arguments.finer.add(&files.worn, &mut outputs, &job.mesh.asset, detail, glb)?;
-    report.detail_maps = maps;
-    report.warnings.extend(notes);
-    outputs.add(&files.worn, &glb)?;
-    let sidecar = job.sidecar(&arguments, &worn, &carried, &report)?;
-    outputs.add(&files.sidecar, &write_sidecar(&sidecar))?;
-    let asset = &job.mesh.asset;
-    report.exports = arguments.export.add(&files.worn, &mut outputs, asset, garment, &worn, &job.fabric)?;
-    report.wall_s = began.elapsed().as_secs_f64();
-    outputs.add(&files.report, report.to_json().as_bytes())?;
-    outputs.commit()?;
-    tell(&arguments, &files, &report)?;
-    unconverged_reason.map_or(Ok(()), |what| Err(Error::NotConverged(what)))
+    let sidecar = input.sidecar(&arguments, &worn, &carried, &report)?;
+    let result = WornResult {
+        mesh: &input.mesh,
+        worn: &worn,
+        fabric: &input.fabric,
+        sidecar: &sidecar,
+        side_files: SideFiles { detail: Some((&arguments.refine, input.refinement.as_ref())), ..side_files },
+        computed,
+    };
+    job.write(&result, report)?.print(print_summary)?;
+    unconverged_reason.map_or(Ok(()), |reason| Err(Error::NotConverged(reason)))
 }
 
-/// What a transfer is made from, read and checked.
-struct Job {
+/// Inputs of a transfer, read and checked.
+struct TransferInput {
     mesh: MeshFile,
-    /// What `--resolution` did.
-    refined: Option<Finer>,
+    /// Outcome of `--resolution`.
+    refinement: Option<Refinement>,
     sources: Vec<TransferSource>,
     sidecars: Vec<Sidecar>,
     fabric: Fabric,
-    /// Source and target place of each [m].
+    /// Source and target position of each landmark [m].
     landmarks: Vec<PointPair>,
 }
 
-impl Job {
-    /// Reads everything, and reports the faults of all files in one go.
+impl TransferInput {
+    /// Reads all files. The errors of all of them are reported together.
     fn read(arguments: &Arguments) -> Result<Self> {
-        let mesh = MeshFile::read_masked(&arguments.to, &arguments.reading, arguments.mask.clone());
+        let options = ReadOptions { mask: arguments.mask.clone(), ..arguments.reading.options() };
+        let mesh = MeshFile::read(&arguments.to, &options);
         let (mut sources, mut sidecars, mut errors) = (Vec::new(), Vec::new(), Vec::new());
         for path in &arguments.sidecars {
             match read_source(path) {
@@ -251,20 +236,20 @@ impl Job {
         });
         match (mesh, fabric, landmarks) {
             (Ok(mut mesh), Ok(fabric), Ok(landmarks)) if errors.is_empty() => {
-                let refined = arguments.finer.refine(&mut mesh.garment, |_| Vec::new());
-                Ok(Self { mesh, refined, sources, sidecars, fabric, landmarks })
+                let refinement = arguments.refine.refine(&mut mesh.garment, |_| Vec::new());
+                Ok(Self { mesh, refinement, sources, sidecars, fabric, landmarks })
             }
-            (mesh, fabric, landmarks) => {
-                Err(merged([mesh.err(), fabric.err(), landmarks.err()].into_iter().flatten().chain(errors)))
-            }
+            (mesh, fabric, landmarks) => Err(input::merge_errors(
+                [mesh.err(), fabric.err(), landmarks.err()].into_iter().flatten().chain(errors),
+            )),
         }
     }
 
-    /// The surface that memory goes to.
+    /// Returns the surface that memory is transferred to.
     fn target(&self) -> GarmentSurface {
         let MeshFile { asset, garment, .. } = &self.mesh;
-        match self.refined.as_ref().and_then(|finer| finer.coarse.as_ref()) {
-            Some((coarse, parent)) => GarmentSurface::from_refined(
+        match self.refinement.as_ref().and_then(|refinement| refinement.coarse.as_ref()) {
+            Some(CoarseGarment { garment: coarse, parent }) => GarmentSurface::from_refined(
                 &GarmentSurface::from_garment(coarse, asset),
                 garment,
                 asset,
@@ -274,8 +259,8 @@ impl Job {
         }
     }
 
-    /// The target at rest with what came over. Numbers taken over as they are bring their shape along.
-    fn settled(&self, carried: &TransferResult) -> RelaxResult {
+    /// Relaxes the target with the transferred memory. Memory that was transferred unchanged keeps its shape.
+    fn relaxed(&self, carried: &TransferResult) -> RelaxResult {
         if carried.unchanged
             && let Some(sidecar) = self.sidecars.first()
         {
@@ -334,7 +319,7 @@ fn read_source(path: &Path) -> Result<(TransferSource, Sidecar)> {
     Ok((TransferSource::from_sidecar(&file, &sidecar)?, sidecar))
 }
 
-/// The fabric the memory was earned in.
+/// Returns the fabric of a sidecar.
 fn fabric_of(file: &str, sidecar: &Sidecar) -> Result<Fabric> {
     match &sidecar.fabric {
         Value::Null => Fabric::preset(DEFAULT_FABRIC),
@@ -342,28 +327,20 @@ fn fabric_of(file: &str, sidecar: &Sidecar) -> Result<Fabric> {
     }
 }
 
-fn tell(arguments: &Arguments, files: &BakeOutputs, report: &TransferReport) -> Result<()> {
-    if !arguments.quiet && !arguments.json {
-        report.warnings.iter().for_each(|warning| console::say(&format!("warning: {warning}")));
-        for source in &report.sources {
-            console::say(&format!(
-                "{}: by {}{}; {:.0} % of its creases left behind, {:.0} % of the target without a source",
-                source.file,
-                source.by,
-                source.aligned.as_ref().map(|by| format!(", laid over by {by}")).unwrap_or_default(),
-                100.0 * source.losses.lost_crease_fraction,
-                100.0 * source.losses.unmatched_target_fraction,
-            ));
-        }
-        export::tell(&report.exports);
-        console::say(&format!(
-            "{}: {} points, confidence {:.2}, {:.1} s; {} crossings",
-            files.worn.display(),
-            report.points,
-            report.confidence,
-            report.wall_s,
-            report.crossings,
+fn print_summary(worn: &str, report: &TransferReport) {
+    for source in &report.sources {
+        console::message(&format!(
+            "{}: matched by {}{}; {:.0} % of its creases lost, {:.0} % of the target unmatched",
+            source.file,
+            source.by,
+            source.aligned.as_ref().map(|by| format!(", aligned by {by}")).unwrap_or_default(),
+            100.0 * source.losses.lost_crease_fraction,
+            100.0 * source.losses.unmatched_target_fraction,
         ));
     }
-    if arguments.json { console::data(&report.to_json()) } else { Ok(()) }
+    print_checks(&report.exports);
+    console::message(&format!(
+        "{worn}: {} points, confidence {:.2}, {:.1} s; {} crossings",
+        report.points, report.confidence, report.wall_s, report.crossings,
+    ));
 }

@@ -1,7 +1,7 @@
-//! The checkpoint of a run on the disk, OUT.checkpoint: written after every action, now and then between, and when
-//! the run is asked to stop; always whole, under another name first. Gone when the results are there.
+//! The checkpoint file of a run, OUT.checkpoint: written after every action, at intervals within actions, and when the
+//! run is asked to stop. It is written under another name and then renamed, and removed when the results are written.
 //!
-//! A checkpoint that cannot be written (a full disk) is a warning: the run may still end well.
+//! Failure to write a checkpoint (a full disk) is only a warning, as the run itself may still succeed.
 
 use crate::cli::files::input;
 use crate::cli::runtime::console;
@@ -12,33 +12,35 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Short actions that follow one another faster than this share a checkpoint.
-const AFTER_ACTION: Duration = Duration::from_secs(1);
+/// Minimum time between checkpoints at action boundaries, so that short actions do not each write one.
+const MIN_ACTION_INTERVAL: Duration = Duration::from_secs(1);
 
-/// Keeps the latest checkpoint of one run.
+/// Writer of the latest checkpoint of one run.
 #[derive(Debug)]
 pub struct CheckpointFile {
     path: PathBuf,
-    every: Duration,
-    written: Instant,
-    /// The latest one, if it is not on the disk yet.
-    waiting: Option<Checkpoint>,
+    /// Minimum time between checkpoints within an action.
+    interval: Duration,
+    last_write: Instant,
+    /// Latest checkpoint, if it is not written yet.
+    pending: Option<Checkpoint>,
+    /// Whether a failure to write has been reported.
     failed: bool,
 }
 
 impl CheckpointFile {
-    /// Beside the worn garment `worn`; between actions at most once in `every`.
-    pub fn beside(worn: &Path, every: Duration) -> Self {
+    /// Creates the writer for the worn garment `worn`, with at most one checkpoint per `interval` within actions.
+    pub fn beside(worn: &Path, interval: Duration) -> Self {
         let path = worn.with_extension("checkpoint");
-        Self { path, every, written: Instant::now(), waiting: None, failed: false }
+        Self { path, interval, last_write: Instant::now(), pending: None, failed: false }
     }
 
-    /// Where it lies.
+    /// Path of the checkpoint file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// What an earlier run left, with its name for messages.
+    /// Reads the checkpoint of an earlier run and its file name for messages; `None` if there is none.
     pub fn read(&self) -> Result<Option<(String, Checkpoint)>> {
         if !self.path.exists() {
             return Ok(None);
@@ -48,45 +50,48 @@ impl CheckpointFile {
         Ok(Some((file, checkpoint)))
     }
 
-    /// Takes the next one.
-    pub fn keep(&mut self, now: Checkpoint) {
-        let wait = if now.position.is_before_action() { self.every.min(AFTER_ACTION) } else { self.every };
-        self.waiting = Some(now);
-        if self.written.elapsed() >= wait {
+    /// Accepts the next checkpoint and writes it if the interval has passed.
+    pub fn update(&mut self, now: Checkpoint) {
+        let wait = if now.position.is_before_action() {
+            self.interval.min(MIN_ACTION_INTERVAL)
+        } else {
+            self.interval
+        };
+        self.pending = Some(now);
+        if self.last_write.elapsed() >= wait {
             self.flush();
         }
     }
 
-    /// Writes the latest one if it is not on the disk yet.
+    /// Writes the latest checkpoint if it is not written yet.
     pub fn flush(&mut self) {
-        let Some(checkpoint) = self.waiting.take() else { return };
+        let Some(checkpoint) = self.pending.take() else { return };
         let written = self.write(&checkpoint.to_bytes());
-        self.written = Instant::now();
+        self.last_write = Instant::now();
         if let (Err(error), false) = (&written, self.failed) {
-            console::say(&format!(
-                "warning: {}: {error}; the run goes on without",
+            console::message(&format!(
+                "warning: {}: {error}; the run continues without checkpoints",
                 input::name_of(&self.path)
             ));
             self.failed = true;
         }
     }
 
-    /// Always the same other name, so that a run that is killed again and again does not fill the folder.
-    fn part(&self) -> PathBuf {
+    /// Temporary name; always the same, so that a run that is killed repeatedly does not fill the folder.
+    fn part_path(&self) -> PathBuf {
         self.path.with_extension("checkpoint-part")
     }
 
     fn write(&self, bytes: &[u8]) -> std::io::Result<()> {
-        let mut file = File::create(self.part())?;
+        let mut file = File::create(self.part_path())?;
         file.write_all(bytes)?;
         file.sync_all()?;
-        std::fs::rename(self.part(), &self.path)
+        std::fs::rename(self.part_path(), &self.path)
     }
 
-    /// The results are there: it is of no more use.
+    /// Removes the checkpoint of a finished run. Failures are ignored, since a leftover checkpoint does no harm.
     pub fn remove(&self) {
-        // Nobody is worse off if it stays: it is that of a finished run.
         let _ = std::fs::remove_file(&self.path);
-        let _ = std::fs::remove_file(self.part());
+        let _ = std::fs::remove_file(self.part_path());
     }
 }

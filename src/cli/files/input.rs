@@ -1,16 +1,16 @@
-//! Reads files whole, with messages a user can act on.
+//! Whole input files, with error messages a user can act on.
 
 use crease::fabric::Fabric;
 use crease::{Diagnostic, Error, Result};
 use std::io::ErrorKind;
 use std::path::Path;
 
-/// The path as the user wrote it, for messages.
+/// Returns `path` as the user wrote it, for messages.
 pub fn name_of(path: &Path) -> String {
     path.display().to_string()
 }
 
-/// Every byte of a file.
+/// Reads all bytes of a file.
 pub fn bytes(path: &Path) -> Result<Vec<u8>> {
     let file = name_of(path);
     if path.is_dir() {
@@ -21,13 +21,13 @@ pub fn bytes(path: &Path) -> Result<Vec<u8>> {
             Error::input(file, "", "there is no such file", "check the name and the folder")
         }
         ErrorKind::PermissionDenied => {
-            Error::input(file, "", "may not be read", "give yourself the right to read it")
+            Error::input(file, "", "permission denied", "make the file readable for this user")
         }
         _ => Error::File { file, source },
     })
 }
 
-/// A text file, which must be UTF-8.
+/// Reads a UTF-8 text file.
 pub fn text(path: &Path) -> Result<String> {
     String::from_utf8(bytes(path)?).map_err(|broken| {
         let at = broken.utf8_error().valid_up_to();
@@ -37,7 +37,7 @@ pub fn text(path: &Path) -> Result<String> {
     })
 }
 
-/// A fabric by the name of a preset, else by its file. `./NAME` means the file where both exist.
+/// Reads a fabric: a preset if `name` is one, otherwise a file. `./NAME` names the file where both exist.
 pub fn fabric(name: &str) -> Result<Fabric> {
     if Fabric::preset_names().contains(&name) {
         return Fabric::preset(name);
@@ -55,6 +55,18 @@ pub fn fabric(name: &str) -> Result<Fabric> {
         )),
         other => other,
     }
+}
+
+/// Merges the diagnostics of several errors into one error. An error without diagnostics takes precedence.
+pub fn merge_errors(errors: impl IntoIterator<Item = Error>) -> Error {
+    let mut diagnostics = Vec::new();
+    for error in errors {
+        match error {
+            Error::Input(more) => diagnostics.extend(more),
+            other => return other,
+        }
+    }
+    Error::Input(diagnostics)
 }
 
 #[cfg(test)]

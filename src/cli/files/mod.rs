@@ -1,7 +1,10 @@
 //! Reading and writing files: inputs with their names in messages, outputs written whole or not at all.
 
 pub mod checkpoints;
-pub mod frames;
+pub mod frame_folder;
+pub mod frame_sequence;
 pub mod input;
 pub mod mesh_file;
 pub mod output;
+pub mod view_file;
+pub mod worn_outputs;

@@ -1,5 +1,5 @@
-//! Output files whole or not at all: written beside their place under another name, and moved there together at the
-//! end. An interrupted or failed run leaves what was there before.
+//! Output files, written whole or not at all: under temporary names in the same folder, and renamed together at the end.
+//! An interrupted or failed run leaves existing files untouched.
 
 use crate::cli::files::input::name_of;
 use crease::{Error, Result};
@@ -8,38 +8,38 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// Files to be written together. Dropped without [`Outputs::commit`], it leaves nothing.
+/// Files to be written together. Dropping it without [`Outputs::commit`] discards them.
 #[derive(Debug)]
 pub struct Outputs {
-    /// Files that were read, and must not be written over.
+    /// Input files of the command, which must not be overwritten.
     inputs: Vec<PathBuf>,
-    waiting: Vec<Waiting>,
+    pending: Vec<PendingFile>,
 }
 
 #[derive(Debug)]
-struct Waiting {
+struct PendingFile {
     target: PathBuf,
     content: Content,
 }
 
 #[derive(Debug)]
 enum Content {
-    /// Complete, under another name in the same folder.
-    Beside(NamedTempFile),
-    /// For a target that is no ordinary file (a device, a pipe): moving a file there would replace it.
+    /// Complete file under a temporary name in the same folder.
+    Temporary(NamedTempFile),
+    /// Bytes for a device or a pipe, which renaming would replace.
     Direct(Vec<u8>),
 }
 
 impl Outputs {
-    /// No file yet; none may be one of `inputs`.
+    /// Creates an empty list of outputs, none of which may be one of `inputs`.
     pub fn new<'a>(inputs: impl IntoIterator<Item = &'a Path>) -> Self {
         let inputs = inputs.into_iter().filter_map(|path| path.canonicalize().ok()).collect();
-        Self { inputs, waiting: Vec::new() }
+        Self { inputs, pending: Vec::new() }
     }
 
-    /// Whether `path` can be written to: to be asked before a long run.
+    /// Checks that `path` can be written. To be called before a long run.
     pub fn check(&self, path: &Path) -> Result<()> {
-        let refuse = |what: &str, cure: &str| Err(Error::input(name_of(path), "", what, cure));
+        let refuse = |message: &str, help: &str| Err(Error::input(name_of(path), "", message, help));
         if path.is_dir() {
             return refuse("is a folder, cannot be written as a file", "name a file in it");
         }
@@ -52,33 +52,36 @@ impl Outputs {
         if !folder_of(path).is_dir() {
             return refuse("its folder does not exist", "make the folder first");
         }
-        // The only sure way to know whether a folder takes files; rights alone do not tell.
-        let is_file_to_be = !path.exists() || path.is_file();
-        if is_file_to_be && tempfile::tempfile_in(folder_of(path)).is_err() {
-            return refuse("its folder cannot be written to", "choose another folder, or mend its rights");
+        // Creating a file is the only reliable test; permissions alone do not suffice.
+        let is_ordinary_file = !path.exists() || path.is_file();
+        if is_ordinary_file && tempfile::tempfile_in(folder_of(path)).is_err() {
+            return refuse(
+                "its folder cannot be written to",
+                "choose another folder, or change its permissions",
+            );
         }
         Ok(())
     }
 
-    /// Writes `bytes` for `path`, to appear there on commit.
+    /// Adds the file `path` with the content `bytes`; it appears on commit.
     pub fn add(&mut self, path: &Path, bytes: &[u8]) -> Result<()> {
         self.check(path)?;
-        // Through a link to where it leads, so that the link stays.
+        // Symbolic links are followed, so that they stay links.
         let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
         let content = if target.exists() && !target.is_file() {
             Content::Direct(bytes.to_vec())
         } else {
-            Content::Beside(written_beside(&target, bytes).map_err(|source| failed(path, source))?)
+            Content::Temporary(write_temporary(&target, bytes).map_err(|source| failed(path, source))?)
         };
-        self.waiting.push(Waiting { target, content });
+        self.pending.push(PendingFile { target, content });
         Ok(())
     }
 
-    /// Moves every file to its place.
+    /// Renames all files to their final names.
     pub fn commit(self) -> Result<()> {
-        for Waiting { target, content } in self.waiting {
+        for PendingFile { target, content } in self.pending {
             match content {
-                Content::Beside(file) => file.persist(&target).map(drop).map_err(|e| e.error),
+                Content::Temporary(file) => file.persist(&target).map(drop).map_err(|e| e.error),
                 Content::Direct(bytes) => {
                     File::options().write(true).open(&target).and_then(|mut f| f.write_all(&bytes))
                 }
@@ -93,11 +96,11 @@ fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-fn written_beside(target: &Path, bytes: &[u8]) -> std::io::Result<NamedTempFile> {
+fn write_temporary(target: &Path, bytes: &[u8]) -> std::io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".crease-").suffix(".tmp");
-    // Temporary files are for their owner only unless told otherwise; outputs are ordinary files.
-    let permissions = target.metadata().map(|there| there.permissions()).ok().or_else(ordinary);
+    // Temporary files are private by default; outputs get ordinary permissions.
+    let permissions = target.metadata().map(|there| there.permissions()).ok().or_else(default_permissions);
     if let Some(permissions) = permissions.clone() {
         builder.permissions(permissions);
     }
@@ -107,15 +110,15 @@ fn written_beside(target: &Path, bytes: &[u8]) -> std::io::Result<NamedTempFile>
     Ok(file)
 }
 
-/// Read and write for all, less what the user's mask takes away.
+/// Permissions 666, from which the system subtracts the user's umask.
 #[cfg(unix)]
-fn ordinary() -> Option<Permissions> {
+fn default_permissions() -> Option<Permissions> {
     use std::os::unix::fs::PermissionsExt;
     Some(Permissions::from_mode(0o666))
 }
 
 #[cfg(not(unix))]
-fn ordinary() -> Option<Permissions> {
+fn default_permissions() -> Option<Permissions> {
     None
 }
 
@@ -167,10 +170,10 @@ mod tests {
         assert_eq!(std::fs::read(&input).expect("reads"), b"mesh");
     }
 
-    /// Not even its owner can put a file into /proc.
+    /// Nobody can create a file in /proc.
     #[cfg(target_os = "linux")]
     #[test]
-    fn a_folder_that_takes_no_files_is_found_out_beforehand() {
+    fn unwritable_folders_are_refused_beforehand() {
         let refusal = Outputs::new([]).check(Path::new("/proc/out.glb")).expect_err("is refused");
         assert!(refusal.to_string().contains("cannot be written to"), "{refusal}");
     }
@@ -195,7 +198,7 @@ mod tests {
         assert_eq!(std::fs::read(&real).expect("reads"), b"new");
         let mode = |path: &Path| path.metadata().expect("is there").permissions().mode() & 0o777;
         assert_eq!(mode(&real), 0o640);
-        // As any program's file: what the user's mask leaves of 666.
+        // The same as any other program's file: 666 minus the umask.
         let plain = folder.path().join("plain");
         std::fs::write(&plain, "").expect("writes");
         assert_eq!(mode(&fresh), mode(&plain));

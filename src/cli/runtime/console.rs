@@ -1,22 +1,24 @@
-//! Words to people on stderr, data to programs on stdout. A reader who hangs up is no error of ours.
+//! Output of the process: messages for people on stderr, data for programs on stdout. A closed pipe is not an error.
 
 use crease::{Error, Result};
 use std::io::{ErrorKind, Write};
 
-/// A line for people. Nobody listening is fine.
-pub fn say(line: &str) {
+/// Prints one line on stderr. Failures are ignored.
+pub fn message(line: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{line}");
 }
 
-/// An error for people: one line per fault.
+/// Prints an error on stderr, one line per diagnostic.
 pub fn error(error: &Error) {
     match error {
-        Error::Input(faults) => faults.iter().for_each(|fault| say(&format!("error: {fault}"))),
-        other => say(&format!("error: {other}")),
+        Error::Input(diagnostics) => {
+            diagnostics.iter().for_each(|diagnostic| message(&format!("error: {diagnostic}")))
+        }
+        other => message(&format!("error: {other}")),
     }
 }
 
-/// Data for programs, as it is.
+/// Prints `text` unchanged on stdout. Fails if it cannot be written, except when the pipe has been closed.
 pub fn data(text: &str) -> Result<()> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {

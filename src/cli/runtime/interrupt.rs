@@ -1,5 +1,5 @@
-//! Ctrl-C and SIGTERM: a run that has something to keep is asked to stop after its present step; a run that has
-//! not, and one that is asked twice, ends at once.
+//! Ctrl-C and SIGTERM. While a run holds unsaved results the first signal asks it to stop after the current step and
+//! the second one ends it; otherwise the first signal ends it.
 
 use crease::Result;
 use signal_hook::consts::{SIGINT, SIGTERM};
@@ -7,38 +7,39 @@ use signal_hook::flag;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Exit code of an interrupted run, as shells have it.
+/// Exit code of an interrupted run, the shell convention for SIGINT.
 pub const INTERRUPTED: u8 = 130;
 
-/// Whether someone wants the run to stop.
+/// State of the signal handlers, shared between clones.
 #[derive(Debug, Clone, Default)]
 pub struct Interrupt {
-    asked: Arc<AtomicBool>,
-    at_once: Arc<AtomicBool>,
+    requested: Arc<AtomicBool>,
+    exit_immediately: Arc<AtomicBool>,
 }
 
 impl Interrupt {
-    /// Listens from now on; ends at once until told otherwise.
+    /// Installs the signal handlers. Until [`Self::set_exit_immediately`] is called, a signal ends the process.
     pub fn listen() -> Result<Self> {
         let own = Self::default();
-        own.at_once.store(true, Ordering::SeqCst);
+        own.exit_immediately.store(true, Ordering::SeqCst);
         for signal in [SIGINT, SIGTERM] {
-            // In this order: the first signal of a run that keeps something only leaves its mark.
-            flag::register_conditional_shutdown(signal, INTERRUPTED.into(), own.at_once.clone())
-                .and_then(|_| flag::register(signal, own.asked.clone()))
-                .and_then(|_| flag::register(signal, own.at_once.clone()))
+            // The order matters: handlers run as registered, so that the first signal finds `exit_immediately` as the
+            // run has set it, and only then sets it for the second.
+            flag::register_conditional_shutdown(signal, INTERRUPTED.into(), own.exit_immediately.clone())
+                .and_then(|_| flag::register(signal, own.requested.clone()))
+                .and_then(|_| flag::register(signal, own.exit_immediately.clone()))
                 .map_err(|source| crease::Error::File { file: "signals".to_owned(), source })?;
         }
         Ok(own)
     }
 
-    /// Whether a signal ends the run at once, as it has nothing to keep (or all of it lies on the disk).
-    pub fn ends_at_once(&self, yes: bool) {
-        self.at_once.store(yes, Ordering::SeqCst);
+    /// Sets whether the next signal ends the process: `true` while there is nothing to save.
+    pub fn set_exit_immediately(&self, yes: bool) {
+        self.exit_immediately.store(yes, Ordering::SeqCst);
     }
 
-    /// Whether the run shall stop.
-    pub fn asked(&self) -> bool {
-        self.asked.load(Ordering::SeqCst)
+    /// Whether the run has been asked to stop.
+    pub fn is_requested(&self) -> bool {
+        self.requested.load(Ordering::SeqCst)
     }
 }

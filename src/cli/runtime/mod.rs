@@ -1,4 +1,4 @@
-//! The process: console, progress line, interruption, threads, allocator.
+//! Process-level services: console output, progress, interruption, threads, allocator.
 
 pub mod allocator;
 pub mod console;

@@ -1,5 +1,5 @@
-//! How a run is doing, on stderr: a bar with the time left on a terminal, a plain line or a line of JSON now and then
-//! otherwise.
+//! Progress of a run on stderr: a bar with the remaining time on a terminal, otherwise a text or JSON line every few
+//! seconds.
 
 use crate::cli::runtime::console;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -7,94 +7,103 @@ use serde_json::json;
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
-/// Where there is no terminal, steps are told this often at most.
-const LINE_EVERY: Duration = Duration::from_secs(5);
+/// Minimum time between two progress lines without a terminal.
+const MIN_LINE_INTERVAL: Duration = Duration::from_secs(5);
 
-/// Shows the progress of one run.
+/// Progress display of one run.
 #[derive(Debug)]
 pub struct Progress {
-    face: Face,
+    display: Display,
     stage: String,
-    /// When the first step was told, and the simulated time then [s].
-    first_step: Option<(Instant, f64)>,
+    /// First reported step, from which the remaining time is extrapolated.
+    first_step: Option<FirstStep>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct FirstStep {
+    at: Instant,
+    /// Simulated time of that step [s].
+    simulated_s: f64,
 }
 
 #[derive(Debug)]
-enum Face {
+enum Display {
     Quiet,
     Lines { last: Option<Instant>, json: bool },
     Bar(ProgressBar),
 }
 
-/// How far a simulation is.
+/// State of a simulation after a step.
 #[derive(Debug, Clone, Copy)]
-pub struct StepNews {
-    /// Wear that is done [s].
+pub struct StepProgress {
+    /// Simulated time so far [s].
     pub simulated_s: f64,
-    /// Wear in all [s].
+    /// Simulated time of the whole script [s].
     pub total_s: f64,
     /// Accepted steps.
     pub step: u64,
-    /// Events of memory.
+    /// Memory events so far, gradual and critical.
     pub events: u64,
 }
 
 impl Progress {
-    /// On stderr: nothing if `quiet`, lines of JSON if `json`.
+    /// Creates a display on stderr: none if `quiet`, JSON lines if `json`.
     pub fn new(quiet: bool, json: bool) -> Self {
-        let face = match (quiet, json || !std::io::stderr().is_terminal()) {
-            (true, _) => Face::Quiet,
-            (false, false) => Face::Bar(bar()),
-            (false, true) => Face::Lines { last: None, json },
+        let display = match (quiet, json || !std::io::stderr().is_terminal()) {
+            (true, _) => Display::Quiet,
+            (false, false) => Display::Bar(bar()),
+            (false, true) => Display::Lines { last: None, json },
         };
-        Self { face, stage: String::new(), first_step: None }
+        Self { display, stage: String::new(), first_step: None }
     }
 
-    /// A stage begins.
+    /// Reports that stage `name` begins.
     pub fn stage(&mut self, name: &str) {
         self.stage = name.to_owned();
-        match &mut self.face {
-            Face::Quiet => {}
-            Face::Lines { last, json } => {
+        match &mut self.display {
+            Display::Quiet => {}
+            Display::Lines { last, json } => {
                 *last = Some(Instant::now());
-                console::say(&if *json { json!({"stage": name}).to_string() } else { name.to_owned() });
+                console::message(&if *json { json!({"stage": name}).to_string() } else { name.to_owned() });
             }
-            Face::Bar(bar) => {
+            Display::Bar(bar) => {
                 bar.set_prefix(name.to_owned());
                 bar.tick();
             }
         }
     }
 
-    /// A step of the stage `name` is done; the stage begins if it is another one than before.
-    pub fn step(&mut self, name: &str, news: StepNews) {
+    /// Reports a finished step of stage `name`, and the stage if it is new.
+    pub fn step(&mut self, name: &str, now: StepProgress) {
         if self.stage != name {
             self.stage(name);
         }
-        let (began, from_s) = *self.first_step.get_or_insert_with(|| (Instant::now(), news.simulated_s));
-        let left_s = left_s(news, from_s, began.elapsed().as_secs_f64());
-        match &mut self.face {
-            Face::Quiet => {}
-            Face::Lines { last, json } => {
-                if last.is_none_or(|last| last.elapsed() >= LINE_EVERY) {
+        let first = *self
+            .first_step
+            .get_or_insert_with(|| FirstStep { at: Instant::now(), simulated_s: now.simulated_s });
+        let left_s = remaining_s(now, first.simulated_s, first.at.elapsed().as_secs_f64());
+        match &mut self.display {
+            Display::Quiet => {}
+            Display::Lines { last, json } => {
+                if last.is_none_or(|last| last.elapsed() >= MIN_LINE_INTERVAL) {
                     *last = Some(Instant::now());
-                    console::say(&match json {
-                        true => in_json(&self.stage, news, left_s),
-                        false => format!("{}: {}", self.stage, in_words(news, left_s)),
+                    console::message(&match json {
+                        true => json_line(&self.stage, now, left_s),
+                        false => format!("{}: {}", self.stage, text_line(now, left_s)),
                     });
                 }
             }
-            Face::Bar(bar) => {
-                bar.set_length(milliseconds(news.total_s));
-                bar.set_position(milliseconds(news.simulated_s));
-                bar.set_message(in_words(news, left_s));
+            Display::Bar(bar) => {
+                bar.set_length(milliseconds(now.total_s));
+                bar.set_position(milliseconds(now.simulated_s));
+                bar.set_message(text_line(now, left_s));
             }
         }
     }
 
-    /// All is done: the bar goes away, lines stay.
+    /// Removes the bar; lines stay.
     pub fn finish(&mut self) {
-        if let Face::Bar(bar) = &self.face {
+        if let Display::Bar(bar) = &self.display {
             bar.finish_and_clear();
         }
     }
@@ -119,22 +128,22 @@ fn milliseconds(seconds: f64) -> u64 {
     (seconds * 1e3) as u64
 }
 
-/// Time left if the rest goes as what has been done [s]; `None` before there is anything to go by.
-fn left_s(news: StepNews, from_s: f64, elapsed_s: f64) -> Option<f64> {
-    let done_s = news.simulated_s - from_s;
-    (done_s > 0.0).then(|| (elapsed_s * (news.total_s - news.simulated_s) / done_s).max(0.0))
+/// Remaining wall time [s], extrapolated from the progress since simulated time `from_s`; `None` without progress.
+fn remaining_s(now: StepProgress, from_s: f64, elapsed_s: f64) -> Option<f64> {
+    let done_s = now.simulated_s - from_s;
+    (done_s > 0.0).then(|| (elapsed_s * (now.total_s - now.simulated_s) / done_s).max(0.0))
 }
 
-fn in_json(stage: &str, news: StepNews, left_s: Option<f64>) -> String {
-    let StepNews { simulated_s, total_s, step, events } = news;
+fn json_line(stage: &str, now: StepProgress, left_s: Option<f64>) -> String {
+    let StepProgress { simulated_s, total_s, step, events } = now;
     json!({
         "stage": stage, "simulated_s": simulated_s, "total_s": total_s, "step": step, "events": events, "left_s": left_s,
     })
     .to_string()
 }
 
-fn in_words(news: StepNews, left_s: Option<f64>) -> String {
-    let StepNews { simulated_s, total_s, step, events } = news;
+fn text_line(now: StepProgress, left_s: Option<f64>) -> String {
+    let StepProgress { simulated_s, total_s, step, events } = now;
     let left = match left_s {
         None => String::new(),
         Some(s) if s < 90.0 => format!(", {s:.0} s left"),
@@ -148,25 +157,25 @@ fn in_words(news: StepNews, left_s: Option<f64>) -> String {
 mod tests {
     use super::*;
 
-    const NEWS: StepNews = StepNews { simulated_s: 12.0, total_s: 60.0, step: 480, events: 35 };
+    const NOW: StepProgress = StepProgress { simulated_s: 12.0, total_s: 60.0, step: 480, events: 35 };
 
     #[test]
-    fn time_left_goes_by_what_was_done_in_this_run() {
-        assert_eq!(left_s(NEWS, 0.0, 6.0), Some(24.0));
-        assert_eq!(left_s(NEWS, 10.0, 6.0), Some(144.0));
-        assert_eq!(left_s(NEWS, 12.0, 6.0), None);
+    fn remaining_time_extrapolates_the_progress_of_this_run() {
+        assert_eq!(remaining_s(NOW, 0.0, 6.0), Some(24.0));
+        assert_eq!(remaining_s(NOW, 10.0, 6.0), Some(144.0));
+        assert_eq!(remaining_s(NOW, 12.0, 6.0), None);
     }
 
     #[test]
-    fn words_have_units() {
-        assert_eq!(in_words(NEWS, None), "12.0 of 60.0 s, step 480, 35 events");
-        assert_eq!(in_words(NEWS, Some(24.0)), "12.0 of 60.0 s, step 480, 35 events, 24 s left");
-        assert_eq!(in_words(NEWS, Some(144.0)), "12.0 of 60.0 s, step 480, 35 events, 2 min left");
-        assert!(in_words(NEWS, Some(7200.0)).ends_with("2.0 h left"));
+    fn progress_lines_have_units() {
+        assert_eq!(text_line(NOW, None), "12.0 of 60.0 s, step 480, 35 events");
+        assert_eq!(text_line(NOW, Some(24.0)), "12.0 of 60.0 s, step 480, 35 events, 24 s left");
+        assert_eq!(text_line(NOW, Some(144.0)), "12.0 of 60.0 s, step 480, 35 events, 2 min left");
+        assert!(text_line(NOW, Some(7200.0)).ends_with("2.0 h left"));
     }
 
     #[test]
-    fn odd_times_do_not_break_the_bar() {
+    fn negative_and_nan_times_are_zero() {
         assert_eq!((milliseconds(-1.0), milliseconds(f64::NAN), milliseconds(1.5)), (0, 0, 1500));
     }
 }

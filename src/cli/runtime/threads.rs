@@ -1,16 +1,16 @@
-//! The threads of a run.
+//! Worker threads of the process.
 
 use crate::cli::runtime::allocator;
 use crease::{Error, Result};
 use std::num::NonZeroUsize;
 
-/// The pool of this run: so many threads, all cores unless told otherwise. The main thread is one of them, so that it
-/// works where it would wait.
+/// Starts the global thread pool with `count` threads, by default one per core. The main thread is one of them and
+/// works while it would otherwise wait.
 pub(in crate::cli) fn use_threads(count: Option<NonZeroUsize>) -> Result<()> {
-    allocator::share();
+    allocator::use_single_arena();
     rayon::ThreadPoolBuilder::new()
         .num_threads(count.map_or(0, NonZeroUsize::get))
         .use_current_thread()
         .build_global()
-        .map_err(|refusal| Error::input("--threads", "", refusal.to_string(), "ask for fewer"))
+        .map_err(|error| Error::input("--threads", "", error.to_string(), "use fewer threads"))
 }

@@ -31,7 +31,7 @@ pub struct ViewerItem {
     /// Heading over it.
     pub name: String,
     /// Its shapes and memory.
-    pub garment_view: GarmentView,
+    pub view: GarmentView,
     /// Its hinges, where there is a sidecar.
     pub hinges: Vec<HingeLabel>,
     /// Positions over time [m], one list per frame, one entry per point.
@@ -100,7 +100,7 @@ fn library() -> String {
 }
 
 fn lies(item: &ViewerItem) -> bool {
-    let (low, high) = bounds(&item.garment_view.after);
+    let (low, high) = bounds(&item.view.after);
     let size = high - low;
     is_lying(&size, Footprint::Shorter, LYING_SHARE)
 }
@@ -116,16 +116,16 @@ fn scale(map: ColourMap) -> Vec<Value> {
 }
 
 fn garment(item: &ViewerItem) -> Value {
-    let garment_view = &item.garment_view;
-    let triangles = garment_view.triangles.iter().flat_map(|t| t.map(|p| p.0.to_le_bytes())).flatten();
-    let (hinge, hinges) = strongest(garment_view.before.len(), &item.hinges);
+    let view = &item.view;
+    let triangles = view.triangles.iter().flat_map(|t| t.map(|p| p.0.to_le_bytes())).flatten();
+    let (hinge, hinges) = strongest(view.before.len(), &item.hinges);
     let (low, size) = frame_box(&item.frames);
     json!({
         "name": item.name,
-        "before": positions(&garment_view.before),
-        "after": positions(&garment_view.after),
+        "before": positions(&view.before),
+        "after": positions(&view.after),
         "triangles": STANDARD.encode(triangles.collect::<Vec<u8>>()),
-        "fields": ColorBy::ALL.iter().filter_map(|show| field(garment_view, *show)).collect::<Vec<_>>(),
+        "fields": ColorBy::ALL.iter().filter_map(|show| field(view, *show)).collect::<Vec<_>>(),
         "hinge": (!item.hinges.is_empty())
             .then(|| STANDARD.encode(hinge.iter().flat_map(|h| h.to_le_bytes()).collect::<Vec<u8>>())),
         "hinges": hinges,
@@ -144,8 +144,8 @@ fn positions(x: &[Vec3]) -> String {
 }
 
 /// A colouring that this garment has.
-fn field(garment_view: &GarmentView, show: ColorBy) -> Option<Value> {
-    let field = garment_view.field_of(show)?;
+fn field(view: &GarmentView, show: ColorBy) -> Option<Value> {
+    let field = view.field_of(show)?;
     let (Values::PerPoint(values) | Values::PerTriangle(values)) = &field.values;
     Some(json!({
         "name": show.name(),
@@ -216,12 +216,12 @@ mod tests {
         let (before, triangles) = sphere(0.3, 6);
         let after = before.iter().map(|p| p * 1.1).collect();
         let (file, memory) = (name.to_owned(), None);
-        let garment_view = GarmentView { file, before, after, triangles, memory, confidence: None };
+        let view = GarmentView { file, before, after, triangles, memory, confidence: None };
         let hinges = vec![
             HingeLabel { points: [0, 1], source_deg: 1.0, rest_deg: 3.0, stiffness: 1.5 },
             HingeLabel { points: [1, 2], source_deg: 0.0, rest_deg: -40.0, stiffness: 2.0 },
         ];
-        ViewerItem { name: name.to_owned(), garment_view, hinges, frames: Vec::new() }
+        ViewerItem { name: name.to_owned(), view, hinges, frames: Vec::new() }
     }
 
     #[test]

@@ -1,5 +1,5 @@
-//! One job: a call of `crease bake --resume` in a process of its own, so that whatever happens to it happens to it
-//! alone, and the record of how it went, NAME.job.json.
+//! One job: a call of `crease bake --resume` in its own process, so that a crash affects no other job, and the record of
+//! its outcome, NAME.job.json.
 
 use crate::cli::commands::batch::jobs::{Job, Jobs};
 use crate::cli::files::input;
@@ -13,58 +13,60 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
-/// How a job went.
+/// State of a job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum JobState {
-    /// Under way, or killed on the way.
+    /// Running, or killed while running.
     Begun,
-    /// Its files are there.
+    /// Finished; its outputs exist.
     Done,
-    /// Its files are there, but the end is no state of rest (exit code 3).
+    /// Finished without convergence (exit code 3); its outputs exist.
     NotConverged,
-    /// It was refused (exit codes 1, 2) or broke down again and again.
+    /// Rejected (exit codes 1, 2), or crashed in every attempt.
     Failed,
-    /// It was asked to stop and left a checkpoint.
+    /// Stopped on request, with a checkpoint.
     Interrupted,
 }
 
-/// What NAME.job.json says.
+/// Content of NAME.job.json.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Record {
+pub struct JobRecord {
     /// Always crease-job/1.
     pub format: String,
-    /// Hash of what goes in.
-    pub key: String,
-    /// How it went.
+    /// Hash of all inputs.
+    #[serde(rename = "key")]
+    pub fingerprint: String,
+    /// State of the job.
     pub state: JobState,
-    /// Exit code of the last try; `None` if it was killed.
+    /// Exit code of the last attempt; `None` if it was killed.
     pub code: Option<i32>,
-    /// Processes started.
-    pub tries: u32,
-    /// Seconds, over all tries of this run of the batch.
+    /// Number of attempts.
+    #[serde(rename = "tries")]
+    pub attempts: u32,
+    /// Wall time of all attempts of this run of the batch [s].
     pub wall_s: f64,
-    /// What it said when it failed.
+    /// Error messages of a failed job.
     pub message: String,
-    /// Hash by name of each file that came out.
+    /// Hash of each output by file name.
     pub outputs: BTreeMap<String, String>,
 }
 
-impl Record {
-    fn begun(key: String) -> Self {
+impl JobRecord {
+    fn new(fingerprint: String) -> Self {
         Self {
             format: "crease-job/1".to_owned(),
-            key,
+            fingerprint,
             state: JobState::Begun,
             code: None,
-            tries: 0,
+            attempts: 0,
             wall_s: 0.0,
             message: String::new(),
             outputs: BTreeMap::new(),
         }
     }
 
-    /// What an earlier run of the batch wrote about the job.
+    /// Reads the record that an earlier run of the batch has left.
     pub fn read(jobs: &Jobs, job: &Job) -> Option<Self> {
         serde_json::from_slice(&std::fs::read(record_path(jobs, job)).ok()?).ok()
     }
@@ -75,14 +77,14 @@ impl Record {
         outputs.commit()
     }
 
-    /// Whether everything it says came out is there, unchanged.
-    pub fn stands(&self, jobs: &Jobs, key: &str) -> bool {
-        let there =
+    /// Whether the job has finished with these inputs and all its outputs exist unchanged.
+    pub fn is_valid(&self, jobs: &Jobs, fingerprint: &str) -> bool {
+        let is_unchanged =
             |(name, hash): (&String, &String)| hash_of(&jobs.output.join(name)).as_ref() == Some(hash);
-        self.key == key
+        self.fingerprint == fingerprint
             && matches!(self.state, JobState::Done | JobState::NotConverged)
             && !self.outputs.is_empty()
-            && self.outputs.iter().all(there)
+            && self.outputs.iter().all(is_unchanged)
     }
 }
 
@@ -95,65 +97,76 @@ fn hash_of(path: &Path) -> Option<String> {
     Some(Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
-/// What `crease bake` writes beside OUT.glb, by ending.
-const OUTPUTS: [&str; 3] = ["glb", "crease.json", "report.json"];
+/// Extensions of the outputs of `crease bake`.
+const OUTPUT_EXTENSIONS: [&str; 3] = ["glb", "crease.json", "report.json"];
 
-/// How jobs are run.
+/// Settings of all jobs.
 #[derive(Debug, Clone, Copy)]
-pub struct Running {
-    /// Threads of the job.
+pub struct JobSettings {
+    /// Worker threads of a job.
     pub threads: usize,
-    /// Further tries after it was killed or broke down.
+    /// Retries after a crash.
     pub retries: u32,
 }
 
-/// Runs a job to its end unless that has been done; also whether it was skipped.
-pub fn run(jobs: &Jobs, job: &Job, how: Running, interrupt: &Interrupt) -> Result<(Record, bool)> {
-    let key = jobs.key(job)?;
+/// Outcome of a job.
+#[derive(Debug)]
+pub struct JobOutcome {
+    /// Record of the job.
+    pub record: JobRecord,
+    /// Whether it had finished before.
+    pub skipped: bool,
+}
+
+/// Runs a job to its end, unless it has finished before.
+pub fn run(jobs: &Jobs, job: &Job, settings: JobSettings, interrupt: &Interrupt) -> Result<JobOutcome> {
+    let fingerprint = jobs.fingerprint(job)?;
     let worn = jobs.worn(job);
-    match Record::read(jobs, job) {
-        Some(record) if record.stands(jobs, &key) => return Ok((record, true)),
-        Some(record) if record.key == key => {}
-        // What an older version of the job left to go on from is of no use.
+    match JobRecord::read(jobs, job) {
+        Some(record) if record.is_valid(jobs, &fingerprint) => {
+            return Ok(JobOutcome { record, skipped: true });
+        }
+        Some(record) if record.fingerprint == fingerprint => {}
+        // A checkpoint of other inputs cannot be resumed.
         _ => drop(std::fs::remove_file(worn.with_extension("checkpoint"))),
     }
-    let mut record = Record::begun(key);
+    let mut record = JobRecord::new(fingerprint);
     record.write(jobs, job)?;
-    let began = Instant::now();
+    let started = Instant::now();
     let log = worn.with_extension("log");
     while record.state == JobState::Begun {
-        let status = one_try(jobs, job, how.threads, &log, interrupt)?;
-        record.tries += 1;
+        let status = attempt(jobs, job, settings.threads, &log, interrupt)?;
+        record.attempts += 1;
         record.code = status.code();
         record.state = match record.code {
-            _ if interrupt.asked() && !status.success() => JobState::Interrupted,
+            _ if interrupt.is_requested() && !status.success() => JobState::Interrupted,
             Some(0) => JobState::Done,
             Some(3) => JobState::NotConverged,
             Some(1 | 2) => JobState::Failed,
-            _ if record.tries > how.retries => JobState::Failed,
+            _ if record.attempts > settings.retries => JobState::Failed,
             _ => JobState::Begun,
         };
     }
-    record.wall_s = began.elapsed().as_secs_f64();
+    record.wall_s = started.elapsed().as_secs_f64();
     match record.state {
         JobState::Done | JobState::NotConverged => {
-            for ending in OUTPUTS {
-                let path = worn.with_extension(ending);
+            for extension in OUTPUT_EXTENSIONS {
+                let path = worn.with_extension(extension);
                 let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
-                // The report says how long it took, and differs from run to run: it is not hashed.
-                if let (Some(name), Some(hash), true) = (name, hash_of(&path), ending != "report.json") {
+                // The report holds wall times, which differ between runs, and is not hashed.
+                if let (Some(name), Some(hash), true) = (name, hash_of(&path), extension != "report.json") {
                     record.outputs.insert(name, hash);
                 }
             }
             let _ = std::fs::remove_file(&log);
         }
-        _ => record.message = last_words(&log, status_words(record.code)),
+        _ => record.message = end_of_log(&log, describe_code(record.code)),
     }
     record.write(jobs, job)?;
-    Ok((record, false))
+    Ok(JobOutcome { record, skipped: false })
 }
 
-fn status_words(code: Option<i32>) -> String {
+fn describe_code(code: Option<i32>) -> String {
     match code {
         Some(code) if code == i32::from(INTERRUPTED) => "interrupted".to_owned(),
         Some(code) => format!("ended with code {code}"),
@@ -161,8 +174,8 @@ fn status_words(code: Option<i32>) -> String {
     }
 }
 
-/// The end of what the job said.
-fn last_words(log: &Path, otherwise: String) -> String {
+/// Returns the last lines of a log.
+fn end_of_log(log: &Path, otherwise: String) -> String {
     let text =
         std::fs::read(log).map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).unwrap_or_default();
     let lines: Vec<&str> = text.lines().filter(|line| !line.trim().is_empty()).collect();
@@ -172,15 +185,16 @@ fn last_words(log: &Path, otherwise: String) -> String {
     }
 }
 
-/// How often a job is looked at.
-const LOOK_EVERY: Duration = Duration::from_millis(20);
+/// Interval at which a running job is polled.
+const POLL_INTERVAL: Duration = Duration::from_millis(20);
 
-fn one_try(jobs: &Jobs, job: &Job, threads: usize, log: &Path, interrupt: &Interrupt) -> Result<ExitStatus> {
+/// Runs the process of a job once.
+fn attempt(jobs: &Jobs, job: &Job, threads: usize, log: &Path, interrupt: &Interrupt) -> Result<ExitStatus> {
     let failed = |source| Error::File { file: input::name_of(log), source };
     let log_file = std::fs::File::create(log).map_err(failed)?;
     let own = std::env::current_exe().map_err(|source| Error::File { file: "crease".to_owned(), source })?;
     let mut command = Command::new(own);
-    // Paths as the job file has them, from its folder: they stand in what comes out.
+    // Paths are passed as written in the job file, since the outputs contain them.
     command.current_dir(&jobs.folder).args([
         "bake",
         &job.garment,
@@ -192,23 +206,24 @@ fn one_try(jobs: &Jobs, job: &Job, threads: usize, log: &Path, interrupt: &Inter
     command.arg("-o").arg(jobs.worn(job)).args(["--resume", "--quiet", "--threads", &threads.to_string()]);
     command.args(&jobs.bake).stdin(Stdio::null()).stdout(Stdio::null()).stderr(log_file);
     let mut child = command.spawn().map_err(failed)?;
-    let mut told = false;
+    let mut notified = false;
     loop {
         if let Some(status) = child.try_wait().map_err(failed)? {
             return Ok(status);
         }
-        if interrupt.asked() && !told {
-            told = true;
-            ask_to_stop(&mut child);
+        if interrupt.is_requested() && !notified {
+            notified = true;
+            request_stop(&mut child);
         }
-        std::thread::sleep(LOOK_EVERY);
+        std::thread::sleep(POLL_INTERVAL);
     }
 }
 
-/// Asks a job to leave a checkpoint and stop; kills it where there is no asking. Its last checkpoint is good either way.
-fn ask_to_stop(child: &mut Child) {
-    let asked = Command::new("kill").args(["-TERM", &child.id().to_string()]).status();
-    if !asked.is_ok_and(|status| status.success()) {
+/// Asks a job to write a checkpoint and stop, or kills it where signals are not available. Its last checkpoint is valid
+/// either way.
+fn request_stop(child: &mut Child) {
+    let sent = Command::new("kill").args(["-TERM", &child.id().to_string()]).status();
+    if !sent.is_ok_and(|status| status.success()) {
         let _ = child.kill();
     }
 }

@@ -1,4 +1,4 @@
-//! The job file, `crease-batch/1`, and the list of jobs it stands for: garments x wear scripts x fabrics, in that order.
+//! The job file, `crease-batch/1`, and its jobs: garments x wear scripts x fabrics, in that order.
 
 use crate::cli::files::input;
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
@@ -12,25 +12,25 @@ use sha2::{Digest, Sha256};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-/// Jobs of one file at most: a guard against a product that nobody meant.
-const MOST_JOBS: usize = 100_000;
+/// Maximum number of jobs of a file, a guard against unintended products.
+const MAX_JOBS: usize = 100_000;
 
-/// The format of a job file.
+/// Format of a job file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 enum BatchFormat {
-    /// The first.
+    /// Version 1.
     #[serde(rename = "crease-batch/1")]
     V1,
 }
 
-/// Many garments, each worn by every script in every fabric. Paths count from the folder of the file.
+/// Bakes of every garment with every script in every fabric. Paths are relative to the folder of the file.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "crease batch")]
 pub struct JobFile {
     /// Format of the file: crease-batch/1.
     format: BatchFormat,
-    /// Folder for what comes out; made if there is none. Default worn.
+    /// Folder of the outputs, created if missing. Default worn.
     #[serde(default = "worn")]
     #[schemars(length(min = 1))]
     output: String,
@@ -40,7 +40,7 @@ pub struct JobFile {
     /// Wear scripts.
     #[schemars(length(min = 1))]
     wear: Vec<String>,
-    /// Names of `crease fabric list`, or fabric files. Default the tool's own.
+    /// Names of `crease fabric list`, or fabric files. Default: the default fabric of `crease bake`.
     #[serde(default = "fabrics")]
     #[schemars(length(min = 1))]
     fabrics: Vec<String>,
@@ -57,76 +57,76 @@ fn fabrics() -> Vec<String> {
     vec![DEFAULT_FABRIC.to_owned()]
 }
 
-/// Arguments of `crease bake` that a batch gives itself.
-const OWN_ARGUMENTS: [&str; 6] = ["-o", "--output", "--wear", "--fabric", "--resume", "--threads"];
+/// Arguments of `crease bake` that the batch sets itself.
+const RESERVED_ARGUMENTS: [&str; 6] = ["-o", "--output", "--wear", "--fabric", "--resume", "--threads"];
 
 impl JobFile {
-    /// The JSON Schema of job files.
+    /// Returns the JSON Schema of job files.
     pub fn schema() -> Value {
         schema_of::<Self>()
     }
 
     fn parse(file: &str, text: &str) -> Result<Self> {
         let document = Document::parse(file, text)?;
-        let faults = document.validate(&Self::schema());
-        if !faults.is_empty() {
-            return Err(Error::Input(faults));
+        let errors = document.validate(&Self::schema());
+        if !errors.is_empty() {
+            return Err(Error::Input(errors));
         }
         let read: Self = document.decode()?;
-        let own = |a: &&String| OWN_ARGUMENTS.iter().any(|own| a.split('=').next() == Some(own));
-        let place = JsonPath::root().name("bake");
-        let faults: Vec<Diagnostic> = read
+        let is_reserved = |a: &&String| RESERVED_ARGUMENTS.iter().any(|own| a.split('=').next() == Some(own));
+        let location = JsonPath::root().name("bake");
+        let errors: Vec<Diagnostic> = read
             .bake
             .iter()
-            .filter(own)
+            .filter(is_reserved)
             .map(|a| {
-                document.diagnostic(&place, format!("`{a}` is given by the batch itself"), "leave it out")
+                document.diagnostic(&location, format!("`{a}` is given by the batch itself"), "leave it out")
             })
             .collect();
-        if faults.is_empty() { Ok(read) } else { Err(Error::Input(faults)) }
+        if errors.is_empty() { Ok(read) } else { Err(Error::Input(errors)) }
     }
 }
 
 /// One call of `crease bake`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Job {
-    /// Its name: that of what it writes.
+    /// Name of the job and of its outputs.
     pub name: String,
-    /// Mesh file, as the job file has it.
+    /// Mesh file, as written in the job file.
     pub garment: String,
-    /// Wear script, as the job file has it.
+    /// Wear script, as written in the job file.
     pub wear: String,
-    /// Fabric, as the job file has it.
+    /// Fabric, as written in the job file.
     pub fabric: String,
 }
 
-/// All jobs of a file.
+/// Jobs of a file.
 #[derive(Debug)]
 pub struct Jobs {
-    /// The job file, absolute.
+    /// Absolute path of the job file.
     pub file: PathBuf,
-    /// Its folder: paths count from here.
+    /// Folder of the job file, which paths are relative to.
     pub folder: PathBuf,
-    /// Folder for what comes out.
+    /// Folder of the outputs.
     pub output: PathBuf,
-    /// The jobs, in order.
+    /// Jobs in order.
     pub list: Vec<Job>,
     /// Further arguments of every job.
     pub bake: Vec<String>,
 }
 
 impl Jobs {
-    /// Reads a job file and everything small that it names: faults of all files come in one go.
+    /// Reads a job file and checks the scripts and fabrics that it names. The errors of all files are reported together.
     pub fn read(path: &Path) -> Result<Self> {
         let name = input::name_of(path);
         let read = JobFile::parse(&name, &input::text(path)?)?;
         let file = path.canonicalize().map_err(|source| Error::File { file: name.clone(), source })?;
         let folder = file.parent().unwrap_or(Path::new("/")).to_owned();
-        let mut faults = Vec::new();
+        let mut errors = Vec::new();
         let mut note = |outcome: Result<()>| match outcome {
             Ok(()) => Ok(()),
             Err(Error::Input(more)) => {
-                faults.extend(more);
+                errors.extend(more);
                 Ok(())
             }
             Err(other) => Err(other),
@@ -141,28 +141,28 @@ impl Jobs {
             note(parsed.map(drop))?;
         }
         for fabric in &read.fabrics {
-            note(input::fabric(&from(&folder, fabric)).map(drop))?;
+            note(input::fabric(&resolve_fabric(&folder, fabric)).map(drop))?;
         }
         let count = read.garments.len().saturating_mul(read.wear.len()).saturating_mul(read.fabrics.len());
-        if count > MOST_JOBS {
-            let what = format!("stands for {count} jobs, more than {MOST_JOBS}");
-            note(Err(Error::input(&name, "", what, "split it")))?;
+        if count > MAX_JOBS {
+            let message = format!("has {count} jobs, more than {MAX_JOBS}");
+            note(Err(Error::input(&name, "", message, "split it")))?;
         } else {
-            faults.extend(same_names(&name, &read));
+            errors.extend(name_conflicts(&name, &read));
         }
-        if !faults.is_empty() {
-            return Err(Error::Input(faults));
+        if !errors.is_empty() {
+            return Err(Error::Input(errors));
         }
         Ok(Self { output: folder.join(&read.output), list: product(&read), bake: read.bake, file, folder })
     }
 
-    /// OUT.glb of a job.
+    /// Returns the path of the worn garment of a job.
     pub fn worn(&self, job: &Job) -> PathBuf {
         self.output.join(format!("{}.glb", job.name))
     }
 
-    /// Hash of everything that the result of a job depends on.
-    pub fn key(&self, job: &Job) -> Result<String> {
+    /// Returns the hash of all inputs of a job.
+    pub fn fingerprint(&self, job: &Job) -> Result<String> {
         let mut hash = Sha256::new();
         let mut part = |bytes: &[u8]| {
             hash.update((bytes.len() as u64).to_le_bytes());
@@ -173,24 +173,24 @@ impl Jobs {
         let garment = self.folder.join(&job.garment);
         let bytes = input::bytes(&garment)?;
         for name in referred_to(&bytes) {
-            // What cannot be read is the bake's to tell.
+            // Unreadable files are reported by the bake.
             part(&input::bytes(&garment.with_file_name(name)).unwrap_or_default());
         }
         part(&bytes);
         part(&input::bytes(&self.folder.join(&job.wear))?);
-        part(input::fabric(&from(&self.folder, &job.fabric))?.to_json().as_bytes());
+        part(input::fabric(&resolve_fabric(&self.folder, &job.fabric))?.to_json().as_bytes());
         Ok(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
     }
 }
 
-/// A fabric by its name, else by its file in `folder`: as `crease bake` takes it there.
-fn from(folder: &Path, fabric: &str) -> String {
+/// Returns the name of a preset unchanged, and the path of a fabric file in `folder`, as `crease bake` resolves it there.
+fn resolve_fabric(folder: &Path, fabric: &str) -> String {
     let path = folder.join(fabric);
     let preset = Fabric::preset_names().contains(&fabric);
     if !preset && path.is_file() { path.display().to_string() } else { fabric.to_owned() }
 }
 
-/// Files that a .gltf refers to.
+/// Returns the files that a .gltf refers to.
 fn referred_to(bytes: &[u8]) -> Vec<String> {
     let Ok(document) = serde_json::from_slice::<Value>(bytes) else { return Vec::new() };
     let list = |name: &str| document[name].as_array().cloned().unwrap_or_default();
@@ -200,6 +200,7 @@ fn referred_to(bytes: &[u8]) -> Vec<String> {
         .collect()
 }
 
+/// Returns all combinations of a job file.
 fn product(file: &JobFile) -> Vec<Job> {
     let mut list = Vec::new();
     for garment in &file.garments {
@@ -214,28 +215,28 @@ fn product(file: &JobFile) -> Vec<Job> {
     list
 }
 
-/// File name without ending, of characters that no file system minds.
+/// Returns a file name without extension, of characters that are valid on all file systems.
 fn stem(path: &str) -> String {
     let stem =
         Path::new(path).file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     stem.chars().map(|c| if c.is_alphanumeric() || c == '-' { c } else { '-' }).collect()
 }
 
-/// Jobs that would write the same files.
-fn same_names(file: &str, read: &JobFile) -> Vec<Diagnostic> {
+/// Returns an error for each pair of jobs that would write the same files.
+fn name_conflicts(file: &str, read: &JobFile) -> Vec<Diagnostic> {
     let mut seen: HashMap<String, Job> = HashMap::new();
-    let mut faults = Vec::new();
+    let mut errors = Vec::new();
     for job in product(read) {
         if let Some(other) = seen.get(&job.name) {
-            let what = format!(
+            let message = format!(
                 "{} with {} in {} and {} with {} in {} would both be written as {}",
                 other.garment, other.wear, other.fabric, job.garment, job.wear, job.fabric, job.name
             );
-            faults.push(Diagnostic::new(file, "", what, "give the files different names"));
+            errors.push(Diagnostic::new(file, "", message, "give the files different names"));
         }
         seen.entry(job.name.clone()).or_insert(job);
     }
-    faults
+    errors
 }
 
 #[cfg(test)]
@@ -247,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_stands_for_every_combination_in_order() {
+    fn a_file_has_every_combination_in_order() {
         let read = file(
             r#"{"format": "crease-batch/1", "garments": ["a/shirt.glb", "b.obj"], "wear": ["x.json"],
                 "fabrics": ["denim", "my own.json"]}"#,
@@ -259,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn faults_are_placed_and_all_there() {
+    fn all_errors_are_reported_with_their_location() {
         let message = file(
             "{\"format\": \"crease-batch/1\", \"garments\": [],\n \"waer\": [\"x\"],\n \"bake\": \"--unit\"}",
         )
@@ -288,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn buffers_beside_a_gltf_count() {
+    fn external_buffers_of_a_gltf_are_listed() {
         let text = br#"{"buffers": [{"uri": "a.bin"}, {"uri": "data:,"}], "images": [{"uri": "b.png"}, {}]}"#;
         assert_eq!(referred_to(text), ["a.bin", "b.png"]);
         assert!(referred_to(b"v 0 0 0").is_empty());

@@ -1,9 +1,9 @@
-//! Jobs on this machine: N at a time, each in a process of its own.
+//! Jobs on this machine, N at a time, each in its own process.
 
+use crate::cli::commands::batch::arguments::{Arguments, Shard};
 use crate::cli::commands::batch::job;
-use crate::cli::commands::batch::job::{JobState, Record, Running};
+use crate::cli::commands::batch::job::{JobOutcome, JobSettings, JobState};
 use crate::cli::commands::batch::jobs::{Job, Jobs};
-use crate::cli::commands::batch::{Arguments, Shard};
 use crate::cli::runtime::console;
 use crate::cli::runtime::interrupt::Interrupt;
 use crease::{Error, Result};
@@ -11,30 +11,35 @@ use serde_json::json;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Runs the jobs of a shard, or all. Jobs that fail do not stop the others; that any failed is the error.
+/// Runs the jobs of a shard, or all. A failed job does not stop the others, but makes the call fail in the end.
 pub fn run(jobs: &Jobs, arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     let shard = arguments.shard.unwrap_or(Shard::ALL);
-    let mine: Vec<&Job> =
-        jobs.list.iter().enumerate().filter(|(number, _)| shard.holds(*number)).map(|(_, job)| job).collect();
+    let mine: Vec<&Job> = jobs
+        .list
+        .iter()
+        .enumerate()
+        .filter(|(number, _)| shard.contains(*number))
+        .map(|(_, job)| job)
+        .collect();
     let processors = std::thread::available_parallelism().map_or(1, usize::from);
     let at_once = arguments.parallel.map_or(processors, usize::from).min(mine.len()).max(1);
     let threads = arguments.threads.map_or((processors / at_once).max(1), usize::from);
-    let how = Running { threads, retries: arguments.retries };
+    let settings = JobSettings { threads, retries: arguments.retries };
     let next = AtomicUsize::new(0);
     let outcomes: Mutex<Vec<Result<JobState>>> = Mutex::new(Vec::new());
     std::thread::scope(|scope| {
         for _ in 0..at_once {
             scope.spawn(|| {
                 while let Some(job) = mine.get(next.fetch_add(1, Ordering::SeqCst)) {
-                    if interrupt.asked() {
+                    if interrupt.is_requested() {
                         return;
                     }
-                    let outcome = job::run(jobs, job, how, interrupt);
+                    let outcome = job::run(jobs, job, settings, interrupt);
                     if let Ok(mut outcomes) = outcomes.lock() {
-                        let number = outcomes.len() + 1;
-                        outcomes.push(outcome.map(|(record, skipped)| {
-                            tell(arguments, job, &record, skipped, [number, mine.len()]);
-                            record.state
+                        let position = Position { number: outcomes.len() + 1, count: mine.len() };
+                        outcomes.push(outcome.map(|outcome| {
+                            print(arguments, job, &outcome, position);
+                            outcome.record.state
                         }));
                     }
                 }
@@ -43,34 +48,46 @@ pub fn run(jobs: &Jobs, arguments: &Arguments, interrupt: &Interrupt) -> Result<
     });
     let states: Vec<JobState> =
         outcomes.into_inner().unwrap_or_default().into_iter().collect::<Result<_>>()?;
-    if interrupt.asked() {
+    if interrupt.is_requested() {
         return Err(Error::Interrupted);
     }
     let failed = states.iter().filter(|state| **state == JobState::Failed).count();
     if failed > 0 {
-        let what = format!("{failed} of {} jobs failed", mine.len());
-        let cure = format!("see NAME.job.json in {}", jobs.output.display());
-        return Err(Error::input(jobs.file.display().to_string(), "", what, cure));
+        let message = format!("{failed} of {} jobs failed", mine.len());
+        let help = format!("see NAME.job.json in {}", jobs.output.display());
+        return Err(Error::input(jobs.file.display().to_string(), "", message, help));
     }
     Ok(())
 }
 
-fn tell(arguments: &Arguments, job: &Job, record: &Record, skipped: bool, [number, of]: [usize; 2]) {
+/// Position of a finished job among those of the shard.
+#[derive(Debug, Clone, Copy)]
+struct Position {
+    /// Number of the job in the order of completion, from 1.
+    number: usize,
+    /// Jobs of the shard.
+    count: usize,
+}
+
+/// Prints the outcome of a job.
+fn print(arguments: &Arguments, job: &Job, outcome: &JobOutcome, position: Position) {
+    let (JobOutcome { record, skipped }, Position { number, count }) = (outcome, position);
+    let skipped = *skipped;
     if arguments.json {
-        let news = json!({
-            "job": job.name, "state": record.state, "skipped": skipped, "tries": record.tries,
-            "wall_s": record.wall_s, "number": number, "of": of, "message": record.message,
+        let line = json!({
+            "job": job.name, "state": record.state, "skipped": skipped, "tries": record.attempts,
+            "wall_s": record.wall_s, "number": number, "of": count, "message": record.message,
         });
-        return console::say(&news.to_string());
+        return console::message(&line.to_string());
     }
     let state = match record.state {
         _ if skipped => "done before".to_owned(),
         JobState::Done => format!("done in {:.1} s", record.wall_s),
-        JobState::NotConverged => format!("done in {:.1} s, not at rest", record.wall_s),
+        JobState::NotConverged => format!("done in {:.1} s, not converged", record.wall_s),
         JobState::Interrupted => "interrupted".to_owned(),
         JobState::Begun | JobState::Failed => format!("failed: {}", record.message),
     };
     if !arguments.quiet || record.state == JobState::Failed {
-        console::say(&format!("[{number}/{of}] {}: {state}", job.name));
+        console::message(&format!("[{number}/{count}] {}: {state}", job.name));
     }
 }

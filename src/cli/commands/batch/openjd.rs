@@ -1,4 +1,4 @@
-//! Jobs for engines that speak Open Job Description: a job template (jobtemplate-2023-09) whose tasks each run a shard,
+//! Jobs for engines of the Open Job Description: a job template (jobtemplate-2023-09) whose tasks each run a shard,
 //! with the summary as a second step. Run it with `openjd run TEMPLATE.json --step Bake`, or submit it to a farm.
 
 use crate::cli::commands::batch::jobs::Jobs;
@@ -7,10 +7,10 @@ use crease::Result;
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// Tasks of one step at most, a limit of the format.
-const MOST_TASKS: usize = 1024;
-/// A task that is cancelled is asked first and ended so much later [s].
-const NOTICE_S: u32 = 30;
+/// Maximum number of tasks of a step, a limit of the format.
+const MAX_TASKS: usize = 1024;
+/// Time between the request to stop a task and its termination [s].
+const CANCEL_NOTICE_S: u32 = 30;
 
 /// Writes the template.
 pub fn write(jobs: &Jobs, path: &Path) -> Result<()> {
@@ -20,19 +20,19 @@ pub fn write(jobs: &Jobs, path: &Path) -> Result<()> {
 }
 
 fn template(jobs: &Jobs, path: &Path) -> Value {
-    let tasks = jobs.list.len().min(MOST_TASKS);
+    let tasks = jobs.list.len().min(MAX_TASKS);
     let on_run = |rest: &[&str]| {
         let mut args = vec!["batch".to_owned(), "{{Param.Jobs}}".to_owned()];
         args.extend(rest.iter().map(|text| (*text).to_owned()));
         json!({"actions": {"onRun": {
             "command": "{{Param.Crease}}",
             "args": args,
-            "cancelation": {"mode": "NOTIFY_THEN_TERMINATE", "notifyPeriodInSeconds": NOTICE_S},
+            "cancelation": {"mode": "NOTIFY_THEN_TERMINATE", "notifyPeriodInSeconds": CANCEL_NOTICE_S},
         }}})
     };
     let mut parameter = json!({"name": "Jobs", "type": "PATH", "objectType": "FILE", "dataFlow": "IN",
         "description": "The job file, crease-batch/1."});
-    // A default counts from the folder of the template; without one the parameter must be given.
+    // The default is relative to the folder of the template; without it the parameter is required.
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if let (Ok(folder), Some(name)) = (folder.canonicalize(), jobs.file.file_name())
         && folder == jobs.folder

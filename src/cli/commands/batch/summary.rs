@@ -1,9 +1,9 @@
-//! What a batch has come to: summary.json for programs, index.html with a picture of each garment for people.
+//! Summary of a batch: summary.json for programs, index.html with a picture of each garment for people.
 
-use crate::cli::commands::batch::job::Record;
+use crate::cli::commands::batch::job::JobRecord;
 use crate::cli::commands::batch::jobs::{Job, Jobs};
-use crate::cli::commands::render;
 use crate::cli::files::output::Outputs;
+use crate::cli::files::view_file::ViewFile;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use crease::Result;
@@ -14,9 +14,9 @@ use std::fmt::Write;
 use std::path::Path;
 
 /// Size of a picture on the page [pixels].
-const THUMBNAIL: [usize; 2] = [320, 240];
+const THUMBNAIL_SIZE: [usize; 2] = [320, 240];
 
-/// Every job and how it stands.
+/// Returns all jobs and their states.
 pub fn list(jobs: &Jobs) -> Value {
     let entries: Vec<Value> = jobs.list.iter().map(|job| entry(jobs, job)).collect();
     let count = |state: &str| entries.iter().filter(|entry| entry["state"] == state).count();
@@ -30,12 +30,14 @@ pub fn list(jobs: &Jobs) -> Value {
 }
 
 fn entry(jobs: &Jobs, job: &Job) -> Value {
-    let record = Record::read(jobs, job);
-    let key = jobs.key(job).unwrap_or_default();
+    let record = JobRecord::read(jobs, job);
+    let fingerprint = jobs.fingerprint(job).unwrap_or_default();
     let state = match &record {
         None => json!("missing"),
-        Some(record) if record.key != key => json!("missing"),
-        Some(record) if !record.outputs.is_empty() && !record.stands(jobs, &key) => json!("missing"),
+        Some(record) if record.fingerprint != fingerprint => json!("missing"),
+        Some(record) if !record.outputs.is_empty() && !record.is_valid(jobs, &fingerprint) => {
+            json!("missing")
+        }
         Some(record) => json!(record.state),
     };
     let report: Value = std::fs::read(jobs.worn(job).with_extension("report.json"))
@@ -44,7 +46,7 @@ fn entry(jobs: &Jobs, job: &Job) -> Value {
         .unwrap_or_default();
     json!({
         "name": job.name, "garment": job.garment, "wear": job.wear, "fabric": job.fabric, "state": state,
-        "wall_s": record.as_ref().map(|r| r.wall_s), "tries": record.as_ref().map(|r| r.tries),
+        "wall_s": record.as_ref().map(|r| r.wall_s), "tries": record.as_ref().map(|r| r.attempts),
         "message": record.as_ref().map_or("", |r| r.message.as_str()),
         "outputs": record.as_ref().map(|r| &r.outputs),
         "points": report["points"], "crossings": report["crossings"],
@@ -53,7 +55,7 @@ fn entry(jobs: &Jobs, job: &Job) -> Value {
     })
 }
 
-/// Writes summary.json and index.html into the batch's folder.
+/// Writes summary.json and index.html into the output folder.
 pub fn write(jobs: &Jobs) -> Result<()> {
     let list = list(jobs);
     let mut outputs = Outputs::new([]);
@@ -66,14 +68,14 @@ fn page(jobs: &Jobs, list: &Value) -> String {
     let mut cards = String::new();
     for (job, entry) in jobs.list.iter().zip(list["list"].as_array().into_iter().flatten()) {
         let state = entry["state"].as_str().unwrap_or_default();
-        let there = matches!(state, "done" | "not_converged");
-        let picture = there.then(|| thumbnail(&jobs.worn(job))).flatten();
+        let exists = matches!(state, "done" | "not_converged");
+        let picture = exists.then(|| thumbnail(&jobs.worn(job))).flatten();
         let picture = picture.map_or_else(
             || "<div class=\"none\">no picture</div>".to_owned(),
             |png| format!("<img alt=\"\" width=\"320\" height=\"240\" src=\"data:image/png;base64,{png}\">"),
         );
         let name = escaped(&job.name);
-        let link = if there { format!("<a href=\"{name}.glb\">{name}</a>") } else { name };
+        let link = if exists { format!("<a href=\"{name}.glb\">{name}</a>") } else { name };
         let number = |field: &str, unit: &str| match entry[field].as_f64() {
             Some(x) => format!("{}{unit}", (100.0 * x).round() / 100.0),
             None => "&ndash;".to_owned(),
@@ -81,7 +83,7 @@ fn page(jobs: &Jobs, list: &Value) -> String {
         // Writing to a string cannot fail.
         let _ = writeln!(
             cards,
-            "<article class=\"{state}\">{picture}<h2>{link}</h2><p><b>{}</b> in {}; largest rest angle {}, stiffness up \
+            "<article class=\"{state}\">{picture}<h2>{link}</h2><p><b>{}</b> in {}; largest rest angle change {}, stiffness up \
              to {}, {} crossings</p><pre>{}</pre></article>",
             state.replace('_', " "),
             number("wall_s", " s"),
@@ -92,7 +94,7 @@ fn page(jobs: &Jobs, list: &Value) -> String {
         );
     }
     let head = format!(
-        "{} jobs: {} done, {} not at rest, {} failed, {} missing",
+        "{} jobs: {} done, {} not converged, {} failed, {} missing",
         list["jobs"], list["done"], list["not_converged"], list["failed"], list["missing"]
     );
     format!(
@@ -108,9 +110,9 @@ fn page(jobs: &Jobs, list: &Value) -> String {
     )
 }
 
-/// The worn garment as a small PNG in base64; none if it cannot be read.
+/// Returns a picture of the worn garment as PNG in base64; `None` if it cannot be read.
 fn thumbnail(worn: &Path) -> Option<String> {
-    let (garment_view, _) = render::read(worn).ok()?;
-    let image = garment_view.draw(ColorBy::Shape, &Camera::default(), THUMBNAIL).ok()?;
+    let view = ViewFile::read(worn).ok()?.view;
+    let image = view.draw(ColorBy::Shape, &Camera::default(), THUMBNAIL_SIZE).ok()?;
     Some(STANDARD.encode(encode_png(&image).ok()?))
 }

@@ -1,28 +1,12 @@
-//! Values and groups of options that several commands share.
+//! Parsers of option values.
 
-use clap::Args;
-use crease::garment::UpAxis;
 use std::path::{Path, PathBuf};
-
-/// How the coordinates of a mesh file are to be read.
-#[derive(Debug, Clone, Args)]
-pub struct MeshReading {
-    /// Unit of the mesh file: m, dm, cm, mm, in, or its length in metres [default: told from the format and size]
-    #[arg(long, value_name = "UNIT", value_parser = unit)]
-    pub unit: Option<Metres>,
-    /// Axis of the mesh file that points up: y or z [default: told from the format]
-    #[arg(long, value_name = "AXIS", value_parser = up)]
-    pub up: Option<UpAxis>,
-    /// Node, mesh or group that is the garment [default: all of the file]
-    #[arg(long, value_name = "NODE|GROUP")]
-    pub garment: Option<String>,
-}
 
 /// A length [m].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Metres(pub f64);
 
-/// A unit of length by its name or in metres.
+/// Parses a unit of length: a name, or its length in metres.
 pub fn unit(text: &str) -> Result<Metres, String> {
     let metres = match text {
         "m" => 1.0,
@@ -37,15 +21,7 @@ pub fn unit(text: &str) -> Result<Metres, String> {
     Ok(Metres(metres))
 }
 
-fn up(text: &str) -> Result<UpAxis, String> {
-    match text {
-        "y" | "Y" => Ok(UpAxis::Y),
-        "z" | "Z" => Ok(UpAxis::Z),
-        _ => Err("expected y or z".to_owned()),
-    }
-}
-
-/// A finite number above 0.
+/// Parses a finite number above 0.
 pub fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
@@ -53,7 +29,7 @@ pub fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A time of no more than a day [s], 0 included.
+/// Parses a time from 0 to one day [s].
 pub fn seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(number) if (0.0..=86_400.0).contains(&number) => Ok(number),
@@ -61,26 +37,26 @@ pub fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A path that ends in `.glb`.
+/// Parses a path that ends in `.glb`.
 pub fn glb_path(text: &str) -> Result<PathBuf, String> {
-    path_ending(text, "glb")
+    path_with_extension(text, "glb")
 }
 
-/// A path that ends in `.png`.
+/// Parses a path that ends in `.png`.
 pub fn png_path(text: &str) -> Result<PathBuf, String> {
-    path_ending(text, "png")
+    path_with_extension(text, "png")
 }
 
-/// A path that ends in `.html`.
+/// Parses a path that ends in `.html`.
 pub fn html_path(text: &str) -> Result<PathBuf, String> {
-    path_ending(text, "html")
+    path_with_extension(text, "html")
 }
 
-fn path_ending(text: &str, ending: &str) -> Result<PathBuf, String> {
+fn path_with_extension(text: &str, extension: &str) -> Result<PathBuf, String> {
     let path = Path::new(text);
     match path.extension() {
-        Some(own) if own.eq_ignore_ascii_case(ending) => Ok(path.to_owned()),
-        _ => Err(format!("expected a file name that ends in .{ending}")),
+        Some(own) if own.eq_ignore_ascii_case(extension) => Ok(path.to_owned()),
+        _ => Err(format!("expected a file name that ends in .{extension}")),
     }
 }
 
@@ -101,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn endings_are_checked() {
+    fn extensions_are_checked() {
         assert!(glb_path("a/b.GLB").is_ok());
         for text in ["a", "a.gltf", ".glb", ""] {
             assert!(glb_path(text).is_err(), "{text}");

@@ -1,5 +1,5 @@
-//! `--frames DIR`: the simulated mesh over time as frame_0000.obj, frame_0001.obj ..., each written as it comes, whole
-//! or not at all, so that a run can be watched and an interrupted one leaves what it had.
+//! `--frames DIR`: the simulated mesh over time as frame_0000.obj, frame_0001.obj, ... Each frame is written as soon as
+//! it is due, whole or not at all, so that a run can be watched and an interrupted run keeps its frames.
 
 use crate::cli::files::input::name_of;
 use crate::cli::files::output::Outputs;
@@ -9,31 +9,32 @@ use crease::mesh::PointIndex;
 use crease::{Error, Result};
 use std::path::{Path, PathBuf};
 
-/// Writes the frames of one run.
+/// Writer of the frames of one run.
 #[derive(Debug)]
 pub struct FrameFolder<'a> {
     folder: PathBuf,
-    /// Of the mesh that is simulated.
+    /// Triangles of the simulated mesh.
     triangles: Vec<[PointIndex; 3]>,
-    /// Read by the run, and perhaps a frame of an earlier one: not to be written over.
+    /// Input mesh, which may be a frame of an earlier run and must not be overwritten.
     mesh: &'a Path,
+    /// Frames written so far.
     written: usize,
 }
 
 impl<'a> FrameFolder<'a> {
-    /// Makes `folder` if there is none. No frame is written over `mesh`; `written` are there from a run that is taken
-    /// up.
+    /// Creates `folder` if it is missing. `written` frames exist already if the run is resumed; `mesh` is never
+    /// overwritten.
     pub fn new(folder: &Path, mesh: &'a Path, written: usize) -> Result<Self> {
         std::fs::create_dir_all(folder).map_err(|source| Error::File { file: name_of(folder), source })?;
         Ok(Self { folder: folder.to_owned(), triangles: Vec::new(), mesh, written })
     }
 
-    /// Frames from now on are of a mesh of these triangles.
-    pub fn show(&mut self, triangles: &[[PointIndex; 3]]) {
+    /// Sets the triangles of the following frames.
+    pub fn set_triangles(&mut self, triangles: &[[PointIndex; 3]]) {
         self.triangles = triangles.to_vec();
     }
 
-    /// Writes the next frame: `points` [m], one per point of the mesh.
+    /// Writes the next frame; `points` has one position per point of the mesh [m].
     pub fn write(&mut self, points: &[Vec3]) -> Result<()> {
         let mut outputs = Outputs::new([self.mesh]);
         outputs.add(&self.path_of(self.written), &write_frame_obj(points, &self.triangles))?;
@@ -42,8 +43,8 @@ impl<'a> FrameFolder<'a> {
         Ok(())
     }
 
-    /// A later frame that an earlier, longer run left here: it does not belong to these.
-    pub fn left_over(&self) -> Option<PathBuf> {
+    /// Returns the first frame that an earlier, longer run has left in the folder.
+    pub fn stale_frame(&self) -> Option<PathBuf> {
         Some(self.path_of(self.written)).filter(|path| path.exists())
     }
 
@@ -57,7 +58,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn frames_are_numbered_and_old_ones_noticed() {
+    fn frames_are_numbered_and_stale_ones_detected() {
         let folder = tempfile::tempdir().expect("a folder");
         let deep = folder.path().join("a/b");
         let mut frames = FrameFolder::new(&deep, Path::new("in.obj"), 0).expect("makes the folder");
@@ -67,10 +68,10 @@ mod tests {
         let text = |name: &str| std::fs::read_to_string(deep.join(name)).expect("is there");
         assert_eq!(text("frame_0000.obj"), "v 1.0 1.0 1.0\n");
         assert_eq!(text("frame_0001.obj"), "v 2.0 2.0 2.0\n");
-        assert_eq!(frames.left_over(), None);
+        assert_eq!(frames.stale_frame(), None);
         let shorter = FrameFolder { written: 1, ..frames };
         let second = deep.join("frame_0001.obj");
-        assert_eq!(shorter.left_over(), Some(second.clone()));
+        assert_eq!(shorter.stale_frame(), Some(second.clone()));
         let mut over_input = FrameFolder { mesh: &second, ..shorter };
         assert!(over_input.write(&[]).expect_err("is refused").to_string().contains("would be overwritten"));
     }

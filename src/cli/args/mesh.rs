@@ -1,0 +1,40 @@
+//! Options that say how a mesh file is read.
+
+use crate::cli::args::values::{Metres, unit};
+use clap::Args;
+use crease::garment::UpAxis;
+use crease::io::ReadOptions;
+
+/// Unit, up axis and garment of a mesh file.
+#[derive(Debug, Clone, Args)]
+pub struct MeshArgs {
+    /// Unit of the mesh file: m, dm, cm, mm, in, or its length in metres [default: derived from format and size]
+    #[arg(long, value_name = "UNIT", value_parser = unit)]
+    unit: Option<Metres>,
+    /// Up axis of the mesh file: y or z [default: derived from the format]
+    #[arg(long, value_name = "AXIS", value_parser = up_axis)]
+    up: Option<UpAxis>,
+    /// Node, mesh or group that is the garment [default: the whole file]
+    #[arg(long, value_name = "NODE|GROUP")]
+    garment: Option<String>,
+}
+
+impl MeshArgs {
+    /// Returns the options of the mesh reader.
+    pub fn options(&self) -> ReadOptions {
+        ReadOptions {
+            unit_m: self.unit.map(|unit| unit.0),
+            up: self.up,
+            garment: self.garment.clone(),
+            mask: None,
+        }
+    }
+}
+
+fn up_axis(text: &str) -> Result<UpAxis, String> {
+    match text {
+        "y" | "Y" => Ok(UpAxis::Y),
+        "z" | "Z" => Ok(UpAxis::Z),
+        _ => Err("expected y or z".to_owned()),
+    }
+}

@@ -1,0 +1,150 @@
+//! Command-line arguments of `crease bake`.
+
+use crate::cli::args::body::BodyArgs;
+use crate::cli::args::export::ExportArgs;
+use crate::cli::args::mesh::MeshArgs;
+use crate::cli::args::refine::RefineArgs;
+use crate::cli::args::run::RunArgs;
+use crate::cli::args::values::{glb_path, positive, seconds};
+use clap::ValueEnum;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use crease::bake::{BakeOptions, BakeResult, Quality};
+use crease::body::AnimatedBody;
+use crease::fabric::DEFAULT_FABRIC;
+use crease::sim::Method;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  crease bake shirt.glb --wear garments/wear/fold-thrice.json -o worn.glb --preview
+  crease bake shirt.obj --unit cm --fabric denim --wear wear.json -o worn.glb --frames frames
+  crease bake shirt.glb --wear wear.json -o worn.glb --resume    continue after Ctrl-C or a crash
+  crease bake shirt.glb --wear wear.json --explain               which models would be used, and why")]
+pub struct Arguments {
+    /// Garment: .obj, .gltf or .glb
+    pub mesh: PathBuf,
+    /// Wear script, crease-wear/1
+    #[arg(long, value_name = "SCRIPT")]
+    pub wear: PathBuf,
+    /// Worn garment to write; OUT.crease.json and OUT.report.json go beside it
+    #[arg(short, long, value_name = "OUT.glb", value_parser = glb_path, required_unless_present = "explain")]
+    pub output: Option<PathBuf>,
+    /// Fabric of the garment: a name of `crease fabric list`, or a fabric file
+    #[arg(long, value_name = "NAME|FILE", default_value = DEFAULT_FABRIC)]
+    pub fabric: String,
+    #[command(flatten)]
+    pub reading: MeshArgs,
+    #[command(flatten)]
+    pub body: BodyArgs,
+    #[command(flatten)]
+    pub refine: RefineArgs,
+    /// Simulate the whole garment, including regions the body cannot reach
+    #[arg(long, alias = "no-sleep")]
+    simulate_all: bool,
+    /// Simulate the triangles of the file, without coarsening where the script creases nothing
+    #[arg(long)]
+    no_grading: bool,
+    #[command(flatten)]
+    pub export: ExportArgs,
+    /// Time integrator [default: the one of the quality]
+    #[arg(long, value_name = "NAME", value_parser = method_parser())]
+    method: Option<Method>,
+    /// Trade-off between speed and accuracy: time steps and solver tolerances
+    #[arg(long, value_name = "NAME", default_value = Quality::Standard.name(), value_parser = quality_parser())]
+    quality: Quality,
+    /// Validation run: every model on at full size, fixed short time steps; slow
+    #[arg(long, alias = "everything")]
+    full_fidelity: bool,
+    /// Memory law of the cloth
+    #[arg(long, value_enum, default_value_t = MemoryLaw::On)]
+    memory: MemoryLaw,
+    /// Also draw OUT.png: the garment before and after
+    #[arg(long, requires = "output")]
+    pub preview: bool,
+    /// Folder for the simulated mesh over time: frame_0000.obj, ...
+    #[arg(long, value_name = "DIR")]
+    pub frames: Option<PathBuf>,
+    /// Frames per simulated second
+    #[arg(long, value_name = "N", value_parser = positive, default_value_t = 10.0, requires = "frames")]
+    fps: f64,
+    /// Continue from OUT.checkpoint if an interrupted run left one; the result is bit-identical to an uninterrupted run
+    #[arg(long)]
+    pub resume: bool,
+    /// Interval at which OUT.checkpoint is written within actions of the script [s]
+    #[arg(long, value_name = "SECONDS", default_value_t = 30.0, value_parser = seconds)]
+    pub checkpoint_every: f64,
+    /// Print which models are on and why, with the number behind each decision; without -o, stop there
+    #[arg(long)]
+    pub explain: bool,
+    #[command(flatten)]
+    pub run: RunArgs,
+}
+
+/// Values of `--memory`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum MemoryLaw {
+    /// Law of Kim, Oh and Wohn
+    #[value(alias = "paper")]
+    On,
+    /// No memory: a purely elastic simulation
+    Off,
+}
+
+/// Parser of the integrators of the library, by name.
+fn method_parser() -> impl TypedValueParser<Value = Method> {
+    let names = PossibleValuesParser::new(
+        Method::ALL.iter().map(|m| PossibleValue::new(m.name()).help(m.description())),
+    );
+    names.try_map(|name| Method::from_name(&name).ok_or("no such method"))
+}
+
+/// Parser of the qualities of the library, by name.
+fn quality_parser() -> impl TypedValueParser<Value = Quality> {
+    let names = Quality::ALL.map(|quality| PossibleValue::new(quality.name()).help(quality.description()));
+    PossibleValuesParser::new(names).try_map(|name| Quality::from_name(&name).ok_or("no such quality"))
+}
+
+impl Arguments {
+    /// Returns the time integrator.
+    pub fn method(&self) -> Method {
+        self.method.unwrap_or(self.quality.step().method)
+    }
+
+    fn memory_on(&self) -> bool {
+        self.memory == MemoryLaw::On
+    }
+
+    /// Returns the options of the bake.
+    pub fn options(&self, body: Option<&Arc<AnimatedBody>>) -> BakeOptions {
+        let mut options = BakeOptions {
+            memory: self.memory_on(),
+            body: body.cloned(),
+            deactivate_static: !self.simulate_all,
+            adaptive_mesh: BakeOptions::for_quality(self.quality).adaptive_mesh && !self.no_grading,
+            ..BakeOptions::for_quality(self.quality)
+        };
+        options.step.method = self.method();
+        options.full_fidelity = self.full_fidelity;
+        options.frames_per_second = if self.frames.is_some() { self.fps } else { 0.0 };
+        options
+    }
+
+    /// Returns the description of the run for the sidecar. It holds nothing that differs between repeated runs, whose
+    /// sidecars are identical.
+    pub fn run_description(&self, baked: &BakeResult) -> Value {
+        let mut description = json!({
+            "tool": concat!("crease ", env!("CARGO_PKG_VERSION")),
+            "method": self.method().name(),
+            "quality": self.quality.name(),
+            "memory": if self.memory_on() { "on" } else { "off" },
+            "simulated_s": baked.report.simulated,
+            "steps": baked.report.steps,
+        });
+        if baked.report.points != baked.end.len() {
+            description["simulated_points"] = json!(baked.report.points);
+        }
+        description
+    }
+}

@@ -1,0 +1,87 @@
+//! Inputs of a bake: garment, body, script and fabric.
+
+use crate::cli::args::refine::Refinement;
+use crate::cli::commands::bake::arguments::Arguments;
+use crate::cli::files::input;
+use crate::cli::files::mesh_file::MeshFile;
+use crease::bake::{ModelPlan, active_points};
+use crease::body::AnimatedBody;
+use crease::fabric::Fabric;
+use crease::garment::{Garment, RestState, WornGarment};
+use crease::io::Sidecar;
+use crease::io::gltf::write_worn_glb;
+use crease::math::Vec3;
+use crease::wear::WearScript;
+use crease::{Error, Result};
+use serde_json::{Value, json};
+use std::path::Path;
+use std::sync::Arc;
+
+/// Inputs of a bake, read and checked.
+#[derive(Debug)]
+pub struct BakeInput {
+    /// Mesh file and garment.
+    pub mesh: MeshFile,
+    /// Wear script.
+    pub script: WearScript,
+    /// File of the script, for messages.
+    pub script_file: String,
+    /// Fabric of the garment.
+    pub fabric: Fabric,
+    /// Body that the garment is worn on.
+    pub body: Option<Arc<AnimatedBody>>,
+    /// Outcome of `--resolution`.
+    pub refinement: Option<Refinement>,
+}
+
+impl BakeInput {
+    /// Reads all files. The errors of all of them are reported together.
+    pub fn read(arguments: &Arguments) -> Result<Self> {
+        let script_file = input::name_of(&arguments.wear);
+        let script = read_script(&script_file, &arguments.wear, arguments.body.is_given());
+        let fabric = input::fabric(&arguments.fabric);
+        let reading = arguments.reading.options();
+        let mesh = MeshFile::read(&arguments.mesh, &reading);
+        match (script, fabric, mesh) {
+            (Ok(script), Ok(fabric), Ok(mut mesh)) => {
+                let body = arguments.body.read(&arguments.mesh, &reading, &mesh)?;
+                let options = arguments.options(body.as_ref());
+                let active = |garment: &Garment| active_points(garment, &script, &options);
+                let refinement = arguments.refine.refine(&mut mesh.garment, active);
+                Ok(Self { mesh, script, script_file, fabric, body, refinement })
+            }
+            (script, fabric, mesh) => {
+                Err(input::merge_errors([script.err(), fabric.err(), mesh.err()].into_iter().flatten()))
+            }
+        }
+    }
+
+    /// Returns which models the bake uses, and why.
+    pub fn plan(&self, arguments: &Arguments) -> ModelPlan {
+        let options = arguments.options(self.body.as_ref());
+        ModelPlan::for_simulated_mesh(&self.mesh.garment, &self.fabric, &self.script, &options)
+    }
+
+    /// Writes the garment without wear to memory, so that errors of the writers are found before the bake.
+    pub fn check_writers(&self, extras: &Value) -> Result<()> {
+        let garment = &self.mesh.garment;
+        let unworn = WornGarment {
+            displacement: vec![Vec3::zeros(); garment.points.len()],
+            memory: RestState::flat(garment.topology.hinges.len(), garment.triangles.len()),
+        };
+        write_worn_glb(&self.mesh.asset, garment, &unworn, extras)?;
+        self.sidecar(&unworn, Value::Null).map(drop)
+    }
+
+    /// Returns the sidecar of `worn`; `run` describes the run.
+    pub fn sidecar(&self, worn: &WornGarment, run: Value) -> Result<Sidecar> {
+        let (fabric, wear) = (json!(self.fabric), json!(self.script));
+        Sidecar::new(&self.mesh.asset, &self.mesh.garment, worn, fabric, wear, run)
+    }
+}
+
+fn read_script(file: &str, path: &Path, has_body: bool) -> Result<WearScript> {
+    let script = WearScript::parse(file, &input::text(path)?)?;
+    let errors = if has_body { Vec::new() } else { script.errors_without_body(file) };
+    if errors.is_empty() { Ok(script) } else { Err(Error::Input(errors)) }
+}

@@ -1,0 +1,151 @@
+//! `crease bake`: the main command. Reads a mesh, a wear script and a fabric; writes the worn garment, its sidecar and the
+//! report, all three or none.
+//!
+//! Errors are found before the long computation: files are read, outputs checked, and the garment written once without
+//! wear.
+
+mod arguments;
+mod input;
+mod observer;
+
+pub use arguments::Arguments;
+
+use crate::cli::args::export::print_checks;
+use crate::cli::commands::bake::input::BakeInput;
+use crate::cli::commands::bake::observer::BakeObserver;
+use crate::cli::commands::worn_job::{SideFiles, WornJob, WornResult};
+use crate::cli::files::checkpoints::CheckpointFile;
+use crate::cli::files::frame_folder::FrameFolder;
+use crate::cli::runtime::console;
+use crate::cli::runtime::interrupt::Interrupt;
+use crate::cli::runtime::progress::Progress;
+use crate::cli::runtime::threads::use_threads;
+use crease::bake::{Bake, BakeResult, ModelDecision, ModelPlan};
+use crease::mesh::intersections::self_intersections;
+use crease::report::{Report, crossing_counts};
+use crease::{Error, Result};
+use serde_json::{Value, json};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Runs the command.
+pub fn run(arguments: Arguments) -> Result<()> {
+    let interrupt = Interrupt::listen()?;
+    let mut progress = Progress::new(arguments.run.quiet, arguments.run.json);
+    progress.stage("read");
+    match &arguments.output {
+        Some(output) => bake_into(&arguments, output, &mut progress, &interrupt),
+        None => {
+            use_threads(arguments.run.threads)?;
+            explain(&BakeInput::read(&arguments)?.plan(&arguments), arguments.run.json)
+        }
+    }
+}
+
+fn bake_into(
+    arguments: &Arguments,
+    output: &Path,
+    progress: &mut Progress,
+    interrupt: &Interrupt,
+) -> Result<()> {
+    let side_files =
+        SideFiles { export: Some(&arguments.export), preview: arguments.preview, ..SideFiles::default() };
+    let inputs = [arguments.mesh.as_path(), arguments.wear.as_path(), Path::new(&arguments.fabric)];
+    let mut job = WornJob::start(&arguments.run, output, inputs, side_files)?;
+    let mut input = BakeInput::read(arguments)?;
+    if arguments.explain && !arguments.run.json {
+        explain(&input.plan(arguments), false)?;
+    }
+    job.accept_mesh(&mut input.mesh, &arguments.mesh, input.refinement.as_ref());
+    input.check_writers(&job.files().extras())?;
+    let start = self_intersections(&input.mesh.garment.points, &input.mesh.garment.triangles);
+    job.inputs_read();
+
+    let interval = Duration::from_secs_f64(arguments.checkpoint_every);
+    let mut checkpoints = CheckpointFile::beside(&job.files().worn, interval);
+    job.check(checkpoints.path())?;
+    let (baked, stale_frames) = simulate(&input, arguments, progress, &mut checkpoints, interrupt)?;
+    job.warn(stale_frames);
+
+    progress.stage("write");
+    let computed = Instant::now();
+    let garment = &input.mesh.garment;
+    let counts = crossing_counts(garment, &baked.worn, &start);
+    let mut report = Report::of_bake(garment, &baked, counts);
+    report.method = arguments.method().name().to_owned();
+    let sidecar = input.sidecar(&baked.worn, arguments.run_description(&baked))?;
+    let result = WornResult {
+        mesh: &input.mesh,
+        worn: &baked.worn,
+        fabric: &input.fabric,
+        sidecar: &sidecar,
+        side_files: SideFiles { detail: Some((&arguments.refine, input.refinement.as_ref())), ..side_files },
+        computed,
+    };
+    let mut written = job.write(&result, report)?;
+    checkpoints.remove();
+    progress.finish();
+    written.print(print_summary)?;
+    match &baked.report.unconverged_reason {
+        Some(reason) => {
+            let worn = written.worn().display();
+            Err(Error::NotConverged(format!("{reason}; the unconverged result is in {worn}")))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Runs the simulation; also returns a warning if the folder of frames holds frames of an earlier run.
+fn simulate(
+    input: &BakeInput,
+    arguments: &Arguments,
+    progress: &mut Progress,
+    checkpoints: &mut CheckpointFile,
+    interrupt: &Interrupt,
+) -> Result<(BakeResult, Option<String>)> {
+    let resumed = if arguments.resume { checkpoints.read()? } else { None };
+    let frames_written = resumed.as_ref().map_or(0, |(_, checkpoint)| checkpoint.counts.frames.shown);
+    let frames = match &arguments.frames {
+        Some(folder) => Some(FrameFolder::new(folder, &arguments.mesh, frames_written as usize)?),
+        None => None,
+    };
+    let action_count = input.script.flatten().count();
+    let mut observer = BakeObserver { progress, frames, checkpoints, interrupt, action_count };
+    interrupt.set_exit_immediately(false);
+    let mut bake = Bake::new(&input.mesh.garment, &input.fabric, &input.script)
+        .script_name(&input.script_file)
+        .options(arguments.options(input.body.as_ref()));
+    if let Some((file, checkpoint)) = &resumed {
+        bake = bake.resume(file, checkpoint.clone());
+    }
+    let baked = bake.run_with(&mut observer)?;
+    interrupt.set_exit_immediately(false);
+    let stale = observer.frames.and_then(|frames| frames.stale_frame());
+    let warning = stale
+        .map(|path| format!("{} and any after it are from an earlier run with more frames", path.display()));
+    Ok((baked, warning))
+}
+
+/// Prints the plan on stdout.
+fn explain(plan: &ModelPlan, as_json: bool) -> Result<()> {
+    if as_json {
+        let list: Vec<Value> = plan
+            .decisions
+            .iter()
+            .map(|decision| json!({"name": decision.name, "on": decision.on, "why": decision.why}))
+            .collect();
+        return console::data(&format!("{:#}\n", Value::Array(list)));
+    }
+    let line = |decision: &ModelDecision| {
+        format!("{:<16}{:<5}{}\n", decision.name, if decision.on { "on" } else { "off" }, decision.why)
+    };
+    console::data(&plan.decisions.iter().map(line).collect::<String>())
+}
+
+fn print_summary(worn: &str, report: &Report) {
+    print_checks(&report.exports);
+    console::message(&format!(
+        "{worn}: {} points, {:.1} s of wear in {} steps and {:.1} s; {} crossings",
+        report.points, report.simulated_s, report.steps, report.wall_s, report.crossings,
+    ));
+}

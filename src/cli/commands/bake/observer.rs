@@ -1,0 +1,71 @@
+//! Observer of a bake: progress, frames, checkpoints and interruption.
+
+use crate::cli::files::checkpoints::CheckpointFile;
+use crate::cli::files::frame_folder::FrameFolder;
+use crate::cli::runtime::interrupt::Interrupt;
+use crate::cli::runtime::progress::{Progress, StepProgress};
+use crease::Result;
+use crease::bake::{Checkpoint, Observer};
+use crease::garment::Garment;
+use crease::math::Vec3;
+
+/// Observer that connects a bake with the terminal and the file system.
+pub struct BakeObserver<'a, 'b> {
+    /// Progress display.
+    pub progress: &'a mut Progress,
+    /// Folder of the frames, if they were asked for.
+    pub frames: Option<FrameFolder<'b>>,
+    /// Checkpoint file.
+    pub checkpoints: &'a mut CheckpointFile,
+    /// Signal handlers.
+    pub interrupt: &'a Interrupt,
+    /// Number of actions in the script.
+    pub action_count: usize,
+}
+
+impl Observer for BakeObserver<'_, '_> {
+    fn progress(&mut self, now: &crease::bake::BakeProgress) {
+        self.progress.step(
+            now.stage,
+            StepProgress {
+                simulated_s: now.time,
+                total_s: now.total,
+                step: now.steps,
+                events: now.events.gradual + now.events.critical,
+            },
+        );
+    }
+
+    fn on_mesh(&mut self, mesh: &Garment) {
+        if let Some(frames) = &mut self.frames {
+            frames.set_triangles(&mesh.triangles);
+        }
+    }
+
+    fn frame(&mut self, x: &[Vec3]) -> Result<()> {
+        self.frames.as_mut().map_or(Ok(()), |frames| frames.write(x))
+    }
+
+    fn wants_checkpoints(&self) -> bool {
+        true
+    }
+
+    fn checkpoint(&mut self, now: Checkpoint) -> Result<()> {
+        let script_ended = now.position.action == self.action_count;
+        self.checkpoints.update(now);
+        if script_ended {
+            // The relaxation to the source pose has no steps to stop after; its start is saved here.
+            self.checkpoints.flush();
+            self.interrupt.set_exit_immediately(true);
+        }
+        Ok(())
+    }
+
+    fn should_stop(&mut self) -> bool {
+        if !self.interrupt.is_requested() {
+            return false;
+        }
+        self.checkpoints.flush();
+        true
+    }
+}

@@ -1,0 +1,246 @@
+//! The common frame of the commands that produce a worn garment: `bake`, `transfer`, `remember`. Before the computation
+//! it starts the threads and checks that every output can be written; after it, it writes the worn garment, its sidecar,
+//! the report and the files beside them, all or none, and prints the outcome.
+
+use crate::cli::args::export::ExportArgs;
+use crate::cli::args::refine::{RefineArgs, Refinement};
+use crate::cli::args::run::RunArgs;
+use crate::cli::files::input;
+use crate::cli::files::mesh_file::MeshFile;
+use crate::cli::files::output::Outputs;
+use crate::cli::files::worn_outputs::WornOutputs;
+use crate::cli::runtime::console;
+use crate::cli::runtime::threads::use_threads;
+use crease::Result;
+use crease::fabric::Fabric;
+use crease::garment::WornGarment;
+use crease::io::gltf::write_worn_glb;
+use crease::io::{Sidecar, write_sidecar};
+use crease::report::render::{Camera, encode_png};
+use crease::report::{ColorBy, DetailReport, ExportCheck, GarmentView, Report, TransferReport};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Size of each half of `--preview` [pixels].
+const PREVIEW_SIZE: [usize; 2] = [800, 600];
+
+/// A run of one command.
+#[derive(Debug)]
+pub struct WornJob {
+    run: RunArgs,
+    files: WornOutputs,
+    outputs: Outputs,
+    started: Instant,
+    /// Time until the inputs were read [s].
+    read_s: f64,
+    /// Warnings of the command itself, for the report.
+    warnings: Vec<String>,
+}
+
+/// Files beside the main outputs.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct SideFiles<'a> {
+    /// Detail maps, and the refinement whose wrinkles they show.
+    pub detail: Option<(&'a RefineArgs, Option<&'a Refinement>)>,
+    /// Files for other programs.
+    pub export: Option<&'a ExportArgs>,
+    /// Whether OUT.png is drawn.
+    pub preview: bool,
+}
+
+/// Outcome of a run, to be written.
+#[derive(Debug, Clone, Copy)]
+pub struct WornResult<'a> {
+    /// File and garment before the wear.
+    pub mesh: &'a MeshFile,
+    /// Worn garment.
+    pub worn: &'a WornGarment,
+    /// Fabric of the garment.
+    pub fabric: &'a Fabric,
+    /// Sidecar of the worn garment.
+    pub sidecar: &'a Sidecar,
+    /// Files beside the main outputs.
+    pub side_files: SideFiles<'a>,
+    /// Time at which the computation ended.
+    pub computed: Instant,
+}
+
+/// Report of a command that produces a worn garment.
+pub trait JobReport {
+    /// Warnings.
+    fn warnings(&mut self) -> &mut Vec<String>;
+    /// Sets what is known when the worn garment has been written.
+    fn finish(&mut self, files: WrittenFiles, times: JobTimes);
+    /// Returns the report file.
+    fn json(&self) -> String;
+}
+
+/// What a report says of the files beside the main outputs.
+#[derive(Debug, Default)]
+pub struct WrittenFiles {
+    /// One entry per detail map.
+    pub detail_maps: Vec<DetailReport>,
+    /// Checks of the exported files.
+    pub exports: Vec<ExportCheck>,
+}
+
+/// Wall times of a run [s].
+#[derive(Debug, Clone, Copy)]
+pub struct JobTimes {
+    /// Reading the inputs.
+    pub read_s: f64,
+    /// Writing the outputs.
+    pub write_s: f64,
+    /// The whole run.
+    pub wall_s: f64,
+}
+
+impl WornJob {
+    /// Starts the threads and checks that the outputs beside `output` can be written. `inputs` are never overwritten.
+    pub fn start<'a>(
+        run: &RunArgs,
+        output: &Path,
+        inputs: impl IntoIterator<Item = &'a Path>,
+        side_files: SideFiles,
+    ) -> Result<Self> {
+        let started = Instant::now();
+        let files = WornOutputs::beside(output);
+        let outputs = Outputs::new(inputs);
+        for path in files.paths() {
+            outputs.check(path)?;
+        }
+        if let Some(export) = side_files.export {
+            export.check(&files.worn, &outputs)?;
+        }
+        if side_files.preview {
+            outputs.check(&files.preview())?;
+        }
+        use_threads(run.threads)?;
+        Ok(Self { run: run.clone(), files, outputs, started, read_s: 0.0, warnings: Vec::new() })
+    }
+
+    /// Paths of the outputs.
+    pub fn files(&self) -> &WornOutputs {
+        &self.files
+    }
+
+    /// Checks that a further file can be written.
+    pub fn check(&self, path: &Path) -> Result<()> {
+        self.outputs.check(path)
+    }
+
+    /// Adds warnings to the report.
+    pub fn warn(&mut self, warnings: impl IntoIterator<Item = String>) {
+        self.warnings.extend(warnings);
+    }
+
+    /// Notes the repairs of the mesh file `path` and its refinement, and embeds the images that it refers to.
+    pub fn accept_mesh(&mut self, mesh: &mut MeshFile, path: &Path, refinement: Option<&Refinement>) {
+        self.warn(mesh.repairs());
+        self.warn(refinement.map(|refinement| refinement.note.clone()));
+        self.warn(mesh.embed_images(path));
+    }
+
+    /// Marks the end of reading.
+    pub fn inputs_read(&mut self) {
+        self.read_s = self.started.elapsed().as_secs_f64();
+    }
+
+    /// Writes all outputs, or none.
+    pub fn write<R: JobReport>(mut self, result: &WornResult, report: R) -> Result<WrittenJob<R>> {
+        let mut report = report;
+        report.warnings().append(&mut self.warnings);
+        let written = self.add_outputs(result, report.warnings())?;
+        let Self { run, files, mut outputs, started, read_s, .. } = self;
+        let write_s = result.computed.elapsed().as_secs_f64();
+        report.finish(written, JobTimes { read_s, write_s, wall_s: started.elapsed().as_secs_f64() });
+        outputs.add(&files.report, report.json().as_bytes())?;
+        outputs.commit()?;
+        Ok(WrittenJob { run, worn: files.worn, report })
+    }
+
+    fn add_outputs(&mut self, result: &WornResult, warnings: &mut Vec<String>) -> Result<WrittenFiles> {
+        let WornResult { mesh, worn, fabric, sidecar, side_files, .. } = *result;
+        let (files, outputs) = (&self.files, &mut self.outputs);
+        let mut written = WrittenFiles::default();
+        let mut glb = write_worn_glb(&mesh.asset, &mesh.garment, worn, &files.extras())?;
+        if let Some((refine, refinement)) = side_files.detail {
+            let detail = refinement.and_then(|refinement| refinement.detail(&mesh.garment, worn));
+            let detailed = refine.add(&files.worn, outputs, &mesh.asset, detail, glb)?;
+            glb = detailed.glb;
+            written.detail_maps = detailed.reports;
+            warnings.extend(detailed.notes);
+        }
+        outputs.add(&files.worn, &glb)?;
+        outputs.add(&files.sidecar, &write_sidecar(sidecar))?;
+        if side_files.preview {
+            let view = GarmentView::of_sidecar(&input::name_of(&files.worn), sidecar);
+            let picture = view.draw_before_after(ColorBy::Shape, &Camera::default(), PREVIEW_SIZE)?;
+            outputs.add(&files.preview(), &encode_png(&picture)?)?;
+        }
+        if let Some(export) = side_files.export {
+            written.exports = export.add(&files.worn, outputs, mesh, worn, fabric)?;
+        }
+        Ok(written)
+    }
+}
+
+/// A run whose outputs are written.
+#[derive(Debug)]
+pub struct WrittenJob<R> {
+    run: RunArgs,
+    worn: PathBuf,
+    /// Report as written.
+    pub report: R,
+}
+
+impl<R: JobReport> WrittenJob<R> {
+    /// Prints the outcome: the lines of `summary` for people, which is given the name of the worn garment, or the report
+    /// for programs.
+    pub fn print(&mut self, summary: impl FnOnce(&str, &R)) -> Result<()> {
+        if self.run.is_verbose() {
+            self.report.warnings().iter().for_each(|text| console::message(&format!("warning: {text}")));
+            summary(&input::name_of(&self.worn), &self.report);
+        }
+        if self.run.json { console::data(&self.report.json()) } else { Ok(()) }
+    }
+
+    /// Path of the worn garment.
+    pub fn worn(&self) -> &Path {
+        &self.worn
+    }
+}
+
+impl JobReport for Report {
+    fn warnings(&mut self) -> &mut Vec<String> {
+        &mut self.warnings
+    }
+
+    fn finish(&mut self, files: WrittenFiles, times: JobTimes) {
+        self.detail_maps = files.detail_maps;
+        self.exports = files.exports;
+        self.stages.add("read", times.read_s);
+        self.stages.add("write", times.write_s);
+        self.wall_s = times.wall_s;
+    }
+
+    fn json(&self) -> String {
+        self.to_json()
+    }
+}
+
+impl JobReport for TransferReport {
+    fn warnings(&mut self) -> &mut Vec<String> {
+        &mut self.warnings
+    }
+
+    fn finish(&mut self, files: WrittenFiles, times: JobTimes) {
+        self.detail_maps = files.detail_maps;
+        self.exports = files.exports;
+        self.wall_s = times.wall_s;
+    }
+
+    fn json(&self) -> String {
+        self.to_json()
+    }
+}

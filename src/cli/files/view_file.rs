@@ -1,0 +1,39 @@
+//! A garment to be looked at, read from any mesh file, with the sidecar beside it.
+
+use crate::cli::files::input;
+use crate::cli::files::mesh_file::read_asset_at;
+use crease::io::gltf::{keep_worn_pieces, sidecar_name};
+use crease::io::{ReadOptions, Sidecar, read_sidecar};
+use crease::report::GarmentView;
+use crease::{Error, Result};
+use std::path::Path;
+
+/// A garment to be drawn.
+#[derive(Debug)]
+pub struct ViewFile {
+    /// Shapes and memory of the garment.
+    pub view: GarmentView,
+    /// Sidecar, where the file names one that exists.
+    pub sidecar: Option<Sidecar>,
+}
+
+impl ViewFile {
+    /// Reads `path`. Memory comes from the sidecar if there is one, otherwise from the attributes of the file.
+    pub fn read(path: &Path) -> Result<Self> {
+        // An explicit unit: a garment that is only drawn may have any size.
+        let options = ReadOptions { unit_m: Some(1.0), ..ReadOptions::default() };
+        let (mut asset, _) = read_asset_at(path, &options)?;
+        let sidecar = asset.document.as_ref().and_then(sidecar_name).map(|name| path.with_file_name(name));
+        let Some(sidecar) = sidecar.filter(|path| path.is_file()) else {
+            return Ok(Self { view: GarmentView::of_asset(asset)?, sidecar: None });
+        };
+        let file = input::name_of(&sidecar);
+        let sidecar = read_sidecar(&file, &input::bytes(&sidecar)?)?;
+        keep_worn_pieces(&mut asset);
+        if let Some(message) = sidecar.mesh_mismatch(&asset) {
+            let help = format!("put the sidecar that was written with {} beside it", path.display());
+            return Err(Error::input(file, "mesh", message, help));
+        }
+        Ok(Self { view: GarmentView::of_sidecar(&input::name_of(path), &sidecar), sidecar: Some(sidecar) })
+    }
+}
