@@ -37,3 +37,17 @@ pub mod report;
 pub mod chart;
 
 pub use error::{Diagnostic, Error, Result};
+
+#[doc(inline)]
+pub use bake::{
+    Bake, BakeOptions, BakeProgress, BakeReport, BakeResult, Checkpoint, GarmentMotion, ModelPlan, Observer,
+    Quality, RelaxResult, memory_from_motion, relax,
+};
+#[doc(inline)]
+pub use fabric::{Fabric, FabricMemory};
+#[doc(inline)]
+pub use garment::{Garment, RestState, WornGarment};
+#[doc(inline)]
+pub use memory::{
+    Band, BandParams, ElementParams, EventCount, HysteresisState, Memory, MemoryLaw, MemoryModel, Strains,
+};

@@ -104,11 +104,11 @@ fn arm() -> AnimatedBody {
 /// Only one end of the body moves; the cloth at the other end sleeps, and it is dressed all the same.
 #[test]
 fn what_sleeps_is_dressed_too() {
-    let wearer = Arc::new(arm());
+    let animated = Arc::new(arm());
     // Two pieces of cloth 2 mm inside the arm: one under its shoulder end, which stands, one at its hand, which moves.
     let low = |from: f64, to: f64| {
         let of = |p: &&Vec3| p.x > from && p.x < to;
-        wearer
+        animated
             .rest_points()
             .iter()
             .filter(of)
@@ -125,13 +125,13 @@ fn what_sleeps_is_dressed_too() {
     let garment = Garment::from_asset(&asset("two.obj", text.as_bytes())).expect("a garment").0;
     let script = r#"{"format": "crease-wear/1", "actions": [{"play": {"clip": "elbow"}}]}"#;
     let script = WearScript::parse("w.json", script).expect("is valid");
-    let options = BakeOptions { body: Some(wearer.clone()), ..BakeOptions::default() };
-    let awake = crease::bake::active_points(&garment, &script, &options);
-    assert_eq!(awake.iter().filter(|awake| **awake).count(), 4, "{awake:?}");
+    let options = BakeOptions { body: Some(animated.clone()), ..BakeOptions::default() };
+    let active = crease::bake::active_points(&garment, &script, &options);
+    assert_eq!(active.iter().filter(|active| **active).count(), 4, "{active:?}");
     let fabric = Fabric::preset("kow-tshirt").expect("exists");
     let baked = Bake::new(&garment, &fabric, &script).options(options).run().expect("fits");
-    let asleep: Vec<usize> = (0..8).filter(|p| !awake[*p]).collect();
-    for p in asleep {
+    let inactive: Vec<usize> = (0..8).filter(|p| !active[*p]).collect();
+    for p in inactive {
         let depth = garment.points[p].y - baked.end[p].y;
         assert!(depth > 0.002, "point {p} was pushed out by {depth} m: {:?}", baked.report.warnings);
     }
@@ -146,14 +146,14 @@ fn clothes_that_do_not_fit_are_refused_with_the_number() {
 /// Linear blend skinning in the pose of the file is where the reader puts the vertices, and the clip bends the arm.
 #[test]
 fn the_arm_of_the_sleeve_bends_by_its_clip() {
-    let wearer = arm();
-    let there = wearer.points(&wearer.rest());
-    let farthest = there.iter().zip(wearer.rest_points()).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+    let animated = arm();
+    let there = animated.points(&animated.rest());
+    let farthest = there.iter().zip(animated.rest_points()).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
     assert!(farthest < 1e-9, "{farthest}");
-    let middle = wearer.clip_pose("elbow", 1.0).expect("has the clip");
+    let middle = animated.clip_pose("elbow", 1.0).expect("has the clip");
     assert!(matches!(middle, BodyPose::Joints(_)));
-    let moved = wearer.points(&middle);
-    for (a, b) in wearer.rest_points().iter().zip(&moved) {
+    let moved = animated.points(&middle);
+    for (a, b) in animated.rest_points().iter().zip(&moved) {
         // The upper arm stands, the hand goes by more than its own size.
         assert!(a.x > 0.1 || (a - b).norm() < 1e-9);
         assert!(a.x < 0.6 || (a - b).norm() > 0.1);
@@ -169,12 +169,14 @@ fn skinning_is_that_of_blender() {
     let text =
         std::fs::read_to_string(root.join("tests/reference/sleeve_arm_in_blender.json")).expect("is there");
     let reference: serde_json::Value = serde_json::from_str(&text).expect("is JSON");
-    let wearer = arm();
-    let rig = wearer.rig().expect("is skinned");
+    let animated = arm();
+    let rig = animated.rig().expect("is skinned");
     let stride = reference["stride"].as_u64().expect("a number") as usize;
     for pose in reference["poses"].as_array().expect("a list") {
         let time = pose["time_s"].as_f64().expect("a number");
-        let Some(BodyPose::Joints(joints)) = wearer.clip_pose("elbow", time) else { panic!("has the clip") };
+        let Some(BodyPose::Joints(joints)) = animated.clip_pose("elbow", time) else {
+            panic!("has the clip")
+        };
         let ours = rig.vertices(&joints, None);
         assert_eq!(ours.len(), reference["vertices"].as_u64().expect("a number") as usize);
         let theirs = pose["points_m"].as_array().expect("a list");

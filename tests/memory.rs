@@ -1,5 +1,5 @@
-//! The memory law under stress, through the public interface: every promise of `docs/theory/memory.md` is a test that walks a
-//! table. Each prints the figure it reached:
+//! The memory law under stress, through the public interface: every property that `docs/theory/memory.md` states is a test
+//! over a table. Each prints the figure it reached:
 //!
 //! ```text
 //! cargo test --test memory NAME -- --nocapture

@@ -33,7 +33,7 @@ pub struct BakeOptions {
     /// Whether cloth that the script does not crease is simulated on fewer points ([`crate::bake::SimulationMesh`]).
     pub adaptive_mesh: bool,
     /// Steps of an action between two possible checkpoints: what an interrupted run loses at most. At each the pattern of
-    /// the linear system is rebuilt, and in a hold a factor that steps share.
+    /// the linear system is rebuilt, and in a hold a factor that several steps use.
     pub checkpoint_steps: u64,
 }
 

@@ -292,7 +292,7 @@ fn steps(options: &BakeOptions) -> [ModelDecision; 3] {
     [method, adaptive, sleeping]
 }
 
-/// Whether the source shape is a single piece whose triangles all face one way: no part of it lies over another.
+/// Whether the source shape is a single piece whose triangles all face the same direction: no part overlaps another.
 fn is_one_flat_layer(garment: &Garment) -> bool {
     let normal = |t: &[PointIndex; 3]| {
         let [a, b, c] = t.map(|p| garment.points[p.at()]);

@@ -64,12 +64,12 @@ pub fn fold(tau_gradual: Option<f64>, step: f64) -> Fold {
     for k in 0..steps {
         let [from, to] = [k, k + 1].map(|k| FOLD.1 * k as f64 / steps as f64);
         let count = law.map_or(EventCount::default(), |law| {
-            law.advance(&mut state, angle(from), angle(to), to - from, &ElementParams::PLAIN)
+            law.advance(&mut state, angle(from), angle(to), to - from, &ElementParams::FLAT)
         });
         for (times, count) in fold.events.iter_mut().zip([count.gradual, count.critical]) {
             times.extend((0..count).map(|_| to));
         }
-        let torque = state.stiffness * (angle(to) - state.rest);
+        let torque = state.stiffness_ratio * (angle(to) - state.rest);
         fold.max_torque = fold.max_torque.max(torque);
         fold.path.push([to, state.rest, torque]);
     }

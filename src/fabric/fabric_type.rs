@@ -1,8 +1,8 @@
-//! What cloth is made of: numbers with units and provenance, as they stand in `crease-fabric/1` files.
+//! The parameters of cloth, with units and provenance, as they stand in `crease-fabric/1` files.
 //!
 //! Fields carry their unit in the name, as in the file; the methods give SI. Stiffnesses are those of
 //! `docs/theory/method.md`: stretch and shear per width [N/m] and bending per width [N·m], the B of a plate. The memory
-//! numbers follow KOW's ten parameters, with thresholds in percent of a right angle. Does not do: the memory law itself.
+//! numbers follow KOW's ten parameters, with thresholds in percent of a right angle. Does not do: the memory law itself ([`crate::memory::MemoryLaw`]).
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -14,26 +14,37 @@ const GRAVITY: f64 = 9.81;
 /// The format of a fabric file.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum FabricFormat {
-    /// The first.
+    /// Version 1.
     #[default]
     #[serde(rename = "crease-fabric/1")]
     V1,
 }
 
-/// A fabric.
+/// A fabric: mechanical parameters, and the parameters of its memory.
+///
+/// ```
+/// use crease::Fabric;
+/// let denim = Fabric::preset("denim")?;
+/// assert!((denim.area_density() - 0.421).abs() < 1e-12, "kg/m²");
+/// // A variant of a preset, as in a fabric file.
+/// let stiff = Fabric::parse("stiff.json", r#"{"format": "crease-fabric/1", "name": "stiff denim",
+///     "based_on": "denim", "bend_warp_un_m": 150}"#)?;
+/// assert!(stiff.bending_length() > denim.bending_length());
+/// # Ok::<(), crease::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "crease fabric")]
 pub struct Fabric {
     /// Format of the file: crease-fabric/1.
     pub format: FabricFormat,
-    /// Its name.
+    /// Name of the fabric.
     #[schemars(length(min = 1))]
     pub name: String,
-    /// Preset that fills in whatever the file leaves out.
+    /// Preset that supplies the fields that the file leaves out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub based_on: Option<String>,
-    /// What it is, in a few words.
+    /// Description in a few words.
     #[serde(default)]
     pub description: String,
     /// Mass per area [g/m²].
@@ -72,12 +83,12 @@ pub struct Fabric {
     /// How it remembers.
     #[serde(default)]
     pub memory: FabricMemory,
-    /// Where the numbers come from.
+    /// Origin of the numbers.
     #[serde(default)]
     pub provenance: Provenance,
 }
 
-/// How a fabric remembers: the numbers of the memory law. Defaults are those of KOW's T-shirt.
+/// Parameters of the memory law. Defaults are those of KOW's T-shirt.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct FabricMemory {
@@ -87,22 +98,22 @@ pub struct FabricMemory {
     /// Critical change starts above this bend [percent of a right angle].
     #[schemars(extend("exclusiveMinimum" = 0), range(max = 10000))]
     pub critical_threshold_percent: f64,
-    /// A gradual event takes this long [s], KOW's tau_a.
+    /// Time in the gradual band until an event [s], KOW's tau_a.
     #[schemars(range(min = 0.001, max = 1_000_000_000))]
     pub gradual_duration_s: f64,
-    /// A critical event takes this long [s], KOW's tau_b.
+    /// Time in the critical band until an event [s], KOW's tau_b.
     #[schemars(range(min = 0.001, max = 1_000_000_000))]
     pub critical_duration_s: f64,
     /// Stiffening by a gradual event [-], KOW's rho_ak.
     #[schemars(range(min = 0, max = 100))]
     pub gradual_stiffness_ratio: f64,
-    /// Part of the gradual threshold by which a gradual event moves the rest angle [-], KOW's rho_at.
+    /// Change of the rest angle by a gradual event, as a fraction of the gradual threshold [-], KOW's rho_at.
     #[schemars(range(min = 0, max = 1))]
     pub gradual_angle_ratio: f64,
     /// Stiffening by a critical event [-], KOW's rho_bk.
     #[schemars(range(min = 0, max = 100))]
     pub critical_stiffness_ratio: f64,
-    /// Part of the critical threshold by which a critical event moves the rest angle [-], KOW's rho_bt.
+    /// Change of the rest angle by a critical event, as a fraction of the critical threshold [-], KOW's rho_bt.
     #[schemars(range(min = 0, max = 1))]
     pub critical_angle_ratio: f64,
     /// Gradual change of rest length starts above this strain [percent].
@@ -111,22 +122,22 @@ pub struct FabricMemory {
     /// Critical change of rest length starts above this strain [percent].
     #[schemars(extend("exclusiveMinimum" = 0), range(max = 1000))]
     pub critical_stretch_threshold_percent: f64,
-    /// Part of the gradual stretch threshold by which a gradual event moves the rest stretch [-], KOW's rho_al.
+    /// Change of the rest stretch by a gradual event, as a fraction of the gradual stretch threshold [-], KOW's rho_al.
     #[schemars(range(min = 0, max = 1))]
     pub gradual_length_ratio: f64,
-    /// Part of the critical stretch threshold by which a critical event moves the rest stretch [-], KOW's rho_bl.
+    /// Change of the rest stretch by a critical event, as a fraction of the critical stretch threshold [-], KOW's rho_bl.
     #[schemars(range(min = 0, max = 1))]
     pub critical_length_ratio: f64,
-    /// Rest stretch that no cloth reaches: an event adds the share of it that is left [percent].
+    /// Rest stretch that events approach and do not reach: an event is scaled by the fraction of it that is left [percent].
     #[schemars(extend("exclusiveMinimum" = 0), range(max = 1000))]
     pub rest_stretch_ceiling_percent: f64,
-    /// Hinge width from which on the bend is measured as an angle; narrower hinges count by curvature [mm].
+    /// Reference length: hinges at least as wide are measured by their angle, narrower ones by their curvature [mm].
     #[schemars(extend("exclusiveMinimum" = 0), range(max = 1000))]
     pub reference_length_mm: f64,
-    /// No hinge grows stiffer than this many times its new stiffness [-].
+    /// Largest ratio of the stiffness of a hinge to its initial stiffness [-].
     #[schemars(range(min = 1, max = 10000))]
     pub stiffness_ceiling: f64,
-    /// Part of a remembered angle that reopens per tenfold time after the cloth was let go, counted from 1 s [percent].
+    /// Fraction of a remembered angle that recovers per decade of time after release, counted from 1 s [percent].
     #[schemars(range(min = 0, max = 100))]
     pub reopening_percent_per_decade: f64,
 }
@@ -154,7 +165,7 @@ impl Default for FabricMemory {
     }
 }
 
-/// Where each group of numbers comes from, in words.
+/// Origin of each group of numbers, in words.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Provenance {
@@ -230,7 +241,7 @@ impl Fabric {
         (self.bend_warp() * self.bend_weft()).sqrt()
     }
 
-    /// Bending length [m]: (B / (rho g))^(1/3), the size of the wrinkles that weight and stiffness agree on.
+    /// Bending length [m]: (B / (rho g))^(1/3), the length scale of wrinkles under own weight.
     pub fn bending_length(&self) -> f64 {
         (self.bend_mean() / (self.area_density() * GRAVITY)).cbrt()
     }
@@ -257,7 +268,7 @@ impl FabricMemory {
         self.critical_stretch_threshold_percent * 0.01
     }
 
-    /// Hinge width L from which on angles count as they are [m].
+    /// Reference length L [m]: hinges at least as wide are measured by their angle.
     pub fn reference_length(&self) -> f64 {
         self.reference_length_mm * 1e-3
     }

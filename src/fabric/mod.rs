@@ -1,5 +1,5 @@
-//! What cloth is made of. [`Fabric`] is a plain bag of numbers with units and provenance; [`Fabric::preset`] knows
-//! the fabrics that come along (one file each under `presets/`), [`Fabric::parse`] reads one of the user's own.
+//! Fabrics: the parameters of cloth, with units and provenance. [`Fabric::preset`] returns one that is built in (one file each
+//! under `presets/`), [`Fabric::parse`] reads a file of the user.
 
 mod fabric_type;
 mod preset_list;

@@ -1,4 +1,4 @@
-//! The fabrics that come along: one file each in `presets/`, one line each here. `docs/reference/fabrics.md` says where their
+//! The built-in fabrics: one file each in `presets/`, one line each here. `docs/reference/fabrics.md` says where their
 //! numbers come from, as does `provenance` in each.
 
 use crate::error::{Error, Result};
@@ -44,11 +44,18 @@ pub(super) fn text_of(name: &str) -> Option<&'static str> {
 
 impl Fabric {
     /// Names of all presets, in list order.
+    ///
+    /// ```
+    /// assert!(crease::Fabric::preset_names().contains(&"denim"));
+    /// ```
     pub fn preset_names() -> Vec<&'static str> {
         names()
     }
 
-    /// The preset `name`; the fault names the nearest one where there is none.
+    /// The preset `name`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Input`] for an unknown name, with the nearest known one.
     pub fn preset(name: &str) -> Result<Self> {
         match text_of(name) {
             Some(text) => Self::parse(name, text),

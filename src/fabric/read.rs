@@ -1,11 +1,11 @@
-//! Reads `crease-fabric/1`: a fabric in full, or one based on a preset that says only what is different.
+//! Reads `crease-fabric/1`: a complete fabric, or one based on a preset with the differences only.
 
 use crate::error::{Diagnostic, Error, Result};
 use crate::fabric::{Fabric, preset_list};
 use crate::json::{Document, Path, nearest, schema_of};
 use serde_json::{Value, json};
 
-/// Each group of [`crate::fabric::Provenance`] with the fields it speaks of.
+/// Groups of [`crate::fabric::Provenance`] with their fields.
 const GROUPS: [(&str, &[&str]); 7] = [
     ("mass", &["area_density_g_m2", "thickness_mm"]),
     ("stretch", &["stretch_warp_n_per_m", "stretch_weft_n_per_m"]),
@@ -17,8 +17,11 @@ const GROUPS: [(&str, &[&str]); 7] = [
 ];
 
 impl Fabric {
-    /// Reads a fabric; `file` is its name in messages. What it leaves out comes from the preset `based_on`, if it
-    /// names one; a group of numbers it changes is then no longer said to come from where the preset's came from.
+    /// Reads a fabric file; `file` is its name in messages. Fields that it leaves out are those of the preset `based_on`, if
+    /// there is one; the provenance of a group with a changed number is replaced.
+    ///
+    /// # Errors
+    /// [`crate::Error::Input`] with every error of the file, each with line, column and help.
     pub fn parse(file: &str, text: &str) -> Result<Self> {
         let mut document = Document::parse(file, text)?;
         let base = match document.value().get("based_on").and_then(Value::as_str) {
@@ -38,7 +41,7 @@ impl Fabric {
         if faults.is_empty() { Ok(fabric) } else { Err(Error::Input(faults)) }
     }
 
-    /// The JSON Schema of fabric files: a file with `based_on` need not say the rest.
+    /// JSON Schema of fabric files; a file with `based_on` may leave the rest out.
     pub fn schema() -> Value {
         let mut schema = schema_of::<Self>();
         let all = schema.get("required").cloned().unwrap_or_default();
@@ -49,7 +52,7 @@ impl Fabric {
         schema
     }
 
-    /// As a file: JSON with line breaks, ending in one.
+    /// The fabric as a file: JSON with line breaks, ending in one.
     pub fn to_json(&self) -> String {
         // Plain numbers and texts: writing them to memory does not fail.
         let mut text = serde_json::to_string_pretty(self).unwrap_or_default();
@@ -57,7 +60,7 @@ impl Fabric {
         text
     }
 
-    /// Faults that no single field shows.
+    /// Errors that involve more than one field.
     fn validate(&self, document: &Document) -> Vec<Diagnostic> {
         let at = Path::root().name("memory");
         let memory = &self.memory;
@@ -96,7 +99,7 @@ fn base_of(document: &Document, name: &str) -> Result<(String, Value)> {
     Ok((name.to_owned(), Document::parse(name, text)?.value().clone()))
 }
 
-/// Marks every group of which the file has a number of its own, unless the file says itself where it is from.
+/// Replaces the provenance of every group of which the file changes a number, unless the file states it.
 fn restate_provenance(document: &mut Document, file: &str, base: &str) {
     for (group, fields) in GROUPS {
         let own = fields.iter().any(|field| document.value().get(field).is_some());

@@ -1,71 +1,85 @@
-//! The memory law: how one hinge (or one axis of a triangle) changes its rest value and stiffness with use.
+//! The memory law: how one hinge, or one axis of a triangle, changes its rest value and stiffness with use.
 //!
-//! KOW eq. 6 and 7 in the reading of `docs/theory/memory.md`. Pure scalar functions; who calls them, and when, is `memory`.
+//! Equations 6 and 7 of Kim, Oh, Wohn (KOW), "Persistent Wrinkles and Folds of Clothes", in the reading of
+//! `docs/theory/memory.md`. Pure scalar functions; [`crate::memory::Memory`] applies them to a garment.
 //!
 //! ```text
 //! C = (theta - rest) L / min(w, L)        band: critical if |C| > C^b, gradual if C^a < |C| <= C^b, else none
 //! after tau in one band, one event:       rest <- rest + sign(C) rho_t C^ min(w, L) / L
-//!                                         s <- min( s (1 + rho_k C^), max(s, s (C / C')²) ), s <= ceiling
+//!                                         s <- min( s (1 + rho_k C^), max(s, s (C / C')²) ), s <= max_stiffness_ratio
 //! ```
 //!
-//! Lengths have one thing more, ours: an event that leads away from new cloth moves rest by the share of its ceiling that
-//! is left, so that bagging levels off over cycles of wear. Without it cloth that is caught again and again grows for ever.
+//! with the condition C, the angle theta [rad], the width w of the hinge and the reference length L [m], the threshold C^
+//! and the duration tau [s] of the band, the stiffness ratio s [-], and the condition C' after the event.
 //!
-//! The second bound on s is a guard: an event never raises the stored energy s C²/2. Within a step the angle moves
-//! linearly, and entry into a band, events and leaving are found at their own times, so that a step of half a
-//! second has the same events as thirty of a sixtieth.
-//!
-//! Ours, off in KOW's setting: what is remembered reopens, once the cloth is let go, by an equal share per decade of
-//! time, as measured on creased sheets and woven fabric (Benusiglio et al. 2012, "The anatomy of a crease").
+//! Additions to KOW: an event that leads away from the initial rest value is scaled by the fraction of `max_rest_change` that
+//! is left, so that bagging levels off over cycles of wear. The second bound on s guarantees that an event never raises the
+//! stored energy s C²/2. Within a step the angle moves linearly, and entry into a band, events and exit are found at their
+//! own times, so that a step of half a second has the same events as thirty of a sixtieth. A rest value recovers after
+//! release by an equal fraction per decade of time, as measured on creased sheets and woven fabric (Benusiglio et al. 2012,
+//! "The anatomy of a crease"); off by default.
 
 use crate::fabric::FabricMemory;
+use crate::memory::tuning::TUNING;
 use serde::{Deserialize, Serialize};
 
-/// A band of the law: how far, how long, and what one event changes.
+/// Parameters of a band: its threshold, its duration, and the change by one event.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BandParams {
-    /// Condition beyond which the band's timer runs (radians for hinges, strain for lengths).
+    /// Condition beyond which the timer of the band runs ([rad] for hinges, strain [-] for lengths).
     pub threshold: f64,
-    /// Time in the band until an event [s].
+    /// Time in the band until an event, KOW's tau [s].
     pub duration: f64,
     /// rho_k: relative growth of stiffness per unit of threshold [-].
     pub stiffness_rate: f64,
-    /// rho_t or rho_l: share of the threshold that the rest value moves [-].
+    /// rho_t or rho_l: change of the rest value as a fraction of the threshold [-].
     pub rest_rate: f64,
 }
 
-/// The law for one kind of condition.
+/// The memory law for angles or for lengths of one fabric.
+///
+/// ```
+/// use crease::{ElementParams, Fabric, HysteresisState, MemoryLaw};
+/// let law = MemoryLaw::for_angles(&Fabric::preset("kow-tshirt")?.memory);
+/// let mut state = HysteresisState::new(0.0);
+/// // One second to fold a flat hinge to 2.5 rad, then held for five seconds.
+/// law.advance(&mut state, 0.0, 2.5, 1.0, &ElementParams::FLAT);
+/// let events = law.advance(&mut state, 2.5, 2.5, 5.0, &ElementParams::FLAT);
+/// assert!(events.critical > 0);
+/// assert!(state.rest > 1.0 && state.stiffness_ratio > 1.0);
+/// # Ok::<(), crease::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MemoryLaw {
-    /// The wide, slow band (alpha).
+    /// The lower, slow band (KOW's alpha).
     pub gradual: BandParams,
-    /// The narrow, fast band (beta).
+    /// The upper, fast band (KOW's beta).
     pub critical: BandParams,
-    /// Largest stiffness ratio.
+    /// Largest stiffness ratio that events lead to [-].
     pub max_stiffness_ratio: f64,
-    /// Distance from the rest value of new cloth that none reaches (radians for hinges, strain for lengths); infinite for none.
+    /// Distance from the initial rest value that events approach and do not reach ([rad] or strain [-]); infinite for no limit.
     pub max_rest_change: f64,
-    /// Share of a remembered change that reopens per decade of time once let go [-]; 0 for never.
+    /// Fraction of a remembered change that recovers per decade of time after release [-]; 0 for no recovery.
     pub recovery_per_decade: f64,
 }
 
-/// What the law needs to know of one element, and never changes.
+/// Constant parameters of one element: a hinge, or one axis of a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ElementParams {
     /// Rest value of new cloth (angle [rad] or stretch [-]).
     pub initial_rest: f64,
-    /// L / min(w, L) for hinges, 1 for lengths [-].
+    /// L / min(w, L) for hinges of width w with the reference length L; 1 for lengths [-].
     pub gain: f64,
-    /// 0..1: scales what events change.
+    /// Factor on the changes by events [-], from 0 to 1.
     pub mask: f64,
 }
 
 impl ElementParams {
-    /// Flat when new, at least as wide as the reference length, unmasked.
-    pub const PLAIN: Self = Self { initial_rest: 0.0, gain: 1.0, mask: 1.0 };
+    /// A flat hinge, at least as wide as the reference length, unmasked.
+    pub const FLAT: Self = Self { initial_rest: 0.0, gain: 1.0, mask: 1.0 };
 }
 
-/// Which band a condition is in.
+/// Band of a condition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Band {
     /// Below both thresholds.
@@ -77,34 +91,34 @@ pub enum Band {
     Critical,
 }
 
-/// What one element remembers.
+/// State of one element.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct HysteresisState {
     /// Rest value (angle [rad] or stretch [-]).
     pub rest: f64,
     /// Stiffness ratio [-].
-    pub stiffness: f64,
-    /// BandParams it was in last.
+    pub stiffness_ratio: f64,
+    /// Band at the end of the last step.
     pub band: Band,
     /// Time spent in that band [s].
     pub timer: f64,
-    /// Time without load since the last event [s]: the clock of reopening.
+    /// Time without load since the last event [s], from which recovery is counted.
     pub idle: f64,
 }
 
 impl HysteresisState {
-    /// New cloth with the given rest value.
+    /// The state of new cloth with the given rest value.
     pub fn new(rest: f64) -> Self {
-        Self { rest, stiffness: 1.0, band: Band::Rest, timer: 0.0, idle: 0.0 }
+        Self { rest, stiffness_ratio: 1.0, band: Band::Rest, timer: 0.0, idle: 0.0 }
     }
 }
 
-/// Events of a step.
+/// Number of memory events.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct EventCount {
-    /// Gradual (alpha) events.
+    /// Events of the gradual band (alpha).
     pub gradual: u64,
-    /// Critical (beta) events.
+    /// Events of the critical band (beta).
     pub critical: u64,
 }
 
@@ -115,15 +129,8 @@ impl std::ops::AddAssign for EventCount {
     }
 }
 
-/// More events than this in one step mean a duration near zero: the rest is left to the next step.
-const MOST_EVENTS: usize = 10_000;
-/// Decades of reopening are counted from this time after letting go [s].
-const REOPENING_FROM: f64 = 1.0;
-/// What is held bent by more than this share of the gradual threshold does not reopen.
-const HELD: f64 = 0.5;
-
 impl MemoryLaw {
-    /// The law of angles.
+    /// The law for the angles of hinges.
     pub fn for_angles(memory: &FabricMemory) -> Self {
         Self {
             gradual: BandParams {
@@ -144,8 +151,8 @@ impl MemoryLaw {
         }
     }
 
-    /// The law of lengths, if lengths are remembered. Stretching does not stiffen the membrane, and what has bagged
-    /// out does not come back: only the rest length moves, and only outwards.
+    /// The law for rest lengths; `None` if the fabric has none. Stretching does not stiffen the membrane and bagging does
+    /// not recover: only the rest length changes, and it only grows.
     pub fn for_lengths(memory: &FabricMemory) -> Option<Self> {
         let band = |threshold, duration, rest_rate| BandParams {
             threshold,
@@ -188,7 +195,8 @@ impl MemoryLaw {
         }
     }
 
-    /// Moves `state` over a step of `duration` [s] during which the value goes linearly from `from` to `to`.
+    /// Advances `state` over a step of `duration` [s] during which the angle [rad] or stretch [-] goes linearly from `from`
+    /// to `to`. Returns the events in it. A value that is not finite changes nothing.
     pub fn advance(
         &self,
         state: &mut HysteresisState,
@@ -205,16 +213,16 @@ impl MemoryLaw {
             state.band = Band::Rest;
             state.timer = 0.0;
             if self.recovery_per_decade > 0.0 && state.rest != initial_rest && largest.is_finite() {
-                self.reopen(state, from, to, duration, element);
+                self.recover(state, from, to, duration, element);
             }
             return count;
         }
         let rate = if duration > 0.0 { (to - from) / duration } else { 0.0 };
         let mut now = 0.0;
-        for _ in 0..MOST_EVENTS {
+        for _ in 0..TUNING.max_events_per_step {
             let condition = (from + rate * now - state.rest) * gain;
             let slope = rate * gain;
-            // Just beyond a threshold the next instant decides which side counts.
+            // On a threshold the direction of motion decides the band.
             let band = self.band_ahead(condition, slope);
             if band != state.band {
                 state.band = band;
@@ -229,7 +237,7 @@ impl MemoryLaw {
                 state.timer = 0.0;
                 state.idle = 0.0;
                 let condition = (from + rate * now - state.rest) * gain;
-                self.event(state, &params, condition, element);
+                self.apply_event(state, &params, condition, element);
                 match band {
                     Band::Critical => count.critical += 1,
                     _ => count.gradual += 1,
@@ -238,7 +246,7 @@ impl MemoryLaw {
                 let end = leave.min(duration);
                 state.timer += end - now;
                 if band == Band::Rest && self.recovery_per_decade > 0.0 && state.rest != initial_rest {
-                    self.reopen(state, from + rate * now, from + rate * end, end - now, element);
+                    self.recover(state, from + rate * now, from + rate * end, end - now, element);
                 }
                 now = end;
                 if leave >= duration {
@@ -249,12 +257,12 @@ impl MemoryLaw {
         count
     }
 
-    /// The band entered in the next instant: on a threshold (to rounding), the direction of motion decides.
+    /// The band of the next instant: on a threshold (to rounding), the direction of motion decides.
     fn band_ahead(&self, condition: f64, slope: f64) -> Band {
         let growing = slope * condition > 0.0;
         let size = condition.abs();
         for threshold in [self.critical.threshold, self.gradual.threshold] {
-            // An infinite threshold is met by nothing.
+            // No condition meets an infinite threshold.
             let met = threshold.is_finite() && (size - threshold).abs() <= 1e-12 * threshold.max(1e-300);
             if met && slope != 0.0 {
                 let nudge = if growing { 2e-12 } else { -2e-12 };
@@ -287,9 +295,9 @@ impl MemoryLaw {
         first
     }
 
-    /// Lets what is remembered reopen for that part of a step without events in which nothing holds it bent, and no
-    /// farther than to where something does.
-    fn reopen(
+    /// Recovers the rest value over the part of an event-free step in which the element is not held, and no farther than to
+    /// where it is held.
+    fn recover(
         &self,
         state: &mut HysteresisState,
         from: f64,
@@ -298,41 +306,49 @@ impl MemoryLaw {
         element: &ElementParams,
     ) {
         let side = (state.rest - element.initial_rest).signum();
-        let held = HELD * self.gradual.threshold / element.gain;
-        // How far beyond the rest value the cloth is held, at both ends of the step.
+        let held = TUNING.held_fraction * self.gradual.threshold / element.gain;
+        // Distance beyond the rest value at which the element is held, at both ends of the step.
         let (first, last) = (side * (from - state.rest) - held, side * (to - state.rest) - held);
-        let share = match (first < 0.0, last < 0.0) {
+        let free_fraction = match (first < 0.0, last < 0.0) {
             (true, true) => 1.0,
             (false, false) => 0.0,
             (true, false) => first / (first - last),
             (false, true) => last / (last - first),
         };
-        let left =
-            |idle: f64| (1.0 - self.recovery_per_decade * (1.0 + idle / REOPENING_FROM).log10()).max(0.0);
+        let left = |idle: f64| {
+            (1.0 - self.recovery_per_decade * (1.0 + idle / TUNING.recovery_start).log10()).max(0.0)
+        };
         let before = left(state.idle);
-        state.idle += share * duration;
+        state.idle += free_fraction * duration;
         let ratio = if before > 0.0 { left(state.idle) / before } else { 0.0 };
-        let reopened = element.initial_rest + (state.rest - element.initial_rest) * ratio;
+        let recovered = element.initial_rest + (state.rest - element.initial_rest) * ratio;
         let limit = side * to - held;
         let rest = side * state.rest;
-        state.rest = side * (side * reopened).max(limit.min(rest));
+        state.rest = side * (side * recovered).max(limit.min(rest));
     }
 
-    fn event(&self, state: &mut HysteresisState, band: &BandParams, condition: f64, element: &ElementParams) {
+    /// Applies one event of a band at `condition`.
+    fn apply_event(
+        &self,
+        state: &mut HysteresisState,
+        band: &BandParams,
+        condition: f64,
+        element: &ElementParams,
+    ) {
         let ElementParams { initial_rest, gain, mask } = *element;
         let outwards = (state.rest - initial_rest) * condition.signum();
-        let room = (1.0 - outwards.max(0.0) / self.max_rest_change).max(0.0);
-        let moved = condition.signum() * band.rest_rate * band.threshold * mask * room;
+        let left = (1.0 - outwards.max(0.0) / self.max_rest_change).max(0.0);
+        let moved = condition.signum() * band.rest_rate * band.threshold * mask * left;
         state.rest += moved / gain;
         let after = condition - moved;
-        let wished = state.stiffness * (1.0 + band.stiffness_rate * band.threshold * mask);
-        // Guard: s' C'² <= s C².
+        let grown = state.stiffness_ratio * (1.0 + band.stiffness_rate * band.threshold * mask);
+        // The stored energy does not grow: s' C'² <= s C².
         let allowed = if after == 0.0 {
             f64::INFINITY
         } else {
-            state.stiffness.max(state.stiffness * (condition / after).powi(2))
+            state.stiffness_ratio.max(state.stiffness_ratio * (condition / after).powi(2))
         };
-        state.stiffness = wished.min(allowed).min(self.max_stiffness_ratio.max(state.stiffness));
+        state.stiffness_ratio = grown.min(allowed).min(self.max_stiffness_ratio.max(state.stiffness_ratio));
     }
 }
 
@@ -361,7 +377,7 @@ mod tests {
         }
     }
 
-    /// The fold of KOW's Table 2: a smoothstep to 3.01 rad over 9 s; the last state and the largest torque (k = 1).
+    /// The fold of KOW's Table 2: a smoothstep to 3.01 rad over 9 s. Returns the last state and the largest torque (k = 1).
     fn fold(law: &MemoryLaw, step: f64) -> (HysteresisState, f64) {
         let angle = |t: f64| {
             let u = (t / 9.0).min(1.0);
@@ -372,8 +388,8 @@ mod tests {
         let steps = (9.0 / step).round() as usize;
         for k in 0..steps {
             let (a, b) = (angle(k as f64 * step), angle((k + 1) as f64 * step));
-            law.advance(&mut state, a, b, step, &ElementParams::PLAIN);
-            largest = largest.max(state.stiffness * (b - state.rest));
+            law.advance(&mut state, a, b, step, &ElementParams::FLAT);
+            largest = largest.max(state.stiffness_ratio * (b - state.rest));
         }
         (state, largest)
     }
@@ -400,13 +416,16 @@ mod tests {
         let law = paper(1.0, 1.25);
         for angle in [0.6, 1.5, 3.0] {
             let (mut one, mut many) = (HysteresisState::new(0.0), HysteresisState::new(0.0));
-            let a = law.advance(&mut one, angle, angle, 30.0, &ElementParams::PLAIN);
+            let a = law.advance(&mut one, angle, angle, 30.0, &ElementParams::FLAT);
             let mut b = EventCount::default();
             for _ in 0..1800 {
-                b += law.advance(&mut many, angle, angle, 1.0 / 60.0, &ElementParams::PLAIN);
+                b += law.advance(&mut many, angle, angle, 1.0 / 60.0, &ElementParams::FLAT);
             }
             assert_eq!(a, b, "angle {angle}");
-            assert!((one.rest - many.rest).abs() < 1e-12 && (one.stiffness - many.stiffness).abs() < 1e-12);
+            assert!(
+                (one.rest - many.rest).abs() < 1e-12
+                    && (one.stiffness_ratio - many.stiffness_ratio).abs() < 1e-12
+            );
         }
     }
 
@@ -418,8 +437,8 @@ mod tests {
             let mut state = HysteresisState::new(0.0);
             let mut energy = angle * angle;
             for _ in 0..50 {
-                law.advance(&mut state, angle, angle, 0.1, &ElementParams::PLAIN);
-                let now = state.stiffness * (angle - state.rest).powi(2);
+                law.advance(&mut state, angle, angle, 0.1, &ElementParams::FLAT);
+                let now = state.stiffness_ratio * (angle - state.rest).powi(2);
                 assert!(now <= energy * (1.0 + 1e-12), "angle {angle}: {now} over {energy}");
                 energy = now;
             }
@@ -431,12 +450,12 @@ mod tests {
         let law = paper(1.0, 1.0);
         let mut state = HysteresisState::new(0.0);
         // From 0 to 3 rad in one step of 3 s: the critical band is entered at C^b / (1 rad/s).
-        law.advance(&mut state, 0.0, 2.0, 2.0, &ElementParams::PLAIN);
+        law.advance(&mut state, 0.0, 2.0, 2.0, &ElementParams::FLAT);
         assert_eq!(state.band, Band::Critical);
         assert!((state.timer - (2.0 - law.critical.threshold)).abs() < 1e-9, "{}", state.timer);
     }
 
-    /// Nothing meets an infinite threshold, and a threshold of zero leaves nothing to move by.
+    /// No condition meets an infinite threshold, and a threshold of zero makes no change.
     #[test]
     fn zero_and_infinite_thresholds_do_no_harm() {
         for (gradual, critical) in
@@ -450,9 +469,9 @@ mod tests {
             for (from, to, duration) in
                 [(0.0, 3.0, 1.0), (3.0, 3.0, 20.0), (3.0, -3.0, 2.0), (-3.0, 0.0, 1.0)]
             {
-                count += law.advance(&mut state, from, to, duration, &ElementParams::PLAIN);
+                count += law.advance(&mut state, from, to, duration, &ElementParams::FLAT);
             }
-            assert!(state.rest.is_finite() && (1.0..=30.0).contains(&state.stiffness), "{state:?}");
+            assert!(state.rest.is_finite() && (1.0..=30.0).contains(&state.stiffness_ratio), "{state:?}");
             assert_eq!(count.critical > 0, critical == 0.0, "{gradual} {critical}: {count:?}");
             let reached = gradual.is_finite() && critical > 0.0;
             assert_eq!(count.gradual > 0, reached, "{gradual} {critical}: {count:?}");
@@ -460,10 +479,10 @@ mod tests {
         }
     }
 
-    /// A cloth pulled again and again, always 8 % farther than it is long: without a ceiling it grows by the same at every
-    /// pull; with one each pull adds less, and none leads past it.
+    /// A cloth pulled repeatedly, always 8 % farther than it is long: without a limit it grows by the same at every pull;
+    /// with one each pull adds less, and none leads past it.
     #[test]
-    fn what_is_pulled_again_and_again_levels_off() {
+    fn repeated_pulls_level_off() {
         let strain =
             |threshold| BandParams { threshold, duration: 0.5, stiffness_rate: 0.0, rest_rate: 0.25 };
         let endless = MemoryLaw { gradual: strain(0.02), critical: strain(0.06), ..paper(1.0, 1.0) };
@@ -478,54 +497,57 @@ mod tests {
             };
             (0..100).map(|_| pull(&mut state)).collect()
         };
-        let new = ElementParams { initial_rest: 1.0, ..ElementParams::PLAIN };
+        let new = ElementParams { initial_rest: 1.0, ..ElementParams::FLAT };
         assert!(added(&endless, &new).iter().all(|a| (a - 0.015).abs() < 1e-12));
         let limited = added(&law, &new);
         assert_eq!(limited[0].to_bits(), added(&endless, &new)[0].to_bits());
         assert!(limited.windows(2).all(|a| a[1] <= a[0]), "{limited:?}");
         let whole: f64 = limited.iter().sum();
         assert!((0.0499..=0.05).contains(&whole), "{whole}");
-        // What came from elsewhere already stretched beyond the ceiling stays as it is.
+        // A rest value that already lies beyond the limit stays as it is.
         let mut carried = HysteresisState::new(1.2);
         law.advance(&mut carried, 1.3, 1.3, 10.0, &new);
         assert_eq!(carried.rest, 1.2);
     }
 
-    fn reopening() -> MemoryLaw {
+    fn recovering() -> MemoryLaw {
         MemoryLaw { recovery_per_decade: 0.1, ..paper(4.3, 1.0) }
     }
 
     #[test]
-    fn what_is_let_go_reopens_by_decades_of_time_whatever_the_step() {
-        let law = reopening();
+    fn recovery_goes_by_decades_of_time_at_every_step_size() {
+        let law = recovering();
         let mut set = HysteresisState::new(0.0);
-        law.advance(&mut set, 3.0, 3.0, 30.0, &ElementParams::PLAIN);
+        law.advance(&mut set, 3.0, 3.0, 30.0, &ElementParams::FLAT);
         let before = set.rest;
         // A free hinge follows its rest angle.
         let wait = |state: &mut HysteresisState, duration: f64| {
             let rest = state.rest;
-            law.advance(state, rest, rest, duration, &ElementParams::PLAIN);
+            law.advance(state, rest, rest, duration, &ElementParams::FLAT);
         };
         for steps in [99, 990] {
             let mut state = set;
             (0..steps).for_each(|_| wait(&mut state, 99.0 / f64::from(steps)));
             assert!((state.rest / before - 0.8).abs() < 1e-12, "two decades: {} of {before}", state.rest);
             (0..80).for_each(|k| wait(&mut state, 50.0 * 1.5f64.powi(k)));
-            assert_eq!(state.rest, 0.0, "in the end nothing is left, and it does not open beyond");
+            assert_eq!(state.rest, 0.0, "it recovers completely and no further");
         }
     }
 
     #[test]
-    fn what_is_held_does_not_reopen() {
-        let law = reopening();
+    fn a_held_element_does_not_recover() {
+        let law = recovering();
         let mut state = HysteresisState::new(0.0);
-        law.advance(&mut state, 3.0, 3.0, 30.0, &ElementParams::PLAIN);
+        law.advance(&mut state, 3.0, 3.0, 30.0, &ElementParams::FLAT);
         let (rest, gap) = (state.rest, 3.0 - state.rest);
-        assert!(gap > HELD * law.gradual.threshold && gap < law.gradual.threshold);
-        law.advance(&mut state, 3.0, 3.0, 1000.0, &ElementParams::PLAIN);
+        assert!(gap > TUNING.held_fraction * law.gradual.threshold && gap < law.gradual.threshold);
+        law.advance(&mut state, 3.0, 3.0, 1000.0, &ElementParams::FLAT);
         assert_eq!(state.rest, rest);
-        // Held a little bent, it opens until it pulls against what holds it, and no farther.
-        law.advance(&mut state, rest, rest, 1e9, &ElementParams::PLAIN);
-        assert!((rest - state.rest - HELD * law.gradual.threshold).abs() < 1e-12, "{state:?}");
+        // Held slightly bent, it recovers until it pulls against the hold, and no farther.
+        law.advance(&mut state, rest, rest, 1e9, &ElementParams::FLAT);
+        assert!(
+            (rest - state.rest - TUNING.held_fraction * law.gradual.threshold).abs() < 1e-12,
+            "{state:?}"
+        );
     }
 }

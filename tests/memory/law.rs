@@ -55,12 +55,12 @@ fn walk(
     let steps = (path.last().map_or(0.0, |p| p.0) / step).round() as usize;
     let angle = |k: usize| sign * (angle_at(path, k as f64 * step) + if k > 0 { change } else { 0.0 });
     for k in 0..steps {
-        count += law.advance(&mut state, angle(k), angle(k + 1), step, &ElementParams::PLAIN);
+        count += law.advance(&mut state, angle(k), angle(k + 1), step, &ElementParams::FLAT);
     }
     (state, count)
 }
 
-/// Promise: what is left does not depend on the step.
+/// Property: what is left does not depend on the step.
 #[test]
 fn step_sizes_from_a_240th_to_half_a_second_leave_the_same() {
     for (law_name, law) in laws() {
@@ -73,13 +73,13 @@ fn step_sizes_from_a_240th_to_half_a_second_leave_the_same() {
                 // Reopening starts with the first whole step that is let go.
                 let bar = if law.recovery_per_decade > 0.0 { 0.01 * reference.rest.abs() } else { 1e-9 };
                 assert!(off <= bar, "{law_name}, {path_name}, step {step}: off by {off}");
-                assert!((state.stiffness / reference.stiffness - 1.0).abs() < 1e-9);
+                assert!((state.stiffness_ratio / reference.stiffness_ratio - 1.0).abs() < 1e-9);
             }
         }
     }
 }
 
-/// Promise: left and right are alike, to the last bit.
+/// Property: left and right are alike, to the last bit.
 #[test]
 fn reversal_leaves_the_mirror_image() {
     for (law_name, law) in laws() {
@@ -87,27 +87,27 @@ fn reversal_leaves_the_mirror_image() {
             let (a, b) =
                 (walk(&law, path, 1.0 / 60.0, 1.0, 0.0).0, walk(&law, path, 1.0 / 60.0, -1.0, 0.0).0);
             assert_eq!(a.rest, -b.rest, "{law_name}, {path_name}");
-            assert_eq!(a.stiffness.to_bits(), b.stiffness.to_bits(), "{law_name}, {path_name}");
+            assert_eq!(a.stiffness_ratio.to_bits(), b.stiffness_ratio.to_bits(), "{law_name}, {path_name}");
         }
     }
 }
 
-/// Promise: folded the other way for as long, the crease turns over.
+/// Property: folded the other way for as long, the crease turns over.
 #[test]
 fn reversal_turns_the_crease_over() {
     let law = MemoryLaw::for_angles(&FabricMemory::default());
     let mut state = HysteresisState::new(0.0);
-    law.advance(&mut state, 0.0, 2.5, 1.0, &ElementParams::PLAIN);
-    law.advance(&mut state, 2.5, 2.5, 30.0, &ElementParams::PLAIN);
+    law.advance(&mut state, 0.0, 2.5, 1.0, &ElementParams::FLAT);
+    law.advance(&mut state, 2.5, 2.5, 30.0, &ElementParams::FLAT);
     let there = state.rest;
-    law.advance(&mut state, 2.5, -2.5, 2.0, &ElementParams::PLAIN);
-    law.advance(&mut state, -2.5, -2.5, 30.0, &ElementParams::PLAIN);
+    law.advance(&mut state, 2.5, -2.5, 2.0, &ElementParams::FLAT);
+    law.advance(&mut state, -2.5, -2.5, 30.0, &ElementParams::FLAT);
     println!("{there:.3} rad, then {:.3} rad", state.rest);
     assert!(there > 2.0 && state.rest < -2.0);
     assert!(state.rest.abs() <= 2.5, "an event never goes beyond where the hinge is held");
 }
 
-/// Promise: 1e-9 rad in gives less than 1e-6 rad out, and less than 1e-6 of stiffness, away from an event.
+/// Property: 1e-9 rad in gives less than 1e-6 rad out, and less than 1e-6 of stiffness, away from an event.
 #[test]
 fn small_changes_stay_small() {
     let mut largest: f64 = 0.0;
@@ -117,8 +117,9 @@ fn small_changes_stay_small() {
             for change in [1e-9, -1e-9] {
                 let (state, count) = walk(&law, path, 1.0 / 60.0, 1.0, change);
                 assert_eq!(count, events, "{law_name}, {path_name}: these paths keep away from events");
-                let off =
-                    (state.rest - reference.rest).abs().max((state.stiffness - reference.stiffness).abs());
+                let off = (state.rest - reference.rest)
+                    .abs()
+                    .max((state.stiffness_ratio - reference.stiffness_ratio).abs());
                 largest = largest.max(off);
                 assert!(off < 1e-6, "{law_name}, {path_name}: {off}");
             }
@@ -133,23 +134,23 @@ pub fn random(seed: &mut u64) -> f64 {
     (*seed >> 11) as f64 / (1u64 << 53) as f64
 }
 
-/// Promise: memory never does work. Moved at once and held, a hinge changes its stored energy by events alone.
+/// Property: memory never does work. Moved at once and held, a hinge changes its stored energy by events alone.
 #[test]
 fn dissipation_is_never_negative() {
     let mut seed = 7;
     let mut events = EventCount::default();
     for (law_name, law) in laws().into_iter().filter(|(_, law)| law.recovery_per_decade == 0.0) {
         for gain in [1.0, 2.0, 4.0] {
-            let element = ElementParams { gain, ..ElementParams::PLAIN };
+            let element = ElementParams { gain, ..ElementParams::FLAT };
             let mut state = HysteresisState::new(0.0);
             for _ in 0..3000 {
                 let angle = (2.0 * random(&mut seed) - 1.0) * 1.1 * PI;
-                let stored = |t: &HysteresisState| 0.5 * t.stiffness * (angle - t.rest).powi(2);
+                let stored = |t: &HysteresisState| 0.5 * t.stiffness_ratio * (angle - t.rest).powi(2);
                 let before = stored(&state);
                 events += law.advance(&mut state, angle, angle, 6.0 * random(&mut seed), &element);
                 let after = stored(&state);
                 assert!(after <= before * (1.0 + 1e-12), "{law_name}, gain {gain}: {before} to {after}");
-                assert!(state.stiffness <= law.max_stiffness_ratio);
+                assert!(state.stiffness_ratio <= law.max_stiffness_ratio);
             }
         }
     }
@@ -157,7 +158,7 @@ fn dissipation_is_never_negative() {
     assert!(events.gradual > 1000 && events.critical > 1000);
 }
 
-/// Promise: thresholds of zero and infinity are legal; unreachable ones remember nothing.
+/// Property: thresholds of zero and infinity are legal; unreachable ones remember nothing.
 #[test]
 fn zero_and_infinite_thresholds_do_no_harm() {
     for (low, high) in
@@ -167,11 +168,15 @@ fn zero_and_infinite_thresholds_do_no_harm() {
             let mut law = MemoryLaw::for_angles(&FabricMemory::default());
             (law.gradual.threshold, law.critical.threshold) = (low, high);
             let (state, count) = walk(&law, path, 1.0 / 60.0, 1.0, 0.0);
-            assert!(state.rest.is_finite() && state.stiffness.is_finite(), "{path_name}: {state:?}");
+            assert!(state.rest.is_finite() && state.stiffness_ratio.is_finite(), "{path_name}: {state:?}");
             assert_eq!(count.critical > 0, high == 0.0, "{path_name}");
             assert_eq!(count.gradual > 0, low.is_finite() && high > 0.0, "{path_name}");
             // Events of a band without a threshold move nothing.
-            assert_eq!((state.rest, state.stiffness) != (0.0, 1.0), low == 0.3, "{path_name}: {state:?}");
+            assert_eq!(
+                (state.rest, state.stiffness_ratio) != (0.0, 1.0),
+                low == 0.3,
+                "{path_name}: {state:?}"
+            );
         }
     }
 }

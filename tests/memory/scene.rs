@@ -1,4 +1,4 @@
-//! Promises about the solver and the memory together.
+//! Properties of the solver and the memory together.
 
 use crate::hinge::{Watched, folded, pair};
 use crease::bake::{Bake, BakeOptions};
@@ -64,7 +64,7 @@ fn swing(
     (course, events, watched.memory)
 }
 
-/// Promise: an event is no blow. A free hinge swings, an event happens under way: the largest acceleration of any point
+/// Property: an event does not act like a blow. A free hinge swings, an event happens meanwhile: the largest acceleration of any point
 /// within 0.1 s after it stays below twice the largest before it.
 #[test]
 fn events_enter_smoothly() {
@@ -101,7 +101,7 @@ fn events_enter_smoothly() {
     assert!(worst < 2.0, "{worst}");
 }
 
-/// Promise: memory that is off costs no bit: a run that remembers nothing, a run whose thresholds are out of reach, and
+/// Property: memory that is off costs no bit: a run that remembers nothing, a run whose thresholds are out of reach, and
 /// a run that never heard of memory end with equal bits.
 #[test]
 fn memory_off_is_the_elastic_run_to_the_last_bit() {

@@ -1,4 +1,4 @@
-//! Promises about strips that are folded between plates or bent to and fro, as the charts have them.
+//! Properties of strips that are folded between plates or bent to and fro, as the charts have them.
 
 use crate::hessian_shift::HessianShift;
 use crease::chart::kes_loop::{bend, read};
@@ -13,7 +13,7 @@ fn press(gap: f64, element: f64, offset: f64) -> Press {
     Press { length: 0.2, width: 0.02, gap, element, offset }
 }
 
-/// Promise: longer holds leave no less, in every fabric, and in the end more.
+/// Property: longer holds leave no less, in every fabric, and in the end more.
 #[test]
 fn longer_holds_leave_more() {
     for name in Fabric::preset_names() {
@@ -27,7 +27,7 @@ fn longer_holds_leave_more() {
     }
 }
 
-/// Promise: let go, cloth springs back part of the way: the crease left lies between flat and folded.
+/// Property: let go, cloth springs back partly: the crease left lies between flat and folded.
 #[test]
 fn what_is_let_go_springs_back() {
     for name in Fabric::preset_names() {
@@ -52,9 +52,9 @@ fn the_solver_opens_the_strip_to_its_rest_angles() {
     let mut angle = bending.angles(&garment.points, &[]);
     let goal = &strip.memory.rest;
     // The rest angles are let in by degrees, as a bake does: a fold is not one Newton step away.
-    for share in 1..=40 {
+    for part in 1..=40 {
         let mut memory = goal.clone();
-        memory.rest_angle.iter_mut().for_each(|r| *r *= f64::from(share) / 40.0);
+        memory.rest_angle.iter_mut().for_each(|r| *r *= f64::from(part) / 40.0);
         let membrane = membrane.term(&memory, &[], f64::INFINITY);
         let term = bending.term(&memory, &angle, f64::INFINITY);
         let terms: [&dyn Energy; 3] = [&membrane, &term, &HessianShift(1e-9)];
@@ -86,7 +86,7 @@ fn the_solver_opens_the_strip_to_its_rest_angles() {
     assert!((opened - read).abs() < 0.5);
 }
 
-/// Promise: the mesh matters little. The T-shirt held for 30 s between plates 1, 3 and 6 mm apart: 5 and 2.5 mm within
+/// Property: the mesh matters little. The T-shirt held for 30 s between plates 1, 3 and 6 mm apart: 5 and 2.5 mm within
 /// 10 %, all four within 20 %, on the mean of four places of the fold between two lines of the mesh. Single places
 /// are printed.
 #[test]
@@ -110,7 +110,7 @@ fn mesh_widths_of_20_10_5_and_2_5_mm_crease_alike() {
     }
 }
 
-/// Promise: flexing does not ratchet: after 50 cycles of a KES loop the stiffness is within its ceiling, and from the
+/// Property: flexing does not ratchet: after 50 cycles of a KES loop the stiffness is within its ceiling, and from the
 /// third cycle on every loop is the same.
 #[test]
 fn fifty_flex_cycles_do_not_ratchet() {
