@@ -1,89 +1,89 @@
-//! The body a garment is worn on, as a motion: triangles whose points are known for every posture.
+//! The body a garment is worn on: triangles whose points are known in every pose.
 //!
-//! It stands still, follows a skeleton or goes through given frames. Vertices that its file splits at texture borders
-//! are one point, so that its surface is closed where it looks closed. How the cloth meets it is `contact::Body`'s.
+//! It does not move, follows a skeleton, or goes through frames. Vertices that its file splits at texture borders are one
+//! point, so that its surface is closed where it looks closed. `contact` handles contact with the cloth.
 
 use crate::body::clip::Clip;
 use crate::body::rig::Rig;
 use crate::body::sequence::Sequence;
-use crate::body::skeleton::{Pose, between};
+use crate::body::skeleton::{Pose, interpolate_pose};
 use crate::math::Vec3;
 use crate::mesh::{PointIndex, Welder};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::sync::Arc;
 
-/// Vertices nearer than this are one point [m].
+/// Vertices nearer to each other than this are one point [m].
 const WELD_DISTANCE: f64 = 1e-6;
-/// Name by which a sequence of frames is played.
+/// Name of the only clip of a sequence of frames.
 pub const FRAMES_CLIP: &str = "frames";
 
-/// What moves it.
+/// Motion of a body.
 #[derive(Debug, Clone, PartialEq)]
 pub enum BodyMotion {
-    /// Nothing.
+    /// None.
     Still,
     /// A skeleton with its skin.
     Rig(Box<Rig>),
-    /// Given frames.
+    /// Frames.
     Sequence(Sequence),
 }
 
-/// A posture of the body.
+/// Pose of a body.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BodyPose {
-    /// The only one it has.
+    /// The only pose of a body that does not move.
     Still,
-    /// Of a skeleton.
+    /// Pose of a skeleton.
     Joints(Pose),
     /// Time in a sequence [s].
     Time(f64),
 }
 
-/// The body a garment is worn on.
+/// Body that a garment is worn on.
 #[derive(Clone, PartialEq)]
 pub struct AnimatedBody {
-    /// What its file is called, for messages.
+    /// Name of its file, for messages.
     pub file: String,
-    /// Hash of what it was made from.
+    /// SHA-256 of its file, lower-case hex.
     pub sha256: String,
     motion: BodyMotion,
-    /// Per point: the first of its vertices.
+    /// Per point: its first vertex.
     first_vertex: Vec<u32>,
     triangles: Vec<[PointIndex; 3]>,
-    /// In the posture of the file [m].
+    /// Points in the pose of the file [m].
     start: Vec<Vec3>,
 }
 
-/// A body and where it stands, as an action leaves it.
+/// Body in a pose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PosedBody {
-    /// The body.
+    /// Body.
     pub body: Arc<AnimatedBody>,
-    /// Its posture.
+    /// Pose.
     pub pose: BodyPose,
-    /// Its points in that posture [m].
+    /// Points in that pose [m].
     pub points: Arc<[Vec3]>,
 }
 
 impl PosedBody {
-    /// `body` in `pose`.
+    /// Poses `body`.
     pub fn new(body: &Arc<AnimatedBody>, pose: BodyPose) -> Self {
         Self { points: body.points(&pose).into(), body: body.clone(), pose }
     }
 }
 
 impl fmt::Debug for AnimatedBody {
-    /// Says which body it is, not all of its numbers.
+    /// Writes file, size and hash, not all numbers.
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(out, "AnimatedBody({}, {} points, {})", self.file, self.start.len(), self.sha256)
     }
 }
 
 impl AnimatedBody {
-    /// A body of `vertices` (as [`BodyMotion`] gives them in the posture of the file [m]) and `triangles` between them.
-    /// Numbers are checked when the cloth meets it (`contact::Body::new`).
+    /// Creates a body of `vertices` \[m\] (in the pose of the file, as `motion` gives them) and `triangles` between them.
+    /// Coincident vertices are welded to points.
     pub fn new(
         file: impl Into<String>,
         sha256: impl Into<String>,
@@ -105,17 +105,17 @@ impl AnimatedBody {
         Self { file, sha256, motion, first_vertex, triangles, start }
     }
 
-    /// Points in the posture of the file [m].
+    /// Returns the points in the pose of the file [m].
     pub fn rest_points(&self) -> &[Vec3] {
         &self.start
     }
 
-    /// Triangles between points.
+    /// Returns the triangles between points.
     pub fn triangles(&self) -> &[[PointIndex; 3]] {
         &self.triangles
     }
 
-    /// The rig, if it has one.
+    /// Returns the rig, if the body has one.
     pub fn rig(&self) -> Option<&Rig> {
         match &self.motion {
             BodyMotion::Rig(rig) => Some(rig),
@@ -123,7 +123,7 @@ impl AnimatedBody {
         }
     }
 
-    /// The posture of the file.
+    /// Returns the pose of the file.
     pub fn rest(&self) -> BodyPose {
         match &self.motion {
             BodyMotion::Still => BodyPose::Still,
@@ -132,18 +132,18 @@ impl AnimatedBody {
         }
     }
 
-    /// Its points in a posture [m]. A posture of another kind of body leaves it where its file has it.
+    /// Returns the points in a pose [m]; a pose of another kind of body gives those of the file.
     pub fn points(&self, pose: &BodyPose) -> Vec<Vec3> {
         let vertices = match (&self.motion, pose) {
             (BodyMotion::Rig(rig), BodyPose::Joints(pose)) => rig.vertices(pose, None),
-            (BodyMotion::Sequence(sequence), BodyPose::Time(t)) => sequence.at(*t),
+            (BodyMotion::Sequence(sequence), BodyPose::Time(t)) => sequence.positions(*t),
             _ => return self.start.clone(),
         };
-        let place = |v: &u32| vertices.get(*v as usize).copied();
-        self.first_vertex.iter().zip(&self.start).map(|(v, start)| place(v).unwrap_or(*start)).collect()
+        let position = |v: &u32| vertices.get(*v as usize).copied();
+        self.first_vertex.iter().zip(&self.start).map(|(v, start)| position(v).unwrap_or(*start)).collect()
     }
 
-    /// How long the clip `name` is [s]; `None` if there is none.
+    /// Returns the duration of the clip `name` [s]; `None` if there is no such clip.
     pub fn clip_length(&self, name: &str) -> Option<f64> {
         match &self.motion {
             BodyMotion::Still => None,
@@ -152,7 +152,7 @@ impl AnimatedBody {
         }
     }
 
-    /// Posture at `t` [s] of the clip `name`.
+    /// Returns the pose at `t` [s] of the clip `name`; `None` if there is no such clip.
     pub fn clip_pose(&self, name: &str, t: f64) -> Option<BodyPose> {
         match &self.motion {
             BodyMotion::Still => None,
@@ -161,7 +161,7 @@ impl AnimatedBody {
         }
     }
 
-    /// Names of the clips there are.
+    /// Returns the names of the clips.
     pub fn clip_names(&self) -> Vec<String> {
         match &self.motion {
             BodyMotion::Still => Vec::new(),
@@ -170,7 +170,7 @@ impl AnimatedBody {
         }
     }
 
-    /// Names of its joints: nodes that some skin follows.
+    /// Returns the names of the named nodes.
     pub fn joint_names(&self) -> Vec<String> {
         let Some(rig) = self.rig() else { return Vec::new() };
         let nodes = rig.skeleton.nodes();
@@ -178,11 +178,11 @@ impl AnimatedBody {
     }
 }
 
-/// The posture `share` of the way from one to another.
-pub fn interpolate_body_pose(from: &BodyPose, to: &BodyPose, share: f64) -> BodyPose {
+/// Interpolates between two poses of a body at `fraction` (0..1); poses of different kinds give `to`.
+pub fn interpolate_body_pose(from: &BodyPose, to: &BodyPose, fraction: f64) -> BodyPose {
     match (from, to) {
-        (BodyPose::Joints(a), BodyPose::Joints(b)) => BodyPose::Joints(between(a, b, share)),
-        (BodyPose::Time(a), BodyPose::Time(b)) => BodyPose::Time(a + share * (b - a)),
+        (BodyPose::Joints(a), BodyPose::Joints(b)) => BodyPose::Joints(interpolate_pose(a, b, fraction)),
+        (BodyPose::Time(a), BodyPose::Time(b)) => BodyPose::Time(a + fraction * (b - a)),
         (_, other) => other.clone(),
     }
 }

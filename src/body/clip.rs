@@ -1,33 +1,33 @@
-//! Animation clips: what a node does over time, by the three interpolations of glTF (specification, appendix C).
+//! Animation clips: properties of nodes over time, with the three interpolations of glTF (specification, appendix C).
 //!
 //! ```text
 //! STEP         v(t) = v_k                                    for t_k <= t < t_k+1
-//! LINEAR       v(t) = (1 - u) v_k + u v_k+1,                 rotations by slerp, the short way
+//! LINEAR       v(t) = (1 - u) v_k + u v_k+1,                 rotations by slerp along the shorter arc
 //! CUBICSPLINE  v(t) = (2u³ - 3u² + 1) v_k + h (u³ - 2u² + u) b_k + (3u² - 2u³) v_k+1 + h (u³ - u²) a_k+1
 //!              h = t_k+1 - t_k, u = (t - t_k) / h; a, b: tangents before and after a key; rotations normalised
 //! ```
 //!
-//! Before the first key and after the last the value stays. Knows no file and no mesh.
+//! Before the first key and after the last the value is constant. Knows no file and no mesh.
 
-use crate::body::skeleton::{NodeTransform, Pose, turn_towards};
+use crate::body::skeleton::{NodeTransform, Pose, slerp};
 use crate::math::Vec3;
 use nalgebra::{Quaternion, UnitQuaternion};
 
-/// What of a node a channel moves.
+/// Property of a node that a channel animates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Target {
-    /// Its translation [file units].
+pub enum AnimatedProperty {
+    /// Translation [file units].
     Translation,
-    /// Its rotation: x, y, z, w.
+    /// Rotation: quaternion x, y, z, w.
     Rotation,
-    /// Its scale.
+    /// Scale [-].
     Scale,
-    /// Weights of the morph targets of its mesh.
+    /// Weights of the morph targets of its mesh [-].
     Weights,
 }
 
-impl Target {
-    /// Numbers of one value; as many as there are morph targets for weights.
+impl AnimatedProperty {
+    /// Returns the number of components of one value; `None` for weights, which have one per morph target.
     pub fn width(self) -> Option<usize> {
         match self {
             Self::Translation | Self::Scale => Some(3),
@@ -37,46 +37,46 @@ impl Target {
     }
 }
 
-/// How values between keys are found.
+/// Interpolation between keys.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Interpolation {
-    /// The last key's.
+    /// Value of the last key.
     Step,
-    /// In a straight line, or along the great circle.
+    /// Linear, for rotations along the great circle.
     Linear,
-    /// By a cubic with given tangents.
+    /// Cubic with given tangents.
     CubicSpline,
 }
 
-/// One thing that moves.
+/// Animation of one property of one node.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
-    /// The node.
+    /// Node.
     pub node: usize,
-    /// What of it.
-    pub target: Target,
-    /// How it goes between the keys.
+    /// Animated property.
+    pub target: AnimatedProperty,
+    /// Interpolation between the keys.
     pub interpolation: Interpolation,
-    /// Increasing [s].
+    /// Times of the keys, increasing [s].
     pub times: Vec<f64>,
-    /// Key after key, `width` numbers each; for cubic splines tangent before, value, tangent after.
+    /// Values, key after key, `width` numbers each; for cubic splines in-tangent, value, out-tangent.
     pub values: Vec<f64>,
-    /// Numbers of one value.
+    /// Number of components of one value.
     pub width: usize,
 }
 
-/// An animation.
+/// Animation clip.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clip {
-    /// Its name; empty when it has none.
+    /// Name; empty when it has none.
     pub name: String,
-    /// What moves.
+    /// Channels.
     pub channels: Vec<Channel>,
 }
 
 impl Channel {
-    /// Value at `t` [s].
-    fn at(&self, t: f64) -> Vec<f64> {
+    /// Returns the value at `t` [s].
+    fn value(&self, t: f64) -> Vec<f64> {
         let last = self.times.len().saturating_sub(1);
         let after = self.times.partition_point(|key| *key <= t);
         if after == 0 || after > last || self.interpolation == Interpolation::Step {
@@ -87,8 +87,10 @@ impl Channel {
         let u = (t - self.times[k]) / span;
         let (from, to) = (self.key(k), self.key(after));
         if self.interpolation == Interpolation::Linear {
-            if let (Target::Rotation, Some(a), Some(b)) = (self.target, quaternion(from), quaternion(to)) {
-                return turn_towards(&a, &b, u).coords.as_slice().to_vec();
+            if let (AnimatedProperty::Rotation, Some(a), Some(b)) =
+                (self.target, quaternion(from), quaternion(to))
+            {
+                return slerp(&a, &b, u).coords.as_slice().to_vec();
             }
             return from.iter().zip(to).map(|(a, b)| a + u * (b - a)).collect();
         }
@@ -104,19 +106,19 @@ impl Channel {
             .collect()
     }
 
-    /// Value of key `k`.
+    /// Returns the value of key `k`.
     fn key(&self, k: usize) -> &[f64] {
         self.part(k, 1)
     }
 
-    /// Tangent before (0), value (1) or tangent after (2) of key `k`.
+    /// Returns the in-tangent (0), value (1) or out-tangent (2) of key `k`.
     fn part(&self, k: usize, part: usize) -> &[f64] {
         let row = if self.interpolation == Interpolation::CubicSpline { 3 * k + part } else { k };
         self.values.get(row * self.width..(row + 1) * self.width).unwrap_or(&[])
     }
 
-    /// Whether keys and values fit each other, so that any time has a value.
-    pub fn is_whole(&self) -> bool {
+    /// Returns whether keys and values fit each other, so that any time has a value.
+    pub fn is_valid(&self) -> bool {
         let rows = if self.interpolation == Interpolation::CubicSpline { 3 } else { 1 };
         let counted = !self.times.is_empty()
             && self.width > 0
@@ -128,40 +130,34 @@ impl Channel {
 }
 
 impl Clip {
-    /// First and last key [s]. Players start a clip at 0 whatever its first key; so does [`Clip::length`].
+    /// Returns the time of the last key [s]; a clip starts at 0 whatever its first key, as in players.
     pub fn length(&self) -> f64 {
         self.channels.iter().filter_map(|c| c.times.last()).copied().fold(0.0, f64::max)
     }
 
-    /// Shortest time between two keys of a moving channel [s]; `None` if nothing moves.
-    pub fn shortest_key(&self) -> Option<f64> {
-        let gaps = self.channels.iter().flat_map(|c| c.times.windows(2).map(|pair| pair[1] - pair[0]));
-        gaps.min_by(f64::total_cmp)
-    }
-
-    /// `pose` with what this clip moves at its place at `t` [s].
+    /// Returns the pose `rest` with the animated properties at time `t` [s].
     pub fn pose(&self, rest: &[NodeTransform], t: f64) -> Pose {
         let mut pose = rest.to_vec();
-        for channel in self.channels.iter().filter(|c| c.target != Target::Weights) {
-            let Some(NodeTransform::Parts { translation, rotation, scale }) = pose.get_mut(channel.node)
-            else {
+        for channel in self.channels.iter().filter(|c| c.target != AnimatedProperty::Weights) {
+            let Some(NodeTransform::Trs { translation, rotation, scale }) = pose.get_mut(channel.node) else {
                 continue;
             };
-            let value = channel.at(t);
+            let value = channel.value(t);
             match channel.target {
-                Target::Translation => *translation = Vec3::from_column_slice(&value),
-                Target::Scale => *scale = Vec3::from_column_slice(&value),
-                Target::Rotation => *rotation = quaternion(&value).unwrap_or(*rotation),
-                Target::Weights => {}
+                AnimatedProperty::Translation => *translation = Vec3::from_column_slice(&value),
+                AnimatedProperty::Scale => *scale = Vec3::from_column_slice(&value),
+                AnimatedProperty::Rotation => *rotation = quaternion(&value).unwrap_or(*rotation),
+                AnimatedProperty::Weights => {}
             }
         }
         pose
     }
 
-    /// Weights of the morph targets of the mesh at `node` at `t` [s], if the clip moves them.
+    /// Returns the weights of the morph targets of the mesh at `node` at `t` [s], if the clip animates them.
     pub fn weights(&self, node: usize, t: f64) -> Option<Vec<f64>> {
-        let channel = self.channels.iter().find(|c| c.node == node && c.target == Target::Weights)?;
-        Some(channel.at(t))
+        let channel =
+            self.channels.iter().find(|c| c.node == node && c.target == AnimatedProperty::Weights)?;
+        Some(channel.value(t))
     }
 }
 
@@ -180,13 +176,13 @@ mod tests {
     fn channel(interpolation: Interpolation, values: &[f64]) -> Channel {
         let c = Channel {
             node: 0,
-            target: Target::Translation,
+            target: AnimatedProperty::Translation,
             interpolation,
             times: vec![1.0, 3.0],
             values: values.to_vec(),
             width: 3,
         };
-        assert!(c.is_whole());
+        assert!(c.is_valid());
         c
     }
 
@@ -194,9 +190,9 @@ mod tests {
     fn steps_and_lines() {
         let values = [0.0, 0.0, 0.0, 4.0, 2.0, 0.0];
         let step = channel(Interpolation::Step, &values);
-        assert_eq!((step.at(2.9)[0], step.at(3.0)[0], step.at(-1.0)[0]), (0.0, 4.0, 0.0));
+        assert_eq!((step.value(2.9)[0], step.value(3.0)[0], step.value(-1.0)[0]), (0.0, 4.0, 0.0));
         let line = channel(Interpolation::Linear, &values);
-        assert_eq!((line.at(1.5), line.at(9.0)), (vec![1.0, 0.5, 0.0], vec![4.0, 2.0, 0.0]));
+        assert_eq!((line.value(1.5), line.value(9.0)), (vec![1.0, 0.5, 0.0], vec![4.0, 2.0, 0.0]));
     }
 
     /// t² between 1 and 3: value and tangents (2t) at the keys give the parabola back, tangents being per second.
@@ -206,7 +202,7 @@ mod tests {
         let rows: [[f64; 3]; 6] = [zero, [1.0; 3], [2.0; 3], [6.0; 3], [9.0; 3], zero];
         let spline = channel(Interpolation::CubicSpline, rows.as_flattened());
         for t in [1.0, 1.3, 2.0, 2.7] {
-            assert!((spline.at(t)[1] - t * t).abs() < 1e-14, "{t}");
+            assert!((spline.value(t)[1] - t * t).abs() < 1e-14, "{t}");
         }
     }
 
@@ -217,19 +213,19 @@ mod tests {
             [0.0, FRAC_PI_2].iter().flat_map(|a| at(*a).coords.as_slice().to_vec()).collect();
         let turn = Channel {
             node: 0,
-            target: Target::Rotation,
+            target: AnimatedProperty::Rotation,
             interpolation: Interpolation::Linear,
             times: vec![0.0, 1.0],
             values,
             width: 4,
         };
         let clip = Clip { name: "turn".into(), channels: vec![turn] };
-        let rest = [NodeTransform::Parts {
+        let rest = [NodeTransform::Trs {
             translation: Vec3::x(),
             rotation: UnitQuaternion::identity(),
             scale: Vec3::repeat(1.0),
         }];
-        let NodeTransform::Parts { rotation, translation, .. } = clip.pose(&rest, 0.25)[0] else {
+        let NodeTransform::Trs { rotation, translation, .. } = clip.pose(&rest, 0.25)[0] else {
             panic!("parts")
         };
         assert!(rotation.angle_to(&at(0.25 * FRAC_PI_2)) < 1e-12);
@@ -237,11 +233,11 @@ mod tests {
     }
 
     #[test]
-    fn broken_channels_are_told() {
+    fn broken_channels_are_detected() {
         let mut c = channel(Interpolation::Linear, &[0.0; 6]);
         c.times = vec![1.0, 1.0];
-        assert!(!c.is_whole(), "times must rise");
+        assert!(!c.is_valid(), "times must rise");
         c.times = vec![1.0, 2.0, 3.0];
-        assert!(!c.is_whole(), "a value is missing");
+        assert!(!c.is_valid(), "a value is missing");
     }
 }

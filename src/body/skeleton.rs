@@ -1,31 +1,31 @@
-//! The node tree of a body and its poses: where every joint stands when each is turned by its own amount.
+//! Node tree of a body and its poses.
 //!
-//! A pose gives every node its own transform; its place in the scene is the product of those from the root down (glTF 2.0
-//! specification, 3.5). A node given as a matrix keeps it: the specification lets no clip move such a node, and a script
-//! that bends it turns what hangs below. Knows no mesh, no time and no file.
+//! A pose gives every node a local transform; its transform to the scene is the product of those from the root down (glTF
+//! 2.0 specification, 3.5). A node given as a matrix keeps it: the specification lets no clip animate such a node, and a
+//! script that bends it rotates its descendants. Knows no mesh, no time and no file.
 
 use crate::math::{Mat4, Vec3};
 use nalgebra::{Quaternion, Unit, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 
-/// Transform of a node in its parent's coordinates.
+/// Transform of a node to its parent's coordinates.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(into = "NodeTransformNumbers", from = "NodeTransformNumbers")]
 pub enum NodeTransform {
-    /// Scale first, then rotation, then translation [file units].
-    Parts {
-        /// [file units].
+    /// Translation, rotation and scale; the scale is applied first, then the rotation.
+    Trs {
+        /// Translation [file units].
         translation: Vec3,
-        /// Unit quaternion.
+        /// Rotation.
         rotation: UnitQuaternion<f64>,
-        /// Per axis [-].
+        /// Scale per axis [-].
         scale: Vec3,
     },
-    /// As it is.
+    /// Matrix, kept as it is.
     Matrix(Mat4),
 }
 
-/// A [`NodeTransform`] as plain numbers, bit for bit, for files.
+/// [`NodeTransform`] as plain numbers, bit for bit, for files.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum NodeTransformNumbers {
@@ -36,9 +36,9 @@ enum NodeTransformNumbers {
 }
 
 impl From<NodeTransform> for NodeTransformNumbers {
-    fn from(local: NodeTransform) -> Self {
-        match local {
-            NodeTransform::Parts { translation, rotation, scale } => {
+    fn from(transform: NodeTransform) -> Self {
+        match transform {
+            NodeTransform::Trs { translation, rotation, scale } => {
                 Self::Parts(translation.into(), rotation.coords.into(), scale.into())
             }
             NodeTransform::Matrix(matrix) => Self::Matrix(matrix.into()),
@@ -49,7 +49,7 @@ impl From<NodeTransform> for NodeTransformNumbers {
 impl From<NodeTransformNumbers> for NodeTransform {
     fn from(numbers: NodeTransformNumbers) -> Self {
         match numbers {
-            NodeTransformNumbers::Parts(translation, rotation, scale) => Self::Parts {
+            NodeTransformNumbers::Parts(translation, rotation, scale) => Self::Trs {
                 translation: translation.into(),
                 rotation: Unit::new_unchecked(Quaternion::from(nalgebra::Vector4::from(rotation))),
                 scale: scale.into(),
@@ -60,10 +60,10 @@ impl From<NodeTransformNumbers> for NodeTransform {
 }
 
 impl NodeTransform {
-    /// As a matrix.
+    /// Returns the transform as a matrix.
     pub fn matrix(&self) -> Mat4 {
         match self {
-            Self::Parts { translation, rotation, scale } => {
+            Self::Trs { translation, rotation, scale } => {
                 Mat4::new_translation(translation)
                     * rotation.to_homogeneous()
                     * Mat4::new_nonuniform_scaling(scale)
@@ -72,70 +72,70 @@ impl NodeTransform {
         }
     }
 
-    /// Turned by `angle` [rad] about `axis` in its own axes.
-    pub fn turned(&self, axis: &Unit<Vec3>, angle: f64) -> Self {
-        let turn = UnitQuaternion::from_axis_angle(axis, angle);
+    /// Returns the transform rotated by `angle` [rad] about `axis` in its own axes.
+    pub fn rotated(&self, axis: &Unit<Vec3>, angle: f64) -> Self {
+        let rotate = UnitQuaternion::from_axis_angle(axis, angle);
         match *self {
-            Self::Parts { translation, rotation, scale } => {
-                Self::Parts { translation, rotation: rotation * turn, scale }
+            Self::Trs { translation, rotation, scale } => {
+                Self::Trs { translation, rotation: rotation * rotate, scale }
             }
-            Self::Matrix(matrix) => Self::Matrix(matrix * turn.to_homogeneous()),
+            Self::Matrix(matrix) => Self::Matrix(matrix * rotate.to_homogeneous()),
         }
     }
 
-    /// The way from here to `other`, of which `share` is done; turns take the short way.
-    pub fn towards(&self, other: &Self, share: f64) -> Self {
+    /// Interpolates to `other` at `fraction` (0..1), rotations along the shorter arc; matrices are not interpolated.
+    pub fn interpolate(&self, other: &Self, fraction: f64) -> Self {
         match (*self, *other) {
             (
-                Self::Parts { translation, rotation, scale },
-                Self::Parts { translation: t, rotation: r, scale: s },
-            ) => Self::Parts {
-                translation: translation.lerp(&t, share),
-                rotation: turn_towards(&rotation, &r, share),
-                scale: scale.lerp(&s, share),
+                Self::Trs { translation, rotation, scale },
+                Self::Trs { translation: t, rotation: r, scale: s },
+            ) => Self::Trs {
+                translation: translation.lerp(&t, fraction),
+                rotation: slerp(&rotation, &r, fraction),
+                scale: scale.lerp(&s, fraction),
             },
             (_, other) => other,
         }
     }
 }
 
-/// Spherical interpolation by the short way round.
-pub(super) fn turn_towards(
+/// Interpolates rotations on the sphere along the shorter arc.
+pub(super) fn slerp(
     from: &UnitQuaternion<f64>,
     to: &UnitQuaternion<f64>,
-    share: f64,
+    fraction: f64,
 ) -> UnitQuaternion<f64> {
     let (a, mut b) = (from.quaternion().coords, to.quaternion().coords);
     let mut cosine = a.dot(&b);
     if cosine < 0.0 {
         (b, cosine) = (-b, -cosine);
     }
-    // Nearly the same turn: the sine below would be rounding.
+    // Nearly equal rotations: the sine below would be rounding error.
     let mixed = if cosine > 1.0 - 1e-12 {
-        a.lerp(&b, share)
+        a.lerp(&b, fraction)
     } else {
         let angle = cosine.clamp(-1.0, 1.0).acos();
-        (a * ((1.0 - share) * angle).sin() + b * (share * angle).sin()) / angle.sin()
+        (a * ((1.0 - fraction) * angle).sin() + b * (fraction * angle).sin()) / angle.sin()
     };
     UnitQuaternion::try_new(Quaternion::from(mixed), 1e-12).unwrap_or(*to)
 }
 
-/// One node.
+/// Node of a skeleton.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Node {
-    /// Its name; empty when it has none.
+pub struct SkeletonNode {
+    /// Name; empty when it has none.
     pub name: String,
-    /// The node above it; always one with a place in [`Skeleton::new`]'s order before it.
+    /// Parent; `None` for a root.
     pub parent: Option<usize>,
-    /// In the pose of the file.
+    /// Transform in the pose of the file.
     pub rest: NodeTransform,
 }
 
-/// The node tree.
+/// Node tree.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Skeleton {
-    nodes: Vec<Node>,
-    /// Parents before children.
+    nodes: Vec<SkeletonNode>,
+    /// Node numbers, parents before children.
     order: Vec<usize>,
 }
 
@@ -143,8 +143,8 @@ pub struct Skeleton {
 pub type Pose = Vec<NodeTransform>;
 
 impl Skeleton {
-    /// Of `nodes`. Parents that are not there, or are below themselves, count as none.
-    pub fn new(mut nodes: Vec<Node>) -> Self {
+    /// Creates a skeleton. Parents that do not exist, or would close a cycle, count as none.
+    pub fn new(mut nodes: Vec<SkeletonNode>) -> Self {
         let count = nodes.len();
         nodes.iter_mut().for_each(|node| node.parent = node.parent.filter(|p| *p < count));
         let mut order = Vec::with_capacity(count);
@@ -167,23 +167,23 @@ impl Skeleton {
         Self { nodes, order }
     }
 
-    /// The pose of the file.
+    /// Returns the pose of the file.
     pub fn rest(&self) -> Pose {
         self.nodes.iter().map(|node| node.rest).collect()
     }
 
-    /// The nodes.
-    pub fn nodes(&self) -> &[Node] {
+    /// Returns the nodes.
+    pub fn nodes(&self) -> &[SkeletonNode] {
         &self.nodes
     }
 
-    /// The node called `name`, the first if there are several.
+    /// Returns the node called `name`, the first if there are several.
     pub fn find(&self, name: &str) -> Option<usize> {
         self.nodes.iter().position(|node| node.name == name)
     }
 
-    /// Per node: its coordinates to the scene's, in file units.
-    pub fn worlds(&self, pose: &[NodeTransform]) -> Vec<Mat4> {
+    /// Returns the transform of every node to the scene, in file units.
+    pub fn world_transforms(&self, pose: &[NodeTransform]) -> Vec<Mat4> {
         let mut worlds = vec![Mat4::identity(); self.nodes.len()];
         for &node in &self.order {
             let own = pose.get(node).unwrap_or(&self.nodes[node].rest).matrix();
@@ -196,9 +196,9 @@ impl Skeleton {
     }
 }
 
-/// The pose `share` of the way from one to another.
-pub fn between(from: &[NodeTransform], to: &[NodeTransform], share: f64) -> Pose {
-    from.iter().zip(to).map(|(a, b)| a.towards(b, share)).collect()
+/// Interpolates between two poses at `fraction` (0..1).
+pub fn interpolate_pose(from: &[NodeTransform], to: &[NodeTransform], fraction: f64) -> Pose {
+    from.iter().zip(to).map(|(a, b)| a.interpolate(b, fraction)).collect()
 }
 
 #[cfg(test)]
@@ -207,16 +207,16 @@ mod tests {
     use std::f64::consts::FRAC_PI_2;
 
     fn parts(translation: Vec3) -> NodeTransform {
-        NodeTransform::Parts { translation, rotation: UnitQuaternion::identity(), scale: Vec3::repeat(1.0) }
+        NodeTransform::Trs { translation, rotation: UnitQuaternion::identity(), scale: Vec3::repeat(1.0) }
     }
 
     fn arm() -> Skeleton {
-        let node = |name: &str, parent, x: f64| Node {
+        let node = |name: &str, parent, x: f64| SkeletonNode {
             name: name.into(),
             parent,
             rest: parts(Vec3::new(x, 0.0, 0.0)),
         };
-        // The child stands before its parent in the list.
+        // The child comes before its parent in the list.
         Skeleton::new(vec![
             node("wrist", Some(1), 0.26),
             node("elbow", Some(2), 0.3),
@@ -228,24 +228,25 @@ mod tests {
     fn a_bent_elbow_carries_the_wrist() {
         let arm = arm();
         let mut pose = arm.rest();
-        pose[1] = pose[1].turned(&Vec3::z_axis(), FRAC_PI_2);
-        let wrist = arm.worlds(&pose)[0].column(3).xyz();
+        pose[1] = pose[1].rotated(&Vec3::z_axis(), FRAC_PI_2);
+        let wrist = arm.world_transforms(&pose)[0].column(3).xyz();
         assert!((wrist - Vec3::new(0.3, 0.26, 0.0)).norm() < 1e-15, "{wrist}");
         assert_eq!(arm.find("elbow"), Some(1));
     }
 
     #[test]
-    fn turns_take_the_short_way() {
+    fn rotations_take_the_shorter_arc() {
         let at = |angle: f64| UnitQuaternion::from_axis_angle(&Vec3::z_axis(), angle);
-        let half = turn_towards(&at(3.0), &at(-3.0), 0.5);
+        let half = slerp(&at(3.0), &at(-3.0), 0.5);
         assert!(half.angle_to(&at(std::f64::consts::PI)) < 1e-12);
-        assert!(turn_towards(&at(0.1), &at(0.1), 0.5).angle_to(&at(0.1)) < 1e-12);
+        assert!(slerp(&at(0.1), &at(0.1), 0.5).angle_to(&at(0.1)) < 1e-12);
     }
 
     #[test]
-    fn a_circle_of_parents_is_cut() {
-        let node = |parent| Node { name: String::new(), parent: Some(parent), rest: parts(Vec3::x()) };
-        let worlds = Skeleton::new(vec![node(1), node(0), node(9)]);
-        assert!(worlds.worlds(&worlds.rest()).iter().all(|m| m.iter().all(|x| x.is_finite())));
+    fn a_cycle_of_parents_is_cut() {
+        let node =
+            |parent| SkeletonNode { name: String::new(), parent: Some(parent), rest: parts(Vec3::x()) };
+        let skeleton = Skeleton::new(vec![node(1), node(0), node(9)]);
+        assert!(skeleton.world_transforms(&skeleton.rest()).iter().all(|m| m.iter().all(|x| x.is_finite())));
     }
 }

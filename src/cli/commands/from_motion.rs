@@ -10,7 +10,7 @@ use crate::cli::files::input;
 use crate::cli::files::mesh_file::MeshFile;
 use crate::cli::runtime::console;
 use crease::bake::{BakeResult, GarmentMotion, memory_from_motion};
-use crease::body::rig::Rig;
+use crease::body::rig::{ClipTime, Rig};
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
 use crease::garment::{SourceAsset, SourcePiece};
 use crease::io::gltf::read_rig;
@@ -140,7 +140,7 @@ impl MotionInput {
                 Some(clip) => {
                     let t = k as f64 * *interval;
                     let pose = clip.pose(&rig.skeleton.rest(), t);
-                    of_points(&rig.vertices(&pose, Some((clip, t))))
+                    of_points(&rig.vertices(&pose, Some(ClipTime { clip, time: t })))
                 }
                 None => garment.points.clone(),
             },

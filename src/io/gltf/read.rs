@@ -12,7 +12,7 @@ use crate::io::gltf::container::{is_glb, parse_json, split_glb};
 use crate::io::gltf::json_cursor::Cursor;
 use crate::io::gltf::primitive::{Drawn, MaskChannel, MeshData, read_primitive};
 use crate::io::gltf::scene::Scene;
-use crate::io::gltf::skin::place_skinned;
+use crate::io::gltf::skin::skinned_vertices;
 use crate::io::read::{NamedPiece, ReadPieces};
 use crate::math::{Mat3, Mat4};
 use crate::{Error, Result};
@@ -263,7 +263,7 @@ impl<'a> Reader<'a> {
         let cursor = self.root.entry("nodes", node);
         if let Some(skin) = cursor.index("skin")? {
             let count = data.positions.len();
-            let placed = place_skinned(&self.root, &self.accessors, &self.scene, primitive, skin, count)?;
+            let placed = skinned_vertices(&self.root, &self.accessors, &self.scene, primitive, skin, count)?;
             if placed.normalised_count > 0 {
                 let what = format!(
                     "the skin weights of {} of {count} vertices do not sum to 1: divided by their sum",

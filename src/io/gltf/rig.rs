@@ -1,33 +1,33 @@
-//! A document's skeleton, skins, morph targets and clips, as a `body` moves by them.
+//! Reads a document's skeleton, skins, morph targets and clips for a `body`.
 //!
-//! Beside the reader of pieces, which only wants to know where they stand. What a file says of motion is checked here in
-//! one go: joints, weights, keys. Clips move nodes' translation, rotation and scale and the weights of morph targets;
-//! other targets (`KHR_animation_pointer`) are left out. Plays nothing itself.
+//! The reader of pieces (`read`) only needs positions in the file's pose. All data of motion are checked here in one pass:
+//! joints, weights, keys. Clips animate translation, rotation and scale of nodes and the weights of morph targets; other
+//! targets (`KHR_animation_pointer`) are ignored.
 
 use crate::Result;
-use crate::body::clip::{Channel, Clip, Interpolation, Target};
-use crate::body::rig::{Piece, Rig, SkinBinding, normalised};
-use crate::body::skeleton::{Node, Skeleton};
+use crate::body::clip::{AnimatedProperty, Channel, Clip, Interpolation};
+use crate::body::rig::{JointInfluence, MorphWeights, Rig, RigPiece, SkinBinding, normalise_weights};
+use crate::body::skeleton::{Skeleton, SkeletonNode};
 use crate::garment::{SourceAsset, SourcePiece};
 use crate::io::diagnostics::DiagnosticList;
 use crate::io::gltf::accessor::Accessors;
 use crate::io::gltf::json_cursor::Cursor;
-use crate::io::gltf::scene::read_local;
-use crate::io::gltf::skin::{influence_sets, joints_of};
+use crate::io::gltf::scene::read_node_transform;
+use crate::io::gltf::skin::{influence_sets, read_joints};
 use crate::io::read::to_scene;
 use crate::math::Vec3;
 
-/// Numbers of keys and morph targets granted to a file of any size; beyond, as many as its buffers have bytes. Channels
-/// may share keys, and a short file could otherwise ask for any amount of memory.
-const FREE_NUMBERS: usize = 4_000_000;
+/// Numbers of keys and morph targets allowed for a file of any size; larger files may have as many as their buffers have
+/// bytes. Channels may refer to the same keys, and a short file could otherwise ask for any amount of memory.
+const MIN_NUMBER_BUDGET: usize = 4_000_000;
 
-/// The rig of `pieces`, which are of `asset`; `None` when that is no glTF.
+/// Reads the rig of `pieces` of `asset`; `None` if the asset is not glTF.
 pub fn read_rig(asset: &SourceAsset, pieces: &[&SourcePiece]) -> Result<Option<Rig>> {
     let Some(document) = &asset.document else { return Ok(None) };
     let root = Cursor::root(&document.json);
     let accessors = Accessors::new(document);
     let mut reader = RigReader {
-        numbers_left: accessors.byte_count().max(FREE_NUMBERS),
+        numbers_left: accessors.byte_count().max(MIN_NUMBER_BUDGET),
         root,
         accessors,
         faults: DiagnosticList::new(&asset.file),
@@ -52,7 +52,7 @@ impl RigReader<'_> {
         let mut parents = vec![None; cursors.len()];
         for (number, node) in cursors.iter().enumerate() {
             for child in self.faults.take(node.indices("children")).into_iter().flatten() {
-                // That the nodes are a forest was checked when the pieces were read.
+                // The reader of pieces has checked that the nodes are a forest.
                 if let Some(slot) = parents.get_mut(child) {
                     *slot = Some(number);
                 }
@@ -60,47 +60,52 @@ impl RigReader<'_> {
         }
         let mut nodes = Vec::with_capacity(cursors.len());
         for (node, parent) in cursors.iter().zip(parents) {
-            if let Some(rest) = self.faults.take(read_local(node)) {
-                nodes.push(Node { name: node.text("name").unwrap_or_default().to_owned(), parent, rest });
+            if let Some(rest) = self.faults.take(read_node_transform(node)) {
+                nodes.push(SkeletonNode {
+                    name: node.text("name").unwrap_or_default().to_owned(),
+                    parent,
+                    rest,
+                });
             }
         }
         Skeleton::new(nodes)
     }
 
-    fn piece(&mut self, piece: &SourcePiece) -> Option<Piece> {
+    fn piece(&mut self, piece: &SourcePiece) -> Option<RigPiece> {
         let mesh = self.root.entry("meshes", piece.mesh);
         let primitive = mesh.entry("primitives", piece.primitive);
-        let follows = self.follows(piece, &primitive);
-        let follows = self.faults.take(follows)?;
+        let binding = self.binding(piece, &primitive);
+        let binding = self.faults.take(binding)?;
         let targets = self.targets(&primitive, piece.positions.len());
         let targets = self.faults.take(targets)?;
         let morph = piece.node.filter(|_| !targets.is_empty()).map(|node| {
             let own = self.root.entry("nodes", node);
             let weighted = if own.member("weights").exists() { own } else { mesh };
-            // The base shape is what is worn: weights of the file count only where a clip moves them.
-            (node, vec![0.0; weighted.length("weights").min(targets.len())])
+            // The garment is worn in the base shape: weights count only where a clip animates them.
+            MorphWeights { node, rest: vec![0.0; weighted.length("weights").min(targets.len())] }
         });
-        Some(Piece { positions: piece.positions.clone(), follows, morph, targets })
+        Some(RigPiece { positions: piece.positions.clone(), binding, morph, targets })
     }
 
-    fn follows(&self, piece: &SourcePiece, primitive: &Cursor) -> Result<SkinBinding> {
-        let Some(node) = piece.node else { return Ok(SkinBinding::Nothing) };
+    fn binding(&self, piece: &SourcePiece, primitive: &Cursor) -> Result<SkinBinding> {
+        let Some(node) = piece.node else { return Ok(SkinBinding::Static) };
         let Some(skin) = self.root.entry("nodes", node).index("skin")? else {
             return Ok(SkinBinding::Node(node));
         };
-        let joints = joints_of(&self.root, &self.accessors, primitive, skin)?;
+        let joints = read_joints(&self.root, &self.accessors, primitive, skin)?;
         let count = piece.positions.len();
         let sets = influence_sets(&self.accessors, primitive, count)?;
         let mut influences = Vec::with_capacity(count);
         for vertex in 0..count {
             let mut own = Vec::new();
-            for (numbers, weights) in &sets {
-                let rows = numbers.row(vertex).unwrap_or(&[]).iter().zip(weights.row(vertex).unwrap_or(&[]));
-                own.extend(rows.map(|(&joint, &weight)| (joint as u32, weight)));
+            for set in &sets {
+                own.extend(
+                    set.row(vertex).map(|(joint, weight)| JointInfluence { joint: joint as u32, weight }),
+                );
             }
-            let own = normalised(own);
-            if let Some((joint, _)) = own.iter().find(|(j, w)| *j as usize >= joints.len() || !w.is_finite())
-            {
+            let own = normalise_weights(own);
+            let is_bad = |i: &&JointInfluence| i.joint as usize >= joints.len() || !i.weight.is_finite();
+            if let Some(JointInfluence { joint, .. }) = own.iter().find(is_bad) {
                 let what =
                     format!("vertex {vertex} follows joint {joint}, skins[{skin}] has {}", joints.len());
                 return Err(primitive.fault(what));
@@ -133,7 +138,7 @@ impl RigReader<'_> {
                 let read = self.channel(animation, &channel, node_count);
                 channels.extend(self.faults.take(read).flatten());
             }
-            // Clips without a name are called as viewers list them.
+            // Unnamed clips get the name that viewers list them by.
             let name = animation.text("name").map_or_else(|| format!("animation {number}"), str::to_owned);
             clips.push(Clip { name, channels });
         }
@@ -147,16 +152,16 @@ impl RigReader<'_> {
         node_count: usize,
     ) -> Result<Option<Channel>> {
         let target = channel.member("target");
-        // Without a node an extension says what moves: not known here.
+        // Without a node an extension defines the target, which is not supported.
         let Some(node) = target.index("node")? else { return Ok(None) };
         if node >= node_count {
             return Err(target.fault(format!("nodes[{node}] is not in the file")));
         }
-        let moved = match target.text("path") {
-            Some("translation") => Target::Translation,
-            Some("rotation") => Target::Rotation,
-            Some("scale") => Target::Scale,
-            Some("weights") => Target::Weights,
+        let property = match target.text("path") {
+            Some("translation") => AnimatedProperty::Translation,
+            Some("rotation") => AnimatedProperty::Rotation,
+            Some("scale") => AnimatedProperty::Scale,
+            Some("weights") => AnimatedProperty::Weights,
             _ => return Ok(None),
         };
         let number = channel.required_index("sampler")?;
@@ -177,9 +182,9 @@ impl RigReader<'_> {
         let times = self.accessors.table_of(input, 1, None, sampler.path())?.values;
         let values = self.accessors.table(output, sampler.path())?.values;
         let per_key = if interpolation == Interpolation::CubicSpline { 3 } else { 1 };
-        let width = moved.width().unwrap_or_else(|| values.len() / (per_key * times.len()).max(1));
-        let channel = Channel { node, target: moved, interpolation, times, values, width };
-        if channel.is_whole() {
+        let width = property.width().unwrap_or_else(|| values.len() / (per_key * times.len()).max(1));
+        let channel = Channel { node, target: property, interpolation, times, values, width };
+        if channel.is_valid() {
             return Ok(Some(channel));
         }
         let what = format!(
@@ -196,7 +201,7 @@ impl RigReader<'_> {
                 self.numbers_left = left;
                 Ok(())
             }
-            None => Err(user.fault("the file asks for more motion than its data could hold")),
+            None => Err(user.fault("the file asks for more animation data than it can hold")),
         }
     }
 }

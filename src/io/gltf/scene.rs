@@ -1,7 +1,7 @@
-//! The node tree: where every node stands in the scene, and which nodes the scene shows.
+//! Node tree: the transform of every node to the scene, and the nodes that the scene shows.
 //!
-//! The specification asks for a forest; files that are none (two parents, a cycle) are refused, as any walk over
-//! them would not end or not be unique.
+//! The specification asks for a forest; other graphs (two parents, a cycle) are refused, as a traversal would not end or
+//! not be unique.
 
 use crate::Result;
 use crate::body::skeleton::NodeTransform;
@@ -9,9 +9,9 @@ use crate::io::gltf::json_cursor::Cursor;
 use crate::math::{Mat4, Vec3};
 use nalgebra::{Quaternion, UnitQuaternion};
 
-/// Every node's place.
+/// Nodes of a document.
 pub(super) struct Scene {
-    /// Per node: own coordinates to scene coordinates.
+    /// Per node: transform from own to scene coordinates.
     pub(super) worlds: Vec<Mat4>,
     /// Per node: its parent.
     pub(super) parents: Vec<Option<usize>>,
@@ -20,12 +20,12 @@ pub(super) struct Scene {
 }
 
 impl Scene {
-    /// The node tree of a document.
+    /// Reads the node tree of a document.
     pub(super) fn read(root: &Cursor) -> Result<Self> {
         let nodes = root.entries("nodes");
         let parents = read_parents(&nodes)?;
         let locals: Vec<Mat4> =
-            nodes.iter().map(|node| Ok(read_local(node)?.matrix())).collect::<Result<_>>()?;
+            nodes.iter().map(|node| Ok(read_node_transform(node)?.matrix())).collect::<Result<_>>()?;
         let order = parents_first(&nodes, &parents)?;
         let mut worlds = locals;
         for &node in &order {
@@ -59,7 +59,7 @@ fn read_parents(nodes: &[Cursor]) -> Result<Vec<Option<usize>>> {
     Ok(parents)
 }
 
-/// Node numbers, each after its parent.
+/// Returns the node numbers, each after its parent.
 fn parents_first(nodes: &[Cursor], parents: &[Option<usize>]) -> Result<Vec<usize>> {
     let mut order = Vec::with_capacity(parents.len());
     let mut done = vec![false; parents.len()];
@@ -81,7 +81,7 @@ fn parents_first(nodes: &[Cursor], parents: &[Option<usize>]) -> Result<Vec<usiz
     Ok(order)
 }
 
-/// Roots of the default scene; of every tree if there is no scene.
+/// Returns whether each node is a root of the default scene; roots of all trees if there is no scene.
 fn shown_roots(root: &Cursor, parents: &[Option<usize>]) -> Result<Vec<bool>> {
     if root.length("scenes") == 0 {
         return Ok(parents.iter().map(Option::is_none).collect());
@@ -97,17 +97,17 @@ fn shown_roots(root: &Cursor, parents: &[Option<usize>]) -> Result<Vec<bool>> {
     Ok(shown)
 }
 
-/// A node's own transform: `matrix`, or translation, rotation and scale.
-pub(super) fn read_local(node: &Cursor) -> Result<NodeTransform> {
+/// Reads a node's own transform: `matrix`, or translation, rotation and scale.
+pub(super) fn read_node_transform(node: &Cursor) -> Result<NodeTransform> {
     if let Some(columns) = node.numbers::<16>("matrix")? {
         return Ok(NodeTransform::Matrix(Mat4::from_column_slice(&columns)));
     }
     let translation = node.numbers::<3>("translation")?.unwrap_or([0.0; 3]);
     let [x, y, z, w] = node.numbers::<4>("rotation")?.unwrap_or([0.0, 0.0, 0.0, 1.0]);
     let scale = node.numbers::<3>("scale")?.unwrap_or([1.0; 3]);
-    // Single precision leaves quaternions slightly off unit length; scale is not theirs to give.
+    // Single precision leaves quaternions slightly off unit length; they must not scale.
     let Some(rotation) = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-9) else {
         return Err(node.fault("its rotation is zero"));
     };
-    Ok(NodeTransform::Parts { translation: Vec3::from(translation), rotation, scale: Vec3::from(scale) })
+    Ok(NodeTransform::Trs { translation: Vec3::from(translation), rotation, scale: Vec3::from(scale) })
 }

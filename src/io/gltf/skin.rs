@@ -1,33 +1,48 @@
-//! A skinned mesh in the pose its file shows: per vertex the weighted sum of its joints' matrices,
+//! Skinned meshes in the pose of the file: per vertex the weighted sum of its joints' matrices,
 //! sum_j w_j (world_j * inverse bind matrix_j) (glTF 2.0 specification, 3.7.3).
 //!
-//! The mesh's own node does not move it, says the specification. Weights are divided by their sum: files with sums
-//! from 0.2 to 1 exist, and left alone their vertices fly to the origin. Plays no animation.
+//! By the specification the mesh's own node does not move it. Weights are divided by their sum: files with sums from 0.2
+//! to 1 exist, and their vertices would be drawn to the origin. Plays no animation.
 
 use crate::Result;
+use crate::body::rig::SkinJoint;
 use crate::io::gltf::accessor::{Accessors, Table};
 use crate::io::gltf::json_cursor::Cursor;
 use crate::io::gltf::scene::Scene;
 use crate::math::Mat4;
 
-/// Weights whose sum is off one by more than this are reported; quantised ones are off by less.
-const SUM_TOLERANCE: f64 = 0.01;
+/// Weights whose sum differs from one by more than this are reported \[-\]; quantised ones differ by less.
+const WEIGHT_SUM_TOL: f64 = 0.01;
 
-/// A vertex follows a joint that moves it by more than this share.
-const FOLLOWED: f64 = 0.01;
+/// A joint moves a piece if one of its vertices has a weight above this for it \[-\].
+const MIN_JOINT_WEIGHT: f64 = 0.01;
 
-/// Where a skin puts each vertex.
+/// Vertices of a primitive in the pose of its skin.
 pub(super) struct SkinnedVertices {
-    /// Nodes of the joints that some vertex follows, in the order of the skin.
+    /// Nodes of the joints that move some vertex, in the order of the skin.
     pub(super) joints: Vec<usize>,
-    /// Per vertex: own coordinates to scene coordinates, in file units.
+    /// Per vertex: transform from own to scene coordinates, in file units.
     pub(super) transforms: Vec<Mat4>,
-    /// Vertices whose weights did not sum to one.
+    /// Number of vertices whose weights did not sum to one.
     pub(super) normalised_count: usize,
 }
 
-/// Places the vertices of `primitive` by skin `skin`.
-pub(super) fn place_skinned(
+/// JOINTS_n and WEIGHTS_n of a primitive, four columns each.
+pub(super) struct InfluenceSet {
+    joints: Table,
+    weights: Table,
+}
+
+impl InfluenceSet {
+    /// Returns joint and weight of the four influences of `vertex`.
+    pub(super) fn row(&self, vertex: usize) -> impl Iterator<Item = (f64, f64)> + '_ {
+        let [joints, weights] = [&self.joints, &self.weights].map(|table| table.row(vertex).unwrap_or(&[]));
+        joints.iter().copied().zip(weights.iter().copied())
+    }
+}
+
+/// Computes the transforms of the vertices of `primitive` with skin `skin`.
+pub(super) fn skinned_vertices(
     root: &Cursor,
     accessors: &Accessors,
     scene: &Scene,
@@ -37,25 +52,24 @@ pub(super) fn place_skinned(
 ) -> Result<SkinnedVertices> {
     let (nodes, joints) = joint_matrices(root, accessors, scene, primitive, skin)?;
     let sets = influence_sets(accessors, primitive, vertex_count)?;
-    let mut placed = SkinnedVertices {
+    let mut skinned = SkinnedVertices {
         joints: Vec::new(),
         transforms: Vec::with_capacity(vertex_count),
         normalised_count: 0,
     };
-    let mut followed = vec![false; joints.len()];
+    let mut is_used = vec![false; joints.len()];
     for vertex in 0..vertex_count {
         let mut influences = Vec::with_capacity(4 * sets.len());
-        for (numbers, weights) in &sets {
-            let rows = numbers.row(vertex).unwrap_or(&[]).iter().zip(weights.row(vertex).unwrap_or(&[]));
-            influences.extend(rows.map(|(&joint, &weight)| (joint as usize, weight)));
+        for set in &sets {
+            influences.extend(set.row(vertex).map(|(joint, weight)| (joint as usize, weight)));
         }
         let sum: f64 = influences.iter().map(|(_, weight)| weight).sum();
         if !sum.is_finite() {
             return Err(primitive.fault(format!("the skin weights of vertex {vertex} are not finite")));
         }
-        placed.normalised_count += usize::from((sum - 1.0).abs() > SUM_TOLERANCE);
+        skinned.normalised_count += usize::from((sum - 1.0).abs() > WEIGHT_SUM_TOL);
         if sum <= 0.0 {
-            // Without any weight the first joint takes the vertex, as viewers do.
+            // Without any weight the vertex belongs to the first joint, as in viewers.
             influences.truncate(1);
             influences.iter_mut().for_each(|(_, weight)| *weight = 1.0);
         }
@@ -69,22 +83,21 @@ pub(super) fn place_skinned(
                 )));
             };
             transform += matrix * (weight / sum);
-            followed[joint] |= weight / sum > FOLLOWED;
+            is_used[joint] |= weight / sum > MIN_JOINT_WEIGHT;
         }
-        placed.transforms.push(transform);
+        skinned.transforms.push(transform);
     }
-    placed.joints =
-        nodes.into_iter().zip(followed).filter(|(_, followed)| *followed).map(|(n, _)| n).collect();
-    Ok(placed)
+    skinned.joints = nodes.into_iter().zip(is_used).filter(|(_, is_used)| *is_used).map(|(n, _)| n).collect();
+    Ok(skinned)
 }
 
-/// Joints of skin `skin` with their inverse bind matrices.
-pub(super) fn joints_of(
+/// Reads the joints of skin `skin`.
+pub(super) fn read_joints(
     root: &Cursor,
     accessors: &Accessors,
     primitive: &Cursor,
     skin: usize,
-) -> Result<Vec<(usize, Mat4)>> {
+) -> Result<Vec<SkinJoint>> {
     let skin = root.required_entry("skins", skin, primitive.path())?;
     let joints = skin.indices("joints")?;
     let inverse_binds = match skin.index("inverseBindMatrices")? {
@@ -98,10 +111,11 @@ pub(super) fn joints_of(
             joints.len()
         )));
     }
-    Ok(joints.into_iter().zip(inverse_binds).collect())
+    let joint = |(node, inverse_bind)| SkinJoint { node, inverse_bind };
+    Ok(joints.into_iter().zip(inverse_binds).map(joint).collect())
 }
 
-/// Nodes of the joints of skin `skin`, and what each does to a vertex in bind pose.
+/// Returns the nodes of the joints of skin `skin`, and the transform of each from own to scene coordinates.
 fn joint_matrices(
     root: &Cursor,
     accessors: &Accessors,
@@ -109,22 +123,22 @@ fn joint_matrices(
     primitive: &Cursor,
     skin: usize,
 ) -> Result<(Vec<usize>, Vec<Mat4>)> {
-    let joints = joints_of(root, accessors, primitive, skin)?;
+    let joints = read_joints(root, accessors, primitive, skin)?;
     let skin = root.entry("skins", skin);
-    let matrix = |(joint, inverse_bind): &(usize, Mat4)| match scene.worlds.get(*joint) {
-        Some(world) => Ok(world * inverse_bind),
-        None => Err(skin.fault(format!("its joint nodes[{joint}] is not in the file"))),
+    let matrix = |joint: &SkinJoint| match scene.worlds.get(joint.node) {
+        Some(world) => Ok(world * joint.inverse_bind),
+        None => Err(skin.fault(format!("its joint nodes[{}] is not in the file", joint.node))),
     };
     let matrices = joints.iter().map(matrix).collect::<Result<_>>()?;
-    Ok((joints.into_iter().map(|(node, _)| node).collect(), matrices))
+    Ok((joints.into_iter().map(|joint| joint.node).collect(), matrices))
 }
 
-/// The pairs JOINTS_n, WEIGHTS_n for n = 0, 1, ...
+/// Reads JOINTS_n and WEIGHTS_n for n = 0, 1, ...
 pub(super) fn influence_sets(
     accessors: &Accessors,
     primitive: &Cursor,
     count: usize,
-) -> Result<Vec<(Table, Table)>> {
+) -> Result<Vec<InfluenceSet>> {
     let attributes = primitive.member("attributes");
     let mut sets = Vec::new();
     loop {
@@ -144,9 +158,9 @@ pub(super) fn influence_sets(
             }
         };
         let user = attributes.path();
-        sets.push((
-            accessors.table_of(joints, 4, Some(count), user)?,
-            accessors.table_of(weights, 4, Some(count), user)?,
-        ));
+        sets.push(InfluenceSet {
+            joints: accessors.table_of(joints, 4, Some(count), user)?,
+            weights: accessors.table_of(weights, 4, Some(count), user)?,
+        });
     }
 }

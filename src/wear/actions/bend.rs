@@ -87,7 +87,7 @@ impl Bend {
             && let (Some(local), Some(axis)) =
                 (joints.get_mut(joint), Unit::try_new(Vec3::from(self.axis.vector()), 0.0))
         {
-            *local = local.turned(&axis, share * self.angle_deg.to_radians());
+            *local = local.rotated(&axis, share * self.angle_deg.to_radians());
         }
         pose
     }
