@@ -197,7 +197,7 @@ impl Run<'_> {
             events: self.memory.events,
         });
         if let Some(start) = start {
-            self.frames.show_due(&start, &self.state, &self.garment.triangles, observer)?;
+            self.frames.show_due(&start, &self.state, &self.garment.triangles, &mut |x| observer.frame(x))?;
         }
         Ok(next)
     }

@@ -32,7 +32,7 @@ impl SimulationMesh {
             Ok((mesh, why)) => (Some(mesh), why),
             Err(why) => (None, why),
         };
-        Self { decision: ModelDecision { name: "grading", on: mesh.is_some(), why }, mesh }
+        Self { decision: ModelDecision { name: "adaptive mesh", on: mesh.is_some(), why }, mesh }
     }
 }
 

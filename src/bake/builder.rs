@@ -81,7 +81,12 @@ impl<'a> Bake<'a> {
 
     /// The models and the mesh that the bake would use, with the reasons.
     pub fn plan(&self) -> ModelPlan {
-        ModelPlan::for_simulated_mesh(self.garment, self.fabric, self.script, &self.options)
+        let Self { garment, fabric, script, ref options, .. } = *self;
+        let SimulationMesh { mesh, decision } = SimulationMesh::choose(garment, fabric, script, options);
+        let mesh = mesh.as_ref().map_or(garment, |mesh| &mesh.garment);
+        let mut plan = ModelPlan::new(mesh, fabric, script, options);
+        plan.decisions.push(decision);
+        plan
     }
 
     /// Runs the bake.

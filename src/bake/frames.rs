@@ -1,6 +1,5 @@
 //! Frames for the observer: evenly spaced in simulated time, while steps are not.
 
-use crate::bake::Observer;
 use crate::bake::tuning::TUNING;
 use crate::error::Result;
 use crate::math::Vec3;
@@ -22,6 +21,9 @@ pub struct FrameSchedule {
     /// Frames that the observer was given.
     pub shown: u64,
 }
+
+/// Receives the positions of a frame, one per point [m].
+pub(super) type ShowFrame<'a> = dyn FnMut(&[Vec3]) -> Result<()> + 'a;
 
 /// The state from which a step started.
 pub(super) struct StepStart {
@@ -50,11 +52,11 @@ impl FrameSchedule {
         start: &StepStart,
         state: &State,
         triangles: &[[PointIndex; 3]],
-        observer: &mut dyn Observer,
+        show: &mut ShowFrame,
     ) -> Result<()> {
         let step = state.time - start.time;
         if self.interval < TUNING.stepping.min_frame_interval {
-            return self.show(&state.x, observer);
+            return self.show(&state.x, show);
         }
         while self.next <= state.time + 1e-9 {
             let fraction = ((self.next - start.time) / step.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
@@ -63,15 +65,15 @@ impl FrameSchedule {
             let crossing = |x: &[Vec3]| self_intersections(x, triangles).len();
             let count = if fraction < 1.0 { crossing(&between) } else { 0 };
             let crosses = count > 0 && count > crossing(&state.x);
-            self.show(if crosses { &state.x } else { &between }, observer)?;
+            self.show(if crosses { &state.x } else { &between }, show)?;
             self.next += self.interval;
         }
         Ok(())
     }
 
     /// Shows one frame.
-    pub(super) fn show(&mut self, positions: &[Vec3], observer: &mut dyn Observer) -> Result<()> {
-        observer.frame(positions)?;
+    pub(super) fn show(&mut self, positions: &[Vec3], show: &mut ShowFrame) -> Result<()> {
+        show(positions)?;
         self.shown += 1;
         Ok(())
     }

@@ -59,7 +59,7 @@ impl BakeOptions {
     /// The options of a quality.
     pub fn for_quality(quality: Quality) -> Self {
         Self {
-            step: quality.step(),
+            step: quality.step_options(),
             energy_tol_m: quality.energy_tol(),
             max_weight_strain: quality.max_weight_strain(),
             event_dt_fraction: quality.event_dt_fraction(),

@@ -1,10 +1,10 @@
-//! What a scene needs, decided before the run from the script and the garment, with the number behind each choice.
+//! The choice of models before the run, from script and garment, with the number behind each decision.
 //!
-//! What is off costs nothing. With `BakeOptions::full_fidelity` every model is on and at full size, for comparison:
-//! `crease chart plan` shows what the plan saves and that it changes nothing that counts.
+//! A model that is off costs nothing. With `BakeOptions::full_fidelity` every model is on and at full size, for comparison:
+//! `crease chart plan` shows the cost and the error of the choice.
 
+use crate::bake::BakeOptions;
 use crate::bake::tuning::TUNING;
-use crate::bake::{BakeOptions, SimulationMesh};
 use crate::body::AnimatedBody;
 use crate::contact::ContactSettings;
 use crate::fabric::Fabric;
@@ -14,23 +14,23 @@ use crate::mesh::PointIndex;
 use crate::sim::GRAVITY;
 use crate::wear::{Action, WearScript};
 
-/// One decision.
+/// Decision on one model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModelDecision {
-    /// The model.
+    /// Name of the model.
     pub name: &'static str,
     /// Whether it is on.
     pub on: bool,
-    /// Why, with the number.
+    /// Reason, with the number behind it.
     pub why: String,
 }
 
-/// What is modelled, and how stiff.
+/// Models of a bake and their stiffnesses.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModelPlan {
     /// Stretch stiffness along warp and weft, shear stiffness [N/m].
     pub stretch: [f64; 3],
-    /// Distance within which layers push apart [m].
+    /// Activation distance of contact, d-hat [m].
     pub contact_distance: f64,
     /// Stiffness of contact per area [N/m³].
     pub contact_stiffness: f64,
@@ -41,7 +41,7 @@ pub struct ModelPlan {
 }
 
 impl ModelPlan {
-    /// The plan for wearing `garment` of `fabric` through `script`.
+    /// The plan for a bake of `garment`, made of `fabric`, through `script`, without a body.
     pub fn new(garment: &Garment, fabric: &Fabric, script: &WearScript, options: &BakeOptions) -> Self {
         let actions: Vec<&Action> = script.flatten().collect();
         let scene = PlannedScene { garment, fabric, actions: &actions, options };
@@ -52,24 +52,9 @@ impl ModelPlan {
         let (layers_meet, contact_distance) = scene.self_contact(&mut decisions);
         decisions.push(scene.friction(layers_meet));
         decisions.push(ModelDecision { name: "body", on: false, why: "no body was given".into() });
-        decisions.push(scene.hysteresis());
         decisions.extend(steps(options));
         let contact_stiffness = scene.contact_stiffness(stretch, contact_distance);
         Self { stretch, contact_distance, contact_stiffness, layers_meet, decisions }
-    }
-
-    /// The same of the mesh that is simulated, with the reasons for it.
-    pub fn for_simulated_mesh(
-        garment: &Garment,
-        fabric: &Fabric,
-        script: &WearScript,
-        options: &BakeOptions,
-    ) -> Self {
-        let SimulationMesh { mesh, decision } = SimulationMesh::choose(garment, fabric, script, options);
-        let simulated = mesh.as_ref().map_or(garment, |mesh| &mesh.garment);
-        let mut plan = Self::new(simulated, fabric, script, options);
-        plan.decisions.push(decision);
-        plan
     }
 
     /// Settings of the contact of cloth with itself, the ground and a body.
@@ -86,8 +71,8 @@ impl ModelPlan {
         self.contact_stiffness *= stiffer.max(1.0);
         self.stretch = full;
         let mut decide = |name, why: String, on| {
-            if let Some(choice) = self.decisions.iter_mut().find(|choice| choice.name == name) {
-                *choice = ModelDecision { name, on, why };
+            if let Some(decision) = self.decisions.iter_mut().find(|decision| decision.name == name) {
+                *decision = ModelDecision { name, on, why };
             } else {
                 self.decisions.push(ModelDecision { name, on, why });
             }
@@ -106,14 +91,14 @@ impl ModelPlan {
         );
         let fixed = inactive.iter().filter(|inactive| **inactive).count();
         decide(
-            "sleep",
-            format!("{fixed} of {} points out of reach of what moves", inactive.len()),
+            "static region",
+            format!("{fixed} of {} points out of reach of moving parts of the body", inactive.len()),
             fixed > 0,
         );
     }
 }
 
-/// What a plan is made from.
+/// Inputs of a plan.
 struct PlannedScene<'a> {
     garment: &'a Garment,
     fabric: &'a Fabric,
@@ -130,26 +115,23 @@ impl PlannedScene<'_> {
         let weight = fabric.area_density() * GRAVITY * size;
         let ridges =
             self.options.body.is_some() || self.actions.iter().any(|a| matches!(a, Action::Crumple(_)));
-        let sag = if ridges {
-            self.options.max_weight_strain.max(TUNING.models.ridge_weight_strain)
-        } else {
-            self.options.max_weight_strain
-        };
-        let enough = weight / sag;
+        let strain = self.options.max_weight_strain;
+        let strain = if ridges { strain.max(TUNING.models.ridge_weight_strain) } else { strain };
+        let sufficient = weight / strain;
         let softest = fabric.stretch_warp().min(fabric.stretch_weft());
-        let scale = if self.options.full_fidelity { 1.0 } else { (enough / softest).min(1.0) };
+        let scale = if self.options.full_fidelity { 1.0 } else { (sufficient / softest).min(1.0) };
         let stretch = [fabric.stretch_warp() * scale, fabric.stretch_weft() * scale, fabric.shear()];
-        let kept = if scale < 1.0 {
+        let instead = if scale < 1.0 {
             format!("instead of {:.0}", fabric.stretch_warp())
         } else {
             "the fabric's own".into()
         };
         let why = format!(
-            "{:.0} N/m, {kept}: own weight over {:.2} m stretches it {:.2} % at most{}",
+            "{:.0} N/m, {instead}: own weight over {:.2} m stretches it {:.2} % at most{}",
             stretch[0],
             size,
             100.0 * weight / stretch[0].min(stretch[1]),
-            if ridges { ", as ridges finer than the mesh ask for" } else { "" }
+            if ridges { ", as ridges finer than the mesh need" } else { "" }
         );
         decisions.push(ModelDecision { name: "stretch", on: true, why });
         stretch
@@ -160,19 +142,19 @@ impl PlannedScene<'_> {
         let why =
             format!("bending length {:.1} mm against elements of {:.1} mm", 1e3 * length, 1e3 * element);
         decisions.push(ModelDecision { name: "bending", on: true, why });
-        let wanted = TUNING.models.free_wrinkle_edge * length;
-        let fine = element <= wanted;
+        let needed = TUNING.models.free_wrinkle_edge * length;
+        let fine = element <= needed;
         let why = format!(
-            "{:.1} mm; free wrinkles ask for {:.1} mm (a quarter of the bending length){}",
+            "{:.1} mm; free wrinkles need {:.1} mm (a quarter of the bending length){}",
             1e3 * element,
-            1e3 * wanted,
-            if fine { "" } else { ": the narrower ones are left to creases of the script" }
+            1e3 * needed,
+            if fine { "" } else { ": narrower ones come from creases of the script only" }
         );
         decisions.push(ModelDecision { name: "elements", on: fine, why });
     }
 
-    /// Sharpest fold that the script makes by itself [degrees], and whether it presses or crumples.
-    fn sharpest(&self) -> (f64, bool) {
+    /// Largest fold angle that the script names [degrees], and whether the script presses or crumples.
+    fn sharpest_fold(&self) -> (f64, bool) {
         self.actions.iter().fold((0.0, false), |(fold, pressed), action| match action {
             Action::Fold(action) => (action.angle_deg.abs().max(fold), pressed),
             Action::Bend(action) => (action.angle_deg.abs().max(fold), pressed),
@@ -182,7 +164,7 @@ impl PlannedScene<'_> {
     }
 
     fn memory(&self, on: bool) -> ModelDecision {
-        let (fold, pressed) = self.sharpest();
+        let (fold, pressed) = self.sharpest_fold();
         let memory = &self.fabric.memory;
         let [gradual, critical] =
             [memory.gradual_threshold(), memory.critical_threshold()].map(f64::to_degrees);
@@ -199,7 +181,7 @@ impl PlannedScene<'_> {
         ModelDecision { name: "memory", on, why }
     }
 
-    /// Whether layers can meet, and the distance within which they push apart [m].
+    /// Whether layers can meet, and the activation distance of their contact [m].
     fn self_contact(&self, decisions: &mut Vec<ModelDecision>) -> (bool, f64) {
         let element = self.garment.mean_edge();
         let distance = self.fabric.thickness().min(TUNING.models.max_contact_edge_fraction * element);
@@ -231,21 +213,15 @@ impl PlannedScene<'_> {
         let fabric = self.fabric;
         let degrees = |coefficient: f64| coefficient.atan().to_degrees();
         let on = fabric.friction > 0.0 || fabric.friction_ground > 0.0;
-        let where_to = if layers_meet { "layers and the ground" } else { "the ground" };
+        let surfaces = if layers_meet { "layers and the ground" } else { "the ground" };
         let why = format!(
-            "coefficient {} on cloth, {} on the ground: holds slopes up to {:.0} and {:.0} degrees, and {where_to} are met",
+            "coefficient {} on cloth, {} on the ground: holds slopes up to {:.0} and {:.0} degrees, and {surfaces} are met",
             fabric.friction,
             fabric.friction_ground,
             degrees(fabric.friction),
             degrees(fabric.friction_ground)
         );
         ModelDecision { name: "friction", on, why }
-    }
-
-    /// Friction between fibres in bending: never on.
-    fn hysteresis(&self) -> ModelDecision {
-        let why = "alone it leaves 1 to 5 degrees of a fold of 180, critical memory 60 and more".into();
-        ModelDecision { name: "hysteresis", on: false, why }
     }
 
     /// Stiffness of contact per area [N/m³].
@@ -256,7 +232,7 @@ impl PlannedScene<'_> {
             .map(|a| if let Action::Press(press) = a { press.pressure_pa } else { 0.0 })
             .fold(0.0, f64::max);
         let load = pressed + TUNING.models.expected_layers * self.fabric.area_density() * GRAVITY;
-        // Layers must also hold against what the membrane can push: no softer than it is, point for point.
+        // Layers must also resist the forces of the membrane: contact is at least as stiff, point for point.
         let material = &self.garment.material;
         let area: f64 = material.iter().map(|m| 0.5 * (m[1] - m[0]).perp(&(m[2] - m[0])).abs()).sum();
         let area_per_point = area / self.garment.points.len().max(1) as f64;
@@ -265,7 +241,7 @@ impl PlannedScene<'_> {
     }
 }
 
-/// How time is stepped.
+/// Decisions on the time steps.
 fn steps(options: &BakeOptions) -> [ModelDecision; 3] {
     let step = options.effective_step();
     let method = ModelDecision { name: "method", on: true, why: step.method.description().into() };
@@ -282,10 +258,10 @@ fn steps(options: &BakeOptions) -> [ModelDecision; 3] {
     };
     let adaptive = ModelDecision { name: "steps by error", on: by_error, why };
     let sleeping = ModelDecision {
-        name: "sleeping",
+        name: "local Newton",
         on: !options.full_fidelity,
         why: format!(
-            "after a step's first solve only places with more than {:.1} micrometres of lift to gain are solved for",
+            "after the first global iteration of a step only points above the energy tolerance, {:.1} micrometres of lift, are solved for",
             1e6 * options.effective_energy_tol()
         ),
     };
@@ -333,23 +309,18 @@ mod tests {
         }
     }
 
-    fn plan(garment: &Garment, script: &str, everything: bool) -> ModelPlan {
+    fn plan(garment: &Garment, script: &str, full_fidelity: bool) -> ModelPlan {
         let fabric = Fabric::preset(DEFAULT_FABRIC).expect("exists");
         let text = format!(r#"{{"format": "crease-wear/1", "name": "", "actions": [{script}]}}"#);
         let script = WearScript::parse("wear.json", &text).expect("is a script");
-        ModelPlan::new(
-            garment,
-            &fabric,
-            &script,
-            &BakeOptions { full_fidelity: everything, ..BakeOptions::default() },
-        )
+        ModelPlan::new(garment, &fabric, &script, &BakeOptions { full_fidelity, ..BakeOptions::default() })
     }
 
     const FOLD: &str = r#"{"fold": {"line": [[0.5, 0.0], [0.5, 1.0]], "side": "left", "angle": 180, "over": 2.0, "hold": 5.0}}"#;
     const SETTLE: &str = r#"{"settle": {"for": 3.0}}"#;
 
     #[test]
-    fn layers_are_modelled_only_where_they_can_meet() {
+    fn self_contact_is_modelled_only_where_layers_can_meet() {
         assert!(!plan(&squares(1), SETTLE, false).layers_meet);
         assert!(plan(&squares(1), FOLD, false).layers_meet);
         assert!(plan(&squares(2), SETTLE, false).layers_meet);
@@ -357,7 +328,7 @@ mod tests {
     }
 
     #[test]
-    fn stretch_is_as_soft_as_sag_allows_and_full_with_everything() {
+    fn stretch_is_as_soft_as_allowed_and_full_with_full_fidelity() {
         let fabric = Fabric::preset(DEFAULT_FABRIC).expect("exists");
         let soft = plan(&squares(1), FOLD, false).stretch;
         let weight = fabric.area_density() * GRAVITY * 0.1;
@@ -368,7 +339,7 @@ mod tests {
     }
 
     #[test]
-    fn every_choice_has_a_reason_and_most_a_number() {
+    fn every_decision_has_a_reason_and_nearly_all_a_number() {
         let plan = plan(&squares(1), FOLD, false);
         assert!(plan.decisions.iter().all(|c| !c.why.is_empty()));
         let numbers = plan.decisions.iter().filter(|c| c.why.contains(|d: char| d.is_ascii_digit())).count();

@@ -1,16 +1,22 @@
-//! How finely a bake is made: three points on the front of `crease chart accuracy` (docs/validation/accuracy.md says what error each
-//! leaves, and how they were chosen).
+//! Quality of a bake: three points on the Pareto front of `crease chart accuracy`. `docs/validation/accuracy.md` has their
+//! errors and the reasons for the choice.
 
 use crate::sim::{Method, NewtonOptions, StepOptions, StepRelaxation};
 
-/// A point between speed and accuracy.
+/// Compromise between speed and accuracy.
+///
+/// ```
+/// use crease::Quality;
+/// assert_eq!(Quality::from_name("draft"), Some(Quality::Draft));
+/// assert!(Quality::Reference.energy_tol() < Quality::Standard.energy_tol());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quality {
-    /// To see whether a script does what was meant.
+    /// Fast preview of a script.
     Draft,
-    /// The knee of the front: what a bake does unless told otherwise.
+    /// The knee of the Pareto front: the default.
     Standard,
-    /// To compare others with.
+    /// Slow reference for comparisons.
     Reference,
 }
 
@@ -18,7 +24,7 @@ impl Quality {
     /// Every quality, from fast to accurate.
     pub const ALL: [Self; 3] = [Self::Draft, Self::Standard, Self::Reference];
 
-    /// Its name on the command line.
+    /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Draft => "draft",
@@ -32,17 +38,17 @@ impl Quality {
         Self::ALL.into_iter().find(|quality| quality.name() == name)
     }
 
-    /// What it is, in one line.
+    /// Description in one line.
     pub fn description(self) -> &'static str {
         match self {
-            Self::Draft => "to see whether the script does what was meant",
-            Self::Standard => "the knee between speed and accuracy",
-            Self::Reference => "to compare others with",
+            Self::Draft => "fast preview of the script",
+            Self::Standard => "the best compromise between speed and accuracy",
+            Self::Reference => "slow reference for comparisons",
         }
     }
 
-    /// How steps are made.
-    pub fn step(self) -> StepOptions {
+    /// Options of the time steps.
+    pub fn step_options(self) -> StepOptions {
         let standard = StepOptions::default();
         match self {
             // Rejected steps cost more than coarse ones save: with looser errors and four iterations a bake took as many
@@ -66,16 +72,16 @@ impl Quality {
         }
     }
 
-    /// The same for cloth of so much `weight` [N], each step solved as far as this quality solves it.
-    pub fn step_for(self, weight: f64) -> StepOptions {
-        let step = self.step();
+    /// Options of the time steps of cloth of `weight` [N], with the energy tolerance of this quality.
+    pub fn step_options_for(self, weight: f64) -> StepOptions {
+        let step = self.step_options();
         StepOptions {
             newton: NewtonOptions { decrement_tol: self.energy_tol() * weight, ..step.newton },
             ..step
         }
     }
 
-    /// A step is converged, too, when what energy is left to gain would not lift the garment by this [m].
+    /// Energy tolerance of a step, as the height by which it would lift the garment [m].
     pub fn energy_tol(self) -> f64 {
         match self {
             Self::Draft | Self::Standard => 1e-5,
@@ -83,8 +89,8 @@ impl Quality {
         }
     }
 
-    /// Strain under the garment's own weight that a lower stretch stiffness than the fabric's may cost [-]. Softer
-    /// membranes take up as stretch what stiffer ones throw into wrinkles (docs/validation/accuracy.md has what that changes).
+    /// Strain under the garment's own weight up to which a lower stretch stiffness than the fabric's may be used [-]. Softer
+    /// membranes stretch where stiffer ones wrinkle (`docs/validation/accuracy.md` has the difference).
     pub fn max_weight_strain(self) -> f64 {
         match self {
             Self::Draft => 5e-3,
@@ -93,8 +99,8 @@ impl Quality {
         }
     }
 
-    /// Share of the time from event to event that the step after one may take [-]: a quarter still misses an eighth of
-    /// what cloth that is pressed for half a minute remembers, a tenth nothing that can be told (docs/validation/accuracy.md).
+    /// Step after a memory event as a fraction of the time to the next event [-]: a quarter misses an eighth of the memory of
+    /// cloth that is pressed for half a minute, a tenth nothing measurable (`docs/validation/accuracy.md`).
     pub fn event_dt_fraction(self) -> f64 {
         match self {
             Self::Draft => 0.25,

@@ -49,7 +49,7 @@ fn relax_with(
     contact: Contact,
     options: &RelaxOptions,
 ) -> RelaxResult {
-    let step = Quality::Standard.step_for(cloth.mass.iter().sum::<f64>() * GRAVITY);
+    let step = Quality::Standard.step_options_for(cloth.mass.iter().sum::<f64>() * GRAVITY);
     let mut stepper = Stepper::new(cloth, contact, step);
     relax_to_source_pose(garment, fabric, &mut stepper, rest, options)
 }

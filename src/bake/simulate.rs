@@ -60,7 +60,7 @@ pub(super) fn simulate(
     report.points = mesh.points.len();
     report.simulated = time;
     report.events = run.memory.events;
-    run.frames.show(&run.state.x, observer)?;
+    run.frames.show(&run.state.x, &mut |x| observer.frame(x))?;
     Ok(SimulationResult {
         positions: run.state.x,
         rest: run.memory.rest,

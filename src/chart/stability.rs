@@ -171,7 +171,7 @@ impl Map {
         let setting = match column {
             Column::Method(method) => fixed(method),
             Column::Default => {
-                let method = Quality::Standard.step().method;
+                let method = Quality::Standard.step_options().method;
                 Setting { quality: Some(Quality::Standard), ..fixed(method) }
             }
         };

@@ -110,7 +110,7 @@ fn stepper(garment: &Garment, fabric: &Fabric, pace: Pace) -> Stepper {
     let contact =
         Contact::new(settings, &garment.points, &garment.triangles, &garment.topology, cloth.area.clone());
     // Steps are solved as far as a bake of the default quality solves them.
-    let step = Quality::Standard.step_for(cloth.mass.iter().sum::<f64>() * GRAVITY);
+    let step = Quality::Standard.step_options_for(cloth.mass.iter().sum::<f64>() * GRAVITY);
     let options = match pace {
         Pace::Even => StepOptions { min_dt: STEP, max_dt: STEP, relaxation: StepRelaxation::OFF, ..step },
         Pace::Own => StepOptions { max_dt: STAYS / STEPS_OF_STAY, ..step },

@@ -55,7 +55,7 @@ impl Setting {
     fn options(&self, weight: f64) -> StepOptions {
         match self.quality {
             Some(quality) => {
-                let step = quality.step_for(weight);
+                let step = quality.step_options_for(weight);
                 let shortest = step.min_dt.min(self.step);
                 StepOptions { method: self.method, min_dt: shortest, max_dt: self.step, ..step }
             }

@@ -109,7 +109,7 @@ fn quality_parser() -> impl TypedValueParser<Value = Quality> {
 impl Arguments {
     /// Returns the time integrator.
     pub fn method(&self) -> Method {
-        self.method.unwrap_or(self.quality.step().method)
+        self.method.unwrap_or(self.quality.step_options().method)
     }
 
     fn memory_on(&self) -> bool {

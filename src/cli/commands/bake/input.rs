@@ -4,7 +4,7 @@ use crate::cli::args::refine::Refinement;
 use crate::cli::commands::bake::arguments::Arguments;
 use crate::cli::files::input;
 use crate::cli::files::mesh_file::MeshFile;
-use crease::bake::{ModelPlan, active_points};
+use crease::bake::{Bake, ModelPlan, active_points};
 use crease::body::AnimatedBody;
 use crease::fabric::Fabric;
 use crease::garment::{Garment, RestState, WornGarment};
@@ -59,7 +59,7 @@ impl BakeInput {
     /// Returns which models the bake uses, and why.
     pub fn plan(&self, arguments: &Arguments) -> ModelPlan {
         let options = arguments.options(self.body.as_ref());
-        ModelPlan::for_simulated_mesh(&self.mesh.garment, &self.fabric, &self.script, &options)
+        Bake::new(&self.mesh.garment, &self.fabric, &self.script).options(options).plan()
     }
 
     /// Writes the garment without wear to memory, so that errors of the writers are found before the bake.
