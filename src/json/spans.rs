@@ -1,39 +1,40 @@
-//! Where each part of a JSON text stands. serde_json has already accepted the text, so the scan only has to find
-//! its way; it never fails, and what it cannot follow it leaves without a place.
+//! Source locations of the parts of a JSON text. serde_json has already accepted the text, so the scan never fails; parts
+//! that it cannot follow have no location.
 
+use crate::json::quoted::quoted;
 use rustc_hash::FxHashSet;
 use std::fmt;
 
 /// One step of a path.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Segment {
-    /// Into the member of an object with this name.
+    /// Member of an object.
     Name(String),
-    /// Into the entry of a list, counted from 0.
+    /// Entry of a list, counted from 0.
     Entry(usize),
 }
 
-/// The way to a part of a JSON value; written `actions[2].fold.angle`.
+/// Path to a part of a JSON value; written `actions[2].fold.angle`.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Path(Vec<Segment>);
 
 impl Path {
-    /// The whole value.
+    /// Returns the path of the whole value.
     pub fn root() -> Self {
         Self::default()
     }
 
-    /// One step further, to a member.
+    /// Returns the path extended by a member.
     pub fn name(&self, name: impl Into<String>) -> Self {
         self.step(Segment::Name(name.into()))
     }
 
-    /// One step further, to an entry.
+    /// Returns the path extended by an entry.
     pub fn entry(&self, index: usize) -> Self {
         self.step(Segment::Entry(index))
     }
 
-    /// Whether the whole value is meant.
+    /// Returns whether this is the path of the whole value.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -52,13 +53,13 @@ impl Path {
         self.0.pop();
     }
 
-    pub(super) fn of_serde(path: &serde_path_to_error::Path) -> Self {
-        use serde_path_to_error::Segment as Theirs;
+    pub(super) fn from_serde(path: &serde_path_to_error::Path) -> Self {
+        use serde_path_to_error::Segment as SerdeSegment;
         let steps = path.iter().map_while(|segment| match segment {
-            Theirs::Seq { index } => Some(Segment::Entry(*index)),
-            Theirs::Map { key } => Some(Segment::Name(key.clone())),
-            Theirs::Enum { variant } => Some(Segment::Name(variant.clone())),
-            Theirs::Unknown => None,
+            SerdeSegment::Seq { index } => Some(Segment::Entry(*index)),
+            SerdeSegment::Map { key } => Some(Segment::Name(key.clone())),
+            SerdeSegment::Enum { variant } => Some(Segment::Name(variant.clone())),
+            SerdeSegment::Unknown => None,
         });
         Self(steps.collect())
     }
@@ -73,9 +74,9 @@ impl fmt::Display for Path {
                     if depth > 0 {
                         out.write_str(".")?;
                     }
-                    let quoted = crate::json::quoted(name);
+                    let name_quoted = quoted(name);
                     let plain = name.chars().all(|c| c.is_alphanumeric() || "_-".contains(c));
-                    out.write_str(if plain { quoted.trim_matches('`') } else { &quoted })?;
+                    out.write_str(if plain { name_quoted.trim_matches('`') } else { &name_quoted })?;
                 }
             }
         }
@@ -83,49 +84,57 @@ impl fmt::Display for Path {
     }
 }
 
-/// Byte offsets of a value, of its name where it is a member, and of what lies in it.
+/// Byte offsets of a value, of its name where it is a member, and of its parts.
 #[derive(Debug, Clone, Default)]
 struct Node {
-    value_at: usize,
-    name_at: Option<usize>,
+    value_start: usize,
+    name_start: Option<usize>,
     name: Option<String>,
-    inside: Vec<Node>,
+    children: Vec<Node>,
 }
 
-/// The places of every part of a text.
+/// Locations of all parts of a text.
 #[derive(Debug, Clone)]
-pub(super) struct Places {
+pub(super) struct Spans {
     text: String,
     root: Node,
-    twice: Vec<(usize, String)>,
+    duplicates: Vec<DuplicateKey>,
 }
 
-impl Places {
-    /// Of a text that serde_json accepts.
-    pub(super) fn of(text: &str) -> Self {
-        let mut scan = Scan { text, at: 0, twice: Vec::new() };
+/// Name that an object has more than once.
+#[derive(Debug, Clone)]
+struct DuplicateKey {
+    /// Byte offset of the later one.
+    start: usize,
+    name: String,
+}
+
+impl Spans {
+    /// Scans a text that serde_json accepts.
+    pub(super) fn scan(text: &str) -> Self {
+        let mut scan = Scan { text, at: 0, duplicates: Vec::new() };
         let root = scan.value();
-        Self { text: text.to_owned(), root, twice: scan.twice }
+        Self { text: text.to_owned(), root, duplicates: scan.duplicates }
     }
 
-    /// Names that an object has more than once: place of the later one, and the name, quoted.
+    /// Returns the names that an object has more than once: location of the later one, and the quoted name.
     pub(super) fn duplicate_keys(&self) -> impl Iterator<Item = (String, String)> {
-        self.twice.iter().map(|(at, name)| (self.spot(*at), crate::json::quoted(name)))
+        self.duplicates.iter().map(|key| (self.line_and_column(key.start), quoted(&key.name)))
     }
 
-    /// "line 3, column 14" of the value at `path`, or of its name; nothing where the text has no such value.
+    /// Returns "line 3, column 14" of the value at `path`, or of its name; `None` where the text has no such value.
     pub(super) fn find(&self, path: &Path, of_name: bool) -> Option<String> {
         let mut node = &self.root;
         for segment in &path.0 {
             node = match segment {
-                Segment::Entry(index) => node.inside.get(*index)?,
-                Segment::Name(name) => node.inside.iter().find(|n| n.name.as_ref() == Some(name))?,
+                Segment::Entry(index) => node.children.get(*index)?,
+                Segment::Name(name) => node.children.iter().find(|n| n.name.as_ref() == Some(name))?,
             };
         }
-        Some(self.spot(node.name_at.filter(|_| of_name).unwrap_or(node.value_at)))
+        Some(self.line_and_column(node.name_start.filter(|_| of_name).unwrap_or(node.value_start)))
     }
 
-    fn spot(&self, at: usize) -> String {
+    fn line_and_column(&self, at: usize) -> String {
         let before = self.text.get(..at).unwrap_or(&self.text);
         let line = before.matches('\n').count() + 1;
         let column = before.chars().rev().take_while(|c| *c != '\n').count() + 1;
@@ -133,8 +142,8 @@ impl Places {
     }
 }
 
-/// serde_json counts columns in bytes; people count characters.
-pub(super) fn line_and_column(text: &str, line: usize, column: usize) -> String {
+/// Returns line and column of a serde_json error, which counts columns in bytes, with the column in characters.
+pub(super) fn error_location(text: &str, line: usize, column: usize) -> String {
     let whole = text.split('\n').nth(line.saturating_sub(1)).unwrap_or("");
     let before = whole.as_bytes().get(..column.saturating_sub(1)).unwrap_or(whole.as_bytes());
     format!("line {}, column {}", line.max(1), String::from_utf8_lossy(before).chars().count() + 1)
@@ -143,7 +152,7 @@ pub(super) fn line_and_column(text: &str, line: usize, column: usize) -> String 
 struct Scan<'a> {
     text: &'a str,
     at: usize,
-    twice: Vec<(usize, String)>,
+    duplicates: Vec<DuplicateKey>,
 }
 
 impl Scan<'_> {
@@ -158,13 +167,13 @@ impl Scan<'_> {
         self.text.as_bytes().get(self.at).copied()
     }
 
-    /// As deep as serde_json's own limit of 128, which the text has passed.
+    /// Scans a value. Recursion is bounded by serde_json's limit of 128 levels, which the text has passed.
     fn value(&mut self) -> Node {
         let first = self.peek();
-        let mut node = Node { value_at: self.at, ..Node::default() };
+        let mut node = Node { value_start: self.at, ..Node::default() };
         match first {
-            Some(b'{') => node.inside = self.members(),
-            Some(b'[') => node.inside = self.entries(),
+            Some(b'{') => node.children = self.members(),
+            Some(b'[') => node.children = self.entries(),
             Some(b'"') => self.string(),
             _ => {
                 while !matches!(self.byte(), None | Some(b',' | b']' | b'}' | b' ' | b'\t' | b'\r' | b'\n')) {
@@ -210,17 +219,17 @@ impl Scan<'_> {
         let mut members = Vec::new();
         let mut names = FxHashSet::default();
         while self.peek() == Some(b'"') {
-            let name_at = self.at;
+            let name_start = self.at;
             self.string();
             let name: String =
-                serde_json::from_str(self.text.get(name_at..self.at).unwrap_or("")).unwrap_or_default();
+                serde_json::from_str(self.text.get(name_start..self.at).unwrap_or("")).unwrap_or_default();
             if !names.insert(name.clone()) {
-                self.twice.push((name_at, name.clone()));
+                self.duplicates.push(DuplicateKey { start: name_start, name: name.clone() });
             }
             if self.peek() == Some(b':') {
                 self.at += 1;
             }
-            members.push(Node { name_at: Some(name_at), name: Some(name), ..self.value() });
+            members.push(Node { name_start: Some(name_start), name: Some(name), ..self.value() });
             if self.peek() == Some(b',') {
                 self.at += 1;
             }
@@ -236,19 +245,19 @@ mod tests {
 
     #[test]
     fn values_and_names_are_found() {
-        let places = Places::of("{\"a\": [1, {\"b \\\" c\":\n  true}], \"d\" : 2}");
+        let spans = Spans::scan("{\"a\": [1, {\"b \\\" c\":\n  true}], \"d\" : 2}");
         let path = Path::root().name("a").entry(1).name("b \" c");
-        assert_eq!(places.find(&path, false).as_deref(), Some("line 2, column 3"));
-        assert_eq!(places.find(&path, true).as_deref(), Some("line 1, column 12"));
-        assert_eq!(places.find(&Path::root().name("d"), false).as_deref(), Some("line 2, column 17"));
-        assert_eq!(places.find(&Path::root().name("e"), false), None);
+        assert_eq!(spans.find(&path, false).as_deref(), Some("line 2, column 3"));
+        assert_eq!(spans.find(&path, true).as_deref(), Some("line 1, column 12"));
+        assert_eq!(spans.find(&Path::root().name("d"), false).as_deref(), Some("line 2, column 17"));
+        assert_eq!(spans.find(&Path::root().name("e"), false), None);
         assert_eq!(path.to_string(), "a[1].`b \" c`");
     }
 
     #[test]
     fn a_text_that_is_not_json_does_not_hang_or_panic() {
         for text in ["", "{", "[", "[,,", "{\"a", "{\"a\\", "\"\\", "[1 2]", "{\"a\" 1}", "}", "[}"] {
-            Places::of(text);
+            Spans::scan(text);
         }
     }
 }

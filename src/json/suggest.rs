@@ -1,10 +1,12 @@
-//! The allowed name a misspelt one was probably meant to be.
+//! Suggests the allowed name that a misspelt one was probably meant to be.
 
-/// The name of `allowed` closest to `given`, if it is close enough to be worth asking: one slip (a wrong, missing,
-/// extra or swapped letter) for names of up to four letters, about one in three letters for longer ones. Upper and lower case are equal.
+/// Longest part of a given name that is compared [characters]: the distance costs the product of the lengths.
+const MAX_COMPARED_CHARS: usize = 64;
+
+/// Returns the name of `allowed` closest to `given`, if it is close enough: one edit (a wrong, missing, extra or swapped
+/// letter) for names of up to four letters, about one per three letters for longer ones. Ignores case.
 pub fn nearest<'a>(given: &str, allowed: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    // Longer words are no misspelling of ours, and the distance costs the product of the lengths.
-    let given: String = given.chars().take(64).flat_map(char::to_lowercase).collect();
+    let given: String = given.chars().take(MAX_COMPARED_CHARS).flat_map(char::to_lowercase).collect();
     let limit = ((given.chars().count() + 1) / 3).max(1);
     allowed
         .into_iter()
@@ -19,7 +21,7 @@ mod tests {
     use super::nearest;
 
     #[test]
-    fn slips_are_understood_and_strangers_are_not() {
+    fn misspelt_names_are_recognised_and_others_are_not() {
         let names = ["fold", "unfold", "hold", "crumple", "denim"];
         assert_eq!(nearest("fodl", names), Some("fold"));
         assert_eq!(nearest("Crumpel", names), Some("crumple"));

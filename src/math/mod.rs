@@ -1,22 +1,8 @@
-//! Aliases and small pieces of algebra that the floors above share.
+//! Vector aliases and small numerical tools used by all other folders.
 
 mod rng;
 pub mod serde_vec;
+mod vector;
 
 pub use rng::Rng;
-
-/// Point or vector in space [m].
-pub type Vec3 = nalgebra::Vector3<f64>;
-/// Point or vector in the material plane [m], or a texture coordinate [-].
-pub type Vec2 = nalgebra::Vector2<f64>;
-/// 3 x 3 matrix.
-pub type Mat3 = nalgebra::Matrix3<f64>;
-/// 4 x 4 affine transform (column vectors).
-pub type Mat4 = nalgebra::Matrix4<f64>;
-
-/// Lowest and highest corner of the box around points [m].
-pub fn bounds(x: &[Vec3]) -> (Vec3, Vec3) {
-    x.iter().fold((Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)), |(low, high), p| {
-        (low.inf(p), high.sup(p))
-    })
-}
+pub use vector::{Mat3, Mat4, Vec2, Vec3, bounds};

@@ -1,18 +1,18 @@
-//! Vectors and matrices as plain lists of numbers, for files that are written through serde (checkpoints):
-//! `#[serde(with = "crate::math::serde_vec::vector")]` on a field. JSON keeps every finite number bit for bit and refuses
-//! those that are not finite when it is read back.
+//! Vectors and matrices as plain lists of numbers, for files written through serde (checkpoints):
+//! `#[serde(with = "crate::math::serde_vec::vector")]` on a field. JSON keeps every finite number bit for bit; numbers
+//! that are not finite are refused when they are read back.
 
-/// One vector as `[x, y, z]`.
+/// A vector as `[x, y, z]`.
 pub mod vector {
     use crate::math::Vec3;
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-    /// Writes it.
+    /// Writes a vector.
     pub fn serialize<S: Serializer>(v: &Vec3, out: S) -> Result<S::Ok, S::Error> {
         [v.x, v.y, v.z].serialize(out)
     }
 
-    /// Reads it.
+    /// Reads a vector.
     pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Vec3, D::Error> {
         <[f64; 3]>::deserialize(from).map(Vec3::from)
     }
@@ -23,12 +23,12 @@ pub mod vectors {
     use crate::math::Vec3;
     use serde::{Deserialize, Deserializer, Serializer};
 
-    /// Writes it.
+    /// Writes a list of vectors.
     pub fn serialize<S: Serializer>(list: &[Vec3], out: S) -> Result<S::Ok, S::Error> {
         out.collect_seq(list.iter().map(|v| [v.x, v.y, v.z]))
     }
 
-    /// Reads it.
+    /// Reads a list of vectors.
     pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Vec3>, D::Error> {
         Ok(Vec::<[f64; 3]>::deserialize(from)?.into_iter().map(Vec3::from).collect())
     }
@@ -39,27 +39,27 @@ pub mod matrix {
     use crate::math::Mat3;
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-    /// Writes it.
+    /// Writes a matrix.
     pub fn serialize<S: Serializer>(m: &Mat3, out: S) -> Result<S::Ok, S::Error> {
         [0, 1, 2].map(|r| [m[(r, 0)], m[(r, 1)], m[(r, 2)]]).serialize(out)
     }
 
-    /// Reads it.
+    /// Reads a matrix.
     pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Mat3, D::Error> {
         <[[f64; 3]; 3]>::deserialize(from).map(|rows| Mat3::from_fn(|r, c| rows[r][c]))
     }
 }
 
-/// A number that may be infinite (no limit), as nothing.
+/// A limit that may be infinite, written as null then.
 pub mod limit {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-    /// Writes it.
+    /// Writes a limit.
     pub fn serialize<S: Serializer>(x: &f64, out: S) -> Result<S::Ok, S::Error> {
         Some(*x).filter(|x| *x < f64::INFINITY).serialize(out)
     }
 
-    /// Reads it.
+    /// Reads a limit.
     pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
         Ok(Option::deserialize(from)?.unwrap_or(f64::INFINITY))
     }

@@ -1,44 +1,45 @@
-//! Checks a value against a derived JSON Schema and says in words what does not suit.
+//! Validates a value against a derived JSON Schema and reports violations in words.
 //!
-//! Understands what schemars writes for the types of this crate: `$ref`, `type`, `properties`, `required`,
+//! Understands the keywords that schemars writes for the types of this crate: `$ref`, `type`, `properties`, `required`,
 //! `additionalProperties: false`, `items`, item and number limits, `const`, `enum`, and `oneOf` / `anyOf` as unit
-//! enums, as externally tagged enums (`{"fold": {...}}`) and as options. Other words of the language are ignored:
-//! serde still has the last say.
+//! enums, as externally tagged enums (`{"fold": {...}}`) and as options. Other keywords are ignored: serde decides last.
 
 use crate::error::Diagnostic;
-use crate::json::{Document, FAULT_LIMIT, Path, Segment, nearest, quoted};
+use crate::json::document::{Document, MAX_DIAGNOSTICS};
+use crate::json::quoted::quoted;
+use crate::json::spans::{Path, Segment};
+use crate::json::suggest::nearest;
 use serde_json::Value;
 
-/// References followed one after the other before a schema is taken to go in circles.
-const REFERENCE_LIMIT: usize = 16;
+/// Consecutive references after which a schema is taken to be cyclic.
+const MAX_REFERENCES: usize = 16;
 
-pub(super) fn faults(document: &Document, schema: &Value) -> Vec<Diagnostic> {
+/// Returns all violations of `schema`, in file order; beyond [`MAX_DIAGNOSTICS`] they are counted.
+pub(super) fn diagnostics(document: &Document, schema: &Value) -> Vec<Diagnostic> {
     let mut check = Check::new(document, schema, Path::root());
-    check.value(schema, &document.value);
-    let Check { mut faults, left_out, .. } = check;
-    if left_out > 0 {
-        faults.push(document.diagnostic(
-            &Path::root(),
-            format!("and {left_out} more faults"),
-            "mend these first",
-        ));
+    check.value(schema, document.value());
+    let Check { mut diagnostics, omitted, .. } = check;
+    if omitted > 0 {
+        let message = format!("and {omitted} more errors");
+        diagnostics.push(document.diagnostic(&Path::root(), message, "correct these first"));
     }
-    faults
+    diagnostics
 }
 
+/// State of a validation.
 struct Check<'a> {
     document: &'a Document,
     root: &'a Value,
     path: Path,
-    faults: Vec<Diagnostic>,
-    left_out: usize,
-    /// What the list around a value is for: entries seldom say it themselves.
+    diagnostics: Vec<Diagnostic>,
+    omitted: usize,
+    /// Description of the list around a value: entries seldom have their own.
     list_purpose: String,
 }
 
 impl<'a> Check<'a> {
     fn new(document: &'a Document, root: &'a Value, path: Path) -> Self {
-        Self { document, root, path, faults: Vec::new(), left_out: 0, list_purpose: String::new() }
+        Self { document, root, path, diagnostics: Vec::new(), omitted: 0, list_purpose: String::new() }
     }
 
     fn value(&mut self, schema: &'a Value, value: &Value) {
@@ -49,7 +50,7 @@ impl<'a> Check<'a> {
         if let Some(words) = words(resolved) {
             return self.word(schema, &words, value);
         }
-        if !suits_type(resolved, value) {
+        if !matches_type(resolved, value) {
             return self.unexpected(schema, value);
         }
         match value {
@@ -69,12 +70,12 @@ impl<'a> Check<'a> {
 
     fn list(&mut self, schema: &'a Value, resolved: &'a Value, entries: &[Value]) {
         let count = entries.len() as u64;
-        let too_few = limit(resolved, "minItems").is_some_and(|least| count < least);
-        let too_many = limit(resolved, "maxItems").is_some_and(|most| count > most);
+        let too_few = limit(resolved, "minItems").is_some_and(|min| count < min);
+        let too_many = limit(resolved, "maxItems").is_some_and(|max| count > max);
         if too_few || too_many {
             let noun = if count == 1 { "entry" } else { "entries" };
-            let what = format!("has {count} {noun}, expected {}", self.expected(schema));
-            return self.fault(what, self.purpose(schema));
+            let message = format!("has {count} {noun}, expected {}", self.expected(schema));
+            return self.report(message, self.purpose(schema));
         }
         let Some(items) = resolved.get("items") else { return };
         let purpose = self.purpose(schema);
@@ -101,22 +102,22 @@ impl<'a> Check<'a> {
         let required = resolved.get("required").and_then(Value::as_array).into_iter().flatten();
         for name in required.filter_map(Value::as_str).filter(|name| !members.contains_key(*name)) {
             let schema = properties.and_then(|p| p.get(name)).unwrap_or(&Value::Null);
-            let what = format!("`{name}` is missing: {}", self.expected(schema));
-            self.fault(what, self.purpose(schema));
+            let message = format!("`{name}` is missing: {}", self.expected(schema));
+            self.report(message, self.purpose(schema));
         }
     }
 
     fn unknown_name(&mut self, name: &str, allowed: Vec<&str>) {
         let list = allowed.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
-        let what = format!("unknown name {}", quoted(name));
-        let cure = match nearest(name, allowed.iter().copied()) {
+        let message = format!("unknown name {}", quoted(name));
+        let help = match nearest(name, allowed.iter().copied()) {
             Some(meant) => format!("did you mean `{meant}`? allowed here: {list}"),
             None if allowed.is_empty() => "nothing is allowed here: write {}".to_owned(),
             None => format!("allowed here: {list}"),
         };
         self.within(Segment::Name(name.to_owned()), |check| {
-            let fault = check.document.diagnostic_of_name(&check.path, what, cure);
-            check.add(fault);
+            let diagnostic = check.document.diagnostic_of_name(&check.path, message, help);
+            check.add(diagnostic);
         });
     }
 
@@ -124,10 +125,10 @@ impl<'a> Check<'a> {
         match value.as_str() {
             Some(word) if words.contains(&word) => {}
             Some(word) => {
-                let what = format!("is {}, expected {}", quoted(word), self.expected(schema));
-                let cure =
+                let message = format!("is {}, expected {}", quoted(word), self.expected(schema));
+                let help =
                     nearest(word, words.iter().copied()).map(|meant| format!("did you mean `{meant}`?"));
-                self.fault(what, cure.unwrap_or_else(|| self.purpose(schema)));
+                self.report(message, help.unwrap_or_else(|| self.purpose(schema)));
             }
             None => self.unexpected(schema, value),
         }
@@ -140,26 +141,26 @@ impl<'a> Check<'a> {
         if let Some(words) = branches.iter().map(constant).collect::<Option<Vec<_>>>() {
             return self.word(schema, &words, value);
         }
-        if branches.iter().any(|branch| self.suits(branch, value)) {
+        if branches.iter().any(|branch| self.is_valid(branch, value)) {
             return;
         }
-        let same_kind = branches.iter().find(|branch| self.suits_kind(branch, value));
+        let same_kind = branches.iter().find(|branch| self.matches_kind(branch, value));
         match same_kind {
             Some(branch) => self.value(branch, value),
             None => self.unexpected(schema, value),
         }
     }
 
-    /// An enum written `{"fold": {...}}`: exactly one member, whose name says which.
+    /// Checks an enum written `{"fold": {...}}`: exactly one member, whose name is the variant.
     fn tagged(&mut self, tags: &[(&'a str, &'a Value)], value: &Value) {
         let allowed: Vec<&str> = tags.iter().map(|(name, _)| *name).collect();
         let Some(members) = value.as_object().filter(|members| members.len() == 1) else {
             let list = allowed.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
-            let what = match value {
+            let message = match value {
                 Value::Object(members) => format!("has {} names, expected exactly one", members.len()),
                 other => format!("is {}, expected an object with exactly one name", shown(other)),
             };
-            return self.fault(what, format!("write {{\"NAME\": {{...}}}} with one of {list}"));
+            return self.report(message, format!("write {{\"NAME\": {{...}}}} with one of {list}"));
         };
         for (name, member) in members {
             match tags.iter().find(|(tag, _)| tag == name) {
@@ -171,48 +172,48 @@ impl<'a> Check<'a> {
         }
     }
 
-    fn suits(&self, schema: &'a Value, value: &Value) -> bool {
+    fn is_valid(&self, schema: &'a Value, value: &Value) -> bool {
         let mut trial = Check::new(self.document, self.root, self.path.clone());
         trial.value(schema, value);
-        trial.faults.is_empty()
+        trial.diagnostics.is_empty()
     }
 
-    /// Whether `value` is at least the kind of thing (text, list, ...) that `schema` asks for.
-    fn suits_kind(&self, schema: &'a Value, value: &Value) -> bool {
+    /// Returns whether `value` has the type (text, list, ...) that `schema` asks for.
+    fn matches_kind(&self, schema: &'a Value, value: &Value) -> bool {
         let resolved = self.resolve(schema);
         match branches(resolved) {
-            Some(branches) => branches.iter().any(|branch| self.suits_kind(branch, value)),
-            None => suits_type(resolved, value),
+            Some(branches) => branches.iter().any(|branch| self.matches_kind(branch, value)),
+            None => matches_type(resolved, value),
         }
     }
 
     fn unexpected(&mut self, schema: &'a Value, value: &Value) {
-        let what = format!("is {}, expected {}", shown(value), self.expected(schema));
-        self.fault(what, self.purpose(schema));
+        let message = format!("is {}, expected {}", shown(value), self.expected(schema));
+        self.report(message, self.purpose(schema));
     }
 
-    fn fault(&mut self, what: String, cure: String) {
-        let fault = self.document.diagnostic(&self.path, what, cure);
-        self.add(fault);
+    fn report(&mut self, message: String, help: String) {
+        let diagnostic = self.document.diagnostic(&self.path, message, help);
+        self.add(diagnostic);
     }
 
-    fn add(&mut self, fault: Diagnostic) {
-        if self.faults.len() < FAULT_LIMIT {
-            self.faults.push(fault);
+    fn add(&mut self, diagnostic: Diagnostic) {
+        if self.diagnostics.len() < MAX_DIAGNOSTICS {
+            self.diagnostics.push(diagnostic);
         } else {
-            self.left_out += 1;
+            self.omitted += 1;
         }
     }
 
-    fn within(&mut self, segment: Segment, look: impl FnOnce(&mut Self)) {
+    fn within(&mut self, segment: Segment, visit: impl FnOnce(&mut Self)) {
         self.path.push(segment);
-        look(self);
+        visit(self);
         self.path.pop();
     }
 
     fn resolve(&self, schema: &'a Value) -> &'a Value {
         let mut at = schema;
-        for _ in 0..REFERENCE_LIMIT {
+        for _ in 0..MAX_REFERENCES {
             let Some(reference) = at.get("$ref").and_then(Value::as_str) else { break };
             match reference.strip_prefix('#').and_then(|pointer| self.root.pointer(pointer)) {
                 Some(target) => at = target,
@@ -222,7 +223,7 @@ impl<'a> Check<'a> {
         at
     }
 
-    /// The first sentence of what a value is for.
+    /// Returns the first sentence of the description of a value.
     fn purpose(&self, schema: &'a Value) -> String {
         let described = schema.get("description").or_else(|| self.resolve(schema).get("description"));
         let Some(text) = described.and_then(Value::as_str) else { return self.list_purpose.clone() };
@@ -233,7 +234,7 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// What `schema` asks for, in words.
+    /// Describes in words the values that `schema` allows.
     fn expected(&self, schema: &'a Value) -> String {
         let resolved = self.resolve(schema);
         if let Some(branches) = branches(resolved) {
@@ -262,8 +263,8 @@ impl<'a> Check<'a> {
     }
 
     fn expected_list(&self, resolved: &'a Value) -> String {
-        let (least, most) = (limit(resolved, "minItems"), limit(resolved, "maxItems"));
-        let count = match (least, most) {
+        let (min, max) = (limit(resolved, "minItems"), limit(resolved, "maxItems"));
+        let count = match (min, max) {
             (Some(a), Some(b)) if a == b => format!(" of {a}"),
             (Some(1), None) => " of at least one".to_owned(),
             _ => " of".to_owned(),
@@ -285,7 +286,7 @@ fn branches(schema: &Value) -> Option<&[Value]> {
     list.as_array().map(Vec::as_slice)
 }
 
-/// Name and schema of each branch, if every branch is an object with exactly one required member.
+/// Returns name and schema of each branch, if every branch is an object with exactly one required member.
 fn tags(branches: &[Value]) -> Option<Vec<(&str, &Value)>> {
     branches
         .iter()
@@ -317,11 +318,11 @@ fn is_null(schema: &Value) -> bool {
     schema.get("type").and_then(Value::as_str) == Some("null")
 }
 
-fn suits_type(schema: &Value, value: &Value) -> bool {
-    let mut any = false;
+fn matches_type(schema: &Value, value: &Value) -> bool {
+    let mut has_kinds = false;
     for kind in kinds(schema) {
-        any = true;
-        let suits = match kind {
+        has_kinds = true;
+        let matches = match kind {
             "null" => value.is_null(),
             "boolean" => value.is_boolean(),
             "integer" => value.is_u64() || value.is_i64(),
@@ -331,19 +332,19 @@ fn suits_type(schema: &Value, value: &Value) -> bool {
             "object" => value.is_object(),
             _ => true,
         };
-        if suits {
+        if matches {
             return true;
         }
     }
-    !any
+    !has_kinds
 }
 
 fn in_range(schema: &Value, x: f64) -> bool {
     let of = |name: &str| schema.get(name).and_then(Value::as_f64);
-    of("minimum").is_none_or(|least| x >= least)
-        && of("maximum").is_none_or(|most| x <= most)
-        && of("exclusiveMinimum").is_none_or(|least| x > least)
-        && of("exclusiveMaximum").is_none_or(|most| x < most)
+    of("minimum").is_none_or(|min| x >= min)
+        && of("maximum").is_none_or(|max| x <= max)
+        && of("exclusiveMinimum").is_none_or(|min| x > min)
+        && of("exclusiveMaximum").is_none_or(|max| x < max)
 }
 
 fn range_in_words(schema: &Value) -> String {
@@ -353,9 +354,9 @@ fn range_in_words(schema: &Value) -> String {
     match (of("minimum"), of("maximum"), low, high) {
         (Some(a), Some(b), None, None) => format!(" from {a} to {b}"),
         (Some(a), None, None, None) => format!(" of at least {a}"),
-        (least, most, low, high) => {
-            let low = low.or_else(|| least.map(|x| format!("at least {x}")));
-            let high = high.or_else(|| most.map(|x| format!("at most {x}")));
+        (min, max, low, high) => {
+            let low = low.or_else(|| min.map(|x| format!("at least {x}")));
+            let high = high.or_else(|| max.map(|x| format!("at most {x}")));
             match (low, high) {
                 (Some(low), Some(high)) => format!(" {low} and {high}"),
                 (Some(one), None) | (None, Some(one)) => format!(" {one}"),
