@@ -75,7 +75,7 @@ fn made_memory(sheet: &GarmentSurface) -> RestState {
 fn folds_survive_finer_and_coarser_tessellations_and_the_way_back() {
     // Other tessellations of the same T-shirt, made with `generate_garments -- --tshirt-edge MM`: TWO PATHS, comma between.
     let others = std::env::var("CREASE_TESSELLATIONS").unwrap_or_default();
-    let (first, second) = others.split_once(',').unwrap_or(("tshirt-draft.glb", "tshirt.glb"));
+    let (first, second) = others.split_once(',').unwrap_or(("tshirt-2k.glb", "tshirt-14k.glb"));
     let sheets = [first, second].map(|name| {
         let (asset, garment) = load(name);
         GarmentSurface::from_garment(&garment, &asset)
@@ -115,7 +115,7 @@ fn folds_survive_finer_and_coarser_tessellations_and_the_way_back() {
 /// much of it across each fold.
 #[test]
 fn what_a_graded_mesh_remembers_comes_back_to_the_whole() {
-    let (_, garment) = load("tshirt.glb");
+    let (_, garment) = load("tshirt-14k.glb");
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("garments/wear/fold-thrice.json");
     let text = std::fs::read_to_string(path).expect("a script of the repository");
     let script = WearScript::parse("fold-thrice.json", &text).expect("is a script");
@@ -157,7 +157,7 @@ fn what_a_graded_mesh_remembers_comes_back_to_the_whole() {
 /// Onto the same mesh nothing may change, not even the last bit; and what remembers nothing leaves nothing.
 #[test]
 fn the_same_mesh_keeps_every_bit_and_no_memory_changes_nothing() {
-    let (asset, garment) = load("tshirt-draft.glb");
+    let (asset, garment) = load("tshirt-2k.glb");
     let sheet = GarmentSurface::from_garment(&garment, &asset);
     let memory = made_memory(&sheet);
     let same = carry(&sheet, &memory, &sheet, MatchBy::Auto);
@@ -184,7 +184,7 @@ fn the_same_mesh_keeps_every_bit_and_no_memory_changes_nothing() {
 
 #[test]
 fn strength_mask_parts_layers_and_mirror_do_what_they_say() {
-    let (asset, garment) = load("tshirt-draft.glb");
+    let (asset, garment) = load("tshirt-2k.glb");
     let sheet = GarmentSurface::from_garment(&garment, &asset);
     let mut memory = made_memory(&sheet);
     memory.stiffness_ratio.iter_mut().for_each(|s| *s = 3.0);
@@ -244,7 +244,7 @@ fn strength_mask_parts_layers_and_mirror_do_what_they_say() {
 /// Cuts of others: the folds must lie where they were in the box, front on front and back on back.
 #[test]
 fn folds_land_where_they_were_on_garments_of_another_cut() {
-    let (asset, garment) = load("tshirt-draft.glb");
+    let (asset, garment) = load("tshirt-2k.glb");
     let sheet = GarmentSurface::from_garment(&garment, &asset);
     let Some(folder) = external("garments/diffavatar-tshirt") else { return };
     for name in ["tshirt.obj", "shirt_initial.obj"] {

@@ -2,8 +2,8 @@
 //! opened again, without and with memory, and what it remembers: rest angle and curvature beside each other.
 //!
 //! ```text
-//! crease bake garments/tshirt.glb --wear garments/wear/fold-thrice.json --memory off -o without.glb
-//! crease bake garments/tshirt.glb --wear garments/wear/fold-thrice.json -o with.glb
+//! crease bake garments/tshirt-14k.glb --wear garments/wear/fold-thrice.json --memory off -o without.glb
+//! crease bake garments/tshirt-14k.glb --wear garments/wear/fold-thrice.json -o with.glb
 //! cargo run --release --example folded_tshirt -- without.crease.json with.crease.json docs/figures/tshirt-figure.png
 //! ```
 

@@ -1,33 +1,38 @@
-//! What a picture shows, as plain data: panels with two axes, and series of points in them.
+//! Pictures as plain data: panels with two axes, and series of points in them.
+
+/// Index of grey in the palette, for backgrounds.
+pub const GREY: usize = 7;
+/// Index of black in the palette, for references of other origin.
+pub const BLACK: usize = 6;
 
 /// A picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
-    /// Over everything.
+    /// Title above all panels.
     pub title: String,
-    /// Beside one another from the left, three in a row.
+    /// Panels from left to right, three in a row.
     pub panels: Vec<Panel>,
 }
 
-/// Two axes and what is drawn between them.
+/// Two axes and the series between them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panel {
-    /// Over the panel; may be empty.
+    /// Title above the panel; may be empty.
     pub title: String,
-    /// To the right.
+    /// Horizontal axis.
     pub x: Axis,
-    /// Upwards.
+    /// Vertical axis.
     pub y: Axis,
-    /// In drawing order.
+    /// Series in drawing order.
     pub series: Vec<Series>,
 }
 
 /// An axis.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Axis {
-    /// What it shows, with the unit.
+    /// Quantity with its unit.
     pub label: String,
-    /// Decades instead of equal steps; values of 0 and below are left out.
+    /// Whether the scale is logarithmic; values of 0 and below are then left out.
     pub logarithmic: bool,
     /// Names at 0, 1, 2, ... instead of numbers.
     pub names: Vec<String>,
@@ -36,23 +41,24 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// An axis with equal steps that ends where the data end.
-    pub fn of(label: &str) -> Self {
+    /// An axis with a linear scale that ends where the data end.
+    pub fn linear(label: &str) -> Self {
         Self { label: label.to_owned(), ..Self::default() }
     }
 
-    /// The same with decades.
-    pub fn decades(label: &str) -> Self {
-        Self { logarithmic: true, ..Self::of(label) }
+    /// An axis with a logarithmic scale that ends where the data end.
+    pub fn log(label: &str) -> Self {
+        Self { logarithmic: true, ..Self::linear(label) }
     }
 
-    /// The same from `low` to `high`.
+    /// The same axis from `low` to `high`.
+    #[must_use]
     pub fn between(self, low: f64, high: f64) -> Self {
         Self { range: Some([low, high]), ..self }
     }
 }
 
-/// How a series is drawn.
+/// Mark of a series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mark {
     /// A line through the points.
@@ -63,27 +69,27 @@ pub enum Mark {
     Dots,
     /// A ring at every point.
     Rings,
-    /// A cross at every point: what failed, or where something happened.
+    /// A cross at every point: failures and events.
     Crosses,
     /// A thick bar from every even point to the next.
     Bars,
 }
 
-/// Points that belong together.
+/// Points with a common mark and colour.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// In the legend; series of the same name share an entry, an empty name has none.
+    /// Name in the legend; series of one name have a common entry, an empty name has none.
     pub name: String,
-    /// Number of its colour in the palette.
+    /// Index of the colour in the palette.
     pub colour: usize,
-    /// How it is drawn.
+    /// Mark of the points.
     pub mark: Mark,
-    /// In the units of the axes.
+    /// Points in the units of the axes.
     pub points: Vec<[f64; 2]>,
 }
 
 impl Series {
-    /// A series.
+    /// A series of `points`.
     pub fn new(name: &str, colour: usize, mark: Mark, points: Vec<[f64; 2]>) -> Self {
         Self { name: name.to_owned(), colour, mark, points }
     }

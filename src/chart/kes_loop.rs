@@ -1,14 +1,13 @@
-//! `crease chart loop`: moment over curvature of a strip bent to and fro, as on a KES-FB2 tester.
+//! `crease chart loop`: moment over curvature of a strip in cyclic bending, as on a KES-FB2 tester.
 //!
 //! A strip of 1 cm between two jaws is bent into circular arcs, 0 -> 2.5 -> -2.5 -> 0 per cm at 0.5 per cm and second,
-//! 20 s a cycle; its width only scales the moment. The mesh is laid on the arc, the memory stage is told every step,
-//! and the moment per width is read from the bending energy. B is the mean slope between 0.5 and 1.5 per cm of both
-//! sides, 2HB the width of the loop at 1 per cm. What a loop of this law shows is memory alone: the law knows no
-//! friction between yarns, so a fabric whose thresholds are not reached has a loop without area (`docs/theory/memory.md`).
+//! 20 s a cycle; the moment is proportional to its width. The mesh is placed on the arc, the memory is advanced with
+//! every step, and the moment per width follows from the bending energy. B is the mean slope between 0.5 and 1.5 per cm of both
+//! sides, 2HB the width of the loop at 1 per cm. The loop of this law is due to memory alone: the law has no
+//! friction between yarns, so the loop of a fabric whose thresholds are not reached has no area (`docs/theory/memory.md`).
 
-use crate::chart::draw::GREY;
-use crate::chart::test_sheet::Sheet;
-use crate::chart::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
+use crate::chart::test_sheet::TestSheet;
+use crate::chart::{Axis, Chart, ChartOptions, Figure, GREY, Mark, Panel, Series, Table};
 use crate::energy::Bending;
 use crate::error::Result;
 use crate::fabric::Fabric;
@@ -16,24 +15,28 @@ use crate::garment::{Garment, RestState};
 use crate::math::Vec3;
 use crate::memory::{Memory, Strains, MemoryModel};
 
-/// Length between the jaws, and width [m].
-const SPAN: (f64, f64) = (0.01, 0.02);
+/// Length between the jaws [m].
+const SPAN: f64 = 0.01;
+/// Width of the strip [m].
+const WIDTH: f64 = 0.02;
 /// Elements along the span.
 const ELEMENTS: usize = 4;
-/// Largest curvature [1/m] and how fast it changes [1/(m s)].
-const BENDING: (f64, f64) = (250.0, 50.0);
-/// Cycles.
+/// Largest curvature [1/m].
+const MAX_CURVATURE: f64 = 250.0;
+/// Rate of change of the curvature [1/(m s)].
+const CURVATURE_RATE: f64 = 50.0;
+/// Number of cycles.
 const CYCLES: usize = 3;
-/// Steps per second.
+/// Steps per second [1/s].
 const STEPS_PER_SECOND: usize = 20;
 /// 1 gf cm/cm in N.
 const GF_CM_PER_CM: f64 = 9.806_65e-3;
 /// 1 gf cm²/cm in N m.
 const GF_CM2_PER_CM: f64 = 98.0665e-6;
 
-/// A moment in the course of the test.
+/// State of the strip at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sample {
+pub struct LoopSample {
     /// Time [s].
     pub time: f64,
     /// Curvature of the strip [1/m].
@@ -47,28 +50,28 @@ pub struct Sample {
 }
 
 /// The strip between the jaws.
-struct Strip {
-    sheet: Sheet,
+struct JawStrip {
+    sheet: TestSheet,
     garment: Garment,
     bending: Bending,
 }
 
-impl Strip {
+impl JawStrip {
     fn of(fabric: &Fabric) -> Self {
-        // One element more at each end, held by the jaws, so that the span's ends are hinges like the others.
-        let step = SPAN.0 / ELEMENTS as f64;
+        // One element more at each end, inside the jaws, so that the ends of the span are hinges like the others.
+        let step = SPAN / ELEMENTS as f64;
         let lines: Vec<f64> = (0..=ELEMENTS + 1).map(|k| (k as f64 - 0.5) * step).collect();
-        let sheet = Sheet::strip(&lines, SPAN.1, (SPAN.1 / step).round() as usize);
+        let sheet = TestSheet::strip(&lines, WIDTH, (WIDTH / step).round() as usize);
         let garment = sheet.flat_garment();
         let bending = Bending::new(&garment, fabric);
         Self { sheet, garment, bending }
     }
 
-    /// Points on an arc of `curvature` [1/m].
+    /// Points of the strip on an arc of `curvature` [1/m].
     fn bent(&self, curvature: f64) -> Vec<Vec3> {
         let arc = |s: f64| {
-            // Chords as long as the elements: nothing stretches.
-            let step = SPAN.0 / ELEMENTS as f64;
+            // Chords as long as the elements: without stretch.
+            let step = SPAN / ELEMENTS as f64;
             let turn = curvature * step;
             let count = (s / step + 0.5).round() as i64;
             (0..count).fold((0.0, 0.0), |(x, y), k| {
@@ -79,7 +82,7 @@ impl Strip {
         self.sheet.flat.iter().map(|p| (arc(p.x), p.y)).map(|((x, y), w)| Vec3::new(x, -y, -w)).collect()
     }
 
-    /// Mean over the lines across of `value` per hinge; the strip's other hinges are flat.
+    /// Mean of `value` (one per hinge) over the lines across the strip; its other hinges are flat.
     fn mean_over_lines(&self, value: &[f64]) -> f64 {
         let mut sum = 0.0;
         for (hinge, value) in self.garment.topology.hinges.iter().zip(value) {
@@ -88,15 +91,15 @@ impl Strip {
                 sum += value * (a.z - b.z).abs();
             }
         }
-        sum / (SPAN.1 * ELEMENTS as f64)
+        sum / (WIDTH * ELEMENTS as f64)
     }
 }
 
-/// Curvature at a time [1/m].
+/// Curvature at `time` [s] [1/m].
 fn curvature(time: f64) -> f64 {
-    let quarter = BENDING.0 / BENDING.1;
+    let quarter = MAX_CURVATURE / CURVATURE_RATE;
     let phase = (time / quarter).rem_euclid(4.0);
-    BENDING.0
+    MAX_CURVATURE
         * match phase {
             p if p < 1.0 => p,
             p if p < 3.0 => 2.0 - p,
@@ -105,15 +108,15 @@ fn curvature(time: f64) -> f64 {
 }
 
 /// Bends a strip of `fabric`, `steps_per_second` steps a second, for `cycles` cycles.
-pub fn bend(fabric: &Fabric, cycles: usize, steps_per_second: usize) -> Vec<Sample> {
-    let strip = Strip::of(fabric);
+pub fn bend(fabric: &Fabric, cycles: usize, steps_per_second: usize) -> Vec<LoopSample> {
+    let strip = JawStrip::of(fabric);
     let law = MemoryModel::new(&strip.garment, fabric, strip.bending.width());
     let flat = strip.bending.angles(&strip.garment.points, &[]);
     let unstretched = vec![[1.0, 1.0, 0.0]; strip.garment.triangles.len()];
     let mut memory = Memory::new(RestState::new(flat.clone(), strip.garment.triangles.len()));
     let mut angle = flat;
-    let step = SPAN.0 / ELEMENTS as f64;
-    let period = 4.0 * BENDING.0 / BENDING.1;
+    let step = SPAN / ELEMENTS as f64;
+    let period = 4.0 * MAX_CURVATURE / CURVATURE_RATE;
     let count = (period * cycles as f64).round() as usize * steps_per_second;
     let mut samples = Vec::with_capacity(count + 1);
     for k in 0..=count {
@@ -127,12 +130,12 @@ pub fn bend(fabric: &Fabric, cycles: usize, steps_per_second: usize) -> Vec<Samp
         }
         angle = next;
         let torques = strip.bending.term(&memory.rest, &angle, f64::INFINITY).torques(&x);
-        // A line's torque is that of its hinges together; per width it is the moment.
+        // The torque of a line is the sum over its hinges; per width it is the moment.
         let lines: Vec<f64> = torques.iter().zip(&strip.garment.topology.hinges).map(|(t, h)| {
             let [a, b] = [h.points[0], h.points[1]].map(|p| strip.garment.points[p.at()]);
             t / (a - b).norm()
         }).collect();
-        samples.push(Sample {
+        samples.push(LoopSample {
             time,
             curvature: curvature(time),
             moment: strip.mean_over_lines(&lines),
@@ -143,9 +146,9 @@ pub fn bend(fabric: &Fabric, cycles: usize, steps_per_second: usize) -> Vec<Samp
     samples
 }
 
-/// What the tester would report of one cycle.
+/// Results that the tester reports for one cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Reading {
+pub struct LoopReading {
     /// B [N m]: mean slope between 0.5 and 1.5 per cm, both sides.
     pub bending: f64,
     /// 2HB [N]: width of the loop at 1 per cm, both sides.
@@ -155,16 +158,16 @@ pub struct Reading {
 }
 
 /// Reads one cycle of samples (one period, both ends included).
-pub fn read(cycle: &[Sample]) -> Reading {
+pub fn read(cycle: &[LoopSample]) -> LoopReading {
     let crossings = |at: f64| -> Vec<f64> {
-        let between = |w: &[Sample]| {
+        let between = |w: &[LoopSample]| {
             let (a, b) = (w[0], w[1]);
-            let share = (at - a.curvature) / (b.curvature - a.curvature);
-            ((0.0..1.0).contains(&share)).then_some(a.moment + share * (b.moment - a.moment))
+            let fraction = (at - a.curvature) / (b.curvature - a.curvature);
+            ((0.0..1.0).contains(&fraction)).then_some(a.moment + fraction * (b.moment - a.moment))
         };
         cycle.windows(2).filter_map(between).collect()
     };
-    // Moments on the way up and on the way down, at a curvature; the lower side mirrored.
+    // Moments of the rising and of the falling branch at a curvature; the negative side mirrored.
     let at = |curvature: f64| -> [f64; 2] {
         let moments = crossings(curvature);
         [moments.first().copied().unwrap_or(f64::NAN), moments.last().copied().unwrap_or(f64::NAN)]
@@ -178,7 +181,7 @@ pub fn read(cycle: &[Sample]) -> Reading {
         (first - last) * side
     };
     let area = cycle.windows(2).map(|w| 0.5 * (w[0].moment + w[1].moment) * (w[1].curvature - w[0].curvature));
-    Reading {
+    LoopReading {
         bending: 0.5 * (slope(1.0) + slope(-1.0)),
         hysteresis: 0.5 * (width(1.0) + width(-1.0)),
         area: area.sum(),
@@ -197,7 +200,7 @@ pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
         "stiffness_ratio",
     ]);
     let samples = bend(fabric, CYCLES, STEPS_PER_SECOND);
-    let period = (4.0 * BENDING.0 / BENDING.1) as usize * STEPS_PER_SECOND;
+    let period = (4.0 * MAX_CURVATURE / CURVATURE_RATE) as usize * STEPS_PER_SECOND;
     let mut series = Vec::new();
     let mut notes = Vec::new();
     for cycle in 0..CYCLES {
@@ -227,7 +230,7 @@ pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
         }
     }
     let elastic = |c: f64| [c / 100.0, fabric.bend_warp() * c / GF_CM_PER_CM];
-    let line = vec![elastic(-BENDING.0), elastic(BENDING.0)];
+    let line = vec![elastic(-MAX_CURVATURE), elastic(MAX_CURVATURE)];
     series.push(Series::new("without memory", GREY, Mark::Dashed, line));
     Ok(Chart {
         name: "loop",
@@ -236,8 +239,8 @@ pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
             title: format!("Bending loop of {} (KES-FB2)", fabric.name),
             panels: vec![Panel {
                 title: String::new(),
-                x: Axis::of("curvature [1/cm]"),
-                y: Axis::of("moment per width [gf cm/cm]"),
+                x: Axis::linear("curvature [1/cm]"),
+                y: Axis::linear("moment per width [gf cm/cm]"),
                 series,
             }],
         },
@@ -249,7 +252,7 @@ pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
 mod tests {
     use super::*;
 
-    /// A fabric whose thresholds the test does not reach: B is the fabric's, nothing is lost.
+    /// A fabric whose thresholds the test does not reach: B is the fabric's, and no work is dissipated.
     #[test]
     fn below_the_thresholds_the_loop_is_the_fabric_s_own_stiffness() {
         let mut fabric = Fabric::preset("cotton-poplin").expect("exists");
@@ -262,10 +265,10 @@ mod tests {
         assert!((read_last(&fabric).bending / reading.bending - 2.0).abs() < 0.01);
     }
 
-    /// The paper's T-shirt is bent beyond both thresholds: its loop has area, is closed by the ceiling of stiffness at
-    /// the latest, and does not depend on the step.
+    /// The paper's T-shirt is bent beyond both thresholds: its loop has area, is closed once the stiffness reaches its
+    /// maximum, and does not depend on the step.
     #[test]
-    fn the_t_shirt_remembers_and_the_step_does_not_matter() {
+    fn the_t_shirt_has_a_loop_independent_of_the_step() {
         let fabric = Fabric::preset("kow-tshirt").expect("exists");
         let [coarse, fine] = [20, 40].map(|steps| {
             let samples = bend(&fabric, 2, steps);

@@ -1,53 +1,51 @@
-//! `crease chart plan`: what the plan of a bake saves: the draft T-shirt folded thrice with the models that `--explain`
-//! chooses, and with everything on (the fabric's whole stretch stiffness, steps of 1/60 s throughout, every solve of the
-//! whole garment).
+//! `crease chart plan`: cost and effect of model reduction: the T-shirt of 2,000 points, folded thrice, with the models that
+//! `--explain` lists, and at full fidelity (the fabric's full stretch stiffness, steps of 1/60 s throughout, every solve
+//! global).
 //!
-//! Compared are cost and the product: how much the garment remembers. Folds that begin in contact are decided by little,
-//! so that two equally good bakes differ; each kind is baked from several shaken starts, and means are compared, with the
-//! standard error of their difference beside it.
+//! Compared are wall time and the amount of memory. Folds that begin in contact are sensitive to their initial condition,
+//! so that two equally accurate bakes differ: each variant is baked from several perturbed initial conditions (replicates), and
+//! their means are compared, with the standard error of the difference.
 
-use crate::chart::accuracy::FoldThrice;
-use crate::chart::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table, median};
 use crate::bake::BakeOptions;
+use crate::chart::fold_thrice::{FOLD_THRICE, FoldThrice};
+use crate::chart::statistics::{mean, median, standard_error};
+use crate::chart::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
 use crate::error::Result;
 
-/// The kinds of bakes that are compared.
-fn kinds() -> [(&'static str, BakeOptions); 2] {
-    let plan = BakeOptions::default();
-    [("plan", plan.clone()), ("everything", BakeOptions { full_fidelity: true, ..plan })]
-}
-
-/// Several bakes of one kind.
-#[derive(Default)]
-struct Kind {
-    /// One per bake: wall time [s], mean magnitude of what wear changed the rest angles by [degrees].
+/// Replicates of one variant.
+struct Variant {
+    /// Name in the table.
+    name: &'static str,
+    options: BakeOptions,
+    /// Wall time of every replicate [s].
     walls: Vec<f64>,
-    means: Vec<f64>,
+    /// Mean magnitude of the change of the rest angles of every replicate [degrees].
+    memories: Vec<f64>,
 }
 
-impl Kind {
-    fn mean(&self) -> f64 {
-        mean_of(&self.means)
+impl Variant {
+    fn new(name: &'static str, options: BakeOptions) -> Self {
+        Self { name, options, walls: Vec::new(), memories: Vec::new() }
     }
 
-    /// Standard error of the mean; not a number of less than two bakes.
-    fn error(&self) -> f64 {
-        let (count, mean) = (self.means.len() as f64, self.mean());
-        let squares: f64 = self.means.iter().map(|m| (m - mean) * (m - mean)).sum();
-        (squares / (count - 1.0) / count).sqrt()
-    }
-
-    fn wall(&self) -> f64 {
+    fn median_wall(&self) -> f64 {
         median(self.walls.iter().copied()).unwrap_or(f64::NAN)
     }
-}
 
-fn mean_of(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len().max(1) as f64
+    fn note(&self) -> String {
+        format!(
+            "{}: {:.1} s, median of {} bakes; mean change of rest angle {:.2} degrees, standard error {:.2}",
+            self.name,
+            self.median_wall(),
+            self.walls.len(),
+            mean(&self.memories),
+            standard_error(&self.memories)
+        )
+    }
 }
 
 pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
-    let scene = FoldThrice::new()?;
+    let scene = FoldThrice::tshirt_2k()?;
     let mut table = Table::new(&[
         "scene",
         "plan",
@@ -58,73 +56,76 @@ pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
         "rest_angle_mean_deg",
         "rest_angle_rms_deg",
     ]);
-    let mut done = [Kind::default(), Kind::default()];
-    // Kinds take turns, so that both meet the same machine.
+    let reduced = BakeOptions::default();
+    let full = BakeOptions { full_fidelity: true, ..reduced.clone() };
+    let mut variants = [Variant::new("plan", reduced), Variant::new("everything", full)];
+    // The variants alternate, so that both run on the machine in the same state.
     for start in 1..=options.runs.max(1) as u64 {
-        for ((name, options), kind) in kinds().iter().zip(&mut done) {
-            let run = scene.shaken(start).run(options)?;
-            let mean = scene.rest_angle_mean(&run.baked).to_degrees();
+        for variant in &mut variants {
+            let run = scene.perturbed(start).run(&variant.options)?;
+            let memory = scene.rest_angle_mean(&run.baked).to_degrees();
             table.push([
-                "fold-thrice".into(),
-                (*name).into(),
+                FOLD_THRICE.into(),
+                variant.name.into(),
                 start.into(),
                 run.wall.into(),
                 run.baked.report.steps.into(),
                 run.linear_solves.into(),
-                mean.into(),
-                scene.rest_angle_size(&run.baked).to_degrees().into(),
+                memory.into(),
+                scene.rest_angle_rms(&run.baked).to_degrees().into(),
             ]);
-            kind.walls.push(run.wall);
-            kind.means.push(mean);
+            variant.walls.push(run.wall);
+            variant.memories.push(memory);
         }
     }
-    let [plan, everything] = &done;
-    let mut notes: Vec<String> = kinds().iter().zip(&done).map(|((name, _), kind)| note(name, kind)).collect();
-    let apart = 100.0 * (plan.mean() / everything.mean() - 1.0);
-    let unsure = 100.0 * plan.error().hypot(everything.error()) / everything.mean();
-    notes.push(format!(
-        "the plan remembers {apart:+.1} % (standard error {unsure:.1} %) of what everything does, {:.1} times as fast",
-        everything.wall() / plan.wall()
-    ));
+    let mut notes: Vec<String> = variants.iter().map(Variant::note).collect();
+    notes.push(comparison(&variants));
     let panels = vec![
-        panel("what it costs", "wall time [s]", 0, &[&plan.walls, &everything.walls]),
-        panel("what is remembered", "mean change of rest angle [degrees]", 1, &[&plan.means, &everything.means]),
+        panel("wall time", "wall time [s]", 0, &variants, |variant| &variant.walls),
+        panel("amount of memory", "mean change of rest angle [degrees]", 1, &variants, |variant| &variant.memories),
     ];
-    let title = "No more than a scene needs: the draft T-shirt, folded thrice".into();
+    let title = "Cost and effect of model reduction: tshirt-2k, folded thrice".into();
     Ok(Chart { name: "plan", table, figure: Figure { title, panels }, notes })
 }
 
-fn note(name: &str, kind: &Kind) -> String {
+/// Difference of the amounts of memory, and speed-up, in words.
+fn comparison([reduced, full]: &[Variant; 2]) -> String {
+    let full_mean = mean(&full.memories);
+    let difference = 100.0 * (mean(&reduced.memories) / full_mean - 1.0);
+    let error = 100.0 * standard_error(&reduced.memories).hypot(standard_error(&full.memories)) / full_mean;
     format!(
-        "{name}: {:.1} s, median of {} bakes; mean change of rest angle {:.2} degrees, standard error {:.2}",
-        kind.wall(),
-        kind.walls.len(),
-        kind.mean(),
-        kind.error()
+        "amount of memory with the plan over that at full fidelity: {difference:+.1} % (standard error {error:.1} %), {:.1} times as fast",
+        full.median_wall() / reduced.median_wall()
     )
 }
 
-/// A bar up to each kind's mean, and a dot for each of its bakes.
-fn panel(title: &str, label: &str, colour: usize, kinds: &[&Vec<f64>]) -> Panel {
-    let top = kinds.iter().flat_map(|values| values.iter()).copied().fold(1e-9, f64::max);
+/// A bar up to the mean of each variant, and a dot for each of its replicates.
+fn panel(
+    title: &str,
+    label: &str,
+    colour: usize,
+    variants: &[Variant],
+    values: fn(&Variant) -> &Vec<f64>,
+) -> Panel {
+    let highest = variants.iter().flat_map(values).copied().fold(1e-9, f64::max);
     let (mut bars, mut dots) = (Vec::new(), Vec::new());
-    for (place, values) in kinds.iter().enumerate() {
-        let (place, mean) = (place as f64, mean_of(values));
-        bars.extend([[place, 0.0], [place, mean]]);
-        dots.extend(values.iter().map(|value| [place, *value]));
+    for (column, variant) in variants.iter().enumerate() {
+        let column = column as f64;
+        bars.extend([[column, 0.0], [column, mean(values(variant))]]);
+        dots.extend(values(variant).iter().map(|value| [column, *value]));
     }
     let names = Axis {
-        names: self::kinds().iter().map(|(name, _)| (*name).to_owned()).collect(),
-        range: Some([-0.5, kinds.len() as f64 - 0.5]),
+        names: variants.iter().map(|variant| variant.name.to_owned()).collect(),
+        range: Some([-0.5, variants.len() as f64 - 0.5]),
         ..Axis::default()
     };
     Panel {
         title: title.into(),
         x: names,
-        y: Axis::of(label).between(0.0, 1.1 * top),
+        y: Axis::linear(label).between(0.0, 1.1 * highest),
         series: vec![
             Series::new("", colour, Mark::Bars, bars),
-            Series::new("one bake each", 2, Mark::Dots, dots),
+            Series::new("replicates", 2, Mark::Dots, dots),
         ],
     }
 }

@@ -1,5 +1,5 @@
-//! A canvas for plotters that draws into an [`Image`] with the letters of our own pictures, so that a PNG needs no font
-//! and no library of the system. Only pixels and text are ours; lines and shapes are drawn by plotters from pixels.
+//! A backend for plotters that draws into an [`Image`] with the built-in bitmap font, so that a PNG needs no font and no
+//! library of the system. Only pixels and text are drawn here; plotters composes lines and shapes of pixels.
 
 use crate::report::render::{Image, font};
 use plotters_backend::text_anchor::{HPos, VPos};
@@ -9,12 +9,13 @@ use plotters_backend::{
 };
 use std::convert::Infallible;
 
-/// Pixels of text height that one dot of a letter stands for.
+/// Text height per dot of the bitmap font [pixels].
 const TEXT_PER_DOT: f64 = 15.0;
 
-/// The canvas.
+/// Backend that draws into an image.
 pub(super) struct Canvas<'a>(pub(super) &'a mut Image);
 
+/// Pixels per dot of the bitmap font for text of `size` pixels.
 fn dots(size: f64) -> usize {
     (size / TEXT_PER_DOT).round().max(1.0) as usize
 }
@@ -50,7 +51,7 @@ impl DrawingBackend for Canvas<'_> {
         Ok(())
     }
 
-    /// Piece by piece: as one polygon, a path that runs back over itself would cancel out.
+    /// Draws segment by segment: as one polygon, a path that overlaps itself would cancel out.
     fn draw_path<S: BackendStyle, I: IntoIterator<Item = BackendCoord>>(
         &mut self,
         path: I,
@@ -87,10 +88,10 @@ impl DrawingBackend for Canvas<'_> {
             VPos::Bottom => -height,
         };
         let (r, g, b) = style.color().rgb;
-        let turn = style.transform();
+        let transform = style.transform();
         font::visit(text, scale, &mut |x, y| {
             let (x, y) = (left + x as i32, top + y as i32);
-            let (x, y) = match turn {
+            let (x, y) = match transform {
                 FontTransform::None => (x, y),
                 FontTransform::Rotate90 => (-y, x),
                 FontTransform::Rotate180 => (-x, -y),

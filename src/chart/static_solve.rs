@@ -1,10 +1,9 @@
-//! Specimens that hang still: equilibria of membrane, bending and weight, without contact and memory, for charts whose
-//! references are equilibria.
+//! Static equilibria of membrane, bending and weight, without contact and memory.
 //!
-//! From flat to bent is far for a stiff membrane, and plain Newton would creep: inertia without velocity, whose pseudo time
-//! doubles from round to round, leads to where plain Newton converges.
+//! Plain Newton converges slowly from flat to bent where the membrane is stiff. Pseudo-transient continuation (inertia
+//! without velocity, whose time step doubles from round to round) leads to its region of convergence.
 
-use crate::chart::test_sheet::Sheet;
+use crate::chart::test_sheet::TestSheet;
 use crate::contact::Contact;
 use crate::energy::{Bending, Energy, Gravity, Membrane};
 use crate::garment::RestState;
@@ -12,25 +11,29 @@ use crate::math::{Vec2, Vec3};
 use crate::sim::GRAVITY;
 use crate::sim::{Inertia, NewtonOptions, NewtonReport, Problem, Workspace};
 
-/// Rounds with inertia, and iterations of each.
-const ROUNDS: (usize, usize) = (24, 3);
-/// Iterations at most without.
-const MOST_ITERATIONS: usize = 200;
+/// Rounds of pseudo-transient continuation.
+const ROUNDS: usize = 24;
+/// Newton iterations per round.
+const MAX_ITERATIONS_PER_ROUND: usize = 3;
+/// Newton iterations of the final solve without inertia.
+const MAX_FINAL_ITERATIONS: usize = 200;
+/// Displacement tolerance of a round over that of the final solve [-].
+const ROUND_TOL_FACTOR: f64 = 1e3;
 
-/// A specimen held by a clamp.
-pub(super) struct Still {
+/// A clamped specimen.
+pub(super) struct StaticProblem {
     membrane: Membrane,
     bending: Bending,
     memory: RestState,
     mass: Vec<f64>,
-    held: Vec<bool>,
+    fixed: Vec<bool>,
 }
 
-impl Still {
-    /// `sheet` of `stretch` (warp, weft, shear) [N/m], bending `rigidity` [N·m] and `density` [kg/m²], half clamped where
-    /// `clamped` holds.
+impl StaticProblem {
+    /// Specimen of `sheet` with stiffness `stretch` (warp, weft, shear) [N/m], bending `rigidity` [N·m] and `density` [kg/m²],
+    /// half clamped where `clamped` holds.
     pub(super) fn new(
-        sheet: &Sheet,
+        sheet: &TestSheet,
         stretch: [f64; 3],
         rigidity: f64,
         density: f64,
@@ -45,32 +48,33 @@ impl Still {
         }
         let mut memory = RestState::flat(garment.topology.hinges.len(), sheet.triangles.len());
         memory.stiffness_ratio = sheet.half_clamp(&clamped);
-        Self { membrane, bending, memory, mass, held: sheet.flat.iter().map(clamped).collect() }
+        Self { membrane, bending, memory, mass, fixed: sheet.flat.iter().map(clamped).collect() }
     }
 
-    /// Comes to rest from `x` [m]; the first pseudo time [s], the tolerance [m].
-    pub(super) fn settle(&self, x: &mut [Vec3], pseudo_time: f64, tolerance: f64) -> NewtonReport {
+    /// Solves for equilibrium from `x` [m], with the first `pseudo_time` step [s] and the displacement `tolerance` [m].
+    pub(super) fn solve(&self, x: &mut [Vec3], pseudo_time: f64, tolerance: f64) -> NewtonReport {
         let mut work = Workspace::default();
         let mut contact = Contact::none(x.len());
         let mut span = pseudo_time;
         let mut total = NewtonReport::default();
-        for round in 0..=ROUNDS.0 {
+        for round in 0..=ROUNDS {
             let start = x.to_vec();
             let angle = self.bending.angles(&start, &[]);
             let membrane = self.membrane.term(&self.memory, &[], f64::INFINITY);
             let bending = self.bending.term(&self.memory, &angle, f64::INFINITY);
             let gravity = Gravity { mass: &self.mass, acceleration: Vec3::new(0.0, -GRAVITY, 0.0) };
             let terms: [&dyn Energy; 3] = [&membrane, &bending, &gravity];
-            let last = round == ROUNDS.0;
+            let last = round == ROUNDS;
             let inertia =
                 (!last).then_some(Inertia { mass: &self.mass, inertial: &start, effective_dt: span });
-            let problem = Problem { inertia, terms: &terms, fixed: &self.held, predicted_positions: None };
-            let (share, most_iterations) = if last { (1.0, MOST_ITERATIONS) } else { (1e3, ROUNDS.1) };
+            let problem = Problem { inertia, terms: &terms, fixed: &self.fixed, predicted_positions: None };
+            let (factor, max_iterations) =
+                if last { (1.0, MAX_FINAL_ITERATIONS) } else { (ROUND_TOL_FACTOR, MAX_ITERATIONS_PER_ROUND) };
             let newton = NewtonOptions {
-                displacement_tol: share * tolerance,
+                displacement_tol: factor * tolerance,
                 decrement_tol: 0.0,
                 rel_decrement_tol: 0.0,
-                max_iterations: most_iterations,
+                max_iterations,
             };
             total.add(&problem.solve(x, &mut contact, &newton, &mut work));
             span *= 2.0;

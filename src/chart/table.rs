@@ -1,21 +1,22 @@
 //! The numbers of a chart as CSV and JSON: `{"chart": NAME, "rows": [{column: cell, ...}, ...], "notes": [...]}`.
 //!
-//! Columns carry their unit in the name and are read by others (`docs/reference/formats/charts.md`): they are added to, never renamed.
+//! Column names include the unit. Other programs read them (`docs/reference/formats/charts.md`): columns are added, never
+//! renamed.
 
 use serde_json::{Map, Value, json};
 
 /// One cell.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cell {
-    /// A number; not finite ones are written as none.
+    /// A number; non-finite ones are written as empty cells.
     Number(f64),
     /// A count.
     Count(u64),
-    /// A word.
+    /// A text.
     Text(String),
-    /// Yes or no.
+    /// True or false.
     Flag(bool),
-    /// Nothing to say.
+    /// An empty cell.
     None,
 }
 
@@ -57,12 +58,12 @@ pub struct Table {
 }
 
 impl Table {
-    /// A table without rows yet.
+    /// A table without rows.
     pub fn new(columns: &'static [&'static str]) -> Self {
         Self { columns, rows: Vec::new() }
     }
 
-    /// Adds a row: one cell per column; what is missing is none.
+    /// Adds a row: one cell per column; missing cells are empty.
     pub fn push<const N: usize>(&mut self, cells: [Cell; N]) {
         let mut row = Vec::from(cells);
         row.resize(self.columns.len(), Cell::None);
@@ -74,22 +75,22 @@ impl Table {
         self.columns
     }
 
-    /// Cells, row by row.
+    /// Rows of cells.
     pub fn rows(&self) -> &[Vec<Cell>] {
         &self.rows
     }
 
-    /// The number in `column` of `row`, if there is one.
+    /// Number in `column` of `row`; `None` for other cells.
     pub fn number(&self, row: usize, column: &str) -> Option<f64> {
-        let place = self.columns.iter().position(|c| *c == column)?;
-        match self.rows.get(row)?.get(place)? {
+        let index = self.columns.iter().position(|c| *c == column)?;
+        match self.rows.get(row)?.get(index)? {
             Cell::Number(number) => Some(*number),
             Cell::Count(count) => Some(*count as f64),
             _ => None,
         }
     }
 
-    /// Comma-separated, one header line; none is empty.
+    /// Formats the table as CSV with a header line.
     pub fn to_csv(&self) -> String {
         let quoted = |text: &str| match text.contains([',', '"', '\n']) {
             true => format!("\"{}\"", text.replace('"', "\"\"")),
@@ -110,7 +111,7 @@ impl Table {
         text
     }
 
-    /// As JSON, under the name of the chart.
+    /// Formats the table as JSON, with the name of the chart and its notes.
     pub fn to_json(&self, chart: &str, notes: &[String]) -> String {
         let value = |cell: &Cell| match cell {
             Cell::Number(number) => json!(number),
@@ -132,7 +133,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_table_is_the_same_in_both_forms() {
+    fn csv_and_json_have_the_same_content() {
         let mut table = Table::new(&["fabric", "angle_deg", "steps", "memory"]);
         table.push(["a, b".into(), 1.5.into(), 3u64.into(), true.into()]);
         table.push(["c".into(), f64::NAN.into()]);

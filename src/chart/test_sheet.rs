@@ -1,4 +1,4 @@
-//! Flat specimens for charts: strips of cloth in the material plane, warp along x.
+//! Flat test specimens in the material plane, warp along x.
 
 use crate::error::{Error, Result};
 use crate::garment::Garment;
@@ -6,16 +6,18 @@ use crate::math::{Vec2, Vec3};
 use crate::mesh::{PointIndex, Topology};
 use spade::{DelaunayTriangulation, Point2, Triangulation};
 
-/// A flat specimen: points [m] and triangles that turn counter-clockwise.
+/// A flat specimen.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Sheet {
+pub(super) struct TestSheet {
+    /// Points of the material plane [m].
     pub(super) flat: Vec<Vec2>,
+    /// Triangles over the points, counter-clockwise.
     pub(super) triangles: Vec<[u32; 3]>,
 }
 
-impl Sheet {
+impl TestSheet {
     /// Quads between lines across at `along` [m] and `across` + 1 lines over `width` [m], cut by one diagonal. Bent
-    /// about the lines across, only these take an angle.
+    /// about the lines across, only their hinges have an angle.
     pub(super) fn strip(along: &[f64], width: f64, across: usize) -> Self {
         let rows = across + 1;
         let y = |j: usize| width * (j as f64 / across as f64 - 0.5);
@@ -32,10 +34,10 @@ impl Sheet {
     }
 
     /// An unstructured triangulation of `length` x `width` [m] with about `count` points: evenly spaced ones on the
-    /// border, and inside an equilateral lattice whose points are moved at random (by a fixed seed) by up to a seventh
-    /// of their distance. The same for the same numbers.
+    /// border, and inside an equilateral lattice whose points are displaced at random (by a fixed seed) by up to a
+    /// seventh of their distance. Deterministic.
     pub(super) fn unstructured(length: f64, width: f64, count: usize) -> Result<Self> {
-        // Fewer points for larger spacing: halve the interval until it is narrow.
+        // The number of points decreases with their spacing: bisection.
         let (mut fine, mut coarse) = (0.2, 2.0);
         let unit = (length * width / count as f64).sqrt();
         for _ in 0..40 {
@@ -46,14 +48,14 @@ impl Sheet {
                 coarse = middle
             }
         }
-        let near = [fine, coarse].map(|share| scattered(length, width, share * unit));
-        let [more, fewer] = near;
+        let candidates = [fine, coarse].map(|spacing| scattered(length, width, spacing * unit));
+        let [more, fewer] = candidates;
         let flat = if more.len().abs_diff(count) < fewer.len().abs_diff(count) { more } else { fewer };
         Self::delaunay(flat, 1e-3 * unit * unit)
     }
 
-    /// Delaunay triangulation of `flat`; triangles of twice the area `sliver` [m²] or less are left out: on a straight
-    /// border three points in a row span triangles of rounding errors.
+    /// Delaunay triangulation of `flat`; triangles of twice the area `sliver` [m²] or less are left out: collinear
+    /// points of the border span triangles of rounding errors.
     fn delaunay(flat: Vec<Vec2>, sliver: f64) -> Result<Self> {
         let mut mesh = DelaunayTriangulation::<Point2<f64>>::new();
         for p in &flat {
@@ -71,16 +73,16 @@ impl Sheet {
         Ok(Self { flat, triangles })
     }
 
-    /// A strip 0..`length` of `width` [m] with one more row before 0 for a clamp, filled with an equilateral lattice of
-    /// `length` / `along` turned by `degrees`; lattice points nearer than 0.45 edges to the border give way.
+    /// A strip 0..`length` of `width` [m] with one more row before 0 for a clamp, filled with an equilateral lattice of edge
+    /// `length` / `along` rotated by `degrees`; lattice points closer than 0.45 edges to the border are left out.
     pub(super) fn lattice(length: f64, width: f64, along: usize, degrees: f64) -> Result<Self> {
         let h = length / along as f64;
         let across = (width / h).round() as usize;
         let (s, c) = degrees.to_radians().sin_cos();
-        let (margin, reach) = (0.45 * h, 2 * along as i32);
+        let (margin, extent) = (0.45 * h, 2 * along as i32);
         let mut flat = Vec::new();
-        for i in -reach..reach {
-            for j in -reach..reach {
+        for i in -extent..extent {
+            for j in -extent..extent {
                 let shift = 0.5 * f64::from(j.rem_euclid(2));
                 let q = Vec2::new(f64::from(i) + shift, f64::from(j) * 0.75f64.sqrt()) * h;
                 let p = Vec2::new(c * q.x - s * q.y + 0.5 * length, s * q.x + c * q.y);
@@ -99,10 +101,9 @@ impl Sheet {
         Self::delaunay(flat, 1e-3 * h * h)
     }
 
-    /// A disc of outer radius `radii[1]` [m] of which only what lies beyond `radii[0]`, and one row of elements inside of it
-    /// for a clamp, is meshed: rings of points `h` [m] apart.
-    pub(super) fn ring(radii: [f64; 2], h: f64) -> Result<Self> {
-        let [inner, outer] = radii;
+    /// A ring between the radii `inner` and `outer` [m], with one more row of elements inside for a clamp: rings of points `h`
+    /// [m] apart.
+    pub(super) fn ring(inner: f64, outer: f64, h: f64) -> Result<Self> {
         let rings = ((outer - inner) / h).round().max(1.0) as usize;
         let mut flat = Vec::new();
         for k in 0..=rings + 1 {
@@ -115,25 +116,25 @@ impl Sheet {
             }));
         }
         let mut sheet = Self::delaunay(flat, 1e-3 * h * h)?;
-        // What spans the hole is not cloth.
+        // Triangles across the hole are not cloth.
         let hole = inner - (outer - inner) / rings as f64;
         let flat = &sheet.flat;
         sheet.triangles.retain(|t| !t.iter().all(|p| flat[*p as usize].norm() < hole + 1e-9));
         Ok(sheet)
     }
 
-    /// Stiffness ratio of every hinge of a specimen clamped where `clamped` holds: twice as stiff between a wholly clamped
-    /// triangle and a free one. Without it the clamp lies half an element inside the free cloth and the order falls to
-    /// one.
+    /// Stiffness ratio of every hinge of a specimen clamped where `clamped` holds: twice as stiff between a fully clamped
+    /// triangle and a free one. Otherwise the clamp lies half an element inside the free cloth and the order of convergence
+    /// is one.
     pub(super) fn half_clamp(&self, clamped: impl Fn(&Vec2) -> bool) -> Vec<f64> {
         let triangles: Vec<[PointIndex; 3]> = self.triangles.iter().map(|t| t.map(PointIndex)).collect();
-        let wholly = |f: u32| self.triangles[f as usize].iter().all(|&p| clamped(&self.flat[p as usize]));
+        let is_clamped = |f: u32| self.triangles[f as usize].iter().all(|&p| clamped(&self.flat[p as usize]));
         let topology = Topology::new(self.flat.len(), &triangles);
-        let across = |[a, b]: [u32; 2]| wholly(a) != wholly(b);
+        let across = |[a, b]: [u32; 2]| is_clamped(a) != is_clamped(b);
         topology.hinges.iter().map(|h| if across(h.triangles) { 2.0 } else { 1.0 }).collect()
     }
 
-    /// As a garment whose source pose has its points at `points` [m].
+    /// Garment whose source pose has its points at `points` [m].
     pub(super) fn garment(&self, points: Vec<Vec3>) -> Garment {
         let triangles: Vec<[PointIndex; 3]> = self.triangles.iter().map(|t| t.map(PointIndex)).collect();
         let topology = Topology::new(self.flat.len(), &triangles);
@@ -149,7 +150,7 @@ impl Sheet {
         }
     }
 
-    /// The same, flat on the ground at height 0: x stays, y becomes z.
+    /// Garment that lies flat at height 0: x stays x, y becomes -z.
     pub(super) fn flat_garment(&self) -> Garment {
         self.garment(self.flat.iter().map(|p| Vec3::new(p.x, 0.0, -p.y)).collect())
     }
@@ -179,8 +180,8 @@ fn scattered(length: f64, width: f64, spacing: f64) -> Vec<Vec2> {
             let shift = 0.5 * (j.rem_euclid(2)) as f64;
             let lattice = Vec2::new(i as f64 + shift, j as f64 * 0.75f64.sqrt()) * spacing;
             let p = lattice + Vec2::new(random(), random()) * (spacing / 7.0);
-            let room = (0.5 * length - p.x.abs()).min(0.5 * width - p.y.abs());
-            if room > 0.55 * spacing {
+            let distance_to_border = (0.5 * length - p.x.abs()).min(0.5 * width - p.y.abs());
+            if distance_to_border > 0.55 * spacing {
                 points.push(p);
             }
         }

@@ -2,15 +2,15 @@
 
 use crate::hessian_shift::HessianShift;
 use crease::chart::kes_loop::{bend, read};
-use crease::chart::press_between_plates::Press;
+use crease::chart::press_between_plates::PlatePress;
 use crease::energy::{Energy, Membrane};
 use crease::fabric::Fabric;
 use crease::math::Vec3;
 use crease::sim::{NewtonOptions, Problem, Workspace};
 use crease::{contact::Contact, energy::Bending};
 
-fn press(gap: f64, element: f64, offset: f64) -> Press {
-    Press { length: 0.2, width: 0.02, gap, element, offset }
+fn press(gap: f64, element: f64, offset: f64) -> PlatePress {
+    PlatePress { length: 0.2, width: 0.02, gap, element, offset }
 }
 
 /// Property: longer holds leave no less, in every fabric, and in the end more.
@@ -42,7 +42,7 @@ fn what_is_let_go_springs_back() {
 #[test]
 fn the_solver_opens_the_strip_to_its_rest_angles() {
     let fabric = Fabric::preset("cotton-poplin").expect("exists");
-    let strip = Press { length: 0.04, ..press(1e-3, 0.005, 0.0) }.hold(&fabric, 300.0);
+    let strip = PlatePress { length: 0.04, ..press(1e-3, 0.005, 0.0) }.hold(&fabric, 300.0);
     let garment = strip.garment();
     let bending = Bending::new(garment, &fabric);
     let membrane = Membrane::new(garment, &fabric);

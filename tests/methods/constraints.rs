@@ -1,7 +1,7 @@
 //! Points that are held, too much or beside one another, and what sweeps leave.
 
 use crease::chart::scenes;
-use crease::chart::scenes::{Setting, Swing};
+use crease::chart::scenes::{SceneSetting, Swing};
 use crease::contact::Contact;
 use crease::energy::{Energy, Gravity, Membrane, TargetSpring, TargetSprings};
 use crease::garment::RestState;
@@ -99,7 +99,7 @@ fn sweeps_are_drawn_out_and_are_labelled_visual() {
     let hanging = Swing { degrees: 0.0, name: "hanging", ..Swing::SWING_30 };
     let expected = 0.2 * 9.81 * 0.5 / 200.0 / 2.0;
     let elongation = |method| {
-        let setting = Setting::fixed(method, 1.0 / 60.0, 1e-9);
+        let setting = SceneSetting::fixed(method, 1.0 / 60.0, 1e-9);
         let outcome = scenes::run(&hanging, &setting).expect("runs");
         let low = outcome.x.iter().map(|x| x.y).fold(0.0, f64::min);
         -low / 0.5 - 1.0

@@ -1,10 +1,10 @@
 //! The maps of `crease chart stability`, cell by cell for the methods that promise something.
 
-use crease::chart::stability::{Column, MAPS, Verdict};
+use crease::chart::stability::{MAPS, MethodColumn, Verdict};
 use crease::sim::Method;
 
 /// Runs every cell of the map `name` by `method`; the outcomes, and the worst strain.
-fn cells(name: &str, method: Column) -> Vec<(f64, f64, Verdict)> {
+fn cells(name: &str, method: MethodColumn) -> Vec<(f64, f64, Verdict)> {
     let map = MAPS.iter().find(|map| map.name == name).expect("is on the list");
     let mut all = Vec::new();
     for &value in map.values {
@@ -17,7 +17,7 @@ fn cells(name: &str, method: Column) -> Vec<(f64, f64, Verdict)> {
                 method.name(),
                 cell.verdict.name(),
                 cell.error,
-                cell.strain,
+                cell.max_strain,
                 cell.linear_solves,
                 cell.why.map_or(String::new(), |why| format!(", {why}"))
             );
@@ -30,7 +30,7 @@ fn cells(name: &str, method: Column) -> Vec<(f64, f64, Verdict)> {
 /// Promise: what a bake does unless told otherwise fails no cell of any map.
 fn default_fails_nowhere(name: &str) {
     let failed: Vec<_> =
-        cells(name, Column::Default).into_iter().filter(|c| c.2 == Verdict::Failed).collect();
+        cells(name, MethodColumn::Default).into_iter().filter(|c| c.2 == Verdict::Failed).collect();
     assert!(failed.is_empty(), "{name}: {failed:?}");
 }
 
@@ -64,7 +64,7 @@ fn default_method_stands_speed() {
 #[test]
 fn the_map_shows_where_others_go_wrong() {
     let wrong = |method, step: f64, from: f64| {
-        cells("release90", Column::Method(method))
+        cells("release90", MethodColumn::Method(method))
             .into_iter()
             .filter(|c| c.1 >= step && c.0 >= from)
             .all(|c| c.2 != Verdict::Converged)

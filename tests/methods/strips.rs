@@ -2,7 +2,7 @@
 
 use crate::reference;
 use crease::chart::scenes;
-use crease::chart::scenes::{Outcome, Setting, Swing};
+use crease::chart::scenes::{SceneOutcome, SceneSetting, Swing};
 use crease::math::Vec3;
 use crease::sim::Method;
 
@@ -10,11 +10,12 @@ use crease::sim::Method;
 const TIPS: [(Swing, [f64; 2]); 2] =
     [(Swing::SWING_30, [-0.257_877_48, -0.411_313_45]), (Swing::RELEASE_90, [-0.438_309_01, -0.235_632_86])];
 
-fn run(swing: Swing, method: Method, step: f64, tolerance: f64) -> Outcome {
-    scenes::run(&wide(swing), &Setting::fixed(method, step, tolerance)).expect("the scene can be made")
+fn run(swing: Swing, method: Method, step: f64, tolerance: f64) -> SceneOutcome {
+    scenes::run(&unbounded(swing), &SceneSetting::fixed(method, step, tolerance))
+        .expect("the scene can be made")
 }
 
-fn tip(outcome: &Outcome) -> Vec3 {
+fn tip(outcome: &SceneOutcome) -> Vec3 {
     let count = outcome.x.len();
     0.5 * (outcome.x[count - 1] + outcome.x[count - 2])
 }
@@ -105,17 +106,17 @@ fn one_iteration_draws_a_stiff_strip_out() {
     // The scene fails where cloth is drawn out; here that is what is measured.
     let strain = |method| {
         let h = 1.0 / 60.0;
-        scenes::run(&wide(swing), &Setting::fixed(method, h, 1e-9)).expect("runs").largest_strain
+        scenes::run(&unbounded(swing), &SceneSetting::fixed(method, h, 1e-9)).expect("runs").max_strain
     };
     let (once, converged) = (strain(Method::BackwardEulerOnce), strain(Method::BackwardEuler));
     println!("largest strain: one iteration {once:.5} (0.0733), converged {converged:.6} (0.00103)");
     assert!((0.04..0.08).contains(&once));
-    assert!((converged / 0.001_03 - 1.0).abs() < 0.01 && converged < swing.honest_strain());
+    assert!((converged / 0.001_03 - 1.0).abs() < 0.01 && converged < swing.physical_strain());
 }
 
 /// `swing` without a bound on its strain.
-fn wide(swing: Swing) -> Swing {
-    Swing { bears: Some(f64::INFINITY), ..swing }
+fn unbounded(swing: Swing) -> Swing {
+    Swing { max_strain: Some(f64::INFINITY), ..swing }
 }
 
 /// Promise: the first mode of a hanging strip of 32 quads without bending stiffness has omega sqrt(L/g) = 1.20207 (the lumped
@@ -152,7 +153,8 @@ fn a_hanging_strip_has_the_first_mode_of_the_chain() {
     let start: Vec<Vec3> = (0..66)
         .map(|p| Vec3::new((p / 2) as f64 * length / 32.0 * 1f64.to_radians().sin(), 0.0, 0.0))
         .collect();
-    let end = scenes::run(&wide(swing), &Setting::fixed(Method::Sdirk2, 1e-3, 1e-12)).expect("runs");
+    let end =
+        scenes::run(&unbounded(swing), &SceneSetting::fixed(Method::Sdirk2, 1e-3, 1e-12)).expect("runs");
     // Between three quarters of a period and a whole one.
     let phase = std::f64::consts::TAU - (amplitude(&end.x) / amplitude(&start)).acos();
     let found = phase / until * (length / gravity).sqrt();

@@ -1,27 +1,31 @@
-//! A strip that is clamped level, let go, and comes to rest: how well methods hold still.
+//! A strip that is clamped horizontally, released, and comes to rest under its weight: convergence to an equilibrium.
 //!
 //! Gamma = rho g L³ / B = 10, L = 0.1 m, 20 elements long and 6 wide, half clamp (`chart::cantilever`), bending damped.
-//! Its end is an equilibrium, which every converged method reaches with any step: here long steps win.
+//! Every converged integrator reaches the equilibrium with any step size: here long steps are the most efficient.
 
-use crate::chart::scenes::{Actors, Kind, Scene, Sheet, spaced};
+use crate::chart::scenes::scene::{ClothMaterial, Scene, SceneState, spaced};
+use crate::chart::test_sheet::TestSheet;
 use crate::contact::Contact;
 use crate::error::Result;
 use crate::math::Vec3;
 use crate::sim::{GRAVITY, Loads};
 
+/// Length of the free strip [m].
 const LENGTH: f64 = 0.1;
+/// Elements along the strip.
 const ELEMENTS: usize = 20;
+/// Area density [kg/m²].
 const DENSITY: f64 = 0.2;
 
-/// The scene.
+/// The released cantilever.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cantilever;
 
 impl Cantilever {
-    fn sheet() -> Sheet {
+    fn sheet() -> TestSheet {
         let mut along = vec![-LENGTH / ELEMENTS as f64];
         along.extend(spaced(0.0, LENGTH, ELEMENTS));
-        Sheet::strip(&along, 0.3 * LENGTH, 6)
+        TestSheet::strip(&along, 0.3 * LENGTH, 6)
     }
 }
 
@@ -38,23 +42,28 @@ impl Scene for Cantilever {
         LENGTH
     }
 
-    fn begin(&self) -> Result<Actors> {
+    fn initial_state(&self) -> Result<SceneState> {
         let sheet = Self::sheet();
         let garment = sheet.flat_garment();
         let bend = DENSITY * GRAVITY * LENGTH.powi(3) / 10.0;
-        let kind =
-            Kind { density: DENSITY, stretch: 1e5 * bend / LENGTH.powi(2), bend, damping: [0.0, 0.05] };
-        let cloth = kind.cloth(&sheet, &garment);
+        let material = ClothMaterial {
+            density: DENSITY,
+            stretch: 1e5 * bend / LENGTH.powi(2),
+            bend,
+            stretch_damping: 0.0,
+            bend_damping: 0.05,
+        };
+        let cloth = material.cloth(&sheet, &garment);
         let contact = Contact::none(garment.points.len());
-        let mut actors = Actors::new(garment, cloth, contact);
+        let mut scene_state = SceneState::new(garment, cloth, contact);
         let ratio = sheet.half_clamp(|p| p.x < 1e-9);
-        actors.memory.rest.stiffness_ratio.clone_from(&ratio);
-        actors.memory.effective_rest.stiffness_ratio = ratio;
-        Ok(actors)
+        scene_state.memory.rest.stiffness_ratio.clone_from(&ratio);
+        scene_state.memory.effective_rest.stiffness_ratio = ratio;
+        Ok(scene_state)
     }
 
-    fn drive(&self, _t: f64, _x: &[Vec3]) -> Loads {
-        let held = Self::sheet().flat.iter().map(|p| p.x < 1e-9).collect();
-        Loads { fixed: held, drag: 4.0, ..Loads::gravity_only(None) }
+    fn loads(&self, _t: f64, _x: &[Vec3]) -> Loads {
+        let fixed = Self::sheet().flat.iter().map(|p| p.x < 1e-9).collect();
+        Loads { fixed, drag: 4.0, ..Loads::gravity_only(None) }
     }
 }

@@ -1,10 +1,11 @@
-//! A flap that is folded by 160 degrees, held and let go: what is baked, in small.
+//! A flap that is folded by 160 degrees, held and released: a bake in miniature.
 //!
-//! A strip of 40 x 15 mm of KOW's T-shirt, half of it held; its free end is led over in half a second, held for two, and
-//! let go for one, without weight, in still air. Events of memory happen at their own times on the way, so that rest angles
-//! say how well a method follows angles in time.
+//! A strip of 40 x 15 mm of KOW's T-shirt, half of it fixed; its free end is guided over within half a second, held for
+//! two, and released for one, without gravity, in still air. Memory events depend on the history of the angles, so that rest
+//! angles show how accurately an integrator follows the angles in time.
 
-use crate::chart::scenes::{Actors, Kind, Scene, Sheet, smoothstep, spaced};
+use crate::chart::scenes::scene::{ClothMaterial, Scene, SceneState, smoothstep, spaced};
+use crate::chart::test_sheet::TestSheet;
 use crate::contact::Contact;
 use crate::energy::TargetSpring;
 use crate::error::Result;
@@ -13,22 +14,36 @@ use crate::math::Vec3;
 use crate::memory::MemoryModel;
 use crate::sim::Loads;
 
-/// Length and width [m], quads along and across.
-const STRIP: (f64, f64, usize, usize) = (0.040, 0.015, 16, 6);
-/// Fold [rad].
-const FOLD: f64 = 160.0 / 180.0 * std::f64::consts::PI;
-/// Ends of fold, hold and release [s].
-const TIMES: [f64; 3] = [0.5, 2.5, 3.5];
-/// Stiffness of the hand per point [N/m].
-const HAND: f64 = 5.0;
+/// Length of the strip [m].
+const LENGTH: f64 = 0.040;
+/// Width of the strip [m].
+const WIDTH: f64 = 0.015;
+/// Quads along the strip.
+const QUADS_ALONG: usize = 16;
+/// Quads across the strip.
+const QUADS_ACROSS: usize = 6;
+/// Fold angle [rad].
+const FOLD_ANGLE: f64 = 160.0 / 180.0 * std::f64::consts::PI;
+/// End of the fold [s].
+const FOLD_END: f64 = 0.5;
+/// End of the hold [s].
+const HOLD_END: f64 = 2.5;
+/// End of the scene [s].
+const UNTIL: f64 = 3.5;
+/// Stiffness of the target spring of each guided point [N/m].
+const SPRING_STIFFNESS: f64 = 5.0;
+/// Part of the strip that is guided, from its middle, over its length [-].
+const GUIDED_FROM: f64 = 0.42;
+/// Part of the strip that is fixed, up to its middle, over its length [-].
+const FIXED_UP_TO: f64 = 0.1;
 
-/// The scene.
+/// The folded, held and released flap.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Flap;
 
 impl Flap {
-    fn sheet() -> Sheet {
-        Sheet::strip(&spaced(-0.5 * STRIP.0, 0.5 * STRIP.0, STRIP.2), STRIP.1, STRIP.3)
+    fn sheet() -> TestSheet {
+        TestSheet::strip(&spaced(-0.5 * LENGTH, 0.5 * LENGTH, QUADS_ALONG), WIDTH, QUADS_ACROSS)
     }
 }
 
@@ -38,46 +53,47 @@ impl Scene for Flap {
     }
 
     fn until(&self) -> f64 {
-        TIMES[2]
+        UNTIL
     }
 
     fn size(&self) -> f64 {
-        STRIP.0
+        LENGTH
     }
 
-    fn breaks(&self) -> Vec<f64> {
-        TIMES[..2].into()
+    fn event_times(&self) -> Vec<f64> {
+        vec![FOLD_END, HOLD_END]
     }
 
-    fn begin(&self) -> Result<Actors> {
+    fn initial_state(&self) -> Result<SceneState> {
         let fabric = Fabric::preset(DEFAULT_FABRIC)?;
         let sheet = Self::sheet();
         let garment = sheet.flat_garment();
-        let kind = Kind {
+        let material = ClothMaterial {
             density: fabric.area_density(),
             stretch: 100.0,
             bend: fabric.bend_mean(),
-            damping: [fabric.stretch_damping_s, fabric.bend_damping_s],
+            stretch_damping: fabric.stretch_damping_s,
+            bend_damping: fabric.bend_damping_s,
         };
-        let cloth = kind.cloth(&sheet, &garment);
+        let cloth = material.cloth(&sheet, &garment);
         let law = MemoryModel::new(&garment, &fabric, cloth.bending.width());
         let contact = Contact::none(garment.points.len());
-        Ok(Actors { law: Some(law), ..Actors::new(garment, cloth, contact) })
+        Ok(SceneState { law: Some(law), ..SceneState::new(garment, cloth, contact) })
     }
 
-    fn drive(&self, t: f64, _x: &[Vec3]) -> Loads {
+    fn loads(&self, t: f64, _x: &[Vec3]) -> Loads {
         let sheet = Self::sheet();
-        let held = sheet.flat.iter().map(|p| p.x < 1e-9 - 0.1 * STRIP.0).collect();
-        let angle = FOLD * smoothstep(t, 0.0, TIMES[0]);
-        let led = |(i, p): (usize, &crate::math::Vec2)| {
+        let fixed = sheet.flat.iter().map(|p| p.x < 1e-9 - FIXED_UP_TO * LENGTH).collect();
+        let angle = FOLD_ANGLE * smoothstep(t, 0.0, FOLD_END);
+        let spring = |(i, p): (usize, &crate::math::Vec2)| {
             let target = Vec3::new(p.x * angle.cos(), p.x * angle.sin(), -p.y);
-            (p.x > 0.42 * STRIP.0).then(|| TargetSpring::isotropic(i as u32, target, HAND))
+            (p.x > GUIDED_FROM * LENGTH).then(|| TargetSpring::isotropic(i as u32, target, SPRING_STIFFNESS))
         };
-        let guides = if t <= TIMES[1] + 1e-9 {
-            sheet.flat.iter().enumerate().filter_map(led).collect()
+        let springs = if t <= HOLD_END + 1e-9 {
+            sheet.flat.iter().enumerate().filter_map(spring).collect()
         } else {
             Vec::new()
         };
-        Loads { fixed: held, springs: guides, gravity: Vec3::zeros(), drag: 1.0, ..Loads::gravity_only(None) }
+        Loads { fixed, springs, gravity: Vec3::zeros(), drag: 1.0, ..Loads::gravity_only(None) }
     }
 }

@@ -1,23 +1,27 @@
-//! Sheets that fall on the ground on top of one another: layers that press layers.
+//! Sheets that fall on the ground on top of one another: contact between many layers.
 
-use crate::chart::scenes::{Actors, Kind, Scene, Sheet, spaced};
+use crate::chart::scenes::scene::{ClothMaterial, Scene, SceneState, spaced};
+use crate::chart::test_sheet::TestSheet;
 use crate::error::Result;
 use crate::math::{Vec2, Vec3};
 use crate::sim::Loads;
 
+/// Side of a sheet [m].
 const SIDE: f64 = 0.1;
+/// Quads along a side.
 const QUADS: usize = 6;
+/// Activation distance of contact [m].
 const THICKNESS: f64 = 1e-3;
 
-/// The scene.
+/// The stack of sheets.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stack {
-    /// How many sheets.
+    /// Number of sheets.
     pub layers: usize,
 }
 
 impl Stack {
-    /// Heights of the sheets, lowest first: mean over the points of each [m].
+    /// Mean heights of the sheets at `x` [m], lowest first [m].
     pub fn heights(&self, x: &[Vec3]) -> Vec<f64> {
         let each = (QUADS + 1).pow(2);
         x.chunks(each).map(|sheet| sheet.iter().map(|x| x.y).sum::<f64>() / each as f64).collect()
@@ -37,13 +41,13 @@ impl Scene for Stack {
         SIDE
     }
 
-    fn begin(&self) -> Result<Actors> {
-        let one = Sheet::strip(&spaced(-0.5 * SIDE, 0.5 * SIDE, QUADS), SIDE, QUADS);
+    fn initial_state(&self) -> Result<SceneState> {
+        let one = TestSheet::strip(&spaced(-0.5 * SIDE, 0.5 * SIDE, QUADS), SIDE, QUADS);
         let count = one.flat.len();
-        // Beside one another in the material, above one another in space; a little turned, so that edges meet edges.
+        // Side by side in the material plane, above one another in space; slightly rotated, so that edges meet edges.
         let flat = (0..self.layers)
             .flat_map(|k| one.flat.iter().map(move |p| p + Vec2::new(2.0 * SIDE * k as f64, 0.0)));
-        let sheet = Sheet {
+        let sheet = TestSheet {
             flat: flat.collect(),
             triangles: (0..self.layers)
                 .flat_map(|k| one.triangles.iter().map(move |t| t.map(|p| p + (k * count) as u32)))
@@ -55,13 +59,19 @@ impl Scene for Stack {
             one.flat.iter().map(move |p| Vec3::new(cos * p.x - sin * p.y, height, sin * p.x + cos * p.y))
         });
         let garment = sheet.garment(points.collect());
-        let kind = Kind { density: 0.2, stretch: 120.0, bend: 1e-5, damping: [0.002, 0.02] };
-        let cloth = kind.cloth(&sheet, &garment);
-        let contact = kind.contact(&garment, &cloth, THICKNESS, 0.3, self.layers as f64);
-        Ok(Actors::new(garment, cloth, contact))
+        let material = ClothMaterial {
+            density: 0.2,
+            stretch: 120.0,
+            bend: 1e-5,
+            stretch_damping: 0.002,
+            bend_damping: 0.02,
+        };
+        let cloth = material.cloth(&sheet, &garment);
+        let contact = material.contact(&garment, &cloth, THICKNESS, 0.3, self.layers as f64);
+        Ok(SceneState::new(garment, cloth, contact))
     }
 
-    fn drive(&self, _t: f64, _x: &[Vec3]) -> Loads {
+    fn loads(&self, _t: f64, _x: &[Vec3]) -> Loads {
         Loads { drag: 2.0, ..Loads::gravity_only(Some(0.0)) }
     }
 }

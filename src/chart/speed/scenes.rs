@@ -1,14 +1,15 @@
-//! What is timed.
+//! The timed scenes.
 
-use crate::chart::accuracy::{FoldThrice, read_own};
-use crate::chart::{ChartOptions, cantilever, strip};
-use crate::chart::speed::Cost;
+use crate::chart::falling_strip::{FALLING_STRIP_POINTS, Fall, Stepping, fall};
+use crate::chart::fold_thrice::{FoldThrice, IncludedMesh};
+use crate::chart::speed::cost::SceneCost;
+use crate::chart::{ChartOptions, cantilever};
 use crate::bake::{Bake, BakeOptions, BakeReport};
 use crate::body::AnimatedBody;
 use crate::error::Result;
 use crate::fabric::{DEFAULT_FABRIC, Fabric};
+use crate::io::ReadOptions;
 use crate::garment::{Garment, SourcePiece};
-use crate::io::{ReadOptions};
 use crate::sim::NewtonSeconds;
 use crate::wear::WearScript;
 use std::sync::Arc;
@@ -19,33 +20,36 @@ pub(super) const STRIP: &str = "falling strip";
 pub(super) const ELBOW: &str = "elbow, one bend";
 pub(super) const CANTILEVER: &str = "cantilever";
 
-/// Edge to which the T-shirt of 13,863 points is refined for the largest [m].
-const FINE_EDGE: f64 = 5.4e-3;
-/// Elements along the cantilever, and its weight over its rigidity.
+/// Edge length to which the T-shirt of 13,863 points is refined for the largest one [m].
+const REFINED_EDGE: f64 = 5.4e-3;
+/// Elements along the cantilever.
 const ELEMENTS: usize = 80;
+/// Weight of the cantilever over its rigidity, rho g L³ / B [-].
 const GAMMA: f64 = 10.0;
-const ARM: (&str, &[u8]) = ("sleeve.glb", include_bytes!("../../../garments/sleeve.glb"));
+const SLEEVE: IncludedMesh =
+    IncludedMesh { file: "sleeve.glb", bytes: include_bytes!("../../../garments/sleeve.glb") };
 /// The first of the ten bends of `garments/wear/elbow-ten-bends.json`.
 const BEND: &str = r#"{"format": "crease-wear/1", "actions": [
     {"bend": {"joint": "elbow", "axis": "z", "angle": 95, "over": 1.0, "hold": 0.5}}]}"#;
 
-/// Runs all scenes.
-pub(super) fn costs(options: &ChartOptions) -> Result<Vec<Cost>> {
+/// Runs all scenes; those that are short several times, of which the median counts.
+pub(super) fn costs(options: &ChartOptions) -> Result<Vec<SceneCost>> {
     let mut costs = Vec::new();
-    let mut shirts = vec![FoldThrice::new()?];
+    let mut shirts = vec![FoldThrice::tshirt_2k()?];
     if options.full {
-        let full = FoldThrice::full()?;
-        let fine = full.refine(FINE_EDGE);
-        shirts.extend([full, fine]);
+        let full = FoldThrice::tshirt_14k()?;
+        let refined = full.refine(REFINED_EDGE);
+        shirts.extend([full, refined]);
     }
     for shirt in &shirts {
         let run = shirt.run(&BakeOptions::default())?;
-        costs.push(of_bake(SHIRT, run.baked.worn.displacement.len(), run.wall, &run.baked.report));
+        costs.push(of_bake(SHIRT, shirt.points(), run.wall, &run.baked.report));
     }
     costs.push(elbow()?);
     let fabric = Fabric::preset(DEFAULT_FABRIC)?;
-    for points in strip::points_of_meshes() {
-        let falls = (0..options.runs.max(1)).map(|run| strip::fall(points, &fabric, true, run, strip::Pace::Own));
+    for points in FALLING_STRIP_POINTS {
+        let fall_of = |run| fall(points, &fabric, true, run, Stepping::Adaptive);
+        let falls = (0..options.runs.max(1)).map(fall_of);
         costs.extend(median(falls.map(|fall| Ok(of_fall(points, &fall?))).collect::<Result<_>>()?));
     }
     let bends = (0..options.runs.max(1)).map(|_| cantilever_bent());
@@ -53,15 +57,15 @@ pub(super) fn costs(options: &ChartOptions) -> Result<Vec<Cost>> {
     Ok(costs)
 }
 
-/// The one in the middle by wall time.
-fn median(mut costs: Vec<Cost>) -> Option<Cost> {
+/// The median by wall time.
+fn median(mut costs: Vec<SceneCost>) -> Option<SceneCost> {
     costs.sort_by(|a, b| a.wall.total_cmp(&b.wall));
     let middle = costs.len() / 2;
     (middle < costs.len()).then(|| costs.swap_remove(middle))
 }
 
-fn of_bake(scene: &'static str, points: usize, wall: f64, report: &BakeReport) -> Cost {
-    Cost {
+fn of_bake(scene: &'static str, points: usize, wall: f64, report: &BakeReport) -> SceneCost {
+    SceneCost {
         scene,
         points,
         simulated_points: report.points,
@@ -74,13 +78,8 @@ fn of_bake(scene: &'static str, points: usize, wall: f64, report: &BakeReport) -
     }
 }
 
-/// InnerSolver seconds by the names of the table.
-fn stages(seconds: NewtonSeconds) -> Vec<(&'static str, f64)> {
-    vec![("assembly", seconds.assembly), ("linear_solve", seconds.linear_solve), ("contact", seconds.contact)]
-}
-
-fn of_fall(points: usize, fall: &strip::Fall) -> Cost {
-    Cost {
+fn of_fall(points: usize, fall: &Fall) -> SceneCost {
+    SceneCost {
         scene: STRIP,
         points,
         simulated_points: points,
@@ -93,9 +92,14 @@ fn of_fall(points: usize, fall: &strip::Fall) -> Cost {
     }
 }
 
-/// A sleeve on an arm that bends once.
-fn elbow() -> Result<Cost> {
-    let asset = read_own(ARM, &ReadOptions { garment: Some("sleeve".into()), ..ReadOptions::default() })?;
+/// Wall times of Newton as named stages [s].
+fn stages(seconds: NewtonSeconds) -> Vec<(&'static str, f64)> {
+    vec![("assembly", seconds.assembly), ("linear_solve", seconds.linear_solve), ("contact", seconds.contact)]
+}
+
+/// Bakes a sleeve on an arm that bends once.
+fn elbow() -> Result<SceneCost> {
+    let asset = SLEEVE.read(&ReadOptions { garment: Some("sleeve".into()), ..ReadOptions::default() })?;
     let arm: Vec<&SourcePiece> = asset.pieces.iter().filter(|piece| !piece.worn).collect();
     let body = Arc::new(AnimatedBody::from_pieces(&asset, &arm)?);
     let (garment, _) = Garment::from_asset(&asset)?;
@@ -106,12 +110,12 @@ fn elbow() -> Result<Cost> {
     Ok(of_bake(ELBOW, baked.worn.displacement.len(), clock.elapsed().as_secs_f64(), &baked.report))
 }
 
-/// A strip that bends under its weight until it hangs still.
-fn cantilever_bent() -> Cost {
+/// Computes the equilibrium of a strip that bends under its weight.
+fn cantilever_bent() -> SceneCost {
     let clock = Instant::now();
     let bent = cantilever::bent(ELEMENTS, GAMMA);
     let wall = clock.elapsed().as_secs_f64();
-    Cost {
+    SceneCost {
         scene: CANTILEVER,
         points: bent.points,
         simulated_points: bent.points,
@@ -138,17 +142,17 @@ mod tests {
     }
 
     #[test]
-    fn shirts_have_the_points_that_the_chart_says() {
-        let [draft, full] = [FoldThrice::new().unwrap(), FoldThrice::full().unwrap()];
-        let fine = full.refine(FINE_EDGE);
-        for (shirt, points) in [(draft, 2_000.0), (full, 14_000.0), (fine, 60_000.0)] {
-            let share = shirt.points() as f64 / points;
-            assert!((share - 1.0).abs() < 0.05, "{points}: {}", shirt.points());
+    fn shirts_have_the_documented_number_of_points() {
+        let [draft, full] = [FoldThrice::tshirt_2k().unwrap(), FoldThrice::tshirt_14k().unwrap()];
+        let refined = full.refine(REFINED_EDGE);
+        for (shirt, points) in [(draft, 2_000.0), (full, 14_000.0), (refined, 60_000.0)] {
+            let ratio = shirt.points() as f64 / points;
+            assert!((ratio - 1.0).abs() < 0.05, "{points}: {}", shirt.points());
         }
     }
 
     #[test]
-    fn a_cantilever_tells_what_it_took() {
+    fn a_cantilever_reports_its_cost() {
         let cost = cantilever_bent();
         assert!(cost.solves > 0 && cost.work.multiplications > 0.0 && cost.work.bytes > 0.0);
         assert!(cost.stages.iter().map(|(_, s)| s).sum::<f64>() <= cost.wall);

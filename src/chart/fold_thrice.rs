@@ -1,0 +1,172 @@
+//! The T-shirt that is folded thrice: the garment and script that several charts bake.
+//!
+//! Folds that begin in contact are sensitive to their initial condition, so that one bake says little: charts that compare
+//! results bake several perturbed initial conditions.
+
+use crate::bake::{Bake, BakeOptions, BakeResult, Quality};
+use crate::error::{Error, Result};
+use crate::fabric::{DEFAULT_FABRIC, Fabric};
+use crate::garment::{Garment, SourceAsset};
+use crate::io::{ReadOptions, read_asset};
+use crate::math::{Rng, bounds};
+use crate::mesh::intersections::self_intersections;
+use crate::wear::WearScript;
+use std::time::Instant;
+
+/// Name of the scene in tables.
+pub(super) const FOLD_THRICE: &str = "fold-thrice";
+
+/// A mesh of the repository, compiled in.
+pub(super) struct IncludedMesh {
+    /// File name.
+    pub(super) file: &'static str,
+    /// Its content.
+    pub(super) bytes: &'static [u8],
+}
+
+const TSHIRT_2K: IncludedMesh =
+    IncludedMesh { file: "tshirt-2k.glb", bytes: include_bytes!("../../garments/tshirt-2k.glb") };
+const TSHIRT_14K: IncludedMesh =
+    IncludedMesh { file: "tshirt-14k.glb", bytes: include_bytes!("../../garments/tshirt-14k.glb") };
+const SCRIPT_FILE: &str = "fold-thrice.json";
+const SCRIPT: &str = include_str!("../../garments/wear/fold-thrice.json");
+
+/// Largest displacement of a point by a perturbation, per axis, over the mean edge [-].
+const PERTURBATION_FRACTION: f64 = 0.02;
+
+impl IncludedMesh {
+    /// Reads the mesh.
+    ///
+    /// # Errors
+    /// None in practice: the included meshes are valid and complete.
+    pub(super) fn read(&self, options: &ReadOptions) -> Result<SourceAsset> {
+        let refuse = |name: &str| Err(Error::input(self.file, name, "refers to another file", ""));
+        Ok(read_asset(self.file, self.bytes, options, &mut |name| refuse(name))?.0)
+    }
+}
+
+/// T-shirt, fabric and wear script.
+pub(super) struct FoldThrice {
+    garment: Garment,
+    fabric: Fabric,
+    script: WearScript,
+}
+
+/// Result and cost of one bake.
+pub(super) struct BakeRun {
+    /// Wall time [s].
+    pub(super) wall: f64,
+    /// Linear systems solved, global and local.
+    pub(super) linear_solves: u64,
+    /// The result.
+    pub(super) baked: BakeResult,
+}
+
+impl FoldThrice {
+    /// The T-shirt of 2,000 points, in the default fabric.
+    pub(super) fn tshirt_2k() -> Result<Self> {
+        Self::of(&TSHIRT_2K)
+    }
+
+    /// The T-shirt of 13,863 points, in the default fabric.
+    pub(super) fn tshirt_14k() -> Result<Self> {
+        Self::of(&TSHIRT_14K)
+    }
+
+    fn of(mesh: &IncludedMesh) -> Result<Self> {
+        let asset = mesh.read(&ReadOptions::default())?;
+        Ok(Self {
+            garment: Garment::from_asset(&asset)?.0,
+            fabric: Fabric::preset(DEFAULT_FABRIC)?,
+            script: WearScript::parse(SCRIPT_FILE, SCRIPT)?,
+        })
+    }
+
+    /// Number of points.
+    pub(super) fn points(&self) -> usize {
+        self.garment.points.len()
+    }
+
+    /// The same garment, refined by edge bisection to edges of at most `edge` [m].
+    #[must_use]
+    pub(super) fn refine(&self, edge: f64) -> Self {
+        let garment = self.garment.refine(edge, &[]).garment;
+        Self { garment, fabric: self.fabric.clone(), script: self.script.clone() }
+    }
+
+    /// The same garment with a perturbed initial condition: points moved at random by up to a fiftieth of the mean edge along
+    /// every axis, reproducibly for each `seed`.
+    #[must_use]
+    pub(super) fn perturbed(&self, seed: u64) -> Self {
+        let mut garment = self.garment.clone();
+        let mut rng = Rng::from_seed(seed);
+        let amplitude = PERTURBATION_FRACTION * garment.mean_edge();
+        garment.points.iter_mut().for_each(|x| *x += rng.in_cube() * amplitude);
+        Self { garment, fabric: self.fabric.clone(), script: self.script.clone() }
+    }
+
+    /// Bakes the script.
+    pub(super) fn run(&self, options: &BakeOptions) -> Result<BakeRun> {
+        let clock = Instant::now();
+        let bake = Bake::new(&self.garment, &self.fabric, &self.script).script_name(SCRIPT_FILE);
+        let baked = bake.options(options.clone()).run()?;
+        let linear_solves = baked.report.solves + baked.report.local_solves;
+        Ok(BakeRun { wall: clock.elapsed().as_secs_f64(), linear_solves, baked })
+    }
+
+    /// Root mean square difference of the rest angles of two results, weighted by the area of each hinge [rad].
+    pub(super) fn rest_angle_error(&self, a: &BakeResult, b: &BakeResult) -> f64 {
+        let rest = a.worn.memory.rest_angle.iter().zip(&b.worn.memory.rest_angle);
+        self.mean_by_area(rest.map(|(a, b)| (a - b) * (a - b))).sqrt()
+    }
+
+    /// Root mean square change of the rest angles by wear, weighted by area [rad]: the scale of their errors.
+    pub(super) fn rest_angle_rms(&self, a: &BakeResult) -> f64 {
+        let mut unworn = a.clone();
+        unworn.worn.memory.rest_angle.clone_from(&a.worn.memory.source_angle);
+        self.rest_angle_error(a, &unworn)
+    }
+
+    /// Mean magnitude of the change of the rest angles by wear, weighted by area [rad]: the amount of memory.
+    pub(super) fn rest_angle_mean(&self, a: &BakeResult) -> f64 {
+        let memory = &a.worn.memory;
+        let change = memory.rest_angle.iter().zip(&memory.source_angle);
+        self.mean_by_area(change.map(|(rest, source)| (rest - source).abs()))
+    }
+
+    /// Mean of one value per hinge, weighted by the area of the hinge.
+    fn mean_by_area(&self, values: impl Iterator<Item = f64>) -> f64 {
+        let area: Vec<f64> =
+            self.garment.material.iter().map(|m| 0.5 * (m[1] - m[0]).perp(&(m[2] - m[0])).abs()).collect();
+        let (mut sum, mut total_area) = (0.0, 0.0);
+        for (value, hinge) in values.zip(&self.garment.topology.hinges) {
+            let weight: f64 = hinge.triangles.iter().map(|f| area[*f as usize] / 3.0).sum();
+            sum += weight * value;
+            total_area += weight;
+        }
+        sum / total_area
+    }
+
+    /// Largest distance between the points of two results, over the size of the garment [-].
+    pub(super) fn position_error(&self, a: &BakeResult, b: &BakeResult) -> f64 {
+        let (low, high) = bounds(&self.garment.points);
+        let size = (high - low).max();
+        let pairs = a.worn.displacement.iter().zip(&b.worn.displacement);
+        pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max) / size
+    }
+
+    /// Whether layers of the result intersect.
+    pub(super) fn has_intersections(&self, baked: &BakeResult) -> bool {
+        let worn: Vec<_> =
+            self.garment.points.iter().zip(&baked.worn.displacement).map(|(x, d)| x + d).collect();
+        !self_intersections(&worn, &self.garment.triangles).is_empty()
+    }
+}
+
+/// Options of the reference: backward Euler with half the error and half the shortest step of the reference quality.
+pub(super) fn reference_options() -> BakeOptions {
+    let mut options = BakeOptions::for_quality(Quality::Reference);
+    options.step.local_error_tol *= 0.5;
+    options.step.min_dt *= 0.5;
+    options
+}
