@@ -1,31 +1,20 @@
-//! `crease batch`: here, on a real Slurm on the loopback interface, and by Open Job Description; everywhere the same bytes.
+//! `crease batch`: on this machine, on a real Slurm on the loopback interface, and through Open Job Description, with the
+//! same bytes everywhere.
 //!
 //! Slurm's test runs where slurmctld, slurmd and sbatch are installed (Debian: slurmctld, slurmd, slurm-client) and the
 //! user may run slurmd (root); Open Job Description's where `openjd` (PyPI: openjd-cli) is in the PATH. Else they say so.
 
+#[path = "common/tool.rs"]
+mod tool;
+
 use assert_cmd::Command;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
+use tool::{Pose, crease, wavy_sheet};
 
-fn crease(arguments: &[&str]) -> (String, String, i32) {
-    let output = Command::new(env!("CARGO_BIN_EXE_crease")).args(arguments).output().expect("runs");
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("is text");
-    (text(output.stdout), text(output.stderr), output.status.code().expect("ends by itself"))
-}
-
-/// A slightly wavy sheet of `cells` x `cells` squares, lying.
+/// A slightly wavy sheet that lies.
 fn sheet(cells: usize) -> String {
-    let row = cells + 1;
-    let mut text = String::new();
-    for k in 0..row * row {
-        let (x, z) = (0.2 * (k % row) as f64 / cells as f64, 0.2 * (k / row) as f64 / cells as f64);
-        text += &format!("v {x} {} {z}\n", 0.002 * (40.0 * x).sin());
-    }
-    for k in (0..row * cells).filter(|k| k % row < cells) {
-        let (a, b) = (k + 1, k + 1 + row);
-        text += &format!("f {a} {b} {}\nf {} {b} {}\n", a + 1, a + 1, b + 1);
-    }
-    text
+    wavy_sheet(cells, 0.002, Pose::Lying)
 }
 
 fn fold(hold: f64) -> String {
@@ -55,7 +44,7 @@ fn farm(garments: usize, scripts: usize, cells: usize) -> (tempfile::TempDir, St
     (folder, path)
 }
 
-/// Name and bytes of everything that a batch has made and that promises equal bytes.
+/// Name and bytes of all outputs of a batch that are bit-identical between runs.
 fn results(folder: &Path) -> Vec<(String, Vec<u8>)> {
     let mut list: Vec<(String, Vec<u8>)> = std::fs::read_dir(folder.join("worn"))
         .expect("a folder")
@@ -164,7 +153,7 @@ fn a_batch_that_is_interrupted_goes_on() {
     while !checkpoint() && child.try_wait().expect("asks").is_none() {
         std::thread::sleep(std::time::Duration::from_millis(5));
     }
-    std::process::Command::new("kill").args(["-TERM", &child.id().to_string()]).status().expect("kills");
+    tool::signal(&child, "-TERM");
     assert_eq!(child.wait().expect("waits").code(), Some(130));
     assert!(checkpoint(), "the checkpoint stays");
     assert_eq!(crease(&["batch", &jobs]).2, 0);

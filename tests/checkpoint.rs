@@ -1,5 +1,8 @@
 //! Checkpoints: a bake that is resumed from any of them ends with the bytes of one that was never interrupted.
 
+#[path = "common/tool.rs"]
+mod tool;
+
 use crease::bake::{Bake, BakeOptions, BakeResult, Checkpoint, Observer};
 use crease::body::AnimatedBody;
 use crease::fabric::Fabric;
@@ -9,6 +12,7 @@ use crease::math::Vec3;
 use crease::sim::Method;
 use crease::wear::WearScript;
 use crease::{Error, Result};
+use tool::{Pose, wavy_sheet};
 
 /// Every action whose runner has a state of its own: `lay` its ceiling, `unfold` the fold it opens.
 const SCRIPT: &str = r#"{"format": "crease-wear/1", "actions": [
@@ -22,19 +26,9 @@ const SCRIPT: &str = r#"{"format": "crease-wear/1", "actions": [
     {"release": {}},
     {"hang": {"for": 0.5}}]}"#;
 
-/// A slightly wavy sheet that hangs, of `cells` x `cells` squares.
+/// A slightly wavy sheet that hangs.
 fn sheet(cells: usize) -> String {
-    let row = cells + 1;
-    let mut text = String::new();
-    for k in 0..row * row {
-        let (x, y) = (0.2 * (k % row) as f64 / cells as f64, 0.2 * (k / row) as f64 / cells as f64);
-        text += &format!("v {x} {y} {}\n", 0.004 * (40.0 * x).sin());
-    }
-    for k in (0..row * cells).filter(|k| k % row < cells) {
-        let (a, b) = (k + 1, k + 1 + row);
-        text += &format!("f {a} {} {b}\nf {} {} {b}\n", a + 1, a + 1, b + 1);
-    }
-    text
+    wavy_sheet(cells, 0.004, Pose::Hanging)
 }
 
 struct Scene {
@@ -255,7 +249,8 @@ fn a_checkpoint_of_another_run_or_a_damaged_one_is_refused() {
 
 /// The tool: killed in the middle or asked to stop, then `--resume`.
 #[cfg(unix)]
-mod tool {
+mod process {
+    use super::tool::signal;
     use super::{SCRIPT, sheet};
     use std::path::Path;
     use std::process::{Child, Command, Stdio};
@@ -267,10 +262,6 @@ mod tool {
         command.args(["bake", &path("sheet.obj"), "--wear", &path("wear.json"), "-o", &path(out)]);
         command.args(["--quiet", "--checkpoint-every", "0"]).args(resume.then_some("--resume"));
         command.stderr(Stdio::null()).spawn().unwrap()
-    }
-
-    fn signal(child: &Child, name: &str) {
-        assert!(Command::new("kill").args([name, &child.id().to_string()]).status().unwrap().success());
     }
 
     #[test]

@@ -1,19 +1,11 @@
 //! The tool from outside: what it prints where, and its exit codes.
 
-use assert_cmd::Command;
+#[path = "common/tool.rs"]
+mod tool;
+
 use serde_json::Value;
 use std::path::Path;
-
-fn crease() -> Command {
-    Command::new(env!("CARGO_BIN_EXE_crease"))
-}
-
-/// Standard output, standard error and exit code.
-fn run(arguments: &[&str]) -> (String, String, i32) {
-    let output = crease().args(arguments).output().expect("runs");
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("is text");
-    (text(output.stdout), text(output.stderr), output.status.code().expect("ends by itself"))
-}
+use tool::{crease as run, crease_in as run_in};
 
 /// A folder with a wear script of this text, and the script's path.
 fn with_script(text: &str) -> (tempfile::TempDir, String) {
@@ -190,14 +182,14 @@ fn a_full_disk_is_told() {
 /// A handkerchief of `side` x `side` points, 0.2 m wide, lying flat.
 fn handkerchief(side: usize) -> String {
     let mut text = String::new();
-    let share = |i: usize| i as f64 / (side - 1) as f64;
+    let fraction = |i: usize| i as f64 / (side - 1) as f64;
     for (row, column) in (0..side * side).map(|n| (n / side, n % side)) {
         text += &format!(
             "v {} 0 {}\nvt {} {}\n",
-            0.2 * share(column),
-            0.2 * share(row),
-            share(column),
-            share(row)
+            0.2 * fraction(column),
+            0.2 * fraction(row),
+            fraction(column),
+            fraction(row)
         );
     }
     for (row, column) in (0..side * side).map(|n| (n / side, n % side)) {
@@ -222,13 +214,6 @@ fn workshop(script: &str) -> tempfile::TempDir {
     std::fs::write(folder.path().join("handkerchief.obj"), handkerchief(20)).expect("writes");
     std::fs::write(folder.path().join("wear.json"), script).expect("writes");
     folder
-}
-
-/// Runs in `folder`: standard output, standard error and exit code.
-fn run_in(folder: &Path, arguments: &str) -> (String, String, i32) {
-    let output = crease().current_dir(folder).args(arguments.split(' ')).output().expect("runs");
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("is text");
-    (text(output.stdout), text(output.stderr), output.status.code().expect("ends by itself"))
 }
 
 fn json_of(path: &Path) -> Value {
@@ -280,7 +265,7 @@ fn a_bake_gives_three_files_that_do_not_depend_on_threads() {
 
     let glb = std::fs::read(folder.join("one.glb")).expect("is there");
     check_worn_glb(&glb);
-    check_portraits(&glb, &std::fs::read(folder.join("one.crease.json")).expect("is there"));
+    check_views(&glb, &std::fs::read(folder.join("one.crease.json")).expect("is there"));
     let sidecar = json_of(&folder.join("one.crease.json"));
     assert_eq!(sidecar["run"]["memory"], "on");
     assert_eq!(sidecar["wear"]["name"], "fold once");
@@ -365,7 +350,7 @@ fn check_worn_glb(bytes: &[u8]) {
 }
 
 /// What is drawn is the same with the sidecar and from the file alone, up to single precision.
-fn check_portraits(glb: &[u8], sidecar: &[u8]) {
+fn check_views(glb: &[u8], sidecar: &[u8]) {
     let options = crease::io::ReadOptions { unit_m: Some(1.0), ..Default::default() };
     let mut nothing = |name: &str| Err(crease::Error::input(name, "", "is not asked for", ""));
     let (asset, _) = crease::io::read_asset("one.glb", glb, &options, &mut nothing).expect("reads back");
@@ -520,4 +505,50 @@ fn a_chart_is_four_files_or_none() {
     let (_, err, code) = run(&["chart", "loop", "--fabric", "demin", "-o", &into("other")]);
     assert!(code == 1 && err.contains("did you mean `denim`"), "{err}");
     assert!(!folder.path().join("other").exists());
+}
+
+/// The names of options and values before version 0.1 still work, but no help shows them.
+#[cfg(all(feature = "charts", feature = "viewer"))]
+#[test]
+fn old_names_of_options_are_hidden_aliases() {
+    let workshop = workshop(FOLD_ONCE);
+    let bake =
+        "bake handkerchief.obj --wear wear.json --explain --memory paper --everything --no-sleep --also obj";
+    let (_, err, code) = run_in(workshop.path(), bake);
+    assert_eq!(code, 0, "{err}");
+    // Read as far as the missing files: the options themselves are accepted.
+    for line in [
+        "transfer none.crease.json --to none.obj --by uv --align place -o out.glb",
+        "view none.glb --show rest-angle --most-frames 3 -o out.html",
+        "render none.glb --show rest-angle -o out.png",
+        "batch none.json --share 0/2",
+    ] {
+        let (_, err, code) = run_in(workshop.path(), line);
+        assert!(code == 1 && err.contains("there is no such file"), "{line}: {err}");
+    }
+    let (help, _, _) = run_in(workshop.path(), "man --markdown");
+    for old in
+        ["--everything", "--no-sleep", "--also", "--by", "--share", "--most-frames", "`paper`", "`place`"]
+    {
+        assert!(!help.contains(old), "{old} is documented");
+    }
+    assert!(help.contains("`from-motion`") && help.contains("--export"));
+}
+
+/// The reference is generated from the definition of the command line.
+#[cfg(all(feature = "charts", feature = "viewer"))]
+#[test]
+fn the_command_line_reference_is_current() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/reference/command-line.md");
+    let (text, _, code) = run(&["man", "--markdown"]);
+    assert_eq!(code, 0);
+    if std::env::var_os("CREASE_UPDATE_DOCS").is_some() {
+        std::fs::write(&path, &text).expect("writes");
+    }
+    let current = std::fs::read_to_string(&path).unwrap_or_default();
+    assert!(
+        current == text,
+        "docs/reference/command-line.md is out of date; run\n  \
+         CREASE_UPDATE_DOCS=1 cargo test --test cli the_command_line_reference_is_current"
+    );
 }

@@ -7,8 +7,8 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// A page with megabytes of script takes a while on a busy machine.
-const PATIENCE: Duration = Duration::from_secs(120);
+/// Time limit of the browser; the page holds megabytes of script.
+const TIMEOUT: Duration = Duration::from_secs(120);
 
 fn chromium() -> Option<&'static str> {
     let path = std::env::var_os("PATH").unwrap_or_default();
@@ -17,7 +17,7 @@ fn chromium() -> Option<&'static str> {
         .find(|program| std::env::split_paths(&path).any(|folder| folder.join(program).is_file()))
 }
 
-/// Runs the browser on `address` in a profile of its own; what it says on stdout.
+/// Runs the browser on `address` in its own profile; returns its standard output.
 fn browse(browser: &str, profile: &Path, arguments: &[&str], address: &str) -> String {
     let out = profile.join("out.txt");
     let mut child = Command::new(browser)
@@ -32,7 +32,7 @@ fn browse(browser: &str, profile: &Path, arguments: &[&str], address: &str) -> S
         .expect("starts");
     let began = Instant::now();
     while child.try_wait().expect("asks").is_none() {
-        assert!(began.elapsed() < PATIENCE, "the browser does not end");
+        assert!(began.elapsed() < TIMEOUT, "the browser does not end");
         std::thread::sleep(Duration::from_millis(50));
     }
     String::from_utf8_lossy(&std::fs::read(&out).expect("reads")).into_owned()
@@ -105,14 +105,14 @@ fn the_page_shows_the_worn_garment_and_its_colours() {
         pictures.push(pixels(&picture));
     }
     // The garment's folds are orange and blue; its displacement is in the colours of viridis.
-    let share = |picture: &[[u8; 3]], is: &dyn Fn(&[u8; 3]) -> bool| {
+    let fraction = |picture: &[[u8; 3]], is: &dyn Fn(&[u8; 3]) -> bool| {
         picture.iter().filter(|p| is(p)).count() as f64 / picture.len() as f64
     };
     let bluish = |p: &[u8; 3]| i32::from(p[2]) > i32::from(p[0]) + 40;
     let reddish = |p: &[u8; 3]| i32::from(p[0]) > i32::from(p[2]) + 40;
     let greenish = |p: &[u8; 3]| i32::from(p[1]) > i32::from(p[0]) + 30;
-    assert!(share(&pictures[0], &bluish) > 0.01 && share(&pictures[0], &reddish) > 0.01, "rest angle");
-    assert!(share(&pictures[2], &greenish) > 0.01, "displacement");
+    assert!(fraction(&pictures[0], &bluish) > 0.01 && fraction(&pictures[0], &reddish) > 0.01, "rest angle");
+    assert!(fraction(&pictures[2], &greenish) > 0.01, "displacement");
     let moved = pictures[0].iter().zip(&pictures[1]).filter(|(a, b)| a != b).count();
     assert!(moved > pictures[0].len() / 500, "the slider moves the garment: {moved} pixels");
 }
