@@ -179,9 +179,9 @@ fn open_job_description_runs_the_same_jobs() {
     }
     let openjd = |arguments: &[&str]| {
         let output = Command::new("openjd").args(arguments).output().expect("runs");
-        let said =
+        let output_text =
             String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{said}");
+        assert!(output.status.success(), "{output_text}");
     };
     openjd(&["check", &template]);
     let tool = format!("Crease={}", env!("CARGO_BIN_EXE_crease"));
@@ -260,7 +260,7 @@ impl Slurm {
 
 impl Drop for Slurm {
     fn drop(&mut self) {
-        // The nodes first, so that the controller is told.
+        // The nodes stop first, so that the controller is notified.
         for daemon in self.daemons.iter_mut().rev() {
             let _ = daemon.kill();
             let _ = daemon.wait();

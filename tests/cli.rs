@@ -1,4 +1,4 @@
-//! The tool from outside: what it prints where, and its exit codes.
+//! The tool from outside: its output and exit codes.
 
 #[path = "common/tool.rs"]
 mod tool;
@@ -349,7 +349,7 @@ fn check_worn_glb(bytes: &[u8]) {
     assert!(worn.rest_angle_deg.iter().any(|angle| angle.abs() > 10.0));
 }
 
-/// What is drawn is the same with the sidecar and from the file alone, up to single precision.
+/// The drawn data is the same with the sidecar and from the file alone, up to single precision.
 fn check_views(glb: &[u8], sidecar: &[u8]) {
     let options = crease::io::ReadOptions { unit_m: Some(1.0), ..Default::default() };
     let mut nothing = |name: &str| Err(crease::Error::input(name, "", "is not asked for", ""));
@@ -410,7 +410,7 @@ fn inspect_tells_what_is_in_a_file() {
     let (out, err, code) = run_in(workshop.path(), "inspect handkerchief.obj --garment sock");
     assert_eq!((out.as_str(), code), ("", 1));
     assert!(err.contains("no garment called \"sock\""), "{err}");
-    // 0.2 units that are millimetres make a handkerchief for nobody, but the user has said so.
+    // A handkerchief of 0.2 mm is accepted, since the unit is explicit.
     assert_eq!(run_in(workshop.path(), "inspect handkerchief.obj --unit mm").2, 0);
 }
 

@@ -1,6 +1,6 @@
 //! The viewer page in a browser: it draws without an error, and what it draws is to be seen.
 //!
-//! Runs where Chromium is installed (Debian: chromium), with its software renderer; else it says so.
+//! Runs where Chromium is installed (Debian: chromium), with its software renderer; else the test is skipped with a message.
 
 use serde_json::{Value, json};
 use std::path::Path;
@@ -95,7 +95,7 @@ fn the_page_shows_the_worn_garment_and_its_colours() {
     let body = &body[..body.find('>').unwrap_or(0)];
     assert!(body.contains("data-ready=\"yes\"") && !body.contains("data-error"), "<body{body}>");
     assert_eq!(dom.matches("class=\"scene").count(), 2);
-    assert!(dom.contains(">50 %<"), "the slider says where it is");
+    assert!(dom.contains(">50 %<"), "the slider shows its value");
 
     let mut pictures = Vec::new();
     for state in ["show=rest-angle-change", "show=rest-angle-change&worn=0", "show=displacement"] {

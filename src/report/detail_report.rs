@@ -1,4 +1,4 @@
-//! What the report of a bake says of a detail map.
+//! Report of a detail map.
 
 use crate::io::gltf::DetailMap;
 use schemars::JsonSchema;
@@ -10,21 +10,21 @@ pub struct DetailReport {
     /// Name of the material, if it has one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
-    /// Texels a side.
+    /// Texels per side.
     pub texels: u64,
-    /// Whether the material of the worn file refers to it.
+    /// Whether the material of the worn file refers to the map.
     pub in_material: bool,
-    /// Mean angle between the map's directions and the bare coarse mesh [degrees].
+    /// Mean angle between the normals of the map and those of the coarse mesh [degrees].
     pub mean_tilt_deg: f64,
-    /// Texels that two places of the garment claim differently, because they share a part of the picture [%].
+    /// Texels that two parts of the garment use with different normals [%].
     #[serde(alias = "contradicted_percent")]
     pub conflicting_texel_percent: f64,
-    /// What black and white of the height map stand for [m].
+    /// Heights of black and white in the height map [m].
     pub height_range_m: [f32; 2],
-    /// The normal map's file, where it is not in the material.
+    /// File of the normal map, if it is not in the material.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal_map: Option<String>,
-    /// The height map's file, where one was asked for.
+    /// File of the height map, if there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub height_map: Option<String>,
 }

@@ -1,13 +1,13 @@
-//! Files for other programs (`--export`): each is made, read back, and what it says then compared with what it should.
+//! Files for other programs (`--export`). Each is written, read back, and compared with the worn garment.
 //!
-//! | kind | file | who takes it |
+//! | kind | file | read by |
 //! |---|---|---|
-//! | `obj` | `OUT.worn.obj`, the worn shape | anything |
+//! | `obj` | `OUT.worn.obj`, the worn shape | any program |
 //! | `rest-mesh` | `OUT.rest.obj`, the shape that best carries the rest angles | Maya, Blender, Vellum, ppf, Newton: rest shapes |
 //! | `rest-angle-map` | `OUT.rest-angle.glb`, rest angles per vertex | Unreal Chaos |
 //! | `usda` | `OUT.usda`, pairs of triangles and their angles in degrees | USD physics |
 //!
-//! The formats are in `format/`; a new kind is one of those and a line in each list here.
+//! The formats are in `io`. A new kind needs a format there and a line in each list of [`Export`].
 
 use crate::bake::rest_mesh;
 use crate::fabric::Fabric;
@@ -22,49 +22,49 @@ use crate::{Error, Result};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A kind of file for other programs.
+/// Kind of a file for other programs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Export {
-    /// The worn shape as OBJ.
+    /// Worn shape as OBJ.
     Obj,
-    /// The rest mesh as OBJ.
+    /// Rest mesh as OBJ.
     RestMesh,
     /// Rest angles per vertex as GLB.
     RestAngleMap,
-    /// A USD surface deformable.
+    /// USD surface deformable.
     Usda,
 }
 
-/// A file made and read back.
+/// A written file with its checks.
 #[derive(Debug, Clone)]
 pub struct ExportFile {
-    /// What its name ends in, behind that of the main output: `rest.obj`.
+    /// Extension that replaces that of the main output: `rest.obj`.
     pub ending: &'static str,
-    /// Its bytes.
+    /// Content of the file.
     pub bytes: Vec<u8>,
-    /// What it said when read back; the caller puts the file's name in.
+    /// Comparisons with the worn garment, without the name of the file.
     pub checks: Vec<ExportCheck>,
 }
 
-/// A file written on the side, as it was found when read back.
+/// Comparison of an exported file, read back, with the worn garment.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ExportCheck {
-    /// The file.
+    /// Name of the file.
     pub file: String,
-    /// What was compared.
+    /// Compared quantity.
     pub compared: String,
-    /// Largest difference to what it should carry, in `unit`.
+    /// Maximum difference, in `unit`.
     pub largest_difference: f64,
-    /// The same, root mean square (of angles: weighted by length).
+    /// Root mean square difference (of angles: weighted by edge length).
     pub rms_difference: f64,
-    /// The same for the garment as it came: what would be missing without the file.
+    /// Root mean square difference of the garment before the wear, for comparison.
     pub rms_without: f64,
     /// Unit of the differences.
     pub unit: String,
 }
 
 impl Export {
-    /// Every kind, by its name on the command line.
+    /// All kinds with their names on the command line.
     pub const ALL: [(&str, Self); 4] = [
         ("obj", Self::Obj),
         ("rest-mesh", Self::RestMesh),
@@ -72,7 +72,7 @@ impl Export {
         ("usda", Self::Usda),
     ];
 
-    /// What the file's name ends in.
+    /// Returns the extension of the file.
     pub fn ending(self) -> &'static str {
         match self {
             Self::Obj => "worn.obj",
@@ -82,7 +82,7 @@ impl Export {
         }
     }
 
-    /// Makes the file of `worn`, which is `garment` of `fabric`, made of `asset`, and reads it back.
+    /// Writes the file of `worn` and reads it back. `garment`, of the fabric `fabric`, was made from `asset`.
     pub fn make(
         self,
         asset: &SourceAsset,
@@ -90,38 +90,47 @@ impl Export {
         worn: &WornGarment,
         fabric: &Fabric,
     ) -> Result<ExportFile> {
-        let scene = Scene { asset, garment, worn };
+        let exporter = Exporter { asset, garment, worn };
         let (bytes, checks) = match self {
-            Self::Obj => scene.worn_obj()?,
-            Self::RestMesh => scene.rest_obj(fabric)?,
-            Self::RestAngleMap => scene.rest_angle_map()?,
-            Self::Usda => scene.usda(fabric)?,
+            Self::Obj => exporter.worn_obj()?,
+            Self::RestMesh => exporter.rest_obj(fabric)?,
+            Self::RestAngleMap => exporter.rest_angle_map()?,
+            Self::Usda => exporter.usda(fabric)?,
         };
         Ok(ExportFile { ending: self.ending(), bytes, checks })
     }
 }
 
-struct Scene<'a> {
+struct Exporter<'a> {
     asset: &'a SourceAsset,
     garment: &'a Garment,
     worn: &'a WornGarment,
 }
 
-impl Scene<'_> {
+impl Exporter<'_> {
     fn worn_obj(&self) -> Result<(Vec<u8>, Vec<ExportCheck>)> {
         let bytes = write_shape_obj(self.asset, self.garment, &self.worn.displacement);
         let back = self.points_of(&read_shape_obj("OUT.worn.obj", &bytes)?)?;
-        let should: Vec<Vec3> = add(&self.garment.points, &self.worn.displacement);
-        let off = |a: &[Vec3]| a.iter().zip(&should).map(|(a, b)| 1e3 * (a - b).norm()).collect::<Vec<_>>();
-        let even = vec![1.0; should.len()];
-        Ok((bytes, vec![report("positions", "mm", &off(&back), &off(&self.garment.points), &even)]))
+        let expected: Vec<Vec3> = add(&self.garment.points, &self.worn.displacement);
+        let distances =
+            |a: &[Vec3]| a.iter().zip(&expected).map(|(a, b)| 1e3 * (a - b).norm()).collect::<Vec<_>>();
+        let weights = vec![1.0; expected.len()];
+        Ok((
+            bytes,
+            vec![compare(
+                Quantity::new("positions", "mm"),
+                &distances(&back),
+                &distances(&self.garment.points),
+                &weights,
+            )],
+        ))
     }
 
     fn rest_obj(&self, fabric: &Fabric) -> Result<(Vec<u8>, Vec<ExportCheck>)> {
         let shape = rest_mesh(self.garment, fabric, &self.worn.memory);
         let bytes = write_shape_obj(self.asset, self.garment, &shape.displacement);
         let back = self.points_of(&read_shape_obj("OUT.rest.obj", &bytes)?)?;
-        Ok((bytes, self.shape_reports(&back)))
+        Ok((bytes, self.shape_checks(&back)))
     }
 
     fn usda(&self, fabric: &Fabric) -> Result<(Vec<u8>, Vec<ExportCheck>)> {
@@ -138,19 +147,19 @@ impl Scene<'_> {
         if same != hinges.len() || back.pairs.len() != hinges.len() || back.angles_deg.len() != hinges.len() {
             return Err(Error::input("OUT.usda", "physics:restAdjTriPairs", "did not read back", ""));
         }
-        let off = |angles: &dyn Fn(usize) -> f64| -> Vec<f64> {
-            let gap = |h: usize| {
-                let gap = angles(h) - memory.rest_angle[h].to_degrees();
-                (gap - 360.0 * (gap / 360.0).round()).abs()
+        let differences = |angles: &dyn Fn(usize) -> f64| -> Vec<f64> {
+            let difference = |h: usize| {
+                let turns = angles(h) - memory.rest_angle[h].to_degrees();
+                (turns - 360.0 * (turns / 360.0).round()).abs()
             };
-            (0..hinges.len()).map(gap).collect()
+            (0..hinges.len()).map(difference).collect()
         };
-        let with = off(&|h| back.angles_deg[h]);
-        let without = off(&|h| wrapped_deg(memory.source_angle[h]));
-        let mut reports =
-            vec![report("rest angles of the pairs", "degrees", &with, &without, &self.lengths())];
-        reports.extend(self.shape_reports(&back.rest_points));
-        Ok((bytes, reports))
+        let with = differences(&|h| back.angles_deg[h]);
+        let without = differences(&|h| wrapped_deg(memory.source_angle[h]));
+        let pairs = Quantity::new("rest angles of the pairs", "degrees");
+        let mut checks = vec![compare(pairs, &with, &without, &self.edge_lengths())];
+        checks.extend(self.shape_checks(&back.rest_points));
+        Ok((bytes, checks))
     }
 
     fn rest_angle_map(&self) -> Result<(Vec<u8>, Vec<ExportCheck>)> {
@@ -171,7 +180,7 @@ impl Scene<'_> {
                 per_point[point.at()] = 360.0 * grey - 180.0;
             }
         }
-        // As Chaos reads it: of both ends, the lesser magnitude.
+        // Chaos uses the end of the edge with the smaller magnitude.
         let of_edge = |h: &crate::mesh::Hinge| {
             let [a, b] = [per_point[h.points[0].at()], per_point[h.points[1].at()]];
             if f64::abs(a) < f64::abs(b) { a } else { b }
@@ -179,15 +188,15 @@ impl Scene<'_> {
         let hinges = self.garment.topology.hinges.iter();
         let with: Vec<f64> =
             hinges.zip(&memory.rest_angle).map(|(h, rest)| (of_edge(h) - rest.to_degrees()).abs()).collect();
-        let what = "rest angles, of both ends of an edge the lesser magnitude";
-        let without = self.angles_off(&self.garment.points);
-        Ok((bytes, vec![report(what, "degrees", &with, &without, &self.lengths())]))
+        let quantity = Quantity::new("rest angles, of both ends of an edge the smaller magnitude", "degrees");
+        let without = self.angle_differences(&self.garment.points);
+        Ok((bytes, vec![compare(quantity, &with, &without, &self.edge_lengths())]))
     }
 
-    /// Of a rest shape: angles against the rest angles, lengths against those of the garment.
-    fn shape_reports(&self, points: &[Vec3]) -> Vec<ExportCheck> {
-        let (with, without) = (self.angles_off(points), self.angles_off(&self.garment.points));
-        let lengths = self.lengths();
+    /// Compares the angles of a rest shape with the rest angles, and its lengths with those of the garment.
+    fn shape_checks(&self, points: &[Vec3]) -> Vec<ExportCheck> {
+        let (with, without) = (self.angle_differences(points), self.angle_differences(&self.garment.points));
+        let lengths = self.edge_lengths();
         let length = |h: &crate::mesh::Hinge| (points[h.points[1].at()] - points[h.points[0].at()]).norm();
         let strain: Vec<f64> = self
             .garment
@@ -199,29 +208,29 @@ impl Scene<'_> {
             .collect();
         let none = vec![0.0; strain.len()];
         vec![
-            report("hinge angles of the rest shape", "degrees", &with, &without, &lengths),
-            report("edge lengths of the rest shape", "per cent", &strain, &none, &lengths),
+            compare(Quantity::new("hinge angles of the rest shape", "degrees"), &with, &without, &lengths),
+            compare(Quantity::new("edge lengths of the rest shape", "per cent"), &strain, &none, &lengths),
         ]
     }
 
-    /// Per hinge: difference of its angle at `points` to its rest angle (degrees), whole turns left out.
-    fn angles_off(&self, points: &[Vec3]) -> Vec<f64> {
+    /// Returns per hinge the difference between its angle at `points` and its rest angle, modulo full turns [degrees].
+    fn angle_differences(&self, points: &[Vec3]) -> Vec<f64> {
         let hinges = self.garment.topology.hinges.iter().zip(&self.worn.memory.rest_angle);
-        let off = |(h, rest): (&crate::mesh::Hinge, &f64)| {
+        let difference = |(h, rest): (&crate::mesh::Hinge, &f64)| {
             let angle = unwrap_angle(hinge_angle(&h.points.map(|p| points[p.at()])), *rest);
             (angle - rest).abs().to_degrees()
         };
-        hinges.map(off).collect()
+        hinges.map(difference).collect()
     }
 
-    /// Per hinge: length of its edge [m].
-    fn lengths(&self) -> Vec<f64> {
+    /// Returns the length of the edge of every hinge [m].
+    fn edge_lengths(&self) -> Vec<f64> {
         let x = &self.garment.points;
         let length = |h: &crate::mesh::Hinge| (x[h.points[1].at()] - x[h.points[0].at()]).norm();
         self.garment.topology.hinges.iter().map(length).collect()
     }
 
-    /// Points of the garment from positions per vertex: the first vertex of a point decides, as it did on import.
+    /// Returns the points of the garment from positions per vertex. As on import, the first vertex of a point counts.
     fn points_of(&self, vertices: &[Vec3]) -> Result<Vec<Vec3>> {
         if vertices.len() != self.garment.source_point.len() {
             return Err(Error::input("OUT.obj", "", "did not read back: vertices are missing", ""));
@@ -238,17 +247,31 @@ fn add(x: &[Vec3], d: &[Vec3]) -> Vec<Vec3> {
     x.iter().zip(d).map(|(x, d)| x + d).collect()
 }
 
-fn report(compared: &str, unit: &str, with: &[f64], without: &[f64], weight: &[f64]) -> ExportCheck {
-    let rms = |off: &[f64]| {
-        let sum: f64 = off.iter().zip(weight).map(|(o, w)| o * o * w).sum();
+/// A compared quantity and its unit.
+#[derive(Debug, Clone, Copy)]
+struct Quantity {
+    name: &'static str,
+    unit: &'static str,
+}
+
+impl Quantity {
+    const fn new(name: &'static str, unit: &'static str) -> Self {
+        Self { name, unit }
+    }
+}
+
+/// Summarises differences `with` the file and `without` it, each with its `weight`.
+fn compare(quantity: Quantity, with: &[f64], without: &[f64], weight: &[f64]) -> ExportCheck {
+    let rms = |differences: &[f64]| {
+        let sum: f64 = differences.iter().zip(weight).map(|(d, w)| d * d * w).sum();
         (sum / weight.iter().sum::<f64>().max(f64::MIN_POSITIVE)).sqrt()
     };
     ExportCheck {
         file: String::new(),
-        compared: compared.to_owned(),
+        compared: quantity.name.to_owned(),
         largest_difference: with.iter().copied().fold(0.0, f64::max),
         rms_difference: rms(with),
         rms_without: rms(without),
-        unit: unit.to_owned(),
+        unit: quantity.unit.to_owned(),
     }
 }

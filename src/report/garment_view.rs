@@ -1,7 +1,7 @@
-//! What a picture of a worn garment is drawn from: its shape before and after wear, and its memory per point.
+//! Data to draw a worn garment from: its shape before and after wear, and its memory per point.
 //!
-//! Made from the sidecar, which has everything in full, or from the mesh file alone, which has it per vertex and in
-//! single precision, or not at all (any mesh: shape and curvature can be shown). Chooses no camera; `render` draws.
+//! It comes from the sidecar, or from the mesh file alone, which has memory per vertex in single precision or none (then
+//! only shape and curvature can be drawn). Drawing is done by `render`.
 
 use crate::garment::{Garment, SourceAsset};
 use crate::io::Sidecar;
@@ -13,10 +13,10 @@ use crate::report::render::{
 };
 use crate::{Error, Result};
 
-/// What the colours of a picture show.
+/// Quantity that colours a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ColorBy {
-    /// The shape alone.
+    /// Shape only.
     Shape,
     /// Change of rest angle [degrees].
     RestAngleChange,
@@ -24,16 +24,16 @@ pub enum ColorBy {
     Curvature,
     /// Stiffness ratio [-].
     Stiffness,
-    /// Displacement from the garment's own shape [mm].
+    /// Displacement from the source shape [mm].
     Displacement,
-    /// Growth of the rest length, of warp or weft the larger in magnitude [%].
+    /// Change of the rest length along warp or weft, whichever is larger in magnitude [%].
     Stretch,
-    /// How sure a transfer is of what it carried over, 0 to 1.
+    /// Confidence of a transfer, 0 to 1.
     Confidence,
 }
 
 impl ColorBy {
-    /// Every one, in the order of menus.
+    /// All quantities, in the order of menus.
     pub const ALL: [Self; 7] = [
         Self::Shape,
         Self::RestAngleChange,
@@ -44,7 +44,7 @@ impl ColorBy {
         Self::Confidence,
     ];
 
-    /// Its name on the command line.
+    /// Returns the name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Shape => "shape",
@@ -58,36 +58,36 @@ impl ColorBy {
     }
 }
 
-/// A worn garment, ready to be drawn.
+/// Shapes and memory of a garment.
 #[derive(Debug, Clone)]
 pub struct GarmentView {
-    /// The file it came from, for messages.
+    /// File of the garment, for messages.
     pub file: String,
-    /// Own shape, one per point [m].
+    /// Source shape, one position per point [m].
     pub before: Vec<Vec3>,
-    /// Worn shape, one per point [m].
+    /// Worn shape, one position per point [m].
     pub after: Vec<Vec3>,
     /// Triangles over the points.
     pub triangles: Vec<[PointIndex; 3]>,
-    /// What it remembers, if the file says so.
+    /// Memory, if the file has any.
     pub memory: Option<PointMemory>,
-    /// One per triangle, after a transfer: how sure it is.
+    /// Confidence of a transfer, one value per triangle.
     pub confidence: Option<Vec<f64>>,
 }
 
-/// Memory per point, as the attributes of the glTF say it, and what only the sidecar says.
+/// Memory per point, as in the attributes of the glTF, and per triangle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PointMemory {
-    /// Change of rest angle of largest magnitude among the point's hinges [degrees].
+    /// Change of rest angle with the largest magnitude among the hinges of the point [degrees].
     pub rest_angle_change_deg: Vec<f64>,
-    /// Mean stiffness ratio of the point's hinges [-].
+    /// Mean stiffness ratio of the hinges of the point [-].
     pub stiffness_ratio: Vec<f64>,
-    /// One per triangle: growth of the rest length [%]; only a sidecar says it.
+    /// Change of the rest length, one value per triangle [%]; known from a sidecar only.
     pub stretch_percent: Option<Vec<f64>>,
 }
 
 impl GarmentView {
-    /// From a sidecar, which has been checked when it was read.
+    /// Creates the view from a sidecar, which has been validated by its reader.
     pub fn of_sidecar(file: &str, sidecar: &Sidecar) -> Self {
         let before = sidecar.mesh_points();
         let worn = sidecar.worn();
@@ -118,7 +118,7 @@ impl GarmentView {
         }
     }
 
-    /// From a mesh file alone: of a worn glTF its worn pieces, else all that is taken for the garment.
+    /// Creates the view from a mesh file: the worn pieces of a worn glTF, otherwise the whole garment.
     pub fn of_asset(mut asset: SourceAsset) -> Result<Self> {
         let worn = if keep_worn_pieces(&mut asset) { Some(read_worn(&asset)?) } else { None };
         let (garment, _) = Garment::from_asset(&asset)?;
@@ -129,7 +129,7 @@ impl GarmentView {
                 stiffness_ratio: vec![1.0; after.len()],
                 stretch_percent: None,
             };
-            // Backwards, so that the first vertex of a point decides, as it did for the garment.
+            // In reverse order, so that the first vertex of a point counts, as on import.
             for (v, point) in garment.source_point.iter().enumerate().rev() {
                 if let Some(x) = worn.positions.get(v) {
                     after[point.at()] = *x;
@@ -149,15 +149,15 @@ impl GarmentView {
         })
     }
 
-    /// The worn garment, seen by `camera`, in `size` = [width, height] pixels.
-    pub fn draw(&self, show: ColorBy, camera: &Camera, size: [usize; 2]) -> Result<Image> {
-        render(&self.after, &self.triangles, &self.colouring(show)?, camera, size)
+    /// Draws the worn garment; `size` is [width, height] in pixels. Fails if the file lacks the quantity.
+    pub fn draw(&self, color_by: ColorBy, camera: &Camera, size: [usize; 2]) -> Result<Image> {
+        render(&self.after, &self.triangles, &self.colouring(color_by)?, camera, size)
     }
 
-    /// Own shape and worn shape beside each other, each of `size` pixels, in the same colours.
-    pub fn draw_before_after(&self, show: ColorBy, camera: &Camera, size: [usize; 2]) -> Result<Image> {
-        let colouring = self.colouring(show)?;
-        let new = match (&colouring, self.field(show, &self.before, None)) {
+    /// Draws the source shape and the worn shape side by side, each of `size` pixels, with the same colour scale.
+    pub fn draw_before_after(&self, color_by: ColorBy, camera: &Camera, size: [usize; 2]) -> Result<Image> {
+        let colouring = self.colouring(color_by)?;
+        let new = match (&colouring, self.field(color_by, &self.before, None)) {
             (Colouring::Field(worn), Some(new)) => {
                 Colouring::Field(Field { range: Some(worn.limits()), ..new })
             }
@@ -168,24 +168,25 @@ impl GarmentView {
         Ok(side_by_side(&before, &after, ["before", "after"]))
     }
 
-    /// What `show` colours the worn garment with; `None` for the bare shape, and for what its file does not say.
-    pub fn field_of(&self, show: ColorBy) -> Option<Field> {
-        if self.memory.is_none() && !matches!(show, ColorBy::Curvature | ColorBy::Displacement) {
+    /// Returns the values of `color_by` on the worn garment; `None` for the shape, and where the file lacks the quantity.
+    pub fn field_of(&self, color_by: ColorBy) -> Option<Field> {
+        if self.memory.is_none() && !matches!(color_by, ColorBy::Curvature | ColorBy::Displacement) {
             return None;
         }
-        self.field(show, &self.after, self.memory.as_ref())
+        self.field(color_by, &self.after, self.memory.as_ref())
     }
 
-    fn colouring(&self, show: ColorBy) -> Result<Colouring> {
-        if show == ColorBy::Confidence && self.confidence.is_none() {
+    /// Returns how the worn garment is coloured; fails where the file lacks the quantity.
+    fn colouring(&self, color_by: ColorBy) -> Result<Colouring> {
+        if color_by == ColorBy::Confidence && self.confidence.is_none() {
             return Err(Error::input(
                 &self.file,
                 "",
-                "says nothing of confidence",
+                "has no confidence",
                 "give the OUT.glb that `crease transfer` wrote, with its sidecar beside it",
             ));
         }
-        if show != ColorBy::Shape && show != ColorBy::Curvature && self.memory.is_none() {
+        if color_by != ColorBy::Shape && color_by != ColorBy::Curvature && self.memory.is_none() {
             return Err(Error::input(
                 &self.file,
                 "",
@@ -193,31 +194,31 @@ impl GarmentView {
                 "give the OUT.glb that `crease bake` wrote, or show shape or curvature",
             ));
         }
-        match self.field(show, &self.after, self.memory.as_ref()) {
+        match self.field(color_by, &self.after, self.memory.as_ref()) {
             Some(field) => Ok(Colouring::Field(field)),
-            None if show == ColorBy::Shape => Ok(Colouring::Shape),
+            None if color_by == ColorBy::Shape => Ok(Colouring::Shape),
             None => Err(Error::input(
                 &self.file,
                 "",
-                format!("says nothing of {}", show.name()),
+                format!("has no {}", color_by.name()),
                 "keep OUT.crease.json beside OUT.glb",
             )),
         }
     }
 
-    /// Field on the shape `x`; without `memory` that of new cloth. `None` for the bare shape.
-    fn field(&self, show: ColorBy, x: &[Vec3], memory: Option<&PointMemory>) -> Option<Field> {
+    /// Returns the values on the shape `x`, of new cloth where there is no `memory`; `None` for the shape.
+    fn field(&self, color_by: ColorBy, x: &[Vec3], memory: Option<&PointMemory>) -> Option<Field> {
         let new = |value: f64| vec![value; x.len()];
-        match show {
+        match color_by {
             ColorBy::Shape => None,
-            ColorBy::RestAngleChange => {
-                Some(Field::rest_angle(memory.map_or_else(|| new(0.0), |m| m.rest_angle_change_deg.clone())))
-            }
+            ColorBy::RestAngleChange => Some(Field::rest_angle_change(
+                memory.map_or_else(|| new(0.0), |m| m.rest_angle_change_deg.clone()),
+            )),
             ColorBy::Stiffness => {
                 Some(Field::stiffness_ratio(memory.map_or_else(|| new(1.0), |m| m.stiffness_ratio.clone())))
             }
             ColorBy::Displacement => {
-                let moved = x.iter().zip(&self.before).map(|(x, home)| 1e3 * (x - home).norm());
+                let moved = x.iter().zip(&self.before).map(|(x, source)| 1e3 * (x - source).norm());
                 Some(Field::displacement_mm(moved.collect()))
             }
             ColorBy::Stretch => match memory {
@@ -226,16 +227,16 @@ impl GarmentView {
             },
             ColorBy::Confidence => self.confidence.clone().map(Field::confidence),
             ColorBy::Curvature => {
-                // A file may name a point twice in a triangle; topology may not be asked about that.
-                let sound: Vec<[PointIndex; 3]> =
+                // Topology requires triangles of three different points, which a file need not have.
+                let valid: Vec<[PointIndex; 3]> =
                     self.triangles.iter().filter(|[a, b, c]| a != b && b != c && c != a).copied().collect();
-                Some(Field::curvature(curvature(x, &sound, &Topology::new(x.len(), &sound))))
+                Some(Field::curvature(curvature(x, &valid, &Topology::new(x.len(), &valid))))
             }
         }
     }
 }
 
-/// Per triangle: of warp and weft the growth of larger magnitude [%].
+/// Returns per triangle the change along warp or weft, whichever is larger in magnitude [%].
 fn stretch_percent(warp: &[f64], weft: &[f64]) -> Vec<f64> {
     let growth = |ratio: f64| 100.0 * (ratio - 1.0);
     let larger = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
@@ -247,7 +248,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_are_those_of_the_command_line_and_differ() {
+    fn names_are_unique() {
         let mut names = ColorBy::ALL.map(ColorBy::name).to_vec();
         names.sort_unstable();
         names.dedup();

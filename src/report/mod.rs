@@ -1,4 +1,4 @@
-//! What a run has to tell: the report file of a bake, pictures, the viewer page.
+//! Results in readable form: report files, pictures, the viewer page, fabric swatches, and files for other programs.
 
 mod detail_report;
 mod export;

@@ -1,26 +1,27 @@
-//! `OUT.report.json`: what a bake did, what it cost and what there is to worry about, in numbers.
+//! `OUT.report.json`: results, cost and warnings of a bake.
 //!
-//! Plain data: the bake fills it in, the tool writes it, others read it by these names (`docs/reference/formats/report.md`). Units
-//! stand in the names. It measures nothing itself; `crossings` are counted exactly by who fills them in.
+//! Plain data: the bake fills it in, the tool writes it, other programs read it by these names (`docs/reference/formats/report.md`). Units
+//! are part of the names. `crossings` are counted exactly by [`crossing_counts`].
 
 use crate::bake::{BakeResult, ModelDecision};
 use crate::garment::{Garment, WornGarment};
 use crate::math::Vec3;
 use crate::mesh::intersections::self_intersections;
-use crate::report::{DetailReport, ExportCheck};
+use crate::report::detail_report::DetailReport;
+use crate::report::export::ExportCheck;
 use schemars::JsonSchema;
 use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// The report of one bake.
+/// Report of one bake.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(title = "crease report")]
 pub struct Report {
-    /// Time the run took [s].
+    /// Wall time of the run [s].
     pub wall_s: f64,
-    /// Time that passed for the cloth [s].
+    /// Simulated time [s].
     pub simulated_s: f64,
     /// Accepted time steps.
     pub steps: u64,
@@ -31,66 +32,66 @@ pub struct Report {
     pub points: usize,
     /// Triangles of the simulated mesh.
     pub triangles: usize,
-    /// Pairs of triangles that intersect in the result and did not at the start.
+    /// Pairs of triangles that intersect in the result but not in the input.
     pub crossings: usize,
-    /// Pairs of triangles that intersect in the input already.
+    /// Pairs of triangles that intersect in the input.
     pub crossings_at_start: usize,
-    /// Events of memory.
+    /// Memory events.
     pub events: EventCounts,
-    /// Largest magnitude of a change of rest angle, rest minus source angle, in the result [degrees].
+    /// Maximum magnitude of the change of rest angle, rest minus source angle, in the result [degrees].
     #[serde(alias = "max_rest_angle_deg")]
     pub max_rest_angle_change_deg: f64,
-    /// Largest stiffness ratio in the result [-]; 1 is new cloth.
+    /// Maximum stiffness ratio in the result [-]; 1 for new cloth.
     pub max_stiffness_ratio: f64,
-    /// Time integration, by its name on the command line.
+    /// Time integrator, by its name on the command line.
     pub method: String,
-    /// Which models were on, which were off, and why.
+    /// Models that were on or off, and why.
     pub models: Vec<ModelChoice>,
-    /// Time by stage [s], in the order the stages first ran.
+    /// Wall time per stage [s], in the order the stages first ran.
     #[schemars(with = "BTreeMap<String, f64>")]
     pub stages: StageTimes,
-    /// What the user should know of, in words.
+    /// Warnings for the user.
     pub warnings: Vec<String>,
     /// Files of `--export`, compared after reading them back; omitted if there are none.
     #[serde(default, rename = "also", alias = "exports", skip_serializing_if = "Vec::is_empty")]
     pub exports: Vec<ExportCheck>,
-    /// Normal maps of fine wrinkles; left out without any.
+    /// Normal maps of fine wrinkles; omitted if there are none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub detail_maps: Vec<DetailReport>,
 }
 
-/// Events of memory, counted over all hinges and triangles.
+/// Memory events, counted over all hinges and triangles.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct EventCounts {
-    /// Gradual ones.
+    /// Gradual events.
     pub gradual: u64,
-    /// Critical ones.
+    /// Critical events.
     pub critical: u64,
 }
 
-/// A model, and whether a scene needs it.
+/// Decision about one model.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct ModelChoice {
-    /// Its name.
+    /// Name of the model.
     pub name: String,
     /// Whether it was on.
     pub on: bool,
-    /// Why, with the number behind it.
+    /// Reason, with the number behind it.
     pub why: String,
 }
 
 impl From<&ModelDecision> for ModelChoice {
-    fn from(choice: &ModelDecision) -> Self {
-        Self { name: choice.name.to_owned(), on: choice.on, why: choice.why.clone() }
+    fn from(decision: &ModelDecision) -> Self {
+        Self { name: decision.name.to_owned(), on: decision.on, why: decision.why.clone() }
     }
 }
 
-/// Seconds by stage, in the order the stages first ran; in JSON an object.
+/// Seconds per stage, in the order the stages first ran; an object in JSON.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct StageTimes(Vec<(String, f64)>);
 
 impl StageTimes {
-    /// Adds `seconds` to `stage`; a new stage goes to the end.
+    /// Adds `seconds` to `stage`, which is appended if it is new.
     pub fn add(&mut self, stage: &str, seconds: f64) {
         match self.0.iter_mut().find(|(name, _)| name == stage) {
             Some((_, sum)) => *sum += seconds,
@@ -98,7 +99,7 @@ impl StageTimes {
         }
     }
 
-    /// Stages with their seconds, in order.
+    /// Iterates over the stages and their seconds in order.
     pub fn iter(&self) -> impl Iterator<Item = (&str, f64)> {
         self.0.iter().map(|(name, seconds)| (name.as_str(), *seconds))
     }
@@ -112,8 +113,8 @@ impl Serialize for StageTimes {
 
 impl<'de> Deserialize<'de> for StageTimes {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct InOrder;
-        impl<'de> Visitor<'de> for InOrder {
+        struct StageVisitor;
+        impl<'de> Visitor<'de> for StageVisitor {
             type Value = StageTimes;
 
             fn expecting(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -128,21 +129,21 @@ impl<'de> Deserialize<'de> for StageTimes {
                 Ok(StageTimes(stages))
             }
         }
-        deserializer.deserialize_map(InOrder)
+        deserializer.deserialize_map(StageVisitor)
     }
 }
 
-/// Pairs of triangles that run through each other.
+/// Numbers of intersecting pairs of triangles.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct CrossingCounts {
-    /// In the input.
+    /// Pairs in the input.
     pub at_start: usize,
-    /// In the result, those of the input left out.
+    /// Pairs in the result that are not in the input.
     pub added: usize,
 }
 
-/// Counts the crossings of `worn` in its own pose; `start` are those of the garment as it came, sorted as
-/// [`self_intersections`] gives them.
+/// Counts the intersections of `worn` in the source pose. `start` are those of the input garment, sorted as returned by
+/// [`self_intersections`].
 pub fn crossing_counts(garment: &Garment, worn: &WornGarment, start: &[[u32; 2]]) -> CrossingCounts {
     let x: Vec<Vec3> = garment.points.iter().zip(&worn.displacement).map(|(x, d)| x + d).collect();
     let end = self_intersections(&x, &garment.triangles);
@@ -151,7 +152,7 @@ pub fn crossing_counts(garment: &Garment, worn: &WornGarment, start: &[[u32; 2]]
 }
 
 impl Report {
-    /// What `baked`, which was `garment`, has to tell. `method` and the times of reading and writing are the caller's.
+    /// Creates the report of the bake `baked` of `garment`. The caller adds `method` and the times of reading and writing.
     pub fn of_bake(garment: &Garment, baked: &BakeResult, counts: CrossingCounts) -> Self {
         let (work, memory) = (&baked.report, &baked.worn.memory);
         let mut stages = StageTimes::default();
@@ -175,9 +176,9 @@ impl Report {
         }
     }
 
-    /// As a file: JSON with line breaks, ending in one.
+    /// Returns the report file: indented JSON with a final line break.
     pub fn to_json(&self) -> String {
-        // Plain numbers and texts: writing them to memory does not fail.
+        // Plain numbers and strings can always be serialised.
         let mut text = serde_json::to_string_pretty(self).unwrap_or_default();
         text.push('\n');
         text
@@ -204,7 +205,7 @@ mod tests {
         }
     }
 
-    /// A triangle that lies, and one that stands on a corner at height `y` above its middle.
+    /// A horizontal triangle, and a vertical one whose lowest corner is at height `y` above its middle.
     fn lying_and_standing(y: f64) -> Garment {
         let text = format!("v -1 0 -1\nv 1 0 -1\nv 0 0 1\nv 0 {y} 0\nv -1 2 0\nv 1 2 0\nf 1 2 3\nf 4 5 6\n");
         let options = crate::io::ReadOptions::default();
@@ -215,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn crossings_of_the_input_are_not_those_of_the_bake() {
+    fn crossings_of_the_input_are_counted_apart() {
         let counts_after = |y: f64, fall: f64| {
             let garment = lying_and_standing(y);
             let start = self_intersections(&garment.points, &garment.triangles);
@@ -227,13 +228,13 @@ mod tests {
             (counts.at_start, counts.added)
         };
         assert_eq!(counts_after(0.5, 0.0), (0, 0));
-        assert_eq!(counts_after(0.5, 1.0), (0, 1), "made by the bake");
-        assert_eq!(counts_after(-0.5, 0.1), (1, 0), "there before");
-        assert_eq!(counts_after(-0.5, -1.0), (1, 0), "there before and undone");
+        assert_eq!(counts_after(0.5, 1.0), (0, 1), "added by the bake");
+        assert_eq!(counts_after(-0.5, 0.1), (1, 0), "in the input");
+        assert_eq!(counts_after(-0.5, -1.0), (1, 0), "in the input and undone");
     }
 
     #[test]
-    fn names_and_order_are_those_others_read() {
+    fn names_and_order_are_those_of_the_format() {
         let value = serde_json::to_value(report()).expect("plain data");
         let names: Vec<&str> =
             value.as_object().into_iter().flatten().map(|(name, _)| name.as_str()).collect();
@@ -247,6 +248,20 @@ mod tests {
         assert!(compact.contains(r#""stages":{"read":0.25,"solve":2.5,"contact":1.0}"#), "{text}");
         assert!(compact.contains(r#""events":{"gradual":3,"critical":1}"#), "{text}");
         assert!(compact.contains(r#"{"name":"friction","on":false,"why":"noslope"}"#), "{text}");
+    }
+
+    #[test]
+    fn reports_with_old_names_can_be_read() {
+        let old = report()
+            .to_json()
+            .replace("max_rest_angle_change_deg", "max_rest_angle_deg")
+            .replace("  \"linear_solves\": 0,\n", "");
+        let back: Report = serde_json::from_str(&old).expect("reads");
+        assert_eq!(back, report());
+        let map = serde_json::json!({"texels": 8, "in_material": true, "mean_tilt_deg": 1.0,
+            "contradicted_percent": 2.0, "height_range_m": [0.0, 0.001]});
+        let map: DetailReport = serde_json::from_value(map).expect("reads");
+        assert_eq!(map.conflicting_texel_percent, 2.0);
     }
 
     #[test]

@@ -1,35 +1,36 @@
-//! Swatches: the fabrics on one page, each drawn as it would hang over the edge of a table.
+//! Swatches: fabrics on one page, each drawn as a strip that hangs over the edge of a table.
 //!
-//! The strip is the heavy elastica that Peirce measured cloth with: with c the bending length, t along a strip of
+//! The strip is the heavy elastica of Peirce's cantilever test: with c the bending length, t along a strip of
 //! length L from its free end and phi the angle to the plumb line,
 //!
 //! ```text
 //! phi'' = t sin(phi) / c³,   phi'(0) = 0,   phi(L) = 90 degrees
 //! ```
 //!
-//! solved by shooting for phi(0). It shows the drape, not the colour, which is nobody's knowledge here.
+//! solved by shooting for phi(0). Swatches show the drape of a fabric, not its colour.
 
 use crate::fabric::Fabric;
-use crate::report::escaped;
+use crate::report::html::escaped;
 use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write;
 
-/// Length of the strip that hangs over [m].
-const STRIP_M: f64 = 0.05;
-/// Units of the drawing for a metre.
-const PER_METRE: f64 = 2400.0;
-/// Pieces of the strip in a picture.
-const PIECES: usize = 120;
+/// Length of the strip [m].
+const STRIP_LENGTH_M: f64 = 0.05;
+/// Drawing units per metre.
+const UNITS_PER_METRE: f64 = 2400.0;
+/// Segments of the strip.
+const SEGMENTS: usize = 120;
 
-/// Points [m] of a strip of `length` [m] whose cloth has the bending length `c` [m], x outward, y down, from the edge.
+/// Returns the points of a hanging strip [m], from the edge on: x outward, y down. `length` is that of the strip [m], `c` the
+/// bending length of its cloth [m].
 pub fn overhang(length: f64, c: f64) -> Vec<[f64; 2]> {
-    let h = length / PIECES as f64;
-    // phi at every node from the free end on, by the classical Runge-Kutta method; cut short where it is beyond level.
+    let h = length / SEGMENTS as f64;
+    // phi at every node from the free end on, by the classical Runge-Kutta method; stops where phi exceeds 90 degrees.
     let shoot = |beta: f64| {
         let slope = |t: f64, [phi, rate]: [f64; 2]| [rate, t * phi.sin() / c.powi(3)];
         let mut y = [beta, 0.0];
         let mut phis = vec![beta];
-        for k in 0..PIECES {
+        for k in 0..SEGMENTS {
             let t = k as f64 * h;
             let ahead = |d: [f64; 2], by: f64| [y[0] + by * d[0], y[1] + by * d[1]];
             let k1 = slope(t, y);
@@ -44,7 +45,7 @@ pub fn overhang(length: f64, c: f64) -> Vec<[f64; 2]> {
         }
         phis
     };
-    // By the logarithm: the end of limp cloth hangs down to within a billionth of a degree.
+    // Bisection of the logarithm: the free end of limp cloth deviates from the vertical by as little as 1e-9 degrees.
     let (mut low, mut high) = (-200.0_f64, FRAC_PI_2.ln());
     for _ in 0..100 {
         let middle = 0.5 * (low + high);
@@ -53,23 +54,23 @@ pub fn overhang(length: f64, c: f64) -> Vec<[f64; 2]> {
     }
     let mut phis = shoot(low.exp());
     phis.reverse();
-    let mut place = [0.0, 0.0];
-    let mut points = vec![place];
+    let mut position = [0.0, 0.0];
+    let mut points = vec![position];
     for pair in phis.windows(2) {
         let phi = 0.5 * (pair[0] + pair[1]);
-        place = [place[0] + h * phi.sin(), place[1] + h * phi.cos()];
-        points.push(place);
+        position = [position[0] + h * phi.sin(), position[1] + h * phi.cos()];
+        points.push(position);
     }
     points
 }
 
-/// The page.
+/// Returns the page of `fabrics`.
 pub fn swatch_page(fabrics: &[Fabric]) -> String {
     let mut cards = String::new();
     for fabric in fabrics {
-        let path: Vec<String> = overhang(STRIP_M, fabric.bending_length())
+        let path: Vec<String> = overhang(STRIP_LENGTH_M, fabric.bending_length())
             .iter()
-            .map(|[x, y]| format!("{:.2},{:.2}", 60.0 + PER_METRE * x, 20.0 + PER_METRE * y))
+            .map(|[x, y]| format!("{:.2},{:.2}", 60.0 + UNITS_PER_METRE * x, 20.0 + UNITS_PER_METRE * y))
             .collect();
         // Writing to a string cannot fail.
         let _ = writeln!(
@@ -79,7 +80,7 @@ pub fn swatch_page(fabrics: &[Fabric]) -> String {
              stroke-width=\"{:.2}\" stroke-linecap=\"round\"/></svg><h2>{}</h2><p>{}</p><p>{:.0} g/m², bending length \
              {:.1} mm, {:.2} mm thick</p></article>",
             path.join(" "),
-            PER_METRE * fabric.thickness(),
+            UNITS_PER_METRE * fabric.thickness(),
             escaped(&fabric.name),
             escaped(&fabric.description),
             fabric.area_density_g_m2,
@@ -93,7 +94,7 @@ pub fn swatch_page(fabrics: &[Fabric]) -> String {
          main{{display:flex;flex-wrap:wrap;gap:1em}}article{{width:230px;background:#fff;border:1px solid #ddd;\
          padding:.6em}}h1{{font-size:1.3em}}h2{{font-size:1em;margin:.2em 0}}p{{margin:.2em 0}}</style></head>\n\
          <body><h1>Fabrics, each as a strip of {:.0} mm hangs over an edge</h1>\n<main>\n{cards}</main></body></html>\n",
-        1e3 * STRIP_M
+        1e3 * STRIP_LENGTH_M
     )
 }
 
@@ -125,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn every_fabric_has_its_place() {
+    fn every_fabric_is_on_the_page() {
         let fabrics: Vec<Fabric> =
             Fabric::preset_names().iter().map(|name| Fabric::preset(name).expect("a preset")).collect();
         let page = swatch_page(&fabrics);

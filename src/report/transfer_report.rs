@@ -1,65 +1,66 @@
-//! `OUT.report.json` of a transfer: what was carried, how sure that is, and what was lost.
+//! `OUT.report.json` of a transfer: transferred memory, its confidence, and losses.
 //!
-//! Plain data, as the report of a bake; names that both have mean the same.
+//! Plain data. Names that it has in common with the report of a bake mean the same.
 
-use crate::report::{DetailReport, ExportCheck};
+use crate::report::detail_report::DetailReport;
+use crate::report::export::ExportCheck;
 use crate::transfer::{GarmentSurface, RegionConfidence, TransferLosses, TransferResult};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// The report of one transfer.
+/// Report of one transfer.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(title = "crease transfer report")]
 pub struct TransferReport {
-    /// Time the run took [s].
+    /// Wall time of the run [s].
     pub wall_s: f64,
     /// Welded points of the target.
     pub points: usize,
     /// Triangles of the target.
     pub triangles: usize,
-    /// Pairs of triangles that intersect in the result and did not at the start.
+    /// Pairs of triangles that intersect in the result but not in the target.
     pub crossings: usize,
-    /// Pairs of triangles that intersect in the target already.
+    /// Pairs of triangles that intersect in the target.
     pub crossings_at_start: usize,
-    /// Largest magnitude of a change of rest angle [degrees].
+    /// Maximum magnitude of the change of rest angle [degrees].
     #[serde(alias = "max_rest_angle_deg")]
     pub max_rest_angle_change_deg: f64,
-    /// Largest stiffness ratio [-]; 1 is new cloth.
+    /// Maximum stiffness ratio [-]; 1 for new cloth.
     pub max_stiffness_ratio: f64,
-    /// Mean confidence over the cloth, 0 to 1.
+    /// Area-weighted mean confidence, 0 to 1.
     pub confidence: f64,
-    /// Confidence by region.
+    /// Confidence per region.
     pub regions: Vec<RegionConfidence>,
-    /// One per sidecar, in the order given.
+    /// One entry per sidecar, in the order of the command line.
     pub sources: Vec<CarriedSource>,
-    /// Normal maps of fine wrinkles; left out without any.
+    /// Normal maps of fine wrinkles; omitted if there are none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub detail_maps: Vec<DetailReport>,
     /// Files of `--export`, compared after reading them back; omitted if there are none.
     #[serde(default, rename = "also", alias = "exports", skip_serializing_if = "Vec::is_empty")]
     pub exports: Vec<ExportCheck>,
-    /// What the user should know of, in words.
+    /// Warnings for the user.
     pub warnings: Vec<String>,
 }
 
 /// One sidecar of a transfer.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CarriedSource {
-    /// The sidecar as the user named it.
+    /// Sidecar as the user named it.
     pub file: String,
-    /// How places were matched: `same`, `uv` or `surface`.
+    /// Matching of points: `same`, `uv` or `surface`.
     pub by: String,
-    /// MatchBy what the source was laid over the target before: `place`, `landmarks`, `joints` or `box`. Left out where numbers went
-    /// over one by one.
+    /// Alignment of the source with the target: `place` (none), `landmarks`, `joints` or `box`. Omitted where points were
+    /// matched by number.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub aligned: Option<String>,
-    /// What was lost.
+    /// Losses of the transfer.
     #[serde(flatten)]
     pub losses: TransferLosses,
 }
 
 impl TransferReport {
-    /// What `carried`, which lies on `target`, has to tell; counts, sources and times are the caller's.
+    /// Creates the report of the transfer `carried` to `target`. The caller adds counts, sources and times.
     pub fn of_transfer(carried: &TransferResult, target: &GarmentSurface) -> Self {
         let memory = &carried.memory;
         let changes = memory.rest_angle.iter().zip(&memory.source_angle).map(|(rest, source)| rest - source);
@@ -75,9 +76,9 @@ impl TransferReport {
         }
     }
 
-    /// As a file: JSON with line breaks, ending in one.
+    /// Returns the report file: indented JSON with a final line break.
     pub fn to_json(&self) -> String {
-        // Plain numbers and texts: writing them to memory does not fail.
+        // Plain numbers and strings can always be serialised.
         let mut text = serde_json::to_string_pretty(self).unwrap_or_default();
         text.push('\n');
         text

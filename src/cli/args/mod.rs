@@ -1,4 +1,4 @@
-//! Groups of command-line arguments that several commands share, and parsers of their values.
+//! Groups of command-line arguments that several commands have in common, and parsers of their values.
 
 pub mod body;
 pub mod color_by;

@@ -36,10 +36,10 @@ pub struct Arguments {
     /// Worn garment to write; OUT.crease.json and OUT.report.json go beside it
     #[arg(short, long, value_name = "OUT.glb", value_parser = glb_path)]
     output: PathBuf,
-    /// How points of both garments are matched
+    /// Matching of points of both garments
     #[arg(long = "match", alias = "by", value_enum, default_value_t = MatchArg::Auto)]
     match_by: MatchArg,
-    /// How the source is aligned with the target before points are matched by surface
+    /// Alignment of the source with the target before points are matched by surface
     #[arg(long, value_enum, default_value_t = AlignArg::Auto)]
     align: AlignArg,
     /// File of corresponding points of both garments (`crease schema landmarks`), by which the source is aligned

@@ -62,7 +62,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
 
 fn worn_item(path: &Path) -> Result<ViewerItem> {
     let ViewFile { view, sidecar } = ViewFile::read(path)?;
-    let hinges = sidecar.as_ref().map_or_else(Vec::new, HingeLabel::all_of);
+    let hinges = sidecar.as_ref().map_or_else(Vec::new, HingeLabel::from_sidecar);
     let name =
         path.file_name().map_or_else(|| input::name_of(path), |name| name.to_string_lossy().into_owned());
     Ok(ViewerItem { name, view, hinges, frames: Vec::new() })

@@ -75,7 +75,7 @@ pub trait JobReport {
     fn json(&self) -> String;
 }
 
-/// What a report says of the files beside the main outputs.
+/// Entries of a report about the files beside the main outputs.
 #[derive(Debug, Default)]
 pub struct WrittenFiles {
     /// One entry per detail map.
@@ -195,8 +195,8 @@ pub struct WrittenJob<R> {
 }
 
 impl<R: JobReport> WrittenJob<R> {
-    /// Prints the outcome: the lines of `summary` for people, which is given the name of the worn garment, or the report
-    /// for programs.
+    /// Prints the outcome: warnings and `summary`, which receives the name of the worn garment, as text, or the report as
+    /// JSON.
     pub fn print(&mut self, summary: impl FnOnce(&str, &R)) -> Result<()> {
         if self.run.is_verbose() {
             self.report.warnings().iter().for_each(|text| console::message(&format!("warning: {text}")));

@@ -1,19 +1,19 @@
-//! Where the picture is taken from: chosen by itself, or by azimuth and elevation.
+//! Camera of a picture, chosen from the garment or set by azimuth and elevation.
 //!
-//! A garment that lies is seen from 35 degrees above, its lower end towards the viewer; one that stands or hangs
-//! from the front. The perspective is mild, as from across the room, so that sizes can still be compared.
+//! A lying garment is seen from 35 degrees above with its lower end towards the camera, an upright one from the front. The
+//! perspective is weak, so that sizes can be compared.
 
 use crate::garment::{Footprint, is_lying};
 use crate::math::{Vec2, Vec3};
 
-/// Angles of the camera; what is `None` is chosen from the garment.
+/// Camera; angles that are `None` are chosen from the garment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
-    /// Around the vertical (degrees): 0 looks from +z, 90 from +x.
+    /// Azimuth around the vertical [degrees]: 0 is at +z, 90 at +x.
     pub azimuth_deg: Option<f64>,
-    /// Above the horizon (degrees), -90 to 90.
+    /// Elevation above the horizon [degrees], -90 to 90.
     pub elevation_deg: Option<f64>,
-    /// Distance of the eye in radii of the garment; infinite for no perspective. At least 1.5.
+    /// Distance of the camera in radii of the garment, at least 1.5; infinite without perspective.
     pub distance: f64,
 }
 
@@ -23,48 +23,59 @@ impl Default for Camera {
     }
 }
 
-/// Elevation for a garment that lies [degrees].
-const ABOVE_LYING_DEG: f64 = 35.0;
-/// Elevation for a garment that stands or hangs [degrees].
-const ABOVE_STANDING_DEG: f64 = 8.0;
-/// A garment lower than this share of its length and width lies.
-const LYING_SHARE: f64 = 0.35;
-/// Free border around the garment, as a share of the picture.
-const MARGIN: f64 = 0.06;
+/// Elevation for a lying garment [degrees].
+const LYING_ELEVATION_DEG: f64 = 35.0;
+/// Elevation for an upright garment [degrees].
+const UPRIGHT_ELEVATION_DEG: f64 = 8.0;
+/// Maximum height of a lying garment as a fraction of the longer side of its footprint [-].
+const MAX_LYING_HEIGHT_FRACTION: f64 = 0.35;
+/// Margin around the garment as a fraction of the picture [-].
+const MARGIN_FRACTION: f64 = 0.06;
 
-/// A camera aimed at a garment: world to pixels.
+/// Projection from the world to pixels.
 #[derive(Debug, Clone)]
-pub(super) struct View {
-    /// To the right of the picture, up in it, and towards the viewer; unit vectors.
+pub(super) struct Projection {
+    /// Unit vector to the right of the picture.
     pub right: Vec3,
+    /// Unit vector to the top of the picture.
     pub up: Vec3,
+    /// Unit vector towards the camera.
     pub toward: Vec3,
-    /// Middle of the garment [m].
+    /// Centre of the garment [m].
     centre: Vec3,
-    /// Lowest point of the garment [m]: where the ground is.
+    /// Height of the ground: the lowest point of the garment [m].
     pub ground: f64,
     /// Radius of the garment [m].
     pub radius: f64,
-    /// Inverse distance of the eye from the centre [1/m]; 0 without perspective.
+    /// Inverse distance of the camera from the centre [1/m]; 0 without perspective.
     inverse_distance: f64,
     /// Pixels per metre at the centre.
     pub scale: f64,
-    /// Where the centre falls [pixels].
+    /// Position of the centre [pixels].
     origin: Vec2,
 }
 
+/// A visible point of the ground.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct GroundPoint {
+    /// Position [m].
+    pub point: Vec3,
+    /// Distance from the centre of the garment towards the camera [m].
+    pub depth: f64,
+}
+
 impl Camera {
-    /// The angles used for a garment of these bounds: azimuth and elevation [degrees].
+    /// Returns azimuth and elevation for a garment of these bounds [degrees].
     fn angles(&self, low: Vec3, high: Vec3) -> [f64; 2] {
         let size = high - low;
-        let lies = is_lying(&size, Footprint::Longer, LYING_SHARE);
-        let elevation = if lies { ABOVE_LYING_DEG } else { ABOVE_STANDING_DEG };
+        let lying = is_lying(&size, Footprint::Longer, MAX_LYING_HEIGHT_FRACTION);
+        let elevation = if lying { LYING_ELEVATION_DEG } else { UPRIGHT_ELEVATION_DEG };
         let given = |angle: Option<f64>, own: f64| angle.filter(|a| a.is_finite()).unwrap_or(own);
         [given(self.azimuth_deg, 0.0), given(self.elevation_deg, elevation).clamp(-90.0, 90.0)]
     }
 
-    /// Aims at `points` so that they fill a picture of `size` pixels.
-    pub(super) fn aim(&self, points: &[Vec3], size: [usize; 2]) -> View {
+    /// Returns the projection with which `points` fill a picture of `size` pixels.
+    pub(super) fn aim(&self, points: &[Vec3], size: [usize; 2]) -> Projection {
         let mut low = points.first().copied().unwrap_or_else(Vec3::zeros);
         let mut high = low;
         for p in points {
@@ -76,7 +87,7 @@ impl Camera {
         let right = Vec3::new(azimuth.cos(), 0.0, -azimuth.sin());
         let radius = (0.5 * (high - low).norm()).max(1e-9);
         let distance = if self.distance >= 1.5 { self.distance } else { 1.5 };
-        let mut view = View {
+        let mut projection = Projection {
             right,
             up: toward.cross(&right),
             toward,
@@ -87,13 +98,13 @@ impl Camera {
             scale: 1.0,
             origin: Vec2::zeros(),
         };
-        view.fit(points, size);
-        view
+        projection.fit(points, size);
+        projection
     }
 }
 
-impl View {
-    /// Scale and origin that put all of `points` into the picture.
+impl Projection {
+    /// Sets scale and origin so that all `points` are in the picture.
     fn fit(&mut self, points: &[Vec3], size: [usize; 2]) {
         let mut low = Vec2::repeat(f64::INFINITY);
         let mut high = -low;
@@ -106,23 +117,24 @@ impl View {
             (low, high) = (Vec2::zeros(), Vec2::zeros());
         }
         let extent = (high - low).sup(&Vec2::repeat(1e-6 * self.radius));
-        let room = size * (1.0 - 2.0 * MARGIN);
-        self.scale = (room.x / extent.x).min(room.y / extent.y);
+        let available = size * (1.0 - 2.0 * MARGIN_FRACTION);
+        self.scale = (available.x / extent.x).min(available.y / extent.y);
         self.origin = 0.5 * size - self.scale * 0.5 * (low + high);
     }
 
-    /// Pixels (x to the right, y down) and nearness (larger is nearer; linear across a triangle on screen).
+    /// Returns the pixel position (x to the right, y down) and the nearness, which increases towards the camera and is linear
+    /// across a triangle on screen.
     pub fn project(&self, p: Vec3) -> Vec3 {
         let d = p - self.centre;
         let z = d.dot(&self.toward);
         let nearness = 1.0 / (1.0 - z * self.inverse_distance);
         let on_screen = self.scale * nearness * Vec2::new(d.dot(&self.right), -d.dot(&self.up)) + self.origin;
-        // Without perspective nearness would be constant: add depth itself, as first-order perspective does.
+        // Without perspective nearness is constant and depth is used instead, as in first-order perspective.
         let order = if self.inverse_distance > 0.0 { nearness } else { 1.0 + z / self.radius };
         Vec3::new(on_screen.x, on_screen.y, order)
     }
 
-    /// Distance towards the viewer from the centre [m] of something with this nearness.
+    /// Returns the distance from the centre towards the camera for this nearness [m].
     pub fn depth(&self, nearness: f64) -> f64 {
         if self.inverse_distance > 0.0 {
             (1.0 - 1.0 / nearness) / self.inverse_distance
@@ -131,13 +143,13 @@ impl View {
         }
     }
 
-    /// The weight of a corner with this nearness in perspective-correct interpolation.
+    /// Returns the weight of a corner with this nearness in perspective-correct interpolation.
     pub fn perspective_weight(&self, nearness: f64) -> f64 {
         if self.inverse_distance > 0.0 { nearness } else { 1.0 }
     }
 
-    /// The point of the ground seen at a pixel position, and its depth [m]; `None` above the horizon.
-    pub fn ground_at(&self, pixel: Vec2) -> Option<(Vec3, f64)> {
+    /// Returns the point of the ground seen at `pixel`; `None` above the horizon.
+    pub fn ground_at(&self, pixel: Vec2) -> Option<GroundPoint> {
         let flat = (pixel - self.origin) / self.scale;
         let across = flat.x * self.right - flat.y * self.up;
         // Points on the ray: centre + across + depth * (toward - across / distance).
@@ -147,7 +159,7 @@ impl View {
             return None;
         }
         let depth = (self.ground - start.y) / slope.y;
-        Some((start + depth * slope, depth))
+        Some(GroundPoint { point: start + depth * slope, depth })
     }
 }
 
@@ -160,20 +172,20 @@ mod tests {
     }
 
     #[test]
-    fn lying_is_seen_from_above_and_standing_from_the_front() {
+    fn lying_garments_are_seen_from_above_and_upright_ones_from_the_front() {
         let lying = Camera::default().aim(&box_corners(0.9, 0.01, 0.7), [100, 100]);
         assert!((lying.toward.y - 35f64.to_radians().sin()).abs() < 1e-12);
-        let standing = Camera::default().aim(&box_corners(0.9, 0.7, 0.2), [100, 100]);
-        assert!(standing.toward.z > 0.98 && standing.toward.y > 0.0);
+        let upright = Camera::default().aim(&box_corners(0.9, 0.7, 0.2), [100, 100]);
+        assert!(upright.toward.z > 0.98 && upright.toward.y > 0.0);
     }
 
     #[test]
-    fn everything_is_in_the_picture_and_touches_its_margin() {
+    fn all_points_are_in_the_picture_and_touch_its_margin() {
         for distance in [6.0, f64::INFINITY] {
             let points = box_corners(0.9, 0.3, 0.7);
             let camera = Camera { azimuth_deg: Some(30.0), elevation_deg: Some(20.0), distance };
-            let view = camera.aim(&points, [400, 300]);
-            let seen: Vec<Vec3> = points.iter().map(|&p| view.project(p)).collect();
+            let projection = camera.aim(&points, [400, 300]);
+            let seen: Vec<Vec3> = points.iter().map(|&p| projection.project(p)).collect();
             assert!(seen.iter().all(|s| s.x > 0.0 && s.x < 400.0 && s.y > 0.0 && s.y < 300.0));
             let low = seen.iter().map(|s| s.x).fold(f64::MAX, f64::min);
             let top = seen.iter().map(|s| s.y).fold(f64::MAX, f64::min);
@@ -181,13 +193,14 @@ mod tests {
         }
     }
 
-    /// Right is right, up is up, nearer is larger: a mirrored picture would still look like a garment.
+    /// A mirrored picture would still look like a garment.
     #[test]
     fn axes_are_not_mirrored() {
         for distance in [6.0, f64::INFINITY] {
             let camera = Camera { azimuth_deg: Some(0.0), elevation_deg: Some(35.0), distance };
-            let view = camera.aim(&box_corners(1.0, 1.0, 1.0), [100, 100]);
-            let [o, x, y, z] = [Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()].map(|p| view.project(p));
+            let projection = camera.aim(&box_corners(1.0, 1.0, 1.0), [100, 100]);
+            let [o, x, y, z] =
+                [Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()].map(|p| projection.project(p));
             assert!(x.x > o.x && y.y < o.y && z.y > o.y && z.z > o.z && y.z > o.z);
         }
     }
@@ -196,12 +209,12 @@ mod tests {
     fn ground_and_projection_agree() {
         for distance in [6.0, f64::INFINITY] {
             let camera = Camera { azimuth_deg: Some(25.0), elevation_deg: Some(35.0), distance };
-            let view = camera.aim(&box_corners(1.0, 0.5, 1.0), [200, 200]);
+            let projection = camera.aim(&box_corners(1.0, 0.5, 1.0), [200, 200]);
             let p = Vec3::new(0.3, 0.0, 0.8);
-            let s = view.project(p);
-            let (q, depth) = view.ground_at(s.xy()).unwrap();
-            assert!((p - q).norm() < 1e-9, "{q}");
-            assert!((view.depth(s.z) - depth).abs() < 1e-9);
+            let s = projection.project(p);
+            let GroundPoint { point, depth } = projection.ground_at(s.xy()).unwrap();
+            assert!((p - point).norm() < 1e-9, "{point}");
+            assert!((projection.depth(s.z) - depth).abs() < 1e-9);
         }
     }
 }

@@ -1,16 +1,19 @@
-//! Colour maps for fields, and the step between light and screen.
+//! Colour maps of fields, and conversion between linear light and sRGB.
 //!
-//! Sequential is the well-known viridis (CC0), by its eleven even stops; diverging runs from blue through pale grey
-//! to orange. Both stay in order of lightness (from the middle outward) for every common kind of colour blindness.
+//! The sequential map is viridis (CC0) by eleven equidistant stops; the diverging map runs from blue through pale grey to
+//! orange. Their lightness is monotonic (from the middle outwards) for all common kinds of colour blindness.
 
-/// How numbers become colours.
+/// Colour map of a field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ColourMap {
-    /// From least to greatest: dark violet to yellow.
+    /// Sequential: dark violet at the minimum to yellow at the maximum.
     Sequential,
     /// Around zero: blue below, orange above, pale grey at zero.
     Diverging,
 }
+
+/// Background of a picture, sRGB.
+pub(super) const BACKGROUND_SRGB: [u8; 3] = [238, 238, 238];
 
 const SEQUENTIAL: [[u8; 3]; 11] = [
     [0x44, 0x01, 0x54],
@@ -36,38 +39,38 @@ const DIVERGING: [[u8; 3]; 7] = [
     [118, 44, 2],
 ];
 
-/// Where there is no value.
+/// Colour of missing values.
 pub(super) const MISSING: [u8; 3] = [150, 150, 150];
 
 impl ColourMap {
-    /// The colour at `share` of the range, 0 to 1, as sRGB; grey where there is no value.
-    pub fn srgb(self, share: f64) -> [u8; 3] {
-        if share.is_nan() {
+    /// Returns the colour at a `fraction` of the range, 0 to 1, as sRGB; grey for NaN.
+    pub fn srgb(self, fraction: f64) -> [u8; 3] {
+        if fraction.is_nan() {
             return MISSING;
         }
         let stops: &[[u8; 3]] = match self {
             Self::Sequential => &SEQUENTIAL,
             Self::Diverging => &DIVERGING,
         };
-        let place = share.clamp(0.0, 1.0) * (stops.len() - 1) as f64;
-        let i = (place as usize).min(stops.len() - 2);
-        let t = place - i as f64;
+        let position = fraction.clamp(0.0, 1.0) * (stops.len() - 1) as f64;
+        let i = (position as usize).min(stops.len() - 2);
+        let t = position - i as f64;
         let (a, b) = (stops[i], stops[i + 1]);
         std::array::from_fn(|k| (f64::from(a[k]) + t * (f64::from(b[k]) - f64::from(a[k]))).round() as u8)
     }
 
-    /// The same in linear light, 0 to 1.
-    pub(super) fn linear(self, share: f64) -> [f64; 3] {
-        self.srgb(share).map(|c| to_linear(f64::from(c) / 255.0))
+    /// Returns the same colour in linear light, 0 to 1.
+    pub(super) fn linear(self, fraction: f64) -> [f64; 3] {
+        self.srgb(fraction).map(|c| to_linear(f64::from(c) / 255.0))
     }
 }
 
-/// sRGB to linear light, both 0 to 1.
+/// Converts sRGB to linear light, both 0 to 1.
 pub(super) fn to_linear(c: f64) -> f64 {
     if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
 }
 
-/// Linear light to an sRGB byte.
+/// Converts linear light, 0 to 1, to an sRGB byte.
 pub(super) fn to_srgb(c: f64) -> u8 {
     let c = c.clamp(0.0, 1.0);
     let s = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
@@ -83,9 +86,9 @@ mod tests {
         0.2126 * r + 0.7152 * g + 0.0722 * b
     }
 
-    /// Whoever sees no hue at all still sees the order.
+    /// The order is visible even without any hue.
     #[test]
-    fn lightness_is_in_order() {
+    fn lightness_is_monotonic() {
         for k in 0..100 {
             let (a, b) = (f64::from(k) / 100.0, f64::from(k + 1) / 100.0);
             let map = ColourMap::Sequential;
@@ -97,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn screen_and_light_are_inverse_and_nan_is_grey() {
+    fn conversions_are_inverse_and_nan_is_grey() {
         for c in 0..=255u8 {
             assert_eq!(to_srgb(to_linear(f64::from(c) / 255.0)), c);
         }

@@ -1,78 +1,88 @@
-//! Values on a garment, with what is needed to show them: name, unit, colour map, range.
+//! Fields: values on a garment with name, unit, colour map and range.
 //!
-//! Memory lives on hinges; a picture colours points or triangles. Rest angle takes the largest magnitude of a point's
-//! hinges (a crease must not be averaged away), stiffness their mean: the same rule as the attributes of the glTF.
+//! Memory belongs to hinges, while pictures colour points or triangles. A point has the rest angle change of largest
+//! magnitude among its hinges (averaging would hide creases) and their mean stiffness ratio, as in the attributes of the
+//! glTF.
 
 use crate::math::Vec3;
 use crate::mesh::{Hinge, PointIndex, Topology};
-use crate::report::render::ColourMap;
+use crate::report::render::colour::ColourMap;
 
-/// One value per point or per triangle.
+/// Values of a field.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Values {
-    /// One per point, blended across triangles.
+    /// One value per point, interpolated across triangles.
     PerPoint(Vec<f64>),
-    /// One per triangle.
+    /// One value per triangle.
     PerTriangle(Vec<f64>),
 }
 
-/// A field and how to show it.
+/// A field and its display.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Field {
-    /// What it is, for the legend.
+    /// Title of the legend.
     pub title: String,
-    /// Its unit, for the legend; empty for a ratio.
+    /// Unit in the legend; empty for a ratio.
     pub unit: String,
-    /// The values, in that unit.
+    /// Values in this unit.
     pub values: Values,
-    /// The colours.
+    /// Colour map.
     pub map: ColourMap,
-    /// Least value of a sequential range that is found by itself.
-    pub floor: f64,
-    /// Values at the two ends of the legend; found from the values when `None`.
+    /// Lower end of an automatic sequential range.
+    pub minimum: f64,
+    /// Values at both ends of the legend; derived from the values if `None`.
     pub range: Option<[f64; 2]>,
 }
 
-/// Share of the values a range that is found by itself covers: a few outliers shall not wash out the rest.
-const COVERED: f64 = 0.995;
+/// Colours of a picture.
+#[derive(Debug, Clone)]
+pub enum Colouring {
+    /// Shape only: one colour outside, another inside.
+    Shape,
+    /// Values on the surface, with a legend.
+    Field(Field),
+}
+
+/// Fraction of the values within an automatic range, so that a few outliers do not flatten the rest [-].
+const COVERED_FRACTION: f64 = 0.995;
 
 impl Field {
-    /// Change of rest angle, one per point (degrees).
-    pub fn rest_angle(degrees: Vec<f64>) -> Self {
-        Self::of("rest angle", "°", degrees, ColourMap::Diverging, 0.0)
+    /// Creates the field of the change of rest angle, one value per point [degrees].
+    pub fn rest_angle_change(degrees: Vec<f64>) -> Self {
+        Self::per_point("rest angle change", "°", degrees, ColourMap::Diverging, 0.0)
     }
 
-    /// Magnitude of curvature, one per point [1/m].
+    /// Creates the field of the magnitude of curvature, one value per point [1/m].
     pub fn curvature(per_metre: Vec<f64>) -> Self {
-        Self::of("curvature", "1/m", per_metre, ColourMap::Sequential, 0.0)
+        Self::per_point("curvature", "1/m", per_metre, ColourMap::Sequential, 0.0)
     }
 
-    /// Bending stiffness over that of new cloth, one per point [-].
+    /// Creates the field of the bending stiffness relative to new cloth, one value per point [-].
     pub fn stiffness_ratio(ratio: Vec<f64>) -> Self {
-        Self::of("stiffness ratio", "", ratio, ColourMap::Sequential, 1.0)
+        Self::per_point("stiffness ratio", "", ratio, ColourMap::Sequential, 1.0)
     }
 
-    /// Length of the displacement from the garment's own pose, one per point (mm).
+    /// Creates the field of the distance from the source shape, one value per point [mm].
     pub fn displacement_mm(millimetres: Vec<f64>) -> Self {
-        Self::of("displacement", "mm", millimetres, ColourMap::Sequential, 0.0)
+        Self::per_point("displacement", "mm", millimetres, ColourMap::Sequential, 0.0)
     }
 
-    /// Growth of rest lengths, one per triangle (%).
+    /// Creates the field of the change of rest lengths, one value per triangle [%].
     pub fn stretch_percent(percent: Vec<f64>) -> Self {
-        let field = Self::of("rest stretch", "%", Vec::new(), ColourMap::Diverging, 0.0);
+        let field = Self::per_point("rest stretch", "%", Vec::new(), ColourMap::Diverging, 0.0);
         Self { values: Values::PerTriangle(percent), ..field }
     }
 
-    /// How sure a transfer is, one per triangle, 0 to 1.
-    pub fn confidence(share: Vec<f64>) -> Self {
+    /// Creates the field of the confidence of a transfer, one value per triangle, 0 to 1.
+    pub fn confidence(confidence: Vec<f64>) -> Self {
         let range = Some([0.0, 1.0]);
-        let values = Values::PerTriangle(share);
-        Self { values, range, ..Self::of("confidence", "", Vec::new(), ColourMap::Sequential, 0.0) }
+        let values = Values::PerTriangle(confidence);
+        Self { values, range, ..Self::per_point("confidence", "", Vec::new(), ColourMap::Sequential, 0.0) }
     }
 
-    fn of(title: &str, unit: &str, values: Vec<f64>, map: ColourMap, floor: f64) -> Self {
+    fn per_point(title: &str, unit: &str, values: Vec<f64>, map: ColourMap, minimum: f64) -> Self {
         let values = Values::PerPoint(values);
-        Self { title: title.into(), unit: unit.into(), values, map, floor, range: None }
+        Self { title: title.into(), unit: unit.into(), values, map, minimum, range: None }
     }
 
     fn raw(&self) -> &[f64] {
@@ -81,7 +91,7 @@ impl Field {
         }
     }
 
-    /// The values at the two ends of the legend: as given, or round numbers that cover nearly all values.
+    /// Returns the values at both ends of the legend: as set, or round numbers that cover nearly all values.
     pub fn limits(&self) -> [f64; 2] {
         if let Some([low, high]) = self.range
             && low.is_finite()
@@ -95,23 +105,35 @@ impl Field {
             sizes.iter_mut().for_each(|v| *v = v.abs());
         }
         sizes.sort_unstable_by(f64::total_cmp);
-        let top = ((sizes.len() as f64 * COVERED) as usize).min(sizes.len().saturating_sub(1));
+        let top = ((sizes.len() as f64 * COVERED_FRACTION) as usize).min(sizes.len().saturating_sub(1));
         let top = sizes.get(top).copied().unwrap_or(0.0);
         match self.map {
             ColourMap::Diverging => [-round_up(top), round_up(top)],
-            ColourMap::Sequential => [self.floor, self.floor + round_up(top - self.floor)],
+            ColourMap::Sequential => [self.minimum, self.minimum + round_up(top - self.minimum)],
         }
     }
 
-    /// Whether values lie below or above `limits`.
-    pub(super) fn clipped(&self, [low, high]: [f64; 2]) -> [bool; 2] {
-        // A legend end is not "beyond" for rounding.
-        let slack = 1e-6 * (high - low);
-        [self.raw().iter().any(|&v| v < low - slack), self.raw().iter().any(|&v| v > high + slack)]
+    /// Whether there are values below or above the legend with these limits.
+    pub(super) fn clipped(&self, [low, high]: [f64; 2]) -> Clipped {
+        // Rounding errors are not beyond the legend.
+        let tolerance = 1e-6 * (high - low);
+        Clipped {
+            below: self.raw().iter().any(|&v| v < low - tolerance),
+            above: self.raw().iter().any(|&v| v > high + tolerance),
+        }
     }
 }
 
-/// The next of 1, 1.5, 2, 3, 4, 5, 6, 8, 10 times a power of ten that is not below `x`; 1 for nothing.
+/// Whether values lie beyond the ends of a legend.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Clipped {
+    /// Whether values lie below its lower end.
+    pub below: bool,
+    /// Whether values lie above its upper end.
+    pub above: bool,
+}
+
+/// Returns the smallest of 1, 1.5, 2, 3, 4, 5, 6, 8, 10 times a power of ten that is at least `x`; 1 for zero and below.
 fn round_up(x: f64) -> f64 {
     if !(x.is_finite() && x > 1e-12) {
         return 1.0;
@@ -122,8 +144,8 @@ fn round_up(x: f64) -> f64 {
     step.unwrap_or(10.0) * power
 }
 
-/// Per point: of the values of the hinges whose edge ends there, the one of largest magnitude, with its sign; 0
-/// where there is no hinge. `values` has one per hinge.
+/// Returns per point the value of largest magnitude, with its sign, among the hinges whose edge ends there; 0 without
+/// hinges. `values` has one entry per hinge.
 pub fn largest_of_hinges(point_count: usize, hinges: &[Hinge], values: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0f64; point_count];
     for (hinge, &value) in hinges.iter().zip(values) {
@@ -138,7 +160,7 @@ pub fn largest_of_hinges(point_count: usize, hinges: &[Hinge], values: &[f64]) -
     out
 }
 
-/// Per point: the mean over the hinges whose edge ends there; `empty` where there is none.
+/// Returns per point the mean over the hinges whose edge ends there; `empty` without hinges.
 pub fn mean_of_hinges(point_count: usize, hinges: &[Hinge], values: &[f64], empty: f64) -> Vec<f64> {
     let mut sums = vec![(0.0, 0u32); point_count];
     for (hinge, &value) in hinges.iter().zip(values) {
@@ -151,9 +173,9 @@ pub fn mean_of_hinges(point_count: usize, hinges: &[Hinge], values: &[f64], empt
     sums.into_iter().map(|(sum, count)| if count == 0 { empty } else { sum / f64::from(count) }).collect()
 }
 
-/// Magnitude of curvature per point [1/m]: the sum of both principal curvatures, which for cloth, nearly
-/// developable, is the one it has. From Steiner's formula: sum of (angle x length) of the point's hinges, over twice
-/// its share of area. 0 on open borders, where half of the surroundings is missing.
+/// Returns the magnitude of curvature per point [1/m]: the sum of both principal curvatures, one of which is nearly zero for
+/// cloth. By Steiner's formula it is the sum of angle times length over the hinges of the point, divided by twice its
+/// area (a third of its triangles). 0 on open boundaries, where half of the neighbourhood is missing.
 pub fn curvature(points: &[Vec3], triangles: &[[PointIndex; 3]], topology: &Topology) -> Vec<f64> {
     let corner = |t: &[PointIndex; 3]| -> Option<[Vec3; 3]> {
         let [a, b, c] = t.map(|p| points.get(p.at()).copied());
@@ -180,7 +202,7 @@ pub fn curvature(points: &[Vec3], triangles: &[[PointIndex; 3]], topology: &Topo
         };
         let edge = b - a;
         let length = edge.norm();
-        // Signed, so that the small wobble of a triangulation cancels.
+        // Signed, so that small alternating angles of a triangulation cancel.
         let angle = (m.cross(n).dot(&edge) / length.max(f64::MIN_POSITIVE)).atan2(m.dot(n));
         bend[x0] += angle * length;
         bend[x1] += angle * length;
@@ -201,8 +223,8 @@ mod tests {
     use std::f64::consts::TAU;
 
     #[test]
-    fn ranges_are_round_and_cover_what_they_should() {
-        assert_eq!(Field::rest_angle(vec![-27.0, 12.0]).limits(), [-30.0, 30.0]);
+    fn ranges_are_round_and_cover_nearly_all_values() {
+        assert_eq!(Field::rest_angle_change(vec![-27.0, 12.0]).limits(), [-30.0, 30.0]);
         assert_eq!(Field::stiffness_ratio(vec![1.0, 3.4]).limits(), [1.0, 4.0]);
         assert_eq!(Field::displacement_mm(vec![0.0; 5]).limits(), [0.0, 1.0]);
         assert_eq!(Field::curvature(vec![]).limits(), [0.0, 1.0]);
@@ -210,7 +232,7 @@ mod tests {
         one_outlier.push(500.0);
         let field = Field::curvature(one_outlier);
         assert_eq!(field.limits(), [0.0, 1.0]);
-        assert_eq!(field.clipped(field.limits()), [false, true]);
+        assert_eq!(field.clipped(field.limits()), Clipped { below: false, above: true });
         let given = Field { range: Some([2.0, 3.0]), ..field };
         assert_eq!(given.limits(), [2.0, 3.0]);
     }

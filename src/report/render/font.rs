@@ -1,14 +1,14 @@
-//! A small bitmap font for legends and captions, drawn for this project: five columns, seven rows and two below the
-//! line. Letters, digits and the signs that units need; anything else shows as a blank.
+//! A bitmap font for legends and captions: five columns, seven rows above the baseline and two below. It has letters,
+//! digits and the characters of units; all others are blank.
 
-use crate::report::render::Image;
+use crate::report::render::image::Image;
 
-/// Columns from one letter to the next, in dots.
+/// Columns per character, including the gap [dots].
 const ADVANCE: usize = 6;
-/// Rows of a letter, in dots.
+/// Rows of a character [dots].
 const ROWS: usize = 9;
 
-/// Letters of a row of the drawing, and the drawing.
+/// Characters and their drawings, one sheet per row of characters.
 const SHEETS: [(&str, [&str; ROWS]); 6] = [
     (
         "ABCDEFGHIJKLM",
@@ -99,23 +99,23 @@ const SHEETS: [(&str, [&str; ROWS]); 6] = [
 /// Whether dot (`column`, `row`) of `letter` is set.
 fn dot(letter: char, column: usize, row: usize) -> bool {
     SHEETS.iter().any(|(letters, rows)| {
-        letters.chars().position(|l| l == letter).is_some_and(|place| {
-            rows.get(row).and_then(|r| r.as_bytes().get(ADVANCE * place + column)) == Some(&b'#')
+        letters.chars().position(|l| l == letter).is_some_and(|index| {
+            rows.get(row).and_then(|r| r.as_bytes().get(ADVANCE * index + column)) == Some(&b'#')
         })
     })
 }
 
-/// Width of `text` [pixels] when a dot is `scale` pixels.
+/// Returns the width of `text` for dots of `scale` pixels [pixels].
 pub(crate) fn width(text: &str, scale: usize) -> usize {
     (ADVANCE * text.chars().count()).saturating_sub(1) * scale
 }
 
-/// Height of a line [pixels], with what hangs below it.
+/// Returns the height of a line, including descenders [pixels].
 pub(crate) fn height(scale: usize) -> usize {
     ROWS * scale
 }
 
-/// Visits every pixel of `text`, counted from its upper left corner.
+/// Calls `visit` for every pixel of `text`, counted from its upper left corner.
 pub(crate) fn visit(text: &str, scale: usize, visit: &mut dyn FnMut(usize, usize)) {
     for (k, letter) in text.chars().enumerate() {
         for (row, column) in (0..ROWS).flat_map(|row| (0..ADVANCE - 1).map(move |column| (row, column))) {
@@ -139,7 +139,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sheets_are_drawn_to_their_letters() {
+    fn sheets_have_a_drawing_per_character() {
         for (letters, rows) in SHEETS {
             for row in rows {
                 assert_eq!(row.len(), ADVANCE * letters.chars().count() - 1, "{letters}: {row}");
@@ -147,9 +147,9 @@ mod tests {
         }
     }
 
-    /// Two letters that look alike would make a legend lie.
+    /// Characters that look the same would make legends ambiguous.
     #[test]
-    fn no_two_letters_look_alike_and_none_is_blank() {
+    fn characters_are_distinct_and_not_blank() {
         let all: Vec<char> = SHEETS.iter().flat_map(|(letters, _)| letters.chars()).collect();
         let look = |l: char| -> Vec<bool> {
             (0..ROWS).flat_map(|r| (0..ADVANCE - 1).map(move |c| dot(l, c, r))).collect()

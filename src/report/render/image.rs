@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 
-/// Rows from the top, pixels from the left, sRGB with alpha.
+/// A picture, row by row from the top left, in sRGB with alpha.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Image {
     /// Pixels in a row.
@@ -14,13 +14,13 @@ pub struct Image {
 }
 
 impl Image {
-    /// A picture of one colour.
+    /// Creates a picture of one colour.
     pub fn filled(width: usize, height: usize, [r, g, b]: [u8; 3]) -> Self {
         let rgba = [r, g, b, 255].repeat(width.saturating_mul(height));
         Self { width, height, rgba }
     }
 
-    /// The pixel in column `x` of row `y`; transparent black outside.
+    /// Returns the pixel in column `x` of row `y`; transparent black outside the picture.
     pub fn pixel(&self, x: usize, y: usize) -> [u8; 4] {
         let inside = x < self.width && y < self.height;
         let at = 4 * (y * self.width + x);
@@ -28,7 +28,7 @@ impl Image {
         bytes.and_then(|b| b.try_into().ok()).unwrap_or([0; 4])
     }
 
-    /// Sets a pixel; outside the picture nothing happens.
+    /// Sets a pixel. Pixels outside the picture are ignored.
     pub fn set(&mut self, x: usize, y: usize, [r, g, b]: [u8; 3]) {
         if x < self.width && y < self.height {
             let at = 4 * (y * self.width + x);
@@ -38,7 +38,7 @@ impl Image {
         }
     }
 
-    /// Copies `other` here, its upper left corner at (`x`, `y`); what lies outside is cut off.
+    /// Copies `other` with its upper left corner at (`x`, `y`). Pixels outside the picture are ignored.
     pub fn paste(&mut self, other: &Image, x: usize, y: usize) {
         for row in 0..other.height {
             for column in 0..other.width {
@@ -49,19 +49,19 @@ impl Image {
     }
 }
 
-/// The picture as a PNG file.
+/// Encodes a picture as a PNG file.
 pub fn encode_png(image: &Image) -> Result<Vec<u8>> {
-    let fault = |what: String| Error::input("picture", "", what, "");
-    let side = |n: usize| u32::try_from(n).map_err(|_| fault(format!("{n} pixels do not fit into a PNG")));
+    let error = |message: String| Error::input("picture", "", message, "");
+    let side = |n: usize| u32::try_from(n).map_err(|_| error(format!("{n} pixels do not fit into a PNG")));
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, side(image.width)?, side(image.height)?);
     encoder.set_color(png::ColorType::Rgba);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(png::Compression::Fast);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    let mut writer = encoder.write_header().map_err(|e| fault(e.to_string()))?;
-    writer.write_image_data(&image.rgba).map_err(|e| fault(e.to_string()))?;
-    writer.finish().map_err(|e| fault(e.to_string()))?;
+    let mut writer = encoder.write_header().map_err(|e| error(e.to_string()))?;
+    writer.write_image_data(&image.rgba).map_err(|e| error(e.to_string()))?;
+    writer.finish().map_err(|e| error(e.to_string()))?;
     Ok(bytes)
 }
 
@@ -82,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn an_image_that_contradicts_itself_is_a_fault() {
+    fn an_inconsistent_image_is_an_error() {
         let image = Image { width: 7, height: 7, rgba: vec![0; 3] };
         assert!(encode_png(&image).is_err());
         assert_eq!(image.pixel(6, 6), [0; 4]);

@@ -1,33 +1,34 @@
-//! Which triangle each sample of the picture shows, by a depth buffer at twice the picture's resolution each way.
+//! Rasterisation: the triangle seen by each sample of the picture, by a depth buffer of twice the resolution in both
+//! directions.
 
 use crate::math::{Vec2, Vec3};
-use crate::report::render::camera::View;
+use crate::report::render::camera::Projection;
 
-/// Samples per pixel, each way.
+/// Samples per pixel in each direction.
 pub(super) const SAMPLES: usize = 2;
-/// No triangle here.
-pub(super) const NOTHING: u32 = u32::MAX;
+/// Triangle index of a sample that shows no triangle.
+pub(super) const NO_TRIANGLE: u32 = u32::MAX;
 
-/// The samples of a picture.
+/// Samples of a picture.
 pub(super) struct Samples {
     /// Picture size [pixels].
     pub size: [usize; 2],
-    /// Per sample, rows from the top: the triangle seen, as counted in the list that was drawn.
+    /// Per sample, rows from the top: index of the triangle seen in the list of drawn triangles.
     pub triangle: Vec<u32>,
-    /// Per sample: nearness of what is seen; 0 where nothing is.
+    /// Per sample: nearness of the triangle; 0 without one.
     pub nearness: Vec<f32>,
-    /// Per point of the mesh: its place [pixels] and nearness.
+    /// Per point of the mesh: position [pixels] and nearness.
     pub projected: Vec<Vec3>,
 }
 
 impl Samples {
-    /// Samples in a row.
+    /// Returns the number of samples in a row.
     pub fn row_len(&self) -> usize {
         SAMPLES * self.size[0]
     }
 }
 
-/// The points that the triangles use: others shall not move the camera.
+/// Returns the points that the triangles use; others do not affect the camera.
 pub(super) fn used_points(points: &[Vec3], triangles: &[[usize; 3]]) -> Vec<Vec3> {
     let mut used = vec![false; points.len()];
     for &i in triangles.iter().flatten() {
@@ -36,12 +37,12 @@ pub(super) fn used_points(points: &[Vec3], triangles: &[[usize; 3]]) -> Vec<Vec3
     points.iter().zip(used).filter(|(_, u)| *u).map(|(p, _)| *p).collect()
 }
 
-/// Where a sample lies [pixels].
+/// Returns the position of a sample [pixels].
 pub(super) fn sample_position(column: usize, row: usize) -> Vec2 {
     Vec2::new(column as f64 + 0.5, row as f64 + 0.5) / SAMPLES as f64
 }
 
-/// Weights of the three corners at `p`, on screen; `None` for a triangle seen edge-on.
+/// Returns the barycentric weights of the corners at `p`, on screen; `None` for a triangle seen edge-on.
 pub(super) fn weights(corners: &[Vec3; 3], p: Vec2) -> Option<[f64; 3]> {
     let [a, b, c] = corners.map(|q| q.xy());
     let whole = (b - a).perp(&(c - a));
@@ -52,13 +53,18 @@ pub(super) fn weights(corners: &[Vec3; 3], p: Vec2) -> Option<[f64; 3]> {
     Some([1.0 - u - v, u, v])
 }
 
-/// Draws all triangles; indices must be in range (the caller has sorted out those that are not).
-pub(super) fn rasterise(points: &[Vec3], triangles: &[[usize; 3]], view: &View, size: [usize; 2]) -> Samples {
-    let projected: Vec<Vec3> = points.iter().map(|&p| view.project(p)).collect();
+/// Rasterises all triangles, whose indices must be in range.
+pub(super) fn rasterise(
+    points: &[Vec3],
+    triangles: &[[usize; 3]],
+    projection: &Projection,
+    size: [usize; 2],
+) -> Samples {
+    let projected: Vec<Vec3> = points.iter().map(|&p| projection.project(p)).collect();
     let (columns, rows) = (SAMPLES * size[0], SAMPLES * size[1]);
     let mut samples = Samples {
         size,
-        triangle: vec![NOTHING; columns * rows],
+        triangle: vec![NO_TRIANGLE; columns * rows],
         nearness: vec![0.0; columns * rows],
         projected,
     };
@@ -69,6 +75,7 @@ pub(super) fn rasterise(points: &[Vec3], triangles: &[[usize; 3]], view: &View, 
     samples
 }
 
+/// Rasterises triangle `f`.
 fn draw(samples: &mut Samples, f: u32, corners: &[Vec3; 3], columns: usize, rows: usize) {
     let span = |k: usize, count: usize| {
         let low = corners.iter().map(|c| c[k]).fold(f64::INFINITY, f64::min);
@@ -79,14 +86,14 @@ fn draw(samples: &mut Samples, f: u32, corners: &[Vec3; 3], columns: usize, rows
     for row in span(1, rows) {
         for column in span(0, columns) {
             let Some(w) = weights(corners, sample_position(column, row)) else { return };
-            // A hair of overlap: no pinholes between neighbours.
+            // A slight overlap avoids holes between neighbours.
             if w.iter().any(|&x| x < -1e-9) {
                 continue;
             }
-            let near = (w[0] * corners[0].z + w[1] * corners[1].z + w[2] * corners[2].z) as f32;
+            let nearness = (w[0] * corners[0].z + w[1] * corners[1].z + w[2] * corners[2].z) as f32;
             let at = row * columns + column;
-            if near > samples.nearness[at] {
-                samples.nearness[at] = near;
+            if nearness > samples.nearness[at] {
+                samples.nearness[at] = nearness;
                 samples.triangle[at] = f;
             }
         }
@@ -96,21 +103,21 @@ fn draw(samples: &mut Samples, f: u32, corners: &[Vec3; 3], columns: usize, rows
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::render::Camera;
+    use crate::report::render::camera::Camera;
 
     #[test]
     fn two_triangles_of_a_square_leave_no_hole_between_them() {
         let points = [(0.0, 0.0), (1.0, 0.1), (0.9, 1.0), (-0.1, 1.1)].map(|(x, y)| Vec3::new(x, y, 0.0));
         let triangles = [[0, 1, 2], [0, 2, 3]];
-        let view = Camera { azimuth_deg: Some(0.0), elevation_deg: Some(0.0), ..Camera::default() }
+        let projection = Camera { azimuth_deg: Some(0.0), elevation_deg: Some(0.0), ..Camera::default() }
             .aim(&points, [60, 60]);
-        let samples = rasterise(&points, &triangles, &view, [60, 60]);
+        let samples = rasterise(&points, &triangles, &projection, [60, 60]);
         for row in 0..120 {
             let line = &samples.triangle[120 * row..120 * (row + 1)];
-            let first = line.iter().position(|&f| f != NOTHING);
-            let last = line.iter().rposition(|&f| f != NOTHING);
+            let first = line.iter().position(|&f| f != NO_TRIANGLE);
+            let last = line.iter().rposition(|&f| f != NO_TRIANGLE);
             if let (Some(first), Some(last)) = (first, last) {
-                assert!(line[first..=last].iter().all(|&f| f != NOTHING), "a hole in row {row}");
+                assert!(line[first..=last].iter().all(|&f| f != NO_TRIANGLE), "a hole in row {row}");
             }
         }
     }

@@ -1,17 +1,17 @@
-//! The viewer: worn garments as one page that works from the disk, with no network and no other file.
+//! The viewer: a self-contained page of worn garments, which needs no network and no other file.
 //!
-//! Turn a garment, let the wear in and out with a slider, switch colourings, hover for a point and its strongest
-//! hinge, run through the frames of a bake, compare garments beside each other in one scale and one view. Drawn by
-//! plotly.js, which the plotly crate carries; the page's own script (`page.js`) only feeds it. Numbers are embedded as
-//! 32-bit floats in base64, frames as 16-bit shares of their box.
+//! The page rotates a garment, blends between source and worn shape, switches colours, describes the point under the
+//! pointer and its hinge with the largest memory, plays the frames of a bake, and shows garments side by side with a
+//! common scale and camera. It is drawn by plotly.js, which the plotly crate contains; `page.js` supplies the data.
+//! Numbers are embedded as 32-bit floats in base64, positions of frames as 16-bit fractions of their bounding box.
 //!
-//! Does not do: files (the tool writes the page), textures and materials of the glTF (any glTF viewer shows those).
+//! Textures and materials of the glTF are not shown.
 
 use crate::garment::{Footprint, is_lying};
 use crate::io::Sidecar;
 use crate::math::{Vec3, bounds};
-use crate::report::escaped;
 use crate::report::garment_view::{ColorBy, GarmentView};
+use crate::report::html::escaped;
 use crate::report::render::{ColourMap, Values};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -20,30 +20,30 @@ use serde_json::{Value, json};
 const PAGE: &str = include_str!("page.html");
 const SCRIPT: &str = include_str!("page.js");
 
-/// No hinge at a point.
+/// Index of the hinge of a point without hinges.
 const NO_HINGE: u32 = u32::MAX;
-/// A garment lower than this share of its length and width lies, and is looked at from above.
-const LYING_SHARE: f64 = 0.35;
+/// Maximum height of a lying garment, which is viewed from above, as a fraction of the shorter side of its footprint [-].
+const MAX_LYING_HEIGHT_FRACTION: f64 = 0.35;
 
-/// A garment to be put on the page.
+/// A garment on the page.
 #[derive(Debug, Clone)]
 pub struct ViewerItem {
-    /// Heading over it.
+    /// Heading.
     pub name: String,
-    /// Its shapes and memory.
+    /// Shapes and memory.
     pub view: GarmentView,
-    /// Its hinges, where there is a sidecar.
+    /// Hinges, if there is a sidecar.
     pub hinges: Vec<HingeLabel>,
-    /// Positions over time [m], one list per frame, one entry per point.
+    /// Positions over time [m]: one list per frame with one entry per point.
     pub frames: Vec<Vec<Vec3>>,
 }
 
-/// What the page says of one hinge.
+/// Description of one hinge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HingeLabel {
-    /// Ends of its edge.
+    /// End points of its edge.
     pub points: [u32; 2],
-    /// Angle of the garment as it came [degrees].
+    /// Angle in the source shape [degrees].
     pub source_deg: f64,
     /// Rest angle [degrees].
     pub rest_deg: f64,
@@ -52,8 +52,8 @@ pub struct HingeLabel {
 }
 
 impl HingeLabel {
-    /// Of every hinge of a sidecar, in its order.
-    pub fn all_of(sidecar: &Sidecar) -> Vec<Self> {
+    /// Returns the labels of all hinges of a sidecar, in its order.
+    pub fn from_sidecar(sidecar: &Sidecar) -> Vec<Self> {
         let hinges = &sidecar.hinges;
         let angles = hinges.source_angle_rad.iter().zip(&hinges.rest_angle_rad).zip(&hinges.stiffness_ratio);
         hinges
@@ -70,17 +70,17 @@ impl HingeLabel {
     }
 }
 
-/// The page. `show` is what it opens with; `frame_names` say what each frame is.
-pub fn viewer_page(items: &[ViewerItem], show: ColorBy, frame_names: &[String]) -> String {
+/// Returns the page of `items`. `color_by` is the initial quantity; `frame_names` has one entry per frame.
+pub fn viewer_page(items: &[ViewerItem], color_by: ColorBy, frame_names: &[String]) -> String {
     let title = items.iter().map(|item| item.name.as_str()).collect::<Vec<_>>().join(", ");
     let data = json!({
         "garments": items.iter().map(garment).collect::<Vec<_>>(),
         "maps": {"sequential": scale(ColourMap::Sequential), "diverging": scale(ColourMap::Diverging)},
-        "show": show.name(),
-        "lies": items.iter().all(lies),
+        "show": color_by.name(),
+        "lies": items.iter().all(is_item_lying),
         "frame_names": frame_names,
     });
-    // A name that ends the block early must not end it.
+    // A name must not end the data block.
     let data = data.to_string().replace('<', "\\u003c");
     let (before, rest) = PAGE.split_once("TITLE").unwrap_or((PAGE, ""));
     let (head, rest) = rest.split_once("DATA").unwrap_or((rest, ""));
@@ -90,7 +90,7 @@ pub fn viewer_page(items: &[ViewerItem], show: ColorBy, frame_names: &[String]) 
     [before, &title, head, &data, middle, &library(), last, SCRIPT, end].concat()
 }
 
-/// plotly.js in its script element, without the typesetting library that comes after it.
+/// Returns plotly.js in its script element, without the typesetting library that follows it.
 fn library() -> String {
     let mut sources = plotly::Plot::offline_js_sources();
     if let Some(end) = sources.rfind("<script").filter(|at| *at > 0) {
@@ -99,18 +99,18 @@ fn library() -> String {
     sources
 }
 
-fn lies(item: &ViewerItem) -> bool {
+fn is_item_lying(item: &ViewerItem) -> bool {
     let (low, high) = bounds(&item.view.after);
     let size = high - low;
-    is_lying(&size, Footprint::Shorter, LYING_SHARE)
+    is_lying(&size, Footprint::Shorter, MAX_LYING_HEIGHT_FRACTION)
 }
 
 fn scale(map: ColourMap) -> Vec<Value> {
     (0..=20)
         .map(|k| {
-            let share = f64::from(k) / 20.0;
-            let [r, g, b] = map.srgb(share);
-            json!([share, format!("rgb({r},{g},{b})")])
+            let fraction = f64::from(k) / 20.0;
+            let [r, g, b] = map.srgb(fraction);
+            json!([fraction, format!("rgb({r},{g},{b})")])
         })
         .collect()
 }
@@ -118,18 +118,18 @@ fn scale(map: ColourMap) -> Vec<Value> {
 fn garment(item: &ViewerItem) -> Value {
     let view = &item.view;
     let triangles = view.triangles.iter().flat_map(|t| t.map(|p| p.0.to_le_bytes())).flatten();
-    let (hinge, hinges) = strongest(view.before.len(), &item.hinges);
+    let Strongest { per_point, list } = strongest(view.before.len(), &item.hinges);
     let (low, size) = frame_box(&item.frames);
     json!({
         "name": item.name,
         "before": positions(&view.before),
         "after": positions(&view.after),
         "triangles": STANDARD.encode(triangles.collect::<Vec<u8>>()),
-        "fields": ColorBy::ALL.iter().filter_map(|show| field(view, *show)).collect::<Vec<_>>(),
+        "fields": ColorBy::ALL.iter().filter_map(|color_by| field(view, *color_by)).collect::<Vec<_>>(),
         "hinge": (!item.hinges.is_empty())
-            .then(|| STANDARD.encode(hinge.iter().flat_map(|h| h.to_le_bytes()).collect::<Vec<u8>>())),
-        "hinges": hinges,
-        "frames": item.frames.iter().map(|frame| shares(frame, &low, &size)).collect::<Vec<_>>(),
+            .then(|| STANDARD.encode(per_point.iter().flat_map(|h| h.to_le_bytes()).collect::<Vec<u8>>())),
+        "hinges": list,
+        "frames": item.frames.iter().map(|frame| quantised(frame, &low, &size)).collect::<Vec<_>>(),
         "frame_low": [low.x, low.y, low.z],
         "frame_size": [size.x, size.y, size.z],
     })
@@ -143,12 +143,12 @@ fn positions(x: &[Vec3]) -> String {
     floats(x.iter().flat_map(|p| [p.x, p.y, p.z]))
 }
 
-/// A colouring that this garment has.
-fn field(view: &GarmentView, show: ColorBy) -> Option<Value> {
-    let field = view.field_of(show)?;
+/// Returns the data of `color_by`; `None` if the garment lacks the quantity.
+fn field(view: &GarmentView, color_by: ColorBy) -> Option<Value> {
+    let field = view.field_of(color_by)?;
     let (Values::PerPoint(values) | Values::PerTriangle(values)) = &field.values;
     Some(json!({
-        "name": show.name(),
+        "name": color_by.name(),
         "title": field.title,
         "unit": field.unit,
         "map": match field.map { ColourMap::Sequential => "sequential", ColourMap::Diverging => "diverging" },
@@ -157,8 +157,16 @@ fn field(view: &GarmentView, show: ColorBy) -> Option<Value> {
     }))
 }
 
-/// Per point the hinge that remembers most, as a place in the list that is returned as well.
-fn strongest(point_count: usize, hinges: &[HingeLabel]) -> (Vec<u32>, Vec<Value>) {
+/// Hinges with the largest memory.
+struct Strongest {
+    /// Per point: index in `list` of its hinge with the largest change of rest angle, or [`NO_HINGE`].
+    per_point: Vec<u32>,
+    /// Per hinge: number, end points, source angle and rest angle [degrees], stiffness ratio.
+    list: Vec<Value>,
+}
+
+/// Returns the hinge with the largest change of rest angle of every point.
+fn strongest(point_count: usize, hinges: &[HingeLabel]) -> Strongest {
     let mut best: Vec<Option<usize>> = vec![None; point_count];
     let change = |h: usize| hinges.get(h).map_or(0.0, |h| (h.rest_deg - h.source_deg).abs());
     for (h, hinge) in hinges.iter().enumerate() {
@@ -173,8 +181,8 @@ fn strongest(point_count: usize, hinges: &[HingeLabel]) -> (Vec<u32>, Vec<Value>
     let mut named: Vec<usize> = best.iter().flatten().copied().collect();
     named.sort_unstable();
     named.dedup();
-    let place = |h: usize| named.binary_search(&h).map_or(NO_HINGE, |k| k as u32);
-    let per_point = best.iter().map(|h| h.map_or(NO_HINGE, place)).collect();
+    let index = |h: usize| named.binary_search(&h).map_or(NO_HINGE, |k| k as u32);
+    let per_point = best.iter().map(|h| h.map_or(NO_HINGE, index)).collect();
     let rounded = |x: f64| (x * 1e4).round() / 1e4;
     let list = named
         .iter()
@@ -184,9 +192,10 @@ fn strongest(point_count: usize, hinges: &[HingeLabel]) -> (Vec<u32>, Vec<Value>
             json!([h, a, b, rounded(hinge.source_deg), rounded(hinge.rest_deg), rounded(hinge.stiffness)])
         })
         .collect();
-    (per_point, list)
+    Strongest { per_point, list }
 }
 
+/// Returns the lower corner and the size of the bounding box of all frames [m].
 fn frame_box(frames: &[Vec<Vec3>]) -> (Vec3, Vec3) {
     let all: Vec<Vec3> =
         frames.iter().flatten().filter(|p| p.iter().all(|c| c.is_finite())).copied().collect();
@@ -197,20 +206,21 @@ fn frame_box(frames: &[Vec<Vec3>]) -> (Vec3, Vec3) {
     (low, high - low)
 }
 
-/// A frame in 16 bits: 1/65535 of the box, less than a hundredth of a millimetre for a garment.
-fn shares(frame: &[Vec3], low: &Vec3, size: &Vec3) -> String {
-    let share = |p: &Vec3, k: usize| {
-        let share = (p[k] - low[k]) / size[k].max(f64::MIN_POSITIVE);
-        // Not a number becomes 0.
-        ((65535.0 * share).round() as u16).to_le_bytes()
+/// Quantises a frame to 16 bits per coordinate: 1/65535 of the box, less than 0.01 mm for a garment.
+fn quantised(frame: &[Vec3], low: &Vec3, size: &Vec3) -> String {
+    let coordinate = |p: &Vec3, k: usize| {
+        let fraction = (p[k] - low[k]) / size[k].max(f64::MIN_POSITIVE);
+        // NaN becomes 0.
+        ((65535.0 * fraction).round() as u16).to_le_bytes()
     };
-    STANDARD.encode(frame.iter().flat_map(|p| [0, 1, 2].map(|k| share(p, k))).flatten().collect::<Vec<u8>>())
+    STANDARD
+        .encode(frame.iter().flat_map(|p| [0, 1, 2].map(|k| coordinate(p, k))).flatten().collect::<Vec<u8>>())
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::render::tests::sphere;
     use super::*;
+    use crate::report::render::test_shapes::sphere;
 
     fn item(name: &str) -> ViewerItem {
         let (before, triangles) = sphere(0.3, 6);
@@ -225,11 +235,11 @@ mod tests {
     }
 
     #[test]
-    fn the_page_needs_nothing_else_and_survives_odd_names() {
+    fn the_page_is_self_contained_and_escapes_names() {
         let page = viewer_page(&[item("a</script><b>\"&"), item("TITLE DATA")], ColorBy::Curvature, &[]);
-        for far in ["src=\"http", "href=\"http", "<link"] {
-            let outside = page.replace(&library(), "");
-            assert!(!outside.contains(far), "{far}");
+        for external in ["src=\"http", "href=\"http", "<link"] {
+            let own = page.replace(&library(), "");
+            assert!(!own.contains(external), "{external}");
         }
         assert!(
             page.contains("plotly.js v") && !page.contains("MathJax-script"),
@@ -246,22 +256,22 @@ mod tests {
     }
 
     #[test]
-    fn every_point_names_the_hinge_that_remembers_most() {
-        let (per_point, list) = strongest(4, &item("a").hinges);
+    fn every_point_has_the_hinge_with_the_largest_change() {
+        let Strongest { per_point, list } = strongest(4, &item("a").hinges);
         assert_eq!(per_point, [0, 1, 1, NO_HINGE]);
         assert_eq!(list[1], json!([1, 1, 2, 0.0, -40.0, 2.0]));
     }
 
     #[test]
-    fn frames_are_kept_to_a_hundredth_of_a_millimetre() {
+    fn frames_are_exact_to_a_hundredth_of_a_millimetre() {
         let frame =
             vec![Vec3::new(-0.35, 0.0, 0.1), Vec3::new(0.4, 0.5, 0.1), Vec3::new(0.123_456, 0.2, 0.1)];
         let (low, size) = frame_box(std::slice::from_ref(&frame));
-        let bytes = STANDARD.decode(shares(&frame, &low, &size)).expect("is base64");
-        let share = |k: usize| f64::from(u16::from_le_bytes([bytes[2 * k], bytes[2 * k + 1]])) / 65535.0;
+        let bytes = STANDARD.decode(quantised(&frame, &low, &size)).expect("is base64");
+        let fraction = |k: usize| f64::from(u16::from_le_bytes([bytes[2 * k], bytes[2 * k + 1]])) / 65535.0;
         for (k, p) in frame.iter().enumerate() {
             for axis in 0..3 {
-                assert!((low[axis] + size[axis] * share(3 * k + axis) - p[axis]).abs() < 1e-5);
+                assert!((low[axis] + size[axis] * fraction(3 * k + axis) - p[axis]).abs() < 1e-5);
             }
         }
     }

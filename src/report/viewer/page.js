@@ -1,4 +1,4 @@
-// Draws what the data block of the page holds: one scene per garment, colours, the worn slider, the frames.
+// Draws the data block of the page: one scene per garment, with colours, the slider of the worn shape, and frames.
 'use strict';
 window.addEventListener('error', (event) => fail(event.message));
 window.addEventListener('unhandledrejection', (event) => fail(String(event.reason)));
@@ -41,24 +41,24 @@ const garments = data.garments.map((garment) => ({
   size: garment.frame_size,
 }));
 
-// One legend for all, so that colours beside each other compare.
+// One legend for all garments, so that their colours can be compared.
 for (const name of new Set(garments.flatMap((garment) => garment.fields.map((field) => field.name)))) {
-  const alike = garments.flatMap((garment) => garment.fields.filter((field) => field.name === name));
-  const limits = [Math.min(...alike.map((f) => f.limits[0])), Math.max(...alike.map((f) => f.limits[1]))];
-  for (const field of alike) field.limits = limits;
+  const same = garments.flatMap((garment) => garment.fields.filter((field) => field.name === name));
+  const limits = [Math.min(...same.map((f) => f.limits[0])), Math.max(...same.map((f) => f.limits[1]))];
+  for (const field of same) field.limits = limits;
 }
 
-function worn(garment, share) {
+function worn(garment, weight) {
   const out = new Float32Array(garment.before.length);
-  for (let i = 0; i < out.length; i++) out[i] = garment.before[i] + share * (garment.after[i] - garment.before[i]);
+  for (let i = 0; i < out.length; i++) out[i] = garment.before[i] + weight * (garment.after[i] - garment.before[i]);
   return out;
 }
 
-// Frames are kept as shares of their common box, in 16 bits.
+// Frames are 16-bit fractions of their common bounding box.
 function frame(garment, number) {
-  const shares = new Uint16Array(bytes(garment.frames[Math.min(number, garment.frames.length - 1)]));
-  const out = new Float32Array(shares.length);
-  for (let i = 0; i < out.length; i++) out[i] = garment.low[i % 3] + garment.size[i % 3] * shares[i] / 65535;
+  const fractions = new Uint16Array(bytes(garment.frames[Math.min(number, garment.frames.length - 1)]));
+  const out = new Float32Array(fractions.length);
+  for (let i = 0; i < out.length; i++) out[i] = garment.low[i % 3] + garment.size[i % 3] * fractions[i] / 65535;
   return out;
 }
 
@@ -71,14 +71,14 @@ function box(list) {
   return [low, high];
 }
 
-// One scale for all scenes, so that garments beside each other compare.
+// One scale for all scenes, so that sizes can be compared.
 function ranges(shapes) {
   const boxes = shapes.map((list) => box(list));
   const half = 0.5 * Math.max(...boxes.flatMap(([low, high]) => low.map((l, k) => high[k] - l)), 1e-6);
   return boxes.map(([low, high]) => low.map((l, k) => [0.5 * (l + high[k]) - half, 0.5 * (l + high[k]) + half]));
 }
 
-function says(garment) {
+function hoverTexts(garment) {
   return Array.from({ length: garment.before.length / 3 }, (_, p) => {
     const lines = ['point ' + p];
     for (const field of garment.fields) if (field.values.length === garment.before.length / 3) {
@@ -95,8 +95,8 @@ function says(garment) {
   });
 }
 
-// Light from the upper left on the bare shape: the library's own lamp sits at the eye and shows no wrinkle.
-const lamp = [-0.55, 0.7, 0.45];
+// Light from the upper left for the shape: the light of the library is at the camera and shows no wrinkles.
+const lightDirection = [-0.55, 0.7, 0.45];
 function light(garment, xyz) {
   const normal = new Float32Array(xyz.length);
   const [a, b, c] = garment.triangles;
@@ -109,7 +109,7 @@ function light(garment, xyz) {
   return Float32Array.from({ length: xyz.length / 3 }, (_, i) => {
     const n = [normal[3 * i], normal[3 * i + 1], normal[3 * i + 2]];
     const length = Math.hypot(...n) || 1;
-    return 0.5 + 0.5 * (n[0] * lamp[0] + n[1] * lamp[1] + n[2] * lamp[2]) / length;
+    return 0.5 + 0.5 * (n[0] * lightDirection[0] + n[1] * lightDirection[1] + n[2] * lightDirection[2]) / length;
   });
 }
 
@@ -143,20 +143,20 @@ const names = [...new Map([['shape', 'shape']].concat(garments.flatMap((g) => g.
 for (const [name, title] of names) find('show').add(new Option(title, name));
 if (names.some(([name]) => name === data.show)) find('show').value = data.show;
 
-// Narrow scenes look from farther away.
-const away = garments.length > 1 ? 1.15 : 1;
-const still = ranges(garments.map((g) => [g.before, g.after]));
-const moving = ranges(garments.map((g) => g.frames.map((_, i) => frame(g, i))));
+// Narrow scenes need a more distant camera.
+const distance = garments.length > 1 ? 1.15 : 1;
+const shapeRanges = ranges(garments.map((g) => [g.before, g.after]));
+const frameRanges = ranges(garments.map((g) => g.frames.map((_, i) => frame(g, i))));
 const layout = (range) => ({
   margin: { l: 0, r: 0, t: 0, b: 0 }, paper_bgcolor: '#f4f3f0', showlegend: false,
   scene: {
     aspectmode: 'cube', dragmode: 'orbit',
-    camera: { up: { x: 0, y: 1, z: 0 }, eye: data.lies ? { x: 0, y: 0.95 * away, z: 0.62 * away } : { x: 0.2 * away, y: 0.12 * away, z: 0.95 * away } },
+    camera: { up: { x: 0, y: 1, z: 0 }, eye: data.lies ? { x: 0, y: 0.95 * distance, z: 0.62 * distance } : { x: 0.2 * distance, y: 0.12 * distance, z: 0.95 * distance } },
     xaxis: { visible: false, range: range[0] }, yaxis: { visible: false, range: range[1] }, zaxis: { visible: false, range: range[2] },
   },
 });
 
-function place(k, xyz, range) {
+function setPositions(k, xyz, range) {
   const [x, y, z] = columns(xyz);
   garments[k].now = xyz;
   const shape = find('show').value === 'shape' ? paint(garments[k], 'shape') : {};
@@ -166,30 +166,30 @@ function place(k, xyz, range) {
 }
 
 function showWorn() {
-  const share = Number(find('worn').value);
-  find('worn-says').textContent = Math.round(100 * share) + ' %';
-  return Promise.all(garments.map((garment, k) => place(k, worn(garment, share), still[k])));
+  const weight = Number(find('worn').value);
+  find('worn-value').textContent = Math.round(100 * weight) + ' %';
+  return Promise.all(garments.map((garment, k) => setPositions(k, worn(garment, weight), shapeRanges[k])));
 }
 
 function showFrame() {
   const number = Number(find('frame').value);
-  find('frame-says').textContent = data.frame_names[number] || String(number);
-  return Promise.all(garments.map((garment, k) => garment.frames.length ? place(k, frame(garment, number), moving[k]) : null));
+  find('frame-value').textContent = data.frame_names[number] || String(number);
+  return Promise.all(garments.map((garment, k) => garment.frames.length ? setPositions(k, frame(garment, number), frameRanges[k]) : null));
 }
 
 function showColours() {
   return Promise.all(garments.map((garment, k) => Plotly.restyle(scenes[k], paint(garment, find('show').value), [0])));
 }
 
-// Turning one garment turns the others.
-let following = false;
-function follow(k) {
+// Cameras of all scenes move together.
+let synchronising = false;
+function synchronise(k) {
   scenes[k].on('plotly_relayout', async (change) => {
     const camera = change['scene.camera'];
-    if (!camera || following) return;
-    following = true;
+    if (!camera || synchronising) return;
+    synchronising = true;
     await Promise.all(scenes.map((scene, j) => j === k ? null : Plotly.relayout(scene, { 'scene.camera': camera })));
-    following = false;
+    synchronising = false;
   });
 }
 
@@ -198,14 +198,14 @@ async function start() {
     const [x, y, z] = columns(garment.after);
     const [i, j, l] = garment.triangles;
     const mesh = {
-      type: 'mesh3d', x, y, z, i, j, k: l, flatshading: false, text: says(garment), hoverinfo: 'text',
+      type: 'mesh3d', x, y, z, i, j, k: l, flatshading: false, text: hoverTexts(garment), hoverinfo: 'text',
       lighting: { ambient: 0.75, diffuse: 0.3, specular: 0.02, roughness: 0.9, fresnel: 0 },
     };
-    return Plotly.newPlot(scenes[k], [mesh], layout(still[k]), { responsive: true, displaylogo: false });
+    return Plotly.newPlot(scenes[k], [mesh], layout(shapeRanges[k]), { responsive: true, displaylogo: false });
   }));
   await showColours();
   await showWorn();
-  scenes.forEach((_, k) => follow(k));
+  scenes.forEach((_, k) => synchronise(k));
   find('show').addEventListener('change', showColours);
   find('worn').addEventListener('input', showWorn);
   const count = Math.max(0, ...garments.map((garment) => garment.frames.length));
@@ -226,11 +226,11 @@ async function start() {
     });
   }
   // The page can be opened in a given state: OUT.html#show=curvature&worn=0.5, or #frame=12.
-  const wish = new URLSearchParams(location.hash.slice(1));
+  const state = new URLSearchParams(location.hash.slice(1));
   const oldNames = { 'rest-angle': 'rest-angle-change' };
-  if (wish.has('show')) { find('show').value = oldNames[wish.get('show')] || wish.get('show'); await showColours(); }
-  if (wish.has('worn')) { find('worn').value = wish.get('worn'); await showWorn(); }
-  if (wish.has('frame') && count > 0) { find('frame').value = wish.get('frame'); await showFrame(); }
+  if (state.has('show')) { find('show').value = oldNames[state.get('show')] || state.get('show'); await showColours(); }
+  if (state.has('worn')) { find('worn').value = state.get('worn'); await showWorn(); }
+  if (state.has('frame') && count > 0) { find('frame').value = state.get('frame'); await showFrame(); }
   document.body.dataset.ready = 'yes';
 }
 start().catch((error) => fail(String(error)));

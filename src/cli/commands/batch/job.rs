@@ -219,8 +219,7 @@ fn attempt(jobs: &Jobs, job: &Job, threads: usize, log: &Path, interrupt: &Inter
     }
 }
 
-/// Asks a job to write a checkpoint and stop, or kills it where signals are not available. Its last checkpoint is valid
-/// either way.
+/// Asks a job to write a checkpoint and stop, or kills it where signals are not available. Its last checkpoint stays valid.
 fn request_stop(child: &mut Child) {
     let sent = Command::new("kill").args(["-TERM", &child.id().to_string()]).status();
     if !sent.is_ok_and(|status| status.success()) {
