@@ -151,9 +151,9 @@ impl BodyCoupling {
         };
         let step = stepper.advance(state, rest, &mut loads_at_time, dt);
         if let Some(end) = last {
-            let moves = planes.accept(&state.x, &end.positions, &end.planes, &end.edges);
-            let crossing = planes.raise_offsets(&state.x, &garment.triangles, moves);
-            self.penetration.record(state.time, &state.x, &end.planes, crossing);
+            let moves = planes.end_step(&state.x, &end.positions, &end.planes, &end.edges);
+            let intersections = planes.raise_offsets(&state.x, &garment.triangles, moves);
+            self.penetration.record(state.time, &state.x, &end.planes, intersections);
         }
         step
     }

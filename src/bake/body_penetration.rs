@@ -1,7 +1,7 @@
 //! Statistics of the depth of cloth inside the body, and of triangles that intersect it.
 
 use crate::bake::tuning::TUNING;
-use crate::contact::{BodyPlanes, SELF_FOLD_MARGIN};
+use crate::contact::{BodyIntersections, BodyPlanes, Penetration, SELF_FOLD_MARGIN};
 use crate::energy::PlaneContact;
 use crate::math::Vec3;
 use serde::{Deserialize, Serialize};
@@ -47,16 +47,22 @@ pub struct BodyPenetrationStats {
 }
 
 impl BodyPenetrationStats {
-    /// Records a step that ended at `time` [s] with the cloth at `x` [m], in contact by `planes`. `crossing`: intersecting
-    /// pairs where the body does not touch itself, and where it folds into itself.
-    pub(super) fn record(&mut self, time: f64, x: &[Vec3], planes: &[PlaneContact], crossing: [usize; 2]) {
-        let [open, self_fold] = crossing;
+    /// Records a step that ended at `time` [s] with the cloth at `x` [m], in contact by `planes`, and the
+    /// pairs that intersect then.
+    pub(super) fn record(
+        &mut self,
+        time: f64,
+        x: &[Vec3],
+        planes: &[PlaneContact],
+        intersections: BodyIntersections,
+    ) {
+        let BodyIntersections { open, self_fold } = intersections;
         self.open.record(open, time);
         self.self_fold.record(self_fold, time);
         self.steps += usize::from(open > 0);
         let deepest =
-            BodyPlanes::deepest_penetration(x, planes).filter(|(_, d)| *d > TUNING.body.min_reported_depth);
-        let Some((point, depth)) = deepest else { return };
+            BodyPlanes::deepest_penetration(x, planes).filter(|p| p.depth > TUNING.body.min_reported_depth);
+        let Some(Penetration { point, depth }) = deepest else { return };
         self.times = Some([self.times.map_or(time, |[from, _]| from), time]);
         if depth > self.max_depth {
             self.max_depth = depth;

@@ -1,168 +1,167 @@
-//! Crossings that are there at the start: left out of the response and of the bound until they come apart.
+//! Intersections that exist at the start: left out of barrier and step bounds until they come apart.
 //!
-//! Pushing apart two triangles that cross pushes them the wrong way as often as not, and a bound that keeps their
-//! corners and edges from meeting keeps them hooked for ever. The same holds for what lies inside the line of crossing:
-//! a patch of cloth that has come through is on the wrong side as a whole (Baraff, Witkin, Kass, "Untangling Cloth",
-//! 2003). So a patch is grown from every group of crossing triangles by the parts of the mesh that it cuts off, but for
-//! the largest; what lies in two patches that cross each other may pass freely, and all else is guarded as ever.
+//! Pushing apart two triangles that intersect pushes them in the wrong direction as often as not, and a bound that keeps their corners and
+//! edges from meeting keeps them hooked for ever. The same holds for what lies inside the line of intersection: a patch of cloth that has
+//! come through is on the wrong side as a whole (Baraff, Witkin, Kass, "Untangling Cloth", 2003). So a patch is grown from every group of
+//! intersecting triangles by the parts of the mesh that it cuts off, but for the largest. Pairs of two patches that intersect each other
+//! are ignored; all others are guarded.
 //!
-//! That it does not get worse is not left to chance: no position is accepted at which more triangles cross than at
-//! the start, counted exactly (`mesh::intersections`). What has come apart is guarded from the next step on.
+//! The count never grows: no position is accepted at which more triangles intersect than at the start, counted exactly
+//! (`mesh::intersections`). What has come apart is guarded from the next step on.
 
 use crate::math::Vec3;
-use crate::mesh::PointIndex;
 use crate::mesh::intersections::self_intersections;
+use crate::mesh::{INVALID, PointIndex};
 use rustc_hash::FxHashSet;
 
-/// Triangles that cross, and the patches that are therefore left alone.
+/// Intersecting triangles, and the patches whose pairs are ignored.
 #[derive(Debug, Clone, Default)]
 pub(super) struct InitialIntersections {
-    /// Pairs of triangles of the cloth, sorted.
-    pub layers: Vec<[u32; 2]>,
-    /// How many there may be: as many as at the start.
-    allowed: usize,
+    /// Pairs of triangles, sorted.
+    pairs: Vec<[u32; 2]>,
+    /// Largest number of pairs allowed: that of the start.
+    max_allowed: usize,
     patches: Patches,
-    /// Pairs of patches that cross, both ways round.
-    cross: FxHashSet<[u32; 2]>,
+    /// Pairs of patches that intersect, in both orders.
+    intersecting: FxHashSet<[u32; 2]>,
 }
 
-/// A mesh as it is counted: positions [m], triangles, the edges of each triangle, and the number of edges.
+/// A mesh at given positions.
 #[derive(Clone, Copy)]
-pub(super) struct Mesh<'a> {
+pub(super) struct MeshView<'a> {
+    /// Positions [m], one per point.
     pub x: &'a [Vec3],
     pub triangles: &'a [[PointIndex; 3]],
+    /// Edges of each triangle.
     pub triangle_edges: &'a [[u32; 3]],
     pub edge_count: usize,
 }
 
 impl InitialIntersections {
-    /// Counts at these places. `before` is the count of an earlier step, if there was one.
-    pub fn find(cloth: Mesh, before: Option<&Self>) -> Self {
-        let layers = self_intersections(cloth.x, cloth.triangles);
-        let patches = Patches::around(cloth, layers.iter().flatten().copied().collect());
-        let allowed = before.map_or(layers.len(), |before| before.allowed);
-        let mut cross = FxHashSet::default();
-        for &pair in &layers {
+    /// Counts the intersections of `mesh`. `before` is the count of an earlier step, if there was one.
+    pub fn find(mesh: MeshView, before: Option<&Self>) -> Self {
+        let pairs = self_intersections(mesh.x, mesh.triangles);
+        let patches = Patches::around(mesh, pairs.iter().flatten().copied().collect());
+        let max_allowed = before.map_or(pairs.len(), |before| before.max_allowed);
+        let mut intersecting = FxHashSet::default();
+        for &pair in &pairs {
             let [a, b] = pair.map(|f| patches.seed[f as usize]);
-            cross.extend([[a, b], [b, a]]);
+            intersecting.extend([[a, b], [b, a]]);
         }
-        Self { layers, allowed, patches, cross }
+        Self { pairs, max_allowed, patches, intersecting }
     }
 
-    /// Whether nothing crosses.
+    /// Whether nothing intersects.
     pub fn is_empty(&self) -> bool {
-        self.layers.is_empty()
+        self.pairs.is_empty()
     }
 
-    /// Whether a point and a triangle of the cloth are left alone.
-    pub fn frees_point(&self, p: u32, f: u32) -> bool {
-        crossing(&self.cross, self.patches.point(p), self.patches.triangle(f))
+    /// Whether the pair of a point and a triangle is ignored.
+    pub fn ignores_point_triangle(&self, p: u32, f: u32) -> bool {
+        self.ignores(self.patches.of_point(p), self.patches.of_triangle(f))
     }
 
-    /// Whether two edges of the cloth are left alone.
-    pub fn frees_edges(&self, e: u32, f: u32) -> bool {
-        crossing(&self.cross, self.patches.edge(e), self.patches.edge(f))
+    /// Whether the pair of two edges is ignored.
+    pub fn ignores_edges(&self, e: u32, f: u32) -> bool {
+        self.ignores(self.patches.of_edge(e), self.patches.of_edge(f))
     }
 
-    /// Whether more triangles cross at these places than at the start.
-    pub fn is_worse_at(&self, cloth: Mesh) -> bool {
-        !self.is_empty() && self_intersections(cloth.x, cloth.triangles).len() > self.allowed
+    /// Whether more triangles intersect in `mesh` than at the start.
+    pub fn adds_intersections(&self, mesh: MeshView) -> bool {
+        !self.is_empty() && self_intersections(mesh.x, mesh.triangles).len() > self.max_allowed
+    }
+
+    fn ignores(&self, first: &[u32], second: &[u32]) -> bool {
+        first.iter().any(|&a| second.iter().any(|&b| self.intersecting.contains(&[a, b])))
     }
 }
 
-fn crossing(cross: &FxHashSet<[u32; 2]>, first: &[u32], second: &[u32]) -> bool {
-    first.iter().any(|&a| second.iter().any(|&b| cross.contains(&[a, b])))
-}
-
-/// Patches of one mesh: what belongs to which. A triangle may belong to several.
+/// Patches of a mesh: which primitives belong to which. A triangle may belong to several.
 #[derive(Debug, Clone, Default)]
 struct Patches {
-    /// Per triangle: the patch that grew from it, or [`NONE`]. Empty when nothing crosses.
+    /// Patch that grew from each triangle, or [`INVALID`]. Empty when nothing intersects.
     seed: Vec<u32>,
-    of_triangle: Vec<Vec<u32>>,
-    of_point: Vec<Vec<u32>>,
-    of_edge: Vec<Vec<u32>>,
+    triangles: Vec<Vec<u32>>,
+    points: Vec<Vec<u32>>,
+    edges: Vec<Vec<u32>>,
 }
 
-/// No patch, no part.
-const NONE: u32 = u32::MAX;
-
 impl Patches {
-    /// Patches grown from `crossing` triangles.
-    fn around(mesh: Mesh, crossing: Vec<u32>) -> Self {
-        if crossing.is_empty() {
+    /// Grows patches from `intersecting` triangles.
+    fn around(mesh: MeshView, intersecting: Vec<u32>) -> Self {
+        if intersecting.is_empty() {
             return Self::default();
         }
         let count = mesh.triangles.len();
-        let mut crosses = vec![false; count];
-        crossing.iter().for_each(|&f| crosses[f as usize] = true);
-        let around = Around::new(mesh);
+        let mut intersects = vec![false; count];
+        intersecting.iter().for_each(|&f| intersects[f as usize] = true);
+        let adjacency = Adjacency::new(mesh);
         let every = vec![true; count];
-        let quiet: Vec<bool> = crosses.iter().map(|c| !c).collect();
-        // Crossing triangles hang together at points, the parts they cut off at edges.
-        let seed = around.parts(&crosses, false);
-        let cut_off = around.parts(&quiet, true);
-        let whole = around.parts(&every, true);
+        let others: Vec<bool> = intersects.iter().map(|c| !c).collect();
+        // Intersecting triangles are connected at points, the parts they cut off at edges.
+        let seed = adjacency.parts(&intersects, false);
+        let cut_off = adjacency.parts(&others, true);
+        let whole = adjacency.parts(&every, true);
         let largest = largest_of_each(&cut_off, &whole);
-        let mut of_triangle = vec![Vec::new(); count];
-        let mut taken: FxHashSet<[u32; 2]> = FxHashSet::default();
-        for (f, &patch) in seed.iter().enumerate().filter(|(_, patch)| **patch != NONE) {
-            of_triangle[f].push(patch);
-            for g in around.at_points(f) {
+        let mut triangles = vec![Vec::new(); count];
+        let mut joined: FxHashSet<[u32; 2]> = FxHashSet::default();
+        for (f, &patch) in seed.iter().enumerate().filter(|(_, patch)| **patch != INVALID) {
+            triangles[f].push(patch);
+            for g in adjacency.at_points(f) {
                 let part = cut_off[g as usize];
-                if part != NONE && !largest[part as usize] {
-                    taken.insert([part, patch]);
+                if part != INVALID && !largest[part as usize] {
+                    joined.insert([part, patch]);
                 }
             }
         }
-        let mut taken: Vec<[u32; 2]> = taken.into_iter().collect();
-        taken.sort_unstable();
-        for (f, &part) in cut_off.iter().enumerate().filter(|(_, part)| **part != NONE) {
-            let from = taken.partition_point(|t| t[0] < part);
-            of_triangle[f].extend(taken[from..].iter().take_while(|t| t[0] == part).map(|t| t[1]));
+        let mut joined: Vec<[u32; 2]> = joined.into_iter().collect();
+        joined.sort_unstable();
+        for (f, &part) in cut_off.iter().enumerate().filter(|(_, part)| **part != INVALID) {
+            let from = joined.partition_point(|t| t[0] < part);
+            triangles[f].extend(joined[from..].iter().take_while(|t| t[0] == part).map(|t| t[1]));
         }
-        let (mut of_point, mut of_edge) = (vec![Vec::new(); mesh.x.len()], vec![Vec::new(); mesh.edge_count]);
-        for (f, patches) in of_triangle.iter().enumerate() {
+        let (mut points, mut edges) = (vec![Vec::new(); mesh.x.len()], vec![Vec::new(); mesh.edge_count]);
+        for (f, patches) in triangles.iter().enumerate() {
             for &patch in patches {
-                let corners = mesh.triangles[f].map(|p| p.at());
-                let sides = mesh.triangle_edges[f].map(|e| e as usize);
-                let owners = corners.map(|p| (p, false)).into_iter().chain(sides.map(|e| (e, true)));
-                for (k, is_edge) in owners {
-                    let list: &mut Vec<u32> = if is_edge { &mut of_edge[k] } else { &mut of_point[k] };
-                    if !list.contains(&patch) {
-                        list.push(patch);
-                    }
-                }
+                mesh.triangles[f].iter().for_each(|p| add_once(&mut points[p.at()], patch));
+                mesh.triangle_edges[f].iter().for_each(|&e| add_once(&mut edges[e as usize], patch));
             }
         }
-        Self { seed, of_triangle, of_point, of_edge }
+        Self { seed, triangles, points, edges }
     }
 
-    fn triangle(&self, f: u32) -> &[u32] {
-        self.of_triangle.get(f as usize).map_or(&[], Vec::as_slice)
+    fn of_triangle(&self, f: u32) -> &[u32] {
+        self.triangles.get(f as usize).map_or(&[], Vec::as_slice)
     }
 
-    fn point(&self, p: u32) -> &[u32] {
-        self.of_point.get(p as usize).map_or(&[], Vec::as_slice)
+    fn of_point(&self, p: u32) -> &[u32] {
+        self.points.get(p as usize).map_or(&[], Vec::as_slice)
     }
 
-    fn edge(&self, e: u32) -> &[u32] {
-        self.of_edge.get(e as usize).map_or(&[], Vec::as_slice)
+    fn of_edge(&self, e: u32) -> &[u32] {
+        self.edges.get(e as usize).map_or(&[], Vec::as_slice)
     }
 }
 
-/// Per part of `cut_off`: whether it is the largest within its part of `whole`.
+fn add_once(list: &mut Vec<u32>, patch: u32) {
+    if !list.contains(&patch) {
+        list.push(patch);
+    }
+}
+
+/// Returns whether a part of `cut_off` is the largest within its part of `whole`, one flag per part.
 fn largest_of_each(cut_off: &[u32], whole: &[u32]) -> Vec<bool> {
-    let count = cut_off.iter().filter(|p| **p != NONE).map(|p| *p as usize + 1).max().unwrap_or(0);
-    let mut size = vec![(0usize, NONE); count];
-    for (part, home) in cut_off.iter().zip(whole).filter(|(part, _)| **part != NONE) {
-        size[*part as usize].0 += 1;
-        size[*part as usize].1 = *home;
+    let count = cut_off.iter().filter(|p| **p != INVALID).map(|p| *p as usize + 1).max().unwrap_or(0);
+    let mut size = vec![0usize; count];
+    let mut container = vec![INVALID; count];
+    for (part, whole) in cut_off.iter().zip(whole).filter(|(part, _)| **part != INVALID) {
+        size[*part as usize] += 1;
+        container[*part as usize] = *whole;
     }
     let mut best: Vec<Option<usize>> = vec![None; whole.iter().map(|h| *h as usize + 1).max().unwrap_or(0)];
-    for (part, (triangles, home)) in size.iter().enumerate() {
-        let best = &mut best[*home as usize];
-        if best.is_none_or(|b| size[b].0 < *triangles) {
+    for part in 0..count {
+        let best = &mut best[container[part] as usize];
+        if best.is_none_or(|b| size[b] < size[part]) {
             *best = Some(part);
         }
     }
@@ -171,15 +170,15 @@ fn largest_of_each(cut_off: &[u32], whole: &[u32]) -> Vec<bool> {
     largest
 }
 
-/// Which triangles are around a point or an edge.
-struct Around<'a> {
-    mesh: Mesh<'a>,
+/// Triangles around each point and edge.
+struct Adjacency<'a> {
+    mesh: MeshView<'a>,
     point: Vec<Vec<u32>>,
     edge: Vec<Vec<u32>>,
 }
 
-impl<'a> Around<'a> {
-    fn new(mesh: Mesh<'a>) -> Self {
+impl<'a> Adjacency<'a> {
+    fn new(mesh: MeshView<'a>) -> Self {
         let (mut point, mut edge) = (vec![Vec::new(); mesh.x.len()], vec![Vec::new(); mesh.edge_count]);
         for (f, (corners, sides)) in mesh.triangles.iter().zip(mesh.triangle_edges).enumerate() {
             corners.iter().for_each(|p| point[p.at()].push(f as u32));
@@ -196,30 +195,30 @@ impl<'a> Around<'a> {
         self.mesh.triangle_edges[f].into_iter().flat_map(|e| self.edge[e as usize].iter().copied())
     }
 
-    /// Connected parts of the triangles in question, counted from 0 in the order of their first triangle; [`NONE`] for
-    /// the others.
-    fn parts(&self, of: &[bool], by_edges: bool) -> Vec<u32> {
-        let mut part = vec![NONE; of.len()];
+    /// Returns the connected part of each triangle that is set in `included`, parts counted from 0 in the order of their first triangle;
+    /// [`INVALID`] for the others.
+    fn parts(&self, included: &[bool], by_edges: bool) -> Vec<u32> {
+        let mut part = vec![INVALID; included.len()];
         let mut count = 0;
         let mut open = Vec::new();
-        for first in 0..of.len() {
-            if !of[first] || part[first] != NONE {
+        for first in 0..included.len() {
+            if !included[first] || part[first] != INVALID {
                 continue;
             }
             part[first] = count;
             open.push(first);
             while let Some(f) = open.pop() {
-                let mut reach = |g: u32| {
+                let mut visit = |g: u32| {
                     let g = g as usize;
-                    if of[g] && part[g] == NONE {
+                    if included[g] && part[g] == INVALID {
                         part[g] = count;
                         open.push(g);
                     }
                 };
                 if by_edges {
-                    self.at_edges(f).for_each(&mut reach)
+                    self.at_edges(f).for_each(&mut visit)
                 } else {
-                    self.at_points(f).for_each(&mut reach)
+                    self.at_points(f).for_each(&mut visit)
                 }
             }
             count += 1;
@@ -237,11 +236,11 @@ mod tests {
     fn sheet(n: u32, base: u32, height: f64) -> (Vec<Vec3>, Vec<[PointIndex; 3]>) {
         let at = |i: u32, j: u32| PointIndex(base + j * (n + 1) + i);
         let middle = f64::from(n) / 2.0;
-        let place = |k: u32| {
+        let position = |k: u32| {
             let (x, z) = (f64::from(k % (n + 1)) - middle, f64::from(k / (n + 1)) - middle);
             Vec3::new(0.01 * x, height * (-(x * x + z * z) / 8.0).exp(), 0.0101 * z)
         };
-        let points = (0..(n + 1) * (n + 1)).map(place).collect();
+        let points = (0..(n + 1) * (n + 1)).map(position).collect();
         let quad = |k: u32| {
             let (i, j) = (k % n, k / n);
             [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]]
@@ -258,25 +257,31 @@ mod tests {
         x.extend(flat.iter().map(|p| p + Vec3::new(1e-3, 0.01, 2e-3)));
         triangles.extend(more);
         let topology = Topology::new(x.len(), &triangles);
-        let mesh = Mesh {
+        let mesh = MeshView {
             x: &x,
             triangles: &triangles,
             triangle_edges: &topology.triangle_edges,
             edge_count: topology.edges.len(),
         };
         let found = InitialIntersections::find(mesh, None);
-        assert!(found.layers.len() > 20);
+        assert!(found.pairs.len() > 20);
         // The bump's top is on the wrong side of the other sheet's middle; the corners are where they should be.
         let middle = (n / 2) * (n + 1) + n / 2;
         let over = (triangles.len() / 2 + triangles.len() / 4) as u32 + n;
-        assert!(found.frees_point(middle, over));
-        assert!(!found.frees_point(0, over) && !found.frees_point(middle, triangles.len() as u32 - 1));
-        assert!(!found.is_worse_at(mesh));
+        assert!(found.ignores_point_triangle(middle, over));
+        assert!(
+            !found.ignores_point_triangle(0, over)
+                && !found.ignores_point_triangle(middle, triangles.len() as u32 - 1)
+        );
+        assert!(!found.adds_intersections(mesh));
         let mut worse = x.clone();
         worse[..half as usize].iter_mut().for_each(|p| p.y += 2e-3);
-        let now = InitialIntersections::find(Mesh { x: &worse, ..mesh }, Some(&found));
-        assert_eq!(found.is_worse_at(Mesh { x: &worse, ..mesh }), now.layers.len() > found.layers.len());
+        let now = InitialIntersections::find(MeshView { x: &worse, ..mesh }, Some(&found));
+        assert_eq!(
+            found.adds_intersections(MeshView { x: &worse, ..mesh }),
+            now.pairs.len() > found.pairs.len()
+        );
         worse[..half as usize].iter_mut().for_each(|p| p.y -= 0.05);
-        assert!(InitialIntersections::find(Mesh { x: &worse, ..mesh }, Some(&found)).is_empty());
+        assert!(InitialIntersections::find(MeshView { x: &worse, ..mesh }, Some(&found)).is_empty());
     }
 }

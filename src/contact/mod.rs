@@ -1,9 +1,10 @@
-//! Terms that depend on who is near: candidates, response, friction, and the bound that keeps layers apart.
+//! Contact of cloth with itself, ground, ceiling and a body: barrier, friction, and the limit that keeps layers apart.
 //!
-//! The promise: if no two triangles of the cloth cross at the start of a step, none do at any position the solver accepts;
-//! what crosses at the start never becomes more (`contact::initial_intersections`).
-//! It is kept by [`Contact::limit_displacement`], which cuts every move short of the first touch by continuous collision
-//! detection; the barrier makes such cuts rare, and friction rides on the barrier's forces.
+//! If no two triangles of the cloth intersect at the start of a step, none do at any position the solver accepts; the number of those that
+//! intersect at the start never grows (`contact::initial_intersections`). [`Contact::limit_displacement`] ensures it: continuous collision
+//! detection cuts every displacement short of the first touch. The barrier makes such cuts rare, and friction depends on the barrier's
+//! forces. Terms follow Li et al., "Incremental Potential Contact" (2020; IPC).
+//!
 //! The ground is the half space y >= height, seen by points only. A body of triangles is met from one side ([`BodyPlanes`]).
 
 mod barrier;
@@ -13,77 +14,32 @@ pub mod broad_phase;
 mod collision_set;
 mod friction;
 mod initial_intersections;
+mod planes;
+mod self_fold;
+mod settings;
 pub mod step_bounds;
+mod tuning;
 mod uncovered_area;
 
-pub use body_planes::{BodyContactSettings, BodyContactState, BodyPlanes, SELF_FOLD_MARGIN};
-
-use crate::contact::collision_set::{PairContact, Touch};
-use crate::energy::BlockSink;
-use crate::fabric::Fabric;
-use crate::math::{Mat3, Vec3};
-use crate::mesh::{PointIndex, Topology};
+pub use body_planes::{BodyContactState, BodyIntersections, BodyPlanes, Penetration, SELF_FOLD_MARGIN};
 pub use friction::TangentialState;
-use friction::{Friction, FrictionContact, spread};
+pub use settings::{BodyContactSettings, ContactSettings};
+
+use crate::contact::collision_set::{ActivePair, CollisionSet};
+use crate::contact::friction::{
+    Friction, FrictionContact, add_weighted_gradient, add_weighted_hessian, slip_tolerance,
+};
+use crate::contact::planes::HorizontalPlanes;
+use crate::contact::uncovered_area::UncoveredArea;
+use crate::energy::BlockSink;
+use crate::math::Vec3;
+use crate::mesh::{PointIndex, Topology};
 use std::sync::Arc;
 
-/// What contact there is in a scene.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ContactSettings {
-    /// Activation distance d-hat of the barrier [m]: cloth nearer to cloth than this is pushed apart. The thickness of one layer.
-    pub dhat: f64,
-    /// Stiffness per area [N/m³]: pressure per metre of approach.
-    pub stiffness: f64,
-    /// Friction coefficient, cloth on cloth.
-    pub friction: f64,
-    /// Friction coefficient, cloth on ground.
-    pub friction_ground: f64,
-    /// Friction coefficient, cloth on body.
-    pub friction_body: f64,
-    /// What a contact that sticks bears, as a multiple of what it bears while it slides; 1 for plain Coulomb friction.
-    pub static_ratio: f64,
-    /// A contact gives by up to this times the step before it slides [m/s].
-    pub slip_velocity_tol: f64,
-    /// Whether cloth can meet cloth.
-    pub self_contact: bool,
-}
-
-impl ContactSettings {
-    /// Cloth of `fabric`: plain Coulomb friction by its coefficients, that of the ground on a body, too. `dhat` [m], `stiffness`
-    /// [N/m³]; `self_contact`: whether cloth can meet cloth.
-    pub fn for_fabric(fabric: &Fabric, dhat: f64, stiffness: f64, self_contact: bool) -> Self {
-        Self {
-            friction: fabric.friction,
-            friction_ground: fabric.friction_ground,
-            friction_body: fabric.friction_ground,
-            self_contact,
-            ..Self::uniform(dhat, stiffness, 0.0)
-        }
-    }
-
-    /// Cloth that meets itself, the ground and a body with the same coefficient of plain Coulomb `friction`. `dhat` [m], `stiffness`
-    /// [N/m³].
-    pub fn uniform(dhat: f64, stiffness: f64, friction: f64) -> Self {
-        Self {
-            dhat,
-            stiffness,
-            friction,
-            friction_ground: friction,
-            friction_body: friction,
-            static_ratio: 1.0,
-            slip_velocity_tol: SLIP_VELOCITY_TOL,
-            self_contact: true,
-        }
-    }
-}
-
-/// Default of [`ContactSettings::slip_velocity_tol`] [m/s].
-const SLIP_VELOCITY_TOL: f64 = 1e-3;
-
-/// The pair that is nearest for its contact distance.
+/// The pair that is nearest for its activation distance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TightestPair {
-    /// Distance over activation distance.
+    /// Distance over activation distance [-].
     pub gap_ratio: f64,
     /// A point between the two primitives [m].
     pub position: Vec3,
@@ -92,16 +48,20 @@ pub struct TightestPair {
 /// Contact of one garment with itself, the ground and a ceiling.
 pub struct Contact {
     settings: ContactSettings,
-    /// Per point: area it stands for [m²].
-    area: Vec<f64>,
-    pairs: Option<PairContact>,
-    ground: Option<f64>,
-    ceiling: Option<f64>,
+    planes: HorizontalPlanes,
+    /// Contact of the cloth with itself; `None` for none at all.
+    layers: Option<Layers>,
     friction: Friction,
 }
 
+/// What depends on other parts of the cloth.
+struct Layers {
+    collisions: CollisionSet,
+    uncovered: UncoveredArea,
+}
+
 impl Contact {
-    /// Contact for the mesh of `rest` points [m]. `area` per point [m²].
+    /// Contact for a mesh of `triangles` at `rest` [m] with its `topology`; `area` [m²] has one entry per point.
     pub fn new(
         settings: ContactSettings,
         rest: &[Vec3],
@@ -109,287 +69,243 @@ impl Contact {
         topology: &Topology,
         area: Vec<f64>,
     ) -> Self {
-        let pairs = Some(PairContact::new(&settings, rest, triangles, topology, &area));
-        Self { settings, area, pairs, ground: None, ceiling: None, friction: Friction::default() }
+        let collisions = CollisionSet::new(&settings, rest, triangles, topology, &area);
+        let layers = Layers { collisions, uncovered: UncoveredArea::new(rest, triangles) };
+        Self { layers: Some(layers), ..Self::without_layers(settings, &area) }
     }
 
     /// No contact at all.
     pub fn none(point_count: usize) -> Self {
         let settings = ContactSettings { self_contact: false, ..ContactSettings::uniform(1e-3, 0.0, 0.0) };
-        Self {
-            settings,
-            area: vec![0.0; point_count],
-            pairs: None,
-            ground: None,
-            ceiling: None,
-            friction: Friction::default(),
-        }
+        Self::without_layers(settings, &vec![0.0; point_count])
     }
 
-    /// What contact there is.
+    fn without_layers(settings: ContactSettings, area: &[f64]) -> Self {
+        let stiffness = area.iter().map(|area| settings.stiffness * area).collect();
+        let planes = HorizontalPlanes::new(settings.dhat, stiffness);
+        Self { settings, planes, layers: None, friction: Friction::default() }
+    }
+
+    fn collisions(&self) -> Option<&CollisionSet> {
+        self.layers.as_ref().map(|layers| &layers.collisions)
+    }
+
+    fn collisions_mut(&mut self) -> Option<&mut CollisionSet> {
+        self.layers.as_mut().map(|layers| &mut layers.collisions)
+    }
+
+    /// Settings it was made with.
     pub fn settings(&self) -> &ContactSettings {
         &self.settings
     }
 
-    /// Puts ground and ceiling at these heights [m], or takes them away.
+    /// Puts ground and ceiling at these heights [m], or removes them.
     pub fn set_planes(&mut self, ground: Option<f64>, ceiling: Option<f64>) {
-        self.ground = ground;
-        self.ceiling = ceiling;
+        self.planes.set(ground, ceiling);
     }
 
-    /// The cloth has been put somewhere else (its source pose, say), and what crosses there shall stay as it is: nothing
-    /// passes, not even what could come apart.
+    /// Guards all pairs from here on, also those that intersect, for cloth that has been put somewhere else (its source pose, say): what
+    /// intersects there stays as it is and nothing passes, not even what could come apart.
     pub fn freeze_initial_intersections(&mut self) {
-        if let Some(pairs) = &mut self.pairs {
-            pairs.freeze_initial_intersections();
+        if let Some(collisions) = self.collisions_mut() {
+            collisions.freeze_initial_intersections();
         }
     }
 
-    /// Forgets what is kept between steps for speed alone.
+    /// Drops what is kept between steps for speed alone.
     pub fn clear_caches(&mut self) {
-        if let Some(pairs) = &mut self.pairs {
-            pairs.clear_caches();
+        if let Some(collisions) = self.collisions_mut() {
+            collisions.clear_caches();
         }
     }
 
-    /// Distance of a point to the plane and +1 for the ground, -1 for the ceiling [m].
-    fn planes(&self) -> impl Iterator<Item = (f64, f64)> + use<> {
-        [(self.ground, 1.0), (self.ceiling, -1.0)].into_iter().filter_map(|(h, side)| h.map(|h| (h, side)))
-    }
+    // ---- Steps ----
 
-    /// Starts a step of `h` seconds at `x`, before any value is asked for: finds who is near; normal forces for
-    /// friction are taken here. Without slip velocity (equilibria) pass an infinite step and there is no friction.
-    /// `share` scales the friction coefficients. Points that are `held` do not move during the step: pairs of such
-    /// points only do not count.
-    pub fn begin_step(&mut self, x: &[Vec3], h: f64, share: f64, held: &[bool]) {
-        if let Some(pairs) = &mut self.pairs {
-            pairs.begin(x, held);
+    /// Starts a step of `h` seconds at `x` [m], before any value is asked for: finds the pairs and lags the normal forces of friction. For
+    /// equilibria, which have no slip velocity, `h` is infinite and there is no friction.
+    ///
+    /// `friction_scale` multiplies the friction coefficients [-]. The `fixed` points, one flag per point, do not move during the step, and
+    /// pairs of such points only are left out.
+    pub fn begin_step(&mut self, x: &[Vec3], h: f64, friction_scale: f64, fixed: &[bool]) {
+        if let Some(collisions) = self.collisions_mut() {
+            collisions.begin_step(x, fixed);
         }
-        let mut friction = std::mem::take(&mut self.friction);
-        let stick = friction::stick(self.settings.slip_velocity_tol, h);
-        friction.begin(x, stick, self.settings.static_ratio);
-        if h.is_finite() && share > 0.0 {
-            self.add_sliders(x, share, &mut friction);
-        }
-        self.friction = friction;
-    }
-
-    fn add_sliders(&self, x: &[Vec3], share: f64, friction: &mut Friction) {
         let settings = &self.settings;
-        if let (Some(ground), true) = (self.ground, settings.friction_ground > 0.0) {
-            for (p, x) in x.iter().enumerate() {
-                let force = -barrier::slope(x.y - ground, settings.dhat, self.ground_stiffness(p));
+        let slip_tol = slip_tolerance(settings.slip_velocity_tol, h);
+        self.friction.begin_step(x, slip_tol, settings.static_ratio);
+        if h.is_finite() && friction_scale > 0.0 {
+            self.add_friction(x, friction_scale);
+        }
+    }
+
+    /// Adds the friction contacts of a step that starts at `x`.
+    fn add_friction(&mut self, x: &[Vec3], friction_scale: f64) {
+        let Self { settings, planes, layers, friction } = self;
+        if settings.friction_ground > 0.0 {
+            for (p, force) in planes.ground_forces(x).into_iter().flatten().enumerate() {
                 if force > 0.0 {
                     friction.add(FrictionContact {
                         kind: None,
                         points: [p as u32; 4],
                         weights: [1.0, 0.0, 0.0, 0.0],
                         normal: Vec3::y(),
-                        limit: share * settings.friction_ground * force,
+                        max_force: friction_scale * settings.friction_ground * force,
                         stretch: Vec3::zeros(),
                     });
                 }
             }
         }
-        if settings.friction <= 0.0 {
-            return;
-        }
-        for t in self.touches(x).iter() {
+        let Some(layers) = layers.as_ref().filter(|_| settings.friction > 0.0) else { return };
+        for pair in layers.collisions.active_pairs(x).iter() {
+            let slope = barrier::derivative(pair.distance, pair.dhat, pair.stiffness);
             friction.add(FrictionContact {
-                kind: Some(t.kind),
-                points: t.points,
-                weights: t.weights,
-                normal: t.normal,
-                limit: -share * settings.friction * barrier::slope(t.distance, t.reach, t.stiffness),
+                kind: Some(pair.kind),
+                points: pair.points,
+                weights: pair.weights,
+                normal: pair.normal,
+                max_force: -friction_scale * settings.friction * slope,
                 stretch: Vec3::zeros(),
             });
         }
     }
 
-    /// What friction keeps from step to step.
-    pub fn friction_state(&self) -> Vec<TangentialState> {
-        self.friction.kept()
-    }
-
-    /// Goes on with what friction kept.
-    pub fn restore_friction_state(&mut self, kept: &[TangentialState]) {
-        self.friction.restore(kept);
-    }
-
-    /// The step of `h` seconds is accepted at `x`: friction keeps its stretch.
-    pub fn accept(&mut self, x: &[Vec3], h: f64) {
-        self.friction.accept(x);
-        if let Some(pairs) = &mut self.pairs {
-            pairs.accept(x, h);
+    /// Accepts the step of `h` seconds at `x` [m].
+    pub fn end_step(&mut self, x: &[Vec3], h: f64) {
+        self.friction.end_step(x);
+        if let Some(collisions) = self.collisions_mut() {
+            collisions.end_step(x, h);
         }
     }
 
-    /// From here on only the points for which `moving` is set move, one flag per point: contacts of all others with one another
-    /// are left out of value, gradient and Hessian, and no move is bounded by them.
+    /// Returns what friction keeps from step to step.
+    pub fn friction_state(&self) -> Vec<TangentialState> {
+        self.friction.state()
+    }
+
+    /// Continues with what friction kept.
+    pub fn restore_friction_state(&mut self, state: &[TangentialState]) {
+        self.friction.restore(state);
+    }
+
+    /// Restricts contact to the points for which `moving` is set, one flag per point: contacts of all others, at rest at `x` [m], with one
+    /// another are left out of value, gradient and Hessian, and limit no displacement.
     pub fn restrict_to(&mut self, x: &[Vec3], moving: &[bool]) {
-        if let Some(pairs) = &mut self.pairs {
-            pairs.restrict_to(x, moving);
+        if let Some(collisions) = self.collisions_mut() {
+            collisions.restrict_to(x, moving);
         }
         self.friction.restrict_to(moving);
     }
 
-    /// All points move again, and all contacts count.
+    /// Ends the restriction: all points may move again, and all contacts count.
     pub fn unrestrict(&mut self) {
-        if let Some(pairs) = &mut self.pairs {
-            pairs.unrestrict();
+        if let Some(collisions) = self.collisions_mut() {
+            collisions.unrestrict();
         }
         self.friction.unrestrict();
     }
 
-    /// Shortens the moves `d` of single points until the way from `x` to `x + d` (and to every share of it) keeps
-    /// all pairs apart. Afterwards values may be asked for anywhere on that way.
+    // ---- Limits on displacements ----
+
+    /// Shortens the displacements `d` of single points until the motion from `x` to `x + d` [m] (and to every fraction of it) keeps all
+    /// pairs apart. Afterwards values may be asked for anywhere on that motion.
     pub fn limit_displacement(&mut self, x: &[Vec3], d: &mut [Vec3]) {
-        for (height, side) in self.planes() {
-            for (x, d) in x.iter().zip(d.iter_mut()) {
-                *d *= self.plane_share(x, d, height, side);
-            }
-        }
-        if let Some(pairs) = &mut self.pairs {
-            pairs.limit_displacement(x, d);
+        self.planes.limit_displacement(x, d);
+        if let Some(collisions) = self.collisions_mut() {
+            collisions.limit_displacement(x, d);
         }
     }
 
-    /// The same with one share for all points: the direction stays what it was.
+    /// Does the same with one step size for all points, so that the direction does not change.
     pub fn limit_displacement_uniform(&mut self, x: &[Vec3], d: &mut [Vec3]) {
-        let mut share: f64 = 1.0;
-        for (height, side) in self.planes() {
-            for (x, d) in x.iter().zip(d.iter()) {
-                share = share.min(self.plane_share(x, d, height, side));
-            }
-        }
-        d.iter_mut().for_each(|d| *d *= share);
-        if let Some(pairs) = &mut self.pairs {
-            pairs.limit_displacement_uniform(x, d);
+        let step_size = self.planes.uniform_step_size(x, d);
+        d.iter_mut().for_each(|d| *d *= step_size);
+        if let Some(collisions) = self.collisions_mut() {
+            collisions.limit_displacement_uniform(x, d);
         }
     }
 
-    /// Moves the cloth by `d`, each point as far as all stay apart and presses no layer below the inner part of its contact
+    /// Moves the cloth at `x` by `d` [m], each point as far as all stay apart; presses no layer below the inner part of its activation
     /// distance. Afterwards values may be asked for at the new positions.
     pub fn carry(&mut self, x: &mut [Vec3], d: &[Vec3]) {
         let mut d = d.to_vec();
-        for (height, side) in self.planes() {
-            for (x, d) in x.iter().zip(d.iter_mut()) {
-                *d *= self.plane_share(x, d, height, side);
-            }
-        }
-        if let Some(pairs) = &mut self.pairs {
-            pairs.carry(x, &d);
+        self.planes.limit_displacement(x, &mut d);
+        if let Some(collisions) = self.collisions_mut() {
+            collisions.carry(x, &d);
         }
     }
 
-    /// Share of the move `d` from `x` that stays off a plane.
-    fn plane_share(&self, x: &Vec3, d: &Vec3, height: f64, side: f64) -> f64 {
-        let (gap, way) = (side * (x.y - height), side * d.y);
-        let floor = barrier::floor(gap, self.settings.dhat);
-        if way < 0.0 && gap + way < floor { ((gap - floor) / -way).clamp(0.0, 1.0) } else { 1.0 }
-    }
+    // ---- Response ----
 
-    /// Per point: the part of its area that nothing covers from above, as seen from above [m²].
+    /// Returns the part of each point's area that nothing covers from above at `x`, projected onto the ground [m²].
     pub fn uncovered_area(&mut self, x: &[Vec3]) -> Vec<f64> {
-        match &mut self.pairs {
-            Some(pairs) => pairs.uncovered_area(x),
+        match &mut self.layers {
+            Some(layers) => layers.uncovered.at(x),
             None => vec![0.0; x.len()],
         }
     }
 
-    fn touches(&self, x: &[Vec3]) -> Arc<Vec<Touch>> {
-        self.pairs.as_ref().map(|pairs| pairs.touches(x)).unwrap_or_default()
+    fn active_pairs(&self, x: &[Vec3]) -> Arc<Vec<ActivePair>> {
+        self.collisions().map(|collisions| collisions.active_pairs(x)).unwrap_or_default()
     }
 
-    fn ground_stiffness(&self, p: usize) -> f64 {
-        self.settings.stiffness * self.area[p]
-    }
-
-    /// Energy of all contacts and the dissipation potential of friction [J]; infinite beyond ground or ceiling, and
-    /// where more crosses than when the step began.
+    /// Returns the energy of all contacts and the dissipation potential of friction at `x` [J]; infinite beyond ground or ceiling, and where
+    /// more triangles intersect than when the step began.
     pub fn value(&self, x: &[Vec3]) -> f64 {
-        let mut sum = 0.0;
-        for (height, side) in self.planes() {
-            for (p, x) in x.iter().enumerate() {
-                let gap = side * (x.y - height);
-                if gap <= 0.0 {
-                    return f64::INFINITY;
-                }
-                sum += barrier::value(gap, self.settings.dhat, self.ground_stiffness(p));
-            }
+        let mut sum = self.planes.value(x);
+        if sum == f64::INFINITY {
+            return sum;
         }
-        if let Some(pairs) = &self.pairs {
-            if pairs.is_worse_at(x) {
+        if let Some(collisions) = self.collisions() {
+            if collisions.adds_intersections(x) {
                 return f64::INFINITY;
             }
-            sum += pairs
-                .touches(x)
-                .iter()
-                .map(|t| barrier::value(t.distance, t.reach, t.stiffness))
-                .sum::<f64>();
+            let energy = |pair: &ActivePair| barrier::value(pair.distance, pair.dhat, pair.stiffness);
+            sum += collisions.active_pairs(x).iter().map(energy).sum::<f64>();
         }
         sum + self.friction.value(x)
     }
 
-    /// Adds the gradient [N].
+    /// Adds the gradient at `x` [N].
     pub fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) {
-        for (height, side) in self.planes() {
-            for (p, (x, g)) in x.iter().zip(out.iter_mut()).enumerate() {
-                let gap = side * (x.y - height);
-                g.y += side * barrier::slope(gap, self.settings.dhat, self.ground_stiffness(p));
-            }
-        }
-        if let Some(pairs) = &self.pairs {
-            for t in pairs.touches(x).iter() {
-                let force = t.normal * barrier::slope(t.distance, t.reach, t.stiffness);
-                spread(out, &t.points, &t.weights, &force);
-            }
+        self.planes.add_gradient(x, out);
+        for pair in self.active_pairs(x).iter() {
+            let gradient = pair.normal * barrier::derivative(pair.distance, pair.dhat, pair.stiffness);
+            add_weighted_gradient(out, &pair.points, &pair.weights, &gradient);
         }
         self.friction.add_gradient(x, out);
     }
 
-    /// Adds a positive Hessian: the barrier's curvature along the normal (its tangential part is negative).
+    /// Adds a positive semidefinite Hessian at `x` [N/m]: the barrier's second derivative along the normal (its tangential part is negative).
     pub fn add_hessian(&self, x: &[Vec3], out: &mut dyn BlockSink) {
-        // Those of friction stay the same for a step, and the order of all before them: a filling goes faster so.
+        // The contacts of friction stay the same during a step, and with them the order of blocks before all others: assembly is faster so.
         self.friction.add_hessian(x, out);
-        let up = Mat3::from_diagonal(&Vec3::y());
-        for (height, side) in self.planes() {
-            for (p, x) in x.iter().enumerate() {
-                let gap = side * (x.y - height);
-                let k = barrier::curvature(gap, self.settings.dhat, self.ground_stiffness(p));
-                if k > 0.0 {
-                    out.add(p as u32, p as u32, &(up * k));
-                }
+        self.planes.add_hessian(x, out);
+        for pair in self.active_pairs(x).iter() {
+            if !out.is_relevant(&pair.points) {
+                continue;
             }
-        }
-        if let Some(pairs) = &self.pairs {
-            for t in pairs.touches(x).iter() {
-                if !out.is_relevant(&t.points) {
-                    continue;
-                }
-                let k = barrier::curvature(t.distance, t.reach, t.stiffness);
-                let block = t.normal * t.normal.transpose() * k;
-                friction::add_weighted(out, &t.points, &t.weights, &block);
-            }
+            let curvature = barrier::second_derivative(pair.distance, pair.dhat, pair.stiffness);
+            let block = pair.normal * pair.normal.transpose() * curvature;
+            add_weighted_hessian(out, &pair.points, &pair.weights, &block);
         }
     }
 
-    /// Visits the groups of points that the Hessian at `x` couples, and those within `margin` (at least 1) times the
-    /// contact distance.
+    /// Visits the groups of points that the Hessian at `x` couples, and those of pairs within `margin` (at least 1) times their activation
+    /// distance.
     pub fn visit_stencils(&self, x: &[Vec3], margin: f64, visit: &mut dyn FnMut(&[u32])) {
-        if let Some(pairs) = &self.pairs {
-            pairs.touches_within(x, margin).iter().for_each(|t| visit(&t.points));
+        if let Some(collisions) = self.collisions() {
+            collisions.active_pairs_within(x, margin).iter().for_each(|pair| visit(&pair.points));
         }
-        for s in self.friction.sliders.iter().filter(|s| s.kind.is_some()) {
-            visit(&s.points);
+        for contact in self.friction.contacts.iter().filter(|contact| contact.kind.is_some()) {
+            visit(&contact.points);
         }
     }
 
-    /// The tightest of all pairs within their contact distance at `x`.
+    /// Returns the pair that is nearest for its activation distance at `x`; `None` where no pair is active.
     pub fn tightest_pair(&self, x: &[Vec3]) -> Option<TightestPair> {
-        let touches = self.pairs.as_ref()?.touches(x);
-        let ratio = |t: &Touch| t.distance / t.reach;
-        let tightest = touches.iter().min_by(|a, b| ratio(a).total_cmp(&ratio(b)))?;
+        let active = self.active_pairs(x);
+        let ratio = |pair: &ActivePair| pair.distance / pair.dhat;
+        let tightest = active.iter().min_by(|a, b| ratio(a).total_cmp(&ratio(b)))?;
         let position = tightest.points.iter().map(|p| &x[*p as usize]).sum::<Vec3>() / 4.0;
         Some(TightestPair { gap_ratio: ratio(tightest), position })
     }

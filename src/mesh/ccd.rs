@@ -1,66 +1,57 @@
-//! How far four points may move before a point meets a triangle, or an edge an edge: continuous collision.
+//! Continuous collision detection of a point and a triangle and of two edges.
 //!
-//! Conservative advancement after Li et al., "Codimensional Incremental Potential Contact" (2021; ACCD):
+//! The method is conservative advancement after Li et al., "Codimensional Incremental Potential Contact" (2021; ACCD):
 //! step by a time in which the pair cannot meet, measure again, repeat until the gap has shrunk to a small
 //! fraction. The bound on each step is sharper than ACCD's (the sum of the largest speeds): the closest points
-//! give a direction n, and along n the pieces stay apart at least by the smallest n·(x_i − x_j) over the corners i
+//! give a direction n, and along n the primitives stay apart at least by the smallest n·(x_i − x_j) over the corners i
 //! of the first and j of the second. Each of these is linear in time, so the first to reach the level is known
 //! exactly. Layers that slide along each other therefore cost one step instead of hundreds, and the answer stays
 //! conservative even where the closest points are inexact: any n gives a valid bound.
 //!
-//! Straight motion of each point; no time of impact to the last digit, no response. Whole meshes: `contact::bound`.
+//! Each point moves in a straight line. The time of impact is not found to the last digit. For whole meshes see `contact::step_bounds`.
 
 use crate::math::Vec3;
 use crate::mesh::distance::{ClosestPoints, edge_edge, point_triangle};
+use crate::mesh::tuning::TUNING;
 
-/// Fraction of the gap above the floor that is left when a pair is stopped (ACCD's s; there 0.1).
-const KEPT: f64 = 0.08;
-/// A motion is free while more than this fraction of the gap stays. Below [`KEPT`], so that a motion once cut short
-/// is found free when it is tested again.
-const FREE: f64 = 0.03;
-/// Advancement ends when the bound lies within this fraction of the gap above its level.
-const CLOSE_ENOUGH: f64 = 0.02;
-/// Advancement steps before what was reached is taken for the answer; five are usual.
-const STEPS_MOST: usize = 64;
-
-/// Corners (first piece, second piece) that bound the gap of a point and a triangle.
+/// Corners (first primitive, second primitive) that bound the gap of a point and a triangle.
 const POINT_TRIANGLE: [(usize, usize); 3] = [(0, 1), (0, 2), (0, 3)];
 /// The same for two edges.
 const EDGE_EDGE: [(usize, usize); 4] = [(0, 2), (0, 3), (1, 2), (1, 3)];
 
-/// The largest safe fraction of the motion `dx` \[m\] of a point `x[0]` and a triangle `x[1..4]` \[m\]: 1 when free,
-/// else t such that at every time up to t the distance stays above `floor` \[m\], with at least 3 % of the present
+/// Returns the largest safe fraction of the motion `dx` \[m\] of a point `x[0]` and a triangle `x[1..4]` \[m\]: 1 when free,
+/// otherwise t such that at every time up to t the distance stays above `min_distance` \[m\], with at least 3 % of the present
 /// gap to spare.
 ///
-/// A pair that starts at or below the floor may close to half its distance, so that it is never stuck when it
-/// parts. 0 when anything is not finite, or when a pair that touches already moves within itself.
+/// A pair that starts at or below the minimum distance may close to half its distance, so that it is never stuck when it
+/// parts. The result is 0 when anything is not finite, or when a pair that touches already moves within itself.
 #[inline]
-pub fn point_triangle_step(x: [Vec3; 4], dx: [Vec3; 4], floor: f64) -> f64 {
-    safe_fraction(x, dx, floor, &POINT_TRIANGLE, |x| point_triangle(&x[0], &x[1], &x[2], &x[3]))
+pub fn point_triangle_step(x: [Vec3; 4], dx: [Vec3; 4], min_distance: f64) -> f64 {
+    safe_fraction(x, dx, min_distance, &POINT_TRIANGLE, |x| point_triangle(&x[0], &x[1], &x[2], &x[3]))
 }
 
-/// The same for the edges `x[0] x[1]` and `x[2] x[3]`.
+/// Returns the same for the edges `x[0] x[1]` and `x[2] x[3]`.
 #[inline]
-pub fn edge_edge_step(x: [Vec3; 4], dx: [Vec3; 4], floor: f64) -> f64 {
-    safe_fraction(x, dx, floor, &EDGE_EDGE, |x| edge_edge(&x[0], &x[1], &x[2], &x[3]))
+pub fn edge_edge_step(x: [Vec3; 4], dx: [Vec3; 4], min_distance: f64) -> f64 {
+    safe_fraction(x, dx, min_distance, &EDGE_EDGE, |x| edge_edge(&x[0], &x[1], &x[2], &x[3]))
 }
 
 #[inline(always)]
 fn safe_fraction<const N: usize>(
     x: [Vec3; 4],
     dx: [Vec3; 4],
-    floor: f64,
+    min_distance: f64,
     corners: &[(usize, usize); N],
     gap: impl Fn(&[Vec3; 4]) -> ClosestPoints,
 ) -> f64 {
-    if stay_apart_on_an_axis(&x, &dx, floor, N == 3) {
+    if stay_apart_on_an_axis(&x, &dx, min_distance, N == 3) {
         return 1.0;
     }
-    // Common motion cannot make the pieces meet, and far from the origin it only costs digits.
+    // Common motion cannot make the primitives meet, and far from the origin it only costs digits.
     let mean = (dx[0] + dx[1] + dx[2] + dx[3]) * 0.25;
     let dx = dx.map(|d| d - mean);
     let x = [Vec3::zeros(), x[1] - x[0], x[2] - x[0], x[3] - x[0]];
-    let size = x.iter().chain(&dx).map(|v| v.norm_squared()).sum::<f64>() + floor;
+    let size = x.iter().chain(&dx).map(|v| v.norm_squared()).sum::<f64>() + min_distance;
     if !size.is_finite() {
         return 0.0;
     }
@@ -71,16 +62,23 @@ fn safe_fraction<const N: usize>(
         let still = corners.iter().all(|&(i, j)| dx[i] == dx[j]);
         return if still { 1.0 } else { 0.0 };
     }
-    let floor = if clearance > floor { floor } else { 0.5 * clearance };
-    let room = clearance - floor;
-    let run = |kept: f64| advance(&x, &dx, floor + kept * room, CLOSE_ENOUGH * room, corners, &gap);
-    let reached = run(KEPT);
-    if reached >= 1.0 || run(FREE) >= 1.0 { 1.0 } else { reached }
+    let min_distance = if clearance > min_distance { min_distance } else { 0.5 * clearance };
+    let margin = clearance - min_distance;
+    let run = |kept: f64| {
+        advance(&x, &dx, min_distance + kept * margin, TUNING.ccd_gap_tol * margin, corners, &gap)
+    };
+    let reached = run(TUNING.ccd_kept_gap);
+    if reached >= 1.0 || run(TUNING.ccd_free_gap) >= 1.0 { 1.0 } else { reached }
 }
 
-/// Whether the boxes swept by the two pieces are more than `floor` apart on some axis: most pairs end here.
+/// Whether the boxes swept by the two primitives are more than `min_distance` apart along an axis: most pairs end here.
 #[inline(always)]
-pub(crate) fn stay_apart_on_an_axis(x: &[Vec3; 4], dx: &[Vec3; 4], floor: f64, first_is_point: bool) -> bool {
+pub(crate) fn stay_apart_on_an_axis(
+    x: &[Vec3; 4],
+    dx: &[Vec3; 4],
+    min_distance: f64,
+    first_is_point: bool,
+) -> bool {
     for axis in 0..3 {
         let low = |i: usize| x[i][axis] + dx[i][axis].min(0.0);
         let high = |i: usize| x[i][axis] + dx[i][axis].max(0.0);
@@ -91,52 +89,52 @@ pub(crate) fn stay_apart_on_an_axis(x: &[Vec3; 4], dx: &[Vec3; 4], floor: f64, f
         };
         let apart = (second.0 - first.1).max(first.0 - second.1);
         // A coordinate that is not finite must not pass: min and max drop it, the sum does not.
-        if apart > floor && (0..4).all(|i| (x[i] + dx[i]).sum().is_finite()) {
+        if apart > min_distance && (0..4).all(|i| (x[i] + dx[i]).sum().is_finite()) {
             return true;
         }
     }
     false
 }
 
-/// Lower bound on the distance of the two pieces: their separation along the unit vector `n`.
+/// Returns a lower bound on the distance of the two primitives: their separation along the unit vector `n`.
 #[inline(always)]
 fn clearance<const N: usize>(x: &[Vec3; 4], n: &Vec3, corners: &[(usize, usize); N]) -> f64 {
-    let mut least = f64::INFINITY;
+    let mut lowest = f64::INFINITY;
     for &(i, j) in corners {
         let along = n.dot(&(x[i] - x[j]));
         // Not `min`, which would drop a NaN.
-        least = if along >= least { least } else { along };
+        lowest = if along >= lowest { lowest } else { along };
     }
-    least
+    lowest
 }
 
-/// Time up to which the pieces stay at least `level` apart; 1 when they do to the end.
+/// Returns the time up to which the primitives stay at least `level` apart; 1 when they do to the end.
 #[inline(always)]
 fn advance<const N: usize>(
     x: &[Vec3; 4],
     dx: &[Vec3; 4],
     level: f64,
-    close_enough: f64,
+    gap_tol: f64,
     corners: &[(usize, usize); N],
     gap: &impl Fn(&[Vec3; 4]) -> ClosestPoints,
 ) -> f64 {
     let mut time = 0.0;
-    for _ in 0..STEPS_MOST {
+    for _ in 0..TUNING.ccd_max_steps {
         let now = [0, 1, 2, 3].map(|i| x[i] + dx[i] * time);
         let g = gap(&now);
         let n = g.vector / g.distance;
-        let mut least = f64::INFINITY;
+        let mut lowest = f64::INFINITY;
         let mut step = f64::INFINITY;
         for &(i, j) in corners {
             let along = n.dot(&(now[i] - now[j]));
             let speed = n.dot(&(dx[i] - dx[j]));
-            least = if along >= least { least } else { along };
+            lowest = if along >= lowest { lowest } else { along };
             if speed < 0.0 {
                 step = step.min((along - level) / -speed);
             }
         }
-        let has_room = least > level + close_enough;
-        if !has_room {
+        let is_above = lowest > level + gap_tol;
+        if !is_above {
             return time;
         }
         time += step;
@@ -185,15 +183,15 @@ mod tests {
     #[test]
     fn head_on_stops_with_the_kept_fraction_of_the_gap() {
         let t = point_triangle_step(point_over(1.0), only_first(Vec3::new(0.0, 0.0, -2.0)), 0.2);
-        assert!((t - 0.4 * (1.0 - KEPT)).abs() < 1e-12, "{t}");
+        assert!((t - 0.4 * (1.0 - TUNING.ccd_kept_gap)).abs() < 1e-12, "{t}");
         let cross =
             [Vec3::new(-1.0, 0.0, 1.0), Vec3::new(1.0, 0.0, 1.0), Vec3::new(0.0, -1.0, 0.0), Vec3::y()];
         let down = Vec3::new(0.0, 0.0, -2.0);
         let t = edge_edge_step(cross, [down, down, Vec3::zeros(), Vec3::zeros()], 0.2);
-        assert!((t - 0.4 * (1.0 - KEPT)).abs() < 1e-12, "{t}");
+        assert!((t - 0.4 * (1.0 - TUNING.ccd_kept_gap)).abs() < 1e-12, "{t}");
     }
 
-    /// A garment shaken fast: 167 thicknesses in one step, and far beyond the other layer.
+    /// A garment in fast motion: 167 thicknesses in one step, and far beyond the other layer.
     #[test]
     fn no_tunnelling_at_167_thicknesses_a_step() {
         let thickness = 3e-4;
@@ -218,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pair_below_the_floor_may_part_but_only_close_to_half() {
+    fn a_pair_below_the_minimum_distance_may_part_but_only_close_to_half() {
         assert_eq!(point_triangle_step(point_over(0.01), only_first(Vec3::z()), 0.1), 1.0);
         let t = point_triangle_step(point_over(0.01), only_first(-Vec3::z()), 0.1);
         assert!(t > 0.0 && t < 0.005, "{t}");
@@ -260,17 +258,17 @@ mod tests {
         }
     }
 
-    /// First time at which the pair is within `floor`, by walking in small steps: never longer than the gap allows at
+    /// First time at which the pair is within `min_distance`, by walking in small steps: never longer than the gap allows at
     /// the sum of all speeds, and accurate to about 2e-5. `None` when it never is.
-    fn sampled_impact(x: &[Vec3; 4], dx: &[Vec3; 4], floor: f64, measure: Measure) -> Option<f64> {
+    fn sampled_impact(x: &[Vec3; 4], dx: &[Vec3; 4], min_distance: f64, measure: Measure) -> Option<f64> {
         let speed: f64 = dx.iter().map(|d| d.norm()).sum();
         let mut t = 0.0;
         while t < 1.0 {
-            let room = measure(&moved(x, dx, t)).distance - floor;
-            if room <= 1e-5 * speed {
+            let margin = measure(&moved(x, dx, t)).distance - min_distance;
+            if margin <= 1e-5 * speed {
                 return Some(t + 2e-5);
             }
-            t += room / speed;
+            t += margin / speed;
         }
         None
     }
@@ -287,22 +285,22 @@ mod tests {
                 let size = 10f64.powf(2.0 * rng.uniform() - 1.0);
                 let dx = four(&mut rng, size);
                 let distance = measure(&x).distance;
-                let floor = distance * [0.0, 1e-3, 0.3, 0.9][tried % 4];
+                let min_distance = distance * [0.0, 1e-3, 0.3, 0.9][tried % 4];
                 tried += 1;
-                let t = step(x, dx, floor);
+                let t = step(x, dx, min_distance);
                 assert!((0.0..=1.0).contains(&t));
                 // Within each of these steps the gap cannot close, so that the whole motion up to t is covered.
                 let speed: f64 = dx.iter().map(|d| d.norm()).sum();
                 let mut time = 0.0;
                 while time < t {
-                    let room = measure(&moved(&x, &dx, time)).distance - floor;
+                    let margin = measure(&moved(&x, &dx, time)).distance - min_distance;
                     assert!(
-                        room > 0.02 * (distance - floor),
-                        "{name}: late, {room} at {time} of {t}: {x:?} {dx:?}"
+                        margin > 0.02 * (distance - min_distance),
+                        "{name}: late, {margin} at {time} of {t}: {x:?} {dx:?}"
                     );
-                    time += room / speed;
+                    time += margin / speed;
                 }
-                match sampled_impact(&x, &dx, floor, measure) {
+                match sampled_impact(&x, &dx, min_distance, measure) {
                     Some(toi) => {
                         hits += 1;
                         tight += usize::from(t >= 0.9 * toi - 1e-6);
@@ -310,11 +308,11 @@ mod tests {
                     None => needless += usize::from(t < 1.0),
                 }
             }
-            let share = tight as f64 / hits as f64;
+            let fraction = tight as f64 / hits as f64;
             assert!(hits > 1_000, "{name}: {hits} hits");
-            assert!(share > 0.75, "{name}: only {share} of the hits are tight");
+            assert!(fraction > 0.75, "{name}: only {fraction} of the hits are tight");
             assert!((needless as f64) < 0.05 * tried as f64, "{name}: {needless} stopped without need");
-            println!("{name}: hits {hits}, tight {share:.3}, needless {needless}");
+            println!("{name}: hits {hits}, tight {fraction:.3}, needless {needless}");
         }
     }
 
@@ -325,9 +323,9 @@ mod tests {
             let mut rng = Rng::from_state(11);
             for k in 0..50_000 {
                 let (x, dx) = (four(&mut rng, 1.0), four(&mut rng, 2.0));
-                let floor = [0.0, 0.05][k % 2];
-                let t = step(x, dx, floor);
-                assert_eq!(step(x, dx.map(|d| d * t), floor), 1.0, "{name}: {t} {x:?} {dx:?}");
+                let min_distance = [0.0, 0.05][k % 2];
+                let t = step(x, dx, min_distance);
+                assert_eq!(step(x, dx.map(|d| d * t), min_distance), 1.0, "{name}: {t} {x:?} {dx:?}");
             }
         }
     }
@@ -344,10 +342,10 @@ mod tests {
                 let dx = four(&mut rng, 1.0);
                 let t = step(x, dx, 1e-3);
                 let begin = measure(&x).distance;
-                let floor = if begin > 1e-3 { 1e-3 } else { 0.45 * begin };
+                let min_distance = if begin > 1e-3 { 1e-3 } else { 0.45 * begin };
                 for k in 0..=200 {
                     let d = measure(&moved(&x, &dx, t * k as f64 / 200.0)).distance;
-                    assert!(d > floor, "{name}: {d}");
+                    assert!(d > min_distance, "{name}: {d}");
                 }
             }
         }

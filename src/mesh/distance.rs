@@ -1,24 +1,21 @@
-//! How far apart two small pieces of mesh are: point and triangle, edge and edge.
+//! Distances of primitives: point and triangle, edge and edge.
 //!
-//! Each function gives a [`ClosestPoints`]: the vector between the two closest points, its length, and that vector as signed
+//! Each function returns [`ClosestPoints`]: the vector between the two closest points, its length, and that vector as signed
 //! weights of the corner points, so that a force along the gap spreads over the points by the same weights. These
-//! are the primitive pairs of Li et al., "Incremental Potential Contact" (2020; below: IPC); the
-//! closest feature is found by looking only at the sides that face the other piece, with cross products instead
+//! are the primitive pairs of Li et al., "Incremental Potential Contact" (2020). The
+//! closest feature is found by looking only at the sides that face the other primitive, with cross products instead
 //! of differences of dot products, which keeps needles and nearly parallel edges accurate.
 //!
-//! Degenerate pieces (zero length, zero area) are treated as the point or edge they have shrunk to. Coordinates
-//! that are not finite give a distance that is not finite. No barrier, no gradient matrices: see `contact/`.
+//! Degenerate primitives (zero length, zero area) are treated as the point or edge they have shrunk to. Coordinates
+//! that are not finite give a distance that is not finite. For barriers see `contact`.
 
 use crate::math::Vec3;
+use crate::mesh::tuning::TUNING;
 
-/// Below this squared sine of its corner angle a triangle is searched as three edges (angle 1e-10).
-const FLAT_CORNER: f64 = 1e-20;
-/// Below this squared sine two edges count as parallel (angle 1e-8: over a centimetre, 0.1 nm).
-const PARALLEL: f64 = 1e-16;
-/// The closest points of two pieces.
+/// Closest points of two primitives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ClosestPoints {
-    /// From the closest point of the second piece to the closest point of the first \[m\].
+    /// Vector from the closest point of the second primitive to the closest point of the first \[m\].
     pub vector: Vec3,
     /// Length of `vector` \[m\].
     pub distance: f64,
@@ -34,7 +31,7 @@ impl ClosestPoints {
     }
 }
 
-/// Where on the edge `a` to `b` the point closest to `p` lies, 0..1; 0 on an edge without length.
+/// Returns the coordinate along the edge `a` to `b` of the point closest to `p`, 0 to 1; 0 on an edge without length.
 #[inline]
 fn along_edge(p: &Vec3, a: &Vec3, b: &Vec3) -> f64 {
     let edge = b - a;
@@ -44,7 +41,7 @@ fn along_edge(p: &Vec3, a: &Vec3, b: &Vec3) -> f64 {
     if t > 0.0 { t.min(1.0) } else { 0.0 }
 }
 
-/// Shares of the corners of a triangle at `p`, which lies in their plane; all of the first where it has no area.
+/// Returns the barycentric coordinates in a triangle of `p`, which lies in its plane; those of the first corner where it has no area.
 pub fn barycentric(p: &Vec3, [a, b, c]: &[Vec3; 3]) -> [f64; 3] {
     let (u, v, w) = (b - a, c - a, p - a);
     let (uu, uv, vv, wu, wv) = (u.dot(&u), u.dot(&v), v.dot(&v), w.dot(&u), w.dot(&v));
@@ -56,27 +53,27 @@ pub fn barycentric(p: &Vec3, [a, b, c]: &[Vec3; 3]) -> [f64; 3] {
     [1.0 - s - t, s, t]
 }
 
-/// Closest points of the point `p` and the triangle `a b c`; weights `[1, -wa, -wb, -wc]`.
+/// Returns the closest points of the point `p` and the triangle `a b c`; weights `[1, -wa, -wb, -wc]`.
 #[inline]
 pub fn point_triangle(p: &Vec3, a: &Vec3, b: &Vec3, c: &Vec3) -> ClosestPoints {
     let (v, w) = foot_on_triangle(p, a, b, c);
     ClosestPoints::new((p - a) - (b - a) * v - (c - a) * w, [1.0, v + w - 1.0, -v, -w])
 }
 
-/// Squared distance \[m²\] of the point `p` and the triangle `a b c`, where nothing else is needed.
+/// Returns the squared distance \[m²\] of the point `p` and the triangle `a b c`, where nothing else is needed.
 #[inline(always)]
 pub fn point_triangle_squared(p: &Vec3, a: &Vec3, b: &Vec3, c: &Vec3) -> f64 {
     let (v, w) = foot_on_triangle(p, a, b, c);
     ((p - a) - (b - a) * v - (c - a) * w).norm_squared()
 }
 
-/// The closest point of the triangle, as barycentric coordinates of b and c.
+/// Returns the closest point of the triangle, as barycentric coordinates of b and c.
 #[inline(always)]
 fn foot_on_triangle(p: &Vec3, a: &Vec3, b: &Vec3, c: &Vec3) -> (f64, f64) {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let normal = ab.cross(&ac);
     let area_squared = normal.norm_squared();
-    let has_area = area_squared > FLAT_CORNER * ab.norm_squared() * ac.norm_squared();
+    let has_area = area_squared > TUNING.max_sliver_squared_sine * ab.norm_squared() * ac.norm_squared();
     if !has_area {
         return foot_on_sliver(p, [a, b, c]);
     }
@@ -91,7 +88,7 @@ fn foot_on_triangle(p: &Vec3, a: &Vec3, b: &Vec3, c: &Vec3) -> (f64, f64) {
     nearest_side(p, [a, b, c], [wc < 0.0, wa < 0.0, wb < 0.0])
 }
 
-/// A triangle without area: all its sides. Corners that are not finite end here too, and stay so.
+/// Returns the closest point of a triangle without area: on any of its sides. Corners that are not finite end here, too, and stay so.
 #[cold]
 fn foot_on_sliver(p: &Vec3, corners: [&Vec3; 3]) -> (f64, f64) {
     if corners.iter().map(|x| x.sum()).sum::<f64>().is_finite() {
@@ -101,7 +98,7 @@ fn foot_on_sliver(p: &Vec3, corners: [&Vec3; 3]) -> (f64, f64) {
     }
 }
 
-/// The closest point on those of the sides ab, bc, ca that are asked for.
+/// Returns the closest point on those of the sides ab, bc, ca for which `asked` is set.
 fn nearest_side(p: &Vec3, corners: [&Vec3; 3], asked: [bool; 3]) -> (f64, f64) {
     let (mut best, mut foot) = (f64::INFINITY, (f64::NAN, f64::NAN));
     for (k, asked) in asked.into_iter().enumerate() {
@@ -118,7 +115,7 @@ fn nearest_side(p: &Vec3, corners: [&Vec3; 3], asked: [bool; 3]) -> (f64, f64) {
     foot
 }
 
-/// Closest points of the edges `a0 a1` and `b0 b1`; weights `[1-s, s, -(1-t), -t]`. Parallel edges that run side
+/// Returns the closest points of the edges `a0 a1` and `b0 b1`; weights `[1-s, s, -(1-t), -t]`. Parallel edges that run side
 /// by side are joined in the middle of their overlap.
 #[inline]
 pub fn edge_edge(a0: &Vec3, a1: &Vec3, b0: &Vec3, b1: &Vec3) -> ClosestPoints {
@@ -127,20 +124,20 @@ pub fn edge_edge(a0: &Vec3, a1: &Vec3, b0: &Vec3, b1: &Vec3) -> ClosestPoints {
     ClosestPoints::new(vector, [1.0 - s, s, t - 1.0, -t])
 }
 
-/// Squared distance \[m²\] of the edges `a0 a1` and `b0 b1`, where nothing else is needed.
+/// Returns the squared distance \[m²\] of the edges `a0 a1` and `b0 b1`, where nothing else is needed.
 #[inline(always)]
 pub fn edge_edge_squared(a0: &Vec3, a1: &Vec3, b0: &Vec3, b1: &Vec3) -> f64 {
     let (s, t) = feet_on_edges(a0, a1, b0, b1);
     ((a0 - b0) + (a1 - a0) * s - (b1 - b0) * t).norm_squared()
 }
 
-/// Where along each edge the closest points lie, 0..1.
+/// Returns the coordinates of the closest points along each edge, 0 to 1.
 #[inline(always)]
 fn feet_on_edges(a0: &Vec3, a1: &Vec3, b0: &Vec3, b1: &Vec3) -> (f64, f64) {
     let (u, v, w) = (a1 - a0, b1 - b0, b0 - a0);
     let normal = u.cross(&v);
     let scale = normal.norm_squared();
-    let have_angle = scale > PARALLEL * u.norm_squared() * v.norm_squared();
+    let have_angle = scale > TUNING.max_parallel_squared_sine * u.norm_squared() * v.norm_squared();
     if !have_angle {
         return feet_on_parallels(a0, a1, b0, b1);
     }
@@ -154,7 +151,7 @@ fn feet_on_edges(a0: &Vec3, a1: &Vec3, b0: &Vec3, b1: &Vec3) -> (f64, f64) {
     nearest_end([a0, a1, b0, b1], [s < 0.0, s > scale, t < 0.0, t > scale])
 }
 
-/// The closest among those asked for: end a0 to edge b, a1 to b, b0 to a, b1 to a.
+/// Returns the closest points among those for which `asked` is set: end a0 to edge b, a1 to b, b0 to a, b1 to a.
 fn nearest_end(x: [&Vec3; 4], asked: [bool; 4]) -> (f64, f64) {
     let [a0, a1, b0, b1] = x;
     let (mut best, mut feet) = (f64::INFINITY, (f64::NAN, f64::NAN));
@@ -175,8 +172,8 @@ fn nearest_end(x: [&Vec3; 4], asked: [bool; 4]) -> (f64, f64) {
     feet
 }
 
-/// Edges too parallel for a common perpendicular, or without length. Ends that are not finite end here too, and stay
-/// so.
+/// Returns the closest points of edges too parallel for a common perpendicular, or without length. Ends that are not finite end here, too,
+/// and stay so.
 #[cold]
 fn feet_on_parallels(a0: &Vec3, a1: &Vec3, b0: &Vec3, b1: &Vec3) -> (f64, f64) {
     if !(a0 + a1 + b0 + b1).sum().is_finite() {
@@ -195,7 +192,7 @@ mod tests {
     use super::*;
     use crate::math::Rng;
 
-    /// Small repeatable generator, so that a failure can be found again.
+    /// Four random points.
     fn four(rng: &mut Rng) -> [Vec3; 4] {
         [0; 4].map(|_| rng.in_cube() * 0.5)
     }
@@ -294,7 +291,7 @@ mod tests {
     }
 
     #[test]
-    fn degenerate_pieces_are_the_point_or_edge_they_shrank_to() {
+    fn degenerate_primitives_are_the_point_or_edge_they_shrank_to() {
         let (p, a, b) = (Vec3::new(0.3, 1.0, 0.0), Vec3::zeros(), Vec3::new(1.0, 0.0, 0.0));
         for (x, y, z) in [(a, b, b), (a, a, b), (b, a, a), (a, b, a), (a, b, (a + b) / 2.0), (a, b * 0.5, b)]
         {

@@ -14,7 +14,7 @@
 
 use crate::math::Vec3;
 
-/// Angle of the hinge [rad] in (-pi, pi]; 0 for degenerate wings.
+/// Returns the angle of the hinge [rad] in (-pi, pi]; 0 for degenerate wings.
 #[inline]
 pub fn hinge_angle(x: &[Vec3; 4]) -> f64 {
     let e = x[1] - x[0];
@@ -27,7 +27,7 @@ pub fn hinge_angle(x: &[Vec3; 4]) -> f64 {
     (e.dot(&na.cross(&nb)) / length).atan2(na.dot(&nb))
 }
 
-/// Gradient of the angle by the four points [rad/m]; `None` where a wing has no area.
+/// Returns the gradient of the angle by the four points [rad/m]; `None` where a wing has no area.
 #[inline]
 pub fn hinge_gradient(x: &[Vec3; 4]) -> Option<[Vec3; 4]> {
     let e = x[1] - x[0];
@@ -46,7 +46,7 @@ pub fn hinge_gradient(x: &[Vec3; 4]) -> Option<[Vec3; 4]> {
     Some([-g1 - g2 - g3, g1, g2, g3])
 }
 
-/// The representative of `angle` (mod 2 pi) nearest to `last` [rad]: a fold passes +-pi without a jump.
+/// Returns the representative of `angle` (mod 2 pi) nearest to `last` [rad]: a fold passes +-pi without a jump.
 #[inline]
 pub fn unwrap_angle(angle: f64, last: f64) -> f64 {
     let turn = std::f64::consts::TAU;

@@ -1,46 +1,47 @@
-//! Which triangles run through each other: the exact count that the report gives and that nothing may raise.
+//! Exact intersections of triangles: the count that reports give and that contact never raises.
 //!
-//! Two triangles cross when each has corners strictly on both sides of the other's plane and the two segments they
+//! Two triangles intersect when each has corners strictly on both sides of the other's plane and the two segments they
 //! cut from the line of both planes overlap by more than a point (Guigue and Devillers, "Fast and robust
 //! triangle-triangle overlap test using orientation predicates", 2003). Every decision is the sign of a determinant,
 //! found exactly (Shewchuk's predicates, package `robust`), so the answer has no tolerance. Touching, lying in one
 //! plane, and sharing a point do not count.
 //!
-//! Shares nothing with the code that prevents crossings but the box tree, so that it can judge it.
+//! The code that prevents intersections shares only the bounding-volume hierarchy with this module, which can therefore judge it.
 
 use crate::math::Vec3;
 use crate::mesh::PointIndex;
+use crate::mesh::triangle::corners;
 use crate::mesh::triangle_bvh::TriangleBvh;
 use rayon::prelude::*;
 use robust::{Coord3D, orient3d};
 
-/// Pairs of triangles of one mesh that cross, lower index first, sorted; pairs that share a point are left out, and
-/// so are triangles with a corner that is not finite.
+/// Returns the pairs of triangles of one mesh that intersect, lower index first, sorted. Pairs that share a point and triangles with a
+/// corner that is not finite are left out.
 pub fn self_intersections(points: &[Vec3], triangles: &[[PointIndex; 3]]) -> Vec<[u32; 2]> {
-    let cross = |(a, b): (u32, u32)| {
+    let intersecting = |(a, b): (u32, u32)| {
         let (first, second) = (&triangles[a as usize], &triangles[b as usize]);
         let shared = first.iter().any(|p| second.contains(p));
-        let cross = !shared && triangles_cross(&corners(points, first), &corners(points, second));
-        cross.then(|| [a.min(b), a.max(b)])
+        let intersect = !shared && triangles_intersect(&corners(points, first), &corners(points, second));
+        intersect.then(|| [a.min(b), a.max(b)])
     };
     let near = TriangleBvh::new(points, triangles, 0.0).overlaps();
-    let mut found: Vec<_> = near.into_par_iter().filter_map(cross).collect();
+    let mut found: Vec<_> = near.into_par_iter().filter_map(intersecting).collect();
     found.sort_unstable();
     found
 }
 
-/// Pairs (triangle of the first mesh, triangle of the second) that cross, sorted.
+/// Returns the pairs (triangle of the first mesh, triangle of the second) that intersect, sorted.
 pub fn intersections_between(
     points: &[Vec3],
     triangles: &[[PointIndex; 3]],
     other_points: &[Vec3],
     other_triangles: &[[PointIndex; 3]],
 ) -> Vec<[u32; 2]> {
-    let other_tree = TriangleBvh::new(other_points, other_triangles, 0.0);
+    let other_bvh = TriangleBvh::new(other_points, other_triangles, 0.0);
     let mut found = Vec::new();
-    TriangleBvh::new(points, triangles, 0.0).for_each_overlap_with(&other_tree, |a, b| {
+    TriangleBvh::new(points, triangles, 0.0).for_each_overlap_with(&other_bvh, |a, b| {
         let first = corners(points, &triangles[a as usize]);
-        if triangles_cross(&first, &corners(other_points, &other_triangles[b as usize])) {
+        if triangles_intersect(&first, &corners(other_points, &other_triangles[b as usize])) {
             found.push([a, b]);
         }
     });
@@ -48,19 +49,15 @@ pub fn intersections_between(
     found
 }
 
-fn corners(points: &[Vec3], triangle: &[PointIndex; 3]) -> [Vec3; 3] {
-    triangle.map(|p| points[p.at()])
-}
-
-/// On which side of the plane a b c the point d lies, exactly: 1, 0 or -1.
+/// Returns the side of the plane a b c on which the point d lies, exactly: 1, 0 or -1.
 fn side(a: &Vec3, b: &Vec3, c: &Vec3, d: &Vec3) -> i8 {
     let at = |v: &Vec3| Coord3D { x: v.x, y: v.y, z: v.z };
     let determinant = orient3d(at(a), at(b), at(c), at(d));
     i8::from(determinant > 0.0) - i8::from(determinant < 0.0)
 }
 
-/// Whether two triangles cross, exactly.
-pub fn triangles_cross(a: &[Vec3; 3], b: &[Vec3; 3]) -> bool {
+/// Whether two triangles intersect, exactly.
+pub fn triangles_intersect(a: &[Vec3; 3], b: &[Vec3; 3]) -> bool {
     let of_a = [0, 1, 2].map(|i| side(&b[0], &b[1], &b[2], &a[i]));
     if !both_sides(&of_a) {
         return false;
@@ -71,7 +68,7 @@ pub fn triangles_cross(a: &[Vec3; 3], b: &[Vec3; 3]) -> bool {
     }
     let (mut a, of_a) = lone_corner_first(a, of_a);
     let (mut b, of_b) = lone_corner_first(b, of_b);
-    // Turn each triangle so that the lone corner of the other lies on its positive side.
+    // Flip each triangle so that the lone corner of the other lies on its positive side.
     if of_b[0] < 0 {
         a.swap(1, 2);
     }
@@ -87,7 +84,7 @@ fn both_sides(sides: &[i8; 3]) -> bool {
     sides.contains(&1) && sides.contains(&-1)
 }
 
-/// Rotates the corners so that the first is alone on its side (the others on the other side or in the plane).
+/// Returns the corners rotated so that the first is alone on its side (the others on the other side or in the plane).
 fn lone_corner_first(corners: &[Vec3; 3], sides: [i8; 3]) -> ([Vec3; 3], [i8; 3]) {
     let sum: i8 = sides.iter().sum();
     // Two against one: the one opposes the sum. One each and one in the plane: either may be taken.
@@ -121,20 +118,20 @@ mod tests {
     #[test]
     fn agrees_with_edges_that_pierce_in_every_order_of_corners() {
         let mut rng = Rng::from_state(9);
-        let mut crossing = 0;
+        let mut count = 0;
         for _ in 0..20_000 {
             let (a, b) = (triangle(&mut rng), triangle(&mut rng));
             let expected = some_edge_pierces(&a, &b);
-            crossing += usize::from(expected);
+            count += usize::from(expected);
             for i in 0..3 {
                 let mut turned = [a[i], a[(i + 1) % 3], a[(i + 2) % 3]];
-                assert_eq!(triangles_cross(&turned, &b), expected);
+                assert_eq!(triangles_intersect(&turned, &b), expected);
                 turned.swap(0, 2);
-                assert_eq!(triangles_cross(&turned, &b), expected);
-                assert_eq!(triangles_cross(&b, &turned), expected);
+                assert_eq!(triangles_intersect(&turned, &b), expected);
+                assert_eq!(triangles_intersect(&b, &turned), expected);
             }
         }
-        assert!(crossing > 2_000 && crossing < 18_000, "{crossing}");
+        assert!(count > 2_000 && count < 18_000, "{count}");
     }
 
     #[test]
@@ -142,21 +139,21 @@ mod tests {
         let at = Vec3::new;
         let floor = [at(-1.0, -1.0, 0.0), at(2.0, -1.0, 0.0), at(-1.0, 2.0, 0.0)];
         let flap = |low: f64| [at(0.0, 0.0, low), at(0.3, 0.1, 1.0), at(-0.3, 0.1, 1.0)];
-        assert!(!triangles_cross(&floor, &flap(0.0)), "a corner touches");
-        assert!(!triangles_cross(&floor, &flap(1e-300)));
-        assert!(triangles_cross(&floor, &flap(-1e-300)), "no tolerance");
+        assert!(!triangles_intersect(&floor, &flap(0.0)), "a corner touches");
+        assert!(!triangles_intersect(&floor, &flap(1e-300)));
+        assert!(triangles_intersect(&floor, &flap(-1e-300)), "no tolerance");
         let stands = [at(0.0, 0.0, 0.0), at(0.3, 0.1, 0.0), at(0.0, 0.0, 1.0)];
-        assert!(!triangles_cross(&floor, &stands), "an edge touches");
-        assert!(!triangles_cross(&floor, &floor.map(|x| x + at(0.1, 0.1, 0.0))), "one plane");
-        assert!(!triangles_cross(&floor, &[floor[0]; 3]), "no area");
+        assert!(!triangles_intersect(&floor, &stands), "an edge touches");
+        assert!(!triangles_intersect(&floor, &floor.map(|x| x + at(0.1, 0.1, 0.0))), "one plane");
+        assert!(!triangles_intersect(&floor, &[floor[0]; 3]), "no area");
         // A fin whose edges pass exactly through two sides of the floor: no edge pierces an inside.
         let (p, q) = (at(-1.0, 0.0, 0.0), at(0.0, -1.0, 0.0));
         let fin = [at(-0.5, -0.5, 2.0), p * 2.0 - at(-0.5, -0.5, 2.0), q * 2.0 - at(-0.5, -0.5, 2.0)];
         assert!(!some_edge_pierces(&floor, &fin));
-        assert!(triangles_cross(&floor, &fin));
+        assert!(triangles_intersect(&floor, &fin));
         // The same fin shifted so that the segments only touch end to end.
         let beside = fin.map(|x| x + (q - p));
-        assert!(!triangles_cross(&floor, &beside));
+        assert!(!triangles_intersect(&floor, &beside));
     }
 
     #[test]
@@ -167,20 +164,20 @@ mod tests {
         let triangles: Vec<[PointIndex; 3]> =
             (0..120u32).map(|f| [0, 1, 2].map(|k| PointIndex((3 * f + k * 5) % 360))).collect();
         let cross = |i: usize, j: usize| {
-            triangles_cross(&corners(&points, &triangles[i]), &corners(&points, &triangles[j]))
+            triangles_intersect(&corners(&points, &triangles[i]), &corners(&points, &triangles[j]))
         };
         let all = (0..120).flat_map(|i| (0..120).map(move |j| (i, j))).filter(|&(i, j)| cross(i, j));
         let every: Vec<[u32; 2]> = all.map(|(i, j)| [i as u32, j as u32]).collect();
         assert_eq!(intersections_between(&points, &triangles, &points, &triangles), every);
-        let shares =
+        let share_a_point =
             |p: &[u32; 2]| triangles[p[0] as usize].iter().any(|c| triangles[p[1] as usize].contains(c));
-        let own: Vec<_> = every.into_iter().filter(|p| p[0] < p[1] && !shares(p)).collect();
+        let own: Vec<_> = every.into_iter().filter(|p| p[0] < p[1] && !share_a_point(p)).collect();
         assert!(own.len() > 100);
         assert_eq!(self_intersections(&points, &triangles), own);
     }
 
     #[test]
-    fn what_is_not_finite_crosses_nothing() {
+    fn triangles_that_are_not_finite_intersect_nothing() {
         let mut rng = Rng::from_state(12);
         let mut points: Vec<Vec3> = (0..40).flat_map(|_| triangle(&mut rng)).collect();
         let triangles: Vec<_> = (0..40u32).map(|f| [0, 1, 2].map(|k| PointIndex(3 * f + k))).collect();

@@ -9,10 +9,12 @@ pub mod intersections;
 pub mod point_in_solid;
 pub mod static_bvh;
 mod topology;
+pub mod triangle;
 pub mod triangle_bvh;
+mod tuning;
 mod weld;
 
 pub use hinge::{hinge_angle, hinge_gradient, unwrap_angle};
-pub use index::{PointIndex, VertexIndex};
-pub use topology::{Hinge, NO_TRIANGLE, Topology};
+pub use index::{INVALID, PointIndex, VertexIndex};
+pub use topology::{Hinge, Topology};
 pub use weld::{Groups, Welder};

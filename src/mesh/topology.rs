@@ -1,4 +1,4 @@
-//! Who neighbours whom in a triangle mesh: unique edges, the triangles on them, and hinges.
+//! Topology of a triangle mesh: unique edges, the triangles on them, and hinges.
 //!
 //! A hinge is an interior edge with exactly two triangles that agree on orientation:
 //!
@@ -13,20 +13,17 @@
 //! Edges with one triangle are boundary; with three or more, or with two that disagree, they carry no hinge and
 //! are reported by the importer.
 
-use crate::mesh::PointIndex;
+use crate::mesh::index::{INVALID, PointIndex};
 use rustc_hash::FxHashMap;
-
-/// Marks the missing second triangle of a boundary edge.
-pub const NO_TRIANGLE: u32 = u32::MAX;
 
 /// An interior edge with its two triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Hinge {
-    /// x0 x1 the shared edge (in the direction of triangle A), x2 opposite in A, x3 opposite in B.
+    /// The shared edge x0 x1 (in the direction of triangle A), x2 opposite in A, x3 opposite in B.
     pub points: [PointIndex; 4],
-    /// A and B.
+    /// Triangles A and B.
     pub triangles: [u32; 2],
-    /// The edge, as counted in [`Topology::edges`].
+    /// Index of the edge in [`Topology::edges`].
     pub edge: u32,
 }
 
@@ -35,24 +32,24 @@ pub struct Hinge {
 pub struct Topology {
     /// Number of points of the mesh.
     pub point_count: usize,
-    /// Every edge once, ends in increasing order, sorted.
+    /// Edges, each once, ends in increasing order, sorted.
     pub edges: Vec<[PointIndex; 2]>,
-    /// Per triangle: the edges corner 0-1, 1-2, 2-0.
+    /// Edges of each triangle: corners 0-1, 1-2, 2-0.
     pub triangle_edges: Vec<[u32; 3]>,
-    /// Per edge: its first two triangles, [`NO_TRIANGLE`] where there is none.
+    /// First two triangles of each edge, [`INVALID`] where there is none.
     pub edge_triangles: Vec<[u32; 2]>,
-    /// Per edge: number of triangles on it.
+    /// Number of triangles on each edge.
     pub edge_valence: Vec<u32>,
-    /// Interior, consistently oriented edges, in edge order.
+    /// Hinges: interior, consistently oriented edges, in edge order.
     pub hinges: Vec<Hinge>,
-    /// Per edge: its hinge, if it carries one.
+    /// Hinge of each edge, if it carries one.
     pub edge_hinge: Vec<Option<u32>>,
     /// Edges whose two triangles disagree on orientation.
     pub misoriented: Vec<u32>,
 }
 
 impl Topology {
-    /// Topology of `triangles` over `point_count` points. Triangles must not repeat a point.
+    /// Returns the topology of `triangles` over `point_count` points. Triangles must not repeat a point.
     pub fn new(point_count: usize, triangles: &[[PointIndex; 3]]) -> Self {
         let ends = |t: &[PointIndex; 3], k: usize| {
             let (a, b) = (t[k], t[(k + 1) % 3]);
@@ -65,7 +62,7 @@ impl Topology {
         let lookup: FxHashMap<[PointIndex; 2], u32> =
             edges.iter().enumerate().map(|(i, &e)| (e, i as u32)).collect();
 
-        let mut edge_triangles = vec![[NO_TRIANGLE; 2]; edges.len()];
+        let mut edge_triangles = vec![[INVALID; 2]; edges.len()];
         let mut edge_valence = vec![0u32; edges.len()];
         let mut triangle_edges = Vec::with_capacity(triangles.len());
         for (f, t) in triangles.iter().enumerate() {
@@ -115,7 +112,7 @@ impl Topology {
         }
     }
 
-    /// Boundary loops: each a closed chain of points along edges with one triangle, in triangle direction.
+    /// Returns the boundary loops: each a closed chain of points along edges with one triangle, in triangle direction.
     /// At a point where loops touch, the chain continues with the lowest unused edge.
     pub fn boundary_loops(&self, triangles: &[[PointIndex; 3]]) -> Vec<Vec<PointIndex>> {
         let mut next: FxHashMap<PointIndex, Vec<PointIndex>> = FxHashMap::default();

@@ -1,70 +1,65 @@
-//! Who is near whom among triangles: a tree of boxes over a mesh, kept while the mesh moves.
+//! Bounding-volume hierarchy over the triangles of a mesh, refitted while the mesh moves.
 //!
-//! The one door to parry's bounding-volume hierarchy; nothing else uses that package. The tree is built once and
-//! refitted as points move; it is built anew once they have moved far, because boxes that were near in the old
-//! shape no longer are. Answers never depend on how the tree came about: pairs come sorted, and of several
-//! triangles at the same distance the first counts. Only `overlaps` and the closures given to `for_each_*` see tree
-//! order, which is the same for any number of threads.
+//! This module wraps parry's hierarchy; nothing else uses that package. The hierarchy is built once and refitted as points move; it is rebuilt
+//! once they have moved far, because boxes that were near in the old shape no longer are. Results never depend on the history of the hierarchy:
+//! pairs are sorted, and of several triangles at the same distance the first counts. Only `overlaps` and the closures given to `for_each_*` see
+//! its order, which is the same for any number of threads.
 //!
 //! A triangle with a corner that is not finite is left out: it overlaps nothing and nothing finds it. Whoever moves
 //! points checks them. Motion within a step is covered by boxes swept from start to end; the exact tests are in
-//! `motion` and `crossings`.
+//! `ccd` and `intersections`.
 
 use crate::math::Vec3;
 use crate::mesh::PointIndex;
 use crate::mesh::distance::{ClosestPoints, point_triangle};
+use crate::mesh::tuning::TUNING;
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhLeafUpdateStatus, BvhNode};
 use rayon::prelude::*;
 
 /// Half width \[m\] of the inside-out box of a triangle that is left out; far, but its cube is still finite.
-const NOWHERE: f64 = 1e100;
-/// The tree is built anew once a point has moved this many mean box sizes: the refit boxes overlap too much by then.
-const REBUILD_AFTER: f64 = 2.0;
-/// Boxes are grown by this fraction of the mean box size when the tree is built. Splits are judged by volume, and
-/// the boxes of a garment that lies flat would have none.
-const BUILD_GROWTH: f64 = 0.05;
+const LEFT_OUT_HALF_WIDTH: f64 = 1e100;
 /// Relative widening of a ray's interval in a box, so that rounding never loses one it grazes.
 const RAY_SLACK: f64 = 1e-14;
 
-/// A tree of boxes over the triangles of one mesh.
+/// A hierarchy of boxes over the triangles of one mesh.
 #[derive(Clone)]
 pub struct TriangleBvh {
     triangles: Vec<[PointIndex; 3]>,
     bvh: Bvh,
-    /// Positions when the tree was last built \[m\], one per point.
+    /// Positions when the hierarchy was last built \[m\], one per point.
     built_at: Vec<Vec3>,
-    /// Mean largest side of the boxes when the tree was last built \[m\].
+    /// Mean largest side of the boxes when the hierarchy was last built \[m\].
     box_size: f64,
-    /// New boxes, kept for their memory.
+    /// Buffer of new boxes.
     updates: Vec<(Aabb, u32, f64)>,
-    /// What became of them, kept for its memory.
+    /// Buffer of the states of updated leaves.
     updated: Vec<BvhLeafUpdateStatus>,
 }
 
-/// Where a ray meets a triangle.
+/// Intersection of a ray with a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RayHit {
     /// The triangle.
     pub triangle: u32,
-    /// Along the ray, in lengths of its direction.
-    pub at: f64,
+    /// Position along the ray, in lengths of its direction [-].
+    pub t: f64,
     /// Barycentric coordinates of the hit in the triangle.
     pub weights: [f64; 3],
 }
 
-/// The triangle closest to a point.
+/// Triangle closest to a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NearestTriangle {
     /// The triangle.
     pub triangle: u32,
-    /// From the closest point of the triangle to the point; weights `[1, -wa, -wb, -wc]`.
-    pub gap: ClosestPoints,
+    /// Closest points of the point and the triangle; weights `[1, -wa, -wb, -wc]`.
+    pub closest: ClosestPoints,
 }
 
 impl TriangleBvh {
-    /// Tree over `triangles`; every box is grown by `inflate` \[m\] on all sides. `points` \[m\], one per point.
+    /// A hierarchy over `triangles`; every box is grown by `inflate` \[m\] on all sides. `points` \[m\], one per point.
     pub fn new(points: &[Vec3], triangles: &[[PointIndex; 3]], inflate: f64) -> Self {
         let mut tree = Self {
             triangles: triangles.to_vec(),
@@ -79,14 +74,14 @@ impl TriangleBvh {
         tree
     }
 
-    /// Number of triangles.
+    /// Returns the number of triangles.
     pub fn triangle_count(&self) -> usize {
         self.triangles.len()
     }
 
     /// Fits the boxes to points that move from `start` to `end` \[m\] in straight lines, grown by `inflate` \[m\].
     pub fn refit(&mut self, start: &[Vec3], end: &[Vec3], inflate: f64) {
-        let limit = REBUILD_AFTER * self.box_size;
+        let limit = TUNING.bvh_rebuild_motion * self.box_size;
         let moved = |(now, then): (&Vec3, &Vec3)| (now - then).norm_squared() > limit * limit;
         if start.len() != self.built_at.len() || start.iter().zip(&self.built_at).any(moved) {
             self.build(start);
@@ -100,7 +95,7 @@ impl TriangleBvh {
         let sizes = boxes.iter().map(|b| (b.maxs - b.mins).max_element()).filter(|&size| size >= 0.0);
         let (sum, count) = sizes.fold((0.0, 0usize), |(sum, count), size| (sum + size, count + 1));
         self.box_size = sum / count.max(1) as f64;
-        let growth = Vector::splat(BUILD_GROWTH * self.box_size);
+        let growth = Vector::splat(TUNING.bvh_build_growth * self.box_size);
         let grown = boxes.into_iter().map(|b| Aabb::new(b.mins - growth, b.maxs + growth)).enumerate();
         self.bvh = Bvh::from_iter(BvhBuildStrategy::Binned, grown);
     }
@@ -114,12 +109,12 @@ impl TriangleBvh {
         self.bvh.refit_without_opt();
     }
 
-    /// All pairs of different triangles whose boxes overlap, each once, in no order to rely on.
+    /// Returns all pairs of different triangles whose boxes overlap, each once, in no order to rely on.
     pub fn overlaps(&self) -> Vec<(u32, u32)> {
         self.bvh.traverse_bvtt_single_tree_parallel::<false>()
     }
 
-    /// Calls `visit(own, other)` for every pair of boxes that overlap between the trees, in no order to rely on.
+    /// Calls `visit(own, other)` for every pair of boxes that overlap between the hierarchies, in no order to rely on.
     pub fn for_each_overlap_with(&self, other: &Self, mut visit: impl FnMut(u32, u32)) {
         for (a, b) in self.bvh.leaf_pairs(&other.bvh, |x, y| x.intersects(y)) {
             // The traversal does not test the children of the roots: every pair is tested again.
@@ -131,14 +126,14 @@ impl TriangleBvh {
         }
     }
 
-    /// All pairs of different triangles whose boxes overlap, lower index first, sorted.
+    /// Returns all pairs of different triangles whose boxes overlap, lower index first, sorted.
     pub fn overlapping_pairs(&self) -> Vec<[u32; 2]> {
         let mut pairs: Vec<_> = self.overlaps().into_iter().map(|(a, b)| [a.min(b), a.max(b)]).collect();
         pairs.sort_unstable();
         pairs
     }
 
-    /// All pairs (own, other) whose boxes overlap, sorted.
+    /// Returns all pairs (own, other) whose boxes overlap, sorted.
     pub fn overlapping_pairs_with(&self, other: &Self) -> Vec<[u32; 2]> {
         let mut pairs = Vec::new();
         self.for_each_overlap_with(other, |a, b| pairs.push([a, b]));
@@ -146,54 +141,55 @@ impl TriangleBvh {
         pairs
     }
 
-    /// First triangle that the ray from `origin` \[m\] along `direction` (any length) meets within `most` lengths of
+    /// Returns the first triangle that the ray from `origin` \[m\] along `direction` (any length) meets within `max_t` lengths of
     /// the direction. `points` are those of the last fit. A hit on a common side belongs to the first triangle.
-    pub fn first_hit(&self, points: &[Vec3], origin: Vec3, direction: Vec3, most: f64) -> Option<RayHit> {
+    pub fn first_hit(&self, points: &[Vec3], origin: Vec3, direction: Vec3, max_t: f64) -> Option<RayHit> {
         let ray = Ray::new(origin, direction)?;
-        let at = |f: u32| ray.meets(f, self.corners(points, f)).map(|hit| hit.at);
+        let at = |f: u32| ray.intersection(f, self.corners(points, f)).map(|hit| hit.t);
         let (found, nearest) =
-            self.bvh.find_best(just_above(most), |n, best| ray.enters(n, best), |f, _| at(f))?;
+            self.bvh.find_best(just_above(max_t), |n, best| ray.enters(n, best), |f, _| at(f))?;
         let reached = |node: &BvhNode| ray.enters(node, just_above(nearest)) < f64::MAX;
-        let first = self.least_leaf(reached, |f| at(f) == Some(nearest)).unwrap_or(found);
-        ray.meets(first, self.corners(points, first))
+        let first = self.lowest_leaf(reached, |f| at(f) == Some(nearest)).unwrap_or(found);
+        ray.intersection(first, self.corners(points, first))
     }
 
-    /// Whether the ray meets any triangle within `most` lengths of the direction.
-    pub fn any_hit(&self, points: &[Vec3], origin: Vec3, direction: Vec3, most: f64) -> bool {
+    /// Whether the ray meets any triangle within `max_t` lengths of the direction.
+    pub fn any_hit(&self, points: &[Vec3], origin: Vec3, direction: Vec3, max_t: f64) -> bool {
         let Some(ray) = Ray::new(origin, direction) else { return false };
-        let reached = |node: &BvhNode| ray.enters(node, just_above(most)) < f64::MAX;
-        let hits = |f: u32| ray.meets(f, self.corners(points, f)).is_some_and(|hit| hit.at <= most);
+        let reached = |node: &BvhNode| ray.enters(node, just_above(max_t)) < f64::MAX;
+        let hits = |f: u32| ray.intersection(f, self.corners(points, f)).is_some_and(|hit| hit.t <= max_t);
         self.bvh.leaves(reached).any(hits)
     }
 
-    /// The triangle closest to `point` \[m\], if one lies within `most` \[m\]. `points` are those of the last fit.
-    pub fn nearest(&self, points: &[Vec3], point: Vec3, most: f64) -> Option<NearestTriangle> {
-        self.nearest_where(points, point, most, |_| true)
+    /// Returns the triangle closest to `point` \[m\], if one lies within `max_distance` \[m\]. `points` are those of the last fit.
+    pub fn nearest(&self, points: &[Vec3], point: Vec3, max_distance: f64) -> Option<NearestTriangle> {
+        self.nearest_where(points, point, max_distance, |_| true)
     }
 
-    /// The same among the triangles that `accept` takes.
+    /// Returns the same among the triangles for which `accept` is true.
     pub fn nearest_where(
         &self,
         points: &[Vec3],
         point: Vec3,
-        most: f64,
+        max_distance: f64,
         accept: impl Fn(u32) -> bool,
     ) -> Option<NearestTriangle> {
-        let gap = |f: u32| {
+        let closest = |f: u32| {
             let [a, b, c] = self.corners(points, f);
             point_triangle(&point, a, b, c)
         };
         let box_distance = |node: &BvhNode, _: f64| box_distance(node, &point);
-        let distance_of = |f: u32| accept(f).then(|| gap(f).distance);
-        let (found, distance) = self.bvh.find_best(just_above(most), box_distance, |f, _| distance_of(f))?;
-        let first =
-            self.least_leaf(|node| box_distance(node, 0.0) <= distance, |f| distance_of(f) == Some(distance));
+        let distance_of = |f: u32| accept(f).then(|| closest(f).distance);
+        let (found, distance) =
+            self.bvh.find_best(just_above(max_distance), box_distance, |f, _| distance_of(f))?;
+        let first = self
+            .lowest_leaf(|node| box_distance(node, 0.0) <= distance, |f| distance_of(f) == Some(distance));
         let triangle = first.unwrap_or(found);
-        Some(NearestTriangle { triangle, gap: gap(triangle) })
+        Some(NearestTriangle { triangle, closest: closest(triangle) })
     }
 
-    /// The lowest triangle that passes `test`, among the boxes that pass `enter`.
-    fn least_leaf(&self, enter: impl Fn(&BvhNode) -> bool, test: impl Fn(u32) -> bool) -> Option<u32> {
+    /// Returns the lowest triangle that passes `test`, among the boxes that pass `enter`.
+    fn lowest_leaf(&self, enter: impl Fn(&BvhNode) -> bool, test: impl Fn(u32) -> bool) -> Option<u32> {
         self.bvh.leaves(enter).filter(|&f| test(f)).min()
     }
 
@@ -202,13 +198,13 @@ impl TriangleBvh {
     }
 }
 
-/// The searches look strictly below their limit; the limits here include it.
+/// Returns the limit of a search that includes `limit`: searches look strictly below theirs.
 fn just_above(limit: f64) -> f64 {
     if limit.is_finite() { limit.next_up() } else { f64::MAX }
 }
 
-/// Box of a triangle whose corners move from `start` to `end`. An end that is not finite does not count: such a
-/// point is kept where it is (`contact::bound`).
+/// Returns the box of a triangle whose corners move from `start` to `end`. An end that is not finite does not count: such a
+/// point is kept where it is (`contact::step_bounds`).
 fn swept_box(triangle: &[PointIndex; 3], start: &[Vec3], end: &[Vec3], inflate: f64) -> Aabb {
     let (mut low, mut high) = (Vector::splat(f64::INFINITY), Vector::splat(f64::NEG_INFINITY));
     let mut include = |x: &Vec3| {
@@ -218,7 +214,7 @@ fn swept_box(triangle: &[PointIndex; 3], start: &[Vec3], end: &[Vec3], inflate: 
     for corner in triangle {
         let (from, to) = (&start[corner.at()], &end[corner.at()]);
         if !from.sum().is_finite() {
-            return Aabb::new(Vector::splat(NOWHERE), Vector::splat(-NOWHERE));
+            return Aabb::new(Vector::splat(LEFT_OUT_HALF_WIDTH), Vector::splat(-LEFT_OUT_HALF_WIDTH));
         }
         include(from);
         if to.sum().is_finite() {
@@ -233,18 +229,18 @@ fn box_distance(node: &BvhNode, point: &Vec3) -> f64 {
     (node.mins() - p).max(p - node.maxs()).max(Vector::ZERO).length()
 }
 
-/// A ray made ready for many triangles: Woop, Benthin, Wald, "Watertight ray/triangle intersection" (2013).
+/// A ray prepared for many triangles: Woop, Benthin, Wald, "Watertight ray/triangle intersection" (2013).
 struct Ray {
     origin: Vec3,
     direction: Vec3,
-    /// The two minor axes, then the one along which the direction is largest.
+    /// Axes: the two minor ones, then the one along which the direction is largest.
     axes: [usize; 3],
-    /// The direction along the minor axes over that along the major one.
+    /// Direction along the minor axes over that along the major one [-].
     shear: [f64; 2],
 }
 
 impl Ray {
-    /// `None` when the direction is zero or anything is not finite.
+    /// A ray from `origin` \[m\]; `None` when the direction is zero or anything is not finite.
     fn new(origin: Vec3, direction: Vec3) -> Option<Self> {
         let major = direction.iamax();
         let axes = [(major + 1) % 3, (major + 2) % 3, major];
@@ -253,9 +249,9 @@ impl Ray {
         usable.then_some(Self { origin, direction, axes, shear })
     }
 
-    /// Each corner is sheared on its own into the plane across the ray, and the sign of a difference of two products
+    /// Returns the intersection with a triangle. Each corner is sheared on its own into the plane across the ray, and the sign of a difference of two products
     /// is never wrong, only sometimes zero, which counts: no ray slips between two triangles or past a point.
-    fn meets(&self, triangle: u32, corners: [&Vec3; 3]) -> Option<RayHit> {
+    fn intersection(&self, triangle: u32, corners: [&Vec3; 3]) -> Option<RayHit> {
         let [x, y, z] = self.axes;
         let sheared = corners.map(|corner| {
             let from = corner - self.origin;
@@ -270,14 +266,14 @@ impl Ray {
             return None;
         }
         let weights = areas.map(|area| area / sum);
-        let at = (weights[0] * a[2] + weights[1] * b[2] + weights[2] * c[2]) / self.direction[z];
-        (at >= 0.0).then_some(RayHit { triangle, at, weights })
+        let t = (weights[0] * a[2] + weights[1] * b[2] + weights[2] * c[2]) / self.direction[z];
+        (t >= 0.0).then_some(RayHit { triangle, t, weights })
     }
 
-    /// Where the ray enters the box, in lengths of its direction; `f64::MAX` when it misses it or enters beyond `most`.
-    fn enters(&self, node: &BvhNode, most: f64) -> f64 {
+    /// Returns the position where the ray enters the box, in lengths of its direction; `f64::MAX` when it misses it or enters beyond `max_t`.
+    fn enters(&self, node: &BvhNode, max_t: f64) -> f64 {
         let (low, high) = (node.mins(), node.maxs());
-        let (mut near, mut far) = (0.0f64, most);
+        let (mut near, mut far) = (0.0f64, max_t);
         for axis in 0..3 {
             let (from, along) = (self.origin[axis], self.direction[axis]);
             if along == 0.0 {
@@ -404,7 +400,7 @@ mod tests {
                 .map(|f| point_triangle(&p, &points[3 * f], &points[3 * f + 1], &points[3 * f + 2]).distance)
                 .collect();
             let least = all.iter().copied().fold(f64::INFINITY, f64::min);
-            let found = tree.nearest(&points, p, f64::INFINITY).map(|n| (n.triangle, n.gap.distance));
+            let found = tree.nearest(&points, p, f64::INFINITY).map(|n| (n.triangle, n.closest.distance));
             let index = all.iter().position(|&d| d == least).map(|i| (i as u32, least));
             assert_eq!(found, index);
             assert_eq!(tree.nearest(&points, p, least).map(|n| n.triangle), index.map(|i| i.0));
@@ -439,12 +435,12 @@ mod tests {
             let Some(hit) = hit else { panic!("slipped through at {target}") };
             let at: Vec3 =
                 (0..3).map(|i| points[triangles[hit.triangle as usize][i].at()] * hit.weights[i]).sum();
-            assert!((origin + direction * hit.at - at).norm() < 1e-12);
+            assert!((origin + direction * hit.t - at).norm() < 1e-12);
             let ray = Ray::new(origin, direction);
             let all = (0..triangles.len() as u32)
-                .filter_map(|f| ray.as_ref().and_then(|r| r.meets(f, tree.corners(&points, f))));
-            let least = all.map(|h| h.at).fold(f64::INFINITY, f64::min);
-            assert_eq!(hit.at, least);
+                .filter_map(|f| ray.as_ref().and_then(|r| r.intersection(f, tree.corners(&points, f))));
+            let least = all.map(|h| h.t).fold(f64::INFINITY, f64::min);
+            assert_eq!(hit.t, least);
             assert!(tree.any_hit(&points, origin, direction, least));
             assert!(!tree.any_hit(&points, origin, direction, least * 0.999));
             assert!(tree.first_hit(&points, origin, direction, least * 0.999).is_none());

@@ -1,35 +1,35 @@
-//! Joins vertices that a file keeps apart (at texture borders, hard edges, between pieces) into points.
+//! Welding: joins vertices that a file keeps apart (at texture borders, hard edges, between pieces) into points.
 //!
 //! Vertices join only if they coincide *and* either both lie on an open edge, as both sides of a seam do, or end the
 //! same edge, which then has no length. So two layers that touch or lie on each other stay two layers: a vertex
 //! in the middle of a layer, closed all around, is never joined to another layer's. What else belongs together
-//! (copies of a triangle) the caller joins. Looks at places only, not at texture or material.
+//! (copies of a triangle) the caller joins. Only positions count, not texture or material.
 
 use crate::math::Vec3;
 use crate::mesh::PointIndex;
 use rustc_hash::FxHashMap;
 
-/// Vertices on their way to become points.
+/// Vertices to be joined into points.
 #[derive(Debug, Clone)]
 pub struct Welder {
-    /// Per vertex: the first vertex at its place.
+    /// First vertex at the position of each vertex.
     sites: Vec<u32>,
     groups: Groups,
 }
 
 impl Welder {
-    /// Vertices at `positions`; those closer than `tolerance` \[m\], directly or by a chain of others, share a place.
+    /// Vertices at `positions` \[m\]; those closer than `tolerance` \[m\], directly or by a chain of others, coincide.
     pub fn new(positions: &[Vec3], tolerance: f64) -> Self {
         let sites = find_sites(positions, tolerance);
         Self { sites, groups: Groups::new(positions.len()) }
     }
 
-    /// The first vertex at the place of `vertex`.
+    /// Returns the first vertex at the position of `vertex`.
     pub fn site(&self, vertex: u32) -> u32 {
         self.sites.get(vertex as usize).copied().unwrap_or(vertex)
     }
 
-    /// Joins two vertices, whatever their places.
+    /// Joins two vertices, whatever their positions.
     pub fn join(&mut self, a: u32, b: u32) {
         self.groups.join(a, b);
     }
@@ -55,14 +55,14 @@ impl Welder {
         }
     }
 
-    /// Per vertex its point, points counted in order of their first vertex; and the number of points.
+    /// Returns the point of each vertex, points counted in order of their first vertex, and the number of points.
     pub fn points(&mut self) -> (Vec<PointIndex>, usize) {
         self.groups.numbered()
     }
 }
 
-/// Disjoint groups of things counted from 0; a group's name is its lowest member, so that nothing depends on the
-/// order of joining.
+/// Disjoint sets of members counted from 0 (union-find with path halving). The lowest member stands for its group, so that nothing depends
+/// on the order of joining.
 #[derive(Debug, Clone)]
 pub struct Groups {
     parent: Vec<u32>,
@@ -74,7 +74,7 @@ impl Groups {
         Self { parent: (0..count as u32).collect() }
     }
 
-    /// The lowest member of the group of `member`.
+    /// Returns the lowest member of the group of `member`.
     pub fn find(&mut self, member: u32) -> u32 {
         let mut at = member;
         while let Some(&up) = self.parent.get(at as usize).filter(|&&up| up != at) {
@@ -87,7 +87,7 @@ impl Groups {
         at
     }
 
-    /// Makes one group of two.
+    /// Joins the groups of two members.
     pub fn join(&mut self, a: u32, b: u32) {
         let (a, b) = (self.find(a), self.find(b));
         if let Some(slot) = self.parent.get_mut(a.max(b) as usize) {
@@ -95,7 +95,7 @@ impl Groups {
         }
     }
 
-    /// Per member the number of its group, groups counted in order of their lowest member; and how many there are.
+    /// Returns the number of each member's group, groups counted in order of their lowest member, and the number of groups.
     pub fn numbered(&mut self) -> (Vec<PointIndex>, usize) {
         let mut count = 0;
         let mut numbers: Vec<PointIndex> = Vec::with_capacity(self.parent.len());
@@ -114,7 +114,7 @@ impl Groups {
     }
 }
 
-/// Per vertex the first vertex at its place. A grid of cells as wide as the tolerance: neighbours are in the 27 cells
+/// Returns the first vertex at the position of each vertex, by a grid of cells as wide as the tolerance: neighbours are in the 27 cells
 /// around.
 fn find_sites(positions: &[Vec3], tolerance: f64) -> Vec<u32> {
     let width = if tolerance > 0.0 { tolerance } else { f64::MIN_POSITIVE.sqrt() };
@@ -134,7 +134,7 @@ fn find_sites(positions: &[Vec3], tolerance: f64) -> Vec<u32> {
             }
         }
         let members = cells.entry(own).or_default();
-        // One vertex per exact place stands for all: a thousand copies of it would be compared with each other.
+        // One vertex per exact position stands for all: a thousand copies of it would be compared with each other.
         match members.iter().find(|&&other| positions.get(other as usize) == Some(p)) {
             Some(&same) => groups.join(same, vertex as u32),
             None => members.push(vertex as u32),
@@ -143,7 +143,7 @@ fn find_sites(positions: &[Vec3], tolerance: f64) -> Vec<u32> {
     (0..positions.len() as u32).map(|vertex| groups.find(vertex)).collect()
 }
 
-/// Ends of edges with one triangle, in rising order.
+/// Returns the ends of edges with one triangle, in increasing order.
 fn open_vertices(triangles: &[[u32; 3]]) -> Vec<u32> {
     let mut edges: Vec<[u32; 2]> = triangles
         .iter()
@@ -226,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn any_tolerance_and_place_is_taken() {
+    fn any_tolerance_and_position_is_accepted() {
         for tolerance in [0.0, 1e-300, 1e300] {
             for far in [0.0, 1e300, -1e300] {
                 let positions = [Vec3::repeat(far), Vec3::repeat(far)];

@@ -145,7 +145,7 @@ impl Stepper {
                 let growth = if solved || stands { wanted } else { wanted.min(1.0) };
                 self.could_take = h * growth;
                 *state = next;
-                self.contact.accept(&state.x, h);
+                self.contact.end_step(&state.x, h);
                 return StepReport {
                     dt: h,
                     next_dt: (h * growth).max(self.options.min_dt).min(self.options.max_dt),

@@ -140,7 +140,7 @@ impl<'a> CorrespondenceFinder<'a> {
         let found = self.tree.nearest(&self.points, Vec3::new(uv.x, uv.y, 0.0), self.max_distance)?;
         let triangle = found.triangle as usize;
         let map = query.gradient? * pseudo_inverse(&self.gradients[triangle]?)?;
-        Some(Match { triangle, quality: 1.0 - 0.5 * found.gap.distance / self.max_distance, map })
+        Some(Match { triangle, quality: 1.0 - 0.5 * found.closest.distance / self.max_distance, map })
     }
 
     fn match_front(&self, query: &Query) -> Option<Match> {
@@ -175,12 +175,12 @@ impl<'a> CorrespondenceFinder<'a> {
 
     /// Whether the nearest point lies on an open side of its triangle and the query well past that side.
     fn is_beyond_border(&self, found: &NearestTriangle, normal: &Vec3) -> bool {
-        let sideways = found.gap.vector - normal * normal.dot(&found.gap.vector);
+        let sideways = found.closest.vector - normal * normal.dot(&found.closest.vector);
         if sideways.norm() <= self.border_slack {
             return false;
         }
         // Side k runs from corner k to k + 1; on it, the weight of the third corner is 0.
-        let weights = &found.gap.weights;
+        let weights = &found.closest.weights;
         let open = &self.open[found.triangle as usize];
         (0..3).any(|k| open[k] && weights[1 + (k + 2) % 3].abs() < 1e-9)
     }
@@ -198,7 +198,7 @@ impl Correspondence for CorrespondenceFinder<'_> {
 
 /// 1 at distance 0, falling linearly to 0 at `max_distance`.
 fn proximity(found: &NearestTriangle, max_distance: f64) -> f64 {
-    (1.0 - found.gap.distance / max_distance).clamp(0.0, 1.0)
+    (1.0 - found.closest.distance / max_distance).clamp(0.0, 1.0)
 }
 
 /// 0 below `low`, 1 above `high`, linear between.

@@ -274,7 +274,7 @@ impl Run {
         };
         let report = self.stepper.advance(&mut self.state, &self.memory, &mut drive_on_body, wished);
         if let Some(met) = met {
-            body.accept(&self.state.x, &met.points, &met.cushions, &met.supports);
+            body.end_step(&self.state.x, &met.points, &met.cushions, &met.supports);
             self.met = met;
         }
         self.body = Some(body);

@@ -34,7 +34,7 @@ pub fn shoot(count: usize, speed: f64, seed: u64) -> Shots {
             while let Some(hit) = tree.first_hit(&run.state.x, from, -aim, 10.0) {
                 let own = run.triangles[hit.triangle as usize].iter().any(|c| c.at() >= scrap);
                 met += usize::from(!own);
-                from -= aim * (hit.at + 1e-9);
+                from -= aim * (hit.t + 1e-9);
             }
             met % 2 == 1
         });

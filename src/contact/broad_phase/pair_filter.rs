@@ -1,132 +1,191 @@
-//! What of two triangles whose boxes overlap may really come near: boxes of single points and edges first, then distances.
+//! Filter of primitive pairs of two triangles whose boxes overlap: boxes of single points and edges first, then distances.
 
-use crate::contact::broad_phase::CandidateFinder;
+use crate::contact::broad_phase::candidates::{Candidates, sorted};
+use crate::contact::broad_phase::primitives::{MeshPrimitives, PrimitiveBoxes};
+use crate::contact::broad_phase::search_query::SearchQuery;
 use crate::math::Vec3;
+use crate::mesh::aabb::SweptBox;
 use crate::mesh::distance::{edge_edge_squared, point_triangle_squared};
+use crate::mesh::static_bvh::TrianglePairs;
+use rayon::prelude::*;
 
-/// A mesh that meets itself, with its motion.
-pub(super) struct Side<'a> {
-    pub mesh: &'a CandidateFinder,
-    pub start: &'a [Vec3],
-    /// One per point: length of its way \[m\]; empty at rest.
-    pub ways: &'a [f64],
-    /// How near a pair may come to be found \[m\].
-    pub reach: f64,
-    /// The same for boxes.
-    pub box_reach: f32,
-    /// Ends of the ways, when all points go the same fraction of theirs.
-    pub together: Option<&'a [Vec3]>,
+/// A mesh with its boxes fitted to a query.
+pub(super) struct PairFilter<'a> {
+    mesh: &'a MeshPrimitives,
+    boxes: &'a PrimitiveBoxes,
+    query: SearchQuery<'a>,
+    /// The distance of the query for boxes.
+    box_distance: f32,
+    /// Ends of the displacements, where all points move by the same fraction of theirs.
+    uniform_end: Option<&'a [Vec3]>,
 }
 
-impl Side<'_> {
+impl<'a> PairFilter<'a> {
+    /// A filter for `query`, to whose motion `boxes` are fitted.
+    pub fn new(mesh: &'a MeshPrimitives, boxes: &'a PrimitiveBoxes, query: SearchQuery<'a>) -> Self {
+        let uniform_end = (query.uniform_step && !query.is_at_rest()).then_some(query.end);
+        Self { mesh, boxes, query, box_distance: SweptBox::limit(query.distance), uniform_end }
+    }
+
     /// Whether the boxes are the same at both ends of the motion: they were swept along it, or nothing moves.
     #[inline(always)]
-    pub fn rests(&self) -> bool {
-        self.together.is_none()
+    fn boxes_are_static(&self) -> bool {
+        self.uniform_end.is_none()
+    }
+
+    /// Returns the candidates among the primitives of `pairs` of triangles.
+    pub fn compare(&self, pairs: &[TrianglePairs]) -> Candidates {
+        let compare = |lists: &mut [Shortlist; 2], part: &TrianglePairs| {
+            let [points, edges] = lists;
+            for &(a, b) in part {
+                self.shortlist_points(a, b, points);
+                self.shortlist_points(b, a, points);
+                self.shortlist_edges(a, b, edges);
+            }
+            edges.order_pairs();
+            let skip = self.query.skip;
+            let points =
+                points.drain(|p, f| self.is_point_near(p, f) && !skip(self.mesh.point_triangle_pair(p, f)));
+            let edges = edges.drain(|e, f| self.is_edge_near(e, f) && !skip(self.mesh.edge_edge_pair(e, f)));
+            (points, edges)
+        };
+        let found: Vec<_> = pairs.par_iter().with_max_len(1).map_init(Default::default, compare).collect();
+        let (point_parts, edge_parts): (Vec<_>, Vec<_>) = found.into_iter().unzip();
+        let (point_triangle, edge_edge) = rayon::join(
+            || sorted(&point_parts, self.query.start.len()),
+            || sorted(&edge_parts, self.mesh.edges.len()),
+        );
+        Candidates { point_triangle, edge_edge }
+    }
+
+    /// Returns the candidates of `list` that are near during the motion and that `keep` takes. `keep` is asked with the triangles that own
+    /// the two primitives; of a point-triangle pair the second is the triangle.
+    pub fn filter(&self, list: &Candidates, keep: &(dyn Fn(u32, u32) -> bool + Sync)) -> Candidates {
+        let (mesh, boxes, skip) = (self.mesh, self.boxes, self.query.skip);
+        let point = |[p, f]: [u32; 2]| {
+            let near = boxes.points[p as usize].near(
+                &boxes.triangles[f as usize],
+                self.box_distance,
+                self.boxes_are_static(),
+            );
+            near && self.is_point_near(p, f)
+                && keep(mesh.point_owner[p as usize], f)
+                && !skip(mesh.point_triangle_pair(p, f))
+        };
+        let edge = |[e, f]: [u32; 2]| {
+            let [a, b] = [e, f].map(|e| mesh.edge_owner[e as usize]);
+            let near = boxes.edges[e as usize].near(
+                &boxes.edges[f as usize],
+                self.box_distance,
+                self.boxes_are_static(),
+            );
+            near && self.is_edge_near(e, f) && keep(a, b) && !skip(mesh.edge_edge_pair(e, f))
+        };
+        list.filter(point, edge)
     }
 
     /// Adds the points of `triangle` whose boxes are near triangle `other`.
     #[inline(always)]
-    pub fn shortlist_points(&self, triangle: u32, other: u32, list: &mut Shortlist) {
-        let other_box = &self.mesh.triangle_boxes[other as usize];
-        list.make_room(3);
+    fn shortlist_points(&self, triangle: u32, other: u32, list: &mut Shortlist) {
+        let other_box = &self.boxes.triangles[other as usize];
+        list.reserve(3);
         for p in self.mesh.triangles[triangle as usize].points() {
-            list.add_if(
-                [p, other],
-                self.mesh.point_boxes[p as usize].near(other_box, self.box_reach, self.rests()),
-            );
+            let near =
+                self.boxes.points[p as usize].near(other_box, self.box_distance, self.boxes_are_static());
+            list.add_if([p, other], near);
         }
     }
 
     /// Adds the edges of `triangle` with the edges of triangle `other` whose boxes are near.
     #[inline(always)]
-    pub fn shortlist_edges(&self, triangle: u32, other: u32, list: &mut Shortlist) {
+    fn shortlist_edges(&self, triangle: u32, other: u32, list: &mut Shortlist) {
         let others = &self.mesh.triangles[other as usize];
-        list.make_room(9);
+        list.reserve(9);
         for e in self.mesh.triangles[triangle as usize].edges() {
-            let own_box = &self.mesh.edge_boxes[e as usize];
+            let own_box = &self.boxes.edges[e as usize];
             for f in others.edges() {
-                list.add_if(
-                    [e, f],
-                    own_box.near(&self.mesh.edge_boxes[f as usize], self.box_reach, self.rests()),
-                );
+                let near =
+                    own_box.near(&self.boxes.edges[f as usize], self.box_distance, self.boxes_are_static());
+                list.add_if([e, f], near);
             }
         }
     }
 
     /// Whether a point and a triangle can come near; a shared point excludes the pair.
     #[inline(always)]
-    pub fn point_near(&self, point: u32, triangle: u32) -> bool {
+    fn is_point_near(&self, point: u32, triangle: u32) -> bool {
         let corners = self.mesh.triangles[triangle as usize].corners;
         let squared = |[p]: [&Vec3; 1], [a, b, c]: [&Vec3; 3]| point_triangle_squared(p, a, b, c);
-        !corners.contains(&point) && self.may_come_near([point], corners, squared)
+        !corners.contains(&point) && self.can_come_near([point], corners, squared)
     }
 
     /// Whether two edges can come near; a shared point excludes the pair.
     #[inline(always)]
-    pub fn edge_near(&self, edge: u32, other: u32) -> bool {
+    fn is_edge_near(&self, edge: u32, other: u32) -> bool {
         let (ends, others) = (self.mesh.edges[edge as usize], self.mesh.edges[other as usize]);
         let squared = |[a, b]: [&Vec3; 2], [c, d]: [&Vec3; 2]| edge_edge_squared(a, b, c, d);
         let shared = ends.iter().any(|p| others.contains(p));
-        !shared && self.may_come_near(ends, others, squared)
+        !shared && self.can_come_near(ends, others, squared)
     }
 
-    /// Whether a pair can come within the reach: its distance now, less the longest way of a point on either side.
-    /// That is a corner's, since inner points move by averages of corners. The two ways count apart and common motion
-    /// is not deducted, because each point may in the end make another fraction of its way.
+    /// Whether two primitives can come within the distance of the query: their distance now, less the longest displacement of a point of
+    /// either. The longest is that of a corner, since inner points move by averages of corners. The two count separately and common
+    /// motion is not deducted, because each point may move by another fraction of its displacement.
     #[inline(always)]
-    fn may_come_near<const M: usize, const N: usize>(
+    fn can_come_near<const M: usize, const N: usize>(
         &self,
         own: [u32; M],
         others: [u32; N],
         squared: impl Fn([&Vec3; M], [&Vec3; N]) -> f64,
     ) -> bool {
-        let limit = self.reach
-            + match self.together {
-                Some(end) => self.way_against(end, &own, &others),
-                None => self.way(&own) + self.way(&others),
+        let limit = self.query.distance
+            + match self.uniform_end {
+                Some(end) => self.relative_displacement(end, &own, &others),
+                None => self.max_displacement(&own) + self.max_displacement(&others),
             };
-        let x = own.map(|p| &self.start[p as usize]);
-        let y = others.map(|p| &self.start[p as usize]);
+        let x = own.map(|p| &self.query.start[p as usize]);
+        let y = others.map(|p| &self.query.start[p as usize]);
         squared(x, y) <= limit * limit
     }
 
-    /// The longest way of one of the points against one of the others \[m\], all going by the same fraction.
+    /// Returns the longest displacement of one of the points relative to one of the others \[m\], where all move by the same fraction.
     #[inline(always)]
-    fn way_against(&self, end: &[Vec3], own: &[u32], others: &[u32]) -> f64 {
+    fn relative_displacement(&self, end: &[Vec3], own: &[u32], others: &[u32]) -> f64 {
+        let start = self.query.start;
         let mut longest: f64 = 0.0;
         for &p in own {
-            let way = end[p as usize] - self.start[p as usize];
+            let displacement = end[p as usize] - start[p as usize];
             for &q in others {
-                let against = (way - (end[q as usize] - self.start[q as usize])).norm_squared();
-                longest = longest.max(if against.is_finite() { against } else { 0.0 });
+                let relative = (displacement - (end[q as usize] - start[q as usize])).norm_squared();
+                longest = longest.max(if relative.is_finite() { relative } else { 0.0 });
             }
         }
         longest.sqrt()
     }
 
-    /// The longest way of these points \[m\].
+    /// Returns the longest displacement of these points \[m\].
     #[inline(always)]
-    fn way(&self, points: &[u32]) -> f64 {
-        if self.ways.is_empty() {
+    fn max_displacement(&self, points: &[u32]) -> f64 {
+        let lengths = &self.boxes.lengths;
+        if lengths.is_empty() {
             return 0.0;
         }
-        points.iter().map(|&p| self.ways[p as usize]).fold(0.0, f64::max)
+        points.iter().map(|&p| lengths[p as usize]).fold(0.0, f64::max)
     }
 }
 
-/// Pairs whose boxes are near, on their way to the exact test. Collected first and tested then, and added without
-/// a branch, because which box test passes cannot be predicted and a wrong guess costs more than the test.
+/// Pairs whose boxes are near, before the exact test. They are collected first and tested then, and added without a branch, because which
+/// box test passes cannot be predicted and a wrong guess costs more than the test.
 #[derive(Default)]
-pub(super) struct Shortlist {
+struct Shortlist {
     pairs: Vec<[u32; 2]>,
     count: usize,
 }
 
 impl Shortlist {
-    /// Room for that many calls of [`Shortlist::add_if`].
+    /// Makes room for that many calls of [`Shortlist::add_if`].
     #[inline(always)]
-    fn make_room(&mut self, more: usize) {
+    fn reserve(&mut self, more: usize) {
         if self.count + more > self.pairs.len() {
             self.pairs.resize(2 * self.pairs.len() + more, [0; 2]);
         }
@@ -138,16 +197,16 @@ impl Shortlist {
         self.count += usize::from(yes);
     }
 
-    /// The lower index of each pair first.
-    pub fn ordered(&mut self) {
+    /// Puts the lower index of each pair first.
+    fn order_pairs(&mut self) {
         self.pairs[..self.count]
             .iter_mut()
             .for_each(|pair| *pair = [pair[0].min(pair[1]), pair[0].max(pair[1])]);
     }
 
-    /// Takes all pairs off the list, and gives those that pass the test.
+    /// Empties the list and returns the pairs that pass the test.
     #[inline(always)]
-    pub fn drain(&mut self, test: impl Fn(u32, u32) -> bool) -> Vec<[u32; 2]> {
+    fn drain(&mut self, test: impl Fn(u32, u32) -> bool) -> Vec<[u32; 2]> {
         let mut kept = 0;
         for k in 0..std::mem::take(&mut self.count) {
             let pair = self.pairs[k];
@@ -156,26 +215,4 @@ impl Shortlist {
         }
         self.pairs[..kept].to_vec()
     }
-}
-
-/// Merges the parts and sorts by both indices; the first is below `count`. Counting sort, then short runs.
-pub(super) fn sorted(parts: &[Vec<[u32; 2]>], count: usize) -> Vec<[u32; 2]> {
-    let mut ends = vec![0u32; count + 1];
-    for &[first, _] in parts.iter().flatten() {
-        ends[first as usize + 1] += 1;
-    }
-    for i in 0..count {
-        ends[i + 1] += ends[i];
-    }
-    let mut merged = vec![[0u32; 2]; ends[count] as usize];
-    let mut next = ends.clone();
-    for pair in parts.iter().flatten() {
-        let slot = &mut next[pair[0] as usize];
-        merged[*slot as usize] = *pair;
-        *slot += 1;
-    }
-    for run in ends.windows(2) {
-        merged[run[0] as usize..run[1] as usize].sort_unstable_by_key(|pair| pair[1]);
-    }
-    merged
 }

@@ -1,4 +1,4 @@
-//! A point and a triangle, or two edges: how far apart they are, and how far they may go.
+//! Primitive pairs: a point and a triangle, or two edges.
 
 use crate::math::Vec3;
 use crate::mesh::PointIndex;
@@ -6,7 +6,7 @@ use crate::mesh::ccd::{edge_edge_step, point_triangle_step, stay_apart_on_an_axi
 use crate::mesh::distance::{ClosestPoints, edge_edge, point_triangle};
 use serde::{Deserialize, Serialize};
 
-/// The two kinds of primitive pairs.
+/// Kind of a primitive pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum PairKind {
     /// A point and a triangle.
@@ -15,64 +15,58 @@ pub enum PairKind {
     EdgeEdge,
 }
 
-/// A primitive pair as its four points: the point and the triangle's corners, or the ends of the two edges.
+/// A primitive pair as its four points: the point and the corners of the triangle, or the ends of the two edges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct PrimitivePair {
-    /// Which pair the points form.
+    /// Kind of the pair that the points form.
     pub kind: PairKind,
-    /// Into positions of one array: when two meshes meet, those of the second follow those of the first.
+    /// The four points.
     pub points: [PointIndex; 4],
 }
 
 impl PrimitivePair {
-    /// The values of the four points in `field`, one per point.
+    /// Returns the entries of the four points in `field`, which has one per point.
     #[inline]
     pub fn gather(&self, field: &[Vec3]) -> [Vec3; 4] {
         self.points.map(|p| field[p.at()])
     }
 
-    /// The closest points at positions `points` \[m\].
-    #[inline]
-    pub fn gap(&self, points: &[Vec3]) -> ClosestPoints {
-        self.kind.gap(&self.gather(points))
+    /// Returns the distance of the two primitives at `positions` \[m\].
+    pub fn distance(&self, positions: &[Vec3]) -> f64 {
+        self.kind.closest_points(&self.gather(positions)).distance
     }
 
-    /// The largest safe fraction of the motion `displacement` \[m\] (`mesh::motion`) that keeps the pair above `floor`
-    /// \[m\].
+    /// Returns the largest fraction of `displacement` \[m\] from `positions` \[m\] that keeps the pair farther apart than
+    /// `min_distance` \[m\] (`mesh::ccd`).
     #[inline]
-    pub fn step(&self, points: &[Vec3], displacement: &[Vec3], floor: f64) -> f64 {
-        self.kind.step(self.gather(points), self.gather(displacement), floor)
+    pub fn collision_free_step_size(
+        &self,
+        positions: &[Vec3],
+        displacement: &[Vec3],
+        min_distance: f64,
+    ) -> f64 {
+        let (x, dx) = (self.gather(positions), self.gather(displacement));
+        match self.kind {
+            PairKind::PointTriangle => point_triangle_step(x, dx, min_distance),
+            PairKind::EdgeEdge => edge_edge_step(x, dx, min_distance),
+        }
     }
 }
 
 impl PairKind {
-    /// The closest points of a pair of this kind at `x` \[m\].
+    /// Returns the closest points of a pair of this kind at `x` \[m\].
     #[inline]
-    pub fn gap(self, x: &[Vec3; 4]) -> ClosestPoints {
+    pub fn closest_points(self, x: &[Vec3; 4]) -> ClosestPoints {
         match self {
             Self::PointTriangle => point_triangle(&x[0], &x[1], &x[2], &x[3]),
             Self::EdgeEdge => edge_edge(&x[0], &x[1], &x[2], &x[3]),
         }
     }
 
-    /// Whether the boxes of the two pieces at `x` \[m\] are more than `reach` \[m\] apart on some axis: then so are they.
+    /// Whether the bounding boxes of the two primitives at `x` \[m\] are more than `distance` \[m\] apart along an axis. Then so are the
+    /// primitives.
     #[inline]
-    pub fn apart_on_an_axis(self, x: &[Vec3; 4], reach: f64) -> bool {
-        stay_apart_on_an_axis(x, &[Vec3::zeros(); 4], reach, self == Self::PointTriangle)
+    pub fn apart_on_an_axis(self, x: &[Vec3; 4], distance: f64) -> bool {
+        stay_apart_on_an_axis(x, &[Vec3::zeros(); 4], distance, self == Self::PointTriangle)
     }
-
-    /// The largest safe fraction of the motion `dx` \[m\] of a pair of this kind at `x` \[m\] (`mesh::motion`).
-    #[inline]
-    pub fn step(self, x: [Vec3; 4], dx: [Vec3; 4], floor: f64) -> f64 {
-        match self {
-            Self::PointTriangle => point_triangle_step(x, dx, floor),
-            Self::EdgeEdge => edge_edge_step(x, dx, floor),
-        }
-    }
-}
-
-/// Distance \[m\] of a pair in the rest shape. Where it is less than the contact distance the pair lies close together
-/// within the cloth itself, and contact must act from a smaller distance only, or it would push at rest.
-pub fn rest_distance(kind: PairKind, points: [PointIndex; 4], rest_points: &[Vec3]) -> f64 {
-    PrimitivePair { kind, points }.gap(rest_points).distance
 }

@@ -1,143 +1,81 @@
-//! Cloth against cloth: point-triangle and edge-edge pairs within the contact distance, and the bound on motion.
+//! Collision set: point-triangle and edge-edge pairs of the cloth that may come near, and the limit on displacements.
 
-mod subset;
+mod active_pairs;
+mod candidate_pair;
+mod ccd_problem;
+mod far_clearance;
+mod local_dhat;
 
-use crate::contact::ContactSettings;
-use crate::contact::barrier;
-use crate::contact::broad_phase::{CandidateFinder, Candidates, PairKind, PrimitivePair};
-use crate::contact::collision_set::subset::Focus;
-use crate::contact::initial_intersections::{InitialIntersections, Mesh};
-use crate::contact::step_bounds::{local_step_fractions, stay_apart, swept_boxes};
-use crate::contact::uncovered_area::UncoveredArea;
+pub(super) use active_pairs::ActivePair;
+
+use crate::contact::broad_phase::{
+    CandidateFinder, Candidates, MovingSubset, PairKind, PrimitivePair, SearchQuery,
+};
+use crate::contact::collision_set::active_pairs::{ActivePairCache, active_pairs_within};
+use crate::contact::collision_set::candidate_pair::CandidatePair;
+use crate::contact::collision_set::ccd_problem::{CcdMode, CcdProblem};
+use crate::contact::collision_set::far_clearance::{FarClearance, mean};
+use crate::contact::collision_set::local_dhat::LocalDhat;
+use crate::contact::initial_intersections::{InitialIntersections, MeshView};
+use crate::contact::settings::ContactSettings;
+use crate::contact::tuning::TUNING;
 use crate::math::Vec3;
-use crate::mesh::distance::ClosestPoints;
 use crate::mesh::{PointIndex, Topology};
 use rayon::prelude::*;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
-/// A pair within its contact distance.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Touch {
-    pub kind: PairKind,
-    pub points: [u32; 4],
-    /// Signed: distance vector = sum w_i x_i.
-    pub weights: [f64; 4],
-    /// Unit vector along the distance vector.
-    pub normal: Vec3,
-    /// [m].
-    pub distance: f64,
-    /// Contact distance of this pair [m].
-    pub reach: f64,
-    /// [N/m].
-    pub stiffness: f64,
-}
-
-/// What touches at one place.
-struct TouchesAt {
-    /// [m].
-    x: Vec<Vec3>,
-    touches: Arc<Vec<Touch>>,
-}
-
-/// A pair that may come near.
-#[derive(Debug, Clone, Copy)]
-struct Pair {
-    points: [u32; 4],
-    kind: PairKind,
-    /// Contact distance [m]: shorter for pairs that are near by construction (beside a seam) or were at the start.
-    reach: f64,
-    /// Area the pair stands for [m²].
-    area: f64,
-    /// Whether it is left alone because it crosses.
-    free: bool,
-}
-
-pub(super) struct PairContact {
-    distance: f64,
+/// Pairs of one garment with itself.
+pub(super) struct CollisionSet {
+    dhat: f64,
+    /// Stiffness per area [N/m³].
     stiffness: f64,
     self_contact: bool,
-    rest: Vec<Vec3>,
+    mesh: RestMesh,
+    finder: CandidateFinder,
+    pairs: Vec<CandidatePair>,
+    active: ActivePairCache,
+    /// Points that stay where they are during the step, one flag per point; empty for none.
+    fixed: Vec<bool>,
+    /// Set while only a subset of points moves.
+    restriction: Option<Restriction>,
+    local_dhat: LocalDhat,
+    /// The query at rest that the pairs come from; `None` once they are those of a motion.
+    cached_rest_query: Option<RestQuery>,
+    far_clearance: FarClearance,
+    /// Intersections since the start; `None` before the first step.
+    initial: Option<InitialIntersections>,
+}
+
+/// The mesh at rest.
+struct RestMesh {
+    /// Rest positions [m], one per point.
+    x: Vec<Vec3>,
     triangles: Vec<[PointIndex; 3]>,
     triangle_edges: Vec<[u32; 3]>,
     edges: Vec<[u32; 2]>,
+    /// Areas [m²], one per point.
     point_area: Vec<f64>,
+    /// Areas [m²], one per edge.
     edge_area: Vec<f64>,
-    finder: CandidateFinder,
-    pairs: Vec<Pair>,
-    /// What touched when last asked, if that still holds.
-    last_touches: Mutex<Option<TouchesAt>>,
-    /// Points that stay where they are during the step, one flag per point; empty for none.
-    asleep: Vec<bool>,
-    /// Set while only some points move.
-    focus: Option<Focus>,
-    /// Per point: contact distance at most [m]; less than the thickness where something was nearer at the start.
-    room: Vec<f64>,
-    /// Where the cloth was [m] and who slept when the pairs were taken up, where everything rested; none
-    /// once they are those of a motion.
-    rested: Option<(Vec<Vec3>, Vec<bool>)>,
-    uncovered: UncoveredArea,
-    /// When nothing was near in a wide search, where the points were then [m], and how wide it was [m].
-    clear: Option<(Vec<Vec3>, f64)>,
-    /// Steps until a wide search is worth trying again.
-    search_after: u32,
-    /// What crosses since the start; none before the first step.
-    entangled: Option<InitialIntersections>,
 }
 
-/// How a move is tested.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Rule {
-    /// Every point by its own share; what crosses at the start may pass.
-    Single,
-    /// All points by the same share; what crosses at the start may pass.
-    SingleTogether,
-    /// All points by the same share, and nothing may pass.
-    Together,
-    /// Each by its own share, and no layer is pressed below the inner part of the contact distance.
-    Led,
-    /// The same, and nothing may pass.
-    LedFrozen,
-    /// Led by the same share, and nothing may pass.
-    LedTogether,
+/// Positions [m] and fixed points of a query at rest.
+struct RestQuery {
+    x: Vec<Vec3>,
+    fixed: Vec<bool>,
 }
 
-impl Rule {
-    fn together(self) -> bool {
-        matches!(self, Self::Together | Self::SingleTogether | Self::LedTogether)
-    }
-
-    fn nothing_passes(self) -> bool {
-        matches!(self, Self::Together | Self::LedFrozen | Self::LedTogether)
-    }
-
-    fn led(self) -> bool {
-        matches!(self, Self::Led | Self::LedFrozen | Self::LedTogether)
-    }
+/// What is set aside while only a subset of points moves.
+struct Restriction {
+    subset: MovingSubset,
+    /// Pairs of points that all rest.
+    others: Vec<CandidatePair>,
+    /// Fixed points of the step.
+    fixed: Vec<bool>,
 }
 
-/// Pairs that are this near in the rest shape push apart only below this share of their rest distance.
-const REST_SHARE: f64 = 0.9;
-/// Candidates reach this many contact distances, so that the pattern of the linear system can look ahead.
-const CANDIDATE_MARGIN: f64 = 1.5;
-/// Cloth that is led presses layers together to this share of the contact distance and no further.
-const SQUEEZED: f64 = 0.3;
-/// Where they are nearer already it takes up to this share of the gap: nothing, but that they must be free to part.
-const BARELY: f64 = 0.02;
-/// Share of its way by which a point that is led may get ahead of its neighbour.
-const BEHIND: f64 = 0.1;
-/// A wide search reaches this many times as far as the others.
-const WIDE: f64 = 4.0;
-/// A move of more than this many search distances is first tested as a whole.
-const FAR: f64 = 4.0;
-/// Where all can go this share of a long way together they do: single points cut short hold up all around them, most of all
-/// where layers go along with one another.
-const ALIKE: f64 = 0.3;
-/// After a wide search that found something the next waits this many steps.
-const WAIT: u32 = 16;
-/// A contact distance that had to start small reaches the thickness in this time [s].
-const ROOM_TIME: f64 = 0.25;
-
-impl PairContact {
+impl CollisionSet {
+    /// Pairs of a mesh of `triangles` at `rest` [m] with its `topology`; `area` [m²] has one entry per point.
     pub fn new(
         settings: &ContactSettings,
         rest: &[Vec3],
@@ -147,406 +85,330 @@ impl PairContact {
     ) -> Self {
         let edges: Vec<[u32; 2]> = topology.edges.iter().map(|e| e.map(|p| p.0)).collect();
         Self {
-            distance: settings.dhat,
+            dhat: settings.dhat,
             stiffness: settings.stiffness,
             self_contact: settings.self_contact,
-            rest: rest.to_vec(),
-            triangles: triangles.to_vec(),
-            triangle_edges: topology.triangle_edges.clone(),
-            edge_area: edge_area(&edges, area),
-            edges,
-            point_area: area.to_vec(),
+            mesh: RestMesh {
+                x: rest.to_vec(),
+                triangles: triangles.to_vec(),
+                triangle_edges: topology.triangle_edges.clone(),
+                edge_area: edge_areas(&edges, area),
+                edges,
+                point_area: area.to_vec(),
+            },
             finder: CandidateFinder::new(rest, triangles, topology),
             pairs: Vec::new(),
-            last_touches: Mutex::default(),
-            asleep: Vec::new(),
-            focus: None,
-            room: vec![settings.dhat; rest.len()],
-            rested: None,
-            uncovered: UncoveredArea::new(rest, triangles),
-            clear: None,
-            search_after: 0,
-            entangled: None,
+            active: ActivePairCache::default(),
+            fixed: Vec::new(),
+            restriction: None,
+            local_dhat: LocalDhat::new(settings.dhat, rest.len()),
+            cached_rest_query: None,
+            far_clearance: FarClearance::default(),
+            initial: None,
         }
     }
 
     /// See [`crate::contact::Contact::freeze_initial_intersections`].
     pub fn freeze_initial_intersections(&mut self) {
-        self.forget_touches();
-        self.rested = None;
-        self.entangled = Some(InitialIntersections::default());
-        self.room.fill(self.distance);
+        self.active.clear();
+        self.cached_rest_query = None;
+        self.initial = Some(InitialIntersections::default());
+        self.local_dhat.reset();
     }
 
-    /// See [`crate::contact::Contact::forget`].
+    /// See [`crate::contact::Contact::clear_caches`].
     pub fn clear_caches(&mut self) {
-        self.rested = None;
+        self.cached_rest_query = None;
         self.finder.clear_caches();
     }
 
-    fn mesh<'a>(&'a self, x: &'a [Vec3]) -> Mesh<'a> {
-        Mesh {
-            x,
-            triangles: &self.triangles,
-            triangle_edges: &self.triangle_edges,
-            edge_count: self.edges.len(),
-        }
-    }
+    // ---- Steps ----
 
-    // ---- Who is near ----
-
-    /// Starts a step in which the points that are `held` do not move: what crosses, and who is near.
-    pub fn begin(&mut self, x: &[Vec3], held: &[bool]) {
-        self.forget_touches();
-        self.asleep.clear();
-        self.asleep.extend_from_slice(held);
-        let first = self.entangled.is_none();
-        let still = vec![Vec3::zeros(); x.len()];
-        if self.entangled.as_ref().is_some_and(|e| !e.is_empty()) {
-            self.look(x, &still, true);
-            let before: Vec<bool> = self.pairs.iter().map(|pair| pair.free).collect();
-            self.count_crossings(x);
-            self.look(x, &still, true);
+    /// Starts a step at `x` [m] in which the `fixed` points do not move: counts intersections and finds the pairs.
+    pub fn begin_step(&mut self, x: &[Vec3], fixed: &[bool]) {
+        self.active.clear();
+        self.fixed.clear();
+        self.fixed.extend_from_slice(fixed);
+        let first = self.initial.is_none();
+        let at_rest = vec![Vec3::zeros(); x.len()];
+        if self.initial.as_ref().is_some_and(|initial| !initial.is_empty()) {
+            self.update_pairs(x, &at_rest, true);
+            let before: Vec<bool> = self.pairs.iter().map(|pair| pair.ignored).collect();
+            self.count_intersections(x);
+            self.update_pairs(x, &at_rest, true);
             // The same pairs in the same order: those that have come apart start with the distance they have.
-            let parted = self.pairs.iter().zip(before).filter(|(pair, was_free)| *was_free && !pair.free);
-            let parted: Vec<Pair> = parted.map(|(pair, _)| *pair).collect();
-            self.start_from_where_they_are(x, &parted);
+            let parted = self.pairs.iter().zip(before).filter(|(pair, ignored)| *ignored && !pair.ignored);
+            let parted: Vec<CandidatePair> = parted.map(|(pair, _)| *pair).collect();
+            self.reduce_local_dhat(x, &parted);
             return;
         }
         if first {
-            self.count_crossings(x);
+            self.count_intersections(x);
         }
-        // In a hold next to nothing moves, and often nothing at all.
-        let rests = |(at, asleep): &(Vec<Vec3>, Vec<bool>)| at == x && asleep == held;
-        if !first && self.rested.as_ref().is_some_and(rests) {
+        // During a hold almost nothing moves, and often nothing at all.
+        let is_cached = |query: &RestQuery| query.x == x && query.fixed == fixed;
+        if !first && self.cached_rest_query.as_ref().is_some_and(is_cached) {
             return;
         }
-        let layers_near = self.look(x, &still, true);
-        self.look_wide(x, layers_near);
-        self.rested = Some((x.to_vec(), held.to_vec()));
+        let any_near = self.update_pairs(x, &at_rest, true);
+        self.update_far_clearance(x, any_near);
+        self.cached_rest_query = Some(RestQuery { x: x.to_vec(), fixed: fixed.to_vec() });
     }
 
-    /// Looks wide, now and then, unless `layers_near`: cloth of which no two parts are near needs no other search until it has
-    /// bent.
-    fn look_wide(&mut self, x: &[Vec3], layers_near: bool) {
-        let still = vec![Vec3::zeros(); x.len()];
-        let reach = CANDIDATE_MARGIN * self.distance;
-        if !self.self_contact || self.stays_clear(x, &still, reach, true) {
+    /// Accepts the step of `h` seconds at `x` [m].
+    pub fn end_step(&mut self, x: &[Vec3], h: f64) {
+        self.active.clear();
+        if self.local_dhat.is_reduced() {
+            self.cached_rest_query = None;
+            self.local_dhat.grow(x, h, &self.pairs);
+        }
+    }
+
+    fn mesh_at<'a>(&'a self, x: &'a [Vec3]) -> MeshView<'a> {
+        MeshView {
+            x,
+            triangles: &self.mesh.triangles,
+            triangle_edges: &self.mesh.triangle_edges,
+            edge_count: self.mesh.edges.len(),
+        }
+    }
+
+    fn count_intersections(&mut self, x: &[Vec3]) {
+        let found = InitialIntersections::find(self.mesh_at(x), self.initial.as_ref());
+        self.initial = Some(found);
+    }
+
+    /// Whether more triangles intersect at `x` [m] than at the start.
+    pub fn adds_intersections(&self, x: &[Vec3]) -> bool {
+        self.initial.as_ref().is_some_and(|initial| initial.adds_intersections(self.mesh_at(x)))
+    }
+
+    /// Reduces the activation distances of the points of `parted` pairs below their distance at `x`.
+    fn reduce_local_dhat(&mut self, x: &[Vec3], parted: &[CandidatePair]) {
+        self.local_dhat.reduce(x, parted);
+        let local_dhat = &self.local_dhat;
+        self.pairs.iter_mut().for_each(|pair| pair.dhat = pair.dhat.min(local_dhat.of_pair(&pair.points)));
+    }
+
+    // ---- Search ----
+
+    /// Distance of queries [m].
+    fn search_distance(&self) -> f64 {
+        TUNING.search.candidate_margin * self.dhat
+    }
+
+    /// Makes a far query if one is due, unless `any_near`.
+    fn update_far_clearance(&mut self, x: &[Vec3], any_near: bool) {
+        let at_rest = vec![Vec3::zeros(); x.len()];
+        let distance = self.search_distance();
+        if !self.self_contact || self.far_clearance.covers(x, &at_rest, distance, true) {
             return;
         }
-        self.clear = None;
-        self.search_after = self.search_after.saturating_sub(1);
-        if self.search_after == 0 {
-            if !layers_near && self.finder.find(x, x, WIDE * reach, true, &|_| false).is_empty() {
-                self.clear = Some((x.to_vec(), WIDE * reach));
+        if self.far_clearance.is_due() {
+            let distance = TUNING.search.far_query_factor * distance;
+            let query = SearchQuery { start: x, end: x, distance, uniform_step: true, skip: &|_| false };
+            if !any_near && self.finder.find(query).is_empty() {
+                self.far_clearance.set_clear(x, distance);
             } else {
-                self.search_after = WAIT;
+                self.far_clearance.set_near();
             }
         }
     }
 
-    /// Whether the wide search shows that no pair can come within `reach` [m] on the way from `x` by `d`: then neither
-    /// point of a pair has come nearer than by its own way since, common motion left out.
-    fn stays_clear(&self, x: &[Vec3], d: &[Vec3], reach: f64, together: bool) -> bool {
-        let Some((at, wide)) = &self.clear else { return false };
-        let ways: Vec<Vec3> = x.iter().zip(at).map(|(x, at)| x - at).collect();
-        let ends: Vec<Vec3> = ways.iter().zip(d).map(|(way, d)| way + d).collect();
-        let farthest = |ways: &[Vec3]| {
-            let common = mean(ways);
-            // Written so that what is not finite is far.
-            ways.iter().map(|way| (way - common).norm()).fold(0.0, |a: f64, b| if b <= a { a } else { b })
-        };
-        let way = if together {
-            farthest(&ways).max(farthest(&ends))
-        } else {
-            farthest(&ways) + d.iter().map(|d| d.norm()).fold(0.0, |a: f64, b| if b <= a { a } else { b })
-        };
-        (reach + 2.0 * way) * (1.0 + 1e-9) <= *wide
-    }
-
-    fn count_crossings(&mut self, x: &[Vec3]) {
-        let found = InitialIntersections::find(self.mesh(x), self.entangled.as_ref());
-        self.entangled = Some(found);
-    }
-
-    /// The contact distance of the points of these pairs starts below their gap, and grows.
-    fn start_from_where_they_are(&mut self, x: &[Vec3], pairs: &[Pair]) {
-        let room = &mut self.room;
-        for pair in pairs {
-            let near = REST_SHARE * gap(x, &pair.points, pair.kind).distance;
-            for p in pair.points {
-                room[p as usize] = room[p as usize].min(near);
-            }
+    /// Sets the pairs to those that may come near during the displacement `d` from `x`. Returns whether there are any.
+    fn update_pairs(&mut self, x: &[Vec3], d: &[Vec3], uniform_step: bool) -> bool {
+        if self.restriction.is_some() {
+            return self.update_pairs_of_subset(x, d, uniform_step);
         }
-        let room = &self.room;
-        let most = |points: &[u32; 4]| points.iter().map(|p| room[*p as usize]).fold(f64::INFINITY, f64::min);
-        self.pairs.iter_mut().for_each(|pair| pair.reach = pair.reach.min(most(&pair.points)));
-    }
-
-    /// The step of `h` seconds is over at `x`.
-    pub fn accept(&mut self, x: &[Vec3], h: f64) {
-        self.forget_touches();
-        if self.room.iter().any(|room| *room < self.distance) {
-            self.let_room_grow(x, h);
-        }
-    }
-
-    /// Contact distances that had to start small grow: with time, and never beyond where they push gently.
-    fn let_room_grow(&mut self, x: &[Vec3], h: f64) {
-        self.rested = None;
-        let mut nearest = vec![f64::INFINITY; x.len()];
-        for pair in self.pairs.iter().filter(|pair| !pair.free) {
-            if pair.points.iter().any(|p| self.room[*p as usize] < self.distance) {
-                let near = gap(x, &pair.points, pair.kind).distance;
-                for p in pair.points {
-                    nearest[p as usize] = nearest[p as usize].min(near);
-                }
-            }
-        }
-        let growth = self.distance * h / ROOM_TIME;
-        for (room, near) in self.room.iter_mut().zip(nearest) {
-            *room = room.max((*room + growth).min(2.0 * near).min(self.distance));
-        }
-    }
-
-    /// Takes up who may come near while the cloth goes by `d`. Whether any do.
-    fn look(&mut self, x: &[Vec3], d: &[Vec3], together: bool) -> bool {
-        if self.focus.is_some() {
-            return self.look_around(x, d, together);
-        }
-        // Going together, only what moves against one another matters: cloth that falls as a whole sweeps nothing.
-        let common = if together { mean(d) } else { Vec3::zeros() };
+        // For a uniform step only relative motion matters: cloth that falls as a whole sweeps nothing.
+        let common = if uniform_step { mean(d) } else { Vec3::zeros() };
         let end: Vec<Vec3> = x.iter().zip(d).map(|(x, d)| x + (d - common)).collect();
-        let reach = CANDIDATE_MARGIN * self.distance;
-        let own = if self.self_contact && !self.stays_clear(x, d, reach, together) {
-            self.finder.find_again(x, &end, reach, together, &sleeps(&self.asleep))
+        let distance = self.search_distance();
+        let found = if self.self_contact && !self.far_clearance.covers(x, d, distance, uniform_step) {
+            let skip = all_fixed(&self.fixed);
+            self.finder.find_cached(SearchQuery { start: x, end: &end, distance, uniform_step, skip: &skip })
         } else {
             Candidates::default()
         };
-        self.take(own)
+        self.set_pairs(found)
     }
 
-    /// Makes candidates the pairs that count. Whether there are any of the cloth's own.
-    fn take(&mut self, own: Candidates) -> bool {
-        self.rested = None;
-        let corners = |f: u32| self.triangles[f as usize].map(|c| c.0);
-        let edge = |e: u32| self.edges[e as usize];
-        let entangled = self.entangled.as_ref().filter(|e| !e.is_empty());
-        let pair = |kind: PairKind, points: [u32; 4], area, free: &dyn Fn(&InitialIntersections) -> bool| {
-            let mut reach = points.iter().map(|p| self.room[*p as usize]).fold(self.distance, f64::min);
+    /// Does the same while only a subset of points moves and all else rests.
+    fn update_pairs_of_subset(&mut self, x: &[Vec3], d: &[Vec3], uniform_step: bool) -> bool {
+        let Some(restriction) = self.restriction.take() else { return false };
+        let end: Vec<Vec3> = x.iter().zip(d).map(|(x, d)| x + d).collect();
+        let distance = self.search_distance();
+        let found = if self.self_contact {
+            let skip = all_fixed(&self.fixed);
+            let query = SearchQuery { start: x, end: &end, distance, uniform_step, skip: &skip };
+            self.finder.find_around(&restriction.subset, query)
+        } else {
+            Candidates::default()
+        };
+        self.restriction = Some(restriction);
+        self.set_pairs(found)
+    }
+
+    /// Makes candidates the pairs of the set. Returns whether there are any.
+    fn set_pairs(&mut self, found: Candidates) -> bool {
+        self.cached_rest_query = None;
+        let mesh = &self.mesh;
+        let initial = self.initial.as_ref().filter(|initial| !initial.is_empty());
+        let pair = |kind: PairKind, points: [u32; 4], area: f64, ignored: bool| {
+            let mut dhat = self.local_dhat.of_pair(&points);
             // Few pairs are near at rest, and their boxes say so.
-            let rest = points.map(|p| self.rest[p as usize]);
-            if !kind.apart_on_an_axis(&rest, reach / REST_SHARE) {
-                reach = reach.min(REST_SHARE * kind.gap(&rest).distance);
+            let rest = points.map(|p| mesh.x[p as usize]);
+            let max_ratio = TUNING.search.max_dhat_over_rest_distance;
+            if !kind.apart_on_an_axis(&rest, dhat / max_ratio) {
+                dhat = dhat.min(max_ratio * kind.closest_points(&rest).distance);
             }
-            Pair { points, kind, reach, area, free: entangled.is_some_and(free) }
+            CandidatePair { points, kind, dhat, area, ignored }
         };
         let point = |&[p, f]: &[u32; 2]| {
-            let [a, b, c] = corners(f);
-            let area = 0.5 * self.point_area[p as usize];
-            pair(PairKind::PointTriangle, [p, a, b, c], area, &|entangled| entangled.frees_point(p, f))
+            let [a, b, c] = mesh.triangles[f as usize].map(|c| c.0);
+            let area = 0.5 * mesh.point_area[p as usize];
+            let ignored = initial.is_some_and(|initial| initial.ignores_point_triangle(p, f));
+            pair(PairKind::PointTriangle, [p, a, b, c], area, ignored)
         };
         let edges = |&[e, f]: &[u32; 2]| {
-            let ([a, b], [c, d]) = (edge(e), edge(f));
-            let area = 0.25 * (self.edge_area[e as usize] + self.edge_area[f as usize]);
-            pair(PairKind::EdgeEdge, [a, b, c, d], area, &|entangled| entangled.frees_edges(e, f))
+            let ([a, b], [c, d]) = (mesh.edges[e as usize], mesh.edges[f as usize]);
+            let area = 0.25 * (mesh.edge_area[e as usize] + mesh.edge_area[f as usize]);
+            let ignored = initial.is_some_and(|initial| initial.ignores_edges(e, f));
+            pair(PairKind::EdgeEdge, [a, b, c, d], area, ignored)
         };
-        let pairs: Vec<Pair> =
-            own.point_triangle.par_iter().map(point).chain(own.edge_edge.par_iter().map(edges)).collect();
+        let points = found.point_triangle.par_iter().map(point);
+        let pairs: Vec<CandidatePair> = points.chain(found.edge_edge.par_iter().map(edges)).collect();
         self.pairs = pairs;
-        !own.is_empty()
+        !found.is_empty()
+    }
+
+    // ---- Subsets of points ----
+
+    /// Restricts the set to pairs of points for which `moving` is set, one flag per point; all others rest at `x` [m].
+    pub fn restrict_to(&mut self, x: &[Vec3], moving: &[bool]) {
+        self.active.clear();
+        self.cached_rest_query = None;
+        let subset = self.finder.moving_subset(moving, x, self.search_distance());
+        let moves =
+            |pair: &CandidatePair| pair.points.iter().any(|p| moving.get(*p as usize).is_some_and(|m| *m));
+        let (pairs, others) = std::mem::take(&mut self.pairs).into_iter().partition(moves);
+        self.pairs = pairs;
+        let fixed = std::mem::replace(&mut self.fixed, moving.iter().map(|moving| !moving).collect());
+        self.restriction = Some(Restriction { subset, others, fixed });
+    }
+
+    /// Ends the restriction.
+    pub fn unrestrict(&mut self) {
+        if let Some(Restriction { mut others, fixed, .. }) = self.restriction.take() {
+            self.active.clear();
+            others.append(&mut self.pairs);
+            self.pairs = others;
+            self.fixed = fixed;
+        }
     }
 
     // ---- Response ----
 
-    /// All pairs within their contact distance at `x`, in a fixed order. Those of the last place asked for are kept:
-    /// value, gradient and Hessian of one place are asked for one by one.
-    pub fn touches(&self, x: &[Vec3]) -> Arc<Vec<Touch>> {
-        let last = || self.last_touches.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(known) = last().as_ref().filter(|known| known.x == x) {
-            return Arc::clone(&known.touches);
-        }
-        // Not under the lock: a thread that waits for others here may be given work that wants it, too.
-        let touches = Arc::new(self.touches_within(x, 1.0));
-        *last() = Some(TouchesAt { x: x.to_vec(), touches: Arc::clone(&touches) });
-        touches
+    /// Returns all pairs within their activation distance at `x` [m], in a fixed order.
+    pub fn active_pairs(&self, x: &[Vec3]) -> Arc<Vec<ActivePair>> {
+        self.active.get(x, || self.active_pairs_within(x, 1.0))
     }
 
-    /// The touches kept are those of other pairs or other distances.
-    fn forget_touches(&mut self) {
-        *self.last_touches.get_mut().unwrap_or_else(PoisonError::into_inner) = None;
+    /// Returns the pairs within `margin` times their activation distance, as far as they are candidates.
+    pub fn active_pairs_within(&self, x: &[Vec3], margin: f64) -> Vec<ActivePair> {
+        active_pairs_within(&self.pairs, self.stiffness, x, margin)
     }
 
-    /// The same for pairs within `margin` times their contact distance (as far as they are candidates).
-    pub fn touches_within(&self, x: &[Vec3], margin: f64) -> Vec<Touch> {
-        self.pairs
-            .par_iter()
-            .filter(|pair| !pair.free)
-            .filter_map(|pair| {
-                let four = pair.points.map(|p| x[p as usize]);
-                // Most candidates are not near, and their boxes say so.
-                if pair.kind.apart_on_an_axis(&four, margin * pair.reach) {
-                    return None;
-                }
-                let gap = pair.kind.gap(&four);
-                (gap.distance < margin * pair.reach).then(|| Touch {
-                    kind: pair.kind,
-                    points: pair.points,
-                    weights: gap.weights,
-                    normal: if gap.distance > 0.0 { gap.vector / gap.distance } else { Vec3::y() },
-                    distance: gap.distance.max(1e-12),
-                    reach: pair.reach,
-                    stiffness: self.stiffness * pair.area,
-                })
-            })
-            .collect()
-    }
-
-    /// Whether more crosses at `x` than when the step began.
-    pub fn is_worse_at(&self, x: &[Vec3]) -> bool {
-        self.entangled.as_ref().is_some_and(|e| e.is_worse_at(self.mesh(x)))
-    }
-
-    /// See [`crate::contact::Contact::uncovered_area`].
-    pub fn uncovered_area(&mut self, x: &[Vec3]) -> Vec<f64> {
-        self.uncovered.at(x)
-    }
-
-    // ---- Bound ----
+    // ---- Limits on displacements ----
 
     /// See [`crate::contact::Contact::limit_displacement`].
     ///
-    /// Most long moves bring nobody together: they are found free with all points going by the same share, which needs
-    /// only the pairs that come near in that motion, or go together as far as they can, if that is far enough ([`ALIKE`]).
-    /// Else candidates hold for any fractions of the moves; every point then gets the fraction that keeps its pairs apart
-    /// (`bound`). A pair may use up most of its gap in one go but not all of it: the barrier must have a say before layers
-    /// come really near, or a gain elsewhere would squeeze them to nothing.
+    /// Most long displacements bring nothing together: they are found free with one step size for all points, which needs only the pairs that
+    /// come near in that motion, or are made together as far as possible, if that is far enough (`min_uniform_step`). Otherwise candidates hold
+    /// for any fractions of the displacements, and every point gets the fraction that keeps its pairs apart (`contact::step_bounds`). A pair may
+    /// use up most of its gap in one step but not all of it: the barrier must act before layers come really near, or a decrease of energy
+    /// elsewhere would press them to nothing.
     pub fn limit_displacement(&mut self, x: &[Vec3], d: &mut [Vec3]) {
-        let far = FAR * CANDIDATE_MARGIN * self.distance;
-        let goes_far = self.clear.is_some() || d.iter().any(|d| d.norm_squared() > far * far);
-        if goes_far {
-            let share = self.on_the_way(x, d, Rule::SingleTogether).common_share();
-            if share >= ALIKE {
-                d.iter_mut().for_each(|d| *d *= share);
+        let far = TUNING.step.long_step_distances * TUNING.search.candidate_margin * self.dhat;
+        let is_long = self.far_clearance.is_clear() || d.iter().any(|d| d.norm_squared() > far * far);
+        if is_long {
+            let mode = CcdMode { per_point: false, carry: false, allow_initial: true };
+            let step_size = self.ccd_problem(x, d, mode).uniform_step_size();
+            if step_size >= TUNING.step.min_uniform_step {
+                d.iter_mut().for_each(|d| *d *= step_size);
                 return;
             }
         }
-        let way = self.on_the_way(x, d, Rule::Single);
-        let bounded =
-            local_step_fractions(&way.quads, &way.floors, &way.from, &way.motion).apply(&way.motion);
-        d.copy_from_slice(&bounded);
+        let mode = CcdMode { per_point: true, carry: false, allow_initial: true };
+        let limited = self.ccd_problem(x, d, mode).local_step_sizes(d).apply(d);
+        d.copy_from_slice(&limited);
     }
 
     /// See [`crate::contact::Contact::limit_displacement_uniform`].
     pub fn limit_displacement_uniform(&mut self, x: &[Vec3], d: &mut [Vec3]) {
-        let least = self.on_the_way(x, d, Rule::Together).common_share();
-        d.iter_mut().for_each(|d| *d *= least);
+        let mode = CcdMode { per_point: false, carry: false, allow_initial: false };
+        let step_size = self.ccd_problem(x, d, mode).uniform_step_size();
+        d.iter_mut().for_each(|d| *d *= step_size);
     }
 
-    /// Moves the cloth by `d`, each point as far as all stay apart, and presses no layer any farther: first all by the same share, so that layers
-    /// that go along with one another do, then each by what is left of its way, and those around a point that is held up
-    /// stay behind with it: alone it would be drawn out of them.
+    /// Moves the cloth at `x` by `d` [m], each point as far as all stay apart, and presses no layer any farther.
+    ///
+    /// First all points move by the same step size, so that layers that move along with one another do, then each by what is left of its
+    /// displacement. The points around a limited one stay behind with it: alone it would be drawn out of them.
     pub fn carry(&mut self, x: &mut [Vec3], d: &[Vec3]) {
-        self.forget_touches();
+        self.active.clear();
         let mut d = d.to_vec();
-        let share = self.on_the_way(x, &d, Rule::LedTogether).common_share();
-        x.iter_mut().zip(&d).for_each(|(x, d)| *x += d * share);
-        d.iter_mut().for_each(|d| *d *= 1.0 - share);
-        if share >= 1.0 {
+        let mode = CcdMode { per_point: false, carry: true, allow_initial: false };
+        let step_size = self.ccd_problem(x, &d, mode).uniform_step_size();
+        x.iter_mut().zip(&d).for_each(|(x, d)| *x += d * step_size);
+        d.iter_mut().for_each(|d| *d *= 1.0 - step_size);
+        if step_size >= 1.0 {
             return;
         }
-        for rule in [Rule::Led, Rule::LedFrozen] {
-            let way = self.on_the_way(x, &d, rule);
-            let share = |motion: &[Vec3]| local_step_fractions(&way.quads, &way.floors, &way.from, motion);
-            let spread = self.spread(share(&way.motion).fraction);
-            let motion: Vec<Vec3> = way.motion.iter().zip(spread).map(|(d, f)| d * f).collect();
-            let moves = share(&motion).apply(&motion);
-            let end: Vec<Vec3> = x.iter().zip(&moves).map(|(x, d)| x + d).collect();
-            if rule == Rule::LedFrozen || !self.is_worse_at(&end) {
+        for allow_initial in [true, false] {
+            let mode = CcdMode { per_point: true, carry: true, allow_initial };
+            let problem = self.ccd_problem(x, &d, mode);
+            let fractions = self.limit_neighbours(problem.local_step_sizes(&d).fraction);
+            let motion: Vec<Vec3> = d.iter().zip(fractions).map(|(d, f)| d * f).collect();
+            let limited = problem.local_step_sizes(&motion).apply(&motion);
+            let end: Vec<Vec3> = x.iter().zip(&limited).map(|(x, d)| x + d).collect();
+            if !allow_initial || !self.adds_intersections(&end) {
                 x.copy_from_slice(&end);
                 return;
             }
         }
     }
 
-    /// Shares of a way, one per point, that differ by no more than a step from point to point: the lesser ones spread.
-    fn spread(&self, mut share: Vec<f64>) -> Vec<f64> {
-        for _ in 0..(1.0 / BEHIND).ceil() as usize {
-            let before = share.clone();
-            for &[a, b] in &self.edges {
+    /// Limits step sizes, one per point, so that they differ by no more than `neighbour_step_limit` from point to point.
+    fn limit_neighbours(&self, mut step_sizes: Vec<f64>) -> Vec<f64> {
+        let limit = TUNING.step.neighbour_step_limit;
+        for _ in 0..(1.0 / limit).ceil() as usize {
+            let before = step_sizes.clone();
+            for &[a, b] in &self.mesh.edges {
                 let [a, b] = [a as usize, b as usize];
-                share[a] = share[a].min(before[b] + BEHIND);
-                share[b] = share[b].min(before[a] + BEHIND);
+                step_sizes[a] = step_sizes[a].min(before[b] + limit);
+                step_sizes[b] = step_sizes[b].min(before[a] + limit);
             }
         }
-        share
+        step_sizes
     }
 
-    /// Takes up the candidates for a way: the pairs, and how near each may come.
-    fn on_the_way(&mut self, x: &[Vec3], d: &[Vec3], rule: Rule) -> Way {
-        self.look(x, d, rule.together());
-        let nothing_passes = rule.nothing_passes();
-        let led = rule.led();
-        let boxes = swept_boxes(x, d);
-        let (quads, floors) = self
-            .pairs
-            .par_iter()
-            .filter(|pair| nothing_passes || !pair.free)
-            .filter_map(|pair| {
-                let quad = PrimitivePair { kind: pair.kind, points: pair.points.map(PointIndex) };
-                // Most pairs stay farther apart than any floor, and their boxes say so.
-                if stay_apart(&quad, &boxes, barrier::HIGHEST_FLOOR * pair.reach) {
-                    return None;
-                }
-                let near = gap(x, &pair.points, pair.kind).distance;
-                let mut floor = barrier::floor(near, pair.reach);
-                if led {
-                    floor = floor.max((SQUEEZED * pair.reach).min((1.0 - BARELY) * near));
-                }
-                Some((quad, floor))
-            })
-            .unzip();
-        Way { quads, floors, from: x.to_vec(), motion: d.to_vec() }
+    /// Finds the pairs of the displacement `d` from `x` and how near each may come.
+    fn ccd_problem<'a>(&mut self, x: &'a [Vec3], d: &'a [Vec3], mode: CcdMode) -> CcdProblem<'a> {
+        self.update_pairs(x, d, !mode.per_point);
+        CcdProblem::new(&self.pairs, x, d, mode)
     }
 }
 
-/// A motion to be bounded: pairs with their floors [m], positions and moves [m].
-struct Way {
-    quads: Vec<PrimitivePair>,
-    floors: Vec<f64>,
-    from: Vec<Vec3>,
-    motion: Vec<Vec3>,
+/// Whether all points of a pair are fixed; `fixed` is empty for none.
+fn all_fixed(fixed: &[bool]) -> impl Fn(PrimitivePair) -> bool + Sync + '_ {
+    |pair| !fixed.is_empty() && pair.points.iter().all(|p| fixed[p.at()])
 }
 
-impl Way {
-    /// The share of the motion that all points may go alike.
-    fn common_share(&self) -> f64 {
-        let pairs = self.quads.par_iter().zip(&self.floors);
-        let safe: Vec<f64> = pairs.map(|(quad, floor)| quad.step(&self.from, &self.motion, *floor)).collect();
-        safe.into_iter().fold(1.0, f64::min)
-    }
-}
-
-/// Mean of moves [m]; none when not all are finite.
-fn mean(d: &[Vec3]) -> Vec3 {
-    let mean = d.iter().sum::<Vec3>() / d.len().max(1) as f64;
-    if mean.sum().is_finite() { mean } else { Vec3::zeros() }
-}
-
-/// Whether nothing of a pair of the cloth can move.
-fn sleeps(asleep: &[bool]) -> impl Fn(PrimitivePair) -> bool + Sync + '_ {
-    |quad| !asleep.is_empty() && quad.points.iter().all(|p| asleep[p.at()])
-}
-
-#[inline]
-fn gap(x: &[Vec3], points: &[u32; 4], kind: PairKind) -> ClosestPoints {
-    kind.gap(&points.map(|p| x[p as usize]))
-}
-
-/// An edge stands for its share of the area of its two ends: summed over edges as much as over points.
-fn edge_area(edges: &[[u32; 2]], point_area: &[f64]) -> Vec<f64> {
+/// Returns the areas of edges [m²], parts of the areas of their two ends: the sum over edges is that over points.
+fn edge_areas(edges: &[[u32; 2]], point_area: &[f64]) -> Vec<f64> {
     let mut degree = vec![0.0f64; point_area.len()];
     edges.iter().flatten().for_each(|&p| degree[p as usize] += 1.0);
-    let share = |p: u32| point_area[p as usize] / degree[p as usize].max(1.0);
-    edges.iter().map(|e| share(e[0]) + share(e[1])).collect()
+    let part = |p: u32| point_area[p as usize] / degree[p as usize].max(1.0);
+    edges.iter().map(|e| part(e[0]) + part(e[1])).collect()
 }

@@ -1,0 +1,42 @@
+//! A single triangle: corners, area and normal.
+
+use crate::math::Vec3;
+use crate::mesh::PointIndex;
+
+/// Returns the corners of a triangle [m]; `points` [m] has one entry per point.
+#[inline]
+pub fn corners(points: &[Vec3], triangle: &[PointIndex; 3]) -> [Vec3; 3] {
+    triangle.map(|p| points[p.at()])
+}
+
+/// Returns the vector along the normal whose length is twice the area [m²].
+#[inline]
+pub fn area_vector([a, b, c]: &[Vec3; 3]) -> Vec3 {
+    (b - a).cross(&(c - a))
+}
+
+/// Returns the area [m²].
+#[inline]
+pub fn area(corners: &[Vec3; 3]) -> f64 {
+    0.5 * area_vector(corners).norm()
+}
+
+/// Returns the unit normal, on the side from which the corners run counter-clockwise; `None` for a triangle without area.
+#[inline]
+pub fn normal(corners: &[Vec3; 3]) -> Option<Vec3> {
+    area_vector(corners).try_normalize(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_right_triangle_has_its_area_and_normal() {
+        let points = [Vec3::zeros(), Vec3::x() * 2.0, Vec3::y() * 3.0];
+        let corners = corners(&points, &[0, 1, 2].map(PointIndex));
+        assert_eq!(area(&corners), 3.0);
+        assert_eq!(normal(&corners), Some(Vec3::z()));
+        assert_eq!(normal(&[Vec3::x(); 3]), None);
+    }
+}

@@ -1,0 +1,50 @@
+//! Tuning constants of the mesh algorithms: each with its quantity and reason.
+
+/// All tuning constants of this folder.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct MeshTuning {
+    /// Fraction of the gap above the minimum distance that is left when a pair is stopped (s of ACCD; there 0.1) [-].
+    pub ccd_kept_gap: f64,
+    /// Fraction of the gap that a free motion keeps at least [-]. Below `ccd_kept_gap`, so that a motion once cut short is found free when it
+    /// is tested again.
+    pub ccd_free_gap: f64,
+    /// Fraction of the gap above the level at which conservative advancement ends [-].
+    pub ccd_gap_tol: f64,
+    /// Largest number of advancement steps; five are usual. What was reached is the answer then.
+    pub ccd_max_steps: usize,
+    /// Squared sine of a corner angle below which a triangle is searched as three edges [-] (angle 1e-10).
+    pub max_sliver_squared_sine: f64,
+    /// Squared sine of the angle below which two edges count as parallel [-] (angle 1e-8: over a centimetre, 0.1 nm).
+    pub max_parallel_squared_sine: f64,
+    /// Motion of a point over the mean box size after which the triangle hierarchy is rebuilt [-]: refitted boxes overlap too much by then.
+    pub bvh_rebuild_motion: f64,
+    /// Growth of boxes over the mean box size when the triangle hierarchy is built [-]. Splits are judged by volume, and the boxes of a garment
+    /// that lies flat would have none.
+    pub bvh_build_growth: f64,
+    /// Largest number of triangles in a leaf of the static hierarchy.
+    pub bvh_leaf_size: usize,
+    /// Number of tasks into which a search of the static hierarchy is divided.
+    pub bvh_search_tasks: usize,
+    /// Winding number above which a point counts as inside [-].
+    pub min_inside_winding: f64,
+}
+
+impl MeshTuning {
+    /// The values in use.
+    pub const DEFAULT: Self = Self {
+        ccd_kept_gap: 0.08,
+        ccd_free_gap: 0.03,
+        ccd_gap_tol: 0.02,
+        ccd_max_steps: 64,
+        max_sliver_squared_sine: 1e-20,
+        max_parallel_squared_sine: 1e-16,
+        bvh_rebuild_motion: 2.0,
+        bvh_build_growth: 0.05,
+        bvh_leaf_size: 4,
+        bvh_search_tasks: 256,
+        min_inside_winding: 0.5,
+    };
+}
+
+/// The constants that the mesh algorithms read.
+pub(crate) const TUNING: MeshTuning = MeshTuning::DEFAULT;
