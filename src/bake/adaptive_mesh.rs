@@ -1,7 +1,7 @@
 //! The mesh that is simulated: the garment's own where the script creases it, and fewer points elsewhere.
 //!
 //! The cost of a bake grows with its points, and creases lie where the script makes them: along its fold lines, through all
-//! layers, at the sides of a garment that lies, and where it is pressed on a crease ([`crate::wear::FoldLayout`]). There every
+//! layers, at the sides of a garment that lies, and where it is pressed on a crease ([`crate::wear::predict_creases`]). There every
 //! point of the garment is simulated, and edges grow with the distance from there. Afterwards the memory is carried back to
 //! every hinge of the garment, unchanged where both meshes are the same and resampled elsewhere
 //! ([`crate::transfer::prolongate`]), and the whole garment is relaxed to its source pose.
@@ -14,7 +14,7 @@ use crate::bake::{BakeOptions, ModelDecision};
 use crate::fabric::Fabric;
 use crate::garment::{CoarseMesh, Garment};
 use crate::mesh::intersections::self_intersections;
-use crate::wear::{FoldLayout, WearScript};
+use crate::wear::{WearScript, predict_creases};
 
 /// The mesh that is simulated instead of a garment, if any.
 #[derive(Debug, Clone)]
@@ -57,8 +57,7 @@ fn coarsened(
     }
     let [folds, sides] = [(tuning.fold_margin * length).max(own), tuning.side_margin * length];
     let longest = tuning.max_edge_bending_lengths * length;
-    let Some(near) = FoldLayout::crease_distances(garment, script, folds + longest / tuning.edge_growth)
-    else {
+    let Some(near) = predict_creases(garment, script, folds + longest / tuning.edge_growth) else {
         return Err("the script may crease the cloth anywhere".into());
     };
     let wanted: Vec<f64> = near

@@ -25,7 +25,7 @@ use crate::garment::Garment;
 use crate::math::Vec3;
 use crate::memory::Memory;
 use crate::sim::{Loads, SolveCost, State};
-use crate::wear::{DURATION_LIMIT_S, PersistentState, WearScript};
+use crate::wear::{MAX_DURATION_S, PersistentState, WearScript};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
@@ -235,7 +235,7 @@ impl Checkpoint {
         };
         let persistent = self.persistent.folds.iter().all(|fold| fold.flap.iter().all(inside))
             && self.persistent.held_loads.as_ref().is_none_or(kept);
-        let times = (0.0..=2.0 * DURATION_LIMIT_S).contains(&self.state.time)
+        let times = (0.0..=2.0 * MAX_DURATION_S).contains(&self.state.time)
             && self.state.previous.as_ref().is_none_or(|p| p.step > 0.0)
             && progress.is_none_or(|p| {
                 p.dt_request >= TUNING.stepping.min_dt_request && (0.0..=self.state.time).contains(&p.begin)

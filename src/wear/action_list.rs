@@ -1,28 +1,34 @@
-//! The list of actions. One line per action gives its variant of [`Action`], its name in scripts, its entry in the
-//! schema and its place in the tests that walk the list.
+//! The list of actions, and `repeat`, the action that holds a list of actions.
+//!
+//! One line per action gives its variant of [`Action`], its name in scripts, its entry in the schema and its place in the
+//! tests that walk the list.
 
+use crate::error::Result;
+use crate::wear::action_runner::{ActionContext, ActionStart};
 use crate::wear::actions::*;
+use crate::wear::persistent_state::PersistentState;
+use crate::wear::wear_action::WearAction;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 macro_rules! action_list {
     ($($(#[$doc:meta])* $name:literal $variant:ident,)*) => {
-        /// One thing done to the garment; in scripts `{"fold": {...}}`.
+        /// One action; in scripts `{"fold": {...}}`.
         #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
         pub enum Action {
             $($(#[$doc])* #[serde(rename = $name)] $variant($variant),)*
         }
 
         impl Action {
-            /// Every name, in the order of the list.
+            /// Names in scripts, in the order of the list.
             pub const NAMES: &'static [&'static str] = &[$($name,)*];
 
-            /// Its name in scripts.
+            /// Name in scripts.
             pub fn name(&self) -> &'static str {
                 match self { $(Self::$variant(_) => $name,)* }
             }
 
-            /// As what all actions have in common.
+            /// The action as the trait that all actions implement.
             pub fn as_wear_action(&self) -> &dyn WearAction {
                 match self { $(Self::$variant(action) => action,)* }
             }
@@ -60,4 +66,40 @@ action_list! {
     "play" Play,
     /// Do a list of actions several times.
     "repeat" Repeat,
+}
+
+/// Do a list of actions several times over. Repeats may lie in repeats, up to 8 deep.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Repeat {
+    /// Number of repetitions.
+    #[schemars(range(min = 1, max = 10000))]
+    pub times: u32,
+    /// The actions, in order.
+    #[schemars(length(min = 1))]
+    pub actions: Vec<Action>,
+}
+
+impl WearAction for Repeat {
+    fn duration(&self) -> f64 {
+        f64::from(self.times)
+            * self.actions.iter().map(|action| action.as_wear_action().duration()).sum::<f64>()
+    }
+
+    fn needs_body(&self) -> bool {
+        self.actions.iter().any(|action| action.as_wear_action().needs_body())
+    }
+
+    fn start_action(
+        &self,
+        context: &ActionContext,
+        _persistent: &mut PersistentState,
+    ) -> Result<ActionStart> {
+        let message = "`repeat` is a list of actions, not one";
+        Err(context.refuse(message, "write it out with `WearScript::flatten`"))
+    }
+
+    fn example() -> Self {
+        Self { times: 3, actions: vec![Action::Hold(Hold::example()), Action::Release(Release {})] }
+    }
 }

@@ -1,75 +1,125 @@
-//! A body under way: what `bend` and `play` have in common.
+//! Motion of a body in progress: what `bend` and `play` have in common.
 //!
-//! While it moves, steps are short enough to follow it; while it stands, the cloth decides. The garment feels it through
-//! `Loads::body`, nothing else: what the body is doing to it is for contact and friction to say.
+//! Steps are short enough to follow the body while it moves; while it stands, the cloth determines them. The body acts on
+//! the garment through `Loads::body` only: contact and friction do the rest.
 
 use crate::body::{AnimatedBody, BodyPose, PosedBody};
+use crate::error::Result;
 use crate::json::nearest;
 use crate::math::Vec3;
 use crate::sim::Loads;
-use crate::wear::action_runner::{ActionRunner, PersistentState};
+use crate::wear::action_runner::{ActionContext, ActionRunner};
+use crate::wear::motion_profile::PEAK_RATE;
+use crate::wear::persistent_state::PersistentState;
+use crate::wear::tuning::TUNING;
 use serde_json::Value;
 use std::sync::Arc;
 
-/// Steps while a body moves [s].
-const MOVING_STEP: f64 = 1.0 / 30.0;
-/// Speed of the fastest point on the way between two postures [m/s].
-const CALM: f64 = 0.4;
-/// Postures whose points differ by less than this are one [m].
-const SAME: f64 = 1e-4;
-/// Names listed in a message.
-const NAMES_TOLD: usize = 40;
-
-/// A body that goes through postures.
-pub(super) struct Moving {
-    pub wearer: Arc<AnimatedBody>,
-    /// What else acts.
-    pub drive: Loads,
-    /// Pose at a time after its start [s].
-    pub pose: Box<dyn Fn(f64) -> BodyPose>,
-    /// See [`ActionRunner::breaks`].
-    pub breaks: Vec<f64>,
-    /// From, to: when it stands [s].
-    pub still: Vec<[f64; 2]>,
-    pub duration: f64,
-    /// The last time asked for and the points then: a step asks several times.
-    pub at: Option<(f64, Arc<[Vec3]>)>,
+/// A span of time after the start of an action [s].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct TimeSpan {
+    pub start: f64,
+    pub end: f64,
 }
 
-impl ActionRunner for Moving {
+/// Points of a body at a time.
+pub(super) struct CachedPoints {
+    /// Time after the start [s].
+    time: f64,
+    /// Positions [m].
+    points: Arc<[Vec3]>,
+}
+
+/// A body that moves through poses.
+pub(super) struct BodyMotionRunner {
+    body: Arc<AnimatedBody>,
+    /// Loads besides the body.
+    idle_loads: Loads,
+    /// Pose at a time after the start [s].
+    pose_at: Box<dyn Fn(f64) -> BodyPose>,
+    /// See [`ActionRunner::event_times`].
+    event_times: Vec<f64>,
+    /// Spans in which the body stands.
+    still: Vec<TimeSpan>,
+    duration: f64,
+    /// The result of the last request: a step asks several times.
+    cached: Option<CachedPoints>,
+}
+
+impl BodyMotionRunner {
+    /// A motion of `body` of `duration` seconds, in the pose `pose_at` a time after the start [s].
+    pub fn new(
+        body: Arc<AnimatedBody>,
+        idle_loads: Loads,
+        duration: f64,
+        pose_at: impl Fn(f64) -> BodyPose + 'static,
+    ) -> Self {
+        let pose_at = Box::new(pose_at);
+        Self { body, idle_loads, pose_at, event_times: Vec::new(), still: Vec::new(), duration, cached: None }
+    }
+
+    /// Adds times that no step may cross [s], increasing, and spans in which the body stands.
+    pub fn with_events(self, event_times: Vec<f64>, still: Vec<TimeSpan>) -> Self {
+        Self { event_times, still, ..self }
+    }
+}
+
+impl ActionRunner for BodyMotionRunner {
     fn loads_at(&mut self, t: f64, _x: &[Vec3]) -> Loads {
-        let known = self.at.take().filter(|(at, _)| *at == t);
-        let (_, points) = known.unwrap_or_else(|| (t, self.wearer.points(&(self.pose)(t)).into()));
-        self.at = Some((t, points.clone()));
-        let stands = self.still.iter().any(|[from, to]| *from + MOVING_STEP < t && t <= to + 1e-9);
-        let longest_step = if stands { f64::INFINITY } else { MOVING_STEP };
-        Loads { body: Some(points), max_dt: longest_step, ..self.drive.clone() }
+        let cached = self.cached.take().filter(|cached| cached.time == t);
+        let points =
+            cached.map_or_else(|| self.body.points(&(self.pose_at)(t)).into(), |cached| cached.points);
+        self.cached = Some(CachedPoints { time: t, points: points.clone() });
+        let max_dt_moving = TUNING.body.max_dt_moving;
+        let stands = self.still.iter().any(|span| span.start + max_dt_moving < t && t <= span.end + 1e-9);
+        let max_dt = if stands { f64::INFINITY } else { max_dt_moving };
+        Loads { body: Some(points), max_dt, ..self.idle_loads.clone() }
     }
 
     fn event_times(&self) -> Vec<f64> {
-        self.breaks.clone()
+        self.event_times.clone()
     }
 
     fn save_state(&self) -> Option<Value> {
-        // Where the body is at a time was settled when it began.
+        // The motion is determined at the start.
         Some(Value::Null)
     }
 
     fn finish(&mut self, persistent: &mut PersistentState, _x: &[Vec3]) {
-        persistent.body = Some(PosedBody::new(&self.wearer, (self.pose)(self.duration)));
+        persistent.body = Some(PosedBody::new(&self.body, (self.pose_at)(self.duration)));
     }
 }
 
-/// Time for the way from one persistent to another [s]; 0 if they are the same.
-pub(super) fn way_s(wearer: &AnimatedBody, from: &BodyPose, to: &BodyPose) -> f64 {
-    let (a, b) = (wearer.points(from), wearer.points(to));
-    let farthest = a.iter().zip(&b).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
-    // The smooth start and end make the fastest part 1.5 times the mean.
-    if farthest > SAME { (1.5 * farthest / CALM).max(4.0 * MOVING_STEP) } else { 0.0 }
+/// The body that the garment is worn on, for the action `name`, which moves it.
+///
+/// # Errors
+/// A diagnostic of the script if there is none.
+pub(super) fn required_body<'a>(
+    name: &str,
+    context: &ActionContext,
+    persistent: &'a PersistentState,
+) -> Result<&'a PosedBody> {
+    persistent.body.as_ref().ok_or_else(|| {
+        context.refuse(
+            format!("`{name}` moves a body, and the garment is not on one"),
+            "give --body, and leave out what takes the garment off before",
+        )
+    })
 }
 
-/// A cure: the names there are, and the one that was probably meant.
-pub(super) fn told_names(kind: &str, names: &[String], wanted: &str) -> String {
+/// Time for the transition between two poses [s]; 0 if they are the same.
+pub(super) fn transition_time(body: &AnimatedBody, from: &BodyPose, to: &BodyPose) -> f64 {
+    let (a, b) = (body.points(from), body.points(to));
+    let distance = a.iter().zip(&b).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+    if distance > TUNING.body.same_pose_distance {
+        (PEAK_RATE * distance / TUNING.body.max_transition_speed).max(4.0 * TUNING.body.max_dt_moving)
+    } else {
+        0.0
+    }
+}
+
+/// Advice on an unknown name: the most similar of `names`, and all of them.
+pub(super) fn name_help(kind: &str, names: &[String], wanted: &str) -> String {
     if names.is_empty() {
         return format!("it has no {kind}");
     }
@@ -77,6 +127,7 @@ pub(super) fn told_names(kind: &str, names: &[String], wanted: &str) -> String {
     let meant = nearest(wanted, list.iter().copied())
         .map(|name| format!("did you mean \"{name}\"? "))
         .unwrap_or_default();
-    let more = if list.len() > NAMES_TOLD { ", and more" } else { "" };
-    format!("{meant}{kind}: {}{more}", list[..list.len().min(NAMES_TOLD)].join(", "))
+    let max = TUNING.body.max_listed_names;
+    let more = if list.len() > max { ", and more" } else { "" };
+    format!("{meant}{kind}: {}{more}", list[..list.len().min(max)].join(", "))
 }

@@ -1,22 +1,17 @@
-//! How high things lie: the height field that a flap is laid over.
+//! Height field under a flap.
 //!
-//! A stack of folded cloth is not a plane: older folds bulge at their edges. Hands do not ram a flap into such a
-//! bulge, they lay it over; so `fold` raises every column of the flap by what lies under the place where it lands.
+//! A stack of folded cloth is not a plane: older folds bulge at their edges. A flap is not pressed into such a bulge but
+//! laid over it: `fold` raises every column of the flap by the height of what lies under its final position.
 
 use crate::math::Vec3;
+use crate::wear::tuning::TUNING;
 use std::collections::BTreeMap;
 
-/// Width of a cell [m].
-const CELL: f64 = 0.01;
-/// A point makes this many cells around its own as high as it is: meshes have no points between their points.
-const SPREAD: i32 = 2;
-/// Heights are averaged over this many cells on each side: the flap must not get steps.
-const SMOOTH: i32 = 2;
-
-/// Greatest heights over the ground plane, on cells of equal width.
+/// Largest heights over the ground plane, on square cells.
 #[derive(Debug, Clone, Default)]
 pub(super) struct HeightField {
-    top: BTreeMap<[i32; 2], f64>,
+    /// Height by cell [m].
+    heights: BTreeMap<[i32; 2], f64>,
 }
 
 impl HeightField {
@@ -24,36 +19,40 @@ impl HeightField {
     pub fn over(points: impl Iterator<Item = Vec3>) -> Self {
         let mut own: BTreeMap<[i32; 2], f64> = BTreeMap::new();
         for p in points {
-            let top = own.entry(cell(&p)).or_insert(f64::NEG_INFINITY);
-            *top = top.max(p.y);
+            let height = own.entry(cell_of(&p)).or_insert(f64::NEG_INFINITY);
+            *height = height.max(p.y);
         }
-        let mut spread: BTreeMap<[i32; 2], f64> = BTreeMap::new();
-        for (c, height) in own {
-            for near in around(c, SPREAD) {
-                let top = spread.entry(near).or_insert(f64::NEG_INFINITY);
-                *top = top.max(height);
+        let mut heights: BTreeMap<[i32; 2], f64> = BTreeMap::new();
+        for (cell, own_height) in own {
+            for near in neighbourhood(cell, TUNING.height_field.dilation) {
+                let height = heights.entry(near).or_insert(f64::NEG_INFINITY);
+                *height = height.max(own_height);
             }
         }
-        Self { top: spread }
+        Self { heights }
     }
 
-    /// How far the field rises above `level` at a place [m], averaged over the cells around it.
-    pub fn rise(&self, place: &Vec3, level: f64) -> f64 {
-        let cells = around(cell(place), SMOOTH);
-        let sum: f64 =
-            cells.clone().map(|c| self.top.get(&c).map_or(0.0, |top| (top - level).max(0.0))).sum();
+    /// Height of the field above `level` at a position [m], averaged over the cells around it.
+    pub fn rise(&self, position: &Vec3, level: f64) -> f64 {
+        let cells = neighbourhood(cell_of(position), TUNING.height_field.smoothing);
+        let sum: f64 = cells
+            .clone()
+            .map(|cell| self.heights.get(&cell).map_or(0.0, |height| (height - level).max(0.0)))
+            .sum();
         sum / cells.count() as f64
     }
 }
 
-fn cell(p: &Vec3) -> [i32; 2] {
-    // A garment is at most some metres wide; what is not finite ends in one cell.
-    [(p.x / CELL).floor() as i32, (p.z / CELL).floor() as i32]
+fn cell_of(p: &Vec3) -> [i32; 2] {
+    // A garment is at most some metres wide; positions that are not finite share one cell.
+    [(p.x / TUNING.height_field.cell).floor() as i32, (p.z / TUNING.height_field.cell).floor() as i32]
 }
 
-fn around(c: [i32; 2], reach: i32) -> impl Iterator<Item = [i32; 2]> + Clone {
-    (-reach..=reach)
-        .flat_map(move |i| (-reach..=reach).map(move |k| [c[0].saturating_add(i), c[1].saturating_add(k)]))
+/// The cells up to `radius` cells away from `cell` in each direction, itself included.
+fn neighbourhood(cell: [i32; 2], radius: i32) -> impl Iterator<Item = [i32; 2]> + Clone {
+    (-radius..=radius).flat_map(move |i| {
+        (-radius..=radius).map(move |k| [cell[0].saturating_add(i), cell[1].saturating_add(k)])
+    })
 }
 
 #[cfg(test)]
@@ -61,7 +60,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_bulge_is_felt_around_it_and_nowhere_else() {
+    fn a_bulge_raises_its_surroundings_and_nothing_else() {
         let field = HeightField::over([Vec3::new(0.005, 0.03, 0.005)].into_iter());
         let at = |x: f64| field.rise(&Vec3::new(x, 0.0, 0.005), 0.01);
         assert!((at(0.005) - 0.02).abs() < 1e-12);

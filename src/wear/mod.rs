@@ -1,25 +1,35 @@
-//! What is done to a garment over time.
+//! Wear: the script of what is done to a garment, and the loads its actions put on the cloth over time.
 //!
-//! A [`WearScript`] is a list of [`Action`]s, each in a file of its own under `actions/`, read from JSON with every
-//! fault located. The bake asks for them one by one ([`WearScript::flatten`]) and drives the cloth accordingly.
+//! A [`WearScript`] is a list of [`Action`]s, each in a file of its own under `actions/`, read from JSON with every error
+//! located. The bake asks for them one by one ([`WearScript::flatten`]), starts each ([`WearAction::start_action`]) and
+//! applies the loads of its [`ActionRunner`].
 
 mod action_list;
 mod action_runner;
 mod actions;
 mod body_motion;
 mod crease_prediction;
+mod fold_layout;
 mod fold_map;
+mod fraction;
 mod height_field;
+mod motion_profile;
+mod persistent_state;
 mod script;
+mod springs;
+mod tuning;
+mod wear_action;
 
-pub use action_list::Action;
+pub use action_list::{Action, Repeat};
 pub(crate) use action_runner::ConstantLoads;
-pub use action_runner::{
-    ActionContext, ActionRunner, ActionStart, FoldRecord, GarmentFrame, PersistentState,
-};
+pub use action_runner::{ActionContext, ActionRunner, ActionStart};
 pub use actions::{
-    Bend, Crumple, Facing, FieldError, Fold, Fraction2, Hang, HangBy, HangPlace, Hold, JointAxis, Lay,
-    LocalAxis, Play, Press, Release, Repeat, Settle, Side, Unfold, WearAction,
+    Bend, Crumple, Facing, Fold, FoldSide, Hang, HangBy, HangPoints, Hold, JointAxis, Lay, LocalAxis, Play,
+    Press, Release, Settle, Unfold,
 };
-pub use crease_prediction::{CreaseDistance, FoldLayout};
-pub use script::{ACTION_LIMIT, DURATION_LIMIT_S, Flatten, NESTING_LIMIT, WearFormat, WearScript};
+pub use crease_prediction::predict_creases;
+pub use fold_layout::{CreaseDistance, FoldLayout};
+pub use fraction::Fraction2;
+pub use persistent_state::{FoldRecord, GarmentFrame, PersistentState};
+pub use script::{Flatten, MAX_ACTIONS, MAX_DURATION_S, MAX_NESTING, WearFormat, WearScript};
+pub use wear_action::{FieldError, WearAction};

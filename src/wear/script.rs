@@ -1,34 +1,34 @@
-//! The wear script: what is done to a garment, in order, as `crease-wear/1` JSON.
+//! The wear script: the actions on a garment in order, as `crease-wear/1` JSON.
 //!
 //! Positions are fractions of the garment's bounding box as it lies or hangs, angles degrees, times seconds, so that
-//! one script suits any garment. Reading reports every fault of a file in one go, with line, column and path
-//! (`docs/guide/wear-scripts.md`). Nothing here knows a garment, a body or a solver: whether a joint exists is asked at bake time.
+//! one script suits any garment. Reading reports every error of a file at once, with line, column and path
+//! (`docs/guide/wear-scripts.md`). No garment, body or solver is known here: whether a joint exists is checked by the bake.
 
 use crate::body::{AnimatedBody, BodyPose};
 use crate::error::{Diagnostic, Error, Result};
 use crate::json::{Document, Path, schema_of};
-use crate::wear::{Action, Repeat};
+use crate::wear::action_list::{Action, Repeat};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// Repeats within repeats at most.
-pub const NESTING_LIMIT: usize = 8;
-/// Actions with all repeats written out, at most: a guard against a typing error in `times`.
-pub const ACTION_LIMIT: u64 = 100_000;
-/// Wear in one script at most [s]: one day.
-pub const DURATION_LIMIT_S: f64 = 86_400.0;
+/// Largest depth of repeats within repeats.
+pub const MAX_NESTING: usize = 8;
+/// Largest number of actions with all repeats written out: a guard against a typing error in `times`.
+pub const MAX_ACTIONS: u64 = 100_000;
+/// Largest duration of one script [s]: one day.
+pub const MAX_DURATION_S: f64 = 86_400.0;
 
 /// The format of a script.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum WearFormat {
-    /// The first.
+    /// The first version.
     #[default]
     #[serde(rename = "crease-wear/1")]
     V1,
 }
 
-/// What is done to a garment, in order.
+/// The actions on a garment, in order.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "crease wear script")]
@@ -38,7 +38,7 @@ pub struct WearScript {
     /// Name of the script, for reports.
     #[serde(default)]
     pub name: String,
-    /// What is done, in order.
+    /// The actions, in order.
     #[schemars(length(min = 1))]
     pub actions: Vec<Action>,
 }
@@ -46,26 +46,26 @@ pub struct WearScript {
 impl WearScript {
     /// Reads a script; `file` is its name in messages.
     pub fn parse(file: &str, text: &str) -> Result<Self> {
-        Self::of_document(&Document::parse(file, text)?)
+        Self::from_document(&Document::parse(file, text)?)
     }
 
     /// A script made by a program, checked like one from a file.
     pub fn new(name: impl Into<String>, actions: Vec<Action>) -> Result<Self> {
         let script = Self { format: WearFormat::V1, name: name.into(), actions };
-        Self::of_document(&Document::from_value(
+        Self::from_document(&Document::from_value(
             "wear script",
             serde_json::to_value(&script).unwrap_or(Value::Null),
         ))
     }
 
-    fn of_document(document: &Document) -> Result<Self> {
-        let faults = document.validate(&Self::schema());
-        if !faults.is_empty() {
-            return Err(Error::Input(faults));
+    fn from_document(document: &Document) -> Result<Self> {
+        let errors = document.validate(&Self::schema());
+        if !errors.is_empty() {
+            return Err(Error::Input(errors));
         }
         let script: Self = document.decode()?;
-        let faults = script.validate(document);
-        if faults.is_empty() { Ok(script) } else { Err(Error::Input(faults)) }
+        let errors = script.validate(document);
+        if errors.is_empty() { Ok(script) } else { Err(Error::Input(errors)) }
     }
 
     /// The JSON Schema of script files.
@@ -73,7 +73,7 @@ impl WearScript {
         schema_of::<Self>()
     }
 
-    /// As a file: JSON with line breaks, ending in one.
+    /// The script as a file: JSON with line breaks, ending in one.
     pub fn to_json(&self) -> String {
         // Plain numbers, texts and lists: writing them to memory does not fail.
         let mut text = serde_json::to_string_pretty(self).unwrap_or_default();
@@ -81,135 +81,136 @@ impl WearScript {
         text
     }
 
-    /// How long the wear takes [s], repeats counted, clips not: only the body knows how long those are.
+    /// Duration [s] with repeats, without clips: only the body determines the length of those.
     pub fn duration(&self) -> f64 {
         self.actions.iter().map(|action| action.as_wear_action().duration()).sum()
     }
 
     /// Number of actions with repeats written out.
     pub fn action_count(&self) -> u64 {
-        count(&self.actions)
+        count_actions(&self.actions)
     }
 
     /// The actions in order, repeats written out one by one as they are asked for; never a [`Action::Repeat`].
     pub fn flatten(&self) -> Flatten<'_> {
-        Flatten { open: vec![Open { actions: &self.actions, next: 0, times_left: 0 }] }
+        Flatten { open: vec![OpenList { actions: &self.actions, next: 0, times_left: 0 }] }
     }
 
-    /// One fault per action that moves a body, for a bake that has none.
+    /// One error per action that moves a body, for a bake without one.
     pub fn errors_without_body(&self, file: &str) -> Vec<Diagnostic> {
-        let mut faults = Vec::new();
-        each(&self.actions, &Path::root().name("actions"), 0, &mut |action, path, _| {
+        let mut errors = Vec::new();
+        visit_actions(&self.actions, &Path::root().name("actions"), 0, &mut |action, path, _| {
             let own = !matches!(action, Action::Repeat(_)) && action.as_wear_action().needs_body();
             if own {
-                let what = format!("`{}` moves a body, and there is none", action.name());
-                faults.push(Diagnostic::new(file, path.to_string(), what, "leave the action out"));
+                let message = format!("`{}` moves a body, and there is none", action.name());
+                errors.push(Diagnostic::new(file, path.to_string(), message, "leave the action out"));
             }
         });
-        faults
+        errors
     }
 
-    /// What is wrong with its actions for this body: joints and clips that it has not.
-    pub fn body_errors(&self, file: &str, wearer: &AnimatedBody) -> Vec<Diagnostic> {
-        let mut faults = Vec::new();
-        each(&self.actions, &Path::root().name("actions"), 0, &mut |action, path, _| {
-            for misfit in action.as_wear_action().validate_body(wearer) {
-                let place = path.name(action.name()).name(misfit.field).to_string();
-                faults.push(Diagnostic::new(file, place, misfit.what, misfit.cure));
+    /// Errors of the actions with regard to `body`: joints and clips that do not exist.
+    pub fn body_errors(&self, file: &str, body: &AnimatedBody) -> Vec<Diagnostic> {
+        let mut errors = Vec::new();
+        visit_actions(&self.actions, &Path::root().name("actions"), 0, &mut |action, path, _| {
+            for error in action.as_wear_action().validate_body(body) {
+                let location = path.name(action.name()).name(error.field).to_string();
+                errors.push(Diagnostic::new(file, location, error.message, error.help));
             }
         });
-        faults
+        errors
     }
 
-    /// How long the wear takes on this body [s], ways between clips left out.
-    pub fn duration_with_body(&self, wearer: Option<&AnimatedBody>) -> f64 {
-        let clip = |action: &Action| match (action, wearer) {
-            (Action::Play(play), Some(wearer)) => {
-                f64::from(play.repeat) * wearer.clip_length(&play.clip).unwrap_or(0.0)
+    /// Duration with `body` [s], without transitions between clips.
+    pub fn duration_with_body(&self, body: Option<&AnimatedBody>) -> f64 {
+        let clip = |action: &Action| match (action, body) {
+            (Action::Play(play), Some(body)) => {
+                f64::from(play.repeat) * body.clip_length(&play.clip).unwrap_or(0.0)
             }
             _ => 0.0,
         };
         self.duration() + self.flatten().map(clip).sum::<f64>()
     }
 
-    /// The postures it takes the body through, in order; every action as written counts once. Empty when something is
-    /// done that takes the garment off the body, or has it moved by anything else.
-    pub fn body_poses(&self, wearer: &AnimatedBody) -> Vec<BodyPose> {
-        let (mut postures, mut other) = (vec![wearer.rest()], false);
-        each(&self.actions, &Path::root().name("actions"), 0, &mut |action, _, _| match action {
+    /// Poses that the script takes `body` through, in order; every action as written counts once. Empty when an action takes
+    /// the garment off the body or moves it by other means.
+    pub fn body_poses(&self, body: &AnimatedBody) -> Vec<BodyPose> {
+        let (mut poses, mut other) = (vec![body.rest()], false);
+        visit_actions(&self.actions, &Path::root().name("actions"), 0, &mut |action, _, _| match action {
             Action::Repeat(_) | Action::Hold(_) | Action::Settle(_) | Action::Release(_) => {}
             Action::Bend(_) | Action::Play(_) => {
-                let from = postures.last().cloned().unwrap_or(BodyPose::Still);
-                postures.extend(action.as_wear_action().body_poses(wearer, &from));
+                let from = poses.last().cloned().unwrap_or(BodyPose::Still);
+                poses.extend(action.as_wear_action().body_poses(body, &from));
                 if matches!(action, Action::Bend(_)) {
-                    postures.push(from);
+                    poses.push(from);
                 }
             }
             _ => other = true,
         });
-        if other { Vec::new() } else { postures }
+        if other { Vec::new() } else { poses }
     }
 
-    /// Faults that no single field shows.
+    /// Errors that no single field shows.
     fn validate(&self, document: &Document) -> Vec<Diagnostic> {
-        let mut faults = Vec::new();
-        each(&self.actions, &Path::root().name("actions"), 0, &mut |action, path, depth| {
+        let mut errors = Vec::new();
+        visit_actions(&self.actions, &Path::root().name("actions"), 0, &mut |action, path, depth| {
             let inside = path.name(action.name());
-            for misfit in action.as_wear_action().validate() {
-                faults.push(document.diagnostic(&inside.name(misfit.field), misfit.what, misfit.cure));
+            for error in action.as_wear_action().validate() {
+                errors.push(document.diagnostic(&inside.name(error.field), error.message, error.help));
             }
-            if depth >= NESTING_LIMIT && matches!(action, Action::Repeat(_)) {
-                let what = format!("repeats lie more than {NESTING_LIMIT} deep");
-                faults.push(document.diagnostic(path, what, "multiply their `times` instead"));
+            if depth >= MAX_NESTING && matches!(action, Action::Repeat(_)) {
+                let message = format!("repeats lie more than {MAX_NESTING} deep");
+                errors.push(document.diagnostic(path, message, "multiply their `times` instead"));
             }
         });
-        let (duration_s, count) = (self.duration(), self.action_count());
+        let (duration, count) = (self.duration(), self.action_count());
         let at = Path::root().name("actions");
-        if duration_s > DURATION_LIMIT_S {
-            let what =
-                format!("the wear takes {duration_s:.0} s, more than {DURATION_LIMIT_S:.0} s (one day)");
-            faults.push(document.diagnostic(&at, what, "shorten holds or lower `times`"));
+        if duration > MAX_DURATION_S {
+            let message =
+                format!("the wear takes {duration:.0} s, more than {MAX_DURATION_S:.0} s (one day)");
+            errors.push(document.diagnostic(&at, message, "shorten holds or lower `times`"));
         }
-        if count > ACTION_LIMIT {
-            let what = format!("{count} actions with repeats written out, more than {ACTION_LIMIT}");
-            faults.push(document.diagnostic(&at, what, "lower `times`"));
+        if count > MAX_ACTIONS {
+            let message = format!("{count} actions with repeats written out, more than {MAX_ACTIONS}");
+            errors.push(document.diagnostic(&at, message, "lower `times`"));
         }
-        faults
+        errors
     }
 }
 
-/// Visits every action as written, repeats before what they repeat, with its path and depth. What lies deeper than
-/// the limit is not visited: the fault above it says so.
-fn each(actions: &[Action], at: &Path, depth: usize, visit: &mut impl FnMut(&Action, &Path, usize)) {
+/// Calls `visit` for every action as written, repeats before what they repeat, with its path and depth. Actions deeper than
+/// the limit are not visited: an error of the script says so.
+fn visit_actions(actions: &[Action], at: &Path, depth: usize, visit: &mut impl FnMut(&Action, &Path, usize)) {
     for (index, action) in actions.iter().enumerate() {
         let path = at.entry(index);
         visit(action, &path, depth);
-        if let (Action::Repeat(repeat), true) = (action, depth < NESTING_LIMIT) {
-            each(&repeat.actions, &path.name("repeat").name("actions"), depth + 1, visit);
+        if let (Action::Repeat(repeat), true) = (action, depth < MAX_NESTING) {
+            visit_actions(&repeat.actions, &path.name("repeat").name("actions"), depth + 1, visit);
         }
     }
 }
 
-fn count(actions: &[Action]) -> u64 {
-    let of = |action: &Action| match action {
-        Action::Repeat(Repeat { times, actions }) => u64::from(*times).saturating_mul(count(actions)),
+/// Number of actions with repeats written out.
+fn count_actions(actions: &[Action]) -> u64 {
+    let count = |action: &Action| match action {
+        Action::Repeat(Repeat { times, actions }) => u64::from(*times).saturating_mul(count_actions(actions)),
         _ => 1,
     };
-    actions.iter().map(of).fold(0, u64::saturating_add)
+    actions.iter().map(count).fold(0, u64::saturating_add)
 }
 
-/// Actions in order with repeats written out; see [`WearScript::flatten`].
+/// Iterator over actions in order with repeats written out; see [`WearScript::flatten`].
 #[derive(Debug, Clone)]
 pub struct Flatten<'a> {
-    open: Vec<Open<'a>>,
+    open: Vec<OpenList<'a>>,
 }
 
-/// A list under way.
+/// A list of actions in progress.
 #[derive(Debug, Clone)]
-struct Open<'a> {
+struct OpenList<'a> {
     actions: &'a [Action],
     next: usize,
-    /// Times still to go after this one.
+    /// Repetitions after the present one.
     times_left: u32,
 }
 
@@ -229,10 +230,14 @@ impl<'a> Iterator for Flatten<'a> {
             };
             open.next += 1;
             match action {
-                // A repeat of nothing would turn round and round for nothing.
-                Action::Repeat(repeat) if repeat.times == 0 || count(&repeat.actions) == 0 => {}
+                // A repeat without actions would loop without a result.
+                Action::Repeat(repeat) if repeat.times == 0 || count_actions(&repeat.actions) == 0 => {}
                 Action::Repeat(repeat) => {
-                    self.open.push(Open { actions: &repeat.actions, next: 0, times_left: repeat.times - 1 });
+                    self.open.push(OpenList {
+                        actions: &repeat.actions,
+                        next: 0,
+                        times_left: repeat.times - 1,
+                    });
                 }
                 plain => return Some(plain),
             }
@@ -244,16 +249,17 @@ impl<'a> Iterator for Flatten<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wear::{Hold, WearAction};
+    use crate::wear::actions::Hold;
+    use crate::wear::wear_action::WearAction;
 
     const FOLD_THRICE: &str = include_str!("../../garments/wear/fold-thrice.json");
     const CRUMPLE: &str = include_str!("../../garments/wear/crumple.json");
     const PRESS_CREASE: &str = include_str!("../../garments/wear/press-crease.json");
 
-    fn faults(text: &str) -> Vec<String> {
+    fn errors_of(text: &str) -> Vec<String> {
         match WearScript::parse("w.json", text) {
             Ok(script) => panic!("accepted: {script:?}"),
-            Err(Error::Input(faults)) => faults.iter().map(ToString::to_string).collect(),
+            Err(Error::Input(errors)) => errors.iter().map(ToString::to_string).collect(),
             Err(other) => panic!("{other}"),
         }
     }
@@ -263,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn scripts_that_come_along_are_read() {
+    fn scripts_of_the_repository_are_read() {
         let expected = [
             (FOLD_THRICE, 58.0, vec!["lay", "fold", "fold", "fold", "press", "unfold", "settle"]),
             (CRUMPLE, 38.0, vec!["lay", "crumple", "release", "settle"]),
@@ -291,7 +297,7 @@ mod tests {
             let before = WearScript::new("round trip", vec![example]).expect(name);
             let after = WearScript::parse("w.json", &before.to_json()).expect(name);
             assert_eq!(after, before);
-            // Every field of an example differs from its default, so a field lost on the way would show.
+            // Every field of an example differs from its default, so a lost field would show.
             assert!(after.to_json().contains(&format!("\"{name}\"")));
         }
     }
@@ -347,8 +353,8 @@ mod tests {
     }
 
     #[test]
-    fn a_misspelt_action_is_placed_and_the_meant_one_named() {
-        let found = faults("{\"format\": \"crease-wear/1\",\n \"actions\": [\n  {\"fodl\": {}}]}");
+    fn a_misspelt_action_is_located_and_the_meant_one_named() {
+        let found = errors_of("{\"format\": \"crease-wear/1\",\n \"actions\": [\n  {\"fodl\": {}}]}");
         assert_eq!(found.len(), 1);
         assert_eq!(
             found[0],
@@ -358,15 +364,15 @@ mod tests {
     }
 
     #[test]
-    fn all_faults_come_in_one_go() {
+    fn all_errors_are_reported_at_once() {
         let text = script(
             r#"{"fold": {"line": [[0.3, 0], [0.3, 1]], "side": "left", "angel": 90}},
                {"fold": {"line": [[0.3, 0], [0.3]], "side": "top", "angle": 200}},
                {"hold": {"for": 0}}, {"press": {"for": 5}}, "release",
                {"repeat": {"times": 0, "actions": [{"hold": {"for": "long"}}]}}"#,
         );
-        let found = faults(&text);
-        let places = [
+        let found = errors_of(&text);
+        let expected = [
             "actions[0].fold.angel: unknown name",
             "actions[1].fold.line[1]: has 1 entry, expected a list of 2 numbers",
             "actions[1].fold.side: is `top`, expected `left`, `right`, `upper` or `lower`",
@@ -377,15 +383,15 @@ mod tests {
             "actions[5].repeat.times: is 0, expected a whole number from 1 to 10000",
             "actions[5].repeat.actions[0].hold.for: is the text `long`, expected a number",
         ];
-        assert_eq!(found.len(), places.len(), "{found:#?}");
-        for (fault, place) in found.iter().zip(places) {
-            assert!(fault.contains(place), "{fault}\nlacks\n{place}");
-            assert!(fault.starts_with("w.json: line "), "{fault}");
+        assert_eq!(found.len(), expected.len(), "{found:#?}");
+        for (error, expected) in found.iter().zip(expected) {
+            assert!(error.contains(expected), "{error}\nlacks\n{expected}");
+            assert!(error.starts_with("w.json: line "), "{error}");
         }
     }
 
     #[test]
-    fn fields_that_do_not_go_together_are_faults_too() {
+    fn fields_that_contradict_each_other_are_errors_too() {
         let cases = [
             (r#"{"fold": {"line": [[0.3, 0.2], [0.3, 0.2]], "side": "left"}}"#, "fold.line: the two points"),
             (
@@ -402,33 +408,37 @@ mod tests {
             (r#"{"bend": {"joint": "j", "axis": "x", "angle": 0}}"#, "bend.angle: an angle of 0"),
         ];
         let all = cases.map(|(action, _)| action).join(", ");
-        let found = faults(&script(&all));
+        let found = errors_of(&script(&all));
         assert_eq!(found.len(), cases.len(), "{found:#?}");
-        for ((index, (_, expected)), fault) in cases.iter().enumerate().zip(&found) {
-            assert!(fault.contains(&format!("at actions[{index}].{expected}")), "{fault}");
+        for ((index, (_, expected)), error) in cases.iter().enumerate().zip(&found) {
+            assert!(error.contains(&format!("at actions[{index}].{expected}")), "{error}");
         }
     }
 
     #[test]
     fn choices_between_kinds_are_explained() {
         assert!(
-            faults(&script(r#"{"hang": {"by": "botom"}}"#))[0].contains("by: is `botom`, expected `top`")
+            errors_of(&script(r#"{"hang": {"by": "botom"}}"#))[0].contains("by: is `botom`, expected `top`")
         );
-        let by = &faults(&script(r#"{"hang": {"by": [[0.5, 1, 2]]}}"#))[0];
+        let by = &errors_of(&script(r#"{"hang": {"by": [[0.5, 1, 2]]}}"#))[0];
         assert!(by.contains("by[0]: has 3 entries"), "{by}");
-        assert!(faults(&script(r#"{"hang": {"by": []}}"#))[0].contains("by: has 0 entries"));
-        assert!(faults(&script(r#"{"hang": {"by": 3}}"#))[0].contains("by: is 3, expected `top` or a list"));
-        let axis = &faults(&script(r#"{"bend": {"joint": "j", "axis": "w", "angle": 9}}"#))[0];
+        assert!(errors_of(&script(r#"{"hang": {"by": []}}"#))[0].contains("by: has 0 entries"));
+        assert!(
+            errors_of(&script(r#"{"hang": {"by": 3}}"#))[0].contains("by: is 3, expected `top` or a list")
+        );
+        let axis = &errors_of(&script(r#"{"bend": {"joint": "j", "axis": "w", "angle": 9}}"#))[0];
         assert!(axis.contains("axis: is `w`, expected `x`, `y` or `z`"), "{axis}");
     }
 
     #[test]
     fn another_format_is_named() {
-        let found = faults(r#"{"format": "crease-wear/2", "actions": [{"release": {}}]}"#);
+        let found = errors_of(r#"{"format": "crease-wear/2", "actions": [{"release": {}}]}"#);
         assert!(found[0].contains("at format: is `crease-wear/2`, expected `crease-wear/1`"), "{}", found[0]);
-        assert!(faults("{}")[0].contains("`format` is missing: `crease-wear/1`"));
-        assert!(faults("[]")[0].contains("is a list, expected an object"));
-        assert!(faults(&script(""))[0].contains("actions: has 0 entries, expected a list of at least one"));
+        assert!(errors_of("{}")[0].contains("`format` is missing: `crease-wear/1`"));
+        assert!(errors_of("[]")[0].contains("is a list, expected an object"));
+        assert!(
+            errors_of(&script(""))[0].contains("actions: has 0 entries, expected a list of at least one")
+        );
     }
 
     #[test]
@@ -455,15 +465,15 @@ mod tests {
             })
         };
         assert!(WearScript::parse("w.json", &script(&nested(8, 2, r#"{"release": {}}"#))).is_ok());
-        assert!(faults(&script(&nested(9, 2, r#"{"release": {}}"#)))[0].contains("more than 8 deep"));
+        assert!(errors_of(&script(&nested(9, 2, r#"{"release": {}}"#)))[0].contains("more than 8 deep"));
         // Times multiply beyond 64 bits, and must not wrap.
         assert!(
-            faults(&script(&nested(8, 10_000, r#"{"release": {}}"#)))[0].contains("actions with repeats")
+            errors_of(&script(&nested(8, 10_000, r#"{"release": {}}"#)))[0].contains("actions with repeats")
         );
-        assert!(faults(&script(&nested(2, 300, r#"{"hold": {"for": 1}}"#)))[0].contains("takes 90000 s"));
-        assert!(faults(&script(&nested(1, 10_001, r#"{"release": {}}"#)))[0].contains("from 1 to 10000"));
-        assert!(faults(&script(&nested(30, 1, r#"{"release": {}}"#))).iter().any(|f| f.contains("deep")));
-        assert!(faults(&script(&nested(1000, 1, r#"{"release": {}}"#)))[0].contains("recursion limit"));
+        assert!(errors_of(&script(&nested(2, 300, r#"{"hold": {"for": 1}}"#)))[0].contains("takes 90000 s"));
+        assert!(errors_of(&script(&nested(1, 10_001, r#"{"release": {}}"#)))[0].contains("from 1 to 10000"));
+        assert!(errors_of(&script(&nested(30, 1, r#"{"release": {}}"#))).iter().any(|f| f.contains("deep")));
+        assert!(errors_of(&script(&nested(1000, 1, r#"{"release": {}}"#)))[0].contains("recursion limit"));
     }
 
     #[test]
@@ -480,9 +490,9 @@ mod tests {
             "bad",
             vec![Action::Hold(Hold { for_s: f64::NAN }), Action::Hold(Hold { for_s: -1.0 })],
         );
-        let Err(Error::Input(faults)) = bad else { panic!("accepted") };
-        assert_eq!(faults.len(), 2);
-        assert_eq!(faults[1].location, "actions[1].hold.for");
+        let Err(Error::Input(errors)) = bad else { panic!("accepted") };
+        assert_eq!(errors.len(), 2);
+        assert_eq!(errors[1].location, "actions[1].hold.for");
     }
 
     #[test]
@@ -490,9 +500,9 @@ mod tests {
         let actions =
             r#"{"hold": {"for": 1}}, {"repeat": {"times": 2, "actions": [{"play": {"clip": "walk"}}]}}"#;
         let script = WearScript::parse("w.json", &script(actions)).expect("is valid");
-        let faults = script.errors_without_body("w.json");
-        assert_eq!(faults.len(), 1);
-        assert_eq!(faults[0].location, "actions[1].repeat.actions[0]");
+        let errors = script.errors_without_body("w.json");
+        assert_eq!(errors.len(), 1);
+        assert_eq!(errors[0].location, "actions[1].repeat.actions[0]");
         assert!(script.actions[1].as_wear_action().needs_body());
     }
 

@@ -3,9 +3,12 @@
 use crate::body::{AnimatedBody, BodyPose};
 use crate::error::Result;
 use crate::math::Vec3;
-use crate::wear::action_runner::{ActionContext, ActionStart, PersistentState, smoothstep};
-use crate::wear::actions::{FieldError, WearAction};
-use crate::wear::body_motion::{Moving, told_names};
+use crate::wear::action_runner::{ActionContext, ActionStart};
+use crate::wear::body_motion::{BodyMotionRunner, TimeSpan, name_help, required_body};
+use crate::wear::motion_profile::smoothstep;
+use crate::wear::persistent_state::PersistentState;
+use crate::wear::tuning::TUNING;
+use crate::wear::wear_action::{FieldError, WearAction};
 use nalgebra::Unit;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -15,36 +18,36 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Bend {
-    /// Name of the joint, as the body file has it.
+    /// Name of the joint in the body's file.
     #[schemars(length(min = 1))]
     pub joint: String,
-    /// What it turns about: `x`, `y` or `z` of the joint, or a vector [x, y, z] in them.
+    /// Axis of the rotation: `x`, `y` or `z` of the joint, or a vector [x, y, z] in its axes.
     pub axis: JointAxis,
-    /// How far it turns from where it is (in the file, unless a clip has moved it) [degrees]; the sign says which way
-    /// (right-hand rule).
+    /// Angle from the present pose (that of the file, unless a clip has moved the joint) [degrees]; the sign gives the
+    /// direction by the right-hand rule.
     #[serde(rename = "angle")]
     #[schemars(range(min = -180, max = 180))]
     pub angle_deg: f64,
-    /// How long bending takes, and going back again [s]. Default 1.
-    #[serde(rename = "over", default = "over_s")]
+    /// Duration of bending, and of going back [s]. Default 1.
+    #[serde(rename = "over", default = "default_over_s")]
     #[schemars(extend("exclusiveMinimum" = 0), range(max = 3600))]
     pub over_s: f64,
-    /// How long it stays bent [s]. Default 0.
+    /// Time that the joint stays bent [s]. Default 0.
     #[serde(rename = "hold", default)]
     #[schemars(range(min = 0, max = 86400))]
     pub hold_s: f64,
-    /// How often. Default 1.
-    #[serde(default = "once")]
+    /// Number of repetitions. Default 1.
+    #[serde(default = "default_repeat")]
     #[schemars(range(min = 1, max = 10000))]
     pub repeat: u32,
 }
 
-/// An axis of a joint.
+/// An axis of rotation of a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 #[schemars(rename = "Axis")]
 pub enum JointAxis {
-    /// One of the joint's own.
+    /// One of the joint's own axes.
     Own(LocalAxis),
     /// A direction in the joint's own axes, of any length but zero.
     Vector([f64; 3]),
@@ -64,7 +67,7 @@ pub enum LocalAxis {
 }
 
 impl JointAxis {
-    /// As a vector; not of unit length when the script's was not.
+    /// The axis as a vector; of unit length only if the script's is.
     pub fn vector(self) -> [f64; 3] {
         match self {
             Self::Own(LocalAxis::X) => [1.0, 0.0, 0.0],
@@ -75,45 +78,47 @@ impl JointAxis {
     }
 }
 
-/// Postures between straight and bent that tell what moves.
-const SAMPLES: u32 = 12;
+fn default_over_s() -> f64 {
+    1.0
+}
+
+fn default_repeat() -> u32 {
+    1
+}
 
 impl Bend {
-    /// `from`, with `share` of the bend.
-    fn bent(&self, wearer: &AnimatedBody, from: &BodyPose, share: f64) -> BodyPose {
-        let joint = wearer.rig().and_then(|rig| rig.skeleton.find(&self.joint));
+    /// The pose `from` with a fraction of the bend added.
+    fn bent_pose(&self, body: &AnimatedBody, from: &BodyPose, fraction: f64) -> BodyPose {
+        let joint = body.rig().and_then(|rig| rig.skeleton.find(&self.joint));
         let mut pose = from.clone();
         if let (BodyPose::Joints(joints), Some(joint)) = (&mut pose, joint)
             && let (Some(local), Some(axis)) =
                 (joints.get_mut(joint), Unit::try_new(Vec3::from(self.axis.vector()), 0.0))
         {
-            *local = local.rotated(&axis, share * self.angle_deg.to_radians());
+            *local = local.rotated(&axis, fraction * self.angle_deg.to_radians());
         }
         pose
     }
 
-    /// How much of it is bent at `t` [s].
-    fn share(&self, t: f64) -> f64 {
-        let once = 2.0 * self.over_s + self.hold_s;
-        let own = if t >= self.duration() { 0.0 } else { t.rem_euclid(once) };
-        smoothstep(own / self.over_s).min(smoothstep((once - own) / self.over_s))
+    /// Duration of one repetition [s].
+    fn period(&self) -> f64 {
+        2.0 * self.over_s + self.hold_s
     }
 
-    /// When it is held bent: from, to [s].
-    fn hold_times(&self) -> Vec<[f64; 2]> {
-        let once = 2.0 * self.over_s + self.hold_s;
-        let begin = |k: u32| f64::from(k) * once + self.over_s;
-        let times = (0..self.repeat).map(|k| [begin(k), begin(k) + self.hold_s]);
-        times.filter(|_| self.hold_s > 0.0).collect()
+    /// Fraction of the bend at `t` [s].
+    fn fraction_at(&self, t: f64) -> f64 {
+        let period = self.period();
+        let own = if t >= self.duration() { 0.0 } else { t.rem_euclid(period) };
+        smoothstep(own / self.over_s).min(smoothstep((period - own) / self.over_s))
     }
-}
 
-fn over_s() -> f64 {
-    1.0
-}
-
-fn once() -> u32 {
-    1
+    /// Spans in which the joint is held bent.
+    fn hold_spans(&self) -> Vec<TimeSpan> {
+        let period = self.period();
+        let start = |k: u32| f64::from(k) * period + self.over_s;
+        let spans = (0..self.repeat).map(|k| TimeSpan { start: start(k), end: start(k) + self.hold_s });
+        spans.filter(|_| self.hold_s > 0.0).collect()
+    }
 }
 
 impl WearAction for Bend {
@@ -126,59 +131,49 @@ impl WearAction for Bend {
     }
 
     fn validate(&self) -> Vec<FieldError> {
-        let mut misfits = Vec::new();
-        let length = self.axis.vector().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let mut errors = Vec::new();
+        let length = self.axis.vector().iter().fold(0.0_f64, |max, x| max.max(x.abs()));
         // Squares of smaller or larger numbers leave the range of doubles.
         if !(1e-100..=1e100).contains(&length) {
-            let cure = "give a direction such as [0, 0, 1], or `x`, `y`, `z`";
-            misfits.push(FieldError::new("axis", "the axis has no usable direction", cure));
+            let help = "give a direction such as [0, 0, 1], or `x`, `y`, `z`";
+            errors.push(FieldError::new("axis", "the axis has no usable direction", help));
         }
         if self.angle_deg == 0.0 {
-            misfits.push(FieldError::new(
-                "angle",
-                "an angle of 0 bends nothing",
-                "give an angle in degrees, not 0",
-            ));
+            let help = "give an angle in degrees, not 0";
+            errors.push(FieldError::new("angle", "an angle of 0 bends nothing", help));
         }
-        misfits
+        errors
     }
 
-    fn validate_body(&self, wearer: &AnimatedBody) -> Vec<FieldError> {
-        if wearer.rig().is_some_and(|rig| rig.skeleton.find(&self.joint).is_some()) {
+    fn validate_body(&self, body: &AnimatedBody) -> Vec<FieldError> {
+        if body.rig().is_some_and(|rig| rig.skeleton.find(&self.joint).is_some()) {
             return Vec::new();
         }
-        let what = format!("{} has no joint called \"{}\"", wearer.file, self.joint);
-        vec![FieldError::new("joint", what, told_names("joints", &wearer.joint_names(), &self.joint))]
+        let message = format!("{} has no joint called \"{}\"", body.file, self.joint);
+        vec![FieldError::new("joint", message, name_help("joints", &body.joint_names(), &self.joint))]
     }
 
-    fn body_poses(&self, wearer: &AnimatedBody, from: &BodyPose) -> Vec<BodyPose> {
-        (0..=SAMPLES).map(|k| self.bent(wearer, from, f64::from(k) / f64::from(SAMPLES))).collect()
+    fn body_poses(&self, body: &AnimatedBody, from: &BodyPose) -> Vec<BodyPose> {
+        let samples = TUNING.body.bend_samples;
+        (0..=samples).map(|k| self.bent_pose(body, from, f64::from(k) / f64::from(samples))).collect()
     }
 
     fn start_action(&self, context: &ActionContext, persistent: &mut PersistentState) -> Result<ActionStart> {
-        let Some(standing) = &persistent.body else {
-            return Err(context.refuse(
-                "`bend` moves a body, and the garment is not on one",
-                "give --body, and leave out what takes the garment off before",
-            ));
-        };
-        if let Some(misfit) = self.validate_body(&standing.body).into_iter().next() {
-            return Err(context.refuse(misfit.what, misfit.cure));
+        let posed = required_body("bend", context, persistent)?;
+        if let Some(error) = self.validate_body(&posed.body).into_iter().next() {
+            return Err(context.refuse(error.message, error.help));
         }
-        let (bend, from) = (self.clone(), standing.pose.clone());
-        let wearer = standing.body.clone();
-        let once = 2.0 * self.over_s + self.hold_s;
-        let runner = Moving {
-            wearer: wearer.clone(),
-            drive: persistent.idle_loads(),
-            pose: Box::new(move |t| bend.bent(&wearer, &from, bend.share(t))),
-            // No step may jump over a whole way down and up.
-            breaks: (0..self.repeat).map(|k| f64::from(k) * once + self.over_s + self.hold_s).collect(),
-            still: self.hold_times(),
-            duration: self.duration(),
-            at: None,
+        let (bend, from) = (self.clone(), posed.pose.clone());
+        let body = posed.body.clone();
+        // No step may cross a whole motion there and back.
+        let release = |k: u32| f64::from(k) * self.period() + self.over_s + self.hold_s;
+        let event_times = (0..self.repeat).map(release).collect();
+        let pose_at = {
+            let body = body.clone();
+            move |t| bend.bent_pose(&body, &from, bend.fraction_at(t))
         };
-        ActionStart::here(runner)
+        let motion = BodyMotionRunner::new(body, persistent.idle_loads(), self.duration(), pose_at);
+        ActionStart::here(motion.with_events(event_times, self.hold_spans()))
     }
 
     fn example() -> Self {

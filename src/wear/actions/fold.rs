@@ -4,14 +4,16 @@ use crate::energy::TargetSpring;
 use crate::error::Result;
 use crate::math::Vec3;
 use crate::sim::Loads;
-use crate::wear::action_runner::{
-    ActionContext, ActionRunner, ActionStart, FoldRecord, GarmentFrame, PersistentState, carry_spring,
-    pin_spring, smoothstep,
-};
-use crate::wear::actions::{FieldError, WearAction};
-use crate::wear::crease_prediction::FoldLayout;
-use crate::wear::fold_map::{Axis, OnSheet};
+use crate::wear::action_runner::{ActionContext, ActionRunner, ActionStart};
+use crate::wear::fold_layout::FoldLayout;
+use crate::wear::fold_map::{FoldAxis, FoldCoords};
+use crate::wear::fraction::Fraction2;
 use crate::wear::height_field::HeightField;
+use crate::wear::motion_profile::{PEAK_RATE, smoothstep};
+use crate::wear::persistent_state::{FoldRecord, GarmentFrame, PersistentState};
+use crate::wear::springs::{carry_spring, pin_spring};
+use crate::wear::tuning::TUNING;
+use crate::wear::wear_action::{FieldError, WearAction};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -21,45 +23,29 @@ use std::f64::consts::PI;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Fold {
-    /// Two points of the line, [x, y] in fractions 0..1 of the bounding box. The line goes on beyond them.
+    /// Two points of the line, [x, y] in fractions 0..1 of the bounding box. The line continues beyond them.
     pub line: [Fraction2; 2],
-    /// Which side of the line is turned over.
-    pub side: Side,
-    /// How far it is turned [degrees]: 180 lays it flat on the rest. Default 180.
-    #[serde(rename = "angle", default = "angle_deg")]
+    /// Side of the line that is turned over.
+    pub side: FoldSide,
+    /// Angle by which it is turned [degrees]: 180 lays it flat on the rest. Default 180.
+    #[serde(rename = "angle", default = "default_angle_deg")]
     #[schemars(extend("exclusiveMinimum" = 0), range(max = 180))]
     pub angle_deg: f64,
-    /// How long turning takes [s]. Default 2.
-    #[serde(rename = "over", default = "over_s")]
+    /// Duration of the turn [s]. Default 2.
+    #[serde(rename = "over", default = "default_over_s")]
     #[schemars(extend("exclusiveMinimum" = 0), range(max = 3600))]
     pub over_s: f64,
-    /// How long it is held afterwards [s]. Default 0.
+    /// Time that it is held afterwards [s]. Default 0.
     #[serde(rename = "hold", default)]
     #[schemars(range(min = 0, max = 86400))]
     pub hold_s: f64,
 }
 
-/// [x, y] in fractions 0..1 of the garment's bounding box as it lies or hangs, x to the right, y upward.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(transparent)]
-pub struct Fraction2(#[schemars(inner(range(min = -10, max = 10)))] pub [f64; 2]);
-
-impl Fraction2 {
-    /// From the left edge, in widths.
-    pub fn x(self) -> f64 {
-        self.0[0]
-    }
-
-    /// From the lower edge, in heights.
-    pub fn y(self) -> f64 {
-        self.0[1]
-    }
-}
-
 /// A side of a line, as seen from above with the garment's upper edge away from the viewer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Side {
+#[schemars(rename = "Side")]
+pub enum FoldSide {
     /// Where x is smaller than on the line.
     Left,
     /// Where x is larger than on the line.
@@ -70,38 +56,53 @@ pub enum Side {
     Lower,
 }
 
-fn angle_deg() -> f64 {
+fn default_angle_deg() -> f64 {
     180.0
 }
 
-fn over_s() -> f64 {
+fn default_over_s() -> f64 {
     2.0
 }
 
+/// A fold line on the ground.
+struct FoldLine {
+    /// A point of the line [m].
+    origin: Vec3,
+    /// Unit vector along it.
+    along: Vec3,
+    /// Unit vector from it to the flap.
+    outward: Vec3,
+}
+
+impl FoldLine {
+    /// Distance beyond the line of a point [m].
+    fn beyond(&self, p: &Vec3) -> f64 {
+        (p - self.origin).dot(&self.outward)
+    }
+}
+
 impl Fold {
-    /// Whether a point, in fractions, is on the side that is turned over.
+    /// Whether a point is on the side that is turned over.
     pub fn turns(&self, point: Fraction2) -> bool {
         let [a, b] = self.line;
         let (dx, dy) = (b.x() - a.x(), b.y() - a.y());
         // Positive on the left of the direction a -> b.
         let left_of_direction = dx * (point.y() - a.y()) - dy * (point.x() - a.x());
         match self.side {
-            Side::Left => left_of_direction * dy > 0.0,
-            Side::Right => left_of_direction * dy < 0.0,
-            Side::Upper => left_of_direction * dx > 0.0,
-            Side::Lower => left_of_direction * dx < 0.0,
+            FoldSide::Left => left_of_direction * dy > 0.0,
+            FoldSide::Right => left_of_direction * dy < 0.0,
+            FoldSide::Upper => left_of_direction * dx > 0.0,
+            FoldSide::Lower => left_of_direction * dx < 0.0,
         }
     }
-}
 
-impl Fold {
-    /// A place on the line [m], and unit vectors along it and from it to what is turned over.
-    fn line_in(&self, frame: &GarmentFrame) -> (Vec3, Vec3, Vec3) {
-        let [a, b] = self.line.map(|f| frame.place(f.0));
+    /// The line on a garment with the frame `frame`.
+    fn line_in(&self, frame: &GarmentFrame) -> FoldLine {
+        let [a, b] = self.line.map(|f| frame.position(f.0));
         let along = (b - a).normalize();
         let across = along.cross(&Vec3::y());
-        let out = if self.turns(Fraction2(frame.fraction(&(a + across)))) { across } else { -across };
-        (a, along, out)
+        let turns = self.turns(Fraction2(frame.fraction(&(a + across))));
+        FoldLine { origin: a, along, outward: if turns { across } else { -across } }
     }
 }
 
@@ -113,39 +114,32 @@ impl WearAction for Fold {
     fn validate(&self) -> Vec<FieldError> {
         let [a, b] = self.line;
         let (dx, dy) = ((b.x() - a.x()).abs(), (b.y() - a.y()).abs());
-        // A line shorter than a millionth of the garment has no direction worth trusting.
-        const LEAST: f64 = 1e-6;
-        if dx.max(dy) < LEAST {
-            let what = "the two points of the line are the same: it has no direction";
-            return vec![FieldError::new("line", what, "give two points apart from each other")];
+        // A line shorter than a millionth of the garment has no reliable direction.
+        const MIN_LENGTH_FRACTION: f64 = 1e-6;
+        if dx.max(dy) < MIN_LENGTH_FRACTION {
+            let message = "the two points of the line are the same: it has no direction";
+            return vec![FieldError::new("line", message, "give two points apart from each other")];
         }
+        let wrong_side = |message, help| vec![FieldError::new("side", message, help)];
         match self.side {
-            Side::Left | Side::Right if dy < LEAST => {
-                vec![FieldError::new(
-                    "side",
-                    "a level line has no left and no right side",
-                    "use `upper` or `lower`",
-                )]
+            FoldSide::Left | FoldSide::Right if dy < MIN_LENGTH_FRACTION => {
+                wrong_side("a level line has no left and no right side", "use `upper` or `lower`")
             }
-            Side::Upper | Side::Lower if dx < LEAST => {
-                vec![FieldError::new(
-                    "side",
-                    "an upright line has no upper and no lower side",
-                    "use `left` or `right`",
-                )]
+            FoldSide::Upper | FoldSide::Lower if dx < MIN_LENGTH_FRACTION => {
+                wrong_side("an upright line has no upper and no lower side", "use `left` or `right`")
             }
             _ => Vec::new(),
         }
     }
 
-    /// Marks its line and lays the flap over.
-    fn sketch(&self, sketch: &mut FoldLayout) {
-        match sketch.ground_frame() {
-            Some(frame) if self.angle_deg > LAID_OVER => {
-                let (a, _, out) = self.line_in(&frame);
-                sketch.fold(a, out);
+    /// Marks the line and turns the flap over.
+    fn predict_creases(&self, layout: &mut FoldLayout) {
+        match layout.ground_frame() {
+            Some(frame) if self.angle_deg > TUNING.fold.flat_fold_deg => {
+                let line = self.line_in(&frame);
+                layout.fold(line.origin, line.outward);
             }
-            _ => sketch.anywhere(),
+            _ => layout.mark_unpredictable(),
         }
     }
 
@@ -153,16 +147,14 @@ impl WearAction for Fold {
         let Some(frame) = persistent.ground_frame() else {
             return Err(context.refuse("`fold` needs a garment that lies", "lay it first: {\"lay\": {}}"));
         };
-        let (a, along, out) = self.line_in(&frame);
-        // A stack bends over half its circumference: its middle shall come to lie on the line.
-        let thick = stack_height(
-            context.positions.iter().filter(|p| (*p - a).dot(&out).abs() < GRIP_WIDTH),
-            context.thickness,
-        );
-        let a = a - out * (0.25 * PI * thick);
-        let beyond = |p: &Vec3| (p - a).dot(&out);
+        let (x, masses, thickness) = (context.positions, context.masses, context.thickness);
+        let grip_width = TUNING.fold.grip_width;
+        let mut line = self.line_in(&frame);
+        // A stack bends over half its circumference: the middle of the bend is to lie on the line.
+        let at_line = stack_height(x.iter().filter(|p| line.beyond(p).abs() < grip_width), thickness);
+        line.origin -= line.outward * (0.25 * PI * at_line);
         let (flap, rest): (Vec<u32>, Vec<u32>) =
-            (0..context.positions.len() as u32).partition(|&p| beyond(&context.positions[p as usize]) > 0.0);
+            (0..x.len() as u32).partition(|&p| line.beyond(&x[p as usize]) > 0.0);
         if flap.is_empty() || rest.is_empty() {
             let side = if flap.is_empty() { "nothing" } else { "everything" };
             return Err(context.refuse(
@@ -170,45 +162,45 @@ impl WearAction for Fold {
                 "move the line: fractions of the box run from 0 to 1, x to the right, y upward",
             ));
         }
-        // The axis runs over the stack as it is along the line; bulges elsewhere are pressed down as the flap lands.
-        let top = stack_height(
-            context.positions.iter().filter(|p| beyond(p).abs() < GRIP_WIDTH),
-            context.thickness,
-        );
-        let axis_height = top + 0.75 * context.thickness;
-        let axis = Axis {
-            origin: Vec3::new(a.x, axis_height, a.z),
-            along,
-            out,
-            least_depth: 0.5 * context.thickness,
+        // The axis runs over the stack as it is along the line; bulges elsewhere are pressed down by the flap.
+        let top = stack_height(x.iter().filter(|p| line.beyond(p).abs() < grip_width), thickness);
+        let axis = FoldAxis {
+            origin: Vec3::new(line.origin.x, top + 0.75 * thickness, line.origin.z),
+            along: line.along,
+            outward: line.outward,
+            min_depth: 0.5 * thickness,
         };
-        let under = HeightField::over(rest.iter().map(|&p| context.positions[p as usize]));
-        let guided = flap
-            .iter()
-            .map(|&p| {
-                let place = axis.on_sheet(&context.positions[p as usize], 0.0);
-                let rise = under.rise(&axis.turned(&place, PI), top);
-                let straight = ((place.s - PI * place.depth) / RISE_RAMP).clamp(0.0, 1.0);
-                Guided { point: p, place, rise: rise * straight, mass: context.masses[p as usize] }
-            })
-            .collect();
-        // A hand on the part that stays, along the line.
-        let stay = rest
-            .iter()
-            .filter(|&&p| beyond(&context.positions[p as usize]) > -GRIP_WIDTH)
-            .map(|&p| pin_spring(p, context.positions[p as usize], context.masses[p as usize]))
-            .collect();
-        // The rest sleeps on the table while the flap is turned: nothing moves it.
-        let held = context.positions.iter().map(|p| beyond(p) <= -GRIP_WIDTH).collect();
-        let made = FoldRecord { flap, origin: a, along, out, angle: self.angle_deg.to_radians() };
-        let resting = persistent.idle_loads();
-        ActionStart::here(Turn { axis, guided, stay, held, made, over: self.over_s, resting })
+        let under = HeightField::over(rest.iter().map(|&p| x[p as usize]));
+        let flap_point = |&p: &u32| {
+            let coords = axis.to_fold_coords(&x[p as usize], 0.0);
+            let rise = under.rise(&axis.folded(&coords, PI), top);
+            let straight = ((coords.s - PI * coords.depth) / TUNING.fold.rise_ramp).clamp(0.0, 1.0);
+            FlapPoint { point: p, coords, rise: rise * straight, mass: masses[p as usize] }
+        };
+        // The part that stays is held along the line; beyond, it is fixed while the flap turns: nothing moves it.
+        let gripped = rest.iter().filter(|&&p| line.beyond(&x[p as usize]) > -grip_width);
+        let pin = |&p: &u32| pin_spring(p, x[p as usize], masses[p as usize]);
+        ActionStart::here(FoldRunner {
+            axis,
+            flap: flap.iter().map(flap_point).collect(),
+            pins: gripped.map(pin).collect(),
+            fixed: x.iter().map(|p| line.beyond(p) <= -grip_width).collect(),
+            record: FoldRecord {
+                flap,
+                origin: line.origin,
+                along: line.along,
+                outward: line.outward,
+                angle: self.angle_deg.to_radians(),
+            },
+            over: self.over_s,
+            idle_loads: persistent.idle_loads(),
+        })
     }
 
     fn example() -> Self {
         Self {
             line: [Fraction2([0.3, 0.0]), Fraction2([0.35, 1.0])],
-            side: Side::Left,
+            side: FoldSide::Left,
             angle_deg: 170.0,
             over_s: 2.5,
             hold_s: 5.0,
@@ -216,108 +208,96 @@ impl WearAction for Fold {
     }
 }
 
-/// A flap turned by more than this lies on the rest [degrees].
-const LAID_OVER: f64 = 150.0;
-/// Width of the hand that holds the resting part along the line [m].
-pub(in crate::wear) const GRIP_WIDTH: f64 = 0.05;
-/// A step turns the flap by this angle at most [rad].
-pub(in crate::wear) const MAX_TURN_PER_STEP: f64 = 0.12;
-/// Share of the points along the line that lie no higher than the stack; the others are bulges of older folds.
-const STACK_SHARE: f64 = 0.9;
-/// How long hands take to let go of a flap that lies [s].
-const LETTING_GO: f64 = 0.4;
-/// Pressure of palms that smooth a fold along its line while it is held [Pa]: 10 N over a fold of 0.5 m.
-const PALM_PRESSURE: f64 = 200.0;
-/// Drag of hands that let go [1/s].
-const HAND_DRAG: f64 = 20.0;
-/// Folds beyond this angle lie by themselves; others are held until they are opened or released [rad].
-const LIES_BEYOND: f64 = 3.0;
-
-/// Way from where the sheet is straight again over which the rise comes in [m].
-const RISE_RAMP: f64 = 0.03;
-
-/// How high a stack of points is [m]; of a layer's `thickness` where there are none.
+/// Height of a stack of points [m]; a layer's `thickness` if there are none.
 fn stack_height<'a>(points: impl Iterator<Item = &'a Vec3>, thickness: f64) -> f64 {
     let mut heights: Vec<f64> = points.map(|p| p.y).collect();
     heights.sort_unstable_by(f64::total_cmp);
-    heights.get((STACK_SHARE * heights.len() as f64) as usize).copied().unwrap_or(thickness)
+    heights.get((TUNING.fold.stack_quantile * heights.len() as f64) as usize).copied().unwrap_or(thickness)
 }
 
-/// A flap that is being turned over.
-struct Turn {
-    axis: Axis,
-    guided: Vec<Guided>,
-    stay: Vec<TargetSpring>,
-    /// Points that sleep meanwhile, one flag per point.
-    held: Vec<bool>,
-    made: FoldRecord,
+/// A flap that is turned over, then released or held.
+struct FoldRunner {
+    axis: FoldAxis,
+    flap: Vec<FlapPoint>,
+    /// Springs that hold the rest along the line.
+    pins: Vec<TargetSpring>,
+    /// Points that are fixed while the flap turns, one flag per point.
+    fixed: Vec<bool>,
+    record: FoldRecord,
+    /// Duration of the turn [s].
     over: f64,
-    resting: Loads,
+    idle_loads: Loads,
 }
 
-/// A point of the flap.
-struct Guided {
+/// A point of a flap.
+struct FlapPoint {
     point: u32,
-    /// Where on its sheet.
-    place: OnSheet,
-    /// How much higher it lands than on a plane [m].
+    coords: FoldCoords,
+    /// Height of its final position above that on a plane [m].
     rise: f64,
     /// [kg].
     mass: f64,
 }
 
-impl Turn {
-    /// What acts `t` seconds after the flap was let go: palms lie on the new fold and smooth it.
-    fn smoothed(&self, t: f64, x: &[Vec3]) -> Loads {
-        let near = |p: &Vec3| (p - self.made.origin).dot(&self.made.out).abs() < GRIP_WIDTH;
+impl FoldRunner {
+    fn supports_itself(&self) -> bool {
+        self.record.angle > TUNING.fold.self_supporting_angle
+    }
+
+    /// Loads `t` seconds after the release of the flap: pressure that smooths the new fold.
+    fn smoothing_loads(&self, t: f64, x: &[Vec3]) -> Loads {
+        let fold = &TUNING.fold;
+        let near_line = |p: &Vec3| (p - self.record.origin).dot(&self.record.outward).abs() < fold.grip_width;
+        let rises = t < fold.release_time;
         Loads {
-            pressure: PALM_PRESSURE * smoothstep(t / LETTING_GO),
-            pressed: x.iter().map(near).collect(),
-            max_dt: if t < LETTING_GO { LETTING_GO / 4.0 } else { f64::INFINITY },
-            transient: t < LETTING_GO,
-            ..self.resting.clone()
+            pressure: fold.smoothing_pressure * smoothstep(t / fold.release_time),
+            pressed: x.iter().map(near_line).collect(),
+            max_dt: if rises { fold.release_time / fold.release_steps } else { f64::INFINITY },
+            transient: rises,
+            ..self.idle_loads.clone()
         }
     }
 }
 
-impl ActionRunner for Turn {
+impl ActionRunner for FoldRunner {
     fn loads_at(&mut self, t: f64, x: &[Vec3]) -> Loads {
+        let release_time = TUNING.fold.release_time;
         let turning = t <= self.over * (1.0 + 1e-9);
-        let grip = if turning || self.made.angle <= LIES_BEYOND {
+        let grip = if turning || !self.supports_itself() {
             1.0
         } else {
-            1.0 - smoothstep((t - self.over) / LETTING_GO)
+            1.0 - smoothstep((t - self.over) / release_time)
         };
         if grip <= 0.0 {
-            return self.smoothed(t - self.over - LETTING_GO, x);
+            return self.smoothing_loads(t - self.over - release_time, x);
         }
-        let phi = self.made.angle * smoothstep(t / self.over);
-        let lifted = smoothstep(phi / PI);
-        let flap = self.guided.iter().map(|g| {
-            let normal = self.axis.normal(&g.place, phi);
-            let target = self.axis.turned(&g.place, phi) + normal * (g.rise * lifted);
-            carry_spring(g.point, target, normal, g.mass).scaled(grip)
+        let phi = self.record.angle * smoothstep(t / self.over);
+        let risen = smoothstep(phi / PI);
+        let flap = self.flap.iter().map(|p| {
+            let normal = self.axis.normal(&p.coords, phi);
+            let target = self.axis.folded(&p.coords, phi) + normal * (p.rise * risen);
+            carry_spring(p.point, target, normal, p.mass).scaled(grip)
         });
-        // The smooth motion is 1.5 times as fast in the middle as on average.
-        let longest_step =
-            if turning { MAX_TURN_PER_STEP * self.over / (1.5 * self.made.angle) } else { LETTING_GO / 4.0 };
-        let held = if turning { self.held.clone() } else { Vec::new() };
-        let stay = self.stay.iter().map(|guide| guide.scaled(grip));
-        // Hands that let go slow down what they held.
-        let drag = self.resting.drag + if turning { 0.0 } else { HAND_DRAG * grip };
+        let pins = self.pins.iter().map(|pin| pin.scaled(grip));
         Loads {
-            springs: flap.chain(stay).collect(),
+            springs: flap.chain(pins).collect(),
             guided: turning,
             transient: grip < 1.0,
-            fixed: held,
-            drag,
-            max_dt: longest_step,
-            ..self.resting.clone()
+            fixed: if turning { self.fixed.clone() } else { Vec::new() },
+            // The release slows down what was held.
+            drag: self.idle_loads.drag + if turning { 0.0 } else { TUNING.fold.release_drag * grip },
+            max_dt: if turning {
+                TUNING.fold.max_turn_per_step * self.over / (PEAK_RATE * self.record.angle)
+            } else {
+                release_time / TUNING.fold.release_steps
+            },
+            ..self.idle_loads.clone()
         }
     }
 
     fn event_times(&self) -> Vec<f64> {
-        vec![self.over, self.over + LETTING_GO, self.over + 2.0 * LETTING_GO]
+        let release_time = TUNING.fold.release_time;
+        vec![self.over, self.over + release_time, self.over + 2.0 * release_time]
     }
 
     fn save_state(&self) -> Option<Value> {
@@ -325,10 +305,10 @@ impl ActionRunner for Turn {
     }
 
     fn finish(&mut self, persistent: &mut PersistentState, x: &[Vec3]) {
-        if self.made.angle <= LIES_BEYOND {
+        if !self.supports_itself() {
             persistent.held_loads = Some(self.loads_at(f64::INFINITY, x));
         }
-        persistent.folds.push(self.made.clone());
+        persistent.folds.push(self.record.clone());
     }
 }
 
@@ -339,10 +319,10 @@ mod tests {
     #[test]
     fn sides_do_not_depend_on_the_direction_of_the_line() {
         for (side, inside, outside) in [
-            (Side::Left, [0.1, 0.5], [0.9, 0.5]),
-            (Side::Right, [0.9, 0.5], [0.1, 0.5]),
-            (Side::Upper, [0.5, 0.9], [0.5, 0.1]),
-            (Side::Lower, [0.5, 0.1], [0.5, 0.9]),
+            (FoldSide::Left, [0.1, 0.5], [0.9, 0.5]),
+            (FoldSide::Right, [0.9, 0.5], [0.1, 0.5]),
+            (FoldSide::Upper, [0.5, 0.9], [0.5, 0.1]),
+            (FoldSide::Lower, [0.5, 0.1], [0.5, 0.9]),
         ] {
             for line in [[[0.4, 0.3], [0.6, 0.7]], [[0.4, 0.7], [0.6, 0.3]]] {
                 let forth = Fold { line: line.map(Fraction2), side, ..Fold::example() };
@@ -355,9 +335,9 @@ mod tests {
         }
     }
 
-    /// Only while hands let go, and palms come down after them, is what acts on its way to something else.
+    /// Loads are transient only during the release and while the smoothing pressure rises.
     #[test]
-    fn a_fold_that_is_held_passes_to_nothing() {
+    fn a_fold_that_is_held_has_no_transient_loads() {
         let x: Vec<Vec3> =
             [[0.0, 0.0], [0.4, 0.0], [0.0, -0.4], [0.4, -0.4]].map(|[x, z]| Vec3::new(x, 1e-3, z)).to_vec();
         let context = ActionContext {
@@ -369,8 +349,9 @@ mod tests {
             location: "0",
         };
         let over = 2.0;
-        for (angle_deg, passes) in [(180.0, true), (90.0, false)] {
-            let frame = Some(crate::wear::GarmentFrame::lying(&x));
+        let release_time = TUNING.fold.release_time;
+        for (angle_deg, transient) in [(180.0, true), (90.0, false)] {
+            let frame = Some(GarmentFrame::lying(&x));
             let mut persistent = PersistentState { frame, ground: Some(0.0), ..PersistentState::default() };
             let fold = Fold {
                 line: [Fraction2([0.5, 0.0]), Fraction2([0.5, 1.0])],
@@ -382,9 +363,9 @@ mod tests {
             let mut at = |t: f64| runner.loads_at(t, &x);
             assert!(at(0.5 * over).guided && !at(0.5 * over).transient && !at(over).transient);
             for t in [0.25, 0.75, 1.0, 1.5] {
-                assert_eq!(at(over + t * LETTING_GO).transient, passes, "{angle_deg} {t}");
+                assert_eq!(at(over + t * release_time).transient, transient, "{angle_deg} {t}");
             }
-            assert!(!at(over + 2.5 * LETTING_GO).transient);
+            assert!(!at(over + 2.5 * release_time).transient);
             runner.finish(&mut persistent, &x);
             assert!(!persistent.idle_loads().transient);
         }

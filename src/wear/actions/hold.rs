@@ -1,9 +1,10 @@
 //! `hold`: everything that is held stays held.
 
 use crate::error::Result;
-use crate::wear::action_runner::{ActionContext, ActionStart, ConstantLoads, PersistentState};
-use crate::wear::actions::WearAction;
-use crate::wear::crease_prediction::FoldLayout;
+use crate::wear::action_runner::{ActionContext, ActionStart, ConstantLoads};
+use crate::wear::fold_layout::FoldLayout;
+use crate::wear::persistent_state::PersistentState;
+use crate::wear::wear_action::WearAction;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -11,7 +12,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Hold {
-    /// For how long [s].
+    /// Duration [s].
     #[serde(rename = "for")]
     #[schemars(extend("exclusiveMinimum" = 0), range(max = 86400))]
     pub for_s: f64,
@@ -22,12 +23,16 @@ impl WearAction for Hold {
         self.for_s
     }
 
-    /// Creases nothing that is not folded yet.
-    fn sketch(&self, sketch: &mut FoldLayout) {
-        sketch.rest();
+    /// Marks nothing: it creases only what is folded already.
+    fn predict_creases(&self, layout: &mut FoldLayout) {
+        layout.require_flat();
     }
 
-    fn start_action(&self, _scene: &ActionContext, persistent: &mut PersistentState) -> Result<ActionStart> {
+    fn start_action(
+        &self,
+        _context: &ActionContext,
+        persistent: &mut PersistentState,
+    ) -> Result<ActionStart> {
         ActionStart::here(ConstantLoads { loads: persistent.idle_loads(), may_end_early: false })
     }
 

@@ -4,11 +4,12 @@ use crate::error::Result;
 use crate::garment::{Footprint, is_lying};
 use crate::math::{Mat3, Vec3, bounds};
 use crate::sim::Loads;
-use crate::wear::action_runner::{
-    ActionContext, ActionRunner, ActionStart, GarmentFrame, PersistentState, smoothstep,
-};
-use crate::wear::actions::WearAction;
-use crate::wear::crease_prediction::FoldLayout;
+use crate::wear::action_runner::{ActionContext, ActionRunner, ActionStart};
+use crate::wear::fold_layout::FoldLayout;
+use crate::wear::motion_profile::{PEAK_RATE, smoothstep};
+use crate::wear::persistent_state::{GarmentFrame, PersistentState};
+use crate::wear::tuning::TUNING;
+use crate::wear::wear_action::WearAction;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -18,11 +19,11 @@ use serde_json::{Value, json};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Lay {
-    /// Which side of the garment, as the file has it, looks up once it lies. Default front.
+    /// Side of the garment, as its file has it, that looks up once it lies. Default front.
     #[serde(default)]
     pub facing: Facing,
-    /// How long laying takes [s]. Default 2.
-    #[serde(rename = "over", default = "over_s")]
+    /// Duration [s]. Default 2.
+    #[serde(rename = "over", default = "default_over_s")]
     #[schemars(extend("exclusiveMinimum" = 0), range(max = 3600))]
     pub over_s: f64,
 }
@@ -36,9 +37,9 @@ pub enum Facing {
     Front,
     /// The back (-z) looks up.
     Back,
-    /// The wearer's left side (+x) looks up.
+    /// The left side (+x) of the person in the garment looks up.
     Left,
-    /// The wearer's right side (-x) looks up.
+    /// The right side (-x) of the person in the garment looks up.
     Right,
     /// What is up in the file (+y) stays up: for cloth that lies flat already.
     Up,
@@ -46,67 +47,24 @@ pub enum Facing {
     Down,
 }
 
-fn over_s() -> f64 {
+fn default_over_s() -> f64 {
     2.0
 }
 
-impl WearAction for Lay {
-    fn duration(&self) -> f64 {
-        self.over_s
-    }
-
-    /// Lays it down.
-    fn sketch(&self, sketch: &mut FoldLayout) {
-        sketch.lay(self);
-    }
-
-    fn start_action(&self, context: &ActionContext, persistent: &mut PersistentState) -> Result<ActionStart> {
-        let (facing, upper) = self.directions(context.source_positions);
-        let (facing, upper) = (persistent.orientation * facing, persistent.orientation * upper);
-        let turn =
-            Mat3::from_rows(&[upper.cross(&facing).transpose(), facing.transpose(), (-upper).transpose()]);
-        let mut placed: Vec<Vec3> = context.positions.iter().map(|p| turn * p).collect();
-        let (low, high) = bounds(&placed);
-        let shift = Vec3::new(-0.5 * (low.x + high.x), context.thickness - low.y, -0.5 * (low.z + high.z));
-        placed.iter_mut().for_each(|p| *p += shift);
-        persistent.orientation = turn * persistent.orientation;
-        persistent.folds.clear();
-        persistent.held_loads = None;
-        // Whoever lays a garment down has taken it off.
-        persistent.body = None;
-        persistent.ground = Some(0.0);
-        persistent.frame = Some(GarmentFrame::lying(&placed));
-        let height = high.y - low.y + context.thickness;
-        let flat = FLAT_LAYERS * context.thickness;
-        let runner = Flatten {
-            heights: [height, flat.min(height)],
-            now: height,
-            over: self.over_s,
-            thickness: context.thickness,
-        };
-        Ok(ActionStart { runner: Box::new(runner), start_positions: Some(placed), duration: None })
-    }
-
-    fn example() -> Self {
-        Self { facing: Facing::Back, over_s: 1.5 }
-    }
+/// Directions of a garment's file once it lies.
+struct LyingDirections {
+    /// Unit vector that will point up.
+    facing: Vec3,
+    /// Unit vector that will point away from the viewer.
+    upper: Vec3,
 }
 
-/// A garment is pressed down to this many layer thicknesses before it is let go.
-const FLAT_LAYERS: f64 = 12.0;
-/// Share of the time that pressing down takes; in the rest it lies free.
-const PRESS_SHARE: f64 = 0.7;
-/// A step lowers the ceiling by this share at most.
-const MOST_SQUEEZE: f64 = 0.08;
-/// A garment is lying in its file if it is this much thinner in y than in x and z.
-const LYING_RATIO: f64 = 0.25;
-
 impl Lay {
-    /// Which direction of the file shall look up, and which shall point away from the viewer.
-    fn directions(&self, source: &[Vec3]) -> (Vec3, Vec3) {
+    /// Directions in a file with the points `source` [m].
+    fn directions(&self, source: &[Vec3]) -> LyingDirections {
         let (low, high) = bounds(source);
         let size = high - low;
-        let lies = is_lying(&size, Footprint::Shorter, LYING_RATIO);
+        let lies = is_lying(&size, Footprint::Shorter, TUNING.lay.max_lying_ratio);
         let facing = match (self.facing, lies) {
             (Facing::Front, false) => Vec3::z(),
             (Facing::Back, false) => -Vec3::z(),
@@ -116,64 +74,122 @@ impl Lay {
             (Facing::Right, _) => -Vec3::x(),
         };
         let upper = if facing.y == 0.0 { Vec3::y() } else { -Vec3::z() };
-        (facing, upper)
+        LyingDirections { facing, upper }
     }
 }
 
-/// A ceiling that comes down on the garment, then goes away.
+impl WearAction for Lay {
+    fn duration(&self) -> f64 {
+        self.over_s
+    }
+
+    /// Lays the garment down and marks its sides.
+    fn predict_creases(&self, layout: &mut FoldLayout) {
+        layout.lay_down(|context, persistent| self.start_action(context, persistent));
+    }
+
+    fn start_action(&self, context: &ActionContext, persistent: &mut PersistentState) -> Result<ActionStart> {
+        let LyingDirections { facing, upper } = self.directions(context.source_positions);
+        let (facing, upper) = (persistent.orientation * facing, persistent.orientation * upper);
+        let rotation =
+            Mat3::from_rows(&[upper.cross(&facing).transpose(), facing.transpose(), (-upper).transpose()]);
+        let mut laid: Vec<Vec3> = context.positions.iter().map(|p| rotation * p).collect();
+        let (low, high) = bounds(&laid);
+        let shift = Vec3::new(-0.5 * (low.x + high.x), context.thickness - low.y, -0.5 * (low.z + high.z));
+        laid.iter_mut().for_each(|p| *p += shift);
+        persistent.orientation = rotation * persistent.orientation;
+        persistent.folds.clear();
+        persistent.held_loads = None;
+        // A garment that is laid down has been taken off.
+        persistent.body = None;
+        persistent.ground = Some(0.0);
+        persistent.frame = Some(GarmentFrame::lying(&laid));
+        let height = high.y - low.y + context.thickness;
+        let flat = TUNING.lay.flat_layers * context.thickness;
+        let start = ActionStart::here(LayRunner {
+            first_height: height,
+            last_height: flat.min(height),
+            height,
+            over: self.over_s,
+            thickness: context.thickness,
+        })?;
+        Ok(ActionStart { start_positions: Some(laid), ..start })
+    }
+
+    fn example() -> Self {
+        Self { facing: Facing::Back, over_s: 1.5 }
+    }
+}
+
+/// A ceiling that comes down on the garment and is then removed.
 ///
-/// Before every step all heights shrink by the share that the ceiling sinks: a linear map, which cannot make layers
-/// cross. The solver then lets the cloth give way sideways.
-struct Flatten {
-    /// Of the ceiling at the start and at the end [m].
-    heights: [f64; 2],
-    /// Of the ceiling now [m].
-    now: f64,
+/// Before every step all heights shrink by the same factor as the ceiling: a linear map, which cannot make layers cross.
+/// The solver then lets the cloth move sideways.
+struct LayRunner {
+    /// Height of the ceiling at the start [m].
+    first_height: f64,
+    /// Height of the ceiling once it is down [m].
+    last_height: f64,
+    /// Present height of the ceiling [m].
+    height: f64,
+    /// Duration [s].
     over: f64,
+    /// Thickness of a layer [m].
     thickness: f64,
 }
 
-impl Flatten {
-    fn presses(&self) -> bool {
-        self.heights[1] < self.heights[0]
+impl LayRunner {
+    fn has_ceiling(&self) -> bool {
+        self.last_height < self.first_height
     }
 
-    fn height(&self, t: f64) -> f64 {
-        let done = smoothstep(t / (PRESS_SHARE * self.over));
-        self.heights[0] * (self.heights[1] / self.heights[0]).powf(done)
+    /// Time at which the ceiling is down [s].
+    fn press_time(&self) -> f64 {
+        TUNING.lay.press_time_fraction * self.over
+    }
+
+    /// Whether the ceiling is coming down in a step that ends at `t` [s].
+    fn is_pressing(&self, t: f64) -> bool {
+        self.has_ceiling() && t <= self.press_time() * (1.0 + 1e-9)
+    }
+
+    /// Height of the ceiling at `t` [s], in metres.
+    fn height_at(&self, t: f64) -> f64 {
+        let done = smoothstep(t / self.press_time());
+        self.first_height * (self.last_height / self.first_height).powf(done)
     }
 }
 
-impl ActionRunner for Flatten {
+impl ActionRunner for LayRunner {
     fn loads_at(&mut self, t: f64, _x: &[Vec3]) -> Loads {
-        let pressing = self.presses() && t <= PRESS_SHARE * self.over * (1.0 + 1e-9);
-        let steps = (self.heights[0] / self.heights[1]).ln() / -(1.0 - MOST_SQUEEZE).ln();
+        let pressing = self.is_pressing(t);
+        let steps =
+            (self.first_height / self.last_height).ln() / -(1.0 - TUNING.lay.max_squeeze_per_step).ln();
         Loads {
-            ceiling: pressing.then(|| self.height(t) + self.thickness),
+            ceiling: pressing.then(|| self.height_at(t) + self.thickness),
             friction: if pressing { 0.0 } else { 1.0 },
-            drag: 10.0,
-            // The smooth start and end make the fastest part 1.5 times the mean.
+            drag: TUNING.lay.drag,
             max_dt: if pressing {
-                PRESS_SHARE * self.over / (1.5 * steps).max(10.0)
+                self.press_time() / (PEAK_RATE * steps).max(TUNING.lay.min_steps)
             } else {
-                0.1 * self.over
+                TUNING.lay.max_free_dt_fraction * self.over
             },
             ..Loads::gravity_only(Some(0.0))
         }
     }
 
     fn event_times(&self) -> Vec<f64> {
-        if self.presses() { vec![PRESS_SHARE * self.over] } else { Vec::new() }
+        if self.has_ceiling() { vec![self.press_time()] } else { Vec::new() }
     }
 
     fn apply_map(&mut self, t: f64, x: &mut [Vec3]) -> bool {
-        if !self.presses() || t > PRESS_SHARE * self.over * (1.0 + 1e-9) {
+        if !self.is_pressing(t) {
             return false;
         }
-        let height = self.height(t);
-        let share = height / self.now;
-        self.now = height;
-        x.iter_mut().for_each(|p| p.y *= share);
+        let height = self.height_at(t);
+        let factor = height / self.height;
+        self.height = height;
+        x.iter_mut().for_each(|p| p.y *= factor);
         true
     }
 
@@ -182,13 +198,13 @@ impl ActionRunner for Flatten {
     }
 
     fn save_state(&self) -> Option<Value> {
-        Some(json!(self.now))
+        Some(json!(self.height))
     }
 
-    fn restore_state(&mut self, memo: &Value, _point_count: usize) -> bool {
-        let now = memo.as_f64().filter(|now| *now > 0.0);
-        self.now = now.unwrap_or(self.now);
-        now.is_some()
+    fn restore_state(&mut self, saved: &Value, _point_count: usize) -> bool {
+        let height = saved.as_f64().filter(|height| *height > 0.0);
+        self.height = height.unwrap_or(self.height);
+        height.is_some()
     }
 
     fn finish(&mut self, persistent: &mut PersistentState, x: &[Vec3]) {

@@ -2,9 +2,12 @@
 
 use crate::body::{AnimatedBody, BodyPose, interpolate_body_pose};
 use crate::error::Result;
-use crate::wear::action_runner::{ActionContext, ActionStart, PersistentState, smoothstep};
-use crate::wear::actions::{FieldError, WearAction};
-use crate::wear::body_motion::{Moving, told_names, way_s};
+use crate::wear::action_runner::{ActionContext, ActionStart};
+use crate::wear::body_motion::{BodyMotionRunner, name_help, required_body, transition_time};
+use crate::wear::motion_profile::smoothstep;
+use crate::wear::persistent_state::PersistentState;
+use crate::wear::tuning::TUNING;
+use crate::wear::wear_action::{FieldError, WearAction};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -12,25 +15,36 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Play {
-    /// Name of the clip, as the body file has it.
+    /// Name of the clip in the body's file.
     #[schemars(length(min = 1))]
     pub clip: String,
-    /// How often. Default 1.
-    #[serde(default = "once")]
+    /// Number of repetitions. Default 1.
+    #[serde(default = "default_repeat")]
     #[schemars(range(min = 1, max = 10000))]
     pub repeat: u32,
 }
 
-/// Postures per second of a clip that tell what moves, and how many at most.
-const SAMPLE_RATE: f64 = 10.0;
-const MOST_SAMPLES: u32 = 200;
-
-fn once() -> u32 {
+fn default_repeat() -> u32 {
     1
 }
 
+/// Length of a clip [s] and its poses at both ends.
+struct ClipEnds {
+    length: f64,
+    first: BodyPose,
+    last: BodyPose,
+}
+
+impl Play {
+    fn clip_ends(&self, body: &AnimatedBody) -> Option<ClipEnds> {
+        let length = body.clip_length(&self.clip)?;
+        let (first, last) = (body.clip_pose(&self.clip, 0.0)?, body.clip_pose(&self.clip, length)?);
+        Some(ClipEnds { length, first, last })
+    }
+}
+
 impl WearAction for Play {
-    /// 0: only the body knows how long its clip is.
+    /// 0: only the body determines the length of its clip.
     fn duration(&self) -> f64 {
         0.0
     }
@@ -39,46 +53,38 @@ impl WearAction for Play {
         true
     }
 
-    fn validate_body(&self, wearer: &AnimatedBody) -> Vec<FieldError> {
-        if wearer.clip_length(&self.clip).is_some() {
+    fn validate_body(&self, body: &AnimatedBody) -> Vec<FieldError> {
+        if body.clip_length(&self.clip).is_some() {
             return Vec::new();
         }
-        let what = format!("{} has no clip called \"{}\"", wearer.file, self.clip);
-        vec![FieldError::new("clip", what, told_names("clips", &wearer.clip_names(), &self.clip))]
+        let message = format!("{} has no clip called \"{}\"", body.file, self.clip);
+        vec![FieldError::new("clip", message, name_help("clips", &body.clip_names(), &self.clip))]
     }
 
-    fn body_poses(&self, wearer: &AnimatedBody, _from: &BodyPose) -> Vec<BodyPose> {
-        let length = wearer.clip_length(&self.clip).unwrap_or(0.0);
-        let count = ((length * SAMPLE_RATE).ceil() as u32).clamp(1, MOST_SAMPLES);
+    fn body_poses(&self, body: &AnimatedBody, _from: &BodyPose) -> Vec<BodyPose> {
+        let length = body.clip_length(&self.clip).unwrap_or(0.0);
+        let count = (length * TUNING.body.clip_sample_rate).ceil() as u32;
+        let count = count.clamp(1, TUNING.body.max_clip_samples);
         (0..=count)
-            .filter_map(|k| wearer.clip_pose(&self.clip, length * f64::from(k) / f64::from(count)))
+            .filter_map(|k| body.clip_pose(&self.clip, length * f64::from(k) / f64::from(count)))
             .collect()
     }
 
     fn start_action(&self, context: &ActionContext, persistent: &mut PersistentState) -> Result<ActionStart> {
-        let Some(standing) = &persistent.body else {
-            return Err(context.refuse(
-                "`play` moves a body, and the garment is not on one",
-                "give --body, and leave out what takes the garment off before",
-            ));
+        let posed = required_body("play", context, persistent)?;
+        let body = posed.body.clone();
+        let Some(ClipEnds { length, first, last }) = self.clip_ends(&body) else {
+            let error = self.validate_body(&body).into_iter().next();
+            let error = error.unwrap_or_else(|| FieldError::new("clip", "it cannot be played", ""));
+            return Err(context.refuse(error.message, error.help));
         };
-        let wearer = standing.body.clone();
-        let length = wearer.clip_length(&self.clip);
-        let ends = length.and_then(|length| {
-            Some((length, wearer.clip_pose(&self.clip, 0.0)?, wearer.clip_pose(&self.clip, length)?))
-        });
-        let Some((length, first, last)) = ends else {
-            let misfit = self.validate_body(&wearer).into_iter().next();
-            let misfit = misfit.unwrap_or_else(|| FieldError::new("clip", "it cannot be played", ""));
-            return Err(context.refuse(misfit.what, misfit.cure));
-        };
-        // The body goes to where the clip begins, and from its end back there, as fast as a calm arm.
-        let lead = way_s(&wearer, &standing.pose, &first);
-        let back = way_s(&wearer, &last, &first);
-        let (from, clip) = (standing.pose.clone(), self.clip.clone());
+        // The body moves to the first pose of the clip, and between repetitions from its last pose back there.
+        let lead = transition_time(&body, &posed.pose, &first);
+        let back = transition_time(&body, &last, &first);
+        let (from, clip) = (posed.pose.clone(), self.clip.clone());
         let duration = lead + f64::from(self.repeat) * length + f64::from(self.repeat - 1) * back;
-        let of_clip = wearer.clone();
-        let pose = move |t: f64| {
+        let clip_body = body.clone();
+        let pose_at = move |t: f64| {
             if t < lead {
                 return interpolate_body_pose(&from, &first, smoothstep(t / lead));
             }
@@ -86,18 +92,10 @@ impl WearAction for Play {
             if own > length {
                 return interpolate_body_pose(&last, &first, smoothstep((own - length) / back));
             }
-            of_clip.clip_pose(&clip, own).unwrap_or_else(|| last.clone())
+            clip_body.clip_pose(&clip, own).unwrap_or_else(|| last.clone())
         };
-        let runner = Moving {
-            wearer,
-            drive: persistent.idle_loads(),
-            pose: Box::new(pose),
-            breaks: Vec::new(),
-            still: Vec::new(),
-            duration,
-            at: None,
-        };
-        Ok(ActionStart { duration: Some(duration), ..ActionStart::here(runner)? })
+        let motion = BodyMotionRunner::new(body, persistent.idle_loads(), duration, pose_at);
+        Ok(ActionStart { duration: Some(duration), ..ActionStart::here(motion)? })
     }
 
     fn example() -> Self {

@@ -3,9 +3,12 @@
 use crate::error::Result;
 use crate::math::Vec3;
 use crate::sim::Loads;
-use crate::wear::action_runner::{ActionContext, ActionRunner, ActionStart, PersistentState, smoothstep};
-use crate::wear::actions::WearAction;
-use crate::wear::crease_prediction::FoldLayout;
+use crate::wear::action_runner::{ActionContext, ActionRunner, ActionStart};
+use crate::wear::fold_layout::FoldLayout;
+use crate::wear::motion_profile::smoothstep;
+use crate::wear::persistent_state::PersistentState;
+use crate::wear::tuning::TUNING;
+use crate::wear::wear_action::WearAction;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -18,7 +21,7 @@ pub struct Press {
     #[serde(rename = "pressure")]
     #[schemars(extend("exclusiveMinimum" = 0), range(max = 1_000_000))]
     pub pressure_pa: f64,
-    /// For how long [s].
+    /// Duration [s].
     #[serde(rename = "for")]
     #[schemars(extend("exclusiveMinimum" = 0), range(max = 86400))]
     pub for_s: f64,
@@ -30,8 +33,8 @@ impl WearAction for Press {
     }
 
     /// Marks what lies on sides.
-    fn sketch(&self, sketch: &mut FoldLayout) {
-        sketch.press();
+    fn predict_creases(&self, layout: &mut FoldLayout) {
+        layout.press();
     }
 
     fn start_action(&self, context: &ActionContext, persistent: &mut PersistentState) -> Result<ActionStart> {
@@ -40,8 +43,11 @@ impl WearAction for Press {
                 context.refuse("`press` needs a garment on the ground", "lay it first: {\"lay\": {}}")
             );
         }
-        let laid_on = LAID_ON.min(0.5 * self.for_s);
-        ActionStart::here(Weight { pressure: self.pressure_pa, laid_on, resting: persistent.idle_loads() })
+        ActionStart::here(PressRunner {
+            pressure: self.pressure_pa,
+            ramp_time: TUNING.other.press_ramp_time.min(0.5 * self.for_s),
+            idle_loads: persistent.idle_loads(),
+        })
     }
 
     fn example() -> Self {
@@ -49,33 +55,27 @@ impl WearAction for Press {
     }
 }
 
-/// Time in which a weight is laid on [s], or half of the press if that is shorter: dropped all at once it would throw whatever stands
-/// up somewhere.
-const LAID_ON: f64 = 0.4;
-/// Steps in which it is, at least.
-const STEPS: f64 = 4.0;
-
-/// A weight that lies on the cloth.
-struct Weight {
+/// A pressure on the cloth.
+struct PressRunner {
     /// [Pa].
     pressure: f64,
-    /// [s].
-    laid_on: f64,
-    resting: Loads,
+    /// Time in which it rises [s].
+    ramp_time: f64,
+    idle_loads: Loads,
 }
 
-impl ActionRunner for Weight {
+impl ActionRunner for PressRunner {
     fn loads_at(&mut self, t: f64, _x: &[Vec3]) -> Loads {
-        let rises = t <= self.laid_on * (1.0 + 1e-9);
+        let rises = t <= self.ramp_time * (1.0 + 1e-9);
         Loads {
-            pressure: self.pressure * smoothstep(t / self.laid_on),
-            max_dt: if rises { self.laid_on / STEPS } else { f64::INFINITY },
-            ..self.resting.clone()
+            pressure: self.pressure * smoothstep(t / self.ramp_time),
+            max_dt: if rises { self.ramp_time / TUNING.other.press_ramp_steps } else { f64::INFINITY },
+            ..self.idle_loads.clone()
         }
     }
 
     fn event_times(&self) -> Vec<f64> {
-        vec![self.laid_on]
+        vec![self.ramp_time]
     }
 
     fn save_state(&self) -> Option<Value> {

@@ -1,13 +1,14 @@
-//! `release`: whatever is held is let go at once.
+//! `release`: everything that is held is released at once.
 
 use crate::error::Result;
-use crate::wear::action_runner::{ActionContext, ActionStart, ConstantLoads, PersistentState};
-use crate::wear::actions::WearAction;
-use crate::wear::crease_prediction::FoldLayout;
+use crate::wear::action_runner::{ActionContext, ActionStart, ConstantLoads};
+use crate::wear::fold_layout::FoldLayout;
+use crate::wear::persistent_state::PersistentState;
+use crate::wear::wear_action::WearAction;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Let go at once of everything that is held, hung, pressed or squeezed. Takes no time: a `settle` usually follows.
+/// Release at once everything that is held, hung, pressed or squeezed. Takes no time: a `settle` usually follows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Release {}
@@ -17,15 +18,15 @@ impl WearAction for Release {
         0.0
     }
 
-    /// Creases nothing that is not folded yet.
-    fn sketch(&self, sketch: &mut FoldLayout) {
-        sketch.rest();
+    /// Marks nothing: it creases only what is folded already.
+    fn predict_creases(&self, layout: &mut FoldLayout) {
+        layout.require_flat();
     }
 
     fn start_action(&self, context: &ActionContext, persistent: &mut PersistentState) -> Result<ActionStart> {
         persistent.held_loads = None;
         if persistent.ground.is_none() && persistent.body.is_none() {
-            // What was held in the air falls on a floor just below it.
+            // A garment that was held in the air falls on a floor just below it.
             let lowest = context.positions.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
             persistent.ground = Some(lowest - 2.0 * context.thickness);
             persistent.frame = None;

@@ -1,10 +1,12 @@
-//! `settle`: hands off; gravity, friction and memory do the rest.
+//! `settle`: folds and presses are released; gravity, friction and memory act alone.
 
 use crate::error::Result;
 use crate::sim::Loads;
-use crate::wear::action_runner::{ActionContext, ActionStart, ConstantLoads, PersistentState};
-use crate::wear::actions::WearAction;
-use crate::wear::crease_prediction::FoldLayout;
+use crate::wear::action_runner::{ActionContext, ActionStart, ConstantLoads};
+use crate::wear::fold_layout::FoldLayout;
+use crate::wear::persistent_state::PersistentState;
+use crate::wear::tuning::TUNING;
+use crate::wear::wear_action::WearAction;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -12,13 +14,13 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Settle {
-    /// For how long at most [s]. Default 3.
-    #[serde(rename = "for", default = "for_s")]
+    /// Largest duration [s]. Default 3.
+    #[serde(rename = "for", default = "default_for_s")]
     #[schemars(extend("exclusiveMinimum" = 0), range(max = 3600))]
     pub for_s: f64,
 }
 
-fn for_s() -> f64 {
+fn default_for_s() -> f64 {
     3.0
 }
 
@@ -27,14 +29,18 @@ impl WearAction for Settle {
         self.for_s
     }
 
-    /// Creases nothing that is not folded yet.
-    fn sketch(&self, sketch: &mut FoldLayout) {
-        sketch.rest();
+    /// Marks nothing: it creases only what is folded already.
+    fn predict_creases(&self, layout: &mut FoldLayout) {
+        layout.require_flat();
     }
 
-    fn start_action(&self, _scene: &ActionContext, persistent: &mut PersistentState) -> Result<ActionStart> {
-        let drive = Loads { drag: 3.0, ..persistent.idle_loads() };
-        ActionStart::here(ConstantLoads { loads: drive, may_end_early: true })
+    fn start_action(
+        &self,
+        _context: &ActionContext,
+        persistent: &mut PersistentState,
+    ) -> Result<ActionStart> {
+        let loads = Loads { drag: TUNING.other.settle_drag, ..persistent.idle_loads() };
+        ActionStart::here(ConstantLoads { loads, may_end_early: true })
     }
 
     fn example() -> Self {

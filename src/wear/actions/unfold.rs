@@ -3,13 +3,14 @@
 use crate::error::Result;
 use crate::math::Vec3;
 use crate::sim::Loads;
-use crate::wear::action_runner::{
-    ActionContext, ActionRunner, ActionStart, FoldRecord, PersistentState, carry_spring, smoothstep,
-};
-use crate::wear::actions::fold::{GRIP_WIDTH, MAX_TURN_PER_STEP};
-use crate::wear::actions::{FieldError, WearAction};
-use crate::wear::crease_prediction::FoldLayout;
-use crate::wear::fold_map::{Axis, OnSheet};
+use crate::wear::action_runner::{ActionContext, ActionRunner, ActionStart};
+use crate::wear::fold_layout::FoldLayout;
+use crate::wear::fold_map::{FoldAxis, FoldCoords};
+use crate::wear::motion_profile::{PEAK_RATE, smoothstep};
+use crate::wear::persistent_state::{FoldRecord, PersistentState};
+use crate::wear::springs::carry_spring;
+use crate::wear::tuning::TUNING;
+use crate::wear::wear_action::{FieldError, WearAction};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -21,17 +22,17 @@ pub struct Unfold {
     /// Open every fold. May be left out; not together with `last`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub all: Option<bool>,
-    /// How many folds to open, counted back from the latest.
+    /// Number of folds to open, counted back from the latest.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1, max = 10000))]
     pub last: Option<u32>,
-    /// How long opening them takes, all together [s]. Default 2.
-    #[serde(rename = "over", default = "over_s")]
+    /// Duration of opening them all [s]. Default 2.
+    #[serde(rename = "over", default = "default_over_s")]
     #[schemars(extend("exclusiveMinimum" = 0), range(max = 3600))]
     pub over_s: f64,
 }
 
-fn over_s() -> f64 {
+fn default_over_s() -> f64 {
     2.0
 }
 
@@ -47,19 +48,16 @@ impl WearAction for Unfold {
                 vec![FieldError::new("last", "`all` and `last` do not go together", "keep one of them")]
             }
             (Some(false), None) => {
-                vec![FieldError::new(
-                    "all",
-                    "`all` is false and `last` is missing",
-                    "say how many folds with `last`",
-                )]
+                let message = "`all` is false and `last` is missing";
+                vec![FieldError::new("all", message, "say how many folds with `last`")]
             }
             _ => Vec::new(),
         }
     }
 
     /// Opens what was folded.
-    fn sketch(&self, sketch: &mut FoldLayout) {
-        sketch.unfold(self.last.map(|n| n as usize));
+    fn predict_creases(&self, layout: &mut FoldLayout) {
+        layout.unfold(self.last.map(|n| n as usize));
     }
 
     fn start_action(&self, context: &ActionContext, persistent: &mut PersistentState) -> Result<ActionStart> {
@@ -69,18 +67,20 @@ impl WearAction for Unfold {
         }
         let wanted = self.last.map_or(count, |n| n as usize);
         if wanted > count {
-            let cure = format!("`last` may be at most {count} here");
-            return Err(
-                context.refuse(format!("{wanted} folds shall be opened and only {count} are made"), cure)
-            );
+            let message = format!("{wanted} folds shall be opened and only {count} are made");
+            return Err(context.refuse(message, format!("`last` may be at most {count} here")));
         }
         persistent.held_loads = None;
         let mut folds = persistent.folds.split_off(count - wanted);
         folds.reverse();
-        let each = self.over_s / folds.len() as f64;
-        let resting = persistent.idle_loads();
-        let (mass, thickness) = (context.masses.to_vec(), context.thickness);
-        ActionStart::here(Open { folds, each, under_way: None, mass, thickness, resting })
+        ActionStart::here(UnfoldRunner {
+            time_per_fold: self.over_s / folds.len() as f64,
+            folds,
+            current: None,
+            masses: context.masses.to_vec(),
+            thickness: context.thickness,
+            idle_loads: persistent.idle_loads(),
+        })
     }
 
     fn example() -> Self {
@@ -88,127 +88,152 @@ impl WearAction for Unfold {
     }
 }
 
-/// Share of points that may lie out of order when the height between flap and rest is chosen.
-const STRAY: f64 = 0.02;
-
-/// Folds that are opened one after the other, latest first.
-struct Open {
+/// Folds that are opened one after the other.
+struct UnfoldRunner {
+    /// Latest first.
     folds: Vec<FoldRecord>,
-    /// Time for one fold [s].
-    each: f64,
-    under_way: Option<Opening>,
-    mass: Vec<f64>,
+    /// [s].
+    time_per_fold: f64,
+    current: Option<OpeningFold>,
+    /// [kg], one per point.
+    masses: Vec<f64>,
+    /// Thickness of a layer [m].
     thickness: f64,
-    resting: Loads,
+    idle_loads: Loads,
 }
 
-/// One fold that is being opened.
+/// A fold that is being opened. Field names and order in JSON are those of checkpoints.
 #[derive(Serialize, Deserialize)]
-struct Opening {
+struct OpeningFold {
+    /// Index of the fold, in order of opening.
     number: usize,
-    axis: Axis,
-    /// Point, where on its sheet, its mass [kg].
-    guided: Vec<(u32, OnSheet, f64)>,
-    /// Points that sleep meanwhile: the rest, but for a strip along the line. One flag per point.
-    held: Vec<bool>,
-    /// How much the flap must come up in all, or it would end in the ground [m].
+    axis: FoldAxis,
+    #[serde(rename = "guided")]
+    flap: Vec<OpeningPoint>,
+    /// Fixed points, one flag per point: the rest, except for a strip along the line.
+    #[serde(rename = "held")]
+    fixed: Vec<bool>,
+    /// Height by which the flap rises in all, so that it does not end below the ground [m].
     lift: f64,
 }
 
-impl Open {
-    fn opening(&self, number: usize, x: &[Vec3]) -> Opening {
-        let fold = &self.folds[number];
-        let mut in_flap = vec![false; x.len()];
-        fold.flap.iter().for_each(|&p| in_flap[p as usize] = true);
-        let inside = |p: &Vec3| (p - fold.origin).dot(&fold.out) < -0.01;
-        let heights = |flap: bool| {
-            let mut h: Vec<f64> =
-                x.iter().zip(&in_flap).filter(|(p, f)| **f == flap && inside(p)).map(|(p, _)| p.y).collect();
-            h.sort_unstable_by(f64::total_cmp);
-            h
-        };
-        let (flap, rest) = (heights(true), heights(false));
-        let share = |h: &[f64], s: f64| h.get(((h.len() as f64 - 1.0) * s) as usize).copied();
-        let between = match (share(&flap, STRAY), share(&rest, 1.0 - STRAY)) {
-            (Some(f), Some(r)) => 0.5 * (f + r),
-            (Some(f), None) => f - self.thickness,
-            (None, r) => r.unwrap_or(0.0) + self.thickness,
-        };
-        let axis = Axis {
-            origin: Vec3::new(fold.origin.x, between, fold.origin.z),
-            along: fold.along,
-            out: fold.out,
-            least_depth: 0.5 * self.thickness,
-        };
-        let guided: Vec<_> = fold
-            .flap
-            .iter()
-            .map(|&p| {
-                let place = axis.on_sheet(&x[p as usize], fold.angle);
-                (p, place, self.mass[p as usize])
-            })
-            .collect();
-        let deepest = guided.iter().map(|(_, place, _)| place.depth).fold(0.0, f64::max);
-        let ground = self.resting.ground.unwrap_or(f64::NEG_INFINITY);
-        let lift = (deepest + self.thickness - (between - ground)).max(0.0);
-        let held = x
-            .iter()
-            .zip(&in_flap)
-            .map(|(p, flap)| !flap && (p - fold.origin).dot(&fold.out) <= -GRIP_WIDTH)
-            .collect();
-        Opening { number, axis, guided, held, lift }
+/// A point of an opening flap, a tuple in JSON.
+#[derive(Clone, Copy, Serialize, Deserialize)]
+#[serde(from = "(u32, FoldCoords, f64)", into = "(u32, FoldCoords, f64)")]
+struct OpeningPoint {
+    point: u32,
+    coords: FoldCoords,
+    /// [kg].
+    mass: f64,
+}
+
+impl From<(u32, FoldCoords, f64)> for OpeningPoint {
+    fn from((point, coords, mass): (u32, FoldCoords, f64)) -> Self {
+        Self { point, coords, mass }
     }
 }
 
-impl ActionRunner for Open {
-    fn loads_at(&mut self, t: f64, x: &[Vec3]) -> Loads {
-        let number = ((t / self.each - 1e-9).floor().max(0.0) as usize).min(self.folds.len() - 1);
-        let opening = match self.under_way.take() {
-            Some(opening) if opening.number == number => opening,
-            _ => self.opening(number, x),
+impl From<OpeningPoint> for (u32, FoldCoords, f64) {
+    fn from(own: OpeningPoint) -> Self {
+        (own.point, own.coords, own.mass)
+    }
+}
+
+impl UnfoldRunner {
+    /// Starts to open fold `number` of a cloth at the positions `x` [m].
+    fn open(&self, number: usize, x: &[Vec3]) -> OpeningFold {
+        let fold = &self.folds[number];
+        let mut in_flap = vec![false; x.len()];
+        fold.flap.iter().for_each(|&p| in_flap[p as usize] = true);
+        let between = self.height_between(fold, &in_flap, x);
+        let axis = FoldAxis {
+            origin: Vec3::new(fold.origin.x, between, fold.origin.z),
+            along: fold.along,
+            outward: fold.outward,
+            min_depth: 0.5 * self.thickness,
         };
-        let done = smoothstep((t - self.each * number as f64) / self.each);
-        let angle = self.folds[number].angle;
-        let guides = opening
-            .guided
-            .iter()
-            .map(|(point, place, mass)| {
-                // Lifted where it lies away from the line, so that the crease itself is not pulled.
-                let lift = opening.lift * done * (place.s / LIFT_RAMP).min(1.0);
-                let phi = angle * (1.0 - done);
-                let target = opening.axis.turned(place, phi) + Vec3::y() * lift;
-                carry_spring(*point, target, opening.axis.normal(place, phi), *mass)
-            })
-            .collect();
-        let held = opening.held.clone();
-        self.under_way = Some(opening);
-        Loads {
-            springs: guides,
-            guided: true,
-            fixed: held,
-            max_dt: MAX_TURN_PER_STEP * self.each / (1.5 * angle),
-            ..self.resting.clone()
+        let flap_point = |&p: &u32| OpeningPoint {
+            point: p,
+            coords: axis.to_fold_coords(&x[p as usize], fold.angle),
+            mass: self.masses[p as usize],
+        };
+        let flap: Vec<OpeningPoint> = fold.flap.iter().map(flap_point).collect();
+        let max_depth = flap.iter().map(|p| p.coords.depth).fold(0.0, f64::max);
+        let ground = self.idle_loads.ground.unwrap_or(f64::NEG_INFINITY);
+        let is_fixed = |(p, in_flap): (&Vec3, &bool)| {
+            !in_flap && (p - fold.origin).dot(&fold.outward) <= -TUNING.fold.grip_width
+        };
+        OpeningFold {
+            number,
+            axis,
+            flap,
+            fixed: x.iter().zip(&in_flap).map(is_fixed).collect(),
+            lift: (max_depth + self.thickness - (between - ground)).max(0.0),
         }
     }
 
-    fn save_state(&self) -> Option<Value> {
-        Some(json!(self.under_way))
+    /// Height between flap and rest of `fold`, whose flap is flagged per point [m].
+    fn height_between(&self, fold: &FoldRecord, in_flap: &[bool], x: &[Vec3]) -> f64 {
+        let inside = |p: &Vec3| (p - fold.origin).dot(&fold.outward) < -TUNING.fold.height_sample_offset;
+        let sorted_heights = |flap: bool| {
+            let own = x.iter().zip(in_flap).filter(|(p, f)| **f == flap && inside(p));
+            let mut heights: Vec<f64> = own.map(|(p, _)| p.y).collect();
+            heights.sort_unstable_by(f64::total_cmp);
+            heights
+        };
+        let (flap, rest) = (sorted_heights(true), sorted_heights(false));
+        let quantile = |h: &[f64], q: f64| h.get(((h.len() as f64 - 1.0) * q) as usize).copied();
+        let outliers = TUNING.fold.max_outlier_fraction;
+        match (quantile(&flap, outliers), quantile(&rest, 1.0 - outliers)) {
+            (Some(f), Some(r)) => 0.5 * (f + r),
+            (Some(f), None) => f - self.thickness,
+            (None, r) => r.unwrap_or(0.0) + self.thickness,
+        }
+    }
+}
+
+impl ActionRunner for UnfoldRunner {
+    fn loads_at(&mut self, t: f64, x: &[Vec3]) -> Loads {
+        let number = ((t / self.time_per_fold - 1e-9).floor().max(0.0) as usize).min(self.folds.len() - 1);
+        let opening = match self.current.take() {
+            Some(opening) if opening.number == number => opening,
+            _ => self.open(number, x),
+        };
+        let done = smoothstep((t - self.time_per_fold * number as f64) / self.time_per_fold);
+        let angle = self.folds[number].angle;
+        let spring = |p: &OpeningPoint| {
+            // Points away from the line are lifted, so that the crease itself is not pulled.
+            let lift = opening.lift * done * (p.coords.s / TUNING.fold.lift_ramp).min(1.0);
+            let phi = angle * (1.0 - done);
+            let target = opening.axis.folded(&p.coords, phi) + Vec3::y() * lift;
+            carry_spring(p.point, target, opening.axis.normal(&p.coords, phi), p.mass)
+        };
+        let loads = Loads {
+            springs: opening.flap.iter().map(spring).collect(),
+            guided: true,
+            fixed: opening.fixed.clone(),
+            max_dt: TUNING.fold.max_turn_per_step * self.time_per_fold / (PEAK_RATE * angle),
+            ..self.idle_loads.clone()
+        };
+        self.current = Some(opening);
+        loads
     }
 
-    fn restore_state(&mut self, memo: &Value, point_count: usize) -> bool {
-        let Ok(under_way) = Option::<Opening>::deserialize(memo) else { return false };
-        let fits = under_way.as_ref().is_none_or(|opening| {
-            opening.held.len() == point_count
-                && opening.guided.iter().all(|(point, ..)| (*point as usize) < point_count)
+    fn save_state(&self) -> Option<Value> {
+        Some(json!(self.current))
+    }
+
+    fn restore_state(&mut self, saved: &Value, point_count: usize) -> bool {
+        let Ok(current) = Option::<OpeningFold>::deserialize(saved) else { return false };
+        let fits = current.as_ref().is_none_or(|opening| {
+            opening.fixed.len() == point_count
+                && opening.flap.iter().all(|p| (p.point as usize) < point_count)
         });
-        self.under_way = under_way;
+        self.current = current;
         fits
     }
 
     fn event_times(&self) -> Vec<f64> {
-        (1..self.folds.len()).map(|k| self.each * k as f64).collect()
+        (1..self.folds.len()).map(|k| self.time_per_fold * k as f64).collect()
     }
 }
-
-/// Way from the line over which the lift comes in [m].
-const LIFT_RAMP: f64 = 0.03;

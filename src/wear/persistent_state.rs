@@ -1,0 +1,118 @@
+//! State of a garment that outlives an action: its orientation, the frame of fractions, folds, and what holds it.
+
+use crate::body::PosedBody;
+use crate::math::{Mat3, Vec3, bounds};
+use crate::sim::Loads;
+use serde::{Deserialize, Serialize};
+
+/// The plane that fractions of the bounding box refer to.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct GarmentFrame {
+    /// The point (0, 0), lower left [m].
+    #[serde(with = "crate::math::serde_vec::vector")]
+    pub origin: Vec3,
+    /// Vector from (0, 0) to (1, 0) [m].
+    #[serde(with = "crate::math::serde_vec::vector")]
+    pub right: Vec3,
+    /// Vector from (0, 0) to (0, 1) [m].
+    #[serde(with = "crate::math::serde_vec::vector")]
+    pub upward: Vec3,
+}
+
+impl GarmentFrame {
+    /// Position of a fraction [m].
+    pub fn position(&self, fraction: [f64; 2]) -> Vec3 {
+        self.origin + self.right * fraction[0] + self.upward * fraction[1]
+    }
+
+    /// Fraction of a position [m].
+    pub fn fraction(&self, position: &Vec3) -> [f64; 2] {
+        let arm = position - self.origin;
+        [&self.right, &self.upward].map(|axis| arm.dot(axis) / axis.norm_squared().max(f64::MIN_POSITIVE))
+    }
+
+    /// Frame of a hanging garment with points `x` [m]: x to the right, y upward.
+    pub fn hanging(x: &[Vec3]) -> Self {
+        let (low, high) = bounds(x);
+        Self {
+            origin: Vec3::new(low.x, low.y, 0.5 * (low.z + high.z)),
+            right: Vec3::new(high.x - low.x, 0.0, 0.0),
+            upward: Vec3::new(0.0, high.y - low.y, 0.0),
+        }
+    }
+
+    /// Frame of a garment on the ground with points `x` [m]: x to the right, -z upward.
+    pub fn lying(x: &[Vec3]) -> Self {
+        let (low, high) = bounds(x);
+        Self {
+            origin: Vec3::new(low.x, 0.0, high.z),
+            right: Vec3::new(high.x - low.x, 0.0, 0.0),
+            upward: Vec3::new(0.0, 0.0, low.z - high.z),
+        }
+    }
+}
+
+/// A fold that has been made and not opened.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FoldRecord {
+    /// Points of the flap.
+    pub flap: Vec<u32>,
+    /// A point of the fold line on the ground [m].
+    #[serde(with = "crate::math::serde_vec::vector")]
+    pub origin: Vec3,
+    /// Unit vector along the line.
+    #[serde(with = "crate::math::serde_vec::vector")]
+    pub along: Vec3,
+    /// Unit vector from the line to where the flap lay before.
+    #[serde(rename = "out", with = "crate::math::serde_vec::vector")]
+    pub outward: Vec3,
+    /// Angle by which the flap was turned [rad].
+    pub angle: f64,
+}
+
+/// State that outlives an action.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PersistentState {
+    /// Rotation of the garment as a whole, from directions of its file to present ones.
+    #[serde(rename = "turned", with = "crate::math::serde_vec::matrix")]
+    pub orientation: Mat3,
+    /// Frame that fractions refer to, once the garment lies or hangs.
+    pub frame: Option<GarmentFrame>,
+    /// Folds that are not opened yet, oldest first.
+    pub folds: Vec<FoldRecord>,
+    /// Height of the ground [m], where there is one.
+    pub ground: Option<f64>,
+    /// Loads of the last action that act until they are released.
+    #[serde(rename = "kept")]
+    pub held_loads: Option<Loads>,
+    /// The body the garment is worn on, in its present pose.
+    // A checkpoint stores the pose separately: the body itself is the caller's.
+    #[serde(skip)]
+    pub body: Option<PosedBody>,
+}
+
+impl Default for PersistentState {
+    fn default() -> Self {
+        Self {
+            orientation: Mat3::identity(),
+            frame: None,
+            folds: Vec::new(),
+            ground: None,
+            held_loads: None,
+            body: None,
+        }
+    }
+}
+
+impl PersistentState {
+    /// The frame, if the garment lies on the ground.
+    pub fn ground_frame(&self) -> Option<GarmentFrame> {
+        self.ground.and(self.frame)
+    }
+
+    /// Loads while no action changes anything: gravity, the ground, the body and whatever has not been released.
+    pub fn idle_loads(&self) -> Loads {
+        let held = self.held_loads.clone().unwrap_or_else(|| Loads::gravity_only(self.ground));
+        Loads { body: self.body.as_ref().map(|body| body.points.clone()), ..held }
+    }
+}

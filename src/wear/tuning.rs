@@ -1,0 +1,187 @@
+//! Tuning constants of the wear actions, all in one place, by subject.
+
+/// Springs that move and hold points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct SpringTuning {
+    /// Deflection of a spring along its normal under the weight of its point [m], default 5e-4: it sets the stiffness.
+    pub sag: f64,
+    /// Tangential stiffness relative to the normal one [-], default 0.02: the cloth may slide in its own plane.
+    pub tangential_fraction: f64,
+}
+
+/// Motions of the body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct BodyMotionTuning {
+    /// Largest step while the body moves [s], default 1/30: a frame of usual clips.
+    pub max_dt_moving: f64,
+    /// Speed of the fastest point in a transition between two poses [m/s], default 0.4: an arm that moves without haste.
+    pub max_transition_speed: f64,
+    /// Largest distance between the points of two poses that count as the same [m], default 1e-4.
+    pub same_pose_distance: f64,
+    /// Largest number of names listed in a message, default 40.
+    pub max_listed_names: usize,
+    /// Poses sampled over a `bend` to find what moves, default 12.
+    pub bend_samples: u32,
+    /// Poses sampled per second of a clip to find what moves [1/s], default 10.
+    pub clip_sample_rate: f64,
+    /// Largest number of poses sampled over a clip, default 200.
+    pub max_clip_samples: u32,
+}
+
+/// Folding and unfolding.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct FoldTuning {
+    /// Angle above which a flap counts as laid flat on the rest [degrees], default 150: its crease can be predicted.
+    pub flat_fold_deg: f64,
+    /// Width of the strip along the line that is gripped on the resting part [m], default 0.05: a hand.
+    pub grip_width: f64,
+    /// Largest angle that the flap turns per step [rad], default 0.12.
+    pub max_turn_per_step: f64,
+    /// Fraction of the points along the line that lie no higher than the stack [-], default 0.9: the others are bulges of
+    /// older folds.
+    pub stack_quantile: f64,
+    /// Duration of the release of a flap that lies [s], default 0.4.
+    pub release_time: f64,
+    /// Steps over the release, default 4.
+    pub release_steps: f64,
+    /// Pressure that smooths a fold along its line while it is held [Pa], default 200: 10 N over a fold of 0.5 m.
+    pub smoothing_pressure: f64,
+    /// Additional drag during the release [1/s], default 20.
+    pub release_drag: f64,
+    /// Angle above which a fold stays by itself [rad], default 3; others are held until they are opened or released.
+    pub self_supporting_angle: f64,
+    /// Distance from the bend over which the flap is raised above what lies below it [m], default 0.03.
+    pub rise_ramp: f64,
+    /// Fraction of points that may lie out of order when the height between flap and rest is chosen [-], default 0.02.
+    pub max_outlier_fraction: f64,
+    /// Distance beyond the line from which points count for that height [m], default 0.01.
+    pub height_sample_offset: f64,
+    /// Distance from the line over which an opening flap is lifted [m], default 0.03: the crease itself is not pulled.
+    pub lift_ramp: f64,
+}
+
+/// Height field under a flap.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct HeightFieldTuning {
+    /// Width of a cell [m], default 0.01.
+    pub cell: f64,
+    /// Cells around its own that a point raises, default 2: a mesh has no points between its points.
+    pub dilation: i32,
+    /// Cells on each side over which heights are averaged, default 2: a flap must not get steps.
+    pub smoothing: i32,
+}
+
+/// Laying a garment down.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct LayTuning {
+    /// Height to which a garment is pressed down before it is released [layer thicknesses], default 12.
+    pub flat_layers: f64,
+    /// Fraction of the duration that pressing down takes [-], default 0.7; in the rest the garment is free.
+    pub press_time_fraction: f64,
+    /// Largest relative descent of the ceiling per step [-], default 0.08.
+    pub max_squeeze_per_step: f64,
+    /// Smallest number of steps while it is pressed down, default 10.
+    pub min_steps: f64,
+    /// Largest step afterwards relative to the duration [-], default 0.1.
+    pub max_free_dt_fraction: f64,
+    /// Air drag meanwhile [1/s], default 10.
+    pub drag: f64,
+    /// Ratio of height to width and length below which a garment lies in its file [-], default 0.25.
+    pub max_lying_ratio: f64,
+}
+
+/// Pressing, crumpling, hanging and settling.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct OtherActionTuning {
+    /// Time in which the pressure of a `press` rises [s], default 0.4, or half of the press if that is shorter: applied at
+    /// once it would accelerate whatever stands up.
+    pub press_ramp_time: f64,
+    /// Smallest number of steps over that time, default 4.
+    pub press_ramp_steps: f64,
+    /// Height of the closed `crumple` sphere over the ground [m], default 0.02.
+    pub sphere_clearance: f64,
+    /// Pressure on cloth outside the sphere [Pa], default 400: 320 N on a T-shirt's 0.8 m² at most. With half of it stiff
+    /// garments stay up to a fifth too large; with 1 kPa and above layers are pressed to nothing, and cloth is stretched by
+    /// half.
+    pub sphere_pressure: f64,
+    /// Largest step while the sphere closes, relative to the time that takes [-], default 0.01.
+    pub sphere_dt_fraction: f64,
+    /// Size of the grip of a hanging garment relative to its box diagonal [-], default 0.01.
+    pub hang_grip_fraction: f64,
+    /// Largest step while a garment hangs [s], default 0.1.
+    pub hang_max_dt: f64,
+    /// Air drag while a garment settles [1/s], default 3.
+    pub settle_drag: f64,
+}
+
+/// Prediction of creases.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct PredictionTuning {
+    /// Mean |normal . y| over the area from which a garment that is laid down is flat already [-], default 0.9: others are
+    /// pressed flat and may wrinkle anywhere.
+    pub min_flat_normal_y: f64,
+    /// Number of layers through which a step shows, default 2.
+    pub max_layers_through: usize,
+}
+
+/// Constants of the wear actions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct WearTuning {
+    pub springs: SpringTuning,
+    pub body: BodyMotionTuning,
+    pub fold: FoldTuning,
+    pub height_field: HeightFieldTuning,
+    pub lay: LayTuning,
+    pub other: OtherActionTuning,
+    pub prediction: PredictionTuning,
+}
+
+/// The constants in use.
+pub(super) const TUNING: WearTuning = WearTuning {
+    springs: SpringTuning { sag: 5e-4, tangential_fraction: 0.02 },
+    body: BodyMotionTuning {
+        max_dt_moving: 1.0 / 30.0,
+        max_transition_speed: 0.4,
+        same_pose_distance: 1e-4,
+        max_listed_names: 40,
+        bend_samples: 12,
+        clip_sample_rate: 10.0,
+        max_clip_samples: 200,
+    },
+    fold: FoldTuning {
+        flat_fold_deg: 150.0,
+        grip_width: 0.05,
+        max_turn_per_step: 0.12,
+        stack_quantile: 0.9,
+        release_time: 0.4,
+        release_steps: 4.0,
+        smoothing_pressure: 200.0,
+        release_drag: 20.0,
+        self_supporting_angle: 3.0,
+        rise_ramp: 0.03,
+        max_outlier_fraction: 0.02,
+        height_sample_offset: 0.01,
+        lift_ramp: 0.03,
+    },
+    height_field: HeightFieldTuning { cell: 0.01, dilation: 2, smoothing: 2 },
+    lay: LayTuning {
+        flat_layers: 12.0,
+        press_time_fraction: 0.7,
+        max_squeeze_per_step: 0.08,
+        min_steps: 10.0,
+        max_free_dt_fraction: 0.1,
+        drag: 10.0,
+        max_lying_ratio: 0.25,
+    },
+    other: OtherActionTuning {
+        press_ramp_time: 0.4,
+        press_ramp_steps: 4.0,
+        sphere_clearance: 0.02,
+        sphere_pressure: 400.0,
+        sphere_dt_fraction: 0.01,
+        hang_grip_fraction: 0.01,
+        hang_max_dt: 0.1,
+        settle_drag: 3.0,
+    },
+    prediction: PredictionTuning { min_flat_normal_y: 0.9, max_layers_through: 2 },
+};
