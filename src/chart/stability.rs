@@ -11,7 +11,7 @@
 //! ```
 //!
 //! The last column is the default of a bake: the standard quality with its step control. `docs/validation/accuracy.md` lists
-//! docs/validation/accuracy.md lists failures of physics and numerics with their tests.
+//! failures of physics and numerics with their tests.
 
 use crate::chart::scenes;
 use crate::chart::scenes::{Flight, SceneOutcome, Scene, SceneSetting, Stack, Swing};
