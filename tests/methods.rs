@@ -1,8 +1,8 @@
-//! The methods of the shelf against independent numbers: orders, strips that swing, and where methods fail.
+//! Integrators compared with independent results: orders of convergence, swinging strips, and failures.
 //!
-//! Scenes are those of `crease chart accuracy` and `stability` (`chart::trial`); references that were computed by other
-//! means stand beside each test, whole tables are read from the folder `reference` of `CREASE_TEST_DATA` where that is set. Every
-//! test prints the figure it reached; `docs/validation/accuracy.md` lists them.
+//! Scenes are those of `crease chart accuracy` and `stability` (`chart::scenes`); references of other origin are given with
+//! each test, whole tables are read from the folder `reference` of `CREASE_TEST_DATA` where that is set. Every test prints its
+//! result; `docs/validation/accuracy.md` lists them.
 //!
 //! ```text
 //! cargo test --test methods NAME -- --nocapture

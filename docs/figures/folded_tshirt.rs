@@ -1,5 +1,5 @@
-//! The T-shirt figure of Kim, Oh, Wohn, "Persistent Wrinkles and Folds of Clothes": a T-shirt folded three times and
-//! opened again, without and with memory, and what it remembers: rest angle and curvature beside each other.
+//! Figure of a T-shirt folded three times and unfolded, as in Kim, Oh, Wohn, "Persistent Wrinkles and Folds of Clothes":
+//! without and with memory, and with memory the change of rest angles and the curvature.
 //!
 //! ```text
 //! crease bake garments/tshirt-14k.glb --wear garments/wear/fold-thrice.json --memory off -o without.glb
@@ -18,7 +18,7 @@ const SIZE: [usize; 2] = [640, 480];
 fn main() -> std::result::Result<(), Box<dyn std::error::Error>> {
     let paths: Vec<String> = std::env::args().skip(1).collect();
     let [without, with, picture] = paths.as_slice() else {
-        eprintln!("three paths are needed: WITHOUT.crease.json WITH.crease.json OUT.png");
+        eprintln!("three paths are required: WITHOUT.crease.json WITH.crease.json OUT.png");
         std::process::exit(1)
     };
     let view = |path: &String| -> std::result::Result<GarmentView, Box<dyn std::error::Error>> {
@@ -35,10 +35,10 @@ fn figure(without: &GarmentView, with: &GarmentView) -> Result<Vec<u8>> {
         &draw(with, ColorBy::Shape)?,
         ["folded thrice, without memory", "with memory"],
     );
-    let remembered = side_by_side(
+    let colourings = side_by_side(
         &draw(with, ColorBy::RestAngleChange)?,
         &draw(with, ColorBy::Curvature)?,
-        ["what it remembers", "how it lies"],
+        ["change of rest angle", "curvature"],
     );
-    encode_png(&one_above_the_other(&shapes, &remembered))
+    encode_png(&one_above_the_other(&shapes, &colourings))
 }

@@ -1,4 +1,4 @@
-//! Garments as binary glTF: one buffer, plain accessors, f32 and u32, nothing optional.
+//! Binary glTF files of garments: one buffer, plain accessors of f32 and u32, no optional features.
 
 use crate::Mesh;
 use crease::math::Vec3;
@@ -12,41 +12,58 @@ const F32: u32 = 5126;
 const VERTICES: u32 = 34962;
 const INDICES: u32 = 34963;
 
-/// A joint of a skeleton that stands unturned.
+/// A joint of a skeleton whose rest pose has no rotations.
 pub struct Joint {
-    /// Its name.
+    /// Name of its node.
     pub name: &'static str,
-    /// Where it stands [m].
-    pub place: Vec3,
-    /// The joint above it, one before it in the list.
+    /// Position in the rest pose [m].
+    pub position: Vec3,
+    /// Index of the parent, an earlier one in the list; `None` for the root.
     pub parent: Option<usize>,
 }
 
-/// Skin weights at a place [m]: at most four (joint, weight), the weights summing to one.
-pub type Weights<'a> = &'a dyn Fn(&Vec3) -> Vec<(u8, f64)>;
+/// Skin weights at a position [m]: at most four pairs of joint and weight; the weights sum to one.
+pub type SkinWeights<'a> = &'a dyn Fn(&Vec3) -> Vec<(u8, f64)>;
 
-/// A clip: key times [s], and for each joint that turns its turns at them as (x, y, z, w).
-pub type Clip = (Vec<[f32; 1]>, Vec<(usize, Vec<[f32; 4]>)>);
+/// Rotations of one joint.
+pub struct JointRotations {
+    /// Index of the joint.
+    pub joint: usize,
+    /// Quaternions (x, y, z, w), one per key time.
+    pub rotations: Vec<[f32; 4]>,
+}
 
-/// A body with the garment it wears.
-pub struct Dressed<'a> {
-    /// Names of body and garment.
-    pub names: [&'a str; 2],
-    /// Body and garment.
-    pub meshes: [&'a Mesh; 2],
-    /// What moves both.
-    pub joints: &'a [Joint],
-    /// How.
-    pub weights: Weights<'a>,
+/// An animation clip.
+pub struct Clip {
     /// Name of the clip.
-    pub clip_name: &'a str,
-    /// The clip.
+    pub name: &'static str,
+    /// Key times [s].
+    pub times: Vec<[f32; 1]>,
+    /// Rotations of every moving joint.
+    pub rotations: Vec<JointRotations>,
+}
+
+/// An animated body and its garment.
+pub struct DressedBody<'a> {
+    /// Name of the body's node and mesh.
+    pub body_name: &'a str,
+    /// Mesh of the body.
+    pub body: &'a Mesh,
+    /// Name of the garment's node and mesh.
+    pub garment_name: &'a str,
+    /// Mesh of the garment.
+    pub garment: &'a Mesh,
+    /// Skeleton of both.
+    pub joints: &'a [Joint],
+    /// Skin weights of both.
+    pub weights: SkinWeights<'a>,
+    /// Animation of the skeleton.
     pub clip: Clip,
-    /// Of the cloth.
+    /// Base colour of the cloth, linear RGB.
     pub colour: [f64; 3],
 }
 
-/// A buffer under construction, with its views and accessors.
+/// Buffer under construction, with its views and accessors.
 #[derive(Default)]
 struct Buffer {
     bytes: Vec<u8>,
@@ -55,6 +72,7 @@ struct Buffer {
 }
 
 impl Buffer {
+    /// Appends `data` with its view and `accessor`; returns the index of the accessor.
     fn push(&mut self, data: &[u8], target: Option<u32>, mut accessor: Value) -> usize {
         let mut view = json!({"buffer": 0, "byteOffset": self.bytes.len(), "byteLength": data.len()});
         if let Some(target) = target {
@@ -68,7 +86,7 @@ impl Buffer {
         self.accessors.len() - 1
     }
 
-    /// Rows of floats; `bounds` adds least and greatest, which glTF demands of positions and key times.
+    /// Appends rows of floats; `bounds` adds minimum and maximum, which glTF requires for positions and key times.
     fn floats<const N: usize>(
         &mut self,
         rows: &[[f32; N]],
@@ -88,14 +106,14 @@ impl Buffer {
         self.push(&data, target, accessor)
     }
 
-    /// One primitive of `mesh`, triangles and attributes.
-    fn primitive(&mut self, mesh: &Mesh, material: usize, weights: Option<Weights>) -> Value {
-        let narrow = |rows: &[Vec3]| -> Vec<[f32; 3]> {
+    /// Appends one primitive with the triangles and attributes of `mesh`.
+    fn primitive(&mut self, mesh: &Mesh, material: usize, weights: Option<SkinWeights>) -> Value {
+        let to_f32 = |rows: &[Vec3]| -> Vec<[f32; 3]> {
             rows.iter().map(|p| [p.x as f32, p.y as f32, p.z as f32]).collect()
         };
         let mut attributes = json!({
-            "POSITION": self.floats(&narrow(&mesh.positions), "VEC3", Some(VERTICES), true),
-            "NORMAL": self.floats(&narrow(&mesh.normals), "VEC3", Some(VERTICES), false),
+            "POSITION": self.floats(&to_f32(&mesh.positions), "VEC3", Some(VERTICES), true),
+            "NORMAL": self.floats(&to_f32(&mesh.normals), "VEC3", Some(VERTICES), false),
         });
         if !mesh.uvs.is_empty() {
             let uvs: Vec<[f32; 2]> = mesh.uvs.iter().map(|p| [p.x as f32, p.y as f32]).collect();
@@ -103,19 +121,19 @@ impl Buffer {
         }
         if let Some(weights) = weights {
             let count = mesh.positions.len();
-            let (mut joints, mut shares) = (Vec::with_capacity(4 * count), Vec::with_capacity(count));
+            let (mut joints, mut all_weights) = (Vec::with_capacity(4 * count), Vec::with_capacity(count));
             for p in &mesh.positions {
                 // A joint without weight must be joint 0: glTF forbids unused references.
-                let (mut joint, mut share) = ([0u8; 4], [0f32; 4]);
+                let (mut joint, mut weight) = ([0u8; 4], [0f32; 4]);
                 for (k, (j, w)) in weights(p).into_iter().enumerate() {
-                    (joint[k], share[k]) = (if w > 0.0 { j } else { 0 }, w as f32);
+                    (joint[k], weight[k]) = (if w > 0.0 { j } else { 0 }, w as f32);
                 }
                 joints.extend(joint);
-                shares.push(share);
+                all_weights.push(weight);
             }
             let accessor = json!({"componentType": U8, "count": count, "type": "VEC4"});
             attributes["JOINTS_0"] = json!(self.push(&joints, Some(VERTICES), accessor));
-            attributes["WEIGHTS_0"] = json!(self.floats(&shares, "VEC4", Some(VERTICES), false));
+            attributes["WEIGHTS_0"] = json!(self.floats(&all_weights, "VEC4", Some(VERTICES), false));
         }
         let indices: Vec<u8> = mesh.triangles.iter().flatten().flat_map(|i| i.to_le_bytes()).collect();
         let accessor = json!({"componentType": U32, "count": 3 * mesh.triangles.len(), "type": "SCALAR"});
@@ -123,7 +141,7 @@ impl Buffer {
         json!({"attributes": attributes, "indices": indices, "material": material})
     }
 
-    /// Closes the file: header, JSON chunk, binary chunk.
+    /// Assembles the file: header, JSON chunk, binary chunk.
     fn glb(self, mut document: Value) -> Vec<u8> {
         document["asset"] = json!({"version": "2.0", "generator": "crease generate_garments"});
         document["scene"] = json!(0);
@@ -154,7 +172,7 @@ fn material(name: &str, [r, g, b]: [f64; 3], double_sided: bool) -> Value {
     })
 }
 
-/// A garment that lies on the ground, one node, no body.
+/// File of a flat garment: one node, no body.
 pub fn flat_garment(name: &str, cloth: &Mesh, colour: [f64; 3]) -> Vec<u8> {
     let mut buffer = Buffer::default();
     let primitive = buffer.primitive(cloth, 0, None);
@@ -167,53 +185,57 @@ pub fn flat_garment(name: &str, cloth: &Mesh, colour: [f64; 3]) -> Vec<u8> {
 }
 
 /// A garment on its body, both bound to the same joints, with one clip.
-pub fn dressed(what: Dressed) -> Vec<u8> {
+pub fn dressed_body(dressed: &DressedBody) -> Vec<u8> {
     let mut buffer = Buffer::default();
-    let Dressed { names, meshes, joints, weights, clip_name, clip, colour } = what;
-    let [body, cloth] = [0, 1].map(|k| buffer.primitive(meshes[k], k, Some(weights)));
+    let DressedBody { body_name, body, garment_name, garment, joints, weights, clip, colour } = dressed;
+    let body = buffer.primitive(body, 0, Some(*weights));
+    let cloth = buffer.primitive(garment, 1, Some(*weights));
     let bind: Vec<[f32; 16]> = joints
         .iter()
         .map(|joint| {
             let mut m = [0.0; 16];
             (m[0], m[5], m[10], m[15]) = (1.0, 1.0, 1.0, 1.0);
-            let home = Vec3::zeros() - joint.place;
-            (m[12], m[13], m[14]) = (home.x as f32, home.y as f32, home.z as f32);
+            let to_joint = Vec3::zeros() - joint.position;
+            (m[12], m[13], m[14]) = (to_joint.x as f32, to_joint.y as f32, to_joint.z as f32);
             m
         })
         .collect();
     let bind = buffer.floats(&bind, "MAT4", None, false);
     // Nodes: body, garment, then the joints.
-    const FIRST: usize = 2;
+    const FIRST_JOINT: usize = 2;
     let node = |(k, joint): (usize, &Joint)| {
-        let above = joint.parent.map_or(Vec3::zeros(), |p| joints[p].place);
-        let [x, y, z]: [f64; 3] = (joint.place - above).into();
+        let parent = joint.parent.map_or(Vec3::zeros(), |p| joints[p].position);
+        let [x, y, z]: [f64; 3] = (joint.position - parent).into();
         let mut node = json!({"name": joint.name, "translation": [x, y, z]});
         let children: Vec<usize> =
-            (0..joints.len()).filter(|c| joints[*c].parent == Some(k)).map(|c| FIRST + c).collect();
+            (0..joints.len()).filter(|c| joints[*c].parent == Some(k)).map(|c| FIRST_JOINT + c).collect();
         if !children.is_empty() {
             node["children"] = json!(children);
         }
         node
     };
-    let mut nodes: Vec<Value> =
-        names.iter().enumerate().map(|(k, name)| json!({"name": name, "mesh": k, "skin": 0})).collect();
+    let mut nodes: Vec<Value> = [body_name, garment_name]
+        .iter()
+        .enumerate()
+        .map(|(k, name)| json!({"name": name, "mesh": k, "skin": 0}))
+        .collect();
     nodes.extend(joints.iter().enumerate().map(node));
-    let (times, turns) = clip;
-    let times = buffer.floats(&times, "SCALAR", None, true);
+    let times = buffer.floats(&clip.times, "SCALAR", None, true);
     let (mut channels, mut samplers) = (Vec::new(), Vec::new());
-    for (joint, turns) in turns {
-        channels
-            .push(json!({"sampler": samplers.len(), "target": {"node": FIRST + joint, "path": "rotation"}}));
-        let turns = buffer.floats(&turns, "VEC4", None, false);
-        samplers.push(json!({"input": times, "output": turns, "interpolation": "LINEAR"}));
+    for JointRotations { joint, rotations } in &clip.rotations {
+        channels.push(
+            json!({"sampler": samplers.len(), "target": {"node": FIRST_JOINT + joint, "path": "rotation"}}),
+        );
+        let rotations = buffer.floats(rotations, "VEC4", None, false);
+        samplers.push(json!({"input": times, "output": rotations, "interpolation": "LINEAR"}));
     }
-    let all: Vec<usize> = (0..joints.len()).map(|k| FIRST + k).collect();
+    let all: Vec<usize> = (0..joints.len()).map(|k| FIRST_JOINT + k).collect();
     buffer.glb(json!({
-        "scenes": [{"nodes": [0, 1, FIRST]}],
+        "scenes": [{"nodes": [0, 1, FIRST_JOINT]}],
         "nodes": nodes,
-        "skins": [{"name": names[0], "joints": all, "skeleton": FIRST, "inverseBindMatrices": bind}],
-        "animations": [{"name": clip_name, "channels": channels, "samplers": samplers}],
-        "meshes": [{"name": names[0], "primitives": [body]}, {"name": names[1], "primitives": [cloth]}],
-        "materials": [material("skin", [0.60, 0.42, 0.33], false), material("cloth", colour, true)],
+        "skins": [{"name": body_name, "joints": all, "skeleton": FIRST_JOINT, "inverseBindMatrices": bind}],
+        "animations": [{"name": clip.name, "channels": channels, "samplers": samplers}],
+        "meshes": [{"name": body_name, "primitives": [body]}, {"name": garment_name, "primitives": [cloth]}],
+        "materials": [material("skin", [0.60, 0.42, 0.33], false), material("cloth", *colour, true)],
     }))
 }

@@ -1,94 +1,111 @@
 //! Trousers on a lower body: pelvis and two legs with hips and knees, and the clip "sit-down".
 //!
-//! The body is where a smooth sum of round limbs ends (distances to segments of tapering radius, joined by a smooth least); the
-//! trousers are the same surface a little farther out. Both are rings laid around it, split at the crotch, then evened out:
-//! every point goes towards the mean of its neighbours and back to the surface. Front is +z, the wearer's left is +x.
+//! The body is an implicit surface: the smooth union of round cones (distance to a segment of linearly varying radius); the
+//! trousers are its offset surface. Both are meshed by rings, which branch at the crotch, and smoothed: every point moves
+//! towards the mean of its neighbours and is projected back onto the surface. Front is +z, the left leg is at +x.
 
-use crate::glb::{Clip, Joint};
-use crate::{Mesh, smooth};
+use crate::glb::{Clip, Joint, JointRotations};
+use crate::{Mesh, smoothstep};
 use crease::math::{Vec2, Vec3};
 use std::f64::consts::TAU;
 
-/// Hips, knees and ankles of the left leg [m]; the right one's are mirrored.
+/// Left hip [m]; joints of the right leg are mirrored.
 const HIP: Vec3 = Vec3::new(0.09, 0.92, 0.0);
+/// Left knee [m].
 const KNEE: Vec3 = Vec3::new(0.10, 0.50, 0.0);
+/// Left ankle [m].
 const ANKLE: Vec3 = Vec3::new(0.105, 0.08, -0.01);
-/// Radii at the ends of thigh and calf [m].
+/// Radii at the ends of the thigh [m].
 const THIGH: [f64; 2] = [0.088, 0.060];
+/// Radii at the ends of the calf [m].
 const CALF: [f64; 2] = [0.060, 0.042];
-/// Half width, height and radius of pelvis and waist [m].
-const PELVIS: [f64; 3] = [0.075, 0.98, 0.112];
-const WAIST: [f64; 3] = [0.050, 1.14, 0.092];
-/// Width over which limbs run into one another [m].
-const SMOOTH: f64 = 0.04;
-/// Where the legs part [m].
-const CROTCH: f64 = 0.835;
-/// Points around a leg, those of them on the seam between the legs, front to back.
-const AROUND: usize = 28;
-const BETWEEN: usize = 6;
-/// Distance of rows [m].
-const ROW: f64 = 0.0165;
-/// Air between trousers and body [m].
-const AIR: f64 = 0.009;
-/// Rounds of evening out.
-const ROUNDS: usize = 150;
-/// Lengths over which the weights of hip and knee blend [m].
-const BLENDS: [f64; 2] = [0.34, 0.28];
+/// A horizontal capsule across the body.
+struct Capsule {
+    /// Half the length of its axis [m].
+    half_width: f64,
+    /// Height of its axis [m].
+    height: f64,
+    /// Radius [m].
+    radius: f64,
+}
 
-/// Distance to a limb from `a` to `b` whose radius goes from `radius[0]` to `radius[1]` [m].
-fn limb(x: &Vec3, a: &Vec3, b: &Vec3, radius: [f64; 2]) -> f64 {
+const PELVIS: Capsule = Capsule { half_width: 0.075, height: 0.98, radius: 0.112 };
+const WAIST: Capsule = Capsule { half_width: 0.050, height: 1.14, radius: 0.092 };
+/// Width of the smooth union [m].
+const UNION_WIDTH: f64 = 0.04;
+/// Height of the crotch [m].
+const CROTCH: f64 = 0.835;
+/// Points around a leg.
+const AROUND: usize = 28;
+/// Edges of the crotch line, from front to back.
+const BETWEEN: usize = 6;
+/// Spacing of rows [m].
+const ROW: f64 = 0.0165;
+/// Distance between trousers and body [m].
+const GAP: f64 = 0.009;
+/// Rounds of smoothing.
+const ROUNDS: usize = 150;
+/// Length over which the weights of the hip blend [m].
+const HIP_BLEND: f64 = 0.34;
+/// Length over which the weights of the knee blend [m].
+const KNEE_BLEND: f64 = 0.28;
+
+/// Distance to a round cone from `a` to `b` with the radii `radius` at its ends [m].
+fn cone_distance(x: &Vec3, a: &Vec3, b: &Vec3, radius: [f64; 2]) -> f64 {
     let along = (b - a) / (b - a).norm_squared();
     let t = (x - a).dot(&along).clamp(0.0, 1.0);
     (x - a - (b - a) * t).norm() - radius[0] - (radius[1] - radius[0]) * t
 }
 
-/// The lesser of two distances, rounded where they are nearly equal.
-fn joined(a: f64, b: f64) -> f64 {
-    let near = (SMOOTH - (a - b).abs()).max(0.0) / SMOOTH;
-    a.min(b) - 0.25 * near * near * SMOOTH
+/// Smooth minimum of two distances [m].
+fn smooth_min(a: f64, b: f64) -> f64 {
+    let near = (UNION_WIDTH - (a - b).abs()).max(0.0) / UNION_WIDTH;
+    a.min(b) - 0.25 * near * near * UNION_WIDTH
 }
 
-/// Distance from the body, about [m].
-fn height(x: &Vec3) -> f64 {
-    let across = |[half, y, radius]: [f64; 3]| {
-        limb(x, &Vec3::new(-half, y, 0.0), &Vec3::new(half, y, 0.0), [radius, radius])
+/// Approximate signed distance from the body [m].
+fn body_distance(x: &Vec3) -> f64 {
+    let across = |capsule: &Capsule| {
+        let &Capsule { half_width, height, radius } = capsule;
+        let ends = [-half_width, half_width].map(|x| Vec3::new(x, height, 0.0));
+        cone_distance(x, &ends[0], &ends[1], [radius, radius])
     };
-    // One leg is enough: the other is its mirror image.
+    // By symmetry the point is mirrored to the left leg.
     let own = Vec3::new(x.x.abs(), x.y, x.z);
-    let leg = joined(limb(&own, &HIP, &KNEE, THIGH), limb(&own, &KNEE, &ANKLE, CALF));
+    let leg = smooth_min(cone_distance(&own, &HIP, &KNEE, THIGH), cone_distance(&own, &KNEE, &ANKLE, CALF));
     let other = Vec3::new(-own.x, own.y, own.z);
-    let legs = joined(leg, limb(&other, &HIP, &KNEE, THIGH));
-    joined(joined(across(PELVIS), across(WAIST)), legs)
+    let legs = smooth_min(leg, cone_distance(&other, &HIP, &KNEE, THIGH));
+    smooth_min(smooth_min(across(&PELVIS), across(&WAIST)), legs)
 }
 
-/// Its gradient, of about unit length.
+/// Gradient of the distance, of about unit length.
 fn outward(x: &Vec3) -> Vec3 {
     let step = 1e-5;
     Vec3::from_fn(|k, _| {
         let d = Vec3::ith(k, step);
-        (height(&(x + d)) - height(&(x - d))) / (2.0 * step)
+        (body_distance(&(x + d)) - body_distance(&(x - d))) / (2.0 * step)
     })
 }
 
-/// Points in rings around body and legs, before they are vertices.
+/// Points in rings around body and legs.
 struct Rings {
     points: Vec<Vec3>,
-    /// Rings of the pelvis from the crotch up, of the left and of the right leg from the crotch down; those of one piece all have
-    /// the same number of points and turn the same way round, odd ones half a place on.
+    /// Rings of the pelvis from the crotch upwards, of the left and of the right leg from the crotch downwards. Those of one piece
+    /// have the same number of points and the same orientation; odd ones are shifted by half a column.
     pieces: [Vec<Vec<usize>>; 3],
-    /// Per point: whether it lies on an open end, and keeps its height.
+    /// One flag per point: whether it lies on an open end, where its height is fixed.
     ends: Vec<bool>,
 }
 
 impl Rings {
-    /// Rings `air` [m] outside the body, from `low` to `high` [m].
-    fn new(air: f64, low: f64, high: f64) -> Self {
+    /// Rings on the offset surface at `offset` [m], from the height `low` to `high` [m].
+    fn new(offset: f64, low: f64, high: f64) -> Self {
         let mut rings = Self { points: Vec::new(), pieces: Default::default(), ends: Vec::new() };
         let outer = AROUND - BETWEEN;
         let between: Vec<usize> = (0..=BETWEEN)
             .map(|k| rings.add(Vec3::new(0.0, CROTCH, 0.08 * (1.0 - 2.0 * k as f64 / BETWEEN as f64))))
             .collect();
-        // Seen from above, from the front of the seam round the left leg to its back, and on round the right one.
+        // Seen from above: from the front of the crotch line around the left leg to its back, then around the right one.
         let mut half = |side: f64| -> Vec<usize> {
             (1..outer)
                 .map(|k| {
@@ -105,7 +122,7 @@ impl Rings {
             .chain([back])
             .chain(right.iter().rev().copied())
             .collect();
-        // Each leg round the same way as the pelvis: the left one back by the seam, the right one out by it.
+        // Legs have the orientation of the pelvis: the left one ends with the crotch line, the right one too, reversed.
         let left: Vec<usize> = [front]
             .into_iter()
             .chain(left)
@@ -126,7 +143,7 @@ impl Rings {
             };
             rings.extend(piece, first, end, centre_to);
         }
-        rings.even_out(air);
+        rings.smooth(offset);
         rings
     }
 
@@ -136,25 +153,25 @@ impl Rings {
         self.points.len() - 1
     }
 
-    /// Rings from `first` to the height `end`, where they are around `centre`.
+    /// Appends the rings of a piece from `first` to the height `end`, where they are around `centre` [m].
     fn extend(&mut self, piece: usize, first: Vec<usize>, end: f64, centre: Vec3) {
         let rows = ((CROTCH - end).abs() / ROW).round() as usize;
         let count = first.len();
         let middle = first.iter().map(|&p| self.points[p]).sum::<Vec3>() / count as f64;
         let mut all = vec![first.clone()];
         for row in 1..=rows {
-            let share = row as f64 / rows as f64;
-            let place = |rings: &Self, k: usize| {
+            let fraction = row as f64 / rows as f64;
+            let position = |rings: &Self, k: usize| {
                 let [a, b] = [k, k + 1].map(|k| rings.points[first[k % count]] - middle);
                 let out = if row % 2 == 1 { 0.5 * (a + b) } else { a };
-                let narrow = if piece == 0 { 1.0 - 0.2 * share } else { 1.0 - 0.5 * share };
-                let mut x = middle.lerp(&centre, share) + Vec3::new(out.x, 0.0, out.z) * narrow;
-                x.y = CROTCH + (end - CROTCH) * share;
+                let narrowing = if piece == 0 { 1.0 - 0.2 * fraction } else { 1.0 - 0.5 * fraction };
+                let mut x = middle.lerp(&centre, fraction) + Vec3::new(out.x, 0.0, out.z) * narrowing;
+                x.y = CROTCH + (end - CROTCH) * fraction;
                 x
             };
             let ring: Vec<usize> = (0..count)
                 .map(|k| {
-                    let x = place(self, k);
+                    let x = position(self, k);
                     self.add(x)
                 })
                 .collect();
@@ -166,7 +183,7 @@ impl Rings {
         self.pieces[piece] = all;
     }
 
-    /// Triangles between points, not yet turned outward.
+    /// Triangles over the points, not yet oriented.
     fn triangles(&self) -> Vec<[usize; 3]> {
         let mut all = Vec::new();
         for piece in &self.pieces {
@@ -182,7 +199,8 @@ impl Rings {
         all
     }
 
-    fn even_out(&mut self, air: f64) {
+    /// Moves every point towards the mean of its neighbours and projects it onto the offset surface at `offset` [m].
+    fn smooth(&mut self, offset: f64) {
         let mut neighbours = vec![Vec::new(); self.points.len()];
         for t in self.triangles() {
             for k in 0..3 {
@@ -206,13 +224,14 @@ impl Rings {
                     if self.ends[p] {
                         out.y = 0.0;
                     }
-                    *x -= out * ((height(x) - air) / out.norm_squared().max(0.05)).clamp(-0.05, 0.05);
+                    *x -=
+                        out * ((body_distance(x) - offset) / out.norm_squared().max(0.05)).clamp(-0.05, 0.05);
                 }
             }
         }
     }
 
-    /// As vertices: each piece cut open along its first column in the texture, in which lengths are fractions of `size` [m].
+    /// Mesh of vertices: each piece is cut along its first column in the texture, whose unit is `size` [m].
     fn mesh(&self, size: f64) -> Mesh {
         let mut mesh = Mesh::default();
         for (number, piece) in self.pieces.iter().enumerate() {
@@ -243,14 +262,14 @@ impl Rings {
                     });
                 }
             }
-            turn_outward(&mut mesh, first);
+            orient_outwards(&mut mesh, first);
         }
         mesh
     }
 }
 
-/// Turns the triangles from `first` on all alike, so that most look outward.
-fn turn_outward(mesh: &mut Mesh, first: usize) {
+/// Flips all triangles from `first` on if their normals point inwards on average.
+fn orient_outwards(mesh: &mut Mesh, first: usize) {
     let outward_area = |t: &[u32; 3]| {
         let [a, b, c] = t.map(|v| mesh.positions[v as usize]);
         (b - a).cross(&(c - a)).dot(&outward(&((a + b + c) / 3.0)))
@@ -262,7 +281,7 @@ fn turn_outward(mesh: &mut Mesh, first: usize) {
 
 /// The trousers: open at the waist and the ankles.
 pub fn trousers() -> Mesh {
-    Rings::new(AIR, 0.11, 1.08).mesh(2.0)
+    Rings::new(GAP, 0.11, 1.08).mesh(2.0)
 }
 
 /// The body: closed.
@@ -270,7 +289,7 @@ pub fn body() -> Mesh {
     let rings = Rings::new(0.0, 0.07, 1.16);
     let mut mesh = rings.mesh(2.0);
     mesh.uvs.clear();
-    // Its ends are closed by fans.
+    // Fans close its ends.
     for piece in &rings.pieces {
         let Some(last) = piece.last() else { continue };
         let middle = last.iter().map(|&p| rings.points[p]).sum::<Vec3>() / last.len() as f64;
@@ -293,7 +312,7 @@ pub fn body() -> Mesh {
 pub fn joints() -> Vec<Joint> {
     let mirrored = |x: Vec3| Vec3::new(-x.x, x.y, x.z);
     let pelvis = Vec3::new(0.0, 1.0, 0.0);
-    let joint = |name, place, parent| Joint { name, place, parent };
+    let joint = |name, position, parent| Joint { name, position, parent };
     vec![
         joint("pelvis", pelvis, None),
         joint("hip.L", HIP, Some(0)),
@@ -303,34 +322,38 @@ pub fn joints() -> Vec<Joint> {
     ]
 }
 
-/// Skin weights at `x`: (joint, weight), the weights summing to one.
+/// Skin weights at `x`: pairs of joint and weight; the weights sum to one.
 pub fn weights(x: &Vec3) -> Vec<(u8, f64)> {
-    let step = |height: f64, width: f64| smooth((height - x.y) / width + 0.5);
-    let (hip, knee) = (step(HIP.y - 0.02, BLENDS[0]), step(KNEE.y, BLENDS[1]));
-    // Between the legs both hips have a share.
-    let left = smooth((x.x / 0.08 + 1.0) * 0.5);
-    let side = |first: u8, share: f64| [(first, share * hip * (1.0 - knee)), (first + 1, share * hip * knee)];
+    let step = |height: f64, width: f64| smoothstep((height - x.y) / width + 0.5);
+    let (hip, knee) = (step(HIP.y - 0.02, HIP_BLEND), step(KNEE.y, KNEE_BLEND));
+    // Both hips have weight between the legs.
+    let left = smoothstep((x.x / 0.08 + 1.0) * 0.5);
+    let side = |first: u8, part: f64| [(first, part * hip * (1.0 - knee)), (first + 1, part * hip * knee)];
     let all = [(0, 1.0 - hip)].into_iter().chain(side(1, left)).chain(side(3, 1.0 - left));
     all.filter(|(_, w)| *w > 0.0).collect()
 }
 
-/// Keys of the clip "sit-down", 6 s: down, a second seated, slowly up. Per joint: its turns as (x, y, z, w).
+/// The clip "sit-down" of 6 s: down, one second seated, slowly up.
 pub fn sit_down() -> Clip {
     const KEYS: usize = 72;
-    let seated = |t: f64| smooth(t / 1.5).min(smooth((6.0 - t) / 3.5));
+    let seated = |t: f64| smoothstep(t / 1.5).min(smoothstep((6.0 - t) / 3.5));
     let times: Vec<f64> = (0..=KEYS).map(|k| 6.0 * k as f64 / KEYS as f64).collect();
-    let turns = |degrees: f64| -> Vec<[f32; 4]> {
-        let turn = |t: &f64| {
+    let rotations = |degrees: f64| -> Vec<[f32; 4]> {
+        let rotation = |t: &f64| {
             let (sin, cos) = (0.5 * degrees.to_radians() * seated(*t)).sin_cos();
             [sin as f32, 0.0, 0.0, cos as f32]
         };
-        times.iter().map(turn).collect()
+        times.iter().map(rotation).collect()
     };
     let all = [(1, -80.0), (2, 85.0), (3, -80.0), (4, 85.0)];
-    (
-        times.iter().map(|t| [*t as f32]).collect(),
-        all.map(|(joint, degrees)| (joint, turns(degrees))).to_vec(),
-    )
+    Clip {
+        name: "sit-down",
+        times: times.iter().map(|t| [*t as f32]).collect(),
+        rotations: all
+            .map(|(joint, degrees)| JointRotations { joint, rotations: rotations(degrees) })
+            .into_iter()
+            .collect(),
+    }
 }
 
 #[cfg(test)]
@@ -343,10 +366,10 @@ mod tests {
         let q = quality::measure(&body());
         assert_eq!((q.opening_count, q.part_count, q.bad_edge_count), (0, 1, 0));
         for x in &trousers().positions {
-            assert!((height(x) - AIR).abs() < 1e-3, "{} at {x}", height(x));
+            assert!((body_distance(x) - GAP).abs() < 1e-3, "{} at {x}", body_distance(x));
         }
         for x in body().positions.iter().filter(|x| x.y > 0.08 && x.y < 1.15) {
-            assert!(height(x).abs() < 1e-3, "{} at {x}", height(x));
+            assert!(body_distance(x).abs() < 1e-3, "{} at {x}", body_distance(x));
         }
     }
 

@@ -1,14 +1,14 @@
-//! Makes the garments that ship with the project, `garments/*.glb`, from sewing patterns.
+//! Generator of the project's garments, `garments/*.glb`, from sewing patterns.
 //!
 //! ```text
 //! outline (lines and arcs) -> panel (near-equilateral triangles) -> front and back sewn -> glb
 //! ```
 //!
-//! Run `cargo run --example generate_garments`; add `-- --out DIR` to write elsewhere, `--obj DIR` to write an
-//! OBJ of each garment too, and `--tshirt-edge MM` for the T-shirt at another edge length, alone (`tshirt-other.glb`). Nothing here is random and nothing is copied from anywhere: the same bytes come out
-//! every time on one machine. The numbers printed are measured on what was made, not promised.
+//! `cargo run --example generate_garments` writes all of them; `-- --out DIR` writes elsewhere, `--obj DIR` also writes an OBJ
+//! of each garment, and `--tshirt-edge MM` writes only the T-shirt with another edge length (`tshirt-other.glb`). The output
+//! is deterministic on one machine. The printed numbers are measured on the meshes.
 //!
-//! A garment lies on the ground: y up, metres, x to the right, its length along z with the upper end towards -z,
+//! A flat garment lies on the ground: y up, metres, x to the right, its length along z with the upper end towards -z,
 //! its front up. Texture: +u along the garment's length (warp), +v across it (weft), one scale for all panels.
 
 mod arm;
@@ -23,74 +23,77 @@ mod triangulate;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
-/// A mesh as it goes into a file: vertices are split where the panels meet.
+/// A mesh of vertices, which are split at the seams.
 #[derive(Debug, Clone, Default)]
 pub struct Mesh {
-    /// One per vertex [m].
+    /// Positions, one per vertex [m].
     pub positions: Vec<crease::math::Vec3>,
-    /// One per vertex, unit length.
+    /// Unit normals, one per vertex.
     pub normals: Vec<crease::math::Vec3>,
-    /// One per vertex, glTF's convention (v grows downward in the picture).
+    /// Texture coordinates, one per vertex, with v downwards as in glTF.
     pub uvs: Vec<crease::math::Vec2>,
-    /// Corners, counter-clockwise seen from outside.
+    /// Triangles over the vertices, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// A garment ready to be written.
-pub struct Product {
+/// A garment with its file.
+pub struct GarmentFile {
     /// File name without extension.
     pub name: &'static str,
-    /// The cloth itself.
+    /// Mesh of the cloth.
     pub cloth: Mesh,
-    /// The whole file.
+    /// Content of the file.
     pub glb: Vec<u8>,
 }
 
-/// 0 below 0, 1 above 1, and in between without a kink.
-fn smooth(t: f64) -> f64 {
+/// 0 below 0, 1 above 1, with a continuous derivative between.
+fn smoothstep(t: f64) -> f64 {
     let t = t.clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
 
-/// Every garment, in the order they are written.
-fn products() -> Vec<Product> {
-    let mut all: Vec<Product> = patterns::all().into_iter().map(product).collect();
+/// All garments, in the order of writing.
+fn garments() -> Vec<GarmentFile> {
+    let mut all: Vec<GarmentFile> = patterns::all().into_iter().map(flat_garment).collect();
     let (arm, cloth) = (arm::arm(), arm::sleeve());
-    let glb = glb::dressed(glb::Dressed {
-        names: ["arm", "sleeve"],
-        meshes: [&arm, &cloth],
+    let glb = glb::dressed_body(&glb::DressedBody {
+        body_name: "arm",
+        body: &arm,
+        garment_name: "sleeve",
+        garment: &cloth,
         joints: &arm::joints(),
         weights: &|x| (0..).zip(arm::weights(x.x)).collect(),
-        clip_name: "elbow",
         clip: arm::elbow(),
         colour: [0.62, 0.35, 0.25],
     });
-    all.push(Product { name: "sleeve", glb, cloth });
+    all.push(GarmentFile { name: "sleeve", glb, cloth });
     let (body, cloth) = (legs::body(), legs::trousers());
-    let glb = glb::dressed(glb::Dressed {
-        names: ["legs", "trousers"],
-        meshes: [&body, &cloth],
+    let glb = glb::dressed_body(&glb::DressedBody {
+        body_name: "legs",
+        body: &body,
+        garment_name: "trousers",
+        garment: &cloth,
         joints: &legs::joints(),
         weights: &legs::weights,
-        clip_name: "sit-down",
         clip: legs::sit_down(),
         colour: [0.25, 0.31, 0.42],
     });
-    all.push(Product { name: "trousers-on-legs", glb, cloth });
+    all.push(GarmentFile { name: "trousers-on-legs", glb, cloth });
     all
 }
 
-fn product(pattern: patterns::Pattern) -> Product {
+fn flat_garment(pattern: patterns::Pattern) -> GarmentFile {
     let cloth = sew::make(&pattern);
     let glb = glb::flat_garment(pattern.name, &cloth, pattern.colour);
-    Product { name: pattern.name, cloth, glb }
+    GarmentFile { name: pattern.name, cloth, glb }
 }
 
+/// Formats the mesh as OBJ.
 fn obj(mesh: &Mesh) -> String {
     use std::fmt::Write;
     let mut text = String::new();
     for p in &mesh.positions {
-        // The file holds f32: the check must see the same numbers.
+        // The GLB stores f32: the same numbers here.
         let _ = writeln!(text, "v {} {} {}", p.x as f32, p.y as f32, p.z as f32);
     }
     for t in &mesh.triangles {
@@ -116,16 +119,16 @@ fn main() -> Result<(), Box<dyn Error>> {
             }
         }
     }
-    // Another tessellation of the T-shirt is made alone: it is not one of the garments that ship.
-    let products = match tshirt_edge_m {
-        Some(edge_m) => vec![product(patterns::tshirt("tshirt-other", edge_m))],
-        None => products(),
+    // The T-shirt with another edge length is not one of the project's garments.
+    let files = match tshirt_edge_m {
+        Some(edge_m) => vec![flat_garment(patterns::tshirt("tshirt-other", edge_m))],
+        None => garments(),
     };
-    for product in products {
-        println!("{}: {}, {} bytes", product.name, quality::measure(&product.cloth), product.glb.len());
-        std::fs::write(out.join(format!("{}.glb", product.name)), &product.glb)?;
+    for file in files {
+        println!("{}: {}, {} bytes", file.name, quality::measure(&file.cloth), file.glb.len());
+        std::fs::write(out.join(format!("{}.glb", file.name)), &file.glb)?;
         if let Some(folder) = &obj_folder {
-            std::fs::write(folder.join(format!("{}.obj", product.name)), obj(&product.cloth))?;
+            std::fs::write(folder.join(format!("{}.obj", file.name)), obj(&file.cloth))?;
         }
     }
     Ok(())
@@ -136,19 +139,19 @@ mod tests {
     use super::*;
     use quality::Quality;
 
-    /// Made once for all tests.
-    fn made() -> &'static [Product] {
-        static MADE: std::sync::OnceLock<Vec<Product>> = std::sync::OnceLock::new();
-        MADE.get_or_init(products)
+    /// All garments, made once for all tests.
+    fn made() -> &'static [GarmentFile] {
+        static MADE: std::sync::OnceLock<Vec<GarmentFile>> = std::sync::OnceLock::new();
+        MADE.get_or_init(garments)
     }
 
     fn of(name: &str) -> Quality {
-        let product = made().iter().find(|p| p.name == name).expect("a garment of that name");
-        quality::measure(&product.cloth)
+        let file = made().iter().find(|file| file.name == name).expect("a garment of that name");
+        quality::measure(&file.cloth)
     }
 
     #[test]
-    fn point_counts_are_the_promised_ones() {
+    fn point_counts_are_the_documented_ones() {
         for (name, points, tolerance) in [
             ("tshirt-14k", 13_867.0, 0.01), // the paper's T-shirt
             ("tshirt-2k", 2_000.0, 0.05),
@@ -176,7 +179,7 @@ mod tests {
         }
     }
 
-    /// Where the legs part triangles are less even.
+    /// Triangles are less regular at the crotch.
     #[test]
     fn trousers_on_legs_are_one_piece_with_three_openings() {
         let q = of("trousers-on-legs");
@@ -186,19 +189,19 @@ mod tests {
 
     #[test]
     fn making_twice_gives_the_same_bytes() {
-        for (a, b) in made().iter().zip(&products()) {
+        for (a, b) in made().iter().zip(&garments()) {
             assert!(a.glb == b.glb, "{} differs", a.name);
         }
     }
 
-    /// A garment that was edited by hand, or a pattern that was changed without writing the garments again.
+    /// Detects garments edited by hand, and patterns changed without writing the garments again.
     #[test]
-    fn garments_in_the_repository_are_the_ones_made_here() {
+    fn garments_in_the_repository_are_up_to_date() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("garments");
-        for product in made() {
-            let stored = std::fs::read(folder.join(format!("{}.glb", product.name))).expect("garment file");
-            // On another machine the last bit of a sine may differ, and with it how long a bound is when written.
-            assert!(stored.len().abs_diff(product.glb.len()) < 64, "{}", product.name);
+        for file in made() {
+            let stored = std::fs::read(folder.join(format!("{}.glb", file.name))).expect("garment file");
+            // On another machine the last bit of a sine may differ, and with it the number of digits of a bound.
+            assert!(stored.len().abs_diff(file.glb.len()) < 64, "{}", file.name);
         }
     }
 }

@@ -1,47 +1,47 @@
-//! The outline of a panel: a closed run of lines and arcs, each either sewn to the other panel or left open.
+//! The outline of a panel: a closed chain of lines and arcs, each either sewn to the other panel or open.
 //!
-//! Coordinates are the panel laid flat [m]: x to the right, y along the garment's length towards its upper end.
-//! Only the right half is drawn; the left is its mirror image. Every run is divided by itself into equal pieces, so that
-//! two panels that share a run get exactly the same points along it, which is what sewing needs.
+//! Coordinates are those of the flat panel [m]: x to the right, y along the garment's length towards its upper end.
+//! Only the right half is given; the left is its mirror image. Every run is divided into equal pieces by itself, so that
+//! two panels with a common run have exactly the same points along it, as sewing requires.
 
 use crease::math::Vec2;
 
-/// What becomes of a run of the outline.
+/// Kind of a run of the outline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Border {
-    /// Sewn to the other panel.
+    /// A seam to the other panel.
     Sewn,
-    /// A hem, a neck, the end of a sleeve or leg.
+    /// An open edge: hem, neck, end of a sleeve or leg.
     Open,
 }
 
-/// One run, from the end of the one before it.
+/// One run of the outline, from the end of the previous one.
 #[derive(Debug, Clone, Copy)]
 pub struct Run {
-    /// Control point of a quadratic arc [m]; none for a straight run.
-    pub bend: Option<[f64; 2]>,
+    /// Control point of a quadratic Bézier arc [m]; `None` for a straight run.
+    pub control: Option<[f64; 2]>,
     /// End of the run [m].
     pub to: [f64; 2],
-    /// Sewn or open.
+    /// Kind of the run.
     pub border: Border,
 }
 
 /// A straight run to `to`.
 pub const fn line(to: [f64; 2], border: Border) -> Run {
-    Run { bend: None, to, border }
+    Run { control: None, to, border }
 }
 
-/// An arc to `to`, pulled towards `bend`.
-pub const fn arc(bend: [f64; 2], to: [f64; 2], border: Border) -> Run {
-    Run { bend: Some(bend), to, border }
+/// An arc to `to` with the control point `control`.
+pub const fn arc(control: [f64; 2], to: [f64; 2], border: Border) -> Run {
+    Run { control: Some(control), to, border }
 }
 
-/// An outline cut into pieces of one length.
+/// An outline divided into edges of about equal length.
 #[derive(Debug, Clone)]
 pub struct Boundary {
-    /// Counter-clockwise, each once [m].
+    /// Points, counter-clockwise [m].
     pub points: Vec<Vec2>,
-    /// Per point: the border of the edge that leaves it.
+    /// Kind of the edge that starts at each point.
     pub borders: Vec<Border>,
 }
 
@@ -77,26 +77,27 @@ impl Boundary {
     }
 }
 
+/// Point of a run at the parameter `t`.
 fn at(from: Vec2, run: &Run, t: f64) -> Vec2 {
     let to = Vec2::from(run.to);
-    match run.bend {
+    match run.control {
         None => from.lerp(&to, t),
-        Some(bend) => {
-            let bend = Vec2::from(bend);
-            from.lerp(&bend, t).lerp(&bend.lerp(&to, t), t)
+        Some(control) => {
+            let control = Vec2::from(control);
+            from.lerp(&control, t).lerp(&control.lerp(&to, t), t)
         }
     }
 }
 
 /// `count` + 1 points along a run, evenly spaced by length, both ends included.
 fn divide(from: Vec2, run: &Run, edge_m: f64) -> Vec<Vec2> {
-    const FINE: usize = 400; // an arc is measured as this many chords; its length is then right to 1e-5
-    let fine: Vec<Vec2> = (0..=FINE).map(|i| at(from, run, i as f64 / FINE as f64)).collect();
+    const CHORDS: usize = 400; // the length of an arc is then accurate to 1e-5
+    let fine: Vec<Vec2> = (0..=CHORDS).map(|i| at(from, run, i as f64 / CHORDS as f64)).collect();
     let mut lengths = vec![0.0];
     for pair in fine.windows(2) {
         lengths.push(lengths[lengths.len() - 1] + (pair[1] - pair[0]).norm());
     }
-    let total = lengths[FINE];
+    let total = lengths[CHORDS];
     let count = (total / edge_m).round().max(1.0) as usize;
     let mut points = vec![from];
     let mut k = 0;
@@ -111,8 +112,8 @@ fn divide(from: Vec2, run: &Run, edge_m: f64) -> Vec<Vec2> {
     points
 }
 
-/// The closed outline of a right half that starts and ends on the centre line x = 0, cut into pieces of about
-/// `edge_m`.
+/// Closed outline of a right half that starts and ends on the centre line x = 0, divided into edges of about
+/// `edge_m` [m].
 pub fn boundary(start: [f64; 2], right_half: &[Run], edge_m: f64) -> Boundary {
     let mut points: Vec<Vec2> = Vec::new();
     let mut borders = Vec::new();
@@ -123,7 +124,7 @@ pub fn boundary(start: [f64; 2], right_half: &[Run], edge_m: f64) -> Boundary {
         borders.extend(pieces.iter().map(|_| run.border));
         points.append(&mut pieces);
     }
-    // Back along the mirror image: edge i of the right half leaves point i; mirrored it arrives there.
+    // Edge i of the right half starts at point i; its mirror image ends there.
     let right_count = points.len();
     points.push(from);
     for i in (1..right_count).rev() {

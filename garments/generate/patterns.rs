@@ -1,8 +1,8 @@
-//! The patterns, as data: what a tailor would draw. Lengths in metres, right halves only.
+//! Sewing patterns as data. Lengths in metres, right halves only.
 //!
 //! A T-shirt with sleeves cut in one with the body, trousers with both legs cut in one, a handkerchief. Front and
-//! back of the T-shirt differ only in the neck. The edge lengths are tuned so that the welded point counts are those
-//! the tests ask for.
+//! back of the T-shirt differ only in the neck. The edge lengths are tuned to the numbers of welded points that the tests
+//! require.
 
 use crate::outline::{Border::Open, Border::Sewn, Run, arc, line};
 
@@ -10,9 +10,9 @@ use crate::outline::{Border::Open, Border::Sewn, Run, arc, line};
 pub struct Pattern {
     /// File name and node name.
     pub name: &'static str,
-    /// Wanted edge length [m].
+    /// Target edge length [m].
     pub edge_m: f64,
-    /// Where the right half starts, on the centre line [m].
+    /// Start of the right half, on the centre line [m].
     pub start: [f64; 2],
     /// Right half of the front.
     pub front: Vec<Run>,
@@ -22,12 +22,12 @@ pub struct Pattern {
     pub colour: [f64; 3],
 }
 
-/// Every pattern.
+/// All patterns.
 pub fn all() -> Vec<Pattern> {
     vec![tshirt("tshirt-14k", 0.00831), tshirt("tshirt-2k", 0.0219), handkerchief(), trousers()]
 }
 
-/// The T-shirt at any edge length [m].
+/// The T-shirt with the edge length `edge_m` [m].
 pub fn tshirt(name: &'static str, edge_m: f64) -> Pattern {
     let body = [
         line([0.268, 0.0], Open),                  // hem

@@ -1,17 +1,17 @@
-//! What was made, measured: point count, triangle shape, openings.
+//! Mesh quality: number of points, triangle shape, openings.
 
 use crate::Mesh;
 use crease::mesh::{PointIndex, Topology};
 use std::collections::BTreeMap;
 
-/// Numbers of one garment, seams welded.
+/// Quality of one mesh, with welded seams.
 #[derive(Debug, Clone, Copy)]
 pub struct Quality {
-    /// Points after welding.
+    /// Number of points after welding.
     pub point_count: usize,
-    /// Vertices in the file.
+    /// Number of vertices in the file.
     pub vertex_count: usize,
-    /// Triangles.
+    /// Number of triangles.
     pub triangle_count: usize,
     /// Smallest angle of any triangle [degrees].
     pub min_angle_deg: f64,
@@ -19,11 +19,11 @@ pub struct Quality {
     pub mean_edge_m: f64,
     /// Mean of 4 sqrt(3) area / sum of squared edges: 1 for equilateral triangles.
     pub mean_shape: f64,
-    /// Closed runs of open border.
+    /// Number of boundary loops.
     pub opening_count: usize,
-    /// Connected parts.
+    /// Number of connected components.
     pub part_count: usize,
-    /// Edges with more than two triangles, or two that disagree.
+    /// Number of edges with more than two triangles, or with two of opposite orientation.
     pub bad_edge_count: usize,
 }
 
@@ -45,7 +45,7 @@ impl std::fmt::Display for Quality {
     }
 }
 
-/// Triangles over points, vertices at the same place (as the file stores them) taken as one.
+/// Number of points and triangles over them after merging vertices of equal position, as the file stores it.
 fn weld(mesh: &Mesh) -> (usize, Vec<[PointIndex; 3]>) {
     let mut seen: BTreeMap<[u32; 3], u32> = BTreeMap::new();
     let point_of: Vec<u32> = mesh
@@ -60,6 +60,7 @@ fn weld(mesh: &Mesh) -> (usize, Vec<[PointIndex; 3]>) {
     (seen.len(), triangles)
 }
 
+/// Number of connected components, by union-find.
 fn part_count(point_count: usize, topology: &Topology) -> usize {
     let mut parent: Vec<usize> = (0..point_count).collect();
     fn root(parent: &mut [usize], mut i: usize) -> usize {

@@ -1,7 +1,7 @@
-//! Front and back sewn into a closed garment that lies on the ground, or a single sheet.
+//! Sewing: front and back become a closed garment that lies on the ground; a single panel becomes a sheet.
 //!
-//! The layers touch only at the seams. From there they part like the two faces of a lens and run parallel at
-//! `PLATEAU`, so that a contact solver with a millimetre of thickness starts free of contact. Vertices stay
+//! The layers touch only at the seams. From there they separate like the faces of a lens and are parallel at the distance
+//! `LAYER_DISTANCE`, so that a contact solver with a millimetre of thickness starts without contact. Vertices stay
 //! split along the seams, where the texture of front and back differ; they coincide exactly, so importing welds them.
 
 use crate::Mesh;
@@ -10,16 +10,16 @@ use crate::patterns::Pattern;
 use crate::triangulate::{Panel, fill};
 use crease::math::{Vec2, Vec3};
 
-/// Distance of front and back away from the seams [m].
-const PLATEAU: f64 = 0.003;
-/// Distance from the seam over which the layers part [m].
-const RISE: f64 = 0.025;
+/// Distance between front and back away from the seams [m].
+const LAYER_DISTANCE: f64 = 0.003;
+/// Distance from the seam over which the layers separate [m].
+const SEPARATION_LENGTH: f64 = 0.025;
 /// Height of the lowest points above the ground [m].
 const CLEARANCE: f64 = 0.001;
 /// Free strip between the panels in the texture [m].
 const TEXTURE_GAP: f64 = 0.02;
 
-/// The pattern as a mesh.
+/// Makes the mesh of a pattern.
 pub fn make(pattern: &Pattern) -> Mesh {
     let outline = |half| boundary(pattern.start, half, pattern.edge_m);
     let front = outline(&pattern.front);
@@ -29,12 +29,12 @@ pub fn make(pattern: &Pattern) -> Mesh {
     match &pattern.back {
         None => add(&mut mesh, &sheet, |_| CLEARANCE, false, &texture),
         Some(half) => {
-            // Half a gap each way from the seam; open borders have the full gap, like the middle.
-            let middle = CLEARANCE + PLATEAU / 2.0;
+            // Each layer is half a gap from the middle plane; open borders have the full gap.
+            let middle = CLEARANCE + LAYER_DISTANCE / 2.0;
             let half_gap = |b: &Boundary, p: Vec2| lens(b.distance(p, Some(Border::Sewn))) / 2.0;
             add(&mut mesh, &sheet, |p| middle + half_gap(&front, p), false, &texture);
             let back = outline(half);
-            // The lattice of the back is moved by the centre of a triangle, so that no edge lies over another.
+            // The lattice of the back is shifted by the centroid of a triangle, so that its edges do not coincide with the front's.
             let sheet = fill(&back, pattern.edge_m, Vec2::new(0.5 + 2.0 / 3.0, 0.5));
             add(&mut mesh, &sheet, |p| middle - half_gap(&back, p), true, &texture);
         }
@@ -44,15 +44,15 @@ pub fn make(pattern: &Pattern) -> Mesh {
     mesh
 }
 
-/// Distance of the layers [m] at `distance` [m] from the nearest seam: a quarter of an ellipse, steep at the seam
-/// so that already the first row of points is a millimetre apart.
+/// Distance between the layers at `distance` from the nearest seam [m]: a quarter of an ellipse, steep at the seam, so that
+/// the first row of points already has a gap of a millimetre.
 fn lens(distance: f64) -> f64 {
-    let t = (distance / RISE).min(1.0);
-    PLATEAU * (t * (2.0 - t)).sqrt()
+    let t = (distance / SEPARATION_LENGTH).min(1.0);
+    LAYER_DISTANCE * (t * (2.0 - t)).sqrt()
 }
 
-/// Where the panels lie in the texture: warp (the garment's length, downwards) along +u, front and back side by side
-/// along v, neither mirrored, both at one scale.
+/// Layout of the panels in the texture: warp (the garment's length, downwards) along +u, front and back side by side
+/// along v, not mirrored, at one scale.
 struct Texture {
     low: Vec2,
     high: Vec2,
@@ -60,13 +60,13 @@ struct Texture {
 }
 
 impl Texture {
-    fn of(outline: &Boundary, two: bool) -> Self {
+    fn of(outline: &Boundary, has_back: bool) -> Self {
         let (mut low, mut high) = (outline.points[0], outline.points[0]);
         for p in &outline.points {
             (low, high) = (low.inf(p), high.sup(p));
         }
         let size = high - low;
-        let across = if two { 2.0 * size.x + TEXTURE_GAP } else { size.x };
+        let across = if has_back { 2.0 * size.x + TEXTURE_GAP } else { size.x };
         Self { low, high, metres_per_unit: size.y.max(across) }
     }
 
@@ -77,6 +77,7 @@ impl Texture {
     }
 }
 
+/// Adds a panel at the height `height` [m].
 fn add(mesh: &mut Mesh, panel: &Panel, height: impl Fn(Vec2) -> f64, back: bool, texture: &Texture) {
     let first = mesh.positions.len() as u32;
     for &p in &panel.points {
@@ -89,7 +90,7 @@ fn add(mesh: &mut Mesh, panel: &Panel, height: impl Fn(Vec2) -> f64, back: bool,
     }));
 }
 
-/// Puts the middle of the garment's box over the origin.
+/// Centres the garment's bounding box along z.
 fn centre_on_ground(mesh: &mut Mesh) {
     let along = |p: &Vec3| p.z;
     let low = mesh.positions.iter().map(along).fold(f64::INFINITY, f64::min);
@@ -99,7 +100,7 @@ fn centre_on_ground(mesh: &mut Mesh) {
     }
 }
 
-/// Smooth normals, weighted by triangle area. Front and back do not share vertices, so a seam stays a crisp edge.
+/// Smooth normals, weighted by triangle area. Front and back have no common vertices: seams are hard edges.
 pub fn normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
     let mut sums = vec![Vec3::zeros(); positions.len()];
     for t in triangles {
@@ -121,7 +122,7 @@ mod tests {
         make(&patterns::all().swap_remove(1))
     }
 
-    /// Warp is +u along the length, weft +v across; swapping them would still run, and wear the wrong way.
+    /// Warp is +u along the length, weft +v across; swapped axes would go unnoticed and give wrong creases.
     #[test]
     fn texture_follows_the_length_and_keeps_one_scale() {
         let mesh = draft();

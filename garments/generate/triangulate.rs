@@ -1,48 +1,47 @@
-//! A panel: the inside of an outline filled with near-equilateral triangles.
+//! Meshing of a panel with near-equilateral triangles.
 //!
-//! Interior points come from a hexagonal lattice, boundary points from the outline. Lattice points too near the
-//! border are dropped, a constrained Delaunay triangulation joins what is left, and a few rounds of
-//! relaxation, every edge a spring of the wanted length, spread the irregularity of the rim over a few rows; inside, the
-//! lattice is at rest and stays.
+//! Interior points are those of a hexagonal lattice, boundary points those of the outline. Lattice points close to the
+//! border are removed, and a constrained Delaunay triangulation connects the others. A few rounds of spring relaxation with
+//! the target edge length distribute the irregularity at the border over a few rows; the interior lattice is in equilibrium.
 
 use crate::outline::Boundary;
 use crease::math::Vec2;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 use std::collections::BTreeMap;
 
-/// Triangles in the plane.
+/// Triangle mesh in the plane.
 #[derive(Debug, Clone)]
 pub struct Panel {
-    /// Boundary points first, in the outline's order, then interior ones [m].
+    /// Boundary points in the order of the outline, then interior points [m].
     pub points: Vec<Vec2>,
-    /// Corners, counter-clockwise.
+    /// Triangles over the points, counter-clockwise.
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// Lattice points nearer to the border than this share of an edge are dropped.
-const CLEARANCE: f64 = 0.60;
-/// Rounds of triangulating and relaxing; quality no longer changes after about a dozen.
+/// Smallest distance of lattice points from the border, over the edge length [-].
+const MIN_BORDER_DISTANCE: f64 = 0.60;
+/// Rounds of triangulation and relaxation; the quality converges after about a dozen.
 const ROUNDS: usize = 16;
-/// Steps of relaxation between two triangulations.
+/// Relaxation steps between two triangulations.
 const STEPS: usize = 4;
-/// Share of the summed spring pull taken in one step; six neighbours make 1/6 a natural size.
+/// Fraction of the summed spring displacement per step; about 1/6 for six neighbours [-].
 const RELAXATION: f64 = 0.15;
-/// Triangles below this share of a squared edge are rounding, not cloth.
-const SLIVER: f64 = 1e-6;
+/// Area over squared edge below which a triangle is a rounding error [-].
+const SLIVER_FRACTION: f64 = 1e-6;
 
-/// Fills `boundary` with triangles of about `edge_m`; `shift` moves the lattice, in edges.
+/// Meshes the inside of `boundary` with edges of about `edge_m` [m]; `shift` displaces the lattice [edges].
 pub fn fill(boundary: &Boundary, edge_m: f64, shift: Vec2) -> Panel {
     let mut points = boundary.points.clone();
     let boundary_count = points.len();
     points.extend(
         lattice(boundary, edge_m, shift)
             .into_iter()
-            .filter(|&p| boundary.contains(p) && boundary.distance(p, None) > CLEARANCE * edge_m),
+            .filter(|&p| boundary.contains(p) && boundary.distance(p, None) > MIN_BORDER_DISTANCE * edge_m),
     );
     let mut triangles = Vec::new();
     for _ in 0..ROUNDS {
         triangles = delaunay(&points, boundary);
-        cut_no_corners(&mut triangles, &points, boundary_count);
+        flip_corner_chords(&mut triangles, &points, boundary_count);
         for _ in 0..STEPS {
             relax(&mut points, &triangles, edge_m, boundary_count);
         }
@@ -50,7 +49,7 @@ pub fn fill(boundary: &Boundary, edge_m: f64, shift: Vec2) -> Panel {
     Panel { points, triangles }
 }
 
-/// Lattice points over the box of the outline, columns along the length.
+/// Lattice points over the bounding box of the outline, columns along the length.
 fn lattice(boundary: &Boundary, edge_m: f64, shift: Vec2) -> Vec<Vec2> {
     let (mut low, mut high) = (boundary.points[0], boundary.points[0]);
     for p in &boundary.points {
@@ -84,9 +83,9 @@ fn delaunay(points: &[Vec2], boundary: &Boundary) -> Vec<[u32; 3]> {
     mesh.inner_faces()
         .map(|face| face.vertices().map(|v| v.fix().index() as u32))
         .filter(|&t| {
-            // Along a straight run, rounding leaves slivers between three points of the outline: not cloth.
+            // Collinear points of the outline span slivers of rounding errors.
             let [a, b, c] = t.map(|i| points[i as usize]);
-            area(points, t) > SLIVER * (b - a).norm_squared() && boundary.contains((a + b + c) / 3.0)
+            area(points, t) > SLIVER_FRACTION * (b - a).norm_squared() && boundary.contains((a + b + c) / 3.0)
         })
         .collect()
 }
@@ -96,9 +95,9 @@ fn area(points: &[Vec2], t: [u32; 3]) -> f64 {
     (b - a).perp(&(c - a)) / 2.0
 }
 
-/// Flips every inner edge that joins two points of the outline. Such an edge cuts off a corner of the panel: front
-/// and back would both cut it off, and the edge would carry four triangles once they are sewn.
-fn cut_no_corners(triangles: &mut [[u32; 3]], points: &[Vec2], boundary_count: usize) {
+/// Flips every interior edge between two points of the outline. Such a chord cuts off a corner of the panel: after sewing,
+/// the chords of front and back would be one edge with four triangles.
+fn flip_corner_chords(triangles: &mut [[u32; 3]], points: &[Vec2], boundary_count: usize) {
     let mut sides: BTreeMap<[u32; 2], (usize, usize)> = BTreeMap::new();
     let mut chords = Vec::new();
     for (f, t) in triangles.iter().enumerate() {
@@ -124,19 +123,19 @@ fn cut_no_corners(triangles: &mut [[u32; 3]], points: &[Vec2], boundary_count: u
 
 /// One step of every interior point under springs along the edges, of rest length `edge_m`.
 fn relax(points: &mut [Vec2], triangles: &[[u32; 3]], edge_m: f64, boundary_count: usize) {
-    let mut pulls = vec![Vec2::zeros(); points.len()];
+    let mut displacements = vec![Vec2::zeros(); points.len()];
     for t in triangles {
         for k in 0..3 {
-            // An inner edge is seen once from each side: half a spring each time.
+            // An interior edge is visited once from each side: half a spring each.
             let (a, b) = (t[k] as usize, t[(k + 1) % 3] as usize);
             let d = points[b] - points[a];
-            let pull = 0.5 * (1.0 - edge_m / d.norm()) * d;
-            pulls[a] += pull;
-            pulls[b] -= pull;
+            let displacement = 0.5 * (1.0 - edge_m / d.norm()) * d;
+            displacements[a] += displacement;
+            displacements[b] -= displacement;
         }
     }
-    for (p, pull) in points.iter_mut().zip(pulls).skip(boundary_count) {
-        *p += RELAXATION * pull;
+    for (p, displacement) in points.iter_mut().zip(displacements).skip(boundary_count) {
+        *p += RELAXATION * displacement;
     }
 }
 

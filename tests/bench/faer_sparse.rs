@@ -1,5 +1,5 @@
-//! What the direct solver replaced, as a reference: faer's supernodal sparse factorisation of the scalar matrix, in the
-//! order of a bisection at the median of the widest axis.
+//! Reference of the direct solver: faer's supernodal sparse factorisation of the scalar matrix, ordered by recursive
+//! bisection at the median of the widest axis.
 
 use crease::math::Vec3;
 use crease::sim::BlockMatrix;
@@ -13,10 +13,10 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side};
 
-/// A factorisation that can be refilled.
+/// A factorisation that can be repeated for matrices of one pattern.
 #[derive(Default)]
 pub struct FaerSparse {
-    /// Upper triangle by columns: starts, rows.
+    /// Starts of the columns of the upper triangle.
     column_start: Vec<usize>,
     row: Vec<usize>,
     value: Vec<f64>,
@@ -25,7 +25,7 @@ pub struct FaerSparse {
 }
 
 impl FaerSparse {
-    /// Numeric factorisation, after `analyse`.
+    /// Factorises `matrix`, after [`Self::analyse`].
     pub fn factorise(&mut self, matrix: &BlockMatrix) {
         self.fill(matrix);
         let symbolic = self.symbolic.as_ref().expect("analysed");
@@ -49,12 +49,12 @@ impl FaerSparse {
             .expect("positive definite");
     }
 
-    /// Numbers in the factor.
+    /// Number of entries of the factor.
     pub fn len(&self) -> usize {
         self.factor.len()
     }
 
-    /// Solves in place for a right-hand side over rows.
+    /// Solves in place for a right-hand side, one vector per block row.
     pub fn solve(&self, rhs: &mut [Vec3]) {
         let Some(symbolic) = &self.symbolic else { return };
         let factor = LltRef::<usize, f64>::new(symbolic, &self.factor);
@@ -68,7 +68,7 @@ impl FaerSparse {
         }
     }
 
-    /// Order and symbolic factorisation.
+    /// Determines the elimination order and the symbolic factorisation.
     pub fn analyse(&mut self, matrix: &BlockMatrix, positions: &[Vec3]) {
         let blocks = matrix.row_count();
         let n = 3 * blocks;
@@ -78,7 +78,7 @@ impl FaerSparse {
         for r in 0..blocks {
             for c in 0..3 {
                 for &b in matrix.row(r) {
-                    // The diagonal block gives its upper triangle only.
+                    // Only the upper triangle of a diagonal block is stored.
                     let rows = if b as usize == r { c + 1 } else { 3 };
                     self.row.extend((0..rows).map(|k| 3 * b as usize + k));
                 }
@@ -122,10 +122,10 @@ impl FaerSparse {
     }
 }
 
-/// Parts of this size are not cut further.
-const LEAF: usize = 48;
+/// Largest number of rows of a part that is not divided.
+const MAX_LEAF_ROWS: usize = 48;
 
-/// Rows of `matrix` in elimination order, by the present `positions` of all points [m].
+/// Rows of `matrix` in elimination order, by the `positions` of all points [m].
 fn nested_dissection(matrix: &BlockMatrix, positions: &[Vec3]) -> Vec<u32> {
     let n = matrix.row_count();
     let mut degree = vec![0u32; n + 1];
@@ -149,59 +149,71 @@ fn nested_dissection(matrix: &BlockMatrix, positions: &[Vec3]) -> Vec<u32> {
             }
         }
     }
-    let place: Vec<Vec3> = matrix.gather(positions);
-    let mut cut = Cut { start, neighbour, place, side: vec![0; n], next: 1, order: Vec::with_capacity(n) };
-    cut.part((0..n as u32).collect());
-    cut.order
+    let mut dissection = Dissection {
+        start,
+        neighbour,
+        position: matrix.gather(positions),
+        side: vec![0; n],
+        next: 1,
+        order: Vec::with_capacity(n),
+    };
+    dissection.divide((0..n as u32).collect());
+    dissection.order
 }
 
-struct Cut {
+/// State of the recursive bisection.
+struct Dissection {
+    /// Start of the neighbours of every row.
     start: Vec<u32>,
     neighbour: Vec<u32>,
-    place: Vec<Vec3>,
-    /// Per row: stamp of the half it was last put in.
+    /// Positions, one per row [m].
+    position: Vec<Vec3>,
+    /// Number of the last half that every row belonged to.
     side: Vec<u32>,
+    /// Next number of a half.
     next: u32,
+    /// Elimination order so far.
     order: Vec<u32>,
 }
 
-impl Cut {
-    fn part(&mut self, mut rows: Vec<u32>) {
-        if rows.len() <= LEAF {
+impl Dissection {
+    /// Appends `rows` to the order: the two halves, then their separator.
+    fn divide(&mut self, mut rows: Vec<u32>) {
+        if rows.len() <= MAX_LEAF_ROWS {
             self.order.append(&mut rows);
             return;
         }
         let (mut low, mut high) = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
         for &r in &rows {
-            low = low.inf(&self.place[r as usize]);
-            high = high.sup(&self.place[r as usize]);
+            low = low.inf(&self.position[r as usize]);
+            high = high.sup(&self.position[r as usize]);
         }
         let axis = (high - low).imax();
         let half = rows.len() / 2;
-        let key = |r: &u32| self.place[*r as usize][axis];
+        let key = |r: &u32| self.position[*r as usize][axis];
         rows.select_nth_unstable_by(half, |a, b| key(a).total_cmp(&key(b)).then(a.cmp(b)));
         let mut right = rows.split_off(half);
-        // The order inside a half decides ties later: make it independent of the selection's swaps.
+        // The order within a half decides later ties: it must not depend on the swaps of the selection.
         rows.sort_unstable();
         right.sort_unstable();
-        let stamp = self.next;
+        let number = self.next;
         self.next += 1;
         for &r in &right {
-            self.side[r as usize] = stamp;
+            self.side[r as usize] = number;
         }
-        let touches = |cut: &Self, r: u32| {
-            let (a, b) = (cut.start[r as usize] as usize, cut.start[r as usize + 1] as usize);
-            cut.neighbour[a..b].iter().any(|&q| cut.side[q as usize] == stamp)
+        let touches = |dissection: &Self, r: u32| {
+            let (a, b) = (dissection.start[r as usize] as usize, dissection.start[r as usize + 1] as usize);
+            dissection.neighbour[a..b].iter().any(|&q| dissection.side[q as usize] == number)
         };
         let (separator, left): (Vec<u32>, Vec<u32>) = rows.into_iter().partition(|&r| touches(self, r));
         if left.is_empty() {
-            // Everything touches everything: no cut helps.
+            // All rows are adjacent to the other half: no separator exists.
             self.order.extend_from_slice(&right);
             self.order.extend_from_slice(&separator);
             return;
         }
-        self.part(left);
-        self.part(right);
+        self.divide(left);
+        self.divide(right);
         self.order.extend_from_slice(&separator);
     }
 }

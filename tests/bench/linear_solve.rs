@@ -1,7 +1,7 @@
-//! The direct solver against what it replaced, on systems like those of a bake: two sheets of cloth in contact, flat,
-//! folded once and folded thrice. `cargo bench --bench linear_solve [-- POINTS...]`
+//! Benchmark of the direct solver against faer's sparse factorisation, on systems like those of a bake: two sheets of cloth
+//! in contact, flat, folded once and folded thrice. `cargo bench --bench linear_solve [-- POINTS...]`
 //!
-//! Times are the least of several samples of the busiest thread's processor time, so that other work on the machine
+//! Times are the minimum of several samples of the busiest thread's processor time, so that other load of the machine
 //! does not count. "of gemm" is the rate of the factorisation against that of a large dense product in the same precision.
 
 mod faer_sparse;
@@ -13,8 +13,9 @@ use faer_sparse::FaerSparse;
 use std::collections::HashMap;
 use std::time::Instant;
 
-/// Side of a sheet, thickness of a layer [m].
+/// Side of a sheet [m].
 const SIDE: f64 = 0.7;
+/// Distance of layers [m].
 const LAYER: f64 = 0.65e-3;
 
 fn main() {
@@ -26,7 +27,7 @@ fn main() {
         gemm(1.0f32) / 1e9
     );
     println!(
-        "points folds blocks/row | old: factor [million numbers], analysis factor solve [ms] | new: factor [million numbers] and work [GFlop], analysis factor solve, of gemm | two threads: factor solve | old/new on 1, 2 threads"
+        "points folds blocks/row | faer: factor [million numbers], analysis factor solve [ms] | crease: factor [million numbers] and work [GFlop], analysis factor solve, of gemm | two threads: factor solve | faer/crease on 1, 2 threads"
     );
     for points in sizes {
         for folds in [0, 1, 3] {
@@ -35,78 +36,79 @@ fn main() {
     }
 }
 
+/// Measures and prints one row.
 fn row(points: u32, folds: u32) {
     let (matrix, positions) = system(points, folds);
     let rhs: Vec<Vec3> =
         (0..matrix.row_count()).map(|k| Vec3::new((k as f64).sin(), 1.0, (k as f64 * 0.7).cos())).collect();
     let repeat = if points > 30_000 { 2 } else { 5 };
-    let mut old = FaerSparse::default();
-    let old_times = on_threads(1, || {
-        let analysis = least(repeat, &mut || old.analyse(&matrix, &positions));
-        let factor = least(repeat, &mut || old.factorise(&matrix));
-        [analysis, factor, least(repeat, &mut || old.solve(&mut rhs.clone()))]
+    let mut faer = FaerSparse::default();
+    let faer_times = on_threads(1, || {
+        let analysis = min_time(repeat, &mut || faer.analyse(&matrix, &positions));
+        let factor = min_time(repeat, &mut || faer.factorise(&matrix));
+        [analysis, factor, min_time(repeat, &mut || faer.solve(&mut rhs.clone()))]
     });
-    // The pattern without values: factorising it fails at once, after the analysis.
+    // The pattern without values: its factorisation fails immediately after the analysis.
     let mut empty = matrix.clone();
     empty.fill(&|_| ());
     let none = BlockMatrix::default();
-    let mut new = Cholesky::default();
+    let mut crease = Cholesky::default();
     let mut times = |threads| {
         on_threads(threads, || {
-            let analysis = least(repeat, &mut || {
-                let _ = new.factorise(&none, &[]);
-                let _ = new.factorise(&empty, &positions);
+            let analysis = min_time(repeat, &mut || {
+                let _ = crease.factorise(&none, &[]);
+                let _ = crease.factorise(&empty, &positions);
             });
-            new = Cholesky::default();
+            crease = Cholesky::default();
             let factor =
-                least(repeat, &mut || new.factorise(&matrix, &positions).expect("positive definite"));
+                min_time(repeat, &mut || crease.factorise(&matrix, &positions).expect("positive definite"));
             let solve =
-                least(repeat, &mut || new.solve(&matrix, &mut rhs.clone()).expect("positive definite"));
+                min_time(repeat, &mut || crease.solve(&matrix, &mut rhs.clone()).expect("positive definite"));
             [analysis, factor, solve]
         })
     };
     let one = times(1);
     let two = times(2);
     let mut x = rhs.clone();
-    new.solve(&matrix, &mut x).expect("positive definite");
+    crease.solve(&matrix, &mut x).expect("positive definite");
     let mut y = rhs.clone();
-    old.solve(&mut y);
+    faer.solve(&mut y);
     let size = y.iter().map(|v| v.amax()).fold(0.0, f64::max);
-    let apart = x.iter().zip(&y).map(|(x, y)| (x - y).amax()).fold(0.0, f64::max);
-    let gemm = if new.is_double() { gemm(1.0f64) } else { gemm(1.0f32) };
-    let (work, numbers) = new.size();
+    let difference = x.iter().zip(&y).map(|(x, y)| (x - y).amax()).fold(0.0, f64::max);
+    let gemm = if crease.is_double() { gemm(1.0f64) } else { gemm(1.0f32) };
+    let (work, numbers) = crease.size();
     let total = |t: &[f64; 3]| t.iter().sum::<f64>();
     println!(
-        "{:6} {folds} {:5.1} | {:6.1} {:5.0} {:6.0} {:5.0} | {:6.1} {:5.1}  {:5.1} {:6.0} {:5.0}  {:3.0} %{} | {:6.0} {:5.0} | {:.1} {:.1}   apart {:.0e}",
+        "{:6} {folds} {:5.1} | {:6.1} {:5.0} {:6.0} {:5.0} | {:6.1} {:5.1}  {:5.1} {:6.0} {:5.0}  {:3.0} %{} | {:6.0} {:5.0} | {:.1} {:.1}   difference {:.0e}",
         matrix.row_count(),
         matrix.block_count() as f64 / matrix.row_count() as f64,
-        1e-6 * old.len() as f64,
-        1e3 * old_times[0],
-        1e3 * old_times[1],
-        1e3 * old_times[2],
+        1e-6 * faer.len() as f64,
+        1e3 * faer_times[0],
+        1e3 * faer_times[1],
+        1e3 * faer_times[2],
         1e-6 * numbers as f64,
         2e-9 * work,
         1e3 * one[0],
         1e3 * one[1],
         1e3 * one[2],
         100.0 * 2.0 * work / one[1] / gemm,
-        if new.is_double() { " (double)" } else { "" },
+        if crease.is_double() { " (double)" } else { "" },
         1e3 * two[1],
         1e3 * two[2],
-        total(&old_times) / total(&one),
-        total(&old_times) / (total(&two)),
-        apart / size,
+        total(&faer_times) / total(&one),
+        total(&faer_times) / (total(&two)),
+        difference / size,
     );
 }
 
-/// Runs `work` on so many threads.
+/// Runs `work` on `count` threads.
 fn on_threads<T: Send>(count: usize, work: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(count).build().expect("threads").install(work)
 }
 
-/// Least time of `work` over some samples [s]: of the busiest thread's processor, or of the clock where the system does
-/// not tell. A sample is long enough for the system's ticks.
-fn least(samples: usize, work: &mut (dyn FnMut() + Send)) -> f64 {
+/// Minimum time of `work` over several samples [s]: processor time of the busiest thread, or wall time where the system does
+/// not report it. A sample is long compared with the resolution of the clock.
+fn min_time(samples: usize, work: &mut (dyn FnMut() + Send)) -> f64 {
     let clock = Instant::now();
     work();
     let repeat = (SAMPLE / clock.elapsed().as_secs_f64().max(1e-6)).ceil();
@@ -122,10 +124,10 @@ fn least(samples: usize, work: &mut (dyn FnMut() + Send)) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// Length of a sample [s].
+/// Duration of a sample [s].
 const SAMPLE: f64 = 0.2;
 
-/// Per thread of the pool: how long it has run [s]; zeros where the system does not tell.
+/// Processor time of every thread of the pool [s]; zeros where the system does not report it.
 fn processor_seconds() -> Vec<f64> {
     let own = || {
         let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
@@ -134,13 +136,13 @@ fn processor_seconds() -> Vec<f64> {
     rayon::broadcast(|_| own().unwrap_or(0.0))
 }
 
-/// Operations per second of a large dense product.
+/// Floating-point rate of a large dense product [1/s].
 fn gemm<T: faer::traits::RealField + Copy>(value: T) -> f64 {
     const N: usize = 384;
     let (a, b) = (vec![value; N * N], vec![value; N * N]);
     let mut c = vec![value; N * N];
     let seconds = on_threads(1, || {
-        least(20, &mut || {
+        min_time(20, &mut || {
             let [a, b] = [&a, &b].map(|m| faer::MatRef::from_column_major_slice(m, N, N));
             let c = faer::MatMut::from_column_major_slice_mut(&mut c, N, N);
             faer::linalg::matmul::matmul(c, faer::Accum::Replace, a, b.transpose(), value, faer::Par::Seq);
@@ -149,8 +151,8 @@ fn gemm<T: faer::traits::RealField + Copy>(value: T) -> f64 {
     2.0 * (N * N * N) as f64 / seconds
 }
 
-/// Two square sheets in contact, folded, with about `points` points: inertia of a step of 1/240 s, membrane, bending
-/// over two rings, and contact between layers with walls of 1e2 to 1e5 N/m. The diagonal blocks' eigenvalues then span
+/// System of two square sheets in contact, folded, with about `points` points: inertia of a step of 1/240 s, membrane, bending
+/// over two rings, and contact between layers with stiffness 1e2 to 1e5 N/m. The diagonal blocks' eigenvalues then span
 /// 0.6 to 1e5 N/m; in bakes of the T-shirts 0.4 to 1e5 N/m is usual.
 fn system(points: u32, folds: u32) -> (BlockMatrix, Vec<Vec3>) {
     let n = (f64::from(points) / 2.0).sqrt().round() as u32;
@@ -158,7 +160,7 @@ fn system(points: u32, folds: u32) -> (BlockMatrix, Vec<Vec3>) {
     let mut positions = Vec::new();
     for sheet in 0..2 {
         for k in 0..n * n {
-            // The sheets' points do not lie above one another.
+            // Points of the sheets are not aligned.
             let shift = 0.37 * f64::from(sheet) + 0.01 * f64::from(k % 7);
             let (i, j) = (f64::from(k % n) + shift, f64::from(k / n) + 0.6 * shift);
             positions.push(Vec3::new(i * spacing, f64::from(sheet) * LAYER, j * spacing));
@@ -197,7 +199,7 @@ fn system(points: u32, folds: u32) -> (BlockMatrix, Vec<Vec3>) {
             }
         }
     }
-    touching(&positions, spacing, &mut pairs);
+    add_contacts(&positions, spacing, &mut pairs);
     let mut matrix = BlockMatrix::with_pattern((0..positions.len() as u32).collect(), &mut |visit| {
         pairs.iter().for_each(|(a, b, _)| visit(&[*a, *b]));
     });
@@ -214,8 +216,8 @@ fn system(points: u32, folds: u32) -> (BlockMatrix, Vec<Vec3>) {
     (matrix, positions)
 }
 
-/// Adds pairs of neighbouring layers that are near, with walls of different stiffness.
-fn touching(positions: &[Vec3], spacing: f64, pairs: &mut Vec<(u32, u32, f64)>) {
+/// Adds contact pairs of neighbouring layers, of varying stiffness.
+fn add_contacts(positions: &[Vec3], spacing: f64, pairs: &mut Vec<(u32, u32, f64)>) {
     let cell = |p: &Vec3| [p.x, p.z].map(|c| (c / (1.4 * spacing)).floor() as i32);
     let mut cells: HashMap<[i32; 2], Vec<u32>> = HashMap::new();
     for (k, p) in positions.iter().enumerate() {

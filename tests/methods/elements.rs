@@ -1,17 +1,17 @@
-//! Elements that no mesh should have: slivers, obtuse triangles.
+//! Degenerate elements: slivers and obtuse triangles.
 
 use crease::energy::{Bending, BlockSink, Energy, Membrane};
 use crease::garment::RestState;
 use crease::math::{Mat3, Vec2, Vec3};
 use crease::mesh::{PointIndex, Topology};
 
-/// Two triangles on an edge of length 1, apices `height` over it on both sides at `place` along it.
-fn pair(place: f64, height: f64) -> (Vec<Vec2>, Vec<[u32; 3]>) {
+/// Two triangles on an edge of length 1, apices `height` from it on both sides at `position` along it.
+fn pair(position: f64, height: f64) -> (Vec<Vec2>, Vec<[u32; 3]>) {
     let flat = vec![
         Vec2::new(0.0, 0.0),
         Vec2::new(1.0, 0.0),
-        Vec2::new(place, height),
-        Vec2::new(1.0 - place, -height),
+        Vec2::new(position, height),
+        Vec2::new(1.0 - position, -height),
     ];
     (flat, vec![[0, 1, 2], [1, 0, 3]])
 }
@@ -30,10 +30,10 @@ impl BlockSink for Dense {
     }
 }
 
-/// Smallest and largest eigenvalue of membrane (Y = 1) and bending (B = 1) of a pair, in a pose a little bent and
-/// stretched, and its smallest point mass over the largest.
-fn stiffness(place: f64, height: f64) -> ([[f64; 2]; 2], f64) {
-    let (flat, triangles) = pair(place, height);
+/// Smallest and largest eigenvalue of membrane (Y = 1) and bending (B = 1) of a pair, in a slightly bent and
+/// stretched pose, and its smallest point mass over the largest.
+fn stiffness(position: f64, height: f64) -> ([[f64; 2]; 2], f64) {
+    let (flat, triangles) = pair(position, height);
     let material: Vec<[Vec2; 3]> = triangles.iter().map(|t| t.map(|p| flat[p as usize])).collect();
     let topology = Topology::new(4, &triangles.iter().map(|t| t.map(PointIndex)).collect::<Vec<_>>());
     let membrane = Membrane::from_parts(&triangles, &material, [1.0, 1.0, 0.5], 0.0);
@@ -61,8 +61,8 @@ fn stiffness(place: f64, height: f64) -> ([[f64; 2]; 2], f64) {
     (both, mass.0 / mass.1)
 }
 
-/// Promise: slivers are finite and positive semi-definite down to altitudes of 1e-6 of the edge; below 1e-3 the membrane
-/// takes them for 1e-3 and its stiffness grows no more.
+/// Property: slivers are finite and positive semi-definite down to altitudes of 1e-6 of the edge; below 1e-3 the membrane
+/// clamps the altitude to 1e-3, which bounds its stiffness.
 #[test]
 fn slivers_stay_finite_and_positive() {
     let mut last = 0.0;
@@ -77,20 +77,20 @@ fn slivers_stay_finite_and_positive() {
         );
         assert!(membrane[0] >= -1e-10 * membrane[1] && bending[0] >= -1e-10 * bending[1]);
         if height < 0.9e-3 {
-            assert!(membrane[1] <= 1.01 * last, "the clamp of altitudes does not hold");
+            assert!(membrane[1] <= 1.01 * last, "the altitude is not clamped");
         }
         last = membrane[1];
     }
 }
 
-/// Promise: obtuse triangles (170 degrees) have positive masses and positive semi-definite stiffness.
+/// Property: obtuse triangles (170 degrees) have positive masses and positive semi-definite stiffness.
 #[test]
 fn obtuse_triangles_have_mass_and_positive_stiffness() {
-    for place in [0.5, 0.9, 1.5, 3.0] {
-        // The apex over `place` sees the edge under 170 degrees where it lies over it, and lies beyond it otherwise.
-        let ([membrane, bending], mass) = stiffness(place, 0.0875 * place.min(1.0) * 0.5);
+    for position in [0.5, 0.9, 1.5, 3.0] {
+        // The angle at the apex is 170 degrees where the apex projects onto the edge.
+        let ([membrane, bending], mass) = stiffness(position, 0.0875 * position.min(1.0) * 0.5);
         println!(
-            "apex at {place}: masses {mass:.2}, eigenvalues from {:.1e} and {:.1e}",
+            "apex at {position}: masses {mass:.2}, eigenvalues from {:.1e} and {:.1e}",
             membrane[0], bending[0]
         );
         assert!(mass > 0.0 && membrane[0] >= -1e-10 * membrane[1] && bending[0] >= -1e-10 * bending[1]);

@@ -1,10 +1,20 @@
-//! The maps of `crease chart stability`, cell by cell for the methods that promise something.
+//! The maps of `crease chart stability`, cell by cell for the integrators with documented properties.
 
 use crease::chart::stability::{MAPS, MethodColumn, Verdict};
 use crease::sim::Method;
 
-/// Runs every cell of the map `name` by `method`; the outcomes, and the worst strain.
-fn cells(name: &str, method: MethodColumn) -> Vec<(f64, f64, Verdict)> {
+/// Verdict on one cell.
+#[derive(Debug)]
+struct CellVerdict {
+    /// Value of the map's parameter.
+    value: f64,
+    /// Step size [s].
+    step: f64,
+    verdict: Verdict,
+}
+
+/// Runs every cell of the map `name` with `method`.
+fn cells(name: &str, method: MethodColumn) -> Vec<CellVerdict> {
     let map = MAPS.iter().find(|map| map.name == name).expect("is on the list");
     let mut all = Vec::new();
     for &value in map.values {
@@ -21,53 +31,53 @@ fn cells(name: &str, method: MethodColumn) -> Vec<(f64, f64, Verdict)> {
                 cell.linear_solves,
                 cell.why.map_or(String::new(), |why| format!(", {why}"))
             );
-            all.push((value, step, cell.verdict));
+            all.push(CellVerdict { value, step, verdict: cell.verdict });
         }
     }
     all
 }
 
-/// Promise: what a bake does unless told otherwise fails no cell of any map.
+/// Property: the default of a bake fails in no cell of any map.
 fn default_fails_nowhere(name: &str) {
     let failed: Vec<_> =
-        cells(name, MethodColumn::Default).into_iter().filter(|c| c.2 == Verdict::Failed).collect();
+        cells(name, MethodColumn::Default).into_iter().filter(|c| c.verdict == Verdict::Failed).collect();
     assert!(failed.is_empty(), "{name}: {failed:?}");
 }
 
 #[test]
-fn default_method_stands_stiff_cloth() {
+fn default_method_survives_stiff_cloth() {
     default_fails_nowhere("release90");
 }
 
 #[test]
-fn default_method_stands_contrast() {
+fn default_method_survives_contrast() {
     default_fails_nowhere("contrast");
 }
 
 #[test]
-fn default_method_stands_slivers() {
+fn default_method_survives_slivers() {
     default_fails_nowhere("sliver");
 }
 
 #[test]
-fn default_method_stands_layers() {
+fn default_method_survives_layers() {
     default_fails_nowhere("layers");
 }
 
 #[test]
-fn default_method_stands_speed() {
+fn default_method_survives_speed() {
     default_fails_nowhere("approach");
 }
 
-/// Promise: the map shows where others fail or go wrong: one iteration is not right anywhere at 1/24 s on the whipping
-/// strip, and sweeps are not right on any stiff one.
+/// Property: the map shows failures and inaccuracies of the others: one iteration never converges at 1/24 s on the whipping
+/// strip, and vertex block descent never on a stiff one.
 #[test]
-fn the_map_shows_where_others_go_wrong() {
+fn the_map_shows_failures_of_other_methods() {
     let wrong = |method, step: f64, from: f64| {
         cells("release90", MethodColumn::Method(method))
             .into_iter()
-            .filter(|c| c.1 >= step && c.0 >= from)
-            .all(|c| c.2 != Verdict::Converged)
+            .filter(|c| c.step >= step && c.value >= from)
+            .all(|c| c.verdict != Verdict::Converged)
     };
     assert!(wrong(Method::BackwardEulerOnce, 1.0 / 24.0, 0.0));
     assert!(wrong(Method::VertexBlockDescent, 0.0, 2e4));

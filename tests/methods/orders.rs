@@ -1,4 +1,4 @@
-//! Orders of convergence and stiff decay of every method, on oscillators whose answers are closed forms.
+//! Orders of convergence and stiff decay of every integrator, on oscillators with closed-form solutions.
 
 use crate::reference::figures;
 use crease::contact::Contact;
@@ -52,9 +52,9 @@ fn error(method: Method, count: usize) -> f64 {
     (state.x[0].x - 1.0).hypot(state.v[0].x / TAU)
 }
 
-/// Promise: on an oscillator of 160 to 640 steps a period backward Euler has order 0.9 to 1.05, BDF2 and the two-stage
-/// method at least 1.95; one iteration is exact for a linear spring and changes nothing. (Vertex block descent is exact for
-/// a single point, too: what it lacks shows between points.)
+/// Property: on an oscillator of 160 to 640 steps a period backward Euler has order 0.9 to 1.05, BDF2 and the two-stage
+/// method at least 1.95; one iteration is exact for a linear spring and changes nothing. (Vertex block descent is exact
+/// for a single point, too: its error is the coupling between points.)
 #[test]
 fn every_method_has_its_order() {
     for &method in Method::ALL.iter().filter(|m| !m.is_visual()) {
@@ -66,11 +66,11 @@ fn every_method_has_its_order() {
     }
 }
 
-/// Promise: stiff modes die: on a spring of omega h = 100 every method keeps of it per step what theory says, to 1 %:
+/// Property: stiff modes decay: on a spring of omega h = 100 the amplification per step is that of theory, to 1 %:
 /// backward Euler 0.0100, BDF2 0.0781 (`numerical_damping.csv`), the two-stage method, as TR-BDF2, |R(100 i)| = 0.0481 with
 /// R(z) = (1 + (1 - 2 g) z) / (1 - g z)².
 #[test]
-fn stiff_modes_die() {
+fn stiff_modes_decay() {
     let h: f64 = 0.01;
     let spring = spring((100.0 / h).powi(2));
     for &method in Method::ALL.iter().filter(|m| !m.is_visual()) {
@@ -94,7 +94,7 @@ fn stiff_modes_die() {
     }
 }
 
-/// Promise: free fall is exact to second order: the two-stage method makes no error at all, from the first step on.
+/// Property: the two-stage method is exact in free fall, from the first step on.
 #[test]
 fn the_two_stage_method_falls_exactly() {
     let weight = crease::energy::Gravity { mass: &[1.0], acceleration: Vec3::new(0.0, -9.81, 0.0) };

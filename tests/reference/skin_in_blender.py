@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Where Blender puts the vertices of a skinned mesh while a clip plays (needs the PyPI package bpy; made with 5.0.1).
+"""Vertex positions of a skinned mesh in Blender while a clip plays (requires the PyPI package bpy; used with 5.0.1).
 
 usage: skin_in_blender.py FILE.glb MESH T[,T...] STRIDE OUT.json      every STRIDE-th vertex [m], y up as in the file
 """
@@ -18,6 +18,6 @@ for time in times:
     frame = time * scene.render.fps / scene.render.fps_base
     scene.frame_set(int(frame), subframe=frame - int(frame))
     shown = mesh.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    places = [shown.matrix_world @ v.co for v in shown.to_mesh().vertices]
-    poses.append({"time_s": time, "points_m": [[round(p.x, 7), round(p.z, 7), round(-p.y, 7)] for p in places[::stride]]})
-json.dump({"vertices": len(places), "stride": stride, "poses": poses}, open(sys.argv[5], "w"))
+    positions = [shown.matrix_world @ v.co for v in shown.to_mesh().vertices]
+    poses.append({"time_s": time, "points_m": [[round(p.x, 7), round(p.z, 7), round(-p.y, 7)] for p in positions[::stride]]})
+json.dump({"vertices": len(positions), "stride": stride, "poses": poses}, open(sys.argv[5], "w"))
