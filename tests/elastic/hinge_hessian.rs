@@ -42,7 +42,7 @@ pub fn hinge_hessian(x: &[Vec3; 4]) -> Option<[[Mat3; 4]; 4]> {
     Some(rows.map(|[by_a, by_b, by_e]| [-(by_a + by_b + by_e), by_e, by_a, by_b]))
 }
 
-/// The generic pose of physics.md section 2.
+/// A generic pose: no two edges are equal or parallel.
 fn generic() -> [Vec3; 4] {
     [
         Vec3::new(0.013, -0.021, 0.034),
