@@ -1,4 +1,4 @@
-//! Canonical pose of a garment for comparison: upright (x to the wearer's left, y up, front to +z), its box centred.
+//! Canonical pose of a garment for comparison: upright (x to the left of a person in it, y up, front to +z), its box centred.
 //!
 //! A garment that lies in its file (much lower than it is wide and long, as `lay` decides it) is turned upright, its
 //! upper end first. Boxes can then be made equal axis by axis, so that a point keeps its fractions of the box, which is

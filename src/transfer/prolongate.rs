@@ -2,7 +2,7 @@
 //!
 //! Both meshes lie in one position, and for every point of the garment its coarse triangle is known. A point is matched
 //! with the nearest of the triangles around those its corners lie in, so that touching layers are never confused. Hinges
-//! between triangles that both meshes share are copied; the others are resampled as between any two meshes.
+//! between triangles of both meshes are copied; the others are resampled as between any two meshes.
 
 use crate::garment::{CoarseMesh, Garment, RestState};
 use crate::math::Vec3;
@@ -47,7 +47,7 @@ struct CoarseMeshLocator<'a> {
     source: GarmentSurface,
     target: &'a GarmentSurface,
     containing_triangle: &'a [u32],
-    /// Per coarse triangle: itself and all that share a point with it, sorted.
+    /// Per coarse triangle: itself and all that have a point in common with it, sorted.
     neighbourhood: Vec<Vec<u32>>,
     /// Per coarse triangle: outward unit normal.
     normals: Vec<Vec3>,

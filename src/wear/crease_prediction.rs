@@ -29,7 +29,7 @@ mod tests {
 
     const STEP: f64 = 0.01;
 
-    /// Two level sheets of 0.2 x 0.2 m, one 1 mm over the other, joined along the left and the right side.
+    /// Two level layers of 0.2 x 0.2 m, one 1 mm over the other, joined along the left and the right side.
     fn sleeve() -> Garment {
         let row = 21u32;
         let mut points = Vec::new();
@@ -38,18 +38,18 @@ mod tests {
                 points.push(Vec3::new(STEP * f64::from(k % row), height, STEP * f64::from(k / row)));
             }
         }
-        // The side points of the upper sheet are those of the lower one.
-        let name = |sheet: u32, i: u32, j: u32| {
+        // The side points of the upper layer are those of the lower one.
+        let name = |layer: u32, i: u32, j: u32| {
             let side = i == 0 || i == row - 1;
-            PointIndex(if side { 0 } else { sheet * row * row } + j * row + i)
+            PointIndex(if side { 0 } else { layer * row * row } + j * row + i)
         };
         let mut triangles = Vec::new();
-        for sheet in [0, 1] {
+        for layer in [0, 1] {
             for (i, j) in (0..row - 1).flat_map(|i| (0..row - 1).map(move |j| (i, j))) {
-                let corner = |di: u32, dj: u32| name(sheet, i + di, j + dj);
+                let corner = |di: u32, dj: u32| name(layer, i + di, j + dj);
                 let two =
                     [[corner(0, 0), corner(0, 1), corner(1, 1)], [corner(0, 0), corner(1, 1), corner(1, 0)]];
-                triangles.extend(two.map(|[a, b, c]| if sheet == 1 { [a, b, c] } else { [a, c, b] }));
+                triangles.extend(two.map(|[a, b, c]| if layer == 1 { [a, b, c] } else { [a, c, b] }));
             }
         }
         Garment {
@@ -69,7 +69,7 @@ mod tests {
         predict_creases(&sleeve(), &WearScript::parse("wear.json", &text).expect("is a script"), 0.03)
     }
 
-    /// Columns (0 to 20) and sheet (0 below, 1 above) of the points whose distance by `pick` is less than half a step.
+    /// Columns (0 to 20) and layer (0 below, 1 above) of the points whose distance by `pick` is less than half a step.
     fn marked(near: &[CreaseDistance], pick: fn(&CreaseDistance) -> f64) -> Vec<(usize, usize)> {
         let hit = |p: &usize| pick(&near[*p]) < 0.5 * STEP;
         let mut found: Vec<(usize, usize)> = (0..near.len()).filter(hit).map(|p| (p % 21, p / 441)).collect();

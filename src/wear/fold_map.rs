@@ -24,10 +24,9 @@ pub(super) struct FoldAxis {
     #[serde(with = "crate::math::serde_vec::vector")]
     pub along: Vec3,
     /// Unit vector towards the flap at angle 0, level.
-    #[serde(rename = "out", with = "crate::math::serde_vec::vector")]
+    #[serde(with = "crate::math::serde_vec::vector")]
     pub outward: Vec3,
     /// Smallest depth [m]: a layer at the axis itself would have a corner.
-    #[serde(rename = "least_depth")]
     pub min_depth: f64,
 }
 

@@ -44,7 +44,7 @@ impl HeightField {
 }
 
 fn cell_of(p: &Vec3) -> [i32; 2] {
-    // A garment is at most some metres wide; positions that are not finite share one cell.
+    // A garment is at most some metres wide; positions that are not finite fall into one cell.
     [(p.x / TUNING.height_field.cell).floor() as i32, (p.z / TUNING.height_field.cell).floor() as i32]
 }
 

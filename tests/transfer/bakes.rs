@@ -1,12 +1,13 @@
-//! A memory baked on one tessellation of the T-shirt and carried to another, against what was baked there:
+//! A memory baked on one tessellation of the T-shirt and transferred to another, against one that was baked there:
 //!
 //! ```text
 //! cargo run --release --example transfer_bakes -- FROM.crease.json TO.crease.json
 //! ```
 //!
-//! Both from `fold-thrice`, or both from `press-crease`, whose one fold lies in the middle. With two bakes of one mesh from jittered starts it tells how well a bake fits another of its kind.
+//! Both from `fold-thrice`, or both from `press-crease`, whose one fold lies in the middle. With two bakes of one mesh from
+//! perturbed initial conditions the output is the correlation of replicates.
 
-// The angle that a made fold has is the test's.
+// The angle of a made fold is used by the test only.
 #[allow(dead_code)]
 #[path = "measure.rs"]
 mod measure;
@@ -19,7 +20,7 @@ use measure::{FOLDS, Fold, carry, correlation, tensors, total, turns};
 /// Widths over which curvature is averaged before it is compared [m]: none, an edge of 5,000 points, a narrow fold.
 const WIDTHS: [f64; 4] = [0.0, 0.01, 0.02, 0.04];
 
-/// Where `press-crease` folds.
+/// The fold of `press-crease`.
 const MIDDLE: Fold = Fold { axis: 0, at: 0.0, ..FOLDS[0] };
 
 fn main() {
@@ -46,9 +47,9 @@ fn main() {
     for fold in FOLDS.iter().chain([&MIDDLE]) {
         for front in [true, false] {
             let each = [(&from, &earned), (&to, &there.memory), (&to, &baked), (&from, &back.memory)];
-            let [own, got, wanted, again] = each.map(|(sheet, memory)| total(sheet, memory, fold, front));
-            let [crease, come, made, home] = each.map(|(sheet, memory)| {
-                let [one, other] = turns(sheet, memory, fold, front);
+            let [own, got, wanted, again] = each.map(|(surface, memory)| total(surface, memory, fold, front));
+            let [crease, come, made, home] = each.map(|(surface, memory)| {
+                let [one, other] = turns(surface, memory, fold, front);
                 if one > -other { one } else { other }
             });
             println!(
@@ -68,13 +69,13 @@ fn load(path: &str) -> Result<(GarmentSurface, RestState), Box<dyn std::error::E
 }
 
 /// Every triangle's curvature averaged with its neighbours on the same side by a bell of standard deviation `width` [m].
-fn averaged(sheet: &GarmentSurface, tensors: &[[f64; 4]], width: f64) -> Vec<[f64; 4]> {
+fn averaged(surface: &GarmentSurface, tensors: &[[f64; 4]], width: f64) -> Vec<[f64; 4]> {
     if width == 0.0 {
         return tensors.to_vec();
     }
     let centres: Vec<_> =
-        (0..tensors.len()).map(|f| sheet.corners(f).iter().sum::<crease::math::Vec3>() / 3.0).collect();
-    let up: Vec<bool> = (0..tensors.len()).map(|f| sheet.normal(f).y > 0.0).collect();
+        (0..tensors.len()).map(|f| surface.corners(f).iter().sum::<crease::math::Vec3>() / 3.0).collect();
+    let up: Vec<bool> = (0..tensors.len()).map(|f| surface.normal(f).y > 0.0).collect();
     let one = |f: usize| {
         let mut out = [tensors[f][0], 0.0, 0.0, 0.0];
         let mut sum = 0.0;

@@ -102,41 +102,26 @@ struct UnfoldRunner {
     idle_loads: Loads,
 }
 
-/// A fold that is being opened. Field names and order in JSON are those of checkpoints.
+/// A fold that is being opened; part of checkpoints.
 #[derive(Serialize, Deserialize)]
 struct OpeningFold {
     /// Index of the fold, in order of opening.
     number: usize,
     axis: FoldAxis,
-    #[serde(rename = "guided")]
     flap: Vec<OpeningPoint>,
     /// Fixed points, one flag per point: the rest, except for a strip along the line.
-    #[serde(rename = "held")]
     fixed: Vec<bool>,
     /// Height by which the flap rises in all, so that it does not end below the ground [m].
     lift: f64,
 }
 
-/// A point of an opening flap, a tuple in JSON.
-#[derive(Clone, Copy, Serialize, Deserialize)]
-#[serde(from = "(u32, FoldCoords, f64)", into = "(u32, FoldCoords, f64)")]
+/// A point of an opening flap.
+#[derive(Serialize, Deserialize)]
 struct OpeningPoint {
     point: u32,
     coords: FoldCoords,
     /// [kg].
     mass: f64,
-}
-
-impl From<(u32, FoldCoords, f64)> for OpeningPoint {
-    fn from((point, coords, mass): (u32, FoldCoords, f64)) -> Self {
-        Self { point, coords, mass }
-    }
-}
-
-impl From<OpeningPoint> for (u32, FoldCoords, f64) {
-    fn from(own: OpeningPoint) -> Self {
-        (own.point, own.coords, own.mass)
-    }
 }
 
 impl UnfoldRunner {
