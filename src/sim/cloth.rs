@@ -5,21 +5,21 @@ use crate::fabric::Fabric;
 use crate::garment::Garment;
 use crate::math::Vec3;
 
-/// What the solver keeps of a garment and its fabric; nothing in it changes during a run.
+/// Elastic model and masses of one garment; constant during a run.
 #[derive(Debug, Clone)]
 pub struct Cloth {
-    /// One per point [kg].
+    /// Masses, one per point [kg].
     pub mass: Vec<f64>,
-    /// Area each point stands for [m²].
+    /// Lumped areas, one per point [m²].
     pub area: Vec<f64>,
-    /// Stretch and shear.
+    /// Stretch and shear model.
     pub membrane: Membrane,
-    /// Bending.
+    /// Bending model.
     pub bending: Bending,
 }
 
 impl Cloth {
-    /// `garment` made of `fabric`, with the fabric's own stiffness.
+    /// Returns the model of `garment` made of `fabric`.
     pub fn new(garment: &Garment, fabric: &Fabric) -> Self {
         let membrane = Membrane::new(garment, fabric);
         let mut area = vec![0.0; garment.points.len()];
@@ -32,7 +32,7 @@ impl Cloth {
         Self { mass, area, membrane, bending: Bending::new(garment, fabric) }
     }
 
-    /// What cloth of velocities `v` [m/s], one per point, carries with it [J].
+    /// Returns the kinetic energy [J] at velocities `v`, one per point [m/s].
     pub fn kinetic_energy(&self, v: &[Vec3]) -> f64 {
         0.5 * self.mass.iter().zip(v).map(|(m, v)| m * v.norm_squared()).sum::<f64>()
     }

@@ -1,23 +1,23 @@
-//! What a wear action does to the cloth during one step: the forces and guides that the solver adds.
+//! External loads on the cloth during one step: gravity, springs, pressure, planes, fixed points and the body.
 
 use crate::energy::{EdgeContact, PlaneContact, TargetSpring};
 use crate::math::Vec3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// A ball that closes around the cloth.
+/// A shrinking sphere that encloses the cloth.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SphereLoad {
-    /// Centre [m].
+    /// Centre of the sphere [m].
     #[serde(with = "crate::math::serde_vec::vector")]
     pub centre: Vec3,
-    /// Radius [m].
+    /// Radius of the sphere [m].
     pub radius: f64,
-    /// What the hands that close it can press with at most, on every piece of cloth that is outside [Pa].
+    /// Maximum pressure on the cloth outside the sphere [Pa].
     pub pressure: f64,
 }
 
-/// Everything that acts on the cloth from outside, as it is at the end of a step.
+/// External loads on the cloth at the end of a step.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Loads {
     /// Acceleration of gravity [m/s²].
@@ -27,43 +27,44 @@ pub struct Loads {
     pub ground: Option<f64>,
     /// Height of a ceiling that presses from above [m], if there is one.
     pub ceiling: Option<f64>,
-    /// Where the points of the body are [m], one per point, where there is a body.
-    // Gestures put it there anew when a run is taken up.
+    /// Positions of the points of the body, one per point of the body [m]; `None` without a body.
+    // Actions set it again when a run is resumed.
     #[serde(skip)]
     pub body: Option<Arc<[Vec3]>>,
-    /// What of a body is under single points of the cloth: a bake makes it from `body`, step by step.
+    /// Contacts of single points of the cloth with the body, which a bake finds from `body` in every step.
     #[serde(skip)]
     pub plane_contacts: Arc<[PlaneContact]>,
-    /// What of it is under triangles and edges of the cloth, made with them.
+    /// Contacts of triangles of the cloth with the body, found together with them.
     #[serde(skip)]
     pub edge_contacts: Arc<[EdgeContact]>,
-    /// Where the body takes the cloth along in this step, one move per point [m]: a guess to start from. Empty for none.
+    /// Displacements with which the body carries the cloth along in this step, one per point [m]: the initial guess of the
+    /// solver. Empty for none.
     #[serde(skip)]
     pub body_displacement: Arc<[Vec3]>,
-    /// Share of the fabric's friction that acts: 0 where hands let the cloth slide.
+    /// Factor on the friction coefficients of the fabric [-]: 0 for none.
     pub friction: f64,
-    /// Springs that draw points along.
+    /// Springs that pull points towards targets.
     #[serde(rename = "guides")]
     pub springs: Vec<TargetSpring>,
-    /// Whether hands lead the cloth along a way of theirs by these.
+    /// Whether the springs guide the cloth along a prescribed path.
     #[serde(rename = "leads")]
     pub guided: bool,
-    /// Whether what acts is on its way from one thing to another, so that where the cloth is now is gone over again.
+    /// Whether the loads are in transition, so that the positions of this step are solved for again right after it.
     #[serde(default, rename = "passing")]
     pub transient: bool,
-    /// Points that are held where they are, one flag per point; empty for none.
+    /// Points with prescribed positions, one flag per point; empty for none.
     #[serde(rename = "held")]
     pub fixed: Vec<bool>,
-    /// Pressure from above on every uncovered part [Pa].
+    /// Pressure from above on every uncovered triangle [Pa].
     pub pressure: f64,
-    /// Points that it acts on, one flag per point; empty for all.
+    /// Points on which the pressure acts, one flag per point; empty for all.
     pub pressed: Vec<bool>,
-    /// A closing ball.
+    /// A shrinking sphere, if there is one.
     #[serde(rename = "ball")]
     pub sphere: Option<SphereLoad>,
-    /// Air drag [1/s].
+    /// Rate of linear air drag [1/s].
     pub drag: f64,
-    /// Longest step that still follows the motion [s].
+    /// Maximum time step that resolves the motion of the loads [s].
     #[serde(rename = "longest_step", with = "crate::math::serde_vec::limit")]
     pub max_dt: f64,
 }
@@ -72,16 +73,16 @@ pub struct Loads {
 pub const GRAVITY: f64 = 9.81;
 
 impl Loads {
-    /// Whether the cloth is on its own: nobody leads, holds or presses it, and it is on no body.
+    /// Whether only gravity, the ground and drag act: no springs, fixed points, pressure or body.
     pub fn is_unloaded(&self) -> bool {
-        let held = self.fixed.contains(&true) || !self.springs.is_empty();
+        let constrained = self.fixed.contains(&true) || !self.springs.is_empty();
         let pressed = self.pressure > 0.0 || self.sphere.is_some() || self.ceiling.is_some();
-        // What a bake makes of a body takes its place.
-        let worn = self.body.is_some() || !self.body_displacement.is_empty();
-        !held && !pressed && !worn
+        // A bake replaces the body by its contacts and displacements.
+        let on_body = self.body.is_some() || !self.body_displacement.is_empty();
+        !constrained && !pressed && !on_body
     }
 
-    /// Nothing but gravity, the ground and still air.
+    /// Returns gravity and still air, with the ground at height `ground` [m] if there is one.
     pub fn gravity_only(ground: Option<f64>) -> Self {
         Self {
             gravity: Vec3::new(0.0, -GRAVITY, 0.0),

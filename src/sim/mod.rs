@@ -1,13 +1,15 @@
-//! One time step: integrators, Newton, line search, assembly, linear solvers, step control.
+//! Time stepping of the cloth: integrators, step control, Newton's method and linear solvers.
 
 mod cloth;
 mod integrator;
 mod linear;
 mod loads;
 mod newton;
+mod stage_terms;
 mod state;
 mod step_relaxation;
 mod stepper;
+mod tuning;
 mod violations;
 
 pub use cloth::Cloth;

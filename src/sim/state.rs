@@ -1,9 +1,9 @@
-//! Where the cloth is and how it moves.
+//! Positions and motion of the cloth.
 
 use crate::math::Vec3;
 use serde::{Deserialize, Serialize};
 
-/// State of the points after an accepted step. Only `solve` changes it.
+/// State of the points after an accepted step. Only `sim` changes it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Time since the start of the script [s].
@@ -16,15 +16,16 @@ pub struct State {
     pub v: Vec<Vec3>,
     /// Unwrapped hinge angles, one per hinge [rad].
     pub angle: Vec<f64>,
-    /// The accepted state before this one, unless motion has just been restarted.
+    /// The previous accepted state; `None` where motion has just been restarted.
     pub previous: Option<PreviousState>,
 }
 
-/// What a two-step method remembers of the step before.
+/// The previous accepted state, as far as two-step methods need it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PreviousState {
-    /// Length of the step that led from it to the state [s].
-    pub step: f64,
+    /// Length of the step from it to the state [s].
+    #[serde(rename = "step")]
+    pub dt: f64,
     /// Positions, one per point [m].
     #[serde(with = "crate::math::serde_vec::vectors")]
     pub x: Vec<Vec3>,
@@ -34,12 +35,12 @@ pub struct PreviousState {
 }
 
 impl State {
-    /// Points at rest at `x`, hinges at `angle`.
+    /// Returns the state at time 0 of points at rest at `x` [m], with hinge angles `angle` [rad].
     pub fn at_rest(x: Vec<Vec3>, angle: Vec<f64>) -> Self {
         Self { time: 0.0, v: vec![Vec3::zeros(); x.len()], x, angle, previous: None }
     }
 
-    /// Forgets all motion: the cloth stands still.
+    /// Sets all velocities to zero and drops the previous state.
     pub fn stop(&mut self) {
         self.v.fill(Vec3::zeros());
         self.previous = None;

@@ -1,32 +1,33 @@
-//! One time step of the cloth: the stages in the order of the method, and the control of the step's length.
+//! One time step of the cloth: the stages of the integrator, and the control of the time step.
 
 use crate::contact::Contact;
-use crate::energy::{
-    Drag, EdgeContacts, Energy, Gravity, PlaneContacts, Pressure, ShrinkingSphere, TargetSprings,
-};
+use crate::energy::Energy;
 use crate::garment::RestState;
 use crate::math::Vec3;
-use crate::sim::Loads;
-use crate::sim::integrator::{InnerSolver, Stage, StepAttempt};
-use crate::sim::{
-    Cloth, Inertia, Method, NewtonOptions, NewtonReport, PreviousState, Problem, State, StepRelaxation,
-    Violations, Workspace,
-};
+use crate::sim::cloth::Cloth;
+use crate::sim::integrator::{InnerSolver, Method, Stage, StepAttempt};
+use crate::sim::loads::Loads;
+use crate::sim::newton::{Inertia, NewtonOptions, NewtonReport, Problem, Workspace};
+use crate::sim::stage_terms::{LoadBuffers, stage_terms};
+use crate::sim::state::{PreviousState, State};
+use crate::sim::step_relaxation::StepRelaxation;
+use crate::sim::tuning::TUNING;
+use crate::sim::violations::Violations;
 
-/// How steps are made.
+/// Options of the time stepping.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepOptions {
-    /// The integrator.
+    /// Time integrator.
     pub method: Method,
-    /// When Newton stops.
+    /// Stopping criteria of Newton's method.
     pub newton: NewtonOptions,
-    /// Error of one step that is aimed at, root mean square over the points [m].
+    /// Tolerance of the local error of one step, root mean square over the points [m].
     pub local_error_tol: f64,
-    /// Shortest step [s]; below it a step is accepted as it is, with a warning.
+    /// Minimum time step [s]; a step of this length is accepted with any error.
     pub min_dt: f64,
-    /// Longest step [s].
+    /// Maximum time step [s].
     pub max_dt: f64,
-    /// Where it may be less strict.
+    /// Looser tolerances for some steps.
     pub relaxation: StepRelaxation,
 }
 
@@ -43,107 +44,122 @@ impl Default for StepOptions {
     }
 }
 
-/// What an accepted step was like.
+/// Figures of an accepted step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepReport {
-    /// Length [s].
+    /// Length of the step [s].
     pub dt: f64,
-    /// Length the next step should have [s].
+    /// Recommended length of the next step [s].
     pub next_dt: f64,
-    /// Estimated error, root mean square over the points [m].
+    /// Estimated local error, root mean square over the points [m].
     pub error: f64,
-    /// Newton's work, summed over rejected tries.
+    /// Work of Newton's method, summed over rejected attempts.
     pub newton: NewtonReport,
-    /// Tries that were thrown away.
+    /// Number of rejected attempts.
     pub rejected: usize,
-    /// Whether Newton converged, or nearly (it need not at the shortest step).
+    /// Whether Newton's method converged, or nearly; it need not at the minimum time step.
     pub converged: bool,
-    /// What it could not do as it was told.
+    /// Constraint violations at the end of the step.
     pub violations: Violations,
 }
 
-/// Makes steps of one garment.
+/// Time stepping of one garment.
 pub struct Stepper {
-    /// The elastic model.
+    /// Elastic model.
     pub cloth: Cloth,
-    /// Contact.
+    /// Contact model.
     pub contact: Contact,
-    /// How steps are made.
+    /// Options of the time stepping.
     pub options: StepOptions,
     work: Workspace,
-    /// Length that the error of the last step would have let the next one have [s].
-    could_take: f64,
+    /// Length that the error of the last step allows for the next [s].
+    error_limited_dt: f64,
 }
 
-/// Energies of a step borrow its parts; this owns what must outlive them.
-struct Forces {
-    held: Vec<bool>,
-    push: Vec<f64>,
-    /// Of a closing ball, one per point each: stiffness [N/m], force at most [N]; empty without one.
-    wall: Vec<f64>,
-    hands: Vec<f64>,
+/// Loads at the ends of the stages of a step.
+struct StageLoads {
+    /// Those of all stages but the last.
+    earlier: Vec<Loads>,
+    /// Those of the last stage.
+    last: Loads,
+}
+
+/// One stage of a step and what it starts from.
+#[derive(Clone, Copy)]
+struct StageInputs<'a> {
+    state: &'a State,
+    memory: &'a RestState,
+    loads: &'a Loads,
+    buffers: &'a LoadBuffers,
+    stage: &'a Stage,
+}
+
+/// End state of an attempted step.
+struct AttemptResult {
+    next: State,
+    /// Estimated local error, root mean square over the points [m].
+    error: f64,
+    report: NewtonReport,
 }
 
 impl Stepper {
-    /// A stepper for `cloth`.
+    /// Returns a stepper of `cloth` with `contact`.
     pub fn new(cloth: Cloth, contact: Contact, options: StepOptions) -> Self {
-        Self { cloth, contact, options, work: Workspace::default(), could_take: 0.0 }
+        Self { cloth, contact, options, work: Workspace::default(), error_limited_dt: 0.0 }
     }
 
-    /// Forgets what is kept between steps for speed alone (the pattern of the system, its elimination order): the next
-    /// step then depends on nothing but what it is given. The pattern decides the order of sums and so the last bits.
+    /// Clears what is kept between steps for speed (sparsity pattern, elimination order, contact search): the next step then
+    /// depends on its arguments only. The pattern decides the order of sums and so the last bits.
     pub fn clear_caches(&mut self) {
         self.work.reset();
         self.contact.clear_caches();
-        self.could_take = 0.0;
+        self.error_limited_dt = 0.0;
     }
 
-    /// The longest step that what acts allows [s].
-    pub fn max_dt_under(&self, drive: &Loads) -> f64 {
-        drive.max_dt * self.options.relaxation.stride(drive)
+    /// Returns the maximum time step under `loads` [s].
+    pub fn max_dt_under(&self, loads: &Loads) -> f64 {
+        loads.max_dt * self.options.relaxation.dt_scale(loads)
     }
 
-    /// One accepted step of at most `wished` seconds; `drive_at` gives what acts at a time [s]. The memory is only
-    /// read. `state` is replaced by the accepted state; a rejected try leaves no trace.
+    /// Makes one accepted step of at most `dt_request` [s] and replaces `state` by its end. `loads_at` returns the loads at
+    /// a time [s]; the rest state `memory` is only read. Rejected attempts leave no trace in `state`.
     pub fn advance(
         &mut self,
         state: &mut State,
         memory: &RestState,
-        drive_at: &mut dyn FnMut(f64, &State) -> Loads,
-        wished: f64,
+        loads_at: &mut dyn FnMut(f64, &State) -> Loads,
+        dt_request: f64,
     ) -> StepReport {
-        let mut h = wished.min(self.options.max_dt);
-        let mut drive = drive_at(state.time + h, state);
-        // Only in a hold, with steps that memory keeps short, not motion nor what acts, does next to nothing move the cloth.
-        let holds = h <= KEPT_SHORT * self.could_take.min(self.max_dt_under(&drive));
-        if !holds || self.options.method.solver() != InnerSolver::Newton {
-            self.work.expect_motion();
+        let converges = self.options.method.solver() == InnerSolver::Newton;
+        let mut h = dt_request.min(self.options.max_dt);
+        let mut last = loads_at(state.time + h, state);
+        // Quasi-static step: dt is limited by memory events, not by motion or loads, so a local solve is likely to suffice.
+        let allowed_dt = self.error_limited_dt.min(self.max_dt_under(&last));
+        let quasi_static = h <= TUNING.quasi_static_dt_fraction * allowed_dt;
+        if !quasi_static || !converges {
+            self.work.disable_local_first();
         }
-        if h > self.max_dt_under(&drive) {
-            h = self.max_dt_under(&drive);
-            drive = drive_at(state.time + h, state);
+        if h > self.max_dt_under(&last) {
+            h = self.max_dt_under(&last);
+            last = loads_at(state.time + h, state);
         }
         let mut total = NewtonReport::default();
         for rejected in 0.. {
-            let earlier = self.earlier_drives(state, h, drive_at);
-            let (next, error, report) = self.attempt(state, memory, (&earlier, &drive), h);
+            let loads = StageLoads { earlier: self.earlier_stage_loads(state, h, loads_at), last };
+            let AttemptResult { next, error, report } = self.attempt(state, memory, &loads, h);
             total.add(&report);
-            let last_chance = h <= self.options.min_dt * 1.001;
-            let aim = self.options.local_error_tol * self.options.relaxation.stride(&drive).powi(2);
-            let too_coarse = error > 4.0 * aim;
-            // Little enough is left to go on from here in the next step.
-            let unmet = Violations::detect(&next.x, &self.cloth, &self.contact);
-            let solved = report.converged
-                || report.newton_decrement <= ENOUGH * self.options.newton.decrement_tol
-                || self.options.method.solver() != InnerSolver::Newton;
-            // What barely moves is pressed fast: smaller steps would not loosen it.
-            let stands = error <= aim;
-            if (solved && !too_coarse) || stands || last_chance {
-                let exponent = 1.0 / f64::from(self.options.method.order() + 1);
-                let wanted = (0.8 * aim / error.max(1e-12)).powf(exponent).clamp(0.3, 1.9);
-                // A step that did not converge is a hard one: do not grow into the next.
-                let growth = if solved || stands { wanted } else { wanted.min(1.0) };
-                self.could_take = h * growth;
+            let is_min_dt = h <= self.options.min_dt * 1.001;
+            let error_tol =
+                self.options.local_error_tol * self.options.relaxation.dt_scale(&loads.last).powi(2);
+            let too_coarse = error > TUNING.reject_error_factor * error_tol;
+            let violations = Violations::detect(&next.x, &self.cloth, &self.contact);
+            let nearly_tol = TUNING.nearly_converged_factor * self.options.newton.decrement_tol;
+            let solved = report.converged || report.newton_decrement <= nearly_tol || !converges;
+            // Cloth that barely moves is jammed: a smaller step would not help the solver.
+            let barely_moves = error <= error_tol;
+            if (solved && !too_coarse) || barely_moves || is_min_dt {
+                let growth = self.dt_growth(error, error_tol, solved || barely_moves);
+                self.error_limited_dt = h * growth;
                 *state = next;
                 self.contact.end_step(&state.x, h);
                 return StepReport {
@@ -153,178 +169,135 @@ impl Stepper {
                     newton: total,
                     rejected,
                     converged: solved,
-                    violations: unmet,
+                    violations,
                 };
             }
-            // Trying every half on the way down costs more than the shortest step itself.
+            // Trying every half on the way down to the minimum costs more than the minimum step itself.
             h = if report.converged {
                 (0.5 * h).max(self.options.min_dt)
             } else {
                 self.options.min_dt.min(0.5 * h)
             };
-            drive = drive_at(state.time + h, state);
+            last = loads_at(state.time + h, state);
         }
-        unreachable!("the shortest step is always accepted")
+        unreachable!("the minimum time step is always accepted")
     }
 
-    /// What acts at the ends of all parts of a step but the last.
-    fn earlier_drives(
+    /// Returns the ratio of the next time step to this one, which does not grow after a step that `may_grow` excludes.
+    fn dt_growth(&self, error: f64, error_tol: f64, may_grow: bool) -> f64 {
+        let exponent = 1.0 / f64::from(self.options.method.order() + 1);
+        let ratio = (TUNING.error_safety_factor * error_tol / error.max(1e-12)).powf(exponent);
+        let growth = ratio.clamp(TUNING.min_dt_ratio, TUNING.max_dt_ratio);
+        if may_grow { growth } else { growth.min(1.0) }
+    }
+
+    /// Returns the loads at the ends of all stages of a step but the last.
+    fn earlier_stage_loads(
         &self,
         state: &State,
         h: f64,
-        drive_at: &mut dyn FnMut(f64, &State) -> Loads,
+        loads_at: &mut dyn FnMut(f64, &State) -> Loads,
     ) -> Vec<Loads> {
-        let parts = self.options.method.stage_times();
-        parts[..parts.len() - 1].iter().map(|share| drive_at(state.time + share * h, state)).collect()
+        let times = self.options.method.stage_times();
+        times[..times.len() - 1].iter().map(|fraction| loads_at(state.time + fraction * h, state)).collect()
     }
 
-    /// Tries one step; the state it would lead to, and its error [m]. Obstacles are where they are at its end from the
-    /// beginning on: who is near is found once.
-    fn attempt(
-        &mut self,
-        state: &State,
-        memory: &RestState,
-        (earlier, drive): (&[Loads], &Loads),
-        h: f64,
-    ) -> (State, f64, NewtonReport) {
+    /// Attempts one step of `h` seconds. Obstacles are at their positions of the end of the step from its beginning on:
+    /// contact pairs are searched for once.
+    fn attempt(&mut self, state: &State, memory: &RestState, loads: &StageLoads, h: f64) -> AttemptResult {
         let method = self.options.method;
-        self.contact.set_planes(drive.ground, drive.ceiling);
-        let forces = self.forces(drive, &state.x);
-        self.contact.begin_step(&state.x, h, drive.friction, &forces.held);
+        let StageLoads { earlier, last } = loads;
+        self.contact.set_planes(last.ground, last.ceiling);
+        let buffers = self.load_buffers(last, &state.x);
+        self.contact.begin_step(&state.x, h, last.friction, &buffers.fixed);
         let mut report = NewtonReport::default();
         let mut x = state.x.clone();
-        let mut inner: Option<Vec<Vec3>> = None;
-        let first = earlier.first().unwrap_or(drive);
+        let mut stage_positions: Option<Vec<Vec3>> = None;
+        let first = earlier.first().unwrap_or(last);
         if !first.body_displacement.is_empty() {
             self.contact.carry(&mut x, &first.body_displacement);
         }
-        for drive in earlier {
-            let stage = match &inner {
-                None => method.stage(state, h),
-                Some(inner) => method.later_stage(state, h, inner),
-            };
-            report.add(&self.solve_part(state, memory, drive, &forces, &stage, &mut x));
-            inner = Some(x.clone());
+        for loads in earlier {
+            let stage = next_stage(method, state, h, stage_positions.as_deref());
+            let inputs = StageInputs { state, memory, loads, buffers: &buffers, stage: &stage };
+            report.add(&self.solve_stage(&inputs, &mut x));
+            stage_positions = Some(x.clone());
         }
-        let stage = match &inner {
-            None => method.stage(state, h),
-            Some(inner) => method.later_stage(state, h, inner),
-        };
-        report.add(&self.solve_part(state, memory, drive, &forces, &stage, &mut x));
+        let stage = next_stage(method, state, h, stage_positions.as_deref());
+        let inputs = StageInputs { state, memory, loads: last, buffers: &buffers, stage: &stage };
+        report.add(&self.solve_stage(&inputs, &mut x));
         let angle = self.cloth.bending.angles(&x, &state.angle);
         let v = stage.velocity(&x);
-        let previous = Some(PreviousState { step: h, x: state.x.clone(), v: state.v.clone() });
+        let previous = Some(PreviousState { dt: h, x: state.x.clone(), v: state.v.clone() });
         let next = State { time: state.time + h, x, v, angle, previous };
-        let error = method.error(&StepAttempt { state, next: &next, stage_positions: inner.as_deref(), h });
-        (next, error, report)
+        let attempt = StepAttempt { state, next: &next, stage_positions: stage_positions.as_deref(), h };
+        let error = method.error(&attempt);
+        AttemptResult { next, error, report }
     }
 
-    /// Solves the problem of one part of a step, from `x` on.
-    fn solve_part(
-        &mut self,
-        state: &State,
-        memory: &RestState,
-        drive: &Loads,
-        forces: &Forces,
-        stage: &Stage,
-        x: &mut [Vec3],
-    ) -> NewtonReport {
+    /// Solves one stage of a step, from `x` on.
+    fn solve_stage(&mut self, inputs: &StageInputs, x: &mut [Vec3]) -> NewtonReport {
+        let StageInputs { state, memory, loads, buffers, stage } = *inputs;
+        let solver = self.options.method.solver();
         let inertial = stage.inertial();
-        // Damping and drag count from where their rates do in this method.
-        let membrane_model = &self.cloth.membrane;
-        let measure =
-            stage.base_of(membrane_model.measure(&state.x), |x| membrane_model.measure(x), |m| *m, |m| m);
-        let bending_model = &self.cloth.bending;
-        let angles = |x: &[Vec3]| bending_model.angles(x, &state.angle);
+        // The rates of damping and drag have the same base as the velocity.
+        let membrane = &self.cloth.membrane;
+        let measure = stage.base_of(membrane.measure(&state.x), |x| membrane.measure(x), |m| *m, |m| m);
+        let bending = &self.cloth.bending;
+        let angles = |x: &[Vec3]| bending.angles(x, &state.angle);
         let angle = stage.base_of(state.angle.clone(), angles, |a| [*a], |[a]| a);
-        let membrane = membrane_model.term(memory, &measure, stage.effective_dt);
-        let bending = bending_model.term(memory, &angle, stage.effective_dt);
-        let gravity = Gravity { mass: &self.cloth.mass, acceleration: drive.gravity };
-        let guides = TargetSprings(&drive.springs);
-        let drag = Drag {
-            mass: &self.cloth.mass,
-            start: &stage.base_positions,
-            rate: drive.drag / stage.effective_dt,
-        };
-        let cushions = PlaneContacts(&drive.plane_contacts);
-        let supports = EdgeContacts(&drive.edge_contacts);
-        let pressure = Pressure { force: &forces.push };
-        let container = drive.sphere.as_ref().map(|ball| ShrinkingSphere {
-            centre: ball.centre,
-            radius: ball.radius,
-            stiffness: &forces.wall,
-            max_force: &forces.hands,
-        });
-        let mut terms: Vec<&dyn Energy> = vec![&membrane, &bending, &gravity];
-        if !drive.springs.is_empty() {
-            terms.push(&guides);
-        }
-        if !drive.plane_contacts.is_empty() {
-            terms.push(&cushions);
-        }
-        if !drive.edge_contacts.is_empty() {
-            terms.push(&supports);
-        }
-        if drive.drag > 0.0 {
-            terms.push(&drag);
-        }
-        if drive.pressure > 0.0 {
-            terms.push(&pressure);
-        }
-        if let Some(container) = &container {
-            terms.push(container);
-        }
-        // One iteration alone is what its method says, not a better one.
-        let ahead = (self.options.method.solver() == InnerSolver::Newton).then_some(&inertial[..]);
+        let membrane = membrane.term(memory, &measure, stage.effective_dt);
+        let bending = bending.term(memory, &angle, stage.effective_dt);
+        let terms = stage_terms(&self.cloth, loads, buffers, stage, membrane, bending);
+        let terms: Vec<&dyn Energy> = terms.iter().map(AsRef::as_ref).collect();
+        let inertia =
+            Inertia { mass: &self.cloth.mass, inertial: &inertial, effective_dt: stage.effective_dt };
         let problem = Problem {
-            inertia: Some(Inertia {
-                mass: &self.cloth.mass,
-                inertial: &inertial,
-                effective_dt: stage.effective_dt,
-            }),
+            inertia: Some(inertia),
             terms: &terms,
-            fixed: &forces.held,
-            predicted_positions: ahead,
+            fixed: &buffers.fixed,
+            // A method of one iteration is defined with the Hessian at the beginning.
+            predicted_positions: (solver == InnerSolver::Newton).then_some(&inertial[..]),
         };
         let mut newton = self.options.newton;
-        if self.options.method.solver() == InnerSolver::SingleNewton {
+        if solver == InnerSolver::SingleNewton {
             newton.max_iterations = 1;
         }
-        // What a direction promises may be all of stiff contact: beside it the way of cloth that floats counts for nothing. Hands hold
-        // what they move.
-        if !drive.guided {
+        // Without guiding springs the first predicted decrease may come from stiff contact alone, beside which the motion of
+        // cloth that floats would count for nothing.
+        if !loads.guided {
             newton.rel_decrement_tol = 0.0;
         }
-        newton.decrement_tol =
-            self.options.relaxation.energy(newton.decrement_tol, drive, self.cloth.kinetic_energy(&state.v));
-        match self.options.method.solver() {
+        let kinetic = self.cloth.kinetic_energy(&state.v);
+        newton.decrement_tol = self.options.relaxation.energy_tol(newton.decrement_tol, loads, kinetic);
+        match solver {
             InnerSolver::Newton | InnerSolver::SingleNewton => {
                 problem.solve(x, &mut self.contact, &newton, &mut self.work)
             }
-            InnerSolver::Vbd => problem.sweep(x, &mut self.contact, &mut self.work),
+            InnerSolver::Vbd => problem.solve_by_vbd(x, &mut self.contact, &mut self.work),
         }
     }
 
-    fn forces(&mut self, drive: &Loads, x: &[Vec3]) -> Forces {
-        let held = if drive.fixed.is_empty() { vec![false; x.len()] } else { drive.fixed.clone() };
-        let push = if drive.pressure > 0.0 {
+    fn load_buffers(&mut self, loads: &Loads, x: &[Vec3]) -> LoadBuffers {
+        let fixed = if loads.fixed.is_empty() { vec![false; x.len()] } else { loads.fixed.clone() };
+        let pressure_force = if loads.pressure > 0.0 {
             let area = self.contact.uncovered_area(x);
-            let acts = |p: usize| drive.pressed.is_empty() || drive.pressed[p];
-            area.iter().enumerate().map(|(p, a)| if acts(p) { a * drive.pressure } else { 0.0 }).collect()
+            let acts = |p: usize| loads.pressed.is_empty() || loads.pressed[p];
+            area.iter().enumerate().map(|(p, a)| if acts(p) { a * loads.pressure } else { 0.0 }).collect()
         } else {
             Vec::new()
         };
-        // The ball's wall is as stiff as layers are to one another.
+        // The sphere is as stiff as contact between layers.
         let per_area = self.contact.settings().stiffness;
         let of_area = |amount: f64| self.cloth.area.iter().map(|a| a * amount).collect();
-        let (wall, hands) = match &drive.sphere {
-            Some(ball) => (of_area(per_area), of_area(ball.pressure)),
+        let (sphere_stiffness, sphere_max_force) = match &loads.sphere {
+            Some(sphere) => (of_area(per_area), of_area(sphere.pressure)),
             None => (Vec::new(), Vec::new()),
         };
-        Forces { held, push, wall, hands }
+        LoadBuffers { fixed, pressure_force, sphere_stiffness, sphere_max_force }
     }
 
-    /// Comes to equilibrium of `terms` from `x`, without inertia and friction. What crosses at `x` still does then.
+    /// Minimises the sum of `terms` from `x` in place, without inertia and friction. Intersections at `x` are kept.
     pub fn equilibrium(
         &mut self,
         x: &mut [Vec3],
@@ -333,18 +306,19 @@ impl Stepper {
     ) -> NewtonReport {
         self.contact.set_planes(None, None);
         self.contact.freeze_initial_intersections();
-        let held = vec![false; x.len()];
-        self.contact.begin_step(x, f64::INFINITY, 0.0, &held);
-        // Terms may differ from those of steps.
+        let fixed = vec![false; x.len()];
+        self.contact.begin_step(x, f64::INFINITY, 0.0, &fixed);
+        // Terms may couple other points than those of steps.
         self.work.reset();
-        let problem = Problem { inertia: None, terms, fixed: &held, predicted_positions: None };
+        let problem = Problem { inertia: None, terms, fixed: &fixed, predicted_positions: None };
         problem.solve(x, &mut self.contact, newton, &mut self.work)
     }
 }
 
-/// A step is kept short by something else if it is at most this share of what its error and what acts would allow.
-const KEPT_SHORT: f64 = 0.6;
-
-/// A step that ran out of iterations counts as settled when what is left to gain is below this many times what
-/// convergence asks for.
-const ENOUGH: f64 = 10.0;
+/// Returns the stage after the one that ended at `stage_positions`, or the first.
+fn next_stage(method: Method, state: &State, h: f64, stage_positions: Option<&[Vec3]>) -> Stage {
+    match stage_positions {
+        None => method.stage(state, h),
+        Some(positions) => method.later_stage(state, h, positions),
+    }
+}

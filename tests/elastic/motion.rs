@@ -61,7 +61,7 @@ fn minimise(
 }
 
 fn follow(state: &State, x: Vec<Vec3>, v: Vec<Vec3>, h: f64) -> State {
-    let previous = Some(PreviousState { step: h, x: state.x.clone(), v: state.v.clone() });
+    let previous = Some(PreviousState { dt: h, x: state.x.clone(), v: state.v.clone() });
     State { time: state.time + h, x, v, angle: state.angle.clone(), previous }
 }
 

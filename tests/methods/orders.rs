@@ -38,7 +38,7 @@ fn advance(method: Method, state: &State, terms: &[&dyn Energy], h: f64) -> Stat
         problem.solve(&mut x, &mut Contact::none(1), &newton, &mut Workspace::default());
     }
     let v = stage.velocity(&x);
-    let previous = Some(PreviousState { step: h, x: state.x.clone(), v: state.v.clone() });
+    let previous = Some(PreviousState { dt: h, x: state.x.clone(), v: state.v.clone() });
     State { time: state.time + h, x, v, angle: Vec::new(), previous }
 }
 

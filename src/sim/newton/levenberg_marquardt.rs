@@ -1,88 +1,70 @@
-//! Damping of Newton's directions (Levenberg 1944, Marquardt 1963): inertia added to the system, not to the energy, while
-//! full directions lead nowhere.
+//! Levenberg-Marquardt damping of Newton's directions (Levenberg 1944, Marquardt 1963).
 //!
-//! Where cloth is crowded a full direction sweeps metres through layers it does not know of; cut short where the first
-//! of them touch, it gains next to nothing, time after time. A damped direction goes as far as the layers that are known
-//! are the ones that matter. What is solved for stays the same: a solve counts as converged by full directions only.
+//! Where cloth is crowded, an undamped direction moves points by metres through layers whose contacts are not in the system;
+//! limited by the first contact, it decreases the energy by next to nothing, time after time. Damping adds a multiple of the
+//! inertia to the system, not to the energy, so that directions stay within the range of the contacts in the system. The
+//! problem is unchanged: a solve converges by undamped directions only. The gain ratio is the actual decrease of the energy
+//! over the predicted one.
 
-use crate::sim::BlockMatrix;
+use crate::sim::linear::block_matrix::BlockMatrix;
+use crate::sim::newton::tuning::TUNING;
 
-/// How much directions are damped, and what is known of their success.
+/// Damping of a solve, adapted to the gain ratios of its directions.
 #[derive(Debug, Default)]
-pub(super) struct Damping {
-    /// Inertia added, as a multiple of what is there.
-    share: f64,
-    /// Full directions in a row that gained next to nothing.
-    idle: usize,
+pub(super) struct LevenbergMarquardt {
+    /// Added inertia as a multiple of the inertia of the problem [-]; 0 while directions are undamped.
+    damping: f64,
+    /// Number of undamped directions in a row with a small gain ratio.
+    rejects: usize,
 }
 
-/// A full direction that keeps less of the gain it promises has led nowhere.
-const NOWHERE: f64 = 0.05;
-/// So many of them in a row begin the damping: single ones are often followed by a good one.
-const PATIENCE: usize = 3;
-/// The first damping brings moves to about this way [m]: that of cloth which only inertia holds.
-const FIRST_WAY: f64 = 5e-3;
-/// A damped direction that keeps less than this share of its gain was too long,
-const TOO_LONG: f64 = 0.2;
-/// one that keeps more than this was short.
-const SHORT: f64 = 0.6;
-/// Factors by which damping grows and shrinks: unequal, so that it does not swing between the same two values.
-const GROWTH: f64 = 4.0;
-const DECAY: f64 = 3.0;
-/// The same where a damped direction has nothing left to gain, and a full one may.
-const RELIEF: f64 = 100.0;
-/// Below this share of the inertia there is none.
-const LEAST: f64 = 0.5;
-/// Beyond this multiple of the inertia damping does not help either.
-const MOST: f64 = 1e8;
-
-impl Damping {
+impl LevenbergMarquardt {
     /// Whether directions are damped.
-    pub fn acts(&self) -> bool {
-        self.share > 0.0
+    pub fn is_active(&self) -> bool {
+        self.damping > 0.0
     }
 
-    /// Adds to the `system` of points with `mass` [kg] for a step of `span` [s].
-    pub fn add_to(&self, system: &mut BlockMatrix, mass: &[f64], span: f64) {
+    /// Adds the damping to the `system` of points with `mass` [kg] and effective time step `effective_dt` [s].
+    pub fn add_to(&self, system: &mut BlockMatrix, mass: &[f64], effective_dt: f64) {
         for (p, m) in mass.iter().enumerate() {
-            system.add_diagonal(p, self.share * m / (span * span));
+            system.add_diagonal(p, self.damping * m / (effective_dt * effective_dt));
         }
     }
 
-    /// Learns from a direction that took some point `way` [m] farther than all on average, and kept the share `kept` of the gain it
-    /// promised.
-    pub fn learn(&mut self, kept: f64, way: f64) {
-        if self.acts() {
-            if kept < TOO_LONG {
-                self.share *= GROWTH;
-            } else if kept > SHORT {
-                self.shrink(DECAY);
+    /// Updates the damping after a direction with `gain_ratio` [-] and largest deviation `max_deviation` [m].
+    pub fn update(&mut self, gain_ratio: f64, max_deviation: f64) {
+        let tuning = &TUNING.damping;
+        if self.is_active() {
+            if gain_ratio < tuning.increase_below_gain_ratio {
+                self.damping *= tuning.increase_factor;
+            } else if gain_ratio > tuning.decrease_above_gain_ratio {
+                self.divide_by(tuning.decrease_factor);
             }
         } else {
-            self.idle = if kept < NOWHERE { self.idle + 1 } else { 0 };
-            if self.idle >= PATIENCE {
-                self.idle = 0;
-                self.share = (way / FIRST_WAY).max(1.0);
+            self.rejects = if gain_ratio < tuning.min_gain_ratio { self.rejects + 1 } else { 0 };
+            if self.rejects >= tuning.rejects_before_damping {
+                self.rejects = 0;
+                self.damping = (max_deviation / tuning.initial_step).max(1.0);
             }
         }
     }
 
-    /// The direction could not be gone at all; whether a shorter one may.
-    pub fn tighten(&mut self) -> bool {
-        let helps = self.acts() && self.share < MOST;
-        self.share *= GROWTH;
-        helps
+    /// Increases the damping after a direction along which no step was accepted. Whether a shorter direction may help.
+    pub fn increase(&mut self) -> bool {
+        let may_help = self.is_active() && self.damping < TUNING.damping.max_damping;
+        self.damping *= TUNING.damping.increase_factor;
+        may_help
     }
 
-    /// Along the damped direction nothing is left to gain.
-    pub fn relieve(&mut self) {
-        self.shrink(RELIEF);
+    /// Decreases the damping once damped iterations have converged.
+    pub fn decrease(&mut self) {
+        self.divide_by(TUNING.damping.decrease_at_convergence);
     }
 
-    fn shrink(&mut self, by: f64) {
-        self.share /= by;
-        if self.share < LEAST {
-            self.share = 0.0;
+    fn divide_by(&mut self, factor: f64) {
+        self.damping /= factor;
+        if self.damping < TUNING.damping.min_damping {
+            self.damping = 0.0;
         }
     }
 }
@@ -92,21 +74,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn begins_after_three_directions_that_lead_nowhere_and_ends_when_nothing_is_left() {
-        let mut damping = Damping::default();
-        for kept in [0.0, 0.01, 0.3, 0.0, 0.0] {
-            damping.learn(kept, 1.0);
-            assert!(!damping.acts());
+    fn damping_starts_after_three_rejected_directions_and_ends_after_convergence() {
+        let mut damping = LevenbergMarquardt::default();
+        for gain_ratio in [0.0, 0.01, 0.3, 0.0, 0.0] {
+            damping.update(gain_ratio, 1.0);
+            assert!(!damping.is_active());
         }
-        assert!(!damping.tighten());
-        damping.learn(0.0, 1.0);
-        assert!((damping.share - 200.0).abs() < 1e-9);
-        damping.learn(0.1, 1.0);
-        damping.learn(0.4, 1.0);
-        assert!((damping.share - 800.0).abs() < 1e-9);
-        damping.relieve();
-        assert!(damping.acts() && damping.tighten());
-        damping.relieve();
-        assert!(!damping.acts());
+        assert!(!damping.increase());
+        damping.update(0.0, 1.0);
+        assert!((damping.damping - 200.0).abs() < 1e-9);
+        damping.update(0.1, 1.0);
+        damping.update(0.4, 1.0);
+        assert!((damping.damping - 800.0).abs() < 1e-9);
+        damping.decrease();
+        assert!(damping.is_active() && damping.increase());
+        damping.decrease();
+        assert!(!damping.is_active());
     }
 }

@@ -1,48 +1,55 @@
 //! Vertex block descent on the potential of a step (Chen and others 2024), for `--method vbd`.
 //!
-//! A round takes gradient and Hessian once; its sweeps move one point after another, to and fro, by
-//! `-D⁻¹ (g + H d)` with its own block D: the minimum over that point of the round's quadratic model. Then the way is cut
-//! where layers are near, and by the line search, exactly as Newton's is: what is not solved may look wrong, but it
-//! does not cross or blow up. The number of rounds and sweeps is fixed; nothing is asked to converge.
+//! Each linearisation takes gradient and Hessian once; its sweeps visit one point after another, forwards and backwards, and
+//! move it by `-D⁻¹ (g + H d)` with its diagonal block D, to the minimum over that point of the quadratic model. The
+//! result is limited by contact and the line search exactly as a Newton direction: it may look wrong, but it neither
+//! passes layers through each other nor diverges. The numbers of linearisations and sweeps are fixed; there is no
+//! convergence criterion.
 
 use crate::contact::Contact;
 use crate::math::{Mat3, Vec3};
-use crate::sim::{BlockMatrix, Inertia, NewtonReport, Problem, Workspace};
-
-/// Rounds of a step, and pairs of sweeps (to and fro) of a round: where more cost more than they gained on the chart of
-/// accuracy.
-const ROUNDS: usize = 2;
-const SWEEPS: usize = 10;
+use crate::sim::linear::block_matrix::BlockMatrix;
+use crate::sim::newton::context::SolveContext;
+use crate::sim::newton::line_search::Descent;
+use crate::sim::newton::problem::{Inertia, Problem};
+use crate::sim::newton::report::NewtonReport;
+use crate::sim::newton::tuning::TUNING;
+use crate::sim::newton::workspace::Workspace;
+use std::time::Instant;
 
 impl Problem<'_> {
-    /// Lowers phi from `x`, in place. Reports one local iteration a round and never that it converged.
-    pub(in crate::sim) fn sweep(
+    /// Decreases phi from `x` in place. Reports one local iteration per linearisation and never convergence.
+    pub(in crate::sim) fn solve_by_vbd(
         &self,
         x: &mut [Vec3],
         contact: &mut Contact,
         work: &mut Workspace,
     ) -> NewtonReport {
         let mut report = NewtonReport::default();
-        if self.fixed.iter().all(|held| *held) {
+        if self.fixed.iter().all(|fixed| *fixed) {
             return report;
         }
-        for round in 0..ROUNDS {
-            let g = self.linearise(x, x, contact, work, &mut report);
-            let clock = std::time::Instant::now();
-            // The first guess is what the cloth would do without forces: sweeps carry no motion of the whole far.
+        let context = &mut SolveContext { contact, work, report: &mut report };
+        for k in 0..TUNING.vbd.linearisations {
+            let g = self.linearise(x, x, context.contact, context.work, context.report);
+            let clock = Instant::now();
+            // The initial guess is the motion without forces: sweeps move nothing far.
             let guess: Vec<Vec3> = match self.inertia {
-                Some(Inertia { inertial, .. }) if round == 0 => {
+                Some(Inertia { inertial, .. }) if k == 0 => {
                     inertial.iter().zip(&*x).map(|(y, x)| y - x).collect()
                 }
                 _ => vec![Vec3::zeros(); x.len()],
             };
-            let Some(d) = swept(work.matrix(), &g, &guess) else { break };
+            let Some(d) = gauss_seidel(&context.work.matrix, &g, &guess) else { break };
+            let report = &mut *context.report;
             report.seconds.linear_solve += clock.elapsed().as_secs_f64();
             report.local_iterations += 1;
             report.max_displacement = d.iter().map(|d| d.norm()).fold(0.0, f64::max);
             report.newton_decrement = -g.iter().zip(&d).map(|(g, d)| g.dot(d)).sum::<f64>();
-            if !report.max_displacement.is_finite() || self.move_along(x, &g, &d, contact, &mut report) == 0.0
-            {
+            if !report.max_displacement.is_finite() {
+                break;
+            }
+            if self.line_search_from(x, Descent { gradient: &g, direction: &d }, context) == 0.0 {
                 break;
             }
         }
@@ -50,57 +57,59 @@ impl Problem<'_> {
     }
 }
 
-/// What the sweeps make of H d = -g from d = `guess`, over all points.
-fn swept(matrix: &BlockMatrix, g: &[Vec3], guess: &[Vec3]) -> Option<Vec<Vec3>> {
+/// Returns the result of symmetric block Gauss-Seidel sweeps on H d = -g from d = `guess`, over all points; `None` if a
+/// diagonal block is singular.
+fn gauss_seidel(matrix: &BlockMatrix, g: &[Vec3], guess: &[Vec3]) -> Option<Vec<Vec3>> {
     let rows = matrix.row_count();
     let inverse: Vec<Mat3> = (0..rows).map(|r| matrix.diagonal(r).try_inverse()).collect::<Option<_>>()?;
-    // Rows hold what is left of the diagonal only; what is right of it is kept up to date as points move.
+    // The residual is updated as points move, by the column of each: the matrix stores the lower triangle only.
     let mut d = matrix.gather(guess);
     let mut image = vec![Vec3::zeros(); rows];
     matrix.multiply(&d, &mut image);
-    let mut rest: Vec<Vec3> = matrix.gather(g).iter().zip(&image).map(|(g, hd)| -g - hd).collect();
-    let right = transposed(matrix);
-    for sweep in 0..2 * SWEEPS {
+    let mut residual: Vec<Vec3> = matrix.gather(g).iter().zip(&image).map(|(g, hd)| -g - hd).collect();
+    let upper = transpose_pattern(matrix);
+    for sweep in 0..2 * TUNING.vbd.sweep_pairs {
         for k in 0..rows {
             let r = if sweep % 2 == 0 { k } else { rows - 1 - k };
-            let step = inverse[r] * rest[r];
+            let step = inverse[r] * residual[r];
             d[r] += step;
             for (&c, block) in matrix.row(r).iter().zip(matrix.blocks(r)) {
                 // The block at (r, c) acts on row c by its transpose.
-                rest[c as usize] -= block.tr_mul(&step);
+                residual[c as usize] -= block.tr_mul(&step);
             }
-            for &(c, at) in &right.entries[right.start[r] as usize..right.start[r + 1] as usize] {
-                rest[c as usize] -= matrix.values()[at as usize] * step;
+            for &(c, slot) in &upper.entries[upper.start[r] as usize..upper.start[r + 1] as usize] {
+                residual[c as usize] -= matrix.values()[slot as usize] * step;
             }
         }
     }
     Some(matrix.scatter(&d))
 }
 
-/// Blocks right of the diagonal, row by row.
-struct Right {
+/// Sparsity pattern above the diagonal, row by row.
+struct UpperPattern {
     start: Vec<u32>,
-    /// Row that the block stands in, and its place among the values.
+    /// Row in which the block is stored, and its slot among the values.
     entries: Vec<(u32, u32)>,
 }
 
-fn transposed(matrix: &BlockMatrix) -> Right {
+fn transpose_pattern(matrix: &BlockMatrix) -> UpperPattern {
     let rows = matrix.row_count();
     let (starts, columns) = matrix.pattern();
     let mut start = vec![0u32; rows + 1];
-    let below =
-        |r: usize| (starts[r] as usize..starts[r + 1] as usize - 1).map(|at| (at, columns[at] as usize));
+    let below = |r: usize| {
+        (starts[r] as usize..starts[r + 1] as usize - 1).map(|slot| (slot, columns[slot] as usize))
+    };
     (0..rows).flat_map(below).for_each(|(_, c)| start[c + 1] += 1);
     (0..rows).for_each(|r| start[r + 1] += start[r]);
     let mut next = start.clone();
     let mut entries = vec![(0, 0); start[rows] as usize];
     for r in 0..rows {
-        for (at, c) in below(r) {
-            entries[next[c] as usize] = (r as u32, at as u32);
+        for (slot, c) in below(r) {
+            entries[next[c] as usize] = (r as u32, slot as u32);
             next[c] += 1;
         }
     }
-    Right { start, entries }
+    UpperPattern { start, entries }
 }
 
 #[cfg(test)]
@@ -108,9 +117,9 @@ mod tests {
     use super::*;
     use crate::energy::BlockSink;
 
-    /// A chain of springs, held by its first point: sweeps come to what the matrix says.
+    /// A chain of springs, fixed by the mass on its diagonal: the sweeps converge to the solution.
     #[test]
-    fn sweeps_come_to_the_solution() {
+    fn sweeps_converge_to_the_solution() {
         let mut matrix = BlockMatrix::with_pattern(vec![0, 1, 2, 3], &mut |visit| {
             [[0, 1], [1, 2], [2, 3], [0, 3]].iter().for_each(|pair| visit(pair));
         });
@@ -123,7 +132,7 @@ mod tests {
         let mut image = vec![Vec3::zeros(); 4];
         matrix.multiply(&truth, &mut image);
         let g: Vec<Vec3> = image.iter().map(|v| -v).collect();
-        let found = swept(&matrix, &g, &[Vec3::x(); 4]).expect("blocks are invertible");
+        let found = gauss_seidel(&matrix, &g, &[Vec3::x(); 4]).expect("blocks are invertible");
         for (found, truth) in found.iter().zip(&truth) {
             assert!((found - truth).norm() < 1e-6, "{found} {truth}");
         }
