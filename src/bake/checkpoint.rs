@@ -236,7 +236,7 @@ impl Checkpoint {
         let persistent = self.persistent.folds.iter().all(|fold| fold.flap.iter().all(inside))
             && self.persistent.held_loads.as_ref().is_none_or(kept);
         let times = (0.0..=2.0 * MAX_DURATION_S).contains(&self.state.time)
-            && self.state.previous.as_ref().is_none_or(|p| p.step > 0.0)
+            && self.state.previous.as_ref().is_none_or(|p| p.dt > 0.0)
             && progress.is_none_or(|p| {
                 p.dt_request >= TUNING.stepping.min_dt_request && (0.0..=self.state.time).contains(&p.begin)
             });
