@@ -1,7 +1,7 @@
 //! Layers that never cross: contact of cloth with itself, with the ground and with a body, through the public interface.
 //!
-//! After every accepted step of every scene the crossing triangles are counted by `mesh::intersections`, exact predicates
-//! that share nothing with the code that prevents crossings but the box tree. Starts are jittered. The same scenes at
+//! After every accepted step of every scene the intersecting triangles are counted by `mesh::intersections`, exact predicates
+//! independent of the code that prevents intersections but for the bounding-volume hierarchy. Starts are jittered. The same scenes at
 //! full size and with more starts: `cargo run --release --example contact_scenes`.
 //!
 //! ```text
@@ -10,10 +10,10 @@
 
 #[path = "contact/bakes.rs"]
 mod bakes;
-#[path = "contact/entangled.rs"]
-mod entangled;
 #[path = "contact/friction.rs"]
 mod friction;
+#[path = "contact/initial_intersections.rs"]
+mod initial_intersections;
 #[path = "contact/layers.rs"]
 mod layers;
 #[path = "contact/on_body.rs"]

@@ -10,7 +10,7 @@ use crate::contact::ContactSettings;
 use crate::fabric::Fabric;
 use crate::garment::Garment;
 use crate::math::{Vec3, bounds};
-use crate::mesh::PointIndex;
+use crate::mesh::{PointIndex, triangle};
 use crate::sim::GRAVITY;
 use crate::wear::{Action, WearScript};
 
@@ -270,10 +270,7 @@ fn steps(options: &BakeOptions) -> [ModelDecision; 3] {
 
 /// Whether the source shape is a single piece whose triangles all face the same direction: no part overlaps another.
 fn is_one_flat_layer(garment: &Garment) -> bool {
-    let normal = |t: &[PointIndex; 3]| {
-        let [a, b, c] = t.map(|p| garment.points[p.at()]);
-        (b - a).cross(&(c - a))
-    };
+    let normal = |t: &[PointIndex; 3]| triangle::area_vector(&triangle::corners(&garment.points, t));
     let whole = garment.triangles.iter().map(normal).sum::<Vec3>();
     garment.triangles.iter().all(|t| normal(t).dot(&whole) > 0.5 * normal(t).norm() * whole.norm())
         && garment.triangle_part.iter().all(|part| Some(part) == garment.triangle_part.first())

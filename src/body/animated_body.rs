@@ -8,7 +8,7 @@ use crate::body::rig::Rig;
 use crate::body::sequence::Sequence;
 use crate::body::skeleton::{Pose, interpolate_pose};
 use crate::math::Vec3;
-use crate::mesh::{PointIndex, Welder};
+use crate::mesh::{INVALID, PointIndex, Welder};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::sync::Arc;
@@ -98,7 +98,7 @@ impl AnimatedBody {
         for (vertex, point) in point_of.iter().enumerate().rev() {
             first_vertex[point.at()] = vertex as u32;
         }
-        let corner = |v: u32| point_of.get(v as usize).copied().unwrap_or(PointIndex(u32::MAX));
+        let corner = |v: u32| point_of.get(v as usize).copied().unwrap_or(PointIndex(INVALID));
         let start = first_vertex.iter().map(|v| vertices[*v as usize]).collect();
         let triangles = triangles.iter().map(|t| t.map(corner)).collect();
         let (file, sha256) = (file.into(), sha256.into());

@@ -20,7 +20,7 @@ use crate::energy::tuning::TUNING;
 use crate::fabric::Fabric;
 use crate::garment::{Garment, RestState};
 use crate::math::{Vec2, Vec3};
-use crate::mesh::{Topology, hinge_angle, hinge_gradient, unwrap_angle};
+use crate::mesh::{INVALID, Topology, hinge_angle, hinge_gradient, unwrap_angle};
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
@@ -31,9 +31,9 @@ use std::borrow::Cow;
 pub struct Bending {
     /// The four points of every hinge.
     points: Vec<[u32; 4]>,
-    /// The hinges of every face with at least one, `NONE` where an edge carries none.
+    /// The hinges of every face with at least one, `INVALID` where an edge carries none.
     faces: Vec<[u32; 3]>,
-    /// The points of these hinges, `NONE` after the last.
+    /// The points of these hinges, `INVALID` after the last.
     stencils: Vec<[u32; MAX_POINTS]>,
     /// The 3 x 3 matrices Q_f over these hinges [N·m]; zero rows where there is none.
     coupling: Vec<Matrix3<f64>>,
@@ -45,16 +45,14 @@ pub struct Bending {
     apart: bool,
 }
 
-/// Absent hinge or point.
-const NONE: u32 = u32::MAX;
 /// Maximum number of points of the hinges of a face: its corners and one beyond each side.
 const MAX_POINTS: usize = 6;
 
-/// Returns the points of `hinges`, each once, `NONE` after the last. `points` are those of every hinge.
+/// Returns the points of `hinges`, each once, `INVALID` after the last. `points` are those of every hinge.
 fn stencil(hinges: &[u32; 3], points: &[[u32; 4]]) -> [u32; MAX_POINTS] {
-    let mut stencil = [NONE; MAX_POINTS];
-    for p in hinges.iter().filter(|h| **h != NONE).flat_map(|&h| points[h as usize]) {
-        if let Some(slot) = stencil.iter_mut().find(|slot| **slot == p || **slot == NONE) {
+    let mut stencil = [INVALID; MAX_POINTS];
+    for p in hinges.iter().filter(|h| **h != INVALID).flat_map(|&h| points[h as usize]) {
+        if let Some(slot) = stencil.iter_mut().find(|slot| **slot == p || **slot == INVALID) {
             *slot = p;
         }
     }
@@ -89,9 +87,10 @@ impl Bending {
         let scale =
             Vector3::new(rigidity[0].sqrt(), rigidity[1].sqrt(), (rigidity[0] * rigidity[1]).powf(0.25));
         for (f, m) in material.iter().enumerate() {
-            let hinges = topology.triangle_edges[f].map(|e| topology.edge_hinge[e as usize].unwrap_or(NONE));
+            let hinges =
+                topology.triangle_edges[f].map(|e| topology.edge_hinge[e as usize].unwrap_or(INVALID));
             let area = area(m);
-            if hinges == [NONE; 3] || area <= 0.0 {
+            if hinges == [INVALID; 3] || area <= 0.0 {
                 continue;
             }
             let column = |k: usize| {
@@ -102,7 +101,7 @@ impl Bending {
             };
             let mut columns = Matrix3::from_columns(&[column(0), column(1), column(2)]);
             // A border edge carries no moment: projecting its column out of the others minimises over its angle.
-            for k in (0..3).filter(|&k| hinges[k] == NONE) {
+            for k in (0..3).filter(|&k| hinges[k] == INVALID) {
                 let free = columns.column(k).into_owned();
                 let length = free.norm_squared();
                 if length > 1e-24 * scale.norm_squared() {
@@ -128,8 +127,8 @@ impl Bending {
         let faces: Vec<usize> = (0..self.faces.len()).filter(has).collect();
         let (mut hinges, mut new_index) = (Vec::new(), FxHashMap::default());
         let mut renumber = |h: u32| {
-            if h == NONE {
-                return NONE;
+            if h == INVALID {
+                return INVALID;
             }
             *new_index.entry(h).or_insert_with(|| {
                 hinges.push(h);
@@ -151,7 +150,7 @@ impl Bending {
     /// Returns the points of the hinges of face `f`.
     fn stencil(&self, f: usize) -> &[u32] {
         let points = &self.stencils[f];
-        &points[..points.iter().position(|p| *p == NONE).unwrap_or(points.len())]
+        &points[..points.iter().position(|p| *p == INVALID).unwrap_or(points.len())]
     }
 
     /// Number of hinges.
@@ -220,7 +219,7 @@ impl BendingTerm<'_> {
 
     #[inline]
     fn of_face(strain: &[f64], hinges: &[u32; 3]) -> Vector3<f64> {
-        Vector3::from(hinges.map(|h| if h == NONE { 0.0 } else { strain[h as usize] }))
+        Vector3::from(hinges.map(|h| if h == INVALID { 0.0 } else { strain[h as usize] }))
     }
 
     /// Returns the torque of every hinge, dE/dtheta [N·m].
@@ -230,7 +229,7 @@ impl BendingTerm<'_> {
         for (hinges, q) in self.model.faces.iter().zip(&self.model.coupling) {
             let t = q * Self::of_face(&strain, hinges);
             for k in 0..3 {
-                if hinges[k] != NONE {
+                if hinges[k] != INVALID {
                     torque[hinges[k] as usize] += t[k] * self.root[hinges[k] as usize];
                 }
             }
@@ -272,7 +271,7 @@ impl Energy for BendingTerm<'_> {
             }
             // Derivatives of the three angles by each point, scaled by sqrt(s); zero for a degenerate hinge.
             let mut by_angle = [[Vec3::zeros(); 3]; MAX_POINTS];
-            for (k, &h) in hinges.iter().enumerate().filter(|(_, h)| **h != NONE) {
+            for (k, &h) in hinges.iter().enumerate().filter(|(_, h)| **h != INVALID) {
                 let hinge = &self.model.points[h as usize];
                 let gradient = hinge_gradient(&hinge.map(|i| x[i as usize])).unwrap_or_default();
                 for (p, g) in hinge.iter().zip(&gradient) {

@@ -11,7 +11,7 @@ use crate::garment::material_coords::{flatten_triangle, project_to_plane};
 use crate::garment::tuning::TUNING;
 use crate::math::Vec3;
 use crate::mesh::distance::{barycentric, point_triangle_squared};
-use crate::mesh::{Hinge, PointIndex, Topology};
+use crate::mesh::{Hinge, INVALID, PointIndex, Topology, triangle};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 /// Coarser mesh of a garment.
@@ -104,7 +104,7 @@ fn triangle_quality(x: &[Vec3; 3]) -> f64 {
 }
 
 fn normal(x: &[Vec3; 3]) -> Vec3 {
-    (x[1] - x[0]).cross(&(x[2] - x[0])).try_normalize(0.0).unwrap_or_else(Vec3::zeros)
+    triangle::normal(x).unwrap_or_else(Vec3::zeros)
 }
 
 impl<'a> EdgeCollapse<'a> {
@@ -376,7 +376,7 @@ impl<'a> EdgeCollapse<'a> {
     }
 
     fn finish(self) -> CoarseMesh {
-        let mut number = vec![PointIndex(u32::MAX); self.source.points.len()];
+        let mut number = vec![PointIndex(INVALID); self.source.points.len()];
         let mut source_point = Vec::new();
         for (p, on) in self.around.iter().enumerate() {
             if !on.is_empty() {
@@ -500,10 +500,7 @@ mod tests {
     }
 
     fn area(garment: &Garment) -> f64 {
-        let one = |t| {
-            let [a, b, c] = corners(garment, t);
-            0.5 * (b - a).cross(&(c - a)).norm()
-        };
+        let one = |t| triangle::area(&corners(garment, t));
         garment.triangles.iter().map(one).sum()
     }
 

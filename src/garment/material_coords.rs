@@ -11,7 +11,7 @@ use crate::garment::lying::is_lying_by_normals;
 use crate::garment::tuning::TUNING;
 use crate::garment::wedges::TriangleWedges;
 use crate::math::{Vec2, Vec3};
-use crate::mesh::{Groups, Topology};
+use crate::mesh::{Groups, Topology, triangle};
 
 /// Flattened triangles.
 pub(super) struct FlatTriangles {
@@ -59,8 +59,7 @@ fn wedge_uvs(wedges: &TriangleWedges, uvs: &[Option<Vec2>]) -> Option<[Vec2; 3]>
 }
 
 fn unit_normal(shape: &[Vec3; 3]) -> Vec3 {
-    let normal = (shape[1] - shape[0]).cross(&(shape[2] - shape[0]));
-    normal.try_normalize(0.0).unwrap_or_else(Vec3::z)
+    triangle::normal(shape).unwrap_or_else(Vec3::z)
 }
 
 /// Returns the unit direction in the triangle's plane in which u grows at constant v: dX/du of the map from texture to
@@ -123,7 +122,7 @@ fn count_islands(wedges: &[TriangleWedges], texture: &[Option<[Vec2; 3]>], topol
 
 /// Returns the direction the warp follows without texture: the scene's y, or z for a garment that lies.
 fn shape_reference(shapes: &[[Vec3; 3]]) -> Vec3 {
-    let normals = shapes.iter().map(|shape| (shape[1] - shape[0]).cross(&(shape[2] - shape[0])));
+    let normals = shapes.iter().map(triangle::area_vector);
     if is_lying_by_normals(normals, TUNING.lying_min_slope) { Vec3::z() } else { Vec3::y() }
 }
 

@@ -5,7 +5,7 @@ use crate::garment::diagnostic::ImportDiagnostics;
 use crate::garment::tuning::TUNING;
 use crate::garment::wedges::TriangleWedges;
 use crate::math::{Vec2, Vec3};
-use crate::mesh::{PointIndex, Topology, Welder};
+use crate::mesh::{PointIndex, Topology, Welder, triangle};
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::collections::VecDeque;
 
@@ -82,7 +82,7 @@ fn cap_side(positions: &[Vec3], wedges: &TriangleWedges) -> Option<usize> {
     let p = wedges.points.map(|point| positions[point.at()]);
     let length = |k: usize| (p[(k + 1) % 3] - p[k]).norm();
     let longest = (0..3).max_by(|&i, &j| length(i).total_cmp(&length(j)))?;
-    let height = (p[1] - p[0]).cross(&(p[2] - p[0])).norm() / length(longest);
+    let height = triangle::area_vector(&p).norm() / length(longest);
     // A triangle whose corners coincide has a height that is not a number, and counts as a cap.
     let has_area = height > TUNING.cap_height_fraction * length(longest);
     (!has_area).then_some(longest)

@@ -18,6 +18,7 @@
 //! bending energy. The system is solved by conjugate gradients in a fixed order; for `W` = 0 the answer is exactly 0.
 
 use crate::math::{Vec2, Vec3};
+use crate::mesh::triangle;
 use crate::transfer::surface::GarmentSurface;
 use crate::transfer::tuning::TUNING;
 use nalgebra::{Matrix3, Vector3};
@@ -38,9 +39,9 @@ pub(super) struct FaceFrame {
 
 impl FaceFrame {
     /// The frame of the triangle with these corners; an arbitrary one for a triangle without area.
-    pub fn new([a, b, c]: &[Vec3; 3]) -> Self {
-        let x = (b - a).try_normalize(0.0).unwrap_or_else(Vec3::x);
-        let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_else(Vec3::z);
+    pub fn new(corners: &[Vec3; 3]) -> Self {
+        let x = (corners[1] - corners[0]).try_normalize(0.0).unwrap_or_else(Vec3::x);
+        let normal = triangle::normal(corners).unwrap_or_else(Vec3::z);
         Self { x, y: normal.cross(&x), normal }
     }
 

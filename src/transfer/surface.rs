@@ -7,7 +7,7 @@ use crate::garment::{Garment, RestState, SourceAsset, corner_uvs, corner_vertice
 use crate::io::Sidecar;
 use crate::math::{Vec2, Vec3};
 use crate::mesh::distance::barycentric;
-use crate::mesh::{PointIndex, Topology};
+use crate::mesh::{PointIndex, Topology, triangle};
 use crate::transfer::tuning::TUNING;
 use crate::{Error, Result};
 use rustc_hash::FxHashMap;
@@ -110,8 +110,7 @@ impl GarmentSurface {
 
     /// Twice the area of triangle `f` times its unit normal [m²].
     pub fn normal(&self, f: usize) -> Vec3 {
-        let [a, b, c] = self.corners(f);
-        (b - a).cross(&(c - a))
+        triangle::area_vector(&self.corners(f))
     }
 
     /// Whether `other` has exactly the same points and triangles.
@@ -162,9 +161,9 @@ impl GarmentSurface {
 }
 
 /// Unit warp direction of a triangle whose first side is at `angle` [rad] to it, counter-clockwise seen from outside.
-fn warp_direction([a, b, c]: &[Vec3; 3], angle: f64) -> Vec3 {
-    let side = (b - a).try_normalize(0.0).unwrap_or_else(Vec3::x);
-    let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_else(Vec3::z);
+fn warp_direction(corners: &[Vec3; 3], angle: f64) -> Vec3 {
+    let side = (corners[1] - corners[0]).try_normalize(0.0).unwrap_or_else(Vec3::x);
+    let normal = triangle::normal(corners).unwrap_or_else(Vec3::z);
     side * angle.cos() - normal.cross(&side) * angle.sin()
 }
 

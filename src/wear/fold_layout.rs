@@ -7,7 +7,7 @@
 use crate::error::Result;
 use crate::garment::Garment;
 use crate::math::Vec3;
-use crate::mesh::PointIndex;
+use crate::mesh::triangle;
 use crate::wear::action_runner::{ActionContext, ActionStart};
 use crate::wear::persistent_state::{GarmentFrame, PersistentState};
 use crate::wear::tuning::TUNING;
@@ -123,8 +123,12 @@ impl<'a> FoldLayout<'a> {
         };
         self.positions = laid;
         self.before_folds.clear();
-        let normals: Vec<Vec3> =
-            self.garment.triangles.iter().map(|t| triangle_normal(&self.positions, t)).collect();
+        let normals: Vec<Vec3> = self
+            .garment
+            .triangles
+            .iter()
+            .map(|t| triangle::area_vector(&triangle::corners(&self.positions, t)))
+            .collect();
         let vertical = normals.iter().fold(0.0, |sum, n| sum + n.y.abs());
         let area = normals.iter().fold(0.0, |sum, n| sum + n.norm());
         if vertical < TUNING.prediction.min_flat_normal_y * area {
@@ -228,10 +232,4 @@ impl<'a> FoldLayout<'a> {
             self.distances[p].side = self.distances[p].side.min(distance);
         }
     }
-}
-
-/// Twice the area times the unit normal of a triangle [m²].
-fn triangle_normal(x: &[Vec3], t: &[PointIndex; 3]) -> Vec3 {
-    let [a, b, c] = t.map(|p| x[p.at()]);
-    (b - a).cross(&(c - a))
 }

@@ -12,7 +12,7 @@ use crease::wear::WearScript;
 use std::fmt::Write;
 use std::time::Instant;
 
-/// What became of a bake.
+/// Outcome of a bake.
 pub struct Outcome {
     pub name: String,
     pub points: usize,
@@ -67,8 +67,8 @@ impl Observer for Count {
         self.worst = self.worst.max(self_intersections(x, &self.triangles).len());
         let span = self.time - self.last_time;
         if span > 0.0 && !self.last.is_empty() {
-            let way = x.iter().zip(&self.last).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
-            self.fastest = self.fastest.max(way / span);
+            let displacement = x.iter().zip(&self.last).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+            self.fastest = self.fastest.max(displacement / span);
         }
         self.last = x.to_vec();
         self.last_time = self.time;
@@ -76,7 +76,7 @@ impl Observer for Count {
     }
 }
 
-/// Bakes the garment in `obj`, whose unit is so many `metres`, by the `actions` (JSON).
+/// Bakes the garment in `obj`, whose unit is `metres` [m], by the `actions` (JSON).
 pub fn baked(name: &str, obj: &str, metres: f64, fabric: &str, actions: &str) -> Outcome {
     let options = ReadOptions { unit_m: Some(metres), ..ReadOptions::default() };
     let (asset, _) =
@@ -180,11 +180,11 @@ fn a_handkerchief_folded_twice_never_crosses() {
     assert_eq!((done.start, done.worst), (0, 0));
 }
 
-/// Promise: hands that crumple close to the size they are told, and neither tear cloth nor press layers to nothing.
+/// Requirement: crumpling reaches the prescribed size, and neither tears cloth nor presses layers to nothing.
 #[test]
 fn crumpled_cloth_is_neither_torn_nor_crushed() {
     let actions = r#"{"crumple": {"to": 0.3, "over": 2.0, "hold": 1.0}}"#;
-    // Where single folds of a ball go is decided by rounding: its size differs by 4 % from start to start.
+    // Rounding decides where single folds of a ball go: its size differs by 4 % from start to start.
     for seed in 1..=3 {
         let done = baked("crumpled", &handkerchief(200, seed), 1.0, "cotton-poplin", actions);
         println!("{}; {:.3} m across; {:?}", done.line(), done.across, done.report.warnings);
@@ -195,20 +195,20 @@ fn crumpled_cloth_is_neither_torn_nor_crushed() {
     }
 }
 
-/// Whether a garment that crosses `crossing` times at the start kept to it, told its parts and did not fly apart.
-pub fn keeps_to_its_crossings(done: &Outcome, crossing: usize) -> bool {
-    let told = |w: &String| w.contains("cross at the start") && w.contains("part");
+/// Whether a garment with `crossing` intersections at the start has no more of them, reports its parts and did not fly apart.
+pub fn adds_no_intersections(done: &Outcome, crossing: usize) -> bool {
+    let is_report = |w: &String| w.contains("cross at the start") && w.contains("part");
     done.start == crossing
         && done.worst <= crossing
         && done.fastest < 6.0
-        && done.report.warnings.iter().any(told)
+        && done.report.warnings.iter().any(is_report)
 }
 
-/// Promise: a garment whose layers run through one another is laid and hung without explosion and without one crossing
+/// Requirement: a garment whose layers intersect is laid and hung without explosion and without one intersection
 /// more; the report names the parts. (T-shirts folded by others: `contact_scenes folded`.)
 #[test]
 fn garments_that_cross_at_the_start_are_laid_and_hung() {
-    let pattern = crate::entangled::pierced(200, 4);
+    let pattern = crate::initial_intersections::pierced(200, 4);
     let mut obj = String::new();
     for x in &pattern.x {
         writeln!(obj, "v {} {} {}", x.x, x.y, x.z).expect("text grows");
@@ -223,6 +223,6 @@ fn garments_that_cross_at_the_start_are_laid_and_hung() {
     {
         let done = baked(&format!("pierced, {what}"), &obj, 1.0, "cotton-jersey", actions);
         println!("{}; fastest {:.2} m/s; {:?}", done.line(), done.fastest, done.report.warnings);
-        assert!(crossing > 10 && keeps_to_its_crossings(&done, crossing));
+        assert!(crossing > 10 && adds_no_intersections(&done, crossing));
     }
 }

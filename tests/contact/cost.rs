@@ -67,7 +67,7 @@ fn measure(layers: usize, points: usize, steps: usize) -> (usize, [f64; 3]) {
 fn main() {
     let count = |k: usize, or: usize| std::env::args().nth(k).and_then(|a| a.parse().ok()).unwrap_or(or);
     let (points, most) = (count(1, 8000), count(2, 60_000));
-    println!("layers, points, step [ms], contact [ms], share [%], linear solves a step");
+    println!("layers, points, step [ms], contact [ms], fraction [%], linear solves a step");
     for layers in [0, 1, 2, 4, 8] {
         let (n, [whole, contact, solves]) = measure(layers, points, 8);
         println!("{layers}, {n}, {whole:.1}, {contact:.1}, {:.1}, {solves:.1}", 100.0 * contact / whole);

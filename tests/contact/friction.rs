@@ -36,7 +36,7 @@ fn speed(state: &State) -> f64 {
     (state.v.iter().sum::<Vec3>() / state.v.len() as f64).norm()
 }
 
-/// Promise: at 16.60 degrees and mu = 0.3 (16.699 is the limit) nothing creeps: less than 1e-6 m in 10 s.
+/// Requirement: at 16.60 degrees and mu = 0.3 (16.699 is the limit) nothing creeps: less than 1e-6 m in 10 s.
 #[test]
 fn below_the_threshold_nothing_creeps() {
     let (mut run, drive) = on_slope(16.60, 20.0, MU);
@@ -53,7 +53,7 @@ fn below_the_threshold_nothing_creeps() {
     assert!(creep < 1e-6 && speed(&run.state) < 1e-7);
 }
 
-/// Promise: at 16.80 degrees it slides with g (sin - mu cos), within 2 %, in every direction alike (0.5 %); 20 degrees for
+/// Requirement: at 16.80 degrees it slides with g (sin - mu cos), within 2 %, in every direction alike (0.5 %); 20 degrees for
 /// a second from rest is 0.29485 m.
 #[test]
 fn above_the_threshold_it_slides_alike_in_every_direction() {
@@ -80,7 +80,7 @@ fn above_the_threshold_it_slides_alike_in_every_direction() {
     }
 }
 
-/// Promise: from 1 m/s on the level it stops after 0.16989 m, within v0 dt/2 + 1 %, at every step length.
+/// Requirement: from 1 m/s on the level it stops after 0.16989 m, within v0 dt/2 + 1 %, at every step length.
 #[test]
 fn stops_where_it_should() {
     for h in [0.02, 0.01, 0.0025] {
@@ -90,17 +90,17 @@ fn stops_where_it_should() {
         run.state.previous = None;
         let start = centre(&run.state);
         run.go(0.6, &mut |_, _| Loads { drag: 0.0, ..Loads::gravity_only(Some(0.0)) });
-        let way = (centre(&run.state) - start).norm();
+        let distance = (centre(&run.state) - start).norm();
         println!(
-            "stop with steps of {h} s: {way:.6} m (exact 0.169895, backward Euler {:.6})",
+            "stop with steps of {h} s: {distance:.6} m (exact 0.169895, backward Euler {:.6})",
             0.16989467 - 0.5 * h
         );
-        assert!((way - 0.16989467).abs() < 0.5 * h + 0.01 * 0.16989467);
+        assert!((distance - 0.16989467).abs() < 0.5 * h + 0.01 * 0.16989467);
         assert!(speed(&run.state) < 1e-7);
     }
 }
 
-/// Promise: a mass on a belt of 0.02 m/s behind a spring of 50 N/m, friction 0.5 while it sticks and 0.3 while it slides,
+/// Requirement: a mass on a belt of 0.02 m/s behind a spring of 50 N/m, friction 0.5 while it sticks and 0.3 while it slides,
 /// sticks and slips with a period of 0.55294 s, within 2 %, and pulls between 0.0981 and 0.4905 N. With equal
 /// coefficients it does not stick and slip.
 #[test]
@@ -143,7 +143,7 @@ fn sticks_and_slips_on_a_belt() {
         (pulls, total)
     };
     let (pulls, mass) = oscillate(5.0 / 3.0, 1e-3);
-    // The spring lets go at its peaks.
+    // The contact slips at the peaks.
     let peaks: Vec<f64> = pulls
         .windows(3)
         .filter(|w| w[1].1 > w[0].1 && w[1].1 >= w[2].1 && w[1].1 > 0.4)
@@ -163,7 +163,7 @@ fn sticks_and_slips_on_a_belt() {
     assert!((steady / (0.3 * mass * GRAVITY) - 1.0).abs() < 0.01);
 }
 
-/// Promise: a strip over a cylinder, both ends hanging, slips where the heavy capstan says, within 3 %: mu = 0.2,
+/// Requirement: a strip over a cylinder, both ends hanging, slips where the heavy capstan says, within 3 %: mu = 0.2,
 /// L2/R = 2 slips at L1/R = 4.854.
 #[test]
 fn strip_over_a_cylinder_slips_at_the_capstan_ratio() {

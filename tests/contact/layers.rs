@@ -31,7 +31,7 @@ pub fn stack(count: usize, points: usize, seed: u64, seconds: f64) -> Run {
     run
 }
 
-/// Ground reaction over weight, less one; whether every point lies over the same point of the sheet below; least gap
+/// Returns ground reaction over weight, less one; whether every point lies over the same point of the sheet below; smallest gap
 /// to it [m].
 pub fn judge(run: &Run, count: usize) -> (f64, bool, f64) {
     let per_sheet = run.state.x.len() / count;
@@ -41,7 +41,7 @@ pub fn judge(run: &Run, count: usize) -> (f64, bool, f64) {
     (reaction / run.weight() - 1.0, least > 0.0, least)
 }
 
-/// Promise: 5 and 10 sheets stay in order, weigh what they weigh within 1e-3 and come to rest below 1e-8 J within 2 s.
+/// Requirement: 5 and 10 sheets stay in order, weigh what they weigh within 1e-3 and come to rest below 1e-8 J within 2 s.
 #[test]
 fn stacked_sheets_keep_their_order_and_their_weight() {
     for count in [5, 10] {
@@ -59,7 +59,7 @@ fn stacked_sheets_keep_their_order_and_their_weight() {
 }
 
 /// A sleeve of 0.1 m across and 0.3 m long, one end held, the other turned `turns` times in a second each and free to
-/// come nearer; then it is let go for a second.
+/// come nearer; then it is released for a second.
 pub fn wring(points: usize, turns: f64, seed: u64) -> Run {
     const RADIUS: f64 = 0.05;
     const LENGTH: f64 = 0.3;
@@ -120,11 +120,11 @@ fn a_wrung_sleeve_never_crosses() {
     assert_eq!(run.worst, 0);
 }
 
-/// Promise: cloth that is led against something is held up there and around, and no point is drawn out of the others: from point
-/// to point the way differs by a tenth.
+/// Requirement: cloth that is carried against an obstacle is limited there and around it, and no point is drawn out of the others: step
+/// sizes of neighbours differ by a tenth.
 #[test]
-fn what_is_led_against_a_wall_stays_together() {
-    const WAY: f64 = 0.02;
+fn cloth_carried_against_a_wall_stays_together() {
+    const DISTANCE: f64 = 0.02;
     let mut pattern = Pattern::square(441, 0.3, Vec3::zeros());
     let led = pattern.x.len();
     pattern.add([2, 2], [0.04, 0.04], false, |u, v| {
@@ -133,33 +133,33 @@ fn what_is_led_against_a_wall_stays_together() {
     let mut run = Run::new(&pattern, STACKED, 2.0);
     let topology = crease::mesh::Topology::new(pattern.x.len(), &pattern.triangles);
     let lead: Vec<Vec3> =
-        (0..pattern.x.len()).map(|p| if p < led { Vec3::x() * WAY } else { Vec3::zeros() }).collect();
+        (0..pattern.x.len()).map(|p| if p < led { Vec3::x() * DISTANCE } else { Vec3::zeros() }).collect();
     let mut x = pattern.x.clone();
     let contact = &mut run.stepper.contact;
     contact.begin_step(&x, 0.03, 0.0, &vec![false; x.len()]);
     contact.carry(&mut x, &lead);
     assert!(crease::mesh::intersections::self_intersections(&x, &pattern.triangles).is_empty());
-    let went = |p: usize| (x[p] - pattern.x[p]).x / WAY;
+    let went = |p: usize| (x[p] - pattern.x[p]).x / DISTANCE;
     let apart = topology.edges.iter().map(|e| (went(e[0].at()) - went(e[1].at())).abs()).fold(0.0, f64::max);
     let (least, most) =
         (0..led).map(went).fold((f64::INFINITY, 0.0f64), |(a, b), went| (a.min(went), b.max(went)));
-    println!("shares of the way: {least:.2} to {most:.2}, {apart:.3} at most from point to point");
+    println!("step sizes: {least:.2} to {most:.2}, {apart:.3} at most from point to point");
     assert!(least > 0.1 && least < 0.26 && most > 0.999 && apart < 0.11);
 }
 
-/// Promise: where only some points move, contact among them and with what rests is what it is among all: same forces, same
-/// differences of the energy, and what bounds a move.
+/// Requirement: where only some points move, their contacts among one another and with the rest are those among all: same forces, same
+/// differences of the energy, same limited displacements.
 #[test]
-fn focused_contact_is_the_same_for_those_that_move() {
+fn restricted_contact_is_the_same_for_moving_points() {
     let mut run = stack(4, 400, 3, 0.3);
     let x = run.state.x.clone();
     let contact = &mut run.stepper.contact;
     let moving: Vec<bool> = (0..x.len()).map(|p| p % 9 == 4).collect();
     contact.begin_step(&x, 0.01, 1.0, &vec![false; x.len()]);
     let wished: Vec<Vec3> = moving.iter().map(|m| Vec3::new(4e-5, -4e-4, 2e-5) * f64::from(*m)).collect();
-    let mut way = wished.clone();
-    contact.limit_displacement(&x, &mut way);
-    let moved: Vec<Vec3> = x.iter().zip(&way).map(|(x, d)| x + d).collect();
+    let mut limited = wished.clone();
+    contact.limit_displacement(&x, &mut limited);
+    let moved: Vec<Vec3> = x.iter().zip(&limited).map(|(x, d)| x + d).collect();
     let force = |contact: &crease::contact::Contact, x: &[Vec3]| {
         let mut g = vec![Vec3::zeros(); x.len()];
         contact.add_gradient(x, &mut g);
@@ -170,9 +170,9 @@ fn focused_contact_is_the_same_for_those_that_move() {
     contact.restrict_to(&x, &moving);
     let mut bounded = wished;
     contact.limit_displacement(&x, &mut bounded);
-    assert!(way.iter().any(|d| d.norm() > 0.0 && d.norm() < 4e-4), "some moves are cut");
-    let apart = bounded.iter().zip(&way).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
-    assert!(apart < 1e-15, "bounded alike, but for {apart} m");
+    assert!(limited.iter().any(|d| d.norm() > 0.0 && d.norm() < 4e-4), "some displacements are limited");
+    let apart = bounded.iter().zip(&limited).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+    assert!(apart < 1e-15, "limited alike, but for {apart} m");
     let some = contact.value(&moved) - contact.value(&x);
     assert!((all - some).abs() < 1e-9 * all.abs(), "{all} {some}");
     for (x, wanted) in [(&x, &forces[0]), (&moved, &forces[1])] {

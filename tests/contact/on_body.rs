@@ -6,7 +6,7 @@ use crease::math::Vec3;
 use crease::sim::Loads;
 use std::sync::Arc;
 
-/// Promise: cloth at rest on a sphere: the sphere carries its weight within 1e-3 and pushes nowhere else, nothing moves any
+/// Requirement: cloth at rest on a sphere: the sphere carries its weight within 1e-3 and pushes nowhere else, nothing moves any
 /// more (1e-8 J), and a start of fourfold symmetry stays so to 1e-6 m for 0.2 s.
 #[test]
 fn cloth_over_a_sphere_comes_to_rest_in_balance() {

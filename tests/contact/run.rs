@@ -93,28 +93,28 @@ pub const COTTON: Kind =
 
 /// The body's points at the end of a step [m], and the contacts of the cloth with it.
 #[derive(Clone)]
-struct Met {
+struct BodyStep {
     points: Arc<[Vec3]>,
-    cushions: Arc<[PlaneContact]>,
-    supports: Arc<[EdgeContact]>,
+    planes: Arc<[PlaneContact]>,
+    edges: Arc<[EdgeContact]>,
 }
 
-impl Default for Met {
+impl Default for BodyStep {
     fn default() -> Self {
-        Self { points: Arc::new([]), cushions: Arc::new([]), supports: Arc::new([]) }
+        Self { points: Arc::new([]), planes: Arc::new([]), edges: Arc::new([]) }
     }
 }
 
-/// A scene under way.
+/// A running scene.
 pub struct Run {
     pub stepper: Stepper,
     pub state: State,
     pub memory: RestState,
     pub triangles: Vec<[PointIndex; 3]>,
     topology: Topology,
-    /// The body under the cloth, and what of it the last step met.
+    /// The body under the cloth, and its contacts in the last step.
     body: Option<BodyPlanes>,
-    met: Met,
+    body_step: BodyStep,
     /// Crossings of the cloth with itself after the worst accepted step.
     pub worst: usize,
     pub steps: usize,
@@ -169,7 +169,7 @@ impl Run {
             triangles: pattern.triangles.clone(),
             topology,
             body: None,
-            met: Met::default(),
+            body_step: BodyStep::default(),
             worst: 0,
             steps: 0,
             solves: 0,
@@ -197,10 +197,10 @@ impl Run {
     /// Force of the body on the cloth in the last step [N], without friction.
     pub fn body_force(&self) -> Vec3 {
         let mut gradient = vec![Vec3::zeros(); self.state.x.len()];
-        let cushions: Vec<PlaneContact> =
-            self.met.cushions.iter().map(|c| PlaneContact { max_friction: 0.0, ..*c }).collect();
-        PlaneContacts(&cushions).add_gradient(&self.state.x, &mut gradient);
-        EdgeContacts(&self.met.supports).add_gradient(&self.state.x, &mut gradient);
+        let planes: Vec<PlaneContact> =
+            self.body_step.planes.iter().map(|c| PlaneContact { max_friction: 0.0, ..*c }).collect();
+        PlaneContacts(&planes).add_gradient(&self.state.x, &mut gradient);
+        EdgeContacts(&self.body_step.edges).add_gradient(&self.state.x, &mut gradient);
         -gradient.iter().sum::<Vec3>()
     }
 
@@ -248,7 +248,7 @@ impl Run {
         wished: f64,
     ) -> StepReport {
         let start = self.state.time;
-        let mut met: Option<Met> = None;
+        let mut met: Option<BodyStep> = None;
         let mut begun = false;
         let (triangles, topology) = (&self.triangles, &self.topology);
         let mut drive_on_body = |time: f64, state: &State| {
@@ -264,18 +264,18 @@ impl Run {
                     body.plane_contacts(&state.x, &points, &normals, h, drive.friction).into();
                 drive.edge_contacts = body.edge_contacts(&points, &normals).into();
                 drive.body_displacement = body.carried_displacement(&state.x, &points).into();
-                met = Some(Met {
+                met = Some(BodyStep {
                     points,
-                    cushions: Arc::clone(&drive.plane_contacts),
-                    supports: Arc::clone(&drive.edge_contacts),
+                    planes: Arc::clone(&drive.plane_contacts),
+                    edges: Arc::clone(&drive.edge_contacts),
                 });
             }
             drive
         };
         let report = self.stepper.advance(&mut self.state, &self.memory, &mut drive_on_body, wished);
         if let Some(met) = met {
-            body.end_step(&self.state.x, &met.points, &met.cushions, &met.supports);
-            self.met = met;
+            body.end_step(&self.state.x, &met.points, &met.planes, &met.edges);
+            self.body_step = met;
         }
         self.body = Some(body);
         report
@@ -307,7 +307,7 @@ impl Run {
         }
     }
 
-    /// Says on stderr how far a long run is, ten times a simulated second.
+    /// Prints the progress of a long run to stderr, ten times a simulated second.
     fn tell(&self, step: f64) {
         const LONG: usize = 5_000;
         let tenths = |time: f64| (10.0 * time + 1e-6).floor();

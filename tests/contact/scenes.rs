@@ -42,7 +42,7 @@ const SCENES: [(&str, Scene); 8] = [
         let line = |(done, _): &(bakes::Outcome, usize)| {
             format!("{}; fastest {:.2} m/s; {:?}", done.line(), done.fastest, done.report.warnings)
         };
-        let holds = all.iter().all(|(done, crossing)| bakes::keeps_to_its_crossings(done, *crossing));
+        let holds = all.iter().all(|(done, crossing)| bakes::adds_no_intersections(done, *crossing));
         (all.iter().map(line).collect::<Vec<_>>().join("\n    "), holds)
     }),
     ("shots", |_, seed| {

@@ -5,15 +5,15 @@ use crease::math::{Rng, Vec3};
 use crease::mesh::triangle_bvh::TriangleBvh;
 use crease::sim::Loads;
 
-/// What became of a number of shots.
+/// Outcome of a number of shots.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Shots {
     pub shots: usize,
-    /// That met the sheet, judged by where they would have been.
+    /// Shots that met the sheet, judged by where they would have been.
     pub hits: usize,
-    /// With crossing triangles after any step.
+    /// Shots with intersecting triangles after any step.
     pub crossed: usize,
-    /// That ended on the other side.
+    /// Shots that ended on the other side.
     pub through: usize,
     /// Steps in all.
     pub steps: usize,
@@ -27,7 +27,7 @@ pub fn shoot(count: usize, speed: f64, seed: u64) -> Shots {
     for _ in 0..count {
         let (hit, run, scrap, aim) = one_shot(speed, &mut rng);
         let tree = TriangleBvh::new(&run.state.x, &run.triangles, 0.0);
-        // Looking back along the way it came, the sheet is met an even number of times from the near side.
+        // Looking back along its path, the sheet is met an even number of times from the near side.
         let through = (scrap..run.state.x.len()).any(|p| {
             let mut from = run.state.x[p];
             let mut met = 0;

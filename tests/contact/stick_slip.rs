@@ -11,11 +11,11 @@ use std::sync::Arc;
 const LENGTH: f64 = 0.1;
 const ALONG: usize = 40;
 
-/// The shortening, as a share of the length, at which the end lets go.
+/// Returns the shortening over the length at which the end slips [-].
 fn slips_at(mu: f64, up_to: f64) -> f64 {
     let rigidity = 1e-5;
     let kind = Kind {
-        // Next to no mass: the reference has none.
+        // Almost no mass: the reference has none.
         density: 1e-3,
         stretch: 1e5 * rigidity / (LENGTH * LENGTH),
         bend: rigidity,
@@ -25,7 +25,7 @@ fn slips_at(mu: f64, up_to: f64) -> f64 {
     };
     let edge = LENGTH / ALONG as f64;
     let mut pattern = Pattern::default();
-    // One row more for the clamp; a trace of a bow tells which way to buckle.
+    // One row more for the clamp; a slight bow decides the direction of buckling.
     pattern.add([2, ALONG + 1], [2.0 * edge, LENGTH + edge], false, |u, v| {
         let y = v * (LENGTH + edge);
         let bow = 1e-4 * (std::f64::consts::PI * (y / LENGTH).min(1.0)).sin();
@@ -65,7 +65,7 @@ fn slips_at(mu: f64, up_to: f64) -> f64 {
             let tip = run.state.x[1];
             found = tip.y / LENGTH;
             if found < 0.01 {
-                // Not before it has taken hold.
+                // Not before it touches.
                 home = tip.x;
             }
             // While it sticks the end gives by 4e-6 m at most.
@@ -75,7 +75,7 @@ fn slips_at(mu: f64, up_to: f64) -> f64 {
     found
 }
 
-/// Promise: it slips within 5 % of the shortening at which the elastica asks for more than mu.
+/// Requirement: it slips within 5 % of the shortening at which the elastica asks for more than mu.
 #[test]
 fn a_bent_strip_slips_where_the_elastica_says() {
     for (mu, expected) in [(0.1, 0.0471), (0.2, 0.1549)] {

@@ -11,6 +11,7 @@ use crate::io::gltf::append::{Appender, Purpose};
 use crate::io::gltf::worn_target::WornTarget;
 use crate::io::gltf::{REST_ANGLE_CHANGE_ATTRIBUTE, STIFFNESS_ATTRIBUTE, WORN_TARGET};
 use crate::math::Vec3;
+use crate::mesh::triangle;
 use crate::{Error, Result};
 use rustc_hash::FxHashMap;
 use serde_json::{Map, Value, json};
@@ -158,9 +159,9 @@ fn smooth_normals(asset: &SourceAsset, positions: &[Vec<Vec3>]) -> Vec<Vec<Vec3>
     let mut alone: Vec<Vec<Vec3>> = positions.iter().map(|p| vec![Vec3::zeros(); p.len()]).collect();
     for ((piece, positions), alone) in asset.pieces.iter().zip(positions).zip(&mut alone) {
         for t in &piece.triangles {
-            let [a, b, c] = t.map(|v| positions[v as usize]);
-            let normal = (b - a).cross(&(c - a));
-            for (v, p) in t.iter().zip([a, b, c]) {
+            let corners = t.map(|v| positions[v as usize]);
+            let normal = triangle::area_vector(&corners);
+            for (v, p) in t.iter().zip(corners) {
                 *shared.entry(bits(p)).or_insert_with(Vec3::zeros) += normal;
                 alone[*v as usize] += normal;
             }

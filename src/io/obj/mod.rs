@@ -10,10 +10,11 @@ mod polygon;
 
 use crate::garment::{ImportDiagnostic, Placement, Severity, SourcePiece};
 use crate::io::diagnostics::DiagnosticList;
-use crate::io::obj::parse::{Corner, Label, NONE, Statements};
+use crate::io::obj::parse::{Corner, Label, Statements};
 use crate::io::obj::polygon::{PolygonCutter, newell_normal};
 use crate::io::read::{NamedPiece, ReadPieces};
 use crate::math::{Mat4, Vec2, Vec3};
+use crate::mesh::INVALID;
 use crate::{Error, Result};
 use rustc_hash::FxHashMap;
 
@@ -113,7 +114,7 @@ impl PieceBuilder {
         statements: &Statements,
     ) -> NamedPiece {
         let (has_uvs, has_normals) =
-            (self.corners.iter().any(|c| c.uv != NONE), self.corners.iter().any(|c| c.normal != NONE));
+            (self.corners.iter().any(|c| c.uv != INVALID), self.corners.iter().any(|c| c.normal != INVALID));
         let position =
             |c: &Corner| statements.positions.get(c.position as usize).copied().unwrap_or_default();
         let uv = |c: &Corner| statements.uvs.get(c.uv as usize).copied().unwrap_or_else(Vec2::zeros);

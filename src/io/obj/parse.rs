@@ -9,10 +9,9 @@ use crate::garment::{ImportDiagnostic, Severity};
 use crate::io::diagnostics::DiagnosticList;
 use crate::io::obj::lines::Lines;
 use crate::math::{Vec2, Vec3};
+use crate::mesh::INVALID;
 use rustc_hash::FxHashMap;
 
-/// Marks a corner without texture coordinate or normal.
-pub(super) const NONE: u32 = u32::MAX;
 /// Coordinates beyond this many units are damage.
 const FARTHEST: f64 = 1e12;
 /// More corners than any drawn face has; the clipper's own limit lies higher.
@@ -203,7 +202,7 @@ impl<'f> Parser<'f> {
     fn corner(&self, word: &str) -> Result<Corner, String> {
         let mut parts = word.split('/');
         let position = resolve(parts.next().unwrap_or(""), self.read.positions.len(), "vertex", word)?;
-        if position == NONE {
+        if position == INVALID {
             return Err(format!("corner \"{}\" has no vertex index", short(word)));
         }
         let uv = resolve(parts.next().unwrap_or(""), self.read.uvs.len(), "texture", word)?;
@@ -269,7 +268,7 @@ impl<'f> Parser<'f> {
             let corners = self.read.corners.get(face.corners.clone()).unwrap_or(&[]);
             let beyond = corners.iter().find_map(|corner| {
                 let parts = [corner.position, corner.uv, corner.normal];
-                (0..3).find(|&k| parts[k] != NONE && parts[k] as usize >= counts[k]).map(|k| (k, parts[k]))
+                (0..3).find(|&k| parts[k] != INVALID && parts[k] as usize >= counts[k]).map(|k| (k, parts[k]))
             });
             if let Some((k, index)) = beyond {
                 let what = ["vertices", "texture coordinates", "normals"][k];
@@ -283,17 +282,17 @@ impl<'f> Parser<'f> {
     }
 }
 
-/// The list position an index means; [`NONE`] for an empty part.
+/// The list position an index means; [`INVALID`] for an empty part.
 fn resolve(part: &str, count: usize, what: &str, word: &str) -> Result<u32, String> {
     if part.is_empty() {
-        return Ok(NONE);
+        return Ok(INVALID);
     }
     let shown = short(word);
     let index: i64 = part.parse().map_err(|_| format!("corner \"{shown}\" is not an index"))?;
     match index {
         0 => Err(format!("corner \"{shown}\" has {what} index 0; OBJ counts from 1")),
         1.. => match u32::try_from(index - 1) {
-            Ok(position) if position != NONE => Ok(position),
+            Ok(position) if position != INVALID => Ok(position),
             _ => Err(format!("corner \"{shown}\": {what} index {index} is out of range")),
         },
         _ => u32::try_from(count as i64 + index).map_err(|_| {

@@ -5,7 +5,7 @@
 //! glTF.
 
 use crate::math::Vec3;
-use crate::mesh::{Hinge, PointIndex, Topology};
+use crate::mesh::{Hinge, PointIndex, Topology, triangle};
 use crate::report::render::colour::ColourMap;
 
 /// Values of a field.
@@ -183,7 +183,7 @@ pub fn curvature(points: &[Vec3], triangles: &[[PointIndex; 3]], topology: &Topo
     };
     let normals: Vec<Vec3> = triangles
         .iter()
-        .map(|t| corner(t).map_or_else(Vec3::zeros, |[a, b, c]| (b - a).cross(&(c - a))))
+        .map(|t| corner(t).map_or_else(Vec3::zeros, |corners| triangle::area_vector(&corners)))
         .collect();
     let mut area = vec![0.0; points.len()];
     for (t, n) in triangles.iter().zip(&normals) {

@@ -1,7 +1,7 @@
 //! Normals and colours of a surface.
 
 use crate::math::{Vec2, Vec3};
-use crate::mesh::PointIndex;
+use crate::mesh::{PointIndex, triangle};
 use crate::report::render::camera::Projection;
 use crate::report::render::field::{Colouring, Values};
 use crate::report::render::lights::Lights;
@@ -45,13 +45,7 @@ impl<'a> ShadedSurface<'a> {
     /// Computes normals and colours.
     pub fn new(surface: &Surface<'a>) -> Self {
         let Surface { points, drawn, colouring, .. } = *surface;
-        let areas: Vec<Vec3> = drawn
-            .iter()
-            .map(|t| {
-                let [a, b, c] = t.map(|i| points[i]);
-                (b - a).cross(&(c - a))
-            })
-            .collect();
+        let areas: Vec<Vec3> = drawn.iter().map(|t| triangle::area_vector(&t.map(|i| points[i]))).collect();
         let normals: Vec<Vec3> = areas.iter().map(|n| n.try_normalize(0.0).unwrap_or_else(Vec3::y)).collect();
         let corner_normals = corner_normals(points.len(), drawn, &areas, &normals);
         let fractions = legend_fractions(surface);

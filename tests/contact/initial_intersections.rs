@@ -1,4 +1,4 @@
-//! Crossings that are there at the start: never more of them, no explosion, gone once they come apart, and guarded then.
+//! Intersections that exist at the start: never more of them, no explosion, gone once they come apart, and guarded then.
 
 use crate::run::{COTTON, Pattern, Run};
 use crease::energy::TargetSpring;
@@ -21,9 +21,9 @@ pub fn pierced(points: usize, seed: u64) -> Pattern {
     pattern
 }
 
-/// Promise: lying on the ground, what crosses never becomes more and nothing flies away.
+/// Requirement: lying on the ground, intersections never become more and nothing flies away.
 #[test]
-fn what_crosses_at_the_start_never_becomes_worse() {
+fn initial_intersections_never_become_more() {
     let mut run = Run::new(&pierced(400, 1), COTTON, 4.0);
     let start = run.crossings();
     let mut last = start;
@@ -41,14 +41,14 @@ fn what_crosses_at_the_start_never_becomes_worse() {
     assert!(start > 10 && run.fastest < 1.0);
 }
 
-/// Promise: pulled apart, the sheets come apart; pressed together again, they stay apart.
+/// Requirement: pulled apart, the sheets come apart; pressed together again, they stay apart.
 #[test]
-fn what_has_come_apart_is_guarded() {
+fn separated_sheets_are_guarded() {
     let pattern = pierced(400, 2);
     let half = pattern.x.len() / 2;
     let mut run = Run::new(&pattern, COTTON, 4.0);
     let start = run.crossings();
-    // A hand under every point: the lower sheet goes down and comes back up, the upper stays.
+    // A spring at every point: the lower sheet goes down and comes back up, the upper stays.
     let guides = |shift: f64| -> Vec<TargetSpring> {
         let target = |p: usize, x: &Vec3| {
             if p < half { Vec3::new(x.x, -shift, x.z) } else { Vec3::new(x.x, 4e-3, x.z) }
