@@ -33,6 +33,8 @@ pub mod transfer;
 pub mod bake;
 pub mod report;
 
+pub mod files;
+
 #[cfg(feature = "charts")]
 pub mod chart;
 
@@ -46,7 +48,11 @@ pub use bake::{
 #[doc(inline)]
 pub use fabric::{Fabric, FabricMemory};
 #[doc(inline)]
+pub use files::GarmentFile;
+#[doc(inline)]
 pub use garment::{Garment, RestState, WornGarment};
+#[doc(inline)]
+pub use io::{ReadOptions, Sidecar};
 #[doc(inline)]
 pub use memory::{
     Band, BandParams, ElementParams, EventCount, HysteresisState, Memory, MemoryLaw, MemoryModel, Strains,

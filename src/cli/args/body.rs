@@ -4,9 +4,9 @@
 use crate::cli::args::values::{Metres, positive, unit};
 use crate::cli::files::frame_sequence::read_frames;
 use crate::cli::files::input::name_of;
-use crate::cli::files::mesh_file::{MeshFile, read_asset_at};
 use clap::Args;
 use crease::body::AnimatedBody;
+use crease::files::{GarmentFile, read_asset_file};
 use crease::garment::{SourceAsset, SourcePiece};
 use crease::io::ReadOptions;
 use crease::{Error, Result};
@@ -41,7 +41,7 @@ impl BodyArgs {
         &self,
         path: &Path,
         options: &ReadOptions,
-        mesh: &MeshFile,
+        mesh: &GarmentFile,
     ) -> Result<Option<Arc<AnimatedBody>>> {
         let Some(body) = &self.body else { return Ok(None) };
         let same = matches!((body.canonicalize(), path.canonicalize()), (Ok(a), Ok(b)) if a == b);
@@ -50,7 +50,7 @@ impl BodyArgs {
         } else if same {
             self.from_garment_file(&mesh.asset, options)?
         } else {
-            let (asset, _) = read_asset_at(body, &self.body_options(body, options))?;
+            let (asset, _) = read_asset_file(body, &self.body_options(body, options))?;
             let pieces: Vec<&SourcePiece> = asset.worn_pieces().collect();
             AnimatedBody::from_pieces(&asset, &pieces)?
         };
@@ -104,6 +104,6 @@ impl BodyArgs {
 fn pieces_named(node: &str, asset: &SourceAsset, options: &ReadOptions) -> Result<Vec<bool>> {
     let options =
         ReadOptions { garment: Some(node.to_owned()), unit_m: Some(asset.unit_m), ..options.clone() };
-    let (again, _) = read_asset_at(Path::new(&asset.file), &options)?;
+    let (again, _) = read_asset_file(Path::new(&asset.file), &options)?;
     Ok(again.pieces.iter().map(|piece| piece.worn).collect())
 }

@@ -1,12 +1,12 @@
 //! `--export`: files for other programs beside the main outputs.
 
 use crate::cli::files::input;
-use crate::cli::files::mesh_file::MeshFile;
 use crate::cli::files::output::Outputs;
 use crate::cli::runtime::console;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use crease::Result;
 use crease::fabric::Fabric;
+use crease::files::GarmentFile;
 use crease::garment::WornGarment;
 use crease::report::{Export, ExportCheck};
 use std::path::{Path, PathBuf};
@@ -49,7 +49,7 @@ impl ExportArgs {
         &self,
         worn_path: &Path,
         outputs: &mut Outputs,
-        mesh: &MeshFile,
+        mesh: &GarmentFile,
         worn: &WornGarment,
         fabric: &Fabric,
     ) -> Result<Vec<ExportCheck>> {

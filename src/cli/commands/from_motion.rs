@@ -7,11 +7,11 @@ use crate::cli::args::values::{glb_path, positive};
 use crate::cli::commands::worn_job::{SideFiles, WornJob, WornResult};
 use crate::cli::files::frame_sequence::read_frames;
 use crate::cli::files::input;
-use crate::cli::files::mesh_file::MeshFile;
 use crate::cli::runtime::console;
 use crease::bake::{BakeResult, GarmentMotion, memory_from_motion};
 use crease::body::rig::{ClipTime, Rig};
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
+use crease::files::GarmentFile;
 use crease::garment::{SourceAsset, SourcePiece};
 use crease::io::gltf::read_rig;
 use crease::io::{ReadOptions, Sidecar, sequence_from_assets};
@@ -106,7 +106,7 @@ fn print_summary(worn: &str, report: &Report) {
 
 /// A garment and its motion.
 struct MotionInput {
-    mesh: MeshFile,
+    mesh: GarmentFile,
     /// File of the garment.
     path: PathBuf,
     source: MotionSource,
@@ -178,7 +178,7 @@ impl MotionInput {
         let frames = sequence_from_assets(&assets, rate)?.frames;
         let Some(first) = assets.first() else { return Err(Error::input(folder, "", "has no frames", "")) };
         let path = arguments.mesh.clone().unwrap_or_else(|| PathBuf::from(&first.file));
-        let mesh = MeshFile::read(&path, &arguments.reading.options())?;
+        let mesh = GarmentFile::load(&path, &arguments.reading.options())?;
         let Some(vertex_of) = vertex_of_point(&mesh, first) else {
             let count = |asset: &SourceAsset| {
                 let pieces = || asset.worn_pieces();
@@ -211,7 +211,7 @@ impl MotionInput {
             let help = "leave --mesh out: the garment is in the animated file itself";
             return Err(Error::input(file, "", "an animated file is its own garment", help));
         }
-        let mesh = MeshFile::read(&path, &arguments.reading.options())?;
+        let mesh = GarmentFile::load(&path, &arguments.reading.options())?;
         let pieces: Vec<&SourcePiece> = mesh.asset.worn_pieces().collect();
         let Some(rig) = read_rig(&mesh.asset, &pieces)? else {
             let help = "give an animated .glb, or a folder of numbered .obj frames with --fps";
@@ -256,7 +256,7 @@ impl MotionInput {
 /// Returns per point of the garment its vertex in `frame`, whose numbering may differ: triangles are matched corner by
 /// corner. The triangles of `frame` must be those of the garment (frames of a run) or those of its file; otherwise the
 /// result is `None`.
-fn vertex_of_point(mesh: &MeshFile, frame: &SourceAsset) -> Option<Vec<Option<u32>>> {
+fn vertex_of_point(mesh: &GarmentFile, frame: &SourceAsset) -> Option<Vec<Option<u32>>> {
     let garment = &mesh.garment;
     let corners = frame.worn_triangles();
     let own: Vec<[u32; 3]> = garment.triangles.iter().map(|t| t.map(|p| p.0)).collect();

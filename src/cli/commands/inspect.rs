@@ -1,9 +1,9 @@
 //! `crease inspect`: content of a mesh file, with the repairs and errors that a bake would report.
 
 use crate::cli::args::mesh::MeshArgs;
-use crate::cli::files::mesh_file::MeshFile;
 use crate::cli::runtime::console;
 use crease::Result;
+use crease::files::GarmentFile;
 use crease::mesh::intersections::self_intersections;
 use serde_json::json;
 use std::path::PathBuf;
@@ -24,8 +24,8 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<()> {
-    let MeshFile { asset, garment, findings } =
-        MeshFile::read(&arguments.mesh, &arguments.reading.options())?;
+    let GarmentFile { asset, garment, diagnostics: findings } =
+        GarmentFile::load(&arguments.mesh, &arguments.reading.options())?;
     let mut inspection = crease::garment::inspect(&asset, &garment, &findings);
     inspection.crossings_at_start = Some(self_intersections(&garment.points, &garment.triangles).len());
     match arguments.json {

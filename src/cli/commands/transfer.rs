@@ -8,11 +8,11 @@ use crate::cli::args::run::RunArgs;
 use crate::cli::args::values::glb_path;
 use crate::cli::commands::worn_job::{SideFiles, WornJob, WornResult};
 use crate::cli::files::input;
-use crate::cli::files::mesh_file::MeshFile;
 use crate::cli::runtime::console;
 use clap::ValueEnum;
 use crease::bake::{RelaxResult, relax};
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
+use crease::files::GarmentFile;
 use crease::garment::WornGarment;
 use crease::io::{Landmarks, ReadOptions, Sidecar, read_sidecar};
 use crease::mesh::intersections::self_intersections;
@@ -200,7 +200,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
 
 /// Inputs of a transfer, read and checked.
 struct TransferInput {
-    mesh: MeshFile,
+    mesh: GarmentFile,
     /// Outcome of `--resolution`.
     refinement: Option<Refinement>,
     sources: Vec<TransferSource>,
@@ -214,7 +214,7 @@ impl TransferInput {
     /// Reads all files. The errors of all of them are reported together.
     fn read(arguments: &Arguments) -> Result<Self> {
         let options = ReadOptions { mask: arguments.mask.clone(), ..arguments.reading.options() };
-        let mesh = MeshFile::read(&arguments.to, &options);
+        let mesh = GarmentFile::load(&arguments.to, &options);
         let (mut sources, mut sidecars, mut errors) = (Vec::new(), Vec::new(), Vec::new());
         for path in &arguments.sidecars {
             match read_source(path) {
@@ -247,7 +247,7 @@ impl TransferInput {
 
     /// Returns the surface that memory is transferred to.
     fn target(&self) -> GarmentSurface {
-        let MeshFile { asset, garment, .. } = &self.mesh;
+        let GarmentFile { asset, garment, .. } = &self.mesh;
         match self.refinement.as_ref().and_then(|refinement| refinement.coarse.as_ref()) {
             Some(CoarseGarment { garment: coarse, parent }) => GarmentSurface::from_refined(
                 &GarmentSurface::from_garment(coarse, asset),

@@ -3,10 +3,10 @@
 use crate::cli::args::color_by::ColorByArg;
 use crate::cli::args::values::html_path;
 use crate::cli::files::input;
-use crate::cli::files::mesh_file::read_asset_at;
 use crate::cli::files::output::Outputs;
 use crate::cli::files::view_file::ViewFile;
 use crate::cli::runtime::console;
+use crease::files::read_asset_file;
 use crease::io::ReadOptions;
 use crease::math::Vec3;
 use crease::mesh::PointIndex;
@@ -98,7 +98,7 @@ fn frames(folder: &Path, max_count: usize) -> Result<FrameSeries> {
     let mut series = FrameSeries { positions: Vec::new(), names: Vec::new(), triangles: Vec::new() };
     for number in (0..count).step_by(step) {
         let options = ReadOptions { unit_m: Some(1.0), ..ReadOptions::default() };
-        let (asset, _) = read_asset_at(&path(number), &options)?;
+        let (asset, _) = read_asset_file(&path(number), &options)?;
         let (mut x, mut triangles) = (Vec::new(), Vec::new());
         for piece in asset.pieces {
             let first = x.len() as u32;

@@ -6,13 +6,13 @@ use crate::cli::args::export::ExportArgs;
 use crate::cli::args::refine::{RefineArgs, Refinement};
 use crate::cli::args::run::RunArgs;
 use crate::cli::files::input;
-use crate::cli::files::mesh_file::MeshFile;
 use crate::cli::files::output::Outputs;
 use crate::cli::files::worn_outputs::WornOutputs;
 use crate::cli::runtime::console;
 use crate::cli::runtime::threads::use_threads;
 use crease::Result;
 use crease::fabric::Fabric;
+use crease::files::GarmentFile;
 use crease::garment::WornGarment;
 use crease::io::gltf::write_worn_glb;
 use crease::io::{Sidecar, write_sidecar};
@@ -52,7 +52,7 @@ pub struct SideFiles<'a> {
 #[derive(Debug, Clone, Copy)]
 pub struct WornResult<'a> {
     /// File and garment before the wear.
-    pub mesh: &'a MeshFile,
+    pub mesh: &'a GarmentFile,
     /// Worn garment.
     pub worn: &'a WornGarment,
     /// Fabric of the garment.
@@ -135,7 +135,7 @@ impl WornJob {
     }
 
     /// Notes the repairs of the mesh file `path` and its refinement, and embeds the images that it refers to.
-    pub fn accept_mesh(&mut self, mesh: &mut MeshFile, path: &Path, refinement: Option<&Refinement>) {
+    pub fn accept_mesh(&mut self, mesh: &mut GarmentFile, path: &Path, refinement: Option<&Refinement>) {
         self.warn(mesh.repairs());
         self.warn(refinement.map(|refinement| refinement.note.clone()));
         self.warn(mesh.embed_images(path));

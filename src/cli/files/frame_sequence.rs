@@ -1,7 +1,7 @@
 //! A folder of numbered OBJ frames, read in order.
 
 use crate::cli::files::input::{merge_errors, name_of};
-use crate::cli::files::mesh_file::read_asset_at;
+use crease::files::read_asset_file;
 use crease::garment::{SourceAsset, SourceFormat};
 use crease::io::ReadOptions;
 use crease::{Error, Result};
@@ -15,7 +15,7 @@ pub fn read_frames(folder: &Path, options: &ReadOptions) -> Result<Vec<SourceAss
     let mut frames = Vec::with_capacity(paths.len());
     for path in paths {
         // All unreadable files are reported at once, since sequences are long.
-        match read_asset_at(&path, options) {
+        match read_asset_file(&path, options) {
             Ok((asset, _)) if asset.format == SourceFormat::Obj => frames.push(asset),
             Ok((asset, _)) => {
                 errors.push(Error::input(asset.file, "", "is not an OBJ file", "export the frames as .obj"))

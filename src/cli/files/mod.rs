@@ -4,7 +4,6 @@ pub mod checkpoints;
 pub mod frame_folder;
 pub mod frame_sequence;
 pub mod input;
-pub mod mesh_file;
 pub mod output;
 pub mod view_file;
 pub mod worn_outputs;

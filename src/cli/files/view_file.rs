@@ -1,7 +1,7 @@
 //! A garment to be looked at, read from any mesh file, with the sidecar beside it.
 
 use crate::cli::files::input;
-use crate::cli::files::mesh_file::read_asset_at;
+use crease::files::read_asset_file;
 use crease::io::gltf::{keep_worn_pieces, sidecar_name};
 use crease::io::{ReadOptions, Sidecar, read_sidecar};
 use crease::report::GarmentView;
@@ -22,7 +22,7 @@ impl ViewFile {
     pub fn read(path: &Path) -> Result<Self> {
         // An explicit unit: a garment that is only drawn may have any size.
         let options = ReadOptions { unit_m: Some(1.0), ..ReadOptions::default() };
-        let (mut asset, _) = read_asset_at(path, &options)?;
+        let (mut asset, _) = read_asset_file(path, &options)?;
         let sidecar = asset.document.as_ref().and_then(sidecar_name).map(|name| path.with_file_name(name));
         let Some(sidecar) = sidecar.filter(|path| path.is_file()) else {
             return Ok(Self { view: GarmentView::of_asset(asset)?, sidecar: None });

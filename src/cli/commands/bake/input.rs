@@ -3,10 +3,10 @@
 use crate::cli::args::refine::Refinement;
 use crate::cli::commands::bake::arguments::Arguments;
 use crate::cli::files::input;
-use crate::cli::files::mesh_file::MeshFile;
 use crease::bake::{Bake, ModelPlan, active_points};
 use crease::body::AnimatedBody;
 use crease::fabric::Fabric;
+use crease::files::GarmentFile;
 use crease::garment::{Garment, RestState, WornGarment};
 use crease::io::Sidecar;
 use crease::io::gltf::write_worn_glb;
@@ -21,7 +21,7 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub struct BakeInput {
     /// Mesh file and garment.
-    pub mesh: MeshFile,
+    pub mesh: GarmentFile,
     /// Wear script.
     pub script: WearScript,
     /// File of the script, for messages.
@@ -41,7 +41,7 @@ impl BakeInput {
         let script = read_script(&script_file, &arguments.wear, arguments.body.is_given());
         let fabric = input::fabric(&arguments.fabric);
         let reading = arguments.reading.options();
-        let mesh = MeshFile::read(&arguments.mesh, &reading);
+        let mesh = GarmentFile::load(&arguments.mesh, &reading);
         match (script, fabric, mesh) {
             (Ok(script), Ok(fabric), Ok(mut mesh)) => {
                 let body = arguments.body.read(&arguments.mesh, &reading, &mesh)?;

@@ -1,0 +1,152 @@
+//! [`GarmentFile`]: a mesh file with the garment in it, and the worn garment written back into it.
+
+use crate::error::{Error, Result};
+use crate::fabric::Fabric;
+use crate::files::read::{file_name, read_bytes, write_bytes};
+use crate::garment::{Garment, ImportDiagnostic, Severity, SourceAsset, WornGarment};
+use crate::io::gltf::{embed_images, write_worn_glb};
+use crate::io::{ReadOptions, Sidecar, read_asset};
+use crate::wear::WearScript;
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::Path;
+
+/// A mesh file and the garment in it.
+///
+/// ```
+/// use crease::{GarmentFile, ReadOptions};
+/// let obj = "v 0 0 0\nv 0.2 0 0\nv 0.2 0 0.2\nv 0 0 0.2\nf 1 4 3\nf 1 3 2\n";
+/// let file = GarmentFile::parse("square.obj", obj.as_bytes(), &ReadOptions::default())?;
+/// assert_eq!(file.garment.points.len(), 4);
+/// assert_eq!(file.garment.topology.hinges.len(), 1);
+/// # Ok::<(), crease::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct GarmentFile {
+    /// Content of the file.
+    pub asset: SourceAsset,
+    /// Garment made from it.
+    pub garment: Garment,
+    /// Diagnostics of reading and repairing.
+    pub diagnostics: Vec<ImportDiagnostic>,
+}
+
+impl GarmentFile {
+    /// Loads a .glb, .gltf (with its buffers) or .obj file.
+    ///
+    /// # Errors
+    /// [`Error::Input`] with every problem of the file; [`Error::File`] if it cannot be read.
+    pub fn load(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Self> {
+        let (asset, diagnostics) = read_asset_file(path.as_ref(), options)?;
+        Self::new(asset, diagnostics)
+    }
+
+    /// Reads a .glb or .obj file from memory; `name` is its name in messages.
+    ///
+    /// # Errors
+    /// [`Error::Input`] with every problem of the file; a .gltf file that refers to others is one.
+    pub fn parse(name: &str, bytes: &[u8], options: &ReadOptions) -> Result<Self> {
+        let (asset, diagnostics) = read_asset(name, bytes, options, &mut |other| {
+            Err(Error::input(name, other, "is another file", "load the mesh from its folder, or as .glb"))
+        })?;
+        Self::new(asset, diagnostics)
+    }
+
+    /// Makes a garment from `positions` [m], y up, and `triangles` of a mesh that has no file.
+    ///
+    /// ```
+    /// use crease::GarmentFile;
+    /// let corners = [[0.0, 0.0, 0.0], [0.2, 0.0, 0.0], [0.2, 0.0, 0.2], [0.0, 0.0, 0.2]];
+    /// let file = GarmentFile::from_mesh("square", &corners, &[[0, 3, 2], [0, 2, 1]])?;
+    /// assert_eq!(file.garment.triangles.len(), 2);
+    /// # Ok::<(), crease::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Input`] for an index without a position, for positions that are not finite, and for a size no garment has.
+    pub fn from_mesh(name: &str, positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Self> {
+        let mut obj = String::new();
+        for [x, y, z] in positions {
+            // Writing to a string does not fail.
+            let _ = writeln!(obj, "v {x} {y} {z}");
+        }
+        for [a, b, c] in triangles.iter().map(|t| t.map(|p| u64::from(p) + 1)) {
+            let _ = writeln!(obj, "f {a} {b} {c}");
+        }
+        Self::parse(&format!("{name}.obj"), obj.as_bytes(), &ReadOptions::default())
+    }
+
+    fn new(asset: SourceAsset, mut diagnostics: Vec<ImportDiagnostic>) -> Result<Self> {
+        let (garment, more) = Garment::from_asset(&asset)?;
+        diagnostics.extend(more);
+        Ok(Self { asset, garment, diagnostics })
+    }
+
+    /// A warning per repair that reading made.
+    pub fn repairs(&self) -> Vec<String> {
+        let repaired = self.diagnostics.iter().filter(|diagnostic| diagnostic.severity == Severity::Repaired);
+        repaired.map(|diagnostic| format!("repaired: {}", diagnostic.message)).collect()
+    }
+
+    /// Embeds the images that the document of the file `path` refers to, so that the saved file is complete. Returns a
+    /// warning for each that cannot be read.
+    pub fn embed_images(&mut self, path: &Path) -> Vec<String> {
+        match &mut self.asset.document {
+            Some(document) => embed_images(document, &mut |name| read_beside(path, name)),
+            None => Vec::new(),
+        }
+    }
+
+    /// The file as .glb with the wrinkles of `worn` as morph target `worn`, switched on, and its memory as vertex attributes.
+    ///
+    /// ```
+    /// use crease::{GarmentFile, RestState, WornGarment};
+    /// # let corners = [[0.0, 0.0, 0.0], [0.2, 0.0, 0.0], [0.2, 0.0, 0.2], [0.0, 0.0, 0.2]];
+    /// let file = GarmentFile::from_mesh("square", &corners, &[[0, 3, 2], [0, 2, 1]])?;
+    /// let up = crease::math::Vec3::new(0.0, 0.01, 0.0);
+    /// let worn = WornGarment { displacement: vec![up; 4], memory: RestState::flat(1, 2) };
+    /// assert!(file.to_glb_bytes(&worn)?.starts_with(b"glTF"));
+    /// # Ok::<(), crease::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Input`] if `worn` does not fit the garment, or the file has a construct that cannot be kept.
+    pub fn to_glb_bytes(&self, worn: &WornGarment) -> Result<Vec<u8>> {
+        write_worn_glb(&self.asset, &self.garment, worn, &Value::Null)
+    }
+
+    /// Saves [`GarmentFile::to_glb_bytes`].
+    ///
+    /// # Errors
+    /// Those of [`GarmentFile::to_glb_bytes`]; [`Error::File`] if the file cannot be written.
+    pub fn save_glb(&self, worn: &WornGarment, path: impl AsRef<Path>) -> Result<()> {
+        write_bytes(path.as_ref(), &self.to_glb_bytes(worn)?)
+    }
+
+    /// The sidecar of `worn`: mesh, rest state and displacement in full precision, for [`crate::Transfer`] and other
+    /// programs. [`Sidecar::save`] writes it.
+    ///
+    /// # Errors
+    /// [`Error::Input`] if `worn` does not fit the garment or holds a number that is not finite.
+    pub fn sidecar(&self, worn: &WornGarment, fabric: &Fabric, script: &WearScript) -> Result<Sidecar> {
+        Sidecar::new(&self.asset, &self.garment, worn, json!(fabric), json!(script), Value::Null)
+    }
+}
+
+/// Reads the mesh file `path` with the buffers that it refers to.
+///
+/// # Errors
+/// [`Error::Input`] with every problem of the file; [`Error::File`] if it cannot be read.
+pub fn read_asset_file(path: &Path, options: &ReadOptions) -> Result<(SourceAsset, Vec<ImportDiagnostic>)> {
+    let bytes = read_bytes(path)?;
+    read_asset(&file_name(path), &bytes, options, &mut |name| read_beside(path, name))
+}
+
+/// Reads the file to which the mesh file `mesh` refers as `name`.
+fn read_beside(mesh: &Path, name: &str) -> Result<Vec<u8>> {
+    if name.contains("://") {
+        let message = "is a network address, which is not supported";
+        return Err(Error::input(file_name(mesh), name, message, "export the mesh as .glb"));
+    }
+    read_bytes(&mesh.parent().unwrap_or(Path::new("")).join(name))
+}

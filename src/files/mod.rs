@@ -1,0 +1,11 @@
+//! Files by path: loading garments, scripts, fabrics, bodies and sidecars, and saving results.
+//!
+//! The only module of the library that opens files; everything below it maps bytes to values. A program that keeps its data
+//! elsewhere calls `parse` of the same types, [`crate::io::read_asset`] and [`crate::io::gltf::write_worn_glb`].
+
+mod garment_file;
+mod load;
+mod read;
+
+pub use garment_file::{GarmentFile, read_asset_file};
+pub use read::{file_name, read_bytes, read_text};

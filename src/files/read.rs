@@ -1,0 +1,64 @@
+//! Whole files, with error messages that help.
+
+use crate::error::{Error, Result};
+use std::io::ErrorKind;
+use std::path::Path;
+
+/// The path as the user wrote it, for messages.
+pub fn file_name(path: &Path) -> String {
+    path.display().to_string()
+}
+
+/// Reads all bytes of a file.
+///
+/// # Errors
+/// [`Error::Input`] if there is no such file, if it is a folder or not readable for this user; [`Error::File`] otherwise.
+pub fn read_bytes(path: &Path) -> Result<Vec<u8>> {
+    let file = file_name(path);
+    if path.is_dir() {
+        return Err(Error::input(file, "", "is a folder, not a file", "name the file in it"));
+    }
+    std::fs::read(path).map_err(|source| match source.kind() {
+        ErrorKind::NotFound => {
+            Error::input(file, "", "there is no such file", "check the name and the folder")
+        }
+        ErrorKind::PermissionDenied => {
+            Error::input(file, "", "permission denied", "make the file readable for this user")
+        }
+        _ => Error::File { file, source },
+    })
+}
+
+/// Reads a UTF-8 text file.
+///
+/// # Errors
+/// Those of [`read_bytes`], and [`Error::Input`] with the line of the first byte that is not UTF-8.
+pub fn read_text(path: &Path) -> Result<String> {
+    String::from_utf8(read_bytes(path)?).map_err(|broken| {
+        let at = broken.utf8_error().valid_up_to();
+        let before = broken.as_bytes().get(..at).unwrap_or_default();
+        let line = before.iter().filter(|byte| **byte == b'\n').count() + 1;
+        Error::input(file_name(path), format!("line {line}"), "is not UTF-8 text", "save it as UTF-8")
+    })
+}
+
+/// Writes a file, or replaces it.
+pub(super) fn write_bytes(path: &Path, bytes: &[u8]) -> Result<()> {
+    std::fs::write(path, bytes).map_err(|source| Error::File { file: file_name(path), source })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_cannot_be_read_is_explained() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let message = |path: &Path| read_text(path).expect_err("cannot be read").to_string();
+        assert!(message(folder.path()).contains("is a folder"));
+        assert!(message(&folder.path().join("none.json")).contains("there is no such file"));
+        let broken = folder.path().join("broken.json");
+        std::fs::write(&broken, b"{\n\xff}").expect("writes");
+        assert!(message(&broken).contains("line 2: is not UTF-8"));
+    }
+}
