@@ -1,7 +1,7 @@
 //! One-sided contact of cloth with a body: every point of the cloth rests on a plane of the surface nearest to it.
 //!
-//! The body moves as prescribed, whatever is in between. (A body that shares the guarantee of the cloth, that no triangles ever intersect, has
-//! no room in an elbow, where skin folds into itself.) At the beginning of a step each point of the cloth gets its footpoint, the position on
+//! The body moves as prescribed, whatever is in between. (A guarantee that no triangles of cloth and body ever
+//! intersect cannot hold in an elbow, where skin folds into itself.) At the beginning of a step each point of the cloth gets its footpoint, the position on
 //! the surface nearest to it. The footpoint at the end of the step, with the normal there, is a plane that the point rests on
 //! (`energy::PlaneContact`). Surface and cloth are followed together, so a fast body does not pass its cloth; a point that is inside, by an
 //! error of the file or caught in a crease, is pushed out.
@@ -13,7 +13,7 @@
 //! points are offset outwards, step by step until it no longer does ([`BodyPlanes::raise_offsets`]).
 //!
 //! Friction is that of `contact::friction`: Coulomb, with a tangential stretch kept from step to step. Nothing is guaranteed: cloth may
-//! intersect a body until it is offset, and where there is no room for it.
+//! intersect a body until it is offset, and where it does not fit.
 
 use crate::contact::body_edges::BodyEdges;
 use crate::contact::friction::slip_tolerance;
@@ -54,7 +54,7 @@ pub struct BodyPlanes {
     stretch_ratios: Vec<Vec3>,
 }
 
-/// What a [`BodyPlanes`] keeps from step to step.
+/// State of a [`BodyPlanes`] that the next step depends on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BodyContactState {
@@ -93,9 +93,9 @@ struct Footpoint {
 /// Numbers of pairs of triangles of cloth and body that intersect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct BodyIntersections {
-    /// Where the body is open.
+    /// Pairs outside self folds.
     pub open: usize,
-    /// In self folds of the body and within [`SELF_FOLD_MARGIN`] of them.
+    /// Pairs in self folds of the body and within [`SELF_FOLD_MARGIN`] of them.
     pub self_fold: usize,
 }
 
@@ -239,7 +239,7 @@ impl BodyPlanes {
             let (anchor, normal) = self.surface(target, normals, footpoint.triangle, &footpoint.weights);
             let dhat = settings.point_dhat + self.offsets[p];
             let stiffness = settings.stiffness * settings.areas[p];
-            // As deep as a point may be at rest: friction must not hold a point that starts deep inside.
+            // At most the depth of a point at rest: friction must not hold a point that starts deep inside.
             let depth = (dhat - footpoint.gap).clamp(0.0, dhat);
             Some(PlaneContact {
                 point: p as u32,
@@ -293,7 +293,7 @@ impl BodyPlanes {
     /// `moves`. Returns the numbers of pairs that intersect.
     pub fn raise_offsets(&mut self, x: &[Vec3], cloth: &[[PointIndex; 3]], moves: bool) -> BodyIntersections {
         let pairs = intersections_between(x, cloth, &self.positions, &self.triangles);
-        // In a self fold there is no room to offset cloth into.
+        // In a self fold cloth cannot be offset.
         let is_folded = |f: u32| self.self_fold.has_corner_of(&self.triangles[f as usize]);
         let fold = self.self_fold.positions(&self.positions);
         let near_fold = |f: u32| {
@@ -391,7 +391,7 @@ mod tests {
         let mut body = body();
         let x = [Vec3::new(0.1, 0.0005, 0.2), Vec3::new(0.3, 0.5, 0.0)];
         body.begin_step(&x, &[], &Topology::new(2, &[]), &[]);
-        // Upwards by twenty times the reach and sideways by thirty.
+        // Upwards by twenty times d-hat and sideways by thirty.
         let target: Vec<Vec3> = body.points().iter().map(|p| p + Vec3::new(0.03, 0.02, 0.0)).collect();
         let contacts = body.plane_contacts(&x, &target, &body.normals(&target), 0.1, 1.0);
         assert_eq!(contacts.len(), 1, "the other is far");

@@ -54,7 +54,7 @@ pub struct Contact {
     friction: Friction,
 }
 
-/// What depends on other parts of the cloth.
+/// Contact of layers with one another.
 struct Layers {
     collisions: CollisionSet,
     uncovered: UncoveredArea,
@@ -94,7 +94,7 @@ impl Contact {
         self.layers.as_mut().map(|layers| &mut layers.collisions)
     }
 
-    /// Settings it was made with.
+    /// Returns the settings.
     pub fn settings(&self) -> &ContactSettings {
         &self.settings
     }

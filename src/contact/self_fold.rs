@@ -53,7 +53,7 @@ impl SelfFold {
 
     /// Returns the positions of a body of `triangles` with its self folds moved apart [m], and notes which points they have. `min_gap`: distance
     /// between the two sides [m]. Only parts that face each other across air at rest count, not the far side of a hand; only points that are
-    /// `covered` by cloth, one flag per point, are looked at.
+    /// `covered` by cloth, one flag per point, are moved.
     pub fn resolve(
         &mut self,
         body: BodySurface,

@@ -55,7 +55,7 @@ impl ContactSettings {
     }
 }
 
-/// How a body pushes on cloth from one side.
+/// Distances, stiffness and friction of a body under cloth.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodyContactSettings {
     /// Activation distance of points of the cloth on the surface of the body [m].

@@ -2,7 +2,7 @@
 //!
 //! One step size for the whole garment, as in Li et al., "Incremental Potential Contact" (2020), lets a single tight fold stop
 //! everything. Here each point has its own: every pair that would come below its minimum distance limits its own four points, pairs that
-//! share a limited point are tested again with the motion as it is then, and so on until every pair is free with the motion it really
+//! have a limited point are tested again with the motion as it is then, and so on until every pair is free with the motion it really
 //! makes. (Chen et al., "Offset Geometric Contact", 2025, have bounds for each point, too, found by another method.) Where that does not
 //! converge, the connected part concerned falls back to one step size.
 //!
@@ -196,7 +196,7 @@ fn limit_points(
 /// That this is safe: in the first round every pair was tested with all four points at fraction 1 and found safe up to its t. When the
 /// points of a part all have the fraction g, a pair of that part moves, from time 0 to 1, exactly as it did in the first round from time 0
 /// to g; and g <= t for each of them, so it stays above its minimum distance. (Points that are not finite stood still then and still do.)
-/// Pairs of other parts share no point with it, keep their own motion, and were found free with it in the round they were last tested.
+/// Pairs of other parts have no point in common with it, keep their own motion, and were found free with it in the round they were last tested.
 fn fall_back(
     hits: &[Hit],
     first_hits: &[Hit],

@@ -16,7 +16,7 @@ pub(crate) struct ContactTuning {
 /// Search for pairs and activation distances of single pairs.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct SearchTuning {
-    /// Search distance over d-hat [-]. More than 1, so that the pattern of the linear system can look ahead.
+    /// Search distance over d-hat [-]. More than 1, so that the pattern of the linear system covers pairs that are about to become active.
     pub candidate_margin: f64,
     /// Activation distance over rest distance for pairs that are near in the rest shape [-]. Less than 1, so that nothing pushes at
     /// rest.
@@ -80,7 +80,7 @@ pub(crate) struct FrictionTuning {
 /// One-sided contact with a body.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct BodyTuning {
-    /// Distance up to which the surface nearest to a point of the cloth is looked for [m].
+    /// Distance up to which the surface nearest to a point of the cloth is searched [m].
     pub search_distance: f64,
     /// Depth up to which a body folds into itself [m].
     pub max_self_fold_depth: f64,
@@ -96,9 +96,9 @@ pub(crate) struct BodyTuning {
     pub max_offset: f64,
     /// Decrease of an offset per step in which the body moves, over the offset [-].
     pub offset_decay: f64,
-    /// Height up to which cloth over a point of the body is looked for [m].
+    /// Height up to which cloth over a point of the body is searched [m].
     pub max_height_over_vertex: f64,
-    /// Distance up to which an edge of the cloth across an edge of the body is looked for [m].
+    /// Distance up to which an edge of the cloth across an edge of the body is searched [m].
     pub max_edge_distance: f64,
     /// Depth up to which cloth inside the body is pushed out [m]. Deeper cloth is caught between two parts of the body.
     pub max_penetration: f64,

@@ -16,7 +16,7 @@ use crate::mesh::tuning::TUNING;
 
 /// Corners (first primitive, second primitive) that bound the gap of a point and a triangle.
 const POINT_TRIANGLE: [(usize, usize); 3] = [(0, 1), (0, 2), (0, 3)];
-/// The same for two edges.
+/// Ends (first edge, second edge) that bound the gap of two edges.
 const EDGE_EDGE: [(usize, usize); 4] = [(0, 2), (0, 3), (1, 2), (1, 3)];
 
 /// Returns the largest safe fraction of the motion `dx` \[m\] of a point `x[0]` and a triangle `x[1..4]` \[m\]: 1 when free,

@@ -6,7 +6,7 @@
 //! found exactly (Shewchuk's predicates, package `robust`), so the answer has no tolerance. Touching, lying in one
 //! plane, and sharing a point do not count.
 //!
-//! The code that prevents intersections shares only the bounding-volume hierarchy with this module, which can therefore judge it.
+//! This module is independent of the code that prevents intersections, but for the bounding-volume hierarchy, and can therefore judge it.
 
 use crate::math::Vec3;
 use crate::mesh::PointIndex;
@@ -15,7 +15,7 @@ use crate::mesh::triangle_bvh::TriangleBvh;
 use rayon::prelude::*;
 use robust::{Coord3D, orient3d};
 
-/// Returns the pairs of triangles of one mesh that intersect, lower index first, sorted. Pairs that share a point and triangles with a
+/// Returns the pairs of triangles of one mesh that intersect, lower index first, sorted. Pairs with a common point and triangles with a
 /// corner that is not finite are left out.
 pub fn self_intersections(points: &[Vec3], triangles: &[[PointIndex; 3]]) -> Vec<[u32; 2]> {
     let intersecting = |(a, b): (u32, u32)| {
@@ -151,7 +151,7 @@ mod tests {
         let fin = [at(-0.5, -0.5, 2.0), p * 2.0 - at(-0.5, -0.5, 2.0), q * 2.0 - at(-0.5, -0.5, 2.0)];
         assert!(!some_edge_pierces(&floor, &fin));
         assert!(triangles_intersect(&floor, &fin));
-        // The same fin shifted so that the segments only touch end to end.
+        // A fin shifted so that the segments only touch end to end.
         let beside = fin.map(|x| x + (q - p));
         assert!(!triangles_intersect(&floor, &beside));
     }
@@ -169,9 +169,9 @@ mod tests {
         let all = (0..120).flat_map(|i| (0..120).map(move |j| (i, j))).filter(|&(i, j)| cross(i, j));
         let every: Vec<[u32; 2]> = all.map(|(i, j)| [i as u32, j as u32]).collect();
         assert_eq!(intersections_between(&points, &triangles, &points, &triangles), every);
-        let share_a_point =
+        let have_common_point =
             |p: &[u32; 2]| triangles[p[0] as usize].iter().any(|c| triangles[p[1] as usize].contains(c));
-        let own: Vec<_> = every.into_iter().filter(|p| p[0] < p[1] && !share_a_point(p)).collect();
+        let own: Vec<_> = every.into_iter().filter(|p| p[0] < p[1] && !have_common_point(p)).collect();
         assert!(own.len() > 100);
         assert_eq!(self_intersections(&points, &triangles), own);
     }

@@ -159,7 +159,7 @@ impl StaticBvh {
     }
 }
 
-/// What a search looks for.
+/// Parameters of a search.
 #[derive(Clone, Copy)]
 struct Search<'a> {
     /// Boxes, one per triangle.

@@ -61,7 +61,7 @@ pub struct NearestTriangle {
 impl TriangleBvh {
     /// A hierarchy over `triangles`; every box is grown by `inflate` \[m\] on all sides. `points` \[m\], one per point.
     pub fn new(points: &[Vec3], triangles: &[[PointIndex; 3]], inflate: f64) -> Self {
-        let mut tree = Self {
+        let mut bvh = Self {
             triangles: triangles.to_vec(),
             bvh: Bvh::new(),
             built_at: Vec::new(),
@@ -69,9 +69,9 @@ impl TriangleBvh {
             updates: Vec::new(),
             updated: Vec::new(),
         };
-        tree.build(points);
-        tree.fit(points, points, inflate);
-        tree
+        bvh.build(points);
+        bvh.fit(points, points, inflate);
+        bvh
     }
 
     /// Returns the number of triangles.
@@ -101,7 +101,7 @@ impl TriangleBvh {
     }
 
     fn fit(&mut self, start: &[Vec3], end: &[Vec3], inflate: f64) {
-        // A margin of zero: the box is taken as it is. Always present, the tree was built over all triangles.
+        // A margin of zero: the box is taken as it is. It is always present, as the hierarchy was built over all triangles.
         let update = |f: u32| (swept_box(&self.triangles[f as usize], start, end, inflate), f, 0.0);
         let all = (0..self.triangles.len() as u32).into_par_iter();
         all.map(update).collect_into_vec(&mut self.updates);

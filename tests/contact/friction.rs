@@ -177,7 +177,7 @@ fn strip_over_a_cylinder_slips_at_the_capstan_ratio() {
     }
 }
 
-/// How far a strip slides in a second over a cylinder of 0.1 m, 2 R hanging on one side and `long` R on the other.
+/// Returns the distance that a strip slides in a second over a cylinder of 0.1 m, 2 R hanging on one side and `long` R on the other.
 fn slides_over(mu: f64, long: f64) -> f64 {
     const R: f64 = 0.1;
     const COUNT: usize = 64;

@@ -58,7 +58,7 @@ fn stacked_sheets_keep_their_order_and_their_weight() {
     }
 }
 
-/// A sleeve of 0.1 m across and 0.3 m long, one end held, the other turned `turns` times in a second each and free to
+/// A sleeve of 0.1 m across and 0.3 m long, one end fixed, the other turned `turns` times in a second each and free to
 /// come nearer; then it is released for a second.
 pub fn wring(points: usize, turns: f64, seed: u64) -> Run {
     const RADIUS: f64 = 0.05;

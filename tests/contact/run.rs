@@ -22,21 +22,21 @@ pub struct Pattern {
 }
 
 impl Pattern {
-    /// Adds a lattice of `across` x `along` quads (diagonals in a union-jack pattern); `place` gives where a fraction
-    /// of it lies in space, `size` how large it is laid flat [m]. `closed`: its left and right border are one.
+    /// Adds a lattice of `across` x `along` quads (diagonals in a union-jack pattern); `position` returns the position in space [m]
+    /// of a fraction of it, `size` is its size laid flat [m]. `closed`: its left and right border are one.
     pub fn add(
         &mut self,
         quads: [usize; 2],
         size: [f64; 2],
         closed: bool,
-        place: impl Fn(f64, f64) -> Vec3,
+        position: impl Fn(f64, f64) -> Vec3,
     ) -> &mut Self {
         let [m, n] = quads;
         let base = self.x.len() as u32;
         let columns = if closed { m } else { m + 1 };
         for j in 0..=n {
             for i in 0..columns {
-                self.x.push(place(i as f64 / m as f64, j as f64 / n as f64));
+                self.x.push(position(i as f64 / m as f64, j as f64 / n as f64));
             }
         }
         let at = |i: usize, j: usize| PointIndex(base + (j * columns + i % columns) as u32);
@@ -72,7 +72,7 @@ impl Pattern {
     }
 }
 
-/// What the cloth is like.
+/// Properties of the cloth.
 #[derive(Debug, Clone, Copy)]
 pub struct Kind {
     /// [kg/m²].

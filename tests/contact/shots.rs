@@ -66,10 +66,10 @@ fn one_shot(speed: f64, rng: &mut Rng) -> (bool, Run, usize, Vec3) {
     run.state.v[scrap..].fill(aim * speed);
     let border =
         |p: usize| p < scrap && [0, SIDE].iter().any(|&k| p % (SIDE + 1) == k || p / (SIDE + 1) == k);
-    let held: Vec<bool> = (0..pattern.x.len()).map(border).collect();
+    let fixed: Vec<bool> = (0..pattern.x.len()).map(border).collect();
     let would_be = above + aim * (speed * 0.1);
     run.go(0.1, &mut |_, _| Loads {
-        fixed: held.clone(),
+        fixed: fixed.clone(),
         gravity: Vec3::zeros(),
         drag: 0.0,
         ..Loads::gravity_only(None)

@@ -36,9 +36,9 @@ fn slips_at(mu: f64, up_to: f64) -> f64 {
     run.stepper.options.local_error_tol = f64::INFINITY;
     run.stepper.options.max_dt = 1.0 / 250.0;
     run.stepper.options.min_dt = 1.0 / 250.0;
-    let held: Vec<bool> = pattern.x.iter().map(|x| x.y > LENGTH - 0.5 * edge).collect();
-    // Hinges between wholly held triangles and free ones are twice as stiff: the half clamp of `tests/elastic`.
-    let wholly = |f: u32| run.triangles[f as usize].iter().all(|p| held[p.at()]);
+    let fixed: Vec<bool> = pattern.x.iter().map(|x| x.y > LENGTH - 0.5 * edge).collect();
+    // Hinges between wholly fixed triangles and free ones are twice as stiff: the half clamp of `tests/elastic`.
+    let wholly = |f: u32| run.triangles[f as usize].iter().all(|p| fixed[p.at()]);
     let topology = crease::mesh::Topology::new(pattern.x.len(), &run.triangles);
     for (ratio, hinge) in run.memory.stiffness_ratio.iter_mut().zip(&topology.hinges) {
         if wholly(hinge.triangles[0]) != wholly(hinge.triangles[1]) {
@@ -56,7 +56,7 @@ fn slips_at(mu: f64, up_to: f64) -> f64 {
         up_to * LENGTH / rise,
         &mut |t, _: &State| Loads {
             gravity: Vec3::zeros(),
-            fixed: held.clone(),
+            fixed: fixed.clone(),
             drag: 50.0,
             body: Some(at(rise * t)),
             ..Loads::gravity_only(None)

@@ -6,7 +6,7 @@ use crate::math::Vec3;
 /// Relative widening of a search distance, so that rounding in boxes and distances never loses a pair.
 pub(super) const ROUNDING: f64 = 1e-9;
 
-/// A motion of the mesh and the distance within which pairs are looked for.
+/// A motion of the mesh and the distance within which pairs are found.
 #[derive(Clone, Copy)]
 pub struct SearchQuery<'a> {
     /// Positions at the start \[m\], one per point.

@@ -115,7 +115,7 @@ fn around_a_subset_no_pair_is_missing_and_none_too_many() {
             let wanted = mesh.finder().find(query(&mesh.points, &end, 2e-3, uniform, &rests));
             let mut finder = mesh.finder();
             let subset = finder.moving_subset(&moving, &mesh.points, 2e-3);
-            // What is found does not depend on where the subset went before.
+            // The result does not depend on where the subset went before.
             let elsewhere = jittered(&mesh.points, 4e-3, &mut rng);
             for (target, last) in [(&elsewhere, false), (&all, true)] {
                 let to = |p: usize| if moving[p] { target[p] } else { mesh.points[p] };

@@ -8,7 +8,7 @@ use crate::contact::tuning::TUNING;
 use crate::math::Vec3;
 use rayon::prelude::*;
 
-/// How a displacement is limited.
+/// Mode of limiting a displacement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct CcdMode {
     /// Whether every point has a step size of its own; otherwise all have the same.

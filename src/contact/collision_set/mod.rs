@@ -65,7 +65,7 @@ struct RestQuery {
     fixed: Vec<bool>,
 }
 
-/// What is set aside while only a subset of points moves.
+/// Restriction to a moving subset of points, with the state that is set aside.
 struct Restriction {
     subset: MovingSubset,
     /// Pairs of points that all rest.
@@ -233,7 +233,7 @@ impl CollisionSet {
         self.set_pairs(found)
     }
 
-    /// Does the same while only a subset of points moves and all else rests.
+    /// Updates the pairs while only a subset of points moves and all else rests. Returns whether there are any.
     fn update_pairs_of_subset(&mut self, x: &[Vec3], d: &[Vec3], uniform_step: bool) -> bool {
         let Some(restriction) = self.restriction.take() else { return false };
         let end: Vec<Vec3> = x.iter().zip(d).map(|(x, d)| x + d).collect();
