@@ -27,6 +27,7 @@ mod ticks;
 pub use chart_type::{Chart, ChartOptions};
 pub use figure::{Axis, BLACK, Figure, GREY, Mark, Panel, Series};
 pub use table::{Cell, Table};
+pub use test_sheet::TestSheet;
 
 use crate::error::{Error, Result};
 use crate::json::nearest;

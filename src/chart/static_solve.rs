@@ -47,8 +47,9 @@ impl StaticProblem {
             t.iter().for_each(|&p| mass[p as usize] += density * area / 3.0);
         }
         let mut memory = RestState::flat(garment.topology.hinges.len(), sheet.triangles.len());
-        memory.stiffness_ratio = sheet.half_clamp(&clamped);
-        Self { membrane, bending, memory, mass, fixed: sheet.flat.iter().map(clamped).collect() }
+        let fixed: Vec<bool> = sheet.flat.iter().map(clamped).collect();
+        memory.stiffness_ratio = sheet.half_clamp(&fixed);
+        Self { membrane, bending, memory, mass, fixed }
     }
 
     /// Solves for equilibrium from `x` [m], with the first `pseudo_time` step [s] and the displacement `tolerance` [m].

@@ -1,4 +1,4 @@
-//! Flat test specimens in the material plane, warp along x.
+//! Flat test specimens in the material plane, warp along x; also those of `tests/elastic.rs`.
 
 use crate::error::{Error, Result};
 use crate::garment::Garment;
@@ -8,17 +8,17 @@ use spade::{DelaunayTriangulation, Point2, Triangulation};
 
 /// A flat specimen.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct TestSheet {
+pub struct TestSheet {
     /// Points of the material plane [m].
-    pub(super) flat: Vec<Vec2>,
+    pub flat: Vec<Vec2>,
     /// Triangles over the points, counter-clockwise.
-    pub(super) triangles: Vec<[u32; 3]>,
+    pub triangles: Vec<[u32; 3]>,
 }
 
 impl TestSheet {
     /// Quads between lines across at `along` [m] and `across` + 1 lines over `width` [m], cut by one diagonal. Bent
     /// about the lines across, only their hinges have an angle.
-    pub(super) fn strip(along: &[f64], width: f64, across: usize) -> Self {
+    pub fn strip(along: &[f64], width: f64, across: usize) -> Self {
         let rows = across + 1;
         let y = |j: usize| width * (j as f64 / across as f64 - 0.5);
         let flat = along.iter().flat_map(|&x| (0..rows).map(move |j| Vec2::new(x, y(j)))).collect();
@@ -56,7 +56,10 @@ impl TestSheet {
 
     /// Delaunay triangulation of `flat`; triangles of twice the area `sliver` [m²] or less are left out: collinear
     /// points of the border span triangles of rounding errors.
-    fn delaunay(flat: Vec<Vec2>, sliver: f64) -> Result<Self> {
+    ///
+    /// # Errors
+    /// If a point is not finite.
+    pub fn delaunay(flat: Vec<Vec2>, sliver: f64) -> Result<Self> {
         let mut mesh = DelaunayTriangulation::<Point2<f64>>::new();
         for p in &flat {
             mesh.insert(Point2::new(p.x, p.y))
@@ -75,7 +78,10 @@ impl TestSheet {
 
     /// A strip 0..`length` of `width` [m] with one more row before 0 for a clamp, filled with an equilateral lattice of edge
     /// `length` / `along` rotated by `degrees`; lattice points closer than 0.45 edges to the border are left out.
-    pub(super) fn lattice(length: f64, width: f64, along: usize, degrees: f64) -> Result<Self> {
+    ///
+    /// # Errors
+    /// If a point is not finite.
+    pub fn lattice(length: f64, width: f64, along: usize, degrees: f64) -> Result<Self> {
         let h = length / along as f64;
         let across = (width / h).round() as usize;
         let (s, c) = degrees.to_radians().sin_cos();
@@ -123,12 +129,12 @@ impl TestSheet {
         Ok(sheet)
     }
 
-    /// Stiffness ratio of every hinge of a specimen clamped where `clamped` holds: twice as stiff between a fully clamped
+    /// Stiffness ratio of every hinge of a specimen whose points are `clamped` (one flag per point): twice as stiff between a fully clamped
     /// triangle and a free one. Otherwise the clamp lies half an element inside the free cloth and the order of convergence
     /// is one.
-    pub(super) fn half_clamp(&self, clamped: impl Fn(&Vec2) -> bool) -> Vec<f64> {
+    pub fn half_clamp(&self, clamped: &[bool]) -> Vec<f64> {
         let triangles: Vec<[PointIndex; 3]> = self.triangles.iter().map(|t| t.map(PointIndex)).collect();
-        let is_clamped = |f: u32| self.triangles[f as usize].iter().all(|&p| clamped(&self.flat[p as usize]));
+        let is_clamped = |f: u32| self.triangles[f as usize].iter().all(|&p| clamped[p as usize]);
         let topology = Topology::new(self.flat.len(), &triangles);
         let across = |[a, b]: [u32; 2]| is_clamped(a) != is_clamped(b);
         topology.hinges.iter().map(|h| if across(h.triangles) { 2.0 } else { 1.0 }).collect()

@@ -1,7 +1,7 @@
 //! A strip whose ends are pushed together: from flat, past the point where the Hessian turns indefinite.
 
 use crate::rest::{Scene, forces};
-use crate::sheet::{Sheet, spaced};
+use crate::sheet::{SheetModels, quads, spaced};
 
 /// End shortening, rise of the middle over L, end force over pi² B w / L² (`buckled_strip.csv`, elliptic integrals).
 const TABLE: [(f64, f64, f64); 4] = [
@@ -16,7 +16,7 @@ const TABLE: [(f64, f64, f64); 4] = [
 #[test]
 fn a_compressed_strip_buckles_as_the_elastica() {
     let (length, width, along, rigidity) = (0.2, 0.02, 40, 1e-5);
-    let sheet = Sheet::quads(&spaced(0.0, length, along), &spaced(0.0, width, 4), false);
+    let sheet = quads(&spaced(0.0, length, along), &spaced(0.0, width, 4), false);
     let held: Vec<bool> = sheet.flat.iter().map(|p| p.x < 1e-9 || p.x > length - 1e-9).collect();
     let stretch = 1e5 * rigidity / (length * length);
     let mut scene = Scene::clamped(&sheet, 0.2, stretch, rigidity, held);

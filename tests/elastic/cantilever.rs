@@ -1,7 +1,8 @@
 //! The heavy elastica: a strip clamped level that bends under its own weight, Gamma = rho g L³ / B.
 
 use crate::rest::{Scene, balance};
-use crate::sheet::Sheet;
+use crate::sheet::{SheetModels, clamped_strip};
+use crease::chart::TestSheet;
 use crease::math::Vec3;
 use crease::sim::NewtonOptions;
 
@@ -25,11 +26,11 @@ const SOFT: f64 = 1e5;
 const STIFF: f64 = 1e6;
 
 /// Bends `sheet` of `length` [m] at `gamma`, with `stretch` = Y L² / B.
-fn bend(sheet: &Sheet, length: f64, along: usize, gamma: f64, stretch: f64) -> Figures {
+fn bend(sheet: &TestSheet, length: f64, along: usize, gamma: f64, stretch: f64) -> Figures {
     bend_with(sheet, length, along, DENSITY * G * length.powi(3) / gamma, stretch)
 }
 
-fn bend_with(sheet: &Sheet, length: f64, along: usize, rigidity: f64, stretch: f64) -> Figures {
+fn bend_with(sheet: &TestSheet, length: f64, along: usize, rigidity: f64, stretch: f64) -> Figures {
     let held: Vec<bool> = sheet.flat.iter().map(|p| p.x < 1e-9 * length).collect();
     let stretch = stretch * rigidity / (length * length);
     let mut scene = Scene::clamped(sheet, DENSITY, stretch, rigidity, held);
@@ -55,7 +56,7 @@ fn bend_with(sheet: &Sheet, length: f64, along: usize, rigidity: f64, stretch: f
 /// H/W of the one-diagonal strip L x 0.3 L at `along` elements against the elastica: relative error.
 fn error(along: usize, gamma: f64, exact: f64, tip: f64) -> f64 {
     let length = 0.2;
-    let figures = bend(&Sheet::strip(length, 0.3 * length, along), length, along, gamma, SOFT);
+    let figures = bend(&clamped_strip(length, 0.3 * length, along), length, along, gamma, SOFT);
     let error = figures.height_over_width / exact - 1.0;
     println!(
         "Gamma {gamma}, L/{along}: H/W {:.6} ({:+.3} %), tip {:.2} degrees ({tip:.2}), residual {:.1e}, {} iterations",
@@ -95,7 +96,7 @@ fn cantilever_bends_as_the_elastica() {
 #[test]
 fn cantilever_shape_depends_on_gamma_alone() {
     let shape = |length: f64, rigidity: f64| {
-        let sheet = Sheet::strip(length, 0.3 * length, 10);
+        let sheet = clamped_strip(length, 0.3 * length, 10);
         bend_with(&sheet, length, 10, rigidity, SOFT).height_over_width
     };
     let rigidity = DENSITY * G * 0.2f64.powi(3) / 10.0;
@@ -109,7 +110,7 @@ fn cantilever_shape_depends_on_gamma_alone() {
 #[test]
 fn newton_converges_where_the_energy_vanishes() {
     let length = 0.2;
-    let sheet = Sheet::strip(length, 0.3 * length, 20);
+    let sheet = clamped_strip(length, 0.3 * length, 20);
     let held: Vec<bool> = sheet.flat.iter().map(|p| p.x < 1e-9 * length).collect();
     let rigidity = DENSITY * G * length.powi(3) / 10.0;
     let mut scene = Scene::clamped(&sheet, DENSITY, SOFT * rigidity / (length * length), rigidity, held);
@@ -147,7 +148,7 @@ fn newton_converges_where_the_energy_vanishes() {
 fn spread(along: usize, stretch: f64) -> f64 {
     let length = 0.2;
     let shapes = [0.0, 15.0, 30.0].map(|degrees| {
-        let sheet = Sheet::lattice_strip(length, 0.3 * length, along, degrees);
+        let sheet = TestSheet::lattice(length, 0.3 * length, along, degrees).expect("meshes");
         let figures = bend(&sheet, length, along, 10.0, stretch);
         assert!(figures.residual <= 1e-6, "forces do not balance: {:e}", figures.residual);
         figures.height_over_width

@@ -2,7 +2,8 @@
 
 use crate::hinge_hessian::hinge_hessian;
 use crate::reference;
-use crate::sheet::Sheet;
+use crate::sheet::SheetModels;
+use crease::chart::TestSheet;
 use crease::energy::Energy;
 use crease::math::{Vec2, Vec3};
 use crease::mesh::{hinge_angle, hinge_gradient};
@@ -196,7 +197,7 @@ fn hinge_hessian_eigenvalues_match_fifty_digits() {
 #[test]
 fn bending_term_of_a_lone_hinge_matches_fifty_digits() {
     let flat = [[0.0, 0.0], [1.0, 0.0], [0.3, 0.8], [0.6, -0.5]].map(|p| Vec2::new(p[0], p[1]));
-    let sheet = Sheet { flat: flat.into(), triangles: vec![[0, 1, 2], [1, 0, 3]] };
+    let sheet = TestSheet { flat: flat.into(), triangles: vec![[0, 1, 2], [1, 0, 3]] };
     let bending = sheet.bending(1e-5);
     let mut memory = sheet.memory();
     let mut worst: f64 = 0.0;

@@ -1,7 +1,7 @@
 //! Lateral buckling: a strip on edge, clamped at one end, leans over when it is heavy enough.
 
 use crate::rest::Scene;
-use crate::sheet::{Sheet, spaced};
+use crate::sheet::{SheetModels, quads, spaced};
 use crease::math::Vec3;
 
 const G: f64 = 9.81;
@@ -18,7 +18,7 @@ fn lean(share: f64) -> f64 {
     let width = 0.05 * length;
     let mut xs = vec![-length / along as f64];
     xs.extend(spaced(0.0, length, along));
-    let sheet = Sheet::quads(&xs, &spaced(-0.5 * width, 0.5 * width, across), false);
+    let sheet = quads(&xs, &spaced(-0.5 * width, 0.5 * width, across), false);
     let held: Vec<bool> = sheet.flat.iter().map(|p| p.x < 1e-9).collect();
     let rigidity = DENSITY * G * length.powi(3) / (share * CRITICAL);
     let mut scene = Scene::clamped(&sheet, DENSITY, STRETCH * rigidity / (length * length), rigidity, held);

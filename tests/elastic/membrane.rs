@@ -3,7 +3,8 @@
 use crate::hessian_shift::HessianShift;
 use crate::reference::figures;
 use crate::rest::{balance, forces, residual};
-use crate::sheet::{Sheet, spaced};
+use crate::sheet::{SheetModels, quads, spaced};
+use crease::chart::TestSheet;
 use crease::energy::{Energy, Gravity, Membrane};
 use crease::math::{Vec2, Vec3};
 use crease::mesh::PointIndex;
@@ -17,12 +18,12 @@ const NEWTON: NewtonOptions = NewtonOptions {
     max_iterations: 100,
 };
 
-fn undamped<'a>(membrane: &'a Membrane, sheet: &Sheet) -> crease::energy::MembraneTerm<'a> {
+fn undamped<'a>(membrane: &'a Membrane, sheet: &TestSheet) -> crease::energy::MembraneTerm<'a> {
     membrane.term(&sheet.memory(), &[], f64::INFINITY)
 }
 
 /// Whether each point lies on the border.
-fn border(sheet: &Sheet) -> Vec<bool> {
+fn border(sheet: &TestSheet) -> Vec<bool> {
     let mut on_border = vec![false; sheet.flat.len()];
     for loops in boundary(sheet) {
         loops.iter().for_each(|p| on_border[p.at()] = true);
@@ -30,14 +31,14 @@ fn border(sheet: &Sheet) -> Vec<bool> {
     on_border
 }
 
-fn boundary(sheet: &Sheet) -> Vec<Vec<PointIndex>> {
+fn boundary(sheet: &TestSheet) -> Vec<Vec<PointIndex>> {
     let triangles: Vec<_> = sheet.triangles.iter().map(|t| t.map(PointIndex)).collect();
     sheet.topology().boundary_loops(&triangles)
 }
 
 /// Puts a point into triangle `f`, a hundredth of an edge from the middle of its first edge: one cap-shaped and two
 /// needle-shaped slivers.
-fn pierce(sheet: &mut Sheet, f: usize) {
+fn pierce(sheet: &mut TestSheet, f: usize) {
     let [a, b, c] = sheet.triangles[f];
     let [p, q, r] = [a, b, c].map(|i| sheet.flat[i as usize]);
     let middle = (p + q) / 2.0;
@@ -48,9 +49,9 @@ fn pierce(sheet: &mut Sheet, f: usize) {
 }
 
 /// Meshes for patch tests with edges of about 0.1 m: regular, alternating, irregular, with slivers of 1:100.
-fn meshes() -> Vec<(&'static str, Sheet)> {
+fn meshes() -> Vec<(&'static str, TestSheet)> {
     let (xs, ys) = (spaced(0.0, 0.8, 8), spaced(0.0, 0.5, 5));
-    let regular = Sheet::quads(&xs, &ys, false);
+    let regular = quads(&xs, &ys, false);
     let mut irregular = regular.clone();
     let inner: Vec<usize> =
         (0..irregular.flat.len()).zip(border(&regular)).filter(|(_, b)| !b).map(|(i, _)| i).collect();
@@ -63,13 +64,13 @@ fn meshes() -> Vec<(&'static str, Sheet)> {
         lines.insert(3, lines[2] + by);
         lines
     };
-    let mut slivers = Sheet::quads(&thin(&xs, 1e-3), &thin(&ys, 1e-3), false);
+    let mut slivers = quads(&thin(&xs, 1e-3), &thin(&ys, 1e-3), false);
     for f in [3, 20, 47] {
         pierce(&mut slivers, f);
     }
     vec![
         ("one diagonal", regular),
-        ("union jack", Sheet::quads(&xs, &ys, true)),
+        ("union jack", quads(&xs, &ys, true)),
         ("irregular", irregular),
         ("slivers 1:100", slivers),
     ]
@@ -135,7 +136,7 @@ fn patch_of_constant_strain() {
 }
 
 /// Largest difference between the force that holds a border point and the stress on its half edges, over Y l.
-fn reaction_error(sheet: &Sheet, term: &dyn Energy, x: &[Vec3], f: &Matrix3x2<f64>) -> f64 {
+fn reaction_error(sheet: &TestSheet, term: &dyn Energy, x: &[Vec3], f: &Matrix3x2<f64>) -> f64 {
     let mut expected = vec![Vec3::zeros(); x.len()];
     for loops in boundary(sheet) {
         for (k, a) in loops.iter().enumerate() {
@@ -156,7 +157,7 @@ fn reaction_error(sheet: &Sheet, term: &dyn Energy, x: &[Vec3], f: &Matrix3x2<f6
 #[test]
 fn force_does_not_depend_on_the_element_size() {
     let pull = |count: usize| {
-        let sheet = Sheet::quads(&spaced(0.0, 0.8, 8 * count), &spaced(0.0, 0.5, 5 * count), false);
+        let sheet = quads(&spaced(0.0, 0.8, 8 * count), &spaced(0.0, 0.5, 5 * count), false);
         let membrane = sheet.membrane(STIFFNESS);
         let x: Vec<Vec3> = sheet.flat.iter().map(|p| gradients()[0] * p).collect();
         let force = forces(&[&undamped(&membrane, &sheet)], &x);
@@ -174,7 +175,7 @@ fn force_does_not_depend_on_the_element_size() {
 fn hanging_strip_lengthens_by_half_its_weight_over_its_stiffness() {
     let (length, along, across) = (0.5, 10, 2);
     let h = length / along as f64;
-    let sheet = Sheet::quads(&spaced(0.0, length, along), &spaced(0.0, h * across as f64, across), false);
+    let sheet = quads(&spaced(0.0, length, along), &spaced(0.0, h * across as f64, across), false);
     let stretch = 200.0;
     let membrane = sheet.membrane([stretch, stretch, 0.5 * stretch]);
     let held: Vec<bool> = sheet.flat.iter().map(|p| p.x < 1e-9).collect();
@@ -205,10 +206,10 @@ fn hanging_strip_lengthens_by_half_its_weight_over_its_stiffness() {
 /// Stretch and width of a patch cut at `degrees` to the warp under `tension` [N/m] along its length.
 fn extend(degrees: f64, tension: f64) -> [f64; 2] {
     let (count, side) = (4, 0.1);
-    let laid = Sheet::quads(&spaced(0.0, side, count), &spaced(0.0, side, count), false);
+    let laid = quads(&spaced(0.0, side, count), &spaced(0.0, side, count), false);
     let (s, c) = f64::to_radians(degrees).sin_cos();
     let flat = laid.flat.iter().map(|p| Vec2::new(c * p.x + s * p.y, c * p.y - s * p.x)).collect();
-    let cut = Sheet { flat, triangles: laid.triangles.clone() };
+    let cut = TestSheet { flat, triangles: laid.triangles.clone() };
     let membrane = cut.membrane(STIFFNESS);
     // A dead load on both ends, written as weights along the length.
     let share = side / count as f64;

@@ -1,7 +1,8 @@
 //! Bending energy of smooth surfaces against a plate: does the mesh show?
 
 use crate::reference::{self, figures};
-use crate::sheet::{Sheet, spaced};
+use crate::sheet::{SheetModels, quads, spaced};
+use crease::chart::TestSheet;
 use crease::math::{Vec2, Vec3};
 use nalgebra::Matrix2;
 
@@ -11,15 +12,15 @@ const BEND: f64 = 1e-4;
 
 /// A mesh and the box, of whole periods of it and away from its border, in which energy is counted.
 struct Patch {
-    sheet: Sheet,
+    sheet: TestSheet,
     low: Vec2,
     high: Vec2,
 }
 
-fn quads(alternating: bool) -> Patch {
+fn quad_patch(alternating: bool) -> Patch {
     let lines = spaced(0.0, 12.0 * EDGE, 12);
     let inside = |at: f64| Vec2::repeat((at + 0.01) * EDGE);
-    Patch { sheet: Sheet::quads(&lines, &lines, alternating), low: inside(3.0), high: inside(9.0) }
+    Patch { sheet: quads(&lines, &lines, alternating), low: inside(3.0), high: inside(9.0) }
 }
 
 /// Equilateral lattice, one period of which is an edge by sqrt 3 edges.
@@ -31,7 +32,7 @@ fn lattice() -> Patch {
         flat.extend((0..13).map(|i| Vec2::new((f64::from(i) + shift) * EDGE, f64::from(j) * row)));
     }
     let corner = Vec2::new(3.1 * EDGE, 3.1 * row);
-    let sheet = Sheet::delaunay(flat, 1e-3 * EDGE * EDGE);
+    let sheet = TestSheet::delaunay(flat, 1e-3 * EDGE * EDGE).expect("meshes");
     Patch { sheet, low: corner, high: corner + Vec2::new(6.0 * EDGE, 6.0 * row) }
 }
 
@@ -87,9 +88,9 @@ fn bending_energy_of_a_plate() {
     const PLATE: [f64; 7] = [1.0, 1.0, 1.0, 1.0, 1.0, 2.0, 2.0];
     const UNION_JACK: [f64; 7] = [1.0, 1.375, 1.5, 1.0, 1.5, 2.0, 4.0];
     for (name, patch, expected) in [
-        ("right (one diagonal)", quads(false), PLATE),
+        ("right (one diagonal)", quad_patch(false), PLATE),
         ("equilateral", lattice(), PLATE),
-        ("union jack", quads(true), UNION_JACK),
+        ("union jack", quad_patch(true), UNION_JACK),
     ] {
         let row = patch.row();
         let off: Vec<f64> = row.iter().zip(&expected).map(|(a, b)| a / b - 1.0).collect();

@@ -1,6 +1,7 @@
 //! Equilibria: from a start near or far to forces that balance.
 
-use crate::sheet::Sheet;
+use crate::sheet::SheetModels;
+use crease::chart::TestSheet;
 use crease::contact::Contact;
 use crease::energy::{Bending, Energy, Gravity, Membrane};
 use crease::garment::RestState;
@@ -39,7 +40,7 @@ pub struct Scene {
 impl Scene {
     /// `sheet` of `density` [kg/m²], `stretch` [N/m] along warp and weft (half of it in shear) and `rigidity` [N·m],
     /// half clamped at its `held` points.
-    pub fn clamped(sheet: &Sheet, density: f64, stretch: f64, rigidity: f64, held: Vec<bool>) -> Self {
+    pub fn clamped(sheet: &TestSheet, density: f64, stretch: f64, rigidity: f64, held: Vec<bool>) -> Self {
         Self {
             membrane: sheet.membrane([stretch, stretch, 0.5 * stretch]),
             bending: sheet.bending(rigidity),

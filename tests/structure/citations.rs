@@ -120,10 +120,58 @@ fn cited_files_exist() {
     );
 }
 
+/// Filters of `cargo test` commands in a Markdown text: `cargo test --test memory FILTER`.
+fn test_filters(text: &str) -> Vec<Citation<'_>> {
+    let mut found = Vec::new();
+    for (number, line) in text.lines().enumerate() {
+        for (at, command) in line.match_indices("cargo test ") {
+            let rest = line[at + command.len()..].split('`').next().unwrap_or_default();
+            let mut words = rest.split_whitespace();
+            let filter = match words.next() {
+                Some("--test") => words.nth(1),
+                Some("--lib") => words.next(),
+                _ => None,
+            };
+            let is_name = |word: &&str| word.chars().all(|c| c.is_ascii_lowercase() || "_:".contains(c));
+            found.extend(filter.filter(is_name).map(|filter| (number + 1, filter)));
+        }
+    }
+    found
+}
+
+#[test]
+fn cited_tests_exist() {
+    let files: Vec<PathBuf> =
+        ["src", "tests"].iter().flat_map(|folder| files_below(folder, &[".rs"])).collect();
+    let mut names: Vec<String> =
+        files.iter().map(|path| path.display().to_string().replace('/', "::")).collect();
+    for path in &files {
+        let text = read(path);
+        names.extend(text.match_indices("fn ").map(|(at, _)| {
+            text[at + 3..].chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect()
+        }));
+    }
+    let mut faults = Vec::new();
+    for page in files_below("", &[".md"]) {
+        if HISTORIES.iter().any(|history| page.starts_with(history)) {
+            continue;
+        }
+        for (line, filter) in test_filters(&read(&page)) {
+            if !names.iter().any(|name| name.contains(filter)) {
+                faults.push(format!("{}:{line}: {filter}", page.display()));
+            }
+        }
+    }
+    assert_none(&faults, "name a test that exists");
+}
+
 #[test]
 fn links_and_citations_are_read() {
     let text = "see [a](b#c) ![d](e.png)\n```\n[f](g)\n```\n`docs/x/y.md`, mesh/ccd.rs. and NAME.rs";
     assert_eq!(links(text), [(1, "b#c"), (1, "e.png")]);
     assert_eq!(citations(text), [(5, "docs/x/y.md"), (5, "mesh/ccd.rs")]);
+    let commands =
+        "`cargo test --test memory fifty -- --nocapture`, `cargo test --lib a::b`, `cargo test --test cli`";
+    assert_eq!(test_filters(commands), [(1, "fifty"), (1, "a::b")]);
     assert_eq!(anchors("# One\n## Two words, and `x_y`"), ["one", "two-words-and-x_y"]);
 }

@@ -56,7 +56,8 @@ impl Scene for Cantilever {
         let cloth = material.cloth(&sheet, &garment);
         let contact = Contact::none(garment.points.len());
         let mut scene_state = SceneState::new(garment, cloth, contact);
-        let ratio = sheet.half_clamp(|p| p.x < 1e-9);
+        let clamped: Vec<bool> = sheet.flat.iter().map(|p| p.x < 1e-9).collect();
+        let ratio = sheet.half_clamp(&clamped);
         scene_state.memory.rest.stiffness_ratio.clone_from(&ratio);
         scene_state.memory.effective_rest.stiffness_ratio = ratio;
         Ok(scene_state)
