@@ -58,9 +58,9 @@ impl Alignment<'_> {
 
     /// The source registered by point pairs in file coordinates; `cure` is the help where no map exists.
     fn by_pairs(&self, pairs: &[PointPair], cure: &str, by: AlignedBy) -> Result<AlignedSource> {
-        let to_canonical =
-            |pair: &PointPair| PointPair { target: self.target.pose.to_canonical(&pair.target), ..*pair };
-        let pairs: Vec<PointPair> = pairs.iter().map(to_canonical).collect();
+        let canonical =
+            |pair: &PointPair| PointPair { target: self.target.pose.canonical_point(&pair.target), ..*pair };
+        let pairs: Vec<PointPair> = pairs.iter().map(canonical).collect();
         let scale = Mat3::from_diagonal(&self.pose.scale_to(&self.target.pose));
         let fallback = AffineMap { linear: scale * self.pose.rotation, shift: -(scale * self.pose.centre) };
         let map = Registration::fit(&pairs, fallback).ok_or_else(|| {

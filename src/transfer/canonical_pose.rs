@@ -1,4 +1,5 @@
-//! Canonical pose of a garment for comparison: upright (x to the left of a person in it, y up, front to +z), its box centred.
+//! Canonical pose of a garment for comparison: upright, its box centred. The x axis points to the left of a person in it, y
+//! up, z to the front.
 //!
 //! A garment that lies in its file (much lower than it is wide and long, as `lay` decides it) is turned upright, its
 //! upper end first. Boxes can then be made equal axis by axis, so that a point keeps its fractions of the box, which is
@@ -39,7 +40,7 @@ impl CanonicalPose {
     }
 
     /// Canonical coordinates of `point`, the centre of the box at the origin [m].
-    pub fn to_canonical(&self, point: &Vec3) -> Vec3 {
+    pub fn canonical_point(&self, point: &Vec3) -> Vec3 {
         self.rotation * point - self.centre
     }
 
@@ -53,7 +54,7 @@ impl CanonicalPose {
 
     /// `surface` in canonical coordinates, scaled per axis by `scale`. Warp directions scale with the cloth.
     pub fn apply(&self, surface: &GarmentSurface, scale: Vec3) -> GarmentSurface {
-        let point = |p: &Vec3| self.to_canonical(p).component_mul(&scale);
+        let point = |p: &Vec3| self.canonical_point(p).component_mul(&scale);
         let warp = |w: &Vec3| {
             let scaled = (self.rotation * w).component_mul(&scale);
             scaled.try_normalize(0.0).unwrap_or_else(Vec3::x)

@@ -46,7 +46,7 @@ impl FaceFrame {
     }
 
     /// In-plane components of `v`.
-    pub fn to_plane(&self, v: &Vec3) -> Vec2 {
+    pub fn project(&self, v: &Vec3) -> Vec2 {
         Vec2::new(v.dot(&self.x), v.dot(&self.y))
     }
 }
@@ -103,7 +103,7 @@ fn side_tensors(
 ) -> (Matrix3<f64>, PlaneTensor) {
     let frame = FaceFrame::new(corners);
     let column = |k: usize| {
-        let edge = frame.to_plane(&(corners[(k + 1) % 3] - corners[k]));
+        let edge = frame.project(&(corners[(k + 1) % 3] - corners[k]));
         edge_tensor(&edge) * (edge.norm() / (2.0 * area))
     };
     let mut columns = Matrix3::from_columns(&[column(0), column(1), column(2)]);

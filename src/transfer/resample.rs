@@ -99,10 +99,10 @@ pub(super) fn resample(
         let uv = target.uvs.as_ref().map(|uvs| uvs[f]);
         let gradient = uv.and_then(|uv| texture_gradient(&corners, &uv));
         let sides = [0, 1, 2].map(|k| {
-            let edge = frame.to_plane(&(corners[(k + 1) % 3] - corners[k]));
+            let edge = frame.project(&(corners[(k + 1) % 3] - corners[k]));
             edge.try_normalize(0.0).unwrap_or_else(Vec2::x)
         });
-        let warp = target.warp.as_ref().map_or(Vec2::x(), |warp| frame.to_plane(&warp[f]));
+        let warp = target.warp.as_ref().map_or(Vec2::x(), |warp| frame.project(&warp[f]));
         let mut sum = FaceAccumulator::new(frame, sides, warp, orientation);
         for weights in sample_weights(grid as u32) {
             let query = Query {
@@ -186,7 +186,7 @@ impl FaceAccumulator {
     }
 
     fn add(&mut self, found: &Match, face: &SourceFace, source: &GarmentSurface, memory: &RestState) {
-        let edges = face.edges.map(|e| self.frame.to_plane(&(found.map * e)));
+        let edges = face.edges.map(|e| self.frame.project(&(found.map * e)));
         let area = 0.5 * edges[0].perp(&edges[1]).abs();
         if area.is_nan() || area <= 0.0 {
             return self.add_unmatched();
@@ -210,7 +210,7 @@ impl FaceAccumulator {
         let change =
             StretchDelta { warp: memory.rest_stretch_warp[f] - 1.0, weft: memory.rest_stretch_weft[f] - 1.0 };
         if change != StretchDelta::default() {
-            let warp = source.warp.as_ref().map(|warp| self.frame.to_plane(&(found.map * warp[f])));
+            let warp = source.warp.as_ref().map(|warp| self.frame.project(&(found.map * warp[f])));
             self.add_stretch(warp.and_then(|u| u.try_normalize(0.0)), change);
         }
     }

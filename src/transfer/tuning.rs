@@ -48,7 +48,8 @@ pub(super) struct TransferTuning {
     /// Distance of the points beside a joint that carry its rotation, relative to the source's box diagonal [-],
     /// default 0.05.
     pub joint_offset_fraction: f64,
-    /// Smallest number of joints of equal names that make two skeletons the same, default 3: any two rigs may have equal roots.
+    /// Smallest number of joints of equal names that make two skeletons the same, default 3: any two rigs may have equal
+    /// roots.
     pub min_shared_joints: usize,
     /// Positions along a bone that also carry its rotation, relative to its length [-], default thirds.
     pub bone_fractions: [f64; 2],

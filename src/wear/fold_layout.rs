@@ -1,8 +1,9 @@
 //! Layout of a garment while its creases are predicted: layers without thickness, folded along lines.
 //!
-//! Every action is applied in turn. A fold marks what lies along its line, in all layers, and turns the flap over. A garment
-//! that lies is marked along its sides, where the upper layer passes into the lower one, and a weight marks what lies on such
-//! a side: it bends over that step. An action whose creases cannot be predicted marks the layout as unpredictable.
+//! Every action is applied in turn. A fold marks what lies along its line, in all layers, and turns the flap over. A
+//! garment that lies is marked along its sides, where the upper layer passes into the lower one, and a weight marks what
+//! lies on such a side: it bends over that step. An action whose creases cannot be predicted marks the layout as
+//! unpredictable.
 
 use crate::error::Result;
 use crate::garment::Garment;
