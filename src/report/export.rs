@@ -38,8 +38,6 @@ pub enum Export {
 /// A written file with its checks.
 #[derive(Debug, Clone)]
 pub struct ExportFile {
-    /// Extension that replaces that of the main output: `rest.obj`.
-    pub ending: &'static str,
     /// Content of the file.
     pub bytes: Vec<u8>,
     /// Comparisons with the worn garment, without the name of the file.
@@ -97,7 +95,7 @@ impl Export {
             Self::RestAngleMap => exporter.rest_angle_map()?,
             Self::Usda => exporter.usda(fabric)?,
         };
-        Ok(ExportFile { ending: self.ending(), bytes, checks })
+        Ok(ExportFile { bytes, checks })
     }
 }
 

@@ -15,6 +15,15 @@ use std::time::{Duration, Instant};
 /// Minimum time between checkpoints at action boundaries, so that short actions do not each write one.
 const MIN_ACTION_INTERVAL: Duration = Duration::from_secs(1);
 
+/// Checkpoint that an earlier run has left.
+#[derive(Debug)]
+pub struct SavedCheckpoint {
+    /// Name of its file, for messages.
+    pub file: String,
+    /// Its content.
+    pub checkpoint: Checkpoint,
+}
+
 /// Writer of the latest checkpoint of one run.
 #[derive(Debug)]
 pub struct CheckpointFile {
@@ -40,14 +49,14 @@ impl CheckpointFile {
         &self.path
     }
 
-    /// Reads the checkpoint of an earlier run and its file name for messages; `None` if there is none.
-    pub fn read(&self) -> Result<Option<(String, Checkpoint)>> {
+    /// Reads the checkpoint of an earlier run; `None` if there is none.
+    pub fn read(&self) -> Result<Option<SavedCheckpoint>> {
         if !self.path.exists() {
             return Ok(None);
         }
         let file = input::name_of(&self.path);
         let checkpoint = Checkpoint::parse(&file, &input::bytes(&self.path)?)?;
-        Ok(Some((file, checkpoint)))
+        Ok(Some(SavedCheckpoint { file, checkpoint }))
     }
 
     /// Accepts the next checkpoint and writes it if the interval has passed.

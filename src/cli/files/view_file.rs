@@ -14,6 +14,7 @@ pub struct ViewFile {
     /// Shapes and memory of the garment.
     pub view: GarmentView,
     /// Sidecar, where the file names one that exists.
+    #[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "only the viewer page needs it"))]
     pub sidecar: Option<Sidecar>,
 }
 

@@ -64,7 +64,8 @@ fn bake_into(
     let interval = Duration::from_secs_f64(arguments.checkpoint_every);
     let mut checkpoints = CheckpointFile::beside(&job.files().worn, interval);
     job.check(checkpoints.path())?;
-    let (baked, stale_frames) = simulate(&input, arguments, progress, &mut checkpoints, interrupt)?;
+    let Simulated { baked, stale_frames } =
+        simulate(&input, arguments, progress, &mut checkpoints, interrupt)?;
     job.warn(stale_frames);
 
     progress.stage("write");
@@ -95,16 +96,23 @@ fn bake_into(
     }
 }
 
-/// Runs the simulation; also returns a warning if the folder of frames holds frames of an earlier run.
+/// Outcome of the simulation.
+struct Simulated {
+    baked: BakeResult,
+    /// Warning if the folder of frames holds frames of an earlier run.
+    stale_frames: Option<String>,
+}
+
+/// Runs the simulation.
 fn simulate(
     input: &BakeInput,
     arguments: &Arguments,
     progress: &mut Progress,
     checkpoints: &mut CheckpointFile,
     interrupt: &Interrupt,
-) -> Result<(BakeResult, Option<String>)> {
+) -> Result<Simulated> {
     let resumed = if arguments.resume { checkpoints.read()? } else { None };
-    let frames_written = resumed.as_ref().map_or(0, |(_, checkpoint)| checkpoint.counts.frames.shown);
+    let frames_written = resumed.as_ref().map_or(0, |saved| saved.checkpoint.counts.frames.shown);
     let frames = match &arguments.frames {
         Some(folder) => Some(FrameFolder::new(folder, &arguments.mesh, frames_written as usize)?),
         None => None,
@@ -115,15 +123,15 @@ fn simulate(
     let mut bake = Bake::new(&input.mesh.garment, &input.fabric, &input.script)
         .script_name(&input.script_file)
         .options(arguments.options(input.body.as_ref()));
-    if let Some((file, checkpoint)) = &resumed {
-        bake = bake.resume(file, checkpoint.clone());
+    if let Some(saved) = &resumed {
+        bake = bake.resume(&saved.file, saved.checkpoint.clone());
     }
     let baked = bake.run_with(&mut observer)?;
     interrupt.set_exit_immediately(false);
     let stale = observer.frames.and_then(|frames| frames.stale_frame());
-    let warning = stale
+    let stale_frames = stale
         .map(|path| format!("{} and any after it are from an earlier run with more frames", path.display()));
-    Ok((baked, warning))
+    Ok(Simulated { baked, stale_frames })
 }
 
 /// Prints the plan on stdout.
