@@ -43,6 +43,14 @@ impl std::fmt::Display for Diagnostic {
 }
 
 /// Failures of the library's calls.
+///
+/// ```
+/// use crease::{Error, Fabric};
+/// match Fabric::preset("demin") {
+///     Err(Error::Input(problems)) => assert!(problems[0].help.contains("denim")),
+///     other => panic!("{other:?}"),
+/// }
+/// ```
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// Invalid input, with every problem found in it. Exit code 1.

@@ -16,6 +16,20 @@ use std::time::Instant;
 
 /// A bake to be run: the script is simulated on the garment, and the garment is relaxed to its source pose with the memory
 /// that it earned.
+///
+/// ```
+/// use crease::{Bake, Fabric, GarmentFile, Quality, WearScript};
+/// let sheet = GarmentFile::sheet([0.2, 0.2], [4, 4])?;
+/// let script = WearScript::parse("fold.json", r#"{"format": "crease-wear/1", "actions": [
+///     {"lay": {"facing": "front", "over": 0.2}},
+///     {"fold": {"line": [[0.5, 0], [0.5, 1]], "side": "left", "over": 0.5, "hold": 3}},
+///     {"unfold": {"all": true, "over": 0.5}}]}"#)?;
+/// let fabric = Fabric::preset("kow-tshirt")?;
+/// let result = Bake::new(&sheet.garment, &fabric, &script).quality(Quality::Draft).run()?;
+/// let sharpest = result.worn.memory.rest_angle.iter().fold(0.0, |max: f64, angle| max.max(angle.abs()));
+/// assert!(sharpest > 0.3, "a crease of {sharpest} rad");
+/// # Ok::<(), crease::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Bake<'a> {
     garment: &'a Garment,
@@ -75,11 +89,45 @@ impl<'a> Bake<'a> {
 
     /// Resumes from a checkpoint of the same bake; `file` is its name in messages. The result is bit for bit that of an
     /// uninterrupted bake.
+    ///
+    /// ```
+    /// use crease::{Bake, Checkpoint, Fabric, GarmentFile, Observer, Result, WearScript};
+    /// #[derive(Default)]
+    /// struct Keep(Option<Checkpoint>);
+    /// impl Observer for Keep {
+    ///     fn wants_checkpoints(&self) -> bool {
+    ///         true
+    ///     }
+    ///     fn checkpoint(&mut self, now: Checkpoint) -> Result<()> {
+    ///         self.0.get_or_insert(now);
+    ///         Ok(())
+    ///     }
+    /// }
+    /// let (sheet, fabric) = (GarmentFile::sheet([0.2, 0.2], [2, 2])?, Fabric::preset("denim")?);
+    /// let script = WearScript::parse("", r#"{"format": "crease-wear/1", "actions": [{"settle": {"for": 0.1}}]}"#)?;
+    /// let bake = Bake::new(&sheet.garment, &fabric, &script);
+    /// let mut keep = Keep::default();
+    /// let whole = bake.clone().run_with(&mut keep)?;
+    /// let checkpoint = keep.0.expect("there is one before every action");
+    /// let resumed = bake.resume("in memory", checkpoint).run()?;
+    /// assert_eq!(resumed.end, whole.end);
+    /// # Ok::<(), crease::Error>(())
+    /// ```
     pub fn resume(self, file: &'a str, checkpoint: Checkpoint) -> Self {
         Self { resume_from: Some((file, checkpoint)), ..self }
     }
 
     /// The models and the mesh that the bake would use, with the reasons.
+    ///
+    /// ```
+    /// # use crease::{Bake, Fabric, GarmentFile, WearScript};
+    /// # let (sheet, fabric) = (GarmentFile::sheet([0.2, 0.2], [2, 2])?, Fabric::preset("denim")?);
+    /// # let script = WearScript::parse("", r#"{"format": "crease-wear/1", "actions": [{"settle": {"for": 1}}]}"#)?;
+    /// let plan = Bake::new(&sheet.garment, &fabric, &script).plan();
+    /// assert!(!plan.layers_meet, "one flat layer that nothing folds");
+    /// assert!(plan.decisions.iter().any(|decision| decision.name == "stretch" && decision.on));
+    /// # Ok::<(), crease::Error>(())
+    /// ```
     pub fn plan(&self) -> ModelPlan {
         let Self { garment, fabric, script, ref options, .. } = *self;
         let SimulationMesh { mesh, decision } = SimulationMesh::choose(garment, fabric, script, options);

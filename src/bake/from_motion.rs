@@ -38,6 +38,25 @@ impl FrameStrains {
 }
 
 /// Applies the memory law to `motion` of `garment`, and relaxes the garment to its source pose.
+///
+/// ```
+/// use crease::{Fabric, GarmentFile, GarmentMotion, memory_from_motion};
+/// let sheet = GarmentFile::sheet([0.1, 0.1], [2, 2])?.garment;
+/// // Eleven frames in which the half x > 0.05 m turns up by 160 degrees about the line x = 0.05 m, and twenty of rest.
+/// let mut frame = |k: usize| {
+///     let angle = (16.0 * k.min(10) as f64).to_radians();
+///     let mut points = sheet.points.clone();
+///     for p in points.iter_mut().filter(|p| p.x > 0.05) {
+///         let arm = p.x - 0.05;
+///         (p.x, p.y) = (0.05 + arm * angle.cos(), arm * angle.sin());
+///     }
+///     points
+/// };
+/// let mut motion = GarmentMotion { frame_count: 31, interval: 0.2, repetitions: 1, frame: &mut frame };
+/// let result = memory_from_motion(&sheet, &Fabric::preset("kow-tshirt")?, &mut motion);
+/// assert!(result.report.events.critical > 0);
+/// # Ok::<(), crease::Error>(())
+/// ```
 pub fn memory_from_motion(garment: &Garment, fabric: &Fabric, motion: &mut GarmentMotion) -> BakeResult {
     let clock = Instant::now();
     let cloth = Cloth::new(garment, fabric);

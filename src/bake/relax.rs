@@ -14,6 +14,17 @@ use crate::sim::{Cloth, GRAVITY, Stepper};
 use crate::wear::{WearFormat, WearScript};
 
 /// Relaxes `garment` of `fabric` to its source pose with the rest state `rest` (one entry per hinge and triangle of it).
+///
+/// ```
+/// use crease::{Fabric, GarmentFile, RestState, relax};
+/// let sheet = GarmentFile::sheet([0.1, 0.1], [4, 4])?.garment;
+/// let mut rest = RestState::flat(sheet.topology.hinges.len(), sheet.triangles.len());
+/// rest.rest_angle.iter_mut().for_each(|angle| *angle = 0.2);
+/// let relaxed = relax(&sheet, &Fabric::preset("denim")?, &rest);
+/// assert_eq!(relaxed.unconverged_reason, None);
+/// assert!(relaxed.displacement.iter().any(|d| d.norm() > 1e-4));
+/// # Ok::<(), crease::Error>(())
+/// ```
 pub fn relax(garment: &Garment, fabric: &Fabric, rest: &RestState) -> RelaxResult {
     let (cloth, plan) = cloth_and_plan(garment, fabric, Quality::Standard);
     let settings = plan.contact_settings(fabric);

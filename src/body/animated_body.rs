@@ -42,6 +42,16 @@ pub enum BodyPose {
 }
 
 /// Body that a garment is worn on.
+///
+/// ```
+/// use crease::body::BodyMotion;
+/// use crease::{AnimatedBody, PointIndex, Vec3};
+/// // A table top that does not move.
+/// let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 0.0, 1.0], [0.0, 0.0, 1.0]].map(Vec3::from);
+/// let triangles = [[0, 3, 2], [0, 2, 1]].map(|t| t.map(PointIndex));
+/// let table = AnimatedBody::new("table", "", BodyMotion::Still, &corners, &triangles);
+/// assert_eq!(table.points(&table.rest()), corners);
+/// ```
 #[derive(Clone, PartialEq)]
 pub struct AnimatedBody {
     /// Name of its file, for messages.

@@ -76,6 +76,32 @@ impl GarmentFile {
         Self::parse(&format!("{name}.obj"), obj.as_bytes(), &ReadOptions::default())
     }
 
+    /// A flat rectangular sheet of cloth of `size` [m], x along warp and z along weft at height 0, in `cells` squares of two
+    /// triangles along each side.
+    ///
+    /// ```
+    /// let sheet = crease::GarmentFile::sheet([0.3, 0.2], [6, 4])?.garment;
+    /// assert_eq!((sheet.points.len(), sheet.triangles.len()), (35, 48));
+    /// # Ok::<(), crease::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Input`] without cells and for a size no garment has.
+    pub fn sheet(size: [f64; 2], cells: [u32; 2]) -> Result<Self> {
+        let [columns, rows] = cells;
+        let row = columns + 1;
+        let mut positions = Vec::new();
+        for (j, i) in (0..=rows).flat_map(|j| (0..=columns).map(move |i| (j, i))) {
+            let [x, z] = [(i, columns, size[0]), (j, rows, size[1])]
+                .map(|(k, count, side)| side * f64::from(k) / f64::from(count.max(1)));
+            positions.push([x, 0.0, z]);
+        }
+        let squares = (0..rows).flat_map(|j| (0..columns).map(move |i| j * row + i));
+        let triangles: Vec<[u32; 3]> =
+            squares.flat_map(|a| [[a, a + row, a + row + 1], [a, a + row + 1, a + 1]]).collect();
+        Self::from_mesh("sheet", &positions, &triangles)
+    }
+
     fn new(asset: SourceAsset, mut diagnostics: Vec<ImportDiagnostic>) -> Result<Self> {
         let (garment, more) = Garment::from_asset(&asset)?;
         diagnostics.extend(more);
@@ -100,10 +126,9 @@ impl GarmentFile {
     /// The file as .glb with the wrinkles of `worn` as morph target `worn`, switched on, and its memory as vertex attributes.
     ///
     /// ```
-    /// use crease::{GarmentFile, RestState, WornGarment};
-    /// # let corners = [[0.0, 0.0, 0.0], [0.2, 0.0, 0.0], [0.2, 0.0, 0.2], [0.0, 0.0, 0.2]];
-    /// let file = GarmentFile::from_mesh("square", &corners, &[[0, 3, 2], [0, 2, 1]])?;
-    /// let up = crease::math::Vec3::new(0.0, 0.01, 0.0);
+    /// use crease::{GarmentFile, RestState, Vec3, WornGarment};
+    /// let file = GarmentFile::sheet([0.2, 0.2], [1, 1])?;
+    /// let up = Vec3::new(0.0, 0.01, 0.0);
     /// let worn = WornGarment { displacement: vec![up; 4], memory: RestState::flat(1, 2) };
     /// assert!(file.to_glb_bytes(&worn)?.starts_with(b"glTF"));
     /// # Ok::<(), crease::Error>(())
@@ -125,6 +150,18 @@ impl GarmentFile {
 
     /// The sidecar of `worn`: mesh, rest state and displacement in full precision, for [`crate::Transfer`] and other
     /// programs. [`Sidecar::save`] writes it.
+    ///
+    /// ```
+    /// use crease::{Fabric, GarmentFile, RestState, Vec3, WearScript, WornGarment};
+    /// let file = GarmentFile::sheet([0.2, 0.2], [1, 1])?;
+    /// let mut memory = RestState::flat(1, 2);
+    /// memory.rest_angle[0] = 0.5;
+    /// let worn = WornGarment { displacement: vec![Vec3::zeros(); 4], memory };
+    /// let script = WearScript::parse("", r#"{"format": "crease-wear/1", "actions": [{"settle": {"for": 1}}]}"#)?;
+    /// let sidecar = file.sidecar(&worn, &Fabric::preset("denim")?, &script)?;
+    /// assert_eq!(sidecar.hinges.rest_angle_rad, [0.5]);
+    /// # Ok::<(), crease::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Input`] if `worn` does not fit the garment or holds a number that is not finite.

@@ -50,6 +50,14 @@ impl CoarseMesh {
 impl Garment {
     /// Returns the mesh with points removed until edges are about as long as `wanted` (one length per point [m]; a point
     /// that wants no longer edges than it has stays).
+    ///
+    /// ```
+    /// let sheet = crease::GarmentFile::sheet([0.1, 0.1], [10, 10])?.garment;
+    /// let coarse = sheet.coarsen(&vec![0.05; sheet.points.len()]);
+    /// assert!(coarse.garment.points.len() < sheet.points.len());
+    /// assert_eq!(coarse.interpolate(&coarse.garment.points).len(), sheet.points.len());
+    /// # Ok::<(), crease::Error>(())
+    /// ```
     pub fn coarsen(&self, wanted: &[f64]) -> CoarseMesh {
         let mut work = EdgeCollapse::new(self, wanted);
         for _ in 0..TUNING.max_coarsen_passes {

@@ -100,6 +100,15 @@ pub struct PartReport {
 }
 
 /// Makes the report; `diagnostics` are those of reading the file and of building the garment.
+///
+/// ```
+/// use crease::{GarmentFile, inspect};
+/// let sheet = GarmentFile::sheet([0.3, 0.2], [6, 4])?;
+/// let inspection = inspect(&sheet.asset, &sheet.garment, &sheet.diagnostics);
+/// assert_eq!((inspection.points, inspection.parts.len()), (35, 1));
+/// assert!((inspection.area_m2 - 0.06).abs() < 1e-12);
+/// # Ok::<(), crease::Error>(())
+/// ```
 pub fn inspect(asset: &SourceAsset, garment: &Garment, diagnostics: &[ImportDiagnostic]) -> Inspection {
     let box_m = asset.worn_bounds().map_or([0.0; 3], |(low, high)| (high - low).into());
     let of = |severity| diagnostics.iter().filter(|d| d.severity == severity).cloned().collect();

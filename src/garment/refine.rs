@@ -48,6 +48,12 @@ impl Garment {
     }
 
     /// Returns the mean edge length of the source shape [m].
+    ///
+    /// ```
+    /// let sheet = crease::GarmentFile::sheet([0.1, 0.1], [10, 10])?.garment;
+    /// assert!((0.01..0.0142).contains(&sheet.mean_edge()));
+    /// # Ok::<(), crease::Error>(())
+    /// ```
     pub fn mean_edge(&self) -> f64 {
         let length = |e: &[PointIndex; 2]| (self.points[e[0].at()] - self.points[e[1].at()]).norm();
         self.topology.edges.iter().map(length).sum::<f64>() / self.topology.edges.len().max(1) as f64

@@ -3,6 +3,12 @@
 use serde::{Deserialize, Serialize};
 
 /// Rest angles, stiffness ratios and rest stretches of one garment.
+///
+/// ```
+/// // One hinge with the angle 0.3 rad as modelled, between two triangles.
+/// let rest = crease::RestState::new(vec![0.3], 2);
+/// assert_eq!((rest.rest_angle[0], rest.stiffness_ratio[0], rest.rest_stretch_warp[1]), (0.3, 1.0, 1.0));
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RestState {
     /// One per hinge: angle of the source shape [rad].

@@ -47,6 +47,13 @@ pub struct Landmark {
 
 impl Landmarks {
     /// Reads landmarks; `file` is their name in messages. Refused, too, when a place of the source is there twice.
+    ///
+    /// ```
+    /// let text = r#"{"format": "crease-landmarks/1", "pairs": [{"source_m": [0, 1, 0], "target_m": [0, 1.1, 0]}]}"#;
+    /// let landmarks = crease::Landmarks::parse("landmarks.json", text)?;
+    /// assert_eq!(landmarks.pairs[0].target_m[1], 1.1);
+    /// # Ok::<(), crease::Error>(())
+    /// ```
     pub fn parse(file: &str, text: &str) -> Result<Self> {
         let document = Document::parse(file, text)?;
         let faults = document.validate(&Self::schema());

@@ -24,6 +24,15 @@ const LONGEST_FILE: usize = u32::MAX as usize;
 const NAMES_TOLD: usize = 40;
 
 /// What a user may say about a mesh file.
+///
+/// ```
+/// use crease::{GarmentFile, ReadOptions};
+/// let obj = "v 0 0 0\nv 20 0 0\nv 20 0 20\nf 1 3 2\n";
+/// let centimetres = ReadOptions { unit_m: Some(0.01), ..ReadOptions::default() };
+/// let file = GarmentFile::parse("corner.obj", obj.as_bytes(), &centimetres)?;
+/// assert!((file.garment.points[1].x - 0.2).abs() < 1e-12);
+/// # Ok::<(), crease::Error>(())
+/// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ReadOptions {
     /// Metres per file unit; 1 when not given, and then the garment's size is questioned.

@@ -360,6 +360,11 @@ pub fn write_sidecar(sidecar: &Sidecar) -> Vec<u8> {
 }
 
 /// A sidecar from JSON text; `file` names it in faults.
+///
+/// ```
+/// let error = crease::read_sidecar("x.crease.json", b"{}").unwrap_err().to_string();
+/// assert!(error.starts_with("x.crease.json"), "{error}");
+/// ```
 pub fn read_sidecar(file: &str, bytes: &[u8]) -> Result<Sidecar> {
     let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
     let mut reader = serde_json::Deserializer::from_slice(bytes);

@@ -25,6 +25,12 @@ impl BandTimer {
 }
 
 /// The memory of one garment in wear.
+///
+/// ```
+/// use crease::{Memory, RestState};
+/// let memory = Memory::new(RestState::flat(3, 2));
+/// assert!(memory.fits(3, 2) && memory.rest.stiffness_ratio == [1.0; 3]);
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Memory {
     /// The rest state that was earned: the result of a bake.

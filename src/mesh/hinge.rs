@@ -15,6 +15,14 @@
 use crate::math::Vec3;
 
 /// Returns the angle of the hinge [rad] in (-pi, pi]; 0 for degenerate wings.
+///
+/// ```
+/// use crease::{Vec3, hinge_angle};
+/// // Two triangles on the edge from x0 to x1; the second one is turned up by a right angle.
+/// let [x0, x1] = [Vec3::new(0.0, 0.0, 0.0), Vec3::new(0.0, 0.0, 1.0)];
+/// let angle = hinge_angle(&[x0, x1, Vec3::new(-1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0)]);
+/// assert!((angle.abs() - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
+/// ```
 #[inline]
 pub fn hinge_angle(x: &[Vec3; 4]) -> f64 {
     let e = x[1] - x[0];
@@ -47,6 +55,11 @@ pub fn hinge_gradient(x: &[Vec3; 4]) -> Option<[Vec3; 4]> {
 }
 
 /// Returns the representative of `angle` (mod 2 pi) nearest to `last` [rad]: a fold passes +-pi without a jump.
+///
+/// ```
+/// use std::f64::consts::PI;
+/// assert!((crease::unwrap_angle(-3.1, 3.1) - (2.0 * PI - 3.1)).abs() < 1e-15);
+/// ```
 #[inline]
 pub fn unwrap_angle(angle: f64, last: f64) -> f64 {
     let turn = std::f64::consts::TAU;

@@ -17,6 +17,13 @@ use robust::{Coord3D, orient3d};
 
 /// Returns the pairs of triangles of one mesh that intersect, lower index first, sorted. Pairs with a common point and triangles with a
 /// corner that is not finite are left out.
+///
+/// ```
+/// use crease::{PointIndex, Vec3, self_intersections};
+/// let points = [[-1.0, 0.0, -1.0], [1.0, 0.0, -1.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [-1.0, 2.0, 0.0], [1.0, 2.0, 0.0]];
+/// let triangles = [[0, 1, 2], [3, 4, 5]].map(|t| t.map(PointIndex));
+/// assert_eq!(self_intersections(&points.map(Vec3::from), &triangles), [[0, 1]]);
+/// ```
 pub fn self_intersections(points: &[Vec3], triangles: &[[PointIndex; 3]]) -> Vec<[u32; 2]> {
     let intersecting = |(a, b): (u32, u32)| {
         let (first, second) = (&triangles[a as usize], &triangles[b as usize]);

@@ -65,6 +65,12 @@ pub fn overhang(length: f64, c: f64) -> Vec<[f64; 2]> {
 }
 
 /// Returns the page of `fabrics`.
+///
+/// ```
+/// let page = crease::swatch_page(&[crease::Fabric::preset("denim")?]);
+/// assert!(page.contains("denim"));
+/// # Ok::<(), crease::Error>(())
+/// ```
 pub fn swatch_page(fabrics: &[Fabric]) -> String {
     let mut cards = String::new();
     for fabric in fabrics {

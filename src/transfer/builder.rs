@@ -11,16 +11,24 @@ use std::borrow::Cow;
 
 /// A transfer of memory to another garment, to be configured and run.
 ///
-/// ```no_run
-/// use crease::garment::Garment;
-/// use crease::io::Sidecar;
-/// use crease::transfer::{MatchBy, Transfer};
-///
-/// fn carry(sidecar: &Sidecar, target: &Garment) -> crease::Result<()> {
-///     let result = Transfer::new(sidecar, target).match_by(MatchBy::Surface).strength(0.8).run()?;
-///     println!("{} hinges", result.memory.rest_angle.len());
-///     Ok(())
+/// ```
+/// use crease::{Fabric, GarmentFile, MatchBy, RestState, Transfer, Vec3, WearScript, WornGarment};
+/// // A sheet with a crease of 1 rad along its middle, x = 0.1 m, and a coarser one without.
+/// let (from, to) = (GarmentFile::sheet([0.2, 0.2], [8, 8])?, GarmentFile::sheet([0.2, 0.2], [6, 6])?);
+/// let hinges = &from.garment.topology.hinges;
+/// let mut memory = RestState::flat(hinges.len(), from.garment.triangles.len());
+/// for (angle, hinge) in memory.rest_angle.iter_mut().zip(hinges) {
+///     let on_middle = hinge.points[..2].iter().all(|p| (from.garment.points[p.at()].x - 0.1).abs() < 1e-9);
+///     *angle = if on_middle { 1.0 } else { 0.0 };
 /// }
+/// let worn = WornGarment { displacement: vec![Vec3::zeros(); from.garment.points.len()], memory };
+/// # let script = WearScript::parse("", r#"{"format": "crease-wear/1", "actions": [{"settle": {"for": 1}}]}"#)?;
+/// let sidecar = from.sidecar(&worn, &Fabric::preset("denim")?, &script)?;
+///
+/// let result = Transfer::new(&sidecar, &to.garment).match_by(MatchBy::Surface).run()?;
+/// let sharpest = result.memory.rest_angle.iter().fold(0.0, |max: f64, angle| max.max(angle.abs()));
+/// assert!(sharpest > 0.2, "{sharpest}");
+/// # Ok::<(), crease::Error>(())
 /// ```
 #[derive(Debug)]
 pub struct Transfer<'a> {

@@ -29,6 +29,14 @@ pub enum WearFormat {
 }
 
 /// The actions on a garment, in order.
+///
+/// ```
+/// use crease::WearScript;
+/// let script = WearScript::parse("nap.json", r#"{"format": "crease-wear/1", "name": "a nap", "actions": [
+///     {"repeat": {"times": 3, "actions": [{"crumple": {"to": 0.5, "over": 2}}, {"release": {}}, {"settle": {"for": 1}}]}}]}"#)?;
+/// assert_eq!(script.flatten().count(), 9);
+/// # Ok::<(), crease::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "crease wear script")]
@@ -45,6 +53,12 @@ pub struct WearScript {
 
 impl WearScript {
     /// Reads a script; `file` is its name in messages.
+    ///
+    /// ```
+    /// let text = r#"{"format": "crease-wear/1", "actions": [{"setle": {"for": 1}}]}"#;
+    /// let message = crease::WearScript::parse("wear.json", text).unwrap_err().to_string();
+    /// assert!(message.contains("line 1") && message.contains("settle"), "{message}");
+    /// ```
     pub fn parse(file: &str, text: &str) -> Result<Self> {
         Self::from_document(&Document::parse(file, text)?)
     }

@@ -57,6 +57,11 @@ method_list! {
 
 impl Method {
     /// Returns the method of that name on the command line.
+    ///
+    /// ```
+    /// use crease::Method;
+    /// assert_eq!(Method::from_name("bdf2"), Some(Method::Bdf2));
+    /// ```
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|m| m.name() == name)
     }
