@@ -155,14 +155,14 @@ pub use memory::{
 pub use mesh::intersections::self_intersections;
 #[doc(inline)]
 pub use mesh::{Hinge, PointIndex, Topology, VertexIndex, hinge_angle, hinge_gradient, unwrap_angle};
-#[doc(inline)]
-pub use report::{Export, Report, swatch_page};
 #[cfg(feature = "render")]
 #[doc(inline)]
 pub use report::{
     ColorBy, GarmentView,
     render::{Camera, Colouring, Image, encode_png, render},
 };
+#[doc(inline)]
+pub use report::{Export, Report, swatch_page};
 #[cfg(feature = "viewer")]
 #[doc(inline)]
 pub use report::{ViewerItem, viewer_page};
