@@ -333,7 +333,11 @@ fn print_summary(worn: &str, report: &TransferReport) {
             "{}: matched by {}{}; {:.0} % of its creases lost, {:.0} % of the target unmatched",
             source.file,
             source.by,
-            source.aligned.as_ref().map(|by| format!(", aligned by {by}")).unwrap_or_default(),
+            match source.aligned.as_deref() {
+                Some("place") => ", not aligned".to_owned(),
+                Some(by) => format!(", aligned by {by}"),
+                None => String::new(),
+            },
             100.0 * source.losses.lost_crease_fraction,
             100.0 * source.losses.unmatched_target_fraction,
         ));
