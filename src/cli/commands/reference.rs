@@ -19,7 +19,7 @@ pub fn markdown(command: &Command) -> String {
         let _ = writeln!(text, "- [`{name}`](#crease-{name}){}: {about}", alias_note(sub));
     }
     if let Some(notes) = command.get_after_help() {
-        let _ = writeln!(text, "\n```\n{notes}\n```");
+        let _ = writeln!(text, "\n```\n{}\n```", notes.to_string().trim_end());
     }
     for sub in visible_subcommands(command) {
         add_command(&mut text, sub, &["crease"]);
@@ -52,7 +52,7 @@ fn add_command(text: &mut String, command: &Command, parents: &[&str]) {
         }
     }
     if let Some(notes) = command.get_after_help() {
-        let _ = writeln!(text, "\n```\n{notes}\n```");
+        let _ = writeln!(text, "\n```\n{}\n```", notes.to_string().trim_end());
     }
     for sub in visible_subcommands(command) {
         add_command(text, sub, &path);

@@ -37,10 +37,10 @@ pub struct Arguments {
     #[arg(short, long, value_name = "OUT.glb", value_parser = glb_path)]
     output: PathBuf,
     /// Matching of points of both garments
-    #[arg(long = "match", alias = "by", value_enum, default_value_t = MatchArg::Auto)]
+    #[arg(long = "match", alias = "by", value_name = "MODE", value_enum, default_value_t = MatchArg::Auto)]
     match_by: MatchArg,
     /// Alignment of the source with the target before points are matched by surface
-    #[arg(long, value_enum, default_value_t = AlignArg::Auto)]
+    #[arg(long, value_name = "MODE", value_enum, default_value_t = AlignArg::Auto)]
     align: AlignArg,
     /// File of corresponding points of both garments (`crease schema landmarks`), by which the source is aligned
     #[arg(long, value_name = "FILE", conflicts_with = "align")]
@@ -73,13 +73,13 @@ pub struct Arguments {
 /// Values of `--match`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum MatchArg {
-    /// MatchBy texture coordinates where both textures agree, else by surface; by vertex number for the same mesh
+    /// By texture coordinates where both textures agree, else by surface; by vertex number for the same mesh
     Auto,
-    /// MatchBy texture coordinates
+    /// By texture coordinates
     Uv,
-    /// MatchBy position on the surface, after alignment
+    /// By position on the surface, after alignment
     Surface,
-    /// MatchBy vertex number; refused unless the mesh is the same
+    /// By vertex number; refused unless the mesh is the same
     Same,
 }
 
@@ -88,7 +88,7 @@ enum MatchArg {
 enum AlignArg {
     /// None if most of MESH is close to the source, else by joints, else by bounding boxes
     Auto,
-    /// MatchBy the joints of a skeleton that both garments are bound to
+    /// By the joints of a skeleton that both garments are bound to
     Joints,
     /// Map the bounding box of the source to that of MESH
     Box,

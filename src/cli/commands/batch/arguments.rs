@@ -15,7 +15,7 @@ A job file:
   {\"format\": \"crease-batch/1\", \"output\": \"worn\", \"garments\": [\"shirt.glb\"],
    \"wear\": [\"fold-thrice.json\"], \"fabrics\": [\"denim\", \"linen\"]}")]
 pub struct Arguments {
-    /// Job file, crease-batch/1; its paths count from its own folder
+    /// Job file, crease-batch/1; paths in it are relative to its folder
     #[arg(value_name = "JOBS.json")]
     pub jobs: PathBuf,
     /// Jobs that run at the same time [default: number of cores]
