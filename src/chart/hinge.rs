@@ -140,7 +140,8 @@ pub(super) fn make(_options: &ChartOptions) -> Result<Chart> {
             errors.push(change(shown.max_torque, paper.max_torque));
         }
         let name = tau.map_or("no memory".to_owned(), |tau| format!("gradual event after {tau} s"));
-        push_series(shown, &name, number, paper, &mut torques, &mut angles);
+        push_series(&mut angles, shown, &name, number, |sample| sample.rest_angle, paper.rest_angle);
+        push_series(&mut torques, shown, &name, number, |sample| sample.torque, paper.max_torque);
     }
     let mean = 100.0 * errors.iter().sum::<f64>() / errors.len() as f64;
     let worst = 100.0 * errors.iter().fold(0.0, |a: f64, b| a.max(*b));
@@ -175,28 +176,24 @@ fn legend() -> Vec<Series> {
         .into()
 }
 
-/// Adds one fold to the series of both panels.
+/// Adds one fold to the series of a panel: `value` over time, its events, and the value of the paper.
 fn push_series(
+    series: &mut Vec<Series>,
     fold: &HingeFold,
     name: &str,
     colour: usize,
-    paper: &PaperRow,
-    torques: &mut Vec<Series>,
-    angles: &mut Vec<Series>,
+    value: fn(&FoldSample) -> f64,
+    paper: f64,
 ) {
+    let point = |sample: &FoldSample| [sample.time, value(sample)];
+    series.push(Series::new(name, colour, Mark::Line, fold.path.iter().map(point).collect()));
+    for (times, mark) in [(&fold.gradual_events, Mark::Dots), (&fold.critical_events, Mark::Crosses)] {
+        let at = |t: &f64| fold.path.iter().find(|sample| sample.time >= *t).map(point);
+        series.push(Series::new("", colour, mark, times.iter().filter_map(at).collect()));
+    }
     // The paper's values stand behind the end of the fold.
     let beside = FOLD_DURATION + SHOWN_AFTER * (0.3 + 0.15 * colour as f64);
-    let columns: [(&mut Vec<Series>, fn(&FoldSample) -> f64, f64); 2] =
-        [(angles, |sample| sample.rest_angle, paper.rest_angle), (torques, |sample| sample.torque, paper.max_torque)];
-    for (series, value, paper) in columns {
-        let point = |sample: &FoldSample| [sample.time, value(sample)];
-        series.push(Series::new(name, colour, Mark::Line, fold.path.iter().map(point).collect()));
-        for (times, mark) in [(&fold.gradual_events, Mark::Dots), (&fold.critical_events, Mark::Crosses)] {
-            let at = |t: &f64| fold.path.iter().find(|sample| sample.time >= *t).map(point);
-            series.push(Series::new("", colour, mark, times.iter().filter_map(at).collect()));
-        }
-        series.push(Series::new("", colour, Mark::Rings, vec![[beside, paper]]));
-    }
+    series.push(Series::new("", colour, Mark::Rings, vec![[beside, paper]]));
 }
 
 #[cfg(test)]

@@ -92,11 +92,13 @@ enum MemoryLaw {
     Off,
 }
 
-/// Parser of the integrators of the library, by name.
+/// Parser of the integrators of the library, by name. Those that exist only for validation are accepted but not listed.
 fn method_parser() -> impl TypedValueParser<Value = Method> {
-    let names = PossibleValuesParser::new(
-        Method::ALL.iter().map(|m| PossibleValue::new(m.name()).help(m.description())),
-    );
+    let value = |method: &Method| {
+        let is_hidden = matches!(method, Method::Bdf2Once | Method::VertexBlockDescent);
+        PossibleValue::new(method.name()).help(method.description()).hide(is_hidden)
+    };
+    let names = PossibleValuesParser::new(Method::ALL.iter().map(value));
     names.try_map(|name| Method::from_name(&name).ok_or("no such method"))
 }
 
