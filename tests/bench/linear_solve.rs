@@ -8,7 +8,7 @@ mod faer_sparse;
 
 use crease::energy::BlockSink;
 use crease::math::{Mat3, Vec3};
-use crease::sim::{BlockMatrix, Cholesky};
+use crease::sim::{BlockMatrix, Cholesky, FactorSize};
 use faer_sparse::FaerSparse;
 use std::collections::HashMap;
 use std::time::Instant;
@@ -76,7 +76,7 @@ fn row(points: u32, folds: u32) {
     let size = y.iter().map(|v| v.amax()).fold(0.0, f64::max);
     let difference = x.iter().zip(&y).map(|(x, y)| (x - y).amax()).fold(0.0, f64::max);
     let gemm = if crease.is_double() { gemm(1.0f64) } else { gemm(1.0f32) };
-    let (work, numbers) = crease.size();
+    let FactorSize { multiplications: work, entries: numbers } = crease.size();
     let total = |t: &[f64; 3]| t.iter().sum::<f64>();
     println!(
         "{:6} {folds} {:5.1} | {:6.1} {:5.0} {:6.0} {:5.0} | {:6.1} {:5.1}  {:5.1} {:6.0} {:5.0}  {:3.0} %{} | {:6.0} {:5.0} | {:.1} {:.1}   difference {:.0e}",

@@ -78,7 +78,7 @@ impl Kernels {
             matrix_bytes: matrix.bytes(),
             factor,
             solve,
-            multiplications: direct.size().0,
+            multiplications: direct.size().multiplications,
             search,
             pair_count,
         })

@@ -1,50 +1,47 @@
-//! A symmetric sparse matrix of 3 x 3 blocks with a pattern that is built once, refilled many times, and grows where it must.
+//! A symmetric sparse matrix of 3 x 3 blocks whose pattern is built once, refilled many times, and grows where necessary.
 //!
-//! Only the lower triangle is stored, row by row. Points that are held (pins, sleeping parts) have no row: blocks
-//! that touch them are dropped on the way in. Energies add their blocks in the same order again and again, so where each
-//! went last time is looked at before it is searched for. A block without a place gets one: contacts come and go, and what
-//! was filled before stays. The matrix is filled by several threads at once, each with
-//! rows of its own: every block is the sum of the same numbers in the same order for any number of threads.
+//! Only the lower triangle is stored, row by row. Fixed points (pins, inactive regions) have no row, and blocks that touch
+//! them are dropped. Energies add their blocks in the same order each time, so that the slot of the last time is tried
+//! before a search. A block outside the pattern is inserted: contacts appear and vanish, and earlier blocks stay. Several
+//! threads fill the matrix at once, each its own rows: every block is the sum of the same numbers in the same order for any
+//! number of threads.
 
 use crate::energy::BlockSink;
 use crate::math::{Mat3, Vec3};
+use crate::sim::linear::tuning::TUNING;
 use rayon::prelude::*;
 
-/// Marks a point without a row.
+/// Row index of a fixed point, which has no row.
 pub const FIXED_ROW: u32 = u32::MAX;
 
-/// Takes one group of points that are coupled to one another.
+/// Callback for one group of points that are coupled to each other.
 pub type StencilVisitor<'a> = dyn FnMut(&[u32]) + 'a;
 
 /// Symmetric block matrix over the free points.
 #[derive(Debug, Clone, Default)]
 pub struct BlockMatrix {
-    /// Per point: its row, or [`FIXED_ROW`].
+    /// Row of every point, or [`FIXED_ROW`].
     row_of: Vec<u32>,
-    /// Per row: its point.
+    /// Point of every row.
     point_of: Vec<u32>,
-    /// Per row: start of its blocks; one more at the end.
+    /// First slot of every row, and the number of slots.
     start: Vec<u32>,
     /// Block columns, increasing within a row; the last of a row is its diagonal.
     column: Vec<u32>,
     value: Vec<Mat3>,
-    /// Blocks of the pattern as it was built.
-    planned: usize,
+    /// Number of blocks of the pattern when it was built.
+    initial_nnz: usize,
     /// Rows at which one thread's range ends and the next begins, from 0 to the number of rows.
-    cuts: Vec<u32>,
-    /// Per range: where its blocks went, in order.
-    went: Vec<Vec<u32>>,
+    row_ranges: Vec<u32>,
+    /// Slots of the blocks of the last filling in their order, per range.
+    slot_hints: Vec<Vec<u32>>,
 }
 
-/// A thread takes at least so many rows.
-const FEWEST_ROWS: usize = 256;
-/// A pattern that has grown by more than this share is worth building anew.
-const OVERGROWN: f64 = 0.1;
-/// In the place of one that was not found.
-const NOWHERE: u32 = u32::MAX;
+/// Slot of a block outside the pattern.
+const NO_SLOT: u32 = u32::MAX;
 
-/// Sorts a list and moves its different numbers to the front; how many those are.
-fn sort_once(list: &mut [u32]) -> usize {
+/// Sorts a list, moves its distinct numbers to the front, and returns their count.
+fn sort_and_deduplicate(list: &mut [u32]) -> usize {
     list.sort_unstable();
     let mut count = 0;
     for k in 0..list.len() {
@@ -57,8 +54,8 @@ fn sort_once(list: &mut [u32]) -> usize {
 }
 
 impl BlockMatrix {
-    /// Pattern of the given `couplings` between points. `row_of` gives every free point its row (rows counted
-    /// from 0 without gaps) and [`FIXED_ROW`] to the others.
+    /// Returns a zero matrix with the pattern of the given `couplings` between points. `row_of` is the row of every free point
+    /// (counted from 0 without gaps) and [`FIXED_ROW`] of the others.
     pub fn with_pattern(row_of: Vec<u32>, couplings: &mut dyn FnMut(&mut StencilVisitor)) -> Self {
         let rows = row_of.iter().filter(|r| **r != FIXED_ROW).count();
         let mut point_of = vec![0; rows];
@@ -90,12 +87,15 @@ impl BlockMatrix {
         }
         end.fill(0);
         for [i, j] in below {
-            let at = &mut end[i as usize];
-            lists[i as usize][*at as usize] = j;
-            *at += 1;
+            let next = &mut end[i as usize];
+            lists[i as usize][*next as usize] = j;
+            *next += 1;
         }
-        let distinct: Vec<usize> =
-            lists.par_iter_mut().with_min_len(FEWEST_ROWS).map(|l| sort_once(l)).collect();
+        let distinct: Vec<usize> = lists
+            .par_iter_mut()
+            .with_min_len(TUNING.min_rows_per_thread)
+            .map(|l| sort_and_deduplicate(l))
+            .collect();
         let mut start = Vec::with_capacity(rows + 1);
         let mut column = Vec::with_capacity(distinct.iter().sum::<usize>() + rows);
         start.push(0);
@@ -105,18 +105,28 @@ impl BlockMatrix {
             start.push(column.len() as u32);
         }
         let value = vec![Mat3::zeros(); column.len()];
-        let planned = column.len();
-        Self { row_of, point_of, start, column, value, planned, cuts: Vec::new(), went: Vec::new() }
+        let initial_nnz = column.len();
+        Self {
+            row_of,
+            point_of,
+            start,
+            column,
+            value,
+            initial_nnz,
+            row_ranges: Vec::new(),
+            slot_hints: Vec::new(),
+        }
     }
 
-    /// Whether so many blocks have been added to the pattern that it is worth building anew.
+    /// Whether the pattern has grown so much that it should be rebuilt.
     pub fn should_rebuild(&self) -> bool {
-        (self.column.len() - self.planned) as f64 > OVERGROWN * self.planned as f64
+        (self.column.len() - self.initial_nnz) as f64 > TUNING.max_pattern_growth * self.initial_nnz as f64
     }
 
-    /// Whether exactly the points with `held` unset have rows.
-    pub fn has_fixed_set(&self, held: &[bool]) -> bool {
-        self.row_of.len() == held.len() && self.row_of.iter().zip(held).all(|(r, h)| (*r == FIXED_ROW) == *h)
+    /// Whether exactly the points without a `fixed` flag have rows.
+    pub fn has_fixed_set(&self, fixed: &[bool]) -> bool {
+        self.row_of.len() == fixed.len()
+            && self.row_of.iter().zip(fixed).all(|(r, fixed)| (*r == FIXED_ROW) == *fixed)
     }
 
     /// Number of block rows.
@@ -124,7 +134,7 @@ impl BlockMatrix {
         self.point_of.len()
     }
 
-    /// Bytes that a product reads of it.
+    /// Number of bytes that a product reads.
     pub fn bytes(&self) -> f64 {
         (self.block_count() * (size_of::<Mat3>() + size_of::<u32>())) as f64
     }
@@ -134,7 +144,7 @@ impl BlockMatrix {
         self.column.len()
     }
 
-    /// Per row: its point.
+    /// Point of every row.
     pub fn points(&self) -> &[u32] {
         &self.point_of
     }
@@ -149,7 +159,7 @@ impl BlockMatrix {
         &self.value[self.start[r] as usize..self.start[r + 1] as usize]
     }
 
-    /// Where the blocks of each row start, and the columns of all blocks: equal for equal patterns.
+    /// First slots of all rows and columns of all slots, which are equal for equal patterns.
     pub fn pattern(&self) -> (&[u32], &[u32]) {
         (&self.start, &self.column)
     }
@@ -159,7 +169,7 @@ impl BlockMatrix {
         &self.value
     }
 
-    /// Adds to `marked`, one flag per point, the points that a marked one is coupled to.
+    /// Marks the points that are coupled to a marked one; one flag per point.
     pub fn dilate(&self, marked: &mut [bool]) {
         let before = marked.to_vec();
         for (r, &p) in self.point_of.iter().enumerate() {
@@ -175,17 +185,17 @@ impl BlockMatrix {
         &self.value[self.start[r + 1] as usize - 1]
     }
 
-    /// Replaces all values by what `add` adds, which is called once by every thread and must add the same blocks in the
-    /// same order each time. The pattern grows by the blocks that have no place in it; whether there were any.
+    /// Replaces all values by the blocks that `add` adds. Every thread calls it once; it must add the same blocks in the same
+    /// order each time. The pattern grows by blocks outside it; returns whether there were any.
     pub fn fill(&mut self, add: &(dyn Fn(&mut dyn BlockSink) + Sync)) -> bool {
-        let threads = rayon::current_num_threads().min(self.row_count() / FEWEST_ROWS).max(1);
-        if self.cuts.len() != threads + 1 {
-            self.cut_into(threads);
+        let threads = rayon::current_num_threads().min(self.row_count() / TUNING.min_rows_per_thread).max(1);
+        if self.row_ranges.len() != threads + 1 {
+            self.split_rows(threads);
         }
-        let Self { row_of, start, column, value, cuts, went, .. } = self;
+        let Self { row_of, start, column, value, row_ranges, slot_hints, .. } = self;
         let mut rest = value.as_mut_slice();
         let mut ranges: Vec<Rows> = Vec::with_capacity(threads);
-        for (ends, went) in cuts.windows(2).zip(went) {
+        for (ends, slot_hints) in row_ranges.windows(2).zip(slot_hints) {
             let rows = [ends[0], ends[1]];
             let [from, to] = rows.map(|r| start[r as usize] as usize);
             let (mine, others) = rest.split_at_mut(to - from);
@@ -196,63 +206,64 @@ impl BlockMatrix {
                 column,
                 rows,
                 value: mine,
-                went,
+                slot_hints,
                 added: 0,
-                strays: Vec::new(),
+                misses: Vec::new(),
             });
         }
-        // Each range is moved to its thread: what they count must not share a cache line.
-        let strays = ranges.into_par_iter().map(|mut range| {
+        // Each range is moved to its thread, so that counters are on different cache lines.
+        let misses = ranges.into_par_iter().map(|mut range| {
             range.value.fill(Mat3::zeros());
             add(&mut range);
-            range.strays
+            range.misses
         });
-        let strays: Vec<Stray> = strays.collect::<Vec<_>>().concat();
-        let grows = !strays.is_empty();
+        let misses: Vec<PatternMiss> = misses.collect::<Vec<_>>().concat();
+        let grows = !misses.is_empty();
         if grows {
-            self.grow(strays);
+            self.grow(misses);
         }
         grows
     }
 
-    /// Shares the rows between so many threads: as many blocks each.
-    fn cut_into(&mut self, threads: usize) {
+    /// Splits the rows into as many ranges as `threads`, with equal numbers of blocks.
+    fn split_rows(&mut self, threads: usize) {
         let until = |k: usize| (self.column.len() * k / threads) as u32;
-        let row = |k: usize| self.start.partition_point(|at| *at < until(k)) as u32;
-        self.cuts = (0..threads).map(row).chain([self.row_count() as u32]).collect();
-        self.went = vec![Vec::new(); threads];
+        let row = |k: usize| self.start.partition_point(|slot| *slot < until(k)) as u32;
+        self.row_ranges = (0..threads).map(row).chain([self.row_count() as u32]).collect();
+        self.slot_hints = vec![Vec::new(); threads];
     }
 
-    /// Gives places to blocks that have none, with the values they bring.
-    fn grow(&mut self, mut strays: Vec<Stray>) {
-        // Those of one place stay in the order in which they came.
-        strays.sort_by_key(|stray| [stray.row, stray.column]);
-        let mut strays = strays.into_iter().peekable();
-        let more = self.column.len() + strays.len();
+    /// Inserts blocks outside the pattern with their values.
+    fn grow(&mut self, mut misses: Vec<PatternMiss>) {
+        // A stable sort: blocks of one slot stay in the order in which they were added.
+        misses.sort_by_key(|miss| [miss.row, miss.column]);
+        let mut misses = misses.into_iter().peekable();
+        let more = self.column.len() + misses.len();
         let (mut start, mut column, mut value) =
             (vec![0], Vec::with_capacity(more), Vec::with_capacity(more));
-        let mut now_at = Vec::with_capacity(self.column.len());
+        let mut new_slots = Vec::with_capacity(self.column.len());
         for r in 0..self.row_count() {
-            for at in self.start[r] as usize..self.start[r + 1] as usize {
-                while let Some(stray) = strays.next_if(|s| s.row as usize == r && s.column <= self.column[at])
+            for slot in self.start[r] as usize..self.start[r + 1] as usize {
+                while let Some(miss) =
+                    misses.next_if(|s| s.row as usize == r && s.column <= self.column[slot])
                 {
-                    if column.len() > start[r] as usize && column.last() == Some(&stray.column) {
+                    if column.len() > start[r] as usize && column.last() == Some(&miss.column) {
                         if let Some(value) = value.last_mut() {
-                            *value += stray.block;
+                            *value += miss.block;
                         }
                     } else {
-                        column.push(stray.column);
-                        value.push(stray.block);
+                        column.push(miss.column);
+                        value.push(miss.block);
                     }
                 }
-                now_at.push(column.len() as u32);
-                column.push(self.column[at]);
-                value.push(self.value[at]);
+                new_slots.push(column.len() as u32);
+                column.push(self.column[slot]);
+                value.push(self.value[slot]);
             }
             start.push(column.len() as u32);
         }
-        for at in self.went.iter_mut().flatten().filter(|at| **at != NOWHERE) {
-            *at = now_at[*at as usize];
+        for slot in self.slot_hints.iter_mut().flatten().filter(|slot| **slot != NO_SLOT) {
+            *slot = new_slots[*slot as usize];
         }
         (self.start, self.column, self.value) = (start, column, value);
     }
@@ -260,9 +271,9 @@ impl BlockMatrix {
     /// Adds `amount` times the identity to the diagonal block of point `p`, if it is free.
     pub fn add_diagonal(&mut self, p: usize, amount: f64) {
         if self.row_of[p] != FIXED_ROW {
-            let at = self.start[self.row_of[p] as usize + 1] as usize - 1;
+            let slot = self.start[self.row_of[p] as usize + 1] as usize - 1;
             for k in 0..3 {
-                self.value[at][(k, k)] += amount;
+                self.value[slot][(k, k)] += amount;
             }
         }
     }
@@ -279,12 +290,12 @@ impl BlockMatrix {
         largest
     }
 
-    /// The values of the free points of a field over all points.
+    /// Returns the values at free points of a field over all points, one per row.
     pub fn gather(&self, field: &[Vec3]) -> Vec<Vec3> {
         self.point_of.iter().map(|&p| field[p as usize]).collect()
     }
 
-    /// A field over all points with the given values at free points and zero at held ones.
+    /// Returns the field over all points with the given values at free points, one per row, and zero at fixed ones.
     pub fn scatter(&self, values: &[Vec3]) -> Vec<Vec3> {
         let mut field = vec![Vec3::zeros(); self.row_of.len()];
         for (&p, v) in self.point_of.iter().zip(values) {
@@ -293,7 +304,7 @@ impl BlockMatrix {
         field
     }
 
-    /// y = A x over rows.
+    /// Computes y = A x, one per row.
     pub fn multiply(&self, x: &[Vec3], y: &mut [Vec3]) {
         y.fill(Vec3::zeros());
         for r in 0..self.row_count() {
@@ -315,57 +326,58 @@ impl BlockSink for BlockMatrix {
     fn add(&mut self, i: u32, j: u32, block: &Mat3) {
         let rows = [0, self.row_count() as u32];
         let Self { row_of, start, column, value, .. } = self;
-        let went = &mut Vec::new();
-        let mut all = Rows { row_of, start, column, rows, value, went, added: 0, strays: Vec::new() };
+        let slot_hints = &mut Vec::new();
+        let mut all = Rows { row_of, start, column, rows, value, slot_hints, added: 0, misses: Vec::new() };
         all.add(i, j, block);
-        debug_assert!(all.strays.is_empty(), "block ({i}, {j}) is outside the pattern");
+        debug_assert!(all.misses.is_empty(), "block ({i}, {j}) is outside the pattern");
     }
 }
 
-/// Some neighbouring rows of a matrix on their way to being filled.
+/// A range of rows of a matrix while it is filled.
 struct Rows<'a> {
     row_of: &'a [u32],
     start: &'a [u32],
     column: &'a [u32],
-    /// The first, and the one after the last.
+    /// The first row, and the one after the last.
     rows: [u32; 2],
     /// Their blocks.
     value: &'a mut [Mat3],
-    /// Where the blocks added so far went; then where later ones went the time before.
-    went: &'a mut Vec<u32>,
-    /// Blocks added so far.
+    /// Slots of the blocks added so far, followed by those of later blocks at the last filling.
+    slot_hints: &'a mut Vec<u32>,
+    /// Number of blocks added so far.
     added: usize,
-    /// Those without a place.
-    strays: Vec<Stray>,
+    /// Blocks outside the pattern.
+    misses: Vec<PatternMiss>,
 }
 
-/// A block without a place in the pattern.
+/// A block outside the pattern.
 #[derive(Debug, Clone, Copy)]
-struct Stray {
+struct PatternMiss {
     row: u32,
     column: u32,
     block: Mat3,
 }
 
 impl Rows<'_> {
-    /// Where the block (`row`, `column`) lies among the blocks of all rows; none if it has no place.
+    /// Returns the slot of the block (`row`, `column`) among those of all rows; `None` outside the pattern.
     #[inline]
     fn find(&mut self, row: u32, column: u32) -> Option<u32> {
         let [from, to] = [row, row + 1].map(|r| self.start[r as usize]);
-        let last = self.went.get(self.added).copied();
-        let found = match last.filter(|at| (from..to).contains(at) && self.column[*at as usize] == column) {
-            Some(at) => Some(at),
-            None => {
-                let columns = &self.column[from as usize..to as usize];
-                let found = columns.binary_search(&column).ok().map(|at| from + at as u32);
-                let at = found.unwrap_or(NOWHERE);
-                match self.went.get_mut(self.added) {
-                    Some(went) => *went = at,
-                    None => self.went.push(at),
+        let hint = self.slot_hints.get(self.added).copied();
+        let found =
+            match hint.filter(|slot| (from..to).contains(slot) && self.column[*slot as usize] == column) {
+                Some(slot) => Some(slot),
+                None => {
+                    let columns = &self.column[from as usize..to as usize];
+                    let found = columns.binary_search(&column).ok().map(|slot| from + slot as u32);
+                    let slot = found.unwrap_or(NO_SLOT);
+                    match self.slot_hints.get_mut(self.added) {
+                        Some(hint) => *hint = slot,
+                        None => self.slot_hints.push(slot),
+                    }
+                    found
                 }
-                found
-            }
-        };
+            };
         self.added += 1;
         found
     }
@@ -378,17 +390,17 @@ impl BlockSink for Rows<'_> {
         if r == FIXED_ROW || c == FIXED_ROW {
             return;
         }
-        let (row, column, turned) = if r >= c { (r, c, false) } else { (c, r, true) };
+        let (row, column, transposed) = if r >= c { (r, c, false) } else { (c, r, true) };
         if !(self.rows[0]..self.rows[1]).contains(&row) {
             return;
         }
-        let Some(at) = self.find(row, column) else {
-            let block = if turned { block.transpose() } else { *block };
-            self.strays.push(Stray { row, column, block });
+        let Some(slot) = self.find(row, column) else {
+            let block = if transposed { block.transpose() } else { *block };
+            self.misses.push(PatternMiss { row, column, block });
             return;
         };
-        let value = &mut self.value[(at - self.start[self.rows[0] as usize]) as usize];
-        if turned { *value += block.transpose() } else { *value += block }
+        let value = &mut self.value[(slot - self.start[self.rows[0] as usize]) as usize];
+        if transposed { *value += block.transpose() } else { *value += block }
     }
 
     #[inline]
@@ -408,7 +420,7 @@ mod tests {
     use super::*;
     use crate::math::Rng;
 
-    /// Triples of points, near and far, every seventh point held.
+    /// Triples of points, near and far, every seventh point fixed.
     fn scene() -> (Vec<u32>, Vec<[u32; 3]>) {
         let mut rng = Rng::from_state(5);
         let count = 3000;
@@ -419,7 +431,7 @@ mod tests {
             row
         });
         let row_of = row_of.collect();
-        let mut any = |most: u32| (rng.uniform() * f64::from(most)) as u32;
+        let mut any = |limit: u32| (rng.uniform() * f64::from(limit)) as u32;
         let triples = (0..4 * count).map(|_| {
             let p = any(count);
             [p, (p + 1 + any(5)) % count, any(count)]
@@ -451,7 +463,7 @@ mod tests {
         assert!(expected.iter().any(|block| block.norm() > 0.0));
         for threads in [1, 2, 3, 8] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            // Twice: the second time with the places known, and with some that are not.
+            // Repeatedly: with known slots, and with some that are not.
             for triples in [&triples[..], &triples[1..], &triples[..]] {
                 pool.install(|| matrix.fill(&|out| add_all(triples, out)));
             }
@@ -460,7 +472,7 @@ mod tests {
     }
 
     #[test]
-    fn a_block_without_a_place_gets_one() {
+    fn a_block_outside_the_pattern_is_inserted() {
         let (row_of, triples) = scene();
         let of = |triples: &[[u32; 3]]| {
             BlockMatrix::with_pattern(row_of.clone(), &mut |visit| triples.iter().for_each(|t| visit(t)))
@@ -470,7 +482,7 @@ mod tests {
         for threads in [1, 2, 3] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let mut grown = of(&triples[triples.len() / 30..]);
-            // What has grown is filled again like any other, also by another number of threads.
+            // A grown pattern is refilled as any other, also by another number of threads.
             for again in [&pool, &pool, &rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap()] {
                 again.install(|| grown.fill(&|out| add_all(&triples, out)));
                 assert_eq!(grown.pattern(), whole.pattern());

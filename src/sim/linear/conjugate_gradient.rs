@@ -1,26 +1,26 @@
-//! Conjugate gradients with a block-Jacobi preconditioner, for systems whose factor would not fit in memory and
-//! as an independent check of the direct solver.
+//! Conjugate gradients with a block-Jacobi preconditioner, for systems whose factor does not fit in memory and as an
+//! independent check of the direct solver.
 
 use crate::math::{Mat3, Vec3};
-use crate::sim::BlockMatrix;
+use crate::sim::linear::block_matrix::BlockMatrix;
 
-/// Outcome of a solve.
+/// Outcome of conjugate gradients.
 #[derive(Debug, Clone)]
 pub struct Solution {
-    /// One per row.
+    /// Solution, one per row.
     pub x: Vec<Vec3>,
-    /// Iterations made.
+    /// Number of iterations.
     pub iterations: usize,
-    /// Whether the residual fell below the tolerance.
+    /// Whether the residual is below the tolerance.
     pub converged: bool,
 }
 
-/// Solves `matrix` x = `rhs` to |r| <= `tolerance` |rhs|. Stops early on a direction of negative curvature.
+/// Solves `matrix` x = `rhs` to |r| <= `tolerance` |rhs|. Stops early at a direction of negative curvature.
 pub fn conjugate_gradient(
     matrix: &BlockMatrix,
     rhs: &[Vec3],
     tolerance: f64,
-    most_iterations: usize,
+    max_iterations: usize,
 ) -> Solution {
     let n = rhs.len();
     let inverse: Vec<Mat3> = (0..n)
@@ -34,7 +34,7 @@ pub fn conjugate_gradient(
     let mut p = z.clone();
     let mut image = vec![Vec3::zeros(); n];
     let mut rz = dot(&r, &z);
-    for iteration in 0..most_iterations {
+    for iteration in 0..max_iterations {
         if dot(&r, &r) <= goal {
             return Solution { x, iterations: iteration, converged: true };
         }
@@ -43,18 +43,18 @@ pub fn conjugate_gradient(
         if curvature <= 0.0 || !curvature.is_finite() {
             return Solution { x, iterations: iteration, converged: false };
         }
-        let step = rz / curvature;
+        let alpha = rz / curvature;
         for k in 0..n {
-            x[k] += p[k] * step;
-            r[k] -= image[k] * step;
+            x[k] += p[k] * alpha;
+            r[k] -= image[k] * alpha;
             z[k] = inverse[k] * r[k];
         }
         let next = dot(&r, &z);
-        let share = next / rz;
+        let beta = next / rz;
         rz = next;
         for k in 0..n {
-            p[k] = z[k] + p[k] * share;
+            p[k] = z[k] + p[k] * beta;
         }
     }
-    Solution { x, iterations: most_iterations, converged: false }
+    Solution { x, iterations: max_iterations, converged: false }
 }

@@ -1,5 +1,6 @@
-//! Linear algebra of one Newton iteration: block matrix, sparse Cholesky factorisation, conjugate gradients.
+//! Linear algebra of one Newton iteration: symmetric block matrix, sparse Cholesky factorisation, conjugate gradients.
 
 pub mod block_matrix;
 pub mod cholesky;
 pub mod conjugate_gradient;
+mod tuning;

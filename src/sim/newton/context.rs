@@ -1,4 +1,4 @@
-//! What all parts of a solve share.
+//! The arguments common to all parts of a solve.
 
 use crate::contact::Contact;
 use crate::sim::newton::report::NewtonReport;

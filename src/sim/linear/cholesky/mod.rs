@@ -1,31 +1,35 @@
-//! Sparse Cholesky factorisation by fronts: the direct solver of the cloth's systems.
+//! Sparse multifrontal Cholesky factorisation, the direct solver of the cloth's systems.
 //!
-//! The pattern changes whenever contacts come or go, so that analysis must be cheap as well: it works on 3 x 3 blocks
-//! and sorted lists (`dissection.rs`: the order; `fronts.rs`: the dense matrices). The factor is made in single
-//! precision first (`factor.rs`; `dense.rs` is the door to faer): half the time, half the memory. Conjugate gradients
-//! in double precision with that factor as preconditioner reach [`TOLERANCE`] in one to three iterations; if they do
-//! not, or if a pivot is not positive, the factor is made again in double precision. The bits of a solution depend
-//! neither on the number of threads nor on the buffers kept between factorisations. The same iterations solve a system that
-//! has hardly changed with the factor of an older one, as far as a direction needs ([`Cholesky::solve_with_older`]).
+//! The pattern changes whenever contacts appear or vanish, so that the symbolic analysis must be cheap as well: it works on
+//! 3 x 3 blocks and sorted lists (`nested_dissection.rs`: the elimination order; `symbolic.rs`: the fronts). The factor is made
+//! in single precision first (`numeric.rs`; `dense.rs` wraps faer): half the time, half the memory. Conjugate gradients
+//! in double precision with this factor as preconditioner reach the residual tolerance in one to three iterations; if they
+//! do not, or if a pivot is not positive, the factor is made again in double precision. The bits of a solution depend
+//! neither on the number of threads nor on the buffers kept between factorisations. The same iterations solve a system
+//! that has hardly changed with a stale factor ([`Cholesky::solve_with_stale_factor`]).
 
 mod dense;
 mod nested_dissection;
 mod numeric;
+mod prefix_sum;
+mod real;
 mod symbolic;
 #[cfg(test)]
 mod tests;
 mod trapezoidal_storage;
 mod triangular_solve;
+mod tuning;
 mod vertex_cover;
 
 use crate::math::Vec3;
-use crate::sim::BlockMatrix;
+use crate::sim::linear::block_matrix::BlockMatrix;
 use crate::sim::linear::cholesky::numeric::Factor;
 use crate::sim::linear::cholesky::symbolic::Fronts;
+use crate::sim::linear::cholesky::tuning::TUNING;
 use serde::{Deserialize, Serialize};
 use std::ops::AddAssign;
 
-/// Why a factorisation failed.
+/// Reason why a factorisation failed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FactorError {
     /// The matrix is not positive definite (or not finite).
@@ -34,74 +38,13 @@ pub enum FactorError {
     TooLarge,
 }
 
-/// A factor beyond this many numbers is refused: 4 GiB in double precision.
-const LARGEST_FACTOR: usize = 512 << 20;
-/// Residual of a solution, relative to the right-hand side. Newton's own error is far above it, and a third iteration
-/// costs as much as a tenth of a factorisation.
-const TOLERANCE: f64 = 1e-8;
-/// Iterations after which a factor in single precision is given up.
-const MOST_ITERATIONS: usize = 30;
-/// Share of what there was to gain that iterations with an older factor may leave.
-const LEFT_SHARE: f64 = 1e-3;
-/// Share of what was left that each of them may leave, while much is.
-const SLOWEST: f64 = 0.3;
-/// Up to this many times what may be left in the end the older factor is no judge of single iterations: it takes contacts that
-/// have become stiff since for soft, and what is left by its measure goes up and down.
-const CLOSE: f64 = 30.0;
-/// An iteration takes as long as about so many multiplications of a factorisation for each number of the factor, twice over:
-/// all of them together must not take longer than half a factorisation.
-const HALF_OF_FACTORISATION: f64 = 200.0;
-/// So many are always made, and are enough where there was no more to gain than what counts as converged.
-const FEWEST_ITERATIONS: usize = 2;
-/// Share of what counts as converged that they may leave.
-const LEFT_OPEN: f64 = 0.3;
-/// Who is wary of an older factor asks it only where by its measure no more than so many times what counts as converged is to gain.
-const NEARLY_THERE: f64 = 3.0;
-/// Factorisations of less work (multiplications) are made in double precision at once: they take a millisecond.
-const SMALL: f64 = 2e7;
-/// Factorisations that stay in double precision after one in single precision was not good enough.
-const DOUBT: u32 = 16;
-
-/// The numbers a factor is made of.
-trait Real: faer::traits::RealField + Copy + Default {
-    /// Numbers of a factor below this are taken for zero, where the largest are about 1e6: products of two such are
-    /// still normal numbers.
-    const TINY: Self;
-    fn from_f64(x: f64) -> Self;
-    fn to_f64(self) -> f64;
-}
-
-impl Real for f32 {
-    const TINY: Self = 2e-13;
-    #[inline]
-    fn from_f64(x: f64) -> Self {
-        x as Self
-    }
-    #[inline]
-    fn to_f64(self) -> f64 {
-        self.into()
-    }
-}
-
-impl Real for f64 {
-    const TINY: Self = 1e-120;
-    #[inline]
-    fn from_f64(x: f64) -> Self {
-        x
-    }
-    #[inline]
-    fn to_f64(self) -> f64 {
-        self
-    }
-}
-
-/// What linear solves took, whatever the machine.
+/// Work of linear solves, independent of the machine.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SolveCost {
     /// Multiplications of factorisations.
     pub multiplications: f64,
-    /// Bytes moved at least: every factor written once and read twice by a substitution, the matrix read by a product.
+    /// Minimum of bytes moved: every factor written once and read twice by a triangular solve, the matrix read by a product.
     pub bytes: f64,
 }
 
@@ -112,25 +55,35 @@ impl AddAssign for SolveCost {
     }
 }
 
+/// Size of a factorisation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FactorSize {
+    /// Multiplications of the factorisation.
+    pub multiplications: f64,
+    /// Number of entries of the factor.
+    pub entries: usize,
+}
+
 /// A factorisation that can be refilled.
 #[derive(Default)]
 pub struct Cholesky {
     fronts: Fronts,
-    /// Pattern the fronts belong to.
+    /// Pattern to which the fronts belong.
     start: Vec<u32>,
     column: Vec<u32>,
     single: Factor<f32>,
     double: Factor<f64>,
-    /// Which of the two holds the last factorisation.
+    /// Whether the last factorisation is in `double`, else in `single`.
     in_double: bool,
-    /// Factorisations still to be made in double precision.
-    doubt: u32,
-    /// Of what has been done since it was last asked for.
+    /// Number of factorisations still to be made in double precision.
+    double_precision_holdoff: u32,
+    /// Work since the last call of [`Self::take_cost`].
     cost: SolveCost,
 }
 
 impl Cholesky {
-    /// Factorises `matrix`; `positions` of all points [m] choose the elimination order when the pattern is new.
+    /// Factorises `matrix`. The `positions` of all points [m] determine the elimination order when the pattern is new.
+    /// Fails if the matrix is not positive definite or the factor too large.
     pub fn factorise(&mut self, matrix: &BlockMatrix, positions: &[Vec3]) -> Result<(), FactorError> {
         let (start, column) = matrix.pattern();
         if self.start != start || self.column != column {
@@ -140,13 +93,14 @@ impl Cholesky {
             self.start.extend_from_slice(start);
             self.column.extend_from_slice(column);
         }
-        if self.fronts.factor_len > LARGEST_FACTOR {
+        if self.fronts.factor_len > TUNING.max_factor_entries {
             return Err(FactorError::TooLarge);
         }
-        self.in_double = self.doubt > 0 || self.fronts.work() < SMALL;
-        self.doubt = self.doubt.saturating_sub(1);
+        let is_small = self.fronts.work() < TUNING.direct_double_max_flops;
+        self.in_double = self.double_precision_holdoff > 0 || is_small;
+        self.double_precision_holdoff = self.double_precision_holdoff.saturating_sub(1);
         if !self.in_double {
-            self.cost += self.of_factor::<f32>();
+            self.cost += self.factor_cost::<f32>();
             if self.single.fill(&self.fronts, matrix).is_ok() {
                 return Ok(());
             }
@@ -154,11 +108,12 @@ impl Cholesky {
         self.refill_in_double(matrix)
     }
 
-    /// Solves in place for a right-hand side over rows, with the matrix that was factorised last. After an error the
-    /// right-hand side is what it was.
+    /// Solves in place for a right-hand side, one entry per row, with the matrix that was factorised last. On failure the
+    /// right-hand side is unchanged.
     pub fn solve(&mut self, matrix: &BlockMatrix, rhs: &mut [Vec3]) -> Result<(), FactorError> {
         if !self.in_double {
-            let goal = Goal::Residual(TOLERANCE * TOLERANCE * dot(rhs, rhs));
+            let residual_tol = TUNING.refinement.residual_tol;
+            let goal = Goal::Residual { max_squared: residual_tol * residual_tol * dot(rhs, rhs) };
             if let Some(x) = self.iterate(matrix, rhs, goal) {
                 rhs.copy_from_slice(&x);
                 return Ok(());
@@ -166,36 +121,36 @@ impl Cholesky {
             self.refill_in_double(matrix)?;
         }
         self.double.solve(&self.fronts, rhs);
-        self.cost.bytes += 2.0 * self.of_factor::<f64>().bytes;
+        self.cost.bytes += 2.0 * self.factor_cost::<f64>().bytes;
         Ok(())
     }
 
-    /// What has been done since this was last asked for.
+    /// Returns the work since the last call.
     pub fn take_cost(&mut self) -> SolveCost {
         std::mem::take(&mut self.cost)
     }
 
-    /// Of one factorisation.
-    fn of_factor<T>(&self) -> SolveCost {
+    /// Returns the work of one factorisation.
+    fn factor_cost<T>(&self) -> SolveCost {
         let bytes = (self.fronts.factor_len * size_of::<T>()) as f64;
         SolveCost { multiplications: self.fronts.work(), bytes }
     }
 
-    /// Exchanges the buffers that are of use during a factorisation only.
+    /// Exchanges the buffers that are used during a factorisation only.
     pub fn swap_buffers(&mut self, other: &mut Self) {
         self.single.swap_buffers(&mut other.single);
         self.double.swap_buffers(&mut other.double);
     }
 
-    /// Lets go of a factor of more than so many numbers, which is not asked for again.
-    pub fn release_if_larger_than(&mut self, numbers: usize) {
-        self.single.let_go_beyond(numbers);
-        self.double.let_go_beyond(numbers);
+    /// Releases a factor that has more than `entries` entries; it cannot be used for solves afterwards.
+    pub fn release_if_larger_than(&mut self, entries: usize) {
+        self.single.release_if_larger_than(entries);
+        self.double.release_if_larger_than(entries);
     }
 
-    /// Multiplications of a factorisation, and numbers in its factor.
-    pub fn size(&self) -> (f64, usize) {
-        (self.fronts.work(), self.fronts.factor_len)
+    /// Size of the last factorisation.
+    pub fn size(&self) -> FactorSize {
+        FactorSize { multiplications: self.fronts.work(), entries: self.fronts.factor_len }
     }
 
     /// Whether the last factorisation is in double precision.
@@ -206,106 +161,130 @@ impl Cholesky {
     fn refill_in_double(&mut self, matrix: &BlockMatrix) -> Result<(), FactorError> {
         if !self.in_double {
             self.in_double = true;
-            self.doubt = DOUBT;
+            self.double_precision_holdoff = TUNING.double_precision_holdoff;
         }
-        self.cost += self.of_factor::<f64>();
+        self.cost += self.factor_cost::<f64>();
         self.double.fill(&self.fronts, matrix).map_err(|_| FactorError::NotPositive)
     }
 
-    /// Solves in place with the factor of an older matrix of the same rows: only until what is left to gain of the energy
-    /// 1/2 x·Ax - rhs·x, by the measure of that factor, is below a thousandth of the gain at first or three tenths of `enough`
-    /// [J], what counts as converged; where no more than `enough` is to gain at first two iterations must do, as all of them gain
-    /// something. Where that is not coming in half the time of a factorisation the right-hand side is what it was, and the answer
-    /// is no; so it is where a factor costs next to nothing, and, if asked to be `wary`, where more than little is to gain.
+    /// Solves in place with the stale factor of an earlier matrix of the same rows, and returns whether it succeeded.
+    ///
+    /// The iterations minimise the energy 1/2 x·Ax - rhs·x until the decrease that is left, as predicted by the stale
+    /// factor, is small relative to the first prediction or to `energy_tol` [J]. Where the first prediction is below
+    /// `energy_tol` two iterations suffice, as each decreases the energy. They fail, with the right-hand side unchanged,
+    /// where they would take longer than half a factorisation, where a factorisation costs next to nothing, and, if
+    /// `strict`, where the first prediction is well above `energy_tol`.
     pub fn solve_with_stale_factor(
         &mut self,
         matrix: &BlockMatrix,
         rhs: &mut [Vec3],
-        enough: f64,
-        wary: bool,
+        energy_tol: f64,
+        strict: bool,
     ) -> bool {
         if self.in_double {
             return false;
         }
-        let solved = self.iterate(matrix, rhs, Goal::Gain { enough, wary });
+        let solved = self.iterate(matrix, rhs, Goal::Decrease { energy_tol, strict });
         solved.is_some_and(|x| {
             rhs.copy_from_slice(&x);
             true
         })
     }
 
-    /// Conjugate gradients with the single factor as preconditioner; none if they do not arrive. Flexible (Notay 2000):
-    /// rounding makes the preconditioner a slightly different one every time.
+    /// Conjugate gradients with the single-precision factor as preconditioner; `None` if they miss the goal. Flexible
+    /// (Notay 2000), as rounding makes the preconditioner a slightly different one in every iteration.
     fn iterate(&mut self, matrix: &BlockMatrix, rhs: &[Vec3], goal: Goal) -> Option<Vec<Vec3>> {
-        let substitution = 2.0 * self.of_factor::<f32>().bytes;
-        let product = matrix.bytes();
+        let triangular_solve_bytes = 2.0 * self.factor_cost::<f32>().bytes;
+        let product_bytes = matrix.bytes();
         let mut x = vec![Vec3::zeros(); rhs.len()];
         let mut r = rhs.to_vec();
         let (mut p, mut image) = (x.clone(), x.clone());
         let mut curvature = 1.0;
-        let mut first = f64::NAN;
-        let worth_while = self.fronts.work() / (HALF_OF_FACTORISATION * self.fronts.factor_len as f64);
-        for k in 0..=MOST_ITERATIONS {
-            if matches!(goal, Goal::Residual(squared) if dot(&r, &r) <= squared) {
+        let mut progress = StaleProgress { first: f64::NAN, max_iterations: self.max_stale_iterations() };
+        for k in 0..=TUNING.refinement.max_iterations {
+            if matches!(goal, Goal::Residual { max_squared } if dot(&r, &r) <= max_squared) {
                 return Some(x);
             }
             let mut z = r.clone();
             self.single.solve(&self.fronts, &mut z);
-            self.cost.bytes += substitution;
-            if let Goal::Gain { enough, wary } = goal {
-                let left = dot(&r, &z);
-                let little = LEFT_OPEN * enough;
-                if k == 0 {
-                    first = left;
-                    if wary && first > NEARLY_THERE * enough {
-                        return None;
-                    }
-                } else if left <= little.max(LEFT_SHARE * first)
-                    || (k == FEWEST_ITERATIONS && first <= enough)
-                {
-                    return Some(x);
-                }
-                let slow = left > first * SLOWEST.powi(k as i32 - 1) && left > CLOSE * little;
-                if left.is_nan() || slow || (k > FEWEST_ITERATIONS && k as f64 >= worth_while) {
-                    return None;
+            self.cost.bytes += triangular_solve_bytes;
+            if let Goal::Decrease { energy_tol, strict } = goal {
+                match progress.judge(k, dot(&r, &z), energy_tol, strict) {
+                    Verdict::Converged => return Some(x),
+                    Verdict::Failed => return None,
+                    Verdict::Continue => {}
                 }
             }
-            let share = -dot(&z, &image) / curvature;
-            p.iter_mut().zip(&z).for_each(|(p, z)| *p = z + *p * share);
+            let beta = -dot(&z, &image) / curvature;
+            p.iter_mut().zip(&z).for_each(|(p, z)| *p = z + *p * beta);
             matrix.multiply(&p, &mut image);
-            self.cost.bytes += product;
+            self.cost.bytes += product_bytes;
             curvature = dot(&p, &image);
-            let step = dot(&p, &r) / curvature;
-            if !(curvature > 0.0 && step.is_finite()) {
+            let alpha = dot(&p, &r) / curvature;
+            if !(curvature > 0.0 && alpha.is_finite()) {
                 return None;
             }
             for k in 0..r.len() {
-                x[k] += p[k] * step;
-                r[k] -= image[k] * step;
+                x[k] += p[k] * alpha;
+                r[k] -= image[k] * alpha;
             }
         }
         None
     }
+
+    /// Number of iterations with a stale factor that take half as long as a factorisation.
+    fn max_stale_iterations(&self) -> f64 {
+        let per_iteration = TUNING.refinement.flops_per_entry_budget * self.fronts.factor_len as f64;
+        self.fronts.work() / per_iteration
+    }
 }
 
-/// When iterations have arrived.
+/// Goal of the iterations.
 #[derive(Clone, Copy)]
 enum Goal {
-    /// At this squared residual.
-    Residual(f64),
-    /// When little enough of what counts as converged [J] is left to gain; not at all if much is and one is wary.
-    Gain { enough: f64, wary: bool },
+    /// Squared residual.
+    Residual { max_squared: f64 },
+    /// Predicted decrease that is left, for an energy tolerance [J]; see [`Cholesky::solve_with_stale_factor`].
+    Decrease { energy_tol: f64, strict: bool },
+}
+
+/// Progress of iterations with a stale factor.
+struct StaleProgress {
+    /// First predicted decrease [J].
+    first: f64,
+    /// Number of iterations that are worthwhile.
+    max_iterations: f64,
+}
+
+/// Decision after an iteration with a stale factor.
+enum Verdict {
+    Converged,
+    Failed,
+    Continue,
+}
+
+impl StaleProgress {
+    /// Decides after `k` iterations with a predicted decrease of `left` [J].
+    fn judge(&mut self, k: usize, left: f64, energy_tol: f64, strict: bool) -> Verdict {
+        let tuning = &TUNING.refinement;
+        let absolute_tol = tuning.stale_energy_fraction * energy_tol;
+        if k == 0 {
+            self.first = left;
+            if strict && left > tuning.strict_energy_factor * energy_tol {
+                return Verdict::Failed;
+            }
+        } else if left <= absolute_tol.max(tuning.stale_rel_tol * self.first)
+            || (k == tuning.min_stale_iterations && self.first <= energy_tol)
+        {
+            return Verdict::Converged;
+        }
+        let slow = left > self.first * tuning.max_contraction.powi(k as i32 - 1)
+            && left > tuning.noise_floor_factor * absolute_tol;
+        let over_budget = k > tuning.min_stale_iterations && k as f64 >= self.max_iterations;
+        if left.is_nan() || slow || over_budget { Verdict::Failed } else { Verdict::Continue }
+    }
 }
 
 fn dot(a: &[Vec3], b: &[Vec3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
-}
-
-/// Counts -> starts; gives their sum.
-fn sum_up(count: &mut [u32]) -> u32 {
-    let mut total = 0;
-    for c in count {
-        total += std::mem::replace(c, total);
-    }
-    total
 }

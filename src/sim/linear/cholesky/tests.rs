@@ -1,12 +1,12 @@
-//! The direct solver against dense matrices, against conjugate gradients and against itself on other threads.
+//! The direct solver against dense matrices, conjugate gradients and itself on other numbers of threads.
 
 use super::*;
 use crate::energy::BlockSink;
 use crate::math::{Mat3, Rng};
-use crate::sim::FIXED_ROW;
+use crate::sim::linear::block_matrix::FIXED_ROW;
 use crate::sim::linear::conjugate_gradient::conjugate_gradient;
 
-/// Points of a sheet or of anything else, with the pairs that are coupled.
+/// Points with the pairs that are coupled.
 struct Scene {
     positions: Vec<Vec3>,
     pairs: Vec<(u32, u32)>,
@@ -53,12 +53,12 @@ fn folded_sheet(n: u32, folds: u32) -> Scene {
 
 impl Scene {
     /// A positive definite matrix: mass `mass`, and for every pair a spring of 1 along its direction times `stiffness`
-    /// (times `wall` between layers) and a hundredth of it across. Points for which `held` is true have no row.
-    fn matrix(&self, mass: f64, wall: f64, held: impl Fn(u32) -> bool) -> BlockMatrix {
+    /// (times `wall` between layers) and a hundredth of it across. Points for which `fixed` is true have no row.
+    fn matrix(&self, mass: f64, wall: f64, fixed: impl Fn(u32) -> bool) -> BlockMatrix {
         let mut next = 0;
         let row_of = (0..self.positions.len() as u32)
             .map(|p| {
-                let row = if held(p) { FIXED_ROW } else { next };
+                let row = if fixed(p) { FIXED_ROW } else { next };
                 next += u32::from(row != FIXED_ROW);
                 row
             })
@@ -141,9 +141,9 @@ fn folded_sheets_are_solved_in_either_precision() {
         let rhs = right_hand_side(matrix.row_count());
         let mut direct = Cholesky::default();
         let x = solved(&mut direct, &matrix, &scene.positions, &rhs);
-        assert!(!direct.in_double, "single precision did not do for {folds} folds");
-        assert!(residual(&matrix, &x, &rhs) <= TOLERANCE);
-        direct.doubt = 1;
+        assert!(!direct.in_double, "single precision did not suffice for {folds} folds");
+        assert!(residual(&matrix, &x, &rhs) <= TUNING.refinement.residual_tol);
+        direct.double_precision_holdoff = 1;
         let y = solved(&mut direct, &matrix, &scene.positions, &rhs);
         assert!(direct.in_double);
         assert!(residual(&matrix, &y, &rhs) < 1e-11);
@@ -173,7 +173,7 @@ fn the_same_bits_for_any_number_of_threads_and_any_history() {
                         let matrix = other.matrix(2.0, 1.0, |_| false);
                         solved(&mut direct, &matrix, &other.positions, &right_hand_side(matrix.row_count()));
                     }
-                    direct.doubt = u32::from(double);
+                    direct.double_precision_holdoff = u32::from(double);
                     solved(&mut direct, &matrix, &scene.positions, &rhs)
                 });
                 outcomes.push((double, x));
@@ -197,7 +197,7 @@ fn stiffness_of_any_range_is_solved() {
         let reached = residual(&matrix, &x, &rhs);
         // What double precision can do: 1e-16 of the largest terms, which are about wall x.
         let size = x.iter().map(|v| v.amax()).fold(0.0, f64::max);
-        assert!(reached <= TOLERANCE.max(1e-14 * wall * size), "wall {wall}: {reached}");
+        assert!(reached <= TUNING.refinement.residual_tol.max(1e-14 * wall * size), "wall {wall}: {reached}");
     }
 }
 
@@ -210,12 +210,12 @@ fn numbers_that_decay_beyond_single_precision_are_solved() {
     let mut direct = Cholesky::default();
     let x = solved(&mut direct, &matrix, &scene.positions, &rhs);
     assert!(!direct.in_double);
-    assert!(residual(&matrix, &x, &rhs) <= TOLERANCE);
-    assert!(direct.single.number.iter().all(|l| *l == 0.0 || l.is_normal()));
+    assert!(residual(&matrix, &x, &rhs) <= TUNING.refinement.residual_tol);
+    assert!(direct.single.entries.iter().all(|l| *l == 0.0 || l.is_normal()));
 }
 
 #[test]
-fn an_indefinite_matrix_is_refused_and_forgotten() {
+fn an_indefinite_matrix_is_refused_and_leaves_no_trace() {
     let scene = folded_sheet(30, 1);
     let mut matrix = scene.matrix(1e-3, 10.0, |_| false);
     let mut direct = Cholesky::default();
@@ -229,18 +229,18 @@ fn an_indefinite_matrix_is_refused_and_forgotten() {
     let matrix = scene.matrix(1e-3, 10.0, |_| false);
     let rhs = right_hand_side(matrix.row_count());
     let x = solved(&mut direct, &matrix, &scene.positions, &rhs);
-    assert!(residual(&matrix, &x, &rhs) <= TOLERANCE);
+    assert!(residual(&matrix, &x, &rhs) <= TUNING.refinement.residual_tol);
 }
 
 #[test]
-fn positions_that_tell_nothing_are_no_obstacle() {
+fn degenerate_positions_are_no_obstacle() {
     let scene = folded_sheet(12, 0);
     let matrix = scene.matrix(1.0, 1.0, |_| false);
     let rhs = right_hand_side(matrix.row_count());
-    for place in [0.0, f64::NAN, f64::INFINITY, 1e300] {
-        let positions = vec![Vec3::repeat(place); scene.positions.len()];
+    for coordinate in [0.0, f64::NAN, f64::INFINITY, 1e300] {
+        let positions = vec![Vec3::repeat(coordinate); scene.positions.len()];
         let x = solved(&mut Cholesky::default(), &matrix, &positions, &rhs);
-        assert!(residual(&matrix, &x, &rhs) <= TOLERANCE);
+        assert!(residual(&matrix, &x, &rhs) <= TUNING.refinement.residual_tol);
     }
 }
 
@@ -257,31 +257,31 @@ fn a_factor_that_does_not_fit_is_refused() {
 }
 
 #[test]
-fn an_older_factor_solves_what_has_hardly_changed_and_says_so_of_the_rest() {
+fn a_stale_factor_solves_what_has_hardly_changed_and_refuses_the_rest() {
     let scene = folded_sheet(40, 2);
     let then = scene.matrix(0.1, 100.0, |_| false);
     let rhs = right_hand_side(then.row_count());
     let mut direct = Cholesky::default();
     direct.factorise(&then, &scene.positions).unwrap();
-    assert!(!direct.is_double(), "a factor that costs nothing is made anew");
-    let gain = |x: &[Vec3]| dot(x, &rhs);
+    assert!(!direct.is_double(), "a factor that costs nothing is always made again");
+    let decrease = |x: &[Vec3]| dot(x, &rhs);
     let now = scene.matrix(0.11, 105.0, |_| false);
     let mut x = rhs.clone();
     assert!(direct.solve_with_stale_factor(&now, &mut x, 0.0, false));
     let exact = solved(&mut Cholesky::default(), &now, &scene.positions, &rhs);
-    assert!((gain(&x) / gain(&exact) - 1.0).abs() < 1e-3, "{} {}", gain(&x), gain(&exact));
-    // Who is wary asks nothing of it where much is to gain.
+    assert!((decrease(&x) / decrease(&exact) - 1.0).abs() < 1e-3, "{} {}", decrease(&x), decrease(&exact));
+    // The strict criterion refuses it where the predicted decrease is large.
     let mut x = rhs.clone();
     assert!(!direct.solve_with_stale_factor(&now, &mut x, 0.0, true));
     let other = scene.matrix(1e-4, 1e5, |_| false);
     let mut x = rhs.clone();
     assert!(!direct.solve_with_stale_factor(&other, &mut x, 0.0, false));
     assert_eq!(x, rhs);
-    // Where what there is to gain counts as nothing two iterations do, and gain something.
+    // Where the predicted decrease is below the tolerance two iterations suffice, and decrease the energy.
     assert!(direct.solve_with_stale_factor(&other, &mut x, f64::MAX, true));
     let mut image = x.clone();
     other.multiply(&x, &mut image);
-    let energy = 0.5 * dot(&x, &image) - gain(&x);
+    let energy = 0.5 * dot(&x, &image) - decrease(&x);
     let exact = solved(&mut Cholesky::default(), &other, &scene.positions, &rhs);
-    assert!(energy < 0.0 && energy > -0.5 * gain(&exact), "{energy} {}", gain(&exact));
+    assert!(energy < 0.0 && energy > -0.5 * decrease(&exact), "{energy} {}", decrease(&exact));
 }

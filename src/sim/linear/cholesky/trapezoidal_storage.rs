@@ -1,47 +1,48 @@
-//! The lower part of a dense matrix in one piece of memory: stairs of [`STAIR`] columns, each from the row of its first
-//! column down. Of a square little more than half, and to dense kernels each stair is a matrix by columns.
+//! Packed storage of the lower trapezoid of a dense matrix: panels of [`PANEL_WIDTH`] columns, each from the row of its first
+//! column down. Of a square it takes little more than half, and each panel is a column-major matrix for dense kernels.
 
 use std::ops::Range;
 
-/// Columns of a stair; a multiple of 3, so that blocks of the cloth lie in one.
-pub const STAIR: usize = 192;
+/// Number of columns of a panel; a multiple of 3, so that a block of the cloth lies in one panel.
+pub const PANEL_WIDTH: usize = 192;
 
-/// Numbers of the first `columns` columns of `rows` rows.
+/// Number of entries of the first `columns` columns of `rows` rows.
 pub fn len(rows: usize, columns: usize) -> usize {
-    let top = columns - columns % STAIR;
-    before(rows, top) + (columns - top) * (rows - top)
+    let top = columns - columns % PANEL_WIDTH;
+    panel_offset(rows, top) + (columns - top) * (rows - top)
 }
 
-/// Where row 0 of column `j` would lie in `rows` rows, if its stair began there; the other rows follow.
-pub fn row_zero(rows: usize, j: usize) -> usize {
-    let top = j - j % STAIR;
-    before(rows, top) + (j - top) * (rows - top) - top
+/// Returns the index that row 0 of column `j` of `rows` rows would have if its panel began there; row i is i further.
+pub fn column_offset(rows: usize, j: usize) -> usize {
+    let top = j - j % PANEL_WIDTH;
+    panel_offset(rows, top) + (j - top) * (rows - top) - top
 }
 
-/// Numbers of all stairs before the one that begins in column `top`: STAIR columns of rows, rows - STAIR, ... each.
-fn before(rows: usize, top: usize) -> usize {
-    top * rows - top * top.saturating_sub(STAIR) / 2
+/// Returns the number of entries before the panel that begins in column `top`: PANEL_WIDTH columns of rows, rows - PANEL_WIDTH, ...
+/// each.
+fn panel_offset(rows: usize, top: usize) -> usize {
+    top * rows - top * top.saturating_sub(PANEL_WIDTH) / 2
 }
 
-/// Every stair of the first `columns` columns of `rows` rows: the row (and column) it begins in, and where its numbers are.
-pub fn ranges(rows: usize, columns: usize) -> impl Iterator<Item = (usize, Range<usize>)> {
-    (0..columns).step_by(STAIR).map(move |top| {
-        let start = before(rows, top);
-        (top, start..start + STAIR.min(columns - top) * (rows - top))
+/// Returns every panel of the first `columns` columns of `rows` rows: its first row (and column), and the range of its entries.
+pub fn panels(rows: usize, columns: usize) -> impl Iterator<Item = (usize, Range<usize>)> {
+    (0..columns).step_by(PANEL_WIDTH).map(move |top| {
+        let start = panel_offset(rows, top);
+        (top, start..start + PANEL_WIDTH.min(columns - top) * (rows - top))
     })
 }
 
-/// The same from the stair on that begins in column `first`, whose `numbers` come first.
-pub fn each_from<T>(
-    mut numbers: &mut [T],
+/// Returns the panels from the one that begins in column `first` on, whose entries are the first of `entries`.
+pub fn panels_from<T>(
+    mut entries: &mut [T],
     rows: usize,
     columns: usize,
     first: usize,
 ) -> impl Iterator<Item = (usize, &mut [T])> {
-    ranges(rows, columns).skip(first.div_ceil(STAIR)).map(move |(top, range)| {
-        let (stair, rest) = std::mem::take(&mut numbers).split_at_mut(range.len());
-        numbers = rest;
-        (top, stair)
+    panels(rows, columns).skip(first.div_ceil(PANEL_WIDTH)).map(move |(top, range)| {
+        let (panel, rest) = std::mem::take(&mut entries).split_at_mut(range.len());
+        entries = rest;
+        (top, panel)
     })
 }
 
@@ -49,26 +50,27 @@ pub fn each_from<T>(
 mod tests {
     use super::*;
 
-    /// Every number has a place of its own, and the stairs are those places.
+    /// Entries are contiguous, and the panels are ranges of them.
     #[test]
-    fn places_fill_the_memory_in_order() {
+    fn entries_are_contiguous() {
         for (rows, columns) in
             [(0, 0), (3, 3), (192, 192), (195, 192), (384, 384), (600, 600), (600, 3), (903, 420)]
         {
             let mut next = 0;
             for j in 0..columns {
-                for i in j - j % STAIR..rows {
-                    assert_eq!(row_zero(rows, j) + i, next, "row {i} of column {j} of {rows} x {columns}");
+                for i in j - j % PANEL_WIDTH..rows {
+                    let index = column_offset(rows, j) + i;
+                    assert_eq!(index, next, "row {i} of column {j} of {rows} x {columns}");
                     next += 1;
                 }
             }
             assert_eq!(len(rows, columns), next);
-            let mut numbers: Vec<usize> = (0..next).collect();
-            for (top, range) in ranges(rows, columns) {
-                assert_eq!(range.start, row_zero(rows, top) + top);
-                let later: Vec<_> = each_from(&mut numbers[range.start..], rows, columns, top).collect();
+            let mut entries: Vec<usize> = (0..next).collect();
+            for (top, range) in panels(rows, columns) {
+                assert_eq!(range.start, column_offset(rows, top) + top);
+                let later: Vec<_> = panels_from(&mut entries[range.start..], rows, columns, top).collect();
                 assert_eq!((later[0].0, later[0].1[0], later[0].1.len()), (top, range.start, range.len()));
-                assert_eq!(later.iter().map(|(_, stair)| stair.len()).sum::<usize>(), next - range.start);
+                assert_eq!(later.iter().map(|(_, panel)| panel.len()).sum::<usize>(), next - range.start);
             }
         }
     }

@@ -1,13 +1,14 @@
-//! The fewest nodes of a two-sided graph that touch all its edges.
+//! Minimum vertex cover of a bipartite graph.
 //!
-//! A largest matching by augmenting paths (Kuhn's method after a greedy start: the graphs are the couplings across one
-//! cut, a few hundred nodes), and from it a least vertex cover by Koenig's theorem. No recursion: paths may be long.
+//! A maximum matching by augmenting paths (Kuhn's method after a greedy start: the graphs are the couplings across one
+//! plane, a few hundred nodes) gives a minimum vertex cover by Koenig's theorem. Without recursion, as paths may be long.
 
-use crate::sim::linear::cholesky::nested_dissection::NONE;
+/// Unmatched node.
+const NONE: u32 = u32::MAX;
 
-/// Edges of left node i lead to the right nodes `across[start[i]..start[i + 1]]`. Says of each left and each right node
-/// whether it is in the cover.
-pub fn least_cover(start: &[u32], across: &[u32], right_count: usize) -> (Vec<bool>, Vec<bool>) {
+/// Returns for each left and each right node whether it is in a minimum vertex cover. The neighbours of left node i are the
+/// right nodes `across[start[i]..start[i + 1]]`.
+pub fn minimum_vertex_cover(start: &[u32], across: &[u32], right_count: usize) -> (Vec<bool>, Vec<bool>) {
     let graph = Graph { start, across };
     let left_count = start.len() - 1;
     let mut matching = Matching { of_left: vec![NONE; left_count], of_right: vec![NONE; right_count] };
@@ -22,7 +23,7 @@ pub fn least_cover(start: &[u32], across: &[u32], right_count: usize) -> (Vec<bo
             matching.augment(graph, i, &mut seen);
         }
     }
-    // What alternating paths from free left nodes reach: the cover is the left nodes outside, the right ones inside.
+    // The cover is the left nodes that no alternating path from an unmatched left node reaches, and the right ones reached.
     let mut left: Vec<bool> = matching.of_left.iter().map(|&j| j != NONE).collect();
     let mut right = vec![false; right_count];
     let mut open: Vec<u32> = (0..left_count as u32).filter(|&i| !left[i as usize]).collect();
@@ -62,9 +63,9 @@ impl Matching {
         self.of_right[j as usize] = i;
     }
 
-    /// Looks for an augmenting path from the free left node `root` and flips it. `seen` per right node: the last root.
+    /// Finds an augmenting path from the unmatched left node `root` and flips it. `seen` is the last root of every right node.
     fn augment(&mut self, graph: Graph, root: u32, seen: &mut [u32]) {
-        // Left nodes on the path, each with the number of edges tried.
+        // Left nodes on the path and the number of edges tried of each.
         let mut path = vec![(root, 0)];
         while let Some((i, tried)) = path.last_mut() {
             let Some(&j) = graph.of(*i).get(*tried) else {
@@ -94,8 +95,8 @@ mod tests {
     use crate::math::Rng;
 
     #[test]
-    fn covers_are_as_small_as_the_smallest() {
-        // Pseudo-random graphs of five and five nodes against all 1024 choices.
+    fn covers_are_minimal() {
+        // Random graphs of five and five nodes against all 1024 subsets.
         let mut rng = Rng::from_state(7);
         for _ in 0..200 {
             let (mut start, mut across) = (vec![0], Vec::new());
@@ -113,11 +114,11 @@ mod tests {
                 })
                 .collect();
             let covers = |set: u32| edges.iter().all(|(i, j)| set >> i & 1 == 1 || set >> (5 + j) & 1 == 1);
-            let least = (0..1024u32).filter(|&s| covers(s)).map(u32::count_ones).min().unwrap();
-            let (left, right) = least_cover(&start, &across, 5);
+            let minimum = (0..1024u32).filter(|&s| covers(s)).map(u32::count_ones).min().unwrap();
+            let (left, right) = minimum_vertex_cover(&start, &across, 5);
             let chosen = left.iter().chain(&right).enumerate().map(|(k, &c)| u32::from(c) << k).sum();
-            assert!(covers(chosen), "an edge is left over");
-            assert_eq!(chosen.count_ones(), least);
+            assert!(covers(chosen), "an edge is not covered");
+            assert_eq!(chosen.count_ones(), minimum);
         }
     }
 }
