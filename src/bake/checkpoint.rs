@@ -31,7 +31,7 @@ use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
 /// Format and version of the file.
-pub const CHECKPOINT_FORMAT: &str = "crease-checkpoint/1";
+pub const CHECKPOINT_FORMAT: &str = "crease-checkpoint/2";
 
 /// State of a bake between two of its steps.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
