@@ -45,7 +45,6 @@ fn anchors(text: &str) -> Vec<String> {
 }
 
 #[test]
-#[ignore = "still being mended"]
 fn links_of_markdown_lead_somewhere() {
     let mut faults = Vec::new();
     let pages = [files_below("", &[".md"]), github_pages()].concat();

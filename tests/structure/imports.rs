@@ -246,7 +246,6 @@ fn floors() -> BTreeMap<String, usize> {
 }
 
 #[test]
-#[ignore = "still being mended"]
 fn every_folder_has_a_floor() {
     let (floors, sources) = (floors(), Sources::read());
     let folders: BTreeSet<&str> = (0..sources.files.len()).filter_map(|file| sources.folder(file)).collect();
@@ -274,7 +273,6 @@ fn no_folder_imports_a_higher_one() {
 }
 
 #[test]
-#[ignore = "still being mended"]
 fn folders_form_no_circle() {
     let sources = Sources::read();
     let folders: Vec<&str> = {
