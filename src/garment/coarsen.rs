@@ -7,45 +7,13 @@
 //! the source shape, borders between parts) keep their line; triangles without removed points stay unchanged.
 
 use crate::garment::Garment;
+use crate::garment::coarse_mesh::{BarycentricPosition, CoarseMesh};
 use crate::garment::material_coords::{flatten_triangle, project_to_plane};
 use crate::garment::tuning::TUNING;
 use crate::math::Vec3;
 use crate::mesh::distance::{barycentric, point_triangle_squared};
 use crate::mesh::{Hinge, INVALID, PointIndex, Topology, triangle};
 use rustc_hash::{FxHashMap, FxHashSet};
-
-/// Coarser mesh of a garment.
-#[derive(Debug, Clone)]
-pub struct CoarseMesh {
-    /// Coarse garment. Its `source_point` is empty: no vertex of the file has a point of it.
-    pub garment: Garment,
-    /// Per coarse point: its point of the source.
-    pub source_point: Vec<PointIndex>,
-    /// Per coarse triangle: the identical triangle of the source; `None` for triangles that were modified.
-    pub unchanged_from: Vec<Option<u32>>,
-    /// Per source point: the coarse triangle that contains it, or one of those around it if it remains.
-    pub containing_triangle: Vec<u32>,
-    /// Per source point: its position in that triangle.
-    barycentric: Vec<BarycentricPosition>,
-}
-
-/// Position in a triangle.
-#[derive(Debug, Clone, Copy)]
-struct BarycentricPosition {
-    corners: [PointIndex; 3],
-    /// Weights of the corners, 0 to 1, with sum 1.
-    weights: [f64; 3],
-}
-
-impl CoarseMesh {
-    /// Returns the positions [m] of all source points when the coarse points are at `x` [m]: points that were removed lie
-    /// in their triangles.
-    pub fn interpolate(&self, x: &[Vec3]) -> Vec<Vec3> {
-        let position =
-            |b: &BarycentricPosition| (0..3).map(|k| x[b.corners[k].at()] * b.weights[k]).sum::<Vec3>();
-        self.barycentric.iter().map(position).collect()
-    }
-}
 
 impl Garment {
     /// Returns the mesh with points removed until edges are about as long as `wanted` (one length per point [m]; a point

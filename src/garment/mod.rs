@@ -5,6 +5,7 @@
 //! [`Garment::refine`] change its resolution. Reads no bytes: `io` does.
 
 mod build;
+mod coarse_mesh;
 mod coarsen;
 mod diagnostic;
 mod garment_type;
@@ -19,7 +20,7 @@ mod tuning;
 mod wedges;
 mod worn_garment;
 
-pub use coarsen::CoarseMesh;
+pub use coarse_mesh::CoarseMesh;
 pub use diagnostic::{ImportDiagnostic, Severity};
 pub use garment_type::Garment;
 pub use inspect::{Inspection, PartReport, PieceReport, inspect};

@@ -1,4 +1,4 @@
-//! One state of the simulated mesh as Wavefront OBJ text: what `--frames` writes, step after step.
+//! Writes one state of the simulated mesh as Wavefront OBJ text: a frame of `--frames`.
 //!
 //! Positions are in metres, y up, one `v` line per point in point order, one `f` line per triangle. Numbers are the
 //! shortest decimal text that reads back to the same f64 (at most 17 significant digits), so a run can be judged from
@@ -8,12 +8,13 @@ use crate::math::Vec3;
 use crate::mesh::PointIndex;
 use std::fmt::Write;
 
-/// Typical bytes of one line, to reserve about the right amount once.
+/// Typical bytes of a vertex line, to reserve about the right capacity once.
 const VERTEX_LINE_BYTES: usize = 64;
+/// Typical bytes of a face line.
 const FACE_LINE_BYTES: usize = 24;
 
-/// OBJ text of `triangles` over `points`, in metres. Points that are not finite are written as `NaN` or `inf`, which every
-/// reader refuses: a run gone wrong must not look like a good one.
+/// Writes `triangles` over `points` \[m\] as OBJ text. Points that are not finite are written as `NaN` or `inf`, which every
+/// reader rejects: a diverged run must not look like a good one.
 pub fn write_frame_obj(points: &[Vec3], triangles: &[[PointIndex; 3]]) -> Vec<u8> {
     let capacity = points.len() * VERTEX_LINE_BYTES + triangles.len() * FACE_LINE_BYTES;
     let mut text = String::with_capacity(capacity);

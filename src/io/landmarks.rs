@@ -1,7 +1,8 @@
-//! Landmarks, format `crease-landmarks/1`: places of two garments that belong together, as a person marked them.
+//! Landmarks, format `crease-landmarks/1`: pairs of corresponding positions of two garments, marked by a person.
 //!
-//! Units stand in the names: metres, y up, as in sidecars, whatever the mesh files count in.
+//! Units stand in the names: metres, y up, as in sidecars, whatever the unit of the mesh files.
 
+use crate::io::tuning::TUNING;
 use crate::json::{Document, Path, schema_of};
 use crate::math::Vec3;
 use crate::{Error, Result};
@@ -9,44 +10,41 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// Places nearer to one another than this are the same [m].
-const SAME_PLACE: f64 = 1e-5;
-
-/// The format of a landmark file.
+/// Format of a landmark file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 enum LandmarksFormat {
-    /// The first.
+    /// First version.
     #[serde(rename = "crease-landmarks/1")]
     V1,
 }
 
-/// Places of two garments that belong together.
+/// Pairs of corresponding positions of two garments.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "crease landmarks")]
 pub struct Landmarks {
     /// Format of the file: crease-landmarks/1.
     format: LandmarksFormat,
-    /// One for each place; three that do not lie on a line, or more, also turn and scale.
+    /// Pairs of positions; three or more that are not collinear also define a rotation and a scale.
     #[schemars(length(min = 1, max = 1000))]
     pub pairs: Vec<Landmark>,
 }
 
-/// One place on both garments.
+/// A position on both garments.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Landmark {
-    /// What it is, for people: left elbow.
+    /// Name, for people: left elbow.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// On the garment the memory comes from, in metres, y up, as its sidecar's points.
+    /// Position on the source garment, in metres, y up, as in its sidecar.
     pub source_m: [f64; 3],
-    /// On the garment it goes to, in metres, y up.
+    /// Position on the target garment, in metres, y up.
     pub target_m: [f64; 3],
 }
 
 impl Landmarks {
-    /// Reads landmarks; `file` is their name in messages. Refused, too, when a place of the source is there twice.
+    /// Parses landmarks; `file` is their name in messages. Fails also if two source positions coincide.
     ///
     /// ```
     /// let text = r#"{"format": "crease-landmarks/1", "pairs": [{"source_m": [0, 1, 0], "target_m": [0, 1.1, 0]}]}"#;
@@ -56,31 +54,31 @@ impl Landmarks {
     /// ```
     pub fn parse(file: &str, text: &str) -> Result<Self> {
         let document = Document::parse(file, text)?;
-        let faults = document.validate(&Self::schema());
-        if !faults.is_empty() {
-            return Err(Error::Input(faults));
+        let errors = document.validate(&Self::schema());
+        if !errors.is_empty() {
+            return Err(Error::Input(errors));
         }
         let read: Self = document.decode()?;
-        let mut faults = Vec::new();
+        let mut errors = Vec::new();
         for (i, one) in read.pairs.iter().enumerate() {
             let same = |other: &Landmark| {
-                (Vec3::from(other.source_m) - Vec3::from(one.source_m)).norm() < SAME_PLACE
+                (Vec3::from(other.source_m) - Vec3::from(one.source_m)).norm() < TUNING.landmark_tol_m
             };
             if let Some(first) = read.pairs[..i].iter().position(same) {
-                let place = Path::root().name("pairs").entry(i).name("source_m");
-                let what = format!("is where pairs[{first}] is");
-                faults.push(document.diagnostic(&place, what, "keep one of them"));
+                let location = Path::root().name("pairs").entry(i).name("source_m");
+                let message = format!("is where pairs[{first}] is");
+                errors.push(document.diagnostic(&location, message, "keep one of them"));
             }
         }
-        if faults.is_empty() { Ok(read) } else { Err(Error::Input(faults)) }
+        if errors.is_empty() { Ok(read) } else { Err(Error::Input(errors)) }
     }
 
-    /// The JSON Schema of landmark files.
+    /// Returns the JSON Schema of landmark files.
     pub fn schema() -> Value {
         schema_of::<Self>()
     }
 
-    /// Source and target place of each [m].
+    /// Returns the source and target position of each pair [m].
     pub fn position_pairs(&self) -> Vec<[Vec3; 2]> {
         self.pairs.iter().map(|pair| [pair.source_m, pair.target_m].map(Vec3::from)).collect()
     }
@@ -91,7 +89,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn all_faults_of_a_file_are_told_at_once_with_their_places() {
+    fn all_errors_of_a_file_are_reported_with_their_locations() {
         let read = Landmarks::parse(
             "l.json",
             r#"{"format": "crease-landmarks/1", "pairs": [{"name": "neck", "source_m": [0, 1, 0], "target_m": [0, 1.1, 0]}]}"#,

@@ -1,29 +1,38 @@
-//! A mesh file's bytes to a [`SourceAsset`]: finds out the format, hands over to its reader, decides which pieces are
-//! worn, and refuses a garment of impossible size before anyone simulates it.
+//! Reads the bytes of a mesh file to a [`SourceAsset`]: detects the format, calls its reader, decides which pieces are
+//! worn, and rejects a garment of implausible size before it is simulated.
 //!
-//! First stage of the pipeline. A wrong unit is the commonest fault of garment files (centimetres read as metres) and
-//! still runs, only wrongly; so a size no garment has must be confirmed by naming the unit.
-//! Opens no files: what a document refers to comes through `resolve`.
+//! First stage of the pipeline. A wrong unit is the most common error of garment files (centimetres read as metres) and
+//! would still run, with wrong results; so an implausible size must be confirmed by stating the unit.
+//! Opens no files: files that a document refers to come through `resolve`.
 
-use crate::garment::{ImportDiagnostic, SourceAsset, SourceFormat, SourcePiece, UpAxis};
-use crate::io::diagnostics::DiagnosticList;
+use crate::garment::{ImportDiagnostic, SourceAsset, SourceFormat, UpAxis};
+use crate::io::error_list::ErrorList;
+use crate::io::pieces::{NamedPiece, to_scene};
+use crate::io::tuning::TUNING;
 use crate::io::{gltf, obj};
-use crate::math::{Mat4, Vec3};
+use crate::math::Vec3;
 use crate::{Error, Result};
 use sha2::{Digest, Sha256};
 
-/// The largest side of a garment's box [m] that is taken without question: a sock and a wedding train.
-const GARMENT_SIDE_M: std::ops::RangeInclusive<f64> = 0.05..=5.0;
-/// Metres per unit that can be asked for: a micrometre to a thousand kilometres.
-const UNIT_M: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
-/// Coordinates beyond this [m] are damage, and their products would leave what numbers can hold.
-const FARTHEST_M: f64 = 1e9;
-/// Indices are 32 bits wide; a file this long cannot overflow them.
-const LONGEST_FILE: usize = u32::MAX as usize;
-/// Names listed in a message.
-const NAMES_TOLD: usize = 40;
+/// Longest file [bytes]: indices have 32 bits, and a file this long cannot overflow them.
+const MAX_FILE_BYTES: usize = u32::MAX as usize;
 
-/// What a user may say about a mesh file.
+/// Options of reading a mesh file.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ReadOptions {
+    /// Metres per file unit; 1 when not given, and then the garment's size must be plausible.
+    pub unit_m: Option<f64>,
+    /// Up axis of the file; y when not given.
+    pub up: Option<UpAxis>,
+    /// Worn part: name of a node, mesh, group, object or material; everything when not given.
+    pub garment: Option<String>,
+    /// Vertex attribute that scales the memory locally: `COLOR_0`, `COLOR_0.g`, `_PIN`, ...; of an OBJ
+    /// `COLOR_0`. A component is chosen by `.r .g .b .a` or `.x .y .z .w`, else the first is taken.
+    pub mask: Option<String>,
+}
+
+/// Reads the mesh file `bytes`, named `file_name` in messages; also returns repairs and notes. `resolve` returns the bytes
+/// of a file that the document refers to by a relative address (a glTF's .bin).
 ///
 /// ```
 /// use crease::{GarmentFile, ReadOptions};
@@ -33,56 +42,25 @@ const NAMES_TOLD: usize = 40;
 /// assert!((file.garment.points[1].x - 0.2).abs() < 1e-12);
 /// # Ok::<(), crease::Error>(())
 /// ```
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct ReadOptions {
-    /// Metres per file unit; 1 when not given, and then the garment's size is questioned.
-    pub unit_m: Option<f64>,
-    /// The file's up axis; y when not given.
-    pub up: Option<UpAxis>,
-    /// What to wear: name of a node, mesh, group, object or material; everything when not given.
-    pub garment: Option<String>,
-    /// Vertex attribute that scales how much a place remembers: `COLOR_0`, `COLOR_0.g`, `_PIN`, ...; of an OBJ
-    /// `COLOR_0`. A component is chosen by `.r .g .b .a` or `.x .y .z .w`, else the first is taken.
-    pub mask: Option<String>,
-}
-
-/// What a format's reader hands back.
-pub(super) struct ReadPieces {
-    /// Pieces in file order, all marked as worn.
-    pub(super) pieces: Vec<NamedPiece>,
-    /// The document, for glTF.
-    pub(super) document: Option<crate::garment::GltfDocument>,
-    /// What was noticed.
-    pub(super) findings: Vec<ImportDiagnostic>,
-}
-
-/// A piece and every name it answers to.
-pub(super) struct NamedPiece {
-    pub(super) piece: SourcePiece,
-    pub(super) names: Vec<String>,
-}
-
-/// The mesh file `bytes`, named `file_name` in messages, and what was noticed in it. `resolve` gives the bytes of
-/// what the document refers to by a relative address (a glTF's .bin).
 pub fn read_asset(
     file_name: &str,
     bytes: &[u8],
     options: &ReadOptions,
     resolve: &mut dyn FnMut(&str) -> Result<Vec<u8>>,
 ) -> Result<(SourceAsset, Vec<ImportDiagnostic>)> {
-    let mut faults = DiagnosticList::new(file_name);
+    let mut errors = ErrorList::new(file_name);
     let unit_m = options.unit_m.unwrap_or(1.0);
-    if !UNIT_M.contains(&unit_m) {
-        faults.push(
+    if !TUNING.unit_m.contains(&unit_m) {
+        errors.push(
             "",
             format!("{unit_m} metres per unit cannot be"),
             "give --unit m, dm, cm, mm, in or metres",
         );
     }
-    if bytes.len() > LONGEST_FILE {
-        faults.push("", "longer than 4 GiB", "split it, or leave out what is not the garment");
+    if bytes.len() > MAX_FILE_BYTES {
+        errors.push("", "longer than 4 GiB", "split it, or leave out what is not the garment");
     }
-    faults.finish()?;
+    errors.finish()?;
     let up = options.up.unwrap_or(UpAxis::Y);
     let format = format_of(file_name, bytes)?;
     let to_scene = to_scene(unit_m, up);
@@ -91,11 +69,12 @@ pub fn read_asset(
         SourceFormat::Gltf => gltf::read_gltf(file_name, bytes, &to_scene, options.mask.as_deref(), resolve)?,
     };
     if read.pieces.iter().all(|named| named.piece.triangles.is_empty()) {
-        // What was skipped is why.
-        let seen: Vec<&str> = read.findings.iter().take(5).map(|finding| finding.message.as_str()).collect();
-        let seen = if seen.is_empty() { String::new() } else { format!(": {}", seen.join(", ")) };
-        let what = format!("there are no triangles in it{seen}");
-        return Err(Error::input(file_name, "", what, "export the garment as a mesh"));
+        // The notes say what was skipped.
+        let notes: Vec<&str> =
+            read.diagnostics.iter().take(5).map(|diagnostic| diagnostic.message.as_str()).collect();
+        let notes = if notes.is_empty() { String::new() } else { format!(": {}", notes.join(", ")) };
+        let message = format!("there are no triangles in it{notes}");
+        return Err(Error::input(file_name, "", message, "export the garment as a mesh"));
     }
     let mut pieces = read.pieces;
     choose_worn(file_name, &mut pieces, options.garment.as_deref())?;
@@ -108,28 +87,14 @@ pub fn read_asset(
         document: read.document,
         pieces: pieces.into_iter().map(|named| named.piece).collect(),
     };
-    check_reach(&asset)?;
+    check_coordinates(&asset)?;
     if options.unit_m.is_none() {
         check_size(&asset)?;
     }
-    Ok((asset, read.findings))
+    Ok((asset, read.diagnostics))
 }
 
-/// File units and axes to metres, y up.
-pub(super) fn to_scene(unit_m: f64, up: UpAxis) -> Mat4 {
-    let turned = match up {
-        UpAxis::Y => Mat4::identity(),
-        UpAxis::Z => Mat4::new(
-            1.0, 0.0, 0.0, 0.0, //
-            0.0, 0.0, 1.0, 0.0, //
-            0.0, -1.0, 0.0, 0.0, //
-            0.0, 0.0, 0.0, 1.0,
-        ),
-    };
-    Mat4::new_scaling(unit_m) * turned
-}
-
-/// The content decides, then the name; anything else is tried as OBJ, the only format without a mark of its own.
+/// Detects the format by the content, then by the name; anything else is tried as OBJ, the only format without a signature.
 fn format_of(file_name: &str, bytes: &[u8]) -> Result<SourceFormat> {
     let extension = file_name.rsplit_once('.').map(|(_, e)| e.to_ascii_lowercase()).unwrap_or_default();
     let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
@@ -155,7 +120,7 @@ fn format_of(file_name: &str, bytes: &[u8]) -> Result<SourceFormat> {
     Ok(SourceFormat::Obj)
 }
 
-/// Leaves `worn` on the pieces that answer to `garment`.
+/// Marks the pieces named `garment` as worn, and no others.
 fn choose_worn(file: &str, pieces: &mut [NamedPiece], garment: Option<&str>) -> Result<()> {
     let Some(wanted) = garment else { return Ok(()) };
     for named in pieces.iter_mut() {
@@ -168,12 +133,12 @@ fn choose_worn(file: &str, pieces: &mut [NamedPiece], garment: Option<&str>) -> 
     }
     let mut names: Vec<&str> = Vec::new();
     for name in pieces.iter().flat_map(|named| &named.names) {
-        if !names.contains(&name.as_str()) && names.len() <= NAMES_TOLD {
+        if !names.contains(&name.as_str()) && names.len() <= TUNING.max_listed_names {
             names.push(name);
         }
     }
-    let more = if names.len() > NAMES_TOLD { ", and more" } else { "" };
-    names.truncate(NAMES_TOLD);
+    let more = if names.len() > TUNING.max_listed_names { ", and more" } else { "" };
+    names.truncate(TUNING.max_listed_names);
     Err(Error::input(
         file,
         "",
@@ -182,28 +147,28 @@ fn choose_worn(file: &str, pieces: &mut [NamedPiece], garment: Option<&str>) -> 
     ))
 }
 
-/// Refuses coordinates that are not numbers or absurdly far.
-fn check_reach(asset: &SourceAsset) -> Result<()> {
-    let mut faults = DiagnosticList::new(&asset.file);
+/// Rejects coordinates that are not numbers or implausibly large.
+fn check_coordinates(asset: &SourceAsset) -> Result<()> {
+    let mut errors = ErrorList::new(&asset.file);
     for piece in &asset.pieces {
-        let near = |p: Vec3| p.iter().all(|x| x.abs() <= FARTHEST_M);
+        let near = |p: Vec3| p.iter().all(|x| x.abs() <= TUNING.max_coordinate_m);
         let far = (0..piece.positions.len()).find(|&v| !piece.scene_position(v).is_some_and(near));
         if let Some(v) = far {
-            faults.push(
+            errors.push(
                 format!("piece \"{}\", vertex {v}", piece.name),
                 "its position is not a number, or more than a million kilometres away",
-                "mend the vertex, or the transforms above it",
+                "correct the vertex, or the transforms above it",
             );
         }
     }
-    faults.finish()
+    errors.finish()
 }
 
-/// Refuses a garment no one could wear, as its unit is probably another one.
+/// Rejects a garment of implausible size, as its unit is probably another one.
 fn check_size(asset: &SourceAsset) -> Result<()> {
     let Some((low, high)) = asset.worn_bounds() else { return Ok(()) };
     let size = high - low;
-    if GARMENT_SIDE_M.contains(&size.max()) {
+    if TUNING.garment_side_m.contains(&size.max()) {
         return Ok(());
     }
     let units = size / asset.unit_m;

@@ -1,16 +1,16 @@
-//! A shape of the garment as OBJ, with the vertices of its file: number, order, texture coordinates, groups.
+//! Writes a shape of the garment as OBJ, with the vertices of its file: number, order, texture coordinates, groups.
 //!
-//! What `--export obj` and `--export rest-mesh` write. One `v` per vertex of the worn pieces in file order, in metres, y up,
+//! Format of `--export obj` and `--export rest-mesh`. One `v` per vertex of the worn pieces in file order, in metres, y up,
 //! so that a program that has the source file open can take this one for a second shape of the same mesh (a rest shape,
 //! a shape key, a blend shape). Triangles are those of the file, polygons cut as they were when read. Numbers read back
-//! exactly. Normals are left out: they are the reader's to make.
+//! exactly. Normals are left out: readers compute them.
 
 use crate::garment::{Garment, SourceAsset};
 use crate::math::Vec3;
 use crate::{Error, Result};
 use std::fmt::Write;
 
-/// OBJ text of the worn pieces of `asset`, every vertex moved by the displacement [m] of its point of `garment`
+/// Writes the worn pieces of `asset` as OBJ text, every vertex moved by the displacement [m] of its point of `garment`
 /// (one per point).
 pub fn write_shape_obj(asset: &SourceAsset, garment: &Garment, displacement: &[Vec3]) -> Vec<u8> {
     let mut text = String::new();
@@ -41,7 +41,7 @@ pub fn write_shape_obj(asset: &SourceAsset, garment: &Garment, displacement: &[V
     text.into_bytes()
 }
 
-/// Positions of the vertices of the worn pieces [m, y up], moved with their points.
+/// Returns the positions of the vertices of the worn pieces [m, y up], moved with their points.
 pub(super) fn moved_vertices(asset: &SourceAsset, garment: &Garment, displacement: &[Vec3]) -> Vec<Vec3> {
     let own = asset.worn_pieces().flat_map(|piece| {
         (0..piece.positions.len()).map(|v| piece.scene_position(v).unwrap_or_else(Vec3::zeros))
@@ -50,7 +50,8 @@ pub(super) fn moved_vertices(asset: &SourceAsset, garment: &Garment, displacemen
     own.zip(shift).map(|(x, d)| x + d).collect()
 }
 
-/// Positions of the vertices of a file that [`write_shape_obj`] wrote, in file order [m]; `file` names it in faults.
+/// Reads the positions of the vertices of a file of [`write_shape_obj`], in file order [m]; `file` names it in
+/// diagnostics.
 pub fn read_shape_obj(file: &str, bytes: &[u8]) -> Result<Vec<Vec3>> {
     let text = String::from_utf8_lossy(bytes);
     let mut points = Vec::new();

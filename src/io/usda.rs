@@ -1,29 +1,29 @@
-//! The garment as a USD surface deformable, as text (`--export usda`).
+//! Writes the garment as a USD surface deformable, as text (`--export usda`).
 //!
 //! After the deformables proposal of the AOUSD physics working group: one triangle mesh with
 //! `PhysicsSurfaceDeformableSimAPI`, whose `physics:restBendAngles` are degrees, one per pair of adjacent triangles in
 //! `physics:restAdjTriPairs`. The mesh is the welded one, its points the worn shape; `physics:restShapePoints` is the rest
 //! mesh and `physics:restBendAnglesDefault` says `restShape`, so that a simulator which reads only those has the creases
 //! too. Angles lie in [-180, 180); positive where the wings fold away from the normals, as everywhere in crease. (The
-//! proposal, as we read it, leaves the sign open.) Writes and reads back this one layout; it is no USD library.
+//! proposal leaves the sign open.) Writes and reads back this one layout; it is no USD library.
 
 use crate::garment::Garment;
 use crate::math::Vec3;
 use crate::{Error, Result};
 use std::fmt::Write;
 
-/// What the file says of bending, and the points, as read back.
+/// Bending and rest points of a file, as read back.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct UsdaMemory {
-    /// Pairs of adjacent triangles.
+    /// Pairs of adjacent triangles, one per hinge.
     pub pairs: Vec<[u32; 2]>,
-    /// One per pair (degrees).
+    /// Rest angles, one per pair \[degrees\].
     pub angles_deg: Vec<f64>,
-    /// Points of the rest shape [m].
+    /// Rest points [m].
     pub rest_points: Vec<Vec3>,
 }
 
-/// USDA text of `garment`: worn shape and rest shape (displacements [m], one per point), rest angles [rad], one per hinge.
+/// Writes `garment` as USDA text: worn shape and rest shape (displacements [m], one per point), rest angles [rad], one per hinge.
 pub fn write_usda(garment: &Garment, worn: &[Vec3], rest_state: &[Vec3], rest_angle: &[f64]) -> Vec<u8> {
     let moved = |shift: &[Vec3]| list(garment.points.iter().zip(shift).map(|(x, d)| vector(&(x + d))));
     let corners = garment.triangles.iter().flatten().map(|p| p.0.to_string());
@@ -53,7 +53,7 @@ pub fn write_usda(garment: &Garment, worn: &[Vec3], rest_state: &[Vec3], rest_an
     text.into_bytes()
 }
 
-/// `angle` [rad] in degrees, in [-180, 180).
+/// Returns `angle` [rad] in degrees, wrapped to [-180, 180).
 pub fn wrapped_deg(angle: f64) -> f64 {
     (angle.to_degrees() + 180.0).rem_euclid(360.0) - 180.0
 }
@@ -66,7 +66,7 @@ fn list(entries: impl Iterator<Item = String>) -> String {
     format!("[{}]", entries.collect::<Vec<_>>().join(", "))
 }
 
-/// What a file that [`write_usda`] wrote says of bending; `file` names it in faults.
+/// Reads the bending data of a file of [`write_usda`]; `file` names it in diagnostics.
 pub fn read_usda(file: &str, bytes: &[u8]) -> Result<UsdaMemory> {
     let text = String::from_utf8_lossy(bytes);
     let numbers = |name: &str| -> Result<Vec<f64>> {

@@ -1,7 +1,6 @@
 //! A JSON value with the file it came from and the location of each part in it.
 
 use crate::error::{Diagnostic, Error, Result};
-use crate::json::schema_check;
 use crate::json::spans::{Path, Spans, error_location};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -66,11 +65,6 @@ impl Document {
             at = members.entry(*name).or_insert_with(|| Value::Object(Default::default()));
         }
         *at = value;
-    }
-
-    /// Returns all violations of `schema`, in file order; none for a valid document.
-    pub fn validate(&self, schema: &Value) -> Vec<Diagnostic> {
-        schema_check::diagnostics(self, schema)
     }
 
     /// Converts the value into a `T`. Meant for a document that passed [`Document::validate`]; errors of serde are located,

@@ -14,16 +14,18 @@ use serde_json::Value;
 /// Consecutive references after which a schema is taken to be cyclic.
 const MAX_REFERENCES: usize = 16;
 
-/// Returns all violations of `schema`, in file order; beyond [`MAX_DIAGNOSTICS`] they are counted.
-pub(super) fn diagnostics(document: &Document, schema: &Value) -> Vec<Diagnostic> {
-    let mut check = Check::new(document, schema, Path::root());
-    check.value(schema, document.value());
-    let Check { mut diagnostics, omitted, .. } = check;
-    if omitted > 0 {
-        let message = format!("and {omitted} more errors");
-        diagnostics.push(document.diagnostic(&Path::root(), message, "correct these first"));
+impl Document {
+    /// Returns all violations of `schema`, in file order; none for a valid document. Beyond a limit they are counted.
+    pub fn validate(&self, schema: &Value) -> Vec<Diagnostic> {
+        let mut check = Check::new(self, schema, Path::root());
+        check.value(schema, self.value());
+        let Check { mut diagnostics, omitted, .. } = check;
+        if omitted > 0 {
+            let message = format!("and {omitted} more errors");
+            diagnostics.push(self.diagnostic(&Path::root(), message, "correct these first"));
+        }
+        diagnostics
     }
-    diagnostics
 }
 
 /// State of a validation.

@@ -1,19 +1,17 @@
-//! Accessors: typed tables inside a document's buffers (glTF 2.0 specification, 3.6.2), every access checked.
+//! Accessors: typed tables in a document's buffers (glTF 2.0 specification, 3.6.2), every access checked.
 //!
 //! Reads interleaved, sparse, normalised and quantised data, and accessors without a buffer view, which are zero
-//! (Blender writes them for empty morph targets). All values come as f64. Does not decode compressed buffer views:
-//! documents that need that are refused before anything is read.
+//! (Blender writes them for empty morph targets). All values are converted to f64. Does not decode compressed buffer
+//! views: documents that need them are rejected before anything is read.
 
 use crate::Result;
 use crate::garment::GltfDocument;
 use crate::io::gltf::json_cursor::Cursor;
+use crate::io::tuning::TUNING;
 use crate::math::Mat4;
 use serde_json::Value;
 
-/// Rows granted to an accessor that brings no bytes, whatever the size of the buffers.
-const FREE_ROWS: usize = 65_536;
-
-/// What an accessor holds: rows of equal width.
+/// Content of an accessor: rows of equal width.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     /// Components per row: 1 for SCALAR, 3 for VEC3, 16 for MAT4 (column by column).
@@ -23,22 +21,22 @@ pub struct Table {
 }
 
 impl Table {
-    /// Its rows.
+    /// Returns the rows.
     pub fn rows(&self) -> std::slice::ChunksExact<'_, f64> {
         self.values.chunks_exact(self.width.max(1))
     }
 
-    /// Number of rows.
+    /// Returns the number of rows.
     pub fn row_count(&self) -> usize {
         self.values.len() / self.width.max(1)
     }
 
-    /// Row `row`, or nothing beyond the end.
+    /// Returns row `row`; `None` beyond the end.
     pub fn row(&self, row: usize) -> Option<&[f64]> {
         self.values.get(row.checked_mul(self.width)?..row.checked_add(1)?.checked_mul(self.width)?)
     }
 
-    /// Its rows as matrices, if it is a table of 4 x 4 matrices.
+    /// Returns the rows as matrices; none if the width is not 16.
     pub fn matrices(&self) -> Vec<Mat4> {
         if self.width != 16 {
             return Vec::new();
@@ -47,7 +45,7 @@ impl Table {
     }
 }
 
-/// Reads the accessors of one document.
+/// Accessors of one document.
 #[derive(Clone)]
 pub struct Accessors<'a> {
     root: Cursor<'a>,
@@ -73,7 +71,7 @@ impl Component {
             5123 => Self::U16,
             5125 => Self::U32,
             5126 => Self::F32,
-            other => return Err(cursor.fault(format!("component type {other} is unknown"))),
+            other => return Err(cursor.error(format!("component type {other} is unknown"))),
         })
     }
 
@@ -85,7 +83,7 @@ impl Component {
         }
     }
 
-    /// The component at the start of `bytes`; zero if they end within it (callers check before).
+    /// Reads the component at the start of `bytes`; zero if they end within it (callers check before).
     fn read(self, bytes: &[u8]) -> f64 {
         fn first<const N: usize>(bytes: &[u8]) -> [u8; N] {
             bytes.get(..N).and_then(|head| head.try_into().ok()).unwrap_or([0; N])
@@ -100,7 +98,7 @@ impl Component {
         }
     }
 
-    /// An integer as a fraction of its range (specification 3.11: f = max(c / 127, -1) and so on).
+    /// Returns an integer as a fraction of its range (specification 3.11: f = max(c / 127, -1) and so on).
     fn normalised(self, value: f64) -> f64 {
         match self {
             Self::I8 => (value / 127.0).max(-1.0),
@@ -113,7 +111,7 @@ impl Component {
     }
 }
 
-/// How one element lies in memory.
+/// Memory layout of one element.
 #[derive(Clone, Copy)]
 struct Layout {
     component: Component,
@@ -132,7 +130,7 @@ impl Layout {
             Some("MAT2") => (2, 2),
             Some("MAT3") => (3, 3),
             Some("MAT4") => (4, 4),
-            other => return Err(accessor.fault(format!("type {other:?} is unknown"))),
+            other => return Err(accessor.error(format!("type {other:?} is unknown"))),
         };
         let normalised = accessor.member("normalized").as_flag();
         Ok(Self { component: Component::of(accessor)?, rows, columns, normalised })
@@ -142,7 +140,7 @@ impl Layout {
         self.rows * self.columns
     }
 
-    /// Matrix columns begin at multiples of four bytes.
+    /// Returns the bytes of a column; matrix columns begin at multiples of four bytes.
     fn column_bytes(self) -> usize {
         let bytes = self.rows * self.component.bytes();
         if self.columns > 1 { bytes.next_multiple_of(4) } else { bytes }
@@ -164,41 +162,41 @@ impl Layout {
 }
 
 /// Evenly spaced elements within a buffer view, already known to lie inside it.
-struct Run<'a> {
+struct StridedElements<'a> {
     bytes: &'a [u8],
     stride: usize,
     element_bytes: usize,
     count: usize,
 }
 
-impl<'a> Run<'a> {
-    fn elements(&self) -> impl Iterator<Item = &'a [u8]> {
+impl<'a> StridedElements<'a> {
+    fn iter(&self) -> impl Iterator<Item = &'a [u8]> {
         let (bytes, stride, size) = (self.bytes, self.stride, self.element_bytes);
         (0..self.count).map(move |k| bytes.get(k * stride..k * stride + size).unwrap_or(&[]))
     }
 }
 
 impl<'a> Accessors<'a> {
-    /// The accessors of `document`.
+    /// Returns the accessors of `document`.
     pub fn new(document: &'a GltfDocument) -> Self {
-        Self::of(&document.json, &document.buffers)
+        Self::from_parts(&document.json, &document.buffers)
     }
 
-    pub(super) fn of(json: &'a Value, buffers: &'a [Vec<u8>]) -> Self {
+    pub(super) fn from_parts(json: &'a Value, buffers: &'a [Vec<u8>]) -> Self {
         Self { root: Cursor::root(json), buffers }
     }
 
-    /// Bytes of all buffers together.
+    /// Returns the number of bytes of all buffers.
     pub(super) fn byte_count(&self) -> usize {
         self.buffers.iter().map(Vec::len).sum()
     }
 
-    /// Number of rows accessor `index` states; `user` is the place that refers to it.
+    /// Returns the number of rows that accessor `index` states; `user` is the location that refers to it.
     pub fn row_count(&self, index: usize, user: &str) -> Result<usize> {
         self.root.required_entry("accessors", index, user)?.required_index("count")
     }
 
-    /// Everything in accessor `index`; `user` is the place that refers to it.
+    /// Reads accessor `index`; `user` is the location that refers to it.
     pub fn table(&self, index: usize, user: &str) -> Result<Table> {
         let accessor = self.root.required_entry("accessors", index, user)?;
         let layout = Layout::of(&accessor)?;
@@ -206,14 +204,14 @@ impl<'a> Accessors<'a> {
         let mut values = match accessor.index("bufferView")? {
             Some(view) => {
                 let offset = accessor.index("byteOffset")?.unwrap_or(0);
-                let run = self.run(&accessor, view, offset, layout.bytes(), count)?;
+                let elements = self.elements(&accessor, view, offset, layout.bytes(), count)?;
                 let mut values = Vec::with_capacity(count * layout.width());
-                run.elements().for_each(|element| layout.read(element, &mut values));
+                elements.iter().for_each(|element| layout.read(element, &mut values));
                 values
             }
             None => {
-                if count > self.byte_count().max(FREE_ROWS) {
-                    return Err(accessor.fault(format!("{count} rows without any data")));
+                if count > self.byte_count().max(TUNING.max_empty_rows) {
+                    return Err(accessor.error(format!("{count} rows without any data")));
                 }
                 vec![0.0; count * layout.width()]
             }
@@ -224,91 +222,91 @@ impl<'a> Accessors<'a> {
         Ok(Table { width: layout.width(), values })
     }
 
-    /// The rows of accessor `index`, which must be as wide as `width` and as many as `count` (if given).
+    /// Reads accessor `index`, which must have `width` components per row and `count` rows (if given).
     pub fn table_of(&self, index: usize, width: usize, count: Option<usize>, user: &str) -> Result<Table> {
         if let Some(count) = count {
             let stated = self.row_count(index, user)?;
             if stated != count {
                 let accessor = self.root.entry("accessors", index);
-                return Err(accessor.fault(format!("{stated} rows where {user} needs {count}")));
+                return Err(accessor.error(format!("{stated} rows where {user} needs {count}")));
             }
         }
         let table = self.table(index, user)?;
         if table.width != width {
             let accessor = self.root.entry("accessors", index);
             return Err(
-                accessor.fault(format!("{} components a row where {user} needs {width}", table.width))
+                accessor.error(format!("{} components a row where {user} needs {width}", table.width))
             );
         }
         Ok(table)
     }
 
-    /// The whole numbers of accessor `index`: triangle corners.
+    /// Reads the unsigned integers of accessor `index`: triangle corners.
     pub fn indices(&self, index: usize, user: &str) -> Result<Vec<u32>> {
         let accessor = self.root.required_entry("accessors", index, user)?;
         let layout = Layout::of(&accessor)?;
         let whole = matches!(layout.component, Component::U8 | Component::U16 | Component::U32);
         if !whole || layout.width() != 1 {
-            return Err(accessor.fault("indices must be unsigned whole numbers"));
+            return Err(accessor.error("indices must be unsigned whole numbers"));
         }
         let table = self.table(index, user)?;
-        // Exact: f64 holds every u32. A stray "normalized" would not be.
+        // f64 holds every u32 exactly, unless it is normalised.
         if layout.normalised {
-            return Err(accessor.fault("indices cannot be normalized"));
+            return Err(accessor.error("indices cannot be normalized"));
         }
         Ok(table.values.iter().map(|&value| value as u32).collect())
     }
 
-    /// Puts the few rows a sparse accessor lists in their places.
+    /// Replaces the rows that a sparse accessor lists.
     fn replace_sparse(&self, accessor: &Cursor, layout: Layout, values: &mut [f64]) -> Result<()> {
         let sparse = accessor.member("sparse");
         let count = sparse.required_index("count")?;
-        let places = sparse.member("indices");
-        let place_layout =
-            Layout { component: Component::of(&places)?, rows: 1, columns: 1, normalised: false };
-        if !matches!(place_layout.component, Component::U8 | Component::U16 | Component::U32) {
-            return Err(places.fault("indices must be unsigned whole numbers"));
+        let indices = sparse.member("indices");
+        let index_layout =
+            Layout { component: Component::of(&indices)?, rows: 1, columns: 1, normalised: false };
+        if !matches!(index_layout.component, Component::U8 | Component::U16 | Component::U32) {
+            return Err(indices.error("indices must be unsigned whole numbers"));
         }
         let contents = sparse.member("values");
         let mut row = Vec::with_capacity(layout.width());
-        let place_run = self.sparse_run(&places, place_layout, count)?;
-        let content_run = self.sparse_run(&contents, layout, count)?;
-        for (place, content) in place_run.elements().zip(content_run.elements()) {
+        let index_elements = self.sparse_elements(&indices, index_layout, count)?;
+        let value_elements = self.sparse_elements(&contents, layout, count)?;
+        for (index, content) in index_elements.iter().zip(value_elements.iter()) {
             row.clear();
             layout.read(content, &mut row);
-            let place = place_layout.component.read(place) as usize;
-            let start = place.saturating_mul(layout.width());
+            let row_index = index_layout.component.read(index) as usize;
+            let start = row_index.saturating_mul(layout.width());
             match values.get_mut(start..start.saturating_add(layout.width())) {
                 Some(slot) => slot.copy_from_slice(&row),
-                None => return Err(places.fault(format!("row {place} is beyond the end"))),
+                None => return Err(indices.error(format!("row {row_index} is beyond the end"))),
             }
         }
         Ok(())
     }
 
-    fn sparse_run(&self, part: &Cursor, layout: Layout, count: usize) -> Result<Run<'a>> {
+    fn sparse_elements(&self, part: &Cursor, layout: Layout, count: usize) -> Result<StridedElements<'a>> {
         let offset = part.index("byteOffset")?.unwrap_or(0);
-        self.run(part, part.required_index("bufferView")?, offset, layout.bytes(), count)
+        self.elements(part, part.required_index("bufferView")?, offset, layout.bytes(), count)
     }
 
-    /// `count` elements from `offset` on in buffer view `view`.
-    fn run(
+    /// Returns `count` elements from `offset` on in buffer view `view`.
+    fn elements(
         &self,
         user: &Cursor,
         view: usize,
         offset: usize,
         element_bytes: usize,
         count: usize,
-    ) -> Result<Run<'a>> {
+    ) -> Result<StridedElements<'a>> {
         let view = self.root.required_entry("bufferViews", view, user.path())?;
         let number = view.required_index("buffer")?;
         let Some(buffer) = self.buffers.get(number) else {
-            return Err(view.fault(format!("buffers[{number}] is not in the file")));
+            return Err(view.error(format!("buffers[{number}] is not in the file")));
         };
         let start = view.index("byteOffset")?.unwrap_or(0);
         let length = view.required_index("byteLength")?;
         let Some(bytes) = start.checked_add(length).and_then(|end| buffer.get(start..end)) else {
-            return Err(view.fault(format!(
+            return Err(view.error(format!(
                 "bytes {start} to {} of buffers[{number}], which has {}",
                 start.saturating_add(length),
                 buffer.len()
@@ -317,7 +315,7 @@ impl<'a> Accessors<'a> {
         let stride = view.index("byteStride")?.filter(|&stride| stride > 0).unwrap_or(element_bytes);
         // Overlapping elements would let a short file ask for any amount of memory.
         if stride < element_bytes {
-            return Err(view.fault(format!("byteStride {stride} for elements of {element_bytes} bytes")));
+            return Err(view.error(format!("byteStride {stride} for elements of {element_bytes} bytes")));
         }
         let needed = match count {
             0 => Some(0),
@@ -326,9 +324,9 @@ impl<'a> Accessors<'a> {
         let bytes = bytes.get(offset..);
         match (bytes, needed) {
             (Some(bytes), Some(needed)) if needed <= bytes.len() => {
-                Ok(Run { bytes, stride, element_bytes, count })
+                Ok(StridedElements { bytes, stride, element_bytes, count })
             }
-            _ => Err(user.fault(format!(
+            _ => Err(user.error(format!(
                 "{count} elements of {element_bytes} bytes from byte {offset} on do not fit into {}, which has {length} bytes",
                 view.path()
             ))),

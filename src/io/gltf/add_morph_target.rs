@@ -1,33 +1,27 @@
 //! Adds the worn target to the meshes of a glTF document, by editing its raw JSON.
 //!
-//! Everything the input had stays where it is; the specification then asks for three things beyond the worn
-//! primitives themselves: every primitive of a mesh has the same number of targets (those not worn get zeros), default
-//! weights count the targets (of the mesh, and of a node that overrides them), and animated weights do so at every key
-//! (`weights.rs`).
+//! The content of the input stays; the specification then asks for three changes beyond the worn primitives: every
+//! primitive of a mesh has the same number of targets (those not worn get zeros), default weights match the number of
+//! targets (of the mesh, and of a node that overrides them), and so do animated weights at every key
+//! (`animated_weights`).
 //!
-//! A mesh that several nodes carry is one shape for all of them, and the reader makes pieces of it for the first only:
-//! then all of them wear it. Where another node has pieces of its own, unworn or worn differently, the worn node gets a
-//! copy of the mesh to itself, so that the other keeps its shape.
-//! A mesh that crease has worn before (it names a sidecar) has its old worn target replaced, not joined by a second:
-//! both would show at once.
+//! A mesh that several nodes show has one shape for all of them, and the reader makes pieces of it for the first only:
+//! then all of them wear it. Where another node has pieces of its own, unworn or worn differently, the worn node gets its
+//! own copy of the mesh, so that the other keeps its shape.
+//! A mesh that was worn before (it names a sidecar) has its old worn target replaced: two would add up.
 
 use crate::garment::GltfDocument;
 use crate::io::gltf::animated_weights::extend_animations;
 use crate::io::gltf::append::{Appender, Purpose};
-use crate::io::gltf::worn_target::WornTarget;
-use crate::io::gltf::{
-    FORMER_REST_ANGLE_ATTRIBUTE, REST_ANGLE_CHANGE_ATTRIBUTE, STIFFNESS_ATTRIBUTE, WORN_TARGET,
+use crate::io::gltf::names::{
+    DRACO_EXTENSION, EXTRAS_KEY, FORMER_REST_ANGLE_ATTRIBUTE, REST_ANGLE_CHANGE_ATTRIBUTE,
+    STIFFNESS_ATTRIBUTE, WORN_TARGET,
 };
+use crate::io::gltf::worn_target::WornTarget;
 use crate::{Error, Result};
 use serde_json::{Map, Value, json};
 
-/// Key in a mesh's extras under which crease names the sidecar, and so marks what it has worn.
-pub(super) const EXTRAS_KEY: &str = "crease";
-
-/// Extension that holds a compressed second copy of a primitive.
-const DRACO: &str = "KHR_draco_mesh_compression";
-
-/// A primitive of the document with what it gains.
+/// Primitive of the document with its worn target.
 pub(super) struct WornPrimitive {
     pub(super) node: Option<usize>,
     pub(super) mesh: usize,
@@ -35,23 +29,23 @@ pub(super) struct WornPrimitive {
     pub(super) target: WornTarget,
 }
 
-/// One node's use of a mesh, with the worn primitives of it.
+/// Mesh as shown by one node, with its worn primitives.
 struct Instance<'a> {
     node: Option<usize>,
     mesh: usize,
     primitives: Vec<&'a WornPrimitive>,
 }
 
-/// Where the worn target stands among a mesh's targets.
-pub(super) struct TargetPlace {
-    /// Targets before this edit.
-    pub(super) old_count: usize,
+/// Index of the worn target among the targets of a mesh.
+struct TargetIndex {
+    /// Number of targets before this edit.
+    old_count: usize,
     /// Index of the worn one: `old_count`, or less if an earlier one was replaced.
-    pub(super) index: usize,
+    index: usize,
 }
 
 /// Adds the targets of `worn` to the document in `appender`, which is a copy of `document`; `claimed` are the nodes that
-/// have pieces, worn or not; `extras` goes into the extras of every worn mesh.
+/// have pieces, worn or not; `extras` is merged into the extras of every worn mesh.
 pub(super) fn add_worn_targets(
     file: &str,
     appender: &mut Appender,
@@ -65,7 +59,7 @@ pub(super) fn add_worn_targets(
     for instance in &instances {
         let users = users_of(appender, instance.mesh);
         let follows = |node: usize| instance.node.is_none_or(|own| own == node) || !claimed.contains(&node);
-        // Another worn node gets a copy in its turn and then no longer carries this mesh.
+        // Another worn node gets its own copy later and then no longer shows this mesh.
         let leaves = |node: usize| instances.iter().any(|i| i.mesh == instance.mesh && i.node == Some(node));
         let in_place = !edited_in_place.contains(&instance.mesh)
             && users.iter().all(|&node| follows(node) || leaves(node));
@@ -75,10 +69,10 @@ pub(super) fn add_worn_targets(
         };
         let Some(mut mesh) = document.json["meshes"].get(instance.mesh).and_then(Value::as_object).cloned()
         else {
-            let place = format!("meshes[{}]", instance.mesh);
-            return Err(Error::input(file, place, "is not there", "export the file again"));
+            let location = format!("meshes[{}]", instance.mesh);
+            return Err(Error::input(file, location, "is not there", "export the file again"));
         };
-        let place = edit_mesh(file, appender, &mut mesh, instance, extras)?;
+        let target = edit_mesh(file, appender, &mut mesh, instance, extras)?;
         if in_place {
             edited_in_place.push(instance.mesh);
             appender.list("meshes")[instance.mesh] = Value::Object(mesh);
@@ -86,16 +80,16 @@ pub(super) fn add_worn_targets(
             let copy = appender.push("meshes", Value::Object(mesh));
             nodes.iter().for_each(|&node| set_node_mesh(appender, node, copy));
         }
-        extend_node_weights(appender, &nodes, &place);
-        if place.index == place.old_count {
+        extend_node_weights(appender, &nodes, &target);
+        if target.index == target.old_count {
             let edited = in_place.then_some(instance.mesh);
-            extend_animations(appender, document, &nodes, edited, place.old_count)?;
+            extend_animations(appender, document, &nodes, edited, target.old_count)?;
         }
     }
     Ok(())
 }
 
-/// Worn primitives by node and mesh, in order of first mention; a primitive named twice counts once.
+/// Groups worn primitives by node and mesh, in order of first occurrence; duplicates count once.
 fn group(worn: &[WornPrimitive]) -> Vec<Instance<'_>> {
     let mut instances: Vec<Instance> = Vec::new();
     for primitive in worn {
@@ -116,11 +110,11 @@ fn group(worn: &[WornPrimitive]) -> Vec<Instance<'_>> {
     instances
 }
 
-/// Nodes that carry `mesh`.
+/// Returns the nodes that show `mesh`.
 fn users_of(appender: &Appender, mesh: usize) -> Vec<usize> {
     let nodes = appender.json().get("nodes").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
-    let carries = |node: &Value| node["mesh"].as_u64() == Some(mesh as u64);
-    nodes.iter().enumerate().filter(|(_, node)| carries(node)).map(|(i, _)| i).collect()
+    let shows = |node: &Value| node["mesh"].as_u64() == Some(mesh as u64);
+    nodes.iter().enumerate().filter(|(_, node)| shows(node)).map(|(i, _)| i).collect()
 }
 
 fn set_node_mesh(appender: &mut Appender, node: usize, mesh: usize) {
@@ -136,20 +130,25 @@ fn edit_mesh(
     mesh: &mut Map<String, Value>,
     instance: &Instance,
     extras: &Map<String, Value>,
-) -> Result<TargetPlace> {
+) -> Result<TargetIndex> {
     let mut none = Vec::new();
     let primitives = mesh.get_mut("primitives").and_then(Value::as_array_mut).unwrap_or(&mut none);
     let old_count =
         primitives.iter().filter_map(|p| p["targets"].as_array()).map(Vec::len).max().unwrap_or(0);
     for worn in &instance.primitives {
-        let place = || format!("meshes[{}].primitives[{}]", instance.mesh, worn.primitive);
+        let location = || format!("meshes[{}].primitives[{}]", instance.mesh, worn.primitive);
         let Some(attributes) = primitives.get(worn.primitive).and_then(|p| p.get("attributes")) else {
-            return Err(Error::input(file, place(), "has no attributes", "export the file again"));
+            return Err(Error::input(file, location(), "has no attributes", "export the file again"));
         };
         let (found, wanted) = (accessor_count(appender, &attributes["POSITION"]), worn.target.position.len());
         if found != Some(wanted) {
-            let what = format!("has {} vertices in the file, {wanted} in the garment", found.unwrap_or(0));
-            return Err(Error::input(file, place(), what, "give the document the garment was made from"));
+            let message = format!("has {} vertices in the file, {wanted} in the garment", found.unwrap_or(0));
+            return Err(Error::input(
+                file,
+                location(),
+                message,
+                "give the document the garment was made from",
+            ));
         }
     }
     let index = old_worn_target(mesh.get("extras"), old_count).unwrap_or(old_count);
@@ -163,10 +162,10 @@ fn edit_mesh(
     let weights = extended_weights(mesh.get("weights"), old_count, index);
     mesh.insert("weights".into(), weights);
     add_extras(mesh, extras, old_count, index);
-    Ok(TargetPlace { old_count, index })
+    Ok(TargetIndex { old_count, index })
 }
 
-/// Puts the worn target, or zeros for a primitive that is not worn, at `index` of the targets.
+/// Sets the worn target, or zeros for a primitive that is not worn, at `index` of the targets.
 fn edit_primitive(
     appender: &mut Appender,
     primitive: &mut Map<String, Value>,
@@ -175,8 +174,8 @@ fn edit_primitive(
     old_count: usize,
 ) {
     let target = match worn {
-        Some(worn) => worn_target(appender, worn),
-        // An earlier worn target of a primitive that now is not worn stays what it was.
+        Some(worn) => append_worn_target(appender, worn),
+        // An earlier worn target of a primitive that is not worn now stays.
         None if index < old_count => return,
         None => {
             let Some(count) =
@@ -195,10 +194,10 @@ fn edit_primitive(
         attributes.shift_remove(FORMER_REST_ANGLE_ATTRIBUTE);
         attributes.insert(REST_ANGLE_CHANGE_ATTRIBUTE.into(), json!(rest_change));
         attributes.insert(STIFFNESS_ATTRIBUTE.into(), json!(stiffness));
-        // Compressed data would be decoded in an order of its own, which the target does not follow; the plain data
-        // that was read stands beside it.
+        // Compressed data would be decoded in another order of vertices than that of the target; the plain data that was
+        // read stays.
         if let Some(extensions) = primitive.get_mut("extensions").and_then(Value::as_object_mut) {
-            extensions.shift_remove(DRACO);
+            extensions.shift_remove(DRACO_EXTENSION);
         }
     }
     match primitive.get_mut("targets").and_then(Value::as_array_mut) {
@@ -212,8 +211,8 @@ fn edit_primitive(
     }
 }
 
-/// The target's entry in `targets`, its numbers appended.
-pub(super) fn worn_target(appender: &mut Appender, worn: &WornTarget) -> Value {
+/// Appends the numbers of the worn target; returns its entry in `targets`.
+pub(super) fn append_worn_target(appender: &mut Appender, worn: &WornTarget) -> Value {
     let mut target = json!({"POSITION": appender.vectors(&worn.position, Purpose::Position)});
     if let Some(normal) = &worn.normal {
         target["NORMAL"] = json!(appender.vectors(normal, Purpose::Vertex));
@@ -224,20 +223,20 @@ pub(super) fn worn_target(appender: &mut Appender, worn: &WornTarget) -> Value {
     target
 }
 
-/// Number of elements of the accessor that `index` names.
+/// Returns the number of elements of accessor `index`.
 fn accessor_count(appender: &Appender, index: &Value) -> Option<usize> {
     let accessor = appender.json().get("accessors")?.get(usize::try_from(index.as_u64()?).ok()?)?;
     usize::try_from(accessor["count"].as_u64()?).ok()
 }
 
-/// The worn target that crease added before, if the mesh says so.
+/// Returns the index of the worn target that crease added before, if the extras name a sidecar.
 fn old_worn_target(extras: Option<&Value>, old_count: usize) -> Option<usize> {
     let extras = extras?.as_object().filter(|extras| extras.contains_key(EXTRAS_KEY))?;
     let names = extras.get("targetNames")?.as_array()?;
     names.iter().position(|name| name == WORN_TARGET).filter(|&index| index < old_count)
 }
 
-/// Weights of all targets: those there were, 0 where none was given, and 1 for the worn one.
+/// Returns the weights of all targets: the old ones, 0 where none was given, and 1 for the worn one.
 fn extended_weights(old: Option<&Value>, old_count: usize, index: usize) -> Value {
     let mut weights = old.and_then(Value::as_array).cloned().unwrap_or_default();
     weights.resize(old_count.max(index + 1), json!(0.0));
@@ -245,22 +244,22 @@ fn extended_weights(old: Option<&Value>, old_count: usize, index: usize) -> Valu
     Value::Array(weights)
 }
 
-/// Nodes that override the mesh's weights must do so for the worn target as well.
-fn extend_node_weights(appender: &mut Appender, nodes: &[usize], place: &TargetPlace) {
+/// Adds the weight of the worn target to nodes that override the weights of the mesh.
+fn extend_node_weights(appender: &mut Appender, nodes: &[usize], target: &TargetIndex) {
     for &node in nodes {
         let node = appender.list("nodes").get_mut(node).and_then(Value::as_object_mut);
         if let Some(node) = node.filter(|node| node.contains_key("weights")) {
-            let weights = extended_weights(node.get("weights"), place.old_count, place.index);
+            let weights = extended_weights(node.get("weights"), target.old_count, target.index);
             node.insert("weights".into(), weights);
         }
     }
 }
 
-/// Merges `extras` into the mesh's, and names the targets the way Blender, three.js and others read.
+/// Merges `extras` into those of the mesh, and names the targets as Blender, three.js and others read them.
 fn add_extras(mesh: &mut Map<String, Value>, extras: &Map<String, Value>, old_count: usize, index: usize) {
     let own = mesh.entry("extras").or_insert_with(|| json!({}));
     if !own.is_object() {
-        // Extras may be anything; what is no object is kept within one.
+        // Extras may be any value; other values are kept within an object.
         *own = json!({"extras": own.take()});
     }
     let Some(own) = own.as_object_mut() else { return };

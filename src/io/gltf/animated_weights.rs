@@ -1,8 +1,8 @@
-//! Animated morph weights with one target more.
+//! Extends animated morph weights by the worn target.
 //!
-//! A weights channel gives one number per target at every key (glTF 2.0, 3.11), so a mesh that gains the worn target
-//! makes its outputs too short. Each gets a new output accessor with the worn target's weight, 1 at every key: the
-//! garment stays worn whatever else moves. Cubic splines hold three groups a key (in-tangents, values, out-tangents);
+//! A weights channel has one number per target at every key (glTF 2.0, 3.11), so its outputs are too short for a mesh that
+//! gains the worn target. Each gets a new output accessor with the worn target's weight, 1 at every key: the garment
+//! stays worn whatever else is animated. Cubic splines have three groups per key (in-tangents, values, out-tangents);
 //! the worn target's tangents are 0. A sampler that other channels use stays, and the channel gets a copy.
 //! Channels are found by node, and by `KHR_animation_pointer` to the weights of the node or of the mesh.
 
@@ -35,7 +35,7 @@ pub(super) fn extend_animations(
     Ok(())
 }
 
-/// Extends the channels of one animation; whether there was one to extend.
+/// Extends the channels of one animation; returns whether any was extended.
 fn extend_animation(
     appender: &mut Appender,
     document: &GltfDocument,
@@ -50,7 +50,7 @@ fn extend_animation(
     ) else {
         return Ok(false);
     };
-    let affected: Vec<bool> = channels.iter().map(|c| drives_weights(c, nodes, mesh)).collect();
+    let affected: Vec<bool> = channels.iter().map(|c| animates_weights(c, nodes, mesh)).collect();
     let sampler_of = |channel: &Value| channel["sampler"].as_u64().and_then(|s| usize::try_from(s).ok());
     for s in 0..samplers.len() {
         let users: Vec<usize> =
@@ -75,8 +75,8 @@ fn extend_animation(
     Ok(affected.contains(&true))
 }
 
-/// Whether `channel` drives all weights of one of `nodes` or of `mesh`.
-fn drives_weights(channel: &Value, nodes: &[usize], mesh: Option<usize>) -> bool {
+/// Returns whether `channel` animates all weights of one of `nodes` or of `mesh`.
+fn animates_weights(channel: &Value, nodes: &[usize], mesh: Option<usize>) -> bool {
     let target = &channel["target"];
     match target["path"].as_str() {
         Some("weights") => target["node"].as_u64().is_some_and(|n| nodes.iter().any(|&own| own as u64 == n)),
@@ -89,7 +89,7 @@ fn drives_weights(channel: &Value, nodes: &[usize], mesh: Option<usize>) -> bool
     }
 }
 
-/// The sampler's output with the worn weight in every group; `None` if the sampler is not whole.
+/// Returns the sampler's output with the worn weight in every group; `None` if the sampler is incomplete.
 fn extended_output(document: &GltfDocument, sampler: &Value, old_count: usize) -> Result<Option<Vec<f32>>> {
     let index = |key: &str| sampler[key].as_u64().and_then(|i| usize::try_from(i).ok());
     let (Some(input), Some(output)) = (index("input"), index("output")) else { return Ok(None) };
@@ -103,7 +103,7 @@ fn extended_output(document: &GltfDocument, sampler: &Value, old_count: usize) -
     }
     let mut numbers = Vec::with_capacity(group_count * (old_count + 1));
     for group in 0..group_count {
-        // A file that gives too few weights is completed with zeros: viewers show it, so may we.
+        // A file with too few weights is completed with zeros, as viewers do.
         let weight = |target: usize| old.get(group * old_count + target).map_or(0.0, |&w| w as f32);
         numbers.extend((0..old_count).map(weight));
         numbers.push(worn[group % worn.len()]);

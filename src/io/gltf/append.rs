@@ -1,53 +1,63 @@
-//! Appending to a glTF document without touching what it has: new views and accessors go to the end of the lists and
-//! of the bytes, so every index and every byte of the input stays valid.
+//! Appends to a glTF document without changing its content: new views and accessors go to the end of the lists and of the
+//! bytes, so that every index and every byte of the input stays valid.
 //!
-//! A document with several buffers becomes one with a single buffer (a GLB has one binary chunk): the buffers are laid
-//! one behind the other, and each view gets its buffer's offset added. The bytes themselves stay as they are. Of the
-//! buffers after the first, name and extras are lost with them. Writes floats only; knows nothing of meshes.
+//! A document with several buffers becomes one with a single buffer (a GLB has one binary chunk): the buffers are
+//! concatenated, and each view gets its buffer's offset added. The bytes stay unchanged. Names and extras of the buffers
+//! after the first are lost. Writes floats only; knows nothing about meshes.
 
 use crate::garment::GltfDocument;
 use crate::io::gltf::container::join_glb;
 use crate::{Error, Result};
 use serde_json::{Map, Value, json};
 
-/// Component types and view targets of the specification.
+/// Component type of 32-bit unsigned integers.
 const UNSIGNED_INT: u32 = 5125;
+/// Component type of 32-bit floats.
 const FLOAT: u32 = 5126;
+/// View target of vertex attributes.
 const ARRAY_BUFFER: u32 = 34962;
+/// View target of indices.
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 
-/// Start of each buffer in the merged one [bytes]. The specification asks for 4; 8 serves extensions with doubles.
+/// Alignment of each buffer in the merged one \[bytes\]. The specification asks for 4; 8 suits extensions with doubles.
 const BUFFER_ALIGNMENT: usize = 8;
-/// Start of each appended view [bytes]: the size of a float.
+/// Alignment of each appended view \[bytes\]: the size of a float.
 const VIEW_ALIGNMENT: usize = 4;
 
-/// What an appended accessor is for; the specification treats these views differently.
+/// Purpose of an appended accessor; the specification treats these views differently.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Purpose {
     /// A vertex attribute or morph target.
     Vertex,
-    /// The same, with `min` and `max`: asked for wherever the attribute is POSITION.
+    /// The attribute POSITION, which needs `min` and `max`.
     Position,
-    /// An animation's output.
+    /// Output of an animation.
     Animation,
 }
 
-/// A document being added to.
+/// Views of the one index 0 and the one value (0, 0, 0) that all empty targets refer to.
+#[derive(Clone, Copy)]
+struct ZeroViews {
+    index: usize,
+    value: usize,
+}
+
+/// Document under construction.
 pub(super) struct Appender {
     json: Map<String, Value>,
     binary: Vec<u8>,
-    /// Views of the one index 0 and the one value (0, 0, 0) that all empty targets share.
-    zero_views: Option<(usize, usize)>,
+    /// Views of the empty targets.
+    zero_views: Option<ZeroViews>,
 }
 
 impl Appender {
-    /// A document of `json` without buffers.
+    /// Creates a document of `json` without buffers.
     pub(super) fn new(json: Map<String, Value>) -> Self {
         Self { json, binary: Vec::new(), zero_views: None }
     }
 
-    /// A copy of `document` with its buffers laid into one; `file` names it in faults.
-    pub(super) fn of_document(file: &str, document: &GltfDocument) -> Result<Self> {
+    /// Copies `document` with its buffers merged into one; `file` names it in diagnostics.
+    pub(super) fn from_document(file: &str, document: &GltfDocument) -> Result<Self> {
         let Value::Object(json) = &document.json else {
             return Err(Error::input(file, "", "the glTF document is not a JSON object", ""));
         };
@@ -59,12 +69,12 @@ impl Appender {
         Ok(appender)
     }
 
-    /// The document so far.
+    /// Returns the document so far.
     pub(super) fn json(&self) -> &Map<String, Value> {
         &self.json
     }
 
-    /// The list `key` of the document, made empty if there is none or if it is no list.
+    /// Returns the list `key` of the document; creates an empty one if there is none or if it is no list.
     pub(super) fn list(&mut self, key: &str) -> &mut Vec<Value> {
         let entry = self.json.entry(key).or_insert_with(|| json!([]));
         if !entry.is_array() {
@@ -72,18 +82,18 @@ impl Appender {
         }
         match entry {
             Value::Array(list) => list,
-            _ => unreachable!("made a list above"),
+            _ => unreachable!("is a list since the lines above"),
         }
     }
 
-    /// Appends `entry` to the list `key`; its index.
+    /// Appends `entry` to the list `key`; returns its index.
     pub(super) fn push(&mut self, key: &str, entry: Value) -> usize {
         let list = self.list(key);
         list.push(entry);
         list.len() - 1
     }
 
-    /// Appends vectors; the accessor's index.
+    /// Appends vectors; returns the accessor's index.
     pub(super) fn vectors<const N: usize>(&mut self, rows: &[[f32; N]], purpose: Purpose) -> usize {
         let kind = ["SCALAR", "VEC2", "VEC3", "VEC4"].get(N.wrapping_sub(1)).copied().unwrap_or("SCALAR");
         let target = (purpose != Purpose::Animation).then_some(ARRAY_BUFFER);
@@ -98,17 +108,17 @@ impl Appender {
         self.push("accessors", accessor)
     }
 
-    /// Appends numbers; the accessor's index.
+    /// Appends numbers; returns the accessor's index.
     pub(super) fn scalars(&mut self, values: &[f32], purpose: Purpose) -> usize {
         self.vectors(values.as_chunks::<1>().0, purpose)
     }
 
-    /// Appends bytes that are no numbers, such as a picture; the view's index.
+    /// Appends bytes that are no numbers, such as a picture; returns the view's index.
     pub(super) fn bytes(&mut self, bytes: Vec<u8>) -> usize {
         self.view(bytes, None)
     }
 
-    /// Appends triangle corners; the accessor's index.
+    /// Appends triangle corners; returns the accessor's index.
     pub(super) fn triangles(&mut self, triangles: &[[u32; 3]]) -> usize {
         let bytes = bytes_of(triangles.iter().flatten().map(|x| x.to_le_bytes()));
         let view = self.view(bytes, Some(ELEMENT_ARRAY_BUFFER));
@@ -119,18 +129,18 @@ impl Appender {
         )
     }
 
-    /// Appends `count` zero displacements that take no room. A plain accessor without a view would say the same, but
-    /// several readers refuse it; a sparse one with a single zero is read by all.
+    /// Appends `count` zero displacements that take no space. A plain accessor without a view would mean the same, but
+    /// several readers reject it; a sparse one with a single zero is read by all. Returns the accessor's index.
     pub(super) fn zero_positions(&mut self, count: usize) -> usize {
-        let (indices, values) = match self.zero_views {
+        let views = match self.zero_views {
             Some(views) => views,
-            None => (self.view(vec![0; 4], None), self.view(vec![0; 12], None)),
+            None => ZeroViews { index: self.view(vec![0; 4], None), value: self.view(vec![0; 12], None) },
         };
-        self.zero_views = Some((indices, values));
+        self.zero_views = Some(views);
         let sparse = json!({
             "count": 1,
-            "indices": {"bufferView": indices, "componentType": UNSIGNED_INT},
-            "values": {"bufferView": values},
+            "indices": {"bufferView": views.index, "componentType": UNSIGNED_INT},
+            "values": {"bufferView": views.value},
         });
         self.push(
             "accessors",
@@ -141,7 +151,7 @@ impl Appender {
         )
     }
 
-    /// The finished document as a GLB file.
+    /// Returns the finished document as a GLB file.
     pub(super) fn into_glb(mut self) -> Vec<u8> {
         if !self.binary.is_empty() {
             let length = json!(self.binary.len());
@@ -164,7 +174,7 @@ impl Appender {
         self.push("bufferViews", view)
     }
 
-    /// Lays all buffers into the binary chunk; where each starts in it.
+    /// Merges all buffers into the binary chunk; returns the start of each in it.
     fn merge_buffers(&mut self, file: &str, buffers: &[Vec<u8>]) -> Result<Vec<usize>> {
         if !self.json.contains_key("buffers") {
             return Ok(Vec::new());
@@ -174,8 +184,8 @@ impl Appender {
         let used = self.used_lengths(buffers);
         let mut starts = Vec::with_capacity(buffers.len());
         for (i, length) in stated.iter().enumerate() {
-            // A binary chunk is padded, so it may be longer than its buffer; what is beyond belongs to nobody, unless a
-            // view says otherwise: then the stated length is wrong, and reading has not minded.
+            // A binary chunk is padded, so it may be longer than its buffer; the bytes beyond are unused, unless a view refers
+            // to them: then the stated length is wrong, which reading tolerates.
             let bytes = length
                 .and_then(|length| usize::try_from(length).ok())
                 .map(|length| used.get(i).map_or(length, |used| length.max(*used)))
@@ -185,7 +195,7 @@ impl Appender {
                 return Err(Error::input(
                     file,
                     format!("buffers[{i}]"),
-                    format!("has {found} bytes, fewer than its byteLength says"),
+                    format!("has {found} bytes, fewer than its byteLength states"),
                     "export the file again",
                 ));
             };
@@ -196,13 +206,13 @@ impl Appender {
         let list = self.list("buffers");
         list.truncate(1);
         for buffer in list.iter_mut().filter_map(Value::as_object_mut) {
-            // `remove` would move the last key into the gap.
+            // `remove` would change the order of keys.
             buffer.shift_remove("uri");
         }
         Ok(starts)
     }
 
-    /// Per buffer: how far the views that lie within its bytes reach.
+    /// Returns per buffer the end of the last view that lies within its bytes.
     fn used_lengths(&self, buffers: &[Vec<u8>]) -> Vec<usize> {
         let mut used = vec![0; buffers.len()];
         for view in self.json.get("bufferViews").and_then(Value::as_array).into_iter().flatten() {
@@ -218,22 +228,22 @@ impl Appender {
         used
     }
 
-    /// Points every view, and every extension of a view that names a buffer, into the merged buffer.
+    /// Moves every view, and every extension of a view that names a buffer, to the merged buffer.
     fn move_views(&mut self, file: &str, starts: &[usize]) -> Result<()> {
         for (i, view) in self.list("bufferViews").iter_mut().enumerate() {
             let Some(view) = view.as_object_mut() else { continue };
-            let mut sound = move_view(view, starts);
+            let mut is_valid = move_view(view, starts);
             let extensions = view.get_mut("extensions").and_then(Value::as_object_mut);
             for extension in extensions.into_iter().flat_map(|all| all.values_mut()) {
                 if let Some(extension) = extension.as_object_mut().filter(|e| e.contains_key("buffer")) {
-                    sound &= move_view(extension, starts);
+                    is_valid &= move_view(extension, starts);
                 }
             }
-            if !sound {
-                let place = format!("bufferViews[{i}]");
+            if !is_valid {
+                let location = format!("bufferViews[{i}]");
                 return Err(Error::input(
                     file,
-                    place,
+                    location,
                     "names a buffer that is not there",
                     "export the file again",
                 ));
@@ -243,7 +253,7 @@ impl Appender {
     }
 }
 
-/// Points one view into the merged buffer; false if its buffer is not there.
+/// Moves one view to the merged buffer; returns false if its buffer does not exist.
 fn move_view(view: &mut Map<String, Value>, starts: &[usize]) -> bool {
     let buffer = view.get("buffer").and_then(Value::as_u64).and_then(|b| usize::try_from(b).ok());
     let Some(&start) = buffer.and_then(|b| starts.get(b)) else { return false };
@@ -263,7 +273,7 @@ fn bytes_of(words: impl Iterator<Item = [u8; 4]>) -> Vec<u8> {
     words.flatten().collect()
 }
 
-/// Smallest and largest of each component; zeros when there are no rows.
+/// Returns minimum and maximum of each component; zeros when there are no rows.
 fn bounds<const N: usize>(rows: &[[f32; N]]) -> ([f32; N], [f32; N]) {
     let Some(&first) = rows.first() else { return ([0.0; N], [0.0; N]) };
     rows.iter().fold((first, first), |(low, high), row| {

@@ -1,39 +1,39 @@
-//! The bytes behind a document: the binary chunk of a GLB, data addresses, and outside files, which the caller
-//! fetches. A buffer without bytes of its own (fallback of a compression) is empty; whoever reads it gets the fault.
+//! Loads the buffers of a document: the binary chunk of a GLB, data addresses, and external files, which the caller
+//! fetches. A buffer without data (fallback of a compression) is empty; reading it fails.
 
-use crate::io::diagnostics::DiagnosticList;
+use crate::io::error_list::ErrorList;
 use crate::io::gltf::json_cursor::Cursor;
 use crate::{Error, Result};
 use base64::Engine;
 use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 
-/// Writers disagree about the padding at the end of base64.
+/// Base64 decoder that accepts any padding, as writers disagree about it.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
     &STANDARD,
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
 
-/// The bytes of every entry of `buffers`; `binary` is the GLB's own chunk.
+/// Returns the bytes of every entry of `buffers`; `binary` is the chunk of the GLB.
 pub(super) fn load_buffers(
     root: &Cursor,
     mut binary: Option<Vec<u8>>,
     resolve: &mut dyn FnMut(&str) -> Result<Vec<u8>>,
-    faults: &mut DiagnosticList,
+    errors: &mut ErrorList,
 ) -> Vec<Vec<u8>> {
     let mut buffers = Vec::new();
     for (number, entry) in root.entries("buffers").iter().enumerate() {
         let bytes = match entry.text("uri") {
-            Some(uri) => faults.take(load_uri(entry, uri, resolve)),
+            Some(uri) => errors.take(load_uri(entry, uri, resolve)),
             None if number == 0 => Some(binary.take().unwrap_or_default()),
             None => Some(Vec::new()),
         };
         let bytes = bytes.unwrap_or_default();
-        let stated = faults.take(entry.index("byteLength")).flatten().unwrap_or(0);
-        if faults.is_empty() && !bytes.is_empty() && bytes.len() < stated {
-            faults.push(
+        let stated = errors.take(entry.index("byteLength")).flatten().unwrap_or(0);
+        if errors.is_empty() && !bytes.is_empty() && bytes.len() < stated {
+            errors.push(
                 entry.path(),
-                format!("it promises {stated} bytes and has {}", bytes.len()),
+                format!("it states {stated} bytes and has {}", bytes.len()),
                 "copy or export the file again; it may be cut off",
             );
         }
@@ -45,7 +45,7 @@ pub(super) fn load_buffers(
 fn load_uri(entry: &Cursor, uri: &str, resolve: &mut dyn FnMut(&str) -> Result<Vec<u8>>) -> Result<Vec<u8>> {
     let Some(data) = uri.strip_prefix("data:") else {
         return resolve(&percent_decoded(uri)).map_err(|error| match error {
-            Error::Input(faults) => Error::Input(faults),
+            Error::Input(errors) => Error::Input(errors),
             other => Error::input(
                 "glTF",
                 entry.path(),
@@ -57,12 +57,12 @@ fn load_uri(entry: &Cursor, uri: &str, resolve: &mut dyn FnMut(&str) -> Result<V
     let bytes = data.split_once(";base64,").map(|(_, text)| BASE64.decode(text.trim()));
     match bytes {
         Some(Ok(bytes)) => Ok(bytes),
-        Some(Err(fault)) => Err(entry.fault(format!("its base64 text is damaged: {fault}"))),
-        None => Err(entry.fault("its data address is not base64")),
+        Some(Err(error)) => Err(entry.error(format!("its base64 text is damaged: {error}"))),
+        None => Err(entry.error("its data address is not base64")),
     }
 }
 
-/// "my%20mesh.bin" names the file "my mesh.bin".
+/// Decodes percent signs: "my%20mesh.bin" is the file "my mesh.bin".
 pub(super) fn percent_decoded(uri: &str) -> String {
     let mut bytes = Vec::with_capacity(uri.len());
     let mut rest = uri.as_bytes();

@@ -1,28 +1,30 @@
-//! The GLB container: a 12-byte header, a JSON chunk, and at most one binary chunk.
+//! GLB container: a 12-byte header, a JSON chunk, and at most one binary chunk.
 //!
-//! First stage of reading a .glb and last of writing one (glTF 2.0 specification, chapter 4). Writing is the `gltf`
-//! crate's. Reading is ours, because the crate subtracts the header's size from an unchecked length (a panic on a
-//! mutilated file) and refuses unknown chunks, which the specification tells readers to skip.
-//! Does not look into the JSON beyond parsing it.
+//! First stage of reading a .glb and last of writing one (glTF 2.0 specification, chapter 4). The `gltf` crate writes.
+//! Reading is implemented here, because the crate subtracts the header's size from an unchecked length (a panic on a
+//! damaged file) and rejects unknown chunks, which the specification tells readers to skip. Only parses the JSON.
 
 use crate::{Error, Result};
 use serde_json::Value;
 use std::borrow::Cow;
 
+/// First bytes of a GLB file.
 const MAGIC: &[u8] = b"glTF";
+/// Type of the JSON chunk.
 const JSON_CHUNK: &[u8] = b"JSON";
+/// Type of the binary chunk.
 const BINARY_CHUNK: &[u8] = b"BIN\0";
 /// Bytes of magic, version and length.
 const HEADER_BYTES: usize = 12;
 /// Bytes of a chunk's length and type.
 const CHUNK_HEADER_BYTES: usize = 8;
 
-/// Whether `bytes` begin like a GLB file.
+/// Returns whether `bytes` begin like a GLB file.
 pub fn is_glb(bytes: &[u8]) -> bool {
     bytes.starts_with(MAGIC)
 }
 
-/// The JSON and the binary chunk of a GLB file. Faults name the file "GLB": the caller knows its real name.
+/// Returns the JSON and the binary chunk of a GLB file. Errors name the file "GLB": the caller knows its real name.
 pub fn split_glb(bytes: &[u8]) -> Result<(Value, Option<Vec<u8>>)> {
     if !is_glb(bytes) {
         return Err(broken("byte 0", "it does not begin with \"glTF\""));
@@ -44,69 +46,74 @@ pub fn split_glb(bytes: &[u8]) -> Result<(Value, Option<Vec<u8>>)> {
     let Some(bytes) = bytes.get(..length as usize) else {
         return Err(broken(
             "byte 8",
-            format!("the header promises {length} bytes, the file has {}", bytes.len()),
+            format!("the header states {length} bytes, the file has {}", bytes.len()),
         ));
     };
-    let Some((kind, json, next)) = chunk(bytes, HEADER_BYTES)? else {
+    let Some(first) = chunk(bytes, HEADER_BYTES)? else {
         return Err(broken("byte 12", "it has no JSON chunk"));
     };
-    if kind != JSON_CHUNK {
+    if first.kind != JSON_CHUNK {
         return Err(broken("byte 12", "its first chunk is not JSON"));
     }
-    let json = parse_json(json)?;
-    // The binary chunk is the second or there is none; other chunks are somebody's extension.
-    let binary = match chunk(bytes, next)? {
-        Some((kind, data, _)) if kind == BINARY_CHUNK => Some(data.to_vec()),
+    let json = parse_json(first.data)?;
+    // The binary chunk is the second or there is none; other chunks belong to extensions.
+    let binary = match chunk(bytes, first.end)? {
+        Some(second) if second.kind == BINARY_CHUNK => Some(second.data.to_vec()),
         _ => None,
     };
     Ok((json, binary))
 }
 
-/// A GLB file of `json` and, if not empty, a binary chunk, both padded to four bytes.
+/// Writes a GLB file of `json` and, if not empty, a binary chunk, both padded to four bytes.
 pub fn join_glb(json: &Value, binary: &[u8]) -> Vec<u8> {
     let glb = ::gltf::binary::Glb {
         header: ::gltf::binary::Header { magic: *b"glTF", version: 2, length: 0 },
         json: Cow::Owned(json.to_string().into_bytes()),
         bin: (!binary.is_empty()).then_some(Cow::Borrowed(binary)),
     };
-    // Writing to memory cannot fail; an empty answer would be caught by any reader.
+    // Writing to memory cannot fail; any reader would reject an empty file.
     glb.to_vec().unwrap_or_default()
 }
 
-/// JSON text to a document; a byte-order mark is skipped.
+/// Parses JSON text; a byte-order mark is skipped.
 pub(super) fn parse_json(text: &[u8]) -> Result<Value> {
     let text = text.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(text);
-    serde_json::from_slice(text).map_err(|fault| {
+    serde_json::from_slice(text).map_err(|error| {
         Error::input(
             "GLB",
-            format!("JSON line {}, column {}", fault.line(), fault.column()),
-            format!("the JSON cannot be read: {fault}"),
+            format!("JSON line {}, column {}", error.line(), error.column()),
+            format!("the JSON cannot be read: {error}"),
             "export the file again",
         )
     })
 }
 
-/// Type, data and end of a chunk.
-type Chunk<'a> = (&'a [u8], &'a [u8], usize);
+/// Chunk of a GLB file.
+struct Chunk<'a> {
+    kind: &'a [u8],
+    data: &'a [u8],
+    /// Offset of the next chunk.
+    end: usize,
+}
 
-/// The chunk at `start`; `None` at the end of the file.
+/// Returns the chunk at `start`; `None` at the end of the file.
 fn chunk(bytes: &[u8], start: usize) -> Result<Option<Chunk<'_>>> {
-    let place = format!("byte {start}");
+    let location = format!("byte {start}");
     if start.saturating_add(CHUNK_HEADER_BYTES) > bytes.len() {
         return if start >= bytes.len() {
             Ok(None)
         } else {
-            Err(broken(place, "it ends within a chunk's header"))
+            Err(broken(location, "it ends within a chunk's header"))
         };
     }
     let length = word(bytes, start).unwrap_or(0) as usize;
     let data_start = start + CHUNK_HEADER_BYTES;
     let data = data_start.checked_add(length).and_then(|end| bytes.get(data_start..end));
     match (bytes.get(start + 4..data_start), data) {
-        (Some(kind), Some(data)) => Ok(Some((kind, data, data_start + length))),
+        (Some(kind), Some(data)) => Ok(Some(Chunk { kind, data, end: data_start + length })),
         _ => Err(broken(
-            place,
-            format!("a chunk promises {length} bytes, {} are left", bytes.len() - data_start),
+            location,
+            format!("a chunk states {length} bytes, {} are left", bytes.len() - data_start),
         )),
     }
 }
@@ -116,11 +123,11 @@ fn word(bytes: &[u8], start: usize) -> Option<u32> {
     four.try_into().ok().map(u32::from_le_bytes)
 }
 
-fn broken(place: impl Into<String>, what: impl Into<String>) -> Error {
+fn broken(location: impl Into<String>, message: impl Into<String>) -> Error {
     Error::input(
         "GLB",
-        place,
-        format!("not a whole GLB file: {}", what.into()),
+        location,
+        format!("not a complete GLB file: {}", message.into()),
         "copy or export the file again; it may be cut off",
     )
 }

@@ -1,7 +1,7 @@
-//! Images that a document names by a path are taken into it, so that the output is one file that shows its textures
-//! wherever it is put. The bytes go in as they are, in buffers of their own; `append.rs` lays all buffers into one.
+//! Embeds images that a document names by a path, so that the output is one file that shows its textures anywhere. The
+//! bytes are stored unchanged, in buffers of their own; `append` merges all buffers into one.
 //!
-//! Only files that are pictures by their first bytes are taken: a document that names something else by mistake or by
+//! Only files that are pictures by their first bytes are embedded: a document that names something else by mistake or by
 //! malice keeps the name. Opens no files; decodes no picture.
 
 use crate::Result;
@@ -9,7 +9,7 @@ use crate::garment::GltfDocument;
 use crate::io::gltf::buffers::percent_decoded;
 use serde_json::{Value, json};
 
-/// Embeds every image that `resolve` finds under its (decoded) path. What was left as it is, in words, one per image.
+/// Embeds every image that `resolve` finds under its (decoded) path. Returns the reasons for images that are not embedded.
 pub fn embed_images(
     document: &mut GltfDocument,
     resolve: &mut dyn FnMut(&str) -> Result<Vec<u8>>,
@@ -22,20 +22,20 @@ pub fn embed_images(
         .filter_map(|(i, image)| Some((i, image["uri"].as_str()?.to_owned())))
         .filter(|(_, uri)| !uri.starts_with("data:"))
         .collect();
-    let mut left = Vec::new();
+    let mut not_embedded = Vec::new();
     for (i, uri) in named {
         let outcome = resolve(&percent_decoded(&uri)).map_err(|error| error.to_string()).and_then(|bytes| {
             let kind = picture_kind(&bytes).ok_or("is not a PNG, JPEG, WebP or KTX2 picture")?;
             embed(document, i, bytes, kind).ok_or_else(|| "the document's lists are damaged".to_owned())
         });
-        if let Err(why) = outcome {
-            left.push(format!("images[{i}] still names \"{uri}\": {why}"));
+        if let Err(reason) = outcome {
+            not_embedded.push(format!("images[{i}] still names \"{uri}\": {reason}"));
         }
     }
-    left
+    not_embedded
 }
 
-/// Media type of a picture by its first bytes.
+/// Returns the media type of a picture by its first bytes.
 fn picture_kind(bytes: &[u8]) -> Option<&'static str> {
     match bytes {
         [0x89, b'P', b'N', b'G', ..] => Some("image/png"),
@@ -46,7 +46,7 @@ fn picture_kind(bytes: &[u8]) -> Option<&'static str> {
     }
 }
 
-/// Puts `bytes` into the document and points image `i` at them; `None`, and nothing changed, if a list is no list.
+/// Adds `bytes` to the document as image `i`; `None`, and nothing changed, if a list of the document is damaged.
 fn embed(document: &mut GltfDocument, i: usize, bytes: Vec<u8>, kind: &str) -> Option<()> {
     let root = document.json.as_object_mut()?;
     for list in ["buffers", "bufferViews"] {
@@ -63,7 +63,7 @@ fn embed(document: &mut GltfDocument, i: usize, bytes: Vec<u8>, kind: &str) -> O
     let view = push(root.get_mut("bufferViews")?, view)?;
     document.buffers.push(bytes);
     let image = root.get_mut("images")?.get_mut(i)?.as_object_mut()?;
-    // `remove` would move the last key into the gap.
+    // `remove` would change the order of keys.
     image.shift_remove("uri");
     image.insert("mimeType".to_owned(), json!(kind));
     image.insert("bufferView".to_owned(), json!(view));

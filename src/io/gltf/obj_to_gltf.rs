@@ -1,26 +1,27 @@
-//! A glTF document from the pieces of an OBJ file, since OBJ cannot hold a second shape of the same mesh.
+//! Creates a glTF document from the pieces of an OBJ file, as OBJ cannot hold a second shape of the same mesh.
 //!
 //! One node, one mesh, one primitive for each piece with at least one triangle; vertices keep number and order within
-//! their piece. Positions are in metres, y up. Normals are the file's, or smooth ones where it has none: area-weighted
-//! over triangles that share a position, so that texture seams do not show. Materials carry the names of the OBJ's and a
-//! plain two-sided cloth colour, as cloth is seen from both sides; the .mtl file is not read.
+//! their piece. Positions are in metres, y up. Normals are those of the file, or smooth ones where it has none:
+//! area-weighted over triangles with a common position, so that texture seams do not show. Materials have the names of the
+//! OBJ's and a plain two-sided cloth colour, as cloth is seen from both sides; the .mtl file is not read.
 
 use crate::garment::{SourceAsset, SourcePiece};
-use crate::io::gltf::add_morph_target::worn_target;
+use crate::io::gltf::add_morph_target::append_worn_target;
 use crate::io::gltf::append::{Appender, Purpose};
+use crate::io::gltf::names::{REST_ANGLE_CHANGE_ATTRIBUTE, STIFFNESS_ATTRIBUTE, WORN_TARGET};
 use crate::io::gltf::worn_target::WornTarget;
-use crate::io::gltf::{REST_ANGLE_CHANGE_ATTRIBUTE, STIFFNESS_ATTRIBUTE, WORN_TARGET};
 use crate::math::Vec3;
 use crate::mesh::triangle;
 use crate::{Error, Result};
 use rustc_hash::FxHashMap;
 use serde_json::{Map, Value, json};
 
-/// Look of a material of which only the name is known: light grey, not shiny.
+/// Base colour of a material of which only the name is known: light grey.
 const BASE_COLOUR: [f64; 4] = [0.8, 0.8, 0.8, 1.0];
+/// Roughness of such a material.
 const ROUGHNESS: f64 = 0.9;
 
-/// A piece in scene coordinates.
+/// Piece in scene coordinates.
 pub(super) struct ScenePiece {
     /// Per vertex: position [m], y up.
     pub(super) positions: Vec<Vec3>,
@@ -28,7 +29,7 @@ pub(super) struct ScenePiece {
     pub(super) normals: Vec<Vec3>,
 }
 
-/// Every piece of `asset` brought into the scene, with normals.
+/// Transforms every piece of `asset` to the scene, with normals.
 pub(super) fn scene_pieces(asset: &SourceAsset) -> Vec<ScenePiece> {
     let positions: Vec<Vec<Vec3>> = asset.pieces.iter().map(scene_positions).collect();
     let smooth = smooth_normals(asset, &positions);
@@ -41,7 +42,7 @@ pub(super) fn scene_pieces(asset: &SourceAsset) -> Vec<ScenePiece> {
     asset.pieces.iter().zip(positions.into_iter().zip(smooth)).map(with_normals).collect()
 }
 
-/// The document of all pieces as a GLB file; `targets` has one entry per piece, `None` where it is not worn.
+/// Writes the document of all pieces as a GLB file; `targets` has one entry per piece, `None` where it is not worn.
 pub(super) fn obj_document(
     asset: &SourceAsset,
     scene: &[ScenePiece],
@@ -70,8 +71,9 @@ pub(super) fn obj_document(
         let material = *materials
             .entry(piece.material.as_deref())
             .or_insert_with(|| appender.push("materials", material(piece.material.as_deref())));
-        let mut primitive = primitive(&mut appender, piece, scene, target.as_ref())
-            .map_err(|what| Error::input(&asset.file, &piece.name, what, "check the unit of the file"))?;
+        let mut primitive = primitive(&mut appender, piece, scene, target.as_ref()).map_err(|message| {
+            Error::input(&asset.file, &piece.name, message, "check the unit of the file")
+        })?;
         primitive["material"] = json!(material);
         primitives.push(primitive);
     }
@@ -84,7 +86,7 @@ pub(super) fn obj_document(
     Ok(appender.into_glb())
 }
 
-/// One primitive with its numbers appended; what is wrong if they do not fit the file's floats.
+/// Appends the numbers of one primitive and returns its entry; fails if they do not fit 32-bit floats.
 fn primitive(
     appender: &mut Appender,
     piece: &SourcePiece,
@@ -112,7 +114,7 @@ fn primitive(
             attributes[REST_ANGLE_CHANGE_ATTRIBUTE] =
                 json!(appender.scalars(&worn.rest_change_deg, Purpose::Vertex));
             attributes[STIFFNESS_ATTRIBUTE] = json!(appender.scalars(&worn.stiffness, Purpose::Vertex));
-            worn_target(appender, worn)
+            append_worn_target(appender, worn)
         }
         None => json!({"POSITION": appender.zero_positions(positions.len())}),
     };
@@ -133,7 +135,7 @@ fn material(name: Option<&str>) -> Value {
     material
 }
 
-/// File name without folders and without its last ending.
+/// Returns the file name without folders and extension.
 fn stem(file: &str) -> &str {
     let name = file.rsplit(['/', '\\']).next().unwrap_or(file);
     name.rsplit_once('.').map_or(name, |(stem, _)| stem)
@@ -143,17 +145,17 @@ fn scene_positions(piece: &SourcePiece) -> Vec<Vec3> {
     (0..piece.positions.len()).map(|v| piece.scene_position(v).unwrap_or_default()).collect()
 }
 
-/// The file's normals in the scene; `None` where one is missing or has no length.
+/// Returns the file's normals in the scene; `None` where one is missing or has no length.
 fn scene_normals(piece: &SourcePiece) -> Vec<Option<Vec3>> {
-    let turned = |(v, n): (usize, &Vec3)| {
+    let transformed = |(v, n): (usize, &Vec3)| {
         let linear = piece.placement.matrix(v).fixed_view::<3, 3>(0, 0).into_owned();
         (linear.try_inverse()?.transpose() * n).try_normalize(f64::MIN_POSITIVE)
     };
-    piece.normals.iter().flatten().enumerate().map(turned).collect()
+    piece.normals.iter().flatten().enumerate().map(transformed).collect()
 }
 
-/// Area-weighted normals over all triangles that share a position, whatever piece they are in. Where these cancel (the
-/// same sheet facing both ways), those of the vertex alone; where there is no triangle, straight up.
+/// Returns area-weighted normals over all triangles with a common position, in whatever piece. Where they cancel (the
+/// same sheet in both orientations), those of the vertex alone; without a triangle, the y axis.
 fn smooth_normals(asset: &SourceAsset, positions: &[Vec<Vec3>]) -> Vec<Vec<Vec3>> {
     let mut shared: FxHashMap<[u64; 3], Vec3> = FxHashMap::default();
     let mut alone: Vec<Vec<Vec3>> = positions.iter().map(|p| vec![Vec3::zeros(); p.len()]).collect();
@@ -168,15 +170,15 @@ fn smooth_normals(asset: &SourceAsset, positions: &[Vec<Vec3>]) -> Vec<Vec<Vec3>
         }
     }
     let choose = |(p, alone): (&Vec3, Vec3)| {
-        // Cancelling leaves rounding behind, which is no direction.
-        let floor = alone.norm() * 1e-9;
-        let shared = shared.get(&bits(*p)).and_then(|n| n.try_normalize(floor));
+        // Normals that cancel leave rounding errors, which are no direction.
+        let min_length = alone.norm() * 1e-9;
+        let shared = shared.get(&bits(*p)).and_then(|n| n.try_normalize(min_length));
         shared.or_else(|| alone.try_normalize(f64::MIN_POSITIVE)).unwrap_or_else(Vec3::y)
     };
     positions.iter().zip(alone).map(|(p, alone)| p.iter().zip(alone).map(choose).collect()).collect()
 }
 
-/// A position as a key; both zeros are one.
+/// Returns a position as a key; both zeros are equal.
 fn bits(p: Vec3) -> [u64; 3] {
     [p.x, p.y, p.z].map(|x| (x + 0.0).to_bits())
 }

@@ -1,33 +1,33 @@
-//! One primitive's own data: positions, normals, texture coordinates, mask, and its triangles, whatever way they are
-//! listed. Placing it in the scene is the reader's.
+//! Reads the data of one primitive: positions, normals, texture coordinates, mask, and its triangles, however they are
+//! listed. The caller places it in the scene.
 
 use crate::Result;
 use crate::io::gltf::accessor::Accessors;
 use crate::io::gltf::json_cursor::Cursor;
 use crate::math::{Vec2, Vec3};
 
-/// What a primitive draws.
-pub(super) enum Drawn {
+/// Content of a primitive.
+pub(super) enum PrimitiveData {
     /// Triangles.
     Mesh(MeshData),
-    /// Something else, which garments are not made of.
+    /// Points or lines, which garments do not have; with their name.
     Skipped(&'static str),
 }
 
-/// A primitive's triangles and vertices.
+/// Triangles and vertices of a primitive.
 pub(super) struct MeshData {
     pub(super) positions: Vec<Vec3>,
     pub(super) normals: Option<Vec<Vec3>>,
     pub(super) uvs: Option<Vec<Vec2>>,
     pub(super) mask: Option<Vec<f64>>,
     pub(super) triangles: Vec<[u32; 3]>,
-    /// Corners left over at the end of a triangle list.
+    /// Number of corners after the last whole triangle of a list.
     pub(super) leftover_corners: usize,
-    /// Normals or texture coordinates that were not numbers.
-    pub(super) mended_count: usize,
+    /// Number of normals and texture coordinates that were not numbers.
+    pub(super) replaced_count: usize,
 }
 
-/// Name and component of the attribute that scales memory.
+/// Attribute and component that scale the memory.
 #[derive(Clone)]
 pub(super) struct MaskChannel {
     pub(super) attribute: String,
@@ -35,7 +35,7 @@ pub(super) struct MaskChannel {
 }
 
 impl MaskChannel {
-    /// "COLOR_0.g" is the second component of COLOR_0.
+    /// Parses a name such as "COLOR_0.g", the second component of COLOR_0.
     pub(super) fn parse(wanted: &str) -> Self {
         let split = wanted.rsplit_once('.').and_then(|(attribute, component)| {
             let component = match component {
@@ -56,37 +56,37 @@ pub(super) fn read_primitive(
     accessors: &Accessors,
     primitive: &Cursor,
     mask: Option<&MaskChannel>,
-) -> Result<Drawn> {
+) -> Result<PrimitiveData> {
     let mode = primitive.index("mode")?.unwrap_or(4);
     match mode {
-        0 => return Ok(Drawn::Skipped("points")),
-        1..=3 => return Ok(Drawn::Skipped("lines")),
+        0 => return Ok(PrimitiveData::Skipped("points")),
+        1..=3 => return Ok(PrimitiveData::Skipped("lines")),
         4..=6 => {}
-        other => return Err(primitive.fault(format!("mode {other} is unknown"))),
+        other => return Err(primitive.error(format!("mode {other} is unknown"))),
     }
     let attributes = primitive.member("attributes");
     let Some(position) = attributes.index("POSITION")? else {
-        return Ok(Drawn::Skipped("a primitive without positions"));
+        return Ok(PrimitiveData::Skipped("a primitive without positions"));
     };
     let user = primitive.path();
     let table = accessors.table_of(position, 3, None, user)?;
     let positions: Vec<Vec3> = table.rows().map(Vec3::from_column_slice).collect();
     if let Some(vertex) = positions.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
-        return Err(primitive.fault(format!("the position of vertex {vertex} is not a finite number")));
+        return Err(primitive.error(format!("the position of vertex {vertex} is not a finite number")));
     }
     let count = positions.len();
-    let mut mended_count = 0;
+    let mut replaced_count = 0;
     let normals = match attributes.index("NORMAL")? {
         Some(index) => {
             let table = accessors.table_of(index, 3, Some(count), user)?;
-            Some(table.rows().map(|row| unit_normal(row, &mut mended_count)).collect())
+            Some(table.rows().map(|row| unit_normal(row, &mut replaced_count)).collect())
         }
         None => None,
     };
     let uvs = match attributes.index("TEXCOORD_0")? {
         Some(index) => {
             let table = accessors.table_of(index, 2, Some(count), user)?;
-            Some(table.rows().map(|row| finite_uv(row, &mut mended_count)).collect())
+            Some(table.rows().map(|row| finite_uv(row, &mut replaced_count)).collect())
         }
         None => None,
     };
@@ -96,27 +96,35 @@ pub(super) fn read_primitive(
         None => (0..count as u32).collect(),
     };
     if let Some(corner) = corners.iter().find(|&&corner| corner as usize >= count) {
-        return Err(primitive.fault(format!("a triangle uses vertex {corner}, there are {count}")));
+        return Err(primitive.error(format!("a triangle uses vertex {corner}, there are {count}")));
     }
     let (triangles, leftover_corners) = assemble(mode, &corners);
-    Ok(Drawn::Mesh(MeshData { positions, normals, uvs, mask, triangles, leftover_corners, mended_count }))
+    Ok(PrimitiveData::Mesh(MeshData {
+        positions,
+        normals,
+        uvs,
+        mask,
+        triangles,
+        leftover_corners,
+        replaced_count,
+    }))
 }
 
-fn unit_normal(row: &[f64], mended_count: &mut usize) -> Vec3 {
+fn unit_normal(row: &[f64], replaced_count: &mut usize) -> Vec3 {
     let normal = Vec3::from_column_slice(row);
     let unit = normal.iter().all(|x| x.is_finite()).then(|| normal.try_normalize(0.0)).flatten();
     unit.unwrap_or_else(|| {
-        *mended_count += 1;
+        *replaced_count += 1;
         Vec3::y()
     })
 }
 
-fn finite_uv(row: &[f64], mended_count: &mut usize) -> Vec2 {
+fn finite_uv(row: &[f64], replaced_count: &mut usize) -> Vec2 {
     let uv = Vec2::from_column_slice(row);
     if uv.iter().all(|x| x.is_finite()) {
         return uv;
     }
-    *mended_count += 1;
+    *replaced_count += 1;
     Vec2::zeros()
 }
 
@@ -130,7 +138,7 @@ fn read_mask(
     let Some(index) = attributes.index(&mask.attribute)? else { return Ok(None) };
     let table = accessors.table(index, attributes.path())?;
     if table.row_count() != count || mask.component >= table.width {
-        return Err(attributes.fault(format!(
+        return Err(attributes.error(format!(
             "{} has {} rows of {}; the mask needs {count} rows and component {}",
             mask.attribute,
             table.row_count(),
@@ -143,7 +151,8 @@ fn read_mask(
     Ok(Some(table.rows().map(scale).collect()))
 }
 
-/// Triangle list (4), strip (5) or fan (6) to triangles, all turned alike; and the corners left over.
+/// Converts a triangle list (4), strip (5) or fan (6) to consistently oriented triangles; also returns the number of
+/// leftover corners.
 fn assemble(mode: usize, corners: &[u32]) -> (Vec<[u32; 3]>, usize) {
     if mode == 4 {
         let (triples, rest) = corners.as_chunks::<3>();
@@ -154,12 +163,12 @@ fn assemble(mode: usize, corners: &[u32]) -> (Vec<[u32; 3]>, usize) {
         let &[a, b, c] = pair else { continue };
         triangles.push(match (mode, corners.first()) {
             (6, Some(&hub)) => [b, c, hub],
-            // Every other triangle of a strip is listed backwards.
+            // Every other triangle of a strip is listed in reverse.
             _ if k % 2 == 1 => [b, a, c],
             _ => [a, b, c],
         });
     }
-    // Strips jump by repeating corners; those are no triangles.
+    // Strips jump by repeated corners; those are no triangles.
     triangles.retain(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]);
     (triangles, 0)
 }
@@ -170,7 +179,7 @@ mod tests {
 
     /// Values of the specification's figure of strips and fans.
     #[test]
-    fn strips_and_fans_turn_like_their_first_triangle() {
+    fn strips_and_fans_are_oriented_like_their_first_triangle() {
         assert_eq!(assemble(5, &[0, 1, 2, 3, 4]).0, [[0, 1, 2], [2, 1, 3], [2, 3, 4]]);
         assert_eq!(assemble(6, &[0, 1, 2, 3]).0, [[1, 2, 0], [2, 3, 0]]);
         assert_eq!(assemble(5, &[0, 1, 2, 2, 4, 4, 5, 6]).0, [[0, 1, 2], [5, 4, 6]]);

@@ -1,35 +1,35 @@
-//! The wear in a glTF file, read back from the morph target and the attributes that a bake wrote: enough to look at a
-//! worn garment whose sidecar is lost, not enough to wear it further (memory lives on hinges, and these are vertices).
+//! Reads the wear in a glTF file from the morph target and the attributes that a bake wrote: enough to look at a worn
+//! garment whose sidecar is lost, not enough to wear it further (memory belongs to hinges, and these are vertices).
 //!
-//! The inverse of `write.rs`. Positions are single precision here; the sidecar has them in full.
+//! The inverse of `write`. Positions have single precision here, double precision in the sidecar.
 
 use crate::Result;
 use crate::garment::{GltfDocument, SourceAsset, SourcePiece};
 use crate::io::gltf::accessor::Accessors;
-use crate::io::gltf::{
-    FORMER_REST_ANGLE_ATTRIBUTE, REST_ANGLE_CHANGE_ATTRIBUTE, STIFFNESS_ATTRIBUTE, WORN_TARGET,
+use crate::io::gltf::names::{
+    EXTRAS_KEY, FORMER_REST_ANGLE_ATTRIBUTE, REST_ANGLE_CHANGE_ATTRIBUTE, STIFFNESS_ATTRIBUTE, WORN_TARGET,
 };
 use crate::math::Vec3;
 use serde_json::Value;
 
-/// What the vertices of worn pieces show of wear; all lists have one entry per vertex, in file order.
+/// Wear at the vertices of worn pieces; all lists have one entry per vertex, in file order.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct WornVertices {
-    /// Position with the morph target fully on [m], y up.
+    /// Position with morph weight 1 [m], y up.
     pub positions: Vec<Vec3>,
-    /// Change of rest angle [degrees]; 0 where the file says nothing.
+    /// Change of rest angle [degrees]; 0 where the file has none.
     pub rest_angle_deg: Vec<f64>,
-    /// Stiffness ratio [-]; 1 where the file says nothing.
+    /// Stiffness ratio [-]; 1 where the file has none.
     pub stiffness_ratio: Vec<f64>,
 }
 
-/// Name of the sidecar that the worn meshes of `document` point to.
+/// Returns the name of the sidecar that the worn meshes of `document` refer to.
 pub fn sidecar_name(document: &GltfDocument) -> Option<&str> {
     let meshes = document.json["meshes"].as_array()?;
-    meshes.iter().find_map(|mesh| mesh["extras"]["crease"]["sidecar"].as_str())
+    meshes.iter().find_map(|mesh| mesh["extras"][EXTRAS_KEY]["sidecar"].as_str())
 }
 
-/// Leaves `worn` on the pieces that have a worn target; false, and nothing changed, if there is none.
+/// Marks the pieces that have a worn target as worn, and no others; returns false, and changes nothing, if there is none.
 pub fn keep_worn_pieces(asset: &mut SourceAsset) -> bool {
     let Some(document) = &asset.document else { return false };
     let has_target: Vec<bool> =
@@ -41,7 +41,7 @@ pub fn keep_worn_pieces(asset: &mut SourceAsset) -> bool {
     true
 }
 
-/// What the worn pieces of `asset` show; empty for a file that is no glTF.
+/// Reads the wear of the worn pieces of `asset`; empty for a file that is not glTF.
 pub fn read_worn(asset: &SourceAsset) -> Result<WornVertices> {
     let mut all = WornVertices::default();
     if let Some(document) = &asset.document {
@@ -79,18 +79,18 @@ fn primitive<'a>(document: &'a GltfDocument, piece: &SourcePiece) -> &'a Value {
     &document.json["meshes"][piece.mesh]["primitives"][piece.primitive]
 }
 
-/// The worn target of a piece.
+/// Returns the worn target of a piece.
 pub(super) fn worn_target<'a>(document: &'a GltfDocument, piece: &SourcePiece) -> Option<&'a Value> {
     primitive(document, piece)["targets"].get(worn_target_index(document, piece)?)
 }
 
-/// Its place among the targets.
+/// Returns the index of the worn target among the targets of a piece.
 pub(super) fn worn_target_index(document: &GltfDocument, piece: &SourcePiece) -> Option<usize> {
     let names = document.json["meshes"][piece.mesh]["extras"]["targetNames"].as_array()?;
     names.iter().rposition(|name| name == WORN_TARGET)
 }
 
-/// All numbers of an accessor, row by row; `None` if none is named.
+/// Reads all numbers of an accessor, row by row; `None` if `accessor` is no index.
 pub(super) fn column(
     document: &GltfDocument,
     accessor: &Value,

@@ -1,29 +1,25 @@
-//! The garment with its rest angles as a vertex map (`--export rest-angle-map`), for programs that paint them.
+//! Writes the garment with its rest angles as a vertex map (`--export rest-angle-map`), for programs that paint them.
 //!
-//! A GLB of the worn pieces in their own pose, vertices in number and order of the file, with
+//! A GLB of the worn pieces in their source pose, vertices in number and order of the file, with
 //! - `COLOR_0`: grey, 0 for -180 degrees, 0.5 for flat, 1 for +180 degrees,
 //! - `_REST_ANGLE_DEG`: the same in degrees.
 //!
-//! Unreal's Chaos cloth takes such a map as "Rest Angle" with low -180 and high 180, rest angles being explicit; of the two
-//! ends of an edge it uses the angle of lesser magnitude. The map is fitted to that rule: from the largest angle around
-//! each vertex, one vertex after another takes the angle among those of its hinges, their mean, or flat, that leaves the least squared
-//! error (weighted by length), until none changes. A vertex has no direction, so an edge across a crease cannot always
-//! stay flat: how much is lost is measured when the file is read back.
+//! Unreal's Chaos cloth takes such a map as "Rest Angle" with low -180 and high 180, with explicit rest angles; of the two
+//! ends of an edge it uses the angle of lesser magnitude. The map is fitted to that rule: starting with the largest angle
+//! around each vertex, each vertex in turn takes the angle among those of its hinges, their mean, or zero, that minimises
+//! the squared error (weighted by edge length), until none changes. A vertex has no direction, so that an edge across a
+//! crease cannot always stay flat: the loss is measured when the file is read back.
 
 use crate::garment::{Garment, RestState, SourceAsset};
 use crate::io::gltf::append::{Appender, Purpose};
+use crate::io::gltf::names::REST_ANGLE_DEG_ATTRIBUTE;
 use crate::io::gltf::obj_to_gltf::scene_pieces;
+use crate::io::tuning::TUNING;
 use crate::{Error, Result};
 use serde_json::{Value, json};
 
-/// Name of the attribute in degrees.
-pub const REST_ANGLE_DEG_ATTRIBUTE: &str = "_REST_ANGLE_DEG";
-
-/// Rounds over all vertices; each can only lower the error, and few change after the first.
-const MOST_ROUNDS: usize = 30;
-
-/// Per point of `garment`: the angle (degrees, within +-180) with which edges that take the lesser magnitude of both their
-/// ends come closest to the rest angles of `memory`.
+/// Returns per point of `garment` the angle \[degrees, within +-180\] with which edges that take the angle of lesser
+/// magnitude of their ends fit the rest angles of `memory` best.
 pub fn rest_angle_per_point(garment: &Garment, memory: &RestState) -> Vec<f64> {
     let hinges = &garment.topology.hinges;
     let mut around: Vec<Vec<usize>> = vec![Vec::new(); garment.points.len()];
@@ -38,7 +34,7 @@ pub fn rest_angle_per_point(garment: &Garment, memory: &RestState) -> Vec<f64> {
     let larger = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
     let mut angle: Vec<f64> =
         around.iter().map(|own| own.iter().map(|&h| wanted[h]).fold(0.0, larger)).collect();
-    for _ in 0..MOST_ROUNDS {
+    for _ in 0..TUNING.max_rest_angle_passes {
         let mut changed = false;
         for p in 0..around.len() {
             let error = |own: f64| -> f64 {
@@ -54,14 +50,15 @@ pub fn rest_angle_per_point(garment: &Garment, memory: &RestState) -> Vec<f64> {
             let mean: f64 = around[p].iter().map(|&h| length(h) * wanted[h]).sum();
             let mean = if lengths > 0.0 { mean / lengths } else { 0.0 };
             let candidates = around[p].iter().map(|&h| wanted[h]).chain([0.0, mean]);
-            let start = (error(angle[p]), angle[p]);
-            let better = |best: (f64, f64), own: f64| {
-                let found = error(own);
-                if found < best.0 { (found, own) } else { best }
-            };
-            let best = candidates.fold(start, better);
-            changed |= best.1 != angle[p];
-            angle[p] = best.1;
+            let (mut min_error, mut best) = (error(angle[p]), angle[p]);
+            for candidate in candidates {
+                let found = error(candidate);
+                if found < min_error {
+                    (min_error, best) = (found, candidate);
+                }
+            }
+            changed |= best != angle[p];
+            angle[p] = best;
         }
         if !changed {
             break;
@@ -70,12 +67,12 @@ pub fn rest_angle_per_point(garment: &Garment, memory: &RestState) -> Vec<f64> {
     angle
 }
 
-/// The grey that stands for `degrees`.
+/// Returns the grey value of an angle.
 fn grey(degrees: f64) -> f32 {
     ((degrees + 180.0) / 360.0) as f32
 }
 
-/// The worn pieces of `asset` as a GLB with the rest angles of `memory` as vertex colours and in degrees.
+/// Writes the worn pieces of `asset` as a GLB with the rest angles of `memory` as vertex colours and in degrees.
 pub fn write_rest_angle_map(asset: &SourceAsset, garment: &Garment, memory: &RestState) -> Result<Vec<u8>> {
     let document = json!({
         "asset": {"version": "2.0", "generator": concat!("crease ", env!("CARGO_PKG_VERSION"))},
@@ -95,7 +92,7 @@ pub fn write_rest_angle_map(asset: &SourceAsset, garment: &Garment, memory: &Res
             return Err(Error::input(
                 &asset.file,
                 &piece.name,
-                "is not the garment's",
+                "does not belong to the garment",
                 "read the file again",
             ));
         };

@@ -9,17 +9,14 @@ use crate::body::clip::{AnimatedProperty, Channel, Clip, Interpolation};
 use crate::body::rig::{JointInfluence, MorphWeights, Rig, RigPiece, SkinBinding, normalise_weights};
 use crate::body::skeleton::{Skeleton, SkeletonNode};
 use crate::garment::{SourceAsset, SourcePiece};
-use crate::io::diagnostics::DiagnosticList;
+use crate::io::error_list::ErrorList;
 use crate::io::gltf::accessor::Accessors;
 use crate::io::gltf::json_cursor::Cursor;
 use crate::io::gltf::scene::read_node_transform;
 use crate::io::gltf::skin::{influence_sets, read_joints};
-use crate::io::read::to_scene;
+use crate::io::pieces::to_scene;
+use crate::io::tuning::TUNING;
 use crate::math::Vec3;
-
-/// Numbers of keys and morph targets allowed for a file of any size; larger files may have as many as their buffers have
-/// bytes. Channels may refer to the same keys, and a short file could otherwise ask for any amount of memory.
-const MIN_NUMBER_BUDGET: usize = 4_000_000;
 
 /// Reads the rig of `pieces` of `asset`; `None` if the asset is not glTF.
 pub fn read_rig(asset: &SourceAsset, pieces: &[&SourcePiece]) -> Result<Option<Rig>> {
@@ -27,22 +24,22 @@ pub fn read_rig(asset: &SourceAsset, pieces: &[&SourcePiece]) -> Result<Option<R
     let root = Cursor::root(&document.json);
     let accessors = Accessors::new(document);
     let mut reader = RigReader {
-        numbers_left: accessors.byte_count().max(MIN_NUMBER_BUDGET),
+        numbers_left: accessors.byte_count().max(TUNING.min_number_budget),
         root,
         accessors,
-        faults: DiagnosticList::new(&asset.file),
+        errors: ErrorList::new(&asset.file),
     };
     let skeleton = reader.skeleton();
     let pieces = pieces.iter().filter_map(|piece| reader.piece(piece)).collect();
     let clips = reader.clips(skeleton.nodes().len());
-    reader.faults.finish()?;
+    reader.errors.finish()?;
     Ok(Some(Rig { skeleton, pieces, clips, to_scene: to_scene(asset.unit_m, asset.up) }))
 }
 
 struct RigReader<'a> {
     root: Cursor<'a>,
     accessors: Accessors<'a>,
-    faults: DiagnosticList,
+    errors: ErrorList,
     numbers_left: usize,
 }
 
@@ -51,7 +48,7 @@ impl RigReader<'_> {
         let cursors = self.root.entries("nodes");
         let mut parents = vec![None; cursors.len()];
         for (number, node) in cursors.iter().enumerate() {
-            for child in self.faults.take(node.indices("children")).into_iter().flatten() {
+            for child in self.errors.take(node.indices("children")).into_iter().flatten() {
                 // The reader of pieces has checked that the nodes are a forest.
                 if let Some(slot) = parents.get_mut(child) {
                     *slot = Some(number);
@@ -60,7 +57,7 @@ impl RigReader<'_> {
         }
         let mut nodes = Vec::with_capacity(cursors.len());
         for (node, parent) in cursors.iter().zip(parents) {
-            if let Some(rest) = self.faults.take(read_node_transform(node)) {
+            if let Some(rest) = self.errors.take(read_node_transform(node)) {
                 nodes.push(SkeletonNode {
                     name: node.text("name").unwrap_or_default().to_owned(),
                     parent,
@@ -75,9 +72,9 @@ impl RigReader<'_> {
         let mesh = self.root.entry("meshes", piece.mesh);
         let primitive = mesh.entry("primitives", piece.primitive);
         let binding = self.binding(piece, &primitive);
-        let binding = self.faults.take(binding)?;
+        let binding = self.errors.take(binding)?;
         let targets = self.targets(&primitive, piece.positions.len());
-        let targets = self.faults.take(targets)?;
+        let targets = self.errors.take(targets)?;
         let morph = piece.node.filter(|_| !targets.is_empty()).map(|node| {
             let own = self.root.entry("nodes", node);
             let weighted = if own.member("weights").exists() { own } else { mesh };
@@ -106,9 +103,9 @@ impl RigReader<'_> {
             let own = normalise_weights(own);
             let is_bad = |i: &&JointInfluence| i.joint as usize >= joints.len() || !i.weight.is_finite();
             if let Some(JointInfluence { joint, .. }) = own.iter().find(is_bad) {
-                let what =
+                let message =
                     format!("vertex {vertex} follows joint {joint}, skins[{skin}] has {}", joints.len());
-                return Err(primitive.fault(what));
+                return Err(primitive.error(message));
             }
             influences.push(own);
         }
@@ -136,7 +133,7 @@ impl RigReader<'_> {
             let mut channels = Vec::new();
             for channel in animation.entries("channels") {
                 let read = self.channel(animation, &channel, node_count);
-                channels.extend(self.faults.take(read).flatten());
+                channels.extend(self.errors.take(read).flatten());
             }
             // Unnamed clips get the name that viewers list them by.
             let name = animation.text("name").map_or_else(|| format!("animation {number}"), str::to_owned);
@@ -155,7 +152,7 @@ impl RigReader<'_> {
         // Without a node an extension defines the target, which is not supported.
         let Some(node) = target.index("node")? else { return Ok(None) };
         if node >= node_count {
-            return Err(target.fault(format!("nodes[{node}] is not in the file")));
+            return Err(target.error(format!("nodes[{node}] is not in the file")));
         }
         let property = match target.text("path") {
             Some("translation") => AnimatedProperty::Translation,
@@ -167,13 +164,13 @@ impl RigReader<'_> {
         let number = channel.required_index("sampler")?;
         let sampler = animation.entry("samplers", number);
         if !sampler.exists() {
-            return Err(channel.fault(format!("samplers[{number}] is not in the animation")));
+            return Err(channel.error(format!("samplers[{number}] is not in the animation")));
         }
         let interpolation = match sampler.text("interpolation") {
             None | Some("LINEAR") => Interpolation::Linear,
             Some("STEP") => Interpolation::Step,
             Some("CUBICSPLINE") => Interpolation::CubicSpline,
-            Some(other) => return Err(sampler.fault(format!("interpolation \"{other}\" is unknown"))),
+            Some(other) => return Err(sampler.error(format!("interpolation \"{other}\" is unknown"))),
         };
         let (input, output) = (sampler.required_index("input")?, sampler.required_index("output")?);
         let keys = self.accessors.row_count(input, sampler.path())?;
@@ -187,12 +184,12 @@ impl RigReader<'_> {
         if channel.is_valid() {
             return Ok(Some(channel));
         }
-        let what = format!(
+        let message = format!(
             "{} keys and {} numbers do not make a channel: times must rise, and every key needs its value",
             channel.times.len(),
             channel.values.len()
         );
-        Err(sampler.fault(what))
+        Err(sampler.error(message))
     }
 
     fn spend(&mut self, numbers: usize, user: &Cursor) -> Result<()> {
@@ -201,7 +198,7 @@ impl RigReader<'_> {
                 self.numbers_left = left;
                 Ok(())
             }
-            None => Err(user.fault("the file asks for more animation data than it can hold")),
+            None => Err(user.error("the file asks for more animation data than it can hold")),
         }
     }
 }

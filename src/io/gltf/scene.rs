@@ -50,9 +50,9 @@ fn read_parents(nodes: &[Cursor]) -> Result<Vec<Option<usize>>> {
             match parents.get_mut(child) {
                 Some(slot @ None) => *slot = Some(number),
                 Some(Some(other)) => {
-                    return Err(node.fault(format!("nodes[{child}] is also a child of nodes[{other}]")));
+                    return Err(node.error(format!("nodes[{child}] is also a child of nodes[{other}]")));
                 }
-                None => return Err(node.fault(format!("its child nodes[{child}] is not in the file"))),
+                None => return Err(node.error(format!("its child nodes[{child}] is not in the file"))),
             }
         }
     }
@@ -69,7 +69,7 @@ fn parents_first(nodes: &[Cursor], parents: &[Option<usize>]) -> Result<Vec<usiz
         while let Some(node) = at.filter(|&node| !done[node]) {
             upward.push(node);
             if upward.len() > parents.len() {
-                return Err(cursor.fault("it is its own ancestor"));
+                return Err(cursor.error("it is its own ancestor"));
             }
             at = parents[node];
         }
@@ -91,7 +91,7 @@ fn shown_roots(root: &Cursor, parents: &[Option<usize>]) -> Result<Vec<bool>> {
     for node in scene.indices("nodes")? {
         match shown.get_mut(node) {
             Some(slot) => *slot = true,
-            None => return Err(scene.fault(format!("nodes[{node}] is not in the file"))),
+            None => return Err(scene.error(format!("nodes[{node}] is not in the file"))),
         }
     }
     Ok(shown)
@@ -107,7 +107,7 @@ pub(super) fn read_node_transform(node: &Cursor) -> Result<NodeTransform> {
     let scale = node.numbers::<3>("scale")?.unwrap_or([1.0; 3]);
     // Single precision leaves quaternions slightly off unit length; they must not scale.
     let Some(rotation) = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-9) else {
-        return Err(node.fault("its rotation is zero"));
+        return Err(node.error("its rotation is zero"));
     };
     Ok(NodeTransform::Trs { translation: Vec3::from(translation), rotation, scale: Vec3::from(scale) })
 }

@@ -9,13 +9,8 @@ use crate::body::rig::SkinJoint;
 use crate::io::gltf::accessor::{Accessors, Table};
 use crate::io::gltf::json_cursor::Cursor;
 use crate::io::gltf::scene::Scene;
+use crate::io::tuning::TUNING;
 use crate::math::Mat4;
-
-/// Weights whose sum differs from one by more than this are reported \[-\]; quantised ones differ by less.
-const WEIGHT_SUM_TOL: f64 = 0.01;
-
-/// A joint moves a piece if one of its vertices has a weight above this for it \[-\].
-const MIN_JOINT_WEIGHT: f64 = 0.01;
 
 /// Vertices of a primitive in the pose of its skin.
 pub(super) struct SkinnedVertices {
@@ -65,9 +60,9 @@ pub(super) fn skinned_vertices(
         }
         let sum: f64 = influences.iter().map(|(_, weight)| weight).sum();
         if !sum.is_finite() {
-            return Err(primitive.fault(format!("the skin weights of vertex {vertex} are not finite")));
+            return Err(primitive.error(format!("the skin weights of vertex {vertex} are not finite")));
         }
-        skinned.normalised_count += usize::from((sum - 1.0).abs() > WEIGHT_SUM_TOL);
+        skinned.normalised_count += usize::from((sum - 1.0).abs() > TUNING.weight_sum_tol);
         if sum <= 0.0 {
             // Without any weight the vertex belongs to the first joint, as in viewers.
             influences.truncate(1);
@@ -77,13 +72,13 @@ pub(super) fn skinned_vertices(
         let mut transform = Mat4::zeros();
         for (joint, weight) in influences.into_iter().filter(|(_, weight)| *weight != 0.0) {
             let Some(matrix) = joints.get(joint) else {
-                return Err(primitive.fault(format!(
+                return Err(primitive.error(format!(
                     "vertex {vertex} follows joint {joint}, skins[{skin}] has {}",
                     joints.len()
                 )));
             };
             transform += matrix * (weight / sum);
-            is_used[joint] |= weight / sum > MIN_JOINT_WEIGHT;
+            is_used[joint] |= weight / sum > TUNING.min_joint_weight;
         }
         skinned.transforms.push(transform);
     }
@@ -105,7 +100,7 @@ pub(super) fn read_joints(
         None => vec![Mat4::identity(); joints.len()],
     };
     if inverse_binds.len() < joints.len() {
-        return Err(skin.fault(format!(
+        return Err(skin.error(format!(
             "{} inverse bind matrices for {} joints",
             inverse_binds.len(),
             joints.len()
@@ -127,7 +122,7 @@ fn joint_matrices(
     let skin = root.entry("skins", skin);
     let matrix = |joint: &SkinJoint| match scene.worlds.get(joint.node) {
         Some(world) => Ok(world * joint.inverse_bind),
-        None => Err(skin.fault(format!("its joint nodes[{}] is not in the file", joint.node))),
+        None => Err(skin.error(format!("its joint nodes[{}] is not in the file", joint.node))),
     };
     let matrices = joints.iter().map(matrix).collect::<Result<_>>()?;
     Ok((joints.into_iter().map(|joint| joint.node).collect(), matrices))
@@ -149,11 +144,11 @@ pub(super) fn influence_sets(
             (Some(joints), Some(weights)) => (joints, weights),
             (None, None) if number > 0 => return Ok(sets),
             (None, None) => {
-                return Err(primitive.fault("its node has a skin, but it has no JOINTS_0 and WEIGHTS_0"));
+                return Err(primitive.error("its node has a skin, but it has no JOINTS_0 and WEIGHTS_0"));
             }
             _ => {
                 return Err(
-                    attributes.fault(format!("JOINTS_{number} and WEIGHTS_{number} must come together"))
+                    attributes.error(format!("JOINTS_{number} and WEIGHTS_{number} must come together"))
                 );
             }
         };

@@ -1,15 +1,14 @@
-//! What the morph target `worn` holds: from displacement and memory per point to numbers per vertex of a piece.
+//! Computes the morph target `worn`: from displacement and memory per point to numbers per vertex of a piece.
 //!
-//! Wear is known per welded point, in metres, y up in the scene; a file wants it per vertex, in the piece's own
-//! coordinates. With L the linear part of a vertex's placement: a displacement goes over by L^-1, a normal by L^T (the
-//! inverse of the inverse transpose that brought it into the scene), a tangent by L^-1.
+//! Wear is given per welded point, in metres, y up in the scene; a file needs it per vertex, in the piece's own
+//! coordinates. With L the linear part of a vertex's placement: a displacement is transformed by L^-1, a normal by L^T
+//! (the inverse of the inverse transpose that transforms it to the scene), a tangent by L^-1.
 //!
-//! Normals are not recomputed from scratch, which would soften the file's hard edges and open its seams: around each
-//! point of the welded mesh one rotation is found, and the file's own normal is turned by it. It takes the smooth normal
-//! before wear to the one after, and its twist about the normal is that of the area-weighted mean of the triangles'
-//! deformation gradients (polar decomposition in the plane). Tangents are carried by that mean gradient itself, as
-//! texture coordinates shear with the cloth, then made perpendicular to the new normal. Neither cares which way
-//! triangles face.
+//! Normals are not recomputed, which would smooth the file's hard edges and open its seams: for each point of the welded
+//! mesh one rotation is computed, which is applied to the file's own normal. It maps the smooth normal before wear to the
+//! one after, and its twist about the normal is that of the area-weighted mean of the triangles' deformation gradients
+//! (polar decomposition in the plane). Tangents are transformed by that mean gradient itself, as texture coordinates
+//! shear with the cloth, then made perpendicular to the new normal. Neither depends on the orientation of triangles.
 //! A vertex whose triangles did not move gets exact zeros. Knows no JSON and no bytes.
 
 use crate::garment::{Garment, WornGarment};
@@ -17,17 +16,17 @@ use crate::math::{Mat3, Mat4, Vec3};
 use crate::mesh::PointIndex;
 use nalgebra::{Matrix2, Matrix3x2, Rotation3, Unit};
 
-/// Below this length the sum of two unit vectors is rounding, not a direction.
-const OPPOSITE: f64 = 1e-9;
+/// Length of the sum of two unit vectors below which they are opposite \[-\]: the sum is rounding error, not a direction.
+const MIN_SUM_LENGTH: f64 = 1e-9;
 
-/// What wear did at every point of the welded mesh.
+/// Worn shape at every point of the welded mesh.
 pub(super) struct WornShape<'a> {
     displacement: &'a [Vec3],
-    /// Per point: whether one of its triangles changed place.
+    /// Per point: whether one of its triangles moved.
     moved: Vec<bool>,
     /// Per point: rotation of its surroundings, where they have a normal before and after.
     rotations: Vec<Option<Mat3>>,
-    /// Per point: area-weighted sum of deformation gradients (scale is of no interest, direction is).
+    /// Per point: area-weighted sum of deformation gradients (only the direction of results is used).
     gradients: Vec<Mat3>,
     /// Per point: change of rest angle of largest magnitude among its hinges [degrees], signed.
     rest_change_deg: Vec<f32>,
@@ -35,15 +34,15 @@ pub(super) struct WornShape<'a> {
     stiffness: Vec<f32>,
 }
 
-/// What a piece of the file needs to become its own worn target; all lists are per vertex of the piece.
+/// Base shape of a piece, which its worn target is relative to; all lists are per vertex of the piece.
 pub(super) struct PieceBase<'a> {
     /// Point of each vertex.
     pub(super) points: &'a [PointIndex],
-    /// Own coordinates to scene.
+    /// Linear parts of the transforms from own coordinates to the scene.
     pub(super) linear: LinearParts,
-    /// Normals in own coordinates as the file has them, if it does; a reader adds the target to these very numbers.
+    /// Normals of the file in own coordinates, if there are any; readers add the target to these numbers.
     pub(super) normals: Option<Vec<Vec3>>,
-    /// Tangents in own coordinates as the file has them, if it does.
+    /// Tangents of the file in own coordinates, if there are any.
     pub(super) tangents: Option<Vec<Vec3>>,
 }
 
@@ -56,34 +55,48 @@ pub(super) struct WornTarget {
     pub(super) stiffness: Vec<f32>,
 }
 
-/// Linear parts of placements with their inverses: one for all vertices, or one for each.
-pub(super) struct LinearParts(Vec<(Mat3, Mat3)>);
+/// Linear part of a transform.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LinearPart {
+    pub(super) forward: Mat3,
+    pub(super) inverse: Mat3,
+}
+
+impl LinearPart {
+    /// Identity.
+    pub(super) fn identity() -> Self {
+        Self { forward: Mat3::identity(), inverse: Mat3::identity() }
+    }
+}
+
+/// Linear parts of placements: one for all vertices, or one for each.
+pub(super) struct LinearParts(Vec<LinearPart>);
 
 impl LinearParts {
-    /// Of `placements`, one or one per vertex; the position of the first that flattens space and so has no inverse.
+    /// Creates them from `placements`, one or one per vertex; fails with the index of the first that has no inverse.
     pub(super) fn new(placements: &[Mat4]) -> Result<Self, usize> {
         let pair = |(i, m): (usize, &Mat4)| {
             let linear: Mat3 = m.fixed_view::<3, 3>(0, 0).into_owned();
             let inverse = linear.try_inverse().filter(|inverse| inverse.iter().all(|x| x.is_finite()));
-            inverse.map(|inverse| (linear, inverse)).ok_or(i)
+            inverse.map(|inverse| LinearPart { forward: linear, inverse }).ok_or(i)
         };
         placements.iter().enumerate().map(pair).collect::<Result<_, _>>().map(Self)
     }
 
-    /// The scene's own coordinates.
+    /// Creates them for own coordinates equal to those of the scene.
     pub(super) fn identity() -> Self {
-        Self(vec![(Mat3::identity(), Mat3::identity())])
+        Self(vec![LinearPart::identity()])
     }
 
-    /// Linear part and its inverse at vertex `v`; the last entry stands for all beyond.
-    pub(super) fn of(&self, v: usize) -> (Mat3, Mat3) {
+    /// Returns the linear part at vertex `v`; the last entry counts for all beyond.
+    pub(super) fn at(&self, v: usize) -> LinearPart {
         let last = self.0.len().saturating_sub(1);
-        self.0.get(v.min(last)).copied().unwrap_or((Mat3::identity(), Mat3::identity()))
+        self.0.get(v.min(last)).copied().unwrap_or_else(LinearPart::identity)
     }
 }
 
 impl<'a> WornShape<'a> {
-    /// Of `worn`, whose lists belong to `garment` (the caller has checked their lengths).
+    /// Computes the worn shape of `worn`, whose lists belong to `garment` (the caller has checked their lengths).
     pub(super) fn new(garment: &Garment, worn: &'a WornGarment) -> Self {
         let count = garment.points.len();
         let after: Vec<Vec3> = garment.points.iter().zip(&worn.displacement).map(|(p, d)| p + d).collect();
@@ -108,21 +121,21 @@ impl<'a> WornShape<'a> {
         Self { displacement: &worn.displacement, moved, rotations, gradients, rest_change_deg, stiffness }
     }
 
-    /// The worn target of a piece; the first vertex whose numbers do not fit the file's 32 bits as the error.
+    /// Computes the worn target of a piece; fails with the first vertex whose numbers do not fit 32-bit floats.
     pub(super) fn target(&self, base: &PieceBase) -> Result<WornTarget, usize> {
         let each = |row: &dyn Fn(usize, PointIndex) -> Vec3| -> Result<Vec<[f32; 3]>, usize> {
             base.points.iter().enumerate().map(|(v, &p)| narrow(row(v, p)).ok_or(v)).collect()
         };
-        let position = each(&|v, p| base.linear.of(v).1 * self.displacement[p.at()])?;
+        let position = each(&|v, p| base.linear.at(v).inverse * self.displacement[p.at()])?;
         let normal = base.normals.as_ref().map(|normals| {
             each(&|v, p| {
-                self.turned_normal(p, normals[v], base.linear.of(v)).map_or(Vec3::zeros(), |n| n - normals[v])
+                self.worn_normal(p, normals[v], base.linear.at(v)).map_or(Vec3::zeros(), |n| n - normals[v])
             })
         });
         let tangent = base.tangents.as_ref().map(|tangents| {
             each(&|v, p| {
                 let normal = base.normals.as_ref().map(|normals| normals[v]);
-                self.carried_tangent(p, normal, tangents[v], base.linear.of(v))
+                self.worn_tangent(p, normal, tangents[v], base.linear.at(v))
                     .map_or(Vec3::zeros(), |t| t - tangents[v])
             })
         });
@@ -135,54 +148,51 @@ impl<'a> WornShape<'a> {
         })
     }
 
-    /// `normal` (own coordinates) after wear, unit; `None` where nothing moved or no direction is left.
-    pub(super) fn turned_normal(
-        &self,
-        p: PointIndex,
-        normal: Vec3,
-        (linear, inverse): (Mat3, Mat3),
-    ) -> Option<Vec3> {
+    /// Returns the unit normal after wear of `normal` (both in own coordinates); `None` where nothing moved or it vanishes.
+    pub(super) fn worn_normal(&self, p: PointIndex, normal: Vec3, linear: LinearPart) -> Option<Vec3> {
         let rotation = self.rotations[p.at()].filter(|_| self.moved[p.at()])?;
-        (linear.transpose() * rotation * inverse.transpose() * normal).try_normalize(f64::MIN_POSITIVE)
+        (linear.forward.transpose() * rotation * linear.inverse.transpose() * normal)
+            .try_normalize(f64::MIN_POSITIVE)
     }
 
-    /// `tangent` (own coordinates) after wear, unit and perpendicular to the worn normal.
-    fn carried_tangent(
+    /// Returns the tangent after wear of `tangent` (both in own coordinates), unit and perpendicular to the worn normal.
+    fn worn_tangent(
         &self,
         p: PointIndex,
         normal: Option<Vec3>,
         tangent: Vec3,
-        (linear, inverse): (Mat3, Mat3),
+        linear: LinearPart,
     ) -> Option<Vec3> {
         if !self.moved[p.at()] {
             return None;
         }
-        let carried = inverse * self.gradients[p.at()] * linear * tangent;
-        let normal = normal.and_then(|n| self.turned_normal(p, n, (linear, inverse)).or(unit(n)));
-        let flat = normal.map_or(carried, |n| carried - n * n.dot(&carried));
-        flat.try_normalize(f64::MIN_POSITIVE)
+        let sheared = linear.inverse * self.gradients[p.at()] * linear.forward * tangent;
+        let normal = normal.and_then(|n| self.worn_normal(p, n, linear).or(unit(n)));
+        let perpendicular = normal.map_or(sheared, |n| sheared - n * n.dot(&sheared));
+        perpendicular.try_normalize(f64::MIN_POSITIVE)
     }
 }
 
-/// Two edges of a triangle as columns, from its first corner [m].
+/// Returns two edges of a triangle as columns, from its first corner [m].
 fn edges(points: &[Vec3], [a, b, c]: [usize; 3]) -> Matrix3x2<f64> {
     Matrix3x2::from_columns(&[points[b] - points[a], points[c] - points[a]])
 }
 
-/// Deformation gradient of a triangle times `weight`: E' (E^T E)^-1 E^T takes a vector in the plane of the old edges E
-/// to the same combination of the new edges E'. Zero for a triangle without area.
+/// Returns the deformation gradient of a triangle times `weight`: E' (E^T E)^-1 E^T maps a vector in the plane of the old
+/// edges E to the same combination of the new edges E'. Zero for a triangle without area.
 fn weighted_gradient(before: &Matrix3x2<f64>, now: &Matrix3x2<f64>, weight: f64) -> Mat3 {
     let gram: Matrix2<f64> = before.transpose() * before;
     let gradient = gram.try_inverse().map(|inverse| now * inverse * before.transpose() * weight);
     gradient.filter(|g| g.iter().all(|x| x.is_finite())).unwrap_or_else(Mat3::zeros)
 }
 
-/// Rotation of the surroundings of a point with these normals (of any length) before and after, and this mean gradient.
+/// Returns the rotation of the neighbourhood of a point from its normals (of any length) before and after, and its mean
+/// gradient.
 fn rotation([before, after]: [Vec3; 2], gradient: &Mat3) -> Option<Mat3> {
     let (before, after) = unit(before).zip(unit(after))?;
     let tilt = smallest_rotation(before, after);
-    // The gradient in the plane of the old normal, seen after undoing the tilt.
-    let x = across(before);
+    // Gradient in the plane of the old normal, after the tilt is undone.
+    let x = perpendicular_unit(before);
     let y = before.cross(&x);
     let plane = tilt.transpose() * gradient;
     let sine = y.dot(&(plane * x)) - x.dot(&(plane * y));
@@ -191,17 +201,18 @@ fn rotation([before, after]: [Vec3; 2], gradient: &Mat3) -> Option<Mat3> {
     Some(tilt * twist.matrix())
 }
 
-/// The smallest rotation that takes unit `from` to unit `to`: half turns about `from` and then about the direction
+/// Returns the smallest rotation that maps unit `from` to unit `to`: half turns about `from` and then about the direction
 /// halfway, (2 m m^T - I)(2 a a^T - I), which stays accurate where the usual formula divides by 1 + cos.
 fn smallest_rotation(from: Vec3, to: Vec3) -> Mat3 {
     let half_turn = |axis: Vec3| axis * axis.transpose() * 2.0 - Mat3::identity();
     let sum = from + to;
-    let halfway = if sum.norm() > OPPOSITE { sum.normalize() } else { across(from) };
+    let halfway = if sum.norm() > MIN_SUM_LENGTH { sum.normalize() } else { perpendicular_unit(from) };
     half_turn(halfway) * half_turn(from)
 }
 
-/// A unit vector across unit `v`: built from its smallest component, so never near zero. Any for a zero, as a file may hold.
-pub(super) fn across(v: Vec3) -> Vec3 {
+/// Returns a unit vector perpendicular to unit `v`, computed with its smallest component, so that the product is never near
+/// zero; any unit vector for a zero `v`, which files may hold.
+pub(super) fn perpendicular_unit(v: Vec3) -> Vec3 {
     v.cross(&Vec3::ith(v.iamin(), 1.0)).try_normalize(0.0).unwrap_or_else(Vec3::x)
 }
 
@@ -209,17 +220,17 @@ fn unit(v: Vec3) -> Option<Vec3> {
     v.try_normalize(f64::MIN_POSITIVE)
 }
 
-/// Per point, over the hinges whose edge ends there: change of rest angle of largest magnitude [degrees] and mean
-/// stiffness ratio.
+/// Returns per point, over the hinges whose edge ends there, the change of rest angle of largest magnitude [degrees] and the
+/// mean stiffness ratio.
 fn memory_per_point(garment: &Garment, worn: &WornGarment) -> (Vec<f32>, Vec<f32>) {
     let count = garment.points.len();
     let (mut change, mut sum, mut hinges) = (vec![0.0f64; count], vec![0.0; count], vec![0u32; count]);
     let memory = &worn.memory;
     for (h, hinge) in garment.topology.hinges.iter().enumerate() {
-        let turned = memory.rest_angle[h] - memory.source_angle[h];
+        let angle_change = memory.rest_angle[h] - memory.source_angle[h];
         for p in [hinge.points[0].at(), hinge.points[1].at()] {
-            if turned.abs() > change[p].abs() {
-                change[p] = turned;
+            if angle_change.abs() > change[p].abs() {
+                change[p] = angle_change;
             }
             sum[p] += memory.stiffness_ratio[h];
             hinges[p] += 1;
@@ -229,7 +240,7 @@ fn memory_per_point(garment: &Garment, worn: &WornGarment) -> (Vec<f32>, Vec<f32
     (change.iter().map(|c| c.to_degrees() as f32).collect(), sum.iter().zip(&hinges).map(mean).collect())
 }
 
-/// As the file's floats, if they can hold it. A negative zero becomes zero: files are compared by bytes.
+/// Converts to 32-bit floats, if they can hold the numbers. A negative zero becomes zero: files are compared by bytes.
 fn narrow(v: Vec3) -> Option<[f32; 3]> {
     let row = [v.x as f32 + 0.0, v.y as f32 + 0.0, v.z as f32 + 0.0];
     row.iter().all(|x| x.is_finite()).then_some(row)

@@ -1,9 +1,9 @@
-//! The main output of a bake: the source file with the worn shape as a morph target, as one GLB file.
+//! Writes the main output of a bake: the source file with the worn shape as a morph target, as one GLB file.
 //!
-//! Last stage of the pipeline. glTF input comes back as it was with the worn target added (`edit.rs`); OBJ input becomes
-//! a new document (`obj_to_gltf.rs`). The numbers are worked out in `worn_target.rs`, the same for both.
-//! Vertices keep their number and order, so rigs, textures and other tools' data go on fitting. Images that a .gltf
-//! names by a path stay named by it: see [`external_images`].
+//! Last stage of the pipeline. glTF input is written unchanged with the worn target added (`add_morph_target`); OBJ input
+//! becomes a new document (`obj_to_gltf`). The numbers are computed in `worn_target`, the same for both.
+//! Vertices keep their number and order, so that rigs, textures and other tools' data still fit. Images that a .gltf
+//! names by a path stay external: see [`external_images`].
 
 use crate::garment::{Garment, GltfDocument, Placement, SourceAsset, SourceFormat, SourcePiece, WornGarment};
 use crate::io::gltf::accessor::Accessors;
@@ -16,9 +16,9 @@ use crate::mesh::PointIndex;
 use crate::{Diagnostic, Error, Result};
 use serde_json::{Map, Value};
 
-/// `asset` as a GLB file in which every worn piece has the shape of `worn` as morph target `worn`, switched on, and its
-/// memory as vertex attributes. `garment` is what was made of `asset`. `extras` (an object, or null for none) goes into
-/// the extras of every worn mesh: `{"crease": {"sidecar": "OUT.crease.json"}}`.
+/// Writes `asset` as a GLB file in which every worn piece has the shape of `worn` as morph target `worn` with weight 1, and
+/// its memory as vertex attributes. `garment` was built from `asset`. `extras` (an object, or null for none) is merged
+/// into the extras of every worn mesh: `{"crease": {"sidecar": "OUT.crease.json"}}`.
 pub fn write_worn_glb(
     asset: &SourceAsset,
     garment: &Garment,
@@ -34,15 +34,13 @@ pub fn write_worn_glb(
     };
     match (asset.format, &asset.document) {
         (SourceFormat::Gltf, Some(document)) => worn_gltf(asset, document, garment, worn, extras),
-        (SourceFormat::Gltf, None) => {
-            Err(Error::input(&asset.file, "", "its glTF document is not at hand", ""))
-        }
+        (SourceFormat::Gltf, None) => Err(Error::input(&asset.file, "", "its glTF document is missing", "")),
         (SourceFormat::Obj, _) => worn_obj(asset, garment, worn, extras),
     }
 }
 
-/// Paths of images that `document` names instead of holding them; they are relative to the source file, so whoever
-/// puts the output elsewhere must bring them along.
+/// Returns the paths of images that `document` names and does not hold; they are relative to the source file and must be
+/// copied along with the output.
 pub fn external_images(document: &GltfDocument) -> Vec<String> {
     let images = document.json["images"].as_array().map_or(&[][..], Vec::as_slice);
     let uris = images.iter().filter_map(|image| image["uri"].as_str());
@@ -59,7 +57,7 @@ fn worn_gltf(
     let mut bases = Vec::new();
     for (piece, points) in asset.pieces.iter().zip(points_of_pieces(asset, garment)) {
         if let Some(points) = points {
-            bases.push((piece, gltf_base(asset, document, piece, points)?));
+            bases.push((piece, piece_base(asset, document, piece, points)?));
         }
     }
     let shape = WornShape::new(garment, worn);
@@ -73,7 +71,7 @@ fn worn_gltf(
             target,
         });
     }
-    let mut appender = Appender::of_document(&asset.file, document)?;
+    let mut appender = Appender::from_document(&asset.file, document)?;
     let claimed: Vec<usize> = asset.pieces.iter().filter_map(|piece| piece.node).collect();
     add_worn_targets(&asset.file, &mut appender, document, &primitives, &claimed, extras)?;
     Ok(appender.into_glb())
@@ -102,8 +100,8 @@ fn worn_obj(
     obj_document(asset, &scene, &targets, extras)
 }
 
-/// What the document says about a worn primitive.
-fn gltf_base<'a>(
+/// Reads the base shape of a worn primitive.
+fn piece_base<'a>(
     asset: &SourceAsset,
     document: &GltfDocument,
     piece: &SourcePiece,
@@ -114,11 +112,11 @@ fn gltf_base<'a>(
         Placement::Skinned(all) => &all[..],
     };
     let linear = LinearParts::new(placements).map_err(|v| {
-        let what = match &piece.placement {
+        let message = match &piece.placement {
             Placement::Rigid(_) => "its node's transform flattens it".to_owned(),
             Placement::Skinned(_) => format!("the skin flattens it at vertex {v}"),
         };
-        Error::input(&asset.file, &piece.name, what, "give every node and joint a scale other than 0")
+        Error::input(&asset.file, &piece.name, message, "give every node and joint a scale other than 0")
     })?;
     let attributes = &document.json["meshes"][piece.mesh]["primitives"][piece.primitive]["attributes"];
     let stored = |name: &str, width: usize| -> Result<Option<Vec<Vec3>>> {
@@ -132,7 +130,7 @@ fn gltf_base<'a>(
     Ok(PieceBase { points, linear, normals: stored("NORMAL", 3)?, tangents: stored("TANGENT", 4)? })
 }
 
-/// First three of `row`; zero, which stays as it is, if the file has no numbers there.
+/// Returns the first three numbers of `row`; zero if they are not finite.
 fn direction(row: &[f64]) -> Vec3 {
     match row {
         [x, y, z, ..] if x.is_finite() && y.is_finite() && z.is_finite() => Vec3::new(*x, *y, *z),
@@ -147,12 +145,12 @@ fn worn_target(
     base: &PieceBase,
 ) -> Result<WornTarget> {
     shape.target(base).map_err(|v| {
-        let what = format!("the worn shape of vertex {v} is too large for glTF");
-        Error::input(&asset.file, &piece.name, what, "check the unit of the file")
+        let message = format!("the worn shape of vertex {v} is too large for glTF");
+        Error::input(&asset.file, &piece.name, message, "check the unit of the file")
     })
 }
 
-/// Per piece: the points of its vertices, `None` where it is not worn. Lengths have been checked.
+/// Returns per piece the points of its vertices, `None` where it is not worn. Lengths have been checked.
 fn points_of_pieces<'a>(asset: &SourceAsset, garment: &'a Garment) -> Vec<Option<&'a [PointIndex]>> {
     let mut rest = &garment.source_point[..];
     let mut next = |piece: &SourcePiece| {
@@ -163,16 +161,16 @@ fn points_of_pieces<'a>(asset: &SourceAsset, garment: &'a Garment) -> Vec<Option
     asset.pieces.iter().map(&mut next).collect()
 }
 
-/// Refuses parts that do not belong together, all faults at once, so that nothing later has to doubt an index.
+/// Rejects parts that do not belong together, with all errors, so that all indices are valid afterwards.
 fn check_parts(asset: &SourceAsset, garment: &Garment, worn: &WornGarment) -> Result<()> {
-    let mut faults = Vec::new();
-    let mut same = |place: &str, found: usize, wanted: usize, of: &str| {
+    let mut errors = Vec::new();
+    let mut same = |list: &str, found: usize, wanted: usize, of: &str| {
         if found != wanted {
-            let what = format!("{place} has {found} entries for {wanted} {of}");
-            faults.push(Diagnostic::new(
+            let message = format!("{list} has {found} entries for {wanted} {of}");
+            errors.push(Diagnostic::new(
                 &asset.file,
                 "worn garment",
-                what,
+                message,
                 "use the garment made from this file",
             ));
         }
@@ -189,8 +187,8 @@ fn check_parts(asset: &SourceAsset, garment: &Garment, worn: &WornGarment) -> Re
     same("rest_angle", worn.memory.rest_angle.len(), hinges, "hinges");
     same("stiffness_ratio", worn.memory.stiffness_ratio.len(), hinges, "hinges");
     let memory = [&worn.memory.source_angle, &worn.memory.rest_angle, &worn.memory.stiffness_ratio];
-    let unsound = memory.iter().flat_map(|list| list.iter()).filter(|x| !x.is_finite()).count();
-    same("memory that is not a number", unsound, 0, "allowed");
+    let not_finite = memory.iter().flat_map(|list| list.iter()).filter(|x| !x.is_finite()).count();
+    same("memory that is not a number", not_finite, 0, "allowed");
     for piece in &asset.pieces {
         let count = piece.positions.len();
         if let Some(normals) = &piece.normals {
@@ -202,5 +200,5 @@ fn check_parts(asset: &SourceAsset, garment: &Garment, worn: &WornGarment) -> Re
             same(&format!("placement of {}", piece.name), all.len(), count, "vertices");
         }
     }
-    if faults.is_empty() { Ok(()) } else { Err(Error::Input(faults)) }
+    if errors.is_empty() { Ok(()) } else { Err(Error::Input(errors)) }
 }

@@ -1,29 +1,29 @@
-//! The lines of an OBJ file as its author meant them: any line end, a byte-order mark skipped, lines ending in a
-//! backslash joined. Numbers lines as a text editor does, so that messages lead to the place.
+//! Logical lines of an OBJ file: any line end, a byte-order mark skipped, lines ending in a backslash joined. Lines are
+//! numbered as in a text editor, for messages.
 
 use std::borrow::Cow;
 
-/// A logical line.
+/// Logical line.
 pub(super) struct Line<'a> {
     /// Number of its first line in the file, from 1.
     pub(super) number: usize,
-    /// Its text, without line end; bytes that are not UTF-8 are replaced (they occur in names only).
+    /// Text, without line end; bytes that are not UTF-8 are replaced (they occur in names only).
     pub(super) text: Cow<'a, str>,
 }
 
-/// Walks over the logical lines of a file.
+/// Iterator over the logical lines of a file.
 pub(super) struct Lines<'a> {
     rest: &'a [u8],
     number: usize,
 }
 
 impl<'a> Lines<'a> {
-    /// The lines of `bytes`.
+    /// Creates the iterator over the lines of `bytes`.
     pub(super) fn new(bytes: &'a [u8]) -> Self {
         Self { rest: bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes), number: 0 }
     }
 
-    /// One line as it stands in the file.
+    /// Returns the next physical line.
     fn physical(&mut self) -> Option<&'a [u8]> {
         if self.rest.is_empty() {
             return None;
@@ -45,7 +45,7 @@ impl<'a> Iterator for Lines<'a> {
     fn next(&mut self) -> Option<Line<'a>> {
         let first = self.physical()?;
         let number = self.number;
-        // A comment is not continued: its backslash is part of the drawing.
+        // A comment is not continued: its backslash may belong to a drawing.
         let comment = first.trim_ascii_start().starts_with(b"#");
         let (false, Some(start)) = (comment, first.strip_suffix(b"\\")) else {
             return Some(Line { number, text: String::from_utf8_lossy(first) });

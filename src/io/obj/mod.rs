@@ -1,46 +1,49 @@
-//! Wavefront OBJ, read by a tolerant line reader of ours. The `obj-rs` crate panics on some keywords, refuses colours,
-//! blanks in names and mixed corners, and reads single precision, so it serves as the oracle in tests.
+//! Reads Wavefront OBJ with a tolerant line parser. The `obj-rs` crate panics on some keywords, rejects colours, blanks in
+//! names and mixed corners, and reads single precision, so it serves only as the oracle in tests.
 //!
-//! Statements -> pieces: a piece is what stands under one object, group and material; a vertex is a `v/vt/vn` triplet,
-//! in order of first use. Material libraries are not read: names are all that is kept of materials.
+//! A piece has the faces of one object, group and material; a vertex is a `v/vt/vn` triplet, in order of first use.
+//! Material libraries are not read: only the names of materials are kept.
 
 mod lines;
 mod parse;
 mod polygon;
 
 use crate::garment::{ImportDiagnostic, Placement, Severity, SourcePiece};
-use crate::io::diagnostics::DiagnosticList;
+use crate::io::error_list::ErrorList;
 use crate::io::obj::parse::{Corner, Label, Statements};
-use crate::io::obj::polygon::{PolygonCutter, newell_normal};
-use crate::io::read::{NamedPiece, ReadPieces};
+use crate::io::obj::polygon::{Triangulator, newell_normal};
+use crate::io::pieces::{NamedPiece, ReadPieces};
 use crate::math::{Mat4, Vec2, Vec3};
 use crate::mesh::INVALID;
 use crate::{Error, Result};
 use rustc_hash::FxHashMap;
 
-/// Name of a piece under neither object nor group.
+/// Name of a piece without object and group.
 const UNNAMED: &str = "default";
 
-/// The pieces of an OBJ file.
+/// Reads the pieces of an OBJ file.
 pub(super) fn read_obj(file: &str, bytes: &[u8], to_scene: &Mat4, mask: Option<&str>) -> Result<ReadPieces> {
-    let mut faults = DiagnosticList::new(file);
-    let mut statements = parse::parse(bytes, &mut faults);
-    faults.finish()?;
+    let mut errors = ErrorList::new(file);
+    let mut statements = parse::parse(bytes, &mut errors);
+    errors.finish()?;
     let mask = mask.map(|wanted| mask_component(file, wanted, &statements)).transpose()?;
-    let mut findings = std::mem::take(&mut statements.findings);
+    let mut diagnostics = std::mem::take(&mut statements.diagnostics);
     let mut builders: Vec<PieceBuilder> = statements.labels.iter().map(|_| PieceBuilder::default()).collect();
-    let mut cutter = PolygonCutter::new();
+    let mut triangulator = Triangulator::new();
     for face in &statements.faces {
         let corners = statements.corners.get(face.corners.clone()).unwrap_or(&[]);
         if let Some(builder) = builders.get_mut(face.label) {
-            builder.add_face(&statements, corners, &mut cutter);
+            builder.add_face(&statements, corners, &mut triangulator);
         }
     }
-    if cutter.fan_count > 0 {
-        findings.push(ImportDiagnostic {
+    if triangulator.fan_count > 0 {
+        diagnostics.push(ImportDiagnostic {
             severity: Severity::Note,
             location: String::new(),
-            message: format!("{} faces cross themselves or have no area: cut as they come", cutter.fan_count),
+            message: format!(
+                "{} faces intersect themselves or have no area: cut as fans",
+                triangulator.fan_count
+            ),
         });
     }
     let pieces = builders
@@ -49,10 +52,10 @@ pub(super) fn read_obj(file: &str, bytes: &[u8], to_scene: &Mat4, mask: Option<&
         .enumerate()
         .map(|(number, (builder, label))| builder.finish(number, label, to_scene, mask, &statements))
         .collect();
-    Ok(ReadPieces { pieces, document: None, findings })
+    Ok(ReadPieces { pieces, document: None, diagnostics })
 }
 
-/// Which colour component scales the memory.
+/// Returns the colour component that scales the memory.
 fn mask_component(file: &str, wanted: &str, statements: &Statements) -> Result<usize> {
     let component = match wanted {
         "COLOR_0" | "COLOR_0.r" | "COLOR_0.x" => Some(0),
@@ -74,7 +77,7 @@ fn mask_component(file: &str, wanted: &str, statements: &Statements) -> Result<u
     }
 }
 
-/// A piece in the making.
+/// Piece under construction.
 #[derive(Default)]
 struct PieceBuilder {
     numbers: FxHashMap<Corner, u32>,
@@ -85,12 +88,12 @@ struct PieceBuilder {
 }
 
 impl PieceBuilder {
-    fn add_face(&mut self, statements: &Statements, corners: &[Corner], cutter: &mut PolygonCutter) {
+    fn add_face(&mut self, statements: &Statements, corners: &[Corner], triangulator: &mut Triangulator) {
         let at = |corner: &Corner| statements.positions.get(corner.position as usize).copied();
         let positions: Vec<Vec3> = corners.iter().filter_map(at).collect();
         let normal = newell_normal(&positions).try_normalize(0.0).unwrap_or_else(Vec3::y);
         let vertices: Vec<u32> = corners.iter().map(|corner| self.vertex(*corner, normal)).collect();
-        for triangle in cutter.cut(&positions) {
+        for triangle in triangulator.triangulate(&positions) {
             self.triangles.push(triangle.map(|k| vertices[k as usize]));
         }
     }
@@ -180,7 +183,7 @@ mod tests {
     fn a_vertex_is_a_triplet_in_order_of_first_use() {
         let text =
             format!("{SQUARE}vt 0.25 0.75\nvt 1 0\nvn 0 0 2\nf 3/2/1 1/1/1 2/1/1\nf 3/2/1 4/1/1 1/2/1\n");
-        let (asset, findings) = read(&text);
+        let (asset, diagnostics) = read(&text);
         let piece = &asset.pieces[0];
         assert_eq!(piece.triangles, [[0, 1, 2], [0, 3, 4]]);
         assert_eq!(piece.positions[0], Vec3::new(1.0, 1.0, 0.0));
@@ -188,7 +191,7 @@ mod tests {
         // Convention: OBJ counts v upward, glTF (and we) downward.
         assert_eq!(piece.uvs.as_ref().unwrap()[1], Vec2::new(0.25, 0.25));
         assert_eq!(piece.normals.as_ref().unwrap()[0], Vec3::z(), "of unit length");
-        assert!(findings.is_empty(), "{findings:?}");
+        assert!(diagnostics.is_empty(), "{diagnostics:?}");
     }
 
     #[test]
@@ -201,7 +204,7 @@ mod tests {
         assert_eq!(
             (normals[0], normals[2]),
             (Vec3::z(), Vec3::x()),
-            "the face's own where the file has none"
+            "the normal of the face where the file has none"
         );
     }
 
@@ -242,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn every_fault_is_told_with_its_line() {
+    fn every_error_is_reported_with_its_line() {
         let message =
             message("v 0 0 0\nv 1 nan 0\nv 1 1\nv 1 1 1e400\nf 1 2 0\nf 1 2 x\nf 1 2 9\nf -5 1 2\n");
         for line in 2..=8 {
@@ -252,18 +255,18 @@ mod tests {
     }
 
     #[test]
-    fn a_thousand_faults_are_counted_not_listed() {
+    fn a_thousand_errors_are_counted_not_listed() {
         let message = message(&"v 1 1 nan\n".repeat(1000));
         assert!(message.contains("and 980 more") && message.lines().count() == 21, "{message}");
     }
 
     #[test]
     fn what_is_not_cloth_is_skipped_and_noted() {
-        let (_, findings) = read(&format!(
+        let (_, diagnostics) = read(&format!(
             "{SQUARE}cstype bezier\nlod 3\nl 1 2\np 1\np 2\nf 1 2\nf 1 2 3 # a comment\nvt 1 nan\n"
         ));
-        let told: Vec<_> =
-            findings.iter().map(|f| (f.severity, f.location.as_str(), f.message.as_str())).collect();
+        let reported: Vec<_> =
+            diagnostics.iter().map(|f| (f.severity, f.location.as_str(), f.message.as_str())).collect();
         let expected = [
             (Severity::Repaired, "line 10", "1 faces of fewer than 3 corners dropped"),
             (Severity::Repaired, "line 12", "1 texture coordinates or normals that are not numbers replaced"),
@@ -271,7 +274,7 @@ mod tests {
             (Severity::Note, "line 7", "1 \"l\" statements skipped"),
             (Severity::Note, "line 8", "2 \"p\" statements skipped"),
         ];
-        assert_eq!(told, expected);
+        assert_eq!(reported, expected);
     }
 
     #[test]
@@ -293,7 +296,7 @@ mod tests {
         let (asset, _) = read_with(text, &options).unwrap();
         let top = asset.pieces[0].scene_position(2).unwrap();
         assert!((top - Vec3::y()).norm() < 1e-15, "the file's z is up: {top}");
-        // An impossible size is believed if the unit is given.
+        // An implausible size is accepted if the unit is given.
         let options = ReadOptions { unit_m: Some(1.0), ..ReadOptions::default() };
         assert!(read_with(text, &options).is_ok());
         for unit in [0.0, -1.0, f64::NAN, f64::INFINITY] {

@@ -1,29 +1,30 @@
-//! Faces of any number of corners to triangles, keeping every corner.
+//! Triangulates faces of any number of corners, keeping every corner.
 //!
-//! Triangles pass, a quad is cut along its better diagonal, larger faces go through ear clipping (`earcut`) in the
-//! plane of their Newell normal. Ear clipping leaves out corners that lie straight between their neighbours; left out,
-//! such a corner would tear the cloth there, as the face next door uses it. So they are put back.
-//! A face of n corners always gives n - 2 triangles, turned like the face.
+//! A quad is cut along its better diagonal, larger faces by ear clipping (`earcut`) in the plane of their Newell normal.
+//! Ear clipping omits corners that are collinear with their neighbours; an omitted corner would tear the cloth there, as
+//! the neighbouring face uses it. So they are inserted again. A face of n corners always gives n - 2 triangles, oriented
+//! like the face.
 
+use crate::io::tuning::TUNING;
 use crate::math::{Vec2, Vec3};
 use earcut::Earcut;
 
-/// Cuts faces into triangles; keeps its working memory.
-pub(super) struct PolygonCutter {
+/// Triangulator of faces; keeps its working memory.
+pub(super) struct Triangulator {
     clipper: Earcut<f64>,
     flat: Vec<[f64; 2]>,
     ears: Vec<u32>,
-    /// Faces that could only be cut as a fan: no area, or an outline that crosses itself.
+    /// Number of faces that could only be cut as a fan: no area, or an outline that intersects itself.
     pub(super) fan_count: usize,
 }
 
-impl PolygonCutter {
+impl Triangulator {
     pub(super) fn new() -> Self {
         Self { clipper: Earcut::new(), flat: Vec::new(), ears: Vec::new(), fan_count: 0 }
     }
 
-    /// The triangles of the face with these corner positions, as places in `corners`.
-    pub(super) fn cut(&mut self, corners: &[Vec3]) -> Vec<[u32; 3]> {
+    /// Returns the triangles of the face with these corner positions, as indices into `corners`.
+    pub(super) fn triangulate(&mut self, corners: &[Vec3]) -> Vec<[u32; 3]> {
         match corners.len() {
             0..3 => Vec::new(),
             3 => vec![[0, 1, 2]],
@@ -35,24 +36,24 @@ impl PolygonCutter {
         }
     }
 
-    /// `None` where the outline crosses itself or has no area.
+    /// Triangulates by ear clipping; `None` where the outline intersects itself or has no area.
     fn cut_large(&mut self, corners: &[Vec3]) -> Option<Vec<[u32; 3]>> {
         self.flat.clear();
-        self.flat.extend(lay_flat(corners)?.iter().map(|p| [p.x, p.y]));
+        self.flat.extend(project_to_plane(corners)?.iter().map(|p| [p.x, p.y]));
         self.clipper.earcut_slice(&self.flat, &[], &mut self.ears);
-        // Rising corner numbers turn like the face, whatever way round the clipper put them.
+        // Ascending corner numbers have the orientation of the face, whatever order the clipper gives.
         let mut triangles: Vec<[u32; 3]> = Vec::with_capacity(corners.len() - 2);
         for ear in self.ears.chunks_exact(3) {
             let mut triangle = [ear[0], ear[1], ear[2]];
             triangle.sort_unstable();
             triangles.push(triangle);
         }
-        put_back(&mut triangles, corners.len() as u32)?;
+        insert_collinear(&mut triangles, corners.len() as u32)?;
         (triangles.len() == corners.len() - 2).then_some(triangles)
     }
 }
 
-/// Newell's normal: twice the area vector, right for concave and slightly bent faces too.
+/// Returns Newell's normal: twice the area vector, also valid for concave and slightly bent faces.
 pub(super) fn newell_normal(corners: &[Vec3]) -> Vec3 {
     let Some(&origin) = corners.first() else { return Vec3::zeros() };
     // Relative to a corner, as garments may lie far from the origin.
@@ -60,8 +61,8 @@ pub(super) fn newell_normal(corners: &[Vec3]) -> Vec3 {
     corners.iter().zip(next).map(|(a, b)| (a - origin).cross(&(b - origin))).sum()
 }
 
-/// The corners in the plane of the face, turning counter-clockwise.
-fn lay_flat(corners: &[Vec3]) -> Option<Vec<Vec2>> {
+/// Projects the corners to the plane of the face, counter-clockwise.
+fn project_to_plane(corners: &[Vec3]) -> Option<Vec<Vec2>> {
     let normal = newell_normal(corners).try_normalize(0.0)?;
     let axis = if normal.x.abs() < 0.6 { Vec3::x() } else { Vec3::y() };
     let x = axis.cross(&normal).try_normalize(0.0)?;
@@ -72,9 +73,9 @@ fn lay_flat(corners: &[Vec3]) -> Option<Vec<Vec2>> {
     flat.iter().all(|p| p.x.is_finite() && p.y.is_finite()).then_some(flat)
 }
 
-/// Puts left-out corners back: a run of them between a and c lies on the edge a-c of some triangle (a, c, d),
-/// which becomes the fan from d.
-fn put_back(triangles: &mut Vec<[u32; 3]>, corner_count: u32) -> Option<()> {
+/// Inserts omitted corners: a run of them between a and c lies on the edge a-c of some triangle (a, c, d), which becomes
+/// the fan from d.
+fn insert_collinear(triangles: &mut Vec<[u32; 3]>, corner_count: u32) -> Option<()> {
     let mut used: Vec<u32> = triangles.iter().flatten().copied().collect();
     used.sort_unstable();
     used.dedup();
@@ -106,10 +107,10 @@ fn fan(corner_count: usize) -> Vec<[u32; 3]> {
     (1..corner_count as u32 - 1).map(|k| [0, k, k + 1]).collect()
 }
 
-/// A quad along the diagonal that lies inside it; along the shorter one if both do.
+/// Cuts a quad along the diagonal that lies inside it; along the shorter one if both do.
 fn cut_quad(corners: &[Vec3]) -> Vec<[u32; 3]> {
     let normal = newell_normal(corners);
-    let worst = |cut: [[usize; 3]; 2]| {
+    let min_area = |cut: [[usize; 3]; 2]| {
         cut.iter()
             .map(|t| {
                 let (a, b, c) = (corners[t[0]], corners[t[1]], corners[t[2]]);
@@ -118,15 +119,14 @@ fn cut_quad(corners: &[Vec3]) -> Vec<[u32; 3]> {
             .fold(f64::INFINITY, f64::min)
     };
     let (first, second) = ([[0, 1, 2], [0, 2, 3]], [[0, 1, 3], [1, 2, 3]]);
-    // Less than a millionth of the quad's own square counts as outside: such a triangle is a sliver.
-    let inside = |cut| worst(cut) > 1e-6 * normal.norm_squared();
+    // A triangle with hardly any area counts as outside: it is a sliver.
+    let inside = |cut| min_area(cut) > TUNING.min_quad_area_fraction * normal.norm_squared();
     let (diagonal_first, diagonal_second) =
         ((corners[2] - corners[0]).norm(), (corners[3] - corners[1]).norm());
     let take_second = match (inside(first), inside(second)) {
         (true, false) => false,
         (false, true) => true,
-        // Equal diagonals of a regular grid must not be decided by rounding: all are cut the same way.
-        _ => diagonal_second < diagonal_first * (1.0 - 1e-6),
+        _ => diagonal_second < diagonal_first * (1.0 - TUNING.equal_diagonal_tol),
     };
     let cut = if take_second { second } else { first };
     cut.iter().map(|t| t.map(|k| k as u32)).collect()
@@ -142,7 +142,7 @@ mod tests {
     }
 
     fn check(corners: &[Vec3]) -> Vec<[u32; 3]> {
-        let triangles = PolygonCutter::new().cut(corners);
+        let triangles = Triangulator::new().triangulate(corners);
         assert_eq!(triangles.len(), corners.len() - 2);
         let total: f64 = triangles.iter().map(|t| area(corners, t)).sum();
         let expected = 0.5 * newell_normal(corners).norm();
@@ -208,8 +208,8 @@ mod tests {
     #[test]
     fn a_face_without_area_is_a_fan() {
         let line: Vec<Vec3> = (0..6).map(|k| Vec3::new(k as f64, 0.0, 0.0)).collect();
-        assert_eq!(PolygonCutter::new().cut(&line).len(), 4);
+        assert_eq!(Triangulator::new().triangulate(&line).len(), 4);
         let point = vec![Vec3::zeros(); 7];
-        assert_eq!(PolygonCutter::new().cut(&point).len(), 5);
+        assert_eq!(Triangulator::new().triangulate(&point).len(), 5);
     }
 }

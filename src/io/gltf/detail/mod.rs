@@ -1,14 +1,13 @@
-//! Fine wrinkles as a normal map: what a garment that was simulated finer than its file shows beyond the file's own
-//! vertices.
+//! Writes fine wrinkles as a normal map: the detail of a garment that was simulated on a finer mesh than its file's.
 //!
-//! Last pass over the worn GLB. Every triangle of the fine garment lies on one of the file (its parent), so it has
-//! a place in texture space. There the fine garment's worn normal is written in the frame that a viewer makes of
-//! the file's own worn vertices: normal and tangent with the morph target on, interpolated and normalised, bitangent
-//! cross(normal, tangent) times handedness; directions are solved for in that frame, which need not be square. The
-//! fine normal is the file's normal turned by what wear did (`worn_target.rs`), so that unworn cloth gives a flat map and
-//! hard edges stay hard. A normal map that the material has already is turned along with the fine surface (the file's
-//! weave goes on over the wrinkles; as in Barré-Brisebois and Hill, "Blending in Detail", 2012).
-//! Without tangents in the file, MikkTSpace's are added, at rest and worn. Vertices stay what they were.
+//! Last pass over the worn GLB. Every triangle of the fine garment lies on one of the file (its parent), so that it has a
+//! position in texture space. There the fine garment's worn normal is written in the frame that a viewer computes from
+//! the file's worn vertices: normal and tangent with the morph target applied, interpolated and normalised, bitangent
+//! cross(normal, tangent) times handedness; directions are solved for in that frame, which need not be orthogonal. The
+//! fine normal is the file's normal rotated by the wear (`worn_target`), so that unworn cloth gives a flat map and hard
+//! edges stay hard. An existing normal map of the material is rotated with the fine surface (the file's weave continues
+//! over the wrinkles; as in Barré-Brisebois and Hill, "Blending in Detail", 2012).
+//! Without tangents in the file, MikkTSpace's are added, unworn and worn. Vertices stay unchanged.
 
 mod tangents;
 #[cfg(test)]
@@ -18,11 +17,12 @@ mod texels;
 use crate::garment::{Garment, GltfDocument, Placement, SourceAsset, SourcePiece, WornGarment};
 use crate::io::gltf::accessor::Accessors;
 use crate::io::gltf::append::{Appender, Purpose};
-use crate::io::gltf::detail::tangents::{Tangent, tangents};
-use crate::io::gltf::detail::texels::Texels;
+use crate::io::gltf::detail::tangents::{Tangent, compute_tangents};
+use crate::io::gltf::detail::texels::{TexelSample, Texels};
 use crate::io::gltf::read_worn::{column, keep_worn_pieces, worn_target, worn_target_index};
-use crate::io::gltf::worn_target::{LinearParts, WornShape};
-use crate::io::{ReadOptions, read_asset};
+use crate::io::gltf::worn_target::{LinearPart, LinearParts, WornShape};
+use crate::io::read::{ReadOptions, read_asset};
+use crate::io::tuning::TUNING;
 use crate::math::{Mat3, Vec2, Vec3};
 use crate::mesh::PointIndex;
 use crate::mesh::distance::barycentric;
@@ -30,17 +30,15 @@ use crate::{Error, Result};
 use rustc_hash::FxHashMap;
 use serde_json::{Value, json};
 
-/// Texels that what is known spreads over its borders: as many as keep eight levels of smaller pictures apart.
-const PADDING: usize = 16;
-/// Texels a side that can be asked for.
+/// Side lengths of a detail map that can be asked for [texels].
 pub const DETAIL_MAP_SIZES: std::ops::RangeInclusive<usize> = 64..=16384;
 
-/// A garment as its file has it and as it was simulated.
+/// Garment on the mesh of its file and on the simulated mesh.
 #[derive(Debug, Clone, Copy)]
 pub struct DetailInput<'a> {
-    /// As the file has it.
+    /// Garment on the mesh of the file.
     pub coarse: &'a Garment,
-    /// As it was simulated; its first points are those of `coarse`.
+    /// Garment on the simulated mesh; its first points are those of `coarse`.
     pub fine: &'a Garment,
     /// Per triangle of `fine`: the triangle of `coarse` it lies on.
     pub parent: &'a [u32],
@@ -48,38 +46,38 @@ pub struct DetailInput<'a> {
     pub worn: &'a WornGarment,
 }
 
-/// One map, for one material.
+/// Detail map of one material.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DetailMap {
     /// Name of the material, if it has one.
     pub material: Option<String>,
-    /// The normal map: PNG, three channels of 16 bits, tangent space as glTF has it (y up).
+    /// Normal map: PNG, three channels of 16 bits, tangent space as glTF has it (y up).
     pub normal_png: Vec<u8>,
     /// Height of the fine surface over the coarse one: PNG, grey, 16 bits.
     pub height_png: Vec<u8>,
-    /// What its black and its white stand for [m].
+    /// Heights of black and white in `height_png` [m].
     pub height_range_m: [f32; 2],
-    /// Whether the material refers to it; otherwise `notes` of the result say why.
+    /// Whether the material refers to the map; otherwise `notes` of the result give the reason.
     pub in_material: bool,
-    /// Mean angle between the map's directions and those of the bare coarse mesh [degrees].
+    /// Mean angle between the map's directions and the normals of the coarse mesh [degrees].
     pub mean_tilt_deg: f64,
-    /// Share of the map's texels that two places of the garment claim differently [-]: a picture used twice.
+    /// Fraction of the map's texels that two parts of the garment fill differently [-]: a texture used twice.
     pub conflicting_fraction: f64,
 }
 
-/// A worn GLB with its maps.
+/// Worn GLB with its maps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DetailOutput {
-    /// The file.
+    /// GLB file.
     pub glb: Vec<u8>,
-    /// The maps, in the order of the materials.
+    /// Maps, in the order of the materials.
     pub maps: Vec<DetailMap>,
-    /// What could not be done, and why.
+    /// Maps and pieces that could not be used, with reasons.
     pub notes: Vec<String>,
 }
 
-/// The worn file `glb` (as [`crate::io::gltf::write_worn_glb`] wrote it for `detail.coarse`; `asset` is what it was made from) with maps
-/// of `side` x `side` texels.
+/// Adds maps of `side` x `side` texels to the worn file `glb` (as [`crate::io::gltf::write_worn_glb`] wrote it for
+/// `detail.coarse`; `asset` is its source).
 pub fn add_detail_map(
     glb: &[u8],
     asset: &SourceAsset,
@@ -87,12 +85,12 @@ pub fn add_detail_map(
     side: usize,
 ) -> Result<DetailOutput> {
     if !DETAIL_MAP_SIZES.contains(&side) {
-        let what = format!(
+        let message = format!(
             "{side} texels a side are outside {} to {}",
             DETAIL_MAP_SIZES.start(),
             DETAIL_MAP_SIZES.end()
         );
-        return Err(Error::input(&asset.file, "detail map", what, "ask for 2048"));
+        return Err(Error::input(&asset.file, "detail map", message, "ask for 2048"));
     }
     let worn = read_back(glb, asset, detail)?;
     let Some(document) = &worn.document else {
@@ -100,7 +98,7 @@ pub fn add_detail_map(
     };
     let mut notes = Vec::new();
     let surfaces = surfaces(&worn, document, detail, &mut notes)?;
-    let mut appender = Appender::of_document(&worn.file, document)?;
+    let mut appender = Appender::from_document(&worn.file, document)?;
     for surface in &surfaces {
         surface.add_tangents(&mut appender);
     }
@@ -111,35 +109,35 @@ pub fn add_detail_map(
     let mut maps = Vec::new();
     for material in materials {
         let mut texels = painter.paint(material, side);
-        let filled = texels.filled();
+        let filled = texels.filled_count();
         if filled == 0 {
             continue;
         }
         let tilt = |d: &Vec3| if *d == Vec3::zeros() { 0.0 } else { d.z.clamp(-1.0, 1.0).acos() };
         let mean_tilt_deg = (texels.direction.iter().map(tilt).sum::<f64>() / filled as f64).to_degrees();
-        let contradicted = texels.contradicted as f64 / filled as f64;
+        let conflicting_fraction = texels.conflicts as f64 / filled as f64;
         let name = material.and_then(|m| document.json["materials"][m]["name"].as_str()).map(str::to_owned);
         let in_material = match own_normal_map(document, material) {
             Ok(own) => {
                 if let Some((own, scale)) = own {
-                    turn_along(&mut texels, &own, scale);
+                    rotate_with_surface(&mut texels, &own, scale);
                 }
                 true
             }
-            Err(why) => {
+            Err(reason) => {
                 let of = name.as_deref().unwrap_or("a material without a name");
                 notes.push(format!(
-                    "the normal map of {of} stays alone, the wrinkles' is a file of its own: {why}"
+                    "the normal map of {of} stays unchanged, that of the wrinkles is a separate file: {reason}"
                 ));
                 false
             }
         };
-        texels.pad(PADDING);
-        let broken = |what: String| Error::input(&asset.file, "detail map", what, "");
+        texels.pad(TUNING.padding_texels);
+        let broken = |message: String| Error::input(&asset.file, "detail map", message, "");
         let normal_png = texels.to_png().map_err(broken)?;
-        let (height_png, height_range_m) = texels.lift_png().map_err(broken)?;
+        let (height_png, height_range_m) = texels.height_png().map_err(broken)?;
         if in_material {
-            refer_to(&mut appender, material, &surfaces, &normal_png);
+            set_normal_texture(&mut appender, material, &surfaces, &normal_png);
         }
         maps.push(DetailMap {
             material: name,
@@ -148,22 +146,22 @@ pub fn add_detail_map(
             height_range_m,
             in_material,
             mean_tilt_deg,
-            conflicting_fraction: contradicted,
+            conflicting_fraction,
         });
     }
     Ok(DetailOutput { glb: appender.into_glb(), maps, notes })
 }
 
-/// The worn file, read again; its worn vertices are those of the garment.
+/// Reads the worn file again; its worn vertices are those of the garment.
 fn read_back(glb: &[u8], asset: &SourceAsset, detail: &DetailInput) -> Result<SourceAsset> {
-    // Of an OBJ the worn file is in metres, y up; of a glTF in the source's own unit.
-    let same = asset.document.is_some();
+    // The worn file of an OBJ is in metres, y up; that of a glTF in the unit of its source.
+    let is_gltf = asset.document.is_some();
     let options = ReadOptions {
-        unit_m: Some(if same { asset.unit_m } else { 1.0 }),
-        up: same.then_some(asset.up),
+        unit_m: Some(if is_gltf { asset.unit_m } else { 1.0 }),
+        up: is_gltf.then_some(asset.up),
         ..ReadOptions::default()
     };
-    let mut nothing = |name: &str| Err(Error::input(&asset.file, name, "is beside the file, not in it", ""));
+    let mut nothing = |name: &str| Err(Error::input(&asset.file, name, "is an external file", ""));
     let (mut worn, _) = read_asset(&asset.file, glb, &options, &mut nothing)?;
     keep_worn_pieces(&mut worn);
     let count: usize = worn.worn_pieces().map(|piece| piece.positions.len()).sum();
@@ -175,13 +173,27 @@ fn read_back(glb: &[u8], asset: &SourceAsset, detail: &DetailInput) -> Result<So
     match fits {
         true => Ok(worn),
         false => {
-            let what = "the worn file and the finer garment are not of one mesh";
-            Err(Error::input(&asset.file, "detail map", what, "use what was made of this file"))
+            let message = "the worn file and the finer garment are not of one mesh";
+            Err(Error::input(&asset.file, "detail map", message, "use what was made of this file"))
         }
     }
 }
 
-/// A worn piece as a viewer sees it.
+/// Tangent frame of a vertex.
+#[derive(Debug, Clone, Copy)]
+struct Frame {
+    /// Unit normal.
+    normal: Vec3,
+    tangent: Tangent,
+}
+
+/// Tangents before and after wear, one per vertex.
+struct AddedTangents {
+    unworn: Vec<Tangent>,
+    worn: Vec<Tangent>,
+}
+
+/// Worn piece as a viewer shows it.
 struct Surface<'a> {
     piece: &'a SourcePiece,
     material: Option<usize>,
@@ -190,15 +202,15 @@ struct Surface<'a> {
     points: &'a [PointIndex],
     /// Per vertex, scene: unit normal before wear.
     unworn: Vec<Vec3>,
-    /// Per vertex, scene: unit normal and unit tangent with the worn target on.
-    worn: Vec<(Vec3, Tangent)>,
-    /// Tangents that the file does not have yet, own coordinates: before wear, and with the worn target on.
-    added: Option<(Vec<Tangent>, Vec<Tangent>)>,
-    /// Place of the worn target among the primitive's.
+    /// Per vertex, scene: frame with the worn target applied.
+    worn: Vec<Frame>,
+    /// Tangents that the file lacks, own coordinates.
+    added: Option<AddedTangents>,
+    /// Index of the worn target among those of the primitive.
     target: usize,
 }
 
-/// All worn pieces that can carry a map.
+/// Returns the worn pieces that can have a map; notes go to `notes`.
 fn surfaces<'a>(
     worn: &'a SourceAsset,
     document: &GltfDocument,
@@ -232,7 +244,7 @@ impl<'a> Surface<'a> {
         let count = piece.positions.len();
         let primitive = &document.json["meshes"][piece.mesh]["primitives"][piece.primitive];
         let target = worn_target(document, piece).unwrap_or(&Value::Null);
-        let shift = |name: &str| -> Result<Vec<Vec3>> {
+        let displacement = |name: &str| -> Result<Vec<Vec3>> {
             let numbers = column(document, &target[name], 3, count, name)?;
             let rows = numbers.unwrap_or_else(|| vec![0.0; 3 * count]);
             Ok(rows.chunks_exact(3).map(Vec3::from_row_slice).collect())
@@ -240,8 +252,8 @@ impl<'a> Surface<'a> {
         let moved = |rows: &[Vec3], shifts: &[Vec3]| -> Vec<Vec3> {
             rows.iter().zip(shifts).map(|(x, d)| x + d).collect()
         };
-        let positions = moved(&piece.positions, &shift("POSITION")?);
-        let worn_normals: Vec<Vec3> = moved(normals, &shift("NORMAL")?)
+        let positions = moved(&piece.positions, &displacement("POSITION")?);
+        let worn_normals: Vec<Vec3> = moved(normals, &displacement("NORMAL")?)
             .into_iter()
             .zip(normals)
             .map(|(n, own)| unit_or(n, *own))
@@ -250,18 +262,18 @@ impl<'a> Surface<'a> {
         let (own, added) = match stored {
             Some(accessor) => {
                 let table = Accessors::new(document).table_of(accessor, 4, Some(count), "TANGENT")?;
-                let stored = table.rows().zip(shift("TANGENT")?).map(|(row, d)| Tangent {
-                    along: unit_or(Vec3::new(row[0], row[1], row[2]) + d, Vec3::x()),
+                let stored = table.rows().zip(displacement("TANGENT")?).map(|(row, d)| Tangent {
+                    direction: unit_or(Vec3::new(row[0], row[1], row[2]) + d, Vec3::x()),
                     handedness: if row[3] < 0.0 { -1.0 } else { 1.0 },
                 });
                 (stored.collect::<Vec<_>>(), None)
             }
             None => {
-                let before = tangents(&piece.positions, normals, uvs, &piece.triangles);
-                let mut after = tangents(&positions, &worn_normals, uvs, &piece.triangles);
+                let unworn = compute_tangents(&piece.positions, normals, uvs, &piece.triangles);
+                let mut worn = compute_tangents(&positions, &worn_normals, uvs, &piece.triangles);
                 // A morph target does not change the handedness.
-                after.iter_mut().zip(&before).for_each(|(a, b)| a.handedness = b.handedness);
-                (after.clone(), Some((before, after)))
+                worn.iter_mut().zip(&unworn).for_each(|(a, b)| a.handedness = b.handedness);
+                (worn.clone(), Some(AddedTangents { unworn, worn }))
             }
         };
         let placements = match &piece.placement {
@@ -271,10 +283,11 @@ impl<'a> Surface<'a> {
         let linear = LinearParts::new(placements).map_err(|v| {
             Error::input(file, &piece.name, format!("vertex {v} is flattened"), "give it a scale")
         })?;
-        let in_scene = |v: usize, n: &Vec3| unit_or(linear.of(v).1.transpose() * n, Vec3::z());
+        let in_scene = |v: usize, n: &Vec3| unit_or(linear.at(v).inverse.transpose() * n, Vec3::z());
         let frame = |v: usize| {
-            let along = unit_or(linear.of(v).0 * own[v].along, Vec3::x());
-            (in_scene(v, &worn_normals[v]), Tangent { along, ..own[v] })
+            let direction = unit_or(linear.at(v).forward * own[v].direction, Vec3::x());
+            let tangent = Tangent { direction, ..own[v] };
+            Frame { normal: in_scene(v, &worn_normals[v]), tangent }
         };
         Ok(Self {
             piece,
@@ -288,19 +301,19 @@ impl<'a> Surface<'a> {
         })
     }
 
-    /// Writes tangents into the document where it has none.
+    /// Adds tangents to the document where it has none.
     fn add_tangents(&self, appender: &mut Appender) {
-        let Some((before, after)) = &self.added else { return };
+        let Some(AddedTangents { unworn, worn }) = &self.added else { return };
         let narrow = |v: &Vec3| [v.x as f32, v.y as f32, v.z as f32];
-        let rows: Vec<[f32; 4]> = before
+        let rows: Vec<[f32; 4]> = unworn
             .iter()
             .map(|t| {
-                let [x, y, z] = narrow(&t.along);
+                let [x, y, z] = narrow(&t.direction);
                 [x, y, z, t.handedness as f32]
             })
             .collect();
         let shifts: Vec<[f32; 3]> =
-            before.iter().zip(after).map(|(b, a)| narrow(&(a.along - b.along))).collect();
+            unworn.iter().zip(worn).map(|(b, a)| narrow(&(a.direction - b.direction))).collect();
         let (base, shift) =
             (appender.vectors(&rows, Purpose::Vertex), appender.vectors(&shifts, Purpose::Vertex));
         let Some(mesh) = appender.list("meshes").get_mut(self.piece.mesh) else { return };
@@ -314,12 +327,21 @@ fn unit_or(v: Vec3, otherwise: Vec3) -> Vec3 {
     v.try_normalize(1e-12).unwrap_or(otherwise)
 }
 
-/// Paints maps.
+/// Corners of a coarse triangle.
+#[derive(Debug, Clone, Copy)]
+struct SurfaceCorners {
+    /// Index of the surface.
+    surface: usize,
+    /// Vertices of that surface.
+    vertices: [usize; 3],
+}
+
+/// Painter of the maps.
 struct Painter<'a> {
     detail: &'a DetailInput<'a>,
     surfaces: &'a [Surface<'a>],
-    /// Per triangle of the coarse garment: its surface, and the vertices of its corners there.
-    place: Vec<Option<(usize, [usize; 3])>>,
+    /// Per triangle of the coarse garment: the vertices of its corners.
+    corners: Vec<Option<SurfaceCorners>>,
     shape: WornShape<'a>,
 }
 
@@ -338,62 +360,61 @@ impl<'a> Painter<'a> {
                 }
             }
         }
-        let place = detail.coarse.triangles.iter().map(|t| {
+        let corners = detail.coarse.triangles.iter().map(|t| {
             let &(s, vertices) = found.get(&sorted(*t))?;
             let points = surfaces[s].points;
             let mut corners = [0; 3];
             for (corner, p) in corners.iter_mut().zip(t) {
                 *corner = *vertices.iter().find(|&&v| points[v] == *p)?;
             }
-            Some((s, corners))
+            Some(SurfaceCorners { surface: s, vertices: corners })
         });
-        Self { detail, surfaces, place: place.collect(), shape: WornShape::new(detail.fine, detail.worn) }
+        Self { detail, surfaces, corners: corners.collect(), shape: WornShape::new(detail.fine, detail.worn) }
     }
 
-    /// The map of one material.
+    /// Paints the map of one material.
     fn paint(&self, material: Option<usize>, side: usize) -> Texels {
         let mut texels = Texels::new(side);
         let DetailInput { coarse, fine, parent, worn } = *self.detail;
         for (triangle, &k) in fine.triangles.iter().zip(parent) {
-            let Some((s, vertices)) = self.place[k as usize] else { continue };
-            let surface = &self.surfaces[s];
+            let Some(SurfaceCorners { surface, vertices }) = self.corners[k as usize] else { continue };
+            let surface = &self.surfaces[surface];
             if surface.material != material {
                 continue;
             }
             let corners = coarse.triangles[k as usize].map(|p| coarse.points[p.at()]);
-            let shares = triangle.map(|p| barycentric(&fine.points[p.at()], &corners));
-            let mix = |share: &[f64; 3], of: &dyn Fn(usize) -> Vec3| -> Vec3 {
-                share.iter().zip(vertices).map(|(s, v)| of(v) * *s).sum()
+            let weights = triangle.map(|p| barycentric(&fine.points[p.at()], &corners));
+            let mix = |weights: &[f64; 3], of: &dyn Fn(usize) -> Vec3| -> Vec3 {
+                weights.iter().zip(vertices).map(|(w, v)| of(v) * *w).sum()
             };
             let normals: [Vec3; 3] = std::array::from_fn(|i| {
-                let base = unit_or(mix(&shares[i], &|v| surface.unworn[v]), Vec3::z());
-                let turned =
-                    self.shape.turned_normal(triangle[i], base, (Mat3::identity(), Mat3::identity()));
-                turned.unwrap_or(base)
+                let base = unit_or(mix(&weights[i], &|v| surface.unworn[v]), Vec3::z());
+                self.shape.worn_normal(triangle[i], base, LinearPart::identity()).unwrap_or(base)
             });
-            let place = |p: PointIndex, points: &[Vec3]| points[p.at()] + worn.displacement[p.at()];
-            let above = triangle.map(|p| place(p, &fine.points));
-            let below = coarse.triangles[k as usize].map(|p| place(p, &coarse.points));
-            let uvs = shares.map(|share| share.iter().zip(vertices).map(|(s, v)| surface.uvs[v] * *s).sum());
+            let position = |p: PointIndex, points: &[Vec3]| points[p.at()] + worn.displacement[p.at()];
+            let above = triangle.map(|p| position(p, &fine.points));
+            let below = coarse.triangles[k as usize].map(|p| position(p, &coarse.points));
+            let uvs = weights.map(|w| w.iter().zip(vertices).map(|(w, v)| surface.uvs[v] * *w).sum());
             texels.fill(uvs, &|b| {
                 let blend = |of: &[Vec3; 3]| of[0] * b[0] + of[1] * b[1] + of[2] * b[2];
-                let share: [f64; 3] = std::array::from_fn(|j| (0..3).map(|i| b[i] * shares[i][j]).sum());
-                let n = mix(&share, &|v| surface.worn[v].0).try_normalize(1e-9)?;
-                let t = mix(&share, &|v| surface.worn[v].1.along).try_normalize(1e-9)?;
-                let bitangent = n.cross(&t) * surface.worn[vertices[0]].1.handedness;
+                let on_parent: [f64; 3] = std::array::from_fn(|j| (0..3).map(|i| b[i] * weights[i][j]).sum());
+                let n = mix(&on_parent, &|v| surface.worn[v].normal).try_normalize(1e-9)?;
+                let t = mix(&on_parent, &|v| surface.worn[v].tangent.direction).try_normalize(1e-9)?;
+                let bitangent = n.cross(&t) * surface.worn[vertices[0]].tangent.handedness;
                 let frame = Mat3::from_columns(&[t, bitangent, n]);
                 let direction =
                     (frame.try_inverse()? * blend(&normals).try_normalize(1e-9)?).try_normalize(1e-9)?;
-                let on_coarse: Vec3 = below.iter().zip(share).map(|(x, s)| x * s).sum();
+                let on_coarse: Vec3 = below.iter().zip(on_parent).map(|(x, s)| x * s).sum();
                 // A map cannot point below its surface.
-                (direction.z > 0.0).then(|| (direction, n.dot(&(blend(&above) - on_coarse))))
+                (direction.z > 0.0)
+                    .then(|| TexelSample { direction, height_m: n.dot(&(blend(&above) - on_coarse)) })
             });
         }
         texels
     }
 }
 
-/// The normal map that a material has already, with its scale; why it cannot be combined as the error.
+/// Reads the existing normal map of a material, with its scale; fails with the reason if it cannot be combined.
 fn own_normal_map(
     document: &GltfDocument,
     material: Option<usize>,
@@ -408,33 +429,34 @@ fn own_normal_map(
         return Err("it is moved or scaled (KHR_texture_transform)".into());
     }
     let index = |value: &Value| value.as_u64().and_then(|i| usize::try_from(i).ok());
-    let lost = "its picture is not in the file";
-    let texture = index(&entry["index"]).ok_or(lost)?;
-    let image = index(&document.json["textures"][texture]["source"]).ok_or(lost)?;
-    let view = index(&document.json["images"][image]["bufferView"]).ok_or(lost)?;
+    let missing = "its picture is not in the file";
+    let texture = index(&entry["index"]).ok_or(missing)?;
+    let image = index(&document.json["textures"][texture]["source"]).ok_or(missing)?;
+    let view = index(&document.json["images"][image]["bufferView"]).ok_or(missing)?;
     let view = &document.json["bufferViews"][view];
-    let (start, length) = (index(&view["byteOffset"]).unwrap_or(0), index(&view["byteLength"]).ok_or(lost)?);
-    let buffer = document.buffers.get(index(&view["buffer"]).ok_or(lost)?).ok_or(lost)?;
-    let bytes = start.checked_add(length).and_then(|end| buffer.get(start..end)).ok_or(lost)?;
-    let own = Texels::from_png(bytes).map_err(|why| format!("only PNG can be combined ({why})"))?;
+    let (start, length) =
+        (index(&view["byteOffset"]).unwrap_or(0), index(&view["byteLength"]).ok_or(missing)?);
+    let buffer = document.buffers.get(index(&view["buffer"]).ok_or(missing)?).ok_or(missing)?;
+    let bytes = start.checked_add(length).and_then(|end| buffer.get(start..end)).ok_or(missing)?;
+    let own = Texels::from_png(bytes).map_err(|reason| format!("only PNG can be combined ({reason})"))?;
     Ok(Some((own, entry["scale"].as_f64().unwrap_or(1.0))))
 }
 
-/// Directions of the material's own map, turned along with the fine surface.
-fn turn_along(texels: &mut Texels, own: &Texels, scale: f64) {
+/// Rotates the directions of the material's own map with the fine surface.
+fn rotate_with_surface(texels: &mut Texels, own: &Texels, scale: f64) {
     let (width, height) = (texels.width, texels.height);
     for (at, fine) in texels.direction.iter_mut().enumerate().filter(|(_, d)| **d != Vec3::zeros()) {
         let uv = Vec2::new((at % width) as f64 + 0.5, (at / width) as f64 + 0.5);
         let weave = own.sample(uv.component_div(&Vec2::new(width as f64, height as f64)));
         let weave = Vec3::new(weave.x * scale, weave.y * scale, weave.z);
         let along = unit_or(Vec3::x() - *fine * fine.x, Vec3::x());
-        let turned = along * weave.x + fine.cross(&along) * weave.y + *fine * weave.z;
-        *fine = unit_or(turned, *fine);
+        let rotated = along * weave.x + fine.cross(&along) * weave.y + *fine * weave.z;
+        *fine = unit_or(rotated, *fine);
     }
 }
 
-/// Makes the worn primitives of `material` show `png`. A material that others use too is copied first.
-fn refer_to(appender: &mut Appender, material: Option<usize>, surfaces: &[Surface], png: &[u8]) {
+/// Sets `png` as the normal texture of the worn primitives of `material`. A material that others use too is copied first.
+fn set_normal_texture(appender: &mut Appender, material: Option<usize>, surfaces: &[Surface], png: &[u8]) {
     let view = appender.bytes(png.to_vec());
     let image =
         appender.push("images", json!({"bufferView": view, "mimeType": "image/png", "name": "wrinkles"}));

@@ -1,28 +1,37 @@
-//! Tangents of a mesh by the MikkTSpace convention, one per vertex.
+//! Computes the tangents of a mesh by the MikkTSpace convention, one per vertex.
 //!
-//! glTF's texture coordinates grow downward and its bitangent, cross(normal, tangent) times the handedness, points up the
-//! picture; MikkTSpace is therefore given 1 - v. It works per corner and may want a vertex split; a file's vertices keep
-//! their number here, so a vertex gets the mean of its corners, with the handedness of most of them.
+//! glTF's texture coordinates grow downward and its bitangent, cross(normal, tangent) times the handedness, points up in
+//! the picture; MikkTSpace is therefore given 1 - v. It works per corner and may ask for a vertex to be split; a file's
+//! vertices keep their number here, so that a vertex gets the mean of its corners, with the handedness of the majority.
 
-use crate::io::gltf::worn_target::across;
+use crate::io::gltf::worn_target::perpendicular_unit;
 use crate::math::{Vec2, Vec3};
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 
-/// A tangent: unit direction, and handedness +1 or -1.
+/// Tangent of a vertex.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Tangent {
-    pub(super) along: Vec3,
+    /// Unit direction.
+    pub(super) direction: Vec3,
+    /// +1 or -1.
     pub(super) handedness: f64,
 }
 
-/// A mesh with texture coordinates; lists are one per vertex.
+/// Mesh with texture coordinates; lists are one per vertex.
 struct Mesh<'a> {
     positions: &'a [Vec3],
     normals: &'a [Vec3],
     uvs: &'a [Vec2],
     triangles: &'a [[u32; 3]],
-    /// Per vertex: sum over its corners of direction and handedness.
-    sums: Vec<(Vec3, f64)>,
+    /// Per vertex: sums over its corners.
+    sums: Vec<TangentSum>,
+}
+
+/// Sums over the corners of a vertex.
+#[derive(Debug, Clone, Copy)]
+struct TangentSum {
+    direction: Vec3,
+    handedness: f64,
 }
 
 impl Mesh<'_> {
@@ -57,8 +66,8 @@ impl Geometry for Mesh<'_> {
         let v = self.vertex(face, corner);
         if let Some(space) = space {
             let [x, y, z] = space.tangent().map(f64::from);
-            self.sums[v].0 += Vec3::new(x, y, z);
-            self.sums[v].1 += if space.is_orientation_preserving() { 1.0 } else { -1.0 };
+            self.sums[v].direction += Vec3::new(x, y, z);
+            self.sums[v].handedness += if space.is_orientation_preserving() { 1.0 } else { -1.0 };
         }
     }
 }
@@ -67,25 +76,25 @@ fn narrow(v: &Vec3) -> [f32; 3] {
     [v.x as f32, v.y as f32, v.z as f32]
 }
 
-/// Tangents of the mesh; `positions`, `normals` and `uvs` are one per vertex, `triangles` index them. Where texture
-/// coordinates say nothing, any direction across the normal.
-pub(super) fn tangents(
+/// Computes the tangents of a mesh; `positions`, `normals` and `uvs` are one per vertex, `triangles` index them. Where
+/// texture coordinates define no direction, any direction perpendicular to the normal.
+pub(super) fn compute_tangents(
     positions: &[Vec3],
     normals: &[Vec3],
     uvs: &[Vec2],
     triangles: &[[u32; 3]],
 ) -> Vec<Tangent> {
     let count = positions.len().min(normals.len()).min(uvs.len());
-    let sound: Vec<[u32; 3]> =
+    let valid: Vec<[u32; 3]> =
         triangles.iter().filter(|t| t.iter().all(|&v| (v as usize) < count)).copied().collect();
-    let sums = vec![(Vec3::zeros(), 0.0); count];
-    let mut mesh = Mesh { positions, normals, uvs, triangles: &sound, sums };
-    // It fails only where there is nothing to work on; then no corner has been told anything.
+    let sums = vec![TangentSum { direction: Vec3::zeros(), handedness: 0.0 }; count];
+    let mut mesh = Mesh { positions, normals, uvs, triangles: &valid, sums };
+    // Fails only for an empty mesh; then no corner has been set.
     let _ = generate_tangents(&mut mesh);
-    let finished = mesh.sums.iter().zip(normals).map(|((sum, sign), n)| {
-        let level = sum - n * n.dot(sum);
-        let along = level.try_normalize(1e-9).unwrap_or_else(|| across(*n));
-        Tangent { along, handedness: if *sign < 0.0 { -1.0 } else { 1.0 } }
+    let finished = mesh.sums.iter().zip(normals).map(|(sum, n)| {
+        let perpendicular = sum.direction - n * n.dot(&sum.direction);
+        let direction = perpendicular.try_normalize(1e-9).unwrap_or_else(|| perpendicular_unit(*n));
+        Tangent { direction, handedness: if sum.handedness < 0.0 { -1.0 } else { 1.0 } }
     });
     finished.collect()
 }
@@ -100,26 +109,26 @@ mod tests {
         let positions = [at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)];
         let uv = |p: &Vec3| Vec2::new(if mirrored { 1.0 - p.x } else { p.x }, 1.0 - p.y);
         let uvs: Vec<Vec2> = positions.iter().map(uv).collect();
-        tangents(&positions, &[Vec3::z(); 4], &uvs, &[[0, 1, 2], [0, 2, 3]])
+        compute_tangents(&positions, &[Vec3::z(); 4], &uvs, &[[0, 1, 2], [0, 2, 3]])
     }
 
     #[test]
-    fn tangents_go_with_u_and_bitangents_up_the_picture() {
+    fn tangents_follow_u_and_bitangents_point_up_in_the_picture() {
         for t in square(false) {
-            assert!((t.along - Vec3::x()).norm() < 1e-6 && t.handedness == 1.0, "{t:?}");
+            assert!((t.direction - Vec3::x()).norm() < 1e-6 && t.handedness == 1.0, "{t:?}");
         }
         for t in square(true) {
-            assert!((t.along + Vec3::x()).norm() < 1e-6 && t.handedness == -1.0, "{t:?}");
+            assert!((t.direction + Vec3::x()).norm() < 1e-6 && t.handedness == -1.0, "{t:?}");
         }
     }
 
     #[test]
-    fn without_a_picture_any_direction_across_the_normal_will_do() {
+    fn without_texture_any_direction_perpendicular_to_the_normal_is_taken() {
         let points = [Vec3::zeros(), Vec3::x(), Vec3::y()];
-        for t in tangents(&points, &[Vec3::z(); 3], &[Vec2::zeros(); 3], &[[0, 1, 2]]) {
-            assert!((t.along.norm() - 1.0).abs() < 1e-9 && t.along.z.abs() < 1e-9);
+        for t in compute_tangents(&points, &[Vec3::z(); 3], &[Vec2::zeros(); 3], &[[0, 1, 2]]) {
+            assert!((t.direction.norm() - 1.0).abs() < 1e-9 && t.direction.z.abs() < 1e-9);
         }
-        assert!(tangents(&[], &[], &[], &[]).is_empty());
-        assert_eq!(tangents(&points, &[Vec3::z(); 3], &[Vec2::zeros(); 3], &[[0, 1, 9]]).len(), 3);
+        assert!(compute_tangents(&[], &[], &[], &[]).is_empty());
+        assert_eq!(compute_tangents(&points, &[Vec3::z(); 3], &[Vec2::zeros(); 3], &[[0, 1, 9]]).len(), 3);
     }
 }

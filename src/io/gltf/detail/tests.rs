@@ -1,4 +1,4 @@
-//! A coarse sheet with fine ripples: what a viewer makes of mesh and map, against the fine surface itself.
+//! A coarse sheet with fine ripples: rendering of mesh and map against the fine surface itself.
 
 use super::*;
 use crate::garment::RestState;
@@ -40,7 +40,7 @@ fn sheet() -> SourceAsset {
     read_asset("sheet.obj", obj.as_bytes(), &ReadOptions::default(), &mut alone).unwrap().0
 }
 
-/// Every triangle cut into four, so many times; with its parents.
+/// Divides every triangle into four, `times` times; also returns the parents.
 fn finer(coarse: &Garment, times: usize) -> (Garment, Vec<u32>) {
     let (mut points, mut triangles) = (coarse.points.clone(), coarse.triangles.clone());
     let mut parent: Vec<u32> = (0..triangles.len() as u32).collect();
@@ -75,7 +75,7 @@ fn finer(coarse: &Garment, times: usize) -> (Garment, Vec<u32>) {
     (fine, parent)
 }
 
-/// Ripples much finer than the coarse mesh: height [m] at a place.
+/// Ripples much finer than the coarse mesh: height [m] at a position.
 fn ripple(x: &Vec3) -> f64 {
     0.0025 * (x.x * 180.0).sin() + 0.002 * (x.z * 140.0 + x.x * 60.0).cos()
 }
@@ -116,7 +116,7 @@ impl Scene {
     }
 }
 
-/// What a viewer shows in the middle of every fine triangle, and the fine surface's own smooth normal there.
+/// Returns the direction a viewer shows in the middle of every fine triangle, and the fine surface's smooth normal there.
 fn shown_and_true(scene: &Scene, detailed: &DetailOutput) -> Vec<(Vec3, Vec3, Vec3)> {
     let options = ReadOptions { unit_m: Some(1.0), ..ReadOptions::default() };
     let mut alone = |name: &str| panic!("asks for {name}");
@@ -129,25 +129,26 @@ fn shown_and_true(scene: &Scene, detailed: &DetailOutput) -> Vec<(Vec3, Vec3, Ve
     let painter = Painter::new(&detail, &surfaces);
     let (own, _) = own_normal_map(document, surfaces[0].material).unwrap().expect("the material has the map");
     let mut smooth = vec![Vec3::zeros(); scene.fine.points.len()];
-    let place = |p: PointIndex| scene.fine.points[p.at()] + scene.worn.displacement[p.at()];
+    let position = |p: PointIndex| scene.fine.points[p.at()] + scene.worn.displacement[p.at()];
     for t in &scene.fine.triangles {
-        let n = (place(t[1]) - place(t[0])).cross(&(place(t[2]) - place(t[0])));
+        let n = (position(t[1]) - position(t[0])).cross(&(position(t[2]) - position(t[0])));
         t.iter().for_each(|p| smooth[p.at()] += n);
     }
     let mut all = Vec::new();
     for (t, &k) in scene.fine.triangles.iter().zip(&scene.parent) {
-        let (s, vertices) = painter.place[k as usize].unwrap();
+        let SurfaceCorners { surface, vertices } = painter.corners[k as usize].unwrap();
         let corners = scene.coarse.triangles[k as usize].map(|p| scene.coarse.points[p.at()]);
         let centre = t.iter().map(|p| scene.fine.points[p.at()]).sum::<Vec3>() / 3.0;
-        let share = barycentric(&centre, &corners);
+        let weights = barycentric(&centre, &corners);
         let mix =
-            |of: &dyn Fn(usize) -> Vec3| share.iter().zip(vertices).map(|(s, v)| of(v) * *s).sum::<Vec3>();
-        let surface = &surfaces[s];
-        let n = mix(&|v| surface.worn[v].0).normalize();
-        let along = mix(&|v| surface.worn[v].1.along).normalize();
-        let uv = share.iter().zip(vertices).map(|(s, v)| surface.uvs[v] * *s).sum();
+            |of: &dyn Fn(usize) -> Vec3| weights.iter().zip(vertices).map(|(w, v)| of(v) * *w).sum::<Vec3>();
+        let surface = &surfaces[surface];
+        let n = mix(&|v| surface.worn[v].normal).normalize();
+        let along = mix(&|v| surface.worn[v].tangent.direction).normalize();
+        let uv = weights.iter().zip(vertices).map(|(w, v)| surface.uvs[v] * *w).sum();
         let d = own.sample(uv);
-        let shown = along * d.x + n.cross(&along) * (surface.worn[vertices[0]].1.handedness * d.y) + n * d.z;
+        let shown =
+            along * d.x + n.cross(&along) * (surface.worn[vertices[0]].tangent.handedness * d.y) + n * d.z;
         let truth = t.iter().map(|p| smooth[p.at()].normalize()).sum::<Vec3>().normalize();
         all.push((shown.normalize(), truth, n));
     }
@@ -175,7 +176,7 @@ fn coarse_mesh_and_map_look_like_the_fine_mesh_from_three_lights() {
             lit.len()
         );
         assert!(mean < 5.0 && bare > 15.0, "{mean} {bare}");
-        // The places along the seam between the islands are no worse than five times the mean.
+        // The triangles along the seam between the islands are no worse than five times the mean.
         let worst = lit.iter().map(|(shown, truth, _)| angle_deg(shown, truth)).fold(0.0, f64::max);
         println!("  worst {worst:.2}");
         assert!(worst < 10.0, "a seam shows: {worst}");
@@ -191,7 +192,7 @@ fn cloth_without_wear_has_a_flat_map() {
     assert!(detailed.maps[0].mean_tilt_deg < 1e-3, "{}", detailed.maps[0].mean_tilt_deg);
 }
 
-/// The map that a first run left in the material is the weave that a second run turns along: on flat cloth it stays.
+/// The map that a first run left in the material is the weave that a second run rotates: on flat cloth it stays.
 #[test]
 fn a_normal_map_that_is_there_is_kept_under_the_wrinkles() {
     let scene = Scene::new(&ripple);
@@ -205,7 +206,7 @@ fn a_normal_map_that_is_there_is_kept_under_the_wrinkles() {
     let memory = RestState::flat(fine.topology.hinges.len(), fine.triangles.len());
     let worn = WornGarment { displacement: vec![Vec3::zeros(); fine.points.len()], memory };
     let detail = DetailInput { coarse: &coarse, fine: &fine, parent: &parent, worn: &worn };
-    // Worn anew, so that the worn target is that of the flat sheet.
+    // Worn again, so that the worn target is that of the flat sheet.
     let unworn = WornGarment { displacement: vec![Vec3::zeros(); coarse.points.len()], ..flat.worn.clone() };
     let unworn = WornGarment {
         memory: RestState::flat(coarse.topology.hinges.len(), coarse.triangles.len()),
@@ -222,7 +223,7 @@ fn a_normal_map_that_is_there_is_kept_under_the_wrinkles() {
 }
 
 #[test]
-fn what_does_not_belong_together_is_refused() {
+fn parts_that_do_not_belong_together_are_rejected() {
     let scene = Scene::new(&ripple);
     let glb = scene.worn_glb();
     let short = DetailInput { parent: &scene.parent[1..], ..scene.detail() };

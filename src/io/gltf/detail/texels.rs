@@ -1,22 +1,29 @@
-//! A picture of directions: filled triangle by triangle in texture space, padded beyond the borders of what is filled,
-//! and written as 16-bit PNG; a picture that is there already is read back.
+//! Picture of directions: filled triangle by triangle in texture space, padded beyond the filled texels, and written as
+//! 16-bit PNG; existing pictures are read.
 
+use crate::io::tuning::TUNING;
 use crate::math::{Vec2, Vec3};
 
-/// Two directions for one texel that differ by more than this [rad] contradict one another.
-const CONTRADICTION: f64 = 0.17;
+/// Direction and height of one texel.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TexelSample {
+    /// Unit direction in tangent space.
+    pub(super) direction: Vec3,
+    /// Height of the fine surface above the coarse one \[m\].
+    pub(super) height_m: f64,
+}
 
 /// Unit directions in tangent space, rows from the top.
 #[derive(Debug, Clone)]
 pub(super) struct Texels {
     pub(super) width: usize,
     pub(super) height: usize,
-    /// One per texel; zero where nothing is known.
+    /// Direction of each texel; zero for empty ones.
     pub(super) direction: Vec<Vec3>,
-    /// One per texel [m]: how far the fine surface lies above the coarse one.
-    pub(super) lift: Vec<f32>,
-    /// Texels that two places of the garment claim with different directions.
-    pub(super) contradicted: usize,
+    /// Height of each texel \[m\]: distance of the fine surface above the coarse one.
+    pub(super) height_m: Vec<f32>,
+    /// Number of texels that two parts of the garment fill with different directions.
+    pub(super) conflicts: usize,
 }
 
 impl Texels {
@@ -26,78 +33,80 @@ impl Texels {
             width: size,
             height: size,
             direction: vec![Vec3::zeros(); count],
-            lift: vec![0.0; count],
-            contradicted: 0,
+            height_m: vec![0.0; count],
+            conflicts: 0,
         }
     }
 
-    /// Texels that something is known of.
-    pub(super) fn filled(&self) -> usize {
+    /// Returns the number of filled texels.
+    pub(super) fn filled_count(&self) -> usize {
         self.direction.iter().filter(|d| **d != Vec3::zeros()).count()
     }
 
-    /// Gives every texel whose centre lies in the triangle of `corners` (texture coordinates) what `of` says for its
-    /// barycentric coordinates: a unit direction and a lift [m]. Coordinates beyond 0 to 1 repeat.
-    pub(super) fn fill(&mut self, corners: [Vec2; 3], of: &dyn Fn([f64; 3]) -> Option<(Vec3, f64)>) {
+    /// Fills every texel whose centre lies in the triangle of `corners` (texture coordinates) with the unit direction and the
+    /// height [m] that `sample` returns for its barycentric coordinates. Coordinates beyond 0 to 1 repeat.
+    pub(super) fn fill(&mut self, corners: [Vec2; 3], sample: &dyn Fn([f64; 3]) -> Option<TexelSample>) {
         let size = Vec2::new(self.width as f64, self.height as f64);
         let [a, b, c] = corners.map(|uv| uv.component_mul(&size));
         let doubled = (b - a).perp(&(c - a));
         let (low, high) = (a.inf(&b).inf(&c), a.sup(&b).sup(&c));
         // A triangle as wide as several pictures is damage.
-        let sound = doubled != 0.0 && (high - low).iter().zip(&size).all(|(side, size)| *side <= 2.0 * size);
-        if !sound || !low.iter().chain(high.iter()).all(|x| x.abs() < 1e9) {
+        let is_valid =
+            doubled != 0.0 && (high - low).iter().zip(&size).all(|(side, size)| *side <= 2.0 * size);
+        if !is_valid || !low.iter().chain(high.iter()).all(|x| x.abs() < 1e9) {
             return;
         }
         for row in (low.y - 0.5).ceil() as i64..=(high.y - 0.5).floor() as i64 {
             for column in (low.x - 0.5).ceil() as i64..=(high.x - 0.5).floor() as i64 {
                 let p = Vec2::new(column as f64 + 0.5, row as f64 + 0.5);
-                let share = [
+                let weights = [
                     (b - p).perp(&(c - p)) / doubled,
                     (c - p).perp(&(a - p)) / doubled,
                     (a - p).perp(&(b - p)) / doubled,
                 ];
-                if share.iter().any(|s| *s < -1e-9) {
+                if weights.iter().any(|s| *s < -1e-9) {
                     continue;
                 }
                 let (x, y) = (column.rem_euclid(self.width as i64), row.rem_euclid(self.height as i64));
-                if let Some((direction, lift)) = of(share) {
-                    self.set(y as usize * self.width + x as usize, direction, lift);
+                if let Some(found) = sample(weights) {
+                    self.set(y as usize * self.width + x as usize, found);
                 }
             }
         }
     }
 
-    fn set(&mut self, at: usize, direction: Vec3, lift: f64) {
-        let there = self.direction[at];
-        if there == Vec3::zeros() {
+    fn set(&mut self, at: usize, TexelSample { direction, height_m }: TexelSample) {
+        let present = self.direction[at];
+        if present == Vec3::zeros() {
             self.direction[at] = direction;
-            self.lift[at] = lift as f32;
-        } else if there.dot(&direction) < CONTRADICTION.cos() {
-            self.contradicted += 1;
+            self.height_m[at] = height_m as f32;
+        } else if present.dot(&direction) < TUNING.max_texel_deviation.cos() {
+            self.conflicts += 1;
         }
     }
 
-    /// Spreads what is known over its borders, so that no filter mixes in what is not; all other texels become flat.
+    /// Extends the filled texels beyond their borders by `texels`, so that filters do not mix in empty ones; all other texels
+    /// become flat.
     pub(super) fn pad(&mut self, texels: usize) {
         let mut front: Vec<usize> =
             (0..self.direction.len()).filter(|&at| self.direction[at] != Vec3::zeros()).collect();
         for _ in 0..texels {
-            // A texel takes the mean of its known neighbours, all of one ring at the same time.
-            let mut ring: Vec<usize> = front.iter().flat_map(|&at| self.around(at)).collect();
+            // A texel takes the mean of its filled neighbours, all of one ring at the same time.
+            let mut ring: Vec<usize> = front.iter().flat_map(|&at| self.neighbours(at)).collect();
             ring.sort_unstable();
             ring.dedup();
             ring.retain(|&at| self.direction[at] == Vec3::zeros());
-            let means: Vec<(Vec3, f32)> = ring.iter().map(|&at| self.mean_around(at)).collect();
-            for (&at, (direction, lift)) in ring.iter().zip(means) {
+            let means: Vec<(Vec3, f32)> = ring.iter().map(|&at| self.neighbour_mean(at)).collect();
+            for (&at, (direction, height)) in ring.iter().zip(means) {
                 self.direction[at] = direction;
-                self.lift[at] = lift;
+                self.height_m[at] = height;
             }
             front = ring;
         }
         self.direction.iter_mut().filter(|d| **d == Vec3::zeros()).for_each(|d| *d = Vec3::z());
     }
 
-    fn around(&self, at: usize) -> impl Iterator<Item = usize> + use<> {
+    fn neighbours(&self, at: usize) -> impl Iterator<Item = usize> + use<> {
         let (x, y, width, height) = (at % self.width, at / self.width, self.width, self.height);
         let steps = (0..9)
             .filter(|k| *k != 4)
@@ -105,52 +114,56 @@ impl Texels {
         steps.filter(move |&(x, y)| x < width && y < height).map(move |(x, y)| y * width + x)
     }
 
-    fn mean_around(&self, at: usize) -> (Vec3, f32) {
-        let (mut direction, mut lift, mut count) = (Vec3::zeros(), 0.0, 0.0f32);
-        for near in self.around(at).filter(|&near| self.direction[near] != Vec3::zeros()) {
+    fn neighbour_mean(&self, at: usize) -> (Vec3, f32) {
+        let (mut direction, mut height, mut count) = (Vec3::zeros(), 0.0, 0.0f32);
+        for near in self.neighbours(at).filter(|&near| self.direction[near] != Vec3::zeros()) {
             direction += self.direction[near];
-            lift += self.lift[near];
+            height += self.height_m[near];
             count += 1.0;
         }
-        (direction.try_normalize(1e-9).unwrap_or_else(Vec3::z), lift / count.max(1.0))
+        (direction.try_normalize(1e-9).unwrap_or_else(Vec3::z), height / count.max(1.0))
     }
 
-    /// The direction at texture coordinates `uv`, between texels as a viewer reads it.
+    /// Returns the direction at texture coordinates `uv`, interpolated bilinearly.
     pub(super) fn sample(&self, uv: Vec2) -> Vec3 {
-        let place = |along: f64, count: usize| {
-            let at = along * count as f64 - 0.5;
+        let position = |coordinate: f64, count: usize| {
+            let at = coordinate * count as f64 - 0.5;
             let low = at.floor();
             let index = |k: f64| (k as i64).rem_euclid(count as i64) as usize;
             (index(low), index(low + 1.0), at - low)
         };
-        let ((x0, x1, s), (y0, y1, t)) = (place(uv.x, self.width), place(uv.y, self.height));
+        let ((x0, x1, s), (y0, y1, t)) = (position(uv.x, self.width), position(uv.y, self.height));
         let at = |x: usize, y: usize| self.direction[y * self.width + x];
         let sum = (at(x0, y0) * (1.0 - s) + at(x1, y0) * s) * (1.0 - t)
             + (at(x0, y1) * (1.0 - s) + at(x1, y1) * s) * t;
         sum.try_normalize(1e-9).unwrap_or_else(Vec3::z)
     }
 
-    /// As a picture with three 16-bit channels.
+    /// Writes the directions as a picture with three 16-bit channels.
     pub(super) fn to_png(&self) -> Result<Vec<u8>, String> {
         let word = |x: f64| ((0.5 + 0.5 * x.clamp(-1.0, 1.0)) * 65535.0).round() as u16;
         let rows = self.direction.iter().flat_map(|d| [d.x, d.y, d.z]).map(word);
         write_png(self.width, self.height, png::ColorType::Rgb, rows)
     }
 
-    /// The lift as a grey 16-bit picture, and what its black and its white stand for [m].
-    pub(super) fn lift_png(&self) -> Result<(Vec<u8>, [f32; 2]), String> {
-        let most = self.lift.iter().fold(1e-6f32, |most, lift| most.max(lift.abs()));
-        let word = |lift: &f32| ((0.5 + 0.5 * lift / most) * 65535.0).round() as u16;
-        let png = write_png(self.width, self.height, png::ColorType::Grayscale, self.lift.iter().map(word))?;
-        Ok((png, [-most, most]))
+    /// Writes the heights as a grey 16-bit picture; also returns the heights of black and white [m].
+    pub(super) fn height_png(&self) -> Result<(Vec<u8>, [f32; 2]), String> {
+        let max = self.height_m.iter().fold(1e-6f32, |max, height| max.max(height.abs()));
+        let word = |height: &f32| ((0.5 + 0.5 * height / max) * 65535.0).round() as u16;
+        let png =
+            write_png(self.width, self.height, png::ColorType::Grayscale, self.height_m.iter().map(word))?;
+        Ok((png, [-max, max]))
     }
 
-    /// Directions of a normal map in a PNG file.
+    /// Reads the directions of a normal map from a PNG file.
     pub(super) fn from_png(bytes: &[u8]) -> Result<Self, String> {
         let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));
         decoder.set_transformations(png::Transformations::EXPAND);
         let mut reader = decoder.read_info().map_err(|e| e.to_string())?;
-        let size = reader.output_buffer_size().filter(|size| *size <= LARGEST).ok_or("it is too large")?;
+        let size = reader
+            .output_buffer_size()
+            .filter(|size| *size <= TUNING.max_picture_bytes)
+            .ok_or("it is too large")?;
         let mut buffer = vec![0; size];
         let info = reader.next_frame(&mut buffer).map_err(|e| e.to_string())?;
         let channels = info.color_type.samples();
@@ -173,12 +186,9 @@ impl Texels {
         if direction.len() < width * height || direction.is_empty() {
             return Err("it ends too early".into());
         }
-        Ok(Self { width, height, lift: vec![0.0; direction.len()], direction, contradicted: 0 })
+        Ok(Self { width, height, height_m: vec![0.0; direction.len()], direction, conflicts: 0 })
     }
 }
-
-/// Pictures beyond this many bytes are not decoded.
-const LARGEST: usize = 1 << 30;
 
 fn write_png(
     width: usize,
@@ -203,6 +213,10 @@ fn write_png(
 mod tests {
     use super::*;
 
+    fn at(direction: Vec3, height_m: f64) -> Option<TexelSample> {
+        Some(TexelSample { direction, height_m })
+    }
+
     fn tilted() -> Vec3 {
         Vec3::new(0.3, -0.2, 1.0).normalize()
     }
@@ -212,14 +226,14 @@ mod tests {
         let mut texels = Texels::new(16);
         let square = [[0.25, 0.25], [0.75, 0.25], [0.75, 0.75], [0.25, 0.75]].map(Vec2::from);
         let half = |texels: &mut Texels, k: [usize; 3], d: Vec3| {
-            texels.fill(k.map(|k| square[k]), &|_| Some((d, 1e-3)));
+            texels.fill(k.map(|k| square[k]), &|_| at(d, 1e-3));
         };
         half(&mut texels, [0, 1, 2], tilted());
         half(&mut texels, [0, 2, 3], tilted());
-        assert_eq!(texels.filled(), 64);
-        assert_eq!(texels.contradicted, 0);
+        assert_eq!(texels.filled_count(), 64);
+        assert_eq!(texels.conflicts, 0);
         half(&mut texels, [0, 1, 2], -tilted());
-        assert!(texels.contradicted >= 28, "{}", texels.contradicted);
+        assert!(texels.conflicts >= 28, "{}", texels.conflicts);
         texels.pad(2);
         assert_eq!(texels.direction[16 * 2 + 2], tilted());
         assert_eq!(texels.direction[0], Vec3::z());
@@ -230,26 +244,26 @@ mod tests {
     #[test]
     fn coordinates_beyond_one_repeat_and_damage_is_left_out() {
         let mut texels = Texels::new(8);
-        texels.fill([[1.0, 0.0], [2.0, 0.0], [1.0, 1.0]].map(Vec2::from), &|_| Some((tilted(), 0.0)));
-        assert!(texels.filled() >= 28);
-        let before = texels.filled();
+        texels.fill([[1.0, 0.0], [2.0, 0.0], [1.0, 1.0]].map(Vec2::from), &|_| at(tilted(), 0.0));
+        assert!(texels.filled_count() >= 28);
+        let before = texels.filled_count();
         for bad in [f64::NAN, 1e30, 50.0] {
-            texels.fill([[bad, 0.0], [0.0, 0.0], [0.0, bad]].map(Vec2::from), &|_| Some((tilted(), 0.0)));
+            texels.fill([[bad, 0.0], [0.0, 0.0], [0.0, bad]].map(Vec2::from), &|_| at(tilted(), 0.0));
         }
-        assert_eq!(texels.filled(), before);
+        assert_eq!(texels.filled_count(), before);
     }
 
     #[test]
     fn a_png_reads_back_to_sixteen_bits() {
         let mut texels = Texels::new(4);
         texels.fill([[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]].map(Vec2::from), &|s| {
-            Some((Vec3::new(0.4 * s[1], 0.4 * s[2], 1.0).normalize(), s[0]))
+            at(Vec3::new(0.4 * s[1], 0.4 * s[2], 1.0).normalize(), s[0])
         });
         let back = Texels::from_png(&texels.to_png().unwrap()).unwrap();
         let worst =
             texels.direction.iter().zip(&back.direction).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
         assert!(worst < 4e-5, "{worst}");
         assert!(Texels::from_png(b"\x89PNG broken").is_err());
-        assert!(texels.lift_png().is_ok());
+        assert!(texels.height_png().is_ok());
     }
 }

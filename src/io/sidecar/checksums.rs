@@ -1,35 +1,19 @@
-//! Checksums of a sidecar: whether its numbers are those that were written.
+//! Checksums of a sidecar, which detect numbers that were edited after writing.
 //!
-//! Over numbers and not over text, so that layout, the order of fields and other tools' fields do not matter; mesh and memory
-//! apart, so that a fault says which of them changed. Optional in the file: who edits it on purpose leaves them out.
-//! A protection against accidents, not against anybody.
+//! Computed over numbers and not over text, so that layout, the order of fields and other tools' fields do not matter;
+//! mesh and memory separately, so that an error names the one that changed. Optional in the file: a tool that edits it on
+//! purpose leaves them out. They protect against accidents, not against tampering.
 
 use crate::Diagnostic;
-use crate::io::Sidecar;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value};
+use crate::io::sidecar::format::{Sidecar, SidecarChecksums};
+use serde_json::Map;
 use sha2::{Digest, Sha256};
 
-/// SHA-256 over numbers, lower-case hex. Each list goes in as its length (64 bits), then its numbers row by row: indices in
-/// 32 bits, all others as 64-bit floats, little-endian. So spaces and the order of fields do not matter.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-pub struct SidecarChecksums {
-    /// Over `mesh.points_m`, `mesh.triangles`.
-    pub mesh_sha256: String,
-    /// Over `hinges.points`, `.source_angle_rad`, `.rest_angle_rad`, `.stiffness_ratio`, `triangles.rest_stretch_warp`,
-    /// `.rest_stretch_weft`, `points.displacement_m`.
-    pub memory_sha256: String,
-    /// Fields this version does not know.
-    #[serde(flatten)]
-    pub extra: Map<String, Value>,
-}
-
-/// Cure for numbers that are not those that were written.
-const EDITED: &str = "bring the file back, or, if the change is meant, delete \"checksums\" from it";
+/// Help for numbers that are not those that were written.
+const EDITED_HELP: &str = "bring the file back, or, if the change is meant, delete \"checksums\" from it";
 
 impl Sidecar {
-    /// The checksums of the numbers as they are now.
+    /// Computes the checksums of the present numbers.
     pub fn compute_checksums(&self) -> SidecarChecksums {
         let (hinges, triangles) = (&self.hinges, &self.triangles);
         let mut mesh = ListHash::default();
@@ -50,8 +34,8 @@ impl Sidecar {
         SidecarChecksums { mesh_sha256: mesh.hex(), memory_sha256: memory.hex(), extra: Map::new() }
     }
 
-    /// What the stated checksums, if there are any, say against the numbers.
-    pub(super) fn checksum_faults(&self, file: &str) -> Vec<Diagnostic> {
+    /// Returns the errors of the stated checksums, if there are any, against the numbers.
+    pub(super) fn checksum_errors(&self, file: &str) -> Vec<Diagnostic> {
         let Some(stated) = &self.checksums else { return Vec::new() };
         let own = self.compute_checksums();
         [
@@ -61,8 +45,8 @@ impl Sidecar {
         .into_iter()
         .filter(|(_, stated, own)| stated != own)
         .map(|(part, _, _)| {
-            let what = format!("does not fit: the {part} is not the one this sidecar was written with");
-            Diagnostic::new(file, format!("checksums.{part}_sha256"), what, EDITED)
+            let message = format!("does not fit: the {part} is not the one this sidecar was written with");
+            Diagnostic::new(file, format!("checksums.{part}_sha256"), message, EDITED_HELP)
         })
         .collect()
     }

@@ -1,0 +1,329 @@
+//! Reads the pieces of a glTF document: every primitive that the scene shows, with placement, joints and names.
+
+use crate::Result;
+use crate::garment::{ImportDiagnostic, Placement, Severity, SourceJoint, SourcePiece};
+use crate::io::error_list::ErrorList;
+use crate::io::gltf::accessor::Accessors;
+use crate::io::gltf::json_cursor::Cursor;
+use crate::io::gltf::names::{DRACO_EXTENSION, INSTANCING_EXTENSION};
+use crate::io::gltf::primitive::{MaskChannel, MeshData, PrimitiveData, read_primitive};
+use crate::io::gltf::scene::Scene;
+use crate::io::gltf::skin::skinned_vertices;
+use crate::io::pieces::{NamedPiece, ReadPieces};
+use crate::io::tuning::TUNING;
+use crate::math::{Mat3, Mat4};
+
+/// Reader of the pieces of one document.
+pub(super) struct PieceReader<'a> {
+    root: Cursor<'a>,
+    accessors: Accessors<'a>,
+    scene: Scene,
+    to_scene: Mat4,
+    mask: Option<MaskChannel>,
+    errors: ErrorList,
+    read: ReadPieces,
+    /// Per mesh: names of the nodes that show it.
+    node_names: Vec<Vec<&'a str>>,
+    /// Vertices and triangles that may still be read.
+    elements_left: usize,
+}
+
+impl<'a> PieceReader<'a> {
+    /// Creates a reader; `errors` are those found so far, `to_scene` is the transform from file units and axes.
+    pub(super) fn new(
+        root: &Cursor<'a>,
+        accessors: Accessors<'a>,
+        scene: Scene,
+        to_scene: Mat4,
+        errors: ErrorList,
+    ) -> Self {
+        Self {
+            elements_left: accessors.byte_count().max(TUNING.min_element_budget),
+            node_names: vec![Vec::new(); root.length("meshes")],
+            accessors,
+            root: root.clone(),
+            scene,
+            to_scene,
+            mask: None,
+            errors,
+            read: ReadPieces { pieces: Vec::new(), document: None, diagnostics: Vec::new() },
+        }
+    }
+
+    /// Reads all pieces, with the memory mask of an attribute if one is given. Fails with all errors of the file.
+    pub(super) fn read(mut self, mask: Option<MaskChannel>) -> Result<ReadPieces> {
+        self.mask = mask;
+        self.read_scene();
+        self.check_mask();
+        self.errors.finish()?;
+        Ok(self.read)
+    }
+
+    fn read_scene(&mut self) {
+        let nodes = self.root.entries("nodes");
+        // All meshes are read from a file whose scene shows none.
+        let any_shown =
+            nodes.iter().zip(&self.scene.shown).any(|(node, shown)| *shown && node.member("mesh").exists());
+        let mut first_node: Vec<Option<usize>> = vec![None; self.root.length("meshes")];
+        for (number, node) in nodes.iter().enumerate() {
+            let Some(Some(mesh)) = self.errors.take(node.index("mesh")) else { continue };
+            let Some(first) = first_node.get_mut(mesh) else {
+                self.errors.push(
+                    node.path(),
+                    format!("meshes[{mesh}] is not in the file"),
+                    "export it again",
+                );
+                continue;
+            };
+            if any_shown && !self.scene.shown.get(number).copied().unwrap_or(false) {
+                self.note(node.path(), "its mesh is not in the default scene: not read");
+                continue;
+            }
+            if let (Some(names), Some(name)) = (self.node_names.get_mut(mesh), node.text("name")) {
+                names.push(name);
+            }
+            match first {
+                Some(first) => {
+                    let message =
+                        format!("meshes[{mesh}] is also shown by nodes[{first}], and worn through that one");
+                    self.note(node.path(), message);
+                }
+                None => *first = Some(number),
+            }
+        }
+        let mut shown: Vec<(Option<usize>, usize)> =
+            first_node.iter().enumerate().filter_map(|(mesh, node)| Some((Some((*node)?), mesh))).collect();
+        shown.sort_unstable();
+        if nodes.is_empty() {
+            shown = (0..first_node.len()).map(|mesh| (None, mesh)).collect();
+        }
+        for (node, mesh) in shown {
+            self.read_mesh(node, mesh);
+        }
+    }
+
+    fn read_mesh(&mut self, node: Option<usize>, mesh: usize) {
+        let cursor = self.root.entry("meshes", mesh);
+        let node_cursor = node.map(|node| self.root.entry("nodes", node));
+        if node_cursor
+            .as_ref()
+            .is_some_and(|node| node.member("extensions").member(INSTANCING_EXTENSION).exists())
+        {
+            self.note(cursor.path(), "it is drawn many times (EXT_mesh_gpu_instancing): worn once");
+        }
+        let weighted = node_cursor.as_ref().filter(|node| node.member("weights").exists()).unwrap_or(&cursor);
+        if weighted.any_nonzero("weights") {
+            let location = weighted.path().to_owned();
+            self.note(
+                location,
+                "morph targets are on by default: the base shape is worn, the targets are kept",
+            );
+        }
+        for number in 0..cursor.length("primitives") {
+            let primitive = cursor.entry("primitives", number);
+            let result = self.read_piece(node, mesh, number, &primitive);
+            if let Some(Some(piece)) = self.errors.take(result) {
+                self.read.pieces.push(piece);
+            }
+        }
+    }
+
+    fn read_piece(
+        &mut self,
+        node: Option<usize>,
+        mesh: usize,
+        number: usize,
+        primitive: &Cursor<'a>,
+    ) -> Result<Option<NamedPiece>> {
+        if self.elements_left == 0 {
+            return Err(primitive.error("the file draws more than its data can hold"));
+        }
+        self.check_draco(primitive)?;
+        let data = match read_primitive(&self.accessors, primitive, self.mask.as_ref())? {
+            PrimitiveData::Mesh(data) => data,
+            PrimitiveData::Skipped(message) => {
+                self.note(primitive.path(), format!("{message}: skipped"));
+                return Ok(None);
+            }
+        };
+        self.elements_left = self.elements_left.saturating_sub(data.positions.len() + data.triangles.len());
+        self.note_repairs(primitive, &data);
+        let (placement, joints) = self.placement(node, primitive, &data)?;
+        let names = self.names(node, mesh, primitive);
+        let material =
+            primitive.index("material")?.and_then(|m| self.root.entry("materials", m).text("name"));
+        let piece = SourcePiece {
+            name: names.first().cloned().unwrap_or_default(),
+            material: material.map(str::to_owned),
+            mesh,
+            primitive: number,
+            node,
+            positions: data.positions,
+            normals: data.normals,
+            uvs: data.uvs,
+            mask: data.mask,
+            triangles: data.triangles,
+            placement,
+            joints,
+            worn: true,
+        };
+        Ok(Some(NamedPiece { piece, names }))
+    }
+
+    /// Rejects a Draco primitive without plain data: its accessors would read as zeros.
+    fn check_draco(&self, primitive: &Cursor) -> Result<()> {
+        if !primitive.member("extensions").member(DRACO_EXTENSION).exists() {
+            return Ok(());
+        }
+        let position = primitive.member("attributes").index("POSITION")?;
+        let has_plain_data =
+            position.is_some_and(|index| self.root.entry("accessors", index).member("bufferView").exists());
+        if has_plain_data {
+            Ok(())
+        } else {
+            Err(primitive
+                .error(format!("its data is compressed with {DRACO_EXTENSION}, which cannot be decoded")))
+        }
+    }
+
+    /// Returns the placement of a piece, and the joints that move it.
+    fn placement(
+        &mut self,
+        node: Option<usize>,
+        primitive: &Cursor,
+        data: &MeshData,
+    ) -> Result<(Placement, Vec<SourceJoint>)> {
+        let Some(node) = node else { return Ok((Placement::Rigid(self.to_scene), Vec::new())) };
+        let cursor = self.root.entry("nodes", node);
+        if let Some(skin) = cursor.index("skin")? {
+            let count = data.positions.len();
+            let skinned = skinned_vertices(&self.root, &self.accessors, &self.scene, primitive, skin, count)?;
+            if skinned.normalised_count > 0 {
+                let message = format!(
+                    "the skin weights of {} of {count} vertices do not sum to 1: divided by their sum",
+                    skinned.normalised_count
+                );
+                self.note(primitive.path(), message);
+            }
+            let transforms: Vec<Mat4> = skinned.transforms.iter().map(|m| self.to_scene * m).collect();
+            if let Some(vertex) = transforms.iter().position(is_degenerate) {
+                return Err(primitive.error(format!("its skin flattens vertex {vertex}")));
+            }
+            let name =
+                |node: usize| self.root.entry("nodes", node).text("name").unwrap_or_default().to_owned();
+            let above = |node: usize| {
+                let ancestors = std::iter::successors(self.scene.parents[node], |up| self.scene.parents[*up]);
+                ancestors.into_iter().find(|up| skinned.joints.contains(up))
+            };
+            let joint = |&node: &usize| {
+                let world = self.to_scene * self.scene.worlds[node];
+                let axis = |k: usize| {
+                    let along = world.column(k).xyz().try_normalize(f64::MIN_POSITIVE);
+                    along.unwrap_or_else(|| Mat3::identity().column(k).into())
+                };
+                SourceJoint {
+                    name: name(node),
+                    position: world.column(3).xyz(),
+                    axes: Mat3::from_columns(&[axis(0), axis(1), axis(2)]),
+                    parent: above(node).map(name),
+                }
+            };
+            // Their nodes are in the file, as the vertices have been transformed by them.
+            let joints = skinned.joints.iter().map(joint).collect();
+            return Ok((Placement::Skinned(transforms), joints));
+        }
+        let transform = self.to_scene * self.scene.worlds.get(node).copied().unwrap_or_else(Mat4::identity);
+        if is_degenerate(&transform) {
+            return Err(cursor.error("its transform, with those above it, flattens the mesh"));
+        }
+        Ok((Placement::Rigid(transform), Vec::new()))
+    }
+
+    /// Returns the names of the nodes that show the mesh, of their ancestors, of the mesh and of the material; the most
+    /// specific first.
+    fn names(&self, node: Option<usize>, mesh: usize, primitive: &Cursor) -> Vec<String> {
+        let mut names: Vec<String> = Vec::new();
+        let mut add = |name: Option<&str>| {
+            if let Some(name) =
+                name.filter(|name| !name.is_empty() && !names.iter().any(|known| known == name))
+            {
+                names.push(name.to_owned());
+            }
+        };
+        add(node.and_then(|node| self.root.entry("nodes", node).text("name")));
+        add(self.root.entry("meshes", mesh).text("name"));
+        for name in self.node_names.get(mesh).into_iter().flatten() {
+            add(Some(name));
+        }
+        let material = primitive.index("material").ok().flatten();
+        add(material.and_then(|material| self.root.entry("materials", material).text("name")));
+        let mut above = node.and_then(|node| self.scene.parents.get(node).copied().flatten());
+        while let Some(parent) = above {
+            add(self.root.entry("nodes", parent).text("name"));
+            above = self.scene.parents.get(parent).copied().flatten();
+        }
+        add(Some(&format!("mesh {mesh}")));
+        names
+    }
+
+    fn note_repairs(&mut self, primitive: &Cursor, data: &MeshData) {
+        if data.leftover_corners > 0 {
+            let message = format!("{} corners beyond the last whole triangle dropped", data.leftover_corners);
+            self.add_diagnostic(Severity::Repaired, primitive.path(), message);
+        }
+        if data.replaced_count > 0 {
+            let message = format!(
+                "{} normals or texture coordinates that are not numbers replaced",
+                data.replaced_count
+            );
+            self.add_diagnostic(Severity::Repaired, primitive.path(), message);
+        }
+    }
+
+    fn check_mask(&mut self) {
+        let Some(mask) = &self.mask else { return };
+        if !self.errors.is_empty() || self.read.pieces.iter().any(|named| named.piece.mask.is_some()) {
+            return;
+        }
+        let mut known: Vec<&str> = Vec::new();
+        for mesh in self.root.entries("meshes") {
+            for primitive in mesh.entries("primitives") {
+                for key in primitive.member("attributes").keys() {
+                    if !known.contains(&key) && known.len() < TUNING.max_listed_names {
+                        known.push(key);
+                    }
+                }
+            }
+        }
+        let message = format!("no vertex attribute called \"{}\"", mask.attribute);
+        self.errors.push("", message, format!("--mask takes one of: {}", known.join(", ")));
+    }
+
+    fn note(&mut self, location: impl Into<String>, message: impl Into<String>) {
+        self.add_diagnostic(Severity::Note, location, message);
+    }
+
+    fn add_diagnostic(
+        &mut self,
+        severity: Severity,
+        location: impl Into<String>,
+        message: impl Into<String>,
+    ) {
+        self.read.diagnostics.push(ImportDiagnostic {
+            severity,
+            location: location.into(),
+            message: message.into(),
+        });
+    }
+}
+
+/// Returns whether a transform has no inverse, so that wrinkles could not be transformed back to the file. Relative to
+/// its size, as units scale all entries.
+fn is_degenerate(transform: &Mat4) -> bool {
+    let linear = transform.fixed_view::<3, 3>(0, 0).into_owned();
+    let size = linear.norm();
+    let volume = linear.determinant().abs();
+    // A transform that is not finite counts as degenerate.
+    let is_invertible = volume > TUNING.min_volume_fraction * size * size * size;
+    !is_invertible
+}

@@ -1,0 +1,157 @@
+//! Conversions between a sidecar and the garment, its worn result and its source asset.
+
+use crate::Result;
+use crate::garment::{Garment, RestState, SourceAsset, SourceJoint, UpAxis, WornGarment, corner_vertices};
+use crate::io::sidecar::format::{
+    SIDECAR_FORMAT, Sidecar, SidecarHinges, SidecarJoint, SidecarMesh, SidecarPoints, SidecarSource,
+    SidecarTriangles, SidecarUp,
+};
+use crate::io::tuning::TUNING;
+use crate::math::{Mat3, Vec2, Vec3, bounds};
+use crate::mesh::PointIndex;
+use serde_json::{Map, Value};
+
+impl Sidecar {
+    /// Creates the sidecar of `worn`, the result of wearing `garment`, which was built from `asset`. `fabric`, `wear` and
+    /// `run` are stored as they are. Fails if the parts do not belong together or a number is not finite.
+    pub fn new(
+        asset: &SourceAsset,
+        garment: &Garment,
+        worn: &WornGarment,
+        fabric: Value,
+        wear: Value,
+        run: Value,
+    ) -> Result<Self> {
+        let memory = &worn.memory;
+        let mut sidecar = Self {
+            format: SIDECAR_FORMAT.to_owned(),
+            source: SidecarSource {
+                file: asset.file.clone(),
+                sha256: asset.sha256.clone(),
+                unit_m: asset.unit_m,
+                up: match asset.up {
+                    UpAxis::Y => SidecarUp::Y,
+                    UpAxis::Z => SidecarUp::Z,
+                },
+                extra: Map::new(),
+            },
+            mesh: SidecarMesh {
+                points_m: garment.points.iter().map(|&p| p.into()).collect(),
+                triangles: garment.triangles.iter().map(|t| t.map(|p| p.0)).collect(),
+                source_point: garment.source_point.iter().map(|p| p.0).collect(),
+                source_uv: source_uv(asset),
+                triangle_vertices: corner_vertices(asset, garment),
+                joints: source_joints(asset),
+                extra: Map::new(),
+            },
+            hinges: SidecarHinges {
+                points: garment.topology.hinges.iter().map(|h| h.points.map(|p| p.0)).collect(),
+                source_angle_rad: memory.source_angle.clone(),
+                rest_angle_rad: memory.rest_angle.clone(),
+                stiffness_ratio: memory.stiffness_ratio.clone(),
+                extra: Map::new(),
+            },
+            triangles: SidecarTriangles {
+                rest_stretch_warp: memory.rest_stretch_warp.clone(),
+                rest_stretch_weft: memory.rest_stretch_weft.clone(),
+                warp_angle_rad: Some(garment.material.iter().map(warp_angle).collect()),
+                confidence: None,
+                extra: Map::new(),
+            },
+            points: SidecarPoints {
+                displacement_m: worn.displacement.iter().map(|&d| d.into()).collect(),
+                extra: Map::new(),
+            },
+            checksums: None,
+            fabric,
+            wear,
+            run,
+            extra: Map::new(),
+        };
+        sidecar.checksums = Some(sidecar.compute_checksums());
+        sidecar.validate(&asset.file)?;
+        Ok(sidecar)
+    }
+
+    /// Returns the points of the mesh in metres, y up.
+    pub fn mesh_points(&self) -> Vec<Vec3> {
+        self.mesh.points_m.iter().map(|&p| p.into()).collect()
+    }
+
+    /// Returns the triangles of the mesh.
+    pub fn mesh_triangles(&self) -> Vec<[PointIndex; 3]> {
+        self.mesh.triangles.iter().map(|t| t.map(PointIndex)).collect()
+    }
+
+    /// Returns the joints that move the garment.
+    pub fn joints(&self) -> Vec<SourceJoint> {
+        let joint = |j: &SidecarJoint| SourceJoint {
+            name: j.name.clone(),
+            position: j.position_m.into(),
+            axes: Mat3::from_columns(&j.axes.map(Vec3::from)),
+            parent: j.parent.clone(),
+        };
+        self.mesh.joints.iter().flatten().map(joint).collect()
+    }
+
+    /// Returns displacement and memory, with entries as in the lists of this sidecar.
+    pub fn worn(&self) -> WornGarment {
+        WornGarment {
+            displacement: self.points.displacement_m.iter().map(|&d| d.into()).collect(),
+            memory: RestState {
+                source_angle: self.hinges.source_angle_rad.clone(),
+                rest_angle: self.hinges.rest_angle_rad.clone(),
+                stiffness_ratio: self.hinges.stiffness_ratio.clone(),
+                rest_stretch_warp: self.triangles.rest_stretch_warp.clone(),
+                rest_stretch_weft: self.triangles.rest_stretch_weft.clone(),
+            },
+        }
+    }
+
+    /// Returns the reason why this is not the sidecar of `asset`, if it is not: other worn vertices, or other positions.
+    pub fn mesh_mismatch(&self, asset: &SourceAsset) -> Option<String> {
+        let count: usize = asset.worn_pieces().map(|piece| piece.positions.len()).sum();
+        let listed = self.mesh.source_point.len();
+        if count != listed {
+            return Some(format!("is for a mesh of {listed} vertices, this one has {count}"));
+        }
+        let points = self.mesh_points();
+        let (low, high) = bounds(&points);
+        let tolerance = TUNING.vertex_position_tol * (high - low).norm();
+        let vertices = asset.worn_pieces().flat_map(|p| (0..p.positions.len()).map(|v| p.scene_position(v)));
+        let off = vertices.zip(&self.mesh.source_point).position(|(x, &point)| {
+            // The points of a validated sidecar exist.
+            x.zip(points.get(point as usize)).is_none_or(|(x, own)| (x - own).norm() > tolerance)
+        });
+        off.map(|v| format!("is for another mesh: vertex {v} is elsewhere"))
+    }
+}
+
+/// Returns the texture coordinates of all worn vertices in file order, if every worn piece has them.
+fn source_uv(asset: &SourceAsset) -> Option<Vec<[f64; 2]>> {
+    let mut all = Vec::new();
+    for piece in asset.pieces.iter().filter(|piece| piece.worn) {
+        all.extend(piece.uvs.as_ref()?.iter().map(|uv| [uv.x, uv.y]));
+    }
+    Some(all)
+}
+
+/// Returns the joints of the worn pieces, if there are any.
+fn source_joints(asset: &SourceAsset) -> Option<Vec<SidecarJoint>> {
+    let axis = |axes: &Mat3, k: usize| axes.column(k).into_owned().into();
+    let joint = |joint: SourceJoint| SidecarJoint {
+        name: joint.name,
+        position_m: joint.position.into(),
+        axes: [0, 1, 2].map(|k| axis(&joint.axes, k)),
+        parent: joint.parent,
+        extra: Map::new(),
+    };
+    let all: Vec<SidecarJoint> = asset.worn_joints().into_iter().map(joint).collect();
+    (!all.is_empty()).then_some(all)
+}
+
+/// Returns the angle of the first side of a flattened triangle, warp along x [rad].
+fn warp_angle(flat: &[Vec2; 3]) -> f64 {
+    let side = flat[1] - flat[0];
+    side.y.atan2(side.x)
+}

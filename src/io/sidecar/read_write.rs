@@ -1,0 +1,53 @@
+//! Sidecars as JSON text.
+
+use crate::io::sidecar::format::{SIDECAR_FORMAT, Sidecar};
+use crate::io::sidecar::validate::{REWRITE_HELP, wrong_format};
+use crate::{Error, Result};
+use serde::Deserialize;
+
+/// Writes a sidecar as JSON text, one line, read back bit for bit by [`read_sidecar`].
+pub fn write_sidecar(sidecar: &Sidecar) -> Vec<u8> {
+    // Plain lists and maps with text keys always serialise, and writing to memory cannot fail.
+    let mut text = serde_json::to_vec(sidecar).unwrap_or_default();
+    text.push(b'\n');
+    text
+}
+
+/// Reads and validates a sidecar from JSON text; `file` names it in diagnostics.
+///
+/// ```
+/// let error = crease::read_sidecar("x.crease.json", b"{}").unwrap_err().to_string();
+/// assert!(error.starts_with("x.crease.json"), "{error}");
+/// ```
+pub fn read_sidecar(file: &str, bytes: &[u8]) -> Result<Sidecar> {
+    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
+    let mut reader = serde_json::Deserializer::from_slice(bytes);
+    let sidecar: Sidecar = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
+        // Another version, or another kind of file, is the better explanation of a missing field.
+        stated_format(bytes).filter(|format| format != SIDECAR_FORMAT).map_or_else(
+            || unreadable(file, &error.path().to_string(), error.inner()),
+            |format| Error::Input(vec![wrong_format(file, &format)]),
+        )
+    })?;
+    reader.end().map_err(|error| unreadable(file, "", &error))?;
+    sidecar.validate(file)?;
+    Ok(sidecar)
+}
+
+/// Returns the `format` that a JSON text states, if it is an object that states one.
+fn stated_format(bytes: &[u8]) -> Option<String> {
+    #[derive(Deserialize)]
+    struct Stated {
+        format: String,
+    }
+    serde_json::from_slice::<Stated>(bytes).ok().map(|stated| stated.format)
+}
+
+fn unreadable(file: &str, path: &str, error: &serde_json::Error) -> Error {
+    // serde_json ends its message with line and column; they belong to the location.
+    let message = error.to_string();
+    let message = message.rsplit_once(" at line ").map_or(message.as_str(), |(message, _)| message);
+    let position = format!("line {}, column {}", error.line(), error.column());
+    let location = if path.is_empty() || path == "." { position } else { format!("{position}, {path}") };
+    Error::input(file, location, message, REWRITE_HELP)
+}

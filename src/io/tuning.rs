@@ -1,0 +1,87 @@
+//! Tuning constants of reading and writing files.
+
+use std::ops::RangeInclusive;
+
+/// Limits and tolerances of the folder.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct IoTuning {
+    /// Longest side of a garment's bounding box \[m\] that is plausible without a stated unit: from a sock to a wedding
+    /// train.
+    pub(crate) garment_side_m: RangeInclusive<f64>,
+    /// Metres per file unit that can be stated: from a micrometre to a thousand kilometres.
+    pub(crate) unit_m: RangeInclusive<f64>,
+    /// Largest coordinate in the scene \[m\]: larger ones are damage, and their products would overflow.
+    pub(crate) max_coordinate_m: f64,
+    /// Largest coordinate of an OBJ file \[file units\].
+    pub(crate) max_obj_coordinate: f64,
+    /// Corners of a face; no drawn face has more, and the limit of the polygon clipper is higher.
+    pub(crate) max_face_corners: usize,
+    /// Unknown keywords of an OBJ file reported one by one; a binary file taken for text has a new one on every line.
+    pub(crate) max_skipped_keywords: usize,
+    /// Area of a triangle relative to its quad's below which a diagonal counts as outside the quad \[-\].
+    pub(crate) min_quad_area_fraction: f64,
+    /// Relative difference of length below which both diagonals of a quad are equal \[-\]: rounding must not decide how
+    /// the quads of a regular grid are cut.
+    pub(crate) equal_diagonal_tol: f64,
+    /// Errors of one file reported in full; the rest are counted. A file with a wrong header easily has one per line.
+    pub(crate) max_listed_errors: usize,
+    /// Frames named in one message.
+    pub(crate) max_listed_frames: usize,
+    /// Names of parts listed in a message.
+    pub(crate) max_listed_names: usize,
+    /// Vertices and triangles allowed for a glTF file of any size; larger files may have as many as their buffers have
+    /// bytes. Primitives may refer to the same accessors, and a short file could otherwise ask for the same million
+    /// vertices a million times.
+    pub(crate) min_element_budget: usize,
+    /// Numbers of keys and morph targets allowed for a glTF file of any size; see `min_element_budget`.
+    pub(crate) min_number_budget: usize,
+    /// Rows allowed for an accessor without data, whatever the size of the buffers.
+    pub(crate) max_empty_rows: usize,
+    /// Skin weights whose sum differs from one by more than this are reported \[-\]; quantised ones differ by less.
+    pub(crate) weight_sum_tol: f64,
+    /// A joint moves a piece if one of its vertices has a weight above this for it \[-\].
+    pub(crate) min_joint_weight: f64,
+    /// A transform whose volume is below this fraction of its size cubed flattens space \[-\].
+    pub(crate) min_volume_fraction: f64,
+    /// Landmarks nearer to each other than this are one \[m\].
+    pub(crate) landmark_tol_m: f64,
+    /// Vertices of a sidecar and of its mesh closer than this fraction of the garment's diagonal are equal \[-\]: a hundred
+    /// times the rounding error of single precision, and the distance that welding may move one.
+    pub(crate) vertex_position_tol: f64,
+    /// Passes over all vertices of fitting a rest-angle map; each can only lower the error, and few vertices change after
+    /// the first.
+    pub(crate) max_rest_angle_passes: usize,
+    /// Texels that a detail map is padded beyond its borders: enough to keep eight mip levels apart.
+    pub(crate) padding_texels: usize,
+    /// Two directions of one texel that differ by more than this conflict \[rad\].
+    pub(crate) max_texel_deviation: f64,
+    /// Decoded size of a normal map \[bytes\]; larger ones are not read.
+    pub(crate) max_picture_bytes: usize,
+}
+
+/// Values in use.
+pub(crate) const TUNING: IoTuning = IoTuning {
+    garment_side_m: 0.05..=5.0,
+    unit_m: 1e-6..=1e6,
+    max_coordinate_m: 1e9,
+    max_obj_coordinate: 1e12,
+    max_face_corners: 1_000_000,
+    max_skipped_keywords: 20,
+    min_quad_area_fraction: 1e-6,
+    equal_diagonal_tol: 1e-6,
+    max_listed_errors: 20,
+    max_listed_frames: 5,
+    max_listed_names: 40,
+    min_element_budget: 4_000_000,
+    min_number_budget: 4_000_000,
+    max_empty_rows: 65_536,
+    weight_sum_tol: 0.01,
+    min_joint_weight: 0.01,
+    min_volume_fraction: 1e-9,
+    landmark_tol_m: 1e-5,
+    vertex_position_tol: 2e-5,
+    max_rest_angle_passes: 30,
+    padding_texels: 16,
+    max_texel_deviation: 0.17,
+    max_picture_bytes: 1 << 30,
+};
