@@ -1,397 +1,31 @@
-//! The worn shape in a glTF file, as others will read it: small documents of every awkward kind go in, the output is
-//! read back with the `gltf` crate. What must hold for each: everything the input had is still there, with the same
-//! bytes behind it; the target `worn` is the displacement asked for; every count the specification ties together agrees.
+//! The worn shape in a glTF file as other programs read it: small documents of unusual kinds are worn, and the output is
+//! read back with the `gltf` crate. Conditions for each: the content of the input is kept with the same bytes; the target
+//! `worn` is the displacement asked for; all counts that the specification relates agree.
 //!
-//! Each output is left in `target/tmp/export/`, so that the Khronos validator can be run over all of them.
+//! Each output is kept in `target/tmp/export/`, so that the Khronos validator can be run over all of them.
 
+#[path = "export/checks.rs"]
+mod checks;
+#[path = "export/document.rs"]
+mod document;
 #[path = "reference/external.rs"]
 mod external;
+#[path = "export/wearing.rs"]
+mod wearing;
 
-use crease::garment::{Garment, RestState, SourceAsset, WornGarment};
+use checks::*;
+use crease::garment::{Garment, SourceAsset};
 use crease::io::gltf::{
-    FORMER_REST_ANGLE_ATTRIBUTE, REST_ANGLE_CHANGE_ATTRIBUTE, WORN_TARGET, join_glb, read_worn, split_glb,
-    write_worn_glb,
+    FORMER_REST_ANGLE_ATTRIBUTE, REST_ANGLE_CHANGE_ATTRIBUTE, join_glb, read_worn, split_glb, write_worn_glb,
 };
 use crease::io::{ReadOptions, Sidecar, read_asset, read_sidecar, write_sidecar};
-use crease::math::Rng;
-use crease::mesh::{PointIndex, Topology};
+use document::*;
 use external::external;
-use nalgebra::{Matrix4, Vector2, Vector3};
+use nalgebra::Vector3;
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
-use std::path::PathBuf;
+use wearing::*;
 
-const FLOAT: u32 = 5126;
-const SHORT: u32 = 5122;
-const UNSIGNED_SHORT: u32 = 5123;
-const UNSIGNED_BYTE: u32 = 5121;
-
-// ---- Building documents ----
-
-/// A document under construction: JSON and one buffer.
-struct Document {
-    json: Value,
-    bytes: Vec<u8>,
-}
-
-impl Document {
-    fn new() -> Self {
-        Self {
-            json: json!({
-                "asset": {"version": "2.0", "generator": "somebody else", "extras": {"left": "alone"}},
-                "extensionsUsed": ["ACME_unknown"],
-                "extensions": {"ACME_unknown": {"buffer": 7, "nested": [1.5, null, "x"]}},
-                "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [], "meshes": [],
-                "accessors": [], "bufferViews": [], "buffers": [],
-            }),
-            bytes: Vec::new(),
-        }
-    }
-
-    fn push(&mut self, list: &str, entry: Value) -> usize {
-        if self.json[list].is_null() {
-            self.json[list] = json!([]);
-        }
-        let list = self.json[list].as_array_mut().unwrap();
-        list.push(entry);
-        list.len() - 1
-    }
-
-    fn view(&mut self, bytes: &[u8], stride: Option<usize>) -> usize {
-        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
-        let mut view = json!({"buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len()});
-        if let Some(stride) = stride {
-            view["byteStride"] = json!(stride);
-        }
-        self.bytes.extend_from_slice(bytes);
-        self.push("bufferViews", view)
-    }
-
-    fn floats(&mut self, kind: &str, width: usize, values: &[f32]) -> usize {
-        let view = self.view(&floats(values), None);
-        let count = values.len() / width;
-        self.push(
-            "accessors",
-            json!({"bufferView": view, "componentType": FLOAT, "count": count, "type": kind}),
-        )
-    }
-
-    fn positions(&mut self, rows: &[[f32; 3]]) -> usize {
-        let accessor = self.floats("VEC3", 3, rows.as_flattened());
-        let (low, high) = bounds(rows);
-        self.json["accessors"][accessor]["min"] = json!(low);
-        self.json["accessors"][accessor]["max"] = json!(high);
-        accessor
-    }
-
-    fn indices(&mut self, corners: &[u16]) -> usize {
-        let bytes: Vec<u8> = corners.iter().flat_map(|c| c.to_le_bytes()).collect();
-        let view = self.view(&bytes, None);
-        let count = corners.len();
-        self.push(
-            "accessors",
-            json!({"bufferView": view, "componentType": UNSIGNED_SHORT, "count": count, "type": "SCALAR"}),
-        )
-    }
-
-    /// A quad's primitive with the attributes given and its own indices.
-    fn quad(&mut self, attributes: Value) -> Value {
-        let indices = self.indices(&[0, 1, 2, 2, 1, 3]);
-        json!({"attributes": attributes, "indices": indices})
-    }
-
-    fn glb(mut self) -> Vec<u8> {
-        self.json["buffers"] = json!([{"byteLength": self.bytes.len(), "extras": {"buffer": "extras"}}]);
-        join_glb(&self.json, &self.bytes)
-    }
-}
-
-fn floats(values: &[f32]) -> Vec<u8> {
-    values.iter().flat_map(|x| x.to_le_bytes()).collect()
-}
-
-fn bounds(rows: &[[f32; 3]]) -> ([f32; 3], [f32; 3]) {
-    let fold = |f: fn(f32, f32) -> f32| {
-        rows.iter().skip(1).fold(rows[0], |a, b| std::array::from_fn(|k| f(a[k], b[k])))
-    };
-    (fold(f32::min), fold(f32::max))
-}
-
-/// Corners of a half-metre square, lower edge first.
-const QUAD: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [0.0, 0.5, 0.0], [0.5, 0.5, 0.1]];
-const QUAD_NORMALS: [f32; 12] = [0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0];
-
-// ---- Wearing them ----
-
-fn read(name: &str, bytes: &[u8], garment: Option<&str>) -> SourceAsset {
-    let options =
-        ReadOptions { garment: garment.map(str::to_owned), unit_m: Some(1.0), ..Default::default() };
-    let mut nothing = |uri: &str| panic!("asks for {uri}");
-    read_asset(name, bytes, &options, &mut nothing).unwrap().0
-}
-
-/// A garment of the worn pieces: vertices at the same place are one point.
-fn garment(asset: &SourceAsset) -> Garment {
-    let mut known: BTreeMap<[u64; 3], u32> = BTreeMap::new();
-    let (mut points, mut source_point, mut triangles) = (Vec::new(), Vec::new(), Vec::new());
-    for piece in asset.worn_pieces() {
-        let first = source_point.len();
-        for v in 0..piece.positions.len() {
-            let p = piece.scene_position(v).unwrap();
-            let key = [p.x, p.y, p.z].map(|x| (x + 0.0).to_bits());
-            let point = *known.entry(key).or_insert_with(|| {
-                points.push(p);
-                points.len() as u32 - 1
-            });
-            source_point.push(PointIndex(point));
-        }
-        let welded = piece.triangles.iter().map(|t| t.map(|v| source_point[first + v as usize]));
-        triangles.extend(welded.filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]));
-    }
-    Garment {
-        material: vec![[Vector2::zeros(); 3]; triangles.len()],
-        material_from_uv: false,
-        source_point,
-        memory_mask: vec![1.0; points.len()],
-        triangle_part: vec![0; triangles.len()],
-        topology: Topology::new(points.len(), &triangles),
-        points,
-        triangles,
-    }
-}
-
-/// Some displacement, of some centimetres, and some memory; the same on every machine.
-fn some_wear(garment: &Garment) -> WornGarment {
-    let mut rng = Rng::from_state(1);
-    let mut next = || rng.uniform() - 0.5;
-    let hinges = garment.topology.hinges.len();
-    WornGarment {
-        displacement: garment.points.iter().map(|_| Vector3::new(next(), next(), next()) * 0.1).collect(),
-        memory: RestState {
-            source_angle: (0..hinges).map(|_| next()).collect(),
-            rest_angle: (0..hinges).map(|_| next() * 2.0).collect(),
-            stiffness_ratio: (0..hinges).map(|_| 1.5 + next()).collect(),
-            rest_stretch_warp: vec![1.0; garment.triangles.len()],
-            rest_stretch_weft: vec![1.0; garment.triangles.len()],
-        },
-    }
-}
-
-fn extras() -> Value {
-    json!({"crease": {"sidecar": "OUT.crease.json"}})
-}
-
-/// Wears `bytes`, checks what must hold for every file, leaves the output for the validator, and gives it back.
-fn wear(name: &str, bytes: &[u8], chosen: Option<&str>) -> Vec<u8> {
-    wear_asset(name, &read(name, bytes, chosen))
-}
-
-fn wear_asset(name: &str, asset: &SourceAsset) -> Vec<u8> {
-    wear_garment(name, asset, &garment(asset))
-}
-
-fn wear_garment(name: &str, asset: &SourceAsset, garment: &Garment) -> Vec<u8> {
-    let worn = some_wear(garment);
-    let glb = write_worn_glb(asset, garment, &worn, &extras()).unwrap();
-    leave(name, &glb);
-    let (json, _) = split_glb(&glb).unwrap();
-    if let Some(before) = &asset.document {
-        let (_, binary) = split_glb(&glb).unwrap();
-        assert_kept(&before.json, &json, "");
-        assert_same_bytes(&before.json, &before.buffers, &json, &binary.unwrap());
-    }
-    assert_counts(&json);
-    assert_displaced(asset, garment, &worn, &glb);
-    glb
-}
-
-/// Keeps an output for the validator.
-fn leave(name: &str, glb: &[u8]) {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("export");
-    std::fs::create_dir_all(&folder).unwrap();
-    std::fs::write(folder.join(format!("{name}.glb")), glb).unwrap();
-}
-
-// ---- What must hold ----
-
-/// Everything in `before` is in `after`, except where the worn target must change it.
-fn assert_kept(before: &Value, after: &Value, path: &str) {
-    let changed = ["/byteLength", "/output", "/weights", "/targetNames", "/buffers/0/uri"];
-    let moved =
-        path.starts_with("/bufferViews") && (path.ends_with("/buffer") || path.ends_with("/byteOffset"));
-    if moved || changed.iter().any(|end| path.ends_with(end)) {
-        return;
-    }
-    match (before, after) {
-        (Value::Object(before), Value::Object(after)) => {
-            for (key, value) in before {
-                let path = format!("{path}/{key}");
-                let Some(after) = after.get(key) else {
-                    assert!(path.ends_with("/uri") && path.starts_with("/buffers"), "{path} is gone");
-                    continue;
-                };
-                assert_kept(value, after, &path);
-            }
-        }
-        (Value::Array(before), Value::Array(after)) if path != "/buffers" => {
-            assert!(after.len() >= before.len(), "{path} became shorter");
-            for (i, (before, after)) in before.iter().zip(after).enumerate() {
-                assert_kept(before, after, &format!("{path}/{i}"));
-            }
-        }
-        (Value::Array(before), Value::Array(after)) => assert_kept(&before[0], &after[0], "/buffers/0"),
-        _ => assert_eq!(before, after, "{path} changed"),
-    }
-}
-
-/// Every view of the input has the same bytes behind it.
-fn assert_same_bytes(before: &Value, buffers: &[Vec<u8>], after: &Value, binary: &[u8]) {
-    let slice = |view: &Value, bytes: &[u8]| {
-        let start = view["byteOffset"].as_u64().unwrap_or(0) as usize;
-        bytes[start..start + view["byteLength"].as_u64().unwrap() as usize].to_vec()
-    };
-    let views = before["bufferViews"].as_array().unwrap();
-    for (i, view) in views.iter().enumerate() {
-        let old = slice(view, &buffers[view["buffer"].as_u64().unwrap() as usize]);
-        assert_eq!(after["bufferViews"][i]["buffer"], 0);
-        assert_eq!(old, slice(&after["bufferViews"][i], binary), "bufferViews[{i}]");
-    }
-    assert_eq!(after["buffers"].as_array().unwrap().len(), 1);
-    assert!(after["buffers"][0].get("uri").is_none());
-}
-
-fn length(list: &Value) -> usize {
-    list.as_array().map_or(0, Vec::len)
-}
-
-/// Targets, names and weights of meshes and nodes, and animated weights, all agree.
-fn assert_counts(json: &Value) {
-    let accessor_count =
-        |index: &Value| json["accessors"][index.as_u64().unwrap() as usize]["count"].as_u64().unwrap();
-    for mesh in json["meshes"].as_array().unwrap() {
-        let primitives = mesh["primitives"].as_array().unwrap();
-        let count = length(&primitives[0]["targets"]);
-        for primitive in primitives {
-            assert_eq!(length(&primitive["targets"]), count);
-            let vertices = accessor_count(&primitive["attributes"]["POSITION"]);
-            for target in primitive["targets"].as_array().into_iter().flatten() {
-                target.as_object().unwrap().values().for_each(|a| assert_eq!(accessor_count(a), vertices));
-            }
-        }
-        if mesh["extras"]["crease"].is_object() {
-            assert_eq!(length(&mesh["weights"]), count);
-            assert_eq!(length(&mesh["extras"]["targetNames"]), count);
-            assert_eq!(mesh["extras"]["crease"], extras()["crease"]);
-        }
-    }
-    let target_count = |node: &Value| {
-        let mesh = json["nodes"][node.as_u64().unwrap() as usize]["mesh"].as_u64().unwrap() as usize;
-        length(&json["meshes"][mesh]["primitives"][0]["targets"]) as u64
-    };
-    for (i, node) in json["nodes"].as_array().unwrap().iter().enumerate() {
-        if node["weights"].is_array() {
-            assert_eq!(length(&node["weights"]) as u64, target_count(&json!(i)));
-        }
-    }
-    for animation in json["animations"].as_array().into_iter().flatten() {
-        for channel in animation["channels"].as_array().unwrap() {
-            if channel["target"]["path"] == "weights" {
-                let sampler = &animation["samplers"][channel["sampler"].as_u64().unwrap() as usize];
-                let groups = if sampler["interpolation"] == "CUBICSPLINE" { 3 } else { 1 };
-                let wanted =
-                    accessor_count(&sampler["input"]) * groups * target_count(&channel["target"]["node"]);
-                assert_eq!(accessor_count(&sampler["output"]), wanted);
-            }
-        }
-    }
-}
-
-/// The worn target of every worn vertex, brought into the scene, is its point's displacement.
-fn assert_displaced(asset: &SourceAsset, garment: &Garment, worn: &WornGarment, glb: &[u8]) {
-    // The crate cannot read pointers as animation targets; the meshes do not need them.
-    let (mut json, binary) = split_glb(glb).unwrap();
-    json.as_object_mut().unwrap().remove("animations");
-    let file = gltf::Gltf::from_slice_without_validation(&join_glb(&json, &binary.unwrap())).unwrap();
-    let binary = file.blob.as_deref().unwrap();
-    let mut points = garment.source_point.iter();
-    let mut checked = 0;
-    for piece in asset.worn_pieces() {
-        let mesh = match piece.node {
-            Some(node) => file.nodes().nth(node).unwrap().mesh().unwrap(),
-            None => file.meshes().nth(piece.mesh).unwrap(),
-        };
-        let primitive = mesh.primitives().nth(piece.primitive).unwrap();
-        let index = worn_index(mesh.extras().as_ref().unwrap().get());
-        let reader = primitive.reader(|_| Some(binary));
-        let target = reader.read_morph_targets().nth(index).unwrap();
-        let rows: Vec<[f32; 3]> = target.0.unwrap().collect();
-        assert_eq!(rows.len(), piece.positions.len());
-        for (v, row) in rows.iter().enumerate() {
-            let transform =
-                if asset.document.is_some() { *piece.placement.matrix(v) } else { Matrix4::identity() };
-            let local = Vector3::from(row.map(f64::from));
-            let moved = transform.fixed_view::<3, 3>(0, 0) * local;
-            let wanted = worn.displacement[points.next().unwrap().at()];
-            assert!(
-                (moved - wanted).norm() < 1e-6,
-                "vertex {v} of {}: {moved:?}, not {wanted:?}",
-                piece.name
-            );
-            checked += 1;
-        }
-        assert!(
-            primitive
-                .attributes()
-                .any(|(name, _)| name == gltf::Semantic::Extras("CREASE_REST_ANGLE_CHANGE".into()))
-        );
-        assert!(
-            primitive.attributes().any(|(name, _)| name == gltf::Semantic::Extras("CREASE_STIFFNESS".into()))
-        );
-        assert_normals(&primitive, binary, index);
-    }
-    assert!(checked > 0);
-    assert!(points.next().is_none());
-}
-
-/// Worn normals and tangents, as a viewer adds them up, are unit vectors.
-fn assert_normals(primitive: &gltf::Primitive, binary: &[u8], index: usize) {
-    let reader = primitive.reader(|_| Some(binary));
-    let (_, normals, tangents) = reader.read_morph_targets().nth(index).unwrap();
-    let unit = |base: [f32; 3], delta: [f32; 3]| {
-        let sum = Vector3::from(base) + Vector3::from(delta);
-        assert!((sum.norm() - 1.0).abs() < 1e-3, "{base:?} + {delta:?}");
-    };
-    assert_eq!(primitive.get(&gltf::Semantic::Normals).is_some(), normals.is_some());
-    assert_eq!(primitive.get(&gltf::Semantic::Tangents).is_some(), tangents.is_some());
-    // The crate reads base normals as floats only.
-    let is_float =
-        |semantic| primitive.get(&semantic).is_some_and(|a| a.data_type() == gltf::accessor::DataType::F32);
-    if is_float(gltf::Semantic::Normals) {
-        reader.read_normals().unwrap().zip(normals.unwrap()).for_each(|(n, d)| unit(n, d));
-    }
-    if is_float(gltf::Semantic::Tangents) {
-        reader.read_tangents().unwrap().zip(tangents.unwrap()).for_each(|(t, d)| unit([t[0], t[1], t[2]], d));
-    }
-}
-
-fn worn_index(extras: &str) -> usize {
-    let extras: Value = serde_json::from_str(extras).unwrap();
-    extras["targetNames"].as_array().unwrap().iter().position(|name| name == WORN_TARGET).unwrap()
-}
-
-/// Numbers of a float accessor of an output.
-fn numbers(json: &Value, binary: &[u8], index: &Value) -> Vec<f32> {
-    let accessor = &json["accessors"][index.as_u64().unwrap() as usize];
-    let view = &json["bufferViews"][accessor["bufferView"].as_u64().unwrap() as usize];
-    let start = view["byteOffset"].as_u64().unwrap_or(0) as usize;
-    let count = accessor["count"].as_u64().unwrap() as usize;
-    let bytes = &binary[start..start + count * 4];
-    bytes.chunks_exact(4).map(|b| f32::from_le_bytes(b.try_into().unwrap())).collect()
-}
-
-// ---- The varieties ----
-
-/// Positions and normals in one view, a node that turns and stretches, tangents, texture coordinates, extras anywhere.
+/// Positions and normals in one view, a node that rotates and stretches, tangents, texture coordinates, extras anywhere.
 #[test]
 fn an_interleaved_mesh_under_a_stretched_node() {
     let mut d = Document::new();
@@ -535,9 +169,9 @@ fn existing_targets_and_animated_weights_are_extended() {
     assert_eq!(json.pointer(single), before.pointer(single), "a pointer to one weight still means that one");
 }
 
-/// Draco stores vertices in an order of its own, which the target does not follow; the plain copy was worn.
+/// Draco stores vertices in another order than that of the target; the plain copy was worn.
 #[test]
-fn a_compressed_copy_of_a_worn_primitive_is_let_go() {
+fn a_compressed_copy_of_a_worn_primitive_is_dropped() {
     let mut d = Document::new();
     let position = d.positions(&QUAD);
     let mut primitives = [d.quad(json!({"POSITION": position})), d.quad(json!({"POSITION": position}))];
@@ -560,7 +194,7 @@ fn a_compressed_copy_of_a_worn_primitive_is_let_go() {
     assert!(extensions(1)["KHR_draco_mesh_compression"].is_object(), "not worn, so left alone");
 }
 
-/// Any value of the document replaced by nonsense after reading: an answer or a fault, never a panic.
+/// Any value of the document replaced by another after reading: a result or an error, never a panic.
 #[test]
 fn a_document_with_any_one_value_broken_is_no_panic() {
     let asset = read("broken", &morphed_and_animated().0.glb(), None);
@@ -594,7 +228,7 @@ fn list_paths(value: &Value, path: String, paths: &mut Vec<String>) {
     paths.push(path);
 }
 
-/// Two nodes animated by one sampler, only one of them worn: the other's channel must go on reading two weights a key.
+/// Two nodes animated by one sampler, only one of them worn: the other's channel must still read two weights per key.
 #[test]
 fn a_sampler_shared_with_another_mesh_is_not_extended_under_it() {
     let mut d = Document::new();
@@ -633,7 +267,7 @@ fn a_sampler_shared_with_another_mesh_is_not_extended_under_it() {
     assert_eq!(json["meshes"][1], asset.document.unwrap().json["meshes"][1]);
 }
 
-/// Two primitives share all accessors but the indices; one is worn. The other needs a target too, all zeros.
+/// Two primitives with common accessors except the indices; one is worn. The other needs a target of zeros, too.
 #[test]
 fn a_primitive_that_is_not_worn_gets_zeros() {
     let mut d = Document::new();
@@ -657,7 +291,7 @@ fn a_primitive_that_is_not_worn_gets_zeros() {
     assert!(buttons.attributes().all(|(name, _)| !matches!(name, gltf::Semantic::Extras(_))));
 }
 
-/// A mesh that two nodes show is one shape: both wear it, and both have their weights extended.
+/// A mesh that two nodes show is one shape: both are worn, and both have their weights extended.
 #[test]
 fn a_mesh_that_two_nodes_show_is_worn_by_both() {
     let mut d = Document::new();
@@ -672,7 +306,7 @@ fn a_mesh_that_two_nodes_show_is_worn_by_both() {
     assert_eq!(json["nodes"][1]["weights"], json!([0.5, 1.0]));
 }
 
-/// The same mesh, where the caller holds the second node's use of it as a piece that is not worn.
+/// The same mesh, where the second node has a piece of its own that is not worn.
 #[test]
 fn a_node_with_an_unworn_piece_of_the_same_mesh_keeps_its_shape() {
     let mut d = Document::new();
@@ -765,7 +399,7 @@ fn wear_asset_keeping(name: &str, asset: &SourceAsset) -> Vec<u8> {
     write_worn_glb(asset, &garment, &some_wear(&garment), &extras()).unwrap()
 }
 
-/// Worn twice, a mesh must not show both shapes added up.
+/// A mesh that is worn twice must not show the sum of both shapes.
 #[test]
 fn a_mesh_worn_before_has_its_worn_target_replaced() {
     let mut d = Document::new();
@@ -847,7 +481,7 @@ fn an_obj_becomes_a_document_in_metres() {
 }
 
 #[test]
-fn parts_that_do_not_belong_together_are_refused_all_at_once() {
+fn parts_that_do_not_belong_together_are_rejected_with_all_errors() {
     let asset = read("quad.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", None);
     let mut garment = garment(&asset);
     let mut worn = some_wear(&garment);
@@ -862,7 +496,7 @@ fn parts_that_do_not_belong_together_are_refused_all_at_once() {
     assert!(write_worn_glb(&asset, &garment, &worn, &json!([1])).is_err());
 }
 
-/// Real files of others, where they are at hand.
+/// Foreign files, where they are available.
 #[test]
 fn real_files_come_back_whole_with_a_worn_target() {
     let Some(folder) = external("garments") else { return };

@@ -1,5 +1,5 @@
-//! Reading mesh files through the public interface: files nobody here made, each with a decided outcome; two other
-//! parsers as oracles; damaged bytes.
+//! Reading mesh files through the public interface: foreign files, each with a defined outcome; two other parsers as
+//! oracles; damaged bytes.
 
 #[path = "reference/external.rs"]
 mod external;
@@ -11,7 +11,7 @@ use external::external;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
-/// The collection of foreign garments, where it is at hand.
+/// Returns the collection of foreign garments, where it is available.
 fn collection() -> Option<PathBuf> {
     external("garments")
 }
@@ -37,10 +37,10 @@ fn read(path: &Path, options: &ReadOptions) -> crease::Result<(SourceAsset, Vec<
 }
 
 fn import(path: &Path, options: &ReadOptions) -> crease::Result<(Garment, Inspection)> {
-    let (asset, mut findings) = read(path, options)?;
+    let (asset, mut diagnostics) = read(path, options)?;
     let (garment, more) = Garment::from_asset(&asset)?;
-    findings.extend(more);
-    let inspection = inspect(&asset, &garment, &findings);
+    diagnostics.extend(more);
+    let inspection = inspect(&asset, &garment, &diagnostics);
     Ok((garment, inspection))
 }
 
@@ -48,13 +48,13 @@ fn in_unit(unit_m: f64) -> ReadOptions {
     ReadOptions { unit_m: Some(unit_m), ..ReadOptions::default() }
 }
 
-/// What must become of a file.
+/// Expected outcome of a file.
 enum Outcome {
-    /// Vertices, points and triangles in its own unit.
+    /// Accepted, with vertices, points and triangles, in its own unit.
     Imported(usize, usize, usize),
-    /// The same, but only once the unit is given.
+    /// Accepted only if the unit is given.
     Sized(usize, usize, usize),
-    /// A message that contains this.
+    /// Rejected with a message that contains this.
     Refused(&'static str),
 }
 
@@ -133,7 +133,7 @@ fn every_odd_file_has_a_decided_outcome() {
     }
 }
 
-/// The whole tool chain of counts: edges = hinges + openings, and Euler's number of a T-shirt.
+/// Relations of counts: edges = hinges + openings, and the Euler characteristic of a T-shirt.
 #[test]
 fn real_garments_come_in_whole() {
     let Some(root) = collection() else { return };
@@ -229,7 +229,7 @@ fn a_garment_is_chosen_beside_its_body() {
     assert!((centre(&plain) - centre(&skinned)).norm() < 0.05, "{} {}", centre(&plain), centre(&skinned));
 }
 
-/// Every face as obj-rs reads it, against our triangles: the corners of each face, its turn and area.
+/// Every face as obj-rs reads it, against our triangles: the corners of each face, orientation and area.
 #[test]
 fn obj_agrees_with_obj_rs_where_that_can_read() {
     let Some(root) = collection() else { return };
@@ -244,9 +244,9 @@ fn obj_agrees_with_obj_rs_where_that_can_read() {
     let mut compared = 0;
     for path in folders.iter().flat_map(|folder| mesh_files(&root.join(folder))) {
         let bytes = std::fs::read(&path).unwrap();
-        // It panics on some keywords; that is why it is only the oracle.
+        // The oracle panics on some keywords.
         let theirs = std::panic::catch_unwind(|| obj::raw::parse_obj(&bytes[..]).ok()).ok().flatten();
-        // Its groups come and go, so its faces are not in the order of our pieces; body_only.obj is cut out of it.
+        // Its groups alternate, so that its faces are not in the order of the pieces; body_only.obj is a part of it.
         if path.ends_with("base.obj") {
             continue;
         }
@@ -285,7 +285,7 @@ fn compare_faces(name: &str, theirs: &obj::raw::RawObj, ours: &SourceAsset) {
         };
         let cut: Vec<[Vector3<f64>; 3]> = triangles.by_ref().take(corners.len() - 2).collect();
         assert_eq!(cut.len(), corners.len() - 2, "{name}");
-        // They keep single precision only.
+        // The oracle keeps single precision only.
         let size = corners.iter().map(|p| p.norm()).fold(1e-3, f64::max);
         for corner in cut.iter().flatten() {
             assert!(
@@ -342,7 +342,7 @@ fn gltf_agrees_with_the_gltf_crate_where_that_can_read() {
     assert!(compared >= 5, "only {compared} files could be compared");
 }
 
-/// A small OBJ with most of what the format has.
+/// A small OBJ with most features of the format.
 const SMALL_OBJ: &str = "\u{feff}mtllib a b.mtl\r\no Cloth\r\nv 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 1 1 0 0 0 1\nv 0 1 .5e0 1 1 1\nv 0.5 1.5 0\n\
 vt 0 0\nvt 1 0\nvt 1 1\nvn 0 0 1\nusemtl red\ng front a\ns 1\nf 1/1/1 2/2/1 \\\n 3/3/1\nf -5//1 -3//1 -2//1\n\
 usemtl blue\nf 1 2 3 5 4 # five\nl 1 2\np 3\nf 4 5\ncurv 0 1 2\n";
@@ -356,7 +356,7 @@ fn small_glb() -> Vec<u8> {
     binary.extend([0, 0, 255, 0, 0, 255, 255, 255]); // 60: 8 bytes of texture coordinates
     binary.extend([0, 1, 0, 0].repeat(4)); // 68: 16 bytes of joints
     binary.extend([128, 127, 0, 0].repeat(4)); // 84: 16 bytes of weights
-    binary.extend([3, 0, 0, 0]); // 100: sparse place
+    binary.extend([3, 0, 0, 0]); // 100: sparse index
     binary.extend(floats(&[1.0, 1.0, 0.25])); // 104: sparse value
     binary.extend(floats(nalgebra::Matrix4::<f32>::identity().as_slice()).repeat(2)); // 116: 128 bytes of matrices
     let document = json!({
@@ -401,16 +401,16 @@ fn small_gltf() -> Vec<u8> {
     text.as_bytes().to_vec()
 }
 
-/// Reads, builds, inspects; only a panic is wrong. Gives whether it was accepted.
+/// Reads, builds, inspects; only a panic is an error. Returns whether the file was accepted.
 fn survive(name: &str, bytes: &[u8]) -> bool {
     let options = ReadOptions { unit_m: Some(1.0), mask: None, ..ReadOptions::default() };
     let read =
         read_asset(name, bytes, &options, &mut |uri| Err(crease::Error::input(uri, "", "not there", "")));
-    let Ok((asset, findings)) = read else { return false };
+    let Ok((asset, diagnostics)) = read else { return false };
     let Ok((garment, _)) = Garment::from_asset(&asset) else { return false };
     assert!(garment.points.iter().all(|p| p.iter().all(|x| x.is_finite())));
     assert!(garment.material.iter().flatten().all(|p| p.x.is_finite() && p.y.is_finite()));
-    assert!(!inspect(&asset, &garment, &findings).to_text().is_empty());
+    assert!(!inspect(&asset, &garment, &diagnostics).to_text().is_empty());
     true
 }
 

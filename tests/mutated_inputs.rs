@@ -1,5 +1,5 @@
-//! Hostile files: cut off and with flipped bits, every reader gives a result or a message, never a panic, never takes
-//! long, never takes much memory.
+//! Damaged files: for truncated files and flipped bits every reader returns a result or an error, without a panic, within
+//! limits of time and memory.
 //!
 //! The seeds that fuzzing starts from are mutated in full, in every run. The real garments of the folder `garments` of
 //! `CREASE_TEST_DATA` are mutated at 4 places and with 8 flips each, and with `CREASE_MUTATE=all` at 64 places and with 256 flips each, as
@@ -16,12 +16,12 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// No input may take longer; our own build for tests is not the fastest.
-const LONGEST: Duration = Duration::from_secs(10);
-/// All inputs together, at the worst moment [KiB].
-const MOST_MEMORY_KIB: u64 = 2 << 20;
+/// Time limit of one input, in a test build.
+const MAX_TIME: Duration = Duration::from_secs(10);
+/// Peak memory of the process [KiB].
+const MAX_MEMORY_KIB: u64 = 2 << 20;
 
-/// A cheap sequence of numbers that only look random (splitmix64).
+/// Pseudo-random numbers (SplitMix64).
 struct SplitMix64(u64);
 
 impl SplitMix64 {
@@ -33,7 +33,7 @@ impl SplitMix64 {
     }
 }
 
-/// `cuts` beginnings of `bytes`, then `flips` copies with one to eight bits flipped.
+/// Returns `cuts` prefixes of `bytes`, then `flips` copies with one to eight bits flipped.
 fn mutations(bytes: &[u8], cuts: usize, flips: usize, seed: u64) -> impl Iterator<Item = Vec<u8>> + '_ {
     let cut = move |k: usize| bytes[..bytes.len() * k / cuts].to_vec();
     let mut rng = SplitMix64(seed);
@@ -66,19 +66,19 @@ impl Tally {
         self.slowest = self.slowest.max(took);
         match outcome {
             Ok(Ok(())) => self.read += 1,
-            // A message must name the place or the cure; an empty one helps nobody.
+            // A message must name the location or the help.
             Ok(Err(error)) if !error.to_string().trim().is_empty() => self.refused += 1,
             Ok(Err(_)) => self.failures.push(format!("{what}: an empty message")),
             Err(_) => self.failures.push(format!("{what}: a panic")),
         }
-        if took > LONGEST {
+        if took > MAX_TIME {
             self.failures.push(format!("{what}: {:.1} s", took.as_secs_f64()));
         }
     }
 
     fn finish(self, what: &str) {
         let Self { read, refused, slowest, failures } = self;
-        let memory = most_memory_kib();
+        let memory = peak_memory_kib();
         println!(
             "{what}: {} inputs, {read} read, {refused} refused, slowest {:.2} s, most memory {} MiB",
             read + refused + failures.len(),
@@ -86,12 +86,12 @@ impl Tally {
             memory.map_or("?".into(), |kib| (kib / 1024).to_string()),
         );
         assert!(failures.is_empty(), "{} failures:\n{}", failures.len(), failures.join("\n"));
-        assert!(memory.is_none_or(|kib| kib < MOST_MEMORY_KIB), "{memory:?} KiB");
+        assert!(memory.is_none_or(|kib| kib < MAX_MEMORY_KIB), "{memory:?} KiB");
     }
 }
 
-/// The most memory this process has had [KiB], where the system says so.
-fn most_memory_kib() -> Option<u64> {
+/// Returns the peak memory of this process [KiB], where the system reports it.
+fn peak_memory_kib() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     line.trim().trim_end_matches(" kB").parse().ok()
@@ -120,7 +120,7 @@ fn mutate_seeds(kind: &str, reader: &dyn Fn(&str, &[u8]) -> Result<()>) {
             tally.feed(&format!("{kind}/{name}, mutation {k}"), || reader(&name, &mutated));
         }
     }
-    // With time to spend: more and more flips of the same seeds, with other numbers.
+    // On request: more flips of the same seeds, with other random numbers.
     let seconds = std::env::var("CREASE_MUTATE_SECONDS").ok().and_then(|text| text.parse().ok());
     let until = Instant::now() + Duration::from_secs(seconds.unwrap_or(0));
     for seed in 1000.. {
@@ -139,7 +139,7 @@ fn mutate_seeds(kind: &str, reader: &dyn Fn(&str, &[u8]) -> Result<()>) {
     tally.finish(kind);
 }
 
-/// What is read when nothing is changed; else the mutations would only test the first line of a reader.
+/// Unchanged seeds are accepted; otherwise the mutations would only test the first checks of a reader.
 #[test]
 fn the_seeds_themselves_are_read() {
     let read = |kind: &str, reader: &dyn Fn(&str, &[u8]) -> Result<()>| {
@@ -193,7 +193,7 @@ fn mutated_landmarks() {
     mutate_seeds("landmarks", &|_, bytes| feed::landmarks(bytes));
 }
 
-/// A count that claims 10^12 must not be believed: nothing is allocated that the file does not hold.
+/// A count of 10^12 is rejected: no memory is allocated beyond the size of the file.
 #[test]
 fn counts_that_lie_are_refused_without_allocating() {
     let gltf = std::fs::read_to_string(&seeds("gltf")[0]).expect("reads");
@@ -215,7 +215,7 @@ fn counts_that_lie_are_refused_without_allocating() {
         let text = format!("v 0 0 0\nv 0.2 0 0\nv 0 0.2 0\n{line}");
         assert!(matches!(feed::lone_mesh("lie.obj", text.as_bytes()), Err(Error::Input(_))), "{line}");
     }
-    assert!(most_memory_kib().is_none_or(|kib| kib < MOST_MEMORY_KIB));
+    assert!(peak_memory_kib().is_none_or(|kib| kib < MAX_MEMORY_KIB));
 }
 
 /// Found by mutation 78 of seed 2099: a buffer that states fewer bytes than it has and its views use was read, and
@@ -230,7 +230,7 @@ fn a_buffer_that_states_too_little_is_written_whole() {
     feed::lone_mesh("short.gltf", document.to_string().as_bytes()).expect("is read, and what is written too");
 }
 
-/// Every file of the shared garments, whatever its kind, and those it refers to.
+/// All files of the shared garments, and those they refer to.
 #[test]
 fn mutated_garments() {
     let Some(folder) = external("garments") else { return };

@@ -1,5 +1,5 @@
-//! What a hostile file is fed to, reader by reader, as the tool would do it: shared by the fuzz targets and by
-//! `tests/mutated_inputs.rs`. A reader may accept or refuse; it may not panic, and what it accepts must be usable.
+//! Runs every reader on a damaged file as the tool does: used by the fuzz targets and by `tests/mutated_inputs.rs`. A
+//! reader may accept or reject; it may not panic, and an accepted file must be usable.
 
 use crease::bake::Checkpoint;
 use crease::fabric::Fabric;
@@ -13,14 +13,13 @@ use crease::wear::WearScript;
 use crease::{Error, Result};
 use serde_json::Value;
 
-/// A mesh file as `crease inspect` and the beginning and end of `crease bake` take it. `resolve` gives the files it
-/// refers to.
+/// Reads a mesh file as `crease inspect` does and writes it as `crease bake` does. `resolve` returns the files it refers to.
 pub fn mesh(name: &str, bytes: &[u8], resolve: &mut dyn FnMut(&str) -> Result<Vec<u8>>) -> Result<()> {
-    // With the unit named, sizes are not questioned and more of the file is looked at.
+    // With a stated unit sizes are not checked and more of the file is read.
     let options = ReadOptions { unit_m: Some(1.0), up: None, garment: None, mask: None };
-    let (asset, findings) = read_asset(name, bytes, &options, resolve)?;
+    let (asset, diagnostics) = read_asset(name, bytes, &options, resolve)?;
     let (garment, more) = Garment::from_asset(&asset)?;
-    let _ = inspect(&asset, &garment, &[findings, more].concat()).to_text();
+    let _ = inspect(&asset, &garment, &[diagnostics, more].concat()).to_text();
     self_intersections(&garment.points, &garment.triangles);
     let worn = WornGarment {
         displacement: vec![Vec3::zeros(); garment.points.len()],
@@ -34,12 +33,12 @@ pub fn mesh(name: &str, bytes: &[u8], resolve: &mut dyn FnMut(&str) -> Result<Ve
     Ok(())
 }
 
-/// A mesh file on its own.
+/// Reads a mesh file without external files.
 pub fn lone_mesh(name: &str, bytes: &[u8]) -> Result<()> {
     mesh(name, bytes, &mut |file| Err(Error::input(file, "", "there is no such file", "")))
 }
 
-/// A wear script.
+/// Reads a wear script.
 pub fn wear(bytes: &[u8]) -> Result<()> {
     let script = WearScript::parse("wear.json", &text(bytes)?)?;
     script.errors_without_body("wear.json");
@@ -47,7 +46,7 @@ pub fn wear(bytes: &[u8]) -> Result<()> {
     Ok(())
 }
 
-/// A fabric.
+/// Reads a fabric.
 pub fn fabric(bytes: &[u8]) -> Result<()> {
     let fabric = Fabric::parse("fabric.json", &text(bytes)?)?;
     let again = Fabric::parse("again.json", &fabric.to_json()).expect("our own fabric is read");
@@ -56,7 +55,7 @@ pub fn fabric(bytes: &[u8]) -> Result<()> {
     Ok(())
 }
 
-/// A sidecar, also as `crease render` takes it.
+/// Reads a sidecar, also as `crease render` does.
 pub fn sidecar(bytes: &[u8]) -> Result<()> {
     let sidecar = read_sidecar("out.crease.json", bytes)?;
     let view = GarmentView::of_sidecar("out.glb", &sidecar);
@@ -66,7 +65,7 @@ pub fn sidecar(bytes: &[u8]) -> Result<()> {
     Ok(())
 }
 
-/// Landmarks, also as `crease transfer` takes them.
+/// Reads landmarks, also as `crease transfer` does.
 pub fn landmarks(bytes: &[u8]) -> Result<()> {
     let landmarks = Landmarks::parse("landmarks.json", &text(bytes)?)?;
     assert!(landmarks.position_pairs().iter().flatten().all(|place| place.iter().all(|x| x.is_finite())));
@@ -75,7 +74,7 @@ pub fn landmarks(bytes: &[u8]) -> Result<()> {
     Ok(())
 }
 
-/// A checkpoint, with and without the hash that shields it.
+/// Reads a checkpoint, with and without its hash.
 pub fn checkpoint(bytes: &[u8]) -> Result<()> {
     let body = text(bytes)?;
     let (garment, script) = small_run();
@@ -90,7 +89,7 @@ pub fn checkpoint(bytes: &[u8]) -> Result<()> {
     whole.map(|_| ())
 }
 
-/// Two triangles and one action.
+/// Returns a checkpoint of two triangles and one action.
 fn small_run() -> (Garment, WearScript) {
     let square = b"v 0 0 0\nv 0.2 0 0\nv 0.2 0.2 0\nv 0 0.2 0\nf 1 2 3\nf 1 3 4\n";
     let options = ReadOptions { unit_m: None, up: None, garment: None, mask: None };
