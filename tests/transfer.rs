@@ -29,7 +29,7 @@ use std::path::Path;
 fn folds_survive_finer_and_coarser_tessellations_and_the_return() {
     // Other tessellations of the same T-shirt, made with `generate_garments -- --tshirt-edge MM`: TWO PATHS, comma between.
     let others = std::env::var("CREASE_TESSELLATIONS").unwrap_or_default();
-    let (first, second) = others.split_once(',').unwrap_or(("tshirt-2k.glb", "tshirt-14k.glb"));
+    let (first, second) = others.split_once(',').unwrap_or(("tshirt-draft.glb", "tshirt.glb"));
     let surfaces = [first, second].map(|name| {
         let (asset, garment) = load(name);
         GarmentSurface::from_garment(&garment, &asset)
@@ -71,7 +71,7 @@ fn folds_survive_finer_and_coarser_tessellations_and_the_return() {
 /// each fold.
 #[test]
 fn memory_of_an_adaptive_mesh_is_prolongated_to_the_garment() {
-    let (_, garment) = load("tshirt-14k.glb");
+    let (_, garment) = load("tshirt.glb");
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("garments/wear/fold-thrice.json");
     let text = std::fs::read_to_string(path).expect("a script of the repository");
     let script = WearScript::parse("fold-thrice.json", &text).expect("is a script");
@@ -114,7 +114,7 @@ fn memory_of_an_adaptive_mesh_is_prolongated_to_the_garment() {
 /// On the same mesh not even the last bit may change; and no memory changes nothing.
 #[test]
 fn the_same_mesh_keeps_every_bit_and_no_memory_changes_nothing() {
-    let (asset, garment) = load("tshirt-2k.glb");
+    let (asset, garment) = load("tshirt-draft.glb");
     let surface = GarmentSurface::from_garment(&garment, &asset);
     let memory = made_memory(&surface);
     let same = carry(&surface, &memory, &surface, MatchBy::Auto);
@@ -141,7 +141,7 @@ fn the_same_mesh_keeps_every_bit_and_no_memory_changes_nothing() {
 
 #[test]
 fn strength_mask_channels_layers_and_mirror_act_as_documented() {
-    let (asset, garment) = load("tshirt-2k.glb");
+    let (asset, garment) = load("tshirt-draft.glb");
     let surface = GarmentSurface::from_garment(&garment, &asset);
     let mut memory = made_memory(&surface);
     memory.stiffness_ratio.iter_mut().for_each(|s| *s = 3.0);

@@ -2,8 +2,8 @@
 //! without and with memory, and with memory the change of rest angles and the curvature.
 //!
 //! ```text
-//! crease bake garments/tshirt-14k.glb --wear garments/wear/fold-thrice.json --memory off -o without.glb
-//! crease bake garments/tshirt-14k.glb --wear garments/wear/fold-thrice.json -o with.glb
+//! crease bake garments/tshirt.glb --wear garments/wear/fold-thrice.json --memory off -o without.glb
+//! crease bake garments/tshirt.glb --wear garments/wear/fold-thrice.json -o with.glb
 //! cargo run --release --example folded_tshirt -- without.crease.json with.crease.json docs/figures/tshirt-figure.png
 //! ```
 

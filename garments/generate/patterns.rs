@@ -24,7 +24,7 @@ pub struct Pattern {
 
 /// All patterns.
 pub fn all() -> Vec<Pattern> {
-    vec![tshirt("tshirt-14k", 0.00831), tshirt("tshirt-2k", 0.0219), handkerchief(), trousers()]
+    vec![tshirt("tshirt", 0.00831), tshirt("tshirt-draft", 0.0219), handkerchief(), trousers()]
 }
 
 /// The T-shirt with the edge length `edge_m` [m].

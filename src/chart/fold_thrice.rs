@@ -25,9 +25,9 @@ pub(super) struct IncludedMesh {
 }
 
 const TSHIRT_2K: IncludedMesh =
-    IncludedMesh { file: "tshirt-2k.glb", bytes: include_bytes!("../../garments/tshirt-2k.glb") };
+    IncludedMesh { file: "tshirt-draft.glb", bytes: include_bytes!("../../garments/tshirt-draft.glb") };
 const TSHIRT_14K: IncludedMesh =
-    IncludedMesh { file: "tshirt-14k.glb", bytes: include_bytes!("../../garments/tshirt-14k.glb") };
+    IncludedMesh { file: "tshirt.glb", bytes: include_bytes!("../../garments/tshirt.glb") };
 const SCRIPT_FILE: &str = "fold-thrice.json";
 const SCRIPT: &str = include_str!("../../garments/wear/fold-thrice.json");
 
@@ -64,12 +64,12 @@ pub(super) struct BakeRun {
 
 impl FoldThrice {
     /// The T-shirt of 2,000 points, in the default fabric.
-    pub(super) fn tshirt_2k() -> Result<Self> {
+    pub(super) fn tshirt_draft() -> Result<Self> {
         Self::of(&TSHIRT_2K)
     }
 
     /// The T-shirt of 13,863 points, in the default fabric.
-    pub(super) fn tshirt_14k() -> Result<Self> {
+    pub(super) fn tshirt() -> Result<Self> {
         Self::of(&TSHIRT_14K)
     }
 

@@ -50,7 +50,7 @@ chart_list! {
     drape "drape" "Cusick drape coefficient over bending length, compared with an independent solver",
     accuracy "accuracy" "cost over error of every integrator; `--full` adds a whole T-shirt (an hour)",
     stability "stability" "failures of every integrator: step size against stiffness, contrast, slivers, layers, speed",
-    plan "plan" "cost and effect of model reduction: tshirt-2k with the plan and at full fidelity (half an hour)",
+    plan "plan" "cost and effect of model reduction: tshirt-draft with the plan and at full fidelity (half an hour)",
     speed "speed" "wall time by stage, compared with kernels of the machine; `--full` adds T-shirts of 14k and 60k points (an hour)",
     recovery "recovery" "crease recovery angles of all presets, compared with published ranges",
 }

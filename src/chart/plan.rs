@@ -45,7 +45,7 @@ impl Variant {
 }
 
 pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
-    let scene = FoldThrice::tshirt_2k()?;
+    let scene = FoldThrice::tshirt_draft()?;
     let mut table = Table::new(&[
         "scene",
         "plan",
@@ -84,7 +84,7 @@ pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
         panel("wall time", "wall time [s]", 0, &variants, |variant| &variant.walls),
         panel("amount of memory", "mean change of rest angle [degrees]", 1, &variants, |variant| &variant.memories),
     ];
-    let title = "Cost and effect of model reduction: tshirt-2k, folded thrice".into();
+    let title = "Cost and effect of model reduction: tshirt-draft, folded thrice".into();
     Ok(Chart { name: "plan", table, figure: Figure { title, panels }, notes })
 }
 

@@ -91,7 +91,7 @@ pub fn baked(name: &str, obj: &str, metres: f64, fabric: &str, actions: &str) ->
 #[allow(dead_code)]
 pub fn t_shirt(wear: &str, points: usize, seed: u64) -> Outcome {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("garments");
-    let mesh = if points <= 5_000 { "tshirt-2k.glb" } else { "tshirt-14k.glb" };
+    let mesh = if points <= 5_000 { "tshirt-draft.glb" } else { "tshirt.glb" };
     let bytes = std::fs::read(folder.join(mesh)).expect("is in the repository");
     let (asset, _) =
         read_asset(mesh, &bytes, &ReadOptions::default(), &mut |_: &str| Ok(Vec::new())).expect("is a mesh");

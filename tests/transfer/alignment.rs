@@ -15,7 +15,7 @@ use std::path::Path;
 /// On garments of another cut folds keep their positions in the box, front on front and back on back.
 #[test]
 fn folds_keep_their_position_on_garments_of_another_cut() {
-    let (asset, garment) = load("tshirt-2k.glb");
+    let (asset, garment) = load("tshirt-draft.glb");
     let surface = GarmentSurface::from_garment(&garment, &asset);
     let Some(folder) = external("garments/diffavatar-tshirt") else { return };
     for name in ["tshirt.obj", "shirt_initial.obj"] {

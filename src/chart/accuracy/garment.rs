@@ -15,7 +15,7 @@ const OVERSTRETCHED: &str = "overstretched";
 
 /// Bakes every setting and compares it with the reference; adds remarks to `notes`.
 pub(super) fn points(notes: &mut Vec<String>) -> Result<Vec<AccuracyPoint>> {
-    let scene = FoldThrice::tshirt_2k()?;
+    let scene = FoldThrice::tshirt_draft()?;
     let reference = scene.run(&reference_options())?;
     notes.push(format!(
         "{FOLD_THRICE}: the reference took {:.0} s, {} steps; rms change of its rest angles {:.2} degrees",

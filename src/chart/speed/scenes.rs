@@ -35,9 +35,9 @@ const BEND: &str = r#"{"format": "crease-wear/1", "actions": [
 /// Runs all scenes; those that are short several times, of which the median counts.
 pub(super) fn costs(options: &ChartOptions) -> Result<Vec<SceneCost>> {
     let mut costs = Vec::new();
-    let mut shirts = vec![FoldThrice::tshirt_2k()?];
+    let mut shirts = vec![FoldThrice::tshirt_draft()?];
     if options.full {
-        let full = FoldThrice::tshirt_14k()?;
+        let full = FoldThrice::tshirt()?;
         let refined = full.refine(REFINED_EDGE);
         shirts.extend([full, refined]);
     }
@@ -143,7 +143,7 @@ mod tests {
 
     #[test]
     fn shirts_have_the_documented_number_of_points() {
-        let [draft, full] = [FoldThrice::tshirt_2k().unwrap(), FoldThrice::tshirt_14k().unwrap()];
+        let [draft, full] = [FoldThrice::tshirt_draft().unwrap(), FoldThrice::tshirt().unwrap()];
         let refined = full.refine(REFINED_EDGE);
         for (shirt, points) in [(draft, 2_000.0), (full, 14_000.0), (refined, 60_000.0)] {
             let ratio = shirt.points() as f64 / points;
