@@ -1,8 +1,8 @@
 //! Integrators compared with independent results: orders of convergence, swinging strips, and failures.
 //!
-//! Scenes are those of `crease chart accuracy` and `stability` (`chart::scenes`); references of other origin are given with
-//! each test, whole tables are read from the folder `reference` of `CREASE_TEST_DATA` where that is set. Every test prints its
-//! result; `docs/validation/accuracy.md` lists them.
+//! Scenes are those of `crease chart accuracy` and `stability` (`chart::scenes`); references of other origin are
+//! given with each test, whole tables are read from the folder `reference` of `CREASE_TEST_DATA` where that is set.
+//! Every test prints its result; `docs/validation/accuracy.md` lists them.
 //!
 //! ```text
 //! cargo test --test methods NAME -- --nocapture

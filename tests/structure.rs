@@ -22,8 +22,8 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Files below `folder` (relative to the root) whose names end in one of `endings`, sorted; paths relative to the root.
-/// Leaves out build outputs and what begins with a dot.
+/// Files below `folder` (relative to the root) whose names end in one of `endings`, sorted; paths relative to the
+/// root. Leaves out build outputs and what begins with a dot.
 fn files_below(folder: &str, endings: &[&str]) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut folders = vec![PathBuf::from(folder)];

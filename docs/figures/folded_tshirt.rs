@@ -1,5 +1,5 @@
-//! Figure of a T-shirt folded three times and unfolded, as in Kim, Oh, Wohn, "Persistent Wrinkles and Folds of Clothes":
-//! without and with memory, and with memory the change of rest angles and the curvature.
+//! Figure of a T-shirt folded three times and unfolded, as in Kim, Oh, Wohn, "Persistent Wrinkles and Folds of
+//! Clothes": without and with memory, and with memory the change of rest angles and the curvature.
 //!
 //! ```text
 //! crease bake garments/tshirt.glb --wear garments/wear/fold-thrice.json --memory off -o without.glb

@@ -1,8 +1,9 @@
 //! Trousers on a lower body: pelvis and two legs with hips and knees, and the clip "sit-down".
 //!
-//! The body is an implicit surface: the smooth union of round cones (distance to a segment of linearly varying radius); the
-//! trousers are its offset surface. Both are meshed by rings, which branch at the crotch, and smoothed: every point moves
-//! towards the mean of its neighbours and is projected back onto the surface. Front is +z, the left leg is at +x.
+//! The body is an implicit surface: the smooth union of round cones (distance to a segment of linearly varying
+//! radius); the trousers are its offset surface. Both are meshed by rings, which branch at the crotch, and smoothed:
+//! every point moves towards the mean of its neighbours and is projected back onto the surface. Front is +z, the left
+//! leg is at +x.
 
 use crate::glb::{Clip, Joint, JointRotations};
 use crate::{Mesh, smoothstep};
@@ -90,8 +91,8 @@ fn outward(x: &Vec3) -> Vec3 {
 /// Points in rings around body and legs.
 struct Rings {
     points: Vec<Vec3>,
-    /// Rings of the pelvis from the crotch upwards, of the left and of the right leg from the crotch downwards. Those of one piece
-    /// have the same number of points and the same orientation; odd ones are shifted by half a column.
+    /// Rings of the pelvis from the crotch upwards, of the left and of the right leg from the crotch downwards. Those
+    /// of one piece have the same number of points and the same orientation; odd ones are shifted by half a column.
     pieces: [Vec<Vec<usize>>; 3],
     /// One flag per point: whether it lies on an open end, where its height is fixed.
     ends: Vec<bool>,
@@ -105,7 +106,8 @@ impl Rings {
         let between: Vec<usize> = (0..=BETWEEN)
             .map(|k| rings.add(Vec3::new(0.0, CROTCH, 0.08 * (1.0 - 2.0 * k as f64 / BETWEEN as f64))))
             .collect();
-        // Seen from above: from the front of the crotch line around the left leg to its back, then around the right one.
+        // Seen from above: from the front of the crotch line around the left leg to its back, then around the right
+        // one.
         let mut half = |side: f64| -> Vec<usize> {
             (1..outer)
                 .map(|k| {
@@ -122,7 +124,8 @@ impl Rings {
             .chain([back])
             .chain(right.iter().rev().copied())
             .collect();
-        // Legs have the orientation of the pelvis: the left one ends with the crotch line, the right one too, reversed.
+        // Legs have the orientation of the pelvis: the left one ends with the crotch line, the right one too,
+        // reversed.
         let left: Vec<usize> = [front]
             .into_iter()
             .chain(left)

@@ -4,9 +4,9 @@
 //! outline (lines and arcs) -> panel (near-equilateral triangles) -> front and back sewn -> glb
 //! ```
 //!
-//! `cargo run --example generate_garments` writes all of them; `-- --out DIR` writes elsewhere, `--obj DIR` also writes an OBJ
-//! of each garment, and `--tshirt-edge MM` writes only the T-shirt with another edge length (`tshirt-other.glb`). The output
-//! is deterministic on one machine. The printed numbers are measured on the meshes.
+//! `cargo run --example generate_garments` writes all of them; `-- --out DIR` writes elsewhere, `--obj DIR` also
+//! writes an OBJ of each garment, and `--tshirt-edge MM` writes only the T-shirt with another edge length
+//! (`tshirt-other.glb`). The output is deterministic on one machine. The printed numbers are measured on the meshes.
 //!
 //! A flat garment lies on the ground: y up, metres, x to the right, its length along z with the upper end towards -z,
 //! its front up. Texture: +u along the garment's length (warp), +v across it (weft), one scale for all panels.

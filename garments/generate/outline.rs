@@ -1,8 +1,8 @@
 //! The outline of a panel: a closed chain of lines and arcs, each either sewn to the other panel or open.
 //!
 //! Coordinates are those of the flat panel [m]: x to the right, y along the garment's length towards its upper end.
-//! Only the right half is given; the left is its mirror image. Every run is divided into equal pieces by itself, so that
-//! two panels with a common run have exactly the same points along it, as sewing requires.
+//! Only the right half is given; the left is its mirror image. Every run is divided into equal pieces by itself, so
+//! that two panels with a common run have exactly the same points along it, as sewing requires.
 
 use crease::math::Vec2;
 

@@ -1,8 +1,8 @@
 //! Sewing patterns as data. Lengths in metres, right halves only.
 //!
 //! A T-shirt with sleeves cut in one with the body, trousers with both legs cut in one, a handkerchief. Front and
-//! back of the T-shirt differ only in the neck. The edge lengths are tuned to the numbers of welded points that the tests
-//! require.
+//! back of the T-shirt differ only in the neck. The edge lengths are tuned to the numbers of welded points that the
+//! tests require.
 
 use crate::outline::{Border::Open, Border::Sewn, Run, arc, line};
 

@@ -1,8 +1,9 @@
 //! Sewing: front and back become a closed garment that lies on the ground; a single panel becomes a sheet.
 //!
-//! The layers touch only at the seams. From there they separate like the faces of a lens and are parallel at the distance
-//! `LAYER_DISTANCE`, so that a contact solver with a millimetre of thickness starts without contact. Vertices stay
-//! split along the seams, where the texture of front and back differ; they coincide exactly, so importing welds them.
+//! The layers touch only at the seams. From there they separate like the faces of a lens and are parallel at the
+//! distance `LAYER_DISTANCE`, so that a contact solver with a millimetre of thickness starts without contact.
+//! Vertices stay split along the seams, where the texture of front and back differ; they coincide exactly, so
+//! importing welds them.
 
 use crate::Mesh;
 use crate::outline::{Border, Boundary, boundary};
@@ -34,7 +35,8 @@ pub fn make(pattern: &Pattern) -> Mesh {
             let half_gap = |b: &Boundary, p: Vec2| lens(b.distance(p, Some(Border::Sewn))) / 2.0;
             add(&mut mesh, &sheet, |p| middle + half_gap(&front, p), false, &texture);
             let back = outline(half);
-            // The lattice of the back is shifted by the centroid of a triangle, so that its edges do not coincide with the front's.
+            // The lattice of the back is shifted by the centroid of a triangle, so that its edges do not coincide
+            // with the front's.
             let sheet = fill(&back, pattern.edge_m, Vec2::new(0.5 + 2.0 / 3.0, 0.5));
             add(&mut mesh, &sheet, |p| middle - half_gap(&back, p), true, &texture);
         }
@@ -44,8 +46,8 @@ pub fn make(pattern: &Pattern) -> Mesh {
     mesh
 }
 
-/// Distance between the layers at `distance` from the nearest seam [m]: a quarter of an ellipse, steep at the seam, so that
-/// the first row of points already has a gap of a millimetre.
+/// Distance between the layers at `distance` from the nearest seam [m]: a quarter of an ellipse, steep at the seam,
+/// so that the first row of points already has a gap of a millimetre.
 fn lens(distance: f64) -> f64 {
     let t = (distance / SEPARATION_LENGTH).min(1.0);
     LAYER_DISTANCE * (t * (2.0 - t)).sqrt()

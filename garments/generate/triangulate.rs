@@ -1,8 +1,9 @@
 //! Meshing of a panel with near-equilateral triangles.
 //!
-//! Interior points are those of a hexagonal lattice, boundary points those of the outline. Lattice points close to the
-//! border are removed, and a constrained Delaunay triangulation connects the others. A few rounds of spring relaxation with
-//! the target edge length distribute the irregularity at the border over a few rows; the interior lattice is in equilibrium.
+//! Interior points are those of a hexagonal lattice, boundary points those of the outline. Lattice points close to
+//! the border are removed, and a constrained Delaunay triangulation connects the others. A few rounds of spring
+//! relaxation with the target edge length distribute the irregularity at the border over a few rows; the interior
+//! lattice is in equilibrium.
 
 use crate::outline::Boundary;
 use crease::math::Vec2;
@@ -95,8 +96,8 @@ fn area(points: &[Vec2], t: [u32; 3]) -> f64 {
     (b - a).perp(&(c - a)) / 2.0
 }
 
-/// Flips every interior edge between two points of the outline. Such a chord cuts off a corner of the panel: after sewing,
-/// the chords of front and back would be one edge with four triangles.
+/// Flips every interior edge between two points of the outline. Such a chord cuts off a corner of the panel: after
+/// sewing, the chords of front and back would be one edge with four triangles.
 fn flip_corner_chords(triangles: &mut [[u32; 3]], points: &[Vec2], boundary_count: usize) {
     let mut sides: BTreeMap<[u32; 2], (usize, usize)> = BTreeMap::new();
     let mut chords = Vec::new();

@@ -1,20 +1,21 @@
-//! `crease chart cantilever`: strips clamped horizontally that bend under their own weight, compared with the heavy elastica.
+//! `crease chart cantilever`: strips clamped horizontally that bend under their own weight, compared with the heavy
+//! elastica.
 //!
 //! ```text
 //! B theta'' = rho g (L - s) cos theta,   theta(0) = 0, theta'(L) = 0          Gamma = rho g L³ / B
 //! ```
 //!
-//! Strips L x 0.3 L with Y L²/B = 1e5, half clamp, solved to equilibrium without contact; one-diagonal meshes over the
-//! whole range of Gamma, and equilateral lattices rotated by 0, 15 and 30 degrees. The reference is computed by shooting
-//! from the tip. Reported is the ratio of drop to reach of the tip.
+//! Strips L x 0.3 L with Y L²/B = 1e5, half clamp, solved to equilibrium without contact; one-diagonal meshes over
+//! the whole range of Gamma, and equilateral lattices rotated by 0, 15 and 30 degrees. The reference is computed by
+//! shooting from the tip. Reported is the ratio of drop to reach of the tip.
 
+use crate::chart::static_solve::StaticProblem;
 use crate::chart::test_sheet::TestSheet;
 use crate::chart::{Axis, BLACK, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
-use crate::chart::static_solve::StaticProblem;
 use crate::error::Result;
 use crate::math::{Vec2, Vec3};
-use crate::sim::NewtonReport;
 use crate::sim::GRAVITY;
+use crate::sim::NewtonReport;
 
 /// Length of the strip [m].
 const LENGTH: f64 = 0.2;
@@ -118,8 +119,14 @@ pub fn height_over_width_rotated(elements: usize, gamma: f64, degrees: f64) -> R
 }
 
 pub(super) fn make(_options: &ChartOptions) -> Result<Chart> {
-    let mut table =
-        Table::new(&["gamma", "elements", "direction_deg", "height_over_width", "reference", "error_percent"]);
+    let mut table = Table::new(&[
+        "gamma",
+        "elements",
+        "direction_deg",
+        "height_over_width",
+        "reference",
+        "error_percent",
+    ]);
     let mut notes = Vec::new();
     let StripSeries { exact, found, errors } = strips(&mut table);
     let rotated = rotated_lattices(&mut table, &mut notes)?;
@@ -235,7 +242,7 @@ fn push_row(
 mod tests {
     use super::*;
 
-    /// Promise: shooting agrees with a table computed by collocation (relative error 1e-8) to 2e-6.
+    /// Property: shooting agrees with a table computed by collocation (relative error 1e-8) to 2e-6.
     #[test]
     fn the_elastica_agrees_with_the_table() {
         for (gamma, table) in [
@@ -251,10 +258,12 @@ mod tests {
         }
     }
 
-    /// Promise: over the whole range of Gamma forty elements are within 0.6 % up to 100 and 5 % at 1000.
+    /// Property: over the whole range of Gamma forty elements are within 0.6 % up to 100 and 5 % at 1000.
     #[test]
     fn strips_agree_with_the_elastica_from_stiff_to_limp() {
-        for (gamma, max_error) in [(0.1, 0.0015), (3.0, 0.0015), (30.0, 0.0025), (316.2278, 0.02), (1000.0, 0.05)] {
+        for (gamma, max_error) in
+            [(0.1, 0.0015), (3.0, 0.0015), (30.0, 0.0025), (316.2278, 0.02), (1000.0, 0.05)]
+        {
             let error = height_over_width(40, gamma) / elastica(gamma) - 1.0;
             println!("Gamma {gamma}: {:+.3} %", 100.0 * error);
             assert!(error.abs() <= max_error, "Gamma {gamma}: {error}");

@@ -1,12 +1,13 @@
 //! `crease chart drape`: the drape coefficient of Cusick (ISO 9073-9) over bending length.
 //!
-//! A disc of 30 cm lies on one of 18 cm and hangs over its edge; reported is the fraction of the ring that its shadow covers,
-//! and the number of folds. Equilibria without self-contact: isotropic membrane of 1000 N/m, shear 40 N/m, 0.15 kg/m², half
-//! clamp at the ring. There are many similar equilibria, so that several initial conditions (seeds) are solved. The reference was computed with an
-//! independent shell solver on the same kind of mesh; its scatter is 2 to 4 percentage points.
+//! A disc of 30 cm lies on one of 18 cm and hangs over its edge; reported is the fraction of the ring that its shadow
+//! covers, and the number of folds. Equilibria without self-contact: isotropic membrane of 1000 N/m, shear 40 N/m,
+//! 0.15 kg/m², half clamp at the ring. There are many similar equilibria, so that several initial conditions (seeds)
+//! are solved. The reference was computed with an independent shell solver on the same kind of mesh; its scatter is 2
+//! to 4 percentage points.
 
-use crate::chart::test_sheet::TestSheet;
 use crate::chart::static_solve::StaticProblem;
+use crate::chart::test_sheet::TestSheet;
 use crate::chart::{Axis, BLACK, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
 use crate::error::Result;
 use crate::math::{Vec2, Vec3};
@@ -67,7 +68,8 @@ pub struct DrapeResult {
 pub fn drape(length: f64, element: f64, seed: u64) -> Result<DrapeResult> {
     let sheet = TestSheet::ring(SUPPORT_RADIUS, SPECIMEN_RADIUS, element)?;
     let rigidity = DENSITY * GRAVITY * length.powi(3);
-    let problem = StaticProblem::new(&sheet, STRETCH, rigidity, DENSITY, |p| p.norm() < SUPPORT_RADIUS + 1e-9);
+    let problem =
+        StaticProblem::new(&sheet, STRETCH, rigidity, DENSITY, |p| p.norm() < SUPPORT_RADIUS + 1e-9);
     // A linear congruential generator (Knuth): the upper bits as a number from -1 to 1.
     let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
     let mut random = || {
@@ -91,9 +93,8 @@ fn shadow(sheet: &TestSheet, x: &[Vec3]) -> f64 {
     let half_width = 1.02 * SPECIMEN_RADIUS;
     let pitch = 2.0 * half_width / (SAMPLES - 1) as f64;
     let at = |k: usize| -half_width + pitch * k as f64;
-    let mut dark: Vec<bool> = (0..SAMPLES * SAMPLES)
-        .map(|k| at(k % SAMPLES).hypot(at(k / SAMPLES)) <= SUPPORT_RADIUS)
-        .collect();
+    let mut dark: Vec<bool> =
+        (0..SAMPLES * SAMPLES).map(|k| at(k % SAMPLES).hypot(at(k / SAMPLES)) <= SUPPORT_RADIUS).collect();
     let cell = |v: f64| ((v + half_width) / pitch).clamp(0.0, (SAMPLES - 1) as f64);
     for t in &sheet.triangles {
         let [a, b, c] = t.map(|p| Vec2::new(x[p as usize].x, x[p as usize].z));
@@ -135,8 +136,15 @@ fn nodes(sheet: &TestSheet, x: &[Vec3]) -> usize {
 }
 
 pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
-    let mut table =
-        Table::new(&["bending_length_cm", "element_mm", "seed", "drape_coefficient", "nodes", "reference", "converged"]);
+    let mut table = Table::new(&[
+        "bending_length_cm",
+        "element_mm",
+        "seed",
+        "drape_coefficient",
+        "nodes",
+        "reference",
+        "converged",
+    ]);
     let elements: &[f64] = if options.full { &[0.010, 0.007] } else { &[0.010] };
     let reference = REFERENCE.map(|r| [100.0 * r.bending_length, r.coefficient]);
     let mut series = vec![Series::new("independent solver", BLACK, Mark::Line, reference.into())];
@@ -176,8 +184,8 @@ pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
 mod tests {
     use super::*;
 
-    /// Promise: on 10 mm elements drape coefficients are within 6 percentage points of the independent solver's, increase with
-    /// the bending length, and have 4 to 9 folds.
+    /// Property: on 10 mm elements drape coefficients are within 6 percentage points of the independent solver's,
+    /// increase with the bending length, and have 4 to 9 folds.
     #[test]
     fn drape_coefficients_agree_with_an_independent_solver() {
         let mut last = 0.0;

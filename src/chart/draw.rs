@@ -1,7 +1,7 @@
 //! Rendering of figures with plotters: as SVG, and as PNG of twice the size.
 //!
-//! The palette is that of Okabe and Ito, which colour-blind readers can distinguish; crossing series differ in mark as
-//! well.
+//! The palette is that of Okabe and Ito, which colour-blind readers can distinguish; crossing series differ in mark
+//! as well.
 
 use crate::chart::raster::Canvas;
 use crate::chart::ticks::Ticks;

@@ -1,8 +1,8 @@
 //! A strip of cloth that falls on the ground and comes to rest: scene of the paper's Table 1.
 //!
-//! A strip of 32 x 44 cm of KOW's T-shirt hangs upright with its short edge above the ground, slightly tilted and bowed, and
-//! falls. It is at rest when the residual, the unbalanced force over the weight (root mean square over the mass), stays
-//! below a hundredth for a quarter of a second. Self-contact, friction and ground are those of a bake.
+//! A strip of 32 x 44 cm of KOW's T-shirt hangs upright with its short edge above the ground, slightly tilted and
+//! bowed, and falls. It is at rest when the residual, the unbalanced force over the weight (root mean square over the
+//! mass), stays below a hundredth for a quarter of a second. Self-contact, friction and ground are those of a bake.
 
 use crate::bake::Quality;
 use crate::chart::test_sheet::TestSheet;
@@ -53,8 +53,8 @@ const DRAG: f64 = 0.5;
 pub enum Stepping {
     /// Fixed steps, each solved to the tolerances of the default quality, so that numbers of steps are comparable.
     Fixed,
-    /// Adaptive steps with the error control of the default quality, without the limit by memory events; at least a few within
-    /// the duration of rest.
+    /// Adaptive steps with the error control of the default quality, without the limit by memory events; at least a
+    /// few within the duration of rest.
     Adaptive,
 }
 

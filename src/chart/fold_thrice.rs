@@ -1,7 +1,7 @@
 //! The T-shirt that is folded thrice: the garment and script that several charts bake.
 //!
-//! Folds that begin in contact are sensitive to their initial condition, so that one bake says little: charts that compare
-//! results bake several perturbed initial conditions.
+//! Folds that begin in contact are sensitive to their initial condition, so that one bake says little: charts that
+//! compare results bake several perturbed initial conditions.
 
 use crate::bake::{Bake, BakeOptions, BakeResult, Quality};
 use crate::error::{Error, Result};
@@ -94,8 +94,8 @@ impl FoldThrice {
         Self { garment, fabric: self.fabric.clone(), script: self.script.clone() }
     }
 
-    /// The same garment with a perturbed initial condition: points moved at random by up to a fiftieth of the mean edge along
-    /// every axis, reproducibly for each `seed`.
+    /// The same garment with a perturbed initial condition: points moved at random by up to a fiftieth of the mean
+    /// edge along every axis, reproducibly for each `seed`.
     #[must_use]
     pub(super) fn perturbed(&self, seed: u64) -> Self {
         let mut garment = self.garment.clone();

@@ -1,9 +1,10 @@
 //! `crease chart hinge`: torque and rest angle of one folded hinge, compared with the paper's Table 2.
 //!
-//! One hinge of stiffness 1 with the memory of KOW's T-shirt is folded to 3.01 rad by a smoothstep over 9 s; its torque is
-//! `s (theta - rest)`; reported are its maximum over the fold and the rest angle at release. Then the hinge is unloaded:
-//! without gravity and in equilibrium its angle is its rest angle. The duration of a critical event is 1.25 s here:
-//! with the paper's 1 s this reading of the law does not reproduce the paper's table (`docs/theory/memory.md`).
+//! One hinge of stiffness 1 with the memory of KOW's T-shirt is folded to 3.01 rad by a smoothstep over 9 s; its
+//! torque is `s (theta - rest)`; reported are its maximum over the fold and the rest angle at release. Then the hinge
+//! is unloaded: without gravity and in equilibrium its angle is its rest angle. The duration of a critical event is
+//! 1.25 s here: with the paper's 1 s this reading of the law does not reproduce the paper's table
+//! (`docs/theory/memory.md`).
 
 use crate::chart::{Axis, BLACK, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
 use crate::error::Result;
@@ -154,7 +155,9 @@ pub(super) fn make(_options: &ChartOptions) -> Result<Chart> {
     Ok(Chart {
         name: "hinge",
         figure: Figure {
-            title: format!("A hinge folded to 3.01 rad over 9 s: mean difference from the paper's Table 2 {mean:.1} %"),
+            title: format!(
+                "A hinge folded to 3.01 rad over 9 s: mean difference from the paper's Table 2 {mean:.1} %"
+            ),
             panels: vec![
                 panel("torque (the paper reports its maximum)", "torque over stiffness [rad]", torques),
                 panel("rest angle", "rest angle [rad]", angles),
@@ -162,8 +165,10 @@ pub(super) fn make(_options: &ChartOptions) -> Result<Chart> {
         },
         notes: vec![
             format!("mean error of the eight numbers with memory {mean:.2} %, largest {worst:.2} %"),
-            "rows: steps of 1/60 s; largest_change_over_steps: compared with steps of 1/24 and 1/240 s".into(),
-            "3 s and 4 s coincide: after the first critical event no angle stays in the gradual band for 3 s".into(),
+            "rows: steps of 1/60 s; largest_change_over_steps: compared with steps of 1/24 and 1/240 s"
+                .into(),
+            "3 s and 4 s coincide: after the first critical event no angle stays in the gradual band for 3 s"
+                .into(),
         ],
         table,
     })

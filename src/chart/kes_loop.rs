@@ -1,10 +1,11 @@
 //! `crease chart loop`: moment over curvature of a strip in cyclic bending, as on a KES-FB2 tester.
 //!
-//! A strip of 1 cm between two jaws is bent into circular arcs, 0 -> 2.5 -> -2.5 -> 0 per cm at 0.5 per cm and second,
-//! 20 s a cycle; the moment is proportional to its width. The mesh is placed on the arc, the memory is advanced with
-//! every step, and the moment per width follows from the bending energy. B is the mean slope between 0.5 and 1.5 per cm of both
-//! sides, 2HB the width of the loop at 1 per cm. The loop of this law is due to memory alone: the law has no
-//! friction between yarns, so the loop of a fabric whose thresholds are not reached has no area (`docs/theory/memory.md`).
+//! A strip of 1 cm between two jaws is bent into circular arcs, 0 -> 2.5 -> -2.5 -> 0 per cm at 0.5 per cm and
+//! second, 20 s a cycle; the moment is proportional to its width. The mesh is placed on the arc, the memory is
+//! advanced with every step, and the moment per width follows from the bending energy. B is the mean slope between
+//! 0.5 and 1.5 per cm of both sides, 2HB the width of the loop at 1 per cm. The loop of this law is due to memory
+//! alone: the law has no friction between yarns, so the loop of a fabric whose thresholds are not reached has no area
+//! (`docs/theory/memory.md`).
 
 use crate::chart::test_sheet::TestSheet;
 use crate::chart::{Axis, Chart, ChartOptions, Figure, GREY, Mark, Panel, Series, Table};
@@ -13,7 +14,7 @@ use crate::error::Result;
 use crate::fabric::Fabric;
 use crate::garment::{Garment, RestState};
 use crate::math::Vec3;
-use crate::memory::{Memory, Strains, MemoryModel};
+use crate::memory::{Memory, MemoryModel, Strains};
 
 /// Length between the jaws [m].
 const SPAN: f64 = 0.01;
@@ -124,17 +125,20 @@ pub fn bend(fabric: &Fabric, cycles: usize, steps_per_second: usize) -> Vec<Loop
         let x = strip.bent(curvature(time));
         let next = strip.bending.angles(&x, &angle);
         if k > 0 {
-            let [before, after] =
-                [&angle, &next].map(|angle| Strains { angle, stretch: &unstretched });
+            let [before, after] = [&angle, &next].map(|angle| Strains { angle, stretch: &unstretched });
             memory.commit(&law, &before, &after, 1.0 / steps_per_second as f64);
         }
         angle = next;
         let torques = strip.bending.term(&memory.rest, &angle, f64::INFINITY).torques(&x);
         // The torque of a line is the sum over its hinges; per width it is the moment.
-        let lines: Vec<f64> = torques.iter().zip(&strip.garment.topology.hinges).map(|(t, h)| {
-            let [a, b] = [h.points[0], h.points[1]].map(|p| strip.garment.points[p.at()]);
-            t / (a - b).norm()
-        }).collect();
+        let lines: Vec<f64> = torques
+            .iter()
+            .zip(&strip.garment.topology.hinges)
+            .map(|(t, h)| {
+                let [a, b] = [h.points[0], h.points[1]].map(|p| strip.garment.points[p.at()]);
+                t / (a - b).norm()
+            })
+            .collect();
         samples.push(LoopSample {
             time,
             curvature: curvature(time),
@@ -180,7 +184,8 @@ pub fn read(cycle: &[LoopSample]) -> LoopReading {
         let [first, last] = at(100.0 * side);
         (first - last) * side
     };
-    let area = cycle.windows(2).map(|w| 0.5 * (w[0].moment + w[1].moment) * (w[1].curvature - w[0].curvature));
+    let area =
+        cycle.windows(2).map(|w| 0.5 * (w[0].moment + w[1].moment) * (w[1].curvature - w[0].curvature));
     LoopReading {
         bending: 0.5 * (slope(1.0) + slope(-1.0)),
         hysteresis: 0.5 * (width(1.0) + width(-1.0)),
@@ -265,8 +270,8 @@ mod tests {
         assert!((read_last(&fabric).bending / reading.bending - 2.0).abs() < 0.01);
     }
 
-    /// The paper's T-shirt is bent beyond both thresholds: its loop has area, is closed once the stiffness reaches its
-    /// maximum, and does not depend on the step.
+    /// The paper's T-shirt is bent beyond both thresholds: its loop has area, is closed once the stiffness reaches
+    /// its maximum, and does not depend on the step.
     #[test]
     fn the_t_shirt_has_a_loop_independent_of_the_step() {
         let fabric = Fabric::preset("kow-tshirt").expect("exists");

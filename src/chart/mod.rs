@@ -8,7 +8,8 @@
 //! below. `figure` describes a picture as plain data, `draw` renders every picture with the same colours, axes and
 //! font, `table` writes every table. No file is opened here: `crease chart` writes the bytes.
 //!
-//! To add a chart: `NAME.rs` with `pub(super) fn make(&ChartOptions) -> Result<Chart>`, and its line in `chart_list!`.
+//! To add a chart: `NAME.rs` with `pub(super) fn make(&ChartOptions) -> Result<Chart>`, and its line in
+//! `chart_list!`.
 
 mod chart_type;
 mod draw;

@@ -1,10 +1,10 @@
-//! `crease chart plan`: cost and effect of model reduction: the T-shirt of 2,000 points, folded thrice, with the models that
-//! `--explain` lists, and at full fidelity (the fabric's full stretch stiffness, steps of 1/60 s throughout, every solve
-//! global).
+//! `crease chart plan`: cost and effect of model reduction: the T-shirt of 2,000 points, folded thrice, with the
+//! models that `--explain` lists, and at full fidelity (the fabric's full stretch stiffness, steps of 1/60 s
+//! throughout, every solve global).
 //!
-//! Compared are wall time and the amount of memory. Folds that begin in contact are sensitive to their initial condition,
-//! so that two equally accurate bakes differ: each variant is baked from several perturbed initial conditions (replicates), and
-//! their means are compared, with the standard error of the difference.
+//! Compared are wall time and the amount of memory. Folds that begin in contact are sensitive to their initial
+//! condition, so that two equally accurate bakes differ: each variant is baked from several perturbed initial
+//! conditions (replicates), and their means are compared, with the standard error of the difference.
 
 use crate::bake::BakeOptions;
 use crate::chart::fold_thrice::{FOLD_THRICE, FoldThrice};
@@ -82,7 +82,9 @@ pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
     notes.push(comparison(&variants));
     let panels = vec![
         panel("wall time", "wall time [s]", 0, &variants, |variant| &variant.walls),
-        panel("amount of memory", "mean change of rest angle [degrees]", 1, &variants, |variant| &variant.memories),
+        panel("amount of memory", "mean change of rest angle [degrees]", 1, &variants, |variant| {
+            &variant.memories
+        }),
     ];
     let title = "Cost and effect of model reduction: tshirt-draft, folded thrice".into();
     Ok(Chart { name: "plan", table, figure: Figure { title, panels }, notes })

@@ -1,10 +1,10 @@
 //! A strip folded in half between parallel plates, held, and released: its crease.
 //!
 //! Between plates a gap `d` apart (middle to middle of the two layers) the fold is an elastica whose shape does not
-//! depend on its stiffness: `kappa = (J / d) sqrt(sin theta)`, `J = 2.396280`, arc length `2.18844 d`. The mesh is placed on
-//! it line by line, its angles are committed to memory as the solver would do, and the hold is one long step. Released
-//! without gravity, a strip whose hinges are parallel lines is in equilibrium at its rest angles: they give the angle it
-//! opens to (a test compares it with the solver's equilibrium).
+//! depend on its stiffness: `kappa = (J / d) sqrt(sin theta)`, `J = 2.396280`, arc length `2.18844 d`. The mesh is
+//! placed on it line by line, its angles are committed to memory as the solver would do, and the hold is one long
+//! step. Released without gravity, a strip whose hinges are parallel lines is in equilibrium at its rest angles: they
+//! give the angle it opens to (a test compares it with the solver's equilibrium).
 
 use crate::chart::test_sheet::TestSheet;
 use crate::energy::Bending;

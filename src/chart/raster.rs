@@ -1,5 +1,5 @@
-//! A backend for plotters that draws into an [`Image`] with the built-in bitmap font, so that a PNG needs no font and no
-//! library of the system. Only pixels and text are drawn here; plotters composes lines and shapes of pixels.
+//! A backend for plotters that draws into an [`Image`] with the built-in bitmap font, so that a PNG needs no font and
+//! no library of the system. Only pixels and text are drawn here; plotters composes lines and shapes of pixels.
 
 use crate::report::render::{Image, font};
 use plotters_backend::text_anchor::{HPos, VPos};

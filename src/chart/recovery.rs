@@ -2,8 +2,8 @@
 //!
 //! The protocol of ISO 2313: a strip of 40 x 15 mm is folded end to end, pressed with 10 N for 300 s, released within
 //! 1 s, and the angle between its limbs is measured 300 s later, without gravity (the free limb is kept upright). 180
-//! degrees is full recovery. Holds of 30 and 3000 s and readings at 5 s and 1 h show the dependence on time. The published
-//! ranges are typical ones of the fibre, warp direction only (`docs/reference/fabrics.md`).
+//! degrees is full recovery. Holds of 30 and 3000 s and readings at 5 s and 1 h show the dependence on time. The
+//! published ranges are typical ones of the fibre, warp direction only (`docs/reference/fabrics.md`).
 
 use crate::chart::press_between_plates::PlatePress;
 use crate::chart::{Axis, BLACK, Chart, ChartOptions, Figure, GREY, Mark, Panel, Series, Table};
@@ -59,14 +59,8 @@ pub fn recovery_angles(fabric: &Fabric, element: f64, hold: f64, readings: &[f64
 }
 
 pub(super) fn make(_options: &ChartOptions) -> Result<Chart> {
-    let mut table = Table::new(&[
-        "fabric",
-        "hold_s",
-        "read_s",
-        "angle_deg",
-        "published_low_deg",
-        "published_high_deg",
-    ]);
+    let mut table =
+        Table::new(&["fabric", "hold_s", "read_s", "angle_deg", "published_low_deg", "published_high_deg"]);
     let names = Fabric::preset_names();
     let mut series = vec![
         Series::new("published range, read after 300 s", GREY, Mark::Bars, Vec::new()),
@@ -149,8 +143,8 @@ mod tests {
         }
     }
 
-    /// Folds are narrower than the elements: on meshes no finer than the fabrics' reference length the angle is the same up to
-    /// single events.
+    /// Folds are narrower than the elements: on meshes no finer than the fabrics' reference length the angle is the
+    /// same up to single events.
     #[test]
     fn angles_depend_little_on_the_mesh() {
         for (name, ..) in PUBLISHED {

@@ -1,8 +1,8 @@
 //! `crease chart stability`: failures of every integrator.
 //!
-//! Five maps, each of step size against a parameter that makes a scene difficult: stretch stiffness, contrast of bending
-//! stiffness (as memory causes it), thin elements, layers, speed of approach. Every integrator runs every cell; compared
-//! with a reference of the two-stage method with a quarter of the shortest step an outcome is
+//! Five maps, each of step size against a parameter that makes a scene difficult: stretch stiffness, contrast of
+//! bending stiffness (as memory causes it), thin elements, layers, speed of approach. Every integrator runs every
+//! cell; compared with a reference of the two-stage method with a quarter of the shortest step an outcome is
 //!
 //! ```text
 //! converged    position error below 5 % of the size, strain within its bound, at most a fifth of the steps unconverged
@@ -10,13 +10,13 @@
 //! failed       intersections, not a number, or a strain beyond that of any cloth
 //! ```
 //!
-//! The last column is the default of a bake: the standard quality with its step control. `docs/validation/accuracy.md` lists
-//! failures of physics and numerics with their tests.
+//! The last column is the default of a bake: the standard quality with its step control.
+//! `docs/validation/accuracy.md` lists failures of physics and numerics with their tests.
 
-use crate::chart::scenes;
-use crate::chart::scenes::{Flight, SceneOutcome, Scene, SceneSetting, Stack, Swing};
-use crate::chart::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
 use crate::bake::Quality;
+use crate::chart::scenes;
+use crate::chart::scenes::{Flight, Scene, SceneOutcome, SceneSetting, Stack, Swing};
+use crate::chart::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
 use crate::error::Result;
 use crate::sim::Method;
 
@@ -56,7 +56,8 @@ pub struct StabilityMap {
     pub scene: fn(f64) -> Box<dyn Scene>,
     /// Strain beyond which an outcome is inaccurate, for a value [-].
     pub max_strain: fn(f64) -> f64,
-    /// Position error over the size up to which an outcome has converged [-]; infinite where an impact scatters all positions.
+    /// Position error over the size up to which an outcome has converged [-]; infinite where an impact scatters all
+    /// positions.
     pub max_error: f64,
     /// Speed beyond which an outcome is inaccurate, for a value [m/s].
     pub max_speed: fn(f64) -> f64,
@@ -175,7 +176,13 @@ impl StabilityMap {
     ///
     /// # Errors
     /// If the scene cannot be set up.
-    pub fn cell(&self, value: f64, column: MethodColumn, step: f64, reference: &SceneOutcome) -> Result<StabilityCell> {
+    pub fn cell(
+        &self,
+        value: f64,
+        column: MethodColumn,
+        step: f64,
+        reference: &SceneOutcome,
+    ) -> Result<StabilityCell> {
         let scene = (self.scene)(value);
         let fixed = |method| SceneSetting::fixed(method, step, NEWTON_TOL * scene.size());
         let setting = match column {
@@ -269,13 +276,15 @@ pub(super) fn make(_options: &ChartOptions) -> Result<Chart> {
             }
         }
         let counted = MethodColumn::all().zip(&counts);
-        let counted: Vec<String> = counted.map(|(m, [a, b, c])| format!("{} {a}/{b}/{c}", m.name())).collect();
+        let counted: Vec<String> =
+            counted.map(|(m, [a, b, c])| format!("{} {a}/{b}/{c}", m.name())).collect();
         notes.push(format!("{}: converged/inaccurate/failed: {}", map.name, counted.join(", ")));
         panels.push(panel_of(map, positions));
     }
     let ms: Vec<String> = STEPS.iter().map(|s| format!("{:.1}", 1e3 * s)).collect();
     notes.push(format!("marks of each method, from the left: steps of {} ms", ms.join(", ")));
-    let title = format!("Stability of every integrator: steps of {} ms from the left in each column", ms.join(", "));
+    let title =
+        format!("Stability of every integrator: steps of {} ms from the left in each column", ms.join(", "));
     Ok(Chart { name: "stability", table, figure: Figure { title, panels }, notes })
 }
 

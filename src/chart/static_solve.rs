@@ -1,7 +1,7 @@
 //! Static equilibria of membrane, bending and weight, without contact and memory.
 //!
-//! Plain Newton converges slowly from flat to bent where the membrane is stiff. Pseudo-transient continuation (inertia
-//! without velocity, whose time step doubles from round to round) leads to its region of convergence.
+//! Plain Newton converges slowly from flat to bent where the membrane is stiff. Pseudo-transient continuation
+//! (inertia without velocity, whose time step doubles from round to round) leads to its region of convergence.
 
 use crate::chart::test_sheet::TestSheet;
 use crate::contact::Contact;
@@ -30,8 +30,8 @@ pub(super) struct StaticProblem {
 }
 
 impl StaticProblem {
-    /// Specimen of `sheet` with stiffness `stretch` (warp, weft, shear) [N/m], bending `rigidity` [N·m] and `density` [kg/m²],
-    /// half clamped where `clamped` holds.
+    /// Specimen of `sheet` with stiffness `stretch` (warp, weft, shear) [N/m], bending `rigidity` [N·m] and `density`
+    /// [kg/m²], half clamped where `clamped` holds.
     pub(super) fn new(
         sheet: &TestSheet,
         stretch: [f64; 3],
@@ -52,7 +52,8 @@ impl StaticProblem {
         Self { membrane, bending, memory, mass, fixed }
     }
 
-    /// Solves for equilibrium from `x` [m], with the first `pseudo_time` step [s] and the displacement `tolerance` [m].
+    /// Solves for equilibrium from `x` [m], with the first `pseudo_time` step [s] and the displacement `tolerance`
+    /// [m].
     pub(super) fn solve(&self, x: &mut [Vec3], pseudo_time: f64, tolerance: f64) -> NewtonReport {
         let mut work = Workspace::default();
         let mut contact = Contact::none(x.len());

@@ -1,10 +1,10 @@
 //! `crease chart strip`: time to rest of falling strips, with and without memory, compared with the paper's Table 1.
 //!
-//! Strips of 156, 603 and 2306 points (within 2 %, `falling_strip.rs`) fall with fixed steps of 1/60 s, so that the number of
-//! steps is the simulated time. (`crease chart speed` uses adaptive ones.)
+//! Strips of 156, 603 and 2306 points (within 2 %, `falling_strip.rs`) fall with fixed steps of 1/60 s, so that the
+//! number of steps is the simulated time. (`crease chart speed` uses adaptive ones.)
 //!
-//! A falling strip is chaotic: one degree of tilt changes the time to rest by a third, with memory or without. So every run
-//! has its own initial tilt, the same ones with and without memory, and the chart shows medians.
+//! A falling strip is chaotic: one degree of tilt changes the time to rest by a third, with memory or without. So
+//! every run has its own initial tilt, the same ones with and without memory, and the chart shows medians.
 
 use crate::chart::falling_strip::{
     FALLING_STRIP_POINTS, FIRST_TILT, Fall, REST_DURATION, REST_RESIDUAL, Stepping, fall, tilted_strip,
@@ -101,8 +101,8 @@ pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
             let median_fall = &falls.falls[falls.falls.len() / 2];
             residuals.push(Series::new("", series.colour, Mark::Line, median_fall.residuals.clone()));
         }
-        let paper_ratio =
-            paper.map_or(String::new(), |p| format!(", in the paper {:.2}", p.with_memory / p.without_memory));
+        let paper_ratio = paper
+            .map_or(String::new(), |p| format!(", in the paper {:.2}", p.with_memory / p.without_memory));
         let [off, on] = [without.steps(), with.steps()];
         notes.push(format!(
             "{} points: {off} steps without memory, {on} with: ratio {:.2}{paper_ratio}",
@@ -170,12 +170,15 @@ mod tests {
                 if on.events > 0 {
                     with_events.push([off.steps as f64, on.steps as f64]);
                 } else {
-                    assert_eq!(off.residuals, on.residuals, "{points}: without events memory changes nothing");
+                    assert_eq!(
+                        off.residuals, on.residuals,
+                        "{points}: without events memory changes nothing"
+                    );
                 }
             }
         }
-        // Few falls have events, and falls are chaotic: single ones come to rest a fifth later or sooner. So the sum over all
-        // with events is compared.
+        // Few falls have events, and falls are chaotic: single ones come to rest a fifth later or sooner. So the sum
+        // over all with events is compared.
         let [off, on] = [0, 1].map(|k| with_events.iter().map(|steps| steps[k]).sum::<f64>());
         println!("{} of 22 falls have events, with {on} steps, {off} without memory", with_events.len());
         assert!(with_events.len() >= 6);

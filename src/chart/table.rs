@@ -1,7 +1,7 @@
 //! The numbers of a chart as CSV and JSON: `{"chart": NAME, "rows": [{column: cell, ...}, ...], "notes": [...]}`.
 //!
-//! Column names include the unit. Other programs read them (`docs/reference/formats/charts.md`): columns are added, never
-//! renamed.
+//! Column names include the unit. Other programs read them (`docs/reference/formats/charts.md`): columns are added,
+//! never renamed.
 
 use serde_json::{Map, Value, json};
 

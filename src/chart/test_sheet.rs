@@ -76,8 +76,9 @@ impl TestSheet {
         Ok(Self { flat, triangles })
     }
 
-    /// A strip 0..`length` of `width` [m] with one more row before 0 for a clamp, filled with an equilateral lattice of edge
-    /// `length` / `along` rotated by `degrees`; lattice points closer than 0.45 edges to the border are left out.
+    /// A strip 0..`length` of `width` [m] with one more row before 0 for a clamp, filled with an equilateral lattice
+    /// of edge `length` / `along` rotated by `degrees`; lattice points closer than 0.45 edges to the border are left
+    /// out.
     ///
     /// # Errors
     /// If a point is not finite.
@@ -107,8 +108,8 @@ impl TestSheet {
         Self::delaunay(flat, 1e-3 * h * h)
     }
 
-    /// A ring between the radii `inner` and `outer` [m], with one more row of elements inside for a clamp: rings of points `h`
-    /// [m] apart.
+    /// A ring between the radii `inner` and `outer` [m], with one more row of elements inside for a clamp: rings of
+    /// points `h` [m] apart.
     pub(super) fn ring(inner: f64, outer: f64, h: f64) -> Result<Self> {
         let rings = ((outer - inner) / h).round().max(1.0) as usize;
         let mut flat = Vec::new();
@@ -129,9 +130,9 @@ impl TestSheet {
         Ok(sheet)
     }
 
-    /// Stiffness ratio of every hinge of a specimen whose points are `clamped` (one flag per point): twice as stiff between a fully clamped
-    /// triangle and a free one. Otherwise the clamp lies half an element inside the free cloth and the order of convergence
-    /// is one.
+    /// Stiffness ratio of every hinge of a specimen whose points are `clamped` (one flag per point): twice as stiff
+    /// between a fully clamped triangle and a free one. Otherwise the clamp lies half an element inside the free
+    /// cloth and the order of convergence is one.
     pub fn half_clamp(&self, clamped: &[bool]) -> Vec<f64> {
         let triangles: Vec<[PointIndex; 3]> = self.triangles.iter().map(|t| t.map(PointIndex)).collect();
         let is_clamped = |f: u32| self.triangles[f as usize].iter().all(|&p| clamped[p as usize]);

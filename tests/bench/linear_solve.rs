@@ -1,8 +1,9 @@
-//! Benchmark of the direct solver against faer's sparse factorisation, on systems like those of a bake: two sheets of cloth
-//! in contact, flat, folded once and folded thrice. `cargo bench --bench linear_solve [-- POINTS...]`
+//! Benchmark of the direct solver against faer's sparse factorisation, on systems like those of a bake: two sheets of
+//! cloth in contact, flat, folded once and folded thrice. `cargo bench --bench linear_solve [-- POINTS...]`
 //!
 //! Times are the minimum of several samples of the busiest thread's processor time, so that other load of the machine
-//! does not count. "of gemm" is the rate of the factorisation against that of a large dense product in the same precision.
+//! does not count. "of gemm" is the rate of the factorisation against that of a large dense product in the same
+//! precision.
 
 mod faer_sparse;
 
@@ -106,8 +107,8 @@ fn on_threads<T: Send>(count: usize, work: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(count).build().expect("threads").install(work)
 }
 
-/// Minimum time of `work` over several samples [s]: processor time of the busiest thread, or wall time where the system does
-/// not report it. A sample is long compared with the resolution of the clock.
+/// Minimum time of `work` over several samples [s]: processor time of the busiest thread, or wall time where the
+/// system does not report it. A sample is long compared with the resolution of the clock.
 fn min_time(samples: usize, work: &mut (dyn FnMut() + Send)) -> f64 {
     let clock = Instant::now();
     work();
@@ -151,9 +152,9 @@ fn gemm<T: faer::traits::RealField + Copy>(value: T) -> f64 {
     2.0 * (N * N * N) as f64 / seconds
 }
 
-/// System of two square sheets in contact, folded, with about `points` points: inertia of a step of 1/240 s, membrane, bending
-/// over two rings, and contact between layers with stiffness 1e2 to 1e5 N/m. The diagonal blocks' eigenvalues then span
-/// 0.6 to 1e5 N/m; in bakes of the T-shirts 0.4 to 1e5 N/m is usual.
+/// System of two square sheets in contact, folded, with about `points` points: inertia of a step of 1/240 s,
+/// membrane, bending over two rings, and contact between layers with stiffness 1e2 to 1e5 N/m. The diagonal blocks'
+/// eigenvalues then span 0.6 to 1e5 N/m; in bakes of the T-shirts 0.4 to 1e5 N/m is usual.
 fn system(points: u32, folds: u32) -> (BlockMatrix, Vec<Vec3>) {
     let n = (f64::from(points) / 2.0).sqrt().round() as u32;
     let spacing = SIDE / f64::from(n);

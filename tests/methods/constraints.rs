@@ -53,8 +53,8 @@ fn a_strip_pinned_too_long_bears_the_tension() {
     assert!((energy / (0.5 * 500.0 * 0.01 * 0.1 * 0.01) - 1.0).abs() < 1e-8);
 }
 
-/// Property: a fixed point stays bit-identical under any force, and a point held by two parallel springs moves the cloth
-/// like one of twice the stiffness: dependent constraints count once.
+/// Property: a fixed point stays bit-identical under any force, and a point held by two parallel springs moves the
+/// cloth like one of twice the stiffness: dependent constraints count once.
 #[test]
 fn held_points_stay_and_dependent_constraints_count_once() {
     let (flat, triangles) = strip(4, 0.05);
@@ -91,8 +91,8 @@ fn held_points_stay_and_dependent_constraints_count_once() {
     assert_eq!(pinned[1], start[1]);
 }
 
-/// Property: the elongation of a hanging strip is off by more than 2 % with vertex block descent, which is labelled visual,
-/// and not with converged steps.
+/// Property: the elongation of a hanging strip is off by more than 2 % with vertex block descent, which is labelled
+/// visual, and not with converged steps.
 #[test]
 fn vertex_block_descent_overstretches_and_is_labelled_visual() {
     // It starts straight down at its rest length: the elongation in equilibrium is rho g L / 2 Y.

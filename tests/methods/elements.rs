@@ -61,8 +61,8 @@ fn stiffness(position: f64, height: f64) -> ([[f64; 2]; 2], f64) {
     (both, mass.0 / mass.1)
 }
 
-/// Property: slivers are finite and positive semi-definite down to altitudes of 1e-6 of the edge; below 1e-3 the membrane
-/// clamps the altitude to 1e-3, which bounds its stiffness.
+/// Property: slivers are finite and positive semi-definite down to altitudes of 1e-6 of the edge; below 1e-3 the
+/// membrane clamps the altitude to 1e-3, which bounds its stiffness.
 #[test]
 fn slivers_stay_finite_and_positive() {
     let mut last = 0.0;

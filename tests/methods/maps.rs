@@ -69,8 +69,8 @@ fn default_method_survives_speed() {
     default_fails_nowhere("approach");
 }
 
-/// Property: the map shows failures and inaccuracies of the others: one iteration never converges at 1/24 s on the whipping
-/// strip, and vertex block descent never on a stiff one.
+/// Property: the map shows failures and inaccuracies of the others: one iteration never converges at 1/24 s on the
+/// whipping strip, and vertex block descent never on a stiff one.
 #[test]
 fn the_map_shows_failures_of_other_methods() {
     let wrong = |method, step: f64, from: f64| {

@@ -52,9 +52,9 @@ fn error(method: Method, count: usize) -> f64 {
     (state.x[0].x - 1.0).hypot(state.v[0].x / TAU)
 }
 
-/// Property: on an oscillator of 160 to 640 steps a period backward Euler has order 0.9 to 1.05, BDF2 and the two-stage
-/// method at least 1.95; one iteration is exact for a linear spring and changes nothing. (Vertex block descent is exact
-/// for a single point, too: its error is the coupling between points.)
+/// Property: on an oscillator of 160 to 640 steps a period backward Euler has order 0.9 to 1.05, BDF2 and the
+/// two-stage method at least 1.95; one iteration is exact for a linear spring and changes nothing. (Vertex block
+/// descent is exact for a single point, too: its error is the coupling between points.)
 #[test]
 fn every_method_has_its_order() {
     for &method in Method::ALL.iter().filter(|m| !m.is_visual()) {
@@ -67,8 +67,8 @@ fn every_method_has_its_order() {
 }
 
 /// Property: stiff modes decay: on a spring of omega h = 100 the amplification per step is that of theory, to 1 %:
-/// backward Euler 0.0100, BDF2 0.0781 (`numerical_damping.csv`), the two-stage method, as TR-BDF2, |R(100 i)| = 0.0481 with
-/// R(z) = (1 + (1 - 2 g) z) / (1 - g z)².
+/// backward Euler 0.0100, BDF2 0.0781 (`numerical_damping.csv`), the two-stage method, as TR-BDF2, |R(100 i)| =
+/// 0.0481 with R(z) = (1 + (1 - 2 g) z) / (1 - g z)².
 #[test]
 fn stiff_modes_decay() {
     let h: f64 = 0.01;

@@ -59,8 +59,8 @@ fn bdf2_ends_where_the_chain_of_the_same_step_does() {
     }
 }
 
-/// Property: for the errors of `chain_work_precision.csv` no method takes more linear solves than it does there: with the
-/// steps of each row, 3 % shorter where Newton converges (to 0.03 of the row's error).
+/// Property: for the errors of `chain_work_precision.csv` no method takes more linear solves than it does there: with
+/// the steps of each row, 3 % shorter where Newton converges (to 0.03 of the row's error).
 #[test]
 fn errors_cost_no_more_solves_than_in_the_table() {
     let Some(rows) = reference::table("chain_work_precision.csv") else { return };
@@ -88,8 +88,8 @@ fn errors_cost_no_more_solves_than_in_the_table() {
                     found.linear_solves
                 );
                 assert!(found.linear_solves as f64 <= solves, "{name} {step}");
-                // One iteration cannot take fewer solves than steps, and with 20 ms the line search shortens a step that
-                // would overstretch the strip, unlike the table's: that row is printed only.
+                // One iteration cannot take fewer solves than steps, and with 20 ms the line search shortens a step
+                // that would overstretch the strip, unlike the table's: that row is printed only.
                 let max_ratio = if name == "BE1" { 1.02 } else { 1.0 };
                 assert!(largest <= error * max_ratio || (name == "BE1" && step > 0.015), "{name} {step}");
             }
@@ -97,9 +97,9 @@ fn errors_cost_no_more_solves_than_in_the_table() {
     }
 }
 
-/// Property: one Newton iteration strains a stiff strip by several per cent at 1/60 s (Y = 2000 N/m), converged steps by
-/// 0.103 % like the chain's, within a hundredth of that, and within five times the strain of hanging at rest. (The chain's own figure for
-/// one iteration is 7.3 %, with an indefinite Hessian; here it is projected.)
+/// Property: one Newton iteration strains a stiff strip by several per cent at 1/60 s (Y = 2000 N/m), converged steps
+/// by 0.103 % like the chain's, within a hundredth of that, and within five times the strain of hanging at rest. (The
+/// chain's own figure for one iteration is 7.3 %, with an indefinite Hessian; here it is projected.)
 #[test]
 fn one_iteration_overstretches_a_stiff_strip() {
     let swing = Swing { stretch: 2000.0, ..Swing::RELEASE_90 };
@@ -119,8 +119,8 @@ fn unbounded(swing: Swing) -> Swing {
     Swing { max_strain: Some(f64::INFINITY), ..swing }
 }
 
-/// Property: the first mode of a hanging strip of 32 quads without bending stiffness has omega sqrt(L/g) = 1.20207 (the lumped
-/// chain's; a string's is j01/2 = 1.20241), within 0.5 %.
+/// Property: the first mode of a hanging strip of 32 quads without bending stiffness has omega sqrt(L/g) = 1.20207
+/// (the lumped chain's; a string's is j01/2 = 1.20241), within 0.5 %.
 #[test]
 fn a_hanging_strip_has_the_first_mode_of_the_chain() {
     let (length, gravity, until) = (0.5, 9.81, 1.0);

@@ -1,8 +1,8 @@
 //! The T-shirt of 2,000 points, folded thrice and baked at every quality and by every integrator.
 //!
-//! Step sizes are controlled by error here, as in a bake, so that a setting is a quality (`bake::Quality`). The reference is
-//! backward Euler with a sixth of the standard error per step and steps down to 1/240 s. Folds that start in contact are
-//! sensitive to their initial condition: results scatter within a band.
+//! Step sizes are controlled by error here, as in a bake, so that a setting is a quality (`bake::Quality`). The
+//! reference is backward Euler with a sixth of the standard error per step and steps down to 1/240 s. Folds that
+//! start in contact are sensitive to their initial condition: results scatter within a band.
 
 use crate::bake::{BakeOptions, Quality};
 use crate::chart::accuracy::point::AccuracyPoint;
@@ -27,8 +27,11 @@ pub(super) fn points(notes: &mut Vec<String>) -> Result<Vec<AccuracyPoint>> {
     for (name, options) in settings() {
         let run = scene.run(&options)?;
         let overstretched = run.baked.report.warnings.iter().any(|w| w.contains("stretched by"));
-        let failed =
-            if scene.has_intersections(&run.baked) { Some("layers intersect") } else { overstretched.then_some(OVERSTRETCHED) };
+        let failed = if scene.has_intersections(&run.baked) {
+            Some("layers intersect")
+        } else {
+            overstretched.then_some(OVERSTRETCHED)
+        };
         all.push(AccuracyPoint {
             method: options.step.method,
             setting: name,
@@ -60,4 +63,3 @@ fn settings() -> Vec<(String, BakeOptions)> {
     });
     qualities.into_iter().chain(others).collect()
 }
-

@@ -4,10 +4,10 @@
 //! scene x integrator x step x tolerance -> SceneOutcome   compared with the scene's reference -> error, cost
 //! ```
 //!
-//! The reference of a scene is computed on the same mesh with the same energies by the two-stage method with an eighth of
-//! the shortest step and Newton to 1e-10 m, and extrapolated from that and twice the step. The notes report its own error.
-//! Failures are shown as crosses at their cost.
-//! `--full` adds a T-shirt that is folded thrice (`garment.rs`), which takes an hour.
+//! The reference of a scene is computed on the same mesh with the same energies by the two-stage method with an
+//! eighth of the shortest step and Newton to 1e-10 m, and extrapolated from that and twice the step. The notes report
+//! its own error. Failures are shown as crosses at their cost. `--full` adds a T-shirt that is folded thrice
+//! (`garment.rs`), which takes an hour.
 
 mod garment;
 mod point;
@@ -87,9 +87,8 @@ fn push_row(table: &mut Table, scene: &str, p: &AccuracyPoint) {
 /// Three panels of a scene: wall time over errors of position and angle, linear solves over the error of position.
 fn panels_of(name: &str, points: &[AccuracyPoint]) -> [Panel; 3] {
     let has_memory = points.iter().any(|p| p.rest_angle_error.is_some());
-    let angle = |p: &AccuracyPoint| {
-        p.rest_angle_error.unwrap_or(p.angle_error).to_degrees().max(MIN_SHOWN_ANGLE_DEG)
-    };
+    let angle =
+        |p: &AccuracyPoint| p.rest_angle_error.unwrap_or(p.angle_error).to_degrees().max(MIN_SHOWN_ANGLE_DEG);
     let position = |p: &AccuracyPoint| p.position_error.max(MIN_SHOWN_POSITION);
     let angle_label =
         if has_memory { "rest angle error, rms [degrees]" } else { "angle error, rms [degrees]" };

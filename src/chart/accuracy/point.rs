@@ -48,8 +48,8 @@ pub struct SceneReference {
 
 /// Makes the reference of a scene whose shortest compared step is `step` [s].
 ///
-/// It is extrapolated from the two-stage method with an eighth and a quarter of `step`: the scene must be smooth, without
-/// contact.
+/// It is extrapolated from the two-stage method with an eighth and a quarter of `step`: the scene must be smooth,
+/// without contact.
 ///
 /// # Errors
 /// If the scene cannot be set up.

@@ -63,7 +63,8 @@ impl Sweep {
     }
 }
 
-/// Relative cost of the integrators at equal error, each by its cheapest setting within the error; one sentence per error.
+/// Relative cost of the integrators at equal error, each by its cheapest setting within the error; one sentence per
+/// error.
 fn cost_at_equal_error(scene: &str, points: &[AccuracyPoint]) -> Vec<String> {
     COMPARED_ERRORS
         .into_iter()

@@ -1,7 +1,8 @@
 //! A strip that is clamped horizontally, released, and comes to rest under its weight: convergence to an equilibrium.
 //!
-//! Gamma = rho g L³ / B = 10, L = 0.1 m, 20 elements long and 6 wide, half clamp (`chart::cantilever`), bending damped.
-//! Every converged integrator reaches the equilibrium with any step size: here long steps are the most efficient.
+//! Gamma = rho g L³ / B = 10, L = 0.1 m, 20 elements long and 6 wide, half clamp (`chart::cantilever`), bending
+//! damped. Every converged integrator reaches the equilibrium with any step size: here long steps are the most
+//! efficient.
 
 use crate::chart::scenes::scene::{ClothMaterial, Scene, SceneState, spaced};
 use crate::chart::test_sheet::TestSheet;

@@ -1,8 +1,8 @@
 //! A flap that is folded by 160 degrees, held and released: a bake in miniature.
 //!
-//! A strip of 40 x 15 mm of KOW's T-shirt, half of it fixed; its free end is guided over within half a second, held for
-//! two, and released for one, without gravity, in still air. Memory events depend on the history of the angles, so that rest
-//! angles show how accurately an integrator follows the angles in time.
+//! A strip of 40 x 15 mm of KOW's T-shirt, half of it fixed; its free end is guided over within half a second, held
+//! for two, and released for one, without gravity, in still air. Memory events depend on the history of the angles,
+//! so that rest angles show how accurately an integrator follows the angles in time.
 
 use crate::chart::scenes::scene::{ClothMaterial, Scene, SceneState, smoothstep, spaced};
 use crate::chart::test_sheet::TestSheet;

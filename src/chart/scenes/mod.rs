@@ -4,9 +4,9 @@
 //! Scene + SceneSetting -> run -> SceneOutcome        compared with a reference -> error
 //! ```
 //!
-//! The scenes (one file each) use fixed steps, so that a setting is a step size and a tolerance; energies, contact and memory
-//! are those of a bake. The charts `accuracy` and `stability` and the tests of `tests/methods.rs` consist of them. Wall time is
-//! that of the steps alone, without the measurements between them.
+//! The scenes (one file each) use fixed steps, so that a setting is a step size and a tolerance; energies, contact
+//! and memory are those of a bake. The charts `accuracy` and `stability` and the tests of `tests/methods.rs` consist
+//! of them. Wall time is that of the steps alone, without the measurements between them.
 
 mod cantilever;
 mod flap;

@@ -21,8 +21,8 @@ pub struct SceneState {
     /// Memory model; `None` for cloth without memory.
     pub(super) law: Option<MemoryModel>,
     pub(super) garment: Garment,
-    /// One flag per triangle: whether it is unstrained at the start. The membrane clamps the altitude of slivers, so that
-    /// their strain has no meaning.
+    /// One flag per triangle: whether it is unstrained at the start. The membrane clamps the altitude of slivers, so
+    /// that their strain has no meaning.
     pub(super) unstrained: Vec<bool>,
 }
 
@@ -67,8 +67,8 @@ pub(super) struct ClothMaterial {
 }
 
 impl ClothMaterial {
-    /// Makes the cloth of `sheet`. Masses are lumped by Voronoi area where triangles are right-angled: lumped by thirds the
-    /// two ends of a row of quads would have masses 1 to 2.
+    /// Makes the cloth of `sheet`. Masses are lumped by Voronoi area where triangles are right-angled: lumped by
+    /// thirds the two ends of a row of quads would have masses 1 to 2.
     pub(super) fn cloth(&self, sheet: &TestSheet, garment: &Garment) -> Cloth {
         let k = self.stretch;
         let membrane =
@@ -97,8 +97,8 @@ impl ClothMaterial {
         Cloth { mass, area, membrane, bending }
     }
 
-    /// Makes contact with activation distance `distance` [m] and coefficient `friction`, stiff enough for the weight of
-    /// `layers` layers.
+    /// Makes contact with activation distance `distance` [m] and coefficient `friction`, stiff enough for the weight
+    /// of `layers` layers.
     pub(super) fn contact(
         &self,
         garment: &Garment,

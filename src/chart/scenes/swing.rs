@@ -1,7 +1,7 @@
 //! A strip that hangs from its upper edge and is released from a deflection: a planar chain of 20 links, as cloth.
 //!
-//! 0.5 m long, one row of 20 quads, 0.2 kg/m², Y = 200 N/m, B = 1e-4 N·m, no damping, no air. `swing30` starts 30 degrees
-//! from the vertical, `release90` horizontally: its free end whips, which is demanding for every integrator.
+//! 0.5 m long, one row of 20 quads, 0.2 kg/m², Y = 200 N/m, B = 1e-4 N·m, no damping, no air. `swing30` starts 30
+//! degrees from the vertical, `release90` horizontally: its free end whips, which is demanding for every integrator.
 
 use crate::chart::scenes::scene::{ClothMaterial, Scene, SceneState, spaced};
 use crate::chart::test_sheet::TestSheet;
@@ -32,7 +32,8 @@ pub struct Swing {
     pub bend: f64,
     /// Time at the end [s].
     pub until: f64,
-    /// Strain beyond which a run has failed [-]; `None` for the bound of the physical one ([`Self::physical_strain`]).
+    /// Strain beyond which a run has failed [-]; `None` for the bound of the physical one
+    /// ([`Self::physical_strain`]).
     pub max_strain: Option<f64>,
 }
 

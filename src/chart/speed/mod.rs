@@ -1,16 +1,18 @@
 //! `crease chart speed`: wall time of bakes by stage, compared with kernels of the same machine in the same run.
 //!
-//! Scenes (`scenes.rs`): the T-shirt folded thrice (2,000 points; with `--full` also 13,863 and 60,000, and the growth between
-//! them), one bend of a sleeve's elbow, the three falling strips of the paper's Table 1 with memory, a cantilever.
+//! Scenes (`scenes.rs`): the T-shirt folded thrice (2,000 points; with `--full` also 13,863 and 60,000, and the
+//! growth between them), one bend of a sleeve's elbow, the three falling strips of the paper's Table 1 with memory, a
+//! cantilever.
 //!
-//! Kernels (`kernels.rs`) are lower bounds of the cost: a streaming copy of memory, the sparse product and the factorisation of
-//! one sheet's system, and one search for overlapping triangles of two layers with as many points (parry's tree: refitted, and
-//! all overlaps of its boxes listed), each at the size next to the number of simulated points.
+//! Kernels (`kernels.rs`) are lower bounds of the cost: a streaming copy of memory, the sparse product and the
+//! factorisation of one sheet's system, and one search for overlapping triangles of two layers with as many points
+//! (parry's tree: refitted, and all overlaps of its boxes listed), each at the size next to the number of simulated
+//! points.
 //!
-//! `ratio` is a scene's wall time per linear solve over one factorisation, `solver_ratio` that of its linear solves alone,
-//! `contact_ratio` its time in contact per linear solve over one search; `rate_ratio` is the floating-point rate of its linear
-//! solves over that of the factorisation, `copy_ratio` their memory throughput, from the bytes that they move at least, over
-//! that of the streaming copy. Medians of `runs`; whole garments are baked once.
+//! `ratio` is a scene's wall time per linear solve over one factorisation, `solver_ratio` that of its linear solves
+//! alone, `contact_ratio` its time in contact per linear solve over one search; `rate_ratio` is the floating-point
+//! rate of its linear solves over that of the factorisation, `copy_ratio` their memory throughput, from the bytes
+//! that they move at least, over that of the streaming copy. Medians of `runs`; whole garments are baked once.
 
 mod cost;
 mod kernels;
@@ -69,7 +71,10 @@ pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
             push_row(&mut table, cost, &ratios);
         }
     }
-    notes.push("ratio: wall time per linear solve over one factorisation; global and local solves count alike".into());
+    notes.push(
+        "ratio: wall time per linear solve over one factorisation; global and local solves count alike"
+            .into(),
+    );
     Ok(Chart { name: "speed", table, figure: figure(&costs), notes })
 }
 
@@ -114,7 +119,8 @@ fn notes_of(cost: &SceneCost, ratios: &CostRatios) -> Vec<String> {
 /// Exponents of the growth of wall time with the number of points, and wall time per second of wear, in words.
 fn growth(costs: &[SceneCost]) -> Vec<String> {
     let of = |scene: &str| -> Vec<&SceneCost> { costs.iter().filter(|c| c.scene == scene).collect() };
-    let exponent = |a: &SceneCost, b: &SceneCost| (b.wall / a.wall).ln() / (b.points as f64 / a.points as f64).ln();
+    let exponent =
+        |a: &SceneCost, b: &SceneCost| (b.wall / a.wall).ln() / (b.points as f64 / a.points as f64).ln();
     let mut notes = Vec::new();
     for scene in [scenes::SHIRT, scenes::STRIP] {
         for pair in of(scene).windows(2) {
@@ -151,7 +157,11 @@ fn figure(costs: &[SceneCost]) -> Figure {
     let shirt = costs.iter().rfind(|c| c.scene == scenes::SHIRT);
     let percentages: Vec<[f64; 2]> = shirt.map_or(Vec::new(), |cost| {
         let percentage = |name: &&str| 100.0 * cost.stage(name).unwrap_or(0.0) / cost.wall;
-        STAGES.iter().enumerate().flat_map(|(k, name)| [[k as f64, 0.0], [k as f64, percentage(name)]]).collect()
+        STAGES
+            .iter()
+            .enumerate()
+            .flat_map(|(k, name)| [[k as f64, 0.0], [k as f64, percentage(name)]])
+            .collect()
     });
     let shirt_points = shirt.map_or(0, |cost| cost.points);
     Figure {

@@ -1,15 +1,15 @@
 //! The timed scenes.
 
+use crate::bake::{Bake, BakeOptions, BakeReport};
+use crate::body::AnimatedBody;
 use crate::chart::falling_strip::{FALLING_STRIP_POINTS, Fall, Stepping, fall};
 use crate::chart::fold_thrice::{FoldThrice, IncludedMesh};
 use crate::chart::speed::cost::SceneCost;
 use crate::chart::{ChartOptions, cantilever};
-use crate::bake::{Bake, BakeOptions, BakeReport};
-use crate::body::AnimatedBody;
 use crate::error::Result;
 use crate::fabric::{DEFAULT_FABRIC, Fabric};
-use crate::io::ReadOptions;
 use crate::garment::{Garment, SourcePiece};
+use crate::io::ReadOptions;
 use crate::sim::NewtonSeconds;
 use crate::wear::WearScript;
 use std::sync::Arc;
