@@ -24,9 +24,9 @@ pub(super) struct IncludedMesh {
     pub(super) bytes: &'static [u8],
 }
 
-const TSHIRT_2K: IncludedMesh =
+const TSHIRT_DRAFT: IncludedMesh =
     IncludedMesh { file: "tshirt-draft.glb", bytes: include_bytes!("../../garments/tshirt-draft.glb") };
-const TSHIRT_14K: IncludedMesh =
+const TSHIRT: IncludedMesh =
     IncludedMesh { file: "tshirt.glb", bytes: include_bytes!("../../garments/tshirt.glb") };
 const SCRIPT_FILE: &str = "fold-thrice.json";
 const SCRIPT: &str = include_str!("../../garments/wear/fold-thrice.json");
@@ -65,12 +65,12 @@ pub(super) struct BakeRun {
 impl FoldThrice {
     /// The T-shirt of 2,000 points, in the default fabric.
     pub(super) fn tshirt_draft() -> Result<Self> {
-        Self::of(&TSHIRT_2K)
+        Self::of(&TSHIRT_DRAFT)
     }
 
     /// The T-shirt of 13,863 points, in the default fabric.
     pub(super) fn tshirt() -> Result<Self> {
-        Self::of(&TSHIRT_14K)
+        Self::of(&TSHIRT)
     }
 
     fn of(mesh: &IncludedMesh) -> Result<Self> {
