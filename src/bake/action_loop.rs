@@ -23,7 +23,7 @@ struct ActiveAction {
     begin: f64,
     /// Duration [s].
     duration: f64,
-    /// What the actions before it left.
+    /// State that outlives the actions before it.
     before: PersistentState,
 }
 

@@ -31,9 +31,9 @@ impl IntersectionCount {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BodyPenetrationStats {
-    /// Where the body does not touch itself.
+    /// Intersections in regions where the body does not touch itself.
     open: IntersectionCount,
-    /// Where the body folds into itself.
+    /// Intersections in regions where the body folds into itself.
     self_fold: IntersectionCount,
     /// Steps with intersections where the body does not touch itself.
     steps: usize,
@@ -103,7 +103,7 @@ impl BodyPenetrationStats {
         let [from, to] = self.times?;
         let p = self.deepest_position;
         Some(format!(
-            "{from:.2} to {to:.2} s, now and then: cloth up to {:.1} mm inside the body, deepest near ({:.3}, {:.3}, {:.3}) m: where a body \
+            "{from:.2} to {to:.2} s, at times: cloth up to {:.1} mm inside the body, deepest near ({:.3}, {:.3}, {:.3}) m: where a body \
              folds into itself there is no room for cloth",
             1e3 * self.max_depth,
             p.x,

@@ -41,7 +41,7 @@ pub struct Checkpoint {
     pub fingerprint: String,
     /// Position in the script.
     pub position: CheckpointPosition,
-    /// What the finished actions left.
+    /// State that outlives the finished actions.
     pub persistent: PersistentState,
     /// Positions, velocities and time.
     pub state: State,

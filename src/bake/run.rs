@@ -33,7 +33,7 @@ pub(super) struct Run<'a> {
     pub event_dt_fraction: f64,
     /// See [`crate::bake::BakeOptions`].
     pub checkpoint_steps: u64,
-    /// What the finished actions left: folds, the ground, the pose of the body.
+    /// State that outlives actions: folds, the ground, the pose of the body.
     pub persistent: PersistentState,
     /// The body and its contact, if there is one.
     pub body: Option<BodyCoupling>,

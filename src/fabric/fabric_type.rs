@@ -80,7 +80,7 @@ pub struct Fabric {
     /// Friction coefficient of the fabric on the ground or a table [-].
     #[schemars(range(min = 0, max = 10))]
     pub friction_ground: f64,
-    /// How it remembers.
+    /// Parameters of the memory law.
     #[serde(default)]
     pub memory: FabricMemory,
     /// Origin of the numbers.
