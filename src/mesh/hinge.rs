@@ -58,7 +58,7 @@ pub fn hinge_gradient(x: &[Vec3; 4]) -> Option<[Vec3; 4]> {
 ///
 /// ```
 /// use std::f64::consts::PI;
-/// assert!((crease::unwrap_angle(-3.1, 3.1) - (2.0 * PI - 3.1)).abs() < 1e-15);
+/// assert!((crease::unwrap_angle(-3.1, 3.1) - (2.0 * PI - 3.1)).abs() < 1e-12);
 /// ```
 #[inline]
 pub fn unwrap_angle(angle: f64, last: f64) -> f64 {
