@@ -45,10 +45,10 @@ pub enum BodyPose {
 ///
 /// ```
 /// use crease::body::BodyMotion;
-/// use crease::{AnimatedBody, PointIndex, Vec3};
+/// use crease::{AnimatedBody, Vec3};
 /// // A table top that does not move.
 /// let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 0.0, 1.0], [0.0, 0.0, 1.0]].map(Vec3::from);
-/// let triangles = [[0, 3, 2], [0, 2, 1]].map(|t| t.map(PointIndex));
+/// let triangles = [[0, 3, 2], [0, 2, 1]];
 /// let table = AnimatedBody::new("table", "", BodyMotion::Still, &corners, &triangles);
 /// assert_eq!(table.points(&table.rest()), corners);
 /// ```
