@@ -329,7 +329,7 @@ mod tests {
 
     #[test]
     fn the_minority_is_turned() {
-        // A strip of six triangles, numbers 1 and 4 wound the other way.
+        // A strip of six triangles, numbers 1 and 4 of opposite orientation.
         let positions: Vec<[f64; 3]> = (0..8).map(|k| [f64::from(k / 2), f64::from(k % 2), 0.0]).collect();
         let mut triangles: Vec<[u32; 3]> =
             (0..6).map(|k| if k % 2 == 0 { [k, k + 2, k + 1] } else { [k, k + 1, k + 2] }).collect();

@@ -43,7 +43,7 @@ pub struct Inspection {
     pub dropped_triangles: usize,
     /// Hinges: edges that bend with memory.
     pub hinges: usize,
-    /// Vertices that share a point with another: at seams, texture borders and hard edges.
+    /// Vertices with the same point as another: at seams, texture borders and hard edges.
     pub welded_vertices: usize,
     /// Length of each boundary loop \[m\], longest first.
     pub boundary_loops_m: Vec<f64>,

@@ -42,7 +42,7 @@ pub fn write_shape_obj(asset: &SourceAsset, garment: &Garment, displacement: &[V
 }
 
 /// Returns the positions of the vertices of the worn pieces [m, y up], moved with their points.
-pub(super) fn moved_vertices(asset: &SourceAsset, garment: &Garment, displacement: &[Vec3]) -> Vec<Vec3> {
+fn moved_vertices(asset: &SourceAsset, garment: &Garment, displacement: &[Vec3]) -> Vec<Vec3> {
     let own = asset.worn_pieces().flat_map(|piece| {
         (0..piece.positions.len()).map(|v| piece.scene_position(v).unwrap_or_else(Vec3::zeros))
     });

@@ -36,6 +36,6 @@ pub use names::{
 };
 pub(in crate::io) use read::read_gltf;
 pub use read_worn::{WornVertices, keep_worn_pieces, read_worn, sidecar_name};
-pub use rest_angle_map::{rest_angle_per_point, write_rest_angle_map};
+pub use rest_angle_map::write_rest_angle_map;
 pub use rig::read_rig;
-pub use write::{external_images, write_worn_glb};
+pub use write::write_worn_glb;

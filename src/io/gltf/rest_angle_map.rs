@@ -20,7 +20,7 @@ use serde_json::{Value, json};
 
 /// Returns per point of `garment` the angle \[degrees, within +-180\] with which edges that take the angle of lesser
 /// magnitude of their ends fit the rest angles of `memory` best.
-pub fn rest_angle_per_point(garment: &Garment, memory: &RestState) -> Vec<f64> {
+fn rest_angle_per_point(garment: &Garment, memory: &RestState) -> Vec<f64> {
     let hinges = &garment.topology.hinges;
     let mut around: Vec<Vec<usize>> = vec![Vec::new(); garment.points.len()];
     for (h, hinge) in hinges.iter().enumerate() {

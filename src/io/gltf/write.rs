@@ -3,7 +3,7 @@
 //! Last stage of the pipeline. glTF input is written unchanged with the worn target added (`add_morph_target`); OBJ input
 //! becomes a new document (`obj_to_gltf`). The numbers are computed in `worn_target`, the same for both.
 //! Vertices keep their number and order, so that rigs, textures and other tools' data still fit. Images that a .gltf
-//! names by a path stay external: see [`external_images`].
+//! names by a path stay external unless [`crate::io::gltf::embed_images`] has embedded them.
 
 use crate::garment::{Garment, GltfDocument, Placement, SourceAsset, SourceFormat, SourcePiece, WornGarment};
 use crate::io::gltf::accessor::Accessors;
@@ -37,14 +37,6 @@ pub fn write_worn_glb(
         (SourceFormat::Gltf, None) => Err(Error::input(&asset.file, "", "its glTF document is missing", "")),
         (SourceFormat::Obj, _) => worn_obj(asset, garment, worn, extras),
     }
-}
-
-/// Returns the paths of images that `document` names and does not hold; they are relative to the source file and must be
-/// copied along with the output.
-pub fn external_images(document: &GltfDocument) -> Vec<String> {
-    let images = document.json["images"].as_array().map_or(&[][..], Vec::as_slice);
-    let uris = images.iter().filter_map(|image| image["uri"].as_str());
-    uris.filter(|uri| !uri.starts_with("data:")).map(str::to_owned).collect()
 }
 
 fn worn_gltf(

@@ -253,11 +253,7 @@ impl<'f> Parser<'f> {
         self.check_indices();
         let mut diagnostics = Vec::new();
         let mut find = |severity, line: usize, message| {
-            diagnostics.push(ImportDiagnostic {
-                severity,
-                location: format!("line {line}"),
-                message: message,
-            });
+            diagnostics.push(ImportDiagnostic { severity, location: format!("line {line}"), message });
         };
         if let Occurrences { count: count @ 1.., first_line: line } = self.dropped_faces {
             find(Severity::Repaired, line, format!("{count} faces of fewer than 3 corners dropped"));

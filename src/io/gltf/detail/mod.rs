@@ -30,7 +30,7 @@ use crate::{Error, Result};
 use rustc_hash::FxHashMap;
 use serde_json::{Value, json};
 
-/// Side lengths of a detail map that can be asked for [texels].
+/// Side lengths of a detail map that can be asked for \[texels\].
 pub const DETAIL_MAP_SIZES: std::ops::RangeInclusive<usize> = 64..=16384;
 
 /// Garment on the mesh of its file and on the simulated mesh.
