@@ -17,12 +17,17 @@ mod tool;
 
 use crease::bake::{BakeOptions, SimulationMesh};
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
-use crease::garment::RestState;
+use crease::garment::{RestState, WornGarment};
+use crease::io::Sidecar;
+use crease::math::Vec3;
 use crease::mesh::hinge_angle;
-use crease::transfer::{GarmentSurface, MatchBy, TransferOptions, TransferSource, prolongate, transfer};
+use crease::transfer::{
+    GarmentSurface, MatchBy, Transfer, TransferOptions, TransferSource, prolongate, transfer,
+};
 use crease::wear::WearScript;
 use made::{load, made_memory};
 use measure::{FOLDS, Fold, carry, correlation, tensors, total};
+use serde_json::Value;
 use std::path::Path;
 
 #[test]
@@ -137,6 +142,31 @@ fn the_same_mesh_keeps_every_bit_and_no_memory_changes_nothing() {
         transfer(&[source], &target, &options).expect_err("another mesh").to_string()
     };
     assert!(refused.contains("is not the mesh it is to go to"), "{refused}");
+}
+
+/// The front door gives what the function gives.
+#[test]
+fn the_builder_transfers_a_sidecar_as_the_function_does() {
+    let (asset, garment) = load("tshirt-2k.glb");
+    let memory = made_memory(&GarmentSurface::from_garment(&garment, &asset));
+    let worn = WornGarment { displacement: vec![Vec3::zeros(); garment.points.len()], memory };
+    let null = Value::Null;
+    let sidecar = Sidecar::new(&asset, &garment, &worn, null.clone(), null.clone(), null).expect("is sound");
+    let same = Transfer::new(&sidecar, &garment).run().expect("transfers");
+    assert!(same.unchanged && same.memory == worn.memory);
+    let (_, other) = load("handkerchief.glb");
+    let built =
+        Transfer::new(&sidecar, &other).match_by(MatchBy::Surface).strength(0.5).run().expect("transfers");
+    let target = GarmentSurface::without_texture(&other);
+    let source = TransferSource::from_sidecar("sidecar", &sidecar).expect("is sound");
+    let options = TransferOptions {
+        match_by: MatchBy::Surface,
+        strength: 0.5,
+        mask: other.memory_mask.clone(),
+        ..TransferOptions::full(target.points.len())
+    };
+    let called = transfer(&[source], &target, &options).expect("transfers");
+    assert_eq!((built.memory, built.sources), (called.memory, called.sources));
 }
 
 #[test]
