@@ -1,4 +1,4 @@
-//! A strip whose ends are pushed together: from flat, past the point where the Hessian turns indefinite.
+//! A compressed strip: from flat, past the point where the Hessian becomes indefinite.
 
 use crate::rest::{Scene, forces};
 use crate::sheet::{SheetModels, quads, spaced};
@@ -11,8 +11,8 @@ const TABLE: [(f64, f64, f64); 4] = [
     (0.3, 0.314_312_61, 1.180_698_8),
 ];
 
-/// Promise: pushed from flat, with a seed of 1e-4 L, a strip held at its ends and free to turn there rises within 1 %
-/// of the elastica and pushes back within 3 % of it.
+/// Property: compressed from flat, with a perturbation of 1e-4 L, a strip pinned at both ends rises within 1 % of the
+/// elastica, and its end force is within 3 % of it.
 #[test]
 fn a_compressed_strip_buckles_as_the_elastica() {
     let (length, width, along, rigidity) = (0.2, 0.02, 40, 1e-5);

@@ -44,10 +44,10 @@ fn bend_with(sheet: &TestSheet, length: f64, along: usize, rigidity: f64, stretc
         sum / count
     };
     let (tip, last) = (row(length), row(length * (1.0 - 1.0 / along as f64)));
-    let way = tip - last;
+    let direction = tip - last;
     Figures {
         height_over_width: -tip.z / tip.x,
-        tip_degrees: (-way.z).atan2(way.x).to_degrees(),
+        tip_degrees: (-direction.z).atan2(direction.x).to_degrees(),
         residual: scene.residual_over_weight(&x),
         iterations: report.global_iterations,
     }
@@ -71,12 +71,12 @@ fn error(along: usize, gamma: f64, exact: f64, tip: f64) -> f64 {
     error
 }
 
-/// Promise: with the half clamp, H/W is within 0.6 % (Gamma 1, 10) and 2 % (100) of the elastica at L/20 and a
+/// Property: with the half clamp, H/W is within 0.6 % (Gamma 1, 10) and 2 % (100) of the elastica at L/20 and a
 /// quarter of that at L/40; it converges with order 1.8 or better over L/20, L/40, L/80; the tip angle is within
 /// 0.3 degrees.
 ///
-/// The elastica does not stretch and the strip does (by Gamma / 1e5, up to 0.1 %), so that their difference cannot
-/// fall to zero: the order is that of the way to the strip's own limit, and the limit has a bar of its own.
+/// The elastica does not stretch and the strip does (by Gamma / 1e5, up to 0.1 %), so that their difference does not
+/// converge to zero: the order is that of convergence to the limit of the strip, and the limit has its own tolerance.
 #[test]
 fn cantilever_bends_as_the_elastica() {
     for ((gamma, exact, tip), bars) in
@@ -92,7 +92,7 @@ fn cantilever_bends_as_the_elastica() {
     }
 }
 
-/// Promise: only Gamma counts: length, rigidity and density times (2, 8, 1) leave H/W as it is to 1e-6.
+/// Property: the shape depends on Gamma only: length, rigidity and density times (2, 8, 1) leave H/W unchanged to 1e-6.
 #[test]
 fn cantilever_shape_depends_on_gamma_alone() {
     let shape = |length: f64, rigidity: f64| {
@@ -105,8 +105,8 @@ fn cantilever_shape_depends_on_gamma_alone() {
     assert!((large / small - 1.0).abs() <= 1e-6);
 }
 
-/// Promise: where height zero lies does not matter: Newton converges where the weight's potential makes the total
-/// energy vanish. (A line search that takes its rounding from the total, not from the terms, stops early there.)
+/// Property: the origin of heights does not matter: Newton converges where the potential of the weight makes the total
+/// energy vanish. (A line search that estimates rounding by the total instead of the terms stops early there.)
 #[test]
 fn newton_converges_where_the_energy_vanishes() {
     let length = 0.2;
@@ -120,10 +120,10 @@ fn newton_converges_where_the_energy_vanishes() {
     let energy: f64 = scene.terms(&x, |terms| terms.iter().map(|t| t.value(&x)).sum());
     let zero = -energy / (G * scene.mass.iter().sum::<f64>());
     for (k, height) in [0.0, zero, zero * (1.0 + 1e-6), zero * (1.0 - 1e-9)].into_iter().enumerate() {
-        // A bump of a hundredth of an element, so that there is something to do.
+        // A perturbation of a hundredth of an element.
         let mut bumped: Vec<Vec3> = x
             .iter()
-            .zip(&scene.held)
+            .zip(&scene.fixed)
             .enumerate()
             .map(|(i, (x, held))| {
                 let bump = if *held { 0.0 } else { 1e-4 * (7.1 * i as f64).sin() };
@@ -137,14 +137,14 @@ fn newton_converges_where_the_energy_vanishes() {
             max_iterations: 200,
         };
         let start = bumped.clone();
-        let report = scene.terms(&start, |terms| balance(terms, &mut bumped, &scene.held, newton));
+        let report = scene.terms(&start, |terms| balance(terms, &mut bumped, &scene.fixed, newton));
         println!("datum {k}: {report:?}, residual {:.1e}", scene.residual_over_weight(&bumped));
         assert!(report.converged && report.max_displacement <= newton.displacement_tol);
         assert!(scene.residual_over_weight(&bumped) <= 1e-8);
     }
 }
 
-/// H/W at Gamma 10 on equilateral lattices of L / `along` turned by 0, 15, 30 degrees: its spread.
+/// H/W at Gamma 10 on equilateral lattices of L / `along` rotated by 0, 15, 30 degrees: its relative range.
 fn spread(along: usize, stretch: f64) -> f64 {
     let length = 0.2;
     let shapes = [0.0, 15.0, 30.0].map(|degrees| {
@@ -154,7 +154,7 @@ fn spread(along: usize, stretch: f64) -> f64 {
         figures.height_over_width
     });
     let (low, high) = shapes.iter().fold((f64::MAX, f64::MIN), |(l, h), s| (l.min(*s), h.max(*s)));
-    // Lambda = Y kappa² h⁴ / B says how far the membrane stiffens the bending of elements that lie askew.
+    // Lambda = Y kappa² h⁴ / B measures how far the membrane stiffens the bending of elements at an angle.
     let locking = stretch * 3.742_f64.powi(2) / (along as f64).powi(4);
     println!(
         "Y L²/B {stretch:.0e}, L/{along}: H/W {shapes:.5?} at 0, 15, 30 degrees, spread {:.2} %, locking number {locking:.2}",
@@ -163,12 +163,12 @@ fn spread(along: usize, stretch: f64) -> f64 {
     high / low - 1.0
 }
 
-/// Promise: the direction of the mesh does not show: spread of H/W over lattices turned by 0, 15, 30 degrees below
+/// Property: the direction of the mesh does not show: the range of H/W over lattices rotated by 0, 15, 30 degrees is below
 /// 2 % at L/40, for soft and stiff membranes.
 #[test]
 fn cantilever_does_not_feel_the_direction_of_the_mesh() {
     for stretch in [SOFT, STIFF] {
-        // Coarser meshes lock; their figures are printed for docs/validation/accuracy.md and have no bar.
+        // Coarser meshes lock; their figures are printed for docs/validation/accuracy.md only.
         spread(20, stretch);
         assert!(spread(40, stretch) <= 0.02);
     }

@@ -9,7 +9,7 @@ use crease::math::{Vec2, Vec3};
 use crease::mesh::{hinge_angle, hinge_gradient};
 use nalgebra::DMatrix;
 
-/// One pose: points, and what 50 digits say of E = k/2 (theta - 0.25)².
+/// One pose: points, and E = k/2 (theta - 0.25)² with its derivatives to 50 digits.
 struct Pose {
     name: String,
     x: [Vec3; 4],
@@ -28,8 +28,8 @@ fn points(flat: &[f64]) -> [Vec3; 4] {
     std::array::from_fn(|i| Vec3::new(flat[3 * i], flat[3 * i + 1], flat[3 * i + 2]))
 }
 
-/// Two poses of `hinge_reference.json`, for clones without the folder.
-fn nailed_poses() -> Vec<Pose> {
+/// Two poses of `hinge_reference.json`, for clones without that file.
+fn embedded_poses() -> Vec<Pose> {
     NAILED
         .into_iter()
         .map(|(name, x, theta, energy, gradient, eigenvalues)| Pose {
@@ -116,7 +116,7 @@ const NAILED: [Row; 2] = [
 ];
 
 fn poses() -> Vec<Pose> {
-    let mut poses = nailed_poses();
+    let mut poses = embedded_poses();
     if let Some(file) = reference::json("hinge_reference.json") {
         let list = |v: &serde_json::Value| -> Vec<f64> {
             v.as_array().into_iter().flatten().filter_map(serde_json::Value::as_f64).collect()
@@ -155,7 +155,7 @@ fn full_hessian(x: &[Vec3; 4]) -> DMatrix<f64> {
     })
 }
 
-/// Promise: energy and gradient of a hinge to 1e-10 of their size, in every reference pose.
+/// Property: energy and gradient of a hinge to 1e-10 of their size, in every reference pose.
 #[test]
 fn hinge_energy_and_gradient_match_fifty_digits() {
     let mut worst = [0.0f64; 3];
@@ -175,7 +175,7 @@ fn hinge_energy_and_gradient_match_fifty_digits() {
     println!("hinge: angle {:.1e} rad, energy {:.1e}, gradient {:.1e}", worst[0], worst[1], worst[2]);
 }
 
-/// Promise: the full Hessian has the reference's twelve eigenvalues to 1e-10 of the largest, four of them negative
+/// Property: the full Hessian has the reference's twelve eigenvalues to 1e-10 of the largest, four of them negative
 /// (which is why the solver uses a Gauss-Newton Hessian).
 #[test]
 fn hinge_hessian_eigenvalues_match_fifty_digits() {
@@ -192,8 +192,8 @@ fn hinge_hessian_eigenvalues_match_fifty_digits() {
     println!("hinge: Hessian eigenvalues {worst:.1e}");
 }
 
-/// Promise: the bending term of the solver, on a lone hinge of the same stiffness, has the same energy and forces.
-/// (On a lone hinge the face operator is the hinge energy times a constant, which the stiffness ratio takes out.)
+/// Property: the bending term of the solver, on a lone hinge of the same stiffness, has the same energy and forces.
+/// (On a lone hinge the face operator is the hinge energy times a constant, which the stiffness ratio compensates.)
 #[test]
 fn bending_term_of_a_lone_hinge_matches_fifty_digits() {
     let flat = [[0.0, 0.0], [1.0, 0.0], [0.3, 0.8], [0.6, -0.5]].map(|p| Vec2::new(p[0], p[1]));

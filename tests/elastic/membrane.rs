@@ -22,7 +22,7 @@ fn undamped<'a>(membrane: &'a Membrane, sheet: &TestSheet) -> crease::energy::Me
     membrane.term(&sheet.memory(), &[], f64::INFINITY)
 }
 
-/// Whether each point lies on the border.
+/// Returns whether each point is on the border.
 fn border(sheet: &TestSheet) -> Vec<bool> {
     let mut on_border = vec![false; sheet.flat.len()];
     for loops in boundary(sheet) {
@@ -76,8 +76,8 @@ fn meshes() -> Vec<(&'static str, TestSheet)> {
     ]
 }
 
-/// Deformation gradients without compression in any direction (shear must stay below the geometric mean of the
-/// tensions, else the sheet would wrinkle), the last two turned in space.
+/// Deformation gradients without compression in any direction (shear below the geometric mean of the tensions, as the
+/// sheet would wrinkle otherwise), the last two rotated in space.
 fn gradients() -> [Matrix3x2<f64>; 3] {
     let turn = Rotation3::new(Vec3::new(0.7, -0.4, 1.1));
     [
@@ -90,7 +90,7 @@ fn gradients() -> [Matrix3x2<f64>; 3] {
 const STIFFNESS: [f64; 3] = [1000.0, 800.0, 40.0];
 const EDGE: f64 = 0.1;
 
-/// First Piola stress of the law, written down from its energy density [N/m].
+/// First Piola stress of the membrane, from its energy density [N/m].
 fn stress(f: &Matrix3x2<f64>) -> Matrix3x2<f64> {
     let (u, v) = (f.column(0).into_owned(), f.column(1).into_owned());
     let shear = STIFFNESS[2] * u.dot(&v);
@@ -100,27 +100,27 @@ fn stress(f: &Matrix3x2<f64>) -> Matrix3x2<f64> {
     ])
 }
 
-/// Promise: with the border in an affine shape the inside takes it too, to 1e-10 of an edge, without forces
-/// (1e-12 Y l), on any mesh; and the border is held by exactly the stress times its normal.
+/// Property: with an affine deformation of the border the interior follows it, to 1e-10 of an edge, without forces
+/// (1e-12 Y l), on any mesh; the reaction at the border is the stress times its normal.
 #[test]
 fn patch_of_constant_strain() {
     for (name, sheet) in meshes() {
         let membrane = sheet.membrane(STIFFNESS);
         let term = undamped(&membrane, &sheet);
-        let held = border(&sheet);
+        let fixed = border(&sheet);
         let mut worst = [0.0f64; 3];
         for f in gradients() {
             let affine: Vec<Vec3> = sheet.flat.iter().map(|p| f * p).collect();
-            let exact = residual(&[&term], &affine, &held) / (STIFFNESS[0] * EDGE);
+            let exact = residual(&[&term], &affine, &fixed) / (STIFFNESS[0] * EDGE);
             let mut x = affine.clone();
-            for (i, (x, _)) in x.iter_mut().zip(&held).enumerate().filter(|(_, (_, held))| !**held) {
+            for (i, (x, _)) in x.iter_mut().zip(&fixed).enumerate().filter(|(_, (_, fixed))| !**fixed) {
                 let phase = i as f64;
                 *x += Vec3::new((3.1 * phase).sin(), (5.7 * phase).cos(), (1.3 * phase).sin()) * 2e-4;
             }
-            let report = balance(&[&term], &mut x, &held, NEWTON);
+            let report = balance(&[&term], &mut x, &fixed, NEWTON);
             assert!(report.converged, "{name}: {report:?}");
             let moved = x.iter().zip(&affine).map(|(x, a)| (x - a).norm()).fold(0.0, f64::max) / EDGE;
-            let left = residual(&[&term], &x, &held) / (STIFFNESS[0] * EDGE);
+            let left = residual(&[&term], &x, &fixed) / (STIFFNESS[0] * EDGE);
             worst = [
                 worst[0].max(moved),
                 worst[1].max(exact).max(left),
@@ -128,14 +128,14 @@ fn patch_of_constant_strain() {
             ];
         }
         println!(
-            "{name}: inside off by {:.1e} l, force {:.1e} Y l, reaction off by {:.1e} Y l",
+            "{name}: interior off by {:.1e} l, force {:.1e} Y l, reaction off by {:.1e} Y l",
             worst[0], worst[1], worst[2]
         );
         assert!(worst[0] <= 1e-10 && worst[1] <= 1e-12 && worst[2] <= 1e-12, "{name}: {worst:?}");
     }
 }
 
-/// Largest difference between the force that holds a border point and the stress on its half edges, over Y l.
+/// Largest difference between the reaction at a border point and the stress on its half edges, over Y l.
 fn reaction_error(sheet: &TestSheet, term: &dyn Energy, x: &[Vec3], f: &Matrix3x2<f64>) -> f64 {
     let mut expected = vec![Vec3::zeros(); x.len()];
     for loops in boundary(sheet) {
@@ -147,13 +147,13 @@ fn reaction_error(sheet: &TestSheet, term: &dyn Energy, x: &[Vec3], f: &Matrix3x
             expected[b.at()] += half;
         }
     }
-    let held = forces(&[term], x);
-    let off = held.iter().zip(&expected).zip(border(sheet)).filter(|(_, on_border)| *on_border);
+    let reactions = forces(&[term], x);
+    let off = reactions.iter().zip(&expected).zip(border(sheet)).filter(|(_, on_border)| *on_border);
     off.map(|((a, b), _)| (a - b).norm()).fold(0.0, f64::max) / (STIFFNESS[0] * EDGE)
 }
 
-/// Promise: stiffness belongs to the cloth, not to the mesh: the same patch with elements half as long pulls with
-/// the same force, to 1e-10. (Baraff and Witkin's own scaling would give half.)
+/// Property: the stiffness does not depend on the mesh: the same patch with elements half as long has the same force, to
+/// 1e-10. (The original scaling of Baraff and Witkin would give half.)
 #[test]
 fn force_does_not_depend_on_the_element_size() {
     let pull = |count: usize| {
@@ -169,7 +169,7 @@ fn force_does_not_depend_on_the_element_size() {
     assert!((coarse / 5.0 - 1.0).abs() <= 1e-10);
 }
 
-/// Promise: a strip hanging under its own weight lengthens by a L / 2, a = rho g L / Y, to 1e-6 (linear law; exact at
+/// Property: a strip hanging under its own weight lengthens by a L / 2, a = rho g L / Y, to 1e-6 (linear law; exact at
 /// every point, when half of an element's mass hangs at the tip).
 #[test]
 fn hanging_strip_lengthens_by_half_its_weight_over_its_stiffness() {
@@ -178,12 +178,12 @@ fn hanging_strip_lengthens_by_half_its_weight_over_its_stiffness() {
     let sheet = quads(&spaced(0.0, length, along), &spaced(0.0, h * across as f64, across), false);
     let stretch = 200.0;
     let membrane = sheet.membrane([stretch, stretch, 0.5 * stretch]);
-    let held: Vec<bool> = sheet.flat.iter().map(|p| p.x < 1e-9).collect();
+    let fixed: Vec<bool> = sheet.flat.iter().map(|p| p.x < 1e-9).collect();
     let mut worst: f64 = 0.0;
     for a in [1e-3, 1e-2, 0.1, 0.3] {
         let density = a * stretch / (9.81 * length);
-        // A quarter of each quad to each of its corners: a third of each triangle would give the two tip corners
-        // one and two thirds, and turn the tip.
+        // A quarter of each quad to each of its corners: a third of each triangle would load the two tip corners by one
+        // and two thirds, and rotate the tip.
         let half = |at: f64, end: f64| if at < 1e-9 || at > end - 1e-9 { 0.5 } else { 1.0 };
         let mass: Vec<f64> = sheet
             .flat
@@ -193,7 +193,7 @@ fn hanging_strip_lengthens_by_half_its_weight_over_its_stiffness() {
         let weight = Gravity { mass: &mass, acceleration: Vec3::new(9.81, 0.0, 0.0) };
         let mut x = sheet.laid();
         let shift = HessianShift(1e-6 * stretch);
-        balance(&[&undamped(&membrane, &sheet), &weight, &shift], &mut x, &held, NEWTON);
+        balance(&[&undamped(&membrane, &sheet), &weight, &shift], &mut x, &fixed, NEWTON);
         for (x, p) in x.iter().zip(&sheet.flat).filter(|(_, p)| p.x > 1e-9) {
             let s = p.x / length;
             worst = worst.max(((x.x - p.x) / (a * length * (s - s * s / 2.0)) - 1.0).abs());
@@ -212,7 +212,7 @@ fn extend(degrees: f64, tension: f64) -> [f64; 2] {
     let cut = TestSheet { flat, triangles: laid.triangles.clone() };
     let membrane = cut.membrane(STIFFNESS);
     // A dead load on both ends, written as weights along the length.
-    let share = side / count as f64;
+    let width = side / count as f64;
     let load: Vec<f64> = laid
         .flat
         .iter()
@@ -225,12 +225,12 @@ fn extend(degrees: f64, tension: f64) -> [f64; 2] {
             } else {
                 0.0
             };
-            tension * share * along * end
+            tension * width * along * end
         })
         .collect();
     let pull = Gravity { mass: &load, acceleration: Vec3::x() };
-    let mut held = vec![false; laid.flat.len()];
-    held[0] = true;
+    let mut fixed = vec![false; laid.flat.len()];
+    fixed[0] = true;
     let mut x = laid.laid();
     let newton = NewtonOptions {
         displacement_tol: 1e-13,
@@ -238,14 +238,14 @@ fn extend(degrees: f64, tension: f64) -> [f64; 2] {
         rel_decrement_tol: 0.0,
         max_iterations: 400,
     };
-    balance(&[&undamped(&membrane, &cut), &pull, &HessianShift(1e-5)], &mut x, &held, newton);
+    balance(&[&undamped(&membrane, &cut), &pull, &HessianShift(1e-5)], &mut x, &fixed, newton);
     let last = x.len() - 1;
     let along = x[last - count].x - x[0].x;
     let across = x[count].y - x[0].y;
     [along / side, across / side]
 }
 
-/// Promise: extension on the bias is that of the law (`bias_extension.csv`), small-strain modulus and stretch under
+/// Property: extension on the bias agrees with the closed form (`bias_extension.csv`), small-strain modulus and stretch under
 /// 5 N/m within 1e-3.
 #[test]
 fn extension_on_the_bias_matches_the_law() {
@@ -259,7 +259,7 @@ fn extension_on_the_bias_matches_the_law() {
         (60.0, 1.026_247_957, 0.978_739_971_2),
     ] {
         let [along, across] = extend(degrees, 5.0);
-        // Of the strain, not of the length: the bar is 1e-3 of what the cloth gives.
+        // Relative to the strain, not to the length.
         let off = [(along - 1.0) / (stretch - 1.0) - 1.0, (across - 1.0) / (width - 1.0) - 1.0];
         println!(
             "{degrees} degrees: stretch {along:.9}, width {across:.9}, strains off by {}",

@@ -1,4 +1,4 @@
-//! Integrators: what they do to an oscillator, a falling and a free particle, and a tumbling hinge.
+//! Integrators on an oscillator, a falling and a free particle, and a tumbling hinge.
 
 use crate::reference::{self, figures};
 use crate::rest::forces;
@@ -10,7 +10,7 @@ use crease::garment::RestState;
 use crease::math::{Vec2, Vec3};
 use crease::sim::{Inertia, Method, NewtonOptions, PreviousState, Problem, State, Workspace};
 
-/// Newton works until rounding [m]: the tests look at the integrator, not at the solver's tolerance.
+/// Newton iterates to rounding: the tests measure the integrator, not the tolerance of the solver.
 const NEWTON: NewtonOptions =
     NewtonOptions { displacement_tol: 1e-13, decrement_tol: 0.0, rel_decrement_tol: 0.0, max_iterations: 30 };
 
@@ -29,7 +29,7 @@ fn advance(
     follow(state, x, v, h)
 }
 
-/// One step of the trapezoid rule: the start-up that the reference table of BDF2 was made with.
+/// One step of the trapezoid rule, the first step of the reference table of BDF2.
 fn trapezoid(state: &State, mass: &[f64], terms: &[&dyn Energy], h: f64, work: &mut Workspace) -> State {
     let gradient = forces(terms, &state.x);
     let inertial: Vec<Vec3> = (0..mass.len())
@@ -48,11 +48,11 @@ fn minimise(
     from: &[Vec3],
     work: &mut Workspace,
 ) -> Vec<Vec3> {
-    let held = vec![false; mass.len()];
+    let fixed = vec![false; mass.len()];
     let problem = Problem {
         inertia: Some(Inertia { mass, inertial, effective_dt: span }),
         terms,
-        fixed: &held,
+        fixed: &fixed,
         predicted_positions: None,
     };
     let mut x = from.to_vec();
@@ -103,8 +103,7 @@ fn oscillate(method: Method, z: f64, steps: usize) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// Promise: numerical damping is that of the method and no more (`numerical_damping.csv`): amplitude left after one
-/// period within 1e-4.
+/// Property: numerical damping is that of the method (`numerical_damping.csv`): amplitude after one period within 1e-4.
 #[test]
 fn oscillator_amplitude_per_period_is_that_of_the_method() {
     const TABLE: [(f64, f64, f64); 3] = [
@@ -114,7 +113,7 @@ fn oscillator_amplitude_per_period_is_that_of_the_method() {
     ];
     for (z, euler, bdf2) in TABLE {
         for (method, expected) in [(Method::BackwardEuler, euler), (Method::Bdf2, bdf2)] {
-            // The second root of BDF2 falls by three a step: after 40 steps only the first is left.
+            // The second root of BDF2 decays by a factor of three per step: after 40 steps only the first is left.
             let path = oscillate(method, z, 60);
             let amplitude = |p: &[f64; 2]| p[0].hypot(p[1]);
             let per_step = (amplitude(&path[59]) / amplitude(&path[39])).powf(1.0 / 20.0);
@@ -125,8 +124,8 @@ fn oscillator_amplitude_per_period_is_that_of_the_method() {
     }
 }
 
-/// Promise: the orders on an oscillator are 0.9 to 1.05 for backward Euler and at least 1.95 for BDF2, whose first
-/// step of backward Euler does not spoil it; errors are those of `oscillator_convergence.csv` to 1e-5 of their size.
+/// Property: the orders on an oscillator are 0.9 to 1.05 for backward Euler and at least 1.95 for BDF2, whose first
+/// step of backward Euler does not lower it; errors are those of `oscillator_convergence.csv` to 1e-5 of their size.
 #[test]
 fn oscillator_converges_with_the_order_of_the_method() {
     const STEPS: [usize; 4] = [160, 320, 640, 1280];
@@ -148,7 +147,7 @@ fn oscillator_converges_with_the_order_of_the_method() {
 
 // ---- Particles ----
 
-/// Promise: after one second of free fall backward Euler is g h / 2 too low and BDF2, started with one step of it,
+/// Property: after one second of free fall backward Euler is g h / 2 too low and BDF2, started with one step of it,
 /// 0.75 g h² too low, both to 1e-6 of that.
 #[test]
 fn free_fall_errors_are_those_of_the_method() {
@@ -170,7 +169,7 @@ fn free_fall_errors_are_those_of_the_method() {
     }
 }
 
-/// Promise: steps that double twenty times leave the velocity of a free particle as it is, to 1e-12 of it.
+/// Property: steps that double twenty times keep the velocity of a free particle to 1e-12.
 #[test]
 fn doubling_steps_keep_the_velocity_of_a_free_particle() {
     let start = Vec3::new(0.3, -0.2, 0.1);
@@ -189,8 +188,8 @@ fn doubling_steps_keep_the_velocity_of_a_free_particle() {
     assert!((state.x[0] - start - velocity * state.time).norm() <= 1e-12 * state.time);
 }
 
-/// Promise: a step three times the last is not made by BDF2, which would be unstable (root 9/7): it restarts with
-/// backward Euler. A ratio of two is made by BDF2.
+/// Property: BDF2 restarts with backward Euler where a step is three times the last, as it would be unstable (root 9/7). A
+/// ratio of two is stable.
 #[test]
 fn a_forced_ratio_of_three_restarts_with_backward_euler() {
     let mut state = particle(Vec3::new(0.3, 0.0, 0.0), Vec3::x());
@@ -201,7 +200,7 @@ fn a_forced_ratio_of_three_restarts_with_backward_euler() {
     let two = Method::Bdf2.stage(&state, 0.02);
     assert!((two.effective_dt - 0.6 * 0.02).abs() < 1e-15, "(1 + r) h / (1 + 2 r) with r = 2");
 
-    // A disturbance of 1e-12 m/s, which unrefused BDF2 would grow to 2e-8 in 40 steps.
+    // A disturbance of 1e-12 m/s, which BDF2 would amplify to 2e-8 in 40 steps.
     let velocity = Vec3::new(1.0 + 1e-12, 0.0, 0.0);
     state.v[0] = velocity;
     let mut work = Workspace::default();
@@ -230,8 +229,8 @@ const AT_100_MS: [[f64; 3]; 4] = [
     [0.02954176885258277, 0.01096056055722635, 0.17994076726665506],
     [0.11523552651391253, 0.029804623619502854, 0.07910800785836453],
 ];
-/// Steps in 0.1 s, and the error columns of `hinge_free_flight_convergence.csv` [m]. Backward Euler starts alike
-/// here and there; the table's BDF2 starts with a step of the trapezoid rule.
+/// Steps in 0.1 s, and the error columns of `hinge_free_flight_convergence.csv` [m]. Backward Euler has the same first step
+/// here and in the table; BDF2 of the table starts with a step of the trapezoid rule.
 const STEPS: [usize; 6] = [50, 100, 200, 400, 800, 1600];
 const EULER_COLUMN: [f64; 6] =
     [3.142_829_01e-3, 1.651_619_56e-3, 8.543_979_27e-4, 4.373_416_08e-4, 2.225_383_24e-4, 1.123_453_16e-4];
@@ -245,7 +244,7 @@ struct Flight {
     memory: RestState,
 }
 
-/// How a flight begins.
+/// First step of a flight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Start {
     Own,
@@ -258,7 +257,7 @@ impl Flight {
         let sheet = TestSheet { flat: flat.into(), triangles: vec![[0, 1, 2], [1, 0, 3]] };
         let bending = sheet.bending(1e-4);
         // The reference has an edge hinge of k = B l² / (A1 + A2); the face operator of a lone hinge has another
-        // constant, which the stiffness ratio takes out.
+        // constant, which the stiffness ratio compensates.
         let mut memory = sheet.memory();
         let bent = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.03, 0.08, 0.01], [0.06, -0.05, 0.0]].map(Vec3::from);
         let angle = bending.angles(&bent, &[]);
@@ -268,7 +267,7 @@ impl Flight {
         Self { mass: sheet.mass(0.2), membrane: sheet.membrane([20.0, 20.0, 5.0]), bending, memory }
     }
 
-    /// 0.1 s in `count` steps.
+    /// Integrates 0.1 s in `count` steps.
     fn run(&self, method: Method, start: Start, count: usize) -> State {
         let x: Vec<Vec3> = FLAT.iter().map(|p| Vec3::new(p[0], p[1], 0.0)).collect();
         let mut state = State::at_rest(x, vec![0.0]);
@@ -305,12 +304,12 @@ impl Flight {
     }
 }
 
-/// Promise: the same energies give the same errors as an independent integration of them, within 1 % of the error,
+/// Property: the same energies give the same errors as an independent integration of them, within 1 % of the error,
 /// at every step length; backward Euler has order 0.9 to 1.05.
 #[test]
 fn tumbling_hinge_has_the_errors_of_the_reference_integrators() {
     if let Some(rows) = reference::table("hinge_free_flight_convergence.csv") {
-        // The constants above are that file's.
+        // The constants above are those of the file.
         let column = |name: &str| -> Vec<f64> {
             rows.iter().filter(|r| r[0] == name).filter_map(|r| r[2].parse().ok()).collect()
         };
@@ -335,7 +334,7 @@ fn tumbling_hinge_has_the_errors_of_the_reference_integrators() {
     }
 }
 
-/// Promise: BDF2 as it is used, started with one step of backward Euler, is of order 1.95 or better.
+/// Property: BDF2 as it is used, started with one step of backward Euler, is of order 1.95 or better.
 #[test]
 fn tumbling_hinge_shows_order_two_for_bdf2_started_with_backward_euler() {
     let flight = Flight::new();
@@ -345,8 +344,8 @@ fn tumbling_hinge_shows_order_two_for_bdf2_started_with_backward_euler() {
     assert!(orders[2..].iter().all(|o| *o >= 1.95), "{orders:?}");
 }
 
-/// Promise: linear momentum is kept to 1e-12 (steps of 0.25 ms and more); angular momentum drifts with the
-/// order of the method.
+/// Property: linear momentum is conserved to 1e-12 (steps of 0.25 ms and more); angular momentum drifts with the order of the
+/// method.
 #[test]
 fn tumbling_hinge_keeps_linear_momentum() {
     let flight = Flight::new();
@@ -358,7 +357,7 @@ fn tumbling_hinge_keeps_linear_momentum() {
         let drift = ends
             .each_ref()
             .map(|end| (flight.angular_momentum(&end.x, &end.v) - turning).norm() / turning.norm());
-        // Velocities are differences of positions over the step: below 0.25 ms the rounding of positions shows.
+        // Velocities are differences of positions over the step: below 0.25 ms the rounding of positions dominates.
         let lost = ends.each_ref().map(|end| (flight.momentum(&end.v) - before).norm() / before.norm());
         let orders = orders(&drift);
         println!(

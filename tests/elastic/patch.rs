@@ -1,4 +1,4 @@
-//! Bending energy of smooth surfaces against a plate: does the mesh show?
+//! Bending energy of smooth surfaces compared with a plate.
 
 use crate::reference::{self, figures};
 use crate::sheet::{SheetModels, quads, spaced};
@@ -10,7 +10,7 @@ use nalgebra::Matrix2;
 const EDGE: f64 = 0.01;
 const BEND: f64 = 1e-4;
 
-/// A mesh and the box, of whole periods of it and away from its border, in which energy is counted.
+/// A mesh and the box in which energy is summed: whole periods of the mesh away from its border.
 struct Patch {
     sheet: TestSheet,
     low: Vec2,
@@ -80,9 +80,9 @@ impl Patch {
     }
 }
 
-/// Promise: on one-diagonal and equilateral meshes the bending energy is that of a plate with Poisson ratio 0, bent in
-/// any direction, to 1e-3: cylinder 1, sphere 2, twist 2. On union-jack meshes it is what theory says of them, and
-/// not that of a plate, which is why garments are not meshed so.
+/// Property: on one-diagonal and equilateral meshes the bending energy is that of a plate with Poisson ratio 0, bent in
+/// any direction, to 1e-3: cylinder 1, sphere 2, twist 2. On union-jack meshes it agrees with the theory of these meshes and not with a
+/// plate, which is why garments are not meshed so.
 #[test]
 fn bending_energy_of_a_plate() {
     const PLATE: [f64; 7] = [1.0, 1.0, 1.0, 1.0, 1.0, 2.0, 2.0];
