@@ -7,11 +7,11 @@
 //! E_f = 1/2 A_f (B_warp S_uu² + B_weft S_vv² + 2 B_twist S_uv²)            B_twist = sqrt(B_warp B_weft)
 //! ```
 //!
-//! so that the energy is 1/2 (theta - rest)^T Q (theta - rest) with a constant sparse Q: a plate with Poisson ratio
-//! 0 on one-diagonal and equilateral meshes, where independent hinges bend 20 % too soft and twist up to 3 times
-//! too stiff. Hinges missing at a border are eliminated by minimising over their angle (the free border). Rest
-//! angle and stiffness ratio s stay per hinge. The Hessian is Gauss-Newton, which is positive by construction.
-//! Angles are unwrapped against the last accepted step, so that folds pass 180 degrees without a jump. With intersection-free
+//! so that the energy is 1/2 (theta - rest)^T Q (theta - rest) with a constant sparse Q: a plate with Poisson ratio 0
+//! on one-diagonal and equilateral meshes, where independent hinges bend 20 % too soft and twist up to 3 times too
+//! stiff. Hinges missing at a border are eliminated by minimising over their angle (the free border). Rest angle and
+//! stiffness ratio s stay per hinge. The Hessian is Gauss-Newton, which is positive by construction. Angles are
+//! unwrapped against the last accepted step, so that folds pass 180 degrees without a jump. With intersection-free
 //! contact no fold passes 180 degrees; there the principal angle is the right one, however far a hinge snaps within one
 //! step ([`Bending::keep_apart`]).
 
@@ -70,8 +70,8 @@ impl Bending {
         )
     }
 
-    /// Returns the bending model over `topology` with material coordinates `material` [m], rigidities (warp, weft) [N·m] and
-    /// relaxation time `damping` [s].
+    /// Returns the bending model over `topology` with material coordinates `material` [m], rigidities (warp, weft)
+    /// [N·m] and relaxation time `damping` [s].
     pub fn from_parts(topology: &Topology, material: &[[Vec2; 3]], rigidity: [f64; 2], damping: f64) -> Self {
         let area = |m: &[Vec2; 3]| 0.5 * ((m[1] - m[0]).perp(&(m[2] - m[0]))).abs();
         let mut width = Vec::with_capacity(topology.hinges.len());
@@ -168,8 +168,8 @@ impl Bending {
         self.apart = true;
     }
 
-    /// Returns the angle of every hinge at `x` [rad]; where layers may pass through each other, the one nearest to `last` (one
-    /// per hinge, or empty for the principal values).
+    /// Returns the angle of every hinge at `x` [rad]; where layers may pass through each other, the one nearest to
+    /// `last` (one per hinge, or empty for the principal values).
     pub fn angles(&self, x: &[Vec3], last: &[f64]) -> Vec<f64> {
         if last.is_empty() {
             return self.points.iter().map(|p| hinge_angle(&p.map(|i| x[i as usize]))).collect();
@@ -183,8 +183,8 @@ impl Bending {
         if self.apart && last.abs() < TUNING.max_principal_angle { angle } else { unwrap_angle(angle, last) }
     }
 
-    /// Returns the term of one step: rest angles and stiffness from `memory`, damping over `step` [s] towards `last`, the
-    /// unwrapped angles of the last accepted state. An infinite step turns damping off.
+    /// Returns the term of one step: rest angles and stiffness from `memory`, damping over `step` [s] towards `last`,
+    /// the unwrapped angles of the last accepted state. An infinite step turns damping off.
     pub fn term<'a>(&'a self, memory: &RestState, last: &'a [f64], step: f64) -> BendingTerm<'a> {
         let ratio = if self.damping > 0.0 { self.damping / step } else { 0.0 };
         let target =
@@ -337,8 +337,8 @@ mod tests {
         (topology, material, flat)
     }
 
-    /// A hinge snaps from 120 to -120 degrees within a step: through zero where layers cannot pass, through 180 degrees where
-    /// they can.
+    /// A hinge snaps from 120 to -120 degrees within a step: through zero where layers cannot pass, through 180 degrees
+    /// where they can.
     #[test]
     fn a_hinge_that_snaps_stays_within_half_a_turn_where_layers_are_kept_apart() {
         let triangles = [[0, 1, 2], [1, 0, 3]].map(|t| t.map(PointIndex));

@@ -1,4 +1,5 @@
-//! Linear air drag: a force -c m v, as the incremental potential E = c/(2 h) sum m_i |x_i - start_i|² of a step of h seconds.
+//! Linear air drag: a force -c m v, as the incremental potential E = c/(2 h) sum m_i |x_i - start_i|² of a step of h
+//! seconds.
 
 use crate::energy::term::{BlockSink, Energy};
 use crate::math::{Mat3, Vec3};

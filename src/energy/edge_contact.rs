@@ -4,10 +4,10 @@
 //! E = k/2 (d - g)²  for g = n.(w_a x_a + w_b x_b + w_c x_c - c) < d
 //! ```
 //!
-//! It complements [`PlaneContact`](crate::energy::PlaneContact), which covers the points of the cloth only. `c` and `n` are a
-//! position on the body and its normal at the end of the step; the weights are the barycentric coordinates of the position
-//! of the cloth above it at the beginning; d is the activation distance. The energy is convex; friction acts at the points
-//! only. The pairs are found by `contact::body_edges`.
+//! It complements [`PlaneContact`](crate::energy::PlaneContact), which covers the points of the cloth only. `c` and `n`
+//! are a position on the body and its normal at the end of the step; the weights are the barycentric coordinates of the
+//! position of the cloth above it at the beginning; d is the activation distance. The energy is convex; friction acts
+//! at the points only. The pairs are found by `contact::body_edges`.
 
 use crate::energy::term::{BlockSink, Energy};
 use crate::math::Vec3;

@@ -27,8 +27,8 @@ pub(crate) fn dense_hessian(term: &dyn Energy, x: &[Vec3]) -> nalgebra::DMatrix<
     dense.0
 }
 
-/// Asserts that the gradient agrees with central differences of the value (relative 1e-6 of the largest entry), and that
-/// the Hessian is symmetric without negative eigenvalues (-1e-10 of the largest).
+/// Asserts that the gradient agrees with central differences of the value (relative 1e-6 of the largest entry), and
+/// that the Hessian is symmetric without negative eigenvalues (-1e-10 of the largest).
 pub(crate) fn check_gradient_and_hessian(term: &dyn Energy, x: &[Vec3], step: f64) {
     let mut gradient = vec![Vec3::zeros(); x.len()];
     term.add_gradient(x, &mut gradient);
@@ -60,8 +60,8 @@ pub(crate) fn check_gradient_and_hessian(term: &dyn Energy, x: &[Vec3], step: f6
     );
 }
 
-/// Asserts that the term restricted to `points` has the same gradient and Hessian rows there and the same differences of
-/// the value when one of them moves.
+/// Asserts that the term restricted to `points` has the same gradient and Hessian rows there and the same differences
+/// of the value when one of them moves.
 pub(crate) fn check_restriction(term: &dyn Energy, x: &[Vec3], points: &[bool], step: f64) {
     let part = term.restricted_to(points).expect("the term can be restricted");
     let (mut whole, mut few) = (vec![Vec3::zeros(); x.len()], vec![Vec3::zeros(); x.len()]);

@@ -6,11 +6,11 @@
 //! E = a/2 [ k_u (|w_u| - r_u)² + k_v (|w_v| - r_v)² + k_s (w_u . w_v)² ]
 //! ```
 //!
-//! with the rest stretches r (1 when new) read from the memory. Baraff and Witkin scale the *condition* by the area, which
-//! makes stiffness depend on the mesh; here the energy is scaled, so that k_u, k_v, k_s are in N/m of cloth width.
-//! Damping along the constraint (Kim, Oh and Wohn, eq. 4) is a spring to the last accepted value C_n with stiffness
-//! k * damping/step; both springs together are one with a shifted target, computed once per step. The geometric stiffness
-//! of a compressed axis is left out of the Hessian (it would be negative).
+//! with the rest stretches r (1 when new) read from the memory. Baraff and Witkin scale the *condition* by the area,
+//! which makes stiffness depend on the mesh; here the energy is scaled, so that k_u, k_v, k_s are in N/m of cloth
+//! width. Damping along the constraint (Kim, Oh and Wohn, eq. 4) is a spring to the last accepted value C_n with
+//! stiffness k * damping/step; both springs together are one with a shifted target, computed once per step. The
+//! geometric stiffness of a compressed axis is left out of the Hessian (it would be negative).
 
 use crate::energy::term::{BlockSink, Energy, add_symmetric, sum_of};
 use crate::energy::tuning::TUNING;
@@ -44,8 +44,8 @@ impl Membrane {
         )
     }
 
-    /// Returns the membrane of triangles `corners` with material coordinates `material` [m], `stiffness` (warp, weft, shear)
-    /// [N/m] and relaxation time `damping` [s].
+    /// Returns the membrane of triangles `corners` with material coordinates `material` [m], `stiffness` (warp, weft,
+    /// shear) [N/m] and relaxation time `damping` [s].
     pub fn from_parts(
         corners: &[[u32; 3]],
         material: &[[Vec2; 3]],
@@ -116,8 +116,8 @@ impl Membrane {
             .collect()
     }
 
-    /// Returns the term of one step: rest stretches from `memory`, damping over `step` [s] towards `last` ([`Self::measure`] at
-    /// the last accepted state). An infinite step turns damping off.
+    /// Returns the term of one step: rest stretches from `memory`, damping over `step` [s] towards `last`
+    /// ([`Self::measure`] at the last accepted state). An infinite step turns damping off.
     pub fn term(&self, memory: &RestState, last: &[[f64; 3]], step: f64) -> MembraneTerm<'_> {
         let ratio = if self.damping > 0.0 { self.damping / step } else { 0.0 };
         let rest = memory.rest_stretch_warp.iter().zip(&memory.rest_stretch_weft);
@@ -180,8 +180,8 @@ impl Energy for MembraneTerm<'_> {
         self.add_secant_hessian(x, x, out);
     }
 
-    /// Axes are those at the midpoint: |w'|² - |w|² is (w' + w) . (w' - w) for any angle between the two. Tensions are those at
-    /// the beginning, because the midpoint of the chord of a rotation is shorter than both of its ends.
+    /// Axes are those at the midpoint: |w'|² - |w|² is (w' + w) . (w' - w) for any angle between the two. Tensions are
+    /// those at the beginning, because the midpoint of the chord of a rotation is shorter than both of its ends.
     fn add_secant_hessian(&self, x: &[Vec3], midpoint: &[Vec3], out: &mut dyn BlockSink) {
         let [ku, kv, ks] = self.model.stiffness;
         for (f, t) in self.target.iter().enumerate() {

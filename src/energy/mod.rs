@@ -1,8 +1,8 @@
 //! Energy terms of the cloth, one file each: value [J], gradient [N] and Hessian [N/m] over the points of the mesh.
 //!
-//! Terms work on plain arrays of points; files, threads and time integration are outside their scope, and the rest state
-//! is read-only. Every Hessian is positive semi-definite (projected analytically or Gauss-Newton), so that a Newton
-//! direction is a descent direction. A new term is one file here; its unit tests call the shared checks of
+//! Terms work on plain arrays of points; files, threads and time integration are outside their scope, and the rest
+//! state is read-only. Every Hessian is positive semi-definite (projected analytically or Gauss-Newton), so that a
+//! Newton direction is a descent direction. A new term is one file here; its unit tests call the shared checks of
 //! `energy_checks` (finite differences, rigid motion, eigenvalues).
 
 mod bending;

@@ -5,10 +5,10 @@
 //! f' = 2 y/eps - y²/eps²  for y < eps, else 1
 //! ```
 //!
-//! The plane is tangent to the surface of the body next to the point, with the body as it is at the end of the step; d is
-//! the activation distance, eps the slip tolerance. `stick_point` is the position of the point had it stuck, so that cloth
-//! moves along with the body. The energy is convex and defined at any penetration depth: cloth between two parts of a body
-//! is pushed by both. The friction potential is that of Li and others 2020 (IPC). The pairs are found by
+//! The plane is tangent to the surface of the body next to the point, with the body as it is at the end of the step; d
+//! is the activation distance, eps the slip tolerance. `stick_point` is the position of the point had it stuck, so that
+//! cloth moves along with the body. The energy is convex and defined at any penetration depth: cloth between two parts
+//! of a body is pushed by both. The friction potential is that of Li and others 2020 (IPC). The pairs are found by
 //! `contact::body_planes`.
 
 use crate::energy::term::{BlockSink, Energy};

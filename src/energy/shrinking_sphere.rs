@@ -1,5 +1,5 @@
-//! A shrinking sphere that encloses the cloth, as hands that crumple it: points outside are pushed towards the centre. With
-//! the depth d_i = max(0, |x_i - c| - R), stiffness k_i and maximum force m_i,
+//! A shrinking sphere that encloses the cloth, as hands that crumple it: points outside are pushed towards the centre.
+//! With the depth d_i = max(0, |x_i - c| - R), stiffness k_i and maximum force m_i,
 //!
 //! ```text
 //! E = sum k_i/2 d_i²  up to the depth m_i / k_i, then m_i d_i - m_i²/(2 k_i)

@@ -4,8 +4,9 @@
 //! E = k/2 (n . (x - target))² + k_s/2 |(I - n n^T) (x - target)|²
 //! ```
 //!
-//! Wear actions move cloth with them: stiff along the normal n, which keeps layers in order, and soft across it, because
-//! layers slide on one another. A point with a prescribed position is a fixed point of the Newton problem instead.
+//! Wear actions move cloth with them: stiff along the normal n, which keeps layers in order, and soft across it,
+//! because layers slide on one another. A point with a prescribed position is a fixed point of the Newton problem
+//! instead.
 
 use crate::energy::term::{BlockSink, Energy};
 use crate::math::{Mat3, Vec3};

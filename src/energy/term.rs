@@ -25,17 +25,17 @@ pub trait Energy: Sync {
     /// Adds a positive semi-definite Hessian [N/m] at `x`.
     fn add_hessian(&self, x: &[Vec3], out: &mut dyn BlockSink);
     /// Adds a positive semi-definite secant Hessian [N/m] for the path that begins at `x` and has its middle near
-    /// `midpoint` [m]: its product with the displacement approximates the difference of the gradients at both ends. Where
-    /// elements rotate along the path, the error is of third order in the angle; that of the Hessian at `x` is of second.
-    /// The default is the Hessian at `x`, for terms whose elements do not rotate.
+    /// `midpoint` [m]: its product with the displacement approximates the difference of the gradients at both ends.
+    /// Where elements rotate along the path, the error is of third order in the angle; that of the Hessian at `x` is of
+    /// second. The default is the Hessian at `x`, for terms whose elements do not rotate.
     fn add_secant_hessian(&self, x: &[Vec3], _midpoint: &[Vec3], out: &mut dyn BlockSink) {
         self.add_hessian(x, out);
     }
     /// Visits every group of points that the Hessian couples.
     fn visit_stencils(&self, _visit: &mut dyn FnMut(&[u32])) {}
-    /// Returns the term of those elements that contain at least one of `points` (one flag per point). Gradient and Hessian
-    /// of these points are unchanged, and the value changes by the same amount when they move. `None` where the whole term
-    /// is cheap enough.
+    /// Returns the term of those elements that contain at least one of `points` (one flag per point). Gradient and
+    /// Hessian of these points are unchanged, and the value changes by the same amount when they move. `None` where the
+    /// whole term is cheap enough.
     fn restricted_to(&self, _points: &[bool]) -> Option<Box<dyn Energy + '_>> {
         None
     }

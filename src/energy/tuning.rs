@@ -2,11 +2,11 @@
 
 /// Tuning of the energy terms; see [`EnergyTuning::DEFAULT`].
 pub(super) struct EnergyTuning {
-    /// Minimum ratio of a triangle's rest altitude to its longest edge [-], default 1e-3. A thinner triangle is as stiff as
-    /// one of this ratio: the material derivative of a sliver grows without bound.
+    /// Minimum ratio of a triangle's rest altitude to its longest edge [-], default 1e-3. A thinner triangle is as
+    /// stiff as one of this ratio: the material derivative of a sliver grows without bound.
     pub min_altitude_ratio: f64,
-    /// Hinge angle beyond which an angle is unwrapped even where layers never pass through each other [rad], default 179.5
-    /// degrees: the two triangles of such a hinge may overlap in the imported mesh itself.
+    /// Hinge angle beyond which an angle is unwrapped even where layers never pass through each other [rad], default
+    /// 179.5 degrees: the two triangles of such a hinge may overlap in the imported mesh itself.
     pub max_principal_angle: f64,
     /// Minimum number of hinges per parallel task, default 512: fewer cost more to distribute than to compute.
     pub min_hinges_per_task: usize,

@@ -37,8 +37,8 @@ pub struct Loads {
     /// Contacts of triangles of the cloth with the body, found together with them.
     #[serde(skip)]
     pub edge_contacts: Arc<[EdgeContact]>,
-    /// Displacements with which the body carries the cloth along in this step, one per point [m]: the initial guess of the
-    /// solver. Empty for none.
+    /// Displacements with which the body carries the cloth along in this step, one per point [m]: the initial guess of
+    /// the solver. Empty for none.
     #[serde(skip)]
     pub body_displacement: Arc<[Vec3]>,
     /// Factor on the friction coefficients of the fabric [-]: 0 for none.

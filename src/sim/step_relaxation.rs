@@ -5,15 +5,15 @@ use crate::sim::loads::Loads;
 /// Factors by which tolerances of a step are loosened; [`StepRelaxation::OFF`] for none.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepRelaxation {
-    /// Factor on the maximum time step of the loads while springs guide the cloth ([`Loads::guided`]), and, squared, on the
-    /// local error [-]: most of the error is the arc that a straight displacement cuts short, and the springs decide where
-    /// the cloth ends. 1 for no change.
+    /// Factor on the maximum time step of the loads while springs guide the cloth ([`Loads::guided`]), and, squared, on
+    /// the local error [-]: most of the error is the arc that a straight displacement cuts short, and the springs
+    /// decide where the cloth ends. 1 for no change.
     pub guided_dt_scale: f64,
-    /// Factor on the energy tolerance while the loads are in transition ([`Loads::transient`]) [-]: positions are solved for
-    /// again right after it. 1 for no change.
+    /// Factor on the energy tolerance while the loads are in transition ([`Loads::transient`]) [-]: positions are
+    /// solved for again right after it. 1 for no change.
     pub transient_energy_scale: f64,
-    /// Minimum energy tolerance as a fraction of the kinetic energy of unloaded cloth ([`Loads::is_unloaded`]) [-]. 0 for no
-    /// change.
+    /// Minimum energy tolerance as a fraction of the kinetic energy of unloaded cloth ([`Loads::is_unloaded`]) [-]. 0
+    /// for no change.
     pub kinetic_energy_fraction: f64,
 }
 
@@ -30,8 +30,8 @@ impl StepRelaxation {
         if loads.guided { self.guided_dt_scale } else { 1.0 }
     }
 
-    /// Returns the energy tolerance [J] under `loads` of cloth with kinetic energy `kinetic` [J], where it is `energy_tol`
-    /// [J] without relaxation. A tolerance of 0, which turns the energy criterion off, stays 0.
+    /// Returns the energy tolerance [J] under `loads` of cloth with kinetic energy `kinetic` [J], where it is
+    /// `energy_tol` [J] without relaxation. A tolerance of 0, which turns the energy criterion off, stays 0.
     pub(super) fn energy_tol(&self, energy_tol: f64, loads: &Loads, kinetic: f64) -> f64 {
         if loads.transient {
             energy_tol * self.transient_energy_scale

@@ -108,8 +108,8 @@ impl Stepper {
         Self { cloth, contact, options, work: Workspace::default(), error_limited_dt: 0.0 }
     }
 
-    /// Clears what is kept between steps for speed (sparsity pattern, elimination order, contact search): the next step then
-    /// depends on its arguments only. The pattern decides the order of sums and so the last bits.
+    /// Clears what is kept between steps for speed (sparsity pattern, elimination order, contact search): the next step
+    /// then depends on its arguments only. The pattern decides the order of sums and so the last bits.
     pub fn clear_caches(&mut self) {
         self.work.reset();
         self.contact.clear_caches();
@@ -121,8 +121,8 @@ impl Stepper {
         loads.max_dt * self.options.relaxation.dt_scale(loads)
     }
 
-    /// Makes one accepted step of at most `dt_request` [s] and replaces `state` by its end. `loads_at` returns the loads at
-    /// a time [s]; the rest state `memory` is only read. Rejected attempts leave no trace in `state`.
+    /// Makes one accepted step of at most `dt_request` [s] and replaces `state` by its end. `loads_at` returns the
+    /// loads at a time [s]; the rest state `memory` is only read. Rejected attempts leave no trace in `state`.
     pub fn advance(
         &mut self,
         state: &mut State,
@@ -133,7 +133,8 @@ impl Stepper {
         let converges = self.options.method.solver() == InnerSolver::Newton;
         let mut h = dt_request.min(self.options.max_dt);
         let mut last = loads_at(state.time + h, state);
-        // Quasi-static step: dt is limited by memory events, not by motion or loads, so a local solve is likely to suffice.
+        // Quasi-static step: dt is limited by memory events, not by motion or loads, so a local solve is likely to
+        // suffice.
         let allowed_dt = self.error_limited_dt.min(self.max_dt_under(&last));
         let quasi_static = h <= TUNING.quasi_static_dt_fraction * allowed_dt;
         if !quasi_static || !converges {
@@ -263,8 +264,8 @@ impl Stepper {
         if solver == InnerSolver::SingleNewton {
             newton.max_iterations = 1;
         }
-        // Without guiding springs the first predicted decrease may come from stiff contact alone, beside which the motion of
-        // cloth that floats would count for nothing.
+        // Without guiding springs the first predicted decrease may come from stiff contact alone, beside which the
+        // motion of cloth that floats would count for nothing.
         if !loads.guided {
             newton.rel_decrement_tol = 0.0;
         }

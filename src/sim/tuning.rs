@@ -2,14 +2,15 @@
 
 /// Tuning of step control and of the detection of violations; see [`StepTuning::DEFAULT`].
 pub(super) struct StepTuning {
-    /// A step counts as quasi-static when it is at most this fraction of what its error and the loads allow [-], default 0.6:
-    /// its length is then limited by memory events, hardly anything moves, and a local solve is likely to suffice.
+    /// A step counts as quasi-static when it is at most this fraction of what its error and the loads allow [-],
+    /// default 0.6: its length is then limited by memory events, hardly anything moves, and a local solve is likely to
+    /// suffice.
     pub quasi_static_dt_fraction: f64,
-    /// Factor on the energy tolerance below which a step that ran out of iterations is accepted as solved [-], default 10: the
-    /// remaining decrease is small enough to be left to the next step.
+    /// Factor on the energy tolerance below which a step that ran out of iterations is accepted as solved [-], default
+    /// 10: the remaining decrease is small enough to be left to the next step.
     pub nearly_converged_factor: f64,
-    /// Factor on the tolerance of the local error above which a step is rejected [-], default 4: rejecting at 1 costs more
-    /// steps than the error is worth.
+    /// Factor on the tolerance of the local error above which a step is rejected [-], default 4: rejecting at 1 costs
+    /// more steps than the error is worth.
     pub reject_error_factor: f64,
     /// Safety factor on the tolerance of the local error when the next step is chosen [-], default 0.8.
     pub error_safety_factor: f64,
@@ -17,10 +18,11 @@ pub(super) struct StepTuning {
     pub min_dt_ratio: f64,
     /// Maximum ratio of the next step to this one [-], default 1.9; below the stability limit of BDF2.
     pub max_dt_ratio: f64,
-    /// Minimum ratio of a gap to its activation distance [-], default 0.02: layers that are nearer are reported as pressed, as
-    /// the contact stiffness is not made for it.
+    /// Minimum ratio of a gap to its activation distance [-], default 0.02: layers that are nearer are reported as
+    /// pressed, as the contact stiffness is not made for it.
     pub min_gap_ratio: f64,
-    /// Maximum strain along warp or weft [-], default 0.3: more is reported as stretched, as no fabric bears it in wear.
+    /// Maximum strain along warp or weft [-], default 0.3: more is reported as stretched, as no fabric bears it in
+    /// wear.
     pub max_strain: f64,
 }
 

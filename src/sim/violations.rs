@@ -1,5 +1,6 @@
-//! Constraint violations of an accepted step: layers that are compressed and cloth that is stretched beyond what the model is
-//! made for. They are detected after the step with their size and position for the report and do not change the motion.
+//! Constraint violations of an accepted step: layers that are compressed and cloth that is stretched beyond what the
+//! model is made for. They are detected after the step with their size and position for the report and do not change
+//! the motion.
 
 use crate::contact::Contact;
 use crate::math::Vec3;

@@ -163,8 +163,8 @@ fn spread(along: usize, stretch: f64) -> f64 {
     high / low - 1.0
 }
 
-/// Property: the direction of the mesh does not show: the range of H/W over lattices rotated by 0, 15, 30 degrees is below
-/// 2 % at L/40, for soft and stiff membranes.
+/// Property: the direction of the mesh does not show: the range of H/W over lattices rotated by 0, 15, 30 degrees is
+/// below 2 % at L/40, for soft and stiff membranes.
 #[test]
 fn cantilever_does_not_feel_the_direction_of_the_mesh() {
     for stretch in [SOFT, STIFF] {

@@ -1,5 +1,5 @@
-//! The exact Hessian of the hinge angle: the gradient of `crease::mesh::hinge_gradient` differentiated once more. The solver
-//! uses a Gauss-Newton Hessian instead.
+//! The exact Hessian of the hinge angle: the gradient of `crease::mesh::hinge_gradient` differentiated once more. The
+//! solver uses a Gauss-Newton Hessian instead.
 
 use crease::math::{Mat3, Vec3};
 use crease::mesh::hinge_gradient;

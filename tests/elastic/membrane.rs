@@ -152,8 +152,8 @@ fn reaction_error(sheet: &TestSheet, term: &dyn Energy, x: &[Vec3], f: &Matrix3x
     off.map(|((a, b), _)| (a - b).norm()).fold(0.0, f64::max) / (STIFFNESS[0] * EDGE)
 }
 
-/// Property: the stiffness does not depend on the mesh: the same patch with elements half as long has the same force, to
-/// 1e-10. (The original scaling of Baraff and Witkin would give half.)
+/// Property: the stiffness does not depend on the mesh: the same patch with elements half as long has the same force,
+/// to 1e-10. (The original scaling of Baraff and Witkin would give half.)
 #[test]
 fn force_does_not_depend_on_the_element_size() {
     let pull = |count: usize| {
@@ -245,8 +245,8 @@ fn extend(degrees: f64, tension: f64) -> [f64; 2] {
     [along / side, across / side]
 }
 
-/// Property: extension on the bias agrees with the closed form (`bias_extension.csv`), small-strain modulus and stretch under
-/// 5 N/m within 1e-3.
+/// Property: extension on the bias agrees with the closed form (`bias_extension.csv`), small-strain modulus and stretch
+/// under 5 N/m within 1e-3.
 #[test]
 fn extension_on_the_bias_matches_the_law() {
     let modulus = 1e-3 / (extend(45.0, 1e-3)[0] - 1.0);

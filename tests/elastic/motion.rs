@@ -188,8 +188,8 @@ fn doubling_steps_keep_the_velocity_of_a_free_particle() {
     assert!((state.x[0] - start - velocity * state.time).norm() <= 1e-12 * state.time);
 }
 
-/// Property: BDF2 restarts with backward Euler where a step is three times the last, as it would be unstable (root 9/7). A
-/// ratio of two is stable.
+/// Property: BDF2 restarts with backward Euler where a step is three times the last, as it would be unstable (root
+/// 9/7). A ratio of two is stable.
 #[test]
 fn a_forced_ratio_of_three_restarts_with_backward_euler() {
     let mut state = particle(Vec3::new(0.3, 0.0, 0.0), Vec3::x());
@@ -229,8 +229,8 @@ const AT_100_MS: [[f64; 3]; 4] = [
     [0.02954176885258277, 0.01096056055722635, 0.17994076726665506],
     [0.11523552651391253, 0.029804623619502854, 0.07910800785836453],
 ];
-/// Steps in 0.1 s, and the error columns of `hinge_free_flight_convergence.csv` [m]. Backward Euler has the same first step
-/// here and in the table; BDF2 of the table starts with a step of the trapezoid rule.
+/// Steps in 0.1 s, and the error columns of `hinge_free_flight_convergence.csv` [m]. Backward Euler has the same first
+/// step here and in the table; BDF2 of the table starts with a step of the trapezoid rule.
 const STEPS: [usize; 6] = [50, 100, 200, 400, 800, 1600];
 const EULER_COLUMN: [f64; 6] =
     [3.142_829_01e-3, 1.651_619_56e-3, 8.543_979_27e-4, 4.373_416_08e-4, 2.225_383_24e-4, 1.123_453_16e-4];
@@ -344,8 +344,8 @@ fn tumbling_hinge_shows_order_two_for_bdf2_started_with_backward_euler() {
     assert!(orders[2..].iter().all(|o| *o >= 1.95), "{orders:?}");
 }
 
-/// Property: linear momentum is conserved to 1e-12 (steps of 0.25 ms and more); angular momentum drifts with the order of the
-/// method.
+/// Property: linear momentum is conserved to 1e-12 (steps of 0.25 ms and more); angular momentum drifts with the order
+/// of the method.
 #[test]
 fn tumbling_hinge_keeps_linear_momentum() {
     let flight = Flight::new();

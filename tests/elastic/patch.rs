@@ -81,8 +81,8 @@ impl Patch {
 }
 
 /// Property: on one-diagonal and equilateral meshes the bending energy is that of a plate with Poisson ratio 0, bent in
-/// any direction, to 1e-3: cylinder 1, sphere 2, twist 2. On union-jack meshes it agrees with the theory of these meshes and not with a
-/// plate, which is why garments are not meshed so.
+/// any direction, to 1e-3: cylinder 1, sphere 2, twist 2. On union-jack meshes it agrees with the theory of these
+/// meshes and not with a plate, which is why garments are not meshed so.
 #[test]
 fn bending_energy_of_a_plate() {
     const PLATE: [f64; 7] = [1.0, 1.0, 1.0, 1.0, 1.0, 2.0, 2.0];

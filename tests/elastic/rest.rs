@@ -60,8 +60,9 @@ impl Scene {
         with(&[&membrane, &bending, &gravity])
     }
 
-    /// Finds the equilibrium from `x` by proximal steps (inertia without velocity) whose pseudo time doubles, then by plain
-    /// Newton to `tolerance` [m]. A bent sheet is far from its flat start for a stiff membrane, where plain Newton is slow.
+    /// Finds the equilibrium from `x` by proximal steps (inertia without velocity) whose pseudo time doubles, then by
+    /// plain Newton to `tolerance` [m]. A bent sheet is far from its flat start for a stiff membrane, where plain
+    /// Newton is slow.
     pub fn settle(&self, x: &mut [Vec3], pseudo_time: f64, tolerance: f64) -> NewtonReport {
         let mut total = NewtonReport::default();
         let mut work = Workspace::default();

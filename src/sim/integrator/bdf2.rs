@@ -4,8 +4,8 @@
 //! y2 = [ (1 + r)² y1 - r² y0 + (1 + r) h2 f2 ] / (1 + 2 r)
 //! ```
 //!
-//! The integrator of Kim, Oh and Wohn. Second order; the first step, and the first after a discontinuity or a growth of the
-//! step beyond [`MAX_DT_GROWTH`], is backward Euler, which does not lower the order.
+//! The integrator of Kim, Oh and Wohn. Second order; the first step, and the first after a discontinuity or a growth of
+//! the step beyond [`MAX_DT_GROWTH`], is backward Euler, which does not lower the order.
 
 use crate::sim::integrator::backward_euler;
 use crate::sim::integrator::spec::{InnerSolver, MAX_DT_GROWTH, MethodSpec, StepAttempt};
@@ -43,8 +43,8 @@ fn stage(state: &State, previous: &PreviousState, h: f64) -> Stage {
     }
 }
 
-/// Returns the distance from the quadratic extrapolation of x_n, v_n and x_{n-1}, whose error is about three times that of
-/// the method.
+/// Returns the distance from the quadratic extrapolation of x_n, v_n and x_{n-1}, whose error is about three times that
+/// of the method.
 fn error(step: &StepAttempt) -> f64 {
     let Some(previous) = &step.state.previous else {
         return backward_euler::error(step.state, step.next, step.h);

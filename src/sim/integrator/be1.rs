@@ -1,5 +1,5 @@
-//! Backward Euler with one Newton iteration: the semi-implicit step of Baraff and Witkin 1998, used by the reference [9] of
-//! Kim, Oh and Wohn.
+//! Backward Euler with one Newton iteration: the semi-implicit step of Baraff and Witkin 1998, used by the reference
+//! [9] of Kim, Oh and Wohn.
 //!
 //! The error of the linear model stays in the result as strain: a strip that rotates by v h in a step is stretched by
 //! sqrt(1 + (v h / l)²). In addition to the original, the step is limited by the collision-free step size and the line

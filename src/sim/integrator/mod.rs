@@ -1,7 +1,8 @@
 //! Time integrators, one file each; `--method` selects from them.
 //!
-//! An integrator answers three questions (the division of PolyFEM): the positions without forces, the effective time step
-//! with which forces act, and the velocity that belongs to new positions. The solver of a stage needs nothing else:
+//! An integrator answers three questions (the division of PolyFEM): the positions without forces, the effective time
+//! step with which forces act, and the velocity that belongs to new positions. The solver of a stage needs nothing
+//! else:
 //!
 //! ```text
 //! v = (x - base) / effective_dt
@@ -47,7 +48,8 @@ method_list! {
     BackwardEuler backward_euler,
     /// BDF2 with one Newton iteration.
     Bdf2Once bdf2_once,
-    /// BDF2 with variable steps: second order; starts, and restarts after a discontinuity, with one step of backward Euler.
+    /// BDF2 with variable steps: second order; starts, and restarts after a discontinuity, with one step of backward
+    /// Euler.
     Bdf2 bdf2,
     /// Two-stage SDIRK: L-stable, second order, one-step.
     Sdirk2 sdirk2,

@@ -1,5 +1,5 @@
-//! SDIRK2 (Alexander 1977), two stages of backward Euler in one step: second order, L-stable, and without history before the
-//! state it starts from. With g = 1 - 1/sqrt 2:
+//! SDIRK2 (Alexander 1977), two stages of backward Euler in one step: second order, L-stable, and without history
+//! before the state it starts from. With g = 1 - 1/sqrt 2:
 //!
 //! ```text
 //! v1 = v0 + g h a1,   x1 = x0 + g h v1                               at g h
@@ -7,8 +7,8 @@
 //! ```
 //!
 //! Its stability function is that of TR-BDF2, as of any L-stable method of second order with two equal implicit stages.
-//! TR-BDF2 needs the force at the beginning of the step in addition, which does not exist with damping, lagged friction and
-//! springs that have just been attached.
+//! TR-BDF2 needs the force at the beginning of the step in addition, which does not exist with damping, lagged friction
+//! and springs that have just been attached.
 
 use crate::math::Vec3;
 use crate::sim::integrator::backward_euler;

@@ -30,7 +30,8 @@ pub(in crate::sim) struct StepAttempt<'a> {
     pub(in crate::sim) h: f64,
 }
 
-/// Constructor of the stage of a step of h seconds from a state; later stages get the positions at the end of the one before.
+/// Constructor of the stage of a step of h seconds from a state; later stages get the positions at the end of the one
+/// before.
 type MakeStage = fn(&State, f64, Option<&[Vec3]>) -> Stage;
 
 /// A time integrator.

@@ -11,8 +11,8 @@ pub struct Stage {
     pub base_velocities: Vec<Vec3>,
     /// Effective time step beta h, over which forces act [s].
     pub effective_dt: f64,
-    /// Weight w of x_n in `base_positions` = w x_n + (1 - w) `previous_positions` [-]. Every quantity with a rate (a strain,
-    /// an angle) has its base by the same sum.
+    /// Weight w of x_n in `base_positions` = w x_n + (1 - w) `previous_positions` [-]. Every quantity with a rate (a
+    /// strain, an angle) has its base by the same sum.
     pub current_weight: f64,
     /// The other positions in that sum, one per point [m]; `None` where the base is x_n alone.
     pub previous_positions: Option<Vec<Vec3>>,

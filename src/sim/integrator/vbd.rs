@@ -1,8 +1,8 @@
-//! Vertex block descent (Chen and others 2024) on backward Euler: a fixed number of sweeps over single points with their 3 x 3
-//! diagonal blocks instead of linear systems.
+//! Vertex block descent (Chen and others 2024) on backward Euler: a fixed number of sweeps over single points with
+//! their 3 x 3 diagonal blocks instead of linear systems.
 //!
-//! For previews: a sweep moves information to neighbouring points only, so that stiff or long cloth stays stretched at any
-//! step size, and the result depends on the number of sweeps (`crease chart accuracy`, `stability`).
+//! For previews: a sweep moves information to neighbouring points only, so that stiff or long cloth stays stretched at
+//! any step size, and the result depends on the number of sweeps (`crease chart accuracy`, `stability`).
 
 use crate::sim::integrator::backward_euler;
 use crate::sim::integrator::spec::{InnerSolver, MethodSpec};

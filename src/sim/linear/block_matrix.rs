@@ -1,10 +1,11 @@
-//! A symmetric sparse matrix of 3 x 3 blocks whose pattern is built once, refilled many times, and grows where necessary.
+//! A symmetric sparse matrix of 3 x 3 blocks whose pattern is built once, refilled many times, and grows where
+//! necessary.
 //!
-//! Only the lower triangle is stored, row by row. Fixed points (pins, inactive regions) have no row, and blocks that touch
-//! them are dropped. Energies add their blocks in the same order each time, so that the slot of the last time is tried
-//! before a search. A block outside the pattern is inserted: contacts appear and vanish, and earlier blocks stay. Several
-//! threads fill the matrix at once, each its own rows: every block is the sum of the same numbers in the same order for any
-//! number of threads.
+//! Only the lower triangle is stored, row by row. Fixed points (pins, inactive regions) have no row, and blocks that
+//! touch them are dropped. Energies add their blocks in the same order each time, so that the slot of the last time is
+//! tried before a search. A block outside the pattern is inserted: contacts appear and vanish, and earlier blocks stay.
+//! Several threads fill the matrix at once, each its own rows: every block is the sum of the same numbers in the same
+//! order for any number of threads.
 
 use crate::energy::BlockSink;
 use crate::math::{Mat3, Vec3};
@@ -54,8 +55,8 @@ fn sort_and_deduplicate(list: &mut [u32]) -> usize {
 }
 
 impl BlockMatrix {
-    /// Returns a zero matrix with the pattern of the given `couplings` between points. `row_of` is the row of every free point
-    /// (counted from 0 without gaps) and [`FIXED_ROW`] of the others.
+    /// Returns a zero matrix with the pattern of the given `couplings` between points. `row_of` is the row of every
+    /// free point (counted from 0 without gaps) and [`FIXED_ROW`] of the others.
     pub fn with_pattern(row_of: Vec<u32>, couplings: &mut dyn FnMut(&mut StencilVisitor)) -> Self {
         let rows = row_of.iter().filter(|r| **r != FIXED_ROW).count();
         let mut point_of = vec![0; rows];
@@ -185,8 +186,8 @@ impl BlockMatrix {
         &self.value[self.start[r + 1] as usize - 1]
     }
 
-    /// Replaces all values by the blocks that `add` adds. Every thread calls it once; it must add the same blocks in the same
-    /// order each time. The pattern grows by blocks outside it; returns whether there were any.
+    /// Replaces all values by the blocks that `add` adds. Every thread calls it once; it must add the same blocks in
+    /// the same order each time. The pattern grows by blocks outside it; returns whether there were any.
     pub fn fill(&mut self, add: &(dyn Fn(&mut dyn BlockSink) + Sync)) -> bool {
         let threads = rayon::current_num_threads().min(self.row_count() / TUNING.min_rows_per_thread).max(1);
         if self.row_ranges.len() != threads + 1 {

@@ -1,9 +1,9 @@
 //! Line search with nonlinear elimination of the points that limit the step.
 //!
-//! One spot where layers touch limits the step of a direction that is right everywhere else: a line search would cut the
-//! step of all points to a half or a hundredth for it, again and again. Instead, the full step is taken, the spot is solved for by
-//! a local Newton method with everything else fixed, and the result is accepted if phi has decreased sufficiently
-//! (Lanzkron, Rose, Wilkes 1996; Cai, Li 2011).
+//! One spot where layers touch limits the step of a direction that is right everywhere else: a line search would cut
+//! the step of all points to a half or a hundredth for it, again and again. Instead, the full step is taken, the spot
+//! is solved for by a local Newton method with everything else fixed, and the result is accepted if phi has decreased
+//! sufficiently (Lanzkron, Rose, Wilkes 1996; Cai, Li 2011).
 
 use crate::math::Vec3;
 use crate::sim::newton::context::SolveContext;
@@ -14,8 +14,9 @@ use crate::sim::newton::tuning::TUNING;
 use std::time::Instant;
 
 impl Problem<'_> {
-    /// Moves `x` along a global direction as far as contact and phi allow, after eliminating the points that limit the step,
-    /// and returns the step size [-]. The workspace holds the system at `x`; local solves stop at `energy_tol` [J].
+    /// Moves `x` along a global direction as far as contact and phi allow, after eliminating the points that limit the
+    /// step, and returns the step size [-]. The workspace holds the system at `x`; local solves stop at `energy_tol`
+    /// [J].
     pub(super) fn line_search_eliminating(
         &self,
         x: &mut [Vec3],
@@ -91,7 +92,8 @@ mod tests {
     const AIM: f64 = 0.01;
     const WALL: f64 = 0.002;
 
-    /// A chain whose points are pulled upwards, one of them against a wall that the Hessian contains only once it is touched.
+    /// A chain whose points are pulled upwards, one of them against a wall that the Hessian contains only once it is
+    /// touched.
     struct Chain;
 
     impl Chain {

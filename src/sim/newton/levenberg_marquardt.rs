@@ -1,10 +1,10 @@
 //! Levenberg-Marquardt damping of Newton's directions (Levenberg 1944, Marquardt 1963).
 //!
-//! Where cloth is crowded, an undamped direction moves points by metres through layers whose contacts are not in the system;
-//! limited by the first contact, it decreases the energy by next to nothing, time after time. Damping adds a multiple of the
-//! inertia to the system, not to the energy, so that directions stay within the range of the contacts in the system. The
-//! problem is unchanged: a solve converges by undamped directions only. The gain ratio is the actual decrease of the energy
-//! over the predicted one.
+//! Where cloth is crowded, an undamped direction moves points by metres through layers whose contacts are not in the
+//! system; limited by the first contact, it decreases the energy by next to nothing, time after time. Damping adds a
+//! multiple of the inertia to the system, not to the energy, so that directions stay within the range of the contacts
+//! in the system. The problem is unchanged: a solve converges by undamped directions only. The gain ratio is the actual
+//! decrease of the energy over the predicted one.
 
 use crate::sim::linear::block_matrix::BlockMatrix;
 use crate::sim::newton::tuning::TUNING;

@@ -1,4 +1,5 @@
-//! Line search along a direction: the collision-free displacement, and the step size for which phi decreases sufficiently.
+//! Line search along a direction: the collision-free displacement, and the step size for which phi decreases
+//! sufficiently.
 
 use crate::contact::Contact;
 use crate::math::Vec3;
@@ -55,8 +56,8 @@ impl Problem<'_> {
     ) -> f64 {
         let min_step = TUNING.line_search.min_step;
         let mut step = 0.0;
-        // Displacements are limited point by point first; where that makes the direction one of ascent, all are limited by
-        // one factor, which cannot.
+        // Displacements are limited point by point first; where that makes the direction one of ascent, all are limited
+        // by one factor, which cannot.
         for uniform in [false, true] {
             let displacement =
                 collision_free_displacement(x, descent.direction, uniform, context.contact, context.report);
@@ -86,8 +87,8 @@ impl Problem<'_> {
         self.line_search(x, descent, &mut value, context)
     }
 
-    /// Moves `x` along `path` by the first step size 1, 1/2, 1/4, ... for which phi decreases sufficiently, and returns it; 0 if it
-    /// would be less than `min_step`.
+    /// Moves `x` along `path` by the first step size 1, 1/2, 1/4, ... for which phi decreases sufficiently, and returns
+    /// it; 0 if it would be less than `min_step`.
     fn backtrack(
         &self,
         x: &mut [Vec3],
@@ -115,9 +116,9 @@ impl Problem<'_> {
 
     /// Whether phi has decreased sufficiently at `trial`, from `start` along `path` (Armijo condition).
     ///
-    /// Close to convergence phi decreases by less than its rounding, so that its values decide nothing. The slope at the
-    /// trial position still does: where phi is nearly quadratic, it has decreased if its slope there is less steep than the
-    /// negative slope at the start (the approximate Wolfe condition of Hager and Zhang 2005).
+    /// Close to convergence phi decreases by less than its rounding, so that its values decide nothing. The slope at
+    /// the trial position still does: where phi is nearly quadratic, it has decreased if its slope there is less steep
+    /// than the negative slope at the start (the approximate Wolfe condition of Hager and Zhang 2005).
     pub(super) fn is_sufficient_decrease(
         &self,
         trial: Trial,
@@ -140,8 +141,8 @@ pub(super) fn axpy(x: &[Vec3], d: &[Vec3], step: f64) -> Vec<Vec3> {
     x.iter().zip(d).map(|(x, d)| x + d * step).collect()
 }
 
-/// Returns the part of the displacement `d` from `x` that keeps layers apart: limited by one factor if `uniform`, else point by
-/// point. Afterwards contact can be evaluated anywhere along it.
+/// Returns the part of the displacement `d` from `x` that keeps layers apart: limited by one factor if `uniform`, else
+/// point by point. Afterwards contact can be evaluated anywhere along it.
 pub(super) fn collision_free_displacement(
     x: &[Vec3],
     d: &[Vec3],

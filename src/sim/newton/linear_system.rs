@@ -85,8 +85,8 @@ impl Problem<'_> {
         g
     }
 
-    /// Returns the Newton direction for gradient `g` by the stale factor of an earlier system; `None` where the system has
-    /// changed too much since.
+    /// Returns the Newton direction for gradient `g` by the stale factor of an earlier system; `None` where the system
+    /// has changed too much since.
     pub(super) fn direction_with_stale_factor(
         &self,
         g: &[Vec3],
@@ -149,8 +149,8 @@ impl Problem<'_> {
         None
     }
 
-    /// Scales the direction `d` down where a point deviates too far from the mean, as a trust region would, and reports the
-    /// largest displacement it asks for. `None` if it is not finite.
+    /// Scales the direction `d` down where a point deviates too far from the mean, as a trust region would, and reports
+    /// the largest displacement it asks for. `None` if it is not finite.
     pub(super) fn clamp_direction(
         &self,
         g: &[Vec3],

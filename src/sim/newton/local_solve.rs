@@ -1,11 +1,11 @@
 //! Local Newton iterations on an active set, all other points fixed.
 //!
-//! After a full global step the remaining decrease of the energy is usually concentrated in a few points: a contact that
-//! appeared or vanished, an element that flipped. Points are ranked by the predicted decrease of moving them alone,
-//! `g . D⁻¹ g` with the diagonal Hessian block D. The smallest are omitted while their sum stays below a fraction of the
-//! energy tolerance; the rest and two rings of neighbours are the active set. Newton iterations with the elements and
-//! contacts around the set run until their decrement is below the same fraction, which costs little beside a global
-//! iteration. The global gradient then decides whether another set is needed.
+//! After a full global step the remaining decrease of the energy is usually concentrated in a few points: a contact
+//! that appeared or vanished, an element that flipped. Points are ranked by the predicted decrease of moving them
+//! alone, `g . D⁻¹ g` with the diagonal Hessian block D. The smallest are omitted while their sum stays below a
+//! fraction of the energy tolerance; the rest and two rings of neighbours are the active set. Newton iterations with
+//! the elements and contacts around the set run until their decrement is below the same fraction, which costs little
+//! beside a global iteration. The global gradient then decides whether another set is needed.
 
 use crate::contact::Contact;
 use crate::energy::Energy;
@@ -69,8 +69,8 @@ impl Problem<'_> {
         outcome
     }
 
-    /// Returns the active set, one flag per point, without which the predicted decrease is below a fraction of the energy
-    /// tolerance; empty where that of all points is. `None` if it would be too large.
+    /// Returns the active set, one flag per point, without which the predicted decrease is below a fraction of the
+    /// energy tolerance; empty where that of all points is. `None` if it would be too large.
     fn select_active_points(
         &self,
         g: &[Vec3],
@@ -92,7 +92,8 @@ impl Problem<'_> {
             report.newton_decrement = total;
             return Some(vec![false; g.len()]);
         }
-        // The points with the largest decreases, without which the others have at most `sum_tol` together and `point_tol` each.
+        // The points with the largest decreases, without which the others have at most `sum_tol` together and
+        // `point_tol` each.
         let select = |sum_tol: f64, point_tol: f64| {
             let mut left = sum_tol;
             let omitted = decreases.iter().take_while(|(decrease, _)| {
@@ -117,8 +118,8 @@ impl Problem<'_> {
         })
     }
 
-    /// Iterates on the `active` points alone, until their decrement is below a fraction of `energy_tol` [J]. Whether any point
-    /// has moved.
+    /// Iterates on the `active` points alone, until their decrement is below a fraction of `energy_tol` [J]. Whether
+    /// any point has moved.
     fn solve_subset(
         &self,
         x: &mut [Vec3],

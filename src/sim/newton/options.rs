@@ -8,8 +8,8 @@ pub struct NewtonOptions {
     /// Tolerance of the Newton decrement, the predicted decrease of the energy [J]. 0 turns the criterion off.
     pub decrement_tol: f64,
     /// Tolerance of the Newton decrement relative to that of the first iteration [-]: where cloth moves far in a step,
-    /// solving much more precisely than the step itself is of no use. 0 turns the criterion off; it needs `decrement_tol` above 0,
-    /// and the time stepping uses it only while springs guide the cloth.
+    /// solving much more precisely than the step itself is of no use. 0 turns the criterion off; it needs
+    /// `decrement_tol` above 0, and the time stepping uses it only while springs guide the cloth.
     pub rel_decrement_tol: f64,
     /// Maximum number of iterations.
     pub max_iterations: usize,

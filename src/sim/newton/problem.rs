@@ -24,8 +24,8 @@ pub struct Problem<'a> {
     pub terms: &'a [&'a dyn Energy],
     /// Points with prescribed positions, one flag per point.
     pub fixed: &'a [bool],
-    /// Predicted positions of the solution [m]: the first direction uses the secant Hessian towards them. They change how
-    /// fast the iterations converge, not the solution.
+    /// Predicted positions of the solution [m]: the first direction uses the secant Hessian towards them. They change
+    /// how fast the iterations converge, not the solution.
     pub predicted_positions: Option<&'a [Vec3]>,
 }
 

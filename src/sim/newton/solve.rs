@@ -47,8 +47,8 @@ impl Problem<'_> {
         may
     }
 
-    /// Minimises phi from `x` in place, after `contact` has begun its step. Layers that are apart at `x` stay apart at every
-    /// iterate.
+    /// Minimises phi from `x` in place, after `contact` has begun its step. Layers that are apart at `x` stay apart at
+    /// every iterate.
     pub fn solve(
         &self,
         x: &mut [Vec3],
@@ -94,7 +94,8 @@ impl Problem<'_> {
         report
     }
 
-    /// Makes one iteration: a local solve where the last global step was long enough and it succeeds, else a global one.
+    /// Makes one iteration: a local solve where the last global step was long enough and it succeeds, else a global
+    /// one.
     fn iterate(
         &self,
         x: &mut [Vec3],

@@ -1,10 +1,10 @@
 //! Vertex block descent on the potential of a step (Chen and others 2024), for `--method vbd`.
 //!
-//! Each linearisation takes gradient and Hessian once; its sweeps visit one point after another, forwards and backwards, and
-//! move it by `-D⁻¹ (g + H d)` with its diagonal block D, to the minimum over that point of the quadratic model. The
-//! result is limited by contact and the line search exactly as a Newton direction: it may look wrong, but it neither
-//! passes layers through each other nor diverges. The numbers of linearisations and sweeps are fixed; there is no
-//! convergence criterion.
+//! Each linearisation takes gradient and Hessian once; its sweeps visit one point after another, forwards and
+//! backwards, and move it by `-D⁻¹ (g + H d)` with its diagonal block D, to the minimum over that point of the
+//! quadratic model. The result is limited by contact and the line search exactly as a Newton direction: it may look
+//! wrong, but it neither passes layers through each other nor diverges. The numbers of linearisations and sweeps are
+//! fixed; there is no convergence criterion.
 
 use crate::contact::Contact;
 use crate::math::{Mat3, Vec3};

@@ -1,8 +1,8 @@
 //! Dense kernels inside one front, the only file that uses faer.
 //!
-//! A front is stored in trapezoidal panels of columns. Its pivot columns are eliminated a few at a time; its contribution
-//! block is a product. Large products and solves are split into tiles of fixed size for several threads, and each tile is
-//! one call on one thread, so that the bits of the result do not depend on the number of threads.
+//! A front is stored in trapezoidal panels of columns. Its pivot columns are eliminated a few at a time; its
+//! contribution block is a product. Large products and solves are split into tiles of fixed size for several threads,
+//! and each tile is one call on one thread, so that the bits of the result do not depend on the number of threads.
 
 use crate::sim::linear::cholesky::real::Real;
 use crate::sim::linear::cholesky::trapezoidal_storage::{PANEL_WIDTH, panels, panels_from};
@@ -21,8 +21,8 @@ const TILES: ParallelTuning = TUNING.parallel;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct NotPositive;
 
-/// Eliminates the first `pivots` of the `rows` columns of a symmetric matrix, which `front` has in panels: the Cholesky factor
-/// in place. Fails if a pivot is not positive.
+/// Eliminates the first `pivots` of the `rows` columns of a symmetric matrix, which `front` has in panels: the Cholesky
+/// factor in place. Fails if a pivot is not positive.
 pub fn eliminate<T: Real>(front: &mut [T], rows: usize, pivots: usize) -> Result<(), NotPositive> {
     let width = TILES.columns_per_elimination.min(pivots);
     let mut memory = MemBuffer::new(cholesky_in_place_scratch::<T>(width, Par::Seq, Default::default()));
@@ -69,8 +69,8 @@ fn eliminate_panel<T: Real>(
     Ok(())
 }
 
-/// Computes the contribution block of an eliminated `front` (the first `pivots` of `rows` columns, in panels): minus its lower
-/// part times its transpose, a triangle in panels. Entries above the diagonal are undefined.
+/// Computes the contribution block of an eliminated `front` (the first `pivots` of `rows` columns, in panels): minus
+/// its lower part times its transpose, a triangle in panels. Entries above the diagonal are undefined.
 pub fn contribution_block<T: Real>(front: &[T], rows: usize, pivots: usize, update: &mut [T]) {
     let size = rows - pivots;
     let tile = |(top, panel): (usize, &mut [T])| {
@@ -147,8 +147,8 @@ fn subtract_tile<T: Real>(mut columns: MatMut<T>, factor: MatRef<T>, keep: Accum
     matmul(below, keep, factor.subrows(width, rows - width), across, -T::one(), Par::Seq);
 }
 
-/// Forward substitution w <- L^-1 w for the pivots, with its update of the other rows of `w`. `front` has the first `pivots`
-/// columns of the factor in panels.
+/// Forward substitution w <- L^-1 w for the pivots, with its update of the other rows of `w`. `front` has the first
+/// `pivots` columns of the factor in panels.
 pub fn forwards<T: Real>(front: &[T], pivots: usize, w: &mut [T]) {
     let rows = w.len();
     for (top, range) in panels(rows, pivots) {

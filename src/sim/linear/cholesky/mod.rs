@@ -1,12 +1,12 @@
 //! Sparse multifrontal Cholesky factorisation, the direct solver of the cloth's systems.
 //!
-//! The pattern changes whenever contacts appear or vanish, so that the symbolic analysis must be cheap as well: it works on
-//! 3 x 3 blocks and sorted lists (`nested_dissection.rs`: the elimination order; `symbolic.rs`: the fronts). The factor is made
-//! in single precision first (`numeric.rs`; `dense.rs` wraps faer): half the time, half the memory. Conjugate gradients
-//! in double precision with this factor as preconditioner reach the residual tolerance in one to three iterations; if they
-//! do not, or if a pivot is not positive, the factor is made again in double precision. The bits of a solution depend
-//! neither on the number of threads nor on the buffers kept between factorisations. The same iterations solve a system
-//! that has hardly changed with a stale factor ([`Cholesky::solve_with_stale_factor`]).
+//! The pattern changes whenever contacts appear or vanish, so that the symbolic analysis must be cheap as well: it
+//! works on 3 x 3 blocks and sorted lists (`nested_dissection.rs`: the elimination order; `symbolic.rs`: the fronts).
+//! The factor is made in single precision first (`numeric.rs`; `dense.rs` wraps faer): half the time, half the memory.
+//! Conjugate gradients in double precision with this factor as preconditioner reach the residual tolerance in one to
+//! three iterations; if they do not, or if a pivot is not positive, the factor is made again in double precision. The
+//! bits of a solution depend neither on the number of threads nor on the buffers kept between factorisations. The same
+//! iterations solve a system that has hardly changed with a stale factor ([`Cholesky::solve_with_stale_factor`]).
 
 mod dense;
 mod nested_dissection;
@@ -44,7 +44,8 @@ pub enum FactorError {
 pub struct SolveCost {
     /// Multiplications of factorisations.
     pub multiplications: f64,
-    /// Minimum of bytes moved: every factor written once and read twice by a triangular solve, the matrix read by a product.
+    /// Minimum of bytes moved: every factor written once and read twice by a triangular solve, the matrix read by a
+    /// product.
     pub bytes: f64,
 }
 
@@ -108,8 +109,8 @@ impl Cholesky {
         self.refill_in_double(matrix)
     }
 
-    /// Solves in place for a right-hand side, one entry per row, with the matrix that was factorised last. On failure the
-    /// right-hand side is unchanged.
+    /// Solves in place for a right-hand side, one entry per row, with the matrix that was factorised last. On failure
+    /// the right-hand side is unchanged.
     pub fn solve(&mut self, matrix: &BlockMatrix, rhs: &mut [Vec3]) -> Result<(), FactorError> {
         if !self.in_double {
             let residual_tol = TUNING.refinement.residual_tol;
@@ -171,9 +172,9 @@ impl Cholesky {
     ///
     /// The iterations minimise the energy 1/2 x·Ax - rhs·x until the decrease that is left, as predicted by the stale
     /// factor, is small relative to the first prediction or to `energy_tol` [J]. Where the first prediction is below
-    /// `energy_tol` two iterations suffice, as each decreases the energy. They fail, with the right-hand side unchanged,
-    /// where they would take longer than half a factorisation, where a factorisation costs next to nothing, and, if
-    /// `strict`, where the first prediction is well above `energy_tol`.
+    /// `energy_tol` two iterations suffice, as each decreases the energy. They fail, with the right-hand side
+    /// unchanged, where they would take longer than half a factorisation, where a factorisation costs next to nothing,
+    /// and, if `strict`, where the first prediction is well above `energy_tol`.
     pub fn solve_with_stale_factor(
         &mut self,
         matrix: &BlockMatrix,

@@ -2,11 +2,11 @@
 //!
 //! A plane across an axis cuts a part of the points in two; the fewest points that touch all couplings across it form
 //! the separator, which is eliminated after both halves (George 1973). Cuts follow the *current* positions because
-//! contact pairs are neighbours in space: an order from the rest shape makes a folded sheet up to sixty times more expensive
-//! to factorise (`docs/adr/0009-direct-solver.md`). Planes are chosen by histograms of the extents of the points
-//! and their neighbours along each axis, which bound the size of every separator. The separator of a plane is a minimum
-//! vertex cover. The tree of separators is the assembly tree of the factorisation (`symbolic.rs`). Values of the matrix
-//! are not used.
+//! contact pairs are neighbours in space: an order from the rest shape makes a folded sheet up to sixty times more
+//! expensive to factorise (`docs/adr/0009-direct-solver.md`). Planes are chosen by histograms of the extents of the
+//! points and their neighbours along each axis, which bound the size of every separator. The separator of a plane is a
+//! minimum vertex cover. The tree of separators is the assembly tree of the factorisation (`symbolic.rs`). Values of
+//! the matrix are not used.
 
 use crate::math::Vec3;
 use crate::sim::linear::block_matrix::BlockMatrix;
@@ -223,7 +223,8 @@ fn neighbours(matrix: &BlockMatrix) -> (Vec<u32>, Vec<u32>) {
     (start, neighbour)
 }
 
-/// Histograms along an axis: points per bin, and the change of the number of points coupled across the plane at its lower end.
+/// Histograms along an axis: points per bin, and the change of the number of points coupled across the plane at its
+/// lower end.
 #[derive(Debug, Clone, Copy)]
 struct Histogram {
     low: f32,

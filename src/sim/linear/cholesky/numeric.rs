@@ -1,9 +1,9 @@
 //! Multifrontal numeric factorisation.
 //!
 //! Children are eliminated before their parent, and their contribution blocks are extend-added to it in a fixed order;
-//! independent subtrees run on several threads. Every number is therefore the sum of the same terms in the same order for
-//! any number of threads. The factor is one contiguous array; contribution blocks live in pooled buffers until the parent
-//! has added them. The choice of precision and iterative refinement are outside its scope.
+//! independent subtrees run on several threads. Every number is therefore the sum of the same terms in the same order
+//! for any number of threads. The factor is one contiguous array; contribution blocks live in pooled buffers until the
+//! parent has added them. The choice of precision and iterative refinement are outside its scope.
 
 use crate::math::Mat3;
 use crate::sim::linear::block_matrix::BlockMatrix;
@@ -70,7 +70,8 @@ struct Job<'a, T> {
 }
 
 impl<T: Real> Job<'_, T> {
-    /// Eliminates the subtrees of neighbouring fronts, whose factors are in `entries`; returns the contribution block of each.
+    /// Eliminates the subtrees of neighbouring fronts, whose factors are in `entries`; returns the contribution block
+    /// of each.
     fn forest(&self, fronts: &[u32], entries: &mut [T]) -> Result<Vec<Vec<T>>, NotPositive> {
         let (left, right) = match fronts {
             [] => return Ok(Vec::new()),
@@ -140,9 +141,9 @@ impl<T: Real> Job<'_, T> {
     }
 }
 
-/// Extend-adds the part of a child's contribution block in columns `columns[0]..columns[1]` of its parent front to `target`.
-/// `target` has these columns from row `columns[0]` on, with row 0 of each at its `offset`; `map` is the extend-add map of
-/// the child.
+/// Extend-adds the part of a child's contribution block in columns `columns[0]..columns[1]` of its parent front to
+/// `target`. `target` has these columns from row `columns[0]` on, with row 0 of each at its `offset`; `map` is the
+/// extend-add map of the child.
 fn extend_add<T: Real>(
     map: &[u32],
     contribution: &[T],

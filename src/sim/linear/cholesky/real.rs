@@ -2,8 +2,8 @@
 
 /// A number type of a factor.
 pub(super) trait Real: faer::traits::RealField + Copy + Default {
-    /// Magnitude below which entries of a factor are set to zero, where the largest are about 1e6: products of two entries
-    /// at this limit are still normal numbers.
+    /// Magnitude below which entries of a factor are set to zero, where the largest are about 1e6: products of two
+    /// entries at this limit are still normal numbers.
     const TINY: Self;
     fn from_f64(x: f64) -> Self;
     fn to_f64(self) -> f64;

@@ -1,8 +1,9 @@
 //! Symbolic analysis: the fronts of the factorisation and their rows, on blocks only.
 //!
-//! A front is the dense matrix in which one node of the tree is eliminated (Duff, Reid 1983): its pivots (the fully summed
-//! rows) and its update rows, the later rows that the pivots are coupled to after the elimination of the children.
-//! Everything is a flat sorted list, as the pattern changes with the contacts. Values of the matrix are not used.
+//! A front is the dense matrix in which one node of the tree is eliminated (Duff, Reid 1983): its pivots (the fully
+//! summed rows) and its update rows, the later rows that the pivots are coupled to after the elimination of the
+//! children. Everything is a flat sorted list, as the pattern changes with the contacts. Values of the matrix are not
+//! used.
 
 use crate::math::Vec3;
 use crate::sim::linear::block_matrix::BlockMatrix;
@@ -99,7 +100,8 @@ impl Fronts {
         &self.children[front.children[0] as usize..front.children[1] as usize]
     }
 
-    /// Returns the relative indices of front `v`: the local rows in its parent to which its update rows are extend-added.
+    /// Returns the relative indices of front `v`: the local rows in its parent to which its update rows are
+    /// extend-added.
     pub fn extend_add_map(&self, v: u32) -> &[u32] {
         let [a, b] = self.list[v as usize].update_rows;
         &self.relative_indices[a as usize..b as usize]

@@ -1,5 +1,6 @@
-//! Packed storage of the lower trapezoid of a dense matrix: panels of [`PANEL_WIDTH`] columns, each from the row of its first
-//! column down. Of a square it takes little more than half, and each panel is a column-major matrix for dense kernels.
+//! Packed storage of the lower trapezoid of a dense matrix: panels of [`PANEL_WIDTH`] columns, each from the row of its
+//! first column down. Of a square it takes little more than half, and each panel is a column-major matrix for dense
+//! kernels.
 
 use std::ops::Range;
 
@@ -18,13 +19,14 @@ pub fn column_offset(rows: usize, j: usize) -> usize {
     panel_offset(rows, top) + (j - top) * (rows - top) - top
 }
 
-/// Returns the number of entries before the panel that begins in column `top`: PANEL_WIDTH columns of rows, rows - PANEL_WIDTH, ...
-/// each.
+/// Returns the number of entries before the panel that begins in column `top`: PANEL_WIDTH columns of rows, rows -
+/// PANEL_WIDTH, ... each.
 fn panel_offset(rows: usize, top: usize) -> usize {
     top * rows - top * top.saturating_sub(PANEL_WIDTH) / 2
 }
 
-/// Returns every panel of the first `columns` columns of `rows` rows: its first row (and column), and the range of its entries.
+/// Returns every panel of the first `columns` columns of `rows` rows: its first row (and column), and the range of its
+/// entries.
 pub fn panels(rows: usize, columns: usize) -> impl Iterator<Item = (usize, Range<usize>)> {
     (0..columns).step_by(PANEL_WIDTH).map(move |top| {
         let start = panel_offset(rows, top);

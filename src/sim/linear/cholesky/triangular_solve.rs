@@ -1,5 +1,5 @@
-//! Triangular solves with a factor: forward substitution from the leaves to the roots, back substitution from the roots to the
-//! leaves.
+//! Triangular solves with a factor: forward substitution from the leaves to the roots, back substitution from the roots
+//! to the leaves.
 //!
 //! Both read the factor once, one independent subtree per thread. As in the factorisation every sum has a fixed order.
 

@@ -19,13 +19,13 @@ pub(super) struct CholeskyTuning {
 
 /// Tuning of conjugate gradients with a factor as preconditioner.
 pub(super) struct RefinementTuning {
-    /// Residual relative to the right-hand side [-], default 1e-8: Newton's own error is far above it, and a third iteration
-    /// costs as much as a tenth of a factorisation.
+    /// Residual relative to the right-hand side [-], default 1e-8: Newton's own error is far above it, and a third
+    /// iteration costs as much as a tenth of a factorisation.
     pub residual_tol: f64,
     /// Maximum number of iterations, default 30.
     pub max_iterations: usize,
-    /// Minimum number of iterations with a stale factor, default 2. They are always made, and suffice where the predicted
-    /// decrease is below the energy tolerance.
+    /// Minimum number of iterations with a stale factor, default 2. They are always made, and suffice where the
+    /// predicted decrease is below the energy tolerance.
     pub min_stale_iterations: usize,
     /// Decrease left by iterations with a stale factor, relative to the first prediction [-], default 1e-3.
     pub stale_rel_tol: f64,
@@ -33,8 +33,8 @@ pub(super) struct RefinementTuning {
     pub stale_energy_fraction: f64,
     /// Maximum contraction of the decrease left per iteration with a stale factor [-], default 0.3.
     pub max_contraction: f64,
-    /// Factor on the tolerance up to which a slow contraction is accepted [-], default 30: there the measure of the stale factor
-    /// is noisy, as it takes contacts that have become stiff since for soft.
+    /// Factor on the tolerance up to which a slow contraction is accepted [-], default 30: there the measure of the
+    /// stale factor is noisy, as it takes contacts that have become stiff since for soft.
     pub noise_floor_factor: f64,
     /// Budget of iterations with a stale factor: work of a factorisation per entry of the factor and iteration [-], default
     /// 200. One iteration takes as long as about 100, so that all of them take at most half a factorisation.
@@ -45,16 +45,18 @@ pub(super) struct RefinementTuning {
 
 /// Tuning of nested dissection.
 pub(super) struct DissectionTuning {
-    /// Maximum number of points of a leaf, default 16: from 4 to 24 the work grows by 2 to 6 %, and there are fewer fronts.
+    /// Maximum number of points of a leaf, default 16: from 4 to 24 the work grows by 2 to 6 %, and there are fewer
+    /// fronts.
     pub max_leaf_points: usize,
     /// Number of planes tried per axis, default 64.
     pub planes_per_axis: usize,
     /// Minimum fraction of the points on either side of a plane [-], default 0.25.
     pub min_side_fraction: f32,
-    /// Weight of imbalance on the size of a separator [-], default 10: a quarter on one side counts as a separator 1.6 times
-    /// as large.
+    /// Weight of imbalance on the size of a separator [-], default 10: a quarter on one side counts as a separator 1.6
+    /// times as large.
     pub imbalance_weight: f32,
-    /// Minimum extent of a part along an axis relative to its largest extent, for planes across that axis [-], default 0.1.
+    /// Minimum extent of a part along an axis relative to its largest extent, for planes across that axis [-], default
+    /// 0.1.
     pub min_extent_fraction: f32,
 }
 
@@ -62,7 +64,8 @@ pub(super) struct DissectionTuning {
 pub(super) struct ParallelTuning {
     /// Minimum work of the smaller half of a forest that is split between threads, default 1e6.
     pub min_forest_flops: f64,
-    /// Minimum number of rows of the smaller half of a forest that a triangular solve splits between threads, default 400.
+    /// Minimum number of rows of the smaller half of a forest that a triangular solve splits between threads, default
+    /// 400.
     pub min_forest_rows: usize,
     /// Minimum work of a dense product that is split between threads, default 2^21.
     pub min_product_flops: usize,

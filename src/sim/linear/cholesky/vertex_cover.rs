@@ -1,13 +1,14 @@
 //! Minimum vertex cover of a bipartite graph.
 //!
 //! A maximum matching by augmenting paths (Kuhn's method after a greedy start: the graphs are the couplings across one
-//! plane, a few hundred nodes) gives a minimum vertex cover by Koenig's theorem. Without recursion, as paths may be long.
+//! plane, a few hundred nodes) gives a minimum vertex cover by Koenig's theorem. Without recursion, as paths may be
+//! long.
 
 /// Unmatched node.
 const NONE: u32 = u32::MAX;
 
-/// Returns for each left and each right node whether it is in a minimum vertex cover. The neighbours of left node i are the
-/// right nodes `across[start[i]..start[i + 1]]`.
+/// Returns for each left and each right node whether it is in a minimum vertex cover. The neighbours of left node i are
+/// the right nodes `across[start[i]..start[i + 1]]`.
 pub fn minimum_vertex_cover(start: &[u32], across: &[u32], right_count: usize) -> (Vec<bool>, Vec<bool>) {
     let graph = Graph { start, across };
     let left_count = start.len() - 1;
@@ -23,7 +24,8 @@ pub fn minimum_vertex_cover(start: &[u32], across: &[u32], right_count: usize) -
             matching.augment(graph, i, &mut seen);
         }
     }
-    // The cover is the left nodes that no alternating path from an unmatched left node reaches, and the right ones reached.
+    // The cover is the left nodes that no alternating path from an unmatched left node reaches, and the right ones
+    // reached.
     let mut left: Vec<bool> = matching.of_left.iter().map(|&j| j != NONE).collect();
     let mut right = vec![false; right_count];
     let mut open: Vec<u32> = (0..left_count as u32).filter(|&i| !left[i as usize]).collect();
@@ -63,7 +65,8 @@ impl Matching {
         self.of_right[j as usize] = i;
     }
 
-    /// Finds an augmenting path from the unmatched left node `root` and flips it. `seen` is the last root of every right node.
+    /// Finds an augmenting path from the unmatched left node `root` and flips it. `seen` is the last root of every
+    /// right node.
     fn augment(&mut self, graph: Graph, root: u32, seen: &mut [u32]) {
         // Left nodes on the path and the number of edges tried of each.
         let mut path = vec![(root, 0)];
