@@ -153,11 +153,6 @@ impl Bending {
         &points[..points.iter().position(|p| *p == INVALID).unwrap_or(points.len())]
     }
 
-    /// Number of hinges.
-    pub fn hinge_count(&self) -> usize {
-        self.points.len()
-    }
-
     /// (A1 + A2) / l, one per hinge [m].
     pub fn width(&self) -> &[f64] {
         &self.width
@@ -183,13 +178,13 @@ impl Bending {
         if self.apart && last.abs() < TUNING.max_principal_angle { angle } else { unwrap_angle(angle, last) }
     }
 
-    /// Returns the term of one step: rest angles and stiffness from `memory`, damping over `step` [s] towards `last`,
+    /// Returns the term of one step: rest angles and stiffness from `rest_state`, damping over `step` [s] towards `last`,
     /// the unwrapped angles of the last accepted state. An infinite step turns damping off.
-    pub fn term<'a>(&'a self, memory: &RestState, last: &'a [f64], step: f64) -> BendingTerm<'a> {
+    pub fn term<'a>(&'a self, rest_state: &RestState, last: &'a [f64], step: f64) -> BendingTerm<'a> {
         let ratio = if self.damping > 0.0 { self.damping / step } else { 0.0 };
         let target =
-            memory.rest_angle.iter().zip(last).map(|(r, l)| (r + ratio * l) / (1.0 + ratio)).collect();
-        let root = memory.stiffness_ratio.iter().map(|s| (s * (1.0 + ratio)).sqrt()).collect();
+            rest_state.rest_angle.iter().zip(last).map(|(r, l)| (r + ratio * l) / (1.0 + ratio)).collect();
+        let root = rest_state.stiffness_ratio.iter().map(|s| (s * (1.0 + ratio)).sqrt()).collect();
         BendingTerm { model: Cow::Borrowed(self), target, root, last: Cow::Borrowed(last) }
     }
 }
@@ -361,9 +356,9 @@ mod tests {
             "triangles that overlap from the start"
         );
         // The energy term uses the same angles.
-        let (last, memory) = (bending.angles(&at(120.0), &[]), RestState::flat(1, 2));
+        let (last, rest_state) = (bending.angles(&at(120.0), &[]), RestState::flat(1, 2));
         let [there, back] =
-            [-120.0, 120.0].map(|to| bending.term(&memory, &last, f64::INFINITY).value(&at(to)));
+            [-120.0, 120.0].map(|to| bending.term(&rest_state, &last, f64::INFINITY).value(&at(to)));
         assert!((there - back).abs() < 1e-12 * back, "{there} {back}");
     }
 
@@ -371,16 +366,16 @@ mod tests {
     fn gradient_and_hessian_match() {
         let (topology, material, flat) = fan();
         let bending = Bending::from_parts(&topology, &material, [1e-5, 6e-6], 0.01);
-        let mut memory = RestState::flat(bending.hinge_count(), material.len());
-        memory.rest_angle[1] = 0.4;
-        memory.stiffness_ratio[2] = 3.0;
+        let mut rest_state = RestState::flat(bending.width().len(), material.len());
+        rest_state.rest_angle[1] = 0.4;
+        rest_state.stiffness_ratio[2] = 3.0;
         let x: Vec<Vec3> = flat
             .iter()
             .enumerate()
             .map(|(i, p)| Vec3::new(p.x, p.y, 0.003 * (i as f64 * 1.7).sin()))
             .collect();
         let last = bending.angles(&x, &[]);
-        let term = bending.term(&memory, &last, 0.01);
+        let term = bending.term(&rest_state, &last, 0.01);
         check_gradient_and_hessian(&term, &x, 1e-8);
         check_rigid_motion(&term, &x);
         check_secant_of_a_rotation(&term, &x);
@@ -391,10 +386,10 @@ mod tests {
     fn at_rest_the_gauss_newton_hessian_is_the_true_one() {
         let (topology, material, flat) = fan();
         let bending = Bending::from_parts(&topology, &material, [1e-5, 1e-5], 0.0);
-        let memory = RestState::flat(bending.hinge_count(), material.len());
+        let rest_state = RestState::flat(bending.width().len(), material.len());
         let x: Vec<Vec3> = flat.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
         let last = bending.angles(&x, &[]);
-        let term = bending.term(&memory, &last, f64::INFINITY);
+        let term = bending.term(&rest_state, &last, f64::INFINITY);
         let h = dense_hessian(&term, &x);
         let eps = 1e-7;
         let (mut up, mut down) = (x.clone(), x.clone());

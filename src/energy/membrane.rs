@@ -6,7 +6,7 @@
 //! E = a/2 [ k_u (|w_u| - r_u)² + k_v (|w_v| - r_v)² + k_s (w_u . w_v)² ]
 //! ```
 //!
-//! with the rest stretches r (1 when new) read from the memory. Baraff and Witkin scale the *condition* by the area,
+//! with the rest stretches r (1 when new) read from the rest state. Baraff and Witkin scale the *condition* by the area,
 //! which makes stiffness depend on the mesh; here the energy is scaled, so that k_u, k_v, k_s are in N/m of cloth
 //! width. Damping along the constraint (Kim, Oh and Wohn, eq. 4) is a spring to the last accepted value C_n with
 //! stiffness k * damping/step; both springs together are one with a shifted target, computed once per step. The
@@ -88,11 +88,6 @@ impl Membrane {
         self.stiffness = stiffness;
     }
 
-    /// Stretch and shear stiffness (warp, weft, shear) [N/m].
-    pub fn stiffness(&self) -> [f64; 3] {
-        self.stiffness
-    }
-
     /// Returns the centroid of triangle `f` at `x` [m].
     pub fn centre(&self, f: usize, x: &[Vec3]) -> Vec3 {
         self.corners[f].iter().map(|&p| x[p as usize]).sum::<Vec3>() / 3.0
@@ -116,11 +111,11 @@ impl Membrane {
             .collect()
     }
 
-    /// Returns the term of one step: rest stretches from `memory`, damping over `step` [s] towards `last`
+    /// Returns the term of one step: rest stretches from `rest_state`, damping over `step` [s] towards `last`
     /// ([`Self::measure`] at the last accepted state). An infinite step turns damping off.
-    pub fn term(&self, memory: &RestState, last: &[[f64; 3]], step: f64) -> MembraneTerm<'_> {
+    pub fn term(&self, rest_state: &RestState, last: &[[f64; 3]], step: f64) -> MembraneTerm<'_> {
         let ratio = if self.damping > 0.0 { self.damping / step } else { 0.0 };
-        let rest = memory.rest_stretch_warp.iter().zip(&memory.rest_stretch_weft);
+        let rest = rest_state.rest_stretch_warp.iter().zip(&rest_state.rest_stretch_weft);
         let target = rest
             .enumerate()
             .map(|(f, (&u, &v))| {
@@ -247,9 +242,9 @@ mod tests {
         let corners = [[0u32, 1, 2], [1, 0, 3]];
         let material: Vec<[Vec2; 3]> = corners.iter().map(|t| t.map(|i| flat[i as usize])).collect();
         let membrane = Membrane::from_parts(&corners, &material, [1000.0, 800.0, 40.0], 0.02);
-        let mut memory = RestState::flat(0, 2);
-        memory.rest_stretch_warp[0] = 1.03;
-        (membrane, memory)
+        let mut rest_state = RestState::flat(0, 2);
+        rest_state.rest_stretch_warp[0] = 1.03;
+        (membrane, rest_state)
     }
 
     fn posed() -> Vec<Vec3> {
@@ -263,9 +258,9 @@ mod tests {
 
     #[test]
     fn gradient_and_hessian_match_with_and_without_damping() {
-        let (membrane, memory) = pair();
+        let (membrane, rest_state) = pair();
         let last = vec![[0.98, 1.01, 0.02]; 2];
-        for term in [membrane.term(&memory, &[], 0.01), membrane.term(&memory, &last, 0.01)] {
+        for term in [membrane.term(&rest_state, &[], 0.01), membrane.term(&rest_state, &last, 0.01)] {
             check_gradient_and_hessian(&term, &posed(), 1e-7);
             check_rigid_motion(&term, &posed());
             check_restriction(&term, &posed(), &[false, false, false, true], 1e-3);
@@ -283,12 +278,12 @@ mod tests {
     fn warp_is_u_and_weft_is_v() {
         // Swapping the axes still drapes and merely rotates the cloth by 90 degrees, so that only exact values show it.
         let (membrane, _) = pair();
-        let memory = RestState::flat(0, 2);
+        let rest_state = RestState::flat(0, 2);
         let stretch = |sx: f64, sy: f64| {
             let x: Vec<Vec3> = [(0.0, 0.0), (0.1, 0.0), (0.03, 0.08), (0.06, -0.05)]
                 .map(|(u, v)| Vec3::new(u * sx, v * sy, 0.0))
                 .into();
-            membrane.term(&memory, &[], f64::INFINITY).value(&x)
+            membrane.term(&rest_state, &[], f64::INFINITY).value(&x)
         };
         let area = 0.1 * 0.13 / 2.0;
         assert!((stretch(1.01, 1.0) - 0.5 * area * 1000.0 * 1e-4).abs() < 1e-12);

@@ -88,7 +88,7 @@ struct StageLoads {
 #[derive(Clone, Copy)]
 struct StageInputs<'a> {
     state: &'a State,
-    memory: &'a RestState,
+    rest_state: &'a RestState,
     loads: &'a Loads,
     buffers: &'a LoadBuffers,
     stage: &'a Stage,
@@ -122,11 +122,11 @@ impl Stepper {
     }
 
     /// Makes one accepted step of at most `dt_request` [s] and replaces `state` by its end. `loads_at` returns the
-    /// loads at a time [s]; the rest state `memory` is only read. Rejected attempts leave no trace in `state`.
+    /// loads at a time [s]; `rest_state` is only read. Rejected attempts leave no trace in `state`.
     pub fn advance(
         &mut self,
         state: &mut State,
-        memory: &RestState,
+        rest_state: &RestState,
         loads_at: &mut dyn FnMut(f64, &State) -> Loads,
         dt_request: f64,
     ) -> StepReport {
@@ -147,7 +147,7 @@ impl Stepper {
         let mut total = NewtonReport::default();
         for rejected in 0.. {
             let loads = StageLoads { earlier: self.earlier_stage_loads(state, h, loads_at), last };
-            let AttemptResult { next, error, report } = self.attempt(state, memory, &loads, h);
+            let AttemptResult { next, error, report } = self.attempt(state, rest_state, &loads, h);
             total.add(&report);
             let is_min_dt = h <= self.options.min_dt * 1.001;
             let error_tol =
@@ -205,7 +205,13 @@ impl Stepper {
 
     /// Attempts one step of `h` seconds. Obstacles are at their positions of the end of the step from its beginning on:
     /// contact pairs are searched for once.
-    fn attempt(&mut self, state: &State, memory: &RestState, loads: &StageLoads, h: f64) -> AttemptResult {
+    fn attempt(
+        &mut self,
+        state: &State,
+        rest_state: &RestState,
+        loads: &StageLoads,
+        h: f64,
+    ) -> AttemptResult {
         let method = self.options.method;
         let StageLoads { earlier, last } = loads;
         self.contact.set_planes(last.ground, last.ceiling);
@@ -220,12 +226,12 @@ impl Stepper {
         }
         for loads in earlier {
             let stage = next_stage(method, state, h, stage_positions.as_deref());
-            let inputs = StageInputs { state, memory, loads, buffers: &buffers, stage: &stage };
+            let inputs = StageInputs { state, rest_state, loads, buffers: &buffers, stage: &stage };
             report.add(&self.solve_stage(&inputs, &mut x));
             stage_positions = Some(x.clone());
         }
         let stage = next_stage(method, state, h, stage_positions.as_deref());
-        let inputs = StageInputs { state, memory, loads: last, buffers: &buffers, stage: &stage };
+        let inputs = StageInputs { state, rest_state, loads: last, buffers: &buffers, stage: &stage };
         report.add(&self.solve_stage(&inputs, &mut x));
         let angle = self.cloth.bending.angles(&x, &state.angle);
         let v = stage.velocity(&x);
@@ -238,7 +244,7 @@ impl Stepper {
 
     /// Solves one stage of a step, from `x` on.
     fn solve_stage(&mut self, inputs: &StageInputs, x: &mut [Vec3]) -> NewtonReport {
-        let StageInputs { state, memory, loads, buffers, stage } = *inputs;
+        let StageInputs { state, rest_state, loads, buffers, stage } = *inputs;
         let solver = self.options.method.solver();
         let inertial = stage.inertial();
         // The rates of damping and drag have the same base as the velocity.
@@ -247,8 +253,8 @@ impl Stepper {
         let bending = &self.cloth.bending;
         let angles = |x: &[Vec3]| bending.angles(x, &state.angle);
         let angle = stage.base_of(state.angle.clone(), angles, |a| [*a], |[a]| a);
-        let membrane = membrane.term(memory, &measure, stage.effective_dt);
-        let bending = bending.term(memory, &angle, stage.effective_dt);
+        let membrane = membrane.term(rest_state, &measure, stage.effective_dt);
+        let bending = bending.term(rest_state, &angle, stage.effective_dt);
         let terms = stage_terms(&self.cloth, loads, buffers, stage, membrane, bending);
         let terms: Vec<&dyn Energy> = terms.iter().map(AsRef::as_ref).collect();
         let inertia =

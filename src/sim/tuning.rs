@@ -1,7 +1,7 @@
 //! The numbers of the time stepping that are choices.
 
-/// Tuning of step control and of the detection of violations; see [`StepTuning::DEFAULT`].
-pub(super) struct StepTuning {
+/// Tuning of step control and of the detection of violations; see [`SteppingTuning::DEFAULT`].
+pub(super) struct SteppingTuning {
     /// A step counts as quasi-static when it is at most this fraction of what its error and the loads allow [-],
     /// default 0.6: its length is then limited by memory events, hardly anything moves, and a local solve is likely to
     /// suffice.
@@ -26,7 +26,7 @@ pub(super) struct StepTuning {
     pub max_strain: f64,
 }
 
-impl StepTuning {
+impl SteppingTuning {
     /// The values in use.
     pub const DEFAULT: Self = Self {
         quasi_static_dt_fraction: 0.6,
@@ -40,4 +40,4 @@ impl StepTuning {
     };
 }
 
-pub(super) const TUNING: StepTuning = StepTuning::DEFAULT;
+pub(super) const TUNING: SteppingTuning = SteppingTuning::DEFAULT;

@@ -211,9 +211,9 @@ impl Cholesky {
             self.cost.bytes += triangular_solve_bytes;
             if let Goal::Decrease { energy_tol, strict } = goal {
                 match progress.judge(k, dot(&r, &z), energy_tol, strict) {
-                    Verdict::Converged => return Some(x),
-                    Verdict::Failed => return None,
-                    Verdict::Continue => {}
+                    StaleVerdict::Converged => return Some(x),
+                    StaleVerdict::Failed => return None,
+                    StaleVerdict::Continue => {}
                 }
             }
             let beta = -dot(&z, &image) / curvature;
@@ -258,7 +258,7 @@ struct StaleProgress {
 }
 
 /// Decision after an iteration with a stale factor.
-enum Verdict {
+enum StaleVerdict {
     Converged,
     Failed,
     Continue,
@@ -266,23 +266,23 @@ enum Verdict {
 
 impl StaleProgress {
     /// Decides after `k` iterations with a predicted decrease of `left` [J].
-    fn judge(&mut self, k: usize, left: f64, energy_tol: f64, strict: bool) -> Verdict {
+    fn judge(&mut self, k: usize, left: f64, energy_tol: f64, strict: bool) -> StaleVerdict {
         let tuning = &TUNING.refinement;
         let absolute_tol = tuning.stale_energy_fraction * energy_tol;
         if k == 0 {
             self.first = left;
             if strict && left > tuning.strict_energy_factor * energy_tol {
-                return Verdict::Failed;
+                return StaleVerdict::Failed;
             }
         } else if left <= absolute_tol.max(tuning.stale_rel_tol * self.first)
             || (k == tuning.min_stale_iterations && self.first <= energy_tol)
         {
-            return Verdict::Converged;
+            return StaleVerdict::Converged;
         }
         let slow = left > self.first * tuning.max_contraction.powi(k as i32 - 1)
             && left > tuning.noise_floor_factor * absolute_tol;
         let over_budget = k > tuning.min_stale_iterations && k as f64 >= self.max_iterations;
-        if left.is_nan() || slow || over_budget { Verdict::Failed } else { Verdict::Continue }
+        if left.is_nan() || slow || over_budget { StaleVerdict::Failed } else { StaleVerdict::Continue }
     }
 }
 

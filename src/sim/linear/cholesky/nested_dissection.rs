@@ -64,7 +64,7 @@ struct Extent {
 
 /// A plane: rows at or beyond coordinate `at` [m] on `axis` are on its high side.
 #[derive(Debug, Clone, Copy)]
-struct Plane {
+struct CutPlane {
     axis: usize,
     at: f32,
     cost: f32,
@@ -145,7 +145,7 @@ impl Dissection {
     }
 
     /// Returns the plane through `rows` with the smallest separator; `None` if none leaves enough rows on both sides.
-    fn best_plane(&self, rows: &[u32]) -> Option<Plane> {
+    fn best_plane(&self, rows: &[u32]) -> Option<CutPlane> {
         let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
         for &r in rows {
             for (k, at) in self.extents[r as usize].position.into_iter().enumerate() {
@@ -256,10 +256,10 @@ impl Histogram {
     }
 
     /// Returns the plane with the smallest cost.
-    fn best(&self, axis: usize, bins: usize, rows: usize) -> Option<Plane> {
+    fn best(&self, axis: usize, bins: usize, rows: usize) -> Option<CutPlane> {
         let tuning = &TUNING.dissection;
         let (mut below, mut from_low, mut from_high) = (0, 0, 0);
-        let mut best: Option<Plane> = None;
+        let mut best: Option<CutPlane> = None;
         for c in 0..bins {
             below += self.points[c];
             from_low += self.from_low[c];
@@ -272,7 +272,7 @@ impl Histogram {
             let penalty = 1.0 + tuning.imbalance_weight * imbalance * imbalance;
             let cost = from_low.min(from_high) as f32 * penalty;
             if best.is_none_or(|best| cost < best.cost) {
-                best = Some(Plane { axis, at: self.low + c as f32 / self.scale, cost });
+                best = Some(CutPlane { axis, at: self.low + c as f32 / self.scale, cost });
             }
         }
         best

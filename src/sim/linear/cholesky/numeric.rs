@@ -54,22 +54,23 @@ impl<T: Real> Factor<T> {
             self.entries = Vec::new();
             self.entries = vec![T::zero(); fronts.factor_len + fronts.factor_len / 4];
         }
-        let job = Job { fronts, values: matrix.values(), scale: self.scale, buffers: &self.buffers };
-        let contributions = job.forest(&fronts.roots, &mut self.entries[..fronts.factor_len])?;
+        let factorisation =
+            Factorisation { fronts, values: matrix.values(), scale: self.scale, buffers: &self.buffers };
+        let contributions = factorisation.forest(&fronts.roots, &mut self.entries[..fronts.factor_len])?;
         self.buffers.put(contributions);
         Ok(())
     }
 }
 
 /// A factorisation in progress.
-struct Job<'a, T> {
+struct Factorisation<'a, T> {
     fronts: &'a Fronts,
     values: &'a [Mat3],
     scale: f64,
     buffers: &'a BufferPool<T>,
 }
 
-impl<T: Real> Job<'_, T> {
+impl<T: Real> Factorisation<'_, T> {
     /// Eliminates the subtrees of neighbouring fronts, whose factors are in `entries`; returns the contribution block
     /// of each.
     fn forest(&self, fronts: &[u32], entries: &mut [T]) -> Result<Vec<Vec<T>>, NotPositive> {

@@ -7,14 +7,14 @@ use crate::sim::linear::block_matrix::FIXED_ROW;
 use crate::sim::linear::conjugate_gradient::conjugate_gradient;
 
 /// Points with the pairs that are coupled.
-struct Scene {
+struct CoupledPoints {
     positions: Vec<Vec3>,
     pairs: Vec<(u32, u32)>,
 }
 
 /// A sheet of `n` x `n` points 5 mm apart, folded `folds` times across alternating axes into layers 0.6 mm apart, with
 /// couplings over two rings and between points of different layers that are near. The fold lines are not rounded.
-fn folded_sheet(n: u32, folds: u32) -> Scene {
+fn folded_sheet(n: u32, folds: u32) -> CoupledPoints {
     let mut positions: Vec<Vec3> = (0..n * n)
         .map(|k| Vec3::new(0.005 * f64::from(k % n), 0.0, 0.005 * f64::from(k / n) + 1e-4 * f64::from(k % 7)))
         .collect();
@@ -48,10 +48,10 @@ fn folded_sheet(n: u32, folds: u32) -> Scene {
             }
         }
     }
-    Scene { positions, pairs }
+    CoupledPoints { positions, pairs }
 }
 
-impl Scene {
+impl CoupledPoints {
     /// A positive definite matrix: mass `mass`, and for every pair a spring of 1 along its direction times `stiffness`
     /// (times `wall` between layers) and a hundredth of it across. Points for which `fixed` is true have no row.
     fn matrix(&self, mass: f64, wall: f64, fixed: impl Fn(u32) -> bool) -> BlockMatrix {
@@ -113,7 +113,7 @@ fn small_systems_match_a_dense_solve() {
         for a in 0..n {
             pairs.extend((0..a).filter(|_| 2.0 * rng.uniform() - 1.0 < density).map(|b| (a, b)));
         }
-        let scene = Scene { positions, pairs };
+        let scene = CoupledPoints { positions, pairs };
         let matrix = scene.matrix(0.1, 100.0, |_| false);
         let rhs = right_hand_side(n as usize);
         let x = solved(&mut Cholesky::default(), &matrix, &scene.positions, &rhs);
@@ -248,8 +248,10 @@ fn degenerate_positions_are_no_obstacle() {
 fn a_factor_that_does_not_fit_is_refused() {
     // One front of 11,000 points: 545 million numbers.
     let n = 11_000;
-    let scene =
-        Scene { positions: vec![Vec3::zeros(); n], pairs: (1..n as u32).map(|p| (p, p - 1)).collect() };
+    let scene = CoupledPoints {
+        positions: vec![Vec3::zeros(); n],
+        pairs: (1..n as u32).map(|p| (p, p - 1)).collect(),
+    };
     let matrix = BlockMatrix::with_pattern((0..n as u32).collect(), &mut |visit| {
         scene.pairs.iter().for_each(|(a, b)| visit(&[*a, *b]));
     });
