@@ -147,7 +147,7 @@ fn the_same_mesh_keeps_every_bit_and_no_memory_changes_nothing() {
 /// The front door gives what the function gives.
 #[test]
 fn the_builder_transfers_a_sidecar_as_the_function_does() {
-    let (asset, garment) = load("tshirt-2k.glb");
+    let (asset, garment) = load("tshirt-draft.glb");
     let memory = made_memory(&GarmentSurface::from_garment(&garment, &asset));
     let worn = WornGarment { displacement: vec![Vec3::zeros(); garment.points.len()], memory };
     let null = Value::Null;
