@@ -152,7 +152,7 @@ fn crossing_edges(
     let height = closest.vector.dot(&normal);
     let is_upright = height.abs() >= tuning.min_edge_cosine * closest.distance;
     let max_distance = if height < 0.0 { tuning.max_penetration } else { tuning.max_edge_distance };
-    (is_inside && is_upright && closest.distance <= max_distance).then(|| Overlap {
+    (is_inside && is_upright && closest.distance <= max_distance).then_some(Overlap {
         edge,
         edge_weights,
         points: [a as u32, b as u32, b as u32],

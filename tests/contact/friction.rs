@@ -1,12 +1,10 @@
 //! Coulomb friction against closed forms: incline, capstan, belt with two coefficients, and the elastica that slips.
 
 use crate::run::{COTTON, Kind, Pattern, Run};
-use crate::shapes::Shape;
 use crease::energy::TargetSpring;
 use crease::math::Vec3;
 use crease::sim::State;
 use crease::sim::{GRAVITY, Loads};
-use std::sync::Arc;
 
 const MU: f64 = 0.3;
 
@@ -199,25 +197,21 @@ fn slides_over(mu: f64, long: f64) -> f64 {
             Vec3::new(radius, turn - s, along)
         }
     });
+    let strip = pattern.x.len();
+    // The cylinder is fixed cloth.
+    pattern.add([6 * COUNT, 1], [std::f64::consts::TAU * R, 0.1], true, |u, v| {
+        let (sin, cos) = (std::f64::consts::TAU * u).sin_cos();
+        Vec3::new(R * cos, R * sin, 0.1 * v - 0.05)
+    });
+    let fixed: Vec<bool> = (0..pattern.x.len()).map(|p| p >= strip).collect();
     let mut run = Run::new(&pattern, kind, 20.0);
     run.precisely();
     run.stepper.options.local_error_tol = f64::INFINITY;
     run.stepper.options.max_dt = 0.005;
-    let mut cylinder = Shape::default();
-    let count = 6 * COUNT;
-    for k in 0..count {
-        let (s, c) = (std::f64::consts::TAU * k as f64 / count as f64).sin_cos();
-        cylinder.points.extend([Vec3::new(R * c, R * s, -0.05), Vec3::new(R * c, R * s, 0.05)]);
-        let p = |k: usize| crease::mesh::PointIndex((k % (2 * count)) as u32);
-        cylinder.triangles.push([p(2 * k), p(2 * k + 1), p(2 * k + 2)]);
-        cylinder.triangles.push([p(2 * k + 2), p(2 * k + 1), p(2 * k + 3)]);
-    }
-    run.put_on(&cylinder);
-    let at: Arc<[Vec3]> = cylinder.points.clone().into();
-    let ends = [0, pattern.x.len() - 1];
+    let ends = [0, strip - 1];
     // Gravity grows slowly, so that nothing bounces.
     let mut drive = |t: f64, _: &State| Loads {
-        body: Some(at.clone()),
+        fixed: fixed.clone(),
         gravity: Vec3::new(0.0, -GRAVITY * (t / 0.5).min(1.0), 0.0),
         drag: 5.0,
         ..Loads::gravity_only(None)

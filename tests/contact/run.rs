@@ -194,12 +194,10 @@ impl Run {
         self.body = Some(BodyPlanes::new(&shape.points, &shape.triangles, settings));
     }
 
-    /// Force of the body on the cloth in the last step [N], without friction.
+    /// Force of the body on the cloth in the last step [N], with friction.
     pub fn body_force(&self) -> Vec3 {
         let mut gradient = vec![Vec3::zeros(); self.state.x.len()];
-        let planes: Vec<PlaneContact> =
-            self.body_step.planes.iter().map(|c| PlaneContact { max_friction: 0.0, ..*c }).collect();
-        PlaneContacts(&planes).add_gradient(&self.state.x, &mut gradient);
+        PlaneContacts(&self.body_step.planes).add_gradient(&self.state.x, &mut gradient);
         EdgeContacts(&self.body_step.edges).add_gradient(&self.state.x, &mut gradient);
         -gradient.iter().sum::<Vec3>()
     }

@@ -43,23 +43,4 @@ impl Shape {
         }
         Self { points, triangles }
     }
-
-    /// A rectangle with corner `at` and sides `a` and `b` [m], in `count` quads: a body without inside.
-    pub fn plate(at: Vec3, a: Vec3, b: Vec3, count: [usize; 2]) -> Self {
-        let [m, n] = count;
-        let mut shape = Self::default();
-        for i in 0..=m {
-            for j in 0..=n {
-                shape.points.push(at + a * (i as f64 / m as f64) + b * (j as f64 / n as f64));
-            }
-        }
-        let at = |i: usize, j: usize| PointIndex((i * (n + 1) + j) as u32);
-        for i in 0..m {
-            for j in 0..n {
-                shape.triangles.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
-                shape.triangles.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
-            }
-        }
-        shape
-    }
 }

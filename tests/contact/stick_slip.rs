@@ -2,11 +2,9 @@
 //! (Sano, Yamaguchi, Wada 2017). The end slips when the elastica asks for more than mu (`stick_slip_elastica.csv`).
 
 use crate::run::{COTTON, Kind, Pattern, Run};
-use crate::shapes::Shape;
 use crease::math::Vec3;
 use crease::sim::Loads;
 use crease::sim::State;
-use std::sync::Arc;
 
 const LENGTH: f64 = 0.1;
 const ALONG: usize = 40;
@@ -47,10 +45,6 @@ fn slips_at(mu: f64, up_to: f64) -> f64 {
     }
     let below = 0.95 * kind.thickness;
     let rise = 0.003;
-    // Its diagonal does not run below the strip: edges of a flat body tilt the forces of edges that stand on them.
-    let floor = Shape::plate(Vec3::new(-0.03, -below, -0.05), Vec3::x() * 0.1, Vec3::z() * 0.1, [1, 1]);
-    run.put_on(&floor);
-    let at = |up: f64| -> Arc<[Vec3]> { floor.points.iter().map(|p| p + Vec3::y() * up).collect() };
     let (mut found, mut home) = (f64::NAN, f64::NAN);
     run.watch(
         up_to * LENGTH / rise,
@@ -58,8 +52,7 @@ fn slips_at(mu: f64, up_to: f64) -> f64 {
             gravity: Vec3::zeros(),
             fixed: fixed.clone(),
             drag: 50.0,
-            body: Some(at(rise * t)),
-            ..Loads::gravity_only(None)
+            ..Loads::gravity_only(Some(rise * t - below))
         },
         &mut |run, _| {
             let tip = run.state.x[1];

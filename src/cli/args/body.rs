@@ -46,9 +46,9 @@ impl BodyArgs {
         let Some(body) = &self.body else { return Ok(None) };
         let same = matches!((body.canonicalize(), path.canonicalize()), (Ok(a), Ok(b)) if a == b);
         let body = if body.is_dir() {
-            self.from_frames(body, options)?
+            self.read_frames_of(body, options)?
         } else if same {
-            self.from_garment_file(&mesh.asset, options)?
+            self.read_in_garment_file(&mesh.asset, options)?
         } else {
             let (asset, _) = read_asset_file(body, &self.body_options(body, options))?;
             let pieces: Vec<&SourcePiece> = asset.worn_pieces().collect();
@@ -72,7 +72,7 @@ impl BodyArgs {
     }
 
     /// Returns the body in the file of the garment: the pieces named by `--body-node`, or all that are not worn.
-    fn from_garment_file(&self, asset: &SourceAsset, options: &ReadOptions) -> Result<AnimatedBody> {
+    fn read_in_garment_file(&self, asset: &SourceAsset, options: &ReadOptions) -> Result<AnimatedBody> {
         let worn: Vec<bool> = asset.pieces.iter().map(|piece| piece.worn).collect();
         let chosen = match &self.body_node {
             None => worn.iter().map(|worn| !worn).collect(),
@@ -89,7 +89,7 @@ impl BodyArgs {
         AnimatedBody::from_pieces(asset, &pieces)
     }
 
-    fn from_frames(&self, folder: &Path, options: &ReadOptions) -> Result<AnimatedBody> {
+    fn read_frames_of(&self, folder: &Path, options: &ReadOptions) -> Result<AnimatedBody> {
         let Some(rate) = self.body_fps else {
             let message = "a folder of frames has no rate of its own";
             return Err(Error::input(name_of(folder), "", message, "give it with --body-fps"));
