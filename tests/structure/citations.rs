@@ -93,7 +93,6 @@ fn citations(text: &str) -> Vec<Citation<'_>> {
 }
 
 #[test]
-#[ignore = "still being mended"]
 fn cited_files_exist() {
     let mut faults = Vec::new();
     for path in &files_below("", &[".rs", ".md", ".toml", ".py"]) {

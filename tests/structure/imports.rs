@@ -302,7 +302,6 @@ fn folders_form_no_circle() {
 }
 
 #[test]
-#[ignore = "still being mended"]
 fn files_of_a_folder_form_no_circle() {
     let sources = Sources::read();
     // A module that only hands on the names of its files does not depend on them.

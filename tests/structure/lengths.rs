@@ -14,7 +14,6 @@ fn rust_files() -> Vec<PathBuf> {
 }
 
 #[test]
-#[ignore = "still being mended"]
 fn functions_are_short() {
     let mut faults = Vec::new();
     for path in rust_files() {
@@ -47,7 +46,6 @@ fn function_lines(all: &[Token], at: usize) -> Option<usize> {
 }
 
 #[test]
-#[ignore = "still being mended"]
 fn files_are_short() {
     let length = |path: &PathBuf| read(path).lines().count();
     let long =

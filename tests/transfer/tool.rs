@@ -26,38 +26,68 @@ fn grid(n: usize, skew: f64) -> String {
     text
 }
 
-/// From a sidecar to every file, and all errors a user may meet.
-#[test]
-fn the_tool_transfers_relaxes_and_writes_readable_files() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = |name: &str| folder.path().join(name);
-    std::fs::write(path("to.obj"), grid(14, 0.2)).expect("writes");
-    let text = grid(18, 0.0);
-    let options = ReadOptions::default();
-    let (asset, _) =
-        read_asset("from.obj", text.as_bytes(), &options, &mut |_| Ok(Vec::new())).expect("reads");
-    let (garment, _) = Garment::from_asset(&asset).expect("is a garment");
-    let surface = GarmentSurface::from_garment(&garment, &asset);
-    let fold = Fold { axis: 0, at: 0.1, angle: 1.5, width: 0.02 };
-    let angles = |x: &[Vec3]| -> Vec<f64> {
-        surface.topology.hinges.iter().map(|h| hinge_angle(&h.points.map(|p| x[p.at()]))).collect()
-    };
-    let mut memory = RestState::new(angles(&surface.points), surface.triangles.len());
-    memory.rest_angle = angles(&rolled(&surface, &fold));
-    let worn =
-        crease::garment::WornGarment { displacement: vec![Vec3::zeros(); garment.points.len()], memory };
-    let null = serde_json::Value::Null;
-    let sidecar = crease::io::Sidecar::new(&asset, &garment, &worn, null.clone(), null.clone(), null)
-        .expect("is sound");
-    std::fs::write(path("from.crease.json"), crease::io::write_sidecar(&sidecar)).expect("writes");
+/// A folder with a folded source, `from.crease.json`, and a target mesh, `to.obj`, to run the tool in.
+struct Workshop {
+    folder: tempfile::TempDir,
+}
 
-    let run = |arguments: &str| {
+impl Workshop {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| folder.path().join(name);
+        std::fs::write(path("to.obj"), grid(14, 0.2)).expect("writes");
+        let text = grid(18, 0.0);
+        let options = ReadOptions::default();
+        let (asset, _) =
+            read_asset("from.obj", text.as_bytes(), &options, &mut |_| Ok(Vec::new())).expect("reads");
+        let (garment, _) = Garment::from_asset(&asset).expect("is a garment");
+        let surface = GarmentSurface::from_garment(&garment, &asset);
+        let fold = Fold { axis: 0, at: 0.1, angle: 1.5, width: 0.02 };
+        let angles = |x: &[Vec3]| -> Vec<f64> {
+            surface.topology.hinges.iter().map(|h| hinge_angle(&h.points.map(|p| x[p.at()]))).collect()
+        };
+        let mut memory = RestState::new(angles(&surface.points), surface.triangles.len());
+        memory.rest_angle = angles(&rolled(&surface, &fold));
+        let worn =
+            crease::garment::WornGarment { displacement: vec![Vec3::zeros(); garment.points.len()], memory };
+        let null = serde_json::Value::Null;
+        let sidecar = crease::io::Sidecar::new(&asset, &garment, &worn, null.clone(), null.clone(), null)
+            .expect("is sound");
+        std::fs::write(path("from.crease.json"), crease::io::write_sidecar(&sidecar)).expect("writes");
+        Self { folder }
+    }
+
+    fn path(&self, name: &str) -> std::path::PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// Runs the tool; stdout, stderr and the exit code.
+    fn run(&self, arguments: &str) -> (String, String, Option<i32>) {
         let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_crease"));
-        let output = command.current_dir(folder.path()).args(arguments.split(' ')).output().expect("runs");
+        let output =
+            command.current_dir(self.folder.path()).args(arguments.split(' ')).output().expect("runs");
         let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("is text");
         (text(output.stdout), text(output.stderr), output.status.code())
-    };
-    let (out, err, code) = run(
+    }
+
+    fn read(&self, name: &str) -> crease::io::Sidecar {
+        let bytes = std::fs::read(self.path(name)).expect("is there");
+        crease::io::read_sidecar(name, &bytes).expect("reads")
+    }
+}
+
+/// From a sidecar to every file, and all errors a user may meet; later parts read the files of earlier ones.
+#[test]
+fn the_tool_transfers_relaxes_and_writes_readable_files() {
+    let workshop = Workshop::new();
+    every_export_carries_the_memory(&workshop);
+    landmarks_align_source_and_target(&workshop);
+    the_same_mesh_keeps_its_memory_and_a_refined_one_agrees(&workshop);
+    unfit_files_are_refused(&workshop);
+}
+
+fn every_export_carries_the_memory(workshop: &Workshop) {
+    let (out, err, code) = workshop.run(
         "transfer from.crease.json --to to.obj -o out.glb --json --export obj,rest-mesh,rest-angle-map,usda",
     );
     assert_eq!(code, Some(0), "{err}");
@@ -78,14 +108,16 @@ fn the_tool_transfers_relaxes_and_writes_readable_files() {
     for name in
         ["out.worn.obj", "out.rest.obj", "out.rest-angle.glb", "out.usda", "out.crease.json", "out.glb"]
     {
-        assert!(path(name).is_file(), "{name}");
+        assert!(workshop.path(name).is_file(), "{name}");
     }
-    // Laid over by places that a person marked.
+}
+
+fn landmarks_align_source_and_target(workshop: &Workshop) {
     let pair = |x: f64, z: f64| format!(r#"{{"source_m": [{x}, 0, {z}], "target_m": [{x}, 0, {z}]}}"#);
     let marks = [pair(0.0, 0.0), pair(0.2, 0.0), pair(0.1, 0.2)].join(", ");
     let text = format!(r#"{{"format": "crease-landmarks/1", "pairs": [{marks}]}}"#);
-    std::fs::write(path("marks.json"), &text).expect("writes");
-    let (out, err, code) = run(
+    std::fs::write(workshop.path("marks.json"), &text).expect("writes");
+    let (out, err, code) = workshop.run(
         "transfer from.crease.json --to to.obj --match surface --landmarks marks.json --json -o marked.glb",
     );
     assert_eq!(code, Some(0), "{err}");
@@ -95,28 +127,28 @@ fn the_tool_transfers_relaxes_and_writes_readable_files() {
         (&"surface".into(), &"landmarks".into())
     );
     assert!(report["sources"][0]["lost_crease_fraction"].as_f64() < Some(0.05), "{report}");
-    std::fs::write(path("marks.json"), text.replace("target_m", "targets")).expect("writes");
-    let (_, err, code) = run("transfer from.crease.json --to to.obj --landmarks marks.json -o no.glb");
+    std::fs::write(workshop.path("marks.json"), text.replace("target_m", "targets")).expect("writes");
+    let (_, err, code) =
+        workshop.run("transfer from.crease.json --to to.obj --landmarks marks.json -o no.glb");
     assert!(code == Some(1) && err.contains("targets") && err.contains("target_m"), "{err}");
-    // Onto the very mesh it now is for: the same memory, bit for bit.
-    let (_, err, code) = run("transfer out.crease.json --to to.obj -o again.glb --match same --quiet");
+}
+
+fn the_same_mesh_keeps_its_memory_and_a_refined_one_agrees(workshop: &Workshop) {
+    let (_, err, code) =
+        workshop.run("transfer out.crease.json --to to.obj -o again.glb --match same --quiet");
     assert_eq!(code, Some(0), "{err}");
-    let read = |name: &str| {
-        let bytes = std::fs::read(path(name)).expect("is there");
-        crease::io::read_sidecar(name, &bytes).expect("reads")
-    };
-    let (first, again) = (read("out.crease.json"), read("again.crease.json"));
+    let (first, again) = (workshop.read("out.crease.json"), workshop.read("again.crease.json"));
     assert_eq!((&first.hinges, &first.points), (&again.hinges, &again.points));
-    let (_, err, code) = run("render out.glb --show confidence --size 64 -o out.png");
+    let (_, err, code) = workshop.run("render out.glb --show confidence --size 64 -o out.png");
     assert_eq!(code, Some(0), "{err}");
     // Finer than the file: its own points first, by texture as before, what they cannot show in a map.
-    let (out, err, code) =
-        run("transfer from.crease.json --to to.obj -o fine.glb --resolution 8 --detail-map=256 --json");
+    let (out, err, code) = workshop
+        .run("transfer from.crease.json --to to.obj -o fine.glb --resolution 8 --detail-map=256 --json");
     assert_eq!(code, Some(0), "{err}");
     let report: serde_json::Value = serde_json::from_str(&out).expect("is JSON");
     assert_eq!((&report["sources"][0]["by"], &report["crossings"]), (&"uv".into(), &0.into()));
     assert!(report["detail_maps"].as_array().is_some_and(|maps| maps.len() == 1), "{report}");
-    let fine = read("fine.crease.json");
+    let fine = workshop.read("fine.crease.json");
     let own = first.mesh.points_m.len();
     assert!(fine.mesh.points_m.len() > 2 * own && fine.mesh.points_m[..own] == first.mesh.points_m);
     assert!(fine.mesh.triangle_vertices.is_none() && first.mesh.triangle_vertices.is_some());
@@ -126,11 +158,13 @@ fn the_tool_transfers_relaxes_and_writes_readable_files() {
     };
     println!("height of the fold {:.4} m, finer {:.4} m", height(&first), height(&fine));
     assert!((height(&fine) / height(&first) - 1.0).abs() < 0.25);
+}
 
-    let whole = std::fs::read_to_string(path("from.crease.json")).expect("is text");
+fn unfit_files_are_refused(workshop: &Workshop) {
+    let whole = std::fs::read_to_string(workshop.path("from.crease.json")).expect("is text");
     let refused = |name: &str, text: &str, arguments: &str, expected: &str| {
-        std::fs::write(path(name), text).expect("writes");
-        let (_, err, code) = run(arguments);
+        std::fs::write(workshop.path(name), text).expect("writes");
+        let (_, err, code) = workshop.run(arguments);
         assert!(code == Some(1) && err.contains(expected), "{err}");
     };
     refused("cut.json", &whole[..whole.len() / 2], "transfer cut.json --to to.obj -o no.glb", "EOF");
@@ -144,5 +178,5 @@ fn the_tool_transfers_relaxes_and_writes_readable_files() {
         "render out.glb -o no.png",
         "is for a mesh of 324 vertices, this one has 196",
     );
-    assert!(!path("no.glb").exists() && !path("no.png").exists());
+    assert!(!workshop.path("no.glb").exists() && !workshop.path("no.png").exists());
 }
