@@ -316,7 +316,7 @@ mod tests {
         }
     }
 
-    /// A motion cut short by the answer is free when tested again, also after rounding: `contact::bound` ends by it.
+    /// A motion cut short by the answer is free when tested again, also after rounding: `contact::step_bounds` ends by it.
     #[test]
     fn a_motion_cut_short_is_free() {
         for (name, step, _) in kinds() {
