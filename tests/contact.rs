@@ -26,5 +26,3 @@ mod run;
 mod shapes;
 #[path = "contact/shots.rs"]
 mod shots;
-#[path = "contact/stick_slip.rs"]
-mod stick_slip;
