@@ -92,6 +92,8 @@ pub mod mesh;
 pub mod body;
 #[doc(hidden)]
 pub mod garment;
+#[doc(hidden)]
+pub mod remesh;
 
 #[doc(hidden)]
 pub mod energy;

@@ -299,28 +299,7 @@ fn a_fine_mesh_is_simulated_on_fewer_points() {
     let run = |name: &str| json_of(&folder.join(format!("{name}.crease.json")))["run"].clone();
     assert_eq!(run("fewer")["simulated_points"], count("fewer"));
     assert!(run("every")["simulated_points"].is_null());
-    // Angle across the fold: change times length over the width, of hinges that run along it.
-    let across = |name: &str| {
-        let report = json_of(&folder.join(format!("{name}.report.json")));
-        assert_eq!((&report["points"], &report["crossings"]), (&(37 * 37).into(), &0.into()));
-        let sidecar = json_of(&folder.join(format!("{name}.crease.json")));
-        let points: Vec<[f64; 3]> =
-            serde_json::from_value(sidecar["mesh"]["points_m"].clone()).expect("points");
-        let hinges = &sidecar["hinges"];
-        let ends: Vec<[usize; 4]> = serde_json::from_value(hinges["points"].clone()).expect("hinges");
-        let angles = |key: &str| -> Vec<f64> { serde_json::from_value(hinges[key].clone()).expect("angles") };
-        let change = angles("rest_angle_rad").into_iter().zip(angles("source_angle_rad")).map(|(r, s)| r - s);
-        let sum: f64 = ends
-            .iter()
-            .zip(change)
-            .map(|(h, change)| {
-                let edge = [0, 1, 2].map(|k| points[h[1]][k] - points[h[0]][k]);
-                let length = edge.iter().map(|c| c * c).sum::<f64>().sqrt();
-                change * edge[2] * edge[2] / length
-            })
-            .sum();
-        sum / 0.2
-    };
+    let across = |name: &str| angle_across(folder, name, 37 * 37);
     let (fewer, every) = (across("fewer"), across("every"));
     assert!((fewer / every - 1.0).abs() < 0.25, "{fewer} and {every} rad across the fold");
     let (_, err, code) = run_in(folder, "view fewer.glb --frames fewer -o fewer.html");
@@ -328,6 +307,50 @@ fn a_fine_mesh_is_simulated_on_fewer_points() {
     assert!(std::fs::read_to_string(folder.join("fewer.html")).expect("is there").contains("simulated"));
     let (_, err, code) = run_in(folder, "remember fewer --fps 2 --mesh fine.obj -o again.glb");
     assert!(code == 1 && err.contains("--no-grading"), "{err}");
+}
+
+/// Angle across the fold [rad] in NAME.crease.json of a sheet of `points` points: change times length over the width, of hinges that
+/// run along it. The report says no crossing.
+fn angle_across(folder: &Path, name: &str, points: usize) -> f64 {
+    let report = json_of(&folder.join(format!("{name}.report.json")));
+    assert_eq!((&report["points"], &report["crossings"]), (&points.into(), &0.into()));
+    let sidecar = json_of(&folder.join(format!("{name}.crease.json")));
+    let positions: Vec<[f64; 3]> =
+        serde_json::from_value(sidecar["mesh"]["points_m"].clone()).expect("points");
+    let hinges = &sidecar["hinges"];
+    let ends: Vec<[usize; 4]> = serde_json::from_value(hinges["points"].clone()).expect("hinges");
+    let angles = |key: &str| -> Vec<f64> { serde_json::from_value(hinges[key].clone()).expect("angles") };
+    let change = angles("rest_angle_rad").into_iter().zip(angles("source_angle_rad")).map(|(r, s)| r - s);
+    let sum: f64 = ends
+        .iter()
+        .zip(change)
+        .map(|(h, change)| {
+            let edge = [0, 1, 2].map(|k| positions[h[1]][k] - positions[h[0]][k]);
+            let length = edge.iter().map(|c| c * c).sum::<f64>().sqrt();
+            change * edge[2] * edge[2] / length
+        })
+        .sum();
+    sum / 0.2
+}
+
+/// Three meshes of one sheet come out with the same crease when a mesh with edges along the fold line is simulated.
+#[test]
+fn an_aligned_mesh_gives_one_crease_whatever_the_triangles_are() {
+    let workshop = workshop(FOLD_ONCE);
+    let folder = workshop.path();
+    let mut angles = Vec::new();
+    for side in [13, 20, 37] {
+        std::fs::write(folder.join("sheet.obj"), handkerchief(side)).expect("writes");
+        let line = format!("bake sheet.obj --wear wear.json -o {side}.glb --quiet --aligned");
+        assert_eq!(run_in(folder, &line), (String::new(), String::new(), 0));
+        let report = json_of(&folder.join(format!("{side}.report.json")));
+        let aligned = report["models"].as_array().into_iter().flatten().find(|m| m["name"] == "aligned mesh");
+        assert_eq!(aligned.expect("is decided")["on"], true);
+        angles.push(angle_across(folder, &side.to_string(), side * side));
+    }
+    let mean = angles.iter().sum::<f64>() / angles.len() as f64;
+    println!("across the fold: {angles:?} rad");
+    assert!(mean < -1.0 && angles.iter().all(|angle| (angle / mean - 1.0).abs() < 0.06), "{angles:?}");
 }
 
 /// The worn target is there, switched on, and moves something.

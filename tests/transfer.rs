@@ -15,7 +15,7 @@ mod measure;
 #[path = "transfer/tool.rs"]
 mod tool;
 
-use crease::bake::{BakeOptions, SimulationMesh};
+use crease::bake::{BakeOptions, OtherMesh, SimulationMesh};
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
 use crease::garment::{RestState, WornGarment};
 use crease::io::Sidecar;
@@ -81,9 +81,8 @@ fn memory_of_an_adaptive_mesh_is_prolongated_to_the_garment() {
     let text = std::fs::read_to_string(path).expect("a script of the repository");
     let script = WearScript::parse("fold-thrice.json", &text).expect("is a script");
     let fabric = Fabric::preset(DEFAULT_FABRIC).expect("exists");
-    let mesh = SimulationMesh::choose(&garment, &fabric, &script, &BakeOptions::default())
-        .mesh
-        .expect("is adaptive");
+    let chosen = SimulationMesh::choose(&garment, &fabric, &script, &BakeOptions::default());
+    let Some(OtherMesh::Coarse(mesh)) = chosen.mesh else { panic!("is not adaptive") };
     assert!(mesh.source_point.len() < garment.points.len() / 2, "{} points", mesh.source_point.len());
     let (coarse, whole) =
         (GarmentSurface::without_texture(&mesh.garment), GarmentSurface::without_texture(&garment));

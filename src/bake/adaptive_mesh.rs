@@ -9,18 +9,39 @@
 //! Where a script may crease the cloth anywhere (crumpling, a body that moves) every point is simulated.
 //! `docs/validation/accuracy.md` has the error of adaptive meshes.
 
+use crate::bake::aligned_mesh::aligned_mesh;
 use crate::bake::tuning::TUNING;
 use crate::bake::{BakeOptions, ModelDecision};
 use crate::fabric::Fabric;
 use crate::garment::{CoarseMesh, Garment};
 use crate::mesh::intersections::self_intersections;
+use crate::remesh::AlignedMesh;
 use crate::wear::{WearScript, predict_creases};
+
+/// A mesh that is simulated instead of a garment.
+#[derive(Debug, Clone)]
+pub enum OtherMesh {
+    /// Fewer points of the garment.
+    Coarse(CoarseMesh),
+    /// Edges along fold lines.
+    Aligned(AlignedMesh),
+}
+
+impl OtherMesh {
+    /// The mesh as a garment of its own.
+    pub fn garment(&self) -> &Garment {
+        match self {
+            Self::Coarse(mesh) => &mesh.garment,
+            Self::Aligned(mesh) => &mesh.garment,
+        }
+    }
+}
 
 /// The mesh that is simulated instead of a garment, if any.
 #[derive(Debug, Clone)]
 pub struct SimulationMesh {
-    /// The coarser mesh; `None` to simulate the garment itself.
-    pub mesh: Option<CoarseMesh>,
+    /// The other mesh; `None` to simulate the garment itself.
+    pub mesh: Option<OtherMesh>,
     /// The decision, with its reason.
     pub decision: ModelDecision,
 }
@@ -28,11 +49,18 @@ pub struct SimulationMesh {
 impl SimulationMesh {
     /// Chooses the mesh for a bake of `garment`.
     pub fn choose(garment: &Garment, fabric: &Fabric, script: &WearScript, options: &BakeOptions) -> Self {
-        let (mesh, why) = match coarsened(garment, fabric, script, options) {
+        let (name, made) = if options.aligned_mesh {
+            let made = aligned_mesh(garment, script, options);
+            ("aligned mesh", made.map(|(mesh, why)| (OtherMesh::Aligned(mesh), why)))
+        } else {
+            let made = coarsened(garment, fabric, script, options);
+            ("adaptive mesh", made.map(|(mesh, why)| (OtherMesh::Coarse(mesh), why)))
+        };
+        let (mesh, why) = match made {
             Ok((mesh, why)) => (Some(mesh), why),
             Err(why) => (None, why),
         };
-        Self { decision: ModelDecision { name: "adaptive mesh", on: mesh.is_some(), why }, mesh }
+        Self { decision: ModelDecision { name, on: mesh.is_some(), why }, mesh }
     }
 }
 

@@ -1,15 +1,17 @@
 //! [`Bake`]: the front door of the library.
 
 use crate::bake::checkpoint::Checkpoint;
+use crate::bake::hold_back::hold_back;
 use crate::bake::relax_to_source::{RelaxOptions, relax_to_source_pose};
 use crate::bake::setup::BakeSetup;
 use crate::bake::simulate::{SimulationResult, simulate};
-use crate::bake::{BakeOptions, BakeResult, ModelPlan, Observer, Quality, SimulationMesh};
+use crate::bake::{BakeOptions, BakeResult, ModelPlan, Observer, OtherMesh, Quality, SimulationMesh};
 use crate::body::AnimatedBody;
 use crate::error::Result;
 use crate::fabric::Fabric;
-use crate::garment::{CoarseMesh, Garment, WornGarment};
+use crate::garment::{Garment, WornGarment};
 use crate::math::Vec3;
+use crate::transfer::prolongate_aligned;
 use crate::wear::WearScript;
 use std::sync::Arc;
 use std::time::Instant;
@@ -131,7 +133,7 @@ impl<'a> Bake<'a> {
     pub fn plan(&self) -> ModelPlan {
         let Self { garment, fabric, script, ref options, .. } = *self;
         let SimulationMesh { mesh, decision } = SimulationMesh::choose(garment, fabric, script, options);
-        let mesh = mesh.as_ref().map_or(garment, |mesh| &mesh.garment);
+        let mesh = mesh.as_ref().map_or(garment, OtherMesh::garment);
         let mut plan = ModelPlan::new(mesh, fabric, script, options);
         plan.decisions.push(decision);
         plan
@@ -153,24 +155,40 @@ impl<'a> Bake<'a> {
     pub fn run_with(self, observer: &mut dyn Observer) -> Result<BakeResult> {
         let Self { garment, fabric, script, script_name, options, resume_from } = self;
         let setup = BakeSetup { fabric, script, script_name, options: &options };
-        let SimulationMesh { mesh: coarse, decision } =
+        let SimulationMesh { mesh: other, decision } =
             SimulationMesh::choose(garment, fabric, script, &options);
-        let mesh = coarse.as_ref().map_or(garment, |coarse| &coarse.garment);
+        let mesh = other.as_ref().map_or(garment, OtherMesh::garment);
         observer.on_mesh(mesh);
         let mut simulated = simulate(resume_from, mesh, &setup, observer)?;
         simulated.report.decisions.push(decision);
 
         let clock = Instant::now();
-        let mut relax_options = &RelaxOptions::FULL;
-        if let Some(coarse) = &coarse {
-            let stepper = setup.stepper(garment, &ModelPlan::new(garment, fabric, script, &options));
-            simulated = simulated.prolongate(coarse, garment, stepper);
-            relax_options = &RelaxOptions::FAST;
+        // The mesh that is relaxed: all points of the garment, or the aligned mesh.
+        let (mut relaxed_mesh, mut relax_options) = (garment, RelaxOptions::FULL);
+        match &other {
+            Some(OtherMesh::Coarse(coarse)) => {
+                let stepper = setup.stepper(garment, &ModelPlan::new(garment, fabric, script, &options));
+                simulated = simulated.prolongate(coarse, garment, stepper);
+                relax_options = RelaxOptions::FAST;
+            }
+            Some(OtherMesh::Aligned(aligned)) => {
+                relaxed_mesh = &aligned.garment;
+                relax_options = RelaxOptions::readable_on(garment, fabric);
+            }
+            None => {}
         }
-        let SimulationResult { positions: end, rest, mut report, mut seconds, mut stepper } = simulated;
-        let relaxed = relax_to_source_pose(garment, fabric, &mut stepper, &rest, relax_options);
+        let SimulationResult { positions: mut end, mut rest, mut report, mut seconds, mut stepper } =
+            simulated;
+        let mut relaxed = relax_to_source_pose(relaxed_mesh, fabric, &mut stepper, &rest, &relax_options);
+        let shown = relaxed_positions(relaxed_mesh, other.as_ref(), &relaxed.displacement);
+        if let Some(OtherMesh::Aligned(aligned)) = &other {
+            end = aligned.to_source(&end);
+            rest = prolongate_aligned(aligned, &rest, garment);
+            relaxed.displacement = aligned.to_source(&relaxed.displacement);
+            report.decisions.extend(hold_back(garment, &mut relaxed.displacement));
+        }
         seconds.relax += clock.elapsed().as_secs_f64();
-        observer.frame(&relaxed_positions(garment, coarse.as_ref(), &relaxed.displacement))?;
+        observer.frame(&shown)?;
 
         report.solves += relaxed.solves;
         report.local_solves += relaxed.local_solves;
@@ -182,11 +200,11 @@ impl<'a> Bake<'a> {
     }
 }
 
-/// Relaxed positions of the simulated points [m]: those of `coarse`, or all of `garment`.
-fn relaxed_positions(garment: &Garment, coarse: Option<&CoarseMesh>, displacement: &[Vec3]) -> Vec<Vec3> {
-    let position = |p: usize| garment.points[p] + displacement[p];
-    match coarse {
-        None => (0..garment.points.len()).map(position).collect(),
-        Some(coarse) => coarse.source_point.iter().map(|p| position(p.at())).collect(),
+/// Relaxed positions of the simulated points [m], from the `displacement` of the points of `relaxed`.
+fn relaxed_positions(relaxed: &Garment, other: Option<&OtherMesh>, displacement: &[Vec3]) -> Vec<Vec3> {
+    let position = |p: usize| relaxed.points[p] + displacement[p];
+    match other {
+        Some(OtherMesh::Coarse(coarse)) => coarse.source_point.iter().map(|p| position(p.at())).collect(),
+        _ => (0..relaxed.points.len()).map(position).collect(),
     }
 }

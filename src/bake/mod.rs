@@ -8,16 +8,17 @@
 //! |---|---|
 //! | `builder` | [`Bake`], both phases in order |
 //! | `options`, `quality`, `tuning` | what can be asked for, and the constants behind it |
-//! | `plan`, `adaptive_mesh`, `active_region` | models, mesh and points that a script needs |
+//! | `plan`, `adaptive_mesh`, `aligned_mesh`, `active_region` | models, mesh and points that a script needs |
 //! | `setup`, `run`, `action_loop`, `simulate` | first phase |
 //! | `body_coupling`, `body_penetration`, `depenetration` | the body under the cloth |
-//! | `relax_to_source`, `relax` | second phase |
+//! | `relax_to_source`, `relax`, `hold_back` | second phase |
 //! | `observer`, `frames`, `report`, `violation_log`, `initial_intersections` | what is reported |
 //! | `checkpoint` | interrupted runs |
 
 mod action_loop;
 mod active_region;
 mod adaptive_mesh;
+mod aligned_mesh;
 mod body_coupling;
 mod body_penetration;
 mod builder;
@@ -25,6 +26,7 @@ pub mod checkpoint;
 mod depenetration;
 mod frames;
 mod from_motion;
+mod hold_back;
 mod initial_intersections;
 mod observer;
 mod options;
@@ -40,7 +42,7 @@ mod tuning;
 mod violation_log;
 
 pub use active_region::active_points;
-pub use adaptive_mesh::SimulationMesh;
+pub use adaptive_mesh::{OtherMesh, SimulationMesh};
 pub use builder::Bake;
 pub use checkpoint::{Checkpoint, fingerprint};
 pub use from_motion::{GarmentMotion, memory_from_motion};

@@ -32,6 +32,8 @@ pub struct BakeOptions {
     pub deactivate_static: bool,
     /// Whether cloth that the script does not crease is simulated on fewer points ([`crate::bake::SimulationMesh`]).
     pub adaptive_mesh: bool,
+    /// Whether a mesh with edges along the fold lines of the script is simulated, where they can be predicted. Experimental.
+    pub aligned_mesh: bool,
     /// Steps of an action between two possible checkpoints: what an interrupted run loses at most. At each the pattern of
     /// the linear system is rebuilt, and in a hold a factor that several steps use.
     pub checkpoint_steps: u64,
@@ -50,6 +52,7 @@ impl Default for BakeOptions {
             body: None,
             deactivate_static: true,
             adaptive_mesh: true,
+            aligned_mesh: false,
             checkpoint_steps: 32,
         }
     }

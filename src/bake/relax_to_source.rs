@@ -47,6 +47,14 @@ impl RelaxOptions {
     /// One global iteration per increment except the last: used after the simulation of an adaptive mesh, where the
     /// relaxation of the whole garment dominates the run time.
     pub const FAST: Self = Self { tether_scale: 1.0, iterations_per_increment: 1 };
+
+    /// The tether at which a crease decays over some edges of `garment`, or over the bending length if that is more: its
+    /// stiffness is the bending stiffness over the fourth power of this length.
+    pub fn readable_on(garment: &Garment, fabric: &Fabric) -> Self {
+        let own = fabric.bending_length();
+        let decay = own.max(TUNING.relax.decay_edges * garment.mean_edge());
+        Self { tether_scale: (own / decay).powi(4), ..Self::FULL }
+    }
 }
 
 /// Relaxes `garment` of `fabric` with the rest state `rest`, by the solver and contact of `stepper`.

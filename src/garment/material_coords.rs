@@ -127,7 +127,7 @@ fn shape_reference(shapes: &[[Vec3; 3]]) -> Vec3 {
 }
 
 /// Projects `direction` into the triangle's plane and normalises it; `None` where too little of it is left.
-pub(super) fn project_to_plane(shape: &[Vec3; 3], direction: Vec3) -> Option<Vec3> {
+pub(crate) fn project_to_plane(shape: &[Vec3; 3], direction: Vec3) -> Option<Vec3> {
     let normal = unit_normal(shape);
     (direction - normal * normal.dot(&direction)).try_normalize(TUNING.min_warp_sine)
 }
@@ -156,7 +156,7 @@ fn neighbour_direction(
 }
 
 /// Returns the corners of the triangle in the plane of `warp` (x) and the weft (y), counter-clockwise \[m\].
-pub(super) fn flatten_triangle(shape: &[Vec3; 3], warp: Vec3) -> [Vec2; 3] {
+pub(crate) fn flatten_triangle(shape: &[Vec3; 3], warp: Vec3) -> [Vec2; 3] {
     let weft = unit_normal(shape).cross(&warp);
     shape.map(|p| Vec2::new((p - shape[0]).dot(&warp), (p - shape[0]).dot(&weft)))
 }

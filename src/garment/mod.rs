@@ -11,7 +11,7 @@ mod diagnostic;
 mod garment_type;
 mod inspect;
 mod lying;
-mod material_coords;
+pub(crate) mod material_coords;
 mod refine;
 mod repair;
 mod rest_state;

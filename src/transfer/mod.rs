@@ -27,6 +27,7 @@ mod pipeline;
 mod prolongate;
 mod registration;
 mod resample;
+mod smoothing;
 mod surface;
 mod tuning;
 
@@ -36,6 +37,6 @@ pub use options::{
     Align, AlignedBy, Channels, MatchBy, SourceOutcome, TransferOptions, TransferResult, TransferSource,
 };
 pub use pipeline::transfer;
-pub use prolongate::prolongate;
+pub use prolongate::{prolongate, prolongate_aligned};
 pub use registration::PointPair;
 pub use surface::GarmentSurface;

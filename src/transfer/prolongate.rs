@@ -7,20 +7,34 @@
 use crate::garment::{CoarseMesh, Garment, RestState};
 use crate::math::Vec3;
 use crate::mesh::distance::point_triangle_squared;
+use crate::remesh::AlignedMesh;
 use crate::transfer::correspondence::{Correspondence, Match, Query, smallest_rotation};
 use crate::transfer::memory_delta::MemoryDelta;
 use crate::transfer::options::TransferOptions;
 use crate::transfer::resample::resample;
+use crate::transfer::smoothing::smooth_curvature;
 use crate::transfer::surface::GarmentSurface;
 use rustc_hash::FxHashMap;
 
 /// Memory of `garment`, one entry per hinge and triangle of it, from `memory` of `coarse`, which was made from it.
 pub fn prolongate(coarse: &CoarseMesh, memory: &RestState, garment: &Garment) -> RestState {
     let target = GarmentSurface::without_texture(garment);
-    let locator = CoarseMeshLocator::new(coarse, &target);
+    let locator = CoarseMeshLocator::new(&coarse.garment, &coarse.containing_triangle, &target);
     let faces = resample(&locator, memory, &target, 1.0);
     let mut delta = MemoryDelta::from_faces(&target, &faces);
     copy_shared(&mut delta, &MemoryDelta::from_memory(memory), coarse, garment);
+    delta.apply(&target, &TransferOptions::full(target.points.len()))
+}
+
+/// Memory of `garment`, one entry per hinge and triangle of it, from `memory` of `aligned`, a mesh of its surface. A crease
+/// narrower than the triangles of the garment is spread over one ring of them, so that it keeps its angle and its course.
+pub fn prolongate_aligned(aligned: &AlignedMesh, memory: &RestState, garment: &Garment) -> RestState {
+    let target = GarmentSurface::without_texture(garment);
+    let containing = aligned.containing_triangles();
+    let locator = CoarseMeshLocator::new(&aligned.garment, &containing, &target);
+    let mut faces = resample(&locator, memory, &target, 1.0);
+    smooth_curvature(&target, &mut faces);
+    let delta = MemoryDelta::from_faces(&target, &faces);
     delta.apply(&target, &TransferOptions::full(target.points.len()))
 }
 
@@ -54,8 +68,8 @@ struct CoarseMeshLocator<'a> {
 }
 
 impl<'a> CoarseMeshLocator<'a> {
-    fn new(coarse: &'a CoarseMesh, target: &'a GarmentSurface) -> Self {
-        let source = GarmentSurface::without_texture(&coarse.garment);
+    fn new(mesh: &Garment, containing_triangle: &'a [u32], target: &'a GarmentSurface) -> Self {
+        let source = GarmentSurface::without_texture(mesh);
         let mut on_point = vec![Vec::new(); source.points.len()];
         for (f, t) in source.triangles.iter().enumerate() {
             t.iter().for_each(|p| on_point[p.at()].push(f as u32));
@@ -73,7 +87,7 @@ impl<'a> CoarseMeshLocator<'a> {
             normals: (0..source.triangles.len()).map(unit).collect(),
             source,
             target,
-            containing_triangle: &coarse.containing_triangle,
+            containing_triangle,
         }
     }
 }

@@ -4,6 +4,7 @@
 //! of how sharp a crease becomes. If an action may crease the cloth anywhere, there is no prediction.
 
 use crate::garment::Garment;
+use crate::remesh::SurfaceMesh;
 use crate::wear::fold_layout::{CreaseDistance, FoldLayout};
 use crate::wear::script::WearScript;
 
@@ -18,6 +19,22 @@ pub fn predict_creases(garment: &Garment, script: &WearScript, reach: f64) -> Op
         }
     }
     Some(layout.into_distances())
+}
+
+/// The surface of `garment` with the fold lines of `script` drawn on it, through every layer that they pass, and a row of edges
+/// at `row` [m] on either side of each; `None` where the script may crease the cloth anywhere.
+pub fn draw_fold_lines<'a>(garment: &'a Garment, script: &WearScript, row: f64) -> Option<SurfaceMesh<'a>> {
+    let mut layout = FoldLayout::new(garment, row);
+    layout.draw_lines();
+    for action in script.flatten() {
+        action.as_wear_action().predict_creases(&mut layout);
+        if layout.is_unpredictable() {
+            return None;
+        }
+    }
+    let mut lines = layout.into_lines()?;
+    lines.draw_rows(row);
+    Some(lines.into_mesh())
 }
 
 #[cfg(test)]

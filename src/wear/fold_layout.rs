@@ -9,7 +9,9 @@ use crate::error::Result;
 use crate::garment::Garment;
 use crate::math::Vec3;
 use crate::mesh::triangle;
+use crate::remesh::SurfaceMesh;
 use crate::wear::action_runner::{ActionContext, ActionStart};
+use crate::wear::line_layout::LineLayout;
 use crate::wear::persistent_state::{GarmentFrame, PersistentState};
 use crate::wear::tuning::TUNING;
 use rustc_hash::FxHashMap;
@@ -57,6 +59,8 @@ pub struct FoldLayout<'a> {
     /// Edges between the upper layer and the lower one.
     side_edges: Vec<[u32; 2]>,
     distances: Vec<CreaseDistance>,
+    /// Fold lines on the surface, where they are drawn.
+    lines: Option<LineLayout<'a>>,
     /// Whether an action creases the cloth in a way that cannot be predicted.
     unpredictable: bool,
 }
@@ -74,8 +78,19 @@ impl<'a> FoldLayout<'a> {
             persistent: PersistentState::default(),
             side_edges: Vec::new(),
             distances: vec![CreaseDistance { fold: f64::INFINITY, side: f64::INFINITY }; count],
+            lines: None,
             unpredictable: false,
         }
+    }
+
+    /// Draws the fold lines of the following actions on the surface.
+    pub(super) fn draw_lines(&mut self) {
+        self.lines = Some(LineLayout::new(SurfaceMesh::new(self.garment)));
+    }
+
+    /// The fold lines, if they were drawn.
+    pub(super) fn into_lines(self) -> Option<LineLayout<'a>> {
+        self.lines
     }
 
     /// Distances of the points from creases, one per point.
@@ -136,6 +151,9 @@ impl<'a> FoldLayout<'a> {
             return self.mark_unpredictable();
         }
         self.positions.iter_mut().for_each(|p| p.y = 0.0);
+        if self.lines.as_mut().is_some_and(|lines| !lines.lay_down(&self.positions)) {
+            return self.mark_unpredictable();
+        }
         self.find_sides(&normals);
         let own = self.side_points();
         for p in 0..self.positions.len() {
@@ -145,6 +163,9 @@ impl<'a> FoldLayout<'a> {
 
     /// Turns over what lies beyond the line through `origin` [m]; `outward` is the unit vector across the line.
     pub(super) fn fold(&mut self, origin: Vec3, outward: Vec3) {
+        if let Some(lines) = &mut self.lines {
+            lines.fold(origin, outward);
+        }
         self.before_folds
             .push(LayoutSnapshot { positions: self.positions.clone(), layers: self.layers.clone() });
         let top = self.layers.iter().copied().max().unwrap_or(0);
@@ -163,6 +184,9 @@ impl<'a> FoldLayout<'a> {
 
     /// Opens the last `count` folds, or all.
     pub(super) fn unfold(&mut self, count: Option<usize>) {
+        if let Some(lines) = &mut self.lines {
+            lines.unfold(count);
+        }
         let left = count.map_or(0, |count| self.before_folds.len().saturating_sub(count));
         if let Some(before) = self.before_folds.drain(left..).next() {
             self.positions = before.positions;

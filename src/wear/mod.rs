@@ -13,6 +13,7 @@ mod fold_layout;
 mod fold_map;
 mod fraction;
 mod height_field;
+mod line_layout;
 mod motion_profile;
 mod persistent_state;
 mod script;
@@ -27,7 +28,7 @@ pub use actions::{
     Bend, Crumple, Facing, Fold, FoldSide, Hang, HangBy, HangPoints, Hold, JointAxis, Lay, LocalAxis, Play,
     Press, Release, Settle, Unfold,
 };
-pub use crease_prediction::predict_creases;
+pub use crease_prediction::{draw_fold_lines, predict_creases};
 pub use fold_layout::{CreaseDistance, FoldLayout};
 pub use fraction::Fraction2;
 pub use persistent_state::{FoldRecord, GarmentFrame, PersistentState};

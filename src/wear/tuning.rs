@@ -122,6 +122,9 @@ pub(super) struct PredictionTuning {
     pub min_flat_normal_y: f64,
     /// Number of layers through which a step shows, default 2.
     pub max_layers_through: usize,
+    /// Distance from another line below which a row of edges beside a fold line is left out, as a fraction of the row's
+    /// own distance [-], default 0.6.
+    pub row_clearance: f64,
 }
 
 /// Constants of the wear actions.
@@ -183,5 +186,5 @@ pub(super) const TUNING: WearTuning = WearTuning {
         hang_max_dt: 0.1,
         settle_drag: 3.0,
     },
-    prediction: PredictionTuning { min_flat_normal_y: 0.9, max_layers_through: 2 },
+    prediction: PredictionTuning { min_flat_normal_y: 0.9, max_layers_through: 2, row_clearance: 0.6 },
 };

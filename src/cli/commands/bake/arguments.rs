@@ -46,6 +46,9 @@ pub struct Arguments {
     /// Simulate the triangles of the file, without coarsening where the script creases nothing
     #[arg(long)]
     no_grading: bool,
+    /// Simulate a mesh with edges along the fold lines of the script: straight, even creases (experimental)
+    #[arg(long, conflicts_with = "no_grading")]
+    aligned: bool,
     #[command(flatten)]
     pub export: ExportArgs,
     /// Time integrator [default: the one of the quality]
@@ -127,6 +130,7 @@ impl Arguments {
             adaptive_mesh: BakeOptions::for_quality(self.quality).adaptive_mesh && !self.no_grading,
             ..BakeOptions::for_quality(self.quality)
         };
+        options.aligned_mesh = self.aligned;
         options.step.method = self.method();
         options.full_fidelity = self.full_fidelity;
         options.frames_per_second = if self.frames.is_some() { self.fps } else { 0.0 };

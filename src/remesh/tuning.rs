@@ -1,0 +1,73 @@
+//! Tuning constants of the simulation mesh, all in one place.
+
+/// Constants of local operations and of the rounds that use them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct RemeshTuning {
+    /// Smallest cosine between a triangle's normal before and after an operation [-], default 0.94.
+    pub min_normal_cosine: f64,
+    /// Smallest cosine between a triangle's normal and the one it was made with [-], default 0.87.
+    pub min_drift_cosine: f64,
+    /// Smallest cosine of the bend of a curve at a point that a collapse removes [-], default 0.94.
+    pub min_curve_cosine: f64,
+    /// Largest distance of a removed point of a curve from the edge that replaces it [m], default 1e-3.
+    pub max_curve_deviation: f64,
+    /// Largest distance of a point from the chord of its neighbours on a straight line, relative to it [-], default 1e-4.
+    pub max_line_bend: f64,
+    /// Angle of the source shape from which an edge is sharp [rad], default 0.7: the side of a garment that lies flat.
+    pub sharp_angle: f64,
+    /// Angle between the warps of two triangles from which their edge is a seam [rad], default 0.2.
+    pub seam_angle: f64,
+    /// Level below which a point lies on a line [m], default 1e-9.
+    pub on_line: f64,
+    /// Shape below which the normal of a triangle says nothing [-], default 1e-3.
+    pub degenerate_shape: f64,
+    /// Largest number of triangles crossed in search of a closest point, default 400.
+    pub max_walk: usize,
+    /// An edge is split above this multiple of the requested length [-], default 1.5.
+    pub split_ratio: f64,
+    /// An edge is collapsed below this multiple of the requested length [-], default 0.7: halves of a split edge stay.
+    pub collapse_ratio: f64,
+    /// Shape of a triangle (1 for equal sides) that a collapse must leave, unless it was worse before [-], default 0.45.
+    pub min_shape: f64,
+    /// Shape below which a triangle is repaired whatever its edge lengths [-], default 0.4.
+    pub bad_shape: f64,
+    /// Shape that a move along a line must leave, unless it was worse before [-], default 0.3.
+    pub min_line_shape: f64,
+    /// Largest number of rounds of splits and collapses, default 16.
+    pub max_rounds: usize,
+    /// Rounds in which edges are split, default 10: later ones only collapse, so that both do not alternate for ever.
+    pub splitting_rounds: usize,
+    /// Rounds before points move, default 3: before, collapses leave few of them.
+    pub rounds_before_moves: usize,
+    /// Rounds of flips and moves at the end, default 10.
+    pub smoothing_rounds: usize,
+    /// Fraction of the way to the centroid that a point moves per round [-], default 0.7.
+    pub relaxation: f64,
+    /// Spacing of the seeds of a size field relative to the length there [-], default 0.3.
+    pub seed_spacing: f64,
+}
+
+/// The constants in use.
+pub(super) const TUNING: RemeshTuning = RemeshTuning {
+    min_normal_cosine: 0.94,
+    min_drift_cosine: 0.87,
+    min_curve_cosine: 0.94,
+    max_curve_deviation: 1e-3,
+    max_line_bend: 1e-4,
+    sharp_angle: 0.7,
+    seam_angle: 0.2,
+    on_line: 1e-9,
+    degenerate_shape: 1e-3,
+    max_walk: 400,
+    split_ratio: 1.5,
+    collapse_ratio: 0.7,
+    min_shape: 0.45,
+    bad_shape: 0.4,
+    min_line_shape: 0.3,
+    max_rounds: 16,
+    splitting_rounds: 10,
+    rounds_before_moves: 3,
+    smoothing_rounds: 10,
+    relaxation: 0.7,
+    seed_spacing: 0.3,
+};
