@@ -68,12 +68,13 @@ struct FeatureEdge {
     is_border: bool,
 }
 
-fn edge_key(a: u32, b: u32) -> [u32; 2] {
+/// Returns the ends of an edge in increasing order.
+pub(crate) fn edge_key(a: u32, b: u32) -> [u32; 2] {
     if a < b { [a, b] } else { [b, a] }
 }
 
 /// Returns the quality of a triangle: 1 for equal sides, 0 for no area.
-fn triangle_quality(x: &[Vec3; 3]) -> f64 {
+pub(crate) fn triangle_quality(x: &[Vec3; 3]) -> f64 {
     let [a, b, c] = [x[1] - x[0], x[2] - x[1], x[0] - x[2]];
     let sides = a.norm_squared() + b.norm_squared() + c.norm_squared();
     if sides > 0.0 { 2.0 * 3f64.sqrt() * a.cross(&b).norm() / sides } else { 0.0 }
@@ -414,7 +415,7 @@ impl<'a> EdgeCollapse<'a> {
 }
 
 /// Returns whether the source shape has a sharp edge at a hinge, or the warp turns there.
-fn is_feature_hinge(source: &Garment, hinge: &Hinge) -> bool {
+pub(crate) fn is_feature_hinge(source: &Garment, hinge: &Hinge) -> bool {
     let x = hinge.points.map(|p| source.points[p.at()]);
     let direction = |f: u32| {
         let at = |p: PointIndex| source.triangles[f as usize].iter().position(|&q| q == p).unwrap_or(0);

@@ -21,6 +21,7 @@ mod wedges;
 mod worn_garment;
 
 pub use coarse_mesh::CoarseMesh;
+pub(crate) use coarsen::{edge_key, is_feature_hinge, triangle_quality};
 pub use diagnostic::{ImportDiagnostic, Severity};
 pub use garment_type::Garment;
 pub use inspect::{Inspection, PartReport, PieceReport, inspect};

@@ -4,8 +4,8 @@ use crate::garment::Garment;
 use crate::garment::material_coords::flatten_triangle;
 use crate::math::Vec3;
 use crate::mesh::distance::point_triangle_squared;
-use crate::mesh::{INVALID, PointIndex};
-use crate::remesh::surface_mesh::{SurfaceMesh, SurfacePoint, clamped_weights, interpolate, topology_of};
+use crate::mesh::{INVALID, PointIndex, Topology};
+use crate::remesh::surface_mesh::{SurfaceMesh, SurfacePoint, clamped_weights, interpolate};
 use crate::remesh::tuning::TUNING;
 use std::collections::VecDeque;
 
@@ -47,7 +47,7 @@ impl AlignedMesh {
             source_point: Vec::new(),
             memory_mask: location.iter().map(mask).collect(),
             triangle_part: faces.iter().map(|&f| source.triangle_part[mesh.home(f) as usize]).collect(),
-            topology: topology_of(kept.len(), &triangles),
+            topology: Topology::new(kept.len(), &triangles),
             triangles,
         };
         let homes: Vec<u32> = faces.iter().map(|&f| mesh.home(f)).collect();
@@ -58,11 +58,6 @@ impl AlignedMesh {
     /// Values of the points of the source garment from those of the points of the mesh `x`, linear on its triangles.
     pub fn to_source(&self, x: &[Vec3]) -> Vec<Vec3> {
         self.source_location.iter().map(|at| interpolate(x, &self.garment.triangles, at)).collect()
-    }
-
-    /// Values of the points of the mesh from those of the points of the source garment `x`.
-    pub fn from_source(&self, source: &Garment, x: &[Vec3]) -> Vec<Vec3> {
-        self.location.iter().map(|at| interpolate(x, &source.triangles, at)).collect()
     }
 
     /// Per point of the source garment: the triangle of the mesh it lies in.
@@ -175,7 +170,7 @@ mod tests {
             source_point: Vec::new(),
             memory_mask: vec![1.0; points.len()],
             triangle_part: vec![0; triangles.len()],
-            topology: topology_of(points.len(), &triangles),
+            topology: Topology::new(points.len(), &triangles),
             triangles,
             points,
         }
@@ -234,7 +229,8 @@ mod tests {
         for (x, y) in source.points.iter().zip(&there) {
             assert!((x - y).norm() < 1e-9, "{x} {y}");
         }
-        let back = mesh.from_source(&source, &source.points);
+        let on_source = |at| interpolate(&source.points, &source.triangles, at);
+        let back: Vec<Vec3> = mesh.location.iter().map(on_source).collect();
         for (x, y) in mesh.garment.points.iter().zip(&back) {
             assert!((x - y).norm() < 1e-9, "{x} {y}");
         }

@@ -7,11 +7,12 @@
 //!
 //! Does not decide which edges are too long or too short (`sizing`, `improve`).
 
-use crate::garment::Garment;
 use crate::garment::material_coords::project_to_plane;
+use crate::garment::{Garment, edge_key, is_feature_hinge, triangle_quality};
 use crate::math::Vec3;
 use crate::mesh::distance::{barycentric, point_triangle, point_triangle_squared};
-use crate::mesh::{Hinge, INVALID, PointIndex, Topology, hinge_angle};
+use crate::mesh::triangle::normal;
+use crate::mesh::{INVALID, PointIndex};
 use crate::remesh::tuning::TUNING;
 use rustc_hash::FxHashMap;
 
@@ -74,21 +75,9 @@ pub struct SurfaceMesh<'a> {
     barrier: Vec<bool>,
 }
 
-/// Ends of an edge in increasing order.
-pub(super) fn edge(a: u32, b: u32) -> [u32; 2] {
-    if a < b { [a, b] } else { [b, a] }
-}
-
-/// Shape of a triangle: 1 for equal sides, 0 for one without area.
-pub(super) fn shape(x: &[Vec3; 3]) -> f64 {
-    let [a, b, c] = [x[1] - x[0], x[2] - x[1], x[0] - x[2]];
-    let sides = a.norm_squared() + b.norm_squared() + c.norm_squared();
-    if sides > 0.0 { 2.0 * 3f64.sqrt() * a.cross(&b).norm() / sides } else { 0.0 }
-}
-
 /// Unit normal of a triangle, zero for one without area.
 pub(super) fn unit_normal(x: &[Vec3; 3]) -> Vec3 {
-    (x[1] - x[0]).cross(&(x[2] - x[0])).try_normalize(0.0).unwrap_or_else(Vec3::zeros)
+    normal(x).unwrap_or_else(Vec3::zeros)
 }
 
 impl<'a> SurfaceMesh<'a> {
@@ -139,7 +128,9 @@ impl<'a> SurfaceMesh<'a> {
             let curve = match topology.edge_hinge[e] {
                 None if topology.edge_valence[e] == 1 => Some(Curve::Border),
                 None => Some(Curve::Feature),
-                Some(h) => is_feature(self.source, &topology.hinges[h as usize]).then_some(Curve::Feature),
+                Some(h) => {
+                    is_feature_hinge(self.source, &topology.hinges[h as usize]).then_some(Curve::Feature)
+                }
             };
             if let Some(curve) = curve {
                 self.barrier[e] = true;
@@ -160,14 +151,14 @@ impl<'a> SurfaceMesh<'a> {
     }
 
     fn add_curve(&mut self, a: u32, b: u32, curve: Curve) {
-        if self.curves.insert(edge(a, b), curve).is_none() {
+        if self.curves.insert(edge_key(a, b), curve).is_none() {
             self.curve_degree[a as usize] += 1;
             self.curve_degree[b as usize] += 1;
         }
     }
 
     fn remove_curve(&mut self, a: u32, b: u32) -> Option<Curve> {
-        let curve = self.curves.remove(&edge(a, b))?;
+        let curve = self.curves.remove(&edge_key(a, b))?;
         self.curve_degree[a as usize] -= 1;
         self.curve_degree[b as usize] -= 1;
         Some(curve)
@@ -175,7 +166,7 @@ impl<'a> SurfaceMesh<'a> {
 
     /// The curve that an edge belongs to.
     pub fn curve(&self, a: u32, b: u32) -> Option<Curve> {
-        self.curves.get(&edge(a, b)).copied()
+        self.curves.get(&edge_key(a, b)).copied()
     }
 
     /// Number of curve edges at a point.
@@ -206,7 +197,7 @@ impl<'a> SurfaceMesh<'a> {
     pub fn edges(&self) -> Vec<[u32; 2]> {
         let living = self.triangles.iter().zip(&self.alive).filter(|(_, alive)| **alive);
         let mut edges: Vec<[u32; 2]> =
-            living.flat_map(|(t, _)| [0, 1, 2].map(|k| edge(t[k], t[(k + 1) % 3]))).collect();
+            living.flat_map(|(t, _)| [0, 1, 2].map(|k| edge_key(t[k], t[(k + 1) % 3]))).collect();
         edges.sort_unstable();
         edges.dedup();
         edges
@@ -370,18 +361,18 @@ impl<'a> SurfaceMesh<'a> {
         for &f in &self.around[from as usize] {
             let t = self.triangles[f as usize];
             let old = self.corners(f);
-            before = before.min(shape(&old));
+            before = before.min(triangle_quality(&old));
             if t.contains(&to) {
                 continue;
             }
             let new = t.map(|p| self.x[if p == from { to } else { p } as usize]);
             let normal = unit_normal(&new);
-            let flat = shape(&old) < TUNING.degenerate_shape
+            let flat = triangle_quality(&old) < TUNING.degenerate_shape
                 || normal.dot(&unit_normal(&old)) >= TUNING.min_normal_cosine;
             if !flat || normal.dot(&self.normal[f as usize]) < TUNING.min_drift_cosine {
                 return None;
             }
-            after = after.min(shape(&new));
+            after = after.min(triangle_quality(&new));
         }
         Some([after, before])
     }
@@ -440,7 +431,9 @@ impl<'a> SurfaceMesh<'a> {
         let &[f, g] = self.triangles_on(a, b).as_slice() else { return false };
         // f = (p, q, c), g = (q, p, d).
         let t = self.triangles[f as usize];
-        let Some(k) = (0..3).find(|&k| edge(t[k], t[(k + 1) % 3]) == edge(a, b)) else { return false };
+        let Some(k) = (0..3).find(|&k| edge_key(t[k], t[(k + 1) % 3]) == edge_key(a, b)) else {
+            return false;
+        };
         let (p, q, c) = (t[k], t[(k + 1) % 3], t[(k + 2) % 3]);
         let Some(&d) = self.triangles[g as usize].iter().find(|&&x| x != p && x != q) else { return false };
         if c == d || self.triangles_on(c, d).len() + usize::from(self.curve(c, d).is_some()) > 0 {
@@ -449,14 +442,15 @@ impl<'a> SurfaceMesh<'a> {
         let new = [[c, d, q], [d, c, p]];
         let old = [f, g].map(|f| self.corners(f));
         let made = new.map(|t| t.map(|p| self.x[p as usize]));
-        let quality = |x: &[[Vec3; 3]; 2]| shape(&x[0]).min(shape(&x[1]));
+        let quality = |x: &[[Vec3; 3]; 2]| triangle_quality(&x[0]).min(triangle_quality(&x[1]));
         if quality(&made) <= quality(&old) + 1e-9 {
             return false;
         }
         let smooth = made.iter().all(|x| {
             let own = unit_normal(x);
             let like = |y: &[Vec3; 3]| {
-                shape(y) < TUNING.degenerate_shape || own.dot(&unit_normal(y)) > TUNING.min_normal_cosine
+                triangle_quality(y) < TUNING.degenerate_shape
+                    || own.dot(&unit_normal(y)) > TUNING.min_normal_cosine
             };
             old.iter().all(like)
                 && [f, g].iter().all(|f| own.dot(&self.normal[*f as usize]) > TUNING.min_drift_cosine)
@@ -493,13 +487,14 @@ impl<'a> SurfaceMesh<'a> {
 
     fn move_to(&mut self, p: u32, target: &Vec3, min_shape: f64) -> bool {
         let (location, position) = self.locate(self.location[p as usize].face, target);
-        let before = self.around[p as usize].iter().map(|&f| shape(&self.corners(f))).fold(1.0, f64::min);
+        let before =
+            self.around[p as usize].iter().map(|&f| triangle_quality(&self.corners(f))).fold(1.0, f64::min);
         let old = self.x[p as usize];
         self.x[p as usize] = position;
         let fits = self.around[p as usize].iter().all(|&f| {
             let x = self.corners(f);
             unit_normal(&x).dot(&self.normal[f as usize]) > TUNING.min_drift_cosine
-                && shape(&x) >= min_shape.min(before)
+                && triangle_quality(&x) >= min_shape.min(before)
         });
         if fits {
             self.location[p as usize] = location;
@@ -546,23 +541,6 @@ impl<'a> SurfaceMesh<'a> {
     }
 }
 
-/// Whether the source shape has a sharp edge at a hinge, or the warp turns there.
-fn is_feature(source: &Garment, hinge: &Hinge) -> bool {
-    let x = hinge.points.map(|p| source.points[p.at()]);
-    let direction = |f: u32| {
-        let at = |p: PointIndex| source.triangles[f as usize].iter().position(|&q| q == p).unwrap_or(0);
-        let flat = source.material[f as usize];
-        let side = flat[at(hinge.points[1])] - flat[at(hinge.points[0])];
-        side.y.atan2(side.x)
-    };
-    let between = direction(hinge.triangles[0]) - direction(hinge.triangles[1]);
-    // Cloth is the same along +warp and -warp.
-    let turned = between.sin().abs() > TUNING.seam_angle.sin();
-    let parts = source.triangle_part[hinge.triangles[0] as usize]
-        != source.triangle_part[hinge.triangles[1] as usize];
-    turned || parts || hinge_angle(&x).abs() > TUNING.sharp_angle
-}
-
 /// Position at weights of the corners of a triangle of the garment [m].
 pub(super) fn interpolate(x: &[Vec3], topology: &[[PointIndex; 3]], at: &SurfacePoint) -> Vec3 {
     let t = topology[at.face as usize];
@@ -577,9 +555,4 @@ pub(super) fn clamped_weights(p: &Vec3, x: &[Vec3; 3]) -> [f64; 3] {
     }
     let gap = point_triangle(p, &x[0], &x[1], &x[2]);
     [-gap.weights[1], -gap.weights[2], -gap.weights[3]]
-}
-
-/// The topology of the mesh's triangles, renumbered.
-pub(super) fn topology_of(count: usize, triangles: &[[PointIndex; 3]]) -> Topology {
-    Topology::new(count, triangles)
 }

@@ -13,10 +13,6 @@ pub(super) struct RemeshTuning {
     pub max_curve_deviation: f64,
     /// Largest distance of a point from the chord of its neighbours on a straight line, relative to it [-], default 1e-4.
     pub max_line_bend: f64,
-    /// Angle of the source shape from which an edge is sharp [rad], default 0.7: the side of a garment that lies flat.
-    pub sharp_angle: f64,
-    /// Angle between the warps of two triangles from which their edge is a seam [rad], default 0.2.
-    pub seam_angle: f64,
     /// Level below which a point lies on a line [m], default 1e-9.
     pub on_line: f64,
     /// Shape below which the normal of a triangle says nothing [-], default 1e-3.
@@ -54,8 +50,6 @@ pub(super) const TUNING: RemeshTuning = RemeshTuning {
     min_curve_cosine: 0.94,
     max_curve_deviation: 1e-3,
     max_line_bend: 1e-4,
-    sharp_angle: 0.7,
-    seam_angle: 0.2,
     on_line: 1e-9,
     degenerate_shape: 1e-3,
     max_walk: 400,
