@@ -140,7 +140,7 @@ pub use fabric::{DEFAULT_FABRIC, Fabric, FabricMemory, Provenance};
 pub use files::GarmentFile;
 #[doc(inline)]
 pub use garment::{
-    CoarseMesh, Garment, ImportDiagnostic, Inspection, RefinedMesh, RestState, Severity, SourceAsset,
+    Garment, ImportDiagnostic, Inspection, RefinedMesh, RestState, Severity, SourceAsset,
     SourcePiece, UpAxis, WornGarment, inspect,
 };
 #[doc(inline)]

@@ -278,14 +278,16 @@ fn a_bake_gives_three_files_that_do_not_depend_on_threads() {
     check_pictures(folder);
 }
 
-/// Cloth finer than its bending length is simulated on its own points along the fold and on fewer elsewhere; what comes out is of
-/// all of them, and remembers what it does when all are simulated.
+/// A fine sheet is simulated on a mesh of fewer points; what comes out is of all of its own, and remembers what it does when those
+/// are simulated. Frames show its own vertices, or the simulated mesh.
 #[test]
 fn a_fine_mesh_is_simulated_on_fewer_points() {
     let workshop = workshop(FOLD_ONCE);
     let folder = workshop.path();
     std::fs::write(folder.join("fine.obj"), handkerchief(37)).expect("writes");
-    for (name, option) in [("fewer", ""), ("every", " --no-grading")] {
+    for (name, option) in
+        [("fewer", " --frames-of simulated --sidecar-mesh simulated"), ("every", " --no-grading"), ("own", "")]
+    {
         let frames = format!(" --frames {name} --fps 2");
         let line = format!("bake fine.obj --wear wear.json -o {name}.glb --quiet{frames}{option}");
         assert_eq!(run_in(folder, &line), (String::new(), String::new(), 0));
@@ -295,18 +297,28 @@ fn a_fine_mesh_is_simulated_on_fewer_points() {
         first.lines().filter(|line| line.starts_with("v ")).count()
     };
     assert!(count("fewer") < 3 * count("every") / 4, "{} of {}", count("fewer"), count("every"));
-    assert_eq!(count("every"), 37 * 37);
-    let run = |name: &str| json_of(&folder.join(format!("{name}.crease.json")))["run"].clone();
-    assert_eq!(run("fewer")["simulated_points"], count("fewer"));
-    assert!(run("every")["simulated_points"].is_null());
+    assert_eq!((count("every"), count("own")), (37 * 37, 37 * 37));
+    let sidecar = |name: &str| json_of(&folder.join(format!("{name}.crease.json")));
+    assert_eq!(sidecar("fewer")["run"]["simulated_points"], count("fewer"));
+    assert!(sidecar("every")["run"]["simulated_points"].is_null() && sidecar("own")["simulated"].is_null());
+    let own_mesh = sidecar("fewer")["simulated"].clone();
+    assert_eq!(own_mesh["mesh"]["points_m"].as_array().map(Vec::len), Some(count("fewer")));
     let across = |name: &str| angle_across(folder, name, 37 * 37);
     let (fewer, every) = (across("fewer"), across("every"));
     assert!((fewer / every - 1.0).abs() < 0.25, "{fewer} and {every} rad across the fold");
+    assert_eq!(fewer, across("own"));
     let (_, err, code) = run_in(folder, "view fewer.glb --frames fewer -o fewer.html");
     assert_eq!(code, 0, "{err}");
     assert!(std::fs::read_to_string(folder.join("fewer.html")).expect("is there").contains("simulated"));
     let (_, err, code) = run_in(folder, "remember fewer --fps 2 --mesh fine.obj -o again.glb");
-    assert!(code == 1 && err.contains("--no-grading"), "{err}");
+    assert!(code == 1 && err.contains("--frames-of"), "{err}");
+    let (_, err, code) = run_in(folder, "remember own --fps 2 --mesh fine.obj -o again.glb");
+    assert_eq!(code, 0, "{err}");
+    // A transfer by position takes the memory from the mesh that earned it.
+    let line = "transfer fewer.crease.json --to fine.obj --match surface -o there.glb --quiet";
+    assert_eq!(run_in(folder, line), (String::new(), String::new(), 0));
+    let there = across("there");
+    assert!((there / fewer - 1.0).abs() < 0.1, "{there} and {fewer} rad across the fold");
 }
 
 /// Angle across the fold [rad] in NAME.crease.json of a sheet of `points` points: change times length over the width, of hinges that
@@ -333,19 +345,19 @@ fn angle_across(folder: &Path, name: &str, points: usize) -> f64 {
     sum / 0.2
 }
 
-/// Three meshes of one sheet come out with the same crease when a mesh with edges along the fold line is simulated.
+/// Three meshes of one sheet come out with the same crease.
 #[test]
-fn an_aligned_mesh_gives_one_crease_whatever_the_triangles_are() {
+fn a_crease_is_the_same_whatever_the_triangles_are() {
     let workshop = workshop(FOLD_ONCE);
     let folder = workshop.path();
     let mut angles = Vec::new();
     for side in [13, 20, 37] {
         std::fs::write(folder.join("sheet.obj"), handkerchief(side)).expect("writes");
-        let line = format!("bake sheet.obj --wear wear.json -o {side}.glb --quiet --aligned");
+        let line = format!("bake sheet.obj --wear wear.json -o {side}.glb --quiet");
         assert_eq!(run_in(folder, &line), (String::new(), String::new(), 0));
         let report = json_of(&folder.join(format!("{side}.report.json")));
-        let aligned = report["models"].as_array().into_iter().flatten().find(|m| m["name"] == "aligned mesh");
-        assert_eq!(aligned.expect("is decided")["on"], true);
+        let mut models = report["models"].as_array().into_iter().flatten();
+        assert_eq!(models.find(|m| m["name"] == "simulation mesh").expect("is decided")["on"], true);
         angles.push(angle_across(folder, &side.to_string(), side * side));
     }
     let mean = angles.iter().sum::<f64>() / angles.len() as f64;

@@ -15,8 +15,7 @@ mod measure;
 #[path = "transfer/tool.rs"]
 mod tool;
 
-use crease::bake::{BakeOptions, OtherMesh, SimulationMesh};
-use crease::fabric::{DEFAULT_FABRIC, Fabric};
+use crease::bake::{BakeOptions, MeshChoice};
 use crease::garment::{RestState, WornGarment};
 use crease::io::Sidecar;
 use crease::math::Vec3;
@@ -72,40 +71,22 @@ fn folds_survive_finer_and_coarser_tessellations_and_the_return() {
     }
 }
 
-/// Memory of an adaptive mesh is prolongated to the garment: bit for bit where both are the same, and as much of it across
-/// each fold.
+/// As much memory of a simulation mesh lies across each fold of the garment.
 #[test]
-fn memory_of_an_adaptive_mesh_is_prolongated_to_the_garment() {
+fn memory_of_a_simulation_mesh_is_prolongated_to_the_garment() {
     let (_, garment) = load("tshirt.glb");
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("garments/wear/fold-thrice.json");
     let text = std::fs::read_to_string(path).expect("a script of the repository");
     let script = WearScript::parse("fold-thrice.json", &text).expect("is a script");
-    let fabric = Fabric::preset(DEFAULT_FABRIC).expect("exists");
-    let chosen = SimulationMesh::choose(&garment, &fabric, &script, &BakeOptions::default());
-    let Some(OtherMesh::Coarse(mesh)) = chosen.mesh else { panic!("is not adaptive") };
-    assert!(mesh.source_point.len() < garment.points.len() / 2, "{} points", mesh.source_point.len());
-    let (coarse, whole) =
+    let MeshChoice { mesh, .. } = MeshChoice::new(&garment, &script, None, &BakeOptions::default());
+    assert!(mesh.garment.points.len() < garment.points.len() / 3, "{} points", mesh.garment.points.len());
+    let (own, whole) =
         (GarmentSurface::without_texture(&mesh.garment), GarmentSurface::without_texture(&garment));
-    let (earned, there) = (made_memory(&coarse), made_memory(&whole));
+    let (earned, there) = (made_memory(&own), made_memory(&whole));
     let back = prolongate(&mesh, &earned, &garment);
-    let mut same = 0;
-    for (h, hinge) in coarse.topology.hinges.iter().enumerate() {
-        let [Some(a), Some(b)] = hinge.triangles.map(|f| mesh.unchanged_from[f as usize]) else { continue };
-        let is_it = |whole: &&crease::mesh::Hinge| whole.triangles == [a.min(b), a.max(b)];
-        if same % 20 == 0 {
-            let own = whole.topology.hinges.iter().position(|hinge| is_it(&hinge)).expect("is in both");
-            assert!((back.rest_angle[own] - earned.rest_angle[h]).abs() < 1e-15);
-        }
-        same += 1;
-    }
-    assert!(same > 5_000, "{same} hinges are in both");
     let fits = correlation(&tensors(&whole, &back), &tensors(&whole, &there));
-    println!(
-        "{} -> {} points: correlation {fits:.3}, {same} hinges",
-        mesh.source_point.len(),
-        whole.points.len()
-    );
-    assert!(fits > 0.9);
+    println!("{} -> {} points: correlation {fits:.3}", own.points.len(), whole.points.len());
+    assert!(fits > 0.8);
     for fold in &FOLDS {
         for front in [true, false] {
             let [made, got] = [&there, &back].map(|memory| total(&whole, memory, fold, front));
@@ -135,7 +116,7 @@ fn the_same_mesh_keeps_every_bit_and_no_memory_changes_nothing() {
         assert_eq!(new, RestState::new(angles(&target), target.triangles.len()), "{by:?}");
     }
     let refused = {
-        let source = TransferSource { file: "made".into(), surface, memory, joints: Vec::new() };
+        let source = TransferSource { file: "made".into(), surface, memory, joints: Vec::new(), simulated: None };
         let options =
             TransferOptions { match_by: MatchBy::Same, ..TransferOptions::full(target.points.len()) };
         transfer(&[source], &target, &options).expect_err("another mesh").to_string()
@@ -180,6 +161,7 @@ fn strength_mask_channels_layers_and_mirror_act_as_documented() {
         surface: surface.clone(),
         memory: memory.clone(),
         joints: Vec::new(),
+        simulated: None,
     };
     let with = |change: &dyn Fn(&mut TransferOptions), sources: &[TransferSource]| {
         let mut options =

@@ -40,12 +40,29 @@ impl Run<'_> {
         if progress.is_none() {
             self.checkpoint_boundary(number, observer)?;
         }
+        let mut next = Some(progress);
+        while let Some(progress) = next {
+            // A refined mesh goes on with the action where it was.
+            next = self.perform_until_refined(number, action, script_name, progress, observer)?.map(Some);
+        }
+        Ok(())
+    }
+
+    /// Performs the action `number` to its end, or until the mesh was refined: then returns the progress on the new mesh.
+    fn perform_until_refined(
+        &mut self,
+        number: usize,
+        action: &Action,
+        script_name: &str,
+        progress: Option<ActionProgress>,
+        observer: &mut dyn Observer,
+    ) -> Result<Option<ActionProgress>> {
         let location = format!("actions[{number}] ({})", action.name());
         let before = self.persistent.clone();
         let start = progress.as_ref().map_or(&self.state.x, |progress| &progress.start).clone();
         let scene = ActionContext {
             positions: &start,
-            source_positions: &self.garment.points,
+            source_positions: &self.mesh.garment.points,
             masses: &self.stepper.cloth.mass,
             thickness: self.stepper.contact.settings().dhat,
             script_file: script_name,
@@ -68,9 +85,11 @@ impl Run<'_> {
         let begin = progress.as_ref().map_or(self.state.time, |progress| progress.begin);
         let duration = begun.duration.unwrap_or_else(|| action.as_wear_action().duration());
         let active = ActiveAction { number, start, begin, duration, before, name: action.name() };
-        self.perform_segments(&active, begun.runner.as_mut(), progress, observer)?;
+        if let Some(progress) = self.perform_segments(&active, begun.runner.as_mut(), progress, observer)? {
+            return Ok(Some(progress));
+        }
         begun.runner.finish(&mut self.persistent, &self.state.x);
-        Ok(())
+        Ok(None)
     }
 
     /// Reports the checkpoint before the action `number`.
@@ -111,14 +130,38 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// Makes the steps of an action, segment by segment between its event times, from `progress` if there is one.
+    /// Refines the mesh if that is due and the action can go on after it; then returns its progress on the new mesh.
+    fn maybe_refine(
+        &mut self,
+        action: &ActiveAction,
+        runner: &dyn ActionRunner,
+        segment: usize,
+        dt_request: f64,
+        observer: &mut dyn Observer,
+    ) -> Option<ActionProgress> {
+        let marked = self.triangles_to_bisect();
+        if marked.is_empty() {
+            return None;
+        }
+        let runner_state = runner.save_state()?;
+        let (start, begin) = (action.start.clone(), action.begin);
+        let progress = ActionProgress { start, begin, segment, dt_request, runner_state };
+        let progress = self.refine(self.mesh.bisect(&marked), progress, &action.before);
+        if self.frames_of_simulated {
+            observer.on_mesh(&self.mesh.garment);
+        }
+        Some(progress)
+    }
+
+    /// Makes the steps of an action, segment by segment between its event times, from `progress` if there is one; returns the
+    /// progress when the mesh was refined before the end.
     fn perform_segments(
         &mut self,
         action: &ActiveAction,
         runner: &mut dyn ActionRunner,
         progress: Option<ActionProgress>,
         observer: &mut dyn Observer,
-    ) -> Result<()> {
+    ) -> Result<Option<ActionProgress>> {
         let begin = action.begin;
         let first_dt = TUNING.stepping.first_dt;
         let mut ends = runner.event_times();
@@ -151,9 +194,13 @@ impl Run<'_> {
                 if runner.may_end_early() && self.is_at_rest() {
                     break;
                 }
+                let refined = self.maybe_refine(action, runner, segment, dt_request, observer);
+                if refined.is_some() {
+                    return Ok(refined);
+                }
             }
         }
-        Ok(())
+        Ok(None)
     }
 
     /// Makes one accepted step: solve, then memory. Returns the length that the next should have [s].
@@ -197,7 +244,11 @@ impl Run<'_> {
             events: self.memory.events,
         });
         if let Some(start) = start {
-            self.frames.show_due(&start, &self.state, &self.garment.triangles, &mut |x| observer.frame(x))?;
+            let (mesh, of_simulated) = (&self.mesh, self.frames_of_simulated);
+            let mut show = |x: &[Vec3]| {
+                if of_simulated { observer.frame(x) } else { observer.frame(&mesh.to_source(x)) }
+            };
+            self.frames.show_due(&start, &self.state, &mesh.garment.triangles, &mut show)?;
         }
         Ok(next)
     }
@@ -208,7 +259,7 @@ impl Run<'_> {
         match &mut self.body {
             Some(body) => {
                 let (stepper, state) = (&mut self.stepper, &mut self.state);
-                let cloth = SteppedCloth { garment: self.garment, stepper, state, rest };
+                let cloth = SteppedCloth { garment: &self.mesh.garment, stepper, state, rest };
                 body.step(cloth, runner, begin, dt)
             }
             None => {
@@ -229,6 +280,6 @@ impl Run<'_> {
 
     fn is_at_rest(&self) -> bool {
         let sum: f64 = self.state.v.iter().map(|v| v.norm_squared()).sum();
-        (sum / self.garment.points.len() as f64).sqrt() < TUNING.stepping.max_rest_speed
+        (sum / self.mesh.garment.points.len() as f64).sqrt() < TUNING.stepping.max_rest_speed
     }
 }

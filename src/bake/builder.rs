@@ -2,16 +2,17 @@
 
 use crate::bake::checkpoint::Checkpoint;
 use crate::bake::hold_back::hold_back;
+use crate::bake::lay_first::mesh_for;
 use crate::bake::relax_to_source::{RelaxOptions, relax_to_source_pose};
 use crate::bake::setup::BakeSetup;
 use crate::bake::simulate::{SimulationResult, simulate};
-use crate::bake::{BakeOptions, BakeResult, ModelPlan, Observer, OtherMesh, Quality, SimulationMesh};
+use crate::bake::{BakeOptions, BakeResult, MeshChoice, ModelPlan, Observer, Quality, SimulatedGarment};
 use crate::body::AnimatedBody;
 use crate::error::Result;
 use crate::fabric::Fabric;
 use crate::garment::{Garment, WornGarment};
 use crate::math::Vec3;
-use crate::transfer::prolongate_aligned;
+use crate::transfer::prolongate;
 use crate::wear::WearScript;
 use std::sync::Arc;
 use std::time::Instant;
@@ -132,10 +133,9 @@ impl<'a> Bake<'a> {
     /// ```
     pub fn plan(&self) -> ModelPlan {
         let Self { garment, fabric, script, ref options, .. } = *self;
-        let SimulationMesh { mesh, decision } = SimulationMesh::choose(garment, fabric, script, options);
-        let mesh = mesh.as_ref().map_or(garment, OtherMesh::garment);
-        let mut plan = ModelPlan::new(mesh, fabric, script, options);
-        plan.decisions.push(decision);
+        let choice = MeshChoice::new(garment, script, None, options);
+        let mut plan = ModelPlan::new(&choice.mesh.garment, fabric, script, options);
+        plan.decisions.push(choice.decision);
         plan
     }
 
@@ -155,56 +155,40 @@ impl<'a> Bake<'a> {
     pub fn run_with(self, observer: &mut dyn Observer) -> Result<BakeResult> {
         let Self { garment, fabric, script, script_name, options, resume_from } = self;
         let setup = BakeSetup { fabric, script, script_name, options: &options };
-        let SimulationMesh { mesh: other, decision } =
-            SimulationMesh::choose(garment, fabric, script, &options);
-        let mesh = other.as_ref().map_or(garment, OtherMesh::garment);
-        observer.on_mesh(mesh);
-        let mut simulated = simulate(resume_from, mesh, &setup, observer)?;
-        simulated.report.decisions.push(decision);
+        let choice = mesh_for(garment, &setup, observer)?;
+        let decision = choice.decision.clone();
+        observer.on_mesh(if options.frames_of_simulated { &choice.mesh.garment } else { garment });
+        let simulated = simulate(resume_from, choice, &setup, observer)?;
+        let SimulationResult { mesh, positions, rest, mut report, mut seconds, mut stepper } = simulated;
+        report.decisions.push(decision);
 
         let clock = Instant::now();
-        // The mesh that is relaxed: all points of the garment, or the aligned mesh.
-        let (mut relaxed_mesh, mut relax_options) = (garment, RelaxOptions::FULL);
-        match &other {
-            Some(OtherMesh::Coarse(coarse)) => {
-                let stepper = setup.stepper(garment, &ModelPlan::new(garment, fabric, script, &options));
-                simulated = simulated.prolongate(coarse, garment, stepper);
-                relax_options = RelaxOptions::FAST;
-            }
-            Some(OtherMesh::Aligned(aligned)) => {
-                relaxed_mesh = &aligned.garment;
-                relax_options = RelaxOptions::readable_on(garment, fabric);
-            }
-            None => {}
+        let relax_options =
+            if mesh.is_source { RelaxOptions::FULL } else { RelaxOptions::readable_on(garment, fabric) };
+        let relaxed = relax_to_source_pose(&mesh.garment, fabric, &mut stepper, &rest, &relax_options);
+        let mut displacement = mesh.to_source(&relaxed.displacement);
+        if !mesh.is_source {
+            report.decisions.extend(hold_back(garment, &mut displacement));
         }
-        let SimulationResult { positions: mut end, mut rest, mut report, mut seconds, mut stepper } =
-            simulated;
-        let mut relaxed = relax_to_source_pose(relaxed_mesh, fabric, &mut stepper, &rest, &relax_options);
-        let shown = relaxed_positions(relaxed_mesh, other.as_ref(), &relaxed.displacement);
-        if let Some(OtherMesh::Aligned(aligned)) = &other {
-            end = aligned.to_source(&end);
-            rest = prolongate_aligned(aligned, &rest, garment);
-            relaxed.displacement = aligned.to_source(&relaxed.displacement);
-            report.decisions.extend(hold_back(garment, &mut relaxed.displacement));
-        }
+        let memory = prolongate(&mesh, &rest, garment);
+        let moved = |points: &[Vec3], by: &[Vec3]| points.iter().zip(by).map(|(x, d)| x + d).collect();
+        let last: Vec<Vec3> = if options.frames_of_simulated {
+            moved(&mesh.garment.points, &relaxed.displacement)
+        } else {
+            moved(&garment.points, &displacement)
+        };
         seconds.relax += clock.elapsed().as_secs_f64();
-        observer.frame(&shown)?;
+        observer.frame(&last)?;
 
         report.solves += relaxed.solves;
         report.local_solves += relaxed.local_solves;
         report.warnings.extend(relaxed.warnings);
         report.unconverged_reason = relaxed.unconverged_reason.or(report.unconverged_reason);
         report.stages = seconds.named();
-        let worn = WornGarment { displacement: relaxed.displacement, memory: rest };
-        Ok(BakeResult { worn, end, report })
-    }
-}
-
-/// Relaxed positions of the simulated points [m], from the `displacement` of the points of `relaxed`.
-fn relaxed_positions(relaxed: &Garment, other: Option<&OtherMesh>, displacement: &[Vec3]) -> Vec<Vec3> {
-    let position = |p: usize| relaxed.points[p] + displacement[p];
-    match other {
-        Some(OtherMesh::Coarse(coarse)) => coarse.source_point.iter().map(|p| position(p.at())).collect(),
-        _ => (0..relaxed.points.len()).map(position).collect(),
+        let end = mesh.to_source(&positions);
+        let worn = WornGarment { displacement, memory };
+        let on_mesh = WornGarment { displacement: relaxed.displacement, memory: rest };
+        let simulated = SimulatedGarment { garment: mesh.garment, worn: on_mesh };
+        Ok(BakeResult { worn, end, simulated, report })
     }
 }

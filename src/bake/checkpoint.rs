@@ -24,6 +24,7 @@ use crate::fabric::Fabric;
 use crate::garment::Garment;
 use crate::math::Vec3;
 use crate::memory::Memory;
+use crate::remesh::SimulationMesh;
 use crate::sim::{Loads, SolveCost, State};
 use crate::wear::{MAX_DURATION_S, PersistentState, WearScript};
 use serde::{Deserialize, Serialize};
@@ -31,7 +32,7 @@ use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
 /// Format and version of the file.
-pub const CHECKPOINT_FORMAT: &str = "crease-checkpoint/2";
+pub const CHECKPOINT_FORMAT: &str = "crease-checkpoint/3";
 
 /// State of a bake between two of its steps.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -43,6 +44,8 @@ pub struct Checkpoint {
     pub position: CheckpointPosition,
     /// State that outlives the finished actions.
     pub persistent: PersistentState,
+    /// Ends of the edges of the mesh that were split during the run, in order.
+    pub splits: Vec<[u32; 2]>,
     /// Positions, velocities and time.
     pub state: State,
     /// Tangential state of the frictional contacts.
@@ -196,21 +199,32 @@ impl Checkpoint {
         })
     }
 
-    /// Checks that it can be of a run on `garment` with `fingerprint`, with every index and length.
-    pub fn check(
-        &self,
-        file: &str,
-        garment: &Garment,
-        script: &WearScript,
-        animated: Option<&AnimatedBody>,
-        fingerprint: &str,
-    ) -> Result<()> {
+    /// The mesh at the time of the checkpoint, of a run with `fingerprint` that began on `mesh`.
+    pub fn refined_mesh(&self, file: &str, mesh: SimulationMesh, fingerprint: &str) -> Result<SimulationMesh> {
         let refuse = |what: &str| Err(Error::input(file, "", what, HELP));
         if self.fingerprint != fingerprint {
             return refuse(
                 "is of another run: the garment, the fabric, the script, an option or crease differs",
             );
         }
+        if self.splits.is_empty() {
+            return Ok(mesh);
+        }
+        match mesh.split(&self.splits) {
+            Some(refinement) => Ok(refinement.mesh),
+            None => refuse("does not fit the garment it says it is of"),
+        }
+    }
+
+    /// Checks that it can be of a run on `garment`, with every index and length.
+    pub fn check(
+        &self,
+        file: &str,
+        garment: &Garment,
+        script: &WearScript,
+        animated: Option<&AnimatedBody>,
+    ) -> Result<()> {
+        let refuse = |what: &str| Err(Error::input(file, "", what, HELP));
         let points = garment.points.len();
         let hinges = garment.topology.hinges.len();
         let progress = match &self.position.progress {

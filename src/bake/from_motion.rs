@@ -5,7 +5,7 @@
 //! relaxes once to its source pose with the rest state that it earned. Between two frames angles move linearly, as within a
 //! step. Does not do: forces, contact during the motion, repair of a motion.
 
-use crate::bake::{BakeReport, BakeResult, StageSeconds, relax};
+use crate::bake::{BakeReport, BakeResult, SimulatedGarment, StageSeconds, relax};
 use crate::fabric::Fabric;
 use crate::garment::{Garment, RestState, WornGarment};
 use crate::math::Vec3;
@@ -99,9 +99,7 @@ pub fn memory_from_motion(garment: &Garment, fabric: &Fabric, motion: &mut Garme
         stages: seconds.named().into_iter().filter(|(_, seconds)| *seconds > 0.0).collect(),
         ..BakeReport::default()
     };
-    BakeResult {
-        worn: WornGarment { displacement: relaxed.displacement, memory: memory.rest },
-        end: x,
-        report,
-    }
+    let worn = WornGarment { displacement: relaxed.displacement, memory: memory.rest };
+    let simulated = SimulatedGarment { garment: garment.clone(), worn: worn.clone() };
+    BakeResult { worn, end: x, simulated, report }
 }

@@ -8,8 +8,8 @@
 //! |---|---|
 //! | `builder` | [`Bake`], both phases in order |
 //! | `options`, `quality`, `tuning` | what can be asked for, and the constants behind it |
-//! | `plan`, `adaptive_mesh`, `aligned_mesh`, `active_region` | models, mesh and points that a script needs |
-//! | `setup`, `run`, `action_loop`, `simulate` | first phase |
+//! | `plan`, `choose_mesh`, `active_region` | models, mesh and points that a script needs |
+//! | `setup`, `run`, `action_loop`, `refinement`, `simulate`, `lay_first` | first phase |
 //! | `body_coupling`, `body_penetration`, `depenetration` | the body under the cloth |
 //! | `relax_to_source`, `relax`, `hold_back` | second phase |
 //! | `observer`, `frames`, `report`, `violation_log`, `initial_intersections` | what is reported |
@@ -17,21 +17,22 @@
 
 mod action_loop;
 mod active_region;
-mod adaptive_mesh;
-mod aligned_mesh;
 mod body_coupling;
 mod body_penetration;
 mod builder;
 pub mod checkpoint;
+mod choose_mesh;
 mod depenetration;
 mod frames;
 mod from_motion;
 mod hold_back;
 mod initial_intersections;
+mod lay_first;
 mod observer;
 mod options;
 mod plan;
 mod quality;
+mod refinement;
 mod relax;
 mod relax_to_source;
 mod report;
@@ -42,9 +43,9 @@ mod tuning;
 mod violation_log;
 
 pub use active_region::active_points;
-pub use adaptive_mesh::{OtherMesh, SimulationMesh};
 pub use builder::Bake;
 pub use checkpoint::{Checkpoint, fingerprint};
+pub use choose_mesh::MeshChoice;
 pub use from_motion::{GarmentMotion, memory_from_motion};
 pub use observer::{BakeProgress, Observer};
 pub use options::BakeOptions;
@@ -52,4 +53,4 @@ pub use plan::{ModelDecision, ModelPlan};
 pub use quality::Quality;
 pub use relax::{relax, rest_mesh};
 pub use relax_to_source::RelaxResult;
-pub use report::{BakeReport, BakeResult, StageSeconds, StepConvergence};
+pub use report::{BakeReport, BakeResult, SimulatedGarment, StageSeconds, StepConvergence};

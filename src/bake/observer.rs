@@ -41,11 +41,11 @@ pub trait Observer {
     /// Called after every step.
     fn progress(&mut self, _progress: &BakeProgress) {}
 
-    /// Called before the first step with the mesh that is simulated, whose points the frames are of. It is the garment's own
-    /// unless an adaptive mesh is used ([`crate::bake::SimulationMesh`]).
+    /// Called before the first step with the mesh whose points the frames are of: the garment, or the simulated mesh if that was
+    /// asked for ([`crate::bake::BakeOptions::frames_of_simulated`]), and then again when that is refined.
     fn on_mesh(&mut self, _mesh: &Garment) {}
 
-    /// Called when a frame is due, with one position per point of the simulated mesh [m]. An error ends the bake.
+    /// Called when a frame is due, with one position per point of that mesh [m]. An error ends the bake.
     fn frame(&mut self, _x: &[Vec3]) -> Result<()> {
         Ok(())
     }

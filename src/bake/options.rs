@@ -30,10 +30,12 @@ pub struct BakeOptions {
     pub body: Option<Arc<AnimatedBody>>,
     /// Whether cloth that the moving body cannot affect is fixed.
     pub deactivate_static: bool,
-    /// Whether cloth that the script does not crease is simulated on fewer points ([`crate::bake::SimulationMesh`]).
-    pub adaptive_mesh: bool,
-    /// Whether a mesh with edges along the fold lines of the script is simulated, where they can be predicted. Experimental.
-    pub aligned_mesh: bool,
+    /// Whether the garment's own triangles are simulated instead of a mesh made for the script ([`crate::bake::MeshChoice`]).
+    pub own_triangles: bool,
+    /// Length of edges where the script creases the cloth [m], of a mesh made for it.
+    pub finest_edge: f64,
+    /// Whether frames show the points of the simulated mesh instead of those of the garment.
+    pub frames_of_simulated: bool,
     /// Steps of an action between two possible checkpoints: what an interrupted run loses at most. At each the pattern of
     /// the linear system is rebuilt, and in a hold a factor that several steps use.
     pub checkpoint_steps: u64,
@@ -51,8 +53,9 @@ impl Default for BakeOptions {
             frames_per_second: 0.0,
             body: None,
             deactivate_static: true,
-            adaptive_mesh: true,
-            aligned_mesh: false,
+            own_triangles: false,
+            finest_edge: Quality::Standard.finest_edge(),
+            frames_of_simulated: false,
             checkpoint_steps: 32,
         }
     }
@@ -66,7 +69,7 @@ impl BakeOptions {
             energy_tol_m: quality.energy_tol(),
             max_weight_strain: quality.max_weight_strain(),
             event_dt_fraction: quality.event_dt_fraction(),
-            adaptive_mesh: quality != Quality::Reference,
+            finest_edge: quality.finest_edge(),
             ..Self::default()
         }
     }

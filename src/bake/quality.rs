@@ -99,6 +99,15 @@ impl Quality {
         }
     }
 
+    /// Length of edges where the script creases the cloth [m].
+    pub fn finest_edge(self) -> f64 {
+        match self {
+            Self::Draft => 0.016,
+            Self::Standard => 0.012,
+            Self::Reference => 0.008,
+        }
+    }
+
     /// Step after a memory event as a fraction of the time to the next event [-]: a quarter misses an eighth of the memory of
     /// cloth that is pressed for half a minute, a tenth nothing measurable (`docs/validation/accuracy.md`).
     pub fn event_dt_fraction(self) -> f64 {

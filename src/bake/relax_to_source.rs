@@ -44,9 +44,6 @@ pub(super) struct RelaxOptions {
 impl RelaxOptions {
     /// Every increment solved to convergence.
     pub const FULL: Self = Self { tether_scale: 1.0, iterations_per_increment: TUNING.relax.max_iterations };
-    /// One global iteration per increment except the last: used after the simulation of an adaptive mesh, where the
-    /// relaxation of the whole garment dominates the run time.
-    pub const FAST: Self = Self { tether_scale: 1.0, iterations_per_increment: 1 };
 
     /// The tether at which a crease decays over some edges of `garment`, or over the bending length if that is more: its
     /// stiffness is the bending stiffness over the fourth power of this length.

@@ -1,7 +1,7 @@
 //! Result and report of a bake.
 
 use crate::bake::ModelDecision;
-use crate::garment::WornGarment;
+use crate::garment::{Garment, WornGarment};
 use crate::math::Vec3;
 use crate::memory::EventCount;
 use crate::sim::{SolveCost, StepReport};
@@ -44,8 +44,19 @@ pub struct BakeResult {
     pub worn: WornGarment,
     /// Positions at the end of the script, one per point of the garment [m].
     pub end: Vec<Vec3>,
+    /// The mesh that was simulated, with the memory that it earned.
+    pub simulated: SimulatedGarment,
     /// Work and outcome.
     pub report: BakeReport,
+}
+
+/// A simulated mesh with what the wear made of it.
+#[derive(Debug, Clone)]
+pub struct SimulatedGarment {
+    /// The mesh as a garment of its own, in the source pose.
+    pub garment: Garment,
+    /// Its memory and its displacement in the source pose, per hinge, triangle and point of the mesh.
+    pub worn: WornGarment,
 }
 
 /// Wall time by stage [s].

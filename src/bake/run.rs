@@ -8,19 +8,28 @@ use crate::bake::frames::FrameSchedule;
 use crate::bake::report::{BakeReport, StageSeconds, StepConvergence};
 use crate::bake::setup::{BakeSetup, BodySetup};
 use crate::bake::violation_log::ViolationLog;
-use crate::bake::{ModelPlan, initial_intersections};
+use crate::bake::{MeshChoice, ModelPlan, initial_intersections};
 use crate::body::PosedBody;
 use crate::error::Result;
-use crate::garment::{Garment, RestState};
+use crate::garment::RestState;
 use crate::memory::{Memory, MemoryModel};
+use crate::remesh::SimulationMesh;
 use crate::sim::{State, Stepper};
 use crate::wear::PersistentState;
 use std::time::Instant;
 
 /// A running simulation.
 pub(super) struct Run<'a> {
+    /// Inputs of the bake.
+    setup: &'a BakeSetup<'a>,
+    /// The models in use.
+    plan: ModelPlan,
     /// The simulated mesh.
-    pub garment: &'a Garment,
+    pub mesh: SimulationMesh,
+    /// Length down to which it is refined during the run [m], if it is.
+    pub finest_edge: Option<f64>,
+    /// Ends of the edges that were split so far, in order.
+    pub splits: Vec<[u32; 2]>,
     /// Solver and contact.
     pub stepper: Stepper,
     /// Positions, velocities and time.
@@ -43,6 +52,8 @@ pub(super) struct Run<'a> {
     pub seconds: StageSeconds,
     /// Times of frames.
     pub frames: FrameSchedule,
+    /// See [`crate::bake::BakeOptions`].
+    pub frames_of_simulated: bool,
     /// Hash of the inputs.
     pub fingerprint: String,
     /// Simulated time at the end of the script [s].
@@ -54,20 +65,26 @@ pub(super) struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    /// A run of `garment` from the beginning, or from a checkpoint (with its file name), and the position to start from.
+    /// A run on `mesh` from the beginning, or from a checkpoint (with its file name), and the position to start from.
     /// Fails for a checkpoint or a body that does not fit.
     pub fn new(
         resume_from: Option<(&str, Checkpoint)>,
-        garment: &'a Garment,
-        setup: &BakeSetup,
+        mesh: MeshChoice,
+        setup: &'a BakeSetup<'a>,
     ) -> Result<(Self, CheckpointPosition)> {
         let &BakeSetup { fabric, script, options, .. } = setup;
-        let fingerprint = fingerprint(garment, fabric, script, options);
+        let MeshChoice { mut mesh, finest_edge, .. } = mesh;
+        let fingerprint = fingerprint(&mesh.garment, fabric, script, options);
+        // The models are those of the mesh at the start, also after a refinement.
+        let mut plan = ModelPlan::new(&mesh.garment, fabric, script, options);
+        let mut splits = Vec::new();
         if let Some((file, checkpoint)) = &resume_from {
-            checkpoint.check(file, garment, script, options.body.as_deref(), &fingerprint)?;
+            splits.clone_from(&checkpoint.splits);
+            mesh = checkpoint.refined_mesh(file, mesh, &fingerprint)?;
+            checkpoint.check(file, &mesh.garment, script, options.body.as_deref())?;
         }
+        let garment = &mesh.garment;
         let body = BodySetup::prepare(garment, setup)?;
-        let mut plan = ModelPlan::new(garment, fabric, script, options);
         if let Some(body) = &body {
             plan.apply_body(fabric, &body.animated, &body.inactive);
         }
@@ -75,24 +92,31 @@ impl<'a> Run<'a> {
         let source_angle = stepper.cloth.bending.angles(&garment.points, &[]);
         let model = MemoryModel::new(garment, fabric, stepper.cloth.bending.width());
         let mut run = Run {
-            garment,
+            setup,
             stepper,
             state: State::at_rest(garment.points.clone(), source_angle.clone()),
             memory: Memory::new(RestState::new(source_angle, garment.triangles.len())),
+            finest_edge,
+            splits,
             model: options.memory.then_some(model),
             event_dt_fraction: options.event_dt_fraction,
             checkpoint_steps: options.checkpoint_steps,
             persistent: PersistentState::default(),
             body: None,
-            report: BakeReport { decisions: plan.decisions, ..BakeReport::default() },
+            report: BakeReport { decisions: plan.decisions.clone(), ..BakeReport::default() },
+            plan,
             seconds: StageSeconds::default(),
             frames: FrameSchedule::new(options.frames_per_second),
+            frames_of_simulated: options.frames_of_simulated,
             fingerprint,
             total: script.duration_with_body(options.body.as_deref()),
             convergence: StepConvergence::default(),
             violations: ViolationLog::default(),
+            mesh,
         };
-        run.report.warnings.extend(initial_intersections::warning(garment));
+        if run.splits.is_empty() {
+            run.report.warnings.extend(initial_intersections::warning(&run.mesh.garment));
+        }
         if let Some(body) = body {
             run.put_on(body, resume_from.as_ref().and_then(|(_, checkpoint)| checkpoint.body.as_ref()));
         }
@@ -103,13 +127,22 @@ impl<'a> Run<'a> {
         Ok((run, position))
     }
 
+    /// Goes on with another mesh: what belongs to the elements of one is made anew.
+    pub fn set_mesh(&mut self, mesh: SimulationMesh) {
+        self.stepper = self.setup.stepper(&mesh.garment, &self.plan);
+        let width = self.stepper.cloth.bending.width();
+        let model = MemoryModel::new(&mesh.garment, self.setup.fabric, width);
+        self.model = self.model.take().map(|_| model);
+        self.mesh = mesh;
+    }
+
     /// Puts the garment on the body: by depenetration at the beginning, as it was in a checkpoint.
     fn put_on(&mut self, body: BodySetup, resume_from: Option<&BodyCheckpoint>) {
         let clock = Instant::now();
         let BodySetup { animated, depths, inactive } = body;
         let settings = self.stepper.contact.settings();
         let mut coupling =
-            BodyCoupling::new(self.garment, &animated, settings, self.stepper.cloth.area.clone());
+            BodyCoupling::new(&self.mesh.garment, &animated, settings, self.stepper.cloth.area.clone());
         if let Some(checkpoint) = resume_from {
             // That it fits was checked with the rest of the checkpoint.
             coupling.restore(checkpoint);
@@ -117,7 +150,7 @@ impl<'a> Run<'a> {
         } else {
             // Points that will be inactive take part here.
             let cloth = SteppedCloth {
-                garment: self.garment,
+                garment: &self.mesh.garment,
                 stepper: &mut self.stepper,
                 state: &mut self.state,
                 rest: &self.memory.effective_rest,
@@ -140,6 +173,7 @@ impl<'a> Run<'a> {
             fingerprint: self.fingerprint.clone(),
             position,
             persistent: PersistentState { body: None, ..persistent.clone() },
+            splits: self.splits.clone(),
             state: self.state.clone(),
             memory: self.memory.clone(),
             friction: self.stepper.contact.friction_state(),

@@ -1,18 +1,20 @@
 //! First phase of a bake: the script is run on the simulation mesh.
 
-use crate::bake::Observer;
+use crate::bake::{MeshChoice, Observer};
 use crate::bake::checkpoint::Checkpoint;
 use crate::bake::report::{BakeReport, StageSeconds};
 use crate::bake::run::Run;
 use crate::bake::setup::BakeSetup;
 use crate::error::Result;
-use crate::garment::{CoarseMesh, Garment, RestState};
+use crate::garment::RestState;
 use crate::math::Vec3;
+use crate::remesh::SimulationMesh;
 use crate::sim::Stepper;
-use crate::transfer::prolongate;
 
 /// Result of the simulation, on the simulation mesh.
 pub(super) struct SimulationResult {
+    /// The mesh at the end.
+    pub mesh: SimulationMesh,
     /// Positions at the end of the script, one per point [m].
     pub positions: Vec<Vec3>,
     /// The rest state that the script left.
@@ -25,18 +27,10 @@ pub(super) struct SimulationResult {
     pub stepper: Stepper,
 }
 
-impl SimulationResult {
-    /// The same on every point of `garment`, of which `coarse` was simulated; `stepper` is that of `garment`.
-    pub fn prolongate(self, coarse: &CoarseMesh, garment: &Garment, stepper: Stepper) -> Self {
-        let rest = prolongate(coarse, &self.rest, garment);
-        Self { positions: coarse.interpolate(&self.positions), rest, stepper, ..self }
-    }
-}
-
 /// Runs the script on `mesh`, from its beginning or from a checkpoint (with its file name).
 pub(super) fn simulate(
     resume_from: Option<(&str, Checkpoint)>,
-    mesh: &Garment,
+    mesh: MeshChoice,
     setup: &BakeSetup,
     observer: &mut dyn Observer,
 ) -> Result<SimulationResult> {
@@ -57,11 +51,13 @@ pub(super) fn simulate(
     if let Some(body) = &run.body {
         report.warnings.extend(body.penetration.warnings());
     }
-    report.points = mesh.points.len();
+    report.points = run.mesh.garment.points.len();
     report.simulated = time;
     report.events = run.memory.events;
-    run.frames.show(&run.state.x, &mut |x| observer.frame(x))?;
+    let last = if run.frames_of_simulated { run.state.x.clone() } else { run.mesh.to_source(&run.state.x) };
+    run.frames.show(&last, &mut |x| observer.frame(x))?;
     Ok(SimulationResult {
+        mesh: run.mesh,
         positions: run.state.x,
         rest: run.memory.rest,
         report: run.report,

@@ -9,10 +9,8 @@ pub(super) struct BakeTuning {
     pub stepping: SteppingTuning,
     /// The choice of models.
     pub models: ModelTuning,
-    /// The adaptive simulation mesh.
-    pub adaptive_mesh: AdaptiveMeshTuning,
-    /// Simulation mesh with edges along fold lines.
-    pub aligned_mesh: AlignedMeshTuning,
+    /// The simulation mesh.
+    pub simulation_mesh: SimulationMeshTuning,
     /// The region that a moving body can affect.
     pub active_region: ActiveRegionTuning,
     /// Coupling to a body, and depenetration.
@@ -59,35 +57,28 @@ pub(super) struct ModelTuning {
     pub creasing_fold_deg: f64,
 }
 
-/// The adaptive simulation mesh ([`crate::bake::SimulationMesh`]).
+/// The simulation mesh ([`crate::bake::MeshChoice`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct AdaptiveMeshTuning {
-    /// Distance from a fold line within which every point is kept, in bending lengths (at least one edge).
-    pub fold_margin: f64,
-    /// Distance from a side of the garment within which every point is kept, in bending lengths.
-    pub side_margin: f64,
-    /// Longest edges, in bending lengths.
-    pub max_edge_bending_lengths: f64,
-    /// Growth of edges with the distance from the kept points [m/m].
-    pub edge_growth: f64,
-    /// Largest fraction of points left for which a coarser mesh is used [-]: above it too little time is saved.
-    pub max_kept_fraction: f64,
-}
-
-/// A simulation mesh with edges along fold lines ([`crate::BakeOptions::aligned_mesh`]).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct AlignedMeshTuning {
-    /// Distance of the row of edges on either side of a fold line [m], default 0.012: with rows at 8 mm the bend is shared
-    /// between line and row wherever the layers under a flap move it off the line; with rows at 16 mm creases are less even.
-    pub row: f64,
-    /// Length of edges along fold lines [m], default 0.012.
-    pub line_edge: f64,
-    /// Length of edges along borders, seams and sides [m], default 0.018.
-    pub side_edge: f64,
-    /// Growth of edges per metre of distance from there [-], default 1.
-    pub edge_growth: f64,
+pub(super) struct SimulationMeshTuning {
+    /// Largest edge along fold lines as a fraction of the garment's extent [-], default 0.03: a doll's garment gets as many edges
+    /// as a person's.
+    pub max_extent_fraction: f64,
+    /// Length of edges along borders, seams and sides relative to that along fold lines [-], default 1.5.
+    pub side_factor: f64,
+    /// Longest edges relative to those along fold lines [-], default 3.4.
+    pub max_factor: f64,
     /// Longest edges [m], default 0.04.
     pub max_edge: f64,
+    /// Growth of edges per metre of distance from lines and sides [-], default 1.
+    pub edge_growth: f64,
+    /// Angle of a hinge beyond which its triangles are bisected during the wear [degrees], default 45.
+    pub max_hinge_deg: f64,
+    /// Longest edge of a triangle that is not bisected, relative to the finest [-], default 1.4: halves and wholes lie around it.
+    pub max_finest_factor: f64,
+    /// Steps between two refinements during the wear, default 4: each costs a new linear system.
+    pub refinement_steps: u64,
+    /// Fraction of the triangles that must ask for a refinement before it is made [-], default 0.01.
+    pub min_refined_fraction: f64,
 }
 
 /// The region that a moving body can affect.
@@ -182,19 +173,16 @@ impl BakeTuning {
             free_wrinkle_edge: 0.25,
             creasing_fold_deg: 150.0,
         },
-        adaptive_mesh: AdaptiveMeshTuning {
-            fold_margin: 0.8,
-            side_margin: 0.3,
-            max_edge_bending_lengths: 4.0,
-            edge_growth: 0.8,
-            max_kept_fraction: 0.75,
-        },
-        aligned_mesh: AlignedMeshTuning {
-            row: 0.012,
-            line_edge: 0.012,
-            side_edge: 0.018,
-            edge_growth: 1.0,
+        simulation_mesh: SimulationMeshTuning {
+            max_extent_fraction: 0.03,
+            side_factor: 1.5,
+            max_factor: 3.4,
             max_edge: 0.04,
+            edge_growth: 1.0,
+            max_hinge_deg: 45.0,
+            max_finest_factor: 1.4,
+            refinement_steps: 4,
+            min_refined_fraction: 0.01,
         },
         active_region: ActiveRegionTuning {
             min_body_motion: 2e-4,

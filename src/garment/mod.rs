@@ -1,13 +1,12 @@
 //! The garment and what flows with it through the pipeline: the source asset it is built from, its rest state, the worn
 //! result.
 //!
-//! [`Garment::from_asset`] welds, repairs and orients the triangles of a [`SourceAsset`]; [`Garment::coarsen`] and
-//! [`Garment::refine`] change its resolution. Reads no bytes: `io` does.
+//! [`Garment::from_asset`] welds, repairs and orients the triangles of a [`SourceAsset`]; [`Garment::refine`]
+//! makes it finer. Reads no bytes: `io` does.
 
 mod build;
-mod coarse_mesh;
-mod coarsen;
 mod diagnostic;
+mod feature_edge;
 mod garment_type;
 mod inspect;
 mod lying;
@@ -20,9 +19,8 @@ mod tuning;
 mod wedges;
 mod worn_garment;
 
-pub use coarse_mesh::CoarseMesh;
-pub(crate) use coarsen::{edge_key, is_feature_hinge, triangle_quality};
 pub use diagnostic::{ImportDiagnostic, Severity};
+pub(crate) use feature_edge::is_feature_hinge;
 pub use garment_type::Garment;
 pub use inspect::{Inspection, PartReport, PieceReport, inspect};
 pub use lying::{Footprint, is_lying, is_lying_by_normals};

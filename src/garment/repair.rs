@@ -5,7 +5,7 @@ use crate::garment::diagnostic::ImportDiagnostics;
 use crate::garment::tuning::TUNING;
 use crate::garment::wedges::TriangleWedges;
 use crate::math::{Vec2, Vec3};
-use crate::mesh::{PointIndex, Topology, Welder, triangle};
+use crate::mesh::{PointIndex, Topology, Welder, edge_key, triangle};
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::collections::VecDeque;
 
@@ -124,10 +124,6 @@ fn flip_caps(positions: &[Vec3], wedges: &mut [TriangleWedges]) -> usize {
         flipped += 1;
     }
     flipped
-}
-
-fn edge_key(a: PointIndex, b: PointIndex) -> [PointIndex; 2] {
-    if a < b { [a, b] } else { [b, a] }
 }
 
 /// Flips triangles so that neighbours agree in orientation; the minority of each connected sheet is flipped. Only

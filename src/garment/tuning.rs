@@ -1,4 +1,4 @@
-//! Tuning constants of importing, coarsening and refining a garment mesh.
+//! Tuning constants of importing and refining a garment mesh.
 
 /// Limits and tolerances of the folder. Lengths in metres, angles in radians.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,26 +27,12 @@ pub(crate) struct GarmentTuning {
     pub(crate) lying_min_slope: f64,
     /// A reference direction gives a warp direction if the sine of its angle to the normal is above this \[-\].
     pub(crate) min_warp_sine: f64,
-    /// Coarsening collapses edges shorter than this fraction of the wanted length \[-\].
-    pub(crate) collapse_length_fraction: f64,
-    /// Coarsening makes no edge longer than this multiple of the wanted length, and refinement halves longer ones \[-\]:
-    /// halves and wholes then lie around the wanted length.
+    /// Refinement halves edges longer than this multiple of the wanted length \[-\]: halves and wholes then lie around it.
     pub(crate) max_length_factor: f64,
-    /// Quality (1 for equal sides, 0 for no area) of the triangles that a collapse must leave, unless one was worse
-    /// before \[-\].
-    pub(crate) min_collapse_quality: f64,
-    /// Cosine between a triangle's normals before and after one collapse or flip \[-\].
-    pub(crate) min_step_normal_cos: f64,
-    /// Cosine between a triangle's normal and its normal in the source \[-\].
-    pub(crate) min_total_normal_cos: f64,
-    /// Cosine of the bend of a feature line at a point that is removed \[-\].
-    pub(crate) min_feature_line_cos: f64,
     /// Hinge angle of the source shape above which an edge is sharp \[rad\]: the rim of a garment that lies.
     pub(crate) min_sharp_angle: f64,
     /// Angle between the warps of two triangles above which their edge is a seam \[rad\].
     pub(crate) min_seam_angle: f64,
-    /// Passes of coarsening; each removes about a quarter of the points that may go.
-    pub(crate) max_coarsen_passes: usize,
     /// Points of a refined mesh; no machine bakes more.
     pub(crate) max_points: usize,
 }
@@ -64,14 +50,8 @@ pub(crate) const TUNING: GarmentTuning = GarmentTuning {
     min_island_triangles: 8,
     lying_min_slope: 0.7,
     min_warp_sine: 0.05,
-    collapse_length_fraction: 0.8,
     max_length_factor: 4.0 / 3.0,
-    min_collapse_quality: 0.4,
-    min_step_normal_cos: 0.94,
-    min_total_normal_cos: 0.87,
-    min_feature_line_cos: 0.94,
     min_sharp_angle: 0.7,
     min_seam_angle: 0.2,
-    max_coarsen_passes: 40,
     max_points: 2_000_000,
 };

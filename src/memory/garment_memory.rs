@@ -92,6 +92,33 @@ impl Memory {
         hinges.iter().all(|n| *n == hinge_count) && triangles.iter().all(|n| *n == triangle_count)
     }
 
+    /// The memory on a finer mesh whose hinges and triangles are parts of these: per hinge of it the hinge here (`None` for one
+    /// that is flat and new), per triangle the triangle here.
+    ///
+    /// # Panics
+    /// If a number is not one of a hinge or triangle here.
+    pub fn on_refined(&self, hinges: &[Option<u32>], triangles: &[u32]) -> Self {
+        let angles = |of: &[f64], new: f64| hinges.iter().map(|h| h.map_or(new, |h| of[h as usize])).collect();
+        let stretches = |of: &[f64]| triangles.iter().map(|f| of[*f as usize]).collect();
+        let rest = |of: &RestState| RestState {
+            source_angle: angles(&of.source_angle, 0.0),
+            rest_angle: angles(&of.rest_angle, 0.0),
+            stiffness_ratio: angles(&of.stiffness_ratio, 1.0),
+            rest_stretch_warp: stretches(&of.rest_stretch_warp),
+            rest_stretch_weft: stretches(&of.rest_stretch_weft),
+        };
+        let timers = |of: &[BandTimer]| triangles.iter().map(|f| of[*f as usize]).collect();
+        Self {
+            rest: rest(&self.rest),
+            effective_rest: rest(&self.effective_rest),
+            events: self.events,
+            frozen: self.frozen,
+            hinge: hinges.iter().map(|h| h.map_or(BandTimer::default(), |h| self.hinge[h as usize])).collect(),
+            warp: timers(&self.warp),
+            weft: timers(&self.weft),
+        }
+    }
+
     /// Applies the law of `model` to a step of `duration` [s] with the strains `before` and `after` it, and lets
     /// `effective_rest` follow. Returns the events of the step.
     ///

@@ -16,5 +16,6 @@ mod weld;
 
 pub use hinge::{hinge_angle, hinge_gradient, unwrap_angle};
 pub use index::{INVALID, PointIndex, VertexIndex};
+pub(crate) use topology::edge_key;
 pub use topology::{Hinge, Topology};
 pub use weld::{Groups, Welder};

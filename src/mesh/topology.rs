@@ -16,6 +16,11 @@
 use crate::mesh::index::{INVALID, PointIndex};
 use rustc_hash::FxHashMap;
 
+/// Ends of an edge in increasing order.
+pub(crate) fn edge_key<P: Ord>(a: P, b: P) -> [P; 2] {
+    if a < b { [a, b] } else { [b, a] }
+}
+
 /// An interior edge with its two triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Hinge {

@@ -27,6 +27,13 @@ pub fn normal(corners: &[Vec3; 3]) -> Option<Vec3> {
     area_vector(corners).try_normalize(0.0)
 }
 
+/// Returns the quality of a triangle: 1 for equal sides, 0 for no area.
+pub(crate) fn quality(x: &[Vec3; 3]) -> f64 {
+    let [a, b, c] = [x[1] - x[0], x[2] - x[1], x[0] - x[2]];
+    let sides = a.norm_squared() + b.norm_squared() + c.norm_squared();
+    if sides > 0.0 { 2.0 * 3f64.sqrt() * a.cross(&b).norm() / sides } else { 0.0 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,8 +1,8 @@
 //! Rounds of splits, collapses, flips and moves that bring a mesh to the wanted edge lengths (Botsch and Kobbelt 2004, "A
 //! remeshing approach to multiresolution modeling"), with curves kept.
 
-use crate::garment::triangle_quality;
 use crate::math::Vec3;
+use crate::mesh::triangle::quality as triangle_quality;
 use crate::remesh::sizing::SizeField;
 use crate::remesh::surface_mesh::SurfaceMesh;
 use crate::remesh::tuning::TUNING;

@@ -6,22 +6,26 @@
 //! ```
 //!
 //! The surface of the garment stays as it is whatever its file's triangles are (slivers, either diagonal of a quad, any
-//! number). Knows no script and no fabric: `bake::adaptive_mesh` says which lines and lengths a wear asks for.
+//! number). During the wear triangles are bisected where they must bend more than their length can show (`refine`).
+//!
+//! Knows no script and no fabric: `bake::choose_mesh` says which lines and lengths a wear asks for.
 
-mod aligned_mesh;
 mod improve;
+mod refine;
+mod simulation_mesh;
 mod sizing;
 mod surface_mesh;
 mod tuning;
 
-pub use aligned_mesh::AlignedMesh;
 pub use improve::improve;
+pub use refine::Refinement;
+pub use simulation_mesh::SimulationMesh;
 pub use sizing::{Seed, SizeField};
 pub use surface_mesh::{Curve, CutPoint, SurfaceMesh, SurfacePoint};
 
 impl SurfaceMesh<'_> {
     /// The mesh as it is, to simulate on.
-    pub fn finish(&self) -> AlignedMesh {
-        AlignedMesh::of(self)
+    pub fn finish(&self) -> SimulationMesh {
+        SimulationMesh::of(self)
     }
 }

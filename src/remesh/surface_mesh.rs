@@ -8,11 +8,11 @@
 //! Does not decide which edges are too long or too short (`sizing`, `improve`).
 
 use crate::garment::material_coords::project_to_plane;
-use crate::garment::{Garment, edge_key, is_feature_hinge, triangle_quality};
+use crate::garment::{Garment, is_feature_hinge};
 use crate::math::Vec3;
 use crate::mesh::distance::{barycentric, point_triangle, point_triangle_squared};
-use crate::mesh::triangle::normal;
-use crate::mesh::{INVALID, PointIndex};
+use crate::mesh::triangle::{normal, quality as triangle_quality};
+use crate::mesh::{INVALID, PointIndex, edge_key};
 use crate::remesh::tuning::TUNING;
 use rustc_hash::FxHashMap;
 
@@ -34,6 +34,15 @@ pub struct SurfacePoint {
     pub face: u32,
     /// Barycentric weights of its corners, 0 to 1.
     pub weights: [f64; 3],
+}
+
+impl SurfacePoint {
+    /// Corner `k` of triangle `face`.
+    pub fn corner(face: u32, k: usize) -> Self {
+        let mut weights = [0.0; 3];
+        weights[k] = 1.0;
+        Self { face, weights }
+    }
 }
 
 /// A point that a cut has made.
@@ -90,9 +99,7 @@ impl<'a> SurfaceMesh<'a> {
         for (f, t) in triangles.iter().enumerate() {
             for (k, &p) in t.iter().enumerate() {
                 around[p as usize].push(f as u32);
-                let mut weights = [0.0; 3];
-                weights[k] = 1.0;
-                location[p as usize] = SurfacePoint { face: f as u32, weights };
+                location[p as usize] = SurfacePoint::corner(f as u32, k);
             }
         }
         let corners = |t: &[u32; 3]| t.map(|p| source.points[p as usize]);

@@ -37,6 +37,6 @@ pub use options::{
     Align, AlignedBy, Channels, MatchBy, SourceOutcome, TransferOptions, TransferResult, TransferSource,
 };
 pub use pipeline::transfer;
-pub use prolongate::{prolongate, prolongate_aligned};
+pub use prolongate::prolongate;
 pub use registration::PointPair;
 pub use surface::GarmentSurface;

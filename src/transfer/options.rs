@@ -117,6 +117,9 @@ pub struct TransferSource {
     pub memory: RestState,
     /// Joints that move the source, in the pose of its file.
     pub joints: Vec<SourceJoint>,
+    /// The mesh on which the memory was earned, with its own memory, where that is known: what is matched by position is taken
+    /// from there.
+    pub simulated: Option<(GarmentSurface, RestState)>,
 }
 
 impl TransferSource {
@@ -126,7 +129,9 @@ impl TransferSource {
     /// See [`GarmentSurface::from_sidecar`].
     pub fn from_sidecar(file: &str, sidecar: &Sidecar) -> Result<Self> {
         let (surface, memory) = GarmentSurface::from_sidecar(file, sidecar)?;
-        Ok(Self { file: file.to_owned(), surface, memory, joints: sidecar.joints() })
+        let simulated = sidecar.simulated.as_deref().map(|own| GarmentSurface::from_sidecar(file, own));
+        let simulated = simulated.transpose()?;
+        Ok(Self { file: file.to_owned(), surface, memory, joints: sidecar.joints(), simulated })
     }
 }
 

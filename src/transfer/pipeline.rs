@@ -156,6 +156,13 @@ fn resample_source(
         MatchBy::Auto if both_textured && textures_agree(&aligned.surface, target, size) => MatchMode::Uv,
         _ => by_surface,
     };
+    if let (true, Some((own, memory))) = (mode != MatchMode::Uv, &source.simulated) {
+        let mirrored = options.mirror_x.then(|| own.mirrored(memory));
+        let (own, memory) = mirrored.as_ref().map_or((own, memory), |(own, memory)| (own, memory));
+        let earned = TransferSource { simulated: None, ..source.clone() };
+        let by_position = TransferOptions { match_by: MatchBy::Surface, ..options.clone() };
+        return resample_source(&earned, own, memory, aligned_to, &by_position);
+    }
     let finder = CorrespondenceFinder::new(&aligned.surface, mode, size);
     let orientation = aligned.surface.orientation_sign() * target.orientation_sign();
     let faces = resample(&finder, memory, target, orientation);

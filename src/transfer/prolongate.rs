@@ -1,73 +1,46 @@
-//! Prolongation of the memory of a coarse mesh to the garment it was made from.
+//! Prolongation of the memory of a simulation mesh to the garment whose surface it lies on.
 //!
-//! Both meshes lie in one position, and for every point of the garment its coarse triangle is known. A point is matched
-//! with the nearest of the triangles around those its corners lie in, so that touching layers are never confused. Hinges
-//! between triangles of both meshes are copied; the others are resampled as between any two meshes.
+//! Both meshes lie in one position, and for every point of the garment its triangle of the mesh is known. A point is matched
+//! with the nearest of the triangles around those its corners lie in, so that touching layers are never confused.
 
-use crate::garment::{CoarseMesh, Garment, RestState};
+use crate::garment::{Garment, RestState};
 use crate::math::Vec3;
 use crate::mesh::distance::point_triangle_squared;
-use crate::remesh::AlignedMesh;
+use crate::remesh::SimulationMesh;
 use crate::transfer::correspondence::{Correspondence, Match, Query, smallest_rotation};
 use crate::transfer::memory_delta::MemoryDelta;
 use crate::transfer::options::TransferOptions;
 use crate::transfer::resample::resample;
 use crate::transfer::smoothing::smooth_curvature;
 use crate::transfer::surface::GarmentSurface;
-use rustc_hash::FxHashMap;
 
-/// Memory of `garment`, one entry per hinge and triangle of it, from `memory` of `coarse`, which was made from it.
-pub fn prolongate(coarse: &CoarseMesh, memory: &RestState, garment: &Garment) -> RestState {
-    let target = GarmentSurface::without_texture(garment);
-    let locator = CoarseMeshLocator::new(&coarse.garment, &coarse.containing_triangle, &target);
-    let faces = resample(&locator, memory, &target, 1.0);
-    let mut delta = MemoryDelta::from_faces(&target, &faces);
-    copy_shared(&mut delta, &MemoryDelta::from_memory(memory), coarse, garment);
-    delta.apply(&target, &TransferOptions::full(target.points.len()))
-}
-
-/// Memory of `garment`, one entry per hinge and triangle of it, from `memory` of `aligned`, a mesh of its surface. A crease
+/// Memory of `garment`, one entry per hinge and triangle of it, from `memory` of `mesh`, which lies on its surface. A crease
 /// narrower than the triangles of the garment is spread over one ring of them, so that it keeps its angle and its course.
-pub fn prolongate_aligned(aligned: &AlignedMesh, memory: &RestState, garment: &Garment) -> RestState {
+pub fn prolongate(mesh: &SimulationMesh, memory: &RestState, garment: &Garment) -> RestState {
+    if mesh.is_source {
+        return memory.clone();
+    }
     let target = GarmentSurface::without_texture(garment);
-    let containing = aligned.containing_triangles();
-    let locator = CoarseMeshLocator::new(&aligned.garment, &containing, &target);
+    let containing = mesh.containing_triangles();
+    let locator = MeshLocator::new(&mesh.garment, &containing, &target);
     let mut faces = resample(&locator, memory, &target, 1.0);
     smooth_curvature(&target, &mut faces);
     let delta = MemoryDelta::from_faces(&target, &faces);
     delta.apply(&target, &TransferOptions::full(target.points.len()))
 }
 
-/// Copies `own`, the changes on the coarse mesh, where both meshes have the same hinges and triangles.
-fn copy_shared(delta: &mut MemoryDelta, own: &MemoryDelta, coarse: &CoarseMesh, garment: &Garment) {
-    let hinges = garment.topology.hinges.iter().enumerate();
-    let by_triangles: FxHashMap<[u32; 2], usize> = hinges.map(|(h, hinge)| (hinge.triangles, h)).collect();
-    for (h, hinge) in coarse.garment.topology.hinges.iter().enumerate() {
-        let [Some(a), Some(b)] = hinge.triangles.map(|f| coarse.unchanged_from[f as usize]) else { continue };
-        if let Some(&whole) = by_triangles.get(&[a.min(b), a.max(b)]) {
-            delta.angle[whole] = own.angle[h];
-            delta.stiffness[whole] = own.stiffness[h];
-        }
-    }
-    for (f, unchanged) in coarse.unchanged_from.iter().enumerate() {
-        if let Some(whole) = unchanged {
-            delta.stretch[*whole as usize] = own.stretch[f];
-        }
-    }
-}
-
-/// Correspondence of a garment with its coarse mesh.
-struct CoarseMeshLocator<'a> {
+/// Correspondence of a garment with a mesh on its surface.
+struct MeshLocator<'a> {
     source: GarmentSurface,
     target: &'a GarmentSurface,
     containing_triangle: &'a [u32],
-    /// Per coarse triangle: itself and all that have a point in common with it, sorted.
+    /// Per triangle of the mesh: itself and all that have a point in common with it, sorted.
     neighbourhood: Vec<Vec<u32>>,
-    /// Per coarse triangle: outward unit normal.
+    /// Per triangle of the mesh: outward unit normal.
     normals: Vec<Vec3>,
 }
 
-impl<'a> CoarseMeshLocator<'a> {
+impl<'a> MeshLocator<'a> {
     fn new(mesh: &Garment, containing_triangle: &'a [u32], target: &'a GarmentSurface) -> Self {
         let source = GarmentSurface::without_texture(mesh);
         let mut on_point = vec![Vec::new(); source.points.len()];
@@ -92,7 +65,7 @@ impl<'a> CoarseMeshLocator<'a> {
     }
 }
 
-impl Correspondence for CoarseMeshLocator<'_> {
+impl Correspondence for MeshLocator<'_> {
     fn source(&self) -> &GarmentSurface {
         &self.source
     }

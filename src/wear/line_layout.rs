@@ -28,6 +28,11 @@ impl<'a> LineLayout<'a> {
         Self { positions: mesh.x.clone(), mesh, before_folds: Vec::new(), levels: Vec::new() }
     }
 
+    /// Positions of the points of the garment, one per point [m].
+    pub fn garment_positions(&self) -> &[Vec3] {
+        &self.positions[..self.mesh.source.points.len()]
+    }
+
     /// The surface mesh with all lines.
     pub fn into_mesh(self) -> SurfaceMesh<'a> {
         self.mesh

@@ -8,7 +8,7 @@ mod action_list;
 mod action_runner;
 mod actions;
 mod body_motion;
-mod crease_prediction;
+mod draw_lines;
 mod fold_layout;
 mod fold_map;
 mod fraction;
@@ -28,8 +28,8 @@ pub use actions::{
     Bend, Crumple, Facing, Fold, FoldSide, Hang, HangBy, HangPoints, Hold, JointAxis, Lay, LocalAxis, Play,
     Press, Release, Settle, Unfold,
 };
-pub use crease_prediction::{draw_fold_lines, predict_creases};
-pub use fold_layout::{CreaseDistance, FoldLayout};
+pub use draw_lines::{DrawnLines, draw_fold_lines};
+pub use fold_layout::{FoldLayout, Foresight};
 pub use fraction::Fraction2;
 pub use persistent_state::{FoldRecord, GarmentFrame, PersistentState};
 pub use script::{Flatten, MAX_ACTIONS, MAX_DURATION_S, MAX_NESTING, WearFormat, WearScript};

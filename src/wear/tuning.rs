@@ -120,8 +120,6 @@ pub(super) struct PredictionTuning {
     /// Mean |normal . y| over the area from which a garment that is laid down is flat already [-], default 0.9: others are
     /// pressed flat and may wrinkle anywhere.
     pub min_flat_normal_y: f64,
-    /// Number of layers through which a step shows, default 2.
-    pub max_layers_through: usize,
     /// Distance from another line below which a row of edges beside a fold line is left out, as a fraction of the row's
     /// own distance [-], default 0.6.
     pub row_clearance: f64,
@@ -158,7 +156,7 @@ pub(super) const TUNING: WearTuning = WearTuning {
         stack_quantile: 0.9,
         release_time: 0.4,
         release_steps: 4.0,
-        smoothing_pressure: 200.0,
+        smoothing_pressure: 2000.0,
         release_drag: 20.0,
         self_supporting_angle: 3.0,
         rise_ramp: 0.03,
@@ -186,5 +184,5 @@ pub(super) const TUNING: WearTuning = WearTuning {
         hang_max_dt: 0.1,
         settle_drag: 3.0,
     },
-    prediction: PredictionTuning { min_flat_normal_y: 0.9, max_layers_through: 2, row_clearance: 0.6 },
+    prediction: PredictionTuning { min_flat_normal_y: 0.9, row_clearance: 0.6 },
 };

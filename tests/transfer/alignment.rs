@@ -135,6 +135,7 @@ fn joints_and_landmarks_align_a_straight_sleeve_with_a_bent_one() {
         surface: surface.clone(),
         memory: memory.clone(),
         joints: straight.worn_joints(),
+        simulated: None,
     };
     let with = |change: &dyn Fn(&mut TransferOptions)| {
         let mut options = TransferOptions {

@@ -96,6 +96,7 @@ pub fn carry(from: &GarmentSurface, memory: &RestState, to: &GarmentSurface, by:
         surface: from.clone(),
         memory: memory.clone(),
         joints: Vec::new(),
+        simulated: None,
     };
     let options = TransferOptions { match_by: by, ..TransferOptions::full(to.points.len()) };
     transfer(&[source], to, &options).expect("carries")

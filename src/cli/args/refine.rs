@@ -76,6 +76,11 @@ pub struct DetailedGlb {
 }
 
 impl RefineArgs {
+    /// Returns the length of the finest edges that are simulated [m], if it was given.
+    pub fn finest_edge(&self) -> Option<f64> {
+        self.resolution.map(|mm| 1e-3 * mm)
+    }
+
     /// Refines `garment` if `--resolution` was given, around the points that `selected` flags: one flag per point, or none
     /// for the whole garment.
     pub fn refine(

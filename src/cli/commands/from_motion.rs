@@ -189,7 +189,7 @@ impl MotionInput {
             let (frame, own) = (count(first), count(&mesh.asset));
             let message = format!("its frames ({frame}) are not of the garment {} ({own})", path.display());
             let help = "give the mesh that the frames are of with --mesh (and --garment), or leave it out; frames of a bake \
-                        are of the whole garment with --no-grading";
+                        are of the garment unless made with --frames-of simulated";
             return Err(Error::input(folder, "", message, help));
         };
         let frame_count = frames.len();

@@ -1,5 +1,5 @@
-//! `--frames DIR`: the simulated mesh over time as frame_0000.obj, frame_0001.obj, ... Each frame is written as soon as
-//! it is due, whole or not at all, so that a run can be watched and an interrupted run keeps its frames.
+//! `--frames DIR`: the garment over time as frame_0000.obj, frame_0001.obj, ... Each frame is written as soon as it is due,
+//! whole or not at all, so that a run can be watched and an interrupted run keeps its frames.
 
 use crate::cli::files::input::name_of;
 use crate::cli::files::output::Outputs;
@@ -13,8 +13,10 @@ use std::path::{Path, PathBuf};
 #[derive(Debug)]
 pub struct FrameFolder<'a> {
     folder: PathBuf,
-    /// Triangles of the simulated mesh.
+    /// Triangles of the frames.
     triangles: Vec<[PointIndex; 3]>,
+    /// Per vertex of the frames: the point that it shows; `None` where every point is a vertex.
+    point_of: Option<Vec<PointIndex>>,
     /// Input mesh, which may be a frame of an earlier run and must not be overwritten.
     mesh: &'a Path,
     /// Frames written so far.
@@ -26,18 +28,31 @@ impl<'a> FrameFolder<'a> {
     /// overwritten.
     pub fn new(folder: &Path, mesh: &'a Path, written: usize) -> Result<Self> {
         std::fs::create_dir_all(folder).map_err(|source| Error::File { file: name_of(folder), source })?;
-        Ok(Self { folder: folder.to_owned(), triangles: Vec::new(), mesh, written })
+        Ok(Self { folder: folder.to_owned(), triangles: Vec::new(), point_of: None, mesh, written })
     }
 
-    /// Sets the triangles of the following frames.
-    pub fn set_triangles(&mut self, triangles: &[[PointIndex; 3]]) {
-        self.triangles = triangles.to_vec();
+    /// Shows the points of a mesh with `triangles` in the following frames.
+    pub fn show_points(&mut self, triangles: &[[PointIndex; 3]]) {
+        (self.triangles, self.point_of) = (triangles.to_vec(), None);
+    }
+
+    /// Shows the vertices of the file in the following frames: `point_of` has the point of each, `triangles` their numbers.
+    pub fn show_vertices(&mut self, point_of: &[PointIndex], triangles: &[[u32; 3]]) {
+        let triangles = triangles.iter().map(|t| t.map(PointIndex)).collect();
+        (self.triangles, self.point_of) = (triangles, Some(point_of.to_vec()));
     }
 
     /// Writes the next frame; `points` has one position per point of the mesh [m].
     pub fn write(&mut self, points: &[Vec3]) -> Result<()> {
         let mut outputs = Outputs::new([self.mesh]);
-        outputs.add(&self.path_of(self.written), &write_frame_obj(points, &self.triangles))?;
+        let text = match &self.point_of {
+            Some(point_of) => {
+                let position = |p: &PointIndex| points.get(p.at()).copied().unwrap_or_else(Vec3::zeros);
+                write_frame_obj(&point_of.iter().map(position).collect::<Vec<_>>(), &self.triangles)
+            }
+            None => write_frame_obj(points, &self.triangles),
+        };
+        outputs.add(&self.path_of(self.written), &text)?;
         outputs.commit()?;
         self.written += 1;
         Ok(())

@@ -1,7 +1,7 @@
 //! Conversions between a sidecar and the garment, its worn result and its source asset.
 
 use crate::Result;
-use crate::garment::{Garment, RestState, SourceAsset, SourceJoint, UpAxis, WornGarment, corner_vertices};
+use crate::garment::{Garment, RestState, SourceAsset, SourceFormat, SourceJoint, UpAxis, WornGarment, corner_vertices};
 use crate::io::sidecar::format::{
     SIDECAR_FORMAT, Sidecar, SidecarHinges, SidecarJoint, SidecarMesh, SidecarPoints, SidecarSource,
     SidecarTriangles, SidecarUp,
@@ -66,11 +66,28 @@ impl Sidecar {
             fabric,
             wear,
             run,
+            simulated: None,
             extra: Map::new(),
         };
         sidecar.checksums = Some(sidecar.compute_checksums());
         sidecar.validate(&asset.file)?;
         Ok(sidecar)
+    }
+
+    /// Adds the mesh that was simulated, with its displacement and memory.
+    ///
+    /// # Errors
+    /// [`crate::Error::Input`] if `worn` does not fit `mesh` or holds a number that is not finite.
+    pub fn with_simulated(self, mesh: &Garment, worn: &WornGarment) -> Result<Self> {
+        // Of the file nothing but its name and frame belongs to the mesh.
+        let SidecarSource { file, sha256, unit_m, up, .. } = self.source.clone();
+        let up = if up == SidecarUp::Y { UpAxis::Y } else { UpAxis::Z };
+        let (format, document, pieces) = (SourceFormat::Obj, None, Vec::new());
+        let bare = SourceAsset { file, sha256, format, unit_m, up, document, pieces };
+        let mut own = Self::new(&bare, mesh, worn, Value::Null, Value::Null, Value::Null)?;
+        own.mesh.source_uv = None;
+        own.mesh.triangle_vertices = None;
+        Ok(Self { simulated: Some(Box::new(own)), ..self })
     }
 
     /// Returns the points of the mesh in metres, y up.

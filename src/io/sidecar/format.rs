@@ -38,6 +38,10 @@ pub struct Sidecar {
     /// Settings of the run: tool, method, options.
     #[serde(default)]
     pub run: Value,
+    /// The mesh that was simulated, with the memory that it earned, where that was asked for: a sidecar of its own, whose mesh
+    /// has no vertices of the file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub simulated: Option<Box<Self>>,
     /// Fields unknown to this version.
     #[serde(flatten)]
     pub extra: Map<String, Value>,

@@ -83,7 +83,7 @@ impl WearAction for Lay {
         self.over_s
     }
 
-    /// Lays the garment down and marks its sides.
+    /// Lays the garment down.
     fn predict_creases(&self, layout: &mut FoldLayout) {
         layout.lay_down(|context, persistent| self.start_action(context, persistent));
     }

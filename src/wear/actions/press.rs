@@ -32,9 +32,8 @@ impl WearAction for Press {
         self.for_s
     }
 
-    /// Marks what lies on sides.
     fn predict_creases(&self, layout: &mut FoldLayout) {
-        layout.press();
+        layout.require_flat();
     }
 
     fn start_action(&self, context: &ActionContext, persistent: &mut PersistentState) -> Result<ActionStart> {

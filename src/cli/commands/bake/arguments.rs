@@ -43,12 +43,9 @@ pub struct Arguments {
     /// Simulate the whole garment, including regions the body cannot reach
     #[arg(long, alias = "no-sleep")]
     simulate_all: bool,
-    /// Simulate the triangles of the file, without coarsening where the script creases nothing
+    /// Simulate the file's own triangles instead of a mesh with edges along the fold lines of the script
     #[arg(long)]
     no_grading: bool,
-    /// Simulate a mesh with edges along the fold lines of the script: straight, even creases (experimental)
-    #[arg(long, conflicts_with = "no_grading")]
-    aligned: bool,
     #[command(flatten)]
     pub export: ExportArgs,
     /// Time integrator [default: the one of the quality]
@@ -66,9 +63,15 @@ pub struct Arguments {
     /// Also draw OUT.png: the garment before and after
     #[arg(long, requires = "output")]
     pub preview: bool,
-    /// Folder for the simulated mesh over time: frame_0000.obj, ...
+    /// Mesh whose memory OUT.crease.json holds: `crease transfer` loses less of that of the simulated one
+    #[arg(long, value_name = "MESH", default_value = "garment", requires = "output")]
+    pub sidecar_mesh: SidecarMesh,
+    /// Folder for the garment over time: frame_0000.obj, ..., its vertices in the number and order of the file
     #[arg(long, value_name = "DIR")]
     pub frames: Option<PathBuf>,
+    /// Mesh that the frames show
+    #[arg(long, value_name = "MESH", default_value = "garment", requires = "frames")]
+    pub frames_of: FramesOf,
     /// Frames per simulated second
     #[arg(long, value_name = "N", value_parser = positive, default_value_t = 10.0, requires = "frames")]
     fps: f64,
@@ -93,6 +96,24 @@ enum MemoryLaw {
     On,
     /// No memory: a purely elastic simulation
     Off,
+}
+
+/// Mesh whose memory a sidecar holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum SidecarMesh {
+    /// The garment
+    Garment,
+    /// The garment and, as a sidecar in the sidecar, the simulated mesh
+    Simulated,
+}
+
+/// Mesh that frames show.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum FramesOf {
+    /// The garment, with the vertices of its file
+    Garment,
+    /// The simulated mesh
+    Simulated,
 }
 
 /// Parser of the integrators of the library, by name. Those that exist only for validation are accepted but not listed.
@@ -127,10 +148,13 @@ impl Arguments {
             memory: self.memory_on(),
             body: body.cloned(),
             deactivate_static: !self.simulate_all,
-            adaptive_mesh: BakeOptions::for_quality(self.quality).adaptive_mesh && !self.no_grading,
+            own_triangles: self.no_grading,
+            frames_of_simulated: self.frames_of == FramesOf::Simulated,
             ..BakeOptions::for_quality(self.quality)
         };
-        options.aligned_mesh = self.aligned;
+        if let Some(finest) = self.refine.finest_edge() {
+            options.finest_edge = finest;
+        }
         options.step.method = self.method();
         options.full_fidelity = self.full_fidelity;
         options.frames_per_second = if self.frames.is_some() { self.fps } else { 0.0 };

@@ -2,12 +2,13 @@
 
 use crate::cli::args::refine::Refinement;
 use crate::cli::commands::bake::arguments::Arguments;
+use crate::cli::files::frame_folder::FrameFolder;
 use crate::cli::files::input;
 use crease::bake::{Bake, ModelPlan, active_points};
 use crease::body::AnimatedBody;
 use crease::fabric::Fabric;
 use crease::files::GarmentFile;
-use crease::garment::{Garment, RestState, WornGarment};
+use crease::garment::{Garment, RestState, WornGarment, corner_vertices};
 use crease::io::Sidecar;
 use crease::io::gltf::write_worn_glb;
 use crease::math::Vec3;
@@ -60,6 +61,16 @@ impl BakeInput {
     pub fn plan(&self, arguments: &Arguments) -> ModelPlan {
         let options = arguments.options(self.body.as_ref());
         Bake::new(&self.mesh.garment, &self.fabric, &self.script).options(options).plan()
+    }
+
+    /// Shows the vertices of the garment's file in `frames`; points of garments without a file's vertices as they are.
+    pub fn show_vertices(&self, frames: &mut FrameFolder) {
+        let coarse = self.refinement.as_ref().and_then(|refinement| refinement.coarse.as_ref());
+        let garment = coarse.map_or(&self.mesh.garment, |coarse| &coarse.garment);
+        match corner_vertices(&self.mesh.asset, garment) {
+            Some(triangles) => frames.show_vertices(&garment.source_point, &triangles),
+            None => frames.show_points(&self.mesh.garment.triangles),
+        }
     }
 
     /// Writes the garment without wear to memory, so that errors of the writers are found before the bake.

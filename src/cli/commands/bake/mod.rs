@@ -11,6 +11,7 @@ mod observer;
 pub use arguments::Arguments;
 
 use crate::cli::args::export::print_checks;
+use crate::cli::commands::bake::arguments::{FramesOf, SidecarMesh};
 use crate::cli::commands::bake::input::BakeInput;
 use crate::cli::commands::bake::observer::BakeObserver;
 use crate::cli::commands::worn_job::{SideFiles, WornJob, WornResult};
@@ -74,7 +75,10 @@ fn bake_into(
     let counts = crossing_counts(garment, &baked.worn, &start);
     let mut report = Report::of_bake(garment, &baked, counts);
     report.method = arguments.method().name().to_owned();
-    let sidecar = input.sidecar(&baked.worn, arguments.run_description(&baked))?;
+    let mut sidecar = input.sidecar(&baked.worn, arguments.run_description(&baked))?;
+    if arguments.sidecar_mesh == SidecarMesh::Simulated {
+        sidecar = sidecar.with_simulated(&baked.simulated.garment, &baked.simulated.worn)?;
+    }
     let result = WornResult {
         mesh: &input.mesh,
         worn: &baked.worn,
@@ -113,12 +117,17 @@ fn simulate(
 ) -> Result<Simulated> {
     let resumed = if arguments.resume { checkpoints.read()? } else { None };
     let frames_written = resumed.as_ref().map_or(0, |saved| saved.checkpoint.counts.frames.shown);
-    let frames = match &arguments.frames {
+    let mut frames = match &arguments.frames {
         Some(folder) => Some(FrameFolder::new(folder, &arguments.mesh, frames_written as usize)?),
         None => None,
     };
+    let frames_of_simulated = arguments.frames_of == FramesOf::Simulated;
+    if let Some(frames) = &mut frames {
+        input.show_vertices(frames);
+    }
     let action_count = input.script.flatten().count();
-    let mut observer = BakeObserver { progress, frames, checkpoints, interrupt, action_count };
+    let mut observer =
+        BakeObserver { progress, frames, checkpoints, interrupt, frames_of_simulated, action_count };
     interrupt.set_exit_immediately(false);
     let mut bake = Bake::new(&input.mesh.garment, &input.fabric, &input.script)
         .script_name(&input.script_file)

@@ -19,6 +19,8 @@ pub struct BakeObserver<'a, 'b> {
     pub checkpoints: &'a mut CheckpointFile,
     /// Signal handlers.
     pub interrupt: &'a Interrupt,
+    /// Whether the frames show the simulated mesh.
+    pub frames_of_simulated: bool,
     /// Number of actions in the script.
     pub action_count: usize,
 }
@@ -37,8 +39,8 @@ impl Observer for BakeObserver<'_, '_> {
     }
 
     fn on_mesh(&mut self, mesh: &Garment) {
-        if let Some(frames) = &mut self.frames {
-            frames.set_triangles(&mesh.triangles);
+        if let Some(frames) = self.frames.as_mut().filter(|_| self.frames_of_simulated) {
+            frames.show_points(&mesh.triangles);
         }
     }
 

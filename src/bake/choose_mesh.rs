@@ -1,0 +1,112 @@
+//! The mesh that is simulated: one of the garment's surface, made for the script.
+//!
+//! Fold lines are drawn through every layer that they pass ([`crate::wear::draw_fold_lines`]); edges are short along them, along
+//! borders and along sides, and grow away from there. A fold then bends along edges and leaves an even crease, whatever the
+//! triangles of the file are. Where a script may crease the cloth anywhere, triangles are bisected during the wear where they
+//! bend ([`MeshChoice::finest_edge`]).
+
+use crate::bake::tuning::TUNING;
+use crate::bake::{BakeOptions, ModelDecision};
+use crate::garment::Garment;
+use crate::math::{Vec3, bounds};
+use crate::mesh::intersections::self_intersections;
+use crate::remesh::{Curve, Seed, SimulationMesh, SizeField, SurfaceMesh, improve};
+use crate::wear::{DrawnLines, Foresight, WearScript, draw_fold_lines};
+
+/// The mesh that is simulated for a garment.
+#[derive(Debug, Clone)]
+pub struct MeshChoice {
+    /// The mesh at the start.
+    pub mesh: SimulationMesh,
+    /// Length down to which triangles are bisected during the wear [m]; `None` for a mesh that stays as it is.
+    pub finest_edge: Option<f64>,
+    /// Whether the garment has to be laid once before lines can be drawn: the mesh is the one to lay it on.
+    pub lays_first: bool,
+    /// The decision, with its reason.
+    pub decision: ModelDecision,
+}
+
+/// Edge lengths of a mesh [m].
+#[derive(Debug, Clone, Copy)]
+struct EdgeLengths {
+    /// Along fold lines; also the distance of the rows beside them.
+    line: f64,
+    /// Along borders, seams and sides.
+    side: f64,
+    /// At most.
+    max: f64,
+}
+
+impl MeshChoice {
+    /// Chooses the mesh for a bake of `garment`. `laid` are its positions after it was laid, one per point [m], if that has been
+    /// done already.
+    pub fn new(
+        garment: &Garment,
+        script: &WearScript,
+        laid: Option<&[Vec3]>,
+        options: &BakeOptions,
+    ) -> Self {
+        let own = |why: &str| Self {
+            mesh: SimulationMesh::of_source(garment),
+            finest_edge: None,
+            lays_first: false,
+            decision: ModelDecision { name: "simulation mesh", on: false, why: why.into() },
+        };
+        if options.own_triangles || options.full_fidelity {
+            return own("switched off");
+        }
+        if options.body.is_some() {
+            return own("a body creases the cloth where it moves");
+        }
+        let lengths = EdgeLengths::new(garment, options.finest_edge);
+        let DrawnLines { mut mesh, foresight } = draw_fold_lines(garment, script, laid, lengths.line);
+        let uniform = if foresight == Foresight::Whole { lengths.max } else { lengths.side };
+        make(&mut mesh, lengths, uniform);
+        let mesh = mesh.finish();
+        let crossings = |garment: &Garment| self_intersections(&garment.points, &garment.triangles).len();
+        if crossings(&mesh.garment) > crossings(garment) {
+            return own("layers would cross on another mesh at the start");
+        }
+        let count = format!("{} points instead of {}", mesh.garment.points.len(), garment.points.len());
+        let [line, side, max] = [lengths.line, lengths.side, uniform].map(|l| 1e3 * l);
+        let why = match foresight {
+            Foresight::NeedsLaying => format!("{count}: edges of {max:.0} mm to lay the garment on"),
+            Foresight::Whole => format!(
+                "{count}: edges of {line:.0} mm along fold lines, {side:.0} mm along sides, up to {max:.0} mm elsewhere"
+            ),
+            Foresight::Until(_) => format!(
+                "{count}: edges of {max:.0} mm, bisected down to {line:.0} mm where the cloth bends during the wear"
+            ),
+        };
+        Self {
+            mesh,
+            finest_edge: matches!(foresight, Foresight::Until(_)).then_some(lengths.line),
+            lays_first: foresight == Foresight::NeedsLaying,
+            decision: ModelDecision { name: "simulation mesh", on: true, why },
+        }
+    }
+}
+
+impl EdgeLengths {
+    /// Lengths for `garment` with `finest` [m] at its creases; shorter on garments that are small against that.
+    fn new(garment: &Garment, finest: f64) -> Self {
+        let tuning = TUNING.simulation_mesh;
+        let (low, high) = bounds(&garment.points);
+        let line = finest.min(tuning.max_extent_fraction * (high - low).max());
+        Self { line, side: tuning.side_factor * line, max: (tuning.max_factor * line).min(tuning.max_edge) }
+    }
+}
+
+/// Brings `mesh` to short edges along its curves and edges of `uniform` length [m] elsewhere.
+fn make(mesh: &mut SurfaceMesh, lengths: EdgeLengths, uniform: f64) {
+    let mut seeds = Vec::new();
+    for [a, b] in mesh.edges() {
+        let length = match mesh.curve(a, b) {
+            Some(Curve::Line(_)) => lengths.line,
+            Some(Curve::Border | Curve::Feature) => lengths.side,
+            None => continue,
+        };
+        seeds.extend(Seed::along(mesh.x[a as usize], mesh.x[b as usize], length));
+    }
+    improve(mesh, &SizeField::new(&seeds, lengths.line, TUNING.simulation_mesh.edge_growth, uniform));
+}

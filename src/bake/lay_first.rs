@@ -1,0 +1,44 @@
+//! A garment that does not lie in its file is laid once, to learn where fold lines run on it.
+//!
+//! The first action of the script, `lay`, is run on a uniform mesh without memory. The lines are then drawn where the garment
+//! lies, the mesh for the whole script is made with them, and the run begins.
+
+use crate::bake::choose_mesh::MeshChoice;
+use crate::bake::setup::BakeSetup;
+use crate::bake::simulate::simulate;
+use crate::bake::{BakeOptions, BakeProgress, Observer};
+use crate::error::Result;
+use crate::garment::Garment;
+use crate::wear::WearScript;
+
+/// The mesh for the script of `setup` on `garment`, which is laid first if that is needed.
+pub(super) fn mesh_for(
+    garment: &Garment,
+    setup: &BakeSetup,
+    observer: &mut dyn Observer,
+) -> Result<MeshChoice> {
+    let choice = MeshChoice::new(garment, setup.script, None, setup.options);
+    if !choice.lays_first {
+        return Ok(choice);
+    }
+    let first = setup.script.flatten().take(1).cloned().collect();
+    let script = WearScript { actions: first, ..setup.script.clone() };
+    let options = BakeOptions { memory: false, frames_per_second: 0.0, ..setup.options.clone() };
+    let lay = BakeSetup { script: &script, options: &options, ..*setup };
+    let laid = simulate(None, choice, &lay, &mut LayObserver(observer))?;
+    let laid = laid.mesh.to_source(&laid.positions);
+    Ok(MeshChoice::new(garment, setup.script, Some(&laid), setup.options))
+}
+
+/// Passes on progress and the request to stop, and nothing of the mesh.
+struct LayObserver<'a>(&'a mut dyn Observer);
+
+impl Observer for LayObserver<'_> {
+    fn progress(&mut self, progress: &BakeProgress) {
+        self.0.progress(&BakeProgress { stage: "lay, to draw lines", ..progress.clone() });
+    }
+
+    fn should_stop(&mut self) -> bool {
+        self.0.should_stop()
+    }
+}
