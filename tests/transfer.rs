@@ -16,6 +16,7 @@ mod measure;
 mod tool;
 
 use crease::bake::{BakeOptions, MeshChoice};
+use crease::fabric::{DEFAULT_FABRIC, Fabric};
 use crease::garment::{RestState, WornGarment};
 use crease::io::Sidecar;
 use crease::math::Vec3;
@@ -78,7 +79,8 @@ fn memory_of_a_simulation_mesh_is_prolongated_to_the_garment() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("garments/wear/fold-thrice.json");
     let text = std::fs::read_to_string(path).expect("a script of the repository");
     let script = WearScript::parse("fold-thrice.json", &text).expect("is a script");
-    let MeshChoice { mesh, .. } = MeshChoice::new(&garment, &script, None, &BakeOptions::default());
+    let fabric = Fabric::preset(DEFAULT_FABRIC).expect("exists");
+    let MeshChoice { mesh, .. } = MeshChoice::new(&garment, &fabric, &script, None, &BakeOptions::default());
     assert!(mesh.garment.points.len() < garment.points.len() / 3, "{} points", mesh.garment.points.len());
     let (own, whole) =
         (GarmentSurface::without_texture(&mesh.garment), GarmentSurface::without_texture(&garment));

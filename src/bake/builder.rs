@@ -133,7 +133,7 @@ impl<'a> Bake<'a> {
     /// ```
     pub fn plan(&self) -> ModelPlan {
         let Self { garment, fabric, script, ref options, .. } = *self;
-        let choice = MeshChoice::new(garment, script, None, options);
+        let choice = MeshChoice::new(garment, fabric, script, None, options);
         let mut plan = ModelPlan::new(&choice.mesh.garment, fabric, script, options);
         plan.decisions.push(choice.decision);
         plan

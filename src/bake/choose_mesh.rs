@@ -7,6 +7,7 @@
 
 use crate::bake::tuning::TUNING;
 use crate::bake::{BakeOptions, ModelDecision};
+use crate::fabric::Fabric;
 use crate::garment::Garment;
 use crate::math::{Vec3, bounds};
 use crate::mesh::intersections::self_intersections;
@@ -42,6 +43,7 @@ impl MeshChoice {
     /// done already.
     pub fn new(
         garment: &Garment,
+        fabric: &Fabric,
         script: &WearScript,
         laid: Option<&[Vec3]>,
         options: &BakeOptions,
@@ -59,7 +61,7 @@ impl MeshChoice {
             return own("a body creases the cloth where it moves");
         }
         let lengths = EdgeLengths::new(garment, options.finest_edge);
-        let DrawnLines { mut mesh, foresight } = draw_fold_lines(garment, script, laid, lengths.line);
+        let DrawnLines { mut mesh, foresight } = draw_fold_lines(garment, script, laid, fabric.thickness(), lengths.line);
         let uniform = if foresight == Foresight::Whole { lengths.max } else { lengths.side };
         make(&mut mesh, lengths, uniform);
         let mesh = mesh.finish();

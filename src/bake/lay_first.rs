@@ -17,7 +17,7 @@ pub(super) fn mesh_for(
     setup: &BakeSetup,
     observer: &mut dyn Observer,
 ) -> Result<MeshChoice> {
-    let choice = MeshChoice::new(garment, setup.script, None, setup.options);
+    let choice = MeshChoice::new(garment, setup.fabric, setup.script, None, setup.options);
     if !choice.lays_first {
         return Ok(choice);
     }
@@ -27,7 +27,7 @@ pub(super) fn mesh_for(
     let lay = BakeSetup { script: &script, options: &options, ..*setup };
     let laid = simulate(None, choice, &lay, &mut LayObserver(observer))?;
     let laid = laid.mesh.to_source(&laid.positions);
-    Ok(MeshChoice::new(garment, setup.script, Some(&laid), setup.options))
+    Ok(MeshChoice::new(garment, setup.fabric, setup.script, Some(&laid), setup.options))
 }
 
 /// Passes on progress and the request to stop, and nothing of the mesh.

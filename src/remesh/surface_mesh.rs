@@ -67,8 +67,12 @@ pub struct SurfaceMesh<'a> {
     pub triangles: Vec<[u32; 3]>,
     /// Whether a triangle is part of the mesh.
     pub alive: Vec<bool>,
+    /// Per triangle: a number that both halves of a split triangle inherit; 0 at first.
+    pub tag: Vec<u32>,
     /// Triangles at every point.
     pub around: Vec<Vec<u32>>,
+    /// Per triangle: the one that it was split from; itself for those of the garment.
+    parent: Vec<u32>,
     /// Per triangle: a triangle of the garment on the same sheet.
     home: Vec<u32>,
     /// Per triangle: unit warp.
@@ -113,10 +117,12 @@ impl<'a> SurfaceMesh<'a> {
         let mut mesh = Self {
             x: source.points.clone(),
             location,
+            parent: (0..triangles.len() as u32).collect(),
             home: (0..triangles.len() as u32).collect(),
             warp: warp.collect(),
             normal: triangles.iter().map(|t| unit_normal(&corners(t))).collect(),
             alive: vec![true; triangles.len()],
+            tag: vec![0; triangles.len()],
             triangles,
             around,
             curves: FxHashMap::default(),
@@ -295,6 +301,8 @@ impl<'a> SurfaceMesh<'a> {
             self.triangles[f as usize] = t.map(|p| if p == b { new } else { p });
             self.triangles.push(t.map(|p| if p == a { new } else { p }));
             self.alive.push(true);
+            self.tag.push(self.tag[f as usize]);
+            self.parent.push(f);
             self.home.push(self.home[f as usize]);
             self.warp.push(self.warp[f as usize]);
             self.normal.push(self.normal[f as usize]);
@@ -535,6 +543,11 @@ impl<'a> SurfaceMesh<'a> {
             return false;
         }
         self.move_to(p, &target, min_shape)
+    }
+
+    /// Triangle that triangle `f` was split from; itself for one of the garment.
+    pub fn parent_of(&self, f: u32) -> u32 {
+        self.parent[f as usize]
     }
 
     /// Triangle of the garment on the sheet of triangle `f`, for searches of the surface.

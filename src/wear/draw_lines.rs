@@ -17,14 +17,16 @@ pub struct DrawnLines<'a> {
 }
 
 /// Draws the fold lines of `script` on `garment`, as far as they can be told, with a row of edges at `row` [m] on either side of
-/// each. `laid` are the positions of the garment after it was laid, one per point [m], needed where it does not lie in its file.
+/// each. `laid` are the positions of the garment after it was laid, one per point [m], needed where it does not lie in its file;
+/// `thickness` is that of a layer [m], round which outer layers of a stack bend later than inner ones.
 pub fn draw_fold_lines<'a>(
     garment: &'a Garment,
     script: &WearScript,
     laid: Option<&'a [Vec3]>,
+    thickness: f64,
     row: f64,
 ) -> DrawnLines<'a> {
-    let mut layout = FoldLayout::new(garment, laid);
+    let mut layout = FoldLayout::new(garment, laid, thickness);
     for (index, action) in script.flatten().enumerate() {
         if !layout.begin_action(index) {
             break;
@@ -92,7 +94,7 @@ mod tests {
     /// Columns of drawn lines [steps] and their layer (0 below, 1 above), and the foresight.
     fn drawn(garment: &Garment, actions: &str, laid: Option<&[Vec3]>) -> (Vec<(i64, usize)>, Foresight) {
         let script = script(actions);
-        let DrawnLines { mesh, foresight } = draw_fold_lines(garment, &script, laid, NO_ROW);
+        let DrawnLines { mesh, foresight } = draw_fold_lines(garment, &script, laid, 0.0, NO_ROW);
         let lines = mesh.edges().into_iter().filter(|[a, b]| matches!(mesh.curve(*a, *b), Some(Curve::Line(_))));
         let place = |[a, b]: [u32; 2]| {
             let middle = 0.5 * (mesh.x[a as usize] + mesh.x[b as usize]);

@@ -1,7 +1,7 @@
 //! Layout of a garment while its fold lines are drawn, before anything is simulated.
 //!
 //! Every action is applied in turn. A fold draws its line on the surface through all layers and turns the flap over; an action
-//! that may crease the cloth anywhere ends the prediction. Layers have no thickness here.
+//! that may crease the cloth anywhere ends the prediction.
 
 use crate::error::Result;
 use crate::garment::Garment;
@@ -39,12 +39,12 @@ pub struct FoldLayout<'a> {
 
 impl<'a> FoldLayout<'a> {
     /// The layout of `garment` as its file has it, before any action. `laid` are the positions after it was laid, one per point
-    /// [m], where they are known.
-    pub(super) fn new(garment: &'a Garment, laid: Option<&'a [Vec3]>) -> Self {
+    /// [m], where they are known; `thickness` is that of a layer [m].
+    pub(super) fn new(garment: &'a Garment, laid: Option<&'a [Vec3]>, thickness: f64) -> Self {
         Self {
             garment,
             laid,
-            lines: LineLayout::new(SurfaceMesh::new(garment)),
+            lines: LineLayout::new(SurfaceMesh::new(garment), thickness),
             persistent: PersistentState::default(),
             foresight: Foresight::Whole,
             action: 0,

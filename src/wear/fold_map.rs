@@ -13,6 +13,19 @@
 
 use crate::math::Vec3;
 use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// Distance of the middle of the bend of a layer at `depth` [m] below the axis, turned by half a turn, from the line where the
+/// bend begins [m].
+pub(super) fn bend_middle(depth: f64) -> f64 {
+    0.5 * PI * depth
+}
+
+/// Distance by which bends begin before the fold line, so that the middle of the bend of a stack of `height` [m] lies on it [m]: the
+/// stack bends over half its circumference.
+pub(super) fn line_shift(height: f64) -> f64 {
+    0.25 * PI * height
+}
 
 /// The axis that layers are turned around.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

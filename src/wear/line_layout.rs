@@ -1,31 +1,45 @@
-//! Fold lines drawn on the surface of a garment that is laid out flat: layers without thickness, folded along lines.
+//! Fold lines drawn on the surface of a garment that is laid out flat: layers folded along lines.
 //!
 //! A fold cuts the surface mesh along its line through all layers and turns the flap over; what was opened again is flat for the
-//! next fold. [`crate::wear::draw_fold_lines`] feeds it with the actions of a script.
+//! next fold. Positions have no thickness, but layers have an order: in a stack outer layers run round inner ones, and the
+//! middle of their bend lies farther out. [`crate::wear::draw_fold_lines`] feeds it with the actions of a script.
 
 use crate::math::Vec3;
 use crate::remesh::{CutPoint, SurfaceMesh};
+use crate::wear::fold_map::{bend_middle, line_shift};
+use crate::wear::layer_order::LayerOrder;
 use crate::wear::tuning::TUNING;
 
 /// Number of the first row beside a line; fold lines are numbered from 0.
 const FIRST_ROW: u32 = 1 << 16;
 
-/// A surface mesh with the lines drawn so far.
+/// Positions and layers before a fold.
+#[derive(Debug, Clone)]
+struct BeforeFold {
+    /// One per point [m].
+    positions: Vec<Vec3>,
+    /// One per triangle.
+    layers: Vec<u32>,
+}
+
+/// A surface mesh with the lines drawn so far. The tag of a triangle is its layer, counted from below.
 #[derive(Debug, Clone)]
 pub(super) struct LineLayout<'a> {
     mesh: SurfaceMesh<'a>,
+    /// Thickness of a layer [m].
+    thickness: f64,
     /// Positions without thickness, one per point of the mesh [m].
     positions: Vec<Vec3>,
-    /// Positions before every fold that has not been opened, oldest first [m].
-    before_folds: Vec<Vec<Vec3>>,
+    /// State before every fold that has not been opened, oldest first.
+    before_folds: Vec<BeforeFold>,
     /// Per fold and point: signed distance from its line when it was made [m].
     levels: Vec<Vec<f64>>,
 }
 
 impl<'a> LineLayout<'a> {
-    /// No line yet on `mesh`.
-    pub fn new(mesh: SurfaceMesh<'a>) -> Self {
-        Self { positions: mesh.x.clone(), mesh, before_folds: Vec::new(), levels: Vec::new() }
+    /// No line yet on `mesh`, of layers of `thickness` [m].
+    pub fn new(mesh: SurfaceMesh<'a>, thickness: f64) -> Self {
+        Self { positions: mesh.x.clone(), thickness, mesh, before_folds: Vec::new(), levels: Vec::new() }
     }
 
     /// Positions of the points of the garment, one per point [m].
@@ -38,13 +52,17 @@ impl<'a> LineLayout<'a> {
         self.mesh
     }
 
-    /// Lays the cloth out at `positions` [m], one per point of the garment. Returns whether that is possible: after a fold
-    /// the points of the lines have no position in a new layout.
+    /// Lays the cloth out at `positions` [m], one per point of the garment, of triangles that look up below others that do not.
+    /// Returns whether that is possible: after a fold the points of the lines have no position in a new layout.
     pub fn lay_down(&mut self, positions: &[Vec3]) -> bool {
         if !self.levels.is_empty() {
             return false;
         }
         self.positions = positions.to_vec();
+        for (tag, t) in self.mesh.tag.iter_mut().zip(&self.mesh.triangles) {
+            let [a, b, c] = t.map(|p| positions[p as usize]);
+            *tag = u32::from((b - a).cross(&(c - a)).y > 0.0);
+        }
         self.fix_extremes();
         true
     }
@@ -62,27 +80,65 @@ impl<'a> LineLayout<'a> {
 
     /// Turns what lies beyond a line over: `origin` is a point of the line [m], `outward` the unit vector across it.
     pub fn fold(&mut self, origin: Vec3, outward: Vec3) {
-        let mut level: Vec<f64> = self.positions.iter().map(|p| (p - origin).dot(&outward)).collect();
+        let beyond: Vec<f64> = self.positions.iter().map(|p| (p - origin).dot(&outward)).collect();
+        let bends = self.bend_offsets(&beyond);
+        let mut level: Vec<f64> = beyond.iter().zip(&bends).map(|(beyond, bend)| beyond - bend).collect();
         let made = self.mesh.cut(&mut level);
         self.extend(&made);
         let number = self.levels.len() as u32;
         for [p, q] in self.mesh.edges_on_line(&level) {
             self.mesh.draw_line(p, q, number);
         }
-        self.before_folds.push(self.positions.clone());
+        self.before_folds
+            .push(BeforeFold { positions: self.positions.clone(), layers: self.mesh.tag.clone() });
+        let top = self.mesh.tag.iter().copied().max().unwrap_or(0);
+        for (tag, t) in self.mesh.tag.iter_mut().zip(&self.mesh.triangles) {
+            if t.iter().map(|p| level[*p as usize]).sum::<f64>() > 0.0 {
+                *tag = (2 * top + 1).saturating_sub(*tag);
+            }
+        }
         for (p, level) in self.positions.iter_mut().zip(&level) {
             if *level > 0.0 {
-                *p -= outward * (2.0 * level);
+                *p -= outward * (2.0 * (*p - origin).dot(&outward));
             }
         }
         self.levels.push(level);
     }
 
+    /// Per point: where the middle of the bend of its layer lies, beyond a fold line from which points lie `beyond` [m]. The
+    /// middle of the whole stack's lies on the line ([`line_shift`]).
+    fn bend_offsets(&self, beyond: &[f64]) -> Vec<f64> {
+        let width = TUNING.fold.grip_width;
+        let order = LayerOrder::new(&self.mesh, &self.positions, |p| beyond[p].abs() < 2.0 * width);
+        let rank = |p: usize| -> f64 {
+            let around = &self.mesh.around[p];
+            around.iter().map(|&f| f64::from(order.below(f))).sum::<f64>() / around.len().max(1) as f64
+        };
+        let height = |p: usize| (rank(p) + TUNING.prediction.lowest_layer_height) * self.thickness;
+        let near: Vec<usize> = (0..beyond.len()).filter(|&p| beyond[p].abs() < width).collect();
+        let mut heights: Vec<f64> = near.iter().map(|&p| height(p)).collect();
+        heights.sort_unstable_by(f64::total_cmp);
+        let top = (TUNING.fold.stack_quantile * heights.len() as f64) as usize;
+        let Some(top) = heights.get(top).copied() else { return vec![0.0; beyond.len()] };
+        let mut offsets = vec![0.0; beyond.len()];
+        for p in near {
+            let depth = top + TUNING.fold.axis_clearance * self.thickness - height(p);
+            offsets[p] = bend_middle(depth.max(0.0)) - line_shift(top);
+        }
+        offsets
+    }
+
     /// Opens the last `count` folds, or all.
     pub fn unfold(&mut self, count: Option<usize>) {
         let left = count.map_or(0, |count| self.before_folds.len().saturating_sub(count));
-        if let Some(x) = self.before_folds.drain(left..).next() {
-            self.positions = x;
+        if let Some(before) = self.before_folds.drain(left..).next() {
+            self.positions = before.positions;
+            // Triangles of later cuts lie in the layer of the one they are a part of.
+            let old = before.layers.len();
+            self.mesh.tag[..old].copy_from_slice(&before.layers);
+            for f in old..self.mesh.tag.len() {
+                self.mesh.tag[f] = self.mesh.tag[self.mesh.parent_of(f as u32) as usize];
+            }
         }
     }
 
@@ -90,7 +146,8 @@ impl<'a> LineLayout<'a> {
     fn extend(&mut self, made: &[CutPoint]) {
         for CutPoint { ends: [a, b], weight } in made {
             let (a, b) = (*a as usize, *b as usize);
-            for x in self.before_folds.iter_mut().chain([&mut self.positions]) {
+            let before = self.before_folds.iter_mut().map(|before| &mut before.positions);
+            for x in before.chain([&mut self.positions]) {
                 x.push(x[a] * (1.0 - weight) + x[b] * *weight);
             }
             for level in &mut self.levels {

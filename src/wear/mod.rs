@@ -13,6 +13,7 @@ mod fold_layout;
 mod fold_map;
 mod fraction;
 mod height_field;
+mod layer_order;
 mod line_layout;
 mod motion_profile;
 mod persistent_state;

@@ -40,11 +40,13 @@ pub(super) struct FoldTuning {
     /// Fraction of the points along the line that lie no higher than the stack [-], default 0.9: the others are bulges of
     /// older folds.
     pub stack_quantile: f64,
+    /// Height of the fold axis above the stack, in layers [-], default 0.75.
+    pub axis_clearance: f64,
     /// Duration of the release of a flap that lies [s], default 0.4.
     pub release_time: f64,
     /// Steps over the release, default 4.
     pub release_steps: f64,
-    /// Pressure that smooths a fold along its line while it is held [Pa], default 200: 10 N over a fold of 0.5 m.
+    /// Pressure that smooths a fold along its line while it is held [Pa], default 2000: a hand.
     pub smoothing_pressure: f64,
     /// Additional drag during the release [1/s], default 20.
     pub release_drag: f64,
@@ -123,6 +125,10 @@ pub(super) struct PredictionTuning {
     /// Distance from another line below which a row of edges beside a fold line is left out, as a fraction of the row's
     /// own distance [-], default 0.6.
     pub row_clearance: f64,
+    /// Height of the lowest layer above the ground, in layers [-], default 0.8.
+    pub lowest_layer_height: f64,
+    /// Cells in which layers that lie on one another are looked up [m], default 0.02.
+    pub layer_cell: f64,
 }
 
 /// Constants of the wear actions.
@@ -154,6 +160,7 @@ pub(super) const TUNING: WearTuning = WearTuning {
         grip_width: 0.05,
         max_turn_per_step: 0.12,
         stack_quantile: 0.9,
+        axis_clearance: 0.75,
         release_time: 0.4,
         release_steps: 4.0,
         smoothing_pressure: 2000.0,
@@ -184,5 +191,5 @@ pub(super) const TUNING: WearTuning = WearTuning {
         hang_max_dt: 0.1,
         settle_drag: 3.0,
     },
-    prediction: PredictionTuning { min_flat_normal_y: 0.9, row_clearance: 0.6 },
+    prediction: PredictionTuning { min_flat_normal_y: 0.9, row_clearance: 0.6, lowest_layer_height: 0.8, layer_cell: 0.02 },
 };

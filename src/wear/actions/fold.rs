@@ -6,7 +6,7 @@ use crate::math::Vec3;
 use crate::sim::Loads;
 use crate::wear::action_runner::{ActionContext, ActionRunner, ActionStart};
 use crate::wear::fold_layout::FoldLayout;
-use crate::wear::fold_map::{FoldAxis, FoldCoords};
+use crate::wear::fold_map::{FoldAxis, FoldCoords, line_shift};
 use crate::wear::fraction::Fraction2;
 use crate::wear::height_field::HeightField;
 use crate::wear::motion_profile::{PEAK_RATE, smoothstep};
@@ -150,9 +150,8 @@ impl WearAction for Fold {
         let (x, masses, thickness) = (context.positions, context.masses, context.thickness);
         let grip_width = TUNING.fold.grip_width;
         let mut line = self.line_in(&frame);
-        // A stack bends over half its circumference: the middle of the bend is to lie on the line.
         let at_line = stack_height(x.iter().filter(|p| line.beyond(p).abs() < grip_width), thickness);
-        line.origin -= line.outward * (0.25 * PI * at_line);
+        line.origin -= line.outward * line_shift(at_line);
         let (flap, rest): (Vec<u32>, Vec<u32>) =
             (0..x.len() as u32).partition(|&p| line.beyond(&x[p as usize]) > 0.0);
         if flap.is_empty() || rest.is_empty() {
@@ -165,7 +164,7 @@ impl WearAction for Fold {
         // The axis runs over the stack as it is along the line; bulges elsewhere are pressed down by the flap.
         let top = stack_height(x.iter().filter(|p| line.beyond(p).abs() < grip_width), thickness);
         let axis = FoldAxis {
-            origin: Vec3::new(line.origin.x, top + 0.75 * thickness, line.origin.z),
+            origin: Vec3::new(line.origin.x, top + TUNING.fold.axis_clearance * thickness, line.origin.z),
             along: line.along,
             outward: line.outward,
             min_depth: 0.5 * thickness,
