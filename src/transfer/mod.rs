@@ -27,6 +27,7 @@ mod pipeline;
 mod prolongate;
 mod registration;
 mod resample;
+mod scatter;
 mod smoothing;
 mod surface;
 mod tuning;

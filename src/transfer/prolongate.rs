@@ -1,7 +1,8 @@
 //! Prolongation of the memory of a simulation mesh to the garment whose surface it lies on.
 //!
 //! Both meshes lie in one position, and for every point of the garment its triangle of the mesh is known. A point is matched
-//! with the nearest of the triangles around those its corners lie in, so that touching layers are never confused.
+//! with the nearest triangle that is reached from those its corners lie in, from neighbour to neighbour, so that touching layers
+//! are never confused.
 
 use crate::garment::{Garment, RestState};
 use crate::math::Vec3;
@@ -11,6 +12,7 @@ use crate::transfer::correspondence::{Correspondence, Match, Query, smallest_rot
 use crate::transfer::memory_delta::MemoryDelta;
 use crate::transfer::options::TransferOptions;
 use crate::transfer::resample::resample;
+use crate::transfer::scatter::scatter_curvature;
 use crate::transfer::smoothing::smooth_curvature;
 use crate::transfer::surface::GarmentSurface;
 
@@ -24,6 +26,8 @@ pub fn prolongate(mesh: &SimulationMesh, memory: &RestState, garment: &Garment) 
     let containing = mesh.containing_triangles();
     let locator = MeshLocator::new(&mesh.garment, &containing, &target);
     let mut faces = resample(&locator, memory, &target, 1.0);
+    let curvature = scatter_curvature(&locator.source, memory, &target, &containing);
+    faces.iter_mut().zip(curvature).for_each(|(face, curvature)| face.curvature = curvature);
     smooth_curvature(&target, &mut faces);
     let delta = MemoryDelta::from_faces(&target, &faces);
     delta.apply(&target, &TransferOptions::full(target.points.len()))
@@ -75,11 +79,19 @@ impl Correspondence for MeshLocator<'_> {
             let [a, b, c] = self.source.corners(g as usize);
             point_triangle_squared(&query.position, &a, &b, &c)
         };
+        let nearest = |near: &mut dyn Iterator<Item = u32>| {
+            near.map(|g| (distance(g), g)).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
+        };
         let containing = self.target.triangles[f].iter().map(|p| self.containing_triangle[p.at()]);
-        let near = containing.flat_map(|g| self.neighbourhood[g as usize].iter().copied());
-        let nearest =
-            near.map(|g| (distance(g), g)).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))?;
-        let triangle = nearest.1 as usize;
+        let mut best = nearest(&mut containing.flat_map(|g| self.neighbourhood[g as usize].iter().copied()))?;
+        // Between the corners of a large triangle lie others of the mesh: on from ring to ring, ever closer.
+        while best.0 > 0.0 {
+            match nearest(&mut self.neighbourhood[best.1 as usize].iter().copied()) {
+                Some(next) if next.0 < best.0 => best = next,
+                _ => break,
+            }
+        }
+        let triangle = best.1 as usize;
         let map = smallest_rotation(&self.normals[triangle], &query.normal);
         Some(Match { triangle, quality: 1.0, map })
     }

@@ -133,7 +133,7 @@ fn source_face(source: &GarmentSurface, memory: &RestState, f: usize) -> SourceF
 }
 
 /// Barycentric coordinates of the centroids of the n² equal triangles that a triangle is cut into.
-fn sample_weights(n: u32) -> impl Iterator<Item = [f64; 3]> {
+pub(super) fn sample_weights(n: u32) -> impl Iterator<Item = [f64; 3]> {
     let at = move |i: u32, j: u32, shift: f64| {
         let (a, b) = ((f64::from(i) + shift) / f64::from(n), (f64::from(j) + shift) / f64::from(n));
         [1.0 - a - b, a, b]

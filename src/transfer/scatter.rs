@@ -1,0 +1,121 @@
+//! Curvature spread from the triangles of one mesh over those of another on the same surface, so that none of it is lost.
+//!
+//! Every source triangle is cut into equal parts; each part gives its curvature, with its area, to the target triangle that holds
+//! its centre. The integral over the surface is kept exactly, however coarse or fine the target is.
+
+use crate::garment::RestState;
+use crate::math::Vec3;
+use crate::mesh::INVALID;
+use crate::mesh::distance::point_triangle_squared;
+use crate::transfer::correspondence::smallest_rotation;
+use crate::transfer::hinge_fit::{FaceFrame, PlaneTensor, edge_tensor};
+use crate::transfer::resample::sample_weights;
+use crate::transfer::surface::GarmentSurface;
+use crate::transfer::tuning::TUNING;
+use std::collections::VecDeque;
+
+/// Mean change of curvature [1/m] of every triangle of `target`, from `memory` of `source`. `containing` has the triangle of `source`
+/// that every point of `target` lies in.
+pub(super) fn scatter_curvature(
+    source: &GarmentSurface,
+    memory: &RestState,
+    target: &GarmentSurface,
+    containing: &[u32],
+) -> Vec<PlaneTensor> {
+    let finder = TriangleFinder::new(target);
+    let start = start_triangles(source, &finder, target, containing);
+    let mut sum = vec![PlaneTensor::zeros(); target.triangles.len()];
+    let frames: Vec<FaceFrame> = (0..sum.len()).map(|f| FaceFrame::new(&target.corners(f))).collect();
+    for f in 0..source.triangles.len() {
+        let angle = [0, 1, 2].map(|k| {
+            let edge = source.topology.triangle_edges[f][k] as usize;
+            let hinge = source.topology.edge_hinge[edge];
+            hinge.map_or(0.0, |h| memory.rest_angle[h as usize] - memory.source_angle[h as usize])
+        });
+        if start[f] == INVALID || angle.iter().all(|angle| *angle == 0.0) {
+            continue;
+        }
+        let corners = source.corners(f);
+        let normal = FaceFrame::new(&corners).normal;
+        let parts = f64::from(TUNING.scatter_parts * TUNING.scatter_parts);
+        for weights in sample_weights(TUNING.scatter_parts) {
+            let x = corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2];
+            let there = finder.closest(start[f], &x) as usize;
+            let turn = smallest_rotation(&normal, &frames[there].normal);
+            for k in 0..3 {
+                let edge = turn * (corners[(k + 1) % 3] - corners[k]);
+                // The curvature of a hinge times the area of its triangle is half its angle times its length.
+                let integral = 0.5 * angle[k] * edge.norm() / parts;
+                sum[there] += edge_tensor(&frames[there].project(&edge)) * integral;
+            }
+        }
+    }
+    for (f, tensor) in sum.iter_mut().enumerate() {
+        let area = 0.5 * target.normal(f).norm();
+        *tensor *= if area > 0.0 { 1.0 / area } else { 0.0 };
+    }
+    sum
+}
+
+/// Per triangle of `source`: a triangle of `target` near it on the surface; [`INVALID`] on parts without a point of `target`.
+fn start_triangles(
+    source: &GarmentSurface,
+    finder: &TriangleFinder,
+    target: &GarmentSurface,
+    containing: &[u32],
+) -> Vec<u32> {
+    let mut start = vec![INVALID; source.triangles.len()];
+    for (g, t) in target.triangles.iter().enumerate() {
+        for p in t {
+            let f = containing[p.at()] as usize;
+            start[f] = start[f].min(g as u32);
+        }
+    }
+    let mut queue: VecDeque<usize> = (0..start.len()).filter(|&f| start[f] != INVALID).collect();
+    while let Some(f) = queue.pop_front() {
+        for &e in &source.topology.triangle_edges[f] {
+            for &g in &source.topology.edge_triangles[e as usize] {
+                if g != INVALID && start[g as usize] == INVALID {
+                    let [a, b, c] = source.corners(g as usize);
+                    start[g as usize] = finder.closest(start[f], &((a + b + c) / 3.0));
+                    queue.push_back(g as usize);
+                }
+            }
+        }
+    }
+    start
+}
+
+/// Search for the triangle of a surface closest to a point, from neighbour to neighbour, so that touching layers are never confused.
+struct TriangleFinder<'a> {
+    surface: &'a GarmentSurface,
+    around: Vec<Vec<u32>>,
+}
+
+impl<'a> TriangleFinder<'a> {
+    fn new(surface: &'a GarmentSurface) -> Self {
+        let mut around = vec![Vec::new(); surface.points.len()];
+        for (f, t) in surface.triangles.iter().enumerate() {
+            t.iter().for_each(|p| around[p.at()].push(f as u32));
+        }
+        Self { surface, around }
+    }
+
+    /// The triangle closest to `x` [m] that is reached from `start` over ever closer neighbours.
+    fn closest(&self, start: u32, x: &Vec3) -> u32 {
+        let distance = |g: u32| {
+            let [a, b, c] = self.surface.corners(g as usize);
+            point_triangle_squared(x, &a, &b, &c)
+        };
+        let mut best = (distance(start), start);
+        while best.0 > 0.0 {
+            let ring = self.surface.triangles[best.1 as usize];
+            let near = ring.iter().flat_map(|p| &self.around[p.at()]).map(|&g| (distance(g), g));
+            match near.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))) {
+                Some(next) if next.0 < best.0 => best = next,
+                _ => break,
+            }
+        }
+        best.1
+    }
+}
