@@ -140,8 +140,8 @@ pub use fabric::{DEFAULT_FABRIC, Fabric, FabricMemory, Provenance};
 pub use files::GarmentFile;
 #[doc(inline)]
 pub use garment::{
-    Garment, ImportDiagnostic, Inspection, RefinedMesh, RestState, Severity, SourceAsset,
-    SourcePiece, UpAxis, WornGarment, inspect,
+    Garment, ImportDiagnostic, Inspection, RefinedMesh, RestState, Severity, SourceAsset, SourcePiece,
+    UpAxis, WornGarment, inspect,
 };
 #[doc(inline)]
 pub use io::gltf::{read_worn, write_worn_glb};

@@ -285,9 +285,11 @@ fn a_fine_mesh_is_simulated_on_fewer_points() {
     let workshop = workshop(FOLD_ONCE);
     let folder = workshop.path();
     std::fs::write(folder.join("fine.obj"), handkerchief(37)).expect("writes");
-    for (name, option) in
-        [("fewer", " --frames-of simulated --sidecar-mesh simulated"), ("every", " --no-grading"), ("own", "")]
-    {
+    for (name, option) in [
+        ("fewer", " --frames-of simulated --sidecar-mesh simulated"),
+        ("every", " --no-grading"),
+        ("own", ""),
+    ] {
         let frames = format!(" --frames {name} --fps 2");
         let line = format!("bake fine.obj --wear wear.json -o {name}.glb --quiet{frames}{option}");
         assert_eq!(run_in(folder, &line), (String::new(), String::new(), 0));

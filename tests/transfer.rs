@@ -118,7 +118,8 @@ fn the_same_mesh_keeps_every_bit_and_no_memory_changes_nothing() {
         assert_eq!(new, RestState::new(angles(&target), target.triangles.len()), "{by:?}");
     }
     let refused = {
-        let source = TransferSource { file: "made".into(), surface, memory, joints: Vec::new(), simulated: None };
+        let source =
+            TransferSource { file: "made".into(), surface, memory, joints: Vec::new(), simulated: None };
         let options =
             TransferOptions { match_by: MatchBy::Same, ..TransferOptions::full(target.points.len()) };
         transfer(&[source], &target, &options).expect_err("another mesh").to_string()

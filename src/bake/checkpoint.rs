@@ -200,7 +200,12 @@ impl Checkpoint {
     }
 
     /// The mesh at the time of the checkpoint, of a run with `fingerprint` that began on `mesh`.
-    pub fn refined_mesh(&self, file: &str, mesh: SimulationMesh, fingerprint: &str) -> Result<SimulationMesh> {
+    pub fn refined_mesh(
+        &self,
+        file: &str,
+        mesh: SimulationMesh,
+        fingerprint: &str,
+    ) -> Result<SimulationMesh> {
         let refuse = |what: &str| Err(Error::input(file, "", what, HELP));
         if self.fingerprint != fingerprint {
             return refuse(

@@ -61,7 +61,8 @@ impl MeshChoice {
             return own("a body creases the cloth where it moves");
         }
         let lengths = EdgeLengths::new(garment, options.finest_edge);
-        let DrawnLines { mut mesh, foresight } = draw_fold_lines(garment, script, laid, fabric.thickness(), lengths.line);
+        let DrawnLines { mut mesh, foresight } =
+            draw_fold_lines(garment, script, laid, fabric.thickness(), lengths.line);
         let uniform = if foresight == Foresight::Whole { lengths.max } else { lengths.side };
         make(&mut mesh, lengths, uniform);
         let mesh = mesh.finish();

@@ -1,10 +1,10 @@
 //! First phase of a bake: the script is run on the simulation mesh.
 
-use crate::bake::{MeshChoice, Observer};
 use crate::bake::checkpoint::Checkpoint;
 use crate::bake::report::{BakeReport, StageSeconds};
 use crate::bake::run::Run;
 use crate::bake::setup::BakeSetup;
+use crate::bake::{MeshChoice, Observer};
 use crate::error::Result;
 use crate::garment::RestState;
 use crate::math::Vec3;

@@ -98,7 +98,8 @@ impl Memory {
     /// # Panics
     /// If a number is not one of a hinge or triangle here.
     pub fn on_refined(&self, hinges: &[Option<u32>], triangles: &[u32]) -> Self {
-        let angles = |of: &[f64], new: f64| hinges.iter().map(|h| h.map_or(new, |h| of[h as usize])).collect();
+        let angles =
+            |of: &[f64], new: f64| hinges.iter().map(|h| h.map_or(new, |h| of[h as usize])).collect();
         let stretches = |of: &[f64]| triangles.iter().map(|f| of[*f as usize]).collect();
         let rest = |of: &RestState| RestState {
             source_angle: angles(&of.source_angle, 0.0),
@@ -113,7 +114,10 @@ impl Memory {
             effective_rest: rest(&self.effective_rest),
             events: self.events,
             frozen: self.frozen,
-            hinge: hinges.iter().map(|h| h.map_or(BandTimer::default(), |h| self.hinge[h as usize])).collect(),
+            hinge: hinges
+                .iter()
+                .map(|h| h.map_or(BandTimer::default(), |h| self.hinge[h as usize]))
+                .collect(),
             warp: timers(&self.warp),
             weft: timers(&self.weft),
         }

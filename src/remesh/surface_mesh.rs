@@ -411,8 +411,8 @@ impl<'a> SurfaceMesh<'a> {
         if self.curve_degree[from as usize] == 2 {
             let ends: Vec<u32> =
                 self.neighbours(from).into_iter().filter(|&q| self.curve(from, q).is_some()).collect();
-            let curve = ends.iter().filter_map(|&q| self.remove_curve(from, q)).next();
-            if let (Some(curve), Some(&other)) = (curve, ends.iter().find(|&&q| q != to)) {
+            let removed: Vec<Curve> = ends.iter().filter_map(|&q| self.remove_curve(from, q)).collect();
+            if let (Some(&curve), Some(&other)) = (removed.first(), ends.iter().find(|&&q| q != to)) {
                 self.add_curve(other, to, curve);
             }
         }

@@ -227,5 +227,7 @@ fn lift(normal: &Vec3) -> Mat3 {
 
 /// The smallest rotation that takes `from` to `to`.
 pub(super) fn smallest_rotation(from: &Vec3, to: &Vec3) -> Mat3 {
-    Rotation3::rotation_between(from, to).map_or_else(Mat3::identity, Rotation3::into_inner)
+    let rotation = Rotation3::rotation_between(from, to).map(Rotation3::into_inner);
+    // Between nearly opposite directions rounding may take the cosine beyond -1, which has no angle.
+    rotation.filter(|r| r.iter().all(|x| x.is_finite())).unwrap_or_else(Mat3::identity)
 }

@@ -26,7 +26,7 @@ pub fn draw_fold_lines<'a>(
     thickness: f64,
     row: f64,
 ) -> DrawnLines<'a> {
-    let mut layout = FoldLayout::new(garment, laid, thickness);
+    let mut layout = FoldLayout::new(garment, laid, thickness, row);
     for (index, action) in script.flatten().enumerate() {
         if !layout.begin_action(index) {
             break;
@@ -34,7 +34,7 @@ pub fn draw_fold_lines<'a>(
         action.as_wear_action().predict_creases(&mut layout);
     }
     let (mut lines, foresight) = layout.finish();
-    lines.draw_rows(row);
+    lines.draw_rows();
     DrawnLines { mesh: lines.into_mesh(), foresight }
 }
 
@@ -46,8 +46,8 @@ mod tests {
     use crate::remesh::Curve;
 
     const STEP: f64 = 0.01;
-    /// So wide that rows do not fall on the sheet.
-    const NO_ROW: f64 = 1.0;
+    /// So narrow that rows lie at the line.
+    const NO_ROW: f64 = 1e-3;
 
     /// Two layers of 0.2 x 0.2 m, level or bulged by `bulge` [m], joined along the left and the right side.
     fn sleeve(bulge: f64) -> Garment {
@@ -95,7 +95,8 @@ mod tests {
     fn drawn(garment: &Garment, actions: &str, laid: Option<&[Vec3]>) -> (Vec<(i64, usize)>, Foresight) {
         let script = script(actions);
         let DrawnLines { mesh, foresight } = draw_fold_lines(garment, &script, laid, 0.0, NO_ROW);
-        let lines = mesh.edges().into_iter().filter(|[a, b]| matches!(mesh.curve(*a, *b), Some(Curve::Line(_))));
+        let lines =
+            mesh.edges().into_iter().filter(|[a, b]| matches!(mesh.curve(*a, *b), Some(Curve::Line(_))));
         let place = |[a, b]: [u32; 2]| {
             let middle = 0.5 * (mesh.x[a as usize] + mesh.x[b as usize]);
             ((middle.x / STEP).round() as i64, usize::from(middle.y > 0.0))

@@ -39,12 +39,13 @@ pub struct FoldLayout<'a> {
 
 impl<'a> FoldLayout<'a> {
     /// The layout of `garment` as its file has it, before any action. `laid` are the positions after it was laid, one per point
-    /// [m], where they are known; `thickness` is that of a layer [m].
-    pub(super) fn new(garment: &'a Garment, laid: Option<&'a [Vec3]>, thickness: f64) -> Self {
+    /// [m], where they are known; `thickness` is that of a layer [m], `row` the distance of
+    /// the rows beside a line [m].
+    pub(super) fn new(garment: &'a Garment, laid: Option<&'a [Vec3]>, thickness: f64, row: f64) -> Self {
         Self {
             garment,
             laid,
-            lines: LineLayout::new(SurfaceMesh::new(garment), thickness),
+            lines: LineLayout::new(SurfaceMesh::new(garment), thickness, row),
             persistent: PersistentState::default(),
             foresight: Foresight::Whole,
             action: 0,

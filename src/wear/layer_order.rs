@@ -17,9 +17,12 @@ impl LayerOrder {
     pub fn new(mesh: &SurfaceMesh, positions: &[Vec3], near: impl Fn(usize) -> bool) -> Self {
         let cell = TUNING.prediction.layer_cell;
         let cell_of = |c: f64| (c / cell).floor() as i32;
-        let flat = |f: u32| mesh.triangles[f as usize].map(|p| [positions[p as usize].x, positions[p as usize].z]);
+        let flat =
+            |f: u32| mesh.triangles[f as usize].map(|p| [positions[p as usize].x, positions[p as usize].z]);
         let faces: Vec<u32> = (0..mesh.triangles.len() as u32)
-            .filter(|&f| mesh.alive[f as usize] && mesh.triangles[f as usize].iter().any(|p| near(*p as usize)))
+            .filter(|&f| {
+                mesh.alive[f as usize] && mesh.triangles[f as usize].iter().any(|p| near(*p as usize))
+            })
             .collect();
         let mut cells: FxHashMap<[i32; 2], Vec<u32>> = FxHashMap::default();
         for &f in &faces {

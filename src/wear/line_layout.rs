@@ -28,6 +28,8 @@ pub(super) struct LineLayout<'a> {
     mesh: SurfaceMesh<'a>,
     /// Thickness of a layer [m].
     thickness: f64,
+    /// Distance of the rows beside a line [m].
+    row: f64,
     /// Positions without thickness, one per point of the mesh [m].
     positions: Vec<Vec3>,
     /// State before every fold that has not been opened, oldest first.
@@ -37,9 +39,10 @@ pub(super) struct LineLayout<'a> {
 }
 
 impl<'a> LineLayout<'a> {
-    /// No line yet on `mesh`, of layers of `thickness` [m].
-    pub fn new(mesh: SurfaceMesh<'a>, thickness: f64) -> Self {
-        Self { positions: mesh.x.clone(), thickness, mesh, before_folds: Vec::new(), levels: Vec::new() }
+    /// No line yet on `mesh`, of layers of `thickness` [m]; lines will have rows at `row` [m] on either side.
+    pub fn new(mesh: SurfaceMesh<'a>, thickness: f64, row: f64) -> Self {
+        let positions = mesh.x.clone();
+        Self { positions, thickness, row, mesh, before_folds: Vec::new(), levels: Vec::new() }
     }
 
     /// Positions of the points of the garment, one per point [m].
@@ -83,8 +86,7 @@ impl<'a> LineLayout<'a> {
         let beyond: Vec<f64> = self.positions.iter().map(|p| (p - origin).dot(&outward)).collect();
         let bends = self.bend_offsets(&beyond);
         let mut level: Vec<f64> = beyond.iter().zip(&bends).map(|(beyond, bend)| beyond - bend).collect();
-        let made = self.mesh.cut(&mut level);
-        self.extend(&made);
+        self.cut(&mut level);
         let number = self.levels.len() as u32;
         for [p, q] in self.mesh.edges_on_line(&level) {
             self.mesh.draw_line(p, q, number);
@@ -103,6 +105,19 @@ impl<'a> LineLayout<'a> {
             }
         }
         self.levels.push(level);
+    }
+
+    /// Cuts the mesh along the zero line of `level`, through the points of other curves that lie next to it: an edge between two
+    /// curves stays as short as it is.
+    fn cut(&mut self, level: &mut Vec<f64>) {
+        let snap = TUNING.prediction.snap_rows * self.row;
+        for (p, level) in level.iter_mut().enumerate() {
+            if level.abs() < snap && self.mesh.curve_degree(p as u32) > 0 {
+                *level = 0.0;
+            }
+        }
+        let made = self.mesh.cut(level);
+        self.extend(&made);
     }
 
     /// Per point: where the middle of the bend of its layer lies, beyond a fold line from which points lie `beyond` [m]. The
@@ -156,16 +171,16 @@ impl<'a> LineLayout<'a> {
         }
     }
 
-    /// Draws a row of edges at `row` [m] on either side of every fold line, where no other line is near.
-    pub fn draw_rows(&mut self, row: f64) {
+    /// Draws a row of edges on either side of every fold line, where no other line is near.
+    pub fn draw_rows(&mut self) {
+        let row = self.row;
         for k in 0..self.levels.len() {
             for (side, shift) in [row, -row].into_iter().enumerate() {
                 let mut level: Vec<f64> = self.levels[k].iter().map(|l| l - shift).collect();
-                let made = self.mesh.cut(&mut level);
-                self.extend(&made);
+                self.cut(&mut level);
                 let number = FIRST_ROW + 2 * k as u32 + side as u32;
                 for [p, q] in self.mesh.edges_on_line(&level) {
-                    if self.is_clear(k, p, q, row) {
+                    if self.is_clear(k, p, q) {
                         self.mesh.draw_line(p, q, number);
                     }
                 }
@@ -174,11 +189,11 @@ impl<'a> LineLayout<'a> {
     }
 
     /// Whether no other line runs beside the edge of a row of line `k`; lines that cross it are no hindrance.
-    fn is_clear(&self, k: usize, p: u32, q: u32, row: f64) -> bool {
+    fn is_clear(&self, k: usize, p: u32, q: u32) -> bool {
         let (p, q) = (p as usize, q as usize);
         let length = (self.mesh.x[p] - self.mesh.x[q]).norm();
         let beside = |(j, level): (usize, &Vec<f64>)| {
-            let near = level[p].abs().min(level[q].abs()) < TUNING.prediction.row_clearance * row;
+            let near = level[p].abs().min(level[q].abs()) < TUNING.prediction.row_clearance * self.row;
             j != k && near && (level[p] - level[q]).abs() < 0.5 * length
         };
         !self.levels.iter().enumerate().any(beside)

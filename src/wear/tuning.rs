@@ -125,6 +125,9 @@ pub(super) struct PredictionTuning {
     /// Distance from another line below which a row of edges beside a fold line is left out, as a fraction of the row's
     /// own distance [-], default 0.6.
     pub row_clearance: f64,
+    /// Distance from a line within which it runs through the points of other curves, relative to that of its rows [-],
+    /// default 0.15.
+    pub snap_rows: f64,
     /// Height of the lowest layer above the ground, in layers [-], default 0.8.
     pub lowest_layer_height: f64,
     /// Cells in which layers that lie on one another are looked up [m], default 0.02.
@@ -191,5 +194,11 @@ pub(super) const TUNING: WearTuning = WearTuning {
         hang_max_dt: 0.1,
         settle_drag: 3.0,
     },
-    prediction: PredictionTuning { min_flat_normal_y: 0.9, row_clearance: 0.6, lowest_layer_height: 0.8, layer_cell: 0.02 },
+    prediction: PredictionTuning {
+        min_flat_normal_y: 0.9,
+        row_clearance: 0.6,
+        snap_rows: 0.15,
+        lowest_layer_height: 0.8,
+        layer_cell: 0.02,
+    },
 };

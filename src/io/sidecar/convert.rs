@@ -1,7 +1,9 @@
 //! Conversions between a sidecar and the garment, its worn result and its source asset.
 
 use crate::Result;
-use crate::garment::{Garment, RestState, SourceAsset, SourceFormat, SourceJoint, UpAxis, WornGarment, corner_vertices};
+use crate::garment::{
+    Garment, RestState, SourceAsset, SourceFormat, SourceJoint, UpAxis, WornGarment, corner_vertices,
+};
 use crate::io::sidecar::format::{
     SIDECAR_FORMAT, Sidecar, SidecarHinges, SidecarJoint, SidecarMesh, SidecarPoints, SidecarSource,
     SidecarTriangles, SidecarUp,
