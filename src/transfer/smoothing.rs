@@ -1,4 +1,4 @@
-//! Curvature spread over one ring of triangles: from triangles to points and back, weighted by area.
+//! Curvature spread in part over one ring of triangles: from triangles to points and back, weighted by area.
 //!
 //! A crease is narrower than the triangles of a coarse mesh. Where its line passes between their edges, hinge after hinge would
 //! take all of it or nothing; spread over one ring, every triangle near the line has its part. The integral of the curvature
@@ -8,6 +8,7 @@ use crate::math::{Mat3, Vec3};
 use crate::transfer::hinge_fit::{FaceFrame, PlaneTensor};
 use crate::transfer::resample::ResampledFace;
 use crate::transfer::surface::GarmentSurface;
+use crate::transfer::tuning::TUNING;
 use std::f64::consts::SQRT_2;
 
 /// Spreads the curvature of `faces`, one per triangle of `surface`.
@@ -31,7 +32,8 @@ pub(super) fn smooth_curvature(surface: &GarmentSurface, faces: &mut [ResampledF
     }
     for (f, face) in faces.iter_mut().enumerate() {
         let [a, b, c] = surface.triangles[f].map(|p| at_points[p.at()]);
-        face.curvature = to_plane(&frames[f], &((a + b + c) / 3.0));
+        let spread = to_plane(&frames[f], &((a + b + c) / 3.0));
+        face.curvature += (spread - face.curvature) * TUNING.spread_fraction;
     }
 }
 

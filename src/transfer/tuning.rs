@@ -31,6 +31,9 @@ pub(super) struct TransferTuning {
     pub uv_agreement_distance_fraction: f64,
     /// Fraction of the target's triangles that must agree for a match by texture [-], default 0.9.
     pub min_uv_agreement_fraction: f64,
+    /// Fraction of the curvature that is spread over a ring of triangles [-], default 0.5: without, creases on coarse triangles
+    /// zigzag; all of it would blur them.
+    pub spread_fraction: f64,
     /// Parts along a side into which a triangle is cut whose curvature is spread over another mesh, default 6.
     pub scatter_parts: u32,
     /// Samples along a target side per source side [-], default 2: no source triangle is stepped over.
@@ -82,6 +85,7 @@ pub(super) const TUNING: TransferTuning = TransferTuning {
     min_close_fraction: 0.6,
     uv_agreement_distance_fraction: 0.05,
     min_uv_agreement_fraction: 0.9,
+    spread_fraction: 0.5,
     scatter_parts: 6,
     samples_per_source_side: 2.0,
     min_samples_per_side: 3.0,
