@@ -4,10 +4,12 @@ use crate::bake::body_coupling::SteppedCloth;
 use crate::bake::checkpoint::{ActionProgress, CheckpointPosition};
 use crate::bake::run::Run;
 use crate::bake::tuning::TUNING;
+use crate::bake::uncross::GarmentReading;
 use crate::bake::{BakeProgress, Observer};
 use crate::error::{Error, Result};
 use crate::math::Vec3;
 use crate::memory::{MemoryModel, Strains};
+use crate::remesh::SimulationMesh;
 use crate::sim::{State, StepReport};
 use crate::wear::{Action, ActionContext, ActionRunner, PersistentState};
 use std::time::Instant;
@@ -147,7 +149,7 @@ impl Run<'_> {
         let (start, begin) = (action.start.clone(), action.begin);
         let progress = ActionProgress { start, begin, segment, dt_request, runner_state };
         let progress = self.refine(self.mesh.bisect(&marked), progress, &action.before);
-        if self.frames_of_simulated {
+        if self.reading.is_none() {
             observer.on_mesh(&self.mesh.garment);
         }
         Some(progress)
@@ -244,13 +246,20 @@ impl Run<'_> {
             events: self.memory.events,
         });
         if let Some(start) = start {
-            let (mesh, of_simulated) = (&self.mesh, self.frames_of_simulated);
-            let mut show = |x: &[Vec3]| {
-                if of_simulated { observer.frame(x) } else { observer.frame(&mesh.to_source(x)) }
-            };
+            let (mesh, reading) = (&self.mesh, &self.reading);
+            let mut show = |x: &[Vec3]| show_frame(observer, reading.as_ref(), mesh, x);
             self.frames.show_due(&start, &self.state, &mesh.garment.triangles, &mut show)?;
         }
         Ok(next)
+    }
+
+    /// Shows the state at the end of the script, if frames are wanted.
+    pub(super) fn show_last_frame(&mut self, observer: &mut dyn Observer) -> Result<()> {
+        if !self.frames.is_wanted() {
+            return Ok(());
+        }
+        let (mesh, reading) = (&self.mesh, &self.reading);
+        self.frames.show(&self.state.x, &mut |x| show_frame(observer, reading.as_ref(), mesh, x))
     }
 
     /// Advances the cloth by one accepted step, on the body if there is one.
@@ -281,5 +290,18 @@ impl Run<'_> {
     fn is_at_rest(&self) -> bool {
         let sum: f64 = self.state.v.iter().map(|v| v.norm_squared()).sum();
         (sum / self.mesh.garment.points.len() as f64).sqrt() < TUNING.stepping.max_rest_speed
+    }
+}
+
+/// Shows `mesh` with its points at `x` [m], or the garment if there is a `reading` of it.
+fn show_frame(
+    observer: &mut dyn Observer,
+    reading: Option<&GarmentReading>,
+    mesh: &SimulationMesh,
+    x: &[Vec3],
+) -> Result<()> {
+    match reading {
+        Some(reading) => observer.frame(&reading.read(mesh, x).0),
+        None => observer.frame(x),
     }
 }

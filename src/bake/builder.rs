@@ -1,11 +1,11 @@
 //! [`Bake`]: the front door of the library.
 
 use crate::bake::checkpoint::Checkpoint;
-use crate::bake::hold_back::hold_back;
 use crate::bake::lay_first::mesh_for;
 use crate::bake::relax_to_source::{RelaxOptions, relax_to_source_pose};
 use crate::bake::setup::BakeSetup;
 use crate::bake::simulate::{SimulationResult, simulate};
+use crate::bake::uncross::GarmentReading;
 use crate::bake::{BakeOptions, BakeResult, MeshChoice, ModelPlan, Observer, Quality, SimulatedGarment};
 use crate::body::AnimatedBody;
 use crate::error::Result;
@@ -158,7 +158,8 @@ impl<'a> Bake<'a> {
         let choice = mesh_for(garment, &setup, observer)?;
         let decision = choice.decision.clone();
         observer.on_mesh(if options.frames_of_simulated { &choice.mesh.garment } else { garment });
-        let simulated = simulate(resume_from, choice, &setup, observer)?;
+        let reading = options.shows_garment().then(|| GarmentReading::new(garment, fabric.thickness()));
+        let simulated = simulate(resume_from, choice, reading, &setup, observer)?;
         let SimulationResult { mesh, positions, rest, mut report, mut seconds, mut stepper } = simulated;
         report.decisions.push(decision);
 
@@ -166,19 +167,18 @@ impl<'a> Bake<'a> {
         let relax_options =
             if mesh.is_source { RelaxOptions::FULL } else { RelaxOptions::readable_on(garment, fabric) };
         let relaxed = relax_to_source_pose(&mesh.garment, fabric, &mut stepper, &rest, &relax_options);
-        let mut displacement = mesh.to_source(&relaxed.displacement);
-        if !mesh.is_source {
-            report.decisions.extend(hold_back(garment, &mut displacement));
-        }
-        let memory = prolongate(&mesh, &rest, garment);
         let moved = |points: &[Vec3], by: &[Vec3]| points.iter().zip(by).map(|(x, d)| x + d).collect();
-        let last: Vec<Vec3> = if options.frames_of_simulated {
-            moved(&mesh.garment.points, &relaxed.displacement)
-        } else {
-            moved(&garment.points, &displacement)
-        };
+        let shape: Vec<Vec3> = moved(&mesh.garment.points, &relaxed.displacement);
+        let reading = GarmentReading::new(garment, fabric.thickness());
+        let (displacement, held) = reading.displacement(&mesh, &relaxed.displacement);
+        report.decisions.extend(held);
+        let memory = prolongate(&mesh, &rest, garment);
+        let last: Vec<Vec3> =
+            if options.frames_of_simulated { shape } else { moved(&garment.points, &displacement) };
         seconds.relax += clock.elapsed().as_secs_f64();
-        observer.frame(&last)?;
+        if options.frames_per_second > 0.0 {
+            observer.frame(&last)?;
+        }
 
         report.solves += relaxed.solves;
         report.local_solves += relaxed.local_solves;

@@ -36,6 +36,8 @@ struct EdgeLengths {
     side: f64,
     /// At most.
     max: f64,
+    /// Finest, where the cloth may crease anywhere.
+    anywhere: f64,
 }
 
 impl MeshChoice {
@@ -63,7 +65,11 @@ impl MeshChoice {
         let lengths = EdgeLengths::new(garment, options.finest_edge);
         let DrawnLines { mut mesh, foresight } =
             draw_fold_lines(garment, script, laid, fabric.thickness(), lengths.line);
-        let uniform = if foresight == Foresight::Whole { lengths.max } else { lengths.side };
+        let uniform = match foresight {
+            Foresight::Whole => lengths.max,
+            Foresight::NeedsLaying => lengths.side,
+            Foresight::Until(_) => TUNING.simulation_mesh.side_factor * lengths.anywhere,
+        };
         make(&mut mesh, lengths, uniform);
         let mesh = mesh.finish();
         let crossings = |garment: &Garment| self_intersections(&garment.points, &garment.triangles).len();
@@ -71,19 +77,20 @@ impl MeshChoice {
             return own("layers would cross on another mesh at the start");
         }
         let count = format!("{} points instead of {}", mesh.garment.points.len(), garment.points.len());
-        let [line, side, max] = [lengths.line, lengths.side, uniform].map(|l| 1e3 * l);
+        let [line, side, max, anywhere] =
+            [lengths.line, lengths.side, uniform, lengths.anywhere].map(|l| 1e3 * l);
         let why = match foresight {
             Foresight::NeedsLaying => format!("{count}: edges of {max:.0} mm to lay the garment on"),
             Foresight::Whole => format!(
                 "{count}: edges of {line:.0} mm along fold lines, {side:.0} mm along sides, up to {max:.0} mm elsewhere"
             ),
             Foresight::Until(_) => format!(
-                "{count}: edges of {max:.0} mm, bisected down to {line:.0} mm where the cloth bends during the wear"
+                "{count}: edges of {max:.0} mm, bisected down to {anywhere:.0} mm where the cloth bends during the wear"
             ),
         };
         Self {
             mesh,
-            finest_edge: matches!(foresight, Foresight::Until(_)).then_some(lengths.line),
+            finest_edge: matches!(foresight, Foresight::Until(_)).then_some(lengths.anywhere),
             lays_first: foresight == Foresight::NeedsLaying,
             decision: ModelDecision { name: "simulation mesh", on: true, why },
         }
@@ -95,8 +102,14 @@ impl EdgeLengths {
     fn new(garment: &Garment, finest: f64) -> Self {
         let tuning = TUNING.simulation_mesh;
         let (low, high) = bounds(&garment.points);
-        let line = finest.min(tuning.max_extent_fraction * (high - low).max());
-        Self { line, side: tuning.side_factor * line, max: (tuning.max_factor * line).min(tuning.max_edge) }
+        let extent = (high - low).max();
+        let line = finest.min(tuning.max_extent_fraction * extent);
+        Self {
+            line,
+            side: tuning.side_factor * line,
+            max: (tuning.max_factor * line).min(tuning.max_edge),
+            anywhere: line.max(tuning.anywhere_extent_fraction * extent),
+        }
     }
 }
 

@@ -40,9 +40,14 @@ impl FrameSchedule {
         Self { interval, next: 0.0, shown: 0 }
     }
 
+    /// Whether there are to be frames.
+    pub(super) fn is_wanted(&self) -> bool {
+        self.interval.is_finite()
+    }
+
     /// The start of a step from `state`, if frames are wanted.
     pub(super) fn step_start(&self, state: &State) -> Option<StepStart> {
-        self.interval.is_finite().then(|| StepStart { time: state.time, positions: state.x.clone() })
+        self.is_wanted().then(|| StepStart { time: state.time, positions: state.x.clone() })
     }
 
     /// Shows the frames that the step from `start` to `state` passed. Positions between two accepted states are interpolated;

@@ -25,7 +25,7 @@ pub(super) fn mesh_for(
     let script = WearScript { actions: first, ..setup.script.clone() };
     let options = BakeOptions { memory: false, frames_per_second: 0.0, ..setup.options.clone() };
     let lay = BakeSetup { script: &script, options: &options, ..*setup };
-    let laid = simulate(None, choice, &lay, &mut LayObserver(observer))?;
+    let laid = simulate(None, choice, None, &lay, &mut LayObserver(observer))?;
     let laid = laid.mesh.to_source(&laid.positions);
     Ok(MeshChoice::new(garment, setup.fabric, setup.script, Some(&laid), setup.options))
 }

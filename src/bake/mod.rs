@@ -11,7 +11,7 @@
 //! | `plan`, `choose_mesh`, `active_region` | models, mesh and points that a script needs |
 //! | `setup`, `run`, `action_loop`, `refinement`, `simulate`, `lay_first` | first phase |
 //! | `body_coupling`, `body_penetration`, `depenetration` | the body under the cloth |
-//! | `relax_to_source`, `relax`, `hold_back` | second phase |
+//! | `relax_to_source`, `relax`, `uncross` | second phase |
 //! | `observer`, `frames`, `report`, `violation_log`, `initial_intersections` | what is reported |
 //! | `checkpoint` | interrupted runs |
 
@@ -25,7 +25,6 @@ mod choose_mesh;
 mod depenetration;
 mod frames;
 mod from_motion;
-mod hold_back;
 mod initial_intersections;
 mod lay_first;
 mod observer;
@@ -40,6 +39,7 @@ mod run;
 mod setup;
 mod simulate;
 mod tuning;
+mod uncross;
 mod violation_log;
 
 pub use active_region::active_points;

@@ -74,6 +74,11 @@ impl BakeOptions {
         }
     }
 
+    /// Whether frames are asked for that show the garment's own points.
+    pub(super) fn shows_garment(&self) -> bool {
+        self.frames_per_second > 0.0 && !self.frames_of_simulated
+    }
+
     /// Step options in use: those of `full_fidelity` replace the chosen ones.
     pub(super) fn effective_step(&self) -> StepOptions {
         if !self.full_fidelity {

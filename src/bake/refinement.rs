@@ -35,7 +35,9 @@ impl Run<'_> {
         };
         let all = 0..garment.triangles.len() as u32;
         let wanted: Vec<u32> = all.filter(|f| marked[*f as usize]).filter(is_long).collect();
-        let enough = tuning.min_refined_fraction * garment.triangles.len() as f64;
+        // Few are left for a while, so that not every fourth step has a new linear system.
+        let all_now = self.report.steps.is_multiple_of(4 * tuning.refinement_steps);
+        let enough = if all_now { 0.0 } else { tuning.min_refined_fraction * garment.triangles.len() as f64 };
         if wanted.len() as f64 > enough { wanted } else { Vec::new() }
     }
 

@@ -7,6 +7,7 @@ use crate::bake::depenetration::depenetrate;
 use crate::bake::frames::FrameSchedule;
 use crate::bake::report::{BakeReport, StageSeconds, StepConvergence};
 use crate::bake::setup::{BakeSetup, BodySetup};
+use crate::bake::uncross::GarmentReading;
 use crate::bake::violation_log::ViolationLog;
 use crate::bake::{MeshChoice, ModelPlan, initial_intersections};
 use crate::body::PosedBody;
@@ -52,8 +53,8 @@ pub(super) struct Run<'a> {
     pub seconds: StageSeconds,
     /// Times of frames.
     pub frames: FrameSchedule,
-    /// See [`crate::bake::BakeOptions`].
-    pub frames_of_simulated: bool,
+    /// Reading of the mesh at the points of the garment, where frames show them.
+    pub reading: Option<GarmentReading<'a>>,
     /// Hash of the inputs.
     pub fingerprint: String,
     /// Simulated time at the end of the script [s].
@@ -70,6 +71,7 @@ impl<'a> Run<'a> {
     pub fn new(
         resume_from: Option<(&str, Checkpoint)>,
         mesh: MeshChoice,
+        reading: Option<GarmentReading<'a>>,
         setup: &'a BakeSetup<'a>,
     ) -> Result<(Self, CheckpointPosition)> {
         let &BakeSetup { fabric, script, options, .. } = setup;
@@ -107,7 +109,7 @@ impl<'a> Run<'a> {
             plan,
             seconds: StageSeconds::default(),
             frames: FrameSchedule::new(options.frames_per_second),
-            frames_of_simulated: options.frames_of_simulated,
+            reading,
             fingerprint,
             total: script.duration_with_body(options.body.as_deref()),
             convergence: StepConvergence::default(),

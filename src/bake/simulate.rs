@@ -4,6 +4,7 @@ use crate::bake::checkpoint::Checkpoint;
 use crate::bake::report::{BakeReport, StageSeconds};
 use crate::bake::run::Run;
 use crate::bake::setup::BakeSetup;
+use crate::bake::uncross::GarmentReading;
 use crate::bake::{MeshChoice, Observer};
 use crate::error::Result;
 use crate::garment::RestState;
@@ -27,14 +28,15 @@ pub(super) struct SimulationResult {
     pub stepper: Stepper,
 }
 
-/// Runs the script on `mesh`, from its beginning or from a checkpoint (with its file name).
+/// Runs the script on `mesh`, whose frames show the garment as `reading` reads it, from its beginning or from a checkpoint (with its file name).
 pub(super) fn simulate(
     resume_from: Option<(&str, Checkpoint)>,
     mesh: MeshChoice,
+    reading: Option<GarmentReading>,
     setup: &BakeSetup,
     observer: &mut dyn Observer,
 ) -> Result<SimulationResult> {
-    let (mut run, position) = Run::new(resume_from, mesh, setup)?;
+    let (mut run, position) = Run::new(resume_from, mesh, reading, setup)?;
     let first = position.action;
     let mut progress = position.into_progress();
     let mut actions = 0;
@@ -54,8 +56,7 @@ pub(super) fn simulate(
     report.points = run.mesh.garment.points.len();
     report.simulated = time;
     report.events = run.memory.events;
-    let last = if run.frames_of_simulated { run.state.x.clone() } else { run.mesh.to_source(&run.state.x) };
-    run.frames.show(&last, &mut |x| observer.frame(x))?;
+    run.show_last_frame(observer)?;
     Ok(SimulationResult {
         mesh: run.mesh,
         positions: run.state.x,

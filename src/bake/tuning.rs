@@ -17,6 +17,8 @@ pub(super) struct BakeTuning {
     pub body: BodyTuning,
     /// Relaxation to the source pose.
     pub relax: RelaxTuning,
+    /// Layers kept apart where the garment's own triangles would cross.
+    pub uncross: UncrossTuning,
     /// Warnings.
     pub warnings: WarningTuning,
 }
@@ -63,6 +65,9 @@ pub(super) struct SimulationMeshTuning {
     /// Largest edge along fold lines as a fraction of the garment's extent [-], default 0.03: a doll's garment gets as many edges
     /// as a person's.
     pub max_extent_fraction: f64,
+    /// Finest edge where the cloth may crease anywhere, as a fraction of the garment's extent [-] and at least that along fold
+    /// lines, default 0.02: a crumpled T-shirt has 3,000 points and not 8,000.
+    pub anywhere_extent_fraction: f64,
     /// Length of edges along borders, seams and sides relative to that along fold lines [-], default 1.5.
     pub side_factor: f64,
     /// Longest edges relative to those along fold lines [-], default 3.4.
@@ -134,13 +139,22 @@ pub(super) struct RelaxTuning {
     /// Decay length of a crease in the shape relaxed on an aligned mesh, in mean edges of the garment [-], default 1.5, and at
     /// least the bending length: what decays within a triangle cannot be read off at its corners.
     pub decay_edges: f64,
-    /// Rounds of holding displacements back where layers would cross, at most, default 40.
-    pub max_hold_back_rounds: usize,
-    /// Factor on the displacement of crossing triangles per round [-], default 0.6.
-    pub hold_back_factor: f64,
     /// Stretch stiffness of a rest mesh as a factor on that of a draft [-]: a memory is seldom the angles of a surface
     /// that exists, and lengths may change by parts of a per cent before angles do.
     pub rest_mesh_stretch: f64,
+}
+
+/// Layers kept apart where the garment's own triangles would cross.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct UncrossTuning {
+    /// Rounds at most, default 60.
+    pub max_rounds: usize,
+    /// Factor on the mean of the shifts of a point [-], default 1.3.
+    pub over_relaxation: f64,
+    /// Factor per round on the displacement of triangles of the result that still cross [-], default 0.6.
+    pub hold_back_factor: f64,
+    /// Distance from moved points within which crossings are looked for between rounds [m], default 0.03.
+    pub reach: f64,
 }
 
 /// Warnings.
@@ -175,6 +189,7 @@ impl BakeTuning {
         },
         simulation_mesh: SimulationMeshTuning {
             max_extent_fraction: 0.03,
+            anywhere_extent_fraction: 0.02,
             side_factor: 1.5,
             max_factor: 3.4,
             max_edge: 0.04,
@@ -209,9 +224,8 @@ impl BakeTuning {
             rest_mesh_tether: 1e-4,
             rest_mesh_stretch: 0.1,
             decay_edges: 1.5,
-            max_hold_back_rounds: 40,
-            hold_back_factor: 0.6,
         },
+        uncross: UncrossTuning { max_rounds: 60, over_relaxation: 1.3, hold_back_factor: 0.6, reach: 0.03 },
         warnings: WarningTuning { max_pause: 0.25, max_violations: 5, max_part_pairs: 6 },
     };
 }

@@ -14,6 +14,7 @@ mod improve;
 mod refine;
 mod simulation_mesh;
 mod sizing;
+mod surface_finder;
 mod surface_mesh;
 mod tuning;
 
@@ -21,6 +22,7 @@ pub use improve::improve;
 pub use refine::Refinement;
 pub use simulation_mesh::SimulationMesh;
 pub use sizing::{Seed, SizeField};
+pub use surface_finder::SurfaceFinder;
 pub use surface_mesh::{Curve, CutPoint, SurfaceMesh, SurfacePoint};
 
 impl SurfaceMesh<'_> {

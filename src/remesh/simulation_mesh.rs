@@ -134,7 +134,7 @@ fn locate_source(
 }
 
 /// The closest point of the mesh to `x`, along triangles ever closer from `start`.
-fn walk(mesh: &Garment, around: &[Vec<u32>], start: u32, x: &Vec3) -> SurfacePoint {
+pub(super) fn walk(mesh: &Garment, around: &[Vec<u32>], start: u32, x: &Vec3) -> SurfacePoint {
     let corners = |f: u32| mesh.triangles[f as usize].map(|p| mesh.points[p.at()]);
     let squared = |f: u32| {
         let [a, b, c] = corners(f);

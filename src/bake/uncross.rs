@@ -1,0 +1,202 @@
+//! Layers of the garment kept apart where its own triangles would cross.
+//!
+//! Layers of the simulated mesh never cross. Read off at the points of the garment, whose triangles are others, layers that lie close
+//! may: a chord over a fold cuts through the layer inside of it. Wherever an edge passes through a triangle, the place of both on
+//! the simulated surface says on which side of one another they belong and how far apart; their corners are moved there, round
+//! by round (position-based dynamics, Müller and others 2007), until nothing crosses.
+
+use crate::bake::ModelDecision;
+use crate::bake::tuning::TUNING;
+use crate::garment::Garment;
+use crate::math::Vec3;
+use crate::mesh::PointIndex;
+use crate::mesh::distance::barycentric;
+use crate::mesh::intersections::self_intersections;
+use crate::mesh::triangle::corners;
+use crate::remesh::{SimulationMesh, SurfaceFinder};
+use rustc_hash::FxHashSet;
+
+/// Reading of a simulated mesh at the points of the garment, without crossings of the garment's triangles.
+pub(super) struct GarmentReading<'a> {
+    garment: &'a Garment,
+    /// Distance at which layers are kept [m].
+    thickness: f64,
+    /// Pairs of triangles that cross in the source pose.
+    own: FxHashSet<[u32; 2]>,
+}
+
+/// An edge that passes through a triangle.
+struct Passage {
+    /// Ends of the edge, and the weight of the second.
+    edge: [PointIndex; 2],
+    weight: f64,
+    /// Triangle and the weights of its corners.
+    face: u32,
+    weights: [f64; 3],
+}
+
+impl<'a> GarmentReading<'a> {
+    /// Readings for `garment`, whose layers are `thickness` [m] thick.
+    pub fn new(garment: &'a Garment, thickness: f64) -> Self {
+        let own = self_intersections(&garment.points, &garment.triangles).into_iter().collect();
+        Self { garment, thickness, own }
+    }
+
+    /// Positions of the garment's points [m] with the points of `mesh` at `x` [m], and the number of pairs of triangles that still
+    /// cross, without those that cross in the source pose.
+    pub fn read(&self, mesh: &SimulationMesh, x: &[Vec3]) -> (Vec<Vec3>, usize) {
+        let mut points = mesh.to_source(x);
+        if mesh.is_source {
+            return (points, 0);
+        }
+        let triangles = &self.garment.triangles;
+        let mut crossing = self.crossing(&points, triangles, None);
+        if crossing.is_empty() {
+            return (points, 0);
+        }
+        let finder = SurfaceFinder::new(mesh);
+        for _ in 0..TUNING.uncross.max_rounds {
+            let mut shift = vec![(Vec3::zeros(), 0u32); points.len()];
+            for passage in crossing.iter().flat_map(|pair| self.passages(&points, *pair)) {
+                self.push(&passage, &finder, x, &mut shift);
+            }
+            let mut moved = FxHashSet::default();
+            for (p, (sum, count)) in shift.iter().enumerate().filter(|(_, (_, count))| *count > 0) {
+                points[p] += sum * (TUNING.uncross.over_relaxation / f64::from(*count));
+                moved.insert(PointIndex(p as u32));
+            }
+            crossing = self.crossing(&points, triangles, Some(&moved));
+            if crossing.is_empty() {
+                // Points pushed far may meet what was not looked at.
+                crossing = self.crossing(&points, triangles, None);
+            }
+            if crossing.is_empty() {
+                break;
+            }
+        }
+        let left = if crossing.is_empty() { 0 } else { self.crossing(&points, triangles, None).len() };
+        (points, left)
+    }
+
+    /// Displacement of the garment's points from the source pose [m], read off `displacement` of the points of `mesh` [m]. Where
+    /// triangles would still cross it is scaled down, and the decision says for how many points.
+    pub fn displacement(
+        &self,
+        mesh: &SimulationMesh,
+        displacement: &[Vec3],
+    ) -> (Vec<Vec3>, Option<ModelDecision>) {
+        let source = &self.garment.points;
+        let shape: Vec<Vec3> = mesh.garment.points.iter().zip(displacement).map(|(x, d)| x + d).collect();
+        let (mut points, _) = self.read(mesh, &shape);
+        let mut held = vec![false; points.len()];
+        if !mesh.is_source {
+            for round in 0..TUNING.uncross.max_rounds {
+                let crossing = self.crossing(&points, &self.garment.triangles, None);
+                if crossing.is_empty() {
+                    break;
+                }
+                let last = round + 1 == TUNING.uncross.max_rounds;
+                let factor = if last { 0.0 } else { TUNING.uncross.hold_back_factor };
+                for p in self.corners_and_neighbours(&crossing, 1 + round / 8) {
+                    points[p] = source[p] + (points[p] - source[p]) * factor;
+                    held[p] = true;
+                }
+            }
+        }
+        let count = held.iter().filter(|held| **held).count();
+        let why = format!("{count} of {} points, where layers would cross", points.len());
+        let decision = (count > 0).then_some(ModelDecision { name: "held back", on: true, why });
+        (points.iter().zip(source).map(|(x, source)| x - source).collect(), decision)
+    }
+
+    /// Points of the triangles of `pairs`, and those at most `rings` edges away.
+    fn corners_and_neighbours(&self, pairs: &[[u32; 2]], rings: usize) -> Vec<usize> {
+        let mut marked = vec![false; self.garment.points.len()];
+        let corners = pairs.iter().flatten().flat_map(|&f| self.garment.triangles[f as usize]);
+        corners.for_each(|p| marked[p.at()] = true);
+        for _ in 0..rings {
+            let before = marked.clone();
+            for [a, b] in &self.garment.topology.edges {
+                marked[a.at()] |= before[b.at()];
+                marked[b.at()] |= before[a.at()];
+            }
+        }
+        (0..marked.len()).filter(|p| marked[*p]).collect()
+    }
+
+    /// Pairs that cross and do not in the source pose; of `moved` points only those near them are looked at.
+    fn crossing(
+        &self,
+        points: &[Vec3],
+        triangles: &[[PointIndex; 3]],
+        moved: Option<&FxHashSet<PointIndex>>,
+    ) -> Vec<[u32; 2]> {
+        let all = match moved {
+            None => self_intersections(points, triangles),
+            Some(moved) => {
+                let reach = TUNING.uncross.reach;
+                let cell = |x: &Vec3| [x.x, x.y, x.z].map(|c| (c / reach).floor() as i32);
+                let mut near = FxHashSet::default();
+                for p in moved {
+                    let [i, j, k] = cell(&points[p.at()]);
+                    let around =
+                        (-1..=1).flat_map(|a| (-1..=1).flat_map(move |b| (-1..=1).map(move |c| [a, b, c])));
+                    near.extend(around.map(|[a, b, c]| [i + a, j + b, k + c]));
+                }
+                let looked_at = |t: &[PointIndex; 3]| t.iter().any(|p| near.contains(&cell(&points[p.at()])));
+                let faces: Vec<u32> =
+                    (0..triangles.len() as u32).filter(|&f| looked_at(&triangles[f as usize])).collect();
+                let some: Vec<[PointIndex; 3]> = faces.iter().map(|&f| triangles[f as usize]).collect();
+                let found = self_intersections(points, &some);
+                found.into_iter().map(|pair| pair.map(|f| faces[f as usize])).collect()
+            }
+        };
+        all.into_iter().filter(|pair| !self.own.contains(pair)).collect()
+    }
+
+    /// Edges of either triangle of a pair that pass through the other.
+    fn passages(&self, points: &[Vec3], [f, g]: [u32; 2]) -> Vec<Passage> {
+        let mut found = Vec::new();
+        for (face, other) in [(f, g), (g, f)] {
+            let x = corners(points, &self.garment.triangles[face as usize]);
+            let normal = (x[1] - x[0]).cross(&(x[2] - x[0]));
+            let t = self.garment.triangles[other as usize];
+            for k in 0..3 {
+                let edge = [t[k], t[(k + 1) % 3]];
+                let [a, b] = edge.map(|p| points[p.at()]);
+                let [da, db] = [a, b].map(|p| normal.dot(&(p - x[0])));
+                if (da < 0.0) == (db < 0.0) || da == db {
+                    continue;
+                }
+                let weight = da / (da - db);
+                let weights = barycentric(&(a + (b - a) * weight), &x);
+                if weights.iter().all(|w| *w >= 0.0) {
+                    found.push(Passage { edge, weight, face, weights });
+                }
+            }
+        }
+        found
+    }
+
+    /// Adds the shifts that bring the edge and the triangle of `passage` to the sides of one another where they belong.
+    fn push(&self, passage: &Passage, finder: &SurfaceFinder, x: &[Vec3], shift: &mut [(Vec3, u32)]) {
+        let Passage { edge, weight, face, weights } = passage;
+        let source = &self.garment.points;
+        let t = self.garment.triangles[*face as usize];
+        let on_edge = source[edge[0].at()] * (1.0 - weight) + source[edge[1].at()] * *weight;
+        let on_face: Vec3 = (0..3).map(|k| source[t[k].at()] * weights[k]).sum();
+        let apart = finder.position(edge[0], &on_edge, x) - finder.position(t[0], &on_face, x);
+        let length = apart.norm();
+        let Some(direction) = apart.try_normalize(1e-9) else { return };
+        let squares: f64 =
+            (1.0 - weight).powi(2) + weight.powi(2) + weights.iter().map(|w| w * w).sum::<f64>();
+        let step = direction * (length.min(self.thickness) / squares);
+        let mut add = |p: PointIndex, by: Vec3| {
+            shift[p.at()].0 += by;
+            shift[p.at()].1 += 1;
+        };
+        add(edge[0], step * (1.0 - weight));
+        add(edge[1], step * *weight);
+        (0..3).for_each(|k| add(t[k], step * -weights[k]));
+    }
+}
