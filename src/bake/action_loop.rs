@@ -136,19 +136,24 @@ impl Run<'_> {
     fn maybe_refine(
         &mut self,
         action: &ActiveAction,
-        runner: &dyn ActionRunner,
+        runner: &mut dyn ActionRunner,
         segment: usize,
         dt_request: f64,
         observer: &mut dyn Observer,
     ) -> Option<ActionProgress> {
-        let marked = self.triangles_to_bisect();
+        let marked = self.triangles_to_bisect(action.number);
         if marked.is_empty() {
             return None;
         }
+        let refinement = self.mesh.bisect(&marked);
         let runner_state = runner.save_state()?;
+        // An action that keeps something of every point goes on with the points it began with.
+        if !runner.restore_state(&runner_state, refinement.mesh.garment.points.len()) {
+            return None;
+        }
         let (start, begin) = (action.start.clone(), action.begin);
         let progress = ActionProgress { start, begin, segment, dt_request, runner_state };
-        let progress = self.refine(self.mesh.bisect(&marked), progress, &action.before);
+        let progress = self.refine(refinement, progress, &action.before);
         if self.reading.is_none() {
             observer.on_mesh(&self.mesh.garment);
         }

@@ -3,7 +3,7 @@
 //! Fold lines are drawn through every layer that they pass ([`crate::wear::draw_fold_lines`]); edges are short along them, along
 //! borders and along sides, and grow away from there. A fold then bends along edges and leaves an even crease, whatever the
 //! triangles of the file are. Where a script may crease the cloth anywhere, triangles are bisected during the wear where they
-//! bend ([`MeshChoice::finest_edge`]).
+//! bend ([`RefinementRule`]).
 
 use crate::bake::tuning::TUNING;
 use crate::bake::{BakeOptions, ModelDecision};
@@ -19,12 +19,21 @@ use crate::wear::{DrawnLines, Foresight, WearScript, draw_fold_lines};
 pub struct MeshChoice {
     /// The mesh at the start.
     pub mesh: SimulationMesh,
-    /// Length down to which triangles are bisected during the wear [m]; `None` for a mesh that stays as it is.
-    pub finest_edge: Option<f64>,
+    /// How the mesh is refined during the wear; `None` for one that stays as it is.
+    pub refinement: Option<RefinementRule>,
     /// Whether the garment has to be laid once before lines can be drawn: the mesh is the one to lay it on.
     pub lays_first: bool,
     /// The decision, with its reason.
     pub decision: ModelDecision,
+}
+
+/// How a mesh is refined during the wear.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RefinementRule {
+    /// Index of the first action, in the flattened script, during which it is.
+    pub from_action: usize,
+    /// Length down to which triangles are bisected [m].
+    pub finest_edge: f64,
 }
 
 /// Edge lengths of a mesh [m].
@@ -52,7 +61,7 @@ impl MeshChoice {
     ) -> Self {
         let own = |why: &str| Self {
             mesh: SimulationMesh::of_source(garment),
-            finest_edge: None,
+            refinement: None,
             lays_first: false,
             decision: ModelDecision { name: "simulation mesh", on: false, why: why.into() },
         };
@@ -90,7 +99,12 @@ impl MeshChoice {
         };
         Self {
             mesh,
-            finest_edge: matches!(foresight, Foresight::Until(_)).then_some(lengths.anywhere),
+            refinement: match foresight {
+                Foresight::Until(from_action) => {
+                    Some(RefinementRule { from_action, finest_edge: lengths.anywhere })
+                }
+                _ => None,
+            },
             lays_first: foresight == Foresight::NeedsLaying,
             decision: ModelDecision { name: "simulation mesh", on: true, why },
         }

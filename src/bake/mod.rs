@@ -45,7 +45,7 @@ mod violation_log;
 pub use active_region::active_points;
 pub use builder::Bake;
 pub use checkpoint::{Checkpoint, fingerprint};
-pub use choose_mesh::MeshChoice;
+pub use choose_mesh::{MeshChoice, RefinementRule};
 pub use from_motion::{GarmentMotion, memory_from_motion};
 pub use observer::{BakeProgress, Observer};
 pub use options::BakeOptions;

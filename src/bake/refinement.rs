@@ -12,10 +12,11 @@ use crate::sim::{Loads, State};
 use crate::wear::PersistentState;
 
 impl Run<'_> {
-    /// Triangles to bisect now; empty for none.
-    pub(super) fn triangles_to_bisect(&self) -> Vec<u32> {
+    /// Triangles to bisect now, during the action of that number; empty for none.
+    pub(super) fn triangles_to_bisect(&self, action: usize) -> Vec<u32> {
         let tuning = TUNING.simulation_mesh;
-        let Some(finest) = self.finest_edge else { return Vec::new() };
+        let Some(rule) = self.refinement.filter(|rule| action >= rule.from_action) else { return Vec::new() };
+        let finest = rule.finest_edge;
         if !self.report.steps.is_multiple_of(tuning.refinement_steps) {
             return Vec::new();
         }

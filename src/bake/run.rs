@@ -3,6 +3,7 @@
 
 use crate::bake::body_coupling::{BodyCheckpoint, BodyCoupling, SteppedCloth};
 use crate::bake::checkpoint::{Checkpoint, CheckpointPosition, RunCounts, fingerprint};
+use crate::bake::choose_mesh::RefinementRule;
 use crate::bake::depenetration::depenetrate;
 use crate::bake::frames::FrameSchedule;
 use crate::bake::report::{BakeReport, StageSeconds, StepConvergence};
@@ -27,8 +28,8 @@ pub(super) struct Run<'a> {
     plan: ModelPlan,
     /// The simulated mesh.
     pub mesh: SimulationMesh,
-    /// Length down to which it is refined during the run [m], if it is.
-    pub finest_edge: Option<f64>,
+    /// How it is refined during the run, if it is.
+    pub refinement: Option<RefinementRule>,
     /// Ends of the edges that were split so far, in order.
     pub splits: Vec<[u32; 2]>,
     /// Solver and contact.
@@ -75,7 +76,7 @@ impl<'a> Run<'a> {
         setup: &'a BakeSetup<'a>,
     ) -> Result<(Self, CheckpointPosition)> {
         let &BakeSetup { fabric, script, options, .. } = setup;
-        let MeshChoice { mut mesh, finest_edge, .. } = mesh;
+        let MeshChoice { mut mesh, refinement, .. } = mesh;
         let fingerprint = fingerprint(&mesh.garment, fabric, script, options);
         // The models are those of the mesh at the start, also after a refinement.
         let mut plan = ModelPlan::new(&mesh.garment, fabric, script, options);
@@ -98,7 +99,7 @@ impl<'a> Run<'a> {
             stepper,
             state: State::at_rest(garment.points.clone(), source_angle.clone()),
             memory: Memory::new(RestState::new(source_angle, garment.triangles.len())),
-            finest_edge,
+            refinement,
             splits,
             model: options.memory.then_some(model),
             event_dt_fraction: options.event_dt_fraction,

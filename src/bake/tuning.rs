@@ -62,7 +62,7 @@ pub(super) struct ModelTuning {
 /// The simulation mesh ([`crate::bake::MeshChoice`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct SimulationMeshTuning {
-    /// Largest edge along fold lines as a fraction of the garment's extent [-], default 0.03: a doll's garment gets as many edges
+    /// Largest edge along fold lines as a fraction of the garment's extent [-], default 0.04: a doll's garment gets as many edges
     /// as a person's.
     pub max_extent_fraction: f64,
     /// Finest edge where the cloth may crease anywhere, as a fraction of the garment's extent [-] and at least that along fold
@@ -188,7 +188,7 @@ impl BakeTuning {
             creasing_fold_deg: 150.0,
         },
         simulation_mesh: SimulationMeshTuning {
-            max_extent_fraction: 0.03,
+            max_extent_fraction: 0.04,
             anywhere_extent_fraction: 0.02,
             side_factor: 1.5,
             max_factor: 3.4,

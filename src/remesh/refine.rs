@@ -133,7 +133,7 @@ impl Bisection {
         // Every step leads to a longer edge, or to one as long with a lower number: there is an end.
         loop {
             let around = self.on_edge.get(&edge).into_iter().flatten();
-            match around.map(|&g| self.longest_edge(g)).find(|longest| *longest != edge) {
+            match around.map(|&g| self.longest_edge(g)).filter(|longest| *longest != edge).min() {
                 Some(longer) => edge = longer,
                 None => return edge,
             }
@@ -149,7 +149,10 @@ impl Bisection {
             self.edge_parent.insert(edge_key(a, new), parent);
             self.edge_parent.insert(edge_key(b, new), parent);
         }
-        for f in self.on_edge.remove(&edge).unwrap_or_default() {
+        let mut on = self.on_edge.remove(&edge).unwrap_or_default();
+        // The same numbers come out whether the splits so far were made at once or in several refinements.
+        on.sort_unstable();
+        for f in on {
             let g = self.triangles.len() as u32;
             let (t, m) = (self.triangles[f as usize], self.material[f as usize]);
             let middle: Vec2 = 0.5 * (0..3).filter(|&k| t[k] == a || t[k] == b).map(|k| m[k]).sum::<Vec2>();

@@ -41,16 +41,19 @@ pub struct Arguments {
 pub fn run(arguments: Arguments) -> Result<()> {
     let mut outputs = Outputs::new(arguments.worn.iter().map(PathBuf::as_path));
     outputs.check(&arguments.output)?;
-    let mut items = arguments.worn.iter().map(|path| worn_item(path)).collect::<Result<Vec<_>>>()?;
+    let files = arguments.worn.iter().map(|path| ViewFile::read(path)).collect::<Result<Vec<_>>>()?;
+    let mut items: Vec<ViewerItem> =
+        arguments.worn.iter().zip(files).map(|(path, file)| worn_item(path, file)).collect();
     let mut names = Vec::new();
     if let (Some(folder), Some(first)) = (&arguments.frames, items.first_mut()) {
         let FrameSeries { positions, names: shown, triangles } = frames(folder, arguments.max_frames.into())?;
         names = shown;
-        if positions.iter().all(|x| x.len() == first.view.before.len()) {
-            first.frames = positions;
-        } else {
+        let count = first.view.before.len();
+        let own = positions.iter().map(|x| of_points(x, &triangles, &first.view.triangles, count));
+        match own.collect::<Option<Vec<_>>>() {
+            Some(own) => first.frames = own,
             // The simulated mesh has other points than the garment and becomes an item of its own.
-            items.insert(1, simulated_item(folder, positions, triangles));
+            None => items.insert(1, simulated_item(folder, positions, triangles)),
         }
     }
     let page = viewer_page(&items, arguments.show.into(), &names);
@@ -60,12 +63,32 @@ pub fn run(arguments: Arguments) -> Result<()> {
     Ok(())
 }
 
-fn worn_item(path: &Path) -> Result<ViewerItem> {
-    let ViewFile { view, sidecar } = ViewFile::read(path)?;
+/// Positions of the points of a garment with `triangles` from a frame of it [m], whose vertices are others: each point lies where the
+/// corners of its triangles do. `None` for a frame of another mesh.
+fn of_points(
+    frame: &[Vec3],
+    frame_triangles: &[[PointIndex; 3]],
+    triangles: &[[PointIndex; 3]],
+    count: usize,
+) -> Option<Vec<Vec3>> {
+    if frame_triangles.len() != triangles.len() || frame.len() < count {
+        return None;
+    }
+    let mut points = vec![Vec3::zeros(); count];
+    for (vertices, corners) in frame_triangles.iter().zip(triangles) {
+        for (vertex, corner) in vertices.iter().zip(corners) {
+            points[corner.at()] = *frame.get(vertex.at())?;
+        }
+    }
+    Some(points)
+}
+
+fn worn_item(path: &Path, file: ViewFile) -> ViewerItem {
+    let ViewFile { view, sidecar } = file;
     let hinges = sidecar.as_ref().map_or_else(Vec::new, HingeLabel::from_sidecar);
     let name =
         path.file_name().map_or_else(|| input::name_of(path), |name| name.to_string_lossy().into_owned());
-    Ok(ViewerItem { name, view, hinges, frames: Vec::new() })
+    ViewerItem { name, view, hinges, frames: Vec::new() }
 }
 
 /// Frames of a run.
