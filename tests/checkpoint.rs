@@ -265,7 +265,9 @@ mod process {
         let path = |name: &str| folder.join(name).display().to_string();
         let mut command = Command::new(env!("CARGO_BIN_EXE_crease"));
         command.args(["bake", &path("sheet.obj"), "--wear", &path("wear.json"), "-o", &path(out)]);
-        command.args(["--quiet", "--no-grading", "--checkpoint-every", "0"]).args(resume.then_some("--resume"));
+        command
+            .args(["--quiet", "--no-grading", "--checkpoint-every", "0"])
+            .args(resume.then_some("--resume"));
         command.stderr(Stdio::null()).spawn().unwrap()
     }
 

@@ -291,7 +291,9 @@ fn a_fine_mesh_is_simulated_on_fewer_points() {
         ("own", ""),
     ] {
         let frames = format!(" --frames {name} --fps 2");
-        let line = format!("bake fine.obj --wear wear.json -o {name}.glb --quiet{frames}{option}");
+        // A fabric whose memory comes in small events: two meshes can agree.
+        let fabric = " --fabric cotton-jersey";
+        let line = format!("bake fine.obj --wear wear.json -o {name}.glb --quiet{fabric}{frames}{option}");
         assert_eq!(run_in(folder, &line), (String::new(), String::new(), 0));
     }
     let count = |name: &str| {
@@ -307,7 +309,7 @@ fn a_fine_mesh_is_simulated_on_fewer_points() {
     assert_eq!(own_mesh["mesh"]["points_m"].as_array().map(Vec::len), Some(count("fewer")));
     let across = |name: &str| angle_across(folder, name, 37 * 37);
     let (fewer, every) = (across("fewer"), across("every"));
-    assert!((fewer / every - 1.0).abs() < 0.25, "{fewer} and {every} rad across the fold");
+    assert!((fewer / every - 1.0).abs() < 0.1, "{fewer} and {every} rad across the fold");
     assert_eq!(fewer, across("own"));
     let (_, err, code) = run_in(folder, "view fewer.glb --frames fewer -o fewer.html");
     assert_eq!(code, 0, "{err}");

@@ -185,7 +185,7 @@ impl<'a> Bake<'a> {
         report.warnings.extend(relaxed.warnings);
         report.unconverged_reason = relaxed.unconverged_reason.or(report.unconverged_reason);
         report.stages = seconds.named();
-        let end = mesh.to_source(&positions);
+        let (end, _) = reading.read(&mesh, &positions);
         let worn = WornGarment { displacement, memory };
         let on_mesh = WornGarment { displacement: relaxed.displacement, memory: rest };
         let simulated = SimulatedGarment { garment: mesh.garment, worn: on_mesh };

@@ -363,8 +363,8 @@ impl<'a> SurfaceMesh<'a> {
         }
         match self.curve_degree[from as usize] {
             0 => {}
-            2 => self.curve_allows(from, to)?,
-            _ => return None,
+            2 => self.curve_allows(from, to).or_else(|| self.welds(from, to))?,
+            _ => self.welds(from, to)?,
         }
         let shared = self.triangles_on(from, to).len();
         let (own, other) = (self.neighbours(from), self.neighbours(to));
@@ -392,6 +392,15 @@ impl<'a> SurfaceMesh<'a> {
         Some([after, before])
     }
 
+    /// Whether a point where curves meet may be drawn to another next to it: both are one place for all that a mesh can show. A point
+    /// of a border or feature stays on it.
+    fn welds(&self, from: u32, to: u32) -> Option<()> {
+        let line = |curve: Option<Curve>| matches!(curve, None | Some(Curve::Line(_)));
+        let on_lines = self.neighbours(from).into_iter().all(|q| line(self.curve(from, q)));
+        let near = self.length(from, to) < TUNING.weld_length && self.curve_degree[to as usize] > 0;
+        (near && (on_lines || !line(self.curve(from, to)))).then_some(())
+    }
+
     fn curve_allows(&self, from: u32, to: u32) -> Option<()> {
         let curve = self.curve(from, to)?;
         let other = self.neighbours(from).into_iter().find(|&q| q != to && self.curve(from, q).is_some())?;
@@ -408,12 +417,10 @@ impl<'a> SurfaceMesh<'a> {
 
     /// Removes `from`, its triangles drawn to `to`.
     pub fn collapse(&mut self, from: u32, to: u32) {
-        if self.curve_degree[from as usize] == 2 {
-            let ends: Vec<u32> =
-                self.neighbours(from).into_iter().filter(|&q| self.curve(from, q).is_some()).collect();
-            let removed: Vec<Curve> = ends.iter().filter_map(|&q| self.remove_curve(from, q)).collect();
-            if let (Some(&curve), Some(&other)) = (removed.first(), ends.iter().find(|&&q| q != to)) {
-                self.add_curve(other, to, curve);
+        for q in self.neighbours(from) {
+            let Some(curve) = self.remove_curve(from, q) else { continue };
+            if q != to && self.curve(q, to).is_none() {
+                self.add_curve(q, to, curve);
             }
         }
         for f in std::mem::take(&mut self.around[from as usize]) {

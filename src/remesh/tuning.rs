@@ -11,6 +11,8 @@ pub(super) struct RemeshTuning {
     pub min_curve_cosine: f64,
     /// Largest distance of a removed point of a curve from the edge that replaces it [m], default 1e-3.
     pub max_curve_deviation: f64,
+    /// Length of an edge between two curves below which its ends become one point [m], default 1.5e-3.
+    pub weld_length: f64,
     /// Largest distance of a point from the chord of its neighbours on a straight line, relative to it [-], default 1e-4.
     pub max_line_bend: f64,
     /// Level below which a point lies on a line [m], default 1e-9.
@@ -49,6 +51,7 @@ pub(super) const TUNING: RemeshTuning = RemeshTuning {
     min_drift_cosine: 0.87,
     min_curve_cosine: 0.94,
     max_curve_deviation: 1e-3,
+    weld_length: 1.5e-3,
     max_line_bend: 1e-4,
     on_line: 1e-9,
     degenerate_shape: 1e-3,

@@ -8,6 +8,7 @@ use crease::io::gltf::write_worn_glb;
 use crease::io::{Landmarks, ReadOptions, Sidecar, read_asset, read_sidecar, write_sidecar};
 use crease::math::Vec3;
 use crease::mesh::intersections::self_intersections;
+use crease::remesh::SimulationMesh;
 use crease::report::GarmentView;
 use crease::wear::WearScript;
 use crease::{Error, Result};
@@ -82,6 +83,7 @@ pub fn checkpoint(bytes: &[u8]) -> Result<()> {
     let bare =
         Checkpoint::parse_body("out.checkpoint", body.split_once('\n').map_or(body.as_str(), |(_, b)| b));
     for read in [&whole, &bare].into_iter().flatten() {
+        let _ = read.refined_mesh("out.checkpoint", SimulationMesh::of_source(&garment), &read.fingerprint);
         let _ = read.check("out.checkpoint", &garment, &script, None);
         let bytes = read.to_bytes();
         assert_eq!(Checkpoint::parse("again", &bytes).expect("our own checkpoint is read"), *read);

@@ -86,7 +86,8 @@ impl Sidecar {
         let up = if up == SidecarUp::Y { UpAxis::Y } else { UpAxis::Z };
         let (format, document, pieces) = (SourceFormat::Obj, None, Vec::new());
         let bare = SourceAsset { file, sha256, format, unit_m, up, document, pieces };
-        let mut own = Self::new(&bare, mesh, worn, Value::Null, Value::Null, Value::Null)?;
+        let mesh = Garment { source_point: Vec::new(), ..mesh.clone() };
+        let mut own = Self::new(&bare, &mesh, worn, Value::Null, Value::Null, Value::Null)?;
         own.mesh.source_uv = None;
         own.mesh.triangle_vertices = None;
         Ok(Self { simulated: Some(Box::new(own)), ..self })
