@@ -26,13 +26,13 @@ pub(super) fn scatter_curvature(
     let start = start_triangles(source, &finder, target, containing);
     let mut sum = vec![PlaneTensor::zeros(); target.triangles.len()];
     let frames: Vec<FaceFrame> = (0..sum.len()).map(|f| FaceFrame::new(&target.corners(f))).collect();
-    for f in 0..source.triangles.len() {
+    for (f, &start) in start.iter().enumerate() {
         let angle = [0, 1, 2].map(|k| {
             let edge = source.topology.triangle_edges[f][k] as usize;
             let hinge = source.topology.edge_hinge[edge];
             hinge.map_or(0.0, |h| memory.rest_angle[h as usize] - memory.source_angle[h as usize])
         });
-        if start[f] == INVALID || angle.iter().all(|angle| *angle == 0.0) {
+        if start == INVALID || angle.iter().all(|angle| *angle == 0.0) {
             continue;
         }
         let corners = source.corners(f);
@@ -40,7 +40,7 @@ pub(super) fn scatter_curvature(
         let parts = f64::from(TUNING.scatter_parts * TUNING.scatter_parts);
         for weights in sample_weights(TUNING.scatter_parts) {
             let x = corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2];
-            let there = finder.closest(start[f], &x) as usize;
+            let there = finder.closest(start, &x) as usize;
             let turn = smallest_rotation(&normal, &frames[there].normal);
             for k in 0..3 {
                 let edge = turn * (corners[(k + 1) % 3] - corners[k]);

@@ -9,7 +9,7 @@ pub(super) struct SceneCost {
     pub(super) scene: &'static str,
     /// Points of the garment.
     pub(super) points: usize,
-    /// Points of the simulated mesh: fewer where a bake simulates an adaptive mesh.
+    /// Points of the simulated mesh: those of a mesh made for the script.
     pub(super) simulated_points: usize,
     /// Wall time [s].
     pub(super) wall: f64,
