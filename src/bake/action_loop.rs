@@ -252,7 +252,7 @@ impl Run<'_> {
         });
         if let Some(start) = start {
             let (mesh, reading) = (&self.mesh, &self.reading);
-            let mut show = |x: &[Vec3]| show_frame(observer, reading.as_ref(), mesh, x);
+            let mut show = |x: &[Vec3]| show_frame(observer, *reading, mesh, x);
             self.frames.show_due(&start, &self.state, &mesh.garment.triangles, &mut show)?;
         }
         Ok(next)
@@ -264,7 +264,7 @@ impl Run<'_> {
             return Ok(());
         }
         let (mesh, reading) = (&self.mesh, &self.reading);
-        self.frames.show(&self.state.x, &mut |x| show_frame(observer, reading.as_ref(), mesh, x))
+        self.frames.show(&self.state.x, &mut |x| show_frame(observer, *reading, mesh, x))
     }
 
     /// Advances the cloth by one accepted step, on the body if there is one.
@@ -306,7 +306,7 @@ fn show_frame(
     x: &[Vec3],
 ) -> Result<()> {
     match reading {
-        Some(reading) => observer.frame(&reading.read(mesh, x).0),
+        Some(reading) => observer.frame(&reading.read(mesh, x)),
         None => observer.frame(x),
     }
 }

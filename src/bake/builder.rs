@@ -158,8 +158,9 @@ impl<'a> Bake<'a> {
         let choice = mesh_for(garment, &setup, observer)?;
         let decision = choice.decision.clone();
         observer.on_mesh(if options.frames_of_simulated { &choice.mesh.garment } else { garment });
-        let reading = options.shows_garment().then(|| GarmentReading::new(garment, fabric.thickness()));
-        let simulated = simulate(resume_from, choice, reading, &setup, observer)?;
+        let reading = GarmentReading::new(garment, fabric.thickness());
+        let shown = options.shows_garment().then_some(&reading);
+        let simulated = simulate(resume_from, choice, shown, &setup, observer)?;
         let SimulationResult { mesh, positions, rest, mut report, mut seconds, mut stepper } = simulated;
         report.decisions.push(decision);
 
@@ -169,7 +170,6 @@ impl<'a> Bake<'a> {
         let relaxed = relax_to_source_pose(&mesh.garment, fabric, &mut stepper, &rest, &relax_options);
         let moved = |points: &[Vec3], by: &[Vec3]| points.iter().zip(by).map(|(x, d)| x + d).collect();
         let shape: Vec<Vec3> = moved(&mesh.garment.points, &relaxed.displacement);
-        let reading = GarmentReading::new(garment, fabric.thickness());
         let (displacement, held) = reading.displacement(&mesh, &relaxed.displacement);
         report.decisions.extend(held);
         let memory = prolongate(&mesh, &rest, garment);
@@ -185,7 +185,7 @@ impl<'a> Bake<'a> {
         report.warnings.extend(relaxed.warnings);
         report.unconverged_reason = relaxed.unconverged_reason.or(report.unconverged_reason);
         report.stages = seconds.named();
-        let (end, _) = reading.read(&mesh, &positions);
+        let end = reading.read(&mesh, &positions);
         let worn = WornGarment { displacement, memory };
         let on_mesh = WornGarment { displacement: relaxed.displacement, memory: rest };
         let simulated = SimulatedGarment { garment: mesh.garment, worn: on_mesh };

@@ -55,7 +55,7 @@ pub(super) struct Run<'a> {
     /// Times of frames.
     pub frames: FrameSchedule,
     /// Reading of the mesh at the points of the garment, where frames show them.
-    pub reading: Option<GarmentReading<'a>>,
+    pub reading: Option<&'a GarmentReading<'a>>,
     /// Hash of the inputs.
     pub fingerprint: String,
     /// Simulated time at the end of the script [s].
@@ -72,7 +72,7 @@ impl<'a> Run<'a> {
     pub fn new(
         resume_from: Option<(&str, Checkpoint)>,
         mesh: MeshChoice,
-        reading: Option<GarmentReading<'a>>,
+        reading: Option<&'a GarmentReading<'a>>,
         setup: &'a BakeSetup<'a>,
     ) -> Result<(Self, CheckpointPosition)> {
         let &BakeSetup { fabric, script, options, .. } = setup;

@@ -32,7 +32,7 @@ pub(super) struct SimulationResult {
 pub(super) fn simulate(
     resume_from: Option<(&str, Checkpoint)>,
     mesh: MeshChoice,
-    reading: Option<GarmentReading>,
+    reading: Option<&GarmentReading>,
     setup: &BakeSetup,
     observer: &mut dyn Observer,
 ) -> Result<SimulationResult> {

@@ -13,7 +13,7 @@ use crate::mesh::PointIndex;
 use crate::mesh::distance::barycentric;
 use crate::mesh::intersections::self_intersections;
 use crate::mesh::triangle::corners;
-use crate::remesh::{SimulationMesh, SurfaceFinder};
+use crate::remesh::{SimulationMesh, SurfaceFinder, interpolate};
 use rustc_hash::FxHashSet;
 
 /// Reading of a simulated mesh at the points of the garment, without crossings of the garment's triangles.
@@ -42,23 +42,22 @@ impl<'a> GarmentReading<'a> {
         Self { garment, thickness, own }
     }
 
-    /// Positions of the garment's points [m] with the points of `mesh` at `x` [m], and the number of pairs of triangles that still
-    /// cross, without those that cross in the source pose.
-    pub fn read(&self, mesh: &SimulationMesh, x: &[Vec3]) -> (Vec<Vec3>, usize) {
+    /// Positions of the garment's points [m] with the points of `mesh` at `x` [m].
+    pub fn read(&self, mesh: &SimulationMesh, x: &[Vec3]) -> Vec<Vec3> {
         let mut points = mesh.to_source(x);
         if mesh.is_source {
-            return (points, 0);
+            return points;
         }
         let triangles = &self.garment.triangles;
         let mut crossing = self.crossing(&points, triangles, None);
         if crossing.is_empty() {
-            return (points, 0);
+            return points;
         }
-        let finder = SurfaceFinder::new(mesh);
+        let finder = SurfaceFinder::new(&mesh.garment);
         for _ in 0..TUNING.uncross.max_rounds {
             let mut shift = vec![(Vec3::zeros(), 0u32); points.len()];
             for passage in crossing.iter().flat_map(|pair| self.passages(&points, *pair)) {
-                self.push(&passage, &finder, x, &mut shift);
+                self.push(&passage, mesh, &finder, x, &mut shift);
             }
             let mut moved = FxHashSet::default();
             for (p, (sum, count)) in shift.iter().enumerate().filter(|(_, (_, count))| *count > 0) {
@@ -74,8 +73,7 @@ impl<'a> GarmentReading<'a> {
                 break;
             }
         }
-        let left = if crossing.is_empty() { 0 } else { self.crossing(&points, triangles, None).len() };
-        (points, left)
+        points
     }
 
     /// Displacement of the garment's points from the source pose [m], read off `displacement` of the points of `mesh` [m]. Where
@@ -87,7 +85,7 @@ impl<'a> GarmentReading<'a> {
     ) -> (Vec<Vec3>, Option<ModelDecision>) {
         let source = &self.garment.points;
         let shape: Vec<Vec3> = mesh.garment.points.iter().zip(displacement).map(|(x, d)| x + d).collect();
-        let (mut points, _) = self.read(mesh, &shape);
+        let mut points = self.read(mesh, &shape);
         let mut held = vec![false; points.len()];
         if !mesh.is_source {
             for round in 0..TUNING.uncross.max_rounds {
@@ -179,13 +177,24 @@ impl<'a> GarmentReading<'a> {
     }
 
     /// Adds the shifts that bring the edge and the triangle of `passage` to the sides of one another where they belong.
-    fn push(&self, passage: &Passage, finder: &SurfaceFinder, x: &[Vec3], shift: &mut [(Vec3, u32)]) {
+    fn push(
+        &self,
+        passage: &Passage,
+        mesh: &SimulationMesh,
+        finder: &SurfaceFinder,
+        x: &[Vec3],
+        shift: &mut [(Vec3, u32)],
+    ) {
         let Passage { edge, weight, face, weights } = passage;
         let source = &self.garment.points;
         let t = self.garment.triangles[*face as usize];
         let on_edge = source[edge[0].at()] * (1.0 - weight) + source[edge[1].at()] * *weight;
         let on_face: Vec3 = (0..3).map(|k| source[t[k].at()] * weights[k]).sum();
-        let apart = finder.position(edge[0], &on_edge, x) - finder.position(t[0], &on_face, x);
+        let position = |near: PointIndex, place: &Vec3| {
+            let at = finder.locate(mesh.source_location[near.at()].face, place);
+            interpolate(x, &mesh.garment.triangles, &at)
+        };
+        let apart = position(edge[0], &on_edge) - position(t[0], &on_face);
         let length = apart.norm();
         let Some(direction) = apart.try_normalize(1e-9) else { return };
         let squares: f64 =

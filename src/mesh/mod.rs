@@ -8,6 +8,7 @@ mod index;
 pub mod intersections;
 pub mod point_in_solid;
 pub mod static_bvh;
+mod surface_walk;
 mod topology;
 pub mod triangle;
 pub mod triangle_bvh;
@@ -16,6 +17,7 @@ mod weld;
 
 pub use hinge::{hinge_angle, hinge_gradient, unwrap_angle};
 pub use index::{INVALID, PointIndex, VertexIndex};
+pub(crate) use surface_walk::SurfaceWalk;
 pub(crate) use topology::edge_key;
 pub use topology::{Hinge, Topology};
 pub use weld::{Groups, Welder};

@@ -23,6 +23,7 @@ pub use refine::Refinement;
 pub use simulation_mesh::SimulationMesh;
 pub use sizing::{Seed, SizeField};
 pub use surface_finder::SurfaceFinder;
+pub(crate) use surface_mesh::interpolate;
 pub use surface_mesh::{Curve, CutPoint, SurfaceMesh, SurfacePoint};
 
 impl SurfaceMesh<'_> {

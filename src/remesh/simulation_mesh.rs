@@ -3,10 +3,9 @@
 use crate::garment::Garment;
 use crate::garment::material_coords::flatten_triangle;
 use crate::math::Vec3;
-use crate::mesh::distance::point_triangle_squared;
 use crate::mesh::{INVALID, PointIndex, Topology};
-use crate::remesh::surface_mesh::{SurfaceMesh, SurfacePoint, clamped_weights, interpolate};
-use crate::remesh::tuning::TUNING;
+use crate::remesh::surface_finder::SurfaceFinder;
+use crate::remesh::surface_mesh::{SurfaceMesh, SurfacePoint, interpolate};
 use std::collections::VecDeque;
 
 /// A mesh that is simulated for a garment: its own triangles, or others on the same surface.
@@ -111,15 +110,12 @@ fn locate_source(
     }
     let mut found = vec![SurfacePoint { face: INVALID, weights: [1.0, 0.0, 0.0] }; source.points.len()];
     let mut queue: VecDeque<usize> = (0..source.points.len()).filter(|&p| start[p] != INVALID).collect();
-    let mut around = vec![Vec::new(); mesh.points.len()];
-    for (f, t) in mesh.triangles.iter().enumerate() {
-        t.iter().for_each(|p| around[p.at()].push(f as u32));
-    }
+    let finder = SurfaceFinder::new(mesh);
     while let Some(p) = queue.pop_front() {
         if found[p].face != INVALID {
             continue;
         }
-        found[p] = walk(mesh, &around, start[p], &source.points[p]);
+        found[p] = finder.locate(start[p], &source.points[p]);
         for &q in &neighbours[p] {
             if start[q] == INVALID {
                 start[q] = found[p].face;
@@ -131,25 +127,6 @@ fn locate_source(
         at.face = if at.face == INVALID { 0 } else { at.face };
     }
     found
-}
-
-/// The closest point of the mesh to `x`, along triangles ever closer from `start`.
-pub(super) fn walk(mesh: &Garment, around: &[Vec<u32>], start: u32, x: &Vec3) -> SurfacePoint {
-    let corners = |f: u32| mesh.triangles[f as usize].map(|p| mesh.points[p.at()]);
-    let squared = |f: u32| {
-        let [a, b, c] = corners(f);
-        point_triangle_squared(x, &a, &b, &c)
-    };
-    let (mut face, mut best) = (start, squared(start));
-    for _ in 0..TUNING.max_walk {
-        let ring = mesh.triangles[face as usize].iter().flat_map(|p| around[p.at()].iter().copied());
-        let next = ring.map(|g| (squared(g), g)).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        match next {
-            Some((d, g)) if d < best => (best, face) = (d, g),
-            _ => break,
-        }
-    }
-    SurfacePoint { face, weights: clamped_weights(x, &corners(face)) }
 }
 
 #[cfg(test)]

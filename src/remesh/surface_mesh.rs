@@ -569,7 +569,7 @@ impl<'a> SurfaceMesh<'a> {
 }
 
 /// Position at weights of the corners of a triangle of the garment [m].
-pub(super) fn interpolate(x: &[Vec3], topology: &[[PointIndex; 3]], at: &SurfacePoint) -> Vec3 {
+pub(crate) fn interpolate(x: &[Vec3], topology: &[[PointIndex; 3]], at: &SurfacePoint) -> Vec3 {
     let t = topology[at.face as usize];
     (0..3).map(|k| x[t[k].at()] * at.weights[k]).sum()
 }

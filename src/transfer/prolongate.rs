@@ -6,7 +6,7 @@
 
 use crate::garment::{Garment, RestState};
 use crate::math::Vec3;
-use crate::mesh::distance::point_triangle_squared;
+use crate::mesh::SurfaceWalk;
 use crate::remesh::SimulationMesh;
 use crate::transfer::correspondence::{Correspondence, Match, Query, smallest_rotation};
 use crate::transfer::memory_delta::MemoryDelta;
@@ -38,8 +38,7 @@ struct MeshLocator<'a> {
     source: GarmentSurface,
     target: &'a GarmentSurface,
     containing_triangle: &'a [u32],
-    /// Per triangle of the mesh: itself and all that have a point in common with it, sorted.
-    neighbourhood: Vec<Vec<u32>>,
+    walk: SurfaceWalk,
     /// Per triangle of the mesh: outward unit normal.
     normals: Vec<Vec3>,
 }
@@ -47,20 +46,10 @@ struct MeshLocator<'a> {
 impl<'a> MeshLocator<'a> {
     fn new(mesh: &Garment, containing_triangle: &'a [u32], target: &'a GarmentSurface) -> Self {
         let source = GarmentSurface::without_texture(mesh);
-        let mut on_point = vec![Vec::new(); source.points.len()];
-        for (f, t) in source.triangles.iter().enumerate() {
-            t.iter().for_each(|p| on_point[p.at()].push(f as u32));
-        }
-        let neighbourhood = source.triangles.iter().map(|t| {
-            let mut near: Vec<u32> = t.iter().flat_map(|p| on_point[p.at()].iter().copied()).collect();
-            near.sort_unstable();
-            near.dedup();
-            near
-        });
         let outward = target.orientation_sign();
         let unit = |f: usize| outward * source.normal(f).try_normalize(0.0).unwrap_or_else(Vec3::z);
         Self {
-            neighbourhood: neighbourhood.collect(),
+            walk: SurfaceWalk::new(source.points.len(), &source.triangles),
             normals: (0..source.triangles.len()).map(unit).collect(),
             source,
             target,
@@ -75,23 +64,11 @@ impl Correspondence for MeshLocator<'_> {
     }
 
     fn find(&self, f: usize, query: &Query) -> Option<Match> {
-        let distance = |g: u32| {
-            let [a, b, c] = self.source.corners(g as usize);
-            point_triangle_squared(&query.position, &a, &b, &c)
-        };
-        let nearest = |near: &mut dyn Iterator<Item = u32>| {
-            near.map(|g| (distance(g), g)).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
-        };
-        let containing = self.target.triangles[f].iter().map(|p| self.containing_triangle[p.at()]);
-        let mut best = nearest(&mut containing.flat_map(|g| self.neighbourhood[g as usize].iter().copied()))?;
-        // Between the corners of a large triangle lie others of the mesh: on from ring to ring, ever closer.
-        while best.0 > 0.0 {
-            match nearest(&mut self.neighbourhood[best.1 as usize].iter().copied()) {
-                Some(next) if next.0 < best.0 => best = next,
-                _ => break,
-            }
-        }
-        let triangle = best.1 as usize;
+        let containing = self.target.triangles[f].map(|p| self.containing_triangle[p.at()]);
+        let (points, triangles) = (&self.source.points, &self.source.triangles);
+        let (_, start) = self.walk.nearest_around(points, triangles, &containing, &query.position)?;
+        // Between the corners of a large triangle lie others of the mesh.
+        let triangle = self.walk.closest(points, triangles, start, &query.position) as usize;
         let map = smallest_rotation(&self.normals[triangle], &query.normal);
         Some(Match { triangle, quality: 1.0, map })
     }

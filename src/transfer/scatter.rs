@@ -5,8 +5,7 @@
 
 use crate::garment::RestState;
 use crate::math::Vec3;
-use crate::mesh::INVALID;
-use crate::mesh::distance::point_triangle_squared;
+use crate::mesh::{INVALID, SurfaceWalk};
 use crate::transfer::correspondence::smallest_rotation;
 use crate::transfer::hinge_fit::{FaceFrame, PlaneTensor, edge_tensor};
 use crate::transfer::resample::sample_weights;
@@ -22,8 +21,8 @@ pub(super) fn scatter_curvature(
     target: &GarmentSurface,
     containing: &[u32],
 ) -> Vec<PlaneTensor> {
-    let finder = TriangleFinder::new(target);
-    let start = start_triangles(source, &finder, target, containing);
+    let walk = SurfaceWalk::new(target.points.len(), &target.triangles);
+    let start = start_triangles(source, &walk, target, containing);
     let mut sum = vec![PlaneTensor::zeros(); target.triangles.len()];
     let frames: Vec<FaceFrame> = (0..sum.len()).map(|f| FaceFrame::new(&target.corners(f))).collect();
     for (f, &start) in start.iter().enumerate() {
@@ -40,7 +39,7 @@ pub(super) fn scatter_curvature(
         let parts = f64::from(TUNING.scatter_parts * TUNING.scatter_parts);
         for weights in sample_weights(TUNING.scatter_parts) {
             let x = corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2];
-            let there = finder.closest(start, &x) as usize;
+            let there = closest(target, &walk, start, &x) as usize;
             let turn = smallest_rotation(&normal, &frames[there].normal);
             for k in 0..3 {
                 let edge = turn * (corners[(k + 1) % 3] - corners[k]);
@@ -60,7 +59,7 @@ pub(super) fn scatter_curvature(
 /// Per triangle of `source`: a triangle of `target` near it on the surface; [`INVALID`] on parts without a point of `target`.
 fn start_triangles(
     source: &GarmentSurface,
-    finder: &TriangleFinder,
+    walk: &SurfaceWalk,
     target: &GarmentSurface,
     containing: &[u32],
 ) -> Vec<u32> {
@@ -77,7 +76,7 @@ fn start_triangles(
             for &g in &source.topology.edge_triangles[e as usize] {
                 if g != INVALID && start[g as usize] == INVALID {
                     let [a, b, c] = source.corners(g as usize);
-                    start[g as usize] = finder.closest(start[f], &((a + b + c) / 3.0));
+                    start[g as usize] = closest(target, walk, start[f], &((a + b + c) / 3.0));
                     queue.push_back(g as usize);
                 }
             }
@@ -86,36 +85,7 @@ fn start_triangles(
     start
 }
 
-/// Search for the triangle of a surface closest to a point, from neighbour to neighbour, so that touching layers are never confused.
-struct TriangleFinder<'a> {
-    surface: &'a GarmentSurface,
-    around: Vec<Vec<u32>>,
-}
-
-impl<'a> TriangleFinder<'a> {
-    fn new(surface: &'a GarmentSurface) -> Self {
-        let mut around = vec![Vec::new(); surface.points.len()];
-        for (f, t) in surface.triangles.iter().enumerate() {
-            t.iter().for_each(|p| around[p.at()].push(f as u32));
-        }
-        Self { surface, around }
-    }
-
-    /// The triangle closest to `x` [m] that is reached from `start` over ever closer neighbours.
-    fn closest(&self, start: u32, x: &Vec3) -> u32 {
-        let distance = |g: u32| {
-            let [a, b, c] = self.surface.corners(g as usize);
-            point_triangle_squared(x, &a, &b, &c)
-        };
-        let mut best = (distance(start), start);
-        while best.0 > 0.0 {
-            let ring = self.surface.triangles[best.1 as usize];
-            let near = ring.iter().flat_map(|p| &self.around[p.at()]).map(|&g| (distance(g), g));
-            match near.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))) {
-                Some(next) if next.0 < best.0 => best = next,
-                _ => break,
-            }
-        }
-        best.1
-    }
+/// The triangle of `surface` closest to `x` [m] that is reached from `start`.
+fn closest(surface: &GarmentSurface, walk: &SurfaceWalk, start: u32, x: &Vec3) -> u32 {
+    walk.closest(&surface.points, &surface.triangles, start, x)
 }
