@@ -5,7 +5,7 @@ use crate::bake::checkpoint::{ActionProgress, CheckpointPosition};
 use crate::bake::run::Run;
 use crate::bake::tuning::TUNING;
 use crate::bake::uncross::GarmentReading;
-use crate::bake::{BakeProgress, Observer};
+use crate::bake::{BakeProgress, ModelDecision, Observer};
 use crate::error::{Error, Result};
 use crate::math::Vec3;
 use crate::memory::{MemoryModel, Strains};
@@ -65,6 +65,7 @@ impl Run<'_> {
         let scene = ActionContext {
             positions: &start,
             source_positions: &self.mesh.garment.points,
+            triangles: &self.mesh.garment.triangles,
             masses: &self.stepper.cloth.mass,
             thickness: self.stepper.contact.settings().dhat,
             script_file: script_name,
@@ -78,6 +79,8 @@ impl Run<'_> {
                 }
             }
             None => {
+                let decision = |why| ModelDecision { name: "laid out flat", on: true, why };
+                self.report.decisions.extend(begun.note.take().map(decision));
                 if let Some(placed) = begun.start_positions {
                     self.state.x = placed;
                     self.state.stop();
@@ -91,6 +94,10 @@ impl Run<'_> {
             return Ok(Some(progress));
         }
         begun.runner.finish(&mut self.persistent, &self.state.x);
+        if !begun.runner.accumulates_memory() {
+            let source = &self.memory.rest.source_angle;
+            self.persistent.laid_bend = self.state.angle.iter().zip(source).map(|(a, s)| a - s).collect();
+        }
         Ok(None)
     }
 
@@ -233,8 +240,11 @@ impl Run<'_> {
         let mut next = step.next_dt;
         if let (Some(model), true) = (&self.model, runner.accumulates_memory()) {
             let stretch_after = self.stretches();
+            let source = &self.memory.rest.source_angle;
+            let [angle, angle_after] =
+                [&angle, &self.state.angle].map(|a| self.persistent.remembered_angle(a, source));
             let before = Strains { angle: &angle, stretch: &stretch };
-            let after = Strains { angle: &self.state.angle, stretch: &stretch_after };
+            let after = Strains { angle: &angle_after, stretch: &stretch_after };
             let events = self.memory.commit(model, &before, &after, step.dt);
             next = next
                 .min(model.max_dt_after_events(events, self.event_dt_fraction))

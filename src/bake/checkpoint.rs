@@ -253,7 +253,8 @@ impl Checkpoint {
                 && loads.springs.iter().all(|spring| inside(&spring.point))
         };
         let persistent = self.persistent.folds.iter().all(|fold| fold.flap.iter().all(inside))
-            && self.persistent.held_loads.as_ref().is_none_or(kept);
+            && self.persistent.held_loads.as_ref().is_none_or(kept)
+            && (self.persistent.laid_bend.is_empty() || self.persistent.laid_bend.len() == hinges);
         let times = (0.0..=2.0 * MAX_DURATION_S).contains(&self.state.time)
             && self.state.previous.as_ref().is_none_or(|p| p.dt > 0.0)
             && progress.is_none_or(|p| {

@@ -12,7 +12,7 @@ use crate::garment::Garment;
 use crate::math::{Vec3, bounds};
 use crate::mesh::intersections::self_intersections;
 use crate::remesh::{Curve, Seed, SimulationMesh, SizeField, SurfaceMesh, improve};
-use crate::wear::{DrawnLines, Foresight, WearScript, draw_fold_lines};
+use crate::wear::{DrawnLines, Foresight, RIM, WearScript, draw_fold_lines};
 
 /// The mesh that is simulated for a garment.
 #[derive(Debug, Clone)]
@@ -132,8 +132,8 @@ fn make(mesh: &mut SurfaceMesh, lengths: EdgeLengths, uniform: f64) {
     let mut seeds = Vec::new();
     for [a, b] in mesh.edges() {
         let length = match mesh.curve(a, b) {
+            Some(Curve::Border | Curve::Feature | Curve::Line(RIM)) => lengths.side,
             Some(Curve::Line(_)) => lengths.line,
-            Some(Curve::Border | Curve::Feature) => lengths.side,
             None => continue,
         };
         seeds.extend(Seed::along(mesh.x[a as usize], mesh.x[b as usize], length));

@@ -32,6 +32,8 @@ pub struct BakeOptions {
     pub deactivate_static: bool,
     /// Whether the garment's own triangles are simulated instead of a mesh made for the script ([`crate::bake::MeshChoice`]).
     pub own_triangles: bool,
+    /// Whether open borders are hemmed: double over 20 mm.
+    pub hems: bool,
     /// Length of edges where the script creases the cloth [m], of a mesh made for it.
     pub finest_edge: f64,
     /// Whether frames show the points of the simulated mesh instead of those of the garment.
@@ -54,6 +56,7 @@ impl Default for BakeOptions {
             body: None,
             deactivate_static: true,
             own_triangles: false,
+            hems: true,
             finest_edge: Quality::Standard.finest_edge(),
             frames_of_simulated: false,
             checkpoint_steps: 32,

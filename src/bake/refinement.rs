@@ -79,6 +79,10 @@ fn persistent_on(coarse: &PersistentState, refinement: &Refinement) -> Persisten
         let in_flap = refinement.flags(&in_flap);
         fold.flap = (0..in_flap.len() as u32).filter(|p| in_flap[*p as usize]).collect();
     }
+    if !persistent.laid_bend.is_empty() {
+        let bend = |parent: &Option<u32>| parent.map_or(0.0, |h| coarse.laid_bend[h as usize]);
+        persistent.laid_bend = refinement.hinge_parent.iter().map(bend).collect();
+    }
     if let Some(loads) = &mut persistent.held_loads {
         *loads = loads_on(loads, refinement);
     }

@@ -30,7 +30,7 @@ pub fn relax(garment: &Garment, fabric: &Fabric, rest: &RestState) -> RelaxResul
     let settings = plan.contact_settings(fabric);
     let area = cloth.area.clone();
     let contact = Contact::new(settings, &garment.points, &garment.triangles, &garment.topology, area);
-    relax_with(garment, fabric, rest, cloth, contact, &RelaxOptions::FULL)
+    relax_with(garment, fabric, rest, cloth, contact, &RelaxOptions::visible_on(garment, fabric))
 }
 
 /// The mesh of `garment`'s topology that best carries the rest angles of `rest`, as displacements from the source pose.
@@ -47,7 +47,7 @@ pub fn rest_mesh(garment: &Garment, fabric: &Fabric, rest: &RestState) -> RelaxR
 fn cloth_and_plan(garment: &Garment, fabric: &Fabric, quality: Quality) -> (Cloth, ModelPlan) {
     let empty = WearScript { format: WearFormat::V1, name: String::new(), actions: Vec::new() };
     let plan = ModelPlan::new(garment, fabric, &empty, &BakeOptions::for_quality(quality));
-    let mut cloth = Cloth::new(garment, fabric);
+    let mut cloth = Cloth::hemmed(garment, fabric);
     cloth.membrane.set_stiffness(plan.stretch);
     (cloth, plan)
 }

@@ -9,7 +9,9 @@
 //! ```
 //!
 //! so that a crease stands out as it would in cloth that lies, and nothing larger moves. Without memory the source pose
-//! itself is the minimum. The rest state is applied in equal load increments; self-contact acts as in any other step.
+//! itself is the minimum. Cloth as stiff as it is against stretch cannot crease across a curved surface (a garment in the shape of
+//! a body) without moving as a whole, which the tether forbids: here it stretches more easily. The rest state is applied in equal
+//! load increments; self-contact acts as in any other step.
 
 use crate::bake::tuning::TUNING;
 use crate::energy::{Energy, TargetSpring, TargetSprings};
@@ -37,20 +39,32 @@ pub struct RelaxResult {
 pub(super) struct RelaxOptions {
     /// Factor on the stiffness of the tether [-].
     pub tether_scale: f64,
+    /// Stretch stiffness at most [N/m].
+    pub max_stretch: f64,
     /// Global Newton iterations per load increment at most, except for the last.
     pub iterations_per_increment: usize,
 }
 
 impl RelaxOptions {
-    /// Every increment solved to convergence.
-    pub const FULL: Self = Self { tether_scale: 1.0, iterations_per_increment: TUNING.relax.max_iterations };
+    /// Every increment solved to convergence, with the tether and the stretch stiffness of the fabric.
+    pub const FULL: Self = Self {
+        tether_scale: 1.0,
+        max_stretch: f64::INFINITY,
+        iterations_per_increment: TUNING.relax.max_iterations,
+    };
 
-    /// The tether at which a crease decays over some edges of `garment`, or over the bending length if that is more: its
-    /// stiffness is the bending stiffness over the fourth power of this length.
-    pub fn readable_on(garment: &Garment, fabric: &Fabric) -> Self {
+    /// The options with which `garment` shows what it remembers. A crease decays over some edges, or over the bending length if that
+    /// is more: the tether is the bending stiffness over the fourth power of this length. The cloth stretches as easily as a sheet so
+    /// thick that a crease can run across a curved surface.
+    pub fn visible_on(garment: &Garment, fabric: &Fabric) -> Self {
         let own = fabric.bending_length();
         let decay = own.max(TUNING.relax.decay_edges * garment.mean_edge());
-        Self { tether_scale: (own / decay).powi(4), ..Self::FULL }
+        let thickness = TUNING.relax.sheet_thickness;
+        Self {
+            tether_scale: (own / decay).powi(4),
+            max_stretch: 12.0 * fabric.bend_mean() / (thickness * thickness),
+            ..Self::FULL
+        }
     }
 }
 
@@ -91,7 +105,8 @@ pub(super) fn relax_to_source_pose(
     for increment in 1..=increments {
         let partial = scaled_memory(rest, f64::from(increment) / f64::from(increments));
         // The models are cloned so that their terms may live beside the stepper they are given to.
-        let (membrane, bending) = (stepper.cloth.membrane.clone(), stepper.cloth.bending.clone());
+        let (mut membrane, bending) = (stepper.cloth.membrane.clone(), stepper.cloth.bending.clone());
+        membrane.limit_stiffness(options.max_stretch);
         let membrane = membrane.term(&partial, &[], f64::INFINITY);
         let last_angle = angle.clone();
         let bending_term = bending.term(&partial, &last_angle, f64::INFINITY);

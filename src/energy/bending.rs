@@ -41,6 +41,8 @@ pub struct Bending {
     width: Vec<f64>,
     /// Relaxation time of bending damping [s].
     damping: f64,
+    /// Triangle of every face.
+    triangle: Vec<u32>,
     /// Whether contact keeps layers from passing through each other.
     apart: bool,
 }
@@ -82,6 +84,7 @@ impl Bending {
             width.push((area(&material[a]) + area(&material[b])) / length);
         }
         let mut faces = Vec::new();
+        let mut triangle = Vec::new();
         let mut coupling = Vec::new();
         // S as the vector (S_uu, S_vv, sqrt2 S_uv), scaled so that Q is a plain Gram matrix.
         let scale =
@@ -114,11 +117,19 @@ impl Bending {
                 columns.set_column(k, &Vector3::zeros());
             }
             faces.push(hinges);
+            triangle.push(f as u32);
             coupling.push(columns.transpose() * columns * area);
         }
         let points: Vec<[u32; 4]> = topology.hinges.iter().map(|h| h.points.map(|p| p.0)).collect();
         let stencils = faces.iter().map(|hinges| stencil(hinges, &points)).collect();
-        Self { points, faces, stencils, coupling, width, damping, apart: false }
+        Self { points, faces, stencils, coupling, width, damping, triangle, apart: false }
+    }
+
+    /// Multiplies the rigidity of every triangle by its factor of `factors`, one per triangle [-].
+    pub fn reinforce(&mut self, factors: &[f64]) {
+        for (coupling, f) in self.coupling.iter_mut().zip(&self.triangle) {
+            *coupling *= factors[*f as usize];
+        }
     }
 
     /// Returns the model of those faces that contain at least one of `points`, and their hinges in the new order.
@@ -141,6 +152,7 @@ impl Bending {
             coupling: faces.iter().map(|&f| self.coupling[f]).collect(),
             points: hinges.iter().map(|&h| self.points[h as usize]).collect(),
             width: hinges.iter().map(|&h| self.width[h as usize]).collect(),
+            triangle: faces.iter().map(|&f| self.triangle[f]).collect(),
             damping: self.damping,
             apart: self.apart,
         };

@@ -27,6 +27,8 @@ pub struct Membrane {
     derivative: Vec<[Vec2; 3]>,
     /// Rest areas [m²].
     area: Vec<f64>,
+    /// Rest areas times numbers of layers [m²].
+    weight: Vec<f64>,
     /// Stretch stiffness along warp and weft, and shear stiffness [N/m].
     stiffness: [f64; 3],
     /// Relaxation time of stretch damping [s].
@@ -65,7 +67,8 @@ impl Membrane {
             derivative.push([-b1 - b2, b1, b2]);
             area.push(0.5 * twice.abs());
         }
-        Self { corners: corners.to_vec(), derivative, area, stiffness, damping }
+        let weight = area.clone();
+        Self { corners: corners.to_vec(), derivative, area, weight, stiffness, damping }
     }
 
     /// Returns the membrane of triangles `faces` only.
@@ -74,6 +77,7 @@ impl Membrane {
             corners: faces.iter().map(|&f| self.corners[f]).collect(),
             derivative: faces.iter().map(|&f| self.derivative[f]).collect(),
             area: faces.iter().map(|&f| self.area[f]).collect(),
+            weight: faces.iter().map(|&f| self.weight[f]).collect(),
             ..*self
         }
     }
@@ -86,6 +90,17 @@ impl Membrane {
     /// Replaces the stretch and shear stiffness [N/m].
     pub fn set_stiffness(&mut self, stiffness: [f64; 3]) {
         self.stiffness = stiffness;
+    }
+
+    /// Multiplies the stiffness of every triangle by its factor of `layers`, one per triangle [-].
+    pub fn reinforce(&mut self, layers: &[f64]) {
+        self.weight = self.area.iter().zip(layers).map(|(area, layers)| area * layers).collect();
+    }
+
+    /// Lowers all stiffnesses by one factor so that none is above `limit` [N/m].
+    pub fn limit_stiffness(&mut self, limit: f64) {
+        let largest = self.stiffness.iter().copied().fold(limit, f64::max);
+        self.stiffness.iter_mut().for_each(|k| *k *= limit / largest);
     }
 
     /// Returns the centroid of triangle `f` at `x` [m].
@@ -151,7 +166,7 @@ impl Energy for MembraneTerm<'_> {
         let of = |(f, t): (usize, &[f64; 3])| {
             let (u, v) = self.model.axes(f, x);
             let (cu, cv, cs) = (u.norm() - t[0], v.norm() - t[1], u.dot(&v) - t[2]);
-            self.model.area[f] * (ku * cu * cu + kv * cv * cv + ks * cs * cs)
+            self.model.weight[f] * (ku * cu * cu + kv * cv * cv + ks * cs * cs)
         };
         0.5 * self.factor * sum_of(&self.target, of)
     }
@@ -161,7 +176,7 @@ impl Energy for MembraneTerm<'_> {
         for (f, t) in self.target.iter().enumerate() {
             let (u, v) = self.model.axes(f, x);
             let (lu, lv) = (u.norm(), v.norm());
-            let scale = self.factor * self.model.area[f];
+            let scale = self.factor * self.model.weight[f];
             let shear = ks * (u.dot(&v) - t[2]);
             let by_u = (u * (ku * (lu - t[0]) / lu.max(1e-12)) + v * shear) * scale;
             let by_v = (v * (kv * (lv - t[1]) / lv.max(1e-12)) + u * shear) * scale;
@@ -185,7 +200,7 @@ impl Energy for MembraneTerm<'_> {
             }
             let (from_u, from_v) = self.model.axes(f, x);
             let (u, v) = self.model.axes(f, midpoint);
-            let scale = self.factor * self.model.area[f];
+            let scale = self.factor * self.model.weight[f];
             let shear = from_u.dot(&from_v) - t[2];
             // The positive half of the indefinite part shear * [[0, I], [I, 0]].
             let positive = 0.5 * ks * shear.abs();

@@ -5,6 +5,7 @@
 
 use crate::error::{Error, Result};
 use crate::math::Vec3;
+use crate::mesh::PointIndex;
 use crate::sim::Loads;
 use crate::wear::persistent_state::PersistentState;
 use serde_json::Value;
@@ -15,6 +16,8 @@ pub struct ActionContext<'a> {
     pub positions: &'a [Vec3],
     /// Positions in the garment's file, one per point [m].
     pub source_positions: &'a [Vec3],
+    /// Triangles of the mesh, corners counter-clockwise from outside.
+    pub triangles: &'a [[PointIndex; 3]],
     /// Masses, one per point [kg].
     pub masses: &'a [f64],
     /// Contact distance: the thickness of a layer [m].
@@ -78,17 +81,20 @@ pub trait ActionRunner {
 pub struct ActionStart {
     /// The action in progress.
     pub runner: Box<dyn ActionRunner>,
-    /// New positions to start from, at rest [m], when the action first moves the garment as a whole (a rigid motion, which
-    /// cannot make layers cross).
+    /// New positions to start from, at rest [m], when the action first moves the garment as a whole, so that no layers cross.
     pub start_positions: Option<Vec<Vec3>>,
+    /// Per point, where the garment is laid out flat first: by how much it looked up before, from -1 to 1.
+    pub level: Option<Vec<f64>>,
     /// Duration [s], where only the body determines it.
     pub duration: Option<f64>,
+    /// What the report says of the start.
+    pub note: Option<String>,
 }
 
 impl ActionStart {
     /// The start of `runner` from the present positions.
     pub fn here(runner: impl ActionRunner + 'static) -> Result<Self> {
-        Ok(Self { runner: Box::new(runner), start_positions: None, duration: None })
+        Ok(Self { runner: Box::new(runner), start_positions: None, level: None, duration: None, note: None })
     }
 }
 

@@ -86,6 +86,7 @@ impl ActionRunner for BodyMotionRunner {
     }
 
     fn finish(&mut self, persistent: &mut PersistentState, _x: &[Vec3]) {
+        persistent.laid_bend.clear();
         persistent.body = Some(PosedBody::new(&self.body, (self.pose_at)(self.duration)));
     }
 }

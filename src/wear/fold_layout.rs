@@ -88,18 +88,26 @@ impl<'a> FoldLayout<'a> {
         let context = ActionContext {
             positions: self.lines.garment_positions(),
             source_positions: &self.garment.points,
+            triangles: &self.garment.triangles,
             masses: &[],
             thickness: 0.0,
             script_file: "",
             location: "",
         };
         let started = start(&context, &mut self.persistent);
-        let Some(mut positions) = started.ok().and_then(|start| start.start_positions) else {
+        let Some((Some(mut positions), rim)) = started.ok().map(|start| (start.start_positions, start.level))
+        else {
             return self.mark_unpredictable();
         };
-        if !self.is_flat(&positions) {
+        // Laid out flat, it is not yet where it comes to rest.
+        if rim.is_some() || !self.is_flat(&positions) {
             match (self.action, self.laid) {
-                (0, None) => return self.foresight = Foresight::NeedsLaying,
+                (0, None) => {
+                    self.foresight = Foresight::NeedsLaying;
+                    if rim.is_none() {
+                        return;
+                    }
+                }
                 (0, Some(laid)) => {
                     positions = laid.to_vec();
                     self.persistent.frame = Some(GarmentFrame::lying(laid));
@@ -108,7 +116,7 @@ impl<'a> FoldLayout<'a> {
             }
         }
         positions.iter_mut().for_each(|p| p.y = 0.0);
-        if !self.lines.lay_down(&positions) {
+        if !self.lines.lay_down(&positions, rim) {
             self.mark_unpredictable();
         }
     }

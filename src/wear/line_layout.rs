@@ -12,6 +12,8 @@ use crate::wear::tuning::TUNING;
 
 /// Number of the first row beside a line; fold lines are numbered from 0.
 const FIRST_ROW: u32 = 1 << 16;
+/// Number of the line along which a garment that is laid out flat turns over.
+pub const RIM: u32 = u32::MAX;
 
 /// Positions and layers before a fold.
 #[derive(Debug, Clone)]
@@ -56,8 +58,8 @@ impl<'a> LineLayout<'a> {
     }
 
     /// Lays the cloth out at `positions` [m], one per point of the garment, of triangles that look up below others that do not.
-    /// Returns whether that is possible: after a fold the points of the lines have no position in a new layout.
-    pub fn lay_down(&mut self, positions: &[Vec3]) -> bool {
+    /// Where `rim`, one per point, is 0 the cloth turns over, and a line is drawn. Returns whether that is possible: after a fold the points of the lines have no position in a new layout.
+    pub fn lay_down(&mut self, positions: &[Vec3], rim: Option<Vec<f64>>) -> bool {
         if !self.levels.is_empty() {
             return false;
         }
@@ -65,6 +67,12 @@ impl<'a> LineLayout<'a> {
         for (tag, t) in self.mesh.tag.iter_mut().zip(&self.mesh.triangles) {
             let [a, b, c] = t.map(|p| positions[p as usize]);
             *tag = u32::from((b - a).cross(&(c - a)).y > 0.0);
+        }
+        if let Some(mut rim) = rim {
+            self.cut(&mut rim);
+            for [p, q] in self.mesh.edges_on_line(&rim) {
+                self.mesh.draw_line(p, q, RIM);
+            }
         }
         self.fix_extremes();
         true

@@ -4,6 +4,7 @@ use crate::body::PosedBody;
 use crate::math::{Mat3, Vec3, bounds};
 use crate::sim::Loads;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// The plane that fractions of the bounding box refer to.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -82,6 +83,9 @@ pub struct PersistentState {
     pub folds: Vec<FoldRecord>,
     /// Height of the ground [m], where there is one.
     pub ground: Option<f64>,
+    /// Per hinge: by how much laying the garment down bent it [rad]; empty for a garment that does not lie. It is not remembered.
+    #[serde(default)]
+    pub laid_bend: Vec<f64>,
     /// Loads of the last action that act until they are released.
     #[serde(rename = "kept")]
     pub held_loads: Option<Loads>,
@@ -98,6 +102,7 @@ impl Default for PersistentState {
             frame: None,
             folds: Vec::new(),
             ground: None,
+            laid_bend: Vec::new(),
             held_loads: None,
             body: None,
         }
@@ -108,6 +113,16 @@ impl PersistentState {
     /// The frame, if the garment lies on the ground.
     pub fn ground_frame(&self) -> Option<GarmentFrame> {
         self.ground.and(self.frame)
+    }
+
+    /// Angles of the hinges [rad] without what laying the garment down bent: of a bend beyond `source` [rad] in the same direction
+    /// only what goes beyond that counts.
+    pub fn remembered_angle<'a>(&self, angle: &'a [f64], source: &[f64]) -> Cow<'a, [f64]> {
+        if self.laid_bend.is_empty() {
+            return Cow::Borrowed(angle);
+        }
+        let bends = angle.iter().zip(source).zip(&self.laid_bend);
+        bends.map(|((a, s), laid)| a - (a - s).clamp(laid.min(0.0), laid.max(0.0))).collect()
     }
 
     /// Loads while no action changes anything: gravity, the ground, the body and whatever has not been released.

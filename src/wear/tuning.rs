@@ -90,6 +90,32 @@ pub(super) struct LayTuning {
     pub drag: f64,
     /// Ratio of height to width and length below which a garment lies in its file [-], default 0.25.
     pub max_lying_ratio: f64,
+    /// Distance over which the direction of the surface is averaged before it is told which layer it will lie in, relative to the
+    /// garment's extent [-], default 0.03.
+    pub side_smoothing: f64,
+    /// Area of a patch of one side, relative to the garment's, below which it joins the other side [-], default 0.02.
+    pub min_side_fraction: f64,
+    /// Bounds of cotangents in the layout [-], defaults 0.02 and 50.
+    pub min_cotangent: f64,
+    pub max_cotangent: f64,
+    /// Weight of the place before the layout, against that of the shapes [-], default 1e-6.
+    pub place_weight: f64,
+    /// Iterations of the layout at most, default 300.
+    pub max_layout_iterations: usize,
+    /// Rounds of the layout at most, default 10: after each, triangles that are folded over are stiffened.
+    pub max_layout_rounds: usize,
+    /// Factor on the weight of such triangles per round [-], default 3.
+    pub stiffening: f64,
+    /// Largest change of a position at which the layout ends [m], default 1e-5.
+    pub layout_tol: f64,
+    /// Distance of the layers of the layout [layer thicknesses], default 2.
+    pub layout_gap: f64,
+    /// Rounds in which layers next to the rim are moved apart, at most, default 300.
+    pub max_gap_rounds: usize,
+    /// Missing distance at which that ends, relative to the distance of layers [-], default 0.01.
+    pub gap_tol: f64,
+    /// Random change of heights with which the layout is tested for crossings, relative to that distance [-], default 0.3.
+    pub shake: f64,
 }
 
 /// Pressing, crumpling, hanging and settling.
@@ -183,6 +209,19 @@ pub(super) const TUNING: WearTuning = WearTuning {
         max_free_dt_fraction: 0.1,
         drag: 10.0,
         max_lying_ratio: 0.25,
+        side_smoothing: 0.03,
+        min_side_fraction: 0.02,
+        min_cotangent: 0.02,
+        max_cotangent: 50.0,
+        place_weight: 1e-6,
+        max_layout_iterations: 300,
+        max_layout_rounds: 10,
+        stiffening: 3.0,
+        layout_tol: 1e-5,
+        layout_gap: 2.0,
+        max_gap_rounds: 300,
+        gap_tol: 0.01,
+        shake: 0.3,
     },
     other: OtherActionTuning {
         press_ramp_time: 0.4,

@@ -48,6 +48,7 @@ impl WearAction for Crumple {
         let first_radius = context.positions.iter().map(|p| (p - centre).norm()).fold(last_radius, f64::max);
         persistent.folds.clear();
         persistent.body = None;
+        persistent.laid_bend.clear();
         persistent.held_loads = None;
         let ground = persistent.ground;
         ActionStart::here(CrumpleRunner { centre, first_radius, last_radius, over: self.over_s, ground })

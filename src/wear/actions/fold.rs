@@ -342,6 +342,7 @@ mod tests {
         let context = ActionContext {
             positions: &x,
             source_positions: &x,
+            triangles: &[],
             masses: &[1e-3; 4],
             thickness: 1e-3,
             script_file: "w.json",

@@ -97,6 +97,7 @@ impl WearAction for Hang {
         persistent.ground = None;
         persistent.folds.clear();
         persistent.body = None;
+        persistent.laid_bend.clear();
         let loads = Loads { fixed, max_dt: TUNING.other.hang_max_dt, ..Loads::gravity_only(None) };
         persistent.held_loads = Some(loads.clone());
         let start = ActionStart::here(ConstantLoads { loads, may_end_early: true })?;

@@ -5,6 +5,7 @@ use crate::garment::{Footprint, is_lying};
 use crate::math::{Mat3, Vec3, bounds};
 use crate::sim::Loads;
 use crate::wear::action_runner::{ActionContext, ActionRunner, ActionStart};
+use crate::wear::flat_layout::FlatLayout;
 use crate::wear::fold_layout::FoldLayout;
 use crate::wear::motion_profile::{PEAK_RATE, smoothstep};
 use crate::wear::persistent_state::{GarmentFrame, PersistentState};
@@ -90,30 +91,50 @@ impl WearAction for Lay {
 
     fn start_action(&self, context: &ActionContext, persistent: &mut PersistentState) -> Result<ActionStart> {
         let LyingDirections { facing, upper } = self.directions(context.source_positions);
-        let (facing, upper) = (persistent.orientation * facing, persistent.orientation * upper);
-        let rotation =
+        let from_file =
             Mat3::from_rows(&[upper.cross(&facing).transpose(), facing.transpose(), (-upper).transpose()]);
+        let rotation = from_file * persistent.orientation.transpose();
         let mut laid: Vec<Vec3> = context.positions.iter().map(|p| rotation * p).collect();
         let (low, high) = bounds(&laid);
         let shift = Vec3::new(-0.5 * (low.x + high.x), context.thickness - low.y, -0.5 * (low.z + high.z));
         laid.iter_mut().for_each(|p| *p += shift);
-        persistent.orientation = rotation * persistent.orientation;
+        persistent.orientation = from_file;
         persistent.folds.clear();
         persistent.held_loads = None;
+        persistent.laid_bend.clear();
         // A garment that is laid down has been taken off.
         persistent.body = None;
         persistent.ground = Some(0.0);
         persistent.frame = Some(GarmentFrame::lying(&laid));
-        let height = high.y - low.y + context.thickness;
+        let mut height = high.y - low.y + context.thickness;
         let flat = TUNING.lay.flat_layers * context.thickness;
+        let (mut level, mut note) = (None, None);
+        if height > flat
+            && let Some(layout) = {
+                let upright: Vec<Vec3> = context.source_positions.iter().map(|p| from_file * p).collect();
+                FlatLayout::new(&upright, context.triangles, TUNING.lay.layout_gap * context.thickness)
+            }
+        {
+            let (low, high) = bounds(&layout.positions);
+            let shift = Vec3::new(-0.5 * (low.x + high.x), context.thickness, -0.5 * (low.z + high.z));
+            laid = layout.positions.iter().map(|p| p + shift).collect();
+            persistent.frame = Some(GarmentFrame::lying(&laid));
+            level = Some(layout.level);
+            note = Some(format!(
+                "front over back; {:.1} % of the cloth does not fit into the plane and makes wrinkles",
+                100.0 * layout.excess
+            ));
+            height = flat;
+        }
         let start = ActionStart::here(LayRunner {
             first_height: height,
             last_height: flat.min(height),
             height,
             over: self.over_s,
             thickness: context.thickness,
+            is_smoothed: level.is_some() || flat < height,
         })?;
-        Ok(ActionStart { start_positions: Some(laid), ..start })
+        Ok(ActionStart { start_positions: Some(laid), level, note, ..start })
     }
 
     fn example() -> Self {
@@ -136,6 +157,8 @@ struct LayRunner {
     over: f64,
     /// Thickness of a layer [m].
     thickness: f64,
+    /// Whether the cloth slides without friction until the press time, as if smoothed by hands.
+    is_smoothed: bool,
 }
 
 impl LayRunner {
@@ -163,11 +186,12 @@ impl LayRunner {
 impl ActionRunner for LayRunner {
     fn loads_at(&mut self, t: f64, _x: &[Vec3]) -> Loads {
         let pressing = self.is_pressing(t);
+        let slides = self.is_smoothed && t <= self.press_time() * (1.0 + 1e-9);
         let steps =
             (self.first_height / self.last_height).ln() / -(1.0 - TUNING.lay.max_squeeze_per_step).ln();
         Loads {
             ceiling: pressing.then(|| self.height_at(t) + self.thickness),
-            friction: if pressing { 0.0 } else { 1.0 },
+            friction: if slides { 0.0 } else { 1.0 },
             drag: TUNING.lay.drag,
             max_dt: if pressing {
                 self.press_time() / (PEAK_RATE * steps).max(TUNING.lay.min_steps)
@@ -179,7 +203,7 @@ impl ActionRunner for LayRunner {
     }
 
     fn event_times(&self) -> Vec<f64> {
-        if self.has_ceiling() { vec![self.press_time()] } else { Vec::new() }
+        if self.is_smoothed { vec![self.press_time()] } else { Vec::new() }
     }
 
     fn apply_map(&mut self, t: f64, x: &mut [Vec3]) -> bool {

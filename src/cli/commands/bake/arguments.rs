@@ -46,6 +46,9 @@ pub struct Arguments {
     /// Simulate the file's own triangles instead of a mesh with edges along the fold lines of the script
     #[arg(long)]
     no_grading: bool,
+    /// Leave open borders single; by default they are hemmed, double over 20 mm
+    #[arg(long)]
+    no_hems: bool,
     #[command(flatten)]
     pub export: ExportArgs,
     /// Time integrator [default: the one of the quality]
@@ -149,6 +152,7 @@ impl Arguments {
             body: body.cloned(),
             deactivate_static: !self.simulate_all,
             own_triangles: self.no_grading,
+            hems: !self.no_hems,
             frames_of_simulated: self.frames_of == FramesOf::Simulated,
             ..BakeOptions::for_quality(self.quality)
         };

@@ -1,0 +1,278 @@
+//! A garment laid out flat, front over back, as hands do it: without a simulation.
+//!
+//! Triangles that look up lie in one plane, the others in a plane below; between them runs the rim, where the cloth turns over.
+//! In the plane every triangle is as close to its own shape as its neighbours let it be: as rigid as possible (Sorkine and Alexa
+//! 2007, in the plane as Liu and others 2008), in turn the best rotation of every triangle and the positions for these rotations.
+//! What the cut keeps from lying flat remains as strain, and makes the wrinkles once the cloth is free.
+
+use crate::energy::BlockSink;
+use crate::math::{Mat3, Rng, Vec3, bounds};
+use crate::mesh::intersections::self_intersections;
+use crate::mesh::{INVALID, PointIndex, Topology, triangle};
+use crate::sim::{BlockMatrix, Cholesky};
+use crate::wear::layer_gap::separate;
+use crate::wear::tuning::TUNING;
+
+/// A garment laid out flat. y points up; the lower layer lies at y = 0.
+#[derive(Debug, Clone)]
+pub(super) struct FlatLayout {
+    /// One per point [m].
+    pub positions: Vec<Vec3>,
+    /// Per point: by how much it looks up before it is laid, from -1 to 1; the rim is at 0.
+    pub level: Vec<f64>,
+    /// Share of the cloth that does not fit into the plane and makes wrinkles, by area [-].
+    pub excess: f64,
+}
+
+/// Matrix and shapes of the triangles in the plane.
+struct Plane<'a> {
+    triangles: &'a [[PointIndex; 3]],
+    /// Per triangle and corner: cotangent of its angle.
+    weights: Vec<[f64; 3]>,
+    /// Per triangle: its corners (y = 0), turned over where it looks down [m].
+    shapes: Vec<[Vec3; 3]>,
+    matrix: BlockMatrix,
+    factor: Cholesky,
+}
+
+impl FlatLayout {
+    /// Lays out the cloth at `source` [m] (y up), with `gap` [m] between its layers. `None` where layers would cross or lie in one
+    /// plane: where more than two lie on one another, or the garment has several parts.
+    pub fn new(source: &[Vec3], triangles: &[[PointIndex; 3]], gap: f64) -> Option<Self> {
+        let topology = Topology::new(source.len(), triangles);
+        let mut weights: Vec<[f64; 3]> =
+            triangles.iter().map(|t| cotangents(&triangle::corners(source, t))).collect();
+        let level = level_of(source, triangles, &weights)?;
+        let up = sides(source, triangles, &topology, &level)?;
+        let heights = heights(source.len(), triangles, &up);
+        let mut flat: Vec<Vec3> = source.iter().map(|p| Vec3::new(p.x, 0.0, p.z)).collect();
+        for _ in 0..TUNING.lay.max_layout_rounds {
+            flat = Plane::new(source, triangles, &weights, &up)?.positions(&flat)?;
+            let mut positions: Vec<Vec3> =
+                flat.iter().zip(&heights).map(|(p, h)| p + Vec3::y() * (gap * h)).collect();
+            separate(&mut positions, triangles, &up, 0.5 * gap);
+            let crossing = crossing_triangles(&positions, triangles, &heights, gap);
+            if crossing.is_empty() {
+                let area = |x: &[Vec3], t| triangle::area(&triangle::corners(x, t));
+                let missing = |t| (area(source, t) - area(&flat, t)).max(0.0);
+                let excess = triangles.iter().map(missing).sum::<f64>()
+                    / triangles.iter().map(|t| area(source, t)).sum::<f64>();
+                return Some(Self { positions, level, excess });
+            }
+            // Triangles that are folded over are made stiffer, with those around them, until they open.
+            let mut marked = vec![false; source.len()];
+            for f in crossing {
+                triangles[f as usize].iter().for_each(|p| marked[p.at()] = true);
+            }
+            for (t, w) in triangles.iter().zip(&mut weights) {
+                if t.iter().any(|p| marked[p.at()]) {
+                    w.iter_mut().for_each(|w| *w *= TUNING.lay.stiffening);
+                }
+            }
+        }
+        None
+    }
+}
+
+/// Per point: height of its layer, 0 or 1; that of the rim lies between.
+fn heights(point_count: usize, triangles: &[[PointIndex; 3]], up: &[bool]) -> Vec<f64> {
+    let mut touches = vec![[false; 2]; point_count];
+    for (t, up) in triangles.iter().zip(up) {
+        t.iter().for_each(|p| touches[p.at()][usize::from(*up)] = true);
+    }
+    touches.iter().map(|[down, up]| if *down && *up { 0.5 } else { f64::from(u8::from(*up)) }).collect()
+}
+
+/// Cotangents of the angles of a triangle, bounded.
+fn cotangents(x: &[Vec3; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|k| {
+        let (a, b) = (x[(k + 1) % 3] - x[k], x[(k + 2) % 3] - x[k]);
+        let cotangent = a.dot(&b) / a.cross(&b).norm().max(f64::MIN_POSITIVE);
+        cotangent.clamp(TUNING.lay.min_cotangent, TUNING.lay.max_cotangent)
+    })
+}
+
+/// Solves (D + L) for `count` points: `diagonal` is D, L the cotangent Laplacian times `factor`.
+fn laplacian(
+    positions: &[Vec3],
+    triangles: &[[PointIndex; 3]],
+    weights: &[[f64; 3]],
+    diagonal: &[f64],
+    factor: f64,
+) -> Option<(BlockMatrix, Cholesky)> {
+    let rows = (0..positions.len() as u32).collect();
+    let mut matrix = BlockMatrix::with_pattern(rows, &mut |visit| {
+        triangles.iter().for_each(|t| visit(&t.map(|p| p.0)));
+    });
+    matrix.fill(&|sink: &mut dyn BlockSink| {
+        for (p, d) in diagonal.iter().enumerate() {
+            sink.add(p as u32, p as u32, &(Mat3::identity() * *d));
+        }
+        for (t, w) in triangles.iter().zip(weights) {
+            for k in 0..3 {
+                let (a, b) = (t[(k + 1) % 3].0, t[(k + 2) % 3].0);
+                let block = Mat3::identity() * (factor * w[k]);
+                sink.add(a, a, &block);
+                sink.add(b, b, &block);
+                sink.add(a.max(b), a.min(b), &-block);
+            }
+        }
+    });
+    let mut cholesky = Cholesky::default();
+    cholesky.factorise(&matrix, positions).ok()?;
+    Some((matrix, cholesky))
+}
+
+/// Per point: the upward part of the normal, averaged over the surface nearby.
+fn level_of(positions: &[Vec3], triangles: &[[PointIndex; 3]], weights: &[[f64; 3]]) -> Option<Vec<f64>> {
+    let mut normal = vec![Vec3::zeros(); positions.len()];
+    let mut area = vec![0.0; positions.len()];
+    for t in triangles {
+        let n = triangle::area_vector(&triangle::corners(positions, t));
+        for p in t {
+            normal[p.at()] += n;
+            area[p.at()] += n.norm() / 3.0;
+        }
+    }
+    let (low, high) = bounds(positions);
+    let reach = TUNING.lay.side_smoothing * (high - low).max();
+    let (matrix, mut factor) = laplacian(positions, triangles, weights, &area, 0.5 * reach * reach)?;
+    let upward = |(n, a): (&Vec3, &f64)| Vec3::y() * (a * n.y / n.norm().max(f64::MIN_POSITIVE));
+    let mut level: Vec<Vec3> = normal.iter().zip(&area).map(upward).collect();
+    factor.solve(&matrix, &mut level).ok()?;
+    Some(level.iter().map(|l| l.y).collect())
+}
+
+/// Per triangle: whether it belongs to the upper layer. Patches of one side that are small join the other. `None` for a garment of
+/// several parts.
+fn sides(
+    positions: &[Vec3],
+    triangles: &[[PointIndex; 3]],
+    topology: &Topology,
+    level: &[f64],
+) -> Option<Vec<bool>> {
+    let mut up: Vec<bool> =
+        triangles.iter().map(|t| t.iter().map(|p| level[p.at()]).sum::<f64>() > 0.0).collect();
+    if patches(topology, &|_, _| true).len() > 1 {
+        return None;
+    }
+    let area = |f: &usize| triangle::area(&triangle::corners(positions, &triangles[*f]));
+    let total: f64 = (0..triangles.len()).map(|f| area(&f)).sum();
+    let before = up.clone();
+    for patch in patches(topology, &|f, g| before[f] == before[g]) {
+        if patch.iter().map(area).sum::<f64>() < TUNING.lay.min_side_fraction * total {
+            patch.iter().for_each(|f| up[*f] = !up[*f]);
+        }
+    }
+    Some(up)
+}
+
+/// Triangles that are connected over edges between triangles that `joins` accepts, patch by patch.
+fn patches(topology: &Topology, joins: &dyn Fn(usize, usize) -> bool) -> Vec<Vec<usize>> {
+    let count = topology.triangle_edges.len();
+    let mut seen = vec![false; count];
+    let mut found = Vec::new();
+    for seed in 0..count {
+        if seen[seed] {
+            continue;
+        }
+        seen[seed] = true;
+        let mut members = vec![seed];
+        let mut next = 0;
+        while let Some(&f) = members.get(next) {
+            next += 1;
+            for &e in &topology.triangle_edges[f] {
+                for &g in topology.edge_triangles[e as usize].iter().filter(|g| **g != INVALID) {
+                    let g = g as usize;
+                    if !seen[g] && joins(f, g) {
+                        seen[g] = true;
+                        members.push(g);
+                    }
+                }
+            }
+        }
+        found.push(members);
+    }
+    found
+}
+
+impl<'a> Plane<'a> {
+    fn new(
+        positions: &[Vec3],
+        triangles: &'a [[PointIndex; 3]],
+        weights: &[[f64; 3]],
+        up: &[bool],
+    ) -> Option<Self> {
+        let shape = |(t, up): (&[PointIndex; 3], &bool)| {
+            let x = triangle::corners(positions, t);
+            let along = x[1] - x[0];
+            let across = x[2] - x[0];
+            let length = along.norm().max(f64::MIN_POSITIVE);
+            let foot = along.dot(&across) / length;
+            let height = (across.norm_squared() - foot * foot).max(0.0).sqrt();
+            // Counter-clockwise from above (x to -z) where it looks up.
+            let side = if *up { -height } else { height };
+            [Vec3::zeros(), Vec3::new(length, 0.0, 0.0), Vec3::new(foot, 0.0, side)]
+        };
+        // So weak that it only fixes the place.
+        let held = vec![TUNING.lay.place_weight; positions.len()];
+        let (matrix, factor) = laplacian(positions, triangles, weights, &held, 1.0)?;
+        let shapes = triangles.iter().zip(up).map(shape).collect();
+        Some(Self { triangles, weights: weights.to_vec(), shapes, matrix, factor })
+    }
+
+    /// Positions in the plane (y = 0) [m], from the projection of `start`.
+    fn positions(&mut self, start: &[Vec3]) -> Option<Vec<Vec3>> {
+        let mut x: Vec<Vec3> = start.iter().map(|p| Vec3::new(p.x, 0.0, p.z)).collect();
+        let home: Vec<Vec3> = x.iter().map(|p| p * TUNING.lay.place_weight).collect();
+        for _ in 0..TUNING.lay.max_layout_iterations {
+            let mut rhs = home.clone();
+            for ((t, w), shape) in self.triangles.iter().zip(&self.weights).zip(&self.shapes) {
+                // Rotation in the plane that brings the shape closest to its place.
+                let (mut cos, mut sin) = (0.0, 0.0);
+                for k in 0..3 {
+                    let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+                    let (at, own) = (x[t[i].at()] - x[t[j].at()], shape[i] - shape[j]);
+                    cos += w[k] * (at.x * own.x + at.z * own.z);
+                    sin += w[k] * (at.z * own.x - at.x * own.z);
+                }
+                let length = cos.hypot(sin).max(f64::MIN_POSITIVE);
+                let (cos, sin) = (cos / length, sin / length);
+                for k in 0..3 {
+                    let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+                    let own = (shape[i] - shape[j]) * w[k];
+                    let turned = Vec3::new(cos * own.x - sin * own.z, 0.0, sin * own.x + cos * own.z);
+                    rhs[t[i].at()] += turned;
+                    rhs[t[j].at()] -= turned;
+                }
+            }
+            self.factor.solve(&self.matrix, &mut rhs).ok()?;
+            let change = x.iter().zip(&rhs).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+            x = rhs;
+            if change < TUNING.lay.layout_tol {
+                break;
+            }
+        }
+        Some(x)
+    }
+}
+
+/// Triangles that cross others or lie in one plane with them: that cross once the heights of points outside the rim, of which there
+/// are `heights`, are changed at random by less than the gap.
+fn crossing_triangles(
+    positions: &[Vec3],
+    triangles: &[[PointIndex; 3]],
+    heights: &[f64],
+    gap: f64,
+) -> Vec<u32> {
+    let mut random = Rng::from_seed(1);
+    let mut shake = |height: f64| {
+        let by = TUNING.lay.shake * (random.uniform() - 0.5);
+        if height == 0.5 { 0.0 } else { gap * by }
+    };
+    let shaken: Vec<Vec3> = positions.iter().zip(heights).map(|(p, h)| p + Vec3::y() * shake(*h)).collect();
+    let mut found: Vec<u32> = self_intersections(&shaken, triangles).into_iter().flatten().collect();
+    found.sort_unstable();
+    found.dedup();
+    found
+}

@@ -1,0 +1,149 @@
+//! Heights of two layers that lie on one another and are joined along a rim.
+//!
+//! Layers lie a gap apart and meet at the rim. Where its course is jagged, edges and points of one layer come next to the other:
+//! their heights are moved apart, constraint by constraint (position-based dynamics, Müller and others 2007).
+
+use crate::math::Vec3;
+use crate::mesh::distance::{edge_edge, point_triangle};
+use crate::mesh::{PointIndex, edge_key};
+use crate::wear::tuning::TUNING;
+use rustc_hash::{FxHashMap, FxHashSet};
+
+/// A place where the upper layer must lie above the lower: four points, with positive weights in the upper layer and negative ones
+/// in the lower.
+struct Constraint([(usize, f64); 4]);
+
+/// Raises and lowers the points at `x` [m] until the triangles that look `up` lie at least `gap` [m] above the others near the rim.
+pub(super) fn separate(x: &mut [Vec3], triangles: &[[PointIndex; 3]], up: &[bool], gap: f64) {
+    let constraints = constraints(x, triangles, up, gap);
+    for _ in 0..TUNING.lay.max_gap_rounds {
+        let mut largest = 0.0f64;
+        for Constraint(points) in &constraints {
+            let missing = gap - points.iter().map(|(p, w)| w * x[*p].y).sum::<f64>();
+            if missing > 0.0 {
+                largest = largest.max(missing);
+                let step = missing / points.iter().map(|(_, w)| w * w).sum::<f64>();
+                points.iter().for_each(|(p, w)| x[*p].y += step * w);
+            }
+        }
+        if largest < TUNING.lay.gap_tol * gap {
+            break;
+        }
+    }
+    let lowest = x.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
+    x.iter_mut().for_each(|p| p.y -= lowest);
+}
+
+/// Edges and triangles of one layer next to the rim.
+struct Layer {
+    edges: Vec<[usize; 2]>,
+    triangles: Vec<[usize; 3]>,
+}
+
+impl Layer {
+    fn new(triangles: &[[PointIndex; 3]], up: &[bool], side: bool, rim: &[bool]) -> Self {
+        let mut seen = FxHashSet::default();
+        let mut layer = Self { edges: Vec::new(), triangles: Vec::new() };
+        for (t, _) in triangles.iter().zip(up).filter(|(_, up)| **up == side) {
+            if t.iter().all(|p| !rim[p.at()]) {
+                continue;
+            }
+            layer.triangles.push(t.map(|p| p.at()));
+            for k in 0..3 {
+                let key = edge_key(t[k], t[(k + 1) % 3]);
+                if seen.insert(key) {
+                    layer.edges.push([t[k].at(), t[(k + 1) % 3].at()]);
+                }
+            }
+        }
+        layer
+    }
+}
+
+fn constraints(x: &[Vec3], triangles: &[[PointIndex; 3]], up: &[bool], gap: f64) -> Vec<Constraint> {
+    let mut touches = vec![[false; 2]; x.len()];
+    for (t, up) in triangles.iter().zip(up) {
+        t.iter().for_each(|p| touches[p.at()][usize::from(*up)] = true);
+    }
+    let rim: Vec<bool> = touches.iter().map(|[down, up]| *down && *up).collect();
+    let upper = Layer::new(triangles, up, true, &rim);
+    let lower = Layer::new(triangles, up, false, &rim);
+    let mut found = Vec::new();
+    // Edges that pass one another.
+    let cells = Cells::new(lower.edges.iter().map(|e| e.map(|p| x[p])), gap);
+    for e in &upper.edges {
+        for &k in &cells.near(e.map(|p| x[p])) {
+            let g = lower.edges[k];
+            let both_rim = e.iter().chain(&g).all(|p| rim[*p]);
+            if both_rim || g.contains(&e[0]) || g.contains(&e[1]) {
+                continue;
+            }
+            let [a, b, c, d] = [e[0], e[1], g[0], g[1]].map(|p| Vec3::new(x[p].x, 0.0, x[p].z));
+            let closest = edge_edge(&a, &b, &c, &d);
+            if closest.distance < gap {
+                let points = [e[0], e[1], g[0], g[1]];
+                found.push(Constraint([0, 1, 2, 3].map(|k| (points[k], closest.weights[k]))));
+            }
+        }
+    }
+    // Points under or over a triangle.
+    for (layer, other, is_upper) in [(&upper, &lower, true), (&lower, &upper, false)] {
+        let mut points: Vec<usize> = other.edges.iter().flatten().copied().filter(|p| !rim[*p]).collect();
+        points.sort_unstable();
+        points.dedup();
+        let cells = Cells::new(points.iter().map(|p| [x[*p]; 2]), gap);
+        for t in &layer.triangles {
+            for &k in &cells.near(t.map(|p| x[p])) {
+                let p = points[k];
+                let flat = |p: usize| Vec3::new(x[p].x, 0.0, x[p].z);
+                let apart = point_triangle(&flat(p), &flat(t[0]), &flat(t[1]), &flat(t[2]));
+                if apart.distance > TUNING.lay.gap_tol * gap || t.contains(&p) {
+                    continue;
+                }
+                let points = [p, t[0], t[1], t[2]];
+                let sign = if is_upper { -1.0 } else { 1.0 };
+                found.push(Constraint([0, 1, 2, 3].map(|k| (points[k], sign * apart.weights[k]))));
+            }
+        }
+    }
+    found
+}
+
+/// Boxes in the plane of x and z, by place.
+struct Cells {
+    cells: FxHashMap<[i32; 2], Vec<usize>>,
+    margin: f64,
+}
+
+impl Cells {
+    fn new<const N: usize>(items: impl Iterator<Item = [Vec3; N]>, margin: f64) -> Self {
+        let mut new = Self { cells: FxHashMap::default(), margin };
+        for (k, corners) in items.enumerate() {
+            for cell in new.covered(corners) {
+                new.cells.entry(cell).or_default().push(k);
+            }
+        }
+        new
+    }
+
+    /// Cells that the box of `corners` meets.
+    fn covered<const N: usize>(&self, corners: [Vec3; N]) -> Vec<[i32; 2]> {
+        let span = |axis: usize| {
+            let low = corners.iter().map(|c| c[axis]).fold(f64::INFINITY, f64::min) - self.margin;
+            let high = corners.iter().map(|c| c[axis]).fold(f64::NEG_INFINITY, f64::max) + self.margin;
+            let cell = |c: f64| (c / TUNING.prediction.layer_cell).floor() as i32;
+            cell(low)..=cell(high)
+        };
+        let (i, j) = (span(0), span(2));
+        i.flat_map(|i| j.clone().map(move |j| [i, j])).collect()
+    }
+
+    /// Items whose boxes may meet that of `corners`, each once.
+    fn near<const N: usize>(&self, corners: [Vec3; N]) -> Vec<usize> {
+        let cells = self.covered(corners).into_iter();
+        let mut found: Vec<usize> = cells.filter_map(|c| self.cells.get(&c)).flatten().copied().collect();
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+}
