@@ -12,6 +12,7 @@ use crate::mesh::{INVALID, PointIndex, Topology, triangle};
 use crate::sim::{BlockMatrix, Cholesky};
 use crate::wear::layer_gap::separate;
 use crate::wear::tuning::TUNING;
+use std::cmp::Reverse;
 
 /// A garment laid out flat. y points up; the lower layer lies at y = 0.
 #[derive(Debug, Clone)]
@@ -23,6 +24,9 @@ pub(super) struct FlatLayout {
     /// Share of the cloth that does not fit into the plane and makes wrinkles, by area [-].
     pub excess: f64,
 }
+
+/// Height of the rim between the layers, relative to their distance.
+const RIM_HEIGHT: f64 = 0.5;
 
 /// Matrix and shapes of the triangles in the plane.
 struct Plane<'a> {
@@ -36,32 +40,71 @@ struct Plane<'a> {
 }
 
 impl FlatLayout {
-    /// Lays out the cloth at `source` [m] (y up), with `gap` [m] between its layers. `None` where layers would cross or lie in one
-    /// plane: where more than two lie on one another, or the garment has several parts.
+    /// Lays out the cloth at `source` [m] (y up), with `gap` [m] between its layers; parts that are not joined are stacked, the
+    /// largest below. `None` where layers of a part would cross or lie in one plane: where more than two lie on one another.
     pub fn new(source: &[Vec3], triangles: &[[PointIndex; 3]], gap: f64) -> Option<Self> {
         let topology = Topology::new(source.len(), triangles);
+        let mut parts = patches(&topology, &|_, _| true);
+        if parts.len() == 1 {
+            return Self::of_part(source, triangles, &topology, gap);
+        }
+        parts.sort_by_key(|part| Reverse(part.len()));
+        let mut whole = Self { positions: source.to_vec(), level: vec![0.0; source.len()], excess: 0.0 };
+        let mut base = 0.0;
+        for part in &parts {
+            let mut members: Vec<usize> = part.iter().flat_map(|f| triangles[*f].map(|p| p.at())).collect();
+            members.sort_unstable();
+            members.dedup();
+            let index = |p: PointIndex| PointIndex(members.partition_point(|q| *q < p.at()) as u32);
+            let own: Vec<[PointIndex; 3]> = part.iter().map(|f| triangles[*f].map(index)).collect();
+            let points: Vec<Vec3> = members.iter().map(|p| source[*p]).collect();
+            let laid = Self::of_part(&points, &own, &Topology::new(points.len(), &own), gap)?;
+            for (k, p) in members.iter().enumerate() {
+                whole.positions[*p] = laid.positions[k] + Vec3::y() * base;
+                whole.level[*p] = laid.level[k];
+            }
+            whole.excess += laid.excess * part.len() as f64 / triangles.len() as f64;
+            base = laid.positions.iter().map(|p| p.y + base).fold(base, f64::max) + gap;
+        }
+        Some(whole)
+    }
+
+    /// Lays out one part.
+    fn of_part(
+        source: &[Vec3],
+        triangles: &[[PointIndex; 3]],
+        topology: &Topology,
+        gap: f64,
+    ) -> Option<Self> {
         let mut weights: Vec<[f64; 3]> =
             triangles.iter().map(|t| cotangents(&triangle::corners(source, t))).collect();
         let level = level_of(source, triangles, &weights)?;
-        let up = sides(source, triangles, &topology, &level)?;
-        let heights = heights(source.len(), triangles, &up);
+        let mut up = sides(source, triangles, topology, &level);
+        let mut folded = vec![false; source.len()];
         let mut flat: Vec<Vec3> = source.iter().map(|p| Vec3::new(p.x, 0.0, p.z)).collect();
-        for _ in 0..TUNING.lay.max_layout_rounds {
+        for round in 0..TUNING.lay.max_layout_rounds {
+            let heights = heights(source.len(), triangles, &up);
             flat = Plane::new(source, triangles, &weights, &up)?.positions(&flat)?;
-            let mut positions: Vec<Vec3> =
-                flat.iter().zip(&heights).map(|(p, h)| p + Vec3::y() * (gap * h)).collect();
-            separate(&mut positions, triangles, &up, 0.5 * gap);
-            let crossing = crossing_triangles(&positions, triangles, &heights, gap);
+            let (positions, mut crossing) = layered(&flat, triangles, &up, &heights, gap);
             if crossing.is_empty() {
-                let area = |x: &[Vec3], t| triangle::area(&triangle::corners(x, t));
-                let missing = |t| (area(source, t) - area(&flat, t)).max(0.0);
-                let excess = triangles.iter().map(missing).sum::<f64>()
-                    / triangles.iter().map(|t| area(source, t)).sum::<f64>();
-                return Some(Self { positions, level, excess });
+                return Some(Self::new_of(source, triangles, &flat, positions, level));
             }
-            // Triangles that are folded over are made stiffer, with those around them, until they open.
+            // What is folded over is drawn out between the points around it.
+            crossing.iter().for_each(|f| triangles[*f as usize].iter().for_each(|p| folded[p.at()] = true));
+            folded = with_neighbours(&folded, topology);
+            let drawn_out = drawn_out(&flat, &folded, topology);
+            let (positions, left) = layered(&drawn_out, triangles, &up, &heights, gap);
+            if left.is_empty() {
+                return Some(Self::new_of(source, triangles, &drawn_out, positions, level));
+            }
+            crossing.extend(left);
+            // Triangles that are folded over are made stiffer, with those around them, until they open. One whose corners all lie on
+            // the rim may belong to either layer.
             let mut marked = vec![false; source.len()];
             for f in crossing {
+                if round > 0 && triangles[f as usize].iter().all(|p| heights[p.at()] == RIM_HEIGHT) {
+                    up[f as usize] = !up[f as usize];
+                }
                 triangles[f as usize].iter().for_each(|p| marked[p.at()] = true);
             }
             for (t, w) in triangles.iter().zip(&mut weights) {
@@ -72,6 +115,62 @@ impl FlatLayout {
         }
         None
     }
+
+    /// The layout of the cloth at `source` with points at `flat` in the plane and at `positions` in layers [m].
+    fn new_of(
+        source: &[Vec3],
+        triangles: &[[PointIndex; 3]],
+        flat: &[Vec3],
+        positions: Vec<Vec3>,
+        level: Vec<f64>,
+    ) -> Self {
+        let area = |x: &[Vec3], t| triangle::area(&triangle::corners(x, t));
+        let missing = |t| (area(source, t) - area(flat, t)).max(0.0);
+        let all: f64 = triangles.iter().map(|t| area(source, t)).sum();
+        Self { positions, level, excess: triangles.iter().map(missing).sum::<f64>() / all }
+    }
+}
+
+/// Positions of points at `flat` in the plane, at `heights` of layers that are `gap` apart [m], and the triangles that cross there.
+fn layered(
+    flat: &[Vec3],
+    triangles: &[[PointIndex; 3]],
+    up: &[bool],
+    heights: &[f64],
+    gap: f64,
+) -> (Vec<Vec3>, Vec<u32>) {
+    let mut positions: Vec<Vec3> = flat.iter().zip(heights).map(|(p, h)| p + Vec3::y() * (gap * h)).collect();
+    separate(&mut positions, triangles, up, 0.5 * gap);
+    let crossing = crossing_triangles(&positions, triangles, heights, gap);
+    (positions, crossing)
+}
+
+/// `marked` points and their neighbours.
+fn with_neighbours(marked: &[bool], topology: &Topology) -> Vec<bool> {
+    let mut wider = marked.to_vec();
+    for [a, b] in &topology.edges {
+        wider[a.at()] |= marked[b.at()];
+        wider[b.at()] |= marked[a.at()];
+    }
+    wider
+}
+
+/// Points at `flat` in the plane [m], the `marked` ones in the middle of their neighbours.
+fn drawn_out(flat: &[Vec3], marked: &[bool], topology: &Topology) -> Vec<Vec3> {
+    let mut x = flat.to_vec();
+    for _ in 0..TUNING.lay.draw_out_rounds {
+        let mut sum = vec![(Vec3::zeros(), 0.0); x.len()];
+        for [a, b] in &topology.edges {
+            for (p, q) in [(a.at(), b.at()), (b.at(), a.at())] {
+                sum[p].0 += x[q];
+                sum[p].1 += 1.0;
+            }
+        }
+        for (p, (sum, count)) in sum.into_iter().enumerate().filter(|(p, _)| marked[*p]) {
+            x[p] = sum / count;
+        }
+    }
+    x
 }
 
 /// Per point: height of its layer, 0 or 1; that of the rim lies between.
@@ -80,7 +179,10 @@ fn heights(point_count: usize, triangles: &[[PointIndex; 3]], up: &[bool]) -> Ve
     for (t, up) in triangles.iter().zip(up) {
         t.iter().for_each(|p| touches[p.at()][usize::from(*up)] = true);
     }
-    touches.iter().map(|[down, up]| if *down && *up { 0.5 } else { f64::from(u8::from(*up)) }).collect()
+    touches
+        .iter()
+        .map(|[down, up]| if *down && *up { RIM_HEIGHT } else { f64::from(u8::from(*up)) })
+        .collect()
 }
 
 /// Cotangents of the angles of a triangle, bounded.
@@ -143,19 +245,10 @@ fn level_of(positions: &[Vec3], triangles: &[[PointIndex; 3]], weights: &[[f64; 
     Some(level.iter().map(|l| l.y).collect())
 }
 
-/// Per triangle: whether it belongs to the upper layer. Patches of one side that are small join the other. `None` for a garment of
-/// several parts.
-fn sides(
-    positions: &[Vec3],
-    triangles: &[[PointIndex; 3]],
-    topology: &Topology,
-    level: &[f64],
-) -> Option<Vec<bool>> {
+/// Per triangle: whether it belongs to the upper layer. Patches of one side that are small join the other.
+fn sides(positions: &[Vec3], triangles: &[[PointIndex; 3]], topology: &Topology, level: &[f64]) -> Vec<bool> {
     let mut up: Vec<bool> =
         triangles.iter().map(|t| t.iter().map(|p| level[p.at()]).sum::<f64>() > 0.0).collect();
-    if patches(topology, &|_, _| true).len() > 1 {
-        return None;
-    }
     let area = |f: &usize| triangle::area(&triangle::corners(positions, &triangles[*f]));
     let total: f64 = (0..triangles.len()).map(|f| area(&f)).sum();
     let before = up.clone();
@@ -164,7 +257,7 @@ fn sides(
             patch.iter().for_each(|f| up[*f] = !up[*f]);
         }
     }
-    Some(up)
+    up
 }
 
 /// Triangles that are connected over edges between triangles that `joins` accepts, patch by patch.
@@ -268,7 +361,7 @@ fn crossing_triangles(
     let mut random = Rng::from_seed(1);
     let mut shake = |height: f64| {
         let by = TUNING.lay.shake * (random.uniform() - 0.5);
-        if height == 0.5 { 0.0 } else { gap * by }
+        if height == RIM_HEIGHT { 0.0 } else { gap * by }
     };
     let shaken: Vec<Vec3> = positions.iter().zip(heights).map(|(p, h)| p + Vec3::y() * shake(*h)).collect();
     let mut found: Vec<u32> = self_intersections(&shaken, triangles).into_iter().flatten().collect();

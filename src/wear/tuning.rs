@@ -110,6 +110,8 @@ pub(super) struct LayTuning {
     pub layout_tol: f64,
     /// Distance of the layers of the layout [layer thicknesses], default 2.
     pub layout_gap: f64,
+    /// Rounds in which what is folded over is drawn out, default 40.
+    pub draw_out_rounds: usize,
     /// Rounds in which layers next to the rim are moved apart, at most, default 300.
     pub max_gap_rounds: usize,
     /// Missing distance at which that ends, relative to the distance of layers [-], default 0.01.
@@ -219,6 +221,7 @@ pub(super) const TUNING: WearTuning = WearTuning {
         stiffening: 3.0,
         layout_tol: 1e-5,
         layout_gap: 2.0,
+        draw_out_rounds: 40,
         max_gap_rounds: 300,
         gap_tol: 0.01,
         shake: 0.3,
