@@ -369,3 +369,70 @@ fn crossing_triangles(
     found.dedup();
     found
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::{PI, TAU};
+
+    const RADIUS: f64 = 0.1;
+    const LENGTH: f64 = 0.4;
+
+    /// A tube along z, open at both ends, thinner in its middle by `waist`; `bias` turns its points round its axis.
+    fn tube(waist: f64, bias: f64) -> (Vec<Vec3>, Vec<[PointIndex; 3]>) {
+        let (around, along) = (36u32, 24u32);
+        let mut points = Vec::new();
+        for k in 0..around * (along + 1) {
+            let z = f64::from(k / around) / f64::from(along);
+            let angle = bias + TAU * f64::from(k % around) / f64::from(around);
+            let radius = RADIUS * (1.0 - waist * (PI * z).sin());
+            points.push(Vec3::new(radius * angle.cos(), radius * angle.sin(), LENGTH * z));
+        }
+        let mut triangles = Vec::new();
+        for (i, j) in (0..around).flat_map(|i| (0..along).map(move |j| (i, j))) {
+            let corner = |i: u32, j: u32| PointIndex(j * around + i % around);
+            let [a, b, c, d] = [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)];
+            triangles.extend([[a, b, c], [a, c, d]]);
+        }
+        (points, triangles)
+    }
+
+    #[test]
+    fn a_tube_lies_in_two_layers() {
+        for bias in [0.0, 0.07] {
+            let (points, triangles) = tube(0.0, bias);
+            let laid = FlatLayout::new(&points, &triangles, 1e-3).expect("can lie");
+            let (low, high) = bounds(&laid.positions);
+            let size = high - low;
+            assert!((size.x - PI * RADIUS).abs() < 0.02, "half its girth wide: {size}");
+            assert!((size.z - LENGTH).abs() < 0.01 && size.y < 3e-3, "{size}");
+            // The rim runs through two of 36 columns of triangles.
+            assert!(laid.excess < 0.08, "a tube is flat but for its rim: {}", laid.excess);
+            assert!(self_intersections(&laid.positions, &triangles).is_empty());
+        }
+    }
+
+    #[test]
+    fn what_does_not_fit_into_the_plane_is_told() {
+        let (points, triangles) = tube(0.3, 0.0);
+        let straight = tube(0.0, 0.0);
+        let excess = |(points, triangles): &(Vec<Vec3>, Vec<[PointIndex; 3]>)| {
+            FlatLayout::new(points, triangles, 1e-3).expect("can lie").excess
+        };
+        assert!(excess(&(points, triangles)) > excess(&straight));
+    }
+
+    #[test]
+    fn parts_are_stacked() {
+        let (mut points, mut triangles) = tube(0.0, 0.0);
+        let count = points.len() as u32;
+        points.extend_from_within(..);
+        let second: Vec<_> = triangles.iter().map(|t| t.map(|p| PointIndex(p.0 + count))).collect();
+        triangles.extend(second);
+        let laid = FlatLayout::new(&points, &triangles, 1e-3).expect("can lie");
+        let [lower, upper] = [&laid.positions[..count as usize], &laid.positions[count as usize..]];
+        let top = lower.iter().map(|p| p.y).fold(0.0, f64::max);
+        assert!(upper.iter().all(|p| p.y > top), "copies in one place are laid on one another");
+        assert!(self_intersections(&laid.positions, &triangles).is_empty());
+    }
+}

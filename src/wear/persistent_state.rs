@@ -131,3 +131,19 @@ impl PersistentState {
         Loads { body: self.body.as_ref().map(|body| body.points.clone()), ..held }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_laying_down_bent_is_not_remembered() {
+        let state = PersistentState { laid_bend: vec![2.0, -2.0, 0.1], ..PersistentState::default() };
+        let source = [0.5, 0.5, 0.5];
+        // As laid; opened; folded the other way; folded beyond.
+        assert_eq!(*state.remembered_angle(&[2.5, -1.5, 0.6], &source), [0.5, 0.5, 0.5]);
+        assert_eq!(*state.remembered_angle(&[0.5, 0.5, 0.5], &source), [0.5, 0.5, 0.5]);
+        assert_eq!(*state.remembered_angle(&[-1.0, 2.0, 0.0], &source), [-1.0, 2.0, 0.0]);
+        assert_eq!(*state.remembered_angle(&[3.0, -2.0, 3.6], &source), [1.0, 0.0, 3.5]);
+    }
+}
