@@ -59,7 +59,8 @@ impl RelaxOptions {
     pub fn visible_on(garment: &Garment, fabric: &Fabric) -> Self {
         let own = fabric.bending_length();
         let decay = own.max(TUNING.relax.decay_edges * garment.mean_edge());
-        let thickness = TUNING.relax.sheet_thickness;
+        let crease = garment.mean_edge().max(TUNING.relax.crease_width);
+        let thickness = crease * crease / TUNING.relax.surface_radius;
         Self {
             tether_scale: (own / decay).powi(4),
             max_stretch: 12.0 * fabric.bend_mean() / (thickness * thickness),

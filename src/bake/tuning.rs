@@ -139,9 +139,11 @@ pub(super) struct RelaxTuning {
     /// Decay length of a crease in the relaxed shape, in mean edges of the garment [-], default 1.5, and at
     /// least the bending length: what decays within a triangle cannot be read off at its corners.
     pub decay_edges: f64,
-    /// Thickness of the sheet whose ratio of bending to stretch stiffness the cloth gets, at least [m], default 5e-4: with it a
-    /// crease of a centimetre runs across the curvature of a torso.
-    pub sheet_thickness: f64,
+    /// Width of a crease [m], default 0.01, and at least a mean edge of the garment.
+    pub crease_width: f64,
+    /// Radius of a surface across which such a crease can run [m], default 0.2, a torso: the cloth gets the ratio of bending to stretch
+    /// stiffness of a sheet of the thickness width²/radius, below which curved shells do not crease (Pogorelov 1967).
+    pub surface_radius: f64,
     /// Stretch stiffness of a rest mesh as a factor on that of a draft [-]: a memory is seldom the angles of a surface
     /// that exists, and lengths may change by parts of a per cent before angles do.
     pub rest_mesh_stretch: f64,
@@ -227,7 +229,8 @@ impl BakeTuning {
             rest_mesh_tether: 1e-4,
             rest_mesh_stretch: 0.1,
             decay_edges: 1.5,
-            sheet_thickness: 5e-4,
+            crease_width: 0.01,
+            surface_radius: 0.2,
         },
         uncross: UncrossTuning { max_rounds: 60, over_relaxation: 1.3, hold_back_factor: 0.6, reach: 0.03 },
         warnings: WarningTuning { max_pause: 0.25, max_violations: 5, max_part_pairs: 6 },
