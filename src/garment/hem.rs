@@ -5,10 +5,10 @@ use crate::mesh::{INVALID, PointIndex, triangle};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Per triangle of `garment`: share of its area within `width` [m] of an open border, measured along edges, from 0 to 1.
-pub fn hem_shares(garment: &Garment, width: f64) -> Vec<f64> {
+/// Per triangle of `garment`: fraction of its area within `width` [m] of an open border, measured along edges, from 0 to 1.
+pub fn hem_fractions(garment: &Garment, width: f64) -> Vec<f64> {
     let distance = border_distances(garment, width);
-    let share = |t: &[PointIndex; 3]| {
+    let fraction = |t: &[PointIndex; 3]| {
         let mut d = t.map(|p| distance[p.at()]);
         d.sort_unstable_by(f64::total_cmp);
         let x = triangle::corners(&garment.points, t);
@@ -16,7 +16,7 @@ pub fn hem_shares(garment: &Garment, width: f64) -> Vec<f64> {
         let span = (d[2] - d[0]).min(longest).max(f64::MIN_POSITIVE);
         ((width - d[0]) / span).clamp(0.0, 1.0)
     };
-    garment.triangles.iter().map(share).collect()
+    garment.triangles.iter().map(fraction).collect()
 }
 
 /// Per point: distance from the nearest open border along edges [m]; infinite beyond `reach` [m].
@@ -83,9 +83,9 @@ mod tests {
             triangles,
             points,
         };
-        let shares = hem_shares(&sheet, 0.02);
+        let fractions = hem_fractions(&sheet, 0.02);
         // A strip of 0.02 m along all sides of 0.2 m: 1 - 0.8² of the area.
-        let hemmed: f64 = shares.iter().sum::<f64>() / shares.len() as f64;
+        let hemmed: f64 = fractions.iter().sum::<f64>() / fractions.len() as f64;
         assert!((hemmed - 0.36).abs() < 1e-9, "{hemmed}");
     }
 }

@@ -23,7 +23,7 @@ mod worn_garment;
 pub use diagnostic::{ImportDiagnostic, Severity};
 pub(crate) use feature_edge::is_feature_hinge;
 pub use garment_type::Garment;
-pub use hem::hem_shares;
+pub use hem::hem_fractions;
 pub use inspect::{Inspection, PartReport, PieceReport, inspect};
 pub use lying::{Footprint, is_lying, is_lying_by_normals};
 pub use refine::RefinedMesh;

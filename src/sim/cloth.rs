@@ -2,7 +2,7 @@
 
 use crate::energy::{Bending, Membrane};
 use crate::fabric::Fabric;
-use crate::garment::{Garment, hem_shares};
+use crate::garment::{Garment, hem_fractions};
 use crate::math::Vec3;
 
 /// Width of a hem [m]: 20 mm, as shirts and T-shirts have it.
@@ -42,8 +42,8 @@ impl Cloth {
     /// stretch twice as much, and bends [`HEM_BENDING`] times as stiffly.
     pub fn hemmed(garment: &Garment, fabric: &Fabric) -> Self {
         let mut cloth = Self::new(garment, fabric);
-        let shares = hem_shares(garment, HEM_WIDTH);
-        let factors = |factor: f64| -> Vec<f64> { shares.iter().map(|s| 1.0 + (factor - 1.0) * s).collect() };
+        let fractions = hem_fractions(garment, HEM_WIDTH);
+        let factors = |factor: f64| -> Vec<f64> { fractions.iter().map(|s| 1.0 + (factor - 1.0) * s).collect() };
         let layers = factors(2.0);
         cloth.mass.fill(0.0);
         for ((t, area), layers) in garment.triangles.iter().zip(cloth.membrane.area()).zip(&layers) {

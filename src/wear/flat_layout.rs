@@ -21,7 +21,7 @@ pub(super) struct FlatLayout {
     pub positions: Vec<Vec3>,
     /// Per point: by how much it looks up before it is laid, from -1 to 1; the rim is at 0.
     pub level: Vec<f64>,
-    /// Share of the cloth that does not fit into the plane and makes wrinkles, by area [-].
+    /// Fraction of the cloth that does not fit into the plane and makes wrinkles, by area [-].
     pub excess: f64,
 }
 
