@@ -43,7 +43,8 @@ impl Cloth {
     pub fn hemmed(garment: &Garment, fabric: &Fabric) -> Self {
         let mut cloth = Self::new(garment, fabric);
         let fractions = hem_fractions(garment, HEM_WIDTH);
-        let factors = |factor: f64| -> Vec<f64> { fractions.iter().map(|s| 1.0 + (factor - 1.0) * s).collect() };
+        let factors =
+            |factor: f64| -> Vec<f64> { fractions.iter().map(|s| 1.0 + (factor - 1.0) * s).collect() };
         let layers = factors(2.0);
         cloth.mass.fill(0.0);
         for ((t, area), layers) in garment.triangles.iter().zip(cloth.membrane.area()).zip(&layers) {

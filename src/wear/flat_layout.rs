@@ -363,8 +363,9 @@ fn crossing_triangles(
         let by = TUNING.lay.shake * (random.uniform() - 0.5);
         if height == RIM_HEIGHT { 0.0 } else { gap * by }
     };
-    let shaken: Vec<Vec3> = positions.iter().zip(heights).map(|(p, h)| p + Vec3::y() * shake(*h)).collect();
-    let mut found: Vec<u32> = self_intersections(&shaken, triangles).into_iter().flatten().collect();
+    let perturbed: Vec<Vec3> =
+        positions.iter().zip(heights).map(|(p, h)| p + Vec3::y() * shake(*h)).collect();
+    let mut found: Vec<u32> = self_intersections(&perturbed, triangles).into_iter().flatten().collect();
     found.sort_unstable();
     found.dedup();
     found
