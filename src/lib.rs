@@ -135,7 +135,7 @@ pub use body::{AnimatedBody, BodyPose};
 #[doc(inline)]
 pub use error::{Diagnostic, Error, Result};
 #[doc(inline)]
-pub use fabric::{DEFAULT_FABRIC, Fabric, FabricMemory, Provenance};
+pub use fabric::{DEFAULT_FABRIC, Fabric, FabricMemory, PAPER_FABRIC, Provenance};
 #[doc(inline)]
 pub use files::GarmentFile;
 #[doc(inline)]

@@ -39,7 +39,7 @@ fn fabrics_are_listed_and_shown() {
     let (out, _, code) = run(&["fabric", "list"]);
     assert_eq!(code, 0);
     assert!(out.lines().count() >= 15, "{out}");
-    assert!(out.lines().any(|line| line.starts_with("kow-tshirt") && line.ends_with("(default)")), "{out}");
+    assert!(out.lines().any(|line| line.starts_with("cotton-jersey") && line.ends_with("(default)")), "{out}");
 
     let (out, _, _) = run(&["fabric", "list", "--json"]);
     let all: Value = serde_json::from_str(&out).expect("is JSON");

@@ -6,4 +6,4 @@ mod preset_list;
 mod read;
 
 pub use fabric_type::{Fabric, FabricFormat, FabricMemory, Provenance};
-pub use preset_list::DEFAULT_FABRIC;
+pub use preset_list::{DEFAULT_FABRIC, PAPER_FABRIC};

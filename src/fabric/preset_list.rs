@@ -6,7 +6,10 @@ use crate::fabric::Fabric;
 use crate::json::nearest;
 
 /// The fabric of a bake that names none.
-pub const DEFAULT_FABRIC: &str = "kow-tshirt";
+pub const DEFAULT_FABRIC: &str = "cotton-jersey";
+
+/// The fabric with the numbers of the paper (Kim, Oh, Wohn), for its tables and its figure.
+pub const PAPER_FABRIC: &str = "kow-tshirt";
 
 macro_rules! preset_list {
     ($($name:literal,)*) => {
@@ -115,8 +118,8 @@ mod tests {
     }
 
     #[test]
-    fn the_default_remembers_as_the_paper_says() {
-        let memory = Fabric::preset(DEFAULT_FABRIC).expect("exists").memory;
+    fn the_fabric_of_the_paper_remembers_as_it_says() {
+        let memory = Fabric::preset(PAPER_FABRIC).expect("exists").memory;
         assert_eq!(memory, FabricMemory::default());
         assert_eq!((memory.gradual_duration_s, memory.critical_duration_s), (4.3, 1.0));
         assert!((memory.gradual_threshold() - 0.27 * PI / 2.0).abs() < 1e-15);

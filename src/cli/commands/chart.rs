@@ -5,7 +5,7 @@ use crate::cli::files::output::Outputs;
 use crate::cli::runtime::console;
 use crate::cli::runtime::threads::use_threads;
 use crease::chart::{Chart, ChartOptions};
-use crease::fabric::DEFAULT_FABRIC;
+use crease::fabric::PAPER_FABRIC;
 use crease::{Error, Result};
 use std::path::{Path, PathBuf};
 
@@ -19,7 +19,7 @@ pub struct Arguments {
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
     /// Fabric of charts of a single fabric: a name from `crease fabric list`, or a fabric file
-    #[arg(long, value_name = "NAME|FILE", default_value = DEFAULT_FABRIC)]
+    #[arg(long, value_name = "NAME|FILE", default_value = PAPER_FABRIC)]
     fabric: String,
     /// Runs of every timed scene, in one process; medians are reported
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u8).range(1..))]
