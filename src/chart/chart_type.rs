@@ -3,7 +3,7 @@
 use crate::chart::draw;
 use crate::chart::{Figure, Table};
 use crate::error::Result;
-use crate::fabric::{DEFAULT_FABRIC, Fabric};
+use crate::fabric::{PAPER_FABRIC, Fabric};
 
 /// Options of all charts.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,7 +22,7 @@ impl ChartOptions {
     /// # Errors
     /// None in practice: the default fabric is a preset.
     pub fn new() -> Result<Self> {
-        Ok(Self { fabric: Fabric::preset(DEFAULT_FABRIC)?, runs: 5, full: false })
+        Ok(Self { fabric: Fabric::preset(PAPER_FABRIC)?, runs: 5, full: false })
     }
 }
 

@@ -5,7 +5,7 @@
 
 use crate::bake::{Bake, BakeOptions, BakeResult, Quality};
 use crate::error::{Error, Result};
-use crate::fabric::{DEFAULT_FABRIC, Fabric};
+use crate::fabric::{PAPER_FABRIC, Fabric};
 use crate::garment::{Garment, SourceAsset};
 use crate::io::{ReadOptions, read_asset};
 use crate::math::{Rng, bounds};
@@ -77,7 +77,7 @@ impl FoldThrice {
         let asset = mesh.read(&ReadOptions::default())?;
         Ok(Self {
             garment: Garment::from_asset(&asset)?.0,
-            fabric: Fabric::preset(DEFAULT_FABRIC)?,
+            fabric: Fabric::preset(PAPER_FABRIC)?,
             script: WearScript::parse(SCRIPT_FILE, SCRIPT)?,
         })
     }

@@ -12,7 +12,7 @@ use crate::chart::falling_strip::{
 use crate::chart::statistics::median;
 use crate::chart::{Axis, BLACK, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
 use crate::error::Result;
-use crate::fabric::{DEFAULT_FABRIC, Fabric};
+use crate::fabric::{PAPER_FABRIC, Fabric};
 
 /// Times to rest that the paper reports for a mesh [s].
 #[derive(Debug, Clone, Copy)]
@@ -85,7 +85,7 @@ impl Falls {
 }
 
 pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
-    let fabric = Fabric::preset(DEFAULT_FABRIC)?;
+    let fabric = Fabric::preset(PAPER_FABRIC)?;
     let mut table = Table::new(COLUMNS);
     let mut times = [("without memory", Mark::Rings), ("with memory", Mark::Crosses)]
         .map(|(name, mark)| Series::new(name, usize::from(mark == Mark::Rings), mark, Vec::new()));
@@ -152,7 +152,7 @@ mod tests {
     /// Trend of Table 1 on the two smaller strips; the chart has all three.
     #[test]
     fn strips_come_to_rest_no_later_with_memory() {
-        let fabric = Fabric::preset(DEFAULT_FABRIC).expect("exists");
+        let fabric = Fabric::preset(PAPER_FABRIC).expect("exists");
         let mut with_events = Vec::new();
         for points in [156, 603] {
             let [off, on] = [false, true].map(|with_memory| {

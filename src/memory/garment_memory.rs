@@ -176,6 +176,10 @@ impl Memory {
         duration: f64,
     ) -> EventCount {
         let mut count = EventCount::default();
+        // Whoever measures angles only has no lengths to remember.
+        if before.stretch.is_empty() || after.stretch.is_empty() {
+            return count;
+        }
         let axes = [
             (&mut self.rest.rest_stretch_warp, &mut self.warp, 0),
             (&mut self.rest.rest_stretch_weft, &mut self.weft, 1),

@@ -9,7 +9,7 @@ use crate::chart::test_sheet::TestSheet;
 use crate::contact::Contact;
 use crate::energy::TargetSpring;
 use crate::error::Result;
-use crate::fabric::{DEFAULT_FABRIC, Fabric};
+use crate::fabric::{PAPER_FABRIC, Fabric};
 use crate::math::Vec3;
 use crate::memory::MemoryModel;
 use crate::sim::Loads;
@@ -65,7 +65,7 @@ impl Scene for Flap {
     }
 
     fn initial_state(&self) -> Result<SceneState> {
-        let fabric = Fabric::preset(DEFAULT_FABRIC)?;
+        let fabric = Fabric::preset(PAPER_FABRIC)?;
         let sheet = Self::sheet();
         let garment = sheet.flat_garment();
         let material = ClothMaterial {

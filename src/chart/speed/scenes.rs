@@ -7,7 +7,7 @@ use crate::chart::fold_thrice::{FoldThrice, IncludedMesh};
 use crate::chart::speed::cost::SceneCost;
 use crate::chart::{ChartOptions, cantilever};
 use crate::error::Result;
-use crate::fabric::{DEFAULT_FABRIC, Fabric};
+use crate::fabric::{PAPER_FABRIC, Fabric};
 use crate::garment::{Garment, SourcePiece};
 use crate::io::ReadOptions;
 use crate::sim::NewtonSeconds;
@@ -46,7 +46,7 @@ pub(super) fn costs(options: &ChartOptions) -> Result<Vec<SceneCost>> {
         costs.push(of_bake(SHIRT, shirt.points(), run.wall, &run.baked.report));
     }
     costs.push(elbow()?);
-    let fabric = Fabric::preset(DEFAULT_FABRIC)?;
+    let fabric = Fabric::preset(PAPER_FABRIC)?;
     for points in FALLING_STRIP_POINTS {
         let fall_of = |run| fall(points, &fabric, true, run, Stepping::Adaptive);
         let falls = (0..options.runs.max(1)).map(fall_of);
@@ -103,7 +103,7 @@ fn elbow() -> Result<SceneCost> {
     let arm: Vec<&SourcePiece> = asset.pieces.iter().filter(|piece| !piece.worn).collect();
     let body = Arc::new(AnimatedBody::from_pieces(&asset, &arm)?);
     let (garment, _) = Garment::from_asset(&asset)?;
-    let fabric = Fabric::preset(DEFAULT_FABRIC)?;
+    let fabric = Fabric::preset(PAPER_FABRIC)?;
     let script = WearScript::parse("elbow.json", BEND)?;
     let clock = Instant::now();
     let baked = Bake::new(&garment, &fabric, &script).script_name("elbow.json").body(body).run()?;
