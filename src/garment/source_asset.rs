@@ -49,6 +49,20 @@ impl Placement {
             Self::Skinned(all) => &all[v],
         }
     }
+
+    /// Returns whether the placement mirrors a triangle of the piece: the determinant of its linear part is negative, and
+    /// the orientation of the triangle in the scene is opposite to that of its list of corners (glTF 2.0 specification,
+    /// 3.7.4).
+    pub fn mirrors(&self, triangle: &[u32; 3]) -> bool {
+        let volume = |m: &Mat4| m.fixed_view::<3, 3>(0, 0).into_owned().determinant();
+        match self {
+            Self::Rigid(m) => volume(m) < 0.0,
+            Self::Skinned(all) => {
+                let corners = triangle.iter().filter_map(|&v| all.get(v as usize));
+                corners.map(|m| volume(m).signum()).sum::<f64>() < 0.0
+            }
+        }
+    }
 }
 
 /// Triangles with one material: a glTF primitive instance, or one group-and-material of an OBJ.
@@ -72,7 +86,8 @@ pub struct SourcePiece {
     pub uvs: Option<Vec<Vec2>>,
     /// One per vertex: factor of memory 0..1 from a colour channel or attribute, where asked for.
     pub mask: Option<Vec<f64>>,
-    /// Corners into this piece's vertices, triangulated.
+    /// Corners into this piece's vertices, triangulated; counter-clockwise in the scene seen from outside, also where the
+    /// placement mirrors the piece.
     pub triangles: Vec<[u32; 3]>,
     /// Transform from own coordinates to the scene.
     pub placement: Placement,
@@ -91,6 +106,18 @@ impl SourcePiece {
             Placement::Skinned(all) => all.get(v)?,
         };
         Some((transform * own.push(1.0)).xyz())
+    }
+
+    /// Orients `triangles` as they are in the scene, given as they are in the file, or the reverse.
+    pub fn orient_by_placement(placement: &Placement, triangles: &mut [[u32; 3]]) {
+        triangles.iter_mut().filter(|t| placement.mirrors(t)).for_each(|t| t.swap(1, 2));
+    }
+
+    /// Returns the triangles with the corners in the order of the file.
+    pub fn file_triangles(&self) -> Vec<[u32; 3]> {
+        let mut triangles = self.triangles.clone();
+        Self::orient_by_placement(&self.placement, &mut triangles);
+        triangles
     }
 }
 

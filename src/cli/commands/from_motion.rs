@@ -41,7 +41,7 @@ pub struct Arguments {
     /// Frames per second: of a folder (required), or at which a clip is sampled [default: 30]
     #[arg(long, value_name = "N", value_parser = positive)]
     fps: Option<f64>,
-    /// Clip of an animated file [default: its first clip]
+    /// Clip of an animated file: its name, or its number as in clip#2 [default: its first clip]
     #[arg(long, value_name = "NAME")]
     clip: Option<String>,
     /// Repetitions of the motion
@@ -217,16 +217,12 @@ impl MotionInput {
             let help = "give an animated .glb, or a folder of numbered .obj frames with --fps";
             return Err(Error::input(file, "", "an OBJ file does not move", help));
         };
-        let names: Vec<String> = rig.clips.iter().map(|clip| format!("\"{}\"", clip.name)).collect();
         let refuse =
             |message: String, help: String| Err(Error::input(file.clone(), "animations", message, help));
-        let found = match &arguments.clip {
-            Some(name) => rig.clips.iter().position(|clip| clip.name == *name),
-            None => (!rig.clips.is_empty()).then_some(0),
-        };
-        let Some(clip) = found else {
-            let wanted = arguments.clip.as_ref().map_or("clip".to_owned(), |name| format!("clip \"{name}\""));
-            return refuse(format!("has no {wanted}"), format!("clips in it: {}", names.join(", ")));
+        let wanted = arguments.clip.as_deref().unwrap_or("clip#0");
+        let clip = match rig.find_clip(wanted, true) {
+            Ok(clip) => clip,
+            Err(error) => return refuse(format!("the file has {}", error.message), error.help),
         };
         let rate = arguments.fps.unwrap_or(DEFAULT_CLIP_RATE);
         let length = rig.clips.get(clip).map_or(0.0, |clip| clip.length());

@@ -11,6 +11,7 @@ mod container;
 mod detail;
 mod embed;
 mod json_cursor;
+mod morph;
 mod names;
 mod obj_to_gltf;
 mod piece_reader;

@@ -5,6 +5,7 @@ use crate::garment::{ImportDiagnostic, Placement, Severity, SourceJoint, SourceP
 use crate::io::error_list::ErrorList;
 use crate::io::gltf::accessor::Accessors;
 use crate::io::gltf::json_cursor::Cursor;
+use crate::io::gltf::morph::default_weights;
 use crate::io::gltf::names::{DRACO_EXTENSION, INSTANCING_EXTENSION};
 use crate::io::gltf::primitive::{MaskChannel, MeshData, PrimitiveData, read_primitive};
 use crate::io::gltf::scene::Scene;
@@ -111,17 +112,13 @@ impl<'a> PieceReader<'a> {
         {
             self.note(cursor.path(), "it is drawn many times (EXT_mesh_gpu_instancing): worn once");
         }
-        let weighted = node_cursor.as_ref().filter(|node| node.member("weights").exists()).unwrap_or(&cursor);
-        if weighted.any_nonzero("weights") {
-            let location = weighted.path().to_owned();
-            self.note(
-                location,
-                "morph targets are on by default: the base shape is worn, the targets are kept",
-            );
+        let weights = default_weights(&self.root, mesh, node);
+        if weights.iter().any(|weight| *weight != 0.0) {
+            self.note(cursor.path(), "morph targets are on in the file: the shape that they make is worn");
         }
         for number in 0..cursor.length("primitives") {
             let primitive = cursor.entry("primitives", number);
-            let result = self.read_piece(node, mesh, number, &primitive);
+            let result = self.read_piece(node, mesh, number, &primitive, &weights);
             if let Some(Some(piece)) = self.errors.take(result) {
                 self.read.pieces.push(piece);
             }
@@ -134,12 +131,13 @@ impl<'a> PieceReader<'a> {
         mesh: usize,
         number: usize,
         primitive: &Cursor<'a>,
+        weights: &[f64],
     ) -> Result<Option<NamedPiece>> {
         if self.elements_left == 0 {
             return Err(primitive.error("the file draws more than its data can hold"));
         }
         self.check_draco(primitive)?;
-        let data = match read_primitive(&self.accessors, primitive, self.mask.as_ref())? {
+        let data = match read_primitive(&self.accessors, primitive, self.mask.as_ref(), weights)? {
             PrimitiveData::Mesh(data) => data,
             PrimitiveData::Skipped(message) => {
                 self.note(primitive.path(), format!("{message}: skipped"));
@@ -149,6 +147,8 @@ impl<'a> PieceReader<'a> {
         self.elements_left = self.elements_left.saturating_sub(data.positions.len() + data.triangles.len());
         self.note_repairs(primitive, &data);
         let (placement, joints) = self.placement(node, primitive, &data)?;
+        let mut triangles = data.triangles;
+        SourcePiece::orient_by_placement(&placement, &mut triangles);
         let names = self.names(node, mesh, primitive);
         let material =
             primitive.index("material")?.and_then(|m| self.root.entry("materials", m).text("name"));
@@ -162,7 +162,7 @@ impl<'a> PieceReader<'a> {
             normals: data.normals,
             uvs: data.uvs,
             mask: data.mask,
-            triangles: data.triangles,
+            triangles,
             placement,
             joints,
             worn: true,

@@ -2,7 +2,7 @@
 //! order of the file. Everything is read from the raw JSON, which is kept for export.
 //!
 //! A mesh that several nodes show is worn through the first of them: one mesh can keep only one set of wrinkles.
-//! Skinned meshes are in the pose of the file; morph targets are ignored. Plays no animation.
+//! Skinned meshes are in the pose of the file, morphed ones in the shape of their default weights. Plays no animation.
 
 use crate::garment::GltfDocument;
 use crate::io::error_list::ErrorList;

@@ -269,8 +269,9 @@ impl<'a> Surface<'a> {
                 (stored.collect::<Vec<_>>(), None)
             }
             None => {
-                let unworn = compute_tangents(&piece.positions, normals, uvs, &piece.triangles);
-                let mut worn = compute_tangents(&positions, &worn_normals, uvs, &piece.triangles);
+                let triangles = piece.file_triangles();
+                let unworn = compute_tangents(&piece.positions, normals, uvs, &triangles);
+                let mut worn = compute_tangents(&positions, &worn_normals, uvs, &triangles);
                 // A morph target does not change the handedness.
                 worn.iter_mut().zip(&unworn).for_each(|(a, b)| a.handedness = b.handedness);
                 (worn.clone(), Some(AddedTangents { unworn, worn }))
