@@ -143,6 +143,12 @@ impl AnimatedBody {
         &self.start
     }
 
+    /// Returns the lowest and highest corner of the bounding box in the pose of the file [m]; `None` without points.
+    pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
+        let corners = self.start.iter().map(|p| (*p, *p));
+        corners.reduce(|(low, high), (p, _)| (low.inf(&p), high.sup(&p)))
+    }
+
     /// Returns the triangles between points.
     pub fn triangles(&self) -> &[[PointIndex; 3]] {
         &self.triangles

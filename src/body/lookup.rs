@@ -5,7 +5,7 @@
 //! (`joint#14`, `clip#2`, counted from 0 as in the file) chooses one.
 
 use crate::body::clip::{AnimatedProperty, Channel, Clip};
-use crate::body::rig::{Rig, SkinBinding};
+use crate::body::rig::{Rig, RigPiece, SkinBinding};
 use crate::json::nearest;
 
 /// A joint moves a vertex if its weight is above this [-].
@@ -38,27 +38,30 @@ impl Rig {
     /// Returns the nodes that move vertices directly.
     pub fn influencing_nodes(&self) -> Vec<bool> {
         let mut moves = vec![false; self.skeleton.nodes().len()];
-        let mut mark = |node: usize| {
+        for node in self.pieces.iter().flat_map(RigPiece::influencing_nodes) {
             if let Some(slot) = moves.get_mut(node) {
                 *slot = true;
             }
-        };
-        for piece in &self.pieces {
-            match &piece.binding {
-                SkinBinding::Static => {}
-                SkinBinding::Node(node) => mark(*node),
-                SkinBinding::Skin { joints, influences } => {
-                    let mut is_used = vec![false; joints.len()];
-                    for influence in influences.iter().flatten().filter(|i| i.weight > MIN_WEIGHT) {
-                        if let Some(slot) = is_used.get_mut(influence.joint as usize) {
-                            *slot = true;
-                        }
-                    }
-                    joints.iter().zip(is_used).filter(|(_, used)| *used).for_each(|(j, _)| mark(j.node));
-                }
-            }
         }
         moves
+    }
+
+    /// Returns the numbers of the pieces that `clip` moves, by nodes or by morph targets.
+    pub fn pieces_moved_by(&self, clip: &Clip) -> Vec<usize> {
+        let changing = || clip.channels.iter().filter(|channel| channel.range() > MIN_CHANGE);
+        let is_animated = |node: usize| {
+            changing().any(|channel| channel.node == node && channel.target != AnimatedProperty::Weights)
+        };
+        let is_moved = |piece: &RigPiece| {
+            let morphs =
+                changing().any(|c| c.target == AnimatedProperty::Weights && piece.is_morphed_at(c.node));
+            morphs
+                || piece
+                    .influencing_nodes()
+                    .into_iter()
+                    .any(|node| is_animated(node) || self.skeleton.ancestors(node).any(is_animated))
+        };
+        (0..self.pieces.len()).filter(|&k| is_moved(&self.pieces[k])).collect()
     }
 
     /// Returns the nodes that move vertices, themselves or through nodes below them.
@@ -200,6 +203,30 @@ impl Rig {
             format!("clip#{number} (\"{}\", {:.2} s, {moves})", clip.name, clip.length())
         };
         listed(clips.iter().map(label))
+    }
+}
+
+impl RigPiece {
+    /// Returns the nodes that move its vertices directly.
+    fn influencing_nodes(&self) -> Vec<usize> {
+        match &self.binding {
+            SkinBinding::Static => Vec::new(),
+            SkinBinding::Node(node) => vec![*node],
+            SkinBinding::Skin { joints, influences } => {
+                let mut is_used = vec![false; joints.len()];
+                for influence in influences.iter().flatten().filter(|i| i.weight > MIN_WEIGHT) {
+                    if let Some(slot) = is_used.get_mut(influence.joint as usize) {
+                        *slot = true;
+                    }
+                }
+                joints.iter().zip(is_used).filter(|(_, used)| *used).map(|(joint, _)| joint.node).collect()
+            }
+        }
+    }
+
+    /// Returns whether the weights of its morph targets are those of `node`.
+    fn is_morphed_at(&self, node: usize) -> bool {
+        self.morph.as_ref().is_some_and(|morph| morph.node == node)
     }
 }
 

@@ -246,6 +246,7 @@ mod tests {
             unit_m: 1.0,
             up: UpAxis::Y,
             document: None,
+            obj: None,
             pieces,
         })
     }

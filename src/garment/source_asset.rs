@@ -30,6 +30,17 @@ pub struct GltfDocument {
     pub json: Value,
     /// Bytes of each entry of `buffers`.
     pub buffers: Vec<Vec<u8>>,
+    /// Chunks of a GLB file besides those of JSON and of buffers.
+    pub chunks: Vec<GlbChunk>,
+}
+
+/// Chunk of a GLB file that belongs to an extension or to another program.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct GlbChunk {
+    /// Type.
+    pub kind: [u8; 4],
+    /// Content.
+    pub data: Vec<u8>,
 }
 
 /// Transform from a piece's own coordinates to the scene (metres, y up).
@@ -134,6 +145,28 @@ pub struct SourceJoint {
     pub parent: Option<String>,
 }
 
+/// Lines of an OBJ file, from which a second shape with the same lines can be written.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ObjLines {
+    /// Per `v` line: position in the file's unit.
+    pub positions: Vec<Vec3>,
+    /// Per `vt` line: texture coordinates, v growing downward.
+    pub uvs: Vec<Vec2>,
+    /// Faces in file order.
+    pub faces: Vec<ObjFace>,
+    /// Per piece of the asset and vertex of the piece: its `v` line, counted from 0.
+    pub piece_positions: Vec<Vec<u32>>,
+}
+
+/// Face of an OBJ file, of any number of corners.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ObjFace {
+    /// Piece of the asset; `None` for a face of a piece that could not be read.
+    pub piece: Option<usize>,
+    /// Per corner: `v` line and `vt` line, counted from 0; [`crate::mesh::INVALID`] without texture coordinates.
+    pub corners: Vec<[u32; 2]>,
+}
+
 /// Mesh file as read.
 #[derive(Debug, Clone)]
 pub struct SourceAsset {
@@ -149,6 +182,8 @@ pub struct SourceAsset {
     pub up: UpAxis,
     /// Document, for glTF.
     pub document: Option<GltfDocument>,
+    /// Lines, for OBJ.
+    pub obj: Option<ObjLines>,
     /// Pieces in file order. Vertices of worn pieces, in this order, are counted by `VertexIndex`.
     pub pieces: Vec<SourcePiece>,
 }

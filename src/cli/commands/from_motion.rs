@@ -3,7 +3,7 @@
 
 use crate::cli::args::mesh::MeshArgs;
 use crate::cli::args::run::RunArgs;
-use crate::cli::args::values::{glb_path, positive};
+use crate::cli::args::values::{Metres, glb_path, positive, unit};
 use crate::cli::commands::worn_job::{SideFiles, WornJob, WornResult};
 use crate::cli::files::frame_sequence::read_frames;
 use crate::cli::files::input;
@@ -12,10 +12,11 @@ use crease::bake::{BakeResult, GarmentMotion, memory_from_motion};
 use crease::body::rig::{ClipTime, Rig};
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
 use crease::files::GarmentFile;
-use crease::garment::{SourceAsset, SourcePiece};
+use crease::garment::{Garment, SourceAsset, SourcePiece};
 use crease::io::gltf::read_rig;
-use crease::io::{ReadOptions, Sidecar, sequence_from_assets};
+use crease::io::{ReadOptions, Sidecar, frames_misfit, sequence_from_assets};
 use crease::math::Vec3;
+use crease::mesh::PointIndex;
 use crease::mesh::intersections::self_intersections;
 use crease::report::{Report, crossing_counts};
 use crease::{Error, Result};
@@ -41,6 +42,9 @@ pub struct Arguments {
     /// Frames per second: of a folder (required), or at which a clip is sampled [default: 30]
     #[arg(long, value_name = "N", value_parser = positive)]
     fps: Option<f64>,
+    /// Unit of the frames beside --mesh: m, dm, cm, mm, in or metres [default: metres, as frames of a bake]
+    #[arg(long, value_name = "UNIT", value_parser = unit, requires = "mesh")]
+    frames_unit: Option<Metres>,
     /// Clip of an animated file: its name, or its number as in clip#2 [default: its first clip]
     #[arg(long, value_name = "NAME")]
     clip: Option<String>,
@@ -170,8 +174,9 @@ impl MotionInput {
             return Err(Error::input(folder, "", message, "give it with --fps"));
         };
         // Frames of a run are in metres; the file of `--mesh` has its own unit.
+        let frames_unit_m = arguments.frames_unit.map_or(1.0, |unit| unit.0);
         let reading = match &arguments.mesh {
-            Some(_) => ReadOptions { unit_m: Some(1.0), ..ReadOptions::default() },
+            Some(_) => ReadOptions { unit_m: Some(frames_unit_m), any_size: true, ..ReadOptions::default() },
             None => arguments.reading.options(),
         };
         let assets = read_frames(&arguments.motion, &reading)?;
@@ -192,6 +197,11 @@ impl MotionInput {
                         are of the garment unless made with --frames-of simulated";
             return Err(Error::input(folder, "", message, help));
         };
+        let ratio = frames.first().and_then(|frame| size_ratio(&mesh.garment, &vertex_of, frame));
+        let misfit = ratio.filter(|_| !arguments.reading.options().any_size);
+        if let Some((message, help)) = misfit.and_then(|ratio| frames_misfit(ratio, frames_unit_m)) {
+            return Err(Error::input(folder, "", message, help));
+        }
         let frame_count = frames.len();
         Ok(Self {
             mesh,
@@ -247,6 +257,19 @@ impl MotionInput {
             frame_count,
         })
     }
+}
+
+/// Returns the mean length of the garment's edges in `frame` over their length in its file; `None` without edges.
+fn size_ratio(garment: &Garment, vertex_of: &[Option<u32>], frame: &[Vec3]) -> Option<f64> {
+    let shown = |p: PointIndex| frame.get((*vertex_of.get(p.at())?)? as usize).copied();
+    let (mut there, mut own) = (0.0, 0.0);
+    for [a, b] in &garment.topology.edges {
+        if let (Some(x), Some(y)) = (shown(*a), shown(*b)) {
+            there += (x - y).norm();
+            own += (garment.points[a.at()] - garment.points[b.at()]).norm();
+        }
+    }
+    (own > 0.0 && there > 0.0).then(|| there / own)
 }
 
 /// Returns per point of the garment its vertex in `frame`, whose numbering may differ: triangles are matched corner by

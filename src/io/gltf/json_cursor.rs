@@ -83,6 +83,16 @@ impl<'a> Cursor<'a> {
         self.member(key).as_text()
     }
 
+    /// Returns whether the value is a list.
+    pub(super) fn is_list(&self) -> bool {
+        self.value.is_some_and(Value::is_array)
+    }
+
+    /// Returns whether the value is an object.
+    pub(super) fn is_object(&self) -> bool {
+        self.value.is_some_and(Value::is_object)
+    }
+
     /// Returns whether the value is `true`.
     pub(super) fn as_flag(&self) -> bool {
         self.value.and_then(Value::as_bool).unwrap_or(false)

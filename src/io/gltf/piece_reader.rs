@@ -1,6 +1,5 @@
 //! Reads the pieces of a glTF document: every primitive that the scene shows, with placement, joints and names.
 
-use crate::Result;
 use crate::garment::{ImportDiagnostic, Placement, Severity, SourceJoint, SourcePiece};
 use crate::io::error_list::ErrorList;
 use crate::io::gltf::accessor::Accessors;
@@ -10,9 +9,10 @@ use crate::io::gltf::names::{DRACO_EXTENSION, INSTANCING_EXTENSION};
 use crate::io::gltf::primitive::{MaskChannel, MeshData, PrimitiveData, read_primitive};
 use crate::io::gltf::scene::Scene;
 use crate::io::gltf::skin::skinned_vertices;
-use crate::io::pieces::{NamedPiece, ReadPieces};
+use crate::io::pieces::{DamagedPiece, NamedPiece, ReadPieces};
 use crate::io::tuning::TUNING;
 use crate::math::{Mat3, Mat4};
+use crate::{Error, Result};
 
 /// Reader of the pieces of one document.
 pub(super) struct PieceReader<'a> {
@@ -47,7 +47,13 @@ impl<'a> PieceReader<'a> {
             to_scene,
             mask: None,
             errors,
-            read: ReadPieces { pieces: Vec::new(), document: None, diagnostics: Vec::new() },
+            read: ReadPieces {
+                pieces: Vec::new(),
+                damaged: Vec::new(),
+                document: None,
+                obj: None,
+                diagnostics: Vec::new(),
+            },
         }
     }
 
@@ -119,8 +125,13 @@ impl<'a> PieceReader<'a> {
         for number in 0..cursor.length("primitives") {
             let primitive = cursor.entry("primitives", number);
             let result = self.read_piece(node, mesh, number, &primitive, &weights);
-            if let Some(Some(piece)) = self.errors.take(result) {
-                self.read.pieces.push(piece);
+            match result {
+                Ok(piece) => self.read.pieces.extend(piece),
+                Err(Error::Input(errors)) => {
+                    let names = self.names(node, mesh, &primitive);
+                    self.read.damaged.push(DamagedPiece { names, errors });
+                }
+                Err(other) => self.errors.push(primitive.path(), other.to_string(), ""),
             }
         }
     }
@@ -207,7 +218,11 @@ impl<'a> PieceReader<'a> {
             }
             let transforms: Vec<Mat4> = skinned.transforms.iter().map(|m| self.to_scene * m).collect();
             if let Some(vertex) = transforms.iter().position(is_degenerate) {
-                return Err(primitive.error(format!("its skin flattens vertex {vertex}")));
+                let message = match skinned.joints.iter().find_map(|&joint| self.scene.fault_above(joint)) {
+                    Some(fault) => fault,
+                    None => format!("its skin flattens vertex {vertex}"),
+                };
+                return Err(primitive.error(message));
             }
             let name =
                 |node: usize| self.root.entry("nodes", node).text("name").unwrap_or_default().to_owned();
@@ -234,7 +249,11 @@ impl<'a> PieceReader<'a> {
         }
         let transform = self.to_scene * self.scene.worlds.get(node).copied().unwrap_or_else(Mat4::identity);
         if is_degenerate(&transform) {
-            return Err(cursor.error("its transform, with those above it, flattens the mesh"));
+            let message = match self.scene.fault_above(node) {
+                Some(fault) => fault,
+                None => "its transform, with those above it, flattens the mesh".to_owned(),
+            };
+            return Err(cursor.error(message));
         }
         Ok((Placement::Rigid(transform), Vec::new()))
     }

@@ -150,9 +150,8 @@ fn read_mask(
             mask.component
         )));
     }
-    let scale =
-        |row: &[f64]| row.get(mask.component).filter(|x| x.is_finite()).map_or(1.0, |x| x.clamp(0.0, 1.0));
-    Ok(Some(table.rows().map(scale).collect()))
+    let value = |row: &[f64]| row.get(mask.component).copied().unwrap_or(1.0);
+    Ok(Some(table.rows().map(value).collect()))
 }
 
 /// Converts a triangle list (4), strip (5) or fan (6) to consistently oriented triangles; also returns the number of

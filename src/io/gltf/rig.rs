@@ -7,7 +7,7 @@
 use crate::Result;
 use crate::body::clip::{AnimatedProperty, Channel, Clip, Interpolation};
 use crate::body::rig::{JointInfluence, MorphWeights, Rig, RigPiece, SkinBinding, normalise_weights};
-use crate::body::skeleton::{Skeleton, SkeletonNode};
+use crate::body::skeleton::{NodeTransform, Skeleton, SkeletonNode};
 use crate::garment::{SourceAsset, SourcePiece};
 use crate::io::error_list::ErrorList;
 use crate::io::gltf::accessor::Accessors;
@@ -17,7 +17,7 @@ use crate::io::gltf::scene::read_node_transform;
 use crate::io::gltf::skin::{influence_sets, read_joints};
 use crate::io::pieces::to_scene;
 use crate::io::tuning::TUNING;
-use crate::math::Vec3;
+use crate::math::{Mat4, Vec3};
 
 /// Reads the rig of `pieces` of `asset`; `None` if the asset is not glTF.
 pub fn read_rig(asset: &SourceAsset, pieces: &[&SourcePiece]) -> Result<Option<Rig>> {
@@ -58,13 +58,10 @@ impl RigReader<'_> {
         }
         let mut nodes = Vec::with_capacity(cursors.len());
         for (node, parent) in cursors.iter().zip(parents) {
-            if let Some(rest) = self.errors.take(read_node_transform(node)) {
-                nodes.push(SkeletonNode {
-                    name: node.text("name").unwrap_or_default().to_owned(),
-                    parent,
-                    rest,
-                });
-            }
+            // The reader of pieces has refused those that depend on a node without a transform.
+            let rest = read_node_transform(node).unwrap_or(NodeTransform::Matrix(Mat4::zeros()));
+            let name = node.text("name").unwrap_or_default().to_owned();
+            nodes.push(SkeletonNode { name, parent, rest });
         }
         Skeleton::new(nodes)
     }

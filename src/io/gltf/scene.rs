@@ -17,6 +17,9 @@ pub(super) struct Scene {
     pub(super) parents: Vec<Option<usize>>,
     /// Per node: whether the default scene shows it.
     pub(super) shown: Vec<bool>,
+    /// Per node: the reason why its transform cannot be read. It then flattens everything below it, and only a mesh that
+    /// depends on it is refused.
+    faults: Vec<Option<String>>,
 }
 
 impl Scene {
@@ -24,8 +27,12 @@ impl Scene {
     pub(super) fn read(root: &Cursor) -> Result<Self> {
         let nodes = root.entries("nodes");
         let parents = read_parents(&nodes)?;
-        let locals: Vec<Mat4> =
-            nodes.iter().map(|node| Ok(read_node_transform(node)?.matrix())).collect::<Result<_>>()?;
+        let (mut locals, mut faults) = (Vec::new(), Vec::new());
+        for node in &nodes {
+            let read = read_node_transform(node);
+            faults.push(read.as_ref().err().map(ToString::to_string));
+            locals.push(read.map_or_else(|_| Mat4::zeros(), |transform| transform.matrix()));
+        }
         let order = parents_first(&nodes, &parents)?;
         let mut worlds = locals;
         for &node in &order {
@@ -39,7 +46,13 @@ impl Scene {
                 shown[node] |= shown[parent];
             }
         }
-        Ok(Self { worlds, parents, shown })
+        Ok(Self { worlds, parents, shown, faults })
+    }
+
+    /// Returns the fault of the transform of `node`, or of the nearest node above it that has one.
+    pub(super) fn fault_above(&self, node: usize) -> Option<String> {
+        let mut chain = std::iter::successors(Some(node), |up| self.parents.get(*up).copied().flatten());
+        chain.find_map(|up| self.faults.get(up).cloned().flatten())
     }
 }
 

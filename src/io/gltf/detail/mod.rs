@@ -159,6 +159,8 @@ fn read_back(glb: &[u8], asset: &SourceAsset, detail: &DetailInput) -> Result<So
     let options = ReadOptions {
         unit_m: Some(if is_gltf { asset.unit_m } else { 1.0 }),
         up: is_gltf.then_some(asset.up),
+        any_size: true,
+        skip_damaged: true,
         ..ReadOptions::default()
     };
     let mut nothing = |name: &str| Err(Error::input(&asset.file, name, "is an external file", ""));
