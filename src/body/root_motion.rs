@@ -3,7 +3,7 @@
 //! The root is the lowest node above all nodes that move vertices. Its motion relative to the pose of the file, without the
 //! tilt, is a rotation about the vertical and a translation. Poses in place have it removed: seen from the root, the garment
 //! has the same wear, and the cloth need not be carried by friction at the speed of a walk. What is lost are the forces of
-//! inertia in a moving frame: a skirt does not swing out when its wearer turns.
+//! inertia in a moving frame: a skirt does not swing out when the body turns.
 
 use crate::body::clip::Clip;
 use crate::body::rig::Rig;

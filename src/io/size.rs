@@ -60,7 +60,7 @@ pub fn unit_that_divides(unit_m: f64, ratio: f64) -> Option<&'static str> {
 
 /// Returns an error message and its help if frames are `ratio` times as large as their garment by the length of edges;
 /// `unit_m` is the unit in which they were read.
-pub fn frames_misfit(ratio: f64, unit_m: f64) -> Option<(String, String)> {
+pub fn compare_frame_size(ratio: f64, unit_m: f64) -> Option<(String, String)> {
     if TUNING.frame_ratio.contains(&ratio) {
         return None;
     }
@@ -78,7 +78,7 @@ pub fn frames_misfit(ratio: f64, unit_m: f64) -> Option<(String, String)> {
 
 /// Returns a warning if a body does not fit a garment in size or axis. `garment` and `body` are the corners of their boxes [m];
 /// `body_unit_m` is the unit in which the body was read.
-pub fn body_misfit(garment: (Vec3, Vec3), body: (Vec3, Vec3), body_unit_m: f64) -> Option<String> {
+pub fn compare_body_size(garment: (Vec3, Vec3), body: (Vec3, Vec3), body_unit_m: f64) -> Option<String> {
     let (own, other) = (garment.1 - garment.0, body.1 - body.0);
     let ratio = other.max() / own.max();
     if !TUNING.body_ratio.contains(&ratio) {
@@ -114,7 +114,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_unit_of_a_misfit_is_found() {
+    fn the_unit_of_a_wrong_size_is_found() {
         assert_eq!(unit_that_divides(1.0, 98.0), Some("cm"));
         assert_eq!(unit_that_divides(0.01, 0.012), Some("m"));
         assert_eq!(unit_that_divides(1.0, 41.0), Some("in"));
@@ -125,13 +125,13 @@ mod tests {
     fn a_body_of_another_unit_or_axis_is_told() {
         let shirt = (Vec3::new(-0.3, 0.8, -0.1), Vec3::new(0.3, 1.5, 0.1));
         let person = (Vec3::new(-0.8, 0.0, -0.2), Vec3::new(0.8, 1.75, 0.2));
-        assert_eq!(body_misfit(shirt, person, 1.0), None);
-        let message = body_misfit(shirt, (person.0 * 100.0, person.1 * 100.0), 1.0).expect("too large");
+        assert_eq!(compare_body_size(shirt, person, 1.0), None);
+        let message = compare_body_size(shirt, (person.0 * 100.0, person.1 * 100.0), 1.0).expect("too large");
         assert!(message.contains("--body-unit cm"), "{message}");
-        let message = body_misfit(shirt, (person.0 * 0.01, person.1 * 0.01), 0.01).expect("too small");
+        let message = compare_body_size(shirt, (person.0 * 0.01, person.1 * 0.01), 0.01).expect("too small");
         assert!(message.contains("--body-unit m"), "{message}");
         let lying = (Vec3::new(-0.8, -0.2, -1.75), Vec3::new(0.8, 0.2, 0.0));
-        let upright = body_misfit(shirt, lying, 1.0).expect("another axis");
+        let upright = compare_body_size(shirt, lying, 1.0).expect("another axis");
         assert!(upright.contains("--body-up"), "{upright}");
     }
 }

@@ -9,7 +9,7 @@ use clap::Args;
 use crease::body::AnimatedBody;
 use crease::files::{GarmentFile, read_asset_file};
 use crease::garment::{Severity, SourceAsset, SourceFormat, SourcePiece, UpAxis};
-use crease::io::{ReadOptions, body_misfit};
+use crease::io::{ReadOptions, compare_body_size};
 use crease::{Error, Result};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -64,8 +64,8 @@ impl BodyArgs {
             body
         };
         let unit_m = if same { mesh.asset.unit_m } else { reading.unit_m.unwrap_or(1.0) };
-        let misfit = mesh.asset.worn_bounds().zip(body.bounds());
-        if let Some(note) = misfit.and_then(|(garment, own)| body_misfit(garment, own, unit_m)) {
+        let boxes = mesh.asset.worn_bounds().zip(body.bounds());
+        if let Some(note) = boxes.and_then(|(garment, own)| compare_body_size(garment, own, unit_m)) {
             body.add_note(format!("{}: {note}", body.file));
         }
         Ok(Some(Arc::new(body)))

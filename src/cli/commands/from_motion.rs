@@ -14,7 +14,7 @@ use crease::fabric::{DEFAULT_FABRIC, Fabric};
 use crease::files::GarmentFile;
 use crease::garment::{Garment, SourceAsset, SourcePiece};
 use crease::io::gltf::read_rig;
-use crease::io::{ReadOptions, Sidecar, frames_misfit, sequence_from_assets};
+use crease::io::{ReadOptions, Sidecar, compare_frame_size, sequence_from_assets};
 use crease::math::Vec3;
 use crease::mesh::PointIndex;
 use crease::mesh::intersections::self_intersections;
@@ -198,8 +198,8 @@ impl MotionInput {
             return Err(Error::input(folder, "", message, help));
         };
         let ratio = frames.first().and_then(|frame| size_ratio(&mesh.garment, &vertex_of, frame));
-        let misfit = ratio.filter(|_| !arguments.reading.options().any_size);
-        if let Some((message, help)) = misfit.and_then(|ratio| frames_misfit(ratio, frames_unit_m)) {
+        let checked = ratio.filter(|_| !arguments.reading.options().any_size);
+        if let Some((message, help)) = checked.and_then(|ratio| compare_frame_size(ratio, frames_unit_m)) {
             return Err(Error::input(folder, "", message, help));
         }
         let frame_count = frames.len();

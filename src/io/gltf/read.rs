@@ -100,7 +100,7 @@ fn check_extensions(root: &Cursor, errors: &mut ErrorList) {
     }
 }
 
-/// Reports lists that are no lists and meshes without primitives: read as empty, they would only show as missing triangles.
+/// Reports lists that are no lists and documents without meshes: read as empty, they would only show as missing triangles.
 fn check_structure(root: &Cursor, errors: &mut ErrorList) {
     let help = "export the file again, or correct it at this location";
     for list in [
@@ -121,11 +121,6 @@ fn check_structure(root: &Cursor, errors: &mut ErrorList) {
         for entry in root.entries(list).iter().filter(|entry| !entry.is_object()) {
             errors.push(entry.path(), "is not an object", help);
         }
-    }
-    for mesh in
-        root.entries("meshes").iter().filter(|mesh| mesh.is_object() && mesh.length("primitives") == 0)
-    {
-        errors.push(mesh.path(), "has no primitives, and so no triangles", help);
     }
     let shows_mesh = root.entries("nodes").iter().any(|node| node.member("mesh").exists());
     if root.length("meshes") == 0 {
