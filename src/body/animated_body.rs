@@ -18,6 +18,8 @@ use std::sync::Arc;
 
 /// Vertices nearer to each other than this are one point [m].
 const WELD_DISTANCE: f64 = 1e-6;
+/// Travel of a sequence of frames above which it is told [m].
+const MAX_FRAME_TRAVEL: f64 = 0.3;
 /// Name of the only clip of a sequence of frames.
 pub const FRAMES_CLIP: &str = "frames";
 
@@ -207,6 +209,33 @@ impl AnimatedBody {
             BodyMotion::Rig(rig) => rig.clips.get(clip).map_or(0.0, Clip::length),
             BodyMotion::Sequence(sequence) => sequence.length(),
         }
+    }
+
+    /// Returns what is doubtful about playing a clip: that it moves nothing, that it changes morph targets, which poses do not
+    /// have, or that its frames carry the body away.
+    pub fn clip_doubts(&self, clip: usize) -> Vec<String> {
+        let mut doubts = Vec::new();
+        match &self.motion {
+            BodyMotion::Still => {}
+            BodyMotion::Sequence(sequence) => {
+                let travel = sequence.travel();
+                if travel > MAX_FRAME_TRAVEL {
+                    doubts.push(format!(
+                        "its frames carry the body {travel:.2} m away, and the cloth follows by contact alone: export them in place"
+                    ));
+                }
+            }
+            BodyMotion::Rig(rig) => {
+                let Some(own) = rig.clips.get(clip) else { return doubts };
+                if !rig.is_moved_by(own, false) {
+                    doubts.push("it moves nothing of the body".to_owned());
+                }
+                if rig.is_morphed_by(own) {
+                    doubts.push("its changes of morph targets are not played".to_owned());
+                }
+            }
+        }
+        doubts
     }
 
     /// Returns the root motion of a clip, if it does not stay in place.

@@ -147,6 +147,16 @@ impl Rig {
         clip.channels.iter().any(|channel| of_piece(channel) && channel.range() > MIN_CHANGE)
     }
 
+    /// Returns whether `clip` changes morph targets of the meshes.
+    pub fn is_morphed_by(&self, clip: &Clip) -> bool {
+        let morphs = |channel: &Channel| {
+            channel.target == AnimatedProperty::Weights
+                && channel.range() > MIN_CHANGE
+                && self.pieces.iter().any(|piece| piece.is_morphed_at(channel.node))
+        };
+        clip.channels.iter().any(morphs)
+    }
+
     /// Returns the clip called `wanted`, or numbered so; of several of that name the one that moves vertices
     /// ([`Rig::is_moved_by`]).
     pub fn find_clip(&self, wanted: &str, with_weights: bool) -> Result<usize, LookupError> {

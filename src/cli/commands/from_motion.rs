@@ -45,7 +45,7 @@ pub struct Arguments {
     /// Unit of the frames beside --mesh: m, dm, cm, mm, in or metres [default: metres, as frames of a bake]
     #[arg(long, value_name = "UNIT", value_parser = unit, requires = "mesh")]
     frames_unit: Option<Metres>,
-    /// Clip of an animated file: its name, or its number as in clip#2 [default: its first clip]
+    /// Clip of an animated file: its name, or its number as in clip#2 [default: the first that moves the garment]
     #[arg(long, value_name = "NAME")]
     clip: Option<String>,
     /// Repetitions of the motion
@@ -229,8 +229,12 @@ impl MotionInput {
         };
         let refuse =
             |message: String, help: String| Err(Error::input(file.clone(), "animations", message, help));
-        let wanted = arguments.clip.as_deref().unwrap_or("clip#0");
-        let clip = match rig.find_clip(wanted, true) {
+        if rig.clips.is_empty() {
+            return refuse("the file has no clips".to_owned(), "export it with its animation".to_owned());
+        }
+        let moving = rig.clips.iter().position(|clip| rig.is_moved_by(clip, true)).unwrap_or(0);
+        let wanted = arguments.clip.clone().unwrap_or_else(|| format!("clip#{moving}"));
+        let clip = match rig.find_clip(&wanted, true) {
             Ok(clip) => clip,
             Err(error) => return refuse(format!("the file has {}", error.message), error.help),
         };

@@ -93,7 +93,11 @@ impl WearAction for Play {
                 body.node_name(root.node)
             )
         };
-        root.map(note).into_iter().collect()
+        let doubts = body.clip_doubts(clip).into_iter();
+        root.map(note)
+            .into_iter()
+            .chain(doubts.map(|doubt| format!("the clip \"{}\": {doubt}", self.clip)))
+            .collect()
     }
 
     fn body_poses(&self, body: &AnimatedBody, _from: &BodyPose) -> Vec<BodyPose> {
