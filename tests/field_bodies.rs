@@ -243,7 +243,7 @@ fn every_file_has_its_own_unit_and_axis() {
         let line = format!(
             "bake cloth.obj --wear w.json -o out.glb --quiet --up z --body bar.obj --quality draft {options}"
         );
-        let (_, error, code) = crease_in(folder.path(), &line);
+        let (_, error, code) = crease_in(folder.path(), line.trim());
         assert!(code == 0 || code == 3, "{options}: {error}");
         let report = std::fs::read_to_string(folder.path().join("out.report.json")).expect("is written");
         let report: serde_json::Value = serde_json::from_str(&report).expect("is JSON");
@@ -268,7 +268,7 @@ fn every_file_has_its_own_unit_and_axis() {
     }
     let remember = |options: &str| {
         let line = format!("from-motion frames --mesh cloth.obj --fps 10 -o out.glb --quiet {options}");
-        let (_, error, code) = crease_in(folder.path(), &line);
+        let (_, error, code) = crease_in(folder.path(), line.trim());
         (error, code)
     };
     let (error, code) = remember("");

@@ -121,8 +121,8 @@ impl Rig {
             if is_unique && !name.is_empty() {
                 return name.clone();
             }
-            let mut up = self.skeleton.ancestors(node).filter(|&up| !nodes[up].name.is_empty());
-            let above = match up.find(|&up| nodes[up].name != *name) {
+            // The top of the tree tells two armatures apart.
+            let above = match self.skeleton.ancestors(node).filter(|&up| !nodes[up].name.is_empty()).last() {
                 Some(up) => format!(" under \"{}\"", nodes[up].name),
                 None => String::new(),
             };

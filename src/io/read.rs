@@ -187,7 +187,7 @@ fn check_damaged(
         let is_called = |label: &&str| {
             piece.names.iter().any(|name| name == label || label.starts_with(&format!("{name}:")))
         };
-        let is_asked_for = labels.as_ref().is_none_or(|labels| labels.iter().any(|label| is_called(label)));
+        let is_asked_for = labels.as_ref().is_none_or(|labels| labels.iter().any(is_called));
         if is_asked_for && !(options.skip_damaged && has_others) {
             for error in piece.errors {
                 let help = match garment {
