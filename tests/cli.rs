@@ -449,8 +449,10 @@ fn inspect_tells_what_is_in_a_file() {
     let (out, err, code) = run_in(workshop.path(), "inspect handkerchief.obj --garment sock");
     assert_eq!((out.as_str(), code), ("", 1));
     assert!(err.contains("no garment called \"sock\""), "{err}");
-    // A handkerchief of 0.2 mm is accepted, since the unit is explicit.
-    assert_eq!(run_in(workshop.path(), "inspect handkerchief.obj --unit mm").2, 0);
+    // A handkerchief of 0.2 mm is refused whatever the unit, and accepted on request.
+    let (_, err, code) = run_in(workshop.path(), "inspect handkerchief.obj --unit mm");
+    assert!(code == 1 && err.contains("--force-size"), "{err}");
+    assert_eq!(run_in(workshop.path(), "inspect handkerchief.obj --unit mm --force-size").2, 0);
 }
 
 #[test]

@@ -45,7 +45,7 @@ fn import(path: &Path, options: &ReadOptions) -> crease::Result<(Garment, Inspec
 }
 
 fn in_unit(unit_m: f64) -> ReadOptions {
-    ReadOptions { unit_m: Some(unit_m), ..ReadOptions::default() }
+    ReadOptions { unit_m: Some(unit_m), any_size: true, ..ReadOptions::default() }
 }
 
 /// Expected outcome of a file.

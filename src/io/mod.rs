@@ -25,5 +25,5 @@ pub use sidecar::{
     SIDECAR_FORMAT, Sidecar, SidecarChecksums, SidecarHinges, SidecarJoint, SidecarMesh, SidecarPoints,
     SidecarSource, SidecarTriangles, SidecarUp, read_sidecar, write_sidecar,
 };
-pub use size::{compare_body_size, compare_frame_size, unit_that_divides};
+pub use size::{compare_body_size, compare_frame_size};
 pub use usda::{UsdaMemory, read_usda, wrapped_deg, write_usda};

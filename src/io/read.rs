@@ -99,7 +99,9 @@ pub fn read_asset(
         pieces: pieces.into_iter().map(|named| named.piece).collect(),
     };
     check_coordinates(&asset)?;
-    read.diagnostics.extend(check_size(&asset, options)?);
+    if !options.any_size {
+        read.diagnostics.extend(check_size(&asset, options.unit_m.is_some())?);
+    }
     read.diagnostics.extend(gltf::earlier_wear(&asset));
     Ok((asset, read.diagnostics))
 }

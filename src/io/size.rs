@@ -2,7 +2,6 @@
 //! wrong results.
 
 use crate::garment::{ImportDiagnostic, Severity, SourceAsset};
-use crate::io::ReadOptions;
 use crate::io::tuning::TUNING;
 use crate::math::Vec3;
 use crate::{Error, Result};
@@ -10,9 +9,8 @@ use crate::{Error, Result};
 /// Units that a file may be in, and their lengths [m].
 const UNITS: [(&str, f64); 5] = [("m", 1.0), ("dm", 0.1), ("cm", 0.01), ("mm", 0.001), ("in", 0.0254)];
 
-/// Rejects a garment of a size that no garment has, unless `options` allow any; also returns a warning about a size that is
-/// rare, where no unit was given.
-pub(super) fn check_size(asset: &SourceAsset, options: &ReadOptions) -> Result<Option<ImportDiagnostic>> {
+/// Rejects a garment of a size that no garment has; returns a warning about one that is rare, unless its unit was given.
+pub(super) fn check_size(asset: &SourceAsset, unit_is_given: bool) -> Result<Option<ImportDiagnostic>> {
     let Some((low, high)) = asset.worn_bounds() else { return Ok(None) };
     let size = high - low;
     let units = size / asset.unit_m;
@@ -23,11 +21,8 @@ pub(super) fn check_size(asset: &SourceAsset, options: &ReadOptions) -> Result<O
         .map(|(name, unit)| format!("--unit {name} makes it {:.2} m", longest * unit))
         .collect();
     let hint = if fits.is_empty() { String::new() } else { format!("; {}", fits.join(", ")) };
-    if options.any_size {
-        return Ok(None);
-    }
     if TUNING.garment_side_m.contains(&size.max()) {
-        let is_questionable = options.unit_m.is_none() && !TUNING.usual_garment_side_m.contains(&size.max());
+        let is_questionable = !unit_is_given && !TUNING.usual_garment_side_m.contains(&size.max());
         return Ok(is_questionable.then(|| ImportDiagnostic {
             severity: Severity::Warning,
             location: String::new(),
@@ -51,11 +46,19 @@ pub(super) fn check_size(asset: &SourceAsset, options: &ReadOptions) -> Result<O
 }
 
 /// Returns the unit in which a file read in units of `unit_m` [m] is smaller by about `ratio`.
-pub fn unit_that_divides(unit_m: f64, ratio: f64) -> Option<&'static str> {
+fn unit_that_divides(unit_m: f64, ratio: f64) -> Option<&'static str> {
     let wanted = unit_m / ratio;
     let distance = |(_, unit): &&(&str, f64)| (unit / wanted).ln().abs();
     let nearest = UNITS.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
     (distance(&nearest) < TUNING.unit_ratio_tol.ln()).then_some(nearest.0)
+}
+
+/// Returns the unit in which a body is as large over its garment as bodies are; `ratio` is that in units of `unit_m` [m].
+fn unit_of_body(unit_m: f64, ratio: f64) -> Option<&'static str> {
+    let in_unit = |unit: f64| ratio * unit / unit_m;
+    let distance = |unit: f64| (in_unit(unit) / TUNING.usual_body_ratio).ln().abs();
+    let possible = UNITS.iter().filter(|(_, unit)| TUNING.body_ratio.contains(&in_unit(*unit)));
+    possible.min_by(|a, b| distance(a.1).total_cmp(&distance(b.1))).map(|(name, _)| *name)
 }
 
 /// Returns an error message and its help if frames are `ratio` times as large as their garment by the length of edges;
@@ -82,11 +85,10 @@ pub fn compare_body_size(garment: (Vec3, Vec3), body: (Vec3, Vec3), body_unit_m:
     let (own, other) = (garment.1 - garment.0, body.1 - body.0);
     let ratio = other.max() / own.max();
     if !TUNING.body_ratio.contains(&ratio) {
-        let usual = if ratio > 1.0 { TUNING.usual_body_ratio } else { 1.0 };
-        let unit = unit_that_divides(body_unit_m, ratio / usual);
-        let advice = unit.map_or("check the unit of both".to_owned(), |unit| {
-            format!("its unit may be {unit}: --body-unit {unit}")
-        });
+        let advice = match unit_of_body(body_unit_m, ratio) {
+            Some(unit) => format!("its unit may be {unit}: --body-unit {unit}"),
+            None => "check the unit of both".to_owned(),
+        };
         return Some(format!(
             "the body is {:.2} m long and the garment {:.2} m: one of them has another unit than it was read in; {advice}",
             other.max(),
