@@ -17,7 +17,7 @@ use serde_json::Value;
 /// Reads a mesh file as `crease inspect` does and writes it as `crease bake` does. `resolve` returns the files it refers to.
 pub fn mesh(name: &str, bytes: &[u8], resolve: &mut dyn FnMut(&str) -> Result<Vec<u8>>) -> Result<()> {
     // With a stated unit sizes are not checked and more of the file is read.
-    let options = ReadOptions { unit_m: Some(1.0), ..ReadOptions::default() };
+    let options = ReadOptions { unit_m: Some(1.0), any_size: true, ..ReadOptions::default() };
     let (asset, diagnostics) = read_asset(name, bytes, &options, resolve)?;
     let (garment, more) = Garment::from_asset(&asset)?;
     let _ = inspect(&asset, &garment, &[diagnostics, more].concat()).to_text();

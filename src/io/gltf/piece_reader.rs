@@ -218,11 +218,10 @@ impl<'a> PieceReader<'a> {
             }
             let transforms: Vec<Mat4> = skinned.transforms.iter().map(|m| self.to_scene * m).collect();
             if let Some(vertex) = transforms.iter().position(is_degenerate) {
-                let message = match skinned.joints.iter().find_map(|&joint| self.scene.fault_above(joint)) {
-                    Some(fault) => fault,
-                    None => format!("its skin flattens vertex {vertex}"),
-                };
-                return Err(primitive.error(message));
+                let fault = skinned.joints.iter().find_map(|&joint| self.scene.fault_above(joint));
+                return Err(
+                    fault.unwrap_or_else(|| primitive.error(format!("its skin flattens vertex {vertex}")))
+                );
             }
             let name =
                 |node: usize| self.root.entry("nodes", node).text("name").unwrap_or_default().to_owned();
@@ -249,11 +248,9 @@ impl<'a> PieceReader<'a> {
         }
         let transform = self.to_scene * self.scene.worlds.get(node).copied().unwrap_or_else(Mat4::identity);
         if is_degenerate(&transform) {
-            let message = match self.scene.fault_above(node) {
-                Some(fault) => fault,
-                None => "its transform, with those above it, flattens the mesh".to_owned(),
-            };
-            return Err(cursor.error(message));
+            let fault = self.scene.fault_above(node);
+            return Err(fault
+                .unwrap_or_else(|| cursor.error("its transform, with those above it, flattens the mesh")));
         }
         Ok((Placement::Rigid(transform), Vec::new()))
     }

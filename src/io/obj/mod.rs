@@ -324,9 +324,10 @@ mod tests {
         let (asset, _) = read_with(text, &options).unwrap();
         let top = asset.pieces[0].scene_position(2).unwrap();
         assert!((top - Vec3::y()).norm() < 1e-15, "the file's z is up: {top}");
-        // An implausible size is accepted if the unit is given.
+        // An implausible size is refused whatever the unit, and accepted on request.
         let options = ReadOptions { unit_m: Some(1.0), ..ReadOptions::default() };
-        assert!(read_with(text, &options).is_ok());
+        assert!(read_with(text, &options).is_err());
+        assert!(read_with(text, &ReadOptions { any_size: true, ..options }).is_ok());
         for unit in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             let options = ReadOptions { unit_m: Some(unit), ..ReadOptions::default() };
             assert!(read_with(text, &options).is_err());
