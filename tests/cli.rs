@@ -378,7 +378,7 @@ fn a_crease_is_the_same_whatever_the_triangles_are() {
 
 /// The worn target is there, switched on, and moves something.
 fn check_worn_glb(bytes: &[u8]) {
-    let options = crease::io::ReadOptions { unit_m: Some(1.0), ..Default::default() };
+    let options = crease::io::ReadOptions { unit_m: Some(1.0), any_size: true, ..Default::default() };
     let mut nothing = |name: &str| Err(crease::Error::input(name, "", "is not asked for", ""));
     let (mut asset, _) =
         crease::io::read_asset("one.glb", bytes, &options, &mut nothing).expect("reads back");
@@ -397,7 +397,7 @@ fn check_worn_glb(bytes: &[u8]) {
 
 /// The drawn data is the same with the sidecar and from the file alone, up to single precision.
 fn check_views(glb: &[u8], sidecar: &[u8]) {
-    let options = crease::io::ReadOptions { unit_m: Some(1.0), ..Default::default() };
+    let options = crease::io::ReadOptions { unit_m: Some(1.0), any_size: true, ..Default::default() };
     let mut nothing = |name: &str| Err(crease::Error::input(name, "", "is not asked for", ""));
     let (asset, _) = crease::io::read_asset("one.glb", glb, &options, &mut nothing).expect("reads back");
     let sidecar = crease::io::read_sidecar("one.crease.json", sidecar).expect("reads back");
@@ -456,8 +456,10 @@ fn inspect_tells_what_is_in_a_file() {
     let (out, err, code) = run_in(workshop.path(), "inspect handkerchief.obj --garment sock");
     assert_eq!((out.as_str(), code), ("", 1));
     assert!(err.contains("no garment called \"sock\""), "{err}");
-    // A handkerchief of 0.2 mm is accepted, since the unit is explicit.
-    assert_eq!(run_in(workshop.path(), "inspect handkerchief.obj --unit mm").2, 0);
+    // A handkerchief of 0.2 mm is refused whatever the unit, and accepted on request.
+    let (_, err, code) = run_in(workshop.path(), "inspect handkerchief.obj --unit mm");
+    assert!(code == 1 && err.contains("--force-size"), "{err}");
+    assert_eq!(run_in(workshop.path(), "inspect handkerchief.obj --unit mm --force-size").2, 0);
 }
 
 #[test]

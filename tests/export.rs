@@ -379,7 +379,7 @@ fn several_buffers_become_one_and_keep_their_bytes() {
     ]);
     let bytes = d.bytes[..first].to_vec();
     let mut resolve = |uri: &str| Ok(if uri == "mesh data.bin" { bytes.clone() } else { b"abc".to_vec() });
-    let options = ReadOptions { unit_m: Some(1.0), ..Default::default() };
+    let options = ReadOptions { unit_m: Some(1.0), any_size: true, ..Default::default() };
     let text = d.json.to_string();
     let (asset, _) = read_asset("several.gltf", text.as_bytes(), &options, &mut resolve).unwrap();
     let (json, _) = split_glb(&wear_asset_keeping("several_buffers", &asset)).unwrap();
@@ -455,7 +455,12 @@ const TWO_GROUPS: &str = "v 0 0 0\nv 50 0 0\nv 0 50 0\nv 50 50 10\nv 100 0 0\nv 
 
 #[test]
 fn an_obj_becomes_a_document_in_metres() {
-    let options = ReadOptions { unit_m: Some(0.01), garment: Some("right".into()), ..Default::default() };
+    let options = ReadOptions {
+        unit_m: Some(0.01),
+        any_size: true,
+        garment: Some("right".into()),
+        ..Default::default()
+    };
     let (asset, _) =
         read_asset("dir/shirt.v2.obj", TWO_GROUPS.as_bytes(), &options, &mut |_| Ok(Vec::new())).unwrap();
     let glb = wear_asset("obj", &asset);
@@ -518,7 +523,7 @@ fn real_files_come_back_whole_with_a_worn_target() {
         };
         let folder = path.parent().unwrap();
         let mut resolve = |uri: &str| Ok(std::fs::read(folder.join(uri)).unwrap());
-        let options = ReadOptions { unit_m: Some(unit_m), ..Default::default() };
+        let options = ReadOptions { unit_m: Some(unit_m), any_size: true, ..Default::default() };
         let (asset, _) = read_asset(file, &bytes, &options, &mut resolve).unwrap();
         let (garment, _) = Garment::from_asset(&asset).unwrap();
         wear_garment(path.file_stem().unwrap().to_str().unwrap(), &asset, &garment);

@@ -45,7 +45,7 @@ fn import(path: &Path, options: &ReadOptions) -> crease::Result<(Garment, Inspec
 }
 
 fn in_unit(unit_m: f64) -> ReadOptions {
-    ReadOptions { unit_m: Some(unit_m), ..ReadOptions::default() }
+    ReadOptions { unit_m: Some(unit_m), any_size: true, ..ReadOptions::default() }
 }
 
 /// Expected outcome of a file.
@@ -403,7 +403,7 @@ fn small_gltf() -> Vec<u8> {
 
 /// Reads, builds, inspects; only a panic is an error. Returns whether the file was accepted.
 fn survive(name: &str, bytes: &[u8]) -> bool {
-    let options = ReadOptions { unit_m: Some(1.0), mask: None, ..ReadOptions::default() };
+    let options = ReadOptions { unit_m: Some(1.0), any_size: true, mask: None, ..ReadOptions::default() };
     let read =
         read_asset(name, bytes, &options, &mut |uri| Err(crease::Error::input(uri, "", "not there", "")));
     let Ok((asset, diagnostics)) = read else { return false };

@@ -121,6 +121,8 @@ impl<'a> Run<'a> {
             run.report.warnings.extend(initial_intersections::warning(&run.mesh.garment));
         }
         if let Some(body) = body {
+            run.report.warnings.extend(body.animated.notes().iter().cloned());
+            run.report.warnings.extend(script.body_notes(&body.animated));
             run.put_on(body, resume_from.as_ref().and_then(|(_, checkpoint)| checkpoint.body.as_ref()));
         }
         let position = match resume_from {

@@ -4,17 +4,22 @@
 //! point, so that its surface is closed where it looks closed. `contact` handles contact with the cloth.
 
 use crate::body::clip::Clip;
+use crate::body::lookup::LookupError;
 use crate::body::rig::Rig;
+use crate::body::root_motion::RootMotion;
 use crate::body::sequence::Sequence;
 use crate::body::skeleton::{Pose, interpolate_pose};
 use crate::math::Vec3;
-use crate::mesh::{INVALID, PointIndex, Welder};
+use crate::mesh::orientation::{enclosed_volume, oriented_sheets};
+use crate::mesh::{INVALID, PointIndex, Topology, Welder};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::sync::Arc;
 
 /// Vertices nearer to each other than this are one point [m].
 const WELD_DISTANCE: f64 = 1e-6;
+/// Travel of a sequence of frames above which it is told [m].
+const MAX_FRAME_TRAVEL: f64 = 0.3;
 /// Name of the only clip of a sequence of frames.
 pub const FRAMES_CLIP: &str = "frames";
 
@@ -64,6 +69,8 @@ pub struct AnimatedBody {
     triangles: Vec<[PointIndex; 3]>,
     /// Points in the pose of the file [m].
     start: Vec<Vec3>,
+    /// Properties of the file that the user should know.
+    notes: Vec<String>,
 }
 
 /// Body in a pose.
@@ -93,7 +100,8 @@ impl fmt::Debug for AnimatedBody {
 
 impl AnimatedBody {
     /// Creates a body of `vertices` \[m\] (in the pose of the file, as `motion` gives them) and `triangles` between them.
-    /// Coincident vertices are welded to points.
+    /// Coincident vertices are welded to points. Triangles that face inwards are turned ([`crate::mesh::orientation`]): cloth is
+    /// kept on their outer side.
     pub fn new(
         file: impl Into<String>,
         sha256: impl Into<String>,
@@ -109,15 +117,38 @@ impl AnimatedBody {
             first_vertex[point.at()] = vertex as u32;
         }
         let corner = |v: u32| point_of.get(v as usize).copied().unwrap_or(PointIndex(INVALID));
-        let start = first_vertex.iter().map(|v| vertices[*v as usize]).collect();
-        let triangles = triangles.iter().map(|t| t.map(corner)).collect();
+        let start: Vec<Vec3> = first_vertex.iter().map(|v| vertices[*v as usize]).collect();
+        let mut triangles: Vec<[PointIndex; 3]> = triangles.iter().map(|t| t.map(corner)).collect();
         let (file, sha256) = (file.into(), sha256.into());
-        Self { file, sha256, motion, first_vertex, triangles, start }
+        let flipped = orient_outward(&start, &mut triangles);
+        let notes = if flipped > 0 {
+            let count = triangles.len();
+            vec![format!("{file}: {flipped} of {count} triangles of the body faced inwards: turned outwards")]
+        } else {
+            Vec::new()
+        };
+        Self { file, sha256, motion, first_vertex, triangles, start, notes }
+    }
+
+    /// Returns what the user should know about the file, for the report.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// Adds a note on the file.
+    pub fn add_note(&mut self, note: String) {
+        self.notes.push(note);
     }
 
     /// Returns the points in the pose of the file [m].
     pub fn rest_points(&self) -> &[Vec3] {
         &self.start
+    }
+
+    /// Returns the lowest and highest corner of the bounding box in the pose of the file [m]; `None` without points.
+    pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
+        let corners = self.start.iter().map(|p| (*p, *p));
+        corners.reduce(|(low, high), (p, _)| (low.inf(&p), high.sup(&p)))
     }
 
     /// Returns the triangles between points.
@@ -153,39 +184,110 @@ impl AnimatedBody {
         self.first_vertex.iter().zip(&self.start).map(|(v, start)| position(v).unwrap_or(*start)).collect()
     }
 
-    /// Returns the duration of the clip `name` [s]; `None` if there is no such clip.
-    pub fn clip_length(&self, name: &str) -> Option<f64> {
+    /// Returns the joint called `wanted`, or numbered so (`joint#14`), that moves the body.
+    pub fn find_joint(&self, wanted: &str) -> Result<usize, LookupError> {
         match &self.motion {
-            BodyMotion::Still => None,
-            BodyMotion::Rig(rig) => rig.clip(name).map(Clip::length),
-            BodyMotion::Sequence(sequence) => (name == FRAMES_CLIP).then(|| sequence.length()),
+            BodyMotion::Rig(rig) => rig.find_joint(wanted),
+            _ => Err(LookupError::nothing("joint", wanted)),
         }
     }
 
-    /// Returns the pose at `t` [s] of the clip `name`; `None` if there is no such clip.
-    pub fn clip_pose(&self, name: &str, t: f64) -> Option<BodyPose> {
+    /// Returns the number of the clip called `wanted`, or numbered so (`clip#2`); of several of that name the one that moves
+    /// the body.
+    pub fn find_clip(&self, wanted: &str) -> Result<usize, LookupError> {
         match &self.motion {
-            BodyMotion::Still => None,
-            BodyMotion::Rig(rig) => Some(BodyPose::Joints(rig.clip(name)?.pose(&rig.skeleton.rest(), t))),
-            BodyMotion::Sequence(_) => (name == FRAMES_CLIP).then_some(BodyPose::Time(t)),
+            BodyMotion::Rig(rig) => rig.find_clip(wanted, false),
+            BodyMotion::Sequence(_) if wanted == FRAMES_CLIP => Ok(0),
+            _ => Err(LookupError::nothing("clip", wanted)),
         }
     }
 
-    /// Returns the names of the clips.
-    pub fn clip_names(&self) -> Vec<String> {
+    /// Returns the duration of a clip [s]; 0 if there is no such clip.
+    pub fn clip_length(&self, clip: usize) -> f64 {
         match &self.motion {
-            BodyMotion::Still => Vec::new(),
-            BodyMotion::Rig(rig) => rig.clips.iter().map(|clip| clip.name.clone()).collect(),
-            BodyMotion::Sequence(_) => vec![FRAMES_CLIP.to_owned()],
+            BodyMotion::Still => 0.0,
+            BodyMotion::Rig(rig) => rig.clips.get(clip).map_or(0.0, Clip::length),
+            BodyMotion::Sequence(sequence) => sequence.length(),
         }
     }
 
-    /// Returns the names of the named nodes.
-    pub fn joint_names(&self) -> Vec<String> {
-        let Some(rig) = self.rig() else { return Vec::new() };
-        let nodes = rig.skeleton.nodes();
-        nodes.iter().map(|node| node.name.clone()).filter(|name| !name.is_empty()).collect()
+    /// Returns what is doubtful about playing a clip: that it moves nothing, that it changes morph targets, which poses do not
+    /// have, or that its frames carry the body away.
+    pub fn clip_doubts(&self, clip: usize) -> Vec<String> {
+        let mut doubts = Vec::new();
+        match &self.motion {
+            BodyMotion::Still => {}
+            BodyMotion::Sequence(sequence) => {
+                let travel = sequence.travel();
+                if travel > MAX_FRAME_TRAVEL {
+                    doubts.push(format!(
+                        "its frames carry the body {travel:.2} m away, and the cloth follows by contact alone: export them in place"
+                    ));
+                }
+            }
+            BodyMotion::Rig(rig) => {
+                let Some(own) = rig.clips.get(clip) else { return doubts };
+                if !rig.is_moved_by(own, false) {
+                    doubts.push("it moves nothing of the body".to_owned());
+                }
+                if rig.is_morphed_by(own) {
+                    doubts.push("its changes of morph targets are not played".to_owned());
+                }
+            }
+        }
+        doubts
     }
+
+    /// Returns the root motion of a clip, if it does not stay in place.
+    pub fn root_motion(&self, clip: usize) -> Option<RootMotion> {
+        let rig = self.rig()?;
+        rig.root_motion(rig.clips.get(clip)?)
+    }
+
+    /// Returns the pose at `t` [s] of a clip, with the motion of the root `in_place` removed if one is given.
+    pub fn clip_pose(&self, clip: usize, t: f64, in_place: Option<&RootMotion>) -> BodyPose {
+        match &self.motion {
+            BodyMotion::Still => BodyPose::Still,
+            BodyMotion::Sequence(_) => BodyPose::Time(t),
+            BodyMotion::Rig(rig) => {
+                let rest = rig.skeleton.rest();
+                let mut pose = rig.clips.get(clip).map_or(rest.clone(), |clip| clip.pose(&rest, t));
+                if let Some(root) = in_place {
+                    rig.remove_root_motion(root.node, &mut pose);
+                }
+                BodyPose::Joints(pose)
+            }
+        }
+    }
+
+    /// Returns the name of a node, or its number if it has none.
+    pub fn node_name(&self, node: usize) -> String {
+        let name = self.rig().and_then(|rig| rig.skeleton.nodes().get(node)).map(|node| &node.name);
+        name.filter(|name| !name.is_empty()).cloned().unwrap_or_else(|| format!("joint#{node}"))
+    }
+}
+
+/// Orients triangles outwards, sheet by sheet; returns the number of those flipped.
+fn orient_outward(points: &[Vec3], triangles: &mut [[PointIndex; 3]]) -> usize {
+    let has_corners = |[a, b, c]: &[PointIndex; 3]| {
+        a != b && b != c && c != a && [a, b, c].iter().all(|p| p.at() < points.len())
+    };
+    let numbers: Vec<usize> = (0..triangles.len()).filter(|&t| has_corners(&triangles[t])).collect();
+    let sound: Vec<[PointIndex; 3]> = numbers.iter().map(|&t| triangles[t]).collect();
+    let mut flipped = 0;
+    for sheet in oriented_sheets(&Topology::new(points.len(), &sound)) {
+        for &t in &sheet.minority {
+            triangles[numbers[t]].swap(1, 2);
+        }
+        let own: Vec<[PointIndex; 3]> = sheet.triangles.iter().map(|&t| triangles[numbers[t]]).collect();
+        if enclosed_volume(points, &own).is_some_and(|volume| volume < 0.0) {
+            sheet.triangles.iter().for_each(|&t| triangles[numbers[t]].swap(1, 2));
+            flipped += sheet.triangles.len() - sheet.minority.len();
+        } else {
+            flipped += sheet.minority.len();
+        }
+    }
+    flipped
 }
 
 /// Interpolates between two poses of a body at `fraction` (0..1); poses of different kinds give `to`.

@@ -57,7 +57,7 @@ pub struct Channel {
     pub target: AnimatedProperty,
     /// Interpolation between the keys.
     pub interpolation: Interpolation,
-    /// Times of the keys, increasing [s].
+    /// Times of the keys, not decreasing; of several keys at one time the last counts from that time on [s].
     pub times: Vec<f64>,
     /// Values, key after key, `width` numbers each; for cubic splines in-tangent, value, out-tangent.
     pub values: Vec<f64>,
@@ -72,6 +72,8 @@ pub struct Clip {
     pub name: String,
     /// Channels.
     pub channels: Vec<Channel>,
+    /// Reason why the clip cannot be played, if its data are damaged.
+    pub damage: Option<String>,
 }
 
 impl Channel {
@@ -117,6 +119,19 @@ impl Channel {
         self.values.get(row * self.width..(row + 1) * self.width).unwrap_or(&[])
     }
 
+    /// Returns the largest difference between two values of one component.
+    pub fn range(&self) -> f64 {
+        let keys = || (0..self.times.len()).map(|k| self.key(k));
+        let at = |key: &[f64], i: usize| key.get(i).copied().unwrap_or_default();
+        let range = |i: usize| {
+            let (low, high) = keys().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), key| {
+                (low.min(at(key, i)), high.max(at(key, i)))
+            });
+            high - low
+        };
+        (0..self.width).map(range).fold(0.0, f64::max)
+    }
+
     /// Returns whether keys and values fit each other, so that any time has a value.
     pub fn is_valid(&self) -> bool {
         let rows = if self.interpolation == Interpolation::CubicSpline { 3 } else { 1 };
@@ -124,7 +139,7 @@ impl Channel {
             && self.width > 0
             && self.target.width().is_none_or(|width| width == self.width)
             && self.values.len() == rows * self.times.len() * self.width;
-        let rising = self.times.windows(2).all(|pair| pair[0] < pair[1]);
+        let rising = self.times.windows(2).all(|pair| pair[0] <= pair[1]);
         counted && rising && self.times.iter().chain(&self.values).all(|x| x.is_finite())
     }
 }
@@ -219,7 +234,7 @@ mod tests {
             values,
             width: 4,
         };
-        let clip = Clip { name: "turn".into(), channels: vec![turn] };
+        let clip = Clip { name: "turn".into(), channels: vec![turn], damage: None };
         let rest = [NodeTransform::Trs {
             translation: Vec3::x(),
             rotation: UnitQuaternion::identity(),
@@ -233,10 +248,21 @@ mod tests {
     }
 
     #[test]
+    fn two_keys_at_one_time_are_a_jump() {
+        let mut c = channel(Interpolation::Linear, &[0.0; 6]);
+        c.times = vec![0.0, 1.0, 1.0, 2.0];
+        c.values = [0.0, 1.0, 5.0, 6.0].iter().flat_map(|x| [*x, 0.0, 0.0]).collect();
+        assert!(c.is_valid());
+        let at = |t: f64| c.value(t)[0];
+        assert_eq!([at(0.5), at(1.0), at(1.5), at(3.0)], [0.5, 5.0, 5.5, 6.0]);
+        assert_eq!(c.range(), 6.0);
+    }
+
+    #[test]
     fn broken_channels_are_detected() {
         let mut c = channel(Interpolation::Linear, &[0.0; 6]);
-        c.times = vec![1.0, 1.0];
-        assert!(!c.is_valid(), "times must rise");
+        c.times = vec![2.0, 1.0];
+        assert!(!c.is_valid(), "times must not fall");
         c.times = vec![1.0, 2.0, 3.0];
         assert!(!c.is_valid(), "a value is missing");
     }

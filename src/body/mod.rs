@@ -7,9 +7,13 @@
 
 mod animated_body;
 pub mod clip;
+mod lookup;
 pub mod rig;
+mod root_motion;
 pub mod sequence;
 pub mod skeleton;
 
 pub use animated_body::{AnimatedBody, BodyMotion, BodyPose, FRAMES_CLIP, PosedBody, interpolate_body_pose};
+pub use lookup::LookupError;
+pub use root_motion::RootMotion;
 pub use sequence::Sequence;

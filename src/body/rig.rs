@@ -104,11 +104,6 @@ impl Rig {
         }
         all
     }
-
-    /// Returns the clip called `name`.
-    pub fn clip(&self, name: &str) -> Option<&Clip> {
-        self.clips.iter().find(|clip| clip.name == name)
-    }
 }
 
 impl RigPiece {

@@ -19,6 +19,13 @@ impl Sequence {
         self.frames.len().saturating_sub(1) as f64 / self.rate
     }
 
+    /// Returns the largest distance of the centroid of a frame from that of the first [m].
+    pub fn travel(&self) -> f64 {
+        let centroid = |frame: &Vec<Vec3>| frame.iter().sum::<Vec3>() / frame.len().max(1) as f64;
+        let first = self.frames.first().map(centroid).unwrap_or_default();
+        self.frames.iter().map(|frame| (centroid(frame) - first).norm()).fold(0.0, f64::max)
+    }
+
     /// Returns the positions [m] at `t` [s] after the first frame, clamped to the sequence.
     pub fn positions(&self, t: f64) -> Vec<Vec3> {
         let last = self.frames.len().saturating_sub(1);
@@ -42,6 +49,7 @@ mod tests {
         let sequence = Sequence { rate: 2.0, frames };
         assert_eq!(sequence.length(), 1.0);
         let at = |t| sequence.positions(t)[0].x;
+        assert_eq!(sequence.travel(), 3.0);
         assert_eq!([at(-1.0), at(0.25), at(0.75), at(1.0), at(9.0)], [0.0, 0.5, 2.0, 3.0, 3.0]);
     }
 }

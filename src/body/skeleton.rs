@@ -177,9 +177,10 @@ impl Skeleton {
         &self.nodes
     }
 
-    /// Returns the node called `name`, the first if there are several.
-    pub fn find(&self, name: &str) -> Option<usize> {
-        self.nodes.iter().position(|node| node.name == name)
+    /// Returns the ancestors of `node`, its parent first.
+    pub fn ancestors(&self, node: usize) -> impl Iterator<Item = usize> + '_ {
+        let parent = |node: usize| self.nodes.get(node).and_then(|node| node.parent);
+        std::iter::successors(parent(node), move |up| parent(*up))
     }
 
     /// Returns the transform of every node to the scene, in file units.
@@ -231,7 +232,7 @@ mod tests {
         pose[1] = pose[1].rotated(&Vec3::z_axis(), FRAC_PI_2);
         let wrist = arm.world_transforms(&pose)[0].column(3).xyz();
         assert!((wrist - Vec3::new(0.3, 0.26, 0.0)).norm() < 1e-15, "{wrist}");
-        assert_eq!(arm.find("elbow"), Some(1));
+        assert_eq!(arm.ancestors(0).collect::<Vec<_>>(), [1, 2]);
     }
 
     #[test]

@@ -108,10 +108,14 @@ impl GarmentFile {
         Ok(Self { asset, garment, diagnostics })
     }
 
-    /// A warning per repair that reading made.
-    pub fn repairs(&self) -> Vec<String> {
-        let repaired = self.diagnostics.iter().filter(|diagnostic| diagnostic.severity == Severity::Repaired);
-        repaired.map(|diagnostic| format!("repaired: {}", diagnostic.message)).collect()
+    /// A warning per repair that reading made, and per property of the file that is doubtful.
+    pub fn warnings(&self) -> Vec<String> {
+        let warning = |diagnostic: &ImportDiagnostic| match diagnostic.severity {
+            Severity::Repaired => Some(format!("repaired: {}", diagnostic.message)),
+            Severity::Warning => Some(format!("{}: {}", self.asset.file, diagnostic.message)),
+            Severity::Note | Severity::Refused => None,
+        };
+        self.diagnostics.iter().filter_map(warning).collect()
     }
 
     /// Embeds the images that the document of the file `path` refers to, so that the saved file is complete. Returns a

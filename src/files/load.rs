@@ -46,11 +46,12 @@ impl Fabric {
 
 impl AnimatedBody {
     /// Loads a body with its skeleton and animation from a .glb, .gltf or .obj file: every mesh in it that `options` do not
-    /// choose as the garment.
+    /// choose as the garment. The garment's size is not checked.
     ///
     /// # Errors
     /// [`crate::Error::Input`] with every problem of the file; [`crate::Error::File`] if it cannot be read.
     pub fn load(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Self> {
+        let options = &ReadOptions { any_size: true, skip_damaged: true, ..options.clone() };
         let (asset, _) = read_asset_file(path.as_ref(), options)?;
         let is_body = |piece: &&SourcePiece| options.garment.is_none() || !piece.worn;
         let pieces: Vec<&SourcePiece> = asset.pieces.iter().filter(is_body).collect();

@@ -7,7 +7,7 @@
 
 use crate::garment::diagnostic::ImportDiagnostics;
 use crate::garment::material_coords::flatten_triangles;
-use crate::garment::repair::{fix_caps, orient_consistently, remove_duplicates};
+use crate::garment::repair::{fix_caps, orient_outward, remove_duplicates};
 use crate::garment::tuning::TUNING;
 use crate::garment::wedges::TriangleWedges;
 use crate::garment::{Garment, ImportDiagnostic, SourceAsset, SourcePiece};
@@ -44,7 +44,7 @@ impl Garment {
         }
         let (points, source_point) =
             drop_unused_points(&positions, &vertex_point, &mut wedges, &mut diagnostics);
-        orient_consistently(points.len(), &mut wedges, &mut diagnostics);
+        orient_outward(&points, &mut wedges, &mut diagnostics);
         let triangles: Vec<[PointIndex; 3]> = wedges.iter().map(|w| w.points).collect();
         let topology = Topology::new(points.len(), &triangles);
         note_edges(&topology, &mut diagnostics);
@@ -246,6 +246,7 @@ mod tests {
             unit_m: 1.0,
             up: UpAxis::Y,
             document: None,
+            obj: None,
             pieces,
         })
     }

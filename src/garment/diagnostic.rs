@@ -8,6 +8,8 @@ use serde::Serialize;
 pub enum Severity {
     /// Worth knowing.
     Note,
+    /// Doubtful, or left as it is: told in the report.
+    Warning,
     /// Was, or would be, repaired on import.
     Repaired,
     /// Makes the garment unusable: it is refused.

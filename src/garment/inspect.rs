@@ -1,9 +1,11 @@
 //! Report of `crease inspect` about a mesh file: contents, size, repairs, and edges that carry no hinge.
 //!
 //! Made from the source asset, the garment built from it, and the diagnostics of both stages. Counts no intersections:
-//! `contact` does, and the caller fills the number in.
+//! `contact` does, and the caller fills the number in, as the contents that only the reader of a format knows.
 
-use crate::garment::{Garment, ImportDiagnostic, Placement, Severity, SourceAsset, SourceFormat, UpAxis};
+use crate::garment::{
+    FileContents, Garment, ImportDiagnostic, Placement, Severity, SourceAsset, SourceFormat, UpAxis,
+};
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -31,6 +33,9 @@ pub struct Inspection {
     pub box_units: [f64; 3],
     /// All pieces of the file, worn or not.
     pub pieces: Vec<PieceReport>,
+    /// Joints, clips and attributes of the file.
+    #[serde(flatten)]
+    pub contents: FileContents,
     /// Connected parts of the garment.
     pub parts: Vec<PartReport>,
     /// Vertices of the worn pieces in the file.
@@ -65,6 +70,8 @@ pub struct Inspection {
     pub crossings_at_start: Option<usize>,
     /// Notes.
     pub notes: Vec<ImportDiagnostic>,
+    /// Doubts, and parts that are left as they are.
+    pub warnings: Vec<ImportDiagnostic>,
     /// Repairs.
     pub repaired: Vec<ImportDiagnostic>,
     /// Reasons why the garment is unusable.
@@ -130,6 +137,7 @@ pub fn inspect(asset: &SourceAsset, garment: &Garment, diagnostics: &[ImportDiag
         box_m,
         box_units: box_m.map(|side| side / asset.unit_m),
         pieces: piece_reports(asset),
+        contents: FileContents::default(),
         vertices: garment.source_point.len(),
         points: garment.points.len(),
         triangles: garment.triangles.len(),
@@ -147,6 +155,7 @@ pub fn inspect(asset: &SourceAsset, garment: &Garment, diagnostics: &[ImportDiag
         parts,
         crossings_at_start: None,
         notes: of(Severity::Note),
+        warnings: of(Severity::Warning),
         repaired: of(Severity::Repaired),
         refused: of(Severity::Refused),
     }
@@ -215,6 +224,8 @@ impl Inspection {
         writeln!(out, "{} ({}, {} up, 1 unit = {} m)", self.file, self.format, self.up, self.unit_m)?;
         writeln!(out, "  box        {x:.3} x {y:.3} x {z:.3} m ({ux:.4} x {uy:.4} x {uz:.4} file units)")?;
         self.write_pieces(out)?;
+        let names: Vec<&str> = self.pieces.iter().map(|piece| piece.name.as_str()).collect();
+        self.contents.write_text(out, &names)?;
         writeln!(
             out,
             "  mesh       {} vertices, {} points ({} welded), {} triangles ({} dropped), {} hinges",
@@ -258,9 +269,12 @@ impl Inspection {
             Some(count) => writeln!(out, "  crossings  {count} pairs of triangles")?,
             None => writeln!(out, "  crossings  not counted")?,
         }
-        for (title, diagnostics) in
-            [("note", &self.notes), ("repaired", &self.repaired), ("refused", &self.refused)]
-        {
+        for (title, diagnostics) in [
+            ("note", &self.notes),
+            ("warning", &self.warnings),
+            ("repaired", &self.repaired),
+            ("refused", &self.refused),
+        ] {
             for diagnostic in diagnostics {
                 let location = if diagnostic.location.is_empty() {
                     String::new()
@@ -274,7 +288,7 @@ impl Inspection {
     }
 
     fn write_pieces(&self, out: &mut String) -> std::fmt::Result {
-        for piece in self.pieces.iter().take(MAX_LISTED_PIECES) {
+        for (number, piece) in self.pieces.iter().take(MAX_LISTED_PIECES).enumerate() {
             let material =
                 piece.material.as_ref().map_or(String::new(), |name| format!(", material \"{name}\""));
             let uv = if piece.has_uv { ", UV" } else { "" };
@@ -282,7 +296,7 @@ impl Inspection {
             let worn = if piece.worn { "" } else { ", not worn" };
             writeln!(
                 out,
-                "  piece      \"{}\": {} vertices, {} triangles{material}{uv}{skinned}{worn}",
+                "  piece#{number:<4} \"{}\": {} vertices, {} triangles{material}{uv}{skinned}{worn}",
                 piece.name, piece.vertices, piece.triangles
             )?;
         }
@@ -322,7 +336,7 @@ mod tests {
         let expected = "\
 hanky.obj (OBJ, y up, 1 unit = 0.01 m)
   box        0.100 x 0.100 x 0.000 m (10.0000 x 10.0000 x 0.0000 file units)
-  piece      \"Hanky\": 4 vertices, 2 triangles, material \"cotton\", UV
+  piece#0    \"Hanky\": 4 vertices, 2 triangles, material \"cotton\", UV
   mesh       4 vertices, 4 points (0 welded), 2 triangles (0 dropped), 1 hinges
   edges      mean 108.28 mm, shortest 100.000 mm; 0 non-manifold, 0 misoriented
   parts      1 (2 triangles), 0.010 m2 of cloth

@@ -5,6 +5,7 @@
 //! makes it finer. Reads no bytes: `io` does.
 
 mod build;
+mod contents;
 mod diagnostic;
 mod feature_edge;
 mod garment_type;
@@ -20,6 +21,7 @@ mod tuning;
 mod wedges;
 mod worn_garment;
 
+pub use contents::{ClipReport, FileContents, JointReport, MorphReport, PieceAttributes};
 pub use diagnostic::{ImportDiagnostic, Severity};
 pub(crate) use feature_edge::is_feature_hinge;
 pub use garment_type::Garment;
@@ -29,7 +31,8 @@ pub use lying::{Footprint, is_lying, is_lying_by_normals};
 pub use refine::RefinedMesh;
 pub use rest_state::RestState;
 pub use source_asset::{
-    GltfDocument, Placement, SourceAsset, SourceFormat, SourceJoint, SourcePiece, UpAxis,
+    GlbChunk, GltfDocument, ObjFace, ObjLines, Placement, SourceAsset, SourceFormat, SourceJoint,
+    SourcePiece, UpAxis,
 };
 pub use wedges::{corner_uvs, corner_vertices};
 pub use worn_garment::WornGarment;

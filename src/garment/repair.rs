@@ -5,9 +5,9 @@ use crate::garment::diagnostic::ImportDiagnostics;
 use crate::garment::tuning::TUNING;
 use crate::garment::wedges::TriangleWedges;
 use crate::math::{Vec2, Vec3};
+use crate::mesh::orientation::{OrientedSheet, enclosed_volume, oriented_sheets};
 use crate::mesh::{PointIndex, Topology, Welder, edge_key, triangle};
 use rustc_hash::{FxHashMap, FxHashSet};
-use std::collections::VecDeque;
 
 /// Removes triangles that coincide with an earlier one, and joins their vertices to that one's: exact repeats, and the
 /// inner side of meshes modelled with two sides. Triangles with other texture coordinates are another layer and stay.
@@ -128,64 +128,30 @@ fn flip_caps(positions: &[Vec3], wedges: &mut [TriangleWedges]) -> usize {
 
 /// Flips triangles so that neighbours agree in orientation; the minority of each connected sheet is flipped. Only
 /// edges with two triangles count; a strip with half a twist keeps edges that disagree.
-pub(super) fn orient_consistently(
-    point_count: usize,
+///
+/// Then flips a garment that faces inwards as a whole: the sheets that have an outside (`mesh::orientation`) enclose a negative
+/// volume together. Sheets are not flipped one by one, as linings face the body.
+pub(super) fn orient_outward(
+    points: &[Vec3],
     wedges: &mut [TriangleWedges],
     diagnostics: &mut ImportDiagnostics,
 ) {
     let triangles: Vec<[PointIndex; 3]> = wedges.iter().map(|w| w.points).collect();
-    let topology = Topology::new(point_count, &triangles);
-    if topology.misoriented.is_empty() {
-        return;
-    }
-    let mut disagrees = vec![false; topology.edges.len()];
-    topology.misoriented.iter().for_each(|&e| disagrees[e as usize] = true);
-    let mut differs: Vec<Option<bool>> = vec![None; wedges.len()];
+    let sheets = oriented_sheets(&Topology::new(points.len(), &triangles));
     let mut flipped_count = 0;
-    for start in 0..wedges.len() {
-        if differs[start].is_some() {
-            continue;
-        }
-        let sheet = connected_sheet(start, &topology, &disagrees, &mut differs);
-        let differing = sheet.iter().filter(|&&t| differs[t] == Some(true)).count();
-        let minority = 2 * differing <= sheet.len();
-        for t in sheet {
-            if differs[t] == Some(minority) {
-                flip_triangle(&mut wedges[t]);
-                flipped_count += 1;
-            }
-        }
+    for &t in sheets.iter().flat_map(|sheet| &sheet.minority) {
+        flip_triangle(&mut wedges[t]);
+        flipped_count += 1;
     }
     diagnostics.repaired(flipped_count, "triangles flipped to the orientation of their neighbours");
-}
-
-/// Returns the triangles connected to `start` over edges with two triangles; sets in `differs` whether the orientation
-/// of each differs from that of `start`.
-fn connected_sheet(
-    start: usize,
-    topology: &Topology,
-    disagrees: &[bool],
-    differs: &mut [Option<bool>],
-) -> Vec<usize> {
-    let mut sheet = Vec::new();
-    let mut queue = VecDeque::from([(start, false)]);
-    differs[start] = Some(false);
-    while let Some((t, side)) = queue.pop_front() {
-        sheet.push(t);
-        for &e in &topology.triangle_edges[t] {
-            let e = e as usize;
-            if topology.edge_valence[e] != 2 {
-                continue;
-            }
-            let [first, second] = topology.edge_triangles[e];
-            let other = if first as usize == t { second } else { first } as usize;
-            if differs[other].is_none() {
-                differs[other] = Some(side ^ disagrees[e]);
-                queue.push_back((other, side ^ disagrees[e]));
-            }
-        }
+    let volume = |sheet: &OrientedSheet| {
+        let own: Vec<[PointIndex; 3]> = sheet.triangles.iter().map(|&t| wedges[t].points).collect();
+        enclosed_volume(points, &own)
+    };
+    if sheets.iter().filter_map(volume).sum::<f64>() < 0.0 {
+        wedges.iter_mut().for_each(flip_triangle);
+        diagnostics.repaired(wedges.len(), "triangles flipped: the garment faced inwards");
     }
-    sheet
 }
 
 fn flip_triangle(wedges: &mut TriangleWedges) {

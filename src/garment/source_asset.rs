@@ -30,6 +30,17 @@ pub struct GltfDocument {
     pub json: Value,
     /// Bytes of each entry of `buffers`.
     pub buffers: Vec<Vec<u8>>,
+    /// Chunks of a GLB file besides those of JSON and of buffers.
+    pub chunks: Vec<GlbChunk>,
+}
+
+/// Chunk of a GLB file that belongs to an extension or to another program.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct GlbChunk {
+    /// Type.
+    pub kind: [u8; 4],
+    /// Content.
+    pub data: Vec<u8>,
 }
 
 /// Transform from a piece's own coordinates to the scene (metres, y up).
@@ -47,6 +58,20 @@ impl Placement {
         match self {
             Self::Rigid(m) => m,
             Self::Skinned(all) => &all[v],
+        }
+    }
+
+    /// Returns whether the placement mirrors a triangle of the piece: the determinant of its linear part is negative, and
+    /// the orientation of the triangle in the scene is opposite to that of its list of corners (glTF 2.0 specification,
+    /// 3.7.4).
+    pub fn mirrors(&self, triangle: &[u32; 3]) -> bool {
+        let volume = |m: &Mat4| m.fixed_view::<3, 3>(0, 0).into_owned().determinant();
+        match self {
+            Self::Rigid(m) => volume(m) < 0.0,
+            Self::Skinned(all) => {
+                let corners = triangle.iter().filter_map(|&v| all.get(v as usize));
+                corners.map(|m| volume(m).signum()).sum::<f64>() < 0.0
+            }
         }
     }
 }
@@ -72,7 +97,8 @@ pub struct SourcePiece {
     pub uvs: Option<Vec<Vec2>>,
     /// One per vertex: factor of memory 0..1 from a colour channel or attribute, where asked for.
     pub mask: Option<Vec<f64>>,
-    /// Corners into this piece's vertices, triangulated.
+    /// Corners into this piece's vertices, triangulated; counter-clockwise in the scene seen from outside, also where the
+    /// placement mirrors the piece.
     pub triangles: Vec<[u32; 3]>,
     /// Transform from own coordinates to the scene.
     pub placement: Placement,
@@ -92,6 +118,18 @@ impl SourcePiece {
         };
         Some((transform * own.push(1.0)).xyz())
     }
+
+    /// Orients `triangles` as they are in the scene, given as they are in the file, or the reverse.
+    pub fn orient_by_placement(placement: &Placement, triangles: &mut [[u32; 3]]) {
+        triangles.iter_mut().filter(|t| placement.mirrors(t)).for_each(|t| t.swap(1, 2));
+    }
+
+    /// Returns the triangles with the corners in the order of the file.
+    pub fn file_triangles(&self) -> Vec<[u32; 3]> {
+        let mut triangles = self.triangles.clone();
+        Self::orient_by_placement(&self.placement, &mut triangles);
+        triangles
+    }
 }
 
 /// Joint that moves a piece, in the pose of the file.
@@ -105,6 +143,28 @@ pub struct SourceJoint {
     pub axes: Mat3,
     /// Name of the nearest ancestor joint that moves the piece.
     pub parent: Option<String>,
+}
+
+/// Lines of an OBJ file, from which a second shape with the same lines can be written.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ObjLines {
+    /// Per `v` line: position in the file's unit.
+    pub positions: Vec<Vec3>,
+    /// Per `vt` line: texture coordinates, v growing downward.
+    pub uvs: Vec<Vec2>,
+    /// Faces in file order.
+    pub faces: Vec<ObjFace>,
+    /// Per piece of the asset and vertex of the piece: its `v` line, counted from 0.
+    pub piece_positions: Vec<Vec<u32>>,
+}
+
+/// Face of an OBJ file, of any number of corners.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ObjFace {
+    /// Piece of the asset; `None` for a face of a piece that could not be read.
+    pub piece: Option<usize>,
+    /// Per corner: `v` line and `vt` line, counted from 0; [`crate::mesh::INVALID`] without texture coordinates.
+    pub corners: Vec<[u32; 2]>,
 }
 
 /// Mesh file as read.
@@ -122,6 +182,8 @@ pub struct SourceAsset {
     pub up: UpAxis,
     /// Document, for glTF.
     pub document: Option<GltfDocument>,
+    /// Lines, for OBJ.
+    pub obj: Option<ObjLines>,
     /// Pieces in file order. Vertices of worn pieces, in this order, are counted by `VertexIndex`.
     pub pieces: Vec<SourcePiece>,
 }

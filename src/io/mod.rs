@@ -12,6 +12,7 @@ mod pieces;
 mod read;
 mod shape_obj;
 mod sidecar;
+mod size;
 mod tuning;
 mod usda;
 
@@ -24,4 +25,5 @@ pub use sidecar::{
     SIDECAR_FORMAT, Sidecar, SidecarChecksums, SidecarHinges, SidecarJoint, SidecarMesh, SidecarPoints,
     SidecarSource, SidecarTriangles, SidecarUp, read_sidecar, write_sidecar,
 };
+pub use size::{compare_body_size, compare_frame_size};
 pub use usda::{UsdaMemory, read_usda, wrapped_deg, write_usda};

@@ -1,14 +1,19 @@
 //! Results of the readers of mesh formats, and the transform from a file to the scene.
 
-use crate::garment::{GltfDocument, ImportDiagnostic, SourcePiece, UpAxis};
+use crate::Diagnostic;
+use crate::garment::{GltfDocument, ImportDiagnostic, ObjLines, SourcePiece, UpAxis};
 use crate::math::Mat4;
 
 /// Result of the reader of a format.
 pub(super) struct ReadPieces {
     /// Pieces in file order, all marked as worn.
     pub(super) pieces: Vec<NamedPiece>,
+    /// Pieces that cannot be read; refused only if they are asked for.
+    pub(super) damaged: Vec<DamagedPiece>,
     /// Document, for glTF.
     pub(super) document: Option<GltfDocument>,
+    /// Lines, for OBJ.
+    pub(super) obj: Option<ObjLines>,
     /// Repairs and notes.
     pub(super) diagnostics: Vec<ImportDiagnostic>,
 }
@@ -17,6 +22,23 @@ pub(super) struct ReadPieces {
 pub(super) struct NamedPiece {
     pub(super) piece: SourcePiece,
     pub(super) names: Vec<String>,
+}
+
+impl NamedPiece {
+    /// Returns whether the piece, number `number` of its file, is what `label` chooses: a name, NAME:MATERIAL, or `piece#NUMBER`.
+    pub(super) fn is_called(&self, number: usize, label: &str) -> bool {
+        let has_name = |wanted: &str| self.names.iter().any(|name| name == wanted);
+        let with_material = label.rsplit_once(':').is_some_and(|(name, material)| {
+            has_name(name) && self.piece.material.as_deref() == Some(material)
+        });
+        has_name(label) || with_material || label == format!("piece#{number}")
+    }
+}
+
+/// Piece that cannot be read.
+pub(super) struct DamagedPiece {
+    pub(super) names: Vec<String>,
+    pub(super) errors: Vec<Diagnostic>,
 }
 
 /// Returns the transform from file units and axes to metres, y up.

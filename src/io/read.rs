@@ -2,12 +2,13 @@
 //! worn, and rejects a garment of implausible size before it is simulated.
 //!
 //! First stage of the pipeline. A wrong unit is the most common error of garment files (centimetres read as metres) and
-//! would still run, with wrong results; so an implausible size must be confirmed by stating the unit.
+//! would still run, with wrong results; so an implausible size is refused (`size`).
 //! Opens no files: files that a document refers to come through `resolve`.
 
-use crate::garment::{ImportDiagnostic, SourceAsset, SourceFormat, UpAxis};
+use crate::garment::{ImportDiagnostic, Severity, SourceAsset, SourceFormat, UpAxis};
 use crate::io::error_list::ErrorList;
-use crate::io::pieces::{NamedPiece, to_scene};
+use crate::io::pieces::{DamagedPiece, NamedPiece, to_scene};
+use crate::io::size::check_size;
 use crate::io::tuning::TUNING;
 use crate::io::{gltf, obj};
 use crate::math::Vec3;
@@ -20,15 +21,20 @@ const MAX_FILE_BYTES: usize = u32::MAX as usize;
 /// Options of reading a mesh file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ReadOptions {
-    /// Metres per file unit; 1 when not given, and then the garment's size must be plausible.
+    /// Metres per file unit; 1 when not given.
     pub unit_m: Option<f64>,
     /// Up axis of the file; y when not given.
     pub up: Option<UpAxis>,
-    /// Worn part: name of a node, mesh, group, object or material; everything when not given.
+    /// Worn parts: the name of a node, mesh, group, object or material, NAME:MATERIAL, `piece#3` as `inspect` numbers them, or
+    /// several of these with commas between them; everything when not given.
     pub garment: Option<String>,
     /// Vertex attribute that scales the memory locally: `COLOR_0`, `COLOR_0.g`, `_PIN`, ...; of an OBJ
     /// `COLOR_0`. A component is chosen by `.r .g .b .a` or `.x .y .z .w`, else the first is taken.
     pub mask: Option<String>,
+    /// Whether the garment may have a size that no garment has.
+    pub any_size: bool,
+    /// Whether parts that cannot be read are left out, with a warning, even if they are part of the garment.
+    pub skip_damaged: bool,
 }
 
 /// Reads the mesh file `bytes`, named `file_name` in messages; also returns repairs and notes. `resolve` returns the bytes
@@ -64,11 +70,14 @@ pub fn read_asset(
     let up = options.up.unwrap_or(UpAxis::Y);
     let format = format_of(file_name, bytes)?;
     let to_scene = to_scene(unit_m, up);
-    let read = match format {
+    let mut read = match format {
         SourceFormat::Obj => obj::read_obj(file_name, bytes, &to_scene, options.mask.as_deref())?,
         SourceFormat::Gltf => gltf::read_gltf(file_name, bytes, &to_scene, options.mask.as_deref(), resolve)?,
     };
-    if read.pieces.iter().all(|named| named.piece.triangles.is_empty()) {
+    let has_triangles = |named: &NamedPiece| !named.piece.triangles.is_empty();
+    let has_others = read.pieces.iter().any(has_triangles);
+    read.diagnostics.extend(check_damaged(file_name, read.damaged, options, has_others)?);
+    if !has_others {
         // The notes say what was skipped.
         let notes: Vec<&str> =
             read.diagnostics.iter().take(5).map(|diagnostic| diagnostic.message.as_str()).collect();
@@ -77,6 +86,7 @@ pub fn read_asset(
         return Err(Error::input(file_name, "", message, "export the garment as a mesh"));
     }
     let mut pieces = read.pieces;
+    read.diagnostics.extend(scale_masks(&mut pieces));
     choose_worn(file_name, &mut pieces, options.garment.as_deref())?;
     let asset = SourceAsset {
         file: file_name.to_owned(),
@@ -85,12 +95,14 @@ pub fn read_asset(
         unit_m,
         up,
         document: read.document,
+        obj: read.obj,
         pieces: pieces.into_iter().map(|named| named.piece).collect(),
     };
     check_coordinates(&asset)?;
-    if options.unit_m.is_none() {
-        check_size(&asset)?;
+    if !options.any_size {
+        read.diagnostics.extend(check_size(&asset, options.unit_m.is_some())?);
     }
+    read.diagnostics.extend(gltf::earlier_wear(&asset));
     Ok((asset, read.diagnostics))
 }
 
@@ -120,17 +132,31 @@ fn format_of(file_name: &str, bytes: &[u8]) -> Result<SourceFormat> {
     Ok(SourceFormat::Obj)
 }
 
-/// Marks the pieces named `garment` as worn, and no others.
+/// Marks the pieces that `garment` names as worn, and no others.
 fn choose_worn(file: &str, pieces: &mut [NamedPiece], garment: Option<&str>) -> Result<()> {
     let Some(wanted) = garment else { return Ok(()) };
-    for named in pieces.iter_mut() {
-        named.piece.worn = named.names.iter().any(|name| name == wanted);
+    let has_triangles = |named: &NamedPiece| !named.piece.triangles.is_empty();
+    let is_named = |label: &str| {
+        pieces.iter().enumerate().any(|(k, named)| has_triangles(named) && named.is_called(k, label))
+    };
+    // A name may have a comma in it.
+    let labels = if is_named(wanted) { vec![wanted] } else { labels_of(wanted) };
+    if let Some(missing) = labels.iter().find(|label| !is_named(label)) {
+        return Err(no_such_garment(file, pieces, missing));
     }
-    let worn: usize =
-        pieces.iter().filter(|named| named.piece.worn).map(|named| named.piece.triangles.len()).sum();
-    if worn > 0 {
-        return Ok(());
+    for (k, named) in pieces.iter_mut().enumerate() {
+        named.piece.worn = labels.iter().any(|label| named.is_called(k, label));
     }
+    Ok(())
+}
+
+/// Returns the parts of a list of names.
+fn labels_of(list: &str) -> Vec<&str> {
+    let labels: Vec<&str> = list.split(',').map(str::trim).filter(|label| !label.is_empty()).collect();
+    if labels.is_empty() { vec![list] } else { labels }
+}
+
+fn no_such_garment(file: &str, pieces: &[NamedPiece], wanted: &str) -> Error {
     let mut names: Vec<&str> = Vec::new();
     for name in pieces.iter().flat_map(|named| &named.names) {
         if !names.contains(&name.as_str()) && names.len() <= TUNING.max_listed_names {
@@ -139,18 +165,81 @@ fn choose_worn(file: &str, pieces: &mut [NamedPiece], garment: Option<&str>) -> 
     }
     let more = if names.len() > TUNING.max_listed_names { ", and more" } else { "" };
     names.truncate(TUNING.max_listed_names);
-    Err(Error::input(
+    Error::input(
         file,
         "",
         format!("no garment called \"{wanted}\" in it"),
         format!("--garment takes one of: {}{more}", names.join(", ")),
-    ))
+    )
+}
+
+/// Rejects the parts that cannot be read if they were asked for; returns warnings about the others, which are left as they
+/// are.
+fn check_damaged(
+    file: &str,
+    damaged: Vec<DamagedPiece>,
+    options: &ReadOptions,
+    has_others: bool,
+) -> Result<Vec<ImportDiagnostic>> {
+    let garment = options.garment.as_deref();
+    let (mut errors, mut warnings) = (ErrorList::new(file), Vec::new());
+    let labels =
+        garment.map(|garment| std::iter::once(garment).chain(labels_of(garment)).collect::<Vec<_>>());
+    for piece in damaged {
+        let is_called = |label: &&str| {
+            piece.names.iter().any(|name| name == label || label.starts_with(&format!("{name}:")))
+        };
+        let is_asked_for = labels.as_ref().is_none_or(|labels| labels.iter().any(is_called));
+        if is_asked_for && !(options.skip_damaged && has_others) {
+            for error in piece.errors {
+                let help = match garment {
+                    None if has_others => {
+                        format!("{}, or leave it out by naming the garment with --garment", error.help)
+                    }
+                    _ => error.help,
+                };
+                errors.push(error.location, error.message, help);
+            }
+        } else if let Some(error) = piece.errors.into_iter().next() {
+            let name = piece.names.into_iter().next().unwrap_or_default();
+            warnings.push(ImportDiagnostic {
+                severity: Severity::Warning,
+                location: error.location,
+                message: format!("\"{name}\" cannot be read and is left as it is: {}", error.message),
+            });
+        }
+    }
+    errors.finish()?;
+    Ok(warnings)
+}
+
+/// Converts masks to factors 0..1: whole numbers beyond 1 are bytes or words of a colour; returns a warning then.
+fn scale_masks(pieces: &mut [NamedPiece]) -> Option<ImportDiagnostic> {
+    let all = || pieces.iter().flat_map(|named| named.piece.mask.iter().flatten()).copied();
+    let max = all().filter(|x| x.is_finite()).fold(0.0, f64::max);
+    let are_whole = all().all(|x| x.fract() == 0.0);
+    let full = match max {
+        _ if max <= 1.0 || !are_whole => 1.0,
+        _ if max <= 255.0 => 255.0,
+        _ => 65_535.0,
+    };
+    for value in pieces.iter_mut().flat_map(|named| named.piece.mask.iter_mut().flatten()) {
+        *value = if value.is_finite() { (*value / full).clamp(0.0, 1.0) } else { 1.0 };
+    }
+    (max > 1.0).then(|| ImportDiagnostic {
+        severity: Severity::Warning,
+        location: String::new(),
+        message: match full {
+            1.0 => format!("the mask has values up to {max}: those above 1 count as 1"),
+            _ => format!("the mask has whole numbers up to {max}: they count as fractions of {full}"),
+        },
+    })
 }
 
 /// Rejects coordinates that are not numbers or implausibly large.
 fn check_coordinates(asset: &SourceAsset) -> Result<()> {
     let mut errors = ErrorList::new(&asset.file);
-    for piece in &asset.pieces {
+    for piece in asset.worn_pieces() {
         let near = |p: Vec3| p.iter().all(|x| x.abs() <= TUNING.max_coordinate_m);
         let far = (0..piece.positions.len()).find(|&v| !piece.scene_position(v).is_some_and(near));
         if let Some(v) = far {
@@ -162,29 +251,4 @@ fn check_coordinates(asset: &SourceAsset) -> Result<()> {
         }
     }
     errors.finish()
-}
-
-/// Rejects a garment of implausible size, as its unit is probably another one.
-fn check_size(asset: &SourceAsset) -> Result<()> {
-    let Some((low, high)) = asset.worn_bounds() else { return Ok(()) };
-    let size = high - low;
-    if TUNING.garment_side_m.contains(&size.max()) {
-        return Ok(());
-    }
-    let units = size / asset.unit_m;
-    let fits: Vec<String> = [("m", 1.0), ("dm", 0.1), ("cm", 0.01), ("mm", 0.001), ("in", 0.0254)]
-        .iter()
-        .filter(|(_, unit)| (0.2..=2.5).contains(&(units.max() * unit)))
-        .map(|(name, unit)| format!("--unit {name} makes it {:.2} m", units.max() * unit))
-        .collect();
-    let hint = if fits.is_empty() { String::new() } else { format!("; {}", fits.join(", ")) };
-    Err(Error::input(
-        &asset.file,
-        "",
-        format!(
-            "the garment's box is {:.4} x {:.4} x {:.4} in file units, which would be {:.3} x {:.3} x {:.3} m",
-            units.x, units.y, units.z, size.x, size.y, size.z
-        ),
-        format!("say the file's unit with --unit cm, mm, dm, in, m or metres per unit{hint}"),
-    ))
 }

@@ -6,6 +6,7 @@ pub mod distance;
 mod hinge;
 mod index;
 pub mod intersections;
+pub mod orientation;
 pub mod point_in_solid;
 pub mod static_bvh;
 mod surface_walk;

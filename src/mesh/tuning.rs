@@ -27,6 +27,12 @@ pub(crate) struct MeshTuning {
     pub bvh_search_tasks: usize,
     /// Winding number above which a point counts as inside [-].
     pub min_inside_winding: f64,
+    /// Area of the openings of a sheet over its own above which it has no outside [-]: a hemisphere has 0.5, a trunk without
+    /// head, arms and legs 0.2.
+    pub max_opening_fraction: f64,
+    /// Enclosed volume over area to the power 1.5 below which a sheet has no outside [-]: a sphere has 0.09, an arm 20 times
+    /// as long as wide 0.03, two layers 1 m wide and 5 mm apart 0.002.
+    pub min_volume_fraction: f64,
 }
 
 impl MeshTuning {
@@ -43,6 +49,8 @@ impl MeshTuning {
         bvh_leaf_size: 4,
         bvh_search_tasks: 256,
         min_inside_winding: 0.5,
+        max_opening_fraction: 0.3,
+        min_volume_fraction: 0.002,
     };
 }
 

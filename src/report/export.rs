@@ -108,7 +108,7 @@ struct Exporter<'a> {
 impl Exporter<'_> {
     fn worn_obj(&self) -> Result<(Vec<u8>, Vec<ExportCheck>)> {
         let bytes = write_shape_obj(self.asset, self.garment, &self.worn.displacement);
-        let back = self.points_of(&read_shape_obj("OUT.worn.obj", &bytes)?)?;
+        let back = self.points_of(&read_shape_obj("OUT.worn.obj", &bytes, self.asset)?)?;
         let expected: Vec<Vec3> = add(&self.garment.points, &self.worn.displacement);
         let distances =
             |a: &[Vec3]| a.iter().zip(&expected).map(|(a, b)| 1e3 * (a - b).norm()).collect::<Vec<_>>();
@@ -127,7 +127,7 @@ impl Exporter<'_> {
     fn rest_obj(&self, fabric: &Fabric) -> Result<(Vec<u8>, Vec<ExportCheck>)> {
         let shape = rest_mesh(self.garment, fabric, &self.worn.memory);
         let bytes = write_shape_obj(self.asset, self.garment, &shape.displacement);
-        let back = self.points_of(&read_shape_obj("OUT.rest.obj", &bytes)?)?;
+        let back = self.points_of(&read_shape_obj("OUT.rest.obj", &bytes, self.asset)?)?;
         Ok((bytes, self.shape_checks(&back)))
     }
 
@@ -163,8 +163,12 @@ impl Exporter<'_> {
     fn rest_angle_map(&self) -> Result<(Vec<u8>, Vec<ExportCheck>)> {
         let memory = &self.worn.memory;
         let bytes = write_rest_angle_map(self.asset, self.garment, memory)?;
-        let options =
-            ReadOptions { unit_m: Some(1.0), mask: Some("COLOR_0".to_owned()), ..ReadOptions::default() };
+        let options = ReadOptions {
+            unit_m: Some(1.0),
+            any_size: true,
+            mask: Some("COLOR_0".to_owned()),
+            ..ReadOptions::default()
+        };
         let (back, _) = read_asset("OUT.rest-angle.glb", &bytes, &options, &mut |_| Ok(Vec::new()))?;
         let mut read = back.pieces.iter().flat_map(|piece| piece.mask.iter().flatten());
         let mut per_point = vec![0.0; self.garment.points.len()];

@@ -3,15 +3,15 @@
 //! Steps are short enough to follow the body while it moves; while it stands, the cloth determines them. The body acts on
 //! the garment through `Loads::body` only: contact and friction do the rest.
 
-use crate::body::{AnimatedBody, BodyPose, PosedBody};
+use crate::body::{AnimatedBody, BodyPose, LookupError, PosedBody};
 use crate::error::Result;
-use crate::json::nearest;
 use crate::math::Vec3;
 use crate::sim::Loads;
 use crate::wear::action_runner::{ActionContext, ActionRunner};
 use crate::wear::motion_profile::PEAK_RATE;
 use crate::wear::persistent_state::PersistentState;
 use crate::wear::tuning::TUNING;
+use crate::wear::wear_action::FieldError;
 use serde_json::Value;
 use std::sync::Arc;
 
@@ -119,16 +119,7 @@ pub(super) fn transition_time(body: &AnimatedBody, from: &BodyPose, to: &BodyPos
     }
 }
 
-/// Advice on an unknown name: the most similar of `names`, and all of them.
-pub(super) fn name_help(kind: &str, names: &[String], wanted: &str) -> String {
-    if names.is_empty() {
-        return format!("it has no {kind}");
-    }
-    let list: Vec<&str> = names.iter().map(String::as_str).collect();
-    let meant = nearest(wanted, list.iter().copied())
-        .map(|name| format!("did you mean \"{name}\"? "))
-        .unwrap_or_default();
-    let max = TUNING.body.max_listed_names;
-    let more = if list.len() > max { ", and more" } else { "" };
-    format!("{meant}{kind}: {}{more}", list[..list.len().min(max)].join(", "))
+/// Error of the field `field` for a joint or a clip that `body` lacks.
+pub(super) fn lookup_error(field: &'static str, body: &AnimatedBody, error: LookupError) -> FieldError {
+    FieldError::new(field, format!("{} has {}", body.file, error.message), error.help)
 }

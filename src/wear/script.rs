@@ -135,11 +135,25 @@ impl WearScript {
         errors
     }
 
+    /// What the actions do with `body` that the user should know, each once.
+    pub fn body_notes(&self, body: &AnimatedBody) -> Vec<String> {
+        let mut notes: Vec<String> = Vec::new();
+        visit_actions(&self.actions, &Path::root().name("actions"), 0, &mut |action, _, _| {
+            for note in action.as_wear_action().body_notes(body) {
+                if !notes.contains(&note) {
+                    notes.push(note);
+                }
+            }
+        });
+        notes
+    }
+
     /// Duration with `body` [s], without transitions between clips.
     pub fn duration_with_body(&self, body: Option<&AnimatedBody>) -> f64 {
         let clip = |action: &Action| match (action, body) {
             (Action::Play(play), Some(body)) => {
-                f64::from(play.repeat) * body.clip_length(&play.clip).unwrap_or(0.0)
+                let length = body.find_clip(&play.clip).map_or(0.0, |clip| body.clip_length(clip));
+                f64::from(play.repeat) * length
             }
             _ => 0.0,
         };

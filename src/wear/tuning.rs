@@ -18,8 +18,6 @@ pub(super) struct BodyMotionTuning {
     pub max_transition_speed: f64,
     /// Largest distance between the points of two poses that count as the same [m], default 1e-4.
     pub same_pose_distance: f64,
-    /// Largest number of names listed in a message, default 40.
-    pub max_listed_names: usize,
     /// Poses sampled over a `bend` to find what moves, default 12.
     pub bend_samples: u32,
     /// Poses sampled per second of a clip to find what moves [1/s], default 10.
@@ -181,7 +179,6 @@ pub(super) const TUNING: WearTuning = WearTuning {
         max_dt_moving: 1.0 / 30.0,
         max_transition_speed: 0.4,
         same_pose_distance: 1e-4,
-        max_listed_names: 40,
         bend_samples: 12,
         clip_sample_rate: 10.0,
         max_clip_samples: 200,

@@ -32,6 +32,11 @@ pub trait WearAction {
         Vec::new()
     }
 
+    /// What it does with `body` that the user should know.
+    fn body_notes(&self, _body: &AnimatedBody) -> Vec<String> {
+        Vec::new()
+    }
+
     /// Poses that it takes `body` through from the pose `from`, dense enough to tell what moves.
     fn body_poses(&self, _body: &AnimatedBody, _from: &BodyPose) -> Vec<BodyPose> {
         Vec::new()

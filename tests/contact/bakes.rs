@@ -78,7 +78,7 @@ impl Observer for Count {
 
 /// Bakes the garment in `obj`, whose unit is `metres` [m], by the `actions` (JSON).
 pub fn baked(name: &str, obj: &str, metres: f64, fabric: &str, actions: &str) -> Outcome {
-    let options = ReadOptions { unit_m: Some(metres), ..ReadOptions::default() };
+    let options = ReadOptions { unit_m: Some(metres), any_size: true, ..ReadOptions::default() };
     let (asset, _) =
         read_asset("scene.obj", obj.as_bytes(), &options, &mut |_: &str| Ok(Vec::new())).expect("is a mesh");
     let (garment, _) = Garment::from_asset(&asset).expect("is a garment");

@@ -1,5 +1,8 @@
 //! Builder of small glTF documents: JSON and one buffer.
 
+// Each test uses a part of them.
+#![allow(dead_code)]
+
 use crease::io::gltf::join_glb;
 use serde_json::{Value, json};
 

@@ -12,8 +12,12 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 pub fn read(name: &str, bytes: &[u8], garment: Option<&str>) -> SourceAsset {
-    let options =
-        ReadOptions { garment: garment.map(str::to_owned), unit_m: Some(1.0), ..Default::default() };
+    let options = ReadOptions {
+        garment: garment.map(str::to_owned),
+        unit_m: Some(1.0),
+        any_size: true,
+        ..Default::default()
+    };
     let mut nothing = |uri: &str| panic!("asks for {uri}");
     read_asset(name, bytes, &options, &mut nothing).unwrap().0
 }

@@ -23,7 +23,7 @@ fn folds_keep_their_position_on_garments_of_another_cut() {
             println!("not checked, not there: {name}");
             return;
         };
-        let options = ReadOptions { unit_m: Some(0.01), ..ReadOptions::default() };
+        let options = ReadOptions { unit_m: Some(0.01), any_size: true, ..ReadOptions::default() };
         let (asset, _) = read_asset(name, &bytes, &options, &mut |_| Ok(Vec::new())).expect("reads");
         let (garment, _) = Garment::from_asset(&asset).expect("is a garment");
         let target = GarmentSurface::from_garment(&garment, &asset);
@@ -181,7 +181,7 @@ fn garments_of_one_body_stay_in_place_and_losses_are_reported() {
     let Some(folder) = external("garments/makehuman-body-sweater/derived") else { return };
     let read = |name: &str| {
         let bytes = std::fs::read(folder.join(name)).ok()?;
-        let options = ReadOptions { unit_m: Some(0.1), ..ReadOptions::default() };
+        let options = ReadOptions { unit_m: Some(0.1), any_size: true, ..ReadOptions::default() };
         let (asset, _) = read_asset(name, &bytes, &options, &mut |_| Ok(Vec::new())).expect("reads");
         let (garment, _) = Garment::from_asset(&asset).expect("is a garment");
         Some(GarmentSurface::from_garment(&garment, &asset))

@@ -1,14 +1,15 @@
 //! `--body` and its options: the body that a garment is worn on, from its own file, from the file of the garment, or from
 //! a folder of frames.
 
+use crate::cli::args::mesh::up_axis;
 use crate::cli::args::values::{Metres, positive, unit};
 use crate::cli::files::frame_sequence::read_frames;
 use crate::cli::files::input::name_of;
 use clap::Args;
 use crease::body::AnimatedBody;
 use crease::files::{GarmentFile, read_asset_file};
-use crease::garment::{SourceAsset, SourcePiece};
-use crease::io::ReadOptions;
+use crease::garment::{Severity, SourceAsset, SourceFormat, SourcePiece, UpAxis};
+use crease::io::{ReadOptions, compare_body_size};
 use crease::{Error, Result};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -22,9 +23,12 @@ pub struct BodyArgs {
     /// Node, mesh or group that is the body [default: the whole file except the garment]
     #[arg(long, value_name = "NODE|GROUP", requires = "body")]
     body_node: Option<String>,
-    /// Unit of the body file: m, dm, cm, mm, in or metres [default: unit of the garment file; metres for glTF]
+    /// Unit of the body file: m, dm, cm, mm, in or metres [default: --unit; metres for a glTF beside an OBJ]
     #[arg(long, value_name = "UNIT", value_parser = unit, requires = "body")]
     body_unit: Option<Metres>,
+    /// Up axis of the body file: y or z [default: --up; y for a glTF beside an OBJ]
+    #[arg(long, value_name = "AXIS", value_parser = up_axis, requires = "body")]
+    body_up: Option<UpAxis>,
     /// Frames per second of a folder of frames
     #[arg(long, value_name = "N", value_parser = positive, requires = "body")]
     body_fps: Option<f64>,
@@ -45,29 +49,43 @@ impl BodyArgs {
     ) -> Result<Option<Arc<AnimatedBody>>> {
         let Some(body) = &self.body else { return Ok(None) };
         let same = matches!((body.canonicalize(), path.canonicalize()), (Ok(a), Ok(b)) if a == b);
-        let body = if body.is_dir() {
-            self.read_frames_of(body, options)?
+        let reading = self.body_options(body, options, mesh.asset.format);
+        let mut body = if body.is_dir() {
+            self.read_frames_of(body, options, mesh.asset.format)?
         } else if same {
             self.read_in_garment_file(&mesh.asset, options)?
         } else {
-            let (asset, _) = read_asset_file(body, &self.body_options(body, options))?;
+            let (asset, diagnostics) = read_asset_file(body, &reading)?;
             let pieces: Vec<&SourcePiece> = asset.worn_pieces().collect();
-            AnimatedBody::from_pieces(&asset, &pieces)?
+            let mut body = AnimatedBody::from_pieces(&asset, &pieces)?;
+            for diagnostic in diagnostics.into_iter().filter(|d| d.severity == Severity::Warning) {
+                body.add_note(format!("{}: {}", asset.file, diagnostic.message));
+            }
+            body
         };
+        let unit_m = if same { mesh.asset.unit_m } else { reading.unit_m.unwrap_or(1.0) };
+        let boxes = mesh.asset.worn_bounds().zip(body.bounds());
+        if let Some(note) = boxes.and_then(|(garment, own)| compare_body_size(garment, own, unit_m)) {
+            body.add_note(format!("{}: {note}", body.file));
+        }
         Ok(Some(Arc::new(body)))
     }
 
-    /// Options to read the body file `body` with, where `garment` are those of the garment file.
-    fn body_options(&self, body: &Path, garment: &ReadOptions) -> ReadOptions {
+    /// Options to read the body file `body` with, where `garment` are those of the garment file. A glTF beside an OBJ is in
+    /// metres, y up; other files are taken to come from where the garment does.
+    fn body_options(&self, body: &Path, garment: &ReadOptions, format: SourceFormat) -> ReadOptions {
         let is_gltf =
             body.extension().is_some_and(|e| ["glb", "gltf"].iter().any(|own| e.eq_ignore_ascii_case(own)));
-        let own_unit = self.body_unit.map(|unit| unit.0);
-        let unit_m = own_unit.or(if is_gltf { Some(1.0) } else { garment.unit_m });
+        let is_like_garment = !is_gltf || format == SourceFormat::Gltf;
+        let of_garment = garment.clone();
+        let (unit_m, up) = if is_like_garment { (of_garment.unit_m, of_garment.up) } else { (None, None) };
         ReadOptions {
-            unit_m: Some(unit_m.unwrap_or(1.0)),
-            up: if is_gltf { None } else { garment.up },
+            unit_m: Some(self.body_unit.map(|unit| unit.0).or(unit_m).unwrap_or(1.0)),
+            up: self.body_up.or(up),
             garment: self.body_node.clone(),
             mask: None,
+            any_size: true,
+            skip_damaged: true,
         }
     }
 
@@ -89,12 +107,17 @@ impl BodyArgs {
         AnimatedBody::from_pieces(asset, &pieces)
     }
 
-    fn read_frames_of(&self, folder: &Path, options: &ReadOptions) -> Result<AnimatedBody> {
+    fn read_frames_of(
+        &self,
+        folder: &Path,
+        options: &ReadOptions,
+        format: SourceFormat,
+    ) -> Result<AnimatedBody> {
         let Some(rate) = self.body_fps else {
             let message = "a folder of frames has no rate of its own";
             return Err(Error::input(name_of(folder), "", message, "give it with --body-fps"));
         };
-        let frames = read_frames(folder, &self.body_options(Path::new("frame.obj"), options))?;
+        let frames = read_frames(folder, &self.body_options(Path::new("frame.obj"), options, format))?;
         AnimatedBody::from_frames(&frames, rate)
     }
 }
@@ -102,8 +125,12 @@ impl BodyArgs {
 /// Flags the pieces of the garment file that `node` names. The file is read again, since only the reader knows all names
 /// of a piece.
 fn pieces_named(node: &str, asset: &SourceAsset, options: &ReadOptions) -> Result<Vec<bool>> {
-    let options =
-        ReadOptions { garment: Some(node.to_owned()), unit_m: Some(asset.unit_m), ..options.clone() };
+    let options = ReadOptions {
+        garment: Some(node.to_owned()),
+        unit_m: Some(asset.unit_m),
+        any_size: true,
+        ..options.clone()
+    };
     let (again, _) = read_asset_file(Path::new(&asset.file), &options)?;
     Ok(again.pieces.iter().map(|piece| piece.worn).collect())
 }

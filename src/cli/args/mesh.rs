@@ -14,9 +14,13 @@ pub struct MeshArgs {
     /// Up axis of the mesh file: y or z [default: derived from the format]
     #[arg(long, value_name = "AXIS", value_parser = up_axis)]
     up: Option<UpAxis>,
-    /// Node, mesh or group that is the garment [default: the whole file]
-    #[arg(long, value_name = "NODE|GROUP")]
+    /// Parts that are the garment: nodes, meshes, groups, materials (Body:Purple is the material Purple of Body) or numbers as
+    /// in piece#3, with commas between them [default: the whole file]
+    #[arg(long, value_name = "NAMES")]
     garment: Option<String>,
+    /// Take a garment of any size, also smaller than 5 cm or larger than 5 m
+    #[arg(long)]
+    force_size: bool,
 }
 
 impl MeshArgs {
@@ -27,11 +31,14 @@ impl MeshArgs {
             up: self.up,
             garment: self.garment.clone(),
             mask: None,
+            any_size: self.force_size,
+            skip_damaged: false,
         }
     }
 }
 
-fn up_axis(text: &str) -> Result<UpAxis, String> {
+/// Parses an up axis.
+pub(super) fn up_axis(text: &str) -> Result<UpAxis, String> {
     match text {
         "y" | "Y" => Ok(UpAxis::Y),
         "z" | "Z" => Ok(UpAxis::Z),

@@ -3,7 +3,7 @@
 
 use crate::cli::args::mesh::MeshArgs;
 use crate::cli::args::run::RunArgs;
-use crate::cli::args::values::{glb_path, positive};
+use crate::cli::args::values::{Metres, glb_path, positive, unit};
 use crate::cli::commands::worn_job::{SideFiles, WornJob, WornResult};
 use crate::cli::files::frame_sequence::read_frames;
 use crate::cli::files::input;
@@ -12,10 +12,11 @@ use crease::bake::{BakeResult, GarmentMotion, memory_from_motion};
 use crease::body::rig::{ClipTime, Rig};
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
 use crease::files::GarmentFile;
-use crease::garment::{SourceAsset, SourcePiece};
+use crease::garment::{Garment, SourceAsset, SourcePiece};
 use crease::io::gltf::read_rig;
-use crease::io::{ReadOptions, Sidecar, sequence_from_assets};
+use crease::io::{ReadOptions, Sidecar, compare_frame_size, sequence_from_assets};
 use crease::math::Vec3;
+use crease::mesh::PointIndex;
 use crease::mesh::intersections::self_intersections;
 use crease::report::{Report, crossing_counts};
 use crease::{Error, Result};
@@ -41,7 +42,10 @@ pub struct Arguments {
     /// Frames per second: of a folder (required), or at which a clip is sampled [default: 30]
     #[arg(long, value_name = "N", value_parser = positive)]
     fps: Option<f64>,
-    /// Clip of an animated file [default: its first clip]
+    /// Unit of the frames beside --mesh: m, dm, cm, mm, in or metres [default: metres, as frames of a bake]
+    #[arg(long, value_name = "UNIT", value_parser = unit, requires = "mesh")]
+    frames_unit: Option<Metres>,
+    /// Clip of an animated file: its name, or its number as in clip#2 [default: the first that moves the garment]
     #[arg(long, value_name = "NAME")]
     clip: Option<String>,
     /// Repetitions of the motion
@@ -170,8 +174,9 @@ impl MotionInput {
             return Err(Error::input(folder, "", message, "give it with --fps"));
         };
         // Frames of a run are in metres; the file of `--mesh` has its own unit.
+        let frames_unit_m = arguments.frames_unit.map_or(1.0, |unit| unit.0);
         let reading = match &arguments.mesh {
-            Some(_) => ReadOptions { unit_m: Some(1.0), ..ReadOptions::default() },
+            Some(_) => ReadOptions { unit_m: Some(frames_unit_m), any_size: true, ..ReadOptions::default() },
             None => arguments.reading.options(),
         };
         let assets = read_frames(&arguments.motion, &reading)?;
@@ -192,6 +197,11 @@ impl MotionInput {
                         are of the garment unless made with --frames-of simulated";
             return Err(Error::input(folder, "", message, help));
         };
+        let ratio = frames.first().and_then(|frame| size_ratio(&mesh.garment, &vertex_of, frame));
+        let checked = ratio.filter(|_| !arguments.reading.options().any_size);
+        if let Some((message, help)) = checked.and_then(|ratio| compare_frame_size(ratio, frames_unit_m)) {
+            return Err(Error::input(folder, "", message, help));
+        }
         let frame_count = frames.len();
         Ok(Self {
             mesh,
@@ -217,16 +227,16 @@ impl MotionInput {
             let help = "give an animated .glb, or a folder of numbered .obj frames with --fps";
             return Err(Error::input(file, "", "an OBJ file does not move", help));
         };
-        let names: Vec<String> = rig.clips.iter().map(|clip| format!("\"{}\"", clip.name)).collect();
         let refuse =
             |message: String, help: String| Err(Error::input(file.clone(), "animations", message, help));
-        let found = match &arguments.clip {
-            Some(name) => rig.clips.iter().position(|clip| clip.name == *name),
-            None => (!rig.clips.is_empty()).then_some(0),
-        };
-        let Some(clip) = found else {
-            let wanted = arguments.clip.as_ref().map_or("clip".to_owned(), |name| format!("clip \"{name}\""));
-            return refuse(format!("has no {wanted}"), format!("clips in it: {}", names.join(", ")));
+        if rig.clips.is_empty() {
+            return refuse("the file has no clips".to_owned(), "export it with its animation".to_owned());
+        }
+        let moving = rig.clips.iter().position(|clip| rig.is_moved_by(clip, true)).unwrap_or(0);
+        let wanted = arguments.clip.clone().unwrap_or_else(|| format!("clip#{moving}"));
+        let clip = match rig.find_clip(&wanted, true) {
+            Ok(clip) => clip,
+            Err(error) => return refuse(format!("the file has {}", error.message), error.help),
         };
         let rate = arguments.fps.unwrap_or(DEFAULT_CLIP_RATE);
         let length = rig.clips.get(clip).map_or(0.0, |clip| clip.length());
@@ -251,6 +261,19 @@ impl MotionInput {
             frame_count,
         })
     }
+}
+
+/// Returns the mean length of the garment's edges in `frame` over their length in its file; `None` without edges.
+fn size_ratio(garment: &Garment, vertex_of: &[Option<u32>], frame: &[Vec3]) -> Option<f64> {
+    let shown = |p: PointIndex| frame.get((*vertex_of.get(p.at())?)? as usize).copied();
+    let (mut there, mut own) = (0.0, 0.0);
+    for [a, b] in &garment.topology.edges {
+        if let (Some(x), Some(y)) = (shown(*a), shown(*b)) {
+            there += (x - y).norm();
+            own += (garment.points[a.at()] - garment.points[b.at()]).norm();
+        }
+    }
+    (own > 0.0 && there > 0.0).then(|| there / own)
 }
 
 /// Returns per point of the garment its vertex in `frame`, whose numbering may differ: triangles are matched corner by

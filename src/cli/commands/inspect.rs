@@ -4,6 +4,7 @@ use crate::cli::args::mesh::MeshArgs;
 use crate::cli::runtime::console;
 use crease::Result;
 use crease::files::GarmentFile;
+use crease::io::gltf::file_contents;
 use crease::mesh::intersections::self_intersections;
 use serde_json::json;
 use std::path::PathBuf;
@@ -27,6 +28,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let GarmentFile { asset, garment, diagnostics: findings } =
         GarmentFile::load(&arguments.mesh, &arguments.reading.options())?;
     let mut inspection = crease::garment::inspect(&asset, &garment, &findings);
+    inspection.contents = file_contents(&asset)?;
     inspection.crossings_at_start = Some(self_intersections(&garment.points, &garment.triangles).len());
     match arguments.json {
         true => console::data(&format!("{:#}\n", json!(inspection))),

@@ -120,7 +120,8 @@ fn frames(folder: &Path, max_count: usize) -> Result<FrameSeries> {
     let step = count.div_ceil(max_count);
     let mut series = FrameSeries { positions: Vec::new(), names: Vec::new(), triangles: Vec::new() };
     for number in (0..count).step_by(step) {
-        let options = ReadOptions { unit_m: Some(1.0), ..ReadOptions::default() };
+        let options =
+            ReadOptions { unit_m: Some(1.0), any_size: true, skip_damaged: true, ..ReadOptions::default() };
         let (asset, _) = read_asset_file(&path(number), &options)?;
         let (mut x, mut triangles) = (Vec::new(), Vec::new());
         for piece in asset.pieces {

@@ -134,9 +134,9 @@ impl WornJob {
         self.warnings.extend(warnings);
     }
 
-    /// Notes the repairs of the mesh file `path` and its refinement, and embeds the images that it refers to.
+    /// Notes the repairs and doubts of the mesh file `path` and its refinement, and embeds the images that it refers to.
     pub fn accept_mesh(&mut self, mesh: &mut GarmentFile, path: &Path, refinement: Option<&Refinement>) {
-        self.warn(mesh.repairs());
+        self.warn(mesh.warnings());
         self.warn(refinement.map(|refinement| refinement.note.clone()));
         self.warn(mesh.embed_images(path));
     }

@@ -5,8 +5,8 @@
 //! concatenated, and each view gets its buffer's offset added. The bytes stay unchanged. Names and extras of the buffers
 //! after the first are lost. Writes floats only; knows nothing about meshes.
 
-use crate::garment::GltfDocument;
-use crate::io::gltf::container::join_glb;
+use crate::garment::{GlbChunk, GltfDocument};
+use crate::io::gltf::container::{append_chunks, join_glb};
 use crate::{Error, Result};
 use serde_json::{Map, Value, json};
 
@@ -46,6 +46,8 @@ struct ZeroViews {
 pub(super) struct Appender {
     json: Map<String, Value>,
     binary: Vec<u8>,
+    /// Chunks of the file besides JSON and bytes.
+    chunks: Vec<GlbChunk>,
     /// Views of the empty targets.
     zero_views: Option<ZeroViews>,
 }
@@ -53,7 +55,7 @@ pub(super) struct Appender {
 impl Appender {
     /// Creates a document of `json` without buffers.
     pub(super) fn new(json: Map<String, Value>) -> Self {
-        Self { json, binary: Vec::new(), zero_views: None }
+        Self { json, binary: Vec::new(), chunks: Vec::new(), zero_views: None }
     }
 
     /// Copies `document` with its buffers merged into one; `file` names it in diagnostics.
@@ -61,7 +63,7 @@ impl Appender {
         let Value::Object(json) = &document.json else {
             return Err(Error::input(file, "", "the glTF document is not a JSON object", ""));
         };
-        let mut appender = Self::new(json.clone());
+        let mut appender = Self { chunks: document.chunks.clone(), ..Self::new(json.clone()) };
         let starts = appender.merge_buffers(file, &document.buffers)?;
         if starts.len() > 1 {
             appender.move_views(file, &starts)?;
@@ -161,7 +163,7 @@ impl Appender {
                 None => buffers.push(json!({"byteLength": length})),
             }
         }
-        join_glb(&Value::Object(self.json), &self.binary)
+        append_chunks(join_glb(&Value::Object(self.json), &self.binary), &self.chunks)
     }
 
     fn view(&mut self, bytes: Vec<u8>, target: Option<u32>) -> usize {

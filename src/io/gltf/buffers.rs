@@ -44,7 +44,7 @@ pub(super) fn load_buffers(
 
 fn load_uri(entry: &Cursor, uri: &str, resolve: &mut dyn FnMut(&str) -> Result<Vec<u8>>) -> Result<Vec<u8>> {
     let Some(data) = uri.strip_prefix("data:") else {
-        return resolve(&percent_decoded(uri)).map_err(|error| match error {
+        return resolve_uri(uri, resolve).map_err(|error| match error {
             Error::Input(errors) => Error::Input(errors),
             other => Error::input(
                 "glTF",
@@ -54,16 +54,34 @@ fn load_uri(entry: &Cursor, uri: &str, resolve: &mut dyn FnMut(&str) -> Result<V
             ),
         });
     };
-    let bytes = data.split_once(";base64,").map(|(_, text)| BASE64.decode(text.trim()));
-    match bytes {
-        Some(Ok(bytes)) => Ok(bytes),
-        Some(Err(error)) => Err(entry.error(format!("its base64 text is damaged: {error}"))),
-        None => Err(entry.error("its data address is not base64")),
+    let Some((kind, text)) = data.split_once(',') else {
+        return Err(entry.error("its data address has no comma, and so no data"));
+    };
+    // RFC 2397: the data are base64 text or bytes, both percent-encoded.
+    let bytes = percent_decoded_bytes(text);
+    if !kind.to_ascii_lowercase().ends_with(";base64") {
+        return Ok(bytes);
     }
+    let compact: Vec<u8> = bytes.into_iter().filter(|byte| !byte.is_ascii_whitespace()).collect();
+    BASE64.decode(compact).map_err(|error| entry.error(format!("its base64 text is damaged: {error}")))
+}
+
+/// Fetches the file of a relative address: percent-decoded, as it is written, or with the backslashes of another system.
+pub(super) fn resolve_uri(uri: &str, resolve: &mut dyn FnMut(&str) -> Result<Vec<u8>>) -> Result<Vec<u8>> {
+    let decoded = percent_decoded(uri);
+    resolve(&decoded).or_else(|error| {
+        let mut others = vec![uri.to_owned(), decoded.replace('\\', "/")];
+        others.retain(|other| *other != decoded);
+        others.iter().find_map(|other| resolve(other).ok()).ok_or(error)
+    })
 }
 
 /// Decodes percent signs: "my%20mesh.bin" is the file "my mesh.bin".
-pub(super) fn percent_decoded(uri: &str) -> String {
+fn percent_decoded(uri: &str) -> String {
+    String::from_utf8(percent_decoded_bytes(uri)).unwrap_or_else(|_| uri.to_owned())
+}
+
+fn percent_decoded_bytes(uri: &str) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(uri.len());
     let mut rest = uri.as_bytes();
     while let Some((&first, after)) = rest.split_first() {
@@ -83,7 +101,7 @@ pub(super) fn percent_decoded(uri: &str) -> String {
             }
         }
     }
-    String::from_utf8(bytes).unwrap_or_else(|_| uri.to_owned())
+    bytes
 }
 
 #[cfg(test)]

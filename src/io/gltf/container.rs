@@ -1,9 +1,10 @@
 //! GLB container: a 12-byte header, a JSON chunk, and at most one binary chunk.
 //!
 //! First stage of reading a .glb and last of writing one (glTF 2.0 specification, chapter 4). The `gltf` crate writes.
-//! Reading is implemented here, because the crate subtracts the header's size from an unchecked length (a panic on a
+//! Chunks of other types are kept. Reading is implemented here, because the crate subtracts the header's size from an unchecked length (a panic on a
 //! damaged file) and rejects unknown chunks, which the specification tells readers to skip. Only parses the JSON.
 
+use crate::garment::GlbChunk;
 use crate::{Error, Result};
 use serde_json::Value;
 use std::borrow::Cow;
@@ -62,6 +63,40 @@ pub fn split_glb(bytes: &[u8]) -> Result<(Value, Option<Vec<u8>>)> {
         _ => None,
     };
     Ok((json, binary))
+}
+
+/// Returns the chunks of a GLB file besides those of JSON and of buffers; those before the first damaged one.
+pub(super) fn other_chunks(bytes: &[u8]) -> Vec<GlbChunk> {
+    let length = word(bytes, 8).unwrap_or(0) as usize;
+    let bytes = bytes.get(..length).unwrap_or(bytes);
+    let (mut chunks, mut start, mut has_binary) = (Vec::new(), HEADER_BYTES, false);
+    while let Ok(Some(found)) = chunk(bytes, start) {
+        // Only the second chunk is that of buffers.
+        let is_binary = found.kind == BINARY_CHUNK && !has_binary && chunks.is_empty();
+        has_binary |= is_binary;
+        if start > HEADER_BYTES && !is_binary {
+            let kind = found.kind.try_into().unwrap_or_default();
+            chunks.push(GlbChunk { kind, data: found.data.to_vec() });
+        }
+        start = found.end;
+    }
+    chunks
+}
+
+/// Appends `chunks` to the GLB file `glb`.
+pub(super) fn append_chunks(mut glb: Vec<u8>, chunks: &[GlbChunk]) -> Vec<u8> {
+    for GlbChunk { kind, data } in chunks {
+        let padded = data.len().next_multiple_of(4);
+        glb.extend_from_slice(&(padded as u32).to_le_bytes());
+        glb.extend_from_slice(kind);
+        glb.extend_from_slice(data);
+        glb.resize(glb.len() + padded - data.len(), 0);
+    }
+    let length = (glb.len() as u32).to_le_bytes();
+    if let Some(stated) = glb.get_mut(8..12) {
+        stated.copy_from_slice(&length);
+    }
+    glb
 }
 
 /// Writes a GLB file of `json` and, if not empty, a binary chunk, both padded to four bytes.
@@ -165,6 +200,9 @@ mod tests {
         let length = glb.len() as u32;
         glb[8..12].copy_from_slice(&length.to_le_bytes());
         assert_eq!(split_glb(&glb).unwrap().1.as_deref(), Some(&b"1234"[..]));
+        let chunks = other_chunks(&glb);
+        assert_eq!(chunks, [GlbChunk { kind: *b"WHAT", data: b"ever".to_vec() }]);
+        assert_eq!(append_chunks(join_glb(&json!({}), b"1234"), &chunks), glb, "and comes out again");
     }
 
     #[test]

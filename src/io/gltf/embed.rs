@@ -6,7 +6,7 @@
 
 use crate::Result;
 use crate::garment::GltfDocument;
-use crate::io::gltf::buffers::percent_decoded;
+use crate::io::gltf::buffers::resolve_uri;
 use serde_json::{Value, json};
 
 /// Embeds every image that `resolve` finds under its (decoded) path. Returns the reasons for images that are not embedded.
@@ -24,7 +24,7 @@ pub fn embed_images(
         .collect();
     let mut not_embedded = Vec::new();
     for (i, uri) in named {
-        let outcome = resolve(&percent_decoded(&uri)).map_err(|error| error.to_string()).and_then(|bytes| {
+        let outcome = resolve_uri(&uri, resolve).map_err(|error| error.to_string()).and_then(|bytes| {
             let kind = picture_kind(&bytes).ok_or("is not a PNG, JPEG, WebP or KTX2 picture")?;
             embed(document, i, bytes, kind).ok_or_else(|| "the document's lists are damaged".to_owned())
         });
@@ -91,7 +91,7 @@ mod tests {
                 {"uri": "data:image/png;base64,AAAA"}, {"uri": "notes.txt"}, {"uri": "gone.png"}, {"bufferView": 0},
             ],
         });
-        GltfDocument { json, buffers: vec![vec![0; 4]] }
+        GltfDocument { json, buffers: vec![vec![0; 4]], chunks: Vec::new() }
     }
 
     #[test]
@@ -123,7 +123,7 @@ mod tests {
     #[test]
     fn damaged_lists_are_left_alone() {
         for damage in [json!({"images": [{"uri": "a.png"}], "buffers": 3}), json!([]), json!({"images": 1})] {
-            let mut document = GltfDocument { json: damage.clone(), buffers: vec![] };
+            let mut document = GltfDocument { json: damage.clone(), buffers: vec![], chunks: vec![] };
             embed_images(&mut document, &mut |_| Ok(PNG.to_vec()));
             assert_eq!(document.json, damage);
             assert!(document.buffers.is_empty());

@@ -83,6 +83,16 @@ impl<'a> Cursor<'a> {
         self.member(key).as_text()
     }
 
+    /// Returns whether the value is a list.
+    pub(super) fn is_list(&self) -> bool {
+        self.value.is_some_and(Value::is_array)
+    }
+
+    /// Returns whether the value is an object.
+    pub(super) fn is_object(&self) -> bool {
+        self.value.is_some_and(Value::is_object)
+    }
+
     /// Returns whether the value is `true`.
     pub(super) fn as_flag(&self) -> bool {
         self.value.and_then(Value::as_bool).unwrap_or(false)
@@ -129,9 +139,10 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// Returns whether any number of the list `key` is not zero.
-    pub(super) fn any_nonzero(&self, key: &str) -> bool {
+    /// Returns the finite numbers of the list `key`, 0 for other entries; empty if there is none.
+    pub(super) fn number_list(&self, key: &str) -> Vec<f64> {
         let list = self.member(key).value.and_then(Value::as_array);
-        list.is_some_and(|list| list.iter().any(|x| x.as_f64().is_some_and(|x| x != 0.0)))
+        let number = |x: &Value| x.as_f64().filter(|x| x.is_finite()).unwrap_or(0.0);
+        list.map(|list| list.iter().map(number).collect()).unwrap_or_default()
     }
 }

@@ -8,9 +8,11 @@ mod animated_weights;
 mod append;
 mod buffers;
 mod container;
+mod contents;
 mod detail;
 mod embed;
 mod json_cursor;
+mod morph;
 mod names;
 mod obj_to_gltf;
 mod piece_reader;
@@ -28,6 +30,7 @@ mod write;
 
 pub use accessor::{Accessors, Table};
 pub use container::{is_glb, join_glb, split_glb};
+pub use contents::file_contents;
 pub use detail::{DETAIL_MAP_SIZES, DetailInput, DetailMap, DetailOutput, add_detail_map};
 pub use embed::embed_images;
 pub use names::{
@@ -35,6 +38,7 @@ pub use names::{
     WORN_TARGET,
 };
 pub(in crate::io) use read::read_gltf;
+pub(in crate::io) use read_worn::earlier_wear;
 pub use read_worn::{WornVertices, keep_worn_pieces, read_worn, sidecar_name};
 pub use rest_angle_map::write_rest_angle_map;
 pub use rig::read_rig;

@@ -1,7 +1,7 @@
 //! Creates a glTF document from the pieces of an OBJ file, as OBJ cannot hold a second shape of the same mesh.
 //!
 //! One node, one mesh, one primitive for each piece with at least one triangle; vertices keep number and order within
-//! their piece. Positions are in metres, y up. Normals are those of the file, or smooth ones where it has none:
+//! their piece. Positions are in metres, y up; those of a garment far from the origin are relative to the node. Normals are those of the file, or smooth ones where it has none:
 //! area-weighted over triangles with a common position, so that texture seams do not show. Materials have the names of the
 //! OBJ's and a plain two-sided cloth colour, as cloth is seen from both sides; the .mtl file is not read.
 
@@ -20,6 +20,10 @@ use serde_json::{Map, Value, json};
 const BASE_COLOUR: [f64; 4] = [0.8, 0.8, 0.8, 1.0];
 /// Roughness of such a material.
 const ROUGHNESS: f64 = 0.9;
+
+/// Distance from the origin beyond which a garment gets an origin of its own [m]: single precision has steps of 8 micrometres
+/// there.
+const MIN_FAR_DISTANCE_M: f64 = 100.0;
 
 /// Piece in scene coordinates.
 pub(super) struct ScenePiece {
@@ -52,11 +56,16 @@ pub(super) fn obj_document(
     let name = stem(&asset.file);
     let mut extras = extras.clone();
     extras.insert("targetNames".into(), json!([WORN_TARGET]));
+    let mut node = json!({"name": name, "mesh": 0});
+    let origin = document_origin(asset);
+    if origin != Vec3::zeros() {
+        node["translation"] = json!([origin.x, origin.y, origin.z]);
+    }
     let document = json!({
         "asset": {"version": "2.0", "generator": concat!("crease ", env!("CARGO_PKG_VERSION"))},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
-        "nodes": [{"name": name, "mesh": 0}],
+        "nodes": [node],
         "meshes": [{"name": name, "primitives": [], "weights": [1.0], "extras": extras}],
         "materials": [], "accessors": [], "bufferViews": [], "buffers": [],
     });
@@ -71,9 +80,10 @@ pub(super) fn obj_document(
         let material = *materials
             .entry(piece.material.as_deref())
             .or_insert_with(|| appender.push("materials", material(piece.material.as_deref())));
-        let mut primitive = primitive(&mut appender, piece, scene, target.as_ref()).map_err(|message| {
-            Error::input(&asset.file, &piece.name, message, "check the unit of the file")
-        })?;
+        let mut primitive =
+            primitive(&mut appender, piece, scene, &origin, target.as_ref()).map_err(|message| {
+                Error::input(&asset.file, &piece.name, message, "check the unit of the file")
+            })?;
         primitive["material"] = json!(material);
         primitives.push(primitive);
     }
@@ -86,16 +96,26 @@ pub(super) fn obj_document(
     Ok(appender.into_glb())
 }
 
+/// Returns the origin of the mesh in the scene [m]: the middle of a garment far from the origin of its file, whose positions
+/// single precision would round. Whole metres, which any precision holds.
+fn document_origin(asset: &SourceAsset) -> Vec3 {
+    let Some((low, high)) = asset.worn_bounds() else { return Vec3::zeros() };
+    let middle = (low + high) / 2.0;
+    if middle.norm() > MIN_FAR_DISTANCE_M { middle.map(f64::round) } else { Vec3::zeros() }
+}
+
 /// Appends the numbers of one primitive and returns its entry; fails if they do not fit 32-bit floats.
 fn primitive(
     appender: &mut Appender,
     piece: &SourcePiece,
     scene: &ScenePiece,
+    origin: &Vec3,
     worn: Option<&WornTarget>,
 ) -> std::result::Result<Value, &'static str> {
     let narrow =
         |rows: &[Vec3]| rows.iter().map(|p| [p.x as f32, p.y as f32, p.z as f32]).collect::<Vec<_>>();
-    let positions = narrow(&scene.positions);
+    let positions: Vec<Vec3> = scene.positions.iter().map(|p| p - origin).collect();
+    let positions = narrow(&positions);
     if positions.iter().flatten().any(|x| !x.is_finite()) {
         return Err("has positions too large for glTF");
     }

@@ -1,17 +1,18 @@
 //! Reads the pieces of a glTF document: every primitive that the scene shows, with placement, joints and names.
 
-use crate::Result;
 use crate::garment::{ImportDiagnostic, Placement, Severity, SourceJoint, SourcePiece};
 use crate::io::error_list::ErrorList;
 use crate::io::gltf::accessor::Accessors;
 use crate::io::gltf::json_cursor::Cursor;
+use crate::io::gltf::morph::default_weights;
 use crate::io::gltf::names::{DRACO_EXTENSION, INSTANCING_EXTENSION};
 use crate::io::gltf::primitive::{MaskChannel, MeshData, PrimitiveData, read_primitive};
 use crate::io::gltf::scene::Scene;
 use crate::io::gltf::skin::skinned_vertices;
-use crate::io::pieces::{NamedPiece, ReadPieces};
+use crate::io::pieces::{DamagedPiece, NamedPiece, ReadPieces};
 use crate::io::tuning::TUNING;
 use crate::math::{Mat3, Mat4};
+use crate::{Error, Result};
 
 /// Reader of the pieces of one document.
 pub(super) struct PieceReader<'a> {
@@ -46,7 +47,13 @@ impl<'a> PieceReader<'a> {
             to_scene,
             mask: None,
             errors,
-            read: ReadPieces { pieces: Vec::new(), document: None, diagnostics: Vec::new() },
+            read: ReadPieces {
+                pieces: Vec::new(),
+                damaged: Vec::new(),
+                document: None,
+                obj: None,
+                diagnostics: Vec::new(),
+            },
         }
     }
 
@@ -111,19 +118,20 @@ impl<'a> PieceReader<'a> {
         {
             self.note(cursor.path(), "it is drawn many times (EXT_mesh_gpu_instancing): worn once");
         }
-        let weighted = node_cursor.as_ref().filter(|node| node.member("weights").exists()).unwrap_or(&cursor);
-        if weighted.any_nonzero("weights") {
-            let location = weighted.path().to_owned();
-            self.note(
-                location,
-                "morph targets are on by default: the base shape is worn, the targets are kept",
-            );
+        let weights = default_weights(&self.root, mesh, node);
+        if weights.iter().any(|weight| *weight != 0.0) {
+            self.note(cursor.path(), "morph targets are on in the file: the shape that they make is worn");
         }
         for number in 0..cursor.length("primitives") {
             let primitive = cursor.entry("primitives", number);
-            let result = self.read_piece(node, mesh, number, &primitive);
-            if let Some(Some(piece)) = self.errors.take(result) {
-                self.read.pieces.push(piece);
+            let result = self.read_piece(node, mesh, number, &primitive, &weights);
+            match result {
+                Ok(piece) => self.read.pieces.extend(piece),
+                Err(Error::Input(errors)) => {
+                    let names = self.names(node, mesh, &primitive);
+                    self.read.damaged.push(DamagedPiece { names, errors });
+                }
+                Err(other) => self.errors.push(primitive.path(), other.to_string(), ""),
             }
         }
     }
@@ -134,12 +142,13 @@ impl<'a> PieceReader<'a> {
         mesh: usize,
         number: usize,
         primitive: &Cursor<'a>,
+        weights: &[f64],
     ) -> Result<Option<NamedPiece>> {
         if self.elements_left == 0 {
             return Err(primitive.error("the file draws more than its data can hold"));
         }
         self.check_draco(primitive)?;
-        let data = match read_primitive(&self.accessors, primitive, self.mask.as_ref())? {
+        let data = match read_primitive(&self.accessors, primitive, self.mask.as_ref(), weights)? {
             PrimitiveData::Mesh(data) => data,
             PrimitiveData::Skipped(message) => {
                 self.note(primitive.path(), format!("{message}: skipped"));
@@ -149,6 +158,8 @@ impl<'a> PieceReader<'a> {
         self.elements_left = self.elements_left.saturating_sub(data.positions.len() + data.triangles.len());
         self.note_repairs(primitive, &data);
         let (placement, joints) = self.placement(node, primitive, &data)?;
+        let mut triangles = data.triangles;
+        SourcePiece::orient_by_placement(&placement, &mut triangles);
         let names = self.names(node, mesh, primitive);
         let material =
             primitive.index("material")?.and_then(|m| self.root.entry("materials", m).text("name"));
@@ -162,7 +173,7 @@ impl<'a> PieceReader<'a> {
             normals: data.normals,
             uvs: data.uvs,
             mask: data.mask,
-            triangles: data.triangles,
+            triangles,
             placement,
             joints,
             worn: true,
@@ -207,7 +218,10 @@ impl<'a> PieceReader<'a> {
             }
             let transforms: Vec<Mat4> = skinned.transforms.iter().map(|m| self.to_scene * m).collect();
             if let Some(vertex) = transforms.iter().position(is_degenerate) {
-                return Err(primitive.error(format!("its skin flattens vertex {vertex}")));
+                let fault = skinned.joints.iter().find_map(|&joint| self.scene.fault_above(joint));
+                return Err(
+                    fault.unwrap_or_else(|| primitive.error(format!("its skin flattens vertex {vertex}")))
+                );
             }
             let name =
                 |node: usize| self.root.entry("nodes", node).text("name").unwrap_or_default().to_owned();
@@ -234,7 +248,9 @@ impl<'a> PieceReader<'a> {
         }
         let transform = self.to_scene * self.scene.worlds.get(node).copied().unwrap_or_else(Mat4::identity);
         if is_degenerate(&transform) {
-            return Err(cursor.error("its transform, with those above it, flattens the mesh"));
+            let fault = self.scene.fault_above(node);
+            return Err(fault
+                .unwrap_or_else(|| cursor.error("its transform, with those above it, flattens the mesh")));
         }
         Ok((Placement::Rigid(transform), Vec::new()))
     }

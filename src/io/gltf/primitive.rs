@@ -4,6 +4,7 @@
 use crate::Result;
 use crate::io::gltf::accessor::Accessors;
 use crate::io::gltf::json_cursor::Cursor;
+use crate::io::gltf::morph::add_targets;
 use crate::math::{Vec2, Vec3};
 
 /// Content of a primitive.
@@ -51,11 +52,12 @@ impl MaskChannel {
     }
 }
 
-/// Reads `primitive`.
+/// Reads `primitive`, with its morph targets by their default `weights`.
 pub(super) fn read_primitive(
     accessors: &Accessors,
     primitive: &Cursor,
     mask: Option<&MaskChannel>,
+    weights: &[f64],
 ) -> Result<PrimitiveData> {
     let mode = primitive.index("mode")?.unwrap_or(4);
     match mode {
@@ -70,7 +72,8 @@ pub(super) fn read_primitive(
     };
     let user = primitive.path();
     let table = accessors.table_of(position, 3, None, user)?;
-    let positions: Vec<Vec3> = table.rows().map(Vec3::from_column_slice).collect();
+    let mut positions: Vec<Vec3> = table.rows().map(Vec3::from_column_slice).collect();
+    add_targets(accessors, primitive, weights, "POSITION", &mut positions)?;
     if let Some(vertex) = positions.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
         return Err(primitive.error(format!("the position of vertex {vertex} is not a finite number")));
     }
@@ -79,7 +82,9 @@ pub(super) fn read_primitive(
     let normals = match attributes.index("NORMAL")? {
         Some(index) => {
             let table = accessors.table_of(index, 3, Some(count), user)?;
-            Some(table.rows().map(|row| unit_normal(row, &mut replaced_count)).collect())
+            let mut normals: Vec<Vec3> = table.rows().map(Vec3::from_column_slice).collect();
+            add_targets(accessors, primitive, weights, "NORMAL", &mut normals)?;
+            Some(normals.into_iter().map(|normal| unit_normal(normal, &mut replaced_count)).collect())
         }
         None => None,
     };
@@ -110,8 +115,7 @@ pub(super) fn read_primitive(
     }))
 }
 
-fn unit_normal(row: &[f64], replaced_count: &mut usize) -> Vec3 {
-    let normal = Vec3::from_column_slice(row);
+fn unit_normal(normal: Vec3, replaced_count: &mut usize) -> Vec3 {
     let unit = normal.iter().all(|x| x.is_finite()).then(|| normal.try_normalize(0.0)).flatten();
     unit.unwrap_or_else(|| {
         *replaced_count += 1;
@@ -146,9 +150,8 @@ fn read_mask(
             mask.component
         )));
     }
-    let scale =
-        |row: &[f64]| row.get(mask.component).filter(|x| x.is_finite()).map_or(1.0, |x| x.clamp(0.0, 1.0));
-    Ok(Some(table.rows().map(scale).collect()))
+    let value = |row: &[f64]| row.get(mask.component).copied().unwrap_or(1.0);
+    Ok(Some(table.rows().map(value).collect()))
 }
 
 /// Converts a triangle list (4), strip (5) or fan (6) to consistently oriented triangles; also returns the number of

@@ -2,13 +2,13 @@
 //! order of the file. Everything is read from the raw JSON, which is kept for export.
 //!
 //! A mesh that several nodes show is worn through the first of them: one mesh can keep only one set of wrinkles.
-//! Skinned meshes are in the pose of the file; morph targets are ignored. Plays no animation.
+//! Skinned meshes are in the pose of the file, morphed ones in the shape of their default weights. Plays no animation.
 
 use crate::garment::GltfDocument;
 use crate::io::error_list::ErrorList;
 use crate::io::gltf::accessor::Accessors;
 use crate::io::gltf::buffers::load_buffers;
-use crate::io::gltf::container::{is_glb, parse_json, split_glb};
+use crate::io::gltf::container::{is_glb, other_chunks, parse_json, split_glb};
 use crate::io::gltf::json_cursor::Cursor;
 use crate::io::gltf::piece_reader::PieceReader;
 use crate::io::gltf::primitive::MaskChannel;
@@ -46,9 +46,11 @@ pub(in crate::io) fn read_gltf(
     let mut errors = ErrorList::new(file);
     let split = if is_glb(bytes) { split_glb(bytes) } else { parse_json(bytes).map(|json| (json, None)) };
     let Some((json, binary)) = errors.take(split) else { return Err(failed(errors)) };
+    let chunks = if is_glb(bytes) { other_chunks(bytes) } else { Vec::new() };
     let root = Cursor::root(&json);
     check_version(&root, &mut errors);
     check_extensions(&root, &mut errors);
+    check_structure(&root, &mut errors);
     if !errors.is_empty() {
         return Err(failed(errors));
     }
@@ -60,7 +62,7 @@ pub(in crate::io) fn read_gltf(
     let accessors = Accessors::from_parts(&json, &buffers);
     let reader = PieceReader::new(&root, accessors, scene, *to_scene, errors);
     let mut read = reader.read(mask.map(MaskChannel::parse))?;
-    read.document = Some(GltfDocument { json, buffers });
+    read.document = Some(GltfDocument { json, buffers, chunks });
     Ok(read)
 }
 
@@ -95,5 +97,35 @@ fn check_extensions(root: &Cursor, errors: &mut ErrorList) {
                 format!("export it without {name}"),
             );
         }
+    }
+}
+
+/// Reports lists that are no lists and documents without meshes: read as empty, they would only show as missing triangles.
+fn check_structure(root: &Cursor, errors: &mut ErrorList) {
+    let help = "export the file again, or correct it at this location";
+    for list in [
+        "scenes",
+        "nodes",
+        "meshes",
+        "accessors",
+        "bufferViews",
+        "buffers",
+        "skins",
+        "animations",
+        "materials",
+    ] {
+        let member = root.member(list);
+        if member.exists() && !member.is_list() {
+            errors.push(member.path(), "is not a list", help);
+        }
+        for entry in root.entries(list).iter().filter(|entry| !entry.is_object()) {
+            errors.push(entry.path(), "is not an object", help);
+        }
+    }
+    let shows_mesh = root.entries("nodes").iter().any(|node| node.member("mesh").exists());
+    if root.length("meshes") == 0 {
+        errors.push("meshes", "there are none in the file", "export the garment as a mesh");
+    } else if root.length("nodes") > 0 && !shows_mesh {
+        errors.push("nodes", "none of them shows a mesh", "export the scene that shows the garment");
     }
 }

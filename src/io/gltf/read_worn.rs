@@ -4,7 +4,7 @@
 //! The inverse of `write`. Positions have single precision here, double precision in the sidecar.
 
 use crate::Result;
-use crate::garment::{GltfDocument, SourceAsset, SourcePiece};
+use crate::garment::{GltfDocument, ImportDiagnostic, Severity, SourceAsset, SourcePiece};
 use crate::io::gltf::accessor::Accessors;
 use crate::io::gltf::names::{
     EXTRAS_KEY, FORMER_REST_ANGLE_ATTRIBUTE, REST_ANGLE_CHANGE_ATTRIBUTE, STIFFNESS_ATTRIBUTE, WORN_TARGET,
@@ -27,6 +27,26 @@ pub struct WornVertices {
 pub fn sidecar_name(document: &GltfDocument) -> Option<&str> {
     let meshes = document.json["meshes"].as_array()?;
     meshes.iter().find_map(|mesh| mesh["extras"][EXTRAS_KEY]["sidecar"].as_str())
+}
+
+/// Returns a warning if worn pieces of `asset` have been worn before: their wear is replaced.
+pub(in crate::io) fn earlier_wear(asset: &SourceAsset) -> Option<ImportDiagnostic> {
+    let document = asset.document.as_ref()?;
+    let is_worn = |piece: &SourcePiece| {
+        let extras = &document.json["meshes"][piece.mesh]["extras"][EXTRAS_KEY];
+        !extras.is_null() && worn_target(document, piece).is_some()
+    };
+    let piece = asset.worn_pieces().find(|piece| is_worn(piece))?;
+    let sidecar = sidecar_name(document).unwrap_or("its sidecar");
+    Some(ImportDiagnostic {
+        severity: Severity::Warning,
+        location: String::new(),
+        message: format!(
+            "\"{}\" has been worn already, and its shape before that wear is taken: the earlier memory, in {sidecar}, is left out. To have \
+             both: crease transfer {sidecar} NEW.crease.json --to {} -o BOTH.glb",
+            piece.name, asset.file
+        ),
+    })
 }
 
 /// Marks the pieces that have a worn target as worn, and no others; returns false, and changes nothing, if there is none.

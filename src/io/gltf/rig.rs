@@ -7,16 +7,17 @@
 use crate::Result;
 use crate::body::clip::{AnimatedProperty, Channel, Clip, Interpolation};
 use crate::body::rig::{JointInfluence, MorphWeights, Rig, RigPiece, SkinBinding, normalise_weights};
-use crate::body::skeleton::{Skeleton, SkeletonNode};
+use crate::body::skeleton::{NodeTransform, Skeleton, SkeletonNode};
 use crate::garment::{SourceAsset, SourcePiece};
 use crate::io::error_list::ErrorList;
 use crate::io::gltf::accessor::Accessors;
 use crate::io::gltf::json_cursor::Cursor;
+use crate::io::gltf::morph::default_weights;
 use crate::io::gltf::scene::read_node_transform;
 use crate::io::gltf::skin::{influence_sets, read_joints};
 use crate::io::pieces::to_scene;
 use crate::io::tuning::TUNING;
-use crate::math::Vec3;
+use crate::math::{Mat4, Vec3};
 
 /// Reads the rig of `pieces` of `asset`; `None` if the asset is not glTF.
 pub fn read_rig(asset: &SourceAsset, pieces: &[&SourcePiece]) -> Result<Option<Rig>> {
@@ -57,13 +58,10 @@ impl RigReader<'_> {
         }
         let mut nodes = Vec::with_capacity(cursors.len());
         for (node, parent) in cursors.iter().zip(parents) {
-            if let Some(rest) = self.errors.take(read_node_transform(node)) {
-                nodes.push(SkeletonNode {
-                    name: node.text("name").unwrap_or_default().to_owned(),
-                    parent,
-                    rest,
-                });
-            }
+            // The reader of pieces has refused those that depend on a node without a transform.
+            let rest = read_node_transform(node).unwrap_or(NodeTransform::Matrix(Mat4::zeros()));
+            let name = node.text("name").unwrap_or_default().to_owned();
+            nodes.push(SkeletonNode { name, parent, rest });
         }
         Skeleton::new(nodes)
     }
@@ -75,13 +73,16 @@ impl RigReader<'_> {
         let binding = self.errors.take(binding)?;
         let targets = self.targets(&primitive, piece.positions.len());
         let targets = self.errors.take(targets)?;
-        let morph = piece.node.filter(|_| !targets.is_empty()).map(|node| {
-            let own = self.root.entry("nodes", node);
-            let weighted = if own.member("weights").exists() { own } else { mesh };
-            // The garment is worn in the base shape: weights count only where a clip animates them.
-            MorphWeights { node, rest: vec![0.0; weighted.length("weights").min(targets.len())] }
-        });
-        Some(RigPiece { positions: piece.positions.clone(), binding, morph, targets })
+        let morph = piece
+            .node
+            .filter(|_| !targets.is_empty())
+            .map(|node| MorphWeights { node, rest: default_weights(&self.root, piece.mesh, Some(node)) });
+        // The piece has the shape of the default weights; a rig adds the targets itself.
+        let mut positions = piece.positions.clone();
+        for (target, weight) in targets.iter().zip(morph.iter().flat_map(|morph| &morph.rest)) {
+            positions.iter_mut().zip(target).for_each(|(p, d)| *p -= d * *weight);
+        }
+        Some(RigPiece { positions, binding, morph, targets })
     }
 
     fn binding(&self, piece: &SourcePiece, primitive: &Cursor) -> Result<SkinBinding> {
@@ -130,14 +131,16 @@ impl RigReader<'_> {
     fn clips(&mut self, node_count: usize) -> Vec<Clip> {
         let mut clips = Vec::new();
         for (number, animation) in self.root.entries("animations").iter().enumerate() {
-            let mut channels = Vec::new();
-            for channel in animation.entries("channels") {
-                let read = self.channel(animation, &channel, node_count);
-                channels.extend(self.errors.take(read).flatten());
-            }
+            let channels = animation.entries("channels");
+            let read = channels.iter().map(|channel| self.channel(animation, channel, node_count));
+            // A damaged clip is refused when it is asked for.
+            let (channels, damage) = match read.collect::<Result<Vec<_>>>() {
+                Ok(channels) => (channels.into_iter().flatten().collect(), None),
+                Err(error) => (Vec::new(), Some(error.to_string())),
+            };
             // Unnamed clips get the name that viewers list them by.
             let name = animation.text("name").map_or_else(|| format!("animation {number}"), str::to_owned);
-            clips.push(Clip { name, channels });
+            clips.push(Clip { name, channels, damage });
         }
         clips
     }
@@ -185,7 +188,7 @@ impl RigReader<'_> {
             return Ok(Some(channel));
         }
         let message = format!(
-            "{} keys and {} numbers do not make a channel: times must rise, and every key needs its value",
+            "{} keys and {} numbers do not make a channel: times must not fall, and every key needs its value",
             channel.times.len(),
             channel.values.len()
         );

@@ -3,10 +3,10 @@
 //! The specification asks for a forest; other graphs (two parents, a cycle) are refused, as a traversal would not end or
 //! not be unique.
 
-use crate::Result;
 use crate::body::skeleton::NodeTransform;
 use crate::io::gltf::json_cursor::Cursor;
 use crate::math::{Mat4, Vec3};
+use crate::{Diagnostic, Error, Result};
 use nalgebra::{Quaternion, UnitQuaternion};
 
 /// Nodes of a document.
@@ -17,6 +17,9 @@ pub(super) struct Scene {
     pub(super) parents: Vec<Option<usize>>,
     /// Per node: whether the default scene shows it.
     pub(super) shown: Vec<bool>,
+    /// Per node: the reason why its transform cannot be read. It then flattens everything below it, and only a mesh that
+    /// depends on it is refused.
+    faults: Vec<Option<Vec<Diagnostic>>>,
 }
 
 impl Scene {
@@ -24,8 +27,15 @@ impl Scene {
     pub(super) fn read(root: &Cursor) -> Result<Self> {
         let nodes = root.entries("nodes");
         let parents = read_parents(&nodes)?;
-        let locals: Vec<Mat4> =
-            nodes.iter().map(|node| Ok(read_node_transform(node)?.matrix())).collect::<Result<_>>()?;
+        let (mut locals, mut faults) = (Vec::new(), Vec::new());
+        for node in &nodes {
+            let read = read_node_transform(node);
+            faults.push(match &read {
+                Err(Error::Input(diagnostics)) => Some(diagnostics.clone()),
+                _ => None,
+            });
+            locals.push(read.map_or_else(|_| Mat4::zeros(), |transform| transform.matrix()));
+        }
         let order = parents_first(&nodes, &parents)?;
         let mut worlds = locals;
         for &node in &order {
@@ -39,7 +49,13 @@ impl Scene {
                 shown[node] |= shown[parent];
             }
         }
-        Ok(Self { worlds, parents, shown })
+        Ok(Self { worlds, parents, shown, faults })
+    }
+
+    /// Returns the fault of the transform of `node`, or of the nearest node above it that has one.
+    pub(super) fn fault_above(&self, node: usize) -> Option<Error> {
+        let mut chain = std::iter::successors(Some(node), |up| self.parents.get(*up).copied().flatten());
+        chain.find_map(|up| self.faults.get(up).cloned().flatten()).map(Error::Input)
     }
 }
 

@@ -9,6 +9,8 @@ use crate::garment::{Garment, GltfDocument, Placement, SourceAsset, SourceFormat
 use crate::io::gltf::accessor::Accessors;
 use crate::io::gltf::add_morph_target::{WornPrimitive, add_worn_targets};
 use crate::io::gltf::append::Appender;
+use crate::io::gltf::json_cursor::Cursor;
+use crate::io::gltf::morph::{add_targets, default_weights};
 use crate::io::gltf::obj_to_gltf::{obj_document, scene_pieces};
 use crate::io::gltf::worn_target::{LinearParts, PieceBase, WornShape, WornTarget};
 use crate::math::Vec3;
@@ -110,13 +112,18 @@ fn piece_base<'a>(
         };
         Error::input(&asset.file, &piece.name, message, "give every node and joint a scale other than 0")
     })?;
-    let attributes = &document.json["meshes"][piece.mesh]["primitives"][piece.primitive]["attributes"];
+    let root = Cursor::root(&document.json);
+    let primitive = root.entry("meshes", piece.mesh).entry("primitives", piece.primitive);
+    let weights = default_weights(&root, piece.mesh, piece.node);
     let stored = |name: &str, width: usize| -> Result<Option<Vec<Vec3>>> {
-        let Some(accessor) = attributes[name].as_u64().and_then(|i| usize::try_from(i).ok()) else {
+        let Some(accessor) = primitive.member("attributes").index(name).ok().flatten() else {
             return Ok(None);
         };
-        let table = Accessors::new(document).table_of(accessor, width, Some(points.len()), name)?;
-        Ok(Some(table.rows().map(direction).collect()))
+        let accessors = Accessors::new(document);
+        let table = accessors.table_of(accessor, width, Some(points.len()), name)?;
+        let mut rows = table.rows().map(direction).collect::<Vec<_>>();
+        add_targets(&accessors, &primitive, &weights, name, &mut rows)?;
+        Ok(Some(rows))
     };
     // The fourth number of a tangent, its handedness, is not morphed.
     Ok(PieceBase { points, linear, normals: stored("NORMAL", 3)?, tangents: stored("TANGENT", 4)? })

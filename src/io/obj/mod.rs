@@ -8,14 +8,14 @@ mod lines;
 mod parse;
 mod polygon;
 
-use crate::garment::{ImportDiagnostic, Placement, Severity, SourcePiece};
+use crate::garment::{ImportDiagnostic, ObjFace, ObjLines, Placement, Severity, SourcePiece};
 use crate::io::error_list::ErrorList;
-use crate::io::obj::parse::{Corner, Label, Statements};
+use crate::io::obj::parse::{BadPosition, Corner, Face, Label, Statements};
 use crate::io::obj::polygon::{Triangulator, newell_normal};
-use crate::io::pieces::{NamedPiece, ReadPieces};
+use crate::io::pieces::{DamagedPiece, NamedPiece, ReadPieces};
 use crate::math::{Mat4, Vec2, Vec3};
 use crate::mesh::INVALID;
-use crate::{Error, Result};
+use crate::{Diagnostic, Error, Result};
 use rustc_hash::FxHashMap;
 
 /// Name of a piece without object and group.
@@ -25,6 +25,19 @@ const UNNAMED: &str = "default";
 pub(super) fn read_obj(file: &str, bytes: &[u8], to_scene: &Mat4, mask: Option<&str>) -> Result<ReadPieces> {
     let mut errors = ErrorList::new(file);
     let mut statements = parse::parse(bytes, &mut errors);
+    let mut is_used = vec![false; statements.positions.len()];
+    for corner in &statements.corners {
+        if let Some(slot) = is_used.get_mut(corner.position as usize) {
+            *slot = true;
+        }
+    }
+    // A position that no face uses belongs to no piece that could be refused for it.
+    let belongs = |bad: &&BadPosition| is_used.get(bad.index as usize).copied().unwrap_or(false);
+    let all = !errors.is_empty();
+    for bad in statements.bad_positions.iter().filter(|bad| all || !belongs(bad)) {
+        let error = bad.error(file);
+        errors.push(error.location, error.message, error.help);
+    }
     errors.finish()?;
     let mask = mask.map(|wanted| mask_component(file, wanted, &statements)).transpose()?;
     let mut diagnostics = std::mem::take(&mut statements.diagnostics);
@@ -46,13 +59,29 @@ pub(super) fn read_obj(file: &str, bytes: &[u8], to_scene: &Mat4, mask: Option<&
             ),
         });
     }
-    let pieces = builders
-        .into_iter()
-        .zip(&statements.labels)
-        .enumerate()
-        .map(|(number, (builder, label))| builder.finish(number, label, to_scene, mask, &statements))
-        .collect();
-    Ok(ReadPieces { pieces, document: None, diagnostics })
+    let (mut pieces, mut damaged) = (Vec::new(), Vec::new());
+    let (mut piece_of_label, mut piece_positions) = (Vec::new(), Vec::new());
+    for (number, (builder, label)) in builders.into_iter().zip(&statements.labels).enumerate() {
+        let uses = |bad: &&BadPosition| builder.corners.iter().any(|corner| corner.position == bad.index);
+        let errors: Vec<Diagnostic> =
+            statements.bad_positions.iter().filter(uses).map(|bad| bad.error(file)).collect();
+        let lines = builder.corners.iter().map(|corner| corner.position).collect();
+        let named = builder.finish(number, label, to_scene, mask, &statements);
+        piece_of_label.push(errors.is_empty().then_some(pieces.len()));
+        if errors.is_empty() {
+            pieces.push(named);
+            piece_positions.push(lines);
+        } else {
+            damaged.push(DamagedPiece { names: named.names, errors });
+        }
+    }
+    let face = |face: &Face| ObjFace {
+        piece: piece_of_label.get(face.label).copied().flatten(),
+        corners: statements.corners[face.corners.clone()].iter().map(|c| [c.position, c.uv]).collect(),
+    };
+    let faces = statements.faces.iter().map(face).collect();
+    let obj = ObjLines { faces, positions: statements.positions, uvs: statements.uvs, piece_positions };
+    Ok(ReadPieces { pieces, damaged, document: None, obj: Some(obj), diagnostics })
 }
 
 /// Returns the colour component that scales the memory.
@@ -125,9 +154,8 @@ impl PieceBuilder {
             let own = statements.normals.get(c.normal as usize);
             own.copied().filter(|n| n.norm_squared() > 0.0).unwrap_or(*face_normal)
         };
-        let colour = |c: &Corner, k: usize| {
-            statements.colours.get(c.position as usize).map_or(1.0, |rgb| rgb[k].clamp(0.0, 1.0))
-        };
+        let colour =
+            |c: &Corner, k: usize| statements.colours.get(c.position as usize).map_or(1.0, |rgb| rgb[k]);
         let mut names: Vec<String> = Vec::new();
         let group_words = label.group.iter().flat_map(|group| group.split(' ').map(str::to_owned));
         let given = label.group.iter().chain(&label.object).chain(&label.material).cloned();
@@ -296,9 +324,10 @@ mod tests {
         let (asset, _) = read_with(text, &options).unwrap();
         let top = asset.pieces[0].scene_position(2).unwrap();
         assert!((top - Vec3::y()).norm() < 1e-15, "the file's z is up: {top}");
-        // An implausible size is accepted if the unit is given.
+        // An implausible size is refused whatever the unit, and accepted on request.
         let options = ReadOptions { unit_m: Some(1.0), ..ReadOptions::default() };
-        assert!(read_with(text, &options).is_ok());
+        assert!(read_with(text, &options).is_err());
+        assert!(read_with(text, &ReadOptions { any_size: true, ..options }).is_ok());
         for unit in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             let options = ReadOptions { unit_m: Some(unit), ..ReadOptions::default() };
             assert!(read_with(text, &options).is_err());

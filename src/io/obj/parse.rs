@@ -5,6 +5,7 @@
 //! Indices are resolved here: relative ones against the elements read so far, all of them against the whole file at the
 //! end (some writers put vertices after the faces). Triangulates no faces and makes no pieces: see [`super`].
 
+use crate::Diagnostic;
 use crate::garment::{ImportDiagnostic, Severity};
 use crate::io::error_list::ErrorList;
 use crate::io::obj::lines::Lines;
@@ -40,6 +41,8 @@ pub(super) struct Label {
 #[derive(Default)]
 pub(super) struct Statements {
     pub(super) positions: Vec<Vec3>,
+    /// Positions that cannot be read, in order.
+    pub(super) bad_positions: Vec<BadPosition>,
     /// One per position; white where the file has none.
     pub(super) colours: Vec<[f64; 3]>,
     pub(super) has_colours: bool,
@@ -50,6 +53,22 @@ pub(super) struct Statements {
     /// Labels in order of first use by a face.
     pub(super) labels: Vec<Label>,
     pub(super) diagnostics: Vec<ImportDiagnostic>,
+}
+
+/// Position that cannot be read. Only a piece that uses it is refused.
+pub(super) struct BadPosition {
+    /// Index of the position.
+    pub(super) index: u32,
+    line: usize,
+    message: String,
+}
+
+impl BadPosition {
+    /// Returns the error.
+    pub(super) fn error(&self, file: &str) -> Diagnostic {
+        let help = "correct or remove this vertex";
+        Diagnostic::new(file, format!("line {}", self.line), self.message.clone(), help)
+    }
 }
 
 /// Parses all statements of `bytes`; errors go to `errors`.
@@ -138,11 +157,9 @@ impl<'f> Parser<'f> {
                 Some(_) => "a coordinate is not a finite number",
                 None => "a vertex needs three coordinates",
             };
-            self.errors.push(
-                format!("line {line}"),
-                format!("{error}: \"v {}\"", short(rest)),
-                "correct or remove this vertex",
-            );
+            let message = format!("{error}: \"v {}\"", short(rest));
+            let index = self.read.positions.len() as u32;
+            self.read.bad_positions.push(BadPosition { index, line, message });
             break;
         }
         self.read.positions.push(position);

@@ -33,6 +33,7 @@ fn example() -> Sidecar {
         unit_m: 0.01,
         up: UpAxis::Z,
         document: None,
+        obj: None,
         pieces: vec![piece],
     };
     let triangles =

@@ -4,7 +4,7 @@ use crate::body::{AnimatedBody, BodyPose};
 use crate::error::Result;
 use crate::math::Vec3;
 use crate::wear::action_runner::{ActionContext, ActionStart};
-use crate::wear::body_motion::{BodyMotionRunner, TimeSpan, name_help, required_body};
+use crate::wear::body_motion::{BodyMotionRunner, TimeSpan, lookup_error, required_body};
 use crate::wear::motion_profile::smoothstep;
 use crate::wear::persistent_state::PersistentState;
 use crate::wear::tuning::TUNING;
@@ -18,7 +18,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Bend {
-    /// Name of the joint in the body's file.
+    /// Name of the joint in the body's file, or its number: `joint#14` is `nodes[14]`. Of several joints of one name the one
+    /// that moves the body is taken.
     #[schemars(length(min = 1))]
     pub joint: String,
     /// Axis of the rotation: `x`, `y` or `z` of the joint, or a vector [x, y, z] in its axes.
@@ -87,11 +88,10 @@ fn default_repeat() -> u32 {
 }
 
 impl Bend {
-    /// The pose `from` with a fraction of the bend added.
-    fn bent_pose(&self, body: &AnimatedBody, from: &BodyPose, fraction: f64) -> BodyPose {
-        let joint = body.rig().and_then(|rig| rig.skeleton.find(&self.joint));
+    /// The pose `from` with a fraction of the bend of the node `joint` added.
+    fn bent_pose(&self, joint: usize, from: &BodyPose, fraction: f64) -> BodyPose {
         let mut pose = from.clone();
-        if let (BodyPose::Joints(joints), Some(joint)) = (&mut pose, joint)
+        if let BodyPose::Joints(joints) = &mut pose
             && let (Some(local), Some(axis)) =
                 (joints.get_mut(joint), Unit::try_new(Vec3::from(self.axis.vector()), 0.0))
         {
@@ -146,32 +146,28 @@ impl WearAction for Bend {
     }
 
     fn validate_body(&self, body: &AnimatedBody) -> Vec<FieldError> {
-        if body.rig().is_some_and(|rig| rig.skeleton.find(&self.joint).is_some()) {
-            return Vec::new();
-        }
-        let message = format!("{} has no joint called \"{}\"", body.file, self.joint);
-        vec![FieldError::new("joint", message, name_help("joints", &body.joint_names(), &self.joint))]
+        let error = body.find_joint(&self.joint).err();
+        error.map(|error| lookup_error("joint", body, error)).into_iter().collect()
     }
 
     fn body_poses(&self, body: &AnimatedBody, from: &BodyPose) -> Vec<BodyPose> {
+        let Ok(joint) = body.find_joint(&self.joint) else { return Vec::new() };
         let samples = TUNING.body.bend_samples;
-        (0..=samples).map(|k| self.bent_pose(body, from, f64::from(k) / f64::from(samples))).collect()
+        (0..=samples).map(|k| self.bent_pose(joint, from, f64::from(k) / f64::from(samples))).collect()
     }
 
     fn start_action(&self, context: &ActionContext, persistent: &mut PersistentState) -> Result<ActionStart> {
         let posed = required_body("bend", context, persistent)?;
-        if let Some(error) = self.validate_body(&posed.body).into_iter().next() {
-            return Err(context.refuse(error.message, error.help));
-        }
+        let joint = posed.body.find_joint(&self.joint).map_err(|error| {
+            let error = lookup_error("joint", &posed.body, error);
+            context.refuse(error.message, error.help)
+        })?;
         let (bend, from) = (self.clone(), posed.pose.clone());
         let body = posed.body.clone();
         // No step may cross a whole motion there and back.
         let release = |k: u32| f64::from(k) * self.period() + self.over_s + self.hold_s;
         let event_times = (0..self.repeat).map(release).collect();
-        let pose_at = {
-            let body = body.clone();
-            move |t| bend.bent_pose(&body, &from, bend.fraction_at(t))
-        };
+        let pose_at = move |t| bend.bent_pose(joint, &from, bend.fraction_at(t));
         let motion = BodyMotionRunner::new(body, persistent.idle_loads(), self.duration(), pose_at);
         ActionStart::here(motion.with_events(event_times, self.hold_spans()))
     }

@@ -159,6 +159,8 @@ fn read_back(glb: &[u8], asset: &SourceAsset, detail: &DetailInput) -> Result<So
     let options = ReadOptions {
         unit_m: Some(if is_gltf { asset.unit_m } else { 1.0 }),
         up: is_gltf.then_some(asset.up),
+        any_size: true,
+        skip_damaged: true,
         ..ReadOptions::default()
     };
     let mut nothing = |name: &str| Err(Error::input(&asset.file, name, "is an external file", ""));
@@ -269,8 +271,9 @@ impl<'a> Surface<'a> {
                 (stored.collect::<Vec<_>>(), None)
             }
             None => {
-                let unworn = compute_tangents(&piece.positions, normals, uvs, &piece.triangles);
-                let mut worn = compute_tangents(&positions, &worn_normals, uvs, &piece.triangles);
+                let triangles = piece.file_triangles();
+                let unworn = compute_tangents(&piece.positions, normals, uvs, &triangles);
+                let mut worn = compute_tangents(&positions, &worn_normals, uvs, &triangles);
                 // A morph target does not change the handedness.
                 worn.iter_mut().zip(&unworn).for_each(|(a, b)| a.handedness = b.handedness);
                 (worn.clone(), Some(AddedTangents { unworn, worn }))

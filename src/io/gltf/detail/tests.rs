@@ -118,7 +118,7 @@ impl Scene {
 
 /// Returns the direction a viewer shows in the middle of every fine triangle, and the fine surface's smooth normal there.
 fn shown_and_true(scene: &Scene, detailed: &DetailOutput) -> Vec<(Vec3, Vec3, Vec3)> {
-    let options = ReadOptions { unit_m: Some(1.0), ..ReadOptions::default() };
+    let options = ReadOptions { unit_m: Some(1.0), any_size: true, ..ReadOptions::default() };
     let mut alone = |name: &str| panic!("asks for {name}");
     let mut asset = read_asset("worn.glb", &detailed.glb, &options, &mut alone).unwrap().0;
     assert!(keep_worn_pieces(&mut asset));
@@ -198,7 +198,7 @@ fn a_normal_map_that_is_there_is_kept_under_the_wrinkles() {
     let scene = Scene::new(&ripple);
     let first = scene.detailed();
     let mut alone = |name: &str| panic!("asks for {name}");
-    let options = ReadOptions { unit_m: Some(1.0), ..ReadOptions::default() };
+    let options = ReadOptions { unit_m: Some(1.0), any_size: true, ..ReadOptions::default() };
     let asset = read_asset("first.glb", &first.glb, &options, &mut alone).unwrap().0;
     let flat = Scene::new(&|_| 0.0);
     let coarse = Garment::from_asset(&asset).unwrap().0;

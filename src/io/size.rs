@@ -1,0 +1,139 @@
+//! Sizes of a garment, its body and its frames: the most common error of these files is the unit, and it would still run, with
+//! wrong results.
+
+use crate::garment::{ImportDiagnostic, Severity, SourceAsset};
+use crate::io::tuning::TUNING;
+use crate::math::Vec3;
+use crate::{Error, Result};
+
+/// Units that a file may be in, and their lengths [m].
+const UNITS: [(&str, f64); 5] = [("m", 1.0), ("dm", 0.1), ("cm", 0.01), ("mm", 0.001), ("in", 0.0254)];
+
+/// Rejects a garment of a size that no garment has; returns a warning about one that is rare, unless its unit was given.
+pub(super) fn check_size(asset: &SourceAsset, unit_is_given: bool) -> Result<Option<ImportDiagnostic>> {
+    let Some((low, high)) = asset.worn_bounds() else { return Ok(None) };
+    let size = high - low;
+    let units = size / asset.unit_m;
+    let longest = units.max();
+    let fits: Vec<String> = UNITS
+        .iter()
+        .filter(|(_, unit)| TUNING.usual_garment_side_m.contains(&(longest * unit)))
+        .map(|(name, unit)| format!("--unit {name} makes it {:.2} m", longest * unit))
+        .collect();
+    let hint = if fits.is_empty() { String::new() } else { format!("; {}", fits.join(", ")) };
+    if TUNING.garment_side_m.contains(&size.max()) {
+        let is_questionable = !unit_is_given && !TUNING.usual_garment_side_m.contains(&size.max());
+        return Ok(is_questionable.then(|| ImportDiagnostic {
+            severity: Severity::Warning,
+            location: String::new(),
+            message: format!(
+                "the garment is {:.2} x {:.2} x {:.2} m, which few garments are: if that is wrong, say the file's unit with --unit{hint}",
+                size.x, size.y, size.z
+            ),
+        }));
+    }
+    Err(Error::input(
+        &asset.file,
+        "",
+        format!(
+            "the garment's box is {:.4} x {:.4} x {:.4} in file units, which would be {:.3} x {:.3} x {:.3} m",
+            units.x, units.y, units.z, size.x, size.y, size.z
+        ),
+        format!(
+            "say the file's unit with --unit cm, mm, dm, in, m or metres per unit{hint}; --force-size takes any size"
+        ),
+    ))
+}
+
+/// Returns the unit in which a file read in units of `unit_m` [m] is smaller by about `ratio`.
+fn unit_that_divides(unit_m: f64, ratio: f64) -> Option<&'static str> {
+    let wanted = unit_m / ratio;
+    let distance = |(_, unit): &&(&str, f64)| (unit / wanted).ln().abs();
+    let nearest = UNITS.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+    (distance(&nearest) < TUNING.unit_ratio_tol.ln()).then_some(nearest.0)
+}
+
+/// Returns the unit in which a body is as large over its garment as bodies are; `ratio` is that in units of `unit_m` [m].
+fn unit_of_body(unit_m: f64, ratio: f64) -> Option<&'static str> {
+    let in_unit = |unit: f64| ratio * unit / unit_m;
+    let distance = |unit: f64| (in_unit(unit) / TUNING.usual_body_ratio).ln().abs();
+    let possible = UNITS.iter().filter(|(_, unit)| TUNING.body_ratio.contains(&in_unit(*unit)));
+    possible.min_by(|a, b| distance(a.1).total_cmp(&distance(b.1))).map(|(name, _)| *name)
+}
+
+/// Returns an error message and its help if frames are `ratio` times as large as their garment by the length of edges;
+/// `unit_m` is the unit in which they were read.
+pub fn compare_frame_size(ratio: f64, unit_m: f64) -> Option<(String, String)> {
+    if TUNING.frame_ratio.contains(&ratio) {
+        return None;
+    }
+    let advice = match unit_that_divides(unit_m, ratio) {
+        Some(unit) => format!("; --frames-unit {unit} makes them fit"),
+        None => String::new(),
+    };
+    Some((
+        format!(
+            "its frames are {ratio:.4} times as large as the garment: one of them has another unit than it was read in"
+        ),
+        format!("give the unit of the frames with --frames-unit, that of the garment with --unit{advice}"),
+    ))
+}
+
+/// Returns a warning if a body does not fit a garment in size or axis. `garment` and `body` are the corners of their boxes [m];
+/// `body_unit_m` is the unit in which the body was read.
+pub fn compare_body_size(garment: (Vec3, Vec3), body: (Vec3, Vec3), body_unit_m: f64) -> Option<String> {
+    let (own, other) = (garment.1 - garment.0, body.1 - body.0);
+    let ratio = other.max() / own.max();
+    if !TUNING.body_ratio.contains(&ratio) {
+        let advice = match unit_of_body(body_unit_m, ratio) {
+            Some(unit) => format!("its unit may be {unit}: --body-unit {unit}"),
+            None => "check the unit of both".to_owned(),
+        };
+        return Some(format!(
+            "the body is {:.2} m long and the garment {:.2} m: one of them has another unit than it was read in; {advice}",
+            other.max(),
+            own.max()
+        ));
+    }
+    let centre = (garment.0 + garment.1) / 2.0;
+    let margin = 0.25 * other.max();
+    let holds = |p: Vec3| (0..3).all(|k| body.0[k] - margin <= p[k] && p[k] <= body.1[k] + margin);
+    // The body's (x, y, z) would be (x, z, -y) if its z axis were up, and the reverse.
+    let turned =
+        [("z", Vec3::new(centre.x, -centre.z, centre.y)), ("y", Vec3::new(centre.x, centre.z, -centre.y))];
+    if holds(centre) {
+        return None;
+    }
+    let axis = turned.iter().find(|(_, p)| holds(*p)).map(|(axis, _)| *axis);
+    let advice = axis.map_or("check the unit and the up axis of both".to_owned(), |axis| {
+        format!("its {axis} axis may be up: --body-up {axis}")
+    });
+    Some(format!("the garment lies beside the body: {advice}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_unit_of_a_wrong_size_is_found() {
+        assert_eq!(unit_that_divides(1.0, 98.0), Some("cm"));
+        assert_eq!(unit_that_divides(0.01, 0.012), Some("m"));
+        assert_eq!(unit_that_divides(1.0, 41.0), Some("in"));
+        assert_eq!(unit_that_divides(1.0, 1e6), None);
+    }
+
+    #[test]
+    fn a_body_of_another_unit_or_axis_is_told() {
+        let shirt = (Vec3::new(-0.3, 0.8, -0.1), Vec3::new(0.3, 1.5, 0.1));
+        let person = (Vec3::new(-0.8, 0.0, -0.2), Vec3::new(0.8, 1.75, 0.2));
+        assert_eq!(compare_body_size(shirt, person, 1.0), None);
+        let message = compare_body_size(shirt, (person.0 * 100.0, person.1 * 100.0), 1.0).expect("too large");
+        assert!(message.contains("--body-unit cm"), "{message}");
+        let message = compare_body_size(shirt, (person.0 * 0.01, person.1 * 0.01), 0.01).expect("too small");
+        assert!(message.contains("--body-unit m"), "{message}");
+        let lying = (Vec3::new(-0.8, -0.2, -1.75), Vec3::new(0.8, 0.2, 0.0));
+        let upright = compare_body_size(shirt, lying, 1.0).expect("another axis");
+        assert!(upright.contains("--body-up"), "{upright}");
+    }
+}
