@@ -5,20 +5,25 @@
 //! makes it finer. Reads no bytes: `io` does.
 
 mod build;
+mod coincident_layers;
+mod contents;
 mod diagnostic;
 mod feature_edge;
 mod garment_type;
 mod inspect;
 mod lying;
 pub(crate) mod material_coords;
+mod open_seams;
 mod refine;
 mod repair;
 mod rest_state;
+mod rigid_parts;
 mod source_asset;
 mod tuning;
 mod wedges;
 mod worn_garment;
 
+pub use contents::content_warnings;
 pub use diagnostic::{ImportDiagnostic, Severity};
 pub(crate) use feature_edge::is_feature_hinge;
 pub use garment_type::Garment;
@@ -26,6 +31,7 @@ pub use inspect::{Inspection, PartReport, PieceReport, inspect};
 pub use lying::{Footprint, is_lying, is_lying_by_normals};
 pub use refine::RefinedMesh;
 pub use rest_state::RestState;
+pub use rigid_parts::RigidParts;
 pub use source_asset::{
     GltfDocument, Placement, SourceAsset, SourceFormat, SourceJoint, SourcePiece, UpAxis,
 };

@@ -29,6 +29,8 @@ pub struct ReadOptions {
     /// Vertex attribute that scales the memory locally: `COLOR_0`, `COLOR_0.g`, `_PIN`, ...; of an OBJ
     /// `COLOR_0`. A component is chosen by `.r .g .b .a` or `.x .y .z .w`, else the first is taken.
     pub mask: Option<String>,
+    /// Distance within which vertices on borders are joined [m]; that of rounding when not given.
+    pub weld_m: Option<f64>,
 }
 
 /// Reads the mesh file `bytes`, named `file_name` in messages; also returns repairs and notes. `resolve` returns the bytes

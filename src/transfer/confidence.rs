@@ -77,6 +77,13 @@ pub(super) fn confidence_by_region(canonical: &GarmentSurface, confidence: &[f64
     regions
 }
 
+/// Area-weighted mean of one `confidence` per triangle of `target`; 0 without area.
+pub(crate) fn mean_confidence(target: &GarmentSurface, confidence: &[f64]) -> f64 {
+    let areas = (0..target.triangles.len()).map(|f| target.normal(f).norm());
+    let (sum, area) = areas.zip(confidence).fold((0.0, 0.0), |(sum, area), (a, c)| (sum + a * c, area + a));
+    if area > 0.0 { sum / area } else { 0.0 }
+}
+
 /// Losses between `source` with its `memory` and `target`, which received `faces`.
 pub(super) fn transfer_losses(
     source: &GarmentSurface,

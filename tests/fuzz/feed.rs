@@ -17,7 +17,7 @@ use serde_json::Value;
 /// Reads a mesh file as `crease inspect` does and writes it as `crease bake` does. `resolve` returns the files it refers to.
 pub fn mesh(name: &str, bytes: &[u8], resolve: &mut dyn FnMut(&str) -> Result<Vec<u8>>) -> Result<()> {
     // With a stated unit sizes are not checked and more of the file is read.
-    let options = ReadOptions { unit_m: Some(1.0), up: None, garment: None, mask: None };
+    let options = ReadOptions { unit_m: Some(1.0), ..ReadOptions::default() };
     let (asset, diagnostics) = read_asset(name, bytes, &options, resolve)?;
     let (garment, more) = Garment::from_asset(&asset)?;
     let _ = inspect(&asset, &garment, &[diagnostics, more].concat()).to_text();
@@ -94,7 +94,7 @@ pub fn checkpoint(bytes: &[u8]) -> Result<()> {
 /// Returns a checkpoint of two triangles and one action.
 fn small_run() -> (Garment, WearScript) {
     let square = b"v 0 0 0\nv 0.2 0 0\nv 0.2 0.2 0\nv 0 0.2 0\nf 1 2 3\nf 1 3 4\n";
-    let options = ReadOptions { unit_m: None, up: None, garment: None, mask: None };
+    let options = ReadOptions::default();
     let (asset, _) = read_asset("square.obj", square, &options, &mut |_| Ok(Vec::new())).expect("a square");
     let (garment, _) = Garment::from_asset(&asset).expect("a garment");
     let script = WearScript::parse("w", r#"{"format": "crease-wear/1", "actions": [{"lay": {}}]}"#);

@@ -139,6 +139,10 @@ fn the_same_mesh_keeps_its_memory_and_a_refined_one_agrees(workshop: &Workshop) 
     assert_eq!(code, Some(0), "{err}");
     let (first, again) = (workshop.read("out.crease.json"), workshop.read("again.crease.json"));
     assert_eq!((&first.hinges, &first.points), (&again.hinges, &again.points));
+    // The worn file names its sidecar.
+    let (_, err, code) = workshop.run("transfer out.glb --to to.obj -o named.glb --match same --quiet");
+    assert_eq!(code, Some(0), "{err}");
+    assert_eq!(workshop.read("named.crease.json").hinges, first.hinges);
     let (_, err, code) = workshop.run("render out.glb --show confidence --size 64 -o out.png");
     assert_eq!(code, Some(0), "{err}");
     // Finer than the file: its own points first, by texture as before, what they cannot show in a map.

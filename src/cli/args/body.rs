@@ -9,7 +9,7 @@ use crease::body::AnimatedBody;
 use crease::files::{GarmentFile, read_asset_file};
 use crease::garment::{SourceAsset, SourcePiece};
 use crease::io::ReadOptions;
-use crease::{Error, Result};
+use crease::{Diagnostic, Error, Result};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -23,10 +23,10 @@ pub struct BodyArgs {
     #[arg(long, value_name = "NODE|GROUP", requires = "body")]
     body_node: Option<String>,
     /// Unit of the body file: m, dm, cm, mm, in or metres [default: unit of the garment file; metres for glTF]
-    #[arg(long, value_name = "UNIT", value_parser = unit, requires = "body")]
+    #[arg(long, value_name = "UNIT", allow_negative_numbers = true, value_parser = unit, requires = "body")]
     body_unit: Option<Metres>,
     /// Frames per second of a folder of frames
-    #[arg(long, value_name = "N", value_parser = positive, requires = "body")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = positive, requires = "body")]
     body_fps: Option<f64>,
 }
 
@@ -50,7 +50,8 @@ impl BodyArgs {
         } else if same {
             self.read_in_garment_file(&mesh.asset, options)?
         } else {
-            let (asset, _) = read_asset_file(body, &self.body_options(body, options))?;
+            let (asset, _) =
+                read_asset_file(body, &self.body_options(body, options)).map_err(of_body_node)?;
             let pieces: Vec<&SourcePiece> = asset.worn_pieces().collect();
             AnimatedBody::from_pieces(&asset, &pieces)?
         };
@@ -68,6 +69,7 @@ impl BodyArgs {
             up: if is_gltf { None } else { garment.up },
             garment: self.body_node.clone(),
             mask: None,
+            weld_m: None,
         }
     }
 
@@ -104,6 +106,20 @@ impl BodyArgs {
 fn pieces_named(node: &str, asset: &SourceAsset, options: &ReadOptions) -> Result<Vec<bool>> {
     let options =
         ReadOptions { garment: Some(node.to_owned()), unit_m: Some(asset.unit_m), ..options.clone() };
-    let (again, _) = read_asset_file(Path::new(&asset.file), &options)?;
+    let (again, _) = read_asset_file(Path::new(&asset.file), &options).map_err(of_body_node)?;
     Ok(again.pieces.iter().map(|piece| piece.worn).collect())
+}
+
+/// The error of a part chosen by `--body-node`, which the reader of files knows as the garment.
+fn of_body_node(error: Error) -> Error {
+    let renamed =
+        |text: &str| text.replace("no garment called", "no body called").replace("--garment", "--body-node");
+    match error {
+        Error::Input(all) => Error::Input(
+            all.into_iter()
+                .map(|one| Diagnostic { message: renamed(&one.message), help: renamed(&one.help), ..one })
+                .collect(),
+        ),
+        other => other,
+    }
 }

@@ -1,6 +1,6 @@
 //! Options that say how a mesh file is read.
 
-use crate::cli::args::values::{Metres, unit};
+use crate::cli::args::values::{Metres, positive, unit};
 use clap::Args;
 use crease::garment::UpAxis;
 use crease::io::ReadOptions;
@@ -9,7 +9,7 @@ use crease::io::ReadOptions;
 #[derive(Debug, Clone, Args)]
 pub struct MeshArgs {
     /// Unit of the mesh file: m, dm, cm, mm, in, or its length in metres [default: derived from format and size]
-    #[arg(long, value_name = "UNIT", value_parser = unit)]
+    #[arg(long, value_name = "UNIT", allow_negative_numbers = true, value_parser = unit)]
     unit: Option<Metres>,
     /// Up axis of the mesh file: y or z [default: derived from the format]
     #[arg(long, value_name = "AXIS", value_parser = up_axis)]
@@ -17,6 +17,9 @@ pub struct MeshArgs {
     /// Node, mesh or group that is the garment [default: the whole file]
     #[arg(long, value_name = "NODE|GROUP")]
     garment: Option<String>,
+    /// Sew borders of the garment: join vertices on them up to this distance apart [mm] [default: only those in one place]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = positive)]
+    weld: Option<f64>,
 }
 
 impl MeshArgs {
@@ -27,6 +30,7 @@ impl MeshArgs {
             up: self.up,
             garment: self.garment.clone(),
             mask: None,
+            weld_m: self.weld.map(|mm| 1e-3 * mm),
         }
     }
 }

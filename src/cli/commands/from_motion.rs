@@ -4,7 +4,7 @@
 use crate::cli::args::mesh::MeshArgs;
 use crate::cli::args::run::RunArgs;
 use crate::cli::args::values::{glb_path, positive};
-use crate::cli::commands::worn_job::{SideFiles, WornJob, WornResult};
+use crate::cli::commands::worn_job::{SideFiles, WornJob, WornResult, outcome};
 use crate::cli::files::frame_sequence::read_frames;
 use crate::cli::files::input;
 use crate::cli::runtime::console;
@@ -39,7 +39,7 @@ pub struct Arguments {
     #[arg(long, value_name = "MESH")]
     mesh: Option<PathBuf>,
     /// Frames per second: of a folder (required), or at which a clip is sampled [default: 30]
-    #[arg(long, value_name = "N", value_parser = positive)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = positive)]
     fps: Option<f64>,
     /// Clip of an animated file [default: its first clip]
     #[arg(long, value_name = "NAME")]
@@ -89,8 +89,9 @@ pub fn run(arguments: Arguments) -> Result<()> {
         side_files: SideFiles::default(),
         computed,
     };
+    job.warn(baked.report.empty_reason.clone());
     job.write(&result, report)?.print(print_summary)?;
-    baked.report.unconverged_reason.map_or(Ok(()), |reason| Err(Error::NotConverged(reason)))
+    outcome(baked.report.unconverged_reason, baked.report.empty_reason)
 }
 
 fn print_summary(worn: &str, report: &Report) {

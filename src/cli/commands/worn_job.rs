@@ -10,7 +10,6 @@ use crate::cli::files::output::Outputs;
 use crate::cli::files::worn_outputs::WornOutputs;
 use crate::cli::runtime::console;
 use crate::cli::runtime::threads::use_threads;
-use crease::Result;
 use crease::fabric::Fabric;
 use crease::files::GarmentFile;
 use crease::garment::WornGarment;
@@ -18,6 +17,7 @@ use crease::io::gltf::write_worn_glb;
 use crease::io::{Sidecar, write_sidecar};
 use crease::report::render::{Camera, encode_png};
 use crease::report::{ColorBy, DetailReport, ExportCheck, GarmentView, Report, TransferReport};
+use crease::{Error, Result};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -35,6 +35,8 @@ pub struct WornJob {
     read_s: f64,
     /// Warnings of the command itself, for the report.
     warnings: Vec<String>,
+    /// Those among them that were printed before the run.
+    printed: Vec<String>,
 }
 
 /// Files beside the main outputs.
@@ -116,7 +118,15 @@ impl WornJob {
             outputs.check(&files.preview())?;
         }
         use_threads(run.threads)?;
-        Ok(Self { run: run.clone(), files, outputs, started, read_s: 0.0, warnings: Vec::new() })
+        Ok(Self {
+            run: run.clone(),
+            files,
+            outputs,
+            started,
+            read_s: 0.0,
+            warnings: Vec::new(),
+            printed: Vec::new(),
+        })
     }
 
     /// Paths of the outputs.
@@ -134,8 +144,20 @@ impl WornJob {
         self.warnings.extend(warnings);
     }
 
-    /// Notes the repairs of the mesh file `path` and its refinement, and embeds the images that it refers to.
+    /// Adds warnings to the report and prints them at once, so that a long run can be stopped for them.
+    pub fn warn_before_run(&mut self, warnings: impl IntoIterator<Item = String>) {
+        for warning in warnings {
+            if self.run.is_verbose() {
+                print_warning(&warning);
+            }
+            self.printed.push(warning.clone());
+            self.warnings.push(warning);
+        }
+    }
+
+    /// Notes the doubts about the content and the repairs of the mesh file `path` and its refinement, and embeds the images that it refers to.
     pub fn accept_mesh(&mut self, mesh: &mut GarmentFile, path: &Path, refinement: Option<&Refinement>) {
+        self.warn_before_run(mesh.content_warnings());
         self.warn(mesh.repairs());
         self.warn(refinement.map(|refinement| refinement.note.clone()));
         self.warn(mesh.embed_images(path));
@@ -151,12 +173,12 @@ impl WornJob {
         let mut report = report;
         report.warnings().append(&mut self.warnings);
         let written = self.add_outputs(result, report.warnings())?;
-        let Self { run, files, mut outputs, started, read_s, .. } = self;
+        let Self { run, files, mut outputs, started, read_s, printed, .. } = self;
         let write_s = result.computed.elapsed().as_secs_f64();
         report.finish(written, JobTimes { read_s, write_s, wall_s: started.elapsed().as_secs_f64() });
         outputs.add(&files.report, report.json().as_bytes())?;
         outputs.commit()?;
-        Ok(WrittenJob { run, worn: files.worn, report })
+        Ok(WrittenJob { run, worn: files.worn, report, printed })
     }
 
     fn add_outputs(&mut self, result: &WornResult, warnings: &mut Vec<String>) -> Result<WrittenFiles> {
@@ -192,6 +214,8 @@ pub struct WrittenJob<R> {
     worn: PathBuf,
     /// Report as written.
     pub report: R,
+    /// Warnings that were printed before the run.
+    printed: Vec<String>,
 }
 
 impl<R: JobReport> WrittenJob<R> {
@@ -199,7 +223,8 @@ impl<R: JobReport> WrittenJob<R> {
     /// JSON.
     pub fn print(&mut self, summary: impl FnOnce(&str, &R)) -> Result<()> {
         if self.run.is_verbose() {
-            self.report.warnings().iter().for_each(|text| console::message(&format!("warning: {text}")));
+            let fresh = self.report.warnings().iter().filter(|text| !self.printed.contains(text));
+            fresh.for_each(|text| print_warning(text));
             summary(&input::name_of(&self.worn), &self.report);
         }
         if self.run.json { console::data(&self.report.json()) } else { Ok(()) }
@@ -209,6 +234,19 @@ impl<R: JobReport> WrittenJob<R> {
     pub fn worn(&self) -> &Path {
         &self.worn
     }
+}
+
+/// Returns the outcome of a command whose outputs are written: a failure if its result is no equilibrium, or empty.
+pub fn outcome(unconverged_reason: Option<String>, empty_reason: Option<String>) -> Result<()> {
+    match (unconverged_reason, empty_reason) {
+        (Some(reason), _) => Err(Error::NotConverged(reason)),
+        (None, Some(reason)) => Err(Error::Empty(reason)),
+        (None, None) => Ok(()),
+    }
+}
+
+fn print_warning(text: &str) {
+    console::message(&format!("warning: {text}"));
 }
 
 impl JobReport for Report {

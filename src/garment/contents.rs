@@ -1,0 +1,178 @@
+//! Doubts about the content of a file: a body beside the garment, copies or levels of detail in one place, several garments,
+//! open seams. Each is told, with the option that chooses or mends.
+
+use crate::garment::open_seams::open_seams;
+use crate::garment::tuning::TUNING;
+use crate::garment::{Garment, SourceAsset, SourcePiece};
+use crate::math::{Vec3, bounds};
+use crate::mesh::{Groups, PointIndex, edge_key, triangle};
+use rustc_hash::FxHashMap;
+
+/// Returns a warning for each thing among the worn pieces of `asset`, from which `garment` was made, that is probably not
+/// meant to be simulated with the others, and one for open seams.
+pub fn content_warnings(asset: &SourceAsset, garment: &Garment) -> Vec<String> {
+    let things = things(asset, garment);
+    let seams = open_seams(garment);
+    let large: Vec<&Thing> = things.iter().filter(|thing| thing.size() > TUNING.max_trim_diagonal).collect();
+    if large.len() < 2 {
+        return seams.into_iter().collect();
+    }
+    let (bodies, cloth): (Vec<&Thing>, Vec<&Thing>) = large.iter().partition(|thing| thing.is_body());
+    let mut warnings: Vec<String> = seams.into_iter().collect();
+    if let (Some(body), Some(open)) = (bodies.first(), cloth.first()) {
+        warnings.push(format!(
+            "\"{}\" looks like a body ({:.2} m, {}) and is taken for cloth: choose the garment with --garment \"{}\" (and, to \
+             dress the body, --body {} --body-node \"{}\")",
+            body.name,
+            body.size(),
+            body.reason(),
+            open.name,
+            asset.file,
+            body.name
+        ));
+    }
+    let mut copied = false;
+    for (k, a) in cloth.iter().enumerate() {
+        for b in cloth[k + 1..].iter().filter(|b| a.is_in_place_of(b)) {
+            copied = true;
+            warnings.push(format!(
+                "\"{}\" ({} triangles) and \"{}\" ({}) fill the same place: copies, levels of detail or a lining; all are \
+                 simulated, --garment \"{}\" chooses one",
+                a.name,
+                a.triangles.len(),
+                b.name,
+                b.triangles.len(),
+                a.name
+            ));
+        }
+    }
+    let largest = cloth.iter().map(|thing| thing.area).fold(0.0, f64::max);
+    let garments: Vec<&&Thing> =
+        cloth.iter().filter(|thing| thing.area >= TUNING.min_garment_area_fraction * largest).collect();
+    if garments.len() > 1 && !copied {
+        let names: Vec<String> = garments
+            .iter()
+            .take(TUNING.max_listed_things)
+            .map(|thing| format!("\"{}\"", thing.name))
+            .collect();
+        let more = if garments.len() > names.len() { ", ..." } else { "" };
+        warnings.push(format!(
+            "{} separate pieces of cloth are simulated together: {}{more}; --garment NAME chooses one",
+            garments.len(),
+            names.join(", ")
+        ));
+    }
+    warnings
+}
+
+/// Pieces of a file that share points, or one alone.
+struct Thing {
+    name: String,
+    low: Vec3,
+    high: Vec3,
+    /// \[m²\]
+    area: f64,
+    /// Enclosed volume, without sign \[m³\].
+    volume: f64,
+    triangles: Vec<[PointIndex; 3]>,
+    /// Fraction of its edges that join two triangles \[-\].
+    closed_fraction: f64,
+    is_skinned: bool,
+}
+
+impl Thing {
+    fn size(&self) -> f64 {
+        (self.high - self.low).norm()
+    }
+
+    fn is_closed(&self) -> bool {
+        self.closed_fraction >= TUNING.min_closed_fraction
+            && self.volume > TUNING.min_solid_thickness * self.area
+    }
+
+    fn is_named_body(&self) -> bool {
+        let name = self.name.to_lowercase();
+        ["avatar", "body", "mannequin", "skin"]
+            .iter()
+            .any(|word| name.split(|c: char| !c.is_alphabetic()).any(|part| part == *word))
+    }
+
+    fn is_body(&self) -> bool {
+        self.size() >= TUNING.min_body_size && (self.is_closed() || self.is_named_body())
+    }
+
+    fn reason(&self) -> &'static str {
+        match (self.is_closed(), self.is_skinned) {
+            (true, true) => "closed all around, skinned",
+            (true, false) => "closed all around",
+            _ => "by its name",
+        }
+    }
+
+    fn is_in_place_of(&self, other: &Self) -> bool {
+        let tolerance = TUNING.same_place_tol * self.size().max(other.size());
+        (self.low - other.low).amax() <= tolerance && (self.high - other.high).amax() <= tolerance
+    }
+}
+
+fn things(asset: &SourceAsset, garment: &Garment) -> Vec<Thing> {
+    let pieces: Vec<&SourcePiece> = asset.worn_pieces().collect();
+    let mut groups = Groups::new(pieces.len());
+    let mut first: Vec<Option<u32>> = vec![None; garment.points.len()];
+    let mut points_of: Vec<&[PointIndex]> = Vec::new();
+    let mut rest = &garment.source_point[..];
+    for (k, piece) in pieces.iter().enumerate() {
+        let Some((own, after)) = rest.split_at_checked(piece.positions.len()) else { return Vec::new() };
+        for &v in piece.triangles.iter().flatten() {
+            if let Some(slot) = own.get(v as usize).and_then(|p| first.get_mut(p.at())) {
+                groups.join(*slot.get_or_insert(k as u32), k as u32);
+            }
+        }
+        points_of.push(own);
+        rest = after;
+    }
+    let (thing_of, count) = groups.numbered();
+    let mut members: Vec<Vec<usize>> = vec![Vec::new(); count];
+    thing_of.iter().enumerate().for_each(|(k, thing)| members[thing.at()].push(k));
+    let names: Vec<&str> = members.iter().map(|m| pieces[m[0]].name.as_str()).collect();
+    let thing = |own: &Vec<usize>| {
+        let name = pieces[own[0]].name.as_str();
+        // Primitives of one mesh have one name: their materials tell them apart.
+        let name = match (&pieces[own[0]].material, names.iter().filter(|n| **n == name).count()) {
+            (Some(material), 2..) => material.as_str(),
+            _ => name,
+        };
+        let corners = own.iter().flat_map(|&k| pieces[k].triangles.iter().map(move |t| (k, t)));
+        let triangles = corners.map(|(k, t)| t.map(|v| points_of[k][v as usize]));
+        let triangles: Vec<[PointIndex; 3]> =
+            triangles.filter(|[a, b, c]| a != b && b != c && c != a).collect();
+        measure(name, garment, triangles, own.iter().any(|&k| !pieces[k].joints.is_empty()))
+    };
+    members.iter().map(thing).collect()
+}
+
+fn measure(name: &str, garment: &Garment, triangles: Vec<[PointIndex; 3]>, is_skinned: bool) -> Thing {
+    let corners: Vec<[Vec3; 3]> = triangles.iter().map(|t| triangle::corners(&garment.points, t)).collect();
+    let (low, high) = bounds(corners.as_flattened());
+    let mut valence: FxHashMap<[PointIndex; 2], u32> = FxHashMap::default();
+    for t in &triangles {
+        for k in 0..3 {
+            *valence.entry(edge_key(t[k], t[(k + 1) % 3])).or_default() += 1;
+        }
+    }
+    let closed = valence.values().filter(|&&count| count == 2).count();
+    Thing {
+        name: name.to_owned(),
+        low,
+        high,
+        area: corners.iter().map(|t| 0.5 * triangle::area_vector(t).norm()).sum(),
+        volume: corners
+            .iter()
+            .map(|[a, b, c]| (a - low).dot(&(b - low).cross(&(c - low))) / 6.0)
+            .sum::<f64>()
+            .abs(),
+        closed_fraction: closed as f64 / valence.len().max(1) as f64,
+        triangles,
+        is_skinned,
+    }
+}
