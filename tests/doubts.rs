@@ -37,6 +37,24 @@ fn front_and_back_laid_flat_go_to_their_own_sides() {
     assert_eq!((count_of(&front, 150.0), count_of(&front, 0.0)), (25, 24), "{front:?}");
     assert_eq!((count_of(&back, -150.0), count_of(&back, 0.0)), (25, 24), "{back:?}");
     assert!(tee.repairs().iter().any(|told| told.contains("lie in one place")), "{:?}", tee.repairs());
+    // Half of the triangles of the back coincide with some of the front, texture and all: it still is a layer.
+    let mut other = Part::sheet(6, 0.4, [0.0; 3]).reversed();
+    other.triangles.chunks_mut(2).for_each(|pair| {
+        let all = [pair[0], pair[1]].concat();
+        let mut corners: Vec<u32> = all.clone();
+        corners.sort_unstable();
+        corners.dedup();
+        let [a, b, d, c] = corners[..] else { panic!("a square has four corners") };
+        pair.copy_from_slice(&[[a, c, b], [a, d, c]]);
+    });
+    let front = Part::sheet(6, 0.4, [0.0; 3]);
+    let tee = parse(&[("tee", vec![front.clone(), other])]);
+    assert_eq!(tee.garment.points.len(), 2 * 49 - 24);
+    assert_eq!(count_of(&heights(&tee, 49..98), -150.0), 25);
+    // All of them do: the other side of one sheet.
+    let sheet = parse(&[("sheet", vec![front.clone(), front.reversed()])]);
+    assert_eq!(sheet.garment.points.len(), 49);
+    assert!(sheet.repairs().iter().any(|told| told.contains("copies of triangles")), "{:?}", sheet.repairs());
 }
 
 #[test]

@@ -17,6 +17,7 @@ pub(super) fn add_findings(
     baked: &mut BakeResult,
 ) {
     let report = &mut baked.report;
+    report.warnings.extend(idle_actions(script, options.body.as_deref()));
     let far = options.body.as_ref().and_then(|body| distance_from_body(garment, script, body));
     if let Some(distance) = far {
         report.warnings.push(format!(
@@ -38,7 +39,7 @@ pub(super) fn add_findings(
         report.warnings.push(format!(
             "the mesh of the file is too coarse for its creases: with edges of {mm:.0} mm it keeps {:.0} % of them; \
              --resolution {:.0} refines it",
-            100.0 * kept / earned,
+            (100.0 * kept / earned).max(0.0),
             (0.25 * mm).clamp(1.0, TUNING.findings.max_advised_resolution_mm).round()
         ));
     }
@@ -56,6 +57,39 @@ pub(super) fn empty_reason(memory: &RestState, cure: &str) -> Option<String> {
     let limit = TUNING.findings.min_angle_change.to_degrees();
     is_unchanged(memory)
         .then(|| format!("nothing is remembered: no hinge changed by {limit} degrees and no length ({cure})"))
+}
+
+/// A warning per action that takes no time, or that moves no part of `body`; repeated ones count once.
+fn idle_actions(script: &WearScript, body: Option<&AnimatedBody>) -> Vec<String> {
+    let mut known: Vec<&Action> = Vec::new();
+    let mut warnings = Vec::new();
+    for (number, action) in script.flatten().enumerate() {
+        if known.contains(&action) || warnings.len() >= TUNING.findings.max_idle_actions {
+            continue;
+        }
+        known.push(action);
+        let called = format!("action {} of the script, `{}`,", number + 1, action.name());
+        let moves_body = matches!(action, Action::Bend(_) | Action::Play(_));
+        if let (true, Some(body)) = (moves_body, body) {
+            let poses = action.as_wear_action().body_poses(body, &body.rest());
+            let start = body.rest_points();
+            let moves = |x: &Vec<Vec3>| {
+                x.iter().zip(start).any(|(a, b)| (a - b).norm() > TUNING.active_region.min_body_motion)
+            };
+            if !poses.is_empty() && !poses.iter().map(|pose| body.points(pose)).any(|x| moves(&x)) {
+                warnings.push(format!(
+                    "{called} moves no vertex of the body: check that its joint or clip moves the mesh (--explain lists the \
+                     joints), and the angle"
+                ));
+            }
+        } else if !matches!(action, Action::Release(_) | Action::Play(_))
+            && action.as_wear_action().duration() <= 0.0
+        {
+            warnings
+                .push(format!("{called} takes no time, so that nothing happens in it: give it a duration"));
+        }
+    }
+    warnings
 }
 
 /// Whether no hinge and no triangle changed to speak of.

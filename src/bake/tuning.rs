@@ -184,6 +184,8 @@ pub(super) struct FindingTuning {
     pub min_kept_fraction: f64,
     /// Coarsest resolution that is advised [mm].
     pub max_advised_resolution_mm: f64,
+    /// Actions without effect that are told at most.
+    pub max_idle_actions: usize,
 }
 
 impl BakeTuning {
@@ -252,6 +254,7 @@ impl BakeTuning {
             min_crease_sum: 0.02,
             min_kept_fraction: 0.25,
             max_advised_resolution_mm: 10.0,
+            max_idle_actions: 5,
         },
     };
 }

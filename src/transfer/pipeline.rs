@@ -163,9 +163,10 @@ fn resample_source(
     let mut mode = by_surface;
     if both_textured && matches!(options.match_by, MatchBy::Uv | MatchBy::Auto) {
         let agreement = TextureAgreement::of(&aligned.surface, target, size);
-        let by_boxes =
-            options.align == Align::Auto && matches!(aligned.by, AlignedBy::Box | AlignedBy::Openings);
-        if let Some(map) = agreement.similarity.filter(|_| by_boxes) {
+        // Joints and landmarks know better; boxes and the place in the file do not.
+        let is_guess = options.align == Align::Auto
+            && matches!(aligned.by, AlignedBy::Box | AlignedBy::Openings | AlignedBy::InPlace);
+        if let Some(map) = agreement.similarity.filter(|_| is_guess) {
             aligned = AlignedSource { surface: map.apply_to(&aligned.surface), by: AlignedBy::Texture };
         }
         if options.match_by == MatchBy::Uv || agreement.in_place || aligned.by == AlignedBy::Texture {

@@ -54,7 +54,7 @@ impl Part {
         part
     }
 
-    /// The part with its triangles facing the other way.
+    /// The part with its triangles reversed.
     pub fn reversed(mut self) -> Self {
         self.triangles.iter_mut().for_each(|t| t.swap(1, 2));
         self

@@ -61,6 +61,19 @@ fn textures_that_agree_one_to_one_win_over_boxes() {
         assert!(fraction_at(&carried, &target, place) > 0.6, "{}", fraction_at(&carried, &target, place));
         assert!(carried.warnings.is_empty(), "{:?}", carried.warnings);
     }
+    // Turned about the middle of a closed tube, which then lies where it lay before.
+    let tube = |cells: u32| {
+        Part::sheet(cells, 1.0, [0.0; 3]).moved(|[x, y, _]| {
+            let angle = std::f64::consts::TAU * x;
+            [0.25 * angle.sin(), 0.6 * y, 0.1 * angle.cos()]
+        })
+    };
+    let from_tube = source(surface(vec![tube(24)]), |p| (0.1..0.14).contains(&p.x) && p.z > 0.0);
+    let target = surface(vec![tube(28).moved(|[x, y, z]| [-x, y, -z])]);
+    let carried =
+        transfer(&[from_tube], &target, &TransferOptions::full(target.points.len())).expect("works");
+    let there = fraction_at(&carried, &target, |p| (0.08..0.16).contains(&-p.x) && p.z < 0.0);
+    assert!(there > 0.8, "{there} {:?}", carried.sources);
     // A texture that says something else at every place is no map.
     let other = pipe(20).moved(scaled).textured(|[u, v]| [u * u, v]);
     let target = surface(vec![other]);

@@ -71,7 +71,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     } else {
         MotionInput::from_clip(&arguments)?
     };
-    job.accept_mesh(&mut motion.mesh, &motion.path, None);
+    job.accept_mesh(&mut motion.mesh, &motion.path, None)?;
     job.inputs_read();
     let baked = motion.memory(&fabric, arguments.repeat);
     let computed = Instant::now();

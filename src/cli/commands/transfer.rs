@@ -167,7 +167,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let inputs = sidecars.chain([arguments.to.as_path()]).chain(arguments.landmarks.as_deref());
     let mut job = WornJob::start(&arguments.run, &arguments.output, inputs, side_files)?;
     let mut input = TransferInput::read(&arguments)?;
-    job.accept_mesh(&mut input.mesh, &arguments.to, input.refinement.as_ref());
+    job.accept_mesh(&mut input.mesh, &arguments.to, input.refinement.as_ref())?;
     job.inputs_read();
     let garment = &input.mesh.garment;
     let target = input.target();

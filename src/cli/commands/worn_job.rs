@@ -12,7 +12,7 @@ use crate::cli::runtime::console;
 use crate::cli::runtime::threads::use_threads;
 use crease::fabric::Fabric;
 use crease::files::GarmentFile;
-use crease::garment::WornGarment;
+use crease::garment::{WornGarment, mistaken_body};
 use crease::io::gltf::write_worn_glb;
 use crease::io::{Sidecar, write_sidecar};
 use crease::report::render::{Camera, encode_png};
@@ -156,11 +156,23 @@ impl WornJob {
     }
 
     /// Notes the doubts about the content and the repairs of the mesh file `path` and its refinement, and embeds the images that it refers to.
-    pub fn accept_mesh(&mut self, mesh: &mut GarmentFile, path: &Path, refinement: Option<&Refinement>) {
+    ///
+    /// # Errors
+    /// A body among what is taken for cloth.
+    pub fn accept_mesh(
+        &mut self,
+        mesh: &mut GarmentFile,
+        path: &Path,
+        refinement: Option<&Refinement>,
+    ) -> Result<()> {
+        if let Some(error) = mistaken_body(&mesh.asset, &mesh.garment) {
+            return Err(error);
+        }
         self.warn_before_run(mesh.content_warnings());
         self.warn(mesh.repairs());
         self.warn(refinement.map(|refinement| refinement.note.clone()));
         self.warn(mesh.embed_images(path));
+        Ok(())
     }
 
     /// Marks the end of reading.

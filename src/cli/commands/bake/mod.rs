@@ -57,7 +57,7 @@ fn bake_into(
     if arguments.explain && !arguments.run.json {
         explain(&input, arguments, false)?;
     }
-    job.accept_mesh(&mut input.mesh, &arguments.mesh, input.refinement.as_ref());
+    job.accept_mesh(&mut input.mesh, &arguments.mesh, input.refinement.as_ref())?;
     input.check_writers(&job.files().extras())?;
     let start = self_intersections(&input.mesh.garment.points, &input.mesh.garment.triangles);
     job.inputs_read();
