@@ -1,5 +1,5 @@
-//! What a finished bake has to say when it did nothing, or less than the wear left: a garment that the body never came near,
-//! a mesh too coarse for its creases, a result without any memory.
+//! Findings on a bake without effect, or with less than the wear left: actions that move nothing, a garment that the body
+//! never came near, a mesh too coarse for its creases, a result without any memory.
 
 use crate::bake::tuning::TUNING;
 use crate::bake::{BakeOptions, BakeResult};
@@ -120,17 +120,17 @@ fn distance_from_body(garment: &Garment, script: &WearScript, body: &AnimatedBod
     let mut poses: Vec<Vec<Vec3>> = script.body_poses(body).iter().map(|pose| body.points(pose)).collect();
     poses.push(rest.to_vec());
     let mut bvh = TriangleBvh::new(rest, body.triangles(), 0.0);
-    let mut least = f64::INFINITY;
+    let mut nearest = f64::INFINITY;
     for x in &poses {
         bvh.refit(x, x, 0.0);
         for p in &garment.points {
-            if let Some(near) = bvh.nearest(x, *p, least) {
-                least = least.min(near.closest.distance);
+            if let Some(near) = bvh.nearest(x, *p, nearest) {
+                nearest = nearest.min(near.closest.distance);
             }
-            if least <= TUNING.findings.near_body {
+            if nearest <= TUNING.findings.near_body {
                 return None;
             }
         }
     }
-    least.is_finite().then_some(least)
+    nearest.is_finite().then_some(nearest)
 }

@@ -169,7 +169,7 @@ pub(super) struct WarningTuning {
     pub max_part_pairs: usize,
 }
 
-/// What a finished bake says when it did nothing.
+/// Findings on a bake without effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct FindingTuning {
     /// Change of a rest angle below which a hinge counts as unchanged [rad], half a degree.

@@ -3,7 +3,7 @@
 //!
 //! Stage between reading and the solver. Every repair is reported; what cannot be repaired (edges of three layers, Möbius
 //! strips) stays and carries no hinge, so that the garment is still usable. Layers that lie in one place are set
-//! apart by a hair. Sews no open seams and looks for no intersections.
+//! apart by a small distance. Sews no open seams and looks for no intersections.
 
 use crate::garment::coincident_layers::separate_layers;
 use crate::garment::diagnostic::ImportDiagnostics;

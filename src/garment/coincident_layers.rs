@@ -1,9 +1,9 @@
 //! Layers that lie in one place: a lining in the plane of its shell, a patch, the back of a garment that is laid flat.
 //!
-//! Contact keeps layers apart that are apart; two that coincide have no sides. They are set apart by a hair: at each place the
-//! layers that face the way of the first one lie in the order of the file, the first on top, and those that face the
-//! other way below them, so that front and back of a flat garment go to their own sides. A layer here is a piece of cloth
-//! that is not folded back on itself; points where two of them are joined stay.
+//! Contact keeps layers apart that are apart; two that coincide have no sides. They are set apart by about the thickness of
+//! cloth. At each place the layers that face the same side as the first one lie in the order of the file, the first on top, and
+//! those that face the opposite side lie below them, so that front and back of a flat garment go to their own sides. A layer
+//! here is a piece of cloth that is not folded back on itself; points where two of them are joined stay.
 
 use crate::garment::diagnostic::ImportDiagnostics;
 use crate::garment::tuning::TUNING;
@@ -44,13 +44,14 @@ fn unfolded_pieces(triangles: &[[PointIndex; 3]], normals: &[Vec3], topology: &T
     groups.numbered().0.iter().map(|piece| piece.0).collect()
 }
 
-/// Layers at one place: each with whether it faces the way of the lowest.
+/// A layer at one place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct LayerAt {
     layer: u32,
     normal: Vec3,
 }
 
+/// A garment and the layers of its triangles.
 struct Layers<'a> {
     points: &'a [Vec3],
     triangles: &'a [[PointIndex; 3]],

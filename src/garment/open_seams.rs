@@ -27,7 +27,7 @@ pub(super) fn open_seams(garment: &Garment) -> Option<String> {
         let faces = |g: u32| {
             let other = &edges[g as usize];
             other.outward.dot(&edge.outward) < TUNING.max_seam_cosine
-                && triangles[g as usize].iter().all(|p| !own.contains(p))
+                && triangles[g as usize].iter().filter(|p| own.contains(p)).count() < 2
                 && (other.middle - edge.middle).dot(&edge.outward) > -TUNING.max_seam_gap
         };
         if let Some(near) = bvh.nearest_where(&garment.points, edge.middle, TUNING.max_seam_gap, faces) {

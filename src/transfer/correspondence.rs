@@ -148,23 +148,17 @@ impl<'a> CorrespondenceFinder<'a> {
         // Next to the nearest one; islands side by side are told apart by the texture.
         let limit = found.closest.distance + TUNING.uv_overlap_fraction * self.max_distance;
         let island = |f: u32| self.islands.get(f as usize).copied();
-        while let Some(more) = (!self.islands.is_empty()).then_some(()).and_then(|()| {
+        while !self.islands.is_empty() && places.len() < TUNING.max_places_of_uv {
             let fresh = |f: u32| places.iter().all(|place| island(place.triangle) != island(f));
-            self.tree.nearest_where(&self.points, at, limit, fresh)
-        }) {
+            let Some(more) = self.tree.nearest_where(&self.points, at, limit, fresh) else { break };
             places.push(more);
         }
         places
     }
 
-    /// Position of a place of the source that was found in texture space [m].
-    pub fn position_of_place(&self, place: &NearestTriangle) -> Vec3 {
-        let weights = &place.closest.weights[1..];
-        self.source.corners(place.triangle as usize).iter().zip(weights).map(|(x, w)| x * -*w).sum()
-    }
-
     fn match_uv(&self, query: &Query) -> Option<Match> {
-        let distance = |place: &NearestTriangle| (self.position_of_place(place) - query.position).norm();
+        let distance =
+            |place: &NearestTriangle| (position_of_place(self.source, place) - query.position).norm();
         let places = self.places_of_uv(&query.uv?);
         let found = places.into_iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
         let triangle = found.triangle as usize;
@@ -223,6 +217,12 @@ impl Correspondence for CorrespondenceFinder<'_> {
     fn find(&self, _f: usize, query: &Query) -> Option<Match> {
         self.find_match(query)
     }
+}
+
+/// Position on `surface` of a place that was found in texture space [m].
+pub(super) fn position_of_place(surface: &GarmentSurface, place: &NearestTriangle) -> Vec3 {
+    let weights = &place.closest.weights[1..];
+    surface.corners(place.triangle as usize).iter().zip(weights).map(|(x, w)| x * -*w).sum()
 }
 
 /// Returns the texture island of every triangle of `source`, if two of them lie on one another; else nothing. Triangles of one

@@ -1,6 +1,7 @@
 //! The transfer itself: every source is aligned, matched and resampled; the changes are added up and applied.
 
 use crate::garment::RestState;
+use crate::math::Vec3;
 use crate::transfer::align::{AlignedSource, AlignmentTarget, align_source};
 use crate::transfer::canonical_pose::CanonicalPose;
 use crate::transfer::confidence::{TransferLosses, confidence_by_region, mean_confidence, transfer_losses};
@@ -11,7 +12,7 @@ use crate::transfer::options::{
 };
 use crate::transfer::resample::resample;
 use crate::transfer::surface::GarmentSurface;
-use crate::transfer::texture_agreement::{TextureAgreement, ambiguous_fraction};
+use crate::transfer::texture_agreement::{TextureAgreement, ambiguous_fraction, has_texture};
 use crate::transfer::warnings::{empty_reason, transfer_warnings};
 use crate::{Error, Result};
 
@@ -151,7 +152,7 @@ fn resample_source(
     let mut aligned = align_source(source, surface, &pose, aligned_to, options)?;
     let by_surface =
         if pose.flat || aligned_to.pose.flat { MatchMode::FrontProjection } else { MatchMode::ClosestPoint };
-    let both_textured = aligned.surface.uvs.is_some() && target.uvs.is_some();
+    let both_textured = has_texture(surface) && has_texture(target);
     if options.match_by == MatchBy::Uv && !both_textured {
         let what = if options.mirror_x {
             "mirrored, it has no texture coordinates that fit"
@@ -162,12 +163,13 @@ fn resample_source(
     }
     let mut mode = by_surface;
     if both_textured && matches!(options.match_by, MatchBy::Uv | MatchBy::Auto) {
-        let agreement = TextureAgreement::of(&aligned.surface, target, size);
+        let unscaled = pose.apply(surface, Vec3::repeat(1.0));
+        let agreement = TextureAgreement::of(&aligned.surface, &unscaled, target, size);
         // Joints and landmarks know better; boxes and the place in the file do not.
         let is_guess = options.align == Align::Auto
             && matches!(aligned.by, AlignedBy::Box | AlignedBy::Openings | AlignedBy::InPlace);
         if let Some(map) = agreement.similarity.filter(|_| is_guess) {
-            aligned = AlignedSource { surface: map.apply_to(&aligned.surface), by: AlignedBy::Texture };
+            aligned = AlignedSource { surface: map.apply_to(&unscaled), by: AlignedBy::Texture };
         }
         if options.match_by == MatchBy::Uv || agreement.in_place || aligned.by == AlignedBy::Texture {
             mode = MatchMode::Uv;

@@ -1,8 +1,8 @@
 //! Whether the textures of two garments agree: equal texture coordinates lie at about equal positions, as the garments are
 //! aligned, or after one of them is turned, scaled and shifted as a whole.
 
-use crate::math::Vec2;
-use crate::transfer::correspondence::{CorrespondenceFinder, MatchMode};
+use crate::math::{Vec2, Vec3};
+use crate::transfer::correspondence::{CorrespondenceFinder, MatchMode, position_of_place};
 use crate::transfer::registration::{AffineMap, PointPair, fit_similarity};
 use crate::transfer::surface::GarmentSurface;
 use crate::transfer::tuning::TUNING;
@@ -16,36 +16,49 @@ pub(super) struct TextureAgreement {
 }
 
 impl TextureAgreement {
-    /// The agreement of `source` with `target`, whose box has the diagonal `size` [m].
-    pub fn of(source: &GarmentSurface, target: &GarmentSurface, size: f64) -> Self {
+    /// The agreement of `source` with `target`, whose box has the diagonal `size` [m]. `unscaled` is the source in its own
+    /// proportions, which the map is for.
+    pub fn of(
+        source: &GarmentSurface,
+        unscaled: &GarmentSurface,
+        target: &GarmentSurface,
+        size: f64,
+    ) -> Self {
         let finder = CorrespondenceFinder::new(source, MatchMode::Uv, size);
         let max_distance = TUNING.uv_agreement_distance_fraction * size;
-        let count = target.triangles.len() as f64;
         // Ambiguous texture coordinates agree if one of their places does, and say nothing about a map.
-        let (mut pairs, mut near, mut total) = (Vec::new(), 0.0, 0.0);
+        let (mut pairs, mut near, mut matched) = (Vec::new(), 0, 0);
         for (f, uv) in centre_uvs(target) {
             let position = target.centroid(f);
             let places = finder.places_of_uv(&uv);
-            let positions = places.iter().map(|place| finder.position_of_place(place));
-            let is_near = positions.clone().any(|at| (at - position).norm() < max_distance);
-            near += f64::from(u8::from(is_near));
-            total += f64::from(u8::from(!places.is_empty()));
-            if let ([_], Some(source)) = (places.as_slice(), positions.clone().next()) {
-                pairs.push(PointPair { source, target: position });
+            let is_near = |at: Vec3| (at - position).norm() < max_distance;
+            near += usize::from(places.iter().any(|place| is_near(position_of_place(source, place))));
+            matched += usize::from(!places.is_empty());
+            if let [place] = places.as_slice() {
+                pairs.push(PointPair { source: position_of_place(unscaled, place), target: position });
             }
         }
+        let count = target.triangles.len() as f64;
         let enough = TUNING.min_uv_agreement_fraction * count;
-        if near >= enough {
+        if near as f64 >= enough {
             return Self { in_place: true, similarity: None };
         }
         let agrees = |map: &AffineMap| {
             let close = |pair: &&PointPair| (map.apply(&pair.source) - pair.target).norm() < max_distance;
             let fitting = pairs.iter().filter(close).count() as f64;
-            fitting >= TUNING.min_uv_agreement_fraction * pairs.len() as f64 && fitting >= 0.5 * count
+            fitting >= TUNING.min_uv_agreement_fraction * pairs.len() as f64
+                && fitting >= TUNING.min_unambiguous_fraction * count
         };
-        let similarity = (total >= enough).then(|| fit_similarity(&pairs)).flatten().filter(agrees);
+        let similarity = (matched as f64 >= enough).then(|| fit_similarity(&pairs)).flatten().filter(agrees);
         Self { in_place: false, similarity }
     }
+}
+
+/// Whether at least half of the triangles of `surface` have an area in its texture.
+pub(super) fn has_texture(surface: &GarmentSurface) -> bool {
+    let Some(uvs) = &surface.uvs else { return false };
+    let has_area = |uv: &&[Vec2; 3]| (uv[1] - uv[0]).perp(&(uv[2] - uv[0])).abs() > 0.0;
+    2 * uvs.iter().filter(has_area).count() >= uvs.len()
 }
 
 /// Fraction of the triangles of `target` whose texture coordinates belong to several places of the source [-].

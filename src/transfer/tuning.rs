@@ -34,6 +34,10 @@ pub(super) struct TransferTuning {
     /// Distance in texture space beyond the nearest island within which another one lies on it [largest match distances],
     /// default 0.1.
     pub uv_overlap_fraction: f64,
+    /// Islands on one another that are told apart, default 8; more are damage.
+    pub max_places_of_uv: usize,
+    /// Fraction of the target's triangles with a single place in the texture that a map by texture needs [-], default 0.5.
+    pub min_unambiguous_fraction: f64,
     /// Texture coordinates closer than this continue across an edge [-], default 1e-5.
     pub uv_continuity_tol: f64,
     /// Confidence below which a transfer warns [-], default 0.5.
@@ -102,6 +106,8 @@ pub(super) const TUNING: TransferTuning = TransferTuning {
     uv_agreement_distance_fraction: 0.05,
     min_uv_agreement_fraction: 0.9,
     uv_overlap_fraction: 0.1,
+    max_places_of_uv: 8,
+    min_unambiguous_fraction: 0.5,
     uv_continuity_tol: 1e-5,
     min_confidence: 0.5,
     max_lost_crease_fraction: 0.2,

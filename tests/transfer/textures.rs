@@ -49,8 +49,8 @@ fn textures_that_agree_one_to_one_win_over_boxes() {
     let scaled = |[x, y, z]: [f64; 3]| [0.02 - 1.3 * x, 1.3 * y + 0.4, -1.3 * z];
     let tilted = |[x, y, z]: [f64; 3]| [x, 0.8 * y - 0.6 * z, 0.6 * y + 0.8 * z + 0.5];
     type Place = fn(Vec3) -> bool;
-    let turned: Place = |p| (0.1..0.14).contains(&((0.02 - p.x) / 1.3));
-    let same_x: Place = |p| (0.1..0.14).contains(&p.x);
+    let turned: Place = |p| (0.06..0.18).contains(&((0.02 - p.x) / 1.3));
+    let same_x: Place = |p| (0.06..0.18).contains(&p.x);
     let cases: [(Part, Place); 2] = [(pipe(20).moved(scaled), turned), (pipe(20).moved(tilted), same_x)];
     for (part, place) in cases {
         let target = surface(vec![part]);
@@ -58,7 +58,7 @@ fn textures_that_agree_one_to_one_win_over_boxes() {
             transfer(&[from.clone()], &target, &TransferOptions::full(target.points.len())).expect("works");
         assert_eq!(carried.sources[0].matched_by, MatchBy::Uv);
         assert_eq!(carried.sources[0].aligned_by, Some(AlignedBy::Texture));
-        assert!(fraction_at(&carried, &target, place) > 0.6, "{}", fraction_at(&carried, &target, place));
+        assert!(fraction_at(&carried, &target, place) > 0.8, "{}", fraction_at(&carried, &target, place));
         assert!(carried.warnings.is_empty(), "{:?}", carried.warnings);
     }
     // Turned about the middle of a closed tube, which then lies where it lay before.
@@ -72,7 +72,7 @@ fn textures_that_agree_one_to_one_win_over_boxes() {
     let target = surface(vec![tube(28).moved(|[x, y, z]| [-x, y, -z])]);
     let carried =
         transfer(&[from_tube], &target, &TransferOptions::full(target.points.len())).expect("works");
-    let there = fraction_at(&carried, &target, |p| (0.08..0.16).contains(&-p.x) && p.z < 0.0);
+    let there = fraction_at(&carried, &target, |p| (0.02..0.22).contains(&-p.x) && p.z < 0.0);
     assert!(there > 0.8, "{there} {:?}", carried.sources);
     // A texture that says something else at every place is no map.
     let other = pipe(20).moved(scaled).textured(|[u, v]| [u * u, v]);
@@ -190,7 +190,8 @@ fn shirt(arm: f64, cells: u32) -> Part {
             add(a, b, c, d);
         }
     }
-    part
+    // Wider at the hem than at the neck.
+    part.moved(|[x, y, z]| [x, y, z * (1.0 + 0.5 * (top - y))])
 }
 
 /// The torso of a long-sleeved shirt comes to the torso of a short-sleeved one, whatever the sleeves do to the boxes.
@@ -204,10 +205,8 @@ fn other_lengths_of_sleeves_do_not_stretch_the_torso() {
         let carried = transfer(&[from], &target, &TransferOptions::full(target.points.len())).expect("works");
         assert_eq!(carried.sources[0].aligned_by, Some(AlignedBy::Openings), "{from_arm}");
         let there = fraction_at(&carried, &target, |p| {
-            near((p - Vec3::repeat(1.0)) / 1.2 * 1.0) || {
-                let own = (p - Vec3::repeat(1.0)) / 1.2;
-                (own.x - 0.2).abs() < 0.06 && own.y < 0.45
-            }
+            let own = (p - Vec3::repeat(1.0)) / 1.2;
+            (own.x - 0.2).abs() < 0.09 && own.y < 0.48
         });
         assert!(there > 0.9, "{from_arm}: {there}");
     }

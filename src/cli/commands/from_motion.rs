@@ -89,7 +89,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
         side_files: SideFiles::default(),
         computed,
     };
-    job.warn(baked.report.empty_reason.clone());
+    job.warn_of_failure(baked.report.empty_reason.as_ref());
     job.write(&result, report)?.print(print_summary)?;
     outcome(baked.report.unconverged_reason, baked.report.empty_reason)
 }

@@ -176,7 +176,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let RelaxResult { displacement, warnings, unconverged_reason, .. } = input.relaxed(&carried);
     job.warn(warnings);
     job.warn(carried.warnings.clone());
-    job.warn(carried.empty_reason.clone());
+    job.warn_of_failure(carried.empty_reason.as_ref());
     let worn = WornGarment { displacement, memory: carried.memory.clone() };
 
     let computed = Instant::now();

@@ -155,6 +155,12 @@ impl WornJob {
         }
     }
 
+    /// Adds the reason of a failure to the report; the error of the command prints it.
+    pub fn warn_of_failure(&mut self, reason: Option<&String>) {
+        self.printed.extend(reason.cloned());
+        self.warnings.extend(reason.cloned());
+    }
+
     /// Notes the doubts about the content and the repairs of the mesh file `path` and its refinement, and embeds the images that it refers to.
     ///
     /// # Errors

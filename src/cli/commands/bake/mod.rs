@@ -68,7 +68,7 @@ fn bake_into(
     let Simulated { baked, stale_frames } =
         simulate(&input, arguments, progress, &mut checkpoints, interrupt)?;
     job.warn(stale_frames);
-    job.warn(baked.report.empty_reason.clone());
+    job.warn_of_failure(baked.report.empty_reason.as_ref());
 
     progress.stage("write");
     let computed = Instant::now();
