@@ -21,7 +21,7 @@ pub fn content_warnings(asset: &SourceAsset, garment: &Garment) -> Vec<String> {
     }
     let mut copied = false;
     for (k, a) in cloth.iter().enumerate() {
-        for b in cloth[k + 1..].iter().filter(|b| a.is_in_place_of(b)) {
+        for b in cloth[k + 1..].iter().filter(|b| a.extent.is_in_place_of(&b.extent)) {
             copied = true;
             warnings.push(format!(
                 "\"{}\" ({} triangles) and \"{}\" ({}) fill the same place: copies, levels of detail or a lining; all are \
@@ -34,9 +34,11 @@ pub fn content_warnings(asset: &SourceAsset, garment: &Garment) -> Vec<String> {
             ));
         }
     }
-    let largest = cloth.iter().map(|thing| thing.area).fold(0.0, f64::max);
-    let garments: Vec<&&Thing> =
-        cloth.iter().filter(|thing| thing.area >= TUNING.min_garment_area_fraction * largest).collect();
+    let largest = cloth.iter().map(|thing| thing.extent.area).fold(0.0, f64::max);
+    let garments: Vec<&&Thing> = cloth
+        .iter()
+        .filter(|thing| thing.extent.area >= TUNING.min_garment_area_fraction * largest)
+        .collect();
     if garments.len() > 1 && !copied {
         let names: Vec<String> = garments
             .iter()
@@ -72,10 +74,7 @@ fn bodies_and_cloth(things: &[Thing]) -> (Vec<&Thing>, Vec<&Thing>) {
 /// Pieces of a file with common points, or one alone.
 struct Thing {
     name: String,
-    low: Vec3,
-    high: Vec3,
-    /// \[m²\]
-    area: f64,
+    extent: Extent,
     /// Enclosed volume, without sign \[m³\].
     volume: f64,
     triangles: Vec<[PointIndex; 3]>,
@@ -86,19 +85,20 @@ struct Thing {
 
 impl Thing {
     fn size(&self) -> f64 {
-        (self.high - self.low).norm()
+        self.extent.size()
     }
 
     fn is_closed(&self) -> bool {
         self.closed_fraction >= TUNING.min_closed_fraction
-            && self.volume > TUNING.min_solid_thickness * self.area
+            && self.volume > TUNING.min_solid_thickness * self.extent.area
     }
 
+    /// Whether its name is that of a body; "body" and "skin" may be panels or materials of a garment that no skin moves.
     fn is_named_body(&self) -> bool {
         let name = self.name.to_lowercase();
-        ["avatar", "body", "mannequin", "skin"]
-            .iter()
-            .any(|word| name.split(|c: char| !c.is_alphabetic()).any(|part| part == *word))
+        let words: &[&str] =
+            if self.is_skinned { &["avatar", "mannequin", "body", "skin"] } else { &["avatar", "mannequin"] };
+        name.split(|c: char| !c.is_alphabetic()).any(|part| words.contains(&part))
     }
 
     fn is_body(&self) -> bool {
@@ -123,15 +123,48 @@ impl Thing {
             _ => "by its name",
         }
     }
+}
 
+/// Place and size of a piece or a thing.
+#[derive(Debug, Clone, Copy)]
+struct Extent {
+    low: Vec3,
+    high: Vec3,
+    /// Area of its triangles \[m²\].
+    area: f64,
+    /// Sum of their area vectors \[m²\]: opposite for front and back of a flat garment, small for a closed shape.
+    area_vector: Vec3,
+}
+
+impl Extent {
+    fn of(piece: &SourcePiece) -> Self {
+        let at = |v: u32| piece.scene_position(v as usize).unwrap_or_else(Vec3::zeros);
+        Self::of_triangles(&piece.triangles.iter().map(|t| t.map(at)).collect::<Vec<_>>())
+    }
+
+    fn of_triangles(corners: &[[Vec3; 3]]) -> Self {
+        let (low, high) = bounds(corners.as_flattened());
+        let vectors = || corners.iter().map(|t| 0.5 * triangle::area_vector(t));
+        Self { low, high, area: vectors().map(|v| v.norm()).sum(), area_vector: vectors().sum() }
+    }
+
+    fn size(&self) -> f64 {
+        (self.high - self.low).norm()
+    }
+
+    /// Whether both fill the same box and face the same side.
     fn is_in_place_of(&self, other: &Self) -> bool {
         let tolerance = TUNING.same_place_tol * self.size().max(other.size());
-        (self.low - other.low).amax() <= tolerance && (self.high - other.high).amax() <= tolerance
+        (self.low - other.low).amax() <= tolerance
+            && (self.high - other.high).amax() <= tolerance
+            && (self.area_vector - other.area_vector).norm()
+                <= TUNING.same_side_tol * self.area.max(other.area)
     }
 }
 
 fn things(asset: &SourceAsset, garment: &Garment) -> Vec<Thing> {
     let pieces: Vec<&SourcePiece> = asset.worn_pieces().collect();
+    let boxes: Vec<Extent> = pieces.iter().map(|piece| Extent::of(piece)).collect();
     let mut groups = Groups::new(pieces.len());
     let mut first: Vec<Option<u32>> = vec![None; garment.points.len()];
     let mut points_of: Vec<&[PointIndex]> = Vec::new();
@@ -140,7 +173,11 @@ fn things(asset: &SourceAsset, garment: &Garment) -> Vec<Thing> {
         let Some((own, after)) = rest.split_at_checked(piece.positions.len()) else { return Vec::new() };
         for &v in piece.triangles.iter().flatten() {
             if let Some(slot) = own.get(v as usize).and_then(|p| first.get_mut(p.at())) {
-                groups.join(*slot.get_or_insert(k as u32), k as u32);
+                let other = *slot.get_or_insert(k as u32);
+                // Copies and levels of detail meet at their borders.
+                if !boxes[k].is_in_place_of(&boxes[other as usize]) {
+                    groups.join(other, k as u32);
+                }
             }
         }
         points_of.push(own);
@@ -168,7 +205,8 @@ fn things(asset: &SourceAsset, garment: &Garment) -> Vec<Thing> {
 
 fn measure(name: &str, garment: &Garment, triangles: Vec<[PointIndex; 3]>, is_skinned: bool) -> Thing {
     let corners: Vec<[Vec3; 3]> = triangles.iter().map(|t| triangle::corners(&garment.points, t)).collect();
-    let (low, high) = bounds(corners.as_flattened());
+    let extent = Extent::of_triangles(&corners);
+    let low = extent.low;
     let mut valence: FxHashMap<[PointIndex; 2], u32> = FxHashMap::default();
     for t in &triangles {
         for k in 0..3 {
@@ -178,9 +216,7 @@ fn measure(name: &str, garment: &Garment, triangles: Vec<[PointIndex; 3]>, is_sk
     let closed = valence.values().filter(|&&count| count == 2).count();
     Thing {
         name: name.to_owned(),
-        low,
-        high,
-        area: corners.iter().map(|t| 0.5 * triangle::area_vector(t).norm()).sum(),
+        extent,
         volume: corners
             .iter()
             .map(|[a, b, c]| (a - low).dot(&(b - low).cross(&(c - low))) / 6.0)

@@ -160,7 +160,9 @@ impl Trim {
         let [_, a, b, c] = found.closest.weights;
         let mut trim = Self { points: part.points, corners, weights: [-a, -b, -c], carriers: Vec::new() };
         let anchor = trim.anchor(&cloth.points);
-        let radius = TUNING.trim_carrier_radius * diagonal;
+        let [a, b, c] = triangle::corners(&cloth.points, &corners);
+        let edge = (b - a).norm().max((c - b).norm()).max((a - c).norm());
+        let radius = (TUNING.trim_carrier_radius * diagonal).max(TUNING.trim_carrier_edges * edge);
         // Connected cloth only: another layer near by turns otherwise.
         let mut open: Vec<PointIndex> = corners.to_vec();
         let mut known = open.clone();

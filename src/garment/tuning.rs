@@ -51,6 +51,8 @@ pub(crate) struct GarmentTuning {
     pub(crate) max_trim_distance: f64,
     /// Cloth within this distance of the point under a trim decides how the trim is turned \[its diagonals\].
     pub(crate) trim_carrier_radius: f64,
+    /// The same at least, relative to the longest edge there \[-\]: the cloth on all sides of the point counts.
+    pub(crate) trim_carrier_edges: f64,
     /// Smallest diagonal of a body \[m\].
     pub(crate) min_body_size: f64,
     /// Fraction of its edges that join two triangles from which a part is closed \[-\].
@@ -59,6 +61,8 @@ pub(crate) struct GarmentTuning {
     pub(crate) min_solid_thickness: f64,
     /// Difference of two bounding boxes up to which they are in the same place \[diagonals\].
     pub(crate) same_place_tol: f64,
+    /// Difference of the area vectors of two pieces up to which they face the same side \[areas\].
+    pub(crate) same_side_tol: f64,
     /// Area of a piece of cloth, relative to the largest, from which it is a garment of its own \[-\].
     pub(crate) min_garment_area_fraction: f64,
     /// Names listed in a warning.
@@ -96,10 +100,12 @@ pub(crate) const TUNING: GarmentTuning = GarmentTuning {
     max_trim_diagonal: 0.06,
     max_trim_distance: 1.0,
     trim_carrier_radius: 0.75,
+    trim_carrier_edges: 1.2,
     min_body_size: 0.3,
     min_closed_fraction: 0.98,
     min_solid_thickness: 0.01,
     same_place_tol: 0.02,
+    same_side_tol: 0.2,
     min_garment_area_fraction: 0.2,
     max_listed_things: 8,
     max_seam_gap: 1e-3,

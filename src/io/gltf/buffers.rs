@@ -46,13 +46,11 @@ fn load_uri(entry: &Cursor, uri: &str, resolve: &mut dyn FnMut(&str) -> Result<V
     let Some(data) = uri.strip_prefix("data:") else {
         return resolve(&percent_decoded(uri)).map_err(|error| match error {
             Error::Input(errors) => {
-                let named = |one: Diagnostic| match one.location.is_empty() {
-                    true => Diagnostic {
-                        location: format!("named by {} of the glTF", entry.path()),
-                        help: "put it beside the .gltf, or export as .glb".into(),
-                        ..one
-                    },
-                    false => one,
+                let named = |one: Diagnostic| Diagnostic {
+                    location: entry.path(),
+                    message: format!("the file \"{uri}\": {}", one.message),
+                    help: "put it beside the .gltf, or export as .glb".into(),
+                    ..one
                 };
                 Error::Input(errors.into_iter().map(named).collect())
             }
