@@ -47,7 +47,7 @@ fn load_uri(entry: &Cursor, uri: &str, resolve: &mut dyn FnMut(&str) -> Result<V
         return resolve(&percent_decoded(uri)).map_err(|error| match error {
             Error::Input(errors) => {
                 let named = |one: Diagnostic| Diagnostic {
-                    location: entry.path(),
+                    location: entry.path().to_string(),
                     message: format!("the file \"{uri}\": {}", one.message),
                     help: "put it beside the .gltf, or export as .glb".into(),
                     ..one
