@@ -160,7 +160,11 @@ impl<'a> Bake<'a> {
         let Self { garment, script, ref options, .. } = self;
         let options = options.clone();
         let mut baked = match RigidParts::find(garment) {
-            Some(rigid) => bake_cloth(self, garment, &rigid, options.frames_of_simulated, observer),
+            Some(rigid) => {
+                bake_cloth(garment, &rigid, options.frames_of_simulated, observer, |cloth, observer| {
+                    self.run_on_cloth(cloth, observer)
+                })
+            }
             None => self.run_on_cloth(garment, observer),
         }?;
         add_findings(garment, script, &options, &mut baked);
@@ -168,7 +172,7 @@ impl<'a> Bake<'a> {
     }
 
     /// Runs the bake on `garment`, all of which is simulated.
-    pub(super) fn run_on_cloth(self, garment: &Garment, observer: &mut dyn Observer) -> Result<BakeResult> {
+    fn run_on_cloth(self, garment: &Garment, observer: &mut dyn Observer) -> Result<BakeResult> {
         let Self { fabric, script, script_name, options, resume_from, .. } = self;
         let setup = BakeSetup { fabric, script, script_name, options: &options };
         let choice = mesh_for(garment, &setup, observer)?;

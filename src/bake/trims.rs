@@ -1,20 +1,21 @@
 //! Bake of a garment with trims: its cloth is baked, and the trims follow it.
 
-use crate::bake::{Bake, BakeProgress, BakeResult, Checkpoint, Observer};
+use crate::bake::{BakeProgress, BakeResult, Checkpoint, Observer};
 use crate::error::Result;
 use crate::garment::{Garment, RigidParts};
 use crate::math::Vec3;
 
-/// Runs `bake` on the cloth of its `garment`.
+/// Runs `bake` on the cloth of `garment`, whose trims are `rigid`; frames show the whole garment, unless they are those of the
+/// simulated mesh.
 pub(super) fn bake_cloth(
-    bake: Bake,
     garment: &Garment,
     rigid: &RigidParts,
     frames_of_simulated: bool,
     observer: &mut dyn Observer,
+    bake: impl FnOnce(&Garment, &mut dyn Observer) -> Result<BakeResult>,
 ) -> Result<BakeResult> {
     let mut whole = WholeGarment { garment, rigid, frames_of_simulated, observer };
-    let baked = bake.run_on_cloth(rigid.cloth(), &mut whole)?;
+    let baked = bake(rigid.cloth(), &mut whole)?;
     let mut report = baked.report;
     report.warnings.push(rigid.note());
     Ok(BakeResult { worn: rigid.worn(&baked.worn), end: rigid.positions(&baked.end), report, ..baked })

@@ -3,6 +3,7 @@
 
 use crate::garment::GltfDocument;
 use crate::io::gltf::append::Appender;
+use crate::io::gltf::detail::references::{VARIANTS, index_of, variant_mappings};
 use crate::io::gltf::detail::surface::{Surface, unit_or};
 use crate::io::gltf::detail::texels::Texels;
 use crate::io::tuning::TUNING;
@@ -11,8 +12,6 @@ use serde_json::{Value, json};
 
 /// Extension that moves and scales texture coordinates.
 const TRANSFORM: &str = "KHR_texture_transform";
-/// Extension that gives a primitive several materials to choose from.
-const VARIANTS: &str = "KHR_materials_variants";
 
 /// Map from the texture coordinates of a mesh to those of a picture: scaled, then shifted.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -88,16 +87,6 @@ pub(super) struct OwnNormalMap {
     /// Factor on x and y of its directions.
     pub(super) scale: f64,
     pub(super) transform: TextureTransform,
-}
-
-/// Index in a JSON value.
-pub(super) fn index_of(value: &Value) -> Option<usize> {
-    value.as_u64().and_then(|i| usize::try_from(i).ok())
-}
-
-/// Returns the mappings of `KHR_materials_variants` of a primitive.
-pub(super) fn variant_mappings(primitive: &Value) -> impl Iterator<Item = &Value> {
-    primitive["extensions"][VARIANTS]["mappings"].as_array().into_iter().flatten()
 }
 
 /// Reads the existing normal map of a material; fails with the reason if it cannot be combined.

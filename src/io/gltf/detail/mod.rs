@@ -9,15 +9,19 @@
 //! over the wrinkles; as in Barré-Brisebois and Hill, "Blending in Detail", 2012).
 //! Without tangents in the file, MikkTSpace's are added, unworn and worn. Vertices stay unchanged.
 
+mod input;
 mod material;
 mod painter;
+mod references;
 mod surface;
 mod tangents;
 #[cfg(test)]
 mod tests;
 mod texels;
 
-use crate::garment::{Garment, GltfDocument, SourceAsset, WornGarment};
+pub use input::DetailInput;
+
+use crate::garment::{GltfDocument, SourceAsset};
 use crate::io::gltf::append::Appender;
 use crate::io::gltf::detail::material::{
     NormalTextures, TextureTransform, own_normal_map, rotate_with_surface,
@@ -33,19 +37,6 @@ use crate::{Error, Result};
 
 /// Side lengths of a detail map that can be asked for \[texels\].
 pub const DETAIL_MAP_SIZES: std::ops::RangeInclusive<usize> = 64..=16384;
-
-/// Garment on the mesh of its file and on the simulated mesh.
-#[derive(Debug, Clone, Copy)]
-pub struct DetailInput<'a> {
-    /// Garment on the mesh of the file.
-    pub coarse: &'a Garment,
-    /// Garment on the simulated mesh; its first points are those of `coarse`.
-    pub fine: &'a Garment,
-    /// Per triangle of `fine`: the triangle of `coarse` it lies on.
-    pub parent: &'a [u32],
-    /// Wear of `fine`.
-    pub worn: &'a WornGarment,
-}
 
 /// Detail map of one material.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,6 +1,6 @@
 //! Paints the fine surface into texture space, triangle by triangle, in the frames of the coarse surface.
 
-use crate::io::gltf::detail::DetailInput;
+use crate::io::gltf::detail::input::DetailInput;
 use crate::io::gltf::detail::material::TextureTransform;
 use crate::io::gltf::detail::surface::{Surface, unit_or};
 use crate::io::gltf::detail::texels::{TexelSample, Texels};

@@ -3,8 +3,8 @@
 use crate::garment::{GltfDocument, Placement, SourceAsset, SourcePiece};
 use crate::io::gltf::accessor::Accessors;
 use crate::io::gltf::append::{Appender, Purpose};
-use crate::io::gltf::detail::DetailInput;
-use crate::io::gltf::detail::material::{index_of, variant_mappings};
+use crate::io::gltf::detail::input::DetailInput;
+use crate::io::gltf::detail::references::{index_of, variant_mappings};
 use crate::io::gltf::detail::tangents::{Tangent, compute_tangents};
 use crate::io::gltf::read_worn::{column, worn_target, worn_target_index};
 use crate::io::gltf::worn_target::LinearParts;

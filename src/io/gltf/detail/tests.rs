@@ -1,7 +1,7 @@
 //! A coarse sheet with fine ripples: rendering of mesh and map against the fine surface itself.
 
 use super::*;
-use crate::garment::RestState;
+use crate::garment::{Garment, RestState, WornGarment};
 use crate::io::gltf::detail::painter::SurfaceCorners;
 use crate::io::gltf::write_worn_glb;
 use crate::math::Vec2;
