@@ -14,6 +14,9 @@ pub struct Diagnostic {
     pub message: String,
     /// Advice on how to fix it; empty when there is none.
     pub help: String,
+    /// The line of a text file with a mark under the place, two lines; empty for other files. Not part of the text of the
+    /// diagnostic: a tool may print it below.
+    pub excerpt: String,
 }
 
 impl Diagnostic {
@@ -24,7 +27,18 @@ impl Diagnostic {
         message: impl Into<String>,
         help: impl Into<String>,
     ) -> Self {
-        Self { file: file.into(), location: location.into(), message: message.into(), help: help.into() }
+        Self {
+            file: file.into(),
+            location: location.into(),
+            message: message.into(),
+            help: help.into(),
+            excerpt: String::new(),
+        }
+    }
+
+    /// Adds the excerpt of the text that it is about.
+    pub fn with_excerpt(self, excerpt: String) -> Self {
+        Self { excerpt, ..self }
     }
 }
 
@@ -59,6 +73,9 @@ pub enum Error {
     /// Divergence of the solver; the caller keeps the last accepted state. Exit code 3.
     #[error("did not converge: {0}")]
     NotConverged(String),
+    /// Result without any effect: nothing changed. Exit code 3.
+    #[error("empty result: {0}")]
+    Empty(String),
     /// Stop on request; the caller may have kept a checkpoint.
     #[error("interrupted")]
     Interrupted,

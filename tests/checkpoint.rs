@@ -41,7 +41,7 @@ struct Scene {
 impl Scene {
     fn new(method: Method) -> Self {
         let text = sheet(9);
-        let read = ReadOptions { unit_m: None, ..ReadOptions::default() };
+        let read = ReadOptions::default();
         let (asset, _) = read_asset("sheet.obj", text.as_bytes(), &read, &mut |_| Ok(Vec::new())).unwrap();
         let mut options =
             BakeOptions { frames_per_second: 5.0, checkpoint_steps: 8, ..BakeOptions::default() };

@@ -8,10 +8,14 @@
 mod alignment;
 #[path = "reference/external.rs"]
 mod external;
+#[path = "common/glb.rs"]
+mod glb;
 #[path = "transfer/made.rs"]
 mod made;
 #[path = "transfer/measure.rs"]
 mod measure;
+#[path = "transfer/textures.rs"]
+mod textures;
 #[path = "transfer/tool.rs"]
 mod tool;
 

@@ -1,16 +1,18 @@
 //! [`Bake`]: the front door of the library.
 
 use crate::bake::checkpoint::Checkpoint;
+use crate::bake::findings::add_findings;
 use crate::bake::lay_first::mesh_for;
 use crate::bake::relax_to_source::{RelaxOptions, relax_to_source_pose};
 use crate::bake::setup::BakeSetup;
 use crate::bake::simulate::{SimulationResult, simulate};
+use crate::bake::trims::bake_cloth;
 use crate::bake::uncross::GarmentReading;
 use crate::bake::{BakeOptions, BakeResult, MeshChoice, ModelPlan, Observer, Quality, SimulatedGarment};
 use crate::body::AnimatedBody;
 use crate::error::Result;
 use crate::fabric::Fabric;
-use crate::garment::{Garment, WornGarment};
+use crate::garment::{Garment, RigidParts, WornGarment};
 use crate::math::Vec3;
 use crate::transfer::prolongate;
 use crate::wear::WearScript;
@@ -133,6 +135,8 @@ impl<'a> Bake<'a> {
     /// ```
     pub fn plan(&self) -> ModelPlan {
         let Self { garment, fabric, script, ref options, .. } = *self;
+        let rigid = RigidParts::find(garment);
+        let garment = rigid.as_ref().map_or(garment, RigidParts::cloth);
         let choice = MeshChoice::new(garment, fabric, script, None, options);
         let mut plan = ModelPlan::new(&choice.mesh.garment, fabric, script, options);
         plan.decisions.push(choice.decision);
@@ -153,7 +157,23 @@ impl<'a> Bake<'a> {
     /// # Errors
     /// Those of [`Bake::run`], those of the observer, and [`crate::Error::Interrupted`] when the observer asks to stop.
     pub fn run_with(self, observer: &mut dyn Observer) -> Result<BakeResult> {
-        let Self { garment, fabric, script, script_name, options, resume_from } = self;
+        let Self { garment, script, ref options, .. } = self;
+        let options = options.clone();
+        let mut baked = match RigidParts::find(garment) {
+            Some(rigid) => {
+                bake_cloth(garment, &rigid, options.frames_of_simulated, observer, |cloth, observer| {
+                    self.run_on_cloth(cloth, observer)
+                })
+            }
+            None => self.run_on_cloth(garment, observer),
+        }?;
+        add_findings(garment, script, &options, &mut baked);
+        Ok(baked)
+    }
+
+    /// Runs the bake on `garment`, all of which is simulated.
+    fn run_on_cloth(self, garment: &Garment, observer: &mut dyn Observer) -> Result<BakeResult> {
+        let Self { fabric, script, script_name, options, resume_from, .. } = self;
         let setup = BakeSetup { fabric, script, script_name, options: &options };
         let choice = mesh_for(garment, &setup, observer)?;
         let decision = choice.decision.clone();

@@ -5,6 +5,7 @@
 //! relaxes once to its source pose with the rest state that it earned. Between two frames angles move linearly, as within a
 //! step. Does not do: forces, contact during the motion, repair of a motion.
 
+use crate::bake::findings::empty_reason;
 use crate::bake::{BakeReport, BakeResult, SimulatedGarment, StageSeconds, relax};
 use crate::fabric::Fabric;
 use crate::garment::{Garment, RestState, WornGarment};
@@ -87,6 +88,8 @@ pub fn memory_from_motion(garment: &Garment, fabric: &Fabric, motion: &mut Garme
         }
     }
     let memory_s = clock.elapsed().as_secs_f64();
+    let empty = "no hinge bends enough for that in this motion: repeat it with --repeat, or play it slower";
+    let empty_reason = empty_reason(&memory.rest, empty);
     let relaxed = relax(garment, fabric, &memory.rest);
     let relax_s = clock.elapsed().as_secs_f64() - memory_s;
     let seconds = StageSeconds { memory: memory_s, relax: relax_s, ..StageSeconds::default() };
@@ -96,6 +99,7 @@ pub fn memory_from_motion(garment: &Garment, fabric: &Fabric, motion: &mut Garme
         solves: relaxed.solves,
         warnings: relaxed.warnings,
         unconverged_reason: relaxed.unconverged_reason,
+        empty_reason,
         stages: seconds.named().into_iter().filter(|(_, seconds)| *seconds > 0.0).collect(),
         ..BakeReport::default()
     };

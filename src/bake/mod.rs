@@ -10,9 +10,10 @@
 //! | `options`, `quality`, `tuning` | what can be asked for, and the constants behind it |
 //! | `plan`, `choose_mesh`, `active_region` | models, mesh and points that a script needs |
 //! | `setup`, `run`, `action_loop`, `refinement`, `simulate`, `lay_first` | first phase |
+//! | `trims` | buttons and other small solids, which follow the cloth |
 //! | `body_coupling`, `body_penetration`, `depenetration` | the body under the cloth |
 //! | `relax_to_source`, `relax`, `uncross` | second phase |
-//! | `observer`, `frames`, `report`, `violation_log`, `initial_intersections` | what is reported |
+//! | `observer`, `frames`, `report`, `findings`, `violation_log`, `initial_intersections` | what is reported |
 //! | `checkpoint` | interrupted runs |
 
 mod action_loop;
@@ -23,6 +24,7 @@ mod builder;
 pub mod checkpoint;
 mod choose_mesh;
 mod depenetration;
+mod findings;
 mod frames;
 mod from_motion;
 mod initial_intersections;
@@ -38,6 +40,7 @@ mod report;
 mod run;
 mod setup;
 mod simulate;
+mod trims;
 mod tuning;
 mod uncross;
 mod violation_log;

@@ -9,7 +9,7 @@ use crate::bake::tuning::TUNING;
 use crate::bake::{BakeOptions, ModelPlan, Quality};
 use crate::contact::Contact;
 use crate::fabric::Fabric;
-use crate::garment::{Garment, RestState};
+use crate::garment::{Garment, RestState, RigidParts};
 use crate::sim::{Cloth, GRAVITY, Stepper};
 use crate::wear::{WearFormat, WearScript};
 
@@ -26,6 +26,13 @@ use crate::wear::{WearFormat, WearScript};
 /// # Ok::<(), crease::Error>(())
 /// ```
 pub fn relax(garment: &Garment, fabric: &Fabric, rest: &RestState) -> RelaxResult {
+    let Some(rigid) = RigidParts::find(garment) else { return relax_cloth(garment, fabric, rest) };
+    let relaxed = relax_cloth(rigid.cloth(), fabric, &rigid.cloth_memory(rest));
+    RelaxResult { displacement: rigid.displacement(&relaxed.displacement), ..relaxed }
+}
+
+/// Relaxes a garment without trims.
+fn relax_cloth(garment: &Garment, fabric: &Fabric, rest: &RestState) -> RelaxResult {
     let (cloth, plan) = cloth_and_plan(garment, fabric, Quality::Standard);
     let settings = plan.contact_settings(fabric);
     let area = cloth.area.clone();

@@ -33,6 +33,8 @@ pub struct BakeReport {
     /// Reason why the result is no equilibrium, if it is none: the last step, or the relaxation to the source pose, did not
     /// converge. One unconverged step before the last is only a warning, as the cloth comes to rest after it.
     pub unconverged_reason: Option<String>,
+    /// Reason why nothing is remembered, if a wear that should leave something left nothing.
+    pub empty_reason: Option<String>,
     /// The models that were chosen, and why.
     pub decisions: Vec<ModelDecision>,
 }

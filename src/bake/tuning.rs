@@ -21,6 +21,7 @@ pub(super) struct BakeTuning {
     pub uncross: UncrossTuning,
     /// Warnings.
     pub warnings: WarningTuning,
+    pub findings: FindingTuning,
 }
 
 /// Steps and frames.
@@ -173,6 +174,25 @@ pub(super) struct WarningTuning {
     pub max_part_pairs: usize,
 }
 
+/// Findings on a bake without effect.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct FindingTuning {
+    /// Change of a rest angle below which a hinge counts as unchanged [rad], half a degree.
+    pub min_angle_change: f64,
+    /// Change of a rest stretch below which a triangle counts as unchanged [-].
+    pub min_stretch_change: f64,
+    /// Distance from the body within which a garment is worn on it [m].
+    pub near_body: f64,
+    /// Sum of the changes of rest angles times lengths from which a wear left a crease [rad m].
+    pub min_crease_sum: f64,
+    /// Fraction of that sum which the mesh of the file has to keep [-].
+    pub min_kept_fraction: f64,
+    /// Coarsest resolution that is advised [mm].
+    pub max_advised_resolution_mm: f64,
+    /// Actions without effect that are told at most.
+    pub max_idle_actions: usize,
+}
+
 impl BakeTuning {
     /// The values that every bake uses.
     const DEFAULT: Self = Self {
@@ -234,6 +254,15 @@ impl BakeTuning {
         },
         uncross: UncrossTuning { max_rounds: 60, over_relaxation: 1.3, hold_back_factor: 0.6, reach: 0.03 },
         warnings: WarningTuning { max_pause: 0.25, max_violations: 5, max_part_pairs: 6 },
+        findings: FindingTuning {
+            min_angle_change: 0.5 * std::f64::consts::PI / 180.0,
+            min_stretch_change: 1e-3,
+            near_body: 0.05,
+            min_crease_sum: 0.02,
+            min_kept_fraction: 0.25,
+            max_advised_resolution_mm: 10.0,
+            max_idle_actions: 5,
+        },
     };
 }
 

@@ -3,7 +3,7 @@
 use crate::chart::draw;
 use crate::chart::{Figure, Table};
 use crate::error::Result;
-use crate::fabric::{PAPER_FABRIC, Fabric};
+use crate::fabric::{Fabric, PAPER_FABRIC};
 
 /// Options of all charts.
 #[derive(Debug, Clone, PartialEq)]

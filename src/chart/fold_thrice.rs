@@ -5,7 +5,7 @@
 
 use crate::bake::{Bake, BakeOptions, BakeResult, Quality};
 use crate::error::{Error, Result};
-use crate::fabric::{PAPER_FABRIC, Fabric};
+use crate::fabric::{Fabric, PAPER_FABRIC};
 use crate::garment::{Garment, SourceAsset};
 use crate::io::{ReadOptions, read_asset};
 use crate::math::{Rng, bounds};

@@ -1,7 +1,7 @@
 //! The command-line tool: from arguments to options, a library call, and files.
 //!
 //! Only this side prints and opens files. Data goes to stdout, messages go to stderr. Exit codes: 0 success, 1 bad input,
-//! 2 wrong usage, 3 no convergence, 130 interrupted. A new command is a file in `commands` and an entry in [`Command`].
+//! 2 wrong usage, 3 no convergence or an empty result, 130 interrupted. A new command is a file in `commands` and an entry in [`Command`].
 
 mod args;
 mod commands;
@@ -28,7 +28,7 @@ use std::process::ExitCode;
   crease bake shirt.obj --wear garments/wear/fold-thrice.json -o worn.glb --preview
   crease view worn.glb -o worn.html
 
-Exit codes: 0 success, 1 bad input, 2 wrong usage, 3 no convergence, 130 interrupted."
+Exit codes: 0 success, 1 bad input, 2 wrong usage, 3 no convergence or an empty result, 130 interrupted."
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -110,7 +110,7 @@ pub fn run() -> ExitCode {
 fn exit_code(error: &Error) -> u8 {
     match error {
         Error::Input(_) | Error::File { .. } => 1,
-        Error::NotConverged(_) => 3,
+        Error::NotConverged(_) | Error::Empty(_) => 3,
         Error::Interrupted => interrupt::INTERRUPTED,
     }
 }

@@ -99,8 +99,10 @@ impl Membrane {
 
     /// Lowers all stiffnesses by one factor so that none is above `limit` [N/m].
     pub fn limit_stiffness(&mut self, limit: f64) {
-        let largest = self.stiffness.iter().copied().fold(limit, f64::max);
-        self.stiffness.iter_mut().for_each(|k| *k *= limit / largest);
+        let largest = self.stiffness.iter().copied().fold(0.0, f64::max);
+        if largest > limit {
+            self.stiffness.iter_mut().for_each(|k| *k *= limit / largest);
+        }
     }
 
     /// Returns the centroid of triangle `f` at `x` [m].

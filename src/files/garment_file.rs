@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::fabric::Fabric;
 use crate::files::read::{file_name, read_bytes, write_bytes};
-use crate::garment::{Garment, ImportDiagnostic, Severity, SourceAsset, WornGarment};
+use crate::garment::{Garment, ImportDiagnostic, Severity, SourceAsset, WornGarment, content_warnings};
 use crate::io::gltf::{embed_images, write_worn_glb};
 use crate::io::{ReadOptions, Sidecar, read_asset};
 use crate::wear::WearScript;
@@ -38,7 +38,7 @@ impl GarmentFile {
     /// [`Error::Input`] with every problem of the file; [`Error::File`] if it cannot be read.
     pub fn load(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Self> {
         let (asset, diagnostics) = read_asset_file(path.as_ref(), options)?;
-        Self::new(asset, diagnostics)
+        Self::new(asset, diagnostics, options.weld_m)
     }
 
     /// Reads a .glb or .obj file from memory; `name` is its name in messages.
@@ -49,7 +49,7 @@ impl GarmentFile {
         let (asset, diagnostics) = read_asset(name, bytes, options, &mut |other| {
             Err(Error::input(name, other, "is another file", "load the mesh from its folder, or as .glb"))
         })?;
-        Self::new(asset, diagnostics)
+        Self::new(asset, diagnostics, options.weld_m)
     }
 
     /// Makes a garment from `positions` [m], y up, and `triangles` of a mesh that has no file.
@@ -102,20 +102,25 @@ impl GarmentFile {
         Self::from_mesh("sheet", &positions, &triangles)
     }
 
-    fn new(asset: SourceAsset, mut diagnostics: Vec<ImportDiagnostic>) -> Result<Self> {
-        let (garment, more) = Garment::from_asset(&asset)?;
+    fn new(asset: SourceAsset, mut diagnostics: Vec<ImportDiagnostic>, weld_m: Option<f64>) -> Result<Self> {
+        let (garment, more) = Garment::from_asset_welded(&asset, weld_m)?;
         diagnostics.extend(more);
         Ok(Self { asset, garment, diagnostics })
     }
 
     /// A warning per repair that reading made, and per property of the file that is doubtful.
-    pub fn warnings(&self) -> Vec<String> {
+    pub fn repairs(&self) -> Vec<String> {
         let warning = |diagnostic: &ImportDiagnostic| match diagnostic.severity {
             Severity::Repaired => Some(format!("repaired: {}", diagnostic.message)),
             Severity::Warning => Some(format!("{}: {}", self.asset.file, diagnostic.message)),
             Severity::Note | Severity::Refused => None,
         };
         self.diagnostics.iter().filter_map(warning).collect()
+    }
+
+    /// A warning per doubt about the content: a body, copies or several garments among what is simulated, open seams.
+    pub fn content_warnings(&self) -> Vec<String> {
+        content_warnings(&self.asset, &self.garment)
     }
 
     /// Embeds the images that the document of the file `path` refers to, so that the saved file is complete. Returns a

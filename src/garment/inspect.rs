@@ -4,7 +4,8 @@
 //! `contact` does, and the caller fills the number in, as the contents that only the reader of a format knows.
 
 use crate::garment::{
-    FileContents, Garment, ImportDiagnostic, Placement, Severity, SourceAsset, SourceFormat, UpAxis,
+    FileContents, Garment, ImportDiagnostic, Placement, RigidParts, Severity, SourceAsset, SourceFormat,
+    UpAxis, content_warnings,
 };
 use serde::Serialize;
 use std::fmt::Write;
@@ -118,9 +119,16 @@ pub struct PartReport {
 /// ```
 pub fn inspect(asset: &SourceAsset, garment: &Garment, diagnostics: &[ImportDiagnostic]) -> Inspection {
     let box_m = asset.worn_bounds().map_or([0.0; 3], |(low, high)| (high - low).into());
-    let of = |severity| diagnostics.iter().filter(|d| d.severity == severity).cloned().collect();
+    let of = |severity| -> Vec<ImportDiagnostic> {
+        diagnostics.iter().filter(|d| d.severity == severity).cloned().collect()
+    };
     let edges = edge_lengths_m(garment);
     let parts = part_reports(garment);
+    let note =
+        |message: String| ImportDiagnostic { severity: Severity::Note, location: String::new(), message };
+    let trims = RigidParts::find(garment).map(|rigid| rigid.note());
+    let told = content_warnings(asset, garment).into_iter().chain(trims).map(note);
+    let notes: Vec<ImportDiagnostic> = of(Severity::Note);
     let source_triangles: usize = asset.worn_pieces().map(|piece| piece.triangles.len()).sum();
     Inspection {
         file: asset.file.clone(),
@@ -154,7 +162,7 @@ pub fn inspect(asset: &SourceAsset, garment: &Garment, diagnostics: &[ImportDiag
         area_m2: parts.iter().map(|part| part.area_m2).sum(),
         parts,
         crossings_at_start: None,
-        notes: of(Severity::Note),
+        notes: notes.into_iter().chain(told).collect(),
         warnings: of(Severity::Warning),
         repaired: of(Severity::Repaired),
         refused: of(Severity::Refused),

@@ -6,26 +6,66 @@ use crate::garment::tuning::TUNING;
 use crate::garment::wedges::TriangleWedges;
 use crate::math::{Vec2, Vec3};
 use crate::mesh::orientation::{OrientedSheet, enclosed_volume, oriented_sheets};
-use crate::mesh::{PointIndex, Topology, Welder, edge_key, triangle};
+use crate::mesh::{Groups, PointIndex, Topology, Welder, edge_key, triangle};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 /// Removes triangles that coincide with an earlier one, and joins their vertices to that one's: exact repeats, and the
-/// inner side of meshes modelled with two sides. Triangles with other texture coordinates are another layer and stay.
+/// inner side of meshes modelled with two sides. Triangles with other texture coordinates are another layer and stay, and
+/// so do those of a sheet that coincides in part only, as the back of a flat garment under a front with other diagonals.
 pub(super) fn remove_duplicates(
     triangles: &[[u32; 3]],
     uvs: &[Option<Vec2>],
     welder: &mut Welder,
     diagnostics: &mut ImportDiagnostics,
 ) -> Vec<[u32; 3]> {
-    let mut first_on: FxHashMap<[u32; 3], [u32; 3]> = FxHashMap::default();
+    let originals = originals(triangles, uvs, welder);
+    let mut sheets = Groups::new(uvs.len());
+    for [a, b, c] in triangles {
+        sheets.join(*a, *b);
+        sheets.join(*a, *c);
+    }
+    // Per sheet: triangles, and copies among them.
+    let mut counts: FxHashMap<u32, [usize; 2]> = FxHashMap::default();
+    for (t, original) in triangles.iter().zip(&originals) {
+        let count = counts.entry(sheets.find(t[0])).or_default();
+        count[0] += 1;
+        count[1] += usize::from(original.is_some());
+    }
     let mut kept = Vec::with_capacity(triangles.len());
-    for &triangle in triangles {
-        let mut sorted = triangle;
-        sorted.sort_unstable_by_key(|&v| (welder.site(v), v));
-        let sites = sorted.map(|v| welder.site(v));
+    for (&triangle, original) in triangles.iter().zip(originals) {
+        let [all, copies] = counts.get(&sheets.find(triangle[0])).copied().unwrap_or_default();
+        let whole_sheet = copies as f64 >= TUNING.min_copied_fraction * all as f64;
+        match original {
+            Some(Copied { own, of }) if whole_sheet || own == of => {
+                of.iter().zip(&own).for_each(|(&a, &b)| welder.join(a, b));
+            }
+            _ => kept.push(triangle),
+        }
+    }
+    let dropped = triangles.len() - kept.len();
+    diagnostics.repaired(
+        dropped,
+        "copies of triangles dropped (the same place and texture; a second layer needs its own place, 1 mm apart, or its own \
+         texture coordinates)",
+    );
+    kept
+}
+
+/// Triangle that coincides with an earlier one: the vertices of both, in the same order.
+struct Copied {
+    own: [u32; 3],
+    of: [u32; 3],
+}
+
+/// Returns for every triangle the earlier one with the same places and texture coordinates.
+fn originals(triangles: &[[u32; 3]], uvs: &[Option<Vec2>], welder: &Welder) -> Vec<Option<Copied>> {
+    let mut first_on: FxHashMap<[u32; 3], [u32; 3]> = FxHashMap::default();
+    let find = |triangle: &[u32; 3]| {
+        let mut own = *triangle;
+        own.sort_unstable_by_key(|&v| (welder.site(v), v));
+        let sites = own.map(|v| welder.site(v));
         if sites[0] == sites[1] || sites[1] == sites[2] {
-            kept.push(triangle);
-            continue;
+            return None;
         }
         let same_uv = |(a, b): (&u32, &u32)| match (uvs[*a as usize], uvs[*b as usize]) {
             (Some(p), Some(q)) => (p - q).norm() <= TUNING.copy_uv_tol,
@@ -33,18 +73,14 @@ pub(super) fn remove_duplicates(
             _ => false,
         };
         match first_on.get(&sites) {
-            Some(first) if first.iter().zip(&sorted).all(same_uv) => {
-                first.iter().zip(&sorted).for_each(|(&a, &b)| welder.join(a, b));
-            }
-            Some(_) => kept.push(triangle),
+            Some(of) => of.iter().zip(&own).all(same_uv).then_some(Copied { own, of: *of }),
             None => {
-                first_on.insert(sites, sorted);
-                kept.push(triangle);
+                first_on.insert(sites, own);
+                None
             }
         }
-    }
-    diagnostics.repaired(triangles.len() - kept.len(), "copies of triangles dropped");
-    kept
+    };
+    triangles.iter().map(find).collect()
 }
 
 /// Repairs triangles without area. Such a cap has a corner on its longest side; simply dropped, the cloth would be slit

@@ -91,6 +91,8 @@ pub struct SourcePiece {
     pub node: Option<usize>,
     /// One per vertex, in the piece's own coordinates and the file's unit.
     pub positions: Vec<Vec3>,
+    /// One per vertex: number of its position in the file, where vertices refer to a common list of positions (an OBJ's `v`).
+    pub position_ids: Option<Vec<u32>>,
     /// One per vertex, unit length, where the file has them.
     pub normals: Option<Vec<Vec3>>,
     /// One per vertex: first texture coordinate set (OBJ's v flipped to glTF's, so v grows downward).

@@ -12,6 +12,8 @@ pub(crate) struct GarmentTuning {
     pub(crate) cap_height_fraction: f64,
     /// Passes of cap repair; a row of adjacent caps needs several.
     pub(crate) max_cap_passes: usize,
+    /// Fraction of a sheet's triangles that must coincide with earlier ones for it to be the other side of a sheet \[-\].
+    pub(crate) min_copied_fraction: f64,
     /// Texture coordinates closer than this are equal when copies of triangles are looked for \[-\].
     pub(crate) copy_uv_tol: f64,
     /// Texture coordinates closer than this continue across an edge \[-\]: OBJ files round to five or six decimals.
@@ -33,6 +35,42 @@ pub(crate) struct GarmentTuning {
     pub(crate) min_sharp_angle: f64,
     /// Angle between the warps of two triangles above which their edge is a seam \[rad\].
     pub(crate) min_seam_angle: f64,
+    /// Distance within which two layers lie in one place \[m\]: below it contact has no side to push them to.
+    pub(crate) max_layer_distance: f64,
+    /// Distance by which layers that lie in one place are set apart \[m\]: about the thickness of cloth.
+    pub(crate) layer_gap: f64,
+    /// |cosine| between normals of layers that may lie in one place \[-\].
+    pub(crate) layer_min_cosine: f64,
+    /// Position within a triangle where other layers are looked for, from the corner to the centroid \[-\].
+    pub(crate) layer_probe_fraction: f64,
+    /// Layers in one place that are told apart; more are damage.
+    pub(crate) max_coincident_layers: usize,
+    /// Largest diagonal of a solid that is a trim and no garment, such as a button or a buckle \[m\].
+    pub(crate) max_trim_diagonal: f64,
+    /// Largest distance of a trim from the cloth that carries it \[its diagonals\].
+    pub(crate) max_trim_distance: f64,
+    /// Cloth within this distance of the point under a trim decides how the trim is turned \[its diagonals\].
+    pub(crate) trim_carrier_radius: f64,
+    /// The same at least, relative to the longest edge there \[-\]: the cloth on all sides of the point counts.
+    pub(crate) trim_carrier_edges: f64,
+    /// Smallest diagonal of a body \[m\].
+    pub(crate) min_body_size: f64,
+    /// Fraction of its edges that join two triangles from which a part is closed \[-\].
+    pub(crate) min_closed_fraction: f64,
+    /// Volume over area from which a closed part is a solid and no flat double sheet \[m\].
+    pub(crate) min_solid_thickness: f64,
+    /// Difference of two bounding boxes up to which they are in the same place \[diagonals\].
+    pub(crate) same_place_tol: f64,
+    /// Difference of the area vectors of two pieces up to which they face the same side \[areas\].
+    pub(crate) same_side_tol: f64,
+    /// Area of a piece of cloth, relative to the largest, from which it is a garment of its own \[-\].
+    pub(crate) min_garment_area_fraction: f64,
+    /// Names listed in a warning.
+    pub(crate) max_listed_things: usize,
+    /// Distance between two borders up to which they look like an open seam \[m\].
+    pub(crate) max_seam_gap: f64,
+    /// Cosine between the outward directions of two borders below which they face each other \[-\].
+    pub(crate) max_seam_cosine: f64,
     /// Points of a refined mesh; no machine bakes more.
     pub(crate) max_points: usize,
 }
@@ -43,6 +81,7 @@ pub(crate) const TUNING: GarmentTuning = GarmentTuning {
     max_weld_distance: 1e-4,
     cap_height_fraction: 1e-5,
     max_cap_passes: 8,
+    min_copied_fraction: 0.95,
     copy_uv_tol: 1e-6,
     island_uv_tol: 1e-5,
     min_uv_area_fraction: 1e-4,
@@ -53,5 +92,23 @@ pub(crate) const TUNING: GarmentTuning = GarmentTuning {
     max_length_factor: 4.0 / 3.0,
     min_sharp_angle: 0.7,
     min_seam_angle: 0.2,
+    max_layer_distance: 5e-5,
+    layer_gap: 3e-4,
+    layer_min_cosine: 0.9,
+    layer_probe_fraction: 0.1,
+    max_coincident_layers: 6,
+    max_trim_diagonal: 0.06,
+    max_trim_distance: 1.0,
+    trim_carrier_radius: 0.75,
+    trim_carrier_edges: 1.2,
+    min_body_size: 0.3,
+    min_closed_fraction: 0.98,
+    min_solid_thickness: 0.01,
+    same_place_tol: 0.02,
+    same_side_tol: 0.2,
+    min_garment_area_fraction: 0.2,
+    max_listed_things: 8,
+    max_seam_gap: 1e-3,
+    max_seam_cosine: -0.5,
     max_points: 2_000_000,
 };

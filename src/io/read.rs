@@ -35,6 +35,8 @@ pub struct ReadOptions {
     pub any_size: bool,
     /// Whether parts that cannot be read are left out, with a warning, even if they are part of the garment.
     pub skip_damaged: bool,
+    /// Distance within which vertices on borders are joined [m]; that of rounding when not given.
+    pub weld_m: Option<f64>,
 }
 
 /// Reads the mesh file `bytes`, named `file_name` in messages; also returns repairs and notes. `resolve` returns the bytes

@@ -58,6 +58,8 @@ pub(crate) struct IoTuning {
     /// Vertices of a sidecar and of its mesh closer than this fraction of the garment's diagonal are equal \[-\]: a hundred
     /// times the rounding error of single precision, and the distance that welding may move one.
     pub(crate) vertex_position_tol: f64,
+    /// Distance by which an import may move points of layers that lie in one place \[m\].
+    pub(crate) layer_position_tol_m: f64,
     /// Passes over all vertices of fitting a rest-angle map; each can only lower the error, and few vertices change after
     /// the first.
     pub(crate) max_rest_angle_passes: usize,
@@ -65,6 +67,12 @@ pub(crate) struct IoTuning {
     pub(crate) padding_texels: usize,
     /// Two directions of one texel that differ by more than this conflict \[rad\].
     pub(crate) max_texel_deviation: f64,
+    /// Fraction of a detail map's texels that may conflict before the map is not used \[-\].
+    pub(crate) max_conflicting_fraction: f64,
+    /// Texture coordinates may leave a square of one picture's size by this much \[pictures\].
+    pub(crate) uv_border_tol: f64,
+    /// Extent of texture coordinates below which a detail map is not drawn in their corner of the picture \[pictures\].
+    pub(crate) min_uv_extent: f64,
     /// Decoded size of a normal map \[bytes\]; larger ones are not read.
     pub(crate) max_picture_bytes: usize,
 }
@@ -95,8 +103,12 @@ pub(crate) const TUNING: IoTuning = IoTuning {
     min_volume_fraction: 1e-9,
     landmark_tol_m: 1e-5,
     vertex_position_tol: 2e-5,
+    layer_position_tol_m: 1e-3,
     max_rest_angle_passes: 30,
     padding_texels: 16,
     max_texel_deviation: 0.17,
+    max_conflicting_fraction: 0.05,
+    uv_border_tol: 1e-3,
+    min_uv_extent: 0.05,
     max_picture_bytes: 1 << 30,
 };

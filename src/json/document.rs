@@ -1,7 +1,8 @@
 //! A JSON value with the file it came from and the location of each part in it.
 
 use crate::error::{Diagnostic, Error, Result};
-use crate::json::spans::{Path, Spans, error_location};
+use crate::json::comments::blank_comments;
+use crate::json::spans::{Path, Spans, error_position};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
@@ -15,36 +16,51 @@ pub struct Document {
     value: Value,
     /// Absent for a value made by a program.
     spans: Option<Spans>,
+    /// The text with its comments.
+    written: String,
 }
+
+/// Member of the whole value by which editors find the schema; allowed in every file.
+const SCHEMA_KEY: &str = "$schema";
 
 impl Document {
     /// Parses `text` of `file` (a name for messages only). Fails on invalid syntax and on duplicate keys.
     pub fn parse(file: &str, text: &str) -> Result<Self> {
-        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let value = serde_json::from_str(text).map_err(|e| {
-            let location = error_location(text, e.line(), e.column());
+        let written = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let text = &blank_comments(written);
+        let mut value: Value = serde_json::from_str(text).map_err(|e| {
+            let (line, column) = error_position(text, e.line(), e.column());
             let message = e.to_string();
             let message = message.split(" at line ").next().unwrap_or(&message).to_owned();
             let help = "correct the syntax there or just before it";
-            Error::input(file, location, format!("not valid JSON: {message}"), help)
+            let location = format!("line {line}, column {column}");
+            let diagnostic = Diagnostic::new(file, location, format!("not valid JSON: {message}"), help);
+            Error::Input(vec![diagnostic.with_excerpt(excerpt(written, line, column))])
         })?;
+        if let Value::Object(members) = &mut value
+            && members.get(SCHEMA_KEY).is_some_and(Value::is_string)
+        {
+            members.shift_remove(SCHEMA_KEY);
+        }
         let spans = Spans::scan(text);
         let duplicates: Vec<Diagnostic> = spans
             .duplicate_keys()
             .take(MAX_DIAGNOSTICS)
-            .map(|(location, name)| {
+            .map(|((line, column), name)| {
+                let location = format!("line {line}, column {column}");
                 Diagnostic::new(file, location, format!("{name} is given twice"), "keep one of them")
+                    .with_excerpt(excerpt(written, line, column))
             })
             .collect();
         if !duplicates.is_empty() {
             return Err(Error::Input(duplicates));
         }
-        Ok(Self { file: file.to_owned(), value, spans: Some(spans) })
+        Ok(Self { file: file.to_owned(), value, spans: Some(spans), written: written.to_owned() })
     }
 
     /// Wraps a value made by a program; diagnostics name only the path in it.
     pub fn from_value(file: &str, value: Value) -> Self {
-        Self { file: file.to_owned(), value, spans: None }
+        Self { file: file.to_owned(), value, spans: None, written: String::new() }
     }
 
     /// Returns the value.
@@ -78,23 +94,39 @@ impl Document {
 
     /// Creates a diagnostic at the value that `path` leads to.
     pub fn diagnostic(&self, path: &Path, message: impl Into<String>, help: impl Into<String>) -> Diagnostic {
-        Diagnostic::new(&self.file, self.location(path, false), message, help)
+        self.locate(path, false, message.into(), help.into())
     }
 
     /// Creates a diagnostic of the name of the member that `path` leads to.
     pub(super) fn diagnostic_of_name(&self, path: &Path, message: String, help: String) -> Diagnostic {
-        Diagnostic::new(&self.file, self.location(path, true), message, help)
+        self.locate(path, true, message, help)
     }
 
-    fn location(&self, path: &Path, of_name: bool) -> String {
+    fn locate(&self, path: &Path, of_name: bool, message: String, help: String) -> Diagnostic {
         let position = self.spans.as_ref().and_then(|spans| spans.find(path, of_name));
-        match (position, path.is_empty()) {
-            (Some(position), true) => position,
-            (Some(position), false) => format!("{position}, at {path}"),
+        let location = match (position, path.is_empty()) {
+            (Some((line, column)), true) => format!("line {line}, column {column}"),
+            (Some((line, column)), false) => format!("line {line}, column {column}, at {path}"),
             (None, true) => String::new(),
             (None, false) => path.to_string(),
+        };
+        let diagnostic = Diagnostic::new(&self.file, location, message, help);
+        match position {
+            Some((line, column)) => diagnostic.with_excerpt(excerpt(&self.written, line, column)),
+            None => diagnostic,
         }
     }
+}
+
+/// Returns a line of `text` with a mark under a column, both counted from 1; of a long line the part around the column.
+fn excerpt(text: &str, line: usize, column: usize) -> String {
+    const BEFORE: usize = 50;
+    const WIDTH: usize = 90;
+    let whole = text.split('\n').nth(line.saturating_sub(1)).unwrap_or("").trim_end();
+    let first = column.saturating_sub(1 + BEFORE);
+    let shown: String =
+        whole.chars().skip(first).take(WIDTH).map(|c| if c == '\t' { ' ' } else { c }).collect();
+    format!("  {shown}\n  {}^", " ".repeat(column.saturating_sub(1 + first)))
 }
 
 fn add_missing(value: &mut Value, base: &Value) {

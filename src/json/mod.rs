@@ -1,5 +1,6 @@
 //! JSON that a person wrote, read with source locations: every diagnostic names line, column and path, what was expected
-//! and the nearest allowed name, and all diagnostics of a file are reported in one pass.
+//! and the nearest allowed name, and all diagnostics of a file are reported in one pass. Comments and a `$schema` for
+//! editors are allowed.
 //!
 //! Wear scripts, fabrics and other files of the user are read through it. The Rust types define what is allowed: their
 //! JSON Schema (schemars) is the one list of names and ranges, printed for editors and checked here. serde converts the
@@ -8,6 +9,7 @@
 //! Not covered: files (the tool opens them), meshes, and JSON Schema in full; only the keywords that derived schemas of
 //! this crate use.
 
+mod comments;
 mod document;
 mod quoted;
 mod schema_check;

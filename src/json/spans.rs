@@ -118,12 +118,12 @@ impl Spans {
     }
 
     /// Returns the names that an object has more than once: location of the later one, and the quoted name.
-    pub(super) fn duplicate_keys(&self) -> impl Iterator<Item = (String, String)> {
+    pub(super) fn duplicate_keys(&self) -> impl Iterator<Item = ((usize, usize), String)> {
         self.duplicates.iter().map(|key| (self.line_and_column(key.start), quoted(&key.name)))
     }
 
-    /// Returns "line 3, column 14" of the value at `path`, or of its name; `None` where the text has no such value.
-    pub(super) fn find(&self, path: &Path, of_name: bool) -> Option<String> {
+    /// Returns line and column of the value at `path`, or of its name; `None` where the text has no such value.
+    pub(super) fn find(&self, path: &Path, of_name: bool) -> Option<(usize, usize)> {
         let mut node = &self.root;
         for segment in &path.0 {
             node = match segment {
@@ -134,19 +134,19 @@ impl Spans {
         Some(self.line_and_column(node.name_start.filter(|_| of_name).unwrap_or(node.value_start)))
     }
 
-    fn line_and_column(&self, at: usize) -> String {
+    fn line_and_column(&self, at: usize) -> (usize, usize) {
         let before = self.text.get(..at).unwrap_or(&self.text);
         let line = before.matches('\n').count() + 1;
         let column = before.chars().rev().take_while(|c| *c != '\n').count() + 1;
-        format!("line {line}, column {column}")
+        (line, column)
     }
 }
 
 /// Returns line and column of a serde_json error, which counts columns in bytes, with the column in characters.
-pub(super) fn error_location(text: &str, line: usize, column: usize) -> String {
+pub(super) fn error_position(text: &str, line: usize, column: usize) -> (usize, usize) {
     let whole = text.split('\n').nth(line.saturating_sub(1)).unwrap_or("");
     let before = whole.as_bytes().get(..column.saturating_sub(1)).unwrap_or(whole.as_bytes());
-    format!("line {}, column {}", line.max(1), String::from_utf8_lossy(before).chars().count() + 1)
+    (line.max(1), String::from_utf8_lossy(before).chars().count() + 1)
 }
 
 struct Scan<'a> {
@@ -247,9 +247,9 @@ mod tests {
     fn values_and_names_are_found() {
         let spans = Spans::scan("{\"a\": [1, {\"b \\\" c\":\n  true}], \"d\" : 2}");
         let path = Path::root().name("a").entry(1).name("b \" c");
-        assert_eq!(spans.find(&path, false).as_deref(), Some("line 2, column 3"));
-        assert_eq!(spans.find(&path, true).as_deref(), Some("line 1, column 12"));
-        assert_eq!(spans.find(&Path::root().name("d"), false).as_deref(), Some("line 2, column 17"));
+        assert_eq!(spans.find(&path, false), Some((2, 3)));
+        assert_eq!(spans.find(&path, true), Some((1, 12)));
+        assert_eq!(spans.find(&Path::root().name("d"), false), Some((2, 17)));
         assert_eq!(spans.find(&Path::root().name("e"), false), None);
         assert_eq!(path.to_string(), "a[1].`b \" c`");
     }

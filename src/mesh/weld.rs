@@ -2,12 +2,13 @@
 //!
 //! Vertices join only if they coincide *and* either both lie on an open edge, as both sides of a seam do, or end the
 //! same edge, which then has no length. So two layers that touch or lie on each other stay two layers: a vertex
-//! in the middle of a layer, closed all around, is never joined to another layer's. What else belongs together
+//! in the middle of a layer, closed all around, is never joined to another layer's, unless the file itself gives it the
+//! position of a vertex on an open edge. What else belongs together
 //! (copies of a triangle) the caller joins. Only positions count, not texture or material.
 
 use crate::math::Vec3;
 use crate::mesh::PointIndex;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 /// Vertices to be joined into points.
 #[derive(Debug, Clone)]
@@ -41,6 +42,20 @@ impl Welder {
             let site = self.site(vertex);
             let first = *first_at.entry(site).or_insert(vertex);
             self.groups.join(first, vertex);
+        }
+    }
+
+    /// Joins vertices with the same position of the file, one `id` per vertex, if one of them lies on an open edge of
+    /// `triangles`: a seam that the file closes itself, also onto the middle of a panel.
+    pub fn join_seams(&mut self, triangles: &[[u32; 3]], ids: &[Option<u32>]) {
+        let id_of = |vertex: u32| ids.get(vertex as usize).copied().flatten();
+        let open: FxHashSet<u32> = open_vertices(triangles).into_iter().filter_map(id_of).collect();
+        let mut first_with: FxHashMap<u32, u32> = FxHashMap::default();
+        for &vertex in triangles.iter().flatten() {
+            if let Some(id) = id_of(vertex).filter(|id| open.contains(id)) {
+                let first = *first_with.entry(id).or_insert(vertex);
+                self.groups.join(first, vertex);
+            }
         }
     }
 

@@ -17,7 +17,7 @@ pub struct DetailReport {
     /// Mean angle between the normals of the map and those of the coarse mesh [degrees].
     pub mean_tilt_deg: f64,
     /// Texels that two parts of the garment use with different normals [%].
-    #[serde(alias = "contradicted_percent")]
+    #[serde(rename = "contradicted_percent", alias = "conflicting_texel_percent")]
     pub conflicting_texel_percent: f64,
     /// Heights of black and white in the height map [m].
     pub height_range_m: [f32; 2],

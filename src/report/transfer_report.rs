@@ -4,7 +4,7 @@
 
 use crate::report::detail_report::DetailReport;
 use crate::report::export::ExportCheck;
-use crate::transfer::{GarmentSurface, RegionConfidence, TransferLosses, TransferResult};
+use crate::transfer::{GarmentSurface, RegionConfidence, TransferLosses, TransferResult, mean_confidence};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -50,7 +50,7 @@ pub struct CarriedSource {
     pub file: String,
     /// Matching of points: `same`, `uv` or `surface`.
     pub by: String,
-    /// Alignment of the source with the target: `place` (none), `landmarks`, `joints` or `box`. Omitted where points were
+    /// Alignment of the source with the target: `place` (none), `landmarks`, `joints`, `texture`, `openings` or `box`. Omitted where points were
     /// matched by number.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub aligned: Option<String>,
@@ -64,13 +64,10 @@ impl TransferReport {
     pub fn of_transfer(carried: &TransferResult, target: &GarmentSurface) -> Self {
         let memory = &carried.memory;
         let changes = memory.rest_angle.iter().zip(&memory.source_angle).map(|(rest, source)| rest - source);
-        let areas = (0..target.triangles.len()).map(|f| target.normal(f).norm());
-        let (sum, area) =
-            areas.zip(&carried.confidence).fold((0.0, 0.0), |(sum, area), (a, c)| (sum + a * c, area + a));
         Self {
             max_rest_angle_change_deg: changes.map(f64::abs).fold(0.0, f64::max).to_degrees(),
             max_stiffness_ratio: memory.stiffness_ratio.iter().copied().fold(1.0, f64::max),
-            confidence: if area > 0.0 { sum / area } else { 0.0 },
+            confidence: mean_confidence(target, &carried.confidence),
             regions: carried.regions.clone(),
             ..Self::default()
         }

@@ -1,9 +1,10 @@
 //! Alignment of a source with the target, so that points of both can be compared: in place, by point pairs, or by
-//! bounding boxes.
+//! openings and bounding boxes.
 
 use crate::math::{Mat3, Vec3};
 use crate::mesh::triangle_bvh::TriangleBvh;
 use crate::transfer::canonical_pose::CanonicalPose;
+use crate::transfer::openings::{BodyScale, body_scale};
 use crate::transfer::options::{Align, AlignedBy, TransferOptions, TransferSource};
 use crate::transfer::registration::{AffineMap, PointPair, Registration, joint_point_pairs};
 use crate::transfer::surface::GarmentSurface;
@@ -54,6 +55,17 @@ impl Alignment<'_> {
     fn by_box(&self) -> AlignedSource {
         let scale = self.pose.scale_to(&self.target.pose);
         AlignedSource { surface: self.pose.apply(self.surface, scale), by: AlignedBy::Box }
+    }
+
+    /// The source scaled by the openings of both garments, where their boxes mislead; else by the boxes.
+    fn by_shape(&self) -> AlignedSource {
+        let AlignmentTarget { pose, canonical } = self.target;
+        let Some(BodyScale { scale, shift }) = body_scale(self.surface, self.pose, canonical, pose) else {
+            return self.by_box();
+        };
+        let mut surface = self.pose.apply(self.surface, scale);
+        surface.points.iter_mut().for_each(|x| *x += shift);
+        AlignedSource { surface, by: AlignedBy::Openings }
     }
 
     /// The source registered by point pairs in file coordinates; `cure` is the help where no map exists.
@@ -117,9 +129,10 @@ pub(super) fn align_source(
         )),
         Align::Joints => alignment.by_pairs(&pairs, "use --align box", AlignedBy::Joints),
         Align::Auto if !pairs.is_empty() => {
-            Ok(alignment.by_pairs(&pairs, "", AlignedBy::Joints).unwrap_or_else(|_| alignment.by_box()))
+            Ok(alignment.by_pairs(&pairs, "", AlignedBy::Joints).unwrap_or_else(|_| alignment.by_shape()))
         }
-        Align::Auto | Align::Box => Ok(alignment.by_box()),
+        Align::Auto => Ok(alignment.by_shape()),
+        Align::Box => Ok(alignment.by_box()),
     }
 }
 

@@ -26,10 +26,10 @@ pub struct RegionConfidence {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TransferLosses {
     /// Fraction of the target's cloth without a match on the source.
-    #[serde(alias = "target_without_source")]
+    #[serde(rename = "target_without_source", alias = "unmatched_target_fraction")]
     pub unmatched_target_fraction: f64,
     /// Fraction of the source's crease (angle times length) on cloth that no point of the target is matched with.
-    #[serde(alias = "crease_left_behind")]
+    #[serde(rename = "crease_left_behind", alias = "lost_crease_fraction")]
     pub lost_crease_fraction: f64,
 }
 
@@ -75,6 +75,13 @@ pub(super) fn confidence_by_region(canonical: &GarmentSurface, confidence: &[f64
         }
     }
     regions
+}
+
+/// Area-weighted mean of one `confidence` per triangle of `target`; 0 without area.
+pub(crate) fn mean_confidence(target: &GarmentSurface, confidence: &[f64]) -> f64 {
+    let areas = (0..target.triangles.len()).map(|f| target.normal(f).norm());
+    let (sum, area) = areas.zip(confidence).fold((0.0, 0.0), |(sum, area), (a, c)| (sum + a * c, area + a));
+    if area > 0.0 { sum / area } else { 0.0 }
 }
 
 /// Losses between `source` with its `memory` and `target`, which received `faces`.

@@ -3,7 +3,8 @@
 //!
 //! There are three match modes. By texture: the same texture coordinates. Closest point, where both garments have depth:
 //! the nearest surface point whose normal agrees. Front projection, where one of them is flat: the nearest point seen from
-//! the front, on the same side of the garment. A point beyond an open border of the source, or farther off than a small
+//! the front, on the same side of the garment. Where several islands of the source lie on one another in the texture, the
+//! one nearest in space counts. A point beyond an open border of the source, or farther off than a small
 //! fraction of the garment, has no match: sleeves receive nothing from a vest.
 //!
 //! The map of directions `J` takes tangents of the source to tangents of the target (3 x 3, meaningful on the source's
@@ -11,8 +12,8 @@
 //! smallest rotation between the normals.
 
 use crate::math::{Mat3, Vec2, Vec3, bounds};
-use crate::mesh::PointIndex;
 use crate::mesh::triangle_bvh::{NearestTriangle, TriangleBvh};
+use crate::mesh::{Groups, PointIndex};
 use crate::transfer::surface::GarmentSurface;
 use crate::transfer::tuning::TUNING;
 use nalgebra::{Matrix2, Matrix3x2, Rotation3};
@@ -74,6 +75,8 @@ pub(super) struct CorrespondenceFinder<'a> {
     open: Vec<[bool; 3]>,
     /// Per source triangle: texture gradient; empty unless matches are found by texture.
     gradients: Vec<Option<Matrix3x2<f64>>>,
+    /// Per source triangle: its texture island, if several lie on one another; else empty.
+    islands: Vec<u32>,
     /// Largest distance of a match, in the space of `points`.
     max_distance: f64,
     /// Largest distance past an open border, in the same space.
@@ -108,11 +111,17 @@ impl<'a> CorrespondenceFinder<'a> {
             }
             _ => (source.points.clone(), source.triangles.clone(), closest_distance, Vec::new()),
         };
+        let tree = TriangleBvh::new(&points, &triangles, 0.0);
+        let islands = match (mode, &source.uvs) {
+            (MatchMode::Uv, Some(uvs)) => overlapping_islands(source, uvs, &tree, &points),
+            _ => Vec::new(),
+        };
         Self {
             source,
             mode,
-            tree: TriangleBvh::new(&points, &triangles, 0.0),
+            tree,
             points,
+            islands,
             normals: normals.collect(),
             open: open.collect(),
             gradients,
@@ -130,14 +139,28 @@ impl<'a> CorrespondenceFinder<'a> {
         }
     }
 
-    /// Centroid of the matched source triangle in canonical coordinates [m].
-    pub fn match_centroid(&self, found: &Match) -> Vec3 {
-        self.source.centroid(found.triangle)
+    /// The places of the source with the texture coordinates `uv`: one, or one per island of those that lie on one another
+    /// there.
+    pub fn places_of_uv(&self, uv: &Vec2) -> Vec<NearestTriangle> {
+        let at = Vec3::new(uv.x, uv.y, 0.0);
+        let Some(found) = self.tree.nearest(&self.points, at, self.max_distance) else { return Vec::new() };
+        let mut places = vec![found];
+        // Next to the nearest one; islands side by side are told apart by the texture.
+        let limit = found.closest.distance + TUNING.uv_overlap_fraction * self.max_distance;
+        let island = |f: u32| self.islands.get(f as usize).copied();
+        while !self.islands.is_empty() && places.len() < TUNING.max_places_of_uv {
+            let fresh = |f: u32| places.iter().all(|place| island(place.triangle) != island(f));
+            let Some(more) = self.tree.nearest_where(&self.points, at, limit, fresh) else { break };
+            places.push(more);
+        }
+        places
     }
 
     fn match_uv(&self, query: &Query) -> Option<Match> {
-        let uv = query.uv?;
-        let found = self.tree.nearest(&self.points, Vec3::new(uv.x, uv.y, 0.0), self.max_distance)?;
+        let distance =
+            |place: &NearestTriangle| (position_of_place(self.source, place) - query.position).norm();
+        let places = self.places_of_uv(&query.uv?);
+        let found = places.into_iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
         let triangle = found.triangle as usize;
         let map = query.gradient? * pseudo_inverse(&self.gradients[triangle]?)?;
         Some(Match { triangle, quality: 1.0 - 0.5 * found.closest.distance / self.max_distance, map })
@@ -194,6 +217,44 @@ impl Correspondence for CorrespondenceFinder<'_> {
     fn find(&self, _f: usize, query: &Query) -> Option<Match> {
         self.find_match(query)
     }
+}
+
+/// Position on `surface` of a place that was found in texture space [m].
+pub(super) fn position_of_place(surface: &GarmentSurface, place: &NearestTriangle) -> Vec3 {
+    let weights = &place.closest.weights[1..];
+    surface.corners(place.triangle as usize).iter().zip(weights).map(|(x, w)| x * -*w).sum()
+}
+
+/// Returns the texture island of every triangle of `source`, if two of them lie on one another; else nothing. Triangles of one
+/// island continue each other in texture space, on the same side of it.
+fn overlapping_islands(
+    source: &GarmentSurface,
+    uvs: &[[Vec2; 3]],
+    tree: &TriangleBvh,
+    points: &[Vec3],
+) -> Vec<u32> {
+    let turn = |f: usize| (uvs[f][1] - uvs[f][0]).perp(&(uvs[f][2] - uvs[f][0]));
+    let uv_of =
+        |f: usize, p: PointIndex| source.triangles[f].iter().position(|own| *own == p).map(|k| uvs[f][k]);
+    let mut groups = Groups::new(uvs.len());
+    for hinge in &source.topology.hinges {
+        let [a, b] = hinge.triangles.map(|f| f as usize);
+        let continues = |p: PointIndex| match (uv_of(a, p), uv_of(b, p)) {
+            (Some(x), Some(y)) => (x - y).norm() <= TUNING.uv_continuity_tol,
+            _ => false,
+        };
+        if continues(hinge.points[0]) && continues(hinge.points[1]) && turn(a) * turn(b) > 0.0 {
+            groups.join(a as u32, b as u32);
+        }
+    }
+    let islands: Vec<u32> = groups.numbered().0.iter().map(|island| island.0).collect();
+    let overlaps = |f: usize| {
+        let centre = (uvs[f][0] + uvs[f][1] + uvs[f][2]) / 3.0;
+        let other = |g: u32| islands[g as usize] != islands[f];
+        tree.nearest_where(points, Vec3::new(centre.x, centre.y, 0.0), TUNING.uv_continuity_tol, other)
+            .is_some()
+    };
+    if (0..uvs.len()).any(overlaps) { islands } else { Vec::new() }
 }
 
 /// 1 at distance 0, falling linearly to 0 at `max_distance`.

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! sidecar -> surface -> both garments upright, box on box (canonical_pose, align)
-//!            or aligned by point pairs: landmarks, joints (registration)
+//!            or aligned by point pairs: landmarks, joints (registration), textures (texture_agreement)
 //!         -> source triangle of every sample of the target (correspondence)
 //!         -> change of curvature, stiffness, rest lengths per target triangle (resample)
 //!         -> angles of the target's hinges (hinge_fit) -> rest state (memory_delta), confidence by region
@@ -22,6 +22,7 @@ mod confidence;
 mod correspondence;
 mod hinge_fit;
 mod memory_delta;
+mod openings;
 mod options;
 mod pipeline;
 mod prolongate;
@@ -30,9 +31,12 @@ mod resample;
 mod scatter;
 mod smoothing;
 mod surface;
+mod texture_agreement;
 mod tuning;
+mod warnings;
 
 pub use builder::Transfer;
+pub(crate) use confidence::mean_confidence;
 pub use confidence::{RegionConfidence, TransferLosses};
 pub use options::{
     Align, AlignedBy, Channels, MatchBy, SourceOutcome, TransferOptions, TransferResult, TransferSource,

@@ -36,7 +36,7 @@ impl MatchBy {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Align {
     /// In place, if most of the target lies close to the source there (both were made for one body); else by the joints of
-    /// one skeleton that both follow, if there are a few; else by bounding boxes.
+    /// one skeleton that both follow, if there are a few; else by bounding boxes, or by openings where these mislead.
     #[default]
     Auto,
     /// By the joints of one skeleton that both follow.
@@ -144,6 +144,10 @@ pub enum AlignedBy {
     Landmarks,
     /// Joints of one skeleton.
     Joints,
+    /// Texture coordinates that agree one to one.
+    Texture,
+    /// Openings around the torso, where bounding boxes mislead.
+    Openings,
     /// Bounding boxes.
     Box,
 }
@@ -155,6 +159,8 @@ impl AlignedBy {
             Self::InPlace => "place",
             Self::Landmarks => "landmarks",
             Self::Joints => "joints",
+            Self::Texture => "texture",
+            Self::Openings => "openings",
             Self::Box => "box",
         }
     }
@@ -169,6 +175,8 @@ pub struct SourceOutcome {
     pub aligned_by: Option<AlignedBy>,
     /// What could not be transferred.
     pub losses: TransferLosses,
+    /// Fraction of the target's triangles whose texture coordinates belong to several places of the source [-].
+    pub ambiguous_fraction: f64,
 }
 
 /// Result of a transfer.
@@ -184,4 +192,8 @@ pub struct TransferResult {
     pub regions: Vec<RegionConfidence>,
     /// Whether the memory is that of the single source, bit for bit.
     pub unchanged: bool,
+    /// Doubts about the result.
+    pub warnings: Vec<String>,
+    /// Reason why nothing was transferred, if the sources have memory and the target has none.
+    pub empty_reason: Option<String>,
 }

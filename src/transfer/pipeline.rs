@@ -2,15 +2,18 @@
 
 use crate::garment::RestState;
 use crate::math::Vec3;
-use crate::transfer::align::{AlignmentTarget, align_source};
+use crate::transfer::align::{AlignedSource, AlignmentTarget, align_source};
 use crate::transfer::canonical_pose::CanonicalPose;
-use crate::transfer::confidence::{TransferLosses, confidence_by_region, transfer_losses};
-use crate::transfer::correspondence::{CorrespondenceFinder, MatchMode, Query, texture_gradient};
+use crate::transfer::confidence::{TransferLosses, confidence_by_region, mean_confidence, transfer_losses};
+use crate::transfer::correspondence::{CorrespondenceFinder, MatchMode};
 use crate::transfer::memory_delta::MemoryDelta;
-use crate::transfer::options::{MatchBy, SourceOutcome, TransferOptions, TransferResult, TransferSource};
+use crate::transfer::options::{
+    Align, AlignedBy, MatchBy, SourceOutcome, TransferOptions, TransferResult, TransferSource,
+};
 use crate::transfer::resample::resample;
 use crate::transfer::surface::GarmentSurface;
-use crate::transfer::tuning::TUNING;
+use crate::transfer::texture_agreement::{TextureAgreement, ambiguous_fraction, has_texture};
+use crate::transfer::warnings::{empty_reason, transfer_warnings};
 use crate::{Error, Result};
 
 /// Transfers the memories of `sources` to `target`.
@@ -44,8 +47,12 @@ pub fn transfer(
         confidence.iter_mut().zip(&one.confidence).for_each(|(c, own)| *c += own / sources.len() as f64);
         outcomes.push(one.outcome);
     }
+    let memory = sum.apply(target, options);
+    let mean = mean_confidence(target, &confidence);
     Ok(TransferResult {
-        memory: sum.apply(target, options),
+        warnings: transfer_warnings(sources, &outcomes, mean),
+        empty_reason: empty_reason(sources, &memory, options),
+        memory,
         sources: outcomes,
         regions: confidence_by_region(&aligned_to.canonical, &confidence),
         confidence,
@@ -72,6 +79,7 @@ const ENTRY_BY_ENTRY: SourceOutcome = SourceOutcome {
     matched_by: MatchBy::Same,
     aligned_by: None,
     losses: TransferLosses { unmatched_target_fraction: 0.0, lost_crease_fraction: 0.0 },
+    ambiguous_fraction: 0.0,
 };
 
 /// The memory of `source` on the same mesh, bit for bit.
@@ -87,6 +95,8 @@ fn unchanged(
         regions: confidence_by_region(&aligned_to.canonical, &confidence),
         confidence,
         unchanged: true,
+        warnings: Vec::new(),
+        empty_reason: None,
     }
 }
 
@@ -139,23 +149,32 @@ fn resample_source(
     let target = &aligned_to.canonical;
     let pose = CanonicalPose::of(surface);
     let size = aligned_to.pose.size.norm();
-    let aligned = align_source(source, surface, &pose, aligned_to, options)?;
+    let mut aligned = align_source(source, surface, &pose, aligned_to, options)?;
     let by_surface =
         if pose.flat || aligned_to.pose.flat { MatchMode::FrontProjection } else { MatchMode::ClosestPoint };
-    let both_textured = aligned.surface.uvs.is_some() && target.uvs.is_some();
-    let mode = match options.match_by {
-        MatchBy::Uv if !both_textured => {
-            let what = if options.mirror_x {
-                "mirrored, it has no texture coordinates that fit"
-            } else {
-                "it and the target do not both have texture coordinates"
-            };
-            return Err(Error::input(&source.file, "", what, "use --match surface"));
+    let both_textured = has_texture(surface) && has_texture(target);
+    if options.match_by == MatchBy::Uv && !both_textured {
+        let what = if options.mirror_x {
+            "mirrored, it has no texture coordinates that fit"
+        } else {
+            "it and the target do not both have texture coordinates"
+        };
+        return Err(Error::input(&source.file, "", what, "use --match surface"));
+    }
+    let mut mode = by_surface;
+    if both_textured && matches!(options.match_by, MatchBy::Uv | MatchBy::Auto) {
+        let unscaled = pose.apply(surface, Vec3::repeat(1.0));
+        let agreement = TextureAgreement::of(&aligned.surface, &unscaled, target, size);
+        // Joints and landmarks know better; boxes and the place in the file do not.
+        let is_guess = options.align == Align::Auto
+            && matches!(aligned.by, AlignedBy::Box | AlignedBy::Openings | AlignedBy::InPlace);
+        if let Some(map) = agreement.similarity.filter(|_| is_guess) {
+            aligned = AlignedSource { surface: map.apply_to(&unscaled), by: AlignedBy::Texture };
         }
-        MatchBy::Uv => MatchMode::Uv,
-        MatchBy::Auto if both_textured && textures_agree(&aligned.surface, target, size) => MatchMode::Uv,
-        _ => by_surface,
-    };
+        if options.match_by == MatchBy::Uv || agreement.in_place || aligned.by == AlignedBy::Texture {
+            mode = MatchMode::Uv;
+        }
+    }
     if let (true, Some((own, memory))) = (mode != MatchMode::Uv, &source.simulated) {
         let mirrored = options.mirror_x.then(|| own.mirrored(memory));
         let (own, memory) = mirrored.as_ref().map_or((own, memory), |(own, memory)| (own, memory));
@@ -166,34 +185,15 @@ fn resample_source(
     let finder = CorrespondenceFinder::new(&aligned.surface, mode, size);
     let orientation = aligned.surface.orientation_sign() * target.orientation_sign();
     let faces = resample(&finder, memory, target, orientation);
+    let ambiguous_fraction = if mode == MatchMode::Uv { ambiguous_fraction(&finder, target) } else { 0.0 };
     Ok(SourceResult {
         delta: MemoryDelta::from_faces(target, &faces),
         outcome: SourceOutcome {
             matched_by: if mode == MatchMode::Uv { MatchBy::Uv } else { MatchBy::Surface },
             aligned_by: Some(aligned.by),
             losses: transfer_losses(&aligned.surface, memory, target, &faces),
+            ambiguous_fraction,
         },
         confidence: faces.iter().map(|face| face.confidence).collect(),
     })
-}
-
-/// Whether equal texture coordinates lie at about equal positions of both garments; `size` is the diagonal of the target's
-/// box [m].
-fn textures_agree(source: &GarmentSurface, target: &GarmentSurface, size: f64) -> bool {
-    let finder = CorrespondenceFinder::new(source, MatchMode::Uv, size);
-    let Some(uvs) = &target.uvs else { return false };
-    let agrees = |f: &usize| {
-        let corners = target.corners(*f);
-        let query = Query {
-            position: target.centroid(*f),
-            uv: Some((uvs[*f][0] + uvs[*f][1] + uvs[*f][2]) / 3.0),
-            normal: Vec3::z(),
-            gradient: texture_gradient(&corners, &uvs[*f]),
-        };
-        let max_distance = TUNING.uv_agreement_distance_fraction * size;
-        let found = finder.find_match(&query);
-        found.is_some_and(|found| (finder.match_centroid(&found) - query.position).norm() < max_distance)
-    };
-    let count = target.triangles.len();
-    (0..count).filter(agrees).count() as f64 >= TUNING.min_uv_agreement_fraction * count as f64
 }

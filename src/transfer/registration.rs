@@ -6,7 +6,7 @@
 //! (Duchon 1977, Bookstein 1989). An arm that hangs on the source and is raised on the target follows its joints.
 
 use crate::garment::SourceJoint;
-use crate::math::{Mat3, Vec3};
+use crate::math::{Mat3, NearestRotation, Vec3, nearest_rotation};
 use crate::mesh::PointIndex;
 use crate::transfer::surface::GarmentSurface;
 use crate::transfer::tuning::TUNING;
@@ -37,7 +37,17 @@ pub(super) struct AffineMap {
 }
 
 impl AffineMap {
-    fn apply(&self, point: &Vec3) -> Vec3 {
+    /// `surface` with its points mapped and its warp directions turned along.
+    pub(super) fn apply_to(&self, surface: &GarmentSurface) -> GarmentSurface {
+        let turned = |w: &Vec3| (self.linear * w).try_normalize(0.0).unwrap_or_else(Vec3::x);
+        GarmentSurface {
+            points: surface.points.iter().map(|p| self.apply(p)).collect(),
+            warp: surface.warp.as_ref().map(|all| all.iter().map(turned).collect()),
+            ..surface.clone()
+        }
+    }
+
+    pub(super) fn apply(&self, point: &Vec3) -> Vec3 {
         self.linear * point + self.shift
     }
 }
@@ -114,7 +124,7 @@ impl Registration {
 }
 
 /// The least-squares similarity that takes sources to targets. `None` for collinear points.
-fn fit_similarity(pairs: &[PointPair]) -> Option<AffineMap> {
+pub(super) fn fit_similarity(pairs: &[PointPair]) -> Option<AffineMap> {
     let count = pairs.len().max(1) as f64;
     let from = pairs.iter().map(|pair| pair.source).sum::<Vec3>() / count;
     let to = pairs.iter().map(|pair| pair.target).sum::<Vec3>() / count;
@@ -134,15 +144,8 @@ fn fit_similarity(pairs: &[PointPair]) -> Option<AffineMap> {
             return None;
         }
     }
-    let svd = mixed.try_svd(true, true, f64::EPSILON, 0)?;
-    let (u, v_t) = (svd.u?, svd.v_t?);
-    // A rotation, no reflection: the direction of the smallest singular value is reversed.
-    let mut signs = Vec3::repeat(1.0);
-    if (u * v_t).determinant() < 0.0 {
-        signs[svd.singular_values.imin()] = -1.0;
-    }
-    let scale = svd.singular_values.dot(&signs) / source_scatter.trace();
-    let linear = u * Mat3::from_diagonal(&signs) * v_t * scale;
+    let NearestRotation { rotation, signed_sum } = nearest_rotation(mixed)?;
+    let linear = rotation * (signed_sum / source_scatter.trace());
     Some(AffineMap { linear, shift: to - linear * from })
 }
 
@@ -164,14 +167,23 @@ impl JointPair<'_> {
     }
 }
 
+/// The joint of `joints` that is called like `joint`; without prefixes of exporters ("mixamorig:LeftArm", "Armature|LeftArm")
+/// if only one is called so.
+fn joint_like<'a>(joint: &SourceJoint, joints: &'a [SourceJoint]) -> Option<&'a SourceJoint> {
+    let bare = |name: &str| name.rsplit([':', '|']).next().unwrap_or(name).to_lowercase();
+    let exact = joints.iter().find(|other| other.name == joint.name);
+    exact.or_else(|| {
+        let mut alike = joints.iter().filter(|other| bare(&other.name) == bare(&joint.name));
+        alike.next().filter(|_| alike.next().is_none())
+    })
+}
+
 /// Point pairs from joints of equal names: the joints themselves, and points beside them along their axes, which carry
 /// their rotations. Empty for fewer than three. `size` is the box diagonal of the source [m].
 pub(super) fn joint_point_pairs(source: &[SourceJoint], target: &[SourceJoint], size: f64) -> Vec<PointPair> {
     let shared: Vec<JointPair> = source
         .iter()
-        .filter_map(|joint| {
-            Some(JointPair { source: joint, target: target.iter().find(|other| other.name == joint.name)? })
-        })
+        .filter_map(|joint| Some(JointPair { source: joint, target: joint_like(joint, target)? }))
         .collect();
     if shared.len() < TUNING.min_shared_joints {
         return Vec::new();

@@ -31,6 +31,26 @@ pub(super) struct TransferTuning {
     pub uv_agreement_distance_fraction: f64,
     /// Fraction of the target's triangles that must agree for a match by texture [-], default 0.9.
     pub min_uv_agreement_fraction: f64,
+    /// Distance in texture space beyond the nearest island within which another one lies on it [largest match distances],
+    /// default 0.1.
+    pub uv_overlap_fraction: f64,
+    /// Islands on one another that are told apart, default 8; more are damage.
+    pub max_places_of_uv: usize,
+    /// Fraction of the target's triangles with a single place in the texture that a map by texture needs [-], default 0.5.
+    pub min_unambiguous_fraction: f64,
+    /// Texture coordinates closer than this continue across an edge [-], default 1e-5.
+    pub uv_continuity_tol: f64,
+    /// Confidence below which a transfer warns [-], default 0.5.
+    pub min_confidence: f64,
+    /// Fraction of the crease lost above which a transfer warns [-], default 0.2.
+    pub max_lost_crease_fraction: f64,
+    /// Fraction of the target matched in several places of the source above which a transfer warns [-], default 0.05.
+    pub max_ambiguous_fraction: f64,
+    /// Change of rest angle [rad] and rest stretch [-] below which nothing was transferred, default 1e-3.
+    pub min_change: f64,
+    /// Logarithm of the ratio between the scale of a side of the boxes and that of the bodies above which the box misleads [-],
+    /// default 0.25: garments of one kind differ by less in fit.
+    pub max_box_scale_deviation: f64,
     /// Fraction of the curvature that is spread over a ring of triangles [-], default 0.5: without, creases on coarse triangles
     /// zigzag; all of it would blur them.
     pub spread_fraction: f64,
@@ -85,6 +105,15 @@ pub(super) const TUNING: TransferTuning = TransferTuning {
     min_close_fraction: 0.6,
     uv_agreement_distance_fraction: 0.05,
     min_uv_agreement_fraction: 0.9,
+    uv_overlap_fraction: 0.1,
+    max_places_of_uv: 8,
+    min_unambiguous_fraction: 0.5,
+    uv_continuity_tol: 1e-5,
+    min_confidence: 0.5,
+    max_lost_crease_fraction: 0.2,
+    max_ambiguous_fraction: 0.05,
+    min_change: 1e-3,
+    max_box_scale_deviation: 0.25,
     spread_fraction: 0.5,
     scatter_parts: 6,
     samples_per_source_side: 2.0,

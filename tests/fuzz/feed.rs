@@ -94,7 +94,7 @@ pub fn checkpoint(bytes: &[u8]) -> Result<()> {
 /// Returns a checkpoint of two triangles and one action.
 fn small_run() -> (Garment, WearScript) {
     let square = b"v 0 0 0\nv 0.2 0 0\nv 0.2 0.2 0\nv 0 0.2 0\nf 1 2 3\nf 1 3 4\n";
-    let options = ReadOptions { unit_m: None, ..ReadOptions::default() };
+    let options = ReadOptions::default();
     let (asset, _) = read_asset("square.obj", square, &options, &mut |_| Ok(Vec::new())).expect("a square");
     let (garment, _) = Garment::from_asset(&asset).expect("a garment");
     let script = WearScript::parse("w", r#"{"format": "crease-wear/1", "actions": [{"lay": {}}]}"#);

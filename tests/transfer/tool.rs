@@ -126,7 +126,7 @@ fn landmarks_align_source_and_target(workshop: &Workshop) {
         (&report["sources"][0]["by"], &report["sources"][0]["aligned"]),
         (&"surface".into(), &"landmarks".into())
     );
-    assert!(report["sources"][0]["lost_crease_fraction"].as_f64() < Some(0.05), "{report}");
+    assert!(report["sources"][0]["crease_left_behind"].as_f64() < Some(0.05), "{report}");
     std::fs::write(workshop.path("marks.json"), text.replace("target_m", "targets")).expect("writes");
     let (_, err, code) =
         workshop.run("transfer from.crease.json --to to.obj --landmarks marks.json -o no.glb");
@@ -139,6 +139,10 @@ fn the_same_mesh_keeps_its_memory_and_a_refined_one_agrees(workshop: &Workshop) 
     assert_eq!(code, Some(0), "{err}");
     let (first, again) = (workshop.read("out.crease.json"), workshop.read("again.crease.json"));
     assert_eq!((&first.hinges, &first.points), (&again.hinges, &again.points));
+    // The worn file names its sidecar.
+    let (_, err, code) = workshop.run("transfer out.glb --to to.obj -o named.glb --match same --quiet");
+    assert_eq!(code, Some(0), "{err}");
+    assert_eq!(workshop.read("named.crease.json").hinges, first.hinges);
     let (_, err, code) = workshop.run("render out.glb --show confidence --size 64 -o out.png");
     assert_eq!(code, Some(0), "{err}");
     // Finer than the file: its own points first, by texture as before, what they cannot show in a map.

@@ -9,7 +9,7 @@ use crate::chart::test_sheet::TestSheet;
 use crate::contact::Contact;
 use crate::energy::TargetSpring;
 use crate::error::Result;
-use crate::fabric::{PAPER_FABRIC, Fabric};
+use crate::fabric::{Fabric, PAPER_FABRIC};
 use crate::math::Vec3;
 use crate::memory::MemoryModel;
 use crate::sim::Loads;

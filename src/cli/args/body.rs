@@ -10,7 +10,7 @@ use crease::body::AnimatedBody;
 use crease::files::{GarmentFile, read_asset_file};
 use crease::garment::{Severity, SourceAsset, SourceFormat, SourcePiece, UpAxis};
 use crease::io::{ReadOptions, compare_body_size};
-use crease::{Error, Result};
+use crease::{Diagnostic, Error, Result};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -24,13 +24,13 @@ pub struct BodyArgs {
     #[arg(long, value_name = "NODE|GROUP", requires = "body")]
     body_node: Option<String>,
     /// Unit of the body file: m, dm, cm, mm, in or metres [default: --unit; metres for a glTF beside an OBJ]
-    #[arg(long, value_name = "UNIT", value_parser = unit, requires = "body")]
+    #[arg(long, value_name = "UNIT", allow_negative_numbers = true, value_parser = unit, requires = "body")]
     body_unit: Option<Metres>,
     /// Up axis of the body file: y or z [default: --up; y for a glTF beside an OBJ]
     #[arg(long, value_name = "AXIS", value_parser = up_axis, requires = "body")]
     body_up: Option<UpAxis>,
     /// Frames per second of a folder of frames
-    #[arg(long, value_name = "N", value_parser = positive, requires = "body")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = positive, requires = "body")]
     body_fps: Option<f64>,
 }
 
@@ -55,7 +55,7 @@ impl BodyArgs {
         } else if same {
             self.read_in_garment_file(&mesh.asset, options)?
         } else {
-            let (asset, diagnostics) = read_asset_file(body, &reading)?;
+            let (asset, diagnostics) = read_asset_file(body, &reading).map_err(of_body_node)?;
             let pieces: Vec<&SourcePiece> = asset.worn_pieces().collect();
             let mut body = AnimatedBody::from_pieces(&asset, &pieces)?;
             for diagnostic in diagnostics.into_iter().filter(|d| d.severity == Severity::Warning) {
@@ -86,6 +86,7 @@ impl BodyArgs {
             mask: None,
             any_size: true,
             skip_damaged: true,
+            weld_m: None,
         }
     }
 
@@ -131,6 +132,20 @@ fn pieces_named(node: &str, asset: &SourceAsset, options: &ReadOptions) -> Resul
         any_size: true,
         ..options.clone()
     };
-    let (again, _) = read_asset_file(Path::new(&asset.file), &options)?;
+    let (again, _) = read_asset_file(Path::new(&asset.file), &options).map_err(of_body_node)?;
     Ok(again.pieces.iter().map(|piece| piece.worn).collect())
+}
+
+/// The error of a part chosen by `--body-node`, which the reader of files knows as the garment.
+fn of_body_node(error: Error) -> Error {
+    let renamed =
+        |text: &str| text.replace("no garment called", "no body called").replace("--garment", "--body-node");
+    match error {
+        Error::Input(all) => Error::Input(
+            all.into_iter()
+                .map(|one| Diagnostic { message: renamed(&one.message), help: renamed(&one.help), ..one })
+                .collect(),
+        ),
+        other => other,
+    }
 }

@@ -1,6 +1,6 @@
 //! Options that say how a mesh file is read.
 
-use crate::cli::args::values::{Metres, unit};
+use crate::cli::args::values::{Metres, positive, unit};
 use clap::Args;
 use crease::garment::UpAxis;
 use crease::io::ReadOptions;
@@ -9,7 +9,7 @@ use crease::io::ReadOptions;
 #[derive(Debug, Clone, Args)]
 pub struct MeshArgs {
     /// Unit of the mesh file: m, dm, cm, mm, in, or its length in metres [default: derived from format and size]
-    #[arg(long, value_name = "UNIT", value_parser = unit)]
+    #[arg(long, value_name = "UNIT", allow_negative_numbers = true, value_parser = unit)]
     unit: Option<Metres>,
     /// Up axis of the mesh file: y or z [default: derived from the format]
     #[arg(long, value_name = "AXIS", value_parser = up_axis)]
@@ -21,6 +21,9 @@ pub struct MeshArgs {
     /// Take a garment of any size, also smaller than 5 cm or larger than 5 m
     #[arg(long)]
     force_size: bool,
+    /// Sew borders of the garment: join vertices on them up to this distance apart [mm] [default: only those in one place]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = positive)]
+    weld: Option<f64>,
 }
 
 impl MeshArgs {
@@ -33,6 +36,7 @@ impl MeshArgs {
             mask: None,
             any_size: self.force_size,
             skip_damaged: false,
+            weld_m: self.weld.map(|mm| 1e-3 * mm),
         }
     }
 }

@@ -4,10 +4,11 @@
 use crate::cli::args::values::positive;
 use crate::cli::files::output::Outputs;
 use clap::builder::RangedU64ValueParser;
-use crease::Result;
 use crease::garment::{Garment, SourceAsset, WornGarment};
 use crease::io::gltf::{DETAIL_MAP_SIZES, DetailInput, add_detail_map};
+use crease::mesh::PointIndex;
 use crease::report::DetailReport;
+use crease::{Error, Result};
 use std::path::{Path, PathBuf};
 
 /// Resolution and detail maps.
@@ -15,7 +16,7 @@ use std::path::{Path, PathBuf};
 pub struct RefineArgs {
     /// Refine the mesh to about this edge length [mm] (on a body: where the body can move it); the vertices of the file
     /// keep their number and position
-    #[arg(long, value_name = "MM", value_parser = positive)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = positive)]
     resolution: Option<f64>,
     /// Write wrinkles that only the refined mesh resolves into a normal map of TEXELS x TEXELS [2048 if no number is
     /// given] in the material of OUT.glb
@@ -33,6 +34,9 @@ pub struct RefineArgs {
     #[arg(long, requires = "detail_map")]
     height_map: bool,
 }
+
+/// Most points of a refined garment.
+const MAX_REFINED_POINTS: f64 = 1e6;
 
 fn side() -> RangedU64ValueParser {
     RangedU64ValueParser::new().range(*DETAIL_MAP_SIZES.start() as u64..=*DETAIL_MAP_SIZES.end() as u64)
@@ -83,14 +87,28 @@ impl RefineArgs {
 
     /// Refines `garment` if `--resolution` was given, around the points that `selected` flags: one flag per point, or none
     /// for the whole garment.
+    ///
+    /// # Errors
+    /// A resolution that would make more points than any machine bakes.
     pub fn refine(
         &self,
+        file: &Path,
         garment: &mut Garment,
         selected: impl FnOnce(&Garment) -> Vec<bool>,
-    ) -> Option<Refinement> {
-        let mm = self.resolution?;
+    ) -> Result<Option<Refinement>> {
+        let Some(mm) = self.resolution else { return Ok(None) };
         let edge = garment.mean_edge();
         let selected = selected(garment);
+        let count = expected_points(garment, &selected, 1e-3 * mm);
+        if count > MAX_REFINED_POINTS {
+            let message = format!("--resolution {mm} would make about {:.1} million points", 1e-6 * count);
+            let finest = mm * (count / MAX_REFINED_POINTS).sqrt();
+            let help = format!(
+                "at most a million can be simulated: --resolution {:.1} or coarser",
+                (10.0 * finest).ceil() / 10.0
+            );
+            return Err(Error::input(file.display().to_string(), "", message, help));
+        }
         let refined = garment.refine(1e-3 * mm, &selected);
         let (before, after) = (garment.points.len(), refined.garment.points.len());
         if after == before {
@@ -98,12 +116,12 @@ impl RefineArgs {
                 "resolution: the edges of the file are not longer than {mm} mm ({:.1} mm on average)",
                 1e3 * edge
             );
-            return Some(Refinement { note, coarse: None });
+            return Ok(Some(Refinement { note, coarse: None }));
         }
         let region = if selected.is_empty() { "" } else { " where the body can move it" };
         let note = format!("resolution: {after} points instead of {before}, edges of about {mm} mm{region}");
         let coarse = std::mem::replace(garment, refined.garment);
-        Some(Refinement { note, coarse: Some(CoarseGarment { garment: coarse, parent: refined.parent }) })
+        Ok(Some(Refinement { note, coarse: Some(CoarseGarment { garment: coarse, parent: refined.parent }) }))
     }
 
     /// Adds detail maps to the worn glTF `glb`, and the pictures that go beside it to `outputs`. `detail` is `None` where the
@@ -140,6 +158,16 @@ impl RefineArgs {
         }
         Ok(DetailedGlb { glb: detailed.glb, reports, notes: detailed.notes })
     }
+}
+
+/// Number of points of `garment` with edges of `edge` [m] where `selected` flags a corner, or everywhere without flags.
+fn expected_points(garment: &Garment, selected: &[bool], edge: f64) -> f64 {
+    let is_refined =
+        |t: &[PointIndex; 3]| selected.is_empty() || t.iter().any(|p| selected.get(p.at()) == Some(&true));
+    let refined = garment.triangles.iter().zip(&garment.material).filter(|(t, _)| is_refined(t));
+    let area: f64 = refined.map(|(_, m)| 0.5 * (m[1] - m[0]).perp(&(m[2] - m[0])).abs()).sum();
+    // Equilateral triangles, two per point.
+    garment.points.len() as f64 + area / (0.75f64.sqrt() * edge * edge)
 }
 
 /// Returns OUT.normal.png for the only map, OUT.normal.2.png for the second of several.

@@ -37,19 +37,29 @@ pub fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Parses the path of an input; `-` is the standard input.
+pub fn input_path(text: &str) -> Result<PathBuf, String> {
+    Ok(PathBuf::from(if text == "-" { "/dev/stdin" } else { text }))
+}
+
 /// Parses a path that ends in `.glb`.
 pub fn glb_path(text: &str) -> Result<PathBuf, String> {
     path_with_extension(text, "glb")
 }
 
-/// Parses a path that ends in `.png`.
+/// Parses a path that ends in `.png`, or `-`.
 pub fn png_path(text: &str) -> Result<PathBuf, String> {
-    path_with_extension(text, "png")
+    output_path(text, "png")
 }
 
-/// Parses a path that ends in `.html`.
+/// Parses a path that ends in `.html`, or `-`.
 pub fn html_path(text: &str) -> Result<PathBuf, String> {
-    path_with_extension(text, "html")
+    output_path(text, "html")
+}
+
+/// Parses the path of an output that is one file; `-` is the standard output.
+fn output_path(text: &str, extension: &str) -> Result<PathBuf, String> {
+    if text == "-" { Ok(PathBuf::from("/dev/stdout")) } else { path_with_extension(text, extension) }
 }
 
 fn path_with_extension(text: &str, extension: &str) -> Result<PathBuf, String> {

@@ -4,7 +4,7 @@
 use crate::cli::args::mesh::MeshArgs;
 use crate::cli::args::run::RunArgs;
 use crate::cli::args::values::{Metres, glb_path, positive, unit};
-use crate::cli::commands::worn_job::{SideFiles, WornJob, WornResult};
+use crate::cli::commands::worn_job::{SideFiles, WornJob, WornResult, outcome};
 use crate::cli::files::frame_sequence::read_frames;
 use crate::cli::files::input;
 use crate::cli::runtime::console;
@@ -40,7 +40,7 @@ pub struct Arguments {
     #[arg(long, value_name = "MESH")]
     mesh: Option<PathBuf>,
     /// Frames per second: of a folder (required), or at which a clip is sampled [default: 30]
-    #[arg(long, value_name = "N", value_parser = positive)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = positive)]
     fps: Option<f64>,
     /// Unit of the frames beside --mesh: m, dm, cm, mm, in or metres [default: metres, as frames of a bake]
     #[arg(long, value_name = "UNIT", value_parser = unit, requires = "mesh")]
@@ -75,7 +75,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     } else {
         MotionInput::from_clip(&arguments)?
     };
-    job.accept_mesh(&mut motion.mesh, &motion.path, None);
+    job.accept_mesh(&mut motion.mesh, &motion.path, None)?;
     job.inputs_read();
     let baked = motion.memory(&fabric, arguments.repeat);
     let computed = Instant::now();
@@ -93,8 +93,9 @@ pub fn run(arguments: Arguments) -> Result<()> {
         side_files: SideFiles::default(),
         computed,
     };
+    job.warn_of_failure(baked.report.empty_reason.as_ref());
     job.write(&result, report)?.print(print_summary)?;
-    baked.report.unconverged_reason.map_or(Ok(()), |reason| Err(Error::NotConverged(reason)))
+    outcome(baked.report.unconverged_reason, baked.report.empty_reason)
 }
 
 fn print_summary(worn: &str, report: &Report) {

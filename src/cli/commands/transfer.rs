@@ -5,15 +5,16 @@ use crate::cli::args::export::{ExportArgs, print_checks};
 use crate::cli::args::mesh::MeshArgs;
 use crate::cli::args::refine::{CoarseGarment, RefineArgs, Refinement};
 use crate::cli::args::run::RunArgs;
-use crate::cli::args::values::glb_path;
-use crate::cli::commands::worn_job::{SideFiles, WornJob, WornResult};
+use crate::cli::args::values::{glb_path, input_path};
+use crate::cli::commands::worn_job::{SideFiles, WornJob, WornResult, outcome};
 use crate::cli::files::input;
 use crate::cli::runtime::console;
 use clap::ValueEnum;
 use crease::bake::{RelaxResult, relax};
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
-use crease::files::GarmentFile;
+use crease::files::{GarmentFile, read_asset_file};
 use crease::garment::WornGarment;
+use crease::io::gltf::sidecar_name;
 use crease::io::{Landmarks, ReadOptions, Sidecar, read_sidecar};
 use crease::mesh::intersections::self_intersections;
 use crease::report::{CarriedSource, TransferReport, crossing_counts};
@@ -27,11 +28,12 @@ use std::time::Instant;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Sidecars of the memory to transfer, as written by `crease bake`; several are added up
-    #[arg(required = true, value_name = "SIDECAR")]
+    /// Sidecars of the memory to transfer, as written by `crease bake`, or worn .glb files that name theirs; several are added
+    /// up
+    #[arg(required = true, value_name = "SIDECAR", value_parser = input_path)]
     sidecars: Vec<PathBuf>,
     /// Target garment: .obj, .gltf or .glb
-    #[arg(long, value_name = "MESH")]
+    #[arg(long, value_name = "MESH", value_parser = input_path)]
     to: PathBuf,
     /// Worn garment to write; OUT.crease.json and OUT.report.json go beside it
     #[arg(short, long, value_name = "OUT.glb", value_parser = glb_path)]
@@ -46,7 +48,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE", conflicts_with = "align")]
     landmarks: Option<PathBuf>,
     /// Factor on every change of the rest state: 0 for none, 1 for the full change
-    #[arg(long, value_name = "S", value_parser = strength, default_value_t = 1.0)]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = strength, default_value_t = 1.0)]
     strength: f64,
     /// Vertex attribute of MESH that scales the transferred memory, 0 to 1: COLOR_0, COLOR_0.g, _MASK, ...
     #[arg(long, value_name = "ATTRIBUTE")]
@@ -165,7 +167,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let inputs = sidecars.chain([arguments.to.as_path()]).chain(arguments.landmarks.as_deref());
     let mut job = WornJob::start(&arguments.run, &arguments.output, inputs, side_files)?;
     let mut input = TransferInput::read(&arguments)?;
-    job.accept_mesh(&mut input.mesh, &arguments.to, input.refinement.as_ref());
+    job.accept_mesh(&mut input.mesh, &arguments.to, input.refinement.as_ref())?;
     job.inputs_read();
     let garment = &input.mesh.garment;
     let target = input.target();
@@ -173,6 +175,8 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let start = self_intersections(&garment.points, &garment.triangles);
     let RelaxResult { displacement, warnings, unconverged_reason, .. } = input.relaxed(&carried);
     job.warn(warnings);
+    job.warn(carried.warnings.clone());
+    job.warn_of_failure(carried.empty_reason.as_ref());
     let worn = WornGarment { displacement, memory: carried.memory.clone() };
 
     let computed = Instant::now();
@@ -195,7 +199,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
         computed,
     };
     job.write(&result, report)?.print(print_summary)?;
-    unconverged_reason.map_or(Ok(()), |reason| Err(Error::NotConverged(reason)))
+    outcome(unconverged_reason, carried.empty_reason)
 }
 
 /// Inputs of a transfer, read and checked.
@@ -236,7 +240,7 @@ impl TransferInput {
         });
         match (mesh, fabric, landmarks) {
             (Ok(mut mesh), Ok(fabric), Ok(landmarks)) if errors.is_empty() => {
-                let refinement = arguments.refine.refine(&mut mesh.garment, |_| Vec::new());
+                let refinement = arguments.refine.refine(&arguments.to, &mut mesh.garment, |_| Vec::new())?;
                 Ok(Self { mesh, refinement, sources, sidecars, fabric, landmarks })
             }
             (mesh, fabric, landmarks) => Err(input::merge_errors(
@@ -313,10 +317,27 @@ impl TransferInput {
     }
 }
 
+/// Reads a sidecar, or the one that a worn glTF names.
 fn read_source(path: &Path) -> Result<(TransferSource, Sidecar)> {
+    let is_gltf =
+        path.extension().is_some_and(|e| ["glb", "gltf"].iter().any(|own| e.eq_ignore_ascii_case(own)));
+    let named = if is_gltf { Some(sidecar_of(path)?) } else { None };
+    let path = named.as_deref().unwrap_or(path);
     let file = input::name_of(path);
     let sidecar = read_sidecar(&file, &input::bytes(path)?)?;
     Ok((TransferSource::from_sidecar(&file, &sidecar)?, sidecar))
+}
+
+/// Returns the sidecar that the worn glTF `path` names.
+fn sidecar_of(path: &Path) -> Result<PathBuf> {
+    // An explicit unit: nothing but the name is read.
+    let options = ReadOptions { unit_m: Some(1.0), ..ReadOptions::default() };
+    let (asset, _) = read_asset_file(path, &options)?;
+    let name = asset.document.as_ref().and_then(sidecar_name);
+    name.map(|name| path.with_file_name(name)).ok_or_else(|| {
+        let help = "bake it first, or give the OUT.crease.json of the worn garment";
+        Error::input(input::name_of(path), "", "names no sidecar: it is no worn garment", help)
+    })
 }
 
 /// Returns the fabric of a sidecar.

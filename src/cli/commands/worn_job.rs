@@ -10,14 +10,14 @@ use crate::cli::files::output::Outputs;
 use crate::cli::files::worn_outputs::WornOutputs;
 use crate::cli::runtime::console;
 use crate::cli::runtime::threads::use_threads;
-use crease::Result;
 use crease::fabric::Fabric;
 use crease::files::GarmentFile;
-use crease::garment::WornGarment;
+use crease::garment::{WornGarment, mistaken_body};
 use crease::io::gltf::write_worn_glb;
 use crease::io::{Sidecar, write_sidecar};
 use crease::report::render::{Camera, encode_png};
 use crease::report::{ColorBy, DetailReport, ExportCheck, GarmentView, Report, TransferReport};
+use crease::{Error, Result};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -35,6 +35,8 @@ pub struct WornJob {
     read_s: f64,
     /// Warnings of the command itself, for the report.
     warnings: Vec<String>,
+    /// Those among them that were printed before the run.
+    printed: Vec<String>,
 }
 
 /// Files beside the main outputs.
@@ -116,7 +118,15 @@ impl WornJob {
             outputs.check(&files.preview())?;
         }
         use_threads(run.threads)?;
-        Ok(Self { run: run.clone(), files, outputs, started, read_s: 0.0, warnings: Vec::new() })
+        Ok(Self {
+            run: run.clone(),
+            files,
+            outputs,
+            started,
+            read_s: 0.0,
+            warnings: Vec::new(),
+            printed: Vec::new(),
+        })
     }
 
     /// Paths of the outputs.
@@ -134,11 +144,41 @@ impl WornJob {
         self.warnings.extend(warnings);
     }
 
-    /// Notes the repairs and doubts of the mesh file `path` and its refinement, and embeds the images that it refers to.
-    pub fn accept_mesh(&mut self, mesh: &mut GarmentFile, path: &Path, refinement: Option<&Refinement>) {
-        self.warn(mesh.warnings());
+    /// Adds warnings to the report and prints them at once, so that a long run can be stopped for them.
+    pub fn warn_before_run(&mut self, warnings: impl IntoIterator<Item = String>) {
+        for warning in warnings {
+            if self.run.is_verbose() {
+                print_warning(&warning);
+            }
+            self.printed.push(warning.clone());
+            self.warnings.push(warning);
+        }
+    }
+
+    /// Adds the reason of a failure to the report; the error of the command prints it.
+    pub fn warn_of_failure(&mut self, reason: Option<&String>) {
+        self.printed.extend(reason.cloned());
+        self.warnings.extend(reason.cloned());
+    }
+
+    /// Notes the doubts about the content and the repairs of the mesh file `path` and its refinement, and embeds the images that it refers to.
+    ///
+    /// # Errors
+    /// A body among what is taken for cloth.
+    pub fn accept_mesh(
+        &mut self,
+        mesh: &mut GarmentFile,
+        path: &Path,
+        refinement: Option<&Refinement>,
+    ) -> Result<()> {
+        if let Some(error) = mistaken_body(&mesh.asset, &mesh.garment) {
+            return Err(error);
+        }
+        self.warn_before_run(mesh.content_warnings());
+        self.warn(mesh.repairs());
         self.warn(refinement.map(|refinement| refinement.note.clone()));
         self.warn(mesh.embed_images(path));
+        Ok(())
     }
 
     /// Marks the end of reading.
@@ -151,12 +191,12 @@ impl WornJob {
         let mut report = report;
         report.warnings().append(&mut self.warnings);
         let written = self.add_outputs(result, report.warnings())?;
-        let Self { run, files, mut outputs, started, read_s, .. } = self;
+        let Self { run, files, mut outputs, started, read_s, printed, .. } = self;
         let write_s = result.computed.elapsed().as_secs_f64();
         report.finish(written, JobTimes { read_s, write_s, wall_s: started.elapsed().as_secs_f64() });
         outputs.add(&files.report, report.json().as_bytes())?;
         outputs.commit()?;
-        Ok(WrittenJob { run, worn: files.worn, report })
+        Ok(WrittenJob { run, worn: files.worn, report, printed })
     }
 
     fn add_outputs(&mut self, result: &WornResult, warnings: &mut Vec<String>) -> Result<WrittenFiles> {
@@ -192,6 +232,8 @@ pub struct WrittenJob<R> {
     worn: PathBuf,
     /// Report as written.
     pub report: R,
+    /// Warnings that were printed before the run.
+    printed: Vec<String>,
 }
 
 impl<R: JobReport> WrittenJob<R> {
@@ -199,7 +241,8 @@ impl<R: JobReport> WrittenJob<R> {
     /// JSON.
     pub fn print(&mut self, summary: impl FnOnce(&str, &R)) -> Result<()> {
         if self.run.is_verbose() {
-            self.report.warnings().iter().for_each(|text| console::message(&format!("warning: {text}")));
+            let fresh = self.report.warnings().iter().filter(|text| !self.printed.contains(text));
+            fresh.for_each(|text| print_warning(text));
             summary(&input::name_of(&self.worn), &self.report);
         }
         if self.run.json { console::data(&self.report.json()) } else { Ok(()) }
@@ -209,6 +252,19 @@ impl<R: JobReport> WrittenJob<R> {
     pub fn worn(&self) -> &Path {
         &self.worn
     }
+}
+
+/// Returns the outcome of a command whose outputs are written: a failure if its result is no equilibrium, or empty.
+pub fn outcome(unconverged_reason: Option<String>, empty_reason: Option<String>) -> Result<()> {
+    match (unconverged_reason, empty_reason) {
+        (Some(reason), _) => Err(Error::NotConverged(reason)),
+        (None, Some(reason)) => Err(Error::Empty(reason)),
+        (None, None) => Ok(()),
+    }
+}
+
+fn print_warning(text: &str) {
+    console::message(&format!("warning: {text}"));
 }
 
 impl JobReport for Report {

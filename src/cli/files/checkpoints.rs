@@ -92,6 +92,10 @@ impl CheckpointFile {
     }
 
     fn write(&self, bytes: &[u8]) -> std::io::Result<()> {
+        // The folder of the outputs is made with the first file in it.
+        if let Some(folder) = self.path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+            std::fs::create_dir_all(folder)?;
+        }
         let mut file = File::create(self.part_path())?;
         file.write_all(bytes)?;
         file.sync_all()?;

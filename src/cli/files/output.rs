@@ -49,12 +49,15 @@ impl Outputs {
                 "give the output another name",
             );
         }
-        if !folder_of(path).is_dir() {
-            return refuse("its folder does not exist", "make the folder first");
+        // A folder that does not exist is made when the file is written; its nearest ancestor has to take it.
+        let folder = folder_of(path).ancestors().map(or_current).find(|folder| folder.exists());
+        let folder = folder.unwrap_or(Path::new("."));
+        if !folder.is_dir() {
+            return refuse("its folder is a file", "choose another folder");
         }
         // Creating a file is the only reliable test; permissions alone do not suffice.
         let is_ordinary_file = !path.exists() || path.is_file();
-        if is_ordinary_file && tempfile::tempfile_in(folder_of(path)).is_err() {
+        if is_ordinary_file && tempfile::tempfile_in(folder).is_err() {
             return refuse(
                 "its folder cannot be written to",
                 "choose another folder, or change its permissions",
@@ -66,6 +69,7 @@ impl Outputs {
     /// Adds the file `path` with the content `bytes`; it appears on commit.
     pub fn add(&mut self, path: &Path, bytes: &[u8]) -> Result<()> {
         self.check(path)?;
+        std::fs::create_dir_all(folder_of(path)).map_err(|source| failed(path, source))?;
         // Symbolic links are followed, so that they stay links.
         let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
         let content = if target.exists() && !target.is_file() {
@@ -93,7 +97,12 @@ impl Outputs {
 }
 
 fn folder_of(path: &Path) -> &Path {
-    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+    or_current(path.parent().unwrap_or(Path::new("")))
+}
+
+/// The folder, or the current one for an empty path.
+fn or_current(folder: &Path) -> &Path {
+    if folder.as_os_str().is_empty() { Path::new(".") } else { folder }
 }
 
 fn write_temporary(target: &Path, bytes: &[u8]) -> std::io::Result<NamedTempFile> {
@@ -158,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn inputs_folders_and_missing_folders_are_refused() {
+    fn inputs_and_folders_are_refused_and_missing_folders_made() {
         let folder = tempfile::tempdir().expect("a folder");
         let input = folder.path().join("in.glb");
         std::fs::write(&input, "mesh").expect("writes");
@@ -166,8 +175,14 @@ mod tests {
         let mut message = |path: &Path| outputs.add(path, b"x").expect_err("refused").to_string();
         assert!(message(&folder.path().join("./in.glb")).contains("would be overwritten"));
         assert!(message(folder.path()).contains("is a folder"));
-        assert!(message(&folder.path().join("none/out.glb")).contains("folder does not exist"));
+        assert!(message(&input.join("out.glb")).contains("its folder is a file"));
         assert_eq!(std::fs::read(&input).expect("reads"), b"mesh");
+        let deep = folder.path().join("none/deeper/out.glb");
+        outputs.check(&deep).expect("can be made");
+        assert!(!folder.path().join("none").exists(), "checking makes nothing");
+        outputs.add(&deep, b"new").expect("adds");
+        outputs.commit().expect("commits");
+        assert_eq!(std::fs::read(&deep).expect("reads"), b"new");
     }
 
     /// Nobody can create a file in /proc.

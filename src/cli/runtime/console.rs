@@ -8,11 +8,16 @@ pub fn message(line: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{line}");
 }
 
-/// Prints an error on stderr, one line per diagnostic.
+/// Prints an error on stderr, one line per diagnostic, and the place in a text file below it.
 pub fn error(error: &Error) {
     match error {
         Error::Input(diagnostics) => {
-            diagnostics.iter().for_each(|diagnostic| message(&format!("error: {diagnostic}")))
+            for diagnostic in diagnostics {
+                message(&format!("error: {diagnostic}"));
+                if !diagnostic.excerpt.is_empty() {
+                    message(&diagnostic.excerpt);
+                }
+            }
         }
         other => message(&format!("error: {other}")),
     }

@@ -15,15 +15,45 @@ const MIN_LINE_INTERVAL: Duration = Duration::from_secs(5);
 pub struct Progress {
     display: Display,
     stage: String,
-    /// First reported step, from which the remaining time is extrapolated.
-    first_step: Option<FirstStep>,
+    /// Progress so far, from which the remaining time is extrapolated.
+    pace: Option<Pace>,
 }
 
-#[derive(Debug, Clone, Copy)]
-struct FirstStep {
-    at: Instant,
-    /// Simulated time of that step [s].
-    simulated_s: f64,
+/// Progress of a run over time. Steps differ in cost: the first ones of a fold are short, those of a hold are long. So the
+/// remaining time follows from the whole run and from its last quarter, and is stated only after the first tenth.
+#[derive(Debug)]
+struct Pace {
+    started: Instant,
+    /// Wall time and simulated time of the steps [s].
+    steps: Vec<(f64, f64)>,
+}
+
+impl Pace {
+    /// Fraction of the script after which the remaining time is stated.
+    const MIN_DONE: f64 = 0.1;
+
+    fn new() -> Self {
+        Self { started: Instant::now(), steps: Vec::new() }
+    }
+
+    /// Records a step; returns the remaining wall time [s].
+    fn record(&mut self, wall_s: f64, now: StepProgress) -> Option<f64> {
+        self.steps.push((wall_s, now.simulated_s));
+        let (first_wall, first_simulated) = *self.steps.first()?;
+        let done = now.simulated_s - first_simulated;
+        if now.simulated_s < Self::MIN_DONE * now.total_s || done <= 0.0 {
+            return None;
+        }
+        let recent =
+            self.steps.partition_point(|(wall, _)| *wall < first_wall + 0.75 * (wall_s - first_wall));
+        let (recent_wall, recent_simulated) = self.steps[recent.saturating_sub(1)];
+        let whole = (wall_s - first_wall) / done;
+        let last = (wall_s - recent_wall) / (now.simulated_s - recent_simulated).max(f64::MIN_POSITIVE);
+        // The mean of both on a logarithmic scale; neither counts for more than four times the other.
+        let pace = whole * (last / whole).clamp(0.25, 4.0).sqrt();
+        let left = pace * (now.total_s - now.simulated_s);
+        left.is_finite().then_some(left.max(0.0))
+    }
 }
 
 #[derive(Debug)]
@@ -54,7 +84,7 @@ impl Progress {
             (false, false) => Display::Bar(bar()),
             (false, true) => Display::Lines { last: None, json },
         };
-        Self { display, stage: String::new(), first_step: None }
+        Self { display, stage: String::new(), pace: None }
     }
 
     /// Reports that stage `name` begins.
@@ -78,10 +108,11 @@ impl Progress {
         if self.stage != name {
             self.stage(name);
         }
-        let first = *self
-            .first_step
-            .get_or_insert_with(|| FirstStep { at: Instant::now(), simulated_s: now.simulated_s });
-        let left_s = remaining_s(now, first.simulated_s, first.at.elapsed().as_secs_f64());
+        // Coming to rest may take longer than the script says.
+        let now = StepProgress { total_s: now.total_s.max(now.simulated_s), ..now };
+        let pace = self.pace.get_or_insert_with(Pace::new);
+        let wall_s = pace.started.elapsed().as_secs_f64();
+        let left_s = pace.record(wall_s, now);
         match &mut self.display {
             Display::Quiet => {}
             Display::Lines { last, json } => {
@@ -128,12 +159,6 @@ fn milliseconds(seconds: f64) -> u64 {
     (seconds * 1e3) as u64
 }
 
-/// Remaining wall time [s], extrapolated from the progress since simulated time `from_s`; `None` without progress.
-fn remaining_s(now: StepProgress, from_s: f64, elapsed_s: f64) -> Option<f64> {
-    let done_s = now.simulated_s - from_s;
-    (done_s > 0.0).then(|| (elapsed_s * (now.total_s - now.simulated_s) / done_s).max(0.0))
-}
-
 fn json_line(stage: &str, now: StepProgress, left_s: Option<f64>) -> String {
     let StepProgress { simulated_s, total_s, step, events } = now;
     json!({
@@ -159,11 +184,39 @@ mod tests {
 
     const NOW: StepProgress = StepProgress { simulated_s: 12.0, total_s: 60.0, step: 480, events: 35 };
 
+    /// Wall time that each twentieth of a script takes, and the estimates after each.
+    fn estimates(costs: [f64; 20]) -> Vec<(f64, Option<f64>)> {
+        let (mut pace, mut wall) = (Pace::new(), 0.0);
+        pace.record(0.0, StepProgress { simulated_s: 0.0, ..NOW });
+        let mut all = Vec::new();
+        for (k, cost) in (1..).zip(costs) {
+            wall += cost;
+            all.push((wall, pace.record(wall, StepProgress { simulated_s: 3.0 * f64::from(k), ..NOW })));
+        }
+        all
+    }
+
     #[test]
-    fn remaining_time_extrapolates_the_progress_of_this_run() {
-        assert_eq!(remaining_s(NOW, 0.0, 6.0), Some(24.0));
-        assert_eq!(remaining_s(NOW, 10.0, 6.0), Some(144.0));
-        assert_eq!(remaining_s(NOW, 12.0, 6.0), None);
+    fn remaining_time_is_right_for_even_steps_and_unknown_at_first() {
+        for (k, (wall, left)) in estimates([6.0; 20]).into_iter().enumerate() {
+            match left {
+                None => assert!(k < 1, "{k}"),
+                Some(left) => assert!((left - (120.0 - wall)).abs() < 1e-9, "{wall} {left}"),
+            }
+        }
+    }
+
+    /// The first tenth is twenty times as slow as the rest.
+    #[test]
+    fn a_slow_start_is_soon_within_a_factor_of_two() {
+        let mut costs = [1.0; 20];
+        costs[..2].fill(20.0);
+        let all = estimates(costs);
+        let total = all[19].0;
+        for (wall, left) in &all[9..18] {
+            let left = left.expect("is stated");
+            assert!(left < 2.5 * (total - wall) && left > 0.4 * (total - wall), "{wall} {left} of {total}");
+        }
     }
 
     #[test]

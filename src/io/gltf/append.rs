@@ -95,6 +95,14 @@ impl Appender {
         list.len() - 1
     }
 
+    /// States that the document uses the extension `name`.
+    pub(super) fn use_extension(&mut self, name: &str) {
+        let used = self.list("extensionsUsed");
+        if !used.iter().any(|own| own == name) {
+            used.push(json!(name));
+        }
+    }
+
     /// Appends vectors; returns the accessor's index.
     pub(super) fn vectors<const N: usize>(&mut self, rows: &[[f32; N]], purpose: Purpose) -> usize {
         let kind = ["SCALAR", "VEC2", "VEC3", "VEC4"].get(N.wrapping_sub(1)).copied().unwrap_or("SCALAR");

@@ -3,7 +3,7 @@
 
 use crate::io::error_list::ErrorList;
 use crate::io::gltf::json_cursor::Cursor;
-use crate::{Error, Result};
+use crate::{Diagnostic, Error, Result};
 use base64::Engine;
 use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
@@ -45,7 +45,15 @@ pub(super) fn load_buffers(
 fn load_uri(entry: &Cursor, uri: &str, resolve: &mut dyn FnMut(&str) -> Result<Vec<u8>>) -> Result<Vec<u8>> {
     let Some(data) = uri.strip_prefix("data:") else {
         return resolve_uri(uri, resolve).map_err(|error| match error {
-            Error::Input(errors) => Error::Input(errors),
+            Error::Input(errors) => {
+                let named = |one: Diagnostic| Diagnostic {
+                    location: entry.path().to_string(),
+                    message: format!("the file \"{uri}\": {}", one.message),
+                    help: "put it beside the .gltf, or export as .glb".into(),
+                    ..one
+                };
+                Error::Input(errors.into_iter().map(named).collect())
+            }
             other => Error::input(
                 "glTF",
                 entry.path(),

@@ -170,6 +170,7 @@ impl<'a> PieceReader<'a> {
             primitive: number,
             node,
             positions: data.positions,
+            position_ids: None,
             normals: data.normals,
             uvs: data.uvs,
             mask: data.mask,

@@ -49,15 +49,26 @@ pub(in crate::io) fn earlier_wear(asset: &SourceAsset) -> Option<ImportDiagnosti
     })
 }
 
-/// Marks the pieces that have a worn target as worn, and no others; returns false, and changes nothing, if there is none.
+/// Marks the pieces that a bake wore as worn, and no others; returns false, and changes nothing, if there is none. They have a
+/// worn target and memory; all primitives of one mesh have as many targets, so that those of a body beside the garment
+/// have one that moves nothing.
 pub fn keep_worn_pieces(asset: &mut SourceAsset) -> bool {
     let Some(document) = &asset.document else { return false };
     let has_target: Vec<bool> =
         asset.pieces.iter().map(|piece| worn_target(document, piece).is_some()).collect();
-    if !has_target.contains(&true) {
+    let has_memory: Vec<bool> = asset
+        .pieces
+        .iter()
+        .zip(&has_target)
+        .map(|(piece, has)| {
+            *has && primitive(document, piece)["attributes"].get(STIFFNESS_ATTRIBUTE).is_some()
+        })
+        .collect();
+    let worn = if has_memory.contains(&true) { has_memory } else { has_target };
+    if !worn.contains(&true) {
         return false;
     }
-    asset.pieces.iter_mut().zip(has_target).for_each(|(piece, has)| piece.worn = has);
+    asset.pieces.iter_mut().zip(worn).for_each(|(piece, worn)| piece.worn = worn);
     true
 }
 

@@ -175,6 +175,7 @@ impl PieceBuilder {
             primitive: number,
             node: None,
             positions: self.corners.iter().map(position).collect(),
+            position_ids: Some(self.corners.iter().map(|c| c.position).collect()),
             normals: has_normals.then(|| self.corners.iter().zip(&self.face_normals).map(normal).collect()),
             uvs: has_uvs.then(|| self.corners.iter().map(uv).collect()),
             mask: mask.map(|k| self.corners.iter().map(|c| colour(c, k)).collect()),

@@ -137,7 +137,7 @@ impl Sidecar {
         }
         let points = self.mesh_points();
         let (low, high) = bounds(&points);
-        let tolerance = TUNING.vertex_position_tol * (high - low).norm();
+        let tolerance = TUNING.vertex_position_tol * (high - low).norm() + TUNING.layer_position_tol_m;
         let vertices = asset.worn_pieces().flat_map(|p| (0..p.positions.len()).map(|v| p.scene_position(v)));
         let off = vertices.zip(&self.mesh.source_point).position(|(x, &point)| {
             // The points of a validated sidecar exist.

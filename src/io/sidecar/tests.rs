@@ -18,6 +18,7 @@ fn example() -> Sidecar {
         primitive: 0,
         node: None,
         positions: positions.map(|[x, y]| Vec3::new(x, y, 0.0)).to_vec(),
+        position_ids: None,
         normals: None,
         uvs: Some(positions.map(|[x, y]| Vec2::new(x, y)).to_vec()),
         mask: None,

@@ -5,7 +5,7 @@ use crate::cli::args::export::ExportArgs;
 use crate::cli::args::mesh::MeshArgs;
 use crate::cli::args::refine::RefineArgs;
 use crate::cli::args::run::RunArgs;
-use crate::cli::args::values::{glb_path, positive, seconds};
+use crate::cli::args::values::{glb_path, input_path, positive, seconds};
 use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use crease::bake::{BakeOptions, BakeResult, Quality};
@@ -23,10 +23,11 @@ use std::sync::Arc;
   crease bake shirt.glb --wear wear.json -o worn.glb --resume    continue after Ctrl-C or a crash
   crease bake shirt.glb --wear wear.json --explain               which models would be used, and why")]
 pub struct Arguments {
-    /// Garment: .obj, .gltf or .glb
+    /// Garment: .obj, .gltf or .glb; - for the standard input
+    #[arg(value_parser = input_path)]
     pub mesh: PathBuf,
-    /// Wear script, crease-wear/1
-    #[arg(long, value_name = "SCRIPT")]
+    /// Wear script, crease-wear/1; - for the standard input
+    #[arg(long, value_name = "SCRIPT", value_parser = input_path)]
     pub wear: PathBuf,
     /// Worn garment to write; OUT.crease.json and OUT.report.json go beside it
     #[arg(short, long, value_name = "OUT.glb", value_parser = glb_path, required_unless_present = "explain")]
@@ -76,13 +77,13 @@ pub struct Arguments {
     #[arg(long, value_name = "MESH", default_value = "garment", requires = "frames")]
     pub frames_of: FramesOf,
     /// Frames per simulated second
-    #[arg(long, value_name = "N", value_parser = positive, default_value_t = 10.0, requires = "frames")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = positive, default_value_t = 10.0, requires = "frames")]
     fps: f64,
     /// Continue from OUT.checkpoint if an interrupted run left one; the result is bit-identical to an uninterrupted run
     #[arg(long)]
     pub resume: bool,
     /// Interval at which OUT.checkpoint is written within actions of the script [s]
-    #[arg(long, value_name = "SECONDS", default_value_t = 30.0, value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 30.0, allow_negative_numbers = true, value_parser = seconds)]
     pub checkpoint_every: f64,
     /// Print which models are on and why, with the number behind each decision; without -o, stop there
     #[arg(long)]

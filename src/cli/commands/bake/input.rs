@@ -4,7 +4,7 @@ use crate::cli::args::refine::Refinement;
 use crate::cli::commands::bake::arguments::Arguments;
 use crate::cli::files::frame_folder::FrameFolder;
 use crate::cli::files::input;
-use crease::bake::{Bake, ModelPlan, active_points};
+use crease::bake::{Bake, ModelDecision, ModelPlan, active_points};
 use crease::body::AnimatedBody;
 use crease::fabric::Fabric;
 use crease::files::GarmentFile;
@@ -17,6 +17,9 @@ use crease::{Error, Result};
 use serde_json::{Value, json};
 use std::path::Path;
 use std::sync::Arc;
+
+/// Names listed by `--explain`.
+const MAX_LISTED: usize = 40;
 
 /// Inputs of a bake, read and checked.
 #[derive(Debug)]
@@ -48,7 +51,7 @@ impl BakeInput {
                 let body = arguments.body.read(&arguments.mesh, &reading, &mesh)?;
                 let options = arguments.options(body.as_ref());
                 let active = |garment: &Garment| active_points(garment, &script, &options);
-                let refinement = arguments.refine.refine(&mut mesh.garment, active);
+                let refinement = arguments.refine.refine(&arguments.mesh, &mut mesh.garment, active)?;
                 Ok(Self { mesh, script, script_file, fabric, body, refinement })
             }
             (script, fabric, mesh) => {
@@ -61,6 +64,39 @@ impl BakeInput {
     pub fn plan(&self, arguments: &Arguments) -> ModelPlan {
         let options = arguments.options(self.body.as_ref());
         Bake::new(&self.mesh.garment, &self.fabric, &self.script).options(options).plan()
+    }
+
+    /// Describes garment and body as decisions, in front of those of the plan.
+    pub fn decisions(&self) -> Vec<ModelDecision> {
+        let mut names: Vec<String> = Vec::new();
+        for piece in self.mesh.asset.worn_pieces() {
+            let name = format!("\"{}\"", piece.name);
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        let listed = |names: &[String]| match names.len() {
+            0 => "none".to_owned(),
+            1..=MAX_LISTED => names.join(", "),
+            more => format!("{}, and {} more", names[..MAX_LISTED].join(", "), more - MAX_LISTED),
+        };
+        let garment = &self.mesh.garment;
+        let why = format!(
+            "{} points, {} triangles of {}",
+            garment.points.len(),
+            garment.triangles.len(),
+            listed(&names)
+        );
+        let mut all = vec![ModelDecision { name: "garment", on: true, why }];
+        let Some(body) = &self.body else {
+            all.push(ModelDecision { name: "body", on: false, why: "no --body".to_owned() });
+            return all;
+        };
+        let why = format!("{} points, {} triangles", body.rest_points().len(), body.triangles().len());
+        all.push(ModelDecision { name: "body", on: true, why });
+        let joints: Vec<String> = body.joint_names().iter().map(|name| format!("\"{name}\"")).collect();
+        all.push(ModelDecision { name: "joints", on: !joints.is_empty(), why: listed(&joints) });
+        all
     }
 
     /// Shows the vertices of the garment's file in `frames`; points of garments without a file's vertices as they are.

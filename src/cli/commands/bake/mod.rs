@@ -14,14 +14,14 @@ use crate::cli::args::export::print_checks;
 use crate::cli::commands::bake::arguments::{FramesOf, SidecarMesh};
 use crate::cli::commands::bake::input::BakeInput;
 use crate::cli::commands::bake::observer::BakeObserver;
-use crate::cli::commands::worn_job::{SideFiles, WornJob, WornResult};
+use crate::cli::commands::worn_job::{SideFiles, WornJob, WornResult, outcome};
 use crate::cli::files::checkpoints::CheckpointFile;
 use crate::cli::files::frame_folder::FrameFolder;
 use crate::cli::runtime::console;
 use crate::cli::runtime::interrupt::Interrupt;
 use crate::cli::runtime::progress::Progress;
 use crate::cli::runtime::threads::use_threads;
-use crease::bake::{Bake, BakeResult, ModelDecision, ModelPlan};
+use crease::bake::{Bake, BakeResult, ModelDecision};
 use crease::mesh::intersections::self_intersections;
 use crease::report::{Report, crossing_counts};
 use crease::{Error, Result};
@@ -38,7 +38,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
         Some(output) => bake_into(&arguments, output, &mut progress, &interrupt),
         None => {
             use_threads(arguments.run.threads)?;
-            explain(&BakeInput::read(&arguments)?.plan(&arguments), arguments.run.json)
+            explain(&BakeInput::read(&arguments)?, &arguments, arguments.run.json)
         }
     }
 }
@@ -55,9 +55,9 @@ fn bake_into(
     let mut job = WornJob::start(&arguments.run, output, inputs, side_files)?;
     let mut input = BakeInput::read(arguments)?;
     if arguments.explain && !arguments.run.json {
-        explain(&input.plan(arguments), false)?;
+        explain(&input, arguments, false)?;
     }
-    job.accept_mesh(&mut input.mesh, &arguments.mesh, input.refinement.as_ref());
+    job.accept_mesh(&mut input.mesh, &arguments.mesh, input.refinement.as_ref())?;
     input.check_writers(&job.files().extras())?;
     let start = self_intersections(&input.mesh.garment.points, &input.mesh.garment.triangles);
     job.inputs_read();
@@ -68,6 +68,7 @@ fn bake_into(
     let Simulated { baked, stale_frames } =
         simulate(&input, arguments, progress, &mut checkpoints, interrupt)?;
     job.warn(stale_frames);
+    job.warn_of_failure(baked.report.empty_reason.as_ref());
 
     progress.stage("write");
     let computed = Instant::now();
@@ -91,13 +92,15 @@ fn bake_into(
     checkpoints.remove();
     progress.finish();
     written.print(print_summary)?;
-    match &baked.report.unconverged_reason {
-        Some(reason) => {
-            let worn = written.worn().display();
-            Err(Error::NotConverged(format!("{reason}; the unconverged result is in {worn}")))
-        }
-        None => Ok(()),
-    }
+    let worn = written.worn().display();
+    let report = &baked.report;
+    outcome(
+        report
+            .unconverged_reason
+            .as_ref()
+            .map(|reason| format!("{reason}; the unconverged result is in {worn}")),
+        report.empty_reason.as_ref().map(|reason| format!("{reason}; the result is in {worn}")),
+    )
 }
 
 /// Outcome of the simulation.
@@ -135,7 +138,14 @@ fn simulate(
     if let Some(saved) = &resumed {
         bake = bake.resume(&saved.file, saved.checkpoint.clone());
     }
-    let baked = bake.run_with(&mut observer)?;
+    let baked = bake.run_with(&mut observer).inspect_err(|error| {
+        if matches!(error, Error::Interrupted) && observer.checkpoints.path().exists() {
+            let saved = observer.checkpoints.path().display();
+            console::message(&format!(
+                "the run is saved in {saved}: the same command with --resume continues it"
+            ));
+        }
+    })?;
     interrupt.set_exit_immediately(false);
     let stale = observer.frames.and_then(|frames| frames.stale_frame());
     let stale_frames = stale
@@ -143,8 +153,10 @@ fn simulate(
     Ok(Simulated { baked, stale_frames })
 }
 
-/// Prints the plan on stdout.
-fn explain(plan: &ModelPlan, as_json: bool) -> Result<()> {
+/// Prints the inputs and the plan on stdout.
+fn explain(input: &BakeInput, arguments: &Arguments, as_json: bool) -> Result<()> {
+    let mut plan = input.plan(arguments);
+    plan.decisions.splice(0..0, input.decisions());
     if as_json {
         let list: Vec<Value> = plan
             .decisions

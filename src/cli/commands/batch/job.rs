@@ -21,7 +21,7 @@ pub enum JobState {
     Begun,
     /// Finished; its outputs exist.
     Done,
-    /// Finished without convergence (exit code 3); its outputs exist.
+    /// Finished without convergence or with an empty result (exit code 3); its outputs exist.
     NotConverged,
     /// Rejected (exit codes 1, 2), or crashed in every attempt.
     Failed,

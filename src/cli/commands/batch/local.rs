@@ -83,7 +83,9 @@ fn print(arguments: &Arguments, job: &Job, outcome: &JobOutcome, position: Posit
     let state = match record.state {
         _ if skipped => "done before".to_owned(),
         JobState::Done => format!("done in {:.1} s", record.wall_s),
-        JobState::NotConverged => format!("done in {:.1} s, not converged", record.wall_s),
+        JobState::NotConverged => {
+            format!("done in {:.1} s, not converged or empty: see its report", record.wall_s)
+        }
         JobState::Interrupted => "interrupted".to_owned(),
         JobState::Begun | JobState::Failed => format!("failed: {}", record.message),
     };

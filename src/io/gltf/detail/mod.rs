@@ -9,42 +9,34 @@
 //! over the wrinkles; as in Barré-Brisebois and Hill, "Blending in Detail", 2012).
 //! Without tangents in the file, MikkTSpace's are added, unworn and worn. Vertices stay unchanged.
 
+mod input;
+mod material;
+mod painter;
+mod references;
+mod surface;
 mod tangents;
 #[cfg(test)]
 mod tests;
 mod texels;
 
-use crate::garment::{Garment, GltfDocument, Placement, SourceAsset, SourcePiece, WornGarment};
-use crate::io::gltf::accessor::Accessors;
-use crate::io::gltf::append::{Appender, Purpose};
-use crate::io::gltf::detail::tangents::{Tangent, compute_tangents};
-use crate::io::gltf::detail::texels::{TexelSample, Texels};
-use crate::io::gltf::read_worn::{column, keep_worn_pieces, worn_target, worn_target_index};
-use crate::io::gltf::worn_target::{LinearPart, LinearParts, WornShape};
+pub use input::DetailInput;
+
+use crate::garment::{GltfDocument, SourceAsset};
+use crate::io::gltf::append::Appender;
+use crate::io::gltf::detail::material::{
+    NormalTextures, TextureTransform, own_normal_map, rotate_with_surface,
+};
+use crate::io::gltf::detail::painter::Painter;
+use crate::io::gltf::detail::surface::{Surface, surfaces};
+use crate::io::gltf::detail::texels::Texels;
+use crate::io::gltf::read_worn::keep_worn_pieces;
 use crate::io::read::{ReadOptions, read_asset};
 use crate::io::tuning::TUNING;
-use crate::math::{Mat3, Vec2, Vec3};
-use crate::mesh::PointIndex;
-use crate::mesh::distance::barycentric;
+use crate::math::Vec3;
 use crate::{Error, Result};
-use rustc_hash::FxHashMap;
-use serde_json::{Value, json};
 
 /// Side lengths of a detail map that can be asked for \[texels\].
 pub const DETAIL_MAP_SIZES: std::ops::RangeInclusive<usize> = 64..=16384;
-
-/// Garment on the mesh of its file and on the simulated mesh.
-#[derive(Debug, Clone, Copy)]
-pub struct DetailInput<'a> {
-    /// Garment on the mesh of the file.
-    pub coarse: &'a Garment,
-    /// Garment on the simulated mesh; its first points are those of `coarse`.
-    pub fine: &'a Garment,
-    /// Per triangle of `fine`: the triangle of `coarse` it lies on.
-    pub parent: &'a [u32],
-    /// Wear of `fine`.
-    pub worn: &'a WornGarment,
-}
 
 /// Detail map of one material.
 #[derive(Debug, Clone, PartialEq)]
@@ -102,54 +94,125 @@ pub fn add_detail_map(
     for surface in &surfaces {
         surface.add_tangents(&mut appender);
     }
-    let mut materials: Vec<Option<usize>> = surfaces.iter().map(|s| s.material).collect();
-    materials.sort_unstable();
-    materials.dedup();
-    let painter = Painter::new(detail, &surfaces);
-    let mut maps = Vec::new();
-    for material in materials {
-        let mut texels = painter.paint(material, side);
-        let filled = texels.filled_count();
-        if filled == 0 {
-            continue;
-        }
-        let tilt = |d: &Vec3| if *d == Vec3::zeros() { 0.0 } else { d.z.clamp(-1.0, 1.0).acos() };
-        let mean_tilt_deg = (texels.direction.iter().map(tilt).sum::<f64>() / filled as f64).to_degrees();
-        let conflicting_fraction = texels.conflicts as f64 / filled as f64;
-        let name = material.and_then(|m| document.json["materials"][m]["name"].as_str()).map(str::to_owned);
-        let in_material = match own_normal_map(document, material) {
-            Ok(own) => {
-                if let Some((own, scale)) = own {
-                    rotate_with_surface(&mut texels, &own, scale);
-                }
-                true
-            }
-            Err(reason) => {
-                let of = name.as_deref().unwrap_or("a material without a name");
-                notes.push(format!(
-                    "the normal map of {of} stays unchanged, that of the wrinkles is a separate file: {reason}"
-                ));
-                false
-            }
-        };
-        texels.pad(TUNING.padding_texels);
-        let broken = |message: String| Error::input(&asset.file, "detail map", message, "");
-        let normal_png = texels.to_png().map_err(broken)?;
-        let (height_png, height_range_m) = texels.height_png().map_err(broken)?;
-        if in_material {
-            set_normal_texture(&mut appender, material, &surfaces, &normal_png);
-        }
-        maps.push(DetailMap {
-            material: name,
-            normal_png,
-            height_png,
-            height_range_m,
-            in_material,
-            mean_tilt_deg,
-            conflicting_fraction,
-        });
-    }
+    let maps = Maps { document, surfaces: &surfaces, painter: Painter::new(detail, &surfaces), side };
+    let maps =
+        maps.add(&mut appender, &mut notes).map_err(|e| Error::input(&asset.file, "detail map", e, ""))?;
     Ok(DetailOutput { glb: appender.into_glb(), maps, notes })
+}
+
+/// Surfaces that one map of a material shows, painted.
+struct Painted {
+    /// Indices of the surfaces.
+    surfaces: Vec<usize>,
+    texels: Texels,
+    filled: usize,
+}
+
+impl Painted {
+    /// Fraction of the filled texels that two parts of the garment fill differently [-].
+    fn conflicting_fraction(&self) -> f64 {
+        self.texels.conflicts as f64 / self.filled.max(1) as f64
+    }
+
+    fn is_consistent(&self) -> bool {
+        self.conflicting_fraction() <= TUNING.max_conflicting_fraction
+    }
+}
+
+/// Maps to be made.
+struct Maps<'a> {
+    document: &'a GltfDocument,
+    surfaces: &'a [Surface<'a>],
+    painter: Painter<'a>,
+    side: usize,
+}
+
+impl Maps<'_> {
+    /// Makes the maps of all materials and refers to them; fails with the reason if a picture cannot be written.
+    fn add(
+        &self,
+        appender: &mut Appender,
+        notes: &mut Vec<String>,
+    ) -> std::result::Result<Vec<DetailMap>, String> {
+        let mut materials: Vec<Option<usize>> =
+            self.surfaces.iter().flat_map(|s| s.materials.iter().copied()).collect();
+        materials.sort_unstable();
+        materials.dedup();
+        let (mut maps, mut textures) = (Vec::new(), NormalTextures::default());
+        for material in materials {
+            let name = material.and_then(|m| self.document.json["materials"][m]["name"].as_str());
+            let called = name.unwrap_or("a material without a name");
+            let users: Vec<usize> = (0..self.surfaces.len())
+                .filter(|&s| self.surfaces[s].materials.contains(&material))
+                .collect();
+            let own = own_normal_map(self.document, material);
+            let transform = match &own {
+                Ok(Some(own)) => own.transform,
+                _ => TextureTransform::fitting(users.iter().map(|&s| &self.surfaces[s]), self.side),
+            };
+            let all_painted = self.paint(users, transform);
+            if all_painted.iter().all(|painted| painted.filled == 0) {
+                notes.push(format!(
+                    "no detail map of {called}: its texture coordinates have no area; unwrap the garment"
+                ));
+                continue;
+            }
+            notes.extend(transform.note().map(|note| format!("{called}: {note}")));
+            for painted in all_painted.into_iter().filter(|painted| painted.filled > 0) {
+                let mut painted = painted;
+                let conflicting_fraction = painted.conflicting_fraction();
+                let reason = match &own {
+                    Err(reason) => Some(format!("the normal map of {called} stays unchanged: {reason}")),
+                    Ok(_) if !painted.is_consistent() => Some(format!(
+                        "{called} is left without the normal map of the wrinkles: parts of the garment lie on one \
+                         another in its texture and contradict each other in {:.0} % of it; give every part its own \
+                         place in the texture",
+                        (100.0 * conflicting_fraction).min(100.0)
+                    )),
+                    Ok(_) => None,
+                };
+                let tilt = |d: &Vec3| if *d == Vec3::zeros() { 0.0 } else { d.z.clamp(-1.0, 1.0).acos() };
+                let tilts = painted.texels.direction.iter().map(tilt).sum::<f64>();
+                if let (Ok(Some(own)), None) = (&own, &reason) {
+                    rotate_with_surface(&mut painted.texels, own);
+                }
+                painted.texels.pad(TUNING.padding_texels);
+                let normal_png = painted.texels.to_png()?;
+                let (height_png, height_range_m) = painted.texels.height_png()?;
+                let in_material = reason.is_none();
+                if in_material {
+                    let shown: Vec<&Surface> = painted.surfaces.iter().map(|&s| &self.surfaces[s]).collect();
+                    textures.set(appender, material, &shown, &normal_png, transform);
+                }
+                notes.extend(reason.map(|reason| format!("{reason}; that map is a separate file")));
+                maps.push(DetailMap {
+                    material: name.map(str::to_owned),
+                    normal_png,
+                    height_png,
+                    height_range_m,
+                    in_material,
+                    mean_tilt_deg: (tilts / painted.filled as f64).to_degrees(),
+                    conflicting_fraction,
+                });
+            }
+        }
+        Ok(maps)
+    }
+
+    /// Paints `users` into one map, or each into a map of its own if they contradict each other in one.
+    fn paint(&self, users: Vec<usize>, transform: TextureTransform) -> Vec<Painted> {
+        let paint = |surfaces: Vec<usize>| {
+            let texels = self.painter.paint(&surfaces, transform, self.side);
+            let filled = texels.filled_count();
+            Painted { surfaces, texels, filled }
+        };
+        let together = paint(users.clone());
+        if together.is_consistent() || users.len() < 2 {
+            return vec![together];
+        }
+        let apart: Vec<Painted> = users.into_iter().map(|user| paint(vec![user])).collect();
+        if apart.iter().all(Painted::is_consistent) { apart } else { vec![together] }
+    }
 }
 
 /// Reads the worn file again; its worn vertices are those of the garment.
@@ -177,315 +240,6 @@ fn read_back(glb: &[u8], asset: &SourceAsset, detail: &DetailInput) -> Result<So
         false => {
             let message = "the worn file and the finer garment are not of one mesh";
             Err(Error::input(&asset.file, "detail map", message, "use what was made of this file"))
-        }
-    }
-}
-
-/// Tangent frame of a vertex.
-#[derive(Debug, Clone, Copy)]
-struct Frame {
-    /// Unit normal.
-    normal: Vec3,
-    tangent: Tangent,
-}
-
-/// Tangents before and after wear, one per vertex.
-struct AddedTangents {
-    unworn: Vec<Tangent>,
-    worn: Vec<Tangent>,
-}
-
-/// Worn piece as a viewer shows it.
-struct Surface<'a> {
-    piece: &'a SourcePiece,
-    material: Option<usize>,
-    uvs: &'a [Vec2],
-    /// Per vertex: its point.
-    points: &'a [PointIndex],
-    /// Per vertex, scene: unit normal before wear.
-    unworn: Vec<Vec3>,
-    /// Per vertex, scene: frame with the worn target applied.
-    worn: Vec<Frame>,
-    /// Tangents that the file lacks, own coordinates.
-    added: Option<AddedTangents>,
-    /// Index of the worn target among those of the primitive.
-    target: usize,
-}
-
-/// Returns the worn pieces that can have a map; notes go to `notes`.
-fn surfaces<'a>(
-    worn: &'a SourceAsset,
-    document: &GltfDocument,
-    detail: &'a DetailInput,
-    notes: &mut Vec<String>,
-) -> Result<Vec<Surface<'a>>> {
-    let mut surfaces = Vec::new();
-    let mut rest = &detail.fine.source_point[..];
-    for piece in worn.worn_pieces() {
-        let (points, after) = rest.split_at(piece.positions.len());
-        rest = after;
-        let (Some(uvs), Some(normals)) = (&piece.uvs, &piece.normals) else {
-            let lacks = if piece.uvs.is_none() { "texture coordinates" } else { "normals" };
-            notes.push(format!("{} has no {lacks} and gets no map", piece.name));
-            continue;
-        };
-        surfaces.push(Surface::new(&worn.file, document, piece, points, uvs, normals)?);
-    }
-    Ok(surfaces)
-}
-
-impl<'a> Surface<'a> {
-    fn new(
-        file: &str,
-        document: &GltfDocument,
-        piece: &'a SourcePiece,
-        points: &'a [PointIndex],
-        uvs: &'a [Vec2],
-        normals: &[Vec3],
-    ) -> Result<Self> {
-        let count = piece.positions.len();
-        let primitive = &document.json["meshes"][piece.mesh]["primitives"][piece.primitive];
-        let target = worn_target(document, piece).unwrap_or(&Value::Null);
-        let displacement = |name: &str| -> Result<Vec<Vec3>> {
-            let numbers = column(document, &target[name], 3, count, name)?;
-            let rows = numbers.unwrap_or_else(|| vec![0.0; 3 * count]);
-            Ok(rows.chunks_exact(3).map(Vec3::from_row_slice).collect())
-        };
-        let moved = |rows: &[Vec3], shifts: &[Vec3]| -> Vec<Vec3> {
-            rows.iter().zip(shifts).map(|(x, d)| x + d).collect()
-        };
-        let positions = moved(&piece.positions, &displacement("POSITION")?);
-        let worn_normals: Vec<Vec3> = moved(normals, &displacement("NORMAL")?)
-            .into_iter()
-            .zip(normals)
-            .map(|(n, own)| unit_or(n, *own))
-            .collect();
-        let stored = primitive["attributes"]["TANGENT"].as_u64().and_then(|i| usize::try_from(i).ok());
-        let (own, added) = match stored {
-            Some(accessor) => {
-                let table = Accessors::new(document).table_of(accessor, 4, Some(count), "TANGENT")?;
-                let stored = table.rows().zip(displacement("TANGENT")?).map(|(row, d)| Tangent {
-                    direction: unit_or(Vec3::new(row[0], row[1], row[2]) + d, Vec3::x()),
-                    handedness: if row[3] < 0.0 { -1.0 } else { 1.0 },
-                });
-                (stored.collect::<Vec<_>>(), None)
-            }
-            None => {
-                let triangles = piece.file_triangles();
-                let unworn = compute_tangents(&piece.positions, normals, uvs, &triangles);
-                let mut worn = compute_tangents(&positions, &worn_normals, uvs, &triangles);
-                // A morph target does not change the handedness.
-                worn.iter_mut().zip(&unworn).for_each(|(a, b)| a.handedness = b.handedness);
-                (worn.clone(), Some(AddedTangents { unworn, worn }))
-            }
-        };
-        let placements = match &piece.placement {
-            Placement::Rigid(one) => std::slice::from_ref(one),
-            Placement::Skinned(all) => &all[..],
-        };
-        let linear = LinearParts::new(placements).map_err(|v| {
-            Error::input(file, &piece.name, format!("vertex {v} is flattened"), "give it a scale")
-        })?;
-        let in_scene = |v: usize, n: &Vec3| unit_or(linear.at(v).inverse.transpose() * n, Vec3::z());
-        let frame = |v: usize| {
-            let direction = unit_or(linear.at(v).forward * own[v].direction, Vec3::x());
-            let tangent = Tangent { direction, ..own[v] };
-            Frame { normal: in_scene(v, &worn_normals[v]), tangent }
-        };
-        Ok(Self {
-            piece,
-            material: primitive["material"].as_u64().and_then(|m| usize::try_from(m).ok()),
-            uvs,
-            points,
-            unworn: normals.iter().enumerate().map(|(v, n)| in_scene(v, n)).collect(),
-            worn: (0..count).map(frame).collect(),
-            added,
-            target: worn_target_index(document, piece).unwrap_or(0),
-        })
-    }
-
-    /// Adds tangents to the document where it has none.
-    fn add_tangents(&self, appender: &mut Appender) {
-        let Some(AddedTangents { unworn, worn }) = &self.added else { return };
-        let narrow = |v: &Vec3| [v.x as f32, v.y as f32, v.z as f32];
-        let rows: Vec<[f32; 4]> = unworn
-            .iter()
-            .map(|t| {
-                let [x, y, z] = narrow(&t.direction);
-                [x, y, z, t.handedness as f32]
-            })
-            .collect();
-        let shifts: Vec<[f32; 3]> =
-            unworn.iter().zip(worn).map(|(b, a)| narrow(&(a.direction - b.direction))).collect();
-        let (base, shift) =
-            (appender.vectors(&rows, Purpose::Vertex), appender.vectors(&shifts, Purpose::Vertex));
-        let Some(mesh) = appender.list("meshes").get_mut(self.piece.mesh) else { return };
-        let primitive = &mut mesh["primitives"][self.piece.primitive];
-        primitive["attributes"]["TANGENT"] = json!(base);
-        primitive["targets"][self.target]["TANGENT"] = json!(shift);
-    }
-}
-
-fn unit_or(v: Vec3, otherwise: Vec3) -> Vec3 {
-    v.try_normalize(1e-12).unwrap_or(otherwise)
-}
-
-/// Corners of a coarse triangle.
-#[derive(Debug, Clone, Copy)]
-struct SurfaceCorners {
-    /// Index of the surface.
-    surface: usize,
-    /// Vertices of that surface.
-    vertices: [usize; 3],
-}
-
-/// Painter of the maps.
-struct Painter<'a> {
-    detail: &'a DetailInput<'a>,
-    surfaces: &'a [Surface<'a>],
-    /// Per triangle of the coarse garment: the vertices of its corners.
-    corners: Vec<Option<SurfaceCorners>>,
-    shape: WornShape<'a>,
-}
-
-impl<'a> Painter<'a> {
-    fn new(detail: &'a DetailInput, surfaces: &'a [Surface]) -> Self {
-        let sorted = |mut points: [PointIndex; 3]| {
-            points.sort_unstable();
-            points
-        };
-        let mut found = FxHashMap::default();
-        for (s, surface) in surfaces.iter().enumerate() {
-            for t in &surface.piece.triangles {
-                let vertices = t.map(|v| v as usize);
-                if vertices.iter().all(|&v| v < surface.points.len()) {
-                    found.entry(sorted(vertices.map(|v| surface.points[v]))).or_insert((s, vertices));
-                }
-            }
-        }
-        let corners = detail.coarse.triangles.iter().map(|t| {
-            let &(s, vertices) = found.get(&sorted(*t))?;
-            let points = surfaces[s].points;
-            let mut corners = [0; 3];
-            for (corner, p) in corners.iter_mut().zip(t) {
-                *corner = *vertices.iter().find(|&&v| points[v] == *p)?;
-            }
-            Some(SurfaceCorners { surface: s, vertices: corners })
-        });
-        Self { detail, surfaces, corners: corners.collect(), shape: WornShape::new(detail.fine, detail.worn) }
-    }
-
-    /// Paints the map of one material.
-    fn paint(&self, material: Option<usize>, side: usize) -> Texels {
-        let mut texels = Texels::new(side);
-        let DetailInput { coarse, fine, parent, worn } = *self.detail;
-        for (triangle, &k) in fine.triangles.iter().zip(parent) {
-            let Some(SurfaceCorners { surface, vertices }) = self.corners[k as usize] else { continue };
-            let surface = &self.surfaces[surface];
-            if surface.material != material {
-                continue;
-            }
-            let corners = coarse.triangles[k as usize].map(|p| coarse.points[p.at()]);
-            let weights = triangle.map(|p| barycentric(&fine.points[p.at()], &corners));
-            let mix = |weights: &[f64; 3], of: &dyn Fn(usize) -> Vec3| -> Vec3 {
-                weights.iter().zip(vertices).map(|(w, v)| of(v) * *w).sum()
-            };
-            let normals: [Vec3; 3] = std::array::from_fn(|i| {
-                let base = unit_or(mix(&weights[i], &|v| surface.unworn[v]), Vec3::z());
-                self.shape.worn_normal(triangle[i], base, LinearPart::identity()).unwrap_or(base)
-            });
-            let position = |p: PointIndex, points: &[Vec3]| points[p.at()] + worn.displacement[p.at()];
-            let above = triangle.map(|p| position(p, &fine.points));
-            let below = coarse.triangles[k as usize].map(|p| position(p, &coarse.points));
-            let uvs = weights.map(|w| w.iter().zip(vertices).map(|(w, v)| surface.uvs[v] * *w).sum());
-            texels.fill(uvs, &|b| {
-                let blend = |of: &[Vec3; 3]| of[0] * b[0] + of[1] * b[1] + of[2] * b[2];
-                let on_parent: [f64; 3] = std::array::from_fn(|j| (0..3).map(|i| b[i] * weights[i][j]).sum());
-                let n = mix(&on_parent, &|v| surface.worn[v].normal).try_normalize(1e-9)?;
-                let t = mix(&on_parent, &|v| surface.worn[v].tangent.direction).try_normalize(1e-9)?;
-                let bitangent = n.cross(&t) * surface.worn[vertices[0]].tangent.handedness;
-                let frame = Mat3::from_columns(&[t, bitangent, n]);
-                let direction =
-                    (frame.try_inverse()? * blend(&normals).try_normalize(1e-9)?).try_normalize(1e-9)?;
-                let on_coarse: Vec3 = below.iter().zip(on_parent).map(|(x, s)| x * s).sum();
-                // A map cannot point below its surface.
-                (direction.z > 0.0)
-                    .then(|| TexelSample { direction, height_m: n.dot(&(blend(&above) - on_coarse)) })
-            });
-        }
-        texels
-    }
-}
-
-/// Reads the existing normal map of a material, with its scale; fails with the reason if it cannot be combined.
-fn own_normal_map(
-    document: &GltfDocument,
-    material: Option<usize>,
-) -> std::result::Result<Option<(Texels, f64)>, String> {
-    let Some(entry) = material.and_then(|m| document.json["materials"][m].get("normalTexture")) else {
-        return Ok(None);
-    };
-    if entry["texCoord"].as_u64().unwrap_or(0) != 0 {
-        return Err("it uses other texture coordinates".into());
-    }
-    if entry["extensions"].get("KHR_texture_transform").is_some() {
-        return Err("it is moved or scaled (KHR_texture_transform)".into());
-    }
-    let index = |value: &Value| value.as_u64().and_then(|i| usize::try_from(i).ok());
-    let missing = "its picture is not in the file";
-    let texture = index(&entry["index"]).ok_or(missing)?;
-    let image = index(&document.json["textures"][texture]["source"]).ok_or(missing)?;
-    let view = index(&document.json["images"][image]["bufferView"]).ok_or(missing)?;
-    let view = &document.json["bufferViews"][view];
-    let (start, length) =
-        (index(&view["byteOffset"]).unwrap_or(0), index(&view["byteLength"]).ok_or(missing)?);
-    let buffer = document.buffers.get(index(&view["buffer"]).ok_or(missing)?).ok_or(missing)?;
-    let bytes = start.checked_add(length).and_then(|end| buffer.get(start..end)).ok_or(missing)?;
-    let own = Texels::from_png(bytes).map_err(|reason| format!("only PNG can be combined ({reason})"))?;
-    Ok(Some((own, entry["scale"].as_f64().unwrap_or(1.0))))
-}
-
-/// Rotates the directions of the material's own map with the fine surface.
-fn rotate_with_surface(texels: &mut Texels, own: &Texels, scale: f64) {
-    let (width, height) = (texels.width, texels.height);
-    for (at, fine) in texels.direction.iter_mut().enumerate().filter(|(_, d)| **d != Vec3::zeros()) {
-        let uv = Vec2::new((at % width) as f64 + 0.5, (at / width) as f64 + 0.5);
-        let weave = own.sample(uv.component_div(&Vec2::new(width as f64, height as f64)));
-        let weave = Vec3::new(weave.x * scale, weave.y * scale, weave.z);
-        let along = unit_or(Vec3::x() - *fine * fine.x, Vec3::x());
-        let rotated = along * weave.x + fine.cross(&along) * weave.y + *fine * weave.z;
-        *fine = unit_or(rotated, *fine);
-    }
-}
-
-/// Sets `png` as the normal texture of the worn primitives of `material`. A material that others use too is copied first.
-fn set_normal_texture(appender: &mut Appender, material: Option<usize>, surfaces: &[Surface], png: &[u8]) {
-    let view = appender.bytes(png.to_vec());
-    let image =
-        appender.push("images", json!({"bufferView": view, "mimeType": "image/png", "name": "wrinkles"}));
-    let texture = appender.push("textures", json!({"source": image, "name": "wrinkles"}));
-    let mine = |mesh: usize, primitive: usize| {
-        surfaces.iter().any(|s| (s.piece.mesh, s.piece.primitive) == (mesh, primitive))
-    };
-    let mut shared = material.is_none();
-    for (m, mesh) in appender.list("meshes").iter().enumerate() {
-        for (p, primitive) in mesh["primitives"].as_array().into_iter().flatten().enumerate() {
-            let uses = primitive["material"].as_u64() == material.map(|m| m as u64);
-            shared |= uses && !mine(m, p);
-        }
-    }
-    let mut entry =
-        material.and_then(|m| appender.list("materials").get(m).cloned()).unwrap_or_else(|| json!({}));
-    entry["normalTexture"] = json!({"index": texture});
-    match material.filter(|_| !shared) {
-        Some(m) => appender.list("materials")[m] = entry,
-        None => {
-            let copy = appender.push("materials", entry);
-            for surface in surfaces.iter().filter(|s| s.material == material) {
-                if let Some(mesh) = appender.list("meshes").get_mut(surface.piece.mesh) {
-                    mesh["primitives"][surface.piece.primitive]["material"] = json!(copy);
-                }
-            }
         }
     }
 }

@@ -1,9 +1,14 @@
 //! A coarse sheet with fine ripples: rendering of mesh and map against the fine surface itself.
 
 use super::*;
-use crate::garment::RestState;
+use crate::garment::{Garment, RestState, WornGarment};
+use crate::io::gltf::detail::painter::SurfaceCorners;
 use crate::io::gltf::write_worn_glb;
-use crate::mesh::Topology;
+use crate::math::Vec2;
+use crate::mesh::distance::barycentric;
+use crate::mesh::{PointIndex, Topology};
+use rustc_hash::FxHashMap;
+use serde_json::json;
 use std::fmt::Write;
 
 /// Quads a side of the coarse sheet, and its side [m].
@@ -127,7 +132,7 @@ fn shown_and_true(scene: &Scene, detailed: &DetailOutput) -> Vec<(Vec3, Vec3, Ve
     let surfaces = surfaces(&asset, document, &detail, &mut Vec::new()).unwrap();
     assert!(surfaces.iter().all(|s| s.added.is_none()), "the file has tangents now");
     let painter = Painter::new(&detail, &surfaces);
-    let (own, _) = own_normal_map(document, surfaces[0].material).unwrap().expect("the material has the map");
+    let own = own_normal_map(document, surfaces[0].materials[0]).unwrap().expect("the material has the map");
     let mut smooth = vec![Vec3::zeros(); scene.fine.points.len()];
     let position = |p: PointIndex| scene.fine.points[p.at()] + scene.worn.displacement[p.at()];
     for t in &scene.fine.triangles {
@@ -146,7 +151,7 @@ fn shown_and_true(scene: &Scene, detailed: &DetailOutput) -> Vec<(Vec3, Vec3, Ve
         let n = mix(&|v| surface.worn[v].normal).normalize();
         let along = mix(&|v| surface.worn[v].tangent.direction).normalize();
         let uv = weights.iter().zip(vertices).map(|(w, v)| surface.uvs[v] * *w).sum();
-        let d = own.sample(uv);
+        let d = own.texels.sample(uv);
         let shown =
             along * d.x + n.cross(&along) * (surface.worn[vertices[0]].tangent.handedness * d.y) + n * d.z;
         let truth = t.iter().map(|p| smooth[p.at()].normalize()).sum::<Vec3>().normalize();

@@ -1,0 +1,136 @@
+//! Findings on a bake without effect, or with less than the wear left: actions that move nothing, a garment that the body
+//! never came near, a mesh too coarse for its creases, a result without any memory.
+
+use crate::bake::tuning::TUNING;
+use crate::bake::{BakeOptions, BakeResult};
+use crate::body::AnimatedBody;
+use crate::garment::{Garment, RestState};
+use crate::math::Vec3;
+use crate::mesh::triangle_bvh::TriangleBvh;
+use crate::wear::{Action, WearScript};
+
+/// Adds warnings to the report of `baked`, and the reason why its result is empty if it is.
+pub(super) fn add_findings(
+    garment: &Garment,
+    script: &WearScript,
+    options: &BakeOptions,
+    baked: &mut BakeResult,
+) {
+    let report = &mut baked.report;
+    report.warnings.extend(idle_actions(script, options.body.as_deref()));
+    let far = options.body.as_ref().and_then(|body| distance_from_body(garment, script, body));
+    if let Some(distance) = far {
+        report.warnings.push(format!(
+            "the garment never comes nearer to the body than {distance:.2} m: check the units of both files (--unit, \
+             --body-unit) and that they lie in one place"
+        ));
+    }
+    let wears = script
+        .flatten()
+        .any(|action| !matches!(action, Action::Lay(_) | Action::Release(_) | Action::Settle(_)));
+    if !options.memory || !wears {
+        return;
+    }
+    let on_mesh = &baked.simulated;
+    let earned = crease_sum(&on_mesh.garment, &on_mesh.worn.memory);
+    let kept = crease_sum(garment, &baked.worn.memory);
+    if earned > TUNING.findings.min_crease_sum && kept < TUNING.findings.min_kept_fraction * earned {
+        let mm = 1e3 * garment.mean_edge();
+        report.warnings.push(format!(
+            "the mesh of the file is too coarse for its creases: with edges of {mm:.0} mm it keeps {:.0} % of them; \
+             --resolution {:.0} refines it",
+            (100.0 * kept / earned).max(0.0),
+            (0.25 * mm).clamp(1.0, TUNING.findings.max_advised_resolution_mm).round()
+        ));
+    }
+    let cure = match (far.is_some(), garment.topology.hinges.is_empty(), options.body.is_some()) {
+        (true, ..) => "the garment is not on the body",
+        (_, true, _) => "the mesh has no edge to bend at; refine it with --resolution",
+        (_, _, true) => "the body moved none of it enough: bend further, longer or more often",
+        _ => "fold, press or hold it longer, or refine the mesh with --resolution",
+    };
+    report.empty_reason = empty_reason(&baked.worn.memory, cure);
+}
+
+/// Reason why `memory` is empty, with a `cure`, if nothing in it changed to speak of.
+pub(super) fn empty_reason(memory: &RestState, cure: &str) -> Option<String> {
+    let limit = TUNING.findings.min_angle_change.to_degrees();
+    is_unchanged(memory)
+        .then(|| format!("nothing is remembered: no hinge changed by {limit} degrees and no length ({cure})"))
+}
+
+/// A warning per action that takes no time, or that moves no part of `body`; repeated ones count once.
+fn idle_actions(script: &WearScript, body: Option<&AnimatedBody>) -> Vec<String> {
+    let mut known: Vec<&Action> = Vec::new();
+    let mut warnings = Vec::new();
+    for (number, action) in script.flatten().enumerate() {
+        if known.contains(&action) || warnings.len() >= TUNING.findings.max_idle_actions {
+            continue;
+        }
+        known.push(action);
+        let called = format!("action {} of the script, `{}`,", number + 1, action.name());
+        let moves_body = matches!(action, Action::Bend(_) | Action::Play(_));
+        if let (true, Some(body)) = (moves_body, body) {
+            let poses = action.as_wear_action().body_poses(body, &body.rest());
+            let start = body.rest_points();
+            let moves = |x: &Vec<Vec3>| {
+                x.iter().zip(start).any(|(a, b)| (a - b).norm() > TUNING.active_region.min_body_motion)
+            };
+            if !poses.is_empty() && !poses.iter().map(|pose| body.points(pose)).any(|x| moves(&x)) {
+                warnings.push(format!(
+                    "{called} moves no vertex of the body: check that its joint or clip moves the mesh (--explain lists the \
+                     joints), and the angle"
+                ));
+            }
+        } else if !matches!(action, Action::Release(_) | Action::Play(_))
+            && action.as_wear_action().duration() <= 0.0
+        {
+            warnings
+                .push(format!("{called} takes no time, so that nothing happens in it: give it a duration"));
+        }
+    }
+    warnings
+}
+
+/// Whether no hinge and no triangle changed to speak of.
+fn is_unchanged(memory: &RestState) -> bool {
+    let mut angles = memory.rest_angle.iter().zip(&memory.source_angle);
+    let mut stretches = memory.rest_stretch_warp.iter().chain(&memory.rest_stretch_weft);
+    angles.all(|(rest, source)| (rest - source).abs() < TUNING.findings.min_angle_change)
+        && stretches.all(|stretch| (stretch - 1.0).abs() < TUNING.findings.min_stretch_change)
+}
+
+/// Change of rest angle times length, summed over the hinges [rad m].
+fn crease_sum(garment: &Garment, memory: &RestState) -> f64 {
+    let changes = memory.rest_angle.iter().zip(&memory.source_angle);
+    let length =
+        |h: &crate::mesh::Hinge| (garment.points[h.points[1].at()] - garment.points[h.points[0].at()]).norm();
+    garment
+        .topology
+        .hinges
+        .iter()
+        .zip(changes)
+        .map(|(h, (rest, source))| (rest - source).abs() * length(h))
+        .sum()
+}
+
+/// Smallest distance [m] between garment and body in the poses of the script, if they never come near each other.
+fn distance_from_body(garment: &Garment, script: &WearScript, body: &AnimatedBody) -> Option<f64> {
+    let rest = body.rest_points();
+    let mut poses: Vec<Vec<Vec3>> = script.body_poses(body).iter().map(|pose| body.points(pose)).collect();
+    poses.push(rest.to_vec());
+    let mut bvh = TriangleBvh::new(rest, body.triangles(), 0.0);
+    let mut nearest = f64::INFINITY;
+    for x in &poses {
+        bvh.refit(x, x, 0.0);
+        for p in &garment.points {
+            if let Some(near) = bvh.nearest(x, *p, nearest) {
+                nearest = nearest.min(near.closest.distance);
+            }
+            if nearest <= TUNING.findings.near_body {
+                return None;
+            }
+        }
+    }
+    nearest.is_finite().then_some(nearest)
+}

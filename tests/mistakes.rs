@@ -1,0 +1,110 @@
+//! Mistakes that users make, each with its message: the file, the place in it, the problem and the cure, and the exit code.
+//!
+//! The messages are in `tests/mistakes.txt`; `CREASE_UPDATE_DOCS=1 cargo test --test mistakes` writes them anew.
+
+#[path = "common/tool.rs"]
+mod tool;
+
+use std::fmt::Write;
+use std::path::Path;
+use tool::{Pose, crease_in, wavy_sheet};
+
+/// What the user wanted to do, and the command.
+const MISTAKES: [(&str, &str); 32] = [
+    ("a wrong path", "bake shrit.obj --wear wear.json -o out.glb"),
+    ("a folder for a file", "inspect folder"),
+    ("a format that is not read", "inspect shirt.fbx"),
+    ("a mesh without triangles", "inspect points.obj"),
+    ("a decimal comma", "inspect comma.obj"),
+    ("a glTF without its buffer", "inspect bare.gltf"),
+    ("a wrong unit", "bake centimetres.obj --wear wear.json -o out.glb"),
+    ("an unknown unit", "inspect sheet.obj --unit feet"),
+    ("an unknown garment", "bake sleeve.glb --garment shirt --wear wear.json -o out.glb"),
+    ("an unknown body", "bake sheet.obj --body sleeve.glb --body-node leg --wear bend.json -o out.glb"),
+    ("body and garment are one", "bake sleeve.glb --body sleeve.glb --wear bend.json -o out.glb"),
+    ("no body to bend", "bake sheet.obj --wear bend.json -o out.glb"),
+    ("an unknown joint", "bake sleeve.glb --garment sleeve --body sleeve.glb --wear knee.json -o out.glb"),
+    ("an unknown clip", "bake sleeve.glb --garment sleeve --body sleeve.glb --wear clip.json -o out.glb"),
+    ("an unknown action", "bake sheet.obj --wear typo.json -o out.glb"),
+    ("a script that is no JSON", "bake sheet.obj --wear syntax.json -o out.glb"),
+    ("a number out of range", "bake sheet.obj --wear range.json -o out.glb"),
+    ("a key twice", "bake sheet.obj --wear twice.json -o out.glb"),
+    ("a script of another version", "bake sheet.obj --wear version.json -o out.glb"),
+    ("an unknown fabric", "bake sheet.obj --fabric demin --wear wear.json -o out.glb"),
+    ("the output is the input", "bake sheet.glb --wear wear.json -o sheet.glb"),
+    ("the output's folder is a file", "bake sheet.obj --wear wear.json -o sheet.obj/out.glb"),
+    ("an output of another format", "bake sheet.obj --wear wear.json -o out.fbx"),
+    ("a folder that cannot be written to", "bake sheet.obj --wear wear.json -o /proc/out.glb"),
+    ("a resolution too fine", "bake sheet.obj --wear wear.json --resolution 0.1 -o out.glb"),
+    ("a negative length", "bake sheet.obj --wear wear.json --resolution -5 -o out.glb"),
+    ("another mesh's sidecar", "transfer memory.crease.json --to sheet.obj --match same -o out.glb"),
+    ("no sidecar", "transfer wear.json --to sheet.obj -o out.glb"),
+    ("a file that names no sidecar", "transfer sleeve.glb --to sheet.obj -o out.glb"),
+    ("no texture to match by", "transfer memory.crease.json --to sheet.obj --match uv -o out.glb"),
+    ("a motion of one file", "remember sheet.obj -o out.glb"),
+    ("frames without a rate", "remember folder -o out.glb"),
+];
+
+/// Writes the files that the commands read.
+fn write_files(folder: &Path) {
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).expect("writes");
+    let script = |name: &str, actions: &str| {
+        write(name, &format!("{{\"format\": \"crease-wear/1\", \"actions\": [\n  {actions}\n]}}\n"));
+    };
+    let sheet = wavy_sheet(4, 0.0, Pose::Lying);
+    write("sheet.obj", &sheet);
+    write("sheet.glb", "no mesh yet");
+    write("shirt.fbx", "Kaydara FBX Binary");
+    write("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n");
+    write("comma.obj", "v 0 0 0\nv 0,5 0 0\nv 0 1 0\nf 1 2 3\n");
+    write("centimetres.obj", "v 0 0 0\nv 60 0 0\nv 0 70 0\nf 1 2 3\n");
+    write(
+        "bare.gltf",
+        r#"{"asset": {"version": "2.0"}, "buffers": [{"uri": "cloth.bin", "byteLength": 36}],
+            "bufferViews": [{"buffer": 0, "byteLength": 36}],
+            "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "nodes": [{"mesh": 0}],
+            "scenes": [{"nodes": [0]}]}"#,
+    );
+    script("wear.json", r#"{"lay": {"facing": "front", "over": 0.2}}"#);
+    script("bend.json", r#"{"bend": {"joint": "elbow", "axis": "z", "angle": 90}}"#);
+    script("knee.json", r#"{"bend": {"joint": "knee", "axis": "z", "angle": 90}}"#);
+    script("clip.json", r#"{"play": {"clip": "walk"}}"#);
+    script("typo.json", r#"{"fodl": {}}"#);
+    script("syntax.json", r#"{"hold": {"for": 1}},"#);
+    script("range.json", r#"{"hold": {"for": -1}}"#);
+    script("twice.json", r#"{"hold": {"for": 1, "for": 2}}"#);
+    write("version.json", r#"{"format": "crease-wear/2", "actions": [{"hold": {"for": 1}}]}"#);
+    std::fs::create_dir(folder.join("folder")).expect("makes");
+    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("garments");
+    for (from, to) in [("sleeve.glb", "sleeve.glb"), ("memories/elbow.crease.json", "memory.crease.json")] {
+        std::fs::copy(own.join(from), folder.join(to)).expect("copies");
+    }
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn every_mistake_has_its_message_place_cure_and_exit_code() {
+    let folder = tempfile::tempdir().expect("a folder");
+    write_files(folder.path());
+    let before = std::fs::read_dir(folder.path()).expect("lists").count();
+    let mut text = String::new();
+    for (what, line) in MISTAKES {
+        let (out, err, code) = crease_in(folder.path(), line);
+        assert_eq!(out, "", "{what}: nothing on standard output");
+        assert!(code == 1 || code == 2, "{what}: exit code {code}: {err}");
+        let errors: Vec<&str> = err.lines().filter(|line| line.starts_with("error: ")).collect();
+        assert!(!errors.is_empty(), "{what}: {err}");
+        // Bad input names a file and, in brackets, a cure; wrong usage refers to the help.
+        let has_cure = |error: &&str| error.contains(": ") && error.ends_with(')');
+        assert!(code == 2 || errors.iter().all(has_cure), "{what}: {err}");
+        let _ = writeln!(text, "# {what}\n$ crease {line}\n{}\nexit code {code}\n", err.trim_end());
+    }
+    assert_eq!(std::fs::read_dir(folder.path()).expect("lists").count(), before, "nothing is left behind");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/mistakes.txt");
+    if std::env::var_os("CREASE_UPDATE_DOCS").is_some() {
+        std::fs::write(&path, &text).expect("writes");
+    }
+    let golden = std::fs::read_to_string(&path).unwrap_or_default();
+    assert!(text == golden, "messages differ from tests/mistakes.txt:\n{text}");
+}
