@@ -13,7 +13,7 @@ mod read;
 mod shape_obj;
 mod sidecar;
 mod tuning;
-mod usda;
+mod usd;
 
 pub use body::sequence_from_assets;
 pub use frames::write_frame_obj;
@@ -24,4 +24,4 @@ pub use sidecar::{
     SIDECAR_FORMAT, Sidecar, SidecarChecksums, SidecarHinges, SidecarJoint, SidecarMesh, SidecarPoints,
     SidecarSource, SidecarTriangles, SidecarUp, read_sidecar, write_sidecar,
 };
-pub use usda::{UsdaMemory, read_usda, wrapped_deg, write_usda};
+pub use usd::{UsdFrames, UsdScene, UsdShape, UsdaMemory, read_usda, wrapped_deg, write_usda};

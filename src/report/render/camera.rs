@@ -15,11 +15,50 @@ pub struct Camera {
     pub elevation_deg: Option<f64>,
     /// Distance of the camera in radii of the garment, at least 1.5; infinite without perspective.
     pub distance: f64,
+    /// Part of the garment that fills the picture; the whole of it if `None`.
+    pub focus: Option<Focus>,
+}
+
+/// A ball around a part of the garment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Focus {
+    /// Its middle [m].
+    pub centre: Vec3,
+    /// Its radius [m].
+    pub radius: f64,
+}
+
+/// Direction of the camera by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CameraView {
+    /// In front of the garment.
+    Front,
+    /// Behind it.
+    Back,
+    /// On the garment's left side.
+    Left,
+    /// On its right side.
+    Right,
+    /// Above it.
+    Top,
+}
+
+impl CameraView {
+    /// Returns azimuth and elevation \[degrees\].
+    pub fn angles_deg(self) -> [f64; 2] {
+        match self {
+            Self::Front => [0.0, UPRIGHT_ELEVATION_DEG],
+            Self::Back => [180.0, UPRIGHT_ELEVATION_DEG],
+            Self::Left => [90.0, UPRIGHT_ELEVATION_DEG],
+            Self::Right => [-90.0, UPRIGHT_ELEVATION_DEG],
+            Self::Top => [0.0, 90.0],
+        }
+    }
 }
 
 impl Default for Camera {
     fn default() -> Self {
-        Self { azimuth_deg: None, elevation_deg: None, distance: 6.0 }
+        Self { azimuth_deg: None, elevation_deg: None, distance: 6.0, focus: None }
     }
 }
 
@@ -82,8 +121,7 @@ impl Camera {
             (low, high) = (low.inf(p), high.sup(p));
         }
         let [azimuth, elevation] = self.angles(low, high).map(f64::to_radians);
-        let toward =
-            Vec3::new(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos());
+        let toward = direction(azimuth, elevation);
         let right = Vec3::new(azimuth.cos(), 0.0, -azimuth.sin());
         let radius = (0.5 * (high - low).norm()).max(1e-9);
         let distance = if self.distance >= 1.5 { self.distance } else { 1.5 };
@@ -98,9 +136,26 @@ impl Camera {
             scale: 1.0,
             origin: Vec2::zeros(),
         };
-        projection.fit(points, size);
+        let near = |focus: Focus| -> Vec<Vec3> {
+            points.iter().filter(|p| (*p - focus.centre).norm() <= focus.radius).copied().collect()
+        };
+        let focus = self.focus.map(near).filter(|near| !near.is_empty());
+        projection.fit(focus.as_deref().unwrap_or(points), size);
         projection
     }
+
+    /// Returns the unit vector towards the camera that looks at `points`.
+    pub fn toward(&self, points: &[Vec3]) -> Vec3 {
+        let first = points.first().copied().unwrap_or_else(Vec3::zeros);
+        let (low, high) = points.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
+        let [azimuth, elevation] = self.angles(low, high).map(f64::to_radians);
+        direction(azimuth, elevation)
+    }
+}
+
+/// Returns the unit vector at these angles [rad].
+fn direction(azimuth: f64, elevation: f64) -> Vec3 {
+    Vec3::new(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos())
 }
 
 impl Projection {

@@ -1,5 +1,6 @@
 //! Command-line arguments of `crease bake`.
 
+use crate::cli::args::apply::ApplyArgs;
 use crate::cli::args::body::BodyArgs;
 use crate::cli::args::export::ExportArgs;
 use crate::cli::args::mesh::MeshArgs;
@@ -18,15 +19,15 @@ use std::sync::Arc;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
-  crease bake shirt.glb --wear garments/wear/fold-thrice.json -o worn.glb --preview
+  crease bake shirt.glb --wear fold-thrice -o worn.glb --preview
   crease bake shirt.obj --unit cm --fabric denim --wear wear.json -o worn.glb --frames frames
   crease bake shirt.glb --wear wear.json -o worn.glb --resume    continue after Ctrl-C or a crash
   crease bake shirt.glb --wear wear.json --explain               which models would be used, and why")]
 pub struct Arguments {
     /// Garment: .obj, .gltf or .glb
     pub mesh: PathBuf,
-    /// Wear script, crease-wear/1
-    #[arg(long, value_name = "SCRIPT")]
+    /// Wear script, crease-wear/1: a file, or the name of one that `crease example` lists
+    #[arg(long, value_name = "FILE|NAME")]
     pub wear: PathBuf,
     /// Worn garment to write; OUT.crease.json and OUT.report.json go beside it
     #[arg(short, long, value_name = "OUT.glb", value_parser = glb_path, required_unless_present = "explain")]
@@ -46,6 +47,8 @@ pub struct Arguments {
     /// Simulate the file's own triangles instead of a mesh with edges along the fold lines of the script
     #[arg(long)]
     no_grading: bool,
+    #[command(flatten)]
+    pub apply: ApplyArgs,
     #[command(flatten)]
     pub export: ExportArgs,
     /// Time integrator [default: the one of the quality]
@@ -74,7 +77,7 @@ pub struct Arguments {
     pub frames_of: FramesOf,
     /// Frames per simulated second
     #[arg(long, value_name = "N", value_parser = positive, default_value_t = 10.0, requires = "frames")]
-    fps: f64,
+    pub fps: f64,
     /// Continue from OUT.checkpoint if an interrupted run left one; the result is bit-identical to an uninterrupted run
     #[arg(long)]
     pub resume: bool,

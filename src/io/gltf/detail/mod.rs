@@ -19,6 +19,7 @@ use crate::io::gltf::accessor::Accessors;
 use crate::io::gltf::append::{Appender, Purpose};
 use crate::io::gltf::detail::tangents::{Tangent, compute_tangents};
 use crate::io::gltf::detail::texels::{TexelSample, Texels};
+use crate::io::gltf::flat_shading::FlatNormals;
 use crate::io::gltf::read_worn::{column, keep_worn_pieces, worn_target, worn_target_index};
 use crate::io::gltf::worn_target::{LinearPart, LinearParts, WornShape};
 use crate::io::read::{ReadOptions, read_asset};
@@ -33,6 +34,16 @@ use serde_json::{Value, json};
 /// Side lengths of a detail map that can be asked for \[texels\].
 pub const DETAIL_MAP_SIZES: std::ops::RangeInclusive<usize> = 64..=16384;
 
+/// Bits per channel of a normal map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum MapDepth {
+    /// 8 bits, which every program reads.
+    #[default]
+    Eight,
+    /// 16 bits.
+    Sixteen,
+}
+
 /// Garment on the mesh of its file and on the simulated mesh.
 #[derive(Debug, Clone, Copy)]
 pub struct DetailInput<'a> {
@@ -44,6 +55,8 @@ pub struct DetailInput<'a> {
     pub parent: &'a [u32],
     /// Wear of `fine`.
     pub worn: &'a WornGarment,
+    /// Treatment of flat-shaded vertices, that of the worn file.
+    pub flat_normals: FlatNormals,
 }
 
 /// Detail map of one material.
@@ -51,7 +64,7 @@ pub struct DetailInput<'a> {
 pub struct DetailMap {
     /// Name of the material, if it has one.
     pub material: Option<String>,
-    /// Normal map: PNG, three channels of 16 bits, tangent space as glTF has it (y up).
+    /// Normal map: PNG, three channels, tangent space as glTF has it (y up).
     pub normal_png: Vec<u8>,
     /// Height of the fine surface over the coarse one: PNG, grey, 16 bits.
     pub height_png: Vec<u8>,
@@ -83,6 +96,7 @@ pub fn add_detail_map(
     asset: &SourceAsset,
     detail: &DetailInput,
     side: usize,
+    depth: MapDepth,
 ) -> Result<DetailOutput> {
     if !DETAIL_MAP_SIZES.contains(&side) {
         let message = format!(
@@ -134,7 +148,7 @@ pub fn add_detail_map(
         };
         texels.pad(TUNING.padding_texels);
         let broken = |message: String| Error::input(&asset.file, "detail map", message, "");
-        let normal_png = texels.to_png().map_err(broken)?;
+        let normal_png = texels.to_png(depth).map_err(broken)?;
         let (height_png, height_range_m) = texels.height_png().map_err(broken)?;
         if in_material {
             set_normal_texture(&mut appender, material, &surfaces, &normal_png);
@@ -343,6 +357,8 @@ struct Painter<'a> {
     /// Per triangle of the coarse garment: the vertices of its corners.
     corners: Vec<Option<SurfaceCorners>>,
     shape: WornShape<'a>,
+    /// Per surface and vertex: whether it is flat-shaded and has smooth normals after the wear.
+    flat: Vec<Vec<bool>>,
 }
 
 impl<'a> Painter<'a> {
@@ -369,15 +385,20 @@ impl<'a> Painter<'a> {
             }
             Some(SurfaceCorners { surface: s, vertices: corners })
         });
-        Self { detail, surfaces, corners: corners.collect(), shape: WornShape::new(detail.fine, detail.worn) }
+        let shape = WornShape::new(detail.fine, detail.worn, detail.flat_normals);
+        // The corners of the file's triangles are points of the fine garment, too.
+        let flat = |s: &Surface| shape.flat_vertices(s.points, &s.unworn, &s.piece.triangles);
+        let flat = surfaces.iter().map(flat).collect();
+        Self { detail, surfaces, corners: corners.collect(), shape, flat }
     }
 
     /// Paints the map of one material.
     fn paint(&self, material: Option<usize>, side: usize) -> Texels {
         let mut texels = Texels::new(side);
-        let DetailInput { coarse, fine, parent, worn } = *self.detail;
+        let DetailInput { coarse, fine, parent, worn, .. } = *self.detail;
         for (triangle, &k) in fine.triangles.iter().zip(parent) {
             let Some(SurfaceCorners { surface, vertices }) = self.corners[k as usize] else { continue };
+            let is_flat = vertices.iter().all(|&v| self.flat[surface][v]);
             let surface = &self.surfaces[surface];
             if surface.material != material {
                 continue;
@@ -389,7 +410,9 @@ impl<'a> Painter<'a> {
             };
             let normals: [Vec3; 3] = std::array::from_fn(|i| {
                 let base = unit_or(mix(&weights[i], &|v| surface.unworn[v]), Vec3::z());
-                self.shape.worn_normal(triangle[i], base, LinearPart::identity()).unwrap_or(base)
+                let smooth = is_flat.then(|| self.shape.smooth_normal(triangle[i], base)).flatten();
+                let rotated = || self.shape.worn_normal(triangle[i], base, LinearPart::identity());
+                smooth.or_else(rotated).unwrap_or(base)
             });
             let position = |p: PointIndex, points: &[Vec3]| points[p.at()] + worn.displacement[p.at()];
             let above = triangle.map(|p| position(p, &fine.points));
