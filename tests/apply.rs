@@ -1,6 +1,7 @@
 //! The worn shape as the base shape of a file: what a viewer shows of it, at every moment of its clips, is what the worn file
 //! shows with its target at weight 1; and flat-shaded files get smooth wrinkles.
 
+#[allow(dead_code, reason = "the builder has parts that only other tests need")]
 #[path = "export/document.rs"]
 mod document;
 
@@ -126,8 +127,8 @@ fn the_applied_file_shows_the_worn_shape_and_leads_back() {
                 assert!(largest_difference(&shown(&applied, name, &[puff, 1.0]), &back) < 1e-6, "{name}");
             }
         }
-        // Nothing was appended: the numbers replaced the old ones.
-        assert!(applied.len() <= worn_glb.len() + 64, "{} bytes from {}", applied.len(), worn_glb.len());
+        // Only the weights of the clips were appended: all other numbers replaced the old ones.
+        assert!(applied.len() <= worn_glb.len() + 400, "{} bytes from {}", applied.len(), worn_glb.len());
     }
 }
 

@@ -100,7 +100,8 @@ fn the_page_shows_the_worn_garment_and_its_colours() {
     // Without the library and the clips of three.js the page is small, and it forbids requests itself.
     let size = std::fs::metadata(&page).expect("is there").len();
     assert!(size < 1_000_000, "{size} bytes");
-    let dom = browse(browser, folder.path(), &["--dump-dom"], &address("show=curvature&wipe=0.3&wire=1&view=back"));
+    let dom =
+        browse(browser, folder.path(), &["--dump-dom"], &address("show=curvature&wipe=0.3&wire=1&view=back"));
     assert!(dom.contains("data-ready=\"yes\"") && dom.contains("left: 30%"), "the wipe has its handle");
 
     let mut pictures = Vec::new();

@@ -5,8 +5,8 @@ use crate::fabric::Fabric;
 use crate::garment::{Garment, SourceAsset, SourcePiece, WornGarment};
 use crate::io::gltf::{SceneShape, scene_shapes};
 use crate::io::usd::prim::{Prim, extent, identifier, list, texture_coordinates, vectors};
+use crate::io::usd::scene::{MATERIALS, PHYSICS_MATERIAL, ROOT, UsdFrames};
 use crate::io::usd::skeleton::UsdSkeleton;
-use crate::io::usd::{MATERIALS, PHYSICS_MATERIAL, ROOT, UsdFrames};
 use crate::math::Vec3;
 use serde_json::Value;
 

@@ -9,7 +9,7 @@
 
 use crate::garment::Garment;
 use crate::io::usd::prim::{Prim, extent, list, vectors};
-use crate::io::usd::{MATERIALS, PHYSICS_MATERIAL, UsdShape};
+use crate::io::usd::scene::{MATERIALS, PHYSICS_MATERIAL, UsdShape};
 use crate::math::Vec3;
 use crate::{Error, Result};
 

@@ -7,8 +7,8 @@ use crate::Result;
 use crate::body::rig::SkinBinding;
 use crate::garment::{SourceAsset, SourcePiece};
 use crate::io::gltf::read_rig;
-use crate::io::usd::ROOT;
 use crate::io::usd::prim::{Prim, identifier, list, matrix};
+use crate::io::usd::scene::ROOT;
 use crate::math::Mat4;
 
 /// Joints and weights.
@@ -115,7 +115,9 @@ impl UsdSkeleton {
         let joints = list(self.paths.iter().map(|path| format!("\"{path}\"")));
         let animation = Prim::new("SkelAnimation", "Pose")
             .line("uniform token[] blendShapes = [\"worn\"]".into())
-            .line("float[] blendShapeWeights = [1]".into());
+            .line("float[] blendShapeWeights = [1]".into())
+            // Blender's importer reads samples only.
+            .line("float[] blendShapeWeights.timeSamples = {0: [1]}".into());
         Prim::new("Skeleton", "Skeleton")
             .api(&["SkelBindingAPI"])
             .line(format!("uniform matrix4d[] bindTransforms = {}", list(self.bind.iter().map(matrix))))

@@ -18,6 +18,7 @@ use crate::garment::{Garment, GltfDocument, Placement, SourceAsset, SourcePiece,
 use crate::io::gltf::accessor::Accessors;
 use crate::io::gltf::append::{Appender, Purpose};
 use crate::io::gltf::detail::tangents::{Tangent, compute_tangents};
+pub use crate::io::gltf::detail::texels::MapDepth;
 use crate::io::gltf::detail::texels::{TexelSample, Texels};
 use crate::io::gltf::flat_shading::FlatNormals;
 use crate::io::gltf::read_worn::{column, keep_worn_pieces, worn_target, worn_target_index};
@@ -33,16 +34,6 @@ use serde_json::{Value, json};
 
 /// Side lengths of a detail map that can be asked for \[texels\].
 pub const DETAIL_MAP_SIZES: std::ops::RangeInclusive<usize> = 64..=16384;
-
-/// Bits per channel of a normal map.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum MapDepth {
-    /// 8 bits, which every program reads.
-    #[default]
-    Eight,
-    /// 16 bits.
-    Sixteen,
-}
 
 /// Garment on the mesh of its file and on the simulated mesh.
 #[derive(Debug, Clone, Copy)]

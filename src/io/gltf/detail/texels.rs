@@ -1,9 +1,18 @@
 //! Picture of directions: filled triangle by triangle in texture space, padded beyond the filled texels, and written as
 //! PNG; existing pictures are read.
 
-use crate::io::gltf::detail::MapDepth;
 use crate::io::tuning::TUNING;
 use crate::math::{Vec2, Vec3};
+
+/// Bits per channel of a normal map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum MapDepth {
+    /// 8 bits, which every program reads.
+    #[default]
+    Eight,
+    /// 16 bits.
+    Sixteen,
+}
 
 /// Direction and height of one texel.
 #[derive(Debug, Clone, Copy)]
