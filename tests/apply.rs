@@ -287,3 +287,58 @@ fn a_file_without_a_worn_target_is_refused() {
     let (garment, _) = Garment::from_asset(&asset).unwrap();
     assert!(write_worn_glb(&asset, &garment, &worn(&garment), &Value::Null).is_ok());
 }
+
+/// Runs the tool in `folder`; returns its exit code and what it wrote on both streams.
+fn run(folder: &std::path::Path, words: &str) -> (i32, String) {
+    let out = std::process::Command::new(env!("CARGO_BIN_EXE_crease"))
+        .args(words.split(' '))
+        .current_dir(folder)
+        .output()
+        .expect("runs");
+    let text = String::from_utf8_lossy(&out.stdout).into_owned() + &String::from_utf8_lossy(&out.stderr);
+    (out.status.code().unwrap_or(-1), text)
+}
+
+/// The garments and scripts of the program, the option, the command, and that pictures and pages take what both write.
+#[test]
+fn the_tool_applies_and_reads_what_it_applied() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    assert!(run(folder, "example").1.contains("fold-thrice"));
+    assert_eq!(run(folder, "example handkerchief -o .").0, 0);
+    let (code, text) = run(folder, "example handkerchief -o .");
+    assert!(code == 1 && text.contains("is there already"), "{text}");
+    let (code, text) = run(folder, "example shirt -o .");
+    assert!(code == 1 && text.contains("crease example"), "{text}");
+
+    let bake = "bake handkerchief.glb --quality draft --export usd --wear";
+    let (code, text) = run(folder, &format!("{bake} press-crase -o worn.glb"));
+    assert!(code == 1 && text.contains("did you mean `press-crease`?"), "{text}");
+    let (code, text) = run(folder, &format!("{bake} press-crease -o worn.glb"));
+    assert_eq!(code, 0, "{text}");
+    assert_eq!(run(folder, &format!("{bake} press-crease --apply -o applied.glb")).0, 0);
+    assert_eq!(run(folder, "apply worn.glb -o later.glb").0, 0);
+    let bytes = |name: &str| std::fs::read(folder.join(name)).unwrap();
+    // The name of the sidecar in the extras is all that differs.
+    let [at_once, later] = ["applied.glb", "later.glb"].map(|name| shown(&bytes(name), "POSITION", &[0.0]));
+    assert_eq!(at_once, later);
+    let wanted = shown(&bytes("worn.glb"), "POSITION", &[1.0]);
+    assert!(largest_difference(&at_once, &wanted) < 1e-7);
+    // The sidecar belongs to the applied file, too; without it the file itself has both shapes.
+    assert_eq!(
+        run(folder, "render applied.glb --show rest-angle-change --before-after -o a.png --size 64").0,
+        0
+    );
+    std::fs::remove_file(folder.join("applied.crease.json")).unwrap();
+    assert_eq!(run(folder, "render applied.glb --focus memory --view top -o b.png --size 64").0, 0);
+    assert_eq!(run(folder, "view applied.glb later.glb -o both.html").0, 0);
+    let (code, text) = run(folder, "apply later.glb -o again.glb");
+    assert!(code == 1 && text.contains("worn"), "{text}");
+    assert!(!folder.join("again.glb").exists());
+    let usd = String::from_utf8(bytes("worn.usda")).unwrap();
+    assert!(
+        usd.starts_with("#usda 1.0")
+            && usd.contains("def BlendShape \"worn\"")
+            && usd.contains("physics:density")
+    );
+}

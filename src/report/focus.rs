@@ -11,7 +11,7 @@ use crate::report::GarmentView;
 use crate::report::render::{Camera, Focus};
 
 /// Radius of the focus as a fraction of the radius of the garment [-].
-const FOCUS_FRACTION: f64 = 0.3;
+const FOCUS_FRACTION: f64 = 0.4;
 /// Cosine of the angle between a normal and the camera from which a part is seen [-].
 const MIN_FACING: f64 = 0.25;
 /// Fraction of the points whose change counts in full [-].

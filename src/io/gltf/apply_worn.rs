@@ -277,7 +277,7 @@ impl PrimitiveEdit<'_> {
     }
 }
 
-/// Returns per vertex the smooth normals before and after; vertices at one position share them.
+/// Returns per vertex the smooth normals before and after; those of vertices at one position are equal.
 fn smooth_normals(base: &[f64], shift: &[f64], corners: &[u32]) -> Vec<[Vec3; 2]> {
     let vertices: Vec<Vec3> = base.chunks_exact(3).map(Vec3::from_column_slice).collect();
     let mut points = Vec::new();

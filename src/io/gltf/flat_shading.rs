@@ -9,7 +9,7 @@ use crate::garment::Garment;
 use crate::math::Vec3;
 use crate::mesh::{PointIndex, triangle};
 
-/// Angle between two triangles before the wear up to which they share normals \[degrees\].
+/// Angle between two triangles before the wear up to which their normals are common \[degrees\].
 const MAX_SMOOTH_DEG: f64 = 45.0;
 /// Angle between the normals of a vertex and of its triangles up to which it is flat-shaded \[degrees\].
 const FLAT_TOL_DEG: f64 = 0.5;

@@ -84,6 +84,8 @@ pub(super) struct Projection {
     centre: Vec3,
     /// Height of the ground: the lowest point of the garment [m].
     pub ground: f64,
+    /// Whether the ground is in the picture: a close view is of the garment alone.
+    has_ground: bool,
     /// Radius of the garment [m].
     pub radius: f64,
     /// Inverse distance of the camera from the centre [1/m]; 0 without perspective.
@@ -131,6 +133,7 @@ impl Camera {
             toward,
             centre: low + 0.5 * (high - low),
             ground: low.y,
+            has_ground: self.focus.is_none(),
             radius,
             inverse_distance: 1.0 / (distance * radius),
             scale: 1.0,
@@ -205,6 +208,9 @@ impl Projection {
 
     /// Returns the point of the ground seen at `pixel`; `None` above the horizon.
     pub fn ground_at(&self, pixel: Vec2) -> Option<GroundPoint> {
+        if !self.has_ground {
+            return None;
+        }
         let flat = (pixel - self.origin) / self.scale;
         let across = flat.x * self.right - flat.y * self.up;
         // Points on the ray: centre + across + depth * (toward - across / distance).
@@ -238,7 +244,7 @@ mod tests {
     fn all_points_are_in_the_picture_and_touch_its_margin() {
         for distance in [6.0, f64::INFINITY] {
             let points = box_corners(0.9, 0.3, 0.7);
-            let camera = Camera { azimuth_deg: Some(30.0), elevation_deg: Some(20.0), distance };
+            let camera = Camera { azimuth_deg: Some(30.0), elevation_deg: Some(20.0), distance, focus: None };
             let projection = camera.aim(&points, [400, 300]);
             let seen: Vec<Vec3> = points.iter().map(|&p| projection.project(p)).collect();
             assert!(seen.iter().all(|s| s.x > 0.0 && s.x < 400.0 && s.y > 0.0 && s.y < 300.0));
@@ -252,7 +258,7 @@ mod tests {
     #[test]
     fn axes_are_not_mirrored() {
         for distance in [6.0, f64::INFINITY] {
-            let camera = Camera { azimuth_deg: Some(0.0), elevation_deg: Some(35.0), distance };
+            let camera = Camera { azimuth_deg: Some(0.0), elevation_deg: Some(35.0), distance, focus: None };
             let projection = camera.aim(&box_corners(1.0, 1.0, 1.0), [100, 100]);
             let [o, x, y, z] =
                 [Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()].map(|p| projection.project(p));
@@ -263,7 +269,7 @@ mod tests {
     #[test]
     fn ground_and_projection_agree() {
         for distance in [6.0, f64::INFINITY] {
-            let camera = Camera { azimuth_deg: Some(25.0), elevation_deg: Some(35.0), distance };
+            let camera = Camera { azimuth_deg: Some(25.0), elevation_deg: Some(35.0), distance, focus: None };
             let projection = camera.aim(&box_corners(1.0, 0.5, 1.0), [200, 200]);
             let p = Vec3::new(0.3, 0.0, 0.8);
             let s = projection.project(p);
