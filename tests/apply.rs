@@ -311,7 +311,12 @@ fn the_tool_applies_and_reads_what_it_applied() {
     let (code, text) = run(folder, "example shirt -o .");
     assert!(code == 1 && text.contains("crease example"), "{text}");
 
-    let bake = "bake handkerchief.glb --quality draft --export usd --wear";
+    let square = |k: usize| (0.02 * (k % 13) as f64, 0.02 * (k / 13) as f64);
+    let points = (0..13 * 13).map(square).map(|(x, z)| format!("v {x} 0 {z}\n"));
+    let cells = (0..12 * 12).map(|k| k / 12 * 13 + k % 12 + 1);
+    let faces = cells.map(|a| format!("f {a} {} {} {}\n", a + 13, a + 14, a + 1));
+    std::fs::write(folder.join("sheet.obj"), points.chain(faces).collect::<String>()).unwrap();
+    let bake = "bake sheet.obj --unit m --quality draft --export usd --wear";
     let (code, text) = run(folder, &format!("{bake} press-crase -o worn.glb"));
     assert!(code == 1 && text.contains("did you mean `press-crease`?"), "{text}");
     let (code, text) = run(folder, &format!("{bake} press-crease -o worn.glb"));
