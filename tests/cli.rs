@@ -394,10 +394,10 @@ fn check_worn_glb(bytes: &[u8]) {
 fn check_views(glb: &[u8], sidecar: &[u8]) {
     let options = crease::io::ReadOptions { unit_m: Some(1.0), any_size: true, ..Default::default() };
     let mut nothing = |name: &str| Err(crease::Error::input(name, "", "is not asked for", ""));
-    let (asset, _) = crease::io::read_asset("one.glb", glb, &options, &mut nothing).expect("reads back");
+    let (mut asset, _) = crease::io::read_asset("one.glb", glb, &options, &mut nothing).expect("reads back");
     let sidecar = crease::io::read_sidecar("one.crease.json", sidecar).expect("reads back");
     let in_full = crease::report::GarmentView::of_sidecar("one.glb", &sidecar);
-    let alone = crease::report::GarmentView::of_asset(asset).expect("is a garment");
+    let alone = crease::report::GarmentView::of_asset(&mut asset).expect("is a garment");
     let largest = |view: &crease::report::GarmentView| {
         let memory = view.memory.as_ref().expect("is worn");
         let moved = view.before.iter().zip(&view.after).map(|(a, b)| 1e3 * (a - b).norm());

@@ -7,7 +7,9 @@ mod glb;
 mod tool;
 
 use crease::garment::{RestState, RigidParts, WornGarment, content_warnings};
-use crease::io::gltf::{DetailInput, DetailOutput, add_detail_map, keep_worn_pieces, write_worn_glb};
+use crease::io::gltf::{
+    DetailInput, DetailOutput, FlatNormals, MapDepth, add_detail_map, keep_worn_pieces, write_worn_glb,
+};
 use crease::io::{ReadOptions, read_asset};
 use crease::{GarmentFile, Vec3};
 use glb::{Part, glb as file, json_of};
@@ -216,9 +218,14 @@ fn detailed(parts: Vec<Part>, edit: impl FnOnce(&mut Value)) -> (DetailOutput, V
     };
     let glb = write_worn_glb(&own.asset, &own.garment, &worn(&own.garment), &Value::Null).expect("writes");
     let fine = worn(&refined.garment);
-    let input =
-        DetailInput { coarse: &own.garment, fine: &refined.garment, parent: &refined.parent, worn: &fine };
-    let output = add_detail_map(&glb, &own.asset, &input, 256).expect("is made");
+    let input = DetailInput {
+        coarse: &own.garment,
+        fine: &refined.garment,
+        parent: &refined.parent,
+        worn: &fine,
+        flat_normals: FlatNormals::default(),
+    };
+    let output = add_detail_map(&glb, &own.asset, &input, 256, MapDepth::Eight).expect("is made");
     let json = json_of(&output.glb);
     (output, json)
 }

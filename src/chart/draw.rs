@@ -49,10 +49,12 @@ pub(super) fn svg(figure: &Figure) -> Result<String> {
 /// Renders the figure as PNG.
 pub(super) fn png(figure: &Figure) -> Result<Vec<u8>> {
     let (width, height) = size(figure);
-    let side = |n: u32| (n * PNG_SCALE) as usize;
+    // Lines are smooth because the picture is drawn at twice its size.
+    let scale = 2 * PNG_SCALE;
+    let side = |n: u32| (n * scale) as usize;
     let mut image = Image::filled(side(width), side(height), [255; 3]);
-    draw(Canvas(&mut image).into_drawing_area(), figure, PNG_SCALE)?;
-    encode_png(&image)
+    draw(Canvas(&mut image).into_drawing_area(), figure, scale)?;
+    encode_png(&image.halved())
 }
 
 /// Width and height of the picture [SVG pixels].

@@ -1,5 +1,5 @@
-//! A backend for plotters that draws into an [`Image`] with the built-in bitmap font, so that a PNG needs no font and
-//! no library of the system. Only pixels and text are drawn here; plotters composes lines and shapes of pixels.
+//! A backend for plotters that draws into an [`Image`] with the embedded font, so that a PNG needs no font and no library
+//! of the system. Only pixels and text are drawn here; plotters composes lines and shapes of pixels.
 
 use crate::report::render::{Image, font};
 use plotters_backend::text_anchor::{HPos, VPos};
@@ -9,16 +9,8 @@ use plotters_backend::{
 };
 use std::convert::Infallible;
 
-/// Text height per dot of the bitmap font [pixels].
-const TEXT_PER_DOT: f64 = 15.0;
-
 /// Backend that draws into an image.
 pub(super) struct Canvas<'a>(pub(super) &'a mut Image);
-
-/// Pixels per dot of the bitmap font for text of `size` pixels.
-fn dots(size: f64) -> usize {
-    (size / TEXT_PER_DOT).round().max(1.0) as usize
-}
 
 impl DrawingBackend for Canvas<'_> {
     type ErrorType = Infallible;
@@ -75,8 +67,8 @@ impl DrawingBackend for Canvas<'_> {
         style: &S,
         at: BackendCoord,
     ) -> Result<(), DrawingErrorKind<Infallible>> {
-        let scale = dots(style.size());
-        let (width, height) = (font::width(text, scale) as i32, font::height(scale) as i32);
+        let size = style.size();
+        let (width, height) = (font::width(text, size) as i32, font::height(size) as i32);
         let left = match style.anchor().h_pos {
             HPos::Left => 0,
             HPos::Center => -width / 2,
@@ -89,7 +81,7 @@ impl DrawingBackend for Canvas<'_> {
         };
         let (r, g, b) = style.color().rgb;
         let transform = style.transform();
-        font::visit(text, scale, &mut |x, y| {
+        font::visit(text, size, &mut |x, y, coverage| {
             let (x, y) = (left + x as i32, top + y as i32);
             let (x, y) = match transform {
                 FontTransform::None => (x, y),
@@ -98,7 +90,7 @@ impl DrawingBackend for Canvas<'_> {
                 FontTransform::Rotate270 => (y, -x),
             };
             if let (Ok(x), Ok(y)) = (usize::try_from(at.0 + x), usize::try_from(at.1 + y)) {
-                self.0.set(x, y, [r, g, b]);
+                self.0.blend(x, y, [r, g, b], coverage);
             }
         });
         Ok(())
@@ -109,7 +101,6 @@ impl DrawingBackend for Canvas<'_> {
         text: &str,
         style: &S,
     ) -> Result<(u32, u32), DrawingErrorKind<Infallible>> {
-        let scale = dots(style.size());
-        Ok((font::width(text, scale) as u32, font::height(scale) as u32))
+        Ok((font::width(text, style.size()) as u32, font::height(style.size()) as u32))
     }
 }

@@ -13,10 +13,12 @@ use clap::{CommandFactory, Parser, Subcommand};
 use commands::chart;
 #[cfg(feature = "viewer")]
 use commands::view;
-use commands::{bake, batch, completions, fabric, from_motion, inspect, render, schema, transfer};
+use commands::{
+    apply, bake, batch, completions, example, fabric, from_motion, inspect, render, schema, transfer,
+};
 use crease::{Error, Result};
 use runtime::{console, interrupt};
-use std::process::ExitCode;
+use std::ffi::OsString;
 
 /// Simulates how a garment is worn and bakes the permanent wrinkles into its mesh.
 #[derive(Debug, Parser)]
@@ -25,7 +27,8 @@ use std::process::ExitCode;
     version,
     after_help = "Examples:
   crease inspect shirt.obj
-  crease bake shirt.obj --wear garments/wear/fold-thrice.json -o worn.glb --preview
+  crease example tshirt-draft -o .
+  crease bake tshirt-draft.glb --wear fold-thrice -o worn.glb --preview
   crease view worn.glb -o worn.html
 
 Exit codes: 0 success, 1 bad input, 2 wrong usage, 3 no convergence or an empty result, 130 interrupted."
@@ -43,6 +46,8 @@ enum Command {
     Bake(Box<bake::Arguments>),
     /// Transfer memory to another garment: writes OUT.glb, OUT.crease.json and OUT.report.json
     Transfer(Box<transfer::Arguments>),
+    /// Make the worn shape of a baked file its base shape, for programs that do not read default morph weights
+    Apply(apply::Arguments),
     /// Compute memory from an existing motion, without simulation
     #[command(visible_alias = "from-motion")]
     Remember(Box<from_motion::Arguments>),
@@ -56,6 +61,8 @@ enum Command {
     View(view::Arguments),
     /// Bake many garments, scripts and fabrics: on this machine, on a Slurm cluster, or through Open Job Description
     Batch(Box<batch::Arguments>),
+    /// List garments and wear scripts to try, or write one
+    Example(example::Arguments),
     /// List the built-in fabrics, or print one
     Fabric(fabric::Arguments),
     /// Print the JSON Schema of a file format
@@ -72,6 +79,7 @@ impl Command {
             Self::Inspect(arguments) => inspect::run(arguments),
             Self::Bake(arguments) => bake::run(*arguments),
             Self::Transfer(arguments) => transfer::run(*arguments),
+            Self::Apply(arguments) => apply::run(arguments),
             Self::Remember(arguments) => from_motion::run(*arguments),
             Self::Render(arguments) => render::run(arguments),
             #[cfg(feature = "charts")]
@@ -79,6 +87,7 @@ impl Command {
             #[cfg(feature = "viewer")]
             Self::View(arguments) => view::run(arguments),
             Self::Batch(arguments) => batch::run(*arguments),
+            Self::Example(arguments) => example::run(arguments),
             Self::Fabric(arguments) => fabric::run(arguments),
             Self::Schema(arguments) => schema::run(arguments),
             Self::Completions(arguments) => completions::run(arguments, Arguments::command()),
@@ -87,21 +96,21 @@ impl Command {
     }
 }
 
-/// Reads the command line, runs the command, and maps its outcome to an exit code.
-pub fn run() -> ExitCode {
-    let arguments = match Arguments::try_parse() {
+/// Runs the command line `words`, of which the first is the name of the program; returns the exit code.
+pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
+    let arguments = match Arguments::try_parse_from(words) {
         Ok(arguments) => arguments,
         Err(error) => {
             // Help and version arrive here, too. A closed pipe is not an error.
             let _ = error.print();
-            return if error.use_stderr() { ExitCode::from(2) } else { ExitCode::SUCCESS };
+            return if error.use_stderr() { 2 } else { 0 };
         }
     };
     match arguments.command.run() {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => 0,
         Err(error) => {
             console::error(&error);
-            ExitCode::from(exit_code(&error))
+            exit_code(&error)
         }
     }
 }

@@ -126,10 +126,7 @@ impl GarmentFile {
     /// Embeds the images that the document of the file `path` refers to, so that the saved file is complete. Returns a
     /// warning for each that cannot be read.
     pub fn embed_images(&mut self, path: &Path) -> Vec<String> {
-        match &mut self.asset.document {
-            Some(document) => embed_images(document, &mut |name| read_beside(path, name)),
-            None => Vec::new(),
-        }
+        embed_asset_images(&mut self.asset, path)
     }
 
     /// The file as .glb with the wrinkles of `worn` as morph target `worn`, switched on, and its memory as vertex attributes.
@@ -186,6 +183,14 @@ impl GarmentFile {
 pub fn read_asset_file(path: &Path, options: &ReadOptions) -> Result<(SourceAsset, Vec<ImportDiagnostic>)> {
     let bytes = read_bytes(path)?;
     read_asset(&file_name(path), &bytes, options, &mut |name| read_beside(path, name))
+}
+
+/// Embeds the images that the document of the file `path` refers to. Returns a warning for each that cannot be read.
+pub fn embed_asset_images(asset: &mut SourceAsset, path: &Path) -> Vec<String> {
+    match &mut asset.document {
+        Some(document) => embed_images(document, &mut |name| read_beside(path, name)),
+        None => Vec::new(),
+    }
 }
 
 /// Reads the file to which the mesh file `mesh` refers as `name`.

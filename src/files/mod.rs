@@ -7,5 +7,5 @@ mod garment_file;
 mod load;
 mod read;
 
-pub use garment_file::{GarmentFile, read_asset_file};
+pub use garment_file::{GarmentFile, embed_asset_images, read_asset_file};
 pub use read::{file_name, read_bytes, read_text};

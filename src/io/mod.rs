@@ -14,7 +14,7 @@ mod shape_obj;
 mod sidecar;
 mod size;
 mod tuning;
-mod usda;
+mod usd;
 
 pub use body::sequence_from_assets;
 pub use frames::write_frame_obj;
@@ -26,4 +26,4 @@ pub use sidecar::{
     SidecarSource, SidecarTriangles, SidecarUp, read_sidecar, write_sidecar,
 };
 pub use size::{compare_body_size, compare_frame_size};
-pub use usda::{UsdaMemory, read_usda, wrapped_deg, write_usda};
+pub use usd::{UsdFrames, UsdScene, UsdShape, UsdaMemory, read_usda, wrapped_deg, write_usda};

@@ -5,7 +5,7 @@
 //! | `obj` | `OUT.worn.obj`, the worn shape | any program |
 //! | `rest-mesh` | `OUT.rest.obj`, the shape that best carries the rest angles | Maya, Blender, Vellum, ppf, Newton: rest shapes |
 //! | `rest-angle-map` | `OUT.rest-angle.glb`, rest angles per vertex | Unreal Chaos |
-//! | `usda` | `OUT.usda`, pairs of triangles and their angles in degrees | USD physics |
+//! | `usd` | `OUT.usda`: meshes with the wear as blend shape, skeleton, materials, frames; rest angles of a deformable | Blender, Maya, Unreal, Houdini; USD physics |
 //!
 //! The formats are in `io`. A new kind needs a format there and a line in each list of [`Export`].
 
@@ -14,7 +14,8 @@ use crate::fabric::Fabric;
 use crate::garment::{Garment, SourceAsset, WornGarment};
 use crate::io::gltf::write_rest_angle_map;
 use crate::io::{
-    ReadOptions, read_asset, read_shape_obj, read_usda, wrapped_deg, write_shape_obj, write_usda,
+    ReadOptions, UsdFrames, UsdScene, read_asset, read_shape_obj, read_usda, wrapped_deg, write_shape_obj,
+    write_usda,
 };
 use crate::math::Vec3;
 use crate::mesh::{hinge_angle, unwrap_angle};
@@ -31,8 +32,8 @@ pub enum Export {
     RestMesh,
     /// Rest angles per vertex as GLB.
     RestAngleMap,
-    /// USD surface deformable.
-    Usda,
+    /// USD scene.
+    Usd,
 }
 
 /// A written file with its checks.
@@ -67,7 +68,7 @@ impl Export {
         ("obj", Self::Obj),
         ("rest-mesh", Self::RestMesh),
         ("rest-angle-map", Self::RestAngleMap),
-        ("usda", Self::Usda),
+        ("usd", Self::Usd),
     ];
 
     /// Returns the extension of the file.
@@ -76,24 +77,26 @@ impl Export {
             Self::Obj => "worn.obj",
             Self::RestMesh => "rest.obj",
             Self::RestAngleMap => "rest-angle.glb",
-            Self::Usda => "usda",
+            Self::Usd => "usda",
         }
     }
 
-    /// Writes the file of `worn` and reads it back. `garment`, of the fabric `fabric`, was made from `asset`.
+    /// Writes the file of `worn` and reads it back. `garment`, of the fabric `fabric`, was made from `asset`. A USD scene holds
+    /// the `frames`, too.
     pub fn make(
         self,
         asset: &SourceAsset,
         garment: &Garment,
         worn: &WornGarment,
         fabric: &Fabric,
+        frames: Option<UsdFrames>,
     ) -> Result<ExportFile> {
         let exporter = Exporter { asset, garment, worn };
         let (bytes, checks) = match self {
             Self::Obj => exporter.worn_obj()?,
             Self::RestMesh => exporter.rest_obj(fabric)?,
             Self::RestAngleMap => exporter.rest_angle_map()?,
-            Self::Usda => exporter.usda(fabric)?,
+            Self::Usd => exporter.usd(fabric, frames)?,
         };
         Ok(ExportFile { bytes, checks })
     }
@@ -131,11 +134,12 @@ impl Exporter<'_> {
         Ok((bytes, self.shape_checks(&back)))
     }
 
-    fn usda(&self, fabric: &Fabric) -> Result<(Vec<u8>, Vec<ExportCheck>)> {
+    fn usd(&self, fabric: &Fabric, frames: Option<UsdFrames>) -> Result<(Vec<u8>, Vec<ExportCheck>)> {
         let shape = rest_mesh(self.garment, fabric, &self.worn.memory);
         let memory = &self.worn.memory;
+        let &Self { asset, garment, worn } = self;
         let bytes =
-            write_usda(self.garment, &self.worn.displacement, &shape.displacement, &memory.rest_angle);
+            write_usda(&UsdScene { asset, garment, worn, rest: &shape.displacement, fabric, frames })?;
         let back = read_usda("OUT.usda", &bytes)?;
         let hinges = &self.garment.topology.hinges;
         if back.rest_points.len() != self.garment.points.len() {

@@ -69,6 +69,8 @@ pub struct GarmentView {
     pub after: Vec<Vec3>,
     /// Triangles over the points.
     pub triangles: Vec<[PointIndex; 3]>,
+    /// Per vertex of the worn pieces of the file: its point.
+    pub vertex_points: Vec<PointIndex>,
     /// Memory, if the file has any.
     pub memory: Option<PointMemory>,
     /// Confidence of a transfer, one value per triangle.
@@ -115,14 +117,15 @@ impl GarmentView {
             confidence: sidecar.triangles.confidence.clone(),
             before,
             triangles: sidecar.mesh_triangles(),
+            vertex_points: sidecar.mesh.source_point.iter().map(|&p| PointIndex(p)).collect(),
         }
     }
 
     /// Creates the view from a mesh file: the worn pieces of a worn glTF, otherwise the whole garment.
-    pub fn of_asset(mut asset: SourceAsset) -> Result<Self> {
-        let worn = if keep_worn_pieces(&mut asset) { Some(read_worn(&asset)?) } else { None };
-        let (garment, _) = Garment::from_asset(&asset)?;
-        let mut after = garment.points.clone();
+    pub fn of_asset(asset: &mut SourceAsset) -> Result<Self> {
+        let worn = if keep_worn_pieces(asset) { Some(read_worn(asset)?) } else { None };
+        let (garment, _) = Garment::from_asset(asset)?;
+        let (mut before, mut after) = (garment.points.clone(), garment.points.clone());
         let memory = worn.map(|worn| {
             let mut memory = PointMemory {
                 rest_angle_change_deg: vec![0.0; after.len()],
@@ -134,16 +137,20 @@ impl GarmentView {
                 if let Some(x) = worn.positions.get(v) {
                     after[point.at()] = *x;
                 }
+                if let Some(x) = worn.source_positions.get(v) {
+                    before[point.at()] = *x;
+                }
                 memory.rest_angle_change_deg[point.at()] = worn.rest_angle_deg.get(v).copied().unwrap_or(0.0);
                 memory.stiffness_ratio[point.at()] = worn.stiffness_ratio.get(v).copied().unwrap_or(1.0);
             }
             memory
         });
         Ok(Self {
-            file: asset.file,
-            before: garment.points,
+            file: asset.file.clone(),
+            before,
             after,
             triangles: garment.triangles,
+            vertex_points: garment.source_point,
             memory,
             confidence: None,
         })

@@ -3,6 +3,8 @@
 mod detail_report;
 mod export;
 #[cfg(feature = "render")]
+mod focus;
+#[cfg(feature = "render")]
 mod garment_view;
 mod html;
 #[cfg(feature = "render")]
@@ -22,4 +24,4 @@ pub use report_file::{CrossingCounts, EventCounts, ModelChoice, Report, StageTim
 pub use swatch::{overhang, swatch_page};
 pub use transfer_report::{CarriedSource, TransferReport};
 #[cfg(feature = "viewer")]
-pub use viewer::{HingeLabel, ViewerItem, viewer_page};
+pub use viewer::{HingeLabel, ViewerItem, ViewerPiece, viewer_page};

@@ -19,6 +19,7 @@ mod layer_order;
 mod line_layout;
 mod motion_profile;
 mod persistent_state;
+mod preset_list;
 mod script;
 mod springs;
 mod tuning;

@@ -3,11 +3,12 @@
 use crate::cli::files::input;
 use crate::cli::files::output::Outputs;
 use crate::cli::runtime::console;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use crease::Result;
 use crease::fabric::Fabric;
 use crease::files::GarmentFile;
 use crease::garment::WornGarment;
+use crease::io::UsdFrames;
 use crease::report::{Export, ExportCheck};
 use std::path::{Path, PathBuf};
 
@@ -15,14 +16,19 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, clap::Args)]
 pub struct ExportArgs {
     /// Files for other programs, comma-separated: worn shape as OBJ, rest mesh as OBJ, rest angles per vertex as GLB,
-    /// USD surface deformable
+    /// USD scene
     #[arg(long, alias = "also", value_name = "LIST", value_delimiter = ',', value_parser = kinds())]
     export: Vec<Export>,
 }
 
 fn kinds() -> impl TypedValueParser<Value = Export> {
-    let names = PossibleValuesParser::new(Export::ALL.map(|(name, _)| name));
-    names.try_map(|name| {
+    // Earlier scripts say `usda`.
+    let value = |(name, kind)| {
+        let value = PossibleValue::new(name);
+        if kind == Export::Usd { value.alias("usda") } else { value }
+    };
+    PossibleValuesParser::new(Export::ALL.map(value)).try_map(|name| {
+        let name = if name == "usda" { "usd" } else { &name };
         Export::ALL.iter().find(|(own, _)| *own == name).map(|(_, kind)| *kind).ok_or("no such kind")
     })
 }
@@ -39,6 +45,11 @@ impl ExportArgs {
         self.export.iter().copied().filter(is_new).map(|kind| (kind, worn.with_extension(kind.ending())))
     }
 
+    /// Whether a USD scene is written.
+    pub fn has_usd(&self) -> bool {
+        self.export.contains(&Export::Usd)
+    }
+
     /// Checks that all files can be written. To be called before a long run.
     pub fn check(&self, worn: &Path, outputs: &Outputs) -> Result<()> {
         self.paths(worn).try_for_each(|(_, path)| outputs.check(&path))
@@ -52,10 +63,11 @@ impl ExportArgs {
         mesh: &GarmentFile,
         worn: &WornGarment,
         fabric: &Fabric,
+        frames: Option<UsdFrames>,
     ) -> Result<Vec<ExportCheck>> {
         let mut checks = Vec::new();
         for (kind, path) in self.paths(worn_path) {
-            let file = kind.make(&mesh.asset, &mesh.garment, worn, fabric)?;
+            let file = kind.make(&mesh.asset, &mesh.garment, worn, fabric, frames)?;
             outputs.add(&path, &file.bytes)?;
             let with_name = |check| ExportCheck { file: input::name_of(&path), ..check };
             checks.extend(file.checks.into_iter().map(with_name));

@@ -1,5 +1,6 @@
 //! Groups of command-line arguments that several commands have in common, and parsers of their values.
 
+pub mod apply;
 pub mod body;
 pub mod color_by;
 pub mod export;

@@ -3,9 +3,10 @@
 
 use crate::cli::args::values::positive;
 use crate::cli::files::output::Outputs;
+use clap::ValueEnum;
 use clap::builder::RangedU64ValueParser;
 use crease::garment::{Garment, SourceAsset, WornGarment};
-use crease::io::gltf::{DETAIL_MAP_SIZES, DetailInput, add_detail_map};
+use crease::io::gltf::{DETAIL_MAP_SIZES, DetailInput, FlatNormals, MapDepth, add_detail_map};
 use crease::mesh::PointIndex;
 use crease::report::DetailReport;
 use crease::{Error, Result};
@@ -30,6 +31,9 @@ pub struct RefineArgs {
         value_parser = side()
     )]
     detail_map: Option<u64>,
+    /// Bits per channel of the normal map
+    #[arg(long, value_name = "BITS", value_enum, default_value_t = MapBits::Eight, requires = "detail_map")]
+    normal_map_bits: MapBits,
     /// Also write the height of these wrinkles over the triangles of the file, as OUT.height.png
     #[arg(long, requires = "detail_map")]
     height_map: bool,
@@ -37,6 +41,16 @@ pub struct RefineArgs {
 
 /// Most points of a refined garment.
 const MAX_REFINED_POINTS: f64 = 1e6;
+/// Values of `--normal-map-bits`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum MapBits {
+    /// 8 bits, which every program reads
+    #[value(name = "8")]
+    Eight,
+    /// 16 bits
+    #[value(name = "16")]
+    Sixteen,
+}
 
 fn side() -> RangedU64ValueParser {
     RangedU64ValueParser::new().range(*DETAIL_MAP_SIZES.start() as u64..=*DETAIL_MAP_SIZES.end() as u64)
@@ -62,9 +76,14 @@ pub struct CoarseGarment {
 
 impl Refinement {
     /// Returns the wrinkles of the refined garment `fine` that its file cannot show; `None` if it was not refined.
-    pub fn detail<'a>(&'a self, fine: &'a Garment, worn: &'a WornGarment) -> Option<DetailInput<'a>> {
+    pub fn detail<'a>(
+        &'a self,
+        fine: &'a Garment,
+        worn: &'a WornGarment,
+        flat_normals: FlatNormals,
+    ) -> Option<DetailInput<'a>> {
         let CoarseGarment { garment, parent } = self.coarse.as_ref()?;
-        Some(DetailInput { coarse: garment, fine, parent, worn })
+        Some(DetailInput { coarse: garment, fine, parent, worn, flat_normals })
     }
 }
 
@@ -139,7 +158,11 @@ impl RefineArgs {
             let notes = vec!["no detail map: the garment was not refined".to_owned()];
             return Ok(DetailedGlb { glb, notes, ..DetailedGlb::default() });
         };
-        let detailed = add_detail_map(&glb, asset, &detail, side as usize)?;
+        let depth = match self.normal_map_bits {
+            MapBits::Eight => MapDepth::Eight,
+            MapBits::Sixteen => MapDepth::Sixteen,
+        };
+        let detailed = add_detail_map(&glb, asset, &detail, side as usize, depth)?;
         let mut reports = Vec::new();
         for (k, map) in detailed.maps.iter().enumerate() {
             let beside = |kind: &str| map_path(worn, kind, k, detailed.maps.len());

@@ -4,6 +4,7 @@ use crate::cli::files::input;
 use crate::cli::files::output::Outputs;
 use crate::cli::runtime::console;
 use crate::cli::runtime::threads::use_threads;
+use crate::cli::runtime::waiting::Waiting;
 use crease::chart::{Chart, ChartOptions};
 use crease::fabric::PAPER_FABRIC;
 use crease::{Error, Result};
@@ -44,7 +45,9 @@ pub fn run(arguments: Arguments) -> Result<()> {
         full: arguments.full,
     };
     let folder = OutputFolder::create(&arguments.output)?;
+    let waiting = Waiting::begin(&format!("chart {}", arguments.name));
     let chart = Chart::make(&arguments.name, &options)?;
+    drop(waiting);
     let mut outputs = Outputs::new([]);
     for (ending, bytes) in chart.files()? {
         outputs.add(&arguments.output.join(format!("{}.{ending}", chart.name)), &bytes)?;

@@ -1,6 +1,7 @@
 //! `crease remember`: memory from an existing motion, without simulation. Reads an animated glTF or a folder of OBJ frames;
 //! writes the worn garment, its sidecar and the report, as `crease bake` does.
 
+use crate::cli::args::apply::ApplyArgs;
 use crate::cli::args::mesh::MeshArgs;
 use crate::cli::args::run::RunArgs;
 use crate::cli::args::values::{Metres, glb_path, positive, unit};
@@ -57,6 +58,8 @@ pub struct Arguments {
     #[command(flatten)]
     reading: MeshArgs,
     #[command(flatten)]
+    apply: ApplyArgs,
+    #[command(flatten)]
     run: RunArgs,
 }
 
@@ -68,7 +71,8 @@ const MAX_FRAMES: f64 = 110_000.0;
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<()> {
     let inputs = [Some(arguments.motion.as_path()), arguments.mesh.as_deref()].into_iter().flatten();
-    let mut job = WornJob::start(&arguments.run, &arguments.output, inputs, SideFiles::default())?;
+    let side_files = SideFiles { apply: arguments.apply, ..SideFiles::default() };
+    let mut job = WornJob::start(&arguments.run, &arguments.output, inputs, side_files)?;
     let fabric = input::fabric(&arguments.fabric)?;
     let mut motion = if arguments.motion.is_dir() {
         MotionInput::from_frames(&arguments)?
@@ -90,7 +94,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
         worn: &baked.worn,
         fabric: &fabric,
         sidecar: &sidecar,
-        side_files: SideFiles::default(),
+        side_files,
         computed,
     };
     job.warn_of_failure(baked.report.empty_reason.as_ref());

@@ -1,10 +1,12 @@
 //! The commands, one file or folder each: from arguments to options, a library call, and files.
 
+pub mod apply;
 pub mod bake;
 pub mod batch;
 #[cfg(feature = "charts")]
 pub mod chart;
 pub mod completions;
+pub mod example;
 pub mod fabric;
 pub mod from_motion;
 pub mod inspect;

@@ -7,14 +7,17 @@ use crate::cli::args::color_by::ColorByArg;
 use crate::cli::args::values::png_path;
 use crate::cli::files::output::Outputs;
 use crate::cli::files::view_file::ViewFile;
+use clap::ValueEnum;
 use crease::Result;
-use crease::report::render::{Camera, encode_png};
+use crease::report::GarmentView;
+use crease::report::render::{Camera, CameraView, encode_apng, encode_png};
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   crease render worn.glb -o worn.png --before-after
   crease render worn.glb --show rest-angle-change -o angles.png
+  crease render worn.glb --view back --focus memory -o close.png
   crease render worn.glb --turntable 36 -o turn.png")]
 pub struct Arguments {
     /// Worn garment, as `crease bake` wrote it; for shape and curvature any .glb, .gltf or .obj
@@ -35,46 +38,96 @@ pub struct Arguments {
     /// Elevation of the camera [degrees; default: from above if the garment lies flat, else from the front]
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
     elevation: Option<f64>,
+    /// Direction of the camera
+    #[arg(long, value_enum, value_name = "SIDE", conflicts_with_all = ["azimuth", "elevation"])]
+    view: Option<ViewArg>,
+    /// Part of the garment that fills the picture
+    #[arg(long, value_enum, value_name = "PART", default_value_t = FocusArg::Garment)]
+    focus: FocusArg,
     /// Draw the source shape and the worn shape side by side
     #[arg(long)]
     before_after: bool,
-    /// Draw N pictures around the garment instead of one: OUT_000.png, OUT_001.png, ...
+    /// Draw N pictures around the garment, as one animated PNG
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=999))]
     turntable: Option<u16>,
 }
 
+/// Values of `--view`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum ViewArg {
+    /// In front of the garment
+    Front,
+    /// Behind it
+    Back,
+    /// On its left side
+    Left,
+    /// On its right side
+    Right,
+    /// Above it
+    Top,
+}
+
+impl From<ViewArg> for CameraView {
+    fn from(argument: ViewArg) -> Self {
+        match argument {
+            ViewArg::Front => Self::Front,
+            ViewArg::Back => Self::Back,
+            ViewArg::Left => Self::Left,
+            ViewArg::Right => Self::Right,
+            ViewArg::Top => Self::Top,
+        }
+    }
+}
+
+/// Values of `--focus`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum FocusArg {
+    /// The whole garment
+    Garment,
+    /// Where most of its memory is
+    Memory,
+}
+
+/// Seconds of a whole turn of a turntable.
+const TURN_S: u16 = 4;
+
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<()> {
     let mut outputs = Outputs::new([arguments.worn.as_path()]);
-    let pictures = pictures(&arguments);
-    for (path, _) in &pictures {
-        outputs.check(path)?;
-    }
+    outputs.check(&arguments.output)?;
     let view = ViewFile::read(&arguments.worn)?.view;
     let width = usize::from(arguments.size);
     let size = [width, width * 3 / 4];
     let color_by = arguments.show.into();
-    for (path, camera) in &pictures {
-        let image = match arguments.before_after {
-            true => view.draw_before_after(color_by, camera, size)?,
-            false => view.draw(color_by, camera, size)?,
-        };
-        outputs.add(path, &encode_png(&image)?)?;
-    }
+    let camera = camera(&arguments, &view);
+    let draw = |camera: &Camera| match arguments.before_after {
+        true => view.draw_before_after(color_by, camera, size),
+        false => view.draw(color_by, camera, size),
+    };
+    let bytes = match arguments.turntable {
+        Some(count) => {
+            let turned = |k: u16| {
+                let azimuth = camera.azimuth_deg.unwrap_or(0.0) + 360.0 * f64::from(k) / f64::from(count);
+                // A focus on one side is hidden from the other.
+                draw(&Camera { azimuth_deg: Some(azimuth), focus: None, ..camera })
+            };
+            encode_apng(&(0..count).map(turned).collect::<Result<Vec<_>>>()?, count.div_ceil(TURN_S))?
+        }
+        None => encode_png(&draw(&camera)?)?,
+    };
+    outputs.add(&arguments.output, &bytes)?;
     outputs.commit()
 }
 
-/// Returns the path and camera of every picture.
-fn pictures(arguments: &Arguments) -> Vec<(PathBuf, Camera)> {
-    let camera =
-        Camera { azimuth_deg: arguments.azimuth, elevation_deg: arguments.elevation, ..Camera::default() };
-    let Some(count) = arguments.turntable else { return vec![(arguments.output.clone(), camera)] };
-    let stem = arguments.output.with_extension("");
-    let picture = |k: u16| {
-        let azimuth = arguments.azimuth.unwrap_or(0.0) + 360.0 * f64::from(k) / f64::from(count);
-        let mut path = stem.clone().into_os_string();
-        path.push(format!("_{k:03}.png"));
-        (PathBuf::from(path), Camera { azimuth_deg: Some(azimuth), ..camera })
+/// Returns the camera that the arguments ask for.
+fn camera(arguments: &Arguments, view: &GarmentView) -> Camera {
+    let [azimuth, elevation] = match arguments.view {
+        Some(side) => CameraView::from(side).angles_deg().map(Some),
+        None => [arguments.azimuth, arguments.elevation],
     };
-    (0..count).map(picture).collect()
+    let camera = Camera { azimuth_deg: azimuth, elevation_deg: elevation, ..Camera::default() };
+    match arguments.focus {
+        FocusArg::Garment => camera,
+        FocusArg::Memory => view.focus_on_memory(&camera),
+    }
 }

@@ -1,6 +1,7 @@
 //! `crease transfer`: transfer of memory to another garment. Reads sidecars and a mesh, relaxes the mesh with the
 //! transferred memory; writes the worn garment, its sidecar and the report, all or none.
 
+use crate::cli::args::apply::ApplyArgs;
 use crate::cli::args::export::{ExportArgs, print_checks};
 use crate::cli::args::mesh::MeshArgs;
 use crate::cli::args::refine::{CoarseGarment, RefineArgs, Refinement};
@@ -66,6 +67,8 @@ pub struct Arguments {
     reading: MeshArgs,
     #[command(flatten)]
     refine: RefineArgs,
+    #[command(flatten)]
+    apply: ApplyArgs,
     #[command(flatten)]
     export: ExportArgs,
     #[command(flatten)]
@@ -162,7 +165,8 @@ impl Arguments {
 
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<()> {
-    let side_files = SideFiles { export: Some(&arguments.export), ..SideFiles::default() };
+    let side_files =
+        SideFiles { apply: arguments.apply, export: Some(&arguments.export), ..SideFiles::default() };
     let sidecars = arguments.sidecars.iter().map(PathBuf::as_path);
     let inputs = sidecars.chain([arguments.to.as_path()]).chain(arguments.landmarks.as_deref());
     let mut job = WornJob::start(&arguments.run, &arguments.output, inputs, side_files)?;

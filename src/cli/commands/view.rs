@@ -6,11 +6,12 @@ use crate::cli::files::input;
 use crate::cli::files::output::Outputs;
 use crate::cli::files::view_file::ViewFile;
 use crate::cli::runtime::console;
-use crease::files::read_asset_file;
+use crease::files::{GarmentFile, embed_asset_images, read_asset_file};
 use crease::io::ReadOptions;
+use crease::io::gltf::plain_glb;
 use crease::math::Vec3;
 use crease::mesh::PointIndex;
-use crease::report::{GarmentView, HingeLabel, ViewerItem, viewer_page};
+use crease::report::{GarmentView, HingeLabel, ViewerItem, ViewerPiece, viewer_page};
 use crease::{Error, Result};
 use std::path::{Path, PathBuf};
 
@@ -43,7 +44,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     outputs.check(&arguments.output)?;
     let files = arguments.worn.iter().map(|path| ViewFile::read(path)).collect::<Result<Vec<_>>>()?;
     let mut items: Vec<ViewerItem> =
-        arguments.worn.iter().zip(files).map(|(path, file)| worn_item(path, file)).collect();
+        arguments.worn.iter().zip(files).map(|(path, file)| worn_item(path, file)).collect::<Result<_>>()?;
     let mut names = Vec::new();
     if let (Some(folder), Some(first)) = (&arguments.frames, items.first_mut()) {
         let FrameSeries { positions, names: shown, triangles } = frames(folder, arguments.max_frames.into())?;
@@ -53,7 +54,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
         match own.collect::<Option<Vec<_>>>() {
             Some(own) => first.frames = own,
             // The simulated mesh has other points than the garment and becomes an item of its own.
-            None => items.insert(1, simulated_item(folder, positions, triangles)),
+            None => items.insert(1, simulated_item(folder, positions, triangles)?),
         }
     }
     let page = viewer_page(&items, arguments.show.into(), &names);
@@ -83,12 +84,16 @@ fn of_points(
     Some(points)
 }
 
-fn worn_item(path: &Path, file: ViewFile) -> ViewerItem {
-    let ViewFile { view, sidecar } = file;
+fn worn_item(path: &Path, file: ViewFile) -> Result<ViewerItem> {
+    let ViewFile { view, sidecar, mut asset } = file;
+    for warning in embed_asset_images(&mut asset, path) {
+        console::message(&format!("warning: {warning}"));
+    }
     let hinges = sidecar.as_ref().map_or_else(Vec::new, HingeLabel::from_sidecar);
     let name =
         path.file_name().map_or_else(|| input::name_of(path), |name| name.to_string_lossy().into_owned());
-    ViewerItem { name, view, hinges, frames: Vec::new() }
+    let pieces = ViewerPiece::of_asset(&asset);
+    Ok(ViewerItem { name, glb: plain_glb(&asset)?, pieces, view, hinges, frames: Vec::new() })
 }
 
 /// Frames of a run.
@@ -102,11 +107,20 @@ struct FrameSeries {
 }
 
 /// Returns an item for the simulated mesh, from its first frame to its last.
-fn simulated_item(folder: &Path, frames: Vec<Vec<Vec3>>, triangles: Vec<[PointIndex; 3]>) -> ViewerItem {
+fn simulated_item(
+    folder: &Path,
+    frames: Vec<Vec<Vec3>>,
+    triangles: Vec<[PointIndex; 3]>,
+) -> Result<ViewerItem> {
     let file = input::name_of(folder);
     let [before, after] = [frames.first(), frames.last()].map(|x| x.cloned().unwrap_or_default());
-    let view = GarmentView { file, before, after, triangles, memory: None, confidence: None };
-    ViewerItem { name: "simulated".to_owned(), view, hinges: Vec::new(), frames }
+    let corners: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(|p| p.0)).collect();
+    let positions: Vec<[f64; 3]> = after.iter().map(|&x| x.into()).collect();
+    let mesh = GarmentFile::from_mesh("simulated", &positions, &corners)?;
+    let vertex_points = (0..after.len() as u32).map(PointIndex).collect();
+    let view = GarmentView { file, before, after, triangles, vertex_points, memory: None, confidence: None };
+    let (glb, pieces) = (plain_glb(&mesh.asset)?, ViewerPiece::of_asset(&mesh.asset));
+    Ok(ViewerItem { name: "simulated".to_owned(), glb, pieces, view, hinges: Vec::new(), frames })
 }
 
 /// Reads the frames in `folder`, evenly subsampled to at most `max_count`.

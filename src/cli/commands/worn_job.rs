@@ -2,9 +2,11 @@
 //! it starts the threads and checks that every output can be written; after it, it writes the worn garment, its sidecar,
 //! the report and the files beside them, all or none, and prints the outcome.
 
+use crate::cli::args::apply::ApplyArgs;
 use crate::cli::args::export::ExportArgs;
 use crate::cli::args::refine::{RefineArgs, Refinement};
 use crate::cli::args::run::RunArgs;
+use crate::cli::files::frame_sequence::read_frames;
 use crate::cli::files::input;
 use crate::cli::files::output::Outputs;
 use crate::cli::files::worn_outputs::WornOutputs;
@@ -12,9 +14,10 @@ use crate::cli::runtime::console;
 use crate::cli::runtime::threads::use_threads;
 use crease::fabric::Fabric;
 use crease::files::GarmentFile;
-use crease::garment::{WornGarment, mistaken_body};
-use crease::io::gltf::write_worn_glb;
-use crease::io::{Sidecar, write_sidecar};
+use crease::garment::{SourceAsset, WornGarment, mistaken_body};
+use crease::io::gltf::write_worn_glb_with;
+use crease::io::{ReadOptions, Sidecar, UsdFrames, sequence_from_assets, write_sidecar};
+use crease::math::Vec3;
 use crease::report::render::{Camera, encode_png};
 use crease::report::{ColorBy, DetailReport, ExportCheck, GarmentView, Report, TransferReport};
 use crease::{Error, Result};
@@ -42,12 +45,36 @@ pub struct WornJob {
 /// Files beside the main outputs.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct SideFiles<'a> {
+    /// Shape and normals of OUT.glb.
+    pub apply: ApplyArgs,
     /// Detail maps, and the refinement whose wrinkles they show.
     pub detail: Option<(&'a RefineArgs, Option<&'a Refinement>)>,
     /// Files for other programs.
     pub export: Option<&'a ExportArgs>,
+    /// Frames of the garment that are written already, for files that hold them.
+    pub frames: Option<FrameSource<'a>>,
     /// Whether OUT.png is drawn.
     pub preview: bool,
+}
+
+/// Folder of frames.
+#[derive(Debug, Clone, Copy)]
+pub struct FrameSource<'a> {
+    /// The folder.
+    pub folder: &'a Path,
+    /// Frames per second.
+    pub rate: f64,
+}
+
+impl FrameSource<'_> {
+    /// Reads the positions per frame, which must be those of the worn vertices of `asset`; `None` if they are of another mesh.
+    fn read(&self, asset: &SourceAsset) -> Result<Option<Vec<Vec<Vec3>>>> {
+        let options = ReadOptions { unit_m: Some(1.0), ..ReadOptions::default() };
+        let assets = read_frames(self.folder, &options)?;
+        let frames = sequence_from_assets(&assets, self.rate)?.frames;
+        let count: usize = asset.worn_pieces().map(|piece| piece.positions.len()).sum();
+        Ok(frames.iter().all(|frame| frame.len() == count).then_some(frames))
+    }
 }
 
 /// Outcome of a run, to be written.
@@ -203,15 +230,17 @@ impl WornJob {
         let WornResult { mesh, worn, fabric, sidecar, side_files, .. } = *result;
         let (files, outputs) = (&self.files, &mut self.outputs);
         let mut written = WrittenFiles::default();
-        let mut glb = write_worn_glb(&mesh.asset, &mesh.garment, worn, &files.extras())?;
+        let flat_normals = side_files.apply.flat_normals();
+        let mut glb = write_worn_glb_with(&mesh.asset, &mesh.garment, worn, &files.extras(), flat_normals)?;
         if let Some((refine, refinement)) = side_files.detail {
-            let detail = refinement.and_then(|refinement| refinement.detail(&mesh.garment, worn));
+            let detail =
+                refinement.and_then(|refinement| refinement.detail(&mesh.garment, worn, flat_normals));
             let detailed = refine.add(&files.worn, outputs, &mesh.asset, detail, glb)?;
             glb = detailed.glb;
             written.detail_maps = detailed.reports;
             warnings.extend(detailed.notes);
         }
-        outputs.add(&files.worn, &glb)?;
+        outputs.add(&files.worn, &side_files.apply.applied(&input::name_of(&files.worn), glb)?)?;
         outputs.add(&files.sidecar, &write_sidecar(sidecar))?;
         if side_files.preview {
             let view = GarmentView::of_sidecar(&input::name_of(&files.worn), sidecar);
@@ -219,7 +248,20 @@ impl WornJob {
             outputs.add(&files.preview(), &encode_png(&picture)?)?;
         }
         if let Some(export) = side_files.export {
-            written.exports = export.add(&files.worn, outputs, mesh, worn, fabric)?;
+            let frames = match side_files.frames.filter(|_| export.has_usd()) {
+                Some(source) => {
+                    let frames = source.read(&mesh.asset)?;
+                    if frames.is_none() {
+                        let text = "no frames in the USD scene: they are not of the file's vertices";
+                        warnings.push(text.to_owned());
+                    }
+                    frames.map(|positions| (source.rate, positions))
+                }
+                None => None,
+            };
+            let frames =
+                frames.as_ref().map(|(rate, positions)| UsdFrames { rate: *rate, positions: &positions[..] });
+            written.exports = export.add(&files.worn, outputs, mesh, worn, fabric, frames)?;
         }
         Ok(written)
     }

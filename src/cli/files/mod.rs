@@ -6,4 +6,5 @@ pub mod frame_sequence;
 pub mod input;
 pub mod output;
 pub mod view_file;
+pub mod wear;
 pub mod worn_outputs;

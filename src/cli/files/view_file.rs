@@ -2,6 +2,7 @@
 
 use crate::cli::files::input;
 use crease::files::read_asset_file;
+use crease::garment::SourceAsset;
 use crease::io::gltf::{keep_worn_pieces, sidecar_name};
 use crease::io::{ReadOptions, Sidecar, read_sidecar};
 use crease::report::GarmentView;
@@ -16,6 +17,9 @@ pub struct ViewFile {
     /// Sidecar, where the file names one that exists.
     #[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "only the viewer page needs it"))]
     pub sidecar: Option<Sidecar>,
+    /// Content of the file.
+    #[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "only the viewer page needs it"))]
+    pub asset: SourceAsset,
 }
 
 impl ViewFile {
@@ -27,7 +31,7 @@ impl ViewFile {
         let (mut asset, _) = read_asset_file(path, &options)?;
         let sidecar = asset.document.as_ref().and_then(sidecar_name).map(|name| path.with_file_name(name));
         let Some(sidecar) = sidecar.filter(|path| path.is_file()) else {
-            return Ok(Self { view: GarmentView::of_asset(asset)?, sidecar: None });
+            return Ok(Self { view: GarmentView::of_asset(&mut asset)?, sidecar: None, asset });
         };
         let file = input::name_of(&sidecar);
         let sidecar = read_sidecar(&file, &input::bytes(&sidecar)?)?;
@@ -36,6 +40,7 @@ impl ViewFile {
             let help = format!("put the sidecar that was written with {} beside it", path.display());
             return Err(Error::input(file, "mesh", message, help));
         }
-        Ok(Self { view: GarmentView::of_sidecar(&input::name_of(path), &sidecar), sidecar: Some(sidecar) })
+        let view = GarmentView::of_sidecar(&input::name_of(path), &sidecar);
+        Ok(Self { view, sidecar: Some(sidecar), asset })
     }
 }

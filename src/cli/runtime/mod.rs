@@ -2,6 +2,9 @@
 
 pub mod allocator;
 pub mod console;
+pub mod executable;
 pub mod interrupt;
 pub mod progress;
 pub mod threads;
+#[cfg(feature = "charts")]
+pub mod waiting;

@@ -11,7 +11,7 @@
 //! A mesh that was worn before (it names a sidecar) has its old worn target replaced: two would add up.
 
 use crate::garment::GltfDocument;
-use crate::io::gltf::animated_weights::extend_animations;
+use crate::io::gltf::animated_weights::{WeightEdit, edit_animations};
 use crate::io::gltf::append::{Appender, Purpose};
 use crate::io::gltf::names::{
     DRACO_EXTENSION, EXTRAS_KEY, FORMER_REST_ANGLE_ATTRIBUTE, REST_ANGLE_CHANGE_ATTRIBUTE,
@@ -83,7 +83,7 @@ pub(super) fn add_worn_targets(
         extend_node_weights(appender, &nodes, &target);
         if target.index == target.old_count {
             let edited = in_place.then_some(instance.mesh);
-            extend_animations(appender, document, &nodes, edited, target.old_count)?;
+            edit_animations(appender, document, &nodes, edited, target.old_count, WeightEdit::Add)?;
         }
     }
     Ok(())

@@ -42,6 +42,12 @@ struct ZeroViews {
     value: usize,
 }
 
+/// Place of the rows of an accessor in the binary chunk.
+struct StridedRange {
+    start: usize,
+    stride: usize,
+}
+
 /// Document under construction.
 pub(super) struct Appender {
     json: Map<String, Value>,
@@ -88,6 +94,13 @@ impl Appender {
         }
     }
 
+    /// Removes the list `key` if it has no entries.
+    pub(super) fn remove_if_empty(&mut self, key: &str) {
+        if self.list(key).is_empty() {
+            self.json.shift_remove(key);
+        }
+    }
+
     /// Appends `entry` to the list `key`; returns its index.
     pub(super) fn push(&mut self, key: &str, entry: Value) -> usize {
         let list = self.list(key);
@@ -116,6 +129,57 @@ impl Appender {
             accessor["max"] = json!(high.to_vec());
         }
         self.push("accessors", accessor)
+    }
+
+    /// Writes vectors over those of `accessor` if `in_place` and it holds plain floats of that shape, else appends them; returns
+    /// the accessor's index.
+    pub(super) fn replace_vectors<const N: usize>(
+        &mut self,
+        accessor: usize,
+        rows: &[[f32; N]],
+        purpose: Purpose,
+        in_place: bool,
+    ) -> usize {
+        match in_place.then(|| self.plain_floats(accessor, 4 * N, rows.len())).flatten() {
+            Some(StridedRange { start, stride }) => {
+                for (k, row) in rows.iter().enumerate() {
+                    let at = start + k * stride;
+                    let bytes = bytes_of(row.iter().map(|x| x.to_le_bytes()));
+                    self.binary[at..at + bytes.len()].copy_from_slice(&bytes);
+                }
+                if purpose == Purpose::Position {
+                    let (low, high) = bounds(rows);
+                    let entry = &mut self.list("accessors")[accessor];
+                    entry["min"] = json!(low.to_vec());
+                    entry["max"] = json!(high.to_vec());
+                }
+                accessor
+            }
+            None => self.vectors(rows, purpose),
+        }
+    }
+
+    /// Returns where the `count` rows of `size` bytes of `accessor` are, if they are plain floats in an uncompressed view.
+    fn plain_floats(&self, accessor: usize, size: usize, count: usize) -> Option<StridedRange> {
+        let number = |value: &Value, name: &str| value[name].as_u64().and_then(|n| usize::try_from(n).ok());
+        let all = self.json.get("accessors")?.as_array()?;
+        let entry = all.get(accessor)?;
+        // Two accessors may name the same bytes.
+        let place = |entry: &Value| (entry["bufferView"].as_u64(), number(entry, "byteOffset").unwrap_or(0));
+        if all.iter().enumerate().any(|(k, other)| k != accessor && place(other) == place(entry)) {
+            return None;
+        }
+        if number(entry, "componentType") != Some(FLOAT as usize) || entry.get("sparse").is_some() {
+            return None;
+        }
+        let view = self.json.get("bufferViews")?.get(number(entry, "bufferView")?)?;
+        if view.get("extensions").is_some() || count == 0 {
+            return None;
+        }
+        let stride = number(view, "byteStride").unwrap_or(size);
+        let start = number(view, "byteOffset").unwrap_or(0) + number(entry, "byteOffset").unwrap_or(0);
+        let end = start.checked_add((count - 1).checked_mul(stride)?)?.checked_add(size)?;
+        (stride >= size && end <= self.binary.len()).then_some(StridedRange { start, stride })
     }
 
     /// Appends numbers; returns the accessor's index.

@@ -6,11 +6,13 @@ mod accessor;
 mod add_morph_target;
 mod animated_weights;
 mod append;
+mod apply_worn;
 mod buffers;
 mod container;
 mod contents;
 mod detail;
 mod embed;
+mod flat_shading;
 mod json_cursor;
 mod morph;
 mod names;
@@ -29,17 +31,20 @@ mod worn_target;
 mod write;
 
 pub use accessor::{Accessors, Table};
+pub use apply_worn::{SourceShape, apply_worn};
 pub use container::{is_glb, join_glb, split_glb};
 pub use contents::file_contents;
-pub use detail::{DETAIL_MAP_SIZES, DetailInput, DetailMap, DetailOutput, add_detail_map};
+pub use detail::{DETAIL_MAP_SIZES, DetailInput, DetailMap, DetailOutput, MapDepth, add_detail_map};
 pub use embed::embed_images;
+pub use flat_shading::FlatNormals;
 pub use names::{
     FORMER_REST_ANGLE_ATTRIBUTE, REST_ANGLE_CHANGE_ATTRIBUTE, REST_ANGLE_DEG_ATTRIBUTE, STIFFNESS_ATTRIBUTE,
-    WORN_TARGET,
+    UNWORN_TARGET, WORN_TARGET,
 };
 pub(in crate::io) use read::read_gltf;
 pub(in crate::io) use read_worn::earlier_wear;
 pub use read_worn::{WornVertices, keep_worn_pieces, read_worn, sidecar_name};
 pub use rest_angle_map::write_rest_angle_map;
 pub use rig::read_rig;
-pub use write::write_worn_glb;
+pub(in crate::io) use write::{SceneShape, scene_shapes};
+pub use write::{plain_glb, write_worn_glb, write_worn_glb_with};

@@ -2,6 +2,8 @@
 
 /// Name of the morph target that holds the worn shape.
 pub const WORN_TARGET: &str = "worn";
+/// Name of the morph target that leads back to the source shape, where the worn shape is the base.
+pub const UNWORN_TARGET: &str = "unworn";
 /// Vertex attribute: change of rest angle (rest minus source angle) of largest magnitude among the hinges whose edge
 /// ends at the vertex, in degrees, signed; 0 without memory.
 pub const REST_ANGLE_CHANGE_ATTRIBUTE: &str = "_CREASE_REST_ANGLE_CHANGE";
@@ -13,6 +15,8 @@ pub const STIFFNESS_ATTRIBUTE: &str = "_CREASE_STIFFNESS";
 pub const REST_ANGLE_DEG_ATTRIBUTE: &str = "_REST_ANGLE_DEG";
 /// Key in a mesh's extras under which the sidecar is named; it marks meshes worn by crease.
 pub(super) const EXTRAS_KEY: &str = "crease";
+/// Key beside the sidecar's that marks a mesh whose base shape is the worn one.
+pub(super) const APPLIED_KEY: &str = "applied";
 /// Extension that holds a compressed second copy of a primitive.
 pub(super) const DRACO_EXTENSION: &str = "KHR_draco_mesh_compression";
 /// Extension that draws a mesh many times.

@@ -54,8 +54,14 @@ pub(super) fn obj_document(
     extras: &Map<String, Value>,
 ) -> Result<Vec<u8>> {
     let name = stem(&asset.file);
+    let has_targets = targets.iter().any(Option::is_some);
     let mut extras = extras.clone();
-    extras.insert("targetNames".into(), json!([WORN_TARGET]));
+    let mut mesh = json!({"name": name, "primitives": []});
+    if has_targets {
+        extras.insert("targetNames".into(), json!([WORN_TARGET]));
+        mesh["weights"] = json!([1.0]);
+    }
+    mesh["extras"] = Value::Object(extras);
     let mut node = json!({"name": name, "mesh": 0});
     let origin = document_origin(asset);
     if origin != Vec3::zeros() {
@@ -66,7 +72,7 @@ pub(super) fn obj_document(
         "scene": 0,
         "scenes": [{"nodes": [0]}],
         "nodes": [node],
-        "meshes": [{"name": name, "primitives": [], "weights": [1.0], "extras": extras}],
+        "meshes": [mesh],
         "materials": [], "accessors": [], "bufferViews": [], "buffers": [],
     });
     let Value::Object(document) = document else { return Ok(Vec::new()) };
@@ -85,6 +91,9 @@ pub(super) fn obj_document(
                 Error::input(&asset.file, &piece.name, message, "check the unit of the file")
             })?;
         primitive["material"] = json!(material);
+        if !has_targets && let Some(primitive) = primitive.as_object_mut() {
+            primitive.shift_remove("targets");
+        }
         primitives.push(primitive);
     }
     if primitives.is_empty() {

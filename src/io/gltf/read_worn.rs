@@ -1,13 +1,14 @@
 //! Reads the wear in a glTF file from the morph target and the attributes that a bake wrote: enough to look at a worn
 //! garment whose sidecar is lost, not enough to wear it further (memory belongs to hinges, and these are vertices).
 //!
-//! The inverse of `write`. Positions have single precision here, double precision in the sidecar.
+//! The inverse of `write`, and of `apply_worn` after it. Positions have single precision here, double precision in the sidecar.
 
 use crate::Result;
 use crate::garment::{GltfDocument, ImportDiagnostic, Severity, SourceAsset, SourcePiece};
 use crate::io::gltf::accessor::Accessors;
 use crate::io::gltf::names::{
-    EXTRAS_KEY, FORMER_REST_ANGLE_ATTRIBUTE, REST_ANGLE_CHANGE_ATTRIBUTE, STIFFNESS_ATTRIBUTE, WORN_TARGET,
+    APPLIED_KEY, EXTRAS_KEY, FORMER_REST_ANGLE_ATTRIBUTE, REST_ANGLE_CHANGE_ATTRIBUTE, STIFFNESS_ATTRIBUTE,
+    UNWORN_TARGET, WORN_TARGET,
 };
 use crate::math::Vec3;
 use serde_json::Value;
@@ -17,6 +18,8 @@ use serde_json::Value;
 pub struct WornVertices {
     /// Position with morph weight 1 [m], y up.
     pub positions: Vec<Vec3>,
+    /// Position before the wear [m], y up; the worn one where the file does not keep it.
+    pub source_positions: Vec<Vec3>,
     /// Change of rest angle [degrees]; 0 where the file has none.
     pub rest_angle_deg: Vec<f64>,
     /// Stiffness ratio [-]; 1 where the file has none.
@@ -34,7 +37,7 @@ pub(in crate::io) fn earlier_wear(asset: &SourceAsset) -> Option<ImportDiagnosti
     let document = asset.document.as_ref()?;
     let is_worn = |piece: &SourcePiece| {
         let extras = &document.json["meshes"][piece.mesh]["extras"][EXTRAS_KEY];
-        !extras.is_null() && worn_target(document, piece).is_some()
+        !extras.is_null() && self::is_worn(document, piece)
     };
     let piece = asset.worn_pieces().find(|piece| is_worn(piece))?;
     let sidecar = sidecar_name(document).unwrap_or("its sidecar");
@@ -54,8 +57,7 @@ pub(in crate::io) fn earlier_wear(asset: &SourceAsset) -> Option<ImportDiagnosti
 /// have one that moves nothing.
 pub fn keep_worn_pieces(asset: &mut SourceAsset) -> bool {
     let Some(document) = &asset.document else { return false };
-    let has_target: Vec<bool> =
-        asset.pieces.iter().map(|piece| worn_target(document, piece).is_some()).collect();
+    let has_target: Vec<bool> = asset.pieces.iter().map(|piece| is_worn(document, piece)).collect();
     let has_memory: Vec<bool> = asset
         .pieces
         .iter()
@@ -87,12 +89,17 @@ impl WornVertices {
     fn add(&mut self, document: &GltfDocument, piece: &SourcePiece) -> Result<()> {
         let count = piece.positions.len();
         let attributes = &primitive(document, piece)["attributes"];
-        let shift = worn_target(document, piece).map_or(&Value::Null, |target| &target["POSITION"]);
+        let target = worn_target(document, piece).or_else(|| named_target(document, piece, UNWORN_TARGET));
+        let shift = target.map_or(&Value::Null, |target| &target["POSITION"]);
         let shift = column(document, shift, 3, count, "POSITION of the worn target")?;
+        let is_applied = is_applied(document, piece);
         for (v, own) in piece.positions.iter().enumerate() {
             let shift = shift.as_ref().and_then(|all| all.get(3 * v..3 * v + 3)).unwrap_or(&[0.0; 3]);
-            let worn = own + Vec3::from_row_slice(shift);
-            self.positions.push((piece.placement.matrix(v) * worn.push(1.0)).xyz());
+            let moved = own + Vec3::from_row_slice(shift);
+            let [base, moved] = [own, &moved].map(|x| (piece.placement.matrix(v) * x.push(1.0)).xyz());
+            let (source, worn) = if is_applied { (moved, base) } else { (base, moved) };
+            self.positions.push(worn);
+            self.source_positions.push(source);
         }
         let scalars = |name: &str, otherwise: f64| {
             Ok(column(document, &attributes[name], 1, count, name)?.unwrap_or_else(|| vec![otherwise; count]))
@@ -110,9 +117,26 @@ fn primitive<'a>(document: &'a GltfDocument, piece: &SourcePiece) -> &'a Value {
     &document.json["meshes"][piece.mesh]["primitives"][piece.primitive]
 }
 
+/// Whether a piece is worn: it has a worn target, or its mesh has the worn shape as its base.
+fn is_worn(document: &GltfDocument, piece: &SourcePiece) -> bool {
+    let has_memory = primitive(document, piece)["attributes"].get(STIFFNESS_ATTRIBUTE).is_some();
+    worn_target(document, piece).is_some() || (has_memory && is_applied(document, piece))
+}
+
+/// Whether the base shape of the mesh of a piece is the worn one.
+fn is_applied(document: &GltfDocument, piece: &SourcePiece) -> bool {
+    document.json["meshes"][piece.mesh]["extras"][EXTRAS_KEY][APPLIED_KEY] == true
+}
+
+/// Returns the target `name` of a piece.
+fn named_target<'a>(document: &'a GltfDocument, piece: &SourcePiece, name: &str) -> Option<&'a Value> {
+    let names = document.json["meshes"][piece.mesh]["extras"]["targetNames"].as_array()?;
+    primitive(document, piece)["targets"].get(names.iter().rposition(|own| own == name)?)
+}
+
 /// Returns the worn target of a piece.
 pub(super) fn worn_target<'a>(document: &'a GltfDocument, piece: &SourcePiece) -> Option<&'a Value> {
-    primitive(document, piece)["targets"].get(worn_target_index(document, piece)?)
+    named_target(document, piece, WORN_TARGET)
 }
 
 /// Returns the index of the worn target among the targets of a piece.

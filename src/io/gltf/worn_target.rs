@@ -4,14 +4,15 @@
 //! coordinates. With L the linear part of a vertex's placement: a displacement is transformed by L^-1, a normal by L^T
 //! (the inverse of the inverse transpose that transforms it to the scene), a tangent by L^-1.
 //!
-//! Normals are not recomputed, which would smooth the file's hard edges and open its seams: for each point of the welded
-//! mesh one rotation is computed, which is applied to the file's own normal. It maps the smooth normal before wear to the
+//! Normals are not recomputed, which would smooth the file's hard edges and open its seams (but for flat-shaded vertices,
+//! `flat_shading`): for each point of the welded mesh one rotation is computed, which is applied to the file's own normal. It maps the smooth normal before wear to the
 //! one after, and its twist about the normal is that of the area-weighted mean of the triangles' deformation gradients
 //! (polar decomposition in the plane). Tangents are transformed by that mean gradient itself, as texture coordinates
 //! shear with the cloth, then made perpendicular to the new normal. Neither depends on the orientation of triangles.
 //! A vertex whose triangles did not move gets exact zeros. Knows no JSON and no bytes.
 
 use crate::garment::{Garment, WornGarment};
+use crate::io::gltf::flat_shading::{FlatNormals, SmoothShape, flat_vertices};
 use crate::math::{Mat3, Mat4, Vec3};
 use crate::mesh::PointIndex;
 use nalgebra::{Matrix2, Matrix3x2, Rotation3, Unit};
@@ -21,6 +22,9 @@ const MIN_SUM_LENGTH: f64 = 1e-9;
 
 /// Worn shape at every point of the welded mesh.
 pub(super) struct WornShape<'a> {
+    garment: &'a Garment,
+    /// Smooth normals for flat-shaded vertices, if they are to get them.
+    smooth: Option<SmoothShape>,
     displacement: &'a [Vec3],
     /// Per point: whether one of its triangles moved.
     moved: Vec<bool>,
@@ -44,6 +48,8 @@ pub(super) struct PieceBase<'a> {
     pub(super) normals: Option<Vec<Vec3>>,
     /// Tangents of the file in own coordinates, if there are any.
     pub(super) tangents: Option<Vec<Vec3>>,
+    /// Triangles of the piece.
+    pub(super) triangles: &'a [[u32; 3]],
 }
 
 /// Morph target and memory attributes of one piece; all lists are per vertex of the piece, own coordinates.
@@ -97,7 +103,7 @@ impl LinearParts {
 
 impl<'a> WornShape<'a> {
     /// Computes the worn shape of `worn`, whose lists belong to `garment` (the caller has checked their lengths).
-    pub(super) fn new(garment: &Garment, worn: &'a WornGarment) -> Self {
+    pub(super) fn new(garment: &'a Garment, worn: &'a WornGarment, flat_normals: FlatNormals) -> Self {
         let count = garment.points.len();
         let after: Vec<Vec3> = garment.points.iter().zip(&worn.displacement).map(|(p, d)| p + d).collect();
         let mut moved = vec![false; count];
@@ -118,7 +124,10 @@ impl<'a> WornShape<'a> {
         }
         let rotations = normals.iter().zip(&gradients).map(|(normals, g)| rotation(*normals, g)).collect();
         let (rest_change_deg, stiffness) = memory_per_point(garment, worn);
-        Self { displacement: &worn.displacement, moved, rotations, gradients, rest_change_deg, stiffness }
+        let smooth = (flat_normals == FlatNormals::Smoothed)
+            .then(|| SmoothShape::new(&garment.points, &after, &garment.triangles));
+        let displacement = &worn.displacement;
+        Self { garment, smooth, displacement, moved, rotations, gradients, rest_change_deg, stiffness }
     }
 
     /// Computes the worn target of a piece; fails with the first vertex whose numbers do not fit 32-bit floats.
@@ -127,14 +136,16 @@ impl<'a> WornShape<'a> {
             base.points.iter().enumerate().map(|(v, &p)| narrow(row(v, p)).ok_or(v)).collect()
         };
         let position = each(&|v, p| base.linear.at(v).inverse * self.displacement[p.at()])?;
-        let normal = base.normals.as_ref().map(|normals| {
-            each(&|v, p| {
-                self.worn_normal(p, normals[v], base.linear.at(v)).map_or(Vec3::zeros(), |n| n - normals[v])
-            })
-        });
+        let worn_normals = base.normals.as_ref().map(|normals| self.worn_normals(base, normals));
+        let normal = base
+            .normals
+            .as_ref()
+            .zip(worn_normals.as_ref())
+            .map(|(normals, worn)| each(&|v, _| worn[v].map_or(Vec3::zeros(), |n| n - normals[v])));
         let tangent = base.tangents.as_ref().map(|tangents| {
             each(&|v, p| {
-                let normal = base.normals.as_ref().map(|normals| normals[v]);
+                let own = base.normals.as_ref().and_then(|normals| unit(normals[v]));
+                let normal = worn_normals.as_ref().and_then(|worn| worn[v]).or(own);
                 self.worn_tangent(p, normal, tangents[v], base.linear.at(v))
                     .map_or(Vec3::zeros(), |t| t - tangents[v])
             })
@@ -155,6 +166,39 @@ impl<'a> WornShape<'a> {
             .try_normalize(f64::MIN_POSITIVE)
     }
 
+    /// Returns per vertex of a piece the unit normal after wear in own coordinates; `None` where nothing moved or it vanishes.
+    fn worn_normals(&self, base: &PieceBase, normals: &[Vec3]) -> Vec<Option<Vec3>> {
+        let in_scene = |v: usize| unit(base.linear.at(v).inverse.transpose() * normals[v]);
+        let unworn: Vec<Vec3> = (0..normals.len()).map(|v| in_scene(v).unwrap_or_else(Vec3::zeros)).collect();
+        let flat = self.flat_vertices(base.points, &unworn, base.triangles);
+        let worn = |(v, &p): (usize, &PointIndex)| {
+            let linear = base.linear.at(v);
+            let smooth = flat[v].then(|| self.smooth_normal(p, unworn[v])).flatten();
+            let own = smooth.and_then(|n| unit(linear.forward.transpose() * n));
+            own.or_else(|| self.worn_normal(p, normals[v], linear))
+        };
+        base.points.iter().enumerate().map(worn).collect()
+    }
+
+    /// Returns per vertex whether it is flat-shaded and gets smooth normals: see [`flat_vertices`].
+    pub(super) fn flat_vertices(
+        &self,
+        points: &[PointIndex],
+        normals: &[Vec3],
+        triangles: &[[u32; 3]],
+    ) -> Vec<bool> {
+        match self.smooth {
+            Some(_) => flat_vertices(self.garment, points, normals, triangles),
+            None => vec![false; normals.len()],
+        }
+    }
+
+    /// Returns the smooth unit normal after wear, in the scene, of a flat-shaded surface whose unit normal was `before`;
+    /// `None` where nothing moved.
+    pub(super) fn smooth_normal(&self, p: PointIndex, before: Vec3) -> Option<Vec3> {
+        self.smooth.as_ref().filter(|_| self.moved[p.at()])?.normal(p, before)
+    }
+
     /// Returns the tangent after wear of `tangent` (both in own coordinates), unit and perpendicular to the worn normal.
     fn worn_tangent(
         &self,
@@ -167,7 +211,6 @@ impl<'a> WornShape<'a> {
             return None;
         }
         let sheared = linear.inverse * self.gradients[p.at()] * linear.forward * tangent;
-        let normal = normal.and_then(|n| self.worn_normal(p, n, linear).or(unit(n)));
         let perpendicular = normal.map_or(sheared, |n| sheared - n * n.dot(&sheared));
         perpendicular.try_normalize(f64::MIN_POSITIVE)
     }
@@ -303,8 +346,9 @@ mod tests {
             linear: LinearParts::new(&[placement]).unwrap(),
             normals: Some(vec![normal; count]),
             tangents: Some(vec![tangent; count]),
+            triangles: &[],
         };
-        let target = WornShape::new(garment, worn).target(&base).unwrap();
+        let target = WornShape::new(garment, worn, FlatNormals::Kept).target(&base).unwrap();
         let sum = |base: Vec3, rows: Option<Vec<[f32; 3]>>| {
             rows.unwrap().into_iter().map(|d| base + Vec3::from(d.map(f64::from))).collect()
         };
@@ -389,8 +433,9 @@ mod tests {
             linear: LinearParts::identity(),
             tangents: Some(vec![Vec3::x(); normals.len()]),
             normals: Some(normals),
+            triangles: &[],
         };
-        let target = WornShape::new(&garment, &worn).target(&base).unwrap();
+        let target = WornShape::new(&garment, &worn, FlatNormals::Kept).target(&base).unwrap();
         for (v, p) in garment.points.iter().enumerate() {
             let still = p.x < 0.6;
             assert_eq!(target.position[v] == [0.0; 3], p.x <= 0.8);

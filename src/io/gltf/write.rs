@@ -9,9 +9,10 @@ use crate::garment::{Garment, GltfDocument, Placement, SourceAsset, SourceFormat
 use crate::io::gltf::accessor::Accessors;
 use crate::io::gltf::add_morph_target::{WornPrimitive, add_worn_targets};
 use crate::io::gltf::append::Appender;
+use crate::io::gltf::flat_shading::FlatNormals;
 use crate::io::gltf::json_cursor::Cursor;
 use crate::io::gltf::morph::{add_targets, default_weights};
-use crate::io::gltf::obj_to_gltf::{obj_document, scene_pieces};
+use crate::io::gltf::obj_to_gltf::{ScenePiece, obj_document, scene_pieces};
 use crate::io::gltf::worn_target::{LinearParts, PieceBase, WornShape, WornTarget};
 use crate::math::Vec3;
 use crate::mesh::PointIndex;
@@ -27,6 +28,17 @@ pub fn write_worn_glb(
     worn: &WornGarment,
     extras: &Value,
 ) -> Result<Vec<u8>> {
+    write_worn_glb_with(asset, garment, worn, extras, FlatNormals::default())
+}
+
+/// Writes what [`write_worn_glb`] writes; `flat_normals` tells what becomes of flat-shaded vertices.
+pub fn write_worn_glb_with(
+    asset: &SourceAsset,
+    garment: &Garment,
+    worn: &WornGarment,
+    extras: &Value,
+    flat_normals: FlatNormals,
+) -> Result<Vec<u8>> {
     check_parts(asset, garment, worn)?;
     let none = Map::new();
     let extras = match extras {
@@ -34,10 +46,62 @@ pub fn write_worn_glb(
         Value::Null => &none,
         _ => return Err(Error::input(&asset.file, "extras", "are not a JSON object", "")),
     };
+    let shape = WornShape::new(garment, worn, flat_normals);
     match (asset.format, &asset.document) {
-        (SourceFormat::Gltf, Some(document)) => worn_gltf(asset, document, garment, worn, extras),
+        (SourceFormat::Gltf, Some(document)) => worn_gltf(asset, document, garment, &shape, extras),
         (SourceFormat::Gltf, None) => Err(Error::input(&asset.file, "", "its glTF document is missing", "")),
-        (SourceFormat::Obj, _) => worn_obj(asset, garment, worn, extras),
+        (SourceFormat::Obj, _) => worn_obj(asset, garment, &shape, extras),
+    }
+}
+
+/// Shape of a worn piece in the scene, before the wear and what the wear adds; lists are per vertex.
+#[derive(Debug, Clone)]
+pub(in crate::io) struct SceneShape {
+    /// Position [m].
+    pub(in crate::io) positions: Vec<Vec3>,
+    /// Unit normal.
+    pub(in crate::io) normals: Vec<Vec3>,
+    /// Displacement [m].
+    pub(in crate::io) shifts: Vec<Vec3>,
+    /// Change of the normal.
+    pub(in crate::io) normal_shifts: Vec<Vec3>,
+}
+
+/// Computes the shapes of the worn pieces of `asset`.
+pub(in crate::io) fn scene_shapes(
+    asset: &SourceAsset,
+    garment: &Garment,
+    worn: &WornGarment,
+) -> Result<Vec<SceneShape>> {
+    check_parts(asset, garment, worn)?;
+    let shape = WornShape::new(garment, worn, FlatNormals::default());
+    let wide = |rows: Vec<[f32; 3]>| rows.into_iter().map(|row| Vec3::from(row.map(f64::from))).collect();
+    let mut shapes = Vec::new();
+    let pieces = asset.pieces.iter().zip(scene_pieces(asset)).zip(points_of_pieces(asset, garment));
+    for ((piece, ScenePiece { positions, normals }), points) in pieces {
+        let Some(points) = points else { continue };
+        let base = PieceBase {
+            points,
+            linear: LinearParts::identity(),
+            normals: Some(normals.clone()),
+            tangents: None,
+            triangles: &piece.triangles,
+        };
+        let target = worn_target(asset, piece, &shape, &base)?;
+        let normal_shifts = target.normal.map_or_else(Vec::new, wide);
+        shapes.push(SceneShape { positions, normals, shifts: wide(target.position), normal_shifts });
+    }
+    Ok(shapes)
+}
+
+/// Writes `asset` as a GLB file as it is; an OBJ becomes a new document. Pictures in other files stay there.
+pub fn plain_glb(asset: &SourceAsset) -> Result<Vec<u8>> {
+    match &asset.document {
+        Some(document) => Ok(Appender::from_document(&asset.file, document)?.into_glb()),
+        None => {
+            let targets: Vec<_> = asset.pieces.iter().map(|_| None).collect();
+            obj_document(asset, &scene_pieces(asset), &targets, &Map::new())
+        }
     }
 }
 
@@ -45,7 +109,7 @@ fn worn_gltf(
     asset: &SourceAsset,
     document: &GltfDocument,
     garment: &Garment,
-    worn: &WornGarment,
+    shape: &WornShape,
     extras: &Map<String, Value>,
 ) -> Result<Vec<u8>> {
     let mut bases = Vec::new();
@@ -54,10 +118,9 @@ fn worn_gltf(
             bases.push((piece, piece_base(asset, document, piece, points)?));
         }
     }
-    let shape = WornShape::new(garment, worn);
     let mut primitives = Vec::with_capacity(bases.len());
     for (piece, base) in &bases {
-        let target = worn_target(asset, piece, &shape, base)?;
+        let target = worn_target(asset, piece, shape, base)?;
         primitives.push(WornPrimitive {
             node: piece.node,
             mesh: piece.mesh,
@@ -74,19 +137,19 @@ fn worn_gltf(
 fn worn_obj(
     asset: &SourceAsset,
     garment: &Garment,
-    worn: &WornGarment,
+    shape: &WornShape,
     extras: &Map<String, Value>,
 ) -> Result<Vec<u8>> {
     let scene = scene_pieces(asset);
-    let shape = WornShape::new(garment, worn);
     let mut targets = Vec::with_capacity(asset.pieces.len());
     for ((piece, scene), points) in asset.pieces.iter().zip(&scene).zip(points_of_pieces(asset, garment)) {
         targets.push(match points {
             // The new document is in scene coordinates throughout.
             Some(points) => {
                 let normals = Some(scene.normals.clone());
-                let base = PieceBase { points, linear: LinearParts::identity(), normals, tangents: None };
-                Some(worn_target(asset, piece, &shape, &base)?)
+                let linear = LinearParts::identity();
+                let base = PieceBase { points, linear, normals, tangents: None, triangles: &piece.triangles };
+                Some(worn_target(asset, piece, shape, &base)?)
             }
             None => None,
         });
@@ -98,7 +161,7 @@ fn worn_obj(
 fn piece_base<'a>(
     asset: &SourceAsset,
     document: &GltfDocument,
-    piece: &SourcePiece,
+    piece: &'a SourcePiece,
     points: &'a [PointIndex],
 ) -> Result<PieceBase<'a>> {
     let placements = match &piece.placement {
@@ -126,7 +189,8 @@ fn piece_base<'a>(
         Ok(Some(rows))
     };
     // The fourth number of a tangent, its handedness, is not morphed.
-    Ok(PieceBase { points, linear, normals: stored("NORMAL", 3)?, tangents: stored("TANGENT", 4)? })
+    let (normals, tangents) = (stored("NORMAL", 3)?, stored("TANGENT", 4)?);
+    Ok(PieceBase { points, linear, normals, tangents, triangles: &piece.triangles })
 }
 
 /// Returns the first three numbers of `row`; zero if they are not finite.

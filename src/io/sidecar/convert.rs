@@ -128,7 +128,8 @@ impl Sidecar {
         }
     }
 
-    /// Returns the reason why this is not the sidecar of `asset`, if it is not: other worn vertices, or other positions.
+    /// Returns the reason why this is not the sidecar of `asset`, if it is not: other worn vertices, or other positions. The
+    /// positions of `asset` are those before the wear or those after it.
     pub fn mesh_mismatch(&self, asset: &SourceAsset) -> Option<String> {
         let count: usize = asset.worn_pieces().map(|piece| piece.positions.len()).sum();
         let listed = self.mesh.source_point.len();
@@ -138,11 +139,18 @@ impl Sidecar {
         let points = self.mesh_points();
         let (low, high) = bounds(&points);
         let tolerance = TUNING.vertex_position_tol * (high - low).norm() + TUNING.layer_position_tol_m;
-        let vertices = asset.worn_pieces().flat_map(|p| (0..p.positions.len()).map(|v| p.scene_position(v)));
-        let off = vertices.zip(&self.mesh.source_point).position(|(x, &point)| {
-            // The points of a validated sidecar exist.
-            x.zip(points.get(point as usize)).is_none_or(|(x, own)| (x - own).norm() > tolerance)
-        });
+        let off = |points: &[Vec3]| {
+            let vertices =
+                asset.worn_pieces().flat_map(|p| (0..p.positions.len()).map(|v| p.scene_position(v)));
+            vertices.zip(&self.mesh.source_point).position(|(x, &point)| {
+                // The points of a validated sidecar exist.
+                x.zip(points.get(point as usize)).is_none_or(|(x, own)| (x - own).norm() > tolerance)
+            })
+        };
+        let worn = || -> Vec<Vec3> {
+            points.iter().zip(&self.points.displacement_m).map(|(x, d)| x + Vec3::from(*d)).collect()
+        };
+        let off = off(&points).filter(|_| off(&worn()).is_some());
         off.map(|v| format!("is for another mesh: vertex {v} is elsewhere"))
     }
 }

@@ -15,11 +15,50 @@ pub struct Camera {
     pub elevation_deg: Option<f64>,
     /// Distance of the camera in radii of the garment, at least 1.5; infinite without perspective.
     pub distance: f64,
+    /// Part of the garment that fills the picture; the whole of it if `None`.
+    pub focus: Option<Focus>,
+}
+
+/// A ball around a part of the garment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Focus {
+    /// Its middle [m].
+    pub centre: Vec3,
+    /// Its radius [m].
+    pub radius: f64,
+}
+
+/// Direction of the camera by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CameraView {
+    /// In front of the garment.
+    Front,
+    /// Behind it.
+    Back,
+    /// On the garment's left side.
+    Left,
+    /// On its right side.
+    Right,
+    /// Above it.
+    Top,
+}
+
+impl CameraView {
+    /// Returns azimuth and elevation \[degrees\].
+    pub fn angles_deg(self) -> [f64; 2] {
+        match self {
+            Self::Front => [0.0, UPRIGHT_ELEVATION_DEG],
+            Self::Back => [180.0, UPRIGHT_ELEVATION_DEG],
+            Self::Left => [90.0, UPRIGHT_ELEVATION_DEG],
+            Self::Right => [-90.0, UPRIGHT_ELEVATION_DEG],
+            Self::Top => [0.0, 90.0],
+        }
+    }
 }
 
 impl Default for Camera {
     fn default() -> Self {
-        Self { azimuth_deg: None, elevation_deg: None, distance: 6.0 }
+        Self { azimuth_deg: None, elevation_deg: None, distance: 6.0, focus: None }
     }
 }
 
@@ -45,6 +84,8 @@ pub(super) struct Projection {
     centre: Vec3,
     /// Height of the ground: the lowest point of the garment [m].
     pub ground: f64,
+    /// Whether the ground is in the picture: a close view is of the garment alone.
+    has_ground: bool,
     /// Radius of the garment [m].
     pub radius: f64,
     /// Inverse distance of the camera from the centre [1/m]; 0 without perspective.
@@ -82,8 +123,7 @@ impl Camera {
             (low, high) = (low.inf(p), high.sup(p));
         }
         let [azimuth, elevation] = self.angles(low, high).map(f64::to_radians);
-        let toward =
-            Vec3::new(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos());
+        let toward = direction(azimuth, elevation);
         let right = Vec3::new(azimuth.cos(), 0.0, -azimuth.sin());
         let radius = (0.5 * (high - low).norm()).max(1e-9);
         let distance = if self.distance >= 1.5 { self.distance } else { 1.5 };
@@ -93,14 +133,32 @@ impl Camera {
             toward,
             centre: low + 0.5 * (high - low),
             ground: low.y,
+            has_ground: self.focus.is_none(),
             radius,
             inverse_distance: 1.0 / (distance * radius),
             scale: 1.0,
             origin: Vec2::zeros(),
         };
-        projection.fit(points, size);
+        let near = |focus: Focus| -> Vec<Vec3> {
+            points.iter().filter(|p| (*p - focus.centre).norm() <= focus.radius).copied().collect()
+        };
+        let focus = self.focus.map(near).filter(|near| !near.is_empty());
+        projection.fit(focus.as_deref().unwrap_or(points), size);
         projection
     }
+
+    /// Returns the unit vector towards the camera that looks at `points`.
+    pub fn toward(&self, points: &[Vec3]) -> Vec3 {
+        let first = points.first().copied().unwrap_or_else(Vec3::zeros);
+        let (low, high) = points.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
+        let [azimuth, elevation] = self.angles(low, high).map(f64::to_radians);
+        direction(azimuth, elevation)
+    }
+}
+
+/// Returns the unit vector at these angles [rad].
+fn direction(azimuth: f64, elevation: f64) -> Vec3 {
+    Vec3::new(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos())
 }
 
 impl Projection {
@@ -150,6 +208,9 @@ impl Projection {
 
     /// Returns the point of the ground seen at `pixel`; `None` above the horizon.
     pub fn ground_at(&self, pixel: Vec2) -> Option<GroundPoint> {
+        if !self.has_ground {
+            return None;
+        }
         let flat = (pixel - self.origin) / self.scale;
         let across = flat.x * self.right - flat.y * self.up;
         // Points on the ray: centre + across + depth * (toward - across / distance).
@@ -183,7 +244,7 @@ mod tests {
     fn all_points_are_in_the_picture_and_touch_its_margin() {
         for distance in [6.0, f64::INFINITY] {
             let points = box_corners(0.9, 0.3, 0.7);
-            let camera = Camera { azimuth_deg: Some(30.0), elevation_deg: Some(20.0), distance };
+            let camera = Camera { azimuth_deg: Some(30.0), elevation_deg: Some(20.0), distance, focus: None };
             let projection = camera.aim(&points, [400, 300]);
             let seen: Vec<Vec3> = points.iter().map(|&p| projection.project(p)).collect();
             assert!(seen.iter().all(|s| s.x > 0.0 && s.x < 400.0 && s.y > 0.0 && s.y < 300.0));
@@ -197,7 +258,7 @@ mod tests {
     #[test]
     fn axes_are_not_mirrored() {
         for distance in [6.0, f64::INFINITY] {
-            let camera = Camera { azimuth_deg: Some(0.0), elevation_deg: Some(35.0), distance };
+            let camera = Camera { azimuth_deg: Some(0.0), elevation_deg: Some(35.0), distance, focus: None };
             let projection = camera.aim(&box_corners(1.0, 1.0, 1.0), [100, 100]);
             let [o, x, y, z] =
                 [Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()].map(|p| projection.project(p));
@@ -208,7 +269,7 @@ mod tests {
     #[test]
     fn ground_and_projection_agree() {
         for distance in [6.0, f64::INFINITY] {
-            let camera = Camera { azimuth_deg: Some(25.0), elevation_deg: Some(35.0), distance };
+            let camera = Camera { azimuth_deg: Some(25.0), elevation_deg: Some(35.0), distance, focus: None };
             let projection = camera.aim(&box_corners(1.0, 0.5, 1.0), [200, 200]);
             let p = Vec3::new(0.3, 0.0, 0.8);
             let s = projection.project(p);

@@ -10,14 +10,15 @@ const TEXT_COLOUR: [u8; 3] = [40, 42, 46];
 /// Gap between two pictures [pixels].
 const GAP: usize = 8;
 
-/// Returns the pixels per dot of the font for a picture of this width.
-fn scale(width: usize) -> usize {
-    (width / 400).max(1)
+/// Returns the size of text on a picture of this width [pixels].
+fn text_size(width: usize) -> f64 {
+    (width as f64 / 52.0).clamp(10.0, 40.0)
 }
 
 /// Returns the height of the legend of a picture of `size` [pixels]; 0 if the picture is too small for one.
 pub(super) fn legend_height([width, height]: [usize; 2]) -> usize {
-    let wanted = 2 * font::height(scale(width)) + 20 * scale(width);
+    let text = text_size(width);
+    let wanted = 2 * font::height(text) + (2.2 * text) as usize;
     if width >= 120 && height >= 2 * wanted { wanted } else { 0 }
 }
 
@@ -26,16 +27,18 @@ pub(super) fn draw_legend(image: &mut Image, field: &Field, height: usize) {
     if height == 0 {
         return;
     }
-    let dot = scale(image.width);
+    let text_size = text_size(image.width);
+    let unit = (text_size / 8.0).ceil() as usize;
     let limits = field.limits();
     let top = image.height - height;
     let title =
         if field.unit.is_empty() { field.title.clone() } else { format!("{} [{}]", field.title, field.unit) };
-    let bar_left = image.width / 5;
+    let bar_left = image.width / 4;
     let bar_width = image.width - 2 * bar_left;
-    font::write(image, &title, centred(&title, image.width / 2, dot, image.width), top, dot, TEXT_COLOUR);
-    let bar_top = top + font::height(dot) + 3 * dot;
-    let bar_height = 10 * dot;
+    let title_left = centred(&title, image.width / 2, text_size, image.width);
+    font::write(image, &title, title_left, top, text_size, TEXT_COLOUR);
+    let bar_top = top + font::height(text_size) + 2 * unit;
+    let bar_height = (0.9 * text_size) as usize;
     for x in 0..bar_width {
         let fraction = x as f64 / (bar_width - 1).max(1) as f64;
         for y in 0..bar_height {
@@ -46,23 +49,23 @@ pub(super) fn draw_legend(image: &mut Image, field: &Field, height: usize) {
     for (k, fraction) in [0.0, 0.5, 1.0].into_iter().enumerate() {
         let mut text = number(limits[0] + fraction * (limits[1] - limits[0]), limits[1] - limits[0]);
         if k == 0 && below {
-            text.insert(0, '≤');
+            text.insert_str(0, "≤ ");
         }
         if k == 2 && above {
-            text.insert(0, '≥');
+            text.insert_str(0, "≥ ");
         }
         let middle = bar_left + (fraction * (bar_width - 1) as f64) as usize;
-        for y in 0..2 * dot {
-            image.set(middle, bar_top + bar_height + y, TEXT_COLOUR);
+        for (x, y) in (0..unit.div_ceil(2)).flat_map(|x| (0..2 * unit).map(move |y| (x, y))) {
+            image.set(middle + x, bar_top + bar_height + y, TEXT_COLOUR);
         }
-        let x = centred(&text, middle, dot, image.width);
-        font::write(image, &text, x, bar_top + bar_height + 3 * dot, dot, TEXT_COLOUR);
+        let x = centred(&text, middle, text_size, image.width);
+        font::write(image, &text, x, bar_top + bar_height + 2 * unit, text_size, TEXT_COLOUR);
     }
 }
 
 /// Returns the left end of `text` centred at `middle`, within the picture.
-fn centred(text: &str, middle: usize, dot: usize, image_width: usize) -> usize {
-    let width = font::width(text, dot);
+fn centred(text: &str, middle: usize, text_size: f64, image_width: usize) -> usize {
+    let width = font::width(text, text_size);
     middle.saturating_sub(width / 2).min(image_width.saturating_sub(width))
 }
 
@@ -71,21 +74,22 @@ fn number(value: f64, span: f64) -> String {
     let digits = (2.0 - span.max(1e-9).log10().floor()).clamp(0.0, 6.0) as usize;
     let text = format!("{value:.digits$}");
     let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-    if text == "-0" { "0".into() } else { text.into() }
+    if text == "-0" { "0".into() } else { text.replace('-', "−") }
 }
 
 /// Returns two pictures side by side, each below its caption.
 pub fn side_by_side(left: &Image, right: &Image, captions: [&str; 2]) -> Image {
-    let dot = scale(left.width.max(right.width));
-    let head = font::height(dot) + 8 * dot;
+    let text_size = 1.2 * text_size(left.width.max(right.width));
+    let margin = (0.4 * text_size) as usize;
+    let head = font::height(text_size) + 2 * margin;
     let height = head + left.height.max(right.height);
     let mut image = Image::filled(left.width + GAP + right.width, height, BACKGROUND_SRGB);
     for (part, x, caption) in [(left, 0, captions[0]), (right, left.width + GAP, captions[1])] {
         // Longer captions would run into the other picture.
-        let max_length = part.width / font::width("mm", dot).max(1) * 2;
-        let caption: String = caption.chars().take(max_length).collect();
-        let indent = part.width.saturating_sub(font::width(&caption, dot)) / 2;
-        font::write(&mut image, &caption, x + indent, 4 * dot, dot, TEXT_COLOUR);
+        let mut caption = caption.to_owned();
+        while font::width(&caption, text_size) > part.width && caption.pop().is_some() {}
+        let indent = part.width.saturating_sub(font::width(&caption, text_size)) / 2;
+        font::write(&mut image, &caption, x + indent, margin, text_size, TEXT_COLOUR);
         image.paste(part, x, head);
     }
     image
@@ -106,7 +110,7 @@ mod tests {
 
     #[test]
     fn numbers_are_short_and_exact() {
-        assert_eq!(number(-30.0, 60.0), "-30");
+        assert_eq!(number(-30.0, 60.0), "−30");
         assert_eq!(number(1.5, 3.0), "1.5");
         assert_eq!(number(-0.0, 60.0), "0");
         assert_eq!(number(0.0005, 0.001), "0.0005");
@@ -124,7 +128,7 @@ mod tests {
         assert_eq!(both.pixel(10, head + 50)[..3], BACKGROUND_SRGB);
         for columns in [0..120, 120 + GAP..both.width] {
             assert!(
-                columns.clone().any(|x| (0..head).any(|y| both.pixel(x, y)[..3] == TEXT_COLOUR)),
+                columns.clone().any(|x| (0..head).any(|y| both.pixel(x, y)[1] < BACKGROUND_SRGB[1] / 2)),
                 "a caption is missing"
             );
         }

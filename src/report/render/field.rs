@@ -43,8 +43,13 @@ pub enum Colouring {
     Field(Field),
 }
 
-/// Fraction of the values within an automatic range, so that a few outliers do not flatten the rest [-].
-const COVERED_FRACTION: f64 = 0.995;
+/// Fraction of the values that count within an automatic range, so that seams and hems, whose angles are large everywhere,
+/// do not flatten the rest [-].
+const COVERED_FRACTION: f64 = 0.97;
+/// Fraction of the largest values that do not decide which values count [-].
+const OUTLIER_FRACTION: f64 = 0.005;
+/// Values below this fraction of the large ones do not count: where memory is sparse, most cloth has none [-].
+const MIN_COUNTED_FRACTION: f64 = 0.02;
 
 impl Field {
     /// Creates the field of the change of rest angle, one value per point [degrees].
@@ -105,8 +110,10 @@ impl Field {
             sizes.iter_mut().for_each(|v| *v = v.abs());
         }
         sizes.sort_unstable_by(f64::total_cmp);
-        let top = ((sizes.len() as f64 * COVERED_FRACTION) as usize).min(sizes.len().saturating_sub(1));
-        let top = sizes.get(top).copied().unwrap_or(0.0);
+        let base = if self.map == ColourMap::Diverging { 0.0 } else { self.minimum };
+        let large = quantile(&sizes, 1.0 - OUTLIER_FRACTION);
+        let counted = sizes.partition_point(|v| *v < base + MIN_COUNTED_FRACTION * (large - base));
+        let top = quantile(&sizes[counted..], COVERED_FRACTION);
         match self.map {
             ColourMap::Diverging => [-round_up(top), round_up(top)],
             ColourMap::Sequential => [self.minimum, self.minimum + round_up(top - self.minimum)],
@@ -131,6 +138,12 @@ pub(super) struct Clipped {
     pub below: bool,
     /// Whether values lie above its upper end.
     pub above: bool,
+}
+
+/// Returns the value below which `fraction` of the sorted `values` lie; 0 without any.
+fn quantile(values: &[f64], fraction: f64) -> f64 {
+    let index = ((values.len() as f64 * fraction) as usize).min(values.len().saturating_sub(1));
+    values.get(index).copied().unwrap_or(0.0)
 }
 
 /// Returns the smallest of 1, 1.5, 2, 3, 4, 5, 6, 8, 10 times a power of ten that is at least `x`; 1 for zero and below.

@@ -1,6 +1,7 @@
 //! A picture in memory, and its bytes as PNG.
 
 use crate::error::{Error, Result};
+use crate::report::render::colour::{to_linear, to_srgb};
 
 /// A picture, row by row from the top left, in sRGB with alpha.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -26,6 +27,29 @@ impl Image {
         let at = 4 * (y * self.width + x);
         let bytes = inside.then(|| self.rgba.get(at..at + 4)).flatten();
         bytes.and_then(|b| b.try_into().ok()).unwrap_or([0; 4])
+    }
+
+    /// Mixes a colour into pixel (`x`, `y`) by `coverage`, 0 to 1, as light adds; nothing happens outside.
+    pub(crate) fn blend(&mut self, x: usize, y: usize, colour: [u8; 3], coverage: f64) {
+        let under = self.pixel(x, y);
+        let linear = |c: u8| to_linear(f64::from(c) / 255.0);
+        let mix = |k: usize| to_srgb(linear(under[k]) + coverage * (linear(colour[k]) - linear(under[k])));
+        self.set(x, y, [mix(0), mix(1), mix(2)]);
+    }
+
+    /// The picture at half its size: each pixel is the mean of four.
+    pub(crate) fn halved(&self) -> Self {
+        let mut out = Self::filled(self.width / 2, self.height / 2, [0; 3]);
+        for y in 0..out.height {
+            for x in 0..out.width {
+                let four =
+                    [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| self.pixel(2 * x + dx, 2 * y + dy));
+                let mean =
+                    |k: usize| four.iter().map(|p| to_linear(f64::from(p[k]) / 255.0)).sum::<f64>() / 4.0;
+                out.set(x, y, [0, 1, 2].map(|k| to_srgb(mean(k))));
+            }
+        }
+        out
     }
 
     /// Sets a pixel. Pixels outside the picture are ignored.
@@ -65,6 +89,28 @@ pub fn encode_png(image: &Image) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// Encodes pictures of one size as an animated PNG that repeats, each shown for `1 / rate` s.
+pub fn encode_apng(images: &[Image], rate: u16) -> Result<Vec<u8>> {
+    let error = |message: String| Error::input("picture", "", message, "");
+    let Some(first) = images.first() else { return Err(error("an animation needs a picture".into())) };
+    let side = |n: usize| u32::try_from(n).map_err(|_| error(format!("{n} pixels do not fit into a PNG")));
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, side(first.width)?, side(first.height)?);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::High);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    encoder.set_animated(side(images.len())?, 0).map_err(|e| error(e.to_string()))?;
+    encoder.set_frame_delay(1, rate.max(1)).map_err(|e| error(e.to_string()))?;
+    let mut writer = encoder.write_header().map_err(|e| error(e.to_string()))?;
+    for image in images {
+        let rgb: Vec<u8> = image.rgba.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
+        writer.write_image_data(&rgb).map_err(|e| error(e.to_string()))?;
+    }
+    writer.finish().map_err(|e| error(e.to_string()))?;
+    Ok(bytes)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -79,6 +125,21 @@ mod tests {
         let info = reader.next_frame(&mut back).unwrap();
         assert_eq!((info.width, info.height), (5, 3));
         assert_eq!(back, image.rgba);
+    }
+
+    #[test]
+    fn an_animation_has_all_its_pictures() {
+        let images = [[10, 20, 30], [200, 100, 50], [0, 0, 0]].map(|colour| Image::filled(6, 4, colour));
+        let bytes = encode_apng(&images, 12).unwrap();
+        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+        assert_eq!(reader.info().animation_control.map(|control| control.num_frames), Some(3));
+        for image in &images {
+            let mut back = vec![0; reader.output_buffer_size().unwrap()];
+            reader.next_frame(&mut back).unwrap();
+            assert_eq!(back[..3], image.rgba[..3]);
+        }
+        assert!(encode_apng(&[], 12).is_err());
+        assert!(encode_apng(&[images[0].clone(), Image::filled(5, 4, [0; 3])], 12).is_err());
     }
 
     #[test]

@@ -25,9 +25,9 @@ mod surface;
 #[cfg(test)]
 pub(crate) mod test_shapes;
 
-pub use camera::Camera;
+pub use camera::{Camera, CameraView, Focus};
 pub use caption::{one_above_the_other, side_by_side};
 pub use colour::ColourMap;
 pub use draw::{MAX_SIDE, render};
 pub use field::{Colouring, Field, Values, curvature, largest_of_hinges, mean_of_hinges};
-pub use image::{Image, encode_png};
+pub use image::{Image, encode_apng, encode_png};

@@ -25,18 +25,21 @@ pub(super) fn shade(surface: &Surface, projection: &Projection, samples: &Sample
     let mut rgba = vec![0u8; 4 * width * height];
     rgba.par_chunks_mut(4 * width).enumerate().for_each(|(y, row)| {
         for (x, pixel) in row.chunks_exact_mut(4).enumerate() {
-            let mut sum = Vec3::zeros();
+            let (mut sum, mut covered) = (Vec3::zeros(), 0);
             for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
                 let (column, line) = (SAMPLES * x + dx, SAMPLES * y + dy);
                 let f = samples.triangle[line * samples.row_len() + column];
                 let position = sample_position(column, line);
+                covered += usize::from(f != NO_TRIANGLE);
                 sum += if f == NO_TRIANGLE {
                     Vec3::repeat(BACKGROUND * shadow.light(projection, position))
                 } else {
                     surface.colour(f as usize, position, projection, &samples.projected, &lights)
                 };
             }
-            let open = 1.0 - occlusion(&depth, samples.size, [x, y], projection);
+            // On the ground the few directions of the occlusion would show as rings; it has its shadow.
+            let covered = covered as f64 / (SAMPLES * SAMPLES) as f64;
+            let open = 1.0 - covered * occlusion(&depth, samples.size, [x, y], projection);
             let colour = sum / (SAMPLES * SAMPLES) as f64 * open;
             pixel.copy_from_slice(&[to_srgb(colour.x), to_srgb(colour.y), to_srgb(colour.z), 255]);
         }

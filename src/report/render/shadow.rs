@@ -17,11 +17,17 @@ pub(super) struct Shadow {
 }
 
 /// Number of cells along the longer side of the grid.
-const MAX_CELLS: f64 = 240.0;
-/// Radius of the blur as a fraction of the radius of the garment [-].
-const BLUR_FRACTION: f64 = 0.035;
+const MAX_CELLS: f64 = 400.0;
+/// Radius of the blur of the wide, soft shadow as a fraction of the radius of the garment [-].
+const BLUR_FRACTION: f64 = 0.04;
+/// Radius of the blur of the narrow shadow where the garment touches the ground, as such a fraction [-].
+const CONTACT_FRACTION: f64 = 0.008;
+/// Weight of the narrow shadow [-].
+const CONTACT_WEIGHT: f32 = 0.45;
+/// Number of box blurs, which together are close to a Gaussian.
+const BLUR_PASSES: usize = 3;
 /// Fraction of light lost in full shadow [-].
-const MAX_LOSS: f64 = 0.42;
+const MAX_LOSS: f64 = 0.5;
 
 impl Shadow {
     /// Computes the shadow of the triangles `drawn`.
@@ -45,11 +51,19 @@ impl Shadow {
         for t in drawn {
             shadow.cover(t.map(|i| (flat(i) - low) / cell));
         }
-        let radius = (BLUR_FRACTION * projection.radius / cell).round().min(MAX_CELLS) as usize;
-        for _ in 0..2 {
-            blur(&mut shadow.dark, &Lines { length: columns, count: rows, step: 1, stride: columns }, radius);
-            blur(&mut shadow.dark, &Lines { length: rows, count: columns, step: columns, stride: 1 }, radius);
-        }
+        let blurred = |fraction: f64, weight: f32| {
+            let radius = (fraction * projection.radius / cell).round().min(MAX_CELLS) as usize;
+            let mut dark = shadow.dark.clone();
+            for _ in 0..BLUR_PASSES {
+                blur(&mut dark, &Lines { length: columns, count: rows, step: 1, stride: columns }, radius);
+                blur(&mut dark, &Lines { length: rows, count: columns, step: columns, stride: 1 }, radius);
+            }
+            dark.iter_mut().for_each(|d| *d *= weight);
+            dark
+        };
+        let (contact, soft) =
+            (blurred(CONTACT_FRACTION, CONTACT_WEIGHT), blurred(BLUR_FRACTION, 1.0 - CONTACT_WEIGHT));
+        shadow.dark = contact.into_iter().zip(soft).map(|(a, b)| a + b).collect();
         shadow
     }
 

@@ -12,7 +12,7 @@ const OUTSIDE: [f64; 3] = [0.40, 0.46, 0.54];
 /// Colour of the inner side of cloth in a picture of the shape, linear light.
 const INSIDE: [f64; 3] = [0.50, 0.40, 0.32];
 /// Maximum angle between triangles whose corners have a common normal; sharper creases stay sharp [degrees].
-const MAX_SMOOTH_DEG: f64 = 50.0;
+const MAX_SMOOTH_DEG: f64 = 80.0;
 /// Weight of light in the colour of a field: enough to show the shape without distorting the values [-].
 const FIELD_LIGHT_WEIGHT: f64 = 0.55;
 

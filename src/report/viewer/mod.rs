@@ -1,15 +1,15 @@
 //! The viewer: a self-contained page of worn garments, which needs no network and no other file.
 //!
-//! The page rotates a garment, blends between source and worn shape, switches colours, describes the point under the
-//! pointer and its hinge with the largest memory, plays the frames of a bake, and shows garments side by side with a
-//! common scale and camera. It is drawn by plotly.js, which the plotly crate contains; `page.js` supplies the data.
-//! Numbers are embedded as 32-bit floats in base64, positions of frames as 16-bit fractions of their bounding box.
-//!
-//! Textures and materials of the glTF are not shown.
+//! The page shows the GLB of each garment itself, with its materials, normal map, skins and clips; blends or wipes between
+//! source and worn shape; colours by a quantity; describes the point under the pointer and its hinge with the largest
+//! memory; plays clips and the frames of a bake; and shows garments side by side with a common scale and camera. It is drawn
+//! by three.js (`three/`, bundled by `three/build.mjs`); `page/` holds the page itself. Numbers are embedded as 32-bit
+//! floats in base64, positions of frames as 16-bit fractions of their bounding box.
 
-use crate::garment::{Footprint, is_lying};
+use crate::garment::{Footprint, SourceAsset, SourcePiece, is_lying};
 use crate::io::Sidecar;
 use crate::math::{Vec3, bounds};
+use crate::mesh::PointIndex;
 use crate::report::garment_view::{ColorBy, GarmentView};
 use crate::report::html::escaped;
 use crate::report::render::{ColourMap, Values};
@@ -17,8 +17,13 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 
-const PAGE: &str = include_str!("page.html");
-const SCRIPT: &str = include_str!("page.js");
+const PAGE: &str = include_str!("page/page.html");
+const STYLE: &str = include_str!("page/style.css");
+/// three.js with its licence in the first line.
+const LIBRARY: &str = include_str!("three/three.min.js");
+/// Scripts of the page, in the order in which they use each other.
+const SCRIPTS: [&str; 3] =
+    [include_str!("page/garment.js"), include_str!("page/stage.js"), include_str!("page/page.js")];
 
 /// Index of the hinge of a point without hinges.
 const NO_HINGE: u32 = u32::MAX;
@@ -30,12 +35,47 @@ const MAX_LYING_HEIGHT_FRACTION: f64 = 0.35;
 pub struct ViewerItem {
     /// Heading.
     pub name: String,
+    /// The garment as GLB file, with its pictures.
+    pub glb: Vec<u8>,
+    /// Worn pieces of the file, in its order.
+    pub pieces: Vec<ViewerPiece>,
     /// Shapes and memory.
     pub view: GarmentView,
     /// Hinges, if there is a sidecar.
     pub hinges: Vec<HingeLabel>,
     /// Positions over time [m]: one list per frame with one entry per point.
     pub frames: Vec<Vec<Vec3>>,
+}
+
+/// A worn piece of the file of a garment.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ViewerPiece {
+    /// Index of its mesh.
+    pub mesh: usize,
+    /// Index of its primitive in the mesh.
+    pub primitive: usize,
+    /// Number of its vertices.
+    pub count: usize,
+}
+
+impl ViewerPiece {
+    /// Returns the worn pieces of `asset`, in the GLB file of [`crate::io::gltf::plain_glb`].
+    pub fn of_asset(asset: &SourceAsset) -> Vec<Self> {
+        let is_gltf = asset.document.is_some();
+        // Pieces of an OBJ become primitives of one mesh, those without triangles are left out.
+        let drawn = asset.pieces.iter().filter(|piece| is_gltf || !piece.triangles.is_empty()).enumerate();
+        let place = |(k, piece): (usize, &SourcePiece)| match is_gltf {
+            true => (piece.mesh, piece.primitive),
+            false => (0, k),
+        };
+        drawn
+            .filter(|(_, piece)| piece.worn)
+            .map(|(k, piece)| {
+                let (mesh, primitive) = place((k, piece));
+                Self { mesh, primitive, count: piece.positions.len() }
+            })
+            .collect()
+    }
 }
 
 /// Description of one hinge.
@@ -77,26 +117,25 @@ pub fn viewer_page(items: &[ViewerItem], color_by: ColorBy, frame_names: &[Strin
         "garments": items.iter().map(garment).collect::<Vec<_>>(),
         "maps": {"sequential": scale(ColourMap::Sequential), "diverging": scale(ColourMap::Diverging)},
         "show": color_by.name(),
-        "lies": items.iter().all(is_item_lying),
         "frame_names": frame_names,
     });
     // A name must not end the data block.
     let data = data.to_string().replace('<', "\\u003c");
-    let (before, rest) = PAGE.split_once("TITLE").unwrap_or((PAGE, ""));
-    let (head, rest) = rest.split_once("DATA").unwrap_or((rest, ""));
-    let (middle, rest) = rest.split_once("LIBRARY").unwrap_or((rest, ""));
-    let (last, end) = rest.split_once("SCRIPT").unwrap_or((rest, ""));
-    let title = escaped(&title);
-    [before, &title, head, &data, middle, &library(), last, SCRIPT, end].concat()
-}
-
-/// Returns plotly.js in its script element, without the typesetting library that follows it.
-fn library() -> String {
-    let mut sources = plotly::Plot::offline_js_sources();
-    if let Some(end) = sources.rfind("<script").filter(|at| *at > 0) {
-        sources.truncate(end);
+    let parts = [
+        ("TITLE", escaped(&title)),
+        ("STYLE", STYLE.to_owned()),
+        ("DATA", data),
+        ("LIBRARY", LIBRARY.to_owned()),
+        ("SCRIPT", SCRIPTS.concat()),
+    ];
+    let (mut page, mut rest) = (String::new(), PAGE);
+    for (mark, part) in parts {
+        let (before, after) = rest.split_once(mark).unwrap_or((rest, ""));
+        page += before;
+        page += &part;
+        rest = after;
     }
-    sources
+    page + rest
 }
 
 fn is_item_lying(item: &ViewerItem) -> bool {
@@ -105,26 +144,23 @@ fn is_item_lying(item: &ViewerItem) -> bool {
     is_lying(&size, Footprint::Shorter, MAX_LYING_HEIGHT_FRACTION)
 }
 
-fn scale(map: ColourMap) -> Vec<Value> {
-    (0..=20)
-        .map(|k| {
-            let fraction = f64::from(k) / 20.0;
-            let [r, g, b] = map.srgb(fraction);
-            json!([fraction, format!("rgb({r},{g},{b})")])
-        })
-        .collect()
+fn scale(map: ColourMap) -> Vec<[u8; 3]> {
+    (0..=60).map(|k| map.srgb(f64::from(k) / 60.0)).collect()
 }
 
 fn garment(item: &ViewerItem) -> Value {
     let view = &item.view;
-    let triangles = view.triangles.iter().flat_map(|t| t.map(|p| p.0.to_le_bytes())).flatten();
+    let points = view.vertex_points.iter().flat_map(|p| p.0.to_le_bytes());
     let Strongest { per_point, list } = strongest(view.before.len(), &item.hinges);
     let (low, size) = frame_box(&item.frames);
     json!({
         "name": item.name,
-        "before": positions(&view.before),
-        "after": positions(&view.after),
-        "triangles": STANDARD.encode(triangles.collect::<Vec<u8>>()),
+        "lies": is_item_lying(item),
+        "glb": STANDARD.encode(&item.glb),
+        "pieces": item.pieces.iter()
+            .map(|piece| json!({"mesh": piece.mesh, "primitive": piece.primitive, "count": piece.count}))
+            .collect::<Vec<_>>(),
+        "points": STANDARD.encode(points.collect::<Vec<u8>>()),
         "fields": ColorBy::ALL.iter().filter_map(|color_by| field(view, *color_by)).collect::<Vec<_>>(),
         "hinge": (!item.hinges.is_empty())
             .then(|| STANDARD.encode(per_point.iter().flat_map(|h| h.to_le_bytes()).collect::<Vec<u8>>())),
@@ -139,22 +175,35 @@ fn floats(values: impl Iterator<Item = f64>) -> String {
     STANDARD.encode(values.flat_map(|x| (x as f32).to_le_bytes()).collect::<Vec<u8>>())
 }
 
-fn positions(x: &[Vec3]) -> String {
-    floats(x.iter().flat_map(|p| [p.x, p.y, p.z]))
-}
-
 /// Returns the data of `color_by`; `None` if the garment lacks the quantity.
 fn field(view: &GarmentView, color_by: ColorBy) -> Option<Value> {
     let field = view.field_of(color_by)?;
-    let (Values::PerPoint(values) | Values::PerTriangle(values)) = &field.values;
+    let values = match &field.values {
+        Values::PerPoint(values) => values.clone(),
+        Values::PerTriangle(values) => mean_per_point(view.before.len(), &view.triangles, values),
+    };
     Some(json!({
         "name": color_by.name(),
         "title": field.title,
         "unit": field.unit,
         "map": match field.map { ColourMap::Sequential => "sequential", ColourMap::Diverging => "diverging" },
         "limits": field.limits(),
-        "values": floats(values.iter().copied()),
+        "values": floats(values.into_iter()),
     }))
+}
+
+/// Returns per point the mean of the values of its triangles; not a number where it has none.
+fn mean_per_point(point_count: usize, triangles: &[[PointIndex; 3]], values: &[f64]) -> Vec<f64> {
+    let mut sums = vec![(0.0, 0u32); point_count];
+    for (t, value) in triangles.iter().zip(values) {
+        for p in t {
+            if let Some((sum, count)) = sums.get_mut(p.at()) {
+                *sum += value;
+                *count += 1;
+            }
+        }
+    }
+    sums.into_iter().map(|(sum, count)| sum / f64::from(count)).collect()
 }
 
 /// Hinges with the largest memory.
@@ -226,25 +275,26 @@ mod tests {
         let (before, triangles) = sphere(0.3, 6);
         let after = before.iter().map(|p| p * 1.1).collect();
         let (file, memory) = (name.to_owned(), None);
-        let view = GarmentView { file, before, after, triangles, memory, confidence: None };
+        let vertex_points = (0..before.len() as u32).map(PointIndex).collect();
+        let view = GarmentView { file, before, after, triangles, vertex_points, memory, confidence: None };
         let hinges = vec![
             HingeLabel { points: [0, 1], source_deg: 1.0, rest_deg: 3.0, stiffness: 1.5 },
             HingeLabel { points: [1, 2], source_deg: 0.0, rest_deg: -40.0, stiffness: 2.0 },
         ];
-        ViewerItem { name: name.to_owned(), view, hinges, frames: Vec::new() }
+        let pieces = vec![ViewerPiece { mesh: 0, primitive: 0, count: view.before.len() }];
+        let (name, glb, frames) = (name.to_owned(), Vec::new(), Vec::new());
+        ViewerItem { name, glb, pieces, view, hinges, frames }
     }
 
     #[test]
     fn the_page_is_self_contained_and_escapes_names() {
         let page = viewer_page(&[item("a</script><b>\"&"), item("TITLE DATA")], ColorBy::Curvature, &[]);
         for external in ["src=\"http", "href=\"http", "<link"] {
-            let own = page.replace(&library(), "");
+            let own = page.replace(LIBRARY, "");
             assert!(!own.contains(external), "{external}");
         }
-        assert!(
-            page.contains("plotly.js v") && !page.contains("MathJax-script"),
-            "the library is in it, once"
-        );
+        assert_eq!(page.matches("three.js authors, MIT licence").count(), 1, "the library and its licence");
+        assert!(page.contains("default-src 'none'"), "the browser refuses requests");
         assert_eq!(page.matches("</script>").count(), 3);
         assert!(page.contains("<title>crease: a&lt;/script&gt;&lt;b&gt;&quot;&amp;, TITLE DATA</title>"));
         let (_, data) = page.split_once("id=\"data\">").expect("a data block");
@@ -253,6 +303,14 @@ mod tests {
         assert_eq!(data["garments"][0]["name"], "a</script><b>\"&");
         assert_eq!(data["garments"].as_array().map(Vec::len), Some(2));
         assert_eq!(data["show"], "curvature");
+    }
+
+    #[test]
+    fn values_of_triangles_are_averaged_at_points() {
+        let t = |corners: [u32; 3]| corners.map(PointIndex);
+        let mean = mean_per_point(5, &[t([0, 1, 2]), t([1, 3, 2])], &[1.0, 4.0]);
+        assert_eq!(mean[..4], [1.0, 2.5, 2.5, 4.0]);
+        assert!(mean[4].is_nan());
     }
 
     #[test]

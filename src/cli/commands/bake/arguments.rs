@@ -1,5 +1,6 @@
 //! Command-line arguments of `crease bake`.
 
+use crate::cli::args::apply::ApplyArgs;
 use crate::cli::args::body::BodyArgs;
 use crate::cli::args::export::ExportArgs;
 use crate::cli::args::mesh::MeshArgs;
@@ -18,7 +19,7 @@ use std::sync::Arc;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
-  crease bake shirt.glb --wear garments/wear/fold-thrice.json -o worn.glb --preview
+  crease bake shirt.glb --wear fold-thrice -o worn.glb --preview
   crease bake shirt.obj --unit cm --fabric denim --wear wear.json -o worn.glb --frames frames
   crease bake shirt.glb --wear wear.json -o worn.glb --resume    continue after Ctrl-C or a crash
   crease bake shirt.glb --wear wear.json --explain               which models would be used, and why")]
@@ -26,8 +27,8 @@ pub struct Arguments {
     /// Garment: .obj, .gltf or .glb; - for the standard input
     #[arg(value_parser = input_path)]
     pub mesh: PathBuf,
-    /// Wear script, crease-wear/1; - for the standard input
-    #[arg(long, value_name = "SCRIPT", value_parser = input_path)]
+    /// Wear script, crease-wear/1: a file, the name of one that `crease example` lists, or - for the standard input
+    #[arg(long, value_name = "FILE|NAME", value_parser = input_path)]
     pub wear: PathBuf,
     /// Worn garment to write; OUT.crease.json and OUT.report.json go beside it
     #[arg(short, long, value_name = "OUT.glb", value_parser = glb_path, required_unless_present = "explain")]
@@ -50,6 +51,8 @@ pub struct Arguments {
     /// Leave open borders single; by default they are hemmed, double over 20 mm
     #[arg(long)]
     no_hems: bool,
+    #[command(flatten)]
+    pub apply: ApplyArgs,
     #[command(flatten)]
     pub export: ExportArgs,
     /// Time integrator [default: the one of the quality]
@@ -78,7 +81,7 @@ pub struct Arguments {
     pub frames_of: FramesOf,
     /// Frames per simulated second
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = positive, default_value_t = 10.0, requires = "frames")]
-    fps: f64,
+    pub fps: f64,
     /// Continue from OUT.checkpoint if an interrupted run left one; the result is bit-identical to an uninterrupted run
     #[arg(long)]
     pub resume: bool,

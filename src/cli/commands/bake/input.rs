@@ -4,6 +4,7 @@ use crate::cli::args::refine::Refinement;
 use crate::cli::commands::bake::arguments::Arguments;
 use crate::cli::files::frame_folder::FrameFolder;
 use crate::cli::files::input;
+use crate::cli::files::wear::read_script;
 use crease::bake::{Bake, ModelDecision, ModelPlan, active_points};
 use crease::body::AnimatedBody;
 use crease::fabric::Fabric;
@@ -42,7 +43,7 @@ impl BakeInput {
     /// Reads all files. The errors of all of them are reported together.
     pub fn read(arguments: &Arguments) -> Result<Self> {
         let script_file = input::name_of(&arguments.wear);
-        let script = read_script(&script_file, &arguments.wear, arguments.body.is_given());
+        let script = worn_script(&script_file, &arguments.wear, arguments.body.is_given());
         let fabric = input::fabric(&arguments.fabric);
         let reading = arguments.reading.options();
         let mesh = GarmentFile::load(&arguments.mesh, &reading);
@@ -127,8 +128,8 @@ impl BakeInput {
     }
 }
 
-fn read_script(file: &str, path: &Path, has_body: bool) -> Result<WearScript> {
-    let script = WearScript::parse(file, &input::text(path)?)?;
+fn worn_script(file: &str, path: &Path, has_body: bool) -> Result<WearScript> {
+    let script = read_script(path)?;
     let errors = if has_body { Vec::new() } else { script.errors_without_body(file) };
     if errors.is_empty() { Ok(script) } else { Err(Error::Input(errors)) }
 }

@@ -14,7 +14,7 @@ use crate::cli::args::export::print_checks;
 use crate::cli::commands::bake::arguments::{FramesOf, SidecarMesh};
 use crate::cli::commands::bake::input::BakeInput;
 use crate::cli::commands::bake::observer::BakeObserver;
-use crate::cli::commands::worn_job::{SideFiles, WornJob, WornResult, outcome};
+use crate::cli::commands::worn_job::{FrameSource, SideFiles, WornJob, WornResult, outcome};
 use crate::cli::files::checkpoints::CheckpointFile;
 use crate::cli::files::frame_folder::FrameFolder;
 use crate::cli::runtime::console;
@@ -49,8 +49,12 @@ fn bake_into(
     progress: &mut Progress,
     interrupt: &Interrupt,
 ) -> Result<()> {
-    let side_files =
-        SideFiles { export: Some(&arguments.export), preview: arguments.preview, ..SideFiles::default() };
+    let side_files = SideFiles {
+        apply: arguments.apply,
+        export: Some(&arguments.export),
+        preview: arguments.preview,
+        ..SideFiles::default()
+    };
     let inputs = [arguments.mesh.as_path(), arguments.wear.as_path(), Path::new(&arguments.fabric)];
     let mut job = WornJob::start(&arguments.run, output, inputs, side_files)?;
     let mut input = BakeInput::read(arguments)?;
@@ -85,7 +89,11 @@ fn bake_into(
         worn: &baked.worn,
         fabric: &input.fabric,
         sidecar: &sidecar,
-        side_files: SideFiles { detail: Some((&arguments.refine, input.refinement.as_ref())), ..side_files },
+        side_files: SideFiles {
+            detail: Some((&arguments.refine, input.refinement.as_ref())),
+            frames: arguments.frames.as_deref().map(|folder| FrameSource { folder, rate: arguments.fps }),
+            ..side_files
+        },
         computed,
     };
     let mut written = job.write(&result, report)?;

@@ -4,6 +4,7 @@
 use crate::cli::commands::batch::jobs::{Job, Jobs};
 use crate::cli::files::input;
 use crate::cli::files::output::Outputs;
+use crate::cli::runtime::executable;
 use crate::cli::runtime::interrupt::{INTERRUPTED, Interrupt};
 use crease::{Error, Result};
 use serde::{Deserialize, Serialize};
@@ -192,8 +193,7 @@ const POLL_INTERVAL: Duration = Duration::from_millis(20);
 fn attempt(jobs: &Jobs, job: &Job, threads: usize, log: &Path, interrupt: &Interrupt) -> Result<ExitStatus> {
     let failed = |source| Error::File { file: input::name_of(log), source };
     let log_file = std::fs::File::create(log).map_err(failed)?;
-    let own = std::env::current_exe().map_err(|source| Error::File { file: "crease".to_owned(), source })?;
-    let mut command = Command::new(own);
+    let mut command = Command::new(executable::path()?);
     // Paths are passed as written in the job file, since the outputs contain them.
     command.current_dir(&jobs.folder).args([
         "bake",

@@ -6,7 +6,7 @@
 use crate::cli::commands::batch::arguments::Arguments;
 use crate::cli::commands::batch::jobs::Jobs;
 use crate::cli::files::output::Outputs;
-use crate::cli::runtime::console;
+use crate::cli::runtime::{console, executable};
 use crease::{Error, Result};
 use std::path::Path;
 use std::process::Command;
@@ -19,8 +19,7 @@ const STOP_NOTICE_S: u32 = 60;
 /// Writes slurm-array.sh and slurm-summary.sh into the output folder and submits both; prints the job id of the array.
 pub fn submit(jobs: &Jobs, arguments: &Arguments) -> Result<()> {
     let [array, summary] = ["slurm-array.sh", "slurm-summary.sh"].map(|name| jobs.output.join(name));
-    let crease =
-        std::env::current_exe().map_err(|source| Error::File { file: "crease".to_owned(), source })?;
+    let crease = executable::path()?;
     let mut outputs = Outputs::new([]);
     outputs.add(&array, array_script(jobs, arguments, &crease)?.as_bytes())?;
     outputs.add(&summary, summary_script(jobs, &crease)?.as_bytes())?;

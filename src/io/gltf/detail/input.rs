@@ -1,6 +1,7 @@
 //! Input of a detail map.
 
 use crate::garment::{Garment, WornGarment};
+use crate::io::gltf::flat_shading::FlatNormals;
 
 /// Garment on the mesh of its file and on the simulated mesh.
 #[derive(Debug, Clone, Copy)]
@@ -13,4 +14,6 @@ pub struct DetailInput<'a> {
     pub parent: &'a [u32],
     /// Wear of `fine`.
     pub worn: &'a WornGarment,
+    /// Treatment of flat-shaded vertices, that of the worn file.
+    pub flat_normals: FlatNormals,
 }

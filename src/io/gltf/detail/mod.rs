@@ -20,6 +20,7 @@ mod tests;
 mod texels;
 
 pub use input::DetailInput;
+pub use texels::MapDepth;
 
 use crate::garment::{GltfDocument, SourceAsset};
 use crate::io::gltf::append::Appender;
@@ -43,7 +44,7 @@ pub const DETAIL_MAP_SIZES: std::ops::RangeInclusive<usize> = 64..=16384;
 pub struct DetailMap {
     /// Name of the material, if it has one.
     pub material: Option<String>,
-    /// Normal map: PNG, three channels of 16 bits, tangent space as glTF has it (y up).
+    /// Normal map: PNG, three channels, tangent space as glTF has it (y up).
     pub normal_png: Vec<u8>,
     /// Height of the fine surface over the coarse one: PNG, grey, 16 bits.
     pub height_png: Vec<u8>,
@@ -75,6 +76,7 @@ pub fn add_detail_map(
     asset: &SourceAsset,
     detail: &DetailInput,
     side: usize,
+    depth: MapDepth,
 ) -> Result<DetailOutput> {
     if !DETAIL_MAP_SIZES.contains(&side) {
         let message = format!(
@@ -94,7 +96,7 @@ pub fn add_detail_map(
     for surface in &surfaces {
         surface.add_tangents(&mut appender);
     }
-    let maps = Maps { document, surfaces: &surfaces, painter: Painter::new(detail, &surfaces), side };
+    let maps = Maps { document, surfaces: &surfaces, painter: Painter::new(detail, &surfaces), side, depth };
     let maps =
         maps.add(&mut appender, &mut notes).map_err(|e| Error::input(&asset.file, "detail map", e, ""))?;
     Ok(DetailOutput { glb: appender.into_glb(), maps, notes })
@@ -125,6 +127,7 @@ struct Maps<'a> {
     surfaces: &'a [Surface<'a>],
     painter: Painter<'a>,
     side: usize,
+    depth: MapDepth,
 }
 
 impl Maps<'_> {
@@ -177,7 +180,7 @@ impl Maps<'_> {
                     rotate_with_surface(&mut painted.texels, own);
                 }
                 painted.texels.pad(TUNING.padding_texels);
-                let normal_png = painted.texels.to_png()?;
+                let normal_png = painted.texels.to_png(self.depth)?;
                 let (height_png, height_range_m) = painted.texels.height_png()?;
                 let in_material = reason.is_none();
                 if in_material {

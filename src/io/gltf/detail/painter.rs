@@ -26,6 +26,8 @@ pub(super) struct Painter<'a> {
     /// Per triangle of the coarse garment: the vertices of its corners.
     pub(super) corners: Vec<Option<SurfaceCorners>>,
     shape: WornShape<'a>,
+    /// Per surface and vertex: whether it is flat-shaded and has smooth normals after the wear.
+    flat: Vec<Vec<bool>>,
 }
 
 impl<'a> Painter<'a> {
@@ -52,18 +54,23 @@ impl<'a> Painter<'a> {
             }
             Some(SurfaceCorners { surface: s, vertices: corners })
         });
-        Self { detail, surfaces, corners: corners.collect(), shape: WornShape::new(detail.fine, detail.worn) }
+        let shape = WornShape::new(detail.fine, detail.worn, detail.flat_normals);
+        // The corners of the file's triangles are points of the fine garment, too.
+        let flat = |s: &Surface| shape.flat_vertices(s.points, &s.unworn, &s.piece.triangles);
+        let flat = surfaces.iter().map(flat).collect();
+        Self { detail, surfaces, corners: corners.collect(), shape, flat }
     }
 
     /// Paints one map of the surfaces with the indices `painted`, whose texture coordinates `transform` takes to the map.
     pub(super) fn paint(&self, painted: &[usize], transform: TextureTransform, side: usize) -> Texels {
         let mut texels = Texels::new(side);
-        let DetailInput { coarse, fine, parent, worn } = *self.detail;
+        let DetailInput { coarse, fine, parent, worn, .. } = *self.detail;
         for (triangle, &k) in fine.triangles.iter().zip(parent) {
             let Some(SurfaceCorners { surface, vertices }) = self.corners[k as usize] else { continue };
             if !painted.contains(&surface) {
                 continue;
             }
+            let is_flat = vertices.iter().all(|&v| self.flat[surface][v]);
             let surface = &self.surfaces[surface];
             let corners = coarse.triangles[k as usize].map(|p| coarse.points[p.at()]);
             let weights = triangle.map(|p| barycentric(&fine.points[p.at()], &corners));
@@ -72,7 +79,9 @@ impl<'a> Painter<'a> {
             };
             let normals: [Vec3; 3] = std::array::from_fn(|i| {
                 let base = unit_or(mix(&weights[i], &|v| surface.unworn[v]), Vec3::z());
-                self.shape.worn_normal(triangle[i], base, LinearPart::identity()).unwrap_or(base)
+                let smooth = is_flat.then(|| self.shape.smooth_normal(triangle[i], base)).flatten();
+                let rotated = || self.shape.worn_normal(triangle[i], base, LinearPart::identity());
+                smooth.or_else(rotated).unwrap_or(base)
             });
             let position = |p: PointIndex, points: &[Vec3]| points[p.at()] + worn.displacement[p.at()];
             let above = triangle.map(|p| position(p, &fine.points));

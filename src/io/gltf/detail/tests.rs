@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::garment::{Garment, RestState, WornGarment};
+use crate::io::gltf::FlatNormals;
 use crate::io::gltf::detail::painter::SurfaceCorners;
 use crate::io::gltf::write_worn_glb;
 use crate::math::Vec2;
@@ -104,7 +105,13 @@ impl Scene {
     }
 
     fn detail(&self) -> DetailInput<'_> {
-        DetailInput { coarse: &self.coarse, fine: &self.fine, parent: &self.parent, worn: &self.worn }
+        DetailInput {
+            coarse: &self.coarse,
+            fine: &self.fine,
+            parent: &self.parent,
+            worn: &self.worn,
+            flat_normals: FlatNormals::default(),
+        }
     }
 
     fn worn_glb(&self) -> Vec<u8> {
@@ -117,7 +124,7 @@ impl Scene {
     }
 
     fn detailed(&self) -> DetailOutput {
-        add_detail_map(&self.worn_glb(), &self.asset, &self.detail(), 1024).unwrap()
+        add_detail_map(&self.worn_glb(), &self.asset, &self.detail(), 1024, MapDepth::Sixteen).unwrap()
     }
 }
 
@@ -210,7 +217,13 @@ fn a_normal_map_that_is_there_is_kept_under_the_wrinkles() {
     let (fine, parent) = finer(&coarse, 5);
     let memory = RestState::flat(fine.topology.hinges.len(), fine.triangles.len());
     let worn = WornGarment { displacement: vec![Vec3::zeros(); fine.points.len()], memory };
-    let detail = DetailInput { coarse: &coarse, fine: &fine, parent: &parent, worn: &worn };
+    let detail = DetailInput {
+        coarse: &coarse,
+        fine: &fine,
+        parent: &parent,
+        worn: &worn,
+        flat_normals: FlatNormals::default(),
+    };
     // Worn again, so that the worn target is that of the flat sheet.
     let unworn = WornGarment { displacement: vec![Vec3::zeros(); coarse.points.len()], ..flat.worn.clone() };
     let unworn = WornGarment {
@@ -218,7 +231,7 @@ fn a_normal_map_that_is_there_is_kept_under_the_wrinkles() {
         ..unworn
     };
     let glb = write_worn_glb(&asset, &coarse, &unworn, &json!({"crease": {"sidecar": "x"}})).unwrap();
-    let second = add_detail_map(&glb, &asset, &detail, 1024).unwrap();
+    let second = add_detail_map(&glb, &asset, &detail, 1024, MapDepth::Sixteen).unwrap();
     assert!(second.notes.is_empty(), "{:?}", second.notes);
     let [a, b] = [&first, &second].map(|d| Texels::from_png(&d.maps[0].normal_png).unwrap());
     let off: f64 = a.direction.iter().zip(&b.direction).map(|(a, b)| angle_deg(a, b)).sum::<f64>();
@@ -232,7 +245,7 @@ fn parts_that_do_not_belong_together_are_rejected() {
     let scene = Scene::new(&ripple);
     let glb = scene.worn_glb();
     let short = DetailInput { parent: &scene.parent[1..], ..scene.detail() };
-    assert!(add_detail_map(&glb, &scene.asset, &short, 1024).is_err());
-    assert!(add_detail_map(&glb, &scene.asset, &scene.detail(), 7).is_err());
-    assert!(add_detail_map(b"no glTF", &scene.asset, &scene.detail(), 1024).is_err());
+    assert!(add_detail_map(&glb, &scene.asset, &short, 1024, MapDepth::Sixteen).is_err());
+    assert!(add_detail_map(&glb, &scene.asset, &scene.detail(), 7, MapDepth::Sixteen).is_err());
+    assert!(add_detail_map(b"no glTF", &scene.asset, &scene.detail(), 1024, MapDepth::Sixteen).is_err());
 }

@@ -1,8 +1,18 @@
 //! Picture of directions: filled triangle by triangle in texture space, padded beyond the filled texels, and written as
-//! 16-bit PNG; existing pictures are read.
+//! PNG; existing pictures are read.
 
 use crate::io::tuning::TUNING;
 use crate::math::{Vec2, Vec3};
+
+/// Bits per channel of a normal map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum MapDepth {
+    /// 8 bits, which every program reads.
+    #[default]
+    Eight,
+    /// 16 bits.
+    Sixteen,
+}
 
 /// Direction and height of one texel.
 #[derive(Debug, Clone, Copy)]
@@ -139,19 +149,18 @@ impl Texels {
         sum.try_normalize(1e-9).unwrap_or_else(Vec3::z)
     }
 
-    /// Writes the directions as a picture with three 16-bit channels.
-    pub(super) fn to_png(&self) -> Result<Vec<u8>, String> {
-        let word = |x: f64| ((0.5 + 0.5 * x.clamp(-1.0, 1.0)) * 65535.0).round() as u16;
-        let rows = self.direction.iter().flat_map(|d| [d.x, d.y, d.z]).map(word);
-        write_png(self.width, self.height, png::ColorType::Rgb, rows)
+    /// Writes the directions as a picture with three channels.
+    pub(super) fn to_png(&self, depth: MapDepth) -> Result<Vec<u8>, String> {
+        let rows =
+            self.direction.iter().flat_map(|d| [d.x, d.y, d.z]).map(|x| 0.5 + 0.5 * x.clamp(-1.0, 1.0));
+        write_png(self.width, self.height, png::ColorType::Rgb, depth, rows)
     }
 
     /// Writes the heights as a grey 16-bit picture; also returns the heights of black and white [m].
     pub(super) fn height_png(&self) -> Result<(Vec<u8>, [f32; 2]), String> {
         let max = self.height_m.iter().fold(1e-6f32, |max, height| max.max(height.abs()));
-        let word = |height: &f32| ((0.5 + 0.5 * height / max) * 65535.0).round() as u16;
-        let png =
-            write_png(self.width, self.height, png::ColorType::Grayscale, self.height_m.iter().map(word))?;
+        let rows = self.height_m.iter().map(|height| f64::from(0.5 + 0.5 * height / max));
+        let png = write_png(self.width, self.height, png::ColorType::Grayscale, MapDepth::Sixteen, rows)?;
         Ok((png, [-max, max]))
     }
 
@@ -194,16 +203,25 @@ fn write_png(
     width: usize,
     height: usize,
     colour: png::ColorType,
-    words: impl Iterator<Item = u16>,
+    depth: MapDepth,
+    fractions: impl Iterator<Item = f64>,
 ) -> Result<Vec<u8>, String> {
     let side = |n: usize| u32::try_from(n).map_err(|e| e.to_string());
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, side(width)?, side(height)?);
     encoder.set_color(colour);
-    encoder.set_depth(png::BitDepth::Sixteen);
+    let data: Vec<u8> = match depth {
+        MapDepth::Eight => {
+            encoder.set_depth(png::BitDepth::Eight);
+            fractions.map(|x| (x * 255.0).round() as u8).collect()
+        }
+        MapDepth::Sixteen => {
+            encoder.set_depth(png::BitDepth::Sixteen);
+            fractions.flat_map(|x| ((x * 65535.0).round() as u16).to_be_bytes()).collect()
+        }
+    };
     encoder.set_compression(png::Compression::Fast);
     let mut writer = encoder.write_header().map_err(|e| e.to_string())?;
-    let data: Vec<u8> = words.flat_map(u16::to_be_bytes).collect();
     writer.write_image_data(&data).map_err(|e| e.to_string())?;
     writer.finish().map_err(|e| e.to_string())?;
     Ok(bytes)
@@ -259,7 +277,7 @@ mod tests {
         texels.fill([[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]].map(Vec2::from), &|s| {
             at(Vec3::new(0.4 * s[1], 0.4 * s[2], 1.0).normalize(), s[0])
         });
-        let back = Texels::from_png(&texels.to_png().unwrap()).unwrap();
+        let back = Texels::from_png(&texels.to_png(MapDepth::Sixteen).unwrap()).unwrap();
         let worst =
             texels.direction.iter().zip(&back.direction).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
         assert!(worst < 4e-5, "{worst}");

@@ -1,16 +1,17 @@
-//! Writes the garment as a USD surface deformable, as text (`--export usda`).
+//! The mesh of a USD surface deformable.
 //!
 //! After the deformables proposal of the AOUSD physics working group: one triangle mesh with
 //! `PhysicsSurfaceDeformableSimAPI`, whose `physics:restBendAngles` are degrees, one per pair of adjacent triangles in
 //! `physics:restAdjTriPairs`. The mesh is the welded one, its points the worn shape; `physics:restShapePoints` is the rest
 //! mesh and `physics:restBendAnglesDefault` says `restShape`, so that a simulator which reads only those has the creases
 //! too. Angles lie in [-180, 180); positive where the wings fold away from the normals, as everywhere in crease. (The
-//! proposal leaves the sign open.) Writes and reads back this one layout; it is no USD library.
+//! proposal leaves the sign open.) It is a guide: renderers leave it out.
 
 use crate::garment::Garment;
+use crate::io::usd::prim::{Prim, extent, list, vectors};
+use crate::io::usd::scene::{MATERIALS, PHYSICS_MATERIAL, UsdShape};
 use crate::math::Vec3;
 use crate::{Error, Result};
-use std::fmt::Write;
 
 /// Bending and rest points of a file, as read back.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -23,34 +24,31 @@ pub struct UsdaMemory {
     pub rest_points: Vec<Vec3>,
 }
 
-/// Writes `garment` as USDA text: worn shape and rest shape (displacements [m], one per point), rest angles [rad], one per hinge.
-pub fn write_usda(garment: &Garment, worn: &[Vec3], rest_state: &[Vec3], rest_angle: &[f64]) -> Vec<u8> {
-    let moved = |shift: &[Vec3]| list(garment.points.iter().zip(shift).map(|(x, d)| vector(&(x + d))));
+/// Returns the mesh that a simulator of deformables takes: worn shape and rest shape (displacements [m], one per point), rest
+/// angles [rad], one per hinge.
+pub(super) fn simulation_mesh(garment: &Garment, shape: &UsdShape) -> Prim {
+    let moved =
+        |shift: &[Vec3]| -> Vec<Vec3> { garment.points.iter().zip(shift).map(|(x, d)| x + d).collect() };
+    let worn = moved(shape.worn);
     let corners = garment.triangles.iter().flatten().map(|p| p.0.to_string());
     let counts = garment.triangles.iter().map(|_| "3".to_owned());
     let hinges = &garment.topology.hinges;
     let pairs = hinges.iter().map(|h| format!("({}, {})", h.triangles[0], h.triangles[1]));
-    let angles = rest_angle.iter().map(|angle| format!("{}", wrapped_deg(*angle) as f32));
-    let mut text = String::new();
-    // Writing to a string cannot fail.
-    let _ = write!(
-        text,
-        "#usda 1.0\n(\n    defaultPrim = \"Garment\"\n    metersPerUnit = 1\n    upAxis = \"Y\"\n)\n\n\
-         def Mesh \"Garment\" (\n    prepend apiSchemas = [\"PhysicsDeformableBodyAPI\", \
-         \"PhysicsSurfaceDeformableSimAPI\", \"PhysicsCollisionAPI\"]\n)\n{{\n    \
-         uniform bool doubleSided = 1\n    uniform token subdivisionScheme = \"none\"\n    \
-         int[] faceVertexCounts = {}\n    int[] faceVertexIndices = {}\n    point3f[] points = {}\n    \
-         point3f[] physics:restShapePoints = {}\n    \
-         uniform token physics:restBendAnglesDefault = \"restShape\"\n    \
-         int2[] physics:restAdjTriPairs = {}\n    float[] physics:restBendAngles = {}\n}}\n",
-        list(counts),
-        list(corners),
-        moved(worn),
-        moved(rest_state),
-        list(pairs),
-        list(angles),
-    );
-    text.into_bytes()
+    let angles = shape.rest_angle.iter().map(|angle| format!("{}", wrapped_deg(*angle) as f32));
+    Prim::new("Mesh", "Simulation")
+        .api(&["PhysicsSurfaceDeformableSimAPI", "PhysicsCollisionAPI", "MaterialBindingAPI"])
+        .line("uniform bool doubleSided = 1".into())
+        .line(format!("float3[] extent = {}", extent([&worn[..]])))
+        .line(format!("int[] faceVertexCounts = {}", list(counts)))
+        .line(format!("int[] faceVertexIndices = {}", list(corners)))
+        .line(format!("rel material:binding:physics = <{MATERIALS}/{PHYSICS_MATERIAL}>"))
+        .line(format!("point3f[] points = {}", vectors(&worn)))
+        .line(format!("point3f[] physics:restShapePoints = {}", vectors(&moved(shape.rest))))
+        .line("uniform token physics:restBendAnglesDefault = \"restShape\"".into())
+        .line(format!("int2[] physics:restAdjTriPairs = {}", list(pairs)))
+        .line(format!("float[] physics:restBendAngles = {}", list(angles)))
+        .line("uniform token purpose = \"guide\"".into())
+        .line("uniform token subdivisionScheme = \"none\"".into())
 }
 
 /// Returns `angle` [rad] in degrees, wrapped to [-180, 180).
@@ -58,15 +56,7 @@ pub fn wrapped_deg(angle: f64) -> f64 {
     (angle.to_degrees() + 180.0).rem_euclid(360.0) - 180.0
 }
 
-fn vector(x: &Vec3) -> String {
-    format!("({}, {}, {})", x.x as f32, x.y as f32, x.z as f32)
-}
-
-fn list(entries: impl Iterator<Item = String>) -> String {
-    format!("[{}]", entries.collect::<Vec<_>>().join(", "))
-}
-
-/// Reads the bending data of a file of [`write_usda`]; `file` names it in diagnostics.
+/// Reads the bending data of a file of [`crate::io::write_usda`]; `file` names it in diagnostics.
 pub fn read_usda(file: &str, bytes: &[u8]) -> Result<UsdaMemory> {
     let text = String::from_utf8_lossy(bytes);
     let numbers = |name: &str| -> Result<Vec<f64>> {
@@ -109,7 +99,9 @@ mod tests {
             crate::io::read_asset("two.obj", text.as_bytes(), &options, &mut |_| Ok(Vec::new())).unwrap();
         let (garment, _) = Garment::from_asset(&asset).unwrap();
         let still = vec![Vec3::zeros(); 4];
-        let written = String::from_utf8(write_usda(&garment, &still, &still, &[0.5])).unwrap();
+        let shape = UsdShape { worn: &still, rest: &still, rest_angle: &[0.5] };
+        let mut written = String::new();
+        simulation_mesh(&garment, &shape).write(&mut written, 0);
         assert!(written.contains("int[] faceVertexIndices = [0, 1, 2, 3, 2, 1]\n"), "{written}");
         assert!(written.contains("int2[] physics:restAdjTriPairs = [(0, 1)]\n"));
         assert!(written.contains("float[] physics:restBendAngles = [28.64789]\n"), "degrees, not radians");

@@ -1,0 +1,36 @@
+"""Simulates how garments are worn and bakes the permanent wrinkles into their meshes.
+
+`bake` wears a garment by a script, `transfer` puts its wrinkles on another one, `Sidecar` holds what the cloth remembers as
+NumPy arrays, and `MemoryState` with `advance_memory` is the memory law for a simulator of your own. `python -m crease` is
+the command-line tool.
+"""
+
+from ._crease import (
+    ConvergenceError,
+    CreaseError,
+    MemoryState,
+    Sidecar,
+    Worn,
+    __version__,
+    advance_memory,
+    bake,
+    fabrics,
+    scripts,
+    sheet,
+    transfer,
+)
+
+__all__ = [
+    "ConvergenceError",
+    "CreaseError",
+    "MemoryState",
+    "Sidecar",
+    "Worn",
+    "__version__",
+    "advance_memory",
+    "bake",
+    "fabrics",
+    "scripts",
+    "sheet",
+    "transfer",
+]

@@ -1,0 +1,45 @@
+//! The Python module `crease._crease`: the library over NumPy arrays, and the command-line tool.
+//!
+//! Types and documentation for Python are in `crease/_crease.pyi`. Arrays are copied in and out.
+
+// Units are written [m], [s]: rustdoc would take each for a link.
+#![allow(rustdoc::broken_intra_doc_links)]
+
+#[path = "../../cli/mod.rs"]
+mod cli;
+mod convert;
+mod memory;
+mod run;
+mod sidecar;
+mod worn;
+
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyModule;
+
+pyo3::create_exception!(_crease, CreaseError, PyValueError);
+pyo3::create_exception!(_crease, ConvergenceError, CreaseError);
+
+/// Runs the tool with the words of a command line; returns its exit code.
+#[pyfunction]
+fn run_tool(py: Python<'_>, words: Vec<std::ffi::OsString>) -> u8 {
+    py.detach(|| cli::run(words))
+}
+
+#[pymodule]
+fn _crease(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    let py = module.py();
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add("CreaseError", py.get_type::<CreaseError>())?;
+    module.add("ConvergenceError", py.get_type::<ConvergenceError>())?;
+    module.add_class::<sidecar::PySidecar>()?;
+    module.add_class::<worn::PyWorn>()?;
+    module.add_class::<memory::MemoryState>()?;
+    module.add_function(wrap_pyfunction!(run::bake, module)?)?;
+    module.add_function(wrap_pyfunction!(run::transfer, module)?)?;
+    module.add_function(wrap_pyfunction!(run::sheet, module)?)?;
+    module.add_function(wrap_pyfunction!(run::fabrics, module)?)?;
+    module.add_function(wrap_pyfunction!(run::scripts, module)?)?;
+    module.add_function(wrap_pyfunction!(memory::advance_memory, module)?)?;
+    module.add_function(wrap_pyfunction!(run_tool, module)?)
+}

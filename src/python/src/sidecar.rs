@@ -1,0 +1,86 @@
+//! `Sidecar`: the memory of a garment as arrays.
+
+use crate::convert::{exception, numbers, rows, vectors};
+use crease::{Sidecar, Vec3, read_sidecar, write_sidecar};
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+use std::path::PathBuf;
+
+#[pyclass(name = "Sidecar", module = "crease", frozen)]
+pub struct PySidecar(pub Sidecar);
+
+#[pymethods]
+impl PySidecar {
+    #[staticmethod]
+    fn load(path: PathBuf) -> PyResult<Self> {
+        Sidecar::load(&path).map(Self).map_err(exception)
+    }
+
+    #[staticmethod]
+    fn parse(text: &str) -> PyResult<Self> {
+        read_sidecar("sidecar", text.as_bytes()).map(Self).map_err(exception)
+    }
+
+    fn save(&self, path: PathBuf) -> PyResult<()> {
+        self.0.save(&path).map_err(exception)
+    }
+
+    fn to_json(&self) -> String {
+        String::from_utf8_lossy(&write_sidecar(&self.0)).into_owned()
+    }
+
+    #[getter]
+    fn points<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        vectors(py, &self.0.mesh_points())
+    }
+
+    #[getter]
+    fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
+        rows(py, &self.0.mesh.triangles)
+    }
+
+    #[getter]
+    fn source_point<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
+        numbers(py, &self.0.mesh.source_point)
+    }
+
+    #[getter]
+    fn displacement<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let moves: Vec<Vec3> = self.0.points.displacement_m.iter().map(|&d| Vec3::from(d)).collect();
+        vectors(py, &moves)
+    }
+
+    #[getter]
+    fn hinge_points<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
+        rows(py, &self.0.hinges.points)
+    }
+
+    #[getter]
+    fn source_angle<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        numbers(py, &self.0.hinges.source_angle_rad)
+    }
+
+    #[getter]
+    fn rest_angle<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        numbers(py, &self.0.hinges.rest_angle_rad)
+    }
+
+    #[getter]
+    fn stiffness_ratio<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        numbers(py, &self.0.hinges.stiffness_ratio)
+    }
+
+    #[getter]
+    fn rest_stretch_warp<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        numbers(py, &self.0.triangles.rest_stretch_warp)
+    }
+
+    #[getter]
+    fn rest_stretch_weft<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        numbers(py, &self.0.triangles.rest_stretch_weft)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Sidecar({} points, {} hinges)", self.0.mesh.points_m.len(), self.0.hinges.points.len())
+    }
+}
