@@ -3,15 +3,22 @@
 import os
 import shutil
 import sys
+import sysconfig
 
 from ._crease import run_tool
 
 
+def script():
+    """Path of the script `crease`, with which a batch starts the tool again for every job."""
+    name = "crease.exe" if os.name == "nt" else "crease"
+    own = os.path.join(sysconfig.get_path("scripts"), name)
+    return own if os.path.isfile(own) else shutil.which("crease")
+
+
 def main() -> int:
-    # A batch starts the tool again for every job.
-    own = sys.argv[0] if os.path.basename(sys.argv[0]).startswith("crease") else shutil.which("crease")
-    if own and "CREASE_EXECUTABLE" not in os.environ:
-        os.environ["CREASE_EXECUTABLE"] = os.path.abspath(own)
+    own = script()
+    if own:
+        os.environ.setdefault("CREASE_EXECUTABLE", own)
     return run_tool(["crease", *sys.argv[1:]])
 
 

@@ -86,7 +86,7 @@ def test_mistakes_are_exceptions_with_a_cure(tmp_path):
     ):
         with pytest.raises(crease.CreaseError, match=words):
             call()
-    with pytest.raises(OSError):
+    with pytest.raises(crease.CreaseError, match="no such file"):
         crease.bake(tmp_path / "none.glb", "fold-thrice")
 
 
