@@ -59,6 +59,10 @@ pub(in crate::io) fn read_gltf(
         return Err(failed(errors));
     }
     let Some(scene) = errors.take(Scene::read(&root)) else { return Err(failed(errors)) };
+    check_meshes(&root, &mut errors);
+    if !errors.is_empty() {
+        return Err(failed(errors));
+    }
     let accessors = Accessors::from_parts(&json, &buffers);
     let reader = PieceReader::new(&root, accessors, scene, *to_scene, errors);
     let mut read = reader.read(mask.map(MaskChannel::parse))?;
@@ -100,7 +104,7 @@ fn check_extensions(root: &Cursor, errors: &mut ErrorList) {
     }
 }
 
-/// Reports lists that are no lists and documents without meshes: read as empty, they would only show as missing triangles.
+/// Reports lists that are no lists: read as empty, they would only show as missing triangles.
 fn check_structure(root: &Cursor, errors: &mut ErrorList) {
     let help = "export the file again, or correct it at this location";
     for list in [
@@ -122,6 +126,10 @@ fn check_structure(root: &Cursor, errors: &mut ErrorList) {
             errors.push(entry.path(), "is not an object", help);
         }
     }
+}
+
+/// Reports a document that shows no mesh.
+fn check_meshes(root: &Cursor, errors: &mut ErrorList) {
     let shows_mesh = root.entries("nodes").iter().any(|node| node.member("mesh").exists());
     if root.length("meshes") == 0 {
         errors.push("meshes", "there are none in the file", "export the garment as a mesh");
