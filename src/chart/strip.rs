@@ -12,7 +12,7 @@ use crate::chart::falling_strip::{
 use crate::chart::statistics::median;
 use crate::chart::{Axis, BLACK, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
 use crate::error::Result;
-use crate::fabric::{PAPER_FABRIC, Fabric};
+use crate::fabric::{Fabric, PAPER_FABRIC};
 
 /// Times to rest that the paper reports for a mesh [s].
 #[derive(Debug, Clone, Copy)]

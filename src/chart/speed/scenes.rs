@@ -7,7 +7,7 @@ use crate::chart::fold_thrice::{FoldThrice, IncludedMesh};
 use crate::chart::speed::cost::SceneCost;
 use crate::chart::{ChartOptions, cantilever};
 use crate::error::Result;
-use crate::fabric::{PAPER_FABRIC, Fabric};
+use crate::fabric::{Fabric, PAPER_FABRIC};
 use crate::garment::{Garment, SourcePiece};
 use crate::io::ReadOptions;
 use crate::sim::NewtonSeconds;
