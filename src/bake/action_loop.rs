@@ -236,6 +236,9 @@ impl Run<'_> {
         self.report.cost += step.newton.cost;
         self.convergence.record(&step);
         self.violations.record(self.state.time, &step.violations);
+        if let Some(reason) = self.violations.reason_to_stop(self.state.time) {
+            return Err(Error::NotConverged(format!("{}: {reason}", action.name)));
+        }
         let clock = Instant::now();
         let mut next = step.next_dt;
         if let (Some(model), true) = (&self.model, runner.accumulates_memory()) {

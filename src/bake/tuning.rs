@@ -168,6 +168,8 @@ pub(super) struct UncrossTuning {
 pub(super) struct WarningTuning {
     /// Pause between two violations of one kind up to which they are one warning [s].
     pub max_pause: f64,
+    /// Time for which cloth may be stretched beyond what it bears [s], default 0.25.
+    pub max_torn_time: f64,
     /// Warnings of one kind at most; the rest are counted.
     pub max_violations: usize,
     /// Pairs of parts named in the warning on initial intersections at most; the rest are counted.
@@ -253,7 +255,12 @@ impl BakeTuning {
             surface_radius: 0.2,
         },
         uncross: UncrossTuning { max_rounds: 60, over_relaxation: 1.3, hold_back_factor: 0.6, reach: 0.03 },
-        warnings: WarningTuning { max_pause: 0.25, max_violations: 5, max_part_pairs: 6 },
+        warnings: WarningTuning {
+            max_pause: 0.25,
+            max_torn_time: 0.25,
+            max_violations: 5,
+            max_part_pairs: 6,
+        },
         findings: FindingTuning {
             min_angle_change: 0.5 * std::f64::consts::PI / 180.0,
             min_stretch_change: 1e-3,

@@ -32,6 +32,9 @@ pub struct ViolationLog {
     pressed: Vec<Episode>,
     /// Cloth overstretched: its strain [-].
     stretched: Vec<Episode>,
+    /// Cloth stretched beyond what it bears.
+    #[serde(default)]
+    torn: Vec<Episode>,
 }
 
 impl ViolationLog {
@@ -40,6 +43,21 @@ impl ViolationLog {
         // The smaller the gap that is left between pressed layers, the worse.
         record(&mut self.pressed, time, found.pressed, |a, b| a < b);
         record(&mut self.stretched, time, found.stretched, |a, b| a > b);
+        record(&mut self.torn, time, found.torn, |a, b| a > b);
+    }
+
+    /// Reason to end the run at `time` [s]: cloth that has been stretched beyond what it bears for longer than a moment.
+    pub(super) fn reason_to_stop(&self, time: f64) -> Option<String> {
+        let torn = self.torn.last()?;
+        (torn.to == time && time - torn.from >= TUNING.warnings.max_torn_time).then(|| {
+            let [_, at] = torn.describe();
+            format!(
+                "the cloth is torn: since {:.2} s it is stretched to {:.1} times its length near {at}; check the unit, the fit \
+                 on the body and what pulls there, or begin with a slower motion",
+                torn.from,
+                1.0 + torn.worst.size
+            )
+        })
     }
 
     /// Warnings, in order of the constraints.
@@ -133,5 +151,22 @@ mod tests {
         assert_eq!(warnings.len(), 6);
         assert!(warnings[0].contains("5 % of their thickness"));
         assert_eq!(warnings[5], "4 more times something pressed layers too thin");
+    }
+
+    #[test]
+    fn cloth_that_stays_torn_is_a_reason_to_stop() {
+        let mut log = ViolationLog::default();
+        let torn = Violations {
+            torn: Some(Violation { size: 1.4, position: Vec3::zeros() }),
+            ..Violations::default()
+        };
+        log.record(1.0, &torn);
+        assert_eq!(log.reason_to_stop(1.0), None, "a moment passes");
+        log.record(1.1, &torn);
+        log.record(1.3, &torn);
+        let reason = log.reason_to_stop(1.3).expect("it does not pass");
+        assert!(reason.contains("since 1.00 s") && reason.contains("2.4 times its length"), "{reason}");
+        log.record(1.4, &Violations::default());
+        assert_eq!(log.reason_to_stop(1.4), None, "it has recovered");
     }
 }

@@ -25,6 +25,8 @@ pub struct Violations {
     pub pressed: Option<Violation>,
     /// Largest strain along warp or weft [-].
     pub stretched: Option<Violation>,
+    /// Largest strain [-], if more of the cloth than single triangles is stretched beyond what cloth bears.
+    pub torn: Option<Violation>,
 }
 
 impl Violations {
@@ -39,7 +41,13 @@ impl Violations {
         let (size, triangle) = strains.zip(0..).fold(none, |max, s| if s.0 > max.0 { s } else { max });
         let stretched = (triangle != usize::MAX)
             .then(|| Violation { size, position: cloth.membrane.centre(triangle, x) });
-        Self { pressed, stretched }
+        let beyond: f64 = (cloth.membrane.measure(x).iter().zip(cloth.membrane.area()))
+            .filter(|([u, v, _], _)| u.max(*v) - 1.0 > TUNING.max_cloth_strain)
+            .map(|(_, area)| area)
+            .sum();
+        let all: f64 = cloth.membrane.area().iter().sum();
+        let torn = stretched.filter(|_| beyond > TUNING.min_torn_fraction * all);
+        Self { pressed, stretched, torn }
     }
 
     /// Whether there is no violation.

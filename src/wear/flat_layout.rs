@@ -323,17 +323,17 @@ impl<'a> Plane<'a> {
             for ((t, w), shape) in self.triangles.iter().zip(&self.weights).zip(&self.shapes) {
                 // Rotation in the plane that brings the shape closest to its place.
                 let (mut cos, mut sin) = (0.0, 0.0);
-                for k in 0..3 {
+                for (k, w) in w.iter().enumerate() {
                     let (i, j) = ((k + 1) % 3, (k + 2) % 3);
                     let (at, own) = (x[t[i].at()] - x[t[j].at()], shape[i] - shape[j]);
-                    cos += w[k] * (at.x * own.x + at.z * own.z);
-                    sin += w[k] * (at.z * own.x - at.x * own.z);
+                    cos += w * (at.x * own.x + at.z * own.z);
+                    sin += w * (at.z * own.x - at.x * own.z);
                 }
                 let length = cos.hypot(sin).max(f64::MIN_POSITIVE);
                 let (cos, sin) = (cos / length, sin / length);
-                for k in 0..3 {
+                for (k, w) in w.iter().enumerate() {
                     let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-                    let own = (shape[i] - shape[j]) * w[k];
+                    let own = (shape[i] - shape[j]) * *w;
                     let turned = Vec3::new(cos * own.x - sin * own.z, 0.0, sin * own.x + cos * own.z);
                     rhs[t[i].at()] += turned;
                     rhs[t[j].at()] -= turned;

@@ -55,7 +55,8 @@ fn textures_that_agree_one_to_one_win_over_boxes() {
     for (part, place) in cases {
         let target = surface(vec![part]);
         let carried =
-            transfer(&[from.clone()], &target, &TransferOptions::full(target.points.len())).expect("works");
+            transfer(std::slice::from_ref(&from), &target, &TransferOptions::full(target.points.len()))
+                .expect("works");
         assert_eq!(carried.sources[0].matched_by, MatchBy::Uv);
         assert_eq!(carried.sources[0].aligned_by, Some(AlignedBy::Texture));
         assert!(fraction_at(&carried, &target, place) > 0.8, "{}", fraction_at(&carried, &target, place));
@@ -92,7 +93,7 @@ fn islands_that_lie_on_one_another_are_told_apart_by_place() {
         let from = source(surface(pair(12)), |p| (0.3..0.35).contains(&(side * p.x)));
         for match_by in [MatchBy::Auto, MatchBy::Uv] {
             let options = TransferOptions { match_by, ..TransferOptions::full(target.points.len()) };
-            let carried = transfer(&[from.clone()], &target, &options).expect("works");
+            let carried = transfer(std::slice::from_ref(&from), &target, &options).expect("works");
             let there = fraction_at(&carried, &target, |p| side * p.x > 0.0);
             assert!(there > 0.99, "{side} {match_by:?}: {there}");
             assert!(carried.sources[0].ambiguous_fraction > 0.9);
