@@ -1,7 +1,6 @@
 //! The worn shape as the base shape of a file: what a viewer shows of it, at every moment of its clips, is what the worn file
 //! shows with its target at weight 1; and flat-shaded files get smooth wrinkles.
 
-#[allow(dead_code, reason = "the builder has parts that only other tests need")]
 #[path = "export/document.rs"]
 mod document;
 
