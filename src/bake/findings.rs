@@ -43,6 +43,7 @@ pub(super) fn add_findings(
             (0.25 * mm).clamp(1.0, TUNING.findings.max_advised_resolution_mm).round()
         ));
     }
+    report.warnings.extend(baked.worn.hidden_warning(garment));
     let cure = match (far.is_some(), garment.topology.hinges.is_empty(), options.body.is_some()) {
         (true, ..) => "the garment is not on the body",
         (_, true, _) => "the mesh has no edge to bend at; refine it with --resolution",

@@ -182,6 +182,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     job.warn(carried.warnings.clone());
     job.warn_of_failure(carried.empty_reason.as_ref());
     let worn = WornGarment { displacement, memory: carried.memory.clone() };
+    job.warn(worn.hidden_warning(garment));
 
     let computed = Instant::now();
     let counts = crossing_counts(garment, &worn, &start);
