@@ -44,13 +44,12 @@ impl Pace {
         if now.simulated_s < Self::MIN_DONE * now.total_s || done <= 0.0 {
             return None;
         }
-        let recent =
-            self.steps.partition_point(|(wall, _)| *wall < first_wall + 0.75 * (wall_s - first_wall));
+        let recent = self.steps.partition_point(|(_, simulated)| *simulated <= first_simulated + 0.75 * done);
         let (recent_wall, recent_simulated) = self.steps[recent.saturating_sub(1)];
         let whole = (wall_s - first_wall) / done;
         let last = (wall_s - recent_wall) / (now.simulated_s - recent_simulated).max(f64::MIN_POSITIVE);
-        // The mean of both on a logarithmic scale; neither counts for more than four times the other.
-        let pace = whole * (last / whole).clamp(0.25, 4.0).sqrt();
+        // A mean of both on a logarithmic scale, in which what came last counts three times as much.
+        let pace = whole * (last / whole).clamp(0.1, 10.0).powf(0.75);
         let left = pace * (now.total_s - now.simulated_s);
         left.is_finite().then_some(left.max(0.0))
     }
@@ -215,7 +214,7 @@ mod tests {
         let total = all[19].0;
         for (wall, left) in &all[9..18] {
             let left = left.expect("is stated");
-            assert!(left < 2.5 * (total - wall) && left > 0.4 * (total - wall), "{wall} {left} of {total}");
+            assert!(left < 2.0 * (total - wall) && left > 0.5 * (total - wall), "{wall} {left} of {total}");
         }
     }
 
