@@ -20,8 +20,10 @@ fn sheet(cells: usize) -> String {
 fn fold(hold: f64) -> String {
     format!(
         r#"{{"format": "crease-wear/1", "actions": [{{"lay": {{"over": 0.3}}}},
-            {{"fold": {{"line": [[0.5, 0], [0.5, 1]], "side": "left", "over": 0.5, "hold": {hold}}}}},
-            {{"unfold": {{"all": true, "over": 0.5}}}}]}}"#
+            {{"fold": {{"line": [[0.5, 0], [0.5, 1]], "side": "left", "over": 0.5, "hold": {}}}}},
+            {{"unfold": {{"all": true, "over": 0.5}}}}]}}"#,
+        // Long enough that every fabric remembers the fold.
+        3.0 + hold
     )
 }
 

@@ -153,7 +153,7 @@ fn trims_follow_the_cloth_that_carries_them() {
     let far = parse(&[("shirt", vec![Part::sheet(4, 0.4, [0.0; 3])]), ("ball", vec![button(0.9)])]);
     assert!(RigidParts::find(&far.garment).is_none());
     let bytes = file(&[("a", vec![Part::can(8, 0.02, 0.03, [0.0; 3])])], |_| {});
-    let options = ReadOptions { unit_m: Some(1.0), ..ReadOptions::default() };
+    let options = ReadOptions { unit_m: Some(1.0), any_size: true, ..ReadOptions::default() };
     let alone = GarmentFile::parse("a.glb", &bytes, &options).expect("is a garment");
     assert!(RigidParts::find(&alone.garment).is_none());
 }

@@ -53,12 +53,12 @@ impl RelaxOptions {
         iterations_per_increment: TUNING.relax.max_iterations,
     };
 
-    /// The options with which `garment` shows what it remembers. A crease decays over some edges, or over the bending length if that
-    /// is more: the tether is the bending stiffness over the fourth power of this length. The cloth stretches as easily as a sheet so
+    /// The options with which `garment` shows what it remembers. A crease decays over 3 cm, over some edges or over the bending
+    /// length, whichever is most: the tether is the bending stiffness over the fourth power of this length. The cloth stretches as easily as a sheet so
     /// thick that a crease can run across a curved surface.
     pub fn visible_on(garment: &Garment, fabric: &Fabric) -> Self {
         let own = fabric.bending_length();
-        let decay = own.max(TUNING.relax.decay_edges * garment.mean_edge());
+        let decay = own.max(TUNING.relax.min_decay).max(TUNING.relax.decay_edges * garment.mean_edge());
         let crease = garment.mean_edge().max(TUNING.relax.crease_width);
         let thickness = crease * crease / TUNING.relax.surface_radius;
         Self {
