@@ -5,7 +5,6 @@
 
 use crate::garment::Garment;
 use crate::math::{Vec2, Vec3};
-use crate::mesh::distance::barycentric;
 use crate::mesh::{Hinge, PointIndex, Topology, edge_key};
 use crate::remesh::simulation_mesh::SimulationMesh;
 use crate::remesh::surface_mesh::SurfacePoint;
@@ -85,8 +84,17 @@ struct Bisection {
     splits: Vec<[u32; 2]>,
     /// Per new edge along an old one: an edge of the coarser mesh.
     edge_parent: FxHashMap<[u32; 2], u32>,
-    /// Halves of every triangle that was bisected: itself and another.
-    halves: Vec<Vec<u32>>,
+    /// Bisections of every triangle, in order.
+    cuts: Vec<Vec<Cut>>,
+}
+
+/// Bisection of a triangle: one half keeps its number, the other gets a new one.
+#[derive(Debug, Clone, Copy)]
+struct Cut {
+    /// Number of the other half.
+    other: u32,
+    /// Corners at the ends of the bisected edge: of the half that keeps the number, and of the other.
+    ends: [usize; 2],
 }
 
 impl Bisection {
@@ -104,7 +112,7 @@ impl Bisection {
             points: garment.points.clone(),
             material: garment.material.clone(),
             triangle_parent: (0..triangles.len() as u32).collect(),
-            halves: vec![Vec::new(); triangles.len()],
+            cuts: vec![Vec::new(); triangles.len()],
             triangles,
             on_edge,
             splits: Vec::new(),
@@ -169,8 +177,9 @@ impl Bisection {
             self.triangles.push(other);
             self.material.push(other_material);
             self.triangle_parent.push(self.triangle_parent[f as usize]);
-            self.halves.push(Vec::new());
-            self.halves[f as usize].push(g);
+            self.cuts.push(Vec::new());
+            let corner = |p: u32| t.iter().position(|q| *q == p).unwrap_or(0);
+            self.cuts[f as usize].push(Cut { other: g, ends: [corner(a), corner(b)] });
             let Some(&c) = t.iter().find(|&&p| p != a && p != b) else { continue };
             // The edge from b to c belongs to the other half now.
             if let Entry::Occupied(mut on) = self.on_edge.entry(edge_key(b, c)) {
@@ -196,7 +205,7 @@ impl Bisection {
         };
         let hinge_parent = topology.hinges.iter().map(parent).collect();
         let parts = self.triangle_parent.iter().map(|&f| source.triangle_part[f as usize]).collect();
-        let located = coarse.source_location.iter().map(|at| self.locate(source, at)).collect();
+        let located = coarse.source_location.iter().map(|at| self.locate(at)).collect();
         let garment = Garment {
             points: self.points,
             material: self.material,
@@ -215,26 +224,22 @@ impl Bisection {
         }
     }
 
-    /// The location `at` of the coarser mesh, on the refined one: the half that holds it, of halves of halves.
-    fn locate(&self, coarse: &Garment, at: &SurfacePoint) -> SurfacePoint {
-        let mut parts = vec![at.face];
+    /// The location `at` of the coarser mesh, on the refined one: cut by cut in the half that holds it. The same numbers come out
+    /// whether the cuts were made at once or in several refinements.
+    fn locate(&self, at: &SurfacePoint) -> SurfacePoint {
+        let SurfacePoint { mut face, mut weights } = *at;
         let mut next = 0;
-        while let Some(&f) = parts.get(next) {
-            parts.extend(&self.halves[f as usize]);
-            next += 1;
+        while let Some(&Cut { other, ends: [a, b] }) = self.cuts[face as usize].get(next) {
+            // With m = (a + b) / 2: w_a a + w_b b = (w_a - w_b) a + 2 w_b m.
+            let (wa, wb) = (weights[a], weights[b]);
+            if wa >= wb {
+                (weights[a], weights[b]) = (wa - wb, 2.0 * wb);
+                next += 1;
+            } else {
+                (weights[a], weights[b]) = (2.0 * wa, wb - wa);
+                (face, next) = (other, 0);
+            }
         }
-        if parts.len() == 1 {
-            return *at;
-        }
-        let m = &coarse.material[at.face as usize];
-        let flat = |v: Vec2| Vec3::new(v.x, v.y, 0.0);
-        let x = flat((0..3).map(|k| m[k] * at.weights[k]).sum());
-        let weights = |f: u32| barycentric(&x, &self.material[f as usize].map(flat));
-        let inside = |f: u32| weights(f).into_iter().fold(f64::INFINITY, f64::min);
-        let best = parts.into_iter().max_by(|&f, &g| inside(f).total_cmp(&inside(g)).then(g.cmp(&f)));
-        let face = best.unwrap_or(at.face);
-        let clamped = weights(face).map(|w| w.max(0.0));
-        let sum: f64 = clamped.iter().sum();
-        SurfacePoint { face, weights: clamped.map(|w| w / sum.max(f64::MIN_POSITIVE)) }
+        SurfacePoint { face, weights }
     }
 }
