@@ -46,7 +46,7 @@ pub fn rest_mesh(garment: &Garment, fabric: &Fabric, rest: &RestState) -> RelaxR
     let (mut cloth, plan) = cloth_and_plan(garment, fabric, Quality::Draft);
     cloth.membrane.set_stiffness(plan.stretch.map(|k| k * TUNING.relax.rest_mesh_stretch));
     let contact = Contact::none(garment.points.len());
-    let options = RelaxOptions { tether_scale: TUNING.relax.rest_mesh_tether, ..RelaxOptions::FULL };
+    let options = RelaxOptions { tether_scale: TUNING.relax.rest_mesh_tether, max_stretch: f64::INFINITY };
     relax_with(garment, fabric, rest, cloth, contact, &options)
 }
 

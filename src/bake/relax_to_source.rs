@@ -41,18 +41,9 @@ pub(super) struct RelaxOptions {
     pub tether_scale: f64,
     /// Stretch stiffness at most [N/m].
     pub max_stretch: f64,
-    /// Global Newton iterations per load increment at most, except for the last.
-    pub iterations_per_increment: usize,
 }
 
 impl RelaxOptions {
-    /// Every increment solved to convergence, with the tether and the stretch stiffness of the fabric.
-    pub const FULL: Self = Self {
-        tether_scale: 1.0,
-        max_stretch: f64::INFINITY,
-        iterations_per_increment: TUNING.relax.max_iterations,
-    };
-
     /// The options with which `garment` shows what it remembers. A crease decays over 3 cm, over some edges or over the bending
     /// length, whichever is most: the tether is the bending stiffness over the fourth power of this length. The cloth stretches as easily as a sheet so
     /// thick that a crease can run across a curved surface.
@@ -64,7 +55,6 @@ impl RelaxOptions {
         Self {
             tether_scale: (own / decay).powi(4),
             max_stretch: 12.0 * fabric.bend_mean() / (thickness * thickness),
-            ..Self::FULL
         }
     }
 }
@@ -95,32 +85,31 @@ pub(super) fn relax_to_source_pose(
     let mut x = garment.points.clone();
     let mut angle = rest.source_angle.clone();
     let weight = stepper.cloth.mass.iter().sum::<f64>() * GRAVITY;
-    let last_newton = NewtonOptions {
+    let newton = NewtonOptions {
         displacement_tol: TUNING.relax.displacement_tol,
         decrement_tol: TUNING.relax.energy_tol_m * weight,
         rel_decrement_tol: 0.0,
         max_iterations: TUNING.relax.max_iterations,
     };
-    let newton = NewtonOptions { max_iterations: options.iterations_per_increment, ..last_newton };
     let increments = TUNING.relax.load_increments;
+    // The models are cloned so that their terms may live beside the stepper they are given to.
+    let (mut model, bending) = (stepper.cloth.membrane.clone(), stepper.cloth.bending.clone());
+    model.limit_stiffness(options.max_stretch);
     for increment in 1..=increments {
         let partial = scaled_memory(rest, f64::from(increment) / f64::from(increments));
-        // The models are cloned so that their terms may live beside the stepper they are given to.
-        let (mut membrane, bending) = (stepper.cloth.membrane.clone(), stepper.cloth.bending.clone());
-        membrane.limit_stiffness(options.max_stretch);
-        let membrane = membrane.term(&partial, &[], f64::INFINITY);
+        let membrane = model.term(&partial, &[], f64::INFINITY);
         let last_angle = angle.clone();
         let bending_term = bending.term(&partial, &last_angle, f64::INFINITY);
         let tethers = TargetSprings(&springs);
         let terms: [&dyn Energy; 3] = [&membrane, &bending_term, &tethers];
         let is_last = increment == increments;
-        let solved = stepper.equilibrium(&mut x, &terms, if is_last { &last_newton } else { &newton });
+        let solved = stepper.equilibrium(&mut x, &terms, &newton);
         result.solves += solved.global_iterations as u64;
         result.local_solves += solved.local_iterations as u64;
         if !solved.converged && is_last {
             let what = format!(
                 "relaxation: the equilibrium did not converge in {} iterations (last displacement {:.1e} m)",
-                last_newton.max_iterations, solved.max_displacement
+                newton.max_iterations, solved.max_displacement
             );
             result.warnings.push(what.clone());
             result.unconverged_reason = Some(what);

@@ -1,13 +1,18 @@
 //! Hems: strips along open borders where the cloth is turned over and sewn.
 
 use crate::garment::Garment;
-use crate::mesh::{INVALID, PointIndex, triangle};
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use crate::mesh::{INVALID, PointIndex, edge_distances, triangle};
 
 /// Per triangle of `garment`: fraction of its area within `width` [m] of an open border, measured along edges, from 0 to 1.
 pub fn hem_fractions(garment: &Garment, width: f64) -> Vec<f64> {
-    let distance = border_distances(garment, width);
+    let topology = &garment.topology;
+    let mut border = vec![false; garment.points.len()];
+    for (edge, triangles) in topology.edges.iter().zip(&topology.edge_triangles) {
+        if triangles[1] == INVALID {
+            edge.iter().for_each(|p| border[p.at()] = true);
+        }
+    }
+    let distance = edge_distances(&garment.points, topology, &border, width);
     let fraction = |t: &[PointIndex; 3]| {
         let mut d = t.map(|p| distance[p.at()]);
         d.sort_unstable_by(f64::total_cmp);
@@ -17,38 +22,6 @@ pub fn hem_fractions(garment: &Garment, width: f64) -> Vec<f64> {
         ((width - d[0]) / span).clamp(0.0, 1.0)
     };
     garment.triangles.iter().map(fraction).collect()
-}
-
-/// Per point: distance from the nearest open border along edges [m]; infinite beyond `reach` [m].
-fn border_distances(garment: &Garment, reach: f64) -> Vec<f64> {
-    let topology = &garment.topology;
-    let mut neighbours = vec![Vec::new(); garment.points.len()];
-    let mut distance = vec![f64::INFINITY; garment.points.len()];
-    for ([a, b], triangles) in topology.edges.iter().zip(&topology.edge_triangles) {
-        neighbours[a.at()].push(b.at());
-        neighbours[b.at()].push(a.at());
-        if triangles[1] == INVALID {
-            distance[a.at()] = 0.0;
-            distance[b.at()] = 0.0;
-        }
-    }
-    // Distances are compared by their bits, whose order is that of positive numbers.
-    let borders = (0..distance.len()).filter(|p| distance[*p] == 0.0);
-    let mut queue: BinaryHeap<Reverse<(u64, usize)>> = borders.map(|p| Reverse((0, p))).collect();
-    while let Some(Reverse((bits, p))) = queue.pop() {
-        let so_far = f64::from_bits(bits);
-        if so_far > distance[p] || so_far > reach {
-            continue;
-        }
-        for &q in &neighbours[p] {
-            let through = so_far + (garment.points[q] - garment.points[p]).norm();
-            if through < distance[q] {
-                distance[q] = through;
-                queue.push(Reverse((through.to_bits(), q)));
-            }
-        }
-    }
-    distance
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 pub mod aabb;
 pub mod ccd;
 pub mod distance;
+mod edge_distance;
 mod hinge;
 mod index;
 pub mod intersections;
@@ -16,6 +17,7 @@ pub mod triangle_bvh;
 mod tuning;
 mod weld;
 
+pub use edge_distance::edge_distances;
 pub use hinge::{hinge_angle, hinge_gradient, unwrap_angle};
 pub use index::{INVALID, PointIndex, VertexIndex};
 pub(crate) use surface_walk::SurfaceWalk;

@@ -36,17 +36,22 @@ impl Violations {
             .tightest_pair(x)
             .filter(|tightest| tightest.gap_ratio < TUNING.min_gap_ratio)
             .map(|tightest| Violation { size: tightest.gap_ratio, position: tightest.position });
-        let strains = cloth.membrane.measure(x).into_iter().map(|[u, v, _]| u.max(v) - 1.0);
+        let strains: Vec<f64> =
+            cloth.membrane.measure(x).into_iter().map(|[u, v, _]| u.max(v) - 1.0).collect();
         let none = (TUNING.max_strain, usize::MAX);
-        let (size, triangle) = strains.zip(0..).fold(none, |max, s| if s.0 > max.0 { s } else { max });
+        let (size, triangle) =
+            strains.iter().copied().zip(0..).fold(none, |max, s| if s.0 > max.0 { s } else { max });
         let stretched = (triangle != usize::MAX)
             .then(|| Violation { size, position: cloth.membrane.centre(triangle, x) });
-        let beyond: f64 = (cloth.membrane.measure(x).iter().zip(cloth.membrane.area()))
-            .filter(|([u, v, _], _)| u.max(*v) - 1.0 > TUNING.max_cloth_strain)
-            .map(|(_, area)| area)
-            .sum();
-        let all: f64 = cloth.membrane.area().iter().sum();
-        let torn = stretched.filter(|_| beyond > TUNING.min_torn_fraction * all);
+        let torn = stretched.filter(|worst| {
+            worst.size > TUNING.max_cloth_strain && {
+                let area = cloth.membrane.area();
+                let beyond =
+                    strains.iter().zip(area).filter(|(strain, _)| **strain > TUNING.max_cloth_strain);
+                let torn: f64 = beyond.map(|(_, area)| area).sum();
+                torn > TUNING.min_torn_fraction * area.iter().sum::<f64>()
+            }
+        });
         Self { pressed, stretched, torn }
     }
 

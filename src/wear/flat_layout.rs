@@ -8,11 +8,12 @@
 use crate::energy::BlockSink;
 use crate::math::{Mat3, Rng, Vec3, bounds};
 use crate::mesh::intersections::self_intersections;
-use crate::mesh::{INVALID, PointIndex, Topology, triangle};
+use crate::mesh::{Groups, INVALID, PointIndex, Topology, triangle};
 use crate::sim::{BlockMatrix, Cholesky};
 use crate::wear::layer_gap::separate;
 use crate::wear::tuning::TUNING;
 use std::cmp::Reverse;
+use std::collections::BTreeMap;
 
 /// A garment laid out flat. y points up; the lower layer lies at y = 0.
 #[derive(Debug, Clone)]
@@ -140,7 +141,8 @@ fn layered(
     gap: f64,
 ) -> (Vec<Vec3>, Vec<u32>) {
     let mut positions: Vec<Vec3> = flat.iter().zip(heights).map(|(p, h)| p + Vec3::y() * (gap * h)).collect();
-    separate(&mut positions, triangles, up, 0.5 * gap);
+    let rim: Vec<bool> = heights.iter().map(|h| *h == RIM_HEIGHT).collect();
+    separate(&mut positions, triangles, up, &rim, 0.5 * gap);
     let crossing = crossing_triangles(&positions, triangles, heights, gap);
     (positions, crossing)
 }
@@ -262,31 +264,17 @@ fn sides(positions: &[Vec3], triangles: &[[PointIndex; 3]], topology: &Topology,
 
 /// Triangles that are connected over edges between triangles that `joins` accepts, patch by patch.
 fn patches(topology: &Topology, joins: &dyn Fn(usize, usize) -> bool) -> Vec<Vec<usize>> {
-    let count = topology.triangle_edges.len();
-    let mut seen = vec![false; count];
-    let mut found = Vec::new();
-    for seed in 0..count {
-        if seen[seed] {
-            continue;
+    let mut groups = Groups::new(topology.triangle_edges.len());
+    for &[f, g] in topology.edge_triangles.iter().filter(|[_, g]| *g != INVALID) {
+        if joins(f as usize, g as usize) {
+            groups.join(f, g);
         }
-        seen[seed] = true;
-        let mut members = vec![seed];
-        let mut next = 0;
-        while let Some(&f) = members.get(next) {
-            next += 1;
-            for &e in &topology.triangle_edges[f] {
-                for &g in topology.edge_triangles[e as usize].iter().filter(|g| **g != INVALID) {
-                    let g = g as usize;
-                    if !seen[g] && joins(f, g) {
-                        seen[g] = true;
-                        members.push(g);
-                    }
-                }
-            }
-        }
-        found.push(members);
     }
-    found
+    let mut found: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+    for f in 0..topology.triangle_edges.len() {
+        found.entry(groups.find(f as u32)).or_default().push(f);
+    }
+    found.into_values().collect()
 }
 
 impl<'a> Plane<'a> {

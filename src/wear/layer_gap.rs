@@ -13,9 +13,10 @@ use rustc_hash::{FxHashMap, FxHashSet};
 /// in the lower.
 struct Constraint([(usize, f64); 4]);
 
-/// Raises and lowers the points at `x` [m] until the triangles that look `up` lie at least `gap` [m] above the others near the rim.
-pub(super) fn separate(x: &mut [Vec3], triangles: &[[PointIndex; 3]], up: &[bool], gap: f64) {
-    let constraints = constraints(x, triangles, up, gap);
+/// Raises and lowers the points at `x` [m] until the triangles that look `up` lie at least `gap` [m] above the others near
+/// the `rim`, one flag per point.
+pub(super) fn separate(x: &mut [Vec3], triangles: &[[PointIndex; 3]], up: &[bool], rim: &[bool], gap: f64) {
+    let constraints = constraints(x, triangles, up, rim, gap);
     for _ in 0..TUNING.lay.max_gap_rounds {
         let mut largest = 0.0f64;
         for Constraint(points) in &constraints {
@@ -60,14 +61,15 @@ impl Layer {
     }
 }
 
-fn constraints(x: &[Vec3], triangles: &[[PointIndex; 3]], up: &[bool], gap: f64) -> Vec<Constraint> {
-    let mut touches = vec![[false; 2]; x.len()];
-    for (t, up) in triangles.iter().zip(up) {
-        t.iter().for_each(|p| touches[p.at()][usize::from(*up)] = true);
-    }
-    let rim: Vec<bool> = touches.iter().map(|[down, up]| *down && *up).collect();
-    let upper = Layer::new(triangles, up, true, &rim);
-    let lower = Layer::new(triangles, up, false, &rim);
+fn constraints(
+    x: &[Vec3],
+    triangles: &[[PointIndex; 3]],
+    up: &[bool],
+    rim: &[bool],
+    gap: f64,
+) -> Vec<Constraint> {
+    let upper = Layer::new(triangles, up, true, rim);
+    let lower = Layer::new(triangles, up, false, rim);
     let mut found = Vec::new();
     // Edges that pass one another.
     let cells = Cells::new(lower.edges.iter().map(|e| e.map(|p| x[p])), gap);
