@@ -96,8 +96,6 @@ impl WearAction for Lay {
         let rotation = from_file * persistent.orientation.transpose();
         let mut laid: Vec<Vec3> = context.positions.iter().map(|p| rotation * p).collect();
         let (low, high) = bounds(&laid);
-        let shift = Vec3::new(-0.5 * (low.x + high.x), context.thickness - low.y, -0.5 * (low.z + high.z));
-        laid.iter_mut().for_each(|p| *p += shift);
         persistent.orientation = from_file;
         persistent.folds.clear();
         persistent.held_loads = None;
@@ -105,7 +103,6 @@ impl WearAction for Lay {
         // A garment that is laid down has been taken off.
         persistent.body = None;
         persistent.ground = Some(0.0);
-        persistent.frame = Some(GarmentFrame::lying(&laid));
         let mut height = high.y - low.y + context.thickness;
         let flat = TUNING.lay.flat_layers * context.thickness;
         let (mut level, mut note) = (None, None);
@@ -115,10 +112,7 @@ impl WearAction for Lay {
                 FlatLayout::new(&upright, context.triangles, TUNING.lay.layout_gap * context.thickness)
             }
         {
-            let (low, high) = bounds(&layout.positions);
-            let shift = Vec3::new(-0.5 * (low.x + high.x), context.thickness, -0.5 * (low.z + high.z));
-            laid = layout.positions.iter().map(|p| p + shift).collect();
-            persistent.frame = Some(GarmentFrame::lying(&laid));
+            laid = layout.positions;
             level = Some(layout.level);
             note = Some(format!(
                 "front over back; {:.1} % of the cloth does not fit into the plane and makes wrinkles",
@@ -126,6 +120,8 @@ impl WearAction for Lay {
             ));
             height = flat;
         }
+        place_on_ground(&mut laid, context.thickness);
+        persistent.frame = Some(GarmentFrame::lying(&laid));
         let start = ActionStart::here(LayRunner {
             first_height: height,
             last_height: flat.min(height),
@@ -140,6 +136,13 @@ impl WearAction for Lay {
     fn example() -> Self {
         Self { facing: Facing::Back, over_s: 1.5 }
     }
+}
+
+/// Moves the points `x` [m] to the middle of the ground, the lowest `clearance` [m] above it.
+fn place_on_ground(x: &mut [Vec3], clearance: f64) {
+    let (low, high) = bounds(x);
+    let shift = Vec3::new(-0.5 * (low.x + high.x), clearance - low.y, -0.5 * (low.z + high.z));
+    x.iter_mut().for_each(|p| *p += shift);
 }
 
 /// A ceiling that comes down on the garment and is then removed.
