@@ -11,6 +11,7 @@ use crate::energy::{EdgeContact, PlaneContact};
 use crate::garment::{Garment, RestState};
 use crate::math::Vec3;
 use crate::mesh::{PointIndex, Topology};
+use crate::remesh::Refinement;
 use crate::sim::{State, StepReport, Stepper};
 use crate::wear::ActionRunner;
 use serde::{Deserialize, Serialize};
@@ -73,9 +74,11 @@ impl BodyCoupling {
         settings: &ContactSettings,
         areas: Vec<f64>,
     ) -> Self {
-        let edge = garment.mean_edge();
         let settings = BodyContactSettings {
-            point_dhat: settings.dhat + edge * edge / (8.0 * TUNING.body.limb_radius),
+            point_dhat: mean_square_edges(garment)
+                .into_iter()
+                .map(|square| settings.dhat + square / (8.0 * TUNING.body.limb_radius))
+                .collect(),
             edge_dhat: settings.dhat,
             stiffness: settings.stiffness,
             areas,
@@ -87,6 +90,25 @@ impl BodyCoupling {
             inactive: Vec::new(),
             penetration: BodyPenetrationStats::default(),
         }
+    }
+
+    /// The coupling of the same body to the refined mesh, whose points stand for `areas` [m²]. Contact of new points is that of their
+    /// neighbours.
+    pub fn on_refined(
+        &self,
+        refinement: &Refinement,
+        animated: &AnimatedBody,
+        settings: &ContactSettings,
+        areas: Vec<f64>,
+    ) -> Self {
+        let mut refined = Self::new(&refinement.mesh.garment, animated, settings, areas);
+        let state = self.planes.state().on_points(|values| refinement.points(values));
+        refined.planes.restore(&state);
+        if !self.inactive.is_empty() {
+            refined.inactive = refinement.flags(&self.inactive);
+        }
+        refined.penetration = self.penetration.clone();
+        refined
     }
 
     /// Restores contact and statistics of a checkpoint that fits.
@@ -157,6 +179,19 @@ impl BodyCoupling {
         }
         step
     }
+}
+
+/// Means of the squared lengths of the edges at every point of `garment` [m²].
+fn mean_square_edges(garment: &Garment) -> Vec<f64> {
+    let mut sum = vec![[0.0, 0.0]; garment.points.len()];
+    for &[a, b] in &garment.topology.edges {
+        let square = (garment.points[a.at()] - garment.points[b.at()]).norm_squared();
+        for p in [a, b] {
+            sum[p.at()][0] += square;
+            sum[p.at()][1] += 1.0;
+        }
+    }
+    sum.into_iter().map(|[square, count]| square / f64::max(count, 1.0)).collect()
 }
 
 /// Displacements averaged with those of neighbours: where two parts of a body are equally near, one point follows one part

@@ -5,8 +5,10 @@
 //! triangles of the file are. Where a script may crease the cloth anywhere, triangles are bisected during the wear where they
 //! bend ([`RefinementRule`]).
 
+use crate::bake::body_creases::creased_positions;
 use crate::bake::tuning::TUNING;
 use crate::bake::{BakeOptions, ModelDecision};
+use crate::body::AnimatedBody;
 use crate::fabric::Fabric;
 use crate::garment::Garment;
 use crate::math::{Vec3, bounds};
@@ -68,10 +70,10 @@ impl MeshChoice {
         if options.own_triangles || options.full_fidelity {
             return own("switched off");
         }
-        if options.body.is_some() {
-            return own("a body creases the cloth where it moves");
-        }
         let lengths = EdgeLengths::new(garment, options.finest_edge);
+        if let Some(animated) = &options.body {
+            return Self::on_body(garment, animated, script, lengths);
+        }
         let DrawnLines { mut mesh, foresight } =
             draw_fold_lines(garment, script, laid, fabric.thickness(), lengths.line);
         let uniform = match foresight {
@@ -106,6 +108,36 @@ impl MeshChoice {
                 _ => None,
             },
             lays_first: foresight == Foresight::NeedsLaying,
+            decision: ModelDecision { name: "simulation mesh", on: true, why },
+        }
+    }
+}
+
+impl MeshChoice {
+    /// Chooses the mesh for a `garment` on the body `animated`: fine where that will crease it.
+    fn on_body(
+        garment: &Garment,
+        animated: &AnimatedBody,
+        script: &WearScript,
+        lengths: EdgeLengths,
+    ) -> Self {
+        let tuning = &TUNING.simulation_mesh;
+        let [fine, max] = [lengths.line, tuning.max_factor_on_body * lengths.line];
+        let creased = creased_positions(garment, animated, &script.body_poses(animated));
+        let seeds: Vec<Seed> = creased.into_iter().map(|position| Seed { position, length: fine }).collect();
+        let mut mesh = SurfaceMesh::new(garment);
+        improve(&mut mesh, &SizeField::new(&seeds, fine, tuning.edge_growth_on_body, max));
+        let mesh = mesh.finish();
+        let [fine_mm, max_mm] = [fine, max].map(|l| 1e3 * l);
+        let why = format!(
+            "{} points instead of {}: edges of {fine_mm:.0} mm where the body bends, up to {max_mm:.0} mm elsewhere, bisected where the cloth bends during the wear",
+            mesh.garment.points.len(),
+            garment.points.len()
+        );
+        Self {
+            mesh,
+            refinement: Some(RefinementRule { from_action: 0, finest_edge: fine }),
+            lays_first: false,
             decision: ModelDecision { name: "simulation mesh", on: true, why },
         }
     }

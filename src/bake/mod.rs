@@ -8,7 +8,7 @@
 //! |---|---|
 //! | `builder` | [`Bake`], both phases in order |
 //! | `options`, `quality`, `tuning` | what can be asked for, and the constants behind it |
-//! | `plan`, `choose_mesh`, `active_region` | models, mesh and points that a script needs |
+//! | `plan`, `choose_mesh`, `body_creases`, `active_region` | models, mesh and points that a script needs |
 //! | `setup`, `run`, `action_loop`, `refinement`, `simulate`, `lay_first` | first phase |
 //! | `trims` | buttons and other small solids, which follow the cloth |
 //! | `body_coupling`, `body_penetration`, `depenetration` | the body under the cloth |
@@ -19,6 +19,7 @@
 mod action_loop;
 mod active_region;
 mod body_coupling;
+mod body_creases;
 mod body_penetration;
 mod builder;
 pub mod checkpoint;

@@ -63,8 +63,12 @@ impl Run<'_> {
         let progress = ActionProgress { start: refinement.points(&progress.start), ..progress };
         self.splits.extend(&refinement.splits);
         let friction = self.stepper.contact.friction_state();
-        self.set_mesh(refinement.mesh);
+        self.set_mesh(refinement.mesh.clone());
         self.stepper.contact.restore_friction_state(&friction);
+        if let (Some(body), Some(standing)) = (&mut self.body, &self.persistent.body) {
+            let (settings, areas) = (self.stepper.contact.settings(), self.stepper.cloth.area.clone());
+            *body = body.on_refined(&refinement, &standing.body, settings, areas);
+        }
         progress
     }
 }

@@ -13,6 +13,8 @@ pub(super) struct BakeTuning {
     pub simulation_mesh: SimulationMeshTuning,
     /// The region that a moving body can affect.
     pub active_region: ActiveRegionTuning,
+    /// Where a body creases the cloth.
+    pub body_creases: BodyCreaseTuning,
     /// Coupling to a body, and depenetration.
     pub body: BodyTuning,
     /// Relaxation to the source pose.
@@ -77,6 +79,10 @@ pub(super) struct SimulationMeshTuning {
     pub max_edge: f64,
     /// Growth of edges per metre of distance from lines and sides [-], default 1.
     pub edge_growth: f64,
+    /// Longest edges on a body over the finest [-]: straight edges of cloth cut into limbs.
+    pub max_factor_on_body: f64,
+    /// Growth of the edge length with the distance from where a body creases the cloth [-].
+    pub edge_growth_on_body: f64,
     /// Angle of a hinge beyond which its triangles are bisected during the wear [degrees], default 45.
     pub max_hinge_deg: f64,
     /// Longest edge of a triangle that is not bisected, relative to the finest [-], default 1.4: halves and wholes lie around it.
@@ -96,6 +102,15 @@ pub(super) struct ActiveRegionTuning {
     pub max_body_distance: f64,
     /// Distance along the cloth from such points within which cloth is active, too [m].
     pub geodesic_margin: f64,
+}
+
+/// Where a body creases the cloth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct BodyCreaseTuning {
+    /// Relative change of an edge from which a part of the body deforms [-].
+    pub min_body_strain: f64,
+    /// Distance from such a part within which cloth creases [m].
+    pub max_body_distance: f64,
 }
 
 /// Coupling to a body, and depenetration.
@@ -223,6 +238,8 @@ impl BakeTuning {
             max_factor: 3.4,
             max_edge: 0.04,
             edge_growth: 1.0,
+            max_factor_on_body: 1.6,
+            edge_growth_on_body: 0.3,
             max_hinge_deg: 45.0,
             max_finest_factor: 1.4,
             refinement_steps: 4,
@@ -233,6 +250,7 @@ impl BakeTuning {
             max_body_distance: 0.03,
             geodesic_margin: 0.10,
         },
+        body_creases: BodyCreaseTuning { min_body_strain: 0.05, max_body_distance: 0.05 },
         body: BodyTuning {
             smoothing_rounds: 6,
             limb_radius: 0.04,

@@ -120,7 +120,7 @@ impl BodyEdges {
     /// Accepts the step with the cloth at `x` [m]; `contacts` were those of the step.
     pub fn end_step(&mut self, x: &[Vec3], contacts: &[EdgeContact], settings: &BodyContactSettings) {
         let tuning = &TUNING.body;
-        let max_offset = tuning.max_edge_offset * settings.point_dhat;
+        let max_offset = tuning.max_edge_offset * settings.mean_point_dhat();
         let mut missing = vec![0.0f64; self.offsets.len()];
         for contact in contacts {
             let amount = tuning.min_edge_gap * settings.edge_dhat - contact.gap(x);
@@ -173,7 +173,7 @@ mod tests {
 
     fn settings(points: usize) -> BodyContactSettings {
         BodyContactSettings {
-            point_dhat: 1e-3,
+            point_dhat: vec![1e-3; points],
             edge_dhat: 5e-4,
             stiffness: 1e6,
             areas: vec![1e-4; points],

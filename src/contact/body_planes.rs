@@ -71,6 +71,16 @@ pub struct BodyContactState {
 }
 
 impl BodyContactState {
+    /// The state on a refined cloth, whose values `on_points` gives from those of the points of this one.
+    pub fn on_points(&self, on_points: impl Fn(&[Vec3]) -> Vec<Vec3>) -> Self {
+        let offsets: Vec<Vec3> = self.offsets.iter().map(|offset| Vec3::repeat(*offset)).collect();
+        Self {
+            offsets: on_points(&offsets).into_iter().map(|offset| offset.x).collect(),
+            stretch_ratios: on_points(&self.stretch_ratios),
+            ..self.clone()
+        }
+    }
+
     /// Whether it is of a body and a cloth of so many points.
     pub fn fits(&self, body: usize, cloth: usize) -> bool {
         [self.positions.len(), self.edge_offsets.len()] == [body; 2]
@@ -237,7 +247,7 @@ impl BodyPlanes {
         let contact = |(p, footpoint): (usize, &Option<Footpoint>)| {
             let footpoint = (*footpoint)?;
             let (anchor, normal) = self.surface(target, normals, footpoint.triangle, &footpoint.weights);
-            let dhat = settings.point_dhat + self.offsets[p];
+            let dhat = settings.point_dhat[p] + self.offsets[p];
             let stiffness = settings.stiffness * settings.areas[p];
             // At most the depth of a point at rest: friction must not hold a point that starts deep inside.
             let depth = (dhat - footpoint.gap).clamp(0.0, dhat);
@@ -267,7 +277,7 @@ impl BodyPlanes {
         let normals = point_normals(target, &self.triangles);
         self.bvh.refit(target, target, 0.0);
         let body = BodySurface { x: target, normals: &normals, bvh: &self.bvh };
-        let min_gap = TUNING.body.self_fold_gap * self.settings.point_dhat;
+        let min_gap = TUNING.body.self_fold_gap * self.settings.mean_point_dhat();
         self.self_fold.resolve(body, &self.triangles, &self.covered, min_gap)
     }
 
@@ -307,9 +317,9 @@ impl BodyPlanes {
             cloth[*of_cloth as usize].iter().for_each(|p| intersects[p.at()] = true);
         }
         let over_fold = |p: usize| self.footpoints[p].is_some_and(|footpoint| is_folded(footpoint.triangle));
-        let step = TUNING.body.offset_step * self.settings.point_dhat;
-        let max_offset = TUNING.body.max_offset * self.settings.point_dhat;
         for (p, offset) in self.offsets.iter_mut().enumerate() {
+            let [step, max_offset] = [TUNING.body.offset_step, TUNING.body.max_offset]
+                .map(|factor| factor * self.settings.point_dhat[p]);
             if over_fold(p) {
                 *offset = (*offset - step).max(0.0);
             } else if intersects[p] {
@@ -372,7 +382,7 @@ mod tests {
 
     fn settings() -> BodyContactSettings {
         BodyContactSettings {
-            point_dhat: 1e-3,
+            point_dhat: vec![1e-3; 2],
             edge_dhat: 5e-4,
             stiffness: 1e6,
             areas: vec![1e-4; 2],

@@ -58,8 +58,8 @@ impl ContactSettings {
 /// Distances, stiffness and friction of a body under cloth.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodyContactSettings {
-    /// Activation distance of points of the cloth on the surface of the body [m].
-    pub point_dhat: f64,
+    /// Activation distances of points of the cloth on the surface of the body [m], one per point.
+    pub point_dhat: Vec<f64>,
     /// Activation distance of points and edges of the body on triangles and edges of the cloth [m].
     pub edge_dhat: f64,
     /// Stiffness per area [Pa/m].
@@ -70,4 +70,11 @@ pub struct BodyContactSettings {
     pub friction: f64,
     /// Speed below which a contact counts as sticking (eps_v of IPC) [m/s].
     pub slip_velocity_tol: f64,
+}
+
+impl BodyContactSettings {
+    /// Returns the mean activation distance of points of the cloth [m].
+    pub fn mean_point_dhat(&self) -> f64 {
+        self.point_dhat.iter().sum::<f64>() / self.point_dhat.len().max(1) as f64
+    }
 }
