@@ -80,7 +80,7 @@ impl BodyCoupling {
                 .map(|square| settings.dhat + square / (8.0 * TUNING.body.limb_radius))
                 .collect(),
             edge_dhat: settings.dhat,
-            stiffness: settings.stiffness,
+            stiffness: TUNING.body.contact_stiffness,
             areas,
             friction: settings.friction_body,
             slip_velocity_tol: settings.slip_velocity_tol,
@@ -160,9 +160,9 @@ impl BodyCoupling {
                 loads.plane_contacts =
                     planes.plane_contacts(&state.x, &points, &normals, time - start, loads.friction).into();
                 loads.edge_contacts = planes.edge_contacts(&points, &normals).into();
-                loads.body_displacement =
-                    smoothed(planes.carried_displacement(&state.x, &points), &loads.fixed, &garment.topology)
-                        .into();
+                let carried =
+                    extrapolated(planes.carried_displacement(&state.x, &points), &garment.topology);
+                loads.body_displacement = smoothed(carried, &loads.fixed, &garment.topology).into();
                 last = Some(ContactAtEnd {
                     positions: points,
                     planes: loads.plane_contacts.clone(),
@@ -192,6 +192,32 @@ fn mean_square_edges(garment: &Garment) -> Vec<f64> {
         }
     }
     sum.into_iter().map(|[square, count]| square / f64::max(count, 1.0)).collect()
+}
+
+/// Displacements of all points: where they are not known, those of the nearest points along the cloth.
+fn extrapolated(known: Vec<Option<Vec3>>, topology: &Topology) -> Vec<Vec3> {
+    let mut all = known;
+    let mut open: Vec<[usize; 2]> = topology.edges.iter().map(|e| e.map(PointIndex::at)).collect();
+    loop {
+        open.retain(|[a, b]| all[*a].is_none() || all[*b].is_none());
+        let mut sum: Vec<(Vec3, f64)> = vec![(Vec3::zeros(), 0.0); all.len()];
+        for &[a, b] in &open {
+            for (from, to) in [(a, b), (b, a)] {
+                if let (Some(displacement), None) = (all[from], all[to]) {
+                    sum[to].0 += displacement;
+                    sum[to].1 += 1.0;
+                }
+            }
+        }
+        let mut found = false;
+        for (all, (sum, count)) in all.iter_mut().zip(sum).filter(|(_, (_, count))| *count > 0.0) {
+            *all = Some(sum / count);
+            found = true;
+        }
+        if !found {
+            return all.into_iter().map(Option::unwrap_or_default).collect();
+        }
+    }
 }
 
 /// Displacements averaged with those of neighbours: where two parts of a body are equally near, one point follows one part

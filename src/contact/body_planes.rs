@@ -281,20 +281,16 @@ impl BodyPlanes {
         self.self_fold.resolve(body, &self.triangles, &self.covered, min_gap)
     }
 
-    /// Returns the displacement of each point of the cloth at `x` [m] that is carried along as the body moves to `target` [m]: with the surface
-    /// under it, as a rigid piece, less and less with the height over it.
-    pub fn carried_displacement(&self, x: &[Vec3], target: &[Vec3]) -> Vec<Vec3> {
+    /// Returns the displacement of each point of the cloth at `x` [m] that is carried along as the body moves to `target` [m], with the surface
+    /// under it, as a rigid piece; `None` for a point without a surface under it.
+    pub fn carried_displacement(&self, x: &[Vec3], target: &[Vec3]) -> Vec<Option<Vec3>> {
         let carried = |(x, footpoint): (&Vec3, &Option<Footpoint>)| {
-            let Some(footpoint) = footpoint else { return Vec3::zeros() };
+            let footpoint = footpoint.as_ref()?;
             let corners = self.triangles[footpoint.triangle as usize].map(PointIndex::at);
-            let (Some(from), Some(to)) = (frame(&self.positions, corners), frame(target, corners)) else {
-                return Vec3::zeros();
-            };
+            let (from, to) = (frame(&self.positions, corners)?, frame(target, corners)?);
             let goal: Vec3 = corners.iter().zip(&footpoint.weights).map(|(c, w)| target[*c] * *w).sum();
             let height = x - footpoint.position;
-            let distance = (height.norm() / TUNING.body.search_distance).clamp(0.0, 1.0);
-            let fraction = (2.0 - 2.0 * distance).min(1.0);
-            (goal + to * from.transpose() * height - x) * fraction
+            Some(goal + to * from.transpose() * height - x)
         };
         x.par_iter().zip(&self.footpoints).map(carried).collect()
     }

@@ -7,7 +7,9 @@
 //!
 //! The plane is tangent to the surface of the body next to the point, with the body as it is at the end of the step; d
 //! is the activation distance, eps the slip tolerance. `stick_point` is the position of the point had it stuck, so that
-//! cloth moves along with the body. The energy is convex and defined at any penetration depth: cloth between two parts
+//! cloth moves along with the body. The Hessian of the friction is the secant f'(|u|)/|u| in all directions along the
+//! plane, the smallest quadratic upper bound of its potential (de Leeuw, Lange 2009): with the exact one, which is zero
+//! along the slip, points slide too far and back. The energy is convex and defined at any penetration depth: cloth between two parts
 //! of a body is pushed by both. The friction potential is that of Li and others 2020 (IPC). The pairs are found by
 //! `contact::body_planes`.
 
@@ -75,14 +77,8 @@ impl PlaneContact {
             block += along * self.stiffness;
         }
         if self.max_friction > 0.0 {
-            let u = self.stretch_at(x);
-            let (y, eps) = (u.norm(), self.slip_tol);
-            let ratio = self.slope_ratio(y);
-            let curvature = if y < eps { 2.0 / eps - 2.0 * y / (eps * eps) } else { 0.0 };
+            let ratio = self.slope_ratio(self.stretch_at(x).norm());
             block += (Mat3::identity() - along) * (self.max_friction * ratio);
-            if let Some(u) = u.try_normalize(0.0) {
-                block += u * u.transpose() * (self.max_friction * (curvature - ratio));
-            }
         }
         block
     }

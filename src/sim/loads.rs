@@ -46,7 +46,7 @@ pub struct Loads {
     /// Springs that pull points towards targets.
     #[serde(rename = "guides")]
     pub springs: Vec<TargetSpring>,
-    /// Whether the springs guide the cloth along a prescribed path.
+    /// Whether springs or a moving body guide the cloth along a prescribed path.
     #[serde(rename = "leads")]
     pub guided: bool,
     /// Whether the loads are in transition, so that the positions of this step are solved for again right after it.

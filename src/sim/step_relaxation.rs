@@ -5,9 +5,9 @@ use crate::sim::loads::Loads;
 /// Factors by which tolerances of a step are loosened; [`StepRelaxation::OFF`] for none.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepRelaxation {
-    /// Factor on the maximum time step of the loads while springs guide the cloth ([`Loads::guided`]), and, squared, on
-    /// the local error [-]: most of the error is the arc that a straight displacement cuts short, and the springs
-    /// decide where the cloth ends. 1 for no change.
+    /// Factor on the maximum time step of the loads while springs or a body guide the cloth ([`Loads::guided`]), and,
+    /// squared, on the local error [-]: most of the error is the arc that a straight displacement cuts short, and what
+    /// guides the cloth decides where it ends. 1 for no change.
     pub guided_dt_scale: f64,
     /// Factor on the energy tolerance while the loads are in transition ([`Loads::transient`]) [-]: positions are
     /// solved for again right after it. 1 for no change.

@@ -73,7 +73,7 @@ impl ActionRunner for BodyMotionRunner {
         let max_dt_moving = TUNING.body.max_dt_moving;
         let stands = self.still.iter().any(|span| span.start + max_dt_moving < t && t <= span.end + 1e-9);
         let max_dt = if stands { f64::INFINITY } else { max_dt_moving };
-        Loads { body: Some(points), max_dt, ..self.idle_loads.clone() }
+        Loads { body: Some(points), max_dt, guided: !stands, ..self.idle_loads.clone() }
     }
 
     fn event_times(&self) -> Vec<f64> {

@@ -261,7 +261,8 @@ impl Run {
                 drive.plane_contacts =
                     body.plane_contacts(&state.x, &points, &normals, h, drive.friction).into();
                 drive.edge_contacts = body.edge_contacts(&points, &normals).into();
-                drive.body_displacement = body.carried_displacement(&state.x, &points).into();
+                let carried = body.carried_displacement(&state.x, &points);
+                drive.body_displacement = carried.into_iter().map(Option::unwrap_or_default).collect();
                 met = Some(BodyStep {
                     points,
                     planes: Arc::clone(&drive.plane_contacts),
