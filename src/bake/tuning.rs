@@ -118,7 +118,7 @@ pub(super) struct BodyCreaseTuning {
 pub(super) struct BodyTuning {
     /// Rounds of averaging of the carried displacement with that of neighbours.
     pub smoothing_rounds: usize,
-    /// Stiffness of contact with the body per area [Pa/m], default 1e6: flesh of 20 kPa, 20 mm deep. A tight sleeve presses
+    /// Stiffness of contact with the body per area [Pa/m], default 3e6: flesh of 30 kPa, 10 mm deep. A tight sleeve presses
     /// with some hundred pascals, which is less than a millimetre.
     pub contact_stiffness: f64,
     /// Radius of a limb [m], for the depth by which straight edges of cloth cut into it.
@@ -256,7 +256,7 @@ impl BakeTuning {
         body_creases: BodyCreaseTuning { min_body_strain: 0.05, max_body_distance: 0.05 },
         body: BodyTuning {
             smoothing_rounds: 6,
-            contact_stiffness: 1e6,
+            contact_stiffness: 3e6,
             limb_radius: 0.04,
             min_reported_depth: 1e-3,
             max_fit_depth: 0.030,
