@@ -160,8 +160,7 @@ impl BodyCoupling {
                 loads.plane_contacts =
                     planes.plane_contacts(&state.x, &points, &normals, time - start, loads.friction).into();
                 loads.edge_contacts = planes.edge_contacts(&points, &normals).into();
-                let carried =
-                    extrapolated(planes.carried_displacement(&state.x, &points), &garment.topology);
+                let carried = extrapolated(planes.carried_displacement(&state.x, &points), &garment.topology);
                 loads.body_displacement = smoothed(carried, &loads.fixed, &garment.topology).into();
                 last = Some(ContactAtEnd {
                     positions: points,

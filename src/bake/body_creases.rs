@@ -8,11 +8,7 @@ use crate::mesh::PointIndex;
 use crate::mesh::triangle_bvh::TriangleBvh;
 
 /// Positions on `garment` [m] that lie near parts of the body that deform in any of `poses`. All of them where the poses are not known.
-pub(super) fn creased_positions(
-    garment: &Garment,
-    animated: &AnimatedBody,
-    poses: &[BodyPose],
-) -> Vec<Vec3> {
+pub(super) fn creased_positions(garment: &Garment, animated: &AnimatedBody, poses: &[BodyPose]) -> Vec<Vec3> {
     if poses.is_empty() {
         return garment.points.clone();
     }

@@ -6,6 +6,7 @@ use crate::mesh::triangle::quality as triangle_quality;
 use crate::remesh::sizing::SizeField;
 use crate::remesh::surface_mesh::SurfaceMesh;
 use crate::remesh::tuning::TUNING;
+use rayon::prelude::*;
 
 /// Brings the mesh to the lengths of `size`.
 pub fn improve(mesh: &mut SurfaceMesh, size: &SizeField) {
@@ -28,16 +29,19 @@ pub fn improve(mesh: &mut SurfaceMesh, size: &SizeField) {
     flip_round(mesh);
 }
 
-fn wanted(mesh: &SurfaceMesh, size: &SizeField, a: u32, b: u32) -> f64 {
-    size.at(&mesh.x[a as usize]).min(size.at(&mesh.x[b as usize]))
+/// Edge lengths that `size` asks for [m], one per point.
+fn wanted_lengths(mesh: &SurfaceMesh, size: &SizeField) -> Vec<f64> {
+    mesh.x.par_iter().map(|x| size.at(x)).collect()
+}
+
+/// Edges with their lengths over those `wanted`, one per point [m].
+fn length_ratios(mesh: &SurfaceMesh, wanted: &[f64]) -> Vec<(f64, [u32; 2])> {
+    let ratio = |[a, b]: [u32; 2]| mesh.length(a, b) / wanted[a as usize].min(wanted[b as usize]);
+    mesh.edges().into_iter().map(|edge| (ratio(edge), edge)).collect()
 }
 
 fn split_long(mesh: &mut SurfaceMesh, size: &SizeField) -> usize {
-    let mut long: Vec<(f64, [u32; 2])> = mesh
-        .edges()
-        .into_iter()
-        .map(|[a, b]| (mesh.length(a, b) / wanted(mesh, size, a, b), [a, b]))
-        .collect();
+    let mut long = length_ratios(mesh, &wanted_lengths(mesh, size));
     long.retain(|(ratio, _)| *ratio > TUNING.split_ratio);
     long.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     for (_, [a, b]) in &long {
@@ -47,19 +51,16 @@ fn split_long(mesh: &mut SurfaceMesh, size: &SizeField) -> usize {
 }
 
 fn collapse_short(mesh: &mut SurfaceMesh, size: &SizeField) -> usize {
-    let mut short: Vec<(f64, [u32; 2])> = mesh
-        .edges()
-        .into_iter()
-        .map(|[a, b]| (mesh.length(a, b) / wanted(mesh, size, a, b), [a, b]))
-        .collect();
+    let lengths = wanted_lengths(mesh, size);
+    let mut short = length_ratios(mesh, &lengths);
     short.retain(|(ratio, _)| *ratio < TUNING.collapse_ratio);
     short.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let edges: Vec<[u32; 2]> = short.into_iter().map(|(_, edge)| edge).collect();
     collapse_each(mesh, &edges, |mesh, from, to| {
-        let wanted = size.at(&mesh.x[to as usize]);
-        mesh.neighbours(from).into_iter().all(|q| {
-            q == to || mesh.length(q, to) < TUNING.split_ratio * wanted.max(size.at(&mesh.x[q as usize]))
-        })
+        let wanted = lengths[to as usize];
+        mesh.neighbours(from)
+            .into_iter()
+            .all(|q| q == to || mesh.length(q, to) < TUNING.split_ratio * wanted.max(lengths[q as usize]))
     })
 }
 
