@@ -8,7 +8,9 @@ use crate::bake::setup::BakeSetup;
 use crate::bake::simulate::{SimulationResult, simulate};
 use crate::bake::trims::bake_cloth;
 use crate::bake::uncross::GarmentReading;
-use crate::bake::{BakeOptions, BakeResult, MeshChoice, ModelPlan, Observer, Quality, SimulatedGarment};
+use crate::bake::{
+    BakeOptions, BakeResult, MeshChoice, ModelPlan, Observer, Quality, SimulatedGarment, active_points,
+};
 use crate::body::AnimatedBody;
 use crate::error::Result;
 use crate::fabric::Fabric;
@@ -139,6 +141,11 @@ impl<'a> Bake<'a> {
         let garment = rigid.as_ref().map_or(garment, RigidParts::cloth);
         let choice = MeshChoice::new(garment, fabric, script, None, options);
         let mut plan = ModelPlan::new(&choice.mesh.garment, fabric, script, options);
+        if let Some(animated) = &options.body {
+            let active = active_points(&choice.mesh.garment, script, options);
+            let inactive: Vec<bool> = active.iter().map(|active| !active).collect();
+            plan.apply_body(fabric, animated, &inactive, options.full_fidelity);
+        }
         plan.decisions.push(choice.decision);
         plan
     }

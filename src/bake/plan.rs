@@ -36,6 +36,8 @@ pub struct ModelPlan {
     pub contact_stiffness: f64,
     /// Whether cloth can meet cloth.
     pub layers_meet: bool,
+    /// Smallest bending length of an element in lengths of its edges [-]; 0 for the fabric's own bending everywhere.
+    pub min_bending_edges: f64,
     /// Every decision, in the order of the report.
     pub decisions: Vec<ModelDecision>,
 }
@@ -54,7 +56,7 @@ impl ModelPlan {
         decisions.push(ModelDecision { name: "body", on: false, why: "no body was given".into() });
         decisions.extend(steps(options));
         let contact_stiffness = scene.contact_stiffness(stretch, contact_distance);
-        Self { stretch, contact_distance, contact_stiffness, layers_meet, decisions }
+        Self { stretch, contact_distance, contact_stiffness, layers_meet, min_bending_edges: 0.0, decisions }
     }
 
     /// Settings of the contact of cloth with itself, the ground and a body.
@@ -64,9 +66,17 @@ impl ModelPlan {
     }
 
     /// Adapts the plan to a body that wears the garment, with the points that are `inactive` (empty for none): the body
-    /// stretches the cloth more than its own weight does, so the cloth has the fabric's own stiffness.
-    pub(super) fn apply_body(&mut self, fabric: &Fabric, animated: &AnimatedBody, inactive: &[bool]) {
+    /// stretches the cloth more than its own weight does, so the cloth has the fabric's own stiffness, and compresses it in its
+    /// crooks, so that wrinkles shorter than the mesh can show would crumple its elements.
+    pub(super) fn apply_body(
+        &mut self,
+        fabric: &Fabric,
+        animated: &AnimatedBody,
+        inactive: &[bool],
+        full_fidelity: bool,
+    ) {
         let full = [fabric.stretch_warp(), fabric.stretch_weft(), fabric.shear()];
+        self.min_bending_edges = if full_fidelity { 0.0 } else { TUNING.models.min_bending_edges_on_body };
         let stiffer = full[0].max(full[1]) / self.stretch[0].max(self.stretch[1]);
         self.contact_stiffness *= stiffer.max(1.0);
         self.stretch = full;
@@ -77,6 +87,12 @@ impl ModelPlan {
                 self.decisions.push(ModelDecision { name, on, why });
             }
         };
+        let bending = format!(
+            "bending length {:.1} mm, at least {:.1} edges of every element: wrinkles that the mesh cannot show do not form",
+            1e3 * fabric.bending_length(),
+            self.min_bending_edges
+        );
+        decide("bending", bending, true);
         let stretch = full[0].min(full[1]);
         decide("stretch", format!("{stretch:.0} N/m, the fabric's own: a body stretches it"), true);
         decide(
@@ -95,6 +111,19 @@ impl ModelPlan {
             format!("{fixed} of {} points out of reach of moving parts of the body", inactive.len()),
             fixed > 0,
         );
+    }
+}
+
+impl ModelPlan {
+    /// Factors on the bending rigidity, one per triangle [-], with which no element of `garment` bends more easily than its edges can show.
+    pub(super) fn bending_factors(&self, garment: &Garment, fabric: &Fabric) -> Vec<f64> {
+        let own = fabric.bending_length();
+        let factor = |triangle: &[PointIndex; 3]| {
+            let x = triangle::corners(&garment.points, triangle);
+            let edge = (0..3).map(|k| (x[k] - x[(k + 1) % 3]).norm()).sum::<f64>() / 3.0;
+            (self.min_bending_edges * edge / own).powi(3).max(1.0)
+        };
+        garment.triangles.iter().map(factor).collect()
     }
 }
 

@@ -89,7 +89,7 @@ impl<'a> Run<'a> {
         let garment = &mesh.garment;
         let body = BodySetup::prepare(garment, setup)?;
         if let Some(body) = &body {
-            plan.apply_body(fabric, &body.animated, &body.inactive);
+            plan.apply_body(fabric, &body.animated, &body.inactive, options.full_fidelity);
         }
         let stepper = setup.stepper(garment, &plan);
         let source_angle = stepper.cloth.bending.angles(&garment.points, &[]);

@@ -28,6 +28,9 @@ impl BakeSetup<'_> {
         let mut cloth =
             if options.hems { Cloth::hemmed(garment, fabric) } else { Cloth::new(garment, fabric) };
         cloth.membrane.set_stiffness(plan.stretch);
+        if plan.min_bending_edges > 0.0 {
+            cloth.bending.reinforce(&plan.bending_factors(garment, fabric));
+        }
         if plan.layers_meet {
             cloth.bending.keep_apart();
         }

@@ -58,6 +58,8 @@ pub(super) struct ModelTuning {
     /// Longest elements for wrinkles that form by themselves, in bending lengths; bending says nothing beyond twice the
     /// bending length.
     pub free_wrinkle_edge: f64,
+    /// Smallest bending length of an element of cloth on a body, in lengths of its edges [-].
+    pub min_bending_edges_on_body: f64,
     /// Fold angle from which the crease law decides and not how the cloth bends [degrees].
     pub creasing_fold_deg: f64,
 }
@@ -232,6 +234,7 @@ impl BakeTuning {
             max_contact_compression: 0.3,
             max_contact_edge_fraction: 0.2,
             free_wrinkle_edge: 0.25,
+            min_bending_edges_on_body: 1.6,
             creasing_fold_deg: 150.0,
         },
         simulation_mesh: SimulationMeshTuning {
@@ -241,8 +244,8 @@ impl BakeTuning {
             max_factor: 3.4,
             max_edge: 0.04,
             edge_growth: 1.0,
-            max_factor_on_body: 1.6,
-            edge_growth_on_body: 0.3,
+            max_factor_on_body: 2.0,
+            edge_growth_on_body: 0.5,
             max_hinge_deg: 45.0,
             max_finest_factor: 1.4,
             refinement_steps: 4,
@@ -253,7 +256,7 @@ impl BakeTuning {
             max_body_distance: 0.03,
             geodesic_margin: 0.10,
         },
-        body_creases: BodyCreaseTuning { min_body_strain: 0.05, max_body_distance: 0.05 },
+        body_creases: BodyCreaseTuning { min_body_strain: 0.15, max_body_distance: 0.02 },
         body: BodyTuning {
             smoothing_rounds: 6,
             contact_stiffness: 3e6,

@@ -71,18 +71,22 @@ impl BodyEdges {
             Some(Overlap { edge: [point as u32; 2], edge_weights: [1.0, 0.0], points, weights: hit.weights })
         };
         self.overlaps = body.x.par_iter().zip(body.normals).enumerate().filter_map(over_point).collect();
-        for [f, g] in bvh.overlapping_pairs_with(body.bvh) {
-            // Every edge belongs to its first triangle.
-            let owned = |topology: &Topology, f: usize| {
-                let edges = topology.triangle_edges[f].map(|e| e as usize);
-                edges.map(|e| (topology.edge_triangles[e][0] as usize == f).then(|| topology.edges[e]))
-            };
-            for of_cloth in owned(topology, moving[f as usize]).into_iter().flatten() {
-                for of_body in owned(&self.topology, g as usize).into_iter().flatten() {
-                    self.overlaps.extend(crossing_edges(x, of_cloth, body, of_body));
-                }
-            }
-        }
+        // Every edge belongs to its first triangle.
+        let owned = |topology: &Topology, f: usize| {
+            let edges = topology.triangle_edges[f].map(|e| e as usize);
+            edges.map(|e| (topology.edge_triangles[e][0] as usize == f).then(|| topology.edges[e]))
+        };
+        let body_topology = &self.topology;
+        let crossings = |[f, g]: [u32; 2]| {
+            let of_body = owned(body_topology, g as usize);
+            let of_cloth = owned(topology, moving[f as usize]);
+            let pairs = of_cloth.into_iter().flatten().flat_map(move |of_cloth| {
+                of_body.into_iter().flatten().map(move |of_body| (of_cloth, of_body))
+            });
+            pairs.filter_map(|(of_cloth, of_body)| crossing_edges(x, of_cloth, body, of_body))
+        };
+        let near: Vec<[u32; 2]> = bvh.overlapping_pairs_with(body.bvh);
+        self.overlaps.par_extend(near.into_par_iter().flat_map_iter(crossings));
     }
 
     /// Returns the contacts for a step that moves the body to `target` [m] with `normals`. `is_folded`: whether a point of the body is in a self
