@@ -234,7 +234,7 @@ impl BakeTuning {
             max_contact_compression: 0.3,
             max_contact_edge_fraction: 0.2,
             free_wrinkle_edge: 0.25,
-            min_bending_edges_on_body: 1.6,
+            min_bending_edges_on_body: 2.0,
             creasing_fold_deg: 150.0,
         },
         simulation_mesh: SimulationMeshTuning {
