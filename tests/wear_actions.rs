@@ -119,28 +119,24 @@ fn a_packed_garment_remembers_more_the_longer_it_lies() {
     assert!(steps[2] < 2 * steps[1], "four hours take {steps:?}");
 }
 
-/// A hung garment has no fold, and overnight its weight and time take from what it remembered.
+/// A hung garment has no fold, and overnight it loses a part of what it remembered.
 #[test]
 fn a_garment_that_hangs_overnight_has_no_fold_and_recovers() {
-    let hung = |by: &str, hold: f64| {
-        worn(&format!(r#"{FOLD}, {UNFOLD}, {{"hang": {{"by": "{by}", "for": {hold}}}}}"#))
-    };
-    for by in ["hanger", "hook"] {
-        let [moment, night] = [2.0, 28_800.0].map(|hold| hung(by, hold));
-        let [before, after] = [&moment, &night].map(|baked| memory_where(baked, near_fold));
-        let bends = crease::Topology::new(night.end.len(), &sheet(|_, _| 0.0).triangles);
-        let x = &night.end;
-        let sharpest = bends.hinges.iter().map(|h| crease::hinge_angle(&h.points.map(|p| x[p.at()])).abs());
-        let sharpest = sharpest.fold(0.0, f64::max).to_degrees();
-        println!(
-            "{by}: memory of the fold {before:.3}, after a night {after:.3} rad m; sharpest bend {sharpest:.0} degrees; {} steps",
-            night.report.steps
-        );
-        assert!(before > 0.05);
-        assert!(after < 0.9 * before, "{by}: {after} of {before}");
-        assert!(sharpest < 100.0, "{by}: {sharpest}");
-        assert!(night.report.steps < 3 * moment.report.steps, "{} steps", night.report.steps);
-    }
+    let hung =
+        |hold: f64| worn(&format!(r#"{FOLD}, {UNFOLD}, {{"hang": {{"by": "hanger", "for": {hold}}}}}"#));
+    let [moment, night] = [2.0, 28_800.0].map(hung);
+    let [before, after] = [&moment, &night].map(|baked| memory_where(baked, near_fold));
+    let (hinges, x) = (sheet(|_, _| 0.0).topology.hinges, &night.end);
+    let bends = hinges.iter().map(|h| crease::hinge_angle(&h.points.map(|p| x[p.at()])).abs());
+    let sharpest = bends.fold(0.0, f64::max).to_degrees();
+    println!(
+        "memory of the fold {before:.3}, after a night {after:.3} rad m; sharpest bend {sharpest:.0} degrees; {} steps, {} in a moment",
+        night.report.steps, moment.report.steps
+    );
+    assert!(before > 0.05);
+    assert!(after < 0.9 * before, "{after} of {before}");
+    assert!(sharpest < 60.0, "{sharpest}");
+    assert!(night.report.steps < 1000, "{} steps", night.report.steps);
 }
 
 /// A washed garment has lost most of its fold and earned a soft memory to both sides.

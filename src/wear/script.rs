@@ -471,7 +471,7 @@ mod tests {
         assert!(errors_of(&script(r#"{"hang": {"by": []}}"#))[0].contains("by: has 0 entries"));
         assert!(
             errors_of(&script(r#"{"hang": {"by": 3}}"#))[0]
-                .contains("by: is 3, expected `top`, `hanger`, `hook` or a list")
+                .contains("by: is 3, expected `top`, `hanger` or `hook` or a list")
         );
         let axis = &errors_of(&script(r#"{"bend": {"joint": "j", "axis": "w", "angle": 9}}"#))[0];
         assert!(axis.contains("axis: is `w`, expected `x`, `y` or `z`"), "{axis}");

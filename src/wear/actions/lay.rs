@@ -236,7 +236,8 @@ impl ActionRunner for LayRunner {
 
     fn failure(&self, x: &[Vec3]) -> Option<ActionFailure> {
         let (low, high) = bounds(x);
-        let limit = TUNING.failure.max_lying_ratio * (high.x - low.x).min(high.z - low.z);
+        let shorter = (high.x - low.x).min(high.z - low.z);
+        let limit = (TUNING.failure.max_lying_ratio * shorter).max(TUNING.lay.flat_layers * self.thickness);
         let standing = x.iter().filter(|p| p.y > limit).count();
         (standing as f64 > TUNING.failure.max_standing_fraction * x.len() as f64).then(|| ActionFailure {
             message: format!(
