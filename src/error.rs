@@ -73,6 +73,10 @@ pub enum Error {
     /// Divergence of the solver; the caller keeps the last accepted state. Exit code 3.
     #[error("did not converge: {0}")]
     NotConverged(String),
+    /// An action of the script that was carried out and did not do what it should: a flap that did not turn over, a garment that
+    /// does not lie. Exit code 3.
+    #[error("did not take place: {0}")]
+    NotPerformed(Diagnostic),
     /// Result without any effect: nothing changed. Exit code 3.
     #[error("empty result: {0}")]
     Empty(String),

@@ -151,7 +151,8 @@ pub use io::{Landmark, Landmarks, ReadOptions, Sidecar, read_asset, read_sidecar
 pub use math::{Mat3, Mat4, Vec2, Vec3};
 #[doc(inline)]
 pub use memory::{
-    Band, BandParams, ElementParams, EventCount, HysteresisState, Memory, MemoryLaw, MemoryModel, Strains,
+    Band, BandParams, ElementParams, EventCount, HysteresisState, Memory, MemoryLaw, MemoryModel, Softening,
+    Strains,
 };
 #[doc(inline)]
 pub use mesh::intersections::self_intersections;

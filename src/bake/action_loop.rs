@@ -29,6 +29,15 @@ struct ActiveAction {
     before: PersistentState,
 }
 
+/// Limits of the length of a step.
+#[derive(Debug, Clone, Copy)]
+struct StepLimits {
+    /// The step itself at most [s].
+    dt: f64,
+    /// What the step may take after memory events, and beyond the usual maximum [s]: it grows in long holds.
+    growing_dt: f64,
+}
+
 impl Run<'_> {
     /// Performs the action `number`, from its beginning or from `progress`.
     pub(super) fn perform_action(
@@ -84,6 +93,11 @@ impl Run<'_> {
                 if let Some(placed) = begun.start_positions {
                     self.state.x = placed;
                     self.state.stop();
+                    if begun.runner.accumulates_memory() {
+                        // The move as a whole is no bend.
+                        let angle = self.stepper.cloth.bending.angles(&self.state.x, &self.state.angle);
+                        self.state.angle = angle;
+                    }
                 }
             }
         }
@@ -92,6 +106,9 @@ impl Run<'_> {
         let active = ActiveAction { number, start, begin, duration, before, name: action.name() };
         if let Some(progress) = self.perform_segments(&active, begun.runner.as_mut(), progress, observer)? {
             return Ok(Some(progress));
+        }
+        if let Some(failure) = begun.runner.failure(&self.state.x) {
+            return Err(failure.into_error(script_name, &location));
         }
         begun.runner.finish(&mut self.persistent, &self.state.x);
         if !begun.runner.accumulates_memory() {
@@ -183,7 +200,8 @@ impl Run<'_> {
         ends.push(action.duration);
         let mut dt_request = progress.as_ref().map_or(first_dt, |progress| progress.dt_request);
         let first = progress.as_ref().map_or(0, |progress| progress.segment);
-        for (segment, stop) in ends.into_iter().enumerate().skip(first) {
+        for (segment, stop) in ends.iter().copied().enumerate().skip(first) {
+            let segment_start = segment.checked_sub(1).map_or(0.0, |before| ends[before]);
             if progress.is_none() || segment > first {
                 dt_request = dt_request.min(first_dt);
                 // The loads change here: a two-step method restarts.
@@ -201,7 +219,11 @@ impl Run<'_> {
                     self.state.stop();
                     self.state.angle = self.stepper.cloth.bending.angles(&self.state.x, &self.state.angle);
                 }
-                dt_request = self.step(runner, action, dt, observer)?;
+                // Under loads that have not changed for long only memory changes, ever more slowly.
+                let unchanged = now - begin - segment_start;
+                let growing_dt =
+                    TUNING.stepping.hold_dt_growth * (unchanged - TUNING.stepping.long_hold).max(0.0);
+                dt_request = self.step(runner, action, StepLimits { dt, growing_dt }, observer)?;
                 if observer.should_stop() {
                     return Err(Error::Interrupted);
                 }
@@ -222,9 +244,14 @@ impl Run<'_> {
         &mut self,
         runner: &mut dyn ActionRunner,
         action: &ActiveAction,
-        dt: f64,
+        limits: StepLimits,
         observer: &mut dyn Observer,
     ) -> Result<f64> {
+        let StepLimits { dt, growing_dt } = limits;
+        let step_options = self.step_options;
+        if step_options.min_dt < step_options.max_dt {
+            self.stepper.options.max_dt = step_options.max_dt.max(growing_dt);
+        }
         let (angle, stretch) = (self.state.angle.clone(), self.stretches());
         let start = self.frames.step_start(&self.state);
         let step = self.advance(runner, action.begin, dt);
@@ -249,8 +276,11 @@ impl Run<'_> {
             let before = Strains { angle: &angle, stretch: &stretch };
             let after = Strains { angle: &angle_after, stretch: &stretch_after };
             let events = self.memory.commit(model, &before, &after, step.dt);
+            if let Some(softening) = runner.softening(self.state.time - action.begin) {
+                self.memory.soften(&self.mesh.garment, softening, after.angle, step.dt);
+            }
             next = next
-                .min(model.max_dt_after_events(events, self.event_dt_fraction))
+                .min(model.max_dt_after_events(events, self.event_dt_fraction).max(growing_dt))
                 .max(self.stepper.options.min_dt);
         }
         self.seconds.memory += clock.elapsed().as_secs_f64();

@@ -8,6 +8,7 @@ use crate::garment::{Garment, RestState};
 use crate::math::Vec3;
 use crate::mesh::triangle_bvh::TriangleBvh;
 use crate::wear::{Action, WearScript};
+use std::borrow::Cow;
 
 /// Adds warnings to the report of `baked`, and the reason why its result is empty if it is.
 pub(super) fn add_findings(
@@ -27,7 +28,7 @@ pub(super) fn add_findings(
     }
     let wears = script
         .flatten()
-        .any(|action| !matches!(action, Action::Lay(_) | Action::Release(_) | Action::Settle(_)));
+        .any(|action| !matches!(*action, Action::Lay(_) | Action::Release(_) | Action::Settle(_)));
     if !options.memory || !wears {
         return;
     }
@@ -62,15 +63,15 @@ pub(super) fn empty_reason(memory: &RestState, cure: &str) -> Option<String> {
 
 /// A warning per action that takes no time, or that moves no part of `body`; repeated ones count once.
 fn idle_actions(script: &WearScript, body: Option<&AnimatedBody>) -> Vec<String> {
-    let mut known: Vec<&Action> = Vec::new();
+    let mut known: Vec<Cow<Action>> = Vec::new();
     let mut warnings = Vec::new();
     for (number, action) in script.flatten().enumerate() {
         if known.contains(&action) || warnings.len() >= TUNING.findings.max_idle_actions {
             continue;
         }
-        known.push(action);
+        known.push(action.clone());
         let called = format!("action {} of the script, `{}`,", number + 1, action.name());
-        let moves_body = matches!(action, Action::Bend(_) | Action::Play(_));
+        let moves_body = matches!(*action, Action::Bend(_) | Action::Play(_));
         if let (true, Some(body)) = (moves_body, body) {
             let poses = action.as_wear_action().body_poses(body, &body.rest());
             let start = body.rest_points();
@@ -83,7 +84,7 @@ fn idle_actions(script: &WearScript, body: Option<&AnimatedBody>) -> Vec<String>
                      joints), and the angle"
                 ));
             }
-        } else if !matches!(action, Action::Release(_) | Action::Play(_))
+        } else if !matches!(*action, Action::Release(_) | Action::Play(_))
             && action.as_wear_action().duration() <= 0.0
         {
             warnings

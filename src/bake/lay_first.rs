@@ -10,6 +10,7 @@ use crate::bake::{BakeOptions, BakeProgress, Observer};
 use crate::error::Result;
 use crate::garment::Garment;
 use crate::wear::WearScript;
+use std::borrow::Cow;
 
 /// The mesh for the script of `setup` on `garment`, which is laid first if that is needed.
 pub(super) fn mesh_for(
@@ -21,7 +22,7 @@ pub(super) fn mesh_for(
     if !choice.lays_first {
         return Ok(choice);
     }
-    let first = setup.script.flatten().take(1).cloned().collect();
+    let first = setup.script.flatten().take(1).map(Cow::into_owned).collect();
     let script = WearScript { actions: first, ..setup.script.clone() };
     let options = BakeOptions { memory: false, frames_per_second: 0.0, ..setup.options.clone() };
     let lay = BakeSetup { script: &script, options: &options, ..*setup };

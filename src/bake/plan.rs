@@ -13,6 +13,7 @@ use crate::math::{Vec3, bounds};
 use crate::mesh::{PointIndex, triangle};
 use crate::sim::GRAVITY;
 use crate::wear::{Action, WearScript};
+use std::borrow::Cow;
 
 /// Decision on one model.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,7 +46,7 @@ pub struct ModelPlan {
 impl ModelPlan {
     /// The plan for a bake of `garment`, made of `fabric`, through `script`, without a body.
     pub fn new(garment: &Garment, fabric: &Fabric, script: &WearScript, options: &BakeOptions) -> Self {
-        let actions: Vec<&Action> = script.flatten().collect();
+        let actions: Vec<Cow<Action>> = script.flatten().collect();
         let scene = PlannedScene { garment, fabric, actions: &actions, options };
         let mut decisions = Vec::new();
         let stretch = scene.stretch(&mut decisions);
@@ -131,7 +132,7 @@ impl ModelPlan {
 struct PlannedScene<'a> {
     garment: &'a Garment,
     fabric: &'a Fabric,
-    actions: &'a [&'a Action],
+    actions: &'a [Cow<'a, Action>],
     options: &'a BakeOptions,
 }
 
@@ -143,7 +144,7 @@ impl PlannedScene<'_> {
         let size = (high - low).max();
         let weight = fabric.area_density() * GRAVITY * size;
         let ridges =
-            self.options.body.is_some() || self.actions.iter().any(|a| matches!(a, Action::Crumple(_)));
+            self.options.body.is_some() || self.actions.iter().any(|a| matches!(**a, Action::Crumple(_)));
         let strain = self.options.max_weight_strain;
         let strain = if ridges { strain.max(TUNING.models.ridge_weight_strain) } else { strain };
         let sufficient = weight / strain;
@@ -184,10 +185,10 @@ impl PlannedScene<'_> {
 
     /// Largest fold angle that the script names [degrees], and whether the script presses or crumples.
     fn sharpest_fold(&self) -> (f64, bool) {
-        self.actions.iter().fold((0.0, false), |(fold, pressed), action| match action {
+        self.actions.iter().fold((0.0, false), |(fold, pressed), action| match action.as_ref() {
             Action::Fold(action) => (action.angle_deg.abs().max(fold), pressed),
             Action::Bend(action) => (action.angle_deg.abs().max(fold), pressed),
-            Action::Press(_) | Action::Crumple(_) => (fold, true),
+            Action::Press(_) | Action::Iron(_) | Action::Crumple(_) => (fold, true),
             _ => (fold, pressed),
         })
     }
@@ -214,10 +215,15 @@ impl PlannedScene<'_> {
     fn self_contact(&self, decisions: &mut Vec<ModelDecision>) -> (bool, f64) {
         let element = self.garment.mean_edge();
         let distance = self.fabric.thickness().min(TUNING.models.max_contact_edge_fraction * element);
-        let quiet = |action: &&Action| {
+        let quiet = |action: &&Cow<Action>| {
             matches!(
-                action,
-                Action::Lay(_) | Action::Press(_) | Action::Hold(_) | Action::Settle(_) | Action::Release(_)
+                ***action,
+                Action::Lay(_)
+                    | Action::Press(_)
+                    | Action::Iron(_)
+                    | Action::Hold(_)
+                    | Action::Settle(_)
+                    | Action::Release(_)
             )
         };
         let moving = self.actions.iter().filter(|action| !quiet(action)).count();
@@ -258,7 +264,11 @@ impl PlannedScene<'_> {
         let pressed = self
             .actions
             .iter()
-            .map(|a| if let Action::Press(press) = a { press.pressure_pa } else { 0.0 })
+            .map(|action| match action.as_ref() {
+                Action::Press(press) => press.pressure_pa,
+                Action::Iron(iron) => iron.pressure_pa,
+                _ => 0.0,
+            })
             .fold(0.0, f64::max);
         let load = pressed + TUNING.models.expected_layers * self.fabric.area_density() * GRAVITY;
         // Layers must also resist the forces of the membrane: contact is at least as stiff, point for point.

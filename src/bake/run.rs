@@ -16,7 +16,7 @@ use crate::error::Result;
 use crate::garment::RestState;
 use crate::memory::{Memory, MemoryModel};
 use crate::remesh::SimulationMesh;
-use crate::sim::{State, Stepper};
+use crate::sim::{State, StepOptions, Stepper};
 use crate::wear::PersistentState;
 use std::time::Instant;
 
@@ -40,6 +40,8 @@ pub(super) struct Run<'a> {
     pub memory: Memory,
     /// The memory law; `None` for cloth without memory.
     pub model: Option<MemoryModel>,
+    /// Options of the time steps outside long holds.
+    pub step_options: StepOptions,
     /// See [`crate::bake::BakeOptions`].
     pub event_dt_fraction: f64,
     /// See [`crate::bake::BakeOptions`].
@@ -102,6 +104,7 @@ impl<'a> Run<'a> {
             refinement,
             splits,
             model: options.memory.then_some(model),
+            step_options: options.effective_step(),
             event_dt_fraction: options.event_dt_fraction,
             checkpoint_steps: options.checkpoint_steps,
             persistent: PersistentState::default(),

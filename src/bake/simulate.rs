@@ -41,7 +41,7 @@ pub(super) fn simulate(
     let mut progress = position.into_progress();
     let mut actions = 0;
     for (number, action) in setup.script.flatten().enumerate().skip(first) {
-        run.perform_action(number, action, setup.script_name, progress.take(), observer)?;
+        run.perform_action(number, &action, setup.script_name, progress.take(), observer)?;
         actions = number + 1;
     }
     run.checkpoint_boundary(actions.max(first), observer)?;

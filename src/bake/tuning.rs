@@ -37,6 +37,10 @@ pub(super) struct SteppingTuning {
     pub min_frame_interval: f64,
     /// Root mean square speed below which a garment whose action may end early counts as at rest [m/s].
     pub max_rest_speed: f64,
+    /// Time under constant loads from which steps grow with it [s]: shorter holds follow every event.
+    pub long_hold: f64,
+    /// Growth of the longest step with the time beyond that [-].
+    pub hold_dt_growth: f64,
     /// Length of every step with `BakeOptions::full_fidelity` [s].
     pub full_fidelity_dt: f64,
     /// Factor on the energy tolerance with `BakeOptions::full_fidelity` [-]: so small that every solve is global.
@@ -225,6 +229,8 @@ impl BakeTuning {
             min_dt_request: 1e-6,
             min_frame_interval: 1e-5,
             max_rest_speed: 1e-4,
+            long_hold: 120.0,
+            hold_dt_growth: 0.1,
             full_fidelity_dt: 1.0 / 60.0,
             full_fidelity_energy_factor: 0.01,
         },

@@ -1,7 +1,8 @@
 //! The command-line tool: from arguments to options, a library call, and files.
 //!
 //! Only this side prints and opens files. Data goes to stdout, messages go to stderr. Exit codes: 0 success, 1 bad input,
-//! 2 wrong usage, 3 no convergence or an empty result, 130 interrupted. A new command is a file in `commands` and an entry in [`Command`].
+//! 2 wrong usage, 3 no convergence, an action that did not take place, or an empty result, 130 interrupted. A new command is
+//! a file in `commands` and an entry in [`Command`].
 
 mod args;
 mod commands;
@@ -31,7 +32,8 @@ use std::ffi::OsString;
   crease bake tshirt-draft.glb --wear fold-thrice -o worn.glb --preview
   crease view worn.glb -o worn.html
 
-Exit codes: 0 success, 1 bad input, 2 wrong usage, 3 no convergence or an empty result, 130 interrupted."
+Exit codes: 0 success, 1 bad input, 2 wrong usage, 3 no convergence, an action that did not
+take place, or an empty result, 130 interrupted."
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -119,7 +121,7 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
 fn exit_code(error: &Error) -> u8 {
     match error {
         Error::Input(_) | Error::File { .. } => 1,
-        Error::NotConverged(_) | Error::Empty(_) => 3,
+        Error::NotConverged(_) | Error::NotPerformed(_) | Error::Empty(_) => 3,
         Error::Interrupted => interrupt::INTERRUPTED,
     }
 }

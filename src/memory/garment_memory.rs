@@ -147,6 +147,11 @@ impl Memory {
         count
     }
 
+    /// Restarts the timers of a hinge whose rest angle was set.
+    pub(super) fn restart_hinge(&mut self, hinge: usize) {
+        self.hinge[hinge] = BandTimer::default();
+    }
+
     fn commit_angles(
         &mut self,
         model: &MemoryModel,

@@ -58,6 +58,12 @@ action_list! {
     "hang" Hang,
     /// Squeeze it into a ball.
     "crumple" Crumple,
+    /// Flatten it hot.
+    "iron" Iron,
+    /// Fold it to a size, under a weight.
+    "pack" Pack,
+    /// Tumble and spin it wet, and dry it.
+    "wash" Wash,
     /// Let go of everything.
     "release" Release,
     /// Bend a joint of the body.
@@ -95,8 +101,7 @@ impl WearAction for Repeat {
         context: &ActionContext,
         _persistent: &mut PersistentState,
     ) -> Result<ActionStart> {
-        let message = "`repeat` is a list of actions, not one";
-        Err(context.refuse(message, "write it out with `WearScript::flatten`"))
+        Err(context.refuse_whole("repeat"))
     }
 
     fn example() -> Self {

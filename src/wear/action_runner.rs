@@ -3,8 +3,9 @@
 //! An action of a script is data. When its turn comes it is started on the cloth as it is and becomes an [`ActionRunner`],
 //! which gives the loads on the cloth at every time. State that outlives the action is in [`PersistentState`].
 
-use crate::error::{Error, Result};
+use crate::error::{Diagnostic, Error, Result};
 use crate::math::Vec3;
+use crate::memory::Softening;
 use crate::mesh::PointIndex;
 use crate::sim::Loads;
 use crate::wear::persistent_state::PersistentState;
@@ -33,6 +34,28 @@ impl ActionContext<'_> {
     pub fn refuse(&self, message: impl Into<String>, help: impl Into<String>) -> Error {
         Error::input(self.script_file, self.location, message, help)
     }
+
+    /// The error of an action that consists of others, `name` in scripts, and is not performed itself.
+    pub(super) fn refuse_whole(&self, name: &str) -> Error {
+        let message = format!("`{name}` is a list of actions, not one");
+        self.refuse(message, "write it out with `WearScript::flatten`")
+    }
+}
+
+/// Reason why an action that came to its end did not do what it should.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ActionFailure {
+    /// What did not take place, with the place.
+    pub message: String,
+    /// Advice on how to cure it.
+    pub help: String,
+}
+
+impl ActionFailure {
+    /// The error of an action at `location` of the script `script_file`.
+    pub fn into_error(self, script_file: &str, location: &str) -> Error {
+        Error::NotPerformed(Diagnostic::new(script_file, location, self.message, self.help))
+    }
 }
 
 /// An action in progress.
@@ -54,6 +77,16 @@ pub trait ActionRunner {
     /// Whether the cloth accumulates memory meanwhile (`lay` only prepares).
     fn accumulates_memory(&self) -> bool {
         true
+    }
+
+    /// The cloth that is soft in a step that ends `t` seconds after the start, if any is.
+    fn softening(&self, _t: f64) -> Option<&Softening> {
+        None
+    }
+
+    /// Why the action, at its end with the points at `x` [m], did not do what it should; `None` if it did.
+    fn failure(&self, _x: &[Vec3]) -> Option<ActionFailure> {
+        None
     }
 
     /// Whether the action may end before its time because nothing moves any more.

@@ -75,6 +75,11 @@ impl<'a> FoldLayout<'a> {
         }
     }
 
+    /// Takes the garment up: it keeps its lines, and lies no more.
+    pub(super) fn take_up(&mut self) {
+        self.persistent.frame = None;
+    }
+
     /// The frame of fractions, if the cloth lies.
     pub(super) fn ground_frame(&self) -> Option<GarmentFrame> {
         self.persistent.ground_frame()

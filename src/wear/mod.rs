@@ -27,10 +27,10 @@ mod wear_action;
 
 pub use action_list::{Action, Repeat};
 pub(crate) use action_runner::ConstantLoads;
-pub use action_runner::{ActionContext, ActionRunner, ActionStart};
+pub use action_runner::{ActionContext, ActionFailure, ActionRunner, ActionStart};
 pub use actions::{
-    Bend, Crumple, Facing, Fold, FoldSide, Hang, HangBy, HangPoints, Hold, JointAxis, Lay, LocalAxis, Play,
-    Press, Release, Settle, Unfold,
+    Bend, Crumple, Facing, Fold, FoldSide, Hang, HangBy, HangPoints, Hold, Iron, JointAxis, Lay, LocalAxis,
+    Pack, Play, Press, Release, Settle, Unfold, Wash,
 };
 pub use draw_lines::{DrawnLines, draw_fold_lines};
 pub use fold_layout::{FoldLayout, Foresight};

@@ -11,6 +11,7 @@ use crate::wear::action_list::{Action, Repeat};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use std::borrow::Cow;
 
 /// Largest depth of repeats within repeats.
 pub const MAX_NESTING: usize = 8;
@@ -105,9 +106,9 @@ impl WearScript {
         count_actions(&self.actions)
     }
 
-    /// The actions in order, repeats written out one by one as they are asked for; never a [`Action::Repeat`].
+    /// The actions in order, repeats and actions that consist of others written out one by one as they are asked for.
     pub fn flatten(&self) -> Flatten<'_> {
-        Flatten { open: vec![OpenList { actions: &self.actions, next: 0, times_left: 0 }] }
+        Flatten { open: vec![OpenList { actions: Cow::Borrowed(&self.actions), next: 0, times_left: 0 }] }
     }
 
     /// One error per action that moves a body, for a bake without one.
@@ -150,7 +151,7 @@ impl WearScript {
 
     /// Duration with `body` [s], without transitions between clips.
     pub fn duration_with_body(&self, body: Option<&AnimatedBody>) -> f64 {
-        let clip = |action: &Action| match (action, body) {
+        let clip = |action: Cow<Action>| match (action.as_ref(), body) {
             (Action::Play(play), Some(body)) => {
                 let length = body.find_clip(&play.clip).map_or(0.0, |clip| body.clip_length(clip));
                 f64::from(play.repeat) * length
@@ -222,12 +223,12 @@ fn visit_actions(actions: &[Action], at: &Path, depth: usize, visit: &mut impl F
 fn count_actions(actions: &[Action]) -> u64 {
     let count = |action: &Action| match action {
         Action::Repeat(Repeat { times, actions }) => u64::from(*times).saturating_mul(count_actions(actions)),
-        _ => 1,
+        other => other.as_wear_action().parts().len().max(1) as u64,
     };
     actions.iter().map(count).fold(0, u64::saturating_add)
 }
 
-/// Iterator over actions in order with repeats written out; see [`WearScript::flatten`].
+/// Iterator over actions in order, written out; see [`WearScript::flatten`].
 #[derive(Debug, Clone)]
 pub struct Flatten<'a> {
     open: Vec<OpenList<'a>>,
@@ -236,18 +237,28 @@ pub struct Flatten<'a> {
 /// A list of actions in progress.
 #[derive(Debug, Clone)]
 struct OpenList<'a> {
-    actions: &'a [Action],
+    actions: Cow<'a, [Action]>,
     next: usize,
     /// Repetitions after the present one.
     times_left: u32,
 }
 
-impl<'a> Iterator for Flatten<'a> {
-    type Item = &'a Action;
+impl<'a> OpenList<'a> {
+    /// The action that is due; `None` at the end of the list.
+    fn due(&self) -> Option<Cow<'a, Action>> {
+        match &self.actions {
+            Cow::Borrowed(actions) => actions.get(self.next).map(Cow::Borrowed),
+            Cow::Owned(actions) => actions.get(self.next).cloned().map(Cow::Owned),
+        }
+    }
+}
 
-    fn next(&mut self) -> Option<&'a Action> {
+impl<'a> Iterator for Flatten<'a> {
+    type Item = Cow<'a, Action>;
+
+    fn next(&mut self) -> Option<Cow<'a, Action>> {
         while let Some(open) = self.open.last_mut() {
-            let Some(action) = open.actions.get(open.next) else {
+            let Some(action) = open.due() else {
                 if open.times_left > 0 {
                     open.times_left -= 1;
                     open.next = 0;
@@ -257,17 +268,17 @@ impl<'a> Iterator for Flatten<'a> {
                 continue;
             };
             open.next += 1;
-            match action {
-                // A repeat without actions would loop without a result.
-                Action::Repeat(repeat) if repeat.times == 0 || count_actions(&repeat.actions) == 0 => {}
-                Action::Repeat(repeat) => {
-                    self.open.push(OpenList {
-                        actions: &repeat.actions,
-                        next: 0,
-                        times_left: repeat.times - 1,
-                    });
-                }
-                plain => return Some(plain),
+            let (actions, times) = match action {
+                Cow::Borrowed(Action::Repeat(repeat)) => (Cow::Borrowed(&repeat.actions[..]), repeat.times),
+                Cow::Owned(Action::Repeat(repeat)) => (Cow::Owned(repeat.actions), repeat.times),
+                other => match other.as_wear_action().parts() {
+                    parts if parts.is_empty() => return Some(other),
+                    parts => (Cow::Owned(parts), 1),
+                },
+            };
+            // A repeat without actions would loop without a result.
+            if times > 0 && count_actions(&actions) > 0 {
+                self.open.push(OpenList { actions, next: 0, times_left: times - 1 });
             }
         }
         None
@@ -306,7 +317,7 @@ mod tests {
         for (text, duration_s, names) in expected {
             let script = WearScript::parse("w.json", text).expect("is valid");
             assert_eq!(script.duration(), duration_s);
-            assert_eq!(script.flatten().map(Action::name).collect::<Vec<_>>(), names);
+            assert_eq!(script.flatten().map(|action| action.name()).collect::<Vec<_>>(), names);
             assert_eq!(WearScript::parse("again", &script.to_json()).expect("round trip"), script);
         }
     }
@@ -371,10 +382,10 @@ mod tests {
         let text = script(&format!(
             r#"{{"lay": {{}}}}, {{"fold": {{{line}}}}}, {{"unfold": {{}}}}, {{"settle": {{}}}}, {{"hang": {{}}}},
                {{"crumple": {{"to": 0.3}}}}, {{"bend": {{"joint": "elbow", "axis": "z", "angle": 90}}}},
-               {{"play": {{"clip": "walk"}}}}"#
+               {{"play": {{"clip": "walk"}}}}, {{"iron": {{}}}}, {{"pack": {{}}}}, {{"wash": {{}}}}"#
         ));
         let script = WearScript::parse("w.json", &text).expect("is valid");
-        assert_eq!(script.duration(), 2.0 + 2.0 + 2.0 + 3.0 + 5.0 + 3.0 + 2.0 + 0.0);
+        assert_eq!(script.duration(), 2.0 + 2.0 + 2.0 + 3.0 + 5.0 + 3.0 + 2.0 + 10.0 + 14_412.0 + 10_813.5);
         assert!(
             matches!(&script.actions[1], Action::Fold(fold) if fold.angle_deg == 180.0 && fold.hold_s == 0.0)
         );
@@ -387,7 +398,7 @@ mod tests {
         assert_eq!(
             found[0],
             "w.json: line 3, column 4, at actions[0].fodl: unknown name `fodl` (did you mean `fold`? allowed here: \
-             `lay`, `fold`, `unfold`, `press`, `hold`, `settle`, `hang`, `crumple`, `release`, `bend`, `play`, `repeat`)"
+             `lay`, `fold`, `unfold`, `press`, `hold`, `settle`, `hang`, `crumple`, `iron`, `pack`, `wash`, `release`, `bend`, `play`, `repeat`)"
         );
     }
 
@@ -434,6 +445,12 @@ mod tests {
             (r#"{"unfold": {"all": false}}"#, "unfold.all: `all` is false"),
             (r#"{"bend": {"joint": "j", "axis": [0, 0, 0], "angle": 20}}"#, "bend.axis: the axis has no"),
             (r#"{"bend": {"joint": "j", "axis": "x", "angle": 0}}"#, "bend.angle: an angle of 0"),
+            (
+                r#"{"iron": {"box": [[0, 0], [1, 1]], "line": [[0, 0], [1, 1]]}}"#,
+                "iron.line: `box` and `line`",
+            ),
+            (r#"{"iron": {"box": [[0, 0.5], [1, 0.5]]}}"#, "iron.box: the box has no area"),
+            (r#"{"iron": {"line": [[0, 0.5], [0, 0.5]]}}"#, "iron.line: the two ends"),
         ];
         let all = cases.map(|(action, _)| action).join(", ");
         let found = errors_of(&script(&all));
@@ -446,13 +463,15 @@ mod tests {
     #[test]
     fn choices_between_kinds_are_explained() {
         assert!(
-            errors_of(&script(r#"{"hang": {"by": "botom"}}"#))[0].contains("by: is `botom`, expected `top`")
+            errors_of(&script(r#"{"hang": {"by": "botom"}}"#))[0]
+                .contains("by: is `botom`, expected `top`, `hanger` or `hook`")
         );
         let by = &errors_of(&script(r#"{"hang": {"by": [[0.5, 1, 2]]}}"#))[0];
         assert!(by.contains("by[0]: has 3 entries"), "{by}");
         assert!(errors_of(&script(r#"{"hang": {"by": []}}"#))[0].contains("by: has 0 entries"));
         assert!(
-            errors_of(&script(r#"{"hang": {"by": 3}}"#))[0].contains("by: is 3, expected `top` or a list")
+            errors_of(&script(r#"{"hang": {"by": 3}}"#))[0]
+                .contains("by: is 3, expected `top`, `hanger` or `hook` or a list")
         );
         let axis = &errors_of(&script(r#"{"bend": {"joint": "j", "axis": "w", "angle": 9}}"#))[0];
         assert!(axis.contains("axis: is `w`, expected `x`, `y` or `z`"), "{axis}");
@@ -476,13 +495,26 @@ mod tests {
                 {"repeat": {"times": 3, "actions": [{"settle": {"for": 2}}]}}]}}, {"release": {}}"#,
         );
         let script = WearScript::parse("w.json", &text).expect("is valid");
-        let names: Vec<_> = script.flatten().map(Action::name).collect();
+        let names: Vec<_> = script.flatten().map(|action| action.name()).collect();
         assert_eq!(
             names,
             ["hold", "settle", "settle", "settle", "hold", "settle", "settle", "settle", "release"]
         );
         assert_eq!(script.action_count(), 9);
         assert_eq!(script.duration(), 14.0);
+    }
+
+    #[test]
+    fn actions_that_consist_of_others_are_written_out() {
+        let text =
+            script(r#"{"repeat": {"times": 2, "actions": [{"wash": {}}]}}, {"lay": {}}, {"pack": {}}"#);
+        let script = WearScript::parse("w.json", &text).expect("is valid");
+        let actions: Vec<_> = script.flatten().collect();
+        let names: Vec<_> = actions.iter().map(|action| action.name()).collect();
+        assert_eq!(names, ["crumple", "hang", "crumple", "hang", "lay", "fold", "fold", "fold", "press"]);
+        assert_eq!(script.action_count(), names.len() as u64);
+        let total: f64 = actions.iter().map(|action| action.as_wear_action().duration()).sum();
+        assert!((total - script.duration()).abs() < 1e-9);
     }
 
     #[test]

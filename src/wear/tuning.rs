@@ -136,10 +136,56 @@ pub(super) struct OtherActionTuning {
     pub sphere_dt_fraction: f64,
     /// Size of the grip of a hanging garment relative to its box diagonal [-], default 0.01.
     pub hang_grip_fraction: f64,
-    /// Largest step while a garment hangs [s], default 0.1.
+    /// Largest step while a garment begins to hang [s], default 0.1.
     pub hang_max_dt: f64,
+    /// Time after which a garment hangs still [s], default 10: steps grow from then on, and a longer action is not ended early,
+    /// since its memory changes with time.
+    pub hang_swing_time: f64,
+    /// Growth of the largest step with the time after that [-], default 0.1.
+    pub hang_dt_growth: f64,
+    /// Width of a hanger [m], default 0.42.
+    pub hanger_width: f64,
+    /// Part of each half of a hanger, from its end inwards, that bears the garment [-], default 0.5: the rest spans its neck.
+    pub hanger_support_fraction: f64,
     /// Air drag while a garment settles [1/s], default 3.
     pub settle_drag: f64,
+}
+
+/// Ironing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct IronTuning {
+    /// Half of the width of the soleplate [m], default 0.05.
+    pub half_width: f64,
+    /// Rate at which hot moist cloth gives up its memory [1/s], default 0.5: in 10 s all but 1 %.
+    pub setting_rate: f64,
+    /// Largest step as a fraction of the time in which that happens [-], default 0.25: the cloth flattens meanwhile.
+    pub max_set_per_step: f64,
+}
+
+/// Wet cloth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct WetTuning {
+    /// Rate at which it gives up its memory [1/s], default 0.5.
+    pub setting_rate: f64,
+    /// Fraction of the present bend that it sets without pressure [-], default 0.4.
+    pub set_fraction: f64,
+    /// How often memory would be replaced while it dries as it hangs [-], default 1: what remains of it is 1/e.
+    pub drying_dose: f64,
+}
+
+/// Actions that did not do what they should.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct FailureTuning {
+    /// Fraction of its path that a flap has to cover [-], default 0.5.
+    pub min_turned_fraction: f64,
+    /// Mean path of a flap below which nothing is told of it [m], default 0.02.
+    pub min_judged_path: f64,
+    /// Fraction of its path to the ball that a crumpled garment has to cover [-], default 0.5.
+    pub min_crumpled_fraction: f64,
+    /// Fraction of the points that may stand up from a garment that lies [-], default 0.02.
+    pub max_standing_fraction: f64,
+    /// Ratio of their height to the shorter side of a garment from which points stand up [-], default 0.25.
+    pub max_lying_ratio: f64,
 }
 
 /// Prediction of creases.
@@ -169,6 +215,9 @@ pub(super) struct WearTuning {
     pub height_field: HeightFieldTuning,
     pub lay: LayTuning,
     pub other: OtherActionTuning,
+    pub iron: IronTuning,
+    pub wet: WetTuning,
+    pub failure: FailureTuning,
     pub prediction: PredictionTuning,
 }
 
@@ -231,7 +280,20 @@ pub(super) const TUNING: WearTuning = WearTuning {
         sphere_dt_fraction: 0.01,
         hang_grip_fraction: 0.01,
         hang_max_dt: 0.1,
+        hang_swing_time: 10.0,
+        hang_dt_growth: 0.1,
+        hanger_width: 0.42,
+        hanger_support_fraction: 0.5,
         settle_drag: 3.0,
+    },
+    iron: IronTuning { half_width: 0.05, setting_rate: 0.5, max_set_per_step: 0.25 },
+    wet: WetTuning { setting_rate: 0.5, set_fraction: 0.4, drying_dose: 1.0 },
+    failure: FailureTuning {
+        min_turned_fraction: 0.5,
+        min_judged_path: 0.02,
+        min_crumpled_fraction: 0.5,
+        max_standing_fraction: 0.02,
+        max_lying_ratio: 0.25,
     },
     prediction: PredictionTuning {
         min_flat_normal_y: 0.9,

@@ -13,7 +13,7 @@ pub fn exception(error: Error) -> PyErr {
     match error {
         Error::Input(_) => CreaseError::new_err(text),
         Error::File { .. } => PyOSError::new_err(text),
-        Error::NotConverged(_) => ConvergenceError::new_err(text),
+        Error::NotConverged(_) | Error::NotPerformed(_) | Error::Empty(_) => ConvergenceError::new_err(text),
         Error::Interrupted => PyKeyboardInterrupt::new_err(text),
     }
 }

@@ -2,8 +2,9 @@
 
 use crate::error::Result;
 use crate::math::{Vec3, bounds};
+use crate::memory::Softening;
 use crate::sim::{Loads, SphereLoad};
-use crate::wear::action_runner::{ActionContext, ActionRunner, ActionStart};
+use crate::wear::action_runner::{ActionContext, ActionFailure, ActionRunner, ActionStart};
 use crate::wear::motion_profile::smoothstep;
 use crate::wear::persistent_state::PersistentState;
 use crate::wear::tuning::TUNING;
@@ -27,6 +28,9 @@ pub struct Crumple {
     #[serde(rename = "hold", default)]
     #[schemars(range(min = 0, max = 86400))]
     pub hold_s: f64,
+    /// Whether the cloth is wet: it gives up its memory and sets a part of the bend that it has in the ball. Default false.
+    #[serde(default)]
+    pub wet: bool,
 }
 
 fn default_over_s() -> f64 {
@@ -51,11 +55,18 @@ impl WearAction for Crumple {
         persistent.laid_bend.clear();
         persistent.held_loads = None;
         let ground = persistent.ground;
-        ActionStart::here(CrumpleRunner { centre, first_radius, last_radius, over: self.over_s, ground })
+        ActionStart::here(CrumpleRunner {
+            centre,
+            first_radius,
+            last_radius,
+            over: self.over_s,
+            ground,
+            wetness: self.wet.then(wet_cloth),
+        })
     }
 
     fn example() -> Self {
-        Self { to: 0.25, over_s: 3.5, hold_s: 20.0 }
+        Self { to: 0.25, over_s: 3.5, hold_s: 20.0, wet: true }
     }
 }
 
@@ -71,6 +82,14 @@ struct CrumpleRunner {
     over: f64,
     /// Height of the ground [m].
     ground: Option<f64>,
+    /// What water does to the cloth.
+    wetness: Option<Softening>,
+}
+
+/// Cloth that is wet through.
+fn wet_cloth() -> Softening {
+    let wet = TUNING.wet;
+    Softening { points: Vec::new(), rate: wet.setting_rate, set_fraction: wet.set_fraction }
 }
 
 impl ActionRunner for CrumpleRunner {
@@ -88,6 +107,23 @@ impl ActionRunner for CrumpleRunner {
 
     fn event_times(&self) -> Vec<f64> {
         vec![self.over]
+    }
+
+    fn softening(&self, _t: f64) -> Option<&Softening> {
+        self.wetness.as_ref()
+    }
+
+    fn failure(&self, x: &[Vec3]) -> Option<ActionFailure> {
+        let radius = x.iter().map(|p| (p - self.centre).norm()).fold(0.0, f64::max);
+        let closed = (self.first_radius - radius) / (self.first_radius - self.last_radius);
+        (closed < TUNING.failure.min_crumpled_fraction).then(|| ActionFailure {
+            message: format!(
+                "the garment is not squeezed together: it reaches {:.0} mm from the middle of the ball, where {:.0} mm were asked for",
+                1e3 * radius,
+                1e3 * self.last_radius
+            ),
+            help: "squeeze it less (a larger `to`), more slowly (`over`), or choose a softer fabric".to_owned(),
+        })
     }
 
     fn save_state(&self) -> Option<Value> {

@@ -4,7 +4,7 @@ use crate::energy::TargetSpring;
 use crate::error::Result;
 use crate::math::Vec3;
 use crate::sim::Loads;
-use crate::wear::action_runner::{ActionContext, ActionRunner, ActionStart};
+use crate::wear::action_runner::{ActionContext, ActionFailure, ActionRunner, ActionStart};
 use crate::wear::fold_layout::FoldLayout;
 use crate::wear::fold_map::{FoldAxis, FoldCoords, line_shift};
 use crate::wear::fraction::Fraction2;
@@ -243,6 +243,20 @@ impl FoldRunner {
         self.record.angle > TUNING.fold.self_supporting_angle
     }
 
+    /// Fraction of its path that the flap has covered with the points at `x` [m], weighted with mass and path [-]; `None` for a
+    /// path too short to tell.
+    fn turned_fraction(&self, x: &[Vec3]) -> Option<f64> {
+        let (mut covered, mut whole, mut mass) = (0.0, 0.0, 0.0);
+        for p in &self.flap {
+            let [start, end] = [0.0, self.record.angle].map(|phi| self.axis.folded(&p.coords, phi));
+            let (path, left) = ((end - start).norm(), (x[p.point as usize] - end).norm());
+            covered += p.mass * (path - left);
+            whole += p.mass * path;
+            mass += p.mass;
+        }
+        (whole > mass * TUNING.failure.min_judged_path).then(|| covered / whole)
+    }
+
     /// Loads `t` seconds after the release of the flap: pressure that smooths the new fold.
     fn smoothing_loads(&self, t: f64, x: &[Vec3]) -> Loads {
         let fold = &TUNING.fold;
@@ -301,6 +315,25 @@ impl ActionRunner for FoldRunner {
 
     fn save_state(&self) -> Option<Value> {
         Some(Value::Null)
+    }
+
+    fn failure(&self, x: &[Vec3]) -> Option<ActionFailure> {
+        let turned = self.turned_fraction(x)?;
+        (turned < TUNING.failure.min_turned_fraction).then(|| {
+            let at = self.record.origin;
+            ActionFailure {
+                message: format!(
+                    "the flap did not turn over: it covered {:.0} % of its path about the line through ({:.3}, {:.3}, {:.3}) m",
+                    (100.0 * turned).max(0.0),
+                    at.x,
+                    at.y,
+                    at.z
+                ),
+                help: "fold more slowly (`over`), move the line, choose a softer fabric, or mend what crosses in the file \
+                       (`crease inspect`)"
+                    .to_owned(),
+            }
+        })
     }
 
     fn finish(&mut self, persistent: &mut PersistentState, x: &[Vec3]) {

@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::garment::{Footprint, is_lying};
 use crate::math::{Mat3, Vec3, bounds};
 use crate::sim::Loads;
-use crate::wear::action_runner::{ActionContext, ActionRunner, ActionStart};
+use crate::wear::action_runner::{ActionContext, ActionFailure, ActionRunner, ActionStart};
 use crate::wear::flat_layout::FlatLayout;
 use crate::wear::fold_layout::FoldLayout;
 use crate::wear::motion_profile::{PEAK_RATE, smoothstep};
@@ -53,16 +53,16 @@ fn default_over_s() -> f64 {
 }
 
 /// Directions of a garment's file once it lies.
-struct LyingDirections {
+pub(super) struct LyingDirections {
     /// Unit vector that will point up.
-    facing: Vec3,
+    pub facing: Vec3,
     /// Unit vector that will point away from the viewer.
-    upper: Vec3,
+    pub upper: Vec3,
 }
 
 impl Lay {
     /// Directions in a file with the points `source` [m].
-    fn directions(&self, source: &[Vec3]) -> LyingDirections {
+    pub(super) fn directions(&self, source: &[Vec3]) -> LyingDirections {
         let (low, high) = bounds(source);
         let size = high - low;
         let lies = is_lying(&size, Footprint::Shorter, TUNING.lay.max_lying_ratio);
@@ -232,6 +232,24 @@ impl ActionRunner for LayRunner {
         let height = saved.as_f64().filter(|height| *height > 0.0);
         self.height = height.unwrap_or(self.height);
         height.is_some()
+    }
+
+    fn failure(&self, x: &[Vec3]) -> Option<ActionFailure> {
+        let (low, high) = bounds(x);
+        let shorter = (high.x - low.x).min(high.z - low.z);
+        let limit = (TUNING.failure.max_lying_ratio * shorter).max(TUNING.lay.flat_layers * self.thickness);
+        let standing = x.iter().filter(|p| p.y > limit).count();
+        (standing as f64 > TUNING.failure.max_standing_fraction * x.len() as f64).then(|| ActionFailure {
+            message: format!(
+                "the garment does not lie: {:.0} % of it stand more than {:.0} mm above the ground, up to {:.0} mm",
+                100.0 * standing as f64 / x.len() as f64,
+                1e3 * limit,
+                1e3 * high.y
+            ),
+            help: "lay another side up (`facing`), lay it more slowly (`over`), or choose a softer fabric; `crease inspect` tells \
+                   what crosses in the file"
+                .to_owned(),
+        })
     }
 
     fn finish(&mut self, persistent: &mut PersistentState, x: &[Vec3]) {

@@ -3,7 +3,7 @@
 use crate::error::Result;
 use crate::math::Vec3;
 use crate::sim::Loads;
-use crate::wear::action_runner::{ActionContext, ActionRunner, ActionStart};
+use crate::wear::action_runner::{ActionContext, ActionFailure, ActionRunner, ActionStart};
 use crate::wear::fold_layout::FoldLayout;
 use crate::wear::fold_map::{FoldAxis, FoldCoords};
 use crate::wear::motion_profile::{PEAK_RATE, smoothstep};
@@ -113,6 +113,9 @@ struct OpeningFold {
     fixed: Vec<bool>,
     /// Height by which the flap rises in all, so that it does not end below the ground [m].
     lift: f64,
+    /// Number of a fold before this one that did not open, if there is one.
+    #[serde(default)]
+    unopened: Option<usize>,
 }
 
 /// A point of an opening flap.
@@ -154,7 +157,22 @@ impl UnfoldRunner {
             flap,
             fixed: x.iter().zip(&in_flap).map(is_fixed).collect(),
             lift: (max_depth + self.thickness - (between - ground)).max(0.0),
+            unopened: None,
         }
+    }
+
+    /// The first fold that did not open, up to the one that `opening` has opened with the points at `x` [m].
+    fn unopened(&self, opening: &OpeningFold, x: &[Vec3]) -> Option<usize> {
+        let fold = &self.folds[opening.number];
+        let (mut open, mut all) = (0.0, 0.0);
+        for p in &opening.flap {
+            let weight = p.mass * p.coords.s;
+            let is_open = (x[p.point as usize] - fold.origin).dot(&fold.outward) > 0.0;
+            open += if is_open { weight } else { 0.0 };
+            all += weight;
+        }
+        let is_unopened = open < TUNING.failure.min_turned_fraction * all;
+        opening.unopened.or_else(|| is_unopened.then_some(opening.number))
     }
 
     /// Height between flap and rest of `fold`, whose flap is flagged per point [m].
@@ -182,7 +200,8 @@ impl ActionRunner for UnfoldRunner {
         let number = ((t / self.time_per_fold - 1e-9).floor().max(0.0) as usize).min(self.folds.len() - 1);
         let opening = match self.current.take() {
             Some(opening) if opening.number == number => opening,
-            _ => self.open(number, x),
+            Some(done) => OpeningFold { unopened: self.unopened(&done, x), ..self.open(number, x) },
+            None => self.open(number, x),
         };
         let done = smoothstep((t - self.time_per_fold * number as f64) / self.time_per_fold);
         let angle = self.folds[number].angle;
@@ -216,6 +235,21 @@ impl ActionRunner for UnfoldRunner {
         });
         self.current = current;
         fits
+    }
+
+    fn failure(&self, x: &[Vec3]) -> Option<ActionFailure> {
+        let number = self.unopened(self.current.as_ref()?, x)?;
+        let at = self.folds[number].origin;
+        Some(ActionFailure {
+            message: format!(
+                "fold {} from the last, about the line through ({:.3}, {:.3}, {:.3}) m, did not open",
+                number + 1,
+                at.x,
+                at.y,
+                at.z
+            ),
+            help: "unfold more slowly (`over`), or fold fewer layers".to_owned(),
+        })
     }
 
     fn event_times(&self) -> Vec<f64> {

@@ -1,0 +1,163 @@
+//! `pack`: the lying garment is folded to a size and lies under a weight for hours, as in a suitcase or a drawer.
+//!
+//! It consists of `fold` and `press`. Long holds take few steps (`docs/adr/0018-steps-of-a-hold.md`).
+
+use crate::error::Result;
+use crate::wear::action_list::Action;
+use crate::wear::action_runner::{ActionContext, ActionStart};
+use crate::wear::actions::{Fold, FoldSide, Press};
+use crate::wear::fraction::Fraction2;
+use crate::wear::persistent_state::PersistentState;
+use crate::wear::wear_action::WearAction;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Fold the lying garment to a size and leave it under a weight. `unfold` opens it again.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Pack {
+    /// Width and height to which it is folded, in fractions of the bounding box. Default [0.4, 0.5]: both sides in, then once
+    /// across.
+    #[serde(default = "default_to")]
+    #[schemars(inner(range(min = 0.1, max = 1)))]
+    pub to: [f64; 2],
+    /// Pressure of what lies on it [Pa]. Default 500, a full suitcase.
+    #[serde(rename = "pressure", default = "default_pressure_pa")]
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 1_000_000))]
+    pub pressure_pa: f64,
+    /// Duration of each fold [s]. Default 2.
+    #[serde(rename = "over", default = "default_over_s")]
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 3600))]
+    pub over_s: f64,
+    /// Time under the weight [s]. Default 14400, four hours.
+    #[serde(rename = "for", default = "default_for_s")]
+    #[schemars(extend("exclusiveMinimum" = 0), range(max = 86400))]
+    pub for_s: f64,
+}
+
+fn default_to() -> [f64; 2] {
+    [0.4, 0.5]
+}
+
+fn default_pressure_pa() -> f64 {
+    500.0
+}
+
+fn default_over_s() -> f64 {
+    2.0
+}
+
+fn default_for_s() -> f64 {
+    14_400.0
+}
+
+/// Fraction of the wanted size by which what is folded may be larger: lines in text are rounded.
+const SIZE_TOL: f64 = 1e-9;
+
+/// An interval of fractions that the garment covers along one axis.
+#[derive(Debug, Clone, Copy)]
+struct Extent {
+    low: f64,
+    high: f64,
+}
+
+impl Pack {
+    /// The folds that bring the garment to its size, in order: first across its width, then along its height.
+    fn folds(&self) -> Vec<Fold> {
+        let [width, height] = self.to;
+        let unit = Extent { low: 0.0, high: 1.0 };
+        let (mut across, mut upward, mut folds) = (unit, unit, Vec::new());
+        while across.high - across.low > width * (1.0 + SIZE_TOL) {
+            let length = across.high - across.low;
+            // A flap must not reach beyond what it is laid on.
+            if length <= 3.0 * width * (1.0 + SIZE_TOL) {
+                let middle = 0.5 * (across.low + across.high);
+                across = Extent { low: middle - 0.5 * width, high: middle + 0.5 * width };
+                folds.push(self.fold_at(0, across.low, FoldSide::Left));
+                folds.push(self.fold_at(0, across.high, FoldSide::Right));
+            } else {
+                across.low = 0.5 * (across.low + across.high);
+                folds.push(self.fold_at(0, across.low, FoldSide::Left));
+            }
+        }
+        while upward.high - upward.low > height * (1.0 + SIZE_TOL) {
+            upward.low = (upward.high - height).min(0.5 * (upward.low + upward.high));
+            folds.push(self.fold_at(1, upward.low, FoldSide::Lower));
+        }
+        folds
+    }
+
+    /// The fold along the line where the coordinate `axis` is `at`.
+    fn fold_at(&self, axis: usize, at: f64, side: FoldSide) -> Fold {
+        let end = |along: f64| Fraction2(if axis == 0 { [at, along] } else { [along, at] });
+        Fold { line: [end(0.0), end(1.0)], side, angle_deg: 180.0, over_s: self.over_s, hold_s: self.over_s }
+    }
+}
+
+impl WearAction for Pack {
+    fn duration(&self) -> f64 {
+        self.for_s + self.folds().iter().map(WearAction::duration).sum::<f64>()
+    }
+
+    fn parts(&self) -> Vec<Action> {
+        let press = Press { pressure_pa: self.pressure_pa, for_s: self.for_s };
+        self.folds().into_iter().map(Action::Fold).chain([Action::Press(press)]).collect()
+    }
+
+    fn start_action(
+        &self,
+        context: &ActionContext,
+        _persistent: &mut PersistentState,
+    ) -> Result<ActionStart> {
+        Err(context.refuse_whole("pack"))
+    }
+
+    fn example() -> Self {
+        Self { to: [0.35, 0.25], pressure_pa: 800.0, over_s: 1.5, for_s: 7200.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Folds a unit square on paper and returns the extent of what lies there.
+    fn folded(pack: &Pack) -> [f64; 2] {
+        let mut extents = [[0.0, 1.0]; 2];
+        for fold in pack.folds() {
+            let (axis, at) = if fold.line[0].x() == fold.line[1].x() {
+                (0, fold.line[0].x())
+            } else {
+                (1, fold.line[0].y())
+            };
+            let [low, high]: [f64; 2] = extents[axis];
+            let turns_low = matches!(fold.side, FoldSide::Left | FoldSide::Lower);
+            extents[axis] = if turns_low {
+                assert!(at > low && at < high);
+                [at, high.max(2.0 * at - low)]
+            } else {
+                assert!(at > low && at < high);
+                [low.min(2.0 * at - high), at]
+            };
+        }
+        extents.map(|[low, high]| high - low)
+    }
+
+    #[test]
+    fn every_size_is_reached_with_few_folds() {
+        for k in 1..=20 {
+            for l in 1..=20 {
+                let to = [0.05 + 0.0475 * f64::from(k), 0.05 + 0.0475 * f64::from(l)];
+                let pack = Pack { to, ..Pack::example() };
+                let size = folded(&pack);
+                assert!((0..2).all(|axis| size[axis] <= to[axis] * (1.0 + 1e-6)), "{to:?}: {size:?}");
+                assert!(pack.folds().len() <= 9, "{to:?}: {} folds", pack.folds().len());
+            }
+        }
+        let lines = Pack { to: [0.4, 0.5], ..Pack::example() }.folds();
+        assert_eq!(
+            lines.iter().map(|fold| fold.side).collect::<Vec<_>>(),
+            [FoldSide::Left, FoldSide::Right, FoldSide::Lower]
+        );
+    }
+}

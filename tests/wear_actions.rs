@@ -1,0 +1,203 @@
+//! What `iron`, `wash`, `pack` and `hang` do to the memory of a handkerchief, and the error of an action that did not take
+//! place: physical expectations, each with the figure that it reached:
+//!
+//! ```text
+//! cargo test --test wear_actions NAME -- --nocapture
+//! ```
+
+use crease::bake::{Bake, BakeOptions, BakeResult};
+use crease::fabric::Fabric;
+use crease::garment::Garment;
+use crease::io::{ReadOptions, read_asset};
+use crease::math::Vec3;
+use crease::wear::WearScript;
+use crease::{Error, Result};
+use std::fmt::Write;
+
+/// Points along a side of the handkerchief.
+const POINTS: u32 = 13;
+/// Length of its sides [m].
+const SIDE: f64 = 0.24;
+
+/// A level sheet of `SIDE` with the height `height` [m] as a function of the place in it, from 0 to 1.
+fn sheet(height: impl Fn(f64, f64) -> f64) -> Garment {
+    let mut obj = String::new();
+    let last = POINTS - 1;
+    for k in 0..POINTS * POINTS {
+        let [x, z] = [k % POINTS, k / POINTS].map(|i| f64::from(i) / f64::from(last));
+        writeln!(obj, "v {} {} {}", SIDE * x, height(x, z), SIDE * z).expect("a string takes all");
+    }
+    for (row, column) in (0..last).flat_map(|row| (0..last).map(move |column| (row, column))) {
+        let a = POINTS * row + column + 1;
+        let (b, c) = (a + POINTS, a + POINTS + 1);
+        writeln!(obj, "f {a} {b} {c}\nf {a} {c} {}", a + 1).expect("a string takes all");
+    }
+    let mut alone = |name: &str| panic!("asks for {name}");
+    let read = read_asset("sheet.obj", obj.as_bytes(), &ReadOptions::default(), &mut alone);
+    Garment::from_asset(&read.expect("reads").0).expect("is a garment").0
+}
+
+fn fabric() -> Fabric {
+    Fabric::preset("cotton-jersey").expect("exists")
+}
+
+fn bake(garment: &Garment, fabric: &Fabric, actions: &str) -> Result<BakeResult> {
+    let text = format!(r#"{{"format": "crease-wear/1", "actions": [{actions}]}}"#);
+    let script = WearScript::parse("wear.json", &text).expect("parses");
+    Bake::new(garment, fabric, &script).script_name("wear.json").options(BakeOptions::default()).run()
+}
+
+/// The bake of a level handkerchief.
+fn worn(actions: &str) -> BakeResult {
+    bake(&sheet(|_, _| 0.0), &fabric(), actions).expect("bakes")
+}
+
+/// A fold from left to right, held for ten seconds.
+const FOLD: &str = r#"{"lay": {"facing": "up", "over": 0.2}},
+    {"fold": {"line": [[0.5, 0], [0.5, 1]], "side": "left", "over": 1, "hold": 10}}"#;
+const UNFOLD: &str = r#"{"unfold": {"all": true, "over": 1}}"#;
+
+/// Change of rest angle times length, summed over the simulated hinges whose middle `counts` in the garment's file [rad m].
+fn memory_where(baked: &BakeResult, counts: impl Fn(&Vec3) -> bool) -> f64 {
+    let (garment, memory) = (&baked.simulated.garment, &baked.simulated.worn.memory);
+    let mut sum = 0.0;
+    for (h, hinge) in garment.topology.hinges.iter().enumerate() {
+        let [a, b] = [0, 1].map(|k| garment.points[hinge.points[k].at()]);
+        if counts(&((a + b) * 0.5)) {
+            sum += (memory.rest_angle[h] - memory.source_angle[h]).abs() * (b - a).norm();
+        }
+    }
+    sum
+}
+
+fn near_fold(p: &Vec3) -> bool {
+    (p.x - 0.5 * SIDE).abs() < 0.02
+}
+
+/// The half towards the viewer is ironed, and loses its memory of the fold; the other half keeps it.
+#[test]
+fn ironed_cloth_loses_its_memory_and_the_rest_keeps_it() {
+    let settle = r#"{"settle": {"for": 1}}"#;
+    let plain = worn(&format!("{FOLD}, {UNFOLD}, {settle}"));
+    let ironed =
+        worn(&format!(r#"{FOLD}, {UNFOLD}, {{"iron": {{"box": [[0, 0], [1, 0.5]], "for": 8}}}}, {settle}"#));
+    let half = |baked: &BakeResult, lower: bool| {
+        memory_where(baked, |p| if lower { p.z > 0.5 * SIDE + 0.015 } else { p.z < 0.5 * SIDE - 0.015 })
+    };
+    let [lower, upper] = [true, false].map(|lower| half(&ironed, lower) / half(&plain, lower));
+    println!("ironed half keeps {lower:.3} of its memory, the other {upper:.3}");
+    assert!(half(&plain, true) > 0.05 && half(&plain, false) > 0.05);
+    assert!(lower < 0.2, "{lower}");
+    assert!(upper > 0.85 && upper < 1.15, "{upper}");
+}
+
+/// A fold that is ironed along its line is a crease, sharper than one that was pressed as hard and as long without heat.
+#[test]
+fn a_fold_that_is_ironed_along_its_line_is_set() {
+    let pressed = worn(&format!(r#"{FOLD}, {{"press": {{"pressure": 4000, "for": 8}}}}, {UNFOLD}"#));
+    let line = r#"{"iron": {"line": [[0.5, 0], [0.5, 1]], "for": 8}}"#;
+    let ironed = worn(&format!("{FOLD}, {line}, {UNFOLD}"));
+    let [pressed, ironed] = [&pressed, &ironed].map(|baked| memory_where(baked, near_fold) / SIDE);
+    println!("near the line: pressed {pressed:.3} rad, ironed {ironed:.3} rad");
+    assert!(pressed > 0.3);
+    assert!(ironed > 1.2 * pressed && ironed < 3.3, "{ironed}");
+}
+
+/// The longer it lies under the weight the more it remembers, and hours take few steps.
+#[test]
+fn a_packed_garment_remembers_more_the_longer_it_lies() {
+    let packed = |hold: f64| {
+        let pack = format!(r#"{{"pack": {{"to": [0.5, 1], "over": 1, "pressure": 500, "for": {hold}}}}}"#);
+        worn(&format!(r#"{{"lay": {{"facing": "up", "over": 0.2}}}}, {pack}, {UNFOLD}"#))
+    };
+    let times = [10.0, 300.0, 14_400.0];
+    let baked = times.map(packed);
+    let memory = [0, 1, 2].map(|k| memory_where(&baked[k], |_| true));
+    let steps = [0, 1, 2].map(|k| baked[k].report.steps);
+    println!("{times:?} s: {memory:.3?} rad m, {steps:?} steps");
+    assert!(memory[1] > 1.1 * memory[0] && memory[2] > 1.02 * memory[1], "{memory:?}");
+    assert!(steps[2] < 2 * steps[1], "four hours take {steps:?}");
+}
+
+/// A hung garment has no fold, and overnight it loses a part of what it remembered.
+#[test]
+fn a_garment_that_hangs_overnight_has_no_fold_and_recovers() {
+    let hung =
+        |hold: f64| worn(&format!(r#"{FOLD}, {UNFOLD}, {{"hang": {{"by": "hanger", "for": {hold}}}}}"#));
+    let [moment, night] = [2.0, 28_800.0].map(hung);
+    let [before, after] = [&moment, &night].map(|baked| memory_where(baked, near_fold));
+    let (hinges, x) = (sheet(|_, _| 0.0).topology.hinges, &night.end);
+    let bends = hinges.iter().map(|h| crease::hinge_angle(&h.points.map(|p| x[p.at()])).abs());
+    let sharpest = bends.fold(0.0, f64::max).to_degrees();
+    println!(
+        "memory of the fold {before:.3}, after a night {after:.3} rad m; sharpest bend {sharpest:.0} degrees; {} steps, {} in a moment",
+        night.report.steps, moment.report.steps
+    );
+    assert!(before > 0.05);
+    assert!(after < 0.9 * before, "{after} of {before}");
+    assert!(sharpest < 60.0, "{sharpest}");
+    assert!(night.report.steps < 1000, "{} steps", night.report.steps);
+}
+
+/// A washed garment has lost most of its fold and earned a soft memory to both sides.
+#[test]
+fn a_washed_garment_loses_its_folds_and_earns_soft_memory() {
+    let before = worn(&format!("{FOLD}, {UNFOLD}"));
+    let after = worn(&format!(r#"{FOLD}, {UNFOLD}, {{"wash": {{"spin": 5, "dry": 600}}}}"#));
+    let [fold, left] = [&before, &after].map(|baked| memory_where(baked, near_fold));
+    let away = |p: &Vec3| (p.x - 0.5 * SIDE).abs() > 0.03;
+    let [none, soft] = [&before, &after].map(|baked| memory_where(baked, away));
+    let memory = &after.simulated.worn.memory;
+    let changes: Vec<f64> =
+        memory.rest_angle.iter().zip(&memory.source_angle).map(|(a, s)| (a - s).to_degrees()).collect();
+    let mean = changes.iter().map(|c| c.abs()).sum::<f64>() / changes.len() as f64;
+    let upward = changes.iter().filter(|c| **c > 0.0).count() as f64 / changes.len() as f64;
+    println!(
+        "near the fold {fold:.3} then {left:.3} rad m, away from it {none:.3} then {soft:.3}; mean change {mean:.1} degrees, {upward:.2} upward"
+    );
+    assert!(left < 0.5 * fold, "{left} of {fold}");
+    assert!(soft > 2.0 * none, "{soft} after {none}");
+    assert!(mean > 0.5 && mean < 20.0, "{mean}");
+    assert!(upward > 0.25 && upward < 0.75, "{upward}");
+}
+
+fn board() -> Fabric {
+    Fabric { bend_warp_un_m: 2e6, bend_weft_un_m: 2e6, ..fabric() }
+}
+
+/// The message of an action that did not take place.
+fn failure(baked: Result<BakeResult>) -> String {
+    match baked {
+        Err(error @ Error::NotPerformed(_)) => error.to_string(),
+        Err(other) => panic!("{other}"),
+        Ok(baked) => panic!("it took place: {:?}", baked.report.warnings),
+    }
+}
+
+#[test]
+fn a_flap_that_does_not_turn_over_is_an_error() {
+    let message = failure(bake(&sheet(|_, _| 0.0), &board(), &format!("{FOLD}, {UNFOLD}")));
+    println!("{message}");
+    let start = "did not take place: wear.json: actions[1] (fold): the flap did not turn over";
+    assert!(message.starts_with(start), "{message}");
+    assert!(message.contains("choose a softer fabric"), "{message}");
+}
+
+#[test]
+fn a_garment_that_does_not_lie_is_an_error() {
+    use std::f64::consts::PI;
+    let dome = sheet(|x, z| 0.5 * SIDE * (PI * x).sin() * (PI * z).sin());
+    let message = failure(bake(&dome, &board(), r#"{"lay": {"facing": "up"}}"#));
+    println!("{message}");
+    let start = "did not take place: wear.json: actions[0] (lay): the garment does not lie";
+    assert!(message.starts_with(start), "{message}");
+}
+
+/// A ball that does not close.
+#[test]
+fn a_garment_that_is_not_squeezed_together_is_an_error() {
+    let crumple = r#"{"lay": {"facing": "up", "over": 0.2}}, {"crumple": {"to": 0.3, "over": 1}}"#;
+    let message = failure(bake(&sheet(|_, _| 0.0), &board(), crumple));
+    println!("{message}");
+    assert!(message.contains("actions[1] (crumple): the garment is not squeezed together"), "{message}");
+}
