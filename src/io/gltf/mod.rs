@@ -14,6 +14,7 @@ mod detail;
 mod embed;
 mod flat_shading;
 mod json_cursor;
+mod meshopt;
 mod morph;
 mod names;
 mod obj_to_gltf;
@@ -42,8 +43,8 @@ pub use names::{
     UNWORN_TARGET, WORN_TARGET,
 };
 pub(in crate::io) use read::read_gltf;
-pub(in crate::io) use read_worn::earlier_wear;
-pub use read_worn::{WornVertices, keep_worn_pieces, read_worn, sidecar_name};
+pub(in crate::io) use read_worn::earlier_wear_note;
+pub use read_worn::{EarlierWear, WornVertices, earlier_wear, keep_worn_pieces, read_worn, sidecar_name};
 pub use rest_angle_map::write_rest_angle_map;
 pub use rig::read_rig;
 pub(in crate::io) use write::{SceneShape, scene_shapes};
