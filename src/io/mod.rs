@@ -26,4 +26,6 @@ pub use sidecar::{
     SidecarSource, SidecarTriangles, SidecarUp, read_sidecar, write_sidecar,
 };
 pub use size::{compare_body_size, compare_frame_size};
-pub use usd::{UsdFrames, UsdScene, UsdShape, UsdaMemory, read_usda, wrapped_deg, write_usda};
+pub use usd::{
+    UsdFrames, UsdScene, UsdShape, UsdTexture, UsdaMemory, read_usda, usd_textures, wrapped_deg, write_usda,
+};

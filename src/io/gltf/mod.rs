@@ -36,7 +36,7 @@ pub use apply_worn::{SourceShape, apply_worn};
 pub use container::{is_glb, join_glb, split_glb};
 pub use contents::file_contents;
 pub use detail::{DETAIL_MAP_SIZES, DetailInput, DetailMap, DetailOutput, MapDepth, add_detail_map};
-pub use embed::embed_images;
+pub use embed::{embed_images, image_bytes};
 pub use flat_shading::FlatNormals;
 pub use names::{
     FORMER_REST_ANGLE_ATTRIBUTE, REST_ANGLE_CHANGE_ATTRIBUTE, REST_ANGLE_DEG_ATTRIBUTE, STIFFNESS_ATTRIBUTE,
