@@ -165,23 +165,24 @@ fn tube_alignment(
     let at = place(tube_first, own.centre);
     let laterals = figure.anatomy.limbs.iter().filter(|limb| limb.role.is_lateral() && limb.length > 0.0);
     let ring = |limb: &Limb| limb.ring(figure.surface, 0.5 * limb.length);
-    let misfit = |length: f64| (length / own.length).ln().abs();
+    let width_difference = |length: f64| (length / own.length).ln().abs();
     // A skirt is like the torso, not like a leg.
     let torso = [LimbRole::Hem, LimbRole::Waist].into_iter().filter_map(|role| figure.anatomy.limb(role));
-    let of_torso =
-        torso.map(|limb| misfit(limb.ring(figure.surface, limb.length).length)).fold(f64::INFINITY, f64::min);
+    let of_torso = torso
+        .map(|limb| width_difference(limb.ring(figure.surface, limb.length).length))
+        .fold(f64::INFINITY, f64::min);
     let rank = |limb: &&Limb| {
         let near = (place(!tube_first, ring(limb).centre) - at).norm();
         (
             if limb.role < LimbRole::LeftLeg {
-                misfit(ring(limb).length)
+                width_difference(ring(limb).length)
             } else {
-                misfit(ring(limb).length) + 0.1
+                width_difference(ring(limb).length) + 0.1
             },
             near,
         )
     };
-    let limb = laterals.filter(|limb| misfit(ring(limb).length) < of_torso).min_by(|a, b| {
+    let limb = laterals.filter(|limb| width_difference(ring(limb).length) < of_torso).min_by(|a, b| {
         let ((by_width, near), (other_width, other_near)) = (rank(a), rank(b));
         // Left and right are as wide as one another: the nearer one counts.
         match (by_width - other_width).abs() < TUNING.max_side_difference {
