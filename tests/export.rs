@@ -549,7 +549,7 @@ fn usd_scenes_have_the_textures_of_the_file() {
     d.push("textures", json!({"source": 1}));
     d.push(
         "materials",
-        json!({"name": "checked", "alphaMode": "MASK", "alphaCutoff": 0.25, "normalTexture": {"index": 1, "scale": 0.5},
+        json!({"name": "checked", "alphaMode": "MASK", "alphaCutoff": 0.25, "normalTexture": {"index": 1},
             "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "baseColorFactor": [0.5, 1, 1, 1], "roughnessFactor": 0.7}}),
     );
     d.push("meshes", json!({"primitives": [primitive]}));
@@ -571,7 +571,7 @@ fn usd_scenes_have_the_textures_of_the_file() {
         "asset inputs:file = @./shirt.texture-0.png@",
         "asset inputs:file = @./shirt.texture-1.jpg@",
         "float4 inputs:scale = (0.5, 1, 1, 1)",
-        "float4 inputs:bias = (-0.5, -0.5, -1, 0)",
+        "float4 inputs:bias = (-1, -1, -1, 0)",
         "token inputs:wrapS = \"clamp\"",
         "float inputs:opacityThreshold = 0.25",
         "float inputs:roughness = 0.7",

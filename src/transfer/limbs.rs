@@ -9,7 +9,7 @@ use crate::mesh::{Groups, PointIndex, edge_distances};
 use crate::transfer::surface::GarmentSurface;
 use crate::transfer::tuning::TUNING;
 
-/// Opening of a garment by where it is on a body; left and right are those of the wearer.
+/// Opening of a garment by where it is on a body; left and right are those of the person in it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum LimbRole {
     /// Upper opening of an upper garment.

@@ -133,11 +133,10 @@ impl SurfaceTextures {
         if let Some((image, sampler)) = image_of(document, material, TextureUse::Normal)
             && let Some(ending) = file(image)
         {
-            let strength = 2.0 * material["normalTexture"]["scale"].as_f64().unwrap_or(1.0);
-            let bias = -0.5 * strength;
+            // The only scale that `UsdPreviewSurface` allows for 8 bits: that of glTF's `normalTexture` has no place.
             let normal = shader("NormalMap", ending, sampler, "raw")
-                .line(format!("float4 inputs:scale = ({strength}, {strength}, 2, 1)"))
-                .line(format!("float4 inputs:bias = ({bias}, {bias}, -1, 0)"))
+                .line("float4 inputs:scale = (2, 2, 2, 1)".into())
+                .line("float4 inputs:bias = (-1, -1, -1, 0)".into())
                 .line("float3 outputs:rgb".into());
             all.shaders.push(normal);
             all.inputs.push(format!("normal3f inputs:normal.connect = <{path}/NormalMap.outputs:rgb>"));
