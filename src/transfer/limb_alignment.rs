@@ -6,7 +6,7 @@
 //! a limb belongs to cloth of the same limb only, and what has no counterpart gets nothing.
 
 use crate::math::{Mat3, Vec3};
-use crate::transfer::limbs::{Anatomy, Limb, LimbRole, Region};
+use crate::transfer::limbs::{Anatomy, Limb, LimbRole, Region, Ring};
 use crate::transfer::registration::{AffineMap, PointPair, Registration};
 use crate::transfer::surface::GarmentSurface;
 use crate::transfer::tuning::TUNING;
@@ -72,19 +72,20 @@ fn garment_alignment(source: Figure, target: Figure, fallback: AffineMap) -> Opt
     Some(LimbAlignment { map, regions, notes: notes(source, target, &pairs) })
 }
 
-/// Ratio of the distances between the roots of limbs [-]: garments are looser or tighter, their wearers are not.
+/// Ratio of the sizes of the bodies, by the distances between the roots of limbs and the lines around these [-]. Cuts differ by more
+/// than people do: for garments of people it is 1.
 fn body_scale(source: Figure, target: Figure, shared: &[[&Limb; 2]]) -> Option<f64> {
-    let roots = |figure: Figure, k: usize| -> Vec<Vec3> {
-        shared.iter().map(|pair| pair[k].ring(figure.surface, 0.0).centre).collect()
+    let size = |figure: Figure, k: usize| -> f64 {
+        let laterals = shared.iter().map(|pair| pair[k]).filter(|limb| limb.role.is_lateral());
+        let roots: Vec<Ring> = laterals.map(|limb| limb.ring(figure.surface, 0.0)).collect();
+        let centre = roots.iter().map(|ring| ring.centre).sum::<Vec3>() / roots.len().max(1) as f64;
+        let spread: f64 = roots.iter().map(|ring| (ring.centre - centre).norm()).sum();
+        let around: f64 = roots.iter().map(|ring| ring.length).sum();
+        (spread * around).sqrt()
     };
-    let spread = |roots: &[Vec3]| -> f64 {
-        let laterals =
-            roots.iter().zip(shared).filter(|(_, [limb, _])| limb.role.is_lateral()).map(|(x, _)| *x);
-        let centre = laterals.clone().sum::<Vec3>() / laterals.clone().count().max(1) as f64;
-        laterals.map(|x| (x - centre).norm()).sum()
-    };
-    let (from, to) = (spread(&roots(source, 0)), spread(&roots(target, 1)));
-    (from > 0.0 && to > 0.0).then(|| to / from)
+    let (from, to) = (size(source, 0), size(target, 1));
+    let ratio = if from > 0.0 && to > 0.0 { to / from } else { return None };
+    Some(if ratio.ln().abs() <= TUNING.max_person_deviation { 1.0 } else { ratio })
 }
 
 impl<'a> LimbPair<'a> {

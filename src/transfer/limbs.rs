@@ -245,7 +245,8 @@ fn root_distance(surface: &GarmentSurface, distance: &[f64], opening: f64) -> f6
     let (mut at, mut last) = (0.5 * step, opening);
     while let Some(ring) = level_line(surface, distance, at) {
         if ring.length - last > TUNING.max_limb_growth * step {
-            return (at - 0.5 * step).max(0.0);
+            // The line before the last lies on the limb for certain.
+            return (at - 1.5 * step).max(0.0);
         }
         (at, last) = (at + step, ring.length);
     }

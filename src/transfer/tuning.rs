@@ -62,6 +62,8 @@ pub(super) struct TransferTuning {
     pub limb_margin_fraction: f64,
     /// Distance of an opening from the middle from which it is that of an arm or a leg, relative to the width [-], default 0.2.
     pub min_lateral_fraction: f64,
+    /// Logarithm of the ratio of two bodies below which both are of grown people, whose limbs are as long [-], default 0.3.
+    pub max_person_deviation: f64,
     /// Rings between root and opening at which two limbs are laid on one another, default 4.
     pub limb_rings: u32,
     /// Half width of a ring below which it has no extent in that direction, relative to its length [-], default 0.02.
@@ -142,6 +144,7 @@ pub(super) const TUNING: TransferTuning = TransferTuning {
     max_limb_growth: 2.0,
     limb_margin_fraction: 0.03,
     min_lateral_fraction: 0.2,
+    max_person_deviation: 0.3,
     limb_rings: 4,
     min_ring_fraction: 0.02,
     min_limb_cosine: 0.85,
