@@ -532,3 +532,61 @@ fn real_files_come_back_whole_with_a_worn_target() {
         assert_eq!(read_sidecar("again", &write_sidecar(&sidecar)).unwrap(), sidecar);
     }
 }
+
+/// Pictures of base colour and normals go beside a USD scene, which reads them by the first texture coordinates; others are left out.
+#[test]
+fn usd_scenes_have_the_textures_of_the_file() {
+    let mut d = Document::new();
+    let position = d.positions(&QUAD);
+    let uv = d.floats("VEC2", 2, &[0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0]);
+    let mut primitive = d.quad(json!({"POSITION": position, "TEXCOORD_0": uv}));
+    primitive["material"] = json!(0);
+    let png = d.view(&[0x89, b'P', b'N', b'G', 1, 2, 3], None);
+    d.push("images", json!({"bufferView": png, "mimeType": "image/png"}));
+    d.push("images", json!({"uri": "data:image/jpeg;base64,/9j/4A=="}));
+    d.push("samplers", json!({"wrapS": 33_071}));
+    d.push("textures", json!({"source": 0, "sampler": 0}));
+    d.push("textures", json!({"source": 1}));
+    d.push(
+        "materials",
+        json!({"name": "checked", "alphaMode": "MASK", "alphaCutoff": 0.25, "normalTexture": {"index": 1},
+            "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "baseColorFactor": [0.5, 1, 1, 1], "roughnessFactor": 0.7}}),
+    );
+    d.push("meshes", json!({"primitives": [primitive]}));
+    d.push("nodes", json!({"mesh": 0}));
+    let scene = |asset: &SourceAsset| {
+        let garment = garment(asset);
+        let fabric = crease::Fabric::preset("denim").unwrap();
+        let mut worn = some_wear(&garment);
+        worn.memory.rest_angle.clone_from(&worn.memory.source_angle);
+        let file = crease::Export::Usd.make("shirt", asset, &garment, &worn, &fabric, None).unwrap();
+        (String::from_utf8(file.bytes).unwrap(), file.beside)
+    };
+    let asset = read("usd", &d.glb(), None);
+    let (text, beside) = scene(&asset);
+    let names: Vec<(&str, usize)> = beside.iter().map(|(name, bytes)| (name.as_str(), bytes.len())).collect();
+    assert_eq!(names, [("texture-0.png", 7), ("texture-1.jpg", 4)]);
+    let path = "/Garment/Materials/Surface_checked";
+    for line in [
+        "asset inputs:file = @./shirt.texture-0.png@",
+        "asset inputs:file = @./shirt.texture-1.jpg@",
+        "float4 inputs:scale = (0.5, 1, 1, 1)",
+        "float4 inputs:bias = (-1, -1, -1, 0)",
+        "token inputs:wrapS = \"clamp\"",
+        "float inputs:opacityThreshold = 0.25",
+        "float inputs:roughness = 0.7",
+        &format!("color3f inputs:diffuseColor.connect = <{path}/BaseColour.outputs:rgb>"),
+        &format!("normal3f inputs:normal.connect = <{path}/NormalMap.outputs:rgb>"),
+    ] {
+        assert!(text.contains(line), "{line}");
+    }
+    assert!(!text.contains("color3f inputs:diffuseColor = "), "the texture counts, with the factor in it");
+
+    // A texture that is transformed would be shown elsewhere: its factor counts alone.
+    let mut moved = asset;
+    let optics = &mut moved.document.as_mut().unwrap().json["materials"][0]["pbrMetallicRoughness"];
+    optics["baseColorTexture"]["extensions"] = json!({"KHR_texture_transform": {"scale": [2, 2]}});
+    let (text, beside) = scene(&moved);
+    assert_eq!(beside.len(), 1);
+    assert!(text.contains("color3f inputs:diffuseColor = (0.5, 1, 1)") && !text.contains("texture-0"));
+}

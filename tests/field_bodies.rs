@@ -8,7 +8,7 @@ mod document;
 mod shapes;
 
 use common::crease_in;
-use crease::body::{AnimatedBody, BodyMotion, BodyPose};
+use crease::body::{AnimatedBody, BodyMotion, BodyPose, interpolate_body_pose};
 use crease::io::ReadOptions;
 use crease::math::Vec3;
 use crease::wear::WearScript;
@@ -213,6 +213,55 @@ fn a_body_has_the_shape_of_its_morph_targets() {
     let radius = |points: &[Vec3]| points.iter().map(|p| p.y.hypot(p.z)).fold(0.0, f64::max);
     assert!((radius(body.rest_points()) - 0.15).abs() < 1e-6);
     assert!((radius(&body.points(&body.rest())) - 0.15).abs() < 1e-6);
+}
+
+/// A chest that breathes: the clip changes a morph target, and an arm bends as well.
+#[test]
+fn clips_play_morph_targets() {
+    let mut document = empty();
+    let positions = tube(0.1, 0.5);
+    let mesh = add_tube(&mut document, &positions, true);
+    let wider: Vec<[f32; 3]> = positions.iter().map(|[_, y, z]| [0.0, 0.5 * y, 0.5 * z]).collect();
+    let target = json!({"POSITION": document.positions(&wider)});
+    document.json["meshes"][mesh]["primitives"][0]["targets"] = json!([target]);
+    let skin = add_arm(&mut document, [Some("upper"), Some("lower")], "arm");
+    bind(&mut document, mesh, &positions);
+    let node = add_node(&mut document, json!({"name": "body", "mesh": mesh, "skin": skin}));
+    let input = document.floats("SCALAR", 1, &[0.0, 2.0]);
+    let output = document.floats("SCALAR", 1, &[0.0, 1.0]);
+    document.push(
+        "animations",
+        json!({"name": "breathe", "samplers": [{"input": input, "output": output}],
+            "channels": [{"sampler": 0, "target": {"node": node, "path": "weights"}}]}),
+    );
+    let body = body_of(&document.glb(), "body");
+    let radius = |pose: &BodyPose| body.points(pose).iter().map(|p| p.y.hypot(p.z)).fold(0.0, f64::max);
+    assert_eq!(body.clip_doubts(0), Vec::<String>::new());
+    assert!((radius(&body.rest()) - 0.1).abs() < 1e-6);
+    let [half, full] = [1.0, 2.0].map(|t| body.clip_pose(0, t, None));
+    assert!((radius(&half) - 0.125).abs() < 1e-6 && (radius(&full) - 0.15).abs() < 1e-6);
+    assert!((radius(&interpolate_body_pose(&half, &full, 0.5)) - 0.1375).abs() < 1e-6);
+    // A checkpoint keeps the weights.
+    let text = serde_json::to_string(&half).expect("is text");
+    assert_eq!(serde_json::from_str::<BodyPose>(&text).expect("reads back"), half);
+
+    // The whole script: breathed in, the arm bends, and the chest stays wide.
+    let script = r#"{"format": "crease-wear/1", "actions": [{"play": {"clip": "breathe"}},
+        {"bend": {"joint": "lower", "angle": 60, "axis": "y", "over": 0.5, "hold": 0.1}}]}"#;
+    let script = WearScript::parse("w.json", script).expect("is valid");
+    assert!(script.body_notes(&body).is_empty(), "{:?}", script.body_notes(&body));
+    let poses = script.body_poses(&body);
+    let widest = poses.iter().map(&radius).fold(0.0, f64::max);
+    assert!((widest - 0.15).abs() < 0.01 || widest > 0.15, "{widest}");
+    let upper = |pose: &BodyPose| {
+        let points = body.points(pose);
+        let near = points.iter().filter(|p| (p.x + 0.25).abs() < 1e-6);
+        near.map(|p| p.y.hypot(p.z)).fold(0.0, f64::max)
+    };
+    assert!(
+        poses.iter().any(|pose| (upper(pose) - 0.15).abs() < 1e-6),
+        "the end of the arm is as wide as the clip makes it"
+    );
 }
 
 /// Garment and body from one program with z up, and frames in another unit than the garment.

@@ -6,8 +6,8 @@ mod document;
 mod shapes;
 
 use crease::garment::{ImportDiagnostic, RestState, Severity, SourceAsset, WornGarment};
-use crease::io::gltf::{file_contents, split_glb, write_worn_glb};
-use crease::io::{ReadOptions, read_asset, write_shape_obj};
+use crease::io::gltf::{file_contents, join_glb, split_glb, write_worn_glb};
+use crease::io::{FrameRow, FrameRows, ReadOptions, read_asset, write_shape_obj};
 use crease::math::Vec3;
 use crease::mesh::hinge_angle;
 use document::Document;
@@ -362,5 +362,157 @@ fn a_garment_far_from_the_origin_keeps_its_shape() {
         let there = again.pieces[0].scene_position(point).expect("has it");
         let own = asset.pieces[0].scene_position(point).expect("has it");
         assert!((there - own).norm() < 1e-6, "{there} {own}");
+    }
+}
+
+/// A sheet of 4 x 4 squares whose corners are (0.05 i, 0.01 i j, 0.05 j), compressed by meshoptimizer: positions, normals on an
+/// octahedron, triangles.
+const PACKED: [(&str, usize, usize, &str, &str); 3] = [
+    (
+        "ATTRIBUTES",
+        12,
+        25,
+        "NONE",
+        "a00700650065666665006566666500656666cff3c000656566666565660700670065666867006566686700656668cff3c000\
+    67656668676566070098ff9a669798ff9a669798ff9a6697ffffc00098ff9a669798ff9a6605323c8f237a7b7a7b7a7bc8f2\
+    00007a7b7a05000cff3f14f5f61314f5f613cff3c000e1bab9e214f5f605000cff3f51292a5251292a52cff3c0007be1e27c\
+    51292a05000fffff46ffa45c45b9ffa45cbaffffc00015ff867a1646ffa45c05000c2f8378797879e0f0800078797a050030\
+    0003656500c00000660500300003676500c00000660500300c0398ff9a00c000006601003000027a00000000000000000000\
+    00000000000000000000000000000000000000000000",
+    ),
+    (
+        "ATTRIBUTES",
+        4,
+        25,
+        "OCTAHEDRAL",
+        "a00000000000000000000000000000000000000000000000000000000000000000007f7f00",
+    ),
+    (
+        "TRIANGLES",
+        2,
+        96,
+        "NONE",
+        "e1fe001e001e001e00fe0a1e091e081e07ff061e061e061e06ff061e061e061e06ff0a02ff0202ff070a02ff070a02007687\
+    566778a9866589689801690000",
+    ),
+];
+
+/// A document of the compressed sheet, edited.
+fn packed_sheet(edit: impl FnOnce(&mut Value)) -> Vec<u8> {
+    let (mut binary, mut views, mut plain) = (Vec::new(), Vec::new(), 0);
+    for (mode, stride, count, filter, hex) in PACKED {
+        let start = binary.len();
+        binary.extend((0..hex.len()).step_by(2).map(|i| u8::from_str_radix(&hex[i..i + 2], 16).unwrap()));
+        let packed = json!({"buffer": 0, "byteOffset": start, "byteLength": binary.len() - start, "byteStride": stride,
+            "count": count, "mode": mode, "filter": filter});
+        views.push(json!({"buffer": 1, "byteOffset": plain, "byteLength": stride * count,
+            "extensions": {"EXT_meshopt_compression": packed}}));
+        plain += stride * count;
+        binary.resize(binary.len().next_multiple_of(4), 0);
+    }
+    (views[0]["byteStride"], views[1]["byteStride"]) = (json!(12), json!(4));
+    let mut json = json!({
+        "asset": {"version": "2.0"},
+        "extensionsUsed": ["EXT_meshopt_compression", "KHR_mesh_quantization"],
+        "extensionsRequired": ["EXT_meshopt_compression", "KHR_mesh_quantization"],
+        "buffers": [{"byteLength": binary.len()},
+            {"byteLength": plain, "extensions": {"EXT_meshopt_compression": {"fallback": true}}}],
+        "bufferViews": views,
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 25, "type": "VEC3", "min": [0, 0, 0], "max": [0.2, 0.16, 0.2]},
+            {"bufferView": 1, "componentType": 5120, "count": 25, "type": "VEC3", "normalized": true},
+            {"bufferView": 2, "componentType": 5123, "count": 96, "type": "SCALAR"}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 1}, "indices": 2}]}],
+        "nodes": [{"mesh": 0}],
+        "scenes": [{"nodes": [0]}],
+    });
+    edit(&mut json);
+    join_glb(&json, &binary)
+}
+
+#[test]
+fn compressed_buffer_views_are_decoded() {
+    let (asset, _) =
+        read_with("packed.glb", &packed_sheet(|_| ()), &ReadOptions::default()).expect("is read");
+    let piece = &asset.pieces[0];
+    for (v, x) in piece.positions.iter().enumerate() {
+        let (i, j) = ((v % 5) as f64, (v / 5) as f64);
+        assert!((x - Vec3::new(0.05 * i, 0.01 * i * j, 0.05 * j)).norm() < 1e-6, "vertex {v}: {x}");
+    }
+    assert_eq!((piece.triangles.len(), piece.positions.len()), (32, 25));
+    let normals = piece.normals.as_ref().expect("has normals");
+    assert!(normals.iter().all(|n| (n - Vec3::y()).norm() < 1e-2));
+
+    // What is written is not compressed, and reads back the same.
+    let (garment, _) = garment_of(&asset);
+    let displacement = vec![Vec3::new(0.0, 0.01, 0.0); garment.points.len()];
+    let memory = RestState::flat(garment.topology.hinges.len(), garment.triangles.len());
+    let worn = write_worn_glb(&asset, &garment, &WornGarment { displacement, memory }, &Value::Null)
+        .expect("writes");
+    let (json, _) = split_glb(&worn).expect("is a GLB");
+    assert!(!json.to_string().contains("meshopt"), "{json}");
+    assert_eq!(json["extensionsRequired"], json!(["KHR_mesh_quantization"]));
+    let (again, _) = read_with("worn.glb", &worn, &ReadOptions::default()).expect("reads back");
+    assert_eq!(again.pieces[0].positions, piece.positions);
+}
+
+/// A file that states more than its data can hold, names what does not exist, or is damaged is refused with its place.
+#[test]
+fn damaged_compression_is_refused() {
+    let packed = |json: &mut Value, key: &str, value: Value| {
+        json["bufferViews"][0]["extensions"]["EXT_meshopt_compression"][key] = value;
+    };
+    let cases: [(&str, &dyn Fn(&mut Value)); 6] = [
+        ("cannot be in", &|json| {
+            packed(json, "count", json!(1_000_000));
+            json["bufferViews"][0]["byteLength"] = json!(12_000_000);
+        }),
+        ("lie outside of buffers[0]", &|json| packed(json, "byteLength", json!(1_000_000))),
+        ("are damaged", &|json| packed(json, "mode", json!("TRIANGLES"))),
+        ("are damaged", &|json| packed(json, "filter", json!("COLOR"))),
+        ("states 288 bytes", &|json| json["bufferViews"][0]["byteLength"] = json!(288)),
+        ("lies outside of buffers[1]", &|json| json["buffers"][1]["byteLength"] = json!(100)),
+    ];
+    for (what, edit) in cases {
+        let error = read_with("packed.glb", &packed_sheet(edit), &ReadOptions::default()).expect_err(what);
+        let error = error.to_string();
+        assert!(error.contains("bufferViews[") && error.contains(what), "{what}: {error}");
+    }
+    let draco = packed_sheet(|json| json["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]));
+    let error = read_with("draco.glb", &draco, &ReadOptions::default()).expect_err("is refused").to_string();
+    assert!(
+        error.contains("requires KHR_draco_mesh_compression") && error.contains("gltf-transform"),
+        "{error}"
+    );
+}
+
+/// Frames of an OBJ have all of its `v` lines in their order, those of other parts and of no face where they are.
+#[test]
+fn frames_of_an_obj_have_its_lines() {
+    let obj = "v 0 0 9\nv 30 30 0\nv 0 30 0\nv 30 0 0\nv 0 0 0\nv 60 0 0\nv 60 30 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvt 0.5 0.5\n\
+        g shirt\nf 5/1 4/2 2/3 3/4\nf 4/5 6/2 7/3\ng hat\nf 4 7 2\n";
+    let options = ReadOptions { unit_m: Some(0.01), ..named("shirt") };
+    let (asset, _) = read_with("a.obj", obj.as_bytes(), &options).expect("is read");
+    let (garment, _) = garment_of(&asset);
+    let rows = FrameRows::of_file(&asset, &garment);
+    let positions: Vec<Vec3> = rows
+        .rows
+        .iter()
+        .map(|row| match row {
+            FrameRow::Point(p) => garment.points[p.at()],
+            FrameRow::Fixed(x) => *x,
+        })
+        .collect();
+    let lines = obj.lines().filter_map(|line| line.strip_prefix("v "));
+    let own: Vec<Vec3> = lines
+        .map(|line| Vec3::from_iterator(line.split(' ').map(|x| 0.01 * x.parse::<f64>().unwrap())))
+        .collect();
+    assert_eq!(positions.len(), 7);
+    assert!(positions.iter().zip(&own).all(|(a, b)| (a - b).norm() < 1e-12), "{positions:?}");
+    let moving = rows.rows.iter().map(|row| matches!(row, FrameRow::Point(_))).collect::<Vec<_>>();
+    assert_eq!(moving, [false, true, true, true, true, true, true]);
+    let vertices: Vec<Vec3> = asset.pieces[0].positions.clone();
+    for (v, row) in rows.row_of_vertex.iter().take(vertices.len()).enumerate() {
+        assert!((0.01 * vertices[v] - own[*row as usize]).norm() < 1e-12, "vertex {v} is line {row}");
     }
 }

@@ -93,7 +93,7 @@ fn every_odd_file_has_a_decided_outcome() {
         ("usemtl-issue-104.obj", Sized(12, 12, 6)),
         ("AnimatedMorphCube.glb", Imported(24, 8, 12)),
         ("BoxInterleaved.glb", Imported(24, 8, 12)),
-        ("BoxMeshopt.glb", Refused("EXT_meshopt_compression")),
+        ("BoxMeshopt.glb", Imported(24, 8, 12)),
         ("Box_Draco.glb", Refused("KHR_draco_mesh_compression")),
         ("RiggedFigure.glb", Imported(370, 130, 256)),
         ("SimpleSkin.gltf", Imported(10, 10, 8)),

@@ -10,6 +10,8 @@ mod alignment;
 mod external;
 #[path = "common/glb.rs"]
 mod glb;
+#[path = "transfer/limbs.rs"]
+mod limbs;
 #[path = "transfer/made.rs"]
 mod made;
 #[path = "transfer/measure.rs"]

@@ -112,8 +112,11 @@ impl Run<'_> {
         }
         begun.runner.finish(&mut self.persistent, &self.state.x);
         if !begun.runner.accumulates_memory() {
-            let source = &self.memory.rest.source_angle;
-            self.persistent.laid_bend = self.state.angle.iter().zip(source).map(|(a, s)| a - s).collect();
+            let rest = &self.memory.rest;
+            let remembered =
+                rest.rest_angle.iter().zip(&rest.source_angle).map(|(rest, source)| rest - source);
+            let bends = self.state.angle.iter().zip(&rest.source_angle).map(|(angle, source)| angle - source);
+            self.persistent.laid_bend = bends.zip(remembered).map(|(b, own)| b - towards(b, own)).collect();
         }
         Ok(None)
     }
@@ -339,6 +342,11 @@ impl Run<'_> {
         let sum: f64 = self.state.v.iter().map(|v| v.norm_squared()).sum();
         (sum / self.mesh.garment.points.len() as f64).sqrt() < TUNING.stepping.max_rest_speed
     }
+}
+
+/// Returns the part of `bend` that leads to `remembered` (both from the source angle) [rad]: cloth bends so far by itself.
+fn towards(bend: f64, remembered: f64) -> f64 {
+    bend.clamp(remembered.min(0.0), remembered.max(0.0))
 }
 
 /// Shows `mesh` with its points at `x` [m], or the garment if there is a `reading` of it.

@@ -7,14 +7,16 @@ use crate::bake::relax_to_source::{RelaxOptions, relax_to_source_pose};
 use crate::bake::setup::BakeSetup;
 use crate::bake::simulate::{SimulationResult, simulate};
 use crate::bake::trims::bake_cloth;
+use crate::bake::tuning::TUNING;
 use crate::bake::uncross::GarmentReading;
 use crate::bake::{
-    BakeOptions, BakeResult, MeshChoice, ModelPlan, Observer, Quality, SimulatedGarment, active_points,
+    BakeOptions, BakeResult, MeshChoice, ModelDecision, ModelPlan, Observer, Quality, SimulatedGarment,
+    active_points,
 };
 use crate::body::AnimatedBody;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::fabric::Fabric;
-use crate::garment::{Garment, RigidParts, WornGarment};
+use crate::garment::{Garment, RestState, RigidParts, WornGarment};
 use crate::math::Vec3;
 use crate::transfer::prolongate;
 use crate::wear::WearScript;
@@ -44,6 +46,7 @@ pub struct Bake<'a> {
     script: &'a WearScript,
     script_name: &'a str,
     options: BakeOptions,
+    earlier: Option<&'a RestState>,
     resume_from: Option<(&'a str, Checkpoint)>,
 }
 
@@ -51,7 +54,13 @@ impl<'a> Bake<'a> {
     /// A bake of `garment`, made of `fabric`, through `script`, with the default options.
     pub fn new(garment: &'a Garment, fabric: &'a Fabric, script: &'a WearScript) -> Self {
         let options = BakeOptions::default();
-        Self { garment, fabric, script, script_name: "the script", options, resume_from: None }
+        Self { garment, fabric, script, script_name: "the script", options, earlier: None, resume_from: None }
+    }
+
+    /// Sets the memory that the garment begins with, one entry per hinge and triangle of it: that of an earlier bake, to be
+    /// worn on. The result has both.
+    pub fn earlier_memory(self, memory: &'a RestState) -> Self {
+        Self { earlier: Some(memory), ..self }
     }
 
     /// Sets every option, also those that the other methods set.
@@ -147,6 +156,7 @@ impl<'a> Bake<'a> {
             plan.apply_body(fabric, animated, &inactive, options.full_fidelity);
         }
         plan.decisions.push(choice.decision);
+        plan.decisions.extend(self.earlier.map(earlier_decision));
         plan
     }
 
@@ -164,31 +174,44 @@ impl<'a> Bake<'a> {
     /// # Errors
     /// Those of [`Bake::run`], those of the observer, and [`crate::Error::Interrupted`] when the observer asks to stop.
     pub fn run_with(self, observer: &mut dyn Observer) -> Result<BakeResult> {
-        let Self { garment, script, ref options, .. } = self;
+        let Self { garment, script, ref options, earlier, .. } = self;
         let options = options.clone();
+        if !earlier.is_none_or(|memory| memory.fits(garment.topology.hinges.len(), garment.triangles.len())) {
+            let what = "has other hinges or triangles than the garment";
+            return Err(Error::input("the earlier memory", "", what, "give the memory of this garment"));
+        }
         let mut baked = match RigidParts::find(garment) {
             Some(rigid) => {
+                let of_cloth = earlier.map(|memory| rigid.cloth_memory(memory));
                 bake_cloth(garment, &rigid, options.frames_of_simulated, observer, |cloth, observer| {
-                    self.run_on_cloth(cloth, observer)
+                    self.run_on_cloth(cloth, of_cloth.as_ref(), observer)
                 })
             }
-            None => self.run_on_cloth(garment, observer),
+            None => self.run_on_cloth(garment, earlier, observer),
         }?;
-        add_findings(garment, script, &options, &mut baked);
+        baked.report.decisions.extend(earlier.map(earlier_decision));
+        add_findings(garment, script, &options, earlier, &mut baked);
         Ok(baked)
     }
 
-    /// Runs the bake on `garment`, all of which is simulated.
-    fn run_on_cloth(self, garment: &Garment, observer: &mut dyn Observer) -> Result<BakeResult> {
+    /// Runs the bake on `garment`, all of which is simulated, and which begins with the memory `earlier`.
+    fn run_on_cloth(
+        self,
+        garment: &Garment,
+        earlier: Option<&RestState>,
+        observer: &mut dyn Observer,
+    ) -> Result<BakeResult> {
         let Self { fabric, script, script_name, options, resume_from, .. } = self;
-        let setup = BakeSetup { fabric, script, script_name, options: &options };
+        let earlier = earlier.map(|memory| (garment, memory));
+        let setup = BakeSetup { fabric, script, script_name, options: &options, earlier };
         let choice = mesh_for(garment, &setup, observer)?;
         let decision = choice.decision.clone();
         observer.on_mesh(if options.frames_of_simulated { &choice.mesh.garment } else { garment });
         let reading = GarmentReading::new(garment, fabric.thickness());
         let shown = options.shows_garment().then_some(&reading);
         let simulated = simulate(resume_from, choice, shown, &setup, observer)?;
-        let SimulationResult { mesh, positions, rest, mut report, mut seconds, mut stepper } = simulated;
+        let SimulationResult { mesh, positions, rest, start, mut report, mut seconds, mut stepper } =
+            simulated;
         report.decisions.push(decision);
 
         let clock = Instant::now();
@@ -198,7 +221,13 @@ impl<'a> Bake<'a> {
         let shape: Vec<Vec3> = moved(&mesh.garment.points, &relaxed.displacement);
         let (displacement, held) = reading.displacement(&mesh, &relaxed.displacement);
         report.decisions.extend(held);
-        let memory = prolongate(&mesh, &rest, garment);
+        // Of cloth that was worn before, only the change goes from mesh to mesh: the rest of its memory stays as it is.
+        let memory = match (earlier, start) {
+            (Some((_, earlier)), Some(start)) if !mesh.is_source => {
+                earlier.with_change(&prolongate(&mesh, &rest.change_since(&start), garment))
+            }
+            _ => prolongate(&mesh, &rest, garment),
+        };
         let last: Vec<Vec3> =
             if options.frames_of_simulated { shape } else { moved(&garment.points, &displacement) };
         seconds.relax += clock.elapsed().as_secs_f64();
@@ -217,4 +246,13 @@ impl<'a> Bake<'a> {
         let simulated = SimulatedGarment { garment: mesh.garment, worn: on_mesh };
         Ok(BakeResult { worn, end, simulated, report })
     }
+}
+
+/// Describes the memory that a garment begins with.
+fn earlier_decision(memory: &RestState) -> ModelDecision {
+    let changes =
+        memory.rest_angle.iter().zip(&memory.source_angle).map(|(rest, source)| (rest - source).abs());
+    let changed = changes.filter(|change| *change > TUNING.findings.min_angle_change).count();
+    let why = format!("{changed} of {} hinges begin with what they remember", memory.rest_angle.len());
+    ModelDecision { name: "earlier memory", on: true, why }
 }

@@ -21,7 +21,7 @@ use crate::body::AnimatedBody;
 use crate::contact::TangentialState;
 use crate::error::{Error, Result};
 use crate::fabric::Fabric;
-use crate::garment::Garment;
+use crate::garment::{Garment, RestState};
 use crate::math::Vec3;
 use crate::memory::Memory;
 use crate::remesh::SimulationMesh;
@@ -147,8 +147,14 @@ pub struct RunCounts {
     pub frames: FrameSchedule,
 }
 
-/// Hash of everything that the result of a bake depends on: inputs, options and version.
-pub fn fingerprint(garment: &Garment, fabric: &Fabric, script: &WearScript, options: &BakeOptions) -> String {
+/// Hash of everything that the result of a bake depends on: inputs, options, the memory that it begins with, and version.
+pub fn fingerprint(
+    garment: &Garment,
+    fabric: &Fabric,
+    script: &WearScript,
+    options: &BakeOptions,
+    earlier: Option<&RestState>,
+) -> String {
     let mut hash = Sha256::new();
     let head = json!([env!("CARGO_PKG_VERSION"), fabric, script, format!("{options:?}")]);
     hash.update(head.to_string());
@@ -156,6 +162,18 @@ pub fn fingerprint(garment: &Garment, fabric: &Fabric, script: &WearScript, opti
     numbers(&mut garment.points.iter().flat_map(|p| [p.x, p.y, p.z]));
     numbers(&mut garment.material.iter().flatten().flat_map(|m| [m.x, m.y]));
     numbers(&mut garment.memory_mask.iter().copied());
+    if let Some(RestState {
+        source_angle,
+        rest_angle,
+        stiffness_ratio,
+        rest_stretch_warp,
+        rest_stretch_weft,
+    }) = earlier
+    {
+        for list in [source_angle, rest_angle, stiffness_ratio, rest_stretch_warp, rest_stretch_weft] {
+            numbers(&mut list.iter().copied());
+        }
+    }
     garment.triangles.iter().flatten().for_each(|p| hash.update(p.0.to_le_bytes()));
     hex(&hash.finalize())
 }

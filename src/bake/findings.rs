@@ -15,6 +15,7 @@ pub(super) fn add_findings(
     garment: &Garment,
     script: &WearScript,
     options: &BakeOptions,
+    earlier: Option<&RestState>,
     baked: &mut BakeResult,
 ) {
     let report = &mut baked.report;
@@ -51,13 +52,14 @@ pub(super) fn add_findings(
         (_, _, true) => "the body moved none of it enough: bend further, longer or more often",
         _ => "fold, press or hold it longer, or refine the mesh with --resolution",
     };
-    report.empty_reason = empty_reason(&baked.worn.memory, cure);
+    report.empty_reason = empty_reason(&baked.worn.memory, earlier, cure);
 }
 
-/// Reason why `memory` is empty, with a `cure`, if nothing in it changed to speak of.
-pub(super) fn empty_reason(memory: &RestState, cure: &str) -> Option<String> {
+/// Reason why `memory` is empty, with a `cure`, if nothing in it changed to speak of against the `earlier` one or new cloth.
+pub(super) fn empty_reason(memory: &RestState, earlier: Option<&RestState>, cure: &str) -> Option<String> {
     let limit = TUNING.findings.min_angle_change.to_degrees();
-    is_unchanged(memory)
+    let change = earlier.map(|earlier| memory.change_since(earlier));
+    is_unchanged(change.as_ref().unwrap_or(memory))
         .then(|| format!("nothing is remembered: no hinge changed by {limit} degrees and no length ({cure})"))
 }
 

@@ -89,7 +89,7 @@ pub fn memory_from_motion(garment: &Garment, fabric: &Fabric, motion: &mut Garme
     }
     let memory_s = clock.elapsed().as_secs_f64();
     let empty = "no hinge bends enough for that in this motion: repeat it with --repeat, or play it slower";
-    let empty_reason = empty_reason(&memory.rest, empty);
+    let empty_reason = empty_reason(&memory.rest, None, empty);
     let relaxed = relax(garment, fabric, &memory.rest);
     let relax_s = clock.elapsed().as_secs_f64() - memory_s;
     let seconds = StageSeconds { memory: memory_s, relax: relax_s, ..StageSeconds::default() };

@@ -13,7 +13,6 @@ use crate::bake::violation_log::ViolationLog;
 use crate::bake::{MeshChoice, ModelPlan, initial_intersections};
 use crate::body::PosedBody;
 use crate::error::Result;
-use crate::garment::RestState;
 use crate::memory::{Memory, MemoryModel};
 use crate::remesh::SimulationMesh;
 use crate::sim::{State, StepOptions, Stepper};
@@ -79,7 +78,8 @@ impl<'a> Run<'a> {
     ) -> Result<(Self, CheckpointPosition)> {
         let &BakeSetup { fabric, script, options, .. } = setup;
         let MeshChoice { mut mesh, refinement, .. } = mesh;
-        let fingerprint = fingerprint(&mesh.garment, fabric, script, options);
+        let earlier = setup.earlier.map(|(_, memory)| memory);
+        let fingerprint = fingerprint(&mesh.garment, fabric, script, options, earlier);
         // The models are those of the mesh at the start, also after a refinement.
         let mut plan = ModelPlan::new(&mesh.garment, fabric, script, options);
         let mut splits = Vec::new();
@@ -100,7 +100,7 @@ impl<'a> Run<'a> {
             setup,
             stepper,
             state: State::at_rest(garment.points.clone(), source_angle.clone()),
-            memory: Memory::new(RestState::new(source_angle, garment.triangles.len())),
+            memory: setup.start_memory(&mesh, source_angle),
             refinement,
             splits,
             model: options.memory.then_some(model),

@@ -7,8 +7,11 @@ use crate::body::AnimatedBody;
 use crate::contact::Contact;
 use crate::error::{Error, Result};
 use crate::fabric::Fabric;
-use crate::garment::Garment;
+use crate::garment::{Garment, RestState};
+use crate::memory::Memory;
+use crate::remesh::SimulationMesh;
 use crate::sim::{Cloth, GRAVITY, Stepper};
+use crate::transfer::restrict;
 use crate::wear::WearScript;
 use std::sync::Arc;
 
@@ -19,9 +22,21 @@ pub(super) struct BakeSetup<'a> {
     /// Name of the script in messages.
     pub script_name: &'a str,
     pub options: &'a BakeOptions,
+    /// The garment without its trims, and the memory that it begins with, where it is not new.
+    pub earlier: Option<(&'a Garment, &'a RestState)>,
 }
 
 impl BakeSetup<'_> {
+    /// The memory that `mesh` begins with; its hinges have the angles `source_angle` [rad] in the source shape.
+    pub fn start_memory(&self, mesh: &SimulationMesh, source_angle: Vec<f64>) -> Memory {
+        match self.earlier {
+            None => Memory::new(RestState::new(source_angle, mesh.garment.triangles.len())),
+            Some((garment, earlier)) => {
+                Memory::of_worn(restrict(garment, earlier, mesh).on_source(source_angle))
+            }
+        }
+    }
+
     /// The stepper of `garment` with the models of `plan`.
     pub fn stepper(&self, garment: &Garment, plan: &ModelPlan) -> Stepper {
         let (fabric, options) = (self.fabric, self.options);

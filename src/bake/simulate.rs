@@ -20,6 +20,8 @@ pub(super) struct SimulationResult {
     pub positions: Vec<Vec3>,
     /// The rest state that the script left.
     pub rest: RestState,
+    /// The rest state that it began with, where the cloth was not new.
+    pub start: Option<RestState>,
     /// Counts and warnings.
     pub report: BakeReport,
     /// Wall time.
@@ -61,6 +63,7 @@ pub(super) fn simulate(
         mesh: run.mesh,
         positions: run.state.x,
         rest: run.memory.rest,
+        start: run.memory.start,
         report: run.report,
         seconds: run.seconds,
         stepper: run.stepper,

@@ -42,8 +42,25 @@ pub enum BodyPose {
     Still,
     /// Pose of a skeleton.
     Joints(Pose),
+    /// Pose of a skeleton whose clips change morph targets.
+    Morphed {
+        /// Pose of the skeleton.
+        joints: Pose,
+        /// Per piece of the rig: weights of its morph targets [-].
+        weights: Vec<Vec<f64>>,
+    },
     /// Time in a sequence [s].
     Time(f64),
+}
+
+impl BodyPose {
+    /// Returns the pose of the skeleton, if there is one.
+    pub fn joints_mut(&mut self) -> Option<&mut Pose> {
+        match self {
+            Self::Joints(joints) | Self::Morphed { joints, .. } => Some(joints),
+            Self::Still | Self::Time(_) => None,
+        }
+    }
 }
 
 /// Body that a garment is worn on.
@@ -168,7 +185,7 @@ impl AnimatedBody {
     pub fn rest(&self) -> BodyPose {
         match &self.motion {
             BodyMotion::Still => BodyPose::Still,
-            BodyMotion::Rig(rig) => BodyPose::Joints(rig.skeleton.rest()),
+            BodyMotion::Rig(rig) => rig_pose(rig, rig.skeleton.rest(), None),
             BodyMotion::Sequence(_) => BodyPose::Time(0.0),
         }
     }
@@ -177,6 +194,9 @@ impl AnimatedBody {
     pub fn points(&self, pose: &BodyPose) -> Vec<Vec3> {
         let vertices = match (&self.motion, pose) {
             (BodyMotion::Rig(rig), BodyPose::Joints(pose)) => rig.vertices(pose, None),
+            (BodyMotion::Rig(rig), BodyPose::Morphed { joints, weights }) => {
+                rig.vertices(joints, Some(weights))
+            }
             (BodyMotion::Sequence(sequence), BodyPose::Time(t)) => sequence.positions(*t),
             _ => return self.start.clone(),
         };
@@ -196,7 +216,7 @@ impl AnimatedBody {
     /// the body.
     pub fn find_clip(&self, wanted: &str) -> Result<usize, LookupError> {
         match &self.motion {
-            BodyMotion::Rig(rig) => rig.find_clip(wanted, false),
+            BodyMotion::Rig(rig) => rig.find_clip(wanted),
             BodyMotion::Sequence(_) if wanted == FRAMES_CLIP => Ok(0),
             _ => Err(LookupError::nothing("clip", wanted)),
         }
@@ -211,8 +231,7 @@ impl AnimatedBody {
         }
     }
 
-    /// Returns what is doubtful about playing a clip: that it moves nothing, that it changes morph targets, which poses do not
-    /// have, or that its frames carry the body away.
+    /// Returns what is doubtful about playing a clip: that it moves nothing, or that its frames carry the body away.
     pub fn clip_doubts(&self, clip: usize) -> Vec<String> {
         let mut doubts = Vec::new();
         match &self.motion {
@@ -227,11 +246,8 @@ impl AnimatedBody {
             }
             BodyMotion::Rig(rig) => {
                 let Some(own) = rig.clips.get(clip) else { return doubts };
-                if !rig.is_moved_by(own, false) {
+                if !rig.is_moved_by(own) {
                     doubts.push("it moves nothing of the body".to_owned());
-                }
-                if rig.is_morphed_by(own) {
-                    doubts.push("its changes of morph targets are not played".to_owned());
                 }
             }
         }
@@ -251,11 +267,12 @@ impl AnimatedBody {
             BodyMotion::Sequence(_) => BodyPose::Time(t),
             BodyMotion::Rig(rig) => {
                 let rest = rig.skeleton.rest();
-                let mut pose = rig.clips.get(clip).map_or(rest.clone(), |clip| clip.pose(&rest, t));
+                let clip = rig.clips.get(clip);
+                let mut pose = clip.map_or(rest.clone(), |clip| clip.pose(&rest, t));
                 if let Some(root) = in_place {
                     rig.remove_root_motion(root.node, &mut pose);
                 }
-                BodyPose::Joints(pose)
+                rig_pose(rig, pose, clip.map(|clip| (clip, t)))
             }
         }
     }
@@ -271,6 +288,14 @@ impl AnimatedBody {
     pub fn node_name(&self, node: usize) -> String {
         let name = self.rig().and_then(|rig| rig.skeleton.nodes().get(node)).map(|node| &node.name);
         name.filter(|name| !name.is_empty()).cloned().unwrap_or_else(|| format!("joint#{node}"))
+    }
+}
+
+/// Returns the pose `joints` of `rig`, with the weights of morph targets that the clip has at its time [s], if any clip has some.
+fn rig_pose(rig: &Rig, joints: Pose, at: Option<(&Clip, f64)>) -> BodyPose {
+    match rig.clips.iter().any(|clip| rig.is_morphed_by(clip)) {
+        true => BodyPose::Morphed { joints, weights: rig.morph_weights(at) },
+        false => BodyPose::Joints(joints),
     }
 }
 
@@ -301,6 +326,11 @@ fn orient_outward(points: &[Vec3], triangles: &mut [[PointIndex; 3]]) -> usize {
 pub fn interpolate_body_pose(from: &BodyPose, to: &BodyPose, fraction: f64) -> BodyPose {
     match (from, to) {
         (BodyPose::Joints(a), BodyPose::Joints(b)) => BodyPose::Joints(interpolate_pose(a, b, fraction)),
+        (BodyPose::Morphed { joints: a, weights: from }, BodyPose::Morphed { joints: b, weights: to }) => {
+            let between = |(a, b): (&f64, &f64)| a + fraction * (b - a);
+            let weights = from.iter().zip(to).map(|(a, b)| a.iter().zip(b).map(between).collect()).collect();
+            BodyPose::Morphed { joints: interpolate_pose(a, b, fraction), weights }
+        }
         (BodyPose::Time(a), BodyPose::Time(b)) => BodyPose::Time(a + fraction * (b - a)),
         (_, other) => other.clone(),
     }

@@ -132,16 +132,11 @@ impl Rig {
         listed(joints.iter().map(label))
     }
 
-    /// Returns whether `clip` moves vertices: it changes a node that moves some or, where `with_weights`, their morph
-    /// targets.
-    pub fn is_moved_by(&self, clip: &Clip, with_weights: bool) -> bool {
+    /// Returns whether `clip` moves vertices: it changes a node that moves some, or their morph targets.
+    pub fn is_moved_by(&self, clip: &Clip) -> bool {
         let moves = self.moving_nodes();
         let of_piece = |channel: &Channel| match channel.target {
-            AnimatedProperty::Weights => {
-                let morphs =
-                    |node| self.pieces.iter().any(|p| p.morph.as_ref().is_some_and(|m| m.node == node));
-                with_weights && morphs(channel.node)
-            }
+            AnimatedProperty::Weights => self.pieces.iter().any(|piece| piece.is_morphed_at(channel.node)),
             _ => moves.get(channel.node).copied().unwrap_or(false),
         };
         clip.channels.iter().any(|channel| of_piece(channel) && channel.range() > MIN_CHANGE)
@@ -159,13 +154,13 @@ impl Rig {
 
     /// Returns the clip called `wanted`, or numbered so; of several of that name the one that moves vertices
     /// ([`Rig::is_moved_by`]).
-    pub fn find_clip(&self, wanted: &str, with_weights: bool) -> Result<usize, LookupError> {
+    pub fn find_clip(&self, wanted: &str) -> Result<usize, LookupError> {
         let mut found: Vec<usize> =
             (0..self.clips.len()).filter(|&clip| self.clips[clip].name == wanted).collect();
         if found.is_empty() {
             found.extend(number_in(wanted, "clip").filter(|&number| number < self.clips.len()));
         }
-        let moving = || found.iter().copied().filter(|&c| self.is_moved_by(&self.clips[c], with_weights));
+        let moving = || found.iter().copied().filter(|&c| self.is_moved_by(&self.clips[c]));
         let chosen = match &found[..] {
             &[one] => one,
             [] => {
@@ -178,7 +173,7 @@ impl Rig {
                     message: format!("no clip called \"{wanted}\""),
                     help: match all.is_empty() {
                         true => "it has no clips".to_owned(),
-                        false => format!("{meant}clips: {}", self.list_clips(&all, with_weights)),
+                        false => format!("{meant}clips: {}", self.list_clips(&all)),
                     },
                 });
             }
@@ -187,7 +182,7 @@ impl Rig {
                 _ => {
                     return Err(LookupError {
                         message: format!("{} clips called \"{wanted}\"", found.len()),
-                        help: format!("choose one by its number: {}", self.list_clips(&found, with_weights)),
+                        help: format!("choose one by its number: {}", self.list_clips(&found)),
                     });
                 }
             },
@@ -203,13 +198,13 @@ impl Rig {
         }
     }
 
-    fn list_clips(&self, clips: &[usize], with_weights: bool) -> String {
+    fn list_clips(&self, clips: &[usize]) -> String {
         let label = |&number: &usize| {
             let clip = &self.clips[number];
             if clips.iter().filter(|&&other| self.clips[other].name == clip.name).count() == 1 {
                 return clip.name.clone();
             }
-            let moves = if self.is_moved_by(clip, with_weights) { "moves it" } else { "moves nothing of it" };
+            let moves = if self.is_moved_by(clip) { "moves it" } else { "moves nothing of it" };
             format!("clip#{number} (\"{}\", {:.2} s, {moves})", clip.name, clip.length())
         };
         listed(clips.iter().map(label))

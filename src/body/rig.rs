@@ -56,15 +56,6 @@ pub struct MorphWeights {
     pub rest: Vec<f64>,
 }
 
-/// Clip and time for the morph targets.
-#[derive(Debug, Clone, Copy)]
-pub struct ClipTime<'a> {
-    /// Clip.
-    pub clip: &'a Clip,
-    /// Time in it [s].
-    pub time: f64,
-}
-
 /// Vertices with one binding.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RigPiece {
@@ -92,14 +83,23 @@ pub struct Rig {
 }
 
 impl Rig {
-    /// Returns the positions [m] of the vertices of all pieces in `pose`, piece after piece. With `morph`, the clip's
-    /// weights of morph targets apply, else those of the file.
-    pub fn vertices(&self, pose: &[NodeTransform], morph: Option<ClipTime>) -> Vec<Vec3> {
+    /// Returns the weights of the morph targets of every piece: those of a clip at a time [s], else of the file.
+    pub fn morph_weights(&self, at: Option<(&Clip, f64)>) -> Vec<Vec<f64>> {
+        let of_piece = |piece: &RigPiece| {
+            let Some(MorphWeights { node, rest }) = &piece.morph else { return Vec::new() };
+            at.and_then(|(clip, t)| clip.weights(*node, t)).unwrap_or_else(|| rest.clone())
+        };
+        self.pieces.iter().map(of_piece).collect()
+    }
+
+    /// Returns the positions [m] of the vertices of all pieces in `pose`, piece after piece. With `morph`, these weights of
+    /// the morph targets of every piece apply, else those of the file.
+    pub fn vertices(&self, pose: &[NodeTransform], morph: Option<&[Vec<f64>]>) -> Vec<Vec3> {
         let worlds: Vec<Mat4> =
             self.skeleton.world_transforms(pose).iter().map(|world| self.to_scene * world).collect();
         let mut all = Vec::with_capacity(self.pieces.iter().map(|piece| piece.positions.len()).sum());
-        for piece in &self.pieces {
-            let own = piece.morphed(morph);
+        for (k, piece) in self.pieces.iter().enumerate() {
+            let own = piece.morphed(morph.and_then(|all| all.get(k)));
             all.extend(piece.skinned(&own, &worlds, &self.to_scene));
         }
         all
@@ -108,11 +108,10 @@ impl Rig {
 
 impl RigPiece {
     /// Returns the own coordinates with the morph targets applied.
-    fn morphed(&self, at: Option<ClipTime>) -> Vec<Vec3> {
+    fn morphed(&self, weights: Option<&Vec<f64>>) -> Vec<Vec3> {
         let mut own = self.positions.clone();
-        let Some(MorphWeights { node, rest }) = &self.morph else { return own };
-        let animated = at.and_then(|at| at.clip.weights(*node, at.time));
-        for (target, weight) in self.targets.iter().zip(animated.as_ref().unwrap_or(rest)) {
+        let Some(MorphWeights { rest, .. }) = &self.morph else { return own };
+        for (target, weight) in self.targets.iter().zip(weights.unwrap_or(rest)) {
             if *weight != 0.0 {
                 own.iter_mut().zip(target).for_each(|(p, d)| *p += d * *weight);
             }

@@ -1,6 +1,7 @@
 //! The memory of the cloth: its rest angles, rest stretches and stiffness. Energies read it; only `memory` writes it.
 
 use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
 
 /// Rest angles, stiffness ratios and rest stretches of one garment.
 ///
@@ -38,5 +39,71 @@ impl RestState {
             rest_stretch_weft: vec![1.0; triangle_count],
             source_angle,
         }
+    }
+
+    /// Returns this rest state, which belongs to another reading of the same cloth, on the source angles `source_angle` [rad]:
+    /// changes of rest angle are kept.
+    pub fn on_source(&self, source_angle: Vec<f64>) -> Self {
+        let changes = self.rest_angle.iter().zip(&self.source_angle);
+        let rest_angle = source_angle.iter().zip(changes).map(|(s, (r, own))| s + (r - own)).collect();
+        Self { source_angle, rest_angle, ..self.clone() }
+    }
+
+    /// Returns what changed since `start`, as the rest state of cloth that was new then.
+    pub fn change_since(&self, start: &Self) -> Self {
+        let ratios = |now: &[f64], then: &[f64]| now.iter().zip(then).map(|(n, t)| n / t).collect();
+        let angles = self.source_angle.iter().zip(self.rest_angle.iter().zip(&start.rest_angle));
+        Self {
+            source_angle: self.source_angle.clone(),
+            rest_angle: angles.map(|(s, (now, then))| s + (now - then)).collect(),
+            stiffness_ratio: ratios(&self.stiffness_ratio, &start.stiffness_ratio),
+            rest_stretch_warp: ratios(&self.rest_stretch_warp, &start.rest_stretch_warp),
+            rest_stretch_weft: ratios(&self.rest_stretch_weft, &start.rest_stretch_weft),
+        }
+    }
+
+    /// Returns this rest state after a `change` of the same cloth: the inverse of [`RestState::change_since`]. Cloth turns no
+    /// further than folded flat on itself.
+    pub fn with_change(&self, change: &Self) -> Self {
+        let products = |own: &[f64], other: &[f64]| own.iter().zip(other).map(|(a, b)| a * b).collect();
+        let angles = self.rest_angle.iter().zip(change.rest_angle.iter().zip(&change.source_angle));
+        Self {
+            source_angle: self.source_angle.clone(),
+            rest_angle: angles.map(|(own, (r, s))| (own + (r - s)).clamp(-PI, PI)).collect(),
+            stiffness_ratio: products(&self.stiffness_ratio, &change.stiffness_ratio),
+            rest_stretch_warp: products(&self.rest_stretch_warp, &change.rest_stretch_warp),
+            rest_stretch_weft: products(&self.rest_stretch_weft, &change.rest_stretch_weft),
+        }
+    }
+
+    /// Whether it belongs to cloth with so many hinges and triangles.
+    pub fn fits(&self, hinge_count: usize, triangle_count: usize) -> bool {
+        [&self.source_angle, &self.rest_angle, &self.stiffness_ratio].iter().all(|l| l.len() == hinge_count)
+            && [&self.rest_stretch_warp, &self.rest_stretch_weft].iter().all(|l| l.len() == triangle_count)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_change_leads_from_one_rest_state_to_the_other() {
+        let mut start = RestState::new(vec![0.1, 0.2], 1);
+        start.rest_angle[0] = 0.7;
+        start.stiffness_ratio[1] = 2.0;
+        let mut now = start.clone();
+        now.rest_angle[1] = -0.5;
+        now.stiffness_ratio[1] = 3.0;
+        now.rest_stretch_weft[0] = 1.1;
+        let change = now.change_since(&start);
+        assert!((change.rest_angle[0] - change.source_angle[0]).abs() < 1e-15, "the first hinge stayed");
+        assert!((change.rest_angle[1] - 0.2 + 0.7).abs() < 1e-15 && change.stiffness_ratio[1] == 1.5);
+        let again = start.with_change(&change);
+        assert!(again.rest_angle.iter().zip(&now.rest_angle).all(|(a, b)| (a - b).abs() < 1e-15));
+        assert_eq!((again.stiffness_ratio[1], again.rest_stretch_weft[0]), (3.0, 1.1));
+        let elsewhere = now.on_source(vec![0.3, 0.3]);
+        assert!((elsewhere.rest_angle[0] - 0.9).abs() < 1e-15 && elsewhere.source_angle == [0.3, 0.3]);
+        assert!(now.fits(2, 1) && !now.fits(1, 2));
     }
 }

@@ -20,10 +20,12 @@ pub use body::sequence_from_assets;
 pub use frames::write_frame_obj;
 pub use landmarks::{Landmark, Landmarks};
 pub use read::{ReadOptions, read_asset};
-pub use shape_obj::{read_shape_obj, write_shape_obj};
+pub use shape_obj::{FrameRow, FrameRows, read_shape_obj, write_shape_obj};
 pub use sidecar::{
     SIDECAR_FORMAT, Sidecar, SidecarChecksums, SidecarHinges, SidecarJoint, SidecarMesh, SidecarPoints,
     SidecarSource, SidecarTriangles, SidecarUp, read_sidecar, write_sidecar,
 };
 pub use size::{compare_body_size, compare_frame_size};
-pub use usd::{UsdFrames, UsdScene, UsdShape, UsdaMemory, read_usda, wrapped_deg, write_usda};
+pub use usd::{
+    UsdFrames, UsdScene, UsdShape, UsdTexture, UsdaMemory, read_usda, usd_textures, wrapped_deg, write_usda,
+};

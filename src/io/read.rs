@@ -104,7 +104,7 @@ pub fn read_asset(
     if !options.any_size {
         read.diagnostics.extend(check_size(&asset, options.unit_m.is_some())?);
     }
-    read.diagnostics.extend(gltf::earlier_wear(&asset));
+    read.diagnostics.extend(gltf::earlier_wear_note(&asset));
     Ok((asset, read.diagnostics))
 }
 

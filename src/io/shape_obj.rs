@@ -9,7 +9,7 @@
 use crate::garment::{Garment, ObjLines, SourceAsset};
 use crate::io::pieces::to_scene;
 use crate::math::{Vec2, Vec3};
-use crate::mesh::INVALID;
+use crate::mesh::{INVALID, PointIndex};
 use crate::{Error, Result};
 use std::fmt::Write;
 
@@ -98,6 +98,47 @@ fn write_group(text: &mut String, name: &str) {
     let _ = writeln!(text, "g {name}");
 }
 
+/// Rows of an OBJ file that shows a garment over time: the `v` lines of its own OBJ, or one per vertex of its worn pieces.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrameRows {
+    /// Per row: the point that it shows.
+    pub rows: Vec<FrameRow>,
+    /// Per vertex of the worn pieces, in file order: its row.
+    pub row_of_vertex: Vec<u32>,
+}
+
+/// Row of a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum FrameRow {
+    /// Shows a point of the garment.
+    Point(PointIndex),
+    /// Stays at a position [m, y up]: it is not part of the garment.
+    Fixed(Vec3),
+}
+
+impl FrameRows {
+    /// The rows of `garment`, which was built from `asset`.
+    pub fn of_file(asset: &SourceAsset, garment: &Garment) -> Self {
+        let points = garment.source_point.iter().map(|p| FrameRow::Point(*p));
+        let Some(lines) = &asset.obj else {
+            let rows: Vec<FrameRow> = points.collect();
+            let row_of_vertex = (0..rows.len() as u32).collect();
+            return Self { rows, row_of_vertex };
+        };
+        let to_scene = to_scene(asset.unit_m, asset.up);
+        let fixed = |p: &Vec3| FrameRow::Fixed((to_scene * p.push(1.0)).xyz());
+        let mut rows: Vec<FrameRow> = lines.positions.iter().map(fixed).collect();
+        let row_of_vertex: Vec<u32> = worn_lines(asset, lines).copied().collect();
+        for (&line, point) in row_of_vertex.iter().zip(points) {
+            match rows.get_mut(line as usize) {
+                Some(row @ FrameRow::Fixed(_)) => *row = point,
+                _ => {}
+            }
+        }
+        Self { rows, row_of_vertex }
+    }
+}
+
 /// Returns the `v` lines of the vertices of the worn pieces, in file order.
 fn worn_lines<'a>(asset: &'a SourceAsset, lines: &'a ObjLines) -> impl Iterator<Item = &'a u32> {
     let pieces = asset.pieces.iter().zip(&lines.piece_positions);
@@ -113,8 +154,8 @@ fn moved_vertices(asset: &SourceAsset, garment: &Garment, displacement: &[Vec3])
     own.zip(shift).map(|(x, d)| x + d).collect()
 }
 
-/// Reads the positions of the vertices of the worn pieces of `asset` from a file of [`write_shape_obj`], in file order [m];
-/// `file` names it in diagnostics.
+/// Reads the positions of the vertices of the worn pieces of `asset` from a file of [`write_shape_obj`] or from a frame with
+/// [`FrameRows`], in file order [m]; `file` names it in diagnostics.
 pub fn read_shape_obj(file: &str, bytes: &[u8], asset: &SourceAsset) -> Result<Vec<Vec3>> {
     let text = String::from_utf8_lossy(bytes);
     let mut points = Vec::new();

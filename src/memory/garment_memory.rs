@@ -37,6 +37,9 @@ pub struct Memory {
     pub rest: RestState,
     /// The rest state in the energies: `rest` with a first-order lag behind its last events.
     pub effective_rest: RestState,
+    /// The rest state that it began with, where that was not the one of new cloth.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start: Option<RestState>,
     /// Number of events so far.
     pub events: EventCount,
     frozen: bool,
@@ -54,12 +57,18 @@ impl Memory {
         Self {
             effective_rest: rest.clone(),
             rest,
+            start: None,
             events: EventCount::default(),
             frozen: false,
             hinge: vec![idle; hinges],
             warp: vec![idle; triangles],
             weft: vec![idle; triangles],
         }
+    }
+
+    /// The memory of cloth that was worn before and begins with the rest state `rest`; its timers are at zero.
+    pub fn of_worn(rest: RestState) -> Self {
+        Self { start: Some(rest.clone()), ..Self::new(rest) }
     }
 
     /// Resets to new cloth with the initial angles, timers at zero and no events. A frozen memory stays frozen.
@@ -84,12 +93,11 @@ impl Memory {
 
     /// Whether it belongs to cloth with so many hinges and triangles.
     pub fn fits(&self, hinge_count: usize, triangle_count: usize) -> bool {
-        let rest = &self.rest;
-        let hinges =
-            [rest.source_angle.len(), rest.rest_angle.len(), rest.stiffness_ratio.len(), self.hinge.len()];
-        let triangles =
-            [rest.rest_stretch_warp.len(), rest.rest_stretch_weft.len(), self.warp.len(), self.weft.len()];
-        hinges.iter().all(|n| *n == hinge_count) && triangles.iter().all(|n| *n == triangle_count)
+        let start = self.start.as_ref().is_none_or(|start| start.fits(hinge_count, triangle_count));
+        start
+            && self.rest.fits(hinge_count, triangle_count)
+            && self.hinge.len() == hinge_count
+            && [&self.warp, &self.weft].iter().all(|timers| timers.len() == triangle_count)
     }
 
     /// The memory on a finer mesh whose hinges and triangles are parts of these: per hinge of it the hinge here (`None` for one
@@ -112,6 +120,7 @@ impl Memory {
         Self {
             rest: rest(&self.rest),
             effective_rest: rest(&self.effective_rest),
+            start: self.start.as_ref().map(rest),
             events: self.events,
             frozen: self.frozen,
             hinge: hinges

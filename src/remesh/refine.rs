@@ -205,6 +205,10 @@ impl Bisection {
         };
         let hinge_parent = topology.hinges.iter().map(parent).collect();
         let parts = self.triangle_parent.iter().map(|&f| source.triangle_part[f as usize]).collect();
+        let mut source_triangle = coarse.source_triangle.clone();
+        for [a, _] in &self.splits {
+            source_triangle.push(source_triangle[*a as usize]);
+        }
         let located = coarse.source_location.iter().map(|at| self.locate(at)).collect();
         let garment = Garment {
             points: self.points,
@@ -217,7 +221,7 @@ impl Bisection {
             triangles,
         };
         Refinement {
-            mesh: SimulationMesh { garment, is_source: false, source_location: located },
+            mesh: SimulationMesh { garment, is_source: false, source_location: located, source_triangle },
             splits: self.splits,
             hinge_parent,
             triangle_parent: self.triangle_parent,

@@ -17,6 +17,8 @@ pub struct SimulationMesh {
     pub is_source: bool,
     /// Per point of the source garment: its location on the mesh.
     pub source_location: Vec<SurfacePoint>,
+    /// Per point: the triangle of the source garment that it lies in, or one beside that.
+    pub source_triangle: Vec<u32>,
 }
 
 impl SimulationMesh {
@@ -35,7 +37,11 @@ impl SimulationMesh {
                 source_location[p.at()] = SurfacePoint::corner(f as u32, k);
             }
         }
-        Self { garment: garment.clone(), is_source: true, source_location }
+        let mut source_triangle = vec![0; garment.points.len()];
+        for (f, t) in garment.triangles.iter().enumerate() {
+            t.iter().for_each(|p| source_triangle[p.at()] = f as u32);
+        }
+        Self { garment: garment.clone(), is_source: true, source_location, source_triangle }
     }
 
     /// Numbers the triangles of `mesh` that are left.
@@ -69,7 +75,8 @@ impl SimulationMesh {
         };
         let homes: Vec<u32> = faces.iter().map(|&f| mesh.home(f)).collect();
         let source_location = locate_source(source, &garment, &location, &homes);
-        Self { garment, is_source: false, source_location }
+        let source_triangle = location.iter().map(|at| at.face).collect();
+        Self { garment, is_source: false, source_location, source_triangle }
     }
 
     /// Values of the points of the source garment from those of the points of the mesh `x`, linear on its triangles.

@@ -14,8 +14,8 @@ use crate::fabric::Fabric;
 use crate::garment::{Garment, SourceAsset, WornGarment};
 use crate::io::gltf::write_rest_angle_map;
 use crate::io::{
-    ReadOptions, UsdFrames, UsdScene, read_asset, read_shape_obj, read_usda, wrapped_deg, write_shape_obj,
-    write_usda,
+    ReadOptions, UsdFrames, UsdScene, read_asset, read_shape_obj, read_usda, usd_textures, wrapped_deg,
+    write_shape_obj, write_usda,
 };
 use crate::math::Vec3;
 use crate::mesh::{hinge_angle, unwrap_angle};
@@ -41,6 +41,8 @@ pub enum Export {
 pub struct ExportFile {
     /// Content of the file.
     pub bytes: Vec<u8>,
+    /// Files that it refers to: the ends of their names after that of the garment, and their content.
+    pub beside: Vec<(String, Vec<u8>)>,
     /// Comparisons with the worn garment, without the name of the file.
     pub checks: Vec<ExportCheck>,
 }
@@ -81,10 +83,11 @@ impl Export {
         }
     }
 
-    /// Writes the file of `worn` and reads it back. `garment`, of the fabric `fabric`, was made from `asset`. A USD scene holds
-    /// the `frames`, too.
+    /// Writes the file of `worn` and reads it back; `name` is its name without the ending. `garment`, of the fabric `fabric`, was made
+    /// from `asset`. A USD scene holds the `frames`, too.
     pub fn make(
         self,
+        name: &str,
         asset: &SourceAsset,
         garment: &Garment,
         worn: &WornGarment,
@@ -92,13 +95,19 @@ impl Export {
         frames: Option<UsdFrames>,
     ) -> Result<ExportFile> {
         let exporter = Exporter { asset, garment, worn };
+        let beside = match self {
+            Self::Usd => {
+                usd_textures(asset).into_iter().map(|texture| (texture.ending, texture.bytes)).collect()
+            }
+            _ => Vec::new(),
+        };
         let (bytes, checks) = match self {
             Self::Obj => exporter.worn_obj()?,
             Self::RestMesh => exporter.rest_obj(fabric)?,
             Self::RestAngleMap => exporter.rest_angle_map()?,
-            Self::Usd => exporter.usd(fabric, frames)?,
+            Self::Usd => exporter.usd(name, fabric, frames)?,
         };
-        Ok(ExportFile { bytes, checks })
+        Ok(ExportFile { bytes, beside, checks })
     }
 }
 
@@ -134,12 +143,17 @@ impl Exporter<'_> {
         Ok((bytes, self.shape_checks(&back)))
     }
 
-    fn usd(&self, fabric: &Fabric, frames: Option<UsdFrames>) -> Result<(Vec<u8>, Vec<ExportCheck>)> {
+    fn usd(
+        &self,
+        name: &str,
+        fabric: &Fabric,
+        frames: Option<UsdFrames>,
+    ) -> Result<(Vec<u8>, Vec<ExportCheck>)> {
         let shape = rest_mesh(self.garment, fabric, &self.worn.memory);
         let memory = &self.worn.memory;
         let &Self { asset, garment, worn } = self;
         let bytes =
-            write_usda(&UsdScene { asset, garment, worn, rest: &shape.displacement, fabric, frames })?;
+            write_usda(&UsdScene { name, asset, garment, worn, rest: &shape.displacement, fabric, frames })?;
         let back = read_usda("OUT.usda", &bytes)?;
         let hinges = &self.garment.topology.hinges;
         if back.rest_points.len() != self.garment.points.len() {

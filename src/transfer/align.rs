@@ -4,6 +4,8 @@
 use crate::math::{Mat3, Vec3};
 use crate::mesh::triangle_bvh::TriangleBvh;
 use crate::transfer::canonical_pose::CanonicalPose;
+use crate::transfer::limb_alignment::{Figure, LimbAlignment, align_limbs, scaling};
+use crate::transfer::limbs::{Anatomy, Region};
 use crate::transfer::openings::{BodyScale, body_scale};
 use crate::transfer::options::{Align, AlignedBy, TransferOptions, TransferSource};
 use crate::transfer::registration::{AffineMap, PointPair, Registration, joint_point_pairs};
@@ -33,6 +35,17 @@ pub(super) struct AlignedSource {
     pub surface: GarmentSurface,
     /// The alignment that was applied.
     pub by: AlignedBy,
+    /// Region of every triangle of the source and of the target, where cloth belongs to cloth of its own limb only.
+    pub regions: Option<[Vec<Region>; 2]>,
+    /// What has no counterpart.
+    pub notes: Vec<String>,
+}
+
+impl AlignedSource {
+    /// A source of which any cloth can belong to any of the target.
+    pub fn whole(surface: GarmentSurface, by: AlignedBy) -> Self {
+        Self { surface, by, regions: None, notes: Vec::new() }
+    }
 }
 
 /// Alignment of one source in progress.
@@ -48,24 +61,42 @@ impl Alignment<'_> {
     /// The source in the coordinates of its file, seen in the target's canonical pose.
     fn in_place(&self) -> AlignedSource {
         let pose = CanonicalPose { centre: self.target.pose.centre, ..*self.pose };
-        AlignedSource { surface: pose.apply(self.surface, Vec3::repeat(1.0)), by: AlignedBy::InPlace }
+        AlignedSource::whole(pose.apply(self.surface, Vec3::repeat(1.0)), AlignedBy::InPlace)
     }
 
     /// The source with its bounding box scaled to the target's.
     fn by_box(&self) -> AlignedSource {
         let scale = self.pose.scale_to(&self.target.pose);
-        AlignedSource { surface: self.pose.apply(self.surface, scale), by: AlignedBy::Box }
+        AlignedSource::whole(self.pose.apply(self.surface, scale), AlignedBy::Box)
     }
 
-    /// The source scaled by the openings of both garments, where their boxes mislead; else by the boxes.
+    /// The source registered limb by limb, where both garments have some and their boxes mislead.
+    fn by_limbs(&self) -> Option<AlignedSource> {
+        let AlignmentTarget { pose, canonical } = self.target;
+        let own = self.pose.apply(self.surface, Vec3::repeat(1.0));
+        let source = Figure { surface: &own, anatomy: &Anatomy::of(&own) };
+        let target = Figure { surface: canonical, anatomy: &Anatomy::of(canonical) };
+        let turn = pose.rotation * self.pose.rotation.transpose();
+        let in_file = AffineMap { linear: turn, shift: turn * self.pose.centre - pose.centre };
+        let LimbAlignment { map, regions, notes } =
+            align_limbs(source, target, &in_file, scaling(self.pose.scale_to(pose)))?;
+        let surface = map.apply(&own);
+        Some(AlignedSource { surface, by: AlignedBy::Limbs, regions: Some(regions), notes })
+    }
+
+    /// The source laid over the target by what both are: limb by limb, or scaled by the openings around the torso where the boxes
+    /// mislead; else by the boxes.
     fn by_shape(&self) -> AlignedSource {
+        if let Some(aligned) = self.by_limbs() {
+            return aligned;
+        }
         let AlignmentTarget { pose, canonical } = self.target;
         let Some(BodyScale { scale, shift }) = body_scale(self.surface, self.pose, canonical, pose) else {
             return self.by_box();
         };
         let mut surface = self.pose.apply(self.surface, scale);
         surface.points.iter_mut().for_each(|x| *x += shift);
-        AlignedSource { surface, by: AlignedBy::Openings }
+        AlignedSource::whole(surface, AlignedBy::Openings)
     }
 
     /// The source registered by point pairs in file coordinates; `cure` is the help where no map exists.
@@ -79,7 +110,7 @@ impl Alignment<'_> {
             let what = "the point pairs define no map between the garments";
             Error::input(&self.source.file, "", what, cure)
         })?;
-        Ok(AlignedSource { surface: map.apply(self.surface), by })
+        Ok(AlignedSource::whole(map.apply(self.surface), by))
     }
 }
 

@@ -14,6 +14,7 @@
 use crate::math::{Mat3, Vec2, Vec3, bounds};
 use crate::mesh::triangle_bvh::{NearestTriangle, TriangleBvh};
 use crate::mesh::{Groups, PointIndex};
+use crate::transfer::limbs::Region;
 use crate::transfer::surface::GarmentSurface;
 use crate::transfer::tuning::TUNING;
 use nalgebra::{Matrix2, Matrix3x2, Rotation3};
@@ -81,6 +82,8 @@ pub(super) struct CorrespondenceFinder<'a> {
     max_distance: f64,
     /// Largest distance past an open border, in the same space.
     border_slack: f64,
+    /// Region of every triangle of the source and of the target, if cloth belongs to that of its own region only.
+    regions: Option<&'a [Vec<Region>; 2]>,
 }
 
 impl<'a> CorrespondenceFinder<'a> {
@@ -127,16 +130,18 @@ impl<'a> CorrespondenceFinder<'a> {
             gradients,
             max_distance,
             border_slack: if mode == MatchMode::Uv { max_distance } else { front_distance },
+            regions: None,
         }
     }
 
-    /// The match of `query`, if there is one.
-    pub fn find_match(&self, query: &Query) -> Option<Match> {
-        match self.mode {
-            MatchMode::Uv => self.match_uv(query),
-            MatchMode::FrontProjection => self.match_front(query),
-            MatchMode::ClosestPoint => self.match_closest(query),
-        }
+    /// The same finder that matches cloth with that of its own region only: of every triangle of the source and of the target.
+    pub fn within_regions(self, regions: &'a [Vec<Region>; 2]) -> Self {
+        Self { regions: Some(regions), ..self }
+    }
+
+    /// Whether cloth of the source's triangle `f` can belong to cloth of `region`.
+    fn is_within(&self, region: Region, f: u32) -> bool {
+        self.regions.is_none_or(|[own, _]| own[f as usize].fits(region))
     }
 
     /// The places of the source with the texture coordinates `uv`: one, or one per island of those that lie on one another
@@ -166,9 +171,10 @@ impl<'a> CorrespondenceFinder<'a> {
         Some(Match { triangle, quality: 1.0 - 0.5 * found.closest.distance / self.max_distance, map })
     }
 
-    fn match_front(&self, query: &Query) -> Option<Match> {
+    fn match_front(&self, query: &Query, region: Region) -> Option<Match> {
         let from = Vec3::new(query.position.x, query.position.y, 0.0);
-        let same_side = |f: u32| self.normals[f as usize].z * query.normal.z > 0.0;
+        let same_side =
+            |f: u32| self.normals[f as usize].z * query.normal.z > 0.0 && self.is_within(region, f);
         let found = self.tree.nearest_where(&self.points, from, self.max_distance, same_side)?;
         let triangle = found.triangle as usize;
         let own = &self.normals[triangle];
@@ -182,8 +188,11 @@ impl<'a> CorrespondenceFinder<'a> {
         Some(Match { triangle, quality, map })
     }
 
-    fn match_closest(&self, query: &Query) -> Option<Match> {
-        let agrees = |f: u32| self.normals[f as usize].dot(&query.normal) > TUNING.min_normal_cosine;
+    fn match_closest(&self, query: &Query, region: Region) -> Option<Match> {
+        let agrees = |f: u32| {
+            self.normals[f as usize].dot(&query.normal) > TUNING.min_normal_cosine
+                && self.is_within(region, f)
+        };
         let found = self.tree.nearest_where(&self.points, query.position, self.max_distance, agrees)?;
         let triangle = found.triangle as usize;
         let own = &self.normals[triangle];
@@ -214,8 +223,13 @@ impl Correspondence for CorrespondenceFinder<'_> {
         self.source
     }
 
-    fn find(&self, _f: usize, query: &Query) -> Option<Match> {
-        self.find_match(query)
+    fn find(&self, f: usize, query: &Query) -> Option<Match> {
+        let region = self.regions.map_or(Region::Any, |[_, target]| target[f]);
+        match self.mode {
+            MatchMode::Uv => self.match_uv(query),
+            MatchMode::FrontProjection => self.match_front(query, region),
+            MatchMode::ClosestPoint => self.match_closest(query, region),
+        }
     }
 }
 

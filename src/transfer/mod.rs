@@ -1,7 +1,7 @@
 //! Transfer of a garment's memory to another garment: other tessellation, other resolution, other cut.
 //!
 //! ```text
-//! sidecar -> surface -> both garments upright, box on box (canonical_pose, align)
+//! sidecar -> surface -> both garments upright, box on box (canonical_pose, align), limb by limb where their cuts differ (limbs)
 //!            or aligned by point pairs: landmarks, joints (registration), textures (texture_agreement)
 //!         -> source triangle of every sample of the target (correspondence)
 //!         -> change of curvature, stiffness, rest lengths per target triangle (resample)
@@ -20,7 +20,10 @@ mod builder;
 mod canonical_pose;
 mod confidence;
 mod correspondence;
+mod earlier_memory;
 mod hinge_fit;
+mod limb_alignment;
+mod limbs;
 mod memory_delta;
 mod openings;
 mod options;
@@ -38,10 +41,11 @@ mod warnings;
 pub use builder::Transfer;
 pub(crate) use confidence::mean_confidence;
 pub use confidence::{RegionConfidence, TransferLosses};
+pub use earlier_memory::earlier_memory;
 pub use options::{
     Align, AlignedBy, Channels, MatchBy, SourceOutcome, TransferOptions, TransferResult, TransferSource,
 };
 pub use pipeline::transfer;
-pub use prolongate::prolongate;
+pub use prolongate::{prolongate, restrict};
 pub use registration::PointPair;
 pub use surface::GarmentSurface;

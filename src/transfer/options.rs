@@ -146,6 +146,8 @@ pub enum AlignedBy {
     Joints,
     /// Texture coordinates that agree one to one.
     Texture,
+    /// Limb by limb, where garments of one kind differ in cut or pose.
+    Limbs,
     /// Openings around the torso, where bounding boxes mislead.
     Openings,
     /// Bounding boxes.
@@ -160,6 +162,7 @@ impl AlignedBy {
             Self::Landmarks => "landmarks",
             Self::Joints => "joints",
             Self::Texture => "texture",
+            Self::Limbs => "limbs",
             Self::Openings => "openings",
             Self::Box => "box",
         }

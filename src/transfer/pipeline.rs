@@ -40,17 +40,18 @@ pub fn transfer(
     }
     let mut sum = MemoryDelta::zero(target);
     let mut confidence = vec![0.0; target.triangles.len()];
-    let mut outcomes = Vec::new();
+    let (mut outcomes, mut notes) = (Vec::new(), Vec::new());
     for source in sources {
         let one = transfer_source(source, target, &aligned_to, options)?;
         sum.add(&one.delta);
         confidence.iter_mut().zip(&one.confidence).for_each(|(c, own)| *c += own / sources.len() as f64);
         outcomes.push(one.outcome);
+        notes.extend(one.notes.iter().map(|note| format!("{}: {note}", source.file)));
     }
     let memory = sum.apply(target, options);
     let mean = mean_confidence(target, &confidence);
     Ok(TransferResult {
-        warnings: transfer_warnings(sources, &outcomes, mean),
+        warnings: notes.into_iter().chain(transfer_warnings(sources, &outcomes, mean)).collect(),
         empty_reason: empty_reason(sources, &memory, options),
         memory,
         sources: outcomes,
@@ -106,6 +107,8 @@ struct SourceResult {
     outcome: SourceOutcome,
     /// One per target triangle, 0..1.
     confidence: Vec<f64>,
+    /// What has no counterpart.
+    notes: Vec<String>,
 }
 
 fn transfer_source(
@@ -121,6 +124,7 @@ fn transfer_source(
                 delta: MemoryDelta::from_memory(&source.memory),
                 outcome: ENTRY_BY_ENTRY,
                 confidence: vec![1.0; target.triangles.len()],
+                notes: Vec::new(),
             });
         }
         (MatchBy::Same, false) => {
@@ -167,9 +171,12 @@ fn resample_source(
         let agreement = TextureAgreement::of(&aligned.surface, &unscaled, target, size);
         // Joints and landmarks know better; boxes and the place in the file do not.
         let is_guess = options.align == Align::Auto
-            && matches!(aligned.by, AlignedBy::Box | AlignedBy::Openings | AlignedBy::InPlace);
+            && matches!(
+                aligned.by,
+                AlignedBy::Box | AlignedBy::Openings | AlignedBy::Limbs | AlignedBy::InPlace
+            );
         if let Some(map) = agreement.similarity.filter(|_| is_guess) {
-            aligned = AlignedSource { surface: map.apply_to(&unscaled), by: AlignedBy::Texture };
+            aligned = AlignedSource::whole(map.apply_to(&unscaled), AlignedBy::Texture);
         }
         if options.match_by == MatchBy::Uv || agreement.in_place || aligned.by == AlignedBy::Texture {
             mode = MatchMode::Uv;
@@ -182,7 +189,12 @@ fn resample_source(
         let by_position = TransferOptions { match_by: MatchBy::Surface, ..options.clone() };
         return resample_source(&earned, own, memory, aligned_to, &by_position);
     }
-    let finder = CorrespondenceFinder::new(&aligned.surface, mode, size);
+    let mut finder = CorrespondenceFinder::new(&aligned.surface, mode, size);
+    let mut notes = Vec::new();
+    if let (true, Some(regions)) = (mode != MatchMode::Uv, &aligned.regions) {
+        finder = finder.within_regions(regions);
+        notes.clone_from(&aligned.notes);
+    }
     let orientation = aligned.surface.orientation_sign() * target.orientation_sign();
     let faces = resample(&finder, memory, target, orientation);
     let ambiguous_fraction = if mode == MatchMode::Uv { ambiguous_fraction(&finder, target) } else { 0.0 };
@@ -195,5 +207,6 @@ fn resample_source(
             ambiguous_fraction,
         },
         confidence: faces.iter().map(|face| face.confidence).collect(),
+        notes,
     })
 }

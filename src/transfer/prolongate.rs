@@ -1,6 +1,7 @@
-//! Prolongation of the memory of a simulation mesh to the garment whose surface it lies on.
+//! Prolongation of the memory of a simulation mesh to the garment whose surface it lies on, and restriction of the garment's
+//! memory to that mesh.
 //!
-//! Both meshes lie in one position, and for every point of the garment its triangle of the mesh is known. A point is matched
+//! Both meshes lie in one position, and for every point of the one its triangle of the other is known. A point is matched
 //! with the nearest triangle that is reached from those its corners lie in, from neighbour to neighbour, so that touching layers
 //! are never confused.
 
@@ -22,11 +23,24 @@ pub fn prolongate(mesh: &SimulationMesh, memory: &RestState, garment: &Garment) 
     if mesh.is_source {
         return memory.clone();
     }
-    let target = GarmentSurface::without_texture(garment);
-    let containing = mesh.containing_triangles();
-    let locator = MeshLocator::new(&mesh.garment, &containing, &target);
+    on_one_surface(&mesh.garment, memory, garment, &mesh.containing_triangles())
+}
+
+/// Memory of `mesh`, one entry per hinge and triangle of it, from `memory` of `garment`, on whose surface it lies.
+pub fn restrict(garment: &Garment, memory: &RestState, mesh: &SimulationMesh) -> RestState {
+    if mesh.is_source {
+        return memory.clone();
+    }
+    on_one_surface(garment, memory, &mesh.garment, &mesh.source_triangle)
+}
+
+/// Memory of `to` from `memory` of `from`, which lies on the same surface; `containing` has the triangle of `from` that every point
+/// of `to` lies in or beside.
+fn on_one_surface(from: &Garment, memory: &RestState, to: &Garment, containing: &[u32]) -> RestState {
+    let target = GarmentSurface::without_texture(to);
+    let locator = MeshLocator::new(from, containing, &target);
     let mut faces = resample(&locator, memory, &target, 1.0);
-    let curvature = scatter_curvature(&locator.source, memory, &target, &containing);
+    let curvature = scatter_curvature(&locator.source, memory, &target, containing);
     faces.iter_mut().zip(curvature).for_each(|(face, curvature)| face.curvature = curvature);
     smooth_curvature(&target, &mut faces);
     let delta = MemoryDelta::from_faces(&target, &faces);

@@ -51,6 +51,31 @@ pub(super) struct TransferTuning {
     /// Logarithm of the ratio between the scale of a side of the boxes and that of the bodies above which the box misleads [-],
     /// default 0.25: garments of one kind differ by less in fit.
     pub max_box_scale_deviation: f64,
+    /// Length of a border from which it is an opening, relative to the box diagonal [-], default 0.08: buttonholes are shorter.
+    pub min_opening_fraction: f64,
+    /// Distance between the lines around a limb that are measured, relative to the box diagonal [-], default 0.02.
+    pub limb_step_fraction: f64,
+    /// Growth of the length of these lines per distance that ends a limb [-], default 2: sleeves widen by less than 1, and the lines
+    /// that run on over the torso from an armpit or a crotch grow by 2.5 and more.
+    pub max_limb_growth: f64,
+    /// Distance from the root of a limb within which cloth may belong to it or not, relative to the box diagonal [-], default 0.03.
+    pub limb_margin_fraction: f64,
+    /// Distance of an opening from the middle from which it is that of an arm or a leg, relative to the width [-], default 0.2.
+    pub min_lateral_fraction: f64,
+    /// Logarithm of the ratio of two bodies below which both are of grown people, whose limbs are as long [-], default 0.3.
+    pub max_person_deviation: f64,
+    /// Rings between root and opening at which two limbs are laid on one another, default 4.
+    pub limb_rings: u32,
+    /// Half width of a ring below which it has no extent in that direction, relative to its length [-], default 0.02.
+    pub min_ring_fraction: f64,
+    /// Cosine between the directions of two limbs from which their boxes say as much [-], default 0.85.
+    pub min_limb_cosine: f64,
+    /// Length of a tube relative to its longer opening from which it is a sleeve or a leg [-], default 0.75.
+    pub min_tube_ratio: f64,
+    /// Difference of two ratios of widths (logarithms) below which left and right are as good [-], default 0.05.
+    pub max_side_difference: f64,
+    /// Logarithm of the ratio of a tube's openings above which the wider one is at the torso [-], default 0.08.
+    pub min_end_difference: f64,
     /// Fraction of the curvature that is spread over a ring of triangles [-], default 0.5: without, creases on coarse triangles
     /// zigzag; all of it would blur them.
     pub spread_fraction: f64,
@@ -114,6 +139,18 @@ pub(super) const TUNING: TransferTuning = TransferTuning {
     max_ambiguous_fraction: 0.05,
     min_change: 1e-3,
     max_box_scale_deviation: 0.25,
+    min_opening_fraction: 0.08,
+    limb_step_fraction: 0.02,
+    max_limb_growth: 2.0,
+    limb_margin_fraction: 0.03,
+    min_lateral_fraction: 0.2,
+    max_person_deviation: 0.3,
+    limb_rings: 4,
+    min_ring_fraction: 0.02,
+    min_limb_cosine: 0.85,
+    min_tube_ratio: 0.75,
+    max_side_difference: 0.05,
+    min_end_difference: 0.08,
     spread_fraction: 0.5,
     scatter_parts: 6,
     samples_per_source_side: 2.0,

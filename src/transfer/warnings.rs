@@ -12,9 +12,9 @@ pub(super) fn transfer_warnings(
 ) -> Vec<String> {
     let mut warnings = Vec::new();
     if confidence < TUNING.min_confidence {
-        let by_box = outcomes
-            .iter()
-            .any(|outcome| matches!(outcome.aligned_by, Some(AlignedBy::Box | AlignedBy::Openings)));
+        let by_box = outcomes.iter().any(|outcome| {
+            matches!(outcome.aligned_by, Some(AlignedBy::Box | AlignedBy::Openings | AlignedBy::Limbs))
+        });
         let how = if by_box { ", laid over one another by their openings and bounding boxes" } else { "" };
         warnings.push(format!(
             "low confidence ({confidence:.2}): the garments are of different cut or place{how}; mark points of both with \

@@ -7,10 +7,12 @@ Needs usd-core and bpy (PyPI) and the crease tool. `.ci/run` runs it where both 
 
 import json
 import os
+import struct
 import subprocess
 import sys
 import tempfile
 import unittest
+import zlib
 from pathlib import Path
 
 import bpy
@@ -26,12 +28,53 @@ def crease(*words):
     assert done.returncode == 0, done.stderr
 
 
+def png(size):
+    """A checkerboard as PNG."""
+    chunk = lambda kind, data: (
+        struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data)))
+    rows = b"".join(b"\0" + bytes(255 * ((x + y) % 2) for x in range(size) for _ in range(3)) for y in range(size))
+    head = struct.pack(">IIBBBBB", size, size, 8, 2, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
+
+
+def textured_sheet(cells, side):
+    """A GLB of a lying sheet whose material has a texture and a normal map."""
+    grid = np.linspace(0, 1, cells + 1, dtype="f4")
+    u, v = (axis.ravel() for axis in np.meshgrid(grid, grid))
+    points = np.stack([side * u, 0 * u, side * v], axis=1).astype("<f4")
+    at = lambda i, j: j * (cells + 1) + i
+    corners = [[at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i, j), at(i + 1, j + 1), at(i + 1, j)]
+               for j in range(cells) for i in range(cells)]
+    blobs = [points.tobytes(), np.stack([u, v], axis=1).astype("<f4").tobytes(), np.array(corners, "<u4").tobytes(), png(4)]
+    views, binary = [], b""
+    for blob in blobs:
+        views.append({"buffer": 0, "byteOffset": len(binary), "byteLength": len(blob)})
+        binary += blob + bytes(-len(blob) % 4)
+    accessor = lambda view, kind, count, component, **more: {
+        "bufferView": view, "type": kind, "count": count, "componentType": component, **more}
+    low, high = points.min(axis=0).tolist(), points.max(axis=0).tolist()
+    document = {
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0, "name": "sheet"}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2, "material": 0}]}],
+        "accessors": [accessor(0, "VEC3", len(points), 5126, min=low, max=high), accessor(1, "VEC2", len(points), 5126),
+                      accessor(2, "SCALAR", 6 * cells * cells, 5125)],
+        "bufferViews": views, "buffers": [{"byteLength": len(binary)}],
+        "images": [{"bufferView": 3, "mimeType": "image/png"}], "textures": [{"source": 0}],
+        "materials": [{"name": "checked", "normalTexture": {"index": 0}, "pbrMetallicRoughness": {
+            "baseColorTexture": {"index": 0}, "baseColorFactor": [0.5, 1, 1, 1], "metallicFactor": 0}}]}
+    text = json.dumps(document).encode()
+    text += b" " * (-len(text) % 4)
+    chunks = [(b"JSON", text), (b"BIN\0", binary)]
+    body = b"".join(struct.pack("<I", len(data)) + kind + data for kind, data in chunks)
+    return b"glTF" + struct.pack("<II", 2, 12 + len(body)) + body
+
+
 class Scenes(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.temporary = tempfile.TemporaryDirectory()
         folder = Path(cls.temporary.name)
-        cls.sleeve, cls.cloth = folder / "sleeve.usda", folder / "cloth.usda"
+        cls.sleeve, cls.cloth, cls.checked = (folder / f"{name}.usda" for name in ("sleeve", "cloth", "checked"))
         memory = ROOT / "garments/memories/elbow.crease.json"
         crease("transfer", memory, "--to", ROOT / "garments/sleeve.glb", "--garment", "sleeve", "--export", "usd",
                "-o", cls.sleeve.with_suffix(".glb"))
@@ -46,6 +89,9 @@ class Scenes(unittest.TestCase):
         mesh.write_text("\n".join(obj) + "\n")
         crease("bake", mesh, "--unit", "m", "--wear", wear, "--quality", "draft", "--frames", folder / "frames", "--fps", "4",
                "--fabric", "denim", "--export", "usd", "-o", cls.cloth.with_suffix(".glb"))
+        (folder / "checked-in.glb").write_bytes(textured_sheet(cells, 0.3))
+        crease("bake", folder / "checked-in.glb", "--wear", wear, "--quality", "draft", "--fabric", "denim", "--export", "usd",
+               "-o", cls.checked.with_suffix(".glb"))
 
     @classmethod
     def tearDownClass(cls):
@@ -88,6 +134,19 @@ class Scenes(unittest.TestCase):
         thickness = fabric.GetAttribute("physics:surfaceThickness").Get()
         # Denim: some 400 g/m2, 0.8 mm.
         self.assertTrue(0.3 < density * thickness < 0.6 and 0.0004 < thickness < 0.0015, (density, thickness))
+
+    def test_textures_are_read_beside_the_scene(self):
+        stage = Usd.Stage.Open(str(self.checked))
+        self.check(stage)
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        bpy.ops.wm.usd_import(filepath=str(self.checked), import_guide=False)
+        mesh = next(obj for obj in bpy.data.objects if obj.type == "MESH")
+        tree = mesh.data.materials[0].node_tree
+        images = [node.image for node in tree.nodes if node.type == "TEX_IMAGE"]
+        self.assertEqual({os.path.basename(image.filepath) for image in images}, {"checked.texture-0.png"})
+        self.assertEqual({tuple(image.size) for image in images}, {(4, 4)})
+        surface = next(node for node in tree.nodes if node.type == "BSDF_PRINCIPLED")
+        self.assertTrue(surface.inputs["Base Color"].is_linked and surface.inputs["Normal"].is_linked)
 
     def test_frames_are_time_samples(self):
         stage = Usd.Stage.Open(str(self.cloth))

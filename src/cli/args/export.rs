@@ -67,8 +67,12 @@ impl ExportArgs {
     ) -> Result<Vec<ExportCheck>> {
         let mut checks = Vec::new();
         for (kind, path) in self.paths(worn_path) {
-            let file = kind.make(&mesh.asset, &mesh.garment, worn, fabric, frames)?;
+            let stem = worn_path.file_stem().unwrap_or_default().to_string_lossy();
+            let file = kind.make(&stem, &mesh.asset, &mesh.garment, worn, fabric, frames)?;
             outputs.add(&path, &file.bytes)?;
+            for (ending, bytes) in &file.beside {
+                outputs.add(&worn_path.with_extension(ending), bytes)?;
+            }
             let with_name = |check| ExportCheck { file: input::name_of(&path), ..check };
             checks.extend(file.checks.into_iter().map(with_name));
         }

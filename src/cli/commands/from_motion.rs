@@ -6,11 +6,12 @@ use crate::cli::args::mesh::MeshArgs;
 use crate::cli::args::run::RunArgs;
 use crate::cli::args::values::{Metres, glb_path, positive, unit};
 use crate::cli::commands::worn_job::{SideFiles, WornJob, WornResult, outcome};
+use crate::cli::files::earlier_memory::left_out_warning;
 use crate::cli::files::frame_sequence::read_frames;
 use crate::cli::files::input;
 use crate::cli::runtime::console;
 use crease::bake::{BakeResult, GarmentMotion, memory_from_motion};
-use crease::body::rig::{ClipTime, Rig};
+use crease::body::rig::Rig;
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
 use crease::files::GarmentFile;
 use crease::garment::{Garment, SourceAsset, SourcePiece};
@@ -80,6 +81,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
         MotionInput::from_clip(&arguments)?
     };
     job.accept_mesh(&mut motion.mesh, &motion.path, None)?;
+    job.warn(left_out_warning(&motion.path, &motion.mesh));
     job.inputs_read();
     let baked = motion.memory(&fabric, arguments.repeat);
     let computed = Instant::now();
@@ -149,7 +151,7 @@ impl MotionInput {
                 Some(clip) => {
                     let t = k as f64 * *interval;
                     let pose = clip.pose(&rig.skeleton.rest(), t);
-                    of_points(&rig.vertices(&pose, Some(ClipTime { clip, time: t })))
+                    of_points(&rig.vertices(&pose, Some(&rig.morph_weights(Some((clip, t))))))
                 }
                 None => garment.points.clone(),
             },
@@ -237,9 +239,9 @@ impl MotionInput {
         if rig.clips.is_empty() {
             return refuse("the file has no clips".to_owned(), "export it with its animation".to_owned());
         }
-        let moving = rig.clips.iter().position(|clip| rig.is_moved_by(clip, true)).unwrap_or(0);
+        let moving = rig.clips.iter().position(|clip| rig.is_moved_by(clip)).unwrap_or(0);
         let wanted = arguments.clip.clone().unwrap_or_else(|| format!("clip#{moving}"));
-        let clip = match rig.find_clip(&wanted, true) {
+        let clip = match rig.find_clip(&wanted) {
             Ok(clip) => clip,
             Err(error) => return refuse(format!("the file has {}", error.message), error.help),
         };

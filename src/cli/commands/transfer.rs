@@ -8,6 +8,7 @@ use crate::cli::args::refine::{CoarseGarment, RefineArgs, Refinement};
 use crate::cli::args::run::RunArgs;
 use crate::cli::args::values::{glb_path, input_path};
 use crate::cli::commands::worn_job::{SideFiles, WornJob, WornResult, outcome};
+use crate::cli::files::earlier_memory::left_out_warning;
 use crate::cli::files::input;
 use crate::cli::runtime::console;
 use clap::ValueEnum;
@@ -172,6 +173,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let mut job = WornJob::start(&arguments.run, &arguments.output, inputs, side_files)?;
     let mut input = TransferInput::read(&arguments)?;
     job.accept_mesh(&mut input.mesh, &arguments.to, input.refinement.as_ref())?;
+    job.warn(left_out_warning(&arguments.to, &input.mesh));
     job.inputs_read();
     let garment = &input.mesh.garment;
     let target = input.target();

@@ -6,7 +6,7 @@ use crate::cli::args::apply::ApplyArgs;
 use crate::cli::args::export::ExportArgs;
 use crate::cli::args::refine::{RefineArgs, Refinement};
 use crate::cli::args::run::RunArgs;
-use crate::cli::files::frame_sequence::read_frames;
+use crate::cli::files::frame_sequence::frame_paths;
 use crate::cli::files::input;
 use crate::cli::files::output::Outputs;
 use crate::cli::files::worn_outputs::WornOutputs;
@@ -16,7 +16,7 @@ use crease::fabric::Fabric;
 use crease::files::GarmentFile;
 use crease::garment::{SourceAsset, WornGarment, mistaken_body};
 use crease::io::gltf::write_worn_glb_with;
-use crease::io::{ReadOptions, Sidecar, UsdFrames, sequence_from_assets, write_sidecar};
+use crease::io::{Sidecar, UsdFrames, read_shape_obj, write_sidecar};
 use crease::math::Vec3;
 use crease::report::render::{Camera, encode_png};
 use crease::report::{ColorBy, DetailReport, ExportCheck, GarmentView, Report, TransferReport};
@@ -69,10 +69,10 @@ pub struct FrameSource<'a> {
 impl FrameSource<'_> {
     /// Reads the positions per frame, which must be those of the worn vertices of `asset`; `None` if they are of another mesh.
     fn read(&self, asset: &SourceAsset) -> Result<Option<Vec<Vec<Vec3>>>> {
-        let options = ReadOptions { unit_m: Some(1.0), ..ReadOptions::default() };
-        let assets = read_frames(self.folder, &options)?;
-        let frames = sequence_from_assets(&assets, self.rate)?.frames;
         let count: usize = asset.worn_pieces().map(|piece| piece.positions.len()).sum();
+        let read = |path: PathBuf| read_shape_obj(&input::name_of(&path), &input::bytes(&path)?, asset);
+        let frames: Vec<Vec<Vec3>> =
+            frame_paths(self.folder)?.into_iter().map(read).collect::<Result<_>>()?;
         Ok(frames.iter().all(|frame| frame.len() == count).then_some(frames))
     }
 }

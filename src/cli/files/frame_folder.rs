@@ -3,7 +3,7 @@
 
 use crate::cli::files::input::name_of;
 use crate::cli::files::output::Outputs;
-use crease::io::write_frame_obj;
+use crease::io::{FrameRow, FrameRows, write_frame_obj};
 use crease::math::Vec3;
 use crease::mesh::PointIndex;
 use crease::{Error, Result};
@@ -15,8 +15,8 @@ pub struct FrameFolder<'a> {
     folder: PathBuf,
     /// Triangles of the frames.
     triangles: Vec<[PointIndex; 3]>,
-    /// Per vertex of the frames: the point that it shows; `None` where every point is a vertex.
-    point_of: Option<Vec<PointIndex>>,
+    /// Rows of the frames; `None` where every point is one.
+    rows: Option<Vec<FrameRow>>,
     /// Input mesh, which may be a frame of an earlier run and must not be overwritten.
     mesh: &'a Path,
     /// Frames written so far.
@@ -28,27 +28,31 @@ impl<'a> FrameFolder<'a> {
     /// overwritten.
     pub fn new(folder: &Path, mesh: &'a Path, written: usize) -> Result<Self> {
         std::fs::create_dir_all(folder).map_err(|source| Error::File { file: name_of(folder), source })?;
-        Ok(Self { folder: folder.to_owned(), triangles: Vec::new(), point_of: None, mesh, written })
+        Ok(Self { folder: folder.to_owned(), triangles: Vec::new(), rows: None, mesh, written })
     }
 
     /// Shows the points of a mesh with `triangles` in the following frames.
     pub fn show_points(&mut self, triangles: &[[PointIndex; 3]]) {
-        (self.triangles, self.point_of) = (triangles.to_vec(), None);
+        (self.triangles, self.rows) = (triangles.to_vec(), None);
     }
 
-    /// Shows the vertices of the file in the following frames: `point_of` has the point of each, `triangles` their numbers.
-    pub fn show_vertices(&mut self, point_of: &[PointIndex], triangles: &[[u32; 3]]) {
-        let triangles = triangles.iter().map(|t| t.map(PointIndex)).collect();
-        (self.triangles, self.point_of) = (triangles, Some(point_of.to_vec()));
+    /// Shows `rows` of the file in the following frames; `triangles` have the vertices of its worn pieces as corners.
+    pub fn show_file(&mut self, rows: FrameRows, triangles: &[[u32; 3]]) {
+        let row = |v: u32| PointIndex(rows.row_of_vertex.get(v as usize).copied().unwrap_or(v));
+        self.triangles = triangles.iter().map(|t| t.map(row)).collect();
+        self.rows = Some(rows.rows);
     }
 
     /// Writes the next frame; `points` has one position per point of the mesh [m].
     pub fn write(&mut self, points: &[Vec3]) -> Result<()> {
         let mut outputs = Outputs::new([self.mesh]);
-        let text = match &self.point_of {
-            Some(point_of) => {
-                let position = |p: &PointIndex| points.get(p.at()).copied().unwrap_or_else(Vec3::zeros);
-                write_frame_obj(&point_of.iter().map(position).collect::<Vec<_>>(), &self.triangles)
+        let text = match &self.rows {
+            Some(rows) => {
+                let position = |row: &FrameRow| match row {
+                    FrameRow::Point(p) => points.get(p.at()).copied().unwrap_or_else(Vec3::zeros),
+                    FrameRow::Fixed(x) => *x,
+                };
+                write_frame_obj(&rows.iter().map(position).collect::<Vec<_>>(), &self.triangles)
             }
             None => write_frame_obj(points, &self.triangles),
         };

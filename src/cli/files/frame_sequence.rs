@@ -27,7 +27,7 @@ pub fn read_frames(folder: &Path, options: &ReadOptions) -> Result<Vec<SourceAss
 }
 
 /// Returns the paths of the numbered .obj files of `folder` in order.
-fn frame_paths(folder: &Path) -> Result<Vec<PathBuf>> {
+pub fn frame_paths(folder: &Path) -> Result<Vec<PathBuf>> {
     let failed = |source| Error::File { file: name_of(folder), source };
     let mut numbered: Vec<(u64, String, PathBuf)> = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(failed)? {

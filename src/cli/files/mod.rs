@@ -1,6 +1,7 @@
 //! Reading and writing files: inputs with their names in messages, outputs written whole or not at all.
 
 pub mod checkpoints;
+pub mod earlier_memory;
 pub mod frame_folder;
 pub mod frame_sequence;
 pub mod input;

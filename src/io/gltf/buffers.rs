@@ -74,6 +74,12 @@ fn load_uri(entry: &Cursor, uri: &str, resolve: &mut dyn FnMut(&str) -> Result<V
     BASE64.decode(compact).map_err(|error| entry.error(format!("its base64 text is damaged: {error}")))
 }
 
+/// Decodes base64 text; `None` for other text.
+pub(super) fn decode_base64(text: &str) -> Option<Vec<u8>> {
+    let compact: Vec<u8> = text.bytes().filter(|byte| !byte.is_ascii_whitespace()).collect();
+    BASE64.decode(compact).ok()
+}
+
 /// Fetches the file of a relative address: percent-decoded, as it is written, or with the backslashes of another system.
 pub(super) fn resolve_uri(uri: &str, resolve: &mut dyn FnMut(&str) -> Result<Vec<u8>>) -> Result<Vec<u8>> {
     let decoded = percent_decoded(uri);

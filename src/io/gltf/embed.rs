@@ -6,7 +6,7 @@
 
 use crate::Result;
 use crate::garment::GltfDocument;
-use crate::io::gltf::buffers::resolve_uri;
+use crate::io::gltf::buffers::{decode_base64, resolve_uri};
 use serde_json::{Value, json};
 
 /// Embeds every image that `resolve` finds under its (decoded) path. Returns the reasons for images that are not embedded.
@@ -33,6 +33,20 @@ pub fn embed_images(
         }
     }
     not_embedded
+}
+
+/// Returns the bytes of an image that is in the document: in a buffer view, or in a data address.
+pub fn image_bytes(document: &GltfDocument, image: usize) -> Option<Vec<u8>> {
+    let image = document.json["images"].get(image)?;
+    let number = |value: &Value| value.as_u64().and_then(|n| usize::try_from(n).ok());
+    if let Some(view) = number(&image["bufferView"]) {
+        let view = document.json["bufferViews"].get(view)?;
+        let start = number(&view["byteOffset"]).unwrap_or(0);
+        let end = start.checked_add(number(&view["byteLength"])?)?;
+        return document.buffers.get(number(&view["buffer"])?)?.get(start..end).map(<[u8]>::to_vec);
+    }
+    let (_, text) = image["uri"].as_str()?.strip_prefix("data:")?.split_once(";base64,")?;
+    decode_base64(text)
 }
 
 /// Returns the media type of a picture by its first bytes.

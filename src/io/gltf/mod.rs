@@ -14,6 +14,7 @@ mod detail;
 mod embed;
 mod flat_shading;
 mod json_cursor;
+mod meshopt;
 mod morph;
 mod names;
 mod obj_to_gltf;
@@ -35,15 +36,15 @@ pub use apply_worn::{SourceShape, apply_worn};
 pub use container::{is_glb, join_glb, split_glb};
 pub use contents::file_contents;
 pub use detail::{DETAIL_MAP_SIZES, DetailInput, DetailMap, DetailOutput, MapDepth, add_detail_map};
-pub use embed::embed_images;
+pub use embed::{embed_images, image_bytes};
 pub use flat_shading::FlatNormals;
 pub use names::{
     FORMER_REST_ANGLE_ATTRIBUTE, REST_ANGLE_CHANGE_ATTRIBUTE, REST_ANGLE_DEG_ATTRIBUTE, STIFFNESS_ATTRIBUTE,
     UNWORN_TARGET, WORN_TARGET,
 };
 pub(in crate::io) use read::read_gltf;
-pub(in crate::io) use read_worn::earlier_wear;
-pub use read_worn::{WornVertices, keep_worn_pieces, read_worn, sidecar_name};
+pub(in crate::io) use read_worn::earlier_wear_note;
+pub use read_worn::{EarlierWear, WornVertices, earlier_wear, keep_worn_pieces, read_worn, sidecar_name};
 pub use rest_angle_map::write_rest_angle_map;
 pub use rig::read_rig;
 pub(in crate::io) use write::{SceneShape, scene_shapes};

@@ -19,5 +19,7 @@ pub(super) const EXTRAS_KEY: &str = "crease";
 pub(super) const APPLIED_KEY: &str = "applied";
 /// Extension that holds a compressed second copy of a primitive.
 pub(super) const DRACO_EXTENSION: &str = "KHR_draco_mesh_compression";
+/// Help beside "export it without": a program that decodes.
+pub(super) const DRACO_CURE: &str = ", or decode it: npx @gltf-transform/cli copy IN.glb OUT.glb";
 /// Extension that draws a mesh many times.
 pub(super) const INSTANCING_EXTENSION: &str = "EXT_mesh_gpu_instancing";

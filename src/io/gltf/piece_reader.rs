@@ -5,7 +5,7 @@ use crate::io::error_list::ErrorList;
 use crate::io::gltf::accessor::Accessors;
 use crate::io::gltf::json_cursor::Cursor;
 use crate::io::gltf::morph::default_weights;
-use crate::io::gltf::names::{DRACO_EXTENSION, INSTANCING_EXTENSION};
+use crate::io::gltf::names::{DRACO_CURE, DRACO_EXTENSION, INSTANCING_EXTENSION};
 use crate::io::gltf::primitive::{MaskChannel, MeshData, PrimitiveData, read_primitive};
 use crate::io::gltf::scene::Scene;
 use crate::io::gltf::skin::skinned_vertices;
@@ -193,8 +193,9 @@ impl<'a> PieceReader<'a> {
         if has_plain_data {
             Ok(())
         } else {
-            Err(primitive
-                .error(format!("its data is compressed with {DRACO_EXTENSION}, which cannot be decoded")))
+            let message = format!("its data is compressed with {DRACO_EXTENSION}, which cannot be decoded");
+            let help = format!("export it without {DRACO_EXTENSION}{DRACO_CURE}");
+            Err(Error::input("glTF", primitive.path(), message, help))
         }
     }
 

@@ -10,6 +10,8 @@ use crate::io::gltf::accessor::Accessors;
 use crate::io::gltf::buffers::load_buffers;
 use crate::io::gltf::container::{is_glb, other_chunks, parse_json, split_glb};
 use crate::io::gltf::json_cursor::Cursor;
+use crate::io::gltf::meshopt::{MESHOPT_EXTENSION, decode_views, remove_extension};
+use crate::io::gltf::names::{DRACO_CURE, DRACO_EXTENSION};
 use crate::io::gltf::piece_reader::PieceReader;
 use crate::io::gltf::primitive::MaskChannel;
 use crate::io::gltf::scene::Scene;
@@ -18,8 +20,9 @@ use crate::math::Mat4;
 use crate::{Error, Result};
 
 /// Prefixes of extensions that a file may require although they are not supported: they change the look of surfaces or
-/// the behaviour of nodes, not the positions of vertices. Quantised attributes are read.
-const HARMLESS_EXTENSIONS: [&str; 14] = [
+/// the behaviour of nodes, not the positions of vertices. Quantised attributes are read, compressed views decoded.
+const HARMLESS_EXTENSIONS: [&str; 15] = [
+    MESHOPT_EXTENSION,
     "KHR_mesh_quantization",
     "KHR_texture_",
     "KHR_materials_",
@@ -45,7 +48,7 @@ pub(in crate::io) fn read_gltf(
 ) -> Result<ReadPieces> {
     let mut errors = ErrorList::new(file);
     let split = if is_glb(bytes) { split_glb(bytes) } else { parse_json(bytes).map(|json| (json, None)) };
-    let Some((json, binary)) = errors.take(split) else { return Err(failed(errors)) };
+    let Some((mut json, binary)) = errors.take(split) else { return Err(failed(errors)) };
     let chunks = if is_glb(bytes) { other_chunks(bytes) } else { Vec::new() };
     let root = Cursor::root(&json);
     check_version(&root, &mut errors);
@@ -54,10 +57,15 @@ pub(in crate::io) fn read_gltf(
     if !errors.is_empty() {
         return Err(failed(errors));
     }
-    let buffers = load_buffers(&root, binary, resolve, &mut errors);
+    let mut buffers = load_buffers(&root, binary, resolve, &mut errors);
+    if errors.is_empty() {
+        errors.take(decode_views(&root, &mut buffers));
+    }
     if !errors.is_empty() {
         return Err(failed(errors));
     }
+    remove_extension(&mut json);
+    let root = Cursor::root(&json);
     let Some(scene) = errors.take(Scene::read(&root)) else { return Err(failed(errors)) };
     check_meshes(&root, &mut errors);
     if !errors.is_empty() {
@@ -98,7 +106,7 @@ fn check_extensions(root: &Cursor, errors: &mut ErrorList) {
             errors.push(
                 required.path(),
                 format!("the file requires {name}, which cannot be decoded"),
-                format!("export it without {name}"),
+                format!("export it without {name}{}", if name == DRACO_EXTENSION { DRACO_CURE } else { "" }),
             );
         }
     }

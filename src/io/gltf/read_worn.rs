@@ -32,24 +32,40 @@ pub fn sidecar_name(document: &GltfDocument) -> Option<&str> {
     meshes.iter().find_map(|mesh| mesh["extras"][EXTRAS_KEY]["sidecar"].as_str())
 }
 
-/// Returns a warning if worn pieces of `asset` have been worn before: their wear is replaced.
-pub(in crate::io) fn earlier_wear(asset: &SourceAsset) -> Option<ImportDiagnostic> {
+/// Wear of an earlier run in a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct EarlierWear {
+    /// Name of the first piece that was worn.
+    pub piece: String,
+    /// Name of the sidecar with its memory, if the file has it.
+    pub sidecar: Option<String>,
+    /// Whether the base shape of the file is the worn one.
+    pub is_applied: bool,
+}
+
+/// Returns the wear of an earlier run on the worn pieces of `asset`, if there is one.
+pub fn earlier_wear(asset: &SourceAsset) -> Option<EarlierWear> {
     let document = asset.document.as_ref()?;
     let is_worn = |piece: &SourcePiece| {
         let extras = &document.json["meshes"][piece.mesh]["extras"][EXTRAS_KEY];
         !extras.is_null() && self::is_worn(document, piece)
     };
     let piece = asset.worn_pieces().find(|piece| is_worn(piece))?;
-    let sidecar = sidecar_name(document).unwrap_or("its sidecar");
-    Some(ImportDiagnostic {
-        severity: Severity::Warning,
-        location: String::new(),
-        message: format!(
-            "\"{}\" has been worn already, and its shape before that wear is taken: the earlier memory, in {sidecar}, is left out. To have \
-             both: crease transfer {sidecar} NEW.crease.json --to {} -o BOTH.glb",
-            piece.name, asset.file
-        ),
+    Some(EarlierWear {
+        piece: piece.name.clone(),
+        sidecar: sidecar_name(document).map(str::to_owned),
+        is_applied: is_applied(document, piece),
     })
+}
+
+/// Describes the wear of an earlier run on `asset`, if there is one.
+pub(in crate::io) fn earlier_wear_note(asset: &SourceAsset) -> Option<ImportDiagnostic> {
+    let EarlierWear { piece, sidecar, is_applied } = earlier_wear(asset)?;
+    let shape =
+        if is_applied { "worn shape, which is the base of the file," } else { "shape before that wear" };
+    let memory = sidecar.map_or(String::new(), |sidecar| format!("; its memory is in {sidecar}"));
+    let message = format!("\"{piece}\" has been worn already, and its {shape} is taken{memory}");
+    Some(ImportDiagnostic { severity: Severity::Note, location: String::new(), message })
 }
 
 /// Marks the pieces that a bake wore as worn, and no others; returns false, and changes nothing, if there is none. They have a

@@ -7,11 +7,12 @@ use crate::io::gltf::{SceneShape, scene_shapes};
 use crate::io::usd::prim::{Prim, extent, identifier, list, texture_coordinates, vectors};
 use crate::io::usd::scene::{MATERIALS, PHYSICS_MATERIAL, ROOT, UsdFrames};
 use crate::io::usd::skeleton::UsdSkeleton;
+use crate::io::usd::texture::{SurfaceTextures, UsdTexture, material_of, usd_textures};
 use crate::math::Vec3;
 use serde_json::Value;
 
 /// Base colour of a piece without material: light grey, as in the glTF of an OBJ.
-const BASE_COLOUR: [f64; 3] = [0.8, 0.8, 0.8];
+const BASE_COLOUR: [f64; 4] = [0.8, 0.8, 0.8, 1.0];
 /// Roughness of cloth.
 const ROUGHNESS: f64 = 0.9;
 
@@ -116,8 +117,10 @@ fn material_name(piece: &SourcePiece) -> String {
     format!("Surface_{}", identifier(piece.material.as_deref().unwrap_or(""), "cloth"))
 }
 
-/// Makes the materials: a surface for each material of the worn pieces, and the physical one of the fabric.
-pub(super) fn materials(asset: &SourceAsset, fabric: &Fabric) -> Prim {
+/// Makes the materials: a surface for each material of the worn pieces, and the physical one of the fabric. `scene` is the name of the
+/// scene's file without its ending.
+pub(super) fn materials(asset: &SourceAsset, fabric: &Fabric, scene: &str) -> Prim {
+    let textures = usd_textures(asset);
     let density = fabric.area_density() / fabric.thickness();
     let physical = Prim::new("Material", PHYSICS_MATERIAL)
         .api(&["PhysicsMaterialAPI", "PhysicsSurfaceDeformableMaterialAPI"])
@@ -133,29 +136,56 @@ pub(super) fn materials(asset: &SourceAsset, fabric: &Fabric) -> Prim {
         if known.contains(&name) {
             continue;
         }
-        let [r, g, b] = base_colour(asset, piece);
-        let shader = Prim::new("Shader", "Preview")
-            .line("uniform token info:id = \"UsdPreviewSurface\"".into())
-            .line(format!("color3f inputs:diffuseColor = ({r}, {g}, {b})"))
-            .line("float inputs:metallic = 0".into())
-            .line(format!("float inputs:roughness = {ROUGHNESS}"))
-            .line("token outputs:surface".into());
-        let surface = Prim::new("Material", name.clone())
-            .line(format!("token outputs:surface.connect = <{MATERIALS}/{name}/Preview.outputs:surface>"))
-            .child(shader);
-        scope = scope.child(surface);
+        scope = scope.child(surface(asset, piece, &name, scene, &textures));
         known.push(name);
     }
     scope
 }
 
-/// Base colour of the material of a piece, linear.
-fn base_colour(asset: &SourceAsset, piece: &SourcePiece) -> [f64; 3] {
-    let factor = asset.document.as_ref().and_then(|document| {
-        let primitive = &document.json["meshes"][piece.mesh]["primitives"][piece.primitive];
-        let material = usize::try_from(primitive["material"].as_u64()?).ok()?;
-        document.json["materials"][material]["pbrMetallicRoughness"]["baseColorFactor"].as_array()
-    });
-    let number = |k: usize| factor.and_then(|f| f.get(k)).and_then(Value::as_f64).unwrap_or(BASE_COLOUR[k]);
-    [0, 1, 2].map(number)
+/// Makes the surface `name` of the material of a piece.
+fn surface(
+    asset: &SourceAsset,
+    piece: &SourcePiece,
+    name: &str,
+    scene: &str,
+    textures: &[UsdTexture],
+) -> Prim {
+    let path = format!("{MATERIALS}/{name}");
+    let material =
+        asset.document.as_ref().and_then(|document| Some((document, material_of(document, piece)?)));
+    let optics = material.map_or(&Value::Null, |(_, material)| &material["pbrMetallicRoughness"]);
+    let factor = base_colour(optics, material.is_some());
+    let images = match material.filter(|_| piece.uvs.is_some()) {
+        Some((document, material)) => {
+            SurfaceTextures::new(document, material, &path, scene, textures, factor)
+        }
+        None => SurfaceTextures::default(),
+    };
+    // Factors of a texture that is left out say nothing alone.
+    let alone = if optics.get("metallicRoughnessTexture").is_some() { &Value::Null } else { optics };
+    let [r, g, b, opacity] = factor;
+    let plain_colour = format!("color3f inputs:diffuseColor = ({r}, {g}, {b})");
+    let is_clear = material.is_some_and(|(_, material)| material["alphaMode"] == "BLEND");
+    let mut preview = Prim::new("Shader", "Preview")
+        .line("uniform token info:id = \"UsdPreviewSurface\"".into())
+        .maybe((!images.has("diffuseColor")).then_some(plain_colour))
+        .maybe((is_clear && !images.has("opacity")).then(|| format!("float inputs:opacity = {opacity}")))
+        .line(format!("float inputs:metallic = {}", alone["metallicFactor"].as_f64().unwrap_or(0.0)))
+        .line(format!("float inputs:roughness = {}", alone["roughnessFactor"].as_f64().unwrap_or(ROUGHNESS)));
+    for line in images.inputs {
+        preview = preview.line(line);
+    }
+    let mut surface = Prim::new("Material", name)
+        .line(format!("token outputs:surface.connect = <{path}/Preview.outputs:surface>"))
+        .child(preview.line("token outputs:surface".into()));
+    for shader in images.shaders {
+        surface = surface.child(shader);
+    }
+    surface
+}
+
+/// Base colour and opacity, linear: those of the material, else those of cloth without one.
+fn base_colour(optics: &Value, has_material: bool) -> [f64; 4] {
+    let otherwise = if has_material { [1.0; 4] } else { BASE_COLOUR };
+    [0, 1, 2, 3].map(|k| optics["baseColorFactor"][k].as_f64().unwrap_or(otherwise[k]))
 }

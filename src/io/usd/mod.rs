@@ -10,16 +10,18 @@
 //!   /Garment/Materials   surface and physical material
 //! ```
 //!
-//! Metres, y up. Vertices of the pieces are those of the file. Textures stay in the glTF: only base colours are written.
+//! Metres, y up. Vertices of the pieces are those of the file. Base colours and normal maps are pictures beside the scene ([`texture`]).
 
 mod cloth;
 mod prim;
 mod scene;
 mod simulation;
 mod skeleton;
+mod texture;
 
 pub use scene::{UsdFrames, UsdScene, UsdShape};
 pub use simulation::{UsdaMemory, read_usda, wrapped_deg};
+pub use texture::{UsdTexture, usd_textures};
 
 use crate::Result;
 use crate::io::usd::cloth::{cloth_meshes, frames_mesh, materials};
@@ -32,7 +34,7 @@ use crate::io::usd::skeleton::UsdSkeleton;
 /// # Errors
 /// [`crate::Error::Input`] for a skin that cannot be read, and for shapes beyond single precision.
 pub fn write_usda(scene: &UsdScene) -> Result<Vec<u8>> {
-    let UsdScene { asset, garment, worn, rest, fabric, frames } = *scene;
+    let UsdScene { name, asset, garment, worn, rest, fabric, frames } = *scene;
     let skeleton = UsdSkeleton::of_asset(asset)?;
     let shape = UsdShape { worn: &worn.displacement, rest, rest_angle: &worn.memory.rest_angle };
     let mut root = Prim::new("SkelRoot", "Garment").api(&["PhysicsDeformableBodyAPI"]);
@@ -45,7 +47,7 @@ pub fn write_usda(scene: &UsdScene) -> Result<Vec<u8>> {
     if let Some(frames) = frames.filter(|frames| !frames.positions.is_empty()) {
         root = root.child(frames_mesh(asset, &frames));
     }
-    root = root.child(simulation_mesh(garment, &shape)).child(materials(asset, fabric));
+    root = root.child(simulation_mesh(garment, &shape)).child(materials(asset, fabric, name));
     let times = frames.map_or(String::new(), |frames| {
         let end = frames.positions.len().saturating_sub(1);
         format!("    startTimeCode = 0\n    endTimeCode = {end}\n    timeCodesPerSecond = {0}\n    framesPerSecond = {0}\n", frames.rate)

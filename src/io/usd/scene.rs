@@ -34,6 +34,8 @@ pub struct UsdFrames<'a> {
 /// What a file is made of.
 #[derive(Debug, Clone, Copy)]
 pub struct UsdScene<'a> {
+    /// Name of its file without the ending, to which the names of its textures are added.
+    pub name: &'a str,
     /// File of the garment.
     pub asset: &'a SourceAsset,
     /// Garment made from it.

@@ -91,7 +91,7 @@ impl Bend {
     /// The pose `from` with a fraction of the bend of the node `joint` added.
     fn bent_pose(&self, joint: usize, from: &BodyPose, fraction: f64) -> BodyPose {
         let mut pose = from.clone();
-        if let BodyPose::Joints(joints) = &mut pose
+        if let Some(joints) = pose.joints_mut()
             && let (Some(local), Some(axis)) =
                 (joints.get_mut(joint), Unit::try_new(Vec3::from(self.axis.vector()), 0.0))
         {

@@ -7,6 +7,7 @@ use crate::cli::args::mesh::MeshArgs;
 use crate::cli::args::refine::RefineArgs;
 use crate::cli::args::run::RunArgs;
 use crate::cli::args::values::{glb_path, input_path, positive, seconds};
+use crate::cli::files::earlier_memory::EarlierMemory;
 use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use crease::bake::{BakeOptions, BakeResult, Quality};
@@ -51,6 +52,9 @@ pub struct Arguments {
     /// Leave open borders single; by default they are hemmed, double over 20 mm
     #[arg(long)]
     no_hems: bool,
+    /// Leave out the memory of an earlier run: by default a worn MESH whose sidecar is beside it begins with what it remembers
+    #[arg(long)]
+    pub forget: bool,
     #[command(flatten)]
     pub apply: ApplyArgs,
     #[command(flatten)]
@@ -171,7 +175,7 @@ impl Arguments {
 
     /// Returns the description of the run for the sidecar. It holds nothing that differs between repeated runs, whose
     /// sidecars are identical.
-    pub fn run_description(&self, baked: &BakeResult) -> Value {
+    pub fn run_description(&self, baked: &BakeResult, earlier: Option<&EarlierMemory>) -> Value {
         let mut description = json!({
             "tool": concat!("crease ", env!("CARGO_PKG_VERSION")),
             "method": self.method().name(),
@@ -182,6 +186,9 @@ impl Arguments {
         });
         if baked.report.points != baked.end.len() {
             description["simulated_points"] = json!(baked.report.points);
+        }
+        if let Some(earlier) = earlier {
+            description["earlier"] = earlier.origin.clone();
         }
         description
     }

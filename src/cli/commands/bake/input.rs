@@ -2,6 +2,7 @@
 
 use crate::cli::args::refine::Refinement;
 use crate::cli::commands::bake::arguments::Arguments;
+use crate::cli::files::earlier_memory::EarlierMemory;
 use crate::cli::files::frame_folder::FrameFolder;
 use crate::cli::files::input;
 use crate::cli::files::wear::read_script;
@@ -10,8 +11,8 @@ use crease::body::AnimatedBody;
 use crease::fabric::Fabric;
 use crease::files::GarmentFile;
 use crease::garment::{Garment, RestState, WornGarment, corner_vertices};
-use crease::io::Sidecar;
 use crease::io::gltf::write_worn_glb;
+use crease::io::{FrameRows, Sidecar};
 use crease::math::Vec3;
 use crease::wear::WearScript;
 use crease::{Error, Result};
@@ -37,6 +38,10 @@ pub struct BakeInput {
     pub body: Option<Arc<AnimatedBody>>,
     /// Outcome of `--resolution`.
     pub refinement: Option<Refinement>,
+    /// Memory that the garment begins with.
+    pub earlier: Option<EarlierMemory>,
+    /// Warnings about it.
+    pub earlier_warnings: Vec<String>,
 }
 
 impl BakeInput {
@@ -53,7 +58,18 @@ impl BakeInput {
                 let options = arguments.options(body.as_ref());
                 let active = |garment: &Garment| active_points(garment, &script, &options);
                 let refinement = arguments.refine.refine(&arguments.mesh, &mut mesh.garment, active)?;
-                Ok(Self { mesh, script, script_file, fabric, body, refinement })
+                let earlier =
+                    if arguments.forget { None } else { EarlierMemory::read(&arguments.mesh, &mesh)? };
+                let (earlier, left_out) = match earlier {
+                    Some(Err(why)) => {
+                        (None, Some(format!("it has been worn already, and that is left out: {why}")))
+                    }
+                    Some(Ok(earlier)) => (Some(earlier), None),
+                    None => (None, None),
+                };
+                let other_fabric = earlier.as_ref().and_then(|earlier| earlier.fabric_warning(&fabric));
+                let earlier_warnings = left_out.into_iter().chain(other_fabric).collect();
+                Ok(Self { mesh, script, script_file, fabric, body, refinement, earlier, earlier_warnings })
             }
             (script, fabric, mesh) => {
                 Err(input::merge_errors([script.err(), fabric.err(), mesh.err()].into_iter().flatten()))
@@ -63,8 +79,18 @@ impl BakeInput {
 
     /// Returns which models the bake uses, and why.
     pub fn plan(&self, arguments: &Arguments) -> ModelPlan {
-        let options = arguments.options(self.body.as_ref());
-        Bake::new(&self.mesh.garment, &self.fabric, &self.script).options(options).plan()
+        self.bake(arguments).plan()
+    }
+
+    /// Returns the bake that is asked for.
+    pub fn bake(&self, arguments: &Arguments) -> Bake<'_> {
+        let bake = Bake::new(&self.mesh.garment, &self.fabric, &self.script)
+            .script_name(&self.script_file)
+            .options(arguments.options(self.body.as_ref()));
+        match &self.earlier {
+            Some(earlier) => bake.earlier_memory(&earlier.memory),
+            None => bake,
+        }
     }
 
     /// Describes garment and body as decisions, in front of those of the plan.
@@ -100,12 +126,12 @@ impl BakeInput {
         all
     }
 
-    /// Shows the vertices of the garment's file in `frames`; points of garments without a file's vertices as they are.
+    /// Shows the rows of the garment's file in `frames`; points of garments without a file's vertices as they are.
     pub fn show_vertices(&self, frames: &mut FrameFolder) {
         let coarse = self.refinement.as_ref().and_then(|refinement| refinement.coarse.as_ref());
         let garment = coarse.map_or(&self.mesh.garment, |coarse| &coarse.garment);
         match corner_vertices(&self.mesh.asset, garment) {
-            Some(triangles) => frames.show_vertices(&garment.source_point, &triangles),
+            Some(triangles) => frames.show_file(FrameRows::of_file(&self.mesh.asset, garment), &triangles),
             None => frames.show_points(&self.mesh.garment.triangles),
         }
     }

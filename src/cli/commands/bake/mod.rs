@@ -21,7 +21,7 @@ use crate::cli::runtime::console;
 use crate::cli::runtime::interrupt::Interrupt;
 use crate::cli::runtime::progress::Progress;
 use crate::cli::runtime::threads::use_threads;
-use crease::bake::{Bake, BakeResult, ModelDecision};
+use crease::bake::{BakeResult, ModelDecision};
 use crease::mesh::intersections::self_intersections;
 use crease::report::{Report, crossing_counts};
 use crease::{Error, Result};
@@ -62,6 +62,11 @@ fn bake_into(
         explain(&input, arguments, false)?;
     }
     job.accept_mesh(&mut input.mesh, &arguments.mesh, input.refinement.as_ref())?;
+    job.warn_before_run(std::mem::take(&mut input.earlier_warnings));
+    if let (Some(earlier), true) = (&input.earlier, arguments.run.is_verbose()) {
+        let sidecar = &earlier.sidecar;
+        console::message(&format!("goes on with the memory in {sidecar} (--forget leaves it out)"));
+    }
     input.check_writers(&job.files().extras())?;
     let start = self_intersections(&input.mesh.garment.points, &input.mesh.garment.triangles);
     job.inputs_read();
@@ -80,7 +85,8 @@ fn bake_into(
     let counts = crossing_counts(garment, &baked.worn, &start);
     let mut report = Report::of_bake(garment, &baked, counts);
     report.method = arguments.method().name().to_owned();
-    let mut sidecar = input.sidecar(&baked.worn, arguments.run_description(&baked))?;
+    let mut sidecar =
+        input.sidecar(&baked.worn, arguments.run_description(&baked, input.earlier.as_ref()))?;
     if arguments.sidecar_mesh == SidecarMesh::Simulated {
         sidecar = sidecar.with_simulated(&baked.simulated.garment, &baked.simulated.worn)?;
     }
@@ -140,9 +146,7 @@ fn simulate(
     let mut observer =
         BakeObserver { progress, frames, checkpoints, interrupt, frames_of_simulated, action_count };
     interrupt.set_exit_immediately(false);
-    let mut bake = Bake::new(&input.mesh.garment, &input.fabric, &input.script)
-        .script_name(&input.script_file)
-        .options(arguments.options(input.body.as_ref()));
+    let mut bake = input.bake(arguments);
     if let Some(saved) = &resumed {
         bake = bake.resume(&saved.file, saved.checkpoint.clone());
     }

@@ -6,6 +6,7 @@ use crate::io::gltf::append::Appender;
 use crate::io::gltf::detail::references::{VARIANTS, index_of, variant_mappings};
 use crate::io::gltf::detail::surface::{Surface, unit_or};
 use crate::io::gltf::detail::texels::Texels;
+use crate::io::gltf::embed::image_bytes;
 use crate::io::tuning::TUNING;
 use crate::math::{Vec2, Vec3};
 use serde_json::{Value, json};
@@ -104,13 +105,8 @@ pub(super) fn own_normal_map(
     let missing = "its picture is not in the file";
     let texture = index_of(&entry["index"]).ok_or(missing)?;
     let image = index_of(&document.json["textures"][texture]["source"]).ok_or(missing)?;
-    let view = index_of(&document.json["images"][image]["bufferView"]).ok_or(missing)?;
-    let view = &document.json["bufferViews"][view];
-    let (start, length) =
-        (index_of(&view["byteOffset"]).unwrap_or(0), index_of(&view["byteLength"]).ok_or(missing)?);
-    let buffer = document.buffers.get(index_of(&view["buffer"]).ok_or(missing)?).ok_or(missing)?;
-    let bytes = start.checked_add(length).and_then(|end| buffer.get(start..end)).ok_or(missing)?;
-    let texels = Texels::from_png(bytes).map_err(|reason| format!("only PNG can be combined ({reason})"))?;
+    let bytes = image_bytes(document, image).ok_or(missing)?;
+    let texels = Texels::from_png(&bytes).map_err(|reason| format!("only PNG can be combined ({reason})"))?;
     Ok(Some(OwnNormalMap { texels, scale: entry["scale"].as_f64().unwrap_or(1.0), transform }))
 }
 

@@ -1,0 +1,211 @@
+//! Garments that are worn again: what they remember is carried on, on the shape before any wear.
+
+#[path = "common/tool.rs"]
+mod tool;
+
+use crease::garment::Garment;
+use crease::io::gltf::{Accessors, WORN_TARGET};
+use crease::transfer::earlier_memory;
+use crease::{
+    Bake, BakeOptions, Fabric, GarmentFile, Quality, ReadOptions, RestState, WearScript, WornGarment,
+};
+use serde_json::Value;
+use std::path::Path;
+use tool::{Pose, crease_in, wavy_sheet};
+
+const LAY: &str = r#"{"lay": {"facing": "front", "over": 0.2}}"#;
+const FOLD_ACROSS: &str = r#"{"fold": {"line": [[0.5, 0], [0.5, 1]], "side": "left", "over": 0.5, "hold": 4}},
+    {"unfold": {"all": true, "over": 0.5}}"#;
+const FOLD_ALONG: &str = r#"{"fold": {"line": [[0, 0.5], [1, 0.5]], "side": "left", "over": 0.5, "hold": 4}},
+    {"unfold": {"all": true, "over": 0.5}}"#;
+
+fn script(actions: &[&str]) -> WearScript {
+    let text = format!(r#"{{"format": "crease-wear/1", "actions": [{}]}}"#, actions.join(", "));
+    WearScript::parse("wear.json", &text).expect("is a script")
+}
+
+fn bake(
+    garment: &Garment,
+    actions: &[&str],
+    own_triangles: bool,
+    earlier: Option<&RestState>,
+) -> WornGarment {
+    let fabric = Fabric::preset("kow-tshirt").expect("is a fabric");
+    let script = script(actions);
+    let options = BakeOptions { own_triangles, ..BakeOptions::for_quality(Quality::Draft) };
+    let mut bake = Bake::new(garment, &fabric, &script).options(options);
+    if let Some(earlier) = earlier {
+        bake = bake.earlier_memory(earlier);
+    }
+    bake.run().expect("runs").worn
+}
+
+/// Change of rest angle times length of hinge, summed over the hinges within 3 cm of the line x = 0.1 m or z = 0.1 m [rad m].
+fn crease(garment: &Garment, memory: &RestState, axis: usize) -> f64 {
+    let hinges = garment.topology.hinges.iter().enumerate();
+    let near = hinges
+        .filter(|(_, h)| h.points[..2].iter().all(|p| (garment.points[p.at()][axis] - 0.1).abs() < 0.03));
+    near.map(|(h, hinge)| {
+        let [a, b] = [0, 1].map(|k| garment.points[hinge.points[k].at()]);
+        // Only what runs along the line: hinges across it belong to the other fold.
+        let along = (b - a)[2 - axis].abs();
+        (memory.rest_angle[h] - memory.source_angle[h]) * along
+    })
+    .sum()
+}
+
+/// The creases of two bakes in a row are those of one bake of both scripts, on the file's triangles and on a mesh made for each script.
+#[test]
+fn a_second_bake_leaves_what_both_scripts_leave() {
+    let sheet = GarmentFile::sheet([0.2, 0.2], [10, 10]).expect("is a sheet").garment;
+    for own_triangles in [true, false] {
+        let first = bake(&sheet, &[LAY, FOLD_ACROSS], own_triangles, None);
+        let second = bake(&sheet, &[LAY, FOLD_ALONG], own_triangles, Some(&first.memory));
+        let both = bake(&sheet, &[LAY, FOLD_ACROSS, LAY, FOLD_ALONG], own_triangles, None);
+        let alone = bake(&sheet, &[LAY, FOLD_ALONG], own_triangles, None);
+        for axis in [0, 2] {
+            let [of_first, in_a_row, at_once] =
+                [&first, &second, &both].map(|worn| crease(&sheet, &worn.memory, axis));
+            println!(
+                "own {own_triangles} axis {axis}: {of_first:.4} {in_a_row:.4} {at_once:.4} {:.4}",
+                crease(&sheet, &alone.memory, axis)
+            );
+            assert!((in_a_row - at_once).abs() < 0.15 * at_once.abs(), "{in_a_row} {at_once}");
+            assert!(at_once.abs() > 0.02, "{at_once}");
+        }
+        let largest = |of: &dyn Fn(usize) -> f64| (0..sheet.points.len()).map(of).fold(0.0, f64::max);
+        let height = largest(&|p| both.displacement[p].norm());
+        let apart = largest(&|p| (both.displacement[p] - second.displacement[p]).norm());
+        println!("{height} {apart}");
+        assert!(apart < 0.25 * height, "{apart} m of {height} m");
+    }
+}
+
+/// What the second script does not touch stays as it was, bit for bit or nearly.
+#[test]
+fn what_is_not_worn_again_is_kept() {
+    let sheet = GarmentFile::sheet([0.2, 0.2], [10, 10]).expect("is a sheet").garment;
+    let first = bake(&sheet, &[LAY, FOLD_ACROSS], false, None).memory;
+    let second = bake(&sheet, &[LAY, r#"{"settle": {"for": 0.2}}"#], false, Some(&first)).memory;
+    for (h, (a, b)) in first.rest_angle.iter().zip(&second.rest_angle).enumerate() {
+        assert!((a - b).abs() < 1e-9, "hinge {h}: {a} {b}");
+    }
+    assert_eq!(first.stiffness_ratio, second.stiffness_ratio);
+}
+
+#[test]
+fn memory_of_another_garment_is_refused() {
+    let [sheet, other] = [4, 5].map(|n| GarmentFile::sheet([0.2, 0.2], [n, n]).expect("is a sheet").garment);
+    let memory = RestState::flat(other.topology.hinges.len(), other.triangles.len());
+    let (fabric, script) = (Fabric::preset("denim").expect("is a fabric"), script(&[LAY]));
+    let error = Bake::new(&sheet, &fabric, &script).earlier_memory(&memory).run().expect_err("is refused");
+    assert!(error.to_string().contains("other hinges or triangles"), "{error}");
+}
+
+fn report(folder: &Path, name: &str) -> Value {
+    let text = std::fs::read_to_string(folder.join(name)).expect("is there");
+    serde_json::from_str(&text).expect("is JSON")
+}
+
+/// Positions of the base shape, and displacements of the worn target.
+fn shapes(folder: &Path, name: &str) -> [Vec<f64>; 2] {
+    let file = GarmentFile::load(folder.join(name), &ReadOptions::default()).expect("reads");
+    let document = file.asset.document.as_ref().expect("is glTF");
+    let mesh = &document.json["meshes"][0];
+    let names = mesh["extras"]["targetNames"].as_array().expect("are named");
+    assert_eq!(names.iter().filter(|name| *name == WORN_TARGET).count(), 1, "{names:?}");
+    assert_eq!(mesh["weights"], serde_json::json!([1.0]));
+    let primitive = &mesh["primitives"][0];
+    [&primitive["attributes"]["POSITION"], &primitive["targets"][0]["POSITION"]].map(|accessor| {
+        let index = accessor.as_u64().expect("is an index") as usize;
+        Accessors::new(document).table(index, "test").expect("reads").values
+    })
+}
+
+#[test]
+fn the_tool_carries_memory_on_unless_told_to_forget() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("writes");
+    let wear =
+        |actions: &[&str]| format!(r#"{{"format": "crease-wear/1", "actions": [{}]}}"#, actions.join(", "));
+    write("sheet.obj", &wavy_sheet(8, 0.0, Pose::Lying));
+    write("across.json", &wear(&[LAY, FOLD_ACROSS]));
+    write("along.json", &wear(&[LAY, FOLD_ALONG]));
+    let bake =
+        |line: &str| crease_in(folder.path(), &format!("bake {line} --fabric kow-tshirt --quality draft"));
+    let (_, err, code) = bake("sheet.obj --wear across.json -o first.glb");
+    assert_eq!(code, 0, "{err}");
+    let (_, err, code) = bake("first.glb --wear along.json -o second.glb");
+    assert_eq!(code, 0, "{err}");
+    assert!(
+        err.contains("goes on with the memory in first.crease.json") && !err.contains("warning"),
+        "{err}"
+    );
+    let (_, err, code) = bake("first.glb --wear along.json -o forgot.glb --forget");
+    assert!(code == 0 && !err.contains("goes on"), "{err}");
+
+    let read = |name: &str| {
+        let file = GarmentFile::load(folder.path().join(name), &ReadOptions::default()).expect("reads");
+        let sidecar = name.replace(".glb", ".crease.json");
+        let text = std::fs::read(folder.path().join(&sidecar)).expect("is there");
+        let sidecar = crease::read_sidecar(&sidecar, &text).expect("reads");
+        let memory =
+            earlier_memory(name, &sidecar, &file.garment, &file.asset).expect("reads").expect("fits");
+        (file.garment, memory)
+    };
+    let creases = |name: &str| {
+        let (garment, memory) = read(name);
+        [0, 2].map(|axis| crease(&garment, &memory, axis))
+    };
+    let [first, second, forgot] = ["first.glb", "second.glb", "forgot.glb"].map(creases);
+    assert!(first[0].abs() > 0.02 && first[1].abs() < 0.002, "{first:?}");
+    assert!((second[0] - first[0]).abs() < 0.2 * first[0].abs(), "{first:?} {second:?}");
+    assert!(second[1].abs() > 0.02 && forgot[1].abs() > 0.02, "{second:?} {forgot:?}");
+    assert!(forgot[0].abs() < 0.002, "{forgot:?}");
+
+    // The base stays the shape before any wear, and the one worn target leads to what both leave.
+    let [[base, _], [base_again, worn]] = ["first.glb", "second.glb"].map(|name| shapes(folder.path(), name));
+    assert_eq!(base, base_again);
+    assert!(worn.iter().fold(0.0, |max: f64, d| max.max(d.abs())) > 0.005);
+    assert!(base.iter().skip(1).step_by(3).all(|y| y.abs() < 1e-6), "the base is flat");
+    let sidecar = report(folder.path(), "second.crease.json");
+    assert_eq!(sidecar["run"]["earlier"]["sidecar"], "first.crease.json");
+    let models = &report(folder.path(), "second.report.json")["models"];
+    assert!(
+        models.as_array().expect("a list").iter().any(|model| model["name"] == "earlier memory"),
+        "{models}"
+    );
+}
+
+/// A lost sidecar, that of another mesh, an applied file: the wear begins anew, with the reason and the cure.
+#[test]
+fn memory_that_cannot_be_carried_on_is_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    std::fs::write(path("sheet.obj"), wavy_sheet(4, 0.0, Pose::Lying)).expect("writes");
+    std::fs::write(path("fine.obj"), wavy_sheet(5, 0.0, Pose::Lying)).expect("writes");
+    let wear = format!(r#"{{"format": "crease-wear/1", "actions": [{LAY}, {FOLD_ACROSS}]}}"#);
+    std::fs::write(path("wear.json"), wear).expect("writes");
+    let bake = |line: &str| {
+        crease_in(folder.path(), &format!("bake {line} --wear wear.json --fabric kow-tshirt --quality draft"))
+    };
+    for (line, name) in [("sheet.obj", "worn"), ("fine.obj", "fine"), ("sheet.obj --apply", "applied")] {
+        let (_, err, code) = bake(&format!("{line} -o {name}.glb"));
+        assert_eq!(code, 0, "{err}");
+    }
+    let told = |line: &str, what: &str| {
+        let (_, err, code) = bake(&format!("{line} -o again.glb"));
+        assert!(
+            code == 0 && err.contains("worn already, and that is left out") && err.contains(what),
+            "{err}"
+        );
+    };
+    told("applied.glb", "before --apply");
+    std::fs::rename(path("worn.crease.json"), path("kept.json")).expect("moves");
+    told("worn.glb", "is not beside it");
+    std::fs::copy(path("fine.crease.json"), path("worn.crease.json")).expect("copies");
+    told("worn.glb", "is for a mesh of 36 vertices");
+    std::fs::copy(path("kept.json"), path("worn.crease.json")).expect("copies");
+    let (_, err, code) = bake("worn.glb -o again.glb --fabric denim");
+    assert!(code != 0 || err.contains("was earned on"), "{err}");
+}
