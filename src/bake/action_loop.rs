@@ -266,7 +266,9 @@ impl Run<'_> {
         self.report.cost += step.newton.cost;
         self.convergence.record(&step);
         self.violations.record(self.state.time, &step.violations);
-        if let Some(reason) = self.violations.reason_to_stop(self.state.time) {
+        let on_body = self.body.as_ref().filter(|_| self.persistent.body.is_some());
+        let lost = on_body.and_then(|body| body.reason_to_stop(self.state.time, &self.state.x));
+        if let Some(reason) = self.violations.reason_to_stop(self.state.time).or(lost) {
             return Err(Error::NotConverged(format!("{}: {reason}", action.name)));
         }
         let clock = Instant::now();

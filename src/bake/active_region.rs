@@ -1,10 +1,11 @@
 //! Selects the points that a moving body can affect; all others are fixed.
 //!
 //! Where only the body moves, cloth far from its moving parts stays where it is, on the static part of the body under it,
-//! and is left out of the solve. Active are the points near a moving part of the body in any of its poses, and those joined
-//! to them within a hand's breadth of cloth.
+//! and is left out of the solve. Active are the points near a moving part of the body in any of its poses, those whose
+//! leash moves, and those joined to them within a hand's breadth of cloth.
 
 use crate::bake::BakeOptions;
+use crate::bake::leash::GarmentLeash;
 use crate::bake::tuning::TUNING;
 use crate::body::{AnimatedBody, BodyPose};
 use crate::garment::Garment;
@@ -19,7 +20,15 @@ pub fn active_points(garment: &Garment, script: &WearScript, options: &BakeOptio
     let Some(animated) = options.body.as_ref().filter(|_| options.deactivate_static) else {
         return Vec::new();
     };
-    let active = points_near_motion(garment, animated, &script.body_poses(animated));
+    let poses = script.body_poses(animated);
+    let mut near = points_near_motion(garment, animated, &poses);
+    if let Some(leash) = GarmentLeash::new(garment, options) {
+        let moved = leash.moved_points(&poses, TUNING.active_region.min_body_motion);
+        near.iter_mut().zip(moved).for_each(|(near, moved)| *near |= moved);
+    }
+    let margin = TUNING.active_region.geodesic_margin;
+    let distance = edge_distances(&garment.points, &garment.topology, &near, margin);
+    let active: Vec<bool> = distance.into_iter().map(|distance| distance <= margin).collect();
     if active.contains(&true) { active } else { Vec::new() }
 }
 
@@ -47,6 +56,5 @@ fn points_near_motion(garment: &Garment, animated: &AnimatedBody, poses: &[BodyP
             *near = tree.nearest(positions, *x, tuning.max_body_distance).is_some();
         }
     }
-    let distance = edge_distances(&garment.points, &garment.topology, &near, tuning.geodesic_margin);
-    distance.into_iter().map(|distance| distance <= tuning.geodesic_margin).collect()
+    near
 }

@@ -4,9 +4,12 @@
 //! of the cloth on the body.
 
 use crate::bake::body_penetration::BodyPenetrationStats;
+use crate::bake::body_watch::BodyWatch;
+use crate::bake::leash::{GarmentLeash, follow_leashes};
+use crate::bake::static_contact::body_contact_settings;
 use crate::bake::tuning::TUNING;
 use crate::body::{AnimatedBody, BodyPose};
-use crate::contact::{BodyContactSettings, BodyContactState, BodyPlanes, ContactSettings};
+use crate::contact::{BodyContactState, BodyPlanes, ContactSettings};
 use crate::energy::{EdgeContact, PlaneContact};
 use crate::garment::{Garment, RestState};
 use crate::math::Vec3;
@@ -20,9 +23,15 @@ use std::sync::Arc;
 /// The body under the cloth during a run.
 pub(super) struct BodyCoupling {
     /// Contact planes of the body.
-    planes: BodyPlanes,
+    pub planes: BodyPlanes,
     /// Per point of the cloth: whether the moving body cannot affect it; empty when all can be affected.
     pub inactive: Vec<bool>,
+    /// What holds the cloth to its skin, if it has one.
+    leash: Option<GarmentLeash>,
+    /// Watch over what falls off or is broken through.
+    watch: BodyWatch,
+    /// Gap at which cloth rests on the body [m].
+    point_dhat: f64,
     /// Depth of cloth inside the body so far.
     pub penetration: BodyPenetrationStats,
 }
@@ -74,20 +83,13 @@ impl BodyCoupling {
         settings: &ContactSettings,
         areas: Vec<f64>,
     ) -> Self {
-        let settings = BodyContactSettings {
-            point_dhat: mean_square_edges(garment)
-                .into_iter()
-                .map(|square| settings.dhat + square / (8.0 * TUNING.body.limb_radius))
-                .collect(),
-            edge_dhat: settings.dhat,
-            stiffness: TUNING.body.contact_stiffness,
-            areas,
-            friction: settings.friction_body,
-            slip_velocity_tol: settings.slip_velocity_tol,
-        };
+        let settings = body_contact_settings(garment, settings, areas);
         Self {
+            watch: BodyWatch::new(garment, animated.rest_points()),
+            point_dhat: settings.mean_point_dhat(),
             planes: BodyPlanes::new(animated.rest_points(), animated.triangles(), settings),
             inactive: Vec::new(),
+            leash: None,
             penetration: BodyPenetrationStats::default(),
         }
     }
@@ -108,7 +110,16 @@ impl BodyCoupling {
             refined.inactive = refinement.flags(&self.inactive);
         }
         refined.penetration = self.penetration.clone();
+        refined.leash = self.leash.as_ref().map(|leash| leash.on_refined(refinement));
+        refined.watch = self.watch.on_refined(&refinement.mesh.garment, animated.rest_points());
         refined
+    }
+
+    /// Holds the cloth by `leash` from now on. Its points stand for `areas` [m²] and lay `depths` [m] inside the body at the
+    /// start; `stiffness` is that of contact per area [N/m³].
+    pub fn hold(&mut self, mut leash: GarmentLeash, areas: &[f64], stiffness: f64, depths: &[f64]) {
+        leash.prepare(areas, stiffness, depths, 2.0 * self.point_dhat);
+        self.leash = Some(leash);
     }
 
     /// Restores contact and statistics of a checkpoint that fits.
@@ -126,6 +137,11 @@ impl BodyCoupling {
         }
     }
 
+    /// Reason to end the run at `time` [s] with the cloth at `x` [m], while it is on the body.
+    pub fn reason_to_stop(&self, time: f64, x: &[Vec3]) -> Option<String> {
+        self.watch.reason_to_stop(time, x, self.planes.points(), &self.penetration)
+    }
+
     /// Drops what is cached between steps for speed alone.
     pub fn clear_caches(&mut self) {
         self.planes.clear_caches();
@@ -140,28 +156,39 @@ impl BodyCoupling {
         dt: f64,
     ) -> StepReport {
         let SteppedCloth { garment, stepper, state, rest } = cloth;
-        let (planes, inactive) = (&mut self.planes, &self.inactive);
+        let (planes, inactive, leash) = (&mut self.planes, &self.inactive, &self.leash);
         let start = state.time;
         let mut last: Option<ContactAtEnd> = None;
         let mut begun = false;
+        let mut leashes_before = Vec::new();
         let mut loads_at_time = |time: f64, state: &State| {
             let mut loads = runner.loads_at(time - begin, &state.x);
             last = None;
-            if let Some(points) = loads.body.take() {
+            if let Some(posed) = loads.body.take() {
                 if loads.fixed.is_empty() {
                     loads.fixed.clone_from(inactive);
                 }
                 if !begun {
+                    if let Some(leash) = leash {
+                        let before = runner.loads_at(start - begin, &state.x).body;
+                        leashes_before = leash.leashes(before.as_ref().unwrap_or(&posed), &loads.fixed);
+                    }
                     planes.begin_step(&state.x, &garment.triangles, &garment.topology, &loads.fixed);
                     begun = true;
                 }
-                let points: Arc<[Vec3]> = planes.resolve_self_contact(&points).into();
+                let points: Arc<[Vec3]> = planes.resolve_self_contact(&posed.points).into();
                 let normals = planes.normals(&points);
                 loads.plane_contacts =
                     planes.plane_contacts(&state.x, &points, &normals, time - start, loads.friction).into();
                 loads.edge_contacts = planes.edge_contacts(&points, &normals).into();
                 let carried = extrapolated(planes.carried_displacement(&state.x, &points), &garment.topology);
-                loads.body_displacement = smoothed(carried, &loads.fixed, &garment.topology).into();
+                let mut displacement = smoothed(carried, &loads.fixed, &garment.topology);
+                if let Some(leash) = leash {
+                    let leashes = leash.leashes(&posed, &loads.fixed);
+                    follow_leashes(&mut displacement, &leashes_before, &leashes, |p| planes.is_near(p));
+                    loads.leashes = leashes.into();
+                }
+                loads.body_displacement = displacement.into();
                 last = Some(ContactAtEnd {
                     positions: points,
                     planes: loads.plane_contacts.clone(),
@@ -174,23 +201,11 @@ impl BodyCoupling {
         if let Some(end) = last {
             let moves = planes.end_step(&state.x, &end.positions, &end.planes, &end.edges);
             let intersections = planes.raise_offsets(&state.x, &garment.triangles, moves);
-            self.penetration.record(state.time, &state.x, &end.planes, intersections);
+            let many = self.watch.max_pairs();
+            self.penetration.record(state.time, &state.x, &end.planes, intersections, many);
         }
         step
     }
-}
-
-/// Means of the squared lengths of the edges at every point of `garment` [m²].
-fn mean_square_edges(garment: &Garment) -> Vec<f64> {
-    let mut sum = vec![[0.0, 0.0]; garment.points.len()];
-    for &[a, b] in &garment.topology.edges {
-        let square = (garment.points[a.at()] - garment.points[b.at()]).norm_squared();
-        for p in [a, b] {
-            sum[p.at()][0] += square;
-            sum[p.at()][1] += 1.0;
-        }
-    }
-    sum.into_iter().map(|[square, count]| square / f64::max(count, 1.0)).collect()
 }
 
 /// Displacements of all points: where they are not known, those of the nearest points along the cloth.

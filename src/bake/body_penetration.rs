@@ -37,6 +37,12 @@ pub struct BodyPenetrationStats {
     self_fold: IntersectionCount,
     /// Steps with intersections where the body does not touch itself.
     steps: usize,
+    /// Time since which there are many of them without a pause [s].
+    #[serde(default)]
+    many_since: Option<f64>,
+    /// Intersections with which the run began: they count as the file's own.
+    #[serde(default)]
+    at_start: usize,
     /// Time of the first and the last step with cloth inside the body [s].
     times: Option<[f64; 2]>,
     /// Largest depth [m].
@@ -48,15 +54,18 @@ pub struct BodyPenetrationStats {
 
 impl BodyPenetrationStats {
     /// Records a step that ended at `time` [s] with the cloth at `x` [m], in contact by `planes`, and the
-    /// pairs that intersect then.
+    /// pairs that intersect then; more than `many` beyond those of the start are too many.
     pub(super) fn record(
         &mut self,
         time: f64,
         x: &[Vec3],
         planes: &[PlaneContact],
         intersections: BodyIntersections,
+        many: usize,
     ) {
         let BodyIntersections { open, self_fold } = intersections;
+        let is_many = open > self.at_start + many;
+        self.many_since = is_many.then(|| self.many_since.unwrap_or(time));
         self.open.record(open, time);
         self.self_fold.record(self_fold, time);
         self.steps += usize::from(open > 0);
@@ -68,6 +77,21 @@ impl BodyPenetrationStats {
             self.max_depth = depth;
             self.deepest_position = x.get(point as usize).copied().unwrap_or_else(Vec3::zeros);
         }
+    }
+
+    /// Sets the number of intersections with which the run begins.
+    pub(super) fn begin_with(&mut self, pairs: usize) {
+        self.at_start = pairs;
+    }
+
+    /// Number of pairs after the last step where the body does not touch itself.
+    pub(super) fn open_pairs(&self) -> usize {
+        self.open.last
+    }
+
+    /// Time since which there are many pairs without a pause [s].
+    pub(super) fn many_pairs_since(&self) -> Option<f64> {
+        self.many_since
     }
 
     /// Warnings on depth and intersections, if there were any.

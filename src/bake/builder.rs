@@ -3,6 +3,7 @@
 use crate::bake::checkpoint::Checkpoint;
 use crate::bake::findings::add_findings;
 use crate::bake::lay_first::mesh_for;
+use crate::bake::leash::GarmentLeash;
 use crate::bake::relax_to_source::{RelaxOptions, relax_to_source_pose};
 use crate::bake::setup::BakeSetup;
 use crate::bake::simulate::{SimulationResult, simulate};
@@ -13,7 +14,7 @@ use crate::bake::{
     BakeOptions, BakeResult, MeshChoice, ModelDecision, ModelPlan, Observer, Quality, SimulatedGarment,
     active_points,
 };
-use crate::body::AnimatedBody;
+use crate::body::{AnimatedBody, GarmentSkin};
 use crate::error::{Error, Result};
 use crate::fabric::Fabric;
 use crate::garment::{Garment, RestState, RigidParts, WornGarment};
@@ -68,13 +69,14 @@ impl<'a> Bake<'a> {
         Self { options, ..self }
     }
 
-    /// Sets the compromise between speed and accuracy; body, memory and frames stay as they are.
+    /// Sets the compromise between speed and accuracy; body, skin, memory and frames stay as they are.
     pub fn quality(self, quality: Quality) -> Self {
-        let BakeOptions { memory, frames_per_second, ref body, .. } = self.options;
+        let BakeOptions { memory, frames_per_second, ref body, ref skin, .. } = self.options;
         let options = BakeOptions {
             memory,
             frames_per_second,
             body: body.clone(),
+            skin: skin.clone(),
             ..BakeOptions::for_quality(quality)
         };
         Self { options, ..self }
@@ -83,6 +85,12 @@ impl<'a> Bake<'a> {
     /// Sets the body that wears the garment.
     pub fn body(mut self, body: Arc<AnimatedBody>) -> Self {
         self.options.body = Some(body);
+        self
+    }
+
+    /// Sets the skin of the garment in its file: on a body, points stay within a distance of where it would carry them.
+    pub fn skin(mut self, skin: Arc<GarmentSkin>) -> Self {
+        self.options.skin = Some(skin);
         self
     }
 
@@ -157,6 +165,10 @@ impl<'a> Bake<'a> {
         }
         plan.decisions.push(choice.decision);
         plan.decisions.extend(self.earlier.map(earlier_decision));
+        if let Some(leash) = GarmentLeash::new(garment, options) {
+            plan.decisions.push(leash.decision());
+            plan.decisions.extend(leash.memory_from_motion());
+        }
         plan
     }
 
@@ -207,7 +219,7 @@ impl<'a> Bake<'a> {
         let choice = mesh_for(garment, &setup, observer)?;
         let decision = choice.decision.clone();
         observer.on_mesh(if options.frames_of_simulated { &choice.mesh.garment } else { garment });
-        let reading = GarmentReading::new(garment, fabric.thickness());
+        let reading = GarmentReading::new(garment, fabric.thickness(), options.body.as_deref());
         let shown = options.shows_garment().then_some(&reading);
         let simulated = simulate(resume_from, choice, shown, &setup, observer)?;
         let SimulationResult { mesh, positions, rest, start, mut report, mut seconds, mut stepper } =
@@ -216,7 +228,8 @@ impl<'a> Bake<'a> {
 
         let clock = Instant::now();
         let relax_options = RelaxOptions::visible_on(garment, fabric);
-        let relaxed = relax_to_source_pose(&mesh.garment, fabric, &mut stepper, &rest, &relax_options);
+        let body = options.body.as_deref();
+        let relaxed = relax_to_source_pose(&mesh.garment, fabric, &mut stepper, &rest, &relax_options, body);
         let moved = |points: &[Vec3], by: &[Vec3]| points.iter().zip(by).map(|(x, d)| x + d).collect();
         let shape: Vec<Vec3> = moved(&mesh.garment.points, &relaxed.displacement);
         let (displacement, held) = reading.displacement(&mesh, &relaxed.displacement);
@@ -228,6 +241,7 @@ impl<'a> Bake<'a> {
             }
             _ => prolongate(&mesh, &rest, garment),
         };
+        report.decisions.extend(reading.body_decision(&displacement));
         let last: Vec<Vec3> =
             if options.frames_of_simulated { shape } else { moved(&garment.points, &displacement) };
         seconds.relax += clock.elapsed().as_secs_f64();

@@ -11,7 +11,8 @@
 //! | `plan`, `choose_mesh`, `body_creases`, `active_region` | models, mesh and points that a script needs |
 //! | `setup`, `run`, `action_loop`, `refinement`, `simulate`, `lay_first` | first phase |
 //! | `trims` | buttons and other small solids, which follow the cloth |
-//! | `body_coupling`, `body_penetration`, `depenetration` | the body under the cloth |
+//! | `body_coupling`, `body_penetration`, `body_watch`, `static_contact`, `depenetration` | the body under the cloth |
+//! | `leash`, `held_points` | what holds a garment that is skinned in its file |
 //! | `relax_to_source`, `relax`, `uncross` | second phase |
 //! | `observer`, `frames`, `report`, `findings`, `violation_log`, `initial_intersections` | what is reported |
 //! | `checkpoint` | interrupted runs |
@@ -21,6 +22,7 @@ mod active_region;
 mod body_coupling;
 mod body_creases;
 mod body_penetration;
+mod body_watch;
 mod builder;
 pub mod checkpoint;
 mod choose_mesh;
@@ -28,8 +30,10 @@ mod depenetration;
 mod findings;
 mod frames;
 mod from_motion;
+mod held_points;
 mod initial_intersections;
 mod lay_first;
+mod leash;
 mod observer;
 mod options;
 mod plan;
@@ -41,6 +45,7 @@ mod report;
 mod run;
 mod setup;
 mod simulate;
+mod static_contact;
 mod trims;
 mod tuning;
 mod uncross;

@@ -2,7 +2,7 @@
 
 use crate::bake::Quality;
 use crate::bake::tuning::TUNING;
-use crate::body::AnimatedBody;
+use crate::body::{AnimatedBody, GarmentSkin};
 use crate::sim::{NewtonOptions, StepOptions, StepRelaxation};
 use std::sync::Arc;
 
@@ -28,6 +28,8 @@ pub struct BakeOptions {
     pub frames_per_second: f64,
     /// The body that wears the garment.
     pub body: Option<Arc<AnimatedBody>>,
+    /// Skin of the garment in its file, by whose joints the body holds it; `None` for a garment that only contact holds.
+    pub skin: Option<Arc<GarmentSkin>>,
     /// Whether cloth that the moving body cannot affect is fixed.
     pub deactivate_static: bool,
     /// Whether the garment's own triangles are simulated instead of a mesh made for the script ([`crate::bake::MeshChoice`]).
@@ -54,6 +56,7 @@ impl Default for BakeOptions {
             full_fidelity: false,
             frames_per_second: 0.0,
             body: None,
+            skin: None,
             deactivate_static: true,
             own_triangles: false,
             hems: true,

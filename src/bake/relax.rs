@@ -69,5 +69,5 @@ fn relax_with(
 ) -> RelaxResult {
     let step = Quality::Standard.step_options_for(cloth.mass.iter().sum::<f64>() * GRAVITY);
     let mut stepper = Stepper::new(cloth, contact, step);
-    relax_to_source_pose(garment, fabric, &mut stepper, rest, options)
+    relax_to_source_pose(garment, fabric, &mut stepper, rest, options, None)
 }

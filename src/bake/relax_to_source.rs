@@ -11,10 +11,14 @@
 //! so that a crease stands out as it would in cloth that lies, and nothing larger moves. Without memory the source pose
 //! itself is the minimum. Cloth as stiff as it is against stretch cannot crease across a curved surface (a garment in the shape of
 //! a body) without moving as a whole, which the tether forbids: here it stretches more easily. The rest state is applied in equal
-//! load increments; self-contact acts as in any other step.
+//! load increments; self-contact acts as in any other step. Beside a body the cloth is kept out of it as far as it is out of it in the
+//! source pose (`static_contact`).
 
+use crate::bake::static_contact::{FoundContacts, StaticContact, body_contact_settings};
 use crate::bake::tuning::TUNING;
-use crate::energy::{Energy, TargetSpring, TargetSprings};
+use crate::body::AnimatedBody;
+use crate::contact::BodyPlanes;
+use crate::energy::{EdgeContacts, Energy, PlaneContacts, TargetSpring, TargetSprings};
 use crate::fabric::Fabric;
 use crate::garment::{Garment, RestState};
 use crate::math::Vec3;
@@ -59,13 +63,15 @@ impl RelaxOptions {
     }
 }
 
-/// Relaxes `garment` of `fabric` with the rest state `rest`, by the solver and contact of `stepper`.
+/// Relaxes `garment` of `fabric` with the rest state `rest`, by the solver and contact of `stepper`, beside `body` if it is worn
+/// on one.
 pub(super) fn relax_to_source_pose(
     garment: &Garment,
     fabric: &Fabric,
     stepper: &mut Stepper,
     rest: &RestState,
     options: &RelaxOptions,
+    body: Option<&AnimatedBody>,
 ) -> RelaxResult {
     let mut result = RelaxResult::default();
     let changed = rest.rest_angle != rest.source_angle
@@ -95,18 +101,33 @@ pub(super) fn relax_to_source_pose(
     // The models are cloned so that their terms may live beside the stepper they are given to.
     let (mut model, bending) = (stepper.cloth.membrane.clone(), stepper.cloth.bending.clone());
     model.limit_stiffness(options.max_stretch);
-    for increment in 1..=increments {
-        let partial = scaled_memory(rest, f64::from(increment) / f64::from(increments));
+    let mut planes = body.map(|body| {
+        let settings = body_contact_settings(garment, stepper.contact.settings(), stepper.cloth.area.clone());
+        BodyPlanes::new(body.rest_points(), body.triangles(), settings)
+    });
+    let mut beside =
+        planes.as_mut().zip(body).map(|(planes, body)| StaticContact::new(planes, garment, body));
+    // Where triangles still intersect the body, contact acts from farther away in the next round.
+    let rounds = increments + if body.is_some() { TUNING.relax.body_rounds } else { 0 };
+    for round in 1..=rounds {
+        let partial = scaled_memory(rest, f64::from(round.min(increments)) / f64::from(increments));
         let membrane = model.term(&partial, &[], f64::INFINITY);
         let last_angle = angle.clone();
         let bending_term = bending.term(&partial, &last_angle, f64::INFINITY);
         let tethers = TargetSprings(&springs);
-        let terms: [&dyn Energy; 3] = [&membrane, &bending_term, &tethers];
-        let is_last = increment == increments;
+        let found = match &mut beside {
+            Some(beside) => beside.find(&x, Some(&garment.points)),
+            None => FoundContacts { planes: Vec::new(), edges: Vec::new() },
+        };
+        let (on_planes, on_edges) = (PlaneContacts(&found.planes), EdgeContacts(&found.edges));
+        let terms: [&dyn Energy; 5] = [&membrane, &bending_term, &tethers, &on_planes, &on_edges];
         let solved = stepper.equilibrium(&mut x, &terms, &newton);
+        if let Some(beside) = &mut beside {
+            beside.accept(&x, &found);
+        }
         result.solves += solved.global_iterations as u64;
         result.local_solves += solved.local_iterations as u64;
-        if !solved.converged && is_last {
+        if !solved.converged && round == rounds {
             let what = format!(
                 "relaxation: the equilibrium did not converge in {} iterations (last displacement {:.1e} m)",
                 newton.max_iterations, solved.max_displacement

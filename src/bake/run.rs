@@ -6,6 +6,7 @@ use crate::bake::checkpoint::{Checkpoint, CheckpointPosition, RunCounts, fingerp
 use crate::bake::choose_mesh::RefinementRule;
 use crate::bake::depenetration::depenetrate;
 use crate::bake::frames::FrameSchedule;
+use crate::bake::leash::GarmentLeash;
 use crate::bake::report::{BakeReport, StageSeconds, StepConvergence};
 use crate::bake::setup::{BakeSetup, BodySetup};
 use crate::bake::uncross::GarmentReading;
@@ -92,6 +93,7 @@ impl<'a> Run<'a> {
         let body = BodySetup::prepare(garment, setup)?;
         if let Some(body) = &body {
             plan.apply_body(fabric, &body.animated, &body.inactive, options.full_fidelity);
+            plan.decisions.extend(body.leash.as_ref().map(GarmentLeash::decision));
         }
         let stepper = setup.stepper(garment, &plan);
         let source_angle = stepper.cloth.bending.angles(&garment.points, &[]);
@@ -147,7 +149,7 @@ impl<'a> Run<'a> {
     /// Puts the garment on the body: by depenetration at the beginning, as it was in a checkpoint.
     fn put_on(&mut self, body: BodySetup, resume_from: Option<&BodyCheckpoint>) {
         let clock = Instant::now();
-        let BodySetup { animated, depths, inactive } = body;
+        let BodySetup { animated, depths, inactive, leash } = body;
         let settings = self.stepper.contact.settings();
         let mut coupling =
             BodyCoupling::new(&self.mesh.garment, &animated, settings, self.stepper.cloth.area.clone());
@@ -163,14 +165,19 @@ impl<'a> Run<'a> {
                 state: &mut self.state,
                 rest: &self.memory.effective_rest,
             };
-            let done = depenetrate(&mut coupling, cloth, &animated, &depths);
+            let done = depenetrate(&mut coupling.planes, cloth, &animated, &depths);
             self.report.solves += done.solves;
             self.report.local_solves += done.local_solves;
+            coupling.penetration.begin_with(done.crossing_after);
             self.report.warnings.extend(done.warnings());
             self.persistent.body = Some(PosedBody::new(&animated, animated.rest()));
             self.seconds.depenetrate = clock.elapsed().as_secs_f64();
         }
         coupling.inactive = inactive;
+        if let Some(leash) = leash {
+            let stiffness = self.stepper.contact.settings().stiffness;
+            coupling.hold(leash, &self.stepper.cloth.area, stiffness, &depths);
+        }
         self.body = Some(coupling);
     }
 

@@ -2,6 +2,7 @@
 
 use crate::bake::active_region::active_points;
 use crate::bake::depenetration::penetration_depths;
+use crate::bake::leash::GarmentLeash;
 use crate::bake::{BakeOptions, ModelPlan};
 use crate::body::AnimatedBody;
 use crate::contact::Contact;
@@ -65,6 +66,8 @@ pub(super) struct BodySetup {
     pub depths: Vec<f64>,
     /// Per point of the garment: whether the body cannot affect it; empty when all can be affected.
     pub inactive: Vec<bool>,
+    /// What holds the garment to its skin, if it has one.
+    pub leash: Option<GarmentLeash>,
 }
 
 impl BodySetup {
@@ -86,6 +89,7 @@ impl BodySetup {
         }
         let inactive =
             active_points(garment, setup.script, setup.options).iter().map(|active| !active).collect();
-        Ok(Some(Self { animated: animated.clone(), depths, inactive }))
+        let leash = GarmentLeash::new(garment, setup.options);
+        Ok(Some(Self { animated: animated.clone(), depths, inactive, leash }))
     }
 }

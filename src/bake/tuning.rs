@@ -17,6 +17,10 @@ pub(super) struct BakeTuning {
     pub body_creases: BodyCreaseTuning,
     /// Coupling to a body, and depenetration.
     pub body: BodyTuning,
+    /// The leash of a garment that is skinned in its file.
+    pub leash: LeashTuning,
+    /// The watch over a garment on its body.
+    pub body_watch: BodyWatchTuning,
     /// Relaxation to the source pose.
     pub relax: RelaxTuning,
     /// Layers kept apart where the garment's own triangles would cross.
@@ -137,14 +141,72 @@ pub(super) struct BodyTuning {
     pub max_usual_depth: f64,
     /// Search distance for the depth of a point inside the body [m].
     pub depth_search: f64,
-    /// Steps of depenetration that are always made.
-    pub min_depenetration_steps: usize,
-    /// Steps of depenetration at most.
-    pub max_depenetration_steps: usize,
-    /// Length of a step of depenetration [s].
-    pub depenetration_dt: f64,
-    /// Drag during depenetration [1/s]: pushed points stop at once.
-    pub depenetration_drag: f64,
+    /// Fraction of the points of a garment that may lie deeper than it may fit [-], default 0.05: single points of a file are
+    /// often inside, a garment that does not fit has many there.
+    pub max_deep_fraction: f64,
+    /// Rounds of leading deep points out at most.
+    pub lead_out_rounds: usize,
+    /// Positions on the way of such a point that are tried.
+    pub lead_out_steps: u32,
+    /// Equilibria of depenetration at most, each with the contacts of where the last ended.
+    pub max_dressing_rounds: usize,
+    /// Newton iterations of each at most.
+    pub dressing_iterations: usize,
+    /// Stiffness of the tether to the positions of the file during depenetration over that of contact [-], default 1e-4: it
+    /// yields to contact and keeps the rest of the garment in place.
+    pub dressing_tether: f64,
+}
+
+/// The leash of a garment that is skinned in its file.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct LeashTuning {
+    /// Growth of a leash with the way along the cloth from what is held [-], default 0.5: cloth that hangs from there swings by
+    /// 30 degrees before it is stopped, more farther down.
+    pub growth: f64,
+    /// Way along the cloth from what is held at which a leash would be endless [m], default 0.6. Cloth is free from three quarters of
+    /// it on, where the leash is twice as long as that way.
+    pub free_way: f64,
+    /// Value of a mask above which a point is held [-].
+    pub min_held_value: f64,
+    /// Height below the highest border of a part, as a fraction of the height of the part, down to which borders are upper
+    /// ones [-], default 0.1.
+    pub top_band: f64,
+    /// Largest height of a border that is held as a whole, as a fraction of the height of its part [-], default 0.25.
+    pub level_border: f64,
+    /// Distance within which a body is under cloth, as a fraction of the width of the cloth [-], default 0.6: a body in the
+    /// middle of a tube lies within half of it.
+    pub width_reach: f64,
+    /// The same for cloth without another side [m], default 0.5.
+    pub open_reach: f64,
+    /// The same at least [m], default 0.08.
+    pub min_reach: f64,
+    /// Smallest width [m]: layers of one garment are nearer to each other.
+    pub min_width: f64,
+    /// Largest width that is looked for [m].
+    pub max_width: f64,
+    /// Cosine of the angle to the outward normal above which a body lies beside or outside closed cloth [-], default -0.3.
+    pub max_inner_cosine: f64,
+    /// Way along the cloth from cloth with a body under it up to which it is not held [m], default 0.05.
+    pub uncovered_margin: f64,
+    /// Fraction of held points from which memory from the animation is enough [-], default 0.8.
+    pub min_remembered: f64,
+    /// Length of a leash up to which points off the body are carried along with their skin [m], default 0.3.
+    pub following_length: f64,
+    /// The same for points that the surface of the body carries [m], default 0.02.
+    pub carried_length: f64,
+}
+
+/// The watch over a garment on its body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct BodyWatchTuning {
+    /// Distance from the bounding box of the body beyond which a part has fallen off [m], default 0.15.
+    pub margin: f64,
+    /// Pairs of triangles through which the body breaks that are too many at least, beyond those of the start, default 200.
+    pub min_pairs: usize,
+    /// The same as a fraction of the triangles of the garment [-], default 0.1.
+    pub max_pair_fraction: f64,
+    /// Time for which there may be so many [s], default 0.5: a fast motion recovers within that.
+    pub max_time: f64,
 }
 
 /// Relaxation to the source pose.
@@ -152,6 +214,8 @@ pub(super) struct BodyTuning {
 pub(super) struct RelaxTuning {
     /// Equal load increments of the memory: a crease of 170 degrees at once would be a jump.
     pub load_increments: u32,
+    /// Further rounds on a body, with its contacts where the last round ended.
+    pub body_rounds: u32,
     /// Energy tolerance as the height by which it would lift the garment [m]: a tenth of what a step asks for, far below
     /// what is visible.
     pub energy_tol_m: f64,
@@ -271,13 +335,34 @@ impl BakeTuning {
             max_fit_depth: 0.030,
             max_usual_depth: 0.015,
             depth_search: 0.3,
-            min_depenetration_steps: 8,
-            max_depenetration_steps: 60,
-            depenetration_dt: 0.1,
-            depenetration_drag: 20.0,
+            max_deep_fraction: 0.05,
+            lead_out_rounds: 8,
+            lead_out_steps: 8,
+            max_dressing_rounds: 12,
+            dressing_iterations: 15,
+            dressing_tether: 1e-4,
         },
+        leash: LeashTuning {
+            growth: 0.5,
+            free_way: 0.6,
+            min_held_value: 0.5,
+            top_band: 0.1,
+            level_border: 0.25,
+            width_reach: 0.6,
+            open_reach: 0.5,
+            min_reach: 0.08,
+            min_width: 0.01,
+            max_width: 1.5,
+            max_inner_cosine: -0.3,
+            uncovered_margin: 0.05,
+            min_remembered: 0.8,
+            following_length: 0.3,
+            carried_length: 0.02,
+        },
+        body_watch: BodyWatchTuning { margin: 0.15, min_pairs: 200, max_pair_fraction: 0.1, max_time: 0.5 },
         relax: RelaxTuning {
             load_increments: 6,
+            body_rounds: 3,
             energy_tol_m: 3e-7,
             displacement_tol: 1e-5,
             max_iterations: 60,

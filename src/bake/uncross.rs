@@ -3,15 +3,17 @@
 //! Layers of the simulated mesh never cross. Read off at the points of the garment, whose triangles are others, layers that lie close
 //! may: a chord over a fold cuts through the layer inside of it. Wherever an edge passes through a triangle, the place of both on
 //! the simulated surface says on which side of one another they belong and how far apart; their corners are moved there, round
-//! by round (position-based dynamics, Müller and others 2007), until nothing crosses.
+//! by round (position-based dynamics, Müller and others 2007), until nothing crosses. What is exported does not cross the body where the
+//! file does not, either: where it would, the displacement is scaled down.
 
 use crate::bake::ModelDecision;
 use crate::bake::tuning::TUNING;
+use crate::body::AnimatedBody;
 use crate::garment::Garment;
 use crate::math::Vec3;
 use crate::mesh::PointIndex;
 use crate::mesh::distance::barycentric;
-use crate::mesh::intersections::self_intersections;
+use crate::mesh::intersections::{intersections_between, self_intersections};
 use crate::mesh::triangle::corners;
 use crate::remesh::{SimulationMesh, SurfaceFinder, interpolate};
 use rustc_hash::FxHashSet;
@@ -23,6 +25,22 @@ pub(super) struct GarmentReading<'a> {
     thickness: f64,
     /// Pairs of triangles that cross in the source pose.
     own: FxHashSet<[u32; 2]>,
+    /// The body that it is worn on.
+    body: Option<BodyBeside<'a>>,
+}
+
+/// A body in the pose of its file.
+struct BodyBeside<'a> {
+    body: &'a AnimatedBody,
+    /// Pairs of a triangle of the garment and one of the body that cross in the source pose.
+    own: FxHashSet<[u32; 2]>,
+}
+
+impl BodyBeside<'_> {
+    /// Pairs of a triangle of `garment`, with its points at `x` [m], and one of the body that cross.
+    fn crossing(&self, garment: &Garment, x: &[Vec3]) -> Vec<[u32; 2]> {
+        intersections_between(x, &garment.triangles, self.body.rest_points(), self.body.triangles())
+    }
 }
 
 /// An edge that passes through a triangle.
@@ -36,10 +54,38 @@ struct Passage {
 }
 
 impl<'a> GarmentReading<'a> {
-    /// Readings for `garment`, whose layers are `thickness` [m] thick.
-    pub fn new(garment: &'a Garment, thickness: f64) -> Self {
+    /// Readings for `garment`, whose layers are `thickness` [m] thick, and which is worn on `body` if there is one.
+    pub fn new(garment: &'a Garment, thickness: f64, body: Option<&'a AnimatedBody>) -> Self {
         let own = self_intersections(&garment.points, &garment.triangles).into_iter().collect();
-        Self { garment, thickness, own }
+        let body = body.map(|body| {
+            let beside = BodyBeside { body, own: FxHashSet::default() };
+            let own = beside.crossing(garment, &garment.points).into_iter().collect();
+            BodyBeside { own, ..beside }
+        });
+        Self { garment, thickness, own, body }
+    }
+
+    /// Triangles of the garment, with its points at `x` [m], that cross one another or the body and do not in the source
+    /// pose.
+    fn faulty_triangles(&self, x: &[Vec3]) -> Vec<u32> {
+        let layers = self.crossing(x, &self.garment.triangles, None).into_iter().flatten();
+        let on_body = self.body.iter().flat_map(|beside| {
+            let pairs = beside.crossing(self.garment, x).into_iter();
+            pairs.filter(|pair| !beside.own.contains(pair)).map(|[of_garment, _]| of_garment)
+        });
+        layers.chain(on_body).collect()
+    }
+
+    /// The decision that says how much of the garment crosses the body with `displacement` [m], beside what does in its file;
+    /// `None` without a body.
+    pub fn body_decision(&self, displacement: &[Vec3]) -> Option<ModelDecision> {
+        let beside = self.body.as_ref()?;
+        let x: Vec<Vec3> = self.garment.points.iter().zip(displacement).map(|(x, d)| x + d).collect();
+        let (now, before) = (beside.crossing(self.garment, &x).len(), beside.own.len());
+        let why = format!(
+            "{now} pairs of triangles cross the body in the shape that is exported, {before} in the file"
+        );
+        Some(ModelDecision { name: "body in result", on: true, why })
     }
 
     /// Positions of the garment's points [m] with the points of `mesh` at `x` [m].
@@ -87,30 +133,31 @@ impl<'a> GarmentReading<'a> {
         let shape: Vec<Vec3> = mesh.garment.points.iter().zip(displacement).map(|(x, d)| x + d).collect();
         let mut points = self.read(mesh, &shape);
         let mut held = vec![false; points.len()];
-        if !mesh.is_source {
+        if !mesh.is_source || self.body.is_some() {
             for round in 0..TUNING.uncross.max_rounds {
-                let crossing = self.crossing(&points, &self.garment.triangles, None);
-                if crossing.is_empty() {
+                let faulty = self.faulty_triangles(&points);
+                if faulty.is_empty() {
                     break;
                 }
                 let last = round + 1 == TUNING.uncross.max_rounds;
                 let factor = if last { 0.0 } else { TUNING.uncross.hold_back_factor };
-                for p in self.corners_and_neighbours(&crossing, 1 + round / 8) {
+                for p in self.corners_and_neighbours(&faulty, 1 + round / 8) {
                     points[p] = source[p] + (points[p] - source[p]) * factor;
                     held[p] = true;
                 }
             }
         }
         let count = held.iter().filter(|held| **held).count();
-        let why = format!("{count} of {} points, where layers would cross", points.len());
+        let why =
+            format!("{count} of {} points, where layers would cross one another or the body", points.len());
         let decision = (count > 0).then_some(ModelDecision { name: "held back", on: true, why });
         (points.iter().zip(source).map(|(x, source)| x - source).collect(), decision)
     }
 
-    /// Points of the triangles of `pairs`, and those at most `rings` edges away.
-    fn corners_and_neighbours(&self, pairs: &[[u32; 2]], rings: usize) -> Vec<usize> {
+    /// Points of `triangles`, and those at most `rings` edges away.
+    fn corners_and_neighbours(&self, triangles: &[u32], rings: usize) -> Vec<usize> {
         let mut marked = vec![false; self.garment.points.len()];
-        let corners = pairs.iter().flatten().flat_map(|&f| self.garment.triangles[f as usize]);
+        let corners = triangles.iter().flat_map(|&f| self.garment.triangles[f as usize]);
         corners.for_each(|p| marked[p.at()] = true);
         for _ in 0..rings {
             let before = marked.clone();

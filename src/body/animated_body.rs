@@ -152,6 +152,15 @@ impl AnimatedBody {
         &self.notes
     }
 
+    /// Removes the triangles of which most corners are vertices that `is_removed` names by their number; returns how many.
+    pub(super) fn remove_triangles(&mut self, is_removed: impl Fn(usize) -> bool) -> usize {
+        let before = self.triangles.len();
+        let removed: Vec<bool> = self.first_vertex.iter().map(|v| is_removed(*v as usize)).collect();
+        let is_gone = |p: &&PointIndex| removed.get(p.at()).copied().unwrap_or(false);
+        self.triangles.retain(|t| t.iter().filter(is_gone).count() < 2);
+        before - self.triangles.len()
+    }
+
     /// Adds a note on the file.
     pub fn add_note(&mut self, note: String) {
         self.notes.push(note);

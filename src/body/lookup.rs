@@ -229,6 +229,15 @@ impl RigPiece {
         }
     }
 
+    /// Returns the nodes of the joints that it is bound to, whatever their weights.
+    pub(super) fn joint_nodes(&self) -> Vec<usize> {
+        match &self.binding {
+            SkinBinding::Static => Vec::new(),
+            SkinBinding::Node(node) => vec![*node],
+            SkinBinding::Skin { joints, .. } => joints.iter().map(|joint| joint.node).collect(),
+        }
+    }
+
     /// Returns whether the weights of its morph targets are those of `node`.
     fn is_morphed_at(&self, node: usize) -> bool {
         self.morph.as_ref().is_some_and(|morph| morph.node == node)

@@ -7,6 +7,8 @@
 
 mod animated_body;
 pub mod clip;
+mod garment_skin;
+mod layers;
 mod lookup;
 pub mod rig;
 mod root_motion;
@@ -14,6 +16,7 @@ pub mod sequence;
 pub mod skeleton;
 
 pub use animated_body::{AnimatedBody, BodyMotion, BodyPose, FRAMES_CLIP, PosedBody, interpolate_body_pose};
+pub use garment_skin::{GarmentSkin, SkinLocation};
 pub use lookup::LookupError;
 pub use root_motion::RootMotion;
 pub use sequence::Sequence;

@@ -95,12 +95,20 @@ impl Rig {
     /// Returns the positions [m] of the vertices of all pieces in `pose`, piece after piece. With `morph`, these weights of
     /// the morph targets of every piece apply, else those of the file.
     pub fn vertices(&self, pose: &[NodeTransform], morph: Option<&[Vec<f64>]>) -> Vec<Vec3> {
-        let worlds: Vec<Mat4> =
-            self.skeleton.world_transforms(pose).iter().map(|world| self.to_scene * world).collect();
+        self.vertices_under(&self.scene_transforms(pose), morph)
+    }
+
+    /// Returns the transform of every node to the scene, in metres, y up.
+    pub fn scene_transforms(&self, pose: &[NodeTransform]) -> Vec<Mat4> {
+        self.skeleton.world_transforms(pose).iter().map(|world| self.to_scene * world).collect()
+    }
+
+    /// Returns the positions [m] of the vertices of all pieces where the nodes have the transforms `worlds` to the scene.
+    pub fn vertices_under(&self, worlds: &[Mat4], morph: Option<&[Vec<f64>]>) -> Vec<Vec3> {
         let mut all = Vec::with_capacity(self.pieces.iter().map(|piece| piece.positions.len()).sum());
         for (k, piece) in self.pieces.iter().enumerate() {
             let own = piece.morphed(morph.and_then(|all| all.get(k)));
-            all.extend(piece.skinned(&own, &worlds, &self.to_scene));
+            all.extend(piece.skinned(&own, worlds, &self.to_scene));
         }
         all
     }

@@ -216,6 +216,11 @@ impl BodyPlanes {
         }
     }
 
+    /// Returns whether the body is near the point `p` of the cloth in this step.
+    pub fn is_near(&self, p: usize) -> bool {
+        self.footpoints[p].is_some()
+    }
+
     /// Returns outward unit normals with the body at `target` [m], one per point.
     pub fn normals(&self, target: &[Vec3]) -> Vec<Vec3> {
         point_normals(target, &self.triangles)

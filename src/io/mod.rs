@@ -5,6 +5,7 @@
 mod body;
 mod error_list;
 mod frames;
+mod garment_skin;
 pub mod gltf;
 mod landmarks;
 mod obj;
@@ -18,6 +19,7 @@ mod usd;
 
 pub use body::sequence_from_assets;
 pub use frames::write_frame_obj;
+pub use garment_skin::read_garment_skin;
 pub use landmarks::{Landmark, Landmarks};
 pub use read::{ReadOptions, read_asset};
 pub use shape_obj::{FrameRow, FrameRows, read_shape_obj, write_shape_obj};

@@ -1,6 +1,7 @@
 //! External loads on the cloth during one step: gravity, springs, pressure, planes, fixed points and the body.
 
-use crate::energy::{EdgeContact, PlaneContact, TargetSpring};
+use crate::body::PosedBody;
+use crate::energy::{EdgeContact, Leash, PlaneContact, TargetSpring};
 use crate::math::Vec3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -27,16 +28,19 @@ pub struct Loads {
     pub ground: Option<f64>,
     /// Height of a ceiling that presses from above [m], if there is one.
     pub ceiling: Option<f64>,
-    /// Positions of the points of the body, one per point of the body [m]; `None` without a body.
+    /// The body in its pose; `None` without a body.
     // Actions set it again when a run is resumed.
     #[serde(skip)]
-    pub body: Option<Arc<[Vec3]>>,
+    pub body: Option<PosedBody>,
     /// Contacts of single points of the cloth with the body, which a bake finds from `body` in every step.
     #[serde(skip)]
     pub plane_contacts: Arc<[PlaneContact]>,
     /// Contacts of triangles of the cloth with the body, found together with them.
     #[serde(skip)]
     pub edge_contacts: Arc<[EdgeContact]>,
+    /// Leashes of points of the cloth to their skinned positions, which a bake finds from the pose of `body`.
+    #[serde(skip)]
+    pub leashes: Arc<[Leash]>,
     /// Displacements with which the body carries the cloth along in this step, one per point [m]: the initial guess of
     /// the solver. Empty for none.
     #[serde(skip)]
@@ -91,6 +95,7 @@ impl Loads {
             body: None,
             plane_contacts: Arc::new([]),
             edge_contacts: Arc::new([]),
+            leashes: Arc::new([]),
             body_displacement: Arc::new([]),
             friction: 1.0,
             springs: Vec::new(),

@@ -1,8 +1,8 @@
 //! The energy terms of one stage of a step.
 
 use crate::energy::{
-    BendingTerm, Drag, EdgeContacts, Energy, Gravity, MembraneTerm, PlaneContacts, Pressure, ShrinkingSphere,
-    TargetSprings,
+    BendingTerm, Drag, EdgeContacts, Energy, Gravity, Leashes, MembraneTerm, PlaneContacts, Pressure,
+    ShrinkingSphere, TargetSprings,
 };
 use crate::sim::cloth::Cloth;
 use crate::sim::integrator::Stage;
@@ -39,6 +39,9 @@ pub(super) fn stage_terms<'a>(
     }
     if !loads.edge_contacts.is_empty() {
         terms.push(Box::new(EdgeContacts(&loads.edge_contacts)));
+    }
+    if !loads.leashes.is_empty() {
+        terms.push(Box::new(Leashes(&loads.leashes)));
     }
     if loads.drag > 0.0 {
         let rate = loads.drag / stage.effective_dt;

@@ -132,7 +132,7 @@ impl ActionStart {
 }
 
 /// A runner with loads that do not change.
-pub(crate) struct ConstantLoads {
+pub(super) struct ConstantLoads {
     /// The loads.
     pub loads: Loads,
     /// See [`ActionRunner::may_end_early`].

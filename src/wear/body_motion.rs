@@ -22,12 +22,11 @@ pub(super) struct TimeSpan {
     pub end: f64,
 }
 
-/// Points of a body at a time.
-pub(super) struct CachedPoints {
+/// The body at a time.
+pub(super) struct CachedBody {
     /// Time after the start [s].
     time: f64,
-    /// Positions [m].
-    points: Arc<[Vec3]>,
+    posed: PosedBody,
 }
 
 /// A body that moves through poses.
@@ -43,7 +42,7 @@ pub(super) struct BodyMotionRunner {
     still: Vec<TimeSpan>,
     duration: f64,
     /// The result of the last request: a step asks several times.
-    cached: Option<CachedPoints>,
+    cached: Option<CachedBody>,
 }
 
 impl BodyMotionRunner {
@@ -67,13 +66,13 @@ impl BodyMotionRunner {
 impl ActionRunner for BodyMotionRunner {
     fn loads_at(&mut self, t: f64, _x: &[Vec3]) -> Loads {
         let cached = self.cached.take().filter(|cached| cached.time == t);
-        let points =
-            cached.map_or_else(|| self.body.points(&(self.pose_at)(t)).into(), |cached| cached.points);
-        self.cached = Some(CachedPoints { time: t, points: points.clone() });
+        let posed =
+            cached.map_or_else(|| PosedBody::new(&self.body, (self.pose_at)(t)), |cached| cached.posed);
+        self.cached = Some(CachedBody { time: t, posed: posed.clone() });
         let max_dt_moving = TUNING.body.max_dt_moving;
         let stands = self.still.iter().any(|span| span.start + max_dt_moving < t && t <= span.end + 1e-9);
         let max_dt = if stands { f64::INFINITY } else { max_dt_moving };
-        Loads { body: Some(points), max_dt, guided: !stands, ..self.idle_loads.clone() }
+        Loads { body: Some(posed), max_dt, guided: !stands, ..self.idle_loads.clone() }
     }
 
     fn event_times(&self) -> Vec<f64> {

@@ -26,7 +26,6 @@ mod tuning;
 mod wear_action;
 
 pub use action_list::{Action, Repeat};
-pub(crate) use action_runner::ConstantLoads;
 pub use action_runner::{ActionContext, ActionFailure, ActionRunner, ActionStart};
 pub use actions::{
     Bend, Crumple, Facing, Fold, FoldSide, Hang, HangBy, HangPoints, Hold, Iron, JointAxis, Lay, LocalAxis,

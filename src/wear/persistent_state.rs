@@ -128,7 +128,7 @@ impl PersistentState {
     /// Loads while no action changes anything: gravity, the ground, the body and whatever has not been released.
     pub fn idle_loads(&self) -> Loads {
         let held = self.held_loads.clone().unwrap_or_else(|| Loads::gravity_only(self.ground));
-        Loads { body: self.body.as_ref().map(|body| body.points.clone()), ..held }
+        Loads { body: self.body.clone(), ..held }
     }
 }
 

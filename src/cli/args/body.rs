@@ -6,10 +6,10 @@ use crate::cli::args::values::{Metres, positive, unit};
 use crate::cli::files::frame_sequence::read_frames;
 use crate::cli::files::input::name_of;
 use clap::Args;
-use crease::body::AnimatedBody;
+use crease::body::{AnimatedBody, GarmentSkin};
 use crease::files::{GarmentFile, read_asset_file};
 use crease::garment::{Severity, SourceAsset, SourceFormat, SourcePiece, UpAxis};
-use crease::io::{ReadOptions, compare_body_size};
+use crease::io::{ReadOptions, compare_body_size, read_garment_skin};
 use crease::{Diagnostic, Error, Result};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -23,6 +23,10 @@ pub struct BodyArgs {
     /// Node, mesh or group that is the body [default: the whole file except the garment]
     #[arg(long, value_name = "NODE|GROUP", requires = "body")]
     body_node: Option<String>,
+    /// Joints or parts that the garment does not rest on, with commas between them, such as hair or hands: of a joint what it and those
+    /// below it move
+    #[arg(long, value_name = "NAMES", requires = "body")]
+    body_without: Option<String>,
     /// Unit of the body file: m, dm, cm, mm, in or metres [default: --unit; metres for a glTF beside an OBJ]
     #[arg(long, value_name = "UNIT", allow_negative_numbers = true, value_parser = unit, requires = "body")]
     body_unit: Option<Metres>,
@@ -32,7 +36,15 @@ pub struct BodyArgs {
     /// Frames per second of a folder of frames
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = positive, requires = "body")]
     body_fps: Option<f64>,
+    /// What of a garment that is skinned in its file stays where its joints carry it, the rest within a distance that grows from there:
+    /// upper (upper borders, and cloth without a body under it), none, or the vertex attribute that is 1 there, as in COLOR_0.r
+    /// or _PIN
+    #[arg(long, value_name = "WHAT", default_value = "upper", requires = "body")]
+    hold: String,
 }
+
+/// The skin of a garment on its body, or the reason why there is none.
+pub type SkinOrReason = std::result::Result<Arc<GarmentSkin>, String>;
 
 impl BodyArgs {
     /// Whether a body was given.
@@ -53,22 +65,54 @@ impl BodyArgs {
         let mut body = if body.is_dir() {
             self.read_frames_of(body, options, mesh.asset.format)?
         } else if same {
-            self.read_in_garment_file(&mesh.asset, options)?
+            self.read_in_garment_file(mesh, options)?
         } else {
             let (asset, diagnostics) = read_asset_file(body, &reading).map_err(of_body_node)?;
-            let pieces: Vec<&SourcePiece> = asset.worn_pieces().collect();
+            let left_out = self.left_out_pieces(body, &reading)?;
+            let is_kept = |(k, _): &(usize, &SourcePiece)| !left_out.contains(k);
+            let pieces: Vec<&SourcePiece> =
+                asset.pieces.iter().enumerate().filter(is_kept).map(|(_, p)| p).filter(|p| p.worn).collect();
             let mut body = AnimatedBody::from_pieces(&asset, &pieces)?;
             for diagnostic in diagnostics.into_iter().filter(|d| d.severity == Severity::Warning) {
                 body.add_note(format!("{}: {}", asset.file, diagnostic.message));
             }
             body
         };
+        self.leave_out_joints(&mut body)?;
         let unit_m = if same { mesh.asset.unit_m } else { reading.unit_m.unwrap_or(1.0) };
         let boxes = mesh.asset.worn_bounds().zip(body.bounds());
         if let Some(note) = boxes.and_then(|(garment, own)| compare_body_size(garment, own, unit_m)) {
             body.add_note(format!("{}: {note}", body.file));
         }
         Ok(Some(Arc::new(body)))
+    }
+
+    /// Reads the skin of the garment `mesh`, which was read from `path` with `options`, for `body`.
+    pub fn read_skin(
+        &self,
+        path: &Path,
+        options: &ReadOptions,
+        mesh: &GarmentFile,
+        body: &AnimatedBody,
+    ) -> Result<SkinOrReason> {
+        let held = match self.hold.as_str() {
+            "none" => return Ok(Err("switched off by --hold none".to_owned())),
+            "upper" => None,
+            attribute => {
+                let masked = ReadOptions { mask: Some(attribute.to_owned()), ..options.clone() };
+                let (asset, _) = read_asset_file(path, &masked).map_err(of_hold)?;
+                Some(asset.worn_pieces().flat_map(held_vertices).collect())
+            }
+        };
+        let is_marked = held.is_some();
+        match read_garment_skin(&mesh.asset, held, body)? {
+            Ok(skin) => Ok(Ok(Arc::new(skin))),
+            Err(reason) if is_marked => {
+                let message = format!("nothing of it can be held: {reason}");
+                Err(Error::input(&mesh.asset.file, "", message, "leave out --hold"))
+            }
+            Err(reason) => Ok(Err(reason.to_owned())),
+        }
     }
 
     /// Options to read the body file `body` with, where `garment` are those of the garment file. A glTF beside an OBJ is in
@@ -90,22 +134,93 @@ impl BodyArgs {
         }
     }
 
-    /// Returns the body in the file of the garment: the pieces named by `--body-node`, or all that are not worn.
-    fn read_in_garment_file(&self, asset: &SourceAsset, options: &ReadOptions) -> Result<AnimatedBody> {
+    /// Names of `--body-without`.
+    fn left_out_names(&self) -> impl Iterator<Item = &str> {
+        self.body_without
+            .iter()
+            .flat_map(|names| names.split(','))
+            .map(str::trim)
+            .filter(|name| !name.is_empty())
+    }
+
+    /// Numbers of the pieces of the file `path` that `--body-without` names.
+    fn left_out_pieces(&self, path: &Path, options: &ReadOptions) -> Result<Vec<usize>> {
+        let mut all = Vec::new();
+        for name in self.left_out_names() {
+            let options = ReadOptions { garment: Some(name.to_owned()), any_size: true, ..options.clone() };
+            // A name that no part has is that of a joint.
+            match read_asset_file(path, &options) {
+                Ok((asset, _)) => all.extend((0..asset.pieces.len()).filter(|k| asset.pieces[*k].worn)),
+                Err(Error::Input(_)) => {}
+                Err(other) => return Err(other),
+            }
+        }
+        Ok(all)
+    }
+
+    /// Leaves out of `body` what the joints move that `--body-without` names. Names of parts, which are left out already, are none of
+    /// joints.
+    fn leave_out_joints(&self, body: &mut AnimatedBody) -> Result<()> {
+        for name in self.left_out_names() {
+            match body.leave_out(name) {
+                Ok(count) => {
+                    let file = body.file.clone();
+                    body.add_note(format!(
+                        "{file}: {count} triangles that \"{name}\" moves are no part of the body"
+                    ));
+                }
+                Err(error) if !self.names_part(name) => {
+                    let message = format!("it has {}, and no part of that name", error.message);
+                    return Err(Error::input(&body.file, "--body-without", message, error.help));
+                }
+                Err(_) => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether `name` is that of a part of the file of the body.
+    fn names_part(&self, name: &str) -> bool {
+        let options = ReadOptions {
+            garment: Some(name.to_owned()),
+            any_size: true,
+            skip_damaged: true,
+            ..ReadOptions::default()
+        };
+        self.body.as_ref().is_some_and(|path| read_asset_file(path, &options).is_ok())
+    }
+
+    /// Returns the body in the file of the garment: the pieces named by `--body-node`, or all that are not worn and do not lie
+    /// over the garment.
+    fn read_in_garment_file(&self, mesh: &GarmentFile, options: &ReadOptions) -> Result<AnimatedBody> {
+        let asset = &mesh.asset;
         let worn: Vec<bool> = asset.pieces.iter().map(|piece| piece.worn).collect();
         let chosen = match &self.body_node {
             None => worn.iter().map(|worn| !worn).collect(),
             Some(node) => pieces_named(node, asset, options)?,
         };
         let pairs = asset.pieces.iter().zip(chosen.iter().zip(&worn));
-        let pieces: Vec<&SourcePiece> =
-            pairs.filter(|(_, (chosen, worn))| **chosen && !**worn).map(|(piece, _)| piece).collect();
+        let left_out = self.left_out_pieces(Path::new(&asset.file), options)?;
+        let is_chosen = |(k, (_, (chosen, worn))): &(usize, (&SourcePiece, (&bool, &bool)))| {
+            **chosen && !**worn && !left_out.contains(k)
+        };
+        let mut pieces: Vec<&SourcePiece> =
+            pairs.enumerate().filter(is_chosen).map(|(_, (piece, _))| piece).collect();
+        let over = if self.body_node.is_none() { layers_over(mesh, &pieces)? } else { Vec::new() };
+        pieces.retain(|piece| !over.iter().any(|name| *name == piece.name));
         if pieces.is_empty() {
             let message = "body and garment are the same part of this file";
             let help = "name the garment with --garment (and the body with --body-node)";
             return Err(Error::input(&asset.file, "", message, help));
         }
-        AnimatedBody::from_pieces(asset, &pieces)
+        let mut body = AnimatedBody::from_pieces(asset, &pieces)?;
+        for name in over {
+            body.add_note(format!(
+                "{}: \"{name}\" lies over the garment and is no part of the body (--body-node names what is)",
+                asset.file
+            ));
+        }
+        Ok(body)
     }
 
     fn read_frames_of(
@@ -123,6 +238,28 @@ impl BodyArgs {
     }
 }
 
+/// Returns the names of those of `pieces` that lie over the garment of `mesh`.
+fn layers_over(mesh: &GarmentFile, pieces: &[&SourcePiece]) -> Result<Vec<String>> {
+    let mut over = Vec::new();
+    for piece in pieces.iter().filter(|piece| !piece.triangles.is_empty()) {
+        let alone = AnimatedBody::from_pieces(&mesh.asset, &[piece])?;
+        if alone.lies_over(&mesh.garment.points) && !over.contains(&piece.name) {
+            over.push(piece.name.clone());
+        }
+    }
+    Ok(over)
+}
+
+/// Per vertex of `piece`: how much the file says that it is held.
+fn held_vertices(piece: &SourcePiece) -> Vec<f64> {
+    piece.mask.clone().unwrap_or_else(|| vec![0.0; piece.positions.len()])
+}
+
+/// The error of an attribute named by `--hold`, which the reader of files knows as the mask.
+fn of_hold(error: Error) -> Error {
+    renamed(error, |text| text.replace("--mask", "--hold"))
+}
+
 /// Flags the pieces of the garment file that `node` names. The file is read again, since only the reader knows all names
 /// of a piece.
 fn pieces_named(node: &str, asset: &SourceAsset, options: &ReadOptions) -> Result<Vec<bool>> {
@@ -138,12 +275,17 @@ fn pieces_named(node: &str, asset: &SourceAsset, options: &ReadOptions) -> Resul
 
 /// The error of a part chosen by `--body-node`, which the reader of files knows as the garment.
 fn of_body_node(error: Error) -> Error {
-    let renamed =
-        |text: &str| text.replace("no garment called", "no body called").replace("--garment", "--body-node");
+    renamed(error, |text| {
+        text.replace("no garment called", "no body called").replace("--garment", "--body-node")
+    })
+}
+
+/// The error with the words of its messages replaced.
+fn renamed(error: Error, words: impl Fn(&str) -> String) -> Error {
     match error {
         Error::Input(all) => Error::Input(
             all.into_iter()
-                .map(|one| Diagnostic { message: renamed(&one.message), help: renamed(&one.help), ..one })
+                .map(|one| Diagnostic { message: words(&one.message), help: words(&one.help), ..one })
                 .collect(),
         ),
         other => other,

@@ -11,7 +11,7 @@ use crate::cli::files::earlier_memory::EarlierMemory;
 use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use crease::bake::{BakeOptions, BakeResult, Quality};
-use crease::body::AnimatedBody;
+use crease::body::{AnimatedBody, GarmentSkin};
 use crease::fabric::DEFAULT_FABRIC;
 use crease::sim::Method;
 use serde_json::{Value, json};
@@ -154,10 +154,11 @@ impl Arguments {
     }
 
     /// Returns the options of the bake.
-    pub fn options(&self, body: Option<&Arc<AnimatedBody>>) -> BakeOptions {
+    pub fn options(&self, body: Option<&Arc<AnimatedBody>>, skin: Option<&Arc<GarmentSkin>>) -> BakeOptions {
         let mut options = BakeOptions {
             memory: self.memory_on(),
             body: body.cloned(),
+            skin: skin.cloned(),
             deactivate_static: !self.simulate_all,
             own_triangles: self.no_grading,
             hems: !self.no_hems,

@@ -1,13 +1,14 @@
 //! Inputs of a bake: garment, body, script and fabric.
 
+use crate::cli::args::body::SkinOrReason;
 use crate::cli::args::refine::Refinement;
 use crate::cli::commands::bake::arguments::Arguments;
 use crate::cli::files::earlier_memory::EarlierMemory;
 use crate::cli::files::frame_folder::FrameFolder;
 use crate::cli::files::input;
 use crate::cli::files::wear::read_script;
-use crease::bake::{Bake, ModelDecision, ModelPlan, active_points};
-use crease::body::AnimatedBody;
+use crease::bake::{Bake, BakeOptions, ModelDecision, ModelPlan, active_points};
+use crease::body::{AnimatedBody, GarmentSkin};
 use crease::fabric::Fabric;
 use crease::files::GarmentFile;
 use crease::garment::{Garment, RestState, WornGarment, corner_vertices};
@@ -36,6 +37,8 @@ pub struct BakeInput {
     pub fabric: Fabric,
     /// Body that the garment is worn on.
     pub body: Option<Arc<AnimatedBody>>,
+    /// Skin of the garment on that body, or the reason why there is none.
+    pub skin: Option<SkinOrReason>,
     /// Outcome of `--resolution`.
     pub refinement: Option<Refinement>,
     /// Memory that the garment begins with.
@@ -55,7 +58,11 @@ impl BakeInput {
         match (script, fabric, mesh) {
             (Ok(script), Ok(fabric), Ok(mut mesh)) => {
                 let body = arguments.body.read(&arguments.mesh, &reading, &mesh)?;
-                let options = arguments.options(body.as_ref());
+                let skin = match &body {
+                    Some(body) => Some(arguments.body.read_skin(&arguments.mesh, &reading, &mesh, body)?),
+                    None => None,
+                };
+                let options = arguments.options(body.as_ref(), found(&skin));
                 let active = |garment: &Garment| active_points(garment, &script, &options);
                 let refinement = arguments.refine.refine(&arguments.mesh, &mut mesh.garment, active)?;
                 let earlier =
@@ -69,12 +76,27 @@ impl BakeInput {
                 };
                 let other_fabric = earlier.as_ref().and_then(|earlier| earlier.fabric_warning(&fabric));
                 let earlier_warnings = left_out.into_iter().chain(other_fabric).collect();
-                Ok(Self { mesh, script, script_file, fabric, body, refinement, earlier, earlier_warnings })
+                Ok(Self {
+                    mesh,
+                    script,
+                    script_file,
+                    fabric,
+                    body,
+                    skin,
+                    refinement,
+                    earlier,
+                    earlier_warnings,
+                })
             }
             (script, fabric, mesh) => {
                 Err(input::merge_errors([script.err(), fabric.err(), mesh.err()].into_iter().flatten()))
             }
         }
+    }
+
+    /// Returns the options of the bake.
+    pub fn options(&self, arguments: &Arguments) -> BakeOptions {
+        arguments.options(self.body.as_ref(), found(&self.skin))
     }
 
     /// Returns which models the bake uses, and why.
@@ -86,7 +108,7 @@ impl BakeInput {
     pub fn bake(&self, arguments: &Arguments) -> Bake<'_> {
         let bake = Bake::new(&self.mesh.garment, &self.fabric, &self.script)
             .script_name(&self.script_file)
-            .options(arguments.options(self.body.as_ref()));
+            .options(self.options(arguments));
         match &self.earlier {
             Some(earlier) => bake.earlier_memory(&earlier.memory),
             None => bake,
@@ -123,7 +145,14 @@ impl BakeInput {
         all.push(ModelDecision { name: "body", on: true, why });
         let joints: Vec<String> = body.joint_names().iter().map(|name| format!("\"{name}\"")).collect();
         all.push(ModelDecision { name: "joints", on: !joints.is_empty(), why: listed(&joints) });
+        all.extend(self.no_leash());
         all
+    }
+
+    /// The decision that the garment does not follow the skin of its file, with the reason.
+    pub fn no_leash(&self) -> Option<ModelDecision> {
+        let reason = self.skin.as_ref()?.as_ref().err()?;
+        Some(ModelDecision { name: "leash", on: false, why: reason.clone() })
     }
 
     /// Shows the rows of the garment's file in `frames`; points of garments without a file's vertices as they are.
@@ -152,6 +181,11 @@ impl BakeInput {
         let (fabric, wear) = (json!(self.fabric), json!(self.script));
         Sidecar::new(&self.mesh.asset, &self.mesh.garment, worn, fabric, wear, run)
     }
+}
+
+/// The skin, if there is one.
+fn found(skin: &Option<SkinOrReason>) -> Option<&Arc<GarmentSkin>> {
+    skin.as_ref()?.as_ref().ok()
 }
 
 fn worn_script(file: &str, path: &Path, has_body: bool) -> Result<WearScript> {

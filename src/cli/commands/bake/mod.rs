@@ -150,14 +150,21 @@ fn simulate(
     if let Some(saved) = &resumed {
         bake = bake.resume(&saved.file, saved.checkpoint.clone());
     }
-    let baked = bake.run_with(&mut observer).inspect_err(|error| {
-        if matches!(error, Error::Interrupted) && observer.checkpoints.path().exists() {
-            let saved = observer.checkpoints.path().display();
-            console::message(&format!(
-                "the run is saved in {saved}: the same command with --resume continues it"
-            ));
+    let mut baked = bake.run_with(&mut observer).inspect_err(|error| {
+        if matches!(error, Error::NotConverged(_)) {
+            observer.checkpoints.flush();
+        }
+        let saved = observer.checkpoints.path();
+        let text = match error {
+            Error::Interrupted => "the same command with --resume continues it",
+            Error::NotConverged(_) => "its last checkpoint, and the frames until there are kept",
+            _ => return,
+        };
+        if saved.exists() {
+            console::message(&format!("the run is saved in {}: {text}", saved.display()));
         }
     })?;
+    baked.report.decisions.extend(input.no_leash());
     interrupt.set_exit_immediately(false);
     let stale = observer.frames.and_then(|frames| frames.stale_frame());
     let stale_frames = stale

@@ -1,0 +1,119 @@
+//! Watch over a garment on its body: parts of it that fall off, and cloth that the body breaks through for longer than a
+//! moment. Neither recovers, so the run ends there.
+
+use crate::bake::body_penetration::BodyPenetrationStats;
+use crate::bake::tuning::TUNING;
+use crate::garment::Garment;
+use crate::math::{Vec3, bounds};
+
+/// Parts of a garment that began on its body.
+pub(super) struct BodyWatch {
+    /// Per connected part of the garment: whether it is watched.
+    watched: Vec<bool>,
+    /// Per point: its part.
+    part: Vec<u32>,
+    /// Number of pairs of triangles of cloth and body that may intersect for longer than a moment.
+    max_pairs: usize,
+}
+
+impl BodyWatch {
+    /// The watch over `garment` on a body whose points are at `body` [m].
+    pub fn new(garment: &Garment, body: &[Vec3]) -> Self {
+        let count = garment.triangle_part.iter().max().map_or(0, |last| *last as usize + 1);
+        let mut part = vec![u32::MAX; garment.points.len()];
+        for (t, own) in garment.triangles.iter().zip(&garment.triangle_part) {
+            t.iter().for_each(|p| part[p.at()] = *own);
+        }
+        let max_pairs = TUNING.body_watch.max_pair_fraction * garment.triangles.len() as f64;
+        let mut watch = Self {
+            watched: vec![true; count],
+            part,
+            max_pairs: TUNING.body_watch.min_pairs.max(max_pairs as usize),
+        };
+        watch.watched = watch.parts_near(&garment.points, body);
+        watch
+    }
+
+    /// The watch over a refined mesh of the same cloth, which is on its body as this one is.
+    pub fn on_refined(&self, garment: &Garment, body: &[Vec3]) -> Self {
+        Self { watched: self.watched.clone(), ..Self::new(garment, body) }
+    }
+
+    /// Per part: whether any of its points, at `x` [m], is beside or within the bounding box of a body at `body` [m].
+    fn parts_near(&self, x: &[Vec3], body: &[Vec3]) -> Vec<bool> {
+        let (low, high) = bounds(body);
+        let margin = Vec3::repeat(TUNING.body_watch.margin);
+        let (low, high) = (low - margin, high + margin);
+        let mut near = vec![false; self.watched.len()];
+        for (x, part) in x.iter().zip(&self.part) {
+            let is_in = (0..3).all(|k| low[k] <= x[k] && x[k] <= high[k]);
+            if let Some(slot) = near.get_mut(*part as usize).filter(|_| is_in) {
+                *slot = true;
+            }
+        }
+        near
+    }
+
+    /// Number of pairs of triangles of cloth and body that may intersect for longer than a moment.
+    pub fn max_pairs(&self) -> usize {
+        self.max_pairs
+    }
+
+    /// Reason to end the run at `time` [s] with the cloth at `x` and the body at `body` [m].
+    pub fn reason_to_stop(
+        &self,
+        time: f64,
+        x: &[Vec3],
+        body: &[Vec3],
+        penetration: &BodyPenetrationStats,
+    ) -> Option<String> {
+        let near = self.parts_near(x, body);
+        let lost = (0..near.len()).find(|part| self.watched[*part] && !near[*part]);
+        if let Some(lost) = lost {
+            let own: Vec<Vec3> = x
+                .iter()
+                .zip(&self.part)
+                .filter(|(_, part)| **part as usize == lost)
+                .map(|(x, _)| *x)
+                .collect();
+            let middle = own.iter().sum::<Vec3>() / own.len().max(1) as f64;
+            return Some(format!(
+                "at {time:.2} s a part of the garment of {} points has fallen off the body, to ({:.2}, {:.2}, {:.2}) m: nothing \
+                 holds it; if the garment is skinned in its file, --hold holds it to its joints, else fit it closer",
+                own.len(),
+                middle.x,
+                middle.y,
+                middle.z
+            ));
+        }
+        let since = penetration.many_pairs_since()?;
+        (time - since >= TUNING.body_watch.max_time).then(|| {
+            format!(
+                "since {since:.2} s the body breaks through the cloth, now with {} pairs of triangles: check the fit, refine the mesh \
+                 with --resolution, or begin with a slower motion",
+                penetration.open_pairs()
+            )
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::GarmentFile;
+
+    #[test]
+    fn what_falls_off_ends_the_run() {
+        let sheet = GarmentFile::sheet([0.2, 0.2], [2, 2]).expect("is a sheet").garment;
+        let body = [Vec3::new(0.0, -1.0, 0.0), Vec3::new(0.2, 0.0, 0.2)];
+        let watch = BodyWatch::new(&sheet, &body);
+        let stats = BodyPenetrationStats::default();
+        assert_eq!(watch.reason_to_stop(1.0, &sheet.points, &body, &stats), None);
+        let fallen: Vec<Vec3> = sheet.points.iter().map(|p| p - Vec3::new(0.0, 2.0, 0.0)).collect();
+        let reason = watch.reason_to_stop(1.0, &fallen, &body, &stats).expect("has fallen off");
+        assert!(reason.contains("9 points has fallen off") && reason.contains("at 1.00 s"), "{reason}");
+        // What was never on the body cannot fall off it.
+        let far = [Vec3::repeat(5.0), Vec3::repeat(6.0)];
+        assert_eq!(BodyWatch::new(&sheet, &far).reason_to_stop(1.0, &fallen, &far, &stats), None);
+    }
+}
