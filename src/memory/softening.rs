@@ -65,7 +65,8 @@ impl Memory {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::garment::{GarmentFile, RestState};
+    use crate::GarmentFile;
+    use crate::garment::RestState;
 
     /// A creased and stretched sheet, and the angles of its hinges while it is flat but for the first.
     fn creased() -> (Garment, Memory, Vec<f64>) {
