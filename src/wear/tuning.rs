@@ -167,9 +167,9 @@ pub(super) struct IronTuning {
 pub(super) struct WetTuning {
     /// Rate at which it gives up its memory [1/s], default 0.5.
     pub setting_rate: f64,
-    /// Fraction of the present bend that it sets without pressure [-], default 0.4.
+    /// Fraction of the present bend that it sets without pressure [-], default 0.8: cotton without a finish dries full of wrinkles.
     pub set_fraction: f64,
-    /// How often memory would be replaced while it dries as it hangs [-], default 1: what remains of it is 1/e.
+    /// How often memory would be replaced while it dries as it hangs [-], default 0.3: three quarters of it remain.
     pub drying_dose: f64,
 }
 
@@ -287,7 +287,7 @@ pub(super) const TUNING: WearTuning = WearTuning {
         settle_drag: 3.0,
     },
     iron: IronTuning { half_width: 0.05, setting_rate: 0.5, max_set_per_step: 0.25 },
-    wet: WetTuning { setting_rate: 0.5, set_fraction: 0.4, drying_dose: 1.0 },
+    wet: WetTuning { setting_rate: 0.5, set_fraction: 0.8, drying_dose: 0.3 },
     failure: FailureTuning {
         min_turned_fraction: 0.5,
         min_judged_path: 0.02,

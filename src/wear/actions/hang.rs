@@ -245,7 +245,7 @@ mod tests {
         for k in 0..=90 {
             let x = 0.01 * f64::from(k);
             let from_middle: f64 = (x - 0.45f64).abs();
-            let top = if from_middle < 0.1 { 0.55 } else { 0.6 - 0.2 * (from_middle - 0.1) };
+            let top = if from_middle < 0.095 { 0.55 } else { 0.6 - 0.2 * (from_middle - 0.1) };
             points.extend((0..=60).map(|l| Vec3::new(x, top * f64::from(l) / 60.0, 0.0)));
         }
         points

@@ -48,6 +48,9 @@ fn default_dry_s() -> f64 {
     10_800.0
 }
 
+/// Duration in which the wet garment is crumpled [s].
+const TUMBLE_S: f64 = 3.5;
+
 impl WearAction for Wash {
     fn duration(&self) -> f64 {
         self.parts().iter().map(|part| part.as_wear_action().duration()).sum()
@@ -55,7 +58,7 @@ impl WearAction for Wash {
 
     fn parts(&self) -> Vec<Action> {
         vec![
-            Action::Crumple(Crumple { to: self.to, hold_s: self.spin_s, wet: true, ..Crumple::example() }),
+            Action::Crumple(Crumple { to: self.to, over_s: TUMBLE_S, hold_s: self.spin_s, wet: true }),
             Action::Hang(Hang { by: self.by.clone(), for_s: self.dry_s, wet: true }),
         ]
     }
