@@ -125,7 +125,12 @@ pub fn hat(around: u16) -> Bound {
         let angle = 0.5 * PI * f32::from(k) / 5.0;
         rings.push(([0.0, 1.72 + 0.1 * angle.sin(), 0.0], 0.125 * angle.cos(), on(HEAD)));
     }
-    Bound::tube(around, &rings)
+    let mut bound = Bound::tube(around, &rings);
+    let top = bound.positions.len() as u16;
+    bound.positions.push([0.0, 1.82, 0.0]);
+    bound.weights.push(on(HEAD));
+    (0..around).for_each(|k| bound.corners.extend([top - around + k, top - around + (k + 1) % around, top]));
+    bound
 }
 
 /// A cape behind the back, from the shoulders down, of `columns` times `rows` squares.
@@ -134,7 +139,7 @@ pub fn cape(columns: u16, rows: u16) -> Bound {
     for (j, i) in (0..=rows).flat_map(|j| (0..=columns).map(move |i| (j, i))) {
         let (u, v) = (f32::from(i) / f32::from(columns) - 0.5, f32::from(j) / f32::from(rows));
         bound.positions.push([0.4 * u, 1.45 - 0.6 * v, -0.2 - 0.1 * v + 0.1 * u * u]);
-        bound.weights.push((CHEST, HIPS, v));
+        bound.weights.push(on(CHEST));
     }
     let row = columns + 1;
     for (j, i) in (0..rows).flat_map(|j| (0..columns).map(move |i| (j, i))) {
