@@ -148,6 +148,48 @@ fn clothes_that_do_not_fit_are_refused_with_the_number() {
     assert!(message.contains("up to 45 mm inside") && message.contains("deeper than 30 mm"), "{message}");
 }
 
+/// A sheet of 81 points on the block of which one point, or two neighbours, lie deep inside.
+#[test]
+fn single_deep_points_are_led_out_and_named() {
+    for (deep, depth) in [(vec![40], 0.042), (vec![30, 31], 0.036)] {
+        let text = sheet(8, 0.02, 0.002, 0.0);
+        let lines = text.lines().enumerate().map(|(k, line)| {
+            let mut words: Vec<String> = line.split(' ').map(str::to_owned).collect();
+            if deep.contains(&k) {
+                words[2] = format!("{}", -depth);
+            }
+            words.join(" ") + "\n"
+        });
+        let garment = Garment::from_asset(&asset("a.obj", lines.collect::<String>().as_bytes()));
+        let garment = garment.expect("a garment").0;
+        let script = r#"{"format": "crease-wear/1", "actions": [{"settle": {"for": 0.2}}]}"#;
+        let script = WearScript::parse("w.json", script).expect("is valid");
+        let options = BakeOptions { body: Some(block(0.0)), ..BakeOptions::default() };
+        let fabric = Fabric::preset("kow-tshirt").expect("exists");
+        let baked = Bake::new(&garment, &fabric, &script).options(options).run().expect("is accepted");
+        let lowest = baked.end.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
+        assert!(lowest > 0.0, "{lowest}: {:?}", baked.report.warnings);
+        let told = format!("{} points lay deeper than 30 mm", deep.len());
+        assert!(baked.report.warnings.iter().any(|w| w.contains(&told)), "{:?}", baked.report.warnings);
+    }
+}
+
+/// Dressing moves no point farther than it takes to come out, and what is far from the body not at all.
+#[test]
+fn dressing_moves_points_no_farther_than_needed() {
+    for depth in [0.004, 0.012] {
+        let (garment, baked) = on_block(-depth, 0.0).expect("fits");
+        let told = baked.report.warnings.iter().find(|w| w.contains("pushed out by up to")).expect("is told");
+        let moved: f64 = told
+            .rsplit("up to ")
+            .next()
+            .and_then(|rest| rest.trim_end_matches(" mm").parse().ok())
+            .expect("a number");
+        assert!(moved < 1e3 * depth + 4.0, "{moved} mm out of {depth} m: {told}");
+        assert_eq!(garment.points.len(), baked.end.len());
+    }
+}
+
 /// Linear blend skinning in the pose of the file is where the reader puts the vertices, and the clip bends the arm.
 #[test]
 fn the_arm_of_the_sleeve_bends_by_its_clip() {

@@ -20,14 +20,10 @@ impl BodyWatch {
     /// The watch over `garment` on a body whose points are at `body` [m].
     pub fn new(garment: &Garment, body: &[Vec3]) -> Self {
         let count = garment.triangle_part.iter().max().map_or(0, |last| *last as usize + 1);
-        let mut part = vec![u32::MAX; garment.points.len()];
-        for (t, own) in garment.triangles.iter().zip(&garment.triangle_part) {
-            t.iter().for_each(|p| part[p.at()] = *own);
-        }
         let max_pairs = TUNING.body_watch.max_pair_fraction * garment.triangles.len() as f64;
         let mut watch = Self {
             watched: vec![true; count],
-            part,
+            part: garment.point_parts(),
             max_pairs: TUNING.body_watch.min_pairs.max(max_pairs as usize),
         };
         watch.watched = watch.parts_near(&garment.points, body);

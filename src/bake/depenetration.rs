@@ -149,7 +149,11 @@ pub(super) fn depenetrate(
     let tether =
         |(p, (x, area)): (usize, (&Vec3, &f64))| TargetSpring::isotropic(p as u32, *x, stiffness * area);
     let springs: Vec<TargetSpring> = before.iter().zip(&stepper.cloth.area).enumerate().map(tether).collect();
-    let newton = NewtonOptions { max_iterations: tuning.dressing_iterations, ..stepper.options.newton };
+    let newton = NewtonOptions {
+        max_iterations: tuning.dressing_iterations,
+        rel_decrement_tol: 0.0,
+        ..stepper.options.newton
+    };
     let (membrane, bending) = (stepper.cloth.membrane.clone(), stepper.cloth.bending.clone());
     let mut contact = StaticContact::new(planes, garment, animated);
     for round in 0..tuning.max_dressing_rounds {

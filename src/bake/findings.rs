@@ -20,7 +20,9 @@ pub(super) fn add_findings(
 ) {
     let report = &mut baked.report;
     report.warnings.extend(idle_actions(script, options.body.as_deref()));
-    let far = options.body.as_ref().and_then(|body| distance_from_body(garment, script, body));
+    // A skinned garment follows the joints of a body whose skin may have been cut away under it.
+    let worn_by_contact = options.body.as_ref().filter(|_| options.skin.is_none());
+    let far = worn_by_contact.and_then(|body| distance_from_body(garment, script, body));
     if let Some(distance) = far {
         report.warnings.push(format!(
             "the garment never comes nearer to the body than {distance:.2} m: check the units of both files (--unit, \

@@ -83,10 +83,7 @@ struct UpperBorder {
 
 /// One flag per point: whether it is on an upper border; of a part without any border, whether it is at its top.
 fn upper_borders(garment: &Garment, body: &AnimatedBody, main_node: &[Option<usize>]) -> Vec<bool> {
-    let mut part_of = vec![u32::MAX; garment.points.len()];
-    for (t, part) in garment.triangles.iter().zip(&garment.triangle_part) {
-        t.iter().for_each(|p| part_of[p.at()] = *part);
-    }
+    let part_of = garment.point_parts();
     let loops = garment.topology.boundary_loops(&garment.triangles);
     let part_of_loop = |border: &[PointIndex]| border.first().map_or(u32::MAX, |p| part_of[p.at()]);
     let count = garment.triangle_part.iter().max().map_or(0, |last| *last as usize + 1);
@@ -107,7 +104,7 @@ fn upper_borders(garment: &Garment, body: &AnimatedBody, main_node: &[Option<usi
             let is_level = own_top - bottom <= TUNING.leash.level_border * (high - low);
             let is_held = |p: &&PointIndex| is_level || garment.points[p.at()].y >= top - band;
             let points: Vec<PointIndex> = border.iter().filter(is_held).copied().collect();
-            upper.push(UpperBorder { part, node: most_frequent(&points, main_node), points });
+            upper.push(UpperBorder { part, node: mode_of(&points, main_node), points });
         }
         if borders.is_empty() {
             let at_top = own.iter().filter(|p| garment.points[**p].y >= high - band);
@@ -134,7 +131,7 @@ fn height_range<'a>(points: impl Iterator<Item = &'a Vec3>) -> (f64, f64) {
 }
 
 /// The node that most of `points` have.
-fn most_frequent(points: &[PointIndex], main_node: &[Option<usize>]) -> Option<usize> {
+fn mode_of(points: &[PointIndex], main_node: &[Option<usize>]) -> Option<usize> {
     let mut nodes: Vec<usize> = points.iter().filter_map(|p| main_node[p.at()]).collect();
     nodes.sort_unstable();
     let count = |chunk: &&[usize]| chunk.len();
@@ -152,11 +149,13 @@ fn uncovered_points(garment: &Garment, body: &AnimatedBody) -> Vec<bool> {
     let of_body = TriangleBvh::new(body_points, body.triangles(), 0.0);
     let of_cloth = TriangleBvh::new(&garment.points, &garment.triangles, 0.0);
     let normals = point_normals(&garment.points, &garment.triangles);
-    let is_covered = |(x, normal): (&Vec3, &Vec3)| {
+    let part_of = garment.point_parts();
+    let is_covered = |(p, (x, normal)): (usize, (&Vec3, &Vec3))| {
         // The width of the cloth here: to its other side, where it has one.
         let inner = x - normal * tuning.min_width;
         let across = of_cloth.first_hit(&garment.points, inner, -normal, tuning.max_width);
-        let width = across.map(|hit| hit.t + tuning.min_width);
+        let own = across.filter(|hit| garment.triangle_part[hit.triangle as usize] == part_of[p]);
+        let width = own.map(|hit| hit.t + tuning.min_width);
         let reach = width.map_or(tuning.open_reach, |width| tuning.width_reach * width).max(tuning.min_reach);
         let is_inside = |f: u32| {
             let corners = body.triangles()[f as usize].map(|p| body_points[p.at()] - x);
@@ -166,7 +165,7 @@ fn uncovered_points(garment: &Garment, body: &AnimatedBody) -> Vec<bool> {
         };
         of_body.nearest_where(body_points, *x, reach, is_inside).is_some()
     };
-    let covered: Vec<bool> = garment.points.par_iter().zip(&normals).map(is_covered).collect();
+    let covered: Vec<bool> = garment.points.par_iter().zip(&normals).enumerate().map(is_covered).collect();
     let margin = tuning.uncovered_margin;
     let distance = edge_distances(&garment.points, &garment.topology, &covered, margin);
     distance.into_iter().map(|distance| distance > margin).collect()

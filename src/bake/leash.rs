@@ -1,9 +1,9 @@
 //! The leash of a garment that is skinned in its file: every point stays within a distance of its skinned position.
 //!
-//! Held points ([`HeldPoints`]) stay where their skin is. The distance grows with the way along the cloth from them,
+//! Held points ([`HeldPoints`]) stay where their skin is. The distance grows with that along the cloth from them,
 //!
 //! ```text
-//! r(s) = g s / (1 - s/l)      (s: way to the nearest held point, g: growth)
+//! r(s) = g s / (1 - s/l)      (s: distance along the cloth to the nearest held point, g: growth)
 //! ```
 //!
 //! as long as that is less than 2 s, which cloth on a rigid skin cannot leave: beyond it is free,
@@ -46,14 +46,14 @@ impl GarmentLeash {
             Some(values) => HeldPoints::marked(&values),
             None => HeldPoints::found(garment, &body, &main_node),
         };
-        let ways = edge_distances(&garment.points, &garment.topology, &held.flags, tuning.free_way);
-        let radius = |(way, at): (f64, &Option<SkinLocation>)| match at {
-            Some(_) if way < (1.0 - 0.5 * tuning.growth) * tuning.free_way => {
-                tuning.growth * way / (1.0 - way / tuning.free_way)
+        let distances = edge_distances(&garment.points, &garment.topology, &held.flags, tuning.free_distance);
+        let radius = |(distance, at): (f64, &Option<SkinLocation>)| match at {
+            Some(_) if distance < (1.0 - 0.5 * tuning.growth) * tuning.free_distance => {
+                tuning.growth * distance / (1.0 - distance / tuning.free_distance)
             }
             _ => f64::INFINITY,
         };
-        let radius = ways.into_iter().zip(&locations).map(radius).collect();
+        let radius = distances.into_iter().zip(&locations).map(radius).collect();
         Some(Self { skin, body, locations, radius, stiffness: vec![0.0; garment.points.len()], held })
     }
 

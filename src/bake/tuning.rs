@@ -160,12 +160,12 @@ pub(super) struct BodyTuning {
 /// The leash of a garment that is skinned in its file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LeashTuning {
-    /// Growth of a leash with the way along the cloth from what is held [-], default 0.5: cloth that hangs from there swings by
+    /// Growth of a leash with the distance along the cloth from what is held [-], default 0.5: cloth that hangs from there swings by
     /// 30 degrees before it is stopped, more farther down.
     pub growth: f64,
-    /// Way along the cloth from what is held at which a leash would be endless [m], default 0.6. Cloth is free from three quarters of
-    /// it on, where the leash is twice as long as that way.
-    pub free_way: f64,
+    /// Distance along the cloth from what is held at which a leash would be endless [m], default 0.6. Cloth is free from three quarters of
+    /// it on, where the leash is twice as long as that distance.
+    pub free_distance: f64,
     /// Value of a mask above which a point is held [-].
     pub min_held_value: f64,
     /// Height below the highest border of a part, as a fraction of the height of the part, down to which borders are upper
@@ -186,7 +186,7 @@ pub(super) struct LeashTuning {
     pub max_width: f64,
     /// Cosine of the angle to the outward normal above which a body lies beside or outside closed cloth [-], default -0.3.
     pub max_inner_cosine: f64,
-    /// Way along the cloth from cloth with a body under it up to which it is not held [m], default 0.05.
+    /// Distance along the cloth from cloth with a body under it up to which it is not held [m], default 0.05.
     pub uncovered_margin: f64,
     /// Fraction of held points from which memory from the animation is enough [-], default 0.8.
     pub min_remembered: f64,
@@ -344,7 +344,7 @@ impl BakeTuning {
         },
         leash: LeashTuning {
             growth: 0.5,
-            free_way: 0.6,
+            free_distance: 0.6,
             min_held_value: 0.5,
             top_band: 0.1,
             level_border: 0.25,

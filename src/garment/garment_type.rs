@@ -23,3 +23,14 @@ pub struct Garment {
     /// Edges and hinges of `triangles`.
     pub topology: Topology,
 }
+
+impl Garment {
+    /// Returns per point the connected part that it belongs to; the largest number for a point without triangles.
+    pub fn point_parts(&self) -> Vec<u32> {
+        let mut parts = vec![u32::MAX; self.points.len()];
+        for (t, part) in self.triangles.iter().zip(&self.triangle_part) {
+            t.iter().for_each(|p| parts[p.at()] = *part);
+        }
+        parts
+    }
+}

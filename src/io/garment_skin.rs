@@ -1,22 +1,25 @@
 //! Reads the skin of a garment: its worn pieces with their joints and weights.
 
-use crate::Result;
 use crate::body::{AnimatedBody, GarmentSkin};
 use crate::garment::SourceAsset;
 use crate::io::gltf::read_rig;
 
 /// Reads the skin of the worn pieces of `asset` for `body`. `held` is, per worn vertex, 1 where it is held and 0 where it is
-/// not, if the file says so. Returns the reason where the garment cannot follow the body.
+/// not, if the file says so.
 ///
 /// # Errors
-/// The skeleton or a clip of the file is damaged.
+/// The reason why the garment cannot follow the body, also where its skin is damaged: the garment can be simulated without.
 pub fn read_garment_skin(
     asset: &SourceAsset,
     held: Option<Vec<f64>>,
     body: &AnimatedBody,
-) -> Result<std::result::Result<GarmentSkin, &'static str>> {
+) -> Result<GarmentSkin, String> {
     let pieces: Vec<_> = asset.worn_pieces().collect();
-    let Some(rig) = read_rig(asset, &pieces)? else { return Ok(Err("an OBJ file has no skin")) };
+    let rig = match read_rig(asset, &pieces) {
+        Ok(Some(rig)) => rig,
+        Ok(None) => return Err("an OBJ file has no skin".to_owned()),
+        Err(error) => return Err(format!("its skin cannot be read: {error}")),
+    };
     let same_file = asset.sha256 == body.sha256;
-    Ok(GarmentSkin::new(rig, &asset.worn_triangles(), held, body, same_file))
+    GarmentSkin::new(rig, &asset.worn_triangles(), held, body, same_file).map_err(str::to_owned)
 }

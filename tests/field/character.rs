@@ -1,5 +1,5 @@
 //! A small character as games have them: a skeleton, a body of which the skin under the clothes is cut away, and clothes that
-//! are bound to the same skeleton; a clip in which it walks and swings its arms.
+//! are bound to the same skeleton; a clip in which it walks, turns its chest and swings its arms.
 
 // Each test uses a part of them.
 #![allow(dead_code)]
@@ -121,11 +121,16 @@ pub fn skirt(around: u16, rings: u16) -> Bound {
 /// A hat: a cap over the upper half of the head with a brim.
 pub fn hat(around: u16) -> Bound {
     let mut rings = vec![([0.0, 1.70, 0.0], 0.2, on(HEAD)), ([0.0, 1.71, 0.0], 0.16, on(HEAD))];
-    for k in 0..5 {
+    for k in 0..5_u16 {
         let angle = 0.5 * PI * f32::from(k) / 5.0;
         rings.push(([0.0, 1.72 + 0.1 * angle.sin(), 0.0], 0.125 * angle.cos(), on(HEAD)));
     }
-    Bound::tube(around, &rings)
+    let mut bound = Bound::tube(around, &rings);
+    let top = bound.positions.len() as u16;
+    bound.positions.push([0.0, 1.82, 0.0]);
+    bound.weights.push(on(HEAD));
+    (0..around).for_each(|k| bound.corners.extend([top - around + k, top - around + (k + 1) % around, top]));
+    bound
 }
 
 /// A cape behind the back, from the shoulders down, of `columns` times `rows` squares.
@@ -134,7 +139,7 @@ pub fn cape(columns: u16, rows: u16) -> Bound {
     for (j, i) in (0..=rows).flat_map(|j| (0..=columns).map(move |i| (j, i))) {
         let (u, v) = (f32::from(i) / f32::from(columns) - 0.5, f32::from(j) / f32::from(rows));
         bound.positions.push([0.4 * u, 1.45 - 0.6 * v, -0.2 - 0.1 * v + 0.1 * u * u]);
-        bound.weights.push((CHEST, HIPS, v));
+        bound.weights.push(on(CHEST));
     }
     let row = columns + 1;
     for (j, i) in (0..rows).flat_map(|j| (0..columns).map(move |i| (j, i))) {
@@ -215,6 +220,13 @@ pub fn add_walk(document: &mut Document, first: usize, seconds: f32) {
         };
         times.iter().flat_map(at).collect()
     };
+    // The chest turns about y.
+    let turns = times.iter().flat_map(|t| {
+        let (sin, cos) = (0.05 * (TAU * t).sin()).sin_cos();
+        [0.0, sin, 0.0, cos]
+    });
+    let turns: Vec<f32> = turns.collect();
+    add(document, first + 1, "rotation", 4, turns);
     for (joint, degrees) in [(3, 35.0), (4, -35.0), (5, -25.0), (6, 25.0)] {
         add(document, first + joint, "rotation", 4, swings(degrees));
     }

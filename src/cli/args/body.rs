@@ -6,10 +6,11 @@ use crate::cli::args::values::{Metres, positive, unit};
 use crate::cli::files::frame_sequence::read_frames;
 use crate::cli::files::input::name_of;
 use clap::Args;
-use crease::body::{AnimatedBody, GarmentSkin};
+use crease::body::{AnimatedBody, BodyMotion, GarmentSkin};
 use crease::files::{GarmentFile, read_asset_file};
 use crease::garment::{Severity, SourceAsset, SourceFormat, SourcePiece, UpAxis};
 use crease::io::{ReadOptions, compare_body_size, read_garment_skin};
+use crease::math::Vec3;
 use crease::{Diagnostic, Error, Result};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -105,13 +106,13 @@ impl BodyArgs {
             }
         };
         let is_marked = held.is_some();
-        match read_garment_skin(&mesh.asset, held, body)? {
+        match read_garment_skin(&mesh.asset, held, body) {
             Ok(skin) => Ok(Ok(Arc::new(skin))),
             Err(reason) if is_marked => {
                 let message = format!("nothing of it can be held: {reason}");
                 Err(Error::input(&mesh.asset.file, "", message, "leave out --hold"))
             }
-            Err(reason) => Ok(Err(reason.to_owned())),
+            Err(reason) => Ok(Err(reason)),
         }
     }
 
@@ -206,15 +207,16 @@ impl BodyArgs {
         };
         let mut pieces: Vec<&SourcePiece> =
             pairs.enumerate().filter(is_chosen).map(|(_, (piece, _))| piece).collect();
-        let over = if self.body_node.is_none() { layers_over(mesh, &pieces)? } else { Vec::new() };
-        pieces.retain(|piece| !over.iter().any(|name| *name == piece.name));
+        let over = if self.body_node.is_none() { layers_over(mesh, &pieces) } else { Vec::new() };
+        let mut number = 0..;
+        pieces.retain(|_| !number.next().is_some_and(|k| over.iter().any(|(other, _)| *other == k)));
         if pieces.is_empty() {
             let message = "body and garment are the same part of this file";
             let help = "name the garment with --garment (and the body with --body-node)";
             return Err(Error::input(&asset.file, "", message, help));
         }
         let mut body = AnimatedBody::from_pieces(asset, &pieces)?;
-        for name in over {
+        for (_, name) in over {
             body.add_note(format!(
                 "{}: \"{name}\" lies over the garment and is no part of the body (--body-node names what is)",
                 asset.file
@@ -238,16 +240,17 @@ impl BodyArgs {
     }
 }
 
-/// Returns the names of those of `pieces` that lie over the garment of `mesh`.
-fn layers_over(mesh: &GarmentFile, pieces: &[&SourcePiece]) -> Result<Vec<String>> {
-    let mut over = Vec::new();
-    for piece in pieces.iter().filter(|piece| !piece.triangles.is_empty()) {
-        let alone = AnimatedBody::from_pieces(&mesh.asset, &[piece])?;
-        if alone.lies_over(&mesh.garment.points) && !over.contains(&piece.name) {
-            over.push(piece.name.clone());
-        }
-    }
-    Ok(over)
+/// Returns the numbers and names of those of `pieces` that lie over the garment of `mesh`; none if all of them do.
+fn layers_over(mesh: &GarmentFile, pieces: &[&SourcePiece]) -> Vec<(usize, String)> {
+    let lies_over = |(_, piece): &(usize, &&SourcePiece)| {
+        let position = |v: usize| piece.scene_position(v).unwrap_or_else(Vec3::zeros);
+        let vertices: Vec<Vec3> = (0..piece.positions.len()).map(position).collect();
+        AnimatedBody::new("", "", BodyMotion::Still, &vertices, &piece.triangles)
+            .lies_over(&mesh.garment.points)
+    };
+    let over = pieces.iter().enumerate().filter(lies_over);
+    let over: Vec<(usize, String)> = over.map(|(k, piece)| (k, piece.name.clone())).collect();
+    if over.len() < pieces.len() { over } else { Vec::new() }
 }
 
 /// Per vertex of `piece`: how much the file says that it is held.
