@@ -44,13 +44,14 @@ pub(super) struct RelaxOptions {
 }
 
 impl RelaxOptions {
-    /// The options with which `garment` shows what it remembers. A crease decays over 3 cm, over some edges or over the bending
-    /// length, whichever is most: the tether is the bending stiffness over the fourth power of this length. The cloth stretches as easily as a sheet so
-    /// thick that a crease can run across a curved surface.
-    pub fn visible_on(garment: &Garment, fabric: &Fabric) -> Self {
+    /// The options with which `garment` shows what it remembers, in creases that are `width` edges of it wide. A crease decays over 3 cm,
+    /// over 1.5 times its width or over the bending length, whichever is most: the tether is the bending stiffness over the fourth power
+    /// of this length. The cloth stretches as easily as a sheet so thick that a crease can run across a curved surface.
+    pub fn visible_on(garment: &Garment, fabric: &Fabric, width: f64) -> Self {
         let own = fabric.bending_length();
-        let decay = own.max(TUNING.relax.min_decay).max(TUNING.relax.decay_edges * garment.mean_edge());
-        let crease = garment.mean_edge().max(TUNING.relax.crease_width);
+        let wide = width * garment.mean_edge();
+        let decay = own.max(TUNING.relax.min_decay).max(TUNING.relax.decay_widths * wide);
+        let crease = wide.max(TUNING.relax.crease_width);
         let thickness = crease * crease / TUNING.relax.surface_radius;
         Self {
             tether_scale: (own / decay).powi(4),
@@ -94,6 +95,7 @@ pub(super) fn relax_to_source_pose(
     let increments = TUNING.relax.load_increments;
     // The models are cloned so that their terms may live beside the stepper they are given to.
     let (mut model, bending) = (stepper.cloth.membrane.clone(), stepper.cloth.bending.clone());
+    let junctions = stepper.cloth.junctions.clone();
     model.limit_stiffness(options.max_stretch);
     for increment in 1..=increments {
         let partial = scaled_memory(rest, f64::from(increment) / f64::from(increments));
@@ -101,7 +103,7 @@ pub(super) fn relax_to_source_pose(
         let last_angle = angle.clone();
         let bending_term = bending.term(&partial, &last_angle, f64::INFINITY);
         let tethers = TargetSprings(&springs);
-        let terms: [&dyn Energy; 3] = [&membrane, &bending_term, &tethers];
+        let terms: [&dyn Energy; 4] = [&membrane, &bending_term, &junctions, &tethers];
         let is_last = increment == increments;
         let solved = stepper.equilibrium(&mut x, &terms, &newton);
         result.solves += solved.global_iterations as u64;

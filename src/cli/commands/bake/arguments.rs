@@ -12,7 +12,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use crease::bake::{BakeOptions, BakeResult, Quality};
 use crease::body::AnimatedBody;
 use crease::fabric::DEFAULT_FABRIC;
-use crease::sim::Method;
+use crease::sim::{Method, Sewing};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -51,6 +51,9 @@ pub struct Arguments {
     /// Leave open borders single; by default they are hemmed, double over 20 mm
     #[arg(long)]
     no_hems: bool,
+    /// Leave seams single; by default the cloth is double over 10 mm on either side of them
+    #[arg(long)]
+    no_seams: bool,
     #[command(flatten)]
     pub apply: ApplyArgs,
     #[command(flatten)]
@@ -156,7 +159,7 @@ impl Arguments {
             body: body.cloned(),
             deactivate_static: !self.simulate_all,
             own_triangles: self.no_grading,
-            hems: !self.no_hems,
+            sewing: Sewing { hems: !self.no_hems, seams: !self.no_seams },
             frames_of_simulated: self.frames_of == FramesOf::Simulated,
             ..BakeOptions::for_quality(self.quality)
         };
