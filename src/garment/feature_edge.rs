@@ -4,7 +4,7 @@ use crate::garment::Garment;
 use crate::garment::tuning::TUNING;
 use crate::mesh::{Hinge, PointIndex, hinge_angle};
 
-/// Whether the source shape has a sharp edge at a hinge, or two panels meet or the warp turns there.
+/// Whether the source shape has a sharp edge at a hinge, or the warp turns there.
 pub(crate) fn is_feature_hinge(source: &Garment, hinge: &Hinge) -> bool {
     let x = hinge.points.map(|p| source.points[p.at()]);
     let direction = |f: u32| {
@@ -14,8 +14,7 @@ pub(crate) fn is_feature_hinge(source: &Garment, hinge: &Hinge) -> bool {
         edge.y.atan2(edge.x)
     };
     let between = direction(hinge.triangles[0]) - direction(hinge.triangles[1]);
-    let [a, b] = hinge.triangles.map(|f| source.triangle_panel[f as usize]);
     // Cloth is the same along +warp and -warp.
-    let is_seam = a != b || between.sin().abs() > TUNING.min_seam_angle.sin();
+    let is_seam = between.sin().abs() > TUNING.min_seam_angle.sin();
     is_seam || hinge_angle(&x).abs() > TUNING.min_sharp_angle
 }
