@@ -3,7 +3,7 @@
 use crate::bake::Quality;
 use crate::bake::tuning::TUNING;
 use crate::body::{AnimatedBody, GarmentSkin};
-use crate::sim::{NewtonOptions, StepOptions, StepRelaxation};
+use crate::sim::{NewtonOptions, Sewing, StepOptions, StepRelaxation};
 use std::sync::Arc;
 
 /// Options of a bake.
@@ -34,8 +34,8 @@ pub struct BakeOptions {
     pub deactivate_static: bool,
     /// Whether the garment's own triangles are simulated instead of a mesh made for the script ([`crate::bake::MeshChoice`]).
     pub own_triangles: bool,
-    /// Whether open borders are hemmed: double over 20 mm.
-    pub hems: bool,
+    /// Where the cloth is sewn and lies double: open borders over 20 mm, seams over 10 mm on either side.
+    pub sewing: Sewing,
     /// Length of edges where the script creases the cloth [m], of a mesh made for it.
     pub finest_edge: f64,
     /// Whether frames show the points of the simulated mesh instead of those of the garment.
@@ -59,7 +59,7 @@ impl Default for BakeOptions {
             skin: None,
             deactivate_static: true,
             own_triangles: false,
-            hems: true,
+            sewing: Sewing::ALL,
             finest_edge: Quality::Standard.finest_edge(),
             frames_of_simulated: false,
             checkpoint_steps: 32,

@@ -10,7 +10,7 @@ use crate::bake::{BakeOptions, ModelPlan, Quality};
 use crate::contact::Contact;
 use crate::fabric::Fabric;
 use crate::garment::{Garment, RestState, RigidParts};
-use crate::sim::{Cloth, GRAVITY, Stepper};
+use crate::sim::{Cloth, GRAVITY, Sewing, Stepper};
 use crate::wear::{WearFormat, WearScript};
 
 /// Relaxes `garment` of `fabric` to its source pose with the rest state `rest` (one entry per hinge and triangle of it).
@@ -31,13 +31,14 @@ pub fn relax(garment: &Garment, fabric: &Fabric, rest: &RestState) -> RelaxResul
     RelaxResult { displacement: rigid.displacement(&relaxed.displacement), ..relaxed }
 }
 
-/// Relaxes a garment without trims.
+/// Relaxes a garment without trims and second layers.
 fn relax_cloth(garment: &Garment, fabric: &Fabric, rest: &RestState) -> RelaxResult {
     let (cloth, plan) = cloth_and_plan(garment, fabric, Quality::Standard);
     let settings = plan.contact_settings(fabric);
     let area = cloth.area.clone();
     let contact = Contact::new(settings, &garment.points, &garment.triangles, &garment.topology, area);
-    relax_with(garment, fabric, rest, cloth, contact, &RelaxOptions::visible_on(garment, fabric))
+    let options = RelaxOptions::visible_on(garment, fabric, TUNING.relax.transferred_width);
+    relax_with(garment, fabric, rest, cloth, contact, &options)
 }
 
 /// The mesh of `garment`'s topology that best carries the rest angles of `rest`, as displacements from the source pose.
@@ -54,7 +55,7 @@ pub fn rest_mesh(garment: &Garment, fabric: &Fabric, rest: &RestState) -> RelaxR
 fn cloth_and_plan(garment: &Garment, fabric: &Fabric, quality: Quality) -> (Cloth, ModelPlan) {
     let empty = WearScript { format: WearFormat::V1, name: String::new(), actions: Vec::new() };
     let plan = ModelPlan::new(garment, fabric, &empty, &BakeOptions::for_quality(quality));
-    let mut cloth = Cloth::hemmed(garment, fabric);
+    let mut cloth = Cloth::sewn(garment, fabric, Sewing::ALL);
     cloth.membrane.set_stiffness(plan.stretch);
     (cloth, plan)
 }

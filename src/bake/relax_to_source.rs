@@ -48,13 +48,14 @@ pub(super) struct RelaxOptions {
 }
 
 impl RelaxOptions {
-    /// The options with which `garment` shows what it remembers. A crease decays over 3 cm, over some edges or over the bending
-    /// length, whichever is most: the tether is the bending stiffness over the fourth power of this length. The cloth stretches as easily as a sheet so
-    /// thick that a crease can run across a curved surface.
-    pub fn visible_on(garment: &Garment, fabric: &Fabric) -> Self {
+    /// The options with which `garment` shows what it remembers, in creases that are `width` edges of it wide. A crease decays over 3 cm,
+    /// over 1.5 times its width or over the bending length, whichever is most: the tether is the bending stiffness over the fourth power
+    /// of this length. The cloth stretches as easily as a sheet so thick that a crease can run across a curved surface.
+    pub fn visible_on(garment: &Garment, fabric: &Fabric, width: f64) -> Self {
         let own = fabric.bending_length();
-        let decay = own.max(TUNING.relax.min_decay).max(TUNING.relax.decay_edges * garment.mean_edge());
-        let crease = garment.mean_edge().max(TUNING.relax.crease_width);
+        let wide = width * garment.mean_edge();
+        let decay = own.max(TUNING.relax.min_decay).max(TUNING.relax.decay_widths * wide);
+        let crease = wide.max(TUNING.relax.crease_width);
         let thickness = crease * crease / TUNING.relax.surface_radius;
         Self {
             tether_scale: (own / decay).powi(4),
@@ -100,6 +101,7 @@ pub(super) fn relax_to_source_pose(
     let increments = TUNING.relax.load_increments;
     // The models are cloned so that their terms may live beside the stepper they are given to.
     let (mut model, bending) = (stepper.cloth.membrane.clone(), stepper.cloth.bending.clone());
+    let junctions = stepper.cloth.junctions.clone();
     model.limit_stiffness(options.max_stretch);
     let mut planes = body.map(|body| {
         let settings = body_contact_settings(garment, stepper.contact.settings(), stepper.cloth.area.clone());
@@ -120,7 +122,7 @@ pub(super) fn relax_to_source_pose(
             None => FoundContacts { planes: Vec::new(), edges: Vec::new() },
         };
         let (on_planes, on_edges) = (PlaneContacts(&found.planes), EdgeContacts(&found.edges));
-        let terms: [&dyn Energy; 5] = [&membrane, &bending_term, &tethers, &on_planes, &on_edges];
+        let terms: [&dyn Energy; 6] = [&membrane, &bending_term, &junctions, &tethers, &on_planes, &on_edges];
         let solved = stepper.equilibrium(&mut x, &terms, &newton);
         if let Some(beside) = &mut beside {
             beside.accept(&x, &found);

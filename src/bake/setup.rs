@@ -41,8 +41,7 @@ impl BakeSetup<'_> {
     /// The stepper of `garment` with the models of `plan`.
     pub fn stepper(&self, garment: &Garment, plan: &ModelPlan) -> Stepper {
         let (fabric, options) = (self.fabric, self.options);
-        let mut cloth =
-            if options.hems { Cloth::hemmed(garment, fabric) } else { Cloth::new(garment, fabric) };
+        let mut cloth = Cloth::sewn(garment, fabric, options.sewing);
         cloth.membrane.set_stiffness(plan.stretch);
         if plan.min_bending_edges > 0.0 {
             cloth.bending.reinforce(&plan.bending_factors(garment, fabric));

@@ -90,7 +90,11 @@ impl<'a> GarmentReading<'a> {
 
     /// Positions of the garment's points [m] with the points of `mesh` at `x` [m].
     pub fn read(&self, mesh: &SimulationMesh, x: &[Vec3]) -> Vec<Vec3> {
-        let mut points = mesh.to_source(x);
+        self.uncrossed(mesh.to_source(x), mesh, x)
+    }
+
+    /// The positions `points` of the garment's points [m], moved to where no triangles cross, with the points of `mesh` at `x` [m].
+    fn uncrossed(&self, mut points: Vec<Vec3>, mesh: &SimulationMesh, x: &[Vec3]) -> Vec<Vec3> {
         if mesh.is_source {
             return points;
         }
@@ -122,7 +126,8 @@ impl<'a> GarmentReading<'a> {
         points
     }
 
-    /// Displacement of the garment's points from the source pose [m], read off `displacement` of the points of `mesh` [m]. Where
+    /// Displacement of the garment's points from the source pose [m] by `displacement` of the points of `mesh` [m]; wrinkles of the
+    /// source pose that the mesh does not follow stay. Where
     /// triangles would still cross it is scaled down, and the decision says for how many points.
     pub fn displacement(
         &self,
@@ -131,7 +136,7 @@ impl<'a> GarmentReading<'a> {
     ) -> (Vec<Vec3>, Option<ModelDecision>) {
         let source = &self.garment.points;
         let shape: Vec<Vec3> = mesh.garment.points.iter().zip(displacement).map(|(x, d)| x + d).collect();
-        let mut points = self.read(mesh, &shape);
+        let mut points = self.uncrossed(mesh.carry(source, &shape), mesh, &shape);
         let mut held = vec![false; points.len()];
         if !mesh.is_source || self.body.is_some() {
             for round in 0..TUNING.uncross.max_rounds {

@@ -151,6 +151,7 @@ impl TestSheet {
             source_point: (0..self.flat.len() as u32).map(PointIndex).collect(),
             memory_mask: vec![1.0; points.len()],
             triangle_part: vec![0; triangles.len()],
+            triangle_panel: vec![0; triangles.len()],
             triangles,
             topology,
             points,

@@ -11,6 +11,7 @@ mod edge_contact;
 #[cfg(test)]
 pub(crate) mod energy_checks;
 mod gravity;
+mod junction;
 mod leash;
 mod membrane;
 mod plane_contact;
@@ -24,6 +25,7 @@ pub use bending::{Bending, BendingTerm};
 pub use drag::Drag;
 pub use edge_contact::{EdgeContact, EdgeContacts};
 pub use gravity::Gravity;
+pub use junction::Junctions;
 pub use leash::{Leash, Leashes};
 pub use membrane::{Membrane, MembraneTerm};
 pub use plane_contact::{PlaneContact, PlaneContacts};

@@ -2,7 +2,7 @@
 //! with material directions.
 //!
 //! Stage between reading and the solver. Every repair is reported; what cannot be repaired (edges of three layers, Möbius
-//! strips) stays and carries no hinge, so that the garment is still usable. Layers that lie in one place are set
+//! strips) stays and remembers nothing, so that the garment is still usable. Layers that lie in one place are set
 //! apart by a small distance. Sews no open seams and looks for no intersections.
 
 use crate::garment::coincident_layers::separate_layers;
@@ -61,7 +61,7 @@ impl Garment {
         separate_layers(&mut points, &triangles, &topology, &mut diagnostics);
         let triangle_part = find_parts(points.len(), &triangles);
         let part_count = triangle_part.iter().max().map_or(0, |&last| last as usize + 1);
-        let flat = flatten_triangles(&points, &wedges, &sheet.uvs, &topology, part_count);
+        let flat = flatten_triangles(&points, &wedges, (&sheet.uvs, &sheet.pieces), &topology, part_count);
         diagnostics.note(flat.reason);
         let memory_mask = mean_per_point(&sheet.mask, &source_point, points.len());
         let garment = Self {
@@ -72,6 +72,7 @@ impl Garment {
             source_point,
             memory_mask,
             triangle_part,
+            triangle_panel: flat.panel,
             topology,
         };
         Ok((garment, diagnostics.list))
@@ -84,6 +85,8 @@ struct SourceSheet {
     positions: Vec<Vec3>,
     /// One per vertex, if its piece has texture coordinates.
     uvs: Vec<Option<Vec2>>,
+    /// One per vertex: number of its piece.
+    pieces: Vec<u32>,
     /// One per vertex: factor of memory, 0..1.
     mask: Vec<f64>,
     triangles: Vec<[u32; 3]>,
@@ -96,13 +99,16 @@ impl SourceSheet {
         let mut sheet = Self {
             positions: Vec::new(),
             uvs: Vec::new(),
+            pieces: Vec::new(),
             mask: Vec::new(),
             triangles: Vec::new(),
             position_ids: Vec::new(),
         };
         let mut diagnostics = Vec::new();
-        for piece in asset.worn_pieces() {
-            if let Err(message) = sheet.add(piece) {
+        for (number, piece) in (0..).zip(asset.worn_pieces()) {
+            let added = sheet.add(piece);
+            sheet.pieces.resize(sheet.positions.len(), number);
+            if let Err(message) = added {
                 let location = format!("piece \"{}\"", piece.name);
                 diagnostics.push(Diagnostic::new(&asset.file, location, message, "read the file again"));
             }
@@ -200,7 +206,7 @@ fn note_edges(topology: &Topology, diagnostics: &mut ImportDiagnostics) {
     let non_manifold = topology.edge_valence.iter().filter(|&&valence| valence > 2).count();
     if non_manifold > 0 {
         diagnostics.note(format!(
-            "{non_manifold} edges join more than two triangles: they bend freely and remember nothing"
+            "{non_manifold} edges join more than two triangles: they bend across every wing and remember nothing"
         ));
     }
     if !topology.misoriented.is_empty() {

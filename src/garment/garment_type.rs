@@ -20,6 +20,9 @@ pub struct Garment {
     pub memory_mask: Vec<f64>,
     /// Per triangle: connected part it belongs to, counted from 0.
     pub triangle_part: Vec<u32>,
+    /// Per triangle: panel it belongs to, counted from 0: an island of the texture coordinates where they follow the panels, else a
+    /// piece of the file. Seams lie between panels.
+    pub triangle_panel: Vec<u32>,
     /// Edges and hinges of `triangles`.
     pub topology: Topology,
 }

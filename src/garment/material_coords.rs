@@ -19,17 +19,20 @@ pub(super) struct FlatTriangles {
     pub(super) material: Vec<[Vec2; 3]>,
     /// Whether texture coordinates gave the directions.
     pub(super) from_uv: bool,
+    /// One per triangle: its panel, an island of the texture coordinates if they gave the directions, else its piece of the file.
+    pub(super) panel: Vec<u32>,
     /// Reason for the choice, for the user.
     pub(super) reason: String,
 }
 
 /// Flattens all triangles.
 ///
-/// `points` \[m\], `wedges` one per triangle, `uvs` one per vertex, `part_count` connected parts of the garment.
+/// `points` \[m\], `wedges` one per triangle, `uvs` and `pieces` (piece of the file) one per vertex, `part_count` connected parts of
+/// the garment.
 pub(super) fn flatten_triangles(
     points: &[Vec3],
     wedges: &[TriangleWedges],
-    uvs: &[Option<Vec2>],
+    (uvs, pieces): (&[Option<Vec2>], &[u32]),
     topology: &Topology,
     part_count: usize,
 ) -> FlatTriangles {
@@ -37,7 +40,10 @@ pub(super) fn flatten_triangles(
     let texture: Vec<Option<[Vec2; 3]>> = wedges.iter().map(|w| wedge_uvs(w, uvs)).collect();
     let from_texture: Vec<Option<Vec3>> =
         shapes.iter().zip(&texture).map(|(shape, uv)| u_direction(shape, uv.as_ref()?)).collect();
-    let (from_uv, reason) = judge_texture(wedges, &texture, &from_texture, topology, part_count);
+    let (islands, reason) = judge_texture(wedges, &texture, &from_texture, topology, part_count);
+    let from_uv = islands.is_some();
+    let piece = |w: &TriangleWedges| w.vertices.map_or(0, |vertices| pieces[vertices[0] as usize]);
+    let panel = islands.unwrap_or_else(|| wedges.iter().map(piece).collect());
     let reference = shape_reference(&shapes);
     let material = (0..shapes.len())
         .map(|t| {
@@ -49,7 +55,7 @@ pub(super) fn flatten_triangles(
             flatten_triangle(shape, warp)
         })
         .collect();
-    FlatTriangles { material, from_uv, reason }
+    FlatTriangles { material, from_uv, panel, reason }
 }
 
 fn wedge_uvs(wedges: &TriangleWedges, uvs: &[Option<Vec2>]) -> Option<[Vec2; 3]> {
@@ -74,33 +80,37 @@ fn u_direction(shape: &[Vec3; 3], uv: &[Vec2; 3]) -> Option<Vec3> {
     if usable { ((e1 * d2.y - e2 * d1.y) / area).try_normalize(0.0) } else { None }
 }
 
-/// Returns whether the texture coordinates follow the panels, and the reason.
+/// Returns the texture island of every triangle, `None` if the texture coordinates do not follow the panels, and the reason.
 fn judge_texture(
     wedges: &[TriangleWedges],
     texture: &[Option<[Vec2; 3]>],
     directions: &[Option<Vec3>],
     topology: &Topology,
     part_count: usize,
-) -> (bool, String) {
+) -> (Option<Vec<u32>>, String) {
     if texture.iter().all(Option::is_none) {
-        return (false, "warp from the shape: there are no texture coordinates".into());
+        return (None, "warp from the shape: there are no texture coordinates".into());
     }
     let good = directions.iter().filter(|direction| direction.is_some()).count();
     if (good as f64) < TUNING.min_directed_fraction * wedges.len() as f64 {
         let bad = wedges.len() - good;
-        return (false, format!("warp from the shape: {bad} triangles have no usable texture coordinates"));
+        return (None, format!("warp from the shape: {bad} triangles have no usable texture coordinates"));
     }
-    let islands = count_islands(wedges, texture, topology);
+    let (island, islands) = find_islands(wedges, texture, topology);
     let max_islands = part_count.max(wedges.len() / TUNING.min_island_triangles);
     if islands > max_islands {
         let count = format!("{islands} texture islands for {} triangles", wedges.len());
-        return (false, format!("warp from the shape: {count}, too many to follow the panels"));
+        return (None, format!("warp from the shape: {count}, too many to follow the panels"));
     }
-    (true, format!("warp along u of the texture coordinates ({islands} islands)"))
+    (Some(island), format!("warp along u of the texture coordinates ({islands} islands)"))
 }
 
-/// Returns the number of groups of triangles whose texture continues across their common edges.
-fn count_islands(wedges: &[TriangleWedges], texture: &[Option<[Vec2; 3]>], topology: &Topology) -> usize {
+/// Returns the island of every triangle (texture continues across the common edges of its triangles), and their number.
+fn find_islands(
+    wedges: &[TriangleWedges],
+    texture: &[Option<[Vec2; 3]>],
+    topology: &Topology,
+) -> (Vec<u32>, usize) {
     let mut groups = Groups::new(wedges.len());
     for (e, &[first, second]) in topology.edge_triangles.iter().enumerate() {
         if topology.edge_valence[e] < 2 {
@@ -117,7 +127,8 @@ fn count_islands(wedges: &[TriangleWedges], texture: &[Option<[Vec2; 3]>], topol
             groups.join(first, second);
         }
     }
-    groups.numbered().1
+    let (island, count) = groups.numbered();
+    (island.iter().map(|island| island.0).collect(), count)
 }
 
 /// Returns the direction the warp follows without texture: the scene's y, or z for a garment that lies.

@@ -11,7 +11,6 @@ mod diagnostic;
 mod feature_edge;
 mod file_contents;
 mod garment_type;
-mod hem;
 mod inspect;
 mod lying;
 pub(crate) mod material_coords;
@@ -20,6 +19,7 @@ mod refine;
 mod repair;
 mod rest_state;
 mod rigid_parts;
+mod sewing;
 mod source_asset;
 mod tuning;
 mod wedges;
@@ -30,12 +30,12 @@ pub use diagnostic::{ImportDiagnostic, Severity};
 pub(crate) use feature_edge::is_feature_hinge;
 pub use file_contents::{ClipReport, FileContents, JointReport, MorphReport, PieceAttributes};
 pub use garment_type::Garment;
-pub use hem::hem_fractions;
 pub use inspect::{Inspection, PartReport, PieceReport, inspect};
 pub use lying::{Footprint, is_lying, is_lying_by_normals};
 pub use refine::RefinedMesh;
 pub use rest_state::RestState;
 pub use rigid_parts::RigidParts;
+pub use sewing::{hem_fractions, seam_fractions};
 pub use source_asset::{
     GlbChunk, GltfDocument, ObjFace, ObjLines, Placement, SourceAsset, SourceFormat, SourceJoint,
     SourcePiece, UpAxis,

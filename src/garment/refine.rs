@@ -30,7 +30,9 @@ impl Garment {
         let mut work = Bisection::new(self, edge.max(f64::MIN_POSITIVE));
         work.run(wanted);
         let Bisection { points, mask, triangles, material, parent, .. } = work;
-        let part = |f: &u32| self.triangle_part.get(*f as usize).copied().unwrap_or(0);
+        let inherited = |of: &[u32]| -> Vec<u32> {
+            parent.iter().map(|f| of.get(*f as usize).copied().unwrap_or(0)).collect()
+        };
         let topology = Topology::new(points.len(), &triangles);
         RefinedMesh {
             garment: Self {
@@ -40,7 +42,8 @@ impl Garment {
                 material_from_uv: self.material_from_uv,
                 source_point: self.source_point.clone(),
                 memory_mask: mask,
-                triangle_part: parent.iter().map(part).collect(),
+                triangle_part: inherited(&self.triangle_part),
+                triangle_panel: inherited(&self.triangle_panel),
                 topology,
             },
             parent,

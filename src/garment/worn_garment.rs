@@ -67,6 +67,7 @@ mod tests {
             source_point: Vec::new(),
             memory_mask: vec![1.0; 4],
             triangle_part: vec![0; 2],
+            triangle_panel: vec![0; 2],
             topology: Topology::new(4, &triangles),
             triangles,
             points,

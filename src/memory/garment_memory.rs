@@ -242,6 +242,7 @@ mod tests {
             material_from_uv: true,
             source_point: (0..5).map(PointIndex).collect(),
             triangle_part: vec![0; 3],
+            triangle_panel: vec![0; 3],
             memory_mask,
             topology,
             triangles,

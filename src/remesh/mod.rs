@@ -10,6 +10,7 @@
 //!
 //! Knows no script and no fabric: `bake::choose_mesh` says which lines and lengths a wear asks for.
 
+mod carry;
 mod improve;
 mod refine;
 mod simulation_mesh;

@@ -204,11 +204,12 @@ impl Bisection {
             source.topology.edge_hinge[*edge as usize]
         };
         let hinge_parent = topology.hinges.iter().map(parent).collect();
-        let parts = self.triangle_parent.iter().map(|&f| source.triangle_part[f as usize]).collect();
         let mut source_triangle = coarse.source_triangle.clone();
         for [a, _] in &self.splits {
             source_triangle.push(source_triangle[*a as usize]);
         }
+        let inherited =
+            |of: &[u32]| -> Vec<u32> { self.triangle_parent.iter().map(|&f| of[f as usize]).collect() };
         let located = coarse.source_location.iter().map(|at| self.locate(at)).collect();
         let garment = Garment {
             points: self.points,
@@ -216,7 +217,8 @@ impl Bisection {
             material_from_uv: source.material_from_uv,
             source_point: Vec::new(),
             memory_mask,
-            triangle_part: parts,
+            triangle_part: inherited(&source.triangle_part),
+            triangle_panel: inherited(&source.triangle_panel),
             topology,
             triangles,
         };

@@ -70,6 +70,7 @@ impl SimulationMesh {
             source_point: Vec::new(),
             memory_mask: location.iter().map(mask).collect(),
             triangle_part: faces.iter().map(|&f| source.triangle_part[mesh.home(f) as usize]).collect(),
+            triangle_panel: faces.iter().map(|&f| source.triangle_panel[mesh.home(f) as usize]).collect(),
             topology: Topology::new(kept.len(), &triangles),
             triangles,
         };
@@ -137,13 +138,13 @@ fn locate_source(
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::mesh::triangle::area;
     use crate::remesh::{Seed, SizeField, improve};
 
     /// A level sheet of 0.3 x 0.2 m of triangles with a diagonal; `sliver` makes columns of two widths.
-    fn sheet(step: f64, sliver: f64) -> Garment {
+    pub fn sheet(step: f64, sliver: f64) -> Garment {
         let columns: Vec<f64> = {
             let mut x = vec![0.0];
             while *x.last().unwrap_or(&0.0) < 0.3 - 1e-9 {
@@ -172,6 +173,7 @@ mod tests {
             source_point: Vec::new(),
             memory_mask: vec![1.0; points.len()],
             triangle_part: vec![0; triangles.len()],
+            triangle_panel: vec![0; triangles.len()],
             topology: Topology::new(points.len(), &triangles),
             triangles,
             points,

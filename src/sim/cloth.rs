@@ -1,15 +1,37 @@
 //! The elastic model of one garment: masses, membrane, bending.
 
-use crate::energy::{Bending, Membrane};
+use crate::energy::{Bending, Junctions, Membrane};
 use crate::fabric::Fabric;
-use crate::garment::{Garment, hem_fractions};
+use crate::garment::{Garment, hem_fractions, seam_fractions};
 use crate::math::Vec3;
 
+/// Where cloth is sewn and lies double.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Sewing {
+    /// Whether open borders are hemmed.
+    pub hems: bool,
+    /// Whether seams have an allowance.
+    pub seams: bool,
+}
+
+impl Sewing {
+    /// Hems and seams.
+    pub const ALL: Self = Self { hems: true, seams: true };
+    /// Single cloth everywhere.
+    pub const NONE: Self = Self { hems: false, seams: false };
+}
+
 /// Width of a hem [m]: 20 mm, as shirts and T-shirts have it.
-pub const HEM_WIDTH: f64 = 0.02;
-/// Bending stiffness of a hem relative to one layer [-]: two layers that slide on one another have 2, two that are bonded 8; sewn
-/// ones lie between, here at the geometric mean. No measurement of hems was found.
-pub const HEM_BENDING: f64 = 4.0;
+const HEM_WIDTH: f64 = 0.02;
+/// Bending stiffness of a hem relative to one layer [-]: two layers that slide on one another have 2, two that are bonded 8, as the
+/// second moment of their section has it (`docs/reference/fabrics.md`); a hem, sewn along both sides, lies between, here at the
+/// geometric mean.
+const HEM_BENDING: f64 = 4.0;
+/// Width of the allowance on either side of a seam [m]: 10 mm, as patterns have it.
+const SEAM_WIDTH: f64 = 0.01;
+/// Bending stiffness over the allowance of a seam relative to one layer [-]: allowances are held along the seam only and slide on the
+/// cloth.
+const SEAM_BENDING: f64 = 2.0;
 
 /// Elastic model and masses of one garment; constant during a run.
 #[derive(Debug, Clone)]
@@ -22,6 +44,8 @@ pub struct Cloth {
     pub membrane: Membrane,
     /// Bending model.
     pub bending: Bending,
+    /// Bending model of edges of more than two triangles.
+    pub junctions: Junctions,
 }
 
 impl Cloth {
@@ -35,17 +59,25 @@ impl Cloth {
             }
         }
         let mass = area.iter().map(|a| a * fabric.area_density()).collect();
-        Self { mass, area, membrane, bending: Bending::new(garment, fabric) }
+        let (bending, junctions) = (Bending::new(garment, fabric), Junctions::new(garment, fabric));
+        Self { mass, area, membrane, bending, junctions }
     }
 
-    /// The model of `garment` made of `fabric`, its open borders hemmed: over [`HEM_WIDTH`] the cloth is double. It weighs and resists
-    /// stretch twice as much, and bends [`HEM_BENDING`] times as stiffly.
-    pub fn hemmed(garment: &Garment, fabric: &Fabric) -> Self {
+    /// The model of `garment` made of `fabric`, double where it is sewn: over 20 mm along open borders and 10 mm on either side of seams.
+    /// Two layers weigh and resist stretch twice as much; a hem bends four times as stiffly as one layer, a seam twice.
+    pub fn sewn(garment: &Garment, fabric: &Fabric, sewing: Sewing) -> Self {
         let mut cloth = Self::new(garment, fabric);
-        let fractions = hem_fractions(garment, HEM_WIDTH);
-        let factors =
-            |factor: f64| -> Vec<f64> { fractions.iter().map(|s| 1.0 + (factor - 1.0) * s).collect() };
-        let layers = factors(2.0);
+        let count = garment.triangles.len();
+        let strip = |on: bool, of: fn(&Garment, f64) -> Vec<f64>, width: f64| {
+            if on { of(garment, width) } else { vec![0.0; count] }
+        };
+        let hem = strip(sewing.hems, hem_fractions, HEM_WIDTH);
+        let seam = strip(sewing.seams, seam_fractions, SEAM_WIDTH);
+        let factors = |hem_factor: f64, seam_factor: f64| -> Vec<f64> {
+            let both = hem.iter().zip(&seam);
+            both.map(|(h, s)| 1.0 + (hem_factor - 1.0) * h + (seam_factor - 1.0) * s).collect()
+        };
+        let layers = factors(2.0, 2.0);
         cloth.mass.fill(0.0);
         for ((t, area), layers) in garment.triangles.iter().zip(cloth.membrane.area()).zip(&layers) {
             for p in t {
@@ -53,7 +85,9 @@ impl Cloth {
             }
         }
         cloth.membrane.reinforce(&layers);
-        cloth.bending.reinforce(&factors(HEM_BENDING));
+        let bending = factors(HEM_BENDING, SEAM_BENDING);
+        cloth.bending.reinforce(&bending);
+        cloth.junctions.reinforce(&bending);
         cloth
     }
 

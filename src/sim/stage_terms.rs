@@ -31,6 +31,9 @@ pub(super) fn stage_terms<'a>(
 ) -> Vec<Box<dyn Energy + 'a>> {
     let gravity = Gravity { mass: &cloth.mass, acceleration: loads.gravity };
     let mut terms: Vec<Box<dyn Energy + 'a>> = vec![Box::new(membrane), Box::new(bending), Box::new(gravity)];
+    if !cloth.junctions.is_empty() {
+        terms.push(Box::new(cloth.junctions.clone()));
+    }
     if !loads.springs.is_empty() {
         terms.push(Box::new(TargetSprings(&loads.springs)));
     }

@@ -80,6 +80,7 @@ mod tests {
             source_point: Vec::new(),
             memory_mask: vec![1.0; points.len()],
             triangle_part: vec![0; triangles.len()],
+            triangle_panel: vec![0; triangles.len()],
             topology: Topology::new(points.len(), &triangles),
             triangles,
             points,

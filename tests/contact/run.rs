@@ -3,7 +3,9 @@
 
 use crate::shapes::Shape;
 use crease::contact::{BodyContactSettings, BodyPlanes, Contact, ContactSettings};
-use crease::energy::{Bending, EdgeContact, EdgeContacts, Energy, Membrane, PlaneContact, PlaneContacts};
+use crease::energy::{
+    Bending, EdgeContact, EdgeContacts, Energy, Junctions, Membrane, PlaneContact, PlaneContacts,
+};
 use crease::garment::RestState;
 use crease::math::{Rng, Vec2, Vec3};
 use crease::mesh::intersections::self_intersections;
@@ -146,7 +148,7 @@ impl Run {
         let mut settings = ContactSettings::uniform(kind.thickness, stiffness, kind.friction);
         settings.static_ratio = kind.static_ratio;
         let contact = Contact::new(settings, &pattern.x, &pattern.triangles, &topology, area.clone());
-        let cloth = Cloth { mass, area, membrane, bending };
+        let cloth = Cloth { mass, area, membrane, bending, junctions: Junctions::default() };
         // As in a bake, but for the steps, which may be shorter.
         let energy = 3e-6 * cloth.mass.iter().sum::<f64>() * crease::sim::GRAVITY;
         let options = StepOptions {

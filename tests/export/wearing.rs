@@ -46,6 +46,7 @@ pub fn garment(asset: &SourceAsset) -> Garment {
         source_point,
         memory_mask: vec![1.0; points.len()],
         triangle_part: vec![0; triangles.len()],
+        triangle_panel: vec![0; triangles.len()],
         topology: Topology::new(points.len(), &triangles),
         points,
         triangles,

@@ -20,6 +20,7 @@ pub fn pair(size: f64) -> Garment {
         source_point: (0..4).map(PointIndex).collect(),
         memory_mask: vec![1.0; 4],
         triangle_part: vec![0; 2],
+        triangle_panel: vec![0; 2],
         topology: Topology::new(4, &triangles),
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::chart::test_sheet::TestSheet;
 use crate::contact::{Contact, ContactSettings};
-use crate::energy::{Bending, Membrane};
+use crate::energy::{Bending, Junctions, Membrane};
 use crate::error::Result;
 use crate::garment::{Garment, RestState};
 use crate::math::Vec3;
@@ -94,7 +94,7 @@ impl ClothMaterial {
             }
         }
         let mass = area.iter().map(|a| a * self.density).collect();
-        Cloth { mass, area, membrane, bending }
+        Cloth { mass, area, membrane, bending, junctions: Junctions::default() }
     }
 
     /// Makes contact with activation distance `distance` [m] and coefficient `friction`, stiff enough for the weight

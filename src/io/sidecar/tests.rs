@@ -46,6 +46,7 @@ fn example() -> Sidecar {
         source_point: [0, 1, 2, 3, 1].map(PointIndex).to_vec(),
         memory_mask: vec![1.0; 4],
         triangle_part: vec![0; 2],
+        triangle_panel: vec![0; 2],
         topology: Topology::new(4, &triangles),
         triangles,
     };

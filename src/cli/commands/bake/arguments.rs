@@ -13,7 +13,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use crease::bake::{BakeOptions, BakeResult, Quality};
 use crease::body::{AnimatedBody, GarmentSkin};
 use crease::fabric::DEFAULT_FABRIC;
-use crease::sim::Method;
+use crease::sim::{Method, Sewing};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -55,6 +55,9 @@ pub struct Arguments {
     /// Leave out the memory of an earlier run: by default a worn MESH whose sidecar is beside it begins with what it remembers
     #[arg(long)]
     pub forget: bool,
+    /// Leave seams single; by default the cloth is double over 10 mm on either side of them
+    #[arg(long)]
+    no_seams: bool,
     #[command(flatten)]
     pub apply: ApplyArgs,
     #[command(flatten)]
@@ -161,7 +164,7 @@ impl Arguments {
             skin: skin.cloned(),
             deactivate_static: !self.simulate_all,
             own_triangles: self.no_grading,
-            hems: !self.no_hems,
+            sewing: Sewing { hems: !self.no_hems, seams: !self.no_seams },
             frames_of_simulated: self.frames_of == FramesOf::Simulated,
             ..BakeOptions::for_quality(self.quality)
         };

@@ -73,6 +73,7 @@ fn finer(coarse: &Garment, times: usize) -> (Garment, Vec<u32>) {
         memory_mask: vec![1.0; points.len()],
         material: vec![[Vec2::zeros(), Vec2::x(), Vec2::y()]; count],
         triangle_part: vec![0; count],
+        triangle_panel: vec![0; count],
         points,
         triangles,
         topology,
