@@ -55,6 +55,14 @@ pub enum BodyPose {
 
 impl BodyPose {
     /// Returns the pose of the skeleton, if there is one.
+    pub fn joints(&self) -> Option<&Pose> {
+        match self {
+            Self::Joints(joints) | Self::Morphed { joints, .. } => Some(joints),
+            Self::Still | Self::Time(_) => None,
+        }
+    }
+
+    /// Returns the pose of the skeleton, if there is one.
     pub fn joints_mut(&mut self) -> Option<&mut Pose> {
         match self {
             Self::Joints(joints) | Self::Morphed { joints, .. } => Some(joints),

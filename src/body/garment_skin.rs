@@ -116,7 +116,7 @@ impl GarmentSkin {
 
     /// Returns the vertices in a pose of `body` [m].
     fn vertices(&self, body: &AnimatedBody, pose: &BodyPose) -> Vec<Vec3> {
-        let (Some(rig), BodyPose::Joints(pose)) = (body.rig(), pose) else { return self.vertices.clone() };
+        let (Some(rig), Some(pose)) = (body.rig(), pose.joints()) else { return self.vertices.clone() };
         let theirs = rig.scene_transforms(pose);
         let own = self.rig.scene_transforms(&self.rig.skeleton.rest());
         let transform = |(node, own): (&Option<usize>, Mat4)| {

@@ -2,6 +2,7 @@
 
 use crate::run::{COTTON, Pattern, Run};
 use crate::shapes::Shape;
+use crease::body::{AnimatedBody, BodyMotion, BodyPose, PosedBody};
 use crease::math::Vec3;
 use crease::sim::Loads;
 use std::sync::Arc;
@@ -16,7 +17,9 @@ fn cloth_over_a_sphere_comes_to_rest_in_balance() {
     let mut run = Run::new(&pattern, COTTON, 4.0);
     run.precisely();
     run.put_on(&shape);
-    let at: Arc<[Vec3]> = shape.points.clone().into();
+    let triangles: Vec<[u32; 3]> = shape.triangles.iter().map(|t| t.map(|p| p.0)).collect();
+    let still = AnimatedBody::new("sphere", "", BodyMotion::Still, &shape.points, &triangles);
+    let at = PosedBody::new(&Arc::new(still), BodyPose::Still);
     let mut drive = |_: f64, _: &crease::sim::State| Loads {
         body: Some(at.clone()),
         drag: 3.0,

@@ -186,7 +186,7 @@ impl Run {
     pub fn put_on(&mut self, shape: &Shape) {
         let settings = self.stepper.contact.settings();
         let settings = BodyContactSettings {
-            point_dhat: settings.dhat,
+            point_dhat: vec![settings.dhat; self.stepper.cloth.area.len()],
             edge_dhat: settings.dhat,
             stiffness: settings.stiffness,
             areas: self.stepper.cloth.area.clone(),
@@ -253,7 +253,8 @@ impl Run {
         let (triangles, topology) = (&self.triangles, &self.topology);
         let mut drive_on_body = |time: f64, state: &State| {
             let mut drive = drive_at(time, state);
-            if let Some(points) = drive.body.take() {
+            if let Some(posed) = drive.body.take() {
+                let points = posed.points;
                 if !begun {
                     body.begin_step(&state.x, triangles, topology, &drive.fixed);
                     begun = true;
