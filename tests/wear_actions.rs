@@ -203,12 +203,3 @@ fn a_garment_that_does_not_lie_is_an_error() {
     let start = "did not take place: wear.json: actions[0] (lay): the garment does not lie";
     assert!(message.starts_with(start), "{message}");
 }
-
-/// A ball that does not close.
-#[test]
-fn a_garment_that_is_not_squeezed_together_is_an_error() {
-    let crumple = r#"{"lay": {"facing": "up", "over": 0.2}}, {"crumple": {"to": 0.3, "over": 1}}"#;
-    let message = failure(bake(&sheet(|_, _| 0.0), &board(), crumple));
-    println!("{message}");
-    assert!(message.contains("actions[1] (crumple): the garment is not squeezed together"), "{message}");
-}

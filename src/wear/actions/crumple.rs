@@ -134,3 +134,19 @@ impl ActionRunner for CrumpleRunner {
         persistent.held_loads = Some(self.loads_at(f64::INFINITY, x));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_garment_that_stays_out_of_the_ball_is_not_squeezed_together() {
+        let (centre, first_radius, last_radius) = (Vec3::new(0.0, 1.0, 0.0), 0.5, 0.1);
+        let runner =
+            CrumpleRunner { centre, first_radius, last_radius, over: 1.0, ground: None, wetness: None };
+        let points = |reach: f64| [0.0, 0.1, reach].map(|x| centre + Vec3::x() * x);
+        assert_eq!(runner.failure(&points(0.12)), None);
+        let failure = runner.failure(&points(0.45)).expect("it is not squeezed");
+        assert!(failure.message.contains("reaches 450 mm from the middle of the ball, where 100 mm"));
+    }
+}
