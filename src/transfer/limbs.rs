@@ -144,15 +144,21 @@ impl Anatomy {
         let part = parts(surface);
         let loops = surface.topology.boundary_loops(&surface.triangles);
         let size = extent(surface);
-        let mut openings = Vec::new();
-        for border in &loops {
+        let outline = |border: &Vec<PointIndex>| {
             let points = border.iter().map(|p| surface.points[p.at()]);
             let next = points.clone().cycle().skip(1);
-            let Some(outline) = Ring::of_segments(points.zip(next).map(|(a, b)| [a, b])) else { continue };
+            let outline = Ring::of_segments(points.zip(next).map(|(a, b)| [a, b]))?;
             // Buttonholes and cuts are no openings.
-            if outline.length < TUNING.min_opening_fraction * size {
-                continue;
-            }
+            (outline.length >= TUNING.min_opening_fraction * size).then_some(outline)
+        };
+        let outlines: Vec<(&Vec<PointIndex>, Ring)> =
+            loops.iter().filter_map(|border| Some((border, outline(border)?))).collect();
+        // Lace, or pieces that are not sewn: their borders say nothing of a body.
+        if outlines.len() > TUNING.max_openings {
+            return Self { limbs: Vec::new(), tube: None, part };
+        }
+        let mut openings = Vec::new();
+        for (border, outline) in outlines {
             let mut from = vec![false; surface.points.len()];
             border.iter().for_each(|p| from[p.at()] = true);
             let distance = edge_distances(&surface.points, &surface.topology, &from, f64::INFINITY);

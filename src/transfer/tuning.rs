@@ -53,6 +53,8 @@ pub(super) struct TransferTuning {
     pub max_box_scale_deviation: f64,
     /// Length of a border from which it is an opening, relative to the box diagonal [-], default 0.08: buttonholes are shorter.
     pub min_opening_fraction: f64,
+    /// Openings that a garment may have, default 16: more are those of lace or of pieces that are not sewn.
+    pub max_openings: usize,
     /// Distance between the lines around a limb that are measured, relative to the box diagonal [-], default 0.02.
     pub limb_step_fraction: f64,
     /// Growth of the length of these lines per distance that ends a limb [-], default 2: sleeves widen by less than 1, and the lines
@@ -140,6 +142,7 @@ pub(super) const TUNING: TransferTuning = TransferTuning {
     min_change: 1e-3,
     max_box_scale_deviation: 0.25,
     min_opening_fraction: 0.08,
+    max_openings: 16,
     limb_step_fraction: 0.02,
     max_limb_growth: 2.0,
     limb_margin_fraction: 0.03,

@@ -263,7 +263,7 @@ fn a_sleeve_of_its_own_goes_to_the_sleeve_on_its_side() {
 #[test]
 fn legs_are_matched_from_the_crotch_down() {
     let (long, short) = (trousers(0.04), trousers(0.46));
-    let knee = long.worn(|p| p.x > 0.0 && (p.y - 0.4).abs() < 0.04);
+    let knee = long.worn(|p| p.x > 0.0 && (p.y - 0.3).abs() < 0.04);
     let result = carried(&knee, &short);
     assert!(short.memory(&result.memory, |_| true)[1] < 0.02, "shorts have no knees");
     assert!(result.sources[0].losses.lost_crease_fraction > 0.95);
