@@ -185,7 +185,7 @@ impl<'a> Bake<'a> {
         report.decisions.push(decision);
 
         let clock = Instant::now();
-        let relax_options = RelaxOptions::visible_on(garment, fabric, 1.0);
+        let relax_options = RelaxOptions::visible_on(garment, fabric);
         let relaxed = relax_to_source_pose(&mesh.garment, fabric, &mut stepper, &rest, &relax_options);
         let moved = |points: &[Vec3], by: &[Vec3]| points.iter().zip(by).map(|(x, d)| x + d).collect();
         let shape: Vec<Vec3> = moved(&mesh.garment.points, &relaxed.displacement);
