@@ -122,7 +122,9 @@ impl MeshChoice {
         lengths: EdgeLengths,
     ) -> Self {
         let tuning = &TUNING.simulation_mesh;
-        let [fine, max] = [lengths.line, tuning.max_factor_on_body * lengths.line];
+        // Finer than the file is of no use: it could not show what comes of it.
+        let fine = lengths.line.max(garment.mean_edge());
+        let max = fine.max(tuning.max_factor_on_body * lengths.line);
         let creased = creased_positions(garment, animated, &script.body_poses(animated));
         let seeds: Vec<Seed> = creased.into_iter().map(|position| Seed { position, length: fine }).collect();
         let mut mesh = SurfaceMesh::new(garment);

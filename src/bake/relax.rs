@@ -31,14 +31,13 @@ pub fn relax(garment: &Garment, fabric: &Fabric, rest: &RestState) -> RelaxResul
     RelaxResult { displacement: rigid.displacement(&relaxed.displacement), ..relaxed }
 }
 
-/// Relaxes a garment without trims and second layers.
+/// Relaxes a garment without trims.
 fn relax_cloth(garment: &Garment, fabric: &Fabric, rest: &RestState) -> RelaxResult {
     let (cloth, plan) = cloth_and_plan(garment, fabric, Quality::Standard);
     let settings = plan.contact_settings(fabric);
     let area = cloth.area.clone();
     let contact = Contact::new(settings, &garment.points, &garment.triangles, &garment.topology, area);
-    let options = RelaxOptions::visible_on(garment, fabric, TUNING.relax.transferred_width);
-    relax_with(garment, fabric, rest, cloth, contact, &options)
+    relax_with(garment, fabric, rest, cloth, contact, &RelaxOptions::visible_on(garment, fabric))
 }
 
 /// The mesh of `garment`'s topology that best carries the rest angles of `rest`, as displacements from the source pose.

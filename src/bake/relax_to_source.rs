@@ -48,14 +48,13 @@ pub(super) struct RelaxOptions {
 }
 
 impl RelaxOptions {
-    /// The options with which `garment` shows what it remembers, in creases that are `width` edges of it wide. A crease decays over 3 cm,
-    /// over 1.5 times its width or over the bending length, whichever is most: the tether is the bending stiffness over the fourth power
-    /// of this length. The cloth stretches as easily as a sheet so thick that a crease can run across a curved surface.
-    pub fn visible_on(garment: &Garment, fabric: &Fabric, width: f64) -> Self {
+    /// The options with which `garment` shows what it remembers. A crease decays over 3 cm, over some edges or over the bending
+    /// length, whichever is most: the tether is the bending stiffness over the fourth power of this length. The cloth stretches as easily as a sheet so
+    /// thick that a crease can run across a curved surface.
+    pub fn visible_on(garment: &Garment, fabric: &Fabric) -> Self {
         let own = fabric.bending_length();
-        let wide = width * garment.mean_edge();
-        let decay = own.max(TUNING.relax.min_decay).max(TUNING.relax.decay_widths * wide);
-        let crease = wide.max(TUNING.relax.crease_width);
+        let decay = own.max(TUNING.relax.min_decay).max(TUNING.relax.decay_edges * garment.mean_edge());
+        let crease = garment.mean_edge().max(TUNING.relax.crease_width);
         let thickness = crease * crease / TUNING.relax.surface_radius;
         Self {
             tether_scale: (own / decay).powi(4),

@@ -227,13 +227,11 @@ pub(super) struct RelaxTuning {
     pub rest_mesh_tether: f64,
     /// Decay length of a crease in the relaxed shape, at least [m], default 0.03: the same on a coarse and on a fine mesh.
     pub min_decay: f64,
-    /// Decay length of a crease in the relaxed shape, in widths of it [-], default 1.5, and at least the bending length: what
-    /// decays within a triangle cannot be read off at its corners.
-    pub decay_widths: f64,
+    /// Decay length of a crease in the relaxed shape, in mean edges of the garment [-], default 1.5, and at
+    /// least the bending length: what decays within a triangle cannot be read off at its corners.
+    pub decay_edges: f64,
     /// Width of a crease [m], default 0.015, and at least a mean edge of the garment.
     pub crease_width: f64,
-    /// Width of a transferred crease in mean edges of the garment [-], default 2: it is spread over a ring of triangles.
-    pub transferred_width: f64,
     /// Radius of a surface across which such a crease can run [m], default 0.2, a torso: the cloth gets the ratio of bending to stretch
     /// stiffness of a sheet of the thickness width²/radius, below which curved shells do not crease (Pogorelov 1967).
     pub surface_radius: f64,
@@ -371,9 +369,8 @@ impl BakeTuning {
             rest_mesh_tether: 1e-4,
             rest_mesh_stretch: 0.1,
             min_decay: 0.03,
-            decay_widths: 1.5,
+            decay_edges: 1.5,
             crease_width: 0.015,
-            transferred_width: 2.0,
             surface_radius: 0.2,
         },
         uncross: UncrossTuning { max_rounds: 60, over_relaxation: 1.3, hold_back_factor: 0.6, reach: 0.03 },

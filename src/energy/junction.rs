@@ -1,4 +1,4 @@
-//! Bending across edges that more than two triangles share: where a collar, a placket or a pocket is sewn on.
+//! Bending across edges of more than two triangles: where a collar, a placket or a pocket is sewn on.
 //!
 //! Every wing of such an edge is joined with the one it continues in best in the source pose, by a hinge of its own:
 //!

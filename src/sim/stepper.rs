@@ -158,6 +158,8 @@ impl Stepper {
             let solved = report.converged || report.newton_decrement <= nearly_tol || !converges;
             // Cloth that barely moves is jammed: a smaller step would not help the solver.
             let barely_moves = error <= error_tol;
+            // What guides the cloth may have pushed it through a place that smaller steps lead it around.
+            let too_coarse = too_coarse || (loads.last.guided && violations.stretched.is_some());
             if (solved && !too_coarse) || barely_moves || is_min_dt {
                 let growth = self.dt_growth(error, error_tol, solved || barely_moves);
                 self.error_limited_dt = h * growth;
