@@ -227,14 +227,9 @@ impl<'a> Bake<'a> {
         report.decisions.push(decision);
 
         let clock = Instant::now();
-<<<<<<< HEAD
-        let relax_options = RelaxOptions::visible_on(garment, fabric, 1.0);
+        let relax_options = RelaxOptions::visible_on(garment, fabric);
         let body = options.body.as_deref();
         let relaxed = relax_to_source_pose(&mesh.garment, fabric, &mut stepper, &rest, &relax_options, body);
-=======
-        let relax_options = RelaxOptions::visible_on(garment, fabric);
-        let relaxed = relax_to_source_pose(&mesh.garment, fabric, &mut stepper, &rest, &relax_options);
->>>>>>> hd
         let moved = |points: &[Vec3], by: &[Vec3]| points.iter().zip(by).map(|(x, d)| x + d).collect();
         let shape: Vec<Vec3> = moved(&mesh.garment.points, &relaxed.displacement);
         let (displacement, held) = reading.displacement(&mesh, &relaxed.displacement);
