@@ -9,6 +9,9 @@ use crate::shapes::{add_node, empty};
 use serde_json::{Value, json};
 use std::f32::consts::{PI, TAU};
 
+/// Centre and radius of a ring [m], and its binding: two joints, and the weight of the second.
+pub type Ring = ([f32; 3], f32, (u8, u8, f32));
+
 /// A mesh with one joint per vertex, or two.
 #[derive(Clone, Default)]
 pub struct Bound {
@@ -20,7 +23,7 @@ pub struct Bound {
 
 impl Bound {
     /// A tube of `around` points through rings of centre, radius and binding.
-    pub fn tube(around: u16, rings: &[([f32; 3], f32, (u8, u8, f32))]) -> Self {
+    pub fn tube(around: u16, rings: &[Ring]) -> Self {
         let mut bound = Self::default();
         for (centre, radius, weight) in rings {
             for k in 0..around {
