@@ -16,7 +16,7 @@ use tool::{Pose, crease_in, wavy_sheet};
 const LAY: &str = r#"{"lay": {"facing": "front", "over": 0.2}}"#;
 const FOLD_ACROSS: &str = r#"{"fold": {"line": [[0.5, 0], [0.5, 1]], "side": "left", "over": 0.5, "hold": 4}},
     {"unfold": {"all": true, "over": 0.5}}"#;
-const FOLD_ALONG: &str = r#"{"fold": {"line": [[0, 0.5], [1, 0.5]], "side": "left", "over": 0.5, "hold": 4}},
+const FOLD_ALONG: &str = r#"{"fold": {"line": [[0, 0.5], [1, 0.5]], "side": "lower", "over": 0.5, "hold": 4}},
     {"unfold": {"all": true, "over": 0.5}}"#;
 
 fn script(actions: &[&str]) -> WearScript {
