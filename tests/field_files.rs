@@ -468,7 +468,8 @@ fn damaged_compression_is_refused() {
     let packed = |json: &mut Value, key: &str, value: Value| {
         json["bufferViews"][0]["extensions"]["EXT_meshopt_compression"][key] = value;
     };
-    let cases: [(&str, &dyn Fn(&mut Value)); 6] = [
+    type Edit<'a> = &'a dyn Fn(&mut Value);
+    let cases: [(&str, Edit); 6] = [
         ("cannot be in", &|json| {
             packed(json, "count", json!(1_000_000));
             json["bufferViews"][0]["byteLength"] = json!(12_000_000);

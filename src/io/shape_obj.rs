@@ -130,9 +130,8 @@ impl FrameRows {
         let mut rows: Vec<FrameRow> = lines.positions.iter().map(fixed).collect();
         let row_of_vertex: Vec<u32> = worn_lines(asset, lines).copied().collect();
         for (&line, point) in row_of_vertex.iter().zip(points) {
-            match rows.get_mut(line as usize) {
-                Some(row @ FrameRow::Fixed(_)) => *row = point,
-                _ => {}
+            if let Some(row @ FrameRow::Fixed(_)) = rows.get_mut(line as usize) {
+                *row = point;
             }
         }
         Self { rows, row_of_vertex }

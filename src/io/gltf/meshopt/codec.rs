@@ -54,14 +54,14 @@ pub(super) fn decode_attributes(data: &[u8], count: usize, stride: usize) -> Opt
     }
     let mut last = end.get(tail - stride..)?.to_vec();
     let mut out = vec![0; count * stride];
-    let block = (MAX_BLOCK_BYTES / stride & !(GROUP - 1)).min(MAX_BLOCK_ELEMENTS);
+    let block = ((MAX_BLOCK_BYTES / stride) & !(GROUP - 1)).min(MAX_BLOCK_ELEMENTS);
     for first in (0..count).step_by(block) {
         let size = block.min(count - first);
         for k in 0..stride {
             let groups = size.div_ceil(GROUP);
             let header = bytes.take(groups.div_ceil(4))?;
             for group in 0..groups {
-                let mode = header[group / 4] >> (2 * (group % 4)) & 3;
+                let mode = (header[group / 4] >> (2 * (group % 4))) & 3;
                 let deltas = decode_group(&mut bytes, mode)?;
                 let start = first + group * GROUP;
                 for (element, delta) in (start..first + size).zip(deltas) {
@@ -87,7 +87,7 @@ fn decode_group(bytes: &mut Bytes, mode: u8) -> Option<[u8; GROUP]> {
             let packed = bytes.take(GROUP * bits / 8)?;
             for (i, delta) in deltas.iter_mut().enumerate() {
                 let at = i * bits;
-                *delta = packed[at / 8] >> (8 - bits - at % 8) & largest;
+                *delta = (packed[at / 8] >> (8 - bits - at % 8)) & largest;
                 if *delta == largest {
                     *delta = bytes.byte()?;
                 }

@@ -22,7 +22,7 @@ pub(super) fn undo_filter(name: &str, stride: usize, data: &mut [u8]) -> Option<
         ("EXPONENTIAL", stride) if stride.is_multiple_of(4) => {
             data.as_chunks_mut::<4>().0.iter_mut().for_each(|element| {
                 let bits = i32::from_le_bytes(*element);
-                let (exponent, mantissa) = (bits >> 24, bits << 8 >> 8);
+                let (exponent, mantissa) = (bits >> 24, (bits << 8) >> 8);
                 *element = ((f64::from(mantissa) * f64::from(exponent).exp2()) as f32).to_le_bytes();
             });
         }
