@@ -74,6 +74,17 @@ action_list! {
     "repeat" Repeat,
 }
 
+impl Action {
+    /// The actions that it consists of, in order; none for an action that is performed itself.
+    pub fn parts(&self) -> Vec<Self> {
+        match self {
+            Self::Pack(pack) => pack.parts(),
+            Self::Wash(wash) => wash.parts(),
+            _ => Vec::new(),
+        }
+    }
+}
+
 /// Do a list of actions several times over. Repeats may lie in repeats, up to 8 deep.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -223,7 +223,7 @@ fn visit_actions(actions: &[Action], at: &Path, depth: usize, visit: &mut impl F
 fn count_actions(actions: &[Action]) -> u64 {
     let count = |action: &Action| match action {
         Action::Repeat(Repeat { times, actions }) => u64::from(*times).saturating_mul(count_actions(actions)),
-        other => other.as_wear_action().parts().len().max(1) as u64,
+        other => other.parts().len().max(1) as u64,
     };
     actions.iter().map(count).fold(0, u64::saturating_add)
 }
@@ -271,7 +271,7 @@ impl<'a> Iterator for Flatten<'a> {
             let (actions, times) = match action {
                 Cow::Borrowed(Action::Repeat(repeat)) => (Cow::Borrowed(&repeat.actions[..]), repeat.times),
                 Cow::Owned(Action::Repeat(repeat)) => (Cow::Owned(repeat.actions), repeat.times),
-                other => match other.as_wear_action().parts() {
+                other => match other.parts() {
                     parts if parts.is_empty() => return Some(other),
                     parts => (Cow::Owned(parts), 1),
                 },

@@ -2,7 +2,6 @@
 
 use crate::body::{AnimatedBody, BodyPose};
 use crate::error::Result;
-use crate::wear::action_list::Action;
 use crate::wear::action_runner::{ActionContext, ActionStart};
 use crate::wear::fold_layout::FoldLayout;
 use crate::wear::persistent_state::PersistentState;
@@ -15,11 +14,6 @@ pub trait WearAction {
     /// Whether it moves a body, so that a bake without one must refuse it.
     fn needs_body(&self) -> bool {
         false
-    }
-
-    /// The actions that it consists of, in order; none for an action that is performed itself.
-    fn parts(&self) -> Vec<Action> {
-        Vec::new()
     }
 
     /// Starts it on the cloth as it is.

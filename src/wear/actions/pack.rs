@@ -94,14 +94,17 @@ impl Pack {
     }
 }
 
+impl Pack {
+    /// The actions that it consists of, in order.
+    pub(in crate::wear) fn parts(&self) -> Vec<Action> {
+        let press = Press { pressure_pa: self.pressure_pa, for_s: self.for_s };
+        self.folds().into_iter().map(Action::Fold).chain([Action::Press(press)]).collect()
+    }
+}
+
 impl WearAction for Pack {
     fn duration(&self) -> f64 {
         self.for_s + self.folds().iter().map(WearAction::duration).sum::<f64>()
-    }
-
-    fn parts(&self) -> Vec<Action> {
-        let press = Press { pressure_pa: self.pressure_pa, for_s: self.for_s };
-        self.folds().into_iter().map(Action::Fold).chain([Action::Press(press)]).collect()
     }
 
     fn start_action(

@@ -51,16 +51,19 @@ fn default_dry_s() -> f64 {
 /// Duration in which the wet garment is crumpled [s].
 const TUMBLE_S: f64 = 3.5;
 
-impl WearAction for Wash {
-    fn duration(&self) -> f64 {
-        self.parts().iter().map(|part| part.as_wear_action().duration()).sum()
-    }
-
-    fn parts(&self) -> Vec<Action> {
+impl Wash {
+    /// The actions that it consists of, in order.
+    pub(in crate::wear) fn parts(&self) -> Vec<Action> {
         vec![
             Action::Crumple(Crumple { to: self.to, over_s: TUMBLE_S, hold_s: self.spin_s, wet: true }),
             Action::Hang(Hang { by: self.by.clone(), for_s: self.dry_s, wet: true }),
         ]
+    }
+}
+
+impl WearAction for Wash {
+    fn duration(&self) -> f64 {
+        self.parts().iter().map(|part| part.as_wear_action().duration()).sum()
     }
 
     fn start_action(
