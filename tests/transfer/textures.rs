@@ -204,7 +204,7 @@ fn other_lengths_of_sleeves_do_not_stretch_the_torso() {
         // Not in place: the target is another size, and elsewhere.
         let target = surface(vec![shirt(to_arm, 14).moved(|x| x.map(|x| 1.2 * x + 1.0))]);
         let carried = transfer(&[from], &target, &TransferOptions::full(target.points.len())).expect("works");
-        assert_eq!(carried.sources[0].aligned_by, Some(AlignedBy::Openings), "{from_arm}");
+        assert_eq!(carried.sources[0].aligned_by, Some(AlignedBy::Limbs), "{from_arm}");
         let there = fraction_at(&carried, &target, |p| {
             let own = (p - Vec3::repeat(1.0)) / 1.2;
             (own.x - 0.2).abs() < 0.09 && own.y < 0.48
