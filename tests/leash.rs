@@ -139,7 +139,8 @@ fn nothing_leaves_its_leash_in_a_walk() {
 #[test]
 fn what_falls_off_ends_the_run() {
     let dressed = Dressed::new(&character(&[("cape", cape(6, 9))], 2.0), "cape");
-    let script = WearScript::parse("w.json", &walk()).expect("is valid");
+    let walks = script(r#"{"play": {"clip": "walk", "repeat": 3}}"#);
+    let script = WearScript::parse("w.json", &walks).expect("is valid");
     let fabric = Fabric::preset("kow-tshirt").expect("exists");
     let bake = Bake::new(&dressed.garment, &fabric, &script).quality(Quality::Draft);
     let error = bake.body(dressed.body.clone()).run().expect_err("falls off").to_string();

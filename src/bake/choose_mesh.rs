@@ -72,6 +72,9 @@ impl MeshChoice {
         }
         let lengths = EdgeLengths::new(garment, options.finest_edge);
         if let Some(animated) = &options.body {
+            if garment.mean_edge() >= TUNING.simulation_mesh.max_factor_on_body * lengths.line {
+                return own("coarser than any mesh on a body; --resolution refines it");
+            }
             return Self::on_body(garment, animated, script, lengths);
         }
         let DrawnLines { mut mesh, foresight } =
@@ -124,7 +127,7 @@ impl MeshChoice {
         let tuning = &TUNING.simulation_mesh;
         // Finer than the file is of no use: it could not show what comes of it.
         let fine = lengths.line.max(garment.mean_edge());
-        let max = fine.max(tuning.max_factor_on_body * lengths.line);
+        let max = tuning.max_factor_on_body * lengths.line;
         let creased = creased_positions(garment, animated, &script.body_poses(animated));
         let seeds: Vec<Seed> = creased.into_iter().map(|position| Seed { position, length: fine }).collect();
         let mut mesh = SurfaceMesh::new(garment);
