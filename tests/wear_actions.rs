@@ -179,9 +179,8 @@ fn board() -> Fabric {
 /// The message of an action that did not take place.
 fn failure(baked: Result<BakeResult>) -> String {
     match baked {
-        Err(error @ Error::NotPerformed(_)) => error.to_string(),
         Err(other) => panic!("{other}"),
-        Ok(baked) => panic!("it took place: {:?}", baked.report.warnings),
+        Ok(baked) => Error::NotPerformed(baked.report.not_performed.expect("did not take place")).to_string(),
     }
 }
 

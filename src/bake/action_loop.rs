@@ -108,7 +108,9 @@ impl Run<'_> {
             return Ok(Some(progress));
         }
         if let Some(failure) = begun.runner.failure(&self.state.x) {
-            return Err(failure.into_error(script_name, &location));
+            let failure = failure.into_diagnostic(script_name, &location);
+            self.report.warnings.push(format!("did not take place: {failure}"));
+            self.report.not_performed.get_or_insert(failure);
         }
         begun.runner.finish(&mut self.persistent, &self.state.x);
         if !begun.runner.accumulates_memory() {

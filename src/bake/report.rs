@@ -1,6 +1,7 @@
 //! Result and report of a bake.
 
 use crate::bake::ModelDecision;
+use crate::error::Diagnostic;
 use crate::garment::{Garment, WornGarment};
 use crate::math::Vec3;
 use crate::memory::EventCount;
@@ -33,6 +34,9 @@ pub struct BakeReport {
     /// Reason why the result is no equilibrium, if it is none: the last step, or the relaxation to the source pose, did not
     /// converge. One unconverged step before the last is only a warning, as the cloth comes to rest after it.
     pub unconverged_reason: Option<String>,
+    /// The first action that did not take place, with the reason and the cure: a flap that did not turn over, a garment that does not
+    /// lie. The actions after it were performed on the garment as it was.
+    pub not_performed: Option<Diagnostic>,
     /// Reason why nothing is remembered, if a wear that should leave something left nothing.
     pub empty_reason: Option<String>,
     /// The models that were chosen, and why.

@@ -52,9 +52,9 @@ pub struct ActionFailure {
 }
 
 impl ActionFailure {
-    /// The error of an action at `location` of the script `script_file`.
-    pub fn into_error(self, script_file: &str, location: &str) -> Error {
-        Error::NotPerformed(Diagnostic::new(script_file, location, self.message, self.help))
+    /// The diagnostic of an action at `location` of the script `script_file`.
+    pub fn into_diagnostic(self, script_file: &str, location: &str) -> Diagnostic {
+        Diagnostic::new(script_file, location, self.message, self.help)
     }
 }
 

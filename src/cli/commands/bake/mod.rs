@@ -108,6 +108,9 @@ fn bake_into(
     written.print(print_summary)?;
     let worn = written.worn().display();
     let report = &baked.report;
+    if let Some(failure) = &report.not_performed {
+        return Err(Error::NotPerformed(failure.clone()));
+    }
     outcome(
         report
             .unconverged_reason
