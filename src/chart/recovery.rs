@@ -93,7 +93,8 @@ pub(super) fn make(_options: &ChartOptions) -> Result<Chart> {
         let row = row as f64;
         let fabric = Fabric::preset(name)?;
         let range = published(name);
-        let measured = PUBLISHED.iter().filter(|known| known.preset == *name).flat_map(|known| known.measured);
+        let measured =
+            PUBLISHED.iter().filter(|known| known.preset == *name).flat_map(|known| known.measured);
         series[5].points.extend(measured.map(|angle| [*angle, row]));
         if let Some([low, high]) = range {
             series[0].points.extend([[low, row], [high, row]]);
@@ -155,7 +156,11 @@ mod tests {
             assert!((*low..=*high).contains(&standard[1]), "{name}: {}", standard[1]);
             assert!(measured.iter().all(|m| (*low..=*high).contains(m)), "{name}: {measured:?}");
             let nearest = measured.iter().map(|m| (m - standard[1]).abs()).reduce(f64::min);
-            assert!(nearest.is_none_or(|distance| distance < 8.0), "{name}: {} and {measured:?}", standard[1]);
+            assert!(
+                nearest.is_none_or(|distance| distance < 8.0),
+                "{name}: {} and {measured:?}",
+                standard[1]
+            );
             for at in 0..READINGS.len() {
                 assert!(short[at] > standard[at] + 2.0 && standard[at] > long[at] + 2.0, "{name}");
             }
