@@ -101,12 +101,12 @@ fn arm() -> AnimatedBody {
     AnimatedBody::from_pieces(&asset, &arm).expect("is a body")
 }
 
-/// Only one end of the body moves; the cloth at the other end sleeps, and it is dressed all the same.
 /// The number of the clip that bends the elbow.
 fn elbow_clip(arm: &AnimatedBody) -> usize {
     arm.find_clip("elbow").expect("has the clip")
 }
 
+/// Only one end of the body moves; the cloth at the other end sleeps, and it is dressed all the same.
 #[test]
 fn what_sleeps_is_dressed_too() {
     let animated = Arc::new(arm());
