@@ -33,7 +33,7 @@ pub fn relax(garment: &Garment, fabric: &Fabric, rest: &RestState) -> RelaxResul
 
 /// Relaxes a garment without trims.
 fn relax_cloth(garment: &Garment, fabric: &Fabric, rest: &RestState) -> RelaxResult {
-    let (cloth, plan) = cloth_and_plan(garment, fabric, Quality::Standard);
+    let (cloth, plan) = cloth_and_plan(garment, fabric);
     let settings = plan.contact_settings(fabric);
     let area = cloth.area.clone();
     let contact = Contact::new(settings, &garment.points, &garment.triangles, &garment.topology, area);
@@ -43,17 +43,17 @@ fn relax_cloth(garment: &Garment, fabric: &Fabric, rest: &RestState) -> RelaxRes
 /// The mesh of `garment`'s topology that best carries the rest angles of `rest`, as displacements from the source pose.
 /// Layers may cross in it: it is a shape to measure angles on.
 pub fn rest_mesh(garment: &Garment, fabric: &Fabric, rest: &RestState) -> RelaxResult {
-    let (mut cloth, plan) = cloth_and_plan(garment, fabric, Quality::Draft);
+    let (mut cloth, plan) = cloth_and_plan(garment, fabric);
     cloth.membrane.set_stiffness(plan.stretch.map(|k| k * TUNING.relax.rest_mesh_stretch));
     let contact = Contact::none(garment.points.len());
     let options = RelaxOptions { tether_scale: TUNING.relax.rest_mesh_tether, max_stretch: f64::INFINITY };
     relax_with(garment, fabric, rest, cloth, contact, &options)
 }
 
-/// The elastic model and the plan, with the stretch stiffness of a bake of that quality.
-fn cloth_and_plan(garment: &Garment, fabric: &Fabric, quality: Quality) -> (Cloth, ModelPlan) {
+/// The elastic model and the plan, with the stretch stiffness of a bake.
+fn cloth_and_plan(garment: &Garment, fabric: &Fabric) -> (Cloth, ModelPlan) {
     let empty = WearScript { format: WearFormat::V1, name: String::new(), actions: Vec::new() };
-    let plan = ModelPlan::new(garment, fabric, &empty, &BakeOptions::for_quality(quality));
+    let plan = ModelPlan::new(garment, fabric, &empty, &BakeOptions::default());
     let mut cloth = Cloth::sewn(garment, fabric, Sewing::ALL);
     cloth.membrane.set_stiffness(plan.stretch);
     (cloth, plan)

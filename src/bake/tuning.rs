@@ -235,7 +235,7 @@ pub(super) struct RelaxTuning {
     /// Radius of a surface across which such a crease can run [m], default 0.2, a torso: the cloth gets the ratio of bending to stretch
     /// stiffness of a sheet of the thickness width²/radius, below which curved shells do not crease (Pogorelov 1967).
     pub surface_radius: f64,
-    /// Stretch stiffness of a rest mesh as a factor on that of a draft [-]: a memory is seldom the angles of a surface
+    /// Stretch stiffness of a rest mesh as a factor on that of a bake [-]: a memory is seldom the angles of a surface
     /// that exists, and lengths may change by parts of a per cent before angles do.
     pub rest_mesh_stretch: f64,
 }
@@ -367,7 +367,7 @@ impl BakeTuning {
             displacement_tol: 1e-5,
             max_iterations: 60,
             rest_mesh_tether: 1e-4,
-            rest_mesh_stretch: 0.1,
+            rest_mesh_stretch: 0.02,
             min_decay: 0.03,
             decay_edges: 1.5,
             crease_width: 0.015,

@@ -131,7 +131,8 @@ pub struct FabricMemory {
     /// Rest stretch that events approach and do not reach: an event is scaled by the fraction of it that is left [percent].
     #[schemars(extend("exclusiveMinimum" = 0), range(max = 1000))]
     pub rest_stretch_ceiling_percent: f64,
-    /// Reference length: hinges at least as wide are measured by their angle, narrower ones by their curvature [mm].
+    /// Reference length within which the bend of the cloth counts: a lone crease by its angle, cloth that bends evenly by its
+    /// curvature [mm].
     #[schemars(extend("exclusiveMinimum" = 0), range(max = 1000))]
     pub reference_length_mm: f64,
     /// Largest ratio of the stiffness of a hinge to its initial stiffness [-].

