@@ -3,12 +3,13 @@
 //! Folds that begin in contact are sensitive to their initial condition, so that one bake says little: charts that
 //! compare results bake several perturbed initial conditions.
 
-use crate::bake::{Bake, BakeOptions, BakeResult, Quality};
+use crate::bake::{Bake, BakeOptions, BakeResult};
+use crate::chart::curvature_field::CurvatureField;
 use crate::error::{Error, Result};
 use crate::fabric::{Fabric, PAPER_FABRIC};
 use crate::garment::{Garment, SourceAsset};
 use crate::io::{ReadOptions, read_asset};
-use crate::math::{Rng, bounds};
+use crate::math::Rng;
 use crate::mesh::intersections::self_intersections;
 use crate::wear::WearScript;
 use std::time::Instant;
@@ -63,12 +64,12 @@ pub(super) struct BakeRun {
 }
 
 impl FoldThrice {
-    /// The T-shirt of 2,000 points, in the default fabric.
+    /// The T-shirt of 2,000 points, in the paper's fabric.
     pub(super) fn tshirt_draft() -> Result<Self> {
         Self::of(&TSHIRT_DRAFT)
     }
 
-    /// The T-shirt of 13,863 points, in the default fabric.
+    /// The T-shirt of 13,863 points, in the paper's fabric.
     pub(super) fn tshirt() -> Result<Self> {
         Self::of(&TSHIRT)
     }
@@ -80,6 +81,17 @@ impl FoldThrice {
             fabric: Fabric::preset(PAPER_FABRIC)?,
             script: WearScript::parse(SCRIPT_FILE, SCRIPT)?,
         })
+    }
+
+    /// The same garment and script in another fabric.
+    #[must_use]
+    pub(super) fn in_fabric(self, fabric: Fabric) -> Self {
+        Self { fabric, ..self }
+    }
+
+    /// The memory that a bake left, as a field on the garment.
+    pub(super) fn field(&self, baked: &BakeResult) -> CurvatureField {
+        CurvatureField::new(&self.garment, &baked.worn.memory)
     }
 
     /// Number of points.
@@ -147,26 +159,10 @@ impl FoldThrice {
         sum / total_area
     }
 
-    /// Largest distance between the points of two results, over the size of the garment [-].
-    pub(super) fn position_error(&self, a: &BakeResult, b: &BakeResult) -> f64 {
-        let (low, high) = bounds(&self.garment.points);
-        let size = (high - low).max();
-        let pairs = a.worn.displacement.iter().zip(&b.worn.displacement);
-        pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max) / size
-    }
-
     /// Whether layers of the result intersect.
     pub(super) fn has_intersections(&self, baked: &BakeResult) -> bool {
         let worn: Vec<_> =
             self.garment.points.iter().zip(&baked.worn.displacement).map(|(x, d)| x + d).collect();
         !self_intersections(&worn, &self.garment.triangles).is_empty()
     }
-}
-
-/// Options of the reference: backward Euler with half the error and half the shortest step of the reference quality.
-pub(super) fn reference_options() -> BakeOptions {
-    let mut options = BakeOptions::for_quality(Quality::Reference);
-    options.step.local_error_tol *= 0.5;
-    options.step.min_dt *= 0.5;
-    options
 }

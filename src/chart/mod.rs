@@ -12,6 +12,7 @@
 //! `chart_list!`.
 
 mod chart_type;
+mod curvature_field;
 mod draw;
 mod falling_strip;
 mod figure;
@@ -49,7 +50,8 @@ chart_list! {
     kes_loop "loop" "moment over curvature of a strip in cyclic bending (KES-FB2 test)",
     cantilever "cantilever" "strips bending under their own weight, compared with the heavy elastica",
     drape "drape" "Cusick drape coefficient over bending length, compared with an independent solver",
-    accuracy "accuracy" "cost over error of every integrator; `--full` adds a whole T-shirt (an hour)",
+    accuracy "accuracy" "cost over error of every integrator on scenes with known solutions",
+    front "front" "error of what is baked over wall time: a T-shirt at every quality and with single settings changed (an hour)",
     stability "stability" "failures of every integrator: step size against stiffness, contrast, slivers, layers, speed",
     plan "plan" "cost and effect of model reduction: tshirt-draft with the plan and at full fidelity (half an hour)",
     speed "speed" "wall time by stage, compared with kernels of the machine; `--full` adds T-shirts of 14k and 60k points (an hour)",

@@ -6,16 +6,13 @@
 //!
 //! The reference of a scene is computed on the same mesh with the same energies by the two-stage method with an
 //! eighth of the shortest step and Newton to 1e-10 m, and extrapolated from that and twice the step. The notes report
-//! its own error. Failures are shown as crosses at their cost. `--full` adds a T-shirt that is folded thrice
-//! (`garment.rs`), which takes an hour.
+//! its own error. Failures are shown as crosses at their cost. `crease chart front` does the same for a whole bake.
 
-mod garment;
 mod point;
 mod sweep;
 
 pub use point::{AccuracyPoint, SceneReference, measure, reference};
 
-use crate::chart::fold_thrice::FOLD_THRICE;
 use crate::chart::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
 use crate::error::Result;
 use crate::sim::Method;
@@ -52,9 +49,6 @@ pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
     let mut scenes: Vec<(&'static str, Vec<AccuracyPoint>)> = Vec::new();
     for sweep in sweep::sweeps() {
         scenes.push((sweep.name(), sweep.run(options.runs, &mut notes)?));
-    }
-    if options.full {
-        scenes.push((FOLD_THRICE, garment::points(&mut notes)?));
     }
     let mut table = Table::new(COLUMNS);
     let mut panels = Vec::new();

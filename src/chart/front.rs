@@ -1,0 +1,171 @@
+//! `crease chart front`: error of what is baked over wall time, for every quality and for single settings around the default.
+//!
+//! The T-shirt of 13,863 points is folded thrice in the default fabric, from several perturbed initial conditions (starts). The error of
+//! a setting is the difference of its field of changed curvature ([`crate::chart::curvature_field`]) to that of the reference quality from
+//! the same start, over the field of the reference, both root mean squares. The scatter of the reference is the same between its own
+//! starts: no setting can come below it.
+
+use crate::bake::{BakeOptions, Quality};
+use crate::chart::curvature_field::CurvatureField;
+use crate::chart::fold_thrice::{BakeRun, FOLD_THRICE, FoldThrice};
+use crate::chart::statistics::{mean, median, standard_error};
+use crate::chart::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
+use crate::error::Result;
+use crate::fabric::{DEFAULT_FABRIC, Fabric};
+use crate::sim::{Method, Sewing};
+
+/// Group of the qualities, the first in the legend.
+const QUALITIES: &str = "quality";
+
+/// A setting: its group, its name in the table and its options.
+type Setting = (&'static str, String, BakeOptions);
+
+/// Cost and errors of a setting from all starts.
+#[derive(Default)]
+struct Outcome {
+    walls: Vec<f64>,
+    /// Difference of the fields over the reference [-].
+    errors: Vec<f64>,
+    /// Root mean square of the field over that of the reference [-].
+    amounts: Vec<f64>,
+    failed: bool,
+}
+
+pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
+    let scene = FoldThrice::tshirt()?.in_fabric(Fabric::preset(DEFAULT_FABRIC)?);
+    let starts: Vec<FoldThrice> = (1..=options.runs.max(1) as u64).map(|seed| scene.perturbed(seed)).collect();
+    let mut references = Vec::new();
+    let mut reference_outcome = Outcome::default();
+    for start in &starts {
+        let run = start.run(&BakeOptions::for_quality(Quality::Reference))?;
+        reference_outcome.walls.push(run.wall);
+        references.push(scene.field(&run.baked));
+    }
+    reference_outcome.errors = scatter(&references);
+    reference_outcome.amounts = vec![1.0; references.len()];
+    let mut table = Table::new(&[
+        "scene",
+        "group",
+        "setting",
+        "wall_s",
+        "field_error",
+        "field_error_standard_error",
+        "field_over_reference",
+        "starts",
+        "failed",
+    ]);
+    let mut outcomes = vec![(QUALITIES, "reference".to_owned(), reference_outcome)];
+    for (group, name, settings) in settings() {
+        let mut outcome = Outcome::default();
+        for (start, reference) in starts.iter().zip(&references) {
+            outcome.add(&scene, &start.run(&settings)?, reference);
+        }
+        outcomes.push((group, name, outcome));
+    }
+    for (group, name, outcome) in &outcomes {
+        table.push([
+            FOLD_THRICE.into(),
+            (*group).into(),
+            name.as_str().into(),
+            outcome.wall().into(),
+            mean(&outcome.errors).into(),
+            standard_error(&outcome.errors).into(),
+            mean(&outcome.amounts).into(),
+            (outcome.walls.len() as u64).into(),
+            outcome.failed.into(),
+        ]);
+    }
+    let notes = outcomes.iter().map(|(group, name, outcome)| outcome.note(group, name)).collect();
+    let panel = Panel {
+        title: "T-shirt of 13,863 points, folded thrice".to_owned(),
+        x: Axis::linear("wall time [s]"),
+        y: Axis::linear("error of the field of memory, rms over rms [-]"),
+        series: series_of(&outcomes),
+    };
+    let title = "Error of what is baked over wall time".into();
+    Ok(Chart { name: "front", table, figure: Figure { title, panels: vec![panel] }, notes })
+}
+
+/// Differences between the fields of neighbouring starts, over their own [-].
+fn scatter(fields: &[CurvatureField]) -> Vec<f64> {
+    fields.windows(2).map(|pair| pair[0].difference(&pair[1]) / pair[0].rms()).collect()
+}
+
+impl Outcome {
+    fn add(&mut self, scene: &FoldThrice, run: &BakeRun, reference: &CurvatureField) {
+        let field = scene.field(&run.baked);
+        self.walls.push(run.wall);
+        self.errors.push(field.difference(reference) / reference.rms());
+        self.amounts.push(field.rms() / reference.rms());
+        self.failed |= run.baked.report.not_performed.is_some() || scene.has_intersections(&run.baked);
+    }
+
+    fn wall(&self) -> f64 {
+        median(self.walls.iter().copied()).unwrap_or(f64::NAN)
+    }
+
+    fn note(&self, group: &str, name: &str) -> String {
+        format!(
+            "{group}, {name}: {:.1} s; error {:.2} (standard error {:.2}, {} starts), field {:.2} times the reference's{}",
+            self.wall(),
+            mean(&self.errors),
+            standard_error(&self.errors),
+            self.walls.len(),
+            mean(&self.amounts),
+            if self.failed { "; FAILED" } else { "" }
+        )
+    }
+}
+
+/// The qualities, and the default with one setting changed.
+fn settings() -> Vec<Setting> {
+    let with = |change: &dyn Fn(&mut BakeOptions)| {
+        let mut options = BakeOptions::default();
+        change(&mut options);
+        options
+    };
+    let mut all: Vec<Setting> = [Quality::Draft, Quality::Standard]
+        .map(|quality| (QUALITIES, quality.name().to_owned(), BakeOptions::for_quality(quality)))
+        .into();
+    for mm in [8.0, 16.0, 24.0] {
+        all.push(("edges", format!("{mm} mm"), with(&|o| o.finest_edge = 1e-3 * mm)));
+    }
+    all.push(("tolerances", "energy tolerance times 10".to_owned(), with(&|o| o.energy_tol_m *= 10.0)));
+    let short = |o: &mut BakeOptions| {
+        o.step.min_dt *= 0.25;
+        o.step.local_error_tol *= 0.25;
+    };
+    all.push(("tolerances", "shortest step and error times 0.25".to_owned(), with(&short)));
+    let late = |o: &mut BakeOptions| o.event_dt_fraction *= 2.5;
+    all.push(("tolerances", "steps after events times 2.5".to_owned(), with(&late)));
+    all.push(("models", "no hems, no double seams".to_owned(), with(&|o| o.sewing = Sewing::NONE)));
+    all.push(("models", "no local Newton, short steps".to_owned(), with(&|o| o.full_fidelity = true)));
+    for method in [Method::BackwardEulerOnce, Method::Bdf2] {
+        all.push(("integrators", method.name().to_owned(), with(&|o| o.step.method = method)));
+    }
+    all
+}
+
+/// One series a group: its settings as dots, failures as crosses.
+fn series_of(outcomes: &[(&str, String, Outcome)]) -> Vec<Series> {
+    let mut groups: Vec<&str> = Vec::new();
+    for (group, ..) in outcomes {
+        if !groups.contains(group) {
+            groups.push(group);
+        }
+    }
+    let mut series = Vec::new();
+    for (colour, group) in groups.iter().enumerate() {
+        let of = |failed: bool| {
+            outcomes
+                .iter()
+                .filter(|(own, _, outcome)| own == group && outcome.failed == failed)
+                .map(|(.., outcome)| [outcome.wall(), mean(&outcome.errors)])
+                .filter(|dot| dot[1].is_finite())
+                .collect::<Vec<_>>()
+        };
+        series.push(Series::new(group, colour, Mark::Dots, of(false)));
+        series.push(Series::new("", colour, Mark::Crosses, of(true)));
+    }
+    series
+}
