@@ -200,6 +200,7 @@ impl<'a> Run<'a> {
                 local_solves: self.report.local_solves,
                 cost: self.report.cost,
                 warnings: self.report.warnings.clone(),
+                not_performed: self.report.not_performed.clone(),
                 convergence: self.convergence,
                 violations: self.violations.clone(),
                 seconds: self.seconds,
@@ -223,6 +224,7 @@ impl<'a> Run<'a> {
         self.report.local_solves = counts.local_solves;
         self.report.cost = counts.cost;
         self.report.warnings = counts.warnings;
+        self.report.not_performed = counts.not_performed;
         self.convergence = counts.convergence;
         self.violations = counts.violations;
         self.seconds = counts.seconds;
