@@ -75,7 +75,7 @@ impl AnimatedBody {
             if let Some(last) = last.as_ref().filter(|last| may_jump(last, &now, &moves)) {
                 let [from, to] = [last, &now].map(|sample| self.points(&sample.pose));
                 let distance = largest_distance(&from, &to);
-                let joint = most_changed(&last.pose, &now.pose);
+                let joint = leading_joint(&last.pose, &now.pose);
                 jumps.push(ClipJump { start: last.time, end: now.time, distance, joint });
             }
             last = Some(now);
@@ -129,7 +129,7 @@ fn may_jump(from: &Sample, to: &Sample, moves: &[bool]) -> bool {
 }
 
 /// The node whose own transform changes most, and its turn [rad].
-fn most_changed(from: &BodyPose, to: &BodyPose) -> Option<(usize, f64)> {
+fn leading_joint(from: &BodyPose, to: &BodyPose) -> Option<(usize, f64)> {
     let changes = from.joints()?.iter().zip(to.joints()?).map(|(a, b)| match (a, b) {
         (
             NodeTransform::Trs { translation: t, rotation: r, scale: s },
