@@ -1,10 +1,13 @@
 //! Errors in words a user can act on: the file, the location in it, the problem, and how to fix it.
 
+use serde::{Deserialize, Serialize};
+
 /// Result of every fallible call of the library.
 pub type Result<T> = std::result::Result<T, Error>;
 
 /// One problem of an input.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Diagnostic {
     /// File (or other source) as the user named it.
     pub file: String,

@@ -113,6 +113,7 @@ fn assert_same(one: &BakeResult, other: &BakeResult, what: &str) {
     let counts =
         |b: &BakeResult| (b.report.steps, b.report.rejected, b.report.solves, b.report.warnings.clone());
     assert_eq!(counts(one), counts(other), "{what}: counts");
+    assert_eq!(one.report.not_performed, other.report.not_performed, "{what}: what did not take place");
 }
 
 fn resumed_anywhere(method: Method) {
@@ -154,6 +155,36 @@ fn backward_euler_goes_on_as_if_nothing_had_been() {
 #[test]
 fn bdf2_goes_on_as_if_nothing_had_been() {
     resumed_anywhere(Method::Bdf2);
+}
+
+/// Cloth as stiff as board: a flap that does not turn over, and a sheet too wavy to lie.
+#[test]
+fn what_did_not_take_place_is_still_known_after_it_goes_on() {
+    let board =
+        Fabric { bend_warp_un_m: 2e6, bend_weft_un_m: 2e6, ..Fabric::preset("cotton-poplin").unwrap() };
+    let fold = r#"{"lay": {"facing": "front", "over": 0.3}}, {"fold": {"line": [[0.5, 0], [0.5, 1]], "side": "left"}}"#;
+    for (name, actions, amplitude) in [("fold", fold, 0.0), ("lay", r#"{"lay": {"facing": "front"}}"#, 0.06)]
+    {
+        let text = wavy_sheet(9, amplitude, Pose::Hanging);
+        let read = ReadOptions::default();
+        let (asset, _) = read_asset("sheet.obj", text.as_bytes(), &read, &mut |_| Ok(Vec::new())).unwrap();
+        let text =
+            format!(r#"{{"format": "crease-wear/1", "actions": [{actions}, {{"settle": {{"for": 0.2}}}}]}}"#);
+        let scene = Scene {
+            garment: Garment::from_asset(&asset).unwrap().0,
+            fabric: board.clone(),
+            script: WearScript::parse("wear.json", &text).unwrap(),
+            options: BakeOptions { own_triangles: true, ..BakeOptions::default() },
+        };
+        let mut keeper = Keeper::new(u64::MAX);
+        let plain = scene.bake(&mut keeper).unwrap();
+        let failure = plain.report.not_performed.as_ref().expect("did not take place");
+        assert!(failure.location.contains(name), "{failure}");
+        let later = keeper.checkpoints.iter().rev().take(2);
+        for checkpoint in later {
+            assert_same(&plain, &scene.resume(checkpoint, &mut ()).unwrap(), name);
+        }
+    }
 }
 
 /// On a body: how it is bent, where it is, what it has lifted and pinched go on, too.

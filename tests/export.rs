@@ -10,6 +10,8 @@ mod checks;
 mod document;
 #[path = "reference/external.rs"]
 mod external;
+#[path = "export/normals.rs"]
+mod normals;
 #[path = "export/wearing.rs"]
 mod wearing;
 

@@ -8,7 +8,7 @@ mod document;
 mod shapes;
 
 use common::crease_in;
-use crease::body::{AnimatedBody, BodyMotion, BodyPose, interpolate_body_pose};
+use crease::body::{AnimatedBody, BodyMotion, BodyPose, Sequence, interpolate_body_pose};
 use crease::io::ReadOptions;
 use crease::math::Vec3;
 use crease::wear::WearScript;
@@ -196,6 +196,51 @@ fn a_clip_that_walks_is_played_in_place() {
     assert!(notes("")[0].contains("3.50 m") && notes("")[0].contains("upperarm"), "{:?}", notes(""));
     assert!(notes(r#", "keep_root_motion": true"#).is_empty());
     assert!(matches!(body.clip_pose(1, 0.5, None), BodyPose::Joints(_)));
+}
+
+/// Keys without interpolation, two keys at one time, a teleport within a millisecond, and frames that lie far apart: the body is moved
+/// there as between two clips. What is only fast is played as it is.
+#[test]
+fn a_body_that_jumps_is_moved_there() {
+    let bent: Vec<f32> = [about_y(0.0), about_y(80.0)].concat();
+    let back: Vec<f32> = [about_y(0.0), about_y(0.0), about_y(80.0), about_y(80.0)].concat();
+    let away = [[0.2f32, 0.0, 0.0], [0.2, 0.0, 0.0], [0.2, 0.0, 1.0], [0.2, 0.0, 1.0]];
+    let body = arm_with(|document| {
+        add_clip(document, "held", LOWER, "rotation", &[0.0, 1.0], &bent);
+        document.json["animations"][0]["samplers"][0]["interpolation"] = json!("STEP");
+        add_clip(document, "cut", LOWER, "rotation", &[0.0, 0.5, 0.5, 1.0], &back);
+        add_clip(document, "teleport", LOWER, "translation", &[0.0, 0.5, 0.501, 1.0], away.as_flattened());
+        add_clip(document, "fast", LOWER, "rotation", &[0.0, 0.05], &bent);
+        add_clip(document, "smooth", LOWER, "rotation", &[0.0, 1.0], &bent);
+    });
+    let script = |clip: &str| {
+        let text = format!(
+            r#"{{"format": "crease-wear/1", "actions": [{{"play": {{"clip": "{clip}", "repeat": 2}}}}]}}"#
+        );
+        WearScript::parse("w.json", &text).expect("is valid")
+    };
+    for (clip, name, time) in [(0, "held", "1.000"), (1, "cut", "0.500"), (2, "teleport", "0.501")] {
+        let jumps = body.clip_jumps(clip, None);
+        assert_eq!(jumps.len(), 1, "{name}: {jumps:?}");
+        assert_eq!(jumps[0].joint.map(|(joint, _)| joint), Some(LOWER), "{name}");
+        let notes = script(name).body_notes(&body);
+        assert!(notes[0].contains(&format!("at {time} s the joint \"lowerarm\"")), "{notes:?}");
+        let length = script(name).duration_with_body(Some(&body)) - 2.0 * body.clip_length(clip);
+        assert!(length > 2.0 * jumps[0].distance / 0.4, "{name}: {length} s more");
+    }
+    for (clip, name) in [(3, "fast"), (4, "smooth")] {
+        assert!(
+            body.clip_jumps(clip, None).is_empty() && script(name).body_notes(&body).is_empty(),
+            "{name}"
+        );
+        assert_eq!(script(name).duration_with_body(Some(&body)), 2.0 * body.clip_length(clip));
+    }
+    let frames = [0.0, 0.01, 1.01, 1.02].map(|z| vec![Vec3::new(0.0, 0.0, z), Vec3::x(), Vec3::y()]);
+    let motion = |rate: f64| BodyMotion::Sequence(Sequence { rate, frames: frames.to_vec() });
+    let body = |rate: f64| AnimatedBody::new("frames", "", motion(rate), &frames[0], &[[0, 1, 2]]);
+    let jumps = body(24.0).clip_jumps(0, None);
+    assert_eq!(jumps.iter().map(|j| (24.0 * j.start).round()).collect::<Vec<_>>(), [1.0]);
+    assert!(body(12.0).clip_jumps(0, None).is_empty());
 }
 
 /// Body shape by a morph target that is on in the file.

@@ -5,7 +5,7 @@ use crate::bake::checkpoint::{ActionProgress, CheckpointPosition};
 use crate::bake::run::Run;
 use crate::bake::tuning::TUNING;
 use crate::bake::uncross::GarmentReading;
-use crate::bake::{BakeProgress, ModelDecision, Observer};
+use crate::bake::{BakeProgress, EarlyStop, ModelDecision, Observer, StopCause};
 use crate::error::{Error, Result};
 use crate::math::Vec3;
 use crate::memory::{MemoryModel, Strains};
@@ -269,9 +269,9 @@ impl Run<'_> {
         self.convergence.record(&step);
         self.violations.record(self.state.time, &step.violations);
         let on_body = self.body.as_ref().filter(|_| self.persistent.body.is_some());
-        let lost = on_body.and_then(|body| body.reason_to_stop(self.state.time, &self.state.x));
-        if let Some(reason) = self.violations.reason_to_stop(self.state.time).or(lost) {
-            return Err(Error::NotConverged(format!("{}: {reason}", action.name)));
+        let lost = on_body.and_then(|body| body.cause_to_stop(self.state.time, &self.state.x));
+        if let Some(cause) = self.violations.cause_to_stop(self.state.time).or(lost) {
+            return Err(self.stop(action, cause));
         }
         let clock = Instant::now();
         let mut next = step.next_dt;
@@ -306,6 +306,14 @@ impl Run<'_> {
             self.frames.show_due(&start, &self.state, &mesh.garment.triangles, &mut show)?;
         }
         Ok(next)
+    }
+
+    /// Ends the run in `action`: what is known until here goes into the report.
+    fn stop(&mut self, action: &ActiveAction, cause: StopCause) -> Error {
+        let failure = Error::NotConverged(format!("{}: {}", action.name, cause.reason));
+        let location = format!("actions[{}] ({})", action.number, action.name);
+        self.report.stopped = Some(EarlyStop { action: location, time: self.state.time, cause });
+        failure
     }
 
     /// Shows the state at the end of the script, if frames are wanted.

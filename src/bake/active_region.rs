@@ -17,12 +17,22 @@ use crate::wear::WearScript;
 /// Points of `garment` that the body of `options` can affect during `script`, one flag per point. Empty when all points are
 /// to be simulated: without a body, with a body that does not move, or with [`BakeOptions::deactivate_static`] off.
 pub fn active_points(garment: &Garment, script: &WearScript, options: &BakeOptions) -> Vec<bool> {
+    active_points_on(garment, GarmentLeash::new(garment, options).as_ref(), script, options)
+}
+
+/// The same for `garment` on its `leash`, if it has one.
+pub(super) fn active_points_on(
+    garment: &Garment,
+    leash: Option<&GarmentLeash>,
+    script: &WearScript,
+    options: &BakeOptions,
+) -> Vec<bool> {
     let Some(animated) = options.body.as_ref().filter(|_| options.deactivate_static) else {
         return Vec::new();
     };
     let poses = script.body_poses(animated);
     let mut near = points_near_motion(garment, animated, &poses);
-    if let Some(leash) = GarmentLeash::new(garment, options) {
+    if let Some(leash) = leash {
         let moved = leash.moved_points(&poses, TUNING.active_region.min_body_motion);
         near.iter_mut().zip(moved).for_each(|(near, moved)| *near |= moved);
     }

@@ -6,6 +6,7 @@
 use crate::bake::body_penetration::BodyPenetrationStats;
 use crate::bake::body_watch::BodyWatch;
 use crate::bake::leash::{GarmentLeash, follow_leashes};
+use crate::bake::report::StopCause;
 use crate::bake::static_contact::body_contact_settings;
 use crate::bake::tuning::TUNING;
 use crate::body::{AnimatedBody, BodyPose};
@@ -13,6 +14,7 @@ use crate::contact::{BodyContactState, BodyPlanes, ContactSettings};
 use crate::energy::{EdgeContact, PlaneContact};
 use crate::garment::{Garment, RestState};
 use crate::math::Vec3;
+use crate::mesh::point_in_solid::Solid;
 use crate::mesh::{PointIndex, Topology};
 use crate::remesh::Refinement;
 use crate::sim::{State, StepReport, Stepper};
@@ -137,9 +139,39 @@ impl BodyCoupling {
         }
     }
 
-    /// Reason to end the run at `time` [s] with the cloth at `x` [m], while it is on the body.
-    pub fn reason_to_stop(&self, time: f64, x: &[Vec3]) -> Option<String> {
-        self.watch.reason_to_stop(time, x, self.planes.points(), &self.penetration)
+    /// Cause to end the run at `time` [s] with the cloth at `x` [m], while it is on the body.
+    pub fn cause_to_stop(&self, time: f64, x: &[Vec3]) -> Option<StopCause> {
+        self.watch.cause_to_stop(time, x, self.planes.points(), &self.penetration)
+    }
+
+    /// Reason why `garment`, which ends at `x` [m], does not count as worn on `animated`: more of its simulated points lie deep
+    /// inside than a garment may have that is put on. Those that were as deep at the start do not count.
+    pub fn reason_inside(&self, garment: &Garment, animated: &AnimatedBody, x: &[Vec3]) -> Option<String> {
+        let tuning = &TUNING.body;
+        let depths =
+            |x: &[Vec3], body: &[Vec3]| Solid::new(body, animated.triangles()).depths(x, tuning.depth_search);
+        let before = depths(&garment.points, animated.rest_points());
+        let now = depths(x, self.planes.points());
+        let simulated: Vec<usize> =
+            (0..x.len()).filter(|p| !self.inactive.get(*p).copied().unwrap_or(false)).collect();
+        let is_deep = |p: &&usize| now[**p] - before[**p] > tuning.max_fit_depth;
+        let deep: Vec<usize> = simulated.iter().filter(is_deep).copied().collect();
+        if deep.len() as f64 <= tuning.max_deep_fraction * simulated.len() as f64 {
+            return None;
+        }
+        let deepest = deep.iter().copied().max_by(|a, b| now[*a].total_cmp(&now[*b]))?;
+        let at = x[deepest];
+        Some(format!(
+            "at the end of the wear {} of {} simulated points lie deeper than {:.0} mm inside the body, up to {:.0} mm at \
+             ({:.3}, {:.3}, {:.3}) m: it has passed through the cloth; begin with a slower motion, or fit the garment closer",
+            deep.len(),
+            simulated.len(),
+            1e3 * tuning.max_fit_depth,
+            1e3 * now[deepest],
+            at.x,
+            at.y,
+            at.z
+        ))
     }
 
     /// Drops what is cached between steps for speed alone.

@@ -37,6 +37,9 @@ pub struct BodyPenetrationStats {
     self_fold: IntersectionCount,
     /// Steps with intersections where the body does not touch itself.
     steps: usize,
+    /// Middle of those after the last step [m].
+    #[serde(default, with = "crate::math::serde_vec::vector")]
+    open_position: Vec3,
     /// Time since which there are many of them without a pause [s].
     #[serde(default)]
     many_since: Option<f64>,
@@ -63,7 +66,8 @@ impl BodyPenetrationStats {
         intersections: BodyIntersections,
         many: usize,
     ) {
-        let BodyIntersections { open, self_fold } = intersections;
+        let BodyIntersections { open, self_fold, position } = intersections;
+        self.open_position = position;
         let is_many = open > self.at_start + many;
         self.many_since = is_many.then(|| self.many_since.unwrap_or(time));
         self.open.record(open, time);
@@ -87,6 +91,11 @@ impl BodyPenetrationStats {
     /// Number of pairs after the last step where the body does not touch itself.
     pub(super) fn open_pairs(&self) -> usize {
         self.open.last
+    }
+
+    /// Middle of those pairs [m].
+    pub(super) fn open_position(&self) -> Vec3 {
+        self.open_position
     }
 
     /// Time since which there are many pairs without a pause [s].

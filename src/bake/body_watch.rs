@@ -2,6 +2,7 @@
 //! moment. Neither recovers, so the run ends there.
 
 use crate::bake::body_penetration::BodyPenetrationStats;
+use crate::bake::report::StopCause;
 use crate::bake::tuning::TUNING;
 use crate::garment::Garment;
 use crate::math::{Vec3, bounds};
@@ -55,14 +56,14 @@ impl BodyWatch {
         self.max_pairs
     }
 
-    /// Reason to end the run at `time` [s] with the cloth at `x` and the body at `body` [m].
-    pub fn reason_to_stop(
+    /// Cause to end the run at `time` [s] with the cloth at `x` and the body at `body` [m].
+    pub fn cause_to_stop(
         &self,
         time: f64,
         x: &[Vec3],
         body: &[Vec3],
         penetration: &BodyPenetrationStats,
-    ) -> Option<String> {
+    ) -> Option<StopCause> {
         let near = self.parts_near(x, body);
         let lost = (0..near.len()).find(|part| self.watched[*part] && !near[*part]);
         if let Some(lost) = lost {
@@ -73,22 +74,28 @@ impl BodyWatch {
                 .map(|(x, _)| *x)
                 .collect();
             let middle = own.iter().sum::<Vec3>() / own.len().max(1) as f64;
-            return Some(format!(
+            let reason = format!(
                 "at {time:.2} s a part of the garment of {} points has fallen off the body, to ({:.2}, {:.2}, {:.2}) m: nothing \
                  holds it; if the garment is skinned in its file, --hold holds it to its joints, else fit it closer",
                 own.len(),
                 middle.x,
                 middle.y,
                 middle.z
-            ));
+            );
+            return Some(StopCause { reason, position: middle });
         }
         let since = penetration.many_pairs_since()?;
         (time - since >= TUNING.body_watch.max_time).then(|| {
-            format!(
-                "since {since:.2} s the body breaks through the cloth, now with {} pairs of triangles: check the fit, refine the mesh \
-                 with --resolution, or begin with a slower motion",
-                penetration.open_pairs()
-            )
+            let position = penetration.open_position();
+            let reason = format!(
+                "since {since:.2} s the body breaks through the cloth, now with {} pairs of triangles around ({:.2}, {:.2}, {:.2}) m: \
+                 check the fit, refine the mesh with --resolution, or begin with a slower motion",
+                penetration.open_pairs(),
+                position.x,
+                position.y,
+                position.z
+            );
+            StopCause { reason, position }
         })
     }
 }
@@ -104,12 +111,12 @@ mod tests {
         let body = [Vec3::new(0.0, -1.0, 0.0), Vec3::new(0.2, 0.0, 0.2)];
         let watch = BodyWatch::new(&sheet, &body);
         let stats = BodyPenetrationStats::default();
-        assert_eq!(watch.reason_to_stop(1.0, &sheet.points, &body, &stats), None);
+        assert_eq!(watch.cause_to_stop(1.0, &sheet.points, &body, &stats), None);
         let fallen: Vec<Vec3> = sheet.points.iter().map(|p| p - Vec3::new(0.0, 2.0, 0.0)).collect();
-        let reason = watch.reason_to_stop(1.0, &fallen, &body, &stats).expect("has fallen off");
+        let reason = watch.cause_to_stop(1.0, &fallen, &body, &stats).expect("has fallen off").reason;
         assert!(reason.contains("9 points has fallen off") && reason.contains("at 1.00 s"), "{reason}");
         // What was never on the body cannot fall off it.
         let far = [Vec3::repeat(5.0), Vec3::repeat(6.0)];
-        assert_eq!(BodyWatch::new(&sheet, &far).reason_to_stop(1.0, &fallen, &far, &stats), None);
+        assert_eq!(BodyWatch::new(&sheet, &far).cause_to_stop(1.0, &fallen, &far, &stats), None);
     }
 }

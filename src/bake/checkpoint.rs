@@ -19,7 +19,7 @@ use crate::bake::tuning::TUNING;
 use crate::bake::violation_log::ViolationLog;
 use crate::body::AnimatedBody;
 use crate::contact::TangentialState;
-use crate::error::{Error, Result};
+use crate::error::{Diagnostic, Error, Result};
 use crate::fabric::Fabric;
 use crate::garment::{Garment, RestState};
 use crate::math::Vec3;
@@ -137,6 +137,9 @@ pub struct RunCounts {
     pub cost: SolveCost,
     /// Warnings.
     pub warnings: Vec<String>,
+    /// The first action that did not take place, with the reason.
+    #[serde(default)]
+    pub not_performed: Option<Diagnostic>,
     /// Convergence of the steps.
     pub convergence: StepConvergence,
     /// Violated constraints.

@@ -6,7 +6,7 @@
 use crate::bake::choose_mesh::MeshChoice;
 use crate::bake::setup::BakeSetup;
 use crate::bake::simulate::simulate;
-use crate::bake::{BakeOptions, BakeProgress, Observer};
+use crate::bake::{BakeOptions, BakeProgress, BakeReport, Observer};
 use crate::error::Result;
 use crate::garment::Garment;
 use crate::wear::WearScript;
@@ -37,6 +37,10 @@ struct LayObserver<'a>(&'a mut dyn Observer);
 impl Observer for LayObserver<'_> {
     fn progress(&mut self, progress: &BakeProgress) {
         self.0.progress(&BakeProgress { stage: "lay, to draw lines", ..progress.clone() });
+    }
+
+    fn on_early_stop(&mut self, report: &BakeReport) {
+        self.0.on_early_stop(report);
     }
 
     fn should_stop(&mut self) -> bool {

@@ -62,4 +62,6 @@ pub use plan::{ModelDecision, ModelPlan};
 pub use quality::Quality;
 pub use relax::{relax, rest_mesh};
 pub use relax_to_source::RelaxResult;
-pub use report::{BakeReport, BakeResult, SimulatedGarment, StageSeconds, StepConvergence};
+pub use report::{
+    BakeReport, BakeResult, EarlyStop, SimulatedGarment, StageSeconds, StepConvergence, StopCause,
+};

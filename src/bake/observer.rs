@@ -1,6 +1,6 @@
 //! Observation of a bake: progress, frames, checkpoints and the request to stop.
 
-use crate::bake::Checkpoint;
+use crate::bake::{BakeReport, Checkpoint};
 use crate::error::Result;
 use crate::garment::Garment;
 use crate::math::Vec3;
@@ -49,6 +49,10 @@ pub trait Observer {
     fn frame(&mut self, _x: &[Vec3]) -> Result<()> {
         Ok(())
     }
+
+    /// Called when the run ends before the end of its script, as it cannot recover: with what is known until there, and
+    /// [`BakeReport::stopped`]. The bake then fails with [`crate::Error::NotConverged`].
+    fn on_early_stop(&mut self, _report: &BakeReport) {}
 
     /// Whether [`Observer::checkpoint`] is called.
     fn wants_checkpoints(&self) -> bool {

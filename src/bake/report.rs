@@ -34,13 +34,37 @@ pub struct BakeReport {
     /// Reason why the result is no equilibrium, if it is none: the last step, or the relaxation to the source pose, did not
     /// converge. One unconverged step before the last is only a warning, as the cloth comes to rest after it.
     pub unconverged_reason: Option<String>,
+    /// Reason why the garment does not end on its body, if much of it lies deep inside.
+    pub inside_body_reason: Option<String>,
     /// The first action that did not take place, with the reason and the cure: a flap that did not turn over, a garment that does not
     /// lie. The actions after it were performed on the garment as it was.
     pub not_performed: Option<Diagnostic>,
+    /// The end of the run before the end of its script, if it could not recover: [`crate::bake::Observer::on_early_stop`].
+    pub stopped: Option<EarlyStop>,
     /// Reason why nothing is remembered, if a wear that should leave something left nothing.
     pub empty_reason: Option<String>,
     /// The models that were chosen, and why.
     pub decisions: Vec<ModelDecision>,
+}
+
+/// End of a run before the end of its script: the cloth is torn, has fallen off the body, or is broken through by it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EarlyStop {
+    /// The action during which it ended, as a location in the script: `actions[2] (bend)`.
+    pub action: String,
+    /// Simulated time [s].
+    pub time: f64,
+    /// What happened, since when, and the cure.
+    pub cause: StopCause,
+}
+
+/// Cause of an early end of a run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StopCause {
+    /// What happened, since when, and the cure.
+    pub reason: String,
+    /// Position where it happened [m].
+    pub position: Vec3,
 }
 
 /// Result of a bake.

@@ -200,6 +200,7 @@ impl<'a> Run<'a> {
                 local_solves: self.report.local_solves,
                 cost: self.report.cost,
                 warnings: self.report.warnings.clone(),
+                not_performed: self.report.not_performed.clone(),
                 convergence: self.convergence,
                 violations: self.violations.clone(),
                 seconds: self.seconds,
@@ -223,11 +224,29 @@ impl<'a> Run<'a> {
         self.report.local_solves = counts.local_solves;
         self.report.cost = counts.cost;
         self.report.warnings = counts.warnings;
+        self.report.not_performed = counts.not_performed;
         self.convergence = counts.convergence;
         self.violations = counts.violations;
         self.seconds = counts.seconds;
         self.frames = counts.frames;
         from.position
+    }
+
+    /// Adds to the report what is known when the run ends.
+    pub fn complete_report(&mut self) {
+        let report = &mut self.report;
+        report.warnings.extend(self.convergence.warning(report.steps));
+        report.warnings.extend(self.violations.warnings());
+        report.warnings.extend(self.body.iter().flat_map(|body| body.penetration.warnings()));
+        report.points = self.mesh.garment.points.len();
+        report.simulated = self.state.time;
+        report.events = self.memory.events;
+    }
+
+    /// Reason why the garment, as it is, does not count as worn on its body, if it is on one.
+    pub fn reason_inside_body(&self) -> Option<String> {
+        let (body, posed) = self.body.as_ref().zip(self.persistent.body.as_ref())?;
+        body.reason_inside(&self.mesh.garment, &posed.body, &self.state.x)
     }
 
     /// Drops what is cached between steps for speed alone, as a resumed run has none of it.

@@ -1,6 +1,6 @@
 //! Inputs of a bake, checked before the run: the stepper of a mesh, and the body against garment and script.
 
-use crate::bake::active_region::active_points;
+use crate::bake::active_region::active_points_on;
 use crate::bake::depenetration::penetration_depths;
 use crate::bake::leash::GarmentLeash;
 use crate::bake::{BakeOptions, ModelPlan};
@@ -86,9 +86,9 @@ impl BodySetup {
         if !faults.is_empty() {
             return Err(Error::Input(faults));
         }
-        let inactive =
-            active_points(garment, setup.script, setup.options).iter().map(|active| !active).collect();
         let leash = GarmentLeash::new(garment, setup.options);
+        let active = active_points_on(garment, leash.as_ref(), setup.script, setup.options);
+        let inactive = active.iter().map(|active| !active).collect();
         Ok(Some(Self { animated: animated.clone(), depths, inactive, leash }))
     }
 }

@@ -43,21 +43,21 @@ pub(super) fn simulate(
     let mut progress = position.into_progress();
     let mut actions = 0;
     for (number, action) in setup.script.flatten().enumerate().skip(first) {
-        run.perform_action(number, &action, setup.script_name, progress.take(), observer)?;
+        let performed = run.perform_action(number, &action, setup.script_name, progress.take(), observer);
+        if let Err(error) = performed {
+            if run.report.stopped.is_some() {
+                run.complete_report();
+                run.report.stages = run.seconds.named();
+                observer.on_early_stop(&run.report);
+            }
+            return Err(error);
+        }
         actions = number + 1;
     }
     run.checkpoint_boundary(actions.max(first), observer)?;
-    let time = run.state.time;
-    let report = &mut run.report;
-    report.warnings.extend(run.convergence.warning(report.steps));
-    report.unconverged_reason = run.convergence.unconverged_reason(time);
-    report.warnings.extend(run.violations.warnings());
-    if let Some(body) = &run.body {
-        report.warnings.extend(body.penetration.warnings());
-    }
-    report.points = run.mesh.garment.points.len();
-    report.simulated = time;
-    report.events = run.memory.events;
+    run.complete_report();
+    run.report.inside_body_reason = run.reason_inside_body();
+    run.report.unconverged_reason = run.convergence.unconverged_reason(run.state.time);
     run.show_last_frame(observer)?;
     Ok(SimulationResult {
         mesh: run.mesh,

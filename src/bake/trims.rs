@@ -1,6 +1,6 @@
 //! Bake of a garment with trims: its cloth is baked, and the trims follow it.
 
-use crate::bake::{BakeProgress, BakeResult, Checkpoint, Observer};
+use crate::bake::{BakeProgress, BakeReport, BakeResult, Checkpoint, Observer};
 use crate::error::Result;
 use crate::garment::{Garment, RigidParts};
 use crate::math::Vec3;
@@ -43,6 +43,12 @@ impl Observer for WholeGarment<'_> {
             true => self.observer.frame(x),
             false => self.observer.frame(&self.rigid.positions(x)),
         }
+    }
+
+    fn on_early_stop(&mut self, report: &BakeReport) {
+        let mut report = report.clone();
+        report.warnings.push(self.rigid.note());
+        self.observer.on_early_stop(&report);
     }
 
     fn wants_checkpoints(&self) -> bool {

@@ -1,5 +1,6 @@
 //! Log of violated constraints over a run: one warning per stretch of time, with the worst position.
 
+use crate::bake::report::StopCause;
 use crate::bake::tuning::TUNING;
 use crate::sim::{Violation, Violations};
 use serde::{Deserialize, Serialize};
@@ -46,17 +47,18 @@ impl ViolationLog {
         record(&mut self.torn, time, found.torn, |a, b| a > b);
     }
 
-    /// Reason to end the run at `time` [s]: cloth that has been stretched beyond what it bears for longer than a moment.
-    pub(super) fn reason_to_stop(&self, time: f64) -> Option<String> {
+    /// Cause to end the run at `time` [s]: cloth that has been stretched beyond what it bears for longer than a moment.
+    pub(super) fn cause_to_stop(&self, time: f64) -> Option<StopCause> {
         let torn = self.torn.last()?;
         (torn.to == time && time - torn.from >= TUNING.warnings.max_torn_time).then(|| {
             let [_, at] = torn.describe();
-            format!(
+            let reason = format!(
                 "the cloth is torn: since {:.2} s it is stretched to {:.1} times its length near {at}; check the unit, the fit \
                  on the body and what pulls there, or begin with a slower motion",
                 torn.from,
                 1.0 + torn.worst.size
-            )
+            );
+            StopCause { reason, position: torn.worst.position }
         })
     }
 
@@ -161,12 +163,12 @@ mod tests {
             ..Violations::default()
         };
         log.record(1.0, &torn);
-        assert_eq!(log.reason_to_stop(1.0), None, "a moment passes");
+        assert_eq!(log.cause_to_stop(1.0), None, "a moment passes");
         log.record(1.1, &torn);
         log.record(1.3, &torn);
-        let reason = log.reason_to_stop(1.3).expect("it does not pass");
+        let reason = log.cause_to_stop(1.3).expect("it does not pass").reason;
         assert!(reason.contains("since 1.00 s") && reason.contains("2.4 times its length"), "{reason}");
         log.record(1.4, &Violations::default());
-        assert_eq!(log.reason_to_stop(1.4), None, "it has recovered");
+        assert_eq!(log.cause_to_stop(1.4), None, "it has recovered");
     }
 }

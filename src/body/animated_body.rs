@@ -190,6 +190,11 @@ impl AnimatedBody {
         &self.triangles
     }
 
+    /// Returns how it moves.
+    pub(super) fn motion(&self) -> &BodyMotion {
+        &self.motion
+    }
+
     /// Returns the rig, if the body has one.
     pub fn rig(&self) -> Option<&Rig> {
         match &self.motion {

@@ -7,6 +7,7 @@
 
 mod animated_body;
 pub mod clip;
+mod clip_jumps;
 mod garment_skin;
 mod layers;
 mod lookup;
@@ -16,6 +17,7 @@ pub mod sequence;
 pub mod skeleton;
 
 pub use animated_body::{AnimatedBody, BodyMotion, BodyPose, FRAMES_CLIP, PosedBody, interpolate_body_pose};
+pub use clip_jumps::ClipJump;
 pub use garment_skin::{GarmentSkin, SkinLocation};
 pub use lookup::LookupError;
 pub use root_motion::RootMotion;

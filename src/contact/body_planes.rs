@@ -101,12 +101,14 @@ struct Footpoint {
 }
 
 /// Numbers of pairs of triangles of cloth and body that intersect.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BodyIntersections {
     /// Pairs outside self folds.
     pub open: usize,
     /// Pairs in self folds of the body and within [`SELF_FOLD_MARGIN`] of them.
     pub self_fold: usize,
+    /// Middle of the triangles of the cloth in pairs outside self folds [m].
+    pub position: Vec3,
 }
 
 /// A point of the cloth inside the body.
@@ -312,9 +314,12 @@ impl BodyPlanes {
             corners.iter().any(|at| fold.iter().any(|f| (f - at).norm() < SELF_FOLD_MARGIN))
         };
         let mut intersects = vec![false; x.len()];
-        let mut open = 0;
+        let (mut open, mut sum) = (0, Vec3::zeros());
         for [of_cloth, of_body] in pairs.iter().filter(|[_, of_body]| !is_folded(*of_body)) {
-            open += usize::from(!near_fold(*of_body));
+            if !near_fold(*of_body) {
+                open += 1;
+                sum += x[cloth[*of_cloth as usize][0].at()];
+            }
             cloth[*of_cloth as usize].iter().for_each(|p| intersects[p.at()] = true);
         }
         let over_fold = |p: usize| self.footpoints[p].is_some_and(|footpoint| is_folded(footpoint.triangle));
@@ -329,7 +334,7 @@ impl BodyPlanes {
                 *offset *= 1.0 - TUNING.body.offset_decay;
             }
         }
-        BodyIntersections { open, self_fold: pairs.len() - open }
+        BodyIntersections { open, self_fold: pairs.len() - open, position: sum / open.max(1) as f64 }
     }
 
     /// Accepts the step with the cloth at `x` and the body at `target` [m]; `planes` and `edges` were the contacts of the step. Returns whether

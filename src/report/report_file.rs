@@ -3,7 +3,7 @@
 //! Plain data: the bake fills it in, the tool writes it, other programs read it by these names (`docs/reference/formats/report.md`). Units
 //! are part of the names. `crossings` are counted exactly by [`crossing_counts`].
 
-use crate::bake::{BakeResult, ModelDecision};
+use crate::bake::{BakeReport, BakeResult, ModelDecision};
 use crate::garment::{Garment, WornGarment};
 use crate::math::Vec3;
 use crate::mesh::intersections::self_intersections;
@@ -52,12 +52,34 @@ pub struct Report {
     pub stages: StageTimes,
     /// Warnings for the user.
     pub warnings: Vec<String>,
+    /// End of a run that could not recover before the end of its script, and made no garment; omitted for others.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stopped: Option<StoppedRun>,
     /// Files of `--export`, compared after reading them back; omitted if there are none.
     #[serde(default, rename = "also", alias = "exports", skip_serializing_if = "Vec::is_empty")]
     pub exports: Vec<ExportCheck>,
     /// Normal maps of fine wrinkles; omitted if there are none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub detail_maps: Vec<DetailReport>,
+}
+
+/// End of a run before the end of its script.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct StoppedRun {
+    /// Action during which it ended, as a location in the script.
+    pub action: String,
+    /// Simulated time [s].
+    pub time_s: f64,
+    /// Position where it happened [m].
+    pub position_m: [f64; 3],
+    /// What happened, and the cure.
+    pub reason: String,
+    /// File of the last checkpoint, if there is one.
+    #[serde(default)]
+    pub checkpoint: Option<String>,
+    /// File of the last frame, if frames were asked for.
+    #[serde(default)]
+    pub last_frame: Option<String>,
 }
 
 /// Memory events, counted over all hinges and triangles.
@@ -154,21 +176,41 @@ pub fn crossing_counts(garment: &Garment, worn: &WornGarment, start: &[[u32; 2]]
 impl Report {
     /// Creates the report of the bake `baked` of `garment`. The caller adds `method` and the times of reading and writing.
     pub fn of_bake(garment: &Garment, baked: &BakeResult, counts: CrossingCounts) -> Self {
-        let (work, memory) = (&baked.report, &baked.worn.memory);
+        let memory = &baked.worn.memory;
+        let changes = memory.rest_angle.iter().zip(&memory.source_angle).map(|(rest, source)| rest - source);
+        Self {
+            crossings: counts.added,
+            crossings_at_start: counts.at_start,
+            max_rest_angle_change_deg: changes.map(f64::abs).fold(0.0, f64::max).to_degrees(),
+            max_stiffness_ratio: memory.stiffness_ratio.iter().copied().fold(1.0, f64::max),
+            ..Self::of_work(garment, &baked.report)
+        }
+    }
+
+    /// Creates the report of a bake of `garment` that ended before its script, with `crossings_at_start` pairs of triangles that
+    /// intersect in the input. The caller adds `method` and the files that were kept.
+    pub fn of_stopped(garment: &Garment, work: &BakeReport, crossings_at_start: usize) -> Self {
+        let stopped = work.stopped.as_ref().map(|stop| StoppedRun {
+            action: stop.action.clone(),
+            time_s: stop.time,
+            position_m: stop.cause.position.into(),
+            reason: stop.cause.reason.clone(),
+            ..StoppedRun::default()
+        });
+        Self { crossings_at_start, stopped, ..Self::of_work(garment, work) }
+    }
+
+    /// The report of a bake without its result.
+    fn of_work(garment: &Garment, work: &BakeReport) -> Self {
         let mut stages = StageTimes::default();
         work.stages.iter().for_each(|(stage, seconds)| stages.add(stage, *seconds));
-        let changes = memory.rest_angle.iter().zip(&memory.source_angle).map(|(rest, source)| rest - source);
         Self {
             simulated_s: work.simulated,
             steps: work.steps,
             linear_solves: work.solves + work.local_solves,
             points: garment.points.len(),
             triangles: garment.triangles.len(),
-            crossings: counts.added,
-            crossings_at_start: counts.at_start,
             events: EventCounts { gradual: work.events.gradual, critical: work.events.critical },
-            max_rest_angle_change_deg: changes.map(f64::abs).fold(0.0, f64::max).to_degrees(),
-            max_stiffness_ratio: memory.stiffness_ratio.iter().copied().fold(1.0, f64::max),
             models: work.decisions.iter().map(ModelChoice::from).collect(),
             stages,
             warnings: work.warnings.clone(),

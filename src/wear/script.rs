@@ -152,10 +152,7 @@ impl WearScript {
     /// Duration with `body` [s], without transitions between clips.
     pub fn duration_with_body(&self, body: Option<&AnimatedBody>) -> f64 {
         let clip = |action: Cow<Action>| match (action.as_ref(), body) {
-            (Action::Play(play), Some(body)) => {
-                let length = body.find_clip(&play.clip).map_or(0.0, |clip| body.clip_length(clip));
-                f64::from(play.repeat) * length
-            }
+            (Action::Play(play), Some(body)) => play.duration_on(body),
             _ => 0.0,
         };
         self.duration() + self.flatten().map(clip).sum::<f64>()

@@ -77,6 +77,15 @@ impl FrameSource<'_> {
     }
 }
 
+/// Files that a run keeps when it ends before its script.
+#[derive(Debug, Default)]
+pub struct KeptFiles {
+    /// Last checkpoint.
+    pub checkpoint: Option<PathBuf>,
+    /// Last frame.
+    pub last_frame: Option<PathBuf>,
+}
+
 /// Outcome of a run, to be written.
 #[derive(Debug, Clone, Copy)]
 pub struct WornResult<'a> {
@@ -224,6 +233,39 @@ impl WornJob {
         outputs.add(&files.report, report.json().as_bytes())?;
         outputs.commit()?;
         Ok(WrittenJob { run, worn: files.worn, report, printed })
+    }
+
+    /// Writes the report of a run that ended before its script and made no garment, with the files that it `kept`; prints its
+    /// warnings. Returns the error that the command ends with.
+    pub fn write_stopped(mut self, report: Report, kept: KeptFiles) -> Result<Error> {
+        let mut report = report;
+        let name = |path: &PathBuf| input::name_of(path);
+        let stopped = report.stopped.get_or_insert_default();
+        stopped.checkpoint = kept.checkpoint.as_ref().map(name);
+        stopped.last_frame = kept.last_frame.as_ref().map(name);
+        let reason = format!("{}: {}", stopped.action, stopped.reason);
+        let mut text =
+            format!("{reason}; no garment was made, the report is in {}", name(&self.files.report));
+        if let Some(checkpoint) = &stopped.checkpoint {
+            text += &format!(", the last checkpoint in {checkpoint}");
+        }
+        if let Some(last_frame) = &stopped.last_frame {
+            text += &format!(", the last frame in {last_frame}");
+        }
+        self.warn_of_failure(Some(&reason));
+        if self.files.worn.exists() {
+            self.warn([format!("{} is of an earlier run", name(&self.files.worn))]);
+        }
+        report.warnings.append(&mut self.warnings);
+        report.finish(
+            WrittenFiles::default(),
+            JobTimes { read_s: self.read_s, write_s: 0.0, wall_s: self.started.elapsed().as_secs_f64() },
+        );
+        self.outputs.add(&self.files.report, report.to_json().as_bytes())?;
+        self.outputs.commit()?;
+        let mut written = WrittenJob { run: self.run, worn: self.files.worn, report, printed: self.printed };
+        written.print(|_, _| ())?;
+        Ok(Error::NotConverged(text))
     }
 
     fn add_outputs(&mut self, result: &WornResult, warnings: &mut Vec<String>) -> Result<WrittenFiles> {

@@ -67,6 +67,11 @@ impl<'a> FrameFolder<'a> {
         Some(self.path_of(self.written)).filter(|path| path.exists())
     }
 
+    /// Returns the last frame that was written.
+    pub fn last_frame(&self) -> Option<PathBuf> {
+        self.written.checked_sub(1).map(|last| self.path_of(last))
+    }
+
     fn path_of(&self, number: usize) -> PathBuf {
         self.folder.join(format!("frame_{number:04}.obj"))
     }
@@ -87,7 +92,7 @@ mod tests {
         let text = |name: &str| std::fs::read_to_string(deep.join(name)).expect("is there");
         assert_eq!(text("frame_0000.obj"), "v 1.0 1.0 1.0\n");
         assert_eq!(text("frame_0001.obj"), "v 2.0 2.0 2.0\n");
-        assert_eq!(frames.stale_frame(), None);
+        assert_eq!((frames.stale_frame(), frames.last_frame()), (None, Some(deep.join("frame_0001.obj"))));
         let shorter = FrameFolder { written: 1, ..frames };
         let second = deep.join("frame_0001.obj");
         assert_eq!(shorter.stale_frame(), Some(second.clone()));

@@ -191,6 +191,9 @@ fn edit_primitive(
     {
         let rest_change = appender.scalars(&worn.rest_change_deg, Purpose::Vertex);
         let stiffness = appender.scalars(&worn.stiffness, Purpose::Vertex);
+        if let Some(normals) = &worn.base_normal {
+            attributes.insert("NORMAL".into(), json!(appender.vectors(normals, Purpose::Vertex)));
+        }
         attributes.shift_remove(FORMER_REST_ANGLE_ATTRIBUTE);
         attributes.insert(REST_ANGLE_CHANGE_ATTRIBUTE.into(), json!(rest_change));
         attributes.insert(STIFFNESS_ATTRIBUTE.into(), json!(stiffness));

@@ -28,6 +28,7 @@ mod rest_angle_map;
 mod rig;
 mod scene;
 mod skin;
+mod sound_normals;
 mod worn_target;
 mod write;
 

@@ -46,6 +46,8 @@ pub(super) struct PieceBase<'a> {
     pub(super) linear: LinearParts,
     /// Normals of the file in own coordinates, if there are any; readers add the target to these numbers.
     pub(super) normals: Option<Vec<Vec3>>,
+    /// Normals to be written in place of those of the file, if any of those are no unit vectors.
+    pub(super) mended_normals: Option<Vec<[f32; 3]>>,
     /// Tangents of the file in own coordinates, if there are any.
     pub(super) tangents: Option<Vec<Vec3>>,
     /// Triangles of the piece.
@@ -54,6 +56,8 @@ pub(super) struct PieceBase<'a> {
 
 /// Morph target and memory attributes of one piece; all lists are per vertex of the piece, own coordinates.
 pub(super) struct WornTarget {
+    /// Normals in place of those of the file, where some of those are no unit vectors.
+    pub(super) base_normal: Option<Vec<[f32; 3]>>,
     pub(super) position: Vec<[f32; 3]>,
     pub(super) normal: Option<Vec<[f32; 3]>>,
     pub(super) tangent: Option<Vec<[f32; 3]>>,
@@ -151,6 +155,7 @@ impl<'a> WornShape<'a> {
             })
         });
         Ok(WornTarget {
+            base_normal: base.mended_normals.clone(),
             position,
             normal: normal.transpose()?,
             tangent: tangent.transpose()?,
@@ -346,6 +351,7 @@ mod tests {
             points: &garment.source_point,
             linear: LinearParts::new(&[placement]).unwrap(),
             normals: Some(vec![normal; count]),
+            mended_normals: None,
             tangents: Some(vec![tangent; count]),
             triangles: &[],
         };
@@ -434,6 +440,7 @@ mod tests {
             linear: LinearParts::identity(),
             tangents: Some(vec![Vec3::x(); normals.len()]),
             normals: Some(normals),
+            mended_normals: None,
             triangles: &[],
         };
         let target = WornShape::new(&garment, &worn, FlatNormals::Kept).target(&base).unwrap();

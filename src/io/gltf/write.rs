@@ -13,6 +13,7 @@ use crate::io::gltf::flat_shading::FlatNormals;
 use crate::io::gltf::json_cursor::Cursor;
 use crate::io::gltf::morph::{add_targets, default_weights};
 use crate::io::gltf::obj_to_gltf::{ScenePiece, obj_document, scene_pieces};
+use crate::io::gltf::sound_normals::mend_normals;
 use crate::io::gltf::worn_target::{LinearParts, PieceBase, WornShape, WornTarget};
 use crate::math::Vec3;
 use crate::mesh::PointIndex;
@@ -84,6 +85,7 @@ pub(in crate::io) fn scene_shapes(
             points,
             linear: LinearParts::identity(),
             normals: Some(normals.clone()),
+            mended_normals: None,
             tangents: None,
             triangles: &piece.triangles,
         };
@@ -148,7 +150,14 @@ fn worn_obj(
             Some(points) => {
                 let normals = Some(scene.normals.clone());
                 let linear = LinearParts::identity();
-                let base = PieceBase { points, linear, normals, tangents: None, triangles: &piece.triangles };
+                let base = PieceBase {
+                    points,
+                    linear,
+                    normals,
+                    mended_normals: None,
+                    tangents: None,
+                    triangles: &piece.triangles,
+                };
                 Some(worn_target(asset, piece, shape, &base)?)
             }
             None => None,
@@ -178,19 +187,23 @@ fn piece_base<'a>(
     let root = Cursor::root(&document.json);
     let primitive = root.entry("meshes", piece.mesh).entry("primitives", piece.primitive);
     let weights = default_weights(&root, piece.mesh, piece.node);
-    let stored = |name: &str, width: usize| -> Result<Option<Vec<Vec3>>> {
+    let mut mended_normals = None;
+    let mut stored = |name: &str, width: usize| -> Result<Option<Vec<Vec3>>> {
         let Some(accessor) = primitive.member("attributes").index(name).ok().flatten() else {
             return Ok(None);
         };
         let accessors = Accessors::new(document);
         let table = accessors.table_of(accessor, width, Some(points.len()), name)?;
         let mut rows = table.rows().map(direction).collect::<Vec<_>>();
+        if name == "NORMAL" && mend_normals(piece, &linear, &mut rows) {
+            mended_normals = Some(rows.iter().map(|n| [n.x, n.y, n.z].map(|x| x as f32)).collect());
+        }
         add_targets(&accessors, &primitive, &weights, name, &mut rows)?;
         Ok(Some(rows))
     };
     // The fourth number of a tangent, its handedness, is not morphed.
     let (normals, tangents) = (stored("NORMAL", 3)?, stored("TANGENT", 4)?);
-    Ok(PieceBase { points, linear, normals, tangents, triangles: &piece.triangles })
+    Ok(PieceBase { points, linear, normals, mended_normals, tangents, triangles: &piece.triangles })
 }
 
 /// Returns the first three numbers of `row`; zero if they are not finite.

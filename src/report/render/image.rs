@@ -38,6 +38,7 @@ impl Image {
     }
 
     /// The picture at half its size: each pixel is the mean of four.
+    #[cfg(feature = "charts")]
     pub(crate) fn halved(&self) -> Self {
         let mut out = Self::filled(self.width / 2, self.height / 2, [0; 3]);
         for y in 0..out.height {

@@ -6,6 +6,7 @@ use crate::wear::action_runner::{ActionContext, ActionStart};
 use crate::wear::body_motion::{BodyMotionRunner, lookup_error, required_body, transition_time};
 use crate::wear::motion_profile::smoothstep;
 use crate::wear::persistent_state::PersistentState;
+use crate::wear::slowed_jumps::{ClipMoment, SlowedJumps};
 use crate::wear::tuning::TUNING;
 use crate::wear::wear_action::{FieldError, WearAction};
 use schemars::JsonSchema;
@@ -39,16 +40,22 @@ fn default_repeat() -> u32 {
 struct PlayedClip {
     body: Arc<AnimatedBody>,
     clip: usize,
-    /// Length [s].
+    /// Time that playing it takes [s].
     length: f64,
     /// Root motion that is left out.
     root: Option<RootMotion>,
+    /// Its jumps.
+    jumps: SlowedJumps,
 }
 
 impl PlayedClip {
-    /// The pose at `t` [s] of the clip.
+    /// The pose at `t` [s] after its beginning: as in the clip, except that the body moves where the clip jumps.
     fn pose(&self, t: f64) -> BodyPose {
-        self.body.clip_pose(self.clip, t, self.root.as_ref())
+        let at = |t: f64| self.body.clip_pose(self.clip, t, self.root.as_ref());
+        match self.jumps.moment(t) {
+            ClipMoment::At(t) => at(t),
+            ClipMoment::Between { from, to, fraction } => interpolate_body_pose(&at(from), &at(to), fraction),
+        }
     }
 }
 
@@ -61,7 +68,16 @@ impl Play {
     fn played_clip(&self, body: &Arc<AnimatedBody>) -> std::result::Result<PlayedClip, LookupError> {
         let clip = body.find_clip(&self.clip)?;
         let root = self.removed_root_motion(body, clip);
-        Ok(PlayedClip { body: body.clone(), clip, length: body.clip_length(clip), root })
+        let jumps = SlowedJumps::new(body, clip, root.as_ref());
+        let length = body.clip_length(clip) + jumps.added_time();
+        Ok(PlayedClip { body: body.clone(), clip, length, root, jumps })
+    }
+
+    /// Duration on `body` [s], without transitions to its first pose.
+    pub fn duration_on(&self, body: &AnimatedBody) -> f64 {
+        let Ok(clip) = body.find_clip(&self.clip) else { return 0.0 };
+        let jumps = SlowedJumps::new(body, clip, self.removed_root_motion(body, clip).as_ref());
+        f64::from(self.repeat) * (body.clip_length(clip) + jumps.added_time())
     }
 }
 
@@ -83,6 +99,7 @@ impl WearAction for Play {
     fn body_notes(&self, body: &AnimatedBody) -> Vec<String> {
         let Ok(clip) = body.find_clip(&self.clip) else { return Vec::new() };
         let root = self.removed_root_motion(body, clip);
+        let jumps = SlowedJumps::new(body, clip, root.as_ref());
         let note = |root: RootMotion| {
             format!(
                 "the clip \"{}\" carries the body {:.2} m away and turns it by {:.0} degrees: it is played in place, seen from \"{}\"; \
@@ -93,7 +110,7 @@ impl WearAction for Play {
                 body.node_name(root.node)
             )
         };
-        let doubts = body.clip_doubts(clip).into_iter();
+        let doubts = body.clip_doubts(clip).into_iter().chain(jumps.note(body));
         root.map(note)
             .into_iter()
             .chain(doubts.map(|doubt| format!("the clip \"{}\": {doubt}", self.clip)))

@@ -14,14 +14,14 @@ use crate::cli::args::export::print_checks;
 use crate::cli::commands::bake::arguments::{FramesOf, SidecarMesh};
 use crate::cli::commands::bake::input::BakeInput;
 use crate::cli::commands::bake::observer::BakeObserver;
-use crate::cli::commands::worn_job::{FrameSource, SideFiles, WornJob, WornResult, outcome};
+use crate::cli::commands::worn_job::{FrameSource, KeptFiles, SideFiles, WornJob, WornResult, outcome};
 use crate::cli::files::checkpoints::CheckpointFile;
 use crate::cli::files::frame_folder::FrameFolder;
 use crate::cli::runtime::console;
 use crate::cli::runtime::interrupt::Interrupt;
 use crate::cli::runtime::progress::Progress;
 use crate::cli::runtime::threads::use_threads;
-use crease::bake::{BakeResult, ModelDecision};
+use crease::bake::{BakeReport, BakeResult, ModelDecision};
 use crease::mesh::intersections::self_intersections;
 use crease::report::{Report, crossing_counts};
 use crease::{Error, Result};
@@ -74,9 +74,18 @@ fn bake_into(
     let interval = Duration::from_secs_f64(arguments.checkpoint_every);
     let mut checkpoints = CheckpointFile::beside(&job.files().worn, interval);
     job.check(checkpoints.path())?;
-    let Simulated { baked, stale_frames } =
-        simulate(&input, arguments, progress, &mut checkpoints, interrupt)?;
+    let method = arguments.method().name();
+    let (baked, stale_frames) = match simulate(&input, arguments, progress, &mut checkpoints, interrupt)? {
+        Simulated::Finished { baked, stale_frames } => (*baked, stale_frames),
+        Simulated::Stopped { work, kept } => {
+            let report = Report::of_stopped(&input.mesh.garment, &work, start.len());
+            let report = Report { method: method.to_owned(), ..report };
+            progress.finish();
+            return Err(job.write_stopped(report, kept)?);
+        }
+    };
     job.warn(stale_frames);
+    job.warn_of_failure(baked.report.inside_body_reason.as_ref());
     job.warn_of_failure(baked.report.empty_reason.as_ref());
 
     progress.stage("write");
@@ -84,7 +93,7 @@ fn bake_into(
     let garment = &input.mesh.garment;
     let counts = crossing_counts(garment, &baked.worn, &start);
     let mut report = Report::of_bake(garment, &baked, counts);
-    report.method = arguments.method().name().to_owned();
+    report.method = method.to_owned();
     let mut sidecar =
         input.sidecar(&baked.worn, arguments.run_description(&baked, input.earlier.as_ref()))?;
     if arguments.sidecar_mesh == SidecarMesh::Simulated {
@@ -111,20 +120,23 @@ fn bake_into(
     if let Some(failure) = &report.not_performed {
         return Err(Error::NotPerformed(failure.clone()));
     }
+    let failed = report.inside_body_reason.as_ref().or(report.unconverged_reason.as_ref());
     outcome(
-        report
-            .unconverged_reason
-            .as_ref()
-            .map(|reason| format!("{reason}; the unconverged result is in {worn}")),
+        failed.map(|reason| format!("{reason}; the unconverged result is in {worn}")),
         report.empty_reason.as_ref().map(|reason| format!("{reason}; the result is in {worn}")),
     )
 }
 
 /// Outcome of the simulation.
-struct Simulated {
-    baked: BakeResult,
-    /// Warning if the folder of frames holds frames of an earlier run.
-    stale_frames: Option<String>,
+enum Simulated {
+    /// It came to the end of the script.
+    Finished {
+        baked: Box<BakeResult>,
+        /// Warning if the folder of frames holds frames of an earlier run.
+        stale_frames: Option<String>,
+    },
+    /// It could not recover and ended before that.
+    Stopped { work: Box<BakeReport>, kept: KeptFiles },
 }
 
 /// Runs the simulation.
@@ -146,33 +158,45 @@ fn simulate(
         input.show_vertices(frames);
     }
     let action_count = input.script.flatten().count();
-    let mut observer =
-        BakeObserver { progress, frames, checkpoints, interrupt, frames_of_simulated, action_count };
+    let mut observer = BakeObserver {
+        progress,
+        frames,
+        checkpoints,
+        interrupt,
+        frames_of_simulated,
+        action_count,
+        stopped: None,
+    };
     interrupt.set_exit_immediately(false);
     let mut bake = input.bake(arguments);
     if let Some(saved) = &resumed {
         bake = bake.resume(&saved.file, saved.checkpoint.clone());
     }
-    let mut baked = bake.run_with(&mut observer).inspect_err(|error| {
-        if matches!(error, Error::NotConverged(_)) {
-            observer.checkpoints.flush();
+    let outcome = bake.run_with(&mut observer);
+    let saved = Some(observer.checkpoints.path()).filter(|path| path.exists());
+    let mut baked = match (outcome, observer.stopped.take()) {
+        (Ok(baked), _) => baked,
+        (Err(Error::NotConverged(_)), Some(mut work)) => {
+            work.decisions.extend(input.no_leash());
+            let last_frame = observer.frames.and_then(|frames| frames.last_frame());
+            let kept = KeptFiles { checkpoint: saved.map(Path::to_owned), last_frame };
+            return Ok(Simulated::Stopped { work: Box::new(work), kept });
         }
-        let saved = observer.checkpoints.path();
-        let text = match error {
-            Error::Interrupted => "the same command with --resume continues it",
-            Error::NotConverged(_) => "its last checkpoint, and the frames until there are kept",
-            _ => return,
-        };
-        if saved.exists() {
-            console::message(&format!("the run is saved in {}: {text}", saved.display()));
+        (Err(error), _) => {
+            if let (Some(saved), Error::Interrupted) = (saved, &error) {
+                let saved = saved.display();
+                let text = "the same command with --resume continues it";
+                console::message(&format!("the run is saved in {saved}: {text}"));
+            }
+            return Err(error);
         }
-    })?;
+    };
     baked.report.decisions.extend(input.no_leash());
     interrupt.set_exit_immediately(false);
     let stale = observer.frames.and_then(|frames| frames.stale_frame());
     let stale_frames = stale
         .map(|path| format!("{} and any after it are from an earlier run with more frames", path.display()));
-    Ok(Simulated { baked, stale_frames })
+    Ok(Simulated::Finished { baked: Box::new(baked), stale_frames })
 }
 
 /// Prints the inputs and the plan on stdout.

@@ -5,7 +5,7 @@ use crate::cli::files::frame_folder::FrameFolder;
 use crate::cli::runtime::interrupt::Interrupt;
 use crate::cli::runtime::progress::{Progress, StepProgress};
 use crease::Result;
-use crease::bake::{Checkpoint, Observer};
+use crease::bake::{BakeReport, Checkpoint, Observer};
 use crease::garment::Garment;
 use crease::math::Vec3;
 
@@ -23,6 +23,8 @@ pub struct BakeObserver<'a, 'b> {
     pub frames_of_simulated: bool,
     /// Number of actions in the script.
     pub action_count: usize,
+    /// Report of a run that ended before its script.
+    pub stopped: Option<BakeReport>,
 }
 
 impl Observer for BakeObserver<'_, '_> {
@@ -46,6 +48,11 @@ impl Observer for BakeObserver<'_, '_> {
 
     fn frame(&mut self, x: &[Vec3]) -> Result<()> {
         self.frames.as_mut().map_or(Ok(()), |frames| frames.write(x))
+    }
+
+    fn on_early_stop(&mut self, report: &BakeReport) {
+        self.checkpoints.flush();
+        self.stopped = Some(report.clone());
     }
 
     fn wants_checkpoints(&self) -> bool {

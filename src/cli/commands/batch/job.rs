@@ -6,6 +6,7 @@ use crate::cli::files::input;
 use crate::cli::files::output::Outputs;
 use crate::cli::runtime::executable;
 use crate::cli::runtime::interrupt::{INTERRUPTED, Interrupt};
+use crease::report::Report;
 use crease::{Error, Result};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -150,6 +151,7 @@ pub fn run(jobs: &Jobs, job: &Job, settings: JobSettings, interrupt: &Interrupt)
     }
     record.wall_s = started.elapsed().as_secs_f64();
     match record.state {
+        JobState::NotConverged if has_stopped(&worn) => record.message = end_of_log(&log, String::new()),
         JobState::Done | JobState::NotConverged => {
             for extension in OUTPUT_EXTENSIONS {
                 let path = worn.with_extension(extension);
@@ -165,6 +167,12 @@ pub fn run(jobs: &Jobs, job: &Job, settings: JobSettings, interrupt: &Interrupt)
     }
     record.write(jobs, job)?;
     Ok(JobOutcome { record, skipped: false })
+}
+
+/// Whether the report beside `worn` is of a run that ended before its script and made no garment.
+fn has_stopped(worn: &Path) -> bool {
+    let bytes = std::fs::read(worn.with_extension("report.json")).unwrap_or_default();
+    serde_json::from_slice::<Report>(&bytes).is_ok_and(|report| report.stopped.is_some())
 }
 
 fn describe_code(code: Option<i32>) -> String {

@@ -68,7 +68,8 @@ fn page(jobs: &Jobs, list: &Value) -> String {
     let mut cards = String::new();
     for (job, entry) in jobs.list.iter().zip(list["list"].as_array().into_iter().flatten()) {
         let state = entry["state"].as_str().unwrap_or_default();
-        let exists = matches!(state, "done" | "not_converged");
+        let has_outputs = entry["outputs"].as_object().is_some_and(|outputs| !outputs.is_empty());
+        let exists = matches!(state, "done" | "not_converged") && has_outputs;
         let picture = exists.then(|| thumbnail(&jobs.worn(job))).flatten();
         let picture = picture.map_or_else(
             || "<div class=\"none\">no picture</div>".to_owned(),
