@@ -112,7 +112,10 @@ impl<'a> CreaseDrawing<'a> {
 }
 
 /// The best match of every point of `target`, over the triangles around it.
-fn point_matches(correspondence: &impl Correspondence, target: &GarmentSurface) -> Vec<Option<Match>> {
+pub(super) fn point_matches(
+    correspondence: &impl Correspondence,
+    target: &GarmentSurface,
+) -> Vec<Option<Match>> {
     let outward = target.orientation_sign();
     let of_face = |f: usize| {
         let normal = outward * target.normal(f).try_normalize(0.0).unwrap_or_default();

@@ -17,6 +17,8 @@ use std::collections::BinaryHeap;
 pub(super) struct CreaseLine {
     /// Its points in order [m].
     points: Vec<Vec3>,
+    /// Hinge of the source between each two of them.
+    pub hinges: Vec<u32>,
     /// Triangles of the source around it, on its own layer.
     around: FxHashSet<u32>,
     /// Height of the triangles beside it [m]: what lies farther off does not belong to the crease.
@@ -26,12 +28,17 @@ pub(super) struct CreaseLine {
 impl CreaseLine {
     /// Signed distance of the place `x` of source triangle `face` from the line [m]; `None` where the line does not reach.
     pub fn level(&self, surface: &GarmentSurface, face: usize, x: &Vec3) -> Option<f64> {
+        self.locate(surface, face, x).map(|(level, _)| level)
+    }
+
+    /// The signed distance of such a place, and the number of the hinge of the line it is next to.
+    pub fn locate(&self, surface: &GarmentSurface, face: usize, x: &Vec3) -> Option<(f64, usize)> {
         if !self.around.contains(&(face as u32)) {
             return None;
         }
         let normal = surface.normal(face).try_normalize(0.0)?;
         let last = self.points.len() - 2;
-        let mut best: Option<(f64, f64)> = None;
+        let mut best: Option<(f64, (f64, usize))> = None;
         for (k, ends) in self.points.windows(2).enumerate() {
             let along = ends[1] - ends[0];
             let length = along.norm();
@@ -45,14 +52,19 @@ impl CreaseLine {
             if best.is_none_or(|(least, _)| distance < least) {
                 let is_past = (k == 0 && foot < low) || (k == last && foot > high);
                 let level = if is_past { f64::NAN } else { apart.dot(&normal.cross(&direction)) };
-                best = Some((distance, level));
+                best = Some((distance, (level, k)));
             }
         }
-        best.map(|(_, level)| level).filter(|level| level.is_finite())
+        best.map(|(_, found)| found).filter(|(level, _)| level.is_finite())
+    }
+
+    /// Length of hinge `k` of the line [m].
+    pub fn hinge_length(&self, k: usize) -> f64 {
+        (self.points[k + 1] - self.points[k]).norm()
     }
 
     fn length(&self) -> f64 {
-        self.points.windows(2).map(|ends| (ends[1] - ends[0]).norm()).sum()
+        (0..self.hinges.len()).map(|k| self.hinge_length(k)).sum()
     }
 }
 
@@ -98,19 +110,25 @@ fn length(surface: &GarmentSurface, ends: &[u32]) -> f64 {
 /// Triangles at the edges of a surface.
 struct EdgeTriangles<'a> {
     surface: &'a GarmentSurface,
-    at: FxHashMap<[u32; 2], [u32; 2]>,
+    /// Hinge of an edge.
+    at: FxHashMap<[u32; 2], u32>,
 }
 
 impl<'a> EdgeTriangles<'a> {
     fn new(surface: &'a GarmentSurface) -> Self {
         let hinges = surface.topology.hinges.iter();
-        let at = hinges.map(|h| (sorted(h.points[0].0, h.points[1].0), h.triangles)).collect();
+        let at = hinges.zip(0..).map(|(h, k)| (sorted(h.points[0].0, h.points[1].0), k)).collect();
         Self { surface, at }
+    }
+
+    /// The hinge between two points of a chain.
+    fn hinge(&self, ends: &[u32]) -> u32 {
+        self.at.get(&sorted(ends[0], ends[1])).copied().unwrap_or(0)
     }
 
     /// Triangles at the hinge between two points.
     fn of(&self, ends: &[u32]) -> [u32; 2] {
-        self.at.get(&sorted(ends[0], ends[1])).copied().unwrap_or([0; 2])
+        self.surface.topology.hinges[self.hinge(ends) as usize].triangles
     }
 
     fn line(&self, chain: &[u32], target_edge: f64) -> CreaseLine {
@@ -129,6 +147,7 @@ impl<'a> EdgeTriangles<'a> {
         let reach = TUNING.crease_line_reach * (row + target_edge);
         CreaseLine {
             points: chain.iter().map(|&p| surface.points[p as usize]).collect(),
+            hinges: chain.windows(2).map(|ends| self.hinge(ends)).collect(),
             around: triangles_within(surface, &start, reach),
             row,
         }

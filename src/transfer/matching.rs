@@ -2,14 +2,16 @@
 
 use crate::garment::RestState;
 use crate::math::Vec3;
+use crate::mesh::PointIndex;
 use crate::remesh::SimulationMesh;
 use crate::transfer::align::{AlignedSource, AlignmentTarget, align_source};
 use crate::transfer::canonical_pose::CanonicalPose;
 use crate::transfer::confidence::{TransferLosses, transfer_losses};
 use crate::transfer::correspondence::{CorrespondenceFinder, MatchMode};
 use crate::transfer::crease_drawing::CreaseDrawing;
-use crate::transfer::crease_lines::crease_lines;
+use crate::transfer::crease_lines::{CreaseLine, crease_lines};
 use crate::transfer::limbs::Region;
+use crate::transfer::line_memory::LineMemory;
 use crate::transfer::memory_delta::MemoryDelta;
 use crate::transfer::mesh_on_target::MeshOnTarget;
 use crate::transfer::options::{Align, AlignedBy, MatchBy, SourceOutcome, TransferOptions, TransferSource};
@@ -195,16 +197,20 @@ impl AlignedMemory {
         }
     }
 
+    /// Crease lines of the memory.
+    fn lines(&self, aligned_to: &AlignmentTarget) -> Vec<CreaseLine> {
+        let target = &aligned_to.canonical;
+        let edges = &target.topology.edges;
+        let length = |[a, b]: &[PointIndex; 2]| (target.points[a.at()] - target.points[b.at()]).norm();
+        let mean_edge = edges.iter().map(length).sum::<f64>() / edges.len().max(1) as f64;
+        crease_lines(&self.surface, &self.memory, mean_edge, aligned_to.pose.size.norm())
+    }
+
     /// Draws the crease lines of the memory on the target.
     pub fn draw(&self, aligned_to: &AlignmentTarget, drawing: &mut CreaseDrawing) {
-        let target = &aligned_to.canonical;
-        let edge =
-            |[a, b]: &[crate::mesh::PointIndex; 2]| (target.points[a.at()] - target.points[b.at()]).norm();
-        let edges = &target.topology.edges;
-        let mean_edge = edges.iter().map(edge).sum::<f64>() / edges.len().max(1) as f64;
-        let lines = crease_lines(&self.surface, &self.memory, mean_edge, aligned_to.pose.size.norm());
+        let lines = self.lines(aligned_to);
         if !lines.is_empty() {
-            drawing.add(&lines, &self.finder(aligned_to), target);
+            drawing.add(&lines, &self.finder(aligned_to), &aligned_to.canonical);
         }
     }
 
@@ -214,7 +220,15 @@ impl AlignedMemory {
         let on_target = MeshOnTarget::new(&finder, &aligned_to.canonical, mesh);
         let own = GarmentSurface::without_texture(&mesh.garment);
         let own = aligned_to.pose.apply(&own, Vec3::repeat(1.0));
-        let faces = resample(&on_target, &self.memory, &own, self.orientation(aligned_to));
-        MemoryDelta::from_faces(&own, &faces)
+        let orientation = self.orientation(aligned_to);
+        let LineMemory { angle, carried } =
+            LineMemory::new(&self.lines(aligned_to), &self.memory, &on_target, &own, orientation);
+        // What lies on the lines goes from hinge to hinge, the rest as a field.
+        let mut rest = self.memory.clone();
+        carried.iter().for_each(|h| rest.rest_angle[*h as usize] = rest.source_angle[*h as usize]);
+        let faces = resample(&on_target, &rest, &own, orientation);
+        let mut delta = MemoryDelta::from_faces(&own, &faces);
+        delta.angle.iter_mut().zip(&angle).for_each(|(all, on_line)| *all += on_line);
+        delta
     }
 }

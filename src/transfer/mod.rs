@@ -26,6 +26,7 @@ mod earlier_memory;
 mod hinge_fit;
 mod limb_alignment;
 mod limbs;
+mod line_memory;
 mod matching;
 mod memory_delta;
 mod mesh_on_target;

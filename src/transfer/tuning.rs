@@ -131,6 +131,11 @@ pub(super) struct TransferTuning {
     pub crease_line_overhang: f64,
     /// Distance from a point of another curve at which a line goes through it, relative to its row [-], default 0.15.
     pub crease_line_snap: f64,
+    /// Distance from a line within which a point lies on it, relative to its row [-], default 0.12: mesh points between two of the file
+    /// are only about as far from it as both.
+    pub crease_line_tol: f64,
+    /// Length of edges along a line, relative to its own, from which it is drawn there [-], default 0.5.
+    pub min_crease_line_coverage: f64,
     /// Distance from another line within which a row is left out, relative to itself [-], default 0.6.
     pub crease_row_clearance: f64,
     /// Enclosed volume relative to area times size below which its sign says nothing [-], default 1e-3.
@@ -196,6 +201,8 @@ pub(super) const TUNING: TransferTuning = TransferTuning {
     crease_line_reach: 2.5,
     crease_line_overhang: 1.5,
     crease_line_snap: 0.15,
+    crease_line_tol: 0.12,
+    min_crease_line_coverage: 0.5,
     crease_row_clearance: 0.6,
     min_enclosed_volume_ratio: 1e-3,
 };
