@@ -287,11 +287,9 @@ fn a_fine_mesh_is_simulated_on_fewer_points() {
     let workshop = workshop(FOLD_ONCE);
     let folder = workshop.path();
     std::fs::write(folder.join("fine.obj"), handkerchief(37)).expect("writes");
-    for (name, option) in [
-        ("fewer", " --frames-of simulated"),
-        ("every", " --no-grading"),
-        ("own", " --sidecar-mesh garment"),
-    ] {
+    for (name, option) in
+        [("fewer", " --frames-of simulated"), ("every", " --no-grading"), ("own", " --sidecar-mesh garment")]
+    {
         let frames = format!(" --frames {name} --fps 2");
         // A fabric whose memory comes in small events, without hems, which are as wide as a triangle of either mesh: two meshes can agree.
         let fabric = " --fabric cotton-jersey --no-hems";
