@@ -131,7 +131,7 @@ fn trims_follow_the_cloth_that_carries_them() {
     let shirt = parse(&[("shirt", vec![Part::sheet(20, 0.4, [0.0; 3])]), ("button", vec![button(0.1)])]);
     let rigid = RigidParts::find(&shirt.garment).expect("has a button");
     assert_eq!(rigid.cloth().points.len(), 441);
-    assert!(rigid.note().starts_with("1 small solids of 22 points"), "{}", rigid.note());
+    assert!(rigid.notes()[0].starts_with("1 small solids of 22 points"), "{}", rigid.notes()[0]);
     // The half x > 0 is turned up by a right angle about the line x = 0.
     let turned = |p: &Vec3| if p.x > 0.0 { Vec3::new(-p.z, p.y, p.x) } else { *p };
     let cloth: Vec<Vec3> = rigid.cloth().points.iter().map(turned).collect();

@@ -6,6 +6,8 @@
 
 #[path = "transfer/alignment.rs"]
 mod alignment;
+#[path = "transfer/creases.rs"]
+mod creases;
 #[path = "reference/external.rs"]
 mod external;
 #[path = "common/glb.rs"]

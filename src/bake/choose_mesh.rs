@@ -40,13 +40,13 @@ pub struct RefinementRule {
 
 /// Edge lengths of a mesh [m].
 #[derive(Debug, Clone, Copy)]
-struct EdgeLengths {
+pub(super) struct EdgeLengths {
     /// Along fold lines; also the distance of the rows beside them.
-    line: f64,
+    pub line: f64,
     /// Along borders, seams and sides.
     side: f64,
     /// At most.
-    max: f64,
+    pub max: f64,
     /// Finest, where the cloth may crease anywhere.
     anywhere: f64,
 }
@@ -150,7 +150,7 @@ impl MeshChoice {
 
 impl EdgeLengths {
     /// Lengths for `garment` with `finest` [m] at its creases; shorter on garments that are small against that.
-    fn new(garment: &Garment, finest: f64) -> Self {
+    pub fn new(garment: &Garment, finest: f64) -> Self {
         let tuning = TUNING.simulation_mesh;
         let (low, high) = bounds(&garment.points);
         let extent = (high - low).max();
@@ -165,7 +165,7 @@ impl EdgeLengths {
 }
 
 /// Brings `mesh` to short edges along its curves and edges of `uniform` length [m] elsewhere.
-fn make(mesh: &mut SurfaceMesh, lengths: EdgeLengths, uniform: f64) {
+pub(super) fn make(mesh: &mut SurfaceMesh, lengths: EdgeLengths, uniform: f64) {
     let mut seeds = Vec::new();
     for [a, b] in mesh.edges() {
         let length = match mesh.curve(a, b) {

@@ -156,6 +156,7 @@ pub(super) fn depenetrate(
     };
     let (membrane, bending) = (stepper.cloth.membrane.clone(), stepper.cloth.bending.clone());
     let mut contact = StaticContact::new(planes, garment, animated);
+    let none_fixed = vec![false; state.x.len()];
     for round in 0..tuning.max_dressing_rounds {
         if round > 0 && count(&state.x) == 0 {
             break;
@@ -169,7 +170,7 @@ pub(super) fn depenetrate(
         let (tethers, on_planes, on_edges) =
             (TargetSprings(&springs), PlaneContacts(&found.planes), EdgeContacts(&found.edges));
         let terms: [&dyn Energy; 5] = [&membrane, &bending, &tethers, &on_planes, &on_edges];
-        let solved = stepper.equilibrium(&mut state.x, &terms, &newton);
+        let solved = stepper.equilibrium(&mut state.x, &none_fixed, &terms, &newton);
         report.solves += solved.global_iterations as u64;
         report.local_solves += solved.local_iterations as u64;
         contact.accept(&state.x, &found);

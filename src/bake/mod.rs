@@ -24,6 +24,7 @@ mod body_creases;
 mod body_penetration;
 mod body_watch;
 mod builder;
+mod carried;
 pub mod checkpoint;
 mod choose_mesh;
 mod depenetration;
@@ -53,6 +54,7 @@ mod violation_log;
 
 pub use active_region::active_points;
 pub use builder::Bake;
+pub use carried::{mesh_along_creases, relax_carried};
 pub use checkpoint::{Checkpoint, fingerprint};
 pub use choose_mesh::{MeshChoice, RefinementRule};
 pub use from_motion::{GarmentMotion, memory_from_motion};

@@ -33,11 +33,21 @@ pub fn relax(garment: &Garment, fabric: &Fabric, rest: &RestState) -> RelaxResul
 
 /// Relaxes a garment without trims.
 fn relax_cloth(garment: &Garment, fabric: &Fabric, rest: &RestState) -> RelaxResult {
+    relax_to_show(garment, fabric, rest, &RelaxOptions::visible_on(garment, fabric))
+}
+
+/// Relaxes `garment`, with layers kept apart.
+pub(super) fn relax_to_show(
+    garment: &Garment,
+    fabric: &Fabric,
+    rest: &RestState,
+    options: &RelaxOptions,
+) -> RelaxResult {
     let (cloth, plan) = cloth_and_plan(garment, fabric);
     let settings = plan.contact_settings(fabric);
     let area = cloth.area.clone();
     let contact = Contact::new(settings, &garment.points, &garment.triangles, &garment.topology, area);
-    relax_with(garment, fabric, rest, cloth, contact, &RelaxOptions::visible_on(garment, fabric))
+    relax_with(garment, fabric, rest, cloth, contact, options)
 }
 
 /// The mesh of `garment`'s topology that best carries the rest angles of `rest`, as displacements from the source pose.

@@ -11,7 +11,7 @@
 //! so that a crease stands out as it would in cloth that lies, and nothing larger moves. Without memory the source pose
 //! itself is the minimum. Cloth as stiff as it is against stretch cannot crease across a curved surface (a garment in the shape of
 //! a body) without moving as a whole, which the tether forbids: here it stretches more easily. The rest state is applied in equal
-//! load increments; self-contact acts as in any other step. Beside a body the cloth is kept out of it as far as it is out of it in the
+//! load increments; self-contact acts as in any other step, and what crosses in the source pose stays where it is. Beside a body the cloth is kept out of it as far as it is out of it in the
 //! source pose (`static_contact`).
 
 use crate::bake::static_contact::{FoundContacts, StaticContact, body_contact_settings};
@@ -22,6 +22,7 @@ use crate::energy::{EdgeContacts, Energy, PlaneContacts, TargetSpring, TargetSpr
 use crate::fabric::Fabric;
 use crate::garment::{Garment, RestState};
 use crate::math::Vec3;
+use crate::mesh::intersections::self_intersections;
 use crate::sim::{GRAVITY, NewtonOptions, Stepper};
 
 /// Result of a relaxation.
@@ -88,6 +89,10 @@ pub(super) fn relax_to_source_pose(
         .enumerate()
         .map(|(p, (x, area))| TargetSpring::isotropic(p as u32, *x, area * tether))
         .collect();
+    let crossing = match stepper.contact.settings().self_contact {
+        true => crossing_points(garment),
+        false => vec![false; garment.points.len()],
+    };
     let mut x = garment.points.clone();
     let mut angle = rest.source_angle.clone();
     let weight = stepper.cloth.mass.iter().sum::<f64>() * GRAVITY;
@@ -122,7 +127,7 @@ pub(super) fn relax_to_source_pose(
         };
         let (on_planes, on_edges) = (PlaneContacts(&found.planes), EdgeContacts(&found.edges));
         let terms: [&dyn Energy; 6] = [&membrane, &bending_term, &junctions, &tethers, &on_planes, &on_edges];
-        let solved = stepper.equilibrium(&mut x, &terms, &newton);
+        let solved = stepper.equilibrium(&mut x, &crossing, &terms, &newton);
         if let Some(beside) = &mut beside {
             beside.accept(&x, &found);
         }
@@ -140,6 +145,16 @@ pub(super) fn relax_to_source_pose(
     }
     result.displacement = x.iter().zip(&garment.points).map(|(x, source)| x - source).collect();
     result
+}
+
+/// Per point of `garment`: whether it belongs to a triangle that crosses another one in the source pose. No side of it is the right one,
+/// and contact would hook it: it stays where it is.
+fn crossing_points(garment: &Garment) -> Vec<bool> {
+    let mut crossing = vec![false; garment.points.len()];
+    for f in self_intersections(&garment.points, &garment.triangles).into_iter().flatten() {
+        garment.triangles[f as usize].iter().for_each(|p| crossing[p.at()] = true);
+    }
+    crossing
 }
 
 /// The rest state with a `fraction` of what changed.

@@ -33,7 +33,8 @@ struct Outcome {
 
 pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
     let scene = FoldThrice::tshirt()?.in_fabric(Fabric::preset(DEFAULT_FABRIC)?);
-    let starts: Vec<FoldThrice> = (1..=options.runs.max(1) as u64).map(|seed| scene.perturbed(seed)).collect();
+    let starts: Vec<FoldThrice> =
+        (1..=options.runs.max(1) as u64).map(|seed| scene.perturbed(seed)).collect();
     let mut references = Vec::new();
     let mut reference_outcome = Outcome::default();
     for start in &starts {

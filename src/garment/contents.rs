@@ -3,6 +3,7 @@
 
 use crate::error::Error;
 use crate::garment::open_seams::open_seams;
+use crate::garment::shell::Shells;
 use crate::garment::tuning::TUNING;
 use crate::garment::{Garment, SourceAsset, SourcePiece};
 use crate::math::{Vec3, bounds};
@@ -50,6 +51,13 @@ pub fn content_warnings(asset: &SourceAsset, garment: &Garment) -> Vec<String> {
             "{} separate pieces of cloth are simulated together: {}{more}; --garment NAME chooses one",
             garments.len(),
             names.join(", ")
+        ));
+    }
+    for thickness in Shells::find(garment).doubtful {
+        warnings.push(format!(
+            "a part without any opening is only {:.1} mm thick, but has no rim between two sides: all of it is simulated. If it is cloth \
+             that was exported with its thickness, export one side of it (Blender: switch off Solidify), or keep the rim",
+            1e3 * thickness
         ));
     }
     warnings

@@ -126,7 +126,7 @@ pub fn inspect(asset: &SourceAsset, garment: &Garment, diagnostics: &[ImportDiag
     let parts = part_reports(garment);
     let note =
         |message: String| ImportDiagnostic { severity: Severity::Note, location: String::new(), message };
-    let trims = RigidParts::find(garment).map(|rigid| rigid.note());
+    let trims = RigidParts::find(garment).map(|rigid| rigid.notes()).into_iter().flatten();
     let told = content_warnings(asset, garment).into_iter().chain(trims).map(note);
     let notes: Vec<ImportDiagnostic> = of(Severity::Note);
     let source_triangles: usize = asset.worn_pieces().map(|piece| piece.triangles.len()).sum();

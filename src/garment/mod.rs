@@ -20,6 +20,7 @@ mod repair;
 mod rest_state;
 mod rigid_parts;
 mod sewing;
+mod shell;
 mod source_asset;
 mod tuning;
 mod wedges;

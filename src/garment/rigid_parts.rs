@@ -1,9 +1,10 @@
-//! Trims: small solids of their own on a garment, such as buttons, rivets and buckles. They do not bend; a simulation leaves
-//! them out, and each follows the cloth under it rigidly.
+//! Parts of a garment that a simulation leaves out and that follow the cloth: the inner sides of shells (`shell`), and trims, small
+//! solids of their own such as buttons, rivets and buckles. Trims do not bend; each follows the cloth under it rigidly.
 //!
 //! A trim is a connected part without any border that is small and lies near cloth. It is carried by the point of the cloth
 //! nearest to its centre, and turned as the cloth around that point is.
 
+use crate::garment::shell::{InnerSides, Shells};
 use crate::garment::tuning::TUNING;
 use crate::garment::{Garment, RestState, WornGarment};
 use crate::math::{Mat3, Vec3, bounds, nearest_rotation};
@@ -11,7 +12,7 @@ use crate::mesh::triangle_bvh::TriangleBvh;
 use crate::mesh::{PointIndex, Topology, hinge_angle, triangle};
 use rustc_hash::FxHashMap;
 
-/// The cloth of a garment, and the trims on it.
+/// The cloth of a garment, and the trims and inner sides on it.
 #[derive(Debug, Clone)]
 pub struct RigidParts {
     cloth: Garment,
@@ -19,9 +20,10 @@ pub struct RigidParts {
     points: Vec<PointIndex>,
     /// Per triangle of the cloth: the triangle of the garment.
     triangles: Vec<u32>,
-    /// Per hinge of the cloth: the hinge of the garment.
-    hinges: Vec<u32>,
+    /// Per hinge of the cloth: the hinge of the garment, if it is one there.
+    hinges: Vec<Option<u32>>,
     trims: Vec<Trim>,
+    inner_sides: InnerSides,
     /// Source positions of the garment \[m\].
     source: Vec<Vec3>,
     /// Hinge angles of the garment in its source shape \[rad\].
@@ -42,7 +44,7 @@ struct Trim {
 }
 
 impl RigidParts {
-    /// The trims of `garment`; `None` if it has none.
+    /// The trims and inner sides of `garment`; `None` if it has none.
     ///
     /// ```
     /// use crease::{GarmentFile, garment::RigidParts};
@@ -51,27 +53,49 @@ impl RigidParts {
     /// ```
     pub fn find(garment: &Garment) -> Option<Self> {
         let parts = parts_of(garment);
-        let small: Vec<bool> = parts.iter().map(|part| part.is_small_solid()).collect();
-        if !small.contains(&true) || !small.contains(&false) {
+        let small: Vec<bool> = parts.iter().map(Part::is_small_solid).collect();
+        let is_trim = |f: usize| small[garment.triangle_part[f] as usize] && small.contains(&false);
+        let inner = Shells::find(garment).inner;
+        let layers = Self::leaving_out(garment, &parts, is_trim, |f| inner[f] && !is_trim(f));
+        layers.or_else(|| Self::leaving_out(garment, &parts, is_trim, |_| false))
+    }
+
+    /// The garment without the triangles for which `is_trim` or `is_inner` holds; `None` if there are none, or if one of these has no
+    /// cloth near it.
+    fn leaving_out(
+        garment: &Garment,
+        parts: &[Part],
+        is_trim: impl Fn(usize) -> bool,
+        is_inner: impl Fn(usize) -> bool,
+    ) -> Option<Self> {
+        let all = 0..garment.triangles.len();
+        let left_out: Vec<bool> = all.clone().map(|f| is_trim(f) || is_inner(f)).collect();
+        if !left_out.contains(&true) || !left_out.contains(&false) {
             return None;
         }
-        let (cloth, points, triangles) = cloth_of(garment, &small);
+        let (cloth, points, triangles) = cloth_of(garment, &left_out);
         let bvh = TriangleBvh::new(&cloth.points, &cloth.triangles, 0.0);
         let neighbours = neighbours_of(&cloth);
+        let mut trim_parts: Vec<u32> =
+            all.clone().filter(|f| is_trim(*f)).map(|f| garment.triangle_part[f]).collect();
+        trim_parts.sort_unstable();
+        trim_parts.dedup();
         let mut trims = Vec::new();
-        for (part, _) in parts.into_iter().zip(&small).filter(|(_, small)| **small) {
+        for part in trim_parts {
             // One trim far from any cloth makes the garment one of several solids: all of it is simulated.
-            trims.push(Trim::on(&cloth, &bvh, &neighbours, part)?);
+            trims.push(Trim::on(&cloth, &bvh, &neighbours, &parts[part as usize])?);
         }
+        let mut is_cloth = vec![false; garment.points.len()];
+        points.iter().for_each(|p| is_cloth[p.at()] = true);
+        let inner: Vec<u32> = all.filter(|f| is_inner(*f)).map(|f| f as u32).collect();
         let hinge_at: FxHashMap<[PointIndex; 2], u32> =
             garment.topology.hinges.iter().zip(0..).map(|(h, i)| (ends(&h.points), i)).collect();
         let own = |p: PointIndex| points[p.at()];
         let hinges = cloth.topology.hinges.iter();
-        let hinges: Option<Vec<u32>> =
-            hinges.map(|h| hinge_at.get(&ends(&h.points.map(own))).copied()).collect();
         let angle = |h: &crate::mesh::Hinge| hinge_angle(&h.points.map(|p| garment.points[p.at()]));
         Some(Self {
-            hinges: hinges?,
+            hinges: hinges.map(|h| hinge_at.get(&ends(&h.points.map(own))).copied()).collect(),
+            inner_sides: InnerSides::on(garment, &inner, &cloth, &is_cloth)?,
             points,
             triangles,
             trims,
@@ -82,19 +106,30 @@ impl RigidParts {
         })
     }
 
-    /// The garment without its trims.
+    /// The garment without its trims and inner sides.
     pub fn cloth(&self) -> &Garment {
         &self.cloth
     }
 
-    /// Description for the report.
-    pub fn note(&self) -> String {
-        let points: usize = self.trims.iter().map(|trim| trim.points.len()).sum();
-        format!(
-            "{} small solids of {points} points (buttons and other trims) are not simulated: each follows the cloth under it as \
-             a rigid body",
-            self.trims.len()
-        )
+    /// Descriptions for the report.
+    pub fn notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        if !self.trims.is_empty() {
+            let points: usize = self.trims.iter().map(|trim| trim.points.len()).sum();
+            notes.push(format!(
+                "{} small solids of {points} points (buttons and other trims) are not simulated: each follows the cloth under it as \
+                 a rigid body",
+                self.trims.len()
+            ));
+        }
+        let points = self.inner_sides.point_count();
+        if points > 0 {
+            notes.push(format!(
+                "the cloth was exported with its thickness: {points} points of its inner side and rim are not simulated and follow the \
+                 outer side"
+            ));
+        }
+        notes
     }
 
     /// Positions of the garment \[m\] where its cloth has the positions `cloth`.
@@ -110,6 +145,7 @@ impl RigidParts {
                 all[p.at()] = moved + rotation * (self.source[p.at()] - anchor);
             }
         }
+        self.inner_sides.carry(&self.cloth, cloth, &mut all);
         all
     }
 
@@ -119,11 +155,12 @@ impl RigidParts {
         self.positions(&moved).iter().zip(&self.source).map(|(x, source)| x - source).collect()
     }
 
-    /// The worn garment whose cloth is `cloth`; trims have no memory.
+    /// The worn garment whose cloth is `cloth`; trims have no memory, inner sides that of the cloth they lie on.
     pub fn worn(&self, cloth: &WornGarment) -> WornGarment {
         let mut memory = RestState::new(self.source_angle.clone(), self.triangle_count);
         let own = &cloth.memory;
-        for (k, h) in self.hinges.iter().map(|&h| h as usize).enumerate() {
+        for (k, h) in self.hinges.iter().enumerate() {
+            let Some(h) = h.map(|h| h as usize) else { continue };
             memory.source_angle[h] = own.source_angle[k];
             memory.rest_angle[h] = own.rest_angle[k];
             memory.stiffness_ratio[h] = own.stiffness_ratio[k];
@@ -132,33 +169,42 @@ impl RigidParts {
             memory.rest_stretch_warp[f] = own.rest_stretch_warp[k];
             memory.rest_stretch_weft[f] = own.rest_stretch_weft[k];
         }
+        self.inner_sides.remember(&self.cloth, own, &mut memory);
         WornGarment { displacement: self.displacement(&cloth.displacement), memory }
     }
 
     /// The part of the garment's `memory` that belongs to its cloth.
     pub fn cloth_memory(&self, memory: &RestState) -> RestState {
-        let hinges = |all: &[f64]| self.hinges.iter().map(|&h| all[h as usize]).collect();
-        let triangles = |all: &[f64]| self.triangles.iter().map(|&f| all[f as usize]).collect();
-        RestState {
-            source_angle: hinges(&memory.source_angle),
-            rest_angle: hinges(&memory.rest_angle),
-            stiffness_ratio: hinges(&memory.stiffness_ratio),
-            rest_stretch_warp: triangles(&memory.rest_stretch_warp),
-            rest_stretch_weft: triangles(&memory.rest_stretch_weft),
+        let angle = |h: &crate::mesh::Hinge| hinge_angle(&h.points.map(|p| self.cloth.points[p.at()]));
+        let mut own = RestState::new(
+            self.cloth.topology.hinges.iter().map(angle).collect(),
+            self.cloth.triangles.len(),
+        );
+        for (k, h) in self.hinges.iter().enumerate() {
+            let Some(h) = h.map(|h| h as usize) else { continue };
+            own.source_angle[k] = memory.source_angle[h];
+            own.rest_angle[k] = memory.rest_angle[h];
+            own.stiffness_ratio[k] = memory.stiffness_ratio[h];
         }
+        for (k, f) in self.triangles.iter().map(|&f| f as usize).enumerate() {
+            own.rest_stretch_warp[k] = memory.rest_stretch_warp[f];
+            own.rest_stretch_weft[k] = memory.rest_stretch_weft[f];
+        }
+        own
     }
 }
 
 impl Trim {
     /// The trim `part` on `cloth`; `None` if no cloth is near.
-    fn on(cloth: &Garment, bvh: &TriangleBvh, neighbours: &[Vec<PointIndex>], part: Part) -> Option<Self> {
+    fn on(cloth: &Garment, bvh: &TriangleBvh, neighbours: &[Vec<PointIndex>], part: &Part) -> Option<Self> {
         let (low, high) = (part.low, part.high);
         let diagonal = (high - low).norm();
         let centre = (low + high) * 0.5;
         let found = bvh.nearest(&cloth.points, centre, (0.5 + TUNING.max_trim_distance) * diagonal)?;
         let corners = cloth.triangles[found.triangle as usize];
         let [_, a, b, c] = found.closest.weights;
-        let mut trim = Self { points: part.points, corners, weights: [-a, -b, -c], carriers: Vec::new() };
+        let mut trim =
+            Self { points: part.points.clone(), corners, weights: [-a, -b, -c], carriers: Vec::new() };
         let anchor = trim.anchor(&cloth.points);
         let [a, b, c] = triangle::corners(&cloth.points, &corners);
         let edge = (b - a).norm().max((c - b).norm()).max((a - c).norm());
@@ -240,9 +286,9 @@ fn parts_of(garment: &Garment) -> Vec<Part> {
     points.into_iter().enumerate().map(part).collect()
 }
 
-/// Returns the garment of the parts that `left_out` does not flag, and its points and triangles in `garment`.
+/// Returns the garment of the triangles that `left_out` does not flag, and its points and triangles in `garment`.
 fn cloth_of(garment: &Garment, left_out: &[bool]) -> (Garment, Vec<PointIndex>, Vec<u32>) {
-    let kept = |f: &u32| !left_out[garment.triangle_part[*f as usize] as usize];
+    let kept = |f: &u32| !left_out[*f as usize];
     let triangles: Vec<u32> = (0..garment.triangles.len() as u32).filter(kept).collect();
     let mut number: Vec<Option<PointIndex>> = vec![None; garment.points.len()];
     triangles.iter().flat_map(|&f| garment.triangles[f as usize]).for_each(|p| number[p.at()] = Some(p));

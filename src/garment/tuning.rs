@@ -59,6 +59,18 @@ pub(crate) struct GarmentTuning {
     pub(crate) min_closed_fraction: f64,
     /// Volume over area from which a closed part is a solid and no flat double sheet \[m\].
     pub(crate) min_solid_thickness: f64,
+    /// Thickness of a closed sheet from which it is cloth exported as a solid \[m\]: two sides nearer than that lie in one place.
+    pub(crate) min_cloth_thickness: f64,
+    /// The same at most \[m\]; what is thicker is padding, or no cloth.
+    pub(crate) max_cloth_thickness: f64,
+    /// |cosine| between the normals of both sides of cloth with a thickness at least \[-\].
+    pub(crate) min_side_cosine: f64,
+    /// Distance behind a triangle within which the other side of cloth with a thickness is looked for, relative to it \[-\].
+    pub(crate) thickness_reach: f64,
+    /// Fraction of the area of cloth with a thickness that one side of it has at least \[-\].
+    pub(crate) min_side_area_fraction: f64,
+    /// Change of angle that a hinge of an inner side takes from the cloth under it at most \[rad\].
+    pub(crate) max_carried_angle: f64,
     /// Difference of two bounding boxes up to which they are in the same place \[diagonals\].
     pub(crate) same_place_tol: f64,
     /// Difference of the area vectors of two pieces up to which they face the same side \[areas\].
@@ -104,6 +116,12 @@ pub(crate) const TUNING: GarmentTuning = GarmentTuning {
     min_body_size: 0.3,
     min_closed_fraction: 0.98,
     min_solid_thickness: 0.01,
+    min_cloth_thickness: 2e-4,
+    max_cloth_thickness: 5e-3,
+    min_side_cosine: 0.7,
+    thickness_reach: 1.8,
+    min_side_area_fraction: 0.35,
+    max_carried_angle: 3.0,
     same_place_tol: 0.02,
     same_side_tol: 0.2,
     min_garment_area_fraction: 0.2,

@@ -306,20 +306,21 @@ impl Stepper {
         LoadBuffers { fixed, pressure_force, sphere_stiffness, sphere_max_force }
     }
 
-    /// Minimises the sum of `terms` from `x` in place, without inertia and friction. Intersections at `x` are kept.
+    /// Minimises the sum of `terms` from `x` in place, without inertia and friction. The `fixed` points, one flag per point, do not move,
+    /// and intersections at `x` are kept.
     pub fn equilibrium(
         &mut self,
         x: &mut [Vec3],
+        fixed: &[bool],
         terms: &[&dyn Energy],
         newton: &NewtonOptions,
     ) -> NewtonReport {
         self.contact.set_planes(None, None);
         self.contact.freeze_initial_intersections();
-        let fixed = vec![false; x.len()];
-        self.contact.begin_step(x, f64::INFINITY, 0.0, &fixed);
+        self.contact.begin_step(x, f64::INFINITY, 0.0, fixed);
         // Terms may couple other points than those of steps.
         self.work.reset();
-        let problem = Problem { inertia: None, terms, fixed: &fixed, predicted_positions: None };
+        let problem = Problem { inertia: None, terms, fixed, predicted_positions: None };
         problem.solve(x, &mut self.contact, newton, &mut self.work)
     }
 }

@@ -4,7 +4,7 @@ use crate::Result;
 use crate::garment::{Garment, SourceAsset};
 use crate::io::Sidecar;
 use crate::transfer::options::{Align, Channels, MatchBy, TransferOptions, TransferResult, TransferSource};
-use crate::transfer::pipeline::transfer;
+use crate::transfer::pipeline::{MeshMaker, transfer, transfer_along_creases};
 use crate::transfer::registration::PointPair;
 use crate::transfer::surface::GarmentSurface;
 use std::borrow::Cow;
@@ -108,6 +108,15 @@ impl<'a> Transfer<'a> {
     pub fn mirror_x(mut self, mirror_x: bool) -> Self {
         self.options.mirror_x = mirror_x;
         self
+    }
+
+    /// Runs the transfer over a mesh with edges along the crease lines of the sources, where they have some: a crease that
+    /// no triangle of `garment`, that of the target, follows is then whole on that mesh. `make` makes it from the drawn lines.
+    ///
+    /// # Errors
+    /// Those of [`Transfer::run`].
+    pub fn run_along_creases(self, garment: &Garment, make: &MeshMaker) -> Result<TransferResult> {
+        transfer_along_creases(&self.sources?, &self.target, &self.options, Some((garment, make)))
     }
 
     /// Runs the transfer.

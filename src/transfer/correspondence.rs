@@ -37,6 +37,8 @@ pub(super) struct Query {
 pub(super) struct Match {
     /// Source triangle.
     pub triangle: usize,
+    /// Position on it [m], in canonical coordinates.
+    pub position: Vec3,
     /// Quality 0..1 by distance and by how well the normals agree.
     pub quality: f64,
     /// Map from source tangents to target tangents.
@@ -168,7 +170,12 @@ impl<'a> CorrespondenceFinder<'a> {
         let found = places.into_iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
         let triangle = found.triangle as usize;
         let map = query.gradient? * pseudo_inverse(&self.gradients[triangle]?)?;
-        Some(Match { triangle, quality: 1.0 - 0.5 * found.closest.distance / self.max_distance, map })
+        Some(Match {
+            triangle,
+            position: position_of_place(self.source, &found),
+            quality: 1.0 - 0.5 * found.closest.distance / self.max_distance,
+            map,
+        })
     }
 
     fn match_front(&self, query: &Query, region: Region) -> Option<Match> {
@@ -185,7 +192,7 @@ impl<'a> CorrespondenceFinder<'a> {
             lift(&query.normal)
         };
         let quality = proximity(&found, self.max_distance) * linear_ramp(facing, 0.0, TUNING.edge_on_cosine);
-        Some(Match { triangle, quality, map })
+        Some(Match { triangle, position: position_of_place(self.source, &found), quality, map })
     }
 
     fn match_closest(&self, query: &Query, region: Region) -> Option<Match> {
@@ -202,7 +209,8 @@ impl<'a> CorrespondenceFinder<'a> {
         let agreement =
             linear_ramp(own.dot(&query.normal), TUNING.min_normal_cosine, TUNING.full_normal_cosine);
         let quality = proximity(&found, self.max_distance) * agreement;
-        Some(Match { triangle, quality, map: smallest_rotation(own, &query.normal) })
+        let position = position_of_place(self.source, &found);
+        Some(Match { triangle, position, quality, map: smallest_rotation(own, &query.normal) })
     }
 
     /// Whether the nearest point lies on an open side of its triangle and the query well past that side.

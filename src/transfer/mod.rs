@@ -20,11 +20,16 @@ mod builder;
 mod canonical_pose;
 mod confidence;
 mod correspondence;
+mod crease_drawing;
+mod crease_lines;
 mod earlier_memory;
 mod hinge_fit;
 mod limb_alignment;
 mod limbs;
+mod line_memory;
+mod matching;
 mod memory_delta;
+mod mesh_on_target;
 mod openings;
 mod options;
 mod pipeline;
@@ -41,11 +46,13 @@ mod warnings;
 pub use builder::Transfer;
 pub(crate) use confidence::mean_confidence;
 pub use confidence::{RegionConfidence, TransferLosses};
+pub use crease_drawing::DrawnCreases;
 pub use earlier_memory::earlier_memory;
 pub use options::{
-    Align, AlignedBy, Channels, MatchBy, SourceOutcome, TransferOptions, TransferResult, TransferSource,
+    Align, AlignedBy, CarriedOnMesh, Channels, MatchBy, SourceOutcome, TransferOptions, TransferResult,
+    TransferSource,
 };
-pub use pipeline::transfer;
+pub use pipeline::{MeshMaker, transfer};
 pub use prolongate::{prolongate, restrict};
 pub use registration::PointPair;
 pub use surface::GarmentSurface;

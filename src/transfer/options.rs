@@ -3,6 +3,7 @@
 use crate::Result;
 use crate::garment::{RestState, SourceJoint};
 use crate::io::Sidecar;
+use crate::remesh::SimulationMesh;
 use crate::transfer::confidence::{RegionConfidence, TransferLosses};
 use crate::transfer::registration::PointPair;
 use crate::transfer::surface::GarmentSurface;
@@ -182,11 +183,22 @@ pub struct SourceOutcome {
     pub ambiguous_fraction: f64,
 }
 
+/// A transferred memory on a mesh of the target's surface.
+#[derive(Debug, Clone)]
+pub struct CarriedOnMesh {
+    /// The mesh.
+    pub mesh: SimulationMesh,
+    /// Memory, one entry per hinge and triangle of it.
+    pub memory: RestState,
+}
+
 /// Result of a transfer.
 #[derive(Debug, Clone)]
 pub struct TransferResult {
     /// Memory of the target, one entry per hinge and triangle of it.
     pub memory: RestState,
+    /// The memory on the mesh with edges along the crease lines of the sources, where one was made.
+    pub on_mesh: Option<CarriedOnMesh>,
     /// How the sources were transferred, one entry per source.
     pub sources: Vec<SourceOutcome>,
     /// Confidence 0..1 that a triangle's memory belongs there (mean over the sources), one per target triangle.

@@ -84,6 +84,6 @@ impl Correspondence for MeshLocator<'_> {
         // Between the corners of a large triangle lie others of the mesh.
         let triangle = self.walk.closest(points, triangles, start, &query.position) as usize;
         let map = smallest_rotation(&self.normals[triangle], &query.normal);
-        Some(Match { triangle, quality: 1.0, map })
+        Some(Match { triangle, position: query.position, quality: 1.0, map })
     }
 }

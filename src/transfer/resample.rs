@@ -12,7 +12,7 @@
 
 use crate::garment::RestState;
 use crate::math::{Vec2, Vec3};
-use crate::transfer::correspondence::{Correspondence, Match, Query, texture_gradient};
+use crate::transfer::correspondence::{Correspondence, Match, Query};
 use crate::transfer::hinge_fit::{FaceFrame, PlaneTensor, edge_tensor};
 use crate::transfer::surface::GarmentSurface;
 use crate::transfer::tuning::TUNING;
@@ -97,7 +97,7 @@ pub(super) fn resample(
             (TUNING.samples_per_source_side * area.sqrt() / source_side.max(f64::MIN_POSITIVE)).ceil();
         let grid = per_side.clamp(TUNING.min_samples_per_side, TUNING.max_samples_per_side);
         let uv = target.uvs.as_ref().map(|uvs| uvs[f]);
-        let gradient = uv.and_then(|uv| texture_gradient(&corners, &uv));
+        let gradient = target.texture_gradient(f);
         let sides = [0, 1, 2].map(|k| {
             let edge = frame.project(&(corners[(k + 1) % 3] - corners[k]));
             edge.try_normalize(0.0).unwrap_or_else(Vec2::x)

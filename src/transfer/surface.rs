@@ -8,8 +8,10 @@ use crate::io::Sidecar;
 use crate::math::{Vec2, Vec3};
 use crate::mesh::distance::barycentric;
 use crate::mesh::{PointIndex, Topology, triangle};
+use crate::transfer::correspondence::texture_gradient;
 use crate::transfer::tuning::TUNING;
 use crate::{Error, Result};
+use nalgebra::Matrix3x2;
 use rustc_hash::FxHashMap;
 
 /// A triangulated garment surface.
@@ -111,6 +113,11 @@ impl GarmentSurface {
     /// Twice the area of triangle `f` times its unit normal [m²].
     pub fn normal(&self, f: usize) -> Vec3 {
         triangle::area_vector(&self.corners(f))
+    }
+
+    /// Texture gradient dX/d(u, v) of triangle `f`, if it has texture coordinates of some area.
+    pub(super) fn texture_gradient(&self, f: usize) -> Option<Matrix3x2<f64>> {
+        self.uvs.as_ref().and_then(|uvs| texture_gradient(&self.corners(f), &uvs[f]))
     }
 
     /// Whether `other` has exactly the same points and triangles.

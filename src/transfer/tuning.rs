@@ -114,6 +114,30 @@ pub(super) struct TransferTuning {
     pub min_joint_point_spacing: f64,
     /// Smallest stiffness ratio and rest stretch of a result [-], default 1e-3: a sidecar's must be positive.
     pub min_ratio: f64,
+    /// Change of rest angle from which a hinge can be part of a crease line [rad], default 0.5.
+    pub min_crease_line_angle: f64,
+    /// Cosine of the bend of a crease line from one edge to the next [-], default 0.87: 30 degrees.
+    pub min_crease_line_cosine: f64,
+    /// Length of a crease line [fraction], default 0.05: a fold goes across a garment, wrinkles do not.
+    pub min_crease_line_fraction: f64,
+    /// Smallest distance of the row of edges beside a crease line [m], default 4e-3.
+    pub min_crease_row: f64,
+    /// Largest distance of that row [m], default 0.025.
+    pub max_crease_row: f64,
+    /// Distance along the source within which a crease line is looked for, relative to its row and the edges of the target [-],
+    /// default 2.5: both corners of every edge across the line or its rows have a distance.
+    pub crease_line_reach: f64,
+    /// Length by which a line goes on past its ends, relative to its row [-], default 1.5: up to the border of the cloth.
+    pub crease_line_overhang: f64,
+    /// Distance from a point of another curve at which a line goes through it, relative to its row [-], default 0.15.
+    pub crease_line_snap: f64,
+    /// Distance from a line within which a point lies on it, relative to its row [-], default 0.12: mesh points between two of the file
+    /// are only about as far from it as both.
+    pub crease_line_tol: f64,
+    /// Length of edges along a line, relative to its own, from which it is drawn there [-], default 0.5.
+    pub min_crease_line_coverage: f64,
+    /// Distance from another line within which a row is left out, relative to itself [-], default 0.6.
+    pub crease_row_clearance: f64,
     /// Enclosed volume relative to area times size below which its sign says nothing [-], default 1e-3.
     pub min_enclosed_volume_ratio: f64,
 }
@@ -169,5 +193,16 @@ pub(super) const TUNING: TransferTuning = TransferTuning {
     max_joint_points: 1500,
     min_joint_point_spacing: 0.2,
     min_ratio: 1e-3,
+    min_crease_line_angle: 0.5,
+    min_crease_line_cosine: 0.87,
+    min_crease_line_fraction: 0.05,
+    min_crease_row: 4e-3,
+    max_crease_row: 0.025,
+    crease_line_reach: 2.5,
+    crease_line_overhang: 1.5,
+    crease_line_snap: 0.15,
+    crease_line_tol: 0.12,
+    min_crease_line_coverage: 0.5,
+    crease_row_clearance: 0.6,
     min_enclosed_volume_ratio: 1e-3,
 };

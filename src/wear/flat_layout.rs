@@ -3,17 +3,18 @@
 //! Triangles that look up lie in one plane, the others in a plane below; between them runs the rim, where the cloth turns over.
 //! In the plane every triangle is as close to its own shape as its neighbours let it be: as rigid as possible (Sorkine and Alexa
 //! 2007, in the plane as Liu and others 2008), in turn the best rotation of every triangle and the positions for these rotations.
-//! What the cut keeps from lying flat remains as strain, and makes the wrinkles once the cloth is free.
+//! What the cut keeps from lying flat remains as strain, and makes the wrinkles once the cloth is free. Pieces sewn on along their
+//! borders (pockets, plackets, facings) are layers of their own, outside of the cloth they lie on ([`stack_ranks`]).
 
 use crate::energy::BlockSink;
 use crate::math::{Mat3, Rng, Vec3, bounds};
 use crate::mesh::intersections::self_intersections;
-use crate::mesh::{Groups, INVALID, PointIndex, Topology, triangle};
+use crate::mesh::{PointIndex, Topology, triangle};
 use crate::sim::{BlockMatrix, Cholesky};
 use crate::wear::layer_gap::separate;
+use crate::wear::sewn_layers::{patches, stack_ranks};
 use crate::wear::tuning::TUNING;
 use std::cmp::Reverse;
-use std::collections::BTreeMap;
 
 /// A garment laid out flat. y points up; the lower layer lies at y = 0.
 #[derive(Debug, Clone)]
@@ -45,7 +46,7 @@ impl FlatLayout {
     /// largest below. `None` where layers of a part would cross or lie in one plane: where more than two lie on one another.
     pub fn new(source: &[Vec3], triangles: &[[PointIndex; 3]], gap: f64) -> Option<Self> {
         let topology = Topology::new(source.len(), triangles);
-        let mut parts = patches(&topology, &|_, _| true);
+        let mut parts = patches(&topology, &|_, _, _| true);
         if parts.len() == 1 {
             return Self::of_part(source, triangles, &topology, gap);
         }
@@ -81,12 +82,13 @@ impl FlatLayout {
             triangles.iter().map(|t| cotangents(&triangle::corners(source, t))).collect();
         let level = level_of(source, triangles, &weights)?;
         let mut up = sides(source, triangles, topology, &level);
+        let ranks = stack_ranks(source, triangles, topology)?;
         let mut folded = vec![false; source.len()];
         let mut flat: Vec<Vec3> = source.iter().map(|p| Vec3::new(p.x, 0.0, p.z)).collect();
         for round in 0..TUNING.lay.max_layout_rounds {
-            let heights = heights(source.len(), triangles, &up);
+            let layers = Layers::new(source.len(), triangles, &up, &ranks);
             flat = Plane::new(source, triangles, &weights, &up)?.positions(&flat)?;
-            let (positions, mut crossing) = layered(&flat, triangles, &up, &heights, gap);
+            let (positions, mut crossing) = layers.at(&flat, triangles, gap);
             if crossing.is_empty() {
                 return Some(Self::new_of(source, triangles, &flat, positions, level));
             }
@@ -94,7 +96,7 @@ impl FlatLayout {
             crossing.iter().for_each(|f| triangles[*f as usize].iter().for_each(|p| folded[p.at()] = true));
             folded = with_neighbours(&folded, topology);
             let drawn_out = drawn_out(&flat, &folded, topology);
-            let (positions, left) = layered(&drawn_out, triangles, &up, &heights, gap);
+            let (positions, left) = layers.at(&drawn_out, triangles, gap);
             if left.is_empty() {
                 return Some(Self::new_of(source, triangles, &drawn_out, positions, level));
             }
@@ -103,7 +105,7 @@ impl FlatLayout {
             // the rim may belong to either layer.
             let mut marked = vec![false; source.len()];
             for f in crossing {
-                if round > 0 && triangles[f as usize].iter().all(|p| heights[p.at()] == RIM_HEIGHT) {
+                if round > 0 && triangles[f as usize].iter().all(|p| layers.heights[p.at()] == RIM_HEIGHT) {
                     up[f as usize] = !up[f as usize];
                 }
                 triangles[f as usize].iter().for_each(|p| marked[p.at()] = true);
@@ -132,19 +134,46 @@ impl FlatLayout {
     }
 }
 
-/// Positions of points at `flat` in the plane, at `heights` of layers that are `gap` apart [m], and the triangles that cross there.
-fn layered(
-    flat: &[Vec3],
-    triangles: &[[PointIndex; 3]],
-    up: &[bool],
-    heights: &[f64],
-    gap: f64,
-) -> (Vec<Vec3>, Vec<u32>) {
-    let mut positions: Vec<Vec3> = flat.iter().zip(heights).map(|(p, h)| p + Vec3::y() * (gap * h)).collect();
-    let rim: Vec<bool> = heights.iter().map(|h| *h == RIM_HEIGHT).collect();
-    separate(&mut positions, triangles, up, &rim, 0.5 * gap);
-    let crossing = crossing_triangles(&positions, triangles, heights, gap);
-    (positions, crossing)
+/// Layers of a garment that lies.
+struct Layers {
+    /// Per triangle: number of its layer, counted from below.
+    of_triangle: Vec<u32>,
+    /// Per point: height of its layer, in distances of layers. What looks down without anything sewn on lies at 0, what looks up at
+    /// 1; a point that belongs to several layers is in the middle of them.
+    heights: Vec<f64>,
+    /// Per point: whether it belongs to several layers.
+    shared: Vec<bool>,
+}
+
+impl Layers {
+    /// Layers of triangles that look `up` or down and are stacked outward by `ranks`.
+    fn new(point_count: usize, triangles: &[[PointIndex; 3]], up: &[bool], ranks: &[u32]) -> Self {
+        let top = ranks.iter().copied().max().unwrap_or(0);
+        let layer = |(up, rank): (&bool, &u32)| if *up { top + 1 + rank } else { top - rank };
+        let of_triangle: Vec<u32> = up.iter().zip(ranks).map(layer).collect();
+        let mut span = vec![[u32::MAX, 0]; point_count];
+        for (t, layer) in triangles.iter().zip(&of_triangle) {
+            for p in t {
+                let [low, high] = span[p.at()];
+                span[p.at()] = [low.min(*layer), high.max(*layer)];
+            }
+        }
+        let height = |[low, high]: &[u32; 2]| 0.5 * (f64::from(*low) + f64::from(*high)) - f64::from(top);
+        Self {
+            of_triangle,
+            heights: span.iter().map(height).collect(),
+            shared: span.iter().map(|[low, high]| low < high).collect(),
+        }
+    }
+
+    /// Positions of points at `flat` in the plane, in layers that are `gap` apart [m], and the triangles that cross there.
+    fn at(&self, flat: &[Vec3], triangles: &[[PointIndex; 3]], gap: f64) -> (Vec<Vec3>, Vec<u32>) {
+        let mut positions: Vec<Vec3> =
+            flat.iter().zip(&self.heights).map(|(p, h)| p + Vec3::y() * (gap * h)).collect();
+        separate(&mut positions, triangles, &self.of_triangle, &self.shared, 0.5 * gap);
+        let crossing = crossing_triangles(&positions, triangles, &self.shared, gap);
+        (positions, crossing)
+    }
 }
 
 /// `marked` points and their neighbours.
@@ -173,18 +202,6 @@ fn drawn_out(flat: &[Vec3], marked: &[bool], topology: &Topology) -> Vec<Vec3> {
         }
     }
     x
-}
-
-/// Per point: height of its layer, 0 or 1; that of the rim lies between.
-fn heights(point_count: usize, triangles: &[[PointIndex; 3]], up: &[bool]) -> Vec<f64> {
-    let mut touches = vec![[false; 2]; point_count];
-    for (t, up) in triangles.iter().zip(up) {
-        t.iter().for_each(|p| touches[p.at()][usize::from(*up)] = true);
-    }
-    touches
-        .iter()
-        .map(|[down, up]| if *down && *up { RIM_HEIGHT } else { f64::from(u8::from(*up)) })
-        .collect()
 }
 
 /// Cotangents of the angles of a triangle, bounded.
@@ -254,27 +271,12 @@ fn sides(positions: &[Vec3], triangles: &[[PointIndex; 3]], topology: &Topology,
     let area = |f: &usize| triangle::area(&triangle::corners(positions, &triangles[*f]));
     let total: f64 = (0..triangles.len()).map(|f| area(&f)).sum();
     let before = up.clone();
-    for patch in patches(topology, &|f, g| before[f] == before[g]) {
+    for patch in patches(topology, &|_, f, g| before[f] == before[g]) {
         if patch.iter().map(area).sum::<f64>() < TUNING.lay.min_side_fraction * total {
             patch.iter().for_each(|f| up[*f] = !up[*f]);
         }
     }
     up
-}
-
-/// Triangles that are connected over edges between triangles that `joins` accepts, patch by patch.
-fn patches(topology: &Topology, joins: &dyn Fn(usize, usize) -> bool) -> Vec<Vec<usize>> {
-    let mut groups = Groups::new(topology.triangle_edges.len());
-    for &[f, g] in topology.edge_triangles.iter().filter(|[_, g]| *g != INVALID) {
-        if joins(f as usize, g as usize) {
-            groups.join(f, g);
-        }
-    }
-    let mut found: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
-    for f in 0..topology.triangle_edges.len() {
-        found.entry(groups.find(f as u32)).or_default().push(f);
-    }
-    found.into_values().collect()
 }
 
 impl<'a> Plane<'a> {
@@ -338,21 +340,21 @@ impl<'a> Plane<'a> {
     }
 }
 
-/// Triangles that cross others or lie in one plane with them: that cross once the heights of points outside the rim, of which there
-/// are `heights`, are changed at random by less than the gap.
+/// Triangles that cross others or lie in one plane with them: that cross once the heights of points of a single layer are
+/// changed at random by less than the gap.
 fn crossing_triangles(
     positions: &[Vec3],
     triangles: &[[PointIndex; 3]],
-    heights: &[f64],
+    shared: &[bool],
     gap: f64,
 ) -> Vec<u32> {
     let mut random = Rng::from_seed(1);
-    let mut shake = |height: f64| {
+    let mut shake = |shared: bool| {
         let by = TUNING.lay.shake * (random.uniform() - 0.5);
-        if height == RIM_HEIGHT { 0.0 } else { gap * by }
+        if shared { 0.0 } else { gap * by }
     };
     let perturbed: Vec<Vec3> =
-        positions.iter().zip(heights).map(|(p, h)| p + Vec3::y() * shake(*h)).collect();
+        positions.iter().zip(shared).map(|(p, shared)| p + Vec3::y() * shake(*shared)).collect();
     let mut found: Vec<u32> = self_intersections(&perturbed, triangles).into_iter().flatten().collect();
     found.sort_unstable();
     found.dedup();
@@ -409,6 +411,64 @@ mod tests {
             FlatLayout::new(points, triangles, 1e-3).expect("can lie").excess
         };
         assert!(excess(&(points, triangles)) > excess(&straight));
+    }
+
+    /// The tube with a second sheet `apart` [m] outside of the cloth at columns `around` and rows `along`, sewn on along its borders but
+    /// for those at the ends of the tube. Also the number of points of the tube.
+    fn with_patch(
+        around: std::ops::Range<u32>,
+        along: std::ops::Range<u32>,
+        apart: f64,
+    ) -> (Vec<Vec3>, Vec<[PointIndex; 3]>, usize) {
+        let (mut points, mut triangles) = tube(0.0, 0.07);
+        let count = points.len();
+        let mut sewn = |i: u32, j: u32| {
+            let on_side = i == around.start || i == around.end;
+            let inner_end = |end: u32| j == end && end != 0 && end != 24;
+            let below = PointIndex(j * 36 + i % 36);
+            if on_side || inner_end(along.start) || inner_end(along.end) {
+                return below;
+            }
+            let x = points[below.at()];
+            let lifted = x + Vec3::new(x.x, x.y, 0.0).normalize() * apart;
+            let known = points[count..].iter().position(|p| (p - lifted).norm() < 1e-12);
+            PointIndex(known.map_or_else(
+                || {
+                    points.push(lifted);
+                    points.len() as u32 - 1
+                },
+                |k| (count + k) as u32,
+            ))
+        };
+        for (i, j) in around.clone().flat_map(|i| along.clone().map(move |j| (i, j))) {
+            let [a, b, c, d] = [sewn(i, j), sewn(i + 1, j), sewn(i + 1, j + 1), sewn(i, j + 1)];
+            triangles.extend([[a, b, c], [a, c, d]]);
+        }
+        (points, triangles, count)
+    }
+
+    #[test]
+    fn what_is_sewn_on_lies_outside_of_the_cloth() {
+        // Pockets on either side, a placket to the border, a facing inside.
+        for (around, along, apart) in
+            [(6..12, 6..14, 2e-3), (24..30, 6..14, 2e-3), (8..11, 0..20, 2e-3), (6..12, 6..14, -2e-3)]
+        {
+            let what = format!("{around:?} {along:?} {apart}");
+            let (points, triangles, count) = with_patch(around.clone(), along, apart);
+            let laid = FlatLayout::new(&points, &triangles, 1e-3).unwrap_or_else(|| panic!("{what} lies"));
+            assert!(self_intersections(&laid.positions, &triangles).is_empty(), "{what}");
+            let (low, high) = bounds(&laid.positions);
+            assert!(high.y - low.y < 6e-3, "{what}: {}", high.y - low.y);
+            // The middle of a patch is over or under the cloth of its own side.
+            let middle = (points.len() + count) / 2;
+            let nearest = |p: usize| {
+                let flat = |q: &usize| (points[*q] - points[p]).norm();
+                (0..count).min_by(|a, b| flat(a).total_cmp(&flat(b))).expect("there are some")
+            };
+            let over = laid.positions[middle].y - laid.positions[nearest(middle)].y;
+            let looks_up = points[middle].y > 0.0;
+            assert_eq!(over > 0.0, looks_up == (apart > 0.0), "{what}: {over}");
+        }
     }
 
     #[test]

@@ -1,6 +1,6 @@
-//! Heights of two layers that lie on one another and are joined along a rim.
+//! Heights of layers that lie on one another and are joined along a rim or a seam.
 //!
-//! Layers lie a gap apart and meet at the rim. Where its course is jagged, edges and points of one layer come next to the other:
+//! Layers lie a gap apart and meet in common points. Where the course of these is jagged, edges and points of one layer come next to the other:
 //! their heights are moved apart, constraint by constraint (position-based dynamics, Müller and others 2007).
 
 use crate::math::Vec3;
@@ -13,10 +13,23 @@ use rustc_hash::{FxHashMap, FxHashSet};
 /// in the lower.
 struct Constraint([(usize, f64); 4]);
 
-/// Raises and lowers the points at `x` [m] until the triangles that look `up` lie at least `gap` [m] above the others near
-/// the `rim`, one flag per point.
-pub(super) fn separate(x: &mut [Vec3], triangles: &[[PointIndex; 3]], up: &[bool], rim: &[bool], gap: f64) {
-    let constraints = constraints(x, triangles, up, rim, gap);
+/// Raises and lowers the points at `x` [m] until triangles of every layer, of which `layers` are the numbers from below, lie at
+/// least `gap` [m] above those of all layers below near the points that are `shared` between layers, one flag per point.
+pub(super) fn separate(
+    x: &mut [Vec3],
+    triangles: &[[PointIndex; 3]],
+    layers: &[u32],
+    shared: &[bool],
+    gap: f64,
+) {
+    let mut numbers: Vec<u32> = layers.to_vec();
+    numbers.sort_unstable();
+    numbers.dedup();
+    let near: Vec<Layer> =
+        numbers.iter().map(|number| Layer::new(triangles, layers, *number, shared)).collect();
+    let pairs =
+        near.iter().enumerate().flat_map(|(k, lower)| near[k + 1..].iter().map(move |upper| [lower, upper]));
+    let constraints: Vec<Constraint> = pairs.flat_map(|pair| constraints(x, pair, gap)).collect();
     for _ in 0..TUNING.lay.max_gap_rounds {
         let mut largest = 0.0f64;
         for Constraint(points) in &constraints {
@@ -35,18 +48,18 @@ pub(super) fn separate(x: &mut [Vec3], triangles: &[[PointIndex; 3]], up: &[bool
     x.iter_mut().for_each(|p| p.y -= lowest);
 }
 
-/// Edges and triangles of one layer next to the rim.
+/// Edges and triangles of one layer next to points that are shared with others.
 struct Layer {
     edges: Vec<[usize; 2]>,
     triangles: Vec<[usize; 3]>,
 }
 
 impl Layer {
-    fn new(triangles: &[[PointIndex; 3]], up: &[bool], side: bool, rim: &[bool]) -> Self {
+    fn new(triangles: &[[PointIndex; 3]], layers: &[u32], number: u32, shared: &[bool]) -> Self {
         let mut seen = FxHashSet::default();
         let mut layer = Self { edges: Vec::new(), triangles: Vec::new() };
-        for (t, _) in triangles.iter().zip(up).filter(|(_, up)| **up == side) {
-            if t.iter().all(|p| !rim[p.at()]) {
+        for (t, _) in triangles.iter().zip(layers).filter(|(_, layer)| **layer == number) {
+            if t.iter().all(|p| !shared[p.at()]) {
                 continue;
             }
             layer.triangles.push(t.map(|p| p.at()));
@@ -61,23 +74,19 @@ impl Layer {
     }
 }
 
-fn constraints(
-    x: &[Vec3],
-    triangles: &[[PointIndex; 3]],
-    up: &[bool],
-    rim: &[bool],
-    gap: f64,
-) -> Vec<Constraint> {
-    let upper = Layer::new(triangles, up, true, rim);
-    let lower = Layer::new(triangles, up, false, rim);
+/// Constraints between two layers, the lower one first.
+fn constraints(x: &[Vec3], [lower, upper]: [&Layer; 2], gap: f64) -> Vec<Constraint> {
+    let [below, above] =
+        [lower, upper].map(|layer| layer.edges.iter().flatten().copied().collect::<FxHashSet<usize>>());
+    let is_common = |p: &usize| below.contains(p) && above.contains(p);
     let mut found = Vec::new();
     // Edges that pass one another.
     let cells = Cells::new(lower.edges.iter().map(|e| e.map(|p| x[p])), gap);
     for e in &upper.edges {
         for &k in &cells.near(e.map(|p| x[p])) {
             let g = lower.edges[k];
-            let both_rim = e.iter().chain(&g).all(|p| rim[*p]);
-            if both_rim || g.contains(&e[0]) || g.contains(&e[1]) {
+            let all_common = e.iter().chain(&g).all(is_common);
+            if all_common || g.contains(&e[0]) || g.contains(&e[1]) {
                 continue;
             }
             let [a, b, c, d] = [e[0], e[1], g[0], g[1]].map(|p| Vec3::new(x[p].x, 0.0, x[p].z));
@@ -89,8 +98,9 @@ fn constraints(
         }
     }
     // Points under or over a triangle.
-    for (layer, other, is_upper) in [(&upper, &lower, true), (&lower, &upper, false)] {
-        let mut points: Vec<usize> = other.edges.iter().flatten().copied().filter(|p| !rim[*p]).collect();
+    for (layer, other, is_upper) in [(upper, lower, true), (lower, upper, false)] {
+        let mut points: Vec<usize> =
+            other.edges.iter().flatten().copied().filter(|p| !is_common(p)).collect();
         points.sort_unstable();
         points.dedup();
         let cells = Cells::new(points.iter().map(|p| [x[*p]; 2]), gap);

@@ -21,6 +21,7 @@ mod motion_profile;
 mod persistent_state;
 mod preset_list;
 mod script;
+mod sewn_layers;
 mod slowed_jumps;
 mod springs;
 mod tuning;

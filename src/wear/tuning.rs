@@ -110,7 +110,9 @@ pub(super) struct LayTuning {
     pub layout_gap: f64,
     /// Rounds in which what is folded over is drawn out, default 40.
     pub draw_out_rounds: usize,
-    /// Rounds in which layers next to the rim are moved apart, at most, default 300.
+    /// Layers sewn onto one another outside of the cloth, at most, default 8: more are damage.
+    pub max_sewn_layers: usize,
+    /// Rounds in which layers next to common points are moved apart, at most, default 300.
     pub max_gap_rounds: usize,
     /// Missing distance at which that ends, relative to the distance of layers [-], default 0.01.
     pub gap_tol: f64,
@@ -268,6 +270,7 @@ pub(super) const TUNING: WearTuning = WearTuning {
         layout_tol: 1e-5,
         layout_gap: 2.0,
         draw_out_rounds: 40,
+        max_sewn_layers: 8,
         max_gap_rounds: 300,
         gap_tol: 0.01,
         shake: 0.3,

@@ -12,7 +12,7 @@ use crate::cli::files::earlier_memory::left_out_warning;
 use crate::cli::files::input;
 use crate::cli::runtime::console;
 use clap::ValueEnum;
-use crease::bake::{RelaxResult, relax};
+use crease::bake::{RelaxResult, mesh_along_creases, relax_carried};
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
 use crease::files::{GarmentFile, read_asset_file};
 use crease::garment::WornGarment;
@@ -21,7 +21,8 @@ use crease::io::{Landmarks, ReadOptions, Sidecar, read_sidecar};
 use crease::mesh::intersections::self_intersections;
 use crease::report::{CarriedSource, TransferReport, crossing_counts};
 use crease::transfer::{
-    Align, Channels, GarmentSurface, MatchBy, PointPair, Transfer, TransferResult, TransferSource,
+    Align, Channels, DrawnCreases, GarmentSurface, MatchBy, PointPair, Transfer, TransferResult,
+    TransferSource,
 };
 use crease::{Error, Result};
 use serde_json::{Value, json};
@@ -177,7 +178,8 @@ pub fn run(arguments: Arguments) -> Result<()> {
     job.inputs_read();
     let garment = &input.mesh.garment;
     let target = input.target();
-    let carried = arguments.transfer(&input, &target).run()?;
+    let make = |drawn: DrawnCreases| mesh_along_creases(garment, drawn);
+    let carried = arguments.transfer(&input, &target).run_along_creases(garment, &make)?;
     let start = self_intersections(&garment.points, &garment.triangles);
     let RelaxResult { displacement, warnings, unconverged_reason, .. } = input.relaxed(&carried);
     job.warn(warnings);
@@ -277,7 +279,7 @@ impl TransferInput {
         {
             return RelaxResult { displacement: sidecar.worn().displacement, ..RelaxResult::default() };
         }
-        relax(&self.mesh.garment, &self.fabric, &carried.memory)
+        relax_carried(&self.mesh.garment, &self.fabric, carried)
     }
 
     fn carried_sources(&self, carried: &TransferResult) -> Vec<CarriedSource> {

@@ -4,10 +4,10 @@ use crate::CreaseError;
 use crate::convert::{exception, fabric, garment, rows, vectors};
 use crate::sidecar::PySidecar;
 use crate::worn::PyWorn;
-use crease::bake::{Bake, BakeProgress, Observer, Quality, relax};
+use crease::bake::{Bake, BakeProgress, Observer, Quality, mesh_along_creases, relax_carried};
 use crease::mesh::intersections::self_intersections;
 use crease::report::{Report, crossing_counts};
-use crease::transfer::{Align, GarmentSurface, MatchBy, Transfer, TransferSource};
+use crease::transfer::{Align, DrawnCreases, GarmentSurface, MatchBy, Transfer, TransferSource};
 use crease::{Fabric, GarmentFile, Sidecar, WearScript, WornGarment};
 use numpy::PyArray2;
 use pyo3::prelude::*;
@@ -207,8 +207,10 @@ pub fn transfer(
         .detach(|| {
             let target = GarmentSurface::from_garment(&file.garment, &file.asset);
             let transfer = Transfer::between(&sources, &target).target_joints(&file.asset);
-            let carried = transfer.match_by(match_by).align(align).strength(strength).run()?;
-            let relaxed = relax(&file.garment, &fabric, &carried.memory);
+            let transfer = transfer.match_by(match_by).align(align).strength(strength);
+            let make = |drawn: DrawnCreases| mesh_along_creases(&file.garment, drawn);
+            let carried = transfer.run_along_creases(&file.garment, &make)?;
+            let relaxed = relax_carried(&file.garment, &fabric, &carried);
             Ok((carried, relaxed))
         })
         .map_err(exception)?;

@@ -77,8 +77,8 @@ pub struct Arguments {
     /// Also draw OUT.png: the garment before and after
     #[arg(long, requires = "output")]
     pub preview: bool,
-    /// Mesh whose memory OUT.crease.json holds: `crease transfer` loses less of that of the simulated one
-    #[arg(long, value_name = "MESH", default_value = "garment", requires = "output")]
+    /// Meshes whose memory OUT.crease.json holds: `crease transfer` takes folds from that of the simulated one
+    #[arg(long, value_name = "MESH", default_value = "simulated", requires = "output")]
     pub sidecar_mesh: SidecarMesh,
     /// Folder for the garment over time: frame_0000.obj, ..., its vertices in the number and order of the file
     #[arg(long, value_name = "DIR")]

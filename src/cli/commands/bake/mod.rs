@@ -96,7 +96,8 @@ fn bake_into(
     report.method = method.to_owned();
     let mut sidecar =
         input.sidecar(&baked.worn, arguments.run_description(&baked, input.earlier.as_ref()))?;
-    if arguments.sidecar_mesh == SidecarMesh::Simulated {
+    let has_own_mesh = baked.simulated.garment.triangles != garment.triangles;
+    if arguments.sidecar_mesh == SidecarMesh::Simulated && has_own_mesh {
         sidecar = sidecar.with_simulated(&baked.simulated.garment, &baked.simulated.worn)?;
     }
     let result = WornResult {

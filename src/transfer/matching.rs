@@ -1,0 +1,234 @@
+//! One source matched with the target: aligned, with the rule by which its triangles belong to points of the target.
+
+use crate::garment::RestState;
+use crate::math::Vec3;
+use crate::mesh::PointIndex;
+use crate::remesh::SimulationMesh;
+use crate::transfer::align::{AlignedSource, AlignmentTarget, align_source};
+use crate::transfer::canonical_pose::CanonicalPose;
+use crate::transfer::confidence::{TransferLosses, transfer_losses};
+use crate::transfer::correspondence::{CorrespondenceFinder, MatchMode};
+use crate::transfer::crease_drawing::CreaseDrawing;
+use crate::transfer::crease_lines::{CreaseLine, crease_lines};
+use crate::transfer::limbs::Region;
+use crate::transfer::line_memory::LineMemory;
+use crate::transfer::memory_delta::MemoryDelta;
+use crate::transfer::mesh_on_target::MeshOnTarget;
+use crate::transfer::options::{Align, AlignedBy, MatchBy, SourceOutcome, TransferOptions, TransferSource};
+use crate::transfer::resample::resample;
+use crate::transfer::surface::GarmentSurface;
+use crate::transfer::texture_agreement::{TextureAgreement, ambiguous_fraction, has_texture};
+use crate::{Error, Result};
+
+/// Outcome of a source that lies on the target's own mesh.
+pub(super) const ENTRY_BY_ENTRY: SourceOutcome = SourceOutcome {
+    matched_by: MatchBy::Same,
+    aligned_by: None,
+    losses: TransferLosses { unmatched_target_fraction: 0.0, lost_crease_fraction: 0.0 },
+    ambiguous_fraction: 0.0,
+};
+
+/// A source that is ready to be resampled.
+pub(super) enum MatchedSource {
+    /// It lies on the target's own mesh, and this is its memory.
+    Same(RestState),
+    /// Any other.
+    Aligned(Box<AlignedMemory>),
+}
+
+/// A source that is aligned with the target.
+pub(super) struct AlignedMemory {
+    /// Its surface in the canonical coordinates of the target.
+    surface: GarmentSurface,
+    /// Memory, one entry per hinge and triangle of the surface.
+    memory: RestState,
+    mode: MatchMode,
+    by: AlignedBy,
+    /// Region of every triangle of the source and of the target, where cloth belongs to cloth of its own limb only.
+    regions: Option<[Vec<Region>; 2]>,
+    /// What has no counterpart.
+    notes: Vec<String>,
+}
+
+/// One source on the target.
+pub(super) struct SourceResult {
+    pub delta: MemoryDelta,
+    pub outcome: SourceOutcome,
+    /// One per target triangle, 0..1.
+    pub confidence: Vec<f64>,
+    /// What has no counterpart.
+    pub notes: Vec<String>,
+}
+
+impl MatchedSource {
+    /// Matches `source` with `target`, which is `aligned_to` in its canonical pose.
+    pub fn new(
+        source: &TransferSource,
+        target: &GarmentSurface,
+        aligned_to: &AlignmentTarget,
+        options: &TransferOptions,
+    ) -> Result<Self> {
+        let same = !options.mirror_x && source.surface.is_same_mesh(target);
+        match (options.match_by, same) {
+            (MatchBy::Same | MatchBy::Auto, true) => return Ok(Self::Same(source.memory.clone())),
+            (MatchBy::Same, false) => {
+                return Err(Error::input(
+                    &source.file,
+                    "mesh",
+                    "is not the mesh it is to go to: points or triangles differ",
+                    "leave --match same out to transfer it by position",
+                ));
+            }
+            _ => {}
+        }
+        let mirrored = options.mirror_x.then(|| source.surface.mirrored(&source.memory));
+        let (surface, memory) = mirrored.as_ref().map_or((&source.surface, &source.memory), |(s, m)| (s, m));
+        let aligned = AlignedMemory::new(source, surface, memory, aligned_to, options)?;
+        Ok(Self::Aligned(Box::new(aligned)))
+    }
+
+    /// The source, unless it lies on the target's own mesh.
+    pub fn aligned(&self) -> Option<&AlignedMemory> {
+        match self {
+            Self::Same(_) => None,
+            Self::Aligned(aligned) => Some(aligned),
+        }
+    }
+
+    /// The memory on the triangles of the target.
+    pub fn resampled(&self, aligned_to: &AlignmentTarget) -> SourceResult {
+        match self {
+            Self::Same(memory) => SourceResult {
+                delta: MemoryDelta::from_memory(memory),
+                outcome: ENTRY_BY_ENTRY,
+                confidence: vec![1.0; aligned_to.canonical.triangles.len()],
+                notes: Vec::new(),
+            },
+            Self::Aligned(aligned) => aligned.resampled(aligned_to),
+        }
+    }
+}
+
+impl AlignedMemory {
+    /// Aligns `surface` with its `memory`, which are those of `source` or their mirror image.
+    fn new(
+        source: &TransferSource,
+        surface: &GarmentSurface,
+        memory: &RestState,
+        aligned_to: &AlignmentTarget,
+        options: &TransferOptions,
+    ) -> Result<Self> {
+        let target = &aligned_to.canonical;
+        let pose = CanonicalPose::of(surface);
+        let size = aligned_to.pose.size.norm();
+        let mut aligned = align_source(source, surface, &pose, aligned_to, options)?;
+        let by_surface = if pose.flat || aligned_to.pose.flat {
+            MatchMode::FrontProjection
+        } else {
+            MatchMode::ClosestPoint
+        };
+        let both_textured = has_texture(surface) && has_texture(target);
+        if options.match_by == MatchBy::Uv && !both_textured {
+            let what = if options.mirror_x {
+                "mirrored, it has no texture coordinates that fit"
+            } else {
+                "it and the target do not both have texture coordinates"
+            };
+            return Err(Error::input(&source.file, "", what, "use --match surface"));
+        }
+        let mut mode = by_surface;
+        if both_textured && matches!(options.match_by, MatchBy::Uv | MatchBy::Auto) {
+            let unscaled = pose.apply(surface, Vec3::repeat(1.0));
+            let agreement = TextureAgreement::of(&aligned.surface, &unscaled, target, size);
+            // Joints and landmarks know better; boxes and the place in the file do not.
+            let is_guess = options.align == Align::Auto
+                && matches!(
+                    aligned.by,
+                    AlignedBy::Box | AlignedBy::Openings | AlignedBy::Limbs | AlignedBy::InPlace
+                );
+            if let Some(map) = agreement.similarity.filter(|_| is_guess) {
+                aligned = AlignedSource::whole(map.apply_to(&unscaled), AlignedBy::Texture);
+            }
+            if options.match_by == MatchBy::Uv || agreement.in_place || aligned.by == AlignedBy::Texture {
+                mode = MatchMode::Uv;
+            }
+        }
+        if let (true, Some((own, memory))) = (mode != MatchMode::Uv, &source.simulated) {
+            let mirrored = options.mirror_x.then(|| own.mirrored(memory));
+            let (own, memory) = mirrored.as_ref().map_or((own, memory), |(own, memory)| (own, memory));
+            let earned = TransferSource { simulated: None, ..source.clone() };
+            let by_position = TransferOptions { match_by: MatchBy::Surface, ..options.clone() };
+            return Self::new(&earned, own, memory, aligned_to, &by_position);
+        }
+        let AlignedSource { surface, by, regions, notes } = aligned;
+        // The texture says which cloth belongs together, whatever limb it is of.
+        let (regions, notes) = if mode == MatchMode::Uv { (None, Vec::new()) } else { (regions, notes) };
+        Ok(Self { surface, memory: memory.clone(), mode, by, regions, notes })
+    }
+
+    fn finder(&self, aligned_to: &AlignmentTarget) -> CorrespondenceFinder<'_> {
+        let finder = CorrespondenceFinder::new(&self.surface, self.mode, aligned_to.pose.size.norm());
+        match &self.regions {
+            Some(regions) => finder.within_regions(regions),
+            None => finder,
+        }
+    }
+
+    /// -1 where one of both garments has its normals inside, else 1.
+    fn orientation(&self, aligned_to: &AlignmentTarget) -> f64 {
+        self.surface.orientation_sign() * aligned_to.canonical.orientation_sign()
+    }
+
+    fn resampled(&self, aligned_to: &AlignmentTarget) -> SourceResult {
+        let target = &aligned_to.canonical;
+        let finder = self.finder(aligned_to);
+        let faces = resample(&finder, &self.memory, target, self.orientation(aligned_to));
+        let by_texture = self.mode == MatchMode::Uv;
+        SourceResult {
+            delta: MemoryDelta::from_faces(target, &faces),
+            outcome: SourceOutcome {
+                matched_by: if by_texture { MatchBy::Uv } else { MatchBy::Surface },
+                aligned_by: Some(self.by),
+                losses: transfer_losses(&self.surface, &self.memory, target, &faces),
+                ambiguous_fraction: if by_texture { ambiguous_fraction(&finder, target) } else { 0.0 },
+            },
+            confidence: faces.iter().map(|face| face.confidence).collect(),
+            notes: self.notes.clone(),
+        }
+    }
+
+    /// Crease lines of the memory.
+    fn lines(&self, aligned_to: &AlignmentTarget) -> Vec<CreaseLine> {
+        let target = &aligned_to.canonical;
+        let edges = &target.topology.edges;
+        let length = |[a, b]: &[PointIndex; 2]| (target.points[a.at()] - target.points[b.at()]).norm();
+        let mean_edge = edges.iter().map(length).sum::<f64>() / edges.len().max(1) as f64;
+        crease_lines(&self.surface, &self.memory, mean_edge, aligned_to.pose.size.norm())
+    }
+
+    /// Draws the crease lines of the memory on the target.
+    pub fn draw(&self, aligned_to: &AlignmentTarget, drawing: &mut CreaseDrawing) {
+        let lines = self.lines(aligned_to);
+        if !lines.is_empty() {
+            drawing.add(&lines, &self.finder(aligned_to), &aligned_to.canonical);
+        }
+    }
+
+    /// The memory on `mesh`, which lies on the target.
+    pub fn resampled_on(&self, mesh: &SimulationMesh, aligned_to: &AlignmentTarget) -> MemoryDelta {
+        let finder = self.finder(aligned_to);
+        let on_target = MeshOnTarget::new(&finder, &aligned_to.canonical, mesh);
+        let own = GarmentSurface::without_texture(&mesh.garment);
+        let own = aligned_to.pose.apply(&own, Vec3::repeat(1.0));
+        let orientation = self.orientation(aligned_to);
+        let LineMemory { angle, carried } =
+            LineMemory::new(&self.lines(aligned_to), &self.memory, &on_target, &own, orientation);
+        // What lies on the lines goes from hinge to hinge, the rest as a field.
+        let mut rest = self.memory.clone();
+        carried.iter().for_each(|h| rest.rest_angle[*h as usize] = rest.source_angle[*h as usize]);
+        let faces = resample(&on_target, &rest, &own, orientation);
+        let mut delta = MemoryDelta::from_faces(&own, &faces);
+        delta.angle.iter_mut().zip(&angle).for_each(|(all, on_line)| *all += on_line);
+        delta
+    }
+}

@@ -1,0 +1,48 @@
+//! Correspondence of a mesh on the surface of a target with a source: that of the target's own triangles.
+
+use crate::mesh::SurfaceWalk;
+use crate::mesh::distance::barycentric;
+use crate::remesh::SimulationMesh;
+use crate::transfer::correspondence::{Correspondence, Match, Query, smallest_rotation};
+use crate::transfer::surface::GarmentSurface;
+
+/// A mesh whose points are matched as the triangles of the target that they lie in.
+pub(super) struct MeshOnTarget<'a, C> {
+    /// Correspondence of the target.
+    inner: &'a C,
+    target: &'a GarmentSurface,
+    mesh: &'a SimulationMesh,
+    walk: SurfaceWalk,
+    /// +1 if the normals of the target point out of it, else -1.
+    outward: f64,
+}
+
+impl<'a, C: Correspondence> MeshOnTarget<'a, C> {
+    /// Points of `mesh`, which lies on `target`, matched by `inner`.
+    pub fn new(inner: &'a C, target: &'a GarmentSurface, mesh: &'a SimulationMesh) -> Self {
+        let walk = SurfaceWalk::new(target.points.len(), &target.triangles);
+        Self { inner, target, mesh, walk, outward: target.orientation_sign() }
+    }
+}
+
+impl<C: Correspondence> Correspondence for MeshOnTarget<'_, C> {
+    fn source(&self) -> &GarmentSurface {
+        self.inner.source()
+    }
+
+    fn find(&self, f: usize, query: &Query) -> Option<Match> {
+        let GarmentSurface { points, triangles, .. } = self.target;
+        let containing = self.mesh.garment.triangles[f].map(|p| self.mesh.source_triangle[p.at()]);
+        let (_, start) = self.walk.nearest_around(points, triangles, &containing, &query.position)?;
+        // Between the corners of a large triangle lie others of the target.
+        let face = self.walk.closest(points, triangles, start, &query.position) as usize;
+        let normal = self.outward * self.target.normal(face).try_normalize(0.0)?;
+        let uv = self.target.uvs.as_ref().map(|uvs| {
+            let weights = barycentric(&query.position, &self.target.corners(face));
+            uvs[face].iter().zip(weights).map(|(uv, weight)| uv * weight).sum()
+        });
+        let gradient = self.target.texture_gradient(face);
+        let found = self.inner.find(face, &Query { position: query.position, uv, normal, gradient })?;
+        Some(Match { map: smallest_rotation(&normal, &query.normal) * found.map, ..found })
+    }
+}

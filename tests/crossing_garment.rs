@@ -1,0 +1,143 @@
+//! Garments whose layers cross in their file: a sleeve through the side, the front of the collar through its back. Their folds are made as
+//! without crossings, about as fast.
+
+use crease::bake::{Bake, BakeOptions, BakeResult};
+use crease::fabric::{DEFAULT_FABRIC, Fabric};
+use crease::files::GarmentFile;
+use crease::garment::Garment;
+use crease::math::Vec3;
+use crease::mesh::intersections::self_intersections;
+use crease::wear::WearScript;
+use std::collections::BTreeMap;
+
+/// Edge of the squares a shirt is made of [m].
+const CELL: f64 = 0.03;
+/// Half width of the torso and reach of the sleeves, in squares.
+const TORSO: i32 = 8;
+const SLEEVE: i32 = 17;
+
+/// Whether the square with its lower corner at (i, j) belongs to the outline of the shirt.
+fn is_inside(i: i32, j: i32) -> bool {
+    let out = if i >= 0 { i } else { -i - 1 };
+    let is_neck = j >= 18 && out < 3;
+    (0..20).contains(&j) && !is_neck && (out < TORSO || (out < SLEEVE && j >= 14))
+}
+
+/// A shirt of a front and a back, bulged like the body in it. The sleeve on +x is bent down by `bend` [rad]; with `collar` the
+/// front of the neck lies behind its back.
+fn shirt(bend: f64, collar: bool) -> Garment {
+    let squares: Vec<[i32; 2]> = (0..20)
+        .flat_map(|j| (-SLEEVE..SLEEVE).map(move |i| [i, j]))
+        .filter(|[i, j]| is_inside(*i, *j))
+        .collect();
+    let mut edges: BTreeMap<[[i32; 2]; 2], u32> = BTreeMap::new();
+    for [i, j] in &squares {
+        let corner = |di: i32, dj: i32| [i + di, j + dj];
+        for edge in [
+            [corner(0, 0), corner(1, 0)],
+            [corner(0, 1), corner(1, 1)],
+            [corner(0, 0), corner(0, 1)],
+            [corner(1, 0), corner(1, 1)],
+        ] {
+            *edges.entry(edge).or_default() += 1;
+        }
+    }
+    // Front and back are sewn together along the outline, but for hem, cuffs and neck.
+    let is_open = |[a, b]: &[[i32; 2]; 2]| {
+        let is_hem = a[1] == 0 && b[1] == 0;
+        let is_cuff = a[0] == b[0] && a[0].abs() == SLEEVE;
+        let is_neck = a[1].min(b[1]) >= 18 && a[0].abs().max(b[0].abs()) <= 3;
+        is_hem || is_cuff || is_neck
+    };
+    let outline = edges.iter().filter(|(edge, count)| **count == 1 && !is_open(edge));
+    let sewn: Vec<[i32; 2]> = outline.flat_map(|(edge, _)| *edge).collect();
+    let mut points: Vec<[f64; 3]> = Vec::new();
+    let mut number: BTreeMap<([i32; 2], i32), u32> = BTreeMap::new();
+    let mut triangles = Vec::new();
+    for [i, j] in &squares {
+        for side in [1, -1] {
+            let corners = [[*i, *j], [i + 1, *j], [i + 1, j + 1], [*i, j + 1]].map(|at| {
+                let side = if sewn.contains(&at) { 0 } else { side };
+                *number.entry((at, side)).or_insert_with(|| {
+                    points.push(position(at, side, bend, collar));
+                    points.len() as u32 - 1
+                })
+            });
+            let [a, b, c, d] = corners;
+            triangles.extend(if side > 0 { [[a, b, c], [a, c, d]] } else { [[a, c, b], [a, d, c]] });
+        }
+    }
+    GarmentFile::from_mesh("shirt", &points, &triangles).expect("is a garment").garment
+}
+
+fn position([i, j]: [i32; 2], side: i32, bend: f64, collar: bool) -> [f64; 3] {
+    let (out, up) = (f64::from(i.abs()), f64::from(j));
+    let arc = |part: f64| (1.0 - part * part).max(0.0).sqrt();
+    let depth = match (i.abs() <= TORSO, j < 14) {
+        (true, true) => 0.1 * arc(out / f64::from(TORSO)),
+        (true, false) => 0.1 * arc((up - 14.0) / 6.0),
+        (false, _) => 0.05 * arc((up - 17.0) / 3.0),
+    };
+    let mut z = f64::from(side) * depth.max(0.01);
+    if collar && side > 0 && j >= 18 && i.abs() <= 3 {
+        z = -z - 0.03;
+    }
+    let (x, y) = (CELL * f64::from(i), CELL * up);
+    let along = x - CELL * f64::from(TORSO);
+    if along <= 1e-9 {
+        return [x, y, z];
+    }
+    let above = y - CELL * 14.0;
+    let (sin, cos) = (bend * (along / (4.0 * CELL)).min(1.0)).sin_cos();
+    [CELL * f64::from(TORSO) + along * cos + above * sin, CELL * 14.0 - along * sin + above * cos, z]
+}
+
+fn crossings(garment: &Garment, x: &[Vec3]) -> usize {
+    self_intersections(x, &garment.triangles).len()
+}
+
+fn folded(garment: &Garment) -> BakeResult {
+    let script = r#"{"format": "crease-wear/1", "actions": [
+        {"lay": {"facing": "front"}},
+        {"fold": {"line": [[0.0, 0.5], [1.0, 0.5]], "side": "lower", "hold": 1.0}},
+        {"unfold": {"all": true}}]}"#;
+    let script = WearScript::parse("folds.json", script).expect("is a script");
+    let fabric = Fabric::preset(DEFAULT_FABRIC).expect("exists");
+    let options = BakeOptions { finest_edge: 0.04, ..BakeOptions::default() };
+    Bake::new(garment, &fabric, &script).options(options).run().expect("runs")
+}
+
+#[test]
+fn folds_are_made_whatever_crosses_in_the_file() {
+    let free = folded(&shirt(1.2, false));
+    for (bend, collar, expected) in [(1.7, true, 60), (1.2, true, 15)] {
+        let garment = shirt(bend, collar);
+        let before = crossings(&garment, &garment.points);
+        assert!((expected..100).contains(&before), "{before} pairs");
+        let result = folded(&garment);
+        let moved = garment.points.iter().zip(&result.worn.displacement);
+        let worn: Vec<Vec3> = moved.map(|(x, d)| x + d).collect();
+        let [at_end, in_result] = [crossings(&garment, &result.end), crossings(&garment, &worn)];
+        let cost = |result: &BakeResult| result.report.solves as f64;
+        println!(
+            "{before} pairs: {at_end} at the end of the wear, {in_result} in the result; {} solves, {} without",
+            cost(&result),
+            cost(&free)
+        );
+        assert!(at_end <= before && in_result <= before, "{before}, {at_end}, {in_result}");
+        assert!(cost(&result) < 1.5 * cost(&free), "{} solves, {} without", cost(&result), cost(&free));
+        // Both are told, the folds are made, and the result is at rest.
+        let told = |what: &str| result.report.warnings.iter().any(|warning| warning.contains(what));
+        assert!(told("cross at the start"), "{:?}", result.report.warnings);
+        assert_eq!(result.report.unconverged_reason, None);
+        let strongest = |result: &BakeResult| {
+            let memory = &result.worn.memory;
+            let change = memory.rest_angle.iter().zip(&memory.source_angle).map(|(r, s)| (r - s).abs());
+            let mut all: Vec<f64> = change.collect();
+            all.sort_by(|a, b| b.total_cmp(a));
+            all[..40].iter().sum::<f64>() / 40.0
+        };
+        let (own, without) = (strongest(&result), strongest(&free));
+        assert!(own > 0.7 * without, "hinges at the folds remember {own:.2}, {without:.2} without crossings");
+    }
+}

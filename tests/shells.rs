@@ -1,0 +1,171 @@
+//! Cloth that was exported with its thickness: one side is simulated, the other follows it. Where the sides cannot be told apart, this
+//! is told with the cure.
+
+#[path = "common/glb.rs"]
+mod glb;
+
+use crease::garment::{RigidParts, content_warnings};
+use crease::io::ReadOptions;
+use crease::{GarmentFile, RestState, Vec3, WornGarment};
+use glb::{Part, glb as file};
+use std::collections::HashMap;
+
+/// `part` as a solid: a second side at the places that `inner` gives, and a rim along its borders.
+fn solid(part: &Part, inner: impl Fn([f64; 3]) -> [f64; 3]) -> Part {
+    let count = part.positions.len() as u32;
+    let mut solid = part.clone();
+    solid.positions.extend(part.positions.iter().map(|x| inner(*x)));
+    solid.uvs.extend(part.uvs.clone());
+    solid.triangles.extend(part.triangles.iter().map(|[a, b, c]| [count + a, count + c, count + b]));
+    let mut sides: HashMap<[u32; 2], i32> = HashMap::new();
+    for t in &part.triangles {
+        for k in 0..3 {
+            let [a, b] = [t[k], t[(k + 1) % 3]];
+            *sides.entry([a.min(b), a.max(b)]).or_default() += if a < b { 1 } else { -1 };
+        }
+    }
+    let mut rim: Vec<([u32; 2], i32)> = sides.into_iter().filter(|(_, count)| *count != 0).collect();
+    rim.sort_unstable();
+    for ([a, b], way) in rim {
+        let [a, b] = if way > 0 { [a, b] } else { [b, a] };
+        solid.triangles.extend([[b, a, count + a], [b, count + a, count + b]]);
+    }
+    solid
+}
+
+/// A tube without ends: a skirt.
+fn skirt() -> Part {
+    let mut tube = Part::can(24, 0.2, 0.5, [0.0; 3]);
+    tube.triangles.retain(|t| t.iter().all(|v| *v < 48));
+    tube.positions.truncate(48);
+    tube.uvs.truncate(48);
+    tube
+}
+
+fn parse(part: &Part) -> GarmentFile {
+    let bytes = file(&[("shirt", vec![part.clone()])], |_| {});
+    GarmentFile::parse("a.glb", &bytes, &ReadOptions::default()).expect("is a garment")
+}
+
+/// Warnings about sides that cannot be told apart.
+fn doubts(mesh: &GarmentFile) -> Vec<String> {
+    let warnings = content_warnings(&mesh.asset, &mesh.garment).into_iter();
+    warnings.filter(|warning| warning.contains("without any opening")).collect()
+}
+
+/// Distances of the points of `a` from those of `b` with the same number.
+fn distances(a: &[Vec3], b: &[Vec3]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| (a - b).norm()).collect()
+}
+
+#[test]
+fn of_cloth_with_a_thickness_one_side_is_simulated() {
+    for thickness in [0.0005, 0.0012, 0.003] {
+        let narrower = |[x, y, z]: [f64; 3]| {
+            let factor = 1.0 - thickness / f64::hypot(x, z);
+            [x * factor, y, z * factor]
+        };
+        let lower = |[x, y, z]: [f64; 3]| [x, y, z - thickness];
+        for (one, thick) in [
+            (skirt(), solid(&skirt(), narrower)),
+            (Part::sheet(10, 0.5, [0.0; 3]), solid(&Part::sheet(10, 0.5, [0.0; 3]), lower)),
+        ] {
+            let mesh = parse(&thick);
+            assert!(doubts(&mesh).is_empty(), "{:?}", doubts(&mesh));
+            let garment = mesh.garment;
+            let layers = RigidParts::find(&garment).expect("two sides");
+            assert_eq!(layers.cloth().triangles.len(), one.triangles.len(), "{thickness}");
+            assert_eq!(layers.cloth().topology.hinges.len(), parse(&one).garment.topology.hinges.len());
+            assert!(layers.notes()[0].contains("exported with its thickness"), "{:?}", layers.notes());
+            // Rolled up, both sides keep their distance.
+            let roll = |x: &Vec3| {
+                let (sin, cos) = (x.y / 0.1).sin_cos();
+                Vec3::new(x.x, (0.1 + x.z) * sin, (0.1 + x.z) * cos)
+            };
+            let rolled: Vec<Vec3> = layers.cloth().points.iter().map(roll).collect();
+            let whole = layers.positions(&rolled);
+            let half = garment.points.len() / 2;
+            let before = distances(&garment.points[..half], &garment.points[half..]);
+            let after = distances(&whole[..half], &whole[half..]);
+            let worst = before.iter().zip(&after).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(worst < 0.2 * thickness, "{worst} of {thickness}");
+        }
+    }
+    // One side, a cushion and a can are what they were.
+    for other in [
+        skirt(),
+        Part::sheet(10, 0.5, [0.0; 3]),
+        solid(&Part::sheet(10, 0.5, [0.0; 3]), |[x, y, z]| [x, y, z - 0.08]),
+        Part::can(24, 0.2, 0.5, [0.0; 3]),
+    ] {
+        let mesh = parse(&other);
+        assert!(doubts(&mesh).is_empty(), "{:?}", doubts(&mesh));
+        assert!(RigidParts::find(&mesh.garment).is_none());
+    }
+}
+
+#[test]
+fn both_sides_of_cloth_with_a_thickness_remember_a_fold() {
+    let thick = solid(&Part::sheet(16, 0.4, [0.0; 3]), |[x, y, z]| [x, y, z - 0.001]);
+    let mesh = parse(&thick);
+    let garment = &mesh.garment;
+    let layers = RigidParts::find(garment).expect("two sides");
+    // Every hinge of the simulated side along y = 0 remembers half a right angle.
+    let angle = |h: &crease::Hinge| crease::hinge_angle(&h.points.map(|p| layers.cloth().points[p.at()]));
+    let angles = layers.cloth().topology.hinges.iter().map(angle).collect();
+    let mut cloth = WornGarment {
+        displacement: vec![Vec3::zeros(); layers.cloth().points.len()],
+        memory: RestState::new(angles, layers.cloth().triangles.len()),
+    };
+    let turn = std::f64::consts::FRAC_PI_4;
+    for (h, hinge) in layers.cloth().topology.hinges.iter().enumerate() {
+        if hinge.points[..2].iter().all(|p| layers.cloth().points[p.at()].y.abs() < 1e-9) {
+            cloth.memory.rest_angle[h] += turn;
+        }
+    }
+    let worn = layers.worn(&cloth);
+    let of = |front: bool| {
+        let on_side =
+            |h: &&crease::Hinge| h.points.iter().all(|p| (garment.points[p.at()].z > -1e-4) == front);
+        let hinges = garment.topology.hinges.iter().zip(0..).filter(|(h, _)| on_side(h));
+        let length =
+            |h: &crease::Hinge| (garment.points[h.points[0].at()] - garment.points[h.points[1].at()]).norm();
+        hinges
+            .map(|(h, i)| length(h) * (worn.memory.rest_angle[i] - worn.memory.source_angle[i]))
+            .sum::<f64>()
+    };
+    // What a fold remembers: its angle times its length; seen from the other side it bends the other way.
+    let (front, back) = (of(true).abs().max(of(false).abs()), of(true) + of(false));
+    assert!((front - 0.4 * turn).abs() < 0.05 * turn, "{front}");
+    assert!(back.abs() < 0.15 * front, "{back} beside {front}");
+}
+
+#[test]
+fn front_and_back_of_a_garment_that_lies_are_no_sides_of_a_shell() {
+    // A flat tube and a flat bag, open at the ends or at one, whose layers lie 1.2 mm apart: as thin as cloth, but with openings.
+    for ends in [2, 1] {
+        let mut flat = skirt();
+        for [_, _, z] in &mut flat.positions {
+            *z *= 0.003;
+        }
+        if ends == 1 {
+            flat.triangles.extend((1..23u32).map(|k| [k + 1, k, 0]));
+        }
+        let mesh = parse(&flat);
+        assert!(RigidParts::find(&mesh.garment).is_none(), "{ends} openings");
+        assert!(doubts(&mesh).is_empty(), "{:?}", doubts(&mesh));
+    }
+}
+
+#[test]
+fn sides_that_cannot_be_told_apart_are_warned_about() {
+    // Both sides meet at a sharp border: there is no rim. A lens, and a pillow that lies flat.
+    let sheet = Part::sheet(8, 0.4, [0.0; 3]);
+    for shape in [|x: f64| 1.0 - (x / 0.2).powi(2), |x: f64| (20.0 * (1.0 - x.abs() / 0.2)).min(1.0)] {
+        let lens = solid(&sheet, |[x, y, z]| [x, y, z - (0.003 * shape(x) * shape(y)).max(0.0)]);
+        let mesh = parse(&lens);
+        assert!(RigidParts::find(&mesh.garment).is_none());
+        let doubts = doubts(&mesh);
+        assert!(doubts.len() == 1 && doubts[0].contains("Solidify"), "{doubts:?}");
+    }
+}
