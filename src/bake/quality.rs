@@ -1,4 +1,4 @@
-//! Quality of a bake: three points on the Pareto front of `crease chart accuracy`. `docs/validation/accuracy.md` has their
+//! Quality of a bake: three points on the Pareto front of `crease chart front`. `docs/validation/accuracy.md` has their
 //! errors and the reasons for the choice.
 
 use crate::sim::{NewtonOptions, StepOptions, StepRelaxation};

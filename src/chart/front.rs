@@ -140,7 +140,6 @@ fn settings() -> Vec<Setting> {
     let late = |o: &mut BakeOptions| o.event_dt_fraction *= 2.5;
     all.push(("tolerances", "steps after events times 2.5".to_owned(), with(&late)));
     all.push(("models", "no hems, no double seams".to_owned(), with(&|o| o.sewing = Sewing::NONE)));
-    all.push(("models", "no local Newton, short steps".to_owned(), with(&|o| o.full_fidelity = true)));
     for method in [Method::BackwardEulerOnce, Method::Bdf2] {
         all.push(("integrators", method.name().to_owned(), with(&|o| o.step.method = method)));
     }
