@@ -26,8 +26,8 @@ fn solid(part: &Part, inner: impl Fn([f64; 3]) -> [f64; 3]) -> Part {
     }
     let mut rim: Vec<([u32; 2], i32)> = sides.into_iter().filter(|(_, count)| *count != 0).collect();
     rim.sort_unstable();
-    for ([a, b], way) in rim {
-        let [a, b] = if way > 0 { [a, b] } else { [b, a] };
+    for ([a, b], turn) in rim {
+        let [a, b] = if turn > 0 { [a, b] } else { [b, a] };
         solid.triangles.extend([[b, a, count + a], [b, count + a, count + b]]);
     }
     solid
@@ -91,7 +91,7 @@ fn of_cloth_with_a_thickness_one_side_is_simulated() {
             assert!(worst < 0.2 * thickness, "{worst} of {thickness}");
         }
     }
-    // One side, a cushion and a can are what they were.
+    // One side, a pillow and a can are what they were.
     for other in [
         skirt(),
         Part::sheet(10, 0.5, [0.0; 3]),
@@ -134,7 +134,7 @@ fn both_sides_of_cloth_with_a_thickness_remember_a_fold() {
             .map(|(h, i)| length(h) * (worn.memory.rest_angle[i] - worn.memory.source_angle[i]))
             .sum::<f64>()
     };
-    // What a fold remembers: its angle times its length; seen from the other side it bends the other way.
+    // What a fold remembers: its angle times its length; seen from the other side it bends in the other direction.
     let (front, back) = (of(true).abs().max(of(false).abs()), of(true) + of(false));
     assert!((front - 0.4 * turn).abs() < 0.05 * turn, "{front}");
     assert!(back.abs() < 0.15 * front, "{back} beside {front}");

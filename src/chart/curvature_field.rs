@@ -1,6 +1,6 @@
 //! The memory of a garment as a field of changed curvature, averaged over 10 mm: what two bakes of one garment are compared by.
 //!
-//! Hinge by hinge two equally accurate bakes differ, because neighbouring hinges share a crease between them; over the width of a
+//! Hinge by hinge two equally accurate bakes differ, because a crease is divided between neighbouring hinges; over the width of a
 //! crease they agree.
 
 use crate::garment::{Garment, RestState};
@@ -132,11 +132,11 @@ mod tests {
     fn a_crease_on_one_line_and_shared_by_two_near_lines_differ_little_and_one_elsewhere_much() {
         let lines: Vec<f64> = (0..=60).map(|k| 0.005 * f64::from(k)).collect();
         let garment = TestSheet::strip(&lines, 0.1, 20).flat_garment();
-        let field = |shares: &[(f64, f64)]| {
+        let field = |parts: &[(f64, f64)]| {
             let mut rest = RestState::flat(garment.topology.hinges.len(), garment.triangles.len());
             for (h, hinge) in garment.topology.hinges.iter().enumerate() {
                 let [a, b] = [hinge.points[0], hinge.points[1]].map(|p| garment.points[p.at()].x);
-                for (at, angle) in shares {
+                for (at, angle) in parts {
                     if (a - at).abs() < 1e-9 && (b - at).abs() < 1e-9 {
                         rest.rest_angle[h] = *angle;
                     }

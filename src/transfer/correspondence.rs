@@ -15,9 +15,9 @@ use crate::math::{Mat3, Vec2, Vec3, bounds};
 use crate::mesh::triangle_bvh::{NearestTriangle, TriangleBvh};
 use crate::mesh::{Groups, PointIndex};
 use crate::transfer::limbs::Region;
-use crate::transfer::surface::GarmentSurface;
+use crate::transfer::surface::{GarmentSurface, texture_gradient};
 use crate::transfer::tuning::TUNING;
-use nalgebra::{Matrix2, Matrix3x2, Rotation3};
+use nalgebra::{Matrix3x2, Rotation3};
 
 /// A point of the target in canonical coordinates.
 #[derive(Debug, Clone, Copy)]
@@ -287,14 +287,6 @@ fn proximity(found: &NearestTriangle, max_distance: f64) -> f64 {
 /// 0 below `low`, 1 above `high`, linear between.
 fn linear_ramp(x: f64, low: f64, high: f64) -> f64 {
     ((x - low) / (high - low)).clamp(0.0, 1.0)
-}
-
-/// dX/d(u, v) of a triangle; `None` where the texture has no area.
-pub(super) fn texture_gradient(x: &[Vec3; 3], uv: &[Vec2; 3]) -> Option<Matrix3x2<f64>> {
-    let edges = Matrix3x2::from_columns(&[x[1] - x[0], x[2] - x[0]]);
-    let texture = Matrix2::from_columns(&[uv[1] - uv[0], uv[2] - uv[0]]);
-    let gradient = edges * texture.try_inverse()?;
-    gradient.iter().all(|g| g.is_finite()).then_some(gradient)
 }
 
 /// P^+ = (P^T P)^-1 P^T.

@@ -8,10 +8,9 @@ use crate::io::Sidecar;
 use crate::math::{Vec2, Vec3};
 use crate::mesh::distance::barycentric;
 use crate::mesh::{PointIndex, Topology, triangle};
-use crate::transfer::correspondence::texture_gradient;
 use crate::transfer::tuning::TUNING;
 use crate::{Error, Result};
-use nalgebra::Matrix3x2;
+use nalgebra::{Matrix2, Matrix3x2};
 use rustc_hash::FxHashMap;
 
 /// A triangulated garment surface.
@@ -204,3 +203,12 @@ fn hinge_order(file: &str, topology: &Topology, listed: &[[u32; 4]]) -> Result<V
 fn contradiction(file: &str, location: String, what: impl Into<String>) -> Error {
     Error::input(file, location, what, "use the sidecar as crease wrote it, or bake again")
 }
+
+/// dX/d(u, v) of a triangle; `None` where the texture has no area.
+pub(super) fn texture_gradient(x: &[Vec3; 3], uv: &[Vec2; 3]) -> Option<Matrix3x2<f64>> {
+    let edges = Matrix3x2::from_columns(&[x[1] - x[0], x[2] - x[0]]);
+    let texture = Matrix2::from_columns(&[uv[1] - uv[0], uv[2] - uv[0]]);
+    let gradient = edges * texture.try_inverse()?;
+    gradient.iter().all(|g| g.is_finite()).then_some(gradient)
+}
+
