@@ -99,7 +99,8 @@ fn crossings(garment: &Garment, x: &[Vec3]) -> usize {
 fn folded(garment: &Garment) -> BakeResult {
     let script = r#"{"format": "crease-wear/1", "actions": [
         {"lay": {"facing": "front"}},
-        {"fold": {"line": [[0.0, 0.5], [1.0, 0.5]], "side": "lower", "hold": 1.0}}]}"#;
+        {"fold": {"line": [[0.0, 0.5], [1.0, 0.5]], "side": "lower", "hold": 1.0}},
+        {"settle": {"for": 1.0}}]}"#;
     let script = WearScript::parse("folds.json", script).expect("is a script");
     let fabric = Fabric::preset(DEFAULT_FABRIC).expect("exists");
     let options = BakeOptions { finest_edge: 0.04, ..BakeOptions::default() };
