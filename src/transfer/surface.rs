@@ -211,4 +211,3 @@ pub(super) fn texture_gradient(x: &[Vec3; 3], uv: &[Vec2; 3]) -> Option<Matrix3x
     let gradient = edges * texture.try_inverse()?;
     gradient.iter().all(|g| g.is_finite()).then_some(gradient)
 }
-
