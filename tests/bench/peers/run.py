@@ -71,6 +71,11 @@ def has_module(python, module):
     return shutil.which(python) is not None and subprocess.run([python, "-c", probe, module]).returncode == 0
 
 
+def absolute(command):
+    """Path of a command that holds in every folder; links of virtual environments are kept."""
+    return os.path.abspath(shutil.which(command) or command)
+
+
 def write_obj(path, scene):
     """Writes the scene with y up, as OBJ files have it."""
     with open(path, "w", encoding="ascii") as file:
@@ -113,7 +118,7 @@ def run_peer(python, script, scene, settings, limit, folder):
     output = folder / "frames.npz"
     call = [python, HERE / script, scene, json.dumps(settings), output, "--limit", str(limit)]
     with open(folder / "log", "w+", encoding="utf-8") as log:
-        if subprocess.run(call, stdout=log, stderr=log).returncode:
+        if subprocess.run(call, stdout=log, stderr=log, cwd=folder).returncode:
             log.seek(0)
             raise RuntimeError(log.read().strip().splitlines()[-1])
     result = dict(np.load(output))
@@ -138,7 +143,7 @@ def programs(given):
     for settings, options in CREASE:
         yield "crease", settings, lambda scene, folder, options=options: run_crease(crease, scene, options, folder)
     for name, (module, script, variants) in PEERS.items():
-        python = given.blender_python if module == "bpy" else given.peer_python
+        python = absolute(given.blender_python if module == "bpy" else given.peer_python)
         if not has_module(python, module):
             print(f"LEFT OUT: {name}: {python} has no module {module} (pip install {module})", file=sys.stderr)
             continue
