@@ -1,6 +1,6 @@
 //! Pieces that are sewn onto others along their borders: pockets, plackets, facings.
 //!
-//! Where more than two triangles share an edge, sheets meet. Two sheets on one side of a seam lie on one another, and the one that
+//! Where more than two triangles meet at an edge, sheets meet. Two sheets on one side of a seam lie on one another, and the one that
 //! leaves the seam farther out is the outer one.
 
 use crate::math::Vec3;
