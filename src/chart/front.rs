@@ -1,7 +1,7 @@
 //! `crease chart front`: error of what is baked over wall time, for every quality and for single settings around the default.
 //!
 //! The T-shirt of 13,863 points is folded thrice in the default fabric, from several perturbed initial conditions (starts). The error of
-//! a setting is the difference of its field of changed curvature ([`crate::chart::curvature_field`]) to that of the reference quality from
+//! a setting is the difference of its field of changed curvature (`curvature_field`) to that of the reference quality from
 //! the same start, over the field of the reference, both root mean squares. The scatter of the reference is the same between its own
 //! starts: no setting can come below it.
 
