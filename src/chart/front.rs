@@ -43,6 +43,10 @@ pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
         references.push(scene.field(&run.baked));
     }
     reference_outcome.errors = scatter(&references);
+    if reference_outcome.errors.is_empty() {
+        // A single start says nothing of the scatter.
+        reference_outcome.errors = vec![f64::NAN];
+    }
     reference_outcome.amounts = vec![1.0; references.len()];
     let mut table = Table::new(&[
         "scene",
