@@ -3,8 +3,9 @@
 //! Hinge by hinge two equally accurate bakes differ, because a crease is divided between neighbouring hinges; over the width of a
 //! crease they agree.
 
-use crate::garment::{Garment, RestState};
+use crate::garment::{Garment, RestState, changed_curvature};
 use crate::math::{Mat3, Vec3};
+use crate::mesh::triangle;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
@@ -34,7 +35,7 @@ impl CurvatureField {
     /// The field of the memory `rest` on `garment`.
     pub fn new(garment: &Garment, rest: &RestState) -> Self {
         let triangles = Triangles::of(garment);
-        let tensor = changed_curvature(garment, rest, &triangles.area);
+        let tensor = changed_curvature(garment, rest);
         let curvature =
             (0..triangles.area.len()).into_par_iter().map(|f| triangles.average(f, &tensor)).collect();
         Self { curvature, area: triangles.area }
@@ -58,21 +59,17 @@ impl CurvatureField {
 
 impl Triangles {
     fn of(garment: &Garment) -> Self {
-        let corners = |f: usize| garment.triangles[f].map(|p| garment.points[p.at()]);
-        let count = garment.triangles.len();
-        let cross = |f: usize| {
-            let [a, b, c] = corners(f);
-            (b - a).cross(&(c - a))
-        };
-        let centre: Vec<Vec3> = (0..count).map(|f| corners(f).iter().sum::<Vec3>() / 3.0).collect();
+        let corners = garment.triangles.iter().map(|t| triangle::corners(&garment.points, t));
+        let corners: Vec<[Vec3; 3]> = corners.collect();
+        let centre: Vec<Vec3> = corners.iter().map(|x| x.iter().sum::<Vec3>() / 3.0).collect();
         let mut cells: FxHashMap<[i32; 3], Vec<u32>> = FxHashMap::default();
         for (f, centre) in centre.iter().enumerate() {
             cells.entry(cell_of(centre)).or_default().push(f as u32);
         }
         Self {
             centre,
-            normal: (0..count).map(|f| cross(f).normalize()).collect(),
-            area: (0..count).map(|f| 0.5 * cross(f).norm()).collect(),
+            normal: corners.iter().map(|x| triangle::normal(x).unwrap_or_else(Vec3::zeros)).collect(),
+            area: corners.iter().map(triangle::area).collect(),
             cells,
         }
     }
@@ -100,26 +97,6 @@ impl Triangles {
 
 fn cell_of(position: &Vec3) -> [i32; 3] {
     [position.x, position.y, position.z].map(|x| (x / (REACH * BELL)).floor() as i32)
-}
-
-/// Returns the changed curvature of every triangle [1/m]: that of its hinges, spread over both sides of each.
-fn changed_curvature(garment: &Garment, rest: &RestState, area: &[f64]) -> Vec<Mat3> {
-    let mut tensor = vec![Mat3::zeros(); garment.triangles.len()];
-    for (h, hinge) in garment.topology.hinges.iter().enumerate() {
-        let change = rest.rest_angle[h] - rest.source_angle[h];
-        if change == 0.0 {
-            continue;
-        }
-        let [a, b, c, d] = hinge.points.map(|p| garment.points[p.at()]);
-        let (edge, length) = (b - a, (b - a).norm());
-        for (f, opposite) in hinge.triangles.into_iter().zip([c, d]) {
-            let inward = opposite - a;
-            let across = (inward - edge * (inward.dot(&edge) / (length * length))).normalize();
-            let curvature = change * length / (2.0 * area[f as usize]);
-            tensor[f as usize] += across * across.transpose() * curvature;
-        }
-    }
-    tensor
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 //! makes it finer. Reads no bytes: `io` does.
 
 mod build;
+mod changed_curvature;
 mod coincident_layers;
 mod contents;
 mod diagnostic;
@@ -26,6 +27,7 @@ mod tuning;
 mod wedges;
 mod worn_garment;
 
+pub(crate) use changed_curvature::changed_curvature;
 pub use contents::{content_warnings, mistaken_body};
 pub use diagnostic::{ImportDiagnostic, Severity};
 pub(crate) use feature_edge::is_feature_hinge;

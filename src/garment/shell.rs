@@ -4,9 +4,10 @@
 //! at the sides and have openings. One side of a shell is simulated; each point of the other and of the rim is carried by the cloth it
 //! lies on, and the hinges of the other side remember what the cloth there remembers.
 
+use crate::garment::changed_curvature;
 use crate::garment::tuning::TUNING;
 use crate::garment::{Garment, RestState};
-use crate::math::{Mat3, Vec3, bounds};
+use crate::math::{Vec3, bounds};
 use crate::mesh::triangle_bvh::TriangleBvh;
 use crate::mesh::{Groups, Hinge, PointIndex, point_rotations, triangle, turned};
 use rustc_hash::FxHashSet;
@@ -276,7 +277,7 @@ impl InnerSides {
         if self.hinges.is_empty() {
             return;
         }
-        let curvature = curvature_change(cloth, own);
+        let curvature = changed_curvature(cloth, own);
         for carried in &self.hinges {
             let across = |(f, side): &(u32, f64)| {
                 side * carried.across.dot(&(curvature[*f as usize] * carried.across))
@@ -286,24 +287,4 @@ impl InnerSides {
                 change.clamp(-TUNING.max_carried_angle, TUNING.max_carried_angle);
         }
     }
-}
-
-/// Per triangle of `cloth`: the change of curvature that its hinges remember [1/m].
-fn curvature_change(cloth: &Garment, memory: &RestState) -> Vec<Mat3> {
-    let normals = normals(cloth);
-    let mut sum = vec![Mat3::zeros(); cloth.triangles.len()];
-    for (h, hinge) in cloth.topology.hinges.iter().enumerate() {
-        let change = memory.rest_angle[h] - memory.source_angle[h];
-        if change == 0.0 {
-            continue;
-        }
-        let [a, b] = [hinge.points[0], hinge.points[1]].map(|p| cloth.points[p.at()]);
-        for f in hinge.triangles.map(|f| f as usize) {
-            let area = triangle::area(&triangle::corners(&cloth.points, &cloth.triangles[f]));
-            let across = normals[f].cross(&(b - a)).try_normalize(0.0).unwrap_or_else(Vec3::zeros);
-            sum[f] +=
-                across * across.transpose() * (change * (b - a).norm() / (2.0 * area.max(f64::MIN_POSITIVE)));
-        }
-    }
-    sum
 }
