@@ -106,10 +106,9 @@ impl GarmentSkin {
         let bvh = TriangleBvh::new(&self.vertices, &self.triangles, 0.0);
         let locate = |point: &Vec3| {
             let nearest = bvh.nearest(&self.vertices, *point, MAX_SURFACE_DISTANCE)?;
-            let [_, a, b, c] = nearest.closest.weights;
             let corners = self.triangles[nearest.triangle as usize].map(|v| v.0);
             let is_moved = corners.iter().all(|&v| self.main_node[v as usize].is_some());
-            is_moved.then_some(SkinLocation { corners, weights: [-a, -b, -c] })
+            is_moved.then_some(SkinLocation { corners, weights: nearest.weights() })
         };
         points.par_iter().map(locate).collect()
     }

@@ -27,9 +27,9 @@ impl AnimatedBody {
         for x in garment {
             let Some(nearest) = bvh.nearest(points, *x, NEAR) else { continue };
             let corners = triangles[nearest.triangle as usize].map(PointIndex::at);
-            let weights = nearest.closest.weights;
-            let normal: Vec3 = corners.iter().zip(&weights[1..]).map(|(c, w)| normals[*c] * -*w).sum();
-            let at: Vec3 = corners.iter().zip(&weights[1..]).map(|(c, w)| points[*c] * -*w).sum();
+            let weights = nearest.weights();
+            let normal: Vec3 = corners.iter().zip(weights).map(|(c, w)| normals[*c] * w).sum();
+            let at: Vec3 = corners.iter().zip(weights).map(|(c, w)| points[*c] * w).sum();
             near += 1;
             inner += usize::from((x - at).dot(&normal) < -MIN_DEPTH * normal.norm());
         }

@@ -193,9 +193,7 @@ impl BodyPlanes {
                 return None;
             }
             let nearest = self.bvh.nearest(&self.positions, *x, TUNING.body.search_distance)?;
-            // From the footpoint to the point: weights 1, -wa, -wb, -wc.
-            let [_, a, b, c] = nearest.closest.weights;
-            let weights = [-a, -b, -c];
+            let weights = nearest.weights();
             let (position, normal) = self.surface(&self.positions, &self.normals, nearest.triangle, &weights);
             Some(Footpoint {
                 triangle: nearest.triangle,

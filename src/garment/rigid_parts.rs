@@ -202,9 +202,8 @@ impl Trim {
         let centre = (low + high) * 0.5;
         let found = bvh.nearest(&cloth.points, centre, (0.5 + TUNING.max_trim_distance) * diagonal)?;
         let corners = cloth.triangles[found.triangle as usize];
-        let [_, a, b, c] = found.closest.weights;
-        let mut trim =
-            Self { points: part.points.clone(), corners, weights: [-a, -b, -c], carriers: Vec::new() };
+        let weights = found.weights();
+        let mut trim = Self { points: part.points.clone(), corners, weights, carriers: Vec::new() };
         let anchor = trim.anchor(&cloth.points);
         let [a, b, c] = triangle::corners(&cloth.points, &corners);
         let edge = (b - a).norm().max((c - b).norm()).max((a - c).norm());

@@ -218,8 +218,7 @@ impl InnerSides {
             let x = garment.points[point.at()];
             let found = nearest(x, None)?;
             let corners = cloth.triangles[found.triangle as usize];
-            let [_, a, b, c] = found.closest.weights;
-            Some(CarriedPoint { point, corners, weights: [-a, -b, -c], offset: found.closest.vector })
+            Some(CarriedPoint { point, corners, weights: found.weights(), offset: found.closest.vector })
         };
         let points: Option<Vec<CarriedPoint>> = points.into_iter().map(carried).collect();
         let is_left_out: FxHashSet<u32> = left_out.iter().copied().collect();

@@ -39,11 +39,11 @@ impl<'a> Solid<'a> {
     fn depth(&self, position: &Vec3, max_depth: f64) -> f64 {
         let Some(nearest) = self.bvh.nearest(self.points, *position, max_depth) else { return 0.0 };
         let corners = self.triangles[nearest.triangle as usize].map(PointIndex::at);
-        let weights = nearest.closest.weights;
+        let weights = nearest.weights();
         let (mut at, mut normal) = (Vec3::zeros(), Vec3::zeros());
-        for (corner, weight) in corners.iter().zip(&weights[1..]) {
-            at -= self.points[*corner] * *weight;
-            normal -= self.normals[*corner] * *weight;
+        for (corner, weight) in corners.iter().zip(weights) {
+            at += self.points[*corner] * weight;
+            normal += self.normals[*corner] * weight;
         }
         let behind = (position - at).dot(&normal) < 0.0;
         if behind && self.winding(position) > TUNING.min_inside_winding {

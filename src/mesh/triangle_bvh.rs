@@ -58,6 +58,14 @@ pub struct NearestTriangle {
     pub closest: ClosestPoints,
 }
 
+impl NearestTriangle {
+    /// Barycentric coordinates of the closest point on the triangle [-].
+    pub fn weights(&self) -> [f64; 3] {
+        let [_, a, b, c] = self.closest.weights;
+        [-a, -b, -c]
+    }
+}
+
 impl TriangleBvh {
     /// A hierarchy over `triangles`; every box is grown by `inflate` \[m\] on all sides. `points` \[m\], one per point.
     pub fn new(points: &[Vec3], triangles: &[[PointIndex; 3]], inflate: f64) -> Self {

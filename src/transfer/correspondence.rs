@@ -243,8 +243,7 @@ impl Correspondence for CorrespondenceFinder<'_> {
 
 /// Position on `surface` of a place that was found in texture space [m].
 pub(super) fn position_of_place(surface: &GarmentSurface, place: &NearestTriangle) -> Vec3 {
-    let weights = &place.closest.weights[1..];
-    surface.corners(place.triangle as usize).iter().zip(weights).map(|(x, w)| x * -*w).sum()
+    surface.corners(place.triangle as usize).iter().zip(place.weights()).map(|(x, w)| x * w).sum()
 }
 
 /// Returns the texture island of every triangle of `source`, if two of them lie on one another; else nothing. Triangles of one
