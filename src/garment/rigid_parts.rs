@@ -95,7 +95,7 @@ impl RigidParts {
         let angle = |h: &crate::mesh::Hinge| hinge_angle(&h.points.map(|p| garment.points[p.at()]));
         Some(Self {
             hinges: hinges.map(|h| hinge_at.get(&ends(&h.points.map(own))).copied()).collect(),
-            inner_sides: InnerSides::on(garment, &inner, &cloth, &is_cloth)?,
+            inner_sides: InnerSides::on(garment, &inner, &cloth, &bvh, &is_cloth)?,
             points,
             triangles,
             trims,
@@ -159,16 +159,7 @@ impl RigidParts {
     pub fn worn(&self, cloth: &WornGarment) -> WornGarment {
         let mut memory = RestState::new(self.source_angle.clone(), self.triangle_count);
         let own = &cloth.memory;
-        for (k, h) in self.hinges.iter().enumerate() {
-            let Some(h) = h.map(|h| h as usize) else { continue };
-            memory.source_angle[h] = own.source_angle[k];
-            memory.rest_angle[h] = own.rest_angle[k];
-            memory.stiffness_ratio[h] = own.stiffness_ratio[k];
-        }
-        for (k, f) in self.triangles.iter().map(|&f| f as usize).enumerate() {
-            memory.rest_stretch_warp[f] = own.rest_stretch_warp[k];
-            memory.rest_stretch_weft[f] = own.rest_stretch_weft[k];
-        }
+        copy_entries(own, &mut memory, self.hinge_pairs(), self.triangle_pairs());
         self.inner_sides.remember(&self.cloth, own, &mut memory);
         WornGarment { displacement: self.displacement(&cloth.displacement), memory }
     }
@@ -180,17 +171,37 @@ impl RigidParts {
             self.cloth.topology.hinges.iter().map(angle).collect(),
             self.cloth.triangles.len(),
         );
-        for (k, h) in self.hinges.iter().enumerate() {
-            let Some(h) = h.map(|h| h as usize) else { continue };
-            own.source_angle[k] = memory.source_angle[h];
-            own.rest_angle[k] = memory.rest_angle[h];
-            own.stiffness_ratio[k] = memory.stiffness_ratio[h];
-        }
-        for (k, f) in self.triangles.iter().map(|&f| f as usize).enumerate() {
-            own.rest_stretch_warp[k] = memory.rest_stretch_warp[f];
-            own.rest_stretch_weft[k] = memory.rest_stretch_weft[f];
-        }
+        let swapped = |[own, whole]: [usize; 2]| [whole, own];
+        copy_entries(memory, &mut own, self.hinge_pairs().map(swapped), self.triangle_pairs().map(swapped));
         own
+    }
+
+    /// Hinges of the cloth, each with that of the garment.
+    fn hinge_pairs(&self) -> impl Iterator<Item = [usize; 2]> {
+        self.hinges.iter().enumerate().filter_map(|(own, whole)| whole.map(|whole| [own, whole as usize]))
+    }
+
+    /// Triangles of the cloth, each with that of the garment.
+    fn triangle_pairs(&self) -> impl Iterator<Item = [usize; 2]> {
+        self.triangles.iter().enumerate().map(|(own, whole)| [own, *whole as usize])
+    }
+}
+
+/// Copies entries of the memory `from` to `to`, by pairs of their numbers in each.
+fn copy_entries(
+    from: &RestState,
+    to: &mut RestState,
+    hinges: impl Iterator<Item = [usize; 2]>,
+    triangles: impl Iterator<Item = [usize; 2]>,
+) {
+    for [a, b] in hinges {
+        to.source_angle[b] = from.source_angle[a];
+        to.rest_angle[b] = from.rest_angle[a];
+        to.stiffness_ratio[b] = from.stiffness_ratio[a];
+    }
+    for [a, b] in triangles {
+        to.rest_stretch_warp[b] = from.rest_stretch_warp[a];
+        to.rest_stretch_weft[b] = from.rest_stretch_weft[a];
     }
 }
 

@@ -197,10 +197,18 @@ pub(super) struct InnerSides {
 }
 
 impl InnerSides {
-    /// The triangles `left_out` of `garment`, which are not trims, on `cloth`; `None` if a point has no cloth near it. `is_cloth` flags the
-    /// points of the garment that belong to the cloth.
-    pub fn on(garment: &Garment, left_out: &[u32], cloth: &Garment, is_cloth: &[bool]) -> Option<Self> {
-        let bvh = TriangleBvh::new(&cloth.points, &cloth.triangles, 0.0);
+    /// The triangles `left_out` of `garment`, which are not trims, on `cloth` with the hierarchy `bvh`; `None` if a point has no cloth near
+    /// it. `is_cloth` flags the points of the garment that belong to the cloth.
+    pub fn on(
+        garment: &Garment,
+        left_out: &[u32],
+        cloth: &Garment,
+        bvh: &TriangleBvh,
+        is_cloth: &[bool],
+    ) -> Option<Self> {
+        if left_out.is_empty() {
+            return Some(Self::default());
+        }
         let (own, under) = (normals(garment), normals(cloth));
         let nearest = |x: Vec3, normal: Option<Vec3>| {
             bvh.nearest_where(&cloth.points, x, 2.0 * TUNING.max_cloth_thickness, |g| {
