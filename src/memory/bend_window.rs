@@ -1,22 +1,23 @@
 //! Bend of the cloth across each hinge within the reference length of the memory law.
 //!
 //! What creases is the bend within the reference length L, on whatever edges it lies: on a coarse mesh the angle of one hinge, on a fine
-//! one that of several. The excess angles e over the rest angles are averaged as curvature over a disc around the middle of the hinge:
+//! one that of several. The bends b of the hinges, from their source angles, are averaged as curvature over a disc around the middle of
+//! the hinge:
 //!
 //! ```text
-//! bend_h = L / (pi R²) sum_j e_j l_j cos²(h, j),   R = 2 L / pi
+//! B_h = L / (pi R²) sum_j b_j l_j cos²(h, j),   R = 2 L / pi
 //! ```
 //!
 //! with the length l_j of edge j inside the disc and the angle between the two edges. A lone crease through the middle has
-//! `bend = e`, and cloth bent evenly has `bend = e L / w` with the width w of the hinge.
+//! `B = b`, and cloth bent evenly has `B = b L / w` with the width w of the hinge.
 
 use crate::math::Vec3;
 use crate::mesh::Topology;
 use rustc_hash::FxHashSet;
 use std::f64::consts::PI;
 
-/// Weights of the excess angles of hinges in the bend across each of them.
-#[derive(Debug, Clone, Default)]
+/// Weights of the bends of hinges in the bend within the reference length across each of them.
+#[derive(Debug, Clone)]
 pub(super) struct BendWindow {
     /// Per hinge narrower than L: the hinges in its disc and their weights [-]; empty for wider ones.
     around: Vec<Vec<(u32, f64)>>,
@@ -31,13 +32,13 @@ impl BendWindow {
         Self { around: (0..topology.hinges.len()).map(of).collect() }
     }
 
-    /// Returns the bend across a hinge over its own excess angle [-] where the hinges have the excess angles `excess` [rad]; `None` for a
-    /// hinge without a window or without an angle.
-    pub fn concentration(&self, hinge: usize, excess: impl Fn(usize) -> f64) -> Option<f64> {
+    /// Returns the bend within the reference length across a hinge over its own [-] where the hinges have the bends `bend` [rad]; `None`
+    /// for a hinge without a window or without a bend.
+    pub fn concentration(&self, hinge: usize, bend: impl Fn(usize) -> f64) -> Option<f64> {
         let around = self.around.get(hinge).filter(|around| !around.is_empty())?;
-        let own = excess(hinge);
-        let bend: f64 = around.iter().map(|(j, weight)| weight * excess(*j as usize)).sum();
-        (own != 0.0).then_some(bend / own)
+        let own = bend(hinge);
+        let all: f64 = around.iter().map(|(j, weight)| weight * bend(*j as usize)).sum();
+        (own != 0.0).then_some(all / own)
     }
 }
 
@@ -92,7 +93,7 @@ mod tests {
     /// Size of the sheet [m].
     const SIZE: f64 = 0.08;
 
-    /// The bend over its angle of the hinge in the middle of a square sheet with edges of `edge` [m], where the hinges along y at x with
+    /// The bend within the reference length over its own of the hinge in the middle of a square sheet with edges of `edge` [m], where the hinges along y at x with
     /// `is_bent` [m] have one angle.
     fn concentration(edge: f64, is_bent: impl Fn(f64) -> bool) -> f64 {
         let cells = (SIZE / edge).round() as u32;
@@ -106,7 +107,7 @@ mod tests {
         let triangles: Vec<[PointIndex; 3]> = (0..cells * cells).flat_map(cell).collect();
         let topology = Topology::new(points.len(), &triangles);
         let ends = |h: usize| [0, 1].map(|k| points[topology.hinges[h].points[k].at()]);
-        let bent = |h: usize| {
+        let is_on_bent_line = |h: usize| {
             let [a, b] = ends(h);
             (a.x - b.x).abs() < 1e-9 && is_bent(a.x)
         };
@@ -117,8 +118,8 @@ mod tests {
         let hinges = topology.hinges.len();
         let window = BendWindow::new(&points, &topology, &vec![edge; hinges], REFERENCE);
         let middle = (0..hinges).find(middle).expect("a hinge in the middle");
-        let excess = |h: usize| f64::from(u8::from(bent(h)));
-        window.concentration(middle, excess).expect("narrower than the reference length")
+        let bend = |h: usize| f64::from(u8::from(is_on_bent_line(h)));
+        window.concentration(middle, bend).expect("narrower than the reference length")
     }
 
     #[test]

@@ -113,16 +113,12 @@ impl MemoryModel {
         self.length.is_some()
     }
 
-    /// Returns the bend within the reference length over the angle of a hinge [-], where the hinges have the excess angles `excess` [rad]
-    /// beyond their rest angles: from 1 for a lone crease to that of cloth that bends evenly.
-    pub(super) fn gain(&self, hinge: usize, excess: impl Fn(usize) -> f64) -> f64 {
+    /// Returns the bend within the reference length over that of a hinge alone [-], where the hinges have the bends `bend` [rad] from
+    /// their source angles: from 1 for a lone crease to that of cloth that bends evenly.
+    pub(super) fn gain(&self, hinge: usize, bend: impl Fn(usize) -> f64) -> f64 {
         let max = self.max_gain[hinge];
-        match &self.window {
-            Some(window) if max > 1.0 => {
-                window.concentration(hinge, excess).map_or(max, |c| c.clamp(1.0, max))
-            }
-            _ => max,
-        }
+        let concentration = self.window.as_ref().and_then(|window| window.concentration(hinge, bend));
+        concentration.map_or(max, |concentration| concentration.clamp(1.0, max))
     }
 
     /// Parameters of the angle of a hinge whose initial angle is `initial_rest` [rad] and whose condition is `gain` times its excess angle.

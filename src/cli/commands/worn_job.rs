@@ -237,8 +237,7 @@ impl WornJob {
 
     /// Writes the report of a run that ended before its script and made no garment, with the files that it `kept`; prints its
     /// warnings. Returns the error that the command ends with.
-    pub fn write_stopped(mut self, report: Report, kept: KeptFiles) -> Result<Error> {
-        let mut report = report;
+    pub fn write_stopped(mut self, mut report: Report, kept: KeptFiles) -> Result<Error> {
         let name = |path: &PathBuf| input::name_of(path);
         let stopped = report.stopped.get_or_insert_default();
         stopped.checkpoint = kept.checkpoint.as_ref().map(name);
