@@ -77,25 +77,20 @@ pub(super) fn crease_lines(
     size: f64,
 ) -> Vec<CreaseLine> {
     let mut lines: Vec<CreaseLine> = Vec::new();
-    let mut chains: Vec<(f64, Vec<u32>)> = chains(surface, memory)
-        .into_iter()
-        .map(|chain| (chain.windows(2).map(|ends| length(surface, ends)).sum::<f64>(), chain))
-        .filter(|(length, _)| *length >= TUNING.min_crease_line_fraction * size)
-        .collect();
-    chains.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-    let at_edge = EdgeTriangles::new(surface);
-    for (_, chain) in chains {
-        let line = at_edge.line(&chain, target_edge);
+    let mut chains = chains(surface, memory);
+    chains.retain(|chain| chain.length >= TUNING.min_crease_line_fraction * size);
+    chains.sort_by(|a, b| b.length.total_cmp(&a.length).then_with(|| a.points.cmp(&b.points)));
+    for chain in chains {
+        let line = chain.line(surface, target_edge);
         // Two rows of strong hinges side by side are one crease.
-        let beside = |ends: &[u32]| {
+        let beside = |(ends, h): &(&[u32], &u32)| {
             let middle = 0.5 * (surface.points[ends[0] as usize] + surface.points[ends[1] as usize]);
-            at_edge.of(ends).iter().any(|&f| {
+            surface.topology.hinges[**h as usize].triangles.iter().any(|&f| {
                 let level = |other: &CreaseLine| other.level(surface, f as usize, &middle);
                 lines.iter().any(|other| level(other).is_some_and(|level| level.abs() < other.row))
             })
         };
-        let covered: f64 =
-            chain.windows(2).filter(|ends| beside(ends)).map(|ends| length(surface, ends)).sum();
+        let covered: f64 = chain.edges().filter(beside).map(|(ends, _)| length(surface, ends)).sum();
         if covered < 0.5 * line.length() {
             lines.push(line);
         }
@@ -107,36 +102,27 @@ fn length(surface: &GarmentSurface, ends: &[u32]) -> f64 {
     (surface.points[ends[1] as usize] - surface.points[ends[0] as usize]).norm()
 }
 
-/// Triangles at the edges of a surface.
-struct EdgeTriangles<'a> {
-    surface: &'a GarmentSurface,
-    /// Hinge of an edge.
-    at: FxHashMap<[u32; 2], u32>,
+/// Strong hinges that go straight on from one another.
+struct Chain {
+    /// Points along it.
+    points: Vec<u32>,
+    /// Hinge between each two of them.
+    hinges: Vec<u32>,
+    /// Its length [m].
+    length: f64,
 }
 
-impl<'a> EdgeTriangles<'a> {
-    fn new(surface: &'a GarmentSurface) -> Self {
-        let hinges = surface.topology.hinges.iter();
-        let at = hinges.zip(0..).map(|(h, k)| (sorted(h.points[0].0, h.points[1].0), k)).collect();
-        Self { surface, at }
+impl Chain {
+    /// Ends and hinge of every edge.
+    fn edges(&self) -> impl Iterator<Item = (&[u32], &u32)> {
+        self.points.windows(2).zip(&self.hinges)
     }
 
-    /// The hinge between two points of a chain.
-    fn hinge(&self, ends: &[u32]) -> u32 {
-        self.at.get(&sorted(ends[0], ends[1])).copied().unwrap_or(0)
-    }
-
-    /// Triangles at the hinge between two points.
-    fn of(&self, ends: &[u32]) -> [u32; 2] {
-        self.surface.topology.hinges[self.hinge(ends) as usize].triangles
-    }
-
-    fn line(&self, chain: &[u32], target_edge: f64) -> CreaseLine {
-        let Self { surface, .. } = self;
+    fn line(&self, surface: &GarmentSurface, target_edge: f64) -> CreaseLine {
         let mut heights = Vec::new();
         let mut start = Vec::new();
-        for ends in chain.windows(2) {
-            for f in self.of(ends) {
+        for (ends, h) in self.edges() {
+            for f in surface.topology.hinges[*h as usize].triangles {
                 heights
                     .push(surface.normal(f as usize).norm() / length(surface, ends).max(f64::MIN_POSITIVE));
                 start.push(f);
@@ -146,8 +132,8 @@ impl<'a> EdgeTriangles<'a> {
         let row = heights[heights.len() / 2].clamp(TUNING.min_crease_row, TUNING.max_crease_row);
         let reach = TUNING.crease_line_reach * (row + target_edge);
         CreaseLine {
-            points: chain.iter().map(|&p| surface.points[p as usize]).collect(),
-            hinges: chain.windows(2).map(|ends| self.hinge(ends)).collect(),
+            points: self.points.iter().map(|&p| surface.points[p as usize]).collect(),
+            hinges: self.hinges.clone(),
             around: triangles_within(surface, &start, reach),
             row,
         }
@@ -178,16 +164,17 @@ fn triangles_within(surface: &GarmentSurface, start: &[u32], reach: f64) -> FxHa
     distance.into_keys().collect()
 }
 
-/// Chains of points along strong hinges that go straight on from one another.
-fn chains(surface: &GarmentSurface, memory: &RestState) -> Vec<Vec<u32>> {
+/// Chains of strong hinges that go straight on from one another.
+fn chains(surface: &GarmentSurface, memory: &RestState) -> Vec<Chain> {
     let mut at_point: FxHashMap<u32, Vec<u32>> = FxHashMap::default();
-    let mut edges: Vec<[u32; 2]> = Vec::new();
+    let (mut edges, mut hinges) = (Vec::new(), Vec::new());
     for (h, hinge) in surface.topology.hinges.iter().enumerate() {
         if (memory.rest_angle[h] - memory.source_angle[h]).abs() >= TUNING.min_crease_line_angle {
             for p in &hinge.points[..2] {
                 at_point.entry(p.0).or_default().push(edges.len() as u32);
             }
             edges.push([hinge.points[0].0, hinge.points[1].0]);
+            hinges.push(h as u32);
         }
     }
     let next = continuations(surface, &edges, &at_point);
@@ -198,21 +185,27 @@ fn chains(surface: &GarmentSurface, memory: &RestState) -> Vec<Vec<u32>> {
             continue;
         }
         used[first] = true;
-        // From the second end on, then from the first.
-        let mut halves: [Vec<u32>; 2] = Default::default();
-        for (half, end) in halves.iter_mut().zip([1, 0]) {
+        // From the second end on, then from the first: points, and the hinges after the first edge.
+        let mut halves: [(Vec<u32>, Vec<u32>); 2] = Default::default();
+        for ((points, beyond), end) in halves.iter_mut().zip([1, 0]) {
             let (mut edge, mut end) = (first, end);
             loop {
                 let point = edges[edge][end];
-                half.push(point);
+                points.push(point);
                 let Some(other) = next[edge][end].filter(|other| !used[*other as usize]) else { break };
                 edge = other as usize;
                 used[edge] = true;
+                beyond.push(hinges[edge]);
                 end = usize::from(edges[edge][0] == point);
             }
         }
-        let [ahead, back] = halves;
-        chains.push(back.into_iter().rev().chain(ahead).collect());
+        let [(ahead, hinges_ahead), (back, hinges_back)] = halves;
+        let points: Vec<u32> = back.into_iter().rev().chain(ahead).collect();
+        chains.push(Chain {
+            length: points.windows(2).map(|ends| length(surface, ends)).sum(),
+            points,
+            hinges: hinges_back.into_iter().rev().chain([hinges[first]]).chain(hinges_ahead).collect(),
+        });
     }
     chains
 }
@@ -254,8 +247,4 @@ fn continuations(
         }
     }
     next
-}
-
-fn sorted(a: u32, b: u32) -> [u32; 2] {
-    if a < b { [a, b] } else { [b, a] }
 }

@@ -197,7 +197,11 @@ impl AlignedMemory {
         }
     }
 
-    /// Crease lines of the memory.
+    /// The memory with its crease lines.
+    pub fn with_lines(&self, aligned_to: &AlignmentTarget) -> LinedMemory<'_> {
+        LinedMemory { source: self, lines: self.lines(aligned_to), finder: self.finder(aligned_to) }
+    }
+
     fn lines(&self, aligned_to: &AlignmentTarget) -> Vec<CreaseLine> {
         let target = &aligned_to.canonical;
         let edges = &target.topology.edges;
@@ -205,26 +209,34 @@ impl AlignedMemory {
         let mean_edge = edges.iter().map(length).sum::<f64>() / edges.len().max(1) as f64;
         crease_lines(&self.surface, &self.memory, mean_edge, aligned_to.pose.size.norm())
     }
+}
 
-    /// Draws the crease lines of the memory on the target.
+/// An aligned source with its crease lines.
+pub(super) struct LinedMemory<'a> {
+    source: &'a AlignedMemory,
+    lines: Vec<CreaseLine>,
+    finder: CorrespondenceFinder<'a>,
+}
+
+impl LinedMemory<'_> {
+    /// Draws the lines on the target.
     pub fn draw(&self, aligned_to: &AlignmentTarget, drawing: &mut CreaseDrawing) {
-        let lines = self.lines(aligned_to);
-        if !lines.is_empty() {
-            drawing.add(&lines, &self.finder(aligned_to), &aligned_to.canonical);
+        if !self.lines.is_empty() {
+            drawing.add(&self.lines, &self.finder, &aligned_to.canonical);
         }
     }
 
     /// The memory on `mesh`, which lies on the target.
     pub fn resampled_on(&self, mesh: &SimulationMesh, aligned_to: &AlignmentTarget) -> MemoryDelta {
-        let finder = self.finder(aligned_to);
-        let on_target = MeshOnTarget::new(&finder, &aligned_to.canonical, mesh);
+        let Self { source, lines, finder } = self;
+        let on_target = MeshOnTarget::new(finder, &aligned_to.canonical, mesh);
         let own = GarmentSurface::without_texture(&mesh.garment);
         let own = aligned_to.pose.apply(&own, Vec3::repeat(1.0));
-        let orientation = self.orientation(aligned_to);
+        let orientation = source.orientation(aligned_to);
         let LineMemory { angle, carried } =
-            LineMemory::new(&self.lines(aligned_to), &self.memory, &on_target, &own, orientation);
+            LineMemory::new(lines, &source.memory, &on_target, &own, orientation);
         // What lies on the lines goes from hinge to hinge, the rest as a field.
-        let mut rest = self.memory.clone();
+        let mut rest = source.memory.clone();
         carried.iter().for_each(|h| rest.rest_angle[*h as usize] = rest.source_angle[*h as usize]);
         let faces = resample(&on_target, &rest, &own, orientation);
         let mut delta = MemoryDelta::from_faces(&own, &faces);

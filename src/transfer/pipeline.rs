@@ -7,7 +7,7 @@ use crate::remesh::SimulationMesh;
 use crate::transfer::align::AlignmentTarget;
 use crate::transfer::confidence::{confidence_by_region, mean_confidence};
 use crate::transfer::crease_drawing::{CreaseDrawing, DrawnCreases};
-use crate::transfer::matching::{AlignedMemory, ENTRY_BY_ENTRY, MatchedSource};
+use crate::transfer::matching::{ENTRY_BY_ENTRY, LinedMemory, MatchedSource};
 use crate::transfer::memory_delta::MemoryDelta;
 use crate::transfer::options::{CarriedOnMesh, MatchBy, TransferOptions, TransferResult, TransferSource};
 use crate::transfer::prolongate::prolongate;
@@ -90,7 +90,8 @@ fn on_mesh_along_creases(
     make: &MeshMaker,
     options: &TransferOptions,
 ) -> Option<CarriedOnMesh> {
-    let all: Vec<&AlignedMemory> = matched.iter().map(MatchedSource::aligned).collect::<Option<_>>()?;
+    let aligned = matched.iter().map(MatchedSource::aligned).collect::<Option<Vec<_>>>()?;
+    let all: Vec<LinedMemory> = aligned.into_iter().map(|source| source.with_lines(aligned_to)).collect();
     let mut drawing = CreaseDrawing::new(garment);
     all.iter().for_each(|source| source.draw(aligned_to, &mut drawing));
     let mesh = make(drawing.finish()?)?;
