@@ -79,15 +79,16 @@ impl StaticBvh {
         self.fit(boxes, marked);
         let search = Search { boxes, limit, is_static, marked };
         let mut parts = vec![(0, 0)];
-        while parts.len() < TUNING.bvh_search_tasks {
+        while parts.len() < TUNING.bvh_search_parts {
             let before = parts.len();
             parts = parts.iter().flat_map(|part| self.split(*part, &search)).collect();
             if parts.len() <= before {
                 break;
             }
         }
-        let run = |part: (u32, u32)| {
-            let (mut pairs, mut waiting) = (Vec::new(), vec![part]);
+        let run = |parts: &[(u32, u32)]| {
+            let mut pairs = Vec::with_capacity(TUNING.bvh_pairs_per_task);
+            let mut waiting = parts.to_vec();
             while let Some((a, b)) = waiting.pop() {
                 if self.is_leaf(a) && self.is_leaf(b) {
                     self.compare(a, b, &search, &mut pairs);
@@ -97,7 +98,7 @@ impl StaticBvh {
             }
             pairs
         };
-        parts.into_par_iter().with_max_len(1).map(run).collect()
+        parts.par_chunks(TUNING.bvh_parts_per_task).map(run).collect()
     }
 
     fn is_leaf(&self, node: u32) -> bool {

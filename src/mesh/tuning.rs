@@ -23,8 +23,12 @@ pub(crate) struct MeshTuning {
     pub bvh_build_growth: f64,
     /// Largest number of triangles in a leaf of the static hierarchy.
     pub bvh_leaf_size: usize,
-    /// Number of tasks into which a search of the static hierarchy is divided.
-    pub bvh_search_tasks: usize,
+    /// Number of pairs of nodes into which a search of the static hierarchy is divided.
+    pub bvh_search_parts: usize,
+    /// Number of them that one task searches: lists that are allocated by one thread and freed by another are expensive.
+    pub bvh_parts_per_task: usize,
+    /// Number of pairs of triangles that a task has room for at first.
+    pub bvh_pairs_per_task: usize,
     /// Winding number above which a point counts as inside [-].
     pub min_inside_winding: f64,
     /// Area of the openings of a sheet over its own above which it has no outside [-]: a hemisphere has 0.5, a trunk without
@@ -47,7 +51,9 @@ impl MeshTuning {
         bvh_rebuild_motion: 2.0,
         bvh_build_growth: 0.05,
         bvh_leaf_size: 4,
-        bvh_search_tasks: 256,
+        bvh_search_parts: 256,
+        bvh_parts_per_task: 16,
+        bvh_pairs_per_task: 4096,
         min_inside_winding: 0.5,
         max_opening_fraction: 0.3,
         min_volume_fraction: 0.002,

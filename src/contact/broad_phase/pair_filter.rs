@@ -35,21 +35,21 @@ impl<'a> PairFilter<'a> {
 
     /// Returns the candidates among the primitives of `pairs` of triangles.
     pub fn compare(&self, pairs: &[TrianglePairs]) -> Candidates {
-        let compare = |lists: &mut [Shortlist; 2], part: &TrianglePairs| {
-            let [points, edges] = lists;
+        let compare = |part: &TrianglePairs| {
+            let [mut points, mut edges] = [3, 6].map(|room| Shortlist::with_room(room * part.len()));
             for &(a, b) in part {
-                self.shortlist_points(a, b, points);
-                self.shortlist_points(b, a, points);
-                self.shortlist_edges(a, b, edges);
+                self.shortlist_points(a, b, &mut points);
+                self.shortlist_points(b, a, &mut points);
+                self.shortlist_edges(a, b, &mut edges);
             }
             edges.order_pairs();
             let skip = self.query.skip;
             let points =
-                points.drain(|p, f| self.is_point_near(p, f) && !skip(self.mesh.point_triangle_pair(p, f)));
-            let edges = edges.drain(|e, f| self.is_edge_near(e, f) && !skip(self.mesh.edge_edge_pair(e, f)));
+                points.retain(|p, f| self.is_point_near(p, f) && !skip(self.mesh.point_triangle_pair(p, f)));
+            let edges = edges.retain(|e, f| self.is_edge_near(e, f) && !skip(self.mesh.edge_edge_pair(e, f)));
             (points, edges)
         };
-        let found: Vec<_> = pairs.par_iter().with_max_len(1).map_init(Default::default, compare).collect();
+        let found: Vec<_> = pairs.par_iter().with_max_len(1).map(compare).collect();
         let (point_parts, edge_parts): (Vec<_>, Vec<_>) = found.into_iter().unzip();
         let (point_triangle, edge_edge) = rayon::join(
             || sorted(&point_parts, self.query.start.len()),
@@ -176,13 +176,17 @@ impl<'a> PairFilter<'a> {
 
 /// Pairs whose boxes are near, before the exact test. They are collected first and tested then, and added without a branch, because which
 /// box test passes cannot be predicted and a wrong guess costs more than the test.
-#[derive(Default)]
 struct Shortlist {
     pairs: Vec<[u32; 2]>,
     count: usize,
 }
 
 impl Shortlist {
+    /// An empty list with room for that many pairs.
+    fn with_room(pairs: usize) -> Self {
+        Self { pairs: vec![[0; 2]; pairs], count: 0 }
+    }
+
     /// Makes room for that many calls of [`Shortlist::add_if`].
     #[inline(always)]
     fn reserve(&mut self, more: usize) {
@@ -204,15 +208,16 @@ impl Shortlist {
             .for_each(|pair| *pair = [pair[0].min(pair[1]), pair[0].max(pair[1])]);
     }
 
-    /// Empties the list and returns the pairs that pass the test.
+    /// Returns the pairs that pass the test.
     #[inline(always)]
-    fn drain(&mut self, test: impl Fn(u32, u32) -> bool) -> Vec<[u32; 2]> {
+    fn retain(mut self, test: impl Fn(u32, u32) -> bool) -> Vec<[u32; 2]> {
         let mut kept = 0;
-        for k in 0..std::mem::take(&mut self.count) {
+        for k in 0..self.count {
             let pair = self.pairs[k];
             self.pairs[kept] = pair;
             kept += usize::from(test(pair[0], pair[1]));
         }
-        self.pairs[..kept].to_vec()
+        self.pairs.truncate(kept);
+        self.pairs
     }
 }
