@@ -19,7 +19,7 @@ pub struct BakeOptions {
     /// Strain under the garment's own weight up to which a lower stretch stiffness than the fabric's may be used [-].
     pub max_weight_strain: f64,
     /// Step after a memory event as a fraction of the time to the next event [-]: the cloth responds to each before the
-    /// next is due.
+    /// next is due. On a body it may be two and a half times as long.
     pub event_dt_fraction: f64,
     /// Whether every model is on and at full size, with short steps of one length, each solved for the whole garment: the
     /// reference for the choice of models ([`crate::bake::ModelPlan`]).
@@ -93,6 +93,12 @@ impl BakeOptions {
         let newton = NewtonOptions { rel_decrement_tol: 0.0, ..self.step.newton };
         let dt = TUNING.stepping.full_fidelity_dt;
         StepOptions { newton, min_dt: dt, max_dt: dt, relaxation: StepRelaxation::OFF, ..self.step }
+    }
+
+    /// Step after a memory event in use, as a fraction of the time to the next event [-].
+    pub(super) fn effective_event_dt_fraction(&self) -> f64 {
+        let factor = if self.body.is_some() { TUNING.stepping.body_event_dt_factor } else { 1.0 };
+        factor * self.event_dt_fraction
     }
 
     /// Energy tolerance of a step in use, as a height [m].

@@ -107,7 +107,7 @@ impl<'a> Run<'a> {
             splits,
             model: options.memory.then_some(model),
             step_options: options.effective_step(),
-            event_dt_fraction: options.event_dt_fraction,
+            event_dt_fraction: options.effective_event_dt_fraction(),
             checkpoint_steps: options.checkpoint_steps,
             persistent: PersistentState::default(),
             body: None,

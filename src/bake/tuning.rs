@@ -45,6 +45,8 @@ pub(super) struct SteppingTuning {
     pub long_hold: f64,
     /// Growth of the longest step with the time beyond that [-].
     pub hold_dt_growth: f64,
+    /// Factor on the step after a memory event for cloth on a body [-]: the body, not the last event, decides how far cloth bends.
+    pub body_event_dt_factor: f64,
     /// Length of every step with `BakeOptions::full_fidelity` [s].
     pub full_fidelity_dt: f64,
     /// Factor on the energy tolerance with `BakeOptions::full_fidelity` [-]: so small that every solve is global.
@@ -295,6 +297,7 @@ impl BakeTuning {
             max_rest_speed: 1e-4,
             long_hold: 120.0,
             hold_dt_growth: 0.1,
+            body_event_dt_factor: 2.5,
             full_fidelity_dt: 1.0 / 60.0,
             full_fidelity_energy_factor: 0.01,
         },
