@@ -12,7 +12,7 @@ use crate::sim::stage_terms::{LoadBuffers, stage_terms};
 use crate::sim::state::{PreviousState, State};
 use crate::sim::step_relaxation::StepRelaxation;
 use crate::sim::tuning::TUNING;
-use crate::sim::violations::Violations;
+use crate::sim::violations::{Violation, Violations};
 
 /// Options of the time stepping.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -156,10 +156,11 @@ impl Stepper {
             let violations = Violations::detect(&next.x, &self.cloth, &self.contact);
             let nearly_tol = TUNING.nearly_converged_factor * self.options.newton.decrement_tol;
             let solved = report.converged || report.newton_decrement <= nearly_tol || !converges;
-            // Cloth that barely moves is jammed: a smaller step would not help the solver.
-            let barely_moves = error <= error_tol;
             // What guides the cloth may have pushed it through a place that smaller steps lead it around.
-            let too_coarse = too_coarse || (loads.last.guided && violations.stretched.is_some());
+            let overstretches = loads.last.guided && self.stretches_farther(violations.stretched, &state.x);
+            let too_coarse = too_coarse || overstretches;
+            // Cloth that barely moves is jammed: a smaller step would not help the solver.
+            let barely_moves = error <= error_tol && !overstretches;
             if (solved && !too_coarse) || barely_moves || is_min_dt {
                 let growth = self.dt_growth(error, error_tol, solved || barely_moves);
                 self.error_limited_dt = h * growth;
@@ -184,6 +185,14 @@ impl Stepper {
             last = loads_at(state.time + h, state);
         }
         unreachable!("the minimum time step is always accepted")
+    }
+
+    /// Whether cloth that is stretched too far was not stretched so far at `before` [m].
+    fn stretches_farther(&self, stretched: Option<Violation>, before: &[Vec3]) -> bool {
+        stretched.is_some_and(|stretched| {
+            let strains = self.cloth.membrane.measure(before).into_iter().map(|[u, v, _]| u.max(v) - 1.0);
+            stretched.size > strains.fold(0.0, f64::max)
+        })
     }
 
     /// Returns the ratio of the next time step to this one, which does not grow after a step that `may_grow` excludes.
