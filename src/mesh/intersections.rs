@@ -45,15 +45,12 @@ pub fn intersections_between(
     other_triangles: &[[PointIndex; 3]],
 ) -> Vec<[u32; 2]> {
     let other_bvh = TriangleBvh::new(other_points, other_triangles, 0.0);
-    let mut found = Vec::new();
-    TriangleBvh::new(points, triangles, 0.0).for_each_overlap_with(&other_bvh, |a, b| {
-        let first = corners(points, &triangles[a as usize]);
-        if triangles_intersect(&first, &corners(other_points, &other_triangles[b as usize])) {
-            found.push([a, b]);
-        }
-    });
-    found.sort_unstable();
-    found
+    let intersects = |[a, b]: &[u32; 2]| {
+        let first = corners(points, &triangles[*a as usize]);
+        triangles_intersect(&first, &corners(other_points, &other_triangles[*b as usize]))
+    };
+    let near = TriangleBvh::new(points, triangles, 0.0).overlapping_pairs_with(&other_bvh);
+    near.into_par_iter().filter(intersects).collect()
 }
 
 /// Returns the side of the plane a b c on which the point d lies, exactly: 1, 0 or -1.

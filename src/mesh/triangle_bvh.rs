@@ -2,8 +2,8 @@
 //!
 //! This module wraps parry's hierarchy; nothing else uses that package. The hierarchy is built once and refitted as points move; it is rebuilt
 //! once they have moved far, because boxes that were near in the old shape no longer are. Results never depend on the history of the hierarchy:
-//! pairs are sorted, and of several triangles at the same distance the first counts. Only `overlaps` and the closures given to `for_each_*` see
-//! its order, which is the same for any number of threads.
+//! pairs are sorted, and of several triangles at the same distance the first counts. Only `overlaps` sees its order, which is the
+//! same for any number of threads.
 //!
 //! A triangle with a corner that is not finite is left out: it overlaps nothing and nothing finds it. Whoever moves
 //! points checks them. Motion within a step is covered by boxes swept from start to end; the exact tests are in
@@ -20,6 +20,8 @@ use rayon::prelude::*;
 
 /// Half width \[m\] of the inside-out box of a triangle that is left out; far, but its cube is still finite.
 const LEFT_OUT_HALF_WIDTH: f64 = 1e100;
+/// Fewest triangles that one task searches overlaps for.
+const TRIANGLES_PER_TASK: usize = 256;
 /// Relative widening of a ray's interval in a box, so that rounding never loses one it grazes.
 const RAY_SLACK: f64 = 1e-14;
 
@@ -122,18 +124,6 @@ impl TriangleBvh {
         self.bvh.traverse_bvtt_single_tree_parallel::<false>()
     }
 
-    /// Calls `visit(own, other)` for every pair of boxes that overlap between the hierarchies, in no order to rely on.
-    pub fn for_each_overlap_with(&self, other: &Self, mut visit: impl FnMut(u32, u32)) {
-        for (a, b) in self.bvh.leaf_pairs(&other.bvh, |x, y| x.intersects(y)) {
-            // The traversal does not test the children of the roots: every pair is tested again.
-            if let (Some(x), Some(y)) = (self.bvh.leaf_node(a), other.bvh.leaf_node(b))
-                && x.intersects(y)
-            {
-                visit(a, b);
-            }
-        }
-    }
-
     /// Returns all pairs of different triangles whose boxes overlap, lower index first, sorted.
     pub fn overlapping_pairs(&self) -> Vec<[u32; 2]> {
         let mut pairs: Vec<_> = self.overlaps().into_iter().map(|(a, b)| [a.min(b), a.max(b)]).collect();
@@ -143,10 +133,17 @@ impl TriangleBvh {
 
     /// Returns all pairs (own, other) whose boxes overlap, sorted.
     pub fn overlapping_pairs_with(&self, other: &Self) -> Vec<[u32; 2]> {
-        let mut pairs = Vec::new();
-        self.for_each_overlap_with(other, |a, b| pairs.push([a, b]));
-        pairs.sort_unstable();
-        pairs
+        let of_own = |own: u32| {
+            let own_box = self.bvh.leaf_node(own);
+            let overlaps = |node: &BvhNode| own_box.is_some_and(|own| own.intersects(node));
+            // The traversal does not test the children of the root.
+            let is_leaf_near = |f: &u32| other.bvh.leaf_node(*f).is_some_and(overlaps);
+            let mut others: Vec<u32> = other.bvh.leaves(overlaps).filter(is_leaf_near).collect();
+            others.sort_unstable();
+            others.into_iter().map(move |other| [own, other])
+        };
+        let own = (0..self.triangles.len() as u32).into_par_iter().with_min_len(TRIANGLES_PER_TASK);
+        own.flat_map_iter(of_own).collect()
     }
 
     /// Returns the first triangle that the ray from `origin` \[m\] along `direction` (any length) meets within `max_t` lengths of
