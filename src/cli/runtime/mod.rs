@@ -1,6 +1,5 @@
-//! Process-level services: console output, progress, interruption, threads, allocator.
+//! Process-level services: console output, progress, interruption, threads.
 
-pub mod allocator;
 pub mod console;
 pub mod executable;
 pub mod interrupt;

@@ -1,13 +1,11 @@
 //! Worker threads of the process.
 
-use crate::cli::runtime::allocator;
 use crease::{Error, Result};
 use std::num::NonZeroUsize;
 
 /// Starts the global thread pool with `count` threads, by default one per core. The main thread is one of them and
 /// works while it would otherwise wait.
 pub(in crate::cli) fn use_threads(count: Option<NonZeroUsize>) -> Result<()> {
-    allocator::use_single_arena();
     rayon::ThreadPoolBuilder::new()
         .num_threads(count.map_or(0, NonZeroUsize::get))
         .use_current_thread()
