@@ -46,6 +46,7 @@ impl Scene {
         let mut options =
             BakeOptions { frames_per_second: 5.0, checkpoint_steps: 8, ..BakeOptions::default() };
         options.step.method = method;
+        options.finest_edge = 0.02;
         // One method on a mesh of its own, which is refined during the run; the others on the sheet's few triangles.
         options.own_triangles = method != Method::BackwardEuler;
         Self {
