@@ -12,7 +12,7 @@ use crate::sim::stage_terms::{LoadBuffers, stage_terms};
 use crate::sim::state::{PreviousState, State};
 use crate::sim::step_relaxation::StepRelaxation;
 use crate::sim::tuning::TUNING;
-use crate::sim::violations::{Violation, Violations};
+use crate::sim::violations::Violations;
 
 /// Options of the time stepping.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -157,7 +157,7 @@ impl Stepper {
             let nearly_tol = TUNING.nearly_converged_factor * self.options.newton.decrement_tol;
             let solved = report.converged || report.newton_decrement <= nearly_tol || !converges;
             // What guides the cloth may have pushed it through a place that smaller steps lead it around.
-            let overstretches = loads.last.guided && self.stretches_farther(violations.stretched, &state.x);
+            let overstretches = loads.last.guided && violations.stretches_farther(&state.x, &self.cloth);
             let too_coarse = too_coarse || overstretches;
             // Cloth that barely moves is jammed: a smaller step would not help the solver.
             let barely_moves = error <= error_tol && !overstretches;
@@ -185,14 +185,6 @@ impl Stepper {
             last = loads_at(state.time + h, state);
         }
         unreachable!("the minimum time step is always accepted")
-    }
-
-    /// Whether cloth that is stretched too far was not stretched so far at `before` [m].
-    fn stretches_farther(&self, stretched: Option<Violation>, before: &[Vec3]) -> bool {
-        stretched.is_some_and(|stretched| {
-            let strains = self.cloth.membrane.measure(before).into_iter().map(|[u, v, _]| u.max(v) - 1.0);
-            stretched.size > strains.fold(0.0, f64::max)
-        })
     }
 
     /// Returns the ratio of the next time step to this one, which does not grow after a step that `may_grow` excludes.

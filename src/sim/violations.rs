@@ -36,8 +36,7 @@ impl Violations {
             .tightest_pair(x)
             .filter(|tightest| tightest.gap_ratio < TUNING.min_gap_ratio)
             .map(|tightest| Violation { size: tightest.gap_ratio, position: tightest.position });
-        let strains: Vec<f64> =
-            cloth.membrane.measure(x).into_iter().map(|[u, v, _]| u.max(v) - 1.0).collect();
+        let strains = strains(x, cloth);
         let none = (TUNING.max_strain, usize::MAX);
         let (size, triangle) =
             strains.iter().copied().zip(0..).fold(none, |max, s| if s.0 > max.0 { s } else { max });
@@ -55,8 +54,20 @@ impl Violations {
         Self { pressed, stretched, torn }
     }
 
+    /// Whether cloth that is stretched too far was not stretched so far at `before` [m], the beginning of the step.
+    pub(super) fn stretches_farther(&self, before: &[Vec3], cloth: &Cloth) -> bool {
+        let farther =
+            |stretched: Violation| stretched.size > strains(before, cloth).into_iter().fold(0.0, f64::max);
+        self.stretched.is_some_and(farther)
+    }
+
     /// Whether there is no violation.
     pub fn is_none(&self) -> bool {
         *self == Self::default()
     }
+}
+
+/// Returns the larger of the strains along warp and weft at `x` [m] [-], one per triangle.
+fn strains(x: &[Vec3], cloth: &Cloth) -> Vec<f64> {
+    cloth.membrane.measure(x).into_iter().map(|[u, v, _]| u.max(v) - 1.0).collect()
 }
