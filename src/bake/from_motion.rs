@@ -6,6 +6,7 @@
 //! step. Does not do: forces, contact during the motion, repair of a motion.
 
 use crate::bake::findings::empty_reason;
+use crate::bake::plan::reference_length;
 use crate::bake::{BakeReport, BakeResult, SimulatedGarment, StageSeconds, relax};
 use crate::fabric::Fabric;
 use crate::garment::{Garment, RestState, WornGarment};
@@ -62,7 +63,7 @@ pub fn memory_from_motion(garment: &Garment, fabric: &Fabric, motion: &mut Garme
     let clock = Instant::now();
     let cloth = Cloth::new(garment, fabric);
     let source_angle = cloth.bending.angles(&garment.points, &[]);
-    let model = MemoryModel::new(garment, fabric, cloth.bending.width());
+    let model = MemoryModel::new(garment, fabric, cloth.bending.width(), reference_length(garment, fabric));
     let mut memory = Memory::new(RestState::new(source_angle.clone(), garment.triangles.len()));
     let measure = |x: &[Vec3]| if model.remembers_length() { cloth.membrane.measure(x) } else { Vec::new() };
     let mut first_angle: Option<Vec<f64>> = None;

@@ -39,6 +39,8 @@ pub struct ModelPlan {
     pub layers_meet: bool,
     /// Smallest bending length of an element in lengths of its edges [-]; 0 for the fabric's own bending everywhere.
     pub min_bending_edges: f64,
+    /// Reference length of the memory law [m].
+    pub reference_length: f64,
     /// Every decision, in the order of the report.
     pub decisions: Vec<ModelDecision>,
 }
@@ -51,13 +53,26 @@ impl ModelPlan {
         let mut decisions = Vec::new();
         let stretch = scene.stretch(&mut decisions);
         scene.bending(&mut decisions);
-        decisions.push(scene.memory(options.memory));
+        let reference_length = if options.full_fidelity {
+            fabric.memory.reference_length()
+        } else {
+            reference_length(garment, fabric)
+        };
+        decisions.push(scene.memory(reference_length));
         let (layers_meet, contact_distance) = scene.self_contact(&mut decisions);
         decisions.push(scene.friction(layers_meet));
         decisions.push(ModelDecision { name: "body", on: false, why: "no body was given".into() });
         decisions.extend(steps(options));
         let contact_stiffness = scene.contact_stiffness(stretch, contact_distance);
-        Self { stretch, contact_distance, contact_stiffness, layers_meet, min_bending_edges: 0.0, decisions }
+        Self {
+            stretch,
+            contact_distance,
+            contact_stiffness,
+            layers_meet,
+            min_bending_edges: 0.0,
+            reference_length,
+            decisions,
+        }
     }
 
     /// Settings of the contact of cloth with itself, the ground and a body.
@@ -128,6 +143,14 @@ impl ModelPlan {
     }
 }
 
+/// Reference length of the memory law on `garment`, made of `fabric` [m]: the fabric's, and no less than what the meshes of every
+/// quality resolve, so that a fold leaves the same crease on each of them.
+pub(super) fn reference_length(garment: &Garment, fabric: &Fabric) -> f64 {
+    let (low, high) = bounds(&garment.points);
+    let resolved = TUNING.models.crease_length.min(TUNING.models.crease_extent_fraction * (high - low).max());
+    fabric.memory.reference_length().max(resolved)
+}
+
 /// Inputs of a plan.
 struct PlannedScene<'a> {
     garment: &'a Garment,
@@ -193,17 +216,19 @@ impl PlannedScene<'_> {
         })
     }
 
-    fn memory(&self, on: bool) -> ModelDecision {
+    fn memory(&self, reference_length: f64) -> ModelDecision {
         let (fold, pressed) = self.sharpest_fold();
         let memory = &self.fabric.memory;
         let [gradual, critical] =
             [memory.gradual_threshold(), memory.critical_threshold()].map(f64::to_degrees);
+        let on = self.options.memory;
         let why = if on {
             let creases =
                 if fold >= TUNING.models.creasing_fold_deg || pressed { "critical" } else { "gradual" };
             let presses = if pressed { " and pressing or crumpling" } else { "" };
+            let length = 1e3 * reference_length;
             format!(
-                "gradual beyond {gradual:.0} degrees, critical beyond {critical:.0}; folds of {fold:.0} degrees{presses} reach the {creases} band"
+                "gradual beyond {gradual:.0} degrees within {length:.0} mm, critical beyond {critical:.0}; folds of {fold:.0} degrees{presses} reach the {creases} band"
             )
         } else {
             "switched off".into()

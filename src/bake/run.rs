@@ -97,7 +97,7 @@ impl<'a> Run<'a> {
         }
         let stepper = setup.stepper(garment, &plan);
         let source_angle = stepper.cloth.bending.angles(&garment.points, &[]);
-        let model = MemoryModel::new(garment, fabric, stepper.cloth.bending.width());
+        let model = MemoryModel::new(garment, fabric, stepper.cloth.bending.width(), plan.reference_length);
         let mut run = Run {
             setup,
             stepper,
@@ -141,7 +141,7 @@ impl<'a> Run<'a> {
     pub fn set_mesh(&mut self, mesh: SimulationMesh) {
         self.stepper = self.setup.stepper(&mesh.garment, &self.plan);
         let width = self.stepper.cloth.bending.width();
-        let model = MemoryModel::new(&mesh.garment, self.setup.fabric, width);
+        let model = MemoryModel::new(&mesh.garment, self.setup.fabric, width, self.plan.reference_length);
         self.model = self.model.take().map(|_| model);
         self.mesh = mesh;
     }

@@ -70,6 +70,10 @@ pub(super) struct ModelTuning {
     pub free_wrinkle_edge: f64,
     /// Smallest bending length of an element of cloth on a body, in lengths of its edges [-].
     pub min_bending_edges_on_body: f64,
+    /// Smallest reference length of the memory law on a garment [m], default 0.02: what edges of every quality resolve.
+    pub crease_length: f64,
+    /// The same as a fraction of the garment's extent [-], default 0.05: a doll's garment is creased like a person's.
+    pub crease_extent_fraction: f64,
     /// Fold angle from which the crease law decides and not how the cloth bends [degrees].
     pub creasing_fold_deg: f64,
 }
@@ -83,6 +87,11 @@ pub(super) struct SimulationMeshTuning {
     /// Finest edge where the cloth may crease anywhere, as a fraction of the garment's extent [-] and at least that along fold
     /// lines, default 0.02: a crumpled T-shirt has 3,000 points and not 8,000.
     pub anywhere_extent_fraction: f64,
+    /// Longest edges where fold lines cross [m], default 0.008: coarser ones stretch in the corner of many layers, which then
+    /// lies otherwise in every run.
+    pub max_crossing_edge: f64,
+    /// Length of edges there relative to that along fold lines [-] and at most, default 0.75.
+    pub crossing_factor: f64,
     /// Length of edges along borders, seams and sides relative to that along fold lines [-], default 1.5.
     pub side_factor: f64,
     /// Longest edges relative to those along fold lines [-], default 3.4.
@@ -308,11 +317,15 @@ impl BakeTuning {
             max_contact_edge_fraction: 0.2,
             free_wrinkle_edge: 0.25,
             min_bending_edges_on_body: 2.0,
+            crease_length: 0.02,
+            crease_extent_fraction: 0.05,
             creasing_fold_deg: 150.0,
         },
         simulation_mesh: SimulationMeshTuning {
             max_extent_fraction: 0.04,
             anywhere_extent_fraction: 0.02,
+            max_crossing_edge: 0.008,
+            crossing_factor: 0.75,
             side_factor: 1.5,
             max_factor: 3.4,
             max_edge: 0.04,

@@ -133,7 +133,9 @@ pub fn fall(
     let mut stepper = stepper(&garment, fabric, stepping);
     let flat = vec![0.0; garment.topology.hinges.len()];
     let angle = stepper.cloth.bending.angles(&garment.points, &flat);
-    let law = with_memory.then(|| MemoryModel::new(&garment, fabric, stepper.cloth.bending.width()));
+    let law = with_memory.then(|| {
+        MemoryModel::new(&garment, fabric, stepper.cloth.bending.width(), fabric.memory.reference_length())
+    });
     let mut memory = Memory::new(RestState::new(flat, garment.triangles.len()));
     let mut state = State::at_rest(garment.points.clone(), angle);
     let mut fall = Fall {

@@ -111,7 +111,8 @@ fn curvature(time: f64) -> f64 {
 /// Bends a strip of `fabric`, `steps_per_second` steps a second, for `cycles` cycles.
 pub fn bend(fabric: &Fabric, cycles: usize, steps_per_second: usize) -> Vec<LoopSample> {
     let strip = JawStrip::of(fabric);
-    let law = MemoryModel::new(&strip.garment, fabric, strip.bending.width());
+    let law =
+        MemoryModel::new(&strip.garment, fabric, strip.bending.width(), fabric.memory.reference_length());
     let flat = strip.bending.angles(&strip.garment.points, &[]);
     let unstretched = vec![[1.0, 1.0, 0.0]; strip.garment.triangles.len()];
     let mut memory = Memory::new(RestState::new(flat.clone(), strip.garment.triangles.len()));

@@ -95,7 +95,7 @@ impl PlatePress {
         let sheet = self.sheet();
         let garment = sheet.flat_garment();
         let bending = Bending::new(&garment, fabric);
-        let law = MemoryModel::new(&garment, fabric, bending.width());
+        let law = MemoryModel::new(&garment, fabric, bending.width(), fabric.memory.reference_length());
         let flat = bending.angles(&garment.points, &[]);
         let folded = bending.angles(&self.folded(&sheet), &flat);
         let mut memory = Memory::new(RestState::new(flat.clone(), garment.triangles.len()));

@@ -261,7 +261,7 @@ mod tests {
         let garment = half_masked();
         let mut memory = Memory::new(RestState::flat(2, 3));
         let strains = Strains::of_angles(&[2.5, 2.5]);
-        let model = MemoryModel::new(&garment, &t_shirt(), &[1.0, 1.0]);
+        let model = MemoryModel::new(&garment, &t_shirt(), &[1.0, 1.0], t_shirt().memory.reference_length());
         let count = memory.commit(&model, &strains, &strains, 5.0);
         assert!(count.critical >= 1);
         assert!(memory.rest.rest_angle[0] > 1.0);

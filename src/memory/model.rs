@@ -60,27 +60,23 @@ impl<'a> Strains<'a> {
 }
 
 impl MemoryModel {
-    /// The law of `fabric` on `garment`, whose hinges stand for `width` [m] of cloth each.
-    pub fn new(garment: &Garment, fabric: &Fabric, width: &[f64]) -> Self {
+    /// The law of `fabric` on `garment`, whose hinges stand for `width` [m] of cloth each, with the length `reference` [m] within which
+    /// a bend counts as one crease: the fabric's where the mesh resolves that, and a longer one where it does not.
+    pub fn new(garment: &Garment, fabric: &Fabric, width: &[f64], reference: f64) -> Self {
         let min_mask = |points: &mut dyn Iterator<Item = usize>| {
             points.map(|p| garment.memory_mask[p]).fold(1.0, f64::min).clamp(0.0, 1.0)
         };
         let hinges = &garment.topology.hinges;
         Self {
             length: MemoryLaw::for_lengths(&fabric.memory),
-            window: Some(BendWindow::new(
-                &garment.points,
-                &garment.topology,
-                width,
-                fabric.memory.reference_length(),
-            )),
+            window: Some(BendWindow::new(&garment.points, &garment.topology, width, reference)),
             hinge_mask: hinges.iter().map(|h| min_mask(&mut h.points[..2].iter().map(|p| p.at()))).collect(),
             triangle_mask: garment
                 .triangles
                 .iter()
                 .map(|t| min_mask(&mut t.iter().map(|p| p.at())))
                 .collect(),
-            ..Self::for_hinges(fabric, width)
+            ..Self::evenly_bent(fabric, width, reference)
         }
     }
 
@@ -88,7 +84,10 @@ impl MemoryModel {
     /// memory of lengths. Hinges narrower than the reference length count as parts of cloth that bends evenly, because nothing is
     /// known of those around them.
     pub fn for_hinges(fabric: &Fabric, width: &[f64]) -> Self {
-        let reference = fabric.memory.reference_length();
+        Self::evenly_bent(fabric, width, fabric.memory.reference_length())
+    }
+
+    fn evenly_bent(fabric: &Fabric, width: &[f64], reference: f64) -> Self {
         Self {
             angle: MemoryLaw::for_angles(&fabric.memory),
             length: None,

@@ -44,7 +44,7 @@ pub struct Watched {
 impl Watched {
     pub fn new(garment: &Garment, fabric: &Fabric) -> Self {
         let bending = Bending::new(garment, fabric);
-        let law = MemoryModel::new(garment, fabric, bending.width());
+        let law = MemoryModel::new(garment, fabric, bending.width(), fabric.memory.reference_length());
         let angle = bending.angles(&garment.points, &[]);
         let memory = Memory::new(RestState::new(angle.clone(), garment.triangles.len()));
         Self { bending, law, memory, angle }

@@ -76,7 +76,8 @@ impl Scene for Flap {
             bend_damping: fabric.bend_damping_s,
         };
         let cloth = material.cloth(&sheet, &garment);
-        let law = MemoryModel::new(&garment, &fabric, cloth.bending.width());
+        let law =
+            MemoryModel::new(&garment, &fabric, cloth.bending.width(), fabric.memory.reference_length());
         let contact = Contact::none(garment.points.len());
         Ok(SceneState { law: Some(law), ..SceneState::new(garment, cloth, contact) })
     }
