@@ -176,14 +176,16 @@ impl WearAction for Fold {
             let straight = ((coords.s - PI * coords.depth) / TUNING.fold.rise_ramp).clamp(0.0, 1.0);
             FlapPoint { point: p, coords, rise: rise * straight, mass: masses[p as usize] }
         };
+        let held = TUNING.fold.held_width;
         // The part that stays is held along the line; beyond, it is fixed while the flap turns: nothing moves it.
-        let gripped = rest.iter().filter(|&&p| line.beyond(&x[p as usize]) > -grip_width);
+        let gripped = rest.iter().filter(|&&p| line.beyond(&x[p as usize]) > -held);
         let pin = |&p: &u32| pin_spring(p, x[p as usize], masses[p as usize]);
         ActionStart::here(FoldRunner {
             axis,
             flap: flap.iter().map(flap_point).collect(),
             pins: gripped.map(pin).collect(),
-            fixed: x.iter().map(|p| line.beyond(p) <= -grip_width).collect(),
+            fixed: x.iter().map(|p| line.beyond(p) <= -held).collect(),
+            smoothed: x.iter().map(|p| line.beyond(p).abs() < grip_width).collect(),
             record: FoldRecord {
                 flap,
                 origin: line.origin,
@@ -222,6 +224,9 @@ struct FoldRunner {
     pins: Vec<TargetSpring>,
     /// Points that are fixed while the flap turns, one flag per point.
     fixed: Vec<bool>,
+    /// Points along the line that are smoothed after the release, one flag per point: those of a strip of cloth, since points that
+    /// entered and left a strip of the ground would be pushed to and fro.
+    smoothed: Vec<bool>,
     record: FoldRecord,
     /// Duration of the turn [s].
     over: f64,
@@ -258,13 +263,12 @@ impl FoldRunner {
     }
 
     /// Loads `t` seconds after the release of the flap: pressure that smooths the new fold.
-    fn smoothing_loads(&self, t: f64, x: &[Vec3]) -> Loads {
+    fn smoothing_loads(&self, t: f64) -> Loads {
         let fold = &TUNING.fold;
-        let near_line = |p: &Vec3| (p - self.record.origin).dot(&self.record.outward).abs() < fold.grip_width;
         let rises = t < fold.release_time;
         Loads {
             pressure: fold.smoothing_pressure * smoothstep(t / fold.release_time),
-            pressed: x.iter().map(near_line).collect(),
+            pressed: self.smoothed.clone(),
             max_dt: if rises { fold.release_time / fold.release_steps } else { f64::INFINITY },
             transient: rises,
             ..self.idle_loads.clone()
@@ -273,7 +277,7 @@ impl FoldRunner {
 }
 
 impl ActionRunner for FoldRunner {
-    fn loads_at(&mut self, t: f64, x: &[Vec3]) -> Loads {
+    fn loads_at(&mut self, t: f64, _x: &[Vec3]) -> Loads {
         let release_time = TUNING.fold.release_time;
         let turning = t <= self.over * (1.0 + 1e-9);
         let grip = if turning || !self.supports_itself() {
@@ -282,7 +286,7 @@ impl ActionRunner for FoldRunner {
             1.0 - smoothstep((t - self.over) / release_time)
         };
         if grip <= 0.0 {
-            return self.smoothing_loads(t - self.over - release_time, x);
+            return self.smoothing_loads(t - self.over - release_time);
         }
         let phi = self.record.angle * smoothstep(t / self.over);
         let risen = smoothstep(phi / PI);
