@@ -14,7 +14,7 @@ use crate::garment::Garment;
 use crate::math::{Vec3, bounds};
 use crate::mesh::intersections::self_intersections;
 use crate::remesh::{Curve, Seed, SimulationMesh, SizeField, SurfaceMesh, improve};
-use crate::wear::{DrawnLines, Foresight, RIM, WearScript, draw_fold_lines};
+use crate::wear::{DrawnLines, Foresight, RIM, WearScript, draw_fold_lines, is_row};
 
 /// The mesh that is simulated for a garment.
 #[derive(Debug, Clone)]
@@ -43,10 +43,14 @@ pub struct RefinementRule {
 pub(super) struct EdgeLengths {
     /// Along fold lines; also the distance of the rows beside them.
     pub line: f64,
+    /// Where fold lines cross: a corner of many layers is folded there.
+    crossing: f64,
     /// Along borders, seams and sides.
     side: f64,
     /// At most.
     pub max: f64,
+    /// Finest at creases without a line.
+    free: f64,
     /// Finest, where the cloth may crease anywhere.
     anywhere: f64,
 }
@@ -70,9 +74,9 @@ impl MeshChoice {
         if options.own_triangles || options.full_fidelity {
             return own("switched off");
         }
-        let lengths = EdgeLengths::new(garment, options.finest_edge);
+        let lengths = EdgeLengths::new(garment, options.finest_edge, options.finest_free_edge);
         if let Some(animated) = &options.body {
-            if garment.mean_edge() >= TUNING.simulation_mesh.max_factor_on_body * lengths.line {
+            if garment.mean_edge() >= TUNING.simulation_mesh.max_factor_on_body * lengths.free {
                 return own("coarser than any mesh on a body; --resolution refines it");
             }
             return Self::on_body(garment, animated, script, lengths);
@@ -126,8 +130,8 @@ impl MeshChoice {
     ) -> Self {
         let tuning = &TUNING.simulation_mesh;
         // Finer than the file is of no use: it could not show what comes of it.
-        let fine = lengths.line.max(garment.mean_edge());
-        let max = tuning.max_factor_on_body * lengths.line;
+        let fine = lengths.free.max(garment.mean_edge());
+        let max = tuning.max_factor_on_body * lengths.free;
         let creased = creased_positions(garment, animated, &script.body_poses(animated));
         let seeds: Vec<Seed> = creased.into_iter().map(|position| Seed { position, length: fine }).collect();
         let mut mesh = SurfaceMesh::new(garment);
@@ -149,24 +153,29 @@ impl MeshChoice {
 }
 
 impl EdgeLengths {
-    /// Lengths for `garment` with `finest` [m] at its creases; shorter on garments that are small against that.
-    pub fn new(garment: &Garment, finest: f64) -> Self {
+    /// Lengths for `garment` with `line` [m] along fold lines and `free` [m] at other creases; shorter on garments that are small
+    /// against that.
+    pub fn new(garment: &Garment, line: f64, free: f64) -> Self {
         let tuning = TUNING.simulation_mesh;
         let (low, high) = bounds(&garment.points);
         let extent = (high - low).max();
-        let line = finest.min(tuning.max_extent_fraction * extent);
+        let [line, free] = [line, free].map(|length| length.min(tuning.max_extent_fraction * extent));
         Self {
             line,
+            crossing: tuning.max_crossing_edge.min(tuning.crossing_factor * line),
             side: tuning.side_factor * line,
             max: (tuning.max_factor * line).min(tuning.max_edge),
-            anywhere: line.max(tuning.anywhere_extent_fraction * extent),
+            free,
+            anywhere: free.max(tuning.anywhere_extent_fraction * extent),
         }
     }
 }
 
 /// Brings `mesh` to short edges along its curves and edges of `uniform` length [m] elsewhere.
 pub(super) fn make(mesh: &mut SurfaceMesh, lengths: EdgeLengths, uniform: f64) {
-    let mut seeds = Vec::new();
+    let length = lengths.crossing;
+    let mut seeds: Vec<Seed> =
+        line_crossings(mesh).into_iter().map(|position| Seed { position, length }).collect();
     for [a, b] in mesh.edges() {
         let length = match mesh.curve(a, b) {
             Some(Curve::Border | Curve::Feature | Curve::Line(RIM)) => lengths.side,
@@ -176,4 +185,55 @@ pub(super) fn make(mesh: &mut SurfaceMesh, lengths: EdgeLengths, uniform: f64) {
         seeds.extend(Seed::along(mesh.x[a as usize], mesh.x[b as usize], length));
     }
     improve(mesh, &SizeField::new(&seeds, lengths.line, TUNING.simulation_mesh.edge_growth, uniform));
+}
+
+/// Positions [m] where fold lines cross one another or the rim of the laid garment.
+fn line_crossings(mesh: &SurfaceMesh) -> Vec<Vec3> {
+    let mut line = vec![None; mesh.x.len()];
+    let mut found = Vec::new();
+    for [a, b] in mesh.edges() {
+        let Some(Curve::Line(number)) = mesh.curve(a, b) else { continue };
+        if is_row(number) {
+            continue;
+        }
+        for p in [a, b].map(|p| p as usize) {
+            match line[p] {
+                None => line[p] = Some(number),
+                Some(other) if other != number => found.push(mesh.x[p]),
+                Some(_) => {}
+            }
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::GarmentFile;
+
+    #[test]
+    fn edges_are_finest_where_fold_lines_cross() {
+        let sheet = GarmentFile::sheet([0.6, 0.6], [30, 30]).expect("is a sheet").garment;
+        let fabric = Fabric::preset("cotton-jersey").expect("is a preset");
+        let text = r#"{"format": "crease-wear/1", "name": "", "actions": [{"lay": {}},
+            {"fold": {"line": [[0.5, 0.0], [0.5, 1.0]], "side": "left"}},
+            {"fold": {"line": [[0.0, 0.5], [1.0, 0.5]], "side": "lower"}}]}"#;
+        let script = WearScript::parse("wear.json", text).expect("is a script");
+        let options = BakeOptions::default();
+        let mesh = MeshChoice::new(&sheet, &fabric, &script, None, &options).mesh.garment;
+        let middle = bounds(&mesh.points).0 + Vec3::new(0.3, 0.0, 0.3);
+        // Mean length of edges on the first line, by their distance from where the lines cross.
+        let mean = |low: f64, high: f64| {
+            let ends = mesh.topology.edges.iter().map(|edge| edge.map(|p| mesh.points[p.at()] - middle));
+            let lengths: Vec<f64> = ends
+                .filter(|[a, b]| a.x.abs().max(b.x.abs()) < 2e-3)
+                .filter(|[a, b]| (low..high).contains(&a.z.abs().max(b.z.abs())))
+                .map(|[a, b]| (a - b).norm())
+                .collect();
+            lengths.iter().sum::<f64>() / lengths.len() as f64
+        };
+        let [near, far] = [mean(2e-3, 0.02), mean(0.08, 0.3)];
+        assert!(near < 0.75 * options.finest_edge && far > 0.8 * options.finest_edge, "{near} m, {far} m");
+    }
 }

@@ -15,6 +15,11 @@ const FIRST_ROW: u32 = 1 << 16;
 /// Number of the line along which a garment that is laid out flat turns over.
 pub const RIM: u32 = u32::MAX;
 
+/// Whether the number of a line is that of a row beside a fold line.
+pub fn is_row(number: u32) -> bool {
+    (FIRST_ROW..RIM).contains(&number)
+}
+
 /// Positions and layers before a fold.
 #[derive(Debug, Clone)]
 struct BeforeFold {
