@@ -3,6 +3,7 @@
 use crate::CreaseError;
 use crate::cli::files::earlier_memory::EarlierMemory;
 use crate::convert::{ReadGarment, ReadScript, exception, fabric, garment, script};
+use crate::process::check_not_forked;
 use crate::worn::PyWorn;
 use crease::bake::{Bake, BakeProgress, BakeResult, Observer, Quality};
 use crease::garment::mistaken_body;
@@ -166,6 +167,7 @@ pub fn bake(
     forget: bool,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<PyWorn> {
+    check_not_forked()?;
     if let Some(call) = progress.as_ref().filter(|call| !call.bind(py).is_callable()) {
         let kind = call.bind(py).get_type();
         return Err(PyTypeError::new_err(format!("progress: needs a function, not {}", kind.name()?)));

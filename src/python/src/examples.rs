@@ -2,6 +2,7 @@
 
 use crate::CreaseError;
 use crate::convert::{exception, rows, vectors};
+use crate::process::check_not_forked;
 use crease::{Fabric, GarmentFile, WearScript};
 use numpy::PyArray2;
 use pyo3::prelude::*;
@@ -17,6 +18,7 @@ pub fn sheet<'py>(
     size: [f64; 2],
     cells: [u32; 2],
 ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<u32>>)> {
+    check_not_forked()?;
     let count = u64::from(cells[0]) * u64::from(cells[1]);
     if count == 0 || count > MAX_CELLS {
         let text = format!("cells: {} x {} cells; needs 1 to {MAX_CELLS}", cells[0], cells[1]);

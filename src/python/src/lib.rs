@@ -11,6 +11,7 @@ mod cli;
 mod convert;
 mod examples;
 mod memory;
+mod process;
 mod sidecar;
 mod transfer;
 mod worn;

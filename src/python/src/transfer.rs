@@ -4,6 +4,7 @@ use crate::CreaseError;
 use crate::cli::files::earlier_memory::left_out_warning;
 use crate::cli::files::source::{fabric_of, read_source};
 use crate::convert::{ReadGarment, exception, fabric, garment, wrong_type};
+use crate::process::check_not_forked;
 use crate::sidecar::PySidecar;
 use crate::worn::PyWorn;
 use crease::bake::{RelaxResult, mesh_along_creases, relax_carried};
@@ -149,6 +150,7 @@ pub fn transfer(
     unit: Option<&Bound<'_, PyAny>>,
     part: Option<String>,
 ) -> PyResult<PyWorn> {
+    check_not_forked()?;
     let started = Instant::now();
     let wrong = |name: &str, value: &str, known: &str| {
         CreaseError::new_err(format!("{name}: {value} is none of {known}"))

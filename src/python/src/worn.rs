@@ -5,6 +5,7 @@ use crate::cli::args::values::glb_path;
 use crate::cli::files::output::Outputs;
 use crate::cli::files::worn_outputs::WornOutputs;
 use crate::convert::{exception, object, vectors};
+use crate::process::check_not_forked;
 use crate::sidecar::PySidecar;
 use crease::io::gltf::{SourceShape, apply_worn, write_worn_glb};
 use crease::{GarmentFile, Sidecar, Vec3, WornGarment, write_sidecar};
@@ -32,6 +33,7 @@ pub struct PyWorn {
 
 impl PyWorn {
     fn glb(&self, extras: &Value, apply: bool, unworn: bool) -> PyResult<Vec<u8>> {
+        check_not_forked()?;
         let GarmentFile { asset, garment, .. } = &self.file;
         let glb = write_worn_glb(asset, garment, &self.worn, extras).map_err(exception)?;
         let source = if unworn { SourceShape::Target } else { SourceShape::Dropped };

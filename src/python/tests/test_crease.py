@@ -1,6 +1,7 @@
 """The installed package: pip install "NAME.whl[test]"; pytest src/python/tests"""
 
 import json
+import multiprocessing
 import subprocess
 import sys
 import threading
@@ -229,6 +230,33 @@ def test_other_python_threads_run_during_a_bake():
     counter.join()
     assert len(counted) > 0.1 * (ended - started) / 0.01
     assert max(b - a for a, b in zip([started, *counted], [*counted, ended])) < 0.5 * (ended - started)
+
+
+def of_fork(queue, mesh, worn):
+    for call in (
+        lambda: crease.sheet((0.3, 0.3), (4, 4)),
+        lambda: crease.bake(mesh, SCRIPT, quality="draft"),
+        lambda: crease.transfer(worn.sidecar, mesh),
+        lambda: worn.to_glb(),
+    ):
+        try:
+            call()
+            queue.put("nothing was raised")
+        except crease.CreaseError as error:
+            queue.put(str(error))
+
+
+@pytest.mark.skipif("fork" not in multiprocessing.get_all_start_methods(), reason="forks of Unix")
+@pytest.mark.filterwarnings("ignore:This process:DeprecationWarning")
+def test_a_fork_after_a_bake_is_refused_and_does_not_hang(worn):
+    context = multiprocessing.get_context("fork")
+    queue = context.Queue()
+    child = context.Process(target=of_fork, args=(queue, crease.sheet((0.3, 0.3), (4, 4)), worn), daemon=True)
+    child.start()
+    for _ in range(4):
+        assert "spawn" in queue.get(timeout=30)
+    child.join(timeout=30)
+    assert child.exitcode == 0
 
 
 def test_the_tool_is_in_the_package(tmp_path):
