@@ -2,6 +2,8 @@
 
 import json
 import multiprocessing
+import os
+import signal
 import subprocess
 import sys
 import threading
@@ -211,6 +213,25 @@ def test_an_exception_of_progress_ends_the_bake():
 
     with pytest.raises(RuntimeError):
         crease.bake(crease.sheet((0.4, 0.4), (40, 40)), "fold-thrice", progress=fails)
+
+
+LONG = "import crease; print('on', flush=True); crease.bake(crease.sheet((0.4, 0.4), (60, 60)), 'fold-thrice')"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of Unix")
+@pytest.mark.parametrize("words, ending", [(["-c", LONG], -signal.SIGINT), (["-m", "crease"], 130)])
+def test_ctrl_c_ends_a_bake(words, ending, tmp_path):
+    if words[0] == "-m":
+        crease.bake(crease.sheet((0.4, 0.4), (60, 60)), {**SCRIPT, "actions": [{"settle": {"for": 0.1}}]}).save(tmp_path / "a.glb")
+        words = [*words, "bake", "a.glb", "--wear", "fold-thrice", "-o", "b.glb", "--forget"]
+    run = subprocess.Popen([sys.executable, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path)
+    time.sleep(4)
+    assert run.poll() is None, run.communicate()
+    run.send_signal(signal.SIGINT)
+    asked = time.monotonic()
+    _, message = run.communicate(timeout=60)
+    assert time.monotonic() - asked < 20 and run.returncode == ending, message
+    assert ("KeyboardInterrupt" in message) == (ending < 0), message
 
 
 def test_other_python_threads_run_during_a_bake():
