@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -278,6 +279,16 @@ def test_a_fork_after_a_bake_is_refused_and_does_not_hang(worn):
         assert "spawn" in queue.get(timeout=30)
     child.join(timeout=30)
     assert child.exitcode == 0
+
+
+def test_types_are_those_of_the_stubs():
+    pytest.importorskip("mypy")
+    check = lambda *words: subprocess.run([sys.executable, "-m", "mypy", "--strict", *words], capture_output=True, text=True)
+    for words in (["-p", "crease"], [str(Path(__file__).with_name("typed_use.py"))]):
+        checked = check(*words, "--cache-dir", os.devnull)
+        assert checked.returncode == 0, checked.stdout + checked.stderr
+    compared = subprocess.run([sys.executable, "-m", "mypy.stubtest", "crease"], capture_output=True, text=True)
+    assert compared.returncode == 0, compared.stdout + compared.stderr
 
 
 def test_the_tool_is_in_the_package(tmp_path):
