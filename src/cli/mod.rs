@@ -4,9 +4,9 @@
 //! 2 wrong usage, 3 no convergence, an action that did not take place, or an empty result, 130 interrupted. A new command is
 //! a file in `commands` and an entry in [`Command`].
 
-mod args;
+pub(crate) mod args;
 mod commands;
-mod files;
+pub(crate) mod files;
 mod runtime;
 
 use clap::{CommandFactory, Parser, Subcommand};

@@ -10,23 +10,23 @@ use crate::cli::args::values::{glb_path, input_path};
 use crate::cli::commands::worn_job::{SideFiles, WornJob, WornResult, outcome};
 use crate::cli::files::earlier_memory::left_out_warning;
 use crate::cli::files::input;
+use crate::cli::files::source::{fabric_of, read_source};
 use crate::cli::runtime::console;
 use clap::ValueEnum;
+use crease::Result;
 use crease::bake::{RelaxResult, mesh_along_creases, relax_carried};
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
-use crease::files::{GarmentFile, read_asset_file};
+use crease::files::GarmentFile;
 use crease::garment::WornGarment;
-use crease::io::gltf::sidecar_name;
-use crease::io::{Landmarks, ReadOptions, Sidecar, read_sidecar};
+use crease::io::{Landmarks, ReadOptions, Sidecar};
 use crease::mesh::intersections::self_intersections;
 use crease::report::{CarriedSource, TransferReport, crossing_counts};
 use crease::transfer::{
     Align, Channels, DrawnCreases, GarmentSurface, MatchBy, PointPair, Transfer, TransferResult,
     TransferSource,
 };
-use crease::{Error, Result};
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 #[derive(Debug, clap::Args)]
@@ -323,37 +323,6 @@ impl TransferInput {
         let mut sidecar = Sidecar::new(asset, garment, worn, json!(self.fabric), Value::Null, run)?;
         sidecar.triangles.confidence = Some(carried.confidence.clone());
         Ok(sidecar)
-    }
-}
-
-/// Reads a sidecar, or the one that a worn glTF names.
-fn read_source(path: &Path) -> Result<(TransferSource, Sidecar)> {
-    let is_gltf =
-        path.extension().is_some_and(|e| ["glb", "gltf"].iter().any(|own| e.eq_ignore_ascii_case(own)));
-    let named = if is_gltf { Some(sidecar_of(path)?) } else { None };
-    let path = named.as_deref().unwrap_or(path);
-    let file = input::name_of(path);
-    let sidecar = read_sidecar(&file, &input::bytes(path)?)?;
-    Ok((TransferSource::from_sidecar(&file, &sidecar)?, sidecar))
-}
-
-/// Returns the sidecar that the worn glTF `path` names.
-fn sidecar_of(path: &Path) -> Result<PathBuf> {
-    // An explicit unit: nothing but the name is read.
-    let options = ReadOptions { unit_m: Some(1.0), ..ReadOptions::default() };
-    let (asset, _) = read_asset_file(path, &options)?;
-    let name = asset.document.as_ref().and_then(sidecar_name);
-    name.map(|name| path.with_file_name(name)).ok_or_else(|| {
-        let help = "bake it first, or give the OUT.crease.json of the worn garment";
-        Error::input(input::name_of(path), "", "names no sidecar: it is no worn garment", help)
-    })
-}
-
-/// Returns the fabric of a sidecar.
-fn fabric_of(file: &str, sidecar: &Sidecar) -> Result<Fabric> {
-    match &sidecar.fabric {
-        Value::Null => Fabric::preset(DEFAULT_FABRIC),
-        value => Fabric::parse(&format!("{file}: fabric"), &value.to_string()),
     }
 }
 

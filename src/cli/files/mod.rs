@@ -6,6 +6,7 @@ pub mod frame_folder;
 pub mod frame_sequence;
 pub mod input;
 pub mod output;
+pub mod source;
 pub mod view_file;
 pub mod wear;
 pub mod worn_outputs;

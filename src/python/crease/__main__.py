@@ -2,13 +2,15 @@
 
 import os
 import shutil
+import signal
 import sys
 import sysconfig
+from typing import Optional
 
 from ._crease import run_tool
 
 
-def script():
+def script() -> Optional[str]:
     """Path of the script `crease`, with which a batch starts the tool again for every job."""
     name = "crease.exe" if os.name == "nt" else "crease"
     own = os.path.join(sysconfig.get_path("scripts"), name)
@@ -19,6 +21,8 @@ def main() -> int:
     own = script()
     if own:
         os.environ.setdefault("CREASE_EXECUTABLE", own)
+    # Python's own handler waits until the tool returns. The tool has handlers where it has something to save.
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
     return run_tool(["crease", *sys.argv[1:]])
 
 

@@ -1,122 +1,158 @@
 from os import PathLike
-from typing import Any, Callable, Mapping, Optional, Sequence, Union
+from typing import Any, Callable, Literal, Mapping, Optional, Sequence, Union, final
 
 import numpy as np
 import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
-Indices = npt.NDArray[np.uint32]
-Mesh = tuple[npt.ArrayLike, npt.ArrayLike]
-Path = Union[str, PathLike[str]]
+_Floats = npt.NDArray[np.float64]
+_Indices = npt.NDArray[np.uint32]
+_Mesh = tuple[npt.ArrayLike, npt.ArrayLike]
+_Path = Union[str, PathLike[str]]
+_Unit = Union[float, Literal["m", "dm", "cm", "mm", "in"]]
 
 __version__: str
+__all__ = [
+    "ConvergenceError",
+    "CreaseError",
+    "MemoryState",
+    "Sidecar",
+    "Worn",
+    "__version__",
+    "advance_memory",
+    "bake",
+    "fabrics",
+    "run_tool",
+    "scripts",
+    "sheet",
+    "transfer",
+]
 
 class CreaseError(ValueError):
-    """Input that cannot be used: the message names file, place and cure."""
+    """Input that cannot be used: the message names file or argument, place and cure."""
 
 class ConvergenceError(CreaseError):
-    """A result that did not converge."""
+    """A bake that could not go on to the end of its script."""
 
+@final
 class Sidecar:
     """What worn cloth remembers. All arrays are copies."""
 
     @staticmethod
-    def load(path: Path) -> Sidecar: ...
+    def load(path: _Path) -> Sidecar: ...
     @staticmethod
     def parse(text: str) -> Sidecar: ...
-    def save(self, path: Path) -> None: ...
+    def save(self, path: _Path) -> None: ...
     def to_json(self) -> str: ...
     @property
-    def points(self) -> Floats:
+    def simulated(self) -> Optional[Sidecar]:
+        """The memory on the simulated mesh, where that is not the mesh of the file; `transfer` takes folds from it."""
+    @property
+    def points(self) -> _Floats:
         """Points of the welded mesh before the wear, (n, 3) [m]."""
     @property
-    def triangles(self) -> Indices:
+    def triangles(self) -> _Indices:
         """Corners, (m, 3)."""
     @property
-    def source_point(self) -> Indices:
+    def source_point(self) -> _Indices:
         """Point of every vertex of the file."""
     @property
-    def displacement(self) -> Floats:
+    def displacement(self) -> _Floats:
         """What the wear adds to the points, (n, 3) [m]."""
     @property
-    def hinge_points(self) -> Indices:
+    def hinge_points(self) -> _Indices:
         """Points of every hinge, (h, 4): the common edge, then the opposite corners."""
     @property
-    def source_angle(self) -> Floats:
+    def source_angle(self) -> _Floats:
         """Angle of every hinge before the wear [rad], 0 where flat."""
     @property
-    def rest_angle(self) -> Floats:
+    def rest_angle(self) -> _Floats:
         """Angle that every hinge remembers [rad]."""
     @property
-    def stiffness_ratio(self) -> Floats:
+    def stiffness_ratio(self) -> _Floats:
         """Bending stiffness of every hinge relative to new cloth."""
     @property
-    def rest_stretch_warp(self) -> Floats:
+    def rest_stretch_warp(self) -> _Floats:
         """Rest length of every triangle along warp relative to new cloth."""
     @property
-    def rest_stretch_weft(self) -> Floats:
+    def rest_stretch_weft(self) -> _Floats:
         """Rest length of every triangle along weft relative to new cloth."""
 
+@final
 class Worn:
     """A worn garment."""
 
     @property
     def sidecar(self) -> Sidecar: ...
     @property
-    def displacement(self) -> Floats:
+    def displacement(self) -> _Floats:
         """What the wear adds to every vertex of the file, (v, 3) [m]; for arrays, to every point."""
     @property
-    def report(self) -> dict[str, Any]: ...
+    def report(self) -> dict[str, Any]:
+        """Content of the tool's report file."""
     @property
-    def warnings(self) -> list[str]: ...
+    def warnings(self) -> list[str]:
+        """What the tool prints as warnings."""
     @property
-    def converged(self) -> bool: ...
+    def converged(self) -> bool:
+        """Whether the worn shape is an equilibrium."""
+    @property
+    def failure(self) -> Optional[str]:
+        """Reason why the tool would end with exit code 3: an action that did not take place, no equilibrium, or no memory."""
     def to_glb(self, *, apply: bool = False, unworn: bool = True) -> bytes:
         """The file with the wear as morph target `worn`, or as its base shape."""
-    def save(self, path: Path, *, apply: bool = False, unworn: bool = True) -> None:
-        """Writes the file, and the sidecar beside it."""
+    def save(self, path: _Path, *, apply: bool = False, unworn: bool = True) -> None:
+        """Writes the file, whose name ends in .glb, and the sidecar NAME.crease.json beside it. The file that was read is never
+        overwritten."""
 
+@final
 class MemoryState:
     """Memory of hinges or lengths."""
 
-    def __init__(self, rest: npt.ArrayLike) -> None:
+    def __new__(cls, rest: npt.ArrayLike) -> MemoryState:
         """New cloth with these rest angles [rad] or stretches."""
     def __len__(self) -> int: ...
     @property
-    def rest(self) -> Floats: ...
+    def rest(self) -> _Floats: ...
     @property
-    def stiffness_ratio(self) -> Floats: ...
+    def stiffness_ratio(self) -> _Floats: ...
 
 def bake(
-    garment: Union[Path, Mesh],
-    wear: Union[Path, Mapping[str, Any]],
+    garment: Union[_Path, _Mesh],
+    wear: Union[_Path, Mapping[str, Any]],
     *,
-    fabric: str = "kow-tshirt",
+    fabric: Optional[_Path] = None,
     quality: str = "standard",
     memory: bool = True,
-    unit: Optional[float] = None,
+    unit: Optional[_Unit] = None,
     part: Optional[str] = None,
+    forget: bool = False,
     progress: Optional[Callable[[str, float, float], Any]] = None,
 ) -> Worn:
-    """Wears a garment.
+    """Wears a garment, as `crease bake` does without a body.
 
-    `garment` is a file, or positions [m] (y up) and triangles. `wear` is a file, the name of a script of `scripts()`, or its
-    content. `unit` is metres per unit of the file, `part` the node or group that is the garment. `progress` is called with
-    the stage, the simulated time and its end [s]; a result of False stops the bake, as does Ctrl-C.
+    `garment` is a file, or a pair of positions [m] (y up) and triangles. `wear` is a file, the name of a script of `scripts()`,
+    or its content as a dict. `fabric` is a name of `fabrics()` or a file; the default is cotton-jersey. `unit` is that of the
+    file, `part` the node or group that is the garment. A worn file whose sidecar is beside it begins with what it remembers,
+    unless `forget`. `progress` is called with the stage, the simulated time and its end [s]; a result of False stops the bake
+    with KeyboardInterrupt, as does Ctrl-C.
     """
 
 def transfer(
-    sidecars: Union[Sidecar, Path, Sequence[Union[Sidecar, Path]]],
-    to: Union[Path, Mesh],
+    sidecars: Union[Sidecar, _Path, Sequence[Union[Sidecar, _Path]]],
+    to: Union[_Path, _Mesh],
     *,
-    fabric: Optional[str] = None,
+    fabric: Optional[_Path] = None,
     match_by: str = "auto",
     align: str = "auto",
     strength: float = 1.0,
-    unit: Optional[float] = None,
+    unit: Optional[_Unit] = None,
     part: Optional[str] = None,
 ) -> Worn:
-    """Puts memory on another garment. `match_by` is auto, uv, surface or same; `align` is auto, joints, box or none."""
+    """Puts memory on another garment, as `crease transfer` does.
+
+    A worn .glb stands for the sidecar that it names. `match_by` is auto, uv, surface or same; `align` is auto, joints, box or
+    none. The default of `fabric` is that of the first sidecar.
+    """
 
 def advance_memory(
     state: MemoryState,
@@ -124,18 +160,19 @@ def advance_memory(
     after: npt.ArrayLike,
     duration: float,
     *,
-    fabric: str = "kow-tshirt",
+    fabric: Optional[_Path] = None,
     kind: str = "angles",
     initial_rest: Optional[npt.ArrayLike] = None,
     gain: Optional[npt.ArrayLike] = None,
 ) -> tuple[int, int]:
     """Advances memory over a step in which values go linearly from `before` to `after`.
 
-    `kind` is angles [rad] or lengths (stretch ratios). `gain` is the reference length over the width of a hinge where that is
-    narrower, 1 by default. Returns the numbers of gradual and critical events.
+    `fabric` is a name of `fabrics()` or a file; the default is cotton-jersey. `kind` is angles [rad] or lengths (stretch ratios).
+    `gain` is the reference length over the width of a hinge where that is narrower, 1 by default. Returns the numbers of gradual
+    and critical events.
     """
 
-def sheet(size: tuple[float, float], cells: tuple[int, int]) -> tuple[Floats, Indices]:
+def sheet(size: tuple[float, float], cells: tuple[int, int]) -> tuple[_Floats, _Indices]:
     """Positions [m] and triangles of a flat rectangular sheet."""
 
 def fabrics() -> list[str]:

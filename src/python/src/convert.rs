@@ -1,25 +1,54 @@
-//! Values between Python and the library.
+//! Values between Python and the library. Errors of arguments begin with the name of the argument.
 
+use crate::cli::args::values;
+use crate::cli::files::{input, wear};
 use crate::{ConvergenceError, CreaseError};
-use crease::{Error, Fabric, GarmentFile, ReadOptions, Vec3};
-use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, ToPyArray};
-use pyo3::exceptions::{PyKeyboardInterrupt, PyOSError};
+use crease::{DEFAULT_FABRIC, Error, Fabric, GarmentFile, ReadOptions, Vec3, WearScript};
+use numpy::{Element, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, ToPyArray};
+use pyo3::exceptions::{PyKeyboardInterrupt, PyOSError, PyTypeError};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use std::path::PathBuf;
 
-/// Returns the exception of an error.
+/// Returns the exception of an error. An error of the operating system becomes the subclass of `OSError` that Python has for it.
 pub fn exception(error: Error) -> PyErr {
     let text = error.to_string();
     match error {
-        Error::Input(_) => CreaseError::new_err(text),
-        Error::File { .. } => PyOSError::new_err(text),
+        Error::Input(problems) => {
+            let line = |problem: &crease::Diagnostic| match problem.excerpt.as_str() {
+                "" => problem.to_string(),
+                excerpt => format!("{problem}\n{excerpt}"),
+            };
+            CreaseError::new_err(problems.iter().map(line).collect::<Vec<_>>().join("\n"))
+        }
+        Error::File { file, source } => match source.raw_os_error() {
+            Some(code) => PyOSError::new_err((code, system_message(&source), file)),
+            None => PyOSError::new_err(text),
+        },
         Error::NotConverged(_) | Error::NotPerformed(_) | Error::Empty(_) => ConvergenceError::new_err(text),
         Error::Interrupted => PyKeyboardInterrupt::new_err(text),
     }
 }
 
+/// Returns the message of an error of the operating system without its number, which `OSError` adds.
+fn system_message(source: &std::io::Error) -> String {
+    let text = source.to_string();
+    text.split(" (os error").next().unwrap_or_default().to_owned()
+}
+
+/// Returns the exception for an argument of the wrong type.
+pub fn wrong_type(name: &str, value: &Bound<'_, PyAny>, wanted: &str) -> PyErr {
+    let kind = value.get_type().name().map_or_else(|_| "another type".to_owned(), |name| name.to_string());
+    PyTypeError::new_err(format!("{name}: needs {wanted}, not {kind}"))
+}
+
+/// Returns the path `value`.
+pub fn path(name: &str, value: &Bound<'_, PyAny>, wanted: &str) -> PyResult<PathBuf> {
+    value.extract().map_err(|_| wrong_type(name, value, wanted))
+}
+
 /// Returns an array of one row per entry.
-pub fn rows<'py, T: numpy::Element + Copy, const N: usize>(
+pub fn rows<'py, T: Element + Copy, const N: usize>(
     py: Python<'py>,
     all: &[[T; N]],
 ) -> PyResult<Bound<'py, PyArray2<T>>> {
@@ -32,30 +61,39 @@ pub fn vectors<'py>(py: Python<'py>, all: &[Vec3]) -> PyResult<Bound<'py, PyArra
 }
 
 /// Returns numbers as an array.
-pub fn numbers<'py, T: numpy::Element + Copy>(py: Python<'py>, all: &[T]) -> Bound<'py, PyArray1<T>> {
+pub fn numbers<'py, T: Element + Copy>(py: Python<'py>, all: &[T]) -> Bound<'py, PyArray1<T>> {
     all.to_pyarray(py)
 }
 
-/// Reads anything that NumPy makes a list of numbers of.
-pub fn list(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<f64>> {
+/// Returns `value` as an array of numbers of the type `kind`.
+fn array<'py>(value: &Bound<'py, PyAny>, kind: &str, name: &str) -> PyResult<Bound<'py, PyAny>> {
     let numpy = value.py().import("numpy")?;
-    let array = numpy.call_method1("ravel", (numpy.call_method1("asarray", (value, "float64"))?,))?;
-    let array = array
-        .cast_into::<PyArray1<f64>>()
-        .map_err(|_| CreaseError::new_err(format!("{name}: no numbers")))?;
-    let values = array.readonly();
-    Ok(values.as_array().to_vec())
+    numpy.call_method1("asarray", (value, kind)).map_err(|error| {
+        CreaseError::new_err(format!("{name}: is no array of numbers: {}", error.value(value.py())))
+    })
 }
 
-/// Reads rows of three.
-fn rows_of_three<T: numpy::Element + Copy>(
+/// Reads anything that NumPy makes a list of finite numbers of.
+pub fn list(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<f64>> {
+    let flat = array(value, "float64", name)?.call_method0("ravel")?;
+    let values = flat.cast_into::<PyArray1<f64>>()?.readonly().as_array().to_vec();
+    match values.iter().position(|value| !value.is_finite()) {
+        Some(k) => {
+            Err(CreaseError::new_err(format!("{name}: entry {k} is {}, not a finite number", values[k])))
+        }
+        None => Ok(values),
+    }
+}
+
+/// Reads rows of three numbers.
+fn rows_of_three<T: Element + Copy>(
     value: &Bound<'_, PyAny>,
     kind: &str,
     name: &str,
 ) -> PyResult<Vec<[T; 3]>> {
-    let numpy = value.py().import("numpy")?;
-    let array = numpy.call_method1("asarray", (value, kind))?;
-    let wrong = || CreaseError::new_err(format!("{name}: needs an array of shape (n, 3)"));
+    let array = array(value, kind, name)?;
+    let shape = array.getattr("shape")?;
+    let wrong = || CreaseError::new_err(format!("{name}: needs an array of shape (n, 3), not {shape}"));
     let array: PyReadonlyArray2<T> = array.extract().map_err(|_| wrong())?;
     let array = array.as_array();
     if array.ncols() != 3 {
@@ -64,24 +102,123 @@ fn rows_of_three<T: numpy::Element + Copy>(
     Ok(array.rows().into_iter().map(|row| [row[0], row[1], row[2]]).collect())
 }
 
-/// Reads a garment: a file, or positions and triangles.
-pub fn garment(value: &Bound<'_, PyAny>, unit: Option<f64>, part: Option<String>) -> PyResult<GarmentFile> {
-    if let Ok((positions, triangles)) = value.extract::<(Bound<'_, PyAny>, Bound<'_, PyAny>)>() {
-        let positions = rows_of_three::<f64>(&positions, "float64", "positions")?;
-        let triangles = rows_of_three::<u32>(&triangles, "uint32", "triangles")?;
-        return GarmentFile::from_mesh("mesh", &positions, &triangles).map_err(exception);
+/// Reads triangles. NumPy would cut off fractions and wrap negative numbers around.
+fn triangles(value: &Bound<'_, PyAny>, positions: usize) -> PyResult<Vec<[u32; 3]>> {
+    let name = "triangles";
+    let numpy = value.py().import("numpy")?;
+    let kind: String = match numpy.call_method1("asarray", (value,)) {
+        Ok(array) => array.getattr("dtype")?.getattr("kind")?.extract()?,
+        Err(error) => {
+            let why = error.value(value.py());
+            return Err(CreaseError::new_err(format!("{name}: is no array of integers: {why}")));
+        }
+    };
+    if !["i", "u"].contains(&kind.as_str()) {
+        return Err(CreaseError::new_err(format!(
+            "{name}: needs integers, which number the positions from 0"
+        )));
     }
-    let path: PathBuf = value.extract()?;
-    let options = ReadOptions { unit_m: unit, garment: part, ..ReadOptions::default() };
-    let mut file = value.py().detach(|| GarmentFile::load(&path, &options)).map_err(exception)?;
-    file.embed_images(&path);
-    Ok(file)
+    let corner = |row: usize, p: i64| match u32::try_from(p) {
+        Ok(corner) if (corner as usize) < positions => Ok(corner),
+        _ => Err(CreaseError::new_err(format!(
+            "{name}: row {row} names the position {p}, and there are {positions}, numbered from 0"
+        ))),
+    };
+    let rows = rows_of_three::<i64>(value, "int64", name)?;
+    rows.into_iter()
+        .enumerate()
+        .map(|(k, [a, b, c])| Ok([corner(k, a)?, corner(k, b)?, corner(k, c)?]))
+        .collect()
 }
 
-/// Returns the fabric `name`: one of the program's, or a file.
-pub fn fabric(name: &str) -> PyResult<Fabric> {
-    let is_file = std::path::Path::new(name).is_file();
-    if is_file { Fabric::load(name) } else { Fabric::preset(name) }.map_err(exception)
+/// Reads a unit of length: metres, or a name of the tool.
+fn unit(value: &Bound<'_, PyAny>) -> PyResult<f64> {
+    let text = match (value.extract::<f64>(), value.extract::<String>()) {
+        (Ok(metres), _) => metres.to_string(),
+        (_, Ok(name)) => name,
+        _ => return Err(wrong_type("unit", value, "a number of metres, or m, dm, cm, mm, in")),
+    };
+    match values::unit(&text) {
+        Ok(unit) => Ok(unit.0),
+        Err(wanted) => Err(CreaseError::new_err(format!("unit: {text}: {wanted}"))),
+    }
+}
+
+/// A garment, and the file that it was read from.
+pub struct ReadGarment {
+    pub file: GarmentFile,
+    /// `None` for arrays.
+    pub path: Option<PathBuf>,
+    /// Images that cannot be read.
+    pub warnings: Vec<String>,
+}
+
+/// Reads the argument `name`, a garment: a file, or positions and triangles.
+pub fn garment(
+    name: &str,
+    value: &Bound<'_, PyAny>,
+    unit: Option<&Bound<'_, PyAny>>,
+    part: Option<String>,
+) -> PyResult<ReadGarment> {
+    let unit_m = unit.map(self::unit).transpose()?;
+    let wanted = "the path of a file, or a pair of positions and triangles";
+    if let Ok(path) = value.extract::<PathBuf>() {
+        let options = ReadOptions { unit_m, garment: part, ..ReadOptions::default() };
+        let mut file = value.py().detach(|| GarmentFile::load(&path, &options)).map_err(exception)?;
+        let warnings = file.embed_images(&path);
+        return Ok(ReadGarment { file, path: Some(path), warnings });
+    }
+    let Ok([positions, corners]) = value.extract::<[Bound<'_, PyAny>; 2]>() else {
+        return Err(wrong_type(name, value, wanted));
+    };
+    for (option, is_given) in [("unit", unit_m.is_some()), ("part", part.is_some())] {
+        if is_given {
+            let text = format!(
+                "{option}: is for files only; positions are in metres, and all of them are the garment"
+            );
+            return Err(CreaseError::new_err(text));
+        }
+    }
+    let positions = rows_of_three::<f64>(&positions, "float64", "positions")?;
+    if let Some(k) = positions.iter().position(|x| x.iter().any(|x| !x.is_finite())) {
+        return Err(CreaseError::new_err(format!("positions: row {k} is not finite")));
+    }
+    let triangles = triangles(&corners, positions.len())?;
+    let file = value.py().detach(|| GarmentFile::from_mesh("mesh", &positions, &triangles));
+    Ok(ReadGarment { file: file.map_err(exception)?, path: None, warnings: Vec::new() })
+}
+
+/// Reads a fabric: the name of one of the program's, or a file; by default that of the tool.
+pub fn fabric(value: Option<&Bound<'_, PyAny>>) -> PyResult<Fabric> {
+    let Some(value) = value else { return Fabric::preset(DEFAULT_FABRIC).map_err(exception) };
+    let path = path("fabric", value, "a name of fabrics(), or the path of a file")?;
+    input::fabric(&path.to_string_lossy()).map_err(exception)
+}
+
+/// A wear script, and its name in messages.
+pub struct ReadScript {
+    pub script: WearScript,
+    pub name: String,
+}
+
+/// Reads a wear script: a file, the name of one of the program's, or its content.
+pub fn script(value: &Bound<'_, PyAny>) -> PyResult<ReadScript> {
+    if let Ok(path) = value.extract::<PathBuf>() {
+        let script = wear::read_script(&path).map_err(exception)?;
+        return Ok(ReadScript { script, name: input::name_of(&path) });
+    }
+    let py = value.py();
+    let mapping = py.import("collections.abc")?.getattr("Mapping")?;
+    if !value.is_instance(&mapping)? {
+        return Err(wrong_type("wear", value, "a name of scripts(), the path of a file, or a dict"));
+    }
+    let content = py.get_type::<PyDict>().call1((value,))?;
+    let text = py.import("json")?.call_method1("dumps", (content,)).map_err(|error| {
+        let why = error.value(py);
+        PyTypeError::new_err(format!("wear: {why}"))
+    })?;
+    let script = WearScript::parse("wear", &text.extract::<String>()?).map_err(exception)?;
+    Ok(ReadScript { script, name: "wear".to_owned() })
 }
 
 /// Returns a JSON value as a Python object.

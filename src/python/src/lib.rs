@@ -5,12 +5,15 @@
 // Units are written [m], [s]: rustdoc would take each for a link.
 #![allow(rustdoc::broken_intra_doc_links)]
 
+mod bake;
 #[path = "../../cli/mod.rs"]
 mod cli;
 mod convert;
+mod examples;
 mod memory;
-mod run;
+mod process;
 mod sidecar;
+mod transfer;
 mod worn;
 
 use pyo3::exceptions::PyValueError;
@@ -35,11 +38,11 @@ fn _crease(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<sidecar::PySidecar>()?;
     module.add_class::<worn::PyWorn>()?;
     module.add_class::<memory::MemoryState>()?;
-    module.add_function(wrap_pyfunction!(run::bake, module)?)?;
-    module.add_function(wrap_pyfunction!(run::transfer, module)?)?;
-    module.add_function(wrap_pyfunction!(run::sheet, module)?)?;
-    module.add_function(wrap_pyfunction!(run::fabrics, module)?)?;
-    module.add_function(wrap_pyfunction!(run::scripts, module)?)?;
+    module.add_function(wrap_pyfunction!(bake::bake, module)?)?;
+    module.add_function(wrap_pyfunction!(transfer::transfer, module)?)?;
+    module.add_function(wrap_pyfunction!(examples::sheet, module)?)?;
+    module.add_function(wrap_pyfunction!(examples::fabrics, module)?)?;
+    module.add_function(wrap_pyfunction!(examples::scripts, module)?)?;
     module.add_function(wrap_pyfunction!(memory::advance_memory, module)?)?;
     module.add_function(wrap_pyfunction!(run_tool, module)?)
 }

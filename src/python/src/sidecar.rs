@@ -6,6 +6,7 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 
+/// What worn cloth remembers. All arrays are copies.
 #[pyclass(name = "Sidecar", module = "crease", frozen)]
 pub struct PySidecar(pub Sidecar);
 
@@ -78,6 +79,11 @@ impl PySidecar {
     #[getter]
     fn rest_stretch_weft<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         numbers(py, &self.0.triangles.rest_stretch_weft)
+    }
+
+    #[getter]
+    fn simulated(&self) -> Option<Self> {
+        self.0.simulated.as_deref().cloned().map(Self)
     }
 
     fn __repr__(&self) -> String {

@@ -1,15 +1,21 @@
 //! `Worn`: the result of a bake or a transfer.
 
+use crate::CreaseError;
+use crate::cli::args::values::glb_path;
+use crate::cli::files::output::Outputs;
+use crate::cli::files::worn_outputs::WornOutputs;
 use crate::convert::{exception, object, vectors};
+use crate::process::check_not_forked;
 use crate::sidecar::PySidecar;
 use crease::io::gltf::{SourceShape, apply_worn, write_worn_glb};
-use crease::{GarmentFile, Sidecar, Vec3, WornGarment};
+use crease::{GarmentFile, Sidecar, Vec3, WornGarment, write_sidecar};
 use numpy::PyArray2;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use serde_json::{Value, json};
+use serde_json::Value;
 use std::path::PathBuf;
 
+/// A worn garment.
 #[pyclass(name = "Worn", module = "crease", frozen)]
 pub struct PyWorn {
     pub file: GarmentFile,
@@ -19,10 +25,15 @@ pub struct PyWorn {
     pub report: String,
     pub warnings: Vec<String>,
     pub converged: bool,
+    /// Reason why the tool would end with exit code 3.
+    pub failure: Option<String>,
+    /// File of the garment, which is never overwritten.
+    pub path: Option<PathBuf>,
 }
 
 impl PyWorn {
     fn glb(&self, extras: &Value, apply: bool, unworn: bool) -> PyResult<Vec<u8>> {
+        check_not_forked()?;
         let GarmentFile { asset, garment, .. } = &self.file;
         let glb = write_worn_glb(asset, garment, &self.worn, extras).map_err(exception)?;
         let source = if unworn { SourceShape::Target } else { SourceShape::Dropped };
@@ -58,18 +69,27 @@ impl PyWorn {
         self.converged
     }
 
+    #[getter]
+    fn failure(&self) -> Option<&str> {
+        self.failure.as_deref()
+    }
+
     #[pyo3(signature = (*, apply = false, unworn = true))]
     fn to_glb<'py>(&self, py: Python<'py>, apply: bool, unworn: bool) -> PyResult<Bound<'py, PyBytes>> {
         Ok(PyBytes::new(py, &self.glb(&Value::Null, apply, unworn)?))
     }
 
     #[pyo3(signature = (path, *, apply = false, unworn = true))]
+    /// Writes both files whole, or none.
     fn save(&self, path: PathBuf, apply: bool, unworn: bool) -> PyResult<()> {
-        let beside = path.with_extension("crease.json");
-        let name = beside.file_name().map(|name| name.to_string_lossy().into_owned());
-        let glb = self.glb(&json!({"crease": {"sidecar": name}}), apply, unworn)?;
-        self.sidecar.save(&beside).map_err(exception)?;
-        Ok(std::fs::write(path, glb)?)
+        let worn = glb_path(&path.to_string_lossy())
+            .map_err(|wanted| CreaseError::new_err(format!("path: {}: {wanted}", path.display())))?;
+        let files = WornOutputs::beside(&worn);
+        let mut outputs = Outputs::new(self.path.as_deref());
+        let glb = self.glb(&files.extras(), apply, unworn)?;
+        let added = outputs.add(&files.worn, &glb);
+        let added = added.and_then(|()| outputs.add(&files.sidecar, &write_sidecar(&self.sidecar)));
+        added.and_then(|()| outputs.commit()).map_err(exception)
     }
 
     fn __repr__(&self) -> String {

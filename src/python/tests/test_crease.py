@@ -1,8 +1,14 @@
-"""The installed package: pip install dist/crease_bake-*.whl pytest; pytest src/python/tests"""
+"""The installed package: pip install "NAME.whl[test]"; pytest src/python/tests"""
 
 import json
+import multiprocessing
+import os
+import signal
 import subprocess
 import sys
+import threading
+import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -50,26 +56,76 @@ def test_files_are_written_and_read(worn, tmp_path):
     assert names(worn.to_glb(apply=True, unworn=False)) is None
 
 
+def test_only_glb_files_are_written_and_none_that_was_read(worn, tmp_path):
+    with pytest.raises(crease.CreaseError, match="path: .*worn.obj.*ends in .glb"):
+        worn.save(tmp_path / "worn.obj")
+    assert list(tmp_path.iterdir()) == []
+    worn.save(tmp_path / "new" / "worn.glb")
+    again = crease.bake(tmp_path / "new" / "worn.glb", SCRIPT, quality="draft")
+    with pytest.raises(crease.CreaseError, match="would be overwritten"):
+        again.save(tmp_path / "new" / "worn.glb")
+
+
+def test_python_and_the_tool_make_the_same_bytes(tmp_path, monkeypatch):
+    tool = [sys.executable, "-m", "crease"]
+    run = lambda *words: subprocess.run([*tool, *words], check=True, capture_output=True, cwd=tmp_path)
+    sheet = crease.bake(crease.sheet((0.3, 0.3), (16, 16)), {**SCRIPT, "actions": [{"settle": {"for": 0.1}}]}, quality="draft")
+    sheet.save(tmp_path / "sheet.glb")
+    (tmp_path / "sheet.crease.json").unlink()
+    (tmp_path / "wear.json").write_text(json.dumps(SCRIPT))
+
+    def same(name, worn):
+        worn.save(tmp_path / "python" / name)
+        for file in (name, name.replace(".glb", ".crease.json")):
+            assert (tmp_path / file).read_bytes() == (tmp_path / "python" / file).read_bytes(), file
+        report = json.loads((tmp_path / name.replace(".glb", ".report.json")).read_text())
+        assert sorted(worn.warnings) == sorted(report["warnings"])
+        assert worn.report.keys() == report.keys()
+
+    once = ["bake", "sheet.glb", "--wear", "wear.json", "--quality", "draft"]
+    run(*once, "-o", "once.glb")
+    monkeypatch.chdir(tmp_path)
+    same("once.glb", crease.bake("sheet.glb", "wear.json", quality="draft"))
+    # Worn again, a garment begins with what it remembers.
+    run("bake", "once.glb", *once[2:], "-o", "twice.glb")
+    twice = crease.bake("once.glb", "wear.json", quality="draft")
+    same("twice.glb", twice)
+    fresh = crease.bake("once.glb", "wear.json", quality="draft", forget=True)
+    assert (fresh.sidecar.stiffness_ratio != twice.sidecar.stiffness_ratio).any()
+    crease.bake(crease.sheet((0.3, 0.3), (12, 12)), "wear.json", quality="draft").save("other.glb")
+    run("transfer", "once.glb", "--to", "other.glb", "-o", "carried.glb")
+    same("carried.glb", crease.transfer("once.glb", "other.glb"))
+
+
 def test_memory_goes_to_another_mesh(worn):
     other = crease.transfer(worn.sidecar, crease.sheet((0.3, 0.3), (24, 24)), match_by="surface")
     assert np.abs(other.sidecar.rest_angle).max() > 0.1
+    assert other.report["confidence"] > 0.5 and other.failure is None
     none = crease.transfer([worn.sidecar], crease.sheet((0.3, 0.3), (8, 8)), match_by="surface", strength=0.0)
     assert np.abs(none.sidecar.rest_angle).max() < 1e-6
+    same = crease.transfer(worn.sidecar, crease.sheet((0.3, 0.3), (16, 16)))
+    np.testing.assert_array_equal(same.displacement, worn.displacement)
+
+
+def test_what_did_not_go_as_asked_is_said(worn):
+    assert worn.converged and worn.failure is None
+    nothing = crease.bake(crease.sheet((0.3, 0.3), (8, 8)), SCRIPT, quality="draft", memory=False)
+    assert nothing.sidecar.simulated is None or not nothing.sidecar.simulated.rest_angle.any()
 
 
 def test_the_memory_law_is_that_of_the_paper():
     state = crease.MemoryState(np.zeros(3))
-    events = crease.advance_memory(state, [0, 0, 0], [0.1, 0.8, 2.5], 1.0)
+    events = crease.advance_memory(state, [0, 0, 0], [0.1, 0.8, 2.5], 1.0, fabric="kow-tshirt")
     assert events == (0, 0)
-    gradual, critical = crease.advance_memory(state, [0.1, 0.8, 2.5], [0.1, 0.8, 2.5], 10.0)
+    gradual, critical = crease.advance_memory(state, [0.1, 0.8, 2.5], [0.1, 0.8, 2.5], 10.0, fabric="kow-tshirt")
     assert gradual > 0 and critical > 0
     assert state.rest[0] == 0 and 0 < state.rest[1] < state.rest[2]
     assert state.stiffness_ratio[0] == 1 and len(state) == 3
     # One long step and many short ones are the same.
     short = crease.MemoryState(np.zeros(3))
-    crease.advance_memory(short, [0, 0, 0], [0.1, 0.8, 2.5], 1.0)
+    crease.advance_memory(short, [0, 0, 0], [0.1, 0.8, 2.5], 1.0, fabric="kow-tshirt")
     for _ in range(100):
-        crease.advance_memory(short, [0.1, 0.8, 2.5], [0.1, 0.8, 2.5], 0.1)
+        crease.advance_memory(short, [0.1, 0.8, 2.5], [0.1, 0.8, 2.5], 0.1, fabric="kow-tshirt")
     np.testing.assert_allclose(short.rest, state.rest, atol=1e-9)
 
 
@@ -90,11 +146,155 @@ def test_mistakes_are_exceptions_with_a_cure(tmp_path):
         crease.bake(tmp_path / "none.glb", "fold-thrice")
 
 
+@pytest.mark.parametrize(
+    "call, kind, words",
+    [
+        # Wrong types.
+        (lambda m: crease.bake(5, SCRIPT), TypeError, "garment: needs the path of a file, or a pair .* not int"),
+        (lambda m: crease.bake(m[0], SCRIPT), TypeError, "garment: needs .* not ndarray"),
+        (lambda m: crease.bake(m, 5), TypeError, "wear: needs .* not int"),
+        (lambda m: crease.bake(m, {"actions": {1, 2}}), TypeError, "wear: .*set"),
+        (lambda m: crease.bake(m, SCRIPT, fabric=3), TypeError, "fabric: needs .* not int"),
+        (lambda m: crease.bake(m, SCRIPT, memory="off"), TypeError, "memory"),
+        (lambda m: crease.bake(m, SCRIPT, progress=True), TypeError, "progress: needs a function, not bool"),
+        (lambda m: crease.bake(m, SCRIPT, fabrics="denim"), TypeError, "fabrics"),
+        (lambda m: crease.bake("a.glb", SCRIPT, unit=[1]), TypeError, "unit: needs a number"),
+        (lambda m: crease.transfer(5, m), TypeError, "sidecars: needs .* not int"),
+        (lambda m: crease.transfer([None], m), TypeError, "sidecars: needs .* not NoneType"),
+        (lambda m: crease.advance_memory([0.0], 0, 0, 1), TypeError, "state"),
+        # Wrong values.
+        (lambda m: crease.bake(("a", m[1]), SCRIPT), crease.CreaseError, "positions: is no array of numbers"),
+        (lambda m: crease.bake((m[0] * np.nan, m[1]), SCRIPT), crease.CreaseError, "positions: row 0 is not finite"),
+        (lambda m: crease.bake((m[0][:0], m[1][:0]), SCRIPT), crease.CreaseError, "."),
+        (lambda m: crease.bake((m[0], m[1] + 0.5), SCRIPT), crease.CreaseError, "triangles: needs integers"),
+        (lambda m: crease.bake((m[0], m[1].astype(int) - 1), SCRIPT), crease.CreaseError, "triangles: row 0 names the position -1"),
+        (lambda m: crease.bake((m[0], m[1] + 1), SCRIPT), crease.CreaseError, "there are 9, numbered from 0"),
+        (lambda m: crease.bake((m[0], m[1].ravel()), SCRIPT), crease.CreaseError, r"triangles: .*\(n, 3\), not \(24,\)"),
+        (lambda m: crease.bake((m[0] * 100, m[1]), SCRIPT), crease.CreaseError, "m"),
+        (lambda m: crease.bake(m, SCRIPT, unit=0.01), crease.CreaseError, "unit: is for files only"),
+        (lambda m: crease.bake("a.glb", SCRIPT, unit="ft"), crease.CreaseError, "unit: ft: expected m, dm, cm"),
+        (lambda m: crease.bake("a.glb", SCRIPT, unit=-1), crease.CreaseError, "unit: -1"),
+        (lambda m: crease.bake(m, {"format": "crease-wear/1", "actions": [{"fold": 3}]}), crease.CreaseError, "wear: "),
+        (lambda m: crease.transfer([], m), crease.CreaseError, "sidecars: there is none"),
+        (lambda m: crease.transfer("none.crease.json", m), crease.CreaseError, "none.crease.json: there is no such file"),
+        (lambda m: crease.transfer([], m, strength=float("nan")), crease.CreaseError, "strength"),
+        (lambda m: crease.Sidecar.parse("{}"), crease.CreaseError, "format"),
+        (lambda m: crease.MemoryState([0, np.inf]), crease.CreaseError, "rest: entry 1 is inf"),
+        (lambda m: crease.MemoryState("x"), crease.CreaseError, "rest: is no array of numbers"),
+        (lambda m: crease.advance_memory(crease.MemoryState([0]), 0, 1, -1.0), crease.CreaseError, "duration: -1"),
+        (lambda m: crease.advance_memory(crease.MemoryState([0]), 0, 1, 1, kind="angle"), crease.CreaseError, "kind: angle"),
+        (lambda m: crease.sheet((0.3, 0.3), (100_000, 100_000)), crease.CreaseError, "cells: "),
+        (lambda m: crease.sheet((0.3, 0.3), (0, 3)), crease.CreaseError, "cells: "),
+    ],
+)
+def test_wrong_arguments_are_named(call, kind, words):
+    with pytest.raises(kind, match=words):
+        call(crease.sheet((0.3, 0.3), (2, 2)))
+
+
+def test_a_mistake_in_a_script_shows_its_line(tmp_path):
+    path = tmp_path / "wear.json"
+    path.write_text('{"format": "crease-wear/1", "actions": [\n  {"fold": {"lin": 3}}\n]}')
+    with pytest.raises(crease.CreaseError) as caught:
+        crease.bake(crease.sheet((0.3, 0.3), (2, 2)), path)
+    text = str(caught.value)
+    assert f"{path}: line 2" in text and '{"fold": {"lin": 3}}' in text and "^" in text, text
+
+
 def test_progress_is_told_and_stops_the_bake():
     told = []
     with pytest.raises(KeyboardInterrupt):
         crease.bake(crease.sheet((0.4, 0.4), (40, 40)), "fold-thrice", progress=lambda *now: told.append(now) or len(told) < 3)
     assert len(told) == 3 and told[0][2] > 30
+
+
+def test_an_exception_of_progress_ends_the_bake():
+    def fails(stage, time, end):
+        raise RuntimeError(stage)
+
+    with pytest.raises(RuntimeError):
+        crease.bake(crease.sheet((0.4, 0.4), (40, 40)), "fold-thrice", progress=fails)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of Unix")
+@pytest.mark.parametrize("by, ending", [("module", -signal.SIGINT), ("tool", 130)])
+def test_ctrl_c_ends_a_bake(by, ending, tmp_path):
+    mesh = crease.sheet((0.4, 0.4), (60, 60))
+    settle = {"format": "crease-wear/1", "actions": [{"settle": {"for": 0.1}}]}
+    crease.bake(mesh, settle, quality="draft").save(tmp_path / "a.glb")
+    program = "import crease; crease.bake('a.glb', 'fold-thrice', forget=True, progress=lambda *now: print(now[0], flush=True))"
+    words = {
+        "module": ["-c", program],
+        "tool": ["-m", "crease", "bake", "a.glb", "--wear", "fold-thrice", "-o", "b.glb", "--forget"],
+    }[by]
+    run = subprocess.Popen(
+        [sys.executable, *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=tmp_path
+    )
+    lines = []
+    while not any(line.startswith("fold") for line in lines):
+        lines.append(run.stdout.readline())
+        assert lines[-1], "ended before it was stopped: " + "".join(lines)
+    run.send_signal(signal.SIGINT)
+    asked = time.monotonic()
+    message, _ = run.communicate(timeout=60)
+    assert time.monotonic() - asked < 20 and run.returncode == ending, message
+    assert ("KeyboardInterrupt" in message) == (by == "module"), message
+
+
+def test_other_python_threads_run_during_a_bake():
+    counted = []
+    done = threading.Event()
+
+    def count():
+        while not done.wait(0.01):
+            counted.append(time.monotonic())
+
+    counter = threading.Thread(target=count)
+    counter.start()
+    started = time.monotonic()
+    crease.bake(crease.sheet((0.3, 0.3), (16, 16)), SCRIPT, quality="draft")
+    ended = time.monotonic()
+    done.set()
+    counter.join()
+    assert len(counted) > 0.1 * (ended - started) / 0.01
+    assert max(b - a for a, b in zip([started, *counted], [*counted, ended])) < 0.5 * (ended - started)
+
+
+def of_fork(queue, mesh, worn):
+    for call in (
+        lambda: crease.sheet((0.3, 0.3), (4, 4)),
+        lambda: crease.bake(mesh, SCRIPT, quality="draft"),
+        lambda: crease.transfer(worn.sidecar, mesh),
+        lambda: worn.to_glb(),
+    ):
+        try:
+            call()
+            queue.put("nothing was raised")
+        except crease.CreaseError as error:
+            queue.put(str(error))
+
+
+@pytest.mark.skipif("fork" not in multiprocessing.get_all_start_methods(), reason="forks of Unix")
+@pytest.mark.filterwarnings("ignore:This process:DeprecationWarning")
+def test_a_fork_after_a_bake_is_refused_and_does_not_hang(worn):
+    context = multiprocessing.get_context("fork")
+    queue = context.Queue()
+    child = context.Process(target=of_fork, args=(queue, crease.sheet((0.3, 0.3), (4, 4)), worn), daemon=True)
+    child.start()
+    for _ in range(4):
+        assert "spawn" in queue.get(timeout=30)
+    child.join(timeout=30)
+    assert child.exitcode == 0
+
+
+def test_types_are_those_of_the_stubs():
+    pytest.importorskip("mypy")
+    check = lambda *words: subprocess.run([sys.executable, "-m", "mypy", "--strict", *words], capture_output=True, text=True)
+    for words in (["-p", "crease"], [str(Path(__file__).with_name("typed_use.py"))]):
+        checked = check(*words, "--cache-dir", os.devnull)
+        assert checked.returncode == 0, checked.stdout + checked.stderr
+    compared = subprocess.run([sys.executable, "-m", "mypy.stubtest", "crease"], capture_output=True, text=True)
+    assert compared.returncode == 0, compared.stdout + compared.stderr
 
 
 def test_the_tool_is_in_the_package(tmp_path):

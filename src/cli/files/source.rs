@@ -1,0 +1,42 @@
+//! Sources of a transfer: sidecars by path, or by the worn glTF that names one.
+
+use crate::cli::files::input;
+use crease::fabric::{DEFAULT_FABRIC, Fabric};
+use crease::files::read_asset_file;
+use crease::io::gltf::sidecar_name;
+use crease::io::{ReadOptions, Sidecar, read_sidecar};
+use crease::transfer::TransferSource;
+use crease::{Error, Result};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// Reads a sidecar, or the one that a worn glTF names.
+pub fn read_source(path: &Path) -> Result<(TransferSource, Sidecar)> {
+    let is_gltf =
+        path.extension().is_some_and(|e| ["glb", "gltf"].iter().any(|own| e.eq_ignore_ascii_case(own)));
+    let named = if is_gltf { Some(sidecar_of(path)?) } else { None };
+    let path = named.as_deref().unwrap_or(path);
+    let file = input::name_of(path);
+    let sidecar = read_sidecar(&file, &input::bytes(path)?)?;
+    Ok((TransferSource::from_sidecar(&file, &sidecar)?, sidecar))
+}
+
+/// Returns the sidecar that the worn glTF `path` names.
+fn sidecar_of(path: &Path) -> Result<PathBuf> {
+    // An explicit unit: nothing but the name is read.
+    let options = ReadOptions { unit_m: Some(1.0), ..ReadOptions::default() };
+    let (asset, _) = read_asset_file(path, &options)?;
+    let name = asset.document.as_ref().and_then(sidecar_name);
+    name.map(|name| path.with_file_name(name)).ok_or_else(|| {
+        let help = "bake it first, or give the OUT.crease.json of the worn garment";
+        Error::input(input::name_of(path), "", "names no sidecar: it is no worn garment", help)
+    })
+}
+
+/// Returns the fabric of a sidecar, `file` in messages.
+pub fn fabric_of(file: &str, sidecar: &Sidecar) -> Result<Fabric> {
+    match &sidecar.fabric {
+        Value::Null => Fabric::preset(DEFAULT_FABRIC),
+        value => Fabric::parse(&format!("{file}: fabric"), &value.to_string()),
+    }
+}

@@ -1,0 +1,208 @@
+//! `bake`, as `crease bake` does it without a body.
+
+use crate::CreaseError;
+use crate::cli::files::earlier_memory::EarlierMemory;
+use crate::convert::{ReadGarment, ReadScript, exception, fabric, garment, script};
+use crate::process::check_not_forked;
+use crate::worn::PyWorn;
+use crease::bake::{Bake, BakeProgress, BakeResult, Observer, Quality};
+use crease::garment::mistaken_body;
+use crease::mesh::intersections::self_intersections;
+use crease::report::{CrossingCounts, Report, crossing_counts};
+use crease::{Fabric, GarmentFile, Sidecar};
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// Time between two calls of Python during a bake.
+const CALL_INTERVAL: Duration = Duration::from_millis(100);
+
+/// Reports to a Python function, and asks Python whether Ctrl-C was pressed.
+struct Reporter {
+    call: Option<Py<PyAny>>,
+    last: Instant,
+    failure: Option<PyErr>,
+    stop: bool,
+}
+
+impl Reporter {
+    fn ask(&mut self, now: &BakeProgress) -> PyResult<bool> {
+        Python::attach(|py| {
+            py.check_signals()?;
+            let Some(call) = &self.call else { return Ok(false) };
+            let answer = call.call1(py, (now.stage, now.time, now.total))?;
+            Ok(answer.extract::<bool>(py).is_ok_and(|go_on| !go_on))
+        })
+    }
+}
+
+impl Observer for Reporter {
+    fn progress(&mut self, now: &BakeProgress) {
+        if self.last.elapsed() < CALL_INTERVAL {
+            return;
+        }
+        self.last = Instant::now();
+        match self.ask(now) {
+            Ok(stop) => self.stop |= stop,
+            Err(error) => {
+                self.stop = true;
+                self.failure = Some(error);
+            }
+        }
+    }
+
+    fn should_stop(&mut self) -> bool {
+        self.stop
+    }
+}
+
+/// Inputs of a bake, read and checked.
+struct BakeInput {
+    file: GarmentFile,
+    wear: ReadScript,
+    fabric: Fabric,
+    quality: Quality,
+    memory: bool,
+    /// Memory that the garment begins with.
+    earlier: Option<EarlierMemory>,
+    warnings: Vec<String>,
+}
+
+impl BakeInput {
+    /// Checks what has been read, and reads the memory of an earlier run unless `forget`.
+    fn new(
+        garment: ReadGarment,
+        wear: ReadScript,
+        fabric: Fabric,
+        (quality, memory, forget): (Quality, bool, bool),
+    ) -> crease::Result<(Self, Option<PathBuf>)> {
+        let ReadGarment { file, path, warnings: unread } = garment;
+        let errors = wear.script.errors_without_body(&wear.name);
+        if !errors.is_empty() {
+            return Err(crease::Error::Input(errors));
+        }
+        if let Some(error) = mistaken_body(&file.asset, &file.garment) {
+            return Err(error);
+        }
+        let mut warnings = file.content_warnings();
+        let earlier = match path.as_deref().filter(|_| !forget) {
+            Some(path) => EarlierMemory::read(path, &file)?,
+            None => None,
+        };
+        let earlier = match earlier {
+            Some(Ok(earlier)) => Some(earlier),
+            Some(Err(why)) => {
+                warnings.push(format!("it has been worn already, and that is left out: {why}"));
+                None
+            }
+            None => None,
+        };
+        warnings.extend(earlier.as_ref().and_then(|earlier| earlier.fabric_warning(&fabric)));
+        warnings.extend(file.repairs());
+        warnings.extend(unread);
+        Ok((Self { file, wear, fabric, quality, memory, earlier, warnings }, path))
+    }
+
+    fn run(&self, observer: &mut Reporter) -> crease::Result<(BakeResult, CrossingCounts)> {
+        let garment = &self.file.garment;
+        let bake = Bake::new(garment, &self.fabric, &self.wear.script).script_name(&self.wear.name);
+        let bake = bake.quality(self.quality).memory(self.memory);
+        let bake = match &self.earlier {
+            Some(earlier) => bake.earlier_memory(&earlier.memory),
+            None => bake,
+        };
+        let start = self_intersections(&garment.points, &garment.triangles);
+        let baked = bake.run_with(observer)?;
+        let counts = crossing_counts(garment, &baked.worn, &start);
+        Ok((baked, counts))
+    }
+
+    /// Describes the run for the sidecar as the tool does.
+    fn run_description(&self, baked: &BakeResult) -> Value {
+        let mut description = json!({
+            "tool": concat!("crease ", env!("CARGO_PKG_VERSION")),
+            "method": self.quality.step_options().method.name(),
+            "quality": self.quality.name(),
+            "memory": if self.memory { "on" } else { "off" },
+            "simulated_s": baked.report.simulated,
+            "steps": baked.report.steps,
+        });
+        if baked.report.points != baked.end.len() {
+            description["simulated_points"] = json!(baked.report.points);
+        }
+        if let Some(earlier) = &self.earlier {
+            description["earlier"] = earlier.origin.clone();
+        }
+        description
+    }
+
+    /// The sidecar with the memory of the simulated mesh where that is another one.
+    fn sidecar(&self, baked: &BakeResult) -> crease::Result<Sidecar> {
+        let GarmentFile { asset, garment, .. } = &self.file;
+        let (fabric, wear) = (json!(self.fabric), json!(self.wear.script));
+        let sidecar = Sidecar::new(asset, garment, &baked.worn, fabric, wear, self.run_description(baked))?;
+        match baked.simulated.garment.triangles != garment.triangles {
+            true => sidecar.with_simulated(&baked.simulated.garment, &baked.simulated.worn),
+            false => Ok(sidecar),
+        }
+    }
+}
+
+/// Wears a garment: a file, or a pair of positions [m] and triangles. `wear` is a file, the name of a script of `scripts()`, or
+/// its content; `fabric` a name of `fabrics()` or a file.
+#[pyfunction]
+#[pyo3(signature = (garment, wear, *, fabric = None, quality = "standard", memory = true, unit = None, part = None, forget = false, progress = None))]
+#[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+pub fn bake(
+    py: Python<'_>,
+    garment: &Bound<'_, PyAny>,
+    wear: &Bound<'_, PyAny>,
+    fabric: Option<&Bound<'_, PyAny>>,
+    quality: &str,
+    memory: bool,
+    unit: Option<&Bound<'_, PyAny>>,
+    part: Option<String>,
+    forget: bool,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<PyWorn> {
+    check_not_forked()?;
+    if let Some(call) = progress.as_ref().filter(|call| !call.bind(py).is_callable()) {
+        let kind = call.bind(py).get_type();
+        return Err(PyTypeError::new_err(format!("progress: needs a function, not {}", kind.name()?)));
+    }
+    let quality = Quality::from_name(quality).ok_or_else(|| {
+        let names = Quality::ALL.map(Quality::name).join(", ");
+        CreaseError::new_err(format!("quality: {quality} is none of {names}"))
+    })?;
+    let (wear, fabric) = (script(wear)?, self::fabric(fabric)?);
+    let garment = self::garment("garment", garment, unit, part)?;
+    let (input, path) =
+        BakeInput::new(garment, wear, fabric, (quality, memory, forget)).map_err(exception)?;
+    let mut reporter = Reporter { call: progress, last: Instant::now(), failure: None, stop: false };
+    let started = Instant::now();
+    let outcome = py.detach(|| input.run(&mut reporter));
+    if let Some(failure) = reporter.failure {
+        return Err(failure);
+    }
+    let (baked, counts) = outcome.map_err(exception)?;
+    let mut report = Report::of_bake(&input.file.garment, &baked, counts);
+    report.method = quality.step_options().method.name().to_owned();
+    report.wall_s = started.elapsed().as_secs_f64();
+    let sidecar = input.sidecar(&baked).map_err(exception)?;
+    let not_performed = baked.report.not_performed.as_ref().map(ToString::to_string);
+    let failures = [&not_performed, &baked.report.unconverged_reason, &baked.report.empty_reason];
+    report.warnings.splice(0..0, input.warnings);
+    report.warnings.extend(baked.report.empty_reason.clone());
+    Ok(PyWorn {
+        failure: failures.into_iter().flatten().next().cloned(),
+        worn: baked.worn,
+        sidecar,
+        report: report.to_json(),
+        warnings: report.warnings,
+        converged: baked.report.unconverged_reason.is_none(),
+        file: input.file,
+        path,
+    })
+}

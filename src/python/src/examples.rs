@@ -1,0 +1,42 @@
+//! What is part of the program: a sheet of cloth, and the names of fabrics and wear scripts.
+
+use crate::CreaseError;
+use crate::convert::{exception, rows, vectors};
+use crate::process::check_not_forked;
+use crease::{Fabric, GarmentFile, WearScript};
+use numpy::PyArray2;
+use pyo3::prelude::*;
+
+/// Most cells of a sheet, as many as a bake could take.
+const MAX_CELLS: u64 = 1_000_000;
+
+/// Returns positions [m] and triangles of a flat rectangular sheet.
+#[pyfunction]
+#[allow(clippy::type_complexity, reason = "a pair of arrays")]
+pub fn sheet<'py>(
+    py: Python<'py>,
+    size: [f64; 2],
+    cells: [u32; 2],
+) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<u32>>)> {
+    check_not_forked()?;
+    let count = u64::from(cells[0]) * u64::from(cells[1]);
+    if count == 0 || count > MAX_CELLS {
+        let text = format!("cells: {} x {} cells; needs 1 to {MAX_CELLS}", cells[0], cells[1]);
+        return Err(CreaseError::new_err(text));
+    }
+    let garment = GarmentFile::sheet(size, cells).map_err(exception)?.garment;
+    let triangles: Vec<[u32; 3]> = garment.triangles.iter().map(|t| t.map(|p| p.0)).collect();
+    Ok((vectors(py, &garment.points)?, rows(py, &triangles)?))
+}
+
+/// Returns the names of the fabrics of the program.
+#[pyfunction]
+pub fn fabrics() -> Vec<&'static str> {
+    Fabric::preset_names()
+}
+
+/// Returns the names of the wear scripts of the program.
+#[pyfunction]
+pub fn scripts() -> Vec<&'static str> {
+    WearScript::preset_names().collect()
+}

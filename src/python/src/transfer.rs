@@ -1,0 +1,203 @@
+//! `transfer`, as `crease transfer` does it.
+
+use crate::CreaseError;
+use crate::cli::files::earlier_memory::left_out_warning;
+use crate::cli::files::source::{fabric_of, read_source};
+use crate::convert::{ReadGarment, exception, fabric, garment, wrong_type};
+use crate::process::check_not_forked;
+use crate::sidecar::PySidecar;
+use crate::worn::PyWorn;
+use crease::bake::{RelaxResult, mesh_along_creases, relax_carried};
+use crease::garment::mistaken_body;
+use crease::mesh::intersections::self_intersections;
+use crease::report::{CarriedSource, TransferReport, crossing_counts};
+use crease::transfer::{
+    Align, DrawnCreases, GarmentSurface, MatchBy, Transfer, TransferResult, TransferSource,
+};
+use crease::{Fabric, GarmentFile, Sidecar, WornGarment};
+use pyo3::prelude::*;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Inputs of a transfer.
+struct TransferInput {
+    sources: Vec<TransferSource>,
+    sidecars: Vec<Sidecar>,
+    file: GarmentFile,
+    fabric: Fabric,
+    match_by: MatchBy,
+    align: Align,
+    strength: f64,
+}
+
+impl TransferInput {
+    /// Returns the result, its sidecar, its report without times, and the reason why it is no equilibrium.
+    fn run(&self) -> crease::Result<Transferred> {
+        let GarmentFile { asset, garment, .. } = &self.file;
+        let target = GarmentSurface::from_garment(garment, asset);
+        let transfer = Transfer::between(&self.sources, &target).target_joints(asset);
+        let transfer = transfer.match_by(self.match_by).align(self.align).strength(self.strength);
+        let make = |drawn: DrawnCreases| mesh_along_creases(garment, drawn);
+        let carried = transfer.run_along_creases(garment, &make)?;
+        let start = self_intersections(&garment.points, &garment.triangles);
+        let RelaxResult { displacement, warnings, unconverged_reason, .. } = self.relaxed(&carried);
+        let worn = WornGarment { displacement, memory: carried.memory.clone() };
+        let counts = crossing_counts(garment, &worn, &start);
+        let mut report = TransferReport {
+            points: garment.points.len(),
+            triangles: garment.triangles.len(),
+            crossings: counts.added,
+            crossings_at_start: counts.at_start,
+            sources: self.carried_sources(&carried),
+            warnings,
+            ..TransferReport::of_transfer(&carried, &target)
+        };
+        report.warnings.extend(carried.warnings.iter().chain(&carried.empty_reason).cloned());
+        report.warnings.extend(worn.hidden_warning(garment));
+        let sidecar = self.sidecar(&worn, &carried, &report)?;
+        Ok(Transferred { worn, sidecar, report, unconverged_reason, empty_reason: carried.empty_reason })
+    }
+
+    /// Relaxes the target with the transferred memory. Memory that was transferred unchanged keeps its shape.
+    fn relaxed(&self, carried: &TransferResult) -> RelaxResult {
+        match self.sidecars.first().filter(|_| carried.unchanged) {
+            Some(own) => RelaxResult { displacement: own.worn().displacement, ..RelaxResult::default() },
+            None => relax_carried(&self.file.garment, &self.fabric, carried),
+        }
+    }
+
+    fn carried_sources(&self, carried: &TransferResult) -> Vec<CarriedSource> {
+        let each = self.sources.iter().zip(&carried.sources);
+        each.map(|(source, outcome)| CarriedSource {
+            file: source.file.clone(),
+            by: outcome.matched_by.name().to_owned(),
+            aligned: outcome.aligned_by.map(|by| by.name().to_owned()),
+            losses: outcome.losses,
+        })
+        .collect()
+    }
+
+    fn sidecar(
+        &self,
+        worn: &WornGarment,
+        carried: &TransferResult,
+        report: &TransferReport,
+    ) -> crease::Result<Sidecar> {
+        let each = self.sidecars.iter().zip(&report.sources);
+        let from: Vec<Value> = each
+            .map(|(sidecar, source)| {
+                json!({"sidecar": source.file, "by": source.by, "source": sidecar.source, "wear": sidecar.wear,
+                       "run": sidecar.run})
+            })
+            .collect();
+        let run = json!({
+            "tool": concat!("crease ", env!("CARGO_PKG_VERSION")),
+            "transfer": {"from": from, "strength": self.strength, "mask": null, "only": null, "mirror": null},
+        });
+        let GarmentFile { asset, garment, .. } = &self.file;
+        let mut sidecar = Sidecar::new(asset, garment, worn, json!(self.fabric), Value::Null, run)?;
+        sidecar.triangles.confidence = Some(carried.confidence.clone());
+        Ok(sidecar)
+    }
+}
+
+/// Result of a transfer.
+struct Transferred {
+    worn: WornGarment,
+    sidecar: Sidecar,
+    report: TransferReport,
+    unconverged_reason: Option<String>,
+    empty_reason: Option<String>,
+}
+
+/// Reads one sidecar, or a list of them; each is an object, a file, or a worn glTF that names one.
+fn sources(value: &Bound<'_, PyAny>) -> PyResult<Vec<(TransferSource, Sidecar)>> {
+    let wanted = "a Sidecar or the path of one, or a list of these";
+    let one = |value: &Bound<'_, PyAny>| -> PyResult<(TransferSource, Sidecar)> {
+        if let Ok(own) = value.cast::<PySidecar>() {
+            let sidecar = own.get().0.clone();
+            let source = TransferSource::from_sidecar("sidecar", &sidecar).map_err(exception)?;
+            return Ok((source, sidecar));
+        }
+        let path: PathBuf = value.extract().map_err(|_| wrong_type("sidecars", value, wanted))?;
+        read_source(&path).map_err(exception)
+    };
+    if value.cast::<PySidecar>().is_ok() || value.extract::<PathBuf>().is_ok() {
+        return Ok(vec![one(value)?]);
+    }
+    let entries = value.try_iter().map_err(|_| wrong_type("sidecars", value, wanted))?;
+    let all: Vec<_> = entries.map(|entry| one(&entry?)).collect::<PyResult<_>>()?;
+    match all.is_empty() {
+        true => Err(CreaseError::new_err("sidecars: there is none (give at least one)")),
+        false => Ok(all),
+    }
+}
+
+/// Puts memory on another garment. `sidecars` is a `Sidecar`, the path of one or of a worn .glb that names it, or a list of
+/// these; `to` is a file, or a pair of positions [m] and triangles.
+#[pyfunction]
+#[pyo3(signature = (sidecars, to, *, fabric = None, match_by = "auto", align = "auto", strength = 1.0, unit = None, part = None))]
+#[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+pub fn transfer(
+    py: Python<'_>,
+    sidecars: &Bound<'_, PyAny>,
+    to: &Bound<'_, PyAny>,
+    fabric: Option<&Bound<'_, PyAny>>,
+    match_by: &str,
+    align: &str,
+    strength: f64,
+    unit: Option<&Bound<'_, PyAny>>,
+    part: Option<String>,
+) -> PyResult<PyWorn> {
+    check_not_forked()?;
+    let started = Instant::now();
+    let wrong = |name: &str, value: &str, known: &str| {
+        CreaseError::new_err(format!("{name}: {value} is none of {known}"))
+    };
+    let match_by = match match_by {
+        "auto" => MatchBy::Auto,
+        "uv" => MatchBy::Uv,
+        "surface" => MatchBy::Surface,
+        "same" => MatchBy::Same,
+        other => return Err(wrong("match_by", other, "auto, uv, surface, same")),
+    };
+    let align = match align {
+        "auto" => Align::Auto,
+        "joints" => Align::Joints,
+        "box" => Align::Box,
+        "none" => Align::InPlace,
+        other => return Err(wrong("align", other, "auto, joints, box, none")),
+    };
+    if !(strength >= 0.0 && strength.is_finite()) {
+        return Err(CreaseError::new_err(format!("strength: {strength} is no number of at least 0")));
+    }
+    let (sources, sidecars): (Vec<_>, Vec<_>) = self::sources(sidecars)?.into_iter().unzip();
+    let ReadGarment { file, path, warnings: unread } = garment("to", to, unit, part)?;
+    if let Some(error) = mistaken_body(&file.asset, &file.garment) {
+        return Err(exception(error));
+    }
+    let fabric = match (fabric, sidecars.first()) {
+        (None, Some(first)) => fabric_of(&sources[0].file, first).map_err(exception)?,
+        _ => self::fabric(fabric)?,
+    };
+    let mut warnings = file.content_warnings();
+    warnings.extend(file.repairs());
+    warnings.extend(unread);
+    warnings.extend(left_out_warning(path.as_deref().unwrap_or(Path::new("mesh")), &file));
+    let input = TransferInput { sources, sidecars, file, fabric, match_by, align, strength };
+    let done = py.detach(|| input.run()).map_err(exception)?;
+    let Transferred { worn, sidecar, mut report, unconverged_reason, empty_reason } = done;
+    report.wall_s = started.elapsed().as_secs_f64();
+    report.warnings.splice(0..0, warnings);
+    Ok(PyWorn {
+        worn,
+        sidecar,
+        report: report.to_json(),
+        warnings: report.warnings,
+        converged: unconverged_reason.is_none(),
+        failure: unconverged_reason.or(empty_reason),
+        file: input.file,
+        path,
+    })
+}
