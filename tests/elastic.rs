@@ -13,6 +13,8 @@
 mod buckling;
 #[path = "elastic/cantilever.rs"]
 mod cantilever;
+#[path = "elastic/guided.rs"]
+mod guided;
 #[path = "common/hessian_shift.rs"]
 mod hessian_shift;
 #[path = "elastic/hinge.rs"]

@@ -20,7 +20,7 @@ pub fn mesh_along_creases(garment: &Garment, mut drawn: DrawnCreases) -> Option<
     if RigidParts::find(garment).is_some() {
         return None;
     }
-    let lengths = EdgeLengths::new(garment, drawn.row, drawn.row);
+    let lengths = EdgeLengths::new(garment, drawn.row);
     make(&mut drawn.mesh, lengths, lengths.max);
     let mesh = drawn.mesh.finish();
     let crossings = |garment: &Garment| self_intersections(&garment.points, &garment.triangles).len();

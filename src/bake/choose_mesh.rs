@@ -49,8 +49,6 @@ pub(super) struct EdgeLengths {
     side: f64,
     /// At most.
     pub max: f64,
-    /// Finest at creases without a line.
-    free: f64,
     /// Finest, where the cloth may crease anywhere.
     anywhere: f64,
 }
@@ -74,9 +72,9 @@ impl MeshChoice {
         if options.own_triangles || options.full_fidelity {
             return own("switched off");
         }
-        let lengths = EdgeLengths::new(garment, options.finest_edge, options.finest_free_edge);
+        let lengths = EdgeLengths::new(garment, options.finest_edge);
         if let Some(animated) = &options.body {
-            if garment.mean_edge() >= TUNING.simulation_mesh.max_factor_on_body * lengths.free {
+            if garment.mean_edge() >= TUNING.simulation_mesh.max_factor_on_body * lengths.line {
                 return own("coarser than any mesh on a body; --resolution refines it");
             }
             return Self::on_body(garment, animated, script, lengths);
@@ -130,8 +128,8 @@ impl MeshChoice {
     ) -> Self {
         let tuning = &TUNING.simulation_mesh;
         // Finer than the file is of no use: it could not show what comes of it.
-        let fine = lengths.free.max(garment.mean_edge());
-        let max = tuning.max_factor_on_body * lengths.free;
+        let fine = lengths.line.max(garment.mean_edge());
+        let max = tuning.max_factor_on_body * lengths.line;
         let creased = creased_positions(garment, animated, &script.body_poses(animated));
         let seeds: Vec<Seed> = creased.into_iter().map(|position| Seed { position, length: fine }).collect();
         let mut mesh = SurfaceMesh::new(garment);
@@ -153,20 +151,18 @@ impl MeshChoice {
 }
 
 impl EdgeLengths {
-    /// Lengths for `garment` with `line` [m] along fold lines and `free` [m] at other creases; shorter on garments that are small
-    /// against that.
-    pub fn new(garment: &Garment, line: f64, free: f64) -> Self {
+    /// Lengths for `garment` with `finest` [m] at its creases; shorter on garments that are small against that.
+    pub fn new(garment: &Garment, finest: f64) -> Self {
         let tuning = TUNING.simulation_mesh;
         let (low, high) = bounds(&garment.points);
         let extent = (high - low).max();
-        let [line, free] = [line, free].map(|length| length.min(tuning.max_extent_fraction * extent));
+        let line = finest.min(tuning.max_extent_fraction * extent);
         Self {
             line,
             crossing: tuning.max_crossing_edge.min(tuning.crossing_factor * line),
             side: tuning.side_factor * line,
             max: (tuning.max_factor * line).min(tuning.max_edge),
-            free,
-            anywhere: free.max(tuning.anywhere_extent_fraction * extent),
+            anywhere: line.max(tuning.anywhere_extent_fraction * extent),
         }
     }
 }
@@ -234,6 +230,6 @@ mod tests {
             lengths.iter().sum::<f64>() / lengths.len() as f64
         };
         let [near, far] = [mean(2e-3, 0.02), mean(0.08, 0.3)];
-        assert!(near < 0.75 * options.finest_edge && far > 0.8 * options.finest_edge, "{near} m, {far} m");
+        assert!(near < TUNING.simulation_mesh.max_crossing_edge && far > 1.25 * near, "{near} m, {far} m");
     }
 }

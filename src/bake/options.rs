@@ -36,10 +36,8 @@ pub struct BakeOptions {
     pub own_triangles: bool,
     /// Where the cloth is sewn and lies double: open borders over 20 mm, seams over 10 mm on either side.
     pub sewing: Sewing,
-    /// Length of edges where the script folds the cloth [m], of a mesh made for it.
+    /// Length of edges where the script creases the cloth [m], of a mesh made for it.
     pub finest_edge: f64,
-    /// Length of edges where the cloth creases without a line, crumpled or on a body [m].
-    pub finest_free_edge: f64,
     /// Whether frames show the points of the simulated mesh instead of those of the garment.
     pub frames_of_simulated: bool,
     /// Steps of an action between two possible checkpoints: what an interrupted run loses at most. At each the pattern of
@@ -63,7 +61,6 @@ impl Default for BakeOptions {
             own_triangles: false,
             sewing: Sewing::ALL,
             finest_edge: Quality::Standard.finest_edge(),
-            finest_free_edge: Quality::Standard.finest_free_edge(),
             frames_of_simulated: false,
             checkpoint_steps: 32,
         }
@@ -79,7 +76,6 @@ impl BakeOptions {
             max_weight_strain: quality.max_weight_strain(),
             event_dt_fraction: quality.event_dt_fraction(),
             finest_edge: quality.finest_edge(),
-            finest_free_edge: quality.finest_free_edge(),
             ..Self::default()
         }
     }

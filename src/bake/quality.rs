@@ -95,17 +95,8 @@ impl Quality {
         }
     }
 
-    /// Length of edges along the fold lines of a script [m].
+    /// Length of edges where the script creases the cloth [m].
     pub fn finest_edge(self) -> f64 {
-        match self {
-            Self::Draft => 0.020,
-            Self::Standard => 0.016,
-            Self::Reference => 0.008,
-        }
-    }
-
-    /// Length of edges where the cloth creases without lines that edges could follow: crumpled or on a body [m].
-    pub fn finest_free_edge(self) -> f64 {
         match self {
             Self::Draft => 0.020,
             Self::Standard => 0.012,

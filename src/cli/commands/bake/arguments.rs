@@ -170,7 +170,6 @@ impl Arguments {
         };
         if let Some(finest) = self.refine.finest_edge() {
             options.finest_edge = finest;
-            options.finest_free_edge = finest;
         }
         options.step.method = self.method();
         options.full_fidelity = self.full_fidelity;
