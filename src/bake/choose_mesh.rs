@@ -43,7 +43,7 @@ pub struct RefinementRule {
 pub(super) struct EdgeLengths {
     /// Along fold lines; also the distance of the rows beside them.
     pub line: f64,
-    /// Where fold lines cross: a corner of many layers is folded there.
+    /// Where fold lines cross one another or the rim of the laid garment: a corner of many layers is folded there.
     crossing: f64,
     /// Along borders, seams and sides.
     side: f64,
@@ -93,12 +93,12 @@ impl MeshChoice {
             return own("layers would cross on another mesh at the start");
         }
         let count = format!("{} points instead of {}", mesh.garment.points.len(), garment.points.len());
-        let [line, side, max, anywhere] =
-            [lengths.line, lengths.side, uniform, lengths.anywhere].map(|l| 1e3 * l);
+        let [line, crossing, side, max, anywhere] =
+            [lengths.line, lengths.crossing, lengths.side, uniform, lengths.anywhere].map(|l| 1e3 * l);
         let why = match foresight {
             Foresight::NeedsLaying => format!("{count}: edges of {max:.0} mm to lay the garment on"),
             Foresight::Whole => format!(
-                "{count}: edges of {line:.0} mm along fold lines, {side:.0} mm along sides, up to {max:.0} mm elsewhere"
+                "{count}: edges of {line:.0} mm along fold lines, {crossing:.0} mm where they cross, {side:.0} mm along sides, up to {max:.0} mm elsewhere"
             ),
             Foresight::Until(_) => format!(
                 "{count}: edges of {max:.0} mm, bisected down to {anywhere:.0} mm where the cloth bends during the wear"

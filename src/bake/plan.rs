@@ -53,11 +53,7 @@ impl ModelPlan {
         let mut decisions = Vec::new();
         let stretch = scene.stretch(&mut decisions);
         scene.bending(&mut decisions);
-        let reference_length = if options.full_fidelity {
-            fabric.memory.reference_length()
-        } else {
-            reference_length(garment, fabric)
-        };
+        let reference_length = reference_length(garment, fabric);
         decisions.push(scene.memory(reference_length));
         let (layers_meet, contact_distance) = scene.self_contact(&mut decisions);
         decisions.push(scene.friction(layers_meet));
@@ -406,5 +402,22 @@ mod tests {
         assert!(plan.decisions.iter().all(|c| !c.why.is_empty()));
         let numbers = plan.decisions.iter().filter(|c| c.why.contains(|d: char| d.is_ascii_digit())).count();
         assert!(numbers + 2 >= plan.decisions.len(), "{:?}", plan.decisions);
+    }
+
+    #[test]
+    fn the_reference_length_is_that_of_garments_and_no_shorter_than_that_of_the_fabric() {
+        let jersey = Fabric::preset(DEFAULT_FABRIC).expect("is a preset");
+        let mut coarse = jersey.clone();
+        coarse.memory.reference_length_mm = 30.0;
+        let mut garment = squares(1);
+        let mut length = |extent: f64, fabric: &Fabric| {
+            garment.points[1].x = extent;
+            reference_length(&garment, fabric)
+        };
+        for (extent, fabric, expected) in
+            [(0.6, &jersey, 0.02), (0.3, &jersey, 0.015), (0.6, &coarse, 0.03), (0.1, &coarse, 0.03)]
+        {
+            assert!((length(extent, fabric) - expected).abs() < 1e-12, "{extent} m");
+        }
     }
 }

@@ -72,7 +72,7 @@ pub(super) struct ModelTuning {
     pub min_bending_edges_on_body: f64,
     /// Smallest reference length of the memory law on a garment [m], default 0.02: what edges of every quality resolve.
     pub crease_length: f64,
-    /// The same as a fraction of the garment's extent [-], default 0.05: a doll's garment is creased like a person's.
+    /// The same at most, as a fraction of the garment's extent [-], default 0.05: a doll's garment is creased like a person's.
     pub crease_extent_fraction: f64,
     /// Fold angle from which the crease law decides and not how the cloth bends [degrees].
     pub creasing_fold_deg: f64,

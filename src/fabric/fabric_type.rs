@@ -132,7 +132,7 @@ pub struct FabricMemory {
     #[schemars(extend("exclusiveMinimum" = 0), range(max = 1000))]
     pub rest_stretch_ceiling_percent: f64,
     /// Reference length within which the bend of the cloth counts: a lone crease by its angle, cloth that bends evenly by its
-    /// curvature [mm].
+    /// curvature [mm]. A bake uses at least 20 mm, or a twentieth of a garment's extent where that is less.
     #[schemars(extend("exclusiveMinimum" = 0), range(max = 1000))]
     pub reference_length_mm: f64,
     /// Largest ratio of the stiffness of a hinge to its initial stiffness [-].

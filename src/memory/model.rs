@@ -80,8 +80,8 @@ impl MemoryModel {
         }
     }
 
-    /// The law of `fabric` for the angles of hinges that stand for `width` [m] of cloth each, without masks and without
-    /// memory of lengths. Hinges narrower than the reference length count as parts of cloth that bends evenly, because nothing is
+    /// The law of `fabric`, with its own reference length, for the angles of hinges that stand for `width` [m] of cloth each, without
+    /// masks and without memory of lengths. Hinges narrower than the reference length count as parts of cloth that bends evenly, because nothing is
     /// known of those around them.
     pub fn for_hinges(fabric: &Fabric, width: &[f64]) -> Self {
         Self::evenly_bent(fabric, width, fabric.memory.reference_length())

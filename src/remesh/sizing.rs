@@ -2,7 +2,7 @@
 
 use crate::math::Vec3;
 use crate::remesh::tuning::TUNING;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 /// A stretch of a curve at which edges are short.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,14 +41,12 @@ impl SizeField {
         let shortest = seeds.iter().map(|s| s.length).fold(max, f64::min);
         let cell = (flat + (max - shortest) / growth).max(1e-6);
         let mut field = Self { cells: FxHashMap::default(), cell, growth, flat, max };
-        // One seed per cell of the spacing is enough.
-        let mut seen: FxHashMap<[i64; 3], f64> = FxHashMap::default();
+        // One seed of a length per cell of its spacing is enough.
+        let mut seen: FxHashSet<([i64; 3], u64)> = FxHashSet::default();
         for seed in seeds {
             let step = TUNING.seed_spacing * seed.length;
             let key = [seed.position.x, seed.position.y, seed.position.z].map(|c| (c / step).round() as i64);
-            let known = seen.entry(key).or_insert(f64::INFINITY);
-            if seed.length < *known {
-                *known = seed.length;
+            if seen.insert((key, seed.length.to_bits())) {
                 field.cells.entry(field.cell_of(&seed.position)).or_default().push(*seed);
             }
         }
@@ -88,5 +86,13 @@ mod tests {
             assert!((field.at(&Vec3::new(x, 0.0, 0.0)) - expected).abs() < 1e-12, "{x}");
         }
         assert_eq!(SizeField::new(&[], 0.02, 0.5, 0.03).at(&Vec3::zeros()), 0.03);
+    }
+
+    /// Cells of seeds are as large as their lengths ask for, so that those of two lengths have the same number in different places.
+    #[test]
+    fn seeds_of_one_length_leave_those_of_another() {
+        let seed = |x: f64, length: f64| Seed { position: Vec3::new(x, 0.0, 0.0), length };
+        let field = SizeField::new(&[seed(0.1, 0.008), seed(0.15, 0.012)], 0.0, 1.0, 0.04);
+        assert_eq!(field.at(&Vec3::new(0.15, 0.0, 0.0)), 0.012);
     }
 }

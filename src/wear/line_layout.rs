@@ -136,7 +136,7 @@ impl<'a> LineLayout<'a> {
     /// Per point: where the middle of the bend of its layer lies, beyond a fold line from which points lie `beyond` [m]. The
     /// middle of the whole stack's lies on the line ([`line_shift`]).
     fn bend_offsets(&self, beyond: &[f64]) -> Vec<f64> {
-        let width = TUNING.fold.grip_width;
+        let width = TUNING.fold.strip_width;
         let order = LayerOrder::new(&self.mesh, &self.positions, |p| beyond[p].abs() < 2.0 * width);
         let rank = |p: usize| -> f64 {
             let around = &self.mesh.around[p];

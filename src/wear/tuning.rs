@@ -31,11 +31,11 @@ pub(super) struct BodyMotionTuning {
 pub(super) struct FoldTuning {
     /// Angle above which a flap counts as laid flat on the rest [degrees], default 150: its crease can be predicted.
     pub flat_fold_deg: f64,
-    /// Width of the strip along the line that the hand smooths on both sides, and whose layers make the height of the stack [m],
-    /// default 0.05.
-    pub grip_width: f64,
-    /// Width of the strip along the line in which the resting part may give way while the flap turns [m], default 0.025: with 0.05
-    /// it is lifted with the flap where layers bulge, and bends beside the line.
+    /// Distance from the line [m], default 0.05, within which a fold is smoothed, layers make the height of the stack, and the rest is
+    /// free while a fold is opened.
+    pub strip_width: f64,
+    /// Distance from the line [m], default 0.025, within which springs hold the resting part while the flap turns; beyond, it is
+    /// fixed. A wider strip is lifted with the flap where layers bulge, and bends beside the line.
     pub held_width: f64,
     /// Largest angle that the flap turns per step [rad], default 0.12.
     pub max_turn_per_step: f64,
@@ -240,7 +240,7 @@ pub(super) const TUNING: WearTuning = WearTuning {
     },
     fold: FoldTuning {
         flat_fold_deg: 150.0,
-        grip_width: 0.05,
+        strip_width: 0.05,
         held_width: 0.025,
         max_turn_per_step: 0.12,
         stack_quantile: 0.9,

@@ -168,8 +168,8 @@ def advance_memory(
     """Advances memory over a step in which values go linearly from `before` to `after`.
 
     `fabric` is a name of `fabrics()` or a file; the default is cotton-jersey. `kind` is angles [rad] or lengths (stretch ratios).
-    `gain` is the reference length over the width of a hinge where that is narrower, 1 by default. Returns the numbers of gradual
-    and critical events.
+    `gain` is the reference length (`reference_length_mm` of the fabric; bakes use at least 20 mm) over the width of a hinge where that
+    is narrower, 1 by default. Returns the numbers of gradual and critical events.
     """
 
 def sheet(size: tuple[float, float], cells: tuple[int, int]) -> tuple[_Floats, _Indices]:
@@ -182,4 +182,8 @@ def scripts() -> list[str]:
     """Names of the wear scripts of the program."""
 
 def run_tool(words: Sequence[str]) -> int:
-    """Runs the command-line tool; returns its exit code."""
+    """Runs the command-line tool; returns its exit code.
+
+    Commands that compute start the threads of the process: only the first of them may, and none after `bake` or `transfer`. Use a
+    process of its own for others: `python -m crease`.
+    """

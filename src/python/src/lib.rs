@@ -25,8 +25,9 @@ pyo3::create_exception!(_crease, ConvergenceError, CreaseError);
 
 /// Runs the tool with the words of a command line; returns its exit code.
 #[pyfunction]
-fn run_tool(py: Python<'_>, words: Vec<std::ffi::OsString>) -> u8 {
-    py.detach(|| cli::run(words))
+fn run_tool(py: Python<'_>, words: Vec<std::ffi::OsString>) -> PyResult<u8> {
+    process::check_not_forked()?;
+    Ok(py.detach(|| cli::run(words)))
 }
 
 #[pymodule]

@@ -148,9 +148,9 @@ impl WearAction for Fold {
             return Err(context.refuse("`fold` needs a garment that lies", "lay it first: {\"lay\": {}}"));
         };
         let (x, masses, thickness) = (context.positions, context.masses, context.thickness);
-        let grip_width = TUNING.fold.grip_width;
+        let strip_width = TUNING.fold.strip_width;
         let mut line = self.line_in(&frame);
-        let at_line = stack_height(x.iter().filter(|p| line.beyond(p).abs() < grip_width), thickness);
+        let at_line = stack_height(x.iter().filter(|p| line.beyond(p).abs() < strip_width), thickness);
         line.origin -= line.outward * line_shift(at_line);
         let (flap, rest): (Vec<u32>, Vec<u32>) =
             (0..x.len() as u32).partition(|&p| line.beyond(&x[p as usize]) > 0.0);
@@ -162,7 +162,7 @@ impl WearAction for Fold {
             ));
         }
         // The axis runs over the stack as it is along the line; bulges elsewhere are pressed down by the flap.
-        let top = stack_height(x.iter().filter(|p| line.beyond(p).abs() < grip_width), thickness);
+        let top = stack_height(x.iter().filter(|p| line.beyond(p).abs() < strip_width), thickness);
         let axis = FoldAxis {
             origin: Vec3::new(line.origin.x, top + TUNING.fold.axis_clearance * thickness, line.origin.z),
             along: line.along,
@@ -178,14 +178,14 @@ impl WearAction for Fold {
         };
         let held = TUNING.fold.held_width;
         // The part that stays is held along the line; beyond, it is fixed while the flap turns: nothing moves it.
-        let gripped = rest.iter().filter(|&&p| line.beyond(&x[p as usize]) > -held);
+        let sprung = rest.iter().filter(|&&p| line.beyond(&x[p as usize]) > -held);
         let pin = |&p: &u32| pin_spring(p, x[p as usize], masses[p as usize]);
         ActionStart::here(FoldRunner {
             axis,
             flap: flap.iter().map(flap_point).collect(),
-            pins: gripped.map(pin).collect(),
+            pins: sprung.map(pin).collect(),
             fixed: x.iter().map(|p| line.beyond(p) <= -held).collect(),
-            smoothed: x.iter().map(|p| line.beyond(p).abs() < grip_width).collect(),
+            smoothed: x.iter().map(|p| line.beyond(p).abs() < strip_width).collect(),
             record: FoldRecord {
                 flap,
                 origin: line.origin,
@@ -406,5 +406,34 @@ mod tests {
             runner.finish(&mut persistent, &x);
             assert!(!persistent.idle_loads().transient);
         }
+    }
+
+    #[test]
+    fn the_strip_that_is_smoothed_is_one_of_the_cloth_and_the_rest_is_fixed_beyond_25_mm() {
+        let x: Vec<Vec3> = [0.0, 0.17, 0.18, 0.24, 0.26, 0.4]
+            .iter()
+            .flat_map(|&x| [0.0, -0.4].map(|z| Vec3::new(x, 1e-3, z)))
+            .collect();
+        let context = ActionContext {
+            positions: &x,
+            source_positions: &x,
+            triangles: &[],
+            masses: &[1e-3; 12],
+            thickness: 1e-3,
+            script_file: "w.json",
+            location: "0",
+        };
+        let frame = Some(GarmentFrame::lying(&x));
+        let mut persistent = PersistentState { frame, ground: Some(0.0), ..PersistentState::default() };
+        let line = [Fraction2([0.5, 0.0]), Fraction2([0.5, 1.0])];
+        let fold = Fold { line, angle_deg: 180.0, side: FoldSide::Right, ..Fold::example() };
+        let mut runner = fold.start_action(&context, &mut persistent).expect("can be folded").runner;
+        // Distances beyond the line of the six columns: -0.2, -0.03, -0.02, 0.04, 0.06 and 0.2 m.
+        let columns = |flags: Vec<bool>| flags.into_iter().step_by(2).collect::<Vec<_>>();
+        let fixed = columns(runner.loads_at(0.5 * fold.over_s, &x).fixed);
+        assert_eq!(fixed, [true, true, false, false, false, false]);
+        let moved: Vec<Vec3> = x.iter().map(|p| p + Vec3::x() * 0.1).collect();
+        let pressed = columns(runner.loads_at(fold.over_s + 2.0 * TUNING.fold.release_time, &moved).pressed);
+        assert_eq!(pressed, [false, true, true, true, false, false]);
     }
 }

@@ -149,7 +149,7 @@ impl UnfoldRunner {
         let max_depth = flap.iter().map(|p| p.coords.depth).fold(0.0, f64::max);
         let ground = self.idle_loads.ground.unwrap_or(f64::NEG_INFINITY);
         let is_fixed = |(p, in_flap): (&Vec3, &bool)| {
-            !in_flap && (p - fold.origin).dot(&fold.outward) <= -TUNING.fold.grip_width
+            !in_flap && (p - fold.origin).dot(&fold.outward) <= -TUNING.fold.strip_width
         };
         OpeningFold {
             number,
