@@ -10,17 +10,17 @@ use crate::cli::args::values::{glb_path, input_path};
 use crate::cli::commands::worn_job::{SideFiles, WornJob, WornResult, outcome};
 use crate::cli::files::earlier_memory::left_out_warning;
 use crate::cli::files::input;
-use crate::cli::files::source::{fabric_of, read_source};
+use crate::cli::files::source::{carried_sources, fabric_of, origins, read_source, relax_target};
 use crate::cli::runtime::console;
 use clap::ValueEnum;
 use crease::Result;
-use crease::bake::{RelaxResult, mesh_along_creases, relax_carried};
+use crease::bake::{RelaxResult, mesh_along_creases};
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
 use crease::files::GarmentFile;
 use crease::garment::WornGarment;
 use crease::io::{Landmarks, ReadOptions, Sidecar};
 use crease::mesh::intersections::self_intersections;
-use crease::report::{CarriedSource, TransferReport, crossing_counts};
+use crease::report::{TransferReport, crossing_counts};
 use crease::transfer::{
     Align, Channels, DrawnCreases, GarmentSurface, MatchBy, PointPair, Transfer, TransferResult,
     TransferSource,
@@ -181,7 +181,8 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let make = |drawn: DrawnCreases| mesh_along_creases(garment, drawn);
     let carried = arguments.transfer(&input, &target).run_along_creases(garment, &make)?;
     let start = self_intersections(&garment.points, &garment.triangles);
-    let RelaxResult { displacement, warnings, unconverged_reason, .. } = input.relaxed(&carried);
+    let RelaxResult { displacement, warnings, unconverged_reason, .. } =
+        relax_target(&input.mesh.garment, &input.fabric, &input.sidecars, &carried);
     job.warn(warnings);
     job.warn(carried.warnings.clone());
     job.warn_of_failure(carried.empty_reason.as_ref());
@@ -195,7 +196,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
         triangles: garment.triangles.len(),
         crossings: counts.added,
         crossings_at_start: counts.at_start,
-        sources: input.carried_sources(&carried),
+        sources: carried_sources(&input.sources, &carried),
         ..TransferReport::of_transfer(&carried, &target)
     };
     let sidecar = input.sidecar(&arguments, &worn, &carried, &report)?;
@@ -272,27 +273,6 @@ impl TransferInput {
         }
     }
 
-    /// Relaxes the target with the transferred memory. Memory that was transferred unchanged keeps its shape.
-    fn relaxed(&self, carried: &TransferResult) -> RelaxResult {
-        if carried.unchanged
-            && let Some(sidecar) = self.sidecars.first()
-        {
-            return RelaxResult { displacement: sidecar.worn().displacement, ..RelaxResult::default() };
-        }
-        relax_carried(&self.mesh.garment, &self.fabric, carried)
-    }
-
-    fn carried_sources(&self, carried: &TransferResult) -> Vec<CarriedSource> {
-        let each = self.sources.iter().zip(&carried.sources);
-        each.map(|(source, outcome)| CarriedSource {
-            file: source.file.clone(),
-            by: outcome.matched_by.name().to_owned(),
-            aligned: outcome.aligned_by.map(|by| by.name().to_owned()),
-            losses: outcome.losses,
-        })
-        .collect()
-    }
-
     fn sidecar(
         &self,
         arguments: &Arguments,
@@ -300,15 +280,7 @@ impl TransferInput {
         carried: &TransferResult,
         report: &TransferReport,
     ) -> Result<Sidecar> {
-        let from: Vec<Value> = self
-            .sidecars
-            .iter()
-            .zip(&report.sources)
-            .map(|(sidecar, source)| {
-                json!({"sidecar": source.file, "by": source.by, "source": sidecar.source, "wear": sidecar.wear,
-                       "run": sidecar.run})
-            })
-            .collect();
+        let from = origins(&self.sidecars, &report.sources);
         let run = json!({
             "tool": concat!("crease ", env!("CARGO_PKG_VERSION")),
             "transfer": {

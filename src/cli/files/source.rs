@@ -1,13 +1,16 @@
-//! Sources of a transfer: sidecars by path, or by the worn glTF that names one.
+//! Sources of a transfer: sidecars by path, or by the worn glTF that names one, and what is said of them in report and sidecar.
 
 use crate::cli::files::input;
+use crease::bake::{RelaxResult, relax_carried};
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
 use crease::files::read_asset_file;
+use crease::garment::Garment;
 use crease::io::gltf::sidecar_name;
 use crease::io::{ReadOptions, Sidecar, read_sidecar};
-use crease::transfer::TransferSource;
+use crease::report::CarriedSource;
+use crease::transfer::{TransferResult, TransferSource};
 use crease::{Error, Result};
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 /// Reads a sidecar, or the one that a worn glTF names.
@@ -39,4 +42,40 @@ pub fn fabric_of(file: &str, sidecar: &Sidecar) -> Result<Fabric> {
         Value::Null => Fabric::preset(DEFAULT_FABRIC),
         value => Fabric::parse(&format!("{file}: fabric"), &value.to_string()),
     }
+}
+
+/// Relaxes the target `garment` with the transferred memory. Memory of the first of `sidecars` that was transferred unchanged keeps
+/// its shape.
+pub fn relax_target(
+    garment: &Garment,
+    fabric: &Fabric,
+    sidecars: &[Sidecar],
+    carried: &TransferResult,
+) -> RelaxResult {
+    match sidecars.first().filter(|_| carried.unchanged) {
+        Some(own) => RelaxResult { displacement: own.worn().displacement, ..RelaxResult::default() },
+        None => relax_carried(garment, fabric, carried),
+    }
+}
+
+/// Returns what the report says of each of `sources`.
+pub fn carried_sources(sources: &[TransferSource], carried: &TransferResult) -> Vec<CarriedSource> {
+    let each = sources.iter().zip(&carried.sources);
+    each.map(|(source, outcome)| CarriedSource {
+        file: source.file.clone(),
+        by: outcome.matched_by.name().to_owned(),
+        aligned: outcome.aligned_by.map(|by| by.name().to_owned()),
+        losses: outcome.losses,
+    })
+    .collect()
+}
+
+/// Returns what the sidecar of the target says of each of `sidecars`, which the report lists as `sources`.
+pub fn origins(sidecars: &[Sidecar], sources: &[CarriedSource]) -> Vec<Value> {
+    let each = sidecars.iter().zip(sources);
+    each.map(|(sidecar, source)| {
+        json!({"sidecar": source.file, "by": source.by, "source": sidecar.source, "wear": sidecar.wear,
+               "run": sidecar.run})
+    })
+    .collect()
 }

@@ -2,15 +2,15 @@
 
 use crate::CreaseError;
 use crate::cli::files::earlier_memory::left_out_warning;
-use crate::cli::files::source::{fabric_of, read_source};
+use crate::cli::files::source::{carried_sources, fabric_of, origins, read_source, relax_target};
 use crate::convert::{ReadGarment, exception, fabric, garment, wrong_type};
 use crate::process::check_not_forked;
 use crate::sidecar::PySidecar;
 use crate::worn::PyWorn;
-use crease::bake::{RelaxResult, mesh_along_creases, relax_carried};
+use crease::bake::{RelaxResult, mesh_along_creases};
 use crease::garment::mistaken_body;
 use crease::mesh::intersections::self_intersections;
-use crease::report::{CarriedSource, TransferReport, crossing_counts};
+use crease::report::{TransferReport, crossing_counts};
 use crease::transfer::{
     Align, DrawnCreases, GarmentSurface, MatchBy, Transfer, TransferResult, TransferSource,
 };
@@ -41,7 +41,8 @@ impl TransferInput {
         let make = |drawn: DrawnCreases| mesh_along_creases(garment, drawn);
         let carried = transfer.run_along_creases(garment, &make)?;
         let start = self_intersections(&garment.points, &garment.triangles);
-        let RelaxResult { displacement, warnings, unconverged_reason, .. } = self.relaxed(&carried);
+        let RelaxResult { displacement, warnings, unconverged_reason, .. } =
+            relax_target(&self.file.garment, &self.fabric, &self.sidecars, &carried);
         let worn = WornGarment { displacement, memory: carried.memory.clone() };
         let counts = crossing_counts(garment, &worn, &start);
         let mut report = TransferReport {
@@ -49,7 +50,7 @@ impl TransferInput {
             triangles: garment.triangles.len(),
             crossings: counts.added,
             crossings_at_start: counts.at_start,
-            sources: self.carried_sources(&carried),
+            sources: carried_sources(&self.sources, &carried),
             warnings,
             ..TransferReport::of_transfer(&carried, &target)
         };
@@ -59,38 +60,13 @@ impl TransferInput {
         Ok(Transferred { worn, sidecar, report, unconverged_reason, empty_reason: carried.empty_reason })
     }
 
-    /// Relaxes the target with the transferred memory. Memory that was transferred unchanged keeps its shape.
-    fn relaxed(&self, carried: &TransferResult) -> RelaxResult {
-        match self.sidecars.first().filter(|_| carried.unchanged) {
-            Some(own) => RelaxResult { displacement: own.worn().displacement, ..RelaxResult::default() },
-            None => relax_carried(&self.file.garment, &self.fabric, carried),
-        }
-    }
-
-    fn carried_sources(&self, carried: &TransferResult) -> Vec<CarriedSource> {
-        let each = self.sources.iter().zip(&carried.sources);
-        each.map(|(source, outcome)| CarriedSource {
-            file: source.file.clone(),
-            by: outcome.matched_by.name().to_owned(),
-            aligned: outcome.aligned_by.map(|by| by.name().to_owned()),
-            losses: outcome.losses,
-        })
-        .collect()
-    }
-
     fn sidecar(
         &self,
         worn: &WornGarment,
         carried: &TransferResult,
         report: &TransferReport,
     ) -> crease::Result<Sidecar> {
-        let each = self.sidecars.iter().zip(&report.sources);
-        let from: Vec<Value> = each
-            .map(|(sidecar, source)| {
-                json!({"sidecar": source.file, "by": source.by, "source": sidecar.source, "wear": sidecar.wear,
-                       "run": sidecar.run})
-            })
-            .collect();
+        let from = origins(&self.sidecars, &report.sources);
         let run = json!({
             "tool": concat!("crease ", env!("CARGO_PKG_VERSION")),
             "transfer": {"from": from, "strength": self.strength, "mask": null, "only": null, "mirror": null},

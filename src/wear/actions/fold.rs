@@ -352,6 +352,19 @@ impl ActionRunner for FoldRunner {
 mod tests {
     use super::*;
 
+    /// Cloth that lies at `x` [m], of `masses` [kg].
+    fn context<'a>(x: &'a [Vec3], masses: &'a [f64]) -> ActionContext<'a> {
+        ActionContext {
+            positions: x,
+            source_positions: x,
+            triangles: &[],
+            masses,
+            thickness: 1e-3,
+            script_file: "w.json",
+            location: "0",
+        }
+    }
+
     #[test]
     fn sides_do_not_depend_on_the_direction_of_the_line() {
         for (side, inside, outside) in [
@@ -376,15 +389,7 @@ mod tests {
     fn a_fold_that_is_held_has_no_transient_loads() {
         let x: Vec<Vec3> =
             [[0.0, 0.0], [0.4, 0.0], [0.0, -0.4], [0.4, -0.4]].map(|[x, z]| Vec3::new(x, 1e-3, z)).to_vec();
-        let context = ActionContext {
-            positions: &x,
-            source_positions: &x,
-            triangles: &[],
-            masses: &[1e-3; 4],
-            thickness: 1e-3,
-            script_file: "w.json",
-            location: "0",
-        };
+        let context = context(&x, &[1e-3; 4]);
         let over = 2.0;
         let release_time = TUNING.fold.release_time;
         for (angle_deg, transient) in [(180.0, true), (90.0, false)] {
@@ -414,15 +419,7 @@ mod tests {
             .iter()
             .flat_map(|&x| [0.0, -0.4].map(|z| Vec3::new(x, 1e-3, z)))
             .collect();
-        let context = ActionContext {
-            positions: &x,
-            source_positions: &x,
-            triangles: &[],
-            masses: &[1e-3; 12],
-            thickness: 1e-3,
-            script_file: "w.json",
-            location: "0",
-        };
+        let context = context(&x, &[1e-3; 12]);
         let frame = Some(GarmentFrame::lying(&x));
         let mut persistent = PersistentState { frame, ground: Some(0.0), ..PersistentState::default() };
         let line = [Fraction2([0.5, 0.0]), Fraction2([0.5, 1.0])];
