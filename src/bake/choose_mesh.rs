@@ -49,6 +49,8 @@ pub(super) struct EdgeLengths {
     side: f64,
     /// At most.
     pub max: f64,
+    /// At most, on a garment that does not lie in its file.
+    pub max_of_laid: f64,
     /// Finest, where the cloth may crease anywhere.
     anywhere: f64,
 }
@@ -82,6 +84,7 @@ impl MeshChoice {
         let DrawnLines { mut mesh, foresight } =
             draw_fold_lines(garment, script, laid, fabric.thickness(), lengths.line);
         let uniform = match foresight {
+            Foresight::Whole if laid.is_some() => lengths.max_of_laid,
             Foresight::Whole => lengths.max,
             Foresight::NeedsLaying => lengths.side,
             Foresight::Until(_) => TUNING.simulation_mesh.side_factor * lengths.anywhere,
@@ -162,6 +165,7 @@ impl EdgeLengths {
             crossing: tuning.max_crossing_edge.min(tuning.crossing_factor * line),
             side: tuning.side_factor * line,
             max: (tuning.max_factor * line).min(tuning.max_edge),
+            max_of_laid: (tuning.max_factor_of_laid * line).min(tuning.max_edge),
             anywhere: line.max(tuning.anywhere_extent_fraction * extent),
         }
     }

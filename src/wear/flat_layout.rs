@@ -11,7 +11,7 @@ use crate::math::{Mat3, Rng, Vec3, bounds};
 use crate::mesh::intersections::self_intersections;
 use crate::mesh::{PointIndex, Topology, triangle};
 use crate::sim::{BlockMatrix, Cholesky};
-use crate::wear::layer_gap::separate;
+use crate::wear::layer_gap::{separate, touching};
 use crate::wear::sewn_layers::{patches, stack_ranks};
 use crate::wear::tuning::TUNING;
 use std::cmp::Reverse;
@@ -166,12 +166,15 @@ impl Layers {
         }
     }
 
-    /// Positions of points at `flat` in the plane, in layers that are `gap` apart [m], and the triangles that cross there.
+    /// Positions of points at `flat` in the plane, in layers that are `gap` apart [m], and the triangles that cross or touch there.
     fn at(&self, flat: &[Vec3], triangles: &[[PointIndex; 3]], gap: f64) -> (Vec<Vec3>, Vec<u32>) {
         let mut positions: Vec<Vec3> =
             flat.iter().zip(&self.heights).map(|(p, h)| p + Vec3::y() * (gap * h)).collect();
         separate(&mut positions, triangles, &self.of_triangle, &self.shared, 0.5 * gap);
-        let crossing = crossing_triangles(&positions, triangles, &self.shared, gap);
+        let mut crossing = crossing_triangles(&positions, triangles, &self.shared, gap);
+        crossing.extend(touching(&positions, triangles, &self.shared, gap));
+        crossing.sort_unstable();
+        crossing.dedup();
         (positions, crossing)
     }
 }

@@ -79,14 +79,18 @@ fn constraints(x: &[Vec3], [lower, upper]: [&Layer; 2], gap: f64) -> Vec<Constra
     let [below, above] =
         [lower, upper].map(|layer| layer.edges.iter().flatten().copied().collect::<FxHashSet<usize>>());
     let is_common = |p: &usize| below.contains(p) && above.contains(p);
+    let key = |e: &[usize; 2]| [e[0].min(e[1]), e[0].max(e[1])];
+    let [lower_edges, upper_edges] =
+        [lower, upper].map(|layer| layer.edges.iter().map(key).collect::<FxHashSet<_>>());
     let mut found = Vec::new();
     // Edges that pass one another.
     let cells = Cells::new(lower.edges.iter().map(|e| e.map(|p| x[p])), gap);
     for e in &upper.edges {
         for &k in &cells.near(e.map(|p| x[p])) {
             let g = lower.edges[k];
-            let all_common = e.iter().chain(&g).all(is_common);
-            if all_common || g.contains(&e[0]) || g.contains(&e[1]) {
+            // Two edges of both layers would each have to lie above the other: see `touching`.
+            let both_common = upper_edges.contains(&key(&g)) && lower_edges.contains(&key(e));
+            if both_common || g.contains(&e[0]) || g.contains(&e[1]) {
                 continue;
             }
             let [a, b, c, d] = [e[0], e[1], g[0], g[1]].map(|p| Vec3::new(x[p].x, 0.0, x[p].z));
@@ -118,6 +122,44 @@ fn constraints(x: &[Vec3], [lower, upper]: [&Layer; 2], gap: f64) -> Vec<Constra
             }
         }
     }
+    found
+}
+
+/// Triangles at `x` [m], in the order of their numbers, that touch another next to the points that are `shared` between layers: whose
+/// edges or corners come nearer than a small part of `gap` [m] to one without common corners. Heights cannot part layers where their
+/// rim is folded over in the plane.
+pub(super) fn touching(x: &[Vec3], triangles: &[[PointIndex; 3]], shared: &[bool], gap: f64) -> Vec<u32> {
+    let near: Vec<u32> = (0..triangles.len() as u32)
+        .filter(|f| triangles[*f as usize].iter().any(|p| shared[p.at()]))
+        .collect();
+    let corners = |f: u32| triangles[f as usize].map(|p| p.at());
+    let cells = Cells::new(near.iter().map(|f| corners(*f).map(|p| x[p])), gap);
+    let at = |p: usize| &x[p];
+    let touch = |t: [usize; 3], u: [usize; 3]| {
+        let sides = |t: [usize; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
+        let edges = sides(t).into_iter().flat_map(|e| sides(u).map(|g| (e, g)));
+        let tolerance = TUNING.lay.touch_fraction * gap;
+        edges
+            .filter(|(e, g)| !g.contains(&e[0]) && !g.contains(&e[1]))
+            .any(|(e, g)| edge_edge(at(e[0]), at(e[1]), at(g[0]), at(g[1])).distance < tolerance)
+            || [(t, u), (u, t)].into_iter().any(|(t, u)| {
+                t.iter().any(|p| {
+                    !u.contains(p)
+                        && point_triangle(at(*p), at(u[0]), at(u[1]), at(u[2])).distance < tolerance
+                })
+            })
+    };
+    let mut found = Vec::new();
+    for (k, f) in near.iter().enumerate() {
+        let t = corners(*f);
+        for other in cells.near(t.map(|p| x[p])).into_iter().filter(|other| *other > k) {
+            if touch(t, corners(near[other])) {
+                found.extend([*f, near[other]]);
+            }
+        }
+    }
+    found.sort_unstable();
+    found.dedup();
     found
 }
 
@@ -157,5 +199,37 @@ impl Cells {
         found.sort_unstable();
         found.dedup();
         found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rims_that_cross_in_the_plane_touch() {
+        let gap = 1e-3;
+        // Two triangles whose first edges cross in the middle; the other corners lie apart.
+        let flat = [[-1.0, 0.0], [1.0, 0.0], [-0.9, 2.0], [0.0, -1.0], [0.0, 1.0], [2.0, -0.9]];
+        let triangles = [[0, 1, 2], [3, 4, 5]].map(|t| t.map(PointIndex));
+        let at = |height: f64| -> Vec<Vec3> {
+            let y = |k| if k < 3 { 0.0 } else { height };
+            flat.iter().enumerate().map(|(k, p)| Vec3::new(0.01 * p[0], y(k), 0.01 * p[1])).collect()
+        };
+        let shared = [true, true, false, true, true, false];
+        assert_eq!(touching(&at(0.0), &triangles, &shared, gap), [0, 1]);
+        assert!(touching(&at(0.5 * gap), &triangles, &shared, gap).is_empty());
+        assert!(touching(&at(0.0), &triangles, &[false; 6], gap).is_empty());
+    }
+
+    #[test]
+    fn rim_edges_of_one_layer_are_moved_apart() {
+        let gap = 1e-3;
+        // All corners are shared with other layers, but the edge of the first triangle lies in the lower layer only.
+        let flat = [[-1.0, 0.0], [1.0, 0.0], [0.0, 2.0], [0.0, -1.0], [0.0, 1.0], [2.0, 0.0]];
+        let mut x: Vec<Vec3> = flat.iter().map(|p| Vec3::new(0.01 * p[0], 0.0, 0.01 * p[1])).collect();
+        let triangles = [[0, 1, 2], [3, 4, 5]].map(|t| t.map(PointIndex));
+        separate(&mut x, &triangles, &[0, 1], &[true; 6], gap);
+        assert!(touching(&x, &triangles, &[true; 6], gap).is_empty(), "{x:?}");
     }
 }

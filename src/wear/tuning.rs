@@ -120,6 +120,8 @@ pub(super) struct LayTuning {
     pub max_gap_rounds: usize,
     /// Missing distance at which that ends, relative to the distance of layers [-], default 0.01.
     pub gap_tol: f64,
+    /// Distance of two triangles that touch, relative to that distance [-], default 0.01.
+    pub touch_fraction: f64,
     /// Random change of heights with which the layout is tested for crossings, relative to that distance [-], default 0.3.
     pub shake: f64,
 }
@@ -278,6 +280,7 @@ pub(super) const TUNING: WearTuning = WearTuning {
         max_sewn_layers: 8,
         max_gap_rounds: 300,
         gap_tol: 0.01,
+        touch_fraction: 0.01,
         shake: 0.3,
     },
     other: OtherActionTuning {
