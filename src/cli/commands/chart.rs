@@ -3,7 +3,7 @@
 use crate::cli::files::input;
 use crate::cli::files::output::Outputs;
 use crate::cli::runtime::console;
-use crate::cli::runtime::threads::use_threads;
+use crate::cli::runtime::threads::on_threads;
 use crate::cli::runtime::waiting::Waiting;
 use crease::chart::{Chart, ChartOptions};
 use crease::fabric::PAPER_FABRIC;
@@ -38,7 +38,6 @@ fn list() -> String {
 
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<()> {
-    use_threads(None)?;
     let options = ChartOptions {
         fabric: input::fabric(&arguments.fabric)?,
         runs: arguments.runs.into(),
@@ -46,7 +45,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     };
     let folder = OutputFolder::create(&arguments.output)?;
     let waiting = Waiting::begin(&format!("chart {}", arguments.name));
-    let chart = Chart::make(&arguments.name, &options)?;
+    let chart = on_threads(None, || Chart::make(&arguments.name, &options))?;
     drop(waiting);
     let mut outputs = Outputs::new([]);
     for (ending, bytes) in chart.files()? {

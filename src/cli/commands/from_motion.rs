@@ -10,6 +10,7 @@ use crate::cli::files::earlier_memory::left_out_warning;
 use crate::cli::files::frame_sequence::read_frames;
 use crate::cli::files::input;
 use crate::cli::runtime::console;
+use crate::cli::runtime::threads::on_threads;
 use crease::bake::{BakeResult, GarmentMotion, memory_from_motion};
 use crease::body::rig::Rig;
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
@@ -71,14 +72,18 @@ const MAX_FRAMES: f64 = 110_000.0;
 
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<()> {
+    on_threads(arguments.run.threads, || remember(&arguments))
+}
+
+fn remember(arguments: &Arguments) -> Result<()> {
     let inputs = [Some(arguments.motion.as_path()), arguments.mesh.as_deref()].into_iter().flatten();
     let side_files = SideFiles { apply: arguments.apply, ..SideFiles::default() };
     let mut job = WornJob::start(&arguments.run, &arguments.output, inputs, side_files)?;
     let fabric = input::fabric(&arguments.fabric)?;
     let mut motion = if arguments.motion.is_dir() {
-        MotionInput::from_frames(&arguments)?
+        MotionInput::from_frames(arguments)?
     } else {
-        MotionInput::from_clip(&arguments)?
+        MotionInput::from_clip(arguments)?
     };
     job.accept_mesh(&mut motion.mesh, &motion.path, None)?;
     job.warn(left_out_warning(&motion.path, &motion.mesh));
@@ -90,7 +95,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
         crossing_counts(garment, &baked.worn, &self_intersections(&garment.points, &garment.triangles));
     let mut report = Report::of_bake(garment, &baked, counts);
     report.method = "remember".to_owned();
-    let sidecar = motion.sidecar(&baked, &fabric, &arguments)?;
+    let sidecar = motion.sidecar(&baked, &fabric, arguments)?;
     let result = WornResult {
         mesh: &motion.mesh,
         worn: &baked.worn,

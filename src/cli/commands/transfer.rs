@@ -12,6 +12,7 @@ use crate::cli::files::earlier_memory::left_out_warning;
 use crate::cli::files::input;
 use crate::cli::files::source::{carried_sources, fabric_of, origins, read_source, relax_target};
 use crate::cli::runtime::console;
+use crate::cli::runtime::threads::on_threads;
 use clap::ValueEnum;
 use crease::Result;
 use crease::bake::{RelaxResult, mesh_along_creases};
@@ -167,12 +168,16 @@ impl Arguments {
 
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<()> {
+    on_threads(arguments.run.threads, || transfer(&arguments))
+}
+
+fn transfer(arguments: &Arguments) -> Result<()> {
     let side_files =
         SideFiles { apply: arguments.apply, export: Some(&arguments.export), ..SideFiles::default() };
     let sidecars = arguments.sidecars.iter().map(PathBuf::as_path);
     let inputs = sidecars.chain([arguments.to.as_path()]).chain(arguments.landmarks.as_deref());
     let mut job = WornJob::start(&arguments.run, &arguments.output, inputs, side_files)?;
-    let mut input = TransferInput::read(&arguments)?;
+    let mut input = TransferInput::read(arguments)?;
     job.accept_mesh(&mut input.mesh, &arguments.to, input.refinement.as_ref())?;
     job.warn(left_out_warning(&arguments.to, &input.mesh));
     job.inputs_read();
@@ -199,7 +204,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
         sources: carried_sources(&input.sources, &carried),
         ..TransferReport::of_transfer(&carried, &target)
     };
-    let sidecar = input.sidecar(&arguments, &worn, &carried, &report)?;
+    let sidecar = input.sidecar(arguments, &worn, &carried, &report)?;
     let result = WornResult {
         mesh: &input.mesh,
         worn: &worn,

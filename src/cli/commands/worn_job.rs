@@ -1,5 +1,5 @@
 //! The common frame of the commands that produce a worn garment: `bake`, `transfer`, `remember`. Before the computation
-//! it starts the threads and checks that every output can be written; after it, it writes the worn garment, its sidecar,
+//! it checks that every output can be written; after it, it writes the worn garment, its sidecar,
 //! the report and the files beside them, all or none, and prints the outcome.
 
 use crate::cli::args::apply::ApplyArgs;
@@ -11,7 +11,6 @@ use crate::cli::files::input;
 use crate::cli::files::output::Outputs;
 use crate::cli::files::worn_outputs::WornOutputs;
 use crate::cli::runtime::console;
-use crate::cli::runtime::threads::use_threads;
 use crease::fabric::Fabric;
 use crease::files::GarmentFile;
 use crease::garment::{SourceAsset, WornGarment, mistaken_body};
@@ -134,7 +133,7 @@ pub struct JobTimes {
 }
 
 impl WornJob {
-    /// Starts the threads and checks that the outputs beside `output` can be written. `inputs` are never overwritten.
+    /// Checks that the outputs beside `output` can be written. `inputs` are never overwritten.
     pub fn start<'a>(
         run: &RunArgs,
         output: &Path,
@@ -153,7 +152,6 @@ impl WornJob {
         if side_files.preview {
             outputs.check(&files.preview())?;
         }
-        use_threads(run.threads)?;
         Ok(Self {
             run: run.clone(),
             files,

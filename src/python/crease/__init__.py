@@ -1,8 +1,8 @@
 """Simulates how garments are worn and bakes the permanent wrinkles into their meshes.
 
 `bake` wears a garment by a script, `transfer` puts its wrinkles on another one, `Sidecar` holds what the cloth remembers as
-NumPy arrays, and `MemoryState` with `advance_memory` is the memory law for a simulator of your own. `python -m crease` is
-the command-line tool.
+NumPy arrays, and `MemoryState` with `advance_memory` is the memory law for a simulator of your own. `run_tool` and
+`python -m crease` are the command-line tool.
 """
 
 from ._crease import (
@@ -15,6 +15,7 @@ from ._crease import (
     advance_memory,
     bake,
     fabrics,
+    run_tool,
     scripts,
     sheet,
     transfer,
@@ -30,6 +31,7 @@ __all__ = [
     "advance_memory",
     "bake",
     "fabrics",
+    "run_tool",
     "scripts",
     "sheet",
     "transfer",

@@ -23,7 +23,7 @@ def main() -> int:
         os.environ.setdefault("CREASE_EXECUTABLE", own)
     # Python's own handler waits until the tool returns. The tool has handlers where it has something to save.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
-    return run_tool(["crease", *sys.argv[1:]])
+    return run_tool(sys.argv[1:])
 
 
 if __name__ == "__main__":

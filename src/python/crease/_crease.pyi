@@ -182,8 +182,8 @@ def scripts() -> list[str]:
     """Names of the wear scripts of the program."""
 
 def run_tool(words: Sequence[str]) -> int:
-    """Runs the command-line tool; returns its exit code.
+    """Runs the command-line tool with the words after `crease`; returns its exit code.
 
-    Commands that compute start the threads of the process: only the first of them may, and none after `bake` or `transfer`. Use a
-    process of its own for others: `python -m crease`.
+    It prints to the standard output and the standard error of the process, not to `sys.stdout` and `sys.stderr`. Every run has threads of
+    its own (`--threads`). Ctrl-C during a run is that of the tool; Python raises KeyboardInterrupt for it when the run has returned.
     """

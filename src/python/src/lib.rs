@@ -13,6 +13,7 @@ mod examples;
 mod memory;
 mod process;
 mod sidecar;
+mod tool;
 mod transfer;
 mod worn;
 
@@ -22,13 +23,6 @@ use pyo3::types::PyModule;
 
 pyo3::create_exception!(_crease, CreaseError, PyValueError);
 pyo3::create_exception!(_crease, ConvergenceError, CreaseError);
-
-/// Runs the tool with the words of a command line; returns its exit code.
-#[pyfunction]
-fn run_tool(py: Python<'_>, words: Vec<std::ffi::OsString>) -> PyResult<u8> {
-    process::check_not_forked()?;
-    Ok(py.detach(|| cli::run(words)))
-}
 
 #[pymodule]
 fn _crease(module: &Bound<'_, PyModule>) -> PyResult<()> {
@@ -45,5 +39,5 @@ fn _crease(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(examples::fabrics, module)?)?;
     module.add_function(wrap_pyfunction!(examples::scripts, module)?)?;
     module.add_function(wrap_pyfunction!(memory::advance_memory, module)?)?;
-    module.add_function(wrap_pyfunction!(run_tool, module)?)
+    module.add_function(wrap_pyfunction!(tool::run_tool, module)?)
 }

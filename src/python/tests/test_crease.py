@@ -312,3 +312,46 @@ def test_the_tool_is_in_the_package(tmp_path):
     batch = run("batch", "jobs.json")
     assert batch.returncode == 0, batch.stderr
     assert list(tmp_path.glob("out/*.glb"))
+
+
+def test_the_tool_runs_repeatedly_in_one_process(tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+    crease.bake(crease.sheet((0.3, 0.3), (16, 16)), {**SCRIPT, "actions": [{"settle": {"for": 0.1}}]}, quality="draft").save("sheet.glb")
+    Path("wear.json").write_text(json.dumps(SCRIPT))
+    bake = ["bake", "sheet.glb", "--wear", "wear.json", "--quality", "draft", "--forget", "--quiet", "-o"]
+    codes = []
+    codes.append(crease.run_tool([*bake, "first.glb", "--threads", "1"]))
+    codes.append(crease.run_tool([*bake, "again.glb", "--threads", "1"]))
+    # Other numbers of threads, and another thread of Python.
+    other = threading.Thread(target=lambda: codes.append(crease.run_tool([*bake, "other.glb", "--threads", "3"])))
+    other.start()
+    other.join()
+    codes.append(crease.run_tool(["transfer", "first.glb", "--to", "sheet.glb", "--quiet", "-o", "carried.glb"]))
+    assert codes == [0, 0, 0, 0], capfd.readouterr().err
+    for name in ("again", "other"):
+        for old, new in (("first.glb", f"{name}.glb"), ("first.crease.json", f"{name}.crease.json")):
+            same = Path(old).read_bytes().replace(b"first.", b"") == Path(new).read_bytes().replace(f"{name}.".encode(), b"")
+            assert same, new
+    crease.bake("sheet.glb", "wear.json", quality="draft", forget=True).save("module.glb")
+    assert Path("module.crease.json").read_bytes() == Path("first.crease.json").read_bytes()
+    assert crease.run_tool(["bake", "none.glb", "--wear", "wear.json", "-o", "none-worn.glb"]) == 1
+    assert "none.glb" in capfd.readouterr().err
+    assert crease.run_tool([]) == 2
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of Unix")
+@pytest.mark.parametrize("name, ending", [("SIGINT", 0), ("SIGTERM", -signal.SIGTERM)])
+def test_signals_are_those_of_python_after_a_run_of_the_tool(name, ending, tmp_path):
+    """The tool ends the process at a signal while it has nothing to save; after the run, Ctrl-C is a KeyboardInterrupt again."""
+    program = f"""
+import crease, os, signal
+for _ in range(2):
+    assert crease.run_tool(["bake", "none.glb", "--wear", "fold-thrice", "-o", "worn.glb"]) == 1
+    try:
+        os.kill(os.getpid(), signal.{name})
+    except KeyboardInterrupt:
+        print("interrupted")
+"""
+    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=tmp_path)
+    assert run.returncode == ending, run.stderr
+    assert run.stdout == ("" if ending else "interrupted\n" * 2)

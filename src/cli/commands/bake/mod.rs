@@ -20,7 +20,7 @@ use crate::cli::files::frame_folder::FrameFolder;
 use crate::cli::runtime::console;
 use crate::cli::runtime::interrupt::Interrupt;
 use crate::cli::runtime::progress::Progress;
-use crate::cli::runtime::threads::use_threads;
+use crate::cli::runtime::threads::on_threads;
 use crease::bake::{BakeReport, BakeResult, ModelDecision};
 use crease::mesh::intersections::self_intersections;
 use crease::report::{Report, crossing_counts};
@@ -34,13 +34,10 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let interrupt = Interrupt::listen()?;
     let mut progress = Progress::new(arguments.run.quiet, arguments.run.json);
     progress.stage("read");
-    match &arguments.output {
+    on_threads(arguments.run.threads, || match &arguments.output {
         Some(output) => bake_into(&arguments, output, &mut progress, &interrupt),
-        None => {
-            use_threads(arguments.run.threads)?;
-            explain(&BakeInput::read(&arguments)?, &arguments, arguments.run.json)
-        }
-    }
+        None => explain(&BakeInput::read(&arguments)?, &arguments, arguments.run.json),
+    })
 }
 
 fn bake_into(
