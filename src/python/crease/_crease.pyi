@@ -106,15 +106,17 @@ class Worn:
 
 @final
 class MemoryState:
-    """Memory of hinges or lengths."""
+    """Memory of elements: hinges, or lengths."""
 
     def __new__(cls, rest: npt.ArrayLike) -> MemoryState:
-        """New cloth with these rest angles [rad] or stretches."""
+        """New cloth with these rest values, a number or (n,): rest angles [rad], or stretch ratios [-], which are above 0."""
     def __len__(self) -> int: ...
     @property
-    def rest(self) -> _Floats: ...
+    def rest(self) -> _Floats:
+        """Rest values now, (n,) [rad] or [-]."""
     @property
-    def stiffness_ratio(self) -> _Floats: ...
+    def stiffness_ratio(self) -> _Floats:
+        """Stiffness relative to new cloth, (n,) [-]."""
 
 def bake(
     garment: Union[_Path, _Mesh],
@@ -173,7 +175,7 @@ def advance_memory(
     """
 
 def sheet(size: tuple[float, float], cells: tuple[int, int]) -> tuple[_Floats, _Indices]:
-    """Positions [m] and triangles of a flat rectangular sheet."""
+    """Positions [m] and triangles of a flat rectangular sheet of `size` [m], cut into `cells` along both sides."""
 
 def fabrics() -> list[str]:
     """Names of the fabrics of the program."""

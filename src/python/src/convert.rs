@@ -65,17 +65,58 @@ pub fn numbers<'py, T: Element + Copy>(py: Python<'py>, all: &[T]) -> Bound<'py,
     all.to_pyarray(py)
 }
 
-/// Returns `value` as an array of numbers of the type `kind`.
-fn array<'py>(value: &Bound<'py, PyAny>, kind: &str, name: &str) -> PyResult<Bound<'py, PyAny>> {
-    let numpy = value.py().import("numpy")?;
-    numpy.call_method1("asarray", (value, kind)).map_err(|error| {
-        CreaseError::new_err(format!("{name}: is no array of numbers: {}", error.value(value.py())))
+/// Returns what `value`, the argument `name`, chooses among `known`.
+pub fn choice<T: Copy>(name: &str, value: &str, known: &[(&str, T)]) -> PyResult<T> {
+    known.iter().find(|(own, _)| *own == value).map(|(_, chosen)| *chosen).ok_or_else(|| {
+        let names: Vec<&str> = known.iter().map(|(own, _)| *own).collect();
+        CreaseError::new_err(format!("{name}: {value} is none of {}", names.join(", ")))
     })
 }
 
-/// Reads anything that NumPy makes a list of finite numbers of.
+/// Checks that the argument `name` is finite and at least 0.
+pub fn check_not_negative(name: &str, value: f64) -> PyResult<()> {
+    match value >= 0.0 && value.is_finite() {
+        true => Ok(()),
+        false => Err(CreaseError::new_err(format!("{name}: {value} is no number of at least 0"))),
+    }
+}
+
+/// Checks that the entries of the argument `name` are above 0.
+pub fn check_above_zero(name: &str, values: &[f64]) -> PyResult<()> {
+    match values.iter().position(|value| *value <= 0.0) {
+        Some(k) => {
+            Err(CreaseError::new_err(format!("{name}: entry {k} is {}, not a number above 0", values[k])))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Kinds of NumPy types that are numbers: truth values, integers, and Python objects, which may be numbers.
+const NUMBER_KINDS: &str = "biufO";
+
+/// Returns `value` as an array of numbers of the type `kind`. NumPy would read numbers from text and cut off imaginary parts.
+fn array<'py>(value: &Bound<'py, PyAny>, kind: &str, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    let numpy = value.py().import("numpy")?;
+    let wrong = |why: String| CreaseError::new_err(format!("{name}: is no array of numbers: {why}"));
+    let failed = |error: PyErr| wrong(error.value(value.py()).to_string());
+    let own = numpy.call_method1("asarray", (value,)).map_err(failed)?;
+    let own_type = own.getattr("dtype")?;
+    if !NUMBER_KINDS.contains(&own_type.getattr("kind")?.extract::<String>()?) {
+        return Err(wrong(format!("its type is {own_type}")));
+    }
+    numpy.call_method1("asarray", (own, kind)).map_err(failed)
+}
+
+/// Reads a number or a list of numbers, all of them finite.
 pub fn list(value: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<f64>> {
-    let flat = array(value, "float64", name)?.call_method0("ravel")?;
+    let array = array(value, "float64", name)?;
+    if array.getattr("ndim")?.extract::<usize>()? > 1 {
+        let shape = array.getattr("shape")?;
+        return Err(CreaseError::new_err(format!(
+            "{name}: needs a number or a list of numbers, not an array of shape {shape}"
+        )));
+    }
+    let flat = array.call_method0("ravel")?;
     let values = flat.cast_into::<PyArray1<f64>>()?.readonly().as_array().to_vec();
     match values.iter().position(|value| !value.is_finite()) {
         Some(k) => {

@@ -16,15 +16,19 @@ const MAX_CELLS: u64 = 1_000_000;
 pub fn sheet<'py>(
     py: Python<'py>,
     size: [f64; 2],
-    cells: [u32; 2],
+    cells: [i64; 2],
 ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<u32>>)> {
     check_not_forked()?;
-    let count = u64::from(cells[0]) * u64::from(cells[1]);
+    if let Some(side) = size.iter().find(|side| !(**side > 0.0 && side.is_finite())) {
+        return Err(CreaseError::new_err(format!("size: {side} is no number above 0")));
+    }
+    let counts = cells.map(|count| u32::try_from(count).unwrap_or(0));
+    let count = u64::from(counts[0]) * u64::from(counts[1]);
     if count == 0 || count > MAX_CELLS {
         let text = format!("cells: {} x {} cells; needs 1 to {MAX_CELLS}", cells[0], cells[1]);
         return Err(CreaseError::new_err(text));
     }
-    let garment = GarmentFile::sheet(size, cells).map_err(exception)?.garment;
+    let garment = GarmentFile::sheet(size, counts).map_err(exception)?.garment;
     let triangles: Vec<[u32; 3]> = garment.triangles.iter().map(|t| t.map(|p| p.0)).collect();
     Ok((vectors(py, &garment.points)?, rows(py, &triangles)?))
 }

@@ -1,7 +1,7 @@
 //! The memory law over arrays, for other simulators.
 
 use crate::CreaseError;
-use crate::convert::{list, numbers};
+use crate::convert::{check_above_zero, check_not_negative, choice, list, numbers};
 use crease::{ElementParams, Fabric, HysteresisState, MemoryLaw};
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -40,6 +40,23 @@ impl MemoryState {
     }
 }
 
+/// What the elements of a state are.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Angles,
+    Lengths,
+}
+
+impl Kind {
+    /// Returns the law of `fabric`, if it has one.
+    fn law(self, fabric: &Fabric) -> Option<MemoryLaw> {
+        match self {
+            Self::Angles => Some(MemoryLaw::for_angles(&fabric.memory)),
+            Self::Lengths => MemoryLaw::for_lengths(&fabric.memory),
+        }
+    }
+}
+
 /// Advances `state` over a step; returns the numbers of gradual and critical events.
 #[pyfunction]
 #[pyo3(signature = (state, before, after, duration, *, fabric = None, kind = "angles", initial_rest = None, gain = None))]
@@ -55,23 +72,31 @@ pub fn advance_memory(
     initial_rest: Option<&Bound<'_, PyAny>>,
     gain: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(u64, u64)> {
-    if !(duration >= 0.0 && duration.is_finite()) {
-        return Err(CreaseError::new_err(format!("duration: {duration} is no number of at least 0")));
-    }
-    let law = law(&crate::convert::fabric(fabric)?, kind)?;
+    check_not_negative("duration", duration)?;
+    let kind = choice("kind", kind, &[("angles", Kind::Angles), ("lengths", Kind::Lengths)])?;
+    let fabric = crate::convert::fabric(fabric)?;
     let count = state.elements.len();
     let of_elements = |value: &Bound<'_, PyAny>, name: &str| -> PyResult<Vec<f64>> {
         let values = list(value, name)?;
+        if kind == Kind::Lengths || name == "gain" {
+            check_above_zero(name, &values)?;
+        }
         match values.len() {
             n if n == count => Ok(values),
             1 => Ok(vec![values[0]; count]),
-            n => Err(CreaseError::new_err(format!("{name}: has {n} entries for {count} elements"))),
+            n => Err(CreaseError::new_err(format!(
+                "{name}: has {n} entries for the {count} elements of the state (give one for all, or one for each)"
+            ))),
         }
     };
     let (from, to) = (of_elements(before, "before")?, of_elements(after, "after")?);
     let initial = initial_rest.map(|value| of_elements(value, "initial_rest")).transpose()?;
     let gain = gain.map(|value| of_elements(value, "gain")).transpose()?;
-    let Some(law) = law else { return Ok((0, 0)) };
+    if kind == Kind::Lengths {
+        check_above_zero("state.rest", &state.initial)?;
+    }
+    // A fabric may keep no change of lengths.
+    let Some(law) = kind.law(&fabric) else { return Ok((0, 0)) };
     let MemoryState { elements, initial: own } = state;
     let initial = initial.as_ref().unwrap_or(own);
     Ok(py.detach(|| {
@@ -84,13 +109,4 @@ pub fn advance_memory(
         }
         events
     }))
-}
-
-/// Returns the law of `kind`; `None` where the fabric keeps no change of lengths.
-fn law(fabric: &Fabric, kind: &str) -> PyResult<Option<MemoryLaw>> {
-    match kind {
-        "angles" => Ok(Some(MemoryLaw::for_angles(&fabric.memory))),
-        "lengths" => Ok(MemoryLaw::for_lengths(&fabric.memory)),
-        _ => Err(CreaseError::new_err(format!("kind: {kind} is none of angles, lengths"))),
-    }
 }

@@ -146,6 +146,10 @@ def test_mistakes_are_exceptions_with_a_cure(tmp_path):
         crease.bake(tmp_path / "none.glb", "fold-thrice")
 
 
+def advance(before=0.0, after=1.0, duration=1.0, **options):
+    return crease.advance_memory(crease.MemoryState([0, 0]), before, after, duration, **options)
+
+
 @pytest.mark.parametrize(
     "call, kind, words",
     [
@@ -181,10 +185,33 @@ def test_mistakes_are_exceptions_with_a_cure(tmp_path):
         (lambda m: crease.Sidecar.parse("{}"), crease.CreaseError, "format"),
         (lambda m: crease.MemoryState([0, np.inf]), crease.CreaseError, "rest: entry 1 is inf"),
         (lambda m: crease.MemoryState("x"), crease.CreaseError, "rest: is no array of numbers"),
-        (lambda m: crease.advance_memory(crease.MemoryState([0]), 0, 1, -1.0), crease.CreaseError, "duration: -1"),
-        (lambda m: crease.advance_memory(crease.MemoryState([0]), 0, 1, 1, kind="angle"), crease.CreaseError, "kind: angle"),
+        (lambda m: crease.MemoryState("1.5"), crease.CreaseError, "rest: is no array of numbers"),
+        (lambda m: crease.MemoryState(None), crease.CreaseError, "rest: "),
+        (lambda m: crease.MemoryState([[0, 1], [2]]), crease.CreaseError, "rest: is no array of numbers"),
+        (lambda m: crease.MemoryState([[0, 1]]), crease.CreaseError, r"rest: needs a number or a list .* not .* \(1, 2\)"),
+        (lambda m: crease.MemoryState([1j]), crease.CreaseError, "rest: .*complex"),
+        (lambda m: advance(duration=-1.0), crease.CreaseError, "duration: -1 is no number of at least 0"),
+        (lambda m: advance(duration=float("nan")), crease.CreaseError, "duration: NaN"),
+        (lambda m: advance(duration=float("inf")), crease.CreaseError, "duration: inf"),
+        (lambda m: advance(kind="angle"), crease.CreaseError, "kind: angle is none of angles, lengths"),
+        (lambda m: advance(before=[0, np.nan]), crease.CreaseError, "before: entry 1 is NaN, not a finite number"),
+        (lambda m: advance(after=[[0, 1]]), crease.CreaseError, r"after: needs .* \(1, 2\)"),
+        (lambda m: advance(after=[0, 1, 2]), crease.CreaseError, "after: has 3 entries for the 2 elements"),
+        (lambda m: advance(gain=0), crease.CreaseError, "gain: entry 0 is 0, not a number above 0"),
+        (lambda m: advance(gain=[1, -2]), crease.CreaseError, "gain: entry 1 is -2, not a number above 0"),
+        (lambda m: advance(gain=[1, 2, 3]), crease.CreaseError, "gain: has 3 entries"),
+        (lambda m: advance(gain=float("nan")), crease.CreaseError, "gain: entry 0 is NaN"),
+        (lambda m: advance(initial_rest=[0, np.inf]), crease.CreaseError, "initial_rest: entry 1 is inf"),
+        (lambda m: advance(initial_rest=[0, 1, 2]), crease.CreaseError, "initial_rest: has 3 entries"),
+        (lambda m: advance(kind="lengths"), crease.CreaseError, "before: entry 0 is 0, not a number above 0"),
+        (lambda m: advance(1, 1, kind="lengths"), crease.CreaseError, "state.rest: entry 0 is 0, not a number above 0"),
         (lambda m: crease.sheet((0.3, 0.3), (100_000, 100_000)), crease.CreaseError, "cells: "),
         (lambda m: crease.sheet((0.3, 0.3), (0, 3)), crease.CreaseError, "cells: "),
+        (lambda m: crease.sheet((0.3, 0.3), (-2, 3)), crease.CreaseError, "cells: -2 x 3"),
+        (lambda m: crease.sheet((0.3, 0.3), (1.5, 3)), TypeError, "cells"),
+        (lambda m: crease.sheet((float("nan"), 0.3), (2, 3)), crease.CreaseError, "size: NaN is no number above 0"),
+        (lambda m: crease.sheet((0.3, -0.3), (2, 3)), crease.CreaseError, "size: -0.3 is no number above 0"),
+        (lambda m: crease.run_tool("bake"), TypeError, "words"),
     ],
 )
 def test_wrong_arguments_are_named(call, kind, words):
