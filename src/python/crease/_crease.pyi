@@ -167,11 +167,15 @@ def advance_memory(
     initial_rest: Optional[npt.ArrayLike] = None,
     gain: Optional[npt.ArrayLike] = None,
 ) -> tuple[int, int]:
-    """Advances memory over a step in which values go linearly from `before` to `after`.
+    """Advances memory over a step of `duration` [s] in which values go linearly from `before` to `after`.
 
-    `fabric` is a name of `fabrics()` or a file; the default is cotton-jersey. `kind` is angles [rad] or lengths (stretch ratios).
-    `gain` is the reference length (`reference_length_mm` of the fabric; bakes use at least 20 mm) over the width of a hinge where that
-    is narrower, 1 by default. Returns the numbers of gradual and critical events.
+    Each of `before`, `after`, `initial_rest` and `gain` is a number for all elements of `state`, or (n,), one for each. `fabric` is a
+    name of `fabrics()` or a file; the default is cotton-jersey. `kind` is angles [rad] or lengths (stretch ratios [-], above 0).
+
+    `initial_rest` is the rest value of new cloth, [rad] or [-]: what recovers after release goes towards it, and bagging is limited by
+    the distance from it. By default it is what `state` was made with; give it for a state that was made with what worn cloth
+    remembers. `gain` [-], above 0, is the reference length (`reference_length_mm` of the fabric; bakes use at least 20 mm) over the
+    width of a hinge where that is narrower, 1 by default. Returns the numbers of gradual and critical events.
     """
 
 def sheet(size: tuple[float, float], cells: tuple[int, int]) -> tuple[_Floats, _Indices]:

@@ -113,6 +113,22 @@ def test_what_did_not_go_as_asked_is_said(worn):
     assert nothing.sidecar.simulated is None or not nothing.sidecar.simulated.rest_angle.any()
 
 
+def test_recovery_goes_towards_the_initial_rest():
+    def released(**initial):
+        state = crease.MemoryState([0.0])
+        crease.advance_memory(state, 2.5, 2.5, 10.0)
+        held = state.rest[0]
+        crease.advance_memory(state, held, held, 3600.0, **initial)
+        return held, state.rest[0]
+
+    held, to_new = released()
+    assert held > 0.5 and to_new < held
+    assert released(initial_rest=0.0) == (held, to_new)
+    _, to_half = released(initial_rest=[0.5 * held])
+    assert to_new < to_half < held
+    assert released(initial_rest=held) == (held, held)
+
+
 def test_the_memory_law_is_that_of_the_paper():
     state = crease.MemoryState(np.zeros(3))
     events = crease.advance_memory(state, [0, 0, 0], [0.1, 0.8, 2.5], 1.0, fabric="kow-tshirt")

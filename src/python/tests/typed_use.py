@@ -33,7 +33,7 @@ def transfer(sidecar: crease.Sidecar, positions: list[list[float]], triangles: l
 
 def law() -> tuple[int, int]:
     state = crease.MemoryState([0.0, 0.1])
-    return crease.advance_memory(state, [0, 0], np.array([1.0, 2.0]), 0.1, fabric="denim", gain=1.0)
+    return crease.advance_memory(state, [0, 0], np.array([1.0, 2.0]), 0.1, fabric="denim", initial_rest=[0.0, 0.1], gain=1.0)
 
 
 def tool() -> int:
