@@ -113,6 +113,36 @@ def test_what_did_not_go_as_asked_is_said(worn):
     assert nothing.sidecar.simulated is None or not nothing.sidecar.simulated.rest_angle.any()
 
 
+def test_an_action_that_does_not_take_place_is_a_failure(tmp_path):
+    """A sheet as stiff as a board does not fold: the tool would end with exit code 3, so the result must not pass for a success."""
+    board = {"format": "crease-fabric/1", "name": "board", "based_on": "cotton-jersey", "bend_warp_un_m": 1e6, "bend_weft_un_m": 1e6}
+    (tmp_path / "board.json").write_text(json.dumps(board))
+    fold = {**SCRIPT, "actions": SCRIPT["actions"][:2]}
+    stiff = crease.bake(crease.sheet((0.3, 0.3), (4, 4)), fold, fabric=tmp_path / "board.json", quality="draft")
+    assert "wear: actions[1] (fold): the flap did not turn over" in stiff.failure, stiff.failure
+    assert any(stiff.failure in warning for warning in stiff.warnings), stiff.warnings
+    assert stiff.displacement.shape == (25, 3)
+
+
+def test_a_result_without_memory_is_a_failure(worn):
+    lay, fold = {"lay": {"facing": "up"}}, {"fold": {"line": [[0.5, 0.0], [0.5, 1.0]], "side": "left", "over": 0.5}}
+    brief = crease.bake(crease.sheet((0.3, 0.3), (4, 4)), {**SCRIPT, "actions": [lay, fold]}, quality="draft")
+    assert brief.failure.startswith("nothing is remembered") and brief.failure in brief.warnings, brief.failure
+    points, triangles = crease.sheet((0.3, 0.3), (8, 8))
+    away = crease.transfer(worn.sidecar, (points + [5, 0, 0], triangles), align="none", match_by="surface")
+    assert away.failure.startswith("nothing was transferred") and away.failure in away.warnings, away.failure
+
+
+def test_torn_cloth_ends_the_bake(tmp_path):
+    """There is no garment to return, as the tool writes none."""
+    dough = {"format": "crease-fabric/1", "name": "dough", "based_on": "cotton-jersey", "stretch_warp_n_per_m": 0.5,
+             "stretch_weft_n_per_m": 0.5, "shear_n_per_m": 0.5}
+    (tmp_path / "dough.json").write_text(json.dumps(dough))
+    hang = {**SCRIPT, "actions": [{"hang": {"by": "hook", "for": 3}}]}
+    with pytest.raises(crease.ConvergenceError, match="hang: the cloth is torn: .* times its length"):
+        crease.bake(crease.sheet((0.5, 0.5), (4, 4)), hang, fabric=tmp_path / "dough.json", quality="draft")
+
+
 def test_recovery_goes_towards_the_initial_rest():
     def released(**initial):
         state = crease.MemoryState([0.0])
