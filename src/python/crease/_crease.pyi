@@ -9,6 +9,7 @@ _Indices = npt.NDArray[np.uint32]
 _Mesh = tuple[npt.ArrayLike, npt.ArrayLike]
 _Path = Union[str, PathLike[str]]
 _Unit = Union[float, Literal["m", "dm", "cm", "mm", "in"]]
+_Axis = Literal["y", "z"]
 
 __version__: str
 __all__ = [
@@ -98,11 +99,13 @@ class Worn:
     @property
     def failure(self) -> Optional[str]:
         """Reason why the tool would end with exit code 3: an action that did not take place, no equilibrium, or no memory."""
-    def to_glb(self, *, apply: bool = False, unworn: bool = True) -> bytes:
-        """The file with the wear as morph target `worn`, or as its base shape."""
-    def save(self, path: _Path, *, apply: bool = False, unworn: bool = True) -> None:
-        """Writes the file, whose name ends in .glb, and the sidecar NAME.crease.json beside it. The file that was read is never
-        overwritten."""
+    def to_glb(self, *, apply: bool = False, unworn: bool = True, keep_normals: bool = False) -> bytes:
+        """The file with the wear as morph target `worn`, or with `apply` as its base shape; the shape before is then the morph target
+        `unworn`, unless that is False. `keep_normals` rotates the normals of flat-shaded vertices with the wear instead of making
+        them smooth."""
+    def save(self, path: _Path, *, apply: bool = False, unworn: bool = True, keep_normals: bool = False) -> None:
+        """Writes the file of `to_glb`, whose name ends in .glb, and the sidecar NAME.crease.json beside it. The file that was read is
+        never overwritten."""
 
 @final
 class MemoryState:
@@ -125,16 +128,25 @@ def bake(
     fabric: Optional[_Path] = None,
     quality: str = "standard",
     memory: bool = True,
+    grading: bool = True,
+    hems: bool = True,
+    seams: bool = True,
     unit: Optional[_Unit] = None,
+    up: Optional[_Axis] = None,
     part: Optional[str] = None,
+    weld_mm: Optional[float] = None,
+    force_size: bool = False,
     forget: bool = False,
     progress: Optional[Callable[[str, float, float], Any]] = None,
 ) -> Worn:
     """Wears a garment, as `crease bake` does without a body.
 
     `garment` is a file, or a pair of positions [m] (y up) and triangles. `wear` is a file, the name of a script of `scripts()`,
-    or its content as a dict. `fabric` is a name of `fabrics()` or a file; the default is cotton-jersey. `unit` is that of the
-    file, `part` the node or group that is the garment. A worn file whose sidecar is beside it begins with what it remembers,
+    or its content as a dict. `fabric` is a name of `fabrics()` or a file; the default is cotton-jersey. `quality` is draft,
+    standard or reference. Without `grading`, the triangles of the garment are simulated instead of a mesh with edges along the fold
+    lines; without `hems` and `seams`, open borders and seams are single. `unit` is that of the file, `up` its axis, `part` the node
+    or group that is the garment; vertices on borders are joined up to `weld_mm` apart; `force_size` takes a garment of any size. A
+    worn file whose sidecar is beside it begins with what it remembers,
     unless `forget`. `progress` is called with the stage, the simulated time and its end [s]; a result of False stops the bake
     with KeyboardInterrupt, as does Ctrl-C.
     """
@@ -147,13 +159,21 @@ def transfer(
     match_by: str = "auto",
     align: str = "auto",
     strength: float = 1.0,
+    mask: Optional[str] = None,
+    only: Optional[Literal["creases", "bagging"]] = None,
+    mirror: Optional[Literal["x"]] = None,
     unit: Optional[_Unit] = None,
+    up: Optional[_Axis] = None,
     part: Optional[str] = None,
+    weld_mm: Optional[float] = None,
+    force_size: bool = False,
 ) -> Worn:
     """Puts memory on another garment, as `crease transfer` does.
 
     A worn .glb stands for the sidecar that it names. `match_by` is auto, uv, surface or same; `align` is auto, joints, box or
-    none. The default of `fabric` is that of the first sidecar.
+    none. `strength` scales every change, and so does `mask`, a vertex attribute of the target from 0 to 1 such as COLOR_0.g. `only`
+    transfers creases or bagging, `mirror` from left to right. The default of `fabric` is that of the first sidecar. `unit`, `up`,
+    `part`, `weld_mm` and `force_size` are those of `bake`, for the file of the target.
     """
 
 def advance_memory(

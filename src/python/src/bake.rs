@@ -1,14 +1,14 @@
 //! `bake`, as `crease bake` does it without a body.
 
-use crate::CreaseError;
 use crate::cli::files::earlier_memory::EarlierMemory;
-use crate::convert::{ReadGarment, ReadScript, exception, fabric, garment, script};
+use crate::convert::{FileReading, ReadGarment, ReadScript, choice, exception, fabric, garment, script};
 use crate::process::check_not_forked;
 use crate::worn::PyWorn;
-use crease::bake::{Bake, BakeProgress, BakeResult, Observer, Quality};
+use crease::bake::{Bake, BakeOptions, BakeProgress, BakeResult, Observer, Quality};
 use crease::garment::mistaken_body;
 use crease::mesh::intersections::self_intersections;
 use crease::report::{CrossingCounts, Report, crossing_counts};
+use crease::sim::Sewing;
 use crease::{Fabric, GarmentFile, Sidecar};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -64,7 +64,7 @@ struct BakeInput {
     wear: ReadScript,
     fabric: Fabric,
     quality: Quality,
-    memory: bool,
+    options: BakeOptions,
     /// Memory that the garment begins with.
     earlier: Option<EarlierMemory>,
     warnings: Vec<String>,
@@ -76,7 +76,7 @@ impl BakeInput {
         garment: ReadGarment,
         wear: ReadScript,
         fabric: Fabric,
-        (quality, memory, forget): (Quality, bool, bool),
+        (quality, options, forget): (Quality, BakeOptions, bool),
     ) -> crease::Result<(Self, Option<PathBuf>)> {
         let ReadGarment { file, path, warnings: unread } = garment;
         let errors = wear.script.errors_without_body(&wear.name);
@@ -102,13 +102,14 @@ impl BakeInput {
         warnings.extend(earlier.as_ref().and_then(|earlier| earlier.fabric_warning(&fabric)));
         warnings.extend(file.repairs());
         warnings.extend(unread);
-        Ok((Self { file, wear, fabric, quality, memory, earlier, warnings }, path))
+        Ok((Self { file, wear, fabric, quality, options, earlier, warnings }, path))
     }
 
     fn run(&self, observer: &mut Reporter) -> crease::Result<(BakeResult, CrossingCounts)> {
         let garment = &self.file.garment;
-        let bake = Bake::new(garment, &self.fabric, &self.wear.script).script_name(&self.wear.name);
-        let bake = bake.quality(self.quality).memory(self.memory);
+        let bake = Bake::new(garment, &self.fabric, &self.wear.script)
+            .script_name(&self.wear.name)
+            .options(self.options.clone());
         let bake = match &self.earlier {
             Some(earlier) => bake.earlier_memory(&earlier.memory),
             None => bake,
@@ -125,7 +126,7 @@ impl BakeInput {
             "tool": concat!("crease ", env!("CARGO_PKG_VERSION")),
             "method": self.quality.step_options().method.name(),
             "quality": self.quality.name(),
-            "memory": if self.memory { "on" } else { "off" },
+            "memory": if self.options.memory { "on" } else { "off" },
             "simulated_s": baked.report.simulated,
             "steps": baked.report.steps,
         });
@@ -153,7 +154,7 @@ impl BakeInput {
 /// Wears a garment: a file, or a pair of positions [m] and triangles. `wear` is a file, the name of a script of `scripts()`, or
 /// its content; `fabric` a name of `fabrics()` or a file.
 #[pyfunction]
-#[pyo3(signature = (garment, wear, *, fabric = None, quality = "standard", memory = true, unit = None, part = None, forget = false, progress = None))]
+#[pyo3(signature = (garment, wear, *, fabric = None, quality = "standard", memory = true, grading = true, hems = true, seams = true, unit = None, up = None, part = None, weld_mm = None, force_size = false, forget = false, progress = None))]
 #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
 pub fn bake(
     py: Python<'_>,
@@ -162,8 +163,14 @@ pub fn bake(
     fabric: Option<&Bound<'_, PyAny>>,
     quality: &str,
     memory: bool,
+    grading: bool,
+    hems: bool,
+    seams: bool,
     unit: Option<&Bound<'_, PyAny>>,
+    up: Option<&str>,
     part: Option<String>,
+    weld_mm: Option<f64>,
+    force_size: bool,
     forget: bool,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<PyWorn> {
@@ -172,14 +179,18 @@ pub fn bake(
         let kind = call.bind(py).get_type();
         return Err(PyTypeError::new_err(format!("progress: needs a function, not {}", kind.name()?)));
     }
-    let quality = Quality::from_name(quality).ok_or_else(|| {
-        let names = Quality::ALL.map(Quality::name).join(", ");
-        CreaseError::new_err(format!("quality: {quality} is none of {names}"))
-    })?;
+    let quality = choice("quality", quality, &Quality::ALL.map(|quality| (quality.name(), quality)))?;
+    let options = BakeOptions {
+        memory,
+        own_triangles: !grading,
+        sewing: Sewing { hems, seams },
+        ..BakeOptions::for_quality(quality)
+    };
     let (wear, fabric) = (script(wear)?, self::fabric(fabric)?);
-    let garment = self::garment("garment", garment, unit, part)?;
+    let reading = FileReading { unit, up, part, weld_mm, force_size, mask: None };
+    let garment = self::garment("garment", garment, reading)?;
     let (input, path) =
-        BakeInput::new(garment, wear, fabric, (quality, memory, forget)).map_err(exception)?;
+        BakeInput::new(garment, wear, fabric, (quality, options, forget)).map_err(exception)?;
     let mut reporter = Reporter { call: progress, last: Instant::now(), failure: None, stop: false };
     let started = Instant::now();
     let outcome = py.detach(|| input.run(&mut reporter));

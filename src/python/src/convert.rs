@@ -3,6 +3,7 @@
 use crate::cli::args::values;
 use crate::cli::files::{input, wear};
 use crate::{ConvergenceError, CreaseError};
+use crease::garment::UpAxis;
 use crease::{DEFAULT_FABRIC, Error, Fabric, GarmentFile, ReadOptions, Vec3, WearScript};
 use numpy::{Element, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, ToPyArray};
 use pyo3::exceptions::{PyKeyboardInterrupt, PyOSError, PyTypeError};
@@ -185,6 +186,54 @@ fn unit(value: &Bound<'_, PyAny>) -> PyResult<f64> {
     }
 }
 
+/// How the file of a garment is read.
+#[derive(Default)]
+pub struct FileReading<'a, 'py> {
+    pub unit: Option<&'a Bound<'py, PyAny>>,
+    pub up: Option<&'a str>,
+    pub part: Option<String>,
+    pub weld_mm: Option<f64>,
+    pub force_size: bool,
+    pub mask: Option<String>,
+}
+
+impl FileReading<'_, '_> {
+    /// Returns the options of the reader.
+    fn options(self) -> PyResult<ReadOptions> {
+        if let Some(mm) = self.weld_mm.filter(|mm| !(*mm > 0.0 && mm.is_finite())) {
+            return Err(CreaseError::new_err(format!("weld_mm: {mm} is no number above 0")));
+        }
+        Ok(ReadOptions {
+            unit_m: self.unit.map(unit).transpose()?,
+            up: self.up.map(|up| choice("up", up, &[("y", UpAxis::Y), ("z", UpAxis::Z)])).transpose()?,
+            garment: self.part,
+            mask: self.mask,
+            any_size: self.force_size,
+            weld_m: self.weld_mm.map(|mm| 1e-3 * mm),
+            ..ReadOptions::default()
+        })
+    }
+}
+
+/// Checks that nothing was given that is for files only.
+fn check_no_file_options(options: &ReadOptions) -> PyResult<()> {
+    let ReadOptions { unit_m, up, garment, mask, any_size, weld_m, .. } = options;
+    let given = [
+        ("unit", unit_m.is_some()),
+        ("up", up.is_some()),
+        ("part", garment.is_some()),
+        ("weld_mm", weld_m.is_some()),
+        ("force_size", *any_size),
+        ("mask", mask.is_some()),
+    ];
+    match given.iter().find(|(_, is_given)| *is_given) {
+        Some((option, _)) => Err(CreaseError::new_err(format!(
+            "{option}: is for files only; positions are in metres with y up, and all of them are the garment"
+        ))),
+        None => Ok(()),
+    }
+}
+
 /// A garment, and the file that it was read from.
 pub struct ReadGarment {
     pub file: GarmentFile,
@@ -195,16 +244,10 @@ pub struct ReadGarment {
 }
 
 /// Reads the argument `name`, a garment: a file, or positions and triangles.
-pub fn garment(
-    name: &str,
-    value: &Bound<'_, PyAny>,
-    unit: Option<&Bound<'_, PyAny>>,
-    part: Option<String>,
-) -> PyResult<ReadGarment> {
-    let unit_m = unit.map(self::unit).transpose()?;
+pub fn garment(name: &str, value: &Bound<'_, PyAny>, reading: FileReading) -> PyResult<ReadGarment> {
+    let options = reading.options()?;
     let wanted = "the path of a file, or a pair of positions and triangles";
     if let Ok(path) = value.extract::<PathBuf>() {
-        let options = ReadOptions { unit_m, garment: part, ..ReadOptions::default() };
         let mut file = value.py().detach(|| GarmentFile::load(&path, &options)).map_err(exception)?;
         let warnings = file.embed_images(&path);
         return Ok(ReadGarment { file, path: Some(path), warnings });
@@ -212,14 +255,7 @@ pub fn garment(
     let Ok([positions, corners]) = value.extract::<[Bound<'_, PyAny>; 2]>() else {
         return Err(wrong_type(name, value, wanted));
     };
-    for (option, is_given) in [("unit", unit_m.is_some()), ("part", part.is_some())] {
-        if is_given {
-            let text = format!(
-                "{option}: is for files only; positions are in metres, and all of them are the garment"
-            );
-            return Err(CreaseError::new_err(text));
-        }
-    }
+    check_no_file_options(&options)?;
     let positions = rows_of_three::<f64>(&positions, "float64", "positions")?;
     if let Some(k) = positions.iter().position(|x| x.iter().any(|x| !x.is_finite())) {
         return Err(CreaseError::new_err(format!("positions: row {k} is not finite")));

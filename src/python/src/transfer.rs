@@ -3,7 +3,9 @@
 use crate::CreaseError;
 use crate::cli::files::earlier_memory::left_out_warning;
 use crate::cli::files::source::{carried_sources, fabric_of, origins, read_source, relax_target};
-use crate::convert::{ReadGarment, exception, fabric, garment, wrong_type};
+use crate::convert::{
+    FileReading, ReadGarment, check_not_negative, choice, exception, fabric, garment, wrong_type,
+};
 use crate::process::check_not_forked;
 use crate::sidecar::PySidecar;
 use crate::worn::PyWorn;
@@ -12,7 +14,7 @@ use crease::garment::mistaken_body;
 use crease::mesh::intersections::self_intersections;
 use crease::report::{TransferReport, crossing_counts};
 use crease::transfer::{
-    Align, DrawnCreases, GarmentSurface, MatchBy, Transfer, TransferResult, TransferSource,
+    Align, Channels, DrawnCreases, GarmentSurface, MatchBy, Transfer, TransferResult, TransferSource,
 };
 use crease::{Fabric, GarmentFile, Sidecar, WornGarment};
 use pyo3::prelude::*;
@@ -26,9 +28,18 @@ struct TransferInput {
     sidecars: Vec<Sidecar>,
     file: GarmentFile,
     fabric: Fabric,
+    options: TransferOptions,
+}
+
+/// Options of a transfer. Names are those of the sidecar.
+struct TransferOptions {
     match_by: MatchBy,
     align: Align,
     strength: f64,
+    mask: Option<String>,
+    only: Option<String>,
+    channels: Channels,
+    mirror: Option<String>,
 }
 
 impl TransferInput {
@@ -36,8 +47,15 @@ impl TransferInput {
     fn run(&self) -> crease::Result<Transferred> {
         let GarmentFile { asset, garment, .. } = &self.file;
         let target = GarmentSurface::from_garment(garment, asset);
-        let transfer = Transfer::between(&self.sources, &target).target_joints(asset);
-        let transfer = transfer.match_by(self.match_by).align(self.align).strength(self.strength);
+        let TransferOptions { match_by, align, strength, channels, ref mirror, .. } = self.options;
+        let transfer = Transfer::between(&self.sources, &target)
+            .target_joints(asset)
+            .match_by(match_by)
+            .align(align)
+            .strength(strength)
+            .mask(garment.memory_mask.clone())
+            .channels(channels)
+            .mirror_x(mirror.is_some());
         let make = |drawn: DrawnCreases| mesh_along_creases(garment, drawn);
         let carried = transfer.run_along_creases(garment, &make)?;
         let start = self_intersections(&garment.points, &garment.triangles);
@@ -67,9 +85,10 @@ impl TransferInput {
         report: &TransferReport,
     ) -> crease::Result<Sidecar> {
         let from = origins(&self.sidecars, &report.sources);
+        let TransferOptions { strength, ref mask, ref only, ref mirror, .. } = self.options;
         let run = json!({
             "tool": concat!("crease ", env!("CARGO_PKG_VERSION")),
-            "transfer": {"from": from, "strength": self.strength, "mask": null, "only": null, "mirror": null},
+            "transfer": {"from": from, "strength": strength, "mask": mask, "only": only, "mirror": mirror},
         });
         let GarmentFile { asset, garment, .. } = &self.file;
         let mut sidecar = Sidecar::new(asset, garment, worn, json!(self.fabric), Value::Null, run)?;
@@ -110,10 +129,22 @@ fn sources(value: &Bound<'_, PyAny>) -> PyResult<Vec<(TransferSource, Sidecar)>>
     }
 }
 
+/// Names of `match_by`.
+const MATCH_BY: [(&str, MatchBy); 4] =
+    [("auto", MatchBy::Auto), ("uv", MatchBy::Uv), ("surface", MatchBy::Surface), ("same", MatchBy::Same)];
+/// Names of `align`.
+const ALIGN: [(&str, Align); 4] =
+    [("auto", Align::Auto), ("joints", Align::Joints), ("box", Align::Box), ("none", Align::InPlace)];
+/// Names of `only`.
+const CHANNELS: [(&str, Channels); 2] = [
+    ("creases", Channels { creases: true, bagging: false }),
+    ("bagging", Channels { creases: false, bagging: true }),
+];
+
 /// Puts memory on another garment. `sidecars` is a `Sidecar`, the path of one or of a worn .glb that names it, or a list of
 /// these; `to` is a file, or a pair of positions [m] and triangles.
 #[pyfunction]
-#[pyo3(signature = (sidecars, to, *, fabric = None, match_by = "auto", align = "auto", strength = 1.0, unit = None, part = None))]
+#[pyo3(signature = (sidecars, to, *, fabric = None, match_by = "auto", align = "auto", strength = 1.0, mask = None, only = None, mirror = None, unit = None, up = None, part = None, weld_mm = None, force_size = false))]
 #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
 pub fn transfer(
     py: Python<'_>,
@@ -123,33 +154,33 @@ pub fn transfer(
     match_by: &str,
     align: &str,
     strength: f64,
+    mask: Option<String>,
+    only: Option<String>,
+    mirror: Option<String>,
     unit: Option<&Bound<'_, PyAny>>,
+    up: Option<&str>,
     part: Option<String>,
+    weld_mm: Option<f64>,
+    force_size: bool,
 ) -> PyResult<PyWorn> {
     check_not_forked()?;
     let started = Instant::now();
-    let wrong = |name: &str, value: &str, known: &str| {
-        CreaseError::new_err(format!("{name}: {value} is none of {known}"))
+    check_not_negative("strength", strength)?;
+    let options = TransferOptions {
+        match_by: choice("match_by", match_by, &MATCH_BY)?,
+        align: choice("align", align, &ALIGN)?,
+        strength,
+        channels: only.as_deref().map_or(Ok(Channels::ALL), |only| choice("only", only, &CHANNELS))?,
+        mask: mask.clone(),
+        only,
+        mirror,
     };
-    let match_by = match match_by {
-        "auto" => MatchBy::Auto,
-        "uv" => MatchBy::Uv,
-        "surface" => MatchBy::Surface,
-        "same" => MatchBy::Same,
-        other => return Err(wrong("match_by", other, "auto, uv, surface, same")),
-    };
-    let align = match align {
-        "auto" => Align::Auto,
-        "joints" => Align::Joints,
-        "box" => Align::Box,
-        "none" => Align::InPlace,
-        other => return Err(wrong("align", other, "auto, joints, box, none")),
-    };
-    if !(strength >= 0.0 && strength.is_finite()) {
-        return Err(CreaseError::new_err(format!("strength: {strength} is no number of at least 0")));
+    if let Some(axis) = &options.mirror {
+        choice("mirror", axis, &[("x", ())])?;
     }
     let (sources, sidecars): (Vec<_>, Vec<_>) = self::sources(sidecars)?.into_iter().unzip();
-    let ReadGarment { file, path, warnings: unread } = garment("to", to, unit, part)?;
+    let ReadGarment { file, path, warnings: unread } =
+        garment("to", to, FileReading { unit, up, part, weld_mm, force_size, mask })?;
     if let Some(error) = mistaken_body(&file.asset, &file.garment) {
         return Err(exception(error));
     }
@@ -161,7 +192,7 @@ pub fn transfer(
     warnings.extend(file.repairs());
     warnings.extend(unread);
     warnings.extend(left_out_warning(path.as_deref().unwrap_or(Path::new("mesh")), &file));
-    let input = TransferInput { sources, sidecars, file, fabric, match_by, align, strength };
+    let input = TransferInput { sources, sidecars, file, fabric, options };
     let done = py.detach(|| input.run()).map_err(exception)?;
     let Transferred { worn, sidecar, mut report, unconverged_reason, empty_reason } = done;
     report.wall_s = started.elapsed().as_secs_f64();

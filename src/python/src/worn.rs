@@ -7,7 +7,7 @@ use crate::cli::files::worn_outputs::WornOutputs;
 use crate::convert::{exception, object, vectors};
 use crate::process::check_not_forked;
 use crate::sidecar::PySidecar;
-use crease::io::gltf::{SourceShape, apply_worn, write_worn_glb};
+use crease::io::gltf::{FlatNormals, SourceShape, apply_worn, write_worn_glb_with};
 use crease::{GarmentFile, Sidecar, Vec3, WornGarment, write_sidecar};
 use numpy::PyArray2;
 use pyo3::prelude::*;
@@ -31,13 +31,25 @@ pub struct PyWorn {
     pub path: Option<PathBuf>,
 }
 
+/// Shape and normals of a worn file.
+#[derive(Clone, Copy)]
+struct ShapeOptions {
+    apply: bool,
+    unworn: bool,
+    keep_normals: bool,
+}
+
 impl PyWorn {
-    fn glb(&self, extras: &Value, apply: bool, unworn: bool) -> PyResult<Vec<u8>> {
+    fn glb(&self, extras: &Value, shape: ShapeOptions) -> PyResult<Vec<u8>> {
         check_not_forked()?;
+        if !shape.apply && !shape.unworn {
+            return Err(CreaseError::new_err("unworn: False is for apply=True only"));
+        }
         let GarmentFile { asset, garment, .. } = &self.file;
-        let glb = write_worn_glb(asset, garment, &self.worn, extras).map_err(exception)?;
-        let source = if unworn { SourceShape::Target } else { SourceShape::Dropped };
-        if apply { apply_worn(&asset.file, &glb, source).map_err(exception) } else { Ok(glb) }
+        let normals = if shape.keep_normals { FlatNormals::Kept } else { FlatNormals::Smoothed };
+        let glb = write_worn_glb_with(asset, garment, &self.worn, extras, normals).map_err(exception)?;
+        let source = if shape.unworn { SourceShape::Target } else { SourceShape::Dropped };
+        if shape.apply { apply_worn(&asset.file, &glb, source).map_err(exception) } else { Ok(glb) }
     }
 }
 
@@ -74,19 +86,25 @@ impl PyWorn {
         self.failure.as_deref()
     }
 
-    #[pyo3(signature = (*, apply = false, unworn = true))]
-    fn to_glb<'py>(&self, py: Python<'py>, apply: bool, unworn: bool) -> PyResult<Bound<'py, PyBytes>> {
-        Ok(PyBytes::new(py, &self.glb(&Value::Null, apply, unworn)?))
+    #[pyo3(signature = (*, apply = false, unworn = true, keep_normals = false))]
+    fn to_glb<'py>(
+        &self,
+        py: Python<'py>,
+        apply: bool,
+        unworn: bool,
+        keep_normals: bool,
+    ) -> PyResult<Bound<'py, PyBytes>> {
+        Ok(PyBytes::new(py, &self.glb(&Value::Null, ShapeOptions { apply, unworn, keep_normals })?))
     }
 
-    #[pyo3(signature = (path, *, apply = false, unworn = true))]
+    #[pyo3(signature = (path, *, apply = false, unworn = true, keep_normals = false))]
     /// Writes both files whole, or none.
-    fn save(&self, path: PathBuf, apply: bool, unworn: bool) -> PyResult<()> {
+    fn save(&self, path: PathBuf, apply: bool, unworn: bool, keep_normals: bool) -> PyResult<()> {
         let worn = glb_path(&path.to_string_lossy())
             .map_err(|wanted| CreaseError::new_err(format!("path: {}: {wanted}", path.display())))?;
         let files = WornOutputs::beside(&worn);
         let mut outputs = Outputs::new(self.path.as_deref());
-        let glb = self.glb(&files.extras(), apply, unworn)?;
+        let glb = self.glb(&files.extras(), ShapeOptions { apply, unworn, keep_normals })?;
         let added = outputs.add(&files.worn, &glb);
         let added = added.and_then(|()| outputs.add(&files.sidecar, &write_sidecar(&self.sidecar)));
         added.and_then(|()| outputs.commit()).map_err(exception)

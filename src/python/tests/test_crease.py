@@ -3,6 +3,7 @@
 import json
 import multiprocessing
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -54,6 +55,8 @@ def test_files_are_written_and_read(worn, tmp_path):
     assert names(worn.to_glb()) == ["worn"]
     assert names(worn.to_glb(apply=True)) == ["unworn"]
     assert names(worn.to_glb(apply=True, unworn=False)) is None
+    with pytest.raises(crease.CreaseError, match="unworn: False is for apply=True only"):
+        worn.to_glb(unworn=False)
 
 
 def test_only_glb_files_are_written_and_none_that_was_read(worn, tmp_path):
@@ -95,6 +98,15 @@ def test_python_and_the_tool_make_the_same_bytes(tmp_path, monkeypatch):
     crease.bake(crease.sheet((0.3, 0.3), (12, 12)), "wear.json", quality="draft").save("other.glb")
     run("transfer", "once.glb", "--to", "other.glb", "-o", "carried.glb")
     same("carried.glb", crease.transfer("once.glb", "other.glb"))
+    run(*once, "--no-grading", "--no-hems", "--no-seams", "--up", "y", "--weld", "0.5", "-o", "plain.glb")
+    plain = crease.bake(
+        "sheet.glb", "wear.json", quality="draft", grading=False, hems=False, seams=False, up="y", weld_mm=0.5
+    )
+    same("plain.glb", plain)
+    run("transfer", "once.glb", "--to", "other.glb", "--only", "creases", "--mirror", "x", "--strength", "0.5", "-o", "part.glb")
+    same("part.glb", crease.transfer("once.glb", "other.glb", only="creases", mirror="x", strength=0.5))
+    with pytest.raises(crease.CreaseError, match="_MASK"):
+        crease.transfer("once.glb", "other.glb", mask="_MASK")
 
 
 def test_memory_goes_to_another_mesh(worn):
@@ -224,10 +236,26 @@ def advance(before=0.0, after=1.0, duration=1.0, **options):
         (lambda m: crease.bake(m, SCRIPT, unit=0.01), crease.CreaseError, "unit: is for files only"),
         (lambda m: crease.bake("a.glb", SCRIPT, unit="ft"), crease.CreaseError, "unit: ft: expected m, dm, cm"),
         (lambda m: crease.bake("a.glb", SCRIPT, unit=-1), crease.CreaseError, "unit: -1"),
+        (lambda m: crease.bake("a.glb", SCRIPT, unit=float("nan")), crease.CreaseError, "unit: NaN"),
+        (lambda m: crease.bake("a.glb", SCRIPT, up="x"), crease.CreaseError, "up: x is none of y, z"),
+        (lambda m: crease.bake("a.glb", SCRIPT, weld_mm=0), crease.CreaseError, "weld_mm: 0 is no number above 0"),
+        (lambda m: crease.bake("a.glb", SCRIPT, weld_mm=float("nan")), crease.CreaseError, "weld_mm: NaN"),
+        (lambda m: crease.bake(m, SCRIPT, up="y"), crease.CreaseError, "up: is for files only"),
+        (lambda m: crease.bake(m, SCRIPT, weld_mm=1), crease.CreaseError, "weld_mm: is for files only"),
+        (lambda m: crease.bake(m, SCRIPT, force_size=True), crease.CreaseError, "force_size: is for files only"),
+        (lambda m: crease.bake((m[0].astype(str), m[1]), SCRIPT), crease.CreaseError, "positions: is no array of numbers: .*<U"),
+        (lambda m: crease.bake((m[0] + 1j, m[1]), SCRIPT), crease.CreaseError, "positions: .*complex128"),
+        (lambda m: crease.bake((m[0], m[1][:0]), SCRIPT), crease.CreaseError, "triangle"),
+        (lambda m: crease.bake(m, {**SCRIPT, "actions": [{"settle": {"for": float("nan")}}]}), crease.CreaseError, "wear: "),
+        (lambda m: crease.bake(m, {**SCRIPT, "actions": [{"settle": {"for": -1}}]}), crease.CreaseError, "wear: .*for"),
         (lambda m: crease.bake(m, {"format": "crease-wear/1", "actions": [{"fold": 3}]}), crease.CreaseError, "wear: "),
         (lambda m: crease.transfer([], m), crease.CreaseError, "sidecars: there is none"),
         (lambda m: crease.transfer("none.crease.json", m), crease.CreaseError, "none.crease.json: there is no such file"),
-        (lambda m: crease.transfer([], m, strength=float("nan")), crease.CreaseError, "strength"),
+        (lambda m: crease.transfer([], m, strength=float("nan")), crease.CreaseError, "strength: NaN is no number of at least 0"),
+        (lambda m: crease.transfer([], m, strength=-1), crease.CreaseError, "strength: -1 is no number of at least 0"),
+        (lambda m: crease.transfer([], m, match_by="name"), crease.CreaseError, "match_by: name is none of auto, uv, surface, same"),
+        (lambda m: crease.transfer([], m, only="folds"), crease.CreaseError, "only: folds is none of creases, bagging"),
+        (lambda m: crease.transfer([], m, mirror="y"), crease.CreaseError, "mirror: y is none of x"),
         (lambda m: crease.Sidecar.parse("{}"), crease.CreaseError, "format"),
         (lambda m: crease.MemoryState([0, np.inf]), crease.CreaseError, "rest: entry 1 is inf"),
         (lambda m: crease.MemoryState("x"), crease.CreaseError, "rest: is no array of numbers"),
@@ -428,3 +456,11 @@ for _ in range(2):
     run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=tmp_path)
     assert run.returncode == ending, run.stderr
     assert run.stdout == ("" if ending else "interrupted\n" * 2)
+
+
+def test_the_readme_has_every_option_of_the_tool():
+    words = set(re.findall(r"--[a-z-]+", (Path(__file__).parents[1] / "README.md").read_text()))
+    for command in ("bake", "transfer"):
+        run = subprocess.run([sys.executable, "-m", "crease", command, "--help"], capture_output=True, text=True, check=True)
+        options = set(re.findall(r"^ +(?:-\w, )?(--[a-z-]+)", run.stdout, re.MULTILINE)) - {"--help"}
+        assert len(options) > 15 and options <= words, options - words

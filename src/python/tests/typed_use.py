@@ -25,7 +25,7 @@ def bake(folder: Path) -> npt.NDArray[np.float64]:
 
 
 def transfer(sidecar: crease.Sidecar, positions: list[list[float]], triangles: list[list[int]]) -> float:
-    carried = crease.transfer([sidecar, "other.crease.json"], (positions, triangles), match_by="surface", strength=0.5)
+    carried = crease.transfer([sidecar, "other.crease.json"], (positions, triangles), match_by="surface", strength=0.5, only="creases")
     rest: npt.NDArray[np.float64] = carried.sidecar.rest_angle
     on_mesh = carried.sidecar.simulated
     return float(rest.max()) if on_mesh is None else float(on_mesh.rest_angle.max())
