@@ -28,6 +28,10 @@ SCRIPT = {
 }
 
 
+# Begins a program: in the background of a shell, Ctrl-C is ignored, and a program that it starts inherits that.
+CTRL_C = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
+
+
 @pytest.fixture(scope="module")
 def worn():
     return crease.bake(crease.sheet((0.3, 0.3), (16, 16)), SCRIPT, quality="draft")
@@ -323,7 +327,7 @@ def test_ctrl_c_ends_a_bake(by, ending, tmp_path):
     mesh = crease.sheet((0.4, 0.4), (60, 60))
     settle = {"format": "crease-wear/1", "actions": [{"settle": {"for": 0.1}}]}
     crease.bake(mesh, settle, quality="draft").save(tmp_path / "a.glb")
-    program = "import crease; crease.bake('a.glb', 'fold-thrice', forget=True, progress=lambda *now: print(now[0], flush=True))"
+    program = CTRL_C + "import crease; crease.bake('a.glb', 'fold-thrice', forget=True, progress=lambda *now: print(now[0], flush=True))"
     words = {
         "module": ["-c", program],
         "tool": ["-m", "crease", "bake", "a.glb", "--wear", "fold-thrice", "-o", "b.glb", "--forget"],
@@ -444,8 +448,8 @@ def test_the_tool_runs_repeatedly_in_one_process(tmp_path, monkeypatch, capfd):
 @pytest.mark.parametrize("name, ending", [("SIGINT", 0), ("SIGTERM", -signal.SIGTERM)])
 def test_signals_are_those_of_python_after_a_run_of_the_tool(name, ending, tmp_path):
     """The tool ends the process at a signal while it has nothing to save; after the run, Ctrl-C is a KeyboardInterrupt again."""
-    program = f"""
-import crease, os, signal
+    program = CTRL_C + f"""
+import crease, os
 for _ in range(2):
     assert crease.run_tool(["bake", "none.glb", "--wear", "fold-thrice", "-o", "worn.glb"]) == 1
     try:
