@@ -1,6 +1,6 @@
 //! Integrators compared with independent results: orders of convergence, swinging strips, and failures.
 //!
-//! Scenes are those of `crease chart accuracy` and `stability` (`chart::scenes`); references of other origin are
+//! Scenes are those of `crease chart accuracy` and `stability` (`chart::scenes`) and of `robustness`; references of other origin are
 //! given with each test, whole tables are read from the folder `reference` of `CREASE_TEST_DATA` where that is set.
 //! Every test prints its result; `docs/validation/accuracy.md` lists them.
 //!
@@ -8,6 +8,8 @@
 //! cargo test --test methods NAME -- --nocapture
 //! ```
 
+#[path = "methods/bakes.rs"]
+mod bakes;
 #[path = "methods/constraints.rs"]
 mod constraints;
 #[path = "methods/elements.rs"]

@@ -41,9 +41,13 @@ impl Quality {
     /// Description in one line.
     pub fn description(self) -> &'static str {
         match self {
-            Self::Draft => "fast preview of the script",
-            Self::Standard => "the best compromise between speed and accuracy",
-            Self::Reference => "slow reference for comparisons",
+            Self::Draft => {
+                "edges of 20 mm along fold lines: memory errs by 26 % in 0.6 of the standard time (T-shirt folded thrice)"
+            }
+            Self::Standard => "edges of 12 mm: memory errs by 21 %, two starts differ by 13 to 18 %",
+            Self::Reference => {
+                "edges of 8 mm, a third of the tolerances: what the errors are taken from, in three times the standard time"
+            }
         }
     }
 
