@@ -13,6 +13,7 @@ use crate::fabric::Fabric;
 use crate::garment::Garment;
 use crate::math::{Vec3, bounds};
 use crate::mesh::intersections::self_intersections;
+use crate::mesh::triangle;
 use crate::remesh::{Curve, Seed, SimulationMesh, SizeField, SurfaceMesh, improve};
 use crate::wear::{DrawnLines, Foresight, RIM, WearScript, draw_fold_lines, is_row};
 
@@ -49,8 +50,8 @@ pub(super) struct EdgeLengths {
     side: f64,
     /// At most.
     pub max: f64,
-    /// At most, on a garment that does not lie in its file.
-    pub max_of_laid: f64,
+    /// At most, on a garment with excess cloth.
+    pub max_of_crumpled: f64,
     /// Finest, where the cloth may crease anywhere.
     anywhere: f64,
 }
@@ -84,7 +85,7 @@ impl MeshChoice {
         let DrawnLines { mut mesh, foresight } =
             draw_fold_lines(garment, script, laid, fabric.thickness(), lengths.line);
         let uniform = match foresight {
-            Foresight::Whole if laid.is_some() => lengths.max_of_laid,
+            Foresight::Whole if laid.is_some_and(|laid| crumples(garment, laid)) => lengths.max_of_crumpled,
             Foresight::Whole => lengths.max,
             Foresight::NeedsLaying => lengths.side,
             Foresight::Until(_) => TUNING.simulation_mesh.side_factor * lengths.anywhere,
@@ -165,10 +166,19 @@ impl EdgeLengths {
             crossing: tuning.max_crossing_edge.min(tuning.crossing_factor * line),
             side: tuning.side_factor * line,
             max: (tuning.max_factor * line).min(tuning.max_edge),
-            max_of_laid: (tuning.max_factor_of_laid * line).min(tuning.max_edge),
+            max_of_crumpled: (tuning.max_factor_of_crumpled * line).min(tuning.max_edge),
             anywhere: line.max(tuning.anywhere_extent_fraction * extent),
         }
     }
+}
+
+/// Whether much of the cloth of `garment` does not fit into the plane where it lies at `laid` [m]: it will crumple in a stack.
+fn crumples(garment: &Garment, laid: &[Vec3]) -> bool {
+    let area_vectors =
+        |x| garment.triangles.iter().map(move |t| triangle::area_vector(&triangle::corners(x, t)));
+    let whole: f64 = area_vectors(&garment.points[..]).map(|a| a.norm()).sum();
+    let lying: f64 = area_vectors(laid).map(|a| a.y.abs()).sum();
+    lying < (1.0 - TUNING.simulation_mesh.max_excess) * whole
 }
 
 /// Brings `mesh` to short edges along its curves and edges of `uniform` length [m] elsewhere.

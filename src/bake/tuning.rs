@@ -98,9 +98,12 @@ pub(super) struct SimulationMeshTuning {
     pub max_factor: f64,
     /// Longest edges [m], default 0.04.
     pub max_edge: f64,
-    /// Longest edges of a garment that does not lie in its file, relative to those along fold lines [-], default 2: its excess cloth
-    /// is folded into the stack, where longer edges stand up like tents that no pressure flattens.
-    pub max_factor_of_laid: f64,
+    /// Longest edges of a garment with excess cloth, relative to those along fold lines [-], default 2: the excess is folded into the
+    /// stack, where longer edges stand up like tents that no pressure flattens.
+    pub max_factor_of_crumpled: f64,
+    /// Fraction of the cloth that does not fit into the plane, beyond which it counts as excess [-], default 0.03: a garment in the
+    /// shape of a body has 0.08 or more.
+    pub max_excess: f64,
     /// Growth of edges per metre of distance from lines and sides [-], default 1.
     pub edge_growth: f64,
     /// Longest edges on a body over the finest [-]: straight edges of cloth cut into limbs.
@@ -332,7 +335,8 @@ impl BakeTuning {
             side_factor: 1.5,
             max_factor: 3.4,
             max_edge: 0.04,
-            max_factor_of_laid: 2.0,
+            max_factor_of_crumpled: 2.0,
+            max_excess: 0.03,
             edge_growth: 1.0,
             max_factor_on_body: 2.0,
             edge_growth_on_body: 0.5,
