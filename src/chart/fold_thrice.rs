@@ -5,10 +5,11 @@
 
 use crate::bake::{Bake, BakeOptions, BakeResult};
 use crate::chart::curvature_field::CurvatureField;
-use crate::error::{Error, Result};
+use crate::chart::included_mesh::{IncludedMesh, TSHIRT, TSHIRT_DRAFT};
+use crate::error::Result;
 use crate::fabric::{Fabric, PAPER_FABRIC};
-use crate::garment::{Garment, SourceAsset};
-use crate::io::{ReadOptions, read_asset};
+use crate::garment::Garment;
+use crate::io::ReadOptions;
 use crate::math::Rng;
 use crate::mesh::intersections::self_intersections;
 use crate::wear::WearScript;
@@ -17,34 +18,11 @@ use std::time::Instant;
 /// Name of the scene in tables.
 pub(super) const FOLD_THRICE: &str = "fold-thrice";
 
-/// A mesh of the repository, compiled in.
-pub(super) struct IncludedMesh {
-    /// File name.
-    pub(super) file: &'static str,
-    /// Its content.
-    pub(super) bytes: &'static [u8],
-}
-
-const TSHIRT_DRAFT: IncludedMesh =
-    IncludedMesh { file: "tshirt-draft.glb", bytes: include_bytes!("../../garments/tshirt-draft.glb") };
-const TSHIRT: IncludedMesh =
-    IncludedMesh { file: "tshirt.glb", bytes: include_bytes!("../../garments/tshirt.glb") };
 const SCRIPT_FILE: &str = "fold-thrice.json";
 const SCRIPT: &str = include_str!("../../garments/wear/fold-thrice.json");
 
 /// Largest displacement of a point by a perturbation, per axis, over the mean edge [-].
 const PERTURBATION_FRACTION: f64 = 0.02;
-
-impl IncludedMesh {
-    /// Reads the mesh.
-    ///
-    /// # Errors
-    /// None in practice: the included meshes are valid and complete.
-    pub(super) fn read(&self, options: &ReadOptions) -> Result<SourceAsset> {
-        let refuse = |name: &str| Err(Error::input(self.file, name, "refers to another file", ""));
-        Ok(read_asset(self.file, self.bytes, options, &mut |name| refuse(name))?.0)
-    }
-}
 
 /// T-shirt, fabric and wear script.
 pub(super) struct FoldThrice {

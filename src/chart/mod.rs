@@ -17,6 +17,7 @@ mod draw;
 mod falling_strip;
 mod figure;
 mod fold_thrice;
+mod included_mesh;
 pub mod press_between_plates;
 mod raster;
 pub mod scenes;

@@ -12,12 +12,12 @@
 
 use crate::bake::{Bake, BakeOptions, BakeReport, Quality};
 use crate::body::AnimatedBody;
-use crate::chart::fold_thrice::IncludedMesh;
-use crate::chart::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table, TestSheet};
+use crate::chart::included_mesh::sleeve_on_arm;
+use crate::chart::stability::{named_axis, outcome_panel};
+use crate::chart::{Axis, Chart, ChartOptions, Figure, Panel, Table, TestSheet};
 use crate::error::Result;
 use crate::fabric::{DEFAULT_FABRIC, Fabric};
-use crate::garment::{Garment, SourcePiece};
-use crate::io::ReadOptions;
+use crate::garment::Garment;
 use crate::math::{Rng, Vec2, Vec3};
 use crate::mesh::intersections::self_intersections;
 use crate::sim::Method;
@@ -34,8 +34,6 @@ const EDGE: f64 = 0.012;
 /// A felt thicker than any preset.
 const THICK_FELT: &str = r#"{"format": "crease-fabric/1", "name": "thick-felt", "based_on": "wool-winter-flannel",
     "description": "felt of 3 mm", "area_density_g_m2": 600, "thickness_mm": 3.0, "bend_warp_un_m": 400, "bend_weft_un_m": 400}"#;
-const SLEEVE: IncludedMesh =
-    IncludedMesh { file: "sleeve.glb", bytes: include_bytes!("../../garments/sleeve.glb") };
 
 /// Outcome of a bake.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -182,17 +180,16 @@ impl BakeScene {
 
     /// The sleeve on an arm that bends and straightens within `over` [s] each.
     fn bent(over: f64) -> Result<Self> {
-        let asset = SLEEVE.read(&ReadOptions { garment: Some("sleeve".into()), ..ReadOptions::default() })?;
-        let arm: Vec<&SourcePiece> = asset.pieces.iter().filter(|piece| !piece.worn).collect();
+        let (garment, body) = sleeve_on_arm()?;
         let script = format!(
             r#"{{"format": "crease-wear/1", "actions": [
                 {{"bend": {{"joint": "elbow", "axis": "z", "angle": 95, "over": {over}, "hold": 0.5}}}}]}}"#
         );
         Ok(Self {
-            garment: Garment::from_asset(&asset)?.0,
+            garment,
             fabric: Fabric::preset(DEFAULT_FABRIC)?,
             script: WearScript::parse("bend.json", &script)?,
-            body: Some(Arc::new(AnimatedBody::from_pieces(&asset, &arm)?)),
+            body: Some(body),
             min_dt: None,
         })
     }
@@ -389,20 +386,7 @@ pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
 
 /// Panel of a map: settings to the right, values upwards.
 fn panel_of(map: &RobustnessMap, columns: &[Column], positions: [Vec<[f64; 2]>; 3]) -> Panel {
-    let short = |v: &f64| if (1e-2..1e4).contains(v) { format!("{v}") } else { format!("{v:.0e}") };
-    let named = |label: &str, names: Vec<String>| {
-        let range = [-0.6, names.len() as f64 - 0.4];
-        Axis { label: label.to_owned(), names, range: Some(range), ..Axis::default() }
-    };
     let settings = columns.iter().map(|c| c.name().to_owned()).collect();
-    let marks = [(2, Mark::Dots), (5, Mark::Rings), (1, Mark::Crosses)];
-    let series = Outcome::ALL.iter().zip(marks).zip(positions);
-    Panel {
-        title: map.name.to_owned(),
-        x: named("quality or method", settings),
-        y: named(map.parameter, map.values.iter().map(short).collect()),
-        series: series
-            .map(|((outcome, (colour, mark)), at)| Series::new(outcome.name(), colour, mark, at))
-            .collect(),
-    }
+    let x = Axis { label: "quality or method".into(), ..named_axis(settings) };
+    outcome_panel(map.name, x, (map.parameter, map.values), Outcome::ALL.map(Outcome::name), positions)
 }

@@ -290,21 +290,33 @@ pub(super) fn make(_options: &ChartOptions) -> Result<Chart> {
 
 /// Panel of a map: integrators to the right, values upwards, a mark for every step size.
 fn panel_of(map: &StabilityMap, positions: [Vec<[f64; 2]>; 3]) -> Panel {
-    let short = |v: &f64| if (1e-2..1e4).contains(v) { format!("{v}") } else { format!("{v:.0e}") };
-    let names = |names: Vec<String>| {
-        let range = [-0.6, names.len() as f64 - 0.4];
-        Axis { names, range: Some(range), ..Axis::default() }
-    };
     let methods = MethodColumn::all().map(|m| m.name().replace("backward-euler", "be")).collect();
-    let [converged, inaccurate, failed] = positions;
+    let names = [Verdict::Converged, Verdict::Inaccurate, Verdict::Failed].map(Verdict::name);
+    let x = Axis { label: "method (be: backward-euler)".into(), ..named_axis(methods) };
+    outcome_panel(map.name, x, (map.parameter, map.values), names, positions)
+}
+
+/// Panel of outcomes from good to bad, named `names`: columns on the axis `x`, the values of a parameter upwards.
+pub(super) fn outcome_panel(
+    title: &str,
+    x: Axis,
+    (parameter, values): (&str, &[f64]),
+    names: [&str; 3],
+    positions: [Vec<[f64; 2]>; 3],
+) -> Panel {
+    let short = |v: &f64| if (1e-2..1e4).contains(v) { format!("{v}") } else { format!("{v:.0e}") };
+    let marks = [(2, Mark::Dots), (5, Mark::Rings), (1, Mark::Crosses)];
+    let series = names.into_iter().zip(marks).zip(positions);
     Panel {
-        title: map.name.to_owned(),
-        x: Axis { label: "method (be: backward-euler)".into(), ..names(methods) },
-        y: Axis { label: map.parameter.into(), ..names(map.values.iter().map(short).collect()) },
-        series: vec![
-            Series::new("converged", 2, Mark::Dots, converged),
-            Series::new("inaccurate", 5, Mark::Rings, inaccurate),
-            Series::new("failed", 1, Mark::Crosses, failed),
-        ],
+        title: title.to_owned(),
+        x,
+        y: Axis { label: parameter.into(), ..named_axis(values.iter().map(short).collect()) },
+        series: series.map(|((name, (colour, mark)), at)| Series::new(name, colour, mark, at)).collect(),
     }
+}
+
+/// An axis with names at 0, 1, 2, ... and room on either side.
+pub(super) fn named_axis(names: Vec<String>) -> Axis {
+    let range = [-0.6, names.len() as f64 - 0.4];
+    Axis { names, range: Some(range), ..Axis::default() }
 }

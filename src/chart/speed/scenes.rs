@@ -1,18 +1,15 @@
 //! The timed scenes.
 
 use crate::bake::{Bake, BakeOptions, BakeReport};
-use crate::body::AnimatedBody;
 use crate::chart::falling_strip::{FALLING_STRIP_POINTS, Fall, Stepping, fall};
-use crate::chart::fold_thrice::{FoldThrice, IncludedMesh};
+use crate::chart::fold_thrice::FoldThrice;
+use crate::chart::included_mesh::sleeve_on_arm;
 use crate::chart::speed::cost::SceneCost;
 use crate::chart::{ChartOptions, cantilever};
 use crate::error::Result;
 use crate::fabric::{Fabric, PAPER_FABRIC};
-use crate::garment::{Garment, SourcePiece};
-use crate::io::ReadOptions;
 use crate::sim::NewtonSeconds;
 use crate::wear::WearScript;
-use std::sync::Arc;
 use std::time::Instant;
 
 pub(super) const SHIRT: &str = "fold-thrice";
@@ -26,8 +23,6 @@ const REFINED_EDGE: f64 = 5.4e-3;
 const ELEMENTS: usize = 80;
 /// Weight of the cantilever over its rigidity, rho g L³ / B [-].
 const GAMMA: f64 = 10.0;
-const SLEEVE: IncludedMesh =
-    IncludedMesh { file: "sleeve.glb", bytes: include_bytes!("../../../garments/sleeve.glb") };
 /// The first of the ten bends of `garments/wear/elbow-ten-bends.json`.
 const BEND: &str = r#"{"format": "crease-wear/1", "actions": [
     {"bend": {"joint": "elbow", "axis": "z", "angle": 95, "over": 1.0, "hold": 0.5}}]}"#;
@@ -99,10 +94,7 @@ fn stages(seconds: NewtonSeconds) -> Vec<(&'static str, f64)> {
 
 /// Bakes a sleeve on an arm that bends once.
 fn elbow() -> Result<SceneCost> {
-    let asset = SLEEVE.read(&ReadOptions { garment: Some("sleeve".into()), ..ReadOptions::default() })?;
-    let arm: Vec<&SourcePiece> = asset.pieces.iter().filter(|piece| !piece.worn).collect();
-    let body = Arc::new(AnimatedBody::from_pieces(&asset, &arm)?);
-    let (garment, _) = Garment::from_asset(&asset)?;
+    let (garment, body) = sleeve_on_arm()?;
     let fabric = Fabric::preset(PAPER_FABRIC)?;
     let script = WearScript::parse("elbow.json", BEND)?;
     let clock = Instant::now();

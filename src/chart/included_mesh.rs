@@ -1,0 +1,40 @@
+//! Meshes of the repository that charts bake, compiled in.
+
+use crate::body::AnimatedBody;
+use crate::error::{Error, Result};
+use crate::garment::{Garment, SourceAsset, SourcePiece};
+use crate::io::{ReadOptions, read_asset};
+use std::sync::Arc;
+
+/// A mesh of the repository, compiled in.
+pub(super) struct IncludedMesh {
+    /// File name.
+    pub(super) file: &'static str,
+    /// Its content.
+    pub(super) bytes: &'static [u8],
+}
+
+pub(super) const TSHIRT_DRAFT: IncludedMesh =
+    IncludedMesh { file: "tshirt-draft.glb", bytes: include_bytes!("../../garments/tshirt-draft.glb") };
+pub(super) const TSHIRT: IncludedMesh =
+    IncludedMesh { file: "tshirt.glb", bytes: include_bytes!("../../garments/tshirt.glb") };
+const SLEEVE: IncludedMesh =
+    IncludedMesh { file: "sleeve.glb", bytes: include_bytes!("../../garments/sleeve.glb") };
+
+impl IncludedMesh {
+    /// Reads the mesh.
+    ///
+    /// # Errors
+    /// None in practice: the included meshes are valid and complete.
+    pub(super) fn read(&self, options: &ReadOptions) -> Result<SourceAsset> {
+        let refuse = |name: &str| Err(Error::input(self.file, name, "refers to another file", ""));
+        Ok(read_asset(self.file, self.bytes, options, &mut |name| refuse(name))?.0)
+    }
+}
+
+/// The sleeve and the arm that wears it.
+pub(super) fn sleeve_on_arm() -> Result<(Garment, Arc<AnimatedBody>)> {
+    let asset = SLEEVE.read(&ReadOptions { garment: Some("sleeve".into()), ..ReadOptions::default() })?;
+    let arm: Vec<&SourcePiece> = asset.pieces.iter().filter(|piece| !piece.worn).collect();
+    Ok((Garment::from_asset(&asset)?.0, Arc::new(AnimatedBody::from_pieces(&asset, &arm)?)))
+}
