@@ -172,7 +172,7 @@ impl Layers {
             flat.iter().zip(&self.heights).map(|(p, h)| p + Vec3::y() * (gap * h)).collect();
         separate(&mut positions, triangles, &self.of_triangle, &self.shared, 0.5 * gap);
         let mut crossing = crossing_triangles(&positions, triangles, &self.shared, gap);
-        crossing.extend(touching(&positions, triangles, &self.shared, gap));
+        crossing.extend(touching(&positions, triangles, TUNING.lay.touch_fraction * gap));
         crossing.sort_unstable();
         crossing.dedup();
         (positions, crossing)

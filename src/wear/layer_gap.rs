@@ -5,8 +5,10 @@
 
 use crate::math::Vec3;
 use crate::mesh::distance::{edge_edge, point_triangle};
+use crate::mesh::triangle_bvh::TriangleBvh;
 use crate::mesh::{PointIndex, edge_key};
 use crate::wear::tuning::TUNING;
+use rayon::prelude::*;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 /// A place where the upper layer must lie above the lower: four points, with positive weights in the upper layer and negative ones
@@ -125,39 +127,27 @@ fn constraints(x: &[Vec3], [lower, upper]: [&Layer; 2], gap: f64) -> Vec<Constra
     found
 }
 
-/// Triangles at `x` [m], in the order of their numbers, that touch another next to the points that are `shared` between layers: whose
-/// edges or corners come nearer than a small part of `gap` [m] to one without common corners. Heights cannot part layers where their
-/// rim is folded over in the plane.
-pub(super) fn touching(x: &[Vec3], triangles: &[[PointIndex; 3]], shared: &[bool], gap: f64) -> Vec<u32> {
-    let near: Vec<u32> = (0..triangles.len() as u32)
-        .filter(|f| triangles[*f as usize].iter().any(|p| shared[p.at()]))
-        .collect();
-    let corners = |f: u32| triangles[f as usize].map(|p| p.at());
-    let cells = Cells::new(near.iter().map(|f| corners(*f).map(|p| x[p])), gap);
-    let at = |p: usize| &x[p];
-    let touch = |t: [usize; 3], u: [usize; 3]| {
-        let sides = |t: [usize; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
-        let edges = sides(t).into_iter().flat_map(|e| sides(u).map(|g| (e, g)));
-        let tolerance = TUNING.lay.touch_fraction * gap;
+/// Triangles at `x` [m], in the order of their numbers, that touch another: whose edges or corners come nearer than `distance` [m] to
+/// features of it that they have no point in common with. Two triangles with a common corner count, too: one that is folded over in the
+/// plane of its own layer touches its neighbours.
+pub(super) fn touching(x: &[Vec3], triangles: &[[PointIndex; 3]], distance: f64) -> Vec<u32> {
+    let at = |p: PointIndex| &x[p.at()];
+    let touch = |t: &[PointIndex; 3], u: &[PointIndex; 3]| {
+        let sides = |t: &[PointIndex; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
+        let of_u = sides(u);
+        let edges = sides(t).into_iter().flat_map(|e| of_u.map(|g| (e, g)));
         edges
             .filter(|(e, g)| !g.contains(&e[0]) && !g.contains(&e[1]))
-            .any(|(e, g)| edge_edge(at(e[0]), at(e[1]), at(g[0]), at(g[1])).distance < tolerance)
+            .any(|(e, g)| edge_edge(at(e[0]), at(e[1]), at(g[0]), at(g[1])).distance < distance)
             || [(t, u), (u, t)].into_iter().any(|(t, u)| {
                 t.iter().any(|p| {
-                    !u.contains(p)
-                        && point_triangle(at(*p), at(u[0]), at(u[1]), at(u[2])).distance < tolerance
+                    !u.contains(p) && point_triangle(at(*p), at(u[0]), at(u[1]), at(u[2])).distance < distance
                 })
             })
     };
-    let mut found = Vec::new();
-    for (k, f) in near.iter().enumerate() {
-        let t = corners(*f);
-        for other in cells.near(t.map(|p| x[p])).into_iter().filter(|other| *other > k) {
-            if touch(t, corners(near[other])) {
-                found.extend([*f, near[other]]);
-            }
-        }
-    }
+    let near = TriangleBvh::new(x, triangles, distance).overlaps();
+    let touches = |(f, g): &(u32, u32)| touch(&triangles[*f as usize], &triangles[*g as usize]);
+    let mut found: Vec<u32> = near.into_par_iter().filter(touches).flat_map_iter(|(f, g)| [f, g]).collect();
     found.sort_unstable();
     found.dedup();
     found
@@ -207,7 +197,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rims_that_cross_in_the_plane_touch() {
+    fn edges_that_cross_in_the_plane_touch() {
         let gap = 1e-3;
         // Two triangles whose first edges cross in the middle; the other corners lie apart.
         let flat = [[-1.0, 0.0], [1.0, 0.0], [-0.9, 2.0], [0.0, -1.0], [0.0, 1.0], [2.0, -0.9]];
@@ -216,10 +206,22 @@ mod tests {
             let y = |k| if k < 3 { 0.0 } else { height };
             flat.iter().enumerate().map(|(k, p)| Vec3::new(0.01 * p[0], y(k), 0.01 * p[1])).collect()
         };
-        let shared = [true, true, false, true, true, false];
-        assert_eq!(touching(&at(0.0), &triangles, &shared, gap), [0, 1]);
-        assert!(touching(&at(0.5 * gap), &triangles, &shared, gap).is_empty());
-        assert!(touching(&at(0.0), &triangles, &[false; 6], gap).is_empty());
+        assert_eq!(touching(&at(0.0), &triangles, 0.01 * gap), [0, 1]);
+        assert!(touching(&at(0.5 * gap), &triangles, 0.01 * gap).is_empty());
+    }
+
+    #[test]
+    fn a_triangle_folded_over_in_its_own_layer_touches() {
+        // A fan round the first point; the last of its points lies beyond the one before it, so that triangle 2 covers part of 1.
+        let fan = |last: [f64; 2]| {
+            let flat = [[0.0, 0.0], [1.0, 0.0], [0.5, 0.9], [-0.5, 0.9], last];
+            let x: Vec<Vec3> = flat.iter().map(|p| Vec3::new(0.01 * p[0], 0.0, -0.01 * p[1])).collect();
+            touching(&x, &[[0, 1, 2], [0, 2, 3], [0, 3, 4]].map(|t| t.map(PointIndex)), 1e-5)
+        };
+        assert!(fan([-1.0, 0.0]).is_empty());
+        assert_eq!(fan([0.0, 0.6]), [1, 2]);
+        // Not only the neighbour across an edge: any with a common corner.
+        assert_eq!(fan([0.7, 0.3]), [0, 1, 2]);
     }
 
     #[test]
@@ -230,6 +232,6 @@ mod tests {
         let mut x: Vec<Vec3> = flat.iter().map(|p| Vec3::new(0.01 * p[0], 0.0, 0.01 * p[1])).collect();
         let triangles = [[0, 1, 2], [3, 4, 5]].map(|t| t.map(PointIndex));
         separate(&mut x, &triangles, &[0, 1], &[true; 6], gap);
-        assert!(touching(&x, &triangles, &[true; 6], gap).is_empty(), "{x:?}");
+        assert!(touching(&x, &triangles, 0.01 * gap).is_empty(), "{x:?}");
     }
 }
