@@ -47,7 +47,8 @@ pub struct BakeReport {
     pub decisions: Vec<ModelDecision>,
 }
 
-/// End of a run before the end of its script: the cloth is torn, has fallen off the body, or is broken through by it.
+/// End of a run before the end of its script: the cloth is torn or stuck, has fallen off the body, or is
+/// broken through by it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EarlyStop {
     /// The action during which it ended, as a location in the script: `actions[2] (bend)`.

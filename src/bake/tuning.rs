@@ -277,6 +277,8 @@ pub(super) struct WarningTuning {
     pub max_pause: f64,
     /// Time for which cloth may be stretched beyond what it bears [s], default 0.25.
     pub max_torn_time: f64,
+    /// Steps in a row without any motion and without convergence after which a run ends, default 5.
+    pub max_stuck_steps: u64,
     /// Warnings of one kind at most; the rest are counted.
     pub max_violations: usize,
     /// Pairs of parts named in the warning on initial intersections at most; the rest are counted.
@@ -401,6 +403,7 @@ impl BakeTuning {
         warnings: WarningTuning {
             max_pause: 0.25,
             max_torn_time: 0.25,
+            max_stuck_steps: 5,
             max_violations: 5,
             max_part_pairs: 6,
         },

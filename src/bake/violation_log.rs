@@ -36,6 +36,19 @@ pub struct ViolationLog {
     /// Cloth stretched beyond what it bears.
     #[serde(default)]
     torn: Vec<Episode>,
+    /// Steps in a row, up to the last one, in which nothing moved though the solver did not converge.
+    #[serde(default)]
+    stuck: Option<Stuck>,
+}
+
+/// Steps in a row in which contact held the whole cloth fast.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+struct Stuck {
+    /// End of the first of them [s].
+    from: f64,
+    steps: u64,
+    /// Where layers touch.
+    tightest: Violation,
 }
 
 impl ViolationLog {
@@ -45,10 +58,32 @@ impl ViolationLog {
         record(&mut self.pressed, time, found.pressed, |a, b| a < b);
         record(&mut self.stretched, time, found.stretched, |a, b| a > b);
         record(&mut self.torn, time, found.torn, |a, b| a > b);
+        let before = self.stuck.take();
+        self.stuck = found.stuck.map(|tightest| {
+            let first = before.map_or(time, |stuck| stuck.from);
+            Stuck { from: first, steps: 1 + before.map_or(0, |stuck| stuck.steps), tightest }
+        });
     }
 
-    /// Cause to end the run at `time` [s]: cloth that has been stretched beyond what it bears for longer than a moment.
+    /// Cause to end the run at `time` [s]: cloth that has been stretched beyond what it bears for longer than a moment, or that has
+    /// not moved at all for some steps though the solver did not converge.
     pub(super) fn cause_to_stop(&self, time: f64) -> Option<StopCause> {
+        self.stuck_cause().or_else(|| self.torn_cause(time))
+    }
+
+    fn stuck_cause(&self) -> Option<StopCause> {
+        let Stuck { from, tightest, .. } =
+            self.stuck.filter(|stuck| stuck.steps >= TUNING.warnings.max_stuck_steps)?;
+        let x = &tightest.position;
+        let reason = format!(
+            "the cloth is stuck: since {from:.2} s nothing moves, as layers touch near ({:.3}, {:.3}, {:.3}) m; part the layers there in \
+             the file, leave out what lies double, or choose another --resolution",
+            x.x, x.y, x.z
+        );
+        Some(StopCause { reason, position: *x })
+    }
+
+    fn torn_cause(&self, time: f64) -> Option<StopCause> {
         let torn = self.torn.last()?;
         (torn.to == time && time - torn.from >= TUNING.warnings.max_torn_time).then(|| {
             let [_, at] = torn.describe();
@@ -153,6 +188,25 @@ mod tests {
         assert_eq!(warnings.len(), 6);
         assert!(warnings[0].contains("5 % of their thickness"));
         assert_eq!(warnings[5], "4 more times something pressed layers too thin");
+    }
+
+    #[test]
+    fn cloth_that_stays_stuck_is_a_reason_to_stop() {
+        let mut log = ViolationLog::default();
+        let stuck = Violations {
+            stuck: Some(Violation { size: 0.0, position: Vec3::zeros() }),
+            ..Violations::default()
+        };
+        for time in [0.1, 0.2, 0.3, 0.4] {
+            log.record(time, &stuck);
+            assert_eq!(log.cause_to_stop(time), None, "some steps pass");
+        }
+        log.record(0.5, &Violations::default());
+        for time in [0.6, 0.7, 0.8, 0.9, 1.0] {
+            log.record(time, &stuck);
+        }
+        let reason = log.cause_to_stop(1.0).expect("it does not pass").reason;
+        assert!(reason.contains("since 0.60 s"), "{reason}");
     }
 
     #[test]

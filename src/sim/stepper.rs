@@ -163,6 +163,11 @@ impl Stepper {
             let barely_moves = error <= error_tol && !overstretches;
             if (solved && !too_coarse) || barely_moves || is_min_dt {
                 let growth = self.dt_growth(error, error_tol, solved || barely_moves);
+                let violations = if solved {
+                    violations
+                } else {
+                    violations.of_unconverged(&state.x, &next.x, &self.contact)
+                };
                 self.error_limited_dt = h * growth;
                 *state = next;
                 self.contact.end_step(&state.x, h);

@@ -24,6 +24,8 @@ pub(super) struct SteppingTuning {
     /// Maximum strain along warp or weft [-], default 0.3: more is reported as stretched, as no fabric bears it in
     /// wear.
     pub max_strain: f64,
+    /// Motion of a point in a step below which it stands still [m], default 1e-12: rounding.
+    pub min_motion: f64,
     /// Strain that cloth does not bear [-], default 1: twice its length.
     pub max_cloth_strain: f64,
     /// Fraction of the cloth's area beyond that strain from which it counts as torn [-], default 0.002.
@@ -41,6 +43,7 @@ impl SteppingTuning {
         max_dt_ratio: 1.9,
         min_gap_ratio: 0.02,
         max_strain: 0.3,
+        min_motion: 1e-12,
         max_cloth_strain: 1.0,
         min_torn_fraction: 0.002,
     };

@@ -27,6 +27,9 @@ pub struct Violations {
     pub stretched: Option<Violation>,
     /// Largest strain [-], if more of the cloth than single triangles is stretched beyond what cloth bears.
     pub torn: Option<Violation>,
+    /// Smallest ratio of a gap between layers to its activation distance [-], if the solver moved no point at all and did not converge:
+    /// layers touch there, and contact lets nothing pass.
+    pub stuck: Option<Violation>,
 }
 
 impl Violations {
@@ -51,7 +54,16 @@ impl Violations {
                 torn > TUNING.min_torn_fraction * area.iter().sum::<f64>()
             }
         });
-        Self { pressed, stretched, torn }
+        Self { pressed, stretched, torn, stuck: None }
+    }
+
+    /// The same violations after a step from `before` [m] to `after` [m] that did not converge.
+    pub(super) fn of_unconverged(self, before: &[Vec3], after: &[Vec3], contact: &Contact) -> Self {
+        let moves = |(a, b): (&Vec3, &Vec3)| (a - b).norm() > TUNING.min_motion;
+        let is_still = !before.iter().zip(after).any(moves);
+        let tightest = is_still.then(|| contact.tightest_pair(after)).flatten();
+        let stuck = tightest.map(|pair| Violation { size: pair.gap_ratio, position: pair.position });
+        Self { stuck, ..self }
     }
 
     /// Whether cloth that is stretched too far was not stretched so far at `before` [m], the beginning of the step.

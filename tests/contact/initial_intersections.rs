@@ -81,3 +81,23 @@ fn separated_sheets_are_guarded() {
     );
     assert!(start > 10 && apart == 0 && worst == 0 && run.fastest < 1.0);
 }
+
+/// Requirement: where a point lies exactly in a triangle, contact lets nothing pass; a step in which nothing moves says so, with the place.
+#[test]
+fn cloth_that_contact_holds_fast_is_stuck() {
+    let centre = Vec3::new(0.0, 0.05, 0.0);
+    let mut run = Run::new(&Pattern::square(121, 0.1, centre), COTTON, 4.0);
+    // Put there after the cloth was made, as an action does that lays a garment out.
+    let middle = run.state.x.len() / 2;
+    run.state.x[middle] += Vec3::new(0.018, 0.0, 0.003);
+    let place = run.state.x[middle];
+    for _ in 0..3 {
+        let report = run.step(&mut |_, _: &State| Loads::gravity_only(Some(0.0)), 0.01);
+        let stuck = report.violations.stuck.expect("nothing moves");
+        assert!(!report.converged && stuck.size < 1e-6, "{report:?}");
+        assert!((stuck.position - place).norm() < 0.02, "{stuck:?}");
+    }
+    let mut free = Run::new(&Pattern::square(121, 0.1, centre), COTTON, 4.0);
+    let report = free.step(&mut |_, _: &State| Loads::gravity_only(Some(0.0)), 0.01);
+    assert_eq!(report.violations.stuck, None);
+}
