@@ -214,9 +214,8 @@ impl<'a> Bake<'a> {
         observer: &mut dyn Observer,
     ) -> Result<BakeResult> {
         let Self { fabric, script, script_name, options, resume_from, .. } = self;
-        let earlier = earlier.map(|memory| (garment, memory));
-        let setup = BakeSetup { fabric, script, script_name, options: &options, earlier };
-        let choice = mesh_for(garment, &setup, observer)?;
+        let setup = BakeSetup { fabric, script, script_name, options: &options, garment, earlier };
+        let choice = mesh_for(&setup, observer)?;
         let decision = choice.decision.clone();
         observer.on_mesh(if options.frames_of_simulated { &choice.mesh.garment } else { garment });
         let reading = GarmentReading::new(garment, fabric.thickness(), options.body.as_deref());
@@ -236,7 +235,7 @@ impl<'a> Bake<'a> {
         report.decisions.extend(held);
         // Of cloth that was worn before, only the change goes from mesh to mesh: the rest of its memory stays as it is.
         let memory = match (earlier, start) {
-            (Some((_, earlier)), Some(start)) if !mesh.is_source => {
+            (Some(earlier), Some(start)) if !mesh.is_source => {
                 earlier.with_change(&prolongate(&mesh, &rest.change_since(&start), garment))
             }
             _ => prolongate(&mesh, &rest, garment),

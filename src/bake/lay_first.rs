@@ -8,17 +8,12 @@ use crate::bake::setup::BakeSetup;
 use crate::bake::simulate::simulate;
 use crate::bake::{BakeOptions, BakeProgress, BakeReport, Observer};
 use crate::error::Result;
-use crate::garment::Garment;
 use crate::wear::WearScript;
 use std::borrow::Cow;
 
-/// The mesh for the script of `setup` on `garment`, which is laid first if that is needed.
-pub(super) fn mesh_for(
-    garment: &Garment,
-    setup: &BakeSetup,
-    observer: &mut dyn Observer,
-) -> Result<MeshChoice> {
-    let choice = MeshChoice::new(garment, setup.fabric, setup.script, None, setup.options);
+/// The mesh for the garment and the script of `setup`; the garment is laid first if that is needed.
+pub(super) fn mesh_for(setup: &BakeSetup, observer: &mut dyn Observer) -> Result<MeshChoice> {
+    let choice = MeshChoice::new(setup.garment, setup.fabric, setup.script, None, setup.options);
     if !choice.lays_first {
         return Ok(choice);
     }
@@ -28,7 +23,7 @@ pub(super) fn mesh_for(
     let lay = BakeSetup { script: &script, options: &options, ..*setup };
     let laid = simulate(None, choice, None, &lay, &mut LayObserver(observer))?;
     let laid = laid.mesh.to_source(&laid.positions);
-    Ok(MeshChoice::new(garment, setup.fabric, setup.script, Some(&laid), setup.options))
+    Ok(MeshChoice::new(setup.garment, setup.fabric, setup.script, Some(&laid), setup.options))
 }
 
 /// Passes on progress and the request to stop, and nothing of the mesh.

@@ -77,9 +77,8 @@ impl<'a> Run<'a> {
         reading: Option<&'a GarmentReading<'a>>,
         setup: &'a BakeSetup<'a>,
     ) -> Result<(Self, CheckpointPosition)> {
-        let &BakeSetup { fabric, script, options, .. } = setup;
+        let &BakeSetup { fabric, script, options, earlier, .. } = setup;
         let MeshChoice { mut mesh, refinement, .. } = mesh;
-        let earlier = setup.earlier.map(|(_, memory)| memory);
         let fingerprint = fingerprint(&mesh.garment, fabric, script, options, earlier);
         // The models are those of the mesh at the start, also after a refinement.
         let mut plan = ModelPlan::new(&mesh.garment, fabric, script, options);
@@ -123,7 +122,7 @@ impl<'a> Run<'a> {
             mesh,
         };
         if run.splits.is_empty() {
-            run.report.warnings.extend(initial_intersections::warning(&run.mesh.garment));
+            run.report.warnings.extend(initial_intersections::warning(setup.garment));
         }
         if let Some(body) = body {
             run.report.warnings.extend(body.animated.notes().iter().cloned());

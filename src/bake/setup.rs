@@ -23,8 +23,10 @@ pub(super) struct BakeSetup<'a> {
     /// Name of the script in messages.
     pub script_name: &'a str,
     pub options: &'a BakeOptions,
-    /// The garment without its trims, and the memory that it begins with, where it is not new.
-    pub earlier: Option<(&'a Garment, &'a RestState)>,
+    /// The garment without its trims.
+    pub garment: &'a Garment,
+    /// The memory that it begins with, where it is not new.
+    pub earlier: Option<&'a RestState>,
 }
 
 impl BakeSetup<'_> {
@@ -32,9 +34,7 @@ impl BakeSetup<'_> {
     pub fn start_memory(&self, mesh: &SimulationMesh, source_angle: Vec<f64>) -> Memory {
         match self.earlier {
             None => Memory::new(RestState::new(source_angle, mesh.garment.triangles.len())),
-            Some((garment, earlier)) => {
-                Memory::of_worn(restrict(garment, earlier, mesh).on_source(source_angle))
-            }
+            Some(earlier) => Memory::of_worn(restrict(self.garment, earlier, mesh).on_source(source_angle)),
         }
     }
 
