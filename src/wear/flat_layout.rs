@@ -6,11 +6,10 @@
 //! What the cut keeps from lying flat remains as strain, and makes the wrinkles once the cloth is free. Pieces sewn on along their
 //! borders (pockets, plackets, facings) are layers of their own, outside of the cloth they lie on ([`stack_ranks`]).
 
-use crate::energy::BlockSink;
-use crate::math::{Mat3, Rng, Vec3, bounds};
+use crate::math::{Rng, Vec3, bounds};
 use crate::mesh::intersections::self_intersections;
 use crate::mesh::{PointIndex, Topology, triangle};
-use crate::sim::{BlockMatrix, Cholesky};
+use crate::sim::ScalarCholesky;
 use crate::wear::layer_gap::{separate, touching};
 use crate::wear::sewn_layers::{patches, stack_ranks};
 use crate::wear::tuning::TUNING;
@@ -30,15 +29,14 @@ pub(super) struct FlatLayout {
 /// Height of the rim between the layers, relative to their distance.
 const RIM_HEIGHT: f64 = 0.5;
 
-/// Matrix and shapes of the triangles in the plane.
+/// Factor and shapes of the triangles in the plane.
 struct Plane<'a> {
     triangles: &'a [[PointIndex; 3]],
     /// Per triangle and corner: cotangent of its angle.
     weights: Vec<[f64; 3]>,
     /// Per triangle: its corners (y = 0), turned over where it looks down [m].
     shapes: Vec<[Vec3; 3]>,
-    matrix: BlockMatrix,
-    factor: Cholesky,
+    factor: ScalarCholesky,
 }
 
 impl FlatLayout {
@@ -87,7 +85,7 @@ impl FlatLayout {
         let mut flat: Vec<Vec3> = source.iter().map(|p| Vec3::new(p.x, 0.0, p.z)).collect();
         for round in 0..TUNING.lay.max_layout_rounds {
             let layers = Layers::new(source.len(), triangles, &up, &ranks);
-            flat = Plane::new(source, triangles, &weights, &up)?.positions(&flat)?;
+            flat = Plane::new(source, triangles, &weights, &up)?.positions(&flat);
             let (positions, mut crossing) = layers.at(&flat, triangles, gap);
             if crossing.is_empty() {
                 return Some(Self::new_of(source, triangles, &flat, positions, level));
@@ -216,35 +214,22 @@ fn cotangents(x: &[Vec3; 3]) -> [f64; 3] {
     })
 }
 
-/// Solves (D + L) for `count` points: `diagonal` is D, L the cotangent Laplacian times `factor`.
+/// Factor of D + L: `diagonal` is D, L the cotangent Laplacian times `factor`.
 fn laplacian(
-    positions: &[Vec3],
     triangles: &[[PointIndex; 3]],
     weights: &[[f64; 3]],
     diagonal: &[f64],
     factor: f64,
-) -> Option<(BlockMatrix, Cholesky)> {
-    let rows = (0..positions.len() as u32).collect();
-    let mut matrix = BlockMatrix::with_pattern(rows, &mut |visit| {
-        triangles.iter().for_each(|t| visit(&t.map(|p| p.0)));
-    });
-    matrix.fill(&|sink: &mut dyn BlockSink| {
-        for (p, d) in diagonal.iter().enumerate() {
-            sink.add(p as u32, p as u32, &(Mat3::identity() * *d));
+) -> Option<ScalarCholesky> {
+    let mut entries: Vec<(u32, u32, f64)> = (0..).zip(diagonal).map(|(p, d)| (p, p, *d)).collect();
+    for (t, w) in triangles.iter().zip(weights) {
+        for k in 0..3 {
+            let (a, b) = (t[(k + 1) % 3].0, t[(k + 2) % 3].0);
+            let weight = factor * w[k];
+            entries.extend([(a, a, weight), (b, b, weight), (a.max(b), a.min(b), -weight)]);
         }
-        for (t, w) in triangles.iter().zip(weights) {
-            for k in 0..3 {
-                let (a, b) = (t[(k + 1) % 3].0, t[(k + 2) % 3].0);
-                let block = Mat3::identity() * (factor * w[k]);
-                sink.add(a, a, &block);
-                sink.add(b, b, &block);
-                sink.add(a.max(b), a.min(b), &-block);
-            }
-        }
-    });
-    let mut cholesky = Cholesky::default();
-    cholesky.factorise(&matrix, positions).ok()?;
-    Some((matrix, cholesky))
+    }
+    ScalarCholesky::new(diagonal.len(), &entries)
 }
 
 /// Per point: the upward part of the normal, averaged over the surface nearby.
@@ -260,11 +245,11 @@ fn level_of(positions: &[Vec3], triangles: &[[PointIndex; 3]], weights: &[[f64; 
     }
     let (low, high) = bounds(positions);
     let reach = TUNING.lay.side_smoothing * (high - low).max();
-    let (matrix, mut factor) = laplacian(positions, triangles, weights, &area, 0.5 * reach * reach)?;
-    let upward = |(n, a): (&Vec3, &f64)| Vec3::y() * (a * n.y / n.norm().max(f64::MIN_POSITIVE));
-    let mut level: Vec<Vec3> = normal.iter().zip(&area).map(upward).collect();
-    factor.solve(&matrix, &mut level).ok()?;
-    Some(level.iter().map(|l| l.y).collect())
+    let factor = laplacian(triangles, weights, &area, 0.5 * reach * reach)?;
+    let upward = |(n, a): (&Vec3, &f64)| a * n.y / n.norm().max(f64::MIN_POSITIVE);
+    let mut level: Vec<f64> = normal.iter().zip(&area).map(upward).collect();
+    factor.solve(&mut level);
+    Some(level)
 }
 
 /// Per triangle: whether it belongs to the upper layer. Patches of one side that are small join the other.
@@ -302,17 +287,19 @@ impl<'a> Plane<'a> {
         };
         // So weak that it only fixes the place.
         let held = vec![TUNING.lay.place_weight; positions.len()];
-        let (matrix, factor) = laplacian(positions, triangles, weights, &held, 1.0)?;
+        let factor = laplacian(triangles, weights, &held, 1.0)?;
         let shapes = triangles.iter().zip(up).map(shape).collect();
-        Some(Self { triangles, weights: weights.to_vec(), shapes, matrix, factor })
+        Some(Self { triangles, weights: weights.to_vec(), shapes, factor })
     }
 
     /// Positions in the plane (y = 0) [m], from the projection of `start`.
-    fn positions(&mut self, start: &[Vec3]) -> Option<Vec<Vec3>> {
+    fn positions(&self, start: &[Vec3]) -> Vec<Vec3> {
+        let count = start.len();
         let mut x: Vec<Vec3> = start.iter().map(|p| Vec3::new(p.x, 0.0, p.z)).collect();
         let home: Vec<Vec3> = x.iter().map(|p| p * TUNING.lay.place_weight).collect();
         for _ in 0..TUNING.lay.max_layout_iterations {
-            let mut rhs = home.clone();
+            // The coordinates of all points along x, then along z.
+            let mut rhs: Vec<f64> = home.iter().map(|p| p.x).chain(home.iter().map(|p| p.z)).collect();
             for ((t, w), shape) in self.triangles.iter().zip(&self.weights).zip(&self.shapes) {
                 // Rotation in the plane that brings the shape closest to its place.
                 let (mut cos, mut sin) = (0.0, 0.0);
@@ -327,19 +314,22 @@ impl<'a> Plane<'a> {
                 for (k, w) in w.iter().enumerate() {
                     let (i, j) = ((k + 1) % 3, (k + 2) % 3);
                     let own = (shape[i] - shape[j]) * *w;
-                    let turned = Vec3::new(cos * own.x - sin * own.z, 0.0, sin * own.x + cos * own.z);
-                    rhs[t[i].at()] += turned;
-                    rhs[t[j].at()] -= turned;
+                    let (along, across) = (cos * own.x - sin * own.z, sin * own.x + cos * own.z);
+                    for (p, sign) in [(t[i].at(), 1.0), (t[j].at(), -1.0)] {
+                        rhs[p] += sign * along;
+                        rhs[count + p] += sign * across;
+                    }
                 }
             }
-            self.factor.solve(&self.matrix, &mut rhs).ok()?;
-            let change = x.iter().zip(&rhs).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
-            x = rhs;
+            self.factor.solve(&mut rhs);
+            let next: Vec<Vec3> = (0..count).map(|p| Vec3::new(rhs[p], 0.0, rhs[count + p])).collect();
+            let change = x.iter().zip(&next).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+            x = next;
             if change < TUNING.lay.layout_tol {
                 break;
             }
         }
-        Some(x)
+        x
     }
 }
 

@@ -1,4 +1,4 @@
-//! Dense kernels inside one front, the only file that uses faer.
+//! Dense kernels inside one front, by faer.
 //!
 //! A front is stored in trapezoidal panels of columns. Its pivot columns are eliminated a few at a time; its
 //! contribution block is a product. Large products and solves are split into tiles of fixed size for several threads,

@@ -7,12 +7,14 @@
 //! three iterations; if they do not, or if a pivot is not positive, the factor is made again in double precision. The
 //! bits of a solution depend neither on the number of threads nor on the buffers kept between factorisations. The same
 //! iterations solve a system that has hardly changed with a stale factor ([`Cholesky::solve_with_stale_factor`]).
+//! Systems of one number per point, whose axes do not couple, have faer's sparse solver ([`ScalarCholesky`]).
 
 mod dense;
 mod nested_dissection;
 mod numeric;
 mod prefix_sum;
 mod real;
+mod scalar;
 mod symbolic;
 #[cfg(test)]
 mod tests;
@@ -20,6 +22,8 @@ mod trapezoidal_storage;
 mod triangular_solve;
 mod tuning;
 mod vertex_cover;
+
+pub use scalar::ScalarCholesky;
 
 use crate::math::Vec3;
 use crate::sim::linear::block_matrix::BlockMatrix;
