@@ -260,8 +260,10 @@ pub(super) struct RelaxTuning {
 /// Layers kept apart where the garment's own triangles would cross.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct UncrossTuning {
-    /// Rounds at most, default 60.
+    /// Rounds at most, default 300: coarse triangles over a stack of many layers need most.
     pub max_rounds: usize,
+    /// Rounds in which displacements are held back at most, default 60.
+    pub max_hold_back_rounds: usize,
     /// Factor on the mean of the shifts of a point [-], default 1.3.
     pub over_relaxation: f64,
     /// Factor per round on the displacement of triangles of the result that still cross [-], default 0.6.
@@ -399,7 +401,13 @@ impl BakeTuning {
             crease_width: 0.015,
             surface_radius: 0.2,
         },
-        uncross: UncrossTuning { max_rounds: 60, over_relaxation: 1.3, hold_back_factor: 0.6, reach: 0.03 },
+        uncross: UncrossTuning {
+            max_rounds: 300,
+            max_hold_back_rounds: 60,
+            over_relaxation: 1.3,
+            hold_back_factor: 0.6,
+            reach: 0.03,
+        },
         warnings: WarningTuning {
             max_pause: 0.25,
             max_torn_time: 0.25,

@@ -139,12 +139,12 @@ impl<'a> GarmentReading<'a> {
         let mut points = self.uncrossed(mesh.carry(source, &shape), mesh, &shape);
         let mut held = vec![false; points.len()];
         if !mesh.is_source || self.body.is_some() {
-            for round in 0..TUNING.uncross.max_rounds {
+            for round in 0..TUNING.uncross.max_hold_back_rounds {
                 let faulty = self.faulty_triangles(&points);
                 if faulty.is_empty() {
                     break;
                 }
-                let last = round + 1 == TUNING.uncross.max_rounds;
+                let last = round + 1 == TUNING.uncross.max_hold_back_rounds;
                 let factor = if last { 0.0 } else { TUNING.uncross.hold_back_factor };
                 for p in self.corners_and_neighbours(&faulty, 1 + round / 8) {
                     points[p] = source[p] + (points[p] - source[p]) * factor;
