@@ -98,7 +98,7 @@ pub const MAPS: &[StabilityMap] = &[
     },
     StabilityMap {
         name: "contrast",
-        parameter: "bending stiffness ratio of every other hinge",
+        parameter: "stiffness ratio of every other hinge",
         values: &[1.0, 30.0, 1e3, 1e5],
         steps: STEPS,
         scene: |contrast| until_tearing(Swing { contrast, name: "contrast", ..Swing::SWING_30 }),
@@ -108,7 +108,7 @@ pub const MAPS: &[StabilityMap] = &[
     },
     StabilityMap {
         name: "sliver",
-        parameter: "altitude of the thinnest triangle over the others'",
+        parameter: "thinnest altitude over the others'",
         values: &[1e-1, 1e-2, 1e-3, 1e-5],
         steps: STEPS,
         scene: |sliver| until_tearing(Swing { sliver, name: "sliver", ..Swing::SWING_30 }),
