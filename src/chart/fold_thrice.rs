@@ -104,39 +104,6 @@ impl FoldThrice {
         Ok(BakeRun { wall: clock.elapsed().as_secs_f64(), linear_solves, baked })
     }
 
-    /// Root mean square difference of the rest angles of two results, weighted by the area of each hinge [rad].
-    pub(super) fn rest_angle_error(&self, a: &BakeResult, b: &BakeResult) -> f64 {
-        let rest = a.worn.memory.rest_angle.iter().zip(&b.worn.memory.rest_angle);
-        self.mean_by_area(rest.map(|(a, b)| (a - b) * (a - b))).sqrt()
-    }
-
-    /// Root mean square change of the rest angles by wear, weighted by area [rad]: the scale of their errors.
-    pub(super) fn rest_angle_rms(&self, a: &BakeResult) -> f64 {
-        let mut unworn = a.clone();
-        unworn.worn.memory.rest_angle.clone_from(&a.worn.memory.source_angle);
-        self.rest_angle_error(a, &unworn)
-    }
-
-    /// Mean magnitude of the change of the rest angles by wear, weighted by area [rad]: the amount of memory.
-    pub(super) fn rest_angle_mean(&self, a: &BakeResult) -> f64 {
-        let memory = &a.worn.memory;
-        let change = memory.rest_angle.iter().zip(&memory.source_angle);
-        self.mean_by_area(change.map(|(rest, source)| (rest - source).abs()))
-    }
-
-    /// Mean of one value per hinge, weighted by the area of the hinge.
-    fn mean_by_area(&self, values: impl Iterator<Item = f64>) -> f64 {
-        let area: Vec<f64> =
-            self.garment.material.iter().map(|m| 0.5 * (m[1] - m[0]).perp(&(m[2] - m[0])).abs()).collect();
-        let (mut sum, mut total_area) = (0.0, 0.0);
-        for (value, hinge) in values.zip(&self.garment.topology.hinges) {
-            let weight: f64 = hinge.triangles.iter().map(|f| area[*f as usize] / 3.0).sum();
-            sum += weight * value;
-            total_area += weight;
-        }
-        sum / total_area
-    }
-
     /// Whether layers of the result intersect.
     pub(super) fn has_intersections(&self, baked: &BakeResult) -> bool {
         let worn: Vec<_> =

@@ -55,7 +55,7 @@ chart_list! {
     front "front" "error of what is baked over wall time: a T-shirt at every quality and with single settings changed (an hour)",
     stability "stability" "failures of every integrator: step size against stiffness, contrast, slivers, layers, speed",
     robustness "robustness" "outcome of whole bakes where they get difficult: slivers, noise, size, fabric, step, speed, pressure, layers (ten minutes; `--full`: reference and every integrator)",
-    plan "plan" "cost and effect of model reduction: tshirt-draft with the plan and at full fidelity (half an hour)",
+    plan "plan" "cost and effect of models: tshirt-draft with the plan, single models changed, and at full fidelity (four minutes a run)",
     speed "speed" "wall time by stage, compared with kernels of the machine; `--full` adds T-shirts of 14k and 60k points (an hour)",
     recovery "recovery" "crease recovery angles of all presets, compared with published ranges",
 }
