@@ -13,7 +13,7 @@ use crate::fabric::Fabric;
 use crate::garment::Garment;
 use crate::math::{Vec3, bounds};
 use crate::mesh::distance::point_triangle;
-use crate::mesh::intersections::self_intersections;
+use crate::mesh::intersections::self_intersecting_triangles;
 use crate::mesh::triangle;
 use crate::remesh::{Curve, Seed, SimulationMesh, SizeField, SurfaceMesh, improve};
 use crate::wear::{DrawnLines, Foresight, RIM, WearScript, draw_fold_lines, is_row};
@@ -185,23 +185,15 @@ fn crumples(garment: &Garment, laid: &[Vec3]) -> bool {
 /// cross in more pairs, and next to it, where triangles of the garment have a corner in common and do not count.
 fn crosses_elsewhere(mesh: &Garment, garment: &Garment) -> bool {
     let crossing = |garment: &Garment| -> Vec<([Vec3; 3], f64)> {
-        let mut found: Vec<u32> =
-            self_intersections(&garment.points, &garment.triangles).into_iter().flatten().collect();
-        found.sort_unstable();
-        found.dedup();
         let corners = |f: u32| triangle::corners(&garment.points, &garment.triangles[f as usize]);
-        found.into_iter().map(corners).map(|x| (x, longest_side(&x))).collect()
+        let found = self_intersecting_triangles(&garment.points, &garment.triangles).into_iter();
+        found.map(corners).map(|x| (x, triangle::longest_side(&x))).collect()
     };
     let own = crossing(garment);
     crossing(mesh).iter().any(|([a, b, c], size)| {
         let middle = (a + b + c) / 3.0;
         !own.iter().any(|([a, b, c], own)| point_triangle(&middle, a, b, c).distance <= size + own)
     })
-}
-
-/// Longest side of a triangle [m].
-fn longest_side([a, b, c]: &[Vec3; 3]) -> f64 {
-    (a - b).norm().max((b - c).norm()).max((c - a).norm())
 }
 
 /// Brings `mesh` to short edges along its curves and edges of `uniform` length [m] elsewhere.

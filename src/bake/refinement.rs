@@ -31,8 +31,7 @@ impl Run<'_> {
         }
         let is_long = |f: &u32| {
             let x = triangle::corners(&garment.points, &garment.triangles[*f as usize]);
-            let longest = (0..3).map(|k| (x[k] - x[(k + 1) % 3]).norm()).fold(0.0, f64::max);
-            longest > tuning.max_finest_factor * finest
+            triangle::longest_side(&x) > tuning.max_finest_factor * finest
         };
         let all = 0..garment.triangles.len() as u32;
         let wanted: Vec<u32> = all.filter(|f| marked[*f as usize]).filter(is_long).collect();

@@ -31,6 +31,11 @@ struct Triangles {
     cells: FxHashMap<[i32; 3], Vec<u32>>,
 }
 
+/// Differences between neighbours of `fields`, over the first of the two, both root mean squares [-].
+pub(super) fn scatter(fields: &[CurvatureField]) -> Vec<f64> {
+    fields.windows(2).map(|pair| pair[0].difference(&pair[1]) / pair[0].rms()).collect()
+}
+
 impl CurvatureField {
     /// The field of the memory `rest` on `garment`.
     pub fn new(garment: &Garment, rest: &RestState) -> Self {

@@ -6,7 +6,7 @@
 //! starts: no setting can come below it.
 
 use crate::bake::{BakeOptions, Quality};
-use crate::chart::curvature_field::CurvatureField;
+use crate::chart::curvature_field::{CurvatureField, scatter};
 use crate::chart::fold_thrice::{BakeRun, FOLD_THRICE, FoldThrice};
 use crate::chart::statistics::{mean, median, standard_error};
 use crate::chart::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
@@ -89,11 +89,6 @@ pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
     };
     let title = "Error of what is baked over wall time".into();
     Ok(Chart { name: "front", table, figure: Figure { title, panels: vec![panel] }, notes })
-}
-
-/// Differences between the fields of neighbouring starts, over their own [-].
-fn scatter(fields: &[CurvatureField]) -> Vec<f64> {
-    fields.windows(2).map(|pair| pair[0].difference(&pair[1]) / pair[0].rms()).collect()
 }
 
 impl Outcome {

@@ -6,7 +6,7 @@
 //! (start). Two starts of the plan differ, too: the scatter, below which no difference says anything.
 
 use crate::bake::BakeOptions;
-use crate::chart::curvature_field::CurvatureField;
+use crate::chart::curvature_field::{CurvatureField, scatter};
 use crate::chart::fold_thrice::{FOLD_THRICE, FoldThrice};
 use crate::chart::statistics::{mean, median};
 use crate::chart::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
@@ -68,12 +68,10 @@ pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
     let mut of_plan: Vec<CurvatureField> = Vec::new();
     // The variants alternate, so that all run on the machine in the same state.
     for start in 1..=options.runs.max(1) as u64 {
-        for (k, variant) in variants.iter_mut().enumerate() {
+        for variant in &mut variants {
             let run = scene.perturbed(start).run(&variant.options)?;
-            if k == 0 {
-                of_plan.push(scene.field(&run.baked));
-            }
-            let (field, plan) = (scene.field(&run.baked), &of_plan[start as usize - 1]);
+            let field = scene.field(&run.baked);
+            let plan = of_plan.get(start as usize - 1).unwrap_or(&field);
             let [amount, difference] = [field.rms(), field.difference(plan)].map(|value| value / plan.rms());
             table.push([
                 FOLD_THRICE.into(),
@@ -88,11 +86,13 @@ pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
             variant.walls.push(run.wall);
             variant.amounts.push(amount);
             variant.differences.push(difference);
+            if of_plan.len() < start as usize {
+                of_plan.push(field);
+            }
         }
     }
     let mut notes: Vec<String> = variants.iter().map(Variant::note).collect();
-    let scatter: Vec<f64> =
-        of_plan.windows(2).map(|pair| pair[0].difference(&pair[1]) / pair[0].rms()).collect();
+    let scatter = scatter(&of_plan);
     if !scatter.is_empty() {
         notes.push(format!("two starts of the plan: difference {:.2}", mean(&scatter)));
     }

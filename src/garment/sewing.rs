@@ -31,8 +31,7 @@ fn strip_fractions(garment: &Garment, width: f64, is_middle: impl Fn(usize) -> b
         let mut d = t.map(|p| distance[p.at()]);
         d.sort_unstable_by(f64::total_cmp);
         let x = triangle::corners(&garment.points, t);
-        let longest = (0..3).map(|k| (x[k] - x[(k + 1) % 3]).norm()).fold(0.0, f64::max);
-        let span = (d[2] - d[0]).min(longest).max(f64::MIN_POSITIVE);
+        let span = (d[2] - d[0]).min(triangle::longest_side(&x)).max(f64::MIN_POSITIVE);
         ((width - d[0]) / span).clamp(0.0, 1.0)
     };
     garment.triangles.iter().map(fraction).collect()

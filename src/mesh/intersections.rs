@@ -37,6 +37,14 @@ pub fn self_intersections(points: &[Vec3], triangles: &[[PointIndex; 3]]) -> Vec
     found
 }
 
+/// Returns the triangles of one mesh that intersect another, as [`self_intersections`] finds them, each once, sorted.
+pub fn self_intersecting_triangles(points: &[Vec3], triangles: &[[PointIndex; 3]]) -> Vec<u32> {
+    let mut found: Vec<u32> = self_intersections(points, triangles).into_iter().flatten().collect();
+    found.sort_unstable();
+    found.dedup();
+    found
+}
+
 /// Returns the pairs (triangle of the first mesh, triangle of the second) that intersect, sorted.
 pub fn intersections_between(
     points: &[Vec3],

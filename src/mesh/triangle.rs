@@ -21,6 +21,11 @@ pub fn area(corners: &[Vec3; 3]) -> f64 {
     0.5 * area_vector(corners).norm()
 }
 
+/// Returns the length of the longest side [m].
+pub fn longest_side([a, b, c]: &[Vec3; 3]) -> f64 {
+    (a - b).norm().max((b - c).norm()).max((c - a).norm())
+}
+
 /// Returns the unit normal, on the side from which the corners run counter-clockwise; `None` for a triangle without area.
 #[inline]
 pub fn normal(corners: &[Vec3; 3]) -> Option<Vec3> {

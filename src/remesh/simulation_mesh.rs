@@ -140,7 +140,7 @@ fn locate_source(
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::mesh::triangle::area;
+    use crate::mesh::triangle::{area, longest_side};
     use crate::remesh::{Seed, SizeField, improve};
 
     /// A level sheet of 0.3 x 0.2 m of triangles with a diagonal; `sliver` makes columns of two widths.
@@ -216,8 +216,7 @@ pub(super) mod tests {
             assert!((length - 0.2).abs() < 1e-9, "{length} m of the line are edges ({step}, {sliver})");
             let shapes = garment.triangles.iter().map(|t| {
                 let x = t.map(|p| garment.points[p.at()]);
-                let longest = (0..3).map(|k| (x[k] - x[(k + 1) % 3]).norm()).fold(0.0, f64::max);
-                2.0 * area(&x) / (longest * longest)
+                2.0 * area(&x) / longest_side(&x).powi(2)
             });
             let flattest = shapes.fold(f64::INFINITY, f64::min);
             assert!(flattest > 0.1, "{flattest} ({step}, {sliver})");

@@ -7,7 +7,7 @@
 //! borders (pockets, plackets, facings) are layers of their own, outside of the cloth they lie on ([`stack_ranks`]).
 
 use crate::math::{Rng, Vec3, bounds};
-use crate::mesh::intersections::self_intersections;
+use crate::mesh::intersections::self_intersecting_triangles;
 use crate::mesh::{PointIndex, Topology, triangle};
 use crate::sim::ScalarCholesky;
 use crate::wear::layer_gap::{separate, touching};
@@ -348,15 +348,13 @@ fn crossing_triangles(
     };
     let perturbed: Vec<Vec3> =
         positions.iter().zip(shared).map(|(p, shared)| p + Vec3::y() * shake(*shared)).collect();
-    let mut found: Vec<u32> = self_intersections(&perturbed, triangles).into_iter().flatten().collect();
-    found.sort_unstable();
-    found.dedup();
-    found
+    self_intersecting_triangles(&perturbed, triangles)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::intersections::self_intersections;
     use std::f64::consts::{PI, TAU};
 
     const RADIUS: f64 = 0.1;
