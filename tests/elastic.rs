@@ -33,5 +33,7 @@ mod patch;
 mod reference;
 #[path = "elastic/rest.rs"]
 mod rest;
+#[path = "elastic/sewing.rs"]
+mod sewing;
 #[path = "elastic/sheet.rs"]
 mod sheet;

@@ -164,7 +164,7 @@ pub fn fingerprint(
     let mut numbers = |list: &mut dyn Iterator<Item = f64>| list.for_each(|x| hash.update(x.to_le_bytes()));
     numbers(&mut garment.points.iter().flat_map(|p| [p.x, p.y, p.z]));
     numbers(&mut garment.material.iter().flatten().flat_map(|m| [m.x, m.y]));
-    numbers(&mut garment.memory_mask.iter().copied());
+    numbers(&mut garment.memory_mask.iter().chain(&garment.sewing_mask).copied());
     if let Some(RestState {
         source_angle,
         rest_angle,

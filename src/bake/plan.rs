@@ -11,7 +11,7 @@ use crate::fabric::Fabric;
 use crate::garment::Garment;
 use crate::math::{Vec3, bounds};
 use crate::mesh::{PointIndex, triangle};
-use crate::sim::GRAVITY;
+use crate::sim::{GRAVITY, Sewing, SewnStrips};
 use crate::wear::{Action, WearScript};
 use std::borrow::Cow;
 
@@ -53,6 +53,7 @@ impl ModelPlan {
         let mut decisions = Vec::new();
         let stretch = scene.stretch(&mut decisions);
         scene.bending(&mut decisions);
+        decisions.push(scene.sewing());
         let reference_length = reference_length(garment, fabric);
         decisions.push(scene.memory(reference_length));
         let (layers_meet, contact_distance) = scene.self_contact(&mut decisions);
@@ -200,6 +201,25 @@ impl PlannedScene<'_> {
             if fine { "" } else { ": narrower ones come from creases of the script only" }
         );
         decisions.push(ModelDecision { name: "elements", on: fine, why });
+    }
+
+    /// Hems and allowances of seams.
+    fn sewing(&self) -> ModelDecision {
+        let (garment, Sewing { hems, seams }) = (self.garment, self.options.sewing);
+        let [hem, seam] = SewnStrips::new(garment, self.options.sewing).fractions(garment);
+        let masked = garment.sewing_mask.iter().any(|mask| *mask < 1.0);
+        let part = |on: bool, name: &str, fraction: f64| {
+            if on {
+                format!("{name} on {:.1} % of the cloth", 100.0 * fraction)
+            } else {
+                format!("no {name}")
+            }
+        };
+        let mut why = format!("{}, {}", part(hems, "hems", hem), part(seams, "allowances of seams", seam));
+        if masked {
+            why += ", where the sewing mask has them";
+        }
+        ModelDecision { name: "hems and seams", on: hem + seam > 0.0, why }
     }
 
     /// Largest fold angle that the script names [degrees], and whether the script presses or crumples.
@@ -359,6 +379,7 @@ mod tests {
             material_from_uv: true,
             source_point: (0..4 * layers).map(PointIndex).collect(),
             memory_mask: vec![1.0; points.len()],
+            sewing_mask: vec![1.0; points.len()],
             triangle_part: (0..layers).flat_map(|k| [k; 2]).collect(),
             triangle_panel: vec![0; 2 * layers as usize],
             topology: Topology::new(points.len(), &triangles),

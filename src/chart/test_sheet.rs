@@ -150,6 +150,7 @@ impl TestSheet {
             material_from_uv: true,
             source_point: (0..self.flat.len() as u32).map(PointIndex).collect(),
             memory_mask: vec![1.0; points.len()],
+            sewing_mask: vec![1.0; points.len()],
             triangle_part: vec![0; triangles.len()],
             triangle_panel: vec![0; triangles.len()],
             triangles,

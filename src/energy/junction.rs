@@ -202,6 +202,7 @@ mod tests {
             material_from_uv: false,
             source_point: Vec::new(),
             memory_mask: vec![1.0; points.len()],
+            sewing_mask: vec![1.0; points.len()],
             triangle_part: vec![0; triangles.len()],
             triangle_panel: vec![0; triangles.len()],
             topology: Topology::new(points.len(), &triangles),

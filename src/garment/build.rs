@@ -63,7 +63,8 @@ impl Garment {
         let part_count = triangle_part.iter().max().map_or(0, |&last| last as usize + 1);
         let flat = flatten_triangles(&points, &wedges, (&sheet.uvs, &sheet.pieces), &topology, part_count);
         diagnostics.note(flat.reason);
-        let memory_mask = mean_per_point(&sheet.mask, &source_point, points.len());
+        let [memory_mask, sewing_mask] =
+            sheet.masks.map(|mask| mean_per_point(&mask, &source_point, points.len()));
         let garment = Self {
             points,
             triangles,
@@ -71,6 +72,7 @@ impl Garment {
             material_from_uv: flat.from_uv,
             source_point,
             memory_mask,
+            sewing_mask,
             triangle_part,
             triangle_panel: flat.panel,
             topology,
@@ -87,8 +89,8 @@ struct SourceSheet {
     uvs: Vec<Option<Vec2>>,
     /// One per vertex: number of its piece.
     pieces: Vec<u32>,
-    /// One per vertex: factor of memory, 0..1.
-    mask: Vec<f64>,
+    /// One per vertex: factors 0..1 of memory and of sewing.
+    masks: [Vec<f64>; 2],
     triangles: Vec<[u32; 3]>,
     /// One per vertex: number of its position in the file, where others have the same.
     position_ids: Vec<Option<u32>>,
@@ -100,7 +102,7 @@ impl SourceSheet {
             positions: Vec::new(),
             uvs: Vec::new(),
             pieces: Vec::new(),
-            mask: Vec::new(),
+            masks: [Vec::new(), Vec::new()],
             triangles: Vec::new(),
             position_ids: Vec::new(),
         };
@@ -125,8 +127,10 @@ impl SourceSheet {
             }
             self.uvs.push(piece.uvs.as_ref().and_then(|uvs| uvs.get(vertex)).copied());
             self.position_ids.push(piece.position_ids.as_ref().and_then(|ids| ids.get(vertex)).copied());
-            let mask = piece.mask.as_ref().and_then(|mask| mask.get(vertex)).copied().unwrap_or(1.0);
-            self.mask.push(mask.clamp(0.0, 1.0));
+            for (own, masked) in self.masks.iter_mut().zip([&piece.mask, &piece.sewing_mask]) {
+                let mask = masked.as_ref().and_then(|mask| mask.get(vertex)).copied().unwrap_or(1.0);
+                own.push(mask.clamp(0.0, 1.0));
+            }
         }
         for triangle in &piece.triangles {
             if triangle.iter().any(|&corner| corner as usize >= count) {
@@ -257,6 +261,7 @@ mod tests {
             normals: None,
             uvs: uvs.map(|uvs| uvs.iter().map(|&uv| uv.into()).collect()),
             mask: None,
+            sewing_mask: None,
             triangles: triangles.to_vec(),
             placement: Placement::Rigid(Mat4::identity()),
             joints: Vec::new(),

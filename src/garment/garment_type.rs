@@ -18,6 +18,8 @@ pub struct Garment {
     pub source_point: Vec<PointIndex>,
     /// Per point: factor 0..1 of how much the point's hinges and triangles remember.
     pub memory_mask: Vec<f64>,
+    /// Per point: factor 0..1 of how much of its hem and its seam allowances there is; 0 for single cloth.
+    pub sewing_mask: Vec<f64>,
     /// Per triangle: connected part it belongs to, counted from 0.
     pub triangle_part: Vec<u32>,
     /// Per triangle: panel it belongs to, counted from 0: an island of the texture coordinates where they follow the panels, else a

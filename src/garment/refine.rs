@@ -29,7 +29,7 @@ impl Garment {
     pub fn refine(&self, edge: f64, wanted: &[bool]) -> RefinedMesh {
         let mut work = Bisection::new(self, edge.max(f64::MIN_POSITIVE));
         work.run(wanted);
-        let Bisection { points, mask, triangles, material, parent, .. } = work;
+        let Bisection { points, masks: [memory_mask, sewing_mask], triangles, material, parent, .. } = work;
         let inherited = |of: &[u32]| -> Vec<u32> {
             parent.iter().map(|f| of.get(*f as usize).copied().unwrap_or(0)).collect()
         };
@@ -41,7 +41,8 @@ impl Garment {
                 material,
                 material_from_uv: self.material_from_uv,
                 source_point: self.source_point.clone(),
-                memory_mask: mask,
+                memory_mask,
+                sewing_mask,
                 triangle_part: inherited(&self.triangle_part),
                 triangle_panel: inherited(&self.triangle_panel),
                 topology,
@@ -66,7 +67,7 @@ impl Garment {
 /// State of a mesh whose edges are being halved.
 struct Bisection {
     points: Vec<Vec3>,
-    mask: Vec<f64>,
+    masks: [Vec<f64>; 2],
     triangles: Vec<[PointIndex; 3]>,
     material: Vec<[Vec2; 3]>,
     parent: Vec<u32>,
@@ -112,7 +113,7 @@ impl Bisection {
         }
         Self {
             points: garment.points.clone(),
-            mask: garment.memory_mask.clone(),
+            masks: [garment.memory_mask.clone(), garment.sewing_mask.clone()],
             triangles: garment.triangles.clone(),
             material: garment.material.clone(),
             parent: (0..garment.triangles.len() as u32).collect(),
@@ -164,8 +165,9 @@ impl Bisection {
 
     fn halve(&mut self, edge: [PointIndex; 2], on: &[u32], open: &mut BinaryHeap<LongEdge>) {
         let middle = PointIndex(self.points.len() as u32);
-        let mean = |list: &[f64]| 0.5 * (list[edge[0].at()] + list[edge[1].at()]);
-        self.mask.push(mean(&self.mask));
+        for mask in &mut self.masks {
+            mask.push(0.5 * (mask[edge[0].at()] + mask[edge[1].at()]));
+        }
         self.points.push(0.5 * (self.points[edge[0].at()] + self.points[edge[1].at()]));
         self.on_edge.remove(&edge);
         for &f in on {

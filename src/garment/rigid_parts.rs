@@ -320,6 +320,7 @@ fn cloth_of(garment: &Garment, left_out: &[bool]) -> (Garment, Vec<PointIndex>, 
         // Its vertices are those of the whole garment.
         source_point: Vec::new(),
         memory_mask: points.iter().map(|p| garment.memory_mask[p.at()]).collect(),
+        sewing_mask: points.iter().map(|p| garment.sewing_mask[p.at()]).collect(),
         triangle_part: parts,
         triangle_panel: triangles.iter().map(|&f| garment.triangle_panel[f as usize]).collect(),
         topology: Topology::new(points.len(), &own),

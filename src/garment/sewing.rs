@@ -3,14 +3,15 @@
 use crate::garment::Garment;
 use crate::mesh::{INVALID, PointIndex, edge_distances, triangle};
 
-/// Per triangle of `garment`: fraction of its area within `width` [m] of an open border, measured along edges, from 0 to 1.
+/// Per triangle of `garment`: fraction of its area within `width` [m] of an open border, measured along edges, from 0 to 1; times its
+/// sewing mask.
 pub fn hem_fractions(garment: &Garment, width: f64) -> Vec<f64> {
     let topology = &garment.topology;
     strip_fractions(garment, width, |e| topology.edge_triangles[e][1] == INVALID)
 }
 
 /// Per triangle of `garment`: fraction of its area within `width` [m] of a seam, measured along edges, from 0 to 1. Seams are the edges
-/// between two panels and those of more than two triangles.
+/// between two panels and those of more than two triangles. The fraction counts times the sewing mask.
 pub fn seam_fractions(garment: &Garment, width: f64) -> Vec<f64> {
     let topology = &garment.topology;
     let panel = |f: u32| garment.triangle_panel[f as usize];
@@ -20,7 +21,8 @@ pub fn seam_fractions(garment: &Garment, width: f64) -> Vec<f64> {
     })
 }
 
-/// Per triangle: fraction of its area within `width` [m] of the edges that `is_middle` flags, from 0 to 1.
+/// Per triangle: fraction of its area within `width` [m] of the edges that `is_middle` flags, from 0 to 1, times the mean sewing mask of
+/// its corners.
 fn strip_fractions(garment: &Garment, width: f64, is_middle: impl Fn(usize) -> bool) -> Vec<f64> {
     let mut middle = vec![false; garment.points.len()];
     for (_, ends) in garment.topology.edges.iter().enumerate().filter(|(e, _)| is_middle(*e)) {
@@ -32,7 +34,8 @@ fn strip_fractions(garment: &Garment, width: f64, is_middle: impl Fn(usize) -> b
         d.sort_unstable_by(f64::total_cmp);
         let x = triangle::corners(&garment.points, t);
         let span = (d[2] - d[0]).min(triangle::longest_side(&x)).max(f64::MIN_POSITIVE);
-        ((width - d[0]) / span).clamp(0.0, 1.0)
+        let mask = t.iter().map(|p| garment.sewing_mask[p.at()]).sum::<f64>() / 3.0;
+        mask * ((width - d[0]) / span).clamp(0.0, 1.0)
     };
     garment.triangles.iter().map(fraction).collect()
 }
@@ -66,6 +69,7 @@ mod tests {
             material_from_uv: false,
             source_point: Vec::new(),
             memory_mask: vec![1.0; points.len()],
+            sewing_mask: vec![1.0; points.len()],
             triangle_part: vec![0; triangles.len()],
             topology: Topology::new(points.len(), &triangles),
             triangles,
@@ -89,5 +93,17 @@ mod tests {
         assert!((double - 0.1).abs() < 1e-9, "{double}");
         let one_panel = Garment { triangle_panel: vec![0; fractions.len()], ..sheet() };
         assert!(seam_fractions(&one_panel, 0.01).iter().all(|f| *f == 0.0));
+    }
+
+    #[test]
+    fn where_the_mask_is_0_nothing_is_sewn() {
+        let mut garment = sheet();
+        let is_left: Vec<bool> = garment.points.iter().map(|p| p.x < 0.1 + 1e-9).collect();
+        garment.sewing_mask = is_left.iter().map(|is_left| f64::from(u8::from(!is_left))).collect();
+        let (whole, masked) = (hem_fractions(&sheet(), 0.02), hem_fractions(&garment, 0.02));
+        for ((t, whole), masked) in garment.triangles.iter().zip(whole).zip(masked) {
+            let left = t.iter().filter(|p| is_left[p.at()]).count();
+            assert!((masked - whole * (3 - left) as f64 / 3.0).abs() < 1e-12, "{left} {whole} {masked}");
+        }
     }
 }

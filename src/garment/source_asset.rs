@@ -99,6 +99,8 @@ pub struct SourcePiece {
     pub uvs: Option<Vec<Vec2>>,
     /// One per vertex: factor of memory 0..1 from a colour channel or attribute, where asked for.
     pub mask: Option<Vec<f64>>,
+    /// One per vertex: factor 0..1 of how much of hems and seams there is, from a colour channel or attribute, where asked for.
+    pub sewing_mask: Option<Vec<f64>>,
     /// Corners into this piece's vertices, triangulated; counter-clockwise in the scene seen from outside, also where the
     /// placement mirrors the piece.
     pub triangles: Vec<[u32; 3]>,

@@ -66,6 +66,7 @@ mod tests {
             material_from_uv: false,
             source_point: Vec::new(),
             memory_mask: vec![1.0; 4],
+            sewing_mask: vec![1.0; 4],
             triangle_part: vec![0; 2],
             triangle_panel: vec![0; 2],
             topology: Topology::new(4, &triangles),

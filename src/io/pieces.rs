@@ -4,6 +4,9 @@ use crate::Diagnostic;
 use crate::garment::{GltfDocument, ImportDiagnostic, ObjLines, SourcePiece, UpAxis};
 use crate::math::Mat4;
 
+/// Options that name the masks of a piece: of its memory, of its hems and seams.
+pub(super) const MASK_OPTIONS: [&str; 2] = ["--mask", "--sewing-mask"];
+
 /// Result of the reader of a format.
 pub(super) struct ReadPieces {
     /// Pieces in file order, all marked as worn.

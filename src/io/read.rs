@@ -5,9 +5,9 @@
 //! would still run, with wrong results; so an implausible size is refused (`size`).
 //! Opens no files: files that a document refers to come through `resolve`.
 
-use crate::garment::{ImportDiagnostic, Severity, SourceAsset, SourceFormat, UpAxis};
+use crate::garment::{ImportDiagnostic, Severity, SourceAsset, SourceFormat, SourcePiece, UpAxis};
 use crate::io::error_list::ErrorList;
-use crate::io::pieces::{DamagedPiece, NamedPiece, to_scene};
+use crate::io::pieces::{DamagedPiece, MASK_OPTIONS, NamedPiece, to_scene};
 use crate::io::size::check_size;
 use crate::io::tuning::TUNING;
 use crate::io::{gltf, obj};
@@ -31,6 +31,8 @@ pub struct ReadOptions {
     /// Vertex attribute that scales the memory locally: `COLOR_0`, `COLOR_0.g`, `_PIN`, ...; of an OBJ
     /// `COLOR_0`. A component is chosen by `.r .g .b .a` or `.x .y .z .w`, else the first is taken.
     pub mask: Option<String>,
+    /// Vertex attribute that scales hems and seams locally, named as `mask` is: 0 for single cloth.
+    pub sewing_mask: Option<String>,
     /// Whether the garment may have a size that no garment has.
     pub any_size: bool,
     /// Whether parts that cannot be read are left out, with a warning, even if they are part of the garment.
@@ -72,9 +74,10 @@ pub fn read_asset(
     let up = options.up.unwrap_or(UpAxis::Y);
     let format = format_of(file_name, bytes)?;
     let to_scene = to_scene(unit_m, up);
+    let masks = [&options.mask, &options.sewing_mask].map(|name| name.as_deref());
     let mut read = match format {
-        SourceFormat::Obj => obj::read_obj(file_name, bytes, &to_scene, options.mask.as_deref())?,
-        SourceFormat::Gltf => gltf::read_gltf(file_name, bytes, &to_scene, options.mask.as_deref(), resolve)?,
+        SourceFormat::Obj => obj::read_obj(file_name, bytes, &to_scene, masks)?,
+        SourceFormat::Gltf => gltf::read_gltf(file_name, bytes, &to_scene, masks, resolve)?,
     };
     let has_triangles = |named: &NamedPiece| !named.piece.triangles.is_empty();
     let has_others = read.pieces.iter().any(has_triangles);
@@ -88,7 +91,9 @@ pub fn read_asset(
         return Err(Error::input(file_name, "", message, "export the garment as a mesh"));
     }
     let mut pieces = read.pieces;
-    read.diagnostics.extend(scale_masks(&mut pieces));
+    for (option, of) in MASK_OPTIONS.into_iter().zip([mask_of, sewing_mask_of]) {
+        read.diagnostics.extend(scale_mask(option, &mut pieces, of));
+    }
     choose_worn(file_name, &mut pieces, options.garment.as_deref())?;
     let asset = SourceAsset {
         file: file_name.to_owned(),
@@ -215,25 +220,40 @@ fn check_damaged(
     Ok(warnings)
 }
 
-/// Converts masks to factors 0..1: whole numbers beyond 1 are bytes or words of a colour; returns a warning then.
-fn scale_masks(pieces: &mut [NamedPiece]) -> Option<ImportDiagnostic> {
-    let all = || pieces.iter().flat_map(|named| named.piece.mask.iter().flatten()).copied();
-    let max = all().filter(|x| x.is_finite()).fold(0.0, f64::max);
-    let are_whole = all().all(|x| x.fract() == 0.0);
+fn mask_of(piece: &mut SourcePiece) -> Option<&mut Vec<f64>> {
+    piece.mask.as_mut()
+}
+
+fn sewing_mask_of(piece: &mut SourcePiece) -> Option<&mut Vec<f64>> {
+    piece.sewing_mask.as_mut()
+}
+
+/// Converts the mask of `option` to factors 0..1: whole numbers beyond 1 are bytes or words of a colour; returns a warning then. `of`
+/// gives the mask of a piece.
+fn scale_mask(
+    option: &str,
+    pieces: &mut [NamedPiece],
+    of: fn(&mut SourcePiece) -> Option<&mut Vec<f64>>,
+) -> Option<ImportDiagnostic> {
+    let (mut max, mut are_whole) = (0.0_f64, true);
+    for value in pieces.iter_mut().filter_map(|named| of(&mut named.piece)).flatten() {
+        max = if value.is_finite() { max.max(*value) } else { max };
+        are_whole &= value.fract() == 0.0;
+    }
     let full = match max {
         _ if max <= 1.0 || !are_whole => 1.0,
         _ if max <= 255.0 => 255.0,
         _ => 65_535.0,
     };
-    for value in pieces.iter_mut().flat_map(|named| named.piece.mask.iter_mut().flatten()) {
+    for value in pieces.iter_mut().filter_map(|named| of(&mut named.piece)).flatten() {
         *value = if value.is_finite() { (*value / full).clamp(0.0, 1.0) } else { 1.0 };
     }
     (max > 1.0).then(|| ImportDiagnostic {
         severity: Severity::Warning,
         location: String::new(),
         message: match full {
-            1.0 => format!("the mask has values up to {max}: those above 1 count as 1"),
-            _ => format!("the mask has whole numbers up to {max}: they count as fractions of {full}"),
+            1.0 => format!("{option}: it has values up to {max}, and those above 1 count as 1"),
+            _ => format!("{option}: it has whole numbers up to {max}, which count as fractions of {full}"),
         },
     })
 }

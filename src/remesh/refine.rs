@@ -194,10 +194,15 @@ impl Bisection {
     fn finish(self, coarse: &SimulationMesh) -> Refinement {
         let source = &coarse.garment;
         let triangles: Vec<[PointIndex; 3]> = self.triangles.iter().map(|t| t.map(PointIndex)).collect();
-        let mut memory_mask = source.memory_mask.clone();
-        for [a, b] in &self.splits {
-            memory_mask.push(0.5 * (memory_mask[*a as usize] + memory_mask[*b as usize]));
-        }
+        let with_middles = |mask: &[f64]| {
+            let mut mask = mask.to_vec();
+            for [a, b] in &self.splits {
+                mask.push(0.5 * (mask[*a as usize] + mask[*b as usize]));
+            }
+            mask
+        };
+        let (memory_mask, sewing_mask) =
+            (with_middles(&source.memory_mask), with_middles(&source.sewing_mask));
         let topology = Topology::new(self.points.len(), &triangles);
         let parent = |hinge: &Hinge| {
             let edge = self.edge_parent.get(&edge_key(hinge.points[0].0, hinge.points[1].0))?;
@@ -217,6 +222,7 @@ impl Bisection {
             material_from_uv: source.material_from_uv,
             source_point: Vec::new(),
             memory_mask,
+            sewing_mask,
             triangle_part: inherited(&source.triangle_part),
             triangle_panel: inherited(&source.triangle_panel),
             topology,

@@ -59,16 +59,18 @@ impl SimulationMesh {
         let triangles: Vec<[PointIndex; 3]> =
             faces.iter().map(|&f| mesh.triangles[f as usize].map(|p| number[p as usize])).collect();
         let location: Vec<SurfacePoint> = kept.iter().map(|&p| mesh.location[p]).collect();
-        let mask = |at: &SurfacePoint| -> f64 {
+        let mean = |mask: &[f64], at: &SurfacePoint| -> f64 {
             let t = source.triangles[at.face as usize];
-            (0..3).map(|k| source.memory_mask[t[k].at()] * at.weights[k]).sum()
+            (0..3).map(|k| mask[t[k].at()] * at.weights[k]).sum()
         };
+        let masked = |mask: &[f64]| -> Vec<f64> { location.iter().map(|at| mean(mask, at)).collect() };
         let garment = Garment {
             points: kept.iter().map(|&p| mesh.x[p]).collect(),
             material: faces.iter().map(|&f| flatten_triangle(&mesh.corners(f), mesh.warp(f))).collect(),
             material_from_uv: source.material_from_uv,
             source_point: Vec::new(),
-            memory_mask: location.iter().map(mask).collect(),
+            memory_mask: masked(&source.memory_mask),
+            sewing_mask: masked(&source.sewing_mask),
             triangle_part: faces.iter().map(|&f| source.triangle_part[mesh.home(f) as usize]).collect(),
             triangle_panel: faces.iter().map(|&f| source.triangle_panel[mesh.home(f) as usize]).collect(),
             topology: Topology::new(kept.len(), &triangles),
@@ -172,6 +174,7 @@ pub(super) mod tests {
             material_from_uv: true,
             source_point: Vec::new(),
             memory_mask: vec![1.0; points.len()],
+            sewing_mask: vec![1.0; points.len()],
             triangle_part: vec![0; triangles.len()],
             triangle_panel: vec![0; triangles.len()],
             topology: Topology::new(points.len(), &triangles),

@@ -4,6 +4,7 @@ use crate::energy::{Bending, Junctions, Membrane};
 use crate::fabric::Fabric;
 use crate::garment::{Garment, hem_fractions, seam_fractions};
 use crate::math::Vec3;
+use crate::mesh::{PointIndex, triangle};
 
 /// Where cloth is sewn and lies double.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,6 +33,44 @@ const SEAM_WIDTH: f64 = 0.01;
 /// Bending stiffness over the allowance of a seam relative to one layer [-]: allowances are held along the seam only and slide on the
 /// cloth.
 const SEAM_BENDING: f64 = 2.0;
+
+/// Strips of a garment that are double.
+#[derive(Debug, Clone)]
+pub struct SewnStrips {
+    /// Per triangle: fraction 0..1 of it that is hem.
+    pub hem: Vec<f64>,
+    /// Per triangle: fraction 0..1 of it that is the allowance of a seam.
+    pub seam: Vec<f64>,
+}
+
+impl SewnStrips {
+    /// The strips of `garment`: over 20 mm along open borders, 10 mm on either side of seams, as far as `sewing` and the garment's
+    /// sewing mask have them.
+    pub fn new(garment: &Garment, sewing: Sewing) -> Self {
+        let strip = |on: bool, of: fn(&Garment, f64) -> Vec<f64>, width: f64| {
+            if on { of(garment, width) } else { vec![0.0; garment.triangles.len()] }
+        };
+        Self {
+            hem: strip(sewing.hems, hem_fractions, HEM_WIDTH),
+            seam: strip(sewing.seams, seam_fractions, SEAM_WIDTH),
+        }
+    }
+
+    /// Fractions 0..1 of the area of `garment` that are hem and allowance of a seam.
+    pub fn fractions(&self, garment: &Garment) -> [f64; 2] {
+        let area_of = |t: &[PointIndex; 3]| triangle::area(&triangle::corners(&garment.points, t));
+        let area: Vec<f64> = garment.triangles.iter().map(area_of).collect();
+        let whole = area.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+        [&self.hem, &self.seam].map(|strip| strip.iter().zip(&area).map(|(f, a)| f * a).sum::<f64>() / whole)
+    }
+
+    /// Per triangle: a quantity relative to that of single cloth, which has `hem` times as much of it in a hem and `seam` times over the
+    /// allowance of a seam.
+    fn factors(&self, hem: f64, seam: f64) -> Vec<f64> {
+        let both = self.hem.iter().zip(&self.seam);
+        both.map(|(h, s)| 1.0 + (hem - 1.0) * h + (seam - 1.0) * s).collect()
+    }
+}
 
 /// Elastic model and masses of one garment; constant during a run.
 #[derive(Debug, Clone)]
@@ -63,21 +102,12 @@ impl Cloth {
         Self { mass, area, membrane, bending, junctions }
     }
 
-    /// The model of `garment` made of `fabric`, double where it is sewn: over 20 mm along open borders and 10 mm on either side of seams.
-    /// Two layers weigh and resist stretch twice as much; a hem bends four times as stiffly as one layer, a seam twice.
+    /// The model of `garment` made of `fabric`, double where it is sewn ([`SewnStrips`]). Two layers weigh and resist stretch twice as
+    /// much; a hem bends four times as stiffly as one layer, a seam twice.
     pub fn sewn(garment: &Garment, fabric: &Fabric, sewing: Sewing) -> Self {
         let mut cloth = Self::new(garment, fabric);
-        let count = garment.triangles.len();
-        let strip = |on: bool, of: fn(&Garment, f64) -> Vec<f64>, width: f64| {
-            if on { of(garment, width) } else { vec![0.0; count] }
-        };
-        let hem = strip(sewing.hems, hem_fractions, HEM_WIDTH);
-        let seam = strip(sewing.seams, seam_fractions, SEAM_WIDTH);
-        let factors = |hem_factor: f64, seam_factor: f64| -> Vec<f64> {
-            let both = hem.iter().zip(&seam);
-            both.map(|(h, s)| 1.0 + (hem_factor - 1.0) * h + (seam_factor - 1.0) * s).collect()
-        };
-        let layers = factors(2.0, 2.0);
+        let strips = SewnStrips::new(garment, sewing);
+        let layers = strips.factors(2.0, 2.0);
         cloth.mass.fill(0.0);
         for ((t, area), layers) in garment.triangles.iter().zip(cloth.membrane.area()).zip(&layers) {
             for p in t {
@@ -85,7 +115,7 @@ impl Cloth {
             }
         }
         cloth.membrane.reinforce(&layers);
-        let bending = factors(HEM_BENDING, SEAM_BENDING);
+        let bending = strips.factors(HEM_BENDING, SEAM_BENDING);
         cloth.bending.reinforce(&bending);
         cloth.junctions.reinforce(&bending);
         cloth

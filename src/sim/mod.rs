@@ -12,7 +12,7 @@ mod stepper;
 mod tuning;
 mod violations;
 
-pub use cloth::{Cloth, Sewing};
+pub use cloth::{Cloth, Sewing, SewnStrips};
 pub use integrator::{InnerSolver, MAX_DT_GROWTH, Method, Stage};
 pub use linear::block_matrix::{BlockMatrix, FIXED_ROW, StencilVisitor};
 pub use linear::cholesky::{Cholesky, FactorError, FactorSize, ScalarCholesky, SolveCost};

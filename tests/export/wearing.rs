@@ -45,6 +45,7 @@ pub fn garment(asset: &SourceAsset) -> Garment {
         material_from_uv: false,
         source_point,
         memory_mask: vec![1.0; points.len()],
+        sewing_mask: vec![1.0; points.len()],
         triangle_part: vec![0; triangles.len()],
         triangle_panel: vec![0; triangles.len()],
         topology: Topology::new(points.len(), &triangles),

@@ -19,6 +19,7 @@ pub fn pair(size: f64) -> Garment {
         material_from_uv: true,
         source_point: (0..4).map(PointIndex).collect(),
         memory_mask: vec![1.0; 4],
+        sewing_mask: vec![1.0; 4],
         triangle_part: vec![0; 2],
         triangle_panel: vec![0; 2],
         topology: Topology::new(4, &triangles),

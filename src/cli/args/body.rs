@@ -129,6 +129,7 @@ impl BodyArgs {
             up: self.body_up.or(up),
             garment: self.body_node.clone(),
             mask: None,
+            sewing_mask: None,
             any_size: true,
             skip_damaged: true,
             weld_m: None,

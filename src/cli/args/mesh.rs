@@ -26,6 +26,23 @@ pub struct MeshArgs {
     weld: Option<f64>,
 }
 
+/// How the mesh file of a garment is read that becomes cloth.
+#[derive(Debug, Clone, Args)]
+pub struct ClothArgs {
+    #[command(flatten)]
+    mesh: MeshArgs,
+    /// Vertex attribute that says how much of hems and seams there is, from 0 (single cloth) to 1: COLOR_0, COLOR_0.g, _SEWN, ...
+    #[arg(long, value_name = "ATTRIBUTE")]
+    sewing_mask: Option<String>,
+}
+
+impl ClothArgs {
+    /// Returns the options of the mesh reader.
+    pub fn options(&self) -> ReadOptions {
+        ReadOptions { sewing_mask: self.sewing_mask.clone(), ..self.mesh.options() }
+    }
+}
+
 impl MeshArgs {
     /// Returns the options of the mesh reader.
     pub fn options(&self) -> ReadOptions {
@@ -34,6 +51,7 @@ impl MeshArgs {
             up: self.up,
             garment: self.garment.clone(),
             mask: None,
+            sewing_mask: None,
             any_size: self.force_size,
             skip_damaged: false,
             weld_m: self.weld.map(|mm| 1e-3 * mm),

@@ -2,7 +2,7 @@
 //! writes the worn garment, its sidecar and the report, as `crease bake` does.
 
 use crate::cli::args::apply::ApplyArgs;
-use crate::cli::args::mesh::MeshArgs;
+use crate::cli::args::mesh::ClothArgs;
 use crate::cli::args::run::RunArgs;
 use crate::cli::args::values::{Metres, glb_path, positive, unit};
 use crate::cli::commands::worn_job::{SideFiles, WornJob, WornResult, outcome};
@@ -58,7 +58,7 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME|FILE", default_value = DEFAULT_FABRIC)]
     fabric: String,
     #[command(flatten)]
-    reading: MeshArgs,
+    reading: ClothArgs,
     #[command(flatten)]
     apply: ApplyArgs,
     #[command(flatten)]

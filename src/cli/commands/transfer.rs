@@ -3,7 +3,7 @@
 
 use crate::cli::args::apply::ApplyArgs;
 use crate::cli::args::export::{ExportArgs, print_checks};
-use crate::cli::args::mesh::MeshArgs;
+use crate::cli::args::mesh::ClothArgs;
 use crate::cli::args::refine::{CoarseGarment, RefineArgs, Refinement};
 use crate::cli::args::run::RunArgs;
 use crate::cli::args::values::{glb_path, input_path};
@@ -67,7 +67,7 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME|FILE")]
     fabric: Option<String>,
     #[command(flatten)]
-    reading: MeshArgs,
+    reading: ClothArgs,
     #[command(flatten)]
     refine: RefineArgs,
     #[command(flatten)]

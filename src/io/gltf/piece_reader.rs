@@ -9,7 +9,7 @@ use crate::io::gltf::names::{DRACO_CURE, DRACO_EXTENSION, INSTANCING_EXTENSION};
 use crate::io::gltf::primitive::{MaskChannel, MeshData, PrimitiveData, read_primitive};
 use crate::io::gltf::scene::Scene;
 use crate::io::gltf::skin::skinned_vertices;
-use crate::io::pieces::{DamagedPiece, NamedPiece, ReadPieces};
+use crate::io::pieces::{DamagedPiece, MASK_OPTIONS, NamedPiece, ReadPieces};
 use crate::io::tuning::TUNING;
 use crate::math::{Mat3, Mat4};
 use crate::{Error, Result};
@@ -20,7 +20,7 @@ pub(super) struct PieceReader<'a> {
     accessors: Accessors<'a>,
     scene: Scene,
     to_scene: Mat4,
-    mask: Option<MaskChannel>,
+    masks: [Option<MaskChannel>; 2],
     errors: ErrorList,
     read: ReadPieces,
     /// Per mesh: names of the nodes that show it.
@@ -45,7 +45,7 @@ impl<'a> PieceReader<'a> {
             root: root.clone(),
             scene,
             to_scene,
-            mask: None,
+            masks: [None, None],
             errors,
             read: ReadPieces {
                 pieces: Vec::new(),
@@ -57,11 +57,11 @@ impl<'a> PieceReader<'a> {
         }
     }
 
-    /// Reads all pieces, with the memory mask of an attribute if one is given. Fails with all errors of the file.
-    pub(super) fn read(mut self, mask: Option<MaskChannel>) -> Result<ReadPieces> {
-        self.mask = mask;
+    /// Reads all pieces, with the masks of memory and of sewing of attributes where they are given. Fails with all errors of the file.
+    pub(super) fn read(mut self, masks: [Option<MaskChannel>; 2]) -> Result<ReadPieces> {
+        self.masks = masks;
         self.read_scene();
-        self.check_mask();
+        self.check_masks();
         self.errors.finish()?;
         Ok(self.read)
     }
@@ -148,7 +148,7 @@ impl<'a> PieceReader<'a> {
             return Err(primitive.error("the file draws more than its data can hold"));
         }
         self.check_draco(primitive)?;
-        let data = match read_primitive(&self.accessors, primitive, self.mask.as_ref(), weights)? {
+        let data = match read_primitive(&self.accessors, primitive, &self.masks, weights)? {
             PrimitiveData::Mesh(data) => data,
             PrimitiveData::Skipped(message) => {
                 self.note(primitive.path(), format!("{message}: skipped"));
@@ -158,6 +158,7 @@ impl<'a> PieceReader<'a> {
         self.elements_left = self.elements_left.saturating_sub(data.positions.len() + data.triangles.len());
         self.note_repairs(primitive, &data);
         let (placement, joints) = self.placement(node, primitive, &data)?;
+        let [mask, sewing_mask] = data.masks;
         let mut triangles = data.triangles;
         SourcePiece::orient_by_placement(&placement, &mut triangles);
         let names = self.names(node, mesh, primitive);
@@ -173,7 +174,8 @@ impl<'a> PieceReader<'a> {
             position_ids: None,
             normals: data.normals,
             uvs: data.uvs,
-            mask: data.mask,
+            mask,
+            sewing_mask,
             triangles,
             placement,
             joints,
@@ -298,9 +300,22 @@ impl<'a> PieceReader<'a> {
         }
     }
 
-    fn check_mask(&mut self) {
-        let Some(mask) = &self.mask else { return };
-        if !self.errors.is_empty() || self.read.pieces.iter().any(|named| named.piece.mask.is_some()) {
+    /// Refuses masks that no piece has.
+    fn check_masks(&mut self) {
+        if !self.errors.is_empty() {
+            return;
+        }
+        let pieces = &self.read.pieces;
+        let is_found = [
+            pieces.iter().any(|named| named.piece.mask.is_some()),
+            pieces.iter().any(|named| named.piece.sewing_mask.is_some()),
+        ];
+        let channels = self.masks.iter().zip(is_found).zip(MASK_OPTIONS);
+        let missing = channels.filter(|((_, is_found), _)| !is_found);
+        let missing: Vec<(String, &str)> = missing
+            .filter_map(|((channel, _), option)| Some((channel.as_ref()?.attribute.clone(), option)))
+            .collect();
+        if missing.is_empty() {
             return;
         }
         let mut known: Vec<&str> = Vec::new();
@@ -313,8 +328,10 @@ impl<'a> PieceReader<'a> {
                 }
             }
         }
-        let message = format!("no vertex attribute called \"{}\"", mask.attribute);
-        self.errors.push("", message, format!("--mask takes one of: {}", known.join(", ")));
+        for (attribute, option) in missing {
+            let message = format!("no vertex attribute called \"{attribute}\"");
+            self.errors.push("", message, format!("{option} takes one of: {}", known.join(", ")));
+        }
     }
 
     fn note(&mut self, location: impl Into<String>, message: impl Into<String>) {

@@ -20,7 +20,8 @@ pub(super) struct MeshData {
     pub(super) positions: Vec<Vec3>,
     pub(super) normals: Option<Vec<Vec3>>,
     pub(super) uvs: Option<Vec<Vec2>>,
-    pub(super) mask: Option<Vec<f64>>,
+    /// Masks of memory and of sewing.
+    pub(super) masks: [Option<Vec<f64>>; 2],
     pub(super) triangles: Vec<[u32; 3]>,
     /// Number of corners after the last whole triangle of a list.
     pub(super) leftover_corners: usize,
@@ -28,7 +29,7 @@ pub(super) struct MeshData {
     pub(super) replaced_count: usize,
 }
 
-/// Attribute and component that scale the memory.
+/// Attribute and component of a mask.
 #[derive(Clone)]
 pub(super) struct MaskChannel {
     pub(super) attribute: String,
@@ -56,7 +57,7 @@ impl MaskChannel {
 pub(super) fn read_primitive(
     accessors: &Accessors,
     primitive: &Cursor,
-    mask: Option<&MaskChannel>,
+    masks: &[Option<MaskChannel>; 2],
     weights: &[f64],
 ) -> Result<PrimitiveData> {
     let mode = primitive.index("mode")?.unwrap_or(4);
@@ -95,7 +96,8 @@ pub(super) fn read_primitive(
         }
         None => None,
     };
-    let mask = read_mask(accessors, &attributes, mask, count)?;
+    let read = |mask: &Option<MaskChannel>| read_mask(accessors, &attributes, mask.as_ref(), count);
+    let masks = [read(&masks[0])?, read(&masks[1])?];
     let corners = match primitive.index("indices")? {
         Some(index) => accessors.indices(index, user)?,
         None => (0..count as u32).collect(),
@@ -108,7 +110,7 @@ pub(super) fn read_primitive(
         positions,
         normals,
         uvs,
-        mask,
+        masks,
         triangles,
         leftover_corners,
         replaced_count,

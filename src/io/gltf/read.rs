@@ -43,7 +43,7 @@ pub(in crate::io) fn read_gltf(
     file: &str,
     bytes: &[u8],
     to_scene: &Mat4,
-    mask: Option<&str>,
+    masks: [Option<&str>; 2],
     resolve: &mut dyn FnMut(&str) -> Result<Vec<u8>>,
 ) -> Result<ReadPieces> {
     let mut errors = ErrorList::new(file);
@@ -73,7 +73,7 @@ pub(in crate::io) fn read_gltf(
     }
     let accessors = Accessors::from_parts(&json, &buffers);
     let reader = PieceReader::new(&root, accessors, scene, *to_scene, errors);
-    let mut read = reader.read(mask.map(MaskChannel::parse))?;
+    let mut read = reader.read(masks.map(|mask| mask.map(MaskChannel::parse)))?;
     read.document = Some(GltfDocument { json, buffers, chunks });
     Ok(read)
 }

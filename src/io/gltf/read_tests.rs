@@ -267,6 +267,14 @@ fn a_mask_is_read_and_a_missing_one_refused() {
     let options = ReadOptions { mask: Some("_PIN".into()), ..ReadOptions::default() };
     let (asset, _) = read_with(&document, &binary, &options).unwrap();
     assert_eq!(asset.pieces[0].mask.as_deref(), Some(&[0.0, 0.2, 1.0][..]));
+    assert_eq!(asset.pieces[0].sewing_mask, None);
+    let options = ReadOptions { sewing_mask: Some("_PIN".into()), ..ReadOptions::default() };
+    let (asset, _) = read_with(&document, &binary, &options).unwrap();
+    assert_eq!(asset.pieces[0].sewing_mask.as_deref(), Some(&[0.0, 0.2, 1.0][..]));
+    assert_eq!(asset.pieces[0].mask, None);
+    let options = ReadOptions { sewing_mask: Some("_SEWN".into()), ..ReadOptions::default() };
+    let message = read_with(&document, &binary, &options).unwrap_err().to_string();
+    assert!(message.contains("_SEWN") && message.contains("--sewing-mask takes one of"), "{message}");
     let options = ReadOptions { mask: Some("COLOR_0".into()), ..ReadOptions::default() };
     let message = read_with(&document, &binary, &options).unwrap_err().to_string();
     assert!(message.contains("COLOR_0") && message.contains("POSITION, _PIN"), "{message}");

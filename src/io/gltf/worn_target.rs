@@ -316,6 +316,7 @@ mod tests {
             material_from_uv: false,
             source_point: (0..points.len() as u32).map(PointIndex).collect(),
             memory_mask: vec![1.0; points.len()],
+            sewing_mask: vec![1.0; points.len()],
             triangle_part: vec![0; triangles.len()],
             triangle_panel: vec![0; triangles.len()],
             topology: Topology::new(points.len(), &triangles),

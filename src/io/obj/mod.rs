@@ -12,7 +12,7 @@ use crate::garment::{ImportDiagnostic, ObjFace, ObjLines, Placement, Severity, S
 use crate::io::error_list::ErrorList;
 use crate::io::obj::parse::{BadPosition, Corner, Face, Label, Statements};
 use crate::io::obj::polygon::{Triangulator, newell_normal};
-use crate::io::pieces::{DamagedPiece, NamedPiece, ReadPieces};
+use crate::io::pieces::{DamagedPiece, MASK_OPTIONS, NamedPiece, ReadPieces};
 use crate::math::{Mat4, Vec2, Vec3};
 use crate::mesh::INVALID;
 use crate::{Diagnostic, Error, Result};
@@ -22,7 +22,12 @@ use rustc_hash::FxHashMap;
 const UNNAMED: &str = "default";
 
 /// Reads the pieces of an OBJ file.
-pub(super) fn read_obj(file: &str, bytes: &[u8], to_scene: &Mat4, mask: Option<&str>) -> Result<ReadPieces> {
+pub(super) fn read_obj(
+    file: &str,
+    bytes: &[u8],
+    to_scene: &Mat4,
+    masks: [Option<&str>; 2],
+) -> Result<ReadPieces> {
     let mut errors = ErrorList::new(file);
     let mut statements = parse::parse(bytes, &mut errors);
     let mut is_used = vec![false; statements.positions.len()];
@@ -39,7 +44,10 @@ pub(super) fn read_obj(file: &str, bytes: &[u8], to_scene: &Mat4, mask: Option<&
         errors.push(error.location, error.message, error.help);
     }
     errors.finish()?;
-    let mask = mask.map(|wanted| mask_component(file, wanted, &statements)).transpose()?;
+    let mut components = [None; 2];
+    for ((component, wanted), option) in components.iter_mut().zip(masks).zip(MASK_OPTIONS) {
+        *component = wanted.map(|wanted| mask_component(file, option, wanted, &statements)).transpose()?;
+    }
     let mut diagnostics = std::mem::take(&mut statements.diagnostics);
     let mut builders: Vec<PieceBuilder> = statements.labels.iter().map(|_| PieceBuilder::default()).collect();
     let mut triangulator = Triangulator::new();
@@ -66,7 +74,7 @@ pub(super) fn read_obj(file: &str, bytes: &[u8], to_scene: &Mat4, mask: Option<&
         let errors: Vec<Diagnostic> =
             statements.bad_positions.iter().filter(uses).map(|bad| bad.error(file)).collect();
         let lines = builder.corners.iter().map(|corner| corner.position).collect();
-        let named = builder.finish(number, label, to_scene, mask, &statements);
+        let named = builder.finish(number, label, to_scene, components, &statements);
         piece_of_label.push(errors.is_empty().then_some(pieces.len()));
         if errors.is_empty() {
             pieces.push(named);
@@ -84,8 +92,8 @@ pub(super) fn read_obj(file: &str, bytes: &[u8], to_scene: &Mat4, mask: Option<&
     Ok(ReadPieces { pieces, damaged, document: None, obj: Some(obj), diagnostics })
 }
 
-/// Returns the colour component that scales the memory.
-fn mask_component(file: &str, wanted: &str, statements: &Statements) -> Result<usize> {
+/// Returns the colour component that `option` names.
+fn mask_component(file: &str, option: &str, wanted: &str, statements: &Statements) -> Result<usize> {
     let component = match wanted {
         "COLOR_0" | "COLOR_0.r" | "COLOR_0.x" => Some(0),
         "COLOR_0.g" | "COLOR_0.y" => Some(1),
@@ -95,7 +103,8 @@ fn mask_component(file: &str, wanted: &str, statements: &Statements) -> Result<u
     match component {
         Some(component) if statements.has_colours => Ok(component),
         Some(_) => {
-            Err(Error::input(file, "", "no vertex colours in it to take the mask from", "leave out --mask"))
+            let message = "no vertex colours in it to take the mask from";
+            Err(Error::input(file, "", message, format!("leave out {option}")))
         }
         None => Err(Error::input(
             file,
@@ -142,7 +151,7 @@ impl PieceBuilder {
         number: usize,
         label: &Label,
         to_scene: &Mat4,
-        mask: Option<usize>,
+        [mask, sewing_mask]: [Option<usize>; 2],
         statements: &Statements,
     ) -> NamedPiece {
         let (has_uvs, has_normals) =
@@ -179,6 +188,7 @@ impl PieceBuilder {
             normals: has_normals.then(|| self.corners.iter().zip(&self.face_normals).map(normal).collect()),
             uvs: has_uvs.then(|| self.corners.iter().map(uv).collect()),
             mask: mask.map(|k| self.corners.iter().map(|c| colour(c, k)).collect()),
+            sewing_mask: sewing_mask.map(|k| self.corners.iter().map(|c| colour(c, k)).collect()),
             triangles: self.triangles,
             placement: Placement::Rigid(*to_scene),
             joints: Vec::new(),
@@ -312,6 +322,9 @@ mod tests {
         let options = ReadOptions { mask: Some("COLOR_0.g".into()), ..ReadOptions::default() };
         let (asset, _) = read_with(text, &options).unwrap();
         assert_eq!(asset.pieces[0].mask.as_deref(), Some(&[0.25, 0.0, 1.0][..]));
+        let options = ReadOptions { sewing_mask: Some("COLOR_0".into()), ..options };
+        let (asset, _) = read_with(text, &options).unwrap();
+        assert_eq!(asset.pieces[0].sewing_mask.as_deref(), Some(&[1.0, 0.0, 0.0][..]));
         let options = ReadOptions { mask: Some("_PIN".into()), ..ReadOptions::default() };
         assert!(read_with(text, &options).unwrap_err().to_string().contains("_PIN"));
     }

@@ -131,6 +131,7 @@ def bake(
     grading: bool = True,
     hems: bool = True,
     seams: bool = True,
+    sewing_mask: Optional[str] = None,
     unit: Optional[_Unit] = None,
     up: Optional[_Axis] = None,
     part: Optional[str] = None,
@@ -144,10 +145,10 @@ def bake(
     `garment` is a file, or a pair of positions [m] (y up) and triangles. `wear` is a file, the name of a script of `scripts()`,
     or its content as a dict. `fabric` is a name of `fabrics()` or a file; the default is cotton-jersey. `quality` is draft,
     standard or reference. Without `grading`, the triangles of the garment are simulated instead of a mesh with edges along the fold
-    lines; without `hems` and `seams`, open borders and seams are single. `unit` is that of the file, `up` its axis, `part` the node
-    or group that is the garment; vertices on borders are joined up to `weld_mm` apart; `force_size` takes a garment of any size. A
-    worn file whose sidecar is beside it begins with what it remembers,
-    unless `forget`. `progress` is called with the stage, the simulated time and its end [s]; a result of False stops the bake
+    lines; without `hems` and `seams`, open borders and seams are single, and with `sewing_mask`, a vertex
+    attribute from 0 to 1 such as COLOR_0.g, where that is 0. `unit` is that of the file, `up` its axis, `part` the node or group that is
+    the garment; vertices on borders are joined up to `weld_mm` apart; `force_size` takes a garment of any size. A worn file whose
+    sidecar is beside it begins with what it remembers, unless `forget`. `progress` is called with the stage, the simulated time and its end [s]; a result of False stops the bake
     with KeyboardInterrupt, as does Ctrl-C.
     """
 
@@ -160,6 +161,7 @@ def transfer(
     align: str = "auto",
     strength: float = 1.0,
     mask: Optional[str] = None,
+    sewing_mask: Optional[str] = None,
     only: Optional[Literal["creases", "bagging"]] = None,
     mirror: Optional[Literal["x"]] = None,
     unit: Optional[_Unit] = None,

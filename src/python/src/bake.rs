@@ -154,7 +154,7 @@ impl BakeInput {
 /// Wears a garment: a file, or a pair of positions [m] and triangles. `wear` is a file, the name of a script of `scripts()`, or
 /// its content; `fabric` a name of `fabrics()` or a file.
 #[pyfunction]
-#[pyo3(signature = (garment, wear, *, fabric = None, quality = "standard", memory = true, grading = true, hems = true, seams = true, unit = None, up = None, part = None, weld_mm = None, force_size = false, forget = false, progress = None))]
+#[pyo3(signature = (garment, wear, *, fabric = None, quality = "standard", memory = true, grading = true, hems = true, seams = true, sewing_mask = None, unit = None, up = None, part = None, weld_mm = None, force_size = false, forget = false, progress = None))]
 #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
 pub fn bake(
     py: Python<'_>,
@@ -166,6 +166,7 @@ pub fn bake(
     grading: bool,
     hems: bool,
     seams: bool,
+    sewing_mask: Option<String>,
     unit: Option<&Bound<'_, PyAny>>,
     up: Option<&str>,
     part: Option<String>,
@@ -187,7 +188,7 @@ pub fn bake(
         ..BakeOptions::for_quality(quality)
     };
     let (wear, fabric) = (script(wear)?, self::fabric(fabric)?);
-    let reading = FileReading { unit, up, part, weld_mm, force_size, mask: None };
+    let reading = FileReading { unit, up, part, weld_mm, force_size, mask: None, sewing_mask };
     let garment = self::garment("garment", garment, reading)?;
     let (input, path) =
         BakeInput::new(garment, wear, fabric, (quality, options, forget)).map_err(exception)?;

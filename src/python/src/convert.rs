@@ -195,6 +195,7 @@ pub struct FileReading<'a, 'py> {
     pub weld_mm: Option<f64>,
     pub force_size: bool,
     pub mask: Option<String>,
+    pub sewing_mask: Option<String>,
 }
 
 impl FileReading<'_, '_> {
@@ -208,6 +209,7 @@ impl FileReading<'_, '_> {
             up: self.up.map(|up| choice("up", up, &[("y", UpAxis::Y), ("z", UpAxis::Z)])).transpose()?,
             garment: self.part,
             mask: self.mask,
+            sewing_mask: self.sewing_mask,
             any_size: self.force_size,
             weld_m: self.weld_mm.map(|mm| 1e-3 * mm),
             ..ReadOptions::default()
@@ -217,7 +219,7 @@ impl FileReading<'_, '_> {
 
 /// Checks that nothing was given that is for files only.
 fn check_no_file_options(options: &ReadOptions) -> PyResult<()> {
-    let ReadOptions { unit_m, up, garment, mask, any_size, weld_m, .. } = options;
+    let ReadOptions { unit_m, up, garment, mask, sewing_mask, any_size, weld_m, .. } = options;
     let given = [
         ("unit", unit_m.is_some()),
         ("up", up.is_some()),
@@ -225,6 +227,7 @@ fn check_no_file_options(options: &ReadOptions) -> PyResult<()> {
         ("weld_mm", weld_m.is_some()),
         ("force_size", *any_size),
         ("mask", mask.is_some()),
+        ("sewing_mask", sewing_mask.is_some()),
     ];
     match given.iter().find(|(_, is_given)| *is_given) {
         Some((option, _)) => Err(CreaseError::new_err(format!(

@@ -144,7 +144,7 @@ const CHANNELS: [(&str, Channels); 2] = [
 /// Puts memory on another garment. `sidecars` is a `Sidecar`, the path of one or of a worn .glb that names it, or a list of
 /// these; `to` is a file, or a pair of positions [m] and triangles.
 #[pyfunction]
-#[pyo3(signature = (sidecars, to, *, fabric = None, match_by = "auto", align = "auto", strength = 1.0, mask = None, only = None, mirror = None, unit = None, up = None, part = None, weld_mm = None, force_size = false))]
+#[pyo3(signature = (sidecars, to, *, fabric = None, match_by = "auto", align = "auto", strength = 1.0, mask = None, sewing_mask = None, only = None, mirror = None, unit = None, up = None, part = None, weld_mm = None, force_size = false))]
 #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
 pub fn transfer(
     py: Python<'_>,
@@ -155,6 +155,7 @@ pub fn transfer(
     align: &str,
     strength: f64,
     mask: Option<String>,
+    sewing_mask: Option<String>,
     only: Option<String>,
     mirror: Option<String>,
     unit: Option<&Bound<'_, PyAny>>,
@@ -180,7 +181,7 @@ pub fn transfer(
     }
     let (sources, sidecars): (Vec<_>, Vec<_>) = self::sources(sidecars)?.into_iter().unzip();
     let ReadGarment { file, path, warnings: unread } =
-        garment("to", to, FileReading { unit, up, part, weld_mm, force_size, mask })?;
+        garment("to", to, FileReading { unit, up, part, weld_mm, force_size, mask, sewing_mask })?;
     if let Some(error) = mistaken_body(&file.asset, &file.garment) {
         return Err(exception(error));
     }

@@ -3,7 +3,7 @@
 use crate::cli::args::apply::ApplyArgs;
 use crate::cli::args::body::BodyArgs;
 use crate::cli::args::export::ExportArgs;
-use crate::cli::args::mesh::MeshArgs;
+use crate::cli::args::mesh::ClothArgs;
 use crate::cli::args::refine::RefineArgs;
 use crate::cli::args::run::RunArgs;
 use crate::cli::args::values::{glb_path, input_path, positive, seconds};
@@ -38,7 +38,7 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME|FILE", default_value = DEFAULT_FABRIC)]
     pub fabric: String,
     #[command(flatten)]
-    pub reading: MeshArgs,
+    pub reading: ClothArgs,
     #[command(flatten)]
     pub body: BodyArgs,
     #[command(flatten)]

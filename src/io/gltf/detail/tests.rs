@@ -71,6 +71,7 @@ fn finer(coarse: &Garment, times: usize) -> (Garment, Vec<u32>) {
     let count = triangles.len();
     let fine = Garment {
         memory_mask: vec![1.0; points.len()],
+        sewing_mask: vec![1.0; points.len()],
         material: vec![[Vec2::zeros(), Vec2::x(), Vec2::y()]; count],
         triangle_part: vec![0; count],
         triangle_panel: vec![0; count],
