@@ -42,6 +42,33 @@ fn skirt() -> Part {
     tube
 }
 
+/// A skirt of 48 rows of 24 squares in two panels with vertices of their own along the side seams.
+fn panels() -> [Part; 2] {
+    let panel = |first: u32| {
+        let (mut part, row) = (Part::default(), 13);
+        for k in 0..row * 12 {
+            let angle = std::f64::consts::TAU * f64::from(first + k % row) / 24.0;
+            part.positions.push([0.2 * angle.sin(), 0.05 * f64::from(k / row), 0.2 * angle.cos()]);
+            part.uvs.push([f64::from(first + k % row) / 25.0, f64::from(k / row) / 12.0]);
+        }
+        for (i, j) in (0..12).flat_map(|i| (0..11).map(move |j| (i, j))) {
+            let a = j * row + i;
+            part.triangles.extend([[a, a + 1, a + row + 1], [a, a + row + 1, a + row]]);
+        }
+        part
+    };
+    [panel(0), panel(12)]
+}
+
+/// Both parts as one.
+fn joined([mut a, b]: [Part; 2]) -> Part {
+    let count = a.positions.len() as u32;
+    a.positions.extend(b.positions);
+    a.uvs.extend(b.uvs);
+    a.triangles.extend(b.triangles.iter().map(|t| t.map(|v| count + v)));
+    a
+}
+
 fn parse(part: &Part) -> GarmentFile {
     let bytes = file(&[("shirt", vec![part.clone()])], |_| {});
     GarmentFile::parse("a.glb", &bytes, &ReadOptions::default()).expect("is a garment")
@@ -138,6 +165,132 @@ fn both_sides_of_cloth_with_a_thickness_remember_a_fold() {
     let (front, back) = (of(true).abs().max(of(false).abs()), of(true) + of(false));
     assert!((front - 0.4 * turn).abs() < 0.05 * turn, "{front}");
     assert!(back.abs() < 0.15 * front, "{back} beside {front}");
+}
+
+#[test]
+fn two_sides_without_a_rim_are_one_cloth() {
+    for thickness in [0.0005, 0.0015, 0.003] {
+        let narrower = |[x, y, z]: [f64; 3]| {
+            let factor = 1.0 - thickness / f64::hypot(x, z);
+            [x * factor, y, z * factor]
+        };
+        let one = joined(panels());
+        // The inner side faces inwards, or as the outer one does.
+        for inner in [one.clone().reversed().moved(narrower), one.clone().moved(narrower)] {
+            let mesh = parse(&joined([inner, one.clone()]));
+            let layers = RigidParts::find(&mesh.garment).expect("two sides");
+            assert_eq!(layers.cloth().triangles.len(), one.triangles.len(), "{thickness}");
+            let radius = |p: &Vec3| p.x.hypot(p.z);
+            assert!(
+                layers.cloth().points.iter().all(|p| radius(p) > 0.2 - 1e-6),
+                "the outer side is simulated"
+            );
+        }
+    }
+    // A lining at a distance, flat layers, and a lining that is not everywhere under the cloth.
+    let moved = |map: &dyn Fn([f64; 3]) -> [f64; 3]| joined([joined(panels()), joined(panels()).moved(map)]);
+    for (what, two) in [
+        ("8 mm apart", moved(&|[x, y, z]| [0.96 * x, y, 0.96 * z])),
+        ("shorter", moved(&|[x, y, z]| [0.993 * x, 0.7 * y, 0.993 * z])),
+        ("a flat front and back", {
+            let sheet = Part::sheet(10, 0.5, [0.0; 3]);
+            joined([sheet.clone(), sheet.reversed().moved(|[x, y, z]| [x, y, z - 0.0015])])
+        }),
+    ] {
+        assert!(RigidParts::find(&parse(&two).garment).is_none(), "{what}");
+    }
+}
+
+#[test]
+fn panels_with_a_thickness_of_their_own_are_sewn() {
+    let thickness = 0.0015;
+    let one = parse(&joined(panels())).garment;
+    assert_eq!(one.topology.boundary_loops(&one.triangles).len(), 2, "sewn at the sides");
+    // Rims that coincide along the seams; rims that stand apart there, as each panel got its thickness across its own middle.
+    let radial = |shift: f64| {
+        move |[x, y, z]: [f64; 3]| {
+            let factor = 1.0 + shift / f64::hypot(x, z);
+            [x * factor, y, z * factor]
+        }
+    };
+    let across = |sign: f64, shift: f64| {
+        move |[x, y, z]: [f64; 3]| {
+            let [out_x, out_z] = [x + 0.3 * sign, z];
+            let length = f64::hypot(out_x, out_z);
+            [x + shift * out_x / length, y, z + shift * out_z / length]
+        }
+    };
+    let [a, b] = panels();
+    let coincident = joined([solid(&a, radial(-thickness)), solid(&b, radial(-thickness))]);
+    let half = 0.5 * thickness;
+    let apart = |part: &Part, sign: f64| {
+        // `solid` takes the other side's place from the middle's: it is twice as far.
+        let outer = part.clone().moved(across(sign, half));
+        let inner: Vec<[f64; 3]> = part.positions.iter().map(|x| across(sign, -half)(*x)).collect();
+        let mut thick = solid(&outer, |x| x);
+        thick.positions.truncate(outer.positions.len());
+        thick.positions.extend(inner);
+        thick
+    };
+    let wedged = joined([apart(&a, 1.0), apart(&b, -1.0)]);
+    for (what, thick) in [("coincident", coincident), ("apart", wedged)] {
+        let mesh = parse(&thick);
+        assert!(doubts(&mesh).is_empty(), "{what}: {:?}", doubts(&mesh));
+        let layers = RigidParts::find(&mesh.garment).expect("two sides");
+        let cloth = layers.cloth();
+        assert_eq!(cloth.triangles.len(), one.triangles.len(), "{what}");
+        assert_eq!(cloth.points.len(), one.points.len(), "{what}: the side seams are sewn");
+        assert_eq!(cloth.topology.hinges.len(), one.topology.hinges.len(), "{what}");
+        let shown = crease::inspect(&mesh.asset, &mesh.garment, &mesh.diagnostics);
+        assert_eq!(shown.boundary_loops_m.len(), 2, "{what}: one side counts");
+        assert!((shown.area_m2 / (one_area(&one)) - 1.0).abs() < 0.02, "{what}: {} m2", shown.area_m2);
+        // Where vertices were joined over a distance, the sidecar still knows its mesh.
+        let worn = layers.worn(&WornGarment {
+            displacement: vec![Vec3::zeros(); cloth.points.len()],
+            memory: RestState::flat(cloth.topology.hinges.len(), cloth.triangles.len()),
+        });
+        let null = serde_json::Value::Null;
+        let sidecar =
+            crease::io::Sidecar::new(&mesh.asset, &mesh.garment, &worn, null.clone(), null.clone(), null);
+        assert_eq!(sidecar.expect("fits").mesh_mismatch(&mesh.asset), None, "{what}");
+    }
+}
+
+fn one_area(garment: &crease::Garment) -> f64 {
+    let area = |t: &[crease::mesh::PointIndex; 3]| {
+        let [a, b, c] = t.map(|p| garment.points[p.at()]);
+        0.5 * (b - a).cross(&(c - a)).norm()
+    };
+    garment.triangles.iter().map(area).sum()
+}
+
+#[test]
+fn cloth_with_openings_is_no_body_however_fine_it_is() {
+    // A skirt of 28,800 triangles: its two borders are 1 % of its edges.
+    let mut skirt = Part::can(240, 0.2, 0.5, [0.0; 3]);
+    skirt.triangles.retain(|t| t.iter().all(|v| *v < 480));
+    skirt.positions.truncate(480);
+    skirt.uvs.truncate(480);
+    let (rows, count) = (60u32, 240u32);
+    let at = |k: usize, j: u32| {
+        let [x, _, z] = skirt.positions[k];
+        [x, 0.5 * f64::from(j) / f64::from(rows), z]
+    };
+    let mut fine = Part::default();
+    fine.positions = (0..=rows).flat_map(|j| (0..240).map(move |k| (k, j))).map(|(k, j)| at(k, j)).collect();
+    fine.uvs = vec![[0.5, 0.5]; fine.positions.len()];
+    for (k, j) in (0..count).flat_map(|k| (0..rows).map(move |j| (k, j))) {
+        let (a, b) = (j * count + k, j * count + (k + 1) % count);
+        fine.triangles.extend([[a, b, b + count], [a, b + count, a + count]]);
+    }
+    let pocket = Part::sheet(4, 0.1, [0.0, 0.25, 0.25]);
+    let told = |cloth: Part| {
+        let bytes = file(&[("skirt", vec![cloth]), ("pocket", vec![pocket.clone()])], |_| {});
+        let mesh = GarmentFile::parse("a.glb", &bytes, &ReadOptions::default()).expect("is a garment");
+        content_warnings(&mesh.asset, &mesh.garment).join("\n")
+    };
+    assert!(!told(fine).contains("looks like a body"));
+    assert!(told(Part::can(240, 0.2, 0.5, [0.0; 3])).contains("looks like a body"));
 }
 
 #[test]

@@ -382,6 +382,7 @@ mod tests {
             sewing_mask: vec![1.0; points.len()],
             triangle_part: (0..layers).flat_map(|k| [k; 2]).collect(),
             triangle_panel: vec![0; 2 * layers as usize],
+            inner_side: vec![false; 2 * layers as usize],
             topology: Topology::new(points.len(), &triangles),
             triangles,
             points,

@@ -153,6 +153,7 @@ impl TestSheet {
             sewing_mask: vec![1.0; points.len()],
             triangle_part: vec![0; triangles.len()],
             triangle_panel: vec![0; triangles.len()],
+            inner_side: vec![false; triangles.len()],
             triangles,
             topology,
             points,

@@ -9,6 +9,7 @@ use crate::garment::coincident_layers::separate_layers;
 use crate::garment::diagnostic::ImportDiagnostics;
 use crate::garment::material_coords::flatten_triangles;
 use crate::garment::repair::{fix_caps, orient_outward, remove_duplicates};
+use crate::garment::shell::{ShellMesh, Shells};
 use crate::garment::tuning::TUNING;
 use crate::garment::wedges::TriangleWedges;
 use crate::garment::{Garment, ImportDiagnostic, SourceAsset, SourcePiece};
@@ -32,7 +33,8 @@ impl Garment {
     ) -> Result<(Self, Vec<ImportDiagnostic>)> {
         let sheet = SourceSheet::gather(asset)?;
         let mut diagnostics = ImportDiagnostics::default();
-        let mut welder = Welder::new(&sheet.positions, weld.unwrap_or_else(|| sheet.weld_distance()));
+        let weld = weld.unwrap_or_else(|| sheet.weld_distance());
+        let mut welder = Welder::new(&sheet.positions, weld);
         let kept = remove_duplicates(&sheet.triangles, &sheet.uvs, &mut welder, &mut diagnostics);
         welder.join_open_edges(&kept);
         welder.join_seams(&kept, &sheet.position_ids);
@@ -52,13 +54,13 @@ impl Garment {
                 "export it again, or choose another part with --garment",
             ));
         }
-        let (mut points, source_point) =
+        let (points, source_point) =
             drop_unused_points(&positions, &vertex_point, &mut wedges, &mut diagnostics);
         orient_outward(&points, &mut wedges, &mut diagnostics);
+        let (points, source_point, inner_side) = sew_shells(points, source_point, &mut wedges, weld);
         let triangles: Vec<[PointIndex; 3]> = wedges.iter().map(|w| w.points).collect();
         let topology = Topology::new(points.len(), &triangles);
-        note_edges(&topology, &mut diagnostics);
-        separate_layers(&mut points, &triangles, &topology, &mut diagnostics);
+        let points = prepare_cloth(points, &triangles, &inner_side, &mut diagnostics);
         let triangle_part = find_parts(points.len(), &triangles);
         let part_count = triangle_part.iter().max().map_or(0, |&last| last as usize + 1);
         let flat = flatten_triangles(&points, &wedges, (&sheet.uvs, &sheet.pieces), &topology, part_count);
@@ -75,6 +77,7 @@ impl Garment {
             sewing_mask,
             triangle_part,
             triangle_panel: flat.panel,
+            inner_side,
             topology,
         };
         Ok((garment, diagnostics.list))
@@ -203,6 +206,64 @@ fn drop_unused_points(
         diagnostics.note(format!("{unused_count} vertices belong to no triangle"));
     }
     (points, source_point)
+}
+
+/// Finds the shells of a garment and joins the outer sides of panels that are shells of their own. Their borders, which rims close, join
+/// up to `weld` \[m\] apart, and up to the thickness: seams of panels that got it one by one stand apart by as much. Returns points, the
+/// point of each vertex, and per triangle whether it belongs to an inner side or a rim.
+fn sew_shells(
+    points: Vec<Vec3>,
+    source_point: Vec<PointIndex>,
+    wedges: &mut Vec<TriangleWedges>,
+    weld: f64,
+) -> (Vec<Vec3>, Vec<PointIndex>, Vec<bool>) {
+    let triangles: Vec<[PointIndex; 3]> = wedges.iter().map(|w| w.points).collect();
+    let topology = Topology::new(points.len(), &triangles);
+    let part = find_parts(points.len(), &triangles);
+    let mesh = ShellMesh { points: &points, triangles: &triangles, topology: &topology, part: &part };
+    let Shells { inner, thickness, .. } = Shells::find(mesh);
+    if !inner.contains(&true) {
+        return (points, source_point, inner);
+    }
+    let outer = triangles.iter().zip(&inner).filter(|(_, inner)| !**inner);
+    let outer: Vec<[PointIndex; 3]> = outer.map(|(t, _)| *t).collect();
+    let border = Topology::new(points.len(), &outer);
+    let open = border.edges.iter().zip(&border.edge_valence).filter(|(_, valence)| **valence == 1);
+    let length = |[a, b]: &[PointIndex; 2]| (points[a.at()] - points[b.at()]).norm();
+    let shortest = open.map(|(edge, _)| length(edge)).fold(f64::INFINITY, f64::min);
+    // Borders do not close up along themselves.
+    let mut welder = Welder::new(&points, weld.max(thickness.min(0.5 * shortest)));
+    welder.join_open_edges(&outer.iter().map(|t| t.map(|p| p.0)).collect::<Vec<_>>());
+    let (joined, count) = welder.points();
+    let mut positions = vec![Vec3::zeros(); count];
+    for (point, position) in joined.iter().zip(&points).rev() {
+        positions[point.at()] = *position;
+    }
+    wedges.iter_mut().for_each(|w| w.points = w.points.map(|p| joined[p.at()]));
+    let has_area = |w: &TriangleWedges| {
+        let [a, b, c] = w.points;
+        a != b && b != c && c != a
+    };
+    let inner = inner.into_iter().zip(wedges.iter()).filter(|(_, w)| has_area(w)).map(|(inner, _)| inner);
+    let inner = inner.collect();
+    wedges.retain(has_area);
+    (positions, source_point.into_iter().map(|p| joined[p.at()]).collect(), inner)
+}
+
+/// Reports which edges of the cloth carry no hinge and sets layers of it apart that lie in one place: of the triangles that are no
+/// `inner_side`. Returns the points \[m\].
+fn prepare_cloth(
+    mut points: Vec<Vec3>,
+    triangles: &[[PointIndex; 3]],
+    inner_side: &[bool],
+    diagnostics: &mut ImportDiagnostics,
+) -> Vec<Vec3> {
+    let cloth = triangles.iter().zip(inner_side).filter(|(_, inner)| !**inner);
+    let cloth: Vec<[PointIndex; 3]> = cloth.map(|(t, _)| *t).collect();
+    let topology = Topology::new(points.len(), &cloth);
+    note_edges(&topology, diagnostics);
+    separate_layers(&mut points, &cloth, &topology, diagnostics);
+    points
 }
 
 /// Reports which edges carry no hinge.

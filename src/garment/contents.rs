@@ -7,8 +7,7 @@ use crate::garment::shell::Shells;
 use crate::garment::tuning::TUNING;
 use crate::garment::{Garment, SourceAsset, SourcePiece};
 use crate::math::{Vec3, bounds};
-use crate::mesh::{Groups, PointIndex, edge_key, triangle};
-use rustc_hash::FxHashMap;
+use crate::mesh::{Groups, PointIndex, Topology, loop_length, triangle};
 
 /// Returns a warning for each thing among the worn pieces of `asset`, from which `garment` was made, that is probably not
 /// meant to be simulated with the others, and one for open seams.
@@ -53,7 +52,7 @@ pub fn content_warnings(asset: &SourceAsset, garment: &Garment) -> Vec<String> {
             names.join(", ")
         ));
     }
-    for thickness in Shells::find(garment).doubtful {
+    for thickness in Shells::find(garment.into()).doubtful {
         warnings.push(format!(
             "a part without any opening is only {:.1} mm thick, but has no rim between two sides: all of it is simulated. If it is cloth \
              that was exported with its thickness, export one side of it (Blender: switch off Solidify), or keep the rim",
@@ -86,8 +85,8 @@ struct Thing {
     /// Enclosed volume, without sign \[m³\].
     volume: f64,
     triangles: Vec<[PointIndex; 3]>,
-    /// Fraction of its edges that join two triangles \[-\].
-    closed_fraction: f64,
+    /// Area of its openings, as circles of their length, over that of its triangles \[-\].
+    open_fraction: f64,
     is_skinned: bool,
 }
 
@@ -97,7 +96,7 @@ impl Thing {
     }
 
     fn is_closed(&self) -> bool {
-        self.closed_fraction >= TUNING.min_closed_fraction
+        self.open_fraction <= TUNING.max_open_fraction
             && self.volume > TUNING.min_solid_thickness * self.extent.area
     }
 
@@ -215,13 +214,10 @@ fn measure(name: &str, garment: &Garment, triangles: Vec<[PointIndex; 3]>, is_sk
     let corners: Vec<[Vec3; 3]> = triangles.iter().map(|t| triangle::corners(&garment.points, t)).collect();
     let extent = Extent::of_triangles(&corners);
     let low = extent.low;
-    let mut valence: FxHashMap<[PointIndex; 2], u32> = FxHashMap::default();
-    for t in &triangles {
-        for k in 0..3 {
-            *valence.entry(edge_key(t[k], t[(k + 1) % 3])).or_default() += 1;
-        }
-    }
-    let closed = valence.values().filter(|&&count| count == 2).count();
+    let borders = Topology::new(garment.points.len(), &triangles).boundary_loops(&triangles);
+    let openings = borders
+        .iter()
+        .map(|border| loop_length(&garment.points, border).powi(2) / (4.0 * std::f64::consts::PI));
     Thing {
         name: name.to_owned(),
         extent,
@@ -230,7 +226,7 @@ fn measure(name: &str, garment: &Garment, triangles: Vec<[PointIndex; 3]>, is_sk
             .map(|[a, b, c]| (a - low).dot(&(b - low).cross(&(c - low))) / 6.0)
             .sum::<f64>()
             .abs(),
-        closed_fraction: closed as f64 / valence.len().max(1) as f64,
+        open_fraction: openings.sum::<f64>() / extent.area.max(f64::MIN_POSITIVE),
         triangles,
         is_skinned,
     }

@@ -25,6 +25,9 @@ pub struct Garment {
     /// Per triangle: panel it belongs to, counted from 0: an island of the texture coordinates where they follow the panels, else a
     /// piece of the file. Seams lie between panels.
     pub triangle_panel: Vec<u32>,
+    /// Per triangle: whether it belongs to the inner side or the rim of cloth that was exported with its thickness, which follow the
+    /// outer side ([`crate::garment::RigidParts`]).
+    pub inner_side: Vec<bool>,
     /// Edges and hinges of `triangles`.
     pub topology: Topology,
 }

@@ -7,6 +7,7 @@ use crate::garment::{
     FileContents, Garment, ImportDiagnostic, Placement, RigidParts, Severity, SourceAsset, SourceFormat,
     UpAxis, content_warnings,
 };
+use crate::mesh::{PointIndex, Topology, loop_length};
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -122,7 +123,11 @@ pub fn inspect(asset: &SourceAsset, garment: &Garment, diagnostics: &[ImportDiag
     let of = |severity| -> Vec<ImportDiagnostic> {
         diagnostics.iter().filter(|d| d.severity == severity).cloned().collect()
     };
-    let edges = edge_lengths_m(garment);
+    // Of cloth that was exported with its thickness, one side counts.
+    let outer = (0..garment.triangles.len()).filter(|f| !garment.inner_side[*f]);
+    let outer: Vec<[PointIndex; 3]> = outer.map(|f| garment.triangles[f]).collect();
+    let topology = Topology::new(garment.points.len(), &outer);
+    let edges = edge_lengths_m(garment, &topology);
     let parts = part_reports(garment);
     let note =
         |message: String| ImportDiagnostic { severity: Severity::Note, location: String::new(), message };
@@ -152,8 +157,8 @@ pub fn inspect(asset: &SourceAsset, garment: &Garment, diagnostics: &[ImportDiag
         dropped_triangles: source_triangles.saturating_sub(garment.triangles.len()),
         hinges: garment.topology.hinges.len(),
         welded_vertices: garment.source_point.len().saturating_sub(garment.points.len()),
-        boundary_loops_m: boundary_loops_m(garment),
-        non_manifold_edges: garment.topology.edge_valence.iter().filter(|&&valence| valence > 2).count(),
+        boundary_loops_m: boundary_loops_m(garment, &topology, &outer),
+        non_manifold_edges: topology.edge_valence.iter().filter(|&&valence| valence > 2).count(),
         misoriented_edges: garment.topology.misoriented.len(),
         warp_from_uv: garment.material_from_uv,
         pieces_with_uv: asset.worn_pieces().filter(|piece| piece.uvs.is_some()).count(),
@@ -185,34 +190,25 @@ fn piece_reports(asset: &SourceAsset) -> Vec<PieceReport> {
 fn part_reports(garment: &Garment) -> Vec<PartReport> {
     let count = garment.triangle_part.iter().max().map_or(0, |&last| last as usize + 1);
     let mut parts = vec![PartReport { triangles: 0, area_m2: 0.0 }; count];
-    for (flat, &part) in garment.material.iter().zip(&garment.triangle_part) {
+    let outer = (0..garment.triangles.len()).filter(|f| !garment.inner_side[*f]);
+    for (flat, part) in outer.map(|f| (&garment.material[f], garment.triangle_part[f])) {
         let (a, b) = (flat[1] - flat[0], flat[2] - flat[0]);
         parts[part as usize].triangles += 1;
         parts[part as usize].area_m2 += 0.5 * (a.x * b.y - a.y * b.x).abs();
     }
+    // A part that is an inner side has none.
+    parts.retain(|part| part.triangles > 0);
     parts
 }
 
-fn edge_lengths_m(garment: &Garment) -> Vec<f64> {
-    let length =
-        |&[a, b]: &[crate::mesh::PointIndex; 2]| (garment.points[b.at()] - garment.points[a.at()]).norm();
-    garment.topology.edges.iter().map(length).collect()
+fn edge_lengths_m(garment: &Garment, topology: &Topology) -> Vec<f64> {
+    let length = |&[a, b]: &[PointIndex; 2]| (garment.points[b.at()] - garment.points[a.at()]).norm();
+    topology.edges.iter().map(length).collect()
 }
 
-fn boundary_loops_m(garment: &Garment) -> Vec<f64> {
-    let mut lengths: Vec<f64> = garment
-        .topology
-        .boundary_loops(&garment.triangles)
-        .iter()
-        .map(|chain| {
-            let next = chain.iter().cycle().skip(1);
-            chain
-                .iter()
-                .zip(next)
-                .map(|(a, b)| (garment.points[b.at()] - garment.points[a.at()]).norm())
-                .sum()
-        })
-        .collect();
+fn boundary_loops_m(garment: &Garment, topology: &Topology, triangles: &[[PointIndex; 3]]) -> Vec<f64> {
+    let loops = topology.boundary_loops(triangles);
+    let mut lengths: Vec<f64> = loops.iter().map(|border| loop_length(&garment.points, border)).collect();
     lengths.sort_by(|a: &f64, b| b.total_cmp(a));
     lengths
 }

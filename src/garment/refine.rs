@@ -45,6 +45,10 @@ impl Garment {
                 sewing_mask,
                 triangle_part: inherited(&self.triangle_part),
                 triangle_panel: inherited(&self.triangle_panel),
+                inner_side: parent
+                    .iter()
+                    .map(|f| self.inner_side.get(*f as usize).copied().unwrap_or(false))
+                    .collect(),
                 topology,
             },
             parent,

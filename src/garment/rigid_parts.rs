@@ -4,7 +4,7 @@
 //! A trim is a connected part without any border that is small and lies near cloth. It is carried by the point of the cloth
 //! nearest to its centre, and turned as the cloth around that point is.
 
-use crate::garment::shell::{InnerSides, Shells};
+use crate::garment::shell::InnerSides;
 use crate::garment::tuning::TUNING;
 use crate::garment::{Garment, RestState, WornGarment};
 use crate::math::{Mat3, Vec3, bounds, nearest_rotation};
@@ -55,8 +55,7 @@ impl RigidParts {
         let parts = parts_of(garment);
         let small: Vec<bool> = parts.iter().map(Part::is_small_solid).collect();
         let is_trim = |f: usize| small[garment.triangle_part[f] as usize] && small.contains(&false);
-        let inner = Shells::find(garment).inner;
-        let layers = Self::leaving_out(garment, &parts, is_trim, |f| inner[f] && !is_trim(f));
+        let layers = Self::leaving_out(garment, &parts, is_trim, |f| garment.inner_side[f] && !is_trim(f));
         layers.or_else(|| Self::leaving_out(garment, &parts, is_trim, |_| false))
     }
 
@@ -323,6 +322,7 @@ fn cloth_of(garment: &Garment, left_out: &[bool]) -> (Garment, Vec<PointIndex>, 
         sewing_mask: points.iter().map(|p| garment.sewing_mask[p.at()]).collect(),
         triangle_part: parts,
         triangle_panel: triangles.iter().map(|&f| garment.triangle_panel[f as usize]).collect(),
+        inner_side: vec![false; triangles.len()],
         topology: Topology::new(points.len(), &own),
         triangles: own,
     };

@@ -1,25 +1,53 @@
-//! Cloth that was exported with its thickness: an outer and an inner side some millimetres apart, joined by a rim along every border.
+//! Cloth that was exported with its thickness: an outer and an inner side some millimetres apart, with a rim along every border or
+//! without one.
 //!
-//! Such a shell has no open border at all, which tells it from the front and the back of a garment that lies flat: these are joined
-//! at the sides and have openings. One side of a shell is simulated; each point of the other and of the rim is carried by the cloth it
-//! lies on, and the hinges of the other side remember what the cloth there remembers.
+//! A shell with a rim has no open border at all, which tells it from the front and the back of a garment that lies flat: these are joined
+//! at the sides and have openings. The two sides of one without a rim are parts that run along one another at a constant distance, and
+//! are curved: flat ones may as well be front and back. One side of a shell is simulated; each point of the other and of the rim is
+//! carried by the cloth it lies on, and the hinges of the other side remember what the cloth there remembers.
 
 use crate::garment::changed_curvature;
 use crate::garment::tuning::TUNING;
 use crate::garment::{Garment, RestState};
 use crate::math::{Vec3, bounds};
 use crate::mesh::triangle_bvh::TriangleBvh;
-use crate::mesh::{Groups, Hinge, PointIndex, point_rotations, triangle, turned};
+use crate::mesh::{Groups, Hinge, PointIndex, Topology, point_rotations, triangle, turned};
 use rustc_hash::FxHashSet;
 
-/// Normals of the triangles of `garment`, zero without area.
-fn normals(garment: &Garment) -> Vec<Vec3> {
-    let normal = |t: &[PointIndex; 3]| triangle::normal(&triangle::corners(&garment.points, t));
-    garment.triangles.iter().map(|t| normal(t).unwrap_or_else(Vec3::zeros)).collect()
+/// A mesh in which shells are looked for.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ShellMesh<'a> {
+    /// Positions of the points \[m\].
+    pub points: &'a [Vec3],
+    /// Corners of the triangles, counter-clockwise from outside.
+    pub triangles: &'a [[PointIndex; 3]],
+    /// Edges and hinges of the triangles.
+    pub topology: &'a Topology,
+    /// Per triangle: connected part it belongs to, counted from 0.
+    pub part: &'a [u32],
 }
 
-fn centroid(garment: &Garment, f: usize) -> Vec3 {
-    triangle::corners(&garment.points, &garment.triangles[f]).iter().sum::<Vec3>() / 3.0
+impl<'a> From<&'a Garment> for ShellMesh<'a> {
+    fn from(garment: &'a Garment) -> Self {
+        let Garment { points, triangles, topology, triangle_part: part, .. } = garment;
+        Self { points, triangles, topology, part }
+    }
+}
+
+impl ShellMesh<'_> {
+    fn corners(&self, f: usize) -> [Vec3; 3] {
+        triangle::corners(self.points, &self.triangles[f])
+    }
+}
+
+/// Normals of `triangles` between `points`, zero without area.
+fn normals(points: &[Vec3], triangles: &[[PointIndex; 3]]) -> Vec<Vec3> {
+    let normal = |t: &[PointIndex; 3]| triangle::normal(&triangle::corners(points, t));
+    triangles.iter().map(|t| normal(t).unwrap_or_else(Vec3::zeros)).collect()
+}
+
+fn centroid(corners: [Vec3; 3]) -> Vec3 {
+    corners.iter().sum::<Vec3>() / 3.0
 }
 
 /// What is known of the shells of a garment.
@@ -27,76 +55,134 @@ fn centroid(garment: &Garment, f: usize) -> Vec3 {
 pub(super) struct Shells {
     /// Per triangle: whether it belongs to the inner side or the rim of a shell.
     pub inner: Vec<bool>,
-    /// Thicknesses of parts that are closed all around and as thin as cloth, but whose sides cannot be told apart [m].
+    /// Thickness of the thickest of those with a rim; 0 without any \[m\].
+    pub thickness: f64,
+    /// Thicknesses of parts that are closed all around and as thin as cloth, but whose sides cannot be told apart \[m\].
     pub doubtful: Vec<f64>,
 }
 
 impl Shells {
-    /// The shells of `garment`.
-    pub fn find(garment: &Garment) -> Self {
-        let mut shells = Self { inner: vec![false; garment.triangles.len()], doubtful: Vec::new() };
-        let count = garment.triangle_part.iter().max().map_or(0, |&last| last as usize + 1);
+    /// The shells of `mesh`.
+    pub fn find(mesh: ShellMesh) -> Self {
+        let mut shells = Self { inner: vec![false; mesh.triangles.len()], ..Self::default() };
+        let count = mesh.part.iter().max().map_or(0, |&last| last as usize + 1);
         let mut parts: Vec<Vec<usize>> = vec![Vec::new(); count];
-        garment.triangle_part.iter().enumerate().for_each(|(f, part)| parts[*part as usize].push(f));
-        let thin: Vec<(Vec<usize>, f64)> = parts
-            .into_iter()
-            .filter_map(|part| thickness(garment, &part).map(|thickness| (part, thickness)))
-            .collect();
-        if thin.is_empty() {
+        mesh.part.iter().enumerate().for_each(|(f, part)| parts[*part as usize].push(f));
+        let measures: Vec<PartMeasure> = parts.iter().map(|part| PartMeasure::new(mesh, part)).collect();
+        let has_pairs = pairs_of_like_size(&measures).next().is_some();
+        if !has_pairs && measures.iter().all(|measure| measure.thickness().is_none()) {
             return shells;
         }
-        let search = Search::new(garment);
-        for (part, thickness) in thin {
-            match search.outer_side(&part, thickness) {
+        let search = Search::new(mesh);
+        for (part, measure) in parts.iter().zip(&measures) {
+            let Some(thickness) = measure.thickness() else { continue };
+            match search.outer_side(part, thickness) {
                 Some(outer) => {
+                    shells.thickness = shells.thickness.max(thickness);
                     part.iter().for_each(|f| shells.inner[*f] = true);
                     outer.iter().for_each(|f| shells.inner[*f] = false);
                 }
                 None => shells.doubtful.push(thickness),
             }
         }
+        let mut is_paired = vec![false; count];
+        for [outer, inner] in pairs_of_like_size(&measures) {
+            let runs_along = |a: usize, b: usize| search.runs_along(&parts[a], b);
+            if !is_paired[outer] && !is_paired[inner] && runs_along(outer, inner) && runs_along(inner, outer)
+            {
+                (is_paired[outer], is_paired[inner]) = (true, true);
+                parts[inner].iter().for_each(|f| shells.inner[*f] = true);
+            }
+        }
         shells
     }
 }
 
-/// The thickness of `part` of `garment` if it is closed all around, as thin as cloth and larger than a trim [m].
-fn thickness(garment: &Garment, part: &[usize]) -> Option<f64> {
-    let topology = &garment.topology;
-    let on_hinge = |e: &u32| topology.edge_hinge[*e as usize].is_some();
-    if part.is_empty() || !part.iter().all(|f| topology.triangle_edges[*f].iter().all(on_hinge)) {
-        return None;
+/// Size and shape of a connected part.
+#[derive(Debug, Clone, Copy)]
+struct PartMeasure {
+    /// Whether every edge joins two triangles.
+    is_closed: bool,
+    /// Enclosed volume, without sign \[m³\].
+    volume: f64,
+    /// \[m²\].
+    area: f64,
+    /// Length of the sum of the area vectors \[m²\]: that of the area for a flat sheet, 0 for a closed shape.
+    net_area: f64,
+    /// Diagonal of the bounding box \[m\].
+    diagonal: f64,
+}
+
+impl PartMeasure {
+    fn new(mesh: ShellMesh, part: &[usize]) -> Self {
+        let on_hinge = |e: &u32| mesh.topology.edge_hinge[*e as usize].is_some();
+        let is_closed = part.iter().all(|f| mesh.topology.triangle_edges[*f].iter().all(on_hinge));
+        let origin = part.first().map_or_else(Vec3::zeros, |f| mesh.corners(*f)[0]);
+        let (mut volume, mut area, mut net) = (0.0, 0.0, Vec3::zeros());
+        let mut points: Vec<Vec3> = Vec::new();
+        for x in part.iter().map(|f| mesh.corners(*f)) {
+            let [a, b, c] = x.map(|p| p - origin);
+            volume += a.dot(&b.cross(&c)) / 6.0;
+            area += triangle::area(&x);
+            net += 0.5 * triangle::area_vector(&x);
+            points.extend(x);
+        }
+        let (low, high) = bounds(&points);
+        Self {
+            is_closed,
+            volume: f64::abs(volume),
+            area,
+            net_area: net.norm(),
+            diagonal: (high - low).norm(),
+        }
     }
-    let corners = |f: &usize| triangle::corners(&garment.points, &garment.triangles[*f]);
-    let origin = corners(&part[0])[0];
-    let (mut volume, mut area) = (0.0, 0.0);
-    let mut points: Vec<Vec3> = Vec::new();
-    for x in part.iter().map(corners) {
-        let [a, b, c] = x.map(|p| p - origin);
-        volume += a.dot(&b.cross(&c)) / 6.0;
-        area += triangle::area(&x);
-        points.extend(x);
+
+    fn is_trim(&self) -> bool {
+        self.diagonal <= TUNING.max_trim_diagonal
     }
-    let (low, high) = bounds(&points);
-    let thickness = 2.0 * f64::abs(volume) / area.max(f64::MIN_POSITIVE);
-    let is_cloth = (TUNING.min_cloth_thickness..=TUNING.max_cloth_thickness).contains(&thickness);
-    (is_cloth && (high - low).norm() > TUNING.max_trim_diagonal).then_some(thickness)
+
+    /// The thickness of the part if it is closed all around, as thin as cloth and larger than a trim \[m\].
+    fn thickness(&self) -> Option<f64> {
+        let thickness = 2.0 * self.volume / self.area.max(f64::MIN_POSITIVE);
+        let is_cloth = (TUNING.min_cloth_thickness..=TUNING.max_cloth_thickness).contains(&thickness);
+        (self.is_closed && is_cloth && !self.is_trim()).then_some(thickness)
+    }
+
+    /// Whether it may be one side of a shell without a rim: it has an opening and is curved. Two flat sheets over one another may as well
+    /// be front and back of a garment.
+    fn may_be_side(&self) -> bool {
+        !self.is_closed && !self.is_trim() && self.net_area < TUNING.max_side_flatness * self.area
+    }
+}
+
+/// Pairs of parts that may be the two sides of a shell without a rim, the larger first.
+fn pairs_of_like_size(measures: &[PartMeasure]) -> impl Iterator<Item = [usize; 2]> {
+    let mut sides: Vec<usize> = (0..measures.len()).filter(|part| measures[*part].may_be_side()).collect();
+    sides.sort_by(|a, b| measures[*b].area.total_cmp(&measures[*a].area).then(a.cmp(b)));
+    let is_like = |a: usize, b: usize| measures[b].area >= TUNING.min_side_area_ratio * measures[a].area;
+    let pairs: Vec<[usize; 2]> = (0..sides.len())
+        .flat_map(|k| {
+            let a = sides[k];
+            sides[k + 1..].iter().take_while(move |b| is_like(a, **b)).map(move |b| [a, *b])
+        })
+        .collect();
+    pairs.into_iter()
 }
 
 struct Search<'a> {
-    garment: &'a Garment,
+    mesh: ShellMesh<'a>,
     normals: Vec<Vec3>,
     areas: Vec<f64>,
     bvh: TriangleBvh,
 }
 
 impl<'a> Search<'a> {
-    fn new(garment: &'a Garment) -> Self {
-        let area = |t: &[PointIndex; 3]| triangle::area(&triangle::corners(&garment.points, t));
+    fn new(mesh: ShellMesh<'a>) -> Self {
         Self {
-            normals: normals(garment),
-            areas: garment.triangles.iter().map(area).collect(),
-            bvh: TriangleBvh::new(&garment.points, &garment.triangles, 0.0),
-            garment,
+            normals: normals(mesh.points, mesh.triangles),
+            areas: (0..mesh.triangles.len()).map(|f| triangle::area(&mesh.corners(f))).collect(),
+            bvh: TriangleBvh::new(mesh.points, mesh.triangles, 0.0),
+            mesh,
         }
     }
 
@@ -106,8 +192,8 @@ impl<'a> Search<'a> {
 
     /// The sheets of `part`: triangles that are joined by hinges for which `joins` holds.
     fn sheets(&self, part: &[usize], joins: impl Fn(&Hinge) -> bool) -> Vec<Vec<usize>> {
-        let mut groups = Groups::new(self.garment.triangles.len());
-        for hinge in self.garment.topology.hinges.iter().filter(|hinge| joins(hinge)) {
+        let mut groups = Groups::new(self.mesh.triangles.len());
+        for hinge in self.mesh.topology.hinges.iter().filter(|hinge| joins(hinge)) {
             groups.join(hinge.triangles[0], hinge.triangles[1]);
         }
         let mut sheet_of: Vec<(u32, usize)> = part.iter().map(|&f| (groups.find(f as u32), f)).collect();
@@ -119,18 +205,27 @@ impl<'a> Search<'a> {
     /// them.
     fn outer_side(&self, part: &[usize], thickness: f64) -> Option<Vec<usize>> {
         let members: FxHashSet<usize> = part.iter().copied().collect();
-        // A triangle of a side has the other side behind it; one of the rim has not.
-        let mut is_side = vec![false; self.garment.triangles.len()];
+        // A triangle of a side has the other side behind it; one of the rim has not, nor one that is long and as narrow as the rim.
+        let mut is_side = vec![false; self.mesh.triangles.len()];
         for &f in part {
-            let x = centroid(self.garment, f);
+            let corners = self.mesh.corners(f);
+            let [a, b, c] = corners;
+            let shortest =
+                [a - b, b - c, c - a].map(|side| side.norm()).into_iter().fold(f64::INFINITY, f64::min);
+            if shortest
+                < (TUNING.rim_width * thickness).min(TUNING.rim_shape * triangle::longest_side(&corners))
+            {
+                continue;
+            }
+            let x = centroid(corners);
             let opposite = |g: u32| {
                 let g = g as usize;
-                members.contains(&g) && self.normals[f].dot(&self.normals[g]) < -TUNING.min_side_cosine
+                members.contains(&g) && self.normals[f].dot(&self.normals[g]) < -TUNING.min_opposite_cosine
             };
             let reach = TUNING.thickness_reach * thickness;
             is_side[f] = self
                 .bvh
-                .nearest_where(&self.garment.points, x, reach, opposite)
+                .nearest_where(self.mesh.points, x, reach, opposite)
                 .is_some_and(|found| found.closest.vector.dot(&self.normals[f]) > 0.0);
         }
         let of_one_kind = |is_side: &[bool], hinge: &Hinge| {
@@ -139,10 +234,10 @@ impl<'a> Search<'a> {
         };
         // What looks like a rim and touches one side only, such as a fold, belongs to that side.
         let pieces = self.sheets(part, |hinge| of_one_kind(&is_side, hinge));
-        let mut piece_of = vec![0; self.garment.triangles.len()];
+        let mut piece_of = vec![0; self.mesh.triangles.len()];
         pieces.iter().enumerate().for_each(|(k, piece)| piece.iter().for_each(|f| piece_of[*f] = k));
         let mut touched = vec![FxHashSet::default(); pieces.len()];
-        for hinge in &self.garment.topology.hinges {
+        for hinge in &self.mesh.topology.hinges {
             let [a, b] = hinge.triangles.map(|f| piece_of[f as usize]);
             if a != b {
                 touched[a].insert(b);
@@ -161,6 +256,34 @@ impl<'a> Search<'a> {
         let is_large = |side: &[usize]| self.area(side) >= TUNING.min_side_area_fraction * self.area(part);
         let has_rim = part.iter().any(|f| !is_side[*f]);
         (is_large(&first) && is_large(&second) && has_rim).then_some(first)
+    }
+
+    /// Whether the triangles `part` run along the part `other` at a constant distance that is a thickness of cloth.
+    fn runs_along(&self, part: &[usize], other: usize) -> bool {
+        let mut distances: Vec<(f64, f64)> = Vec::with_capacity(part.len());
+        let whole = self.area(part);
+        for &f in part {
+            let is_along = |g: u32| {
+                let g = g as usize;
+                self.mesh.part[g] as usize == other
+                    && self.normals[f].dot(&self.normals[g]).abs() > TUNING.min_side_cosine
+            };
+            let x = centroid(self.mesh.corners(f));
+            let found = self.bvh.nearest_where(self.mesh.points, x, TUNING.max_cloth_thickness, is_along);
+            distances.extend(found.map(|found| (found.closest.vector.norm(), self.areas[f])));
+        }
+        distances.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        let mut sum = 0.0;
+        let median = distances.iter().find(|(_, area)| {
+            sum += area;
+            sum >= 0.5 * whole
+        });
+        let Some(&(median, _)) = median.filter(|(d, _)| *d >= TUNING.min_cloth_thickness) else {
+            return false;
+        };
+        let is_near = |d: f64| (d - median).abs() <= TUNING.thickness_tol * median;
+        let near: f64 = distances.iter().filter(|(d, _)| is_near(*d)).map(|(_, area)| area).sum();
+        near >= TUNING.min_constant_fraction * whole
     }
 }
 
@@ -209,7 +332,8 @@ impl InnerSides {
         if left_out.is_empty() {
             return Some(Self::default());
         }
-        let (own, under) = (normals(garment), normals(cloth));
+        let (own, under) =
+            (normals(&garment.points, &garment.triangles), normals(&cloth.points, &cloth.triangles));
         let nearest = |x: Vec3, normal: Option<Vec3>| {
             bvh.nearest_where(&cloth.points, x, 2.0 * TUNING.max_cloth_thickness, |g| {
                 normal.is_none_or(|n| n.dot(&under[g as usize]).abs() > TUNING.min_side_cosine)
@@ -237,7 +361,10 @@ impl InnerSides {
             }
             let place = |f: u32| {
                 let normal = own[f as usize];
-                let found = nearest(centroid(garment, f as usize), Some(normal))?;
+                let found = nearest(
+                    centroid(triangle::corners(&garment.points, &garment.triangles[f as usize])),
+                    Some(normal),
+                )?;
                 Some((found.triangle, normal.dot(&under[found.triangle as usize]).signum()))
             };
             // A rim, which no cloth faces, remembers nothing.

@@ -55,8 +55,8 @@ pub(crate) struct GarmentTuning {
     pub(crate) trim_carrier_edges: f64,
     /// Smallest diagonal of a body \[m\].
     pub(crate) min_body_size: f64,
-    /// Fraction of its edges that join two triangles from which a part is closed \[-\].
-    pub(crate) min_closed_fraction: f64,
+    /// Area of the openings of a part over that of its triangles up to which it is closed, but for cut wrists and eyes \[-\].
+    pub(crate) max_open_fraction: f64,
     /// Volume over area from which a closed part is a solid and no flat double sheet \[m\].
     pub(crate) min_solid_thickness: f64,
     /// Thickness of a closed sheet from which it is cloth exported as a solid \[m\]: two sides nearer than that lie in one place.
@@ -65,10 +65,24 @@ pub(crate) struct GarmentTuning {
     pub(crate) max_cloth_thickness: f64,
     /// |cosine| between the normals of both sides of cloth with a thickness at least \[-\].
     pub(crate) min_side_cosine: f64,
+    /// The same of a triangle of one side and what lies behind it, which tells it from a slanted rim, at least \[-\].
+    pub(crate) min_opposite_cosine: f64,
+    /// Shortest side of a triangle of a rim at most \[thicknesses\].
+    pub(crate) rim_width: f64,
+    /// The same over its longest side \[-\].
+    pub(crate) rim_shape: f64,
     /// Distance behind a triangle within which the other side of cloth with a thickness is looked for, relative to it \[-\].
     pub(crate) thickness_reach: f64,
     /// Fraction of the area of cloth with a thickness that one side of it has at least \[-\].
     pub(crate) min_side_area_fraction: f64,
+    /// |Sum of the area vectors| over area below which a part is curved and may be one side of cloth without a rim \[-\].
+    pub(crate) max_side_flatness: f64,
+    /// Area of the smaller side of cloth without a rim over that of the larger at least \[-\].
+    pub(crate) min_side_area_ratio: f64,
+    /// Deviation from the median distance of two sides up to which it is constant \[medians\].
+    pub(crate) thickness_tol: f64,
+    /// Fraction of the area of two sides without a rim over which their distance is constant at least \[-\].
+    pub(crate) min_constant_fraction: f64,
     /// Change of angle that a hinge of an inner side takes from the cloth under it at most \[rad\].
     pub(crate) max_carried_angle: f64,
     /// Difference of two bounding boxes up to which they are in the same place \[diagonals\].
@@ -114,13 +128,20 @@ pub(crate) const TUNING: GarmentTuning = GarmentTuning {
     trim_carrier_radius: 0.75,
     trim_carrier_edges: 1.2,
     min_body_size: 0.3,
-    min_closed_fraction: 0.98,
+    max_open_fraction: 0.02,
     min_solid_thickness: 0.01,
     min_cloth_thickness: 2e-4,
     max_cloth_thickness: 5e-3,
     min_side_cosine: 0.7,
+    min_opposite_cosine: 0.9,
+    rim_width: 1.5,
+    rim_shape: 0.5,
     thickness_reach: 1.8,
     min_side_area_fraction: 0.35,
+    max_side_flatness: 0.95,
+    min_side_area_ratio: 0.8,
+    thickness_tol: 0.5,
+    min_constant_fraction: 0.95,
     max_carried_angle: 3.0,
     same_place_tol: 0.02,
     same_side_tol: 0.2,

@@ -69,6 +69,7 @@ mod tests {
             sewing_mask: vec![1.0; 4],
             triangle_part: vec![0; 2],
             triangle_panel: vec![0; 2],
+            inner_side: vec![false; 2],
             topology: Topology::new(4, &triangles),
             triangles,
             points,

@@ -249,6 +249,7 @@ mod tests {
             source_point: (0..5).map(PointIndex).collect(),
             triangle_part: vec![0; 3],
             triangle_panel: vec![0; 3],
+            inner_side: vec![false; 3],
             memory_mask,
             sewing_mask: vec![1.0; points.len()],
             topology,

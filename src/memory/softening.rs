@@ -85,6 +85,7 @@ mod tests {
             source_point: (0..25).map(PointIndex).collect(),
             triangle_part: vec![0; triangles.len()],
             triangle_panel: vec![0; triangles.len()],
+            inner_side: vec![false; triangles.len()],
             memory_mask: vec![1.0; points.len()],
             sewing_mask: vec![1.0; points.len()],
             topology: Topology::new(points.len(), &triangles),

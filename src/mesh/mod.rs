@@ -24,5 +24,5 @@ pub use index::{INVALID, PointIndex, VertexIndex};
 pub use rotation_field::{point_rotations, turned};
 pub(crate) use surface_walk::SurfaceWalk;
 pub(crate) use topology::edge_key;
-pub use topology::{Hinge, Topology};
+pub use topology::{Hinge, Topology, loop_length};
 pub use weld::{Groups, Welder};

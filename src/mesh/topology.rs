@@ -13,6 +13,7 @@
 //! Edges with one triangle are boundary; with three or more, or with two that disagree, they carry no hinge and
 //! are reported by the importer.
 
+use crate::math::Vec3;
 use crate::mesh::index::{INVALID, PointIndex};
 use rustc_hash::FxHashMap;
 
@@ -153,4 +154,10 @@ impl Topology {
         }
         loops
     }
+}
+
+/// Returns the length of the closed chain `border` of points at `points` \[m\].
+pub fn loop_length(points: &[Vec3], border: &[PointIndex]) -> f64 {
+    let next = border.iter().cycle().skip(1);
+    border.iter().zip(next).map(|(a, b)| (points[b.at()] - points[a.at()]).norm()).sum()
 }

@@ -225,6 +225,7 @@ impl Bisection {
             sewing_mask,
             triangle_part: inherited(&source.triangle_part),
             triangle_panel: inherited(&source.triangle_panel),
+            inner_side: vec![false; triangles.len()],
             topology,
             triangles,
         };

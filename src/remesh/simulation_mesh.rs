@@ -73,6 +73,7 @@ impl SimulationMesh {
             sewing_mask: masked(&source.sewing_mask),
             triangle_part: faces.iter().map(|&f| source.triangle_part[mesh.home(f) as usize]).collect(),
             triangle_panel: faces.iter().map(|&f| source.triangle_panel[mesh.home(f) as usize]).collect(),
+            inner_side: vec![false; faces.len()],
             topology: Topology::new(kept.len(), &triangles),
             triangles,
         };
@@ -177,6 +178,7 @@ pub(super) mod tests {
             sewing_mask: vec![1.0; points.len()],
             triangle_part: vec![0; triangles.len()],
             triangle_panel: vec![0; triangles.len()],
+            inner_side: vec![false; triangles.len()],
             topology: Topology::new(points.len(), &triangles),
             triangles,
             points,

@@ -7,6 +7,7 @@
 //! where garments hang.
 
 use crate::math::{Vec3, bounds};
+use crate::mesh::{PointIndex, loop_length};
 use crate::transfer::canonical_pose::CanonicalPose;
 use crate::transfer::surface::GarmentSurface;
 use crate::transfer::tuning::TUNING;
@@ -71,11 +72,10 @@ fn torso_opening(surface: &GarmentSurface) -> Option<TorsoOpening> {
         return None;
     }
     let (low, high) = bounds(&surface.points);
-    let measure = |border: &Vec<crate::mesh::PointIndex>| {
-        let points = border.iter().map(|p| surface.points[p.at()]);
-        let next = points.clone().cycle().skip(1);
-        let length = points.clone().zip(next).map(|(a, b)| (b - a).norm()).sum();
-        let height = points.map(|x| x.y).sum::<f64>() / border.len().max(1) as f64;
+    let measure = |border: &Vec<PointIndex>| {
+        let length = loop_length(&surface.points, border);
+        let height =
+            border.iter().map(|p| surface.points[p.at()].y).sum::<f64>() / border.len().max(1) as f64;
         TorsoOpening { length, is_upper: height > 0.5 * (low.y + high.y) }
     };
     loops

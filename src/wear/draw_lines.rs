@@ -82,6 +82,7 @@ mod tests {
             sewing_mask: vec![1.0; points.len()],
             triangle_part: vec![0; triangles.len()],
             triangle_panel: vec![0; triangles.len()],
+            inner_side: vec![false; triangles.len()],
             topology: Topology::new(points.len(), &triangles),
             triangles,
             points,

@@ -22,6 +22,7 @@ pub fn pair(size: f64) -> Garment {
         sewing_mask: vec![1.0; 4],
         triangle_part: vec![0; 2],
         triangle_panel: vec![0; 2],
+        inner_side: vec![false; 2],
         topology: Topology::new(4, &triangles),
     }
 }

@@ -142,9 +142,14 @@ impl Sidecar {
         let off = |points: &[Vec3]| {
             let vertices =
                 asset.worn_pieces().flat_map(|p| (0..p.positions.len()).map(|v| p.scene_position(v)));
+            // A point lies where its first vertex does; others may have been joined to it over a distance.
+            let mut is_known = vec![false; points.len()];
             vertices.zip(&self.mesh.source_point).position(|(x, &point)| {
                 // The points of a validated sidecar exist.
-                x.zip(points.get(point as usize)).is_none_or(|(x, own)| (x - own).norm() > tolerance)
+                let is_first =
+                    is_known.get_mut(point as usize).is_none_or(|known| !std::mem::replace(known, true));
+                let is_off = |(x, own): (Vec3, &Vec3)| (x - own).norm() > tolerance;
+                is_first && x.zip(points.get(point as usize)).is_none_or(is_off)
             })
         };
         let worn = || -> Vec<Vec3> {

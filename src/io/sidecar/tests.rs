@@ -49,6 +49,7 @@ fn example() -> Sidecar {
         sewing_mask: vec![1.0; 4],
         triangle_part: vec![0; 2],
         triangle_panel: vec![0; 2],
+        inner_side: vec![false; 2],
         topology: Topology::new(4, &triangles),
         triangles,
     };
@@ -214,6 +215,13 @@ fn a_sidecar_knows_its_mesh_from_another() {
     assert_eq!(sidecar.mesh_mismatch(&own), None);
     let moved = read("v 0 0 0\nv 1 0 0\nv 0 1.01 0\nf 1 2 3\n");
     assert!(sidecar.mesh_mismatch(&moved).unwrap().contains("vertex 2 is elsewhere"));
+    // The gap of a seam that was sewn on import.
+    let seam = read("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 0.1 0\nv 1 1 0\nv 0 1.1 0\nf 1 2 3\nf 4 5 6\n");
+    let (garment, _) = Garment::from_asset_welded(&seam, Some(0.15)).unwrap();
+    assert_eq!(garment.points.len(), 4);
+    let worn = WornGarment { displacement: vec![Vec3::zeros(); 4], memory: RestState::flat(1, 2) };
+    let sewn = Sidecar::new(&seam, &garment, &worn, Value::Null, Value::Null, Value::Null).unwrap();
+    assert_eq!(sewn.mesh_mismatch(&seam), None);
     let more = read("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n");
     assert!(sidecar.mesh_mismatch(&more).unwrap().contains("3 vertices, this one has 4"));
 }

@@ -75,6 +75,7 @@ fn finer(coarse: &Garment, times: usize) -> (Garment, Vec<u32>) {
         material: vec![[Vec2::zeros(), Vec2::x(), Vec2::y()]; count],
         triangle_part: vec![0; count],
         triangle_panel: vec![0; count],
+        inner_side: vec![false; count],
         points,
         triangles,
         topology,
