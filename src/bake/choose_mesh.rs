@@ -183,7 +183,7 @@ fn crumples(garment: &Garment, laid: &[Vec3]) -> bool {
 
 /// Whether layers of `mesh`, another mesh of the surface of `garment`, cross where those of the garment do not. Where they do, finer triangles
 /// cross in more pairs, and next to it, where triangles of the garment have a corner in common and do not count.
-fn crosses_elsewhere(mesh: &Garment, garment: &Garment) -> bool {
+pub(super) fn crosses_elsewhere(mesh: &Garment, garment: &Garment) -> bool {
     let crossing = |garment: &Garment| -> Vec<([Vec3; 3], f64)> {
         let corners = |f: u32| triangle::corners(&garment.points, &garment.triangles[f as usize]);
         let found = self_intersecting_triangles(&garment.points, &garment.triangles).into_iter();

@@ -110,6 +110,16 @@ impl RigidParts {
         &self.cloth
     }
 
+    /// Those of `values`, one per point of the garment, that belong to the points of its cloth.
+    pub fn at_cloth_points(&self, values: &[f64]) -> Vec<f64> {
+        self.points.iter().map(|p| values[p.at()]).collect()
+    }
+
+    /// Per triangle of the cloth: the triangle of the garment.
+    pub fn cloth_triangles(&self) -> &[u32] {
+        &self.triangles
+    }
+
     /// Descriptions for the report.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();

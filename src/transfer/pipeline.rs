@@ -1,6 +1,6 @@
 //! The transfer itself: every source is aligned, matched and resampled; the changes are added up and applied.
 
-use crate::garment::Garment;
+use crate::garment::{Garment, RigidParts, WornGarment};
 use crate::math::Vec3;
 use crate::mesh::distance::barycentric;
 use crate::remesh::SimulationMesh;
@@ -51,6 +51,13 @@ pub(super) fn transfer_along_creases(
     {
         return Ok(unchanged(source, target, &aligned_to));
     }
+    // The same mesh has the same trims: it is matched entry by entry.
+    if let Some((garment, make)) = along_creases
+        && !sources.iter().any(|source| source.surface.is_same_mesh(target))
+        && let Some(rigid) = RigidParts::find(garment)
+    {
+        return transfer_to_cloth(sources, target, &rigid, make, options);
+    }
     let mut sum = MemoryDelta::zero(target);
     let mut confidence = vec![0.0; target.triangles.len()];
     let (mut outcomes, mut notes, mut matched) = (Vec::new(), Vec::new(), Vec::new());
@@ -80,6 +87,28 @@ pub(super) fn transfer_along_creases(
         confidence,
         unchanged: false,
     })
+}
+
+/// The same for a garment with trims or inner sides, `rigid`, of the surface `target`: the transfer is that to its cloth. Trims remember
+/// nothing, and inner sides what the cloth does that they lie on.
+fn transfer_to_cloth(
+    sources: &[TransferSource],
+    target: &GarmentSurface,
+    rigid: &RigidParts,
+    make: &MeshMaker,
+    options: &TransferOptions,
+) -> Result<TransferResult> {
+    let cloth = rigid.cloth();
+    let surface = target.of_cloth(rigid);
+    let options = TransferOptions { mask: rigid.at_cloth_points(&options.mask), ..options.clone() };
+    let on_cloth = transfer_along_creases(sources, &surface, &options, Some((cloth, make)))?;
+    let displacement = vec![Vec3::zeros(); cloth.points.len()];
+    let worn = rigid.worn(&WornGarment { displacement, memory: on_cloth.memory });
+    let mut confidence = vec![mean_confidence(&surface, &on_cloth.confidence); target.triangles.len()];
+    for (f, own) in rigid.cloth_triangles().iter().zip(&on_cloth.confidence) {
+        confidence[*f as usize] = *own;
+    }
+    Ok(TransferResult { memory: worn.memory, confidence, ..on_cloth })
 }
 
 /// The memory of the sources `matched` on a mesh of `make` with edges along their crease lines on `garment`; `None` without lines.

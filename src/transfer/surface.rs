@@ -3,7 +3,7 @@
 //! A surface is made from a sidecar (the source) or from a garment (the target). The memory of a sidecar is reordered here
 //! to the surface's own hinges; a sidecar whose hinges are not those of its triangles is refused.
 
-use crate::garment::{Garment, RestState, SourceAsset, corner_uvs, corner_vertices};
+use crate::garment::{Garment, RestState, RigidParts, SourceAsset, corner_uvs, corner_vertices};
 use crate::io::Sidecar;
 use crate::math::{Vec2, Vec3};
 use crate::mesh::distance::barycentric;
@@ -47,6 +47,19 @@ impl GarmentSurface {
             topology: garment.topology.clone(),
             uvs: None,
             warp: Some(warp.collect()),
+        }
+    }
+
+    /// The part of the surface, that of a garment, that belongs to the cloth of `rigid`.
+    pub(super) fn of_cloth(&self, rigid: &RigidParts) -> Self {
+        let cloth = rigid.cloth();
+        let own = || rigid.cloth_triangles().iter().map(|f| *f as usize);
+        Self {
+            points: cloth.points.clone(),
+            triangles: cloth.triangles.clone(),
+            topology: cloth.topology.clone(),
+            uvs: self.uvs.as_ref().map(|uvs| own().map(|f| uvs[f]).collect()),
+            warp: self.warp.as_ref().map(|warp| own().map(|f| warp[f]).collect()),
         }
     }
 

@@ -37,7 +37,7 @@ fn a_sewing_mask_of_the_file_reaches_the_simulated_mesh() {
         let points = mesh.garment.points.iter();
         points.zip(sewn.iter().zip(single)).fold([0.0; 2], |[left, right], (p, (sewn, single))| {
             let added = sewn - single;
-            // Within an edge of the middle both halves have a share.
+            // Within an edge of the middle both halves have some of it.
             if p.x < 0.2 { [left + added, right] } else { [left, right + added] }
         })
     };

@@ -3,9 +3,10 @@
 use crease::bake::{mesh_along_creases, relax_carried};
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
 use crease::files::GarmentFile;
-use crease::garment::{Garment, RestState, WornGarment};
+use crease::garment::{Garment, RestState, RigidParts, WornGarment};
 use crease::math::Vec3;
-use crease::transfer::{DrawnCreases, GarmentSurface, Transfer, TransferResult, TransferSource};
+use crease::mesh::intersections::self_intersections;
+use crease::transfer::{GarmentSurface, MatchBy, Transfer, TransferResult, TransferSource};
 
 /// Side of every sheet [m].
 const SIDE: f64 = 0.3;
@@ -37,6 +38,12 @@ fn folded(is_jagged: bool) -> TransferSource {
 /// A sheet of the size of the source, of edges of about 13 mm in no line with it, bent round a cylinder of 0.2 m whose axis is
 /// along `axis` (0: x, across the fold; 2: z, along it).
 fn curved(axis: usize) -> Garment {
+    let (points, triangles) = curved_mesh(axis);
+    GarmentFile::from_mesh("curved", &points, &triangles).expect("is a garment").garment
+}
+
+/// Positions [m] and triangles of the same.
+fn curved_mesh(axis: usize) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     let n = 24u32;
     let (radius, skew) = (0.2, 0.3);
     let mut points = Vec::new();
@@ -62,13 +69,14 @@ fn curved(axis: usize) -> Garment {
     let corners = (0..n - 1).flat_map(|j| (0..n - 1).map(move |i| j * n + i));
     let triangles: Vec<[u32; 3]> =
         corners.flat_map(|a| [[a, a + n, a + n + 1], [a, a + n + 1, a + 1]]).collect();
-    GarmentFile::from_mesh("curved", &points, &triangles).expect("is a garment").garment
+    (points, triangles)
 }
 
 fn transferred(source: &TransferSource, target: &Garment) -> TransferResult {
     let surface = GarmentSurface::without_texture(target);
-    let make = |drawn: DrawnCreases| mesh_along_creases(target, drawn);
-    Transfer::between(std::slice::from_ref(source), &surface).run_along_creases(target, &make).expect("fits")
+    Transfer::between(std::slice::from_ref(source), &surface)
+        .run_along_creases(target, &mesh_along_creases)
+        .expect("fits")
 }
 
 /// Fraction of its memory that `target` shows.
@@ -126,4 +134,52 @@ fn memory_that_follows_no_line_stays_on_the_triangles_of_the_garment() {
     assert!(
         carried.memory.rest_angle.iter().zip(&carried.memory.source_angle).any(|(r, s)| (r - s).abs() > 0.1)
     );
+}
+
+/// Buttons move with the cloth under them, and a patch that crosses the cloth in the file crosses it on any mesh: neither costs the
+/// garment its edges along the fold.
+#[test]
+fn buttons_and_layers_that_cross_in_the_file_cost_no_fold() {
+    let source = folded(false);
+    let plain = curved(0);
+    let of_plain = shown(&plain, &transferred(&source, &plain));
+    // A cube of 8 mm over the middle of the garment, turned away from its fold.
+    let centre = [0.22, 0.2 + 0.006, 0.15];
+    let corner = |k: u32| {
+        [0, 1, 2].map(|axis: usize| centre[axis] + 0.004 * f64::from(2 * (k as i32 >> axis & 1) - 1))
+    };
+    let mut points: Vec<[f64; 3]> = (0..8).map(corner).collect();
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let mut triangles: Vec<[u32; 3]> =
+        faces.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect();
+    let (cloth, of_cloth) = curved_mesh(0);
+    points.extend(cloth);
+    triangles.extend(of_cloth.iter().map(|t| t.map(|v| 8 + v)));
+    let buttoned = GarmentFile::from_mesh("buttoned", &points, &triangles).expect("is a garment").garment;
+    assert!(RigidParts::find(&buttoned).is_some());
+    // Its own memory at half strength, entry by entry.
+    let surface = GarmentSurface::without_texture(&buttoned);
+    let own = TransferSource {
+        file: "own".into(),
+        memory: RestState::flat(surface.topology.hinges.len(), surface.triangles.len()),
+        surface: surface.clone(),
+        joints: Vec::new(),
+        simulated: None,
+    };
+    let half = Transfer::between(std::slice::from_ref(&own), &surface).strength(0.5).match_by(MatchBy::Same);
+    half.run_along_creases(&buttoned, &mesh_along_creases).expect("is the same mesh");
+    // An upright patch of two triangles through the cloth.
+    let (mut points, mut triangles) = curved_mesh(0);
+    let first = points.len() as u32;
+    points.extend([[0.24, 0.15, 0.13], [0.28, 0.15, 0.13], [0.28, 0.25, 0.13], [0.24, 0.25, 0.13]]);
+    triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t| t.map(|v| first + v)));
+    let crossing = GarmentFile::from_mesh("crossing", &points, &triangles).expect("is a garment").garment;
+    assert!(!self_intersections(&crossing.points, &crossing.triangles).is_empty());
+    for (what, target) in [("button", buttoned), ("crossing", crossing)] {
+        let carried = transferred(&source, &target);
+        assert!(carried.on_mesh.is_some(), "{what}: no mesh along the fold");
+        let own = shown(&target, &carried);
+        println!("{what}: {own:.2} shown, {of_plain:.2} without");
+        assert!(own > 0.9 * of_plain, "{what}: {own:.2} of {of_plain:.2}");
+    }
 }

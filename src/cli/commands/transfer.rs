@@ -23,8 +23,7 @@ use crease::io::{Landmarks, ReadOptions, Sidecar};
 use crease::mesh::intersections::self_intersections;
 use crease::report::{TransferReport, crossing_counts};
 use crease::transfer::{
-    Align, Channels, DrawnCreases, GarmentSurface, MatchBy, PointPair, Transfer, TransferResult,
-    TransferSource,
+    Align, Channels, GarmentSurface, MatchBy, PointPair, Transfer, TransferResult, TransferSource,
 };
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -183,8 +182,7 @@ fn transfer(arguments: &Arguments) -> Result<()> {
     job.inputs_read();
     let garment = &input.mesh.garment;
     let target = input.target();
-    let make = |drawn: DrawnCreases| mesh_along_creases(garment, drawn);
-    let carried = arguments.transfer(&input, &target).run_along_creases(garment, &make)?;
+    let carried = arguments.transfer(&input, &target).run_along_creases(garment, &mesh_along_creases)?;
     let start = self_intersections(&garment.points, &garment.triangles);
     let RelaxResult { displacement, warnings, unconverged_reason, .. } =
         relax_target(&input.mesh.garment, &input.fabric, &input.sidecars, &carried);

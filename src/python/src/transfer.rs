@@ -13,9 +13,7 @@ use crease::bake::{RelaxResult, mesh_along_creases};
 use crease::garment::mistaken_body;
 use crease::mesh::intersections::self_intersections;
 use crease::report::{TransferReport, crossing_counts};
-use crease::transfer::{
-    Align, Channels, DrawnCreases, GarmentSurface, MatchBy, Transfer, TransferResult, TransferSource,
-};
+use crease::transfer::{Align, Channels, GarmentSurface, MatchBy, Transfer, TransferResult, TransferSource};
 use crease::{Fabric, GarmentFile, Sidecar, WornGarment};
 use pyo3::prelude::*;
 use serde_json::{Value, json};
@@ -56,8 +54,7 @@ impl TransferInput {
             .mask(garment.memory_mask.clone())
             .channels(channels)
             .mirror_x(mirror.is_some());
-        let make = |drawn: DrawnCreases| mesh_along_creases(garment, drawn);
-        let carried = transfer.run_along_creases(garment, &make)?;
+        let carried = transfer.run_along_creases(garment, &mesh_along_creases)?;
         let start = self_intersections(&garment.points, &garment.triangles);
         let RelaxResult { displacement, warnings, unconverged_reason, .. } =
             relax_target(&self.file.garment, &self.fabric, &self.sidecars, &carried);
