@@ -11,13 +11,13 @@ use crate::bake::static_contact::body_contact_settings;
 use crate::bake::tuning::TUNING;
 use crate::body::{AnimatedBody, BodyPose};
 use crate::contact::{BodyContactState, BodyPlanes, ContactSettings};
-use crate::energy::{EdgeContact, PlaneContact};
+use crate::energy::{EdgeContact, Leash, PlaneContact};
 use crate::garment::{Garment, RestState};
 use crate::math::Vec3;
 use crate::mesh::point_in_solid::Solid;
 use crate::mesh::{PointIndex, Topology};
 use crate::remesh::Refinement;
-use crate::sim::{State, StepReport, Stepper};
+use crate::sim::{LoadSource, Loads, State, StepReport, Stepper};
 use crate::wear::ActionRunner;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -73,6 +73,8 @@ pub(super) struct SteppedCloth<'a> {
 struct ContactAtEnd {
     /// Positions of the body, one per point of it [m].
     positions: Arc<[Vec3]>,
+    /// Unit normals there, one per point of it.
+    normals: Vec<Vec3>,
     planes: Arc<[PlaneContact]>,
     edges: Arc<[EdgeContact]>,
 }
@@ -188,55 +190,93 @@ impl BodyCoupling {
         dt: f64,
     ) -> StepReport {
         let SteppedCloth { garment, stepper, state, rest } = cloth;
-        let (planes, inactive, leash) = (&mut self.planes, &self.inactive, &self.leash);
-        let start = state.time;
-        let mut last: Option<ContactAtEnd> = None;
-        let mut begun = false;
-        let mut leashes_before = Vec::new();
-        let mut loads_at_time = |time: f64, state: &State| {
-            let mut loads = runner.loads_at(time - begin, &state.x);
-            last = None;
-            if let Some(posed) = loads.body.take() {
-                if loads.fixed.is_empty() {
-                    loads.fixed.clone_from(inactive);
-                }
-                if !begun {
-                    if let Some(leash) = leash {
-                        let before = runner.loads_at(start - begin, &state.x).body;
-                        leashes_before = leash.leashes(before.as_ref().unwrap_or(&posed), &loads.fixed);
-                    }
-                    planes.begin_step(&state.x, &garment.triangles, &garment.topology, &loads.fixed);
-                    begun = true;
-                }
-                let points: Arc<[Vec3]> = planes.resolve_self_contact(&posed.points).into();
-                let normals = planes.normals(&points);
-                loads.plane_contacts =
-                    planes.plane_contacts(&state.x, &points, &normals, time - start, loads.friction).into();
-                loads.edge_contacts = planes.edge_contacts(&points, &normals).into();
-                let carried = extrapolated(planes.carried_displacement(&state.x, &points), &garment.topology);
-                let mut displacement = smoothed(carried, &loads.fixed, &garment.topology);
-                if let Some(leash) = leash {
-                    let leashes = leash.leashes(&posed, &loads.fixed);
-                    follow_leashes(&mut displacement, &leashes_before, &leashes, |p| planes.is_near(p));
-                    loads.leashes = leashes.into();
-                }
-                loads.body_displacement = displacement.into();
-                last = Some(ContactAtEnd {
-                    positions: points,
-                    planes: loads.plane_contacts.clone(),
-                    edges: loads.edge_contacts.clone(),
-                });
-            }
-            loads
+        let mut loads = LoadsOnBody {
+            planes: &mut self.planes,
+            inactive: &self.inactive,
+            leash: self.leash.as_ref(),
+            garment,
+            runner,
+            begin,
+            start: state.time,
+            begun: false,
+            leashes_before: Vec::new(),
+            end: None,
         };
-        let step = stepper.advance(state, rest, &mut loads_at_time, dt);
-        if let Some(end) = last {
+        let step = stepper.advance(state, rest, &mut loads, dt);
+        let (end, planes) = (loads.end, loads.planes);
+        if let Some(end) = end {
             let moves = planes.end_step(&state.x, &end.positions, &end.planes, &end.edges);
             let intersections = planes.raise_offsets(&state.x, &garment.triangles, moves);
             let many = self.watch.max_pairs();
             self.penetration.record(state.time, &state.x, &end.planes, intersections, many);
         }
         step
+    }
+}
+
+/// Loads of the steps of an action on a body.
+struct LoadsOnBody<'a> {
+    planes: &'a mut BodyPlanes,
+    inactive: &'a [bool],
+    leash: Option<&'a GarmentLeash>,
+    garment: &'a Garment,
+    runner: &'a mut dyn ActionRunner,
+    /// Time at which the action began [s].
+    begin: f64,
+    /// Time at which the step begins [s].
+    start: f64,
+    /// Whether contact has been searched for in the step.
+    begun: bool,
+    /// Leashes at the beginning of the step.
+    leashes_before: Vec<Leash>,
+    /// The body at the end of the last attempt at the step.
+    end: Option<ContactAtEnd>,
+}
+
+impl LoadSource for LoadsOnBody<'_> {
+    fn loads_at(&mut self, time: f64, state: &State) -> Loads {
+        let Self { planes, leash, garment, runner, begin, .. } = self;
+        let mut loads = runner.loads_at(time - *begin, &state.x);
+        self.end = None;
+        let Some(posed) = loads.body.take() else { return loads };
+        if loads.fixed.is_empty() {
+            loads.fixed = self.inactive.to_vec();
+        }
+        if self.begun {
+            planes.restart_edges();
+        } else {
+            if let Some(leash) = leash {
+                let before = runner.loads_at(self.start - *begin, &state.x).body;
+                self.leashes_before = leash.leashes(before.as_ref().unwrap_or(&posed), &loads.fixed);
+            }
+            planes.begin_step(&state.x, &garment.triangles, &garment.topology, &loads.fixed);
+            self.begun = true;
+        }
+        let positions: Arc<[Vec3]> = planes.resolve_self_contact(&posed.points).into();
+        let normals = planes.normals(&positions);
+        loads.plane_contacts =
+            planes.plane_contacts(&state.x, &positions, &normals, time - self.start, loads.friction).into();
+        loads.edge_contacts = planes.edge_contacts(&positions, &normals).into();
+        let carried = extrapolated(planes.carried_displacement(&state.x, &positions), &garment.topology);
+        let mut displacement = smoothed(carried, &loads.fixed, &garment.topology);
+        if let Some(leash) = leash {
+            let leashes = leash.leashes(&posed, &loads.fixed);
+            follow_leashes(&mut displacement, &self.leashes_before, &leashes, |p| planes.is_near(p));
+            loads.leashes = leashes.into();
+        }
+        loads.body_displacement = displacement.into();
+        let (planes, edges) = (loads.plane_contacts.clone(), loads.edge_contacts.clone());
+        self.end = Some(ContactAtEnd { positions, normals, planes, edges });
+        loads
+    }
+
+    fn revised_contacts(&mut self, x: &[Vec3], loads: &Loads) -> Option<Arc<[EdgeContact]>> {
+        let end = self.end.as_mut().filter(|end| Arc::ptr_eq(&end.edges, &loads.edge_contacts))?;
+        let cloth = (&self.garment.triangles[..], &self.garment.topology);
+        let revised =
+            self.planes.revised_edge_contacts(x, cloth, &end.positions, &end.normals, &end.edges)?;
+        end.edges = revised.into();
+        Some(end.edges.clone())
     }
 }
 

@@ -161,7 +161,7 @@ pub(super) fn depenetrate(
         if round > 0 && count(&state.x) == 0 {
             break;
         }
-        let mut found = contact.find(&state.x, None);
+        let mut found = contact.find(&state.x);
         found.planes.retain(|c| !is_left(c.point));
         found.edges.retain(|c| !c.points.iter().any(|p| is_left(*p)));
         let angle = bending.angles(&state.x, &state.angle);

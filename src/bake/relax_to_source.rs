@@ -111,8 +111,10 @@ pub(super) fn relax_to_source_pose(
         let settings = body_contact_settings(garment, stepper.contact.settings(), stepper.cloth.area.clone());
         BodyPlanes::new(body.rest_points(), body.triangles(), settings)
     });
-    let mut beside =
-        planes.as_mut().zip(body).map(|(planes, body)| StaticContact::new(planes, garment, body));
+    let mut beside = planes
+        .as_mut()
+        .zip(body)
+        .map(|(planes, body)| StaticContact::new(planes, garment, body).limited_to_source());
     // Where triangles still intersect the body, contact acts from farther away in the next round.
     let rounds = increments + if body.is_some() { TUNING.relax.body_rounds } else { 0 };
     for round in 1..=rounds {
@@ -122,7 +124,7 @@ pub(super) fn relax_to_source_pose(
         let bending_term = bending.term(&partial, &last_angle, f64::INFINITY);
         let tethers = TargetSprings(&springs);
         let found = match &mut beside {
-            Some(beside) => beside.find(&x, Some(&garment.points)),
+            Some(beside) => beside.find(&x),
             None => FoundContacts { planes: Vec::new(), edges: Vec::new() },
         };
         let (on_planes, on_edges) = (PlaneContacts(&found.planes), EdgeContacts(&found.edges));

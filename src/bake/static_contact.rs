@@ -1,7 +1,7 @@
 //! Contact with a body that does not move, for solves without time: dressing, and the relaxation to the source pose.
 //!
-//! The same planes and edges as in a step (`contact::body_planes`), without friction. Contact may be limited to a shape of
-//! the cloth that is allowed: nothing is pushed farther out than it lies there.
+//! The same planes and edges as in a step (`contact::body_planes`), without friction. Contact may be limited to the gaps of a shape of the
+//! cloth: nothing is pushed farther out than it lies there, over whatever place of the body it lay.
 
 use crate::bake::tuning::TUNING;
 use crate::body::AnimatedBody;
@@ -9,6 +9,7 @@ use crate::contact::{BodyContactSettings, BodyIntersections, BodyPlanes, Contact
 use crate::energy::{EdgeContact, PlaneContact};
 use crate::garment::Garment;
 use crate::math::Vec3;
+use rustc_hash::FxHashMap;
 
 /// Settings of the contact of `garment`, whose points stand for `areas` [m²], with a body.
 pub(super) fn body_contact_settings(
@@ -48,6 +49,8 @@ pub(super) struct StaticContact<'a> {
     positions: &'a [Vec3],
     normals: Vec<Vec3>,
     garment: &'a Garment,
+    /// Gaps that contact is limited to, if it is.
+    limits: Option<GapLimits>,
 }
 
 /// Contacts of the cloth where it was when they were found.
@@ -62,20 +65,29 @@ impl<'a> StaticContact<'a> {
     /// The contact of `garment` with `body` by `planes`.
     pub fn new(planes: &'a mut BodyPlanes, garment: &'a Garment, body: &'a AnimatedBody) -> Self {
         let positions = body.rest_points();
-        Self { normals: planes.normals(positions), planes, positions, garment }
+        Self { normals: planes.normals(positions), planes, positions, garment, limits: None }
     }
 
-    /// The contacts of the cloth at `x` [m], no farther out than it lies in the shape `allowed` [m], if there is one.
-    pub fn find(&mut self, x: &[Vec3], allowed: Option<&[Vec3]>) -> FoundContacts {
+    /// The same, with nothing pushed farther out of the body than it lies in the source shape of the garment.
+    pub fn limited_to_source(self) -> Self {
+        let mut contact = self;
+        let x = &contact.garment.points;
+        let found = contact.find(x);
+        contact.limits = Some(GapLimits::new(&found, x));
+        contact
+    }
+
+    /// The contacts of the cloth at `x` [m].
+    pub fn find(&mut self, x: &[Vec3]) -> FoundContacts {
         self.planes.begin_step(x, &self.garment.triangles, &self.garment.topology, &[]);
         let target = self.planes.resolve_self_contact(self.positions);
-        let mut planes = self.planes.plane_contacts(x, &target, &self.normals, 1.0, 0.0);
-        let mut edges = self.planes.edge_contacts(&target, &self.normals);
-        if let Some(allowed) = allowed {
-            planes.iter_mut().for_each(|c| c.dhat = c.dhat.min(c.gap(&allowed[c.point as usize])));
-            edges.iter_mut().for_each(|c| c.dhat = c.dhat.min(c.gap(allowed)));
+        let planes = self.planes.plane_contacts(x, &target, &self.normals, 1.0, 0.0);
+        let edges = self.planes.edge_contacts(&target, &self.normals);
+        let mut found = FoundContacts { planes, edges };
+        if let Some(limits) = &self.limits {
+            limits.apply(&mut found, &self.garment.points);
         }
-        FoundContacts { planes, edges }
+        found
     }
 
     /// Accepts the cloth at `x` [m], solved with `found`. Where it still intersects the body, contacts act from farther away
@@ -84,4 +96,45 @@ impl<'a> StaticContact<'a> {
         self.planes.end_step(x, self.positions, &found.planes, &found.edges);
         self.planes.raise_offsets(x, &self.garment.triangles, false)
     }
+}
+
+/// Heights of the cloth over a body in a shape of it.
+struct GapLimits {
+    /// Per point that is near the body: its height [m].
+    points: FxHashMap<u32, f64>,
+    /// Per edge and triangle of the cloth over points and edges of the body, by their points in increasing order: the lowest height [m].
+    over: FxHashMap<[u32; 3], f64>,
+}
+
+impl GapLimits {
+    /// Those of the contacts `found` with the cloth at `x` [m].
+    fn new(found: &FoundContacts, x: &[Vec3]) -> Self {
+        let mut over: FxHashMap<[u32; 3], f64> = FxHashMap::default();
+        for contact in &found.edges {
+            let lowest = over.entry(key(contact)).or_insert(f64::INFINITY);
+            *lowest = lowest.min(contact.gap(x));
+        }
+        let points = found.planes.iter().map(|c| (c.point, c.gap(&x[c.point as usize]))).collect();
+        Self { points, over }
+    }
+
+    /// Lets contacts act no farther out than the cloth lay in the shape, where it was at `x` [m]. What was not over the body there is
+    /// measured over the place where it is now.
+    fn apply(&self, found: &mut FoundContacts, x: &[Vec3]) {
+        for c in &mut found.planes {
+            let limit = self.points.get(&c.point).copied();
+            c.dhat = c.dhat.min(limit.unwrap_or_else(|| c.gap(&x[c.point as usize])));
+        }
+        for c in &mut found.edges {
+            let limit = self.over.get(&key(c)).copied();
+            c.dhat = c.dhat.min(limit.unwrap_or_else(|| c.gap(x)));
+        }
+    }
+}
+
+/// The points of the edge or the triangle of the cloth in `contact`, in increasing order.
+fn key(contact: &EdgeContact) -> [u32; 3] {
+    let mut points = contact.points;
+    points.sort_unstable();
+    points
 }

@@ -156,7 +156,12 @@ pub fn fall(
     let mut dt_request = STEP;
     while state.time < MAX_TIME && fall.stabilised.is_none() {
         let (angle, velocity) = (state.angle.clone(), state.v.clone());
-        let step = stepper.advance(&mut state, &memory.effective_rest, &mut |_, _| loads.clone(), dt_request);
+        let step = stepper.advance(
+            &mut state,
+            &memory.effective_rest,
+            &mut |_: f64, _: &_| loads.clone(),
+            dt_request,
+        );
         dt_request = step.next_dt;
         fall.steps += 1;
         fall.iterations += step.newton.global_iterations as u64;

@@ -14,6 +14,7 @@ use crate::mesh::point_in_solid::point_areas;
 use crate::mesh::triangle_bvh::TriangleBvh;
 use crate::mesh::{PointIndex, Topology};
 use rayon::prelude::*;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 /// Points and edges of a body with the cloth over them.
 pub(super) struct BodyEdges {
@@ -24,6 +25,8 @@ pub(super) struct BodyEdges {
     pub offsets: Vec<f64>,
     /// Contacts of this step.
     overlaps: Vec<Overlap>,
+    /// Those of the beginning of the step, and the offsets there.
+    begun: (Vec<Overlap>, Vec<f64>),
 }
 
 /// A position on an edge of the body and the cloth over it at the beginning of a step.
@@ -47,6 +50,7 @@ impl BodyEdges {
             areas: point_areas(points, triangles),
             offsets: vec![0.0; points.len()],
             overlaps: Vec::new(),
+            begun: (Vec::new(), vec![0.0; points.len()]),
         }
     }
 
@@ -65,10 +69,7 @@ impl BodyEdges {
         let moving_triangles: Vec<_> = moving.iter().map(|f| cloth[*f]).collect();
         let bvh = TriangleBvh::new(x, &moving_triangles, tuning.max_edge_distance);
         let over_point = |(point, (at, normal)): (usize, (&Vec3, &Vec3))| {
-            let length = tuning.max_penetration + tuning.max_height_over_vertex;
-            let hit = bvh.first_hit(x, at - normal * tuning.max_penetration, *normal, length)?;
-            let points = moving_triangles[hit.triangle as usize].map(|p| p.0);
-            Some(Overlap { edge: [point as u32; 2], edge_weights: [1.0, 0.0], points, weights: hit.weights })
+            over_point(x, (&bvh, &moving_triangles), point, *at, *normal)
         };
         self.overlaps = body.x.par_iter().zip(body.normals).enumerate().filter_map(over_point).collect();
         // Every edge belongs to its first triangle.
@@ -87,6 +88,83 @@ impl BodyEdges {
         };
         let near: Vec<[u32; 2]> = bvh.overlapping_pairs_with(body.bvh);
         self.overlaps.par_extend(near.into_par_iter().flat_map_iter(crossings));
+        self.begun = (self.overlaps.clone(), self.offsets.clone());
+    }
+
+    /// Goes back to the contacts and offsets of the beginning of the step.
+    pub fn restart(&mut self) {
+        self.overlaps.clone_from(&self.begun.0);
+        self.offsets.clone_from(&self.begun.1);
+    }
+
+    /// Adds contacts where triangles of the cloth at `x` [m] and of `body` intersect at the end of a step, `pairs` of them, and raises the
+    /// offsets of those of `contacts` that were pressed through. Returns whether there were any.
+    pub fn revise(
+        &mut self,
+        x: &[Vec3],
+        (cloth, topology): (&[[PointIndex; 3]], &Topology),
+        (body, body_triangles): (BodySurface, &[[PointIndex; 3]]),
+        pairs: &[[u32; 2]],
+        (contacts, settings): (&[EdgeContact], &BodyContactSettings),
+    ) -> bool {
+        let key = |overlap: &Overlap| (overlap.edge, sorted(overlap.points));
+        let known: FxHashMap<([u32; 2], [u32; 3]), usize> =
+            self.overlaps.iter().enumerate().map(|(k, overlap)| (key(overlap), k)).collect();
+        let mut of_cloth: Vec<u32> = pairs.iter().map(|[f, _]| *f).collect();
+        of_cloth.sort_unstable();
+        of_cloth.dedup();
+        let crossed: Vec<[PointIndex; 3]> = of_cloth.iter().map(|f| cloth[*f as usize]).collect();
+        let bvh = TriangleBvh::new(x, &crossed, TUNING.body.max_edge_distance);
+        let mut corners: Vec<usize> =
+            pairs.iter().flat_map(|[_, g]| body_triangles[*g as usize]).map(PointIndex::at).collect();
+        corners.sort_unstable();
+        corners.dedup();
+        let over_points =
+            corners.iter().filter_map(|&p| over_point(x, (&bvh, &crossed), p, body.x[p], body.normals[p]));
+        let edges_of = |topology: &Topology, f: u32| {
+            topology.triangle_edges[f as usize].map(|e| topology.edges[e as usize])
+        };
+        let over_edges = pairs.iter().flat_map(|[f, g]| {
+            let of_body = edges_of(&self.topology, *g);
+            let pairs =
+                edges_of(topology, *f).into_iter().flat_map(move |a| of_body.map(|b| (a, b)).into_iter());
+            pairs.filter_map(|(of_cloth, of_body)| crossing_edges(x, of_cloth, body, of_body))
+        });
+        let mut found: Vec<Overlap> = over_points.chain(over_edges).collect();
+        found.sort_by_key(key);
+        found.dedup_by_key(|overlap| key(overlap));
+        let gap = |overlap: &Overlap| {
+            let cloth: Vec3 =
+                overlap.points.iter().zip(overlap.weights).map(|(p, w)| x[*p as usize] * w).sum();
+            let [anchor, normal] =
+                [body.x, body.normals].map(|of| between(of, overlap.edge, overlap.edge_weights));
+            normal.dot(&(cloth - anchor))
+        };
+        let mut is_new = false;
+        for overlap in found {
+            match known.get(&key(&overlap)) {
+                // The cloth has slid over it since.
+                Some(k) if gap(&overlap) < 0.0 => self.overlaps[*k] = overlap,
+                Some(_) => continue,
+                None => self.overlaps.push(overlap),
+            }
+            is_new = true;
+        }
+        // Elsewhere contact is as strong as it should be: the cloth would slide on what stands off too far.
+        let crossed_points: FxHashSet<u32> = crossed.iter().flatten().map(|p| p.0).collect();
+        let is_crossed = |c: &&EdgeContact| {
+            c.edge.iter().all(|p| corners.binary_search(&(*p as usize)).is_ok())
+                && c.points.iter().all(|p| crossed_points.contains(p))
+        };
+        let weak: Vec<EdgeContact> = contacts.iter().filter(is_crossed).copied().collect();
+        let missing = self.missing(x, &weak, settings);
+        let max_offset = TUNING.body.max_edge_offset * settings.mean_point_dhat();
+        let mut is_raised = false;
+        for (offset, missing) in self.offsets.iter_mut().zip(missing).filter(|(_, missing)| *missing > 0.0) {
+            is_raised |= *offset < max_offset;
+            *offset = (*offset + missing).min(max_offset);
+        }
+        is_new || is_raised
     }
 
     /// Returns the contacts for a step that moves the body to `target` [m] with `normals`. `is_folded`: whether a point of the body is in a self
@@ -125,17 +203,44 @@ impl BodyEdges {
     pub fn end_step(&mut self, x: &[Vec3], contacts: &[EdgeContact], settings: &BodyContactSettings) {
         let tuning = &TUNING.body;
         let max_offset = tuning.max_edge_offset * settings.mean_point_dhat();
-        let mut missing = vec![0.0f64; self.offsets.len()];
-        for contact in contacts {
-            let amount = tuning.min_edge_gap * settings.edge_dhat - contact.gap(x);
-            for (p, w) in contact.edge.iter().zip(contact.edge_weights) {
-                missing[*p as usize] = missing[*p as usize].max(w * amount);
-            }
-        }
+        let missing = self.missing(x, contacts, settings);
         for (offset, missing) in self.offsets.iter_mut().zip(missing) {
             *offset = (*offset * (1.0 - tuning.offset_decay) + missing).min(max_offset);
         }
     }
+
+    /// Per point of the body: by how much its `contacts` fall short of the smallest gap with the cloth at `x` [m].
+    fn missing(&self, x: &[Vec3], contacts: &[EdgeContact], settings: &BodyContactSettings) -> Vec<f64> {
+        let mut missing = vec![0.0f64; self.offsets.len()];
+        for contact in contacts {
+            let amount = TUNING.body.min_edge_gap * settings.edge_dhat - contact.gap(x);
+            for (p, w) in contact.edge.iter().zip(contact.edge_weights) {
+                missing[*p as usize] = missing[*p as usize].max(w * amount);
+            }
+        }
+        missing
+    }
+}
+
+/// Returns the overlap of the point `point` of a body, at `at` [m] with that outward `normal`, and the innermost of the `triangles` of the
+/// cloth at `x` [m] over it, if there is one.
+fn over_point(
+    x: &[Vec3],
+    (bvh, triangles): (&TriangleBvh, &[[PointIndex; 3]]),
+    point: usize,
+    at: Vec3,
+    normal: Vec3,
+) -> Option<Overlap> {
+    let tuning = &TUNING.body;
+    let length = tuning.max_penetration + tuning.max_height_over_vertex;
+    let hit = bvh.first_hit(x, at - normal * tuning.max_penetration, normal, length)?;
+    let points = triangles[hit.triangle as usize].map(|p| p.0);
+    Some(Overlap { edge: [point as u32; 2], edge_weights: [1.0, 0.0], points, weights: hit.weights })
+}
+
+fn sorted(mut points: [u32; 3]) -> [u32; 3] {
+    points.sort_unstable();
+    points
 }
 
 /// Returns the overlap of the edge `of_cloth` of the cloth at `x` and the edge `of_body`, if the one runs across the other.
@@ -259,5 +364,41 @@ mod tests {
             edges.end_step(&over(-1e-4), &found, &settings(3));
         }
         assert_eq!(edges.offsets[0], TUNING.body.max_edge_offset * 1e-3, "the largest offset");
+    }
+
+    /// A triangle that the ridge has slid under within a step, and one that it has slid on under; a second attempt at the step begins anew.
+    #[test]
+    fn what_slides_under_the_cloth_within_a_step_carries_it_too() {
+        let at = |x: f64, height: f64| {
+            [[-0.03, 0.02], [-0.03, -0.02], [0.03, 0.0]].map(|[along, z]| Vec3::new(x + along, height, z))
+        };
+        let cloth = [[0, 1, 2].map(PointIndex)];
+        let (body, triangles) = roof();
+        let normals = point_normals(&body, &triangles);
+        let bvh = TriangleBvh::new(&body, &triangles, 0.0);
+        let surface = BodySurface { x: &body, normals: &normals, bvh: &bvh };
+        let topology = Topology::new(3, &cloth);
+        let mut edges = BodyEdges::new(&body, &triangles);
+        edges.begin_step(&at(0.2, 1e-4), &cloth, &topology, &|_| false, surface);
+        let none = edges.edge_contacts(&body, &normals, &[false; 6], &settings(3));
+        assert!(none.is_empty(), "nothing is over the roof: {none:?}");
+        let pairs: Vec<[u32; 2]> = (0..4).map(|g| [0, g]).collect();
+        let revised = |edges: &mut BodyEdges, x: &[Vec3; 3], contacts: &[EdgeContact]| {
+            let of_step = (contacts, &settings(3));
+            let changed = edges.revise(x, (&cloth, &topology), (surface, &triangles), &pairs, of_step);
+            changed.then(|| edges.edge_contacts(&body, &normals, &[false; 6], &settings(3)))
+        };
+        let through = at(-0.05, -2e-4);
+        let found = revised(&mut edges, &through, &[]).expect("the end of the ridge is through");
+        let corner = |found: &[EdgeContact]| *found.iter().find(|c| c.edge == [0, 0]).expect("has one");
+        assert!((corner(&found).gap(&through) + 2e-4).abs() < 1e-9, "{found:?}");
+        // The cloth has slid on: the same corner is under another place of the same triangle.
+        let slid = at(-0.04, -2e-4);
+        let again = revised(&mut edges, &slid, &found).expect("is through again");
+        assert!(corner(&again).weights != corner(&found).weights);
+        assert!(corner(&again).dhat > corner(&found).dhat, "and acts from farther away");
+        edges.restart();
+        assert!(edges.edge_contacts(&body, &normals, &[false; 6], &settings(3)).is_empty());
+        assert!(edges.offsets.iter().all(|offset| *offset == 0.0));
     }
 }

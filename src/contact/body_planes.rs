@@ -277,6 +277,34 @@ impl BodyPlanes {
         self.edges.edge_contacts(target, normals, self.self_fold.flags(), &self.settings)
     }
 
+    /// Goes back to the contacts of the body's points and edges of the beginning of the step, for another attempt at it.
+    pub fn restart_edges(&mut self) {
+        self.edges.restart();
+    }
+
+    /// Returns the contacts of the body's points and edges, where with the cloth at `x` [m], of triangles `cloth` and their `topology`, and
+    /// the body at `target` [m] with `normals` some of its triangles intersect the cloth although there were `contacts`: with those that
+    /// were missing, and from farther away where they were too weak. `None` where that changes nothing.
+    pub fn revised_edge_contacts(
+        &mut self,
+        x: &[Vec3],
+        (cloth, topology): (&[[PointIndex; 3]], &Topology),
+        target: &[Vec3],
+        normals: &[Vec3],
+        contacts: &[EdgeContact],
+    ) -> Option<Vec<EdgeContact>> {
+        let mut pairs = intersections_between(x, cloth, target, &self.triangles);
+        let mut near_fold = self.near_self_fold(target, &pairs).into_iter();
+        pairs.retain(|_| near_fold.next() == Some(false));
+        if pairs.is_empty() {
+            return None;
+        }
+        let body = BodySurface { x: target, normals, bvh: &self.bvh };
+        let of_step = (contacts, &self.settings);
+        let is_changed = self.edges.revise(x, (cloth, topology), (body, &self.triangles), &pairs, of_step);
+        is_changed.then(|| self.edge_contacts(target, normals))
+    }
+
     /// Returns `target` [m] with the two sides of each self fold under cloth moved apart, so that the cloth between them fits.
     pub fn resolve_self_contact(&mut self, target: &[Vec3]) -> Vec<Vec3> {
         let normals = point_normals(target, &self.triangles);
@@ -300,21 +328,29 @@ impl BodyPlanes {
         x.par_iter().zip(&self.footpoints).map(carried).collect()
     }
 
+    /// Per triangle of the body in `pairs` with those of the cloth: whether it is within [`SELF_FOLD_MARGIN`] of a self fold, with the body
+    /// at `x` [m].
+    fn near_self_fold(&self, x: &[Vec3], pairs: &[[u32; 2]]) -> Vec<bool> {
+        let fold = self.self_fold.positions(x);
+        let is_near = |[_, f]: &[u32; 2]| {
+            let corners = self.triangles[*f as usize].map(|p| x[p.at()]);
+            corners.iter().any(|at| fold.iter().any(|f| (f - at).norm() < SELF_FOLD_MARGIN))
+        };
+        pairs.iter().map(is_near).collect()
+    }
+
     /// Raises the offsets of the points of the cloth's triangles that intersect the body at the end of a step, and lets others decay if the body
     /// `moves`. Returns the numbers of pairs that intersect.
     pub fn raise_offsets(&mut self, x: &[Vec3], cloth: &[[PointIndex; 3]], moves: bool) -> BodyIntersections {
         let pairs = intersections_between(x, cloth, &self.positions, &self.triangles);
         // In a self fold cloth cannot be offset.
         let is_folded = |f: u32| self.self_fold.has_corner_of(&self.triangles[f as usize]);
-        let fold = self.self_fold.positions(&self.positions);
-        let near_fold = |f: u32| {
-            let corners = self.triangles[f as usize].map(|p| self.positions[p.at()]);
-            corners.iter().any(|at| fold.iter().any(|f| (f - at).norm() < SELF_FOLD_MARGIN))
-        };
+        let near_fold = self.near_self_fold(&self.positions, &pairs);
         let mut intersects = vec![false; x.len()];
         let (mut open, mut sum) = (0, Vec3::zeros());
-        for [of_cloth, of_body] in pairs.iter().filter(|[_, of_body]| !is_folded(*of_body)) {
-            if !near_fold(*of_body) {
+        let found = pairs.iter().zip(near_fold).filter(|([_, of_body], _)| !is_folded(*of_body));
+        for ([of_cloth, _], near_fold) in found {
+            if !near_fold {
                 open += 1;
                 sum += x[cloth[*of_cloth as usize][0].at()];
             }

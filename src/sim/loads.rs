@@ -3,8 +3,28 @@
 use crate::body::PosedBody;
 use crate::energy::{EdgeContact, Leash, PlaneContact, TargetSpring};
 use crate::math::Vec3;
+use crate::sim::state::State;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
+
+/// Source of the loads on the cloth over a step.
+pub trait LoadSource {
+    /// The loads at `time` [s] in a step that begins at `state`.
+    fn loads_at(&mut self, time: f64, state: &State) -> Loads;
+
+    /// All contacts with points and edges of the body, where the solved positions `x` [m] of a step under `loads` show that some were
+    /// missing or too weak; `None` where they do not.
+    fn revised_contacts(&mut self, x: &[Vec3], loads: &Loads) -> Option<Arc<[EdgeContact]>> {
+        let _ = (x, loads);
+        None
+    }
+}
+
+impl<F: FnMut(f64, &State) -> Loads> LoadSource for F {
+    fn loads_at(&mut self, time: f64, state: &State) -> Loads {
+        self(time, state)
+    }
+}
 
 /// A shrinking sphere that encloses the cloth.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

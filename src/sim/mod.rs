@@ -17,7 +17,7 @@ pub use integrator::{InnerSolver, MAX_DT_GROWTH, Method, Stage};
 pub use linear::block_matrix::{BlockMatrix, FIXED_ROW, StencilVisitor};
 pub use linear::cholesky::{Cholesky, FactorError, FactorSize, ScalarCholesky, SolveCost};
 pub use linear::conjugate_gradient::{Solution, conjugate_gradient};
-pub use loads::{GRAVITY, Loads, SphereLoad};
+pub use loads::{GRAVITY, LoadSource, Loads, SphereLoad};
 pub use newton::{Inertia, NewtonOptions, NewtonReport, NewtonSeconds, Problem, Workspace};
 pub use state::{PreviousState, State};
 pub use step_relaxation::StepRelaxation;

@@ -6,7 +6,7 @@ use crate::garment::RestState;
 use crate::math::Vec3;
 use crate::sim::cloth::Cloth;
 use crate::sim::integrator::{InnerSolver, Method, Stage, StepAttempt};
-use crate::sim::loads::Loads;
+use crate::sim::loads::{LoadSource, Loads};
 use crate::sim::newton::{Inertia, NewtonOptions, NewtonReport, Problem, Workspace};
 use crate::sim::stage_terms::{LoadBuffers, stage_terms};
 use crate::sim::state::{PreviousState, State};
@@ -121,18 +121,18 @@ impl Stepper {
         loads.max_dt * self.options.relaxation.dt_scale(loads)
     }
 
-    /// Makes one accepted step of at most `dt_request` [s] and replaces `state` by its end. `loads_at` returns the
-    /// loads at a time [s]; `rest_state` is only read. Rejected attempts leave no trace in `state`.
+    /// Makes one accepted step of at most `dt_request` [s] under the loads of `source` and replaces `state` by its end; `rest_state` is
+    /// only read. Rejected attempts leave no trace in `state`.
     pub fn advance(
         &mut self,
         state: &mut State,
         rest_state: &RestState,
-        loads_at: &mut dyn FnMut(f64, &State) -> Loads,
+        source: &mut dyn LoadSource,
         dt_request: f64,
     ) -> StepReport {
         let converges = self.options.method.solver() == InnerSolver::Newton;
         let mut h = dt_request.min(self.options.max_dt);
-        let mut last = loads_at(state.time + h, state);
+        let mut last = source.loads_at(state.time + h, state);
         // Quasi-static step: dt is limited by memory events, not by motion or loads, so a local solve is likely to
         // suffice.
         let allowed_dt = self.error_limited_dt.min(self.max_dt_under(&last));
@@ -142,12 +142,13 @@ impl Stepper {
         }
         if h > self.max_dt_under(&last) {
             h = self.max_dt_under(&last);
-            last = loads_at(state.time + h, state);
+            last = source.loads_at(state.time + h, state);
         }
         let mut total = NewtonReport::default();
         for rejected in 0.. {
-            let loads = StageLoads { earlier: self.earlier_stage_loads(state, h, loads_at), last };
-            let AttemptResult { next, error, report } = self.attempt(state, rest_state, &loads, h);
+            let mut loads = StageLoads { earlier: self.earlier_stage_loads(state, h, source), last };
+            let AttemptResult { next, error, report } =
+                self.attempt(state, rest_state, &mut loads, source, h);
             total.add(&report);
             let is_min_dt = h <= self.options.min_dt * 1.001;
             let error_tol =
@@ -187,7 +188,7 @@ impl Stepper {
             } else {
                 self.options.min_dt.min(0.5 * h)
             };
-            last = loads_at(state.time + h, state);
+            last = source.loads_at(state.time + h, state);
         }
         unreachable!("the minimum time step is always accepted")
     }
@@ -201,23 +202,22 @@ impl Stepper {
     }
 
     /// Returns the loads at the ends of all stages of a step but the last.
-    fn earlier_stage_loads(
-        &self,
-        state: &State,
-        h: f64,
-        loads_at: &mut dyn FnMut(f64, &State) -> Loads,
-    ) -> Vec<Loads> {
+    fn earlier_stage_loads(&self, state: &State, h: f64, source: &mut dyn LoadSource) -> Vec<Loads> {
         let times = self.options.method.stage_times();
-        times[..times.len() - 1].iter().map(|fraction| loads_at(state.time + fraction * h, state)).collect()
+        times[..times.len() - 1]
+            .iter()
+            .map(|fraction| source.loads_at(state.time + fraction * h, state))
+            .collect()
     }
 
     /// Attempts one step of `h` seconds. Obstacles are at their positions of the end of the step from its beginning on:
-    /// contact pairs are searched for once.
+    /// contact pairs are searched for once, but for those with the body that the end of the step shows to be missing.
     fn attempt(
         &mut self,
         state: &State,
         rest_state: &RestState,
-        loads: &StageLoads,
+        loads: &mut StageLoads,
+        source: &mut dyn LoadSource,
         h: f64,
     ) -> AttemptResult {
         let method = self.options.method;
@@ -239,8 +239,14 @@ impl Stepper {
             stage_positions = Some(x.clone());
         }
         let stage = next_stage(method, state, h, stage_positions.as_deref());
-        let inputs = StageInputs { state, rest_state, loads: last, buffers: &buffers, stage: &stage };
-        report.add(&self.solve_stage(&inputs, &mut x));
+        let mut revisions = 0..TUNING.max_contact_revisions;
+        loop {
+            let inputs = StageInputs { state, rest_state, loads: last, buffers: &buffers, stage: &stage };
+            report.add(&self.solve_stage(&inputs, &mut x));
+            let revised = revisions.next().and_then(|_| source.revised_contacts(&x, last));
+            let Some(contacts) = revised else { break };
+            last.edge_contacts = contacts;
+        }
         let angle = self.cloth.bending.angles(&x, &state.angle);
         let v = stage.velocity(&x);
         let previous = Some(PreviousState { dt: h, x: state.x.clone(), v: state.v.clone() });

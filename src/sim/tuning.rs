@@ -18,6 +18,8 @@ pub(super) struct SteppingTuning {
     pub min_dt_ratio: f64,
     /// Maximum ratio of the next step to this one [-], default 1.9; below the stability limit of BDF2.
     pub max_dt_ratio: f64,
+    /// Solves of a step that are repeated with contacts that were missing or too weak, at most, default 2.
+    pub max_contact_revisions: usize,
     /// Minimum ratio of a gap to its activation distance [-], default 0.02: layers that are nearer are reported as
     /// pressed, as the contact stiffness is not made for it.
     pub min_gap_ratio: f64,
@@ -41,6 +43,7 @@ impl SteppingTuning {
         error_safety_factor: 0.8,
         min_dt_ratio: 0.3,
         max_dt_ratio: 1.9,
+        max_contact_revisions: 2,
         min_gap_ratio: 0.02,
         max_strain: 0.3,
         min_motion: 1e-12,

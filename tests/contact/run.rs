@@ -222,10 +222,10 @@ impl Run {
     }
 
     /// One step of at most `wished` seconds.
-    pub fn step(&mut self, drive_at: &mut dyn FnMut(f64, &State) -> Loads, wished: f64) -> StepReport {
+    pub fn step(&mut self, mut drive_at: &mut dyn FnMut(f64, &State) -> Loads, wished: f64) -> StepReport {
         let report = match self.body.take() {
             Some(body) => self.step_on_body(body, drive_at, wished),
-            None => self.stepper.advance(&mut self.state, &self.memory, drive_at, wished),
+            None => self.stepper.advance(&mut self.state, &self.memory, &mut drive_at, wished),
         };
         assert!(self.state.x.iter().all(|x| x.sum().is_finite()), "not finite at {} s", self.state.time);
         self.steps += 1;

@@ -53,7 +53,7 @@ fn swing(
     let (mut course, mut events) = (vec![start], vec![0]);
     for _ in 0..steps {
         let before = state.angle.clone();
-        stepper.advance(&mut state, &watched.memory.effective_rest, &mut |_, _| free(), step);
+        stepper.advance(&mut state, &watched.memory.effective_rest, &mut |_: f64, _: &_| free(), step);
         if remember {
             let seen = |angle| Strains { angle, stretch: &[] };
             watched.memory.commit(&watched.law, &seen(&before), &seen(&state.angle), step);
@@ -121,7 +121,7 @@ fn memory_off_is_the_elastic_run_to_the_last_bit() {
         let mut state = State::at_rest(start.clone(), angle);
         let mut course = vec![start];
         for _ in 0..200 {
-            stepper.advance(&mut state, &rest, &mut |_, _| free(), 0.01);
+            stepper.advance(&mut state, &rest, &mut |_: f64, _: &_| free(), 0.01);
             course.push(state.x.clone());
         }
         course
