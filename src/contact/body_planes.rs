@@ -294,6 +294,8 @@ impl BodyPlanes {
         contacts: &[EdgeContact],
     ) -> Option<Vec<EdgeContact>> {
         let mut pairs = intersections_between(x, cloth, target, &self.triangles);
+        // Fixed cloth has no footpoints, and no contact moves it.
+        pairs.retain(|[f, _]| cloth[*f as usize].iter().any(|p| self.is_near(p.at())));
         let mut near_fold = self.near_self_fold(target, &pairs).into_iter();
         pairs.retain(|_| near_fold.next() == Some(false));
         if pairs.is_empty() {
