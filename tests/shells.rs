@@ -42,22 +42,33 @@ fn skirt() -> Part {
     tube
 }
 
-/// A skirt of 48 rows of 24 squares in two panels with vertices of their own along the side seams.
+/// A panel of a skirt of radius 0.2 m and height 0.55 m: `columns` of `around` from the column `first`, and `rows` of squares.
+fn panel(first: u32, columns: u32, around: u32, rows: u32) -> Part {
+    let (mut part, row) = (Part::default(), columns + 1);
+    for k in 0..row * (rows + 1) {
+        let [u, v] = [(first + k % row, around), (k / row, rows)].map(|(i, n)| f64::from(i) / f64::from(n));
+        let (sin, cos) = (std::f64::consts::TAU * u).sin_cos();
+        part.positions.push([0.2 * sin, 0.55 * v, 0.2 * cos]);
+        part.uvs.push([u, v]);
+    }
+    for (i, j) in (0..columns).flat_map(|i| (0..rows).map(move |j| (i, j))) {
+        let a = j * row + i;
+        part.triangles.extend([[a, a + 1, a + row + 1], [a, a + row + 1, a + row]]);
+    }
+    part
+}
+
+/// A skirt of 11 rows of 24 squares in two panels with vertices of their own along the side seams.
 fn panels() -> [Part; 2] {
-    let panel = |first: u32| {
-        let (mut part, row) = (Part::default(), 13);
-        for k in 0..row * 12 {
-            let angle = std::f64::consts::TAU * f64::from(first + k % row) / 24.0;
-            part.positions.push([0.2 * angle.sin(), 0.05 * f64::from(k / row), 0.2 * angle.cos()]);
-            part.uvs.push([f64::from(first + k % row) / 25.0, f64::from(k / row) / 12.0]);
-        }
-        for (i, j) in (0..12).flat_map(|i| (0..11).map(move |j| (i, j))) {
-            let a = j * row + i;
-            part.triangles.extend([[a, a + 1, a + row + 1], [a, a + row + 1, a + row]]);
-        }
-        part
-    };
-    [panel(0), panel(12)]
+    [0, 12].map(|first| panel(first, 12, 24, 11))
+}
+
+/// Moves a position away from the y axis by `shift` metres.
+fn outwards(shift: f64) -> impl Fn([f64; 3]) -> [f64; 3] {
+    move |[x, y, z]| {
+        let factor = 1.0 + shift / f64::hypot(x, z);
+        [x * factor, y, z * factor]
+    }
 }
 
 /// Both parts as one.
@@ -88,10 +99,7 @@ fn distances(a: &[Vec3], b: &[Vec3]) -> Vec<f64> {
 #[test]
 fn of_cloth_with_a_thickness_one_side_is_simulated() {
     for thickness in [0.0005, 0.0012, 0.003] {
-        let narrower = |[x, y, z]: [f64; 3]| {
-            let factor = 1.0 - thickness / f64::hypot(x, z);
-            [x * factor, y, z * factor]
-        };
+        let narrower = outwards(-thickness);
         let lower = |[x, y, z]: [f64; 3]| [x, y, z - thickness];
         for (one, thick) in [
             (skirt(), solid(&skirt(), narrower)),
@@ -170,13 +178,10 @@ fn both_sides_of_cloth_with_a_thickness_remember_a_fold() {
 #[test]
 fn two_sides_without_a_rim_are_one_cloth() {
     for thickness in [0.0005, 0.0015, 0.003] {
-        let narrower = |[x, y, z]: [f64; 3]| {
-            let factor = 1.0 - thickness / f64::hypot(x, z);
-            [x * factor, y, z * factor]
-        };
+        let narrower = outwards(-thickness);
         let one = joined(panels());
         // The inner side faces inwards, or as the outer one does.
-        for inner in [one.clone().reversed().moved(narrower), one.clone().moved(narrower)] {
+        for inner in [one.clone().reversed().moved(&narrower), one.clone().moved(&narrower)] {
             let mesh = parse(&joined([inner, one.clone()]));
             let layers = RigidParts::find(&mesh.garment).expect("two sides");
             assert_eq!(layers.cloth().triangles.len(), one.triangles.len(), "{thickness}");
@@ -204,15 +209,11 @@ fn two_sides_without_a_rim_are_one_cloth() {
 #[test]
 fn panels_with_a_thickness_of_their_own_are_sewn() {
     let thickness = 0.0015;
-    let one = parse(&joined(panels())).garment;
+    let thin = parse(&joined(panels()));
+    let area = crease::inspect(&thin.asset, &thin.garment, &thin.diagnostics).area_m2;
+    let one = thin.garment;
     assert_eq!(one.topology.boundary_loops(&one.triangles).len(), 2, "sewn at the sides");
     // Rims that coincide along the seams; rims that stand apart there, as each panel got its thickness across its own middle.
-    let radial = |shift: f64| {
-        move |[x, y, z]: [f64; 3]| {
-            let factor = 1.0 + shift / f64::hypot(x, z);
-            [x * factor, y, z * factor]
-        }
-    };
     let across = |sign: f64, shift: f64| {
         move |[x, y, z]: [f64; 3]| {
             let [out_x, out_z] = [x + 0.3 * sign, z];
@@ -221,7 +222,7 @@ fn panels_with_a_thickness_of_their_own_are_sewn() {
         }
     };
     let [a, b] = panels();
-    let coincident = joined([solid(&a, radial(-thickness)), solid(&b, radial(-thickness))]);
+    let coincident = joined([a.clone(), b.clone()].map(|part| solid(&part, outwards(-thickness))));
     let half = 0.5 * thickness;
     let apart = |part: &Part, sign: f64| {
         // `solid` takes the other side's place from the middle's: it is twice as far.
@@ -243,7 +244,7 @@ fn panels_with_a_thickness_of_their_own_are_sewn() {
         assert_eq!(cloth.topology.hinges.len(), one.topology.hinges.len(), "{what}");
         let shown = crease::inspect(&mesh.asset, &mesh.garment, &mesh.diagnostics);
         assert_eq!(shown.boundary_loops_m.len(), 2, "{what}: one side counts");
-        assert!((shown.area_m2 / (one_area(&one)) - 1.0).abs() < 0.02, "{what}: {} m2", shown.area_m2);
+        assert!((shown.area_m2 / area - 1.0).abs() < 0.02, "{what}: {} m2", shown.area_m2);
         // Where vertices were joined over a distance, the sidecar still knows its mesh.
         let worn = layers.worn(&WornGarment {
             displacement: vec![Vec3::zeros(); cloth.points.len()],
@@ -256,33 +257,10 @@ fn panels_with_a_thickness_of_their_own_are_sewn() {
     }
 }
 
-fn one_area(garment: &crease::Garment) -> f64 {
-    let area = |t: &[crease::mesh::PointIndex; 3]| {
-        let [a, b, c] = t.map(|p| garment.points[p.at()]);
-        0.5 * (b - a).cross(&(c - a)).norm()
-    };
-    garment.triangles.iter().map(area).sum()
-}
-
 #[test]
 fn cloth_with_openings_is_no_body_however_fine_it_is() {
     // A skirt of 28,800 triangles: its two borders are 1 % of its edges.
-    let mut skirt = Part::can(240, 0.2, 0.5, [0.0; 3]);
-    skirt.triangles.retain(|t| t.iter().all(|v| *v < 480));
-    skirt.positions.truncate(480);
-    skirt.uvs.truncate(480);
-    let (rows, count) = (60u32, 240u32);
-    let at = |k: usize, j: u32| {
-        let [x, _, z] = skirt.positions[k];
-        [x, 0.5 * f64::from(j) / f64::from(rows), z]
-    };
-    let mut fine = Part::default();
-    fine.positions = (0..=rows).flat_map(|j| (0..240).map(move |k| (k, j))).map(|(k, j)| at(k, j)).collect();
-    fine.uvs = vec![[0.5, 0.5]; fine.positions.len()];
-    for (k, j) in (0..count).flat_map(|k| (0..rows).map(move |j| (k, j))) {
-        let (a, b) = (j * count + k, j * count + (k + 1) % count);
-        fine.triangles.extend([[a, b, b + count], [a, b + count, a + count]]);
-    }
+    let fine = panel(0, 240, 240, 60);
     let pocket = Part::sheet(4, 0.1, [0.0, 0.25, 0.25]);
     let told = |cloth: Part| {
         let bytes = file(&[("skirt", vec![cloth]), ("pocket", vec![pocket.clone()])], |_| {});

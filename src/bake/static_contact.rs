@@ -69,12 +69,11 @@ impl<'a> StaticContact<'a> {
     }
 
     /// The same, with nothing pushed farther out of the body than it lies in the source shape of the garment.
-    pub fn limited_to_source(self) -> Self {
-        let mut contact = self;
-        let x = &contact.garment.points;
-        let found = contact.find(x);
-        contact.limits = Some(GapLimits::new(&found, x));
-        contact
+    pub fn limited_to_source(mut self) -> Self {
+        let x = &self.garment.points;
+        let found = self.find(x);
+        self.limits = Some(GapLimits::new(&found, x));
+        self
     }
 
     /// The contacts of the cloth at `x` [m].
@@ -102,7 +101,7 @@ impl<'a> StaticContact<'a> {
 struct GapLimits {
     /// Per point that is near the body: its height [m].
     points: FxHashMap<u32, f64>,
-    /// Per edge and triangle of the cloth over points and edges of the body, by their points in increasing order: the lowest height [m].
+    /// Per edge and triangle of the cloth over points and edges of the body, by their points: the lowest height [m].
     over: FxHashMap<[u32; 3], f64>,
 }
 
@@ -111,7 +110,7 @@ impl GapLimits {
     fn new(found: &FoundContacts, x: &[Vec3]) -> Self {
         let mut over: FxHashMap<[u32; 3], f64> = FxHashMap::default();
         for contact in &found.edges {
-            let lowest = over.entry(key(contact)).or_insert(f64::INFINITY);
+            let lowest = over.entry(contact.points).or_insert(f64::INFINITY);
             *lowest = lowest.min(contact.gap(x));
         }
         let points = found.planes.iter().map(|c| (c.point, c.gap(&x[c.point as usize]))).collect();
@@ -126,15 +125,8 @@ impl GapLimits {
             c.dhat = c.dhat.min(limit.unwrap_or_else(|| c.gap(&x[c.point as usize])));
         }
         for c in &mut found.edges {
-            let limit = self.over.get(&key(c)).copied();
+            let limit = self.over.get(&c.points).copied();
             c.dhat = c.dhat.min(limit.unwrap_or_else(|| c.gap(x)));
         }
     }
-}
-
-/// The points of the edge or the triangle of the cloth in `contact`, in increasing order.
-fn key(contact: &EdgeContact) -> [u32; 3] {
-    let mut points = contact.points;
-    points.sort_unstable();
-    points
 }

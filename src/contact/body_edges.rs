@@ -107,7 +107,7 @@ impl BodyEdges {
         pairs: &[[u32; 2]],
         (contacts, settings): (&[EdgeContact], &BodyContactSettings),
     ) -> bool {
-        let key = |overlap: &Overlap| (overlap.edge, sorted(overlap.points));
+        let key = |overlap: &Overlap| (overlap.edge, overlap.points);
         let known: FxHashMap<([u32; 2], [u32; 3]), usize> =
             self.overlaps.iter().enumerate().map(|(k, overlap)| (key(overlap), k)).collect();
         let mut of_cloth: Vec<u32> = pairs.iter().map(|[f, _]| *f).collect();
@@ -133,22 +133,18 @@ impl BodyEdges {
         let mut found: Vec<Overlap> = over_points.chain(over_edges).collect();
         found.sort_by_key(key);
         found.dedup_by_key(|overlap| key(overlap));
-        let gap = |overlap: &Overlap| {
-            let cloth: Vec3 =
-                overlap.points.iter().zip(overlap.weights).map(|(p, w)| x[*p as usize] * w).sum();
-            let [anchor, normal] =
-                [body.x, body.normals].map(|of| between(of, overlap.edge, overlap.edge_weights));
-            normal.dot(&(cloth - anchor))
+        let is_through = |overlap: &Overlap| {
+            let contact = self.contact(overlap, body.x, body.normals, settings);
+            contact.is_some_and(|contact| contact.gap(x) < 0.0)
         };
-        let mut is_new = false;
+        // Where a known one is through, the cloth has slid over it since.
+        found.retain(|overlap| !known.contains_key(&key(overlap)) || is_through(overlap));
+        let is_new = !found.is_empty();
         for overlap in found {
             match known.get(&key(&overlap)) {
-                // The cloth has slid over it since.
-                Some(k) if gap(&overlap) < 0.0 => self.overlaps[*k] = overlap,
-                Some(_) => continue,
+                Some(k) => self.overlaps[*k] = overlap,
                 None => self.overlaps.push(overlap),
             }
-            is_new = true;
         }
         // Elsewhere contact is as strong as it should be: the cloth would slide on what stands off too far.
         let crossed_points: FxHashSet<u32> = crossed.iter().flatten().map(|p| p.0).collect();
@@ -177,26 +173,33 @@ impl BodyEdges {
         settings: &BodyContactSettings,
     ) -> Vec<EdgeContact> {
         let open = self.overlaps.iter().filter(|o| !o.edge.iter().any(|p| is_folded[*p as usize]));
-        let contact = |o: &Overlap| {
-            let mean = |of: &[f64]| -> f64 {
-                o.edge.iter().zip(o.edge_weights).map(|(p, w)| of[*p as usize] * w).sum()
-            };
-            let cloth_area: f64 =
-                o.points.iter().zip(o.weights).map(|(p, w)| settings.areas[*p as usize] * w).sum();
-            let [anchor, normal] = [target, normals].map(|of| between(of, o.edge, o.edge_weights));
-            let stiffness = TUNING.body.edge_stiffness_factor * settings.stiffness;
-            Some(EdgeContact {
-                edge: o.edge,
-                edge_weights: o.edge_weights,
-                points: o.points,
-                weights: o.weights,
-                anchor,
-                normal: normal.try_normalize(1e-9)?,
-                dhat: settings.edge_dhat + mean(&self.offsets),
-                stiffness: stiffness * mean(&self.areas).max(cloth_area),
-            })
-        };
-        open.filter_map(contact).collect()
+        open.filter_map(|overlap| self.contact(overlap, target, normals, settings)).collect()
+    }
+
+    /// Returns the contact at an overlap, with the body at `target` [m] with `normals`; `None` where it has no normal.
+    fn contact(
+        &self,
+        o: &Overlap,
+        target: &[Vec3],
+        normals: &[Vec3],
+        settings: &BodyContactSettings,
+    ) -> Option<EdgeContact> {
+        let mean =
+            |of: &[f64]| -> f64 { o.edge.iter().zip(o.edge_weights).map(|(p, w)| of[*p as usize] * w).sum() };
+        let cloth_area: f64 =
+            o.points.iter().zip(o.weights).map(|(p, w)| settings.areas[*p as usize] * w).sum();
+        let [anchor, normal] = [target, normals].map(|of| between(of, o.edge, o.edge_weights));
+        let stiffness = TUNING.body.edge_stiffness_factor * settings.stiffness;
+        Some(EdgeContact {
+            edge: o.edge,
+            edge_weights: o.edge_weights,
+            points: o.points,
+            weights: o.weights,
+            anchor,
+            normal: normal.try_normalize(1e-9)?,
+            dhat: settings.edge_dhat + mean(&self.offsets),
+            stiffness: stiffness * mean(&self.areas).max(cloth_area),
+        })
     }
 
     /// Accepts the step with the cloth at `x` [m]; `contacts` were those of the step.
@@ -236,11 +239,6 @@ fn over_point(
     let hit = bvh.first_hit(x, at - normal * tuning.max_penetration, normal, length)?;
     let points = triangles[hit.triangle as usize].map(|p| p.0);
     Some(Overlap { edge: [point as u32; 2], edge_weights: [1.0, 0.0], points, weights: hit.weights })
-}
-
-fn sorted(mut points: [u32; 3]) -> [u32; 3] {
-    points.sort_unstable();
-    points
 }
 
 /// Returns the overlap of the edge `of_cloth` of the cloth at `x` and the edge `of_body`, if the one runs across the other.

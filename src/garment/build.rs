@@ -41,10 +41,7 @@ impl Garment {
         welder.join_short_edges(&kept);
         let (vertex_point, welded_count) = welder.points();
         let mut wedges = drop_collapsed(&kept, &vertex_point, &mut diagnostics);
-        let mut positions = vec![Vec3::zeros(); welded_count];
-        for (&point, &position) in vertex_point.iter().zip(&sheet.positions).rev() {
-            positions[point.at()] = position;
-        }
+        let positions = first_positions(&vertex_point, welded_count, &sheet.positions);
         fix_caps(&positions, &mut wedges, &mut diagnostics);
         if wedges.is_empty() {
             return Err(Error::input(
@@ -54,14 +51,22 @@ impl Garment {
                 "export it again, or choose another part with --garment",
             ));
         }
-        let (points, source_point) =
+        let (mut points, mut source_point) =
             drop_unused_points(&positions, &vertex_point, &mut wedges, &mut diagnostics);
         orient_outward(&points, &mut wedges, &mut diagnostics);
-        let (points, source_point, inner_side) = sew_shells(points, source_point, &mut wedges, weld);
-        let triangles: Vec<[PointIndex; 3]> = wedges.iter().map(|w| w.points).collect();
-        let topology = Topology::new(points.len(), &triangles);
-        let points = prepare_cloth(points, &triangles, &inner_side, &mut diagnostics);
-        let triangle_part = find_parts(points.len(), &triangles);
+        let (mut triangles, mut topology, mut triangle_part) = connect(points.len(), &wedges);
+        let mesh =
+            ShellMesh { points: &points, triangles: &triangles, topology: &topology, part: &triangle_part };
+        let Shells { inner: mut inner_side, thickness, .. } = Shells::find(mesh);
+        if inner_side.contains(&true) {
+            sew_panels(&mut points, &mut source_point, &mut wedges, &mut inner_side, [weld, thickness]);
+            (triangles, topology, triangle_part) = connect(points.len(), &wedges);
+            let cloth = outer_triangles(&triangles, &inner_side);
+            let topology = Topology::new(points.len(), &cloth);
+            prepare_cloth(&mut points, &cloth, &topology, &mut diagnostics);
+        } else {
+            prepare_cloth(&mut points, &triangles, &topology, &mut diagnostics);
+        }
         let part_count = triangle_part.iter().max().map_or(0, |&last| last as usize + 1);
         let flat = flatten_triangles(&points, &wedges, (&sheet.uvs, &sheet.pieces), &topology, part_count);
         diagnostics.note(flat.reason);
@@ -165,7 +170,7 @@ fn drop_collapsed(
             points: vertices.map(|v| vertex_point[v as usize]),
             vertices: Some(vertices),
         })
-        .filter(|w| w.points[0] != w.points[1] && w.points[1] != w.points[2] && w.points[2] != w.points[0])
+        .filter(|w| !w.is_collapsed())
         .collect();
     diagnostics.repaired(kept.len() - wedges.len(), "triangles with coinciding corners dropped");
     wedges
@@ -208,62 +213,64 @@ fn drop_unused_points(
     (points, source_point)
 }
 
-/// Finds the shells of a garment and joins the outer sides of panels that are shells of their own. Their borders, which rims close, join
-/// up to `weld` \[m\] apart, and up to the thickness: seams of panels that got it one by one stand apart by as much. Returns points, the
-/// point of each vertex, and per triangle whether it belongs to an inner side or a rim.
-fn sew_shells(
-    points: Vec<Vec3>,
-    source_point: Vec<PointIndex>,
-    wedges: &mut Vec<TriangleWedges>,
-    weld: f64,
-) -> (Vec<Vec3>, Vec<PointIndex>, Vec<bool>) {
-    let triangles: Vec<[PointIndex; 3]> = wedges.iter().map(|w| w.points).collect();
-    let topology = Topology::new(points.len(), &triangles);
-    let part = find_parts(points.len(), &triangles);
-    let mesh = ShellMesh { points: &points, triangles: &triangles, topology: &topology, part: &part };
-    let Shells { inner, thickness, .. } = Shells::find(mesh);
-    if !inner.contains(&true) {
-        return (points, source_point, inner);
+/// Returns the position of the first of `positions` \[m\] at each of `count` points; `point_of` gives the point of each.
+fn first_positions(point_of: &[PointIndex], count: usize, positions: &[Vec3]) -> Vec<Vec3> {
+    let mut first = vec![Vec3::zeros(); count];
+    for (point, position) in point_of.iter().zip(positions).rev() {
+        first[point.at()] = *position;
     }
-    let outer = triangles.iter().zip(&inner).filter(|(_, inner)| !**inner);
-    let outer: Vec<[PointIndex; 3]> = outer.map(|(t, _)| *t).collect();
+    first
+}
+
+/// Returns the triangles between `point_count` points, their topology, and their connected parts.
+fn connect(point_count: usize, wedges: &[TriangleWedges]) -> (Vec<[PointIndex; 3]>, Topology, Vec<u32>) {
+    let triangles: Vec<[PointIndex; 3]> = wedges.iter().map(|w| w.points).collect();
+    let topology = Topology::new(point_count, &triangles);
+    let parts = find_parts(point_count, &triangles);
+    (triangles, topology, parts)
+}
+
+/// Returns those of `triangles` that are no `inner_side`.
+pub(super) fn outer_triangles(triangles: &[[PointIndex; 3]], inner_side: &[bool]) -> Vec<[PointIndex; 3]> {
+    triangles.iter().zip(inner_side).filter(|(_, inner)| !**inner).map(|(t, _)| *t).collect()
+}
+
+/// Joins the outer sides of panels that are shells of their own. Their borders, which rims close, join up to `weld` \[m\] apart, and up to
+/// the `thickness` \[m\]: seams of panels that got it one by one stand apart by as much.
+fn sew_panels(
+    points: &mut Vec<Vec3>,
+    source_point: &mut [PointIndex],
+    wedges: &mut Vec<TriangleWedges>,
+    inner_side: &mut Vec<bool>,
+    [weld, thickness]: [f64; 2],
+) {
+    let triangles: Vec<[PointIndex; 3]> = wedges.iter().map(|w| w.points).collect();
+    let outer = outer_triangles(&triangles, inner_side);
     let border = Topology::new(points.len(), &outer);
     let open = border.edges.iter().zip(&border.edge_valence).filter(|(_, valence)| **valence == 1);
     let length = |[a, b]: &[PointIndex; 2]| (points[a.at()] - points[b.at()]).norm();
     let shortest = open.map(|(edge, _)| length(edge)).fold(f64::INFINITY, f64::min);
     // Borders do not close up along themselves.
-    let mut welder = Welder::new(&points, weld.max(thickness.min(0.5 * shortest)));
+    let mut welder = Welder::new(points, weld.max(thickness.min(0.5 * shortest)));
     welder.join_open_edges(&outer.iter().map(|t| t.map(|p| p.0)).collect::<Vec<_>>());
     let (joined, count) = welder.points();
-    let mut positions = vec![Vec3::zeros(); count];
-    for (point, position) in joined.iter().zip(&points).rev() {
-        positions[point.at()] = *position;
-    }
+    *points = first_positions(&joined, count, points);
+    source_point.iter_mut().for_each(|p| *p = joined[p.at()]);
     wedges.iter_mut().for_each(|w| w.points = w.points.map(|p| joined[p.at()]));
-    let has_area = |w: &TriangleWedges| {
-        let [a, b, c] = w.points;
-        a != b && b != c && c != a
-    };
-    let inner = inner.into_iter().zip(wedges.iter()).filter(|(_, w)| has_area(w)).map(|(inner, _)| inner);
-    let inner = inner.collect();
-    wedges.retain(has_area);
-    (positions, source_point.into_iter().map(|p| joined[p.at()]).collect(), inner)
+    let mut kept = wedges.iter().map(|w| !w.is_collapsed());
+    inner_side.retain(|_| kept.next() == Some(true));
+    wedges.retain(|w| !w.is_collapsed());
 }
 
-/// Reports which edges of the cloth carry no hinge and sets layers of it apart that lie in one place: of the triangles that are no
-/// `inner_side`. Returns the points \[m\].
+/// Reports which edges of the triangles `cloth` carry no hinge, and sets layers of it apart that lie in one place.
 fn prepare_cloth(
-    mut points: Vec<Vec3>,
-    triangles: &[[PointIndex; 3]],
-    inner_side: &[bool],
+    points: &mut [Vec3],
+    cloth: &[[PointIndex; 3]],
+    topology: &Topology,
     diagnostics: &mut ImportDiagnostics,
-) -> Vec<Vec3> {
-    let cloth = triangles.iter().zip(inner_side).filter(|(_, inner)| !**inner);
-    let cloth: Vec<[PointIndex; 3]> = cloth.map(|(t, _)| *t).collect();
-    let topology = Topology::new(points.len(), &cloth);
-    note_edges(&topology, diagnostics);
-    separate_layers(&mut points, &cloth, &topology, diagnostics);
-    points
+) {
+    note_edges(topology, diagnostics);
+    separate_layers(points, cloth, topology, diagnostics);
 }
 
 /// Reports which edges carry no hinge.

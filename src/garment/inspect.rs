@@ -3,6 +3,7 @@
 //! Made from the source asset, the garment built from it, and the diagnostics of both stages. Counts no intersections:
 //! `contact` does, and the caller fills the number in, as the contents that only the reader of a format knows.
 
+use crate::garment::build::outer_triangles;
 use crate::garment::{
     FileContents, Garment, ImportDiagnostic, Placement, RigidParts, Severity, SourceAsset, SourceFormat,
     UpAxis, content_warnings,
@@ -124,8 +125,7 @@ pub fn inspect(asset: &SourceAsset, garment: &Garment, diagnostics: &[ImportDiag
         diagnostics.iter().filter(|d| d.severity == severity).cloned().collect()
     };
     // Of cloth that was exported with its thickness, one side counts.
-    let outer = (0..garment.triangles.len()).filter(|f| !garment.inner_side[*f]);
-    let outer: Vec<[PointIndex; 3]> = outer.map(|f| garment.triangles[f]).collect();
+    let outer = outer_triangles(&garment.triangles, &garment.inner_side);
     let topology = Topology::new(garment.points.len(), &outer);
     let edges = edge_lengths_m(garment, &topology);
     let parts = part_reports(garment);

@@ -40,10 +40,10 @@ impl ShellMesh<'_> {
     }
 }
 
-/// Normals of `triangles` between `points`, zero without area.
-fn normals(points: &[Vec3], triangles: &[[PointIndex; 3]]) -> Vec<Vec3> {
-    let normal = |t: &[PointIndex; 3]| triangle::normal(&triangle::corners(points, t));
-    triangles.iter().map(|t| normal(t).unwrap_or_else(Vec3::zeros)).collect()
+/// Normals of the triangles of `mesh`, zero without area.
+fn normals(mesh: ShellMesh) -> Vec<Vec3> {
+    let normal = |f: usize| triangle::normal(&mesh.corners(f)).unwrap_or_else(Vec3::zeros);
+    (0..mesh.triangles.len()).map(normal).collect()
 }
 
 fn centroid(corners: [Vec3; 3]) -> Vec3 {
@@ -69,8 +69,8 @@ impl Shells {
         let mut parts: Vec<Vec<usize>> = vec![Vec::new(); count];
         mesh.part.iter().enumerate().for_each(|(f, part)| parts[*part as usize].push(f));
         let measures: Vec<PartMeasure> = parts.iter().map(|part| PartMeasure::new(mesh, part)).collect();
-        let has_pairs = pairs_of_like_size(&measures).next().is_some();
-        if !has_pairs && measures.iter().all(|measure| measure.thickness().is_none()) {
+        let pairs = pairs_of_like_size(&measures);
+        if pairs.is_empty() && measures.iter().all(|measure| measure.thickness().is_none()) {
             return shells;
         }
         let search = Search::new(mesh);
@@ -86,7 +86,7 @@ impl Shells {
             }
         }
         let mut is_paired = vec![false; count];
-        for [outer, inner] in pairs_of_like_size(&measures) {
+        for [outer, inner] in pairs {
             let runs_along = |a: usize, b: usize| search.runs_along(&parts[a], b);
             if !is_paired[outer] && !is_paired[inner] && runs_along(outer, inner) && runs_along(inner, outer)
             {
@@ -156,17 +156,16 @@ impl PartMeasure {
 }
 
 /// Pairs of parts that may be the two sides of a shell without a rim, the larger first.
-fn pairs_of_like_size(measures: &[PartMeasure]) -> impl Iterator<Item = [usize; 2]> {
+fn pairs_of_like_size(measures: &[PartMeasure]) -> Vec<[usize; 2]> {
     let mut sides: Vec<usize> = (0..measures.len()).filter(|part| measures[*part].may_be_side()).collect();
     sides.sort_by(|a, b| measures[*b].area.total_cmp(&measures[*a].area).then(a.cmp(b)));
     let is_like = |a: usize, b: usize| measures[b].area >= TUNING.min_side_area_ratio * measures[a].area;
-    let pairs: Vec<[usize; 2]> = (0..sides.len())
+    (0..sides.len())
         .flat_map(|k| {
             let a = sides[k];
             sides[k + 1..].iter().take_while(move |b| is_like(a, **b)).map(move |b| [a, *b])
         })
-        .collect();
-    pairs.into_iter()
+        .collect()
 }
 
 struct Search<'a> {
@@ -179,7 +178,7 @@ struct Search<'a> {
 impl<'a> Search<'a> {
     fn new(mesh: ShellMesh<'a>) -> Self {
         Self {
-            normals: normals(mesh.points, mesh.triangles),
+            normals: normals(mesh),
             areas: (0..mesh.triangles.len()).map(|f| triangle::area(&mesh.corners(f))).collect(),
             bvh: TriangleBvh::new(mesh.points, mesh.triangles, 0.0),
             mesh,
@@ -332,8 +331,8 @@ impl InnerSides {
         if left_out.is_empty() {
             return Some(Self::default());
         }
-        let (own, under) =
-            (normals(&garment.points, &garment.triangles), normals(&cloth.points, &cloth.triangles));
+        let mesh = ShellMesh::from(garment);
+        let (own, under) = (normals(mesh), normals(cloth.into()));
         let nearest = |x: Vec3, normal: Option<Vec3>| {
             bvh.nearest_where(&cloth.points, x, 2.0 * TUNING.max_cloth_thickness, |g| {
                 normal.is_none_or(|n| n.dot(&under[g as usize]).abs() > TUNING.min_side_cosine)
@@ -361,10 +360,7 @@ impl InnerSides {
             }
             let place = |f: u32| {
                 let normal = own[f as usize];
-                let found = nearest(
-                    centroid(triangle::corners(&garment.points, &garment.triangles[f as usize])),
-                    Some(normal),
-                )?;
+                let found = nearest(centroid(mesh.corners(f as usize)), Some(normal))?;
                 Some((found.triangle, normal.dot(&under[found.triangle as usize]).signum()))
             };
             // A rim, which no cloth faces, remembers nothing.

@@ -17,6 +17,14 @@ pub(super) struct TriangleWedges {
     pub(super) vertices: Option<[u32; 3]>,
 }
 
+impl TriangleWedges {
+    /// Whether two of its corners are one point.
+    pub(super) fn is_collapsed(&self) -> bool {
+        let [a, b, c] = self.points;
+        a == b || b == c || c == a
+    }
+}
+
 /// Returns the vertices at the corners of every triangle of `garment`, counted over the worn pieces of `asset` in file
 /// order. A triangle made by a repair has the first vertex of each of its points. `None` for a garment that is finer than
 /// its file: its points have no vertices there.

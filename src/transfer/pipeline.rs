@@ -43,6 +43,13 @@ pub(super) fn transfer_along_creases(
     along_creases: Option<(&Garment, &MeshMaker)>,
 ) -> Result<TransferResult> {
     validate(sources, target, options)?;
+    // The same mesh has the same trims: it is matched entry by entry.
+    if let Some((garment, make)) = along_creases
+        && !sources.iter().any(|source| source.surface.is_same_mesh(target))
+        && let Some(rigid) = RigidParts::find(garment)
+    {
+        return transfer_to_cloth(sources, target, &rigid, make, options);
+    }
     let aligned_to = AlignmentTarget::new(target);
     if let [source] = sources
         && options.keep_values()
@@ -50,13 +57,6 @@ pub(super) fn transfer_along_creases(
         && matches!(options.match_by, MatchBy::Auto | MatchBy::Same)
     {
         return Ok(unchanged(source, target, &aligned_to));
-    }
-    // The same mesh has the same trims: it is matched entry by entry.
-    if let Some((garment, make)) = along_creases
-        && !sources.iter().any(|source| source.surface.is_same_mesh(target))
-        && let Some(rigid) = RigidParts::find(garment)
-    {
-        return transfer_to_cloth(sources, target, &rigid, make, options);
     }
     let mut sum = MemoryDelta::zero(target);
     let mut confidence = vec![0.0; target.triangles.len()];
