@@ -19,7 +19,8 @@ use crate::error::{Error, Result};
 use crate::fabric::Fabric;
 use crate::garment::{Garment, RestState, RigidParts, WornGarment};
 use crate::math::Vec3;
-use crate::transfer::prolongate;
+use crate::remesh::SimulationMesh;
+use crate::transfer::{prolongate, resolved_memory};
 use crate::wear::WearScript;
 use std::sync::Arc;
 use std::time::Instant;
@@ -226,6 +227,13 @@ impl<'a> Bake<'a> {
         report.decisions.push(decision);
 
         let clock = Instant::now();
+        let rest = if options.own_triangles || options.full_fidelity {
+            rest
+        } else {
+            let resolved = resolved_since(&mesh, &rest, start.as_ref());
+            report.decisions.push(resolved_decision(&rest, &resolved));
+            resolved
+        };
         let relax_options = RelaxOptions::visible_on(garment, fabric);
         let body = options.body.as_deref();
         let relaxed = relax_to_source_pose(&mesh.garment, fabric, &mut stepper, &rest, &relax_options, body);
@@ -259,6 +267,29 @@ impl<'a> Bake<'a> {
         let simulated = SimulatedGarment { garment: mesh.garment, worn: on_mesh };
         Ok(BakeResult { worn, end, simulated, report })
     }
+}
+
+/// The memory `rest` that `mesh` can show, of that which was earned since `start`.
+fn resolved_since(mesh: &SimulationMesh, rest: &RestState, start: Option<&RestState>) -> RestState {
+    match start {
+        Some(start) => start.with_change(&resolved_memory(mesh, &rest.change_since(start))),
+        None => resolved_memory(mesh, rest),
+    }
+}
+
+/// Describes what of the memory `earned` is left in `resolved`.
+fn resolved_decision(earned: &RestState, resolved: &RestState) -> ModelDecision {
+    let rms = |memory: &RestState| {
+        let changes = memory.rest_angle.iter().zip(&memory.source_angle).map(|(rest, source)| rest - source);
+        (changes.map(|change| change * change).sum::<f64>() / memory.rest_angle.len().max(1) as f64).sqrt()
+    };
+    let why = format!(
+        "curvature averaged over one ring of triangles away from fold lines, where hinges are too coarse to say where a wrinkle \
+         runs: angles of {:.1} degrees root mean square, {:.1} before",
+        rms(resolved).to_degrees(),
+        rms(earned).to_degrees()
+    );
+    ModelDecision { name: "memory in result", on: true, why }
 }
 
 /// Describes the memory that a garment begins with.

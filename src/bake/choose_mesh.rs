@@ -16,7 +16,7 @@ use crate::mesh::distance::point_triangle;
 use crate::mesh::intersections::self_intersecting_triangles;
 use crate::mesh::triangle;
 use crate::remesh::{Curve, Seed, SimulationMesh, SizeField, SurfaceMesh, improve};
-use crate::wear::{DrawnLines, Foresight, RIM, WearScript, draw_fold_lines, is_row};
+use crate::wear::{DrawnLines, Foresight, WearScript, draw_fold_lines, is_row};
 
 /// The mesh that is simulated for a garment.
 #[derive(Debug, Clone)]
@@ -203,7 +203,7 @@ pub(super) fn make(mesh: &mut SurfaceMesh, lengths: EdgeLengths, uniform: f64) {
         line_crossings(mesh).into_iter().map(|position| Seed { position, length }).collect();
     for [a, b] in mesh.edges() {
         let length = match mesh.curve(a, b) {
-            Some(Curve::Border | Curve::Feature | Curve::Line(RIM)) => lengths.side,
+            Some(Curve::Border | Curve::Feature | Curve::Rim) => lengths.side,
             Some(Curve::Line(_)) => lengths.line,
             None => continue,
         };
@@ -217,14 +217,15 @@ fn line_crossings(mesh: &SurfaceMesh) -> Vec<Vec3> {
     let mut line = vec![None; mesh.x.len()];
     let mut found = Vec::new();
     for [a, b] in mesh.edges() {
-        let Some(Curve::Line(number)) = mesh.curve(a, b) else { continue };
-        if is_row(number) {
-            continue;
-        }
+        let curve = match mesh.curve(a, b) {
+            Some(Curve::Line(number)) if is_row(number) => continue,
+            Some(curve @ (Curve::Line(_) | Curve::Rim)) => curve,
+            _ => continue,
+        };
         for p in [a, b].map(|p| p as usize) {
             match line[p] {
-                None => line[p] = Some(number),
-                Some(other) if other != number => found.push(mesh.x[p]),
+                None => line[p] = Some(curve),
+                Some(other) if other != curve => found.push(mesh.x[p]),
                 Some(_) => {}
             }
         }

@@ -213,6 +213,10 @@ impl Bisection {
         for [a, _] in &self.splits {
             source_triangle.push(source_triangle[*a as usize]);
         }
+        let mut on_line = coarse.on_line.clone();
+        for [a, b] in &self.splits {
+            on_line.push(on_line[*a as usize] && on_line[*b as usize]);
+        }
         let inherited =
             |of: &[u32]| -> Vec<u32> { self.triangle_parent.iter().map(|&f| of[f as usize]).collect() };
         let located = coarse.source_location.iter().map(|at| self.locate(at)).collect();
@@ -230,7 +234,13 @@ impl Bisection {
             triangles,
         };
         Refinement {
-            mesh: SimulationMesh { garment, is_source: false, source_location: located, source_triangle },
+            mesh: SimulationMesh {
+                garment,
+                is_source: false,
+                source_location: located,
+                source_triangle,
+                on_line,
+            },
             splits: self.splits,
             hinge_parent,
             triangle_parent: self.triangle_parent,

@@ -25,6 +25,8 @@ pub enum Curve {
     Feature,
     /// A line drawn on the surface, by its number.
     Line(u32),
+    /// The line along which the garment turns over where it is laid out flat.
+    Rim,
 }
 
 /// A location on the garment's surface.
@@ -180,6 +182,11 @@ impl<'a> SurfaceMesh<'a> {
     /// The curve that an edge belongs to.
     pub fn curve(&self, a: u32, b: u32) -> Option<Curve> {
         self.curves.get(&edge_key(a, b)).copied()
+    }
+
+    /// Whether an edge at a point belongs to a line that was drawn.
+    pub fn is_on_line(&self, p: u32) -> bool {
+        self.neighbours(p).iter().any(|&q| matches!(self.curve(p, q), Some(Curve::Line(_))))
     }
 
     /// Number of curve edges at a point.
@@ -350,8 +357,17 @@ impl<'a> SurfaceMesh<'a> {
 
     /// Makes an edge part of line `number`, unless it belongs to another curve already.
     pub fn draw_line(&mut self, a: u32, b: u32, number: u32) {
+        self.draw(a, b, Curve::Line(number));
+    }
+
+    /// Makes an edge part of the rim, unless it belongs to another curve already.
+    pub fn draw_rim(&mut self, a: u32, b: u32) {
+        self.draw(a, b, Curve::Rim);
+    }
+
+    fn draw(&mut self, a: u32, b: u32, curve: Curve) {
         if self.curve(a, b).is_none() {
-            self.add_curve(a, b, Curve::Line(number));
+            self.add_curve(a, b, curve);
         }
     }
 
@@ -395,7 +411,7 @@ impl<'a> SurfaceMesh<'a> {
     /// Whether a point where curves meet may be drawn to another next to it: both are one place for all that a mesh can show. A point
     /// of a border or feature stays on it.
     fn welds(&self, from: u32, to: u32) -> Option<()> {
-        let line = |curve: Option<Curve>| matches!(curve, None | Some(Curve::Line(_)));
+        let line = |curve: Option<Curve>| matches!(curve, None | Some(Curve::Line(_) | Curve::Rim));
         let on_lines = self.neighbours(from).into_iter().all(|q| line(self.curve(from, q)));
         let near = self.length(from, to) < TUNING.weld_length && self.curve_degree[to as usize] > 0;
         (near && (on_lines || !line(self.curve(from, to)))).then_some(())
@@ -535,7 +551,7 @@ impl<'a> SurfaceMesh<'a> {
         let ends: Vec<u32> = self
             .neighbours(p)
             .into_iter()
-            .filter(|&q| matches!(self.curve(p, q), Some(Curve::Line(_))))
+            .filter(|&q| matches!(self.curve(p, q), Some(Curve::Line(_) | Curve::Rim)))
             .collect();
         let &[a, b] = ends.as_slice() else { return false };
         if self.curve(p, a) != self.curve(p, b) {

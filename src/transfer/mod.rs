@@ -36,6 +36,7 @@ mod pipeline;
 mod prolongate;
 mod registration;
 mod resample;
+mod resolved_memory;
 mod scatter;
 mod smoothing;
 mod surface;
@@ -55,4 +56,5 @@ pub use options::{
 pub use pipeline::{MeshMaker, transfer};
 pub use prolongate::{prolongate, restrict};
 pub use registration::PointPair;
+pub use resolved_memory::resolved_memory;
 pub use surface::GarmentSurface;

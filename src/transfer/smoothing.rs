@@ -13,28 +13,41 @@ use std::f64::consts::SQRT_2;
 
 /// Spreads the curvature of `faces`, one per triangle of `surface`.
 pub(super) fn smooth_curvature(surface: &GarmentSurface, faces: &mut [ResampledFace]) {
-    let frames: Vec<FaceFrame> = (0..faces.len()).map(|f| FaceFrame::new(&surface.corners(f))).collect();
-    let areas: Vec<f64> = (0..faces.len()).map(|f| 0.5 * surface.normal(f).norm()).collect();
+    let tensors: Vec<PlaneTensor> = faces.iter().map(|face| face.curvature).collect();
+    let spread = ring_mean(surface, &tensors, &vec![true; faces.len()]);
+    for (face, spread) in faces.iter_mut().zip(&spread) {
+        face.curvature += (spread - face.curvature) * TUNING.spread_fraction;
+    }
+}
+
+/// The tensors of the triangles `counted` of `surface`, averaged over one ring of such triangles: their integral over the surface
+/// stays. Others keep theirs. One tensor and one flag per triangle.
+pub(super) fn ring_mean(
+    surface: &GarmentSurface,
+    tensors: &[PlaneTensor],
+    counted: &[bool],
+) -> Vec<PlaneTensor> {
+    let frames: Vec<FaceFrame> = (0..tensors.len()).map(|f| FaceFrame::new(&surface.corners(f))).collect();
+    let counted_area = |f: usize| if counted[f] { 0.5 * surface.normal(f).norm() } else { 0.0 };
+    let areas: Vec<f64> = (0..tensors.len()).map(counted_area).collect();
     let mut point_area = vec![0.0; surface.points.len()];
     for (t, area) in surface.triangles.iter().zip(&areas) {
         t.iter().for_each(|p| point_area[p.at()] += area);
     }
     // Mean over the triangles at a point, in the frame of space.
     let mut at_points = vec![Mat3::zeros(); surface.points.len()];
-    for (f, face) in faces.iter().enumerate() {
-        if face.curvature == PlaneTensor::zeros() {
-            continue;
-        }
-        let tensor = to_space(&frames[f], &face.curvature) * areas[f];
+    for (f, tensor) in tensors.iter().enumerate().filter(|(f, t)| counted[*f] && **t != PlaneTensor::zeros())
+    {
+        let tensor = to_space(&frames[f], tensor) * areas[f];
         for p in &surface.triangles[f] {
             at_points[p.at()] += tensor / point_area[p.at()].max(f64::MIN_POSITIVE);
         }
     }
-    for (f, face) in faces.iter_mut().enumerate() {
+    let mean = |(f, own): (usize, &PlaneTensor)| {
         let [a, b, c] = surface.triangles[f].map(|p| at_points[p.at()]);
-        let spread = to_plane(&frames[f], &((a + b + c) / 3.0));
-        face.curvature += (spread - face.curvature) * TUNING.spread_fraction;
-    }
+        if counted[f] { to_plane(&frames[f], &((a + b + c) / 3.0)) } else { *own }
+    };
+    tensors.iter().enumerate().map(mean).collect()
 }
 
 fn to_space(frame: &FaceFrame, tensor: &PlaneTensor) -> Mat3 {
@@ -43,7 +56,7 @@ fn to_space(frame: &FaceFrame, tensor: &PlaneTensor) -> Mat3 {
     x * x.transpose() * tensor[0] + y * y.transpose() * tensor[1] + mixed * (tensor[2] / SQRT_2)
 }
 
-fn to_plane(frame: &FaceFrame, tensor: &Mat3) -> PlaneTensor {
+pub(super) fn to_plane(frame: &FaceFrame, tensor: &Mat3) -> PlaneTensor {
     let part = |a: &Vec3, b: &Vec3| a.dot(&(tensor * b));
     let (x, y) = (&frame.x, &frame.y);
     PlaneTensor::new(part(x, x), part(y, y), SQRT_2 * part(x, y))

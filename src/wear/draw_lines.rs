@@ -98,8 +98,10 @@ mod tests {
     fn drawn(garment: &Garment, actions: &str, laid: Option<&[Vec3]>) -> (Vec<(i64, usize)>, Foresight) {
         let script = script(actions);
         let DrawnLines { mesh, foresight } = draw_fold_lines(garment, &script, laid, 0.0, NO_ROW);
-        let lines =
-            mesh.edges().into_iter().filter(|[a, b]| matches!(mesh.curve(*a, *b), Some(Curve::Line(_))));
+        let lines = mesh
+            .edges()
+            .into_iter()
+            .filter(|[a, b]| matches!(mesh.curve(*a, *b), Some(Curve::Line(_) | Curve::Rim)));
         let place = |[a, b]: [u32; 2]| {
             let middle = 0.5 * (mesh.x[a as usize] + mesh.x[b as usize]);
             ((middle.x / STEP).round() as i64, usize::from(middle.y > 0.0))

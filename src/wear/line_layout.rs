@@ -12,12 +12,10 @@ use crate::wear::tuning::TUNING;
 
 /// Number of the first row beside a line; fold lines are numbered from 0.
 const FIRST_ROW: u32 = 1 << 16;
-/// Number of the line along which a garment that is laid out flat turns over.
-pub const RIM: u32 = u32::MAX;
 
 /// Whether the number of a line is that of a row beside a fold line.
 pub fn is_row(number: u32) -> bool {
-    (FIRST_ROW..RIM).contains(&number)
+    number >= FIRST_ROW
 }
 
 /// Positions and layers before a fold.
@@ -76,7 +74,7 @@ impl<'a> LineLayout<'a> {
         if let Some(mut rim) = rim {
             self.cut(&mut rim);
             for [p, q] in self.mesh.edges_on_line(&rim) {
-                self.mesh.draw_line(p, q, RIM);
+                self.mesh.draw_rim(p, q);
             }
         }
         self.fix_extremes();

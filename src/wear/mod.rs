@@ -36,7 +36,7 @@ pub use actions::{
 pub use draw_lines::{DrawnLines, draw_fold_lines};
 pub use fold_layout::{FoldLayout, Foresight};
 pub use fraction::Fraction2;
-pub use line_layout::{RIM, is_row};
+pub use line_layout::is_row;
 pub use persistent_state::{FoldRecord, GarmentFrame, PersistentState};
 pub use script::{Flatten, MAX_ACTIONS, MAX_DURATION_S, MAX_NESTING, WearFormat, WearScript};
 pub use wear_action::{FieldError, WearAction};
