@@ -148,7 +148,7 @@ fn locate_source(
 pub(super) mod tests {
     use super::*;
     use crate::mesh::triangle::{area, longest_side};
-    use crate::remesh::{Seed, SizeField, improve};
+    use crate::remesh::{Curve, Seed, SizeField, improve};
 
     /// A level sheet of 0.3 x 0.2 m of triangles with a diagonal; `sliver` makes columns of two widths.
     pub fn sheet(step: f64, sliver: f64) -> Garment {
@@ -195,7 +195,7 @@ pub(super) mod tests {
         let mut level: Vec<f64> = mesh.x.iter().map(|p| p.x - 0.13).collect();
         mesh.cut(&mut level);
         let line = mesh.edges_on_line(&level);
-        line.iter().for_each(|[a, b]| mesh.draw_line(*a, *b, 0));
+        line.iter().for_each(|[a, b]| mesh.draw(*a, *b, Curve::Line(0)));
         let seeds: Vec<Seed> = line
             .iter()
             .flat_map(|[a, b]| Seed::along(mesh.x[*a as usize], mesh.x[*b as usize], 0.012))

@@ -355,17 +355,8 @@ impl<'a> SurfaceMesh<'a> {
         self.edges().into_iter().filter(|[a, b]| on(*a) && on(*b)).collect()
     }
 
-    /// Makes an edge part of line `number`, unless it belongs to another curve already.
-    pub fn draw_line(&mut self, a: u32, b: u32, number: u32) {
-        self.draw(a, b, Curve::Line(number));
-    }
-
-    /// Makes an edge part of the rim, unless it belongs to another curve already.
-    pub fn draw_rim(&mut self, a: u32, b: u32) {
-        self.draw(a, b, Curve::Rim);
-    }
-
-    fn draw(&mut self, a: u32, b: u32, curve: Curve) {
+    /// Makes an edge part of `curve`, unless it belongs to another one already.
+    pub fn draw(&mut self, a: u32, b: u32, curve: Curve) {
         if self.curve(a, b).is_none() {
             self.add_curve(a, b, curve);
         }

@@ -5,7 +5,7 @@
 //! lies on the two rows of triangles beside it on the target.
 
 use crate::garment::Garment;
-use crate::remesh::{CutPoint, SurfaceMesh};
+use crate::remesh::{Curve, CutPoint, SurfaceMesh};
 use crate::transfer::correspondence::{Correspondence, Match, Query};
 use crate::transfer::crease_lines::CreaseLine;
 use crate::transfer::surface::GarmentSurface;
@@ -64,7 +64,7 @@ impl<'a> CreaseDrawing<'a> {
             self.cut(&mut level, self.rows[k]);
             self.levels[k] = level;
             for [p, q] in self.mesh.edges_on_line(&self.levels[k]) {
-                self.mesh.draw_line(p, q, k as u32);
+                self.mesh.draw(p, q, Curve::Line(k as u32));
             }
         }
         for k in 0..self.levels.len() {
@@ -75,7 +75,7 @@ impl<'a> CreaseDrawing<'a> {
                 let number = FIRST_ROW + 2 * k as u32 + side as u32;
                 for [p, q] in self.mesh.edges_on_line(&level) {
                     if self.is_clear(k, p, q) {
-                        self.mesh.draw_line(p, q, number);
+                        self.mesh.draw(p, q, Curve::Line(number));
                     }
                 }
             }

@@ -67,7 +67,7 @@ fn shown_curvature(garment: &Garment, surface: &GarmentSurface) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::math::Vec3;
-    use crate::remesh::{Seed, SizeField, SurfaceMesh, improve};
+    use crate::remesh::{Curve, Seed, SizeField, SurfaceMesh, improve};
 
     /// A mesh with edges of 20 mm on a sheet of 0.4 x 0.4 m, with a line drawn along x = 0.1 m if asked.
     fn mesh(lined: bool) -> SimulationMesh {
@@ -79,7 +79,7 @@ mod tests {
             let mut level: Vec<f64> = mesh.x.iter().map(|p| p.x - low - 0.1).collect();
             mesh.cut(&mut level);
             for [a, b] in mesh.edges_on_line(&level) {
-                mesh.draw_line(a, b, 0);
+                mesh.draw(a, b, Curve::Line(0));
                 seeds.extend(Seed::along(mesh.x[a as usize], mesh.x[b as usize], 0.02));
             }
         }

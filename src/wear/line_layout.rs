@@ -5,7 +5,7 @@
 //! middle of their bend lies farther out. [`crate::wear::draw_fold_lines`] feeds it with the actions of a script.
 
 use crate::math::Vec3;
-use crate::remesh::{CutPoint, SurfaceMesh};
+use crate::remesh::{Curve, CutPoint, SurfaceMesh};
 use crate::wear::fold_map::{bend_middle, line_shift};
 use crate::wear::layer_order::LayerOrder;
 use crate::wear::tuning::TUNING;
@@ -74,7 +74,7 @@ impl<'a> LineLayout<'a> {
         if let Some(mut rim) = rim {
             self.cut(&mut rim);
             for [p, q] in self.mesh.edges_on_line(&rim) {
-                self.mesh.draw_rim(p, q);
+                self.mesh.draw(p, q, Curve::Rim);
             }
         }
         self.fix_extremes();
@@ -100,7 +100,7 @@ impl<'a> LineLayout<'a> {
         self.cut(&mut level);
         let number = self.levels.len() as u32;
         for [p, q] in self.mesh.edges_on_line(&level) {
-            self.mesh.draw_line(p, q, number);
+            self.mesh.draw(p, q, Curve::Line(number));
         }
         self.before_folds
             .push(BeforeFold { positions: self.positions.clone(), layers: self.mesh.tag.clone() });
@@ -192,7 +192,7 @@ impl<'a> LineLayout<'a> {
                 let number = FIRST_ROW + 2 * k as u32 + side as u32;
                 for [p, q] in self.mesh.edges_on_line(&level) {
                     if self.is_clear(k, p, q) {
-                        self.mesh.draw_line(p, q, number);
+                        self.mesh.draw(p, q, Curve::Line(number));
                     }
                 }
             }
