@@ -136,7 +136,7 @@ impl<'a> GarmentReading<'a> {
     ) -> (Vec<Vec3>, Option<ModelDecision>) {
         let source = &self.garment.points;
         let shape: Vec<Vec3> = mesh.garment.points.iter().zip(displacement).map(|(x, d)| x + d).collect();
-        let mut points = self.uncrossed(mesh.carry(source, &shape), mesh, &shape);
+        let mut points = self.uncrossed(mesh.carry(self.garment, &shape), mesh, &shape);
         let mut held = vec![false; points.len()];
         if !mesh.is_source || self.body.is_some() {
             for round in 0..TUNING.uncross.max_hold_back_rounds {

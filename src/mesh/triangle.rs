@@ -39,6 +39,17 @@ pub(crate) fn quality(x: &[Vec3; 3]) -> f64 {
     if sides > 0.0 { 2.0 * 3f64.sqrt() * a.cross(&b).norm() / sides } else { 0.0 }
 }
 
+/// Barycentric coordinates of the centroids of the n² equal triangles that a triangle is cut into.
+pub fn sample_weights(n: u32) -> impl Iterator<Item = [f64; 3]> {
+    let at = move |i: u32, j: u32, shift: f64| {
+        let (a, b) = ((f64::from(i) + shift) / f64::from(n), (f64::from(j) + shift) / f64::from(n));
+        [1.0 - a - b, a, b]
+    };
+    let upright = move |i: u32| (0..n - i).map(move |j| at(i, j, 1.0 / 3.0));
+    let inverted = move |i: u32| (0..n - i - 1).map(move |j| at(i, j, 2.0 / 3.0));
+    (0..n).flat_map(move |i| upright(i).chain(inverted(i)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -12,6 +12,7 @@
 
 use crate::garment::RestState;
 use crate::math::{Vec2, Vec3};
+use crate::mesh::triangle::sample_weights;
 use crate::transfer::correspondence::{Correspondence, Match, Query};
 use crate::transfer::hinge_fit::{FaceFrame, PlaneTensor, edge_tensor};
 use crate::transfer::surface::GarmentSurface;
@@ -130,17 +131,6 @@ fn source_face(source: &GarmentSurface, memory: &RestState, f: usize) -> SourceF
         angle: [0, 1, 2].map(|k| hinge(k).map_or(0.0, change)),
         compliance: [0, 1, 2].map(|k| hinge(k).map(|h| 1.0 / memory.stiffness_ratio[h as usize])),
     }
-}
-
-/// Barycentric coordinates of the centroids of the n² equal triangles that a triangle is cut into.
-pub(super) fn sample_weights(n: u32) -> impl Iterator<Item = [f64; 3]> {
-    let at = move |i: u32, j: u32, shift: f64| {
-        let (a, b) = ((f64::from(i) + shift) / f64::from(n), (f64::from(j) + shift) / f64::from(n));
-        [1.0 - a - b, a, b]
-    };
-    let upright = move |i: u32| (0..n - i).map(move |j| at(i, j, 1.0 / 3.0));
-    let inverted = move |i: u32| (0..n - i - 1).map(move |j| at(i, j, 2.0 / 3.0));
-    (0..n).flat_map(move |i| upright(i).chain(inverted(i)))
 }
 
 /// Sums over the samples of one target triangle.

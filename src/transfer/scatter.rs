@@ -5,10 +5,10 @@
 
 use crate::garment::RestState;
 use crate::math::Vec3;
+use crate::mesh::triangle::sample_weights;
 use crate::mesh::{INVALID, SurfaceWalk};
 use crate::transfer::correspondence::smallest_rotation;
 use crate::transfer::hinge_fit::{FaceFrame, PlaneTensor, edge_tensor};
-use crate::transfer::resample::sample_weights;
 use crate::transfer::surface::GarmentSurface;
 use crate::transfer::tuning::TUNING;
 use std::collections::VecDeque;
