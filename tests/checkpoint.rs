@@ -117,6 +117,28 @@ fn assert_same(one: &BakeResult, other: &BakeResult, what: &str) {
     assert_eq!(one.report.not_performed, other.report.not_performed, "{what}: what did not take place");
 }
 
+#[test]
+fn another_strength_needs_no_other_run() {
+    let mut scene = Scene::new(Method::BackwardEuler);
+    let mut keeper = Keeper::new(u64::MAX);
+    let whole = scene.bake(&mut keeper).unwrap();
+    let last = keeper.checkpoints.pop().expect("there is one at the end");
+    scene.options.strength = 0.5;
+    let half = scene.resume(&last, &mut ()).unwrap();
+    assert_eq!(half.end, whole.end);
+    let [of_whole, of_half] = [&whole, &half].map(|baked| &baked.simulated.worn.memory);
+    let largest = |rest: &crease::RestState| {
+        let changes =
+            rest.rest_angle.iter().zip(&rest.source_angle).map(|(rest, source)| (rest - source).abs());
+        changes.fold(0.0, f64::max)
+    };
+    assert!(largest(of_whole) > 0.1, "{}", largest(of_whole));
+    assert_eq!(*of_half, of_whole.strengthened(0.5));
+    scene.options.strength = -1.0;
+    let refused = scene.bake(&mut ()).unwrap_err().to_string();
+    assert!(refused.contains("strength"), "{refused}");
+}
+
 fn resumed_anywhere(method: Method) {
     let scene = Scene::new(method);
     let plain = scene.bake(&mut ()).unwrap();

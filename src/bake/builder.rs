@@ -101,6 +101,12 @@ impl<'a> Bake<'a> {
         self
     }
 
+    /// Sets the factor on everything the garment comes to remember, in the result: 1 for what the wear left, 0 for nothing.
+    pub fn strength(mut self, strength: f64) -> Self {
+        self.options.strength = strength;
+        self
+    }
+
     /// Sets the number of frames per simulated second for [`Observer::frame`]; 0, the default, for none.
     pub fn frames_per_second(mut self, frames: f64) -> Self {
         self.options.frames_per_second = frames;
@@ -193,6 +199,10 @@ impl<'a> Bake<'a> {
             let what = "has other hinges or triangles than the garment";
             return Err(Error::input("the earlier memory", "", what, "give the memory of this garment"));
         }
+        if !(options.strength >= 0.0 && options.strength.is_finite()) {
+            let what = "the strength is no number from 0 up";
+            return Err(Error::input("the options", "", what, "give 1 for the memory as it was earned"));
+        }
         let mut baked = match RigidParts::find(garment) {
             Some(rigid) => {
                 let of_cloth = earlier.map(|memory| rigid.cloth_memory(memory));
@@ -227,13 +237,8 @@ impl<'a> Bake<'a> {
         report.decisions.push(decision);
 
         let clock = Instant::now();
-        let rest = if options.own_triangles || options.full_fidelity {
-            rest
-        } else {
-            let resolved = resolved_since(&mesh, &rest, start.as_ref());
-            report.decisions.push(resolved_decision(&rest, &resolved));
-            resolved
-        };
+        let (rest, shown) = result_memory(&mesh, rest, start.as_ref(), &options);
+        report.decisions.extend(shown);
         let relax_options = RelaxOptions::visible_on(garment, fabric);
         let body = options.body.as_deref();
         let relaxed = relax_to_source_pose(&mesh.garment, fabric, &mut stepper, &rest, &relax_options, body);
@@ -269,27 +274,39 @@ impl<'a> Bake<'a> {
     }
 }
 
-/// The memory `rest` that `mesh` can show, of that which was earned since `start`.
-fn resolved_since(mesh: &SimulationMesh, rest: &RestState, start: Option<&RestState>) -> RestState {
-    match start {
-        Some(start) => start.with_change(&resolved_memory(mesh, &rest.change_since(start))),
-        None => resolved_memory(mesh, rest),
+/// The memory of the result: of the memory `rest`, that which was earned since `start`, as far as `mesh` can show it and at the strength asked
+/// for. With the decision that describes it, unless it is `rest` itself.
+fn result_memory(
+    mesh: &SimulationMesh,
+    rest: RestState,
+    start: Option<&RestState>,
+    options: &BakeOptions,
+) -> (RestState, Option<ModelDecision>) {
+    let resolves = !options.own_triangles && !options.full_fidelity;
+    if !resolves && options.strength == 1.0 {
+        return (rest, None);
     }
-}
-
-/// Describes what of the memory `earned` is left in `resolved`.
-fn resolved_decision(earned: &RestState, resolved: &RestState) -> ModelDecision {
+    let earned = start.map_or_else(|| rest.clone(), |start| rest.change_since(start));
+    let resolved = if resolves { resolved_memory(mesh, &earned) } else { earned.clone() };
+    let shown = if options.strength == 1.0 { resolved } else { resolved.strengthened(options.strength) };
     let rms = |memory: &RestState| {
         let changes = memory.rest_angle.iter().zip(&memory.source_angle).map(|(rest, source)| rest - source);
         (changes.map(|change| change * change).sum::<f64>() / memory.rest_angle.len().max(1) as f64).sqrt()
     };
+    let averaged = match resolves {
+        true => "curvature too sharp for the mesh averaged over a ring of triangles away from fold lines, ",
+        false => "",
+    };
+    let [after, before] = [&shown, &earned].map(|memory| rms(memory).to_degrees());
     let why = format!(
-        "curvature averaged over one ring of triangles away from fold lines, where hinges are too coarse to say where a wrinkle \
-         runs: angles of {:.1} degrees root mean square, {:.1} before",
-        rms(resolved).to_degrees(),
-        rms(earned).to_degrees()
+        "{averaged}{} times what was earned: angles of {after:.1} degrees root mean square, {before:.1} before",
+        options.strength
     );
-    ModelDecision { name: "memory in result", on: true, why }
+    let memory = match start {
+        Some(start) => start.with_change(&shown),
+        None => shown,
+    };
+    (memory, Some(ModelDecision { name: "memory in result", on: true, why }))
 }
 
 /// Describes the memory that a garment begins with.

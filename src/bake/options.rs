@@ -40,6 +40,8 @@ pub struct BakeOptions {
     pub finest_edge: f64,
     /// Whether frames show the points of the simulated mesh instead of those of the garment.
     pub frames_of_simulated: bool,
+    /// Factor on everything the garment comes to remember, in the result [-]: 1 for what the wear left, 0 for nothing.
+    pub strength: f64,
     /// Steps of an action between two possible checkpoints: what an interrupted run loses at most. At each the pattern of
     /// the linear system is rebuilt, and in a hold a factor that several steps use.
     pub checkpoint_steps: u64,
@@ -62,6 +64,7 @@ impl Default for BakeOptions {
             sewing: Sewing::ALL,
             finest_edge: Quality::Standard.finest_edge(),
             frames_of_simulated: false,
+            strength: 1.0,
             checkpoint_steps: 32,
         }
     }

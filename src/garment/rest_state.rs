@@ -25,6 +25,9 @@ pub struct RestState {
 }
 
 impl RestState {
+    /// Smallest stiffness ratio and rest stretch [-] of cloth whose changes are scaled: those of a sidecar are positive.
+    pub(crate) const MIN_RATIO: f64 = 1e-3;
+
     /// Creates the rest state of new, flat cloth.
     pub fn flat(hinge_count: usize, triangle_count: usize) -> Self {
         Self::new(vec![0.0; hinge_count], triangle_count)
@@ -47,6 +50,21 @@ impl RestState {
         let changes = self.rest_angle.iter().zip(&self.source_angle);
         let rest_angle = source_angle.iter().zip(changes).map(|(s, (r, own))| s + (r - own)).collect();
         Self { source_angle, rest_angle, ..self.clone() }
+    }
+
+    /// Returns this rest state with every change times `factor` [-], from 0. Cloth turns no further than folded flat on itself;
+    /// ratios stay positive.
+    pub fn strengthened(&self, factor: f64) -> Self {
+        let ratios =
+            |list: &[f64]| list.iter().map(|r| (1.0 + factor * (r - 1.0)).max(Self::MIN_RATIO)).collect();
+        let angles = self.source_angle.iter().zip(&self.rest_angle);
+        Self {
+            source_angle: self.source_angle.clone(),
+            rest_angle: angles.map(|(s, r)| (s + factor * (r - s)).clamp(-PI, PI)).collect(),
+            stiffness_ratio: ratios(&self.stiffness_ratio),
+            rest_stretch_warp: ratios(&self.rest_stretch_warp),
+            rest_stretch_weft: ratios(&self.rest_stretch_weft),
+        }
     }
 
     /// Returns what changed since `start`, as the rest state of cloth that was new then.
@@ -105,5 +123,22 @@ mod tests {
         let elsewhere = now.on_source(vec![0.3, 0.3]);
         assert!((elsewhere.rest_angle[0] - 0.9).abs() < 1e-15 && elsewhere.source_angle == [0.3, 0.3]);
         assert!(now.fits(2, 1) && !now.fits(1, 2));
+    }
+
+    #[test]
+    fn changes_are_scaled_from_none_to_folded_flat() {
+        let mut rest = RestState::new(vec![0.2, 0.2], 1);
+        rest.rest_angle[0] = 1.2;
+        rest.stiffness_ratio[1] = 3.0;
+        rest.rest_stretch_warp[0] = 0.9;
+        assert_eq!(rest.strengthened(1.0), rest);
+        assert_eq!(rest.strengthened(0.0), RestState::new(vec![0.2, 0.2], 1));
+        let half = rest.strengthened(0.5);
+        assert!((half.rest_angle[0] - 0.7).abs() < 1e-15 && half.rest_angle[1] == 0.2);
+        assert!(
+            (half.stiffness_ratio[1] - 2.0).abs() < 1e-15 && (half.rest_stretch_warp[0] - 0.95).abs() < 1e-15
+        );
+        let flat = rest.strengthened(20.0);
+        assert!(flat.rest_angle[0] == PI && flat.rest_stretch_warp[0] > 0.0);
     }
 }

@@ -6,7 +6,6 @@ use crate::transfer::hinge_fit::{PlaneTensor, fit_hinge_angles};
 use crate::transfer::options::TransferOptions;
 use crate::transfer::resample::{ResampledFace, StretchDelta};
 use crate::transfer::surface::GarmentSurface;
-use crate::transfer::tuning::TUNING;
 use std::f64::consts::PI;
 
 /// Changes against new cloth on one mesh.
@@ -75,14 +74,14 @@ impl MemoryDelta {
                 let factor = factor(&hinge.points[..2]);
                 // Cloth cannot turn further than folded flat on itself, whatever the strength.
                 memory.rest_angle[h] = (memory.rest_angle[h] + factor * self.angle[h]).clamp(-PI, PI);
-                memory.stiffness_ratio[h] = (1.0 + factor * self.stiffness[h]).max(TUNING.min_ratio);
+                memory.stiffness_ratio[h] = (1.0 + factor * self.stiffness[h]).max(RestState::MIN_RATIO);
             }
         }
         if options.channels.bagging {
             for (f, t) in target.triangles.iter().enumerate() {
                 let factor = factor(t);
-                memory.rest_stretch_warp[f] = (1.0 + factor * self.stretch[f].warp).max(TUNING.min_ratio);
-                memory.rest_stretch_weft[f] = (1.0 + factor * self.stretch[f].weft).max(TUNING.min_ratio);
+                memory.rest_stretch_warp[f] = (1.0 + factor * self.stretch[f].warp).max(RestState::MIN_RATIO);
+                memory.rest_stretch_weft[f] = (1.0 + factor * self.stretch[f].weft).max(RestState::MIN_RATIO);
             }
         }
         memory

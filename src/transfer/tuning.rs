@@ -124,8 +124,6 @@ pub(super) struct TransferTuning {
     pub max_joint_points: usize,
     /// Smallest distance between two such points, relative to `joint_offset_fraction` [-], default 0.2.
     pub min_joint_point_spacing: f64,
-    /// Smallest stiffness ratio and rest stretch of a result [-], default 1e-3: a sidecar's must be positive.
-    pub min_ratio: f64,
     /// Change of rest angle from which a hinge can be part of a crease line [rad], default 0.5.
     pub min_crease_line_angle: f64,
     /// Cosine of the bend of a crease line from one edge to the next [-], default 0.87: 30 degrees.
@@ -205,7 +203,6 @@ pub(super) const TUNING: TransferTuning = TransferTuning {
     max_coordinate_m: 1e6,
     max_joint_points: 1500,
     min_joint_point_spacing: 0.2,
-    min_ratio: 1e-3,
     min_crease_line_angle: 0.5,
     min_crease_line_cosine: 0.87,
     min_crease_line_fraction: 0.05,

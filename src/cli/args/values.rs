@@ -29,6 +29,14 @@ pub fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Parses a number of at least 0.
+pub fn not_negative(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number >= 0.0 && number.is_finite() => Ok(number),
+        _ => Err("expected a number of at least 0".to_owned()),
+    }
+}
+
 /// Parses a time from 0 to one day [s].
 pub fn seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {

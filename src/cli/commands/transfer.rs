@@ -6,7 +6,7 @@ use crate::cli::args::export::{ExportArgs, print_checks};
 use crate::cli::args::mesh::ClothArgs;
 use crate::cli::args::refine::{CoarseGarment, RefineArgs, Refinement};
 use crate::cli::args::run::RunArgs;
-use crate::cli::args::values::{glb_path, input_path};
+use crate::cli::args::values::{glb_path, input_path, not_negative};
 use crate::cli::commands::worn_job::{SideFiles, WornJob, WornResult, outcome};
 use crate::cli::files::earlier_memory::left_out_warning;
 use crate::cli::files::input;
@@ -51,7 +51,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE", conflicts_with = "align")]
     landmarks: Option<PathBuf>,
     /// Factor on every change of the rest state: 0 for none, 1 for the full change
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = strength, default_value_t = 1.0)]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = not_negative, default_value_t = 1.0)]
     strength: f64,
     /// Vertex attribute of MESH that scales the transferred memory, 0 to 1: COLOR_0, COLOR_0.g, _MASK, ...
     #[arg(long, value_name = "ATTRIBUTE")]
@@ -140,13 +140,6 @@ enum Only {
 enum Axis {
     /// Left to right
     X,
-}
-
-fn strength(text: &str) -> std::result::Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(number) if number >= 0.0 && number.is_finite() => Ok(number),
-        _ => Err("expected a number of at least 0".to_owned()),
-    }
 }
 
 impl Arguments {

@@ -128,6 +128,7 @@ def bake(
     fabric: Optional[_Path] = None,
     quality: str = "standard",
     memory: bool = True,
+    strength: float = 1.0,
     grading: bool = True,
     hems: bool = True,
     seams: bool = True,
@@ -144,7 +145,7 @@ def bake(
 
     `garment` is a file, or a pair of positions [m] (y up) and triangles. `wear` is a file, the name of a script of `scripts()`,
     or its content as a dict. `fabric` is a name of `fabrics()` or a file; the default is cotton-jersey. `quality` is draft,
-    standard or reference. Without `grading`, the triangles of the garment are simulated instead of a mesh with edges along the fold
+    standard or reference. `strength` scales what the garment comes to remember. Without `grading`, the triangles of the garment are simulated instead of a mesh with edges along the fold
     lines; without `hems` and `seams`, open borders and seams are single, and with `sewing_mask`, a vertex
     attribute from 0 to 1 such as COLOR_0.g, where that is 0. `unit` is that of the file, `up` its axis, `part` the node or group that is
     the garment; vertices on borders are joined up to `weld_mm` apart; `force_size` takes a garment of any size. A worn file whose

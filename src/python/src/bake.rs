@@ -1,7 +1,9 @@
 //! `bake`, as `crease bake` does it without a body.
 
 use crate::cli::files::earlier_memory::EarlierMemory;
-use crate::convert::{FileReading, ReadGarment, ReadScript, choice, exception, fabric, garment, script};
+use crate::convert::{
+    FileReading, ReadGarment, ReadScript, check_not_negative, choice, exception, fabric, garment, script,
+};
 use crate::process::check_not_forked;
 use crate::worn::PyWorn;
 use crease::bake::{Bake, BakeOptions, BakeProgress, BakeResult, Observer, Quality};
@@ -130,6 +132,9 @@ impl BakeInput {
             "simulated_s": baked.report.simulated,
             "steps": baked.report.steps,
         });
+        if self.options.strength != 1.0 {
+            description["strength"] = json!(self.options.strength);
+        }
         if baked.report.points != baked.end.len() {
             description["simulated_points"] = json!(baked.report.points);
         }
@@ -154,7 +159,7 @@ impl BakeInput {
 /// Wears a garment: a file, or a pair of positions [m] and triangles. `wear` is a file, the name of a script of `scripts()`, or
 /// its content; `fabric` a name of `fabrics()` or a file.
 #[pyfunction]
-#[pyo3(signature = (garment, wear, *, fabric = None, quality = "standard", memory = true, grading = true, hems = true, seams = true, sewing_mask = None, unit = None, up = None, part = None, weld_mm = None, force_size = false, forget = false, progress = None))]
+#[pyo3(signature = (garment, wear, *, fabric = None, quality = "standard", memory = true, strength = 1.0, grading = true, hems = true, seams = true, sewing_mask = None, unit = None, up = None, part = None, weld_mm = None, force_size = false, forget = false, progress = None))]
 #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
 pub fn bake(
     py: Python<'_>,
@@ -163,6 +168,7 @@ pub fn bake(
     fabric: Option<&Bound<'_, PyAny>>,
     quality: &str,
     memory: bool,
+    strength: f64,
     grading: bool,
     hems: bool,
     seams: bool,
@@ -180,9 +186,11 @@ pub fn bake(
         let kind = call.bind(py).get_type();
         return Err(PyTypeError::new_err(format!("progress: needs a function, not {}", kind.name()?)));
     }
+    check_not_negative("strength", strength)?;
     let quality = choice("quality", quality, &Quality::ALL.map(|quality| (quality.name(), quality)))?;
     let options = BakeOptions {
         memory,
+        strength,
         own_triangles: !grading,
         sewing: Sewing { hems, seams },
         ..BakeOptions::for_quality(quality)

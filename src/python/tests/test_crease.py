@@ -102,9 +102,9 @@ def test_python_and_the_tool_make_the_same_bytes(tmp_path, monkeypatch):
     crease.bake(crease.sheet((0.3, 0.3), (12, 12)), "wear.json", quality="draft").save("other.glb")
     run("transfer", "once.glb", "--to", "other.glb", "-o", "carried.glb")
     same("carried.glb", crease.transfer("once.glb", "other.glb"))
-    run(*once, "--no-grading", "--no-hems", "--no-seams", "--up", "y", "--weld", "0.5", "-o", "plain.glb")
+    run(*once, "--no-grading", "--no-hems", "--no-seams", "--up", "y", "--weld", "0.5", "--strength", "0.7", "-o", "plain.glb")
     plain = crease.bake(
-        "sheet.glb", "wear.json", quality="draft", grading=False, hems=False, seams=False, up="y", weld_mm=0.5
+        "sheet.glb", "wear.json", quality="draft", grading=False, hems=False, seams=False, up="y", weld_mm=0.5, strength=0.7
     )
     same("plain.glb", plain)
     run("transfer", "once.glb", "--to", "other.glb", "--only", "creases", "--mirror", "x", "--strength", "0.5", "-o", "part.glb")

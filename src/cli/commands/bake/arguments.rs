@@ -6,7 +6,7 @@ use crate::cli::args::export::ExportArgs;
 use crate::cli::args::mesh::ClothArgs;
 use crate::cli::args::refine::RefineArgs;
 use crate::cli::args::run::RunArgs;
-use crate::cli::args::values::{glb_path, input_path, positive, seconds};
+use crate::cli::args::values::{glb_path, input_path, not_negative, positive, seconds};
 use crate::cli::files::earlier_memory::EarlierMemory;
 use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -58,6 +58,9 @@ pub struct Arguments {
     /// Leave seams single; by default the cloth is double over 10 mm on either side of them
     #[arg(long)]
     no_seams: bool,
+    /// Factor on what the garment comes to remember, in the result: 0 for nothing, 1 for what the wear left
+    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = not_negative, default_value_t = 1.0)]
+    strength: f64,
     #[command(flatten)]
     pub apply: ApplyArgs,
     #[command(flatten)]
@@ -164,6 +167,7 @@ impl Arguments {
             skin: skin.cloned(),
             deactivate_static: !self.simulate_all,
             own_triangles: self.no_grading,
+            strength: self.strength,
             sewing: Sewing { hems: !self.no_hems, seams: !self.no_seams },
             frames_of_simulated: self.frames_of == FramesOf::Simulated,
             ..BakeOptions::for_quality(self.quality)
@@ -188,6 +192,9 @@ impl Arguments {
             "simulated_s": baked.report.simulated,
             "steps": baked.report.steps,
         });
+        if self.strength != 1.0 {
+            description["strength"] = json!(self.strength);
+        }
         if baked.report.points != baked.end.len() {
             description["simulated_points"] = json!(baked.report.points);
         }
