@@ -293,15 +293,15 @@ fn result_memory(
         let changes = memory.rest_angle.iter().zip(&memory.source_angle).map(|(rest, source)| rest - source);
         (changes.map(|change| change * change).sum::<f64>() / memory.rest_angle.len().max(1) as f64).sqrt()
     };
-    let averaged = match resolves {
-        true => "curvature too sharp for the mesh averaged over a ring of triangles away from fold lines, ",
-        false => "",
+    let averaged = "curvature too sharp for the mesh averaged over a ring of triangles away from fold lines";
+    let scaled = format!("{} times what was earned", options.strength);
+    let what = match (resolves, options.strength == 1.0) {
+        (true, true) => averaged.to_owned(),
+        (true, false) => format!("{averaged}, {scaled}"),
+        (false, _) => scaled,
     };
     let [after, before] = [&shown, &earned].map(|memory| rms(memory).to_degrees());
-    let why = format!(
-        "{averaged}{} times what was earned: angles of {after:.1} degrees root mean square, {before:.1} before",
-        options.strength
-    );
+    let why = format!("{what}: angles of {after:.1} degrees root mean square, {before:.1} before");
     let memory = match start {
         Some(start) => start.with_change(&shown),
         None => shown,
