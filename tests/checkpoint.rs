@@ -127,11 +127,7 @@ fn another_strength_needs_no_other_run() {
     let half = scene.resume(&last, &mut ()).unwrap();
     assert_eq!(half.end, whole.end);
     let [of_whole, of_half] = [&whole, &half].map(|baked| &baked.simulated.worn.memory);
-    let largest = |rest: &crease::RestState| {
-        let changes =
-            rest.rest_angle.iter().zip(&rest.source_angle).map(|(rest, source)| (rest - source).abs());
-        changes.fold(0.0, f64::max)
-    };
+    let largest = |rest: &crease::RestState| rest.angle_changes().map(f64::abs).fold(0.0, f64::max);
     assert!(largest(of_whole) > 0.1, "{}", largest(of_whole));
     assert_eq!(*of_half, of_whole.strengthened(0.5));
     scene.options.strength = -1.0;

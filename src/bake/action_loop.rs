@@ -115,10 +115,9 @@ impl Run<'_> {
         begun.runner.finish(&mut self.persistent, &self.state.x);
         if !begun.runner.accumulates_memory() {
             let rest = &self.memory.rest;
-            let remembered =
-                rest.rest_angle.iter().zip(&rest.source_angle).map(|(rest, source)| rest - source);
             let bends = self.state.angle.iter().zip(&rest.source_angle).map(|(angle, source)| angle - source);
-            self.persistent.laid_bend = bends.zip(remembered).map(|(b, own)| b - towards(b, own)).collect();
+            self.persistent.laid_bend =
+                bends.zip(rest.angle_changes()).map(|(b, own)| b - towards(b, own)).collect();
         }
         Ok(None)
     }

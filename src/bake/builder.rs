@@ -287,11 +287,13 @@ fn result_memory(
         return (rest, None);
     }
     let earned = start.map_or_else(|| rest.clone(), |start| rest.change_since(start));
-    let resolved = if resolves { resolved_memory(mesh, &earned) } else { earned.clone() };
-    let shown = if options.strength == 1.0 { resolved } else { resolved.strengthened(options.strength) };
+    let shown = match resolves {
+        true => resolved_memory(mesh, &earned).strengthened(options.strength),
+        false => earned.strengthened(options.strength),
+    };
     let rms = |memory: &RestState| {
-        let changes = memory.rest_angle.iter().zip(&memory.source_angle).map(|(rest, source)| rest - source);
-        (changes.map(|change| change * change).sum::<f64>() / memory.rest_angle.len().max(1) as f64).sqrt()
+        let squares = memory.angle_changes().map(|change| change * change).sum::<f64>();
+        (squares / memory.rest_angle.len().max(1) as f64).sqrt()
     };
     let averaged = "curvature too sharp for the mesh averaged over a ring of triangles away from fold lines";
     let scaled = format!("{} times what was earned", options.strength);
@@ -311,9 +313,8 @@ fn result_memory(
 
 /// Describes the memory that a garment begins with.
 fn earlier_decision(memory: &RestState) -> ModelDecision {
-    let changes =
-        memory.rest_angle.iter().zip(&memory.source_angle).map(|(rest, source)| (rest - source).abs());
-    let changed = changes.filter(|change| *change > TUNING.findings.min_angle_change).count();
+    let changed =
+        memory.angle_changes().filter(|change| change.abs() > TUNING.findings.min_angle_change).count();
     let why = format!("{changed} of {} hinges begin with what they remember", memory.rest_angle.len());
     ModelDecision { name: "earlier memory", on: true, why }
 }

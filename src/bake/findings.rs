@@ -100,23 +100,21 @@ fn idle_actions(script: &WearScript, body: Option<&AnimatedBody>) -> Vec<String>
 
 /// Whether no hinge and no triangle changed to speak of.
 fn is_unchanged(memory: &RestState) -> bool {
-    let mut angles = memory.rest_angle.iter().zip(&memory.source_angle);
     let mut stretches = memory.rest_stretch_warp.iter().chain(&memory.rest_stretch_weft);
-    angles.all(|(rest, source)| (rest - source).abs() < TUNING.findings.min_angle_change)
+    memory.angle_changes().all(|change| change.abs() < TUNING.findings.min_angle_change)
         && stretches.all(|stretch| (stretch - 1.0).abs() < TUNING.findings.min_stretch_change)
 }
 
 /// Change of rest angle times length, summed over the hinges [rad m].
 fn crease_sum(garment: &Garment, memory: &RestState) -> f64 {
-    let changes = memory.rest_angle.iter().zip(&memory.source_angle);
     let length =
         |h: &crate::mesh::Hinge| (garment.points[h.points[1].at()] - garment.points[h.points[0].at()]).norm();
     garment
         .topology
         .hinges
         .iter()
-        .zip(changes)
-        .map(|(h, (rest, source))| (rest - source).abs() * length(h))
+        .zip(memory.angle_changes())
+        .map(|(h, change)| change.abs() * length(h))
         .sum()
 }
 

@@ -118,7 +118,7 @@ pub(super) fn relax_to_source_pose(
     // Where triangles still intersect the body, contact acts from farther away in the next round.
     let rounds = increments + if body.is_some() { TUNING.relax.body_rounds } else { 0 };
     for round in 1..=rounds {
-        let partial = scaled_memory(rest, f64::from(round.min(increments)) / f64::from(increments));
+        let partial = rest.with_changes_times(f64::from(round.min(increments)) / f64::from(increments));
         let membrane = model.term(&partial, &[], f64::INFINITY);
         let last_angle = angle.clone();
         let bending_term = bending.term(&partial, &last_angle, f64::INFINITY);
@@ -157,16 +157,4 @@ fn crossing_points(garment: &Garment) -> Vec<bool> {
         garment.triangles[f as usize].iter().for_each(|p| crossing[p.at()] = true);
     }
     crossing
-}
-
-/// The rest state with a `fraction` of what changed.
-fn scaled_memory(rest: &RestState, fraction: f64) -> RestState {
-    let towards = |from: f64, to: f64| from + fraction * (to - from);
-    RestState {
-        source_angle: rest.source_angle.clone(),
-        rest_angle: rest.source_angle.iter().zip(&rest.rest_angle).map(|(s, r)| towards(*s, *r)).collect(),
-        stiffness_ratio: rest.stiffness_ratio.clone(),
-        rest_stretch_warp: rest.rest_stretch_warp.iter().map(|r| towards(1.0, *r)).collect(),
-        rest_stretch_weft: rest.rest_stretch_weft.iter().map(|r| towards(1.0, *r)).collect(),
-    }
 }

@@ -9,6 +9,7 @@ use crate::body::animated_body::{AnimatedBody, BodyPose};
 use crate::body::rig::{JointInfluence, Rig, RigPiece, SkinBinding};
 use crate::math::{Mat4, Vec3};
 use crate::mesh::PointIndex;
+use crate::mesh::triangle;
 use crate::mesh::triangle_bvh::TriangleBvh;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -56,8 +57,7 @@ impl SkinLocation {
 
     /// Returns the corner with the largest weight.
     fn nearest_corner(&self) -> usize {
-        let k = (0..3).fold(0, |best, k| if self.weights[k] > self.weights[best] { k } else { best });
-        self.corners[k] as usize
+        self.corners[triangle::nearest_corner(&self.weights)] as usize
     }
 }
 

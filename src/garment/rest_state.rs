@@ -52,19 +52,40 @@ impl RestState {
         Self { source_angle, rest_angle, ..self.clone() }
     }
 
-    /// Returns this rest state with every change times `factor` [-], from 0. Cloth turns no further than folded flat on itself;
-    /// ratios stay positive.
-    pub fn strengthened(&self, factor: f64) -> Self {
-        let ratios =
-            |list: &[f64]| list.iter().map(|r| (1.0 + factor * (r - 1.0)).max(Self::MIN_RATIO)).collect();
-        let angles = self.source_angle.iter().zip(&self.rest_angle);
+    /// Changes of the rest angles from the source shape [rad], one per hinge.
+    pub fn angle_changes(&self) -> impl Iterator<Item = f64> {
+        self.rest_angle.iter().zip(&self.source_angle).map(|(rest, source)| rest - source)
+    }
+
+    /// Returns this rest state with every change of an angle or a length times `factor` [-]; stiffness stays.
+    pub(crate) fn with_changes_times(&self, factor: f64) -> Self {
+        let towards = |from: f64, to: f64| from + factor * (to - from);
         Self {
             source_angle: self.source_angle.clone(),
-            rest_angle: angles.map(|(s, r)| (s + factor * (r - s)).clamp(-PI, PI)).collect(),
-            stiffness_ratio: ratios(&self.stiffness_ratio),
-            rest_stretch_warp: ratios(&self.rest_stretch_warp),
-            rest_stretch_weft: ratios(&self.rest_stretch_weft),
+            rest_angle: self
+                .source_angle
+                .iter()
+                .zip(&self.rest_angle)
+                .map(|(s, r)| towards(*s, *r))
+                .collect(),
+            stiffness_ratio: self.stiffness_ratio.clone(),
+            rest_stretch_warp: self.rest_stretch_warp.iter().map(|r| towards(1.0, *r)).collect(),
+            rest_stretch_weft: self.rest_stretch_weft.iter().map(|r| towards(1.0, *r)).collect(),
         }
+    }
+
+    /// Returns this rest state with every change times `factor` [-], from 0; it is itself for 1. Cloth turns no further than
+    /// folded flat on itself; ratios stay positive.
+    pub fn strengthened(&self, factor: f64) -> Self {
+        if factor == 1.0 {
+            return self.clone();
+        }
+        let mut all = self.with_changes_times(factor);
+        all.rest_angle.iter_mut().for_each(|angle| *angle = angle.clamp(-PI, PI));
+        all.stiffness_ratio.iter_mut().for_each(|ratio| *ratio = 1.0 + factor * (*ratio - 1.0));
+        let ratios = [&mut all.stiffness_ratio, &mut all.rest_stretch_warp, &mut all.rest_stretch_weft];
+        ratios.into_iter().flatten().for_each(|ratio| *ratio = ratio.max(Self::MIN_RATIO));
+        all
     }
 
     /// Returns what changed since `start`, as the rest state of cloth that was new then.

@@ -1,10 +1,12 @@
 //! Vector aliases and small numerical tools used by all other folders.
 
+mod conjugate_gradients;
 mod rng;
 mod rotation;
 pub mod serde_vec;
 mod vector;
 
+pub(crate) use conjugate_gradients::conjugate_gradients;
 pub use rng::Rng;
 pub use rotation::{NearestRotation, nearest_rotation};
 pub use vector::{Mat3, Mat4, Vec2, Vec3, bounds};

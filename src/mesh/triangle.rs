@@ -39,6 +39,11 @@ pub(crate) fn quality(x: &[Vec3; 3]) -> f64 {
     if sides > 0.0 { 2.0 * 3f64.sqrt() * a.cross(&b).norm() / sides } else { 0.0 }
 }
 
+/// Corner with the largest of the barycentric `weights`; of equal ones the first.
+pub fn nearest_corner(weights: &[f64; 3]) -> usize {
+    (0..3).fold(0, |best, k| if weights[k] > weights[best] { k } else { best })
+}
+
 /// Barycentric coordinates of the centroids of the n² equal triangles that a triangle is cut into.
 pub fn sample_weights(n: u32) -> impl Iterator<Item = [f64; 3]> {
     let at = move |i: u32, j: u32, shift: f64| {

@@ -19,8 +19,8 @@
 //! them, so that its ridge is straight. A motion of the whole garment comes out as it is, and so does the volume under the surface.
 
 use crate::garment::Garment;
-use crate::math::{Mat3, Vec3};
-use crate::mesh::triangle::{self, sample_weights};
+use crate::math::{Mat3, Vec3, conjugate_gradients};
+use crate::mesh::triangle::{self, nearest_corner, sample_weights};
 use crate::mesh::{Hinge, PointIndex, point_rotations, turned};
 use crate::remesh::tuning::TUNING;
 use crate::remesh::{SimulationMesh, SurfaceFinder, SurfacePoint, interpolate};
@@ -129,8 +129,7 @@ impl<'a> Projection<'a> {
             let (mut mass, mut right) = (Mat3::zeros(), Mat3::zeros());
             for weights in sample_weights(parts) {
                 let place = x[0] * weights[0] + x[1] * weights[1] + x[2] * weights[2];
-                let nearest = (0..3).fold(0, |best, k| if weights[k] > weights[best] { k } else { best });
-                let at = finder.locate(start[nearest], &place);
+                let at = finder.locate(start[nearest_corner(&weights)], &place);
                 let w = Vec3::from(weights);
                 mass += w * w.transpose() * area;
                 right += carried.displacement(&place, &at) * w.transpose() * area;
@@ -161,17 +160,6 @@ impl<'a> Projection<'a> {
         }
     }
 
-    fn multiply(&self, x: &[Vec3]) -> Vec<Vec3> {
-        let mut out = vec![Vec3::zeros(); x.len()];
-        for (t, mass) in self.triangles.iter().zip(&self.mass) {
-            for k in 0..3 {
-                out[t[k].at()] += (0..3).map(|j| x[t[j].at()] * mass[(k, j)]).sum::<Vec3>();
-            }
-        }
-        self.kinks.iter().for_each(|kink| kink.add(&kink.of(x), &mut out));
-        out
-    }
-
     /// Solves by conjugate gradients from `x` [m], with the diagonal as preconditioner. Points without a triangle stay.
     fn solve(&self, mut x: Vec<Vec3>) -> Vec<Vec3> {
         let mut diagonal = vec![0.0; x.len()];
@@ -183,32 +171,19 @@ impl<'a> Projection<'a> {
                 diagonal[kink.points[k].at()] += kink.weight * kink.factors[k] * kink.factors[k]
             });
         }
-        let precondition = |r: &[Vec3]| -> Vec<Vec3> {
-            r.iter().zip(&diagonal).map(|(r, d)| if *d > 0.0 { r / *d } else { Vec3::zeros() }).collect()
+        let multiply = |x: &[Vec3], out: &mut [Vec3]| {
+            out.fill(Vec3::zeros());
+            for (t, mass) in self.triangles.iter().zip(&self.mass) {
+                for k in 0..3 {
+                    out[t[k].at()] += (0..3).map(|j| x[t[j].at()] * mass[(k, j)]).sum::<Vec3>();
+                }
+            }
+            self.kinks.iter().for_each(|kink| kink.add(&kink.of(x), out));
         };
-        let dot = |a: &[Vec3], b: &[Vec3]| a.iter().zip(b).map(|(a, b)| a.dot(b)).sum::<f64>();
-        let mut residual: Vec<Vec3> = self.right.iter().zip(self.multiply(&x)).map(|(b, m)| b - m).collect();
-        let mut z = precondition(&residual);
-        let mut direction = z.clone();
-        let mut rho = dot(&residual, &z);
         let area: f64 = diagonal.iter().sum();
-        let stop = TUNING.projection_tol * TUNING.projection_tol * area;
-        for _ in 0..TUNING.max_projection_iterations {
-            if rho <= stop {
-                break;
-            }
-            let product = self.multiply(&direction);
-            let step = rho / dot(&direction, &product);
-            for i in 0..x.len() {
-                x[i] += direction[i] * step;
-                residual[i] -= product[i] * step;
-            }
-            z = precondition(&residual);
-            let next = dot(&residual, &z);
-            let beta = next / rho;
-            rho = next;
-            direction.iter_mut().zip(&z).for_each(|(d, z)| *d = z + *d * beta);
-        }
+        let goal = |_| TUNING.projection_tol * TUNING.projection_tol * area;
+        let max_iterations = TUNING.max_projection_iterations;
+        conjugate_gradients(&mut x, &self.right, &diagonal, multiply, goal, max_iterations);
         x
     }
 }

@@ -65,12 +65,17 @@ impl Refinement {
 
     /// Flags of all points from those of the points of the coarser mesh: those of a new point if both of its ends have it.
     pub fn flags(&self, coarse: &[bool]) -> Vec<bool> {
-        let mut all = coarse.to_vec();
-        for [a, b] in &self.splits {
-            all.push(all[*a as usize] && all[*b as usize]);
-        }
-        all
+        flags_with_middles(&self.splits, coarse)
     }
+}
+
+/// Flags of all points after `splits` from those before: those of a new point if both ends of its edge have it.
+fn flags_with_middles(splits: &[[u32; 2]], coarse: &[bool]) -> Vec<bool> {
+    let mut all = coarse.to_vec();
+    for [a, b] in splits {
+        all.push(all[*a as usize] && all[*b as usize]);
+    }
+    all
 }
 
 /// A mesh in the course of splits.
@@ -213,10 +218,7 @@ impl Bisection {
         for [a, _] in &self.splits {
             source_triangle.push(source_triangle[*a as usize]);
         }
-        let mut on_line = coarse.on_line.clone();
-        for [a, b] in &self.splits {
-            on_line.push(on_line[*a as usize] && on_line[*b as usize]);
-        }
+        let on_line = flags_with_middles(&self.splits, &coarse.on_line);
         let inherited =
             |of: &[u32]| -> Vec<u32> { self.triangle_parent.iter().map(|&f| of[f as usize]).collect() };
         let located = coarse.source_location.iter().map(|at| self.locate(at)).collect();

@@ -177,11 +177,10 @@ impl Report {
     /// Creates the report of the bake `baked` of `garment`. The caller adds `method` and the times of reading and writing.
     pub fn of_bake(garment: &Garment, baked: &BakeResult, counts: CrossingCounts) -> Self {
         let memory = &baked.worn.memory;
-        let changes = memory.rest_angle.iter().zip(&memory.source_angle).map(|(rest, source)| rest - source);
         Self {
             crossings: counts.added,
             crossings_at_start: counts.at_start,
-            max_rest_angle_change_deg: changes.map(f64::abs).fold(0.0, f64::max).to_degrees(),
+            max_rest_angle_change_deg: memory.angle_changes().map(f64::abs).fold(0.0, f64::max).to_degrees(),
             max_stiffness_ratio: memory.stiffness_ratio.iter().copied().fold(1.0, f64::max),
             ..Self::of_work(garment, &baked.report)
         }

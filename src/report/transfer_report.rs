@@ -63,9 +63,8 @@ impl TransferReport {
     /// Creates the report of the transfer `carried` to `target`. The caller adds counts, sources and times.
     pub fn of_transfer(carried: &TransferResult, target: &GarmentSurface) -> Self {
         let memory = &carried.memory;
-        let changes = memory.rest_angle.iter().zip(&memory.source_angle).map(|(rest, source)| rest - source);
         Self {
-            max_rest_angle_change_deg: changes.map(f64::abs).fold(0.0, f64::max).to_degrees(),
+            max_rest_angle_change_deg: memory.angle_changes().map(f64::abs).fold(0.0, f64::max).to_degrees(),
             max_stiffness_ratio: memory.stiffness_ratio.iter().copied().fold(1.0, f64::max),
             confidence: mean_confidence(target, &carried.confidence),
             regions: carried.regions.clone(),

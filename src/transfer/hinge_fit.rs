@@ -17,7 +17,7 @@
 //! nearly constant ones among them, so the total angle across a fold is kept. The angle of an open side is free, as in the
 //! bending energy. The system is solved by conjugate gradients in a fixed order; for `W` = 0 the answer is exactly 0.
 
-use crate::math::{Vec2, Vec3};
+use crate::math::{Vec2, Vec3, conjugate_gradients};
 use crate::mesh::triangle;
 use crate::transfer::surface::GarmentSurface;
 use crate::transfer::tuning::TUNING;
@@ -90,7 +90,7 @@ pub(super) fn fit_hinge_angles(surface: &GarmentSurface, requested: &[PlaneTenso
         }
         faces.push(FaceBlock { hinges, gram });
     }
-    conjugate_gradients(&faces, &diagonal, &right)
+    solve(&faces, &diagonal, &right)
 }
 
 /// Per side of a face the tensor that one radian on it makes, as columns, and the tensor requested. Open sides are
@@ -123,7 +123,7 @@ fn side_tensors(
 }
 
 /// Solves the normal equations by conjugate gradients from zero, with the diagonal as preconditioner.
-fn conjugate_gradients(faces: &[FaceBlock], diagonal: &[f64], right: &[f64]) -> Vec<f64> {
+fn solve(faces: &[FaceBlock], diagonal: &[f64], right: &[f64]) -> Vec<f64> {
     let multiply = |x: &[f64], out: &mut [f64]| {
         out.fill(0.0);
         for face in faces {
@@ -135,38 +135,8 @@ fn conjugate_gradients(faces: &[FaceBlock], diagonal: &[f64], right: &[f64]) -> 
             }
         }
     };
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let precondition = |r: &[f64]| -> Vec<f64> {
-        r.iter().zip(diagonal).map(|(r, d)| if *d > 0.0 { r / d } else { 0.0 }).collect()
-    };
     let mut x = vec![0.0; right.len()];
-    let mut residual = right.to_vec();
-    let mut z = precondition(&residual);
-    let mut direction = z.clone();
-    let mut rho = dot(&residual, &z);
-    let stop = TUNING.hinge_fit_residual_tol * TUNING.hinge_fit_residual_tol * rho;
-    let mut product = vec![0.0; right.len()];
-    for _ in 0..TUNING.max_hinge_fit_iterations {
-        if rho <= stop || rho <= 0.0 {
-            break;
-        }
-        multiply(&direction, &mut product);
-        let curvature = dot(&direction, &product);
-        if curvature <= 0.0 {
-            break;
-        }
-        let step = rho / curvature;
-        for i in 0..x.len() {
-            x[i] += step * direction[i];
-            residual[i] -= step * product[i];
-        }
-        z = precondition(&residual);
-        let next = dot(&residual, &z);
-        let beta = next / rho;
-        rho = next;
-        for (d, z) in direction.iter_mut().zip(&z) {
-            *d = z + beta * *d;
-        }
-    }
+    let goal = |rho: f64| TUNING.hinge_fit_residual_tol * TUNING.hinge_fit_residual_tol * rho;
+    conjugate_gradients(&mut x, right, diagonal, multiply, goal, TUNING.max_hinge_fit_iterations);
     x
 }

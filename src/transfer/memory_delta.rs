@@ -33,7 +33,7 @@ impl MemoryDelta {
     pub fn from_memory(memory: &RestState) -> Self {
         let stretches = memory.rest_stretch_warp.iter().zip(&memory.rest_stretch_weft);
         Self {
-            angle: memory.rest_angle.iter().zip(&memory.source_angle).map(|(r, s)| r - s).collect(),
+            angle: memory.angle_changes().collect(),
             stiffness: memory.stiffness_ratio.iter().map(|s| s - 1.0).collect(),
             stretch: stretches.map(|(u, v)| StretchDelta { warp: u - 1.0, weft: v - 1.0 }).collect(),
         }

@@ -62,8 +62,7 @@ pub(super) fn empty_reason(
 }
 
 fn has_changes(memory: &RestState) -> bool {
-    let mut angles = memory.rest_angle.iter().zip(&memory.source_angle);
     let mut stretches = memory.rest_stretch_warp.iter().chain(&memory.rest_stretch_weft);
-    angles.any(|(rest, source)| (rest - source).abs() > TUNING.min_change)
+    memory.angle_changes().any(|change| change.abs() > TUNING.min_change)
         || stretches.any(|stretch| (stretch - 1.0).abs() > TUNING.min_change)
 }
