@@ -17,7 +17,7 @@ use crate::transfer::{CarriedOnMesh, DrawnCreases, TransferResult};
 /// the garment.
 pub fn mesh_along_creases(mut drawn: DrawnCreases) -> Option<SimulationMesh> {
     let garment = drawn.mesh.source;
-    let lengths = EdgeLengths::new(garment, drawn.row);
+    let lengths = EdgeLengths::of_creases(garment, drawn.row);
     make(&mut drawn.mesh, lengths, lengths.max);
     let mesh = drawn.mesh.finish();
     (!crosses_elsewhere(&mesh.garment, garment)).then_some(mesh)

@@ -43,10 +43,11 @@ pub struct RefinementRule {
 /// Edge lengths of a mesh [m].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct EdgeLengths {
-    /// Along fold lines; also the distance of the rows beside them.
+    /// Along fold lines.
     pub line: f64,
-    /// Where fold lines cross one another or the rim of the laid garment: a corner of many layers is folded there.
-    crossing: f64,
+    /// Across creases, from a fold line to the rows beside it, and where fold lines cross one another or the rim of the laid garment: a
+    /// corner of many layers is folded there.
+    crease: f64,
     /// Along borders, seams and sides.
     side: f64,
     /// At most.
@@ -84,7 +85,7 @@ impl MeshChoice {
             return Self::on_body(garment, animated, script, lengths);
         }
         let DrawnLines { mut mesh, foresight } =
-            draw_fold_lines(garment, script, laid, fabric.thickness(), lengths.line);
+            draw_fold_lines(garment, script, laid, fabric.thickness(), lengths.crease);
         let uniform = match foresight {
             Foresight::Whole if laid.is_some_and(|laid| crumples(garment, laid)) => lengths.max_of_crumpled,
             Foresight::Whole => lengths.max,
@@ -97,12 +98,12 @@ impl MeshChoice {
             return own("layers would cross on another mesh at the start");
         }
         let count = format!("{} points instead of {}", mesh.garment.points.len(), garment.points.len());
-        let [line, crossing, side, max, anywhere] =
-            [lengths.line, lengths.crossing, lengths.side, uniform, lengths.anywhere].map(|l| 1e3 * l);
+        let [line, crease, side, max, anywhere] =
+            [lengths.line, lengths.crease, lengths.side, uniform, lengths.anywhere].map(|l| 1e3 * l);
         let why = match foresight {
             Foresight::NeedsLaying => format!("{count}: edges of {max:.0} mm to lay the garment on"),
             Foresight::Whole => format!(
-                "{count}: edges of {line:.0} mm along fold lines, {crossing:.0} mm where they cross, {side:.0} mm along sides, up to {max:.0} mm elsewhere"
+                "{count}: edges of {line:.0} mm along fold lines, {crease:.0} mm across and where they cross, {side:.0} mm along sides, up to {max:.0} mm elsewhere"
             ),
             Foresight::Until(_) => format!(
                 "{count}: edges of {max:.0} mm, bisected down to {anywhere:.0} mm where the cloth bends during the wear"
@@ -155,7 +156,7 @@ impl MeshChoice {
 }
 
 impl EdgeLengths {
-    /// Lengths for `garment` with `finest` [m] at its creases; shorter on garments that are small against that.
+    /// Lengths for `garment` with edges of `finest` [m] along its fold lines; shorter on garments that are small against that.
     pub fn new(garment: &Garment, finest: f64) -> Self {
         let tuning = TUNING.simulation_mesh;
         let (low, high) = bounds(&garment.points);
@@ -163,12 +164,17 @@ impl EdgeLengths {
         let line = finest.min(tuning.max_extent_fraction * extent);
         Self {
             line,
-            crossing: tuning.max_crossing_edge.min(tuning.crossing_factor * line),
+            crease: tuning.max_crease_edge.min(tuning.crease_factor * line),
             side: tuning.side_factor * line,
             max: (tuning.max_factor * line).min(tuning.max_edge),
             max_of_crumpled: (tuning.max_factor_of_crumpled * line).min(tuning.max_edge),
             anywhere: line.max(tuning.anywhere_extent_fraction * extent),
         }
+    }
+
+    /// Lengths for a `garment` with creases that have rows at `row` [m] beside them.
+    pub fn of_creases(garment: &Garment, row: f64) -> Self {
+        Self::new(garment, row / TUNING.simulation_mesh.crease_factor)
     }
 }
 
@@ -198,7 +204,7 @@ pub(super) fn crosses_elsewhere(mesh: &Garment, garment: &Garment) -> bool {
 
 /// Brings `mesh` to short edges along its curves and edges of `uniform` length [m] elsewhere.
 pub(super) fn make(mesh: &mut SurfaceMesh, lengths: EdgeLengths, uniform: f64) {
-    let length = lengths.crossing;
+    let length = lengths.crease;
     let mut seeds: Vec<Seed> =
         line_crossings(mesh).into_iter().map(|position| Seed { position, length }).collect();
     for [a, b] in mesh.edges() {
@@ -260,6 +266,6 @@ mod tests {
             lengths.iter().sum::<f64>() / lengths.len() as f64
         };
         let [near, far] = [mean(2e-3, 0.02), mean(0.08, 0.3)];
-        assert!(near < TUNING.simulation_mesh.max_crossing_edge && far > 1.25 * near, "{near} m, {far} m");
+        assert!(near < TUNING.simulation_mesh.max_crease_edge && far > 1.25 * near, "{near} m, {far} m");
     }
 }

@@ -87,11 +87,11 @@ pub(super) struct SimulationMeshTuning {
     /// Finest edge where the cloth may crease anywhere, as a fraction of the garment's extent [-] and at least that along fold
     /// lines, default 0.02: a crumpled T-shirt has 3,000 points and not 8,000.
     pub anywhere_extent_fraction: f64,
-    /// Longest edges where fold lines cross [m], default 0.008: coarser ones stretch in the corner of many layers, which then
-    /// lies otherwise in every run.
-    pub max_crossing_edge: f64,
-    /// Length of edges there relative to that along fold lines [-] and at most, default 0.75.
-    pub crossing_factor: f64,
+    /// Longest edges across creases and where fold lines cross [m], default 0.008: wider ones spread the bend of a crease, and stretch
+    /// in the corner of many layers, which then lies otherwise in every run.
+    pub max_crease_edge: f64,
+    /// Length of these edges relative to those along fold lines [-] and at most, default 0.75.
+    pub crease_factor: f64,
     /// Length of edges along borders, seams and sides relative to that along fold lines [-], default 1.5.
     pub side_factor: f64,
     /// Longest edges relative to those along fold lines [-], default 3.4.
@@ -334,8 +334,8 @@ impl BakeTuning {
         simulation_mesh: SimulationMeshTuning {
             max_extent_fraction: 0.04,
             anywhere_extent_fraction: 0.02,
-            max_crossing_edge: 0.008,
-            crossing_factor: 0.75,
+            max_crease_edge: 0.008,
+            crease_factor: 0.75,
             side_factor: 1.5,
             max_factor: 3.4,
             max_edge: 0.04,

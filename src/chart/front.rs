@@ -2,12 +2,18 @@
 //!
 //! The T-shirt of 13,863 points is folded thrice in the default fabric, from several perturbed initial conditions (starts). The error of
 //! a setting is the difference of its field of changed curvature (`curvature_field`) to that of the reference quality from
-//! the same start, over the field of the reference, both root mean squares. The scatter of the reference is the same between its own
-//! starts: no setting can come below it.
+//! the same start, over the field of the reference, both root mean squares. The error of the reference is the same between its own
+//! starts, its scatter: no setting can come below it. The systematic error is what is left of the error without the scatter of both,
+//!
+//! ```text
+//! systematic^2 = error^2 - (scatter^2 + reference scatter^2) / 2     (means over all pairs of starts)
+//! ```
+//!
+//! which is how far the mean of many bakes with a setting is from the mean of many references.
 
 use crate::bake::{BakeOptions, Quality};
-use crate::chart::curvature_field::{CurvatureField, scatter};
-use crate::chart::fold_thrice::{BakeRun, FOLD_THRICE, FoldThrice};
+use crate::chart::curvature_field::CurvatureField;
+use crate::chart::fold_thrice::{FOLD_THRICE, FoldThrice};
 use crate::chart::statistics::{mean, median, standard_error};
 use crate::chart::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
 use crate::error::Result;
@@ -20,13 +26,21 @@ const QUALITIES: &str = "quality";
 /// A setting: its group, its name in the table and its options.
 type Setting = (&'static str, String, BakeOptions);
 
-/// Cost and errors of a setting from all starts.
+/// Cost and fields of a setting, one of each per start.
 #[derive(Default)]
+struct Bakes {
+    walls: Vec<f64>,
+    fields: Vec<CurvatureField>,
+    failed: bool,
+}
+
+/// Cost and errors of a setting. Errors are relative to the field of the reference [-], not a number where there are too few starts.
 struct Outcome {
     walls: Vec<f64>,
-    /// Difference of the fields over the reference [-].
+    /// Differences to the reference from the same start.
     errors: Vec<f64>,
-    /// Root mean square of the field over that of the reference [-].
+    systematic: f64,
+    /// Root mean square of the field over that of the reference [-], per start.
     amounts: Vec<f64>,
     failed: bool,
 }
@@ -35,19 +49,7 @@ pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
     let scene = FoldThrice::tshirt()?.in_fabric(Fabric::preset(DEFAULT_FABRIC)?);
     let starts: Vec<FoldThrice> =
         (1..=options.runs.max(1) as u64).map(|seed| scene.perturbed(seed)).collect();
-    let mut references = Vec::new();
-    let mut reference_outcome = Outcome::default();
-    for start in &starts {
-        let run = start.run(&BakeOptions::for_quality(Quality::Reference))?;
-        reference_outcome.walls.push(run.wall);
-        references.push(scene.field(&run.baked));
-    }
-    reference_outcome.errors = scatter(&references);
-    if reference_outcome.errors.is_empty() {
-        // A single start says nothing of the scatter.
-        reference_outcome.errors = vec![f64::NAN];
-    }
-    reference_outcome.amounts = vec![1.0; references.len()];
+    let reference = Bakes::new(&scene, &starts, &BakeOptions::for_quality(Quality::Reference))?;
     let mut table = Table::new(&[
         "scene",
         "group",
@@ -55,16 +57,14 @@ pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
         "wall_s",
         "field_error",
         "field_error_standard_error",
+        "field_error_systematic",
         "field_over_reference",
         "starts",
         "failed",
     ]);
-    let mut outcomes = vec![(QUALITIES, "reference".to_owned(), reference_outcome)];
+    let mut outcomes = vec![(QUALITIES, "reference".to_owned(), Outcome::of_reference(&reference))];
     for (group, name, settings) in settings() {
-        let mut outcome = Outcome::default();
-        for (start, reference) in starts.iter().zip(&references) {
-            outcome.add(&scene, &start.run(&settings)?, reference);
-        }
+        let outcome = Outcome::new(Bakes::new(&scene, &starts, &settings)?, &reference);
         outcomes.push((group, name, outcome));
     }
     for (group, name, outcome) in &outcomes {
@@ -75,6 +75,7 @@ pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
             outcome.wall().into(),
             mean(&outcome.errors).into(),
             standard_error(&outcome.errors).into(),
+            outcome.systematic.into(),
             mean(&outcome.amounts).into(),
             (outcome.walls.len() as u64).into(),
             outcome.failed.into(),
@@ -91,13 +92,62 @@ pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
     Ok(Chart { name: "front", table, figure: Figure { title, panels: vec![panel] }, notes })
 }
 
+impl Bakes {
+    fn new(scene: &FoldThrice, starts: &[FoldThrice], options: &BakeOptions) -> Result<Self> {
+        let mut bakes = Self::default();
+        for start in starts {
+            let run = start.run(options)?;
+            bakes.walls.push(run.wall);
+            bakes.fields.push(scene.field(&run.baked));
+            bakes.failed |= run.baked.report.not_performed.is_some() || scene.has_intersections(&run.baked);
+        }
+        Ok(bakes)
+    }
+
+    /// Mean square of the fields [1/m^2].
+    fn mean_square(&self) -> f64 {
+        mean(&self.fields.iter().map(|field| field.rms().powi(2)).collect::<Vec<_>>())
+    }
+
+    /// Mean square difference of two starts [1/m^2]; not a number for one.
+    fn scatter(&self) -> f64 {
+        let fields = &self.fields;
+        let pairs = (0..fields.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+        let squares: Vec<f64> = pairs.map(|(i, j)| fields[i].difference(&fields[j]).powi(2)).collect();
+        if squares.is_empty() { f64::NAN } else { mean(&squares) }
+    }
+}
+
 impl Outcome {
-    fn add(&mut self, scene: &FoldThrice, run: &BakeRun, reference: &CurvatureField) {
-        let field = scene.field(&run.baked);
-        self.walls.push(run.wall);
-        self.errors.push(field.difference(reference) / reference.rms());
-        self.amounts.push(field.rms() / reference.rms());
-        self.failed |= run.baked.report.not_performed.is_some() || scene.has_intersections(&run.baked);
+    fn new(bakes: Bakes, reference: &Bakes) -> Self {
+        let to = |own: &CurvatureField, reference: &CurvatureField| own.difference(reference);
+        let pairs = || bakes.fields.iter().zip(&reference.fields);
+        let of_all =
+            bakes.fields.iter().flat_map(|own| reference.fields.iter().map(move |other| to(own, other)));
+        let squares: Vec<f64> = of_all.map(|difference| difference.powi(2)).collect();
+        let without_scatter = mean(&squares) - 0.5 * (bakes.scatter() + reference.scatter());
+        Self {
+            errors: pairs().map(|(own, reference)| to(own, reference) / reference.rms()).collect(),
+            systematic: if without_scatter.is_nan() {
+                f64::NAN
+            } else {
+                (without_scatter.max(0.0) / reference.mean_square()).sqrt()
+            },
+            amounts: pairs().map(|(own, reference)| own.rms() / reference.rms()).collect(),
+            walls: bakes.walls,
+            failed: bakes.failed,
+        }
+    }
+
+    /// The reference itself: its error is the scatter of its starts.
+    fn of_reference(reference: &Bakes) -> Self {
+        Self {
+            walls: reference.walls.clone(),
+            errors: vec![(reference.scatter() / reference.mean_square()).sqrt()],
+            systematic: 0.0,
+            amounts: vec![1.0],
+            failed: reference.failed,
+        }
     }
 
     fn wall(&self) -> f64 {
@@ -106,11 +156,12 @@ impl Outcome {
 
     fn note(&self, group: &str, name: &str) -> String {
         format!(
-            "{group}, {name}: {:.1} s; error {:.2} (standard error {:.2}, {} starts), field {:.2} times the reference's{}",
+            "{group}, {name}: {:.1} s; error {:.2} (standard error {:.2}, {} starts), systematic {:.2}, field {:.2} times the reference's{}",
             self.wall(),
             mean(&self.errors),
             standard_error(&self.errors),
             self.walls.len(),
+            self.systematic,
             mean(&self.amounts),
             if self.failed { "; FAILED" } else { "" }
         )
