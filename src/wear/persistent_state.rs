@@ -86,6 +86,9 @@ pub struct PersistentState {
     /// Per hinge: by how much laying the garment down bent it [rad]; empty for a garment that does not lie. It is not remembered.
     #[serde(default)]
     pub laid_bend: Vec<f64>,
+    /// Fraction of the cloth that does not fit into the plane it was laid out in [-]: it makes wrinkles.
+    #[serde(default)]
+    pub excess: f64,
     /// Loads of the last action that act until they are released.
     #[serde(rename = "kept")]
     pub held_loads: Option<Loads>,
@@ -103,6 +106,7 @@ impl Default for PersistentState {
             folds: Vec::new(),
             ground: None,
             laid_bend: Vec::new(),
+            excess: 0.0,
             held_loads: None,
             body: None,
         }

@@ -177,6 +177,8 @@ impl WearAction for Fold {
             FlapPoint { point: p, coords, rise: rise * straight, mass: masses[p as usize] }
         };
         let held = TUNING.fold.held_width;
+        // Excess cloth stands up like tents, under which folds made before would open: flat hands stroke the whole stack.
+        let has_excess = persistent.excess > TUNING.fold.max_excess;
         // The part that stays is held along the line; beyond, it is fixed while the flap turns: nothing moves it.
         let sprung = rest.iter().filter(|&&p| line.beyond(&x[p as usize]) > -held);
         let pin = |&p: &u32| pin_spring(p, x[p as usize], masses[p as usize]);
@@ -185,7 +187,12 @@ impl WearAction for Fold {
             flap: flap.iter().map(flap_point).collect(),
             pins: sprung.map(pin).collect(),
             fixed: x.iter().map(|p| line.beyond(p) <= -held).collect(),
-            smoothed: x.iter().map(|p| line.beyond(p).abs() < strip_width).collect(),
+            smoothed: x.iter().map(|p| has_excess || line.beyond(p).abs() < strip_width).collect(),
+            smoothing_pressure: if has_excess {
+                TUNING.fold.stroking_pressure
+            } else {
+                TUNING.fold.smoothing_pressure
+            },
             record: FoldRecord {
                 flap,
                 origin: line.origin,
@@ -224,9 +231,11 @@ struct FoldRunner {
     pins: Vec<TargetSpring>,
     /// Points that are fixed while the flap turns, one flag per point.
     fixed: Vec<bool>,
-    /// Points along the line that are smoothed after the release, one flag per point: those of a strip of cloth, since points that
-    /// entered and left a strip of the ground would be pushed to and fro.
+    /// Points that are smoothed after the release, one flag per point: those of a strip of cloth along the line, since points that
+    /// entered and left a strip of the ground would be pushed to and fro; all of a garment with excess cloth.
     smoothed: Vec<bool>,
+    /// Pressure on them [Pa].
+    smoothing_pressure: f64,
     record: FoldRecord,
     /// Duration of the turn [s].
     over: f64,
@@ -267,7 +276,7 @@ impl FoldRunner {
         let fold = &TUNING.fold;
         let rises = t < fold.release_time;
         Loads {
-            pressure: fold.smoothing_pressure * smoothstep(t / fold.release_time),
+            pressure: self.smoothing_pressure * smoothstep(t / fold.release_time),
             pressed: self.smoothed.clone(),
             max_dt: if rises { fold.release_time / fold.release_steps } else { f64::INFINITY },
             transient: rises,
@@ -432,5 +441,24 @@ mod tests {
         let moved: Vec<Vec3> = x.iter().map(|p| p + Vec3::x() * 0.1).collect();
         let pressed = columns(runner.loads_at(fold.over_s + 2.0 * TUNING.fold.release_time, &moved).pressed);
         assert_eq!(pressed, [false, true, true, true, false, false]);
+    }
+
+    #[test]
+    fn excess_cloth_is_stroked_all_over() {
+        let x: Vec<Vec3> =
+            [0.0, 0.18, 0.22, 0.4].iter().flat_map(|&x| [0.0, -0.4].map(|z| Vec3::new(x, 1e-3, z))).collect();
+        let context = context(&x, &[1e-3; 8]);
+        let line = [Fraction2([0.5, 0.0]), Fraction2([0.5, 1.0])];
+        let fold = Fold { line, angle_deg: 180.0, side: FoldSide::Right, ..Fold::example() };
+        let loads = |excess: f64| {
+            let frame = Some(GarmentFrame::lying(&x));
+            let mut persistent =
+                PersistentState { frame, ground: Some(0.0), excess, ..PersistentState::default() };
+            let mut runner = fold.start_action(&context, &mut persistent).expect("can be folded").runner;
+            runner.loads_at(fold.over_s + 2.0 * TUNING.fold.release_time, &x)
+        };
+        let [fits, wrinkles] = [0.01, 0.08].map(loads);
+        assert_eq!(fits.pressed.iter().filter(|pressed| **pressed).count(), 4);
+        assert!(wrinkles.pressed.iter().all(|pressed| *pressed) && wrinkles.pressure < fits.pressure);
     }
 }

@@ -100,6 +100,7 @@ impl WearAction for Lay {
         persistent.folds.clear();
         persistent.held_loads = None;
         persistent.laid_bend.clear();
+        persistent.excess = 0.0;
         // A garment that is laid down has been taken off.
         persistent.body = None;
         persistent.ground = Some(0.0);
@@ -113,6 +114,7 @@ impl WearAction for Lay {
             }
         {
             laid = layout.positions;
+            persistent.excess = layout.excess;
             level = Some(layout.level);
             note = Some(format!(
                 "front over back; {:.1} % of the cloth does not fit into the plane and makes wrinkles",
