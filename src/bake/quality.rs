@@ -42,9 +42,11 @@ impl Quality {
     pub fn description(self) -> &'static str {
         match self {
             Self::Draft => {
-                "edges of 20 mm along fold lines: memory errs by 26 % in 0.6 of the standard time (T-shirt folded thrice)"
+                "edges of 20 mm along fold lines: memory errs by 19 % in two thirds of the standard time (T-shirt folded thrice)"
             }
-            Self::Standard => "edges of 12 mm: memory errs by 21 %, two starts differ by 13 to 18 %",
+            Self::Standard => {
+                "edges of 12 mm: memory errs by 16 %, as much as two starts of the reference differ"
+            }
             Self::Reference => {
                 "edges of 8 mm, a third of the tolerances: what the errors are taken from, in three times the standard time"
             }

@@ -85,7 +85,7 @@ pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
     let panel = Panel {
         title: "T-shirt of 13,863 points, folded thrice".to_owned(),
         x: Axis::linear("wall time [s]"),
-        y: Axis::linear("error of the field of memory, rms over rms [-]"),
+        y: Axis::log("error of the field of memory, rms over rms [-]"),
         series: series_of(&outcomes),
     };
     let title = "Error of what is baked over wall time".into();
