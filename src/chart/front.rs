@@ -6,7 +6,7 @@
 //! starts, its scatter: no setting can come below it. The systematic error is what is left of the error without the scatter of both,
 //!
 //! ```text
-//! systematic^2 = error^2 - (scatter^2 + reference scatter^2) / 2     (means over all pairs of starts)
+//! systematic^2 = error^2 - (scatter^2 + reference scatter^2) / 2     (means over all pairs of starts, as if independent)
 //! ```
 //!
 //! which is how far the mean of many bakes with a setting is from the mean of many references.
@@ -120,14 +120,13 @@ impl Bakes {
 
 impl Outcome {
     fn new(bakes: Bakes, reference: &Bakes) -> Self {
-        let to = |own: &CurvatureField, reference: &CurvatureField| own.difference(reference);
         let pairs = || bakes.fields.iter().zip(&reference.fields);
         let of_all =
-            bakes.fields.iter().flat_map(|own| reference.fields.iter().map(move |other| to(own, other)));
-        let squares: Vec<f64> = of_all.map(|difference| difference.powi(2)).collect();
+            bakes.fields.iter().flat_map(|own| reference.fields.iter().map(|other| own.difference(other)));
+        let squares: Vec<f64> = of_all.map(|difference: f64| difference.powi(2)).collect();
         let without_scatter = mean(&squares) - 0.5 * (bakes.scatter() + reference.scatter());
         Self {
-            errors: pairs().map(|(own, reference)| to(own, reference) / reference.rms()).collect(),
+            errors: pairs().map(|(own, reference)| own.difference(reference) / reference.rms()).collect(),
             systematic: if without_scatter.is_nan() {
                 f64::NAN
             } else {
@@ -218,4 +217,38 @@ fn series_of(outcomes: &[(&str, String, Outcome)]) -> Vec<Series> {
         series.push(Series::new("", colour, Mark::Crosses, of(true)));
     }
     series
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chart::test_sheet::TestSheet;
+    use crate::garment::RestState;
+
+    #[test]
+    fn the_systematic_error_is_what_scatter_does_not_explain() {
+        let lines: Vec<f64> = (0..=60).map(|k| 0.005 * f64::from(k)).collect();
+        let garment = TestSheet::strip(&lines, 0.1, 20).flat_garment();
+        // A crease of `angle` [rad] at `at` [m].
+        let field = |&(at, angle): &(f64, f64)| {
+            let mut rest = RestState::flat(garment.topology.hinges.len(), garment.triangles.len());
+            for (h, hinge) in garment.topology.hinges.iter().enumerate() {
+                if hinge.points[..2].iter().all(|p| (garment.points[p.at()].x - at).abs() < 1e-9) {
+                    rest.rest_angle[h] = angle;
+                }
+            }
+            CurvatureField::new(&garment, &rest)
+        };
+        let bakes = |creases: [(f64, f64); 2]| Bakes {
+            walls: vec![1.0; 2],
+            fields: creases.iter().map(field).collect(),
+            failed: false,
+        };
+        let weaker = Outcome::new(bakes([(0.15, 0.9); 2]), &bakes([(0.15, 1.0); 2]));
+        assert!((weaker.systematic - 0.1).abs() < 1e-6, "{}", weaker.systematic);
+        assert!((mean(&weaker.errors) - 0.1).abs() < 1e-6);
+        // Creases anywhere: every start differs from every other by as much.
+        let anywhere = Outcome::new(bakes([(0.05, 1.0), (0.25, 1.0)]), &bakes([(0.11, 1.0), (0.19, 1.0)]));
+        assert!(mean(&anywhere.errors) > 1.2 && anywhere.systematic < 0.2, "{}", anywhere.systematic);
+    }
 }
