@@ -45,9 +45,10 @@ pub struct RefinementRule {
 pub(super) struct EdgeLengths {
     /// Along fold lines.
     pub line: f64,
-    /// Across creases, from a fold line to the rows beside it, and where fold lines cross one another or the rim of the laid garment: a
-    /// corner of many layers is folded there.
-    crease: f64,
+    /// Across creases: the distance of the rows beside fold lines.
+    row: f64,
+    /// Where fold lines cross one another or the rim of the laid garment: a corner of many layers is folded there.
+    crossing: f64,
     /// Along borders, seams and sides.
     side: f64,
     /// At most.
@@ -85,7 +86,7 @@ impl MeshChoice {
             return Self::on_body(garment, animated, script, lengths);
         }
         let DrawnLines { mut mesh, foresight } =
-            draw_fold_lines(garment, script, laid, fabric.thickness(), lengths.crease);
+            draw_fold_lines(garment, script, laid, fabric.thickness(), lengths.row);
         let uniform = match foresight {
             Foresight::Whole if laid.is_some_and(|laid| crumples(garment, laid)) => lengths.max_of_crumpled,
             Foresight::Whole => lengths.max,
@@ -98,12 +99,13 @@ impl MeshChoice {
             return own("layers would cross on another mesh at the start");
         }
         let count = format!("{} points instead of {}", mesh.garment.points.len(), garment.points.len());
-        let [line, crease, side, max, anywhere] =
-            [lengths.line, lengths.crease, lengths.side, uniform, lengths.anywhere].map(|l| 1e3 * l);
+        let [line, row, crossing, side, max, anywhere] =
+            [lengths.line, lengths.row, lengths.crossing, lengths.side, uniform, lengths.anywhere]
+                .map(|l| 1e3 * l);
         let why = match foresight {
             Foresight::NeedsLaying => format!("{count}: edges of {max:.0} mm to lay the garment on"),
             Foresight::Whole => format!(
-                "{count}: edges of {line:.0} mm along fold lines, {crease:.0} mm across and where they cross, {side:.0} mm along sides, up to {max:.0} mm elsewhere"
+                "{count}: edges of {line:.0} mm along fold lines, {row:.0} mm across, {crossing:.0} mm where they cross, {side:.0} mm along sides, up to {max:.0} mm elsewhere"
             ),
             Foresight::Until(_) => format!(
                 "{count}: edges of {max:.0} mm, bisected down to {anywhere:.0} mm where the cloth bends during the wear"
@@ -164,7 +166,8 @@ impl EdgeLengths {
         let line = finest.min(tuning.max_extent_fraction * extent);
         Self {
             line,
-            crease: tuning.max_crease_edge.min(tuning.crease_factor * line),
+            row: tuning.max_crease_edge.min(line),
+            crossing: tuning.max_crease_edge.min(tuning.crossing_factor * line),
             side: tuning.side_factor * line,
             max: (tuning.max_factor * line).min(tuning.max_edge),
             max_of_crumpled: (tuning.max_factor_of_crumpled * line).min(tuning.max_edge),
@@ -174,7 +177,7 @@ impl EdgeLengths {
 
     /// Lengths for a `garment` with creases that have rows at `row` [m] beside them.
     pub fn of_creases(garment: &Garment, row: f64) -> Self {
-        Self::new(garment, row / TUNING.simulation_mesh.crease_factor)
+        Self::new(garment, row / TUNING.simulation_mesh.crossing_factor)
     }
 }
 
@@ -204,7 +207,7 @@ pub(super) fn crosses_elsewhere(mesh: &Garment, garment: &Garment) -> bool {
 
 /// Brings `mesh` to short edges along its curves and edges of `uniform` length [m] elsewhere.
 pub(super) fn make(mesh: &mut SurfaceMesh, lengths: EdgeLengths, uniform: f64) {
-    let length = lengths.crease;
+    let length = lengths.crossing;
     let mut seeds: Vec<Seed> =
         line_crossings(mesh).into_iter().map(|position| Seed { position, length }).collect();
     for [a, b] in mesh.edges() {

@@ -90,8 +90,8 @@ pub(super) struct SimulationMeshTuning {
     /// Longest edges across creases and where fold lines cross [m], default 0.008: wider ones spread the bend of a crease, and stretch
     /// in the corner of many layers, which then lies otherwise in every run.
     pub max_crease_edge: f64,
-    /// Length of these edges relative to those along fold lines [-] and at most, default 0.75.
-    pub crease_factor: f64,
+    /// Length of edges where fold lines cross relative to that along the lines [-] and at most, default 0.75.
+    pub crossing_factor: f64,
     /// Length of edges along borders, seams and sides relative to that along fold lines [-], default 1.5.
     pub side_factor: f64,
     /// Longest edges relative to those along fold lines [-], default 3.4.
@@ -335,7 +335,7 @@ impl BakeTuning {
             max_extent_fraction: 0.04,
             anywhere_extent_fraction: 0.02,
             max_crease_edge: 0.008,
-            crease_factor: 0.75,
+            crossing_factor: 0.75,
             side_factor: 1.5,
             max_factor: 3.4,
             max_edge: 0.04,
