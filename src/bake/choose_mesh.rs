@@ -175,7 +175,7 @@ impl EdgeLengths {
         }
     }
 
-    /// Lengths for a `garment` with creases that have rows at `row` [m] beside them.
+    /// Lengths for a `garment` with creases that have rows at `row` [m] beside them: edges are as long where the creases cross.
     pub fn of_creases(garment: &Garment, row: f64) -> Self {
         Self::new(garment, row / TUNING.simulation_mesh.crossing_factor)
     }

@@ -105,29 +105,31 @@ fn cell_of(position: &Vec3) -> [i32; 3] {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::chart::test_sheet::TestSheet;
+
+    /// The field of a strip, 0.3 m long, with creases across at `creases`: position [m] and angle [rad] of each.
+    pub(in crate::chart) fn creased_strip(creases: &[(f64, f64)]) -> CurvatureField {
+        let lines: Vec<f64> = (0..=60).map(|k| 0.005 * f64::from(k)).collect();
+        let garment = TestSheet::strip(&lines, 0.1, 20).flat_garment();
+        let mut rest = RestState::flat(garment.topology.hinges.len(), garment.triangles.len());
+        for (h, hinge) in garment.topology.hinges.iter().enumerate() {
+            let [a, b] = [hinge.points[0], hinge.points[1]].map(|p| garment.points[p.at()].x);
+            for (at, angle) in creases {
+                if (a - at).abs() < 1e-9 && (b - at).abs() < 1e-9 {
+                    rest.rest_angle[h] = *angle;
+                }
+            }
+        }
+        CurvatureField::new(&garment, &rest)
+    }
 
     /// A crease of 1 rad across a strip, put on one line or shared by two lines 5 mm apart.
     #[test]
     fn a_crease_on_one_line_and_shared_by_two_near_lines_differ_little_and_one_elsewhere_much() {
-        let lines: Vec<f64> = (0..=60).map(|k| 0.005 * f64::from(k)).collect();
-        let garment = TestSheet::strip(&lines, 0.1, 20).flat_garment();
-        let field = |parts: &[(f64, f64)]| {
-            let mut rest = RestState::flat(garment.topology.hinges.len(), garment.triangles.len());
-            for (h, hinge) in garment.topology.hinges.iter().enumerate() {
-                let [a, b] = [hinge.points[0], hinge.points[1]].map(|p| garment.points[p.at()].x);
-                for (at, angle) in parts {
-                    if (a - at).abs() < 1e-9 && (b - at).abs() < 1e-9 {
-                        rest.rest_angle[h] = *angle;
-                    }
-                }
-            }
-            CurvatureField::new(&garment, &rest)
-        };
         let [one, shared, away] =
-            [&[(0.15, 1.0)][..], &[(0.145, 0.5), (0.15, 0.5)], &[(0.2, 1.0)]].map(field);
+            [&[(0.15, 1.0)][..], &[(0.145, 0.5), (0.15, 0.5)], &[(0.2, 1.0)]].map(creased_strip);
         assert!(one.difference(&one) == 0.0 && one.rms() > 1.0, "{}", one.rms());
         assert!(one.difference(&shared) < 0.25 * one.rms(), "{} of {}", one.difference(&shared), one.rms());
         assert!(one.difference(&away) > 1.2 * one.rms(), "{} of {}", one.difference(&away), one.rms());

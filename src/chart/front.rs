@@ -127,11 +127,8 @@ impl Outcome {
         let without_scatter = mean(&squares) - 0.5 * (bakes.scatter() + reference.scatter());
         Self {
             errors: pairs().map(|(own, reference)| own.difference(reference) / reference.rms()).collect(),
-            systematic: if without_scatter.is_nan() {
-                f64::NAN
-            } else {
-                (without_scatter.max(0.0) / reference.mean_square()).sqrt()
-            },
+            // Not a number stays one.
+            systematic: (without_scatter.clamp(0.0, f64::INFINITY) / reference.mean_square()).sqrt(),
             amounts: pairs().map(|(own, reference)| own.rms() / reference.rms()).collect(),
             walls: bakes.walls,
             failed: bakes.failed,
@@ -222,26 +219,13 @@ fn series_of(outcomes: &[(&str, String, Outcome)]) -> Vec<Series> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::chart::test_sheet::TestSheet;
-    use crate::garment::RestState;
+    use crate::chart::curvature_field::tests::creased_strip;
 
     #[test]
     fn the_systematic_error_is_what_scatter_does_not_explain() {
-        let lines: Vec<f64> = (0..=60).map(|k| 0.005 * f64::from(k)).collect();
-        let garment = TestSheet::strip(&lines, 0.1, 20).flat_garment();
-        // A crease of `angle` [rad] at `at` [m].
-        let field = |&(at, angle): &(f64, f64)| {
-            let mut rest = RestState::flat(garment.topology.hinges.len(), garment.triangles.len());
-            for (h, hinge) in garment.topology.hinges.iter().enumerate() {
-                if hinge.points[..2].iter().all(|p| (garment.points[p.at()].x - at).abs() < 1e-9) {
-                    rest.rest_angle[h] = angle;
-                }
-            }
-            CurvatureField::new(&garment, &rest)
-        };
         let bakes = |creases: [(f64, f64); 2]| Bakes {
             walls: vec![1.0; 2],
-            fields: creases.iter().map(field).collect(),
+            fields: creases.map(|crease| creased_strip(&[crease])).into(),
             failed: false,
         };
         let weaker = Outcome::new(bakes([(0.15, 0.9); 2]), &bakes([(0.15, 1.0); 2]));
