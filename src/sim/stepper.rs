@@ -92,6 +92,8 @@ struct StageInputs<'a> {
     loads: &'a Loads,
     buffers: &'a LoadBuffers,
     stage: &'a Stage,
+    /// Tolerance of an earlier solve of the stage, see [`NewtonOptions::min_diffuse_tol`] [J].
+    min_diffuse_tol: f64,
 }
 
 /// End state of an attempted step.
@@ -234,15 +236,32 @@ impl Stepper {
         }
         for loads in earlier {
             let stage = next_stage(method, state, h, stage_positions.as_deref());
-            let inputs = StageInputs { state, rest_state, loads, buffers: &buffers, stage: &stage };
+            let inputs = StageInputs {
+                state,
+                rest_state,
+                loads,
+                buffers: &buffers,
+                stage: &stage,
+                min_diffuse_tol: 0.0,
+            };
             report.add(&self.solve_stage(&inputs, &mut x));
             stage_positions = Some(x.clone());
         }
         let stage = next_stage(method, state, h, stage_positions.as_deref());
         let mut revisions = 0..TUNING.max_contact_revisions;
+        let mut min_diffuse_tol = 0.0;
         loop {
-            let inputs = StageInputs { state, rest_state, loads: last, buffers: &buffers, stage: &stage };
-            report.add(&self.solve_stage(&inputs, &mut x));
+            let inputs = StageInputs {
+                state,
+                rest_state,
+                loads: last,
+                buffers: &buffers,
+                stage: &stage,
+                min_diffuse_tol,
+            };
+            let solved = self.solve_stage(&inputs, &mut x);
+            min_diffuse_tol = TUNING.revision_tol_factor * solved.diffuse_tol;
+            report.add(&solved);
             let revised = revisions.next().and_then(|_| source.revised_contacts(&x, last));
             let Some(contacts) = revised else { break };
             last.edge_contacts = contacts;
@@ -258,7 +277,7 @@ impl Stepper {
 
     /// Solves one stage of a step, from `x` on.
     fn solve_stage(&mut self, inputs: &StageInputs, x: &mut [Vec3]) -> NewtonReport {
-        let StageInputs { state, rest_state, loads, buffers, stage } = *inputs;
+        let StageInputs { state, rest_state, loads, buffers, stage, min_diffuse_tol } = *inputs;
         let solver = self.options.method.solver();
         let inertial = stage.inertial();
         // The rates of damping and drag have the same base as the velocity.
@@ -280,7 +299,7 @@ impl Stepper {
             // A method of one iteration is defined with the Hessian at the beginning.
             predicted_positions: (solver == InnerSolver::Newton).then_some(&inertial[..]),
         };
-        let mut newton = self.options.newton;
+        let mut newton = NewtonOptions { min_diffuse_tol, ..self.options.newton };
         if solver == InnerSolver::SingleNewton {
             newton.max_iterations = 1;
         }

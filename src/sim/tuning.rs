@@ -20,6 +20,9 @@ pub(super) struct SteppingTuning {
     pub max_dt_ratio: f64,
     /// Solves of a step that are repeated with contacts that were missing or too weak, at most, default 2.
     pub max_contact_revisions: usize,
+    /// Tolerance of such a solve over that of the first where the predicted decrease is diffuse [-], default 0.3: the first
+    /// ends somewhere below its tolerance, and what was missing is to move the cloth.
+    pub revision_tol_factor: f64,
     /// Minimum ratio of a gap to its activation distance [-], default 0.02: layers that are nearer are reported as
     /// pressed, as the contact stiffness is not made for it.
     pub min_gap_ratio: f64,
@@ -44,6 +47,7 @@ impl SteppingTuning {
         min_dt_ratio: 0.3,
         max_dt_ratio: 1.9,
         max_contact_revisions: 2,
+        revision_tol_factor: 0.3,
         min_gap_ratio: 0.02,
         max_strain: 0.3,
         min_motion: 1e-12,

@@ -171,7 +171,9 @@ impl Problem<'_> {
             let is_converged = decrement <= options.decrement_tol;
             context.work.local_first_budget = if is_converged { TUNING.local_first_solves } else { 0 };
             if options.decrement_tol > 0.0 && self.inertia.is_some() {
-                limits.diffuse_energy_tol = options.rel_decrement_tol * decrement;
+                limits.diffuse_energy_tol =
+                    options.min_diffuse_tol.max(options.rel_decrement_tol * decrement);
+                context.report.diffuse_tol = limits.diffuse_energy_tol;
             }
         }
         // The predicted decrease of a global direction is diffuse.
