@@ -13,6 +13,7 @@ mod body_planes;
 pub mod broad_phase;
 mod collision_set;
 mod friction;
+mod impact_zones;
 mod initial_intersections;
 mod planes;
 mod self_fold;
@@ -25,7 +26,7 @@ pub use body_planes::{BodyContactState, BodyIntersections, BodyPlanes, Penetrati
 pub use friction::TangentialState;
 pub use settings::{BodyContactSettings, ContactSettings};
 
-use crate::contact::collision_set::{ActivePair, CollisionSet};
+use crate::contact::collision_set::{ActivePair, CollisionSet, LimitCriteria};
 use crate::contact::friction::{
     Friction, FrictionContact, add_weighted_gradient, add_weighted_hessian, slip_tolerance,
 };
@@ -206,13 +207,17 @@ impl Contact {
 
     // ---- Limits on displacements ----
 
-    /// Shortens the displacements `d` of single points until the motion from `x` to `x + d` [m] (and to every fraction of it) keeps all
-    /// pairs apart. Afterwards values may be asked for anywhere on that motion.
-    pub fn limit_displacement(&mut self, x: &[Vec3], d: &mut [Vec3]) {
+    /// Changes the displacements `d` until the motion from `x` to `x + d` [m] (and to every fraction of it) keeps all pairs apart: those of
+    /// single points become shorter, or points move together. `gradient` is that of the energy to decrease, one per point [N]. Afterwards
+    /// values may be asked for anywhere on that motion.
+    pub fn limit_displacement(&mut self, x: &[Vec3], d: &mut [Vec3], gradient: &[Vec3]) {
         self.planes.limit_displacement(x, d);
-        if let Some(collisions) = self.collisions_mut() {
-            collisions.limit_displacement(x, d);
-        }
+        let Some(layers) = &mut self.layers else { return };
+        let criteria = LimitCriteria {
+            decrease: &|d| -gradient.iter().zip(d).map(|(g, d)| g.dot(d)).sum::<f64>(),
+            allows: &|d| self.planes.uniform_step_size(x, d) >= 1.0,
+        };
+        layers.collisions.limit_displacement(x, d, criteria);
     }
 
     /// Does the same with one step size for all points, so that the direction does not change.

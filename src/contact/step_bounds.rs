@@ -50,11 +50,11 @@ impl StepFractions {
 
 /// A pair that would come to its minimum distance.
 #[derive(Debug, Clone, Copy)]
-struct Hit {
+pub struct Hit {
     /// Index into the pairs.
-    pair: u32,
+    pub pair: u32,
     /// Fraction of the tested motion that keeps the pair apart [-].
-    fraction: f64,
+    pub fraction: f64,
 }
 
 /// Returns fractions such that no pair comes to its minimum distance while every point i moves straight by
@@ -134,7 +134,7 @@ fn near_pairs(
 }
 
 /// Returns those of the `active` pairs that are not free, in the order of `active`.
-fn find_hits(
+pub fn find_hits(
     active: &[u32],
     pairs: &[PrimitivePair],
     min_distances: &[f64],
@@ -234,7 +234,7 @@ fn fall_back(
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::contact::broad_phase::{CandidateFinder, SearchQuery};
     use crate::math::Rng;
@@ -242,7 +242,7 @@ mod tests {
     use crate::mesh::{PointIndex, Topology};
 
     /// `layers` sheets of n x n squares of 8 mm, `apart` \[m\] above each other, each rotated a little.
-    fn pile(layers: usize, n: usize, apart: f64) -> (Vec<Vec3>, Vec<[PointIndex; 3]>) {
+    pub fn pile(layers: usize, n: usize, apart: f64) -> (Vec<Vec3>, Vec<[PointIndex; 3]>) {
         let (mut points, mut triangles) = (Vec::new(), Vec::new());
         for layer in 0..layers {
             let base = points.len() as u32;
@@ -262,7 +262,11 @@ mod tests {
     }
 
     /// The candidates of a motion as pairs.
-    fn pairs(points: &[Vec3], triangles: &[[PointIndex; 3]], displacement: &[Vec3]) -> Vec<PrimitivePair> {
+    pub fn pairs(
+        points: &[Vec3],
+        triangles: &[[PointIndex; 3]],
+        displacement: &[Vec3],
+    ) -> Vec<PrimitivePair> {
         let topology = Topology::new(points.len(), triangles);
         let mut finder = CandidateFinder::new(points, triangles, &topology);
         let end: Vec<Vec3> = points.iter().zip(displacement).map(|(x, d)| x + d).collect();
@@ -273,7 +277,7 @@ mod tests {
     }
 
     /// Asserts that each pair stays apart during its motion, in steps within which its gap cannot close.
-    fn assert_apart(pairs: &[PrimitivePair], min_distances: &[f64], points: &[Vec3], motion: &[Vec3]) {
+    pub fn assert_apart(pairs: &[PrimitivePair], min_distances: &[f64], points: &[Vec3], motion: &[Vec3]) {
         for (pair, &min_distance) in pairs.iter().zip(min_distances) {
             let (x, dx) = (pair.gather(points), pair.gather(motion));
             let min_distance = min_distance.min(0.5 * pair.distance(points));
@@ -289,7 +293,7 @@ mod tests {
     }
 
     /// A pile whose layers are thrown through each other, each point in its own direction, 20 gaps a step.
-    fn thrown(layers: usize) -> (Vec<Vec3>, Vec<[PointIndex; 3]>, Vec<Vec3>) {
+    pub fn thrown(layers: usize) -> (Vec<Vec3>, Vec<[PointIndex; 3]>, Vec<Vec3>) {
         let (points, triangles) = pile(layers, 6, 1e-3);
         let mut rng = Rng::from_state(21);
         let mut displacement: Vec<Vec3> = points.iter().map(|_| rng.in_cube() * 4e-3).collect();

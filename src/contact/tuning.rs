@@ -63,6 +63,10 @@ pub(crate) struct StepTuning {
     /// Rounds of limiting and testing again before a connected part falls back to one step size. Piles of layers need about as many
     /// rounds as they have layers.
     pub max_rounds: usize,
+    /// Fraction of the predicted decrease that step sizes of single points must leave, or zones are tried [-].
+    pub min_decrease_fraction: f64,
+    /// Rounds in which impact zones may grow, before single points are limited instead.
+    pub max_zone_rounds: usize,
 }
 
 /// Coulomb friction.
@@ -139,6 +143,8 @@ impl ContactTuning {
             max_carry_gap_kept: 1.0 - 0.02,
             neighbour_step_limit: 0.1,
             max_rounds: 48,
+            min_decrease_fraction: 0.9,
+            max_zone_rounds: 8,
         },
         friction: FrictionTuning {
             slip_velocity_tol: 1e-3,

@@ -3,6 +3,7 @@
 use crate::contact::barrier;
 use crate::contact::broad_phase::PrimitivePair;
 use crate::contact::collision_set::candidate_pair::CandidatePair;
+use crate::contact::impact_zones::zone_displacement;
 use crate::contact::step_bounds::{StepFractions, local_step_fractions, stay_apart, swept_boxes};
 use crate::contact::tuning::TUNING;
 use crate::math::Vec3;
@@ -69,5 +70,11 @@ impl<'a> CcdProblem<'a> {
     /// Returns step sizes of single points for a displacement that is at most that of the problem.
     pub fn local_step_sizes(&self, d: &[Vec3]) -> StepFractions {
         local_step_fractions(&self.pairs, &self.min_distances, self.x, d)
+    }
+
+    /// Returns the displacement in which points that would hit one another move as zones [m]; see
+    /// [`crate::contact::impact_zones`].
+    pub fn zone_displacement(&self, fixed: &[bool]) -> Option<Vec<Vec3>> {
+        zone_displacement(&self.pairs, &self.min_distances, self.x, self.d, fixed)
     }
 }

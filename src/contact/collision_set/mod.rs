@@ -59,6 +59,15 @@ struct RestMesh {
     edge_area: Vec<f64>,
 }
 
+/// What decides between two ways to limit a displacement.
+#[derive(Clone, Copy)]
+pub(super) struct LimitCriteria<'a> {
+    /// Returns the decrease of the energy that is predicted for a displacement [J].
+    pub decrease: &'a dyn Fn(&[Vec3]) -> f64,
+    /// Whether all else allows a displacement, such as the ground.
+    pub allows: &'a dyn Fn(&[Vec3]) -> bool,
+}
+
 /// Positions [m] and fixed points of a query at rest.
 struct RestQuery {
     x: Vec<Vec3>,
@@ -325,10 +334,11 @@ impl CollisionSet {
     ///
     /// Most long displacements bring nothing together: they are found free with one step size for all points, which needs only the pairs that
     /// come near in that motion, or are made together as far as possible, if that is far enough (`min_uniform_step`). Otherwise candidates hold
-    /// for any fractions of the displacements, and every point gets the fraction that keeps its pairs apart (`contact::step_bounds`). A pair may
-    /// use up most of its gap in one step but not all of it: the barrier must act before layers come really near, or a decrease of energy
-    /// elsewhere would press them to nothing.
-    pub fn limit_displacement(&mut self, x: &[Vec3], d: &mut [Vec3]) {
+    /// for any fractions of the displacements, and every point gets the fraction that keeps its pairs apart (`contact::step_bounds`). Where
+    /// that leaves little of the predicted decrease, layers that move along with one another have stopped each other; then points that would
+    /// hit one another move as zones (`contact::impact_zones`), if that is better. A pair may use up most of its gap in one step but not all
+    /// of it: the barrier must act before layers come really near, or a decrease of energy elsewhere would press them to nothing.
+    pub fn limit_displacement(&mut self, x: &[Vec3], d: &mut [Vec3], criteria: LimitCriteria) {
         let far = TUNING.step.long_step_distances * TUNING.search.candidate_margin * self.dhat;
         let is_long = self.far_clearance.is_clear() || d.iter().any(|d| d.norm_squared() > far * far);
         if is_long {
@@ -340,7 +350,21 @@ impl CollisionSet {
             }
         }
         let mode = CcdMode { per_point: true, carry: false, allow_initial: true };
-        let limited = self.ccd_problem(x, d, mode).local_step_sizes(d).apply(d);
+        let problem = self.ccd_problem(x, d, mode);
+        let limited = problem.local_step_sizes(d).apply(d);
+        let LimitCriteria { decrease, allows } = criteria;
+        let reached = decrease(&limited);
+        let is_stopped = reached < TUNING.step.min_decrease_fraction * decrease(d);
+        let zones = if is_stopped { problem.zone_displacement(&self.fixed) } else { None };
+        if let Some(zones) = zones.filter(|zones| decrease(zones) > reached && allows(zones)) {
+            // Zones move along other lines than the pairs of the problem were found for.
+            let mode = CcdMode { per_point: false, ..mode };
+            if self.ccd_problem(x, &zones, mode).uniform_step_size() >= 1.0 {
+                d.copy_from_slice(&zones);
+                return;
+            }
+            self.update_pairs(x, d, false);
+        }
         d.copy_from_slice(&limited);
     }
 

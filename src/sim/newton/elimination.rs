@@ -26,8 +26,7 @@ impl Problem<'_> {
         context: &mut SolveContext,
     ) -> f64 {
         let tuning = &TUNING.line_search;
-        let displacement =
-            collision_free_displacement(x, descent.direction, false, context.contact, context.report);
+        let displacement = collision_free_displacement(x, descent, false, context.contact, context.report);
         let slope = SearchPath::slope(descent.gradient, &displacement);
         let path = SearchPath { displacement: &displacement, slope };
         let mut step = 1.0;
@@ -70,7 +69,7 @@ impl Problem<'_> {
                     return step;
                 }
                 // The local solve has left the contact search with the pairs of its own displacements.
-                collision_free_displacement(x, descent.direction, false, context.contact, context.report);
+                collision_free_displacement(x, descent, false, context.contact, context.report);
             }
             step *= 0.5;
         }

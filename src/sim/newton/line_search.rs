@@ -60,7 +60,7 @@ impl Problem<'_> {
         // by one factor, which cannot.
         for uniform in [false, true] {
             let displacement =
-                collision_free_displacement(x, descent.direction, uniform, context.contact, context.report);
+                collision_free_displacement(x, descent, uniform, context.contact, context.report);
             let clock = Instant::now();
             let slope = SearchPath::slope(descent.gradient, &displacement);
             if slope > 0.0 && !uniform {
@@ -141,21 +141,21 @@ pub(super) fn axpy(x: &[Vec3], d: &[Vec3], step: f64) -> Vec<Vec3> {
     x.iter().zip(d).map(|(x, d)| x + d * step).collect()
 }
 
-/// Returns the part of the displacement `d` from `x` that keeps layers apart: limited by one factor if `uniform`, else
-/// point by point. Afterwards contact can be evaluated anywhere along it.
+/// Returns the part of the direction of `descent` from `x` that keeps layers apart: limited by one factor if `uniform`,
+/// else point by point or zone by zone. Afterwards contact can be evaluated anywhere along it.
 pub(super) fn collision_free_displacement(
     x: &[Vec3],
-    d: &[Vec3],
+    descent: Descent,
     uniform: bool,
     contact: &mut Contact,
     report: &mut NewtonReport,
 ) -> Vec<Vec3> {
     let clock = Instant::now();
-    let mut displacement = d.to_vec();
+    let mut displacement = descent.direction.to_vec();
     if uniform {
         contact.limit_displacement_uniform(x, &mut displacement);
     } else {
-        contact.limit_displacement(x, &mut displacement);
+        contact.limit_displacement(x, &mut displacement, descent.gradient);
     }
     report.seconds.contact += clock.elapsed().as_secs_f64();
     displacement
