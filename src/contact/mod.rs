@@ -105,6 +105,13 @@ impl Contact {
         self.planes.set(ground, ceiling);
     }
 
+    /// Lets points that would hit one another move as zones from here on (`contact::impact_zones`), or not.
+    pub fn set_zones(&mut self, zones: bool) {
+        if let Some(collisions) = self.collisions_mut() {
+            collisions.zones = zones;
+        }
+    }
+
     /// Guards all pairs from here on, also those that intersect, for cloth that has been put somewhere else (its source pose, say): what
     /// intersects there stays as it is and nothing passes, not even what could come apart.
     pub fn freeze_initial_intersections(&mut self) {

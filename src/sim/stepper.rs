@@ -225,6 +225,8 @@ impl Stepper {
         let method = self.options.method;
         let StageLoads { earlier, last } = loads;
         self.contact.set_planes(last.ground, last.ceiling);
+        // Cloth that a body carries moves as a whole, farther than its layers are apart; a flap lands on cloth that lies still.
+        self.contact.set_zones(!last.body_displacement.is_empty());
         let buffers = self.load_buffers(last, &state.x);
         self.contact.begin_step(&state.x, h, last.friction, &buffers.fixed);
         let mut report = NewtonReport::default();
@@ -347,6 +349,7 @@ impl Stepper {
         newton: &NewtonOptions,
     ) -> NewtonReport {
         self.contact.set_planes(None, None);
+        self.contact.set_zones(false);
         self.contact.freeze_initial_intersections();
         self.contact.begin_step(x, f64::INFINITY, 0.0, fixed);
         // Terms may couple other points than those of steps.

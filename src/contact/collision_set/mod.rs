@@ -42,6 +42,8 @@ pub(super) struct CollisionSet {
     /// The query at rest that the pairs come from; `None` once they are those of a motion.
     cached_rest_query: Option<RestQuery>,
     far_clearance: FarClearance,
+    /// Whether points that would hit one another may move as zones.
+    pub zones: bool,
     /// Intersections since the start; `None` before the first step.
     initial: Option<InitialIntersections>,
 }
@@ -113,6 +115,7 @@ impl CollisionSet {
             local_dhat: LocalDhat::new(settings.dhat, rest.len()),
             cached_rest_query: None,
             far_clearance: FarClearance::default(),
+            zones: false,
             initial: None,
         }
     }
@@ -336,7 +339,7 @@ impl CollisionSet {
     /// come near in that motion, or are made together as far as possible, if that is far enough (`min_uniform_step`). Otherwise candidates hold
     /// for any fractions of the displacements, and every point gets the fraction that keeps its pairs apart (`contact::step_bounds`). Where
     /// that leaves little of the predicted decrease, layers that move along with one another have stopped each other; then points that would
-    /// hit one another move as zones (`contact::impact_zones`), if that is better. A pair may use up most of its gap in one step but not all
+    /// hit one another move as zones (`contact::impact_zones`), if they may and that is better. A pair may use up most of its gap in one step but not all
     /// of it: the barrier must act before layers come really near, or a decrease of energy elsewhere would press them to nothing.
     pub fn limit_displacement(&mut self, x: &[Vec3], d: &mut [Vec3], criteria: LimitCriteria) {
         let far = TUNING.step.long_step_distances * TUNING.search.candidate_margin * self.dhat;
@@ -354,7 +357,7 @@ impl CollisionSet {
         let limited = problem.local_step_sizes(d).apply(d);
         let LimitCriteria { decrease, allows } = criteria;
         let reached = decrease(&limited);
-        let is_stopped = reached < TUNING.step.min_decrease_fraction * decrease(d);
+        let is_stopped = self.zones && reached < TUNING.step.min_decrease_fraction * decrease(d);
         let zones = if is_stopped { problem.zone_displacement(&self.fixed) } else { None };
         if let Some(zones) = zones.filter(|zones| decrease(zones) > reached && allows(zones)) {
             // Zones move along other lines than the pairs of the problem were found for.
