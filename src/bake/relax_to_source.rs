@@ -100,7 +100,6 @@ pub(super) fn relax_to_source_pose(
         displacement_tol: TUNING.relax.displacement_tol,
         decrement_tol: TUNING.relax.energy_tol_m * weight,
         rel_decrement_tol: 0.0,
-        min_diffuse_tol: 0.0,
         max_iterations: TUNING.relax.max_iterations,
     };
     let increments = TUNING.relax.load_increments;

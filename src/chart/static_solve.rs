@@ -76,7 +76,6 @@ impl StaticProblem {
                 displacement_tol: factor * tolerance,
                 decrement_tol: 0.0,
                 rel_decrement_tol: 0.0,
-                min_diffuse_tol: 0.0,
                 max_iterations,
             };
             total.add(&problem.solve(x, &mut contact, &newton, &mut work));

@@ -13,8 +13,8 @@ use crate::math::Vec3;
 use crate::mesh::Groups;
 
 /// Returns the displacement \[m\] in which the points of `pairs` that would come to their minimum distance move as zones, one entry per
-/// point; `None` where there are none, or zones still hit others after some rounds. `min_distances[k]` \[m\] belongs to `pairs[k]`. Points
-/// that are `fixed`, one flag per point, stand still, and so do the zones that have one.
+/// point; `None` where there are none, or zones still hit something after some rounds. `min_distances[k]` \[m\] belongs to `pairs[k]`. In a
+/// zone with a `fixed` point, one flag per point, the common motion is zero; the displacement of fixed points must be zero.
 pub fn zone_displacement(
     pairs: &[PrimitivePair],
     min_distances: &[f64],
@@ -34,7 +34,7 @@ pub fn zone_displacement(
         if hits.is_empty() {
             return (round > 0).then_some(motion);
         }
-        for Hit { pair, fraction } in hits {
+        for &Hit { pair, fraction } in &hits {
             let k = pair as usize;
             // A pair that is hit in the motion of its zones only is free in its own.
             let fraction = if round == 0 {
@@ -46,6 +46,10 @@ pub fn zone_displacement(
             zones.join(&pairs[k], own[k]);
         }
         let moved = zones.move_points(fixed, &mut motion);
+        // A pair whose points move as before is hit again.
+        if hits.iter().any(|hit| !pairs[hit.pair as usize].points.iter().any(|p| moved[p.at()])) {
+            return None;
+        }
         let concerned = |k: &u32| pairs[*k as usize].points.iter().any(|p| moved[p.at()]);
         tested = (0..pairs.len() as u32).filter(concerned).collect();
     }

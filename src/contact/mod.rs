@@ -222,7 +222,7 @@ impl Contact {
         let Some(layers) = &mut self.layers else { return };
         let criteria = LimitCriteria {
             decrease: &|d| -gradient.iter().zip(d).map(|(g, d)| g.dot(d)).sum::<f64>(),
-            allows: &|d| self.planes.uniform_step_size(x, d) >= 1.0,
+            allowed: &|d| self.planes.uniform_step_size(x, d),
         };
         layers.collisions.limit_displacement(x, d, criteria);
     }

@@ -63,7 +63,7 @@ pub(crate) struct StepTuning {
     /// Rounds of limiting and testing again before a connected part falls back to one step size. Piles of layers need about as many
     /// rounds as they have layers.
     pub max_rounds: usize,
-    /// Fraction of the predicted decrease that step sizes of single points must leave, or zones are tried [-].
+    /// Fraction of the predicted decrease below which zones are tried in place of step sizes of single points [-].
     pub min_decrease_fraction: f64,
     /// Rounds in which impact zones may grow, before single points are limited instead.
     pub max_zone_rounds: usize,

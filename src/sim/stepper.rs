@@ -92,7 +92,7 @@ struct StageInputs<'a> {
     loads: &'a Loads,
     buffers: &'a LoadBuffers,
     stage: &'a Stage,
-    /// Tolerance of an earlier solve of the stage, see [`NewtonOptions::min_diffuse_tol`] [J].
+    /// Lower bound on the diffuse energy tolerance, see [`Problem::solve_again`] [J].
     min_diffuse_tol: f64,
 }
 
@@ -225,7 +225,7 @@ impl Stepper {
         let method = self.options.method;
         let StageLoads { earlier, last } = loads;
         self.contact.set_planes(last.ground, last.ceiling);
-        // Cloth that a body carries moves as a whole, farther than its layers are apart; a flap lands on cloth that lies still.
+        // Only a body moves layers along with one another, farther than they are apart.
         self.contact.set_zones(!last.body_displacement.is_empty());
         let buffers = self.load_buffers(last, &state.x);
         self.contact.begin_step(&state.x, h, last.friction, &buffers.fixed);
@@ -301,7 +301,7 @@ impl Stepper {
             // A method of one iteration is defined with the Hessian at the beginning.
             predicted_positions: (solver == InnerSolver::Newton).then_some(&inertial[..]),
         };
-        let mut newton = NewtonOptions { min_diffuse_tol, ..self.options.newton };
+        let mut newton = self.options.newton;
         if solver == InnerSolver::SingleNewton {
             newton.max_iterations = 1;
         }
@@ -314,7 +314,7 @@ impl Stepper {
         newton.decrement_tol = self.options.relaxation.energy_tol(newton.decrement_tol, loads, kinetic);
         match solver {
             InnerSolver::Newton | InnerSolver::SingleNewton => {
-                problem.solve(x, &mut self.contact, &newton, &mut self.work)
+                problem.solve_again(x, &mut self.contact, &newton, min_diffuse_tol, &mut self.work)
             }
             InnerSolver::Vbd => problem.solve_by_vbd(x, &mut self.contact, &mut self.work),
         }

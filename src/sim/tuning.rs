@@ -20,8 +20,8 @@ pub(super) struct SteppingTuning {
     pub max_dt_ratio: f64,
     /// Solves of a step that are repeated with contacts that were missing or too weak, at most, default 2.
     pub max_contact_revisions: usize,
-    /// Tolerance of such a solve over that of the first where the predicted decrease is diffuse [-], default 0.3: the first
-    /// ends somewhere below its tolerance, and what was missing is to move the cloth.
+    /// Smallest tolerance of such a solve over that of the solve before, where the predicted decrease is diffuse [-], default
+    /// 0.3.
     pub revision_tol_factor: f64,
     /// Minimum ratio of a gap to its activation distance [-], default 0.02: layers that are nearer are reported as
     /// pressed, as the contact stiffness is not made for it.

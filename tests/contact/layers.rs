@@ -25,7 +25,6 @@ pub fn stack(count: usize, points: usize, seed: u64, seconds: f64) -> Run {
         displacement_tol: 1e-6,
         decrement_tol: 0.0,
         rel_decrement_tol: 0.0,
-        min_diffuse_tol: 0.0,
         max_iterations: 12,
     };
     run.go(seconds, &mut |_, _| Loads::gravity_only(Some(0.0)));
@@ -146,6 +145,43 @@ fn cloth_carried_against_a_wall_stays_together() {
         (0..led).map(went).fold((f64::INFINITY, 0.0f64), |(a, b), went| (a.min(went), b.max(went)));
     println!("step sizes: {least:.2} to {most:.2}, {apart:.3} at most from point to point");
     assert!(least > 0.1 && least < 0.26 && most > 0.999 && apart < 0.11);
+}
+
+/// Requirement: layers that move along with one another, and press one another on the way, do not stop each other, if they may move as
+/// zones; they stay apart, and the ground holds them.
+#[test]
+fn layers_that_move_along_with_one_another_move_on() {
+    let mut run = stack(2, 400, 3, 0.3);
+    let x = run.state.x.clone();
+    let contact = &mut run.stepper.contact;
+    contact.begin_step(&x, 0.01, 1.0, &vec![false; x.len()]);
+    let lowest = x.iter().map(|x| x.y).fold(f64::INFINITY, f64::min);
+    let height = x.iter().map(|x| x.y).fold(0.0, f64::max);
+    let upper = |x: &Vec3| x.y > 0.5 * (lowest + height);
+    let mut limited_to = |up: f64, zones: bool| {
+        let wished: Vec<Vec3> = x
+            .iter()
+            .enumerate()
+            .map(|(p, x)| Vec3::new(0.02, if upper(x) { up - 2e-3 * (p % 4) as f64 } else { up }, 0.0))
+            .collect();
+        let gradient: Vec<Vec3> = wished.iter().map(|d| -d).collect();
+        contact.set_zones(zones);
+        let mut d = wished.clone();
+        contact.limit_displacement(&x, &mut d, &gradient);
+        let part = d.iter().zip(&wished).map(|(a, b)| a.dot(b)).sum::<f64>()
+            / wished.iter().map(Vec3::norm_squared).sum::<f64>();
+        let moved: Vec<Vec3> = x.iter().zip(&d).map(|(x, d)| x + d).collect();
+        assert!(crease::mesh::intersections::self_intersections(&moved, &run.triangles).is_empty());
+        assert!(moved.iter().all(|x| x.y > 0.0));
+        assert!(contact.value(&moved).is_finite());
+        part
+    };
+    let [alone, together, down] =
+        [(0.02, false), (0.02, true), (-0.02, true)].map(|(up, z)| limited_to(up, z));
+    println!(
+        "{alone:.3} of the displacement point by point, {together:.3} in zones, {down:.3} towards the ground"
+    );
+    assert!(alone < 0.5 && together > 0.9);
 }
 
 /// Requirement: where only some points move, their contacts among one another and with the rest are those among all: same forces, same

@@ -157,7 +157,6 @@ impl Run {
                 displacement_tol: 3e-5,
                 decrement_tol: energy,
                 rel_decrement_tol: 0.0,
-                min_diffuse_tol: 0.0,
                 max_iterations: 10,
             },
             local_error_tol: 1e-3,
@@ -218,7 +217,6 @@ impl Run {
             displacement_tol: 1e-8,
             decrement_tol: 0.0,
             rel_decrement_tol: 0.0,
-            min_diffuse_tol: 0.0,
             max_iterations: 60,
         };
     }

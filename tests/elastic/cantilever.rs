@@ -134,7 +134,6 @@ fn newton_converges_where_the_energy_vanishes() {
             displacement_tol: 1e-12 * length,
             decrement_tol: 0.0,
             rel_decrement_tol: 0.0,
-            min_diffuse_tol: 0.0,
             max_iterations: 200,
         };
         let start = bumped.clone();

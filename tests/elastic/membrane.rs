@@ -15,7 +15,6 @@ const NEWTON: NewtonOptions = NewtonOptions {
     displacement_tol: 1e-14,
     decrement_tol: 0.0,
     rel_decrement_tol: 0.0,
-    min_diffuse_tol: 0.0,
     max_iterations: 100,
 };
 
@@ -237,7 +236,6 @@ fn extend(degrees: f64, tension: f64) -> [f64; 2] {
         displacement_tol: 1e-13,
         decrement_tol: 0.0,
         rel_decrement_tol: 0.0,
-        min_diffuse_tol: 0.0,
         max_iterations: 400,
     };
     balance(&[&undamped(&membrane, &cut), &pull, &HessianShift(1e-5)], &mut x, &fixed, newton);

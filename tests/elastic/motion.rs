@@ -11,13 +11,8 @@ use crease::math::{Vec2, Vec3};
 use crease::sim::{Inertia, Method, NewtonOptions, PreviousState, Problem, State, Workspace};
 
 /// Newton iterates to rounding: the tests measure the integrator, not the tolerance of the solver.
-const NEWTON: NewtonOptions = NewtonOptions {
-    displacement_tol: 1e-13,
-    decrement_tol: 0.0,
-    rel_decrement_tol: 0.0,
-    min_diffuse_tol: 0.0,
-    max_iterations: 30,
-};
+const NEWTON: NewtonOptions =
+    NewtonOptions { displacement_tol: 1e-13, decrement_tol: 0.0, rel_decrement_tol: 0.0, max_iterations: 30 };
 
 /// One step of `h` seconds under `terms`; the state's angles are left as they were.
 fn advance(

@@ -74,7 +74,6 @@ impl Scene {
                 displacement_tol: 1e3 * tolerance,
                 decrement_tol: 0.0,
                 rel_decrement_tol: 0.0,
-                min_diffuse_tol: 0.0,
                 max_iterations: 3,
             };
             let report = self.terms(&start, |terms| {
@@ -89,7 +88,6 @@ impl Scene {
             displacement_tol: tolerance,
             decrement_tol: 0.0,
             rel_decrement_tol: 0.0,
-            min_diffuse_tol: 0.0,
             max_iterations: 200,
         };
         let start = x.to_vec();

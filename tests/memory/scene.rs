@@ -18,7 +18,6 @@ fn stepper(garment: &Garment, fabric: &Fabric, step: f64) -> Stepper {
         displacement_tol: 1e-9,
         decrement_tol: 0.0,
         rel_decrement_tol: 0.0,
-        min_diffuse_tol: 0.0,
         max_iterations: 30,
     };
     let options = StepOptions {

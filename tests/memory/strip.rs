@@ -63,7 +63,6 @@ fn the_solver_opens_the_strip_to_its_rest_angles() {
             displacement_tol: 1e-10,
             decrement_tol: 0.0,
             rel_decrement_tol: 0.0,
-            min_diffuse_tol: 0.0,
             max_iterations: 60,
         };
         let mut contact = Contact::none(x.len());

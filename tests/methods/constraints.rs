@@ -29,7 +29,6 @@ const EXACT: NewtonOptions = NewtonOptions {
     displacement_tol: 1e-14,
     decrement_tol: 0.0,
     rel_decrement_tol: 0.0,
-    min_diffuse_tol: 0.0,
     max_iterations: 100,
 };
 

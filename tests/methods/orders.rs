@@ -33,7 +33,6 @@ fn advance(method: Method, state: &State, terms: &[&dyn Energy], h: f64) -> Stat
             displacement_tol: 1e-13,
             decrement_tol: 0.0,
             rel_decrement_tol: 0.0,
-            min_diffuse_tol: 0.0,
             max_iterations: if once { 1 } else { 30 },
         };
         problem.solve(&mut x, &mut Contact::none(1), &newton, &mut Workspace::default());

@@ -53,7 +53,6 @@ impl SceneSetting {
                     displacement_tol: self.tolerance,
                     decrement_tol: 0.0,
                     rel_decrement_tol: 0.0,
-                    min_diffuse_tol: 0.0,
                     max_iterations: MAX_NEWTON_ITERATIONS,
                 },
                 local_error_tol: f64::INFINITY,

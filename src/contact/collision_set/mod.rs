@@ -66,8 +66,8 @@ struct RestMesh {
 pub(super) struct LimitCriteria<'a> {
     /// Returns the decrease of the energy that is predicted for a displacement [J].
     pub decrease: &'a dyn Fn(&[Vec3]) -> f64,
-    /// Whether all else allows a displacement, such as the ground.
-    pub allows: &'a dyn Fn(&[Vec3]) -> bool,
+    /// Returns the step size that all else allows for a displacement, such as the ground [-].
+    pub allowed: &'a dyn Fn(&[Vec3]) -> f64,
 }
 
 /// Positions [m] and fixed points of a query at rest.
@@ -355,11 +355,16 @@ impl CollisionSet {
         let mode = CcdMode { per_point: true, carry: false, allow_initial: true };
         let problem = self.ccd_problem(x, d, mode);
         let limited = problem.local_step_sizes(d).apply(d);
-        let LimitCriteria { decrease, allows } = criteria;
+        let LimitCriteria { decrease, allowed } = criteria;
         let reached = decrease(&limited);
         let is_stopped = self.zones && reached < TUNING.step.min_decrease_fraction * decrease(d);
         let zones = if is_stopped { problem.zone_displacement(&self.fixed) } else { None };
-        if let Some(zones) = zones.filter(|zones| decrease(zones) > reached && allows(zones)) {
+        let zones = zones.map(|mut zones| {
+            let step_size = allowed(&zones);
+            zones.iter_mut().for_each(|d| *d *= step_size);
+            zones
+        });
+        if let Some(zones) = zones.filter(|zones| decrease(zones) > reached.max(0.0)) {
             // Zones move along other lines than the pairs of the problem were found for.
             let mode = CcdMode { per_point: false, ..mode };
             if self.ccd_problem(x, &zones, mode).uniform_step_size() >= 1.0 {

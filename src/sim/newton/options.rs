@@ -11,21 +11,12 @@ pub struct NewtonOptions {
     /// solving much more precisely than the step itself is of no use. 0 turns the criterion off; it needs
     /// `decrement_tol` above 0, and the time stepping uses it only while springs guide the cloth.
     pub rel_decrement_tol: f64,
-    /// Minimum of the tolerance that `rel_decrement_tol` gives [J]: that of an earlier solve of the same step, which begins
-    /// where this one's first iteration asks for little.
-    pub min_diffuse_tol: f64,
     /// Maximum number of iterations.
     pub max_iterations: usize,
 }
 
 impl Default for NewtonOptions {
     fn default() -> Self {
-        Self {
-            displacement_tol: 3e-5,
-            decrement_tol: 0.0,
-            rel_decrement_tol: 1e-3,
-            min_diffuse_tol: 0.0,
-            max_iterations: 40,
-        }
+        Self { displacement_tol: 3e-5, decrement_tol: 0.0, rel_decrement_tol: 1e-3, max_iterations: 40 }
     }
 }

@@ -35,7 +35,7 @@ pub struct NewtonReport {
     pub max_displacement: f64,
     /// Newton decrement of the last iteration: the predicted decrease of the energy [J].
     pub newton_decrement: f64,
-    /// Tolerance of the Newton decrement where the decrease is diffuse, as the first iteration gave it [J].
+    /// Tolerance of the Newton decrement where the predicted decrease is diffuse [J]; 0 for none, or before a global iteration.
     pub diffuse_tol: f64,
     /// Largest gradient entry over the free points at the last linearisation [N].
     pub residual: f64,

@@ -22,6 +22,8 @@ struct Iteration {
     value: Potential,
     /// Step size of the last global iteration [-]; 0 after a local solve.
     global_step: f64,
+    /// Lower bound on the diffuse energy tolerance [J].
+    min_diffuse_tol: f64,
     damping: LevenbergMarquardt,
     limits: LocalSolveLimits,
 }
@@ -56,6 +58,19 @@ impl Problem<'_> {
         options: &NewtonOptions,
         work: &mut Workspace,
     ) -> NewtonReport {
+        self.solve_again(x, contact, options, 0.0, work)
+    }
+
+    /// As [`Self::solve`], from the solution of a problem that differs little, where the first iteration says nothing about
+    /// the motion of the step: the tolerance that `rel_decrement_tol` gives is at least `min_diffuse_tol` [J].
+    pub fn solve_again(
+        &self,
+        x: &mut [Vec3],
+        contact: &mut Contact,
+        options: &NewtonOptions,
+        min_diffuse_tol: f64,
+        work: &mut Workspace,
+    ) -> NewtonReport {
         let mut report = NewtonReport::default();
         if self.fixed.iter().all(|fixed| *fixed) {
             report.converged = true;
@@ -80,6 +95,7 @@ impl Problem<'_> {
         let mut iteration = Iteration {
             value: self.value(x, context.contact),
             global_step: 0.0,
+            min_diffuse_tol,
             damping: LevenbergMarquardt::default(),
             limits,
         };
@@ -160,7 +176,7 @@ impl Problem<'_> {
         options: &NewtonOptions,
         context: &mut SolveContext,
     ) -> Next {
-        let Iteration { value, global_step, damping, limits } = iteration;
+        let Iteration { value, global_step, min_diffuse_tol, damping, limits } = iteration;
         context.report.global_iterations += 1;
         let Some(Direction { max_deviation, decrement }) = self.clamp_direction(g, &mut d, context.report)
         else {
@@ -171,8 +187,7 @@ impl Problem<'_> {
             let is_converged = decrement <= options.decrement_tol;
             context.work.local_first_budget = if is_converged { TUNING.local_first_solves } else { 0 };
             if options.decrement_tol > 0.0 && self.inertia.is_some() {
-                limits.diffuse_energy_tol =
-                    options.min_diffuse_tol.max(options.rel_decrement_tol * decrement);
+                limits.diffuse_energy_tol = min_diffuse_tol.max(options.rel_decrement_tol * decrement);
                 context.report.diffuse_tol = limits.diffuse_energy_tol;
             }
         }
