@@ -110,7 +110,8 @@ fn a_batch_names_a_run_that_ended_early() {
     });
     std::fs::write(folder.path().join("jobs.json"), jobs.to_string()).expect("writes");
     let (_, error, code) = crease_in(folder.path(), "batch jobs.json");
-    assert_eq!(code, 0, "{error}");
+    assert_eq!(code, 3, "{error}");
+    assert!(error.contains("1 of 1 jobs ended early"), "{error}");
     let summary = std::fs::read(folder.path().join("worn/summary.json")).expect("has a summary");
     let summary: Value = serde_json::from_slice(&summary).expect("is JSON");
     let job = &summary["list"][0];

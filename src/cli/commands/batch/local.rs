@@ -11,7 +11,7 @@ use serde_json::json;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Runs the jobs of a shard, or all. A failed job does not stop the others, but makes the call fail in the end.
+/// Runs the jobs of a shard, or all. A job that failed or is doubtful does not stop the others, but makes the call fail in the end.
 pub fn run(jobs: &Jobs, arguments: &Arguments, interrupt: &Interrupt) -> Result<()> {
     let shard = arguments.shard.unwrap_or(Shard::ALL);
     let mine: Vec<&Job> = jobs
@@ -56,6 +56,14 @@ pub fn run(jobs: &Jobs, arguments: &Arguments, interrupt: &Interrupt) -> Result<
         let message = format!("{failed} of {} jobs failed", mine.len());
         let help = format!("see NAME.job.json in {}", jobs.output.display());
         return Err(Error::input(jobs.file.display().to_string(), "", message, help));
+    }
+    let doubtful = states.iter().filter(|state| **state == JobState::NotConverged).count();
+    if doubtful > 0 {
+        return Err(Error::NotConverged(format!(
+            "{doubtful} of {} jobs ended early, did not converge or have an empty result: see NAME.job.json in {}",
+            mine.len(),
+            jobs.output.display()
+        )));
     }
     Ok(())
 }
