@@ -108,3 +108,19 @@ fn every_mistake_has_its_message_place_cure_and_exit_code() {
     let golden = std::fs::read_to_string(&path).unwrap_or_default();
     assert!(text == golden, "messages differ from tests/mistakes.txt:\n{text}");
 }
+
+/// A garment in centimetres that nobody said is in centimetres.
+#[test]
+fn inspect_shows_what_does_not_depend_on_the_unit() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let obj = "v 0 0 0\nv 70 0 0\nv 70 0 70\nv 0 0 70\nf 1 4 3\nf 1 3 2\n";
+    std::fs::write(folder.path().join("a.obj"), obj).expect("writes");
+    for (options, shown) in [("", "2 triangles"), (" --json", "\"points\": 4")] {
+        let (out, error, code) = crease_in(folder.path(), &format!("inspect a.obj{options}"));
+        assert_eq!(code, 1, "{error}");
+        assert!(error.contains("--unit cm makes it 0.70 m"), "{error}");
+        assert!(out.contains(shown), "{out}");
+    }
+    let (out, _, code) = crease_in(folder.path(), "inspect a.obj --unit cm");
+    assert_eq!(code, 0, "{out}");
+}

@@ -5,6 +5,7 @@ use crate::cli::args::values::input_path;
 use crate::cli::runtime::console;
 use crease::Result;
 use crease::files::GarmentFile;
+use crease::io::ReadOptions;
 use crease::io::gltf::file_contents;
 use crease::mesh::intersections::self_intersections;
 use serde_json::json;
@@ -25,14 +26,28 @@ pub struct Arguments {
     json: bool,
 }
 
-/// Runs the command.
+/// Runs the command. What does not depend on the unit is shown of a file of a wrong size, too, before that is an error.
 pub fn run(arguments: Arguments) -> Result<()> {
-    let GarmentFile { asset, garment, diagnostics: findings } =
-        GarmentFile::load(&arguments.mesh, &arguments.reading.options())?;
+    let options = arguments.reading.options();
+    match GarmentFile::load(&arguments.mesh, &options) {
+        Ok(file) => show(file, arguments.json),
+        Err(error) => {
+            let any_size = ReadOptions { any_size: true, ..options };
+            if let Ok(file) = GarmentFile::load(&arguments.mesh, &any_size) {
+                show(file, arguments.json)?;
+            }
+            Err(error)
+        }
+    }
+}
+
+/// Prints what is in a file.
+fn show(file: GarmentFile, as_json: bool) -> Result<()> {
+    let GarmentFile { asset, garment, diagnostics: findings } = file;
     let mut inspection = crease::garment::inspect(&asset, &garment, &findings);
     inspection.contents = file_contents(&asset)?;
     inspection.crossings_at_start = Some(self_intersections(&garment.points, &garment.triangles).len());
-    match arguments.json {
+    match as_json {
         true => console::data(&format!("{:#}\n", json!(inspection))),
         false => console::data(&inspection.to_text()),
     }
