@@ -28,7 +28,6 @@ pub fn zone_displacement(
     let mut tested: Vec<u32> = (0..pairs.len() as u32).collect();
     let mut zones = Zones::new(displacement);
     let mut motion = displacement.to_vec();
-    let mut own = vec![1.0f64; pairs.len()];
     for round in 0..TUNING.step.max_zone_rounds {
         let hits = find_hits(&tested, pairs, min_distances, positions, &motion);
         if hits.is_empty() {
@@ -36,14 +35,12 @@ pub fn zone_displacement(
         }
         for &Hit { pair, fraction } in &hits {
             let k = pair as usize;
-            // A pair that is hit in the motion of its zones only is free in its own.
-            let fraction = if round == 0 {
-                fraction
-            } else {
-                pairs[k].collision_free_step_size(positions, displacement, min_distances[k])
+            // What counts is the pair's own motion, not that of its zones.
+            let own = match round {
+                0 => fraction,
+                _ => pairs[k].collision_free_step_size(positions, displacement, min_distances[k]),
             };
-            own[k] = own[k].min(fraction);
-            zones.join(&pairs[k], own[k]);
+            zones.join(&pairs[k], own);
         }
         let moved = zones.move_points(fixed, &mut motion);
         // A pair whose points move as before is hit again.

@@ -33,7 +33,7 @@ use crate::contact::friction::{
 use crate::contact::planes::HorizontalPlanes;
 use crate::contact::uncovered_area::UncoveredArea;
 use crate::energy::BlockSink;
-use crate::math::Vec3;
+use crate::math::{Vec3, dot};
 use crate::mesh::{PointIndex, Topology};
 use std::sync::Arc;
 
@@ -221,7 +221,7 @@ impl Contact {
         self.planes.limit_displacement(x, d);
         let Some(layers) = &mut self.layers else { return };
         let criteria = LimitCriteria {
-            decrease: &|d| -gradient.iter().zip(d).map(|(g, d)| g.dot(d)).sum::<f64>(),
+            decrease: &|d| -dot(gradient, d),
             allowed: &|d| self.planes.uniform_step_size(x, d),
         };
         layers.collisions.limit_displacement(x, d, criteria);

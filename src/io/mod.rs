@@ -27,7 +27,7 @@ pub use sidecar::{
     SIDECAR_FORMAT, Sidecar, SidecarChecksums, SidecarHinges, SidecarJoint, SidecarMesh, SidecarPoints,
     SidecarSource, SidecarTriangles, SidecarUp, read_sidecar, write_sidecar,
 };
-pub use size::{compare_body_size, compare_frame_size};
+pub use size::{check_size, compare_body_size, compare_frame_size};
 pub use usd::{
     UsdFrames, UsdScene, UsdShape, UsdTexture, UsdaMemory, read_usda, usd_textures, wrapped_deg, write_usda,
 };

@@ -10,7 +10,10 @@ use crate::{Error, Result};
 const UNITS: [(&str, f64); 5] = [("m", 1.0), ("dm", 0.1), ("cm", 0.01), ("mm", 0.001), ("in", 0.0254)];
 
 /// Rejects a garment of a size that no garment has; returns a warning about one that is rare, unless its unit was given.
-pub(super) fn check_size(asset: &SourceAsset, unit_is_given: bool) -> Result<Option<ImportDiagnostic>> {
+///
+/// # Errors
+/// [`Error::Input`] with the units that would make it a garment.
+pub fn check_size(asset: &SourceAsset, unit_is_given: bool) -> Result<Option<ImportDiagnostic>> {
     let Some((low, high)) = asset.worn_bounds() else { return Ok(None) };
     let size = high - low;
     let units = size / asset.unit_m;

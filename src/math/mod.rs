@@ -9,4 +9,4 @@ mod vector;
 pub(crate) use conjugate_gradients::conjugate_gradients;
 pub use rng::Rng;
 pub use rotation::{NearestRotation, nearest_rotation};
-pub use vector::{Mat3, Mat4, Vec2, Vec3, bounds};
+pub use vector::{Mat3, Mat4, Vec2, Vec3, bounds, dot};

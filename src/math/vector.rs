@@ -9,6 +9,11 @@ pub type Mat3 = nalgebra::Matrix3<f64>;
 /// 4 x 4 affine transform (column vectors).
 pub type Mat4 = nalgebra::Matrix4<f64>;
 
+/// Returns the scalar product of two lists of vectors, one entry per point.
+pub fn dot(a: &[Vec3], b: &[Vec3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
+}
+
 /// Returns the lowest and highest corner of the bounding box of points [m]; infinite for none.
 pub fn bounds(x: &[Vec3]) -> (Vec3, Vec3) {
     x.iter().fold((Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)), |(low, high), p| {

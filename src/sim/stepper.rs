@@ -92,8 +92,6 @@ struct StageInputs<'a> {
     loads: &'a Loads,
     buffers: &'a LoadBuffers,
     stage: &'a Stage,
-    /// Lower bound on the diffuse energy tolerance, see [`Problem::solve_again`] [J].
-    min_diffuse_tol: f64,
 }
 
 /// End state of an attempted step.
@@ -225,7 +223,7 @@ impl Stepper {
         let method = self.options.method;
         let StageLoads { earlier, last } = loads;
         self.contact.set_planes(last.ground, last.ceiling);
-        // Only a body moves layers along with one another, farther than they are apart.
+        // Zones only where a body carries the cloth: a flap of a fold lands on cloth that lies still.
         self.contact.set_zones(!last.body_displacement.is_empty());
         let buffers = self.load_buffers(last, &state.x);
         self.contact.begin_step(&state.x, h, last.friction, &buffers.fixed);
@@ -238,30 +236,16 @@ impl Stepper {
         }
         for loads in earlier {
             let stage = next_stage(method, state, h, stage_positions.as_deref());
-            let inputs = StageInputs {
-                state,
-                rest_state,
-                loads,
-                buffers: &buffers,
-                stage: &stage,
-                min_diffuse_tol: 0.0,
-            };
-            report.add(&self.solve_stage(&inputs, &mut x));
+            let inputs = StageInputs { state, rest_state, loads, buffers: &buffers, stage: &stage };
+            report.add(&self.solve_stage(&inputs, 0.0, &mut x));
             stage_positions = Some(x.clone());
         }
         let stage = next_stage(method, state, h, stage_positions.as_deref());
         let mut revisions = 0..TUNING.max_contact_revisions;
         let mut min_diffuse_tol = 0.0;
         loop {
-            let inputs = StageInputs {
-                state,
-                rest_state,
-                loads: last,
-                buffers: &buffers,
-                stage: &stage,
-                min_diffuse_tol,
-            };
-            let solved = self.solve_stage(&inputs, &mut x);
+            let inputs = StageInputs { state, rest_state, loads: last, buffers: &buffers, stage: &stage };
+            let solved = self.solve_stage(&inputs, min_diffuse_tol, &mut x);
             min_diffuse_tol = TUNING.revision_tol_factor * solved.diffuse_tol;
             report.add(&solved);
             let revised = revisions.next().and_then(|_| source.revised_contacts(&x, last));
@@ -277,9 +261,9 @@ impl Stepper {
         AttemptResult { next, error, report }
     }
 
-    /// Solves one stage of a step, from `x` on.
-    fn solve_stage(&mut self, inputs: &StageInputs, x: &mut [Vec3]) -> NewtonReport {
-        let StageInputs { state, rest_state, loads, buffers, stage, min_diffuse_tol } = *inputs;
+    /// Solves one stage of a step, from `x` on. `min_diffuse_tol` [J]: see [`Problem::solve_again`].
+    fn solve_stage(&mut self, inputs: &StageInputs, min_diffuse_tol: f64, x: &mut [Vec3]) -> NewtonReport {
+        let StageInputs { state, rest_state, loads, buffers, stage } = *inputs;
         let solver = self.options.method.solver();
         let inertial = stage.inertial();
         // The rates of damping and drag have the same base as the velocity.

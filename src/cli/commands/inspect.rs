@@ -5,8 +5,8 @@ use crate::cli::args::values::input_path;
 use crate::cli::runtime::console;
 use crease::Result;
 use crease::files::GarmentFile;
-use crease::io::ReadOptions;
 use crease::io::gltf::file_contents;
+use crease::io::{ReadOptions, check_size};
 use crease::mesh::intersections::self_intersections;
 use serde_json::json;
 use std::path::PathBuf;
@@ -29,26 +29,17 @@ pub struct Arguments {
 /// Runs the command. What does not depend on the unit is shown of a file of a wrong size, too, before that is an error.
 pub fn run(arguments: Arguments) -> Result<()> {
     let options = arguments.reading.options();
-    match GarmentFile::load(&arguments.mesh, &options) {
-        Ok(file) => show(file, arguments.json),
-        Err(error) => {
-            let any_size = ReadOptions { any_size: true, ..options };
-            if let Ok(file) = GarmentFile::load(&arguments.mesh, &any_size) {
-                show(file, arguments.json)?;
-            }
-            Err(error)
-        }
-    }
-}
-
-/// Prints what is in a file.
-fn show(file: GarmentFile, as_json: bool) -> Result<()> {
-    let GarmentFile { asset, garment, diagnostics: findings } = file;
+    let any_size = ReadOptions { any_size: true, ..options.clone() };
+    let GarmentFile { asset, garment, diagnostics: mut findings } =
+        GarmentFile::load(&arguments.mesh, &any_size)?;
+    let size = if options.any_size { Ok(None) } else { check_size(&asset, options.unit_m.is_some()) };
+    findings.extend(size.as_ref().ok().cloned().flatten());
     let mut inspection = crease::garment::inspect(&asset, &garment, &findings);
     inspection.contents = file_contents(&asset)?;
     inspection.crossings_at_start = Some(self_intersections(&garment.points, &garment.triangles).len());
-    match as_json {
+    match arguments.json {
         true => console::data(&format!("{:#}\n", json!(inspection))),
         false => console::data(&inspection.to_text()),
-    }
+    }?;
+    size.map(|_| ())
 }

@@ -339,8 +339,9 @@ impl CollisionSet {
     /// come near in that motion, or are made together as far as possible, if that is far enough (`min_uniform_step`). Otherwise candidates hold
     /// for any fractions of the displacements, and every point gets the fraction that keeps its pairs apart (`contact::step_bounds`). Where
     /// that leaves little of the predicted decrease, layers that move along with one another have stopped each other; then points that would
-    /// hit one another move as zones (`contact::impact_zones`), if they may and that is better. A pair may use up most of its gap in one step but not all
-    /// of it: the barrier must act before layers come really near, or a decrease of energy elsewhere would press them to nothing.
+    /// hit one another move as zones (`contact::impact_zones`), if they may and that is better. A pair may use up most of its gap in one step
+    /// but not all of it: the barrier must act before layers come really near, or a decrease of energy elsewhere would press them to
+    /// nothing.
     pub fn limit_displacement(&mut self, x: &[Vec3], d: &mut [Vec3], criteria: LimitCriteria) {
         let far = TUNING.step.long_step_distances * TUNING.search.candidate_margin * self.dhat;
         let is_long = self.far_clearance.is_clear() || d.iter().any(|d| d.norm_squared() > far * far);
@@ -355,16 +356,8 @@ impl CollisionSet {
         let mode = CcdMode { per_point: true, carry: false, allow_initial: true };
         let problem = self.ccd_problem(x, d, mode);
         let limited = problem.local_step_sizes(d).apply(d);
-        let LimitCriteria { decrease, allowed } = criteria;
-        let reached = decrease(&limited);
-        let is_stopped = self.zones && reached < TUNING.step.min_decrease_fraction * decrease(d);
-        let zones = if is_stopped { problem.zone_displacement(&self.fixed) } else { None };
-        let zones = zones.map(|mut zones| {
-            let step_size = allowed(&zones);
-            zones.iter_mut().for_each(|d| *d *= step_size);
-            zones
-        });
-        if let Some(zones) = zones.filter(|zones| decrease(zones) > reached.max(0.0)) {
+        let zones = if self.zones { self.better_zones(&problem, d, &limited, criteria) } else { None };
+        if let Some(zones) = zones {
             // Zones move along other lines than the pairs of the problem were found for.
             let mode = CcdMode { per_point: false, ..mode };
             if self.ccd_problem(x, &zones, mode).uniform_step_size() >= 1.0 {
@@ -374,6 +367,25 @@ impl CollisionSet {
             self.update_pairs(x, d, false);
         }
         d.copy_from_slice(&limited);
+    }
+
+    /// Returns the displacement by zones [m], if it decreases the energy more than `limited` does, which leaves little of the
+    /// decrease by `d`.
+    fn better_zones(
+        &self,
+        problem: &CcdProblem,
+        d: &[Vec3],
+        limited: &[Vec3],
+        LimitCriteria { decrease, allowed }: LimitCriteria,
+    ) -> Option<Vec<Vec3>> {
+        let reached = decrease(limited);
+        if reached >= TUNING.step.min_decrease_fraction * decrease(d) {
+            return None;
+        }
+        let mut zones = problem.zone_displacement(&self.fixed)?;
+        let step_size = allowed(&zones);
+        zones.iter_mut().for_each(|d| *d *= step_size);
+        (decrease(&zones) > reached.max(0.0)).then_some(zones)
     }
 
     /// See [`crate::contact::Contact::limit_displacement_uniform`].

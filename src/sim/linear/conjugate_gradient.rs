@@ -1,7 +1,7 @@
 //! Conjugate gradients with a block-Jacobi preconditioner, for systems whose factor does not fit in memory and as an
 //! independent check of the direct solver.
 
-use crate::math::{Mat3, Vec3};
+use crate::math::{Mat3, Vec3, dot};
 use crate::sim::linear::block_matrix::BlockMatrix;
 
 /// Outcome of conjugate gradients.
@@ -26,7 +26,6 @@ pub fn conjugate_gradient(
     let inverse: Vec<Mat3> = (0..n)
         .map(|r| matrix.blocks(r).last().and_then(|block| block.try_inverse()).unwrap_or_else(Mat3::identity))
         .collect();
-    let dot = |a: &[Vec3], b: &[Vec3]| a.iter().zip(b).map(|(a, b)| a.dot(b)).sum::<f64>();
     let goal = tolerance * tolerance * dot(rhs, rhs);
     let mut x = vec![Vec3::zeros(); n];
     let mut r = rhs.to_vec();

@@ -2,7 +2,7 @@
 //! sufficiently.
 
 use crate::contact::Contact;
-use crate::math::Vec3;
+use crate::math::{Vec3, dot};
 use crate::sim::newton::context::SolveContext;
 use crate::sim::newton::problem::{Potential, Problem};
 use crate::sim::newton::report::NewtonReport;
@@ -41,7 +41,7 @@ pub(super) struct Trial<'a> {
 impl SearchPath<'_> {
     /// Returns the slope of phi along `displacement` [J] for the gradient at its start.
     pub fn slope(gradient: &[Vec3], displacement: &[Vec3]) -> f64 {
-        gradient.iter().zip(displacement).map(|(g, d)| g.dot(d)).sum()
+        dot(gradient, displacement)
     }
 }
 

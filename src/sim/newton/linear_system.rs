@@ -1,7 +1,7 @@
 //! The linear system of one iteration: assembly, and the Newton direction.
 
 use crate::contact::Contact;
-use crate::math::Vec3;
+use crate::math::{Vec3, dot};
 use crate::sim::linear::block_matrix::{BlockMatrix, FIXED_ROW};
 use crate::sim::linear::cholesky::FactorError;
 use crate::sim::linear::conjugate_gradient::conjugate_gradient;
@@ -165,7 +165,7 @@ impl Problem<'_> {
         if max_deviation > TUNING.max_point_deviation {
             d.iter_mut().for_each(|d| *d *= TUNING.max_point_deviation / max_deviation);
         }
-        let decrement = -g.iter().zip(d.iter()).map(|(g, d)| g.dot(d)).sum::<f64>();
+        let decrement = -dot(g, d);
         Some(Direction { max_deviation, decrement })
     }
 }

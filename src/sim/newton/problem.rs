@@ -2,7 +2,7 @@
 
 use crate::contact::Contact;
 use crate::energy::Energy;
-use crate::math::Vec3;
+use crate::math::{Vec3, dot};
 use rayon::prelude::*;
 
 /// The inertia term `|x - inertial|²_M / (2 effective_dt²)` of one implicit problem.
@@ -97,6 +97,6 @@ impl Problem<'_> {
 
     /// Returns the slope of phi at `x` along `d` [J].
     pub(super) fn slope(&self, x: &[Vec3], d: &[Vec3], contact: &Contact) -> f64 {
-        self.gradient(x, contact).iter().zip(d).map(|(g, d)| g.dot(d)).sum()
+        dot(&self.gradient(x, contact), d)
     }
 }

@@ -22,8 +22,6 @@ struct Iteration {
     value: Potential,
     /// Step size of the last global iteration [-]; 0 after a local solve.
     global_step: f64,
-    /// Lower bound on the diffuse energy tolerance [J].
-    min_diffuse_tol: f64,
     damping: LevenbergMarquardt,
     limits: LocalSolveLimits,
 }
@@ -95,9 +93,8 @@ impl Problem<'_> {
         let mut iteration = Iteration {
             value: self.value(x, context.contact),
             global_step: 0.0,
-            min_diffuse_tol,
             damping: LevenbergMarquardt::default(),
-            limits,
+            limits: LocalSolveLimits { diffuse_energy_tol: min_diffuse_tol, ..limits },
         };
         let spent = |report: &NewtonReport| {
             report.global_iterations + report.local_iterations / TUNING.local_per_global_iterations
@@ -176,7 +173,7 @@ impl Problem<'_> {
         options: &NewtonOptions,
         context: &mut SolveContext,
     ) -> Next {
-        let Iteration { value, global_step, min_diffuse_tol, damping, limits } = iteration;
+        let Iteration { value, global_step, damping, limits } = iteration;
         context.report.global_iterations += 1;
         let Some(Direction { max_deviation, decrement }) = self.clamp_direction(g, &mut d, context.report)
         else {
@@ -187,7 +184,8 @@ impl Problem<'_> {
             let is_converged = decrement <= options.decrement_tol;
             context.work.local_first_budget = if is_converged { TUNING.local_first_solves } else { 0 };
             if options.decrement_tol > 0.0 && self.inertia.is_some() {
-                limits.diffuse_energy_tol = min_diffuse_tol.max(options.rel_decrement_tol * decrement);
+                limits.diffuse_energy_tol =
+                    limits.diffuse_energy_tol.max(options.rel_decrement_tol * decrement);
                 context.report.diffuse_tol = limits.diffuse_energy_tol;
             }
         }

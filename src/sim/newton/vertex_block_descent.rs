@@ -7,7 +7,7 @@
 //! fixed; there is no convergence criterion.
 
 use crate::contact::Contact;
-use crate::math::{Mat3, Vec3};
+use crate::math::{Mat3, Vec3, dot};
 use crate::sim::linear::block_matrix::BlockMatrix;
 use crate::sim::newton::context::SolveContext;
 use crate::sim::newton::line_search::Descent;
@@ -45,7 +45,7 @@ impl Problem<'_> {
             report.seconds.linear_solve += clock.elapsed().as_secs_f64();
             report.local_iterations += 1;
             report.max_displacement = d.iter().map(|d| d.norm()).fold(0.0, f64::max);
-            report.newton_decrement = -g.iter().zip(&d).map(|(g, d)| g.dot(d)).sum::<f64>();
+            report.newton_decrement = -dot(&g, &d);
             if !report.max_displacement.is_finite() {
                 break;
             }

@@ -25,7 +25,7 @@ mod vertex_cover;
 
 pub use scalar::ScalarCholesky;
 
-use crate::math::Vec3;
+use crate::math::{Vec3, dot};
 use crate::sim::linear::block_matrix::BlockMatrix;
 use crate::sim::linear::cholesky::numeric::Factor;
 use crate::sim::linear::cholesky::symbolic::Fronts;
@@ -288,8 +288,4 @@ impl StaleProgress {
         let over_budget = k > tuning.min_stale_iterations && k as f64 >= self.max_iterations;
         if left.is_nan() || slow || over_budget { StaleVerdict::Failed } else { StaleVerdict::Continue }
     }
-}
-
-fn dot(a: &[Vec3], b: &[Vec3]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
 }
