@@ -21,7 +21,7 @@ use crate::garment::{Garment, RestState, RigidParts, WornGarment};
 use crate::math::Vec3;
 use crate::remesh::SimulationMesh;
 use crate::transfer::{prolongate, resolved_memory};
-use crate::wear::WearScript;
+use crate::wear::{Action, WearScript};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -160,7 +160,8 @@ impl<'a> Bake<'a> {
     /// # Ok::<(), crease::Error>(())
     /// ```
     pub fn plan(&self) -> ModelPlan {
-        let Self { garment, fabric, script, ref options, .. } = *self;
+        let Self { garment, fabric, script, .. } = *self;
+        let options = &self.options_on_body();
         let rigid = RigidParts::find(garment);
         let garment = rigid.as_ref().map_or(garment, RigidParts::cloth);
         let choice = MeshChoice::new(garment, fabric, script, None, options);
@@ -179,6 +180,33 @@ impl<'a> Bake<'a> {
         plan
     }
 
+    /// The options with the body in the pose that the garment was modelled on: of a garment without a skin, the first key of the clip
+    /// that the script plays first where it fits that one and not the pose of the file.
+    fn options_on_body(&self) -> BakeOptions {
+        let mut options = self.options.clone();
+        let (Some(body), None) = (&options.body, &options.skin) else { return options };
+        let play = self.script.flatten().find_map(|action| match action.as_ref() {
+            Action::Play(play) => Some(play.clip.clone()),
+            _ => None,
+        });
+        let Some((name, Ok(clip))) = play.map(|name| (name.clone(), body.find_clip(&name))) else {
+            return options;
+        };
+        let Some([at_rest, at_first]) = body.fits_first_key(&self.garment.points, clip) else {
+            return options;
+        };
+        let mut started = body.starting_at(clip);
+        started.add_note(format!(
+            "{}: {:.0} % of the garment lie inside the pose of the file and {:.0} % inside the first key of the clip \"{name}\": the \
+             wear begins in that key",
+            body.file,
+            100.0 * at_rest,
+            100.0 * at_first
+        ));
+        options.body = Some(Arc::new(started));
+        options
+    }
+
     /// Runs the bake.
     ///
     /// # Errors
@@ -192,7 +220,8 @@ impl<'a> Bake<'a> {
     ///
     /// # Errors
     /// Those of [`Bake::run`], those of the observer, and [`crate::Error::Interrupted`] when the observer asks to stop.
-    pub fn run_with(self, observer: &mut dyn Observer) -> Result<BakeResult> {
+    pub fn run_with(mut self, observer: &mut dyn Observer) -> Result<BakeResult> {
+        self.options = self.options_on_body();
         let Self { garment, script, ref options, earlier, .. } = self;
         let options = options.clone();
         if !earlier.is_none_or(|memory| memory.fits(garment.topology.hinges.len(), garment.triangles.len())) {

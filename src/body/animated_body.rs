@@ -92,8 +92,10 @@ pub struct AnimatedBody {
     /// Per point: its first vertex.
     first_vertex: Vec<u32>,
     triangles: Vec<[PointIndex; 3]>,
-    /// Points in the pose of the file [m].
+    /// Points in the pose that it starts in [m].
     start: Vec<Vec3>,
+    /// That pose, where it is not the one of the file.
+    start_pose: Option<BodyPose>,
     /// Properties of the file that the user should know.
     notes: Vec<String>,
 }
@@ -152,7 +154,12 @@ impl AnimatedBody {
         } else {
             Vec::new()
         };
-        Self { file, sha256, motion, first_vertex, triangles, start, notes }
+        Self { file, sha256, motion, first_vertex, triangles, start, start_pose: None, notes }
+    }
+
+    /// Returns the body that starts in `pose`.
+    pub(super) fn with_start(&self, pose: BodyPose) -> Self {
+        Self { start: self.points(&pose), start_pose: Some(pose), ..self.clone() }
     }
 
     /// Returns what the user should know about the file, for the report.
@@ -174,12 +181,12 @@ impl AnimatedBody {
         self.notes.push(note);
     }
 
-    /// Returns the points in the pose of the file [m].
+    /// Returns the points in the pose that it starts in, by default that of the file [m].
     pub fn rest_points(&self) -> &[Vec3] {
         &self.start
     }
 
-    /// Returns the lowest and highest corner of the bounding box in the pose of the file [m]; `None` without points.
+    /// Returns the lowest and highest corner of the bounding box in the pose that it starts in [m]; `None` without points.
     pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
         let corners = self.start.iter().map(|p| (*p, *p));
         corners.reduce(|(low, high), (p, _)| (low.inf(&p), high.sup(&p)))
@@ -203,8 +210,11 @@ impl AnimatedBody {
         }
     }
 
-    /// Returns the pose of the file.
+    /// Returns the pose that it starts in, by default that of the file.
     pub fn rest(&self) -> BodyPose {
+        if let Some(pose) = &self.start_pose {
+            return pose.clone();
+        }
         match &self.motion {
             BodyMotion::Still => BodyPose::Still,
             BodyMotion::Rig(rig) => rig_pose(rig, rig.skeleton.rest(), None),

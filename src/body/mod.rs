@@ -8,6 +8,7 @@
 mod animated_body;
 pub mod clip;
 mod clip_jumps;
+mod fit;
 mod garment_skin;
 mod layers;
 mod lookup;

@@ -8,4 +8,4 @@ mod load;
 mod read;
 
 pub use garment_file::{GarmentFile, embed_asset_images, read_asset_file};
-pub use read::{file_name, read_bytes, read_text};
+pub use read::{STANDARD_STREAM, file_name, read_bytes, read_text};

@@ -1,20 +1,29 @@
-//! Whole files, with error messages that help.
+//! Whole files and the standard input, with error messages that help.
 
 use crate::error::{Error, Result};
-use std::io::ErrorKind;
+use std::io::{ErrorKind, Read};
 use std::path::Path;
+use std::sync::OnceLock;
 
-/// The path as the user wrote it, for messages.
+/// The name of the standard input among the names of input files, and of the standard output among those of outputs; `./-` is a
+/// file of that name.
+pub const STANDARD_STREAM: &str = "-";
+
+/// The path as the user wrote it, for messages; `-` is the standard input.
 pub fn file_name(path: &Path) -> String {
-    path.display().to_string()
+    if path == Path::new(STANDARD_STREAM) { "standard input".to_owned() } else { path.display().to_string() }
 }
 
-/// Reads all bytes of a file.
+/// Reads all bytes of a file, or of the standard input for `-`, which is kept for the life of the process: it can be read once
+/// only, and several options may name it.
 ///
 /// # Errors
 /// [`Error::Input`] if there is no such file, if it is a folder or not readable for this user; [`Error::File`] otherwise.
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     let file = file_name(path);
+    if path == Path::new(STANDARD_STREAM) {
+        return standard_input().map_err(|source| Error::File { file, source });
+    }
     if path.is_dir() {
         return Err(Error::input(file, "", "is a folder, not a file", "name the file in it"));
     }
@@ -27,6 +36,17 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>> {
         }
         _ => Error::File { file, source },
     })
+}
+
+/// Returns all bytes of the standard input.
+fn standard_input() -> std::io::Result<Vec<u8>> {
+    static CONTENT: OnceLock<Vec<u8>> = OnceLock::new();
+    if let Some(bytes) = CONTENT.get() {
+        return Ok(bytes.clone());
+    }
+    let mut bytes = Vec::new();
+    std::io::stdin().lock().read_to_end(&mut bytes)?;
+    Ok(CONTENT.get_or_init(|| bytes).clone())
 }
 
 /// Reads a UTF-8 text file.

@@ -3,6 +3,7 @@
 //! Converts between bytes and the types of `garment` and `body`. Knows no paths and no file system: the tool opens files.
 
 mod body;
+mod choose_worn;
 mod error_list;
 mod frames;
 mod garment_skin;

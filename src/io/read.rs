@@ -6,6 +6,7 @@
 //! Opens no files: files that a document refers to come through `resolve`.
 
 use crate::garment::{ImportDiagnostic, Severity, SourceAsset, SourceFormat, SourcePiece, UpAxis};
+use crate::io::choose_worn::{choose_worn, labels_of};
 use crate::io::error_list::ErrorList;
 use crate::io::pieces::{DamagedPiece, MASK_OPTIONS, NamedPiece, to_scene};
 use crate::io::size::check_size;
@@ -94,7 +95,7 @@ pub fn read_asset(
     for (option, of) in MASK_OPTIONS.into_iter().zip([mask_of, sewing_mask_of]) {
         read.diagnostics.extend(scale_mask(option, &mut pieces, of));
     }
-    choose_worn(file_name, &mut pieces, options.garment.as_deref())?;
+    read.diagnostics.extend(choose_worn(file_name, &mut pieces, options.garment.as_deref())?);
     let asset = SourceAsset {
         file: file_name.to_owned(),
         sha256: Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect(),
@@ -137,47 +138,6 @@ fn format_of(file_name: &str, bytes: &[u8]) -> Result<SourceFormat> {
         return Err(Error::input(file_name, "", "neither glTF nor OBJ", "export it as glTF (.glb) or OBJ"));
     }
     Ok(SourceFormat::Obj)
-}
-
-/// Marks the pieces that `garment` names as worn, and no others.
-fn choose_worn(file: &str, pieces: &mut [NamedPiece], garment: Option<&str>) -> Result<()> {
-    let Some(wanted) = garment else { return Ok(()) };
-    let has_triangles = |named: &NamedPiece| !named.piece.triangles.is_empty();
-    let is_named = |label: &str| {
-        pieces.iter().enumerate().any(|(k, named)| has_triangles(named) && named.is_called(k, label))
-    };
-    // A name may have a comma in it.
-    let labels = if is_named(wanted) { vec![wanted] } else { labels_of(wanted) };
-    if let Some(missing) = labels.iter().find(|label| !is_named(label)) {
-        return Err(no_such_garment(file, pieces, missing));
-    }
-    for (k, named) in pieces.iter_mut().enumerate() {
-        named.piece.worn = labels.iter().any(|label| named.is_called(k, label));
-    }
-    Ok(())
-}
-
-/// Returns the parts of a list of names.
-fn labels_of(list: &str) -> Vec<&str> {
-    let labels: Vec<&str> = list.split(',').map(str::trim).filter(|label| !label.is_empty()).collect();
-    if labels.is_empty() { vec![list] } else { labels }
-}
-
-fn no_such_garment(file: &str, pieces: &[NamedPiece], wanted: &str) -> Error {
-    let mut names: Vec<&str> = Vec::new();
-    for name in pieces.iter().flat_map(|named| &named.names) {
-        if !names.contains(&name.as_str()) && names.len() <= TUNING.max_listed_names {
-            names.push(name);
-        }
-    }
-    let more = if names.len() > TUNING.max_listed_names { ", and more" } else { "" };
-    names.truncate(TUNING.max_listed_names);
-    Error::input(
-        file,
-        "",
-        format!("no garment called \"{wanted}\" in it"),
-        format!("--garment takes one of: {}{more}", names.join(", ")),
-    )
 }
 
 /// Rejects the parts that cannot be read if they were asked for; returns warnings about the others, which are left as they

@@ -64,6 +64,25 @@ fn unit_of_body(unit_m: f64, ratio: f64) -> Option<&'static str> {
     possible.min_by(|a, b| distance(a.1).total_cmp(&distance(b.1))).map(|(name, _)| *name)
 }
 
+/// Returns the option that states another unit, with which far more of a garment would lie on its body, with the fractions without and
+/// with it. `units_m` are those in which garment and body were read [m].
+fn unit_that_fits(units_m: [f64; 2], worn_fraction: impl Fn(f64) -> f64) -> Option<(String, f64, f64)> {
+    let own = worn_fraction(1.0);
+    if own > TUNING.max_misfit_fraction {
+        return None;
+    }
+    let [garment, body] = units_m;
+    let of_body = UNITS.iter().map(|(name, unit)| (format!("--body-unit {name}"), unit / body));
+    let of_garment = UNITS.iter().map(|(name, unit)| (format!("--unit {name}"), garment / unit));
+    let is_other = |(_, scale): &(String, f64)| scale.ln().abs() > TUNING.min_unit_ratio.ln();
+    let (option, fitting) = of_body
+        .chain(of_garment)
+        .filter(is_other)
+        .map(|(option, scale)| (option, worn_fraction(scale)))
+        .reduce(|best, next| if next.1 > best.1 { next } else { best })?;
+    (fitting >= TUNING.min_fitting_fraction).then_some((option, own, fitting))
+}
+
 /// Returns an error message and its help if frames are `ratio` times as large as their garment by the length of edges;
 /// `unit_m` is the unit in which they were read.
 pub fn compare_frame_size(ratio: f64, unit_m: f64) -> Option<(String, String)> {
@@ -83,12 +102,18 @@ pub fn compare_frame_size(ratio: f64, unit_m: f64) -> Option<(String, String)> {
 }
 
 /// Returns a warning if a body does not fit a garment in size or axis. `garment` and `body` are the corners of their boxes [m];
-/// `body_unit_m` is the unit in which the body was read.
-pub fn compare_body_size(garment: (Vec3, Vec3), body: (Vec3, Vec3), body_unit_m: f64) -> Option<String> {
+/// `units_m` are the units in which garment and body were read [m]; `worn_fraction` gives the fraction of the garment that lies on the
+/// body if that is so many times as large.
+pub fn compare_body_size(
+    garment: (Vec3, Vec3),
+    body: (Vec3, Vec3),
+    units_m: [f64; 2],
+    worn_fraction: impl Fn(f64) -> f64,
+) -> Option<String> {
     let (own, other) = (garment.1 - garment.0, body.1 - body.0);
     let ratio = other.max() / own.max();
     if !TUNING.body_ratio.contains(&ratio) {
-        let advice = match unit_of_body(body_unit_m, ratio) {
+        let advice = match unit_of_body(units_m[1], ratio) {
             Some(unit) => format!("its unit may be {unit}: --body-unit {unit}"),
             None => "check the unit of both".to_owned(),
         };
@@ -96,6 +121,14 @@ pub fn compare_body_size(garment: (Vec3, Vec3), body: (Vec3, Vec3), body_unit_m:
             "the body is {:.2} m long and the garment {:.2} m: one of them has another unit than it was read in; {advice}",
             other.max(),
             own.max()
+        ));
+    }
+    if let Some((option, own, fitting)) = unit_that_fits(units_m, worn_fraction) {
+        return Some(format!(
+            "{:.0} % of the garment lie on the body, and {:.0} % would with {option}: one of them may have another unit than it was \
+             read in",
+            100.0 * own,
+            100.0 * fitting
         ));
     }
     let centre = (garment.0 + garment.1) / 2.0;
@@ -130,13 +163,24 @@ mod tests {
     fn a_body_of_another_unit_or_axis_is_told() {
         let shirt = (Vec3::new(-0.3, 0.8, -0.1), Vec3::new(0.3, 1.5, 0.1));
         let person = (Vec3::new(-0.8, 0.0, -0.2), Vec3::new(0.8, 1.75, 0.2));
-        assert_eq!(compare_body_size(shirt, person, 1.0), None);
-        let message = compare_body_size(shirt, (person.0 * 100.0, person.1 * 100.0), 1.0).expect("too large");
+        let worn = |_: f64| 0.5;
+        assert_eq!(compare_body_size(shirt, person, [1.0; 2], worn), None);
+        let message = compare_body_size(shirt, (person.0 * 100.0, person.1 * 100.0), [1.0; 2], worn)
+            .expect("too large");
         assert!(message.contains("--body-unit cm"), "{message}");
-        let message = compare_body_size(shirt, (person.0 * 0.01, person.1 * 0.01), 0.01).expect("too small");
+        let message = compare_body_size(shirt, (person.0 * 0.01, person.1 * 0.01), [1.0, 0.01], worn)
+            .expect("too small");
         assert!(message.contains("--body-unit m"), "{message}");
         let lying = (Vec3::new(-0.8, -0.2, -1.75), Vec3::new(0.8, 0.2, 0.0));
-        let upright = compare_body_size(shirt, lying, 1.0).expect("another axis");
+        let upright = compare_body_size(shirt, lying, [1.0; 2], worn).expect("another axis");
         assert!(upright.contains("--body-up"), "{upright}");
+        // Boxes alone cannot tell inches from centimetres: a short garment on a person looks the same.
+        let fits_at =
+            |fitting: f64| move |scale: f64| if (scale / fitting - 1.0).abs() < 0.01 { 0.8 } else { 0.0 };
+        for (fitting, option) in [(2.54, "--body-unit in"), (1.0 / 2.54, "--unit in")] {
+            let message =
+                compare_body_size(shirt, person, [0.01; 2], fits_at(fitting)).expect("another unit");
+            assert!(message.contains(option), "{message}");
+        }
     }
 }

@@ -14,6 +14,12 @@ pub(crate) struct IoTuning {
     pub(crate) body_ratio: RangeInclusive<f64>,
     /// The same for a shirt on a person.
     pub(crate) usual_body_ratio: f64,
+    /// Fraction of a garment on its body up to which another unit may be meant \[-\].
+    pub(crate) max_misfit_fraction: f64,
+    /// Units that differ by less than this factor are one \[-\]; the least between two of them is 2.54.
+    pub(crate) min_unit_ratio: f64,
+    /// Fraction of a garment that lies on its body in the unit that is meant \[-\]: half of it hangs free, as a skirt does.
+    pub(crate) min_fitting_fraction: f64,
     /// Sizes that differ from a unit by less than this factor are taken for it \[-\].
     pub(crate) unit_ratio_tol: f64,
     /// Mean edge length of frames over that of their garment that is one of motion, not of unit \[-\].
@@ -83,6 +89,9 @@ pub(crate) const TUNING: IoTuning = IoTuning {
     usual_garment_side_m: 0.1..=2.5,
     body_ratio: 0.66..=15.0,
     usual_body_ratio: 2.5,
+    max_misfit_fraction: 0.05,
+    min_unit_ratio: 1.5,
+    min_fitting_fraction: 0.4,
     unit_ratio_tol: 1.6,
     frame_ratio: 0.66..=1.5,
     unit_m: 1e-6..=1e6,

@@ -8,7 +8,7 @@ use crate::cli::files::input::name_of;
 use clap::Args;
 use crease::body::{AnimatedBody, BodyMotion, GarmentSkin};
 use crease::files::{GarmentFile, read_asset_file};
-use crease::garment::{Severity, SourceAsset, SourceFormat, SourcePiece, UpAxis};
+use crease::garment::{Severity, SourceFormat, SourcePiece, UpAxis};
 use crease::io::{ReadOptions, compare_body_size, read_garment_skin};
 use crease::math::Vec3;
 use crease::{Diagnostic, Error, Result};
@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// Body that a garment is worn on.
 #[derive(Debug, Clone, Args)]
 pub struct BodyArgs {
-    /// Body that the garment is worn on: .glb, .gltf or .obj (may be the file of the garment), or a folder of numbered .obj frames
+    /// Body that the garment is worn on: .glb, .gltf or .obj (may be the file of the garment), a folder of numbered .obj frames, or - for the standard input
     #[arg(long, value_name = "BODY")]
     body: Option<PathBuf>,
     /// Node, mesh or group that is the body [default: the whole file except the garment]
@@ -48,6 +48,11 @@ pub struct BodyArgs {
 pub type SkinOrReason = std::result::Result<Arc<GarmentSkin>, String>;
 
 impl BodyArgs {
+    /// Path of the body file.
+    pub fn path(&self) -> Option<&Path> {
+        self.body.as_deref()
+    }
+
     /// Whether a body was given.
     pub fn is_given(&self) -> bool {
         self.body.is_some()
@@ -61,12 +66,13 @@ impl BodyArgs {
         mesh: &GarmentFile,
     ) -> Result<Option<Arc<AnimatedBody>>> {
         let Some(body) = &self.body else { return Ok(None) };
-        let same = matches!((body.canonicalize(), path.canonicalize()), (Ok(a), Ok(b)) if a == b);
+        let same =
+            body == path || matches!((body.canonicalize(), path.canonicalize()), (Ok(a), Ok(b)) if a == b);
         let reading = self.body_options(body, options, mesh.asset.format);
         let mut body = if body.is_dir() {
             self.read_frames_of(body, options, mesh.asset.format)?
         } else if same {
-            self.read_in_garment_file(mesh, options)?
+            self.read_in_garment_file(mesh, path, options)?
         } else {
             let (asset, diagnostics) = read_asset_file(body, &reading).map_err(of_body_node)?;
             let left_out = self.left_out_pieces(body, &reading)?;
@@ -82,7 +88,12 @@ impl BodyArgs {
         self.leave_out_joints(&mut body)?;
         let unit_m = if same { mesh.asset.unit_m } else { reading.unit_m.unwrap_or(1.0) };
         let boxes = mesh.asset.worn_bounds().zip(body.bounds());
-        if let Some(note) = boxes.and_then(|(garment, own)| compare_body_size(garment, own, unit_m)) {
+        if let Some(note) = boxes.and_then(|(garment, own)| {
+            // Garment and body of one file have one unit.
+            let worn_fraction =
+                |scale: f64| if same { 1.0 } else { body.worn_fraction(&mesh.garment.points, scale) };
+            compare_body_size(garment, own, [mesh.asset.unit_m, unit_m], worn_fraction)
+        }) {
             body.add_note(format!("{}: {note}", body.file));
         }
         Ok(Some(Arc::new(body)))
@@ -194,15 +205,20 @@ impl BodyArgs {
 
     /// Returns the body in the file of the garment: the pieces named by `--body-node`, or all that are not worn and do not lie
     /// over the garment.
-    fn read_in_garment_file(&self, mesh: &GarmentFile, options: &ReadOptions) -> Result<AnimatedBody> {
+    fn read_in_garment_file(
+        &self,
+        mesh: &GarmentFile,
+        path: &Path,
+        options: &ReadOptions,
+    ) -> Result<AnimatedBody> {
         let asset = &mesh.asset;
         let worn: Vec<bool> = asset.pieces.iter().map(|piece| piece.worn).collect();
         let chosen = match &self.body_node {
             None => worn.iter().map(|worn| !worn).collect(),
-            Some(node) => pieces_named(node, asset, options)?,
+            Some(node) => pieces_named(node, path, asset.unit_m, options)?,
         };
         let pairs = asset.pieces.iter().zip(chosen.iter().zip(&worn));
-        let left_out = self.left_out_pieces(Path::new(&asset.file), options)?;
+        let left_out = self.left_out_pieces(path, options)?;
         let is_chosen = |(k, (_, (chosen, worn))): &(usize, (&SourcePiece, (&bool, &bool)))| {
             **chosen && !**worn && !left_out.contains(k)
         };
@@ -266,14 +282,14 @@ fn of_hold(error: Error) -> Error {
 
 /// Flags the pieces of the garment file that `node` names. The file is read again, since only the reader knows all names
 /// of a piece.
-fn pieces_named(node: &str, asset: &SourceAsset, options: &ReadOptions) -> Result<Vec<bool>> {
+fn pieces_named(node: &str, path: &Path, unit_m: f64, options: &ReadOptions) -> Result<Vec<bool>> {
     let options = ReadOptions {
         garment: Some(node.to_owned()),
-        unit_m: Some(asset.unit_m),
+        unit_m: Some(unit_m),
         any_size: true,
         ..options.clone()
     };
-    let (again, _) = read_asset_file(Path::new(&asset.file), &options).map_err(of_body_node)?;
+    let (again, _) = read_asset_file(path, &options).map_err(of_body_node)?;
     Ok(again.pieces.iter().map(|piece| piece.worn).collect())
 }
 

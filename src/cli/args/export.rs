@@ -45,6 +45,11 @@ impl ExportArgs {
         self.export.iter().copied().filter(is_new).map(|kind| (kind, worn.with_extension(kind.ending())))
     }
 
+    /// Whether any file is asked for.
+    pub fn is_given(&self) -> bool {
+        !self.export.is_empty()
+    }
+
     /// Whether a USD scene is written.
     pub fn has_usd(&self) -> bool {
         self.export.contains(&Export::Usd)

@@ -2,7 +2,7 @@
 //! a normal map in the material of the garment.
 
 use crate::cli::args::values::positive;
-use crate::cli::files::output::Outputs;
+use crate::cli::files::output::{Outputs, is_stream};
 use clap::ValueEnum;
 use clap::builder::RangedU64ValueParser;
 use crease::garment::{Garment, SourceAsset, WornGarment};
@@ -99,6 +99,11 @@ pub struct DetailedGlb {
 }
 
 impl RefineArgs {
+    /// Whether pictures of heights are asked for, which go beside the garment.
+    pub fn has_height_map(&self) -> bool {
+        self.height_map
+    }
+
     /// Returns the length of the finest edges that are simulated [m], if it was given.
     pub fn finest_edge(&self) -> Option<f64> {
         self.resolution.map(|mm| 1e-3 * mm)
@@ -163,11 +168,14 @@ impl RefineArgs {
             MapBits::Sixteen => MapDepth::Sixteen,
         };
         let detailed = add_detail_map(&glb, asset, &detail, side as usize, depth)?;
-        let mut reports = Vec::new();
+        let (mut reports, mut notes) = (Vec::new(), detailed.notes);
         for (k, map) in detailed.maps.iter().enumerate() {
             let beside = |kind: &str| map_path(worn, kind, k, detailed.maps.len());
             let mut report = DetailReport::new(map, side);
-            if !map.in_material {
+            if !map.in_material && is_stream(worn) {
+                let left_out = "a normal map that fits no material is left out: the standard output has no place beside it";
+                notes.push(left_out.to_owned());
+            } else if !map.in_material {
                 let path = beside("normal");
                 outputs.add(&path, &map.normal_png)?;
                 report.normal_map = name_of(&path);
@@ -179,7 +187,7 @@ impl RefineArgs {
             }
             reports.push(report);
         }
-        Ok(DetailedGlb { glb: detailed.glb, reports, notes: detailed.notes })
+        Ok(DetailedGlb { glb: detailed.glb, reports, notes })
     }
 }
 

@@ -1,5 +1,6 @@
 //! Parsers of option values.
 
+use crate::cli::files::input::STANDARD_STREAM;
 use std::path::{Path, PathBuf};
 
 /// A length [m].
@@ -45,14 +46,9 @@ pub fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Parses the path of an input; `-` is the standard input.
-pub fn input_path(text: &str) -> Result<PathBuf, String> {
-    Ok(PathBuf::from(if text == "-" { "/dev/stdin" } else { text }))
-}
-
-/// Parses a path that ends in `.glb`.
+/// Parses a path that ends in `.glb`, or `-`.
 pub fn glb_path(text: &str) -> Result<PathBuf, String> {
-    path_with_extension(text, "glb")
+    output_path(text, "glb")
 }
 
 /// Parses a path that ends in `.png`, or `-`.
@@ -65,16 +61,13 @@ pub fn html_path(text: &str) -> Result<PathBuf, String> {
     output_path(text, "html")
 }
 
-/// Parses the path of an output that is one file; `-` is the standard output.
+/// Parses the path of an output: a name with `extension`, or `-`, the standard output.
 fn output_path(text: &str, extension: &str) -> Result<PathBuf, String> {
-    if text == "-" { Ok(PathBuf::from("/dev/stdout")) } else { path_with_extension(text, extension) }
-}
-
-fn path_with_extension(text: &str, extension: &str) -> Result<PathBuf, String> {
     let path = Path::new(text);
     match path.extension() {
         Some(own) if own.eq_ignore_ascii_case(extension) => Ok(path.to_owned()),
-        _ => Err(format!("expected a file name that ends in .{extension}")),
+        None if text == STANDARD_STREAM => Ok(path.to_owned()),
+        _ => Err(format!("expected a file name that ends in .{extension}, or - for the standard output")),
     }
 }
 
@@ -96,7 +89,7 @@ mod tests {
 
     #[test]
     fn extensions_are_checked() {
-        assert!(glb_path("a/b.GLB").is_ok());
+        assert!(glb_path("a/b.GLB").is_ok() && glb_path("-").is_ok());
         for text in ["a", "a.gltf", ".glb", ""] {
             assert!(glb_path(text).is_err(), "{text}");
         }

@@ -12,10 +12,10 @@ use std::path::PathBuf;
   crease apply worn.glb -o game.glb
   crease apply worn.glb -o game.glb --no-unworn")]
 pub struct Arguments {
-    /// Worn garment, as `crease bake` wrote it
-    #[arg(value_name = "WORN.glb", value_parser = glb_path)]
+    /// Worn garment, as `crease bake` wrote it, or - for the standard input
+    #[arg(value_name = "WORN.glb")]
     worn: PathBuf,
-    /// Garment to write, whose base shape is the worn one
+    /// Garment to write, whose base shape is the worn one; - for the standard output
     #[arg(short, long, value_name = "OUT.glb", value_parser = glb_path)]
     output: PathBuf,
     /// Leave the source shape out, which else becomes the morph target `unworn`

@@ -38,7 +38,7 @@ pub struct ManArguments {
 pub fn run(arguments: Arguments, mut command: Command) -> Result<()> {
     let mut text = Vec::new();
     clap_complete::generate(arguments.shell, &mut command, "crease", &mut text);
-    console::data(&String::from_utf8_lossy(&text))
+    console::data(&text)
 }
 
 /// Prints or writes the manual of `command`.

@@ -1,7 +1,7 @@
 //! `crease example`: garments and wear scripts to try, which are part of the program.
 
 use crate::cli::files::input;
-use crate::cli::files::output::Outputs;
+use crate::cli::files::output::{Outputs, is_stream};
 use crate::cli::runtime::console;
 use crease::wear::WearScript;
 use crease::{Error, Result};
@@ -38,7 +38,7 @@ garment_list! {
 pub struct Arguments {
     /// Garment or wear script to write; without it, all are listed
     name: Option<String>,
-    /// Folder to write NAME.glb or NAME.json to
+    /// Folder to write NAME.glb or NAME.json to; - is the standard output
     #[arg(short, long, value_name = "DIR", default_value = ".")]
     output: PathBuf,
 }
@@ -56,8 +56,9 @@ pub fn run(arguments: Arguments) -> Result<()> {
             }
         },
     };
-    let path = arguments.output.join(file);
-    if path.exists() {
+    let path =
+        if is_stream(&arguments.output) { arguments.output.clone() } else { arguments.output.join(file) };
+    if path.exists() && !is_stream(&path) {
         let help = "name another folder with -o, or remove the file";
         return Err(Error::input(input::name_of(&path), "", "is there already", help));
     }

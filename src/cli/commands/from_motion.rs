@@ -36,7 +36,7 @@ use std::time::Instant;
 pub struct Arguments {
     /// Motion of the garment: an animated .glb or .gltf (skin, nodes, morph targets), or a folder of numbered .obj frames
     motion: PathBuf,
-    /// Worn garment to write; OUT.crease.json and OUT.report.json go beside it
+    /// Worn garment to write; OUT.crease.json and OUT.report.json go beside it. - is the standard output, for the garment alone
     #[arg(short, long, value_name = "OUT.glb", value_parser = glb_path)]
     output: PathBuf,
     /// Source pose of the garment that the frames show in motion [default: the first frame]

@@ -1,7 +1,6 @@
 //! `crease inspect`: content of a mesh file, with the repairs and errors that a bake would report.
 
 use crate::cli::args::mesh::MeshArgs;
-use crate::cli::args::values::input_path;
 use crate::cli::runtime::console;
 use crease::Result;
 use crease::files::GarmentFile;
@@ -17,7 +16,6 @@ use std::path::PathBuf;
   crease inspect shirt.glb --json")]
 pub struct Arguments {
     /// Mesh file: .obj, .gltf or .glb; - for the standard input
-    #[arg(value_parser = input_path)]
     mesh: PathBuf,
     #[command(flatten)]
     reading: MeshArgs,

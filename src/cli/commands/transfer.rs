@@ -6,7 +6,7 @@ use crate::cli::args::export::{ExportArgs, print_checks};
 use crate::cli::args::mesh::ClothArgs;
 use crate::cli::args::refine::{CoarseGarment, RefineArgs, Refinement};
 use crate::cli::args::run::RunArgs;
-use crate::cli::args::values::{glb_path, input_path, not_negative};
+use crate::cli::args::values::{glb_path, not_negative};
 use crate::cli::commands::worn_job::{SideFiles, WornJob, WornResult, outcome};
 use crate::cli::files::earlier_memory::left_out_warning;
 use crate::cli::files::input;
@@ -33,12 +33,12 @@ use std::time::Instant;
 pub struct Arguments {
     /// Sidecars of the memory to transfer, as written by `crease bake`, or worn .glb files that name theirs; several are added
     /// up
-    #[arg(required = true, value_name = "SIDECAR", value_parser = input_path)]
+    #[arg(required = true, value_name = "SIDECAR")]
     sidecars: Vec<PathBuf>,
     /// Target garment: .obj, .gltf or .glb
-    #[arg(long, value_name = "MESH", value_parser = input_path)]
+    #[arg(long, value_name = "MESH")]
     to: PathBuf,
-    /// Worn garment to write; OUT.crease.json and OUT.report.json go beside it
+    /// Worn garment to write; OUT.crease.json and OUT.report.json go beside it. - is the standard output, for the garment alone
     #[arg(short, long, value_name = "OUT.glb", value_parser = glb_path)]
     output: PathBuf,
     /// Matching of points of both garments
@@ -164,8 +164,12 @@ pub fn run(arguments: Arguments) -> Result<()> {
 }
 
 fn transfer(arguments: &Arguments) -> Result<()> {
-    let side_files =
-        SideFiles { apply: arguments.apply, export: Some(&arguments.export), ..SideFiles::default() };
+    let side_files = SideFiles {
+        apply: arguments.apply,
+        detail: Some((&arguments.refine, None)),
+        export: Some(&arguments.export),
+        ..SideFiles::default()
+    };
     let sidecars = arguments.sidecars.iter().map(PathBuf::as_path);
     let inputs = sidecars.chain([arguments.to.as_path()]).chain(arguments.landmarks.as_deref());
     let mut job = WornJob::start(&arguments.run, &arguments.output, inputs, side_files)?;

@@ -8,7 +8,7 @@ use crate::cli::args::refine::{RefineArgs, Refinement};
 use crate::cli::args::run::RunArgs;
 use crate::cli::files::frame_sequence::frame_paths;
 use crate::cli::files::input;
-use crate::cli::files::output::Outputs;
+use crate::cli::files::output::{self, Outputs, is_stream};
 use crate::cli::files::worn_outputs::WornOutputs;
 use crate::cli::runtime::console;
 use crease::fabric::Fabric;
@@ -143,6 +143,17 @@ impl WornJob {
         let started = Instant::now();
         let files = WornOutputs::beside(output);
         let outputs = Outputs::new(inputs);
+        if is_stream(output) {
+            let beside = [
+                ("--json", run.json),
+                ("--preview", side_files.preview),
+                ("--export", side_files.export.is_some_and(ExportArgs::is_given)),
+                ("--height-map", side_files.detail.is_some_and(|(refine, _)| refine.has_height_map())),
+            ];
+            if let Some((option, _)) = beside.iter().find(|(_, is_given)| *is_given) {
+                return Err(beside_stream(option));
+            }
+        }
         for path in files.paths() {
             outputs.check(path)?;
         }
@@ -152,15 +163,9 @@ impl WornJob {
         if side_files.preview {
             outputs.check(&files.preview())?;
         }
-        Ok(Self {
-            run: run.clone(),
-            files,
-            outputs,
-            started,
-            read_s: 0.0,
-            warnings: Vec::new(),
-            printed: Vec::new(),
-        })
+        let left_out = "its sidecar, its report and its checkpoints are not written: the garment goes to the standard output";
+        let warnings = if is_stream(output) { vec![left_out.to_owned()] } else { Vec::new() };
+        Ok(Self { run: run.clone(), files, outputs, started, read_s: 0.0, warnings, printed: Vec::new() })
     }
 
     /// Paths of the outputs.
@@ -228,7 +233,9 @@ impl WornJob {
         let Self { run, files, mut outputs, started, read_s, printed, .. } = self;
         let write_s = result.computed.elapsed().as_secs_f64();
         report.finish(written, JobTimes { read_s, write_s, wall_s: started.elapsed().as_secs_f64() });
-        outputs.add(&files.report, report.json().as_bytes())?;
+        if let Some(path) = &files.report {
+            outputs.add(path, report.json().as_bytes())?;
+        }
         outputs.commit()?;
         Ok(WrittenJob { run, worn: files.worn, report, printed })
     }
@@ -241,8 +248,10 @@ impl WornJob {
         stopped.checkpoint = kept.checkpoint.as_ref().map(name);
         stopped.last_frame = kept.last_frame.as_ref().map(name);
         let reason = format!("{}: {}", stopped.action, stopped.reason);
-        let mut text =
-            format!("{reason}; no garment was made, the report is in {}", name(&self.files.report));
+        let mut text = format!("{reason}; no garment was made");
+        if let Some(path) = &self.files.report {
+            text += &format!(", the report is in {}", name(path));
+        }
         if let Some(checkpoint) = &stopped.checkpoint {
             text += &format!(", the last checkpoint in {checkpoint}");
         }
@@ -258,7 +267,9 @@ impl WornJob {
             WrittenFiles::default(),
             JobTimes { read_s: self.read_s, write_s: 0.0, wall_s: self.started.elapsed().as_secs_f64() },
         );
-        self.outputs.add(&self.files.report, report.to_json().as_bytes())?;
+        if let Some(path) = &self.files.report {
+            self.outputs.add(path, report.to_json().as_bytes())?;
+        }
         self.outputs.commit()?;
         let mut written = WrittenJob { run: self.run, worn: self.files.worn, report, printed: self.printed };
         written.print(|_, _| ())?;
@@ -280,7 +291,9 @@ impl WornJob {
             warnings.extend(detailed.notes);
         }
         outputs.add(&files.worn, &side_files.apply.applied(&input::name_of(&files.worn), glb)?)?;
-        outputs.add(&files.sidecar, &write_sidecar(sidecar))?;
+        if let Some(path) = &files.sidecar {
+            outputs.add(path, &write_sidecar(sidecar))?;
+        }
         if side_files.preview {
             let view = GarmentView::of_sidecar(&input::name_of(&files.worn), sidecar);
             let picture = view.draw_before_after(ColorBy::Shape, &Camera::default(), PREVIEW_SIZE)?;
@@ -324,7 +337,7 @@ impl<R: JobReport> WrittenJob<R> {
         if self.run.is_verbose() {
             let fresh = self.report.warnings().iter().filter(|text| !self.printed.contains(text));
             fresh.for_each(|text| print_warning(text));
-            summary(&input::name_of(&self.worn), &self.report);
+            summary(&output::name_of(&self.worn), &self.report);
         }
         if self.run.json { console::data(&self.report.json()) } else { Ok(()) }
     }
@@ -342,6 +355,12 @@ pub fn outcome(unconverged_reason: Option<String>, empty_reason: Option<String>)
         (None, Some(reason)) => Err(Error::Empty(reason)),
         (None, None) => Ok(()),
     }
+}
+
+/// The error of `option`, which needs a place that the standard output does not have.
+pub fn beside_stream(option: &str) -> Error {
+    let message = format!("takes the garment, and {option} needs a place of its own");
+    Error::input("standard output", "", message, "name a file with -o")
 }
 
 fn print_warning(text: &str) {

@@ -4,6 +4,7 @@
 //! Failure to write a checkpoint (a full disk) is only a warning, as the run itself may still succeed.
 
 use crate::cli::files::input;
+use crate::cli::files::output::is_stream;
 use crate::cli::runtime::console;
 use crease::Result;
 use crease::bake::Checkpoint;
@@ -24,10 +25,10 @@ pub struct SavedCheckpoint {
     pub checkpoint: Checkpoint,
 }
 
-/// Writer of the latest checkpoint of one run.
+/// Writer of the latest checkpoint of one run; it writes none for a garment that goes to the standard output.
 #[derive(Debug)]
 pub struct CheckpointFile {
-    path: PathBuf,
+    path: Option<PathBuf>,
     /// Minimum time between checkpoints within an action.
     interval: Duration,
     last_write: Instant,
@@ -40,22 +41,20 @@ pub struct CheckpointFile {
 impl CheckpointFile {
     /// Creates the writer for the worn garment `worn`, with at most one checkpoint per `interval` within actions.
     pub fn beside(worn: &Path, interval: Duration) -> Self {
-        let path = worn.with_extension("checkpoint");
+        let path = (!is_stream(worn)).then(|| worn.with_extension("checkpoint"));
         Self { path, interval, last_write: Instant::now(), pending: None, failed: false }
     }
 
     /// Path of the checkpoint file.
-    pub fn path(&self) -> &Path {
-        &self.path
+    pub fn path(&self) -> Option<&Path> {
+        self.path.as_deref()
     }
 
     /// Reads the checkpoint of an earlier run; `None` if there is none.
     pub fn read(&self) -> Result<Option<SavedCheckpoint>> {
-        if !self.path.exists() {
-            return Ok(None);
-        }
-        let file = input::name_of(&self.path);
-        let checkpoint = Checkpoint::parse(&file, &input::bytes(&self.path)?)?;
+        let Some(path) = self.path().filter(|path| path.exists()) else { return Ok(None) };
+        let file = input::name_of(path);
+        let checkpoint = Checkpoint::parse(&file, &input::bytes(path)?)?;
         Ok(Some(SavedCheckpoint { file, checkpoint }))
     }
 
@@ -74,37 +73,40 @@ impl CheckpointFile {
 
     /// Writes the latest checkpoint if it is not written yet.
     pub fn flush(&mut self) {
-        let Some(checkpoint) = self.pending.take() else { return };
-        let written = self.write(&checkpoint.to_bytes());
+        let (Some(checkpoint), Some(path)) = (self.pending.take(), &self.path) else { return };
+        let written = write(path, &checkpoint.to_bytes());
         self.last_write = Instant::now();
         if let (Err(error), false) = (&written, self.failed) {
             console::message(&format!(
                 "warning: {}: {error}; the run continues without checkpoints",
-                input::name_of(&self.path)
+                input::name_of(path)
             ));
             self.failed = true;
         }
     }
 
-    /// Temporary name; always the same, so that a run that is killed repeatedly does not fill the folder.
-    fn part_path(&self) -> PathBuf {
-        self.path.with_extension("checkpoint-part")
-    }
-
-    fn write(&self, bytes: &[u8]) -> std::io::Result<()> {
-        // The folder of the outputs is made with the first file in it.
-        if let Some(folder) = self.path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-            std::fs::create_dir_all(folder)?;
-        }
-        let mut file = File::create(self.part_path())?;
-        file.write_all(bytes)?;
-        file.sync_all()?;
-        std::fs::rename(self.part_path(), &self.path)
-    }
-
     /// Removes the checkpoint of a finished run. Failures are ignored, since a leftover checkpoint does no harm.
     pub fn remove(&self) {
-        let _ = std::fs::remove_file(&self.path);
-        let _ = std::fs::remove_file(self.part_path());
+        if let Some(path) = &self.path {
+            let _ = std::fs::remove_file(path);
+            let _ = std::fs::remove_file(part_path(path));
+        }
     }
+}
+
+/// Temporary name of the checkpoint `path`; always the same, so that a run that is killed repeatedly does not fill the folder.
+fn part_path(path: &Path) -> PathBuf {
+    path.with_extension("checkpoint-part")
+}
+
+/// Writes the checkpoint `path` whole or not at all.
+fn write(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    // The folder of the outputs is made with the first file in it.
+    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        std::fs::create_dir_all(folder)?;
+    }
+    let mut file = File::create(part_path(path))?;
+    file.write_all(bytes)?;
+    file.sync_all()?;
+    std::fs::rename(part_path(path), path)
 }

@@ -4,7 +4,7 @@ use crease::fabric::Fabric;
 use crease::{Diagnostic, Error, Result};
 use std::path::Path;
 
-pub use crease::files::{file_name as name_of, read_bytes as bytes, read_text as text};
+pub use crease::files::{STANDARD_STREAM, file_name as name_of, read_bytes as bytes, read_text as text};
 
 /// Reads a fabric: a preset if `name` is one, otherwise a file. `./NAME` names the file where both exist.
 pub fn fabric(name: &str) -> Result<Fabric> {
@@ -12,8 +12,8 @@ pub fn fabric(name: &str) -> Result<Fabric> {
         return Fabric::preset(name);
     }
     let path = Path::new(name);
-    if path.exists() {
-        return Fabric::parse(name, &text(path)?);
+    if path.exists() || name == STANDARD_STREAM {
+        return Fabric::parse(&name_of(path), &text(path)?);
     }
     match Fabric::preset(name) {
         Err(Error::Input(faults)) => Err(Error::Input(
@@ -23,6 +23,24 @@ pub fn fabric(name: &str) -> Result<Fabric> {
                 .collect(),
         )),
         other => other,
+    }
+}
+
+/// Checks that at most one of `options`, each with the path that it names, is the standard input.
+///
+/// # Errors
+/// [`Error::Input`] that names the two.
+pub fn check_streams(options: &[(&str, Option<&Path>)]) -> Result<()> {
+    let is_stream = |(_, path): &&(&str, Option<&Path>)| *path == Some(Path::new(STANDARD_STREAM));
+    let mut streams = options.iter().filter(is_stream).map(|(option, _)| option);
+    match (streams.next(), streams.next()) {
+        (Some(first), Some(second)) => Err(Error::input(
+            "standard input",
+            "",
+            format!("is named by {first} and by {second}, and holds one of them"),
+            format!("give {second} as a file"),
+        )),
+        _ => Ok(()),
     }
 }
 

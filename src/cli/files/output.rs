@@ -1,7 +1,8 @@
 //! Output files, written whole or not at all: under temporary names in the same folder, and renamed together at the end.
 //! An interrupted or failed run leaves existing files untouched.
 
-use crate::cli::files::input::name_of;
+use crate::cli::files::input::{self, STANDARD_STREAM};
+use crate::cli::runtime::console;
 use crease::{Error, Result};
 use std::fs::{File, Permissions};
 use std::io::Write;
@@ -14,6 +15,8 @@ pub struct Outputs {
     /// Input files of the command, which must not be overwritten.
     inputs: Vec<PathBuf>,
     pending: Vec<PendingFile>,
+    /// Bytes for the standard output.
+    stream: Vec<u8>,
 }
 
 #[derive(Debug)]
@@ -34,11 +37,14 @@ impl Outputs {
     /// Creates an empty list of outputs, none of which may be one of `inputs`.
     pub fn new<'a>(inputs: impl IntoIterator<Item = &'a Path>) -> Self {
         let inputs = inputs.into_iter().filter_map(|path| path.canonicalize().ok()).collect();
-        Self { inputs, pending: Vec::new() }
+        Self { inputs, pending: Vec::new(), stream: Vec::new() }
     }
 
-    /// Checks that `path` can be written. To be called before a long run.
+    /// Checks that `path` can be written; `-` is the standard output. To be called before a long run.
     pub fn check(&self, path: &Path) -> Result<()> {
+        if is_stream(path) {
+            return Ok(());
+        }
         let refuse = |message: &str, help: &str| Err(Error::input(name_of(path), "", message, help));
         if path.is_dir() {
             return refuse("is a folder, cannot be written as a file", "name a file in it");
@@ -69,6 +75,10 @@ impl Outputs {
     /// Adds the file `path` with the content `bytes`; it appears on commit.
     pub fn add(&mut self, path: &Path, bytes: &[u8]) -> Result<()> {
         self.check(path)?;
+        if is_stream(path) {
+            self.stream.extend_from_slice(bytes);
+            return Ok(());
+        }
         std::fs::create_dir_all(folder_of(path)).map_err(|source| failed(path, source))?;
         // Symbolic links are followed, so that they stay links.
         let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
@@ -81,7 +91,7 @@ impl Outputs {
         Ok(())
     }
 
-    /// Renames all files to their final names.
+    /// Renames all files to their final names, then prints what goes to the standard output.
     pub fn commit(self) -> Result<()> {
         for PendingFile { target, content } in self.pending {
             match content {
@@ -92,8 +102,18 @@ impl Outputs {
             }
             .map_err(|source| failed(&target, source))?;
         }
-        Ok(())
+        if self.stream.is_empty() { Ok(()) } else { console::data(&self.stream) }
     }
+}
+
+/// The path as the user wrote it, for messages; `-` is the standard output.
+pub fn name_of(path: &Path) -> String {
+    if is_stream(path) { "standard output".to_owned() } else { input::name_of(path) }
+}
+
+/// Whether `path` is the standard output.
+pub fn is_stream(path: &Path) -> bool {
+    path == Path::new(STANDARD_STREAM)
 }
 
 fn folder_of(path: &Path) -> &Path {

@@ -1,6 +1,6 @@
 //! Wear scripts by path, or by the name of one that is part of the program.
 
-use crate::cli::files::input;
+use crate::cli::files::input::{self, STANDARD_STREAM};
 use crease::Result;
 use crease::wear::WearScript;
 use std::path::Path;
@@ -12,7 +12,7 @@ pub fn read_script(path: &Path) -> Result<WearScript> {
 
 /// Returns the text of the script `path`.
 pub fn script_text(path: &Path) -> Result<String> {
-    match path.to_str().filter(|_| !path.exists()) {
+    match path.to_str().filter(|name| *name != STANDARD_STREAM && !path.exists()) {
         Some(name) => match WearScript::preset_text(name) {
             Some(text) => Ok(text.to_owned()),
             // A name without folder and ending was meant as one of the program's.

@@ -23,10 +23,10 @@ pub fn error(error: &Error) {
     }
 }
 
-/// Prints `text` unchanged on stdout. Fails if it cannot be written, except when the pipe has been closed.
-pub fn data(text: &str) -> Result<()> {
+/// Prints `bytes` unchanged on stdout. Fails if they cannot be written, except when the pipe has been closed.
+pub fn data(bytes: &(impl AsRef<[u8]> + ?Sized)) -> Result<()> {
     let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    match out.write_all(bytes.as_ref()).and_then(|()| out.flush()) {
         Err(source) if source.kind() != ErrorKind::BrokenPipe => {
             Err(Error::File { file: "standard output".to_owned(), source })
         }

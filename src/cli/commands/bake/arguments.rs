@@ -6,7 +6,7 @@ use crate::cli::args::export::ExportArgs;
 use crate::cli::args::mesh::ClothArgs;
 use crate::cli::args::refine::RefineArgs;
 use crate::cli::args::run::RunArgs;
-use crate::cli::args::values::{glb_path, input_path, not_negative, positive, seconds};
+use crate::cli::args::values::{glb_path, not_negative, positive, seconds};
 use crate::cli::files::earlier_memory::EarlierMemory;
 use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -26,15 +26,14 @@ use std::sync::Arc;
   crease bake shirt.glb --wear wear.json --explain               which models would be used, and why")]
 pub struct Arguments {
     /// Garment: .obj, .gltf or .glb; - for the standard input
-    #[arg(value_parser = input_path)]
     pub mesh: PathBuf,
     /// Wear script, crease-wear/1: a file, the name of one that `crease example` lists, or - for the standard input
-    #[arg(long, value_name = "FILE|NAME", value_parser = input_path)]
+    #[arg(long, value_name = "FILE|NAME")]
     pub wear: PathBuf,
-    /// Worn garment to write; OUT.crease.json and OUT.report.json go beside it
+    /// Worn garment to write; OUT.crease.json and OUT.report.json go beside it. - is the standard output, for the garment alone
     #[arg(short, long, value_name = "OUT.glb", value_parser = glb_path, required_unless_present = "explain")]
     pub output: Option<PathBuf>,
-    /// Fabric of the garment: a name of `crease fabric list`, or a fabric file
+    /// Fabric of the garment: a name of `crease fabric list`, a fabric file, or - for the standard input
     #[arg(long, value_name = "NAME|FILE", default_value = DEFAULT_FABRIC)]
     pub fabric: String,
     #[command(flatten)]

@@ -50,6 +50,13 @@ pub struct BakeInput {
 impl BakeInput {
     /// Reads all files. The errors of all of them are reported together.
     pub fn read(arguments: &Arguments) -> Result<Self> {
+        let body = arguments.body.path().filter(|body| *body != arguments.mesh);
+        input::check_streams(&[
+            ("MESH", Some(&arguments.mesh)),
+            ("--wear", Some(&arguments.wear)),
+            ("--fabric", Some(Path::new(&arguments.fabric))),
+            ("--body", body),
+        ])?;
         let script_file = input::name_of(&arguments.wear);
         let script = worn_script(&script_file, &arguments.wear, arguments.body.is_given());
         let fabric = input::fabric(&arguments.fabric);

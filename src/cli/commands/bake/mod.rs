@@ -14,9 +14,12 @@ use crate::cli::args::export::print_checks;
 use crate::cli::commands::bake::arguments::{FramesOf, SidecarMesh};
 use crate::cli::commands::bake::input::BakeInput;
 use crate::cli::commands::bake::observer::BakeObserver;
-use crate::cli::commands::worn_job::{FrameSource, KeptFiles, SideFiles, WornJob, WornResult, outcome};
+use crate::cli::commands::worn_job::{
+    FrameSource, KeptFiles, SideFiles, WornJob, WornResult, beside_stream, outcome,
+};
 use crate::cli::files::checkpoints::CheckpointFile;
 use crate::cli::files::frame_folder::FrameFolder;
+use crate::cli::files::output::is_stream;
 use crate::cli::runtime::console;
 use crate::cli::runtime::interrupt::Interrupt;
 use crate::cli::runtime::progress::Progress;
@@ -48,11 +51,16 @@ fn bake_into(
 ) -> Result<()> {
     let side_files = SideFiles {
         apply: arguments.apply,
+        detail: Some((&arguments.refine, None)),
         export: Some(&arguments.export),
         preview: arguments.preview,
         ..SideFiles::default()
     };
     let inputs = [arguments.mesh.as_path(), arguments.wear.as_path(), Path::new(&arguments.fabric)];
+    if is_stream(output) && (arguments.explain || arguments.resume) {
+        let option = if arguments.explain { "--explain" } else { "--resume" };
+        return Err(beside_stream(option));
+    }
     let mut job = WornJob::start(&arguments.run, output, inputs, side_files)?;
     let mut input = BakeInput::read(arguments)?;
     if arguments.explain && !arguments.run.json {
@@ -70,7 +78,7 @@ fn bake_into(
 
     let interval = Duration::from_secs_f64(arguments.checkpoint_every);
     let mut checkpoints = CheckpointFile::beside(&job.files().worn, interval);
-    job.check(checkpoints.path())?;
+    checkpoints.path().map_or(Ok(()), |path| job.check(path))?;
     let method = arguments.method().name();
     let (baked, stale_frames) = match simulate(&input, arguments, progress, &mut checkpoints, interrupt)? {
         Simulated::Finished { baked, stale_frames } => (*baked, stale_frames),
@@ -171,7 +179,7 @@ fn simulate(
         bake = bake.resume(&saved.file, saved.checkpoint.clone());
     }
     let outcome = bake.run_with(&mut observer);
-    let saved = Some(observer.checkpoints.path()).filter(|path| path.exists());
+    let saved = observer.checkpoints.path().filter(|path| path.exists());
     let mut baked = match (outcome, observer.stopped.take()) {
         (Ok(baked), _) => baked,
         (Err(Error::NotConverged(_)), Some(mut work)) => {
