@@ -101,6 +101,13 @@ impl BakeInput {
         }
     }
 
+    /// Fails if the script names joints or clips that the body lacks, as a run does.
+    pub fn check_body_motion(&self) -> Result<()> {
+        let body = self.body.as_deref();
+        let errors = body.map_or(Vec::new(), |body| self.script.body_errors(&self.script_file, body));
+        if errors.is_empty() { Ok(()) } else { Err(Error::Input(errors)) }
+    }
+
     /// Returns the options of the bake.
     pub fn options(&self, arguments: &Arguments) -> BakeOptions {
         arguments.options(self.body.as_ref(), found(&self.skin))

@@ -39,7 +39,11 @@ pub fn run(arguments: Arguments) -> Result<()> {
     progress.stage("read");
     on_threads(arguments.run.threads, || match &arguments.output {
         Some(output) => bake_into(&arguments, output, &mut progress, &interrupt),
-        None => explain(&BakeInput::read(&arguments)?, &arguments, arguments.run.json),
+        None => {
+            let input = BakeInput::read(&arguments)?;
+            input.check_body_motion()?;
+            explain(&input, &arguments, arguments.run.json)
+        }
     })
 }
 
