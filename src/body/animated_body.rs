@@ -18,6 +18,8 @@ use std::sync::Arc;
 
 /// Vertices nearer to each other than this are one point [m].
 const WELD_DISTANCE: f64 = 1e-6;
+/// Distance that a vertex moves in a pose if the pose moves the body [m].
+const MIN_MOTION: f64 = 1e-4;
 /// Travel of a sequence of frames above which it is told [m].
 const MAX_FRAME_TRAVEL: f64 = 0.3;
 /// Name of the only clip of a sequence of frames.
@@ -278,7 +280,11 @@ impl AnimatedBody {
             }
             BodyMotion::Rig(rig) => {
                 let Some(own) = rig.clips.get(clip) else { return doubts };
-                if !rig.is_moved_by(own) {
+                // A clip of one pose moves the body into it.
+                let pose = || self.points(&self.clip_pose(clip, 0.0, None));
+                let is_at_rest =
+                    || pose().iter().zip(self.rest_points()).all(|(x, rest)| (x - rest).norm() < MIN_MOTION);
+                if !rig.is_moved_by(own) && is_at_rest() {
                     doubts.push("it moves nothing of the body".to_owned());
                 }
             }
