@@ -366,6 +366,48 @@ fn a_garment_far_from_the_origin_keeps_its_shape() {
     }
 }
 
+/// A glTF garment far away: by its node, it keeps its shape; by its positions, it has the shape that single precision left, and
+/// the wear is added to that without further rounding.
+#[test]
+fn a_gltf_far_from_the_origin_keeps_what_its_file_has() {
+    let far = [10_000.0f32, 20.0, -8_000.0];
+    let shape = tube(0.1, 0.5);
+    let moved: Vec<[f32; 3]> = shape.iter().map(|p| std::array::from_fn(|k| p[k] + far[k])).collect();
+    for (by_node, positions, node) in
+        [(true, &shape, json!({"translation": far})), (false, &moved, json!({}))]
+    {
+        let mut document = empty();
+        let mesh = add_tube(&mut document, positions, true);
+        let mut node = node;
+        node["mesh"] = json!(mesh);
+        add_node(&mut document, node);
+        let (asset, _) = read_with("a.glb", &document.glb(), &ReadOptions::default()).expect("is read");
+        let (garment, _) = garment_of(&asset);
+        assert_eq!(garment.points.len(), shape.len());
+        let rounding = if by_node { 1e-6 } else { 1e-3 };
+        let own = |k: usize| Vec3::from(shape[k].map(f64::from)) - Vec3::from(shape[0].map(f64::from));
+        for k in 0..shape.len() {
+            let point = |k: usize| garment.points[garment.source_point[k].at()];
+            let error = (point(k) - point(0) - own(k)).norm();
+            assert!(error < rounding, "{by_node}: {error}");
+        }
+        let up = Vec3::new(0.0, 1.234_567e-3, 0.0);
+        let worn = WornGarment {
+            displacement: vec![up; garment.points.len()],
+            memory: RestState::flat(garment.topology.hinges.len(), garment.triangles.len()),
+        };
+        let glb = write_worn_glb(&asset, &garment, &worn, &json!({"crease": {"sidecar": "a.crease.json"}}))
+            .expect("is written");
+        let (again, _) = read_with("a.glb", &glb, &ReadOptions::default()).expect("is read");
+        let shown = crease::io::gltf::read_worn(&again).expect("is worn");
+        for (k, there) in shown.positions.iter().enumerate() {
+            let before = asset.pieces[0].scene_position(k).expect("has it");
+            let error = (there - before - up).norm();
+            assert!(error < 1e-8, "{by_node}: {error}");
+        }
+    }
+}
+
 /// A sheet of 4 x 4 squares whose corners are (0.05 i, 0.01 i j, 0.05 j), compressed by meshoptimizer: positions, normals on an
 /// octahedron, triangles.
 const PACKED: [(&str, usize, usize, &str, &str); 3] = [
