@@ -58,8 +58,11 @@ pub(super) fn surfaces<'a>(
         let (points, after) = rest.split_at(piece.positions.len());
         rest = after;
         let (Some(uvs), Some(normals)) = (&piece.uvs, &piece.normals) else {
-            let lacks = if piece.uvs.is_none() { "texture coordinates" } else { "normals" };
-            notes.push(format!("{} has no {lacks} and gets no map", piece.name));
+            let (lacks, cure) = match piece.uvs {
+                None => ("texture coordinates", "unwrap the garment"),
+                Some(_) => ("normals", "export it with its normals"),
+            };
+            notes.push(format!("{} has no {lacks} and gets no map: {cure}", piece.name));
             continue;
         };
         surfaces.push(Surface::new(&worn.file, document, piece, points, uvs, normals)?);
