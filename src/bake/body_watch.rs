@@ -104,6 +104,7 @@ impl BodyWatch {
 mod tests {
     use super::*;
     use crate::GarmentFile;
+    use crate::contact::BodyIntersections;
 
     #[test]
     fn what_falls_off_ends_the_run() {
@@ -118,5 +119,32 @@ mod tests {
         // What was never on the body cannot fall off it.
         let far = [Vec3::repeat(5.0), Vec3::repeat(6.0)];
         assert_eq!(BodyWatch::new(&sheet, &far).cause_to_stop(1.0, &fallen, &far, &stats), None);
+    }
+
+    /// Many pairs of triangles that intersect for more than half a second, beyond those of the start; a moment's are no cause.
+    #[test]
+    fn a_body_that_breaks_through_ends_the_run() {
+        let sheet = GarmentFile::sheet([0.2, 0.2], [2, 2]).expect("is a sheet").garment;
+        let body = [Vec3::new(0.0, -1.0, 0.0), Vec3::new(0.2, 0.0, 0.2)];
+        let watch = BodyWatch::new(&sheet, &body);
+        assert_eq!(watch.max_pairs(), 200);
+        let cause = |pairs: &dyn Fn(f64) -> usize| {
+            let mut stats = BodyPenetrationStats::default();
+            stats.begin_with(50);
+            (0..30).map(|step| 0.1 * f64::from(step)).find_map(|time| {
+                let position = Vec3::new(0.1, 0.0, 0.2);
+                let now = BodyIntersections { open: pairs(time), self_fold: 1000, position };
+                stats.record(time, &sheet.points, &[], now, watch.max_pairs());
+                watch.cause_to_stop(time, &sheet.points, &body, &stats).map(|cause| (time, cause))
+            })
+        };
+        let (time, StopCause { reason, position }) =
+            cause(&|t| if t > 0.95 { 251 } else { 0 }).expect("breaks through");
+        assert!((1.45..1.65).contains(&time), "{time} s");
+        assert!(reason.contains("since 1.00 s the body breaks through the cloth"), "{reason}");
+        assert!(reason.contains("251 pairs") && reason.contains("--resolution"), "{reason}");
+        assert_eq!(position, Vec3::new(0.1, 0.0, 0.2));
+        assert_eq!(cause(&|_| 250), None, "as many as at the start, and no more than may be");
+        assert_eq!(cause(&|t| if (10.0 * t).round() % 5.0 == 0.0 { 250 } else { 1000 }), None, "it recovers");
     }
 }
