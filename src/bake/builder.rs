@@ -175,7 +175,7 @@ impl<'a> Bake<'a> {
         plan.decisions.extend(self.earlier.map(earlier_decision));
         if let Some(leash) = GarmentLeash::new(garment, options) {
             plan.decisions.push(leash.decision());
-            plan.decisions.extend(leash.memory_from_motion());
+            plan.decisions.extend(leash.memory_from_motion().filter(|_| is_played(script)));
         }
         plan
     }
@@ -346,4 +346,12 @@ fn earlier_decision(memory: &RestState) -> ModelDecision {
         memory.angle_changes().filter(|change| change.abs() > TUNING.findings.min_angle_change).count();
     let why = format!("{changed} of {} hinges begin with what they remember", memory.rest_angle.len());
     ModelDecision { name: "earlier memory", on: true, why }
+}
+
+/// Whether a script is nothing but clips and rests between them.
+fn is_played(script: &WearScript) -> bool {
+    let is_clip = |action: &Action| matches!(action, Action::Play(_));
+    let is_rest = |action: &Action| matches!(action, Action::Hold(_) | Action::Settle(_));
+    script.flatten().any(|action| is_clip(&action))
+        && script.flatten().all(|action| is_clip(&action) || is_rest(&action))
 }

@@ -315,13 +315,6 @@ impl AnimatedBody {
         }
     }
 
-    /// Returns the names of the named nodes.
-    pub fn joint_names(&self) -> Vec<String> {
-        let Some(rig) = self.rig() else { return Vec::new() };
-        let nodes = rig.skeleton.nodes();
-        nodes.iter().map(|node| node.name.clone()).filter(|name| !name.is_empty()).collect()
-    }
-
     /// Returns the name of a node, or its number if it has none.
     pub fn node_name(&self, node: usize) -> String {
         let name = self.rig().and_then(|rig| rig.skeleton.nodes().get(node)).map(|node| &node.name);

@@ -3,6 +3,7 @@
 use crate::body::animated_body::AnimatedBody;
 use crate::body::garment_skin::main_nodes;
 use crate::body::lookup::LookupError;
+use crate::body::rig::Rig;
 use crate::math::Vec3;
 use crate::mesh::PointIndex;
 use crate::mesh::point_in_solid::point_normals;
@@ -45,12 +46,27 @@ impl AnimatedBody {
     pub fn leave_out(&mut self, wanted: &str) -> Result<usize, LookupError> {
         let joint = self.find_joint(wanted)?;
         let Some(rig) = self.rig() else { return Err(LookupError::nothing("joint", wanted)) };
-        let identity: Vec<Option<usize>> = (0..rig.skeleton.nodes().len()).map(Some).collect();
         let is_below = |node: usize| node == joint || rig.skeleton.ancestors(node).any(|up| up == joint);
         let left_out: Vec<bool> =
-            main_nodes(rig, &identity, rig).into_iter().map(|node| node.is_some_and(is_below)).collect();
+            main_joints(rig).into_iter().map(|node| node.is_some_and(is_below)).collect();
         Ok(self.remove_triangles(|vertex| left_out.get(vertex).copied().unwrap_or(false)))
     }
+
+    /// Returns the joints that move a vertex more than every other joint does: name, or number without one, and how many vertices
+    /// each.
+    pub fn moving_joints(&self) -> Vec<(String, usize)> {
+        let Some(rig) = self.rig() else { return Vec::new() };
+        let mut counts = vec![0; rig.skeleton.nodes().len()];
+        main_joints(rig).into_iter().flatten().for_each(|node| counts[node] += 1);
+        let moving = counts.into_iter().enumerate().filter(|(_, count)| *count > 0);
+        moving.map(|(node, count)| (self.node_name(node), count)).collect()
+    }
+}
+
+/// Returns per vertex of `rig` the joint that moves it most.
+fn main_joints(rig: &Rig) -> Vec<Option<usize>> {
+    let identity: Vec<Option<usize>> = (0..rig.skeleton.nodes().len()).map(Some).collect();
+    main_nodes(rig, &identity, rig)
 }
 
 #[cfg(test)]

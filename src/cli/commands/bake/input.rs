@@ -129,7 +129,7 @@ impl BakeInput {
         }
     }
 
-    /// Describes garment and body as decisions, in front of those of the plan.
+    /// Describes garment and joints as decisions, in front of those of the plan.
     pub fn decisions(&self) -> Vec<ModelDecision> {
         let mut names: Vec<String> = Vec::new();
         for piece in self.mesh.asset.worn_pieces() {
@@ -139,7 +139,7 @@ impl BakeInput {
             }
         }
         let listed = |names: &[String]| match names.len() {
-            0 => "none".to_owned(),
+            0 => "none that moves it".to_owned(),
             1..=MAX_LISTED => names.join(", "),
             more => format!("{}, and {} more", names[..MAX_LISTED].join(", "), more - MAX_LISTED),
         };
@@ -151,13 +151,9 @@ impl BakeInput {
             listed(&names)
         );
         let mut all = vec![ModelDecision { name: "garment", on: true, why }];
-        let Some(body) = &self.body else {
-            all.push(ModelDecision { name: "body", on: false, why: "no --body".to_owned() });
-            return all;
-        };
-        let why = format!("{} points, {} triangles", body.rest_points().len(), body.triangles().len());
-        all.push(ModelDecision { name: "body", on: true, why });
-        let joints: Vec<String> = body.joint_names().iter().map(|name| format!("\"{name}\"")).collect();
+        let Some(body) = &self.body else { return all };
+        let joint = |(name, count): (String, usize)| format!("\"{name}\" ({count})");
+        let joints: Vec<String> = body.moving_joints().into_iter().map(joint).collect();
         all.push(ModelDecision { name: "joints", on: !joints.is_empty(), why: listed(&joints) });
         all.extend(self.no_leash());
         all
