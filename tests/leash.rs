@@ -166,13 +166,13 @@ fn the_lower_layer_is_a_body_to_the_upper_one() {
         out.lines().find(|line| line.starts_with("body ")).expect("is listed").to_owned()
     };
     let count = |line: &str| -> usize {
-        line.split_whitespace().nth(2).and_then(|n| n.parse().ok()).expect("a number of points")
+        line.split_whitespace().nth(3).and_then(|n| n.parse().ok()).expect("a number of points")
     };
     let skin = count(&body("shirt", " --body-node body"));
     assert_eq!(count(&body("shirt", "")), skin, "the jacket lies over it");
     assert_eq!(count(&body("jacket", "")), skin + 14 * 9, "the shirt is under it");
     let triangles = |line: &str| -> usize {
-        line.split_whitespace().nth(4).and_then(|n| n.parse().ok()).expect("a number of triangles")
+        line.split_whitespace().nth(5).and_then(|n| n.parse().ok()).expect("a number of triangles")
     };
     let (all, without) = (body("shirt", ""), body("shirt", " --body-without arm.L,jacket"));
     assert!(triangles(&without) < triangles(&all), "{all} {without}");

@@ -258,7 +258,7 @@ impl Run<'_> {
         }
         let (angle, stretch) = (self.state.angle.clone(), self.stretches());
         let start = self.frames.step_start(&self.state);
-        let step = self.advance(runner, action.begin, dt);
+        let (step, offsets) = self.advance(runner, action.begin, dt);
         self.seconds.add_step(&step);
         self.report.steps += 1;
         self.report.rejected += step.rejected as u64;
@@ -302,7 +302,7 @@ impl Run<'_> {
         if let Some(start) = start {
             let (mesh, reading) = (&self.mesh, &self.reading);
             let mut show = |x: &[Vec3]| show_frame(observer, *reading, mesh, x);
-            self.frames.show_due(&start, &self.state, &mesh.garment.triangles, &mut show)?;
+            self.frames.show_due(&start, &self.state, &mesh.garment.triangles, &offsets, &mut show)?;
         }
         Ok(next)
     }
@@ -325,17 +325,23 @@ impl Run<'_> {
     }
 
     /// Advances the cloth by one accepted step, on the body if there is one.
-    fn advance(&mut self, runner: &mut dyn ActionRunner, begin: f64, dt: f64) -> StepReport {
+    /// Makes a step; also returns, on a body, how the frames that it passes differ from those between its ends.
+    fn advance(
+        &mut self,
+        runner: &mut dyn ActionRunner,
+        begin: f64,
+        dt: f64,
+    ) -> (StepReport, Vec<Vec<Vec3>>) {
         let rest = &self.memory.effective_rest;
         match &mut self.body {
             Some(body) => {
                 let (stepper, state) = (&mut self.stepper, &mut self.state);
                 let cloth = SteppedCloth { garment: &self.mesh.garment, stepper, state, rest };
-                body.step(cloth, runner, begin, dt)
+                body.step(cloth, runner, begin, dt, &self.frames)
             }
             None => {
                 let mut loads_at_time = |time: f64, state: &State| runner.loads_at(time - begin, &state.x);
-                self.stepper.advance(&mut self.state, rest, &mut loads_at_time, dt)
+                (self.stepper.advance(&mut self.state, rest, &mut loads_at_time, dt), Vec::new())
             }
         }
     }

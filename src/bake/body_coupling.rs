@@ -5,6 +5,7 @@
 
 use crate::bake::body_penetration::BodyPenetrationStats;
 use crate::bake::body_watch::BodyWatch;
+use crate::bake::frames::FrameSchedule;
 use crate::bake::leash::{GarmentLeash, follow_leashes};
 use crate::bake::report::StopCause;
 use crate::bake::static_contact::body_contact_settings;
@@ -181,15 +182,18 @@ impl BodyCoupling {
         self.planes.clear_caches();
     }
 
-    /// Makes one accepted step of at most `dt` [s] in an action that began at `begin` [s].
+    /// Makes one accepted step of at most `dt` [s] in an action that began at `begin` [s]. Also returns, for each of the `frames` that are due in
+    /// it, the offsets of the points from their chord [m] by which the body carries them along its arc.
     pub fn step(
         &mut self,
         cloth: SteppedCloth,
         runner: &mut dyn ActionRunner,
         begin: f64,
         dt: f64,
-    ) -> StepReport {
+        frames: &FrameSchedule,
+    ) -> (StepReport, Vec<Vec<Vec3>>) {
         let SteppedCloth { garment, stepper, state, rest } = cloth;
+        let before = frames.is_wanted().then(|| StepBefore { time: state.time, x: state.x.clone() });
         let mut loads = LoadsOnBody {
             planes: &mut self.planes,
             inactive: &self.inactive,
@@ -201,8 +205,14 @@ impl BodyCoupling {
             begun: false,
             leashes_before: Vec::new(),
             end: None,
+            max_pairs: self.penetration.pairs_before_step().max(TUNING.body.max_pairs),
+            pairs: None,
         };
         let step = stepper.advance(state, rest, &mut loads, dt);
+        let offsets = before.map_or(Vec::new(), |before| {
+            let due = frames.due(before.time, state.time);
+            loads.offsets_on_arc(&before, state, &due)
+        });
         let (end, planes) = (loads.end, loads.planes);
         if let Some(end) = end {
             let moves = planes.end_step(&state.x, &end.positions, &end.planes, &end.edges);
@@ -210,7 +220,7 @@ impl BodyCoupling {
             let many = self.watch.max_pairs();
             self.penetration.record(state.time, &state.x, &end.planes, intersections, many);
         }
-        step
+        (step, offsets)
     }
 }
 
@@ -231,6 +241,42 @@ struct LoadsOnBody<'a> {
     leashes_before: Vec<Leash>,
     /// The body at the end of the last attempt at the step.
     end: Option<ContactAtEnd>,
+    /// Pairs of triangles of cloth and body that may intersect after the step.
+    max_pairs: usize,
+    /// Pairs that intersect at the positions of the last solve, where they are known.
+    pairs: Option<usize>,
+}
+
+/// The cloth at the beginning of a step.
+struct StepBefore {
+    /// Time [s].
+    time: f64,
+    /// Positions, one per point [m].
+    x: Vec<Vec3>,
+}
+
+impl LoadsOnBody<'_> {
+    /// Per fraction `due` of the step from `before` to `state`: the offsets from the chord between both by which the surface under each point
+    /// carries it [m]. A limb turns on an arc, and its chord would lead the cloth through it.
+    fn offsets_on_arc(&mut self, before: &StepBefore, state: &State, due: &[f64]) -> Vec<Vec<Vec3>> {
+        let mut carried_at = |time: f64| {
+            let posed = self.runner.loads_at(time - self.begin, &state.x).body?;
+            let carried = self.planes.carried_displacement(&before.x, &posed.points);
+            let carried = extrapolated(carried, &self.garment.topology);
+            Some(smoothed(carried, self.inactive, &self.garment.topology))
+        };
+        let Some((first, last)) =
+            carried_at(before.time).zip(carried_at(state.time)).filter(|_| !due.is_empty())
+        else {
+            return Vec::new();
+        };
+        let offset = |fraction: &f64| {
+            let now = carried_at(before.time + fraction * (state.time - before.time))?;
+            let ends = first.iter().zip(&last).map(|(a, b)| a * (1.0 - fraction) + b * *fraction);
+            Some(now.iter().zip(ends).map(|(now, ends)| now - ends).collect())
+        };
+        due.iter().map(offset).collect::<Option<_>>().unwrap_or_default()
+    }
 }
 
 impl LoadSource for LoadsOnBody<'_> {
@@ -273,10 +319,21 @@ impl LoadSource for LoadsOnBody<'_> {
     fn revised_contacts(&mut self, x: &[Vec3], loads: &Loads) -> Option<Arc<[EdgeContact]>> {
         let end = self.end.as_mut().filter(|end| Arc::ptr_eq(&end.edges, &loads.edge_contacts))?;
         let cloth = (&self.garment.triangles[..], &self.garment.topology);
+        let pairs = self.planes.open_pairs(x, cloth.0, &end.positions);
+        self.pairs = Some(pairs.len());
         let revised =
-            self.planes.revised_edge_contacts(x, cloth, &end.positions, &end.normals, &end.edges)?;
+            self.planes.revised_edge_contacts(x, cloth, &end.positions, &end.normals, &end.edges, pairs)?;
+        self.pairs = None;
         end.edges = revised.into();
         Some(end.edges.clone())
+    }
+
+    fn crosses_more(&mut self, x: &[Vec3], loads: &Loads) -> bool {
+        let end = self.end.as_ref().filter(|end| Arc::ptr_eq(&end.edges, &loads.edge_contacts));
+        end.is_some_and(|end| {
+            let count = || self.planes.open_pairs(x, &self.garment.triangles, &end.positions).len();
+            self.pairs.unwrap_or_else(count) > self.max_pairs
+        })
     }
 }
 

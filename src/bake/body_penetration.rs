@@ -93,6 +93,11 @@ impl BodyPenetrationStats {
         self.open.last
     }
 
+    /// Number of pairs before the next step, or at the start where that is larger.
+    pub(super) fn pairs_before_step(&self) -> usize {
+        self.open.last.max(self.at_start)
+    }
+
     /// Middle of those pairs [m].
     pub(super) fn open_position(&self) -> Vec3 {
         self.open_position

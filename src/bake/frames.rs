@@ -8,6 +8,9 @@ use crate::mesh::intersections::self_intersections;
 use crate::sim::State;
 use serde::{Deserialize, Serialize};
 
+/// Time after the end of a step up to which a frame is still of that step [s]: rounding.
+const END_TOL: f64 = 1e-9;
+
 /// Times of frames.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -50,27 +53,46 @@ impl FrameSchedule {
         self.is_wanted().then(|| StepStart { time: state.time, positions: state.x.clone() })
     }
 
-    /// Shows the frames that the step from `start` to `state` passed. Positions between two accepted states are interpolated;
-    /// where layers of `triangles` would cross in that, the later state is shown instead.
+    /// Fractions of the step from `start` to `end` [s] at which frames are due.
+    pub(super) fn due(&self, start: f64, end: f64) -> Vec<f64> {
+        let (mut all, mut next) = (Vec::new(), self.next);
+        if self.interval < TUNING.stepping.min_frame_interval {
+            return all;
+        }
+        while next <= end + END_TOL {
+            all.push(((next - start) / (end - start).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0));
+            next += self.interval;
+        }
+        all
+    }
+
+    /// Shows the frames that the step from `start` to `state` passed. Positions between two accepted states are interpolated, and
+    /// moved by `offsets`, one list per frame that is due, where there are some; where layers of `triangles` would cross in that, without
+    /// the offsets, and where they would cross even so, the later state is shown instead.
     pub(super) fn show_due(
         &mut self,
         start: &StepStart,
         state: &State,
         triangles: &[[PointIndex; 3]],
+        offsets: &[Vec<Vec3>],
         show: &mut ShowFrame,
     ) -> Result<()> {
-        let step = state.time - start.time;
         if self.interval < TUNING.stepping.min_frame_interval {
             return self.show(&state.x, show);
         }
-        while self.next <= state.time + 1e-9 {
-            let fraction = ((self.next - start.time) / step.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-            let between: Vec<Vec3> =
+        let crossing = |x: &[Vec3]| self_intersections(x, triangles).len();
+        for (k, fraction) in self.due(start.time, state.time).into_iter().enumerate() {
+            let chord: Vec<Vec3> =
                 start.positions.iter().zip(&state.x).map(|(a, b)| a + (b - a) * fraction).collect();
-            let crossing = |x: &[Vec3]| self_intersections(x, triangles).len();
-            let count = if fraction < 1.0 { crossing(&between) } else { 0 };
-            let crosses = count > 0 && count > crossing(&state.x);
-            self.show(if crosses { &state.x } else { &between }, show)?;
+            let carried: Option<Vec<Vec3>> = offsets
+                .get(k)
+                .map(|offsets| chord.iter().zip(offsets).map(|(x, offset)| x + offset).collect());
+            let is_sound = |x: &&Vec<Vec3>| {
+                let count = if fraction < 1.0 { crossing(x) } else { 0 };
+                count == 0 || count <= crossing(&state.x)
+            };
+            let between = carried.as_ref().filter(is_sound).or(Some(&chord).filter(is_sound));
+            self.show(between.unwrap_or(&state.x), show)?;
             self.next += self.interval;
         }
         Ok(())

@@ -154,6 +154,9 @@ pub(super) struct BodyTuning {
     pub min_reported_depth: f64,
     /// Depth inside the body beyond which a garment does not fit and is refused [m].
     pub max_fit_depth: f64,
+    /// Pairs of triangles of cloth and body that may intersect after a step, or as many as before it where those are more \[-\]; a
+    /// step with more is made in halves.
+    pub max_pairs: usize,
     /// Depth inside the body beyond which depenetration warns [m].
     pub max_usual_depth: f64,
     /// Search distance for the depth of a point inside the body [m].
@@ -361,6 +364,7 @@ impl BakeTuning {
             limb_radius: 0.04,
             min_reported_depth: 1e-3,
             max_fit_depth: 0.030,
+            max_pairs: 5,
             max_usual_depth: 0.015,
             depth_search: 0.3,
             max_deep_fraction: 0.05,

@@ -283,8 +283,8 @@ impl BodyPlanes {
     }
 
     /// Returns the contacts of the body's points and edges, where with the cloth at `x` [m], of triangles `cloth` and their `topology`, and
-    /// the body at `target` [m] with `normals` some of its triangles intersect the cloth although there were `contacts`: with those that
-    /// were missing, and from farther away where they were too weak. `None` where that changes nothing.
+    /// the body at `target` [m] with `normals` the `pairs` of [`Self::open_pairs`] intersect although there were `contacts`: with those
+    /// that were missing, and from farther away where they were too weak. `None` where that changes nothing.
     pub fn revised_edge_contacts(
         &mut self,
         x: &[Vec3],
@@ -292,12 +292,10 @@ impl BodyPlanes {
         target: &[Vec3],
         normals: &[Vec3],
         contacts: &[EdgeContact],
+        mut pairs: Vec<[u32; 2]>,
     ) -> Option<Vec<EdgeContact>> {
-        let mut pairs = intersections_between(x, cloth, target, &self.triangles);
-        // Fixed cloth has no footpoints, and no contact moves it.
+        // Cloth that has no footpoint is out of reach of the contacts of this step.
         pairs.retain(|[f, _]| cloth[*f as usize].iter().any(|p| self.is_near(p.at())));
-        let mut near_fold = self.near_self_fold(target, &pairs).into_iter();
-        pairs.retain(|_| near_fold.next() == Some(false));
         if pairs.is_empty() {
             return None;
         }
@@ -305,6 +303,14 @@ impl BodyPlanes {
         let of_step = (contacts, &self.settings);
         let is_changed = self.edges.revise(x, (cloth, topology), (body, &self.triangles), &pairs, of_step);
         is_changed.then(|| self.edge_contacts(target, normals))
+    }
+
+    /// Returns the intersecting pairs of triangles of `cloth` at `x` and of the body at `target` [m] away from where the body folds into itself.
+    pub fn open_pairs(&self, x: &[Vec3], cloth: &[[PointIndex; 3]], target: &[Vec3]) -> Vec<[u32; 2]> {
+        let mut pairs = intersections_between(x, cloth, target, &self.triangles);
+        let mut near_fold = self.near_self_fold(target, &pairs).into_iter();
+        pairs.retain(|_| near_fold.next() == Some(false));
+        pairs
     }
 
     /// Returns `target` [m] with the two sides of each self fold under cloth moved apart, so that the cloth between them fits.

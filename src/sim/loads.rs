@@ -18,6 +18,12 @@ pub trait LoadSource {
         let _ = (x, loads);
         None
     }
+
+    /// Whether at the solved positions `x` [m] of a step under `loads` far more of the cloth crosses an obstacle than at its beginning.
+    fn crosses_more(&mut self, x: &[Vec3], loads: &Loads) -> bool {
+        let _ = (x, loads);
+        false
+    }
 }
 
 impl<F: FnMut(f64, &State) -> Loads> LoadSource for F {

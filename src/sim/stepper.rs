@@ -99,6 +99,8 @@ struct AttemptResult {
     next: State,
     /// Estimated local error, root mean square over the points [m].
     error: f64,
+    /// Whether the cloth crosses an obstacle that it did not cross before, beyond what contacts found afterwards could mend.
+    crosses: bool,
     report: NewtonReport,
 }
 
@@ -147,10 +149,12 @@ impl Stepper {
         let mut total = NewtonReport::default();
         for rejected in 0.. {
             let mut loads = StageLoads { earlier: self.earlier_stage_loads(state, h, source), last };
-            let AttemptResult { next, error, report } =
+            let AttemptResult { next, error, crosses, report } =
                 self.attempt(state, rest_state, &mut loads, source, h);
             total.add(&report);
-            let is_min_dt = h <= self.options.min_dt * 1.001;
+            // A body that passes the cloth in one step finds it beyond the reach of contact: only a shorter step meets it.
+            let fraction = if crosses { TUNING.min_crossing_dt_fraction } else { 1.0 };
+            let is_min_dt = h <= fraction * self.options.min_dt * 1.001;
             let error_tol =
                 self.options.local_error_tol * self.options.relaxation.dt_scale(&loads.last).powi(2);
             let too_coarse = error > TUNING.reject_error_factor * error_tol;
@@ -159,9 +163,9 @@ impl Stepper {
             let solved = report.converged || report.newton_decrement <= nearly_tol || !converges;
             // What guides the cloth may have pushed it through a place that smaller steps lead it around.
             let overstretches = loads.last.guided && violations.stretches_farther(&state.x, &self.cloth);
-            let too_coarse = too_coarse || overstretches;
+            let too_coarse = too_coarse || overstretches || crosses;
             // Cloth that barely moves is jammed: a smaller step would not help the solver.
-            let barely_moves = error <= error_tol && !overstretches;
+            let barely_moves = error <= error_tol && !overstretches && !crosses;
             if (solved && !too_coarse) || barely_moves || is_min_dt {
                 let growth = self.dt_growth(error, error_tol, solved || barely_moves);
                 let violations = if solved {
@@ -183,7 +187,9 @@ impl Stepper {
                 };
             }
             // Trying every half on the way down to the minimum costs more than the minimum step itself.
-            h = if report.converged {
+            h = if crosses {
+                0.5 * h
+            } else if report.converged {
                 (0.5 * h).max(self.options.min_dt)
             } else {
                 self.options.min_dt.min(0.5 * h)
@@ -252,13 +258,14 @@ impl Stepper {
             let Some(contacts) = revised else { break };
             last.edge_contacts = contacts;
         }
+        let crosses = source.crosses_more(&x, last);
         let angle = self.cloth.bending.angles(&x, &state.angle);
         let v = stage.velocity(&x);
         let previous = Some(PreviousState { dt: h, x: state.x.clone(), v: state.v.clone() });
         let next = State { time: state.time + h, x, v, angle, previous };
         let attempt = StepAttempt { state, next: &next, stage_positions: stage_positions.as_deref(), h };
         let error = method.error(&attempt);
-        AttemptResult { next, error, report }
+        AttemptResult { next, error, crosses, report }
     }
 
     /// Solves one stage of a step, from `x` on. `min_diffuse_tol` [J]: see [`Problem::solve_again`].
