@@ -28,7 +28,7 @@ pub(super) fn choose_worn(
     Ok(warnings)
 }
 
-/// Returns a warning if several meshes are called `label`; the primitives of one mesh share its name, and a material is that of any
+/// Returns a warning if several meshes are called `label`; the primitives of one mesh have its name, and a material is that of any
 /// number of them.
 fn shared_name(pieces: &[NamedPiece], label: &str) -> Option<ImportDiagnostic> {
     let has_name = |(_, named): &(usize, &NamedPiece)| {
