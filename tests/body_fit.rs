@@ -31,6 +31,7 @@ fn tube_obj(name: &str, radius: f64, height: f64, centre: [f64; 3], rings: usize
 
 /// The warnings of a short bake in `folder` with `options`.
 fn warnings(folder: &Path, options: &str) -> Vec<String> {
+    let _ = std::fs::remove_file(folder.join("out/worn.report.json"));
     let line = format!("bake {options} --wear wear.json -o out/worn.glb --quiet");
     let (_, err, _) = crease_in(folder, &line);
     let report =
@@ -60,7 +61,7 @@ fn a_unit_that_differs_by_an_inch_is_told() {
     let (inch, centimetre) = (0.0254, 0.01);
     for (garment_unit, body_unit, cure) in [
         (centimetre, centimetre, None),
-        (inch, centimetre, Some("--unit in")),
+        (inch, centimetre, Some("--unit in --body-unit cm")),
         (centimetre, inch, Some("--body-unit in")),
     ] {
         write(folder, "shirt.obj", shirt(garment_unit));
@@ -70,11 +71,16 @@ fn a_unit_that_differs_by_an_inch_is_told() {
         assert_eq!(told.is_some(), cure.is_some(), "{all:?}");
         if let (Some(told), Some(cure)) = (told, cure) {
             assert!(told.contains(cure), "{told}");
+            // The cure is one; the last of an option counts.
+            let all = warnings(folder, &format!("shirt.obj --body body.obj {}", cured(cure)));
+            assert!(!all.iter().any(|text| text.contains("of the garment lie on the body")), "{all:?}");
         }
     }
-    // The cure is one.
-    let all = warnings(folder, "shirt.obj --unit cm --body body.obj --body-unit in");
-    assert!(!all.iter().any(|text| text.contains("of the garment lie on the body")), "{all:?}");
+}
+
+/// The options of a bake in centimetres with those of a `cure`.
+fn cured(cure: &str) -> String {
+    if cure.starts_with("--unit") { cure.to_owned() } else { format!("--unit cm {cure}") }
 }
 
 /// A body that the file shows beside the place of its clip: the garment was modelled on the first key.
@@ -134,6 +140,11 @@ fn a_garment_that_fits_the_first_key_begins_there() {
         !all.iter().any(|text| text.contains("depenetration") || text.contains("inside the body")),
         "{all:?}"
     );
+    // A key that takes the body away from the garment is not the one that it was modelled on.
+    write(folder, "shirt.obj", tube_obj("shirt", 0.105, 0.4, [0.02, 1.0, 0.0], 12));
+    write_body(0.9);
+    let all = warnings(folder, "shirt.obj --body body.glb");
+    assert!(!all.iter().any(|text| text.contains("begins in that key")), "{all:?}");
     // A garment that fits the pose of the file is led to the first key with its body.
     write(folder, "shirt.obj", tube_obj("shirt", 0.105, 0.4, [0.0, 1.0, 0.0], 12));
     write_body(0.02);

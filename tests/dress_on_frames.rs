@@ -5,6 +5,7 @@ use crease::bake::{Bake, BakeProgress, Observer, Quality};
 use crease::body::{AnimatedBody, BodyMotion, Sequence};
 use crease::fabric::Fabric;
 use crease::files::GarmentFile;
+use crease::garment::Garment;
 use crease::math::Vec3;
 use crease::mesh::intersections::{intersections_between, self_intersections};
 use crease::wear::WearScript;
@@ -165,6 +166,35 @@ fn walk(seconds: f64, pace: f64) -> Walked {
         baked.report.steps
     );
     walked
+}
+
+/// Frames show a run and change nothing of it: neither on a body that moves nor where the state of an action goes on from step to step.
+#[test]
+fn a_run_is_the_same_with_frames_and_without() {
+    let fabric = Fabric::preset("cotton-jersey").expect("exists");
+    let end = |garment: &Garment, body: &Arc<AnimatedBody>, actions: &str, rate: f64| {
+        let script = format!(r#"{{"format": "crease-wear/1", "actions": [{actions}]}}"#);
+        let script = WearScript::parse("", &script).expect("is a script");
+        let bake = Bake::new(garment, &fabric, &script).quality(Quality::Draft).frames_per_second(rate);
+        bake.body(body.clone()).run_with(&mut Frames::default()).expect("runs").end
+    };
+    let frames: Vec<Vec<Vec3>> = (0..10).map(|k| body(f64::from(k) / RATE, 1.0).points).collect();
+    let motion = BodyMotion::Sequence(Sequence { rate: RATE, frames });
+    let start = body(0.0, 1.0);
+    let walking = Arc::new(AnimatedBody::new("walk", "", motion, &start.points, &start.triangles));
+    let worn = dress();
+    let positions: Vec<[f64; 3]> = worn.points.iter().map(|p| [p.x, p.y, p.z]).collect();
+    let garment = GarmentFile::from_mesh("dress", &positions, &worn.triangles).expect("is a garment").garment;
+    let play = r#"{"play": {"clip": "frames"}}"#;
+    assert_eq!(end(&garment, &walking, play, 0.0), end(&garment, &walking, play, 100.0));
+
+    let corners = [[1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 0.0, 1.0], [1.0, 0.0, 1.0]].map(Vec3::from);
+    let table = AnimatedBody::new("table", "", BodyMotion::Still, &corners, &[[0, 2, 1], [0, 3, 2]]);
+    let table = Arc::new(table);
+    let sheet = GarmentFile::sheet([0.3, 0.3], [6, 6]).expect("is a sheet").garment;
+    let folds = r#"{"lay": {"facing": "up", "over": 0.2}}, {"fold": {"line": [[0.5, 0], [0.5, 1]], "side": "left", "over": 0.4}},
+        {"fold": {"line": [[0, 0.5], [1, 0.5]], "side": "upper", "over": 0.4}}, {"unfold": {"over": 0.8}}"#;
+    assert_eq!(end(&sheet, &table, folds, 0.0), end(&sheet, &table, folds, 50.0));
 }
 
 #[test]

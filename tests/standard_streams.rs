@@ -66,7 +66,7 @@ fn a_garment_goes_to_the_standard_output_alone() {
     let bake = "bake shirt.glb --garment shirt --wear wear.json -o -";
     let run = piped(folder, bake, &[]);
     assert!(
-        run.messages.contains("its sidecar, its report and its checkpoints are not written"),
+        run.messages.contains("no sidecar, report or checkpoint is written beside it"),
         "{}",
         run.messages
     );
@@ -141,6 +141,8 @@ fn what_one_stream_cannot_hold_is_refused() {
     }
     let run = piped(folder, "bake - --garment shirt --wear - -o worn.glb", &shirt);
     assert!(run.code == 1 && run.messages.contains("is named by MESH and by --wear"), "{}", run.messages);
+    let run = piped(folder, "transfer - --to - -o worn.glb", &shirt);
+    assert!(run.code == 1 && run.messages.contains("is named by SIDECAR and by --to"), "{}", run.messages);
     assert_eq!(left_in(folder), [""; 0]);
 }
 

@@ -33,6 +33,9 @@ fn report_in(folder: &Path) -> Value {
 /// Runs a line that ends with `code` and warns in the words `parts`, on standard error and in the report alike. The reason why a
 /// result is empty is the error of the run.
 fn warns(folder: &Path, line: &str, code: i32, parts: &[&str]) {
+    for name in ["out.glb", "out.report.json"] {
+        let _ = std::fs::remove_file(folder.join(name));
+    }
     let (_, error, ended) = crease_in(folder, line);
     assert_eq!(ended, code, "{error}");
     let report = report_in(folder);
@@ -183,6 +186,17 @@ fn a_transfer_of_nothing_is_told() {
     warns(folder, &transfer("black.obj", " --mask COLOR_0.r"), 3, &["nothing was transferred", "mask is 0"]);
     let (_, error, code) = crease_in(folder, &transfer("white.obj", " --mask COLOR_0.r"));
     assert!(code == 0 && !error.contains("warning"), "{error}");
+
+    // The fold has changed no length, and without memory nothing.
+    let only = transfer("white.obj", " --only bagging");
+    warns(folder, &only, 3, &["nothing was transferred", "leave out --only bagging"]);
+    let (_, error, code) = crease_in(folder, &transfer("white.obj", " --strength 0"));
+    assert_eq!(code, 0, "asked for: {error}");
+    let elastic = "bake sheet.obj --wear w.json -o unworn.glb --quality draft --memory off";
+    let (_, error, code) = crease_in(folder, elastic);
+    assert_eq!(code, 0, "{error}");
+    let unworn = "transfer unworn.crease.json --to white.obj -o out.glb";
+    warns(folder, unworn, 3, &["nothing was transferred", "the source remembers nothing"]);
 
     // The other one lies three metres away, and nobody lays it on the source.
     write(folder, "far.obj", sheet.replace("v ", "v 3"));

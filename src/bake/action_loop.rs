@@ -324,8 +324,8 @@ impl Run<'_> {
         self.frames.show(&self.state.x, &mut |x| show_frame(observer, *reading, mesh, x))
     }
 
-    /// Advances the cloth by one accepted step, on the body if there is one.
-    /// Makes a step; also returns, on a body, how the frames that it passes differ from those between its ends.
+    /// Makes one accepted step, on the body if there is one; also returns, on a body, how the frames that it passes differ from the chord
+    /// between its ends.
     fn advance(
         &mut self,
         runner: &mut dyn ActionRunner,

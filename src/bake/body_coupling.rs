@@ -205,7 +205,7 @@ impl BodyCoupling {
             begun: false,
             leashes_before: Vec::new(),
             end: None,
-            max_pairs: self.penetration.pairs_before_step().max(TUNING.body.max_pairs),
+            max_pairs: TUNING.body.max_pairs_after(self.penetration.open_pairs()),
             pairs: None,
         };
         let step = stepper.advance(state, rest, &mut loads, dt);
@@ -259,15 +259,18 @@ impl LoadsOnBody<'_> {
     /// Per fraction `due` of the step from `before` to `state`: the offsets from the chord between both by which the surface under each point
     /// carries it [m]. A limb turns on an arc, and its chord would lead the cloth through it.
     fn offsets_on_arc(&mut self, before: &StepBefore, state: &State, due: &[f64]) -> Vec<Vec<Vec3>> {
+        // Without a motion there is no arc.
+        let moves = self.end.as_ref().is_some_and(|end| self.planes.moves_to(&end.positions));
+        if due.is_empty() || !moves {
+            return Vec::new();
+        }
         let mut carried_at = |time: f64| {
             let posed = self.runner.loads_at(time - self.begin, &state.x).body?;
             let carried = self.planes.carried_displacement(&before.x, &posed.points);
             let carried = extrapolated(carried, &self.garment.topology);
             Some(smoothed(carried, self.inactive, &self.garment.topology))
         };
-        let Some((first, last)) =
-            carried_at(before.time).zip(carried_at(state.time)).filter(|_| !due.is_empty())
-        else {
+        let Some((first, last)) = carried_at(before.time).zip(carried_at(state.time)) else {
             return Vec::new();
         };
         let offset = |fraction: &f64| {

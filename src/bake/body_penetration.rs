@@ -86,16 +86,12 @@ impl BodyPenetrationStats {
     /// Sets the number of intersections with which the run begins.
     pub(super) fn begin_with(&mut self, pairs: usize) {
         self.at_start = pairs;
+        self.open.last = pairs;
     }
 
-    /// Number of pairs after the last step where the body does not touch itself.
+    /// Number of pairs after the last step, or at the start, where the body does not touch itself.
     pub(super) fn open_pairs(&self) -> usize {
         self.open.last
-    }
-
-    /// Number of pairs before the next step, or at the start where that is larger.
-    pub(super) fn pairs_before_step(&self) -> usize {
-        self.open.last.max(self.at_start)
     }
 
     /// Middle of those pairs [m].

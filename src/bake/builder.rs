@@ -1,5 +1,6 @@
 //! [`Bake`]: the front door of the library.
 
+use crate::bake::body_start::body_at_first_key;
 use crate::bake::checkpoint::Checkpoint;
 use crate::bake::findings::add_findings;
 use crate::bake::lay_first::mesh_for;
@@ -180,30 +181,13 @@ impl<'a> Bake<'a> {
         plan
     }
 
-    /// The options with the body in the pose that the garment was modelled on: of a garment without a skin, the first key of the clip
-    /// that the script plays first where it fits that one and not the pose of the file.
+    /// The options with the body in the pose that a garment without a skin was modelled on.
     fn options_on_body(&self) -> BakeOptions {
         let mut options = self.options.clone();
-        let (Some(body), None) = (&options.body, &options.skin) else { return options };
-        let play = self.script.flatten().find_map(|action| match action.as_ref() {
-            Action::Play(play) => Some(play.clip.clone()),
-            _ => None,
-        });
-        let Some((name, Ok(clip))) = play.map(|name| (name.clone(), body.find_clip(&name))) else {
-            return options;
-        };
-        let Some([at_rest, at_first]) = body.fits_first_key(&self.garment.points, clip) else {
-            return options;
-        };
-        let mut started = body.starting_at(clip);
-        started.add_note(format!(
-            "{}: {:.0} % of the garment lie inside the pose of the file and {:.0} % inside the first key of the clip \"{name}\": the \
-             wear begins in that key",
-            body.file,
-            100.0 * at_rest,
-            100.0 * at_first
-        ));
-        options.body = Some(Arc::new(started));
+        let body = options.body.as_deref().filter(|_| options.skin.is_none());
+        if let Some(started) = body.and_then(|body| body_at_first_key(body, self.garment, self.script)) {
+            options.body = Some(Arc::new(started));
+        }
         options
     }
 

@@ -22,6 +22,7 @@ mod active_region;
 mod body_coupling;
 mod body_creases;
 mod body_penetration;
+mod body_start;
 mod body_watch;
 mod builder;
 mod carried;
@@ -53,6 +54,7 @@ mod uncross;
 mod violation_log;
 
 pub use active_region::active_points;
+pub use body_start::body_at_first_key;
 pub use builder::Bake;
 pub use carried::{mesh_along_creases, relax_carried};
 pub use checkpoint::{Checkpoint, fingerprint};

@@ -154,8 +154,8 @@ pub(super) struct BodyTuning {
     pub min_reported_depth: f64,
     /// Depth inside the body beyond which a garment does not fit and is refused [m].
     pub max_fit_depth: f64,
-    /// Pairs of triangles of cloth and body that may intersect after a step, or as many as before it where those are more \[-\]; a
-    /// step with more is made in halves.
+    /// Pairs of triangles of cloth and body that may intersect after a step where none did before \[-\]; a step with more is made in
+    /// halves ([`BodyTuning::max_pairs_after`]).
     pub max_pairs: usize,
     /// Depth inside the body beyond which depenetration warns [m].
     pub max_usual_depth: f64,
@@ -175,6 +175,13 @@ pub(super) struct BodyTuning {
     /// Stiffness of the tether to the positions of the file during depenetration over that of contact [-], default 1e-4: it
     /// yields to contact and keeps the rest of the garment in place.
     pub dressing_tether: f64,
+}
+
+impl BodyTuning {
+    /// Returns how many pairs may intersect after a step before which `before` did: a quarter more, as contact wavers.
+    pub fn max_pairs_after(&self, before: usize) -> usize {
+        self.max_pairs.max(before) + before / 4
+    }
 }
 
 /// The leash of a garment that is skinned in its file.

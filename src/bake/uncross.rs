@@ -29,7 +29,7 @@ pub(super) struct GarmentReading<'a> {
     body: Option<BodyBeside<'a>>,
 }
 
-/// A body in the pose of its file.
+/// A body in the pose that it starts in.
 struct BodyBeside<'a> {
     body: &'a AnimatedBody,
     /// Pairs of a triangle of the garment and one of the body that cross in the source pose.

@@ -160,7 +160,7 @@ impl AnimatedBody {
     }
 
     /// Returns the body that starts in `pose`.
-    pub(super) fn with_start(&self, pose: BodyPose) -> Self {
+    pub fn starting_in(&self, pose: BodyPose) -> Self {
         Self { start: self.points(&pose), start_pose: Some(pose), ..self.clone() }
     }
 

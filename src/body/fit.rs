@@ -1,6 +1,6 @@
 //! How a garment lies on a body: which of its points are near the outer side, and which are inside.
 
-use crate::body::animated_body::AnimatedBody;
+use crate::body::animated_body::{AnimatedBody, BodyPose};
 use crate::math::Vec3;
 use crate::mesh::point_in_solid::Solid;
 use crate::mesh::triangle_bvh::TriangleBvh;
@@ -19,45 +19,48 @@ const MIN_INSIDE: f64 = 0.02;
 const MAX_STILL_INSIDE: f64 = 0.25;
 
 impl AnimatedBody {
-    /// Returns the fraction of `garment` \[m\] that lies on the body in the pose of the file, if the body is `scale` times as large:
+    /// Returns the fraction of `garment` \[m\] that lies on the body in the pose that it starts in, if the body is `scale` times as large:
     /// near its surface and not inside.
     pub fn worn_fraction(&self, garment: &[Vec3], scale: f64) -> f64 {
         let points: Vec<Vec3> = self.rest_points().iter().map(|p| p * scale).collect();
-        let samples = samples(garment);
-        let corners =
-            samples.iter().map(|p| (*p, *p)).reduce(|(low, high), (p, _)| (low.inf(&p), high.sup(&p)));
-        let Some((low, high)) = corners else { return 0.0 };
-        let near = NEAR_FRACTION * (high - low).max();
-        let bvh = TriangleBvh::new(&points, self.triangles(), 0.0);
-        let depths = Solid::new(&points, self.triangles()).depths(&samples, MAX_DEPTH);
-        let is_worn =
-            |(p, depth): &(&Vec3, &f64)| **depth < MIN_DEPTH && bvh.nearest(&points, **p, near).is_some();
-        samples.iter().zip(&depths).filter(is_worn).count() as f64 / samples.len() as f64
+        self.fit(&points, &samples(garment)).worn
     }
 
-    /// Returns the fractions of `garment` \[m\] inside the pose of the file and inside the first key of `clip`, if it fits that one and
-    /// not the former: the garment was modelled on the first key then.
-    pub fn fits_first_key(&self, garment: &[Vec3], clip: usize) -> Option<[f64; 2]> {
-        let root = self.root_motion(clip);
-        let first = self.points(&self.clip_pose(clip, 0.0, root.as_ref()));
+    /// Returns the fractions of `garment` \[m\] inside the pose that the body starts in and inside `pose`, if it fits `pose` and not the
+    /// former: hardly any of it lies inside, and at least as much near the surface.
+    pub fn fits_better_in(&self, garment: &[Vec3], pose: &BodyPose) -> Option<[f64; 2]> {
         let samples = samples(garment);
-        let inside = |points: &[Vec3]| {
-            let depths = Solid::new(points, self.triangles()).depths(&samples, MAX_DEPTH);
-            depths.iter().filter(|depth| **depth > MIN_DEPTH).count() as f64 / samples.len().max(1) as f64
-        };
-        let at_rest = inside(self.rest_points());
-        if at_rest < MIN_INSIDE {
+        let start = self.fit(self.rest_points(), &samples);
+        if start.inside < MIN_INSIDE {
             return None;
         }
-        let at_first = inside(&first);
-        (at_first <= MAX_STILL_INSIDE * at_rest).then_some([at_rest, at_first])
+        let other = self.fit(&self.points(pose), &samples);
+        let fits = other.inside <= MAX_STILL_INSIDE * start.inside && other.worn >= start.worn;
+        fits.then_some([start.inside, other.inside])
     }
 
-    /// Returns the body that starts in the first key of `clip` instead of the pose of its file.
-    pub fn starting_at(&self, clip: usize) -> Self {
-        let root = self.root_motion(clip);
-        self.with_start(self.clip_pose(clip, 0.0, root.as_ref()))
+    /// How `samples` of a garment lie on the body with its points at `points` [m].
+    fn fit(&self, points: &[Vec3], samples: &[Vec3]) -> Fit {
+        let corners =
+            samples.iter().map(|p| (*p, *p)).reduce(|(low, high), (p, _)| (low.inf(&p), high.sup(&p)));
+        let Some((low, high)) = corners else { return Fit { inside: 0.0, worn: 0.0 } };
+        let near = NEAR_FRACTION * (high - low).max();
+        let bvh = TriangleBvh::new(points, self.triangles(), 0.0);
+        let depths = Solid::new(points, self.triangles()).depths(samples, MAX_DEPTH);
+        let is_near = |p: &Vec3| bvh.nearest(points, *p, near).is_some();
+        let inside = depths.iter().filter(|depth| **depth >= MIN_DEPTH).count();
+        let worn = samples.iter().zip(&depths).filter(|(p, depth)| **depth < MIN_DEPTH && is_near(p)).count();
+        let fraction = |count: usize| count as f64 / samples.len() as f64;
+        Fit { inside: fraction(inside), worn: fraction(worn) }
     }
+}
+
+/// How a garment lies on a body.
+struct Fit {
+    /// Fraction of its points inside [-].
+    inside: f64,
+    /// Fraction of its points near the surface and not inside [-].
+    worn: f64,
 }
 
 /// Returns some of `points`, evenly spread over the list.

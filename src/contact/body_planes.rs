@@ -379,6 +379,11 @@ impl BodyPlanes {
         BodyIntersections { open, self_fold: pairs.len() - open, position: sum / open.max(1) as f64 }
     }
 
+    /// Returns whether the body moves in a step that ends with it at `target` [m].
+    pub fn moves_to(&self, target: &[Vec3]) -> bool {
+        target.len() == self.positions.len() && target != self.positions
+    }
+
     /// Accepts the step with the cloth at `x` and the body at `target` [m]; `planes` and `edges` were the contacts of the step. Returns whether
     /// the body has moved in it.
     pub fn end_step(
@@ -394,7 +399,7 @@ impl BodyPlanes {
             let ratio = c.stretch_at(&x[c.point as usize]) / c.slip_tol;
             self.stretch_ratios[c.point as usize] = ratio / ratio.norm().max(1.0);
         }
-        let moved = target.len() == self.positions.len() && target != self.positions;
+        let moved = self.moves_to(target);
         if moved {
             self.positions.copy_from_slice(target);
             self.normals = point_normals(target, &self.triangles);

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::fabric::Fabric;
-use crate::files::read::{file_name, read_bytes, write_bytes};
+use crate::files::read::{STANDARD_STREAM, file_name, read_bytes, write_bytes};
 use crate::garment::{Garment, ImportDiagnostic, Severity, SourceAsset, WornGarment, content_warnings};
 use crate::io::gltf::{embed_images, write_worn_glb};
 use crate::io::{ReadOptions, Sidecar, read_asset};
@@ -199,5 +199,8 @@ fn read_beside(mesh: &Path, name: &str) -> Result<Vec<u8>> {
         let message = "is a network address, which is not supported";
         return Err(Error::input(file_name(mesh), name, message, "export the mesh as .glb"));
     }
-    read_bytes(&mesh.parent().unwrap_or(Path::new("")).join(name))
+    let path = mesh.parent().unwrap_or(Path::new("")).join(name);
+    // A file of that name, not the standard input.
+    let path = if path == Path::new(STANDARD_STREAM) { Path::new(".").join(path) } else { path };
+    read_bytes(&path)
 }

@@ -41,11 +41,13 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>> {
 /// Returns all bytes of the standard input.
 fn standard_input() -> std::io::Result<Vec<u8>> {
     static CONTENT: OnceLock<Vec<u8>> = OnceLock::new();
+    // The lock is held for all of it: a second reader waits for the content.
+    let mut input = std::io::stdin().lock();
     if let Some(bytes) = CONTENT.get() {
         return Ok(bytes.clone());
     }
     let mut bytes = Vec::new();
-    std::io::stdin().lock().read_to_end(&mut bytes)?;
+    input.read_to_end(&mut bytes)?;
     Ok(CONTENT.get_or_init(|| bytes).clone())
 }
 

@@ -28,11 +28,11 @@ pub(super) fn choose_worn(
     Ok(warnings)
 }
 
-/// Returns a warning if several meshes are called `label`; the primitives of one mesh have its name, and a material is that of any
+/// Returns a warning if several meshes are called `label` themselves; a group has any number of them, the primitives of one mesh have its name, and a material is that of any
 /// number of them.
 fn shared_name(pieces: &[NamedPiece], label: &str) -> Option<ImportDiagnostic> {
     let has_name = |(_, named): &(usize, &NamedPiece)| {
-        named.names.iter().any(|name| name == label) && named.piece.material.as_deref() != Some(label)
+        named.piece.name == label && named.piece.material.as_deref() != Some(label)
     };
     let found: Vec<(usize, &NamedPiece)> = pieces.iter().enumerate().filter(has_name).collect();
     let mut meshes: Vec<usize> = found.iter().map(|(_, named)| named.piece.mesh).collect();
@@ -53,7 +53,7 @@ fn shared_name(pieces: &[NamedPiece], label: &str) -> Option<ImportDiagnostic> {
         severity: Severity::Warning,
         location: String::new(),
         message: format!(
-            "{} meshes are called \"{label}\" and are worn together: {}{more}; each alone is chosen by its number",
+            "{} meshes are called \"{label}\" and are taken together: {}{more}; each alone is chosen by its number",
             meshes.len(),
             listed.join(", ")
         ),

@@ -64,7 +64,7 @@ fn unit_of_body(unit_m: f64, ratio: f64) -> Option<&'static str> {
     possible.min_by(|a, b| distance(a.1).total_cmp(&distance(b.1))).map(|(name, _)| *name)
 }
 
-/// Returns the option that states another unit, with which far more of a garment would lie on its body, with the fractions without and
+/// Returns the options that state another unit, with which far more of a garment would lie on its body, with the fractions without and
 /// with it. `units_m` are those in which garment and body were read [m].
 fn unit_that_fits(units_m: [f64; 2], worn_fraction: impl Fn(f64) -> f64) -> Option<(String, f64, f64)> {
     let own = worn_fraction(1.0);
@@ -73,7 +73,11 @@ fn unit_that_fits(units_m: [f64; 2], worn_fraction: impl Fn(f64) -> f64) -> Opti
     }
     let [garment, body] = units_m;
     let of_body = UNITS.iter().map(|(name, unit)| (format!("--body-unit {name}"), unit / body));
-    let of_garment = UNITS.iter().map(|(name, unit)| (format!("--unit {name}"), garment / unit));
+    // The unit of the garment is that of the body where the body has none of its own.
+    let own_name =
+        UNITS.iter().find(|(_, unit)| *unit == body).map_or(format!("{body}"), |(name, _)| name.to_string());
+    let of_garment =
+        UNITS.iter().map(|(name, unit)| (format!("--unit {name} --body-unit {own_name}"), garment / unit));
     let is_other = |(_, scale): &(String, f64)| scale.ln().abs() > TUNING.min_unit_ratio.ln();
     let (option, fitting) = of_body
         .chain(of_garment)
@@ -177,7 +181,7 @@ mod tests {
         // Boxes alone cannot tell inches from centimetres: a short garment on a person looks the same.
         let fits_at =
             |fitting: f64| move |scale: f64| if (scale / fitting - 1.0).abs() < 0.01 { 0.8 } else { 0.0 };
-        for (fitting, option) in [(2.54, "--body-unit in"), (1.0 / 2.54, "--unit in")] {
+        for (fitting, option) in [(2.54, "--body-unit in"), (1.0 / 2.54, "--unit in --body-unit cm")] {
             let message =
                 compare_body_size(shirt, person, [0.01; 2], fits_at(fitting)).expect("another unit");
             assert!(message.contains(option), "{message}");

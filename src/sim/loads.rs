@@ -19,7 +19,7 @@ pub trait LoadSource {
         None
     }
 
-    /// Whether at the solved positions `x` [m] of a step under `loads` far more of the cloth crosses an obstacle than at its beginning.
+    /// Whether at the solved positions `x` [m] of a step under `loads` more of the cloth crosses an obstacle than a step may add.
     fn crosses_more(&mut self, x: &[Vec3], loads: &Loads) -> bool {
         let _ = (x, loads);
         false

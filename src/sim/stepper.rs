@@ -23,7 +23,7 @@ pub struct StepOptions {
     pub newton: NewtonOptions,
     /// Tolerance of the local error of one step, root mean square over the points [m].
     pub local_error_tol: f64,
-    /// Minimum time step [s]; a step of this length is accepted with any error.
+    /// Minimum time step [s]; a step of this length is accepted with any error, unless the cloth crosses an obstacle in it.
     pub min_dt: f64,
     /// Maximum time step [s].
     pub max_dt: f64,
@@ -148,7 +148,12 @@ impl Stepper {
         }
         let mut total = NewtonReport::default();
         for rejected in 0.. {
-            let mut loads = StageLoads { earlier: self.earlier_stage_loads(state, h, source), last };
+            let earlier = self.earlier_stage_loads(state, h, source);
+            // The source knows contacts of the loads that it gave last.
+            if !earlier.is_empty() {
+                last = source.loads_at(state.time + h, state);
+            }
+            let mut loads = StageLoads { earlier, last };
             let AttemptResult { next, error, crosses, report } =
                 self.attempt(state, rest_state, &mut loads, source, h);
             total.add(&report);

@@ -56,7 +56,7 @@ pub(super) fn transfer_along_creases(
         && source.surface.is_same_mesh(target)
         && matches!(options.match_by, MatchBy::Auto | MatchBy::Same)
     {
-        return Ok(unchanged(source, target, &aligned_to));
+        return Ok(unchanged(source, target, &aligned_to, options));
     }
     let mut sum = MemoryDelta::zero(target);
     let mut confidence = vec![0.0; target.triangles.len()];
@@ -162,6 +162,7 @@ fn unchanged(
     source: &TransferSource,
     target: &GarmentSurface,
     aligned_to: &AlignmentTarget,
+    options: &TransferOptions,
 ) -> TransferResult {
     let confidence = vec![1.0; target.triangles.len()];
     TransferResult {
@@ -172,6 +173,6 @@ fn unchanged(
         on_mesh: None,
         unchanged: true,
         warnings: Vec::new(),
-        empty_reason: None,
+        empty_reason: empty_reason(std::slice::from_ref(source), &source.memory, options),
     }
 }

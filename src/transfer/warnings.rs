@@ -1,7 +1,7 @@
 //! Doubts about a transfer: low confidence, lost creases, texture coordinates used twice, nothing transferred.
 
 use crate::garment::RestState;
-use crate::transfer::options::{AlignedBy, SourceOutcome, TransferOptions, TransferSource};
+use crate::transfer::options::{AlignedBy, Channels, SourceOutcome, TransferOptions, TransferSource};
 use crate::transfer::tuning::TUNING;
 
 /// Returns the warnings on a transfer of `sources` with `outcomes` and the mean `confidence`.
@@ -42,27 +42,38 @@ pub(super) fn transfer_warnings(
     warnings
 }
 
-/// Returns the reason why nothing was transferred, if the sources have memory and `memory` has none.
+/// Returns the reason why nothing was transferred, if `memory` is none: that of a target with no earlier memory.
 pub(super) fn empty_reason(
     sources: &[TransferSource],
     memory: &RestState,
     options: &TransferOptions,
 ) -> Option<String> {
-    let worn = sources.iter().any(|source| has_changes(&source.memory));
-    if !worn || has_changes(memory) || options.strength == 0.0 {
+    let has_creases = sources.iter().any(|source| has_creases(&source.memory));
+    let has_bagging = sources.iter().any(|source| has_bagging(&source.memory));
+    let is_empty = !self::has_creases(memory) && !self::has_bagging(memory);
+    if !is_empty || options.strength == 0.0 {
         return None;
     }
-    let cure = match options.mask.iter().all(|m| *m == 0.0) {
-        true => "the mask is 0 everywhere",
-        false => {
-            "no worn cloth of the source belongs to cloth of the target: choose --align or --match, or mark --landmarks"
-        }
+    let Channels { creases, bagging } = options.channels;
+    let cure = if !(has_creases || has_bagging) {
+        "the source remembers nothing: wear it first"
+    } else if options.mask.iter().all(|m| *m == 0.0) {
+        "the mask is 0 everywhere"
+    } else if !creases && !has_bagging {
+        "no rest length of the source has changed: leave out --only bagging, or wear it in a fabric that bags"
+    } else if !bagging && !has_creases {
+        "no rest angle of the source has changed: leave out --only creases"
+    } else {
+        "no worn cloth of the source belongs to cloth of the target: choose --align or --match, or mark --landmarks"
     };
     Some(format!("nothing was transferred: {cure}"))
 }
 
-fn has_changes(memory: &RestState) -> bool {
-    let mut stretches = memory.rest_stretch_warp.iter().chain(&memory.rest_stretch_weft);
+fn has_creases(memory: &RestState) -> bool {
     memory.angle_changes().any(|change| change.abs() > TUNING.min_change)
-        || stretches.any(|stretch| (stretch - 1.0).abs() > TUNING.min_change)
+}
+
+fn has_bagging(memory: &RestState) -> bool {
+    let mut stretches = memory.rest_stretch_warp.iter().chain(&memory.rest_stretch_weft);
+    stretches.any(|stretch| (stretch - 1.0).abs() > TUNING.min_change)
 }

@@ -4,7 +4,7 @@
 use crate::cli::args::mesh::up_axis;
 use crate::cli::args::values::{Metres, positive, unit};
 use crate::cli::files::frame_sequence::read_frames;
-use crate::cli::files::input::name_of;
+use crate::cli::files::input::{self, name_of};
 use clap::Args;
 use crease::body::{AnimatedBody, BodyMotion, GarmentSkin};
 use crease::files::{GarmentFile, read_asset_file};
@@ -68,7 +68,8 @@ impl BodyArgs {
         let Some(body) = &self.body else { return Ok(None) };
         let same =
             body == path || matches!((body.canonicalize(), path.canonicalize()), (Ok(a), Ok(b)) if a == b);
-        let reading = self.body_options(body, options, mesh.asset.format);
+        let is_gltf = !body.is_dir() && input::is_gltf(body)?;
+        let reading = self.body_options(is_gltf, options, mesh.asset.format);
         let mut body = if body.is_dir() {
             self.read_frames_of(body, options, mesh.asset.format)?
         } else if same {
@@ -127,11 +128,9 @@ impl BodyArgs {
         }
     }
 
-    /// Options to read the body file `body` with, where `garment` are those of the garment file. A glTF beside an OBJ is in
+    /// Options to read the body file with, where `garment` are those of the garment file. A glTF beside an OBJ is in
     /// metres, y up; other files are taken to come from where the garment does.
-    fn body_options(&self, body: &Path, garment: &ReadOptions, format: SourceFormat) -> ReadOptions {
-        let is_gltf =
-            body.extension().is_some_and(|e| ["glb", "gltf"].iter().any(|own| e.eq_ignore_ascii_case(own)));
+    fn body_options(&self, is_gltf: bool, garment: &ReadOptions, format: SourceFormat) -> ReadOptions {
         let is_like_garment = !is_gltf || format == SourceFormat::Gltf;
         let of_garment = garment.clone();
         let (unit_m, up) = if is_like_garment { (of_garment.unit_m, of_garment.up) } else { (None, None) };
@@ -252,7 +251,7 @@ impl BodyArgs {
             let message = "a folder of frames has no rate of its own";
             return Err(Error::input(name_of(folder), "", message, "give it with --body-fps"));
         };
-        let frames = read_frames(folder, &self.body_options(Path::new("frame.obj"), options, format))?;
+        let frames = read_frames(folder, &self.body_options(false, options, format))?;
         AnimatedBody::from_frames(&frames, rate)
     }
 }

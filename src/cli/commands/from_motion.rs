@@ -25,7 +25,7 @@ use crease::report::{Report, crossing_counts};
 use crease::{Error, Result};
 use serde_json::{Value, json};
 use std::collections::HashMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 #[derive(Debug, clap::Args)]
@@ -78,6 +78,11 @@ pub fn run(arguments: Arguments) -> Result<()> {
 fn remember(arguments: &Arguments) -> Result<()> {
     let inputs = [Some(arguments.motion.as_path()), arguments.mesh.as_deref()].into_iter().flatten();
     let side_files = SideFiles { apply: arguments.apply, ..SideFiles::default() };
+    input::check_streams(&[
+        ("MOTION", Some(&arguments.motion)),
+        ("--mesh", arguments.mesh.as_deref()),
+        ("--fabric", Some(Path::new(&arguments.fabric))),
+    ])?;
     let mut job = WornJob::start(&arguments.run, &arguments.output, inputs, side_files)?;
     let fabric = input::fabric(&arguments.fabric)?;
     let mut motion = if arguments.motion.is_dir() {

@@ -26,7 +26,7 @@ use crease::transfer::{
     Align, Channels, GarmentSurface, MatchBy, PointPair, Transfer, TransferResult, TransferSource,
 };
 use serde_json::{Value, json};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 #[derive(Debug, clap::Args)]
@@ -172,6 +172,13 @@ fn transfer(arguments: &Arguments) -> Result<()> {
     };
     let sidecars = arguments.sidecars.iter().map(PathBuf::as_path);
     let inputs = sidecars.chain([arguments.to.as_path()]).chain(arguments.landmarks.as_deref());
+    let named = arguments.sidecars.iter().map(|path| ("SIDECAR", Some(path.as_path())));
+    let others = [
+        ("--to", Some(arguments.to.as_path())),
+        ("--landmarks", arguments.landmarks.as_deref()),
+        ("--fabric", arguments.fabric.as_deref().map(Path::new)),
+    ];
+    input::check_streams(&named.chain(others).collect::<Vec<_>>())?;
     let mut job = WornJob::start(&arguments.run, &arguments.output, inputs, side_files)?;
     let mut input = TransferInput::read(arguments)?;
     job.accept_mesh(&mut input.mesh, &arguments.to, input.refinement.as_ref())?;

@@ -3,7 +3,7 @@
 use crate::cli::args::color_by::ColorByArg;
 use crate::cli::args::values::html_path;
 use crate::cli::files::input;
-use crate::cli::files::output::Outputs;
+use crate::cli::files::output::{self, Outputs};
 use crate::cli::files::view_file::ViewFile;
 use crate::cli::runtime::console;
 use crease::files::{GarmentFile, embed_asset_images, read_asset_file};
@@ -60,7 +60,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let page = viewer_page(&items, arguments.show.into(), &names);
     outputs.add(&arguments.output, page.as_bytes())?;
     outputs.commit()?;
-    console::message(&format!("{}: {:.1} MB", input::name_of(&arguments.output), page.len() as f64 / 1e6));
+    console::message(&format!("{}: {:.1} MB", output::name_of(&arguments.output), page.len() as f64 / 1e6));
     Ok(())
 }
 

@@ -163,7 +163,8 @@ impl WornJob {
         if side_files.preview {
             outputs.check(&files.preview())?;
         }
-        let left_out = "its sidecar, its report and its checkpoints are not written: the garment goes to the standard output";
+        let left_out =
+            "the garment goes to the standard output: no sidecar, report or checkpoint is written beside it";
         let warnings = if is_stream(output) { vec![left_out.to_owned()] } else { Vec::new() };
         Ok(Self { run: run.clone(), files, outputs, started, read_s: 0.0, warnings, printed: Vec::new() })
     }
@@ -243,7 +244,7 @@ impl WornJob {
     /// Writes the report of a run that ended before its script and made no garment, with the files that it `kept`; prints its
     /// warnings. Returns the error that the command ends with.
     pub fn write_stopped(mut self, mut report: Report, kept: KeptFiles) -> Result<Error> {
-        let name = |path: &PathBuf| input::name_of(path);
+        let name = |path: &PathBuf| output::name_of(path);
         let stopped = report.stopped.get_or_insert_default();
         stopped.checkpoint = kept.checkpoint.as_ref().map(name);
         stopped.last_frame = kept.last_frame.as_ref().map(name);
@@ -290,12 +291,12 @@ impl WornJob {
             written.detail_maps = detailed.reports;
             warnings.extend(detailed.notes);
         }
-        outputs.add(&files.worn, &side_files.apply.applied(&input::name_of(&files.worn), glb)?)?;
+        outputs.add(&files.worn, &side_files.apply.applied(&output::name_of(&files.worn), glb)?)?;
         if let Some(path) = &files.sidecar {
             outputs.add(path, &write_sidecar(sidecar))?;
         }
         if side_files.preview {
-            let view = GarmentView::of_sidecar(&input::name_of(&files.worn), sidecar);
+            let view = GarmentView::of_sidecar(&output::name_of(&files.worn), sidecar);
             let picture = view.draw_before_after(ColorBy::Shape, &Camera::default(), PREVIEW_SIZE)?;
             outputs.add(&files.preview(), &encode_png(&picture)?)?;
         }

@@ -26,6 +26,20 @@ pub fn fabric(name: &str) -> Result<Fabric> {
     }
 }
 
+/// Returns whether `path` is a glTF: by its name, or of the standard input by its content.
+///
+/// # Errors
+/// A standard input that cannot be read.
+pub fn is_gltf(path: &Path) -> Result<bool> {
+    if path == Path::new(STANDARD_STREAM) {
+        let bytes = bytes(path)?;
+        let first = bytes.iter().find(|byte| !byte.is_ascii_whitespace());
+        let is_sidecar = || bytes.windows(15).any(|part| part == b"crease-sidecar/");
+        return Ok(bytes.starts_with(b"glTF") || (first == Some(&b'{') && !is_sidecar()));
+    }
+    Ok(path.extension().is_some_and(|e| ["glb", "gltf"].iter().any(|own| e.eq_ignore_ascii_case(own))))
+}
+
 /// Checks that at most one of `options`, each with the path that it names, is the standard input.
 ///
 /// # Errors

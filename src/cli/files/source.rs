@@ -1,6 +1,6 @@
 //! Sources of a transfer: sidecars by path, or by the worn glTF that names one, and what is said of them in report and sidecar.
 
-use crate::cli::files::input::{self, STANDARD_STREAM};
+use crate::cli::files::input;
 use crease::bake::{RelaxResult, relax_carried};
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
 use crease::files::read_asset_file;
@@ -15,19 +15,11 @@ use std::path::{Path, PathBuf};
 
 /// Reads a sidecar, or the one that a worn glTF names.
 pub fn read_source(path: &Path) -> Result<(TransferSource, Sidecar)> {
-    let named = if is_gltf(path)? { Some(sidecar_of(path)?) } else { None };
+    let named = if input::is_gltf(path)? { Some(sidecar_of(path)?) } else { None };
     let path = named.as_deref().unwrap_or(path);
     let file = input::name_of(path);
     let sidecar = read_sidecar(&file, &input::bytes(path)?)?;
     Ok((TransferSource::from_sidecar(&file, &sidecar)?, sidecar))
-}
-
-/// Whether `path` is a glTF, by its name, or of the standard input by its content.
-fn is_gltf(path: &Path) -> Result<bool> {
-    Ok(match path.extension() {
-        Some(extension) => ["glb", "gltf"].iter().any(|own| extension.eq_ignore_ascii_case(own)),
-        None => path == Path::new(STANDARD_STREAM) && input::bytes(path)?.starts_with(b"glTF"),
-    })
 }
 
 /// Returns the sidecar that the worn glTF `path` names.

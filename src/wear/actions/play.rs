@@ -73,6 +73,12 @@ impl Play {
         Ok(PlayedClip { body: body.clone(), clip, length, root, jumps })
     }
 
+    /// Returns the first pose of the clip on `body`; `None` without such a clip.
+    pub fn first_pose(&self, body: &AnimatedBody) -> Option<BodyPose> {
+        let clip = body.find_clip(&self.clip).ok()?;
+        Some(body.clip_pose(clip, 0.0, self.removed_root_motion(body, clip).as_ref()))
+    }
+
     /// Duration on `body` [s], without transitions to its first pose.
     pub fn duration_on(&self, body: &AnimatedBody) -> f64 {
         let Ok(clip) = body.find_clip(&self.clip) else { return 0.0 };

@@ -7,7 +7,7 @@ use crate::cli::files::earlier_memory::EarlierMemory;
 use crate::cli::files::frame_folder::FrameFolder;
 use crate::cli::files::input;
 use crate::cli::files::wear::read_script;
-use crease::bake::{Bake, BakeOptions, ModelDecision, ModelPlan, active_points};
+use crease::bake::{Bake, BakeOptions, ModelDecision, ModelPlan, active_points, body_at_first_key};
 use crease::body::{AnimatedBody, GarmentSkin};
 use crease::fabric::Fabric;
 use crease::files::GarmentFile;
@@ -64,11 +64,16 @@ impl BakeInput {
         let mesh = GarmentFile::load(&arguments.mesh, &reading);
         match (script, fabric, mesh) {
             (Ok(script), Ok(fabric), Ok(mut mesh)) => {
-                let body = arguments.body.read(&arguments.mesh, &reading, &mesh)?;
+                let mut body = arguments.body.read(&arguments.mesh, &reading, &mesh)?;
                 let skin = match &body {
                     Some(body) => Some(arguments.body.read_skin(&arguments.mesh, &reading, &mesh, body)?),
                     None => None,
                 };
+                let is_free = found(&skin).is_none();
+                let read = body.as_deref().filter(|_| is_free);
+                if let Some(started) = read.and_then(|read| body_at_first_key(read, &mesh.garment, &script)) {
+                    body = Some(Arc::new(started));
+                }
                 let options = arguments.options(body.as_ref(), found(&skin));
                 let active = |garment: &Garment| active_points(garment, &script, &options);
                 let refinement = arguments.refine.refine(&arguments.mesh, &mut mesh.garment, active)?;

@@ -19,7 +19,7 @@ use crate::cli::commands::worn_job::{
 };
 use crate::cli::files::checkpoints::CheckpointFile;
 use crate::cli::files::frame_folder::FrameFolder;
-use crate::cli::files::output::is_stream;
+use crate::cli::files::output::{is_stream, name_of as output_name};
 use crate::cli::runtime::console;
 use crate::cli::runtime::interrupt::Interrupt;
 use crate::cli::runtime::progress::Progress;
@@ -125,7 +125,7 @@ fn bake_into(
     checkpoints.remove();
     progress.finish();
     written.print(print_summary)?;
-    let worn = written.worn().display();
+    let worn = output_name(written.worn());
     let report = &baked.report;
     if let Some(failure) = &report.not_performed {
         return Err(Error::NotPerformed(failure.clone()));
