@@ -123,7 +123,7 @@ fn the_plan_of_a_bend_names_garment_body_and_joints() {
     let list: Value = serde_json::from_str(&explain(" --json")).expect("is JSON");
     let names: Vec<&str> =
         list.as_array().expect("a list").iter().filter_map(|entry| entry["name"].as_str()).collect();
-    assert_eq!(names[..2], ["garment", "joints"]);
+    assert_eq!(names[..3], ["garment", "body", "joints"]);
 }
 
 /// Programs call every clip "mixamo.com", and a file of two characters has every joint twice.

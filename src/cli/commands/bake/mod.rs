@@ -212,7 +212,11 @@ fn simulate(
 /// Prints the inputs and the plan on stdout.
 fn explain(input: &BakeInput, arguments: &Arguments, as_json: bool) -> Result<()> {
     let mut plan = input.plan(arguments);
-    plan.decisions.splice(0..0, input.decisions());
+    let body = plan.decisions.iter().position(|decision| decision.name == "body");
+    let body = body.map(|k| plan.decisions.remove(k));
+    let mut of_input = input.decisions();
+    of_input.splice(1..1, body);
+    plan.decisions.splice(0..0, of_input);
     if as_json {
         let list: Vec<Value> = plan
             .decisions
