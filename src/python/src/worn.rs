@@ -1,7 +1,6 @@
 //! `Worn`: the result of a bake or a transfer.
 
 use crate::CreaseError;
-use crate::cli::args::values::glb_path;
 use crate::cli::files::output::Outputs;
 use crate::cli::files::worn_outputs::WornOutputs;
 use crate::convert::{exception, object, vectors};
@@ -100,13 +99,17 @@ impl PyWorn {
     #[pyo3(signature = (path, *, apply = false, unworn = true, keep_normals = false))]
     /// Writes both files whole, or none.
     fn save(&self, path: PathBuf, apply: bool, unworn: bool, keep_normals: bool) -> PyResult<()> {
-        let worn = glb_path(&path.to_string_lossy())
-            .map_err(|wanted| CreaseError::new_err(format!("path: {}: {wanted}", path.display())))?;
-        let files = WornOutputs::beside(&worn);
+        if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("glb")) {
+            let message = format!("path: {}: expected a file name that ends in .glb", path.display());
+            return Err(CreaseError::new_err(message));
+        }
+        let files = WornOutputs::beside(&path);
         let mut outputs = Outputs::new(self.path.as_deref());
         let glb = self.glb(&files.extras(), ShapeOptions { apply, unworn, keep_normals })?;
         let added = outputs.add(&files.worn, &glb);
-        let added = added.and_then(|()| outputs.add(&files.sidecar, &write_sidecar(&self.sidecar)));
+        let mut sidecar = files.sidecar.iter();
+        let added = added
+            .and_then(|()| sidecar.try_for_each(|path| outputs.add(path, &write_sidecar(&self.sidecar))));
         added.and_then(|()| outputs.commit()).map_err(exception)
     }
 
