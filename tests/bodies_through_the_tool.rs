@@ -7,20 +7,11 @@ mod document;
 #[path = "field/shapes.rs"]
 mod shapes;
 
-use common::crease_in;
+use common::{crease_in, write, write_script};
 use document::Document;
 use serde_json::{Value, json};
 use shapes::*;
 use std::fmt::Write;
-use std::path::Path;
-
-fn write(folder: &Path, name: &str, bytes: impl AsRef<[u8]>) {
-    std::fs::write(folder.join(name), bytes).expect("writes");
-}
-
-fn write_script(folder: &Path, name: &str, actions: &str) {
-    write(folder, name, format!(r#"{{"format": "crease-wear/1", "actions": [{actions}]}}"#));
-}
 
 /// An OBJ file of a tube of this radius from `bottom` to `top` [m], along the axis `up`.
 fn upright_tube(radius: f32, bottom: f32, top: f32, up: char) -> String {

@@ -6,7 +6,7 @@ mod common;
 #[path = "common/glb.rs"]
 mod glb;
 
-use common::crease_in;
+use common::{crease_in, write};
 use glb::{Part, glb};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -39,10 +39,6 @@ fn warnings(folder: &Path, options: &str) -> Vec<String> {
     let report: Value = serde_json::from_str(&report).expect("is JSON");
     let warnings = report["warnings"].as_array().expect("is a list");
     warnings.iter().map(|text| text.as_str().expect("is text").to_owned()).collect()
-}
-
-fn write(folder: &Path, name: &str, bytes: impl AsRef<[u8]>) {
-    std::fs::write(folder.join(name), bytes).expect("writes");
 }
 
 fn script(folder: &Path, actions: Value) {

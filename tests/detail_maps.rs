@@ -7,35 +7,14 @@ mod common;
 mod glb;
 
 use common::{Pose, crease_in, wavy_sheet};
-use crease::garment::{RestState, WornGarment};
-use crease::io::ReadOptions;
-use crease::io::gltf::{DetailInput, DetailOutput, FlatNormals, MapDepth, add_detail_map, write_worn_glb};
-use crease::{Garment, GarmentFile, Vec3};
-use glb::{Part, glb as file, json_of};
+use crease::io::gltf::DetailOutput;
+use glb::{Part, detail_map, glb as file, json_of};
 use serde_json::{Value, json};
 
 /// The map of one primitive, and the worn file, where the height of wrinkles at (x, y) is `height` [m].
 fn mapped(part: Part, height: impl Fn(f64, f64) -> f64) -> (DetailOutput, Value) {
     let name = |json: &mut Value| json["materials"] = json!([{"name": "linen"}]);
-    let bytes = file(&[("cloth", vec![part.of(0)])], name);
-    let own = GarmentFile::parse("a.glb", &bytes, &ReadOptions::default()).expect("is a garment");
-    let refined = own.garment.refine(0.01, &[]);
-    let worn = |garment: &Garment| WornGarment {
-        displacement: garment.points.iter().map(|p| Vec3::new(0.0, 0.0, height(p.x, p.y))).collect(),
-        memory: RestState::flat(garment.topology.hinges.len(), garment.triangles.len()),
-    };
-    let glb = write_worn_glb(&own.asset, &own.garment, &worn(&own.garment), &Value::Null).expect("writes");
-    let fine = worn(&refined.garment);
-    let input = DetailInput {
-        coarse: &own.garment,
-        fine: &refined.garment,
-        parent: &refined.parent,
-        worn: &fine,
-        flat_normals: FlatNormals::default(),
-    };
-    let output = add_detail_map(&glb, &own.asset, &input, 128, MapDepth::Eight).expect("is made");
-    let json = json_of(&output.glb);
-    (output, json)
+    detail_map(&file(&[("cloth", vec![part.of(0)])], name), |p| height(p.x, p.y), 128)
 }
 
 /// Two halves, left and right of x = 0, whose texture is one: the right one is the mirror image of the left one.

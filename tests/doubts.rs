@@ -7,12 +7,10 @@ mod glb;
 mod tool;
 
 use crease::garment::{RestState, RigidParts, WornGarment, content_warnings};
-use crease::io::gltf::{
-    DetailInput, DetailOutput, FlatNormals, MapDepth, add_detail_map, keep_worn_pieces, write_worn_glb,
-};
+use crease::io::gltf::{DetailOutput, keep_worn_pieces};
 use crease::io::{ReadOptions, read_asset};
 use crease::{GarmentFile, Vec3};
-use glb::{Part, glb as file, json_of};
+use glb::{Part, detail_map, glb as file};
 use serde_json::{Value, json};
 use tool::crease_in;
 
@@ -209,27 +207,9 @@ fn a_worn_primitive_beside_another_reads_back() {
 
 /// The detail map of a garment of `parts` that is worn to ripples, and the worn file.
 fn detailed(parts: Vec<Part>, edit: impl FnOnce(&mut Value)) -> (DetailOutput, Value) {
-    let bytes = file(&[("cloth", parts)], edit);
-    let own = GarmentFile::parse("a.glb", &bytes, &ReadOptions::default()).expect("is a garment");
-    let refined = own.garment.refine(0.01, &[]);
     // Different at every place, so that no part fits in the place of another.
-    let ripple = |p: &Vec3| Vec3::new(0.0, 0.0, 0.004 * (130.0 * p.x + 40.0 * p.y + 200.0 * p.x * p.x).sin());
-    let worn = |garment: &crease::Garment| WornGarment {
-        displacement: garment.points.iter().map(ripple).collect(),
-        memory: RestState::flat(garment.topology.hinges.len(), garment.triangles.len()),
-    };
-    let glb = write_worn_glb(&own.asset, &own.garment, &worn(&own.garment), &Value::Null).expect("writes");
-    let fine = worn(&refined.garment);
-    let input = DetailInput {
-        coarse: &own.garment,
-        fine: &refined.garment,
-        parent: &refined.parent,
-        worn: &fine,
-        flat_normals: FlatNormals::default(),
-    };
-    let output = add_detail_map(&glb, &own.asset, &input, 256, MapDepth::Eight).expect("is made");
-    let json = json_of(&output.glb);
-    (output, json)
+    let ripple = |p: &Vec3| 0.004 * (130.0 * p.x + 40.0 * p.y + 200.0 * p.x * p.x).sin();
+    detail_map(&file(&[("cloth", parts)], edit), ripple, 256)
 }
 
 #[test]

@@ -8,7 +8,7 @@ mod document;
 #[path = "field/shapes.rs"]
 mod shapes;
 
-use common::{Pose, crease_in, wavy_sheet};
+use common::{Pose, crease_in, wavy_sheet, write, write_script};
 use crease::bake::Bake;
 use crease::wear::{Action, Hold, WearScript};
 use crease::{Fabric, GarmentFile};
@@ -16,14 +16,6 @@ use document::Document;
 use serde_json::{Value, json};
 use shapes::*;
 use std::path::Path;
-
-fn write(folder: &Path, name: &str, bytes: impl AsRef<[u8]>) {
-    std::fs::write(folder.join(name), bytes).expect("writes");
-}
-
-fn write_script(folder: &Path, name: &str, actions: &str) {
-    write(folder, name, format!(r#"{{"format": "crease-wear/1", "actions": [{actions}]}}"#));
-}
 
 fn report_in(folder: &Path) -> Value {
     let bytes = std::fs::read(folder.join("out.report.json")).expect("has a report");

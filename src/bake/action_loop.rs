@@ -1,7 +1,8 @@
 //! The loop over the steps of an action: loads -> solve -> memory.
 
-use crate::bake::body_coupling::SteppedCloth;
+use crate::bake::body_coupling::{StepRange, SteppedCloth};
 use crate::bake::checkpoint::{ActionProgress, CheckpointPosition};
+use crate::bake::frames::StepStart;
 use crate::bake::run::Run;
 use crate::bake::tuning::TUNING;
 use crate::bake::uncross::GarmentReading;
@@ -258,7 +259,7 @@ impl Run<'_> {
         }
         let (angle, stretch) = (self.state.angle.clone(), self.stretches());
         let start = self.frames.step_start(&self.state);
-        let (step, offsets) = self.advance(runner, action.begin, dt);
+        let (step, offsets) = self.advance(runner, action.begin, dt, start.as_ref());
         self.seconds.add_step(&step);
         self.report.steps += 1;
         self.report.rejected += step.rejected as u64;
@@ -324,20 +325,22 @@ impl Run<'_> {
         self.frames.show(&self.state.x, &mut |x| show_frame(observer, *reading, mesh, x))
     }
 
-    /// Makes one accepted step, on the body if there is one; also returns, on a body, how the frames that it passes differ from the chord
-    /// between its ends.
+    /// Makes one accepted step, on the body if there is one; also returns, on a body, how the frames that it passes from `start` differ from
+    /// the chord between its ends.
     fn advance(
         &mut self,
         runner: &mut dyn ActionRunner,
         begin: f64,
         dt: f64,
+        start: Option<&StepStart>,
     ) -> (StepReport, Vec<Vec<Vec3>>) {
         let rest = &self.memory.effective_rest;
         match &mut self.body {
             Some(body) => {
                 let (stepper, state) = (&mut self.stepper, &mut self.state);
                 let cloth = SteppedCloth { garment: &self.mesh.garment, stepper, state, rest };
-                body.step(cloth, runner, begin, dt, &self.frames)
+                let (step, frames) = (StepRange { begin, dt }, start.map(|start| (&self.frames, start)));
+                body.step(cloth, runner, step, frames)
             }
             None => {
                 let mut loads_at_time = |time: f64, state: &State| runner.loads_at(time - begin, &state.x);

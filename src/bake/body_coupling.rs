@@ -5,7 +5,7 @@
 
 use crate::bake::body_penetration::BodyPenetrationStats;
 use crate::bake::body_watch::BodyWatch;
-use crate::bake::frames::FrameSchedule;
+use crate::bake::frames::{FrameSchedule, StepStart};
 use crate::bake::leash::{GarmentLeash, follow_leashes};
 use crate::bake::report::StopCause;
 use crate::bake::static_contact::body_contact_settings;
@@ -68,6 +68,14 @@ pub(super) struct SteppedCloth<'a> {
     pub state: &'a mut State,
     /// The rest state in the energies.
     pub rest: &'a RestState,
+}
+
+/// A step to be made.
+pub(super) struct StepRange {
+    /// Time at which its action began [s].
+    pub begin: f64,
+    /// Its length at most [s].
+    pub dt: f64,
 }
 
 /// The body at the end of a step, and its contact with the cloth.
@@ -182,18 +190,16 @@ impl BodyCoupling {
         self.planes.clear_caches();
     }
 
-    /// Makes one accepted step of at most `dt` [s] in an action that began at `begin` [s]. Also returns, for each of the `frames` that are due in
-    /// it, the offsets of the points from their chord [m] by which the body carries them along its arc.
+    /// Makes one accepted step. Also returns, for each of the frames of a schedule that are due in it from its start, the offsets of the points
+    /// from their chord [m] by which the body carries them along its arc.
     pub fn step(
         &mut self,
         cloth: SteppedCloth,
         runner: &mut dyn ActionRunner,
-        begin: f64,
-        dt: f64,
-        frames: &FrameSchedule,
+        StepRange { begin, dt }: StepRange,
+        frames: Option<(&FrameSchedule, &StepStart)>,
     ) -> (StepReport, Vec<Vec<Vec3>>) {
         let SteppedCloth { garment, stepper, state, rest } = cloth;
-        let before = frames.is_wanted().then(|| StepBefore { time: state.time, x: state.x.clone() });
         let mut loads = LoadsOnBody {
             planes: &mut self.planes,
             inactive: &self.inactive,
@@ -209,9 +215,8 @@ impl BodyCoupling {
             pairs: None,
         };
         let step = stepper.advance(state, rest, &mut loads, dt);
-        let offsets = before.map_or(Vec::new(), |before| {
-            let due = frames.due(before.time, state.time);
-            loads.offsets_on_arc(&before, state, &due)
+        let offsets = frames.map_or(Vec::new(), |(frames, start)| {
+            loads.offsets_on_arc(start, state, &frames.due(start.time, state.time))
         });
         let (end, planes) = (loads.end, loads.planes);
         if let Some(end) = end {
@@ -247,18 +252,10 @@ struct LoadsOnBody<'a> {
     pairs: Option<usize>,
 }
 
-/// The cloth at the beginning of a step.
-struct StepBefore {
-    /// Time [s].
-    time: f64,
-    /// Positions, one per point [m].
-    x: Vec<Vec3>,
-}
-
 impl LoadsOnBody<'_> {
-    /// Per fraction `due` of the step from `before` to `state`: the offsets from the chord between both by which the surface under each point
+    /// Per fraction `due` of the step from `start` to `state`: the offsets from the chord between both by which the surface under each point
     /// carries it [m]. A limb turns on an arc, and its chord would lead the cloth through it.
-    fn offsets_on_arc(&mut self, before: &StepBefore, state: &State, due: &[f64]) -> Vec<Vec<Vec3>> {
+    fn offsets_on_arc(&mut self, start: &StepStart, state: &State, due: &[f64]) -> Vec<Vec<Vec3>> {
         // Without a motion there is no arc.
         let moves = self.end.as_ref().is_some_and(|end| self.planes.moves_to(&end.positions));
         if due.is_empty() || !moves {
@@ -266,15 +263,15 @@ impl LoadsOnBody<'_> {
         }
         let mut carried_at = |time: f64| {
             let posed = self.runner.loads_at(time - self.begin, &state.x).body?;
-            let carried = self.planes.carried_displacement(&before.x, &posed.points);
+            let carried = self.planes.carried_displacement(&start.positions, &posed.points);
             let carried = extrapolated(carried, &self.garment.topology);
             Some(smoothed(carried, self.inactive, &self.garment.topology))
         };
-        let Some((first, last)) = carried_at(before.time).zip(carried_at(state.time)) else {
+        let Some((first, last)) = carried_at(start.time).zip(carried_at(state.time)) else {
             return Vec::new();
         };
         let offset = |fraction: &f64| {
-            let now = carried_at(before.time + fraction * (state.time - before.time))?;
+            let now = carried_at(start.time + fraction * (state.time - start.time))?;
             let ends = first.iter().zip(&last).map(|(a, b)| a * (1.0 - fraction) + b * *fraction);
             Some(now.iter().zip(ends).map(|(now, ends)| now - ends).collect())
         };

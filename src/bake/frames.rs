@@ -31,9 +31,9 @@ pub(super) type ShowFrame<'a> = dyn FnMut(&[Vec3]) -> Result<()> + 'a;
 /// The state from which a step started.
 pub(super) struct StepStart {
     /// Time [s].
-    time: f64,
+    pub(super) time: f64,
     /// Positions, one per point [m].
-    positions: Vec<Vec3>,
+    pub(super) positions: Vec<Vec3>,
 }
 
 impl FrameSchedule {

@@ -3,7 +3,12 @@
 // Each test uses a part of them.
 #![allow(dead_code)]
 
-use crease::io::gltf::join_glb;
+use crease::garment::{RestState, WornGarment};
+use crease::io::ReadOptions;
+use crease::io::gltf::{
+    DetailInput, DetailOutput, FlatNormals, MapDepth, add_detail_map, join_glb, write_worn_glb,
+};
+use crease::{Garment, GarmentFile, Vec3};
 use serde_json::{Value, json};
 
 /// One primitive.
@@ -152,4 +157,27 @@ pub fn glb(nodes: &[(&str, Vec<Part>)], edit: impl FnOnce(&mut Value)) -> Vec<u8
 pub fn json_of(glb: &[u8]) -> Value {
     let length = u32::from_le_bytes(glb[12..16].try_into().expect("is there")) as usize;
     serde_json::from_slice(&glb[20..20 + length]).expect("is JSON")
+}
+
+/// The detail maps, `side` texels wide, of the garment in `bytes`, refined to 10 mm, where its wrinkles have the `height` [m] at each place;
+/// and the JSON of the worn file.
+pub fn detail_map(bytes: &[u8], height: impl Fn(&Vec3) -> f64, side: usize) -> (DetailOutput, Value) {
+    let own = GarmentFile::parse("a.glb", bytes, &ReadOptions::default()).expect("is a garment");
+    let refined = own.garment.refine(0.01, &[]);
+    let worn = |garment: &Garment| WornGarment {
+        displacement: garment.points.iter().map(|p| Vec3::new(0.0, 0.0, height(p))).collect(),
+        memory: RestState::flat(garment.topology.hinges.len(), garment.triangles.len()),
+    };
+    let glb = write_worn_glb(&own.asset, &own.garment, &worn(&own.garment), &Value::Null).expect("writes");
+    let fine = worn(&refined.garment);
+    let input = DetailInput {
+        coarse: &own.garment,
+        fine: &refined.garment,
+        parent: &refined.parent,
+        worn: &fine,
+        flat_normals: FlatNormals::default(),
+    };
+    let output = add_detail_map(&glb, &own.asset, &input, side, MapDepth::Eight).expect("is made");
+    let json = json_of(&output.glb);
+    (output, json)
 }

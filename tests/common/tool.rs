@@ -58,3 +58,13 @@ pub fn wavy_sheet(cells: usize, amplitude: f64, pose: Pose) -> String {
     }
     text
 }
+
+/// Writes the file `name` in `folder`.
+pub fn write(folder: &std::path::Path, name: &str, bytes: impl AsRef<[u8]>) {
+    std::fs::write(folder.join(name), bytes).expect("writes");
+}
+
+/// Writes a wear script of `actions`, JSON with commas between them.
+pub fn write_script(folder: &std::path::Path, name: &str, actions: &str) {
+    write(folder, name, format!(r#"{{"format": "crease-wear/1", "actions": [{actions}]}}"#));
+}
