@@ -1,4 +1,4 @@
-//! What `iron`, `wash`, `pack` and `hang` do to the memory of a handkerchief, and the error of an action that did not take
+//! What `iron`, `wash`, `pack`, `roll` and `hang` do to the memory of a handkerchief, and the error of an action that did not take
 //! place: physical expectations, each with the figure that it reached:
 //!
 //! ```text
@@ -128,6 +128,29 @@ fn a_packed_garment_remembers_more_the_longer_it_lies() {
     println!("{times:?} s: {memory:.3?} rad m, {steps:?} steps");
     assert!(memory[1] > 1.1 * memory[0] && memory[2] > 1.02 * memory[1], "{memory:?}");
     assert!(steps[2] < 2 * steps[1], "four hours take {steps:?}");
+}
+
+/// Cloth that was rolled up remembers a gentle bend all over and no crease: the more the longer it lay, and the more the tighter it was
+/// rolled.
+#[test]
+fn a_rolled_garment_remembers_its_curl_and_no_crease() {
+    let rolled = |radius: f64, hold: f64| {
+        let roll =
+            format!(r#"{{"roll": {{"from": "left", "radius": {radius}, "over": 2, "hold": {hold}}}}}"#);
+        worn(&format!(r#"{{"lay": {{"facing": "up", "over": 0.2}}}}, {roll}, {UNFOLD}"#))
+    };
+    let folded = worn(&format!(r#"{FOLD}, {{"hold": {{"for": 14400}}}}, {UNFOLD}"#));
+    let baked = [rolled(0.012, 10.0), rolled(0.012, 14_400.0), rolled(0.04, 14_400.0), folded];
+    let sharpest = [0, 1, 2, 3].map(|k| {
+        let memory = &baked[k].simulated.worn.memory;
+        let changes =
+            memory.rest_angle.iter().zip(&memory.source_angle).map(|(rest, source)| (rest - source).abs());
+        changes.fold(0.0, f64::max).to_degrees()
+    });
+    let memory = [0, 1, 2, 3].map(|k| memory_where(&baked[k], |_| true));
+    println!("short, long, wide, folded: {memory:.3?} rad m, at most {sharpest:.1?} degrees");
+    assert!(memory[1] > 0.005 && memory[1] > 1.2 * memory[0] && memory[1] > 2.0 * memory[2], "{memory:?}");
+    assert!(sharpest[1] < 0.5 * sharpest[3], "{sharpest:?} degrees");
 }
 
 /// A hung garment has no fold, and overnight it loses a part of what it remembered.

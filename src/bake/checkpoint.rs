@@ -26,13 +26,13 @@ use crate::math::Vec3;
 use crate::memory::Memory;
 use crate::remesh::SimulationMesh;
 use crate::sim::{Loads, SolveCost, State};
-use crate::wear::{MAX_DURATION_S, PersistentState, WearScript};
+use crate::wear::{MAX_DURATION_S, PersistentState, TurnRecord, WearScript};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
 /// Format and version of the file.
-pub const CHECKPOINT_FORMAT: &str = "crease-checkpoint/3";
+pub const CHECKPOINT_FORMAT: &str = "crease-checkpoint/4";
 
 /// State of a bake between two of its steps.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -275,7 +275,11 @@ impl Checkpoint {
             (loads.fixed.is_empty() || loads.fixed.len() == points)
                 && loads.springs.iter().all(|spring| inside(&spring.point))
         };
-        let persistent = self.persistent.folds.iter().all(|fold| fold.flap.iter().all(inside))
+        let turned = |turn: &TurnRecord| match turn {
+            TurnRecord::Fold(fold) => fold.flap.iter().all(inside),
+            TurnRecord::Roll(roll) => roll.point_count() == points,
+        };
+        let persistent = self.persistent.turns.iter().all(turned)
             && self.persistent.held_loads.as_ref().is_none_or(kept)
             && (self.persistent.laid_bend.is_empty() || self.persistent.laid_bend.len() == hinges);
         let times = (0.0..=2.0 * MAX_DURATION_S).contains(&self.state.time)

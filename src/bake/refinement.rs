@@ -9,7 +9,7 @@ use crate::bake::tuning::TUNING;
 use crate::mesh::triangle;
 use crate::remesh::Refinement;
 use crate::sim::{Loads, State};
-use crate::wear::PersistentState;
+use crate::wear::{PersistentState, TurnRecord};
 
 impl Run<'_> {
     /// Triangles to bisect now, during the action of that number; empty for none.
@@ -76,11 +76,16 @@ impl Run<'_> {
 fn persistent_on(coarse: &PersistentState, refinement: &Refinement) -> PersistentState {
     let mut persistent = coarse.clone();
     let first = refinement.mesh.garment.points.len() - refinement.splits.len();
-    for fold in &mut persistent.folds {
-        let mut in_flap = vec![false; first];
-        fold.flap.iter().for_each(|p| in_flap[*p as usize] = true);
-        let in_flap = refinement.flags(&in_flap);
-        fold.flap = (0..in_flap.len() as u32).filter(|p| in_flap[*p as usize]).collect();
+    for turn in &mut persistent.turns {
+        match turn {
+            TurnRecord::Fold(fold) => {
+                let mut in_flap = vec![false; first];
+                fold.flap.iter().for_each(|p| in_flap[*p as usize] = true);
+                let in_flap = refinement.flags(&in_flap);
+                fold.flap = (0..in_flap.len() as u32).filter(|p| in_flap[*p as usize]).collect();
+            }
+            TurnRecord::Roll(roll) => roll.add_middles(&refinement.splits),
+        }
     }
     if !persistent.laid_bend.is_empty() {
         let bend = |parent: &Option<u32>| parent.map_or(0.0, |h| coarse.laid_bend[h as usize]);

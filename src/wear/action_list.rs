@@ -46,7 +46,9 @@ action_list! {
     "lay" Lay,
     /// Turn one side of a line over.
     "fold" Fold,
-    /// Open folds again.
+    /// Roll it up from one side.
+    "roll" Roll,
+    /// Open folds and rolls again.
     "unfold" Unfold,
     /// Press straight down.
     "press" Press,

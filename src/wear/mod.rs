@@ -20,6 +20,7 @@ mod line_layout;
 mod motion_profile;
 mod persistent_state;
 mod preset_list;
+mod roll_map;
 mod script;
 mod sewn_layers;
 mod slowed_jumps;
@@ -31,12 +32,13 @@ pub use action_list::{Action, Repeat};
 pub use action_runner::{ActionContext, ActionFailure, ActionRunner, ActionStart};
 pub use actions::{
     Bend, Crumple, Facing, Fold, FoldSide, Hang, HangBy, HangPoints, Hold, Iron, JointAxis, Lay, LocalAxis,
-    Pack, Play, Press, Release, Settle, Unfold, Wash,
+    Pack, Packing, Play, Press, Release, Roll, Settle, Unfold, Wash,
 };
 pub use draw_lines::{DrawnLines, draw_fold_lines};
 pub use fold_layout::{FoldLayout, Foresight};
 pub use fraction::Fraction2;
 pub use line_layout::is_row;
-pub use persistent_state::{FoldRecord, GarmentFrame, PersistentState};
+pub use persistent_state::{FoldRecord, GarmentFrame, PersistentState, TurnRecord};
+pub use roll_map::RollRecord;
 pub use script::{Flatten, MAX_ACTIONS, MAX_DURATION_S, MAX_NESTING, WearFormat, WearScript};
 pub use wear_action::{FieldError, WearAction};

@@ -3,6 +3,7 @@
 use crate::body::PosedBody;
 use crate::math::{Mat3, Vec3, bounds};
 use crate::sim::Loads;
+use crate::wear::roll_map::RollRecord;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
@@ -71,6 +72,16 @@ pub struct FoldRecord {
     pub angle: f64,
 }
 
+/// A fold or a roll that has been made and not opened.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TurnRecord {
+    /// One side was turned over.
+    Fold(FoldRecord),
+    /// All of it was rolled up.
+    Roll(RollRecord),
+}
+
 /// State that outlives an action.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PersistentState {
@@ -79,8 +90,8 @@ pub struct PersistentState {
     pub orientation: Mat3,
     /// Frame that fractions refer to, once the garment lies or hangs.
     pub frame: Option<GarmentFrame>,
-    /// Folds that are not opened yet, oldest first.
-    pub folds: Vec<FoldRecord>,
+    /// Folds and rolls that are not opened yet, oldest first.
+    pub turns: Vec<TurnRecord>,
     /// Height of the ground [m], where there is one.
     pub ground: Option<f64>,
     /// Per hinge: by how much laying the garment down bent it [rad]; empty for a garment that does not lie. It is not remembered.
@@ -103,7 +114,7 @@ impl Default for PersistentState {
         Self {
             orientation: Mat3::identity(),
             frame: None,
-            folds: Vec::new(),
+            turns: Vec::new(),
             ground: None,
             laid_bend: Vec::new(),
             excess: 0.0,
@@ -117,6 +128,12 @@ impl PersistentState {
     /// The frame, if the garment lies on the ground.
     pub fn ground_frame(&self) -> Option<GarmentFrame> {
         self.ground.and(self.frame)
+    }
+
+    /// The frame, if the garment lies on the ground and is not rolled up.
+    pub fn open_frame(&self) -> Option<GarmentFrame> {
+        let is_rolled = matches!(self.turns.last(), Some(TurnRecord::Roll(_)));
+        self.ground_frame().filter(|_| !is_rolled)
     }
 
     /// Angles of the hinges [rad] without what laying the garment down bent: of a bend beyond `source` [rad] in the same direction

@@ -18,6 +18,7 @@ preset_list! {
     "crumple",
     "iron",
     "pack",
+    "roll",
     "wash",
     "hang-overnight",
     "trouser-crease",

@@ -379,10 +379,13 @@ mod tests {
         let text = script(&format!(
             r#"{{"lay": {{}}}}, {{"fold": {{{line}}}}}, {{"unfold": {{}}}}, {{"settle": {{}}}}, {{"hang": {{}}}},
                {{"crumple": {{"to": 0.3}}}}, {{"bend": {{"joint": "elbow", "axis": "z", "angle": 90}}}},
-               {{"play": {{"clip": "walk"}}}}, {{"iron": {{}}}}, {{"pack": {{}}}}, {{"wash": {{}}}}"#
+               {{"play": {{"clip": "walk"}}}}, {{"iron": {{}}}}, {{"pack": {{}}}}, {{"wash": {{}}}}, {{"roll": {{}}}}, {{"pack": {{"how": "roll"}}}}"#
         ));
         let script = WearScript::parse("w.json", &text).expect("is valid");
-        assert_eq!(script.duration(), 2.0 + 2.0 + 2.0 + 3.0 + 5.0 + 3.0 + 2.0 + 10.0 + 14_412.0 + 10_813.5);
+        assert_eq!(
+            script.duration(),
+            2.0 + 2.0 + 2.0 + 3.0 + 5.0 + 3.0 + 2.0 + 10.0 + 14_412.0 + 10_813.5 + 4.0 + 14_412.0
+        );
         assert!(
             matches!(&script.actions[1], Action::Fold(fold) if fold.angle_deg == 180.0 && fold.hold_s == 0.0)
         );
@@ -395,7 +398,7 @@ mod tests {
         assert_eq!(
             found[0],
             "w.json: line 3, column 4, at actions[0].fodl: unknown name `fodl` (did you mean `fold`? allowed here: \
-             `lay`, `fold`, `unfold`, `press`, `hold`, `settle`, `hang`, `crumple`, `iron`, `pack`, `wash`, `release`, `bend`, `play`, `repeat`)"
+             `lay`, `fold`, `roll`, `unfold`, `press`, `hold`, `settle`, `hang`, `crumple`, `iron`, `pack`, `wash`, `release`, `bend`, `play`, `repeat`)"
         );
     }
 

@@ -69,6 +69,19 @@ pub(super) struct FoldTuning {
     pub lift_ramp: f64,
 }
 
+/// Rolling up.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct RollTuning {
+    /// Thickness of a winding over that of the stack and one layer [-], default 1.1: layers slide past one another.
+    pub winding_clearance: f64,
+    /// Smallest radius of the core over that with which the inmost layers have room [-], default 1.1.
+    pub core_clearance: f64,
+    /// Distance before the roll [m], default 0.025, within which the stack is held; beyond, it is fixed.
+    pub held_length: f64,
+    /// Angle by which the roll turns in one step [rad], default 0.25.
+    pub max_turn_per_step: f64,
+}
+
 /// Height field under a flap.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct HeightFieldTuning {
@@ -195,6 +208,8 @@ pub(super) struct FailureTuning {
     pub min_judged_path: f64,
     /// Fraction of its path to the ball that a crumpled garment has to cover [-], default 0.5.
     pub min_crumpled_fraction: f64,
+    /// Mean distance of points from their places in a roll over the radius of its core [-], default 0.5.
+    pub max_roll_distance: f64,
     /// Fraction of the points that may stand up from a garment that lies [-], default 0.02.
     pub max_standing_fraction: f64,
     /// Ratio of their height to the shorter side of a garment from which points stand up [-], default 0.25.
@@ -225,6 +240,7 @@ pub(super) struct WearTuning {
     pub springs: SpringTuning,
     pub body: BodyMotionTuning,
     pub fold: FoldTuning,
+    pub roll: RollTuning,
     pub height_field: HeightFieldTuning,
     pub lay: LayTuning,
     pub other: OtherActionTuning,
@@ -263,6 +279,12 @@ pub(super) const TUNING: WearTuning = WearTuning {
         max_outlier_fraction: 0.02,
         height_sample_offset: 0.01,
         lift_ramp: 0.03,
+    },
+    roll: RollTuning {
+        winding_clearance: 1.1,
+        core_clearance: 1.1,
+        held_length: 0.025,
+        max_turn_per_step: 0.25,
     },
     height_field: HeightFieldTuning { cell: 0.01, dilation: 2, smoothing: 2 },
     lay: LayTuning {
@@ -310,6 +332,7 @@ pub(super) const TUNING: WearTuning = WearTuning {
         min_turned_fraction: 0.5,
         min_judged_path: 0.02,
         min_crumpled_fraction: 0.5,
+        max_roll_distance: 0.5,
         max_standing_fraction: 0.02,
         max_lying_ratio: 0.25,
     },

@@ -50,7 +50,7 @@ impl WearAction for Crumple {
         let clearance = TUNING.other.sphere_clearance;
         centre.y = persistent.ground.map_or(centre.y, |ground| ground + last_radius + clearance);
         let first_radius = context.positions.iter().map(|p| (p - centre).norm()).fold(last_radius, f64::max);
-        persistent.folds.clear();
+        persistent.turns.clear();
         persistent.body = None;
         persistent.laid_bend.clear();
         persistent.held_loads = None;

@@ -10,7 +10,7 @@ use crate::wear::fold_map::{FoldAxis, FoldCoords, line_shift};
 use crate::wear::fraction::Fraction2;
 use crate::wear::height_field::HeightField;
 use crate::wear::motion_profile::{PEAK_RATE, smoothstep};
-use crate::wear::persistent_state::{FoldRecord, GarmentFrame, PersistentState};
+use crate::wear::persistent_state::{FoldRecord, GarmentFrame, PersistentState, TurnRecord};
 use crate::wear::springs::{carry_spring, pin_spring};
 use crate::wear::tuning::TUNING;
 use crate::wear::wear_action::{FieldError, WearAction};
@@ -144,8 +144,11 @@ impl WearAction for Fold {
     }
 
     fn start_action(&self, context: &ActionContext, persistent: &mut PersistentState) -> Result<ActionStart> {
-        let Some(frame) = persistent.ground_frame() else {
-            return Err(context.refuse("`fold` needs a garment that lies", "lay it first: {\"lay\": {}}"));
+        let Some(frame) = persistent.open_frame() else {
+            return Err(context.refuse(
+                "`fold` needs a garment that lies and is not rolled up",
+                "lay it first: {\"lay\": {}}, or open the roll: {\"unfold\": {\"last\": 1}}",
+            ));
         };
         let (x, masses, thickness) = (context.positions, context.masses, context.thickness);
         let strip_width = TUNING.fold.strip_width;
@@ -217,7 +220,7 @@ impl WearAction for Fold {
 }
 
 /// Height of a stack of points [m]; a layer's `thickness` if there are none.
-fn stack_height<'a>(points: impl Iterator<Item = &'a Vec3>, thickness: f64) -> f64 {
+pub(super) fn stack_height<'a>(points: impl Iterator<Item = &'a Vec3>, thickness: f64) -> f64 {
     let mut heights: Vec<f64> = points.map(|p| p.y).collect();
     heights.sort_unstable_by(f64::total_cmp);
     heights.get((TUNING.fold.stack_quantile * heights.len() as f64) as usize).copied().unwrap_or(thickness)
@@ -353,7 +356,7 @@ impl ActionRunner for FoldRunner {
         if !self.supports_itself() {
             persistent.held_loads = Some(self.loads_at(f64::INFINITY, x));
         }
-        persistent.folds.push(self.record.clone());
+        persistent.turns.push(TurnRecord::Fold(self.record.clone()));
     }
 }
 

@@ -183,7 +183,7 @@ impl WearAction for Hang {
         persistent.orientation = rotation * persistent.orientation;
         persistent.frame = Some(frame);
         persistent.ground = None;
-        persistent.folds.clear();
+        persistent.turns.clear();
         persistent.body = None;
         persistent.laid_bend.clear();
         let loads = Loads { fixed, max_dt: TUNING.other.hang_max_dt, ..Loads::gravity_only(None) };

@@ -97,7 +97,7 @@ impl WearAction for Lay {
         let mut laid: Vec<Vec3> = context.positions.iter().map(|p| rotation * p).collect();
         let (low, high) = bounds(&laid);
         persistent.orientation = from_file;
-        persistent.folds.clear();
+        persistent.turns.clear();
         persistent.held_loads = None;
         persistent.laid_bend.clear();
         persistent.excess = 0.0;

@@ -1,5 +1,6 @@
-//! `unfold`: folds are opened again, the last one first.
+//! `unfold`: folds and rolls are opened again, the last one first.
 
+use crate::energy::TargetSpring;
 use crate::error::Result;
 use crate::math::Vec3;
 use crate::sim::Loads;
@@ -7,7 +8,7 @@ use crate::wear::action_runner::{ActionContext, ActionFailure, ActionRunner, Act
 use crate::wear::fold_layout::FoldLayout;
 use crate::wear::fold_map::{FoldAxis, FoldCoords};
 use crate::wear::motion_profile::{PEAK_RATE, smoothstep};
-use crate::wear::persistent_state::{FoldRecord, PersistentState};
+use crate::wear::persistent_state::{FoldRecord, PersistentState, TurnRecord};
 use crate::wear::springs::carry_spring;
 use crate::wear::tuning::TUNING;
 use crate::wear::wear_action::{FieldError, WearAction};
@@ -15,14 +16,14 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-/// Open folds again, the last one first. Without `last`, all of them.
+/// Open folds and rolls again, the last one first. Without `last`, all of them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Unfold {
-    /// Open every fold. May be left out; not together with `last`.
+    /// Open every fold and roll. May be left out; not together with `last`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub all: Option<bool>,
-    /// Number of folds to open, counted back from the latest.
+    /// Number of folds and rolls to open, counted back from the latest.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1, max = 10000))]
     pub last: Option<u32>,
@@ -61,21 +62,22 @@ impl WearAction for Unfold {
     }
 
     fn start_action(&self, context: &ActionContext, persistent: &mut PersistentState) -> Result<ActionStart> {
-        let count = persistent.folds.len();
+        let count = persistent.turns.len();
         if count == 0 {
-            return Err(context.refuse("there is no fold to open", "fold first, or leave `unfold` out"));
+            return Err(context
+                .refuse("there is no fold or roll to open", "fold or roll first, or leave `unfold` out"));
         }
         let wanted = self.last.map_or(count, |n| n as usize);
         if wanted > count {
-            let message = format!("{wanted} folds shall be opened and only {count} are made");
+            let message = format!("{wanted} folds and rolls shall be opened and only {count} are made");
             return Err(context.refuse(message, format!("`last` may be at most {count} here")));
         }
         persistent.held_loads = None;
-        let mut folds = persistent.folds.split_off(count - wanted);
-        folds.reverse();
+        let mut turns = persistent.turns.split_off(count - wanted);
+        turns.reverse();
         ActionStart::here(UnfoldRunner {
-            time_per_fold: self.over_s / folds.len() as f64,
-            folds,
+            time_per_turn: self.over_s / turns.len() as f64,
+            turns,
             current: None,
             masses: context.masses.to_vec(),
             thickness: context.thickness,
@@ -88,13 +90,13 @@ impl WearAction for Unfold {
     }
 }
 
-/// Folds that are opened one after the other.
+/// Folds and rolls that are opened one after the other.
 struct UnfoldRunner {
     /// Latest first.
-    folds: Vec<FoldRecord>,
+    turns: Vec<TurnRecord>,
     /// [s].
-    time_per_fold: f64,
-    current: Option<OpeningFold>,
+    time_per_turn: f64,
+    current: Option<Opening>,
     /// [kg], one per point.
     masses: Vec<f64>,
     /// Thickness of a layer [m].
@@ -102,20 +104,27 @@ struct UnfoldRunner {
     idle_loads: Loads,
 }
 
-/// A fold that is being opened; part of checkpoints.
+/// What is being opened; part of checkpoints.
+#[derive(Serialize, Deserialize)]
+struct Opening {
+    /// Index of the fold or roll, in order of opening.
+    number: usize,
+    /// The fold; `None` for a roll.
+    fold: Option<OpeningFold>,
+    /// Index of one before this that did not open, if there is one.
+    #[serde(default)]
+    unopened: Option<usize>,
+}
+
+/// A fold that is being opened.
 #[derive(Serialize, Deserialize)]
 struct OpeningFold {
-    /// Index of the fold, in order of opening.
-    number: usize,
     axis: FoldAxis,
     flap: Vec<OpeningPoint>,
     /// Fixed points, one flag per point: the rest, except for a strip along the line.
     fixed: Vec<bool>,
     /// Height by which the flap rises in all, so that it does not end below the ground [m].
     lift: f64,
-    /// Number of a fold before this one that did not open, if there is one.
-    #[serde(default)]
-    unopened: Option<usize>,
 }
 
 /// A point of an opening flap.
@@ -128,9 +137,17 @@ struct OpeningPoint {
 }
 
 impl UnfoldRunner {
-    /// Starts to open fold `number` of a cloth at the positions `x` [m].
-    fn open(&self, number: usize, x: &[Vec3]) -> OpeningFold {
-        let fold = &self.folds[number];
+    /// Starts to open fold or roll `number` of a cloth at the positions `x` [m].
+    fn open(&self, number: usize, x: &[Vec3]) -> Opening {
+        let fold = match &self.turns[number] {
+            TurnRecord::Fold(fold) => Some(self.open_fold(fold, x)),
+            TurnRecord::Roll(_) => None,
+        };
+        Opening { number, fold, unopened: None }
+    }
+
+    /// Starts to open `fold` of a cloth at the positions `x` [m].
+    fn open_fold(&self, fold: &FoldRecord, x: &[Vec3]) -> OpeningFold {
         let mut in_flap = vec![false; x.len()];
         fold.flap.iter().for_each(|&p| in_flap[p as usize] = true);
         let between = self.height_between(fold, &in_flap, x);
@@ -152,27 +169,25 @@ impl UnfoldRunner {
             !in_flap && (p - fold.origin).dot(&fold.outward) <= -TUNING.fold.strip_width
         };
         OpeningFold {
-            number,
             axis,
             flap,
             fixed: x.iter().zip(&in_flap).map(is_fixed).collect(),
             lift: (max_depth + self.thickness - (between - ground)).max(0.0),
-            unopened: None,
         }
     }
 
-    /// The first fold that did not open, up to the one that `opening` has opened with the points at `x` [m].
-    fn unopened(&self, opening: &OpeningFold, x: &[Vec3]) -> Option<usize> {
-        let fold = &self.folds[opening.number];
-        let (mut open, mut all) = (0.0, 0.0);
-        for p in &opening.flap {
-            let weight = p.mass * p.coords.s;
-            let is_open = (x[p.point as usize] - fold.origin).dot(&fold.outward) > 0.0;
-            open += if is_open { weight } else { 0.0 };
-            all += weight;
-        }
-        let is_unopened = open < TUNING.failure.min_turned_fraction * all;
-        opening.unopened.or_else(|| is_unopened.then_some(opening.number))
+    /// The first fold or roll that did not open, up to the one that `opening` has opened with the points at `x` [m].
+    fn unopened(&self, opening: &Opening, x: &[Vec3]) -> Option<usize> {
+        let is_open = match (&self.turns[opening.number], &opening.fold) {
+            (TurnRecord::Fold(record), Some(fold)) => {
+                fold.open_fraction(record, x) >= TUNING.failure.min_turned_fraction
+            }
+            (TurnRecord::Roll(roll), _) => {
+                roll.unrolled_fraction(x, &self.masses) >= TUNING.failure.min_turned_fraction
+            }
+            _ => true,
+        };
+        opening.unopened.or_else(|| (!is_open).then_some(opening.number))
     }
 
     /// Height between flap and rest of `fold`, whose flap is flagged per point [m].
@@ -195,29 +210,59 @@ impl UnfoldRunner {
     }
 }
 
-impl ActionRunner for UnfoldRunner {
-    fn loads_at(&mut self, t: f64, x: &[Vec3]) -> Loads {
-        let number = ((t / self.time_per_fold - 1e-9).floor().max(0.0) as usize).min(self.folds.len() - 1);
-        let opening = match self.current.take() {
-            Some(opening) if opening.number == number => opening,
-            Some(done) => OpeningFold { unopened: self.unopened(&done, x), ..self.open(number, x) },
-            None => self.open(number, x),
-        };
-        let done = smoothstep((t - self.time_per_fold * number as f64) / self.time_per_fold);
-        let angle = self.folds[number].angle;
+impl OpeningFold {
+    /// Fraction of the flap of `record` that lies on its own side of the line, weighted with mass and distance from it [-], with
+    /// the points at `x` [m].
+    fn open_fraction(&self, record: &FoldRecord, x: &[Vec3]) -> f64 {
+        let (mut open, mut all) = (0.0, 0.0);
+        for p in &self.flap {
+            let weight = p.mass * p.coords.s;
+            let is_open = (x[p.point as usize] - record.origin).dot(&record.outward) > 0.0;
+            open += if is_open { weight } else { 0.0 };
+            all += weight;
+        }
+        if all > 0.0 { open / all } else { 1.0 }
+    }
+
+    /// Springs that carry the flap turned by `angle` [rad], when the fraction `done` of the way is covered.
+    fn springs(&self, angle: f64, done: f64) -> Vec<TargetSpring> {
         let spring = |p: &OpeningPoint| {
             // Points away from the line are lifted, so that the crease itself is not pulled.
-            let lift = opening.lift * done * (p.coords.s / TUNING.fold.lift_ramp).min(1.0);
-            let phi = angle * (1.0 - done);
-            let target = opening.axis.folded(&p.coords, phi) + Vec3::y() * lift;
-            carry_spring(p.point, target, opening.axis.normal(&p.coords, phi), p.mass)
+            let lift = self.lift * done * (p.coords.s / TUNING.fold.lift_ramp).min(1.0);
+            let target = self.axis.folded(&p.coords, angle) + Vec3::y() * lift;
+            carry_spring(p.point, target, self.axis.normal(&p.coords, angle), p.mass)
         };
-        let loads = Loads {
-            springs: opening.flap.iter().map(spring).collect(),
-            guided: true,
-            fixed: opening.fixed.clone(),
-            max_dt: TUNING.fold.max_turn_per_step * self.time_per_fold / (PEAK_RATE * angle),
-            ..self.idle_loads.clone()
+        self.flap.iter().map(spring).collect()
+    }
+}
+
+impl ActionRunner for UnfoldRunner {
+    fn loads_at(&mut self, t: f64, x: &[Vec3]) -> Loads {
+        let number = ((t / self.time_per_turn - 1e-9).floor().max(0.0) as usize).min(self.turns.len() - 1);
+        let opening = match self.current.take() {
+            Some(opening) if opening.number == number => opening,
+            Some(done) => Opening { unopened: self.unopened(&done, x), ..self.open(number, x) },
+            None => self.open(number, x),
+        };
+        let done = smoothstep((t - self.time_per_turn * number as f64) / self.time_per_turn);
+        let guided = Loads { guided: true, ..self.idle_loads.clone() };
+        let loads = match (&self.turns[number], &opening.fold) {
+            (TurnRecord::Fold(record), Some(fold)) => Loads {
+                springs: fold.springs(record.angle * (1.0 - done), done),
+                fixed: fold.fixed.clone(),
+                max_dt: TUNING.fold.max_turn_per_step * self.time_per_turn / (PEAK_RATE * record.angle),
+                ..guided
+            },
+            (TurnRecord::Roll(roll), _) => {
+                let u = roll.length * (1.0 - done);
+                let spring = |(p, mass): (usize, &f64)| roll.spring(p, u, *mass);
+                Loads {
+                    springs: self.masses.iter().enumerate().map(spring).collect(),
+                    max_dt: roll.max_dt(self.time_per_turn),
+                    ..guided
+                }
+            }
+            _ => guided,
         };
         self.current = Some(opening);
         loads
@@ -228,10 +273,13 @@ impl ActionRunner for UnfoldRunner {
     }
 
     fn restore_state(&mut self, saved: &Value, point_count: usize) -> bool {
-        let Ok(current) = Option::<OpeningFold>::deserialize(saved) else { return false };
+        let Ok(current) = Option::<Opening>::deserialize(saved) else { return false };
         let fits = current.as_ref().is_none_or(|opening| {
-            opening.fixed.len() == point_count
-                && opening.flap.iter().all(|p| (p.point as usize) < point_count)
+            let is_number = opening.number < self.turns.len();
+            let fold_fits = opening.fold.as_ref().is_none_or(|fold| {
+                fold.fixed.len() == point_count && fold.flap.iter().all(|p| (p.point as usize) < point_count)
+            });
+            is_number && fold_fits
         });
         self.current = current;
         fits
@@ -239,10 +287,13 @@ impl ActionRunner for UnfoldRunner {
 
     fn failure(&self, x: &[Vec3]) -> Option<ActionFailure> {
         let number = self.unopened(self.current.as_ref()?, x)?;
-        let at = self.folds[number].origin;
+        let (what, at) = match &self.turns[number] {
+            TurnRecord::Fold(fold) => ("fold", fold.origin),
+            TurnRecord::Roll(roll) => ("roll", roll.map.origin),
+        };
         Some(ActionFailure {
             message: format!(
-                "fold {} from the last, about the line through ({:.3}, {:.3}, {:.3}) m, did not open",
+                "{what} {} from the last, about the line through ({:.3}, {:.3}, {:.3}) m, did not open",
                 number + 1,
                 at.x,
                 at.y,
@@ -253,6 +304,6 @@ impl ActionRunner for UnfoldRunner {
     }
 
     fn event_times(&self) -> Vec<f64> {
-        (1..self.folds.len()).map(|k| self.time_per_fold * k as f64).collect()
+        (1..self.turns.len()).map(|k| self.time_per_turn * k as f64).collect()
     }
 }
