@@ -109,6 +109,8 @@ fn transforms_lead_to_the_world_and_mirrors_turn_no_side() {
     let (asset, _) =
         read(&outer("float xformOp:rotateZ = 90", "\"xformOp:rotateZ\"").replace(&inner, &reset));
     assert_eq!(corner(&asset, 0, 1), [1.2, 0.0, 0.0]);
+    let foreign = outer("", "\"xformOp:tr{anslate\"");
+    assert!(refusal(&foreign).contains("no name of an attribute"), "{}", refusal(&foreign));
     let singular = outer("float3 xformOp:scale = (0, 1, 1)", "\"!invert!xformOp:scale\"");
     assert!(
         refusal(&singular).contains("/Up/A.xformOpOrder: its place is not known: /Up: !invert!xformOp:scale")
@@ -348,8 +350,15 @@ fn counts_that_lie_in_a_binary_file_are_refused() {
     assert!(refused > bytes.len(), "{refused}");
 }
 
-/// Rows of a sheet of 12 x 12 squares of 25 mm with a wave, in metres, y up: points, texture coordinates, corners of squares.
-fn sheet() -> (Vec<[f64; 3]>, Vec<[f64; 2]>, Vec<[usize; 4]>) {
+/// A sheet: points [m], y up, their texture coordinates, corners of its squares.
+struct Sheet {
+    points: Vec<[f64; 3]>,
+    uvs: Vec<[f64; 2]>,
+    squares: Vec<[usize; 4]>,
+}
+
+/// Makes a sheet of 12 x 12 squares of 25 mm that is bent a little.
+fn sheet() -> Sheet {
     let n = 12;
     let row = n + 1;
     let (mut points, mut uvs, mut squares) = (Vec::new(), Vec::new(), Vec::new());
@@ -371,11 +380,15 @@ fn sheet() -> (Vec<[f64; 3]>, Vec<[f64; 2]>, Vec<[usize; 4]>) {
     }
     let number = |p: usize| order.iter().position(|old| *old == p).expect("is used");
     let squares = squares.iter().map(|s| s.map(number)).collect();
-    (order.iter().map(|p| points[*p]).collect(), order.iter().map(|p| uvs[*p]).collect(), squares)
+    Sheet {
+        points: order.iter().map(|p| points[*p]).collect(),
+        uvs: order.iter().map(|p| uvs[*p]).collect(),
+        squares,
+    }
 }
 
 fn sheet_obj() -> String {
-    let (points, uvs, squares) = sheet();
+    let Sheet { points, uvs, squares } = sheet();
     let mut text = String::new();
     for [x, y, z] in points {
         let _ = writeln!(text, "v {x} {y} {z}");
@@ -392,7 +405,7 @@ fn sheet_obj() -> String {
 
 /// The sheet as USD; `write` gives the file's coordinates of a point.
 fn sheet_usda(header: &str, write: impl Fn([f64; 3]) -> [f64; 3]) -> String {
-    let (points, uvs, squares) = sheet();
+    let Sheet { points, uvs, squares } = sheet();
     let points: Vec<String> =
         points.into_iter().map(write).map(|[x, y, z]| format!("({x}, {y}, {z})")).collect();
     let uvs: Vec<String> = uvs.iter().map(|[u, v]| format!("({u}, {v})")).collect();

@@ -97,7 +97,7 @@ impl Layers {
 /// Returns the identifier of the layer at `address` in the layer `anchor`.
 pub(super) fn joined(anchor: &str, address: &str) -> String {
     // A file in a package is "package.usdz[folder/file.usda]".
-    let address = address.replace('\\', "/").replace('[', "/").replace(']', "");
+    let address = address.replace(['\\', '['], "/").replace(']', "");
     if address.starts_with('/') || address.contains("://") || address.get(1..3) == Some(":/") {
         return address;
     }

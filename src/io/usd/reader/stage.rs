@@ -139,9 +139,20 @@ impl Prim {
         Ok(names.iter().map(|name| name.as_str()).filter(is_sound).map(str::to_owned).collect())
     }
 
+    /// Returns an attribute.
+    ///
+    /// # Errors
+    /// A name that is none: see [`Prim::children`].
+    fn attribute(&self, name: &str) -> Result<usd::Attribute, Fault> {
+        match Path::is_valid_namespace_identifier(name) {
+            true => Ok(self.0.attribute(name)),
+            false => Err(format!("\"{name}\" is no name of an attribute")),
+        }
+    }
+
     /// Returns the value of an attribute outside of time; of one that has none, its earliest sample.
     pub(super) fn value(&self, name: &str) -> Result<Option<Sampled>, Fault> {
-        let attribute = self.0.attribute(name);
+        let attribute = self.attribute(name)?;
         let times = attribute.time_sample_times().map_err(words)?;
         let is_animated = times.len() > 1;
         let sampled = |value: Value| Sampled { value: converted(value), is_animated };
@@ -159,13 +170,13 @@ impl Prim {
 
     /// Returns the type of an attribute, as `texCoord2f[]`; empty without one.
     pub(super) fn attribute_type(&self, name: &str) -> Result<String, Fault> {
-        let kind = self.0.attribute(name).type_name().map_err(words)?;
+        let kind = self.attribute(name)?.type_name().map_err(words)?;
         Ok(kind.map(|kind| kind.as_str().to_owned()).unwrap_or_default())
     }
 
     /// Returns metadata of an attribute that is a name.
     pub(super) fn attribute_token(&self, attribute: &str, name: &str) -> Result<Option<String>, Fault> {
-        let value = self.0.attribute(attribute).get_metadata::<Value>(name).map_err(words)?;
+        let value = self.attribute(attribute)?.get_metadata::<Value>(name).map_err(words)?;
         Ok(match value.map(converted) {
             Some(UsdValue::Token(token)) => Some(token),
             _ => None,
