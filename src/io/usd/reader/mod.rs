@@ -156,9 +156,9 @@ fn stage_frame(
     };
     let note = (unit_m.is_none() && own_unit.is_none()).then(|| ImportDiagnostic {
         severity: Severity::Note,
-        location: "metersPerUnit".to_owned(),
+        location: String::new(),
         message:
-            "is not given: the unit is taken to be the centimetre, as USD has it (--unit states another)"
+            "metersPerUnit is not given: the unit is taken to be the centimetre, as USD has it (--unit states another)"
                 .to_owned(),
     });
     let frame = FileFrame {
