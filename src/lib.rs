@@ -47,7 +47,7 @@
 //! # Pipeline
 //!
 //! ```text
-//! .glb .gltf .obj --io--> SourceAsset --garment--> Garment   (welded points, hinges, material coordinates)
+//! .glb .gltf .obj .usd --io--> SourceAsset --garment--> Garment   (welded points, hinges, material coordinates)
 //! crease-wear/1   --wear--> WearScript                       (actions: lay, fold, press, bend, ...)
 //! crease-fabric/1 --fabric--> Fabric                         (stiffnesses, friction, numbers of the memory law)
 //!

@@ -10,13 +10,16 @@ use std::path::Path;
 use tool::{Pose, crease_in, wavy_sheet};
 
 /// What the user wanted to do, and the command.
-const MISTAKES: [(&str, &str); 32] = [
+const MISTAKES: [(&str, &str); 35] = [
     ("a wrong path", "bake shrit.obj --wear wear.json -o out.glb"),
     ("a folder for a file", "inspect folder"),
     ("a format that is not read", "inspect shirt.fbx"),
     ("a mesh without triangles", "inspect points.obj"),
     ("a decimal comma", "inspect comma.obj"),
     ("a glTF without its buffer", "inspect bare.gltf"),
+    ("a USD mesh with an index too many", "bake damaged.usda --wear wear.json -o out.glb"),
+    ("a USD file that is cut off", "inspect cut.usdc"),
+    ("a USD stage whose mesh is in a file that is missing", "inspect stage.usda"),
     ("a wrong unit", "bake centimetres.obj --wear wear.json -o out.glb"),
     ("an unknown unit", "inspect sheet.obj --unit feet"),
     ("an unknown garment", "bake sleeve.glb --garment shirt --wear wear.json -o out.glb"),
@@ -66,6 +69,14 @@ fn write_files(folder: &Path) {
             "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "nodes": [{"mesh": 0}],
             "scenes": [{"nodes": [0]}]}"#,
     );
+    let square = "#usda 1.0\n(\n    metersPerUnit = 1\n)\ndef Xform \"shirt\"\n{\n    def Mesh \"front\"\n    {\n        \
+        point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]\n        int[] faceVertexCounts = [3]\n        \
+        int[] faceVertexIndices = [0, 1, 3]\n    }\n}\n";
+    write("damaged.usda", square);
+    let seeds = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fuzz/seeds/usd");
+    let whole = std::fs::read(seeds.join("square.usdc")).expect("reads");
+    std::fs::write(folder.join("cut.usdc"), &whole[..whole.len() / 2]).expect("writes");
+    write("stage.usda", "#usda 1.0\ndef \"shirt\" (\n    references = @front.usda@</front>\n)\n{\n}\n");
     script("wear.json", r#"{"lay": {"facing": "front", "over": 0.2}}"#);
     script("bend.json", r#"{"bend": {"joint": "elbow", "axis": "z", "angle": 90}}"#);
     script("knee.json", r#"{"bend": {"joint": "knee", "axis": "z", "angle": 90}}"#);

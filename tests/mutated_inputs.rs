@@ -12,6 +12,7 @@ mod feed;
 
 use crease::{Error, Result};
 use external::external;
+use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -151,6 +152,7 @@ fn the_seeds_themselves_are_read() {
     };
     read("obj", &|name, bytes| feed::lone_mesh(name, bytes));
     read("gltf", &|name, bytes| feed::lone_mesh(name, bytes));
+    read("usd", &|name, bytes| feed::lone_mesh(name, bytes));
     read("wear", &|_, bytes| feed::wear(bytes));
     read("fabric", &|_, bytes| feed::fabric(bytes));
     read("sidecar", &|_, bytes| feed::sidecar(bytes));
@@ -166,6 +168,22 @@ fn mutated_obj_seeds() {
 #[test]
 fn mutated_gltf_seeds() {
     mutate_seeds("gltf", &|name, bytes| feed::lone_mesh(name, bytes));
+}
+
+#[test]
+fn mutated_usd_seeds() {
+    // A panic of the package that decodes USD is caught where it is called: it would count as a refusal. The check before the
+    // decoder has to find what makes it panic.
+    let caught = Cell::new(0usize);
+    mutate_seeds("usd", &|name, bytes| {
+        let read = feed::lone_mesh(name, bytes);
+        caught.set(
+            caught.get()
+                + usize::from(read.as_ref().is_err_and(|e| e.to_string().contains("reader stopped"))),
+        );
+        read
+    });
+    assert_eq!(caught.get(), 0, "panics of the decoder");
 }
 
 #[test]

@@ -32,7 +32,7 @@ pub struct GarmentFile {
 }
 
 impl GarmentFile {
-    /// Loads a .glb, .gltf (with its buffers) or .obj file.
+    /// Loads a .glb, .gltf (with its buffers), .obj or USD file.
     ///
     /// # Errors
     /// [`Error::Input`] with every problem of the file; [`Error::File`] if it cannot be read.
@@ -41,10 +41,10 @@ impl GarmentFile {
         Self::new(asset, diagnostics, options.weld_m)
     }
 
-    /// Reads a .glb or .obj file from memory; `name` is its name in messages.
+    /// Reads a .glb, .obj or USD file from memory; `name` is its name in messages.
     ///
     /// # Errors
-    /// [`Error::Input`] with every problem of the file; a .gltf file that refers to others is one.
+    /// [`Error::Input`] with every problem of the file; a .gltf file that refers to others is one; what a USD file refers to is left out, with a warning.
     pub fn parse(name: &str, bytes: &[u8], options: &ReadOptions) -> Result<Self> {
         let (asset, diagnostics) = read_asset(name, bytes, options, &mut |other| {
             Err(Error::input(name, other, "is another file", "load the mesh from its folder, or as .glb"))

@@ -12,7 +12,7 @@ use crate::wear::WearScript;
 use std::path::Path;
 
 impl Garment {
-    /// Loads the garment of a .glb, .gltf or .obj file in metres, y up. [`GarmentFile::load`] has options for other units
+    /// Loads the garment of a .glb, .gltf, .obj or USD file in metres, y up. [`GarmentFile::load`] has options for other units
     /// and axes and for one garment of several, and keeps the file, into which the worn garment can be saved.
     ///
     /// # Errors
@@ -45,7 +45,7 @@ impl Fabric {
 }
 
 impl AnimatedBody {
-    /// Loads a body with its skeleton and animation from a .glb, .gltf or .obj file: every mesh in it that `options` do not
+    /// Loads a body with its skeleton and animation from a .glb or .gltf file, or without from an .obj or USD file: every mesh in it that `options` do not
     /// choose as the garment. The garment's size is not checked.
     ///
     /// # Errors

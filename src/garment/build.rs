@@ -343,6 +343,7 @@ mod tests {
             sha256: String::new(),
             format: SourceFormat::Obj,
             unit_m: 1.0,
+            unit_is_known: false,
             up: UpAxis::Y,
             document: None,
             obj: None,

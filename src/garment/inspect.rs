@@ -22,7 +22,7 @@ const MAX_LISTED_PIECES: usize = 40;
 pub struct Inspection {
     /// File as the user named it.
     pub file: String,
-    /// "OBJ" or "glTF".
+    /// "OBJ", "glTF" or "USD".
     pub format: &'static str,
     /// SHA-256 of the file, lower-case hex.
     pub sha256: String,
@@ -140,6 +140,7 @@ pub fn inspect(asset: &SourceAsset, garment: &Garment, diagnostics: &[ImportDiag
         format: match asset.format {
             SourceFormat::Obj => "OBJ",
             SourceFormat::Gltf => "glTF",
+            SourceFormat::Usd => "USD",
         },
         sha256: asset.sha256.clone(),
         unit_m: asset.unit_m,

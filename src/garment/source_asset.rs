@@ -12,6 +12,8 @@ pub enum SourceFormat {
     Obj,
     /// glTF 2.0, as .gltf or .glb.
     Gltf,
+    /// USD, as .usda, .usdc, .usd or .usdz.
+    Usd,
 }
 
 /// Axis of a file that points up.
@@ -76,26 +78,26 @@ impl Placement {
     }
 }
 
-/// Triangles with one material: a glTF primitive instance, or one group-and-material of an OBJ.
+/// Triangles with one material: a glTF primitive instance, one group-and-material of an OBJ, or one material of a USD mesh.
 #[derive(Debug, Clone)]
 pub struct SourcePiece {
     /// Node or group name, for `--garment` and for messages.
     pub name: String,
     /// Material name, if any.
     pub material: Option<String>,
-    /// glTF: index into `meshes`; OBJ: 0.
+    /// glTF: index into `meshes`; OBJ: 0; USD: number of the mesh.
     pub mesh: usize,
-    /// glTF: index into the mesh's `primitives`; OBJ: number of the piece.
+    /// glTF: index into the mesh's `primitives`; OBJ, USD: number of the piece.
     pub primitive: usize,
     /// glTF: index of the node that carries the mesh.
     pub node: Option<usize>,
     /// One per vertex, in the piece's own coordinates and the file's unit.
     pub positions: Vec<Vec3>,
-    /// One per vertex: number of its position in the file, where vertices refer to a common list of positions (an OBJ's `v`).
+    /// One per vertex: number of its position in the file, where vertices refer to a common list of positions (an OBJ's `v`, a USD mesh's points).
     pub position_ids: Option<Vec<u32>>,
     /// One per vertex, unit length, where the file has them.
     pub normals: Option<Vec<Vec3>>,
-    /// One per vertex: first texture coordinate set (OBJ's v flipped to glTF's, so v grows downward).
+    /// One per vertex: first texture coordinate set, v growing downward as in glTF (that of OBJ and USD is flipped).
     pub uvs: Option<Vec<Vec2>>,
     /// One per vertex: factor of memory 0..1 from a colour channel or attribute, where asked for.
     pub mask: Option<Vec<f64>>,
@@ -182,6 +184,8 @@ pub struct SourceAsset {
     pub format: SourceFormat,
     /// Metres per file unit.
     pub unit_m: f64,
+    /// Whether the unit was given, or the file states it.
+    pub unit_is_known: bool,
     /// Up axis of the file.
     pub up: UpAxis,
     /// Document, for glTF.

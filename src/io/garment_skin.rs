@@ -1,7 +1,7 @@
 //! Reads the skin of a garment: its worn pieces with their joints and weights.
 
 use crate::body::{AnimatedBody, GarmentSkin};
-use crate::garment::SourceAsset;
+use crate::garment::{SourceAsset, SourceFormat};
 use crate::io::gltf::read_rig;
 
 /// Reads the skin of the worn pieces of `asset` for `body`. `held` is, per worn vertex, 1 where it is held and 0 where it is
@@ -17,7 +17,12 @@ pub fn read_garment_skin(
     let pieces: Vec<_> = asset.worn_pieces().collect();
     let rig = match read_rig(asset, &pieces) {
         Ok(Some(rig)) => rig,
-        Ok(None) => return Err("an OBJ file has no skin".to_owned()),
+        Ok(None) => {
+            return Err(match asset.format {
+                SourceFormat::Usd => "the skin of a USD file is not read: a .glb keeps it".to_owned(),
+                _ => "an OBJ file has no skin".to_owned(),
+            });
+        }
         Err(error) => return Err(format!("its skin cannot be read: {error}")),
     };
     let same_file = asset.sha256 == body.sha256;

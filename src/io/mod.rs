@@ -4,6 +4,7 @@
 
 mod body;
 mod choose_worn;
+mod corners;
 mod error_list;
 mod frames;
 mod garment_skin;
@@ -11,6 +12,7 @@ pub mod gltf;
 mod landmarks;
 mod obj;
 mod pieces;
+mod polygon;
 mod read;
 mod shape_obj;
 mod sidecar;
@@ -30,5 +32,6 @@ pub use sidecar::{
 };
 pub use size::{check_size, compare_body_size, compare_frame_size};
 pub use usd::{
-    UsdFrames, UsdScene, UsdShape, UsdTexture, UsdaMemory, read_usda, usd_textures, wrapped_deg, write_usda,
+    UsdFrames, UsdScene, UsdShape, UsdTexture, UsdaMemory, is_usd, read_usda, usd_textures, wrapped_deg,
+    write_usda,
 };

@@ -17,8 +17,21 @@ pub(super) struct ReadPieces {
     pub(super) document: Option<GltfDocument>,
     /// Lines, for OBJ.
     pub(super) obj: Option<ObjLines>,
+    /// Unit and axis, where they are those of the file.
+    pub(super) frame: Option<FileFrame>,
     /// Repairs and notes.
     pub(super) diagnostics: Vec<ImportDiagnostic>,
+}
+
+/// Unit and up axis of a file.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct FileFrame {
+    /// Metres per file unit.
+    pub(super) unit_m: f64,
+    /// Up axis.
+    pub(super) up: UpAxis,
+    /// Whether the file itself states its unit.
+    pub(super) states_unit: bool,
 }
 
 /// Piece with all names it can be chosen by.

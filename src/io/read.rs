@@ -8,10 +8,10 @@
 use crate::garment::{ImportDiagnostic, Severity, SourceAsset, SourceFormat, SourcePiece, UpAxis};
 use crate::io::choose_worn::{choose_worn, labels_of};
 use crate::io::error_list::ErrorList;
-use crate::io::pieces::{DamagedPiece, MASK_OPTIONS, NamedPiece, to_scene};
+use crate::io::pieces::{DamagedPiece, FileFrame, MASK_OPTIONS, NamedPiece, to_scene};
 use crate::io::size::check_size;
 use crate::io::tuning::TUNING;
-use crate::io::{gltf, obj};
+use crate::io::{gltf, obj, usd};
 use crate::math::Vec3;
 use crate::{Error, Result};
 use sha2::{Digest, Sha256};
@@ -22,15 +22,15 @@ const MAX_FILE_BYTES: usize = u32::MAX as usize;
 /// Options of reading a mesh file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ReadOptions {
-    /// Metres per file unit; 1 when not given.
+    /// Metres per file unit; when not given that of a USD stage, otherwise 1.
     pub unit_m: Option<f64>,
-    /// Up axis of the file; y when not given.
+    /// Up axis of the file; when not given that of a USD stage, otherwise y.
     pub up: Option<UpAxis>,
     /// Worn parts: the name of a node, mesh, group, object or material, NAME:MATERIAL, `piece#3` as `inspect` numbers them, or
     /// several of these with commas between them; everything when not given.
     pub garment: Option<String>,
     /// Vertex attribute that scales the memory locally: `COLOR_0`, `COLOR_0.g`, `_PIN`, ...; of an OBJ
-    /// `COLOR_0`. A component is chosen by `.r .g .b .a` or `.x .y .z .w`, else the first is taken.
+    /// `COLOR_0`; of USD a primvar, where `COLOR_0` is `displayColor`. A component is chosen by `.r .g .b .a` or `.x .y .z .w`, else the first is taken.
     pub mask: Option<String>,
     /// Vertex attribute that scales hems and seams locally, named as `mask` is: 0 for single cloth.
     pub sewing_mask: Option<String>,
@@ -43,7 +43,7 @@ pub struct ReadOptions {
 }
 
 /// Reads the mesh file `bytes`, named `file_name` in messages; also returns repairs and notes. `resolve` returns the bytes
-/// of a file that the document refers to by a relative address (a glTF's .bin).
+/// of a file that the document refers to by a relative address (a glTF's .bin, a layer of a USD stage).
 ///
 /// ```
 /// use crease::{GarmentFile, ReadOptions};
@@ -61,6 +61,7 @@ pub fn read_asset(
 ) -> Result<(SourceAsset, Vec<ImportDiagnostic>)> {
     let mut errors = ErrorList::new(file_name);
     let unit_m = options.unit_m.unwrap_or(1.0);
+    let up = options.up.unwrap_or(UpAxis::Y);
     if !TUNING.unit_m.contains(&unit_m) {
         errors.push(
             "",
@@ -72,13 +73,13 @@ pub fn read_asset(
         errors.push("", "longer than 4 GiB", "split it, or leave out what is not the garment");
     }
     errors.finish()?;
-    let up = options.up.unwrap_or(UpAxis::Y);
     let format = format_of(file_name, bytes)?;
     let to_scene = to_scene(unit_m, up);
     let masks = [&options.mask, &options.sewing_mask].map(|name| name.as_deref());
     let mut read = match format {
         SourceFormat::Obj => obj::read_obj(file_name, bytes, &to_scene, masks)?,
         SourceFormat::Gltf => gltf::read_gltf(file_name, bytes, &to_scene, masks, resolve)?,
+        SourceFormat::Usd => usd::read_usd(file_name, bytes, (options.unit_m, options.up), masks, resolve)?,
     };
     let has_triangles = |named: &NamedPiece| !named.piece.triangles.is_empty();
     let has_others = read.pieces.iter().any(has_triangles);
@@ -96,19 +97,21 @@ pub fn read_asset(
         read.diagnostics.extend(scale_mask(option, &mut pieces, of));
     }
     read.diagnostics.extend(choose_worn(file_name, &mut pieces, options.garment.as_deref())?);
+    let frame = read.frame.unwrap_or(FileFrame { unit_m, up, states_unit: false });
     let asset = SourceAsset {
         file: file_name.to_owned(),
         sha256: Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect(),
         format,
-        unit_m,
-        up,
+        unit_m: frame.unit_m,
+        unit_is_known: options.unit_m.is_some() || frame.states_unit,
+        up: frame.up,
         document: read.document,
         obj: read.obj,
         pieces: pieces.into_iter().map(|named| named.piece).collect(),
     };
     check_coordinates(&asset)?;
     if !options.any_size {
-        read.diagnostics.extend(check_size(&asset, options.unit_m.is_some())?);
+        read.diagnostics.extend(check_size(&asset)?);
     }
     read.diagnostics.extend(gltf::earlier_wear_note(&asset));
     Ok((asset, read.diagnostics))
@@ -122,20 +125,28 @@ fn format_of(file_name: &str, bytes: &[u8]) -> Result<SourceFormat> {
     if gltf::is_glb(bytes) || first == Some(b'{') || extension == "gltf" || extension == "glb" {
         return Ok(SourceFormat::Gltf);
     }
-    let foreign = ["fbx", "stl", "ply", "dae", "abc", "usd", "usda", "usdc", "usdz", "blend", "3ds", "zprj"];
+    if usd::is_usd(text) || ["usd", "usda", "usdc", "usdz"].contains(&extension.as_str()) {
+        return Ok(SourceFormat::Usd);
+    }
+    let foreign = ["fbx", "stl", "ply", "dae", "abc", "blend", "3ds", "zprj"];
     if foreign.contains(&extension.as_str()) {
         return Err(Error::input(
             file_name,
             "",
             format!(".{extension} files cannot be read"),
-            "export it as glTF (.glb) or OBJ",
+            "export it as glTF (.glb), USD or OBJ",
         ));
     }
     if bytes.starts_with(b"\xFF\xFE") || bytes.starts_with(b"\xFE\xFF") {
         return Err(Error::input(file_name, "byte 0", "the text is UTF-16", "save it as UTF-8"));
     }
     if extension != "obj" && bytes.iter().take(4096).any(|&byte| byte == 0) {
-        return Err(Error::input(file_name, "", "neither glTF nor OBJ", "export it as glTF (.glb) or OBJ"));
+        return Err(Error::input(
+            file_name,
+            "",
+            "neither glTF nor USD nor OBJ",
+            "export it as glTF (.glb), USD or OBJ",
+        ));
     }
     Ok(SourceFormat::Obj)
 }

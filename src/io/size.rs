@@ -9,11 +9,11 @@ use crate::{Error, Result};
 /// Units that a file may be in, and their lengths [m].
 const UNITS: [(&str, f64); 5] = [("m", 1.0), ("dm", 0.1), ("cm", 0.01), ("mm", 0.001), ("in", 0.0254)];
 
-/// Rejects a garment of a size that no garment has; returns a warning about one that is rare, unless its unit was given.
+/// Rejects a garment of a size that no garment has; returns a warning about one that is rare, unless its unit is known.
 ///
 /// # Errors
 /// [`Error::Input`] with the units that would make it a garment.
-pub fn check_size(asset: &SourceAsset, unit_is_given: bool) -> Result<Option<ImportDiagnostic>> {
+pub fn check_size(asset: &SourceAsset) -> Result<Option<ImportDiagnostic>> {
     let Some((low, high)) = asset.worn_bounds() else { return Ok(None) };
     let size = high - low;
     let units = size / asset.unit_m;
@@ -25,7 +25,7 @@ pub fn check_size(asset: &SourceAsset, unit_is_given: bool) -> Result<Option<Imp
         .collect();
     let hint = if fits.is_empty() { String::new() } else { format!("; {}", fits.join(", ")) };
     if TUNING.garment_side_m.contains(&size.max()) {
-        let is_questionable = !unit_is_given && !TUNING.usual_garment_side_m.contains(&size.max());
+        let is_questionable = !asset.unit_is_known && !TUNING.usual_garment_side_m.contains(&size.max());
         return Ok(is_questionable.then(|| ImportDiagnostic {
             severity: Severity::Warning,
             location: String::new(),

@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// Body that a garment is worn on.
 #[derive(Debug, Clone, Args)]
 pub struct BodyArgs {
-    /// Body that the garment is worn on: .glb, .gltf or .obj (may be the file of the garment), a folder of numbered .obj frames, or - for the standard input
+    /// Body that the garment is worn on: .glb, .gltf, .obj or USD, which does not move (may be the file of the garment), a folder of numbered .obj frames, or - for the standard input
     #[arg(long, value_name = "BODY")]
     body: Option<PathBuf>,
     /// Node, mesh or group that is the body [default: the whole file except the garment]
@@ -28,10 +28,10 @@ pub struct BodyArgs {
     /// below it move
     #[arg(long, value_name = "NAMES", requires = "body")]
     body_without: Option<String>,
-    /// Unit of the body file: m, dm, cm, mm, in or metres [default: --unit; metres for a glTF beside an OBJ]
+    /// Unit of the body file: m, dm, cm, mm, in or metres [default: --unit; metres for a glTF beside an OBJ, its own for a USD file]
     #[arg(long, value_name = "UNIT", allow_negative_numbers = true, value_parser = unit, requires = "body")]
     body_unit: Option<Metres>,
-    /// Up axis of the body file: y or z [default: --up; y for a glTF beside an OBJ]
+    /// Up axis of the body file: y or z [default: --up; y for a glTF beside an OBJ, its own for a USD file]
     #[arg(long, value_name = "AXIS", value_parser = up_axis, requires = "body")]
     body_up: Option<UpAxis>,
     /// Frames per second of a folder of frames
@@ -68,14 +68,17 @@ impl BodyArgs {
         let Some(body) = &self.body else { return Ok(None) };
         let same =
             body == path || matches!((body.canonicalize(), path.canonicalize()), (Ok(a), Ok(b)) if a == b);
-        let is_gltf = !body.is_dir() && input::is_gltf(body)?;
-        let reading = self.body_options(is_gltf, options, mesh.asset.format);
+        let own_format = if body.is_dir() { None } else { input::format_with_frame(body)? };
+        let reading = self.body_options(own_format, options, mesh.asset.format);
+        let mut unit_m = reading.unit_m.unwrap_or(1.0);
         let mut body = if body.is_dir() {
             self.read_frames_of(body, options, mesh.asset.format)?
         } else if same {
+            unit_m = mesh.asset.unit_m;
             self.read_in_garment_file(mesh, path, options)?
         } else {
             let (asset, diagnostics) = read_asset_file(body, &reading).map_err(of_body_node)?;
+            unit_m = asset.unit_m;
             let left_out = self.left_out_pieces(body, &reading)?;
             let is_kept = |(k, _): &(usize, &SourcePiece)| !left_out.contains(k);
             let pieces: Vec<&SourcePiece> =
@@ -87,7 +90,6 @@ impl BodyArgs {
             body
         };
         self.leave_out_joints(&mut body)?;
-        let unit_m = if same { mesh.asset.unit_m } else { reading.unit_m.unwrap_or(1.0) };
         let boxes = mesh.asset.worn_bounds().zip(body.bounds());
         if let Some(note) = boxes.and_then(|(garment, own)| {
             // Garment and body of one file have one unit.
@@ -128,14 +130,19 @@ impl BodyArgs {
         }
     }
 
-    /// Options to read the body file with, where `garment` are those of the garment file. A glTF beside an OBJ is in
-    /// metres, y up; other files are taken to come from where the garment does.
-    fn body_options(&self, is_gltf: bool, garment: &ReadOptions, format: SourceFormat) -> ReadOptions {
-        let is_like_garment = !is_gltf || format == SourceFormat::Gltf;
+    /// Options to read the body file with, where `garment` are those of the garment file, whose format is `format`. A glTF beside an
+    /// OBJ is in metres, y up, and a USD file states its unit and axis; other files are taken to come from where the garment does.
+    fn body_options(
+        &self,
+        own_format: Option<SourceFormat>,
+        garment: &ReadOptions,
+        format: SourceFormat,
+    ) -> ReadOptions {
+        let is_like_garment = own_format.is_none_or(|own| own == format);
         let of_garment = garment.clone();
         let (unit_m, up) = if is_like_garment { (of_garment.unit_m, of_garment.up) } else { (None, None) };
         ReadOptions {
-            unit_m: Some(self.body_unit.map(|unit| unit.0).or(unit_m).unwrap_or(1.0)),
+            unit_m: self.body_unit.map(|unit| unit.0).or(unit_m),
             up: self.body_up.or(up),
             garment: self.body_node.clone(),
             mask: None,
@@ -251,7 +258,7 @@ impl BodyArgs {
             let message = "a folder of frames has no rate of its own";
             return Err(Error::input(name_of(folder), "", message, "give it with --body-fps"));
         };
-        let frames = read_frames(folder, &self.body_options(false, options, format))?;
+        let frames = read_frames(folder, &self.body_options(None, options, format))?;
         AnimatedBody::from_frames(&frames, rate)
     }
 }

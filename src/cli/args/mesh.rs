@@ -8,10 +8,10 @@ use crease::io::ReadOptions;
 /// Unit, up axis and garment of a mesh file.
 #[derive(Debug, Clone, Args)]
 pub struct MeshArgs {
-    /// Unit of the mesh file: m, dm, cm, mm, in, or its length in metres [default: derived from format and size]
+    /// Unit of the mesh file: m, dm, cm, mm, in, or its length in metres [default: that of a USD file, otherwise derived from format and size]
     #[arg(long, value_name = "UNIT", allow_negative_numbers = true, value_parser = unit)]
     unit: Option<Metres>,
-    /// Up axis of the mesh file: y or z [default: derived from the format]
+    /// Up axis of the mesh file: y or z [default: that of a USD file, otherwise derived from the format]
     #[arg(long, value_name = "AXIS", value_parser = up_axis)]
     up: Option<UpAxis>,
     /// Parts that are the garment: nodes, meshes, groups, materials (Body:Purple is the material Purple of Body) or numbers as

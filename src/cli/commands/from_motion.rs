@@ -15,7 +15,7 @@ use crease::bake::{BakeResult, GarmentMotion, memory_from_motion};
 use crease::body::rig::Rig;
 use crease::fabric::{DEFAULT_FABRIC, Fabric};
 use crease::files::GarmentFile;
-use crease::garment::{Garment, SourceAsset, SourcePiece};
+use crease::garment::{Garment, SourceAsset, SourceFormat, SourcePiece};
 use crease::io::gltf::read_rig;
 use crease::io::{ReadOptions, Sidecar, compare_frame_size, sequence_from_assets};
 use crease::math::Vec3;
@@ -242,7 +242,11 @@ impl MotionInput {
         let pieces: Vec<&SourcePiece> = mesh.asset.worn_pieces().collect();
         let Some(rig) = read_rig(&mesh.asset, &pieces)? else {
             let help = "give an animated .glb, or a folder of numbered .obj frames with --fps";
-            return Err(Error::input(file, "", "an OBJ file does not move", help));
+            let message = match mesh.asset.format {
+                SourceFormat::Usd => "the motion of a USD file is not read",
+                _ => "an OBJ file does not move",
+            };
+            return Err(Error::input(file, "", message, help));
         };
         let refuse =
             |message: String, help: String| Err(Error::input(file.clone(), "animations", message, help));

@@ -15,7 +15,7 @@ use std::path::PathBuf;
   crease inspect shirt.obj --unit cm
   crease inspect shirt.glb --json")]
 pub struct Arguments {
-    /// Mesh file: .obj, .gltf or .glb; - for the standard input
+    /// Mesh file: .obj, .gltf, .glb or USD (.usda, .usdc, .usd, .usdz); - for the standard input
     mesh: PathBuf,
     #[command(flatten)]
     reading: MeshArgs,
@@ -30,7 +30,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let any_size = ReadOptions { any_size: true, ..options.clone() };
     let GarmentFile { asset, garment, diagnostics: mut findings } =
         GarmentFile::load(&arguments.mesh, &any_size)?;
-    let size = if options.any_size { Ok(None) } else { check_size(&asset, options.unit_m.is_some()) };
+    let size = if options.any_size { Ok(None) } else { check_size(&asset) };
     findings.extend(size.as_ref().ok().cloned().flatten());
     let mut inspection = crease::garment::inspect(&asset, &garment, &findings);
     inspection.contents = file_contents(&asset)?;

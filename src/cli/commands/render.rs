@@ -20,7 +20,7 @@ use std::path::PathBuf;
   crease render worn.glb --view back --focus memory -o close.png
   crease render worn.glb --turntable 36 -o turn.png")]
 pub struct Arguments {
-    /// Worn garment, as `crease bake` wrote it; for shape and curvature any .glb, .gltf or .obj
+    /// Worn garment, as `crease bake` wrote it; for shape and curvature any .glb, .gltf, .obj or USD
     #[arg(value_name = "WORN.glb")]
     worn: PathBuf,
     /// Quantity that the colours show

@@ -35,7 +35,7 @@ pub struct Arguments {
     /// up
     #[arg(required = true, value_name = "SIDECAR")]
     sidecars: Vec<PathBuf>,
-    /// Target garment: .obj, .gltf or .glb
+    /// Target garment: .obj, .gltf, .glb or USD
     #[arg(long, value_name = "MESH")]
     to: PathBuf,
     /// Worn garment to write; OUT.crease.json and OUT.report.json go beside it. - is the standard output, for the garment alone

@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
   crease view worn.glb -o worn.html --frames frames
   crease view denim.glb linen.glb -o both.html --show stiffness")]
 pub struct Arguments {
-    /// Up to four worn garments, as written by `crease bake`, shown side by side; also any .glb, .gltf or .obj
+    /// Up to four worn garments, as written by `crease bake`, shown side by side; also any .glb, .gltf, .obj or USD
     #[arg(value_name = "WORN.glb", required = true, num_args = 1..=4)]
     worn: Vec<PathBuf>,
     /// Page to write

@@ -1,6 +1,8 @@
 //! Whole input files, with error messages a user can act on.
 
 use crease::fabric::Fabric;
+use crease::garment::SourceFormat;
+use crease::io::is_usd;
 use crease::{Diagnostic, Error, Result};
 use std::path::Path;
 
@@ -38,6 +40,24 @@ pub fn is_gltf(path: &Path) -> Result<bool> {
         return Ok(bytes.starts_with(b"glTF") || (first == Some(&b'{') && !is_sidecar()));
     }
     Ok(path.extension().is_some_and(|e| ["glb", "gltf"].iter().any(|own| e.eq_ignore_ascii_case(own))))
+}
+
+/// Returns the format of `path` if it has a unit and an up axis of its own: glTF or USD, by its name, or of the standard input by its
+/// content.
+///
+/// # Errors
+/// A standard input that cannot be read.
+pub fn format_with_frame(path: &Path) -> Result<Option<SourceFormat>> {
+    if is_gltf(path)? {
+        return Ok(Some(SourceFormat::Gltf));
+    }
+    let is_usd = match path == Path::new(STANDARD_STREAM) {
+        true => is_usd(&bytes(path)?),
+        false => path
+            .extension()
+            .is_some_and(|e| ["usd", "usda", "usdc", "usdz"].iter().any(|own| e.eq_ignore_ascii_case(own))),
+    };
+    Ok(is_usd.then_some(SourceFormat::Usd))
 }
 
 /// Checks that at most one of `options`, each with the path that it names, is the standard input.

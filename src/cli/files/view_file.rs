@@ -25,9 +25,8 @@ pub struct ViewFile {
 impl ViewFile {
     /// Reads `path`. Memory comes from the sidecar if there is one, otherwise from the attributes of the file.
     pub fn read(path: &Path) -> Result<Self> {
-        // An explicit unit: a garment that is only drawn may have any size.
-        let options =
-            ReadOptions { unit_m: Some(1.0), any_size: true, skip_damaged: true, ..ReadOptions::default() };
+        // A garment that is only drawn may have any size.
+        let options = ReadOptions { any_size: true, skip_damaged: true, ..ReadOptions::default() };
         let (mut asset, _) = read_asset_file(path, &options)?;
         let sidecar = asset.document.as_ref().and_then(sidecar_name).map(|name| path.with_file_name(name));
         let Some(sidecar) = sidecar.filter(|path| path.is_file()) else {

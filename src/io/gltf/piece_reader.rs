@@ -52,6 +52,7 @@ impl<'a> PieceReader<'a> {
                 damaged: Vec::new(),
                 document: None,
                 obj: None,
+                frame: None,
                 diagnostics: Vec::new(),
             },
         }

@@ -6,17 +6,16 @@
 
 mod lines;
 mod parse;
-mod polygon;
 
 use crate::garment::{ImportDiagnostic, ObjFace, ObjLines, Placement, Severity, SourcePiece};
+use crate::io::corners::{Corner, CornerVertices};
 use crate::io::error_list::ErrorList;
-use crate::io::obj::parse::{BadPosition, Corner, Face, Label, Statements};
-use crate::io::obj::polygon::{Triangulator, newell_normal};
+use crate::io::obj::parse::{BadPosition, Face, Label, Statements};
 use crate::io::pieces::{DamagedPiece, MASK_OPTIONS, NamedPiece, ReadPieces};
+use crate::io::polygon::Triangulator;
 use crate::math::{Mat4, Vec2, Vec3};
 use crate::mesh::INVALID;
 use crate::{Diagnostic, Error, Result};
-use rustc_hash::FxHashMap;
 
 /// Name of a piece without object and group.
 const UNNAMED: &str = "default";
@@ -49,12 +48,13 @@ pub(super) fn read_obj(
         *component = wanted.map(|wanted| mask_component(file, option, wanted, &statements)).transpose()?;
     }
     let mut diagnostics = std::mem::take(&mut statements.diagnostics);
-    let mut builders: Vec<PieceBuilder> = statements.labels.iter().map(|_| PieceBuilder::default()).collect();
+    let mut builders: Vec<CornerVertices> =
+        statements.labels.iter().map(|_| CornerVertices::default()).collect();
     let mut triangulator = Triangulator::new();
     for face in &statements.faces {
         let corners = statements.corners.get(face.corners.clone()).unwrap_or(&[]);
         if let Some(builder) = builders.get_mut(face.label) {
-            builder.add_face(&statements, corners, &mut triangulator);
+            builder.add_face(&statements.positions, corners, &mut triangulator);
         }
     }
     if triangulator.fan_count > 0 {
@@ -74,7 +74,7 @@ pub(super) fn read_obj(
         let errors: Vec<Diagnostic> =
             statements.bad_positions.iter().filter(uses).map(|bad| bad.error(file)).collect();
         let lines = builder.corners.iter().map(|corner| corner.position).collect();
-        let named = builder.finish(number, label, to_scene, components, &statements);
+        let named = named_piece(builder, number, label, to_scene, components, &statements);
         piece_of_label.push(errors.is_empty().then_some(pieces.len()));
         if errors.is_empty() {
             pieces.push(named);
@@ -89,7 +89,7 @@ pub(super) fn read_obj(
     };
     let faces = statements.faces.iter().map(face).collect();
     let obj = ObjLines { faces, positions: statements.positions, uvs: statements.uvs, piece_positions };
-    Ok(ReadPieces { pieces, damaged, document: None, obj: Some(obj), diagnostics })
+    Ok(ReadPieces { pieces, damaged, document: None, obj: Some(obj), frame: None, diagnostics })
 }
 
 /// Returns the colour component that `option` names.
@@ -115,87 +115,57 @@ fn mask_component(file: &str, option: &str, wanted: &str, statements: &Statement
     }
 }
 
-/// Piece under construction.
-#[derive(Default)]
-struct PieceBuilder {
-    numbers: FxHashMap<Corner, u32>,
-    corners: Vec<Corner>,
-    /// Per vertex: normal of the first face that uses it, for corners without one.
-    face_normals: Vec<Vec3>,
-    triangles: Vec<[u32; 3]>,
-}
-
-impl PieceBuilder {
-    fn add_face(&mut self, statements: &Statements, corners: &[Corner], triangulator: &mut Triangulator) {
-        let at = |corner: &Corner| statements.positions.get(corner.position as usize).copied();
-        let positions: Vec<Vec3> = corners.iter().filter_map(at).collect();
-        let normal = newell_normal(&positions).try_normalize(0.0).unwrap_or_else(Vec3::y);
-        let vertices: Vec<u32> = corners.iter().map(|corner| self.vertex(*corner, normal)).collect();
-        for triangle in triangulator.triangulate(&positions) {
-            self.triangles.push(triangle.map(|k| vertices[k as usize]));
+/// Makes the piece of the faces with one label.
+fn named_piece(
+    vertices: CornerVertices,
+    number: usize,
+    label: &Label,
+    to_scene: &Mat4,
+    [mask, sewing_mask]: [Option<usize>; 2],
+    statements: &Statements,
+) -> NamedPiece {
+    let (has_uvs, has_normals) = (
+        vertices.corners.iter().any(|c| c.uv != INVALID),
+        vertices.corners.iter().any(|c| c.normal != INVALID),
+    );
+    let position = |c: &Corner| statements.positions.get(c.position as usize).copied().unwrap_or_default();
+    let uv = |c: &Corner| statements.uvs.get(c.uv as usize).copied().unwrap_or_else(Vec2::zeros);
+    let normal = |(c, face_normal): (&Corner, &Vec3)| {
+        let own = statements.normals.get(c.normal as usize);
+        own.copied().filter(|n| n.norm_squared() > 0.0).unwrap_or(*face_normal)
+    };
+    let colour = |c: &Corner, k: usize| statements.colours.get(c.position as usize).map_or(1.0, |rgb| rgb[k]);
+    let mut names: Vec<String> = Vec::new();
+    let group_words = label.group.iter().flat_map(|group| group.split(' ').map(str::to_owned));
+    let given = label.group.iter().chain(&label.object).chain(&label.material).cloned();
+    for name in given.chain(group_words) {
+        if !names.contains(&name) {
+            names.push(name);
         }
     }
-
-    fn vertex(&mut self, corner: Corner, face_normal: Vec3) -> u32 {
-        let next = self.corners.len() as u32;
-        let number = *self.numbers.entry(corner).or_insert(next);
-        if number == next {
-            self.corners.push(corner);
-            self.face_normals.push(face_normal);
-        }
-        number
+    let name = label.group.as_ref().or(label.object.as_ref());
+    if name.is_none() {
+        names.push(UNNAMED.to_owned());
     }
-
-    fn finish(
-        self,
-        number: usize,
-        label: &Label,
-        to_scene: &Mat4,
-        [mask, sewing_mask]: [Option<usize>; 2],
-        statements: &Statements,
-    ) -> NamedPiece {
-        let (has_uvs, has_normals) =
-            (self.corners.iter().any(|c| c.uv != INVALID), self.corners.iter().any(|c| c.normal != INVALID));
-        let position =
-            |c: &Corner| statements.positions.get(c.position as usize).copied().unwrap_or_default();
-        let uv = |c: &Corner| statements.uvs.get(c.uv as usize).copied().unwrap_or_else(Vec2::zeros);
-        let normal = |(c, face_normal): (&Corner, &Vec3)| {
-            let own = statements.normals.get(c.normal as usize);
-            own.copied().filter(|n| n.norm_squared() > 0.0).unwrap_or(*face_normal)
-        };
-        let colour =
-            |c: &Corner, k: usize| statements.colours.get(c.position as usize).map_or(1.0, |rgb| rgb[k]);
-        let mut names: Vec<String> = Vec::new();
-        let group_words = label.group.iter().flat_map(|group| group.split(' ').map(str::to_owned));
-        let given = label.group.iter().chain(&label.object).chain(&label.material).cloned();
-        for name in given.chain(group_words) {
-            if !names.contains(&name) {
-                names.push(name);
-            }
-        }
-        let name = label.group.as_ref().or(label.object.as_ref());
-        if name.is_none() {
-            names.push(UNNAMED.to_owned());
-        }
-        let piece = SourcePiece {
-            name: name.map_or(UNNAMED, String::as_str).to_owned(),
-            material: label.material.clone(),
-            mesh: 0,
-            primitive: number,
-            node: None,
-            positions: self.corners.iter().map(position).collect(),
-            position_ids: Some(self.corners.iter().map(|c| c.position).collect()),
-            normals: has_normals.then(|| self.corners.iter().zip(&self.face_normals).map(normal).collect()),
-            uvs: has_uvs.then(|| self.corners.iter().map(uv).collect()),
-            mask: mask.map(|k| self.corners.iter().map(|c| colour(c, k)).collect()),
-            sewing_mask: sewing_mask.map(|k| self.corners.iter().map(|c| colour(c, k)).collect()),
-            triangles: self.triangles,
-            placement: Placement::Rigid(*to_scene),
-            joints: Vec::new(),
-            worn: true,
-        };
-        NamedPiece { piece, names }
-    }
+    let piece = SourcePiece {
+        name: name.map_or(UNNAMED, String::as_str).to_owned(),
+        material: label.material.clone(),
+        mesh: 0,
+        primitive: number,
+        node: None,
+        positions: vertices.corners.iter().map(position).collect(),
+        position_ids: Some(vertices.corners.iter().map(|c| c.position).collect()),
+        normals: has_normals
+            .then(|| vertices.corners.iter().zip(&vertices.face_normals).map(normal).collect()),
+        uvs: has_uvs.then(|| vertices.corners.iter().map(uv).collect()),
+        mask: mask.map(|k| vertices.corners.iter().map(|c| colour(c, k)).collect()),
+        sewing_mask: sewing_mask.map(|k| vertices.corners.iter().map(|c| colour(c, k)).collect()),
+        triangles: vertices.triangles,
+        placement: Placement::Rigid(*to_scene),
+        joints: Vec::new(),
+        worn: true,
+    };
+    NamedPiece { piece, names }
 }
 
 #[cfg(test)]

@@ -7,20 +7,13 @@
 
 use crate::Diagnostic;
 use crate::garment::{ImportDiagnostic, Severity};
+use crate::io::corners::Corner;
 use crate::io::error_list::ErrorList;
 use crate::io::obj::lines::Lines;
 use crate::io::tuning::TUNING;
 use crate::math::{Vec2, Vec3};
 use crate::mesh::INVALID;
 use rustc_hash::FxHashMap;
-
-/// Corner of a face: indices of its `v`, `vt` and `vn` in their lists.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(super) struct Corner {
-    pub(super) position: u32,
-    pub(super) uv: u32,
-    pub(super) normal: u32,
-}
 
 /// Face: a range of corners with one label.
 pub(super) struct Face {

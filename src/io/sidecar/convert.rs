@@ -85,7 +85,17 @@ impl Sidecar {
         let SidecarSource { file, sha256, unit_m, up, .. } = self.source.clone();
         let up = if up == SidecarUp::Y { UpAxis::Y } else { UpAxis::Z };
         let (format, document, pieces) = (SourceFormat::Obj, None, Vec::new());
-        let bare = SourceAsset { file, sha256, format, unit_m, up, document, obj: None, pieces };
+        let bare = SourceAsset {
+            file,
+            sha256,
+            format,
+            unit_m,
+            unit_is_known: true,
+            up,
+            document,
+            obj: None,
+            pieces,
+        };
         let mesh = Garment { source_point: Vec::new(), ..mesh.clone() };
         let mut own = Self::new(&bare, &mesh, worn, Value::Null, Value::Null, Value::Null)?;
         own.mesh.source_uv = None;

@@ -33,6 +33,7 @@ fn example() -> Sidecar {
         sha256: "00ff".into(),
         format: SourceFormat::Obj,
         unit_m: 0.01,
+        unit_is_known: true,
         up: UpAxis::Z,
         document: None,
         obj: None,

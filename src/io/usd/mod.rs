@@ -1,4 +1,4 @@
-//! Writes the worn garment as a USD scene, as text (`--export usd`).
+//! USD: reads the meshes of files ([`reader`]), and writes the worn garment as a scene, as text (`--export usd`).
 //!
 //! ```text
 //! /Garment               SkelRoot; a deformable body for simulators
@@ -14,6 +14,7 @@
 
 mod cloth;
 mod prim;
+mod reader;
 mod scene;
 mod simulation;
 mod skeleton;
@@ -22,6 +23,9 @@ mod texture;
 pub use scene::{UsdFrames, UsdScene, UsdShape};
 pub use simulation::{UsdaMemory, read_usda, wrapped_deg};
 pub use texture::{UsdTexture, usd_textures};
+
+pub use reader::is_usd;
+pub(super) use reader::read_usd;
 
 use crate::Result;
 use crate::io::usd::cloth::{cloth_meshes, frames_mesh, materials};

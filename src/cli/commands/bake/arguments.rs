@@ -25,7 +25,7 @@ use std::sync::Arc;
   crease bake shirt.glb --wear wear.json -o worn.glb --resume    continue after Ctrl-C or a crash
   crease bake shirt.glb --wear wear.json --explain               which models would be used, and why")]
 pub struct Arguments {
-    /// Garment: .obj, .gltf or .glb; - for the standard input
+    /// Garment: .obj, .gltf, .glb or USD (.usda, .usdc, .usd, .usdz); - for the standard input
     pub mesh: PathBuf,
     /// Wear script, crease-wear/1: a file, the name of one that `crease example` lists, or - for the standard input
     #[arg(long, value_name = "FILE|NAME")]

@@ -1,0 +1,55 @@
+//! Diagnostics of a stage, each kind once with the number of prims it is about.
+
+use crate::garment::{ImportDiagnostic, Severity};
+
+/// Notes in the order of their first prim.
+#[derive(Debug, Default)]
+pub(super) struct Notes {
+    entries: Vec<Entry>,
+}
+
+#[derive(Debug)]
+struct Entry {
+    severity: Severity,
+    message: String,
+    /// Path of the first prim.
+    path: String,
+    /// Number of prims; 0 for a message that counts none.
+    count: usize,
+}
+
+impl Notes {
+    /// Adds one prim to the note `message`, which continues the sentence "3 ...".
+    pub(super) fn count(&mut self, severity: Severity, path: &str, message: impl Into<String>) {
+        let message = message.into();
+        match self.entries.iter_mut().find(|entry| entry.count > 0 && entry.message == message) {
+            Some(entry) => entry.count += 1,
+            None => self.entries.push(Entry { severity, message, path: path.to_owned(), count: 1 }),
+        }
+    }
+
+    /// Adds a note of its own, once.
+    pub(super) fn add(&mut self, severity: Severity, path: &str, message: impl Into<String>) {
+        let message = message.into();
+        if !self
+            .entries
+            .iter()
+            .any(|entry| entry.count == 0 && entry.message == message && entry.path == path)
+        {
+            self.entries.push(Entry { severity, message, path: path.to_owned(), count: 0 });
+        }
+    }
+
+    pub(super) fn into_diagnostics(self) -> Vec<ImportDiagnostic> {
+        let diagnostic = |entry: Entry| ImportDiagnostic {
+            severity: entry.severity,
+            message: if entry.count > 0 {
+                format!("{} {}", entry.count, entry.message)
+            } else {
+                entry.message
+            },
+            location: entry.path,
+        };
+        self.entries.into_iter().map(diagnostic).collect()
+    }
+}
