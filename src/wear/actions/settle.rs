@@ -1,4 +1,4 @@
-//! `settle`: folds and presses are released; gravity, friction and memory act alone.
+//! `settle`: what hands hold on the ground is released; gravity, friction and memory act alone.
 
 use crate::error::Result;
 use crate::sim::Loads;
@@ -10,7 +10,7 @@ use crate::wear::wear_action::WearAction;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Let go of folds and presses and let the cloth come to rest.
+/// Let go of folds, rolls and presses and let the cloth come to rest. A garment that hangs stays hung.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Settle {
@@ -39,11 +39,43 @@ impl WearAction for Settle {
         _context: &ActionContext,
         persistent: &mut PersistentState,
     ) -> Result<ActionStart> {
+        if persistent.ground.is_some() {
+            persistent.held_loads = None;
+        }
         let loads = Loads { drag: TUNING.other.settle_drag, ..persistent.idle_loads() };
         ActionStart::here(ConstantLoads { loads, may_end_early: true })
     }
 
     fn example() -> Self {
         Self { for_s: 2.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Vec3;
+    use crate::wear::springs::pin_spring;
+
+    /// Springs that act while a garment settles that is held by one, on the ground or above none.
+    fn springs_left(ground: Option<f64>) -> usize {
+        let held = Loads { springs: vec![pin_spring(0, Vec3::y(), 1e-3)], ..Loads::gravity_only(ground) };
+        let mut persistent = PersistentState { ground, held_loads: Some(held), ..PersistentState::default() };
+        let context = ActionContext {
+            positions: &[Vec3::y()],
+            source_positions: &[Vec3::y()],
+            triangles: &[],
+            masses: &[1e-3],
+            thickness: 1e-3,
+            script_file: "w.json",
+            location: "0",
+        };
+        let mut started = Settle::example().start_action(&context, &mut persistent).expect("settles").runner;
+        started.loads_at(1.0, &[Vec3::y()]).springs.len()
+    }
+
+    #[test]
+    fn what_is_held_on_the_ground_is_released_and_what_hangs_stays() {
+        assert_eq!([Some(0.0), None].map(springs_left), [0, 1]);
     }
 }
