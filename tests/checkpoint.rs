@@ -245,6 +245,28 @@ fn on_a_body_it_goes_on_as_if_nothing_had_been() {
     assert!(refused.contains("does not fit"), "{refused}");
 }
 
+/// The places of the points in a roll go on, also those of points that come while it is rolled.
+#[test]
+fn a_roll_goes_on_as_if_nothing_had_been() {
+    let script = r#"{"format": "crease-wear/1", "actions": [
+        {"lay": {"facing": "front", "over": 0.2}},
+        {"roll": {"from": "left", "radius": 0.02, "over": 0.5, "hold": 0.1}},
+        {"unfold": {"over": 0.5}}]}"#;
+    let scene = Scene {
+        script: WearScript::parse("wear.json", script).unwrap(),
+        ..Scene::new(Method::BackwardEuler)
+    };
+    let mut keeper = Keeper::new(u64::MAX);
+    let plain = scene.bake(&mut keeper).unwrap();
+    assert!(plain.report.not_performed.is_none());
+    let rolled = |c: &&Checkpoint| c.position.action > 0 && !c.position.is_before_action();
+    let between: Vec<&Checkpoint> = keeper.checkpoints.iter().filter(rolled).collect();
+    for checkpoint in [between[0], between[between.len() / 2], between[between.len() - 1]] {
+        let what = format!("from action {}, {:.2} s", checkpoint.position.action, checkpoint.state.time);
+        assert_same(&plain, &scene.resume(checkpoint, &mut ()).unwrap(), &what);
+    }
+}
+
 #[test]
 fn interrupted_again_and_again_it_still_ends_the_same() {
     let scene = Scene::new(Method::Bdf2);
