@@ -245,7 +245,7 @@ fn on_a_body_it_goes_on_as_if_nothing_had_been() {
     assert!(refused.contains("does not fit"), "{refused}");
 }
 
-/// The places of the points in a roll go on, also those of points that come while it is rolled.
+/// The places of the points in a roll go on.
 #[test]
 fn a_roll_goes_on_as_if_nothing_had_been() {
     let script = r#"{"format": "crease-wear/1", "actions": [

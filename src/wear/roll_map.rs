@@ -220,6 +220,19 @@ mod tests {
     }
 
     #[test]
+    fn points_that_come_lie_between_their_neighbours() {
+        let at = |s: f64| RollCoords { along: 0.1, s, height: 0.001 };
+        let mut record = RollRecord { map: map(), length: 0.5, coords: vec![at(0.1), at(0.12)] };
+        // The second split is of an edge that the first has made.
+        record.add_middles(&[[0, 1], [1, 2]]);
+        assert_eq!(record.point_count(), 4);
+        for (p, s) in [(2, 0.11), (3, 0.115)] {
+            let there = record.map.rolled(&at(s), 0.5);
+            assert!((record.map.rolled(&record.coords[p], 0.5) - there).norm() < 1e-9);
+        }
+    }
+
+    #[test]
     fn a_thick_stack_needs_a_wide_core() {
         for (length, pitch) in [(0.7, 0.004), (0.5, 0.01), (2.0, 0.02)] {
             let map = RollMap { core: RollMap::min_core(length, pitch), pitch, ..map() };

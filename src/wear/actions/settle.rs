@@ -10,7 +10,8 @@ use crate::wear::wear_action::WearAction;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Let go of folds, rolls and presses and let the cloth come to rest. A garment that hangs stays hung.
+/// Let go of what is held on the ground (folds, rolls, presses, a ball) and let the cloth come to rest. What is held in the air stays
+/// held.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Settle {

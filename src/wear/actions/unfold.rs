@@ -275,11 +275,13 @@ impl ActionRunner for UnfoldRunner {
     fn restore_state(&mut self, saved: &Value, point_count: usize) -> bool {
         let Ok(current) = Option::<Opening>::deserialize(saved) else { return false };
         let fits = current.as_ref().is_none_or(|opening| {
-            let is_number = opening.number < self.turns.len();
+            let Some(turn) = self.turns.get(opening.number) else { return false };
+            let is_its_kind = opening.fold.is_some() == matches!(turn, TurnRecord::Fold(_));
+            let is_unopened = opening.unopened.is_none_or(|number| number < self.turns.len());
             let fold_fits = opening.fold.as_ref().is_none_or(|fold| {
                 fold.fixed.len() == point_count && fold.flap.iter().all(|p| (p.point as usize) < point_count)
             });
-            is_number && fold_fits
+            is_its_kind && is_unopened && fold_fits
         });
         self.current = current;
         fits

@@ -16,7 +16,7 @@ const TEXT_MAGIC: &[u8] = b"#usda";
 #[derive(Debug, Default)]
 pub(super) struct Layers {
     contents: FxHashMap<String, Arc<[u8]>>,
-    /// Package to the first layer in it.
+    /// Package to the first layer in it, and address to the name of its layer where that is another.
     first_layers: FxHashMap<String, String>,
     /// Layers that were asked for and are not there.
     missing: Vec<String>,
@@ -32,22 +32,29 @@ impl Layers {
     pub(super) fn add(&mut self, identifier: &str, bytes: &[u8]) -> Result<String, String> {
         if !is_package(bytes) {
             check_layer(bytes)?;
-            let identifier = with_extension(identifier, bytes);
-            self.contents.insert(identifier.clone(), bytes.into());
-            return Ok(identifier);
+            return Ok(self.keep(identifier, bytes));
         }
         let files = packaged_layers(bytes)?;
         let mut first = None;
         for file in files {
             let content = bytes.get(file.range).unwrap_or_default();
             check_layer(content).map_err(|message| format!("\"{}\" in it: {message}", file.name))?;
-            let name = with_extension(&format!("{identifier}/{}", file.name), content);
-            self.contents.insert(name.clone(), content.into());
+            let name = self.keep(&format!("{identifier}/{}", file.name), content);
             first.get_or_insert(name);
         }
         let first = first.ok_or("there is no USD file in the archive")?;
         self.first_layers.insert(identifier.to_owned(), first.clone());
         Ok(first)
+    }
+
+    /// Keeps a layer, under a name with the extension of its content, and returns that name.
+    fn keep(&mut self, identifier: &str, bytes: &[u8]) -> String {
+        let name = with_extension(identifier, bytes);
+        if name != identifier {
+            self.first_layers.insert(identifier.to_owned(), name.clone());
+        }
+        self.contents.insert(name.clone(), bytes.into());
+        name
     }
 
     /// Notes why the layer `identifier` cannot be had.
@@ -79,7 +86,11 @@ impl Layers {
         if let Some(first) = self.first_layers.get(identifier) {
             return Some(first.clone());
         }
-        self.missing.push(identifier.to_owned());
+        // Of a file in a package that is not there the package is missing.
+        let package = identifier.split_inclusive(".usdz/").next().and_then(|start| start.strip_suffix('/'));
+        let package =
+            package.filter(|package| package.ends_with(".usdz") && !self.first_layers.contains_key(*package));
+        self.missing.push(package.unwrap_or(identifier).to_owned());
         None
     }
 
@@ -189,6 +200,7 @@ fn quoted_length(rest: &[u8], quote: u8) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::io::usd::reader::package::tests::archive;
 
     #[test]
     fn addresses_are_relative_to_the_layer_that_has_them() {
@@ -198,6 +210,23 @@ mod tests {
         assert_eq!(joined("a.usda", "b.usdz[geo/c.usdc]"), "b.usdz/geo/c.usdc");
         assert_eq!(joined("parts/a.usda", "/cloth/b.usd"), "/cloth/b.usd");
         assert_eq!(joined("parts/a.usda", "https://x/b.usd"), "https://x/b.usd");
+    }
+
+    #[test]
+    fn a_layer_is_found_by_the_address_it_was_asked_for() {
+        let mut layers = Layers::default();
+        assert_eq!(layers.find("parts/sleeve"), None);
+        assert_eq!(layers.take_missing(), ["parts/sleeve"]);
+        assert_eq!(layers.add("parts/sleeve", b"#usda 1.0\n").as_deref(), Ok("parts/sleeve.usda"));
+        assert_eq!(layers.find("parts/sleeve").as_deref(), Some("parts/sleeve.usda"));
+
+        let address = joined("", "b.usdz[geo/c.usdc]");
+        assert_eq!(layers.find(&address), None);
+        assert_eq!(layers.take_missing(), ["b.usdz"], "the package is fetched");
+        let package = archive(&[("a.usda", b"#usda 1.0\n"), ("geo/c.usdc", b"#usda 1.0\n")], 0);
+        assert_eq!(layers.add("b.usdz", &package).as_deref(), Ok("b.usdz/a.usda"));
+        assert_eq!(layers.find(&address).as_deref(), Some("b.usdz/geo/c.usdc.usda"));
+        assert!(layers.find("b.usdz/none.usda").is_none() && layers.take_missing() == ["b.usdz/none.usda"]);
     }
 
     #[test]

@@ -25,6 +25,7 @@ use crate::io::usd::reader::mesh::MaskName;
 use crate::io::usd::reader::stage::{Fault, Stage, UsdValue, guarded};
 use crate::io::usd::reader::walk::{Found, Walk, survey};
 use crate::{Error, Result};
+use rustc_hash::FxHashSet;
 use std::cell::RefCell;
 use std::rc::Rc;
 
@@ -94,7 +95,7 @@ fn open_with_layers(
     root: &str,
     resolve: &mut dyn FnMut(&str) -> Result<Vec<u8>>,
 ) -> std::result::Result<Stage, Fault> {
-    let mut layer_count = 0;
+    let mut fetched_names = FxHashSet::default();
     loop {
         let stage = Stage::open(layers, root)?;
         // The stage asks for layers while it is visited: they are not borrowed then.
@@ -104,11 +105,14 @@ fn open_with_layers(
         if missing.is_empty() {
             return Ok(stage);
         }
-        layer_count += missing.len();
-        if layer_count > MAX_LAYERS {
+        if fetched_names.len() + missing.len() > MAX_LAYERS {
             return Err(format!("it refers to more than {MAX_LAYERS} files"));
         }
         for name in missing {
+            if !fetched_names.insert(name.clone()) {
+                layers.borrow_mut().fail(name, "it was read and is not found again".to_owned());
+                continue;
+            }
             let fetched = resolve(&name).map_err(reason);
             let added = fetched.and_then(|bytes| layers.borrow_mut().add(&name, &bytes));
             if let Err(fault) = added {
@@ -176,6 +180,11 @@ fn check_masks(file: &str, masks: [Option<&str>; 2], found: &Found) -> Result<()
         [pieces().any(|piece| piece.mask.is_some()), pieces().any(|piece| piece.sewing_mask.is_some())];
     for ((wanted, option), is_found) in masks.into_iter().zip(MASK_OPTIONS).zip(is_found) {
         let Some(wanted) = wanted.filter(|_| !is_found && !found.pieces.is_empty()) else { continue };
+        let primvar = MaskName::parse(wanted).primvar;
+        if let Some(reason) = found.notes.message_about(&primvar) {
+            let help = format!("write it as numbers, one per point, corner or face, or leave out {option}");
+            return Err(Error::input(file, "", reason, help));
+        }
         let help = match found.primvars.is_empty() {
             true => format!("leave out {option}: the meshes have no primvars"),
             false => format!("{option} takes one of: {}", found.primvars.join(", ")),

@@ -40,6 +40,12 @@ impl Notes {
         }
     }
 
+    /// Returns the first message that begins with `subject`.
+    pub(super) fn message_about(&self, subject: &str) -> Option<&str> {
+        let mut messages = self.entries.iter().map(|entry| entry.message.as_str());
+        messages.find(|message| message.strip_prefix(subject).is_some_and(|rest| rest.starts_with(' ')))
+    }
+
     pub(super) fn into_diagnostics(self) -> Vec<ImportDiagnostic> {
         let diagnostic = |entry: Entry| ImportDiagnostic {
             severity: entry.severity,

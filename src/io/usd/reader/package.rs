@@ -41,6 +41,7 @@ pub(super) fn packaged_layers(bytes: &[u8]) -> Result<Vec<PackagedFile>, String>
     let count = usize::from(u16_at(bytes, end + 10).ok_or_else(damaged)?);
     let mut at = u32_at(bytes, end + 16).ok_or_else(damaged)? as usize;
     let mut files = Vec::new();
+    let mut total_size = 0usize;
     for _ in 0..count {
         if u32_at(bytes, at) != Some(ENTRY_SIGNATURE) {
             return Err(damaged());
@@ -64,6 +65,11 @@ pub(super) fn packaged_layers(bytes: &[u8]) -> Result<Vec<PackagedFile>, String>
         let range = content_range(bytes, start, size).ok_or_else(|| {
             format!("the archive is damaged: the file \"{name}\" in it goes beyond its end")
         })?;
+        // Entries that overlap would be kept any number of times.
+        total_size = total_size.saturating_add(range.len());
+        if total_size > bytes.len() {
+            return Err("the archive is damaged: files in it overlap".to_owned());
+        }
         files.push(PackagedFile { name, range });
     }
     Ok(files)
@@ -154,6 +160,20 @@ pub(super) mod tests {
                 .expect_err("is deflated")
                 .contains("compressed")
         );
+        let mut overlapping = archive(&[("a.usda", &[b' '; 999]), ("b.usda", &[b' '; 999])], 0);
+        let second = overlapping.len() - END_BYTES - 6 - 4;
+        assert!(packaged_layers(&overlapping).is_ok());
+        overlapping[second..second + 4].fill(0);
+        assert!(packaged_layers(&overlapping).is_ok(), "two views of one file fit the size of the archive");
+        let entry = overlapping
+            [overlapping.len() - END_BYTES - ENTRY_BYTES - 6..overlapping.len() - END_BYTES]
+            .to_vec();
+        let end = overlapping.split_off(overlapping.len() - END_BYTES);
+        overlapping.extend(entry);
+        overlapping.extend(end);
+        let count = overlapping.len() - END_BYTES + 10;
+        overlapping[count] = 3;
+        assert!(packaged_layers(&overlapping).expect_err("three times one file").contains("overlap"));
         let whole = archive(&[("a.usda", b"#usda 1.0\n")], 0);
         for length in 0..whole.len() {
             assert!(packaged_layers(&whole[..length]).is_err(), "{length}");

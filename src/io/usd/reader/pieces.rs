@@ -92,9 +92,15 @@ impl PlacedMesh<'_> {
                 notes.count(Severity::Note, &child.path(), "subsets that assign no materials are not read");
                 continue;
             }
-            let faces = match child.value("indices")?.map(|sampled| sampled.value) {
-                Some(UsdValue::Integers(faces)) => faces,
-                _ => Vec::new(),
+            let faces = match child.value("indices").map(|value| value.map(|sampled| sampled.value)) {
+                Ok(Some(UsdValue::Integers(faces))) => faces,
+                Ok(None) => Vec::new(),
+                _ => {
+                    let message =
+                        "subsets have indices that cannot be read: their faces have the material of the mesh";
+                    notes.count(Severity::Warning, &child.path(), message);
+                    Vec::new()
+                }
             };
             for face in faces {
                 let slot = usize::try_from(face).ok().and_then(|face| subset_of_face.get_mut(face));

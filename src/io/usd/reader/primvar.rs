@@ -59,6 +59,7 @@ impl Primvar {
         let (width, values) = match sampled.value {
             UsdValue::Rows(width, values) => (width, values),
             UsdValue::Numbers(values) => (1, values),
+            UsdValue::Integers(values) => (1, values.into_iter().map(|x| x as f64).collect()),
             UsdValue::Number(value) => (1, vec![value]),
             UsdValue::Components(values) => (values.len().max(1), values),
             _ => return Err("is no list of numbers".to_owned()),

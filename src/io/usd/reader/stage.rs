@@ -231,6 +231,10 @@ fn converted(value: Value) -> UsdValue {
         Value::Vec4fVec(all) => {
             rows(4, all.iter().flat_map(|v| [v.x, v.y, v.z, v.w].map(f64::from)).collect())
         }
+        Value::Vec4hVec(all) => {
+            rows(4, all.iter().flat_map(|v| [v.x, v.y, v.z, v.w].map(|x| x.to_f64())).collect())
+        }
+        Value::Vec4dVec(all) => rows(4, all.iter().flat_map(|v| [v.x, v.y, v.z, v.w]).collect()),
         _ => UsdValue::Other,
     }
 }

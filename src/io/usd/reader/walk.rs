@@ -5,6 +5,7 @@ use crate::garment::Severity;
 use crate::io::pieces::{DamagedPiece, NamedPiece};
 use crate::io::polygon::Triangulator;
 use crate::io::tuning::TUNING;
+use crate::io::usd::reader::binary::MAX_DEPTH;
 use crate::io::usd::reader::mesh::{MaskName, MeshFault, read_mesh};
 use crate::io::usd::reader::notes::Notes;
 use crate::io::usd::reader::pieces::{PlacedMesh, bound_material};
@@ -21,8 +22,6 @@ const MIN_PRIM_BUDGET: usize = 4096;
 const BYTES_OF_PRIM: usize = 8;
 /// Most prims of any stage.
 const MAX_PRIMS: usize = 200_000;
-/// Deepest nesting of prims.
-const MAX_DEPTH: usize = 256;
 /// Geometry that is no mesh.
 const OTHER_GEOMETRY: [&str; 15] = [
     "BasisCurves",
@@ -155,7 +154,7 @@ impl<'a> Walk<'a> {
             _ => {}
         }
         self.note_composition(prim, &path)?;
-        let below = self.inherit(prim, &path, above)?;
+        let below = self.inherit(prim, &path, above);
         let children = prim.children()?;
         if kind == "Mesh" {
             self.visit_mesh(prim, &path, &children, &below)?;
@@ -175,7 +174,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Returns what `prim` and those above it give to those below.
-    fn inherit(&mut self, prim: &Prim, path: &str, above: Inherited) -> Result<Inherited, Fault> {
+    fn inherit(&mut self, prim: &Prim, path: &str, above: Inherited) -> Inherited {
         let mut below = Inherited { depth: above.depth + 1, ..above };
         match prim_transform(prim) {
             Ok(transform) => {
@@ -188,24 +187,37 @@ impl<'a> Walk<'a> {
             }
             Err(fault) => below.to_scene = Err(format!("{path}: {fault}")),
         }
-        let token = |name: &str| -> Result<Option<String>, Fault> {
-            Ok(match prim.value(name)?.map(|sampled| sampled.value) {
-                Some(UsdValue::Token(token)) => Some(token),
-                _ => None,
-            })
-        };
-        below.is_visible &= token("visibility")?.is_none_or(|visibility| visibility != "invisible");
-        if let Some(purpose) = token("purpose")? {
+        let visibility = self.token(prim, path, "visibility");
+        below.is_visible &= visibility.is_none_or(|visibility| visibility != "invisible");
+        if let Some(purpose) = self.token(prim, path, "purpose") {
             below.purpose = purpose.into();
         }
-        if let Some(material) = bound_material(prim)? {
+        if let Some(material) = self.readable(path, "material:binding", bound_material(prim)).flatten() {
             below.material = Some(material);
         }
-        below.has_skeleton |= !prim.targets("skel:skeleton")?.is_empty();
+        let skeletons = self.readable(path, "skel:skeleton", prim.targets("skel:skeleton"));
+        below.has_skeleton |= skeletons.is_some_and(|skeletons| !skeletons.is_empty());
         let mut names = vec![prim.name()];
         names.extend(below.names.iter().cloned());
         below.names = names.into();
-        Ok(below)
+        below
+    }
+
+    /// Returns what was read of `attribute`; a warning and `None` if it cannot be read.
+    fn readable<T>(&mut self, path: &str, attribute: &str, read: Result<T, Fault>) -> Option<T> {
+        read.map_err(|fault| {
+            let message = format!("{attribute} cannot be read and is left out: {fault}");
+            self.found.notes.add(Severity::Warning, path, message);
+        })
+        .ok()
+    }
+
+    /// Returns the token that an attribute holds.
+    fn token(&mut self, prim: &Prim, path: &str, attribute: &str) -> Option<String> {
+        match self.readable(path, attribute, prim.value(attribute))??.value {
+            UsdValue::Token(token) => Some(token),
+            _ => None,
+        }
     }
 
     fn visit_mesh(
@@ -256,7 +268,7 @@ impl<'a> Walk<'a> {
             self.found.notes.count(Severity::Note, path, "meshes without faces are skipped");
             return Ok(());
         }
-        self.note_schemas(prim, path, &properties, own.has_skeleton, data.is_animated)?;
+        self.note_schemas(prim, path, &properties, own.has_skeleton, data.is_animated);
         let elements = data.positions.len() + data.corners.len();
         self.element_budget = self.element_budget.checked_sub(elements).ok_or_else(|| {
             format!("{path}: the meshes have more points than a file of this size can: prims refer to one mesh many times")
@@ -290,7 +302,7 @@ impl<'a> Walk<'a> {
         properties: &[String],
         has_skeleton: bool,
         is_animated: bool,
-    ) -> Result<(), Fault> {
+    ) {
         let has = |name: &str| properties.iter().any(|own| own == name);
         let notes = &mut self.found.notes;
         if is_animated {
@@ -305,16 +317,13 @@ impl<'a> Walk<'a> {
             let message = "meshes have blend shapes, which are not read: they are taken as their points are";
             notes.count(Severity::Warning, path, message);
         }
-        let scheme = match prim.value("subdivisionScheme")?.map(|sampled| sampled.value) {
-            Some(UsdValue::Token(scheme)) => scheme,
-            _ => "catmullClark".to_owned(),
-        };
+        let scheme = self.token(prim, path, "subdivisionScheme");
+        let scheme = scheme.unwrap_or_else(|| "catmullClark".to_owned());
         if scheme != "none" {
             let message =
                 format!("meshes are to be subdivided ({scheme}): they are read as they are, without that");
-            notes.count(Severity::Note, path, message);
+            self.found.notes.count(Severity::Note, path, message);
         }
-        Ok(())
     }
 }
 
@@ -333,7 +342,7 @@ pub(super) fn survey(stage: &Stage, byte_count: usize) -> Result<(), Fault> {
         prim_count += children.len();
         if prim_count > budget {
             return Err(format!(
-                "{}: there are more than {budget} prims, too many for a file of this size",
+                "{}: there are more than {budget} prims, too many for a file of this size or for any",
                 prim.path()
             ));
         }
