@@ -35,6 +35,14 @@ impl ActionContext<'_> {
         Error::input(self.script_file, self.location, message, help)
     }
 
+    /// The error of the action `name` that needs a garment that lies open.
+    pub(super) fn refuse_not_open(&self, name: &str) -> Error {
+        self.refuse(
+            format!("`{name}` needs a garment that lies and is not rolled up"),
+            "lay it first: {\"lay\": {}}, or open the roll: {\"unfold\": {\"last\": 1}}",
+        )
+    }
+
     /// The error of an action that consists of others, `name` in scripts, and is not performed itself.
     pub(super) fn refuse_whole(&self, name: &str) -> Error {
         let message = format!("`{name}` is a list of actions, not one");

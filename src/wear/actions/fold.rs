@@ -145,10 +145,7 @@ impl WearAction for Fold {
 
     fn start_action(&self, context: &ActionContext, persistent: &mut PersistentState) -> Result<ActionStart> {
         let Some(frame) = persistent.open_frame() else {
-            return Err(context.refuse(
-                "`fold` needs a garment that lies and is not rolled up",
-                "lay it first: {\"lay\": {}}, or open the roll: {\"unfold\": {\"last\": 1}}",
-            ));
+            return Err(context.refuse_not_open("fold"));
         };
         let (x, masses, thickness) = (context.positions, context.masses, context.thickness);
         let strip_width = TUNING.fold.strip_width;

@@ -75,10 +75,7 @@ impl WearAction for Roll {
 
     fn start_action(&self, context: &ActionContext, persistent: &mut PersistentState) -> Result<ActionStart> {
         let Some(frame) = persistent.open_frame() else {
-            return Err(context.refuse(
-                "`roll` needs a garment that lies and is not rolled up",
-                "lay it first: {\"lay\": {}}, or open the roll: {\"unfold\": {\"last\": 1}}",
-            ));
+            return Err(context.refuse_not_open("roll"));
         };
         let (x, thickness) = (context.positions, context.thickness);
         let forward = self.forward(&frame);
