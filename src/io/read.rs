@@ -125,7 +125,7 @@ fn format_of(file_name: &str, bytes: &[u8]) -> Result<SourceFormat> {
     if gltf::is_glb(bytes) || first == Some(b'{') || extension == "gltf" || extension == "glb" {
         return Ok(SourceFormat::Gltf);
     }
-    if usd::is_usd(text) || ["usd", "usda", "usdc", "usdz"].contains(&extension.as_str()) {
+    if usd::is_usd(text) || usd::FILE_EXTENSIONS.contains(&extension.as_str()) {
         return Ok(SourceFormat::Usd);
     }
     let foreign = ["fbx", "stl", "ply", "dae", "abc", "blend", "3ds", "zprj"];

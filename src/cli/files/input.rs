@@ -2,7 +2,7 @@
 
 use crease::fabric::Fabric;
 use crease::garment::SourceFormat;
-use crease::io::is_usd;
+use crease::io::{USD_EXTENSIONS, is_usd};
 use crease::{Diagnostic, Error, Result};
 use std::path::Path;
 
@@ -53,9 +53,9 @@ pub fn format_with_frame(path: &Path) -> Result<Option<SourceFormat>> {
     }
     let is_usd = match path == Path::new(STANDARD_STREAM) {
         true => is_usd(&bytes(path)?),
-        false => path
-            .extension()
-            .is_some_and(|e| ["usd", "usda", "usdc", "usdz"].iter().any(|own| e.eq_ignore_ascii_case(own))),
+        false => {
+            path.extension().is_some_and(|e| USD_EXTENSIONS.iter().any(|own| e.eq_ignore_ascii_case(own)))
+        }
     };
     Ok(is_usd.then_some(SourceFormat::Usd))
 }

@@ -24,8 +24,8 @@ pub use scene::{UsdFrames, UsdScene, UsdShape};
 pub use simulation::{UsdaMemory, read_usda, wrapped_deg};
 pub use texture::{UsdTexture, usd_textures};
 
-pub use reader::is_usd;
 pub(super) use reader::read_usd;
+pub use reader::{FILE_EXTENSIONS, is_usd};
 
 use crate::Result;
 use crate::io::usd::cloth::{cloth_meshes, frames_mesh, materials};

@@ -62,10 +62,11 @@ impl Layers {
         self.failures.insert(identifier, reason);
     }
 
-    /// Returns why a layer cannot be had, by the end of its address.
+    /// Returns why a layer, or the package it is in, cannot be had, by the end of its address.
     pub(super) fn failure(&self, address: &str) -> Option<&str> {
         let name = joined("", address);
-        let is_it = |known: &&String| **known == name || known.ends_with(&format!("/{name}"));
+        let is_in = |known: &str| name.strip_prefix(known).is_some_and(|file| file.starts_with('/'));
+        let is_it = |known: &&String| **known == name || known.ends_with(&format!("/{name}")) || is_in(known);
         let key = self.failures.keys().find(is_it)?;
         self.failures.get(key).map(String::as_str)
     }

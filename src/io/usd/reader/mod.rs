@@ -37,6 +37,9 @@ const MAX_LAYERS: usize = 10_000;
 const REWRITE: &str =
     "write the file again, flattened (usdcat --flatten in.usd -o out.usda), or export it as glTF (.glb)";
 
+/// Extensions of USD files, in lower case.
+pub const FILE_EXTENSIONS: [&str; 4] = ["usd", "usda", "usdc", "usdz"];
+
 /// Returns whether `bytes` begin as a file of USD does: a layer, or a package of layers.
 pub fn is_usd(bytes: &[u8]) -> bool {
     layers::is_layer(bytes) || package::is_package(bytes)
