@@ -230,14 +230,14 @@ fn laplacian(
         }
     }
     let mut sums = diagonal.to_vec();
+    let mut entries = Vec::with_capacity(sums.len() + of_edge.len());
     for ([a, b], weight) in topology.edges.iter().zip(&of_edge) {
         sums[a.at()] += weight;
         sums[b.at()] += weight;
+        entries.push((a.0.max(b.0), a.0.min(b.0), -weight));
     }
-    let edges =
-        topology.edges.iter().zip(of_edge).map(|([a, b], weight)| (a.0.max(b.0), a.0.min(b.0), -weight));
-    let points = (0..).zip(sums).map(|(p, sum)| (p, p, sum));
-    ScalarCholesky::new(diagonal.len(), edges.chain(points))
+    entries.extend((0..).zip(&sums).map(|(p, sum)| (p, p, *sum)));
+    ScalarCholesky::new(diagonal.len(), &entries)
 }
 
 /// Per point: the upward part of the normal, averaged over the surface nearby.

@@ -17,13 +17,10 @@ pub struct ScalarCholesky {
 impl ScalarCholesky {
     /// Factorises the matrix of `count` rows whose lower triangle is the sum of `entries` (row, column, value); `None` if it is not
     /// positive definite.
-    pub fn new(count: usize, entries: impl IntoIterator<Item = (u32, u32, f64)>) -> Option<Self> {
-        let matrix = {
-            let entries = entries.into_iter();
-            let triplets: Vec<Triplet<usize, usize, f64>> =
-                entries.map(|(r, c, value)| Triplet::new(r as usize, c as usize, value)).collect();
-            SparseColMat::try_new_from_triplets(count, count, &triplets).ok()?
-        };
+    pub fn new(count: usize, entries: &[(u32, u32, f64)]) -> Option<Self> {
+        let triplets: Vec<Triplet<usize, usize, f64>> =
+            entries.iter().map(|(r, c, value)| Triplet::new(*r as usize, *c as usize, *value)).collect();
+        let matrix = SparseColMat::try_new_from_triplets(count, count, &triplets).ok()?;
         let symbolic = factorize_symbolic_cholesky(
             matrix.symbolic(),
             Side::Lower,
@@ -67,8 +64,8 @@ mod tests {
         // Unit springs between neighbours of a chain of 50, the first held by another: pulled at its end by 1, point k moves by k + 1.
         let count = 50u32;
         let springs = (1..count).flat_map(|k| [(k, k, 1.0), (k - 1, k - 1, 1.0), (k, k - 1, -1.0)]);
-        let entries = springs.chain([(0, 0, 1.0)]);
-        let solver = ScalarCholesky::new(50, entries).expect("positive");
+        let entries: Vec<_> = springs.chain([(0, 0, 1.0)]).collect();
+        let solver = ScalarCholesky::new(50, &entries).expect("positive");
         let mut rhs = vec![0.0; 100];
         (rhs[49], rhs[99]) = (1.0, -2.0);
         solver.solve(&mut rhs);
@@ -80,6 +77,6 @@ mod tests {
 
     #[test]
     fn a_matrix_that_is_not_positive_is_refused() {
-        assert!(ScalarCholesky::new(2, [(0, 0, 1.0), (1, 1, 1.0), (1, 0, 2.0)]).is_none());
+        assert!(ScalarCholesky::new(2, &[(0, 0, 1.0), (1, 1, 1.0), (1, 0, 2.0)]).is_none());
     }
 }
