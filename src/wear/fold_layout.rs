@@ -30,6 +30,8 @@ pub struct FoldLayout<'a> {
     garment: &'a Garment,
     /// Positions of the garment once it lies, one per point [m], where they are known.
     laid: Option<&'a [Vec3]>,
+    /// Thickness of a layer [m]: what is no higher lies.
+    thickness: f64,
     lines: LineLayout<'a>,
     persistent: PersistentState,
     foresight: Foresight,
@@ -45,6 +47,7 @@ impl<'a> FoldLayout<'a> {
         Self {
             garment,
             laid,
+            thickness,
             lines: LineLayout::new(SurfaceMesh::new(garment), thickness, row),
             persistent: PersistentState::default(),
             foresight: Foresight::Whole,
@@ -95,7 +98,7 @@ impl<'a> FoldLayout<'a> {
             source_positions: &self.garment.points,
             triangles: &self.garment.triangles,
             masses: &[],
-            thickness: 0.0,
+            thickness: self.thickness,
             script_file: "",
             location: "",
         };
