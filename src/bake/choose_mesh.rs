@@ -5,10 +5,9 @@
 //! triangles of the file are. Where a script may crease the cloth anywhere, triangles are bisected during the wear where they
 //! bend ([`RefinementRule`]).
 
-use crate::bake::body_creases::creased_positions;
+use crate::bake::body_creases::CreasedCloth;
 use crate::bake::tuning::TUNING;
 use crate::bake::{BakeOptions, ModelDecision};
-use crate::body::AnimatedBody;
 use crate::fabric::Fabric;
 use crate::garment::Garment;
 use crate::math::{Vec3, bounds};
@@ -80,10 +79,11 @@ impl MeshChoice {
         }
         let lengths = EdgeLengths::new(garment, options.finest_edge);
         if let Some(animated) = &options.body {
-            if garment.mean_edge() >= TUNING.simulation_mesh.max_factor_on_body * lengths.line {
+            let creased = CreasedCloth::new(garment, animated, &script.body_poses(animated));
+            if creased.mean_edge >= TUNING.simulation_mesh.max_factor_on_body * lengths.line {
                 return own("coarser than any mesh on a body; --resolution refines it");
             }
-            return Self::on_body(garment, animated, script, lengths);
+            return Self::on_body(garment, &creased, lengths);
         }
         let DrawnLines { mut mesh, foresight } =
             draw_fold_lines(garment, script, laid, fabric.thickness(), lengths.row);
@@ -126,19 +126,14 @@ impl MeshChoice {
 }
 
 impl MeshChoice {
-    /// Chooses the mesh for a `garment` on the body `animated`: fine where that will crease it.
-    fn on_body(
-        garment: &Garment,
-        animated: &AnimatedBody,
-        script: &WearScript,
-        lengths: EdgeLengths,
-    ) -> Self {
+    /// Chooses the mesh for a `garment` on a body that will crease it where it is `creased`: fine there.
+    fn on_body(garment: &Garment, creased: &CreasedCloth, lengths: EdgeLengths) -> Self {
         let tuning = &TUNING.simulation_mesh;
-        // Finer than the file is of no use: it could not show what comes of it.
-        let fine = lengths.line.max(garment.mean_edge());
+        // Finer than the file is there is of no use: it could not show what comes of it.
+        let fine = lengths.line.max(creased.mean_edge);
         let max = tuning.max_factor_on_body * lengths.line;
-        let creased = creased_positions(garment, animated, &script.body_poses(animated));
-        let seeds: Vec<Seed> = creased.into_iter().map(|position| Seed { position, length: fine }).collect();
+        let seeds: Vec<Seed> =
+            creased.positions.iter().map(|position| Seed { position: *position, length: fine }).collect();
         let mut mesh = SurfaceMesh::new(garment);
         improve(&mut mesh, &SizeField::new(&seeds, fine, tuning.edge_growth_on_body, max));
         let mesh = mesh.finish();
