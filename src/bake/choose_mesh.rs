@@ -81,7 +81,7 @@ impl MeshChoice {
         if let Some(animated) = &options.body {
             let creased = CreasedCloth::new(garment, animated, &script.body_poses(animated));
             if creased.mean_edge >= TUNING.simulation_mesh.max_factor_on_body * lengths.line {
-                return own("coarser than any mesh on a body; --resolution refines it");
+                return own("coarser where the body bends than any mesh on a body; --resolution refines it");
             }
             return Self::on_body(garment, &creased, lengths);
         }

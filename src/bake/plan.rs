@@ -334,10 +334,7 @@ fn steps(options: &BakeOptions) -> [ModelDecision; 3] {
             1e3 * step.local_error_tol
         )
     } else {
-        format!(
-            "{:.1} ms, all of them but those in which a body would pass the cloth or leave it no equilibrium",
-            1e3 * step.min_dt
-        )
+        format!("{:.1} ms, all of them but those in which the body would pass the cloth", 1e3 * step.min_dt)
     };
     let adaptive = ModelDecision { name: "steps by error", on: by_error, why };
     let sleeping = ModelDecision {

@@ -23,8 +23,7 @@ pub struct StepOptions {
     pub newton: NewtonOptions,
     /// Tolerance of the local error of one step, root mean square over the points [m].
     pub local_error_tol: f64,
-    /// Minimum time step [s]; a step of this length is accepted with any error, unless a body passes the cloth in it or leaves it without an
-    /// equilibrium.
+    /// Minimum time step [s]; a step of this length is accepted with any error, unless the cloth crosses an obstacle in it.
     pub min_dt: f64,
     /// Maximum time step [s].
     pub max_dt: f64,
@@ -158,22 +157,21 @@ impl Stepper {
             let AttemptResult { next, error, crosses, report } =
                 self.attempt(state, rest_state, &mut loads, source, h);
             total.add(&report);
-            let nearly_tol = TUNING.nearly_converged_factor * self.options.newton.decrement_tol;
-            let solved = report.converged || report.newton_decrement <= nearly_tol || !converges;
-            // A body that passes the cloth in one step finds it beyond the reach of contact, and one that pinches it leaves it without an
-            // equilibrium nearby: only a shorter step helps.
-            let outruns = crosses || (!solved && !loads.last.body_displacement.is_empty());
-            let fraction = if outruns { TUNING.min_body_dt_fraction } else { 1.0 };
+            // A body that passes the cloth in one step finds it beyond the reach of contact: only a shorter step meets it.
+            let fraction = if crosses { TUNING.min_crossing_dt_fraction } else { 1.0 };
             let is_min_dt = h <= fraction * self.options.min_dt * 1.001;
             let error_tol =
                 self.options.local_error_tol * self.options.relaxation.dt_scale(&loads.last).powi(2);
             let too_coarse = error > TUNING.reject_error_factor * error_tol;
             let violations = Violations::detect(&next.x, &self.cloth, &self.contact);
+            let nearly_tol = TUNING.nearly_converged_factor * self.options.newton.decrement_tol;
+            let solved = report.converged || report.newton_decrement <= nearly_tol || !converges;
             // What guides the cloth may have pushed it through a place that smaller steps lead it around.
             let overstretches = loads.last.guided && violations.stretches_farther(&state.x, &self.cloth);
-            let too_coarse = too_coarse || overstretches || outruns;
-            // Cloth that barely moves is jammed: a smaller step would not help the solver.
-            let barely_moves = error <= error_tol && !overstretches && !outruns;
+            let too_coarse = too_coarse || overstretches || crosses;
+            // Cloth that barely moves is jammed: a smaller step would not help the solver, unless a body moves on under the cloth.
+            let follows_body = loads.last.guided && !loads.last.body_displacement.is_empty();
+            let barely_moves = error <= error_tol && !overstretches && !crosses && !follows_body;
             if (solved && !too_coarse) || barely_moves || is_min_dt {
                 let growth = self.dt_growth(error, error_tol, solved || barely_moves);
                 let violations = if solved {
@@ -195,7 +193,7 @@ impl Stepper {
                 };
             }
             // Trying every half on the way down to the minimum costs more than the minimum step itself.
-            h = if outruns {
+            h = if crosses {
                 0.5 * h
             } else if report.converged {
                 (0.5 * h).max(self.options.min_dt)

@@ -23,9 +23,8 @@ pub(super) struct SteppingTuning {
     /// Smallest tolerance of such a solve over that of the solve before, where the predicted decrease is diffuse [-], default
     /// 0.3.
     pub revision_tol_factor: f64,
-    /// Smallest step over the minimum step, where the cloth crosses a body that it did not cross before or where Newton's method
-    /// does not converge on one [-], default 0.1.
-    pub min_body_dt_fraction: f64,
+    /// Smallest step over the minimum step, where the cloth crosses a body that it did not cross before [-], default 0.1.
+    pub min_crossing_dt_fraction: f64,
     /// Minimum ratio of a gap to its activation distance [-], default 0.02: layers that are nearer are reported as
     /// pressed, as the contact stiffness is not made for it.
     pub min_gap_ratio: f64,
@@ -51,7 +50,7 @@ impl SteppingTuning {
         max_dt_ratio: 1.9,
         max_contact_revisions: 2,
         revision_tol_factor: 0.3,
-        min_body_dt_fraction: 0.1,
+        min_crossing_dt_fraction: 0.1,
         min_gap_ratio: 0.02,
         max_strain: 0.3,
         min_motion: 1e-12,

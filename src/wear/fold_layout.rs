@@ -30,7 +30,7 @@ pub struct FoldLayout<'a> {
     garment: &'a Garment,
     /// Positions of the garment once it lies, one per point [m], where they are known.
     laid: Option<&'a [Vec3]>,
-    /// Thickness of a layer [m]: what is no higher lies.
+    /// Thickness of a layer [m]: a garment that is no higher than a few layers lies already.
     thickness: f64,
     lines: LineLayout<'a>,
     persistent: PersistentState,
