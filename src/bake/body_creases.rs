@@ -18,35 +18,45 @@ pub(super) struct CreasedCloth {
 impl CreasedCloth {
     /// Finds the triangles of `garment` near parts of the body that deform in any of `poses`: all of them where the poses are not known.
     pub fn new(garment: &Garment, animated: &AnimatedBody, poses: &[BodyPose]) -> Self {
-        let corners = |t: &[PointIndex; 3]| triangle::corners(&garment.points, t);
-        let middle = |[a, b, c]: [Vec3; 3]| (a + b + c) / 3.0;
-        // The middles of triangles, too: those of a file may be long.
-        let places = |t: &[PointIndex; 3]| {
-            let corners = corners(t);
-            corners.into_iter().chain([middle(corners)])
+        let triangles = match poses {
+            [] => garment.triangles.clone(),
+            _ => near_deforming(garment, animated, &deforming_triangles(animated, poses)),
         };
-        let mut creased: Vec<[PointIndex; 3]> = garment.triangles.clone();
-        if !poses.is_empty() {
-            let start = animated.rest_points();
-            let deforming = deforming_triangles(animated, poses);
-            if deforming.is_empty() {
-                creased.clear();
-            } else {
-                let tree = TriangleBvh::new(start, &deforming, 0.0);
-                let reach = TUNING.body_creases.max_body_distance;
-                creased.retain(|t| places(t).any(|x| tree.nearest(start, x, reach).is_some()));
-            }
-        }
-        let sides = |t| {
-            let [a, b, c] = corners(t);
-            [a - b, b - c, c - a].map(|side| side.norm()).iter().sum::<f64>() / 3.0
-        };
-        let mean_edge = match creased.len() {
+        let corners = |t| triangle::corners(&garment.points, t);
+        let mean_edge = match triangles.len() {
             0 => garment.mean_edge(),
-            count => creased.iter().map(sides).sum::<f64>() / count as f64,
+            count => triangles.iter().map(|t| triangle::mean_side(&corners(t))).sum::<f64>() / count as f64,
         };
-        Self { positions: creased.iter().flat_map(places).collect(), mean_edge }
+        let mut is_corner = vec![false; garment.points.len()];
+        triangles.iter().flatten().for_each(|p| is_corner[p.at()] = true);
+        let own = garment.points.iter().zip(&is_corner).filter(|(_, is_corner)| **is_corner).map(|(x, _)| *x);
+        let positions = own.chain(triangles.iter().map(|t| middle(&corners(t)))).collect();
+        Self { positions, mean_edge }
     }
+}
+
+/// Triangles of `garment` with a corner or their middle near one of the triangles `deforming` of the body. Middles count, too, as
+/// triangles of a file may be long.
+fn near_deforming(
+    garment: &Garment,
+    animated: &AnimatedBody,
+    deforming: &[[PointIndex; 3]],
+) -> Vec<[PointIndex; 3]> {
+    if deforming.is_empty() {
+        return Vec::new();
+    }
+    let start = animated.rest_points();
+    let tree = TriangleBvh::new(start, deforming, 0.0);
+    let is_near = |x: &Vec3| tree.nearest(start, *x, TUNING.body_creases.max_body_distance).is_some();
+    let near: Vec<bool> = garment.points.iter().map(is_near).collect();
+    let is_creased = |t: &&[PointIndex; 3]| {
+        t.iter().any(|p| near[p.at()]) || is_near(&middle(&triangle::corners(&garment.points, t)))
+    };
+    garment.triangles.iter().filter(is_creased).copied().collect()
+}
+
+fn middle([a, b, c]: &[Vec3; 3]) -> Vec3 {
+    (a + b + c) / 3.0
 }
 
 /// Triangles of the body that any of `poses` strains.

@@ -133,7 +133,7 @@ impl ModelPlan {
         let own = fabric.bending_length();
         let factor = |triangle: &[PointIndex; 3]| {
             let x = triangle::corners(&garment.points, triangle);
-            let edge = (0..3).map(|k| (x[k] - x[(k + 1) % 3]).norm()).sum::<f64>() / 3.0;
+            let edge = triangle::mean_side(&x);
             (self.min_bending_edges * edge / own).powi(3).max(1.0)
         };
         garment.triangles.iter().map(factor).collect()

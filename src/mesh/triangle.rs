@@ -26,6 +26,11 @@ pub fn longest_side([a, b, c]: &[Vec3; 3]) -> f64 {
     (a - b).norm().max((b - c).norm()).max((c - a).norm())
 }
 
+/// Returns the mean length of the sides [m].
+pub fn mean_side([a, b, c]: &[Vec3; 3]) -> f64 {
+    ((a - b).norm() + (b - c).norm() + (c - a).norm()) / 3.0
+}
+
 /// Returns the unit normal, on the side from which the corners run counter-clockwise; `None` for a triangle without area.
 #[inline]
 pub fn normal(corners: &[Vec3; 3]) -> Option<Vec3> {
