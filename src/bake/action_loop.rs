@@ -12,7 +12,7 @@ use crate::math::Vec3;
 use crate::memory::{MemoryModel, Strains};
 use crate::remesh::SimulationMesh;
 use crate::sim::{State, StepReport};
-use crate::wear::{Action, ActionContext, ActionRunner, PersistentState};
+use crate::wear::{Action, ActionContext, ActionRunner, MAX_CUT_STRAIN, PersistentState};
 use std::time::Instant;
 
 /// The action that is being performed.
@@ -82,6 +82,11 @@ impl Run<'_> {
             location: &location,
         };
         let mut begun = action.as_wear_action().start_action(&scene, &mut self.persistent)?;
+        if let (Some(laid), Some(_)) = (&begun.start_positions, &begun.level) {
+            let membrane = &self.stepper.cloth.membrane;
+            self.persistent.cut = membrane.stretches_to(laid, MAX_CUT_STRAIN);
+        }
+        self.stepper.cloth.membrane.set_rest_stretches(&self.persistent.cut);
         match &progress {
             Some(progress) => {
                 if !begun.runner.restore_state(&progress.runner_state, start.len()) {

@@ -22,7 +22,7 @@ use crate::contact::TangentialState;
 use crate::error::{Diagnostic, Error, Result};
 use crate::fabric::Fabric;
 use crate::garment::{Garment, RestState};
-use crate::math::Vec3;
+use crate::math::{PlaneStretch, Vec3};
 use crate::memory::Memory;
 use crate::remesh::SimulationMesh;
 use crate::sim::{Loads, SolveCost, State};
@@ -281,7 +281,9 @@ impl Checkpoint {
         };
         let persistent = self.persistent.turns.iter().all(turned)
             && self.persistent.held_loads.as_ref().is_none_or(kept)
-            && (self.persistent.laid_bend.is_empty() || self.persistent.laid_bend.len() == hinges);
+            && (self.persistent.laid_bend.is_empty() || self.persistent.laid_bend.len() == hinges)
+            && (self.persistent.cut.is_empty() || self.persistent.cut.len() == garment.triangles.len())
+            && self.persistent.cut.iter().all(PlaneStretch::is_positive);
         let times = (0.0..=2.0 * MAX_DURATION_S).contains(&self.state.time)
             && self.state.previous.as_ref().is_none_or(|p| p.dt > 0.0)
             && progress.is_none_or(|p| {

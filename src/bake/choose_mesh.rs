@@ -85,10 +85,12 @@ impl MeshChoice {
             }
             return Self::on_body(garment, &creased, lengths);
         }
-        let DrawnLines { mut mesh, foresight } =
+        let DrawnLines { mut mesh, foresight, excess } =
             draw_fold_lines(garment, script, laid, fabric.thickness(), lengths.row);
         let uniform = match foresight {
-            Foresight::Whole if laid.is_some_and(|laid| crumples(garment, laid)) => lengths.max_of_crumpled,
+            Foresight::Whole if excess.max(excess_at(garment, laid)) > TUNING.simulation_mesh.max_excess => {
+                lengths.max_of_crumpled
+            }
             Foresight::Whole => lengths.max,
             Foresight::NeedsLaying => lengths.side,
             Foresight::Until(_) => TUNING.simulation_mesh.side_factor * lengths.anywhere,
@@ -176,13 +178,15 @@ impl EdgeLengths {
     }
 }
 
-/// Whether much of the cloth of `garment` does not fit into the plane where it lies at `laid` [m]: it will crumple in a stack.
-fn crumples(garment: &Garment, laid: &[Vec3]) -> bool {
+/// Fraction of the cloth of `garment` that does not fit into the plane where it lies at `laid` [m] and will crumple in a stack; 0 where that
+/// is not known.
+fn excess_at(garment: &Garment, laid: Option<&[Vec3]>) -> f64 {
+    let Some(laid) = laid else { return 0.0 };
     let area_vectors =
         |x| garment.triangles.iter().map(move |t| triangle::area_vector(&triangle::corners(x, t)));
     let whole: f64 = area_vectors(&garment.points[..]).map(|a| a.norm()).sum();
     let lying: f64 = area_vectors(laid).map(|a| a.y.abs()).sum();
-    lying < (1.0 - TUNING.simulation_mesh.max_excess) * whole
+    1.0 - lying / whole.max(f64::MIN_POSITIVE)
 }
 
 /// Whether layers of `mesh`, another mesh of the surface of `garment`, cross where those of the garment do not. Where they do, finer triangles

@@ -91,6 +91,9 @@ fn persistent_on(coarse: &PersistentState, refinement: &Refinement) -> Persisten
         let bend = |parent: &Option<u32>| parent.map_or(0.0, |h| coarse.laid_bend[h as usize]);
         persistent.laid_bend = refinement.hinge_parent.iter().map(bend).collect();
     }
+    if !persistent.cut.is_empty() {
+        persistent.cut = refinement.triangle_parent.iter().map(|f| coarse.cut[*f as usize]).collect();
+    }
     if let Some(loads) = &mut persistent.held_loads {
         *loads = loads_on(loads, refinement);
     }

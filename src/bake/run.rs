@@ -143,6 +143,12 @@ impl<'a> Run<'a> {
         let model = MemoryModel::new(&mesh.garment, self.setup.fabric, width, self.plan.reference_length);
         self.model = self.model.take().map(|_| model);
         self.mesh = mesh;
+        self.apply_cut();
+    }
+
+    /// Gives the cloth the rest shape of its cut.
+    pub fn apply_cut(&mut self) {
+        self.stepper.cloth.membrane.set_rest_stretches(&self.persistent.cut);
     }
 
     /// Puts the garment on the body: by depenetration at the beginning, as it was in a checkpoint.
@@ -214,6 +220,7 @@ impl<'a> Run<'a> {
         // The body was put on before.
         let body = self.persistent.body.take();
         self.persistent = PersistentState { body, ..from.persistent };
+        self.apply_cut();
         self.state = from.state;
         self.memory = from.memory;
         self.stepper.contact.restore_friction_state(&from.friction);

@@ -59,6 +59,8 @@ pub(super) fn simulate(
     run.report.inside_body_reason = run.reason_inside_body();
     run.report.unconverged_reason = run.convergence.unconverged_reason(run.state.time);
     run.show_last_frame(observer)?;
+    // The result has the shape of its file.
+    run.stepper.cloth.membrane.set_rest_stretches(&[]);
     Ok(SimulationResult {
         mesh: run.mesh,
         positions: run.state.x,

@@ -16,7 +16,7 @@ use crate::energy::term::{BlockSink, Energy, add_symmetric, sum_of};
 use crate::energy::tuning::TUNING;
 use crate::fabric::Fabric;
 use crate::garment::{Garment, RestState};
-use crate::math::{Mat3, Vec2, Vec3};
+use crate::math::{Mat3, PlaneStretch, Vec2, Vec3};
 use std::borrow::Cow;
 
 /// Constants of the membrane during a run: one entry per triangle.
@@ -25,6 +25,8 @@ pub struct Membrane {
     corners: Vec<[u32; 3]>,
     /// Material derivative of the shape functions [1/m]: w_u = sum x_i b_i.x, w_v = sum x_i b_i.y.
     derivative: Vec<[Vec2; 3]>,
+    /// That derivative for the shape in the garment's file [1/m], where the cloth has another rest shape; empty elsewhere.
+    source_derivative: Vec<[Vec2; 3]>,
     /// Rest areas [m²].
     area: Vec<f64>,
     /// Rest areas times numbers of layers [m²].
@@ -68,7 +70,15 @@ impl Membrane {
             area.push(0.5 * twice.abs());
         }
         let weight = area.clone();
-        Self { corners: corners.to_vec(), derivative, area, weight, stiffness, damping }
+        Self {
+            corners: corners.to_vec(),
+            derivative,
+            source_derivative: Vec::new(),
+            area,
+            weight,
+            stiffness,
+            damping,
+        }
     }
 
     /// Returns the membrane of triangles `faces` only.
@@ -76,6 +86,7 @@ impl Membrane {
         Self {
             corners: faces.iter().map(|&f| self.corners[f]).collect(),
             derivative: faces.iter().map(|&f| self.derivative[f]).collect(),
+            source_derivative: Vec::new(),
             area: faces.iter().map(|&f| self.area[f]).collect(),
             weight: faces.iter().map(|&f| self.weight[f]).collect(),
             ..*self
@@ -85,6 +96,32 @@ impl Membrane {
     /// Rest areas, one per triangle [m²].
     pub fn area(&self) -> &[f64] {
         &self.area
+    }
+
+    /// Returns the stretch of every triangle from its shape in the garment's file to that at `x` [m], with principal strains of at most
+    /// `max_strain` [-].
+    pub fn stretches_to(&self, x: &[Vec3], max_strain: f64) -> Vec<PlaneStretch> {
+        let of_source =
+            if self.source_derivative.is_empty() { &self.derivative } else { &self.source_derivative };
+        let stretch = |(corners, derivative)| {
+            let (u, v) = axes_of(corners, derivative, x);
+            PlaneStretch::of_axes(&u, &v, max_strain)
+        };
+        self.corners.iter().zip(of_source).map(stretch).collect()
+    }
+
+    /// Gives every triangle the rest shape that it has in the garment's file after its stretch, one per triangle; with none, that of
+    /// the file. Masses and areas stay.
+    pub fn set_rest_stretches(&mut self, stretches: &[PlaneStretch]) {
+        if !self.source_derivative.is_empty() {
+            self.derivative = std::mem::take(&mut self.source_derivative);
+        }
+        if !stretches.is_empty() {
+            self.source_derivative.clone_from(&self.derivative);
+            for (derivative, stretch) in self.derivative.iter_mut().zip(stretches) {
+                *derivative = derivative.map(|b| stretch.unstretched(b));
+            }
+        }
     }
 
     /// Replaces the stretch and shear stiffness [N/m].
@@ -113,9 +150,7 @@ impl Membrane {
     /// Returns w_u and w_v of triangle `f` at `x` [-].
     #[inline]
     fn axes(&self, f: usize, x: &[Vec3]) -> (Vec3, Vec3) {
-        let ([i, j, k], b) = (self.corners[f], &self.derivative[f]);
-        let (p, q, r) = (&x[i as usize], &x[j as usize], &x[k as usize]);
-        (p * b[0].x + q * b[1].x + r * b[2].x, p * b[0].y + q * b[1].y + r * b[2].y)
+        axes_of(&self.corners[f], &self.derivative[f], x)
     }
 
     /// Returns |w_u|, |w_v| and w_u.w_v of every triangle [-].
@@ -147,6 +182,13 @@ impl Membrane {
             .collect();
         MembraneTerm { model: Cow::Borrowed(self), target, factor: 1.0 + ratio }
     }
+}
+
+/// Returns w_u and w_v of a triangle with these corners and this material derivative [1/m] at `x` [m].
+#[inline]
+fn axes_of([i, j, k]: &[u32; 3], b: &[Vec2; 3], x: &[Vec3]) -> (Vec3, Vec3) {
+    let (p, q, r) = (&x[*i as usize], &x[*j as usize], &x[*k as usize]);
+    (p * b[0].x + q * b[1].x + r * b[2].x, p * b[0].y + q * b[1].y + r * b[2].y)
 }
 
 /// Stretch and shear during one step.
@@ -289,6 +331,28 @@ mod tests {
         let (membrane, _) = pair();
         let flat = [(0.0, 0.0), (0.1, 0.0), (0.03, 0.08), (0.06, -0.05)].map(|(u, v)| Vec3::new(u, v, 0.0));
         check_secant_of_a_rotation(&membrane.term(&RestState::flat(0, 2), &[], 0.01), &flat);
+    }
+
+    #[test]
+    fn cloth_rests_in_the_shape_it_was_given_and_forgets_it() {
+        let (mut membrane, _) = pair();
+        let energy = |membrane: &Membrane, x: &[Vec3]| {
+            membrane.term(&RestState::flat(0, 2), &[], f64::INFINITY).value(x)
+        };
+        let flat: Vec<Vec3> = [(0.0, 0.0), (0.1, 0.0), (0.03, 0.08), (0.06, -0.05)]
+            .map(|(u, v)| Vec3::new(1.1 * u + 0.05 * v, v, 0.0))
+            .into();
+        let before = energy(&membrane, &flat);
+        membrane.set_rest_stretches(&membrane.stretches_to(&flat, 0.2));
+        assert!(before > 1e-3 && energy(&membrane, &flat) < 1e-20);
+        // Stretches are always from the shape in the file.
+        let again = membrane.stretches_to(&flat, 0.2);
+        membrane.set_rest_stretches(&again);
+        assert!(energy(&membrane, &flat) < 1e-20);
+        membrane.set_rest_stretches(&membrane.stretches_to(&flat, 0.02));
+        assert!(energy(&membrane, &flat) > 0.1 * before, "no more than that strain is taken on");
+        membrane.set_rest_stretches(&[]);
+        assert_eq!(energy(&membrane, &flat), before);
     }
 
     #[test]

@@ -14,6 +14,8 @@ pub struct DrawnLines<'a> {
     pub mesh: SurfaceMesh<'a>,
     /// How far ahead creases are known.
     pub foresight: Foresight,
+    /// Fraction of the cloth that does not fit into the plane it was laid out in [-].
+    pub excess: f64,
 }
 
 /// Draws the fold lines of `script` on `garment`, as far as they can be told, with a row of edges at `row` [m] on either side of
@@ -33,9 +35,9 @@ pub fn draw_fold_lines<'a>(
         }
         action.as_wear_action().predict_creases(&mut layout);
     }
-    let (mut lines, foresight) = layout.finish();
+    let (mut lines, foresight, excess) = layout.finish();
     lines.draw_rows();
-    DrawnLines { mesh: lines.into_mesh(), foresight }
+    DrawnLines { mesh: lines.into_mesh(), foresight, excess }
 }
 
 #[cfg(test)]
@@ -97,7 +99,7 @@ mod tests {
     /// Columns of drawn lines [steps] and their layer (0 below, 1 above), and the foresight.
     fn drawn(garment: &Garment, actions: &str, laid: Option<&[Vec3]>) -> (Vec<(i64, usize)>, Foresight) {
         let script = script(actions);
-        let DrawnLines { mesh, foresight } = draw_fold_lines(garment, &script, laid, 0.0, NO_ROW);
+        let DrawnLines { mesh, foresight, .. } = draw_fold_lines(garment, &script, laid, 0.0, NO_ROW);
         let lines = mesh
             .edges()
             .into_iter()

@@ -3,10 +3,11 @@
 //! Triangles that look up lie in one plane, the others in a plane below; between them runs the rim, where the cloth turns over.
 //! In the plane every triangle is as close to its own shape as its neighbours let it be: as rigid as possible (Sorkine and Alexa
 //! 2007, in the plane as Liu and others 2008), in turn the best rotation of every triangle and the positions for these rotations.
-//! What the cut keeps from lying flat remains as strain, and makes the wrinkles once the cloth is free. Pieces sewn on along their
+//! The shape in a file is that of a garment on a body, and its cut is not known: the shape that a triangle has in the plane counts as
+//! its cut, up to a strain ([`MAX_CUT_STRAIN`]). What exceeds that makes the wrinkles once the cloth is free. Pieces sewn on along their
 //! borders (pockets, plackets, facings) are layers of their own, outside of the cloth they lie on ([`stack_ranks`]).
 
-use crate::math::{Rng, Vec3, bounds};
+use crate::math::{PlaneStretch, Rng, Vec3, bounds};
 use crate::mesh::intersections::self_intersecting_triangles;
 use crate::mesh::{PointIndex, Topology, triangle};
 use crate::sim::ScalarCholesky;
@@ -22,9 +23,15 @@ pub(super) struct FlatLayout {
     pub positions: Vec<Vec3>,
     /// Per point: by how much it looks up before it is laid, from -1 to 1; the rim is at 0.
     pub level: Vec<f64>,
-    /// Fraction of the cloth that does not fit into the plane and makes wrinkles, by area [-].
+    /// Strain between the shape in the file and the cut: root mean square over the area [-].
+    pub strain: f64,
+    /// Fraction of the cloth that does not fit into the plane beyond that and makes wrinkles, by area [-].
     pub excess: f64,
 }
+
+/// Largest principal strain between the shape of a triangle in the file and in the cut of the garment [-]: knits are worn stretched by up
+/// to a fifth or a quarter.
+pub const MAX_CUT_STRAIN: f64 = 0.2;
 
 /// Height of the rim between the layers, relative to their distance.
 const RIM_HEIGHT: f64 = 0.5;
@@ -49,7 +56,8 @@ impl FlatLayout {
             return Self::of_part(source, triangles, &topology, gap);
         }
         parts.sort_by_key(|part| Reverse(part.len()));
-        let mut whole = Self { positions: source.to_vec(), level: vec![0.0; source.len()], excess: 0.0 };
+        let mut whole =
+            Self { positions: source.to_vec(), level: vec![0.0; source.len()], strain: 0.0, excess: 0.0 };
         let mut base = 0.0;
         for part in &parts {
             let mut members: Vec<usize> = part.iter().flat_map(|f| triangles[*f].map(|p| p.at())).collect();
@@ -63,7 +71,9 @@ impl FlatLayout {
                 whole.positions[*p] = laid.positions[k] + Vec3::y() * base;
                 whole.level[*p] = laid.level[k];
             }
-            whole.excess += laid.excess * part.len() as f64 / triangles.len() as f64;
+            let weight = part.len() as f64 / triangles.len() as f64;
+            whole.excess += weight * laid.excess;
+            whole.strain = whole.strain.hypot(weight.sqrt() * laid.strain);
             base = laid.positions.iter().map(|p| p.y + base).fold(base, f64::max) + gap;
         }
         Some(whole)
@@ -126,10 +136,27 @@ impl FlatLayout {
         level: Vec<f64>,
     ) -> Self {
         let area = |x: &[Vec3], t| triangle::area(&triangle::corners(x, t));
-        let missing = |t| (area(source, t) - area(flat, t)).max(0.0);
-        let all: f64 = triangles.iter().map(|t| area(source, t)).sum();
-        Self { positions, level, excess: triangles.iter().map(missing).sum::<f64>() / all }
+        let (mut excess, mut squares, mut all) = (0.0, 0.0, 0.0);
+        for t in triangles {
+            let (own, cut) = (area(source, t), stretch_to_cut(source, flat, t));
+            excess += (own * cut.area_ratio() - area(flat, t)).max(0.0);
+            squares += own * cut.rms_strain().powi(2);
+            all += own;
+        }
+        Self { positions, level, strain: (squares / all).sqrt(), excess: excess / all }
     }
+}
+
+/// Stretch of a triangle from its shape at `source` to that in the cut of a garment that lies at `flat` [m].
+fn stretch_to_cut(source: &[Vec3], flat: &[Vec3], t: &[PointIndex; 3]) -> PlaneStretch {
+    let [[a, b, c], [d, e, f]] = [source, flat].map(|x| triangle::corners(x, t));
+    let (along, across) = (b - a, c - a);
+    let length = along.norm().max(f64::MIN_POSITIVE);
+    let foot = across.dot(&along) / length;
+    let height = along.cross(&across).norm() / length;
+    let u = (e - d) / length;
+    let v = (f - d - u * foot) / height.max(f64::MIN_POSITIVE);
+    PlaneStretch::of_axes(&u, &v, MAX_CUT_STRAIN)
 }
 
 /// Layers of a garment that lies.

@@ -18,7 +18,7 @@ use crate::wear::tuning::TUNING;
 pub enum Foresight {
     /// The script creases the cloth along its fold lines only.
     Whole,
-    /// The garment does not lie in its file: where lines run on it is known once it was laid, by the first action.
+    /// The garment neither lies in its file nor can be laid out: where lines run on it is known once it was laid, by the first action.
     NeedsLaying,
     /// An action, by its index in the flattened script, may crease the cloth anywhere.
     Until(usize),
@@ -61,9 +61,9 @@ impl<'a> FoldLayout<'a> {
         self.foresight == Foresight::Whole
     }
 
-    /// The lines so far, and how far they go.
-    pub(super) fn finish(self) -> (LineLayout<'a>, Foresight) {
-        (self.lines, self.foresight)
+    /// The lines so far, and how far they go; also the fraction of the cloth that does not fit into the plane it was laid out in.
+    pub(super) fn finish(self) -> (LineLayout<'a>, Foresight, f64) {
+        (self.lines, self.foresight, self.persistent.excess)
     }
 
     /// Marks that the cloth may crease anywhere.
@@ -107,14 +107,12 @@ impl<'a> FoldLayout<'a> {
         else {
             return self.mark_unpredictable();
         };
-        // Laid out flat, it is not yet where it comes to rest.
-        if rim.is_some() || !self.is_flat(&positions) {
+        // Laid out flat, it is where it comes to rest.
+        if rim.is_none() && !self.is_flat(&positions) {
             match (self.action, self.laid) {
                 (0, None) => {
                     self.foresight = Foresight::NeedsLaying;
-                    if rim.is_none() {
-                        return;
-                    }
+                    return;
                 }
                 (0, Some(laid)) => {
                     positions = laid.to_vec();

@@ -118,12 +118,13 @@ impl<'a> LineLayout<'a> {
         self.levels.push(level);
     }
 
-    /// Cuts the mesh along the zero line of `level`, through the points of other curves that lie next to it: an edge between two
-    /// curves stays as short as it is.
+    /// Cuts the mesh along the zero line of `level`, through the points that lie next to it: cut points beside one would make tiny
+    /// triangles. Points of other curves count from farther off, so that an edge between two curves stays as short as it is.
     fn cut(&mut self, level: &mut Vec<f64>) {
-        let snap = TUNING.prediction.snap_rows * self.row;
+        let tuning = &TUNING.prediction;
         for (p, level) in level.iter_mut().enumerate() {
-            if level.abs() < snap && self.mesh.curve_degree(p as u32) > 0 {
+            let snap = if self.mesh.curve_degree(p as u32) > 0 { tuning.snap_rows } else { tuning.snap_free };
+            if level.abs() < snap * self.row {
                 *level = 0.0;
             }
         }

@@ -35,6 +35,7 @@ pub use actions::{
     Pack, Packing, Play, Press, Release, Roll, Settle, Unfold, Wash,
 };
 pub use draw_lines::{DrawnLines, draw_fold_lines};
+pub use flat_layout::MAX_CUT_STRAIN;
 pub use fold_layout::{FoldLayout, Foresight};
 pub use fraction::Fraction2;
 pub use line_layout::is_row;

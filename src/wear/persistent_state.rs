@@ -1,7 +1,7 @@
 //! State of a garment that outlives an action: its orientation, the frame of fractions, folds, and what holds it.
 
 use crate::body::PosedBody;
-use crate::math::{Mat3, Vec3, bounds};
+use crate::math::{Mat3, PlaneStretch, Vec3, bounds};
 use crate::sim::Loads;
 use crate::wear::roll_map::RollRecord;
 use serde::{Deserialize, Serialize};
@@ -97,6 +97,10 @@ pub struct PersistentState {
     /// Per hinge: by how much laying the garment down bent it [rad]; empty for a garment that does not lie. It is not remembered.
     #[serde(default)]
     pub laid_bend: Vec<f64>,
+    /// Per triangle: stretch from its shape in the file to its rest shape; empty where that is the shape in the file. A garment that was
+    /// laid out has the rest shape of its cut.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub cut: Vec<PlaneStretch>,
     /// Fraction of the cloth that does not fit into the plane it was laid out in [-]: it makes wrinkles.
     #[serde(default)]
     pub excess: f64,
@@ -117,6 +121,7 @@ impl Default for PersistentState {
             turns: Vec::new(),
             ground: None,
             laid_bend: Vec::new(),
+            cut: Vec::new(),
             excess: 0.0,
             held_loads: None,
             body: None,

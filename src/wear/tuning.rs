@@ -228,6 +228,8 @@ pub(super) struct PredictionTuning {
     /// Distance from a line within which it runs through the points of other curves, relative to that of its rows [-],
     /// default 0.15.
     pub snap_rows: f64,
+    /// The same for points of no curve [-], default 0.04: next to them a line makes triangles that are too small for anything.
+    pub snap_free: f64,
     /// Height of the lowest layer above the ground, in layers [-], default 0.8.
     pub lowest_layer_height: f64,
     /// Cells in which layers that lie on one another are looked up [m], default 0.02.
@@ -340,6 +342,7 @@ pub(super) const TUNING: WearTuning = WearTuning {
         min_flat_normal_y: 0.9,
         row_clearance: 0.6,
         snap_rows: 0.15,
+        snap_free: 0.04,
         lowest_layer_height: 0.8,
         layer_cell: 0.02,
     },

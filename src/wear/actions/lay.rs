@@ -100,6 +100,7 @@ impl WearAction for Lay {
         persistent.turns.clear();
         persistent.held_loads = None;
         persistent.laid_bend.clear();
+        persistent.cut.clear();
         persistent.excess = 0.0;
         // A garment that is laid down has been taken off.
         persistent.body = None;
@@ -117,7 +118,9 @@ impl WearAction for Lay {
             persistent.excess = layout.excess;
             level = Some(layout.level);
             note = Some(format!(
-                "front over back; {:.1} % of the cloth does not fit into the plane and makes wrinkles",
+                "front over back, in a cut that differs from the file's shape by {:.1} % (rms strain); {:.1} % of the cloth does not fit into \
+                 the plane beyond that and makes wrinkles",
+                100.0 * layout.strain,
                 100.0 * layout.excess
             ));
             height = flat;
