@@ -82,7 +82,7 @@ impl Run<'_> {
             location: &location,
         };
         let mut begun = action.as_wear_action().start_action(&scene, &mut self.persistent)?;
-        if let (Some(laid), Some(_)) = (&begun.start_positions, &begun.level) {
+        if let (Some(laid), Some(_)) = (&begun.start_positions, &begun.laid_out) {
             let membrane = &self.stepper.cloth.membrane;
             self.persistent.cut = membrane.stretches_to(laid, MAX_CUT_STRAIN);
         }

@@ -87,10 +87,9 @@ impl MeshChoice {
         }
         let DrawnLines { mut mesh, foresight, excess } =
             draw_fold_lines(garment, script, laid, fabric.thickness(), lengths.row);
+        let excess = excess.or_else(|| laid.map(|laid| excess_at(garment, laid))).unwrap_or(0.0);
         let uniform = match foresight {
-            Foresight::Whole if excess.max(excess_at(garment, laid)) > TUNING.simulation_mesh.max_excess => {
-                lengths.max_of_crumpled
-            }
+            Foresight::Whole if excess > TUNING.simulation_mesh.max_excess => lengths.max_of_crumpled,
             Foresight::Whole => lengths.max,
             Foresight::NeedsLaying => lengths.side,
             Foresight::Until(_) => TUNING.simulation_mesh.side_factor * lengths.anywhere,
@@ -178,10 +177,8 @@ impl EdgeLengths {
     }
 }
 
-/// Fraction of the cloth of `garment` that does not fit into the plane where it lies at `laid` [m] and will crumple in a stack; 0 where that
-/// is not known.
-fn excess_at(garment: &Garment, laid: Option<&[Vec3]>) -> f64 {
-    let Some(laid) = laid else { return 0.0 };
+/// Fraction of the cloth of `garment` that does not fit into the plane where it lies at `laid` [m] and will crumple in a stack.
+fn excess_at(garment: &Garment, laid: &[Vec3]) -> f64 {
     let area_vectors =
         |x| garment.triangles.iter().map(move |t| triangle::area_vector(&triangle::corners(x, t)));
     let whole: f64 = area_vectors(&garment.points[..]).map(|a| a.norm()).sum();

@@ -118,14 +118,22 @@ pub trait ActionRunner {
     fn finish(&mut self, _persistent: &mut PersistentState, _x: &[Vec3]) {}
 }
 
+/// A garment that is laid out flat.
+pub struct LaidOut {
+    /// Per point: by how much it looked up before, from -1 to 1.
+    pub level: Vec<f64>,
+    /// Fraction of the cloth that does not fit into the plane [-].
+    pub excess: f64,
+}
+
 /// Start of an action.
 pub struct ActionStart {
     /// The action in progress.
     pub runner: Box<dyn ActionRunner>,
     /// New positions to start from, at rest [m], when the action first moves the garment as a whole, so that no layers cross.
     pub start_positions: Option<Vec<Vec3>>,
-    /// Per point, where the garment is laid out flat first: by how much it looked up before, from -1 to 1.
-    pub level: Option<Vec<f64>>,
+    /// How the garment lies there, where it is laid out flat first.
+    pub laid_out: Option<LaidOut>,
     /// Duration [s], where only the body determines it.
     pub duration: Option<f64>,
     /// What the report says of the start.
@@ -135,7 +143,13 @@ pub struct ActionStart {
 impl ActionStart {
     /// The start of `runner` from the present positions.
     pub fn here(runner: impl ActionRunner + 'static) -> Result<Self> {
-        Ok(Self { runner: Box::new(runner), start_positions: None, level: None, duration: None, note: None })
+        Ok(Self {
+            runner: Box::new(runner),
+            start_positions: None,
+            laid_out: None,
+            duration: None,
+            note: None,
+        })
     }
 }
 

@@ -14,8 +14,8 @@ pub struct DrawnLines<'a> {
     pub mesh: SurfaceMesh<'a>,
     /// How far ahead creases are known.
     pub foresight: Foresight,
-    /// Fraction of the cloth that does not fit into the plane it was laid out in [-].
-    pub excess: f64,
+    /// Fraction of the cloth that does not fit into the plane [-], where it was laid out in one.
+    pub excess: Option<f64>,
 }
 
 /// Draws the fold lines of `script` on `garment`, as far as they can be told, with a row of edges at `row` [m] on either side of

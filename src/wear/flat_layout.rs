@@ -14,7 +14,7 @@ use crate::sim::ScalarCholesky;
 use crate::wear::layer_gap::{separate, touching};
 use crate::wear::sewn_layers::{patches, stack_ranks};
 use crate::wear::tuning::TUNING;
-use std::cmp::Reverse;
+use rustc_hash::FxHashMap;
 
 /// A garment laid out flat. y points up; the lower layer lies at y = 0.
 #[derive(Debug, Clone)]
@@ -33,6 +33,9 @@ pub(super) struct FlatLayout {
 /// to a fifth or a quarter.
 pub const MAX_CUT_STRAIN: f64 = 0.2;
 
+/// Cells in which heights of parts are compared [m].
+const PART_CELL: f64 = 0.02;
+
 /// Height of the rim between the layers, relative to their distance.
 const RIM_HEIGHT: f64 = 0.5;
 
@@ -47,15 +50,15 @@ struct Plane<'a> {
 }
 
 impl FlatLayout {
-    /// Lays out the cloth at `source` [m] (y up), with `gap` [m] between its layers; parts that are not joined are stacked, the
-    /// largest below. `None` where layers of a part would cross or lie in one plane: where more than two lie on one another.
+    /// Lays out the cloth at `source` [m] (y up), with `gap` [m] between its layers; parts that are not joined are stacked in the order in
+    /// which they lie over one another there, others with the largest below. `None` where layers of a part would cross or lie in one plane: where more than two lie on one another.
     pub fn new(source: &[Vec3], triangles: &[[PointIndex; 3]], gap: f64) -> Option<Self> {
         let topology = Topology::new(source.len(), triangles);
         let mut parts = patches(&topology, &|_, _, _| true);
         if parts.len() == 1 {
             return Self::of_part(source, triangles, &topology, gap);
         }
-        parts.sort_by_key(|part| Reverse(part.len()));
+        order_parts(&mut parts, source, triangles);
         let mut whole =
             Self { positions: source.to_vec(), level: vec![0.0; source.len()], strain: 0.0, excess: 0.0 };
         let mut base = 0.0;
@@ -145,6 +148,38 @@ impl FlatLayout {
         }
         Self { positions, level, strain: (squares / all).sqrt(), excess: excess / all }
     }
+}
+
+/// Orders the parts of a garment at `source` [m], each a list of triangles, from the lowest to the highest: by how much higher than the others
+/// they reach where they lie over one another, then by their areas, the largest first.
+fn order_parts(parts: &mut Vec<Vec<usize>>, source: &[Vec3], triangles: &[[PointIndex; 3]]) {
+    let cell = |x: &Vec3| [x.x, x.z].map(|along| (along / PART_CELL).floor() as i64);
+    let corners = |f: usize| triangle::corners(source, &triangles[f]);
+    let mut tops: FxHashMap<[i64; 2], Vec<f64>> = FxHashMap::default();
+    for (k, part) in parts.iter().enumerate() {
+        for x in part.iter().flat_map(|f| corners(*f)) {
+            let top = tops.entry(cell(&x)).or_insert_with(|| vec![f64::NEG_INFINITY; parts.len()]);
+            top[k] = top[k].max(x.y);
+        }
+    }
+    let rise = |k: usize| {
+        let (mut sum, mut count) = (0.0, 0.0f64);
+        for top in tops.values().filter(|top| top[k].is_finite()) {
+            let others = top.iter().enumerate().filter(|(other, _)| *other != k);
+            let highest = others.map(|(_, top)| *top).fold(f64::NEG_INFINITY, f64::max);
+            if highest.is_finite() {
+                // Counted in whole micrometres, so that the sum does not depend on the order of the cells.
+                sum += ((top[k] - highest) * 1e6).round();
+                count += 1.0;
+            }
+        }
+        sum / count.max(1.0)
+    };
+    let area = |part: &Vec<usize>| part.iter().map(|f| triangle::area(&corners(*f))).sum::<f64>();
+    let mut keyed: Vec<(f64, f64, Vec<usize>)> =
+        parts.iter().enumerate().map(|(k, part)| (rise(k), -area(part), part.clone())).collect();
+    keyed.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    *parts = keyed.into_iter().map(|(_, _, part)| part).collect();
 }
 
 /// Stretch of a triangle from its shape at `source` to that in the cut of a garment that lies at `flat` [m].
@@ -501,5 +536,22 @@ mod tests {
         let top = lower.iter().map(|p| p.y).fold(0.0, f64::max);
         assert!(upper.iter().all(|p| p.y > top), "copies in one place are laid on one another");
         assert!(self_intersections(&laid.positions, &triangles).is_empty());
+    }
+
+    #[test]
+    fn the_part_that_is_worn_outside_lies_on_top() {
+        let (tube, own) = tube(0.0, 0.0);
+        let count = tube.len() as u32;
+        let wide: Vec<Vec3> = tube.iter().map(|p| Vec3::new(1.1 * p.x, 1.1 * p.y, 0.5 * p.z)).collect();
+        let shifted = own.iter().map(|t| t.map(|p| PointIndex(p.0 + count)));
+        let triangles: Vec<_> = own.iter().copied().chain(shifted).collect();
+        for wide_is_first in [false, true] {
+            let [first, second] = if wide_is_first { [&wide, &tube] } else { [&tube, &wide] };
+            let points: Vec<Vec3> = first.iter().chain(second).copied().collect();
+            let laid = FlatLayout::new(&points, &triangles, 1e-3).expect("can lie");
+            let top = |of: &[Vec3]| of.iter().map(|p| p.y).fold(0.0, f64::max);
+            let (one, other) = laid.positions.split_at(count as usize);
+            assert_eq!(top(one) > top(other), wide_is_first);
+        }
     }
 }

@@ -18,7 +18,7 @@ use crate::wear::tuning::TUNING;
 pub enum Foresight {
     /// The script creases the cloth along its fold lines only.
     Whole,
-    /// The garment neither lies in its file nor can be laid out: where lines run on it is known once it was laid, by the first action.
+    /// The garment does not lie in its file: where lines run on it is known once it was laid, by the first action.
     NeedsLaying,
     /// An action, by its index in the flattened script, may crease the cloth anywhere.
     Until(usize),
@@ -34,6 +34,8 @@ pub struct FoldLayout<'a> {
     thickness: f64,
     lines: LineLayout<'a>,
     persistent: PersistentState,
+    /// Fraction of the cloth that does not fit into the plane [-], where it was laid out in one.
+    excess: Option<f64>,
     foresight: Foresight,
     /// Index of the current action.
     action: usize,
@@ -50,6 +52,7 @@ impl<'a> FoldLayout<'a> {
             thickness,
             lines: LineLayout::new(SurfaceMesh::new(garment), thickness, row),
             persistent: PersistentState::default(),
+            excess: None,
             foresight: Foresight::Whole,
             action: 0,
         }
@@ -61,9 +64,10 @@ impl<'a> FoldLayout<'a> {
         self.foresight == Foresight::Whole
     }
 
-    /// The lines so far, and how far they go; also the fraction of the cloth that does not fit into the plane it was laid out in.
-    pub(super) fn finish(self) -> (LineLayout<'a>, Foresight, f64) {
-        (self.lines, self.foresight, self.persistent.excess)
+    /// The lines so far, and how far they go; also, of a garment that was laid out, the fraction of the cloth that does not fit into the
+    /// plane.
+    pub(super) fn finish(self) -> (LineLayout<'a>, Foresight, Option<f64>) {
+        (self.lines, self.foresight, self.excess)
     }
 
     /// Marks that the cloth may crease anywhere.
@@ -103,16 +107,21 @@ impl<'a> FoldLayout<'a> {
             location: "",
         };
         let started = start(&context, &mut self.persistent);
-        let Some((Some(mut positions), rim)) = started.ok().map(|start| (start.start_positions, start.level))
+        let Some((Some(mut positions), laid_out)) =
+            started.ok().map(|start| (start.start_positions, start.laid_out))
         else {
             return self.mark_unpredictable();
         };
-        // Laid out flat, it is where it comes to rest.
-        if rim.is_none() && !self.is_flat(&positions) {
+        self.excess = laid_out.as_ref().map(|laid_out| laid_out.excess);
+        let rim = laid_out.map(|laid_out| laid_out.level);
+        // Laid out on the triangles of the file, it is not yet where it will lie.
+        if rim.is_some() || !self.is_flat(&positions) {
             match (self.action, self.laid) {
                 (0, None) => {
                     self.foresight = Foresight::NeedsLaying;
-                    return;
+                    if rim.is_none() {
+                        return;
+                    }
                 }
                 (0, Some(laid)) => {
                     positions = laid.to_vec();

@@ -29,7 +29,7 @@ mod tuning;
 mod wear_action;
 
 pub use action_list::{Action, Repeat};
-pub use action_runner::{ActionContext, ActionFailure, ActionRunner, ActionStart};
+pub use action_runner::{ActionContext, ActionFailure, ActionRunner, ActionStart, LaidOut};
 pub use actions::{
     Bend, Crumple, Facing, Fold, FoldSide, Hang, HangBy, HangPoints, Hold, Iron, JointAxis, Lay, LocalAxis,
     Pack, Packing, Play, Press, Release, Roll, Settle, Unfold, Wash,

@@ -101,9 +101,6 @@ pub struct PersistentState {
     /// laid out has the rest shape of its cut.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub cut: Vec<PlaneStretch>,
-    /// Fraction of the cloth that does not fit into the plane it was laid out in [-]: it makes wrinkles.
-    #[serde(default)]
-    pub excess: f64,
     /// Loads of the last action that act until they are released.
     #[serde(rename = "kept")]
     pub held_loads: Option<Loads>,
@@ -122,7 +119,6 @@ impl Default for PersistentState {
             ground: None,
             laid_bend: Vec::new(),
             cut: Vec::new(),
-            excess: 0.0,
             held_loads: None,
             body: None,
         }

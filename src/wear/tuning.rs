@@ -50,11 +50,8 @@ pub(super) struct FoldTuning {
     pub release_steps: f64,
     /// Pressure that smooths a fold along its line while it is held [Pa], default 2000: a hand.
     pub smoothing_pressure: f64,
-    /// Pressure that smooths the whole stack of a garment with excess cloth while a fold is held [Pa], default 500: flat hands.
+    /// Pressure that smooths the whole stack of a garment that was laid out while a fold is held [Pa], default 500: flat hands.
     pub stroking_pressure: f64,
-    /// Fraction of the cloth that does not fit into the plane when it is laid out, beyond which it counts as excess [-], default 0.01: a
-    /// garment in the shape of a body has 0.02 to 0.03.
-    pub max_excess: f64,
     /// Additional drag during the release [1/s], default 20.
     pub release_drag: f64,
     /// Angle above which a fold stays by itself [rad], default 3; others are held until they are opened or released.
@@ -274,7 +271,6 @@ pub(super) const TUNING: WearTuning = WearTuning {
         release_steps: 4.0,
         smoothing_pressure: 2000.0,
         stroking_pressure: 500.0,
-        max_excess: 0.01,
         release_drag: 20.0,
         self_supporting_angle: 3.0,
         rise_ramp: 0.03,

@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::garment::{Footprint, is_lying};
 use crate::math::{Mat3, Vec3, bounds};
 use crate::sim::Loads;
-use crate::wear::action_runner::{ActionContext, ActionFailure, ActionRunner, ActionStart};
+use crate::wear::action_runner::{ActionContext, ActionFailure, ActionRunner, ActionStart, LaidOut};
 use crate::wear::flat_layout::FlatLayout;
 use crate::wear::fold_layout::FoldLayout;
 use crate::wear::motion_profile::{PEAK_RATE, smoothstep};
@@ -101,13 +101,12 @@ impl WearAction for Lay {
         persistent.held_loads = None;
         persistent.laid_bend.clear();
         persistent.cut.clear();
-        persistent.excess = 0.0;
         // A garment that is laid down has been taken off.
         persistent.body = None;
         persistent.ground = Some(0.0);
         let mut height = high.y - low.y + context.thickness;
         let flat = TUNING.lay.flat_layers * context.thickness;
-        let (mut level, mut note) = (None, None);
+        let (mut laid_out, mut note) = (None, None);
         if height > flat
             && let Some(layout) = {
                 let upright: Vec<Vec3> = context.source_positions.iter().map(|p| from_file * p).collect();
@@ -115,14 +114,13 @@ impl WearAction for Lay {
             }
         {
             laid = layout.positions;
-            persistent.excess = layout.excess;
-            level = Some(layout.level);
             note = Some(format!(
                 "front over back, in a cut that differs from the file's shape by {:.1} % (rms strain); {:.1} % of the cloth does not fit into \
                  the plane beyond that and makes wrinkles",
                 100.0 * layout.strain,
                 100.0 * layout.excess
             ));
+            laid_out = Some(LaidOut { level: layout.level, excess: layout.excess });
             height = flat;
         }
         place_on_ground(&mut laid, context.thickness);
@@ -133,9 +131,9 @@ impl WearAction for Lay {
             height,
             over: self.over_s,
             thickness: context.thickness,
-            is_smoothed: level.is_some() || flat < height,
+            is_smoothed: laid_out.is_some() || flat < height,
         })?;
-        Ok(ActionStart { start_positions: Some(laid), level, note, ..start })
+        Ok(ActionStart { start_positions: Some(laid), laid_out, note, ..start })
     }
 
     fn example() -> Self {
