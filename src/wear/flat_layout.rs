@@ -94,7 +94,6 @@ impl FlatLayout {
         let level = level_of(source, triangles, &weights)?;
         let mut up = sides(source, triangles, topology, &level);
         let ranks = stack_ranks(source, triangles, topology)?;
-        let mut folded = vec![false; source.len()];
         let mut flat: Vec<Vec3> = source.iter().map(|p| Vec3::new(p.x, 0.0, p.z)).collect();
         for round in 0..TUNING.lay.max_layout_rounds {
             let layers = Layers::new(source.len(), triangles, &up, &ranks);
@@ -104,8 +103,11 @@ impl FlatLayout {
                 return Some(Self::new_of(source, triangles, &flat, positions, level));
             }
             // What is folded over is drawn out between the points around it.
+            let mut folded = vec![false; source.len()];
             crossing.iter().for_each(|f| triangles[*f as usize].iter().for_each(|p| folded[p.at()] = true));
-            folded = with_neighbours(&folded, topology);
+            for _ in 0..=round {
+                folded = with_neighbours(&folded, topology);
+            }
             let drawn_out = drawn_out(&flat, &folded, topology);
             let (positions, left) = layers.at(&drawn_out, triangles, gap);
             if left.is_empty() {
