@@ -29,12 +29,9 @@ pub(super) struct FlatLayout {
     pub excess: f64,
 }
 
-/// Largest principal strain between the shape of a triangle in the file and in the cut of the garment [-]: knits are worn stretched by up
-/// to a fifth or a quarter.
+/// Largest principal strain between the shape of a triangle in the file and in the cut of the garment [-]: an assumption
+/// (`docs/theory/method.md`).
 pub const MAX_CUT_STRAIN: f64 = 0.2;
-
-/// Cells in which heights of parts are compared [m].
-const PART_CELL: f64 = 0.02;
 
 /// Height of the rim between the layers, relative to their distance.
 const RIM_HEIGHT: f64 = 0.5;
@@ -51,14 +48,15 @@ struct Plane<'a> {
 
 impl FlatLayout {
     /// Lays out the cloth at `source` [m] (y up), with `gap` [m] between its layers; parts that are not joined are stacked in the order in
-    /// which they lie over one another there, others with the largest below. `None` where layers of a part would cross or lie in one plane: where more than two lie on one another.
+    /// which they lie over one another there, others with the largest below. `None` where layers of a part would cross or lie in one
+    /// plane: where more than two lie on one another.
     pub fn new(source: &[Vec3], triangles: &[[PointIndex; 3]], gap: f64) -> Option<Self> {
         let topology = Topology::new(source.len(), triangles);
-        let mut parts = patches(&topology, &|_, _, _| true);
+        let parts = patches(&topology, &|_, _, _| true);
         if parts.len() == 1 {
             return Self::of_part(source, triangles, &topology, gap);
         }
-        order_parts(&mut parts, source, triangles);
+        let parts = stacked(parts, source, triangles);
         let mut whole =
             Self { positions: source.to_vec(), level: vec![0.0; source.len()], strain: 0.0, excess: 0.0 };
         let mut base = 0.0;
@@ -152,36 +150,38 @@ impl FlatLayout {
     }
 }
 
-/// Orders the parts of a garment at `source` [m], each a list of triangles, from the lowest to the highest: by how much higher than the others
-/// they reach where they lie over one another, then by their areas, the largest first.
-fn order_parts(parts: &mut Vec<Vec<usize>>, source: &[Vec3], triangles: &[[PointIndex; 3]]) {
-    let cell = |x: &Vec3| [x.x, x.z].map(|along| (along / PART_CELL).floor() as i64);
+/// Returns the parts of a garment at `source` [m], each a list of triangles, from the lowest to the highest: by how much higher than the
+/// others they reach where they lie over one another, then by their areas, the largest first.
+fn stacked(parts: Vec<Vec<usize>>, source: &[Vec3], triangles: &[[PointIndex; 3]]) -> Vec<Vec<usize>> {
+    let cell = |x: &Vec3| [x.x, x.z].map(|along| (along / TUNING.lay.part_cell).floor() as i64);
     let corners = |f: usize| triangle::corners(source, &triangles[f]);
-    let mut tops: FxHashMap<[i64; 2], Vec<f64>> = FxHashMap::default();
+    // Per cell: the parts in it, each with its highest point.
+    let mut tops: FxHashMap<[i64; 2], Vec<(usize, f64)>> = FxHashMap::default();
     for (k, part) in parts.iter().enumerate() {
         for x in part.iter().flat_map(|f| corners(*f)) {
-            let top = tops.entry(cell(&x)).or_insert_with(|| vec![f64::NEG_INFINITY; parts.len()]);
-            top[k] = top[k].max(x.y);
-        }
-    }
-    let rise = |k: usize| {
-        let (mut sum, mut count) = (0.0, 0.0f64);
-        for top in tops.values().filter(|top| top[k].is_finite()) {
-            let others = top.iter().enumerate().filter(|(other, _)| *other != k);
-            let highest = others.map(|(_, top)| *top).fold(f64::NEG_INFINITY, f64::max);
-            if highest.is_finite() {
-                // Counted in whole micrometres, so that the sum does not depend on the order of the cells.
-                sum += ((top[k] - highest) * 1e6).round();
-                count += 1.0;
+            let tops = tops.entry(cell(&x)).or_default();
+            match tops.last_mut() {
+                Some((last, top)) if *last == k => *top = top.max(x.y),
+                _ => tops.push((k, x.y)),
             }
         }
-        sum / count.max(1.0)
-    };
-    let area = |part: &Vec<usize>| part.iter().map(|f| triangle::area(&corners(*f))).sum::<f64>();
-    let mut keyed: Vec<(f64, f64, Vec<usize>)> =
-        parts.iter().enumerate().map(|(k, part)| (rise(k), -area(part), part.clone())).collect();
-    keyed.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    *parts = keyed.into_iter().map(|(_, _, part)| part).collect();
+    }
+    let mut rise = vec![(0.0, 0.0f64); parts.len()];
+    for tops in tops.values().filter(|tops| tops.len() > 1) {
+        let mut heights: Vec<f64> = tops.iter().map(|(_, top)| *top).collect();
+        heights.sort_unstable_by(|a, b| b.total_cmp(a));
+        for (k, top) in tops {
+            let highest_other = if *top == heights[0] { heights[1] } else { heights[0] };
+            // Counted in whole micrometres, so that the sum does not depend on the order of the cells.
+            rise[*k].0 += ((top - highest_other) * 1e6).round();
+            rise[*k].1 += 1.0;
+        }
+    }
+    let area = |part: &[usize]| part.iter().map(|f| triangle::area(&corners(*f))).sum::<f64>();
+    let key = |(part, (sum, count)): (Vec<usize>, (f64, f64))| (sum / count.max(1.0), area(&part), part);
+    let mut keyed: Vec<(f64, f64, Vec<usize>)> = parts.into_iter().zip(rise).map(key).collect();
+    keyed.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.total_cmp(&a.1)));
+    keyed.into_iter().map(|(_, _, part)| part).collect()
 }
 
 /// Stretch of a triangle from its shape at `source` to that in the cut of a garment that lies at `flat` [m].

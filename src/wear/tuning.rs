@@ -131,6 +131,8 @@ pub(super) struct LayTuning {
     pub draw_out_rounds: usize,
     /// Layers sewn onto one another outside of the cloth, at most, default 8: more are damage.
     pub max_sewn_layers: usize,
+    /// Cells in which the heights of parts that are not joined are compared [m], default 0.02.
+    pub part_cell: f64,
     /// Rounds in which layers next to common points are moved apart, at most, default 300.
     pub max_gap_rounds: usize,
     /// Missing distance at which that ends, relative to the distance of layers [-], default 0.01.
@@ -305,6 +307,7 @@ pub(super) const TUNING: WearTuning = WearTuning {
         layout_gap: 2.0,
         draw_out_rounds: 40,
         max_sewn_layers: 8,
+        part_cell: 0.02,
         max_gap_rounds: 300,
         gap_tol: 0.01,
         touch_fraction: 0.01,
