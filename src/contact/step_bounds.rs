@@ -18,7 +18,7 @@ use crate::mesh::aabb::SweptBox;
 use rayon::prelude::*;
 
 /// Pairs that one task tests.
-const PAIRS_PER_TASK: usize = 4096;
+const PAIRS_PER_TASK: usize = 512;
 
 /// Fraction of its displacement that each point may move.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,6 +28,8 @@ pub struct StepFractions {
     pub fraction: Vec<f64>,
     /// The smallest of them.
     pub min_fraction: f64,
+    /// Step size that all points may take together [-].
+    pub uniform_step: f64,
     /// Number of points below 1.
     pub limited_points: usize,
     /// Rounds of testing; 1 when every pair was free at once.
@@ -107,8 +109,9 @@ fn fractions_within(
         active = near.iter().copied().filter(concerned).collect();
     }
     let min_fraction = fraction.iter().copied().fold(1.0, f64::min);
+    let uniform_step = first_hits.iter().map(|hit| hit.fraction).fold(1.0, f64::min);
     let limited_points = fraction.iter().filter(|&&f| f < 1.0).count();
-    StepFractions { fraction, min_fraction, limited_points, rounds, fallback_points }
+    StepFractions { fraction, min_fraction, uniform_step, limited_points, rounds, fallback_points }
 }
 
 /// Returns the boxes that all points sweep.
@@ -326,6 +329,9 @@ pub(super) mod tests {
         assert!(found.fraction.iter().all(|&f| f > 0.0 && f <= 1.0));
         let motion = found.apply(&displacement);
         assert_apart(&pairs, &min_distances, &points, &motion);
+        let together: Vec<Vec3> = displacement.iter().map(|d| d * found.uniform_step).collect();
+        assert!(found.uniform_step > 0.0 && found.uniform_step < 1.0);
+        assert_apart(&pairs, &min_distances, &points, &together);
         let end: Vec<Vec3> = points.iter().zip(&motion).map(|(x, d)| x + d).collect();
         assert!(self_intersections(&end, &triangles).is_empty());
         let whole: Vec<Vec3> = points.iter().zip(&displacement).map(|(x, d)| x + d).collect();

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 /// Pairs that one task filters.
-const PAIRS_PER_TASK: usize = 4096;
+const PAIRS_PER_TASK: usize = 512;
 
 /// Pairs of primitives of one mesh that may come near.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

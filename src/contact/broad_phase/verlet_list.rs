@@ -10,7 +10,7 @@ use crate::math::Vec3;
 use rayon::prelude::*;
 
 /// Points that one task checks.
-const POINTS_PER_TASK: usize = 4096;
+const POINTS_PER_TASK: usize = 512;
 
 /// Candidates of a mesh at rest within the search distance and twice the skin.
 #[derive(Debug, Clone, Default)]

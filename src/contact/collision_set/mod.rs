@@ -18,6 +18,7 @@ use crate::contact::collision_set::far_clearance::{FarClearance, mean};
 use crate::contact::collision_set::local_dhat::LocalDhat;
 use crate::contact::initial_intersections::{InitialIntersections, MeshView};
 use crate::contact::settings::ContactSettings;
+use crate::contact::step_bounds::StepFractions;
 use crate::contact::tuning::TUNING;
 use crate::math::Vec3;
 use crate::mesh::{PointIndex, Topology};
@@ -337,8 +338,9 @@ impl CollisionSet {
     ///
     /// Most long displacements bring nothing together: they are found free with one step size for all points, which needs only the pairs that
     /// come near in that motion, or are made together as far as possible, if that is far enough (`min_uniform_step`). Otherwise candidates hold
-    /// for any fractions of the displacements, and every point gets the fraction that keeps its pairs apart (`contact::step_bounds`). Where
-    /// that leaves little of the predicted decrease, layers that move along with one another have stopped each other; then points that would
+    /// for any fractions of the displacements, and every point gets the fraction that keeps its pairs apart (`contact::step_bounds`), or all
+    /// get the one step size that does, whichever predicts more decrease: layers that move along with one another are torn by the first. Where
+    /// both leave little of the predicted decrease, layers that move along with one another have stopped each other; then points that would
     /// hit one another move as zones (`contact::impact_zones`), if they may and that is better. A pair may use up most of its gap in one step
     /// but not all of it: the barrier must act before layers come really near, or a decrease of energy elsewhere would press them to
     /// nothing.
@@ -355,7 +357,7 @@ impl CollisionSet {
         }
         let mode = CcdMode { per_point: true, carry: false, allow_initial: true };
         let problem = self.ccd_problem(x, d, mode);
-        let limited = problem.local_step_sizes(d).apply(d);
+        let limited = better_step(&problem.local_step_sizes(d), d, criteria);
         let zones = if self.zones { self.better_zones(&problem, d, &limited, criteria) } else { None };
         if let Some(zones) = zones {
             // Zones move along other lines than the pairs of the problem were found for.
@@ -444,6 +446,17 @@ impl CollisionSet {
     }
 }
 
+/// Returns the displacement `d` [m] limited point by point, or by one step size for all where that promises more decrease.
+fn better_step(fractions: &StepFractions, d: &[Vec3], criteria: LimitCriteria) -> Vec<Vec3> {
+    let limited = fractions.apply(d);
+    let uniform_step = fractions.uniform_step;
+    if fractions.min_fraction < 1.0 && uniform_step * (criteria.decrease)(d) >= (criteria.decrease)(&limited)
+    {
+        return d.iter().map(|d| d * uniform_step).collect();
+    }
+    limited
+}
+
 /// Whether all points of a pair are fixed; `fixed` is empty for none.
 fn all_fixed(fixed: &[bool]) -> impl Fn(PrimitivePair) -> bool + Sync + '_ {
     |pair| !fixed.is_empty() && pair.points.iter().all(|p| fixed[p.at()])
@@ -455,4 +468,31 @@ fn edge_areas(edges: &[[u32; 2]], point_area: &[f64]) -> Vec<f64> {
     edges.iter().flatten().for_each(|&p| degree[p as usize] += 1.0);
     let part = |p: u32| point_area[p as usize] / degree[p as usize].max(1.0);
     edges.iter().map(|e| part(e[0]) + part(e[1])).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of two points one is stopped; what that leaves of the decrease decides whether the other moves on alone.
+    #[test]
+    fn points_are_limited_one_by_one_only_where_that_decreases_more() {
+        let d = [Vec3::x(), Vec3::x() * 2.0];
+        let pulls = |of: [f64; 2]| move |d: &[Vec3]| d.iter().zip(of).map(|(d, of)| d.x * of).sum::<f64>();
+        let limited = |uniform_step: f64, of: [f64; 2]| {
+            let fractions = StepFractions {
+                fraction: vec![uniform_step, 1.0],
+                min_fraction: uniform_step,
+                uniform_step,
+                limited_points: 1,
+                rounds: 2,
+                fallback_points: 0,
+            };
+            let decrease = pulls(of);
+            better_step(&fractions, &d, LimitCriteria { decrease: &decrease, allowed: &|_| 1.0 })
+        };
+        assert_eq!(limited(0.25, [1.0, 1.0]), [Vec3::x() * 0.25, Vec3::x() * 2.0]);
+        // What moves on alone increases the energy.
+        assert_eq!(limited(0.25, [4.0, -1.0]), [Vec3::x() * 0.25, Vec3::x() * 0.5]);
+    }
 }

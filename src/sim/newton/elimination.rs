@@ -73,7 +73,7 @@ impl Problem<'_> {
             }
             step *= 0.5;
         }
-        self.line_search(x, descent, value, context)
+        self.line_search_along(x, descent, displacement, step, value, context)
     }
 }
 

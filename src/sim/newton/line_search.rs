@@ -7,6 +7,7 @@ use crate::sim::newton::context::SolveContext;
 use crate::sim::newton::problem::{Potential, Problem};
 use crate::sim::newton::report::NewtonReport;
 use crate::sim::newton::tuning::TUNING;
+use std::ops::Range;
 use std::time::Instant;
 
 /// A direction and the gradient at its start.
@@ -54,20 +55,37 @@ impl Problem<'_> {
         value: &mut Potential,
         context: &mut SolveContext,
     ) -> f64 {
+        let displacement = collision_free_displacement(x, descent, false, context.contact, context.report);
+        self.line_search_along(x, descent, displacement, 1.0, value, context)
+    }
+
+    /// As [`Self::line_search`], where the collision-free `displacement` is known and no step size above `first_step` is sufficient.
+    pub(super) fn line_search_along(
+        &self,
+        x: &mut [Vec3],
+        descent: Descent,
+        mut displacement: Vec<Vec3>,
+        mut first_step: f64,
+        value: &mut Potential,
+        context: &mut SolveContext,
+    ) -> f64 {
         let min_step = TUNING.line_search.min_step;
         let mut step = 0.0;
         // Displacements are limited point by point first; where that makes the direction one of ascent, all are limited
         // by one factor, which cannot.
         for uniform in [false, true] {
-            let displacement =
-                collision_free_displacement(x, descent, uniform, context.contact, context.report);
+            if uniform {
+                displacement = collision_free_displacement(x, descent, true, context.contact, context.report);
+                first_step = 1.0;
+            }
             let clock = Instant::now();
             let slope = SearchPath::slope(descent.gradient, &displacement);
             if slope > 0.0 && !uniform {
                 continue;
             }
             let path = SearchPath { displacement: &displacement, slope };
-            step = self.backtrack(x, path, if uniform { 0.0 } else { min_step }, value, context.contact);
+            let steps = first_step..if uniform { 0.0 } else { min_step };
+            step = self.backtrack(x, path, steps, value, context.contact);
             context.report.seconds.assembly += clock.elapsed().as_secs_f64();
             if step > min_step {
                 break;
@@ -87,19 +105,19 @@ impl Problem<'_> {
         self.line_search(x, descent, &mut value, context)
     }
 
-    /// Moves `x` along `path` by the first step size 1, 1/2, 1/4, ... for which phi decreases sufficiently, and returns
-    /// it; 0 if it would be less than `min_step`.
+    /// Moves `x` along `path` by the first step size for which phi decreases sufficiently, of `steps.start`, a half, a quarter of it
+    /// and so on, and returns it; 0 if it would be less than `steps.end`.
     fn backtrack(
         &self,
         x: &mut [Vec3],
         path: SearchPath,
-        min_step: f64,
+        steps: Range<f64>,
         value: &mut Potential,
         contact: &Contact,
     ) -> f64 {
-        let mut step = 1.0;
+        let mut step = steps.start;
         for _ in 0..TUNING.line_search.max_trials {
-            if step < min_step {
+            if step < steps.end {
                 return 0.0;
             }
             let positions = axpy(x, path.displacement, step);
