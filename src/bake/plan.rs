@@ -383,6 +383,7 @@ mod tests {
             triangle_part: (0..layers).flat_map(|k| [k; 2]).collect(),
             triangle_panel: vec![0; 2 * layers as usize],
             inner_side: vec![false; 2 * layers as usize],
+            file_triangles: Vec::new(),
             topology: Topology::new(points.len(), &triangles),
             triangles,
             points,

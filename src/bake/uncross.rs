@@ -1,4 +1,4 @@
-//! Layers of the garment kept apart where its own triangles would cross.
+//! Layers of the garment kept apart where its own triangles, or those of the file that it was refined from, would cross.
 //!
 //! Layers of the simulated mesh never cross. Read off at the points of the garment, whose triangles are others, layers that lie close
 //! may: a chord over a fold cuts through the layer inside of it. Wherever an edge passes through a triangle, the place of both on
@@ -23,10 +23,76 @@ pub(super) struct GarmentReading<'a> {
     garment: &'a Garment,
     /// Distance at which layers are kept [m].
     thickness: f64,
-    /// Pairs of triangles that cross in the source pose.
-    own: FxHashSet<[u32; 2]>,
+    /// The triangles that are exported.
+    exported: Surface<'a>,
+    /// Those of the garment, if it is refined.
+    refined: Option<Surface<'a>>,
     /// The body that it is worn on.
     body: Option<BodyBeside<'a>>,
+}
+
+/// Triangles over the points of the garment.
+struct Surface<'a> {
+    triangles: &'a [[PointIndex; 3]],
+    /// Pairs of them that cross in the source pose.
+    own: FxHashSet<[u32; 2]>,
+}
+
+impl<'a> Surface<'a> {
+    fn new(source: &[Vec3], triangles: &'a [[PointIndex; 3]]) -> Self {
+        Self { triangles, own: self_intersections(source, triangles).into_iter().collect() }
+    }
+
+    /// Pairs that cross and do not in the source pose; of `moved` points only those near them are looked at.
+    fn crossing(&self, points: &[Vec3], moved: Option<&FxHashSet<PointIndex>>) -> Vec<[u32; 2]> {
+        let all = match moved {
+            None => self_intersections(points, self.triangles),
+            Some(moved) => {
+                let reach = TUNING.uncross.reach;
+                let cell = |x: &Vec3| [x.x, x.y, x.z].map(|c| (c / reach).floor() as i32);
+                let mut near = FxHashSet::default();
+                for p in moved {
+                    let [i, j, k] = cell(&points[p.at()]);
+                    let around =
+                        (-1..=1).flat_map(|a| (-1..=1).flat_map(move |b| (-1..=1).map(move |c| [a, b, c])));
+                    near.extend(around.map(|[a, b, c]| [i + a, j + b, k + c]));
+                }
+                let looked_at = |t: &[PointIndex; 3]| t.iter().any(|p| near.contains(&cell(&points[p.at()])));
+                let count = self.triangles.len() as u32;
+                let faces: Vec<u32> =
+                    (0..count).filter(|&f| looked_at(&self.triangles[f as usize])).collect();
+                let some: Vec<[PointIndex; 3]> = faces.iter().map(|&f| self.triangles[f as usize]).collect();
+                let found = self_intersections(points, &some);
+                found.into_iter().map(|pair| pair.map(|f| faces[f as usize])).collect()
+            }
+        };
+        all.into_iter().filter(|pair| !self.own.contains(pair)).collect()
+    }
+
+    /// Edges of either triangle of a pair that pass through the other.
+    fn passages(&self, points: &[Vec3], [f, g]: [u32; 2]) -> Vec<Passage> {
+        let mut found = Vec::new();
+        for (face, other) in [(f, g), (g, f)] {
+            let face = self.triangles[face as usize];
+            let x = corners(points, &face);
+            let normal = (x[1] - x[0]).cross(&(x[2] - x[0]));
+            let t = self.triangles[other as usize];
+            for k in 0..3 {
+                let edge = [t[k], t[(k + 1) % 3]];
+                let [a, b] = edge.map(|p| points[p.at()]);
+                let [da, db] = [a, b].map(|p| normal.dot(&(p - x[0])));
+                if (da < 0.0) == (db < 0.0) || da == db {
+                    continue;
+                }
+                let weight = da / (da - db);
+                let weights = barycentric(&(a + (b - a) * weight), &x);
+                if weights.iter().all(|w| *w >= 0.0) {
+                    found.push(Passage { edge, weight, face, weights });
+                }
+            }
+        }
+        found
+    }
 }
 
 /// A body in the pose that it starts in.
@@ -48,32 +114,37 @@ struct Passage {
     /// Ends of the edge, and the weight of the second.
     edge: [PointIndex; 2],
     weight: f64,
-    /// Triangle and the weights of its corners.
-    face: u32,
+    /// Corners of the triangle and their weights.
+    face: [PointIndex; 3],
     weights: [f64; 3],
 }
 
 impl<'a> GarmentReading<'a> {
     /// Readings for `garment`, whose layers are `thickness` [m] thick, and which is worn on `body` if there is one.
     pub fn new(garment: &'a Garment, thickness: f64, body: Option<&'a AnimatedBody>) -> Self {
-        let own = self_intersections(&garment.points, &garment.triangles).into_iter().collect();
+        let exported = Surface::new(&garment.points, garment.exported_triangles());
+        let is_refined = !garment.file_triangles.is_empty();
+        let refined = is_refined.then(|| Surface::new(&garment.points, &garment.triangles));
         let body = body.map(|body| {
             let beside = BodyBeside { body, own: FxHashSet::default() };
             let own = beside.crossing(garment, &garment.points).into_iter().collect();
             BodyBeside { own, ..beside }
         });
-        Self { garment, thickness, own, body }
+        Self { garment, thickness, exported, refined, body }
     }
 
-    /// Triangles of the garment, with its points at `x` [m], that cross one another or the body and do not in the source
-    /// pose.
-    fn faulty_triangles(&self, x: &[Vec3]) -> Vec<u32> {
-        let layers = self.crossing(x, &self.garment.triangles, None).into_iter().flatten();
+    /// Corners of triangles that cross one another or the body with the garment's points at `x` [m], and do not in the source pose.
+    fn faulty_points(&self, x: &[Vec3]) -> Vec<PointIndex> {
+        let of_layers = self.refined.iter().chain([&self.exported]).flat_map(|surface| {
+            let faulty = surface.crossing(x, None).into_iter().flatten();
+            faulty.flat_map(|f| surface.triangles[f as usize])
+        });
         let on_body = self.body.iter().flat_map(|beside| {
             let pairs = beside.crossing(self.garment, x).into_iter();
-            pairs.filter(|pair| !beside.own.contains(pair)).map(|[of_garment, _]| of_garment)
+            let faulty = pairs.filter(|pair| !beside.own.contains(pair));
+            faulty.flat_map(|[of_garment, _]| self.garment.triangles[of_garment as usize])
         });
-        layers.chain(on_body).collect()
+        of_layers.chain(on_body).collect()
     }
 
     /// The decision that says how much of the garment crosses the body with `displacement` [m], beside what does in its file;
@@ -88,25 +159,31 @@ impl<'a> GarmentReading<'a> {
         Some(ModelDecision { name: "body in result", on: true, why })
     }
 
-    /// Positions of the garment's points [m] with the points of `mesh` at `x` [m].
+    /// Positions of the garment's points [m] with the points of `mesh` at `x` [m], where no triangles that are exported cross.
     pub fn read(&self, mesh: &SimulationMesh, x: &[Vec3]) -> Vec<Vec3> {
-        self.uncrossed(mesh.to_source(x), mesh, x)
+        self.uncrossed(mesh.to_source(x), &self.exported, mesh, x)
     }
 
-    /// The positions `points` of the garment's points [m], moved to where no triangles cross, with the points of `mesh` at `x` [m].
-    fn uncrossed(&self, mut points: Vec<Vec3>, mesh: &SimulationMesh, x: &[Vec3]) -> Vec<Vec3> {
-        if mesh.is_source {
+    /// The positions `points` of the garment's points [m], moved to where no triangles of `surface` cross, with the points of `mesh` at
+    /// `x` [m].
+    fn uncrossed(
+        &self,
+        mut points: Vec<Vec3>,
+        surface: &Surface,
+        mesh: &SimulationMesh,
+        x: &[Vec3],
+    ) -> Vec<Vec3> {
+        if mesh.is_source && surface.triangles.len() == mesh.garment.triangles.len() {
             return points;
         }
-        let triangles = &self.garment.triangles;
-        let mut crossing = self.crossing(&points, triangles, None);
+        let mut crossing = surface.crossing(&points, None);
         if crossing.is_empty() {
             return points;
         }
         let finder = SurfaceFinder::new(&mesh.garment);
         for _ in 0..TUNING.uncross.max_rounds {
             let mut shift = vec![(Vec3::zeros(), 0u32); points.len()];
-            for passage in crossing.iter().flat_map(|pair| self.passages(&points, *pair)) {
+            for passage in crossing.iter().flat_map(|pair| surface.passages(&points, *pair)) {
                 self.push(&passage, mesh, &finder, x, &mut shift);
             }
             let mut moved = FxHashSet::default();
@@ -114,10 +191,10 @@ impl<'a> GarmentReading<'a> {
                 points[p] += sum * (TUNING.uncross.over_relaxation / f64::from(*count));
                 moved.insert(PointIndex(p as u32));
             }
-            crossing = self.crossing(&points, triangles, Some(&moved));
+            crossing = surface.crossing(&points, Some(&moved));
             if crossing.is_empty() {
                 // Points pushed far may meet what was not looked at.
-                crossing = self.crossing(&points, triangles, None);
+                crossing = surface.crossing(&points, None);
             }
             if crossing.is_empty() {
                 break;
@@ -136,17 +213,20 @@ impl<'a> GarmentReading<'a> {
     ) -> (Vec<Vec3>, Option<ModelDecision>) {
         let source = &self.garment.points;
         let shape: Vec<Vec3> = mesh.garment.points.iter().zip(displacement).map(|(x, d)| x + d).collect();
-        let mut points = self.uncrossed(mesh.carry(self.garment, &shape), mesh, &shape);
+        let mut points = mesh.carry(self.garment, &shape);
+        for surface in self.refined.iter().chain([&self.exported]) {
+            points = self.uncrossed(points, surface, mesh, &shape);
+        }
         let mut held = vec![false; points.len()];
-        if !mesh.is_source || self.body.is_some() {
+        if !mesh.is_source || self.body.is_some() || self.refined.is_some() {
             for round in 0..TUNING.uncross.max_hold_back_rounds {
-                let faulty = self.faulty_triangles(&points);
+                let faulty = self.faulty_points(&points);
                 if faulty.is_empty() {
                     break;
                 }
                 let last = round + 1 == TUNING.uncross.max_hold_back_rounds;
                 let factor = if last { 0.0 } else { TUNING.uncross.hold_back_factor };
-                for p in self.corners_and_neighbours(&faulty, 1 + round / 8) {
+                for p in self.with_neighbours(&faulty, 1 + round / 8) {
                     points[p] = source[p] + (points[p] - source[p]) * factor;
                     held[p] = true;
                 }
@@ -159,11 +239,10 @@ impl<'a> GarmentReading<'a> {
         (points.iter().zip(source).map(|(x, source)| x - source).collect(), decision)
     }
 
-    /// Points of `triangles`, and those at most `rings` edges away.
-    fn corners_and_neighbours(&self, triangles: &[u32], rings: usize) -> Vec<usize> {
+    /// The `points` and those at most `rings` edges away.
+    fn with_neighbours(&self, points: &[PointIndex], rings: usize) -> Vec<usize> {
         let mut marked = vec![false; self.garment.points.len()];
-        let corners = triangles.iter().flat_map(|&f| self.garment.triangles[f as usize]);
-        corners.for_each(|p| marked[p.at()] = true);
+        points.iter().for_each(|p| marked[p.at()] = true);
         for _ in 0..rings {
             let before = marked.clone();
             for [a, b] in &self.garment.topology.edges {
@@ -172,60 +251,6 @@ impl<'a> GarmentReading<'a> {
             }
         }
         (0..marked.len()).filter(|p| marked[*p]).collect()
-    }
-
-    /// Pairs that cross and do not in the source pose; of `moved` points only those near them are looked at.
-    fn crossing(
-        &self,
-        points: &[Vec3],
-        triangles: &[[PointIndex; 3]],
-        moved: Option<&FxHashSet<PointIndex>>,
-    ) -> Vec<[u32; 2]> {
-        let all = match moved {
-            None => self_intersections(points, triangles),
-            Some(moved) => {
-                let reach = TUNING.uncross.reach;
-                let cell = |x: &Vec3| [x.x, x.y, x.z].map(|c| (c / reach).floor() as i32);
-                let mut near = FxHashSet::default();
-                for p in moved {
-                    let [i, j, k] = cell(&points[p.at()]);
-                    let around =
-                        (-1..=1).flat_map(|a| (-1..=1).flat_map(move |b| (-1..=1).map(move |c| [a, b, c])));
-                    near.extend(around.map(|[a, b, c]| [i + a, j + b, k + c]));
-                }
-                let looked_at = |t: &[PointIndex; 3]| t.iter().any(|p| near.contains(&cell(&points[p.at()])));
-                let faces: Vec<u32> =
-                    (0..triangles.len() as u32).filter(|&f| looked_at(&triangles[f as usize])).collect();
-                let some: Vec<[PointIndex; 3]> = faces.iter().map(|&f| triangles[f as usize]).collect();
-                let found = self_intersections(points, &some);
-                found.into_iter().map(|pair| pair.map(|f| faces[f as usize])).collect()
-            }
-        };
-        all.into_iter().filter(|pair| !self.own.contains(pair)).collect()
-    }
-
-    /// Edges of either triangle of a pair that pass through the other.
-    fn passages(&self, points: &[Vec3], [f, g]: [u32; 2]) -> Vec<Passage> {
-        let mut found = Vec::new();
-        for (face, other) in [(f, g), (g, f)] {
-            let x = corners(points, &self.garment.triangles[face as usize]);
-            let normal = (x[1] - x[0]).cross(&(x[2] - x[0]));
-            let t = self.garment.triangles[other as usize];
-            for k in 0..3 {
-                let edge = [t[k], t[(k + 1) % 3]];
-                let [a, b] = edge.map(|p| points[p.at()]);
-                let [da, db] = [a, b].map(|p| normal.dot(&(p - x[0])));
-                if (da < 0.0) == (db < 0.0) || da == db {
-                    continue;
-                }
-                let weight = da / (da - db);
-                let weights = barycentric(&(a + (b - a) * weight), &x);
-                if weights.iter().all(|w| *w >= 0.0) {
-                    found.push(Passage { edge, weight, face, weights });
-                }
-            }
-        }
-        found
     }
 
     /// Adds the shifts that bring the edge and the triangle of `passage` to the sides of one another where they belong.
@@ -239,7 +264,7 @@ impl<'a> GarmentReading<'a> {
     ) {
         let Passage { edge, weight, face, weights } = passage;
         let source = &self.garment.points;
-        let t = self.garment.triangles[*face as usize];
+        let t = face;
         let on_edge = source[edge[0].at()] * (1.0 - weight) + source[edge[1].at()] * *weight;
         let on_face: Vec3 = (0..3).map(|k| source[t[k].at()] * weights[k]).sum();
         let position = |near: PointIndex, place: &Vec3| {

@@ -154,6 +154,7 @@ impl TestSheet {
             triangle_part: vec![0; triangles.len()],
             triangle_panel: vec![0; triangles.len()],
             inner_side: vec![false; triangles.len()],
+            file_triangles: Vec::new(),
             triangles,
             topology,
             points,

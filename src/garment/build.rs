@@ -83,6 +83,7 @@ impl Garment {
             triangle_part,
             triangle_panel: flat.panel,
             inner_side,
+            file_triangles: Vec::new(),
             topology,
         };
         Ok((garment, diagnostics.list))

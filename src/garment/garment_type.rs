@@ -28,11 +28,18 @@ pub struct Garment {
     /// Per triangle: whether it belongs to the inner side or the rim of cloth that was exported with its thickness, which follow the
     /// outer side ([`crate::garment::RigidParts`]).
     pub inner_side: Vec<bool>,
+    /// Triangles of the file, if the garment has been refined ([`Garment::refine`]); empty if `triangles` are they.
+    pub file_triangles: Vec<[PointIndex; 3]>,
     /// Edges and hinges of `triangles`.
     pub topology: Topology,
 }
 
 impl Garment {
+    /// Returns the triangles of the file, which are what is exported: those before the garment was refined, if it was.
+    pub fn exported_triangles(&self) -> &[[PointIndex; 3]] {
+        if self.file_triangles.is_empty() { &self.triangles } else { &self.file_triangles }
+    }
+
     /// Returns per point the connected part that it belongs to; the largest number for a point without triangles.
     pub fn point_parts(&self) -> Vec<u32> {
         let mut parts = vec![u32::MAX; self.points.len()];

@@ -49,6 +49,7 @@ impl Garment {
                     .iter()
                     .map(|f| self.inner_side.get(*f as usize).copied().unwrap_or(false))
                     .collect(),
+                file_triangles: self.exported_triangles().to_vec(),
                 topology,
             },
             parent,

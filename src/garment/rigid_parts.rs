@@ -317,6 +317,10 @@ fn cloth_of(garment: &Garment, left_out: &[bool]) -> (Garment, Vec<PointIndex>, 
     }
     let of = |f: &u32| garment.triangles[*f as usize].map(|p| number[p.at()].unwrap_or(PointIndex(0)));
     let own: Vec<[PointIndex; 3]> = triangles.iter().map(of).collect();
+    let of_cloth = |t: &[PointIndex; 3]| {
+        let [a, b, c] = t.map(|p| number[p.at()]);
+        Some([a?, b?, c?])
+    };
     let mut parts: Vec<u32> = triangles.iter().map(|&f| garment.triangle_part[f as usize]).collect();
     let mut names = parts.clone();
     names.sort_unstable();
@@ -333,6 +337,7 @@ fn cloth_of(garment: &Garment, left_out: &[bool]) -> (Garment, Vec<PointIndex>, 
         triangle_part: parts,
         triangle_panel: triangles.iter().map(|&f| garment.triangle_panel[f as usize]).collect(),
         inner_side: vec![false; triangles.len()],
+        file_triangles: garment.file_triangles.iter().filter_map(of_cloth).collect(),
         topology: Topology::new(points.len(), &own),
         triangles: own,
     };

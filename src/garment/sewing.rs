@@ -65,6 +65,7 @@ mod tests {
         let left = |t: &[PointIndex; 3]| t.iter().all(|p| points[p.at()].x < 0.1 + 1e-9);
         Garment {
             inner_side: vec![false; triangles.len()],
+            file_triangles: Vec::new(),
             triangle_panel: triangles.iter().map(|t| u32::from(!left(t))).collect(),
             material: vec![[Vec2::zeros(); 3]; triangles.len()],
             material_from_uv: false,

@@ -250,6 +250,7 @@ mod tests {
             triangle_part: vec![0; 3],
             triangle_panel: vec![0; 3],
             inner_side: vec![false; 3],
+            file_triangles: Vec::new(),
             memory_mask,
             sewing_mask: vec![1.0; points.len()],
             topology,

@@ -86,6 +86,7 @@ mod tests {
             triangle_part: vec![0; triangles.len()],
             triangle_panel: vec![0; triangles.len()],
             inner_side: vec![false; triangles.len()],
+            file_triangles: Vec::new(),
             memory_mask: vec![1.0; points.len()],
             sewing_mask: vec![1.0; points.len()],
             topology: Topology::new(points.len(), &triangles),

@@ -232,6 +232,7 @@ impl Bisection {
             triangle_part: inherited(&source.triangle_part),
             triangle_panel: inherited(&source.triangle_panel),
             inner_side: vec![false; triangles.len()],
+            file_triangles: Vec::new(),
             topology,
             triangles,
         };

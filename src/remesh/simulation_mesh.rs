@@ -77,6 +77,7 @@ impl SimulationMesh {
             triangle_part: faces.iter().map(|&f| source.triangle_part[mesh.home(f) as usize]).collect(),
             triangle_panel: faces.iter().map(|&f| source.triangle_panel[mesh.home(f) as usize]).collect(),
             inner_side: vec![false; faces.len()],
+            file_triangles: Vec::new(),
             topology: Topology::new(kept.len(), &triangles),
             triangles,
         };
@@ -183,6 +184,7 @@ pub(super) mod tests {
             triangle_part: vec![0; triangles.len()],
             triangle_panel: vec![0; triangles.len()],
             inner_side: vec![false; triangles.len()],
+            file_triangles: Vec::new(),
             topology: Topology::new(points.len(), &triangles),
             triangles,
             points,

@@ -164,11 +164,11 @@ pub struct CrossingCounts {
     pub added: usize,
 }
 
-/// Counts the intersections of `worn` in the source pose. `start` are those of the input garment, sorted as returned by
-/// [`self_intersections`].
+/// Counts the intersections of the exported triangles of `worn` in the source pose. `start` are those of the input garment, sorted as
+/// returned by [`self_intersections`].
 pub fn crossing_counts(garment: &Garment, worn: &WornGarment, start: &[[u32; 2]]) -> CrossingCounts {
     let x: Vec<Vec3> = garment.points.iter().zip(&worn.displacement).map(|(x, d)| x + d).collect();
-    let end = self_intersections(&x, &garment.triangles);
+    let end = self_intersections(&x, garment.exported_triangles());
     let added = end.iter().filter(|pair| start.binary_search(pair).is_err()).count();
     CrossingCounts { at_start: start.len(), added }
 }

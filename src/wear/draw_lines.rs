@@ -85,6 +85,7 @@ mod tests {
             triangle_part: vec![0; triangles.len()],
             triangle_panel: vec![0; triangles.len()],
             inner_side: vec![false; triangles.len()],
+            file_triangles: Vec::new(),
             topology: Topology::new(points.len(), &triangles),
             triangles,
             points,

@@ -23,6 +23,7 @@ pub fn pair(size: f64) -> Garment {
         triangle_part: vec![0; 2],
         triangle_panel: vec![0; 2],
         inner_side: vec![false; 2],
+        file_triangles: Vec::new(),
         topology: Topology::new(4, &triangles),
     }
 }

@@ -96,8 +96,11 @@ fn remember(arguments: &Arguments) -> Result<()> {
     let baked = motion.memory(&fabric, arguments.repeat);
     let computed = Instant::now();
     let garment = &motion.mesh.garment;
-    let counts =
-        crossing_counts(garment, &baked.worn, &self_intersections(&garment.points, &garment.triangles));
+    let counts = crossing_counts(
+        garment,
+        &baked.worn,
+        &self_intersections(&garment.points, garment.exported_triangles()),
+    );
     let mut report = Report::of_bake(garment, &baked, counts);
     report.method = "remember".to_owned();
     let sidecar = motion.sidecar(&baked, &fabric, arguments)?;

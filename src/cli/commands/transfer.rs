@@ -187,7 +187,7 @@ fn transfer(arguments: &Arguments) -> Result<()> {
     let garment = &input.mesh.garment;
     let target = input.target();
     let carried = arguments.transfer(&input, &target).run_along_creases(garment, &mesh_along_creases)?;
-    let start = self_intersections(&garment.points, &garment.triangles);
+    let start = self_intersections(&garment.points, garment.exported_triangles());
     let RelaxResult { displacement, warnings, unconverged_reason, .. } =
         relax_target(&input.mesh.garment, &input.fabric, &input.sidecars, &carried);
     job.warn(warnings);

@@ -51,6 +51,7 @@ fn example() -> Sidecar {
         triangle_part: vec![0; 2],
         triangle_panel: vec![0; 2],
         inner_side: vec![false; 2],
+        file_triangles: Vec::new(),
         topology: Topology::new(4, &triangles),
         triangles,
     };

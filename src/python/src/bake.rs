@@ -116,7 +116,7 @@ impl BakeInput {
             Some(earlier) => bake.earlier_memory(&earlier.memory),
             None => bake,
         };
-        let start = self_intersections(&garment.points, &garment.triangles);
+        let start = self_intersections(&garment.points, garment.exported_triangles());
         let baked = bake.run_with(observer)?;
         let counts = crossing_counts(garment, &baked.worn, &start);
         Ok((baked, counts))

@@ -55,7 +55,7 @@ impl TransferInput {
             .channels(channels)
             .mirror_x(mirror.is_some());
         let carried = transfer.run_along_creases(garment, &mesh_along_creases)?;
-        let start = self_intersections(&garment.points, &garment.triangles);
+        let start = self_intersections(&garment.points, garment.exported_triangles());
         let RelaxResult { displacement, warnings, unconverged_reason, .. } =
             relax_target(&self.file.garment, &self.fabric, &self.sidecars, &carried);
         let worn = WornGarment { displacement, memory: carried.memory.clone() };

@@ -77,7 +77,7 @@ fn bake_into(
         console::message(&format!("goes on with the memory in {sidecar} (--forget leaves it out)"));
     }
     input.check_writers(&job.files().extras())?;
-    let start = self_intersections(&input.mesh.garment.points, &input.mesh.garment.triangles);
+    let start = self_intersections(&input.mesh.garment.points, input.mesh.garment.exported_triangles());
     job.inputs_read();
 
     let interval = Duration::from_secs_f64(arguments.checkpoint_every);

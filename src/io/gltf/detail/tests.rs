@@ -76,6 +76,7 @@ fn finer(coarse: &Garment, times: usize) -> (Garment, Vec<u32>) {
         triangle_part: vec![0; count],
         triangle_panel: vec![0; count],
         inner_side: vec![false; count],
+        file_triangles: Vec::new(),
         points,
         triangles,
         topology,
