@@ -20,6 +20,8 @@ mod layers;
 mod on_body;
 #[path = "contact/pins.rs"]
 mod pins;
+#[path = "contact/refined_frames.rs"]
+mod refined_frames;
 #[path = "contact/run.rs"]
 mod run;
 #[path = "contact/shapes.rs"]
