@@ -1,4 +1,4 @@
-//! The memory of a garment as a field of changed curvature, averaged over 10 mm: what two bakes of one garment are compared by.
+//! The memory of a garment as a field of changed curvature, averaged over a bell: what two bakes of one garment are compared by.
 //!
 //! Hinge by hinge two equally accurate bakes differ, because a crease is divided between neighbouring hinges; over the width of a
 //! crease they agree.
@@ -9,7 +9,7 @@ use crate::mesh::triangle;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
-/// Standard deviation of the bell over which curvature is averaged [m].
+/// Standard deviation of the bell over which curvature is averaged where fields are compared [m].
 const BELL: f64 = 0.01;
 /// Distance up to which the bell is summed, in standard deviations.
 const REACH: f64 = 3.0;
@@ -27,6 +27,8 @@ struct Triangles {
     centre: Vec<Vec3>,
     normal: Vec<Vec3>,
     area: Vec<f64>,
+    /// Standard deviation of the bell [m].
+    bell: f64,
     /// Triangles by cells as wide as the reach.
     cells: FxHashMap<[i32; 3], Vec<u32>>,
 }
@@ -37,9 +39,14 @@ pub(super) fn scatter(fields: &[CurvatureField]) -> Vec<f64> {
 }
 
 impl CurvatureField {
-    /// The field of the memory `rest` on `garment`.
+    /// The field of the memory `rest` on `garment`, averaged over 10 mm.
     pub fn new(garment: &Garment, rest: &RestState) -> Self {
-        let triangles = Triangles::of(garment);
+        Self::averaged(garment, rest, BELL)
+    }
+
+    /// The field averaged over a bell with the standard deviation `bell` [m].
+    pub fn averaged(garment: &Garment, rest: &RestState, bell: f64) -> Self {
+        let triangles = Triangles::of(garment, bell);
         let tensor = changed_curvature(garment, rest);
         let curvature =
             (0..triangles.area.len()).into_par_iter().map(|f| triangles.average(f, &tensor)).collect();
@@ -63,18 +70,19 @@ impl CurvatureField {
 }
 
 impl Triangles {
-    fn of(garment: &Garment) -> Self {
+    fn of(garment: &Garment, bell: f64) -> Self {
         let corners = garment.triangles.iter().map(|t| triangle::corners(&garment.points, t));
         let corners: Vec<[Vec3; 3]> = corners.collect();
         let centre: Vec<Vec3> = corners.iter().map(|x| x.iter().sum::<Vec3>() / 3.0).collect();
         let mut cells: FxHashMap<[i32; 3], Vec<u32>> = FxHashMap::default();
         for (f, centre) in centre.iter().enumerate() {
-            cells.entry(cell_of(centre)).or_default().push(f as u32);
+            cells.entry(cell_of(centre, bell)).or_default().push(f as u32);
         }
         Self {
             centre,
             normal: corners.iter().map(|x| triangle::normal(x).unwrap_or_else(Vec3::zeros)).collect(),
             area: corners.iter().map(triangle::area).collect(),
+            bell,
             cells,
         }
     }
@@ -82,15 +90,15 @@ impl Triangles {
     /// Returns the mean of `tensor`, one per triangle, over the bell around triangle `f`.
     fn average(&self, f: usize, tensor: &[Mat3]) -> Mat3 {
         let at = self.centre[f];
-        let [x, y, z] = cell_of(&at);
+        let [x, y, z] = cell_of(&at, self.bell);
         let (mut sum, mut weights) = (Mat3::zeros(), 0.0);
         for cell in (0..27).map(|k| [x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1]) {
             for &g in self.cells.get(&cell).into_iter().flatten() {
                 let g = g as usize;
                 let squared = (self.centre[g] - at).norm_squared();
                 let same_layer = self.normal[g].dot(&self.normal[f]) > MIN_NORMAL_COSINE;
-                if same_layer && squared <= (REACH * BELL).powi(2) {
-                    let weight = self.area[g] * (-squared / (2.0 * BELL * BELL)).exp();
+                if same_layer && squared <= (REACH * self.bell).powi(2) {
+                    let weight = self.area[g] * (-squared / (2.0 * self.bell * self.bell)).exp();
                     sum += tensor[g] * weight;
                     weights += weight;
                 }
@@ -100,8 +108,8 @@ impl Triangles {
     }
 }
 
-fn cell_of(position: &Vec3) -> [i32; 3] {
-    [position.x, position.y, position.z].map(|x| (x / (REACH * BELL)).floor() as i32)
+fn cell_of(position: &Vec3, bell: f64) -> [i32; 3] {
+    [position.x, position.y, position.z].map(|x| (x / (REACH * bell)).floor() as i32)
 }
 
 #[cfg(test)]

@@ -1,19 +1,24 @@
 //! `crease chart front`: error of what is baked over wall time, for every quality and for single settings around the default.
 //!
-//! The T-shirt of 13,863 points is folded thrice in the default fabric, from several perturbed initial conditions (starts). The error of
-//! a setting is the difference of its field of changed curvature (`curvature_field`) to that of the reference quality from
-//! the same start, over the field of the reference, both root mean squares. The error of the reference is the same between its own
-//! starts, its scatter: no setting can come below it. The systematic error is what is left of the error without the scatter of both,
+//! Two T-shirts are folded thrice, an elbow is bent and a handkerchief crumpled, in the default fabric, each from several perturbed initial
+//! conditions (starts). The error of a setting is the difference of what is remembered to that of the reference quality from the same start,
+//! over that of the reference: of the field of changed curvature (`curvature_field`), of the spectrum for crumpled cloth, whose folds lie
+//! elsewhere each time (`spectrum`), and of the net angles across the folds (`net_angles`), all root mean squares. The error of the reference
+//! is the same between its own starts, its scatter: no setting can come below it. The systematic error is what is left of the error without
+//! the scatter of both,
 //!
 //! ```text
 //! systematic^2 = error^2 - (scatter^2 + reference scatter^2) / 2     (means over all pairs of starts, as if independent)
 //! ```
 //!
-//! which is how far the mean of many bakes with a setting is from the mean of many references.
+//! which is how far the mean of many bakes with a setting is from the mean of many references. The T-shirt of 13,863 points is baked with
+//! every setting, the other scenes with every quality and length of edges (`--full`: with every setting).
 
-use crate::bake::{BakeOptions, Quality};
+use crate::bake::{BakeOptions, BakeResult, Quality};
+use crate::chart::bake_scene::{BakeScene, FOLD_THRICE};
 use crate::chart::curvature_field::CurvatureField;
-use crate::chart::fold_thrice::{FOLD_THRICE, FoldThrice};
+use crate::chart::net_angles::{FOLD_THRICE_LINES, net_angles};
+use crate::chart::spectrum::Spectrum;
 use crate::chart::statistics::{mean, median, standard_error};
 use crate::chart::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
 use crate::error::Result;
@@ -22,34 +27,86 @@ use crate::sim::{Method, Sewing};
 
 /// Group of the qualities, the first in the legend.
 const QUALITIES: &str = "quality";
+/// Group of the lengths of edges.
+const EDGES: &str = "edges";
 
 /// A setting: its group, its name in the table and its options.
 type Setting = (&'static str, String, BakeOptions);
 
-/// Cost and fields of a setting, one of each per start.
+/// What is compared of a scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Compared {
+    /// The field of changed curvature.
+    Field,
+    /// That and the net angles across the lines of `fold-thrice`.
+    Folds,
+    /// The spectrum of the field.
+    Spectrum,
+}
+
+/// A scene of the chart.
+struct FrontScene {
+    /// Name in the table.
+    name: &'static str,
+    title: &'static str,
+    scene: BakeScene,
+    compared: Compared,
+    /// Whether all settings are varied, not only quality and edges.
+    all_settings: bool,
+}
+
+/// What a bake left.
+enum Remembered {
+    Field(CurvatureField),
+    Spectrum(Spectrum),
+}
+
+impl Remembered {
+    /// Root mean square [1/m].
+    fn rms(&self) -> f64 {
+        match self {
+            Self::Field(field) => field.rms(),
+            Self::Spectrum(spectrum) => spectrum.rms(),
+        }
+    }
+
+    /// Root mean square difference to that of another bake of the same scene [1/m].
+    fn difference(&self, other: &Self) -> f64 {
+        match (self, other) {
+            (Self::Field(own), Self::Field(other)) => own.difference(other),
+            (Self::Spectrum(own), Self::Spectrum(other)) => own.difference(other),
+            _ => f64::NAN,
+        }
+    }
+}
+
+/// Cost and memory of a setting, one of each per start.
 #[derive(Default)]
 struct Bakes {
     walls: Vec<f64>,
-    fields: Vec<CurvatureField>,
+    fields: Vec<Remembered>,
+    /// Net angles across the folds [rad m].
+    angles: Vec<Vec<f64>>,
     failed: bool,
 }
 
-/// Cost and errors of a setting. Errors are relative to the field of the reference [-], not a number where there are too few starts.
+/// Cost and errors of a setting. Errors are relative to what the reference remembers [-], not a number where there are too few starts.
 struct Outcome {
     walls: Vec<f64>,
     /// Differences to the reference from the same start.
     errors: Vec<f64>,
     systematic: f64,
+    /// Differences of the net angles to those of the reference from the same start; empty without folds.
+    angle_errors: Vec<f64>,
     /// Root mean square of the field over that of the reference [-], per start.
     amounts: Vec<f64>,
     failed: bool,
 }
 
+/// A setting with its outcome: group, name and outcome.
+type Tried = (&'static str, String, Outcome);
+
 pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
-    let scene = FoldThrice::tshirt()?.in_fabric(Fabric::preset(DEFAULT_FABRIC)?);
-    let starts: Vec<FoldThrice> =
-        (1..=options.runs.max(1) as u64).map(|seed| scene.perturbed(seed)).collect();
-    let reference = Bakes::new(&scene, &starts, &BakeOptions::for_quality(Quality::Reference))?;
     let mut table = Table::new(&[
         "scene",
         "group",
@@ -61,50 +118,100 @@ pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
         "field_over_reference",
         "starts",
         "failed",
+        "angle_error",
     ]);
-    let mut outcomes = vec![(QUALITIES, "reference".to_owned(), Outcome::of_reference(&reference))];
-    for (group, name, settings) in settings() {
-        let outcome = Outcome::new(Bakes::new(&scene, &starts, &settings)?, &reference);
-        outcomes.push((group, name, outcome));
+    let (mut notes, mut panels) = (Vec::new(), Vec::new());
+    for scene in scenes()? {
+        let outcomes = scene.outcomes(options)?;
+        for (group, name, outcome) in &outcomes {
+            let angle_error = (!outcome.angle_errors.is_empty()).then(|| mean(&outcome.angle_errors));
+            table.push([
+                scene.name.into(),
+                (*group).into(),
+                name.as_str().into(),
+                outcome.wall().into(),
+                mean(&outcome.errors).into(),
+                standard_error(&outcome.errors).into(),
+                outcome.systematic.into(),
+                mean(&outcome.amounts).into(),
+                (outcome.walls.len() as u64).into(),
+                outcome.failed.into(),
+                angle_error.into(),
+            ]);
+        }
+        let note = |(group, name, outcome): &Tried| format!("{}: {}", scene.name, outcome.note(group, name));
+        notes.extend(outcomes.iter().map(note));
+        let of = if scene.compared == Compared::Spectrum { "spectrum" } else { "field" };
+        panels.push(Panel {
+            title: scene.title.to_owned(),
+            x: Axis::linear("wall time [s]"),
+            y: Axis::log(&format!("error of the {of} of memory, rms over rms [-]")),
+            series: series_of(&outcomes),
+        });
     }
-    for (group, name, outcome) in &outcomes {
-        table.push([
-            FOLD_THRICE.into(),
-            (*group).into(),
-            name.as_str().into(),
-            outcome.wall().into(),
-            mean(&outcome.errors).into(),
-            standard_error(&outcome.errors).into(),
-            outcome.systematic.into(),
-            mean(&outcome.amounts).into(),
-            (outcome.walls.len() as u64).into(),
-            outcome.failed.into(),
-        ]);
-    }
-    let notes = outcomes.iter().map(|(group, name, outcome)| outcome.note(group, name)).collect();
-    let panel = Panel {
-        title: "T-shirt of 13,863 points, folded thrice".to_owned(),
-        x: Axis::linear("wall time [s]"),
-        y: Axis::log("error of the field of memory, rms over rms [-]"),
-        series: series_of(&outcomes),
-    };
     let title = "Error of what is baked over wall time".into();
-    Ok(Chart { name: "front", table, figure: Figure { title, panels: vec![panel] }, notes })
+    Ok(Chart { name: "front", table, figure: Figure { title, panels }, notes })
 }
 
-impl Bakes {
-    fn new(scene: &FoldThrice, starts: &[FoldThrice], options: &BakeOptions) -> Result<Self> {
-        let mut bakes = Self::default();
+/// The scenes, the one with all settings first.
+fn scenes() -> Result<[FrontScene; 4]> {
+    let scene = |name, title, scene: Result<BakeScene>, compared, all_settings| {
+        let scene = scene?.in_fabric(Fabric::preset(DEFAULT_FABRIC)?);
+        Ok(FrontScene { name, title, scene, compared, all_settings })
+    };
+    let (full, draft) = (BakeScene::tshirt(), BakeScene::tshirt_draft());
+    let (elbow, crumpled) = (BakeScene::elbow(), BakeScene::crumpled());
+    Ok([
+        scene(FOLD_THRICE, "T-shirt of 13,863 points, folded thrice", full, Compared::Folds, true)?,
+        scene("fold-thrice, draft mesh", "T-shirt of 1,999 points", draft, Compared::Folds, false)?,
+        scene("elbow, one bend", "Sleeve, bent once", elbow, Compared::Field, false)?,
+        scene("crumple", "Handkerchief, crumpled", crumpled, Compared::Spectrum, false)?,
+    ])
+}
+
+impl FrontScene {
+    /// Bakes the scene with all settings; the reference is first.
+    fn outcomes(&self, options: &ChartOptions) -> Result<Vec<Tried>> {
+        let starts: Vec<BakeScene> =
+            (1..=options.runs.max(1) as u64).map(|seed| self.scene.perturbed(seed)).collect();
+        let reference = self.bakes(&starts, &BakeOptions::for_quality(Quality::Reference))?;
+        let mut outcomes = vec![(QUALITIES, "reference".to_owned(), Outcome::of_reference(&reference))];
+        for (group, name, settings) in settings() {
+            if self.all_settings || options.full || [QUALITIES, EDGES].contains(&group) {
+                outcomes.push((group, name, Outcome::new(self.bakes(&starts, &settings)?, &reference)));
+            }
+        }
+        Ok(outcomes)
+    }
+
+    fn bakes(&self, starts: &[BakeScene], options: &BakeOptions) -> Result<Bakes> {
+        let mut bakes = Bakes::default();
         for start in starts {
             let run = start.run(options)?;
             bakes.walls.push(run.wall);
-            bakes.fields.push(scene.field(&run.baked));
-            bakes.failed |= run.baked.report.not_performed.is_some() || scene.has_intersections(&run.baked);
+            bakes.failed |=
+                run.baked.report.not_performed.is_some() || self.scene.has_intersections(&run.baked);
+            bakes.fields.push(self.remembered(&run.baked));
+            if self.compared == Compared::Folds {
+                let (garment, memory) = (self.scene.garment(), &run.baked.worn.memory);
+                bakes.angles.push(net_angles(garment, memory, &FOLD_THRICE_LINES));
+            }
         }
         Ok(bakes)
     }
 
-    /// Mean square of the fields [1/m^2].
+    fn remembered(&self, baked: &BakeResult) -> Remembered {
+        match self.compared {
+            Compared::Field | Compared::Folds => Remembered::Field(self.scene.field(baked)),
+            Compared::Spectrum => {
+                Remembered::Spectrum(Spectrum::new(self.scene.garment(), &baked.worn.memory))
+            }
+        }
+    }
+}
+
+impl Bakes {
+    /// Mean square of what is remembered [1/m^2].
     fn mean_square(&self) -> f64 {
         mean(&self.fields.iter().map(|field| field.rms().powi(2)).collect::<Vec<_>>())
     }
@@ -112,10 +219,21 @@ impl Bakes {
     /// Mean square difference of two starts [1/m^2]; not a number for one.
     fn scatter(&self) -> f64 {
         let fields = &self.fields;
-        let pairs = (0..fields.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
-        let squares: Vec<f64> = pairs.map(|(i, j)| fields[i].difference(&fields[j]).powi(2)).collect();
+        let squares: Vec<f64> =
+            pairs(fields.len()).map(|(i, j)| fields[i].difference(&fields[j]).powi(2)).collect();
         if squares.is_empty() { f64::NAN } else { mean(&squares) }
     }
+}
+
+/// Pairs of different numbers below `count`.
+fn pairs(count: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..count).flat_map(|i| (0..i).map(move |j| (i, j)))
+}
+
+/// Returns the difference of net angles `own` to those of the `reference`, over the reference, both root mean squares [-].
+fn angle_error(own: &[f64], reference: &[f64]) -> f64 {
+    let squares = |of: &dyn Fn(usize) -> f64| (0..reference.len()).map(|k| of(k).powi(2)).sum::<f64>();
+    (squares(&|k| own[k] - reference[k]) / squares(&|k| reference[k])).sqrt()
 }
 
 impl Outcome {
@@ -125,10 +243,12 @@ impl Outcome {
             bakes.fields.iter().flat_map(|own| reference.fields.iter().map(|other| own.difference(other)));
         let squares: Vec<f64> = of_all.map(|difference: f64| difference.powi(2)).collect();
         let without_scatter = mean(&squares) - 0.5 * (bakes.scatter() + reference.scatter());
+        let angles = bakes.angles.iter().zip(&reference.angles);
         Self {
             errors: pairs().map(|(own, reference)| own.difference(reference) / reference.rms()).collect(),
             // Not a number stays one.
             systematic: (without_scatter.clamp(0.0, f64::INFINITY) / reference.mean_square()).sqrt(),
+            angle_errors: angles.map(|(own, reference)| angle_error(own, reference)).collect(),
             amounts: pairs().map(|(own, reference)| own.rms() / reference.rms()).collect(),
             walls: bakes.walls,
             failed: bakes.failed,
@@ -137,10 +257,12 @@ impl Outcome {
 
     /// The reference itself: its error is the scatter of its starts.
     fn of_reference(reference: &Bakes) -> Self {
+        let angles = &reference.angles;
         Self {
             walls: reference.walls.clone(),
             errors: vec![(reference.scatter() / reference.mean_square()).sqrt()],
             systematic: 0.0,
+            angle_errors: pairs(angles.len()).map(|(i, j)| angle_error(&angles[i], &angles[j])).collect(),
             amounts: vec![1.0],
             failed: reference.failed,
         }
@@ -151,8 +273,12 @@ impl Outcome {
     }
 
     fn note(&self, group: &str, name: &str) -> String {
+        let angles = match mean(&self.angle_errors) {
+            _ if self.angle_errors.is_empty() => String::new(),
+            error => format!(", net angles {error:.2}"),
+        };
         format!(
-            "{group}, {name}: {:.1} s; error {:.2} (standard error {:.2}, {} starts), systematic {:.2}, field {:.2} times the reference's{}",
+            "{group}, {name}: {:.1} s; error {:.2} (standard error {:.2}, {} starts), systematic {:.2}, {:.2} times the reference's{angles}{}",
             self.wall(),
             mean(&self.errors),
             standard_error(&self.errors),
@@ -175,7 +301,7 @@ fn settings() -> Vec<Setting> {
         .map(|quality| (QUALITIES, quality.name().to_owned(), BakeOptions::for_quality(quality)))
         .into();
     for mm in [8.0, 16.0, 24.0] {
-        all.push(("edges", format!("{mm} mm"), with(&|o| o.finest_edge = 1e-3 * mm)));
+        all.push((EDGES, format!("{mm} mm"), with(&|o| o.finest_edge = 1e-3 * mm)));
     }
     all.push(("tolerances", "energy tolerance times 10".to_owned(), with(&|o| o.energy_tol_m *= 10.0)));
     let short = |o: &mut BakeOptions| {
@@ -193,7 +319,7 @@ fn settings() -> Vec<Setting> {
 }
 
 /// One series a group: its settings as dots, failures as crosses.
-fn series_of(outcomes: &[(&str, String, Outcome)]) -> Vec<Series> {
+fn series_of(outcomes: &[Tried]) -> Vec<Series> {
     let mut groups: Vec<&str> = Vec::new();
     for (group, ..) in outcomes {
         if !groups.contains(group) {
@@ -225,12 +351,14 @@ mod tests {
     fn the_systematic_error_is_what_scatter_does_not_explain() {
         let bakes = |creases: [(f64, f64); 2]| Bakes {
             walls: vec![1.0; 2],
-            fields: creases.map(|crease| creased_strip(&[crease])).into(),
+            fields: creases.map(|crease| Remembered::Field(creased_strip(&[crease]))).into(),
+            angles: creases.map(|(_, angle)| vec![angle, -angle]).into(),
             failed: false,
         };
         let weaker = Outcome::new(bakes([(0.15, 0.9); 2]), &bakes([(0.15, 1.0); 2]));
         assert!((weaker.systematic - 0.1).abs() < 1e-6, "{}", weaker.systematic);
         assert!((mean(&weaker.errors) - 0.1).abs() < 1e-6);
+        assert!((mean(&weaker.angle_errors) - 0.1).abs() < 1e-6);
         // Creases anywhere: every start differs from every other by as much.
         let anywhere = Outcome::new(bakes([(0.05, 1.0), (0.25, 1.0)]), &bakes([(0.11, 1.0), (0.19, 1.0)]));
         assert!(mean(&anywhere.errors) > 1.2 && anywhere.systematic < 0.2, "{}", anywhere.systematic);

@@ -18,6 +18,8 @@ pub(super) const TSHIRT_DRAFT: IncludedMesh =
     IncludedMesh { file: "tshirt-draft.glb", bytes: include_bytes!("../../garments/tshirt-draft.glb") };
 pub(super) const TSHIRT: IncludedMesh =
     IncludedMesh { file: "tshirt.glb", bytes: include_bytes!("../../garments/tshirt.glb") };
+pub(super) const HANDKERCHIEF: IncludedMesh =
+    IncludedMesh { file: "handkerchief.glb", bytes: include_bytes!("../../garments/handkerchief.glb") };
 const SLEEVE: IncludedMesh =
     IncludedMesh { file: "sleeve.glb", bytes: include_bytes!("../../garments/sleeve.glb") };
 

@@ -6,8 +6,8 @@
 //! (start). Two starts of the plan differ, too: the scatter, below which no difference says anything.
 
 use crate::bake::BakeOptions;
+use crate::chart::bake_scene::{BakeScene, FOLD_THRICE};
 use crate::chart::curvature_field::{CurvatureField, scatter};
-use crate::chart::fold_thrice::{FOLD_THRICE, FoldThrice};
 use crate::chart::statistics::{mean, median};
 use crate::chart::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
 use crate::error::Result;
@@ -47,7 +47,7 @@ impl Variant {
 }
 
 pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
-    let scene = FoldThrice::tshirt_draft()?.in_fabric(Fabric::preset(DEFAULT_FABRIC)?);
+    let scene = BakeScene::tshirt_draft()?.in_fabric(Fabric::preset(DEFAULT_FABRIC)?);
     let mut table = Table::new(&[
         "scene",
         "plan",

@@ -1,15 +1,13 @@
 //! The timed scenes.
 
-use crate::bake::{Bake, BakeOptions, BakeReport};
+use crate::bake::{BakeOptions, BakeReport};
+use crate::chart::bake_scene::BakeScene;
 use crate::chart::falling_strip::{FALLING_STRIP_POINTS, Fall, Stepping, fall};
-use crate::chart::fold_thrice::FoldThrice;
-use crate::chart::included_mesh::sleeve_on_arm;
 use crate::chart::speed::cost::SceneCost;
 use crate::chart::{ChartOptions, cantilever};
 use crate::error::Result;
 use crate::fabric::{Fabric, PAPER_FABRIC};
 use crate::sim::NewtonSeconds;
-use crate::wear::WearScript;
 use std::time::Instant;
 
 pub(super) const SHIRT: &str = "fold-thrice";
@@ -23,16 +21,12 @@ const REFINED_EDGE: f64 = 5.4e-3;
 const ELEMENTS: usize = 80;
 /// Weight of the cantilever over its rigidity, rho g L³ / B [-].
 const GAMMA: f64 = 10.0;
-/// The first of the ten bends of `garments/wear/elbow-ten-bends.json`.
-const BEND: &str = r#"{"format": "crease-wear/1", "actions": [
-    {"bend": {"joint": "elbow", "axis": "z", "angle": 95, "over": 1.0, "hold": 0.5}}]}"#;
-
 /// Runs all scenes; those that are short several times, of which the median counts.
 pub(super) fn costs(options: &ChartOptions) -> Result<Vec<SceneCost>> {
     let mut costs = Vec::new();
-    let mut shirts = vec![FoldThrice::tshirt_draft()?];
+    let mut shirts = vec![BakeScene::tshirt_draft()?];
     if options.full {
-        let full = FoldThrice::tshirt()?;
+        let full = BakeScene::tshirt()?;
         let refined = full.refine(REFINED_EDGE);
         shirts.extend([full, refined]);
     }
@@ -40,7 +34,8 @@ pub(super) fn costs(options: &ChartOptions) -> Result<Vec<SceneCost>> {
         let run = shirt.run(&BakeOptions::default())?;
         costs.push(of_bake(SHIRT, shirt.points(), run.wall, &run.baked.report));
     }
-    costs.push(elbow()?);
+    let run = BakeScene::elbow()?.run(&BakeOptions::default())?;
+    costs.push(of_bake(ELBOW, run.baked.worn.displacement.len(), run.wall, &run.baked.report));
     let fabric = Fabric::preset(PAPER_FABRIC)?;
     for points in FALLING_STRIP_POINTS {
         let fall_of = |run| fall(points, &fabric, true, run, Stepping::Adaptive);
@@ -92,16 +87,6 @@ fn stages(seconds: NewtonSeconds) -> Vec<(&'static str, f64)> {
     vec![("assembly", seconds.assembly), ("linear_solve", seconds.linear_solve), ("contact", seconds.contact)]
 }
 
-/// Bakes a sleeve on an arm that bends once.
-fn elbow() -> Result<SceneCost> {
-    let (garment, body) = sleeve_on_arm()?;
-    let fabric = Fabric::preset(PAPER_FABRIC)?;
-    let script = WearScript::parse("elbow.json", BEND)?;
-    let clock = Instant::now();
-    let baked = Bake::new(&garment, &fabric, &script).script_name("elbow.json").body(body).run()?;
-    Ok(of_bake(ELBOW, baked.worn.displacement.len(), clock.elapsed().as_secs_f64(), &baked.report))
-}
-
 /// Computes the equilibrium of a strip that bends under its weight.
 fn cantilever_bent() -> SceneCost {
     let clock = Instant::now();
@@ -125,17 +110,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_elbow_bends_once_as_it_does_ten_times() {
-        let ten = include_str!("../../../garments/wear/elbow-ten-bends.json");
-        let [mut ten, one] = [ten, BEND].map(|text| serde_json::from_str::<serde_json::Value>(text).unwrap());
-        let bend = ten["actions"][0]["bend"].as_object_mut().unwrap();
-        assert_eq!(bend.remove("repeat"), Some(10.into()));
-        assert_eq!(ten["actions"], one["actions"]);
-    }
-
-    #[test]
     fn shirts_have_the_documented_number_of_points() {
-        let [draft, full] = [FoldThrice::tshirt_draft().unwrap(), FoldThrice::tshirt().unwrap()];
+        let [draft, full] = [BakeScene::tshirt_draft().unwrap(), BakeScene::tshirt().unwrap()];
         let refined = full.refine(REFINED_EDGE);
         for (shirt, points) in [(draft, 2_000.0), (full, 14_000.0), (refined, 60_000.0)] {
             let ratio = shirt.points() as f64 / points;
