@@ -43,8 +43,8 @@ pub(super) fn net_angles(garment: &Garment, rest: &RestState, lines: &[Line]) ->
             let mut direction = Vec3::zeros();
             direction[other] = 1.0;
             let stretch = across.iter().filter(|at| **at < middle[other]).count();
-            let share = along.dot(&direction).powi(2) / along.norm().max(f64::MIN_POSITIVE);
-            sums[(2 * k + usize::from(is_up)) * stretches + stretch] += change * share;
+            let along_line = along.dot(&direction).powi(2) / along.norm().max(f64::MIN_POSITIVE);
+            sums[(2 * k + usize::from(is_up)) * stretches + stretch] += change * along_line;
         }
     }
     sums

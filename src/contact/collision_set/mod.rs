@@ -446,7 +446,7 @@ impl CollisionSet {
     }
 }
 
-/// Returns the displacement `d` [m] limited point by point, or by one step size for all where that promises more decrease.
+/// Returns the displacement `d` [m] limited point by point, or by one step size for all where its predicted decrease is larger.
 fn better_step(fractions: &StepFractions, d: &[Vec3], criteria: LimitCriteria) -> Vec<Vec3> {
     let limited = fractions.apply(d);
     let uniform_step = fractions.uniform_step;
