@@ -1,5 +1,5 @@
-//! Spectrum of the memory of a garment: how much of it bends over which width. Crumpled cloth has its folds elsewhere in every bake, so that
-//! fields differ throughout; how sharp the folds are and how many does not depend on where they are.
+//! Spectrum of the memory of a garment: how much of it bends over which width. Crumpled cloth and an elbow have their folds elsewhere in every
+//! bake, so that fields differ throughout; how sharp the folds are and how many does not depend on where they are.
 
 use crate::chart::curvature_field::CurvatureField;
 use crate::garment::{Garment, RestState};
