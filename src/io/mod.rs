@@ -28,7 +28,7 @@ pub use read::{ReadOptions, read_asset};
 pub use shape_obj::{FrameRow, FrameRows, read_shape_obj, write_shape_obj};
 pub use sidecar::{
     SIDECAR_FORMAT, Sidecar, SidecarChecksums, SidecarHinges, SidecarJoint, SidecarMesh, SidecarPoints,
-    SidecarSource, SidecarTriangles, SidecarUp, read_sidecar, write_sidecar,
+    SidecarSource, SidecarTriangles, SidecarUp, read_sidecar, write_sidecar, write_sidecar_to,
 };
 pub use size::{check_size, compare_body_size, compare_frame_size};
 pub use usd::FILE_EXTENSIONS as USD_EXTENSIONS;

@@ -15,7 +15,7 @@ use crease::fabric::Fabric;
 use crease::files::GarmentFile;
 use crease::garment::{SourceAsset, WornGarment, mistaken_body};
 use crease::io::gltf::write_worn_glb_with;
-use crease::io::{Sidecar, UsdFrames, read_shape_obj, write_sidecar};
+use crease::io::{Sidecar, UsdFrames, read_shape_obj, write_sidecar_to};
 use crease::math::Vec3;
 use crease::report::render::{Camera, encode_png};
 use crease::report::{ColorBy, DetailReport, ExportCheck, GarmentView, Report, TransferReport};
@@ -293,7 +293,7 @@ impl WornJob {
         }
         outputs.add(&files.worn, &side_files.apply.applied(&output::name_of(&files.worn), glb)?)?;
         if let Some(path) = &files.sidecar {
-            outputs.add(path, &write_sidecar(sidecar))?;
+            outputs.add_written(path, &|out| write_sidecar_to(sidecar, out))?;
         }
         if side_files.preview {
             let view = GarmentView::of_sidecar(&output::name_of(&files.worn), sidecar);

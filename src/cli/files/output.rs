@@ -5,9 +5,12 @@ use crate::cli::files::input::{self, STANDARD_STREAM};
 use crate::cli::runtime::console;
 use crease::{Error, Result};
 use std::fs::{File, Permissions};
-use std::io::Write;
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
+
+/// Writes the content of a file.
+type WriteContent<'a> = dyn Fn(&mut dyn Write) -> std::io::Result<()> + 'a;
 
 /// Files to be written together. Dropping it without [`Outputs::commit`] discards them.
 #[derive(Debug)]
@@ -74,18 +77,24 @@ impl Outputs {
 
     /// Adds the file `path` with the content `bytes`; it appears on commit.
     pub fn add(&mut self, path: &Path, bytes: &[u8]) -> Result<()> {
+        self.add_written(path, &|out| out.write_all(bytes))
+    }
+
+    /// Adds the file `path` with what `write` writes, which need not be in memory as a whole; it appears on commit.
+    pub fn add_written(&mut self, path: &Path, write: &WriteContent) -> Result<()> {
         self.check(path)?;
         if is_stream(path) {
-            self.stream.extend_from_slice(bytes);
-            return Ok(());
+            return write(&mut self.stream).map_err(|source| failed(path, source));
         }
         std::fs::create_dir_all(folder_of(path)).map_err(|source| failed(path, source))?;
         // Symbolic links are followed, so that they stay links.
         let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
         let content = if target.exists() && !target.is_file() {
-            Content::Direct(bytes.to_vec())
+            let mut bytes = Vec::new();
+            write(&mut bytes).map_err(|source| failed(path, source))?;
+            Content::Direct(bytes)
         } else {
-            Content::Temporary(write_temporary(&target, bytes).map_err(|source| failed(path, source))?)
+            Content::Temporary(write_temporary(&target, write).map_err(|source| failed(path, source))?)
         };
         self.pending.push(PendingFile { target, content });
         Ok(())
@@ -125,7 +134,7 @@ fn or_current(folder: &Path) -> &Path {
     if folder.as_os_str().is_empty() { Path::new(".") } else { folder }
 }
 
-fn write_temporary(target: &Path, bytes: &[u8]) -> std::io::Result<NamedTempFile> {
+fn write_temporary(target: &Path, write: &WriteContent) -> std::io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".crease-").suffix(".tmp");
     // Temporary files are private by default; outputs get ordinary permissions.
@@ -134,7 +143,10 @@ fn write_temporary(target: &Path, bytes: &[u8]) -> std::io::Result<NamedTempFile
         builder.permissions(permissions);
     }
     let mut file = builder.tempfile_in(folder_of(target))?;
-    file.write_all(bytes)?;
+    let mut buffered = BufWriter::new(file.as_file_mut());
+    write(&mut buffered)?;
+    buffered.flush()?;
+    drop(buffered);
     file.as_file().sync_all()?;
     Ok(file)
 }

@@ -16,4 +16,4 @@ pub use format::{
     SIDECAR_FORMAT, Sidecar, SidecarChecksums, SidecarHinges, SidecarJoint, SidecarMesh, SidecarPoints,
     SidecarSource, SidecarTriangles, SidecarUp,
 };
-pub use read_write::{read_sidecar, write_sidecar};
+pub use read_write::{read_sidecar, write_sidecar, write_sidecar_to};
