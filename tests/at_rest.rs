@@ -53,7 +53,7 @@ fn a_last_step_that_did_not_converge_is_no_equilibrium() {
 
 #[test]
 fn unconverged_steps_before_the_last_are_only_a_warning() {
-    let report = worn(&format!(r#"{CRUMPLE}, {{"release": {{}}}}, {{"settle": {{"for": 3.0}}}}"#), 3, 3e-6);
+    let report = worn(&format!(r#"{CRUMPLE}, {{"release": {{}}}}, {{"settle": {{"for": 5.0}}}}"#), 3, 3e-6);
     assert!(
         report.warnings.iter().any(|w| w.contains("before Newton had converged")),
         "{:?}",
