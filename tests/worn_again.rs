@@ -5,6 +5,7 @@ mod tool;
 
 use crease::garment::Garment;
 use crease::io::gltf::{Accessors, WORN_TARGET};
+use crease::math::Rng;
 use crease::transfer::earlier_memory;
 use crease::{
     Bake, BakeOptions, Fabric, GarmentFile, Quality, ReadOptions, RestState, WearScript, WornGarment,
@@ -55,18 +56,33 @@ fn crease(garment: &Garment, memory: &RestState, axis: usize) -> f64 {
 }
 
 /// The creases of two bakes in a row are those of one bake of both scripts, on the file's triangles and on a mesh made for each script.
+/// Compared are means of three starts 20 micrometres apart: how many hinges take one more step of the law differs from start to start.
 #[test]
 fn a_second_bake_leaves_what_both_scripts_leave() {
-    let sheet = GarmentFile::sheet([0.2, 0.2], [10, 10]).expect("is a sheet").garment;
     for own_triangles in [true, false] {
-        let first = bake(&sheet, &[LAY, FOLD_ACROSS], own_triangles, None);
-        let second = bake(&sheet, &[LAY, FOLD_ALONG], own_triangles, Some(&first.memory));
-        let both = bake(&sheet, &[LAY, FOLD_ACROSS, LAY, FOLD_ALONG], own_triangles, None);
-        for axis in [0, 2] {
-            let [of_first, in_a_row, at_once] =
-                [&first, &second, &both].map(|worn| crease(&sheet, &worn.memory, axis));
-            // The law moves rest angles in steps: a hinge or two may take one more in either. A mesh made for the second script has no
-            // edges along the first fold, and unbends it less.
+        let mut creases = [[0.0; 3]; 2];
+        for start in 0..3u64 {
+            let mut sheet = GarmentFile::sheet([0.2, 0.2], [10, 10]).expect("is a sheet").garment;
+            if start > 0 {
+                let mut rng = Rng::from_seed(start);
+                sheet.points.iter_mut().for_each(|x| *x += rng.in_cube() * 2e-5);
+            }
+            let first = bake(&sheet, &[LAY, FOLD_ACROSS], own_triangles, None);
+            let second = bake(&sheet, &[LAY, FOLD_ALONG], own_triangles, Some(&first.memory));
+            let both = bake(&sheet, &[LAY, FOLD_ACROSS, LAY, FOLD_ALONG], own_triangles, None);
+            for (of_axis, axis) in creases.iter_mut().zip([0, 2]) {
+                let of_all = [&first, &second, &both].map(|worn| crease(&sheet, &worn.memory, axis));
+                of_axis.iter_mut().zip(of_all).for_each(|(mean, of_start)| *mean += of_start / 3.0);
+            }
+            if own_triangles && start == 0 {
+                let largest = |of: &dyn Fn(usize) -> f64| (0..sheet.points.len()).map(of).fold(0.0, f64::max);
+                let height = largest(&|p| both.displacement[p].norm());
+                let apart = largest(&|p| (both.displacement[p] - second.displacement[p]).norm());
+                assert!(apart < 0.25 * height, "{apart} m of {height} m");
+            }
+        }
+        for [of_first, in_a_row, at_once] in creases {
+            // A mesh made for the second script has no edges along the first fold, and unbends it less.
             let strongest = of_first.abs().max(at_once.abs());
             let tolerance = if own_triangles { 0.15 } else { 0.35 };
             assert!(
@@ -74,12 +90,6 @@ fn a_second_bake_leaves_what_both_scripts_leave() {
                 "{of_first} {in_a_row} {at_once} rad m"
             );
             assert!(at_once.abs() > 0.02, "{at_once} rad m");
-        }
-        if own_triangles {
-            let largest = |of: &dyn Fn(usize) -> f64| (0..sheet.points.len()).map(of).fold(0.0, f64::max);
-            let height = largest(&|p| both.displacement[p].norm());
-            let apart = largest(&|p| (both.displacement[p] - second.displacement[p]).norm());
-            assert!(apart < 0.25 * height, "{apart} m of {height} m");
         }
     }
 }
