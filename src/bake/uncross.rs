@@ -173,7 +173,7 @@ impl<'a> GarmentReading<'a> {
         mesh: &SimulationMesh,
         x: &[Vec3],
     ) -> Vec<Vec3> {
-        if mesh.is_source && surface.triangles.len() == mesh.garment.triangles.len() {
+        if mesh.is_source && surface.triangles == mesh.garment.triangles {
             return points;
         }
         let mut crossing = surface.crossing(&points, None);

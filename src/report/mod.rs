@@ -20,7 +20,9 @@ pub use export::{Export, ExportCheck, ExportFile};
 #[cfg(feature = "render")]
 pub use garment_view::{ColorBy, GarmentView, PointMemory};
 pub use html::escaped;
-pub use report_file::{CrossingCounts, EventCounts, ModelChoice, Report, StageTimes, crossing_counts};
+pub use report_file::{
+    CrossingCounts, EventCounts, ModelChoice, Report, StageTimes, crossing_counts, source_crossings,
+};
 pub use swatch::{overhang, swatch_page};
 pub use transfer_report::{CarriedSource, TransferReport};
 #[cfg(feature = "viewer")]

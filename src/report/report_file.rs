@@ -164,8 +164,13 @@ pub struct CrossingCounts {
     pub added: usize,
 }
 
-/// Counts the intersections of the exported triangles of `worn` in the source pose. `start` are those of the input garment, sorted as
-/// returned by [`self_intersections`].
+/// Returns the pairs of exported triangles of `garment` that intersect in its source pose, sorted.
+pub fn source_crossings(garment: &Garment) -> Vec<[u32; 2]> {
+    self_intersections(&garment.points, garment.exported_triangles())
+}
+
+/// Counts the intersections of the exported triangles of `worn` in the source pose. `start` are those of the input garment
+/// ([`source_crossings`]).
 pub fn crossing_counts(garment: &Garment, worn: &WornGarment, start: &[[u32; 2]]) -> CrossingCounts {
     let x: Vec<Vec3> = garment.points.iter().zip(&worn.displacement).map(|(x, d)| x + d).collect();
     let end = self_intersections(&x, garment.exported_triangles());
@@ -260,7 +265,7 @@ mod tests {
     fn crossings_of_the_input_are_counted_apart() {
         let counts_after = |y: f64, fall: f64| {
             let garment = lying_and_standing(y);
-            let start = self_intersections(&garment.points, &garment.triangles);
+            let start = source_crossings(&garment);
             let lowest = garment.points.iter().position(|p| p.x == 0.0 && p.z == 0.0).expect("is there");
             let mut displacement = vec![Vec3::zeros(); garment.points.len()];
             displacement[lowest].y = -fall;

@@ -21,6 +21,7 @@ const REFINED_EDGE: f64 = 5.4e-3;
 const ELEMENTS: usize = 80;
 /// Weight of the cantilever over its rigidity, rho g L³ / B [-].
 const GAMMA: f64 = 10.0;
+
 /// Runs all scenes; those that are short several times, of which the median counts.
 pub(super) fn costs(options: &ChartOptions) -> Result<Vec<SceneCost>> {
     let mut costs = Vec::new();

@@ -20,8 +20,7 @@ use crease::io::gltf::read_rig;
 use crease::io::{ReadOptions, Sidecar, compare_frame_size, sequence_from_assets};
 use crease::math::Vec3;
 use crease::mesh::PointIndex;
-use crease::mesh::intersections::self_intersections;
-use crease::report::{Report, crossing_counts};
+use crease::report::{Report, crossing_counts, source_crossings};
 use crease::{Error, Result};
 use serde_json::{Value, json};
 use std::collections::HashMap;
@@ -96,11 +95,7 @@ fn remember(arguments: &Arguments) -> Result<()> {
     let baked = motion.memory(&fabric, arguments.repeat);
     let computed = Instant::now();
     let garment = &motion.mesh.garment;
-    let counts = crossing_counts(
-        garment,
-        &baked.worn,
-        &self_intersections(&garment.points, garment.exported_triangles()),
-    );
+    let counts = crossing_counts(garment, &baked.worn, &source_crossings(garment));
     let mut report = Report::of_bake(garment, &baked, counts);
     report.method = "remember".to_owned();
     let sidecar = motion.sidecar(&baked, &fabric, arguments)?;

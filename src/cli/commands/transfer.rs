@@ -20,8 +20,7 @@ use crease::fabric::{DEFAULT_FABRIC, Fabric};
 use crease::files::GarmentFile;
 use crease::garment::WornGarment;
 use crease::io::{Landmarks, ReadOptions, Sidecar};
-use crease::mesh::intersections::self_intersections;
-use crease::report::{TransferReport, crossing_counts};
+use crease::report::{TransferReport, crossing_counts, source_crossings};
 use crease::transfer::{
     Align, Channels, GarmentSurface, MatchBy, PointPair, Transfer, TransferResult, TransferSource,
 };
@@ -187,7 +186,7 @@ fn transfer(arguments: &Arguments) -> Result<()> {
     let garment = &input.mesh.garment;
     let target = input.target();
     let carried = arguments.transfer(&input, &target).run_along_creases(garment, &mesh_along_creases)?;
-    let start = self_intersections(&garment.points, garment.exported_triangles());
+    let start = source_crossings(garment);
     let RelaxResult { displacement, warnings, unconverged_reason, .. } =
         relax_target(&input.mesh.garment, &input.fabric, &input.sidecars, &carried);
     job.warn(warnings);

@@ -8,8 +8,7 @@ use crate::process::check_not_forked;
 use crate::worn::PyWorn;
 use crease::bake::{Bake, BakeOptions, BakeProgress, BakeResult, Observer, Quality};
 use crease::garment::mistaken_body;
-use crease::mesh::intersections::self_intersections;
-use crease::report::{CrossingCounts, Report, crossing_counts};
+use crease::report::{CrossingCounts, Report, crossing_counts, source_crossings};
 use crease::sim::Sewing;
 use crease::{Fabric, GarmentFile, Sidecar};
 use pyo3::exceptions::PyTypeError;
@@ -116,7 +115,7 @@ impl BakeInput {
             Some(earlier) => bake.earlier_memory(&earlier.memory),
             None => bake,
         };
-        let start = self_intersections(&garment.points, garment.exported_triangles());
+        let start = source_crossings(garment);
         let baked = bake.run_with(observer)?;
         let counts = crossing_counts(garment, &baked.worn, &start);
         Ok((baked, counts))

@@ -11,8 +11,7 @@ use crate::sidecar::PySidecar;
 use crate::worn::PyWorn;
 use crease::bake::{RelaxResult, mesh_along_creases};
 use crease::garment::mistaken_body;
-use crease::mesh::intersections::self_intersections;
-use crease::report::{TransferReport, crossing_counts};
+use crease::report::{TransferReport, crossing_counts, source_crossings};
 use crease::transfer::{Align, Channels, GarmentSurface, MatchBy, Transfer, TransferResult, TransferSource};
 use crease::{Fabric, GarmentFile, Sidecar, WornGarment};
 use pyo3::prelude::*;
@@ -55,7 +54,7 @@ impl TransferInput {
             .channels(channels)
             .mirror_x(mirror.is_some());
         let carried = transfer.run_along_creases(garment, &mesh_along_creases)?;
-        let start = self_intersections(&garment.points, garment.exported_triangles());
+        let start = source_crossings(garment);
         let RelaxResult { displacement, warnings, unconverged_reason, .. } =
             relax_target(&self.file.garment, &self.fabric, &self.sidecars, &carried);
         let worn = WornGarment { displacement, memory: carried.memory.clone() };

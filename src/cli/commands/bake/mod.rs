@@ -25,8 +25,7 @@ use crate::cli::runtime::interrupt::Interrupt;
 use crate::cli::runtime::progress::Progress;
 use crate::cli::runtime::threads::on_threads;
 use crease::bake::{BakeReport, BakeResult, ModelDecision};
-use crease::mesh::intersections::self_intersections;
-use crease::report::{Report, crossing_counts};
+use crease::report::{Report, crossing_counts, source_crossings};
 use crease::{Error, Result};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -77,7 +76,7 @@ fn bake_into(
         console::message(&format!("goes on with the memory in {sidecar} (--forget leaves it out)"));
     }
     input.check_writers(&job.files().extras())?;
-    let start = self_intersections(&input.mesh.garment.points, input.mesh.garment.exported_triangles());
+    let start = source_crossings(&input.mesh.garment);
     job.inputs_read();
 
     let interval = Duration::from_secs_f64(arguments.checkpoint_every);
