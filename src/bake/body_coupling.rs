@@ -212,7 +212,6 @@ impl BodyCoupling {
             leashes_before: Vec::new(),
             end: None,
             max_pairs: TUNING.body.max_pairs_after(self.penetration.open_pairs()),
-            pairs: None,
         };
         let step = stepper.advance(state, rest, &mut loads, dt);
         let offsets = frames.map_or(Vec::new(), |(frames, start)| {
@@ -248,8 +247,6 @@ struct LoadsOnBody<'a> {
     end: Option<ContactAtEnd>,
     /// Pairs of triangles of cloth and body that may intersect after the step.
     max_pairs: usize,
-    /// Pairs that intersect at the positions of the last solve, where they are known.
-    pairs: Option<usize>,
 }
 
 impl LoadsOnBody<'_> {
@@ -320,10 +317,8 @@ impl LoadSource for LoadsOnBody<'_> {
         let end = self.end.as_mut().filter(|end| Arc::ptr_eq(&end.edges, &loads.edge_contacts))?;
         let cloth = (&self.garment.triangles[..], &self.garment.topology);
         let pairs = self.planes.open_pairs(x, cloth.0, &end.positions);
-        self.pairs = Some(pairs.len());
         let revised =
             self.planes.revised_edge_contacts(x, cloth, &end.positions, &end.normals, &end.edges, pairs)?;
-        self.pairs = None;
         end.edges = revised.into();
         Some(end.edges.clone())
     }
@@ -331,8 +326,7 @@ impl LoadSource for LoadsOnBody<'_> {
     fn crosses_more(&mut self, x: &[Vec3], loads: &Loads) -> bool {
         let end = self.end.as_ref().filter(|end| Arc::ptr_eq(&end.edges, &loads.edge_contacts));
         end.is_some_and(|end| {
-            let count = || self.planes.open_pairs(x, &self.garment.triangles, &end.positions).len();
-            self.pairs.unwrap_or_else(count) > self.max_pairs
+            self.planes.open_pairs(x, &self.garment.triangles, &end.positions).len() > self.max_pairs
         })
     }
 }

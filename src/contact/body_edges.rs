@@ -19,6 +19,8 @@ use rustc_hash::{FxHashMap, FxHashSet};
 /// Points and edges of a body with the cloth over them.
 pub(super) struct BodyEdges {
     topology: Topology,
+    /// Hierarchy over the triangles of the cloth that can move.
+    cloth: Option<TriangleBvh>,
     /// Areas of the points of the body [m²].
     areas: Vec<f64>,
     /// Offsets of the points of the body [m].
@@ -47,6 +49,7 @@ impl BodyEdges {
     pub fn new(points: &[Vec3], triangles: &[[PointIndex; 3]]) -> Self {
         Self {
             topology: Topology::new(points.len(), triangles),
+            cloth: None,
             areas: point_areas(points, triangles),
             offsets: vec![0.0; points.len()],
             overlaps: Vec::new(),
@@ -67,9 +70,9 @@ impl BodyEdges {
         let moves = |t: &[PointIndex; 3]| t.iter().any(|p| !is_fixed(p.at()));
         let moving: Vec<usize> = (0..cloth.len()).filter(|f| moves(&cloth[*f])).collect();
         let moving_triangles: Vec<_> = moving.iter().map(|f| cloth[*f]).collect();
-        let bvh = TriangleBvh::new(x, &moving_triangles, tuning.max_edge_distance);
+        let bvh = TriangleBvh::fitted(&mut self.cloth, x, &moving_triangles, tuning.max_edge_distance);
         let over_point = |(point, (at, normal)): (usize, (&Vec3, &Vec3))| {
-            over_point(x, (&bvh, &moving_triangles), point, *at, *normal)
+            over_point(x, (bvh, &moving_triangles), point, *at, *normal)
         };
         self.overlaps = body.x.par_iter().zip(body.normals).enumerate().filter_map(over_point).collect();
         // Every edge belongs to its first triangle.
@@ -250,6 +253,9 @@ fn crossing_edges(
 ) -> Option<Overlap> {
     let tuning = &TUNING.body;
     let ([a, b], [c, d]) = (of_cloth.map(PointIndex::at), of_body.map(PointIndex::at));
+    if are_apart([&x[a], &x[b]], [&body.x[c], &body.x[d]], tuning.max_edge_distance) {
+        return None;
+    }
     let closest = edge_edge(&x[a], &x[b], &body.x[c], &body.x[d]);
     let [wa, wb, wc, wd] = closest.weights;
     let (weights, edge_weights) = ([wa, wb], [-wc, -wd]);
@@ -264,6 +270,15 @@ fn crossing_edges(
         edge_weights,
         points: [a as u32, b as u32, b as u32],
         weights: [wa, wb, 0.0],
+    })
+}
+
+/// Returns whether the boxes of two edges are farther apart than `distance` [m] along an axis.
+fn are_apart([a, b]: [&Vec3; 2], [c, d]: [&Vec3; 2], distance: f64) -> bool {
+    (0..3).any(|k| {
+        let ((low, high), (other_low, other_high)) =
+            ((a[k].min(b[k]), a[k].max(b[k])), (c[k].min(d[k]), c[k].max(d[k])));
+        low - other_high > distance || other_low - high > distance
     })
 }
 

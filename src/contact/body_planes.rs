@@ -22,7 +22,7 @@ use crate::contact::settings::BodyContactSettings;
 use crate::contact::tuning::TUNING;
 use crate::energy::{EdgeContact, PlaneContact};
 use crate::math::{Mat3, Vec3};
-use crate::mesh::intersections::intersections_between;
+use crate::mesh::intersections::IntersectionSearch;
 use crate::mesh::point_in_solid::point_normals;
 use crate::mesh::triangle_bvh::TriangleBvh;
 use crate::mesh::{PointIndex, Topology};
@@ -36,6 +36,8 @@ pub const SELF_FOLD_MARGIN: f64 = TUNING.body.self_fold_margin;
 pub struct BodyPlanes {
     triangles: Vec<[PointIndex; 3]>,
     bvh: TriangleBvh,
+    /// Search for triangles of the cloth that intersect it.
+    intersections: IntersectionSearch,
     self_fold: SelfFold,
     /// Positions at the beginning of the step [m], one per point.
     positions: Vec<Vec3>,
@@ -129,6 +131,7 @@ impl BodyPlanes {
         let normals = point_normals(points, &triangles);
         Self {
             bvh: TriangleBvh::new(points, &triangles, 0.0),
+            intersections: IntersectionSearch::default(),
             self_fold: SelfFold::new(points, normals.clone()),
             normals,
             positions: points.to_vec(),
@@ -306,8 +309,8 @@ impl BodyPlanes {
     }
 
     /// Returns the intersecting pairs of triangles of `cloth` at `x` and of the body at `target` [m] away from where the body folds into itself.
-    pub fn open_pairs(&self, x: &[Vec3], cloth: &[[PointIndex; 3]], target: &[Vec3]) -> Vec<[u32; 2]> {
-        let mut pairs = intersections_between(x, cloth, target, &self.triangles);
+    pub fn open_pairs(&mut self, x: &[Vec3], cloth: &[[PointIndex; 3]], target: &[Vec3]) -> Vec<[u32; 2]> {
+        let mut pairs = self.intersections.pairs([(x, cloth), (target, &self.triangles)]).to_vec();
         let mut near_fold = self.near_self_fold(target, &pairs).into_iter();
         pairs.retain(|_| near_fold.next() == Some(false));
         pairs
@@ -350,7 +353,7 @@ impl BodyPlanes {
     /// Raises the offsets of the points of the cloth's triangles that intersect the body at the end of a step, and lets others decay if the body
     /// `moves`. Returns the numbers of pairs that intersect.
     pub fn raise_offsets(&mut self, x: &[Vec3], cloth: &[[PointIndex; 3]], moves: bool) -> BodyIntersections {
-        let pairs = intersections_between(x, cloth, &self.positions, &self.triangles);
+        let pairs = self.intersections.pairs([(x, cloth), (&self.positions, &self.triangles)]).to_vec();
         // In a self fold cloth cannot be offset.
         let is_folded = |f: u32| self.self_fold.has_corner_of(&self.triangles[f as usize]);
         let near_fold = self.near_self_fold(&self.positions, &pairs);

@@ -52,13 +52,44 @@ pub fn intersections_between(
     other_points: &[Vec3],
     other_triangles: &[[PointIndex; 3]],
 ) -> Vec<[u32; 2]> {
-    let other_bvh = TriangleBvh::new(other_points, other_triangles, 0.0);
-    let intersects = |[a, b]: &[u32; 2]| {
-        let first = corners(points, &triangles[*a as usize]);
-        triangles_intersect(&first, &corners(other_points, &other_triangles[*b as usize]))
-    };
-    let near = TriangleBvh::new(points, triangles, 0.0).overlapping_pairs_with(&other_bvh);
-    near.into_par_iter().filter(intersects).collect()
+    IntersectionSearch::default().pairs([(points, triangles), (other_points, other_triangles)]).to_vec()
+}
+
+/// Search for the intersections of two meshes that move between searches: its hierarchies are refitted, and where nothing has moved the last
+/// result is returned.
+#[derive(Default)]
+pub struct IntersectionSearch {
+    hierarchies: [Option<TriangleBvh>; 2],
+    /// Positions of the points at the last search [m].
+    points: [Vec<Vec3>; 2],
+    pairs: Vec<[u32; 2]>,
+}
+
+impl IntersectionSearch {
+    /// Returns the pairs (triangle of the first mesh, triangle of the second) that intersect, sorted. A mesh is positions of its points \[m\]
+    /// and triangles; those of the last search may be others.
+    pub fn pairs(&mut self, meshes: [(&[Vec3], &[[PointIndex; 3]]); 2]) -> &[[u32; 2]] {
+        let is_known = self.hierarchies.iter().zip(&self.points).zip(meshes).all(|((bvh, known), mesh)| {
+            bvh.as_ref().is_some_and(|bvh| bvh.is_over(mesh.1)) && known == mesh.0
+        });
+        if !is_known {
+            self.search(meshes);
+        }
+        &self.pairs
+    }
+
+    fn search(&mut self, meshes: [(&[Vec3], &[[PointIndex; 3]]); 2]) {
+        let [(x, triangles), (other_x, other_triangles)] = meshes;
+        let [bvh, other] = &mut self.hierarchies;
+        let other = TriangleBvh::fitted(other, other_x, other_triangles, 0.0);
+        let near = TriangleBvh::fitted(bvh, x, triangles, 0.0).overlapping_pairs_with(other);
+        let intersects = |[a, b]: &[u32; 2]| {
+            let first = corners(x, &triangles[*a as usize]);
+            triangles_intersect(&first, &corners(other_x, &other_triangles[*b as usize]))
+        };
+        self.pairs = near.into_par_iter().filter(intersects).collect();
+        self.points = meshes.map(|(points, _)| points.to_vec());
+    }
 }
 
 /// Returns the side of the plane a b c on which the point d lies, exactly: 1, 0 or -1.

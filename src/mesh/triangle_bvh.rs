@@ -84,6 +84,26 @@ impl TriangleBvh {
         bvh
     }
 
+    /// Makes `known` a hierarchy over `triangles`, as [`Self::new`] does: refitted where it is one already. Returns it.
+    pub fn fitted<'a>(
+        known: &'a mut Option<Self>,
+        points: &[Vec3],
+        triangles: &[[PointIndex; 3]],
+        inflate: f64,
+    ) -> &'a Self {
+        let mut bvh = match known.take() {
+            Some(bvh) if bvh.is_over(triangles) => bvh,
+            _ => return known.insert(Self::new(points, triangles, inflate)),
+        };
+        bvh.refit(points, points, inflate);
+        known.insert(bvh)
+    }
+
+    /// Returns whether it is over exactly these triangles, in this order.
+    pub fn is_over(&self, triangles: &[[PointIndex; 3]]) -> bool {
+        self.triangles == triangles
+    }
+
     /// Returns the number of triangles.
     pub fn triangle_count(&self) -> usize {
         self.triangles.len()
