@@ -131,7 +131,7 @@ impl MeshChoice {
     fn on_body(garment: &Garment, creased: &CreasedCloth, lengths: EdgeLengths) -> Self {
         let tuning = &TUNING.simulation_mesh;
         // Finer than the file is there is of no use: it could not show what comes of it.
-        let fine = lengths.line.max(creased.mean_edge);
+        let fine = (tuning.finest_factor_on_body * lengths.line).max(creased.mean_edge);
         let max = tuning.max_factor_on_body * lengths.line;
         let seeds: Vec<Seed> =
             creased.positions.iter().map(|position| Seed { position: *position, length: fine }).collect();

@@ -106,7 +106,10 @@ pub(super) struct SimulationMeshTuning {
     pub max_excess: f64,
     /// Growth of edges per metre of distance from lines and sides [-], default 1.
     pub edge_growth: f64,
-    /// Longest edges on a body over the finest [-]: straight edges of cloth cut into limbs.
+    /// Edges where a body bends the cloth relative to those along fold lines [-], default 2/3: on edges of 12, 8 and 6 mm the cloth of an elbow
+    /// remembers 0.83, 1.00 and 1 times as much.
+    pub finest_factor_on_body: f64,
+    /// Longest edges on a body relative to those along fold lines [-]: straight edges of cloth cut into limbs.
     pub max_factor_on_body: f64,
     /// Growth of the edge length with the distance from where a body creases the cloth [-].
     pub edge_growth_on_body: f64,
@@ -352,6 +355,7 @@ impl BakeTuning {
             max_factor_of_crumpled: 2.0,
             max_excess: 0.03,
             edge_growth: 1.0,
+            finest_factor_on_body: 2.0 / 3.0,
             max_factor_on_body: 2.0,
             edge_growth_on_body: 0.5,
             max_hinge_deg: 45.0,
