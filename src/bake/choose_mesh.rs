@@ -271,4 +271,23 @@ mod tests {
             "{near} m, {far} m"
         );
     }
+
+    #[test]
+    fn cloth_that_a_body_creases_has_edges_of_two_thirds_of_those_along_lines_or_those_of_the_file() {
+        for (cells, expected) in [(100, 0.008), (40, 0.010)] {
+            let sheet = GarmentFile::sheet([0.4, 0.4], [cells; 2]).expect("is a sheet").garment;
+            let middle = sheet.points.iter().sum::<Vec3>() / sheet.points.len() as f64;
+            let near = |x: &Vec3| (x - middle).norm() < 0.06;
+            let positions = sheet.points.iter().copied().filter(near).collect();
+            let creased = CreasedCloth { positions, mean_edge: 0.4 / f64::from(cells) };
+            let lengths = EdgeLengths::new(&sheet, Quality::Standard.finest_edge());
+            let mesh = MeshChoice::on_body(&sheet, &creased, lengths).mesh.garment;
+            let ends = mesh.topology.edges.iter().map(|edge| edge.map(|p| mesh.points[p.at()]));
+            let of_creased: Vec<f64> =
+                ends.filter(|ends| ends.iter().all(near)).map(|[a, b]| (a - b).norm()).collect();
+            let mean = of_creased.iter().sum::<f64>() / of_creased.len() as f64;
+            assert!((0.8..1.25).contains(&(mean / expected)), "{mean} m, {expected} m");
+            assert!(mesh.points.len() < sheet.points.len() * 2 / 3, "coarser elsewhere");
+        }
+    }
 }

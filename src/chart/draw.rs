@@ -197,7 +197,57 @@ fn draw_panel<B: DrawingBackend>(area: &Area<B>, panel: &Panel, scale: u32) -> R
             primitive.draw_on(&pixels)
         })?;
     }
+    let (width, height) = pixels.dim_in_pixel();
+    let mut places =
+        LabelPlaces { size: (width as i32, height as i32), scale: scale as i32, taken: Vec::new() };
+    for series in &panel.series {
+        for (p, label) in series.points.iter().zip(&series.labels) {
+            let p = [x.coordinate(p[0]), y.coordinate(p[1])];
+            if p[0].is_finite() && p[1].is_finite() {
+                let text = text_style(11, scale).pos(Pos::new(HPos::Left, VPos::Top));
+                let corner = places.take(at(p), label);
+                pixels.draw(&Text::new(label.clone(), corner, text)).map_err(draw_error)?;
+            }
+        }
+    }
     Ok(())
+}
+
+/// Places of texts beside points, so that none covers another [pixels].
+struct LabelPlaces {
+    /// Width and height of the area.
+    size: (i32, i32),
+    /// Pixels per unit of length in texts and marks.
+    scale: i32,
+    /// Left, upper, right and lower sides of the texts so far.
+    taken: Vec<[i32; 4]>,
+}
+
+impl LabelPlaces {
+    /// Takes a place beside the point at `(x, y)` and returns its upper left corner: below or above it, to the right or left, the first that is
+    /// free and inside the area; below to the right where none is.
+    fn take(&mut self, (x, y): (i32, i32), label: &str) -> (i32, i32) {
+        // A letter of 11 units is about 7 wide.
+        let count = label.chars().count() as i32;
+        let (away, width, height) = (6 * self.scale, 7 * self.scale * count, 14 * self.scale);
+        let place = |left: bool, above: bool| {
+            let left = if left { x - away - width } else { x + away };
+            let upper = if above { y - height } else { y };
+            [left, upper, left + width, upper + height]
+        };
+        let is_free = |[left, upper, right, lower]: &[i32; 4]| {
+            let inside = *left >= 0 && *upper >= 0 && *right <= self.size.0 && *lower <= self.size.1;
+            let apart = |other: &[i32; 4]| {
+                *left >= other[2] || other[0] >= *right || *upper >= other[3] || other[1] >= *lower
+            };
+            inside && self.taken.iter().all(apart)
+        };
+        let places = [(false, false), (false, true), (true, false), (true, true)];
+        let found = places.map(|(left, above)| place(left, above)).into_iter().find(is_free);
+        let chosen = found.unwrap_or_else(|| place(false, false));
+        self.taken.push(chosen);
+        (chosen[0], chosen[1])
+    }
 }
 
 /// Primitive of a series [pixels].
@@ -259,6 +309,7 @@ mod tests {
             series: [Mark::Line, Mark::Dashed, Mark::Dots, Mark::Rings, Mark::Crosses, Mark::Bars]
                 .into_iter()
                 .map(|mark| Series::new("series", 0, mark, points.clone()))
+                .map(|series| series.with_labels(vec!["beside".into(); points.len()]))
                 .collect(),
         };
         let points = vec![[1.0, 2.0], [10.0, 3.0], [0.0, 1.0], [f64::NAN, 1.0]];
@@ -266,6 +317,8 @@ mod tests {
         let figure = Figure { title: "title".into(), panels };
         let text = svg(&figure).expect("draws");
         assert!(text.starts_with("<svg") && text.contains("time [s]") && text.contains("polyline"));
+        // Of every series, beside the two points that have a place on the axes.
+        assert_eq!(text.matches("beside").count(), 12);
         assert_eq!(png(&figure).expect("draws")[1..4], *b"PNG");
     }
 }

@@ -86,11 +86,19 @@ pub struct Series {
     pub mark: Mark,
     /// Points in the units of the axes.
     pub points: Vec<[f64; 2]>,
+    /// Texts beside the points, one per point; empty for none.
+    pub labels: Vec<String>,
 }
 
 impl Series {
     /// A series of `points`.
     pub fn new(name: &str, colour: usize, mark: Mark, points: Vec<[f64; 2]>) -> Self {
-        Self { name: name.to_owned(), colour, mark, points }
+        Self { name: name.to_owned(), colour, mark, points, labels: Vec::new() }
+    }
+
+    /// The same series with a text beside every point.
+    #[must_use]
+    pub fn with_labels(self, labels: Vec<String>) -> Self {
+        Self { labels, ..self }
     }
 }

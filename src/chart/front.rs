@@ -315,7 +315,7 @@ fn settings() -> Vec<Setting> {
     all
 }
 
-/// One series a group: its settings as dots, failures as crosses.
+/// One series a group: its settings as dots, failures as crosses. Qualities and edges have their names beside them.
 fn series_of(outcomes: &[Tried]) -> Vec<Series> {
     let mut groups: Vec<&str> = Vec::new();
     for (group, ..) in outcomes {
@@ -323,20 +323,24 @@ fn series_of(outcomes: &[Tried]) -> Vec<Series> {
             groups.push(group);
         }
     }
-    let mut series = Vec::new();
-    for (colour, group) in groups.iter().enumerate() {
-        let of = |failed: bool| {
-            outcomes
-                .iter()
-                .filter(|(own, _, outcome)| own == group && outcome.failed == failed)
-                .map(|(.., outcome)| [outcome.wall(), mean(&outcome.errors)])
-                .filter(|dot| dot[1].is_finite())
-                .collect::<Vec<_>>()
-        };
-        series.push(Series::new(group, colour, Mark::Dots, of(false)));
-        series.push(Series::new("", colour, Mark::Crosses, of(true)));
-    }
-    series
+    let of = |group: &str, failed: bool| -> Vec<([f64; 2], String)> {
+        outcomes
+            .iter()
+            .filter(|(own, _, outcome)| *own == group && outcome.failed == failed)
+            .map(|(_, name, outcome)| ([outcome.wall(), mean(&outcome.errors)], name.clone()))
+            .filter(|(dot, _)| dot[1].is_finite())
+            .collect()
+    };
+    let dots = groups.iter().enumerate().map(|(colour, group)| {
+        let (dots, names) = of(group, false).into_iter().unzip();
+        let series = Series::new(group, colour, Mark::Dots, dots);
+        if [QUALITIES, EDGES].contains(group) { series.with_labels(names) } else { series }
+    });
+    let crosses = groups.iter().enumerate().map(|(colour, group)| {
+        let (crosses, names) = of(group, true).into_iter().unzip();
+        Series::new("", colour, Mark::Crosses, crosses).with_labels(names)
+    });
+    dots.chain(crosses).collect()
 }
 
 #[cfg(test)]
