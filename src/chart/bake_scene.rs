@@ -1,4 +1,5 @@
-//! Garments and scripts that several charts bake: T-shirts that are folded thrice, an elbow that bends, a crumpled handkerchief.
+//! Garments and scripts that several charts bake: T-shirts that are folded thrice, an elbow that bends, a crumpled handkerchief, a strip
+//! that falls.
 //!
 //! What begins in contact is sensitive to its initial condition, so that one bake says little: charts that compare results bake several
 //! perturbed initial conditions.
@@ -6,6 +7,7 @@
 use crate::bake::{Bake, BakeOptions, BakeResult};
 use crate::body::AnimatedBody;
 use crate::chart::curvature_field::CurvatureField;
+use crate::chart::falling_strip::{FALLING_STRIP_POINTS, FIRST_TILT, tilted_strip};
 use crate::chart::included_mesh::{HANDKERCHIEF, IncludedMesh, TSHIRT, TSHIRT_DRAFT, sleeve_on_arm};
 use crate::error::Result;
 use crate::fabric::{Fabric, PAPER_FABRIC};
@@ -16,6 +18,10 @@ use crate::mesh::intersections::self_intersections;
 use crate::wear::WearScript;
 use std::sync::Arc;
 use std::time::Instant;
+
+/// A strip stands upright, falls and lies for a while.
+const FALL_SCRIPT: &str = r#"{"format": "crease-wear/1", "actions": [
+    {"hang": {"by": [[0.0, 1.0], [0.5, 1.0], [1.0, 1.0]], "for": 0.5}}, {"release": {}}, {"settle": {"for": 2.0}}]}"#;
 
 /// Name of the scene in tables.
 pub(super) const FOLD_THRICE: &str = "fold-thrice";
@@ -70,6 +76,12 @@ impl BakeScene {
     pub(super) fn elbow() -> Result<Self> {
         let (garment, body) = sleeve_on_arm()?;
         Self::with_script(garment, Some(body), "elbow.json", BEND_SCRIPT)
+    }
+
+    /// A strip of 32 x 44 cm that falls, in the paper's fabric.
+    pub(super) fn falling_strip() -> Result<Self> {
+        let [_, _, points] = FALLING_STRIP_POINTS;
+        Self::with_script(tilted_strip(points, FIRST_TILT)?, None, "fall.json", FALL_SCRIPT)
     }
 
     fn of(mesh: &IncludedMesh, script_file: &'static str, script: &str) -> Result<Self> {

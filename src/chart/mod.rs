@@ -54,7 +54,7 @@ chart_list! {
     cantilever "cantilever" "strips bending under their own weight, compared with the heavy elastica",
     drape "drape" "Cusick drape coefficient over bending length, compared with an independent solver",
     accuracy "accuracy" "cost over error of every integrator on scenes with known solutions",
-    front "front" "error of what is baked over wall time: folds, an elbow and crumpled cloth at every quality and with single settings changed (ten minutes a run)",
+    front "front" "error of what is baked over wall time: folds, an elbow, crumpled and fallen cloth at every quality and with single settings changed (ten minutes a run)",
     stability "stability" "failures of every integrator: step size against stiffness, contrast, slivers, layers, speed",
     robustness "robustness" "outcome of whole bakes where they get difficult: slivers, noise, size, fabric, step, speed, pressure, layers (ten minutes; `--full`: reference and every integrator)",
     plan "plan" "cost and effect of models: tshirt-draft with the plan, single models changed, and at full fidelity (four minutes a run)",

@@ -220,6 +220,22 @@ mod tests {
     }
 
     #[test]
+    fn a_search_finds_in_meshes_that_move_what_it_would_find_anew() {
+        let mut rng = Rng::from_state(13);
+        let mut mesh = || -> Vec<Vec3> { (0..40).flat_map(|_| triangle(&mut rng)).collect() };
+        let [mut points, other_points] = [mesh(), mesh()];
+        let triangles: Vec<_> = (0..40u32).map(|f| [0, 1, 2].map(|k| PointIndex(3 * f + k))).collect();
+        let mut search = IntersectionSearch::default();
+        // Also without a motion, and with fewer triangles from one search to the next.
+        for (step, count) in [(0.0, 40), (0.05, 40), (0.0, 40), (0.0, 25), (0.8, 25), (0.05, 40)] {
+            points.iter_mut().for_each(|x| x.y += step);
+            let anew = intersections_between(&points, &triangles[..count], &other_points, &triangles);
+            assert!(step > 0.5 || !anew.is_empty());
+            assert_eq!(search.pairs([(&points, &triangles[..count]), (&other_points, &triangles)]), anew);
+        }
+    }
+
+    #[test]
     fn triangles_that_are_not_finite_intersect_nothing() {
         let mut rng = Rng::from_state(12);
         let mut points: Vec<Vec3> = (0..40).flat_map(|_| triangle(&mut rng)).collect();
