@@ -19,10 +19,6 @@ use crate::wear::WearScript;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// A strip stands upright, falls and lies for a while.
-const FALL_SCRIPT: &str = r#"{"format": "crease-wear/1", "actions": [
-    {"hang": {"by": [[0.0, 1.0], [0.5, 1.0], [1.0, 1.0]], "for": 0.5}}, {"release": {}}, {"settle": {"for": 2.0}}]}"#;
-
 /// Name of the scene in tables.
 pub(super) const FOLD_THRICE: &str = "fold-thrice";
 
@@ -33,6 +29,10 @@ const BEND_SCRIPT: &str = r#"{"format": "crease-wear/1", "actions": [
 /// `garments/wear/crumple.json`, less tight and held for a second.
 const CRUMPLE_SCRIPT: &str = r#"{"format": "crease-wear/1", "actions": [
     {"lay": {"facing": "up"}}, {"crumple": {"to": 0.35, "over": 2.0, "hold": 1.0}}, {"release": {}}, {"settle": {"for": 1.0}}]}"#;
+
+/// A strip stands upright, falls and lies for a while.
+const FALL_SCRIPT: &str = r#"{"format": "crease-wear/1", "actions": [
+    {"hang": {"by": [[0.0, 1.0], [0.5, 1.0], [1.0, 1.0]], "for": 0.5}}, {"release": {}}, {"settle": {"for": 2.0}}]}"#;
 
 /// Largest displacement of a point by a perturbation, per axis, over the mean edge [-].
 const PERTURBATION_FRACTION: f64 = 0.02;

@@ -190,9 +190,13 @@ fn draw_panel<B: DrawingBackend>(area: &Area<B>, panel: &Panel, scale: u32) -> R
         let (x, y) = plane.map_coordinate(&(p[0], p[1]));
         (x - left, y - top)
     };
+    // Not every point has a place: a logarithm may be that of zero.
+    let on_axes = |p: &[f64; 2]| {
+        let p = [x.coordinate(p[0]), y.coordinate(p[1])];
+        (p[0].is_finite() && p[1].is_finite()).then_some(p)
+    };
     for series in &panel.series {
-        let points = series.points.iter().map(|p| [x.coordinate(p[0]), y.coordinate(p[1])]);
-        let points = points.filter(|p| p[0].is_finite() && p[1].is_finite()).collect();
+        let points = series.points.iter().filter_map(on_axes).collect();
         draw_series(&Series { points, ..series.clone() }, scale, &at, &mut |primitive| {
             primitive.draw_on(&pixels)
         })?;
@@ -202,8 +206,7 @@ fn draw_panel<B: DrawingBackend>(area: &Area<B>, panel: &Panel, scale: u32) -> R
         LabelPlaces { size: (width as i32, height as i32), scale: scale as i32, taken: Vec::new() };
     for series in &panel.series {
         for (p, label) in series.points.iter().zip(&series.labels) {
-            let p = [x.coordinate(p[0]), y.coordinate(p[1])];
-            if p[0].is_finite() && p[1].is_finite() {
+            if let Some(p) = on_axes(p) {
                 let text = text_style(11, scale).pos(Pos::new(HPos::Left, VPos::Top));
                 let corner = places.take(at(p), label);
                 pixels.draw(&Text::new(label.clone(), corner, text)).map_err(draw_error)?;

@@ -316,7 +316,7 @@ fn settings() -> Vec<Setting> {
     all
 }
 
-/// One series a group: its settings as dots, failures as crosses. Qualities and edges have their names beside them.
+/// One series a group: its settings as dots, failures as crosses. Qualities, edges and failures have their names beside them.
 fn series_of(outcomes: &[Tried]) -> Vec<Series> {
     let mut groups: Vec<&str> = Vec::new();
     for (group, ..) in outcomes {
@@ -324,24 +324,21 @@ fn series_of(outcomes: &[Tried]) -> Vec<Series> {
             groups.push(group);
         }
     }
-    let of = |group: &str, failed: bool| -> Vec<([f64; 2], String)> {
-        outcomes
-            .iter()
-            .filter(|(own, _, outcome)| *own == group && outcome.failed == failed)
-            .map(|(_, name, outcome)| ([outcome.wall(), mean(&outcome.errors)], name.clone()))
-            .filter(|(dot, _)| dot[1].is_finite())
-            .collect()
-    };
-    let dots = groups.iter().enumerate().map(|(colour, group)| {
-        let (dots, names) = of(group, false).into_iter().unzip();
-        let series = Series::new(group, colour, Mark::Dots, dots);
-        if [QUALITIES, EDGES].contains(group) { series.with_labels(names) } else { series }
-    });
-    let crosses = groups.iter().enumerate().map(|(colour, group)| {
-        let (crosses, names) = of(group, true).into_iter().unzip();
-        Series::new("", colour, Mark::Crosses, crosses).with_labels(names)
-    });
-    dots.chain(crosses).collect()
+    let mut series = Vec::new();
+    for (colour, group) in groups.iter().enumerate() {
+        for (failed, name, mark) in [(false, *group, Mark::Dots), (true, "", Mark::Crosses)] {
+            let (points, names): (Vec<_>, Vec<_>) = outcomes
+                .iter()
+                .filter(|(own, _, outcome)| own == group && outcome.failed == failed)
+                .map(|(_, name, outcome)| ([outcome.wall(), mean(&outcome.errors)], name.clone()))
+                .filter(|(point, _)| point[1].is_finite())
+                .unzip();
+            let is_named = failed || [QUALITIES, EDGES].contains(group);
+            let labels = if is_named { names } else { Vec::new() };
+            series.push(Series::new(name, colour, mark, points).with_labels(labels));
+        }
+    }
+    series
 }
 
 #[cfg(test)]

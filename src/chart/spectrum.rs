@@ -1,4 +1,4 @@
-//! Spectrum of the memory of a garment: how much of it bends over which width. Crumpled cloth and an elbow have their folds elsewhere in every
+//! Spectrum of the memory of a garment: how much of it bends over which width. Crumpled and fallen cloth and an elbow have their folds elsewhere in every
 //! bake, so that fields differ throughout; how sharp the folds are and how many does not depend on where they are.
 
 use crate::chart::curvature_field::CurvatureField;

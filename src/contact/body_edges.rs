@@ -4,6 +4,7 @@
 //! that run across it, if the nearest positions lie between their ends. A contact that has been pressed through its cloth acts from farther
 //! away in the next step, until it no longer is. There is no friction, and no contact in a self fold of the body.
 
+use crate::contact::broad_phase::PairKind;
 use crate::contact::self_fold::BodySurface;
 use crate::contact::settings::BodyContactSettings;
 use crate::contact::tuning::TUNING;
@@ -253,7 +254,7 @@ fn crossing_edges(
 ) -> Option<Overlap> {
     let tuning = &TUNING.body;
     let ([a, b], [c, d]) = (of_cloth.map(PointIndex::at), of_body.map(PointIndex::at));
-    if are_apart([&x[a], &x[b]], [&body.x[c], &body.x[d]], tuning.max_edge_distance) {
+    if PairKind::EdgeEdge.apart_on_an_axis(&[x[a], x[b], body.x[c], body.x[d]], tuning.max_edge_distance) {
         return None;
     }
     let closest = edge_edge(&x[a], &x[b], &body.x[c], &body.x[d]);
@@ -270,15 +271,6 @@ fn crossing_edges(
         edge_weights,
         points: [a as u32, b as u32, b as u32],
         weights: [wa, wb, 0.0],
-    })
-}
-
-/// Returns whether the boxes of two edges are farther apart than `distance` [m] along an axis.
-fn are_apart([a, b]: [&Vec3; 2], [c, d]: [&Vec3; 2], distance: f64) -> bool {
-    (0..3).any(|k| {
-        let ((low, high), (other_low, other_high)) =
-            ((a[k].min(b[k]), a[k].max(b[k])), (c[k].min(d[k]), c[k].max(d[k])));
-        low - other_high > distance || other_low - high > distance
     })
 }
 
