@@ -76,54 +76,36 @@
 // Units are written [m], [s], [rad] in doc comments: rustdoc would take each for a link.
 #![allow(rustdoc::broken_intra_doc_links)]
 
-#[doc(hidden)]
-pub mod error;
-#[doc(hidden)]
-pub mod json;
-#[doc(hidden)]
-pub mod math;
+mod bake;
+mod files;
+mod report;
+mod transfer;
+mod wear;
 
+/// Modules for the tools and tests of this workspace; no part of the stable interface.
 #[doc(hidden)]
-pub mod fabric;
-#[doc(hidden)]
-pub mod mesh;
-
-#[doc(hidden)]
-pub mod body;
-#[doc(hidden)]
-pub mod garment;
-#[doc(hidden)]
-pub mod remesh;
-
-#[doc(hidden)]
-pub mod energy;
-#[doc(hidden)]
-pub mod io;
-#[doc(hidden)]
-pub mod sim;
-#[doc(hidden)]
-pub mod wear;
-
-#[doc(hidden)]
-pub mod contact;
-
-#[doc(hidden)]
-pub mod memory;
-
-#[doc(hidden)]
-pub mod transfer;
-
-#[doc(hidden)]
-pub mod bake;
-#[doc(hidden)]
-pub mod report;
-
-#[doc(hidden)]
-pub mod files;
-
-#[cfg(feature = "charts")]
-#[doc(hidden)]
-pub mod chart;
+pub mod internal {
+    /// Bakes.
+    pub mod bake {
+        pub use crate::bake::*;
+    }
+    /// Files by path.
+    pub mod files {
+        pub use crate::files::*;
+    }
+    /// Reports, pictures and pages.
+    pub mod report {
+        pub use crate::report::*;
+    }
+    /// Transfers.
+    pub mod transfer {
+        pub use crate::transfer::*;
+    }
+    /// Wear scripts and their actions.
+    pub mod wear {
+        pub use crate::wear::*;
+    }
+}
 
 #[doc(inline)]
 pub use bake::{
@@ -131,33 +113,39 @@ pub use bake::{
     ModelPlan, Observer, Quality, RelaxResult, memory_from_motion, relax, rest_mesh,
 };
 #[doc(inline)]
-pub use body::{AnimatedBody, BodyPose};
+pub use crease_geometry::math::{Mat3, Mat4, Vec2, Vec3};
 #[doc(inline)]
-pub use error::{Diagnostic, Error, Result};
+pub use crease_geometry::mesh::intersections::self_intersections;
 #[doc(inline)]
-pub use fabric::{DEFAULT_FABRIC, Fabric, FabricMemory, PAPER_FABRIC, Provenance};
+pub use crease_geometry::mesh::{
+    Hinge, PointIndex, Topology, VertexIndex, hinge_angle, hinge_gradient, unwrap_angle,
+};
 #[doc(inline)]
-pub use files::GarmentFile;
+pub use crease_io::gltf::{read_worn, write_worn_glb};
 #[doc(inline)]
-pub use garment::{
+pub use crease_io::{Landmark, Landmarks, ReadOptions, Sidecar, read_asset, read_sidecar, write_sidecar};
+#[doc(inline)]
+pub use crease_model::body::{AnimatedBody, BodyPose};
+#[doc(inline)]
+pub use crease_model::error::{Diagnostic, Error, Result};
+#[doc(inline)]
+pub use crease_model::fabric::{DEFAULT_FABRIC, Fabric, FabricMemory, PAPER_FABRIC, Provenance};
+#[doc(inline)]
+pub use crease_model::garment::{
     Garment, ImportDiagnostic, Inspection, RefinedMesh, RestState, Severity, SourceAsset, SourcePiece,
     UpAxis, WornGarment, inspect,
 };
 #[doc(inline)]
-pub use io::gltf::{read_worn, write_worn_glb};
+pub use crease_model::remesh::Channels;
 #[doc(inline)]
-pub use io::{Landmark, Landmarks, ReadOptions, Sidecar, read_asset, read_sidecar, write_sidecar};
-#[doc(inline)]
-pub use math::{Mat3, Mat4, Vec2, Vec3};
-#[doc(inline)]
-pub use memory::{
+pub use crease_solver::memory::{
     Band, BandParams, ElementParams, EventCount, HysteresisState, Memory, MemoryLaw, MemoryModel, Softening,
     Strains,
 };
 #[doc(inline)]
-pub use mesh::intersections::self_intersections;
+pub use crease_solver::sim::{Method, NewtonOptions, StepOptions};
 #[doc(inline)]
-pub use mesh::{Hinge, PointIndex, Topology, VertexIndex, hinge_angle, hinge_gradient, unwrap_angle};
+pub use files::{GarmentFile, Load, Save, load_body, transfer_source};
 #[cfg(feature = "render")]
 #[doc(inline)]
 pub use report::{
@@ -170,8 +158,6 @@ pub use report::{Export, Report, swatch_page};
 #[doc(inline)]
 pub use report::{ViewerItem, viewer_page};
 #[doc(inline)]
-pub use sim::{Method, NewtonOptions, StepOptions};
-#[doc(inline)]
-pub use transfer::{Align, Channels, MatchBy, PointPair, Transfer, TransferResult};
+pub use transfer::{Align, MatchBy, PointPair, Transfer, TransferResult};
 #[doc(inline)]
 pub use wear::{Action, WearScript};

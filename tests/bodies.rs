@@ -98,7 +98,7 @@ fn arm() -> AnimatedBody {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("garments/sleeve.glb");
     let asset = asset("sleeve.glb", &std::fs::read(path).expect("is there"));
     let arm: Vec<&SourcePiece> = asset.pieces.iter().filter(|piece| piece.name == "arm").collect();
-    AnimatedBody::from_pieces(&asset, &arm).expect("is a body")
+    read_body(&asset, &arm).expect("is a body")
 }
 
 /// The number of the clip that bends the elbow.

@@ -222,7 +222,7 @@ fn on_a_body_it_goes_on_as_if_nothing_had_been() {
         fabric: Fabric::preset("cotton-jersey").unwrap(),
         script: WearScript::parse("wear.json", script).unwrap(),
         options: BakeOptions {
-            body: Some(std::sync::Arc::new(AnimatedBody::from_pieces(&asset, &arm).unwrap())),
+            body: Some(std::sync::Arc::new(read_body(&asset, &arm).unwrap())),
             checkpoint_steps: 8,
             ..BakeOptions::default()
         },

@@ -18,7 +18,7 @@ use shapes::*;
 
 fn body_of(bytes: &[u8], part: &str) -> AnimatedBody {
     let (asset, _) = read_with("body.glb", bytes, &named(part)).expect("is read");
-    AnimatedBody::from_pieces(&asset, &asset.worn_pieces().collect::<Vec<_>>()).expect("is a body")
+    read_body(&asset, &asset.worn_pieces().collect::<Vec<_>>()).expect("is a body")
 }
 
 /// Arms whose faces look outwards, inwards, or as those of a shell with an inner side; one with a single face turned.
@@ -372,5 +372,5 @@ fn every_file_has_its_own_unit_and_axis() {
     let (error, code) = remember("--frames-unit cm");
     assert!(code == 3 && error.contains("nothing is remembered"), "{error}");
     let options = ReadOptions::default();
-    assert!(AnimatedBody::load(folder.path().join("bar.obj"), &options).is_ok(), "a body of any size");
+    assert!(load_body(folder.path().join("bar.obj"), &options).is_ok(), "a body of any size");
 }

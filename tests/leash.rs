@@ -34,7 +34,7 @@ impl Dressed {
         let (asset, _) = read_with("character.glb", bytes, &named(garment)).expect("is read");
         let (with_body, _) = read_with("character.glb", bytes, &named("body")).expect("is read");
         let pieces: Vec<_> = with_body.worn_pieces().collect();
-        let body = Arc::new(AnimatedBody::from_pieces(&with_body, &pieces).expect("is a body"));
+        let body = Arc::new(read_body(&with_body, &pieces).expect("is a body"));
         Self { garment: garment_of(&asset).0, asset, body }
     }
 

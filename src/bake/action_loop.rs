@@ -7,12 +7,12 @@ use crate::bake::run::Run;
 use crate::bake::tuning::TUNING;
 use crate::bake::uncross::GarmentReading;
 use crate::bake::{BakeProgress, EarlyStop, ModelDecision, Observer, StopCause};
-use crate::error::{Error, Result};
-use crate::math::Vec3;
-use crate::memory::{MemoryModel, Strains};
-use crate::remesh::SimulationMesh;
-use crate::sim::{State, StepReport};
 use crate::wear::{Action, ActionContext, ActionRunner, MAX_CUT_STRAIN, PersistentState};
+use crease_geometry::math::Vec3;
+use crease_model::error::{Error, Result};
+use crease_model::remesh::SimulationMesh;
+use crease_solver::memory::{MemoryModel, Strains};
+use crease_solver::sim::{State, StepReport};
 use std::time::Instant;
 
 /// The action that is being performed.

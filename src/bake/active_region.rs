@@ -8,11 +8,11 @@
 use crate::bake::BakeOptions;
 use crate::bake::leash::GarmentLeash;
 use crate::bake::tuning::TUNING;
-use crate::garment::Garment;
-use crate::math::Vec3;
-use crate::mesh::triangle_bvh::TriangleBvh;
-use crate::mesh::{PointIndex, edge_distances};
 use crate::wear::WearScript;
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::triangle_bvh::TriangleBvh;
+use crease_geometry::mesh::{PointIndex, edge_distances};
+use crease_model::garment::Garment;
 
 /// Points of `garment` that the body of `options` can affect during `script`, one flag per point. Empty when all points are
 /// to be simulated: without a body, with a body that does not move, or with [`BakeOptions::deactivate_static`] off.
@@ -88,8 +88,8 @@ fn points_near<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::body::{AnimatedBody, BodyMotion, Sequence};
     use crate::files::GarmentFile;
+    use crease_model::body::{AnimatedBody, BodyMotion, Sequence};
     use std::sync::Arc;
 
     /// A cube of 60 mm around `centre` [m].

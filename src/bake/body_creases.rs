@@ -1,11 +1,11 @@
 //! Where a body will crease the cloth: near the parts of it that deform, which is where its joints bend.
 
 use crate::bake::tuning::TUNING;
-use crate::body::{AnimatedBody, BodyPose};
-use crate::garment::Garment;
-use crate::math::Vec3;
-use crate::mesh::triangle_bvh::TriangleBvh;
-use crate::mesh::{PointIndex, triangle};
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::triangle_bvh::TriangleBvh;
+use crease_geometry::mesh::{PointIndex, triangle};
+use crease_model::body::{AnimatedBody, BodyPose};
+use crease_model::garment::Garment;
 
 /// The cloth that a body will crease.
 pub(super) struct CreasedCloth {

@@ -1,9 +1,9 @@
 //! Statistics of the depth of cloth inside the body, and of triangles that intersect it.
 
 use crate::bake::tuning::TUNING;
-use crate::contact::{BodyIntersections, BodyPlanes, Penetration, SELF_FOLD_MARGIN};
-use crate::energy::PlaneContact;
-use crate::math::Vec3;
+use crease_geometry::math::Vec3;
+use crease_solver::contact::{BodyIntersections, BodyPlanes, Penetration, SELF_FOLD_MARGIN};
+use crease_solver::energy::PlaneContact;
 use serde::{Deserialize, Serialize};
 
 /// Intersecting pairs of triangles of cloth and body in one kind of region.
@@ -38,7 +38,7 @@ pub struct BodyPenetrationStats {
     /// Steps with intersections where the body does not touch itself.
     steps: usize,
     /// Middle of those after the last step [m].
-    #[serde(default, with = "crate::math::serde_vec::vector")]
+    #[serde(default, with = "crease_geometry::math::serde_vec::vector")]
     open_position: Vec3,
     /// Time since which there are many of them without a pause [s].
     #[serde(default)]
@@ -51,7 +51,7 @@ pub struct BodyPenetrationStats {
     /// Largest depth [m].
     max_depth: f64,
     /// Position of the largest depth [m].
-    #[serde(with = "crate::math::serde_vec::vector")]
+    #[serde(with = "crease_geometry::math::serde_vec::vector")]
     deepest_position: Vec3,
 }
 

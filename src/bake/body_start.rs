@@ -1,8 +1,8 @@
 //! The pose that a body starts in: that of its file, or the first key of a clip that the garment was modelled on.
 
-use crate::body::AnimatedBody;
-use crate::garment::Garment;
 use crate::wear::{Action, WearScript};
+use crease_model::body::AnimatedBody;
+use crease_model::garment::Garment;
 
 /// Returns `body` in the first key of the clip that `script` plays first, with a note, where `garment`, which has no skin, fits that key and
 /// not the pose of the body's file.

@@ -4,8 +4,8 @@
 use crate::bake::body_penetration::BodyPenetrationStats;
 use crate::bake::report::StopCause;
 use crate::bake::tuning::TUNING;
-use crate::garment::Garment;
-use crate::math::{Vec3, bounds};
+use crease_geometry::math::{Vec3, bounds};
+use crease_model::garment::Garment;
 
 /// Parts of a garment that began on its body.
 pub(super) struct BodyWatch {
@@ -103,8 +103,8 @@ impl BodyWatch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::GarmentFile;
-    use crate::contact::BodyIntersections;
+    use crate::files::GarmentFile;
+    use crease_solver::contact::BodyIntersections;
 
     #[test]
     fn what_falls_off_ends_the_run() {

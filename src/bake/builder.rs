@@ -15,14 +15,13 @@ use crate::bake::{
     BakeOptions, BakeResult, MeshChoice, ModelDecision, ModelPlan, Observer, Quality, SimulatedGarment,
     active_points,
 };
-use crate::body::{AnimatedBody, GarmentSkin};
-use crate::error::{Error, Result};
-use crate::fabric::Fabric;
-use crate::garment::{Garment, RestState, RigidParts, WornGarment};
-use crate::math::Vec3;
-use crate::remesh::SimulationMesh;
-use crate::transfer::{prolongate, resolved_memory};
 use crate::wear::{Action, WearScript};
+use crease_geometry::math::Vec3;
+use crease_model::body::{AnimatedBody, GarmentSkin};
+use crease_model::error::{Error, Result};
+use crease_model::fabric::Fabric;
+use crease_model::garment::{Garment, RestState, RigidParts, WornGarment};
+use crease_model::remesh::{SimulationMesh, prolongate, resolved_memory};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -194,7 +193,7 @@ impl<'a> Bake<'a> {
     /// Runs the bake.
     ///
     /// # Errors
-    /// [`crate::Error::Input`] for an action that cannot be done with this garment, for a body that does not fit it, and for a
+    /// [`crease_model::error::Error::Input`] for an action that cannot be done with this garment, for a body that does not fit it, and for a
     /// checkpoint of another run.
     pub fn run(self) -> Result<BakeResult> {
         self.run_with(&mut ())
@@ -203,7 +202,7 @@ impl<'a> Bake<'a> {
     /// Runs the bake and reports progress, frames and checkpoints to `observer`.
     ///
     /// # Errors
-    /// Those of [`Bake::run`], those of the observer, and [`crate::Error::Interrupted`] when the observer asks to stop.
+    /// Those of [`Bake::run`], those of the observer, and [`crease_model::error::Error::Interrupted`] when the observer asks to stop.
     pub fn run_with(mut self, observer: &mut dyn Observer) -> Result<BakeResult> {
         self.options = self.options_on_body();
         let Self { garment, script, ref options, earlier, .. } = self;

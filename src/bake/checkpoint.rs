@@ -17,16 +17,17 @@ use crate::bake::frames::FrameSchedule;
 use crate::bake::report::{StageSeconds, StepConvergence};
 use crate::bake::tuning::TUNING;
 use crate::bake::violation_log::ViolationLog;
-use crate::body::AnimatedBody;
-use crate::contact::TangentialState;
-use crate::error::{Diagnostic, Error, Result};
-use crate::fabric::Fabric;
-use crate::garment::{Garment, RestState};
-use crate::math::{PlaneStretch, Vec3};
-use crate::memory::Memory;
-use crate::remesh::SimulationMesh;
-use crate::sim::{Loads, SolveCost, State};
 use crate::wear::{MAX_DURATION_S, PersistentState, TurnRecord, WearScript};
+use crease_geometry::math::{PlaneStretch, Vec3};
+use crease_linear::SolveCost;
+use crease_model::body::AnimatedBody;
+use crease_model::error::{Diagnostic, Error, Result};
+use crease_model::fabric::Fabric;
+use crease_model::garment::{Garment, RestState};
+use crease_model::remesh::SimulationMesh;
+use crease_solver::contact::TangentialState;
+use crease_solver::memory::Memory;
+use crease_solver::sim::{Loads, State};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
@@ -109,7 +110,7 @@ impl CheckpointPosition {
 #[serde(deny_unknown_fields)]
 pub struct ActionProgress {
     /// Positions on which the action began, one per point [m].
-    #[serde(with = "crate::math::serde_vec::vectors")]
+    #[serde(with = "crease_geometry::math::serde_vec::vectors")]
     pub start: Vec<Vec3>,
     /// Simulated time at which it began [s].
     pub begin: f64,

@@ -8,14 +8,14 @@
 use crate::bake::body_creases::CreasedCloth;
 use crate::bake::tuning::TUNING;
 use crate::bake::{BakeOptions, ModelDecision};
-use crate::fabric::Fabric;
-use crate::garment::Garment;
-use crate::math::{Vec3, bounds};
-use crate::mesh::distance::point_triangle;
-use crate::mesh::intersections::self_intersecting_triangles;
-use crate::mesh::triangle;
-use crate::remesh::{Curve, Seed, SimulationMesh, SizeField, SurfaceMesh, improve};
 use crate::wear::{DrawnLines, Foresight, WearScript, draw_fold_lines, is_row};
+use crease_geometry::math::{Vec3, bounds};
+use crease_geometry::mesh::distance::point_triangle;
+use crease_geometry::mesh::intersections::self_intersecting_triangles;
+use crease_geometry::mesh::triangle;
+use crease_model::fabric::Fabric;
+use crease_model::garment::Garment;
+use crease_model::remesh::{Curve, Seed, SimulationMesh, SizeField, SurfaceMesh, improve};
 
 /// The mesh that is simulated for a garment.
 #[derive(Debug, Clone)]
@@ -41,7 +41,7 @@ pub struct RefinementRule {
 
 /// Edge lengths of a mesh [m].
 #[derive(Debug, Clone, Copy)]
-pub(super) struct EdgeLengths {
+pub(crate) struct EdgeLengths {
     /// Along fold lines.
     pub line: f64,
     /// Across creases: the distance of the rows beside fold lines.
@@ -94,7 +94,7 @@ impl MeshChoice {
             Foresight::NeedsLaying => lengths.side,
             Foresight::Until(_) => TUNING.simulation_mesh.side_factor * lengths.anywhere,
         };
-        make(&mut mesh, lengths, uniform);
+        make_mesh(&mut mesh, lengths, uniform);
         let mesh = mesh.finish();
         if crosses_elsewhere(&mesh.garment, garment) {
             return own("layers would cross on another mesh at the start");
@@ -188,7 +188,7 @@ fn excess_at(garment: &Garment, laid: &[Vec3]) -> f64 {
 
 /// Whether layers of `mesh`, another mesh of the surface of `garment`, cross where those of the garment do not. Where they do, finer triangles
 /// cross in more pairs, and next to it, where triangles of the garment have a corner in common and do not count.
-pub(super) fn crosses_elsewhere(mesh: &Garment, garment: &Garment) -> bool {
+pub(crate) fn crosses_elsewhere(mesh: &Garment, garment: &Garment) -> bool {
     let crossing = |garment: &Garment| -> Vec<([Vec3; 3], f64)> {
         let corners = |f: u32| triangle::corners(&garment.points, &garment.triangles[f as usize]);
         let found = self_intersecting_triangles(&garment.points, &garment.triangles).into_iter();
@@ -202,7 +202,7 @@ pub(super) fn crosses_elsewhere(mesh: &Garment, garment: &Garment) -> bool {
 }
 
 /// Brings `mesh` to short edges along its curves and edges of `uniform` length [m] elsewhere.
-pub(super) fn make(mesh: &mut SurfaceMesh, lengths: EdgeLengths, uniform: f64) {
+pub(crate) fn make_mesh(mesh: &mut SurfaceMesh, lengths: EdgeLengths, uniform: f64) {
     let length = lengths.crossing;
     let mut seeds: Vec<Seed> =
         line_crossings(mesh).into_iter().map(|position| Seed { position, length }).collect();
@@ -241,7 +241,7 @@ fn line_crossings(mesh: &SurfaceMesh) -> Vec<Vec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::GarmentFile;
+    use crate::files::GarmentFile;
 
     #[test]
     fn edges_are_finest_where_fold_lines_cross() {

@@ -9,15 +9,15 @@
 use crate::bake::body_coupling::SteppedCloth;
 use crate::bake::static_contact::StaticContact;
 use crate::bake::tuning::TUNING;
-use crate::body::AnimatedBody;
-use crate::contact::BodyPlanes;
-use crate::energy::{EdgeContacts, Energy, PlaneContacts, TargetSpring, TargetSprings};
-use crate::error::{Error, Result};
-use crate::garment::Garment;
-use crate::math::Vec3;
-use crate::mesh::intersections::intersections_between;
-use crate::mesh::point_in_solid::Solid;
-use crate::sim::NewtonOptions;
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::intersections::intersections_between;
+use crease_geometry::mesh::point_in_solid::Solid;
+use crease_model::body::AnimatedBody;
+use crease_model::error::{Error, Result};
+use crease_model::garment::Garment;
+use crease_solver::contact::BodyPlanes;
+use crease_solver::energy::{EdgeContacts, Energy, PlaneContacts, TargetSpring, TargetSprings};
+use crease_solver::sim::NewtonOptions;
 
 /// Outcome of the depenetration.
 #[derive(Default)]

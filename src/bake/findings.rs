@@ -3,11 +3,11 @@
 
 use crate::bake::tuning::TUNING;
 use crate::bake::{BakeOptions, BakeResult};
-use crate::body::AnimatedBody;
-use crate::garment::{Garment, RestState};
-use crate::math::Vec3;
-use crate::mesh::triangle_bvh::TriangleBvh;
 use crate::wear::{Action, WearScript};
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::triangle_bvh::TriangleBvh;
+use crease_model::body::AnimatedBody;
+use crease_model::garment::{Garment, RestState};
 use std::borrow::Cow;
 
 /// Adds warnings to the report of `baked`, and the reason why its result is empty if it is.
@@ -107,8 +107,9 @@ fn is_unchanged(memory: &RestState) -> bool {
 
 /// Change of rest angle times length, summed over the hinges [rad m].
 fn crease_sum(garment: &Garment, memory: &RestState) -> f64 {
-    let length =
-        |h: &crate::mesh::Hinge| (garment.points[h.points[1].at()] - garment.points[h.points[0].at()]).norm();
+    let length = |h: &crease_geometry::mesh::Hinge| {
+        (garment.points[h.points[1].at()] - garment.points[h.points[0].at()]).norm()
+    };
     garment
         .topology
         .hinges

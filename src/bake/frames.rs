@@ -1,11 +1,11 @@
 //! Frames for the observer: evenly spaced in simulated time, while steps are not.
 
 use crate::bake::tuning::TUNING;
-use crate::error::Result;
-use crate::math::Vec3;
-use crate::mesh::PointIndex;
-use crate::mesh::intersections::self_intersections;
-use crate::sim::State;
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::PointIndex;
+use crease_geometry::mesh::intersections::self_intersections;
+use crease_model::error::Result;
+use crease_solver::sim::State;
 use serde::{Deserialize, Serialize};
 
 /// Time after the end of a step up to which a frame is still of that step [s]: rounding.
@@ -16,10 +16,10 @@ const END_TOL: f64 = 1e-9;
 #[serde(deny_unknown_fields)]
 pub struct FrameSchedule {
     /// Time between two frames [s]; infinite for no frames.
-    #[serde(with = "crate::math::serde_vec::limit")]
+    #[serde(with = "crease_geometry::math::serde_vec::limit")]
     interval: f64,
     /// Simulated time of the next frame [s].
-    #[serde(with = "crate::math::serde_vec::limit")]
+    #[serde(with = "crease_geometry::math::serde_vec::limit")]
     next: f64,
     /// Frames that the observer was given.
     pub shown: u64,

@@ -8,11 +8,11 @@
 use crate::bake::findings::empty_reason;
 use crate::bake::plan::reference_length;
 use crate::bake::{BakeReport, BakeResult, SimulatedGarment, StageSeconds, relax};
-use crate::fabric::Fabric;
-use crate::garment::{Garment, RestState, WornGarment};
-use crate::math::Vec3;
-use crate::memory::{Memory, MemoryModel, Strains};
-use crate::sim::Cloth;
+use crease_geometry::math::Vec3;
+use crease_model::fabric::Fabric;
+use crease_model::garment::{Garment, RestState, WornGarment};
+use crease_solver::memory::{Memory, MemoryModel, Strains};
+use crease_solver::sim::Cloth;
 use std::time::Instant;
 
 /// A motion of a garment.

@@ -9,12 +9,12 @@
 //! width of the cloth there, and it is some way from cloth that has one.
 
 use crate::bake::tuning::TUNING;
-use crate::body::AnimatedBody;
-use crate::garment::Garment;
-use crate::math::Vec3;
-use crate::mesh::point_in_solid::point_normals;
-use crate::mesh::triangle_bvh::TriangleBvh;
-use crate::mesh::{PointIndex, edge_distances};
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::point_in_solid::point_normals;
+use crease_geometry::mesh::triangle_bvh::TriangleBvh;
+use crease_geometry::mesh::{PointIndex, edge_distances};
+use crease_model::body::AnimatedBody;
+use crease_model::garment::Garment;
 use rayon::prelude::*;
 
 /// Points that are held, and why.

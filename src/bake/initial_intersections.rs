@@ -2,9 +2,9 @@
 //! come apart.
 
 use crate::bake::tuning::TUNING;
-use crate::garment::Garment;
-use crate::math::Vec3;
-use crate::mesh::intersections::self_intersections;
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::intersections::self_intersections;
+use crease_model::garment::Garment;
 use std::collections::BTreeMap;
 
 /// A warning if anything intersects: which parts, how many pairs of triangles, and near which position.
@@ -43,7 +43,7 @@ pub(super) fn warning(garment: &Garment) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::io::{ReadOptions, read_asset};
+    use crease_io::{ReadOptions, read_asset};
 
     fn garment(text: &str) -> Garment {
         let asset =

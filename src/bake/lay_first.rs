@@ -8,10 +8,10 @@ use crate::bake::choose_mesh::MeshChoice;
 use crate::bake::setup::BakeSetup;
 use crate::bake::simulate::simulate;
 use crate::bake::{BakeOptions, BakeProgress, BakeReport, Observer};
-use crate::error::Result;
-use crate::math::Vec3;
-use crate::remesh::SimulationMesh;
 use crate::wear::{ActionContext, PersistentState, WearScript};
+use crease_geometry::math::Vec3;
+use crease_model::error::Result;
+use crease_model::remesh::SimulationMesh;
 use std::borrow::Cow;
 
 /// The mesh for the garment and the script of `setup`; the garment is laid first if that is needed.

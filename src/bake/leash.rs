@@ -8,18 +8,18 @@
 //!
 //! as long as that is less than 2 s, which cloth on a rigid skin cannot leave: beyond it is free,
 //! so that what hangs from a waistband swings freely and does not fall off. Points that begin inside the body have what
-//! brings them out of it in addition. The energy is that of [`crate::energy::Leash`]; held points are carried along at the
+//! brings them out of it in addition. The energy is that of [`crease_solver::energy::Leash`]; held points are carried along at the
 //! beginning of a step. Acts while the garment is on its body.
 
 use crate::bake::held_points::HeldPoints;
 use crate::bake::tuning::TUNING;
 use crate::bake::{BakeOptions, ModelDecision};
-use crate::body::{AnimatedBody, BodyPose, GarmentSkin, PosedBody, SkinLocation};
-use crate::energy::Leash;
-use crate::garment::Garment;
-use crate::math::Vec3;
-use crate::mesh::edge_distances;
-use crate::remesh::Refinement;
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::edge_distances;
+use crease_model::body::{AnimatedBody, BodyPose, GarmentSkin, PosedBody, SkinLocation};
+use crease_model::garment::Garment;
+use crease_model::remesh::Refinement;
+use crease_solver::energy::Leash;
 use std::sync::Arc;
 
 /// Leashes of all points of a garment.

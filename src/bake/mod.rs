@@ -25,7 +25,7 @@ mod body_penetration;
 mod body_start;
 mod body_watch;
 mod builder;
-mod carried;
+
 pub mod checkpoint;
 mod choose_mesh;
 mod depenetration;
@@ -56,16 +56,20 @@ mod violation_log;
 pub use active_region::active_points;
 pub use body_start::body_at_first_key;
 pub use builder::Bake;
-pub use carried::{mesh_along_creases, relax_carried};
+
 pub use checkpoint::{Checkpoint, fingerprint};
+pub(crate) use choose_mesh::{EdgeLengths, crosses_elsewhere, make_mesh};
 pub use choose_mesh::{MeshChoice, RefinementRule};
 pub use from_motion::{GarmentMotion, memory_from_motion};
 pub use observer::{BakeProgress, Observer};
 pub use options::BakeOptions;
 pub use plan::{ModelDecision, ModelPlan};
 pub use quality::Quality;
+pub(crate) use relax::relax_to_show;
 pub use relax::{relax, rest_mesh};
+pub(crate) use relax_to_source::RelaxOptions;
 pub use relax_to_source::RelaxResult;
 pub use report::{
     BakeReport, BakeResult, EarlyStop, SimulatedGarment, StageSeconds, StepConvergence, StopCause,
 };
+pub(crate) use uncross::GarmentReading;

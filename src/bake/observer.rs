@@ -1,10 +1,10 @@
 //! Observation of a bake: progress, frames, checkpoints and the request to stop.
 
 use crate::bake::{BakeReport, Checkpoint};
-use crate::error::Result;
-use crate::garment::Garment;
-use crate::math::Vec3;
-use crate::memory::EventCount;
+use crease_geometry::math::Vec3;
+use crease_model::error::Result;
+use crease_model::garment::Garment;
+use crease_solver::memory::EventCount;
 
 /// Progress of a bake after a step.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,7 +51,7 @@ pub trait Observer {
     }
 
     /// Called when the run ends before the end of its script, as it cannot recover: with what is known until there, and
-    /// [`BakeReport::stopped`]. The bake then fails with [`crate::Error::NotConverged`].
+    /// [`BakeReport::stopped`]. The bake then fails with [`crease_model::error::Error::NotConverged`].
     fn on_early_stop(&mut self, _report: &BakeReport) {}
 
     /// Whether [`Observer::checkpoint`] is called.
@@ -65,7 +65,7 @@ pub trait Observer {
         Ok(())
     }
 
-    /// Whether the bake stops here with [`crate::Error::Interrupted`]; asked after every step.
+    /// Whether the bake stops here with [`crease_model::error::Error::Interrupted`]; asked after every step.
     fn should_stop(&mut self) -> bool {
         false
     }

@@ -2,8 +2,8 @@
 
 use crate::bake::Quality;
 use crate::bake::tuning::TUNING;
-use crate::body::{AnimatedBody, GarmentSkin};
-use crate::sim::{NewtonOptions, Sewing, StepOptions, StepRelaxation};
+use crease_model::body::{AnimatedBody, GarmentSkin};
+use crease_solver::sim::{NewtonOptions, Sewing, StepOptions, StepRelaxation};
 use std::sync::Arc;
 
 /// Options of a bake.

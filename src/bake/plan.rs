@@ -5,14 +5,14 @@
 
 use crate::bake::BakeOptions;
 use crate::bake::tuning::TUNING;
-use crate::body::AnimatedBody;
-use crate::contact::ContactSettings;
-use crate::fabric::Fabric;
-use crate::garment::Garment;
-use crate::math::{Vec3, bounds};
-use crate::mesh::{PointIndex, triangle};
-use crate::sim::{GRAVITY, Sewing, SewnStrips};
 use crate::wear::{Action, WearScript};
+use crease_geometry::math::{Vec3, bounds};
+use crease_geometry::mesh::{PointIndex, triangle};
+use crease_model::body::AnimatedBody;
+use crease_model::fabric::Fabric;
+use crease_model::garment::Garment;
+use crease_solver::contact::ContactSettings;
+use crease_solver::sim::{GRAVITY, Sewing, SewnStrips};
 use std::borrow::Cow;
 
 /// Decision on one model.
@@ -360,9 +360,9 @@ fn is_one_flat_layer(garment: &Garment) -> bool {
 mod tests {
     use super::*;
     use crate::bake::Quality;
-    use crate::fabric::DEFAULT_FABRIC;
-    use crate::math::Vec2;
-    use crate::mesh::Topology;
+    use crease_geometry::math::Vec2;
+    use crease_geometry::mesh::Topology;
+    use crease_model::fabric::DEFAULT_FABRIC;
 
     /// `layers` squares over one another, each of two triangles.
     fn squares(layers: u32) -> Garment {

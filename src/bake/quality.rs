@@ -1,7 +1,7 @@
 //! Quality of a bake: three points on the Pareto front of `crease chart front`. `docs/validation/accuracy.md` has their
 //! errors and the reasons for the choice.
 
-use crate::sim::{NewtonOptions, StepOptions, StepRelaxation};
+use crease_solver::sim::{NewtonOptions, StepOptions, StepRelaxation};
 
 /// Compromise between speed and accuracy.
 ///

@@ -1,15 +1,15 @@
 //! Refinement of the simulated mesh during a run, where hinges bend more than their length can show.
 //!
-//! Triangles are bisected ([`crate::remesh::Refinement`]); the surface, its motion and its memory stay what they are. The
+//! Triangles are bisected ([`crease_model::remesh::Refinement`]); the surface, its motion and its memory stay what they are. The
 //! current action is begun again on the finer mesh, as after a checkpoint.
 
 use crate::bake::checkpoint::ActionProgress;
 use crate::bake::run::Run;
 use crate::bake::tuning::TUNING;
-use crate::mesh::triangle;
-use crate::remesh::Refinement;
-use crate::sim::{Loads, State};
 use crate::wear::{PersistentState, TurnRecord};
+use crease_geometry::mesh::triangle;
+use crease_model::remesh::Refinement;
+use crease_solver::sim::{Loads, State};
 
 impl Run<'_> {
     /// Triangles to bisect now, during the action of that number; empty for none.

@@ -7,11 +7,11 @@
 use crate::bake::relax_to_source::{RelaxOptions, RelaxResult, relax_to_source_pose};
 use crate::bake::tuning::TUNING;
 use crate::bake::{BakeOptions, ModelPlan, Quality};
-use crate::contact::Contact;
-use crate::fabric::Fabric;
-use crate::garment::{Garment, RestState, RigidParts};
-use crate::sim::{Cloth, GRAVITY, Sewing, Stepper};
 use crate::wear::{WearFormat, WearScript};
+use crease_model::fabric::Fabric;
+use crease_model::garment::{Garment, RestState, RigidParts};
+use crease_solver::contact::Contact;
+use crease_solver::sim::{Cloth, GRAVITY, Sewing, Stepper};
 
 /// Relaxes `garment` of `fabric` to its source pose with the rest state `rest` (one entry per hinge and triangle of it).
 ///
@@ -37,7 +37,7 @@ fn relax_cloth(garment: &Garment, fabric: &Fabric, rest: &RestState) -> RelaxRes
 }
 
 /// Relaxes `garment`, with layers kept apart.
-pub(super) fn relax_to_show(
+pub(crate) fn relax_to_show(
     garment: &Garment,
     fabric: &Fabric,
     rest: &RestState,

@@ -16,14 +16,14 @@
 
 use crate::bake::static_contact::{FoundContacts, StaticContact, body_contact_settings};
 use crate::bake::tuning::TUNING;
-use crate::body::AnimatedBody;
-use crate::contact::BodyPlanes;
-use crate::energy::{EdgeContacts, Energy, PlaneContacts, TargetSpring, TargetSprings};
-use crate::fabric::Fabric;
-use crate::garment::{Garment, RestState};
-use crate::math::Vec3;
-use crate::mesh::intersections::self_intersections;
-use crate::sim::{GRAVITY, NewtonOptions, Stepper};
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::intersections::self_intersections;
+use crease_model::body::AnimatedBody;
+use crease_model::fabric::Fabric;
+use crease_model::garment::{Garment, RestState};
+use crease_solver::contact::BodyPlanes;
+use crease_solver::energy::{EdgeContacts, Energy, PlaneContacts, TargetSpring, TargetSprings};
+use crease_solver::sim::{GRAVITY, NewtonOptions, Stepper};
 
 /// Result of a relaxation.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -41,7 +41,7 @@ pub struct RelaxResult {
 }
 
 /// Options of a relaxation.
-pub(super) struct RelaxOptions {
+pub(crate) struct RelaxOptions {
     /// Factor on the stiffness of the tether [-].
     pub tether_scale: f64,
     /// Stretch stiffness at most [N/m].

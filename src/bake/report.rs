@@ -1,11 +1,12 @@
 //! Result and report of a bake.
 
 use crate::bake::ModelDecision;
-use crate::error::Diagnostic;
-use crate::garment::{Garment, WornGarment};
-use crate::math::Vec3;
-use crate::memory::EventCount;
-use crate::sim::{SolveCost, StepReport};
+use crease_geometry::math::Vec3;
+use crease_linear::SolveCost;
+use crease_model::error::Diagnostic;
+use crease_model::garment::{Garment, WornGarment};
+use crease_solver::memory::EventCount;
+use crease_solver::sim::StepReport;
 use serde::{Deserialize, Serialize};
 
 /// Work and outcome of a bake.

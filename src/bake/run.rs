@@ -12,12 +12,12 @@ use crate::bake::setup::{BakeSetup, BodySetup};
 use crate::bake::uncross::GarmentReading;
 use crate::bake::violation_log::ViolationLog;
 use crate::bake::{MeshChoice, ModelPlan, initial_intersections};
-use crate::body::PosedBody;
-use crate::error::Result;
-use crate::memory::{Memory, MemoryModel};
-use crate::remesh::SimulationMesh;
-use crate::sim::{State, StepOptions, Stepper};
 use crate::wear::PersistentState;
+use crease_model::body::PosedBody;
+use crease_model::error::Result;
+use crease_model::remesh::SimulationMesh;
+use crease_solver::memory::{Memory, MemoryModel};
+use crease_solver::sim::{State, StepOptions, Stepper};
 use std::time::Instant;
 
 /// A running simulation.

@@ -4,16 +4,15 @@ use crate::bake::active_region::active_points_on;
 use crate::bake::depenetration::penetration_depths;
 use crate::bake::leash::GarmentLeash;
 use crate::bake::{BakeOptions, ModelPlan};
-use crate::body::AnimatedBody;
-use crate::contact::Contact;
-use crate::error::{Error, Result};
-use crate::fabric::Fabric;
-use crate::garment::{Garment, RestState};
-use crate::memory::Memory;
-use crate::remesh::SimulationMesh;
-use crate::sim::{Cloth, GRAVITY, Stepper};
-use crate::transfer::restrict;
 use crate::wear::WearScript;
+use crease_model::body::AnimatedBody;
+use crease_model::error::{Error, Result};
+use crease_model::fabric::Fabric;
+use crease_model::garment::{Garment, RestState};
+use crease_model::remesh::{SimulationMesh, restrict};
+use crease_solver::contact::Contact;
+use crease_solver::memory::Memory;
+use crease_solver::sim::{Cloth, GRAVITY, Stepper};
 use std::sync::Arc;
 
 /// Inputs of a bake beside the mesh.

@@ -6,11 +6,11 @@ use crate::bake::run::Run;
 use crate::bake::setup::BakeSetup;
 use crate::bake::uncross::GarmentReading;
 use crate::bake::{MeshChoice, Observer};
-use crate::error::Result;
-use crate::garment::RestState;
-use crate::math::Vec3;
-use crate::remesh::SimulationMesh;
-use crate::sim::Stepper;
+use crease_geometry::math::Vec3;
+use crease_model::error::Result;
+use crease_model::garment::RestState;
+use crease_model::remesh::SimulationMesh;
+use crease_solver::sim::Stepper;
 
 /// Result of the simulation, on the simulation mesh.
 pub(super) struct SimulationResult {

@@ -4,11 +4,11 @@
 //! cloth: nothing is pushed farther out than it lies there, over whatever place of the body it lay.
 
 use crate::bake::tuning::TUNING;
-use crate::body::AnimatedBody;
-use crate::contact::{BodyContactSettings, BodyIntersections, BodyPlanes, ContactSettings};
-use crate::energy::{EdgeContact, PlaneContact};
-use crate::garment::Garment;
-use crate::math::Vec3;
+use crease_geometry::math::Vec3;
+use crease_model::body::AnimatedBody;
+use crease_model::garment::Garment;
+use crease_solver::contact::{BodyContactSettings, BodyIntersections, BodyPlanes, ContactSettings};
+use crease_solver::energy::{EdgeContact, PlaneContact};
 use rustc_hash::FxHashMap;
 
 /// Settings of the contact of `garment`, whose points stand for `areas` [m²], with a body.

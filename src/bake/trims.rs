@@ -1,9 +1,9 @@
 //! Bake of a garment with trims: its cloth is baked, and the trims follow it.
 
 use crate::bake::{BakeProgress, BakeReport, BakeResult, Checkpoint, Observer};
-use crate::error::Result;
-use crate::garment::{Garment, RigidParts};
-use crate::math::Vec3;
+use crease_geometry::math::Vec3;
+use crease_model::error::Result;
+use crease_model::garment::{Garment, RigidParts};
 
 /// Runs `bake` on the cloth of `garment`, whose trims are `rigid`; frames show the whole garment, unless they are those of the
 /// simulated mesh.

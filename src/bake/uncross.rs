@@ -8,18 +8,18 @@
 
 use crate::bake::ModelDecision;
 use crate::bake::tuning::TUNING;
-use crate::body::AnimatedBody;
-use crate::garment::Garment;
-use crate::math::Vec3;
-use crate::mesh::PointIndex;
-use crate::mesh::distance::barycentric;
-use crate::mesh::intersections::{intersections_between, self_intersections};
-use crate::mesh::triangle::corners;
-use crate::remesh::{SimulationMesh, SurfaceFinder, interpolate};
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::PointIndex;
+use crease_geometry::mesh::distance::barycentric;
+use crease_geometry::mesh::intersections::{intersections_between, self_intersections};
+use crease_geometry::mesh::triangle::corners;
+use crease_model::body::AnimatedBody;
+use crease_model::garment::Garment;
+use crease_model::remesh::{SimulationMesh, SurfaceFinder, interpolate};
 use rustc_hash::FxHashSet;
 
 /// Reading of a simulated mesh at the points of the garment, without crossings of the garment's triangles.
-pub(super) struct GarmentReading<'a> {
+pub(crate) struct GarmentReading<'a> {
     garment: &'a Garment,
     /// Distance at which layers are kept [m].
     thickness: f64,

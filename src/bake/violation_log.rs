@@ -2,7 +2,7 @@
 
 use crate::bake::report::StopCause;
 use crate::bake::tuning::TUNING;
-use crate::sim::{Violation, Violations};
+use crease_solver::sim::{Violation, Violations};
 use serde::{Deserialize, Serialize};
 
 /// One stretch of time in which a constraint was violated.
@@ -155,7 +155,7 @@ fn warnings(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Vec3;
+    use crease_geometry::math::Vec3;
 
     #[test]
     fn near_times_make_one_warning_with_the_worst_place() {

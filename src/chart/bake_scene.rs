@@ -4,18 +4,18 @@
 //! What begins in contact is sensitive to its initial condition, so that one bake says little: charts that compare results bake several
 //! perturbed initial conditions.
 
-use crate::bake::{Bake, BakeOptions, BakeResult};
-use crate::body::AnimatedBody;
-use crate::chart::curvature_field::CurvatureField;
-use crate::chart::falling_strip::{FALLING_STRIP_POINTS, FIRST_TILT, tilted_strip};
-use crate::chart::included_mesh::{HANDKERCHIEF, IncludedMesh, TSHIRT, TSHIRT_DRAFT, sleeve_on_arm};
-use crate::error::Result;
-use crate::fabric::{Fabric, PAPER_FABRIC};
-use crate::garment::Garment;
-use crate::io::ReadOptions;
-use crate::math::Rng;
-use crate::mesh::intersections::self_intersections;
-use crate::wear::WearScript;
+use crate::curvature_field::CurvatureField;
+use crate::falling_strip::{FALLING_STRIP_POINTS, FIRST_TILT, tilted_strip};
+use crate::included_mesh::{HANDKERCHIEF, IncludedMesh, TSHIRT, TSHIRT_DRAFT, sleeve_on_arm};
+use crease::internal::bake::{Bake, BakeOptions, BakeResult};
+use crease::internal::wear::WearScript;
+use crease_geometry::math::Rng;
+use crease_geometry::mesh::intersections::self_intersections;
+use crease_io::ReadOptions;
+use crease_model::body::AnimatedBody;
+use crease_model::error::Result;
+use crease_model::fabric::{Fabric, PAPER_FABRIC};
+use crease_model::garment::Garment;
 use std::sync::Arc;
 use std::time::Instant;
 

@@ -9,13 +9,12 @@
 //! the whole range of Gamma, and equilateral lattices rotated by 0, 15 and 30 degrees. The reference is computed by
 //! shooting from the tip. Reported is the ratio of drop to reach of the tip.
 
-use crate::chart::static_solve::StaticProblem;
-use crate::chart::test_sheet::TestSheet;
-use crate::chart::{Axis, BLACK, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
-use crate::error::Result;
-use crate::math::{Vec2, Vec3};
-use crate::sim::GRAVITY;
-use crate::sim::NewtonReport;
+use crate::static_solve::StaticProblem;
+use crate::test_sheet::TestSheet;
+use crate::{Axis, BLACK, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
+use crease_model::error::Result;
+use crease_geometry::math::{Vec2, Vec3};
+use crease_solver::sim::{GRAVITY, NewtonReport};
 
 /// Length of the strip [m].
 const LENGTH: f64 = 0.2;

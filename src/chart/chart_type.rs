@@ -1,9 +1,8 @@
 //! A chart and the options it is made with.
 
-use crate::chart::draw;
-use crate::chart::{Figure, Table};
-use crate::error::Result;
-use crate::fabric::{Fabric, PAPER_FABRIC};
+use crate::{Figure, Table, draw};
+use crease_model::error::Result;
+use crease_model::fabric::{Fabric, PAPER_FABRIC};
 
 /// Options of all charts.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,7 +42,7 @@ impl Chart {
     /// Encodes the chart's files: extension and bytes of each.
     ///
     /// # Errors
-    /// [`crate::Error::Input`] if the picture cannot be drawn.
+    /// [`crease_model::error::Error::Input`] if the picture cannot be drawn.
     pub fn files(&self) -> Result<[(&'static str, Vec<u8>); 4]> {
         Ok([
             ("svg", draw::svg(&self.figure)?.into_bytes()),

@@ -3,9 +3,9 @@
 //! Hinge by hinge two equally accurate bakes differ, because a crease is divided between neighbouring hinges; over the width of a
 //! crease they agree.
 
-use crate::garment::{Garment, RestState, changed_curvature};
-use crate::math::{Mat3, Vec3};
-use crate::mesh::triangle;
+use crease_geometry::math::{Mat3, Vec3};
+use crease_geometry::mesh::triangle;
+use crease_model::garment::{Garment, RestState, changed_curvature};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
@@ -115,10 +115,10 @@ fn cell_of(position: &Vec3, bell: f64) -> [i32; 3] {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::chart::test_sheet::TestSheet;
+    use crate::test_sheet::TestSheet;
 
     /// The field of a strip, 0.3 m long, with creases across at `creases`: position [m] and angle [rad] of each.
-    pub(in crate::chart) fn creased_strip(creases: &[(f64, f64)]) -> CurvatureField {
+    pub(crate) fn creased_strip(creases: &[(f64, f64)]) -> CurvatureField {
         let lines: Vec<f64> = (0..=60).map(|k| 0.005 * f64::from(k)).collect();
         let garment = TestSheet::strip(&lines, 0.1, 20).flat_garment();
         let mut rest = RestState::flat(garment.topology.hinges.len(), garment.triangles.len());

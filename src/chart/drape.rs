@@ -6,12 +6,12 @@
 //! are solved. The reference was computed with an independent shell solver on the same kind of mesh; its scatter is 2
 //! to 4 percentage points.
 
-use crate::chart::static_solve::StaticProblem;
-use crate::chart::test_sheet::TestSheet;
-use crate::chart::{Axis, BLACK, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
-use crate::error::Result;
-use crate::math::{Vec2, Vec3};
-use crate::sim::GRAVITY;
+use crate::static_solve::StaticProblem;
+use crate::test_sheet::TestSheet;
+use crate::{Axis, BLACK, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
+use crease_model::error::Result;
+use crease_geometry::math::{Vec2, Vec3};
+use crease_solver::sim::GRAVITY;
 use std::f64::consts::{PI, TAU};
 
 /// Radius of the support [m].

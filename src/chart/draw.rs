@@ -3,11 +3,11 @@
 //! The palette is that of Okabe and Ito, which colour-blind readers can distinguish; crossing series differ in mark
 //! as well.
 
-use crate::chart::raster::Canvas;
-use crate::chart::ticks::Ticks;
-use crate::chart::{Figure, Mark, Panel, Series};
-use crate::error::{Error, Result};
-use crate::report::render::{Image, encode_png};
+use crate::raster::Canvas;
+use crate::ticks::Ticks;
+use crate::{Figure, Mark, Panel, Series};
+use crease::internal::report::render::{Image, encode_png};
+use crease_model::error::{Error, Result};
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -301,7 +301,7 @@ fn draw_series(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::chart::Axis;
+    use crate::Axis;
 
     #[test]
     fn a_figure_renders_to_svg_and_png_also_without_data() {

@@ -4,16 +4,16 @@
 //! bowed, and falls. It is at rest when the residual, the unbalanced force over the weight (root mean square over the
 //! mass), stays below a hundredth for a quarter of a second. Self-contact, friction and ground are those of a bake.
 
-use crate::bake::Quality;
-use crate::chart::test_sheet::TestSheet;
-use crate::contact::{Contact, ContactSettings};
-use crate::error::Result;
-use crate::fabric::Fabric;
-use crate::garment::{Garment, RestState};
-use crate::math::Vec3;
-use crate::memory::{Memory, MemoryModel, Strains};
-use crate::sim::{Cloth, NewtonSeconds, SolveCost, State, StepOptions, StepRelaxation, Stepper};
-use crate::sim::{GRAVITY, Loads};
+use crate::test_sheet::TestSheet;
+use crease::internal::bake::Quality;
+use crease_geometry::math::Vec3;
+use crease_linear::SolveCost;
+use crease_model::error::Result;
+use crease_model::fabric::Fabric;
+use crease_model::garment::{Garment, RestState};
+use crease_solver::contact::{Contact, ContactSettings};
+use crease_solver::memory::{Memory, MemoryModel, Strains};
+use crease_solver::sim::{Cloth, GRAVITY, Loads, NewtonSeconds, State, StepOptions, StepRelaxation, Stepper};
 use std::time::Instant;
 
 /// Points of the paper's meshes.

@@ -14,16 +14,16 @@
 //! which is how far the mean of many bakes with a setting is from the mean of many references. The T-shirt of 13,863 points is baked with
 //! every setting, the other scenes with every quality and length of edges (`--full`: with every setting).
 
-use crate::bake::{BakeOptions, BakeResult, Quality};
-use crate::chart::bake_scene::{BakeScene, FOLD_THRICE};
-use crate::chart::curvature_field::CurvatureField;
-use crate::chart::net_angles::{FOLD_THRICE_LINES, net_angles};
-use crate::chart::spectrum::Spectrum;
-use crate::chart::statistics::{mean, median, standard_error};
-use crate::chart::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
-use crate::error::Result;
-use crate::fabric::{DEFAULT_FABRIC, Fabric};
-use crate::sim::{Method, Sewing};
+use crease::internal::bake::{BakeOptions, BakeResult, Quality};
+use crate::bake_scene::{BakeScene, FOLD_THRICE};
+use crate::curvature_field::CurvatureField;
+use crate::net_angles::{FOLD_THRICE_LINES, net_angles};
+use crate::spectrum::Spectrum;
+use crate::statistics::{mean, median, standard_error};
+use crate::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
+use crease_model::error::Result;
+use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
+use crease_solver::sim::{Method, Sewing};
 
 /// Group of the qualities, the first in the legend.
 const QUALITIES: &str = "quality";
@@ -344,7 +344,7 @@ fn series_of(outcomes: &[Tried]) -> Vec<Series> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::chart::curvature_field::tests::creased_strip;
+    use crate::curvature_field::tests::creased_strip;
 
     #[test]
     fn the_systematic_error_is_what_scatter_does_not_explain() {

@@ -6,10 +6,10 @@
 //! 1.25 s here: with the paper's 1 s this reading of the law does not reproduce the paper's table
 //! (`docs/theory/memory.md`).
 
-use crate::chart::{Axis, BLACK, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
-use crate::error::Result;
-use crate::fabric::FabricMemory;
-use crate::memory::{ElementParams, EventCount, HysteresisState, MemoryLaw};
+use crate::{Axis, BLACK, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
+use crease_model::error::Result;
+use crease_model::fabric::FabricMemory;
+use crease_solver::memory::{ElementParams, EventCount, HysteresisState, MemoryLaw};
 
 /// Fold angle [rad].
 const FOLD_ANGLE: f64 = 3.01;
@@ -204,7 +204,7 @@ fn push_series(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::chart::Cell;
+    use crate::Cell;
 
     /// Thresholds: mean error at most 5.2 %, none over 9.5 %, the same within 1 % for steps of 1/24, 1/60, 1/240 s.
     #[test]

@@ -1,9 +1,9 @@
 //! Meshes of the repository that charts bake, compiled in.
 
-use crate::body::AnimatedBody;
-use crate::error::{Error, Result};
-use crate::garment::{Garment, SourceAsset, SourcePiece};
-use crate::io::{ReadOptions, read_asset};
+use crease_io::{ReadOptions, read_asset, read_body};
+use crease_model::body::AnimatedBody;
+use crease_model::error::{Error, Result};
+use crease_model::garment::{Garment, SourceAsset, SourcePiece};
 use std::sync::Arc;
 
 /// A mesh of the repository, compiled in.
@@ -38,5 +38,5 @@ impl IncludedMesh {
 pub(super) fn sleeve_on_arm() -> Result<(Garment, Arc<AnimatedBody>)> {
     let asset = SLEEVE.read(&ReadOptions { garment: Some("sleeve".into()), ..ReadOptions::default() })?;
     let arm: Vec<&SourcePiece> = asset.pieces.iter().filter(|piece| !piece.worn).collect();
-    Ok((Garment::from_asset(&asset)?.0, Arc::new(AnimatedBody::from_pieces(&asset, &arm)?)))
+    Ok((Garment::from_asset(&asset)?.0, Arc::new(read_body(&asset, &arm)?)))
 }

@@ -7,14 +7,14 @@
 //! alone: the law has no friction between yarns, so the loop of a fabric whose thresholds are not reached has no area
 //! (`docs/theory/memory.md`).
 
-use crate::chart::test_sheet::TestSheet;
-use crate::chart::{Axis, Chart, ChartOptions, Figure, GREY, Mark, Panel, Series, Table};
-use crate::energy::Bending;
-use crate::error::Result;
-use crate::fabric::Fabric;
-use crate::garment::{Garment, RestState};
-use crate::math::Vec3;
-use crate::memory::{Memory, MemoryModel, Strains};
+use crate::test_sheet::TestSheet;
+use crate::{Axis, Chart, ChartOptions, Figure, GREY, Mark, Panel, Series, Table};
+use crease_solver::energy::Bending;
+use crease_model::error::Result;
+use crease_model::fabric::Fabric;
+use crease_model::garment::{Garment, RestState};
+use crease_geometry::math::Vec3;
+use crease_solver::memory::{Memory, MemoryModel, Strains};
 
 /// Length between the jaws [m].
 const SPAN: f64 = 0.01;

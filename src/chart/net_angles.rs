@@ -1,7 +1,7 @@
 //! Net angles across fold lines of a lying garment: what is left of a fold, wherever within 25 mm its hinges are.
 
-use crate::garment::{Garment, RestState};
-use crate::math::{Vec3, bounds};
+use crease_geometry::math::{Vec3, bounds};
+use crease_model::garment::{Garment, RestState};
 
 /// Distance from a line within which hinges belong to it [m].
 const REACH: f64 = 0.025;
@@ -53,7 +53,7 @@ pub(super) fn net_angles(garment: &Garment, rest: &RestState, lines: &[Line]) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::chart::test_sheet::TestSheet;
+    use crate::test_sheet::TestSheet;
 
     #[test]
     fn a_crease_counts_by_its_angle_and_length_however_many_lines_share_it() {

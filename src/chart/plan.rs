@@ -5,14 +5,14 @@
 //! Compared are wall time and the field of memory (`curvature_field`) with that of the plan from the same perturbed initial condition
 //! (start). Two starts of the plan differ, too: the scatter, below which no difference says anything.
 
-use crate::bake::BakeOptions;
-use crate::chart::bake_scene::{BakeScene, FOLD_THRICE};
-use crate::chart::curvature_field::{CurvatureField, scatter};
-use crate::chart::statistics::{mean, median};
-use crate::chart::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
-use crate::error::Result;
-use crate::fabric::{DEFAULT_FABRIC, Fabric};
-use crate::sim::Sewing;
+use crease::internal::bake::BakeOptions;
+use crate::bake_scene::{BakeScene, FOLD_THRICE};
+use crate::curvature_field::{CurvatureField, scatter};
+use crate::statistics::{mean, median};
+use crate::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
+use crease_model::error::Result;
+use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
+use crease_solver::sim::Sewing;
 
 /// Bakes of one variant.
 struct Variant {

@@ -6,12 +6,12 @@
 //! step. Released without gravity, a strip whose hinges are parallel lines is in equilibrium at its rest angles: they
 //! give the angle it opens to (a test compares it with the solver's equilibrium).
 
-use crate::chart::test_sheet::TestSheet;
-use crate::energy::Bending;
-use crate::fabric::Fabric;
-use crate::garment::{Garment, RestState};
-use crate::math::Vec3;
-use crate::memory::{Memory, MemoryModel, Strains};
+use crate::test_sheet::TestSheet;
+use crease_geometry::math::Vec3;
+use crease_model::fabric::Fabric;
+use crease_model::garment::{Garment, RestState};
+use crease_solver::energy::Bending;
+use crease_solver::memory::{Memory, MemoryModel, Strains};
 use std::f64::consts::PI;
 
 /// J of the elastica between plates: the integral of sqrt(sin theta) from 0 to pi.

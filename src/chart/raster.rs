@@ -1,7 +1,7 @@
 //! A backend for plotters that draws into an [`Image`] with the embedded font, so that a PNG needs no font and no library
 //! of the system. Only pixels and text are drawn here; plotters composes lines and shapes of pixels.
 
-use crate::report::render::{Image, font};
+use crease::internal::report::render::{Image, font};
 use plotters_backend::text_anchor::{HPos, VPos};
 use plotters_backend::{
     BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend, DrawingErrorKind,

@@ -6,10 +6,10 @@
 //! published ranges are typical ones of the fibre, one direction; `docs/reference/fabrics.md` cites the measurements behind
 //! them and says where none was found.
 
-use crate::chart::press_between_plates::PlatePress;
-use crate::chart::{Axis, BLACK, Chart, ChartOptions, Figure, GREY, Mark, Panel, Series, Table};
-use crate::error::Result;
-use crate::fabric::Fabric;
+use crate::press_between_plates::PlatePress;
+use crate::{Axis, BLACK, Chart, ChartOptions, Figure, GREY, Mark, Panel, Series, Table};
+use crease_model::error::Result;
+use crease_model::fabric::Fabric;
 
 /// Length of the strip [m].
 const LENGTH: f64 = 0.04;

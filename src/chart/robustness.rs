@@ -10,18 +10,18 @@
 //! failed   a message instead of a result, an action that did not take place, an early end, or layers that cross in the result
 //! ```
 
-use crate::bake::{Bake, BakeOptions, BakeReport, Quality};
-use crate::body::AnimatedBody;
-use crate::chart::included_mesh::sleeve_on_arm;
-use crate::chart::stability::{named_axis, outcome_panel};
-use crate::chart::{Axis, Chart, ChartOptions, Figure, Panel, Table, TestSheet};
-use crate::error::Result;
-use crate::fabric::{DEFAULT_FABRIC, Fabric};
-use crate::garment::Garment;
-use crate::math::{Rng, Vec2, Vec3};
-use crate::mesh::intersections::self_intersections;
-use crate::sim::Method;
-use crate::wear::WearScript;
+use crease::internal::bake::{Bake, BakeOptions, BakeReport, Quality};
+use crease_model::body::AnimatedBody;
+use crate::included_mesh::sleeve_on_arm;
+use crate::stability::{named_axis, outcome_panel};
+use crate::{Axis, Chart, ChartOptions, Figure, Panel, Table, TestSheet};
+use crease_model::error::Result;
+use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
+use crease_model::garment::Garment;
+use crease_geometry::math::{Rng, Vec2, Vec3};
+use crease_geometry::mesh::intersections::self_intersections;
+use crease_solver::sim::Method;
+use crease::internal::wear::WearScript;
 use std::sync::Arc;
 use std::time::Instant;
 

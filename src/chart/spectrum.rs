@@ -1,8 +1,8 @@
 //! Spectrum of the memory of a garment: how much of it bends over which width. Crumpled and fallen cloth and an elbow have their folds elsewhere in every
 //! bake, so that fields differ throughout; how sharp the folds are and how many does not depend on where they are.
 
-use crate::chart::curvature_field::CurvatureField;
-use crate::garment::{Garment, RestState};
+use crate::curvature_field::CurvatureField;
+use crease_model::garment::{Garment, RestState};
 
 /// Standard deviations of the bells between which bands lie [m].
 const BELLS: [f64; 4] = [0.005, 0.01, 0.02, 0.04];
@@ -34,7 +34,7 @@ impl Spectrum {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::chart::test_sheet::TestSheet;
+    use crate::test_sheet::TestSheet;
 
     /// Spectrum of a strip with folds of `angle` [rad] across it, each shared by as many lines 5 mm apart as `width` says.
     fn of_folds(at: [usize; 2], width: usize, angle: f64) -> Spectrum {

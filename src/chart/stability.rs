@@ -13,12 +13,11 @@
 //! The last column is the default of a bake: the standard quality with its step control.
 //! `docs/validation/accuracy.md` lists failures of physics and numerics with their tests.
 
-use crate::bake::Quality;
-use crate::chart::scenes;
-use crate::chart::scenes::{Flight, Scene, SceneOutcome, SceneSetting, Stack, Swing};
-use crate::chart::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
-use crate::error::Result;
-use crate::sim::Method;
+use crease::internal::bake::Quality;
+use crate::{scenes, Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
+use crate::scenes::{Flight, Scene, SceneOutcome, SceneSetting, Stack, Swing};
+use crease_model::error::Result;
+use crease_solver::sim::Method;
 
 /// Verdict on a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

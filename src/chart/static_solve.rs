@@ -3,13 +3,12 @@
 //! Plain Newton converges slowly from flat to bent where the membrane is stiff. Pseudo-transient continuation
 //! (inertia without velocity, whose time step doubles from round to round) leads to its region of convergence.
 
-use crate::chart::test_sheet::TestSheet;
-use crate::contact::Contact;
-use crate::energy::{Bending, Energy, Gravity, Membrane};
-use crate::garment::RestState;
-use crate::math::{Vec2, Vec3};
-use crate::sim::GRAVITY;
-use crate::sim::{Inertia, NewtonOptions, NewtonReport, Problem, Workspace};
+use crate::test_sheet::TestSheet;
+use crease_geometry::math::{Vec2, Vec3};
+use crease_model::garment::RestState;
+use crease_solver::contact::Contact;
+use crease_solver::energy::{Bending, Energy, Gravity, Membrane};
+use crease_solver::sim::{GRAVITY, Inertia, NewtonOptions, NewtonReport, Problem, Workspace};
 
 /// Rounds of pseudo-transient continuation.
 const ROUNDS: usize = 24;

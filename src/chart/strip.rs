@@ -6,13 +6,13 @@
 //! A falling strip is chaotic: one degree of tilt changes the time to rest by a third, with memory or without. So
 //! every run has its own initial tilt, the same ones with and without memory, and the chart shows medians.
 
-use crate::chart::falling_strip::{
+use crate::falling_strip::{
     FALLING_STRIP_POINTS, FIRST_TILT, Fall, REST_DURATION, REST_RESIDUAL, Stepping, fall, tilted_strip,
 };
-use crate::chart::statistics::median;
-use crate::chart::{Axis, BLACK, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
-use crate::error::Result;
-use crate::fabric::{Fabric, PAPER_FABRIC};
+use crate::statistics::median;
+use crate::{Axis, BLACK, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
+use crease_model::error::Result;
+use crease_model::fabric::{Fabric, PAPER_FABRIC};
 
 /// Times to rest that the paper reports for a mesh [s].
 #[derive(Debug, Clone, Copy)]

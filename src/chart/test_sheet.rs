@@ -1,9 +1,9 @@
 //! Flat test specimens in the material plane, warp along x; also those of `tests/elastic.rs`.
 
-use crate::error::{Error, Result};
-use crate::garment::Garment;
-use crate::math::{Vec2, Vec3};
-use crate::mesh::{PointIndex, Topology};
+use crease_geometry::math::{Vec2, Vec3};
+use crease_geometry::mesh::{PointIndex, Topology};
+use crease_model::error::{Error, Result};
+use crease_model::garment::Garment;
 use spade::{DelaunayTriangulation, Point2, Triangulation};
 
 /// A flat specimen.

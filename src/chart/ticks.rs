@@ -1,6 +1,6 @@
 //! Ticks of an axis: 1, 2, 5 times a power of ten, decades, or names.
 
-use crate::chart::Axis;
+use crate::Axis;
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 use std::ops::Range;
 

@@ -1,12 +1,14 @@
 //! [`GarmentFile`]: a mesh file with the garment in it, and the worn garment written back into it.
 
-use crate::error::{Error, Result};
-use crate::fabric::Fabric;
 use crate::files::read::{STANDARD_STREAM, file_name, read_bytes, write_bytes};
-use crate::garment::{Garment, ImportDiagnostic, Severity, SourceAsset, WornGarment, content_warnings};
-use crate::io::gltf::{embed_images, write_worn_glb};
-use crate::io::{ReadOptions, Sidecar, read_asset};
 use crate::wear::WearScript;
+use crease_io::gltf::{embed_images, write_worn_glb};
+use crease_io::{ReadOptions, Sidecar, read_asset};
+use crease_model::error::{Error, Result};
+use crease_model::fabric::Fabric;
+use crease_model::garment::{
+    Garment, ImportDiagnostic, Severity, SourceAsset, WornGarment, content_warnings,
+};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;
@@ -154,7 +156,7 @@ impl GarmentFile {
         write_bytes(path.as_ref(), &self.to_glb_bytes(worn)?)
     }
 
-    /// The sidecar of `worn`: mesh, rest state and displacement in full precision, for [`crate::Transfer`] and other
+    /// The sidecar of `worn`: mesh, rest state and displacement in full precision, for [`crate::transfer::Transfer`] and other
     /// programs. [`Sidecar::save`] writes it.
     ///
     /// ```

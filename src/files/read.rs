@@ -1,6 +1,6 @@
 //! Whole files and the standard input, with error messages that help.
 
-use crate::error::{Error, Result};
+use crease_model::error::{Error, Result};
 use std::io::{ErrorKind, Read};
 use std::path::Path;
 use std::sync::OnceLock;

@@ -3,40 +3,38 @@
 //! A glTF gives the chosen pieces with their skeleton and clips, an OBJ its pieces without motion, a sequence of OBJ files
 //! their positions over time. Files of a sequence must agree in their vertices and triangles.
 
-use crate::body::{AnimatedBody, BodyMotion, Sequence};
-use crate::garment::{SourceAsset, SourcePiece};
-use crate::io::gltf::read_rig;
-use crate::io::tuning::TUNING;
-use crate::math::Vec3;
-use crate::{Diagnostic, Error, Result};
+use crate::gltf::read_rig;
+use crate::tuning::TUNING;
+use crease_geometry::math::Vec3;
+use crease_model::body::{AnimatedBody, BodyMotion, Sequence};
+use crease_model::error::{Diagnostic, Error, Result};
+use crease_model::garment::{SourceAsset, SourcePiece};
 
-impl AnimatedBody {
-    /// Creates the body of `pieces` of `asset`. Fails if its skeleton or clips are damaged.
-    pub fn from_pieces(asset: &SourceAsset, pieces: &[&SourcePiece]) -> Result<Self> {
-        let motion = match read_rig(asset, pieces)? {
-            Some(rig) => BodyMotion::Rig(Box::new(rig)),
-            None => BodyMotion::Still,
-        };
-        Ok(Self::with_motion(asset, pieces, motion))
-    }
+/// Creates the body of `pieces` of `asset`. Fails if its skeleton or clips are damaged.
+pub fn read_body(asset: &SourceAsset, pieces: &[&SourcePiece]) -> Result<AnimatedBody> {
+    let motion = match read_rig(asset, pieces)? {
+        Some(rig) => BodyMotion::Rig(Box::new(rig)),
+        None => BodyMotion::Still,
+    };
+    Ok(with_motion(asset, pieces, motion))
+}
 
-    /// Creates the body of the worn pieces of the first of `frames`, moving through all of them at `rate` frames per second.
-    pub fn from_frames(frames: &[SourceAsset], rate: f64) -> Result<Self> {
-        let sequence = sequence_from_assets(frames, rate)?;
-        let Some(first) = frames.first() else { return Err(no_frames()) };
-        let pieces: Vec<&SourcePiece> = first.worn_pieces().collect();
-        Ok(Self::with_motion(first, &pieces, BodyMotion::Sequence(sequence)))
-    }
+/// Creates the body of the worn pieces of the first of `frames`, moving through all of them at `rate` frames per second.
+pub fn read_body_frames(frames: &[SourceAsset], rate: f64) -> Result<AnimatedBody> {
+    let sequence = sequence_from_assets(frames, rate)?;
+    let Some(first) = frames.first() else { return Err(no_frames()) };
+    let pieces: Vec<&SourcePiece> = first.worn_pieces().collect();
+    Ok(with_motion(first, &pieces, BodyMotion::Sequence(sequence)))
+}
 
-    fn with_motion(asset: &SourceAsset, pieces: &[&SourcePiece], motion: BodyMotion) -> Self {
-        let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
-        for piece in pieces {
-            let first = vertices.len() as u32;
-            triangles.extend(piece.triangles.iter().map(|t| t.map(|v| first.saturating_add(v))));
-            vertices.extend(positions(piece));
-        }
-        Self::new(asset.file.clone(), asset.sha256.clone(), motion, &vertices, &triangles)
+fn with_motion(asset: &SourceAsset, pieces: &[&SourcePiece], motion: BodyMotion) -> AnimatedBody {
+    let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+    for piece in pieces {
+        let first = vertices.len() as u32;
+        triangles.extend(piece.triangles.iter().map(|t| t.map(|v| first.saturating_add(v))));
+        vertices.extend(positions(piece));
     }
+    AnimatedBody::new(asset.file.clone(), asset.sha256.clone(), motion, &vertices, &triangles)
 }
 
 /// Returns the positions of the worn vertices over time. Fails with one error per frame whose vertices or triangles are not

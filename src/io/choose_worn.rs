@@ -1,9 +1,9 @@
 //! Choice of the worn pieces of a file by name or number.
 
-use crate::garment::{ImportDiagnostic, Severity};
-use crate::io::pieces::NamedPiece;
-use crate::io::tuning::TUNING;
-use crate::{Error, Result};
+use crate::pieces::NamedPiece;
+use crate::tuning::TUNING;
+use crease_model::error::{Error, Result};
+use crease_model::garment::{ImportDiagnostic, Severity};
 
 /// Marks the pieces that `garment` names as worn, and no others. Returns warnings on names that several meshes have.
 pub(super) fn choose_worn(

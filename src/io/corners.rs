@@ -1,8 +1,8 @@
 //! Vertices and triangles of a piece from the corners of its faces, for formats whose positions, texture coordinates and
 //! normals are separate lists.
 
-use crate::io::polygon::{Triangulator, newell_normal};
-use crate::math::Vec3;
+use crate::polygon::{Triangulator, newell_normal};
+use crease_geometry::math::Vec3;
 use rustc_hash::FxHashMap;
 
 /// Corner of a face: indices of its position, texture coordinates and normal in their lists.

@@ -4,8 +4,8 @@
 //! shortest decimal text that reads back to the same f64 (at most 17 significant digits), so a run can be judged from
 //! its frames without loss. No normals, no texture coordinates, no materials: this is the solver's mesh, not the file's.
 
-use crate::math::Vec3;
-use crate::mesh::PointIndex;
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::PointIndex;
 use std::fmt::Write;
 
 /// Typical bytes of a vertex line, to reserve about the right capacity once.

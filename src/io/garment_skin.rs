@@ -1,8 +1,8 @@
 //! Reads the skin of a garment: its worn pieces with their joints and weights.
 
-use crate::body::{AnimatedBody, GarmentSkin};
-use crate::garment::{SourceAsset, SourceFormat};
-use crate::io::gltf::read_rig;
+use crate::gltf::read_rig;
+use crease_model::body::{AnimatedBody, GarmentSkin};
+use crease_model::garment::{SourceAsset, SourceFormat};
 
 /// Reads the skin of the worn pieces of `asset` for `body`. `held` is, per worn vertex, 1 where it is held and 0 where it is
 /// not, if the file says so.

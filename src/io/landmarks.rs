@@ -2,10 +2,10 @@
 //!
 //! Units stand in the names: metres, y up, as in sidecars, whatever the unit of the mesh files.
 
-use crate::io::tuning::TUNING;
-use crate::json::{Document, Path, schema_of};
-use crate::math::Vec3;
-use crate::{Error, Result};
+use crate::tuning::TUNING;
+use crease_geometry::math::Vec3;
+use crease_model::error::{Error, Result};
+use crease_model::json::{Document, Path, schema_of};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;

@@ -1,8 +1,8 @@
 //! Results of the readers of mesh formats, and the transform from a file to the scene.
 
-use crate::Diagnostic;
-use crate::garment::{GltfDocument, ImportDiagnostic, ObjLines, SourcePiece, UpAxis};
-use crate::math::Mat4;
+use crease_geometry::math::Mat4;
+use crease_model::error::Diagnostic;
+use crease_model::garment::{GltfDocument, ImportDiagnostic, ObjLines, SourcePiece, UpAxis};
 
 /// Options that name the masks of a piece: of its memory, of its hems and seams.
 pub(super) const MASK_OPTIONS: [&str; 2] = ["--mask", "--sewing-mask"];

@@ -5,8 +5,8 @@
 //! the neighbouring face uses it. So they are inserted again. A face of n corners always gives n - 2 triangles, oriented
 //! like the face.
 
-use crate::io::tuning::TUNING;
-use crate::math::{Vec2, Vec3};
+use crate::tuning::TUNING;
+use crease_geometry::math::{Vec2, Vec3};
 use earcut::Earcut;
 
 /// Triangulator of faces; keeps its working memory.

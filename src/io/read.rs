@@ -5,15 +5,15 @@
 //! would still run, with wrong results; so an implausible size is refused (`size`).
 //! Opens no files: files that a document refers to come through `resolve`.
 
-use crate::garment::{ImportDiagnostic, Severity, SourceAsset, SourceFormat, SourcePiece, UpAxis};
-use crate::io::choose_worn::{choose_worn, labels_of};
-use crate::io::error_list::ErrorList;
-use crate::io::pieces::{DamagedPiece, FileFrame, MASK_OPTIONS, NamedPiece, to_scene};
-use crate::io::size::check_size;
-use crate::io::tuning::TUNING;
-use crate::io::{gltf, obj, usd};
-use crate::math::Vec3;
-use crate::{Error, Result};
+use crate::choose_worn::{choose_worn, labels_of};
+use crate::error_list::ErrorList;
+use crate::pieces::{DamagedPiece, FileFrame, MASK_OPTIONS, NamedPiece, to_scene};
+use crate::size::check_size;
+use crate::tuning::TUNING;
+use crate::{gltf, obj, usd};
+use crease_geometry::math::Vec3;
+use crease_model::error::{Error, Result};
+use crease_model::garment::{ImportDiagnostic, Severity, SourceAsset, SourceFormat, SourcePiece, UpAxis};
 use sha2::{Digest, Sha256};
 
 /// Longest file [bytes]: indices have 32 bits, and a file this long cannot overflow them.
@@ -79,7 +79,13 @@ pub fn read_asset(
     let mut read = match format {
         SourceFormat::Obj => obj::read_obj(file_name, bytes, &to_scene, masks)?,
         SourceFormat::Gltf => gltf::read_gltf(file_name, bytes, &to_scene, masks, resolve)?,
+        #[cfg(feature = "usd")]
         SourceFormat::Usd => usd::read_usd(file_name, bytes, (options.unit_m, options.up), masks, resolve)?,
+        #[cfg(not(feature = "usd"))]
+        SourceFormat::Usd => {
+            let cure = "export it as glTF (.glb) or OBJ, or use a build with the feature `usd`";
+            return Err(Error::input(file_name, "", "this build reads no USD files", cure));
+        }
     };
     let has_triangles = |named: &NamedPiece| !named.piece.triangles.is_empty();
     let has_others = read.pieces.iter().any(has_triangles);

@@ -6,11 +6,11 @@
 //! `v` per vertex of the worn pieces, and their triangles. Numbers read back exactly. Normals are left out: readers compute
 //! them.
 
-use crate::garment::{Garment, ObjLines, SourceAsset};
-use crate::io::pieces::to_scene;
-use crate::math::{Vec2, Vec3};
-use crate::mesh::{INVALID, PointIndex};
-use crate::{Error, Result};
+use crate::pieces::to_scene;
+use crease_geometry::math::{Vec2, Vec3};
+use crease_geometry::mesh::{INVALID, PointIndex};
+use crease_model::error::{Error, Result};
+use crease_model::garment::{Garment, ObjLines, SourceAsset};
 use std::fmt::Write;
 
 /// Writes `asset` as OBJ text, every vertex of its worn pieces moved by the displacement [m] of its point of `garment` (one

@@ -1,10 +1,10 @@
 //! Sizes of a garment, its body and its frames: the most common error of these files is the unit, and it would still run, with
 //! wrong results.
 
-use crate::garment::{ImportDiagnostic, Severity, SourceAsset};
-use crate::io::tuning::TUNING;
-use crate::math::Vec3;
-use crate::{Error, Result};
+use crate::tuning::TUNING;
+use crease_geometry::math::Vec3;
+use crease_model::error::{Error, Result};
+use crease_model::garment::{ImportDiagnostic, Severity, SourceAsset};
 
 /// Units that a file may be in, and their lengths [m].
 const UNITS: [(&str, f64); 5] = [("m", 1.0), ("dm", 0.1), ("cm", 0.01), ("mm", 0.001), ("in", 0.0254)];

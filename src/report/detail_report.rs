@@ -1,6 +1,6 @@
 //! Report of a detail map.
 
-use crate::io::gltf::DetailMap;
+use crease_io::gltf::DetailMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -10,16 +10,16 @@
 //! The formats are in `io`. A new kind needs a format there and a line in each list of [`Export`].
 
 use crate::bake::rest_mesh;
-use crate::fabric::Fabric;
-use crate::garment::{Garment, SourceAsset, WornGarment};
-use crate::io::gltf::write_rest_angle_map;
-use crate::io::{
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::{hinge_angle, unwrap_angle};
+use crease_io::gltf::write_rest_angle_map;
+use crease_io::{
     ReadOptions, UsdFrames, UsdScene, read_asset, read_shape_obj, read_usda, usd_textures, wrapped_deg,
     write_shape_obj, write_usda,
 };
-use crate::math::Vec3;
-use crate::mesh::{hinge_angle, unwrap_angle};
-use crate::{Error, Result};
+use crease_model::error::{Error, Result};
+use crease_model::fabric::Fabric;
+use crease_model::garment::{Garment, SourceAsset, WornGarment};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -201,7 +201,7 @@ impl Exporter<'_> {
             }
         }
         // Chaos uses the end of the edge with the smaller magnitude.
-        let of_edge = |h: &crate::mesh::Hinge| {
+        let of_edge = |h: &crease_geometry::mesh::Hinge| {
             let [a, b] = [per_point[h.points[0].at()], per_point[h.points[1].at()]];
             if f64::abs(a) < f64::abs(b) { a } else { b }
         };
@@ -217,7 +217,8 @@ impl Exporter<'_> {
     fn shape_checks(&self, points: &[Vec3]) -> Vec<ExportCheck> {
         let (with, without) = (self.angle_differences(points), self.angle_differences(&self.garment.points));
         let lengths = self.edge_lengths();
-        let length = |h: &crate::mesh::Hinge| (points[h.points[1].at()] - points[h.points[0].at()]).norm();
+        let length =
+            |h: &crease_geometry::mesh::Hinge| (points[h.points[1].at()] - points[h.points[0].at()]).norm();
         let strain: Vec<f64> = self
             .garment
             .topology
@@ -236,7 +237,7 @@ impl Exporter<'_> {
     /// Returns per hinge the difference between its angle at `points` and its rest angle, modulo full turns [degrees].
     fn angle_differences(&self, points: &[Vec3]) -> Vec<f64> {
         let hinges = self.garment.topology.hinges.iter().zip(&self.worn.memory.rest_angle);
-        let difference = |(h, rest): (&crate::mesh::Hinge, &f64)| {
+        let difference = |(h, rest): (&crease_geometry::mesh::Hinge, &f64)| {
             let angle = unwrap_angle(hinge_angle(&h.points.map(|p| points[p.at()])), *rest);
             (angle - rest).abs().to_degrees()
         };
@@ -246,7 +247,7 @@ impl Exporter<'_> {
     /// Returns the length of the edge of every hinge [m].
     fn edge_lengths(&self) -> Vec<f64> {
         let x = &self.garment.points;
-        let length = |h: &crate::mesh::Hinge| (x[h.points[1].at()] - x[h.points[0].at()]).norm();
+        let length = |h: &crease_geometry::mesh::Hinge| (x[h.points[1].at()] - x[h.points[0].at()]).norm();
         self.garment.topology.hinges.iter().map(length).collect()
     }
 

@@ -4,11 +4,11 @@
 //! limited to a quantile. The ball around a point that holds most, and is seen from the camera, is the focus. A standing
 //! garment without a given direction is seen from the side on which its memory is.
 
-use crate::garment::{Footprint, is_lying};
-use crate::math::{Vec3, bounds};
-use crate::mesh::{PointIndex, triangle};
 use crate::report::GarmentView;
 use crate::report::render::{Camera, Focus};
+use crease_geometry::math::{Vec3, bounds};
+use crease_geometry::mesh::{PointIndex, triangle};
+use crease_model::garment::{Footprint, is_lying};
 
 /// Radius of the focus as a fraction of the radius of the garment [-].
 const FOCUS_FRACTION: f64 = 0.4;

@@ -3,15 +3,15 @@
 //! It comes from the sidecar, or from the mesh file alone, which has memory per vertex in single precision or none (then
 //! only shape and curvature can be drawn). Drawing is done by `render`.
 
-use crate::garment::{Garment, SourceAsset};
-use crate::io::Sidecar;
-use crate::io::gltf::{keep_worn_pieces, read_worn};
-use crate::math::Vec3;
-use crate::mesh::{Hinge, PointIndex, Topology};
 use crate::report::render::{
     Camera, Colouring, Field, Image, curvature, largest_of_hinges, mean_of_hinges, render, side_by_side,
 };
-use crate::{Error, Result};
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::{Hinge, PointIndex, Topology};
+use crease_io::Sidecar;
+use crease_io::gltf::{keep_worn_pieces, read_worn};
+use crease_model::error::{Error, Result};
+use crease_model::garment::{Garment, SourceAsset};
 
 /// Quantity that colours a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

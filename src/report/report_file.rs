@@ -4,11 +4,11 @@
 //! are part of the names. `crossings` are counted exactly by [`crossing_counts`].
 
 use crate::bake::{BakeReport, BakeResult, ModelDecision};
-use crate::garment::{Garment, WornGarment};
-use crate::math::Vec3;
-use crate::mesh::intersections::self_intersections;
 use crate::report::detail_report::DetailReport;
 use crate::report::export::ExportCheck;
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::intersections::self_intersections;
+use crease_model::garment::{Garment, WornGarment};
 use schemars::JsonSchema;
 use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -254,10 +254,10 @@ mod tests {
     /// A horizontal triangle, and a vertical one whose lowest corner is at height `y` above its middle.
     fn lying_and_standing(y: f64) -> Garment {
         let text = format!("v -1 0 -1\nv 1 0 -1\nv 0 0 1\nv 0 {y} 0\nv -1 2 0\nv 1 2 0\nf 1 2 3\nf 4 5 6\n");
-        let options = crate::io::ReadOptions::default();
+        let options = crease_io::ReadOptions::default();
         let mut nothing = |_: &str| Ok(Vec::new());
         let (asset, _) =
-            crate::io::read_asset("two.obj", text.as_bytes(), &options, &mut nothing).expect("is a mesh");
+            crease_io::read_asset("two.obj", text.as_bytes(), &options, &mut nothing).expect("is a mesh");
         Garment::from_asset(&asset).expect("is a garment").0
     }
 
@@ -269,7 +269,7 @@ mod tests {
             let lowest = garment.points.iter().position(|p| p.x == 0.0 && p.z == 0.0).expect("is there");
             let mut displacement = vec![Vec3::zeros(); garment.points.len()];
             displacement[lowest].y = -fall;
-            let worn = WornGarment { displacement, memory: crate::garment::RestState::flat(0, 2) };
+            let worn = WornGarment { displacement, memory: crease_model::garment::RestState::flat(0, 2) };
             let counts = crossing_counts(&garment, &worn, &start);
             (counts.at_start, counts.added)
         };

@@ -9,8 +9,8 @@
 //!
 //! solved by shooting for phi(0). Swatches show the drape of a fabric, not its colour.
 
-use crate::fabric::Fabric;
 use crate::report::html::escaped;
+use crease_model::fabric::Fabric;
 use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write;
 

@@ -4,7 +4,8 @@
 
 use crate::report::detail_report::DetailReport;
 use crate::report::export::ExportCheck;
-use crate::transfer::{GarmentSurface, RegionConfidence, TransferLosses, TransferResult, mean_confidence};
+use crate::transfer::{RegionConfidence, TransferLosses, TransferResult, mean_confidence};
+use crease_model::remesh::GarmentSurface;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

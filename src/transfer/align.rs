@@ -1,17 +1,17 @@
 //! Alignment of a source with the target, so that points of both can be compared: in place, by point pairs, or by
 //! openings and bounding boxes.
 
-use crate::math::{Mat3, Vec3};
-use crate::mesh::triangle_bvh::TriangleBvh;
 use crate::transfer::canonical_pose::CanonicalPose;
 use crate::transfer::limb_alignment::{Figure, LimbAlignment, align_limbs, scaling};
 use crate::transfer::limbs::{Anatomy, Region};
 use crate::transfer::openings::{BodyScale, body_scale};
 use crate::transfer::options::{Align, AlignedBy, TransferOptions, TransferSource};
 use crate::transfer::registration::{AffineMap, PointPair, Registration, joint_point_pairs};
-use crate::transfer::surface::GarmentSurface;
 use crate::transfer::tuning::TUNING;
-use crate::{Error, Result};
+use crease_geometry::math::{Mat3, Vec3};
+use crease_geometry::mesh::triangle_bvh::TriangleBvh;
+use crease_model::error::{Error, Result};
+use crease_model::remesh::GarmentSurface;
 
 /// The target of an alignment.
 pub(super) struct AlignmentTarget {

@@ -1,18 +1,17 @@
-//! Front door of the transfer: a builder for the usual case of sidecars and a garment.
+//! Front door of the transfer: a builder for the usual case of one memory and a garment.
 
-use crate::Result;
-use crate::garment::{Garment, SourceAsset};
-use crate::io::Sidecar;
-use crate::transfer::options::{Align, Channels, MatchBy, TransferOptions, TransferResult, TransferSource};
+use crate::transfer::options::{Align, MatchBy, TransferOptions, TransferResult, TransferSource};
 use crate::transfer::pipeline::{MeshMaker, transfer, transfer_along_creases};
 use crate::transfer::registration::PointPair;
-use crate::transfer::surface::GarmentSurface;
+use crease_model::error::Result;
+use crease_model::garment::{Garment, SourceAsset};
+use crease_model::remesh::{Channels, GarmentSurface};
 use std::borrow::Cow;
 
 /// A transfer of memory to another garment, to be configured and run.
 ///
 /// ```
-/// use crease::{Fabric, GarmentFile, MatchBy, RestState, Transfer, Vec3, WearScript, WornGarment};
+/// use crease::{Fabric, GarmentFile, MatchBy, RestState, Transfer, Vec3, WearScript, WornGarment, transfer_source};
 /// // A sheet with a crease of 1 rad along its middle, x = 0.1 m, and a coarser one without.
 /// let (from, to) = (GarmentFile::sheet([0.2, 0.2], [8, 8])?, GarmentFile::sheet([0.2, 0.2], [6, 6])?);
 /// let hinges = &from.garment.topology.hinges;
@@ -25,33 +24,32 @@ use std::borrow::Cow;
 /// # let script = WearScript::parse("", r#"{"format": "crease-wear/1", "actions": [{"settle": {"for": 1}}]}"#)?;
 /// let sidecar = from.sidecar(&worn, &Fabric::preset("denim")?, &script)?;
 ///
-/// let result = Transfer::new(&sidecar, &to.garment).match_by(MatchBy::Surface).run()?;
+/// let source = transfer_source("sheet.crease.json", &sidecar)?;
+/// let result = Transfer::new(source, &to.garment).match_by(MatchBy::Surface).run()?;
 /// let sharpest = result.memory.rest_angle.iter().fold(0.0, |max: f64, angle| max.max(angle.abs()));
 /// assert!(sharpest > 0.2, "{sharpest}");
 /// # Ok::<(), crease::Error>(())
 /// ```
 #[derive(Debug)]
 pub struct Transfer<'a> {
-    sources: Result<Cow<'a, [TransferSource]>>,
+    sources: Cow<'a, [TransferSource]>,
     target: Cow<'a, GarmentSurface>,
     options: TransferOptions,
 }
 
 impl<'a> Transfer<'a> {
-    /// The memory of `sidecar` on `target`: points matched automatically, at full strength, masked as `target` is.
-    pub fn new(sidecar: &Sidecar, target: &Garment) -> Self {
-        let source = TransferSource::from_sidecar("sidecar", sidecar);
-        let sources = source.map(|source| vec![source].into());
-        Self::of(sources, Cow::Owned(GarmentSurface::without_texture(target)))
+    /// The memory of `source` on `target`: points matched automatically, at full strength, masked as `target` is.
+    pub fn new(source: TransferSource, target: &Garment) -> Self {
+        Self::of(vec![source].into(), Cow::Owned(GarmentSurface::without_texture(target)))
             .mask(target.memory_mask.clone())
     }
 
     /// The memories of `sources` on `target`, unmasked.
     pub fn between(sources: &'a [TransferSource], target: &'a GarmentSurface) -> Self {
-        Self::of(Ok(sources.into()), Cow::Borrowed(target))
+        Self::of(sources.into(), Cow::Borrowed(target))
     }
 
-    fn of(sources: Result<Cow<'a, [TransferSource]>>, target: Cow<'a, GarmentSurface>) -> Self {
+    fn of(sources: Cow<'a, [TransferSource]>, target: Cow<'a, GarmentSurface>) -> Self {
         let options = TransferOptions::full(target.points.len());
         Self { sources, target, options }
     }
@@ -116,14 +114,14 @@ impl<'a> Transfer<'a> {
     /// # Errors
     /// Those of [`Transfer::run`].
     pub fn run_along_creases(self, garment: &Garment, make: &MeshMaker) -> Result<TransferResult> {
-        transfer_along_creases(&self.sources?, &self.target, &self.options, Some((garment, make)))
+        transfer_along_creases(&self.sources, &self.target, &self.options, Some((garment, make)))
     }
 
     /// Runs the transfer.
     ///
     /// # Errors
-    /// Those of [`TransferSource::from_sidecar`] and [`transfer`].
+    /// Those of [`transfer`].
     pub fn run(self) -> Result<TransferResult> {
-        transfer(&self.sources?, &self.target, &self.options)
+        transfer(&self.sources, &self.target, &self.options)
     }
 }

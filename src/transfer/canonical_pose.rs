@@ -6,10 +6,10 @@
 //! also how wear scripts name positions. The depth of a garment that lies flat says nothing about a body: it is scaled
 //! like the other axes.
 
-use crate::garment::{Footprint, is_lying};
-use crate::math::{Mat3, Vec3, bounds};
-use crate::transfer::surface::GarmentSurface;
 use crate::transfer::tuning::TUNING;
+use crease_geometry::math::{Mat3, Vec3, bounds};
+use crease_model::garment::{Footprint, is_lying};
+use crease_model::remesh::GarmentSurface;
 
 /// Map from file coordinates to the canonical pose, and the box there.
 #[derive(Debug, Clone, Copy)]

@@ -3,10 +3,9 @@
 //! A region is a ninth of the box in front view (left, middle, right by upper, middle, lower), front and back apart: names
 //! that suit any garment and that a user can check by looking. Left and right are those of the person who wears it.
 
-use crate::garment::RestState;
-use crate::math::bounds;
-use crate::transfer::resample::ResampledFace;
-use crate::transfer::surface::GarmentSurface;
+use crease_geometry::math::bounds;
+use crease_model::garment::RestState;
+use crease_model::remesh::{GarmentSurface, ResampledFace};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

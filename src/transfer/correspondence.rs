@@ -11,48 +11,15 @@
 //! plane only): by texture the quotient of both texture gradients, in front view the lift onto the target's plane, else the
 //! smallest rotation between the normals.
 
-use crate::math::{Mat3, Vec2, Vec3, bounds};
-use crate::mesh::triangle_bvh::{NearestTriangle, TriangleBvh};
-use crate::mesh::{Groups, PointIndex};
 use crate::transfer::limbs::Region;
-use crate::transfer::surface::{GarmentSurface, texture_gradient};
 use crate::transfer::tuning::TUNING;
-use nalgebra::{Matrix3x2, Rotation3};
-
-/// A point of the target in canonical coordinates.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Query {
-    /// Position [m].
-    pub position: Vec3,
-    /// Texture coordinates, if the target has any.
-    pub uv: Option<Vec2>,
-    /// Outward unit normal of its triangle.
-    pub normal: Vec3,
-    /// Texture gradient dX/d(u, v) of its triangle.
-    pub gradient: Option<Matrix3x2<f64>>,
-}
-
-/// The source triangle that belongs to a query.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Match {
-    /// Source triangle.
-    pub triangle: usize,
-    /// Position on it [m], in canonical coordinates.
-    pub position: Vec3,
-    /// Quality 0..1 by distance and by how well the normals agree.
-    pub quality: f64,
-    /// Map from source tangents to target tangents.
-    pub map: Mat3,
-}
-
-/// A rule that assigns source triangles to points of a target.
-pub(super) trait Correspondence: Sync {
-    /// The source surface.
-    fn source(&self) -> &GarmentSurface;
-
-    /// The match of `query`, a point of target triangle `f`, if there is one.
-    fn find(&self, f: usize, query: &Query) -> Option<Match>;
-}
+use crease_geometry::math::{Mat3, Vec2, Vec3, bounds};
+use crease_geometry::mesh::triangle_bvh::{NearestTriangle, TriangleBvh};
+use crease_geometry::mesh::{Groups, PointIndex};
+use crease_model::remesh::{
+    Correspondence, GarmentSurface, Match, Query, smallest_rotation, texture_gradient,
+};
+use nalgebra::Matrix3x2;
 
 /// How matches are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -297,11 +264,4 @@ fn pseudo_inverse(p: &Matrix3x2<f64>) -> Option<nalgebra::Matrix2x3<f64>> {
 fn lift(normal: &Vec3) -> Mat3 {
     let (a, b) = (-normal.x / normal.z, -normal.y / normal.z);
     Mat3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, a, b, 0.0)
-}
-
-/// The smallest rotation that takes `from` to `to`.
-pub(super) fn smallest_rotation(from: &Vec3, to: &Vec3) -> Mat3 {
-    let rotation = Rotation3::rotation_between(from, to).map(Rotation3::into_inner);
-    // Between nearly opposite directions rounding may take the cosine beyond -1, which has no angle.
-    rotation.filter(|r| r.iter().all(|x| x.is_finite())).unwrap_or_else(Mat3::identity)
 }

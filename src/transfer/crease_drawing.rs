@@ -4,12 +4,10 @@
 //! the target's surface is cut along the zero line of this distance. What the source remembers beside the line then
 //! lies on the two rows of triangles beside it on the target.
 
-use crate::garment::Garment;
-use crate::remesh::{Curve, CutPoint, SurfaceMesh};
-use crate::transfer::correspondence::{Correspondence, Match, Query};
 use crate::transfer::crease_lines::CreaseLine;
-use crate::transfer::surface::GarmentSurface;
 use crate::transfer::tuning::TUNING;
+use crease_model::garment::Garment;
+use crease_model::remesh::{Correspondence, Curve, CutPoint, GarmentSurface, Match, Query, SurfaceMesh};
 use rayon::prelude::*;
 
 /// Number of the first row beside a line; lines are numbered from 0.

@@ -4,10 +4,10 @@
 //! source; the signed distance from it, taken where the points of a target are matched, draws it on the target
 //! ([`crate::transfer::crease_drawing`]). Memory on triangles that follow no line has no chains.
 
-use crate::garment::RestState;
-use crate::math::Vec3;
-use crate::transfer::surface::GarmentSurface;
 use crate::transfer::tuning::TUNING;
+use crease_geometry::math::Vec3;
+use crease_model::garment::RestState;
+use crease_model::remesh::GarmentSurface;
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;

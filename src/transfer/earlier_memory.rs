@@ -3,42 +3,37 @@
 //! Both have the same vertices, and welding may number their points differently: hinges and triangles are found by the vertices
 //! at their corners. Where the file was refined for either run, the memory is matched by position instead.
 
-use crate::Result;
-use crate::garment::{Garment, RestState, SourceAsset};
-use crate::io::Sidecar;
-use crate::mesh::{Hinge, PointIndex, hinge_angle};
 use crate::transfer::options::{Align, MatchBy, TransferSource};
-use crate::transfer::surface::GarmentSurface;
 use crate::transfer::{Transfer, TransferResult};
+use crease_geometry::mesh::{Hinge, PointIndex, hinge_angle};
+use crease_model::error::Result;
+use crease_model::garment::{Garment, RestState, SourceAsset};
+use crease_model::remesh::GarmentSurface;
 use rustc_hash::FxHashMap;
 
-/// Returns the memory in `sidecar` (`file` is its name in messages) on `garment`, which was built from `asset`: the file that was
-/// written with it. `None` if the sidecar is of another mesh, or of an edited one.
+/// Returns the memory of `source` on `garment`, which was built from `asset`, the file that was written with it. `source_point` has, per
+/// vertex of that file, its point of the source.
 ///
 /// # Errors
-/// See [`TransferSource::from_sidecar`].
+/// Those of [`Transfer::run`].
 pub fn earlier_memory(
-    file: &str,
-    sidecar: &Sidecar,
+    source: TransferSource,
+    source_point: &[u32],
     garment: &Garment,
     asset: &SourceAsset,
-) -> Result<Option<RestState>> {
-    if sidecar.mesh_mismatch(asset).is_some() {
-        return Ok(None);
-    }
-    let source = TransferSource::from_sidecar(file, sidecar)?;
-    if let Some(memory) = by_vertices(&source, sidecar, garment) {
-        return Ok(Some(memory));
+) -> Result<RestState> {
+    if let Some(memory) = by_vertices(&source, source_point, garment) {
+        return Ok(memory);
     }
     let surface = GarmentSurface::from_garment(garment, asset);
     let earned = [source];
     let transfer = Transfer::between(&earned, &surface).match_by(MatchBy::Surface).align(Align::InPlace);
     let TransferResult { memory, .. } = transfer.run()?;
-    Ok(Some(memory))
+    Ok(memory)
 }
 
-/// The memory of `source`, the mesh of `sidecar`, hinge by hinge and triangle by triangle; `None` if the garment has others.
-fn by_vertices(source: &TransferSource, sidecar: &Sidecar, garment: &Garment) -> Option<RestState> {
+/// The memory of `source` hinge by hinge and triangle by triangle; `None` if the garment has others.
+fn by_vertices(source: &TransferSource, source_point: &[u32], garment: &Garment) -> Option<RestState> {
     let TransferSource { surface, memory, .. } = source;
     let counts = |points: usize, triangles: usize| [points, triangles];
     if counts(surface.points.len(), surface.triangles.len())
@@ -47,7 +42,7 @@ fn by_vertices(source: &TransferSource, sidecar: &Sidecar, garment: &Garment) ->
         return None;
     }
     let mut point_of = vec![None; surface.points.len()];
-    for (&there, here) in sidecar.mesh.source_point.iter().zip(&garment.source_point) {
+    for (&there, here) in source_point.iter().zip(&garment.source_point) {
         if *point_of.get_mut(there as usize)?.get_or_insert(*here) != *here {
             return None;
         }

@@ -5,11 +5,11 @@
 //! rings are paired, by centre and by half widths to the front and across; a spline interpolates them ([`Registration`]). Cloth of
 //! a limb belongs to cloth of the same limb only, and what has no counterpart gets nothing.
 
-use crate::math::{Mat3, Vec3};
 use crate::transfer::limbs::{Anatomy, Limb, LimbRole, Region, Ring};
 use crate::transfer::registration::{AffineMap, PointPair, Registration};
-use crate::transfer::surface::GarmentSurface;
 use crate::transfer::tuning::TUNING;
+use crease_geometry::math::{Mat3, Vec3};
+use crease_model::remesh::GarmentSurface;
 
 /// A garment in its canonical pose with its anatomy.
 #[derive(Clone, Copy)]

@@ -4,10 +4,10 @@
 //! armpit or the crotch, where the line runs on over the torso, they grow by more than twice the distance. There the limb has its
 //! root. Openings beside the middle are those of arms and legs; arms have their roots above the middle, legs below the waist.
 
-use crate::math::{Mat3, Vec3, bounds};
-use crate::mesh::{Groups, PointIndex, edge_distances};
-use crate::transfer::surface::GarmentSurface;
 use crate::transfer::tuning::TUNING;
+use crease_geometry::math::{Mat3, Vec3, bounds};
+use crease_geometry::mesh::{Groups, PointIndex, edge_distances};
+use crease_model::remesh::GarmentSurface;
 
 /// Opening of a garment by where it is on a body; left and right are those of the person in it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

@@ -2,12 +2,11 @@
 //!
 //! As a field over triangles a fold would be spread over the strips beside it, whose triangles are not those of the source.
 
-use crate::garment::RestState;
-use crate::transfer::correspondence::{Correspondence, Match};
 use crate::transfer::crease_drawing::point_matches;
 use crate::transfer::crease_lines::CreaseLine;
-use crate::transfer::surface::GarmentSurface;
 use crate::transfer::tuning::TUNING;
+use crease_model::garment::RestState;
+use crease_model::remesh::{Correspondence, GarmentSurface, Match};
 
 /// Memory that lies on crease lines.
 pub(super) struct LineMemory {

@@ -1,24 +1,23 @@
 //! One source matched with the target: aligned, with the rule by which its triangles belong to points of the target.
 
-use crate::garment::RestState;
-use crate::math::Vec3;
-use crate::mesh::PointIndex;
-use crate::remesh::SimulationMesh;
 use crate::transfer::align::{AlignedSource, AlignmentTarget, align_source};
 use crate::transfer::canonical_pose::CanonicalPose;
 use crate::transfer::confidence::{TransferLosses, transfer_losses};
 use crate::transfer::correspondence::{CorrespondenceFinder, MatchMode};
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::PointIndex;
+use crease_model::garment::RestState;
+use crease_model::remesh::SimulationMesh;
+
 use crate::transfer::crease_drawing::CreaseDrawing;
 use crate::transfer::crease_lines::{CreaseLine, crease_lines};
 use crate::transfer::limbs::Region;
 use crate::transfer::line_memory::LineMemory;
-use crate::transfer::memory_delta::MemoryDelta;
 use crate::transfer::mesh_on_target::MeshOnTarget;
 use crate::transfer::options::{Align, AlignedBy, MatchBy, SourceOutcome, TransferOptions, TransferSource};
-use crate::transfer::resample::resample;
-use crate::transfer::surface::GarmentSurface;
 use crate::transfer::texture_agreement::{TextureAgreement, ambiguous_fraction, has_texture};
-use crate::{Error, Result};
+use crease_model::error::{Error, Result};
+use crease_model::remesh::{GarmentSurface, MemoryDelta, resample};
 
 /// Outcome of a source that lies on the target's own mesh.
 pub(super) const ENTRY_BY_ENTRY: SourceOutcome = SourceOutcome {

@@ -1,10 +1,8 @@
 //! Correspondence of a mesh on the surface of a target with a source: that of the target's own triangles.
 
-use crate::mesh::SurfaceWalk;
-use crate::mesh::distance::barycentric;
-use crate::remesh::SimulationMesh;
-use crate::transfer::correspondence::{Correspondence, Match, Query, smallest_rotation};
-use crate::transfer::surface::GarmentSurface;
+use crease_geometry::mesh::SurfaceWalk;
+use crease_geometry::mesh::distance::barycentric;
+use crease_model::remesh::{Correspondence, GarmentSurface, Match, Query, SimulationMesh, smallest_rotation};
 
 /// A mesh whose points are matched as the triangles of the target that they lie in.
 pub(super) struct MeshOnTarget<'a, C> {

@@ -6,11 +6,11 @@
 //! where it has not, a limb is longer or shorter, and the scale of the bodies counts. Boxes are then aligned at the top,
 //! where garments hang.
 
-use crate::math::{Vec3, bounds};
-use crate::mesh::{PointIndex, loop_length};
 use crate::transfer::canonical_pose::CanonicalPose;
-use crate::transfer::surface::GarmentSurface;
 use crate::transfer::tuning::TUNING;
+use crease_geometry::math::{Vec3, bounds};
+use crease_geometry::mesh::{PointIndex, loop_length};
+use crease_model::remesh::GarmentSurface;
 
 /// The opening around the torso, in canonical coordinates.
 #[derive(Debug, Clone, Copy)]

@@ -1,12 +1,9 @@
 //! Options, sources and results of a transfer: plain data.
 
-use crate::Result;
-use crate::garment::{RestState, SourceJoint};
-use crate::io::Sidecar;
-use crate::remesh::SimulationMesh;
 use crate::transfer::confidence::{RegionConfidence, TransferLosses};
 use crate::transfer::registration::PointPair;
-use crate::transfer::surface::GarmentSurface;
+use crease_model::garment::{RestState, SourceJoint};
+use crease_model::remesh::{Channels, DeltaScale, GarmentSurface, SimulationMesh};
 
 /// How points of two garments are matched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -48,20 +45,6 @@ pub enum Align {
     InPlace,
 }
 
-/// Parts of the memory that are transferred.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Channels {
-    /// Rest angles and stiffness.
-    pub creases: bool,
-    /// Rest lengths.
-    pub bagging: bool,
-}
-
-impl Channels {
-    /// Both channels.
-    pub const ALL: Self = Self { creases: true, bagging: true };
-}
-
 /// Options of a transfer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TransferOptions {
@@ -98,6 +81,11 @@ impl TransferOptions {
         }
     }
 
+    /// The factors on the changes.
+    pub(super) fn scale(&self) -> DeltaScale<'_> {
+        DeltaScale { strength: self.strength, mask: Some(&self.mask), channels: self.channels }
+    }
+
     /// Whether a memory is transferred unchanged where the mesh is the same.
     pub(super) fn keep_values(&self) -> bool {
         self.strength == 1.0
@@ -121,19 +109,6 @@ pub struct TransferSource {
     /// The mesh on which the memory was earned, with its own memory, where that is known: what is matched by position is taken
     /// from there.
     pub simulated: Option<(GarmentSurface, RestState)>,
-}
-
-impl TransferSource {
-    /// The surface, memory and joints of `sidecar`; `file` is its name in messages.
-    ///
-    /// # Errors
-    /// See [`GarmentSurface::from_sidecar`].
-    pub fn from_sidecar(file: &str, sidecar: &Sidecar) -> Result<Self> {
-        let (surface, memory) = GarmentSurface::from_sidecar(file, sidecar)?;
-        let simulated = sidecar.simulated.as_deref().map(|own| GarmentSurface::from_sidecar(file, own));
-        let simulated = simulated.transpose()?;
-        Ok(Self { file: file.to_owned(), surface, memory, joints: sidecar.joints(), simulated })
-    }
 }
 
 /// The alignment that was applied to a source.

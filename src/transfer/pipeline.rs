@@ -1,19 +1,16 @@
 //! The transfer itself: every source is aligned, matched and resampled; the changes are added up and applied.
 
-use crate::garment::{Garment, RigidParts, WornGarment};
-use crate::math::Vec3;
-use crate::mesh::distance::barycentric;
-use crate::remesh::SimulationMesh;
 use crate::transfer::align::AlignmentTarget;
 use crate::transfer::confidence::{confidence_by_region, mean_confidence};
 use crate::transfer::crease_drawing::{CreaseDrawing, DrawnCreases};
 use crate::transfer::matching::{ENTRY_BY_ENTRY, LinedMemory, MatchedSource};
-use crate::transfer::memory_delta::MemoryDelta;
 use crate::transfer::options::{CarriedOnMesh, MatchBy, TransferOptions, TransferResult, TransferSource};
-use crate::transfer::prolongate::prolongate;
-use crate::transfer::surface::GarmentSurface;
 use crate::transfer::warnings::{empty_reason, transfer_warnings};
-use crate::{Error, Result};
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::distance::barycentric;
+use crease_model::error::{Error, Result};
+use crease_model::garment::{Garment, RigidParts, WornGarment};
+use crease_model::remesh::{DeltaScale, GarmentSurface, MemoryDelta, SimulationMesh, prolongate};
 
 /// Maker of a mesh with edges along drawn creases, which may find that none is needed.
 pub type MeshMaker<'a> = dyn Fn(DrawnCreases) -> Option<SimulationMesh> + 'a;
@@ -74,7 +71,7 @@ pub(super) fn transfer_along_creases(
         .and_then(|(garment, make)| on_mesh_along_creases(&matched, garment, &aligned_to, make, options));
     let memory = match (&on_mesh, along_creases) {
         (Some(on), Some((garment, _))) => prolongate(&on.mesh, &on.memory, garment),
-        _ => sum.apply(target, options),
+        _ => sum.apply(target, &options.scale()),
     };
     let mean = mean_confidence(target, &confidence);
     Ok(TransferResult {
@@ -127,8 +124,8 @@ fn on_mesh_along_creases(
     let surface = GarmentSurface::without_texture(&mesh.garment);
     let mut sum = MemoryDelta::zero(&surface);
     all.iter().for_each(|source| sum.add(&source.resampled_on(&mesh, aligned_to)));
-    let options = TransferOptions { mask: mask_on(&mesh, garment, &options.mask), ..options.clone() };
-    let memory = sum.apply(&surface, &options);
+    let mask = mask_on(&mesh, garment, &options.mask);
+    let memory = sum.apply(&surface, &DeltaScale { mask: Some(&mask), ..options.scale() });
     Some(CarriedOnMesh { mesh, memory })
 }
 

@@ -5,11 +5,11 @@
 //! exactly: displacements in between are sums of distances to the points, the biharmonic spline of three dimensions
 //! (Duchon 1977, Bookstein 1989). An arm that hangs on the source and is raised on the target follows its joints.
 
-use crate::garment::SourceJoint;
-use crate::math::{Mat3, NearestRotation, Vec3, nearest_rotation};
-use crate::mesh::PointIndex;
-use crate::transfer::surface::GarmentSurface;
 use crate::transfer::tuning::TUNING;
+use crease_geometry::math::{Mat3, NearestRotation, Vec3, nearest_rotation};
+use crease_geometry::mesh::PointIndex;
+use crease_model::garment::SourceJoint;
+use crease_model::remesh::GarmentSurface;
 use nalgebra::DMatrix;
 
 /// A point of the source and the point of the target that belongs to it.

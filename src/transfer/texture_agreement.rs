@@ -1,11 +1,12 @@
 //! Whether the textures of two garments agree: equal texture coordinates lie at about equal positions, as the garments are
 //! aligned, or after one of them is turned, scaled and shifted as a whole.
 
-use crate::math::{Vec2, Vec3};
 use crate::transfer::correspondence::{CorrespondenceFinder, MatchMode, position_of_place};
+use crease_geometry::math::{Vec2, Vec3};
+
 use crate::transfer::registration::{AffineMap, PointPair, fit_similarity};
-use crate::transfer::surface::GarmentSurface;
 use crate::transfer::tuning::TUNING;
+use crease_model::remesh::GarmentSurface;
 
 /// Agreement of the textures of a source and a target.
 pub(super) struct TextureAgreement {

@@ -1,15 +1,5 @@
 //! Tuning constants of the transfer, all in one place.
 
-/// What counts as shown by a simulation mesh.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct ResolvedTuning {
-    /// Smallest radius of curvature that stays [edges], default 2.2: hinges between equilateral triangles bent by 23 degrees.
-    pub min_radius_edges: f64,
-    /// Rounds in which the excess is averaged over a ring of triangles, default 2: after one, 0.9 % of the hinge length at an elbow
-    /// still bends by over 45 degrees, after two 0.03 %.
-    pub rounds: usize,
-}
-
 /// Limits and tolerances of the transfer. Lengths named "fraction" are relative to the diagonal of the target's bounding
 /// box unless the field says otherwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -88,24 +78,6 @@ pub(super) struct TransferTuning {
     pub max_side_difference: f64,
     /// Logarithm of the ratio of a tube's openings above which the wider one is at the torso [-], default 0.08.
     pub min_end_difference: f64,
-    /// Fraction of the curvature that is spread over a ring of triangles [-], default 0.5: without, creases on coarse triangles
-    /// zigzag; all of it would blur them.
-    pub spread_fraction: f64,
-    /// The part of a memory that a simulation mesh can show.
-    pub resolved: ResolvedTuning,
-    /// Parts along a side into which a triangle is cut whose curvature is spread over another mesh, default 6.
-    pub scatter_parts: u32,
-    /// Samples along a target side per source side [-], default 2: no source triangle is stepped over.
-    pub samples_per_source_side: f64,
-    /// Smallest number of samples along a side of a target triangle, default 3.
-    pub min_samples_per_side: f64,
-    /// Largest number of samples along a side of a target triangle, default 24: bounds the work per triangle.
-    pub max_samples_per_side: f64,
-    /// Residual at which the fit of hinge angles stops, relative to the right-hand side [-], default 1e-10. The matrix is
-    /// well conditioned (the three hinges of a face are independent), so this takes some tens of iterations.
-    pub hinge_fit_residual_tol: f64,
-    /// Largest number of conjugate gradient iterations of that fit, default 2000: a bound that is not reached in practice.
-    pub max_hinge_fit_iterations: usize,
     /// Ratio of the second to the first extent of a point set below which it counts as collinear [-], default 0.05: it
     /// then determines no rotation.
     pub max_collinear_ratio: f64,
@@ -148,8 +120,6 @@ pub(super) struct TransferTuning {
     pub min_crease_line_coverage: f64,
     /// Distance from another line within which a row is left out, relative to itself [-], default 0.6.
     pub crease_row_clearance: f64,
-    /// Enclosed volume relative to area times size below which its sign says nothing [-], default 1e-3.
-    pub min_enclosed_volume_ratio: f64,
 }
 
 /// The constants in use.
@@ -188,14 +158,6 @@ pub(super) const TUNING: TransferTuning = TransferTuning {
     min_tube_ratio: 0.75,
     max_side_difference: 0.05,
     min_end_difference: 0.08,
-    spread_fraction: 0.5,
-    resolved: ResolvedTuning { min_radius_edges: 2.2, rounds: 2 },
-    scatter_parts: 6,
-    samples_per_source_side: 2.0,
-    min_samples_per_side: 3.0,
-    max_samples_per_side: 24.0,
-    hinge_fit_residual_tol: 1e-10,
-    max_hinge_fit_iterations: 2000,
     max_collinear_ratio: 0.05,
     joint_offset_fraction: 0.05,
     min_shared_joints: 3,
@@ -214,5 +176,4 @@ pub(super) const TUNING: TransferTuning = TransferTuning {
     crease_line_tol: 0.12,
     min_crease_line_coverage: 0.5,
     crease_row_clearance: 0.6,
-    min_enclosed_volume_ratio: 1e-3,
 };

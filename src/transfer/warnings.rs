@@ -1,8 +1,9 @@
 //! Doubts about a transfer: low confidence, lost creases, texture coordinates used twice, nothing transferred.
 
-use crate::garment::RestState;
-use crate::transfer::options::{AlignedBy, Channels, SourceOutcome, TransferOptions, TransferSource};
+use crate::transfer::options::{AlignedBy, SourceOutcome, TransferOptions, TransferSource};
 use crate::transfer::tuning::TUNING;
+use crease_model::garment::RestState;
+use crease_model::remesh::Channels;
 
 /// Returns the warnings on a transfer of `sources` with `outcomes` and the mean `confidence`.
 pub(super) fn transfer_warnings(

@@ -3,11 +3,11 @@
 //! One line per action gives its variant of [`Action`], its name in scripts, its entry in the schema and its place in the
 //! tests that walk the list.
 
-use crate::error::Result;
 use crate::wear::action_runner::{ActionContext, ActionStart};
 use crate::wear::actions::*;
 use crate::wear::persistent_state::PersistentState;
 use crate::wear::wear_action::WearAction;
+use crease_model::error::Result;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

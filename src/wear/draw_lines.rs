@@ -1,10 +1,10 @@
 //! The fold lines of a script, drawn on the surface of a garment before anything is simulated.
 
-use crate::garment::Garment;
-use crate::math::Vec3;
-use crate::remesh::SurfaceMesh;
 use crate::wear::fold_layout::{FoldLayout, Foresight};
 use crate::wear::script::WearScript;
+use crease_geometry::math::Vec3;
+use crease_model::garment::Garment;
+use crease_model::remesh::SurfaceMesh;
 
 /// The surface of a garment with fold lines.
 #[derive(Debug, Clone)]
@@ -43,9 +43,9 @@ pub fn draw_fold_lines<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Vec2;
-    use crate::mesh::{PointIndex, Topology};
-    use crate::remesh::Curve;
+    use crease_geometry::math::Vec2;
+    use crease_geometry::mesh::{PointIndex, Topology};
+    use crease_model::remesh::Curve;
 
     const STEP: f64 = 0.01;
     /// So narrow that rows lie at the line.

@@ -7,13 +7,13 @@
 //! its cut, up to a strain ([`MAX_CUT_STRAIN`]). What exceeds that makes the wrinkles once the cloth is free. Pieces sewn on along their
 //! borders (pockets, plackets, facings) are layers of their own, outside of the cloth they lie on ([`stack_ranks`]).
 
-use crate::math::{PlaneStretch, Rng, Vec3, bounds};
-use crate::mesh::intersections::self_intersecting_triangles;
-use crate::mesh::{PointIndex, Topology, triangle};
-use crate::sim::ScalarCholesky;
 use crate::wear::layer_gap::{separate, touching};
 use crate::wear::sewn_layers::{patches, stack_ranks};
 use crate::wear::tuning::TUNING;
+use crease_geometry::math::{PlaneStretch, Rng, Vec3, bounds};
+use crease_geometry::mesh::intersections::self_intersecting_triangles;
+use crease_geometry::mesh::{PointIndex, Topology, triangle};
+use crease_linear::ScalarCholesky;
 use rustc_hash::FxHashMap;
 
 /// A garment laid out flat. y points up; the lower layer lies at y = 0.
@@ -432,7 +432,7 @@ fn crossing_triangles(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::intersections::self_intersections;
+    use crease_geometry::mesh::intersections::self_intersections;
     use std::f64::consts::{PI, TAU};
 
     const RADIUS: f64 = 0.1;

@@ -3,15 +3,15 @@
 //! Every action is applied in turn. A fold draws its line on the surface through all layers and turns the flap over; an action
 //! that may crease the cloth anywhere ends the prediction.
 
-use crate::error::Result;
-use crate::garment::Garment;
-use crate::math::Vec3;
-use crate::mesh::triangle;
-use crate::remesh::SurfaceMesh;
 use crate::wear::action_runner::{ActionContext, ActionStart};
 use crate::wear::line_layout::LineLayout;
 use crate::wear::persistent_state::{GarmentFrame, PersistentState};
 use crate::wear::tuning::TUNING;
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::triangle;
+use crease_model::error::Result;
+use crease_model::garment::Garment;
+use crease_model::remesh::SurfaceMesh;
 
 /// How far ahead the creases of a script are known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

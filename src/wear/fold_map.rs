@@ -11,7 +11,7 @@
 //! Layers of different depth stay concentric, so none cross at any angle and none stretch; they slide on one another as
 //! the pages of a bent book do. The map and its inverse serve `fold` and `unfold`.
 
-use crate::math::Vec3;
+use crease_geometry::math::Vec3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
@@ -31,13 +31,13 @@ pub(super) fn line_shift(height: f64) -> f64 {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct FoldAxis {
     /// A point of the axis [m].
-    #[serde(with = "crate::math::serde_vec::vector")]
+    #[serde(with = "crease_geometry::math::serde_vec::vector")]
     pub origin: Vec3,
     /// Unit vector along it, level.
-    #[serde(with = "crate::math::serde_vec::vector")]
+    #[serde(with = "crease_geometry::math::serde_vec::vector")]
     pub along: Vec3,
     /// Unit vector towards the flap at angle 0, level.
-    #[serde(with = "crate::math::serde_vec::vector")]
+    #[serde(with = "crease_geometry::math::serde_vec::vector")]
     pub outward: Vec3,
     /// Smallest depth [m]: a layer at the axis itself would have a corner.
     pub min_depth: f64,

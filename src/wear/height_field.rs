@@ -3,8 +3,8 @@
 //! A stack of folded cloth is not a plane: older folds bulge at their edges. A flap is not pressed into such a bulge but
 //! laid over it: `fold` raises every column of the flap by the height of what lies under its final position.
 
-use crate::math::Vec3;
 use crate::wear::tuning::TUNING;
+use crease_geometry::math::Vec3;
 use std::collections::BTreeMap;
 
 /// Largest heights over the ground plane, on square cells.

@@ -3,11 +3,11 @@
 //! Layers lie a gap apart and meet in common points. Where the course of these is jagged, edges and points of one layer come next to the other:
 //! their heights are moved apart, constraint by constraint (position-based dynamics, Müller and others 2007).
 
-use crate::math::Vec3;
-use crate::mesh::distance::{edge_edge, point_triangle};
-use crate::mesh::triangle_bvh::TriangleBvh;
-use crate::mesh::{PointIndex, edge_key};
 use crate::wear::tuning::TUNING;
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::distance::{edge_edge, point_triangle};
+use crease_geometry::mesh::triangle_bvh::TriangleBvh;
+use crease_geometry::mesh::{PointIndex, edge_key};
 use rayon::prelude::*;
 use rustc_hash::{FxHashMap, FxHashSet};
 

@@ -1,8 +1,8 @@
 //! Order of the layers of a garment that lies: how many lie below a triangle, at its place.
 
-use crate::math::Vec3;
-use crate::remesh::SurfaceMesh;
 use crate::wear::tuning::TUNING;
+use crease_geometry::math::Vec3;
+use crease_model::remesh::SurfaceMesh;
 use rustc_hash::FxHashMap;
 
 /// Triangles of a mesh that lies, by place, with their layers.

@@ -4,11 +4,11 @@
 //! next fold. Positions have no thickness, but layers have an order: in a stack outer layers run round inner ones, and the
 //! middle of their bend lies farther out. [`crate::wear::draw_fold_lines`] feeds it with the actions of a script.
 
-use crate::math::Vec3;
-use crate::remesh::{Curve, CutPoint, SurfaceMesh};
 use crate::wear::fold_map::{bend_middle, line_shift};
 use crate::wear::layer_order::LayerOrder;
 use crate::wear::tuning::TUNING;
+use crease_geometry::math::Vec3;
+use crease_model::remesh::{Curve, CutPoint, SurfaceMesh};
 
 /// Number of the first row beside a line; fold lines are numbered from 0.
 const FIRST_ROW: u32 = 1 << 16;

@@ -1,9 +1,9 @@
 //! State of a garment that outlives an action: its orientation, the frame of fractions, folds, and what holds it.
 
-use crate::body::PosedBody;
-use crate::math::{Mat3, PlaneStretch, Vec3, bounds};
-use crate::sim::Loads;
 use crate::wear::roll_map::RollRecord;
+use crease_geometry::math::{Mat3, PlaneStretch, Vec3, bounds};
+use crease_model::body::PosedBody;
+use crease_solver::sim::Loads;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
@@ -11,13 +11,13 @@ use std::borrow::Cow;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct GarmentFrame {
     /// The point (0, 0), lower left [m].
-    #[serde(with = "crate::math::serde_vec::vector")]
+    #[serde(with = "crease_geometry::math::serde_vec::vector")]
     pub origin: Vec3,
     /// Vector from (0, 0) to (1, 0) [m].
-    #[serde(with = "crate::math::serde_vec::vector")]
+    #[serde(with = "crease_geometry::math::serde_vec::vector")]
     pub right: Vec3,
     /// Vector from (0, 0) to (0, 1) [m].
-    #[serde(with = "crate::math::serde_vec::vector")]
+    #[serde(with = "crease_geometry::math::serde_vec::vector")]
     pub upward: Vec3,
 }
 
@@ -60,13 +60,13 @@ pub struct FoldRecord {
     /// Points of the flap.
     pub flap: Vec<u32>,
     /// A point of the fold line on the ground [m].
-    #[serde(with = "crate::math::serde_vec::vector")]
+    #[serde(with = "crease_geometry::math::serde_vec::vector")]
     pub origin: Vec3,
     /// Unit vector along the line.
-    #[serde(with = "crate::math::serde_vec::vector")]
+    #[serde(with = "crease_geometry::math::serde_vec::vector")]
     pub along: Vec3,
     /// Unit vector from the line to where the flap lay before.
-    #[serde(rename = "out", with = "crate::math::serde_vec::vector")]
+    #[serde(rename = "out", with = "crease_geometry::math::serde_vec::vector")]
     pub outward: Vec3,
     /// Angle by which the flap was turned [rad].
     pub angle: f64,
@@ -86,7 +86,7 @@ pub enum TurnRecord {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PersistentState {
     /// Rotation of the garment as a whole, from directions of its file to present ones.
-    #[serde(rename = "turned", with = "crate::math::serde_vec::matrix")]
+    #[serde(rename = "turned", with = "crease_geometry::math::serde_vec::matrix")]
     pub orientation: Mat3,
     /// Frame that fractions refer to, once the garment lies or hangs.
     pub frame: Option<GarmentFrame>,

@@ -1,8 +1,8 @@
 //! The wear scripts that are part of the program: one file each in `garments/wear/`, one line each here.
 
-use crate::error::{Error, Result};
-use crate::json::nearest;
 use crate::wear::WearScript;
+use crease_model::error::{Error, Result};
+use crease_model::json::nearest;
 
 macro_rules! preset_list {
     ($($name:literal,)*) => {
@@ -44,7 +44,7 @@ impl WearScript {
     /// The script `name`.
     ///
     /// # Errors
-    /// [`crate::Error::Input`] for an unknown name, with the nearest known one.
+    /// [`crease_model::error::Error::Input`] for an unknown name, with the nearest known one.
     pub fn preset(name: &str) -> Result<Self> {
         if let Some(text) = Self::preset_text(name) {
             return Self::parse(name, text);
@@ -53,7 +53,7 @@ impl WearScript {
             Some(meant) => format!("did you mean `{meant}`?"),
             None => format!("the scripts are {}", Self::preset_names().collect::<Vec<_>>().join(", ")),
         };
-        let message = format!("there is no script {}", crate::json::quoted(name));
+        let message = format!("there is no script {}", crease_model::json::quoted(name));
         Err(Error::input("wear", "", message, help))
     }
 }

@@ -14,11 +14,11 @@
 //! rolled book do. Layers at the same angle keep their order, and windings lie `p` apart: none cross. The map serves `roll` and
 //! `unfold`.
 
-use crate::energy::TargetSpring;
-use crate::math::Vec3;
 use crate::wear::motion_profile::PEAK_RATE;
 use crate::wear::springs::carry_spring;
 use crate::wear::tuning::TUNING;
+use crease_geometry::math::Vec3;
+use crease_solver::energy::TargetSpring;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
@@ -26,13 +26,13 @@ use std::f64::consts::PI;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct RollMap {
     /// A point on the ground below the side where the roll begins [m].
-    #[serde(with = "crate::math::serde_vec::vector")]
+    #[serde(with = "crease_geometry::math::serde_vec::vector")]
     pub origin: Vec3,
     /// Unit vector along the axis, level.
-    #[serde(with = "crate::math::serde_vec::vector")]
+    #[serde(with = "crease_geometry::math::serde_vec::vector")]
     pub along: Vec3,
     /// Unit vector in which the roll proceeds, level.
-    #[serde(with = "crate::math::serde_vec::vector")]
+    #[serde(with = "crease_geometry::math::serde_vec::vector")]
     pub forward: Vec3,
     /// Radius of the core [m].
     pub core: f64,

@@ -4,10 +4,10 @@
 //! one script suits any garment. Reading reports every error of a file at once, with line, column and path
 //! (`docs/guide/wear-scripts.md`). No garment, body or solver is known here: whether a joint exists is checked by the bake.
 
-use crate::body::{AnimatedBody, BodyPose};
-use crate::error::{Diagnostic, Error, Result};
-use crate::json::{Document, Path, schema_of};
 use crate::wear::action_list::{Action, Repeat};
+use crease_model::body::{AnimatedBody, BodyPose};
+use crease_model::error::{Diagnostic, Error, Result};
+use crease_model::json::{Document, Path, schema_of};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;

@@ -3,9 +3,9 @@
 //! Where more than two triangles meet at an edge, sheets meet. Two sheets on one side of a seam lie on one another, and the one that
 //! leaves the seam farther out is the outer one.
 
-use crate::math::Vec3;
-use crate::mesh::{Groups, PointIndex, Topology, triangle};
 use crate::wear::tuning::TUNING;
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::{Groups, PointIndex, Topology, triangle};
 use std::collections::BTreeMap;
 
 /// Triangles that are connected over edges, patch by patch: over edge `e` between triangles `f` and `g` where `joins(e, f, g)`.

@@ -1,9 +1,9 @@
 //! Jumps of a clip, taken slowly: where a clip moves the body at once, the body takes the time of a transition, as cloth cannot
 //! follow a jump.
 
-use crate::body::{AnimatedBody, ClipJump, RootMotion};
 use crate::wear::body_motion::transition_time;
 use crate::wear::motion_profile::smoothstep;
+use crease_model::body::{AnimatedBody, ClipJump, RootMotion};
 
 /// Jumps of a clip in order, each with the time that the body takes for it [s].
 #[derive(Clone)]

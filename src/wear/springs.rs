@@ -1,9 +1,9 @@
 //! Springs that carry and hold points of the cloth.
 
-use crate::energy::TargetSpring;
-use crate::math::Vec3;
-use crate::sim::GRAVITY;
 use crate::wear::tuning::TUNING;
+use crease_geometry::math::Vec3;
+use crease_solver::energy::TargetSpring;
+use crease_solver::sim::GRAVITY;
 
 /// The spring that carries a point of `mass` [kg]: it draws the point to `target`, stiffly along `normal`, and balances its
 /// weight.

@@ -13,9 +13,9 @@ mod sweep;
 
 pub use point::{AccuracyPoint, SceneReference, measure, reference};
 
-use crate::chart::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
-use crate::error::Result;
-use crate::sim::Method;
+use crate::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
+use crease_model::error::Result;
+use crease_solver::sim::Method;
 
 /// Smallest angle error shown [degrees].
 const MIN_SHOWN_ANGLE_DEG: f64 = 1e-3;

@@ -1,9 +1,9 @@
 //! Cost and error of one run of a scene, and the reference that errors refer to.
 
-use crate::chart::scenes;
-use crate::chart::scenes::{Scene, SceneOutcome, SceneSetting};
-use crate::error::Result;
-use crate::sim::{InnerSolver, Method};
+use crate::scenes;
+use crate::scenes::{Scene, SceneOutcome, SceneSetting};
+use crease_model::error::Result;
+use crease_solver::sim::{InnerSolver, Method};
 
 /// Newton's tolerance for references [m].
 const REFERENCE_TOL: f64 = 1e-10;

@@ -1,9 +1,9 @@
 //! Parameter sweeps: every scene with every integrator, step size and tolerance.
 
-use crate::chart::accuracy::point::{AccuracyPoint, SceneReference, measure, reference};
-use crate::chart::scenes::{Cantilever, Flap, Scene, SceneSetting, Swing};
-use crate::error::Result;
-use crate::sim::{InnerSolver, Method};
+use crate::accuracy::point::{AccuracyPoint, SceneReference, measure, reference};
+use crate::scenes::{Cantilever, Flap, Scene, SceneSetting, Swing};
+use crease_model::error::Result;
+use crease_solver::sim::{InnerSolver, Method};
 
 /// Tolerances of Newton over the size of the scene [-].
 const NEWTON_TOLERANCES: &[f64] = &[1e-4, 1e-7];

@@ -4,12 +4,12 @@
 //! damped. Every converged integrator reaches the equilibrium with any step size: here long steps are the most
 //! efficient.
 
-use crate::chart::scenes::scene::{ClothMaterial, Scene, SceneState, spaced};
-use crate::chart::test_sheet::TestSheet;
-use crate::contact::Contact;
-use crate::error::Result;
-use crate::math::Vec3;
-use crate::sim::{GRAVITY, Loads};
+use crate::scenes::scene::{ClothMaterial, Scene, SceneState, spaced};
+use crate::test_sheet::TestSheet;
+use crease_geometry::math::Vec3;
+use crease_model::error::Result;
+use crease_solver::contact::Contact;
+use crease_solver::sim::{GRAVITY, Loads};
 
 /// Length of the free strip [m].
 const LENGTH: f64 = 0.1;

@@ -4,15 +4,15 @@
 //! for two, and released for one, without gravity, in still air. Memory events depend on the history of the angles,
 //! so that rest angles show how accurately an integrator follows the angles in time.
 
-use crate::chart::scenes::scene::{ClothMaterial, Scene, SceneState, smoothstep, spaced};
-use crate::chart::test_sheet::TestSheet;
-use crate::contact::Contact;
-use crate::energy::TargetSpring;
-use crate::error::Result;
-use crate::fabric::{Fabric, PAPER_FABRIC};
-use crate::math::Vec3;
-use crate::memory::MemoryModel;
-use crate::sim::Loads;
+use crate::scenes::scene::{ClothMaterial, Scene, SceneState, smoothstep, spaced};
+use crate::test_sheet::TestSheet;
+use crease_geometry::math::Vec3;
+use crease_model::error::Result;
+use crease_model::fabric::{Fabric, PAPER_FABRIC};
+use crease_solver::contact::Contact;
+use crease_solver::energy::TargetSpring;
+use crease_solver::memory::MemoryModel;
+use crease_solver::sim::Loads;
 
 /// Length of the strip [m].
 const LENGTH: f64 = 0.040;
@@ -86,7 +86,7 @@ impl Scene for Flap {
         let sheet = Self::sheet();
         let fixed = sheet.flat.iter().map(|p| p.x < 1e-9 - FIXED_UP_TO * LENGTH).collect();
         let angle = FOLD_ANGLE * smoothstep(t, 0.0, FOLD_END);
-        let spring = |(i, p): (usize, &crate::math::Vec2)| {
+        let spring = |(i, p): (usize, &crease_geometry::math::Vec2)| {
             let target = Vec3::new(p.x * angle.cos(), p.x * angle.sin(), -p.y);
             (p.x > GUIDED_FROM * LENGTH).then(|| TargetSpring::isotropic(i as u32, target, SPRING_STIFFNESS))
         };

@@ -1,10 +1,10 @@
 //! A patch of cloth that hits a sheet fixed at its border: at 20 m/s it moves by 83 thicknesses in a step of 1/240 s.
 
-use crate::chart::scenes::scene::{ClothMaterial, Scene, SceneState, spaced};
-use crate::chart::test_sheet::TestSheet;
-use crate::error::Result;
-use crate::math::{Vec2, Vec3};
-use crate::sim::Loads;
+use crate::scenes::scene::{ClothMaterial, Scene, SceneState, spaced};
+use crate::test_sheet::TestSheet;
+use crease_geometry::math::{Vec2, Vec3};
+use crease_model::error::Result;
+use crease_solver::sim::Loads;
 
 /// Side of the sheet [m].
 const SIDE: f64 = 0.1;

@@ -1,14 +1,13 @@
 //! Running a scene: settings, the loop over steps, and the outcome.
 
-use crate::bake::Quality;
-use crate::chart::scenes::scene::{Scene, SceneState};
-use crate::chart::statistics::rms_difference;
-use crate::error::Result;
-use crate::math::Vec3;
-use crate::memory::Strains;
-use crate::mesh::intersections::self_intersections;
-use crate::sim::GRAVITY;
-use crate::sim::{Method, NewtonOptions, State, StepOptions, StepRelaxation, StepReport};
+use crate::scenes::scene::{Scene, SceneState};
+use crate::statistics::rms_difference;
+use crease::internal::bake::Quality;
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::intersections::self_intersections;
+use crease_model::error::Result;
+use crease_solver::memory::Strains;
+use crease_solver::sim::{GRAVITY, Method, NewtonOptions, State, StepOptions, StepRelaxation, StepReport};
 use std::time::Instant;
 
 /// Newton iterations per step; a step that exceeds them does not converge for another reason than this limit.

@@ -1,14 +1,13 @@
 //! The interface of a scene, its state, and the cloth it consists of.
 
-use crate::chart::test_sheet::TestSheet;
-use crate::contact::{Contact, ContactSettings};
-use crate::energy::{Bending, Junctions, Membrane};
-use crate::error::Result;
-use crate::garment::{Garment, RestState};
-use crate::math::Vec3;
-use crate::memory::{Memory, MemoryModel};
-use crate::sim::{Cloth, State, StepOptions, Stepper};
-use crate::sim::{GRAVITY, Loads};
+use crate::test_sheet::TestSheet;
+use crease_geometry::math::Vec3;
+use crease_model::error::Result;
+use crease_model::garment::{Garment, RestState};
+use crease_solver::contact::{Contact, ContactSettings};
+use crease_solver::energy::{Bending, Junctions, Membrane};
+use crease_solver::memory::{Memory, MemoryModel};
+use crease_solver::sim::{Cloth, GRAVITY, Loads, State, StepOptions, Stepper};
 
 /// Strain at the start from which on an element is left out of strain measurements [-].
 const MAX_INITIAL_STRAIN: f64 = 1e-2;

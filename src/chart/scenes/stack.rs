@@ -1,10 +1,10 @@
 //! Sheets that fall on the ground on top of one another: contact between many layers.
 
-use crate::chart::scenes::scene::{ClothMaterial, Scene, SceneState, spaced};
-use crate::chart::test_sheet::TestSheet;
-use crate::error::Result;
-use crate::math::{Vec2, Vec3};
-use crate::sim::Loads;
+use crate::scenes::scene::{ClothMaterial, Scene, SceneState, spaced};
+use crate::test_sheet::TestSheet;
+use crease_geometry::math::{Vec2, Vec3};
+use crease_model::error::Result;
+use crease_solver::sim::Loads;
 
 /// Side of a sheet [m].
 const SIDE: f64 = 0.1;

@@ -3,12 +3,12 @@
 //! 0.5 m long, one row of 20 quads, 0.2 kg/m², Y = 200 N/m, B = 1e-4 N·m, no damping, no air. `swing30` starts 30
 //! degrees from the vertical, `release90` horizontally: its free end whips, which is demanding for every integrator.
 
-use crate::chart::scenes::scene::{ClothMaterial, Scene, SceneState, spaced};
-use crate::chart::test_sheet::TestSheet;
-use crate::contact::Contact;
-use crate::error::Result;
-use crate::math::Vec3;
-use crate::sim::{GRAVITY, Loads};
+use crate::scenes::scene::{ClothMaterial, Scene, SceneState, spaced};
+use crate::test_sheet::TestSheet;
+use crease_geometry::math::Vec3;
+use crease_model::error::Result;
+use crease_solver::contact::Contact;
+use crease_solver::sim::{GRAVITY, Loads};
 
 /// Length of the strip [m].
 const LENGTH: f64 = 0.5;
@@ -88,7 +88,7 @@ impl Scene for Swing {
     fn initial_state(&self) -> Result<SceneState> {
         let sheet = self.sheet();
         let (sin, cos) = self.degrees.to_radians().sin_cos();
-        let position = |p: &crate::math::Vec2| Vec3::new(p.x * sin, -p.x * cos, p.y);
+        let position = |p: &crease_geometry::math::Vec2| Vec3::new(p.x * sin, -p.x * cos, p.y);
         let garment = sheet.garment(sheet.flat.iter().map(position).collect());
         let material = ClothMaterial {
             density: 0.2,
@@ -104,7 +104,7 @@ impl Scene for Swing {
             let quad = LENGTH / self.quads as f64;
             let is_even = |x: f64| ((x / quad).round() as usize).is_multiple_of(2);
             let hinges = &scene_state.garment.topology.hinges;
-            let stiff = |h: &crate::mesh::Hinge| {
+            let stiff = |h: &crease_geometry::mesh::Hinge| {
                 let [a, b] = [h.points[0], h.points[1]].map(|p| sheet.flat[p.at()].x);
                 (a - b).abs() < 1e-9 && is_even(a)
             };

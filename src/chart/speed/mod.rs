@@ -18,8 +18,8 @@ mod cost;
 mod kernels;
 mod scenes;
 
-use crate::chart::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
-use crate::error::Result;
+use crate::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
+use crease_model::error::Result;
 use cost::{CostRatios, SceneCost};
 use kernels::Kernels;
 

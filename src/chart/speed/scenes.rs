@@ -1,13 +1,13 @@
 //! The timed scenes.
 
-use crate::bake::{BakeOptions, BakeReport};
-use crate::chart::bake_scene::BakeScene;
-use crate::chart::falling_strip::{FALLING_STRIP_POINTS, Fall, Stepping, fall};
-use crate::chart::speed::cost::SceneCost;
-use crate::chart::{ChartOptions, cantilever};
-use crate::error::Result;
-use crate::fabric::{Fabric, PAPER_FABRIC};
-use crate::sim::NewtonSeconds;
+use crease::internal::bake::{BakeOptions, BakeReport};
+use crate::bake_scene::BakeScene;
+use crate::falling_strip::{FALLING_STRIP_POINTS, Fall, Stepping, fall};
+use crate::speed::cost::SceneCost;
+use crate::{ChartOptions, cantilever};
+use crease_model::error::Result;
+use crease_model::fabric::{Fabric, PAPER_FABRIC};
+use crease_solver::sim::NewtonSeconds;
 use std::time::Instant;
 
 pub(super) const SHIRT: &str = "fold-thrice";

@@ -1,7 +1,7 @@
 //! `--apply`: the worn shape as the base shape of OUT.glb.
 
-use crease::Result;
-use crease::io::gltf::{FlatNormals, SourceShape, apply_worn};
+use crease_io::gltf::{FlatNormals, SourceShape, apply_worn};
+use crease_model::error::Result;
 
 /// Shape and normals of OUT.glb.
 #[derive(Debug, Clone, Copy, Default, clap::Args)]

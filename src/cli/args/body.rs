@@ -1,17 +1,17 @@
 //! `--body` and its options: the body that a garment is worn on, from its own file, from the file of the garment, or from
 //! a folder of frames.
 
-use crate::cli::args::mesh::up_axis;
-use crate::cli::args::values::{Metres, positive, unit};
-use crate::cli::files::frame_sequence::read_frames;
-use crate::cli::files::input::{self, name_of};
+use crate::args::mesh::up_axis;
+use crate::args::values::{Metres, positive, unit};
+use crate::files::frame_sequence::read_frames;
+use crate::files::input::{self, name_of};
 use clap::Args;
-use crease::body::{AnimatedBody, BodyMotion, GarmentSkin};
-use crease::files::{GarmentFile, read_asset_file};
-use crease::garment::{Severity, SourceFormat, SourcePiece, UpAxis};
-use crease::io::{ReadOptions, compare_body_size, read_garment_skin};
-use crease::math::Vec3;
-use crease::{Diagnostic, Error, Result};
+use crease::internal::files::{GarmentFile, read_asset_file};
+use crease_geometry::math::Vec3;
+use crease_io::{ReadOptions, compare_body_size, read_body, read_body_frames, read_garment_skin};
+use crease_model::body::{AnimatedBody, BodyMotion, GarmentSkin};
+use crease_model::error::{Diagnostic, Error, Result};
+use crease_model::garment::{Severity, SourceFormat, SourcePiece, UpAxis};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -83,7 +83,7 @@ impl BodyArgs {
             let is_kept = |(k, _): &(usize, &SourcePiece)| !left_out.contains(k);
             let pieces: Vec<&SourcePiece> =
                 asset.pieces.iter().enumerate().filter(is_kept).map(|(_, p)| p).filter(|p| p.worn).collect();
-            let mut body = AnimatedBody::from_pieces(&asset, &pieces)?;
+            let mut body = read_body(&asset, &pieces)?;
             for diagnostic in diagnostics.into_iter().filter(|d| d.severity == Severity::Warning) {
                 body.add_note(format!("{}: {}", asset.file, diagnostic.message));
             }
@@ -238,7 +238,7 @@ impl BodyArgs {
             let help = "name the garment with --garment (and the body with --body-node)";
             return Err(Error::input(&asset.file, "", message, help));
         }
-        let mut body = AnimatedBody::from_pieces(asset, &pieces)?;
+        let mut body = read_body(asset, &pieces)?;
         for (_, name) in over {
             body.add_note(format!(
                 "{}: \"{name}\" lies over the garment and is no part of the body (--body-node names what is)",
@@ -259,7 +259,7 @@ impl BodyArgs {
             return Err(Error::input(name_of(folder), "", message, "give it with --body-fps"));
         };
         let frames = read_frames(folder, &self.body_options(None, options, format))?;
-        AnimatedBody::from_frames(&frames, rate)
+        read_body_frames(&frames, rate)
     }
 }
 

@@ -1,7 +1,7 @@
 //! `--show`: quantity that colours a picture.
 
 use clap::ValueEnum;
-use crease::report::ColorBy;
+use crease::internal::report::ColorBy;
 
 /// Values of `--show`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

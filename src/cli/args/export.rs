@@ -1,15 +1,15 @@
 //! `--export`: files for other programs beside the main outputs.
 
-use crate::cli::files::input;
-use crate::cli::files::output::Outputs;
-use crate::cli::runtime::console;
+use crate::files::input;
+use crate::files::output::Outputs;
+use crate::runtime::console;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use crease::Result;
-use crease::fabric::Fabric;
-use crease::files::GarmentFile;
-use crease::garment::WornGarment;
-use crease::io::UsdFrames;
-use crease::report::{Export, ExportCheck};
+use crease::internal::files::GarmentFile;
+use crease::internal::report::{Export, ExportCheck};
+use crease_io::UsdFrames;
+use crease_model::error::Result;
+use crease_model::fabric::Fabric;
+use crease_model::garment::WornGarment;
 use std::path::{Path, PathBuf};
 
 /// Files for other programs.

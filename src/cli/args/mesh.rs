@@ -1,9 +1,9 @@
 //! Options that say how a mesh file is read.
 
-use crate::cli::args::values::{Metres, positive, unit};
+use crate::args::values::{Metres, positive, unit};
 use clap::Args;
-use crease::garment::UpAxis;
-use crease::io::ReadOptions;
+use crease_io::ReadOptions;
+use crease_model::garment::UpAxis;
 
 /// Unit, up axis and garment of a mesh file.
 #[derive(Debug, Clone, Args)]

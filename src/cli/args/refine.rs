@@ -1,15 +1,15 @@
 //! `--resolution`: a garment refined beyond its file. `--detail-map`: the wrinkles that only the refined mesh resolves, as
 //! a normal map in the material of the garment.
 
-use crate::cli::args::values::positive;
-use crate::cli::files::output::{Outputs, is_stream};
+use crate::args::values::positive;
+use crate::files::output::{Outputs, is_stream};
 use clap::ValueEnum;
 use clap::builder::RangedU64ValueParser;
-use crease::garment::{Garment, SourceAsset, WornGarment};
-use crease::io::gltf::{DETAIL_MAP_SIZES, DetailInput, FlatNormals, MapDepth, add_detail_map};
-use crease::mesh::PointIndex;
-use crease::report::DetailReport;
-use crease::{Error, Result};
+use crease::internal::report::DetailReport;
+use crease_geometry::mesh::PointIndex;
+use crease_io::gltf::{DETAIL_MAP_SIZES, DetailInput, FlatNormals, MapDepth, add_detail_map};
+use crease_model::error::{Error, Result};
+use crease_model::garment::{Garment, SourceAsset, WornGarment};
 use std::path::{Path, PathBuf};
 
 /// Resolution and detail maps.

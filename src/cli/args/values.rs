@@ -1,6 +1,6 @@
 //! Parsers of option values.
 
-use crate::cli::files::input::STANDARD_STREAM;
+use crate::files::input::STANDARD_STREAM;
 use std::path::{Path, PathBuf};
 
 /// A length [m].

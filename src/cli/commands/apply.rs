@@ -1,10 +1,10 @@
 //! `crease apply`: the worn shape of a baked file as its base shape, what `--apply` of a bake does.
 
-use crate::cli::args::values::glb_path;
-use crate::cli::files::input;
-use crate::cli::files::output::Outputs;
-use crease::Result;
-use crease::io::gltf::{SourceShape, apply_worn};
+use crate::args::values::glb_path;
+use crate::files::input;
+use crate::files::output::Outputs;
+use crease_io::gltf::{SourceShape, apply_worn};
+use crease_model::error::Result;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]

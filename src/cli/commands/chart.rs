@@ -1,13 +1,13 @@
 //! `crease chart`: measurements of crease, drawn beside reference data.
 
-use crate::cli::files::input;
-use crate::cli::files::output::Outputs;
-use crate::cli::runtime::console;
-use crate::cli::runtime::threads::on_threads;
-use crate::cli::runtime::waiting::Waiting;
-use crease::chart::{Chart, ChartOptions};
-use crease::fabric::PAPER_FABRIC;
-use crease::{Error, Result};
+use crate::files::input;
+use crate::files::output::Outputs;
+use crate::runtime::console;
+use crate::runtime::threads::on_threads;
+use crate::runtime::waiting::Waiting;
+use crease_chart::{Chart, ChartOptions};
+use crease_model::error::{Error, Result};
+use crease_model::fabric::PAPER_FABRIC;
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]

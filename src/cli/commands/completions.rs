@@ -1,13 +1,13 @@
 //! `crease completions` and `crease man`: shell completions and manual, generated from the definition that the command
 //! line is parsed by.
 
-use crate::cli::commands::reference;
-use crate::cli::files::input::name_of;
-use crate::cli::files::output::Outputs;
-use crate::cli::runtime::console;
+use crate::commands::reference;
+use crate::files::input::name_of;
+use crate::files::output::Outputs;
+use crate::runtime::console;
 use clap::Command;
 use clap_complete::Shell;
-use crease::{Error, Result};
+use crease_model::error::{Error, Result};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]

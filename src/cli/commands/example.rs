@@ -1,10 +1,10 @@
 //! `crease example`: garments and wear scripts to try, which are part of the program.
 
-use crate::cli::files::input;
-use crate::cli::files::output::{Outputs, is_stream};
-use crate::cli::runtime::console;
-use crease::wear::WearScript;
-use crease::{Error, Result};
+use crate::files::input;
+use crate::files::output::{Outputs, is_stream};
+use crate::runtime::console;
+use crease::internal::wear::WearScript;
+use crease_model::error::{Error, Result};
 use std::path::PathBuf;
 
 /// A garment of the program.

@@ -1,13 +1,13 @@
 //! `crease fabric`: the built-in fabrics.
 
-use crate::cli::args::values::html_path;
-use crate::cli::files::input;
-use crate::cli::files::output::Outputs;
-use crate::cli::runtime::console;
+use crate::args::values::html_path;
+use crate::files::input;
+use crate::files::output::Outputs;
+use crate::runtime::console;
 use clap::Subcommand;
-use crease::Result;
-use crease::fabric::{DEFAULT_FABRIC, Fabric};
-use crease::report::swatch_page;
+use crease::internal::report::swatch_page;
+use crease_model::error::Result;
+use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]

@@ -1,12 +1,12 @@
 //! `crease inspect`: content of a mesh file, with the repairs and errors that a bake would report.
 
-use crate::cli::args::mesh::MeshArgs;
-use crate::cli::runtime::console;
-use crease::Result;
-use crease::files::GarmentFile;
-use crease::io::gltf::file_contents;
-use crease::io::{ReadOptions, check_size};
-use crease::mesh::intersections::self_intersections;
+use crate::args::mesh::MeshArgs;
+use crate::runtime::console;
+use crease::internal::files::GarmentFile;
+use crease_geometry::mesh::intersections::self_intersections;
+use crease_io::gltf::file_contents;
+use crease_io::{ReadOptions, check_size};
+use crease_model::error::Result;
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -32,7 +32,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
         GarmentFile::load(&arguments.mesh, &any_size)?;
     let size = if options.any_size { Ok(None) } else { check_size(&asset) };
     findings.extend(size.as_ref().ok().cloned().flatten());
-    let mut inspection = crease::garment::inspect(&asset, &garment, &findings);
+    let mut inspection = crease_model::garment::inspect(&asset, &garment, &findings);
     inspection.contents = file_contents(&asset)?;
     inspection.crossings_at_start = Some(self_intersections(&garment.points, &garment.triangles).len());
     match arguments.json {

@@ -3,14 +3,14 @@
 //! It shows the worn shape in the source pose, with memory from the sidecar beside the file, or else from the attributes
 //! of the file. Coordinates of an OBJ, such as a frame of a bake, are in metres, y up.
 
-use crate::cli::args::color_by::ColorByArg;
-use crate::cli::args::values::png_path;
-use crate::cli::files::output::Outputs;
-use crate::cli::files::view_file::ViewFile;
+use crate::args::color_by::ColorByArg;
+use crate::args::values::png_path;
+use crate::files::output::Outputs;
+use crate::files::view_file::ViewFile;
 use clap::ValueEnum;
-use crease::Result;
-use crease::report::GarmentView;
-use crease::report::render::{Camera, CameraView, encode_apng, encode_png};
+use crease::internal::report::GarmentView;
+use crease::internal::report::render::{Camera, CameraView, encode_apng, encode_png};
+use crease_model::error::Result;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]

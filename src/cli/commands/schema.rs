@@ -1,14 +1,14 @@
 //! `crease schema`: JSON Schema of a file format, for editors and other programs.
 
-use crate::cli::commands::batch::JobFile;
-use crate::cli::runtime::console;
+use crate::commands::batch::JobFile;
+use crate::runtime::console;
 use clap::ValueEnum;
-use crease::Result;
-use crease::fabric::Fabric;
-use crease::io::{Landmarks, Sidecar};
-use crease::json::schema_of;
-use crease::report::{Report, TransferReport};
-use crease::wear::WearScript;
+use crease::internal::report::{Report, TransferReport};
+use crease::internal::wear::WearScript;
+use crease_io::{Landmarks, Sidecar};
+use crease_model::error::Result;
+use crease_model::fabric::Fabric;
+use crease_model::json::schema_of;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:

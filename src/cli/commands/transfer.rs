@@ -1,29 +1,29 @@
 //! `crease transfer`: transfer of memory to another garment. Reads sidecars and a mesh, relaxes the mesh with the
 //! transferred memory; writes the worn garment, its sidecar and the report, all or none.
 
-use crate::cli::args::apply::ApplyArgs;
-use crate::cli::args::export::{ExportArgs, print_checks};
-use crate::cli::args::mesh::ClothArgs;
-use crate::cli::args::refine::{CoarseGarment, RefineArgs, Refinement};
-use crate::cli::args::run::RunArgs;
-use crate::cli::args::values::{glb_path, not_negative};
-use crate::cli::commands::worn_job::{SideFiles, WornJob, WornResult, outcome};
-use crate::cli::files::earlier_memory::left_out_warning;
-use crate::cli::files::input;
-use crate::cli::files::source::{carried_sources, fabric_of, origins, read_source, relax_target};
-use crate::cli::runtime::console;
-use crate::cli::runtime::threads::on_threads;
+use crate::args::apply::ApplyArgs;
+use crate::args::export::{ExportArgs, print_checks};
+use crate::args::mesh::ClothArgs;
+use crate::args::refine::{CoarseGarment, RefineArgs, Refinement};
+use crate::args::run::RunArgs;
+use crate::args::values::{glb_path, not_negative};
+use crate::commands::worn_job::{SideFiles, WornJob, WornResult, outcome};
+use crate::files::earlier_memory::left_out_warning;
+use crate::files::input;
+use crate::files::source::{carried_sources, fabric_of, origins, read_source, relax_target};
+use crate::runtime::console;
+use crate::runtime::threads::on_threads;
 use clap::ValueEnum;
-use crease::Result;
-use crease::bake::{RelaxResult, mesh_along_creases};
-use crease::fabric::{DEFAULT_FABRIC, Fabric};
-use crease::files::GarmentFile;
-use crease::garment::WornGarment;
-use crease::io::{Landmarks, ReadOptions, Sidecar};
-use crease::report::{TransferReport, crossing_counts, source_crossings};
-use crease::transfer::{
-    Align, Channels, GarmentSurface, MatchBy, PointPair, Transfer, TransferResult, TransferSource,
-};
+use crease::internal::bake::RelaxResult;
+use crease::internal::files::GarmentFile;
+use crease::internal::report::{TransferReport, crossing_counts, source_crossings};
+use crease::internal::transfer::mesh_along_creases;
+use crease::internal::transfer::{Align, MatchBy, PointPair, Transfer, TransferResult, TransferSource};
+use crease_io::{Landmarks, ReadOptions, Sidecar};
+use crease_model::error::Result;
+use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
+use crease_model::garment::WornGarment;
+use crease_model::remesh::{Channels, GarmentSurface};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::time::Instant;

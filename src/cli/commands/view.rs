@@ -1,18 +1,18 @@
 //! `crease view`: an interactive page of worn garments in one self-contained file.
 
-use crate::cli::args::color_by::ColorByArg;
-use crate::cli::args::values::html_path;
-use crate::cli::files::input;
-use crate::cli::files::output::{self, Outputs};
-use crate::cli::files::view_file::ViewFile;
-use crate::cli::runtime::console;
-use crease::files::{GarmentFile, embed_asset_images, read_asset_file};
-use crease::io::ReadOptions;
-use crease::io::gltf::plain_glb;
-use crease::math::Vec3;
-use crease::mesh::PointIndex;
-use crease::report::{GarmentView, HingeLabel, ViewerItem, ViewerPiece, viewer_page};
-use crease::{Error, Result};
+use crate::args::color_by::ColorByArg;
+use crate::args::values::html_path;
+use crate::files::input;
+use crate::files::output::{self, Outputs};
+use crate::files::view_file::ViewFile;
+use crate::runtime::console;
+use crease::internal::files::{GarmentFile, embed_asset_images, read_asset_file};
+use crease::internal::report::{GarmentView, HingeLabel, ViewerItem, ViewerPiece, viewer_page};
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::PointIndex;
+use crease_io::ReadOptions;
+use crease_io::gltf::plain_glb;
+use crease_model::error::{Error, Result};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]

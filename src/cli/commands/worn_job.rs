@@ -2,24 +2,24 @@
 //! it checks that every output can be written; after it, it writes the worn garment, its sidecar,
 //! the report and the files beside them, all or none, and prints the outcome.
 
-use crate::cli::args::apply::ApplyArgs;
-use crate::cli::args::export::ExportArgs;
-use crate::cli::args::refine::{RefineArgs, Refinement};
-use crate::cli::args::run::RunArgs;
-use crate::cli::files::frame_sequence::frame_paths;
-use crate::cli::files::input;
-use crate::cli::files::output::{self, Outputs, is_stream};
-use crate::cli::files::worn_outputs::WornOutputs;
-use crate::cli::runtime::console;
-use crease::fabric::Fabric;
-use crease::files::GarmentFile;
-use crease::garment::{SourceAsset, WornGarment, mistaken_body};
-use crease::io::gltf::write_worn_glb_with;
-use crease::io::{Sidecar, UsdFrames, read_shape_obj, write_sidecar_to};
-use crease::math::Vec3;
-use crease::report::render::{Camera, encode_png};
-use crease::report::{ColorBy, DetailReport, ExportCheck, GarmentView, Report, TransferReport};
-use crease::{Error, Result};
+use crate::args::apply::ApplyArgs;
+use crate::args::export::ExportArgs;
+use crate::args::refine::{RefineArgs, Refinement};
+use crate::args::run::RunArgs;
+use crate::files::frame_sequence::frame_paths;
+use crate::files::input;
+use crate::files::output::{self, Outputs, is_stream};
+use crate::files::worn_outputs::WornOutputs;
+use crate::runtime::console;
+use crease::internal::files::GarmentFile;
+use crease::internal::report::render::{Camera, encode_png};
+use crease::internal::report::{ColorBy, DetailReport, ExportCheck, GarmentView, Report, TransferReport};
+use crease_geometry::math::Vec3;
+use crease_io::gltf::write_worn_glb_with;
+use crease_io::{Sidecar, UsdFrames, read_shape_obj, write_sidecar_to};
+use crease_model::error::{Error, Result};
+use crease_model::fabric::Fabric;
+use crease_model::garment::{SourceAsset, WornGarment, mistaken_body};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 

@@ -3,11 +3,11 @@
 //!
 //! Failure to write a checkpoint (a full disk) is only a warning, as the run itself may still succeed.
 
-use crate::cli::files::input;
-use crate::cli::files::output::is_stream;
-use crate::cli::runtime::console;
-use crease::Result;
-use crease::bake::Checkpoint;
+use crate::files::input;
+use crate::files::output::is_stream;
+use crate::runtime::console;
+use crease::internal::bake::Checkpoint;
+use crease_model::error::Result;
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};

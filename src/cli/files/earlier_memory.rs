@@ -1,13 +1,13 @@
 //! Memory of an earlier run: a worn file names its sidecar, which stands beside it.
 
-use crate::cli::files::input;
-use crease::Result;
-use crease::fabric::Fabric;
-use crease::files::GarmentFile;
-use crease::garment::RestState;
-use crease::io::gltf::{EarlierWear, earlier_wear};
-use crease::io::read_sidecar;
-use crease::transfer::earlier_memory;
+use crate::files::input;
+use crease::internal::files::GarmentFile;
+use crease::internal::files::memory_of_earlier_run;
+use crease_io::gltf::{EarlierWear, earlier_wear};
+use crease_io::read_sidecar;
+use crease_model::error::Result;
+use crease_model::fabric::Fabric;
+use crease_model::garment::RestState;
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -46,7 +46,7 @@ impl EarlierMemory {
         };
         let file = input::name_of(&beside);
         let sidecar = read_sidecar(&file, &input::bytes(&beside)?)?;
-        let Some(memory) = earlier_memory(&file, &sidecar, &mesh.garment, &mesh.asset)? else {
+        let Some(memory) = memory_of_earlier_run(&file, &sidecar, &mesh.garment, &mesh.asset)? else {
             let what = sidecar.mesh_mismatch(&mesh.asset).unwrap_or_default();
             return Ok(Some(Err(format!(
                 "{file} {what}; put the sidecar that was written with this file beside it"

@@ -1,12 +1,12 @@
 //! `--frames DIR`: the garment over time as frame_0000.obj, frame_0001.obj, ... Each frame is written as soon as it is due,
 //! whole or not at all, so that a run can be watched and an interrupted run keeps its frames.
 
-use crate::cli::files::input::name_of;
-use crate::cli::files::output::Outputs;
-use crease::io::{FrameRow, FrameRows, write_frame_obj};
-use crease::math::Vec3;
-use crease::mesh::PointIndex;
-use crease::{Error, Result};
+use crate::files::input::name_of;
+use crate::files::output::Outputs;
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::PointIndex;
+use crease_io::{FrameRow, FrameRows, write_frame_obj};
+use crease_model::error::{Error, Result};
 use std::path::{Path, PathBuf};
 
 /// Writer of the frames of one run.

@@ -1,10 +1,10 @@
 //! A folder of numbered OBJ frames, read in order.
 
-use crate::cli::files::input::{merge_errors, name_of};
-use crease::files::read_asset_file;
-use crease::garment::{SourceAsset, SourceFormat};
-use crease::io::ReadOptions;
-use crease::{Error, Result};
+use crate::files::input::{merge_errors, name_of};
+use crease::internal::files::read_asset_file;
+use crease_io::ReadOptions;
+use crease_model::error::{Error, Result};
+use crease_model::garment::{SourceAsset, SourceFormat};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 

@@ -1,12 +1,14 @@
 //! Whole input files, with error messages a user can act on.
 
-use crease::fabric::Fabric;
-use crease::garment::SourceFormat;
-use crease::io::{USD_EXTENSIONS, is_usd};
-use crease::{Diagnostic, Error, Result};
+use crease_io::{USD_EXTENSIONS, is_usd};
+use crease_model::error::{Diagnostic, Error, Result};
+use crease_model::fabric::Fabric;
+use crease_model::garment::SourceFormat;
 use std::path::Path;
 
-pub use crease::files::{STANDARD_STREAM, file_name as name_of, read_bytes as bytes, read_text as text};
+pub use crease::internal::files::{
+    STANDARD_STREAM, file_name as name_of, read_bytes as bytes, read_text as text,
+};
 
 /// Reads a fabric: a preset if `name` is one, otherwise a file. `./NAME` names the file where both exist.
 pub fn fabric(name: &str) -> Result<Fabric> {

@@ -1,9 +1,9 @@
 //! Output files, written whole or not at all: under temporary names in the same folder, and renamed together at the end.
 //! An interrupted or failed run leaves existing files untouched.
 
-use crate::cli::files::input::{self, STANDARD_STREAM};
-use crate::cli::runtime::console;
-use crease::{Error, Result};
+use crate::files::input::{self, STANDARD_STREAM};
+use crate::runtime::console;
+use crease_model::error::{Error, Result};
 use std::fs::{File, Permissions};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};

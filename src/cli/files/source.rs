@@ -1,15 +1,17 @@
 //! Sources of a transfer: sidecars by path, or by the worn glTF that names one, and what is said of them in report and sidecar.
 
-use crate::cli::files::input;
-use crease::bake::{RelaxResult, relax_carried};
-use crease::fabric::{DEFAULT_FABRIC, Fabric};
-use crease::files::read_asset_file;
-use crease::garment::Garment;
-use crease::io::gltf::sidecar_name;
-use crease::io::{ReadOptions, Sidecar, read_sidecar};
-use crease::report::CarriedSource;
-use crease::transfer::{TransferResult, TransferSource};
-use crease::{Error, Result};
+use crate::files::input;
+use crease::internal::bake::RelaxResult;
+use crease::internal::files::read_asset_file;
+use crease::internal::files::transfer_source;
+use crease::internal::report::CarriedSource;
+use crease::internal::transfer::relax_carried;
+use crease::internal::transfer::{TransferResult, TransferSource};
+use crease_io::gltf::sidecar_name;
+use crease_io::{ReadOptions, Sidecar, read_sidecar};
+use crease_model::error::{Error, Result};
+use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
+use crease_model::garment::Garment;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -19,7 +21,7 @@ pub fn read_source(path: &Path) -> Result<(TransferSource, Sidecar)> {
     let path = named.as_deref().unwrap_or(path);
     let file = input::name_of(path);
     let sidecar = read_sidecar(&file, &input::bytes(path)?)?;
-    Ok((TransferSource::from_sidecar(&file, &sidecar)?, sidecar))
+    Ok((transfer_source(&file, &sidecar)?, sidecar))
 }
 
 /// Returns the sidecar that the worn glTF `path` names.

@@ -1,12 +1,12 @@
 //! A garment to be looked at, read from any mesh file, with the sidecar beside it.
 
-use crate::cli::files::input;
-use crease::files::read_asset_file;
-use crease::garment::SourceAsset;
-use crease::io::gltf::{keep_worn_pieces, sidecar_name};
-use crease::io::{ReadOptions, Sidecar, read_sidecar};
-use crease::report::GarmentView;
-use crease::{Error, Result};
+use crate::files::input;
+use crease::internal::files::read_asset_file;
+use crease::internal::report::GarmentView;
+use crease_io::gltf::{keep_worn_pieces, sidecar_name};
+use crease_io::{ReadOptions, Sidecar, read_sidecar};
+use crease_model::error::{Error, Result};
+use crease_model::garment::SourceAsset;
 use std::path::Path;
 
 /// A garment to be drawn.

@@ -1,8 +1,8 @@
 //! Wear scripts by path, or by the name of one that is part of the program.
 
-use crate::cli::files::input::{self, STANDARD_STREAM};
-use crease::Result;
-use crease::wear::WearScript;
+use crate::files::input::{self, STANDARD_STREAM};
+use crease::internal::wear::WearScript;
+use crease_model::error::Result;
 use std::path::Path;
 
 /// Reads the script `path`: a file, or else the script of that name.

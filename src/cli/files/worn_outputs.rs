@@ -1,6 +1,6 @@
 //! Paths of the files that describe a worn garment.
 
-use crate::cli::files::output::is_stream;
+use crate::files::output::is_stream;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 

@@ -1,6 +1,6 @@
 //! Path of this program, to start it again for a job of a batch.
 
-use crease::{Error, Result};
+use crease_model::error::{Error, Result};
 use std::path::PathBuf;
 
 /// Names the program where it does not run as its own executable, such as within Python.

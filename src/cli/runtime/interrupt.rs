@@ -1,7 +1,7 @@
 //! Ctrl-C and SIGTERM. While a run holds unsaved results the first signal asks it to stop after the current step and
 //! the second one ends it; otherwise the first signal ends it.
 
-use crease::Result;
+use crease_model::error::Result;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::{SigId, flag, low_level};
 use std::sync::Arc;
@@ -44,7 +44,7 @@ impl Interrupt {
                 flag::register(signal, requested.clone()),
                 flag::register(signal, exit_immediately.clone()),
             ] {
-                let failed = |source| crease::Error::File { file: "signals".to_owned(), source };
+                let failed = |source| crease_model::error::Error::File { file: "signals".to_owned(), source };
                 handlers.0.push(register.map_err(failed)?);
             }
         }

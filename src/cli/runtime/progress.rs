@@ -1,7 +1,7 @@
 //! Progress of a run on stderr: a bar with the remaining time on a terminal, otherwise a text or JSON line every few
 //! seconds.
 
-use crate::cli::runtime::console;
+use crate::runtime::console;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 use std::io::IsTerminal;

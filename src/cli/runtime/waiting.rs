@@ -1,6 +1,6 @@
 //! Elapsed time of a computation whose length is unknown: a spinner on a terminal, otherwise a line every half minute.
 
-use crate::cli::runtime::console;
+use crate::runtime::console;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::Arc;

@@ -4,11 +4,11 @@
 //! (Blender writes them for empty morph targets). All values are converted to f64. Does not decode compressed buffer
 //! views: documents that need them are rejected before anything is read.
 
-use crate::Result;
-use crate::garment::GltfDocument;
-use crate::io::gltf::json_cursor::Cursor;
-use crate::io::tuning::TUNING;
-use crate::math::Mat4;
+use crate::gltf::json_cursor::Cursor;
+use crate::tuning::TUNING;
+use crease_geometry::math::Mat4;
+use crease_model::error::Result;
+use crease_model::garment::GltfDocument;
 use serde_json::Value;
 
 /// Content of an accessor: rows of equal width.

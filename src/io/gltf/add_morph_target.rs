@@ -10,15 +10,15 @@
 //! own copy of the mesh, so that the other keeps its shape.
 //! A mesh that was worn before (it names a sidecar) has its old worn target replaced: two would add up.
 
-use crate::garment::GltfDocument;
-use crate::io::gltf::animated_weights::{WeightEdit, edit_animations};
-use crate::io::gltf::append::{Appender, Purpose};
-use crate::io::gltf::names::{
+use crate::gltf::animated_weights::{WeightEdit, edit_animations};
+use crate::gltf::append::{Appender, Purpose};
+use crate::gltf::names::{
     DRACO_EXTENSION, EXTRAS_KEY, FORMER_REST_ANGLE_ATTRIBUTE, REST_ANGLE_CHANGE_ATTRIBUTE,
     STIFFNESS_ATTRIBUTE, WORN_TARGET,
 };
-use crate::io::gltf::worn_target::WornTarget;
-use crate::{Error, Result};
+use crate::gltf::worn_target::WornTarget;
+use crease_model::error::{Error, Result};
+use crease_model::garment::GltfDocument;
 use serde_json::{Map, Value, json};
 
 /// Primitive of the document with its worn target.

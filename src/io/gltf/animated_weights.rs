@@ -6,10 +6,10 @@
 //! the worn target's tangents are 0. A sampler that other channels use stays, and the channel gets a copy.
 //! Channels are found by node, and by `KHR_animation_pointer` to the weights of the node or of the mesh.
 
-use crate::Result;
-use crate::garment::GltfDocument;
-use crate::io::gltf::accessor::Accessors;
-use crate::io::gltf::append::{Appender, Purpose};
+use crate::gltf::accessor::Accessors;
+use crate::gltf::append::{Appender, Purpose};
+use crease_model::error::Result;
+use crease_model::garment::GltfDocument;
 use serde_json::{Map, Value, json};
 
 /// Edit of the weights of all keys.

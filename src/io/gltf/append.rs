@@ -5,9 +5,9 @@
 //! concatenated, and each view gets its buffer's offset added. The bytes stay unchanged. Names and extras of the buffers
 //! after the first are lost. Writes floats only; knows nothing about meshes.
 
-use crate::garment::{GlbChunk, GltfDocument};
-use crate::io::gltf::container::{append_chunks, join_glb};
-use crate::{Error, Result};
+use crate::gltf::container::{append_chunks, join_glb};
+use crease_model::error::{Error, Result};
+use crease_model::garment::{GlbChunk, GltfDocument};
 use serde_json::{Map, Value, json};
 
 /// Component type of 32-bit unsigned integers.

@@ -8,19 +8,19 @@
 //!
 //! Numbers go where the old ones were, if nothing else uses them, so that the file does not grow.
 
-use crate::garment::GltfDocument;
-use crate::io::error_list::ErrorList;
-use crate::io::gltf::accessor::Accessors;
-use crate::io::gltf::animated_weights::{WeightEdit, edit_animations};
-use crate::io::gltf::append::{Appender, Purpose};
-use crate::io::gltf::buffers::load_buffers;
-use crate::io::gltf::container::{other_chunks, split_glb};
-use crate::io::gltf::flat_shading::SmoothShape;
-use crate::io::gltf::json_cursor::Cursor;
-use crate::io::gltf::names::{APPLIED_KEY, EXTRAS_KEY, UNWORN_TARGET, WORN_TARGET};
-use crate::math::Vec3;
-use crate::mesh::PointIndex;
-use crate::{Error, Result};
+use crate::error_list::ErrorList;
+use crate::gltf::accessor::Accessors;
+use crate::gltf::animated_weights::{WeightEdit, edit_animations};
+use crate::gltf::append::{Appender, Purpose};
+use crate::gltf::buffers::load_buffers;
+use crate::gltf::container::{other_chunks, split_glb};
+use crate::gltf::flat_shading::SmoothShape;
+use crate::gltf::json_cursor::Cursor;
+use crate::gltf::names::{APPLIED_KEY, EXTRAS_KEY, UNWORN_TARGET, WORN_TARGET};
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::PointIndex;
+use crease_model::error::{Error, Result};
+use crease_model::garment::GltfDocument;
 use rustc_hash::FxHashMap;
 use serde_json::{Map, Value, json};
 
@@ -303,7 +303,7 @@ fn smooth_normals(base: &[f64], shift: &[f64], corners: &[u32]) -> Vec<[Vec3; 2]
     let [source, worn] = [&points, &after].map(|x| SmoothShape::new(&points, x, &triangles));
     let mut alone = vec![Vec3::zeros(); vertices.len()];
     for t in &own {
-        let area = crate::mesh::triangle::area_vector(&t.map(|v| vertices[v]));
+        let area = crease_geometry::mesh::triangle::area_vector(&t.map(|v| vertices[v]));
         t.iter().for_each(|&v| alone[v] += area);
     }
     let pair = |(v, alone): (usize, &Vec3)| {

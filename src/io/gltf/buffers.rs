@@ -1,12 +1,12 @@
 //! Loads the buffers of a document: the binary chunk of a GLB, data addresses, and external files, which the caller
 //! fetches. A buffer without data (fallback of a compression) is empty; reading it fails.
 
-use crate::io::error_list::ErrorList;
-use crate::io::gltf::json_cursor::Cursor;
-use crate::{Diagnostic, Error, Result};
+use crate::error_list::ErrorList;
+use crate::gltf::json_cursor::Cursor;
 use base64::Engine;
 use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+use crease_model::error::{Diagnostic, Error, Result};
 
 /// Base64 decoder that accepts any padding, as writers disagree about it.
 const BASE64: GeneralPurpose = GeneralPurpose::new(

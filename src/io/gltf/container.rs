@@ -4,8 +4,8 @@
 //! Chunks of other types are kept. Reading is implemented here, because the crate subtracts the header's size from an unchecked length (a panic on a
 //! damaged file) and rejects unknown chunks, which the specification tells readers to skip. Only parses the JSON.
 
-use crate::garment::GlbChunk;
-use crate::{Error, Result};
+use crease_model::error::{Error, Result};
+use crease_model::garment::GlbChunk;
 use serde_json::Value;
 use std::borrow::Cow;
 

@@ -1,13 +1,13 @@
 //! Reads the contents of a glTF document beside its triangles, for `crease inspect`.
 
-use crate::Result;
-use crate::body::rig::Rig;
-use crate::garment::{
+use crate::gltf::json_cursor::Cursor;
+use crate::gltf::rig::read_rig;
+use crease_geometry::math::{Mat4, Vec3};
+use crease_model::body::rig::Rig;
+use crease_model::error::Result;
+use crease_model::garment::{
     ClipReport, FileContents, JointReport, MorphReport, PieceAttributes, SourceAsset, SourcePiece,
 };
-use crate::io::gltf::json_cursor::Cursor;
-use crate::io::gltf::rig::read_rig;
-use crate::math::{Mat4, Vec3};
 
 /// Returns the contents of `asset`; those of an OBJ file are empty.
 pub fn file_contents(asset: &SourceAsset) -> Result<FileContents> {
@@ -17,7 +17,7 @@ pub fn file_contents(asset: &SourceAsset) -> Result<FileContents> {
     };
     let root = Cursor::root(&document.json);
     let name = |piece: usize| pieces.get(piece).map(|piece| piece.name.clone()).unwrap_or_default();
-    let clip = |(number, clip): (usize, &crate::body::clip::Clip)| {
+    let clip = |(number, clip): (usize, &crease_model::body::clip::Clip)| {
         let mut moves: Vec<String> = rig.pieces_moved_by(clip).into_iter().map(name).collect();
         moves.dedup();
         ClipReport {

@@ -4,9 +4,9 @@
 //! Only files that are pictures by their first bytes are embedded: a document that names something else by mistake or by
 //! malice keeps the name. Opens no files; decodes no picture.
 
-use crate::Result;
-use crate::garment::GltfDocument;
-use crate::io::gltf::buffers::{decode_base64, resolve_uri};
+use crate::gltf::buffers::{decode_base64, resolve_uri};
+use crease_model::error::Result;
+use crease_model::garment::GltfDocument;
 use serde_json::{Value, json};
 
 /// Embeds every image that `resolve` finds under its (decoded) path. Returns the reasons for images that are not embedded.
@@ -93,7 +93,7 @@ fn push(list: &mut Value, entry: Value) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Error;
+    use crease_model::error::Error;
 
     const PNG: &[u8] = b"\x89PNG\r\n\x1a\n and so on";
 

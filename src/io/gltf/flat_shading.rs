@@ -5,9 +5,9 @@
 //! around its point, of those that lay within [`MAX_SMOOTH_DEG`] of its own before the wear: edges that were hard stay hard.
 //! A vertex whose normal differs from that of a triangle of its own is smooth-shaded and not treated here.
 
-use crate::garment::Garment;
-use crate::math::Vec3;
-use crate::mesh::{PointIndex, triangle};
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::{PointIndex, triangle};
+use crease_model::garment::Garment;
 
 /// Angle between two triangles before the wear up to which their normals are common \[degrees\].
 const MAX_SMOOTH_DEG: f64 = 45.0;

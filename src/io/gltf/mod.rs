@@ -43,10 +43,10 @@ pub use names::{
     FORMER_REST_ANGLE_ATTRIBUTE, REST_ANGLE_CHANGE_ATTRIBUTE, REST_ANGLE_DEG_ATTRIBUTE, STIFFNESS_ATTRIBUTE,
     UNWORN_TARGET, WORN_TARGET,
 };
-pub(in crate::io) use read::read_gltf;
-pub(in crate::io) use read_worn::earlier_wear_note;
+pub(crate) use read::read_gltf;
+pub(crate) use read_worn::earlier_wear_note;
 pub use read_worn::{EarlierWear, WornVertices, earlier_wear, keep_worn_pieces, read_worn, sidecar_name};
 pub use rest_angle_map::write_rest_angle_map;
 pub use rig::read_rig;
-pub(in crate::io) use write::{SceneShape, scene_shapes};
+pub(crate) use write::{SceneShape, scene_shapes};
 pub use write::{plain_glb, write_worn_glb, write_worn_glb_with};

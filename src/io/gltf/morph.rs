@@ -3,11 +3,11 @@
 //!
 //! The target `worn` of an earlier bake is left out: a garment is worn from its shape before the wear.
 
-use crate::Result;
-use crate::io::gltf::accessor::Accessors;
-use crate::io::gltf::json_cursor::Cursor;
-use crate::io::gltf::names::{EXTRAS_KEY, WORN_TARGET};
-use crate::math::Vec3;
+use crate::gltf::accessor::Accessors;
+use crate::gltf::json_cursor::Cursor;
+use crate::gltf::names::{EXTRAS_KEY, WORN_TARGET};
+use crease_geometry::math::Vec3;
+use crease_model::error::Result;
 
 /// Returns the default weights of the targets of mesh `mesh` as `node` shows it; missing ones are 0.
 pub(super) fn default_weights(root: &Cursor, mesh: usize, node: Option<usize>) -> Vec<f64> {

@@ -5,14 +5,14 @@
 //! area-weighted over triangles with a common position, so that texture seams do not show. Materials have the names of the
 //! OBJ's and a plain two-sided cloth colour, as cloth is seen from both sides; the .mtl file is not read.
 
-use crate::garment::{SourceAsset, SourcePiece};
-use crate::io::gltf::add_morph_target::append_worn_target;
-use crate::io::gltf::append::{Appender, Purpose};
-use crate::io::gltf::names::{REST_ANGLE_CHANGE_ATTRIBUTE, STIFFNESS_ATTRIBUTE, WORN_TARGET};
-use crate::io::gltf::worn_target::WornTarget;
-use crate::math::Vec3;
-use crate::mesh::triangle;
-use crate::{Error, Result};
+use crate::gltf::add_morph_target::append_worn_target;
+use crate::gltf::append::{Appender, Purpose};
+use crate::gltf::names::{REST_ANGLE_CHANGE_ATTRIBUTE, STIFFNESS_ATTRIBUTE, WORN_TARGET};
+use crate::gltf::worn_target::WornTarget;
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::triangle;
+use crease_model::error::{Error, Result};
+use crease_model::garment::{SourceAsset, SourcePiece};
 use rustc_hash::FxHashMap;
 use serde_json::{Map, Value, json};
 

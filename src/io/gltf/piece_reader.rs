@@ -1,18 +1,18 @@
 //! Reads the pieces of a glTF document: every primitive that the scene shows, with placement, joints and names.
 
-use crate::garment::{ImportDiagnostic, Placement, Severity, SourceJoint, SourcePiece};
-use crate::io::error_list::ErrorList;
-use crate::io::gltf::accessor::Accessors;
-use crate::io::gltf::json_cursor::Cursor;
-use crate::io::gltf::morph::default_weights;
-use crate::io::gltf::names::{DRACO_CURE, DRACO_EXTENSION, INSTANCING_EXTENSION};
-use crate::io::gltf::primitive::{MaskChannel, MeshData, PrimitiveData, read_primitive};
-use crate::io::gltf::scene::Scene;
-use crate::io::gltf::skin::skinned_vertices;
-use crate::io::pieces::{DamagedPiece, MASK_OPTIONS, NamedPiece, ReadPieces};
-use crate::io::tuning::TUNING;
-use crate::math::{Mat3, Mat4};
-use crate::{Error, Result};
+use crate::error_list::ErrorList;
+use crate::gltf::accessor::Accessors;
+use crate::gltf::json_cursor::Cursor;
+use crate::gltf::morph::default_weights;
+use crate::gltf::names::{DRACO_CURE, DRACO_EXTENSION, INSTANCING_EXTENSION};
+use crate::gltf::primitive::{MaskChannel, MeshData, PrimitiveData, read_primitive};
+use crate::gltf::scene::Scene;
+use crate::gltf::skin::skinned_vertices;
+use crate::pieces::{DamagedPiece, MASK_OPTIONS, NamedPiece, ReadPieces};
+use crate::tuning::TUNING;
+use crease_geometry::math::{Mat3, Mat4};
+use crease_model::error::{Error, Result};
+use crease_model::garment::{ImportDiagnostic, Placement, Severity, SourceJoint, SourcePiece};
 
 /// Reader of the pieces of one document.
 pub(super) struct PieceReader<'a> {

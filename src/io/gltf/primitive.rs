@@ -1,11 +1,11 @@
 //! Reads the data of one primitive: positions, normals, texture coordinates, mask, and its triangles, however they are
 //! listed. The caller places it in the scene.
 
-use crate::Result;
-use crate::io::gltf::accessor::Accessors;
-use crate::io::gltf::json_cursor::Cursor;
-use crate::io::gltf::morph::add_targets;
-use crate::math::{Vec2, Vec3};
+use crate::gltf::accessor::Accessors;
+use crate::gltf::json_cursor::Cursor;
+use crate::gltf::morph::add_targets;
+use crease_geometry::math::{Vec2, Vec3};
+use crease_model::error::Result;
 
 /// Content of a primitive.
 pub(super) enum PrimitiveData {

@@ -4,20 +4,20 @@
 //! A mesh that several nodes show is worn through the first of them: one mesh can keep only one set of wrinkles.
 //! Skinned meshes are in the pose of the file, morphed ones in the shape of their default weights. Plays no animation.
 
-use crate::garment::GltfDocument;
-use crate::io::error_list::ErrorList;
-use crate::io::gltf::accessor::Accessors;
-use crate::io::gltf::buffers::load_buffers;
-use crate::io::gltf::container::{is_glb, other_chunks, parse_json, split_glb};
-use crate::io::gltf::json_cursor::Cursor;
-use crate::io::gltf::meshopt::{MESHOPT_EXTENSION, decode_views, remove_extension};
-use crate::io::gltf::names::{DRACO_CURE, DRACO_EXTENSION};
-use crate::io::gltf::piece_reader::PieceReader;
-use crate::io::gltf::primitive::MaskChannel;
-use crate::io::gltf::scene::Scene;
-use crate::io::pieces::ReadPieces;
-use crate::math::Mat4;
-use crate::{Error, Result};
+use crate::error_list::ErrorList;
+use crate::gltf::accessor::Accessors;
+use crate::gltf::buffers::load_buffers;
+use crate::gltf::container::{is_glb, other_chunks, parse_json, split_glb};
+use crate::gltf::json_cursor::Cursor;
+use crate::gltf::meshopt::{MESHOPT_EXTENSION, decode_views, remove_extension};
+use crate::gltf::names::{DRACO_CURE, DRACO_EXTENSION};
+use crate::gltf::piece_reader::PieceReader;
+use crate::gltf::primitive::MaskChannel;
+use crate::gltf::scene::Scene;
+use crate::pieces::ReadPieces;
+use crease_geometry::math::Mat4;
+use crease_model::error::{Error, Result};
+use crease_model::garment::GltfDocument;
 
 /// Prefixes of extensions that a file may require although they are not supported: they change the look of surfaces or
 /// the behaviour of nodes, not the positions of vertices. Quantised attributes are read, compressed views decoded.
@@ -39,7 +39,7 @@ const HARMLESS_EXTENSIONS: [&str; 15] = [
     "VRMC_materials_",
 ];
 /// Reads the pieces of a glTF file. `resolve` fetches the files that it refers to.
-pub(in crate::io) fn read_gltf(
+pub(crate) fn read_gltf(
     file: &str,
     bytes: &[u8],
     to_scene: &Mat4,

@@ -1,18 +1,18 @@
 //! Tests of reading glTF documents: transforms, layouts, skins, names, and damaged files.
 
-use crate::garment::{ImportDiagnostic, SourceAsset, UpAxis};
-use crate::io::gltf::join_glb;
-use crate::io::{ReadOptions, read_asset};
-use crate::math::{Vec2, Vec3};
+use crate::gltf::join_glb;
+use crate::{ReadOptions, read_asset};
+use crease_geometry::math::{Vec2, Vec3};
+use crease_model::garment::{ImportDiagnostic, SourceAsset, UpAxis};
 use serde_json::{Value, json};
 
 fn read_with(
     document: &Value,
     binary: &[u8],
     options: &ReadOptions,
-) -> crate::Result<(SourceAsset, Vec<ImportDiagnostic>)> {
+) -> crease_model::error::Result<(SourceAsset, Vec<ImportDiagnostic>)> {
     read_asset("test.glb", &join_glb(document, binary), options, &mut |uri| {
-        Err(crate::Error::input(uri, "", "asked for", ""))
+        Err(crease_model::error::Error::input(uri, "", "asked for", ""))
     })
 }
 

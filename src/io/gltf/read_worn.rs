@@ -3,14 +3,14 @@
 //!
 //! The inverse of `write`, and of `apply_worn` after it. Positions have single precision here, double precision in the sidecar.
 
-use crate::Result;
-use crate::garment::{GltfDocument, ImportDiagnostic, Severity, SourceAsset, SourcePiece};
-use crate::io::gltf::accessor::Accessors;
-use crate::io::gltf::names::{
+use crate::gltf::accessor::Accessors;
+use crate::gltf::names::{
     APPLIED_KEY, EXTRAS_KEY, FORMER_REST_ANGLE_ATTRIBUTE, REST_ANGLE_CHANGE_ATTRIBUTE, STIFFNESS_ATTRIBUTE,
     UNWORN_TARGET, WORN_TARGET,
 };
-use crate::math::Vec3;
+use crease_geometry::math::Vec3;
+use crease_model::error::Result;
+use crease_model::garment::{GltfDocument, ImportDiagnostic, Severity, SourceAsset, SourcePiece};
 use serde_json::Value;
 
 /// Wear at the vertices of worn pieces; all lists have one entry per vertex, in file order.
@@ -59,7 +59,7 @@ pub fn earlier_wear(asset: &SourceAsset) -> Option<EarlierWear> {
 }
 
 /// Describes the wear of an earlier run on `asset`, if there is one.
-pub(in crate::io) fn earlier_wear_note(asset: &SourceAsset) -> Option<ImportDiagnostic> {
+pub(crate) fn earlier_wear_note(asset: &SourceAsset) -> Option<ImportDiagnostic> {
     let EarlierWear { piece, sidecar, is_applied } = earlier_wear(asset)?;
     let shape =
         if is_applied { "worn shape, which is the base of the file," } else { "shape before that wear" };

@@ -10,12 +10,12 @@
 //! the squared error (weighted by edge length), until none changes. A vertex has no direction, so that an edge across a
 //! crease cannot always stay flat: the loss is measured when the file is read back.
 
-use crate::garment::{Garment, RestState, SourceAsset};
-use crate::io::gltf::append::{Appender, Purpose};
-use crate::io::gltf::names::REST_ANGLE_DEG_ATTRIBUTE;
-use crate::io::gltf::obj_to_gltf::scene_pieces;
-use crate::io::tuning::TUNING;
-use crate::{Error, Result};
+use crate::gltf::append::{Appender, Purpose};
+use crate::gltf::names::REST_ANGLE_DEG_ATTRIBUTE;
+use crate::gltf::obj_to_gltf::scene_pieces;
+use crate::tuning::TUNING;
+use crease_model::error::{Error, Result};
+use crease_model::garment::{Garment, RestState, SourceAsset};
 use serde_json::{Value, json};
 
 /// Returns per point of `garment` the angle \[degrees, within +-180\] with which edges that take the angle of lesser
@@ -100,7 +100,7 @@ pub fn write_rest_angle_map(asset: &SourceAsset, garment: &Garment, memory: &Res
         if piece.triangles.is_empty() {
             continue;
         }
-        let rows = |all: &[crate::math::Vec3]| -> Vec<[f32; 3]> {
+        let rows = |all: &[crease_geometry::math::Vec3]| -> Vec<[f32; 3]> {
             all.iter().map(|x| [x.x as f32, x.y as f32, x.z as f32]).collect()
         };
         let degrees: Vec<f64> = points.iter().map(|p| per_point[p.at()]).collect();

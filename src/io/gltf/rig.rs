@@ -4,20 +4,20 @@
 //! joints, weights, keys. Clips animate translation, rotation and scale of nodes and the weights of morph targets; other
 //! targets (`KHR_animation_pointer`) are ignored.
 
-use crate::Result;
-use crate::body::clip::{AnimatedProperty, Channel, Clip, Interpolation};
-use crate::body::rig::{JointInfluence, MorphWeights, Rig, RigPiece, SkinBinding, normalise_weights};
-use crate::body::skeleton::{NodeTransform, Skeleton, SkeletonNode};
-use crate::garment::{SourceAsset, SourcePiece};
-use crate::io::error_list::ErrorList;
-use crate::io::gltf::accessor::Accessors;
-use crate::io::gltf::json_cursor::Cursor;
-use crate::io::gltf::morph::default_weights;
-use crate::io::gltf::scene::read_node_transform;
-use crate::io::gltf::skin::{influence_sets, read_joints};
-use crate::io::pieces::to_scene;
-use crate::io::tuning::TUNING;
-use crate::math::{Mat4, Vec3};
+use crate::error_list::ErrorList;
+use crate::gltf::accessor::Accessors;
+use crate::gltf::json_cursor::Cursor;
+use crate::gltf::morph::default_weights;
+use crate::gltf::scene::read_node_transform;
+use crate::gltf::skin::{influence_sets, read_joints};
+use crate::pieces::to_scene;
+use crate::tuning::TUNING;
+use crease_geometry::math::{Mat4, Vec3};
+use crease_model::body::clip::{AnimatedProperty, Channel, Clip, Interpolation};
+use crease_model::body::rig::{JointInfluence, MorphWeights, Rig, RigPiece, SkinBinding, normalise_weights};
+use crease_model::body::skeleton::{NodeTransform, Skeleton, SkeletonNode};
+use crease_model::error::Result;
+use crease_model::garment::{SourceAsset, SourcePiece};
 
 /// Reads the rig of `pieces` of `asset`; `None` if the asset is not glTF.
 pub fn read_rig(asset: &SourceAsset, pieces: &[&SourcePiece]) -> Result<Option<Rig>> {

@@ -3,10 +3,10 @@
 //! The specification asks for a forest; other graphs (two parents, a cycle) are refused, as a traversal would not end or
 //! not be unique.
 
-use crate::body::skeleton::NodeTransform;
-use crate::io::gltf::json_cursor::Cursor;
-use crate::math::{Mat4, Vec3};
-use crate::{Diagnostic, Error, Result};
+use crate::gltf::json_cursor::Cursor;
+use crease_geometry::math::{Mat4, Vec3};
+use crease_model::body::skeleton::NodeTransform;
+use crease_model::error::{Diagnostic, Error, Result};
 use nalgebra::{Quaternion, UnitQuaternion};
 
 /// Nodes of a document.

@@ -4,13 +4,13 @@
 //! By the specification the mesh's own node does not move it. Weights are divided by their sum: files with sums from 0.2
 //! to 1 exist, and their vertices would be drawn to the origin. Plays no animation.
 
-use crate::Result;
-use crate::body::rig::SkinJoint;
-use crate::io::gltf::accessor::{Accessors, Table};
-use crate::io::gltf::json_cursor::Cursor;
-use crate::io::gltf::scene::Scene;
-use crate::io::tuning::TUNING;
-use crate::math::Mat4;
+use crate::gltf::accessor::{Accessors, Table};
+use crate::gltf::json_cursor::Cursor;
+use crate::gltf::scene::Scene;
+use crate::tuning::TUNING;
+use crease_geometry::math::Mat4;
+use crease_model::body::rig::SkinJoint;
+use crease_model::error::Result;
 
 /// Vertices of a primitive in the pose of its skin.
 pub(super) struct SkinnedVertices {

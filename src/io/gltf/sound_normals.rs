@@ -3,10 +3,10 @@
 //! Exporters write zeros for vertices of no triangle and of triangles without area, and lengths other than one. They get a
 //! length of one, or the direction of the triangles around, or any.
 
-use crate::garment::SourcePiece;
-use crate::io::gltf::worn_target::LinearParts;
-use crate::math::Vec3;
-use crate::mesh::triangle;
+use crate::gltf::worn_target::LinearParts;
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::triangle;
+use crease_model::garment::SourcePiece;
 
 /// Difference of the length of a normal from one up to which it is kept \[-\]: that of the validator of glTF.
 const LENGTH_TOL: f64 = 0.006;

@@ -11,10 +11,10 @@
 //! shear with the cloth, then made perpendicular to the new normal. Neither depends on the orientation of triangles.
 //! A vertex whose triangles did not move gets exact zeros. Knows no JSON and no bytes.
 
-use crate::garment::{Garment, WornGarment};
-use crate::io::gltf::flat_shading::{FlatNormals, SmoothShape, flat_vertices};
-use crate::math::{Mat3, Mat4, Vec3};
-use crate::mesh::PointIndex;
+use crate::gltf::flat_shading::{FlatNormals, SmoothShape, flat_vertices};
+use crease_geometry::math::{Mat3, Mat4, Vec3};
+use crease_geometry::mesh::PointIndex;
+use crease_model::garment::{Garment, WornGarment};
 use nalgebra::{Matrix2, Matrix3x2, Rotation3, Unit};
 
 /// Length of the sum of two unit vectors below which they are opposite \[-\]: the sum is rounding error, not a direction.
@@ -297,9 +297,9 @@ fn narrow(v: Vec3) -> Option<[f32; 3]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::garment::RestState;
-    use crate::math::Vec2;
-    use crate::mesh::Topology;
+    use crease_geometry::math::Vec2;
+    use crease_geometry::mesh::Topology;
+    use crease_model::garment::RestState;
 
     /// A sheet of n x n squares in the plane z = 0, point (i, j) at index j (n + 1) + i, one unit wide.
     fn sheet(n: u32) -> Garment {

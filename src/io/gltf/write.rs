@@ -3,21 +3,23 @@
 //! Last stage of the pipeline. glTF input is written unchanged with the worn target added (`add_morph_target`); OBJ input
 //! becomes a new document (`obj_to_gltf`). The numbers are computed in `worn_target`, the same for both.
 //! Vertices keep their number and order, so that rigs, textures and other tools' data still fit. Images that a .gltf
-//! names by a path stay external unless [`crate::io::gltf::embed_images`] has embedded them.
+//! names by a path stay external unless [`crate::gltf::embed_images`] has embedded them.
 
-use crate::garment::{Garment, GltfDocument, Placement, SourceAsset, SourceFormat, SourcePiece, WornGarment};
-use crate::io::gltf::accessor::Accessors;
-use crate::io::gltf::add_morph_target::{WornPrimitive, add_worn_targets};
-use crate::io::gltf::append::Appender;
-use crate::io::gltf::flat_shading::FlatNormals;
-use crate::io::gltf::json_cursor::Cursor;
-use crate::io::gltf::morph::{add_targets, default_weights};
-use crate::io::gltf::obj_to_gltf::{ScenePiece, obj_document, scene_pieces};
-use crate::io::gltf::sound_normals::mend_normals;
-use crate::io::gltf::worn_target::{LinearParts, PieceBase, WornShape, WornTarget};
-use crate::math::Vec3;
-use crate::mesh::PointIndex;
-use crate::{Diagnostic, Error, Result};
+use crate::gltf::accessor::Accessors;
+use crate::gltf::add_morph_target::{WornPrimitive, add_worn_targets};
+use crate::gltf::append::Appender;
+use crate::gltf::flat_shading::FlatNormals;
+use crate::gltf::json_cursor::Cursor;
+use crate::gltf::morph::{add_targets, default_weights};
+use crate::gltf::obj_to_gltf::{ScenePiece, obj_document, scene_pieces};
+use crate::gltf::sound_normals::mend_normals;
+use crate::gltf::worn_target::{LinearParts, PieceBase, WornShape, WornTarget};
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::PointIndex;
+use crease_model::error::{Diagnostic, Error, Result};
+use crease_model::garment::{
+    Garment, GltfDocument, Placement, SourceAsset, SourceFormat, SourcePiece, WornGarment,
+};
 use serde_json::{Map, Value};
 
 /// Writes `asset` as a GLB file in which every worn piece has the shape of `worn` as morph target `worn` with weight 1, and
@@ -57,19 +59,19 @@ pub fn write_worn_glb_with(
 
 /// Shape of a worn piece in the scene, before the wear and what the wear adds; lists are per vertex.
 #[derive(Debug, Clone)]
-pub(in crate::io) struct SceneShape {
+pub(crate) struct SceneShape {
     /// Position [m].
-    pub(in crate::io) positions: Vec<Vec3>,
+    pub(crate) positions: Vec<Vec3>,
     /// Unit normal.
-    pub(in crate::io) normals: Vec<Vec3>,
+    pub(crate) normals: Vec<Vec3>,
     /// Displacement [m].
-    pub(in crate::io) shifts: Vec<Vec3>,
+    pub(crate) shifts: Vec<Vec3>,
     /// Change of the normal.
-    pub(in crate::io) normal_shifts: Vec<Vec3>,
+    pub(crate) normal_shifts: Vec<Vec3>,
 }
 
 /// Computes the shapes of the worn pieces of `asset`.
-pub(in crate::io) fn scene_shapes(
+pub(crate) fn scene_shapes(
     asset: &SourceAsset,
     garment: &Garment,
     worn: &WornGarment,

@@ -7,15 +7,15 @@
 mod lines;
 mod parse;
 
-use crate::garment::{ImportDiagnostic, ObjFace, ObjLines, Placement, Severity, SourcePiece};
-use crate::io::corners::{Corner, CornerVertices};
-use crate::io::error_list::ErrorList;
-use crate::io::obj::parse::{BadPosition, Face, Label, Statements};
-use crate::io::pieces::{DamagedPiece, MASK_OPTIONS, NamedPiece, ReadPieces};
-use crate::io::polygon::Triangulator;
-use crate::math::{Mat4, Vec2, Vec3};
-use crate::mesh::INVALID;
-use crate::{Diagnostic, Error, Result};
+use crate::corners::{Corner, CornerVertices};
+use crate::error_list::ErrorList;
+use crate::obj::parse::{BadPosition, Face, Label, Statements};
+use crate::pieces::{DamagedPiece, MASK_OPTIONS, NamedPiece, ReadPieces};
+use crate::polygon::Triangulator;
+use crease_geometry::math::{Mat4, Vec2, Vec3};
+use crease_geometry::mesh::INVALID;
+use crease_model::error::{Diagnostic, Error, Result};
+use crease_model::garment::{ImportDiagnostic, ObjFace, ObjLines, Placement, Severity, SourcePiece};
 
 /// Name of a piece without object and group.
 const UNNAMED: &str = "default";
@@ -170,11 +170,14 @@ fn named_piece(
 
 #[cfg(test)]
 mod tests {
-    use crate::garment::{ImportDiagnostic, Severity, SourceAsset};
-    use crate::io::{ReadOptions, read_asset};
-    use crate::math::{Vec2, Vec3};
+    use crate::{ReadOptions, read_asset};
+    use crease_geometry::math::{Vec2, Vec3};
+    use crease_model::garment::{ImportDiagnostic, Severity, SourceAsset};
 
-    fn read_with(text: &str, options: &ReadOptions) -> crate::Result<(SourceAsset, Vec<ImportDiagnostic>)> {
+    fn read_with(
+        text: &str,
+        options: &ReadOptions,
+    ) -> crease_model::error::Result<(SourceAsset, Vec<ImportDiagnostic>)> {
         read_asset("test.obj", text.as_bytes(), options, &mut |_| unreachable!("an OBJ refers to nothing"))
     }
 
@@ -303,8 +306,11 @@ mod tests {
     fn unit_and_up_axis_are_applied() {
         let text = "v 0 0 0\nv 100 0 0\nv 0 0 100\nf 1 2 3\n";
         assert!(message(text).contains("--unit cm makes it 1.00 m"), "{}", message(text));
-        let options =
-            ReadOptions { unit_m: Some(0.01), up: Some(crate::garment::UpAxis::Z), ..ReadOptions::default() };
+        let options = ReadOptions {
+            unit_m: Some(0.01),
+            up: Some(crease_model::garment::UpAxis::Z),
+            ..ReadOptions::default()
+        };
         let (asset, _) = read_with(text, &options).unwrap();
         let top = asset.pieces[0].scene_position(2).unwrap();
         assert!((top - Vec3::y()).norm() < 1e-15, "the file's z is up: {top}");

@@ -5,14 +5,14 @@
 //! Indices are resolved here: relative ones against the elements read so far, all of them against the whole file at the
 //! end (some writers put vertices after the faces). Triangulates no faces and makes no pieces: see [`super`].
 
-use crate::Diagnostic;
-use crate::garment::{ImportDiagnostic, Severity};
-use crate::io::corners::Corner;
-use crate::io::error_list::ErrorList;
-use crate::io::obj::lines::Lines;
-use crate::io::tuning::TUNING;
-use crate::math::{Vec2, Vec3};
-use crate::mesh::INVALID;
+use crate::corners::Corner;
+use crate::error_list::ErrorList;
+use crate::obj::lines::Lines;
+use crate::tuning::TUNING;
+use crease_geometry::math::{Vec2, Vec3};
+use crease_geometry::mesh::INVALID;
+use crease_model::error::Diagnostic;
+use crease_model::garment::{ImportDiagnostic, Severity};
 use rustc_hash::FxHashMap;
 
 /// Face: a range of corners with one label.

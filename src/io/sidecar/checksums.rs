@@ -4,8 +4,8 @@
 //! mesh and memory separately, so that an error names the one that changed. Optional in the file: a tool that edits it on
 //! purpose leaves them out. They protect against accidents, not against tampering.
 
-use crate::Diagnostic;
-use crate::io::sidecar::format::{Sidecar, SidecarChecksums};
+use crate::sidecar::format::{Sidecar, SidecarChecksums};
+use crease_model::error::Diagnostic;
 use serde_json::Map;
 use sha2::{Digest, Sha256};
 

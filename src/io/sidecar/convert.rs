@@ -1,16 +1,16 @@
 //! Conversions between a sidecar and the garment, its worn result and its source asset.
 
-use crate::Result;
-use crate::garment::{
-    Garment, RestState, SourceAsset, SourceFormat, SourceJoint, UpAxis, WornGarment, corner_vertices,
-};
-use crate::io::sidecar::format::{
+use crate::sidecar::format::{
     SIDECAR_FORMAT, Sidecar, SidecarHinges, SidecarJoint, SidecarMesh, SidecarPoints, SidecarSource,
     SidecarTriangles, SidecarUp,
 };
-use crate::io::tuning::TUNING;
-use crate::math::{Mat3, Vec2, Vec3, bounds};
-use crate::mesh::PointIndex;
+use crate::tuning::TUNING;
+use crease_geometry::math::{Mat3, Vec2, Vec3, bounds};
+use crease_geometry::mesh::PointIndex;
+use crease_model::error::Result;
+use crease_model::garment::{
+    Garment, RestState, SourceAsset, SourceFormat, SourceJoint, UpAxis, WornGarment, corner_vertices,
+};
 use serde_json::{Map, Value};
 
 impl Sidecar {
@@ -79,7 +79,7 @@ impl Sidecar {
     /// Adds the mesh that was simulated, with its displacement and memory.
     ///
     /// # Errors
-    /// [`crate::Error::Input`] if `worn` does not fit `mesh` or holds a number that is not finite.
+    /// [`crease_model::error::Error::Input`] if `worn` does not fit `mesh` or holds a number that is not finite.
     pub fn with_simulated(self, mesh: &Garment, worn: &WornGarment) -> Result<Self> {
         // Of the file nothing but its name and frame belongs to the mesh.
         let SidecarSource { file, sha256, unit_m, up, .. } = self.source.clone();

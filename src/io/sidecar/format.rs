@@ -1,6 +1,6 @@
 //! Fields of the sidecar, format `crease-sidecar/1`.
 //!
-//! Units stand in the names; points are in metres, y up; hinges are numbered as in [`crate::mesh::Topology`] (x0 x1 the
+//! Units stand in the names; points are in metres, y up; hinges are numbered as in [`crease_geometry::mesh::Topology`] (x0 x1 the
 //! shared edge, x2 x3 opposite; 0 rad is flat). Fields unknown to this version are kept and written again, so that data
 //! of later tools survive.
 

@@ -8,6 +8,7 @@ mod checksums;
 mod convert;
 mod format;
 mod read_write;
+mod surface;
 #[cfg(test)]
 mod tests;
 mod validate;
@@ -17,3 +18,4 @@ pub use format::{
     SidecarSource, SidecarTriangles, SidecarUp,
 };
 pub use read_write::{read_sidecar, write_sidecar, write_sidecar_to};
+pub use surface::sidecar_surface;

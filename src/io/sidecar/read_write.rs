@@ -1,8 +1,8 @@
 //! Sidecars as JSON text.
 
-use crate::io::sidecar::format::{SIDECAR_FORMAT, Sidecar};
-use crate::io::sidecar::validate::{REWRITE_HELP, wrong_format};
-use crate::{Error, Result};
+use crate::sidecar::format::{SIDECAR_FORMAT, Sidecar};
+use crate::sidecar::validate::{REWRITE_HELP, wrong_format};
+use crease_model::error::{Error, Result};
 use serde::Deserialize;
 use std::io::Write;
 

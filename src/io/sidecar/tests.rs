@@ -1,11 +1,11 @@
 //! Tests of the sidecar: the contract of its fields, reading as the inverse of writing, and damaged files.
 
 use super::*;
-use crate::garment::{
+use crease_geometry::math::{Mat4, Vec2, Vec3};
+use crease_geometry::mesh::{PointIndex, Topology};
+use crease_model::garment::{
     Garment, Placement, RestState, SourceAsset, SourceFormat, SourcePiece, UpAxis, WornGarment,
 };
-use crate::math::{Mat4, Vec2, Vec3};
-use crate::mesh::{PointIndex, Topology};
 use serde_json::{Value, json};
 
 /// Two triangles over four points; five source vertices, as one is split at a seam.
@@ -206,9 +206,9 @@ fn edited_numbers_are_refused_unless_the_checksums_go_too() {
 #[test]
 fn a_sidecar_knows_its_mesh_from_another() {
     let read = |text: &str| {
-        let options = crate::io::ReadOptions::default();
+        let options = crate::ReadOptions::default();
         let mut nothing = |_: &str| Ok(Vec::new());
-        crate::io::read_asset("m.obj", text.as_bytes(), &options, &mut nothing).unwrap().0
+        crate::read_asset("m.obj", text.as_bytes(), &options, &mut nothing).unwrap().0
     };
     let own = read("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     let (garment, _) = Garment::from_asset(&own).unwrap();

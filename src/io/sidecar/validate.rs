@@ -2,8 +2,8 @@
 //!
 //! Does not check that the hinges are those of the triangles (`transfer` does), nor that texture coordinates make sense.
 
-use crate::io::sidecar::format::{SIDECAR_FORMAT, Sidecar};
-use crate::{Diagnostic, Error, Result};
+use crate::sidecar::format::{SIDECAR_FORMAT, Sidecar};
+use crease_model::error::{Diagnostic, Error, Result};
 
 /// Help for a sidecar that contradicts itself.
 pub(super) const REWRITE_HELP: &str = "use the sidecar as crease wrote it, or bake again";

@@ -1,14 +1,14 @@
 //! Meshes that renderers show, their materials, and the frames of a bake.
 
-use crate::Result;
-use crate::fabric::Fabric;
-use crate::garment::{Garment, SourceAsset, SourcePiece, WornGarment};
-use crate::io::gltf::{SceneShape, scene_shapes};
-use crate::io::usd::prim::{Prim, extent, identifier, list, texture_coordinates, vectors};
-use crate::io::usd::scene::{MATERIALS, PHYSICS_MATERIAL, ROOT, UsdFrames};
-use crate::io::usd::skeleton::UsdSkeleton;
-use crate::io::usd::texture::{SurfaceTextures, UsdTexture, material_of, usd_textures};
-use crate::math::Vec3;
+use crate::gltf::{SceneShape, scene_shapes};
+use crate::usd::prim::{Prim, extent, identifier, list, texture_coordinates, vectors};
+use crate::usd::scene::{MATERIALS, PHYSICS_MATERIAL, ROOT, UsdFrames};
+use crate::usd::skeleton::UsdSkeleton;
+use crate::usd::texture::{SurfaceTextures, UsdTexture, material_of, usd_textures};
+use crease_geometry::math::Vec3;
+use crease_model::error::Result;
+use crease_model::fabric::Fabric;
+use crease_model::garment::{Garment, SourceAsset, SourcePiece, WornGarment};
 use serde_json::Value;
 
 /// Base colour of a piece without material: light grey, as in the glTF of an OBJ.

@@ -14,8 +14,10 @@
 
 mod cloth;
 mod prim;
+#[cfg(feature = "usd")]
 mod reader;
 mod scene;
+mod signature;
 mod simulation;
 mod skeleton;
 mod texture;
@@ -24,19 +26,20 @@ pub use scene::{UsdFrames, UsdScene, UsdShape};
 pub use simulation::{UsdaMemory, read_usda, wrapped_deg};
 pub use texture::{UsdTexture, usd_textures};
 
+#[cfg(feature = "usd")]
 pub(super) use reader::read_usd;
-pub use reader::{FILE_EXTENSIONS, is_usd};
+pub use signature::{FILE_EXTENSIONS, is_usd};
 
-use crate::Result;
-use crate::io::usd::cloth::{cloth_meshes, frames_mesh, materials};
-use crate::io::usd::prim::Prim;
-use crate::io::usd::simulation::simulation_mesh;
-use crate::io::usd::skeleton::UsdSkeleton;
+use crate::usd::cloth::{cloth_meshes, frames_mesh, materials};
+use crate::usd::prim::Prim;
+use crate::usd::simulation::simulation_mesh;
+use crate::usd::skeleton::UsdSkeleton;
+use crease_model::error::Result;
 
 /// Writes `scene` as USDA text.
 ///
 /// # Errors
-/// [`crate::Error::Input`] for a skin that cannot be read, and for shapes beyond single precision.
+/// [`crease_model::error::Error::Input`] for a skin that cannot be read, and for shapes beyond single precision.
 pub fn write_usda(scene: &UsdScene) -> Result<Vec<u8>> {
     let UsdScene { name, asset, garment, worn, rest, fabric, frames } = *scene;
     let skeleton = UsdSkeleton::of_asset(asset)?;

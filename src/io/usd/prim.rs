@@ -1,6 +1,6 @@
 //! Prims of a USD file as text, and the text of their values.
 
-use crate::math::{Mat4, Vec2, Vec3};
+use crease_geometry::math::{Mat4, Vec2, Vec3};
 use std::fmt::Write;
 
 /// A prim: type, name, API schemas, lines of properties, children.

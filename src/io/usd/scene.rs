@@ -1,8 +1,8 @@
 //! What a USD file is made of, and the names in it.
 
-use crate::fabric::Fabric;
-use crate::garment::{Garment, SourceAsset, WornGarment};
-use crate::math::Vec3;
+use crease_geometry::math::Vec3;
+use crease_model::fabric::Fabric;
+use crease_model::garment::{Garment, SourceAsset, WornGarment};
 
 /// Path of the root.
 pub(super) const ROOT: &str = "/Garment";

@@ -7,11 +7,11 @@
 //! too. Angles lie in [-180, 180); positive where the wings fold away from the normals, as everywhere in crease. (The
 //! proposal leaves the sign open.) It is a guide: renderers leave it out.
 
-use crate::garment::Garment;
-use crate::io::usd::prim::{Prim, extent, list, vectors};
-use crate::io::usd::scene::{MATERIALS, PHYSICS_MATERIAL, UsdShape};
-use crate::math::Vec3;
-use crate::{Error, Result};
+use crate::usd::prim::{Prim, extent, list, vectors};
+use crate::usd::scene::{MATERIALS, PHYSICS_MATERIAL, UsdShape};
+use crease_geometry::math::Vec3;
+use crease_model::error::{Error, Result};
+use crease_model::garment::Garment;
 
 /// Bending and rest points of a file, as read back.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -56,7 +56,7 @@ pub fn wrapped_deg(angle: f64) -> f64 {
     (angle.to_degrees() + 180.0).rem_euclid(360.0) - 180.0
 }
 
-/// Reads the bending data of a file of [`crate::io::write_usda`]; `file` names it in diagnostics.
+/// Reads the bending data of a file of [`crate::write_usda`]; `file` names it in diagnostics.
 pub fn read_usda(file: &str, bytes: &[u8]) -> Result<UsdaMemory> {
     let text = String::from_utf8_lossy(bytes);
     let numbers = |name: &str| -> Result<Vec<f64>> {
@@ -94,9 +94,9 @@ mod tests {
     #[test]
     fn the_layout_of_two_triangles_is_fixed() {
         let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 4 3 2\n";
-        let options = crate::io::ReadOptions::default();
+        let options = crate::ReadOptions::default();
         let (asset, _) =
-            crate::io::read_asset("two.obj", text.as_bytes(), &options, &mut |_| Ok(Vec::new())).unwrap();
+            crate::read_asset("two.obj", text.as_bytes(), &options, &mut |_| Ok(Vec::new())).unwrap();
         let (garment, _) = Garment::from_asset(&asset).unwrap();
         let still = vec![Vec3::zeros(); 4];
         let shape = UsdShape { worn: &still, rest: &still, rest_angle: &[0.5] };

@@ -3,13 +3,13 @@
 //! The pose of the file is both bind pose and rest pose, in the scene, so that the mesh stands as its file has it. Moving a
 //! joint from there moves the cloth as in glTF where the file is in its bind pose.
 
-use crate::Result;
-use crate::body::rig::SkinBinding;
-use crate::garment::{SourceAsset, SourcePiece};
-use crate::io::gltf::read_rig;
-use crate::io::usd::prim::{Prim, identifier, list, matrix};
-use crate::io::usd::scene::ROOT;
-use crate::math::Mat4;
+use crate::gltf::read_rig;
+use crate::usd::prim::{Prim, identifier, list, matrix};
+use crate::usd::scene::ROOT;
+use crease_geometry::math::Mat4;
+use crease_model::body::rig::SkinBinding;
+use crease_model::error::Result;
+use crease_model::garment::{SourceAsset, SourcePiece};
 
 /// Joints and weights.
 pub(super) struct UsdSkeleton {
@@ -70,7 +70,7 @@ impl UsdSkeleton {
             match &piece.binding {
                 SkinBinding::Skin { joints, influences: own } => {
                     let places: Vec<usize> = joints.iter().map(|joint| place(joint.node)).collect();
-                    let of_vertex = |own: &Vec<crate::body::rig::JointInfluence>| {
+                    let of_vertex = |own: &Vec<crease_model::body::rig::JointInfluence>| {
                         let known =
                             own.iter().filter_map(|i| Some((*places.get(i.joint as usize)?, i.weight)));
                         known.collect()
@@ -129,7 +129,7 @@ impl UsdSkeleton {
 }
 
 /// Returns the path of a node, with names that differ between all nodes.
-fn path(skeleton: &crate::body::skeleton::Skeleton, node: usize) -> String {
+fn path(skeleton: &crease_model::body::skeleton::Skeleton, node: usize) -> String {
     let nodes = skeleton.nodes();
     let (mut parts, mut at) = (Vec::new(), Some(node));
     while let Some(k) = at.filter(|_| parts.len() <= nodes.len()) {

@@ -3,9 +3,9 @@
 //! Base colour with its factor and transparency, and the normal map; PNG and JPEG by the first texture coordinates. Textures that are
 //! transformed, of other formats or by other coordinates are left out, and the factor of the base colour counts alone.
 
-use crate::garment::{GltfDocument, SourceAsset, SourcePiece};
-use crate::io::gltf::image_bytes;
-use crate::io::usd::prim::Prim;
+use crate::gltf::image_bytes;
+use crate::usd::prim::Prim;
+use crease_model::garment::{GltfDocument, SourceAsset, SourcePiece};
 use serde_json::Value;
 
 /// Picture that a scene refers to.

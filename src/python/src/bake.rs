@@ -1,16 +1,18 @@
 //! `bake`, as `crease bake` does it without a body.
 
-use crate::cli::files::earlier_memory::EarlierMemory;
 use crate::convert::{
     FileReading, ReadGarment, ReadScript, check_not_negative, choice, exception, fabric, garment, script,
 };
 use crate::process::check_not_forked;
 use crate::worn::PyWorn;
-use crease::bake::{Bake, BakeOptions, BakeProgress, BakeResult, Observer, Quality};
-use crease::garment::mistaken_body;
-use crease::report::{CrossingCounts, Report, crossing_counts, source_crossings};
-use crease::sim::Sewing;
-use crease::{Fabric, GarmentFile, Sidecar};
+use crease::internal::bake::{Bake, BakeOptions, BakeProgress, BakeResult, Observer, Quality};
+use crease::internal::files::GarmentFile;
+use crease::internal::report::{CrossingCounts, Report, crossing_counts, source_crossings};
+use crease_cli::files::earlier_memory::EarlierMemory;
+use crease_io::Sidecar;
+use crease_model::fabric::Fabric;
+use crease_model::garment::mistaken_body;
+use crease_solver::sim::Sewing;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
@@ -78,11 +80,11 @@ impl BakeInput {
         wear: ReadScript,
         fabric: Fabric,
         (quality, options, forget): (Quality, BakeOptions, bool),
-    ) -> crease::Result<(Self, Option<PathBuf>)> {
+    ) -> crease_model::error::Result<(Self, Option<PathBuf>)> {
         let ReadGarment { file, path, warnings: unread } = garment;
         let errors = wear.script.errors_without_body(&wear.name);
         if !errors.is_empty() {
-            return Err(crease::Error::Input(errors));
+            return Err(crease_model::error::Error::Input(errors));
         }
         if let Some(error) = mistaken_body(&file.asset, &file.garment) {
             return Err(error);
@@ -106,7 +108,7 @@ impl BakeInput {
         Ok((Self { file, wear, fabric, quality, options, earlier, warnings }, path))
     }
 
-    fn run(&self, observer: &mut Reporter) -> crease::Result<(BakeResult, CrossingCounts)> {
+    fn run(&self, observer: &mut Reporter) -> crease_model::error::Result<(BakeResult, CrossingCounts)> {
         let garment = &self.file.garment;
         let bake = Bake::new(garment, &self.fabric, &self.wear.script)
             .script_name(&self.wear.name)
@@ -144,7 +146,7 @@ impl BakeInput {
     }
 
     /// The sidecar with the memory of the simulated mesh where that is another one.
-    fn sidecar(&self, baked: &BakeResult) -> crease::Result<Sidecar> {
+    fn sidecar(&self, baked: &BakeResult) -> crease_model::error::Result<Sidecar> {
         let GarmentFile { asset, garment, .. } = &self.file;
         let (fabric, wear) = (json!(self.fabric), json!(self.wear.script));
         let sidecar = Sidecar::new(asset, garment, &baked.worn, fabric, wear, self.run_description(baked))?;

@@ -1,10 +1,15 @@
 //! Values between Python and the library. Errors of arguments begin with the name of the argument.
 
-use crate::cli::args::values;
-use crate::cli::files::{input, wear};
 use crate::{ConvergenceError, CreaseError};
-use crease::garment::UpAxis;
-use crease::{DEFAULT_FABRIC, Error, Fabric, GarmentFile, ReadOptions, Vec3, WearScript};
+use crease::internal::files::GarmentFile;
+use crease::internal::wear::WearScript;
+use crease_cli::args::values;
+use crease_cli::files::{input, wear};
+use crease_geometry::math::Vec3;
+use crease_io::ReadOptions;
+use crease_model::error::Error;
+use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
+use crease_model::garment::UpAxis;
 use numpy::{Element, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, ToPyArray};
 use pyo3::exceptions::{PyKeyboardInterrupt, PyOSError, PyTypeError};
 use pyo3::prelude::*;
@@ -16,7 +21,7 @@ pub fn exception(error: Error) -> PyErr {
     let text = error.to_string();
     match error {
         Error::Input(problems) => {
-            let line = |problem: &crease::Diagnostic| match problem.excerpt.as_str() {
+            let line = |problem: &crease_model::error::Diagnostic| match problem.excerpt.as_str() {
                 "" => problem.to_string(),
                 excerpt => format!("{problem}\n{excerpt}"),
             };

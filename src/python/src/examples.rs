@@ -3,7 +3,9 @@
 use crate::CreaseError;
 use crate::convert::{exception, rows, vectors};
 use crate::process::check_not_forked;
-use crease::{Fabric, GarmentFile, WearScript};
+use crease::internal::files::GarmentFile;
+use crease::internal::wear::WearScript;
+use crease_model::fabric::Fabric;
 use numpy::PyArray2;
 use pyo3::prelude::*;
 

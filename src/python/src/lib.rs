@@ -6,8 +6,6 @@
 #![allow(rustdoc::broken_intra_doc_links)]
 
 mod bake;
-#[path = "../../cli/mod.rs"]
-mod cli;
 mod convert;
 mod examples;
 mod memory;

@@ -2,7 +2,8 @@
 
 use crate::CreaseError;
 use crate::convert::{check_above_zero, check_not_negative, choice, list, numbers};
-use crease::{ElementParams, Fabric, HysteresisState, MemoryLaw};
+use crease_model::fabric::Fabric;
+use crease_solver::memory::{ElementParams, HysteresisState, MemoryLaw};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 

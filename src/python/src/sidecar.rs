@@ -1,7 +1,8 @@
 //! `Sidecar`: the memory of a garment as arrays.
 
 use crate::convert::{exception, numbers, rows, vectors};
-use crease::{Sidecar, Vec3, read_sidecar, write_sidecar};
+use crease_geometry::math::Vec3;
+use crease_io::{Sidecar, read_sidecar, write_sidecar};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use std::path::PathBuf;

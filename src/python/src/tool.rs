@@ -1,6 +1,5 @@
 //! `run_tool`: the command-line tool within a process of Python.
 
-use crate::cli;
 use crate::process::check_not_forked;
 use pyo3::prelude::*;
 use signal_hook::consts::{SIGINT, SIGTERM};
@@ -68,7 +67,7 @@ fn ending_signals(py: Python<'_>) -> PyResult<Vec<i32>> {
 pub fn run_tool(py: Python<'_>, words: Vec<OsString>) -> PyResult<u8> {
     check_not_forked()?;
     let run = ToolRun::begin(ending_signals(py)?)?;
-    let code = py.detach(|| cli::run([OsString::from("crease")].into_iter().chain(words)));
+    let code = py.detach(|| crease_cli::run([OsString::from("crease")].into_iter().chain(words)));
     drop(run);
     Ok(code)
 }

@@ -1,19 +1,23 @@
 //! `transfer`, as `crease transfer` does it.
 
 use crate::CreaseError;
-use crate::cli::files::earlier_memory::left_out_warning;
-use crate::cli::files::source::{carried_sources, fabric_of, origins, read_source, relax_target};
 use crate::convert::{
     FileReading, ReadGarment, check_not_negative, choice, exception, fabric, garment, wrong_type,
 };
 use crate::process::check_not_forked;
 use crate::sidecar::PySidecar;
 use crate::worn::PyWorn;
-use crease::bake::{RelaxResult, mesh_along_creases};
-use crease::garment::mistaken_body;
-use crease::report::{TransferReport, crossing_counts, source_crossings};
-use crease::transfer::{Align, Channels, GarmentSurface, MatchBy, Transfer, TransferResult, TransferSource};
-use crease::{Fabric, GarmentFile, Sidecar, WornGarment};
+use crease::internal::bake::RelaxResult;
+use crease::internal::files::GarmentFile;
+use crease::internal::report::{TransferReport, crossing_counts, source_crossings};
+use crease::internal::transfer::mesh_along_creases;
+use crease::internal::transfer::{Align, MatchBy, Transfer, TransferResult, TransferSource};
+use crease_cli::files::earlier_memory::left_out_warning;
+use crease_cli::files::source::{carried_sources, fabric_of, origins, read_source, relax_target};
+use crease_io::Sidecar;
+use crease_model::fabric::Fabric;
+use crease_model::garment::{WornGarment, mistaken_body};
+use crease_model::remesh::{Channels, GarmentSurface};
 use pyo3::prelude::*;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -41,7 +45,7 @@ struct TransferOptions {
 
 impl TransferInput {
     /// Returns the result, its sidecar, its report without times, and the reason why it is no equilibrium.
-    fn run(&self) -> crease::Result<Transferred> {
+    fn run(&self) -> crease_model::error::Result<Transferred> {
         let GarmentFile { asset, garment, .. } = &self.file;
         let target = GarmentSurface::from_garment(garment, asset);
         let TransferOptions { match_by, align, strength, channels, ref mirror, .. } = self.options;
@@ -79,7 +83,7 @@ impl TransferInput {
         worn: &WornGarment,
         carried: &TransferResult,
         report: &TransferReport,
-    ) -> crease::Result<Sidecar> {
+    ) -> crease_model::error::Result<Sidecar> {
         let from = origins(&self.sidecars, &report.sources);
         let TransferOptions { strength, ref mask, ref only, ref mirror, .. } = self.options;
         let run = json!({
@@ -108,7 +112,7 @@ fn sources(value: &Bound<'_, PyAny>) -> PyResult<Vec<(TransferSource, Sidecar)>>
     let one = |value: &Bound<'_, PyAny>| -> PyResult<(TransferSource, Sidecar)> {
         if let Ok(own) = value.cast::<PySidecar>() {
             let sidecar = own.get().0.clone();
-            let source = TransferSource::from_sidecar("sidecar", &sidecar).map_err(exception)?;
+            let source = crease::transfer_source("sidecar", &sidecar).map_err(exception)?;
             return Ok((source, sidecar));
         }
         let path: PathBuf = value.extract().map_err(|_| wrong_type("sidecars", value, wanted))?;

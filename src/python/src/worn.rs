@@ -1,13 +1,16 @@
 //! `Worn`: the result of a bake or a transfer.
 
 use crate::CreaseError;
-use crate::cli::files::output::Outputs;
-use crate::cli::files::worn_outputs::WornOutputs;
 use crate::convert::{exception, object, vectors};
 use crate::process::check_not_forked;
 use crate::sidecar::PySidecar;
-use crease::io::gltf::{FlatNormals, SourceShape, apply_worn, write_worn_glb_with};
-use crease::{GarmentFile, Sidecar, Vec3, WornGarment, write_sidecar};
+use crease::internal::files::GarmentFile;
+use crease_cli::files::output::Outputs;
+use crease_cli::files::worn_outputs::WornOutputs;
+use crease_geometry::math::Vec3;
+use crease_io::gltf::{FlatNormals, SourceShape, apply_worn, write_worn_glb_with};
+use crease_io::{Sidecar, write_sidecar};
+use crease_model::garment::WornGarment;
 use numpy::PyArray2;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -61,7 +64,7 @@ impl PyWorn {
 
     #[getter]
     fn displacement<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let of = |p: &crease::PointIndex| self.worn.displacement[p.at()];
+        let of = |p: &crease_geometry::mesh::PointIndex| self.worn.displacement[p.at()];
         vectors(py, &self.file.garment.source_point.iter().map(of).collect::<Vec<Vec3>>())
     }
 

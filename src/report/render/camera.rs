@@ -3,8 +3,8 @@
 //! A lying garment is seen from 35 degrees above with its lower end towards the camera, an upright one from the front. The
 //! perspective is weak, so that sizes can be compared.
 
-use crate::garment::{Footprint, is_lying};
-use crate::math::{Vec2, Vec3};
+use crease_geometry::math::{Vec2, Vec3};
+use crease_model::garment::{Footprint, is_lying};
 
 /// Camera; angles that are `None` are chosen from the garment.
 #[derive(Debug, Clone, Copy, PartialEq)]

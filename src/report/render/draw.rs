@@ -1,15 +1,14 @@
 //! Drawing of a picture, from points and triangles to an image.
 
-use crate::error::{Error, Result};
-use crate::math::Vec3;
-use crate::mesh::PointIndex;
 use crate::report::render::camera::Camera;
-use crate::report::render::caption;
 use crate::report::render::field::Colouring;
 use crate::report::render::image::Image;
-use crate::report::render::raster;
 use crate::report::render::shade::shade;
 use crate::report::render::surface::Surface;
+use crate::report::render::{caption, raster};
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::PointIndex;
+use crease_model::error::{Error, Result};
 
 /// Maximum side of a picture [pixels]; its buffers take about 0.6 GB.
 pub const MAX_SIDE: usize = 4096;

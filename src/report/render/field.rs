@@ -4,9 +4,9 @@
 //! magnitude among its hinges (averaging would hide creases) and their mean stiffness ratio, as in the attributes of the
 //! glTF.
 
-use crate::math::Vec3;
-use crate::mesh::{Hinge, PointIndex, Topology, triangle};
 use crate::report::render::colour::ColourMap;
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::{Hinge, PointIndex, Topology, triangle};
 
 /// Values of a field.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,7 +1,7 @@
 //! A picture in memory, and its bytes as PNG.
 
-use crate::error::{Error, Result};
 use crate::report::render::colour::{to_linear, to_srgb};
+use crease_model::error::{Error, Result};
 
 /// A picture, row by row from the top left, in sRGB with alpha.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -30,7 +30,7 @@ impl Image {
     }
 
     /// Mixes a colour into pixel (`x`, `y`) by `coverage`, 0 to 1, as light adds; nothing happens outside.
-    pub(crate) fn blend(&mut self, x: usize, y: usize, colour: [u8; 3], coverage: f64) {
+    pub fn blend(&mut self, x: usize, y: usize, colour: [u8; 3], coverage: f64) {
         let under = self.pixel(x, y);
         let linear = |c: u8| to_linear(f64::from(c) / 255.0);
         let mix = |k: usize| to_srgb(linear(under[k]) + coverage * (linear(colour[k]) - linear(under[k])));
@@ -38,8 +38,7 @@ impl Image {
     }
 
     /// The picture at half its size: each pixel is the mean of four.
-    #[cfg(feature = "charts")]
-    pub(crate) fn halved(&self) -> Self {
+    pub fn halved(&self) -> Self {
         let mut out = Self::filled(self.width / 2, self.height / 2, [0; 3]);
         for y in 0..out.height {
             for x in 0..out.width {

@@ -1,7 +1,7 @@
 //! Lights of a picture: a key light, a grazing light that makes wrinkles visible, and the sky.
 
-use crate::math::Vec3;
 use crate::report::render::camera::Projection;
+use crease_geometry::math::Vec3;
 
 /// Angle between the grazing light and the surface that faces the camera [degrees].
 const GRAZING_DEG: f64 = 16.0;

@@ -14,7 +14,7 @@ mod caption;
 mod colour;
 mod draw;
 mod field;
-pub(crate) mod font;
+pub mod font;
 mod image;
 mod lights;
 mod occlusion;

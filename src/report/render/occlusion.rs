@@ -3,9 +3,9 @@
 //! The depth of each pixel is compared with pairs of opposite neighbours. A plane, however tilted, is not occluded; a
 //! valley or the edge of an overlapping layer is. This is a depth cue, not a physical model.
 
-use crate::math::Vec2;
 use crate::report::render::camera::Projection;
 use crate::report::render::raster::{SAMPLES, Samples};
+use crease_geometry::math::Vec2;
 use rayon::prelude::*;
 
 /// Returns the depth of each pixel [m]: of its nearest sample, otherwise of the ground; NaN above the horizon.

@@ -1,8 +1,8 @@
 //! Rasterisation: the triangle seen by each sample of the picture, by a depth buffer of twice the resolution in both
 //! directions.
 
-use crate::math::{Vec2, Vec3};
 use crate::report::render::camera::Projection;
+use crease_geometry::math::{Vec2, Vec3};
 
 /// Samples per pixel in each direction.
 pub(super) const SAMPLES: usize = 2;

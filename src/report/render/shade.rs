@@ -1,7 +1,6 @@
 //! Shading: colours of the samples from surface, lights, shadow and occlusion. Cloth is lit on both sides; its inner side
 //! has a warmer colour. All values are in linear light until the last step.
 
-use crate::math::Vec3;
 use crate::report::render::camera::Projection;
 use crate::report::render::colour::to_srgb;
 use crate::report::render::image::Image;
@@ -10,6 +9,7 @@ use crate::report::render::occlusion::{occlusion, pixel_depths};
 use crate::report::render::raster::{NO_TRIANGLE, SAMPLES, Samples, sample_position};
 use crate::report::render::shadow::Shadow;
 use crate::report::render::surface::{ShadedSurface, Surface};
+use crease_geometry::math::Vec3;
 use rayon::prelude::*;
 
 /// Background and ground, linear light.
@@ -50,11 +50,11 @@ pub(super) fn shade(surface: &Surface, projection: &Projection, samples: &Sample
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::PointIndex;
     use crate::report::render::camera::Camera;
     use crate::report::render::colour::BACKGROUND_SRGB;
     use crate::report::render::draw::render;
     use crate::report::render::field::Colouring;
+    use crease_geometry::mesh::PointIndex;
 
     /// Ridges 1 mm high across a lying sheet are visible, owing to the grazing light.
     #[test]

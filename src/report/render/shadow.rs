@@ -1,8 +1,8 @@
 //! Soft shadow of a garment on the ground.
 
-use crate::math::{Vec2, Vec3};
 use crate::report::render::camera::Projection;
 use crate::report::render::raster::weights;
+use crease_geometry::math::{Vec2, Vec3};
 
 /// Shadow on the ground: the blurred vertical projection of the garment, on a grid.
 pub(super) struct Shadow {

@@ -1,11 +1,11 @@
 //! Normals and colours of a surface.
 
-use crate::math::{Vec2, Vec3};
-use crate::mesh::{PointIndex, triangle};
 use crate::report::render::camera::Projection;
 use crate::report::render::field::{Colouring, Values};
 use crate::report::render::lights::Lights;
 use crate::report::render::raster::weights;
+use crease_geometry::math::{Vec2, Vec3};
+use crease_geometry::mesh::{PointIndex, triangle};
 
 /// Colour of the outer side of cloth in a picture of the shape, linear light.
 const OUTSIDE: [f64; 3] = [0.40, 0.46, 0.54];

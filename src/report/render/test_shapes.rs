@@ -1,7 +1,7 @@
 //! Shapes for the tests of pictures and pages.
 
-use crate::math::Vec3;
-use crate::mesh::PointIndex;
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::PointIndex;
 use std::f64::consts::{PI, TAU};
 
 /// Returns the points and triangles of a sphere around the origin.

@@ -6,15 +6,15 @@
 //! by three.js (`three/`, bundled by `three/build.mjs`); `page/` holds the page itself. Numbers are embedded as 32-bit
 //! floats in base64, positions of frames as 16-bit fractions of their bounding box.
 
-use crate::garment::{Footprint, SourceAsset, SourcePiece, is_lying};
-use crate::io::Sidecar;
-use crate::math::{Vec3, bounds};
-use crate::mesh::PointIndex;
 use crate::report::garment_view::{ColorBy, GarmentView};
 use crate::report::html::escaped;
 use crate::report::render::{ColourMap, Values};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use crease_geometry::math::{Vec3, bounds};
+use crease_geometry::mesh::PointIndex;
+use crease_io::Sidecar;
+use crease_model::garment::{Footprint, SourceAsset, SourcePiece, is_lying};
 use serde_json::{Value, json};
 
 const PAGE: &str = include_str!("page/page.html");
@@ -59,7 +59,7 @@ pub struct ViewerPiece {
 }
 
 impl ViewerPiece {
-    /// Returns the worn pieces of `asset`, in the GLB file of [`crate::io::gltf::plain_glb`].
+    /// Returns the worn pieces of `asset`, in the GLB file of [`crease_io::gltf::plain_glb`].
     pub fn of_asset(asset: &SourceAsset) -> Vec<Self> {
         let is_gltf = asset.document.is_some();
         // Pieces of an OBJ become primitives of one mesh, those without triangles are left out.

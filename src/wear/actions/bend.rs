@@ -1,14 +1,14 @@
 //! `bend`: a joint of the body bends and goes back, as an elbow does a thousand times.
 
-use crate::body::{AnimatedBody, BodyPose};
-use crate::error::Result;
-use crate::math::Vec3;
 use crate::wear::action_runner::{ActionContext, ActionStart};
 use crate::wear::body_motion::{BodyMotionRunner, TimeSpan, lookup_error, required_body};
 use crate::wear::motion_profile::smoothstep;
 use crate::wear::persistent_state::PersistentState;
 use crate::wear::tuning::TUNING;
 use crate::wear::wear_action::{FieldError, WearAction};
+use crease_geometry::math::Vec3;
+use crease_model::body::{AnimatedBody, BodyPose};
+use crease_model::error::Result;
 use nalgebra::Unit;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,14 +1,14 @@
 //! `crumple`: the garment is squeezed into a ball, as in a fist or a full suitcase.
 
-use crate::error::Result;
-use crate::math::{Vec3, bounds};
-use crate::memory::Softening;
-use crate::sim::{Loads, SphereLoad};
 use crate::wear::action_runner::{ActionContext, ActionFailure, ActionRunner, ActionStart};
 use crate::wear::motion_profile::smoothstep;
 use crate::wear::persistent_state::PersistentState;
 use crate::wear::tuning::TUNING;
 use crate::wear::wear_action::WearAction;
+use crease_geometry::math::{Vec3, bounds};
+use crease_model::error::Result;
+use crease_solver::memory::Softening;
+use crease_solver::sim::{Loads, SphereLoad};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;

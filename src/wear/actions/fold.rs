@@ -1,9 +1,5 @@
 //! `fold`: one side of a line is turned over, as hands fold cloth on a table.
 
-use crate::energy::TargetSpring;
-use crate::error::Result;
-use crate::math::Vec3;
-use crate::sim::Loads;
 use crate::wear::action_runner::{ActionContext, ActionFailure, ActionRunner, ActionStart};
 use crate::wear::fold_layout::FoldLayout;
 use crate::wear::fold_map::{FoldAxis, FoldCoords, line_shift};
@@ -14,6 +10,10 @@ use crate::wear::persistent_state::{FoldRecord, GarmentFrame, PersistentState, T
 use crate::wear::springs::{carry_spring, pin_spring};
 use crate::wear::tuning::TUNING;
 use crate::wear::wear_action::{FieldError, WearAction};
+use crease_geometry::math::Vec3;
+use crease_model::error::Result;
+use crease_solver::energy::TargetSpring;
+use crease_solver::sim::Loads;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -361,7 +361,7 @@ impl ActionRunner for FoldRunner {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::PlaneStretch;
+    use crease_geometry::math::PlaneStretch;
 
     /// Cloth that lies at `x` [m], of `masses` [kg].
     fn context<'a>(x: &'a [Vec3], masses: &'a [f64]) -> ActionContext<'a> {

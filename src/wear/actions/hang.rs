@@ -1,9 +1,5 @@
 //! `hang`: the garment is hung up, for a moment or overnight.
 
-use crate::error::Result;
-use crate::math::{Mat3, Vec3, bounds};
-use crate::memory::Softening;
-use crate::sim::Loads;
 use crate::wear::action_runner::{ActionContext, ActionRunner, ActionStart};
 use crate::wear::actions::lay::{Facing, Lay, LyingDirections};
 use crate::wear::fold_layout::FoldLayout;
@@ -11,6 +7,10 @@ use crate::wear::fraction::Fraction2;
 use crate::wear::persistent_state::{GarmentFrame, PersistentState};
 use crate::wear::tuning::TUNING;
 use crate::wear::wear_action::WearAction;
+use crease_geometry::math::{Mat3, Vec3, bounds};
+use crease_model::error::Result;
+use crease_solver::memory::Softening;
+use crease_solver::sim::Loads;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;

@@ -1,10 +1,10 @@
 //! `hold`: everything that is held stays held.
 
-use crate::error::Result;
 use crate::wear::action_runner::{ActionContext, ActionStart, ConstantLoads};
 use crate::wear::fold_layout::FoldLayout;
 use crate::wear::persistent_state::PersistentState;
 use crate::wear::wear_action::WearAction;
+use crease_model::error::Result;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -1,10 +1,6 @@
 //! `iron`: hot moist cloth is flattened under a soleplate. Where it lies open it loses its memory, where it is folded it keeps
 //! the fold.
 
-use crate::error::Result;
-use crate::math::Vec3;
-use crate::memory::Softening;
-use crate::sim::Loads;
 use crate::wear::action_runner::{ActionContext, ActionRunner, ActionStart};
 use crate::wear::fold_layout::FoldLayout;
 use crate::wear::fraction::Fraction2;
@@ -12,6 +8,10 @@ use crate::wear::motion_profile::smoothstep;
 use crate::wear::persistent_state::{GarmentFrame, PersistentState};
 use crate::wear::tuning::TUNING;
 use crate::wear::wear_action::{FieldError, WearAction};
+use crease_geometry::math::Vec3;
+use crease_model::error::Result;
+use crease_solver::memory::Softening;
+use crease_solver::sim::Loads;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;

@@ -1,7 +1,5 @@
 //! `play`: an animation clip of the body is played.
 
-use crate::body::{AnimatedBody, BodyPose, LookupError, RootMotion, interpolate_body_pose};
-use crate::error::Result;
 use crate::wear::action_runner::{ActionContext, ActionStart};
 use crate::wear::body_motion::{BodyMotionRunner, lookup_error, required_body, transition_time};
 use crate::wear::motion_profile::smoothstep;
@@ -9,6 +7,8 @@ use crate::wear::persistent_state::PersistentState;
 use crate::wear::slowed_jumps::{ClipMoment, SlowedJumps};
 use crate::wear::tuning::TUNING;
 use crate::wear::wear_action::{FieldError, WearAction};
+use crease_model::body::{AnimatedBody, BodyPose, LookupError, RootMotion, interpolate_body_pose};
+use crease_model::error::Result;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;

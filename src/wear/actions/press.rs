@@ -1,14 +1,14 @@
 //! `press`: weight or an iron, straight down.
 
-use crate::error::Result;
-use crate::math::Vec3;
-use crate::sim::Loads;
 use crate::wear::action_runner::{ActionContext, ActionRunner, ActionStart};
 use crate::wear::fold_layout::FoldLayout;
 use crate::wear::motion_profile::smoothstep;
 use crate::wear::persistent_state::PersistentState;
 use crate::wear::tuning::TUNING;
 use crate::wear::wear_action::WearAction;
+use crease_geometry::math::Vec3;
+use crease_model::error::Result;
+use crease_solver::sim::Loads;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;

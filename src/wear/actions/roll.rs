@@ -1,9 +1,5 @@
 //! `roll`: the lying garment is rolled up from one side.
 
-use crate::energy::TargetSpring;
-use crate::error::Result;
-use crate::math::Vec3;
-use crate::sim::Loads;
 use crate::wear::action_runner::{ActionContext, ActionFailure, ActionRunner, ActionStart};
 use crate::wear::actions::FoldSide;
 use crate::wear::actions::fold::stack_height;
@@ -13,6 +9,10 @@ use crate::wear::roll_map::{RollCoords, RollMap, RollRecord};
 use crate::wear::springs::pin_spring;
 use crate::wear::tuning::TUNING;
 use crate::wear::wear_action::WearAction;
+use crease_geometry::math::Vec3;
+use crease_model::error::Result;
+use crease_solver::energy::TargetSpring;
+use crease_solver::sim::Loads;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;

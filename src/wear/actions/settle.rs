@@ -1,12 +1,12 @@
 //! `settle`: what hands hold on the ground is released; gravity, friction and memory act alone.
 
-use crate::error::Result;
-use crate::sim::Loads;
 use crate::wear::action_runner::{ActionContext, ActionStart, ConstantLoads};
 use crate::wear::fold_layout::FoldLayout;
 use crate::wear::persistent_state::PersistentState;
 use crate::wear::tuning::TUNING;
 use crate::wear::wear_action::WearAction;
+use crease_model::error::Result;
+use crease_solver::sim::Loads;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -55,8 +55,8 @@ impl WearAction for Settle {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Vec3;
     use crate::wear::springs::pin_spring;
+    use crease_geometry::math::Vec3;
 
     /// Springs that act while a garment settles that is held by one, on the ground or above none.
     fn springs_left(ground: Option<f64>) -> usize {

@@ -1,9 +1,5 @@
 //! `unfold`: folds and rolls are opened again, the last one first.
 
-use crate::energy::TargetSpring;
-use crate::error::Result;
-use crate::math::Vec3;
-use crate::sim::Loads;
 use crate::wear::action_runner::{ActionContext, ActionFailure, ActionRunner, ActionStart};
 use crate::wear::fold_layout::FoldLayout;
 use crate::wear::fold_map::{FoldAxis, FoldCoords};
@@ -12,6 +8,10 @@ use crate::wear::persistent_state::{FoldRecord, PersistentState, TurnRecord};
 use crate::wear::springs::carry_spring;
 use crate::wear::tuning::TUNING;
 use crate::wear::wear_action::{FieldError, WearAction};
+use crease_geometry::math::Vec3;
+use crease_model::error::Result;
+use crease_solver::energy::TargetSpring;
+use crease_solver::sim::Loads;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};

@@ -2,12 +2,12 @@
 //!
 //! It consists of `crumple` and `hang`, both of wet cloth.
 
-use crate::error::Result;
 use crate::wear::action_list::Action;
 use crate::wear::action_runner::{ActionContext, ActionStart};
 use crate::wear::actions::{Crumple, Hang, HangBy, HangPoints};
 use crate::wear::persistent_state::PersistentState;
 use crate::wear::wear_action::WearAction;
+use crease_model::error::Result;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

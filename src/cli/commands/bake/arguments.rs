@@ -1,19 +1,19 @@
 //! Command-line arguments of `crease bake`.
 
-use crate::cli::args::apply::ApplyArgs;
-use crate::cli::args::body::BodyArgs;
-use crate::cli::args::export::ExportArgs;
-use crate::cli::args::mesh::ClothArgs;
-use crate::cli::args::refine::RefineArgs;
-use crate::cli::args::run::RunArgs;
-use crate::cli::args::values::{glb_path, not_negative, positive, seconds};
-use crate::cli::files::earlier_memory::EarlierMemory;
+use crate::args::apply::ApplyArgs;
+use crate::args::body::BodyArgs;
+use crate::args::export::ExportArgs;
+use crate::args::mesh::ClothArgs;
+use crate::args::refine::RefineArgs;
+use crate::args::run::RunArgs;
+use crate::args::values::{glb_path, not_negative, positive, seconds};
+use crate::files::earlier_memory::EarlierMemory;
 use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use crease::bake::{BakeOptions, BakeResult, Quality};
-use crease::body::{AnimatedBody, GarmentSkin};
-use crease::fabric::DEFAULT_FABRIC;
-use crease::sim::{Method, Sewing};
+use crease::internal::bake::{BakeOptions, BakeResult, Quality};
+use crease_model::body::{AnimatedBody, GarmentSkin};
+use crease_model::fabric::DEFAULT_FABRIC;
+use crease_solver::sim::{Method, Sewing};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::sync::Arc;

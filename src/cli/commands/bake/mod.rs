@@ -10,23 +10,23 @@ mod observer;
 
 pub use arguments::Arguments;
 
-use crate::cli::args::export::print_checks;
-use crate::cli::commands::bake::arguments::{FramesOf, SidecarMesh};
-use crate::cli::commands::bake::input::BakeInput;
-use crate::cli::commands::bake::observer::BakeObserver;
-use crate::cli::commands::worn_job::{
+use crate::args::export::print_checks;
+use crate::commands::bake::arguments::{FramesOf, SidecarMesh};
+use crate::commands::bake::input::BakeInput;
+use crate::commands::bake::observer::BakeObserver;
+use crate::commands::worn_job::{
     FrameSource, KeptFiles, SideFiles, WornJob, WornResult, beside_stream, outcome,
 };
-use crate::cli::files::checkpoints::CheckpointFile;
-use crate::cli::files::frame_folder::FrameFolder;
-use crate::cli::files::output::{is_stream, name_of as output_name};
-use crate::cli::runtime::console;
-use crate::cli::runtime::interrupt::Interrupt;
-use crate::cli::runtime::progress::Progress;
-use crate::cli::runtime::threads::on_threads;
-use crease::bake::{BakeReport, BakeResult, ModelDecision};
-use crease::report::{Report, crossing_counts, source_crossings};
-use crease::{Error, Result};
+use crate::files::checkpoints::CheckpointFile;
+use crate::files::frame_folder::FrameFolder;
+use crate::files::output::{is_stream, name_of as output_name};
+use crate::runtime::console;
+use crate::runtime::interrupt::Interrupt;
+use crate::runtime::progress::Progress;
+use crate::runtime::threads::on_threads;
+use crease::internal::bake::{BakeReport, BakeResult, ModelDecision};
+use crease::internal::report::{Report, crossing_counts, source_crossings};
+use crease_model::error::{Error, Result};
 use serde_json::{Value, json};
 use std::path::Path;
 use std::time::{Duration, Instant};

@@ -1,13 +1,13 @@
 //! Observer of a bake: progress, frames, checkpoints and interruption.
 
-use crate::cli::files::checkpoints::CheckpointFile;
-use crate::cli::files::frame_folder::FrameFolder;
-use crate::cli::runtime::interrupt::Interrupt;
-use crate::cli::runtime::progress::{Progress, StepProgress};
-use crease::Result;
-use crease::bake::{BakeReport, Checkpoint, Observer};
-use crease::garment::Garment;
-use crease::math::Vec3;
+use crate::files::checkpoints::CheckpointFile;
+use crate::files::frame_folder::FrameFolder;
+use crate::runtime::interrupt::Interrupt;
+use crate::runtime::progress::{Progress, StepProgress};
+use crease::internal::bake::{BakeReport, Checkpoint, Observer};
+use crease_geometry::math::Vec3;
+use crease_model::error::Result;
+use crease_model::garment::Garment;
 
 /// Observer that connects a bake with the terminal and the file system.
 pub struct BakeObserver<'a, 'b> {
@@ -28,7 +28,7 @@ pub struct BakeObserver<'a, 'b> {
 }
 
 impl Observer for BakeObserver<'_, '_> {
-    fn progress(&mut self, now: &crease::bake::BakeProgress) {
+    fn progress(&mut self, now: &crease::internal::bake::BakeProgress) {
         self.progress.step(
             now.stage,
             StepProgress {

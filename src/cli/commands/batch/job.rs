@@ -1,13 +1,13 @@
 //! One job: a call of `crease bake --resume` in its own process, so that a crash affects no other job, and the record of
 //! its outcome, NAME.job.json.
 
-use crate::cli::commands::batch::jobs::{Job, Jobs};
-use crate::cli::files::input;
-use crate::cli::files::output::Outputs;
-use crate::cli::runtime::executable;
-use crate::cli::runtime::interrupt::{INTERRUPTED, Interrupt};
-use crease::report::Report;
-use crease::{Error, Result};
+use crate::commands::batch::jobs::{Job, Jobs};
+use crate::files::input;
+use crate::files::output::Outputs;
+use crate::runtime::executable;
+use crate::runtime::interrupt::{INTERRUPTED, Interrupt};
+use crease::internal::report::Report;
+use crease_model::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;

@@ -1,10 +1,10 @@
 //! The job file, `crease-batch/1`, and its jobs: garments x wear scripts x fabrics, in that order.
 
-use crate::cli::files::input;
-use crease::fabric::{DEFAULT_FABRIC, Fabric};
-use crease::json::{Document, Path as JsonPath, schema_of};
-use crease::wear::WearScript;
-use crease::{Diagnostic, Error, Result};
+use crate::files::input;
+use crease::internal::wear::WearScript;
+use crease_model::error::{Diagnostic, Error, Result};
+use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
+use crease_model::json::{Document, Path as JsonPath, schema_of};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;

@@ -1,12 +1,12 @@
 //! Jobs on this machine, N at a time, each in its own process.
 
-use crate::cli::commands::batch::arguments::{Arguments, Shard};
-use crate::cli::commands::batch::job;
-use crate::cli::commands::batch::job::{JobOutcome, JobSettings, JobState};
-use crate::cli::commands::batch::jobs::{Job, Jobs};
-use crate::cli::runtime::console;
-use crate::cli::runtime::interrupt::Interrupt;
-use crease::{Error, Result};
+use crate::commands::batch::arguments::{Arguments, Shard};
+use crate::commands::batch::job;
+use crate::commands::batch::job::{JobOutcome, JobSettings, JobState};
+use crate::commands::batch::jobs::{Job, Jobs};
+use crate::runtime::console;
+use crate::runtime::interrupt::Interrupt;
+use crease_model::error::{Error, Result};
 use serde_json::json;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};

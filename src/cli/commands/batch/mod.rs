@@ -16,10 +16,10 @@ mod summary;
 pub use arguments::Arguments;
 pub use jobs::JobFile;
 
-use crate::cli::commands::batch::jobs::Jobs;
-use crate::cli::runtime::console;
-use crate::cli::runtime::interrupt::Interrupt;
-use crease::{Error, Result};
+use crate::commands::batch::jobs::Jobs;
+use crate::runtime::console;
+use crate::runtime::interrupt::Interrupt;
+use crease_model::error::{Error, Result};
 
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<()> {

@@ -1,9 +1,9 @@
 //! Jobs for engines of the Open Job Description: a job template (jobtemplate-2023-09) whose tasks each run a shard,
 //! with the summary as a second step. Run it with `openjd run TEMPLATE.json --step Bake`, or submit it to a farm.
 
-use crate::cli::commands::batch::jobs::Jobs;
-use crate::cli::files::output::Outputs;
-use crease::Result;
+use crate::commands::batch::jobs::Jobs;
+use crate::files::output::Outputs;
+use crease_model::error::Result;
 use serde_json::{Value, json};
 use std::path::Path;
 

@@ -3,11 +3,11 @@
 //! Needs a file system shared by all nodes, with the tool and the job file at the same path. A requeued task (node
 //! failure, preemption) skips finished jobs and continues from the checkpoint.
 
-use crate::cli::commands::batch::arguments::Arguments;
-use crate::cli::commands::batch::jobs::Jobs;
-use crate::cli::files::output::Outputs;
-use crate::cli::runtime::{console, executable};
-use crease::{Error, Result};
+use crate::commands::batch::arguments::Arguments;
+use crate::commands::batch::jobs::Jobs;
+use crate::files::output::Outputs;
+use crate::runtime::{console, executable};
+use crease_model::error::{Error, Result};
 use std::path::Path;
 use std::process::Command;
 

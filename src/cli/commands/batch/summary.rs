@@ -1,14 +1,14 @@
 //! Summary of a batch: summary.json for programs, index.html with a picture of each garment for people.
 
-use crate::cli::commands::batch::job::JobRecord;
-use crate::cli::commands::batch::jobs::{Job, Jobs};
-use crate::cli::files::output::Outputs;
-use crate::cli::files::view_file::ViewFile;
+use crate::commands::batch::job::JobRecord;
+use crate::commands::batch::jobs::{Job, Jobs};
+use crate::files::output::Outputs;
+use crate::files::view_file::ViewFile;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use crease::Result;
-use crease::report::render::{Camera, encode_png};
-use crease::report::{ColorBy, escaped};
+use crease::internal::report::render::{Camera, encode_png};
+use crease::internal::report::{ColorBy, escaped};
+use crease_model::error::Result;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;

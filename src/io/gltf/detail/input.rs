@@ -1,7 +1,7 @@
 //! Input of a detail map.
 
-use crate::garment::{Garment, WornGarment};
-use crate::io::gltf::flat_shading::FlatNormals;
+use crate::gltf::flat_shading::FlatNormals;
+use crease_model::garment::{Garment, WornGarment};
 
 /// Garment on the mesh of its file and on the simulated mesh.
 #[derive(Debug, Clone, Copy)]

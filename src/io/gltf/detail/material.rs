@@ -1,14 +1,14 @@
 //! Materials of a detail map: the normal map that is there already, the transform of texture coordinates, and the
 //! reference to the new map in every material that draws the garment, those of `KHR_materials_variants` too.
 
-use crate::garment::GltfDocument;
-use crate::io::gltf::append::Appender;
-use crate::io::gltf::detail::references::{VARIANTS, index_of, variant_mappings};
-use crate::io::gltf::detail::surface::{Surface, unit_or};
-use crate::io::gltf::detail::texels::Texels;
-use crate::io::gltf::embed::image_bytes;
-use crate::io::tuning::TUNING;
-use crate::math::{Vec2, Vec3};
+use crate::gltf::append::Appender;
+use crate::gltf::detail::references::{VARIANTS, index_of, variant_mappings};
+use crate::gltf::detail::surface::{Surface, unit_or};
+use crate::gltf::detail::texels::Texels;
+use crate::gltf::embed::image_bytes;
+use crate::tuning::TUNING;
+use crease_geometry::math::{Vec2, Vec3};
+use crease_model::garment::GltfDocument;
 use serde_json::{Value, json};
 
 /// Extension that moves and scales texture coordinates.

@@ -22,19 +22,17 @@ mod texels;
 pub use input::DetailInput;
 pub use texels::MapDepth;
 
-use crate::garment::{GltfDocument, SourceAsset};
-use crate::io::gltf::append::Appender;
-use crate::io::gltf::detail::material::{
-    NormalTextures, TextureTransform, own_normal_map, rotate_with_surface,
-};
-use crate::io::gltf::detail::painter::Painter;
-use crate::io::gltf::detail::surface::{Surface, surfaces};
-use crate::io::gltf::detail::texels::Texels;
-use crate::io::gltf::read_worn::keep_worn_pieces;
-use crate::io::read::{ReadOptions, read_asset};
-use crate::io::tuning::TUNING;
-use crate::math::Vec3;
-use crate::{Error, Result};
+use crate::gltf::append::Appender;
+use crate::gltf::detail::material::{NormalTextures, TextureTransform, own_normal_map, rotate_with_surface};
+use crate::gltf::detail::painter::Painter;
+use crate::gltf::detail::surface::{Surface, surfaces};
+use crate::gltf::detail::texels::Texels;
+use crate::gltf::read_worn::keep_worn_pieces;
+use crate::read::{ReadOptions, read_asset};
+use crate::tuning::TUNING;
+use crease_geometry::math::Vec3;
+use crease_model::error::{Error, Result};
+use crease_model::garment::{GltfDocument, SourceAsset};
 
 /// Side lengths of a detail map that can be asked for \[texels\].
 pub const DETAIL_MAP_SIZES: std::ops::RangeInclusive<usize> = 64..=16384;
@@ -69,7 +67,7 @@ pub struct DetailOutput {
     pub notes: Vec<String>,
 }
 
-/// Adds maps of `side` x `side` texels to the worn file `glb` (as [`crate::io::gltf::write_worn_glb`] wrote it for
+/// Adds maps of `side` x `side` texels to the worn file `glb` (as [`crate::gltf::write_worn_glb`] wrote it for
 /// `detail.coarse`; `asset` is its source).
 pub fn add_detail_map(
     glb: &[u8],

@@ -1,13 +1,13 @@
 //! Paints the fine surface into texture space, triangle by triangle, in the frames of the coarse surface.
 
-use crate::io::gltf::detail::input::DetailInput;
-use crate::io::gltf::detail::material::TextureTransform;
-use crate::io::gltf::detail::surface::{Surface, unit_or};
-use crate::io::gltf::detail::texels::{TexelSample, Texels};
-use crate::io::gltf::worn_target::{LinearPart, WornShape};
-use crate::math::{Mat3, Vec2, Vec3};
-use crate::mesh::PointIndex;
-use crate::mesh::distance::barycentric;
+use crate::gltf::detail::input::DetailInput;
+use crate::gltf::detail::material::TextureTransform;
+use crate::gltf::detail::surface::{Surface, unit_or};
+use crate::gltf::detail::texels::{TexelSample, Texels};
+use crate::gltf::worn_target::{LinearPart, WornShape};
+use crease_geometry::math::{Mat3, Vec2, Vec3};
+use crease_geometry::mesh::PointIndex;
+use crease_geometry::mesh::distance::barycentric;
 use rustc_hash::FxHashMap;
 
 /// Corners of a coarse triangle.

@@ -1,16 +1,16 @@
 //! Worn pieces as a viewer shows them: frames of their vertices before and after wear, with the tangents that a file lacks.
 
-use crate::garment::{GltfDocument, Placement, SourceAsset, SourcePiece};
-use crate::io::gltf::accessor::Accessors;
-use crate::io::gltf::append::{Appender, Purpose};
-use crate::io::gltf::detail::input::DetailInput;
-use crate::io::gltf::detail::references::{index_of, variant_mappings};
-use crate::io::gltf::detail::tangents::{Tangent, compute_tangents};
-use crate::io::gltf::read_worn::{column, worn_target, worn_target_index};
-use crate::io::gltf::worn_target::LinearParts;
-use crate::math::{Vec2, Vec3};
-use crate::mesh::PointIndex;
-use crate::{Error, Result};
+use crate::gltf::accessor::Accessors;
+use crate::gltf::append::{Appender, Purpose};
+use crate::gltf::detail::input::DetailInput;
+use crate::gltf::detail::references::{index_of, variant_mappings};
+use crate::gltf::detail::tangents::{Tangent, compute_tangents};
+use crate::gltf::read_worn::{column, worn_target, worn_target_index};
+use crate::gltf::worn_target::LinearParts;
+use crease_geometry::math::{Vec2, Vec3};
+use crease_geometry::mesh::PointIndex;
+use crease_model::error::{Error, Result};
+use crease_model::garment::{GltfDocument, Placement, SourceAsset, SourcePiece};
 use serde_json::{Value, json};
 
 /// Tangent frame of a vertex.

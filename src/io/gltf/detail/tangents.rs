@@ -4,9 +4,9 @@
 //! the picture; MikkTSpace is therefore given 1 - v. It works per corner and may ask for a vertex to be split; a file's
 //! vertices keep their number here, so that a vertex gets the mean of its corners, with the handedness of the majority.
 
-use crate::io::gltf::worn_target::perpendicular_unit;
-use crate::math::{Vec2, Vec3};
+use crate::gltf::worn_target::perpendicular_unit;
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
+use crease_geometry::math::{Vec2, Vec3};
 
 /// Tangent of a vertex.
 #[derive(Debug, Clone, Copy, PartialEq)]

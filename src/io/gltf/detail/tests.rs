@@ -1,13 +1,12 @@
 //! A coarse sheet with fine ripples: rendering of mesh and map against the fine surface itself.
 
 use super::*;
-use crate::garment::{Garment, RestState, WornGarment};
-use crate::io::gltf::FlatNormals;
-use crate::io::gltf::detail::painter::SurfaceCorners;
-use crate::io::gltf::write_worn_glb;
-use crate::math::Vec2;
-use crate::mesh::distance::barycentric;
-use crate::mesh::{PointIndex, Topology};
+use crate::gltf::detail::painter::SurfaceCorners;
+use crate::gltf::{FlatNormals, write_worn_glb};
+use crease_geometry::math::Vec2;
+use crease_geometry::mesh::distance::barycentric;
+use crease_geometry::mesh::{PointIndex, Topology};
+use crease_model::garment::{Garment, RestState, WornGarment};
 use rustc_hash::FxHashMap;
 use serde_json::json;
 use std::fmt::Write;

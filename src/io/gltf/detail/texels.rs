@@ -1,8 +1,8 @@
 //! Picture of directions: filled triangle by triangle in texture space, padded beyond the filled texels, and written as
 //! PNG; existing pictures are read.
 
-use crate::io::tuning::TUNING;
-use crate::math::{Vec2, Vec3};
+use crate::tuning::TUNING;
+use crease_geometry::math::{Vec2, Vec3};
 
 /// Bits per channel of a normal map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

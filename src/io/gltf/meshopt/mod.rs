@@ -6,9 +6,9 @@ mod filter;
 #[cfg(test)]
 mod tests;
 
-use crate::Result;
-use crate::io::gltf::json_cursor::Cursor;
+use crate::gltf::json_cursor::Cursor;
 use codec::{decode_attributes, decode_sequence, decode_triangles};
+use crease_model::error::Result;
 use filter::undo_filter;
 use serde_json::Value;
 

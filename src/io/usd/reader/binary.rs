@@ -1,15 +1,15 @@
 //! Check of a USDC file (crate format of USD) before it is decoded: the decoder of the package takes counts, offsets and indices of
 //! the file on trust, and a damaged one would make it stop the program or ask for any amount of memory.
 //!
-//! Checks the structural sections here and the values in [`crate::io::usd::reader::binary_values`]. A file that passes is decoded
+//! Checks the structural sections here and the values in [`crate::usd::reader::binary_values`]. A file that passes is decoded
 //! without an index out of range, and within memory proportional to its size.
 //! Follows the layout of OpenUSD's `crateFile.cpp`, versions 0.4 to 0.12; older files are refused.
 
-use crate::io::usd::reader::binary_reader::{Reader, Tables};
-use crate::io::usd::reader::binary_values::ValueCheck;
+use crate::usd::reader::binary_reader::{Reader, Tables};
+use crate::usd::reader::binary_values::ValueCheck;
+use crate::usd::signature::BINARY_MAGIC;
 
 /// First bytes of a USDC file.
-pub(super) const BINARY_MAGIC: &[u8] = b"PXR-USDC";
 /// Minor versions of the format, 0.N, that can be read.
 const MINOR_VERSIONS: std::ops::RangeInclusive<u8> = 4..=12;
 /// Length of the head of the file.

@@ -2,7 +2,7 @@
 //!
 //! Decodes nothing but the indices that the decoder follows.
 
-use crate::io::usd::reader::binary_reader::{Reader, Tables};
+use crate::usd::reader::binary_reader::{Reader, Tables};
 
 /// Bit of a value that is a list.
 const LIST_BIT: u64 = 1 << 63;

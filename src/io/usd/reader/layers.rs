@@ -4,13 +4,13 @@
 //! package were a folder. Every layer is checked here before the package that decodes it gets it ([`check_binary`], and the nesting
 //! of text).
 
-use crate::io::usd::reader::binary::{BINARY_MAGIC, MAX_DEPTH, check_binary};
-use crate::io::usd::reader::package::{is_layer_name, is_package, packaged_layers};
+use crate::usd::reader::binary::{MAX_DEPTH, check_binary};
+use crate::usd::reader::package::{is_layer_name, packaged_layers};
+use crate::usd::signature::{BINARY_MAGIC, TEXT_MAGIC, is_package};
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::sync::Arc;
 
 /// First characters of USD text.
-const TEXT_MAGIC: &[u8] = b"#usda";
 
 /// Layers in memory, and those that were asked for in vain.
 #[derive(Debug, Default)]
@@ -137,11 +137,6 @@ fn with_extension(identifier: &str, bytes: &[u8]) -> String {
     }
 }
 
-/// Returns whether `bytes` begin as a layer of USD does.
-pub(in crate::io) fn is_layer(bytes: &[u8]) -> bool {
-    bytes.starts_with(BINARY_MAGIC) || bytes.starts_with(TEXT_MAGIC)
-}
-
 fn check_layer(bytes: &[u8]) -> Result<(), String> {
     if bytes.starts_with(BINARY_MAGIC) {
         return check_binary(bytes);
@@ -201,7 +196,7 @@ fn quoted_length(rest: &[u8], quote: u8) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::io::usd::reader::package::tests::archive;
+    use crate::usd::reader::package::tests::archive;
 
     #[test]
     fn addresses_are_relative_to_the_layer_that_has_them() {

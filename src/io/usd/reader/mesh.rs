@@ -1,12 +1,12 @@
 //! Points, faces, texture coordinates and normals of a mesh prim (`UsdGeomMesh`), with every index checked.
 
-use crate::garment::Severity;
-use crate::io::corners::Corner;
-use crate::io::tuning::TUNING;
-use crate::io::usd::reader::primvar::{Element, Interpolation, NAMESPACE, Primvar, texture_coordinates_of};
-use crate::io::usd::reader::stage::{Fault, Prim, UsdValue};
-use crate::math::{Vec2, Vec3};
-use crate::mesh::INVALID;
+use crate::corners::Corner;
+use crate::tuning::TUNING;
+use crate::usd::reader::primvar::{Element, Interpolation, NAMESPACE, Primvar, texture_coordinates_of};
+use crate::usd::reader::stage::{Fault, Prim, UsdValue};
+use crease_geometry::math::{Vec2, Vec3};
+use crease_geometry::mesh::INVALID;
+use crease_model::garment::Severity;
 use std::ops::Range;
 
 /// Mesh of a prim.

@@ -17,14 +17,14 @@ mod stage;
 mod transform;
 mod walk;
 
-use crate::garment::{ImportDiagnostic, Severity, UpAxis};
-use crate::io::pieces::{FileFrame, MASK_OPTIONS, ReadPieces, to_scene};
-use crate::io::tuning::TUNING;
-use crate::io::usd::reader::layers::Layers;
-use crate::io::usd::reader::mesh::MaskName;
-use crate::io::usd::reader::stage::{Fault, Stage, UsdValue, guarded};
-use crate::io::usd::reader::walk::{Found, Walk, survey};
-use crate::{Error, Result};
+use crate::pieces::{FileFrame, MASK_OPTIONS, ReadPieces, to_scene};
+use crate::tuning::TUNING;
+use crate::usd::reader::layers::Layers;
+use crate::usd::reader::mesh::MaskName;
+use crate::usd::reader::stage::{Fault, Stage, UsdValue, guarded};
+use crate::usd::reader::walk::{Found, Walk, survey};
+use crease_model::error::{Error, Result};
+use crease_model::garment::{ImportDiagnostic, Severity, UpAxis};
 use rustc_hash::FxHashSet;
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -37,17 +37,9 @@ const MAX_LAYERS: usize = 10_000;
 const REWRITE: &str =
     "write the file again, flattened (usdcat --flatten in.usd -o out.usda), or export it as glTF (.glb)";
 
-/// Extensions of USD files, in lower case.
-pub const FILE_EXTENSIONS: [&str; 4] = ["usd", "usda", "usdc", "usdz"];
-
-/// Returns whether `bytes` begin as a file of USD does: a layer, or a package of layers.
-pub fn is_usd(bytes: &[u8]) -> bool {
-    layers::is_layer(bytes) || package::is_package(bytes)
-}
-
 /// Reads the pieces of a USD file. `frame` is the unit and the axis that the caller gives; `resolve` fetches the layers that the
 /// file refers to.
-pub(in crate::io) fn read_usd(
+pub(crate) fn read_usd(
     file: &str,
     bytes: &[u8],
     frame: (Option<f64>, Option<UpAxis>),

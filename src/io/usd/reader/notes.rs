@@ -1,6 +1,6 @@
 //! Diagnostics of a stage, each kind once with the number of prims it is about.
 
-use crate::garment::{ImportDiagnostic, Severity};
+use crease_model::garment::{ImportDiagnostic, Severity};
 
 /// Notes in the order of their first prim.
 #[derive(Debug, Default)]

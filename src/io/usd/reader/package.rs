@@ -26,11 +26,6 @@ pub(super) struct PackagedFile {
     pub(super) range: Range<usize>,
 }
 
-/// Returns whether `bytes` begin as a ZIP archive does.
-pub(in crate::io) fn is_package(bytes: &[u8]) -> bool {
-    bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"PK\x05\x06")
-}
-
 /// Lists the USD files in the package `bytes`, in their order. Pictures and other files are left out.
 ///
 /// # Errors
@@ -111,7 +106,7 @@ pub(super) mod tests {
     use super::*;
 
     /// Archive of these files; `method` is that of ZIP, 0 for uncompressed.
-    pub(in crate::io::usd::reader) fn archive(files: &[(&str, &[u8])], method: u16) -> Vec<u8> {
+    pub(in crate::usd::reader) fn archive(files: &[(&str, &[u8])], method: u16) -> Vec<u8> {
         let (mut bytes, mut directory) = (Vec::new(), Vec::new());
         for (name, content) in files {
             let start = bytes.len() as u32;

@@ -1,14 +1,14 @@
 //! Pieces of a mesh prim: one for each material, as a `GeomSubset` of the family `materialBind` assigns them.
 
-use crate::garment::{Placement, Severity, SourcePiece};
-use crate::io::corners::CornerVertices;
-use crate::io::pieces::NamedPiece;
-use crate::io::polygon::Triangulator;
-use crate::io::usd::reader::mesh::MeshData;
-use crate::io::usd::reader::notes::Notes;
-use crate::io::usd::reader::stage::{Fault, Prim, UsdValue};
-use crate::math::Mat4;
-use crate::mesh::INVALID;
+use crate::corners::CornerVertices;
+use crate::pieces::NamedPiece;
+use crate::polygon::Triangulator;
+use crate::usd::reader::mesh::MeshData;
+use crate::usd::reader::notes::Notes;
+use crate::usd::reader::stage::{Fault, Prim, UsdValue};
+use crease_geometry::math::Mat4;
+use crease_geometry::mesh::INVALID;
+use crease_model::garment::{Placement, Severity, SourcePiece};
 
 /// Family of the subsets that have materials.
 const MATERIAL_FAMILY: &str = "materialBind";

@@ -1,6 +1,6 @@
 //! Values on the points, faces or corners of a mesh (`UsdGeomPrimvar`): texture coordinates, normals, masks.
 
-use crate::io::usd::reader::stage::{Fault, Prim, UsdValue};
+use crate::usd::reader::stage::{Fault, Prim, UsdValue};
 use rustc_hash::FxHashMap;
 
 /// Namespace of primvars.

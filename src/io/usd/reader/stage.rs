@@ -3,7 +3,7 @@
 //! The package composes references, payloads, sublayers, inherits and variants; this file gives its prims and values in types of
 //! this crate. Layers come from [`Layers`], never from a file system.
 
-use crate::io::usd::reader::layers::{Layers, joined};
+use crate::usd::reader::layers::{Layers, joined};
 use openusd::ar::{Asset, ResolvedPath, Resolver};
 use openusd::sdf::{Path, Value};
 use openusd::usd;
@@ -49,7 +49,7 @@ pub(super) struct Sampled {
 }
 
 /// Runs `read`; returns `None` if the package panics in it: its decoders and its composition index into the data of the file, and
-/// what [`crate::io::usd::reader::binary`] does not foresee must not end the program.
+/// what [`crate::usd::reader::binary`] does not foresee must not end the program.
 pub(super) fn guarded<T>(read: impl FnOnce() -> T) -> Option<T> {
     catch_unwind(AssertUnwindSafe(read)).ok()
 }

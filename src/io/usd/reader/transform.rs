@@ -3,8 +3,8 @@
 //! The last operation of the order acts on the points first. Angles are in degrees. A matrix of USD multiplies rows from the right,
 //! so it is the transpose of ours.
 
-use crate::io::usd::reader::stage::{Fault, Prim, UsdValue};
-use crate::math::{Mat4, Vec3};
+use crate::usd::reader::stage::{Fault, Prim, UsdValue};
+use crease_geometry::math::{Mat4, Vec3};
 use nalgebra::{Quaternion, Rotation3, UnitQuaternion};
 
 /// Mark of an operation that is inverted.

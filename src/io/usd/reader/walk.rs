@@ -1,18 +1,18 @@
 //! Walk over the prims of a stage: which meshes are read, where they stand, and what is said of the others.
 
-use crate::Diagnostic;
-use crate::garment::Severity;
-use crate::io::pieces::{DamagedPiece, NamedPiece};
-use crate::io::polygon::Triangulator;
-use crate::io::tuning::TUNING;
-use crate::io::usd::reader::binary::MAX_DEPTH;
-use crate::io::usd::reader::mesh::{MaskName, MeshFault, read_mesh};
-use crate::io::usd::reader::notes::Notes;
-use crate::io::usd::reader::pieces::{PlacedMesh, bound_material};
-use crate::io::usd::reader::primvar::NAMESPACE;
-use crate::io::usd::reader::stage::{Fault, Prim, Stage, UsdValue};
-use crate::io::usd::reader::transform::prim_transform;
-use crate::math::Mat4;
+use crate::pieces::{DamagedPiece, NamedPiece};
+use crate::polygon::Triangulator;
+use crate::tuning::TUNING;
+use crate::usd::reader::binary::MAX_DEPTH;
+use crate::usd::reader::mesh::{MaskName, MeshFault, read_mesh};
+use crate::usd::reader::notes::Notes;
+use crate::usd::reader::pieces::{PlacedMesh, bound_material};
+use crate::usd::reader::primvar::NAMESPACE;
+use crate::usd::reader::stage::{Fault, Prim, Stage, UsdValue};
+use crate::usd::reader::transform::prim_transform;
+use crease_geometry::math::Mat4;
+use crease_model::error::Diagnostic;
+use crease_model::garment::Severity;
 use std::rc::Rc;
 
 /// Prims that a stage of any size may have; a larger file may have one for every so many bytes. References to one prim can make any

@@ -22,7 +22,7 @@ fn scaled(size: f64) -> Option<ab_glyph::PxScaleFont<&'static FontRef<'static>>>
 }
 
 /// Width of `text` at `size` \[pixels\].
-pub(crate) fn width(text: &str, size: f64) -> usize {
+pub fn width(text: &str, size: f64) -> usize {
     let mut end = 0.0;
     if let Some(font) = scaled(size) {
         let mut last = None;
@@ -35,7 +35,7 @@ pub(crate) fn width(text: &str, size: f64) -> usize {
 }
 
 /// Height of a line of text at `size` \[pixels\].
-pub(crate) fn height(size: f64) -> usize {
+pub fn height(size: f64) -> usize {
     (LINE_HEIGHT * size).ceil() as usize
 }
 
@@ -46,7 +46,7 @@ fn advance<F: Font, S: ScaleFont<F>>(font: &S, last: &mut Option<GlyphId>, id: G
 }
 
 /// Calls `visit` with column, row and coverage (0 to 1) of every pixel that `text` touches, from its upper left corner.
-pub(crate) fn visit(text: &str, size: f64, visit: &mut dyn FnMut(usize, usize, f64)) {
+pub fn visit(text: &str, size: f64, visit: &mut dyn FnMut(usize, usize, f64)) {
     let Some(font) = scaled(size) else { return };
     let (mut pen, mut last) = (0.0, None);
     for letter in text.chars() {

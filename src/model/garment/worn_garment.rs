@@ -1,0 +1,92 @@
+//! The result of a bake: the garment in its source pose, with its memory.
+
+use crate::garment::{Garment, RestState};
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::{hinge_angle, unwrap_angle};
+
+/// Change of rest angle from which a hinge counts for what is shown [rad]: 20 degrees.
+const MIN_SHOWN_CHANGE: f64 = 0.35;
+/// Fraction shown below which a warning is given [-].
+const MIN_SHOWN_FRACTION: f64 = 0.2;
+
+/// Garment after wear.
+#[derive(Debug, Clone)]
+pub struct WornGarment {
+    /// One per point: displacement from the source pose \[m\], y up.
+    pub displacement: Vec<Vec3>,
+    /// Rest state that the wear left.
+    pub memory: RestState,
+}
+
+impl WornGarment {
+    /// Fraction of what strong hinges of `garment` remember that the worn shape bends them by (regression by length of hinge) [-]; `None`
+    /// where no hinge remembers 20 degrees.
+    pub fn shown_fraction(&self, garment: &Garment) -> Option<f64> {
+        let (mut both, mut own) = (0.0, 0.0);
+        for (h, hinge) in garment.topology.hinges.iter().enumerate() {
+            let change = self.memory.rest_angle[h] - self.memory.source_angle[h];
+            if change.abs() < MIN_SHOWN_CHANGE {
+                continue;
+            }
+            let source = hinge.points.map(|p| garment.points[p.at()]);
+            let worn = hinge.points.map(|p| garment.points[p.at()] + self.displacement[p.at()]);
+            let before = hinge_angle(&source);
+            let bend = unwrap_angle(hinge_angle(&worn), before) - before;
+            let length = (source[1] - source[0]).norm();
+            both += length * bend * change;
+            own += length * change * change;
+        }
+        (own > 0.0).then(|| both / own)
+    }
+
+    /// Warning if the worn shape of `garment` shows less than a fifth of what it remembers.
+    pub fn hidden_warning(&self, garment: &Garment) -> Option<String> {
+        let shown = self.shown_fraction(garment).filter(|shown| *shown < MIN_SHOWN_FRACTION)?;
+        Some(format!(
+            "the worn shape shows {:.0} % of what is remembered: the triangles of the file cannot follow its creases; --resolution \
+             refines them, --detail-map shows the rest in the normal map",
+            100.0 * shown.max(0.0)
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crease_geometry::math::Vec2;
+    use crease_geometry::mesh::{PointIndex, Topology};
+
+    #[test]
+    fn what_is_remembered_and_not_shown_is_told() {
+        let points = vec![Vec3::zeros(), Vec3::z(), -Vec3::x(), Vec3::x()];
+        let triangles =
+            vec![[0, 1, 2], [1, 0, 3]].into_iter().map(|t: [u32; 3]| t.map(PointIndex)).collect::<Vec<_>>();
+        let garment = Garment {
+            material: vec![[Vec2::zeros(); 3]; 2],
+            material_from_uv: false,
+            source_point: Vec::new(),
+            memory_mask: vec![1.0; 4],
+            sewing_mask: vec![1.0; 4],
+            triangle_part: vec![0; 2],
+            triangle_panel: vec![0; 2],
+            inner_side: vec![false; 2],
+            file_triangles: Vec::new(),
+            topology: Topology::new(4, &triangles),
+            triangles,
+            points,
+        };
+        let mut memory = RestState::flat(1, 2);
+        memory.rest_angle[0] = 1.0;
+        let mut worn = WornGarment { displacement: vec![Vec3::zeros(); 4], memory };
+        assert_eq!(worn.shown_fraction(&garment), Some(0.0));
+        assert!(worn.hidden_warning(&garment).is_some());
+        // The second wing turned by half of what is remembered, to the side of a positive angle.
+        let bend = |angle: f64| Vec3::new(angle.cos(), angle.sin(), 0.0);
+        let quad = |wing: Vec3| hinge_angle(&[Vec3::zeros(), Vec3::z(), -Vec3::x(), wing]);
+        let wing = if quad(bend(0.5)) > 0.0 { bend(0.5) } else { bend(-0.5) };
+        worn.displacement[3] = wing - Vec3::x();
+        let shown = worn.shown_fraction(&garment).expect("it remembers");
+        assert!((shown - 0.5).abs() < 1e-12, "{shown}");
+        assert_eq!(worn.hidden_warning(&garment), None);
+    }
+}
