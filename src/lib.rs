@@ -72,10 +72,6 @@
 //! The modules, in the order in which they build on each other, are public for tools of the same workspace and not part of
 //! the stable interface; the items on this page are.
 
-#![warn(missing_docs)]
-// Units are written [m], [s], [rad] in doc comments: rustdoc would take each for a link.
-#![allow(rustdoc::broken_intra_doc_links)]
-
 mod bake;
 mod files;
 mod report;

@@ -4,13 +4,13 @@
 #[path = "export/document.rs"]
 mod document;
 
-use crease::garment::{Garment, RestState, SourceAsset, WornGarment};
-use crease::io::gltf::{
+use crease_geometry::math::Vec3;
+use crease_io::gltf::{
     Accessors, FlatNormals, SourceShape, apply_worn, keep_worn_pieces, read_worn, split_glb, write_worn_glb,
     write_worn_glb_with,
 };
-use crease::io::{ReadOptions, read_asset};
-use crease::math::Vec3;
+use crease_io::{ReadOptions, read_asset};
+use crease_model::garment::{Garment, RestState, SourceAsset, WornGarment};
 use document::*;
 use serde_json::{Value, json};
 

@@ -1,10 +1,10 @@
 //! Only the end decides whether the result of a bake is an equilibrium: its last step and the relaxation, not a step between.
 
-use crease::bake::{Bake, BakeOptions, BakeReport, relax};
-use crease::fabric::Fabric;
-use crease::garment::{Garment, RestState};
-use crease::io::{ReadOptions, read_asset};
-use crease::wear::WearScript;
+use crease::internal::bake::{Bake, BakeOptions, BakeReport, relax};
+use crease::internal::wear::WearScript;
+use crease_io::{ReadOptions, read_asset};
+use crease_model::fabric::Fabric;
+use crease_model::garment::{Garment, RestState};
 use std::fmt::Write;
 
 /// A level sheet of 8 x 8 squares of 20 mm.

@@ -1,14 +1,15 @@
 //! Garments on bodies, and memory from motion, through the public interface.
 
 use assert_cmd::Command;
-use crease::bake::{Bake, BakeOptions};
-use crease::body::{AnimatedBody, BodyMotion, BodyPose, Sequence};
-use crease::fabric::Fabric;
-use crease::garment::{Garment, SourceAsset, SourcePiece};
-use crease::io::{ReadOptions, read_asset};
-use crease::math::Vec3;
-use crease::mesh::intersections::intersections_between;
-use crease::wear::WearScript;
+use crease::internal::bake::{Bake, BakeOptions};
+use crease::internal::wear::WearScript;
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::intersections::intersections_between;
+use crease_io::read_body;
+use crease_io::{ReadOptions, read_asset};
+use crease_model::body::{AnimatedBody, BodyMotion, BodyPose, Sequence};
+use crease_model::fabric::Fabric;
+use crease_model::garment::{Garment, SourceAsset, SourcePiece};
 use std::fmt::Write;
 use std::path::Path;
 use std::sync::Arc;
@@ -57,7 +58,7 @@ fn block(spike: f64) -> Arc<AnimatedBody> {
     Arc::new(AnimatedBody::new("block", "", BodyMotion::Still, &points, &triangles))
 }
 
-fn on_block(height: f64, spike: f64) -> crease::Result<(Garment, crease::bake::BakeResult)> {
+fn on_block(height: f64, spike: f64) -> crease::Result<(Garment, crease::internal::bake::BakeResult)> {
     let garment =
         Garment::from_asset(&asset("a.obj", sheet(8, 0.02, height, 0.0).as_bytes())).expect("a garment").0;
     let script = r#"{"format": "crease-wear/1", "actions": [{"settle": {"for": 0.5}}]}"#;
@@ -95,7 +96,7 @@ fn corners_between_the_points_of_the_cloth_do_not_show() {
 
 /// The arm in the sleeve of the repository.
 fn arm() -> AnimatedBody {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("garments/sleeve.glb");
+    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("garments/sleeve.glb");
     let asset = asset("sleeve.glb", &std::fs::read(path).expect("is there"));
     let arm: Vec<&SourcePiece> = asset.pieces.iter().filter(|piece| piece.name == "arm").collect();
     read_body(&asset, &arm).expect("is a body")
@@ -133,7 +134,7 @@ fn what_sleeps_is_dressed_too() {
         {"bend": {"joint": "elbow", "axis": "z", "angle": 5, "over": 0.05}}]}"#;
     let script = WearScript::parse("w.json", script).expect("is valid");
     let options = BakeOptions { body: Some(animated.clone()), ..BakeOptions::default() };
-    let active = crease::bake::active_points(&garment, &script, &options);
+    let active = crease::internal::bake::active_points(&garment, &script, &options);
     assert_eq!(active.iter().filter(|active| **active).count(), 4, "{active:?}");
     let fabric = Fabric::preset("kow-tshirt").expect("exists");
     let baked = Bake::new(&garment, &fabric, &script).options(options).run().expect("fits");
@@ -214,7 +215,7 @@ fn the_arm_of_the_sleeve_bends_by_its_clip() {
 /// turns joints along a chord instead of the arc that glTF asks for.
 #[test]
 fn skinning_is_that_of_blender() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
     let text =
         std::fs::read_to_string(root.join("tests/reference/sleeve_arm_in_blender.json")).expect("is there");
     let reference: serde_json::Value = serde_json::from_str(&text).expect("is JSON");
@@ -304,7 +305,7 @@ fn a_given_motion_is_remembered_without_simulation() {
 fn frames_of_a_run_are_of_the_garment_they_came_from() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = |name: &str| folder.path().join(name);
-    let garments = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("garments");
+    let garments = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("garments");
     let sleeve = garments.join("sleeve.glb");
     std::fs::write(at("w.json"), r#"{"format": "crease-wear/1", "actions": [{"settle": {"for": 0.1}}]}"#)
         .expect("writes");

@@ -3,15 +3,15 @@
 #[path = "common/tool.rs"]
 mod tool;
 
-use crease::bake::{Bake, BakeOptions, BakeResult, Checkpoint, Observer};
-use crease::body::AnimatedBody;
-use crease::fabric::Fabric;
-use crease::garment::Garment;
-use crease::io::{ReadOptions, read_asset};
-use crease::math::Vec3;
-use crease::sim::Method;
-use crease::wear::WearScript;
+use crease::internal::bake::{Bake, BakeOptions, BakeResult, Checkpoint, Observer};
+use crease::internal::wear::WearScript;
 use crease::{Error, Result};
+use crease_geometry::math::Vec3;
+use crease_io::read_body;
+use crease_io::{ReadOptions, read_asset};
+use crease_model::fabric::Fabric;
+use crease_model::garment::Garment;
+use crease_solver::sim::Method;
 use tool::{Pose, wavy_sheet};
 
 /// Every action whose runner has a state of its own: `lay` its ceiling, `unfold` the fold it opens.
@@ -209,7 +209,8 @@ fn what_did_not_take_place_is_still_known_after_it_goes_on() {
 /// On a body: how it is bent, where it is, what it has lifted and pinched go on, too.
 #[test]
 fn on_a_body_it_goes_on_as_if_nothing_had_been() {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("garments/sleeve.glb");
+    let path =
+        std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("garments/sleeve.glb");
     let read = ReadOptions { garment: Some("sleeve".into()), ..ReadOptions::default() };
     let bytes = std::fs::read(path).unwrap();
     let (asset, _) = read_asset("sleeve.glb", &bytes, &read, &mut |_| Ok(Vec::new())).unwrap();

@@ -372,17 +372,16 @@ fn a_crease_is_the_same_whatever_the_triangles_are() {
 
 /// The worn target is there, switched on, and moves something.
 fn check_worn_glb(bytes: &[u8]) {
-    let options = crease::io::ReadOptions { unit_m: Some(1.0), any_size: true, ..Default::default() };
+    let options = crease_io::ReadOptions { unit_m: Some(1.0), any_size: true, ..Default::default() };
     let mut nothing = |name: &str| Err(crease::Error::input(name, "", "is not asked for", ""));
-    let (mut asset, _) =
-        crease::io::read_asset("one.glb", bytes, &options, &mut nothing).expect("reads back");
+    let (mut asset, _) = crease_io::read_asset("one.glb", bytes, &options, &mut nothing).expect("reads back");
     let document = asset.document.clone().expect("is glTF");
     let mesh = &document.json["meshes"][0];
     assert_eq!(mesh["extras"]["targetNames"][0], "worn");
     assert_eq!(mesh["weights"][0].as_f64(), Some(1.0));
-    assert_eq!(crease::io::gltf::sidecar_name(&document), Some("one.crease.json"));
-    assert!(crease::io::gltf::keep_worn_pieces(&mut asset));
-    let worn = crease::io::gltf::read_worn(&asset).expect("reads");
+    assert_eq!(crease_io::gltf::sidecar_name(&document), Some("one.crease.json"));
+    assert!(crease_io::gltf::keep_worn_pieces(&mut asset));
+    let worn = crease_io::gltf::read_worn(&asset).expect("reads");
     assert_eq!(worn.positions.len(), 400);
     let raised = worn.positions.iter().map(|x| x.y.abs()).fold(0.0, f64::max);
     assert!(raised > 1e-4, "the crease stands {raised} m out of the plane");
@@ -391,13 +390,13 @@ fn check_worn_glb(bytes: &[u8]) {
 
 /// The drawn data is the same with the sidecar and from the file alone, up to single precision.
 fn check_views(glb: &[u8], sidecar: &[u8]) {
-    let options = crease::io::ReadOptions { unit_m: Some(1.0), any_size: true, ..Default::default() };
+    let options = crease_io::ReadOptions { unit_m: Some(1.0), any_size: true, ..Default::default() };
     let mut nothing = |name: &str| Err(crease::Error::input(name, "", "is not asked for", ""));
-    let (mut asset, _) = crease::io::read_asset("one.glb", glb, &options, &mut nothing).expect("reads back");
-    let sidecar = crease::io::read_sidecar("one.crease.json", sidecar).expect("reads back");
-    let in_full = crease::report::GarmentView::of_sidecar("one.glb", &sidecar);
-    let alone = crease::report::GarmentView::of_asset(&mut asset).expect("is a garment");
-    let largest = |view: &crease::report::GarmentView| {
+    let (mut asset, _) = crease_io::read_asset("one.glb", glb, &options, &mut nothing).expect("reads back");
+    let sidecar = crease_io::read_sidecar("one.crease.json", sidecar).expect("reads back");
+    let in_full = crease::internal::report::GarmentView::of_sidecar("one.glb", &sidecar);
+    let alone = crease::internal::report::GarmentView::of_asset(&mut asset).expect("is a garment");
+    let largest = |view: &crease::internal::report::GarmentView| {
         let memory = view.memory.as_ref().expect("is worn");
         let moved = view.before.iter().zip(&view.after).map(|(a, b)| 1e3 * (a - b).norm());
         let turned = memory.rest_angle_change_deg.iter().map(|angle| angle.abs());
@@ -506,10 +505,10 @@ fn images_named_by_a_path_are_embedded() {
         0
     );
     let (mut json, binary) =
-        crease::io::gltf::split_glb(&std::fs::read(folder.join("plain.glb")).expect("is there"))
+        crease_io::gltf::split_glb(&std::fs::read(folder.join("plain.glb")).expect("is there"))
             .expect("is a GLB");
     json["images"] = serde_json::json!([{"uri": "my%20weave.png"}, {"uri": "gone.png"}]);
-    let glb = crease::io::gltf::join_glb(&json, &binary.expect("has bytes"));
+    let glb = crease_io::gltf::join_glb(&json, &binary.expect("has bytes"));
     std::fs::create_dir(folder.join("in")).expect("makes");
     std::fs::write(folder.join("in/pictured.glb"), glb).expect("writes");
     let png = b"\x89PNG\r\n\x1a\nnot looked into";
@@ -518,7 +517,7 @@ fn images_named_by_a_path_are_embedded() {
     assert_eq!(code, 0, "{err}");
     assert!(err.contains("warning: images[1] still names \"gone.png\""), "{err}");
     let out = std::fs::read(folder.join("out.glb")).expect("is there");
-    let (json, _) = crease::io::gltf::split_glb(&out).expect("is a GLB");
+    let (json, _) = crease_io::gltf::split_glb(&out).expect("is a GLB");
     assert_eq!(json["images"][0]["mimeType"], "image/png");
     assert!(out.windows(png.len()).any(|window| window == png));
 }
@@ -583,7 +582,8 @@ fn old_names_of_options_are_hidden_aliases() {
 #[cfg(all(feature = "charts", feature = "viewer"))]
 #[test]
 fn the_command_line_reference_is_current() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/reference/command-line.md");
+    let path =
+        Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("docs/reference/command-line.md");
     let (text, _, code) = run(&["man", "--markdown"]);
     assert_eq!(code, 0);
     if std::env::var_os("CREASE_UPDATE_DOCS").is_some() {

@@ -4,12 +4,12 @@
 #[path = "common/shirt.rs"]
 mod shirt;
 
-use crease::bake::{Bake, BakeOptions, BakeResult};
-use crease::fabric::{DEFAULT_FABRIC, Fabric};
-use crease::garment::Garment;
-use crease::math::Vec3;
-use crease::mesh::intersections::self_intersections;
-use crease::wear::WearScript;
+use crease::internal::bake::{Bake, BakeOptions, BakeResult};
+use crease::internal::wear::WearScript;
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::intersections::self_intersections;
+use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
+use crease_model::garment::Garment;
 use shirt::shirt;
 
 fn crossings(garment: &Garment, x: &[Vec3]) -> usize {

@@ -4,10 +4,10 @@
 mod shirt;
 
 use crease::Result;
-use crease::bake::{Bake, BakeOptions, BakeResult, Checkpoint, Observer};
-use crease::fabric::{DEFAULT_FABRIC, Fabric};
-use crease::math::{Vec3, bounds};
-use crease::wear::WearScript;
+use crease::internal::bake::{Bake, BakeOptions, BakeResult, Checkpoint, Observer};
+use crease::internal::wear::WearScript;
+use crease_geometry::math::{Vec3, bounds};
+use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
 use shirt::shirt;
 
 /// Checkpoints of a run.

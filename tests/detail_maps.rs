@@ -7,7 +7,7 @@ mod common;
 mod glb;
 
 use common::{Pose, crease_in, wavy_sheet};
-use crease::io::gltf::DetailOutput;
+use crease_io::gltf::DetailOutput;
 use glb::{Part, detail_map, glb as file, json_of};
 use serde_json::{Value, json};
 

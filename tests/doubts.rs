@@ -6,10 +6,10 @@ mod glb;
 #[path = "common/tool.rs"]
 mod tool;
 
-use crease::garment::{RestState, RigidParts, WornGarment, content_warnings};
-use crease::io::gltf::{DetailOutput, keep_worn_pieces};
-use crease::io::{ReadOptions, read_asset};
 use crease::{GarmentFile, Vec3};
+use crease_io::gltf::{DetailOutput, keep_worn_pieces};
+use crease_io::{ReadOptions, read_asset};
+use crease_model::garment::{RestState, RigidParts, WornGarment, content_warnings};
 use glb::{Part, detail_map, glb as file};
 use serde_json::{Value, json};
 use tool::crease_in;

@@ -1,14 +1,14 @@
 //! A dress on a body that is given as frames: it walks and swings its arms, and the dress hangs on its hips by contact alone. The
 //! environment variable `CREASE_FULL_SIZE` makes it four seconds.
 
-use crease::bake::{Bake, BakeProgress, Observer, Quality};
-use crease::body::{AnimatedBody, BodyMotion, Sequence};
-use crease::fabric::Fabric;
-use crease::files::GarmentFile;
-use crease::garment::Garment;
-use crease::math::Vec3;
-use crease::mesh::intersections::{intersections_between, self_intersections};
-use crease::wear::WearScript;
+use crease::internal::bake::{Bake, BakeProgress, Observer, Quality};
+use crease::internal::files::GarmentFile;
+use crease::internal::wear::WearScript;
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::intersections::{intersections_between, self_intersections};
+use crease_model::body::{AnimatedBody, BodyMotion, Sequence};
+use crease_model::fabric::Fabric;
+use crease_model::garment::Garment;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 

@@ -12,12 +12,12 @@ mod shapes;
 
 use character::{cape, character};
 use common::crease_in;
-use crease::bake::Bake;
-use crease::body::{AnimatedBody, BodyMotion, Sequence};
-use crease::fabric::Fabric;
-use crease::files::GarmentFile;
-use crease::math::Vec3;
-use crease::wear::WearScript;
+use crease::internal::bake::Bake;
+use crease::internal::files::GarmentFile;
+use crease::internal::wear::WearScript;
+use crease_geometry::math::Vec3;
+use crease_model::body::{AnimatedBody, BodyMotion, Sequence};
+use crease_model::fabric::Fabric;
 use serde_json::{Value, json};
 use shapes::*;
 use std::path::Path;

@@ -16,11 +16,11 @@ mod normals;
 mod wearing;
 
 use checks::*;
-use crease::garment::{Garment, SourceAsset};
-use crease::io::gltf::{
+use crease_io::gltf::{
     FORMER_REST_ANGLE_ATTRIBUTE, REST_ANGLE_CHANGE_ATTRIBUTE, join_glb, read_worn, split_glb, write_worn_glb,
 };
-use crease::io::{ReadOptions, Sidecar, read_asset, read_sidecar, write_sidecar};
+use crease_io::{ReadOptions, Sidecar, read_asset, read_sidecar, write_sidecar};
+use crease_model::garment::{Garment, SourceAsset};
 use document::*;
 use external::external;
 use nalgebra::Vector3;

@@ -8,10 +8,12 @@ mod document;
 mod shapes;
 
 use common::crease_in;
-use crease::body::{AnimatedBody, BodyMotion, BodyPose, Sequence, interpolate_body_pose};
-use crease::io::ReadOptions;
-use crease::math::Vec3;
-use crease::wear::WearScript;
+use crease::internal::wear::WearScript;
+use crease::load_body;
+use crease_geometry::math::Vec3;
+use crease_io::ReadOptions;
+use crease_io::read_body;
+use crease_model::body::{AnimatedBody, BodyMotion, BodyPose, Sequence, interpolate_body_pose};
 use document::Document;
 use serde_json::json;
 use shapes::*;

@@ -5,11 +5,11 @@ mod document;
 #[path = "field/shapes.rs"]
 mod shapes;
 
-use crease::garment::{ImportDiagnostic, RestState, Severity, SourceAsset, WornGarment};
-use crease::io::gltf::{file_contents, join_glb, split_glb, write_worn_glb};
-use crease::io::{FrameRow, FrameRows, ReadOptions, read_asset, write_shape_obj};
-use crease::math::Vec3;
-use crease::mesh::hinge_angle;
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::hinge_angle;
+use crease_io::gltf::{file_contents, join_glb, split_glb, write_worn_glb};
+use crease_io::{FrameRow, FrameRows, ReadOptions, read_asset, write_shape_obj};
+use crease_model::garment::{ImportDiagnostic, RestState, Severity, SourceAsset, WornGarment};
 use document::Document;
 use serde_json::{Value, json};
 use shapes::*;
@@ -55,7 +55,7 @@ fn the_outside_of_a_garment_is_outside() {
     for (name, asset) in files {
         let (garment, _) = garment_of(&asset);
         assert_eq!(outward_fraction(&garment.points, &garment.triangles), 1.0, "{name}");
-        let angle = |h: &crease::mesh::Hinge| hinge_angle(&h.points.map(|p| garment.points[p.at()]));
+        let angle = |h: &crease_geometry::mesh::Hinge| hinge_angle(&h.points.map(|p| garment.points[p.at()]));
         assert!(garment.topology.hinges.iter().map(angle).sum::<f64>() > 0.0, "{name}");
         let shape = write_shape_obj(&asset, &garment, &vec![Vec3::zeros(); garment.points.len()]);
         let (again, _) = read_with("a.obj", &shape, &ReadOptions::default()).expect("is read");
@@ -126,7 +126,7 @@ fn the_shape_that_the_file_shows_is_worn() {
         let targets: Vec<(&str, f64)> =
             contents.piece_attributes[0].morph_targets.iter().map(|t| (t.name.as_str(), t.weight)).collect();
         assert_eq!(targets[2], ("worn", 1.0), "{targets:?}");
-        let shown = crease::io::gltf::read_worn(&again).expect("is worn").positions[0];
+        let shown = crease_io::gltf::read_worn(&again).expect("is worn").positions[0];
         assert!((shown - first - Vec3::new(0.0, 0.01, 0.0)).norm() < 1e-6, "{shown}");
     }
 }
@@ -399,7 +399,7 @@ fn a_gltf_far_from_the_origin_keeps_what_its_file_has() {
         let glb = write_worn_glb(&asset, &garment, &worn, &json!({"crease": {"sidecar": "a.crease.json"}}))
             .expect("is written");
         let (again, _) = read_with("a.glb", &glb, &ReadOptions::default()).expect("is read");
-        let shown = crease::io::gltf::read_worn(&again).expect("is worn");
+        let shown = crease_io::gltf::read_worn(&again).expect("is worn");
         for (k, there) in shown.positions.iter().enumerate() {
             let before = asset.pieces[0].scene_position(k).expect("has it");
             let error = (there - before - up).norm();

@@ -2,6 +2,7 @@
 
 mod wedges {
     use crease_io::{ReadOptions, read_asset};
+    use crease_model::garment::*;
 
     /// Two triangles joined at an edge whose texture is split there.
     #[test]
@@ -26,6 +27,7 @@ mod wedges {
 
 mod inspect {
     use crease_io::{ReadOptions, read_asset};
+    use crease_model::garment::*;
 
     /// A square of 10 cm with a stray triangle of two corners, in centimetres.
     const TEXT: &str = "o Hanky\nv 0 0 0\nv 10 0 0\nv 10 10 0\nv 0 10 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
@@ -70,6 +72,7 @@ hanky.obj (OBJ, y up, 1 unit = 0.01 m)
 
 mod refine {
     use crease_io::{ReadOptions, read_asset};
+    use crease_model::garment::*;
 
     fn garment() -> Garment {
         let text = "v 0 0 0\nv 0.2 0 0\nv 0.2 0.1 0\nv 0 0.1 0\nv 0.3 0.05 0.1\nf 1 2 3\nf 1 3 4\nf 2 5 3\n";
@@ -77,6 +80,8 @@ mod refine {
             read_asset("a.obj", text.as_bytes(), &ReadOptions::default(), &mut |_: &str| Ok(Vec::new()));
         Garment::from_asset(&asset.expect("is a mesh").0).expect("is a garment").0
     }
+
+    use crease_geometry::math::Vec2;
 
     fn area(flat: &[Vec2; 3]) -> f64 {
         0.5 * (flat[1] - flat[0]).perp(&(flat[2] - flat[0]))

@@ -4,9 +4,9 @@
 #[path = "reference/external.rs"]
 mod external;
 
-use crease::garment::{Garment, ImportDiagnostic, Inspection, SourceAsset, inspect};
-use crease::io::gltf::join_glb;
-use crease::io::{ReadOptions, read_asset};
+use crease_io::gltf::join_glb;
+use crease_io::{ReadOptions, read_asset};
+use crease_model::garment::{Garment, ImportDiagnostic, Inspection, SourceAsset, inspect};
 use external::external;
 use serde_json::json;
 use std::path::{Path, PathBuf};

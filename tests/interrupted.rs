@@ -48,7 +48,7 @@ fn an_interrupted_bake_says_how_it_goes_on() {
     let told = error.lines().find(|line| line.contains("out.checkpoint")).unwrap_or_default();
     assert!(told.contains("--resume"), "{error}");
     let left = std::fs::read(path("out.checkpoint")).expect("is left");
-    assert!(crease::bake::Checkpoint::parse("out.checkpoint", &left).is_ok(), "it can be read");
+    assert!(crease::internal::bake::Checkpoint::parse("out.checkpoint", &left).is_ok(), "it can be read");
     for name in ["out.glb", "out.crease.json", "out.report.json"] {
         assert!(!path(name).exists(), "{name} of half a run");
     }

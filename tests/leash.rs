@@ -11,14 +11,15 @@ mod shapes;
 
 use character::*;
 use common::crease_in;
-use crease::bake::Bake;
-use crease::body::{AnimatedBody, BodyPose, GarmentSkin};
-use crease::fabric::Fabric;
-use crease::garment::{Garment, SourceAsset};
-use crease::io::read_garment_skin;
-use crease::math::Vec3;
-use crease::mesh::intersections::self_intersections;
+use crease::internal::bake::Bake;
 use crease::{Quality, WearScript};
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::intersections::self_intersections;
+use crease_io::read_body;
+use crease_io::read_garment_skin;
+use crease_model::body::{AnimatedBody, BodyPose, GarmentSkin};
+use crease_model::fabric::Fabric;
+use crease_model::garment::{Garment, SourceAsset};
 use shapes::*;
 use std::sync::Arc;
 
@@ -42,7 +43,7 @@ impl Dressed {
         read_garment_skin(&self.asset, None, &self.body).expect("follows the body")
     }
 
-    fn bake(&self, script: &str) -> crease::bake::BakeResult {
+    fn bake(&self, script: &str) -> crease::internal::bake::BakeResult {
         let script = WearScript::parse("w.json", script).expect("is valid");
         let fabric = Fabric::preset("kow-tshirt").expect("exists");
         let bake = Bake::new(&self.garment, &fabric, &script);

@@ -73,7 +73,7 @@ fn write_files(folder: &Path) {
         point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]\n        int[] faceVertexCounts = [3]\n        \
         int[] faceVertexIndices = [0, 1, 3]\n    }\n}\n";
     write("damaged.usda", square);
-    let seeds = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fuzz/seeds/usd");
+    let seeds = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("tests/fuzz/seeds/usd");
     let whole = std::fs::read(seeds.join("square.usdc")).expect("reads");
     std::fs::write(folder.join("cut.usdc"), &whole[..whole.len() / 2]).expect("writes");
     write("stage.usda", "#usda 1.0\ndef \"shirt\" (\n    references = @front.usda@</front>\n)\n{\n}\n");
@@ -87,7 +87,7 @@ fn write_files(folder: &Path) {
     script("twice.json", r#"{"hold": {"for": 1, "for": 2}}"#);
     write("version.json", r#"{"format": "crease-wear/2", "actions": [{"hold": {"for": 1}}]}"#);
     std::fs::create_dir(folder.join("folder")).expect("makes");
-    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("garments");
+    let own = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("garments");
     for (from, to) in [("sleeve.glb", "sleeve.glb"), ("memories/elbow.crease.json", "memory.crease.json")] {
         std::fs::copy(own.join(from), folder.join(to)).expect("copies");
     }
@@ -112,7 +112,7 @@ fn every_mistake_has_its_message_place_cure_and_exit_code() {
         let _ = writeln!(text, "# {what}\n$ crease {line}\n{}\nexit code {code}\n", err.trim_end());
     }
     assert_eq!(std::fs::read_dir(folder.path()).expect("lists").count(), before, "nothing is left behind");
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/mistakes.txt");
+    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("tests/mistakes.txt");
     if std::env::var_os("CREASE_UPDATE_DOCS").is_some() {
         std::fs::write(&path, &text).expect("writes");
     }

@@ -4,9 +4,9 @@
 #[path = "common/glb.rs"]
 mod glb;
 
-use crease::garment::{RigidParts, content_warnings};
-use crease::io::ReadOptions;
 use crease::{GarmentFile, RestState, Vec3, WornGarment};
+use crease_io::ReadOptions;
+use crease_model::garment::{RigidParts, content_warnings};
 use glb::{Part, glb as file};
 use std::collections::HashMap;
 
@@ -252,7 +252,7 @@ fn panels_with_a_thickness_of_their_own_are_sewn() {
         });
         let null = serde_json::Value::Null;
         let sidecar =
-            crease::io::Sidecar::new(&mesh.asset, &mesh.garment, &worn, null.clone(), null.clone(), null);
+            crease_io::Sidecar::new(&mesh.asset, &mesh.garment, &worn, null.clone(), null.clone(), null);
         assert_eq!(sidecar.expect("fits").mesh_mismatch(&mesh.asset), None, "{what}");
     }
 }

@@ -173,7 +173,9 @@ fn json_in(folder: &Path, name: &str) -> Value {
 fn a_garment_is_read_from_the_standard_input() {
     let folder = workshop();
     let folder = folder.path();
-    let glb = std::fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("garments/handkerchief.glb"));
+    let glb = std::fs::read(
+        Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("garments/handkerchief.glb"),
+    );
     std::fs::write(folder.join("cloth.glb"), glb.expect("is there")).expect("writes");
     for file in ["cloth.glb", "sheet.obj"] {
         let bytes = std::fs::read(folder.join(file)).expect("is there");

@@ -1,19 +1,14 @@
-//! The structure of the source, read from the source: imports against the table of floors in `docs/architecture.md`,
-//! circles, lengths of functions and files, links of the docs, and citations of files.
+//! The structure of the source, read from the source: order of the modules within a crate, lengths of files, links of the docs, and
+//! citations of files.
 //!
-//! Every message names the file and line and says how to mend it. Comments, strings and test modules (`#[cfg(test)]`)
-//! are left out where imports are read.
+//! Every message names the file and line and says how to mend it.
 
-#[path = "structure/circles.rs"]
-mod circles;
 #[path = "structure/citations.rs"]
 mod citations;
-#[path = "structure/imports.rs"]
-mod imports;
+#[path = "structure/floors.rs"]
+mod floors;
 #[path = "structure/lengths.rs"]
 mod lengths;
-#[path = "structure/tokens.rs"]
-mod tokens;
 
 use std::path::{Path, PathBuf};
 

@@ -23,16 +23,15 @@ mod textures;
 #[path = "transfer/tool.rs"]
 mod tool;
 
-use crease::bake::{BakeOptions, MeshChoice};
-use crease::fabric::{DEFAULT_FABRIC, Fabric};
-use crease::garment::{RestState, WornGarment};
-use crease::io::Sidecar;
-use crease::math::Vec3;
-use crease::mesh::hinge_angle;
-use crease::transfer::{
-    GarmentSurface, MatchBy, Transfer, TransferOptions, TransferSource, prolongate, transfer,
-};
-use crease::wear::WearScript;
+use crease::internal::bake::{BakeOptions, MeshChoice};
+use crease::internal::transfer::{MatchBy, Transfer, TransferOptions, TransferSource, transfer};
+use crease::internal::wear::WearScript;
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::hinge_angle;
+use crease_io::Sidecar;
+use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
+use crease_model::garment::{RestState, WornGarment};
+use crease_model::remesh::{GarmentSurface, prolongate};
 use made::{load, made_memory};
 use measure::{FOLDS, Fold, carry, correlation, tensors, total};
 use serde_json::Value;
@@ -84,7 +83,8 @@ fn folds_survive_finer_and_coarser_tessellations_and_the_return() {
 #[test]
 fn memory_of_a_simulation_mesh_is_prolongated_to_the_garment() {
     let (_, garment) = load("tshirt.glb");
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("garments/wear/fold-thrice.json");
+    let path =
+        Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("garments/wear/fold-thrice.json");
     let text = std::fs::read_to_string(path).expect("a script of the repository");
     let script = WearScript::parse("fold-thrice.json", &text).expect("is a script");
     let fabric = Fabric::preset(DEFAULT_FABRIC).expect("exists");
@@ -143,13 +143,18 @@ fn the_builder_transfers_a_sidecar_as_the_function_does() {
     let worn = WornGarment { displacement: vec![Vec3::zeros(); garment.points.len()], memory };
     let null = Value::Null;
     let sidecar = Sidecar::new(&asset, &garment, &worn, null.clone(), null.clone(), null).expect("is sound");
-    let same = Transfer::new(&sidecar, &garment).run().expect("transfers");
+    let same = Transfer::new(crease::transfer_source("sidecar", &sidecar).expect("is sound"), &garment)
+        .run()
+        .expect("transfers");
     assert!(same.unchanged && same.memory == worn.memory);
     let (_, other) = load("handkerchief.glb");
-    let built =
-        Transfer::new(&sidecar, &other).match_by(MatchBy::Surface).strength(0.5).run().expect("transfers");
+    let built = Transfer::new(crease::transfer_source("sidecar", &sidecar).expect("is sound"), &other)
+        .match_by(MatchBy::Surface)
+        .strength(0.5)
+        .run()
+        .expect("transfers");
     let target = GarmentSurface::without_texture(&other);
-    let source = TransferSource::from_sidecar("sidecar", &sidecar).expect("is sound");
+    let source = crease::transfer_source("sidecar", &sidecar).expect("is sound");
     let options = TransferOptions {
         match_by: MatchBy::Surface,
         strength: 0.5,

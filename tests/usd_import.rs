@@ -3,9 +3,9 @@
 #[path = "common/tool.rs"]
 mod tool;
 
-use crease::garment::{Garment, ImportDiagnostic, Severity, SourceAsset, UpAxis};
-use crease::io::{ReadOptions, read_asset};
 use crease::{Error, Result, Vec3};
+use crease_io::{ReadOptions, read_asset};
+use crease_model::garment::{Garment, ImportDiagnostic, Severity, SourceAsset, UpAxis};
 use std::fmt::Write;
 use tool::{crease_in, write, write_script};
 
@@ -133,7 +133,7 @@ fn texture_coordinates_split_vertices_and_not_the_cloth() {
     let (count, uvs, _) = vertices(&format!("texCoord2f[] primvars:st = {face}"));
     assert_eq!(count, 8);
     // USD counts v upward, we downward.
-    assert_eq!(uvs.expect("has some")[2], crease::math::Vec2::new(1.0, 0.0));
+    assert_eq!(uvs.expect("has some")[2], crease_geometry::math::Vec2::new(1.0, 0.0));
     let (count, ..) = vertices(
         "texCoord2f[] primvars:st = [(0, 0), (1, 0), (1, 1), (0, 1)] ( interpolation = \"faceVarying\" )\n    \
          int[] primvars:st:indices = [0, 1, 2, 3, 0, 1, 2, 3]",
@@ -328,7 +328,8 @@ fn damaged_meshes_are_refused_with_their_place() {
 /// Counts of 10^12 and offsets beyond the file in a USDC: no memory is asked for beyond the size of the file.
 #[test]
 fn counts_that_lie_in_a_binary_file_are_refused() {
-    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fuzz/seeds/usd");
+    let folder =
+        std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("tests/fuzz/seeds/usd");
     let bytes = std::fs::read(folder.join("square.usdc")).expect("reads");
     let read = |bytes: &[u8]| {
         read_asset("a.usdc", bytes, &ReadOptions::default(), &mut |name| {
@@ -432,7 +433,7 @@ fn worn(folder: &std::path::Path, name: &str) -> Vec<f64> {
 fn the_same_sheet_is_worn_alike_from_obj_and_usd() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = folder.path();
-    let own = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("garments/wear");
+    let own = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("garments/wear");
     write(at, "sheet.obj", sheet_obj());
     write(at, "metres.usda", sheet_usda("metersPerUnit = 1\nupAxis = \"Y\"", |p| p));
     write(
@@ -471,7 +472,8 @@ fn the_same_sheet_is_worn_alike_from_obj_and_usd() {
 
 #[test]
 fn text_binary_and_package_are_one_mesh() {
-    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fuzz/seeds/usd");
+    let folder =
+        std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("tests/fuzz/seeds/usd");
     let read = |name: &str| {
         let bytes = std::fs::read(folder.join(name)).expect("reads");
         let (asset, _) =

@@ -77,7 +77,7 @@ fn the_page_shows_the_worn_garment_and_its_colours() {
     let folder = tempfile::tempdir().expect("a folder");
     let page = folder.path().join("worn.html");
     // Two garments beside each other: the seed of the fuzz targets, with its sidecar put beside it.
-    let seeds = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fuzz/seeds");
+    let seeds = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("tests/fuzz/seeds");
     let worn = folder.path().join("out.glb");
     std::fs::copy(seeds.join("gltf/worn.glb"), &worn).expect("copies");
     let sidecar = std::fs::read(seeds.join("sidecar/worn.json")).expect("reads");

@@ -9,8 +9,8 @@ mod document;
 mod shapes;
 
 use common::{Pose, crease_in, wavy_sheet, write, write_script};
-use crease::bake::Bake;
-use crease::wear::{Action, Hold, WearScript};
+use crease::internal::bake::Bake;
+use crease::internal::wear::{Action, Hold, WearScript};
 use crease::{Fabric, GarmentFile};
 use document::Document;
 use serde_json::{Value, json};

@@ -5,13 +5,13 @@
 //! cargo test --test wear_actions NAME -- --nocapture
 //! ```
 
-use crease::bake::{Bake, BakeOptions, BakeResult};
-use crease::fabric::Fabric;
-use crease::garment::Garment;
-use crease::io::{ReadOptions, read_asset};
-use crease::math::Vec3;
-use crease::wear::WearScript;
+use crease::internal::bake::{Bake, BakeOptions, BakeResult};
+use crease::internal::wear::WearScript;
 use crease::{Error, Result};
+use crease_geometry::math::Vec3;
+use crease_io::{ReadOptions, read_asset};
+use crease_model::fabric::Fabric;
+use crease_model::garment::Garment;
 use std::fmt::Write;
 
 /// Points along a side of the handkerchief.

@@ -3,13 +3,13 @@
 #[path = "common/tool.rs"]
 mod tool;
 
-use crease::garment::Garment;
-use crease::io::gltf::{Accessors, WORN_TARGET};
-use crease::math::Rng;
-use crease::transfer::earlier_memory;
+use crease::internal::files::memory_of_earlier_run;
 use crease::{
     Bake, BakeOptions, Fabric, GarmentFile, Quality, ReadOptions, RestState, WearScript, WornGarment,
 };
+use crease_geometry::math::Rng;
+use crease_io::gltf::{Accessors, WORN_TARGET};
+use crease_model::garment::Garment;
 use serde_json::Value;
 use std::path::Path;
 use tool::{Pose, crease_in, wavy_sheet};
@@ -163,7 +163,7 @@ fn the_tool_carries_memory_on_unless_told_to_forget() {
         let text = std::fs::read(folder.path().join(&sidecar)).expect("is there");
         let sidecar = crease::read_sidecar(&sidecar, &text).expect("reads");
         let memory =
-            earlier_memory(name, &sidecar, &file.garment, &file.asset).expect("reads").expect("fits");
+            memory_of_earlier_run(name, &sidecar, &file.garment, &file.asset).expect("reads").expect("fits");
         (file.garment, memory)
     };
     let creases = |name: &str| {

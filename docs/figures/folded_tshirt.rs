@@ -8,9 +8,9 @@
 //! ```
 
 use crease::Result;
-use crease::io::read_sidecar;
-use crease::report::render::{Camera, encode_png, one_above_the_other, side_by_side};
-use crease::report::{ColorBy, GarmentView};
+use crease::internal::report::render::{Camera, encode_png, one_above_the_other, side_by_side};
+use crease::internal::report::{ColorBy, GarmentView};
+use crease_io::read_sidecar;
 
 /// Width and height of each of the four pictures [pixels].
 const SIZE: [usize; 2] = [640, 480];

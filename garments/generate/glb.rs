@@ -1,7 +1,7 @@
 //! Binary glTF files of garments: one buffer, plain accessors of f32 and u32, no optional features.
 
 use crate::Mesh;
-use crease::math::Vec3;
+use crease_geometry::math::Vec3;
 use serde_json::{Value, json};
 
 /// Component types of glTF.

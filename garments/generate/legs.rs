@@ -7,7 +7,7 @@
 
 use crate::glb::{Clip, Joint, JointRotations};
 use crate::{Mesh, smoothstep};
-use crease::math::{Vec2, Vec3};
+use crease_geometry::math::{Vec2, Vec3};
 use std::f64::consts::TAU;
 
 /// Left hip [m]; joints of the right leg are mirrored.

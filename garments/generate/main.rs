@@ -27,11 +27,11 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, Default)]
 pub struct Mesh {
     /// Positions, one per vertex [m].
-    pub positions: Vec<crease::math::Vec3>,
+    pub positions: Vec<crease_geometry::math::Vec3>,
     /// Unit normals, one per vertex.
-    pub normals: Vec<crease::math::Vec3>,
+    pub normals: Vec<crease_geometry::math::Vec3>,
     /// Texture coordinates, one per vertex, with v downwards as in glTF.
-    pub uvs: Vec<crease::math::Vec2>,
+    pub uvs: Vec<crease_geometry::math::Vec2>,
     /// Triangles over the vertices, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
 }

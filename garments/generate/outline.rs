@@ -4,7 +4,7 @@
 //! Only the right half is given; the left is its mirror image. Every run is divided into equal pieces by itself, so
 //! that two panels with a common run have exactly the same points along it, as sewing requires.
 
-use crease::math::Vec2;
+use crease_geometry::math::Vec2;
 
 /// Kind of a run of the outline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

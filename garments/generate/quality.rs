@@ -1,7 +1,7 @@
 //! Mesh quality: number of points, triangle shape, openings.
 
 use crate::Mesh;
-use crease::mesh::{PointIndex, Topology};
+use crease_geometry::mesh::{PointIndex, Topology};
 use std::collections::BTreeMap;
 
 /// Quality of one mesh, with welded seams.

@@ -9,7 +9,7 @@ use crate::Mesh;
 use crate::outline::{Border, Boundary, boundary};
 use crate::patterns::Pattern;
 use crate::triangulate::{Panel, fill};
-use crease::math::{Vec2, Vec3};
+use crease_geometry::math::{Vec2, Vec3};
 
 /// Distance between front and back away from the seams [m].
 const LAYER_DISTANCE: f64 = 0.003;

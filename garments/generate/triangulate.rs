@@ -6,7 +6,7 @@
 //! lattice is in equilibrium.
 
 use crate::outline::Boundary;
-use crease::math::Vec2;
+use crease_geometry::math::Vec2;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 use std::collections::BTreeMap;
 

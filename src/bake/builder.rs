@@ -1,16 +1,16 @@
 //! [`Bake`]: the front door of the library.
 
-use crate::bake::body_start::body_at_first_key;
-use crate::bake::checkpoint::Checkpoint;
-use crate::bake::findings::add_findings;
-use crate::bake::lay_first::mesh_for;
-use crate::bake::leash::GarmentLeash;
-use crate::bake::relax_to_source::{RelaxOptions, relax_to_source_pose};
-use crate::bake::setup::BakeSetup;
-use crate::bake::simulate::{SimulationResult, simulate};
-use crate::bake::trims::bake_cloth;
+use crate::bake::body::leash::GarmentLeash;
+use crate::bake::body::start::body_at_first_key;
+use crate::bake::relax::relax_to_source::{RelaxOptions, relax_to_source_pose};
+use crate::bake::relax::uncross::GarmentReading;
+use crate::bake::run::checkpoint::Checkpoint;
+use crate::bake::run::findings::add_findings;
+use crate::bake::run::lay_first::mesh_for;
+use crate::bake::run::setup::BakeSetup;
+use crate::bake::run::simulate::{SimulationResult, simulate};
+use crate::bake::run::trims::bake_cloth;
 use crate::bake::tuning::TUNING;
-use crate::bake::uncross::GarmentReading;
 use crate::bake::{
     BakeOptions, BakeResult, MeshChoice, ModelDecision, ModelPlan, Observer, Quality, SimulatedGarment,
     active_points,

@@ -5,7 +5,7 @@
 //! triangles of the file are. Where a script may crease the cloth anywhere, triangles are bisected during the wear where they
 //! bend ([`RefinementRule`]).
 
-use crate::bake::body_creases::CreasedCloth;
+use crate::bake::body::creases::CreasedCloth;
 use crate::bake::tuning::TUNING;
 use crate::bake::{BakeOptions, ModelDecision};
 use crate::wear::{DrawnLines, Foresight, WearScript, draw_fold_lines, is_row};

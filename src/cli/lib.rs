@@ -4,9 +4,11 @@
 //! 2 wrong usage, 3 no convergence, an action that did not take place, or an empty result, 130 interrupted. A new command is
 //! a file in `commands` and an entry in [`Command`].
 
-pub(crate) mod args;
+#[doc(hidden)]
+pub mod args;
 mod commands;
-pub(crate) mod files;
+#[doc(hidden)]
+pub mod files;
 mod runtime;
 
 use clap::{CommandFactory, Parser, Subcommand};

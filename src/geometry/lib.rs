@@ -3,9 +3,5 @@
 //!
 //! A crate of the workspace of `crease`; its interface follows the needs of that library.
 
-#![warn(missing_docs)]
-// Units are written [m], [s], [rad] in doc comments: rustdoc would take each for a link.
-#![allow(rustdoc::broken_intra_doc_links)]
-
 pub mod math;
 pub mod mesh;

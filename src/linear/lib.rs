@@ -15,10 +15,6 @@
 //! # let _ = (Cholesky::default(), Vector3::<f64>::zeros());
 //! ```
 
-#![warn(missing_docs)]
-// Units are written [m], [s] in doc comments: rustdoc would take each for a link.
-#![allow(rustdoc::broken_intra_doc_links)]
-
 mod block_matrix;
 mod block_sink;
 mod cholesky;

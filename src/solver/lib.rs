@@ -3,10 +3,6 @@
 //!
 //! A crate of the workspace of `crease`; its interface follows the needs of that library.
 
-#![warn(missing_docs)]
-// Units are written [m], [s], [rad] in doc comments: rustdoc would take each for a link.
-#![allow(rustdoc::broken_intra_doc_links)]
-
 pub mod contact;
 pub mod energy;
 pub mod memory;

@@ -1,8 +1,8 @@
 //! Reference of the direct solver: faer's supernodal sparse factorisation of the scalar matrix, ordered by recursive
 //! bisection at the median of the widest axis.
 
-use crease::math::Vec3;
-use crease::sim::BlockMatrix;
+use crease_geometry::math::Vec3;
+use crease_linear::BlockMatrix;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::perm::PermRef;

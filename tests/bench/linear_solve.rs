@@ -7,9 +7,9 @@
 
 mod faer_sparse;
 
-use crease::energy::BlockSink;
-use crease::math::{Mat3, Vec3};
-use crease::sim::{BlockMatrix, Cholesky, FactorSize};
+use crease_geometry::math::{Mat3, Vec3};
+use crease_linear::BlockSink;
+use crease_linear::{BlockMatrix, Cholesky, FactorSize};
 use faer_sparse::FaerSparse;
 use std::collections::HashMap;
 use std::time::Instant;

@@ -3,12 +3,12 @@
 // Each test uses a part of them.
 #![allow(dead_code)]
 
-use crease::garment::{RestState, WornGarment};
-use crease::io::ReadOptions;
-use crease::io::gltf::{
+use crease::{Garment, GarmentFile, Vec3};
+use crease_io::ReadOptions;
+use crease_io::gltf::{
     DetailInput, DetailOutput, FlatNormals, MapDepth, add_detail_map, join_glb, write_worn_glb,
 };
-use crease::{Garment, GarmentFile, Vec3};
+use crease_model::garment::{RestState, WornGarment};
 use serde_json::{Value, json};
 
 /// One primitive.

@@ -1,7 +1,8 @@
 //! A multiple of the identity added to the Hessian and to nothing else: equilibria of loose parts become well posed.
 
-use crease::energy::{BlockSink, Energy};
-use crease::math::{Mat3, Vec3};
+use crease_geometry::math::{Mat3, Vec3};
+use crease_linear::BlockSink;
+use crease_solver::energy::Energy;
 
 /// Adds this to every diagonal entry of the Hessian [N/m]; value and gradient stay as they are.
 pub struct HessianShift(pub f64);

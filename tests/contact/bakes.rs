@@ -1,14 +1,14 @@
 //! Whole bakes: a handkerchief folded five times (32 layers), and garments that cross at the start.
 
-use crease::bake::{Bake, BakeOptions, BakeReport, Observer};
-use crease::error::Result;
-use crease::fabric::Fabric;
-use crease::garment::Garment;
-use crease::io::{ReadOptions, read_asset};
-use crease::math::{Rng, Vec3, bounds};
-use crease::mesh::PointIndex;
-use crease::mesh::intersections::self_intersections;
-use crease::wear::WearScript;
+use crease::internal::bake::{Bake, BakeOptions, BakeReport, Observer};
+use crease::internal::wear::WearScript;
+use crease_geometry::math::{Rng, Vec3, bounds};
+use crease_geometry::mesh::PointIndex;
+use crease_geometry::mesh::intersections::self_intersections;
+use crease_io::{ReadOptions, read_asset};
+use crease_model::error::Result;
+use crease_model::fabric::Fabric;
+use crease_model::garment::Garment;
 use std::fmt::Write;
 use std::time::Instant;
 
@@ -58,7 +58,7 @@ impl Observer for Count {
         self.triangles = mesh.triangles.clone();
     }
 
-    fn progress(&mut self, progress: &crease::bake::BakeProgress) {
+    fn progress(&mut self, progress: &crease::internal::bake::BakeProgress) {
         (self.last_time, self.time) = (self.time, progress.time);
     }
 
@@ -100,7 +100,7 @@ pub fn t_shirt(wear: &str, points: usize, seed: u64) -> Outcome {
     let edge = garment.mean_edge();
     garment.points.iter_mut().for_each(|x| *x += rng.in_cube() * (0.02 * edge));
     let text = std::fs::read_to_string(folder.join("wear").join(wear)).expect("is in the repository");
-    watched(wear, &garment, crease::fabric::DEFAULT_FABRIC, &text)
+    watched(wear, &garment, crease_model::fabric::DEFAULT_FABRIC, &text)
 }
 
 /// Bakes `garment` by `script` (JSON) and counts crossings after every accepted step.

@@ -13,8 +13,8 @@ mod run;
 #[path = "shapes.rs"]
 mod shapes;
 
-use crease::math::Vec3;
-use crease::sim::Loads;
+use crease_geometry::math::Vec3;
+use crease_solver::sim::Loads;
 use run::{COTTON, Kind, Pattern, Run};
 use std::time::Instant;
 
@@ -41,7 +41,7 @@ fn pile(layers: usize, points: usize) -> Run {
 /// Milliseconds of a step and of contact in it, linear solves in it: mean over `steps` steps of 1/100 s.
 fn measure(layers: usize, points: usize, steps: usize) -> (usize, [f64; 3]) {
     let mut run = pile(layers, points);
-    let mut drive = |_: f64, _: &crease::sim::State| Loads::gravity_only(Some(0.0));
+    let mut drive = |_: f64, _: &crease_solver::sim::State| Loads::gravity_only(Some(0.0));
     run.stepper.options.max_dt = 0.01;
     run.stepper.options.min_dt = 0.01;
     let mut advance = |run: &mut Run| {

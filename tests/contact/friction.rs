@@ -1,10 +1,10 @@
 //! Coulomb friction against closed forms: incline, and belt with two coefficients.
 
 use crate::run::{COTTON, Kind, Pattern, Run};
-use crease::energy::TargetSpring;
-use crease::math::Vec3;
-use crease::sim::State;
-use crease::sim::{GRAVITY, Loads};
+use crease_geometry::math::Vec3;
+use crease_solver::energy::TargetSpring;
+use crease_solver::sim::State;
+use crease_solver::sim::{GRAVITY, Loads};
 
 const MU: f64 = 0.3;
 

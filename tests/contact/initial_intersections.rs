@@ -1,10 +1,10 @@
 //! Intersections that exist at the start: never more of them, no explosion, gone once they come apart, and guarded then.
 
 use crate::run::{COTTON, Pattern, Run};
-use crease::energy::TargetSpring;
-use crease::math::Vec3;
-use crease::sim::Loads;
-use crease::sim::State;
+use crease_geometry::math::Vec3;
+use crease_solver::energy::TargetSpring;
+use crease_solver::sim::Loads;
+use crease_solver::sim::State;
 
 /// Two sheets 2 mm apart, the lower pushed through the upper around the middle.
 pub fn pierced(points: usize, seed: u64) -> Pattern {

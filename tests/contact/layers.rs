@@ -1,10 +1,10 @@
 //! Sheets that fall on one another, and a sleeve that is wrung.
 
 use crate::run::{COTTON, Kind, Pattern, Run};
-use crease::energy::TargetSpring;
-use crease::math::{Mat3, Vec3};
-use crease::sim::Loads;
-use crease::sim::{NewtonOptions, State};
+use crease_geometry::math::{Mat3, Vec3};
+use crease_solver::energy::TargetSpring;
+use crease_solver::sim::Loads;
+use crease_solver::sim::{NewtonOptions, State};
 use std::f64::consts::TAU;
 
 const STACKED: Kind = Kind { thickness: 0.5e-3, ..COTTON };
@@ -131,14 +131,14 @@ fn cloth_carried_against_a_wall_stays_together() {
         Vec3::new(0.155, 0.04 * (u - 0.5) + 1e-3, 0.04 * (v - 0.5) + 2e-3)
     });
     let mut run = Run::new(&pattern, STACKED, 2.0);
-    let topology = crease::mesh::Topology::new(pattern.x.len(), &pattern.triangles);
+    let topology = crease_geometry::mesh::Topology::new(pattern.x.len(), &pattern.triangles);
     let lead: Vec<Vec3> =
         (0..pattern.x.len()).map(|p| if p < led { Vec3::x() * DISTANCE } else { Vec3::zeros() }).collect();
     let mut x = pattern.x.clone();
     let contact = &mut run.stepper.contact;
     contact.begin_step(&x, 0.03, 0.0, &vec![false; x.len()]);
     contact.carry(&mut x, &lead);
-    assert!(crease::mesh::intersections::self_intersections(&x, &pattern.triangles).is_empty());
+    assert!(crease_geometry::mesh::intersections::self_intersections(&x, &pattern.triangles).is_empty());
     let went = |p: usize| (x[p] - pattern.x[p]).x / DISTANCE;
     let apart = topology.edges.iter().map(|e| (went(e[0].at()) - went(e[1].at())).abs()).fold(0.0, f64::max);
     let (least, most) =
@@ -171,7 +171,7 @@ fn layers_that_move_along_with_one_another_move_on() {
         let part = d.iter().zip(&wished).map(|(a, b)| a.dot(b)).sum::<f64>()
             / wished.iter().map(Vec3::norm_squared).sum::<f64>();
         let moved: Vec<Vec3> = x.iter().zip(&d).map(|(x, d)| x + d).collect();
-        assert!(crease::mesh::intersections::self_intersections(&moved, &run.triangles).is_empty());
+        assert!(crease_geometry::mesh::intersections::self_intersections(&moved, &run.triangles).is_empty());
         assert!(moved.iter().all(|x| x.y > 0.0));
         assert!(contact.value(&moved).is_finite());
         part
@@ -198,7 +198,7 @@ fn restricted_contact_is_the_same_for_moving_points() {
     let mut limited = wished.clone();
     contact.limit_displacement(&x, &mut limited, &no_gradient);
     let moved: Vec<Vec3> = x.iter().zip(&limited).map(|(x, d)| x + d).collect();
-    let force = |contact: &crease::contact::Contact, x: &[Vec3]| {
+    let force = |contact: &crease_solver::contact::Contact, x: &[Vec3]| {
         let mut g = vec![Vec3::zeros(); x.len()];
         contact.add_gradient(x, &mut g);
         g

@@ -2,9 +2,9 @@
 
 use crate::run::{COTTON, Pattern, Run};
 use crate::shapes::Shape;
-use crease::body::{AnimatedBody, BodyMotion, BodyPose, PosedBody};
-use crease::math::Vec3;
-use crease::sim::Loads;
+use crease_geometry::math::Vec3;
+use crease_model::body::{AnimatedBody, BodyMotion, BodyPose, PosedBody};
+use crease_solver::sim::Loads;
 use std::sync::Arc;
 
 /// Requirement: cloth at rest on a sphere: the sphere carries its weight within 1e-3 and pushes nowhere else, nothing moves any
@@ -20,7 +20,7 @@ fn cloth_over_a_sphere_comes_to_rest_in_balance() {
     let triangles: Vec<[u32; 3]> = shape.triangles.iter().map(|t| t.map(|p| p.0)).collect();
     let still = AnimatedBody::new("sphere", "", BodyMotion::Still, &shape.points, &triangles);
     let at = PosedBody::new(&Arc::new(still), BodyPose::Still);
-    let mut drive = |_: f64, _: &crease::sim::State| Loads {
+    let mut drive = |_: f64, _: &crease_solver::sim::State| Loads {
         body: Some(at.clone()),
         drag: 3.0,
         ..Loads::gravity_only(None)

@@ -2,10 +2,10 @@
 //! is as before.
 
 use crate::run::{COTTON, Pattern, Run};
-use crease::energy::TargetSpring;
-use crease::math::Vec3;
-use crease::sim::Loads;
-use crease::sim::State;
+use crease_geometry::math::Vec3;
+use crease_solver::energy::TargetSpring;
+use crease_solver::sim::Loads;
+use crease_solver::sim::State;
 
 /// Requirement: pins pulled apart to twice the cloth's length stretch it, which is reported; back again it is as before.
 #[test]
@@ -21,7 +21,7 @@ fn pins_pulled_apart_are_reported() {
         .filter(|(_, x)| x.x.abs() > 0.098)
         .map(|(p, x)| (p as u32, *x))
         .collect();
-    let mut reported: Vec<(f64, crease::sim::StepReport)> = Vec::new();
+    let mut reported: Vec<(f64, crease_solver::sim::StepReport)> = Vec::new();
     run.watch(
         3.0,
         &mut |t, _: &State| {

@@ -1,14 +1,14 @@
 //! Frames of a garment that is refined: what is played back are the triangles of its file.
 
 use crate::bakes::folds;
-use crease::bake::{Bake, BakeOptions, Observer};
-use crease::error::Result;
-use crease::fabric::Fabric;
-use crease::files::GarmentFile;
-use crease::math::Vec3;
-use crease::mesh::PointIndex;
-use crease::mesh::intersections::self_intersections;
-use crease::wear::WearScript;
+use crease::internal::bake::{Bake, BakeOptions, Observer};
+use crease::internal::files::GarmentFile;
+use crease::internal::wear::WearScript;
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::PointIndex;
+use crease_geometry::mesh::intersections::self_intersections;
+use crease_model::error::Result;
+use crease_model::fabric::Fabric;
 
 /// Counts crossings of the triangles of a file in the frames of a garment refined from it.
 struct CountInFile<'a> {

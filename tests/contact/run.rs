@@ -2,16 +2,18 @@
 //! after every accepted step.
 
 use crate::shapes::Shape;
-use crease::contact::{BodyContactSettings, BodyPlanes, Contact, ContactSettings};
-use crease::energy::{
+use crease_geometry::math::{Rng, Vec2, Vec3};
+use crease_geometry::mesh::intersections::self_intersections;
+use crease_geometry::mesh::{PointIndex, Topology};
+use crease_model::garment::RestState;
+use crease_solver::contact::{BodyContactSettings, BodyPlanes, Contact, ContactSettings};
+use crease_solver::energy::{
     Bending, EdgeContact, EdgeContacts, Energy, Junctions, Membrane, PlaneContact, PlaneContacts,
 };
-use crease::garment::RestState;
-use crease::math::{Rng, Vec2, Vec3};
-use crease::mesh::intersections::self_intersections;
-use crease::mesh::{PointIndex, Topology};
-use crease::sim::Loads;
-use crease::sim::{Cloth, Method, NewtonOptions, State, StepOptions, StepRelaxation, StepReport, Stepper};
+use crease_solver::sim::Loads;
+use crease_solver::sim::{
+    Cloth, Method, NewtonOptions, State, StepOptions, StepRelaxation, StepReport, Stepper,
+};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -143,14 +145,14 @@ impl Run {
         let bending = Bending::from_parts(&topology, &pattern.material, [kind.bend; 2], 0.02);
         let angle = bending.angles(&pattern.x, &[]);
         let mean_area = area.iter().sum::<f64>() / area.len() as f64;
-        let load = layers * kind.density * crease::sim::GRAVITY;
+        let load = layers * kind.density * crease_solver::sim::GRAVITY;
         let stiffness = (load / (0.3 * kind.thickness)).max(k / mean_area);
         let mut settings = ContactSettings::uniform(kind.thickness, stiffness, kind.friction);
         settings.static_ratio = kind.static_ratio;
         let contact = Contact::new(settings, &pattern.x, &pattern.triangles, &topology, area.clone());
         let cloth = Cloth { mass, area, membrane, bending, junctions: Junctions::default() };
         // As in a bake, but for the steps, which may be shorter.
-        let energy = 3e-6 * cloth.mass.iter().sum::<f64>() * crease::sim::GRAVITY;
+        let energy = 3e-6 * cloth.mass.iter().sum::<f64>() * crease_solver::sim::GRAVITY;
         let options = StepOptions {
             method: Method::BackwardEuler,
             newton: NewtonOptions {
@@ -330,7 +332,7 @@ impl Run {
 
     /// [N].
     pub fn weight(&self) -> f64 {
-        self.stepper.cloth.mass.iter().sum::<f64>() * crease::sim::GRAVITY
+        self.stepper.cloth.mass.iter().sum::<f64>() * crease_solver::sim::GRAVITY
     }
 
     pub fn line(&self, name: &str) -> String {

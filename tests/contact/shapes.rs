@@ -1,7 +1,7 @@
 //! Bodies for tests, as triangles.
 
-use crease::math::Vec3;
-use crease::mesh::PointIndex;
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::PointIndex;
 use std::f64::consts::{PI, TAU};
 
 /// Points [m] and triangles.

@@ -1,9 +1,9 @@
 //! Tunnelling: scraps of cloth shot at a sheet, by many thicknesses a step.
 
 use crate::run::{COTTON, Kind, Pattern, Run};
-use crease::math::{Rng, Vec3};
-use crease::mesh::triangle_bvh::TriangleBvh;
-use crease::sim::Loads;
+use crease_geometry::math::{Rng, Vec3};
+use crease_geometry::mesh::triangle_bvh::TriangleBvh;
+use crease_solver::sim::Loads;
 
 /// Outcome of a number of shots.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

@@ -2,9 +2,9 @@
 
 use crate::rest::{Scene, balance};
 use crate::sheet::{SheetModels, clamped_strip};
-use crease::chart::TestSheet;
-use crease::math::Vec3;
-use crease::sim::NewtonOptions;
+use crease_chart::TestSheet;
+use crease_geometry::math::Vec3;
+use crease_solver::sim::NewtonOptions;
 
 const G: f64 = 9.81;
 /// [kg/m²]

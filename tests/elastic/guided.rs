@@ -1,12 +1,12 @@
 //! Steps in which springs guide the cloth.
 
 use crease::GarmentFile;
-use crease::contact::Contact;
-use crease::energy::TargetSpring;
-use crease::fabric::Fabric;
-use crease::garment::RestState;
-use crease::math::{Vec3, bounds};
-use crease::sim::{Cloth, Loads, State, StepOptions, StepRelaxation, StepReport, Stepper};
+use crease_geometry::math::{Vec3, bounds};
+use crease_model::fabric::Fabric;
+use crease_model::garment::RestState;
+use crease_solver::contact::Contact;
+use crease_solver::energy::TargetSpring;
+use crease_solver::sim::{Cloth, Loads, State, StepOptions, StepRelaxation, StepReport, Stepper};
 
 /// Length by which the free end of a sheet is drawn out per second, over the length of the sheet [1/s].
 const RATE: f64 = 5.0;

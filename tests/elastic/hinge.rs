@@ -3,10 +3,10 @@
 use crate::hinge_hessian::hinge_hessian;
 use crate::reference;
 use crate::sheet::SheetModels;
-use crease::chart::TestSheet;
-use crease::energy::Energy;
-use crease::math::{Vec2, Vec3};
-use crease::mesh::{hinge_angle, hinge_gradient};
+use crease_chart::TestSheet;
+use crease_geometry::math::{Vec2, Vec3};
+use crease_geometry::mesh::{hinge_angle, hinge_gradient};
+use crease_solver::energy::Energy;
 use nalgebra::DMatrix;
 
 /// One pose: points, and E = k/2 (theta - 0.25)² with its derivatives to 50 digits.

@@ -1,8 +1,8 @@
-//! The exact Hessian of the hinge angle: the gradient of `crease::mesh::hinge_gradient` differentiated once more. The
+//! The exact Hessian of the hinge angle: the gradient of `crease_geometry::mesh::hinge_gradient` differentiated once more. The
 //! solver uses a Gauss-Newton Hessian instead.
 
-use crease::math::{Mat3, Vec3};
-use crease::mesh::hinge_gradient;
+use crease_geometry::math::{Mat3, Vec3};
+use crease_geometry::mesh::hinge_gradient;
 
 /// Hessian of the angle [rad/m²] as 4 x 4 blocks; `None` where a wing has no area.
 pub fn hinge_hessian(x: &[Vec3; 4]) -> Option<[[Mat3; 4]; 4]> {

@@ -2,7 +2,7 @@
 
 use crate::rest::Scene;
 use crate::sheet::{SheetModels, quads, spaced};
-use crease::math::Vec3;
+use crease_geometry::math::Vec3;
 
 const G: f64 = 9.81;
 const DENSITY: f64 = 0.2;

@@ -4,11 +4,11 @@ use crate::hessian_shift::HessianShift;
 use crate::reference::figures;
 use crate::rest::{balance, forces, residual};
 use crate::sheet::{SheetModels, quads, spaced};
-use crease::chart::TestSheet;
-use crease::energy::{Energy, Gravity, Membrane};
-use crease::math::{Vec2, Vec3};
-use crease::mesh::PointIndex;
-use crease::sim::NewtonOptions;
+use crease_chart::TestSheet;
+use crease_geometry::math::{Vec2, Vec3};
+use crease_geometry::mesh::PointIndex;
+use crease_solver::energy::{Energy, Gravity, Membrane};
+use crease_solver::sim::NewtonOptions;
 use nalgebra::{Matrix3x2, Rotation3};
 
 const NEWTON: NewtonOptions = NewtonOptions {
@@ -18,7 +18,7 @@ const NEWTON: NewtonOptions = NewtonOptions {
     max_iterations: 100,
 };
 
-fn undamped<'a>(membrane: &'a Membrane, sheet: &TestSheet) -> crease::energy::MembraneTerm<'a> {
+fn undamped<'a>(membrane: &'a Membrane, sheet: &TestSheet) -> crease_solver::energy::MembraneTerm<'a> {
     membrane.term(&sheet.memory(), &[], f64::INFINITY)
 }
 

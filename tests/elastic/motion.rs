@@ -3,12 +3,12 @@
 use crate::reference::{self, figures};
 use crate::rest::forces;
 use crate::sheet::SheetModels;
-use crease::chart::TestSheet;
-use crease::contact::Contact;
-use crease::energy::{Bending, Energy, Gravity, Membrane, TargetSpring, TargetSprings};
-use crease::garment::RestState;
-use crease::math::{Vec2, Vec3};
-use crease::sim::{Inertia, Method, NewtonOptions, PreviousState, Problem, State, Workspace};
+use crease_chart::TestSheet;
+use crease_geometry::math::{Vec2, Vec3};
+use crease_model::garment::RestState;
+use crease_solver::contact::Contact;
+use crease_solver::energy::{Bending, Energy, Gravity, Membrane, TargetSpring, TargetSprings};
+use crease_solver::sim::{Inertia, Method, NewtonOptions, PreviousState, Problem, State, Workspace};
 
 /// Newton iterates to rounding: the tests measure the integrator, not the tolerance of the solver.
 const NEWTON: NewtonOptions =

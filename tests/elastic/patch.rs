@@ -2,8 +2,8 @@
 
 use crate::reference::{self, figures};
 use crate::sheet::{SheetModels, quads, spaced};
-use crease::chart::TestSheet;
-use crease::math::{Vec2, Vec3};
+use crease_chart::TestSheet;
+use crease_geometry::math::{Vec2, Vec3};
 use nalgebra::Matrix2;
 
 /// Edge of the elements [m] and curvature times edge [-].

@@ -1,12 +1,12 @@
 //! Equilibria from near or far starts.
 
 use crate::sheet::SheetModels;
-use crease::chart::TestSheet;
-use crease::contact::Contact;
-use crease::energy::{Bending, Energy, Gravity, Membrane};
-use crease::garment::RestState;
-use crease::math::Vec3;
-use crease::sim::{Inertia, NewtonOptions, NewtonReport, Problem, Workspace};
+use crease_chart::TestSheet;
+use crease_geometry::math::Vec3;
+use crease_model::garment::RestState;
+use crease_solver::contact::Contact;
+use crease_solver::energy::{Bending, Energy, Gravity, Membrane};
+use crease_solver::sim::{Inertia, NewtonOptions, NewtonReport, Problem, Workspace};
 
 /// Returns the gradient of all `terms`, one per point [N].
 pub fn forces(terms: &[&dyn Energy], x: &[Vec3]) -> Vec<Vec3> {

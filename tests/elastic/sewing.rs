@@ -1,8 +1,8 @@
 //! The sewing mask: where the file says 0 the simulated cloth is single.
 
-use crease::bake::{BakeOptions, MeshChoice};
-use crease::sim::{Cloth, Sewing};
+use crease::internal::bake::{BakeOptions, MeshChoice};
 use crease::{Fabric, GarmentFile, ReadOptions, WearScript};
+use crease_solver::sim::{Cloth, Sewing};
 
 /// A sheet of 0.4 m as an OBJ in metres, white in its right half, black in its left one.
 fn painted_sheet() -> String {

@@ -1,10 +1,10 @@
 //! Flat sheets of cloth for tests: meshes in the material plane and the models made from them.
 
-use crease::chart::TestSheet;
-use crease::energy::{Bending, Membrane};
-use crease::garment::RestState;
-use crease::math::{Vec2, Vec3};
-use crease::mesh::{PointIndex, Topology};
+use crease_chart::TestSheet;
+use crease_geometry::math::{Vec2, Vec3};
+use crease_geometry::mesh::{PointIndex, Topology};
+use crease_model::garment::RestState;
+use crease_solver::energy::{Bending, Membrane};
 
 /// `count + 1` values from `from` to `to`.
 pub fn spaced(from: f64, to: f64, count: usize) -> Vec<f64> {

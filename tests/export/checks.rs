@@ -1,8 +1,8 @@
 //! Conditions that hold for every written document.
 
 use crate::wearing::extras;
-use crease::garment::{Garment, SourceAsset, WornGarment};
-use crease::io::gltf::{WORN_TARGET, join_glb, split_glb};
+use crease_io::gltf::{WORN_TARGET, join_glb, split_glb};
+use crease_model::garment::{Garment, SourceAsset, WornGarment};
 use nalgebra::{Matrix4, Vector3};
 use serde_json::{Value, json};
 

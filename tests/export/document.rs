@@ -3,7 +3,7 @@
 // Each test uses a part of them.
 #![allow(dead_code)]
 
-use crease::io::gltf::join_glb;
+use crease_io::gltf::join_glb;
 use serde_json::{Value, json};
 
 pub const FLOAT: u32 = 5126;

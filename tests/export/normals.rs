@@ -3,7 +3,7 @@
 use crate::checks::numbers;
 use crate::document::{Document, QUAD};
 use crate::wearing::{garment, read, some_wear};
-use crease::io::gltf::{split_glb, write_worn_glb};
+use crease_io::gltf::{split_glb, write_worn_glb};
 use serde_json::{Value, json};
 
 /// Zeros at a vertex of no triangle and at a corner, half the length, numbers that are none: readers refuse them, whoever wrote them.

@@ -1,11 +1,11 @@
 //! Reads a document, builds a garment of it, wears it, and writes it again with all checks.
 
 use crate::checks::{assert_counts, assert_displaced, assert_kept, assert_same_bytes};
-use crease::garment::{Garment, RestState, SourceAsset, WornGarment};
-use crease::io::gltf::{split_glb, write_worn_glb};
-use crease::io::{ReadOptions, read_asset};
-use crease::math::Rng;
-use crease::mesh::{PointIndex, Topology};
+use crease_geometry::math::Rng;
+use crease_geometry::mesh::{PointIndex, Topology};
+use crease_io::gltf::{split_glb, write_worn_glb};
+use crease_io::{ReadOptions, read_asset};
+use crease_model::garment::{Garment, RestState, SourceAsset, WornGarment};
 use nalgebra::{Vector2, Vector3};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;

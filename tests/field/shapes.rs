@@ -4,9 +4,9 @@
 #![allow(dead_code)]
 
 use crate::document::Document;
-use crease::garment::{Garment, ImportDiagnostic, SourceAsset, SourcePiece};
-use crease::io::{ReadOptions, read_asset};
-use crease::math::Vec3;
+use crease_geometry::math::Vec3;
+use crease_io::{ReadOptions, read_asset};
+use crease_model::garment::{Garment, ImportDiagnostic, SourceAsset, SourcePiece};
 use serde_json::{Value, json};
 
 /// Corners around a tube.

@@ -1,17 +1,17 @@
 //! Runs every reader on a damaged file as the tool does: used by the fuzz targets and by `tests/mutated_inputs.rs`. A
 //! reader may accept or reject; it may not panic, and an accepted file must be usable.
 
-use crease::bake::Checkpoint;
-use crease::fabric::Fabric;
-use crease::garment::{Garment, RestState, WornGarment, inspect};
-use crease::io::gltf::write_worn_glb;
-use crease::io::{Landmarks, ReadOptions, Sidecar, read_asset, read_sidecar, write_sidecar};
-use crease::math::Vec3;
-use crease::mesh::intersections::self_intersections;
-use crease::remesh::SimulationMesh;
-use crease::report::GarmentView;
-use crease::wear::WearScript;
+use crease::internal::bake::Checkpoint;
+use crease::internal::report::GarmentView;
+use crease::internal::wear::WearScript;
 use crease::{Error, Result};
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::intersections::self_intersections;
+use crease_io::gltf::write_worn_glb;
+use crease_io::{Landmarks, ReadOptions, Sidecar, read_asset, read_sidecar, write_sidecar};
+use crease_model::fabric::Fabric;
+use crease_model::garment::{Garment, RestState, WornGarment, inspect};
+use crease_model::remesh::SimulationMesh;
 use serde_json::Value;
 
 /// Reads a mesh file as `crease inspect` does and writes it as `crease bake` does. `resolve` returns the files it refers to.

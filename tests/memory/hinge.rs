@@ -1,12 +1,12 @@
 //! Properties of one hinge of two triangles: geometry and memory together.
 
 use crate::law::{PATHS, random};
-use crease::energy::Bending;
-use crease::fabric::Fabric;
-use crease::garment::{Garment, RestState};
-use crease::math::{Vec2, Vec3};
-use crease::memory::{ElementParams, HysteresisState, Memory, MemoryLaw, MemoryModel, Strains};
-use crease::mesh::{PointIndex, Topology};
+use crease_geometry::math::{Vec2, Vec3};
+use crease_geometry::mesh::{PointIndex, Topology};
+use crease_model::fabric::Fabric;
+use crease_model::garment::{Garment, RestState};
+use crease_solver::energy::Bending;
+use crease_solver::memory::{ElementParams, HysteresisState, Memory, MemoryLaw, MemoryModel, Strains};
 
 /// Two triangles on a common edge of `size` [m], flat.
 pub fn pair(size: f64) -> Garment {

@@ -1,7 +1,7 @@
 //! Promises of the law itself: scalar paths of one hinge.
 
-use crease::fabric::FabricMemory;
-use crease::memory::{ElementParams, EventCount, HysteresisState, MemoryLaw};
+use crease_model::fabric::FabricMemory;
+use crease_solver::memory::{ElementParams, EventCount, HysteresisState, MemoryLaw};
 use std::f64::consts::PI;
 
 /// Paths of a hinge: times [s] and angles [rad] that it passes in straight lines.

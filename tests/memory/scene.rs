@@ -1,16 +1,16 @@
 //! Properties of the solver and the memory together.
 
 use crate::hinge::{Watched, folded, pair};
-use crease::bake::{Bake, BakeOptions};
-use crease::contact::Contact;
-use crease::fabric::Fabric;
-use crease::garment::{Garment, RestState};
-use crease::io::{ReadOptions, read_asset};
-use crease::math::Vec3;
-use crease::memory::{Memory, Strains};
-use crease::sim::Loads;
-use crease::sim::{Cloth, Method, NewtonOptions, State, StepOptions, StepRelaxation, Stepper};
-use crease::wear::WearScript;
+use crease::internal::bake::{Bake, BakeOptions};
+use crease::internal::wear::WearScript;
+use crease_geometry::math::Vec3;
+use crease_io::{ReadOptions, read_asset};
+use crease_model::fabric::Fabric;
+use crease_model::garment::{Garment, RestState};
+use crease_solver::contact::Contact;
+use crease_solver::memory::{Memory, Strains};
+use crease_solver::sim::Loads;
+use crease_solver::sim::{Cloth, Method, NewtonOptions, State, StepOptions, StepRelaxation, Stepper};
 use std::fmt::Write;
 
 fn stepper(garment: &Garment, fabric: &Fabric, step: f64) -> Stepper {

@@ -1,13 +1,14 @@
 //! Properties of strips that are folded between plates or bent to and fro, as the charts have them.
 
 use crate::hessian_shift::HessianShift;
-use crease::chart::kes_loop::{bend, read};
-use crease::chart::press_between_plates::PlatePress;
-use crease::energy::{Energy, Membrane};
-use crease::fabric::Fabric;
-use crease::math::Vec3;
-use crease::sim::{NewtonOptions, Problem, Workspace};
-use crease::{contact::Contact, energy::Bending};
+use crease_chart::kes_loop::{bend, read};
+use crease_chart::press_between_plates::PlatePress;
+use crease_geometry::math::Vec3;
+use crease_model::fabric::Fabric;
+use crease_solver::contact::Contact;
+use crease_solver::energy::Bending;
+use crease_solver::energy::{Energy, Membrane};
+use crease_solver::sim::{NewtonOptions, Problem, Workspace};
 
 fn press(gap: f64, element: f64, offset: f64) -> PlatePress {
     PlatePress { length: 0.2, width: 0.02, gap, element, offset }

@@ -1,7 +1,7 @@
 //! Cells of `crease chart robustness` at default quality: the difficult ends of its quick maps.
 
-use crease::bake::Quality;
-use crease::chart::robustness::{Column, MAPS, Outcome};
+use crease::internal::bake::Quality;
+use crease_chart::robustness::{Column, MAPS, Outcome};
 
 /// Property: a doll's sheet, felt of 3 mm and a press of 20 kPa are baked without a warning.
 #[test]

@@ -1,12 +1,12 @@
 //! Fixed points, dependent constraints, and the unconverged strain of vertex block descent.
 
-use crease::chart::scenes;
-use crease::chart::scenes::{SceneSetting, Swing};
-use crease::contact::Contact;
-use crease::energy::{Energy, Gravity, Membrane, TargetSpring, TargetSprings};
-use crease::garment::RestState;
-use crease::math::{Vec2, Vec3};
-use crease::sim::{Inertia, Method, NewtonOptions, Problem, Workspace};
+use crease_chart::scenes;
+use crease_chart::scenes::{SceneSetting, Swing};
+use crease_geometry::math::{Vec2, Vec3};
+use crease_model::garment::RestState;
+use crease_solver::contact::Contact;
+use crease_solver::energy::{Energy, Gravity, Membrane, TargetSpring, TargetSprings};
+use crease_solver::sim::{Inertia, Method, NewtonOptions, Problem, Workspace};
 
 /// One row of `count` quads of `side` [m] along x, points two by two.
 fn strip(count: usize, side: f64) -> (Vec<Vec2>, Vec<[u32; 3]>) {

@@ -1,9 +1,10 @@
 //! Degenerate elements: slivers and obtuse triangles.
 
-use crease::energy::{Bending, BlockSink, Energy, Membrane};
-use crease::garment::RestState;
-use crease::math::{Mat3, Vec2, Vec3};
-use crease::mesh::{PointIndex, Topology};
+use crease_geometry::math::{Mat3, Vec2, Vec3};
+use crease_geometry::mesh::{PointIndex, Topology};
+use crease_linear::BlockSink;
+use crease_model::garment::RestState;
+use crease_solver::energy::{Bending, Energy, Membrane};
 
 /// Two triangles on an edge of length 1, apices `height` from it on both sides at `position` along it.
 fn pair(position: f64, height: f64) -> (Vec<Vec2>, Vec<[u32; 3]>) {

@@ -1,7 +1,7 @@
 //! The maps of `crease chart stability`, cell by cell for the integrators with documented properties.
 
-use crease::chart::stability::{MAPS, MethodColumn, Verdict};
-use crease::sim::Method;
+use crease_chart::stability::{MAPS, MethodColumn, Verdict};
+use crease_solver::sim::Method;
 
 /// Verdict on one cell.
 #[derive(Debug)]

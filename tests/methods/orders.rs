@@ -1,10 +1,12 @@
 //! Orders of convergence and stiff decay of every integrator, on oscillators with closed-form solutions.
 
 use crate::reference::figures;
-use crease::contact::Contact;
-use crease::energy::{Energy, TargetSpring, TargetSprings};
-use crease::math::Vec3;
-use crease::sim::{Inertia, InnerSolver, Method, NewtonOptions, PreviousState, Problem, State, Workspace};
+use crease_geometry::math::Vec3;
+use crease_solver::contact::Contact;
+use crease_solver::energy::{Energy, TargetSpring, TargetSprings};
+use crease_solver::sim::{
+    Inertia, InnerSolver, Method, NewtonOptions, PreviousState, Problem, State, Workspace,
+};
 use std::f64::consts::TAU;
 
 /// A linear spring of `stiffness` [N/m] to the origin, for 1 kg.
@@ -97,7 +99,7 @@ fn stiff_modes_decay() {
 /// Property: the two-stage method is exact in free fall, from the first step on.
 #[test]
 fn the_two_stage_method_falls_exactly() {
-    let weight = crease::energy::Gravity { mass: &[1.0], acceleration: Vec3::new(0.0, -9.81, 0.0) };
+    let weight = crease_solver::energy::Gravity { mass: &[1.0], acceleration: Vec3::new(0.0, -9.81, 0.0) };
     let mut state = State::at_rest(vec![Vec3::zeros()], Vec::new());
     for _ in 0..50 {
         state = advance(Method::Sdirk2, &state, &[&weight], 0.02);

@@ -1,10 +1,10 @@
 //! Swinging strips, compared with a planar chain of 20 links that was integrated by DOP853 to 1e-12.
 
 use crate::reference;
-use crease::chart::scenes;
-use crease::chart::scenes::{SceneOutcome, SceneSetting, Swing};
-use crease::math::Vec3;
-use crease::sim::Method;
+use crease_chart::scenes;
+use crease_chart::scenes::{SceneOutcome, SceneSetting, Swing};
+use crease_geometry::math::Vec3;
+use crease_solver::sim::Method;
 
 /// Tip of the chain at 0.5 s [m]: swing30, release90.
 const TIPS: [(Swing, [f64; 2]); 2] =

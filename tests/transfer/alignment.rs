@@ -3,13 +3,12 @@
 use crate::external::external;
 use crate::made::{load, made_memory, sleeve};
 use crate::measure::{FOLDS, carry};
-use crease::garment::{Garment, RestState};
-use crease::io::{ReadOptions, read_asset};
-use crease::math::Vec3;
-use crease::mesh::hinge_angle;
-use crease::transfer::{
-    Align, GarmentSurface, MatchBy, PointPair, TransferOptions, TransferSource, transfer,
-};
+use crease::internal::transfer::{Align, MatchBy, PointPair, TransferOptions, TransferSource, transfer};
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::hinge_angle;
+use crease_io::{ReadOptions, read_asset};
+use crease_model::garment::{Garment, RestState};
+use crease_model::remesh::GarmentSurface;
 use std::path::Path;
 
 /// On garments of another cut folds keep their positions, front on front and back on back: in the box where the cuts are nearly alike,
@@ -86,7 +85,7 @@ fn span<'a>(points: impl Iterator<Item = &'a Vec3>) -> [f64; 2] {
 /// curvature would become thousands of degrees.
 #[test]
 fn edge_on_triangles_do_not_amplify_angles() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("garments/trousers-on-legs.glb");
+    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("garments/trousers-on-legs.glb");
     let bytes = std::fs::read(path).expect("a garment of the repository");
     let options = ReadOptions { garment: Some("trousers".into()), ..ReadOptions::default() };
     let (asset, _) = read_asset("legs", &bytes, &options, &mut |_| Ok(Vec::new())).expect("reads");
@@ -115,7 +114,7 @@ fn joints_and_landmarks_align_a_straight_sleeve_with_a_bent_one() {
         (GarmentSurface::from_garment(&from, &straight), GarmentSurface::from_garment(&to, &bent));
     assert_eq!(straight.worn_joints().len(), 3, "{:?}", straight.worn_joints());
     let mut memory = RestState::new(vec![0.0; surface.topology.hinges.len()], surface.triangles.len());
-    let length = |s: &GarmentSurface, h: &crease::mesh::Hinge| {
+    let length = |s: &GarmentSurface, h: &crease_geometry::mesh::Hinge| {
         (s.points[h.points[0].at()] - s.points[h.points[1].at()]).norm()
     };
     for (h, hinge) in surface.topology.hinges.iter().enumerate() {
@@ -214,7 +213,7 @@ fn garments_of_one_body_stay_in_place_and_losses_are_reported() {
     };
     // Hinges inside a region get a memory of half a radian.
     let made = |s: &GarmentSurface, inside: &dyn Fn(Vec3) -> bool| {
-        let angle = |h: &crease::mesh::Hinge| hinge_angle(&h.points.map(|p| s.points[p.at()]));
+        let angle = |h: &crease_geometry::mesh::Hinge| hinge_angle(&h.points.map(|p| s.points[p.at()]));
         let mut memory = RestState::new(s.topology.hinges.iter().map(angle).collect(), s.triangles.len());
         for h in 0..memory.rest_angle.len() {
             memory.rest_angle[h] += if inside(middle(s, h)) { 0.5 } else { 0.0 };

@@ -12,9 +12,10 @@
 #[path = "measure.rs"]
 mod measure;
 
-use crease::garment::RestState;
-use crease::io::read_sidecar;
-use crease::transfer::{GarmentSurface, MatchBy};
+use crease::internal::transfer::MatchBy;
+use crease_io::read_sidecar;
+use crease_model::garment::RestState;
+use crease_model::remesh::GarmentSurface;
 use measure::{FOLDS, Fold, carry, correlation, tensors, total, turns};
 
 /// Widths over which curvature is averaged before it is compared [m]: none, an edge of 5,000 points, a narrow fold.
@@ -65,7 +66,7 @@ fn main() {
 
 fn load(path: &str) -> Result<(GarmentSurface, RestState), Box<dyn std::error::Error>> {
     let sidecar = read_sidecar(path, &std::fs::read(path)?)?;
-    Ok(GarmentSurface::from_sidecar(path, &sidecar)?)
+    Ok(crease_io::sidecar_surface(path, &sidecar)?)
 }
 
 /// Every triangle's curvature averaged with its neighbours on the same side by a bell of standard deviation `width` [m].
@@ -73,8 +74,9 @@ fn averaged(surface: &GarmentSurface, tensors: &[[f64; 4]], width: f64) -> Vec<[
     if width == 0.0 {
         return tensors.to_vec();
     }
-    let centres: Vec<_> =
-        (0..tensors.len()).map(|f| surface.corners(f).iter().sum::<crease::math::Vec3>() / 3.0).collect();
+    let centres: Vec<_> = (0..tensors.len())
+        .map(|f| surface.corners(f).iter().sum::<crease_geometry::math::Vec3>() / 3.0)
+        .collect();
     let up: Vec<bool> = (0..tensors.len()).map(|f| surface.normal(f).y > 0.0).collect();
     let one = |f: usize| {
         let mut out = [tensors[f][0], 0.0, 0.0, 0.0];

@@ -1,12 +1,13 @@
 //! A fold transferred to a garment whose triangles do not follow it.
 
-use crease::bake::{mesh_along_creases, relax_carried};
-use crease::fabric::{DEFAULT_FABRIC, Fabric};
-use crease::files::GarmentFile;
-use crease::garment::{Garment, RestState, RigidParts, WornGarment};
-use crease::math::Vec3;
-use crease::mesh::intersections::self_intersections;
-use crease::transfer::{GarmentSurface, MatchBy, Transfer, TransferResult, TransferSource};
+use crease::internal::files::GarmentFile;
+use crease::internal::transfer::{MatchBy, Transfer, TransferResult, TransferSource};
+use crease::internal::transfer::{mesh_along_creases, relax_carried};
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::intersections::self_intersections;
+use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
+use crease_model::garment::{Garment, RestState, RigidParts, WornGarment};
+use crease_model::remesh::GarmentSurface;
 
 /// Side of every sheet [m].
 const SIDE: f64 = 0.3;
@@ -16,8 +17,8 @@ const FOLD: f64 = 2.0;
 /// A sheet of squares of 12 mm with a fold along its ninth column; where `is_jagged`, along every other edge of two columns.
 fn folded(is_jagged: bool) -> TransferSource {
     let sheet = GarmentFile::sheet([SIDE; 2], [25; 2]).expect("is a sheet").garment;
-    let column = |p: crease::mesh::PointIndex| (sheet.points[p.at()].x / 0.012).round() as i64;
-    let row = |p: crease::mesh::PointIndex| (sheet.points[p.at()].z / 0.012).round() as i64;
+    let column = |p: crease_geometry::mesh::PointIndex| (sheet.points[p.at()].x / 0.012).round() as i64;
+    let row = |p: crease_geometry::mesh::PointIndex| (sheet.points[p.at()].z / 0.012).round() as i64;
     let mut memory = RestState::flat(sheet.topology.hinges.len(), sheet.triangles.len());
     for (angle, hinge) in memory.rest_angle.iter_mut().zip(&sheet.topology.hinges) {
         let [a, b] = [hinge.points[0], hinge.points[1]];

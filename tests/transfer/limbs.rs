@@ -1,12 +1,11 @@
 //! Garments of other cuts and poses are laid over one another limb by limb.
 
 use crease::GarmentFile;
-use crease::garment::{Garment, RestState};
-use crease::math::Vec3;
-use crease::mesh::hinge_angle;
-use crease::transfer::{
-    AlignedBy, GarmentSurface, TransferOptions, TransferResult, TransferSource, transfer,
-};
+use crease::internal::transfer::{AlignedBy, TransferOptions, TransferResult, TransferSource, transfer};
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::hinge_angle;
+use crease_model::garment::{Garment, RestState};
+use crease_model::remesh::GarmentSurface;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Side of the squares that garments are made of [m].

@@ -1,16 +1,16 @@
 //! Garments of the repository and memories made by rolling them.
 
 use crate::measure::{FOLDS, Fold};
-use crease::garment::{Garment, RestState, SourceAsset};
-use crease::io::{ReadOptions, read_asset};
-use crease::math::Vec3;
-use crease::mesh::hinge_angle;
-use crease::transfer::GarmentSurface;
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::hinge_angle;
+use crease_io::{ReadOptions, read_asset};
+use crease_model::garment::{Garment, RestState, SourceAsset};
+use crease_model::remesh::GarmentSurface;
 use std::path::Path;
 
 /// A garment of the repository and the file it was made from.
 pub fn load(name: &str) -> (SourceAsset, Garment) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("garments").join(name);
+    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("garments").join(name);
     let bytes = std::fs::read(&path).expect("a garment of the repository");
     let mut nothing = |_: &str| Ok(Vec::new());
     let (asset, _) = read_asset(name, &bytes, &ReadOptions::default(), &mut nothing).expect("reads");
@@ -60,7 +60,7 @@ pub fn made_memory(surface: &GarmentSurface) -> RestState {
 
 /// A sleeve of the repository, its elbow bent by `angle` [rad] in the file.
 pub fn sleeve(angle: f64) -> (SourceAsset, Garment) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("garments/sleeve.glb");
+    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("garments/sleeve.glb");
     let bytes = std::fs::read(path).expect("a garment of the repository");
     let length = u32::from_le_bytes(bytes[12..16].try_into().expect("four bytes")) as usize;
     let mut json: serde_json::Value = serde_json::from_slice(&bytes[20..20 + length]).expect("is JSON");

@@ -1,7 +1,8 @@
 //! Comparison of memories: crease angle across the folds of `fold-thrice`, and the change of curvature over a surface.
 
-use crease::garment::RestState;
-use crease::transfer::{GarmentSurface, MatchBy, TransferOptions, TransferResult, TransferSource, transfer};
+use crease::internal::transfer::{MatchBy, TransferOptions, TransferResult, TransferSource, transfer};
+use crease_model::garment::RestState;
+use crease_model::remesh::GarmentSurface;
 
 /// A fold.
 #[derive(Clone, Copy)]

@@ -1,12 +1,13 @@
 //! Transfers where textures and positions disagree, joints under exporters' names, and doubts that are told.
 
 use crate::glb::{Part, glb};
-use crease::garment::{RestState, SourceJoint};
-use crease::math::{Mat3, Vec3};
-use crease::transfer::{
-    Align, AlignedBy, GarmentSurface, MatchBy, TransferOptions, TransferResult, TransferSource, transfer,
+use crease::internal::transfer::{
+    Align, AlignedBy, MatchBy, TransferOptions, TransferResult, TransferSource, transfer,
 };
 use crease::{GarmentFile, ReadOptions};
+use crease_geometry::math::{Mat3, Vec3};
+use crease_model::garment::{RestState, SourceJoint};
+use crease_model::remesh::GarmentSurface;
 
 fn surface(parts: Vec<Part>) -> GarmentSurface {
     let bytes = glb(&[("cloth", parts)], |_| {});

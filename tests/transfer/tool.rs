@@ -2,11 +2,11 @@
 
 use crate::made::rolled;
 use crate::measure::Fold;
-use crease::garment::{Garment, RestState};
-use crease::io::{ReadOptions, read_asset};
-use crease::math::Vec3;
-use crease::mesh::hinge_angle;
-use crease::transfer::GarmentSurface;
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::hinge_angle;
+use crease_io::{ReadOptions, read_asset};
+use crease_model::garment::{Garment, RestState};
+use crease_model::remesh::GarmentSurface;
 
 /// A sheet of n x n points, 0.2 m wide, lying; `skew` moves the inner points so that no edge coincides with one of another grid.
 fn grid(n: usize, skew: f64) -> String {
@@ -48,12 +48,14 @@ impl Workshop {
         };
         let mut memory = RestState::new(angles(&surface.points), surface.triangles.len());
         memory.rest_angle = angles(&rolled(&surface, &fold));
-        let worn =
-            crease::garment::WornGarment { displacement: vec![Vec3::zeros(); garment.points.len()], memory };
+        let worn = crease_model::garment::WornGarment {
+            displacement: vec![Vec3::zeros(); garment.points.len()],
+            memory,
+        };
         let null = serde_json::Value::Null;
-        let sidecar = crease::io::Sidecar::new(&asset, &garment, &worn, null.clone(), null.clone(), null)
+        let sidecar = crease_io::Sidecar::new(&asset, &garment, &worn, null.clone(), null.clone(), null)
             .expect("is sound");
-        std::fs::write(path("from.crease.json"), crease::io::write_sidecar(&sidecar)).expect("writes");
+        std::fs::write(path("from.crease.json"), crease_io::write_sidecar(&sidecar)).expect("writes");
         Self { folder }
     }
 
@@ -70,9 +72,9 @@ impl Workshop {
         (text(output.stdout), text(output.stderr), output.status.code())
     }
 
-    fn read(&self, name: &str) -> crease::io::Sidecar {
+    fn read(&self, name: &str) -> crease_io::Sidecar {
         let bytes = std::fs::read(self.path(name)).expect("is there");
-        crease::io::read_sidecar(name, &bytes).expect("reads")
+        crease_io::read_sidecar(name, &bytes).expect("reads")
     }
 }
 
@@ -157,7 +159,7 @@ fn the_same_mesh_keeps_its_memory_and_a_refined_one_agrees(workshop: &Workshop) 
     assert!(fine.mesh.points_m.len() > 2 * own && fine.mesh.points_m[..own] == first.mesh.points_m);
     assert!(fine.mesh.triangle_vertices.is_none() && first.mesh.triangle_vertices.is_some());
     // Both stand as high.
-    let height = |sidecar: &crease::io::Sidecar| {
+    let height = |sidecar: &crease_io::Sidecar| {
         sidecar.points.displacement_m.iter().map(|d| d[1].abs()).fold(0.0, f64::max)
     };
     println!("height of the fold {:.4} m, finer {:.4} m", height(&first), height(&fine));

@@ -76,7 +76,7 @@ impl BodyPose {
 /// Body that a garment is worn on.
 ///
 /// ```
-/// use crease::body::BodyMotion;
+/// use crease_model::body::BodyMotion;
 /// use crease::{AnimatedBody, Vec3};
 /// // A table top that does not move.
 /// let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 0.0, 1.0], [0.0, 0.0, 1.0]].map(Vec3::from);

@@ -28,7 +28,7 @@ impl SimulationMesh {
     ///
     /// ```
     /// let sheet = crease::GarmentFile::sheet([0.2, 0.2], [2, 2])?.garment;
-    /// let mesh = crease::remesh::SimulationMesh::of_source(&sheet);
+    /// let mesh = crease_model::remesh::SimulationMesh::of_source(&sheet);
     /// assert!(mesh.is_source && mesh.to_source(&sheet.points) == sheet.points);
     /// # Ok::<(), crease::Error>(())
     /// ```

@@ -2,9 +2,6 @@
 //!
 //! Types and documentation for Python are in `crease/_crease.pyi`. Arrays are copied in and out.
 
-// Units are written [m], [s]: rustdoc would take each for a link.
-#![allow(rustdoc::broken_intra_doc_links)]
-
 mod bake;
 mod convert;
 mod examples;

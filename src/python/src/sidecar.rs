@@ -1,6 +1,7 @@
 //! `Sidecar`: the memory of a garment as arrays.
 
 use crate::convert::{exception, numbers, rows, vectors};
+use crease::{Load, Save};
 use crease_geometry::math::Vec3;
 use crease_io::{Sidecar, read_sidecar, write_sidecar};
 use numpy::{PyArray1, PyArray2};

@@ -10,8 +10,6 @@ use crate::usd::signature::{BINARY_MAGIC, TEXT_MAGIC, is_package};
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::sync::Arc;
 
-/// First characters of USD text.
-
 /// Layers in memory, and those that were asked for in vain.
 #[derive(Debug, Default)]
 pub(super) struct Layers {

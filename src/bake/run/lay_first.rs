@@ -5,8 +5,8 @@
 //! them, and the run begins.
 
 use crate::bake::choose_mesh::MeshChoice;
-use crate::bake::setup::BakeSetup;
-use crate::bake::simulate::simulate;
+use crate::bake::run::setup::BakeSetup;
+use crate::bake::run::simulate::simulate;
 use crate::bake::{BakeOptions, BakeProgress, BakeReport, Observer};
 use crate::wear::{ActionContext, PersistentState, WearScript};
 use crease_geometry::math::Vec3;
@@ -15,7 +15,7 @@ use crease_model::remesh::SimulationMesh;
 use std::borrow::Cow;
 
 /// The mesh for the garment and the script of `setup`; the garment is laid first if that is needed.
-pub(super) fn mesh_for(setup: &BakeSetup, observer: &mut dyn Observer) -> Result<MeshChoice> {
+pub(in crate::bake) fn mesh_for(setup: &BakeSetup, observer: &mut dyn Observer) -> Result<MeshChoice> {
     let choice = MeshChoice::new(setup.garment, setup.fabric, setup.script, None, setup.options);
     if !choice.lays_first {
         return Ok(choice);

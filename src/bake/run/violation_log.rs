@@ -53,7 +53,7 @@ struct Stuck {
 
 impl ViolationLog {
     /// Records the violations of the step that ended at `time` [s].
-    pub(super) fn record(&mut self, time: f64, found: &Violations) {
+    pub(in crate::bake) fn record(&mut self, time: f64, found: &Violations) {
         // The smaller the gap that is left between pressed layers, the worse.
         record(&mut self.pressed, time, found.pressed, |a, b| a < b);
         record(&mut self.stretched, time, found.stretched, |a, b| a > b);
@@ -67,7 +67,7 @@ impl ViolationLog {
 
     /// Cause to end the run at `time` [s]: cloth that has been stretched beyond what it bears for longer than a moment, or that has
     /// not moved at all for some steps though the solver did not converge.
-    pub(super) fn cause_to_stop(&self, time: f64) -> Option<StopCause> {
+    pub(in crate::bake) fn cause_to_stop(&self, time: f64) -> Option<StopCause> {
         self.stuck_cause().or_else(|| self.torn_cause(time))
     }
 
@@ -98,7 +98,7 @@ impl ViolationLog {
     }
 
     /// Warnings, in order of the constraints.
-    pub(super) fn warnings(&self) -> Vec<String> {
+    pub(in crate::bake) fn warnings(&self) -> Vec<String> {
         let pressed = warnings(&self.pressed, "pressed layers too thin", |size, when, at| {
             format!(
                 "{when}: layers pressed to {:.0} % of their thickness near {at}; none of them crossed",

@@ -6,8 +6,8 @@
 //! where that does not bring them out they stay, without contact. A garment of which many points lie so deep does not fit and
 //! is refused with the depth. Does not do: fitting a garment to another body, size or pose.
 
-use crate::bake::body_coupling::SteppedCloth;
-use crate::bake::static_contact::StaticContact;
+use crate::bake::body::coupling::SteppedCloth;
+use crate::bake::body::static_contact::StaticContact;
 use crate::bake::tuning::TUNING;
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::intersections::intersections_between;
@@ -21,7 +21,7 @@ use crease_solver::sim::NewtonOptions;
 
 /// Outcome of the depenetration.
 #[derive(Default)]
-pub(super) struct DepenetrationReport {
+pub(in crate::bake) struct DepenetrationReport {
     /// Points of the garment that lay inside.
     inside: usize,
     /// Largest depth of a point inside [m].
@@ -89,7 +89,10 @@ impl DepenetrationReport {
 }
 
 /// Depth of every point inside the body [m], 0 outside. Fails if the garment does not fit the body.
-pub(super) fn penetration_depths(garment_points: &[Vec3], animated: &AnimatedBody) -> Result<Vec<f64>> {
+pub(in crate::bake) fn penetration_depths(
+    garment_points: &[Vec3],
+    animated: &AnimatedBody,
+) -> Result<Vec<f64>> {
     let limit = TUNING.body.max_fit_depth;
     let depths = Solid::new(animated.rest_points(), animated.triangles())
         .depths(garment_points, TUNING.body.depth_search);
@@ -117,7 +120,7 @@ pub(super) fn penetration_depths(garment_points: &[Vec3], animated: &AnimatedBod
 }
 
 /// Pushes the cloth, whose points lie `depths` [m] inside, out of `animated` by its contact `planes`.
-pub(super) fn depenetrate(
+pub(in crate::bake) fn depenetrate(
     planes: &mut BodyPlanes,
     cloth: SteppedCloth,
     animated: &AnimatedBody,

@@ -12,11 +12,11 @@
 //! Does not do: when a checkpoint is written and to which file (the tool), results (they are written at the end).
 
 use crate::bake::BakeOptions;
-use crate::bake::body_coupling::BodyCheckpoint;
-use crate::bake::frames::FrameSchedule;
+use crate::bake::body::coupling::BodyCheckpoint;
 use crate::bake::report::{StageSeconds, StepConvergence};
+use crate::bake::run::frames::FrameSchedule;
+use crate::bake::run::violation_log::ViolationLog;
 use crate::bake::tuning::TUNING;
-use crate::bake::violation_log::ViolationLog;
 use crate::wear::{MAX_DURATION_S, PersistentState, TurnRecord, WearScript};
 use crease_geometry::math::{PlaneStretch, Vec3};
 use crease_linear::SolveCost;

@@ -5,8 +5,8 @@
 //! relaxes once to its source pose with the rest state that it earned. Between two frames angles move linearly, as within a
 //! step. Does not do: forces, contact during the motion, repair of a motion.
 
-use crate::bake::findings::empty_reason;
 use crate::bake::plan::reference_length;
+use crate::bake::run::findings::empty_reason;
 use crate::bake::{BakeReport, BakeResult, SimulatedGarment, StageSeconds, relax};
 use crease_geometry::math::Vec3;
 use crease_model::fabric::Fabric;

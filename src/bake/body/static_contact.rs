@@ -12,7 +12,7 @@ use crease_solver::energy::{EdgeContact, PlaneContact};
 use rustc_hash::FxHashMap;
 
 /// Settings of the contact of `garment`, whose points stand for `areas` [m²], with a body.
-pub(super) fn body_contact_settings(
+pub(in crate::bake) fn body_contact_settings(
     garment: &Garment,
     settings: &ContactSettings,
     areas: Vec<f64>,
@@ -44,7 +44,7 @@ fn mean_square_edges(garment: &Garment) -> Vec<f64> {
 }
 
 /// A body in the pose of its file, and its contact with the cloth.
-pub(super) struct StaticContact<'a> {
+pub(in crate::bake) struct StaticContact<'a> {
     planes: &'a mut BodyPlanes,
     positions: &'a [Vec3],
     normals: Vec<Vec3>,
@@ -54,7 +54,7 @@ pub(super) struct StaticContact<'a> {
 }
 
 /// Contacts of the cloth where it was when they were found.
-pub(super) struct FoundContacts {
+pub(in crate::bake) struct FoundContacts {
     /// Points of the cloth on the body.
     pub planes: Vec<PlaneContact>,
     /// Points and edges of the body under the cloth.

@@ -3,8 +3,8 @@
 //! Triangles are bisected ([`crease_model::remesh::Refinement`]); the surface, its motion and its memory stay what they are. The
 //! current action is begun again on the finer mesh, as after a checkpoint.
 
-use crate::bake::checkpoint::ActionProgress;
-use crate::bake::run::Run;
+use crate::bake::run::checkpoint::ActionProgress;
+use crate::bake::run::running_bake::Run;
 use crate::bake::tuning::TUNING;
 use crate::wear::{PersistentState, TurnRecord};
 use crease_geometry::mesh::triangle;
@@ -13,7 +13,7 @@ use crease_solver::sim::{Loads, State};
 
 impl Run<'_> {
     /// Triangles to bisect now, during the action of that number; empty for none.
-    pub(super) fn triangles_to_bisect(&self, action: usize) -> Vec<u32> {
+    pub(in crate::bake) fn triangles_to_bisect(&self, action: usize) -> Vec<u32> {
         let tuning = TUNING.simulation_mesh;
         let Some(rule) = self.refinement.filter(|rule| action >= rule.from_action) else { return Vec::new() };
         let finest = rule.finest_edge;
@@ -43,7 +43,7 @@ impl Run<'_> {
 
     /// Goes on with the mesh of `refinement`, from `progress` of the current action, before which the persistent state was
     /// `before`. Returns the progress on that mesh.
-    pub(super) fn refine(
+    pub(in crate::bake) fn refine(
         &mut self,
         refinement: Refinement,
         progress: ActionProgress,

@@ -1,8 +1,8 @@
 //! Inputs of a bake, checked before the run: the stepper of a mesh, and the body against garment and script.
 
-use crate::bake::active_region::active_points_on;
-use crate::bake::depenetration::penetration_depths;
-use crate::bake::leash::GarmentLeash;
+use crate::bake::body::active_region::active_points_on;
+use crate::bake::body::depenetration::penetration_depths;
+use crate::bake::body::leash::GarmentLeash;
 use crate::bake::{BakeOptions, ModelPlan};
 use crate::wear::WearScript;
 use crease_model::body::AnimatedBody;
@@ -16,7 +16,7 @@ use crease_solver::sim::{Cloth, GRAVITY, Stepper};
 use std::sync::Arc;
 
 /// Inputs of a bake beside the mesh.
-pub(super) struct BakeSetup<'a> {
+pub(in crate::bake) struct BakeSetup<'a> {
     pub fabric: &'a Fabric,
     pub script: &'a WearScript,
     /// Name of the script in messages.
@@ -58,7 +58,7 @@ impl BakeSetup<'_> {
 }
 
 /// The body that wears the garment, checked against garment and script.
-pub(super) struct BodySetup {
+pub(in crate::bake) struct BodySetup {
     pub animated: Arc<AnimatedBody>,
     /// Per point of the garment: depth inside the body [m].
     pub depths: Vec<f64>,

@@ -11,7 +11,7 @@ use crease_model::garment::{Garment, RestState};
 use std::borrow::Cow;
 
 /// Adds warnings to the report of `baked`, and the reason why its result is empty if it is.
-pub(super) fn add_findings(
+pub(in crate::bake) fn add_findings(
     garment: &Garment,
     script: &WearScript,
     options: &BakeOptions,
@@ -58,7 +58,11 @@ pub(super) fn add_findings(
 }
 
 /// Reason why `memory` is empty, with a `cure`, if nothing in it changed to speak of against the `earlier` one or new cloth.
-pub(super) fn empty_reason(memory: &RestState, earlier: Option<&RestState>, cure: &str) -> Option<String> {
+pub(in crate::bake) fn empty_reason(
+    memory: &RestState,
+    earlier: Option<&RestState>,
+    cure: &str,
+) -> Option<String> {
     let limit = TUNING.findings.min_angle_change.to_degrees();
     let change = earlier.map(|earlier| memory.change_since(earlier));
     is_unchanged(change.as_ref().unwrap_or(memory))

@@ -1,10 +1,10 @@
 //! First phase of a bake: the script is run on the simulation mesh.
 
-use crate::bake::checkpoint::Checkpoint;
+use crate::bake::relax::uncross::GarmentReading;
 use crate::bake::report::{BakeReport, StageSeconds};
-use crate::bake::run::Run;
-use crate::bake::setup::BakeSetup;
-use crate::bake::uncross::GarmentReading;
+use crate::bake::run::checkpoint::Checkpoint;
+use crate::bake::run::running_bake::Run;
+use crate::bake::run::setup::BakeSetup;
 use crate::bake::{MeshChoice, Observer};
 use crease_geometry::math::Vec3;
 use crease_model::error::Result;
@@ -13,7 +13,7 @@ use crease_model::remesh::SimulationMesh;
 use crease_solver::sim::Stepper;
 
 /// Result of the simulation, on the simulation mesh.
-pub(super) struct SimulationResult {
+pub(in crate::bake) struct SimulationResult {
     /// The mesh at the end.
     pub mesh: SimulationMesh,
     /// Positions at the end of the script, one per point [m].
@@ -31,7 +31,7 @@ pub(super) struct SimulationResult {
 }
 
 /// Runs the script on `mesh`, whose frames show the garment as `reading` reads it, from its beginning or from a checkpoint (with its file name).
-pub(super) fn simulate(
+pub(in crate::bake) fn simulate(
     resume_from: Option<(&str, Checkpoint)>,
     mesh: MeshChoice,
     reading: Option<&GarmentReading>,

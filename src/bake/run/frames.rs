@@ -26,35 +26,35 @@ pub struct FrameSchedule {
 }
 
 /// Receives the positions of a frame, one per point [m].
-pub(super) type ShowFrame<'a> = dyn FnMut(&[Vec3]) -> Result<()> + 'a;
+pub(in crate::bake) type ShowFrame<'a> = dyn FnMut(&[Vec3]) -> Result<()> + 'a;
 
 /// The state from which a step started.
-pub(super) struct StepStart {
+pub(in crate::bake) struct StepStart {
     /// Time [s].
-    pub(super) time: f64,
+    pub(in crate::bake) time: f64,
     /// Positions, one per point [m].
-    pub(super) positions: Vec<Vec3>,
+    pub(in crate::bake) positions: Vec<Vec3>,
 }
 
 impl FrameSchedule {
     /// A schedule of `per_second` frames per simulated second; of none for 0.
-    pub(super) fn new(per_second: f64) -> Self {
+    pub(in crate::bake) fn new(per_second: f64) -> Self {
         let interval = if per_second > 0.0 { 1.0 / per_second } else { f64::INFINITY };
         Self { interval, next: 0.0, shown: 0 }
     }
 
     /// Whether there are to be frames.
-    pub(super) fn is_wanted(&self) -> bool {
+    pub(in crate::bake) fn is_wanted(&self) -> bool {
         self.interval.is_finite()
     }
 
     /// The start of a step from `state`, if frames are wanted.
-    pub(super) fn step_start(&self, state: &State) -> Option<StepStart> {
+    pub(in crate::bake) fn step_start(&self, state: &State) -> Option<StepStart> {
         self.is_wanted().then(|| StepStart { time: state.time, positions: state.x.clone() })
     }
 
     /// Fractions of the step from `start` to `end` [s] at which frames are due.
-    pub(super) fn due(&self, start: f64, end: f64) -> Vec<f64> {
+    pub(in crate::bake) fn due(&self, start: f64, end: f64) -> Vec<f64> {
         let (mut all, mut next) = (Vec::new(), self.next);
         if self.interval < TUNING.stepping.min_frame_interval {
             return all;
@@ -69,7 +69,7 @@ impl FrameSchedule {
     /// Shows the frames that the step from `start` to `state` passed. Positions between two accepted states are interpolated, and
     /// moved by `offsets`, one list per frame that is due, where there are some; where layers of `triangles` would cross in that, without
     /// the offsets, and where they would cross even so, the later state is shown instead.
-    pub(super) fn show_due(
+    pub(in crate::bake) fn show_due(
         &mut self,
         start: &StepStart,
         state: &State,
@@ -99,7 +99,7 @@ impl FrameSchedule {
     }
 
     /// Shows one frame.
-    pub(super) fn show(&mut self, positions: &[Vec3], show: &mut ShowFrame) -> Result<()> {
+    pub(in crate::bake) fn show(&mut self, positions: &[Vec3], show: &mut ShowFrame) -> Result<()> {
         show(positions)?;
         self.shown += 1;
         Ok(())

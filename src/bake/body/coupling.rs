@@ -3,12 +3,12 @@
 //! The body moves as the script says; the cloth follows it by one-sided contact (`contact::body_planes`). Does not do: forces
 //! of the cloth on the body.
 
-use crate::bake::body_penetration::BodyPenetrationStats;
-use crate::bake::body_watch::BodyWatch;
-use crate::bake::frames::{FrameSchedule, StepStart};
-use crate::bake::leash::{GarmentLeash, follow_leashes};
+use crate::bake::body::leash::{GarmentLeash, follow_leashes};
+use crate::bake::body::penetration::BodyPenetrationStats;
+use crate::bake::body::static_contact::body_contact_settings;
+use crate::bake::body::watch::BodyWatch;
 use crate::bake::report::StopCause;
-use crate::bake::static_contact::body_contact_settings;
+use crate::bake::run::frames::{FrameSchedule, StepStart};
 use crate::bake::tuning::TUNING;
 use crate::wear::ActionRunner;
 use crease_geometry::math::Vec3;
@@ -24,7 +24,7 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// The body under the cloth during a run.
-pub(super) struct BodyCoupling {
+pub(in crate::bake) struct BodyCoupling {
     /// Contact planes of the body.
     pub planes: BodyPlanes,
     /// Per point of the cloth: whether the moving body cannot affect it; empty when all can be affected.
@@ -59,7 +59,7 @@ impl BodyCheckpoint {
 }
 
 /// The cloth that a step moves.
-pub(super) struct SteppedCloth<'a> {
+pub(in crate::bake) struct SteppedCloth<'a> {
     /// The simulated mesh.
     pub garment: &'a Garment,
     /// Solver and contact.
@@ -71,7 +71,7 @@ pub(super) struct SteppedCloth<'a> {
 }
 
 /// A step to be made.
-pub(super) struct StepRange {
+pub(in crate::bake) struct StepRange {
     /// Time at which its action began [s].
     pub begin: f64,
     /// Its length at most [s].

@@ -1,14 +1,14 @@
 //! Watch over a garment on its body: parts of it that fall off, and cloth that the body breaks through for longer than a
 //! moment. Neither recovers, so the run ends there.
 
-use crate::bake::body_penetration::BodyPenetrationStats;
+use crate::bake::body::penetration::BodyPenetrationStats;
 use crate::bake::report::StopCause;
 use crate::bake::tuning::TUNING;
 use crease_geometry::math::{Vec3, bounds};
 use crease_model::garment::Garment;
 
 /// Parts of a garment that began on its body.
-pub(super) struct BodyWatch {
+pub(in crate::bake) struct BodyWatch {
     /// Per connected part of the garment: whether it is watched.
     watched: Vec<bool>,
     /// Per point: its part.

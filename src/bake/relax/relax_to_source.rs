@@ -14,7 +14,7 @@
 //! load increments; self-contact acts as in any other step, and what crosses in the source pose stays where it is. Beside a body the cloth is kept out of it as far as it is out of it in the
 //! source pose (`static_contact`).
 
-use crate::bake::static_contact::{FoundContacts, StaticContact, body_contact_settings};
+use crate::bake::body::static_contact::{FoundContacts, StaticContact, body_contact_settings};
 use crate::bake::tuning::TUNING;
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::intersections::self_intersections;
@@ -66,7 +66,7 @@ impl RelaxOptions {
 
 /// Relaxes `garment` of `fabric` with the rest state `rest`, by the solver and contact of `stepper`, beside `body` if it is worn
 /// on one.
-pub(super) fn relax_to_source_pose(
+pub(in crate::bake) fn relax_to_source_pose(
     garment: &Garment,
     fabric: &Fabric,
     stepper: &mut Stepper,

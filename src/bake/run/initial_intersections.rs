@@ -8,7 +8,7 @@ use crease_model::garment::Garment;
 use std::collections::BTreeMap;
 
 /// A warning if anything intersects: which parts, how many pairs of triangles, and near which position.
-pub(super) fn warning(garment: &Garment) -> Option<String> {
+pub(in crate::bake) fn warning(garment: &Garment) -> Option<String> {
     let found = self_intersections(&garment.points, &garment.triangles);
     if found.is_empty() {
         return None;

@@ -19,7 +19,7 @@ use rayon::prelude::*;
 
 /// Points that are held, and why.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct HeldPoints {
+pub(in crate::bake) struct HeldPoints {
     /// One flag per point.
     pub flags: Vec<bool>,
     /// Number of points held because the file says so.

@@ -4,7 +4,7 @@
 //! self-contact; no script is run and the memory law is not applied. Beside it the rest mesh: the shape of the same topology
 //! that carries the rest angles best, free of pose and contact, for programs that take rest angles from a shape.
 
-use crate::bake::relax_to_source::{RelaxOptions, RelaxResult, relax_to_source_pose};
+use crate::bake::relax::relax_to_source::{RelaxOptions, RelaxResult, relax_to_source_pose};
 use crate::bake::tuning::TUNING;
 use crate::bake::{BakeOptions, ModelPlan, Quality};
 use crate::wear::{WearFormat, WearScript};

@@ -7,7 +7,7 @@ use crease_model::garment::{Garment, RigidParts};
 
 /// Runs `bake` on the cloth of `garment`, whose trims are `rigid`; frames show the whole garment, unless they are those of the
 /// simulated mesh.
-pub(super) fn bake_cloth(
+pub(in crate::bake) fn bake_cloth(
     garment: &Garment,
     rigid: &RigidParts,
     frames_of_simulated: bool,

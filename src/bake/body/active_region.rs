@@ -6,7 +6,7 @@
 //! within that breadth: a free hem beside moving legs hangs on nothing that stays.
 
 use crate::bake::BakeOptions;
-use crate::bake::leash::GarmentLeash;
+use crate::bake::body::leash::GarmentLeash;
 use crate::bake::tuning::TUNING;
 use crate::wear::WearScript;
 use crease_geometry::math::Vec3;
@@ -21,7 +21,7 @@ pub fn active_points(garment: &Garment, script: &WearScript, options: &BakeOptio
 }
 
 /// The same for `garment` on its `leash`, if it has one.
-pub(super) fn active_points_on(
+pub(in crate::bake) fn active_points_on(
     garment: &Garment,
     leash: Option<&GarmentLeash>,
     script: &WearScript,

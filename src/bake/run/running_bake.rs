@@ -1,17 +1,18 @@
 //! State of a running simulation: what a step reads and changes, its start from nothing or from a checkpoint, and the
 //! checkpoint of it.
 
-use crate::bake::body_coupling::{BodyCheckpoint, BodyCoupling, SteppedCloth};
-use crate::bake::checkpoint::{Checkpoint, CheckpointPosition, RunCounts, fingerprint};
+use crate::bake::body::coupling::{BodyCheckpoint, BodyCoupling, SteppedCloth};
+use crate::bake::body::depenetration::depenetrate;
+use crate::bake::body::leash::GarmentLeash;
 use crate::bake::choose_mesh::RefinementRule;
-use crate::bake::depenetration::depenetrate;
-use crate::bake::frames::FrameSchedule;
-use crate::bake::leash::GarmentLeash;
+use crate::bake::relax::uncross::GarmentReading;
 use crate::bake::report::{BakeReport, StageSeconds, StepConvergence};
-use crate::bake::setup::{BakeSetup, BodySetup};
-use crate::bake::uncross::GarmentReading;
-use crate::bake::violation_log::ViolationLog;
-use crate::bake::{MeshChoice, ModelPlan, initial_intersections};
+use crate::bake::run::checkpoint::{Checkpoint, CheckpointPosition, RunCounts, fingerprint};
+use crate::bake::run::frames::FrameSchedule;
+use crate::bake::run::initial_intersections;
+use crate::bake::run::setup::{BakeSetup, BodySetup};
+use crate::bake::run::violation_log::ViolationLog;
+use crate::bake::{MeshChoice, ModelPlan};
 use crate::wear::PersistentState;
 use crease_model::body::PosedBody;
 use crease_model::error::Result;
@@ -21,7 +22,7 @@ use crease_solver::sim::{State, StepOptions, Stepper};
 use std::time::Instant;
 
 /// A running simulation.
-pub(super) struct Run<'a> {
+pub(in crate::bake) struct Run<'a> {
     /// Inputs of the bake.
     setup: &'a BakeSetup<'a>,
     /// The models in use.

@@ -58,7 +58,7 @@ pub struct BodyPenetrationStats {
 impl BodyPenetrationStats {
     /// Records a step that ended at `time` [s] with the cloth at `x` [m], in contact by `planes`, and the
     /// pairs that intersect then; more than `many` beyond those of the start are too many.
-    pub(super) fn record(
+    pub(in crate::bake) fn record(
         &mut self,
         time: f64,
         x: &[Vec3],
@@ -84,28 +84,28 @@ impl BodyPenetrationStats {
     }
 
     /// Sets the number of intersections with which the run begins.
-    pub(super) fn begin_with(&mut self, pairs: usize) {
+    pub(in crate::bake) fn begin_with(&mut self, pairs: usize) {
         self.at_start = pairs;
         self.open.last = pairs;
     }
 
     /// Number of pairs after the last step, or at the start, where the body does not touch itself.
-    pub(super) fn open_pairs(&self) -> usize {
+    pub(in crate::bake) fn open_pairs(&self) -> usize {
         self.open.last
     }
 
     /// Middle of those pairs [m].
-    pub(super) fn open_position(&self) -> Vec3 {
+    pub(in crate::bake) fn open_position(&self) -> Vec3 {
         self.open_position
     }
 
     /// Time since which there are many pairs without a pause [s].
-    pub(super) fn many_pairs_since(&self) -> Option<f64> {
+    pub(in crate::bake) fn many_pairs_since(&self) -> Option<f64> {
         self.many_since
     }
 
     /// Warnings on depth and intersections, if there were any.
-    pub(super) fn warnings(&self) -> Vec<String> {
+    pub(in crate::bake) fn warnings(&self) -> Vec<String> {
         self.depth_warning().into_iter().chain(self.intersection_warning()).collect()
     }
 

@@ -11,7 +11,7 @@
 //! brings them out of it in addition. The energy is that of [`crease_solver::energy::Leash`]; held points are carried along at the
 //! beginning of a step. Acts while the garment is on its body.
 
-use crate::bake::held_points::HeldPoints;
+use crate::bake::body::held_points::HeldPoints;
 use crate::bake::tuning::TUNING;
 use crate::bake::{BakeOptions, ModelDecision};
 use crease_geometry::math::Vec3;
@@ -23,7 +23,7 @@ use crease_solver::energy::Leash;
 use std::sync::Arc;
 
 /// Leashes of all points of a garment.
-pub(super) struct GarmentLeash {
+pub(in crate::bake) struct GarmentLeash {
     skin: Arc<GarmentSkin>,
     body: Arc<AnimatedBody>,
     /// Per point: its location on the skin.
@@ -142,7 +142,7 @@ impl GarmentLeash {
 /// Adds to `displacement`, one per point [m], with which cloth follows the body from the leashes `before` a step to those
 /// `after` it: all of it for held points and for points on short leashes, less on longer ones. Points of `carried` follow
 /// the surface of the body instead, as far as their leashes let them.
-pub(super) fn follow_leashes(
+pub(in crate::bake) fn follow_leashes(
     displacement: &mut [Vec3],
     before: &[Leash],
     after: &[Leash],

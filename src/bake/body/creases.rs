@@ -8,7 +8,7 @@ use crease_model::body::{AnimatedBody, BodyPose};
 use crease_model::garment::Garment;
 
 /// The cloth that a body will crease.
-pub(super) struct CreasedCloth {
+pub(in crate::bake) struct CreasedCloth {
     /// Corners and middles of its triangles [m]; empty where no part of the body deforms near the garment.
     pub positions: Vec<Vec3>,
     /// Mean edge of its triangles [m], that of the garment where there are none: a file is often fine only where it bends.

@@ -1,11 +1,11 @@
 //! The loop over the steps of an action: loads -> solve -> memory.
 
-use crate::bake::body_coupling::{StepRange, SteppedCloth};
-use crate::bake::checkpoint::{ActionProgress, CheckpointPosition};
-use crate::bake::frames::StepStart;
-use crate::bake::run::Run;
+use crate::bake::body::coupling::{StepRange, SteppedCloth};
+use crate::bake::relax::uncross::GarmentReading;
+use crate::bake::run::checkpoint::{ActionProgress, CheckpointPosition};
+use crate::bake::run::frames::StepStart;
+use crate::bake::run::running_bake::Run;
 use crate::bake::tuning::TUNING;
-use crate::bake::uncross::GarmentReading;
 use crate::bake::{BakeProgress, EarlyStop, ModelDecision, Observer, StopCause};
 use crate::wear::{Action, ActionContext, ActionRunner, MAX_CUT_STRAIN, PersistentState};
 use crease_geometry::math::Vec3;
@@ -41,7 +41,7 @@ struct StepLimits {
 
 impl Run<'_> {
     /// Performs the action `number`, from its beginning or from `progress`.
-    pub(super) fn perform_action(
+    pub(in crate::bake) fn perform_action(
         &mut self,
         number: usize,
         action: &Action,
@@ -129,7 +129,11 @@ impl Run<'_> {
     }
 
     /// Reports the checkpoint before the action `number`.
-    pub(super) fn checkpoint_boundary(&mut self, number: usize, observer: &mut dyn Observer) -> Result<()> {
+    pub(in crate::bake) fn checkpoint_boundary(
+        &mut self,
+        number: usize,
+        observer: &mut dyn Observer,
+    ) -> Result<()> {
         self.clear_caches();
         if observer.wants_checkpoints() {
             let position = CheckpointPosition::before_action(number);
@@ -322,7 +326,7 @@ impl Run<'_> {
     }
 
     /// Shows the state at the end of the script, if frames are wanted.
-    pub(super) fn show_last_frame(&mut self, observer: &mut dyn Observer) -> Result<()> {
+    pub(in crate::bake) fn show_last_frame(&mut self, observer: &mut dyn Observer) -> Result<()> {
         if !self.frames.is_wanted() {
             return Ok(());
         }
