@@ -1,6 +1,6 @@
 //! Least-squares fit of hinge angles to a curvature tensor per triangle.
 //!
-//! The hinges of a face make its tensor (`energy/bending.rs`),
+//! The hinges of a face make its tensor (`solver/energy/bending.rs`),
 //!
 //! ```text
 //! S_f = sum_e phi_e l_e / (2 A_f) t_e t_e^T            t_e: in-plane normal of edge e
