@@ -5,7 +5,7 @@
 //! are bit-identical for any number of threads, and glTF files keep everything that is not the garment's shape.
 //!
 //! ```no_run
-//! use crease::{Bake, Fabric, GarmentFile, Quality, ReadOptions, WearScript};
+//! use crease::{Bake, Fabric, GarmentFile, Load, Quality, ReadOptions, Save, WearScript};
 //! let shirt = GarmentFile::load("shirt.glb", &ReadOptions::default())?;
 //! let (fabric, script) = (Fabric::preset("denim")?, WearScript::load("fold-thrice.json")?);
 //! let result = Bake::new(&shirt.garment, &fabric, &script).quality(Quality::Draft).run()?;
@@ -66,11 +66,8 @@
 //!
 //! # Features
 //!
-//! `cli` (the tool), `charts` (validation charts), `viewer` (viewer page), `render` (pictures): all on by default; the library
-//! compiles without any.
-//!
-//! The modules, in the order in which they build on each other, are public for tools of the same workspace and not part of
-//! the stable interface; the items on this page are.
+//! `render` (pictures), `viewer` (viewer page) and `usd` (garments and bodies from USD files): all on by default; the library
+//! compiles without any. The tool is the package `crease-cli`, the validation charts are `crease-chart`.
 
 mod bake;
 mod files;
