@@ -1,8 +1,9 @@
 //! `crease batch`: on this machine, on a real Slurm on the loopback interface, and through Open Job Description, with the
 //! same bytes everywhere.
 //!
-//! Slurm's test runs where slurmctld, slurmd and sbatch are installed (Debian: slurmctld, slurmd, slurm-client) and the
-//! user may run slurmd (root); Open Job Description's where `openjd` (PyPI: openjd-cli) is in the PATH. Else they say so.
+//! The test of Slurm needs slurmctld, slurmd and sbatch (Debian: slurmctld, slurmd, slurm-client) and a user who may run
+//! slurmd (root); that of Open Job Description needs `openjd` (PyPI: openjd-cli) in the PATH. Where they are missing, both
+//! are ignored.
 
 #[path = "common/tool.rs"]
 mod tool;
@@ -10,6 +11,7 @@ mod tool;
 use assert_cmd::Command;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
+use test_attributes::needs_programs;
 use tool::{Pose, crease, wavy_sheet};
 
 /// A slightly wavy sheet that lies.
@@ -162,23 +164,27 @@ fn a_batch_that_is_interrupted_goes_on() {
     assert_same_results(folder.path(), plain.path(), 2);
 }
 
-fn in_path(program: &str) -> bool {
-    let path = std::env::var_os("PATH").unwrap_or_default();
-    std::env::split_paths(&path).any(|folder| folder.join(program).is_file())
-}
-
-#[test]
-fn open_job_description_runs_the_same_jobs() {
+/// A farm of four jobs, and the path of its Open Job Description template.
+fn described_farm() -> (tempfile::TempDir, String) {
     let (folder, jobs) = farm(1, 2, 4);
     let template = folder.path().join("jobs.template.json").display().to_string();
     assert_eq!(crease(&["batch", &jobs, "--openjd", &template]).2, 0);
+    (folder, template)
+}
+
+#[test]
+fn open_job_description_has_a_task_for_every_job() {
+    let (_folder, template) = described_farm();
     let text: Value = serde_json::from_slice(&std::fs::read(&template).expect("reads")).expect("is JSON");
     assert_eq!(text["specificationVersion"], "jobtemplate-2023-09");
     assert_eq!(text["steps"][0]["parameterSpace"]["taskParameterDefinitions"][0]["range"], "0-3");
-    if !in_path("openjd") {
-        println!("skipped: `openjd` is not installed (pip install openjd-cli)");
-        return;
-    }
+}
+
+/// `openjd`: pip install openjd-cli.
+#[needs_programs("openjd")]
+#[test]
+fn open_job_description_runs_the_same_jobs() {
+    let (folder, template) = described_farm();
     let openjd = |arguments: &[&str]| {
         let output = Command::new("openjd").args(arguments).output().expect("runs");
         let output_text =
@@ -202,11 +208,8 @@ struct Slurm {
 }
 
 impl Slurm {
-    /// `None` where it is not installed or does not start.
-    fn start() -> Option<Self> {
-        if !["slurmctld", "slurmd", "sbatch", "scontrol", "squeue"].into_iter().all(in_path) {
-            return None;
-        }
+    /// Debian: slurmctld, slurmd, slurm-client; as root.
+    fn start() -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let at = folder.path().display();
         let port = 20_000 + std::process::id() % 20_000;
@@ -240,13 +243,14 @@ impl Slurm {
                 .stdout(std::process::Stdio::null())
                 .stderr(std::process::Stdio::null())
                 .spawn();
-            slurm.daemons.push(daemon.ok()?);
+            slurm.daemons.push(daemon.expect("starts"));
         }
         let up = (0..60).any(|_| {
             std::thread::sleep(std::time::Duration::from_millis(500));
             slurm.run("sinfo", &["--noheader", "--format=%T %D"]).trim() == "idle 2"
         });
-        up.then_some(slurm)
+        assert!(up, "Slurm is installed but does not start: is this root?");
+        slurm
     }
 
     fn conf(&self) -> PathBuf {
@@ -270,12 +274,10 @@ impl Drop for Slurm {
     }
 }
 
+#[needs_programs("slurmctld", "slurmd", "sbatch", "scontrol", "squeue")]
 #[test]
 fn slurm_runs_the_same_jobs_and_one_that_is_requeued_ends_the_same() {
-    let Some(slurm) = Slurm::start() else {
-        println!("skipped: no Slurm that starts here (Debian: slurmctld, slurmd, slurm-client; as root)");
-        return;
-    };
+    let slurm = Slurm::start();
     let (folder, jobs) = farm(5, 2, 10);
     let output = Command::new(env!("CARGO_BIN_EXE_crease"))
         .env("SLURM_CONF", slurm.conf())

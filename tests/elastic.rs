@@ -2,7 +2,7 @@
 //!
 //! The references were computed by other means than this crate (closed forms, shooting, 50-digit arithmetic, a
 //! shell solver in Python): the constants that a fresh clone needs are nailed down beside each test, whole tables are
-//! read from the folder `reference` of `CREASE_TEST_DATA` where that is set. Every test prints the figure it reached;
+//! read from the folder `reference` of `CREASE_TEST_DATA` by tests of their own. Every test prints the figure it reached;
 //! `docs/validation/accuracy.md` lists them.
 //!
 //! ```text

@@ -10,11 +10,7 @@ use crease_model::garment::{Garment, ImportDiagnostic, Inspection, SourceAsset, 
 use external::external;
 use serde_json::json;
 use std::path::{Path, PathBuf};
-
-/// Returns the collection of foreign garments, where it is available.
-fn collection() -> Option<PathBuf> {
-    external("garments")
-}
+use test_attributes::needs_data;
 
 fn mesh_files(folder: &Path) -> Vec<PathBuf> {
     let mut files: Vec<PathBuf> =
@@ -58,10 +54,11 @@ enum Outcome {
     Refused(&'static str),
 }
 
+#[needs_data("garments")]
 #[test]
 fn every_odd_file_has_a_decided_outcome() {
     use Outcome::{Imported, Refused, Sized};
-    let Some(root) = collection() else { return };
+    let root = external("garments");
     let table = [
         ("cornell_box.obj", Sized(72, 28, 36)),
         ("cube-vertex-w-component.obj", Imported(24, 8, 12)),
@@ -134,9 +131,10 @@ fn every_odd_file_has_a_decided_outcome() {
 }
 
 /// Relations of counts: edges = hinges + openings, and the Euler characteristic of a T-shirt.
+#[needs_data("garments")]
 #[test]
 fn real_garments_come_in_whole() {
-    let Some(root) = collection() else { return };
+    let root = external("garments");
     // file, unit, vertices, points, triangles, openings, widest opening [m], box's largest side [m]
     let table = [
         ("diffavatar-tshirt/tshirt.obj", 0.01, 2929, 2799, 5483, 4, 1.015, 0.766),
@@ -184,9 +182,10 @@ fn real_garments_come_in_whole() {
     }
 }
 
+#[needs_data("garments")]
 #[test]
 fn warp_follows_texture_only_where_it_follows_the_panels() {
-    let Some(root) = collection() else { return };
+    let root = external("garments");
     for (name, unit_m, from_uv) in [
         ("diffavatar-tshirt/tshirt.obj", 0.01, true),
         ("diffcloth-tshirt-folds/tshirt1900.obj", 0.065, false),
@@ -196,9 +195,10 @@ fn warp_follows_texture_only_where_it_follows_the_panels() {
     }
 }
 
+#[needs_data("garments")]
 #[test]
 fn a_garment_is_chosen_beside_its_body() {
-    let Some(root) = collection() else { return };
+    let root = external("garments");
     let path = root.join("makehuman-body-sweater/derived/mh_sweater_left_elbow.glb");
     let (all, _) = read(&path, &ReadOptions::default()).unwrap();
     let names: Vec<&str> = all.pieces.iter().map(|piece| piece.name.as_str()).collect();
@@ -230,9 +230,10 @@ fn a_garment_is_chosen_beside_its_body() {
 }
 
 /// Every face as obj-rs reads it, against our triangles: the corners of each face, orientation and area.
+#[needs_data("garments")]
 #[test]
 fn obj_agrees_with_obj_rs_where_that_can_read() {
-    let Some(root) = collection() else { return };
+    let root = external("garments");
     let folders = [
         "obj-oddities-tinyobj",
         "diffavatar-tshirt",
@@ -300,9 +301,10 @@ fn compare_faces(name: &str, theirs: &obj::raw::RawObj, ours: &SourceAsset) {
 }
 
 /// Positions, normals, texture coordinates and corners of every primitive, against the gltf crate.
+#[needs_data("garments")]
 #[test]
 fn gltf_agrees_with_the_gltf_crate_where_that_can_read() {
-    let Some(root) = collection() else { return };
+    let root = external("garments");
     let folders = ["khronos-small", "makehuman-body-sweater/derived"];
     let mut compared = 0;
     for path in folders.iter().flat_map(|folder| mesh_files(&root.join(folder))) {

@@ -1,7 +1,7 @@
 //! Integrators compared with independent results: orders of convergence, swinging strips, and failures.
 //!
 //! Scenes are those of `crease chart accuracy` and `stability` (`chart::scenes`) and of `robustness`; references of other origin are
-//! given with each test, whole tables are read from the folder `reference` of `CREASE_TEST_DATA` where that is set.
+//! given with each test, whole tables are read from the folder `reference` of `CREASE_TEST_DATA` by tests of their own.
 //! Every test prints its result; `docs/validation/accuracy.md` lists them.
 //!
 //! ```text

@@ -1,20 +1,22 @@
 //! The viewer page in a browser: it draws without an error, and what it draws is to be seen.
 //!
-//! Runs where Chromium is installed (Debian: chromium), with its software renderer; else the test is skipped with a message.
+//! Runs where Chromium is installed (Debian: chromium), with its software renderer; else the test is ignored.
 
 use serde_json::{Value, json};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
+use test_attributes::needs_programs;
 
 /// Time limit of the browser; the page holds megabytes of script.
 const TIMEOUT: Duration = Duration::from_secs(120);
 
-fn chromium() -> Option<&'static str> {
+fn chromium() -> &'static str {
     let path = std::env::var_os("PATH").unwrap_or_default();
     ["chromium", "chromium-browser", "google-chrome"]
         .into_iter()
         .find(|program| std::env::split_paths(&path).any(|folder| folder.join(program).is_file()))
+        .expect("Chromium is installed (Debian: chromium)")
 }
 
 /// Runs the browser on `address` in its own profile; returns its standard output.
@@ -68,12 +70,10 @@ fn well_worn(mut sidecar: Value) -> Value {
     sidecar
 }
 
+#[needs_programs("chromium|chromium-browser|google-chrome")]
 #[test]
 fn the_page_shows_the_worn_garment_and_its_colours() {
-    let Some(browser) = chromium() else {
-        println!("skipped: Chromium is not installed (Debian: chromium)");
-        return;
-    };
+    let browser = chromium();
     let folder = tempfile::tempdir().expect("a folder");
     let page = folder.path().join("worn.html");
     // Two garments beside each other: the seed of the fuzz targets, with its sidecar put beside it.

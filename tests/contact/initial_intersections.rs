@@ -3,8 +3,7 @@
 use crate::run::{COTTON, Pattern, Run};
 use crease_geometry::math::Vec3;
 use crease_solver::energy::TargetSpring;
-use crease_solver::sim::Loads;
-use crease_solver::sim::State;
+use crease_solver::sim::{Loads, State};
 
 /// Two sheets 2 mm apart, the lower pushed through the upper around the middle.
 pub fn pierced(points: usize, seed: u64) -> Pattern {

@@ -3,8 +3,7 @@
 use crate::run::{COTTON, Kind, Pattern, Run};
 use crease_geometry::math::{Mat3, Vec3};
 use crease_solver::energy::TargetSpring;
-use crease_solver::sim::Loads;
-use crease_solver::sim::{NewtonOptions, State};
+use crease_solver::sim::{Loads, NewtonOptions, State};
 use std::f64::consts::TAU;
 
 const STACKED: Kind = Kind { thickness: 0.5e-3, ..COTTON };

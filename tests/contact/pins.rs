@@ -4,8 +4,7 @@
 use crate::run::{COTTON, Pattern, Run};
 use crease_geometry::math::Vec3;
 use crease_solver::energy::TargetSpring;
-use crease_solver::sim::Loads;
-use crease_solver::sim::State;
+use crease_solver::sim::{Loads, State};
 
 /// Requirement: pins pulled apart to twice the cloth's length stretch it, which is reported; back again it is as before.
 #[test]

@@ -6,8 +6,7 @@ use crease_chart::press_between_plates::PlatePress;
 use crease_geometry::math::Vec3;
 use crease_model::fabric::Fabric;
 use crease_solver::contact::Contact;
-use crease_solver::energy::Bending;
-use crease_solver::energy::{Energy, Membrane};
+use crease_solver::energy::{Bending, Energy, Membrane};
 use crease_solver::sim::{NewtonOptions, Problem, Workspace};
 
 fn press(gap: f64, element: f64, offset: f64) -> PlatePress {

@@ -5,6 +5,7 @@ use crease_chart::scenes;
 use crease_chart::scenes::{SceneOutcome, SceneSetting, Swing};
 use crease_geometry::math::Vec3;
 use crease_solver::sim::Method;
+use test_attributes::needs_data;
 
 /// Tip of the chain at 0.5 s [m]: swing30, release90.
 const TIPS: [(Swing, [f64; 2]); 2] =
@@ -20,17 +21,31 @@ fn tip(outcome: &SceneOutcome) -> Vec3 {
     0.5 * (outcome.x[count - 1] + outcome.x[count - 2])
 }
 
+/// Ends with steps of 1.25 and 0.625 ms, from which the limit of short steps is extrapolated.
+fn steps_to_the_limit(swing: Swing) -> [SceneOutcome; 2] {
+    [1250e-6, 625e-6].map(|h| run(swing, Method::Sdirk2, h, 1e-9))
+}
+
 /// Property: in the limit of short steps the strip moves like the chain, within 1 mm, and stays in its plane.
 #[test]
 fn a_swinging_strip_moves_like_the_chain() {
     for (swing, exact) in TIPS {
-        let [coarse, fine] = [1250e-6, 625e-6].map(|h| run(swing, Method::Sdirk2, h, 1e-9));
+        let [coarse, fine] = steps_to_the_limit(swing);
         let limit = tip(&fine) + (tip(&fine) - tip(&coarse)) / 3.0;
         let off = (limit - Vec3::new(exact[0], exact[1], 0.0)).norm();
         println!("{}: tip {:.6} {:.6}, off the chain by {off:.2e} m", swing.name, limit.x, limit.y);
         assert!(off < 1e-3);
-        let Some(file) = reference::json("dynamics_reference.json") else { continue };
-        // The whole chain, point by point: points of the strip come two by two, the chain has no first one.
+    }
+}
+
+/// Property: so do all points of the strip, each within 1 mm of that of the reference.
+#[needs_data("reference/dynamics_reference.json")]
+#[test]
+fn all_points_of_a_swinging_strip_move_like_the_chain() {
+    let file = reference::json("dynamics_reference.json");
+    for (swing, _) in TIPS {
+        let [coarse, fine] = steps_to_the_limit(swing);
+        // Points of the strip come two by two, the chain has no first one.
         let states = file["chain"][swing.name]["states"].as_array().expect("states");
         let state = states.iter().find(|s| s["t"] == 0.5).expect("the state at 0.5 s");
         let chain = state["x"].as_array().expect("points").iter();
@@ -61,9 +76,10 @@ fn bdf2_ends_where_the_chain_of_the_same_step_does() {
 
 /// Property: for the errors of `chain_work_precision.csv` no method takes more linear solves than it does there: with
 /// the steps of each row, 3 % shorter where Newton converges (to 0.03 of the row's error).
+#[needs_data("reference/chain_work_precision.csv")]
 #[test]
 fn errors_cost_no_more_solves_than_in_the_table() {
-    let Some(rows) = reference::table("chain_work_precision.csv") else { return };
+    let rows = reference::table("chain_work_precision.csv");
     for (swing, _) in TIPS {
         let fine = run(swing, Method::Sdirk2, 156.25e-6, 1e-10);
         let coarse = run(swing, Method::Sdirk2, 312.5e-6, 1e-10);

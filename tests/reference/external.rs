@@ -2,13 +2,11 @@
 
 use std::path::PathBuf;
 
-/// The folder `name` of the folder that the environment variable `CREASE_TEST_DATA` names, or `None` where it is not there.
-/// Tests that need it print that they were skipped.
-pub fn external(name: &str) -> Option<PathBuf> {
-    let data = std::env::var_os("CREASE_TEST_DATA").filter(|path| !path.is_empty());
-    let folder = data.map(|path| PathBuf::from(path).join(name)).filter(|path| path.is_dir());
-    if folder.is_none() {
-        println!("skipped: {name} is not in the folder that CREASE_TEST_DATA names");
-    }
-    folder
+/// The file or folder `name` of the folder that the environment variable `CREASE_TEST_DATA` names. A test that calls it
+/// has the attribute `needs_data`, and fails if the data is missing all the same.
+pub fn external(name: &str) -> PathBuf {
+    let data = std::env::var_os("CREASE_TEST_DATA").expect("CREASE_TEST_DATA names a folder of data");
+    let path = PathBuf::from(data).join(name);
+    assert!(path.exists(), "{name} is not in the folder that CREASE_TEST_DATA names");
+    path
 }

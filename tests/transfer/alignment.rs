@@ -10,19 +10,18 @@ use crease_io::{ReadOptions, read_asset};
 use crease_model::garment::{Garment, RestState};
 use crease_model::remesh::GarmentSurface;
 use std::path::Path;
+use test_attributes::needs_data;
 
 /// On garments of another cut folds keep their positions, front on front and back on back: in the box where the cuts are nearly alike,
 /// across the torso and below the armholes where sleeves are nearly three times as long.
+#[needs_data("garments/diffavatar-tshirt")]
 #[test]
 fn folds_keep_their_position_on_garments_of_another_cut() {
     let (asset, garment) = load("tshirt-draft.glb");
     let surface = GarmentSurface::from_garment(&garment, &asset);
-    let Some(folder) = external("garments/diffavatar-tshirt") else { return };
+    let folder = external("garments/diffavatar-tshirt");
     for name in ["tshirt.obj", "shirt_initial.obj"] {
-        let Ok(bytes) = std::fs::read(folder.join(name)) else {
-            println!("not checked, not there: {name}");
-            return;
-        };
+        let bytes = std::fs::read(folder.join(name)).expect(name);
         let options = ReadOptions { unit_m: Some(0.01), any_size: true, ..ReadOptions::default() };
         let (asset, _) = read_asset(name, &bytes, &options, &mut |_| Ok(Vec::new())).expect("reads");
         let (garment, _) = Garment::from_asset(&asset).expect("is a garment");
@@ -191,22 +190,18 @@ fn joints_and_landmarks_align_a_straight_sleeve_with_a_bent_one() {
 
 /// Garments of one body stay in place: knees match knees although the boxes differ, and creases at the elbows of a sweater
 /// are reported as lost on a tee, which has none.
+#[needs_data("garments/makehuman-body-sweater/derived")]
 #[test]
 fn garments_of_one_body_stay_in_place_and_losses_are_reported() {
-    let Some(folder) = external("garments/makehuman-body-sweater/derived") else { return };
+    let folder = external("garments/makehuman-body-sweater/derived");
     let read = |name: &str| {
-        let bytes = std::fs::read(folder.join(name)).ok()?;
+        let bytes = std::fs::read(folder.join(name)).expect(name);
         let options = ReadOptions { unit_m: Some(0.1), any_size: true, ..ReadOptions::default() };
         let (asset, _) = read_asset(name, &bytes, &options, &mut |_| Ok(Vec::new())).expect("reads");
         let (garment, _) = Garment::from_asset(&asset).expect("is a garment");
-        Some(GarmentSurface::from_garment(&garment, &asset))
+        GarmentSurface::from_garment(&garment, &asset)
     };
-    let (Some(sweater), Some(tee)) =
-        (read("male_casualsuit02_fitted.obj"), read("male_casualsuit04_fitted.obj"))
-    else {
-        println!("not checked, not there: {}", folder.display());
-        return;
-    };
+    let (sweater, tee) = (read("male_casualsuit02_fitted.obj"), read("male_casualsuit04_fitted.obj"));
     let middle = |s: &GarmentSurface, h: usize| {
         let hinge = &s.topology.hinges[h];
         0.5 * (s.points[hinge.points[0].at()] + s.points[hinge.points[1].at()])

@@ -1,8 +1,7 @@
 //! Memory of an earlier run: a worn file names its sidecar, which stands beside it.
 
 use crate::files::input;
-use crease::internal::files::GarmentFile;
-use crease::internal::files::memory_of_earlier_run;
+use crease::internal::files::{GarmentFile, memory_of_earlier_run};
 use crease_io::gltf::{EarlierWear, earlier_wear};
 use crease_io::read_sidecar;
 use crease_model::error::Result;

@@ -141,7 +141,6 @@ fn lone_corner_first(corners: &[Vec3; 3], sides: [i8; 3]) -> ([Vec3; 3], [i8; 3]
 mod tests {
     use super::*;
     use crate::math::Rng;
-    use std::path::Path;
 
     fn triangle(rng: &mut Rng) -> [Vec3; 3] {
         [0; 3].map(|_| rng.in_unit_cube())
@@ -245,52 +244,5 @@ mod tests {
         points[4].x = f64::INFINITY;
         let without: Vec<_> = before.into_iter().filter(|p| p[0] > 1).collect();
         assert_eq!(self_intersections(&points, &triangles), without);
-    }
-
-    /// The points and triangles of a plain OBJ file (all of these are triangles, welded).
-    fn read(text: &str) -> (Vec<Vec3>, Vec<[PointIndex; 3]>) {
-        let (mut points, mut triangles) = (Vec::new(), Vec::new());
-        for line in text.lines() {
-            let mut words = line.split_whitespace();
-            match words.next() {
-                Some("v") => {
-                    let x: Vec<f64> = words.filter_map(|w| w.parse().ok()).collect();
-                    points.push(Vec3::new(x[0], x[1], x[2]));
-                }
-                Some("f") => {
-                    let c: Vec<u32> = words
-                        .filter_map(|w| w.split('/').next()?.parse::<u32>().ok())
-                        .map(|i| i - 1)
-                        .collect();
-                    triangles.push([c[0], c[1], c[2]].map(PointIndex));
-                }
-                _ => {}
-            }
-        }
-        (points, triangles)
-    }
-
-    /// T-shirts folded by another simulator; an independent program in another language counts the same.
-    #[test]
-    fn counts_of_folded_shirts_made_by_others() {
-        let Some(data) = std::env::var_os("CREASE_TEST_DATA") else {
-            println!("skipped: CREASE_TEST_DATA names no folder of test data");
-            return;
-        };
-        let folder = Path::new(&data).join("garments/diffcloth-tshirt-folds");
-        for (name, count) in [
-            ("tshirt1900.obj", 0),
-            ("tshirt1900-flattened.obj", 0),
-            ("tshirt1900-folding-biFolded.obj", 48),
-            ("tshirt1900-folding-triFolded.obj", 108),
-        ] {
-            let Ok(text) = std::fs::read_to_string(folder.join(name)) else {
-                println!("not checked, not there: {name}");
-                return;
-            };
-            let (points, triangles) = read(&text);
-            assert_eq!(triangles.len(), 3726);
-            assert_eq!(self_intersections(&points, &triangles).len(), count, "{name}");
-        }
     }
 }
