@@ -255,9 +255,12 @@ mod tests {
     }
 
     #[test]
-    fn a_text_that_is_not_json_does_not_hang_or_panic() {
+    fn of_a_text_that_is_not_json_nothing_is_found_behind_the_error() {
         for text in ["", "{", "[", "[,,", "{\"a", "{\"a\\", "\"\\", "[1 2]", "{\"a\" 1}", "}", "[}"] {
-            Spans::scan(text);
+            let spans = Spans::scan(text);
+            assert_eq!(spans.find(&Path::root().name("b"), false), None, "{text}");
+            assert_eq!(spans.find(&Path::root().entry(7), false), None, "{text}");
         }
+        assert_eq!(Spans::scan("[1 2]").find(&Path::root().entry(0), false), Some((1, 2)));
     }
 }

@@ -5,7 +5,6 @@ use crease_geometry::math::{Rng, Vec3};
 use crease_geometry::mesh::intersections::self_intersections;
 use crease_geometry::mesh::{PointIndex, Topology};
 use std::collections::BTreeSet;
-use std::time::Instant;
 
 struct Mesh {
     points: Vec<Vec3>,
@@ -222,56 +221,4 @@ fn skipped_pairs_isolated_points_and_points_not_finite_are_left_out() {
     // Its triangles are left out whole, and with them the pairs of what belongs to them.
     let finite = finder.find(query(&mesh.points, &mesh.points, 2e-3, false, &|_| false));
     assert!(finder.pairs(&finite).all(|pair| without(&pair)) && finite.len() > all.len() / 2);
-}
-
-/// Seconds of a whole garment of 14,000 points. Run by: cargo test --release --lib speed -- --ignored --nocapture
-#[test]
-#[ignore = "a measurement"]
-fn speed() {
-    let time = |what: &str, run: &mut dyn FnMut() -> usize| {
-        let mut best = f64::INFINITY;
-        let mut count = 0;
-        for _ in 0..30 {
-            let begin = Instant::now();
-            count = run();
-            best = best.min(begin.elapsed().as_secs_f64());
-        }
-        println!("  {what}: {:.1} ms, {count}", best * 1e3);
-    };
-    for (name, mesh) in [
-        ("2 layers 5 mm apart", Mesh::pile(2, 82, 82, 5e-3, 2e-4)),
-        ("2 layers 1 mm apart", Mesh::pile(2, 82, 82, 1e-3, 1e-4)),
-        ("8 layers 1 mm apart", Mesh::pile(8, 41, 41, 1e-3, 1e-4)),
-        ("8 layers 0.5 mm apart", Mesh::pile(8, 41, 41, 5e-4, 5e-5)),
-    ] {
-        println!("{name}: {} points, {} triangles", mesh.points.len(), mesh.triangles.len());
-        let mut rng = Rng::from_state(1);
-        let mut finder = mesh.finder();
-        let x = mesh.points.clone();
-        time("candidates, distance 3 mm, at rest", &mut || {
-            finder.find(query(&x, &x, 3e-3, false, &|_| false)).len()
-        });
-        time("candidates, distance 1 mm, at rest", &mut || {
-            finder.find(query(&x, &x, 1e-3, false, &|_| false)).len()
-        });
-        let end = jittered(&x, 1e-3, &mut rng);
-        time("candidates, distance 1 mm, displacement 1 mm", &mut || {
-            finder.find(query(&x, &end, 1e-3, false, &|_| false)).len()
-        });
-        let found = finder.find(query(&x, &end, 1e-3, false, &|_| false));
-        println!("    {} + {}", found.point_triangle.len(), found.edge_edge.len());
-        let mut pairs: Vec<PrimitivePair> = Vec::new();
-        time("pairs", &mut || {
-            pairs.clear();
-            pairs.extend(finder.pairs(&found));
-            pairs.len()
-        });
-        let d: Vec<Vec3> = x.iter().zip(&end).map(|(x, y)| y - x).collect();
-        let min_distances = vec![2e-4; pairs.len()];
-        time("local step fractions (rounds)", &mut || {
-            local_step_fractions(&pairs, &min_distances, &x, &d).rounds
-        });
-        time("distances", &mut || pairs.iter().filter(|q| q.distance(&x) < 1e-3).count());
-        time("intersections", &mut || self_intersections(&x, &mesh.triangles).len());
-    }
 }
