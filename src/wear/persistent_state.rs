@@ -66,7 +66,8 @@ pub struct FoldRecord {
     #[serde(with = "crease_geometry::math::serde_vec::vector")]
     pub along: Vec3,
     /// Unit vector from the line to where the flap lay before.
-    #[serde(rename = "out", with = "crease_geometry::math::serde_vec::vector")]
+    #[serde(rename = "out", with = "crease_geometry::math::serde_vec::vector")] 
+    #[serde(with = "crease_geometry::math::serde_vec::vector")] 
     pub outward: Vec3,
     /// Angle by which the flap was turned [rad].
     pub angle: f64,
@@ -86,7 +87,8 @@ pub enum TurnRecord {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PersistentState {
     /// Rotation of the garment as a whole, from directions of its file to present ones.
-    #[serde(rename = "turned", with = "crease_geometry::math::serde_vec::matrix")]
+    #[serde(rename = "turned", with = "crease_geometry::math::serde_vec::matrix")] 
+    #[serde(with = "crease_geometry::math::serde_vec::matrix")] 
     pub orientation: Mat3,
     /// Frame that fractions refer to, once the garment lies or hangs.
     pub frame: Option<GarmentFrame>,
@@ -95,14 +97,12 @@ pub struct PersistentState {
     /// Height of the ground [m], where there is one.
     pub ground: Option<f64>,
     /// Per hinge: by how much laying the garment down bent it [rad]; empty for a garment that does not lie. It is not remembered.
-    #[serde(default)]
     pub laid_bend: Vec<f64>,
     /// Per triangle: stretch from its shape in the file to its rest shape; empty where that is the shape in the file. A garment that was
     /// laid out has the rest shape of its cut.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub cut: Vec<PlaneStretch>,
     /// Loads of the last action that act until they are released.
-    #[serde(rename = "kept")]
     pub held_loads: Option<Loads>,
     /// The body the garment is worn on, in its present pose.
     // A checkpoint stores the pose separately: the body itself is the caller's.

@@ -38,13 +38,12 @@ pub struct BodyPenetrationStats {
     /// Steps with intersections where the body does not touch itself.
     steps: usize,
     /// Middle of those after the last step [m].
-    #[serde(default, with = "crease_geometry::math::serde_vec::vector")]
+    #[serde(default, with = "crease_geometry::math::serde_vec::vector")] 
+    #[serde(with = "crease_geometry::math::serde_vec::vector")] 
     open_position: Vec3,
     /// Time since which there are many of them without a pause [s].
-    #[serde(default)]
     many_since: Option<f64>,
     /// Intersections with which the run began: they count as the file's own.
-    #[serde(default)]
     at_start: usize,
     /// Time of the first and the last step with cloth inside the body [s].
     times: Option<[f64; 2]>,

@@ -33,7 +33,7 @@ use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
 /// Format and version of the file.
-pub const CHECKPOINT_FORMAT: &str = "crease-checkpoint/4";
+pub const CHECKPOINT_FORMAT: &str = "crease-checkpoint/5";
 
 /// State of a bake between two of its steps.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -139,7 +139,6 @@ pub struct RunCounts {
     /// Warnings.
     pub warnings: Vec<String>,
     /// The first action that did not take place, with the reason.
-    #[serde(default)]
     pub not_performed: Option<Diagnostic>,
     /// Convergence of the steps.
     pub convergence: StepConvergence,

@@ -34,10 +34,8 @@ pub struct ViolationLog {
     /// Cloth overstretched: its strain [-].
     stretched: Vec<Episode>,
     /// Cloth stretched beyond what it bears.
-    #[serde(default)]
     torn: Vec<Episode>,
     /// Steps in a row, up to the last one, in which nothing moved though the solver did not converge.
-    #[serde(default)]
     stuck: Option<Stuck>,
 }
 

@@ -22,10 +22,8 @@ pub struct ImportDiagnostic {
     /// Severity.
     pub severity: Severity,
     /// Location in the file (line, element); empty for the whole file.
-    #[serde(rename = "place")]
     pub location: String,
     /// Description, with advice where there is any.
-    #[serde(rename = "what")]
     pub message: String,
 }
 

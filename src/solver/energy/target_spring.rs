@@ -27,7 +27,6 @@ pub struct TargetSpring {
     /// Stiffness along `normal` [N/m].
     pub stiffness: f64,
     /// Stiffness across `normal` [N/m].
-    #[serde(rename = "slide")]
     pub tangential_stiffness: f64,
 }
 

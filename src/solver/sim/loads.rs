@@ -74,28 +74,24 @@ pub struct Loads {
     /// Factor on the friction coefficients of the fabric [-]: 0 for none.
     pub friction: f64,
     /// Springs that pull points towards targets.
-    #[serde(rename = "guides")]
     pub springs: Vec<TargetSpring>,
     /// Whether springs or a moving body guide the cloth along a prescribed path.
-    #[serde(rename = "leads")]
     pub guided: bool,
     /// Whether the loads are in transition, so that the positions of this step are solved for again right after it.
-    #[serde(default, rename = "passing")]
     pub transient: bool,
     /// Points with prescribed positions, one flag per point; empty for none.
-    #[serde(rename = "held")]
     pub fixed: Vec<bool>,
     /// Pressure from above on every uncovered triangle [Pa].
     pub pressure: f64,
     /// Points on which the pressure acts, one flag per point; empty for all.
     pub pressed: Vec<bool>,
     /// A shrinking sphere, if there is one.
-    #[serde(rename = "ball")]
     pub sphere: Option<SphereLoad>,
     /// Rate of linear air drag [1/s].
     pub drag: f64,
     /// Maximum time step that resolves the motion of the loads [s].
-    #[serde(rename = "longest_step", with = "crease_geometry::math::serde_vec::limit")]
+    #[serde(rename = "longest_step", with = "crease_geometry::math::serde_vec::limit")] 
+    #[serde(with = "crease_geometry::math::serde_vec::limit")] 
     pub max_dt: f64,
 }
 

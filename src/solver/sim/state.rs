@@ -24,7 +24,6 @@ pub struct State {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PreviousState {
     /// Length of the step from it to the state [s].
-    #[serde(rename = "step")]
     pub dt: f64,
     /// Positions, one per point [m].
     #[serde(with = "crease_geometry::math::serde_vec::vectors")]
