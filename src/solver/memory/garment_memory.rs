@@ -42,7 +42,6 @@ pub struct Memory {
     pub start: Option<RestState>,
     /// Number of events so far.
     pub events: EventCount,
-    frozen: bool,
     hinge: Vec<BandTimer>,
     warp: Vec<BandTimer>,
     weft: Vec<BandTimer>,
@@ -59,7 +58,6 @@ impl Memory {
             rest,
             start: None,
             events: EventCount::default(),
-            frozen: false,
             hinge: vec![idle; hinges],
             warp: vec![idle; triangles],
             weft: vec![idle; triangles],
@@ -71,24 +69,10 @@ impl Memory {
         Self { start: Some(rest.clone()), ..Self::new(rest) }
     }
 
-    /// Resets to new cloth with the initial angles, timers at zero and no events. A frozen memory stays frozen.
+    /// Resets to new cloth with the initial angles, timers at zero and no events.
     pub fn reset(&mut self) {
         let source = std::mem::take(&mut self.rest.source_angle);
-        let rest = RestState::new(source, self.rest.rest_stretch_warp.len());
-        *self = Self { frozen: self.frozen, ..Self::new(rest) };
-    }
-
-    /// Sets whether [`Memory::commit`] leaves the rest state unchanged. Timers restart after a freeze.
-    pub fn freeze(&mut self, frozen: bool) {
-        self.frozen = frozen;
-        for timers in [&mut self.hinge, &mut self.warp, &mut self.weft] {
-            timers.iter_mut().for_each(|r| *r = BandTimer { idle: r.idle, ..BandTimer::default() });
-        }
-    }
-
-    /// Whether it is frozen.
-    pub fn is_frozen(&self) -> bool {
-        self.frozen
+        *self = Self::new(RestState::new(source, self.rest.rest_stretch_warp.len()));
     }
 
     /// Whether it belongs to cloth with so many hinges and triangles.
@@ -122,7 +106,6 @@ impl Memory {
             effective_rest: rest(&self.effective_rest),
             start: self.start.as_ref().map(rest),
             events: self.events,
-            frozen: self.frozen,
             hinge: hinges
                 .iter()
                 .map(|h| h.map_or(BandTimer::default(), |h| self.hinge[h as usize]))
@@ -144,14 +127,11 @@ impl Memory {
         after: &Strains,
         duration: f64,
     ) -> EventCount {
-        let mut count = EventCount::default();
-        if !self.frozen {
-            count = self.commit_angles(model, before, after, duration);
-            if let Some(law) = &model.length {
-                count += self.commit_stretches(model, law, before, after, duration);
-            }
-            self.events += count;
+        let mut count = self.commit_angles(model, before, after, duration);
+        if let Some(law) = &model.length {
+            count += self.commit_stretches(model, law, before, after, duration);
         }
+        self.events += count;
         rest_smoothing::follow(&mut self.effective_rest, &self.rest, duration);
         count
     }
