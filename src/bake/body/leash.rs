@@ -148,10 +148,31 @@ pub(in crate::bake) fn follow_leashes(
     after: &[Leash],
     is_carried: impl Fn(usize) -> bool,
 ) {
-    for (from, to) in before.iter().zip(after).filter(|(from, to)| from.point == to.point) {
+    // Both lists are in the order of the points, but each leaves out those that were fixed then.
+    let mut before = before.iter().peekable();
+    for to in after {
+        while before.next_if(|from| from.point < to.point).is_some() {}
+        let Some(from) = before.next_if(|from| from.point == to.point) else { continue };
         let p = from.point as usize;
         let length = if is_carried(p) { TUNING.leash.carried_length } else { TUNING.leash.following_length };
         let fraction = (1.0 - from.radius / length).max(0.0);
         displacement[p] += (to.anchor - from.anchor - displacement[p]) * fraction;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points 0 and 3 are fixed before the step, point 1 after it.
+    #[test]
+    fn points_with_a_leash_before_and_after_a_step_follow_it() {
+        let leash =
+            |point: u32, x: f64| Leash { point, anchor: Vec3::new(x, 0.0, 0.0), radius: 0.0, stiffness: 1.0 };
+        let before = [1, 2, 4].map(|p| leash(p, 0.0));
+        let after = [0, 2, 3, 4].map(|p| leash(p, f64::from(p)));
+        let mut displacement = vec![Vec3::zeros(); 5];
+        follow_leashes(&mut displacement, &before, &after, |_| false);
+        assert_eq!(displacement.iter().map(|d| d.x).collect::<Vec<_>>(), [0.0, 0.0, 2.0, 0.0, 4.0]);
     }
 }
