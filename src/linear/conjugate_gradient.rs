@@ -3,6 +3,7 @@
 
 use crate::block_matrix::BlockMatrix;
 use crate::vector::{Mat3, Vec3, dot};
+use crease_geometry::math::{Mat3, ResidualTolerance, Vec3, conjugate_gradients};
 
 /// Outcome of conjugate gradients.
 #[derive(Debug, Clone)]
@@ -26,34 +27,14 @@ pub fn conjugate_gradient(
     let inverse: Vec<Mat3> = (0..n)
         .map(|r| matrix.blocks(r).last().and_then(|block| block.try_inverse()).unwrap_or_else(Mat3::identity))
         .collect();
-    let goal = tolerance * tolerance * dot(rhs, rhs);
     let mut x = vec![Vec3::zeros(); n];
-    let mut r = rhs.to_vec();
-    let mut z: Vec<Vec3> = inverse.iter().zip(&r).map(|(m, r)| m * r).collect();
-    let mut p = z.clone();
-    let mut image = vec![Vec3::zeros(); n];
-    let mut rz = dot(&r, &z);
-    for iteration in 0..max_iterations {
-        if dot(&r, &r) <= goal {
-            return Solution { x, iterations: iteration, converged: true };
-        }
-        matrix.multiply(&p, &mut image);
-        let curvature = dot(&p, &image);
-        if curvature <= 0.0 || !curvature.is_finite() {
-            return Solution { x, iterations: iteration, converged: false };
-        }
-        let alpha = rz / curvature;
-        for k in 0..n {
-            x[k] += p[k] * alpha;
-            r[k] -= image[k] * alpha;
-            z[k] = inverse[k] * r[k];
-        }
-        let next = dot(&r, &z);
-        let beta = next / rz;
-        rz = next;
-        for k in 0..n {
-            p[k] = z[k] + p[k] * beta;
-        }
-    }
-    Solution { x, iterations: max_iterations, converged: false }
+    let outcome = conjugate_gradients(
+        &mut x,
+        rhs,
+        |x, product| matrix.multiply(x, product),
+        |row, r| inverse[row] * r,
+        ResidualTolerance::Length(tolerance),
+        max_iterations,
+    );
+    Solution { x, iterations: outcome.iterations, converged: outcome.converged }
 }

@@ -19,9 +19,11 @@
 
 use crate::remesh::carry::surface::GarmentSurface;
 use crate::remesh::carry::tuning::TUNING;
-use crease_geometry::math::{Vec2, Vec3};
+use crease_geometry::math::{Vec2, Vec3, ResidualTolerance, Vec2, Vec3, by_diagonal, conjugate_gradients};
 use crease_geometry::mesh::triangle;
 use crease_linear::conjugate_gradients;
+use crease::transfer::surface::GarmentSurface;
+use crease::transfer::tuning::TUNING;
 use nalgebra::{Matrix3, Vector3};
 
 /// A symmetric tensor in a face's own frame, as (xx, yy, sqrt2 xy): its length is the tensor's Frobenius norm.
@@ -137,7 +139,9 @@ fn solve(faces: &[FaceBlock], diagonal: &[f64], right: &[f64]) -> Vec<f64> {
         }
     };
     let mut x = vec![0.0; right.len()];
-    let goal = |rho: f64| TUNING.hinge_fit_residual_tol * TUNING.hinge_fit_residual_tol * rho;
-    conjugate_gradients(&mut x, right, diagonal, multiply, goal, TUNING.max_hinge_fit_iterations);
+    let tolerance =
+        ResidualTolerance::RelativeEnergy(TUNING.hinge_fit_residual_tol * TUNING.hinge_fit_residual_tol);
+    let max_iterations = TUNING.max_hinge_fit_iterations;
+    conjugate_gradients(&mut x, right, multiply, by_diagonal(diagonal), tolerance, max_iterations);
     x
 }

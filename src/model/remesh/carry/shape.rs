@@ -19,11 +19,11 @@
 //! them, so that its ridge is straight. A motion of the whole garment comes out as it is, and so does the volume under the surface.
 
 use crate::garment::Garment;
+use crease_geometry::math::{Mat3, ResidualTolerance, Vec3, by_diagonal, conjugate_gradients, Mat3, Vec3};
+use crease_geometry::mesh::triangle::{self, nearest_corner, sample_weights, self, nearest_corner, sample_weights};
+use crease_geometry::mesh::{Hinge, PointIndex, point_rotations, turned, Hinge, PointIndex, point_rotations, turned};
 use crate::remesh::tuning::TUNING;
 use crate::remesh::{SimulationMesh, SurfaceFinder, SurfacePoint, interpolate};
-use crease_geometry::math::{Mat3, Vec3};
-use crease_geometry::mesh::triangle::{self, nearest_corner, sample_weights};
-use crease_geometry::mesh::{Hinge, PointIndex, point_rotations, turned};
 use crease_linear::conjugate_gradients;
 use rayon::prelude::*;
 
@@ -182,9 +182,9 @@ impl<'a> Projection<'a> {
             self.kinks.iter().for_each(|kink| kink.add(&kink.of(x), out));
         };
         let area: f64 = diagonal.iter().sum();
-        let goal = |_| TUNING.projection_tol * TUNING.projection_tol * area;
+        let tolerance = ResidualTolerance::Energy(TUNING.projection_tol * TUNING.projection_tol * area);
         let max_iterations = TUNING.max_projection_iterations;
-        conjugate_gradients(&mut x, &self.right, &diagonal, multiply, goal, max_iterations);
+        conjugate_gradients(&mut x, &self.right, multiply, by_diagonal(&diagonal), tolerance, max_iterations);
         x
     }
 }
