@@ -12,8 +12,8 @@ use crate::tuning::TUNING;
 use crate::vector::{Mat3, Vec3};
 use rayon::prelude::*;
 
-/// Row index of a fixed point, which has no row.
-pub const FIXED_ROW: u32 = u32::MAX;
+/// Index of what is not there: the row of a fixed point, the slot of a block outside the pattern, a node of a graph or tree.
+pub const INVALID: u32 = u32::MAX;
 
 /// Callback for one group of points that are coupled to each other.
 pub type StencilVisitor<'a> = dyn FnMut(&[u32]) + 'a;
@@ -21,7 +21,7 @@ pub type StencilVisitor<'a> = dyn FnMut(&[u32]) + 'a;
 /// Symmetric block matrix over the free points.
 #[derive(Debug, Clone, Default)]
 pub struct BlockMatrix {
-    /// Row of every point, or [`FIXED_ROW`].
+    /// Row of every point; [`INVALID`] of a fixed point, which has none.
     row_of: Vec<u32>,
     /// Point of every row.
     point_of: Vec<u32>,
@@ -34,12 +34,9 @@ pub struct BlockMatrix {
     initial_nnz: usize,
     /// Rows at which one thread's range ends and the next begins, from 0 to the number of rows.
     row_ranges: Vec<u32>,
-    /// Slots of the blocks of the last filling in their order, per range.
+    /// Slots of the blocks of the last filling in their order, per range; [`INVALID`] for a block outside the pattern.
     slot_hints: Vec<Vec<u32>>,
 }
-
-/// Slot of a block outside the pattern.
-const NO_SLOT: u32 = u32::MAX;
 
 /// Sorts a list, moves its distinct numbers to the front, and returns their count.
 fn sort_and_deduplicate(list: &mut [u32]) -> usize {
@@ -56,11 +53,11 @@ fn sort_and_deduplicate(list: &mut [u32]) -> usize {
 
 impl BlockMatrix {
     /// Returns a zero matrix with the pattern of the given `couplings` between points. `row_of` is the row of every
-    /// free point (counted from 0 without gaps) and [`FIXED_ROW`] of the others.
+    /// free point (counted from 0 without gaps) and [`INVALID`] of the others.
     pub fn with_pattern(row_of: Vec<u32>, couplings: &mut dyn FnMut(&mut StencilVisitor)) -> Self {
-        let rows = row_of.iter().filter(|r| **r != FIXED_ROW).count();
+        let rows = row_of.iter().filter(|r| **r != INVALID).count();
         let mut point_of = vec![0; rows];
-        for (p, &r) in row_of.iter().enumerate().filter(|(_, r)| **r != FIXED_ROW) {
+        for (p, &r) in row_of.iter().enumerate().filter(|(_, r)| **r != INVALID) {
             point_of[r as usize] = p as u32;
         }
         // Couplings as (row, column); then each row's columns together, sorted, the diagonal last.
@@ -68,9 +65,9 @@ impl BlockMatrix {
         couplings(&mut |points: &[u32]| {
             for (k, &p) in points.iter().enumerate() {
                 let i = row_of[p as usize];
-                for &q in points[..k].iter().filter(|_| i != FIXED_ROW) {
+                for &q in points[..k].iter().filter(|_| i != INVALID) {
                     let j = row_of[q as usize];
-                    if j != FIXED_ROW && i != j {
+                    if j != INVALID && i != j {
                         below.push([i.max(j), i.min(j)]);
                     }
                 }
@@ -127,7 +124,7 @@ impl BlockMatrix {
     /// Whether exactly the points without a `fixed` flag have rows.
     pub fn has_fixed_set(&self, fixed: &[bool]) -> bool {
         self.row_of.len() == fixed.len()
-            && self.row_of.iter().zip(fixed).all(|(r, fixed)| (*r == FIXED_ROW) == *fixed)
+            && self.row_of.iter().zip(fixed).all(|(r, fixed)| (*r == INVALID) == *fixed)
     }
 
     /// Number of block rows.
@@ -263,7 +260,7 @@ impl BlockMatrix {
             }
             start.push(column.len() as u32);
         }
-        for slot in self.slot_hints.iter_mut().flatten().filter(|slot| **slot != NO_SLOT) {
+        for slot in self.slot_hints.iter_mut().flatten().filter(|slot| **slot != INVALID) {
             *slot = new_slots[*slot as usize];
         }
         (self.start, self.column, self.value) = (start, column, value);
@@ -271,7 +268,7 @@ impl BlockMatrix {
 
     /// Adds `amount` times the identity to the diagonal block of point `p`, if it is free.
     pub fn add_diagonal(&mut self, p: usize, amount: f64) {
-        if self.row_of[p] != FIXED_ROW {
+        if self.row_of[p] != INVALID {
             let slot = self.start[self.row_of[p] as usize + 1] as usize - 1;
             for k in 0..3 {
                 self.value[slot][(k, k)] += amount;
@@ -371,7 +368,7 @@ impl Rows<'_> {
                 None => {
                     let columns = &self.column[from as usize..to as usize];
                     let found = columns.binary_search(&column).ok().map(|slot| from + slot as u32);
-                    let slot = found.unwrap_or(NO_SLOT);
+                    let slot = found.unwrap_or(INVALID);
                     match self.slot_hints.get_mut(self.added) {
                         Some(hint) => *hint = slot,
                         None => self.slot_hints.push(slot),
@@ -388,7 +385,7 @@ impl BlockSink for Rows<'_> {
     #[inline]
     fn add(&mut self, i: u32, j: u32, block: &Mat3) {
         let (r, c) = (self.row_of[i as usize], self.row_of[j as usize]);
-        if r == FIXED_ROW || c == FIXED_ROW {
+        if r == INVALID || c == INVALID {
             return;
         }
         let (row, column, transposed) = if r >= c { (r, c, false) } else { (c, r, true) };
@@ -407,9 +404,8 @@ impl BlockSink for Rows<'_> {
     #[inline]
     fn is_relevant(&self, points: &[u32]) -> bool {
         // A block lies in the row of the later of its two points.
-        let (mut low, mut high) = (FIXED_ROW, 0);
-        for row in points.iter().filter_map(|p| self.row_of.get(*p as usize)).filter(|row| **row != FIXED_ROW)
-        {
+        let (mut low, mut high) = (INVALID, 0);
+        for row in points.iter().filter_map(|p| self.row_of.get(*p as usize)).filter(|row| **row != INVALID) {
             (low, high) = (low.min(*row), high.max(*row));
         }
         low < self.rows[1] && high >= self.rows[0]
@@ -427,8 +423,8 @@ mod tests {
         let count = 3000;
         let mut rows = 0;
         let row_of = (0..count).map(|p| {
-            let row = if p % 7 == 0 { FIXED_ROW } else { rows };
-            rows += u32::from(row != FIXED_ROW);
+            let row = if p % 7 == 0 { INVALID } else { rows };
+            rows += u32::from(row != INVALID);
             row
         });
         let row_of = row_of.collect();

@@ -8,17 +8,15 @@
 //! minimum vertex cover. The tree of separators is the assembly tree of the factorisation (`symbolic.rs`). Values of
 //! the matrix are not used.
 
-use crate::block_matrix::BlockMatrix;
+use crate::block_matrix::{BlockMatrix, BlockMatrix, INVALID};
 use crate::cholesky::prefix_sum::prefix_sum;
 use crate::cholesky::tuning::TUNING;
 use crate::cholesky::vertex_cover::minimum_vertex_cover;
 use crate::vector::Vec3;
+use crease_geometry::math::Vec3;
 
 /// Number of planes tried per axis.
 const PLANES: usize = TUNING.dissection.planes_per_axis;
-
-/// Absent node.
-pub const NONE: u32 = u32::MAX;
 
 /// Tree of separators and leaves, children before parents.
 #[derive(Debug, Default)]
@@ -27,7 +25,7 @@ pub struct Tree {
     pub order: Vec<u32>,
     /// End of the rows of every node in `order`; they start at the end of those of the node before.
     pub end: Vec<u32>,
-    /// Parent of every node, or [`NONE`].
+    /// Parent of every node, or [`INVALID`].
     pub parent: Vec<u32>,
 }
 
@@ -47,7 +45,7 @@ impl Tree {
         let id = self.end.len() as u32;
         self.order.extend_from_slice(rows);
         self.end.push(self.order.len() as u32);
-        self.parent.push(NONE);
+        self.parent.push(INVALID);
         children.iter().for_each(|&c| self.parent[c as usize] = id);
         vec![id]
     }
@@ -55,7 +53,7 @@ impl Tree {
 
 /// Position of a row and extent of its couplings, per axis [m].
 #[derive(Debug, Clone, Copy)]
-struct Extent {
+struct RowExtent {
     position: [f32; 3],
     /// Minimum and maximum coordinate of the row and those it is coupled to.
     low: [f32; 3],
@@ -75,7 +73,7 @@ struct Dissection {
     /// Neighbours of row r are `neighbour[start[r]..start[r + 1]]`.
     start: Vec<u32>,
     neighbour: Vec<u32>,
-    extents: Vec<Extent>,
+    extents: Vec<RowExtent>,
     /// Stamp of the half to which every row was assigned last.
     side: Vec<u32>,
     next: u32,
@@ -88,12 +86,12 @@ impl Dissection {
     fn new(matrix: &BlockMatrix, positions: &[Vec3]) -> Self {
         let n = matrix.row_count();
         let (start, neighbour) = neighbours(matrix);
-        let mut extents: Vec<Extent> = matrix
+        let mut extents: Vec<RowExtent> = matrix
             .gather(positions)
             .iter()
             .map(|p| {
                 let position = [p.x, p.y, p.z].map(|c| if c.is_finite() { c as f32 } else { 0.0 });
-                Extent { position, low: position, high: position }
+                RowExtent { position, low: position, high: position }
             })
             .collect();
         for r in 0..n {

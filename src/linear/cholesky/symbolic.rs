@@ -5,11 +5,12 @@
 //! children. Everything is a flat sorted list, as the pattern changes with the contacts. Values of the matrix are not
 //! used.
 
-use crate::block_matrix::BlockMatrix;
-use crate::cholesky::nested_dissection::{NONE, Tree};
+use crate::block_matrix::{BlockMatrix, BlockMatrix, INVALID};
+use crate::cholesky::nested_dissection::{NONE, Tree, Tree};
 use crate::cholesky::prefix_sum::prefix_sum;
 use crate::cholesky::trapezoidal_storage;
 use crate::vector::Vec3;
+use crease_geometry::math::Vec3;
 
 /// One dense matrix. Its local rows are its pivots and then its update rows, both in elimination order.
 #[derive(Debug, Clone, Default)]
@@ -115,7 +116,7 @@ impl Fronts {
             self.list.push(Front { pivots: [start, end], first: v as u32, ..Front::default() });
             start = end;
             match parent {
-                NONE => self.roots.push(v as u32),
+                INVALID => self.roots.push(v as u32),
                 p => count[p as usize] += 1,
             }
         }
@@ -125,7 +126,7 @@ impl Fronts {
             total += count;
         }
         self.children = vec![0; total as usize];
-        for (v, &p) in parent.iter().enumerate().filter(|(_, p)| **p != NONE) {
+        for (v, &p) in parent.iter().enumerate().filter(|(_, p)| **p != INVALID) {
             let first = self.list[v].first;
             let front = &mut self.list[p as usize];
             self.children[front.children[1] as usize] = v as u32;
@@ -137,7 +138,7 @@ impl Fronts {
     /// Finds the update rows, and the positions of all blocks and children's rows in the fronts.
     fn find_rows(&mut self, couplings: &LaterCouplings) {
         // The last front that has seen each position of the elimination order, and its local row there.
-        let mut seen = vec![NONE; self.order.len()];
+        let mut seen = vec![INVALID; self.order.len()];
         let mut local = vec![0u32; self.order.len()];
         for v in 0..self.list.len() {
             let front = self.list[v].clone();

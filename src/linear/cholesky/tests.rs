@@ -2,10 +2,11 @@
 
 use super::*;
 use crate::BlockSink;
-use crate::block_matrix::FIXED_ROW;
+use crate::block_matrix::{FIXED_ROW, INVALID};
 use crate::conjugate_gradient::conjugate_gradient;
 use crate::vector::Mat3;
-use crease_geometry::math::Rng;
+use crease_geometry::math::{Rng, Mat3, Rng};
+use crease_solver::energy::BlockSink;
 
 /// Points with the pairs that are coupled.
 struct CoupledPoints {
@@ -59,8 +60,8 @@ impl CoupledPoints {
         let mut next = 0;
         let row_of = (0..self.positions.len() as u32)
             .map(|p| {
-                let row = if fixed(p) { FIXED_ROW } else { next };
-                next += u32::from(row != FIXED_ROW);
+                let row = if fixed(p) { INVALID } else { next };
+                next += u32::from(row != INVALID);
                 row
             })
             .collect();

@@ -4,36 +4,35 @@
 //! plane, a few hundred nodes) gives a minimum vertex cover by Koenig's theorem. Without recursion, as paths may be
 //! long.
 
-/// Unmatched node.
-const NONE: u32 = u32::MAX;
+use crate::sim::linear::block_matrix::INVALID;
 
 /// Returns for each left and each right node whether it is in a minimum vertex cover. The neighbours of left node i are
 /// the right nodes `across[start[i]..start[i + 1]]`.
 pub fn minimum_vertex_cover(start: &[u32], across: &[u32], right_count: usize) -> (Vec<bool>, Vec<bool>) {
     let graph = Graph { start, across };
     let left_count = start.len() - 1;
-    let mut matching = Matching { of_left: vec![NONE; left_count], of_right: vec![NONE; right_count] };
+    let mut matching = Matching { of_left: vec![INVALID; left_count], of_right: vec![INVALID; right_count] };
     for i in 0..left_count as u32 {
-        if let Some(&j) = graph.of(i).iter().find(|&&j| matching.of_right[j as usize] == NONE) {
+        if let Some(&j) = graph.of(i).iter().find(|&&j| matching.of_right[j as usize] == INVALID) {
             matching.join(i, j);
         }
     }
-    let mut seen = vec![NONE; right_count];
+    let mut seen = vec![INVALID; right_count];
     for i in 0..left_count as u32 {
-        if matching.of_left[i as usize] == NONE {
+        if matching.of_left[i as usize] == INVALID {
             matching.augment(graph, i, &mut seen);
         }
     }
     // The cover is the left nodes that no alternating path from an unmatched left node reaches, and the right ones
     // reached.
-    let mut left: Vec<bool> = matching.of_left.iter().map(|&j| j != NONE).collect();
+    let mut left: Vec<bool> = matching.of_left.iter().map(|&j| j != INVALID).collect();
     let mut right = vec![false; right_count];
     let mut open: Vec<u32> = (0..left_count as u32).filter(|&i| !left[i as usize]).collect();
     while let Some(i) = open.pop() {
         for &j in graph.of(i) {
             if !std::mem::replace(&mut right[j as usize], true) {
                 let back = matching.of_right[j as usize];
-                if back != NONE && std::mem::replace(&mut left[back as usize], false) {
+                if back != INVALID && std::mem::replace(&mut left[back as usize], false) {
                     open.push(back);
                 }
             }
@@ -80,7 +79,7 @@ impl Matching {
                 continue;
             }
             let next = self.of_right[j as usize];
-            if next != NONE {
+            if next != INVALID {
                 path.push((next, 0));
                 continue;
             }

@@ -1,13 +1,12 @@
 //! Rasterisation: the triangle seen by each sample of the picture, by a depth buffer of twice the resolution in both
 //! directions.
 
+use crease_geometry::math::{Vec2, Vec3, Vec2, Vec3};
+use crease_geometry::mesh::INVALID;
 use crate::report::render::camera::Projection;
-use crease_geometry::math::{Vec2, Vec3};
 
 /// Samples per pixel in each direction.
 pub(super) const SAMPLES: usize = 2;
-/// Triangle index of a sample that shows no triangle.
-pub(super) const NO_TRIANGLE: u32 = u32::MAX;
 
 /// Samples of a picture.
 pub(super) struct Samples {
@@ -64,7 +63,7 @@ pub(super) fn rasterise(
     let (columns, rows) = (SAMPLES * size[0], SAMPLES * size[1]);
     let mut samples = Samples {
         size,
-        triangle: vec![NO_TRIANGLE; columns * rows],
+        triangle: vec![INVALID; columns * rows],
         nearness: vec![0.0; columns * rows],
         projected,
     };
@@ -114,10 +113,10 @@ mod tests {
         let samples = rasterise(&points, &triangles, &projection, [60, 60]);
         for row in 0..120 {
             let line = &samples.triangle[120 * row..120 * (row + 1)];
-            let first = line.iter().position(|&f| f != NO_TRIANGLE);
-            let last = line.iter().rposition(|&f| f != NO_TRIANGLE);
+            let first = line.iter().position(|&f| f != INVALID);
+            let last = line.iter().rposition(|&f| f != INVALID);
             if let (Some(first), Some(last)) = (first, last) {
-                assert!(line[first..=last].iter().all(|&f| f != NO_TRIANGLE), "a hole in row {row}");
+                assert!(line[first..=last].iter().all(|&f| f != INVALID), "a hole in row {row}");
             }
         }
     }

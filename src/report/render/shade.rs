@@ -1,22 +1,23 @@
 //! Shading: colours of the samples from surface, lights, shadow and occlusion. Cloth is lit on both sides; its inner side
 //! has a warmer colour. All values are in linear light until the last step.
 
+use crease_geometry::math::{Vec3, Vec3};
+use crease_geometry::mesh::INVALID;
 use crate::report::render::camera::Projection;
 use crate::report::render::colour::to_srgb;
 use crate::report::render::image::Image;
 use crate::report::render::lights::Lights;
 use crate::report::render::occlusion::{occlusion, pixel_depths};
-use crate::report::render::raster::{NO_TRIANGLE, SAMPLES, Samples, sample_position};
+use crate::report::render::raster::{SAMPLES, Samples, sample_position};
 use crate::report::render::shadow::Shadow;
-use crate::report::render::surface::{ShadedSurface, Surface};
-use crease_geometry::math::Vec3;
+use crate::report::render::surface::{ShadedSurface, Surface, DrawnSurface, ShadedSurface};
 use rayon::prelude::*;
 
 /// Background and ground, linear light.
 const BACKGROUND: f64 = 0.86;
 
 /// Returns the picture of `surface` from its `samples`.
-pub(super) fn shade(surface: &Surface, projection: &Projection, samples: &Samples) -> Image {
+pub(super) fn shade(surface: &DrawnSurface, projection: &Projection, samples: &Samples) -> Image {
     let shadow = Shadow::new(surface.points, surface.drawn, projection);
     let surface = ShadedSurface::new(surface);
     let lights = Lights::new(&surface.normals, projection);
@@ -30,8 +31,8 @@ pub(super) fn shade(surface: &Surface, projection: &Projection, samples: &Sample
                 let (column, line) = (SAMPLES * x + dx, SAMPLES * y + dy);
                 let f = samples.triangle[line * samples.row_len() + column];
                 let position = sample_position(column, line);
-                covered += usize::from(f != NO_TRIANGLE);
-                sum += if f == NO_TRIANGLE {
+                covered += usize::from(f != INVALID);
+                sum += if f == INVALID {
                     Vec3::repeat(BACKGROUND * shadow.light(projection, position))
                 } else {
                     surface.colour(f as usize, position, projection, &samples.projected, &lights)
