@@ -5,7 +5,7 @@
 //! garment without a given direction is seen from the side on which its memory is.
 
 use crate::report::GarmentView;
-use crate::report::render::{Camera, Focus};
+use crate::report::render::{Camera, Focus, Camera, Focus, is_viewed_from_above};
 use crease_geometry::math::{Vec3, bounds};
 use crease_geometry::mesh::{PointIndex, triangle};
 use crease_model::garment::{Footprint, is_lying};
@@ -18,8 +18,6 @@ const MIN_FACING: f64 = 0.25;
 const COUNTED_FRACTION: f64 = 0.95;
 /// Number of candidates for the middle.
 const MAX_CANDIDATES: usize = 400;
-/// Height of a lying garment as a fraction of the longer side of its footprint, as for cameras [-].
-const MAX_LYING_HEIGHT_FRACTION: f64 = 0.35;
 
 impl GarmentView {
     /// Returns `camera` with its focus where the memory is; unchanged for a garment without memory.
@@ -44,7 +42,7 @@ impl GarmentView {
             changes.iter_mut().for_each(|c| *c = c.min(limit));
         }
         let (low, high) = bounds(&self.after);
-        let lying = is_lying(&(high - low), Footprint::Longer, MAX_LYING_HEIGHT_FRACTION);
+        let lying = is_viewed_from_above(&(high - low));
         let mut camera = *camera;
         if camera.azimuth_deg.is_none() && !lying {
             let side: Vec3 = area.iter().zip(&changes).map(|(n, c)| n * *c).sum();

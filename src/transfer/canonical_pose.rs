@@ -6,9 +6,10 @@
 //! also how wear scripts name positions. The depth of a garment that lies flat says nothing about a body: it is scaled
 //! like the other axes.
 
+use crease_model::garment::{is_flat_across, Footprint, is_lying};
+use crease_geometry::math::{Mat3, Vec3, bounds, Mat3, Vec3, bounds};
+use crate::transfer::surface::GarmentSurface;
 use crate::transfer::tuning::TUNING;
-use crease_geometry::math::{Mat3, Vec3, bounds};
-use crease_model::garment::{Footprint, is_lying};
 use crease_model::remesh::GarmentSurface;
 
 /// Map from file coordinates to the canonical pose, and the box there.
@@ -29,13 +30,13 @@ impl CanonicalPose {
     pub fn of(surface: &GarmentSurface) -> Self {
         let (low, high) = bounds(&surface.points);
         let size = high - low;
-        let rotation = if is_lying(&size, Footprint::Shorter, TUNING.max_flat_ratio) {
+        let rotation = if is_flat_across(&size, 1) {
             Mat3::new(1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0)
         } else {
             Mat3::identity()
         };
         let size = (rotation * size).abs();
-        let flat = size.z < TUNING.max_flat_ratio * size.x.min(size.y);
+        let flat = is_flat_across(&size, 2);
         Self { rotation, centre: rotation * (0.5 * (low + high)), size, flat }
     }
 

@@ -4,9 +4,6 @@
 /// box unless the field says otherwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct TransferTuning {
-    /// Ratio of a garment's smallest to its other box sides below which it counts as flat [-], default 0.25: garments
-    /// with depth are at least a third as deep as wide. `lay` uses the same ratio.
-    pub max_flat_ratio: f64,
     /// Smallest box side that takes part in a scale [m], default 1e-6: avoids division by zero.
     pub min_box_side: f64,
     /// Largest distance of a match in front view [fraction], default 0.03: outlines of two cuts differ by that much.
@@ -124,7 +121,6 @@ pub(super) struct TransferTuning {
 
 /// The constants in use.
 pub(super) const TUNING: TransferTuning = TransferTuning {
-    max_flat_ratio: 0.25,
     min_box_side: 1e-6,
     max_front_distance_fraction: 0.03,
     max_closest_distance_fraction: 0.12,

@@ -105,8 +105,6 @@ pub(super) struct LayTuning {
     pub max_free_dt_fraction: f64,
     /// Air drag meanwhile [1/s], default 10.
     pub drag: f64,
-    /// Ratio of height to width and length below which a garment lies in its file [-], default 0.25.
-    pub max_lying_ratio: f64,
     /// Distance over which the direction of the surface is averaged before it is told which layer it will lie in, relative to the
     /// garment's extent [-], default 0.03.
     pub side_smoothing: f64,
@@ -211,8 +209,6 @@ pub(super) struct FailureTuning {
     pub max_roll_distance: f64,
     /// Fraction of the points that may stand up from a garment that lies [-], default 0.02.
     pub max_standing_fraction: f64,
-    /// Ratio of their height to the shorter side of a garment from which points stand up [-], default 0.25.
-    pub max_lying_ratio: f64,
 }
 
 /// Prediction of creases.
@@ -294,7 +290,6 @@ pub(super) const TUNING: WearTuning = WearTuning {
         min_steps: 10.0,
         max_free_dt_fraction: 0.1,
         drag: 10.0,
-        max_lying_ratio: 0.25,
         side_smoothing: 0.03,
         min_side_fraction: 0.02,
         min_cotangent: 0.02,
@@ -335,7 +330,6 @@ pub(super) const TUNING: WearTuning = WearTuning {
         min_crumpled_fraction: 0.5,
         max_roll_distance: 0.5,
         max_standing_fraction: 0.02,
-        max_lying_ratio: 0.25,
     },
     prediction: PredictionTuning {
         min_flat_normal_y: 0.9,

@@ -1,26 +1,18 @@
 //! Decides whether a garment lies on the ground or stands upright.
 //!
-//! Files do not say how a garment is posed, so its proportions or its normals decide. Callers keep their own thresholds.
+//! Files do not say how a garment is posed, so its proportions or its normals decide.
 
 use crease_geometry::math::Vec3;
+use crate::garment::tuning::TUNING;
 
-/// Horizontal side of a bounding box that its height is compared with.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Footprint {
-    /// The shorter of the x and z sides.
-    Shorter,
-    /// The longer of the x and z sides.
-    Longer,
+/// Largest extent along `axis` of a garment that is flat across it \[m\], where its bounding box has the sides `size` \[m\].
+pub fn max_flat_extent(size: &Vec3, axis: usize) -> f64 {
+    TUNING.max_flat_ratio * size[(axis + 1) % 3].min(size[(axis + 2) % 3])
 }
 
-/// Returns whether a garment lies: its height (y) is below `max_height_fraction` of a horizontal side of its bounding
-/// box, whose sides are `size` \[m\].
-pub fn is_lying(size: &Vec3, footprint: Footprint, max_height_fraction: f64) -> bool {
-    let side = match footprint {
-        Footprint::Shorter => size.x.min(size.z),
-        Footprint::Longer => size.x.max(size.z),
-    };
-    size.y < max_height_fraction * side
+/// Whether a garment is flat across `axis`, where its bounding box has the sides `size` \[m\]: across y it lies.
+pub fn is_flat_across(size: &Vec3, axis: usize) -> bool {
+    size[axis] < max_flat_extent(size, axis)
 }
 
 /// Returns whether a garment lies by its triangles: the area-weighted mean of |unit normal . y| is above `min_mean`.
@@ -39,10 +31,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn height_is_compared_with_the_chosen_side() {
-        let size = Vec3::new(1.0, 0.2, 0.4);
-        assert!(is_lying(&size, Footprint::Longer, 0.25));
-        assert!(!is_lying(&size, Footprint::Shorter, 0.25));
+    fn the_extent_is_compared_with_the_shorter_other_side() {
+        assert!(is_flat_across(&Vec3::new(1.0, 0.09, 0.4), 1));
+        assert!(!is_flat_across(&Vec3::new(1.0, 0.2, 0.4), 1));
+        assert!(is_flat_across(&Vec3::new(0.5, 1.0, 0.12), 2));
         assert!(is_lying_by_normals([Vec3::y() * -2.0, Vec3::x()], 0.6));
         assert!(!is_lying_by_normals([Vec3::y(), Vec3::x()], 0.6));
     }

@@ -34,7 +34,7 @@ pub use feature_edge::is_feature_hinge;
 pub use file_contents::{ClipReport, FileContents, JointReport, MorphReport, PieceAttributes};
 pub use garment_type::Garment;
 pub use inspect::{Inspection, PartReport, PieceReport, inspect};
-pub use lying::{Footprint, is_lying, is_lying_by_normals};
+pub use lying::{is_flat_across, is_lying_by_normals, max_flat_extent};
 pub use refine::RefinedMesh;
 pub use rest_state::RestState;
 pub use rigid_parts::RigidParts;

@@ -27,6 +27,9 @@ pub(crate) struct GarmentTuning {
     pub(crate) min_island_triangles: usize,
     /// Area-weighted mean of |unit normal . y| above which a garment lies \[-\].
     pub(crate) lying_min_slope: f64,
+    /// Ratio of its extent across an axis to its other extents below which a garment is flat \[-\]: garments with depth are at
+    /// least a third as deep as wide.
+    pub(crate) max_flat_ratio: f64,
     /// A reference direction gives a warp direction if the sine of its angle to the normal is above this \[-\].
     pub(crate) min_warp_sine: f64,
     /// Refinement halves edges longer than this multiple of the wanted length \[-\]: halves and wholes then lie around it.
@@ -114,6 +117,7 @@ pub(crate) const TUNING: GarmentTuning = GarmentTuning {
     min_directed_fraction: 0.9,
     min_island_triangles: 8,
     lying_min_slope: 0.7,
+    max_flat_ratio: 0.25,
     min_warp_sine: 0.05,
     max_length_factor: 4.0 / 3.0,
     min_sharp_angle: 0.7,

@@ -66,10 +66,16 @@ impl Default for Camera {
 const LYING_ELEVATION_DEG: f64 = 35.0;
 /// Elevation for an upright garment [degrees].
 const UPRIGHT_ELEVATION_DEG: f64 = 8.0;
-/// Maximum height of a lying garment as a fraction of the longer side of its footprint [-].
-const MAX_LYING_HEIGHT_FRACTION: f64 = 0.35;
+/// Maximum height of what is viewed from above as a fraction of the longer side of its footprint [-].
+const MAX_HEIGHT_FRACTION_FROM_ABOVE: f64 = 0.35;
 /// Margin around the garment as a fraction of the picture [-].
 const MARGIN_FRACTION: f64 = 0.06;
+
+/// Whether a worn garment whose bounding box has the sides `size` [m] is viewed from above: one that is spread out, a stack of
+/// folds or a roll, whereas what stands or hangs is viewed from the side.
+pub(in crate::report) fn is_viewed_from_above(size: &Vec3) -> bool {
+    size.y < MAX_HEIGHT_FRACTION_FROM_ABOVE * size.x.max(size.z)
+}
 
 /// Projection from the world to pixels.
 #[derive(Debug, Clone)]
@@ -109,7 +115,7 @@ impl Camera {
     /// Returns azimuth and elevation for a garment of these bounds [degrees].
     fn angles(&self, low: Vec3, high: Vec3) -> [f64; 2] {
         let size = high - low;
-        let lying = is_lying(&size, Footprint::Longer, MAX_LYING_HEIGHT_FRACTION);
+        let lying = is_viewed_from_above(&size);
         let elevation = if lying { LYING_ELEVATION_DEG } else { UPRIGHT_ELEVATION_DEG };
         let given = |angle: Option<f64>, own: f64| angle.filter(|a| a.is_finite()).unwrap_or(own);
         [given(self.azimuth_deg, 0.0), given(self.elevation_deg, elevation).clamp(-90.0, 90.0)]

@@ -25,6 +25,7 @@ mod surface;
 #[cfg(test)]
 pub(crate) mod test_shapes;
 
+pub(in crate::report) use camera::is_viewed_from_above;
 pub use camera::{Camera, CameraView, Focus};
 pub use caption::{one_above_the_other, side_by_side};
 pub use colour::ColourMap;

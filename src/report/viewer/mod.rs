@@ -6,15 +6,15 @@
 //! by three.js (`three/`, bundled by `three/build.mjs`); `page/` holds the page itself. Numbers are embedded as 32-bit
 //! floats in base64, positions of frames as 16-bit fractions of their bounding box.
 
+use crease_model::garment::{SourceAsset, SourcePiece, Footprint, SourceAsset, SourcePiece, is_lying};
+use crease_io::{Sidecar, Sidecar};
+use crease_geometry::math::{Vec3, bounds, Vec3, bounds};
+use crease_geometry::mesh::{INVALID, PointIndex, PointIndex};
 use crate::report::garment_view::{ColorBy, GarmentView};
 use crate::report::html::escaped;
-use crate::report::render::{ColourMap, Values};
+use crate::report::render::{ColourMap, Values, is_viewed_from_above};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use crease_geometry::math::{Vec3, bounds};
-use crease_geometry::mesh::PointIndex;
-use crease_io::Sidecar;
-use crease_model::garment::{Footprint, SourceAsset, SourcePiece, is_lying};
 use serde_json::{Value, json};
 
 const PAGE: &str = include_str!("page/page.html");
@@ -24,11 +24,6 @@ const LIBRARY: &str = include_str!("three/three.min.js");
 /// Scripts of the page, in the order in which they use each other.
 const SCRIPTS: [&str; 3] =
     [include_str!("page/garment.js"), include_str!("page/stage.js"), include_str!("page/page.js")];
-
-/// Index of the hinge of a point without hinges.
-const NO_HINGE: u32 = u32::MAX;
-/// Maximum height of a lying garment, which is viewed from above, as a fraction of the shorter side of its footprint [-].
-const MAX_LYING_HEIGHT_FRACTION: f64 = 0.35;
 
 /// A garment on the page.
 #[derive(Debug, Clone)]
@@ -140,8 +135,7 @@ pub fn viewer_page(items: &[ViewerItem], color_by: ColorBy, frame_names: &[Strin
 
 fn is_item_lying(item: &ViewerItem) -> bool {
     let (low, high) = bounds(&item.view.after);
-    let size = high - low;
-    is_lying(&size, Footprint::Shorter, MAX_LYING_HEIGHT_FRACTION)
+    is_viewed_from_above(&(high - low))
 }
 
 fn scale(map: ColourMap) -> Vec<[u8; 3]> {
@@ -208,7 +202,7 @@ fn mean_per_point(point_count: usize, triangles: &[[PointIndex; 3]], values: &[f
 
 /// Hinges with the largest memory.
 struct Strongest {
-    /// Per point: index in `list` of its hinge with the largest change of rest angle, or [`NO_HINGE`].
+    /// Per point: index in `list` of its hinge with the largest change of rest angle, or [`INVALID`].
     per_point: Vec<u32>,
     /// Per hinge: number, end points, source angle and rest angle [degrees], stiffness ratio.
     list: Vec<Value>,
@@ -230,8 +224,8 @@ fn strongest(point_count: usize, hinges: &[HingeLabel]) -> Strongest {
     let mut named: Vec<usize> = best.iter().flatten().copied().collect();
     named.sort_unstable();
     named.dedup();
-    let index = |h: usize| named.binary_search(&h).map_or(NO_HINGE, |k| k as u32);
-    let per_point = best.iter().map(|h| h.map_or(NO_HINGE, index)).collect();
+    let index = |h: usize| named.binary_search(&h).map_or(INVALID, |k| k as u32);
+    let per_point = best.iter().map(|h| h.map_or(INVALID, index)).collect();
     let rounded = |x: f64| (x * 1e4).round() / 1e4;
     let list = named
         .iter()
@@ -316,7 +310,7 @@ mod tests {
     #[test]
     fn every_point_has_the_hinge_with_the_largest_change() {
         let Strongest { per_point, list } = strongest(4, &item("a").hinges);
-        assert_eq!(per_point, [0, 1, 1, NO_HINGE]);
+        assert_eq!(per_point, [0, 1, 1, INVALID]);
         assert_eq!(list[1], json!([1, 1, 2, 0.0, -40.0, 2.0]));
     }
 

@@ -1,5 +1,9 @@
 //! `lay`: the garment is laid flat on the ground, layers in order, none crossing.
 
+use crease_model::error::{Result, Result};
+use crease_model::garment::{is_flat_across, max_flat_extent, Footprint, is_lying};
+use crease_geometry::math::{Mat3, Vec3, bounds, Mat3, Vec3, bounds};
+use crease_solver::sim::{Loads, Loads};
 use crate::wear::action_runner::{ActionContext, ActionFailure, ActionRunner, ActionStart, LaidOut};
 use crate::wear::flat_layout::FlatLayout;
 use crate::wear::fold_layout::FoldLayout;
@@ -7,10 +11,6 @@ use crate::wear::motion_profile::{PEAK_RATE, smoothstep};
 use crate::wear::persistent_state::{GarmentFrame, PersistentState};
 use crate::wear::tuning::TUNING;
 use crate::wear::wear_action::WearAction;
-use crease_geometry::math::{Mat3, Vec3, bounds};
-use crease_model::error::Result;
-use crease_model::garment::{Footprint, is_lying};
-use crease_solver::sim::Loads;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -65,7 +65,7 @@ impl Lay {
     pub(super) fn directions(&self, source: &[Vec3]) -> LyingDirections {
         let (low, high) = bounds(source);
         let size = high - low;
-        let lies = is_lying(&size, Footprint::Shorter, TUNING.lay.max_lying_ratio);
+        let lies = is_flat_across(&size, 1);
         let facing = match (self.facing, lies) {
             (Facing::Front, false) => Vec3::z(),
             (Facing::Back, false) => -Vec3::z(),
@@ -239,8 +239,7 @@ impl ActionRunner for LayRunner {
 
     fn failure(&self, x: &[Vec3]) -> Option<ActionFailure> {
         let (low, high) = bounds(x);
-        let shorter = (high.x - low.x).min(high.z - low.z);
-        let limit = (TUNING.failure.max_lying_ratio * shorter).max(TUNING.lay.flat_layers * self.thickness);
+        let limit = max_flat_extent(&(high - low), 1).max(TUNING.lay.flat_layers * self.thickness);
         let standing = x.iter().filter(|p| p.y > limit).count();
         (standing as f64 > TUNING.failure.max_standing_fraction * x.len() as f64).then(|| ActionFailure {
             message: format!(
