@@ -388,5 +388,5 @@ pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
 fn panel_of(map: &RobustnessMap, columns: &[Column], positions: [Vec<[f64; 2]>; 3]) -> Panel {
     let settings = columns.iter().map(|c| c.name().to_owned()).collect();
     let x = Axis { label: "quality or method".into(), ..named_axis(settings) };
-    outcome_panel(map.name, x, (map.parameter, map.values), Outcome::ALL.map(Outcome::name), positions)
+    outcome_panel(map.name, x, map.parameter, map.values, Outcome::ALL.map(Outcome::name), positions)
 }

@@ -292,14 +292,15 @@ fn panel_of(map: &StabilityMap, positions: [Vec<[f64; 2]>; 3]) -> Panel {
     let methods = MethodColumn::all().map(|m| m.name().replace("backward-euler", "be")).collect();
     let names = [Verdict::Converged, Verdict::Inaccurate, Verdict::Failed].map(Verdict::name);
     let x = Axis { label: "method (be: backward-euler)".into(), ..named_axis(methods) };
-    outcome_panel(map.name, x, (map.parameter, map.values), names, positions)
+    outcome_panel(map.name, x, map.parameter, map.values, names, positions)
 }
 
 /// Panel of outcomes from good to bad, named `names`: columns on the axis `x`, the values of a parameter upwards.
 pub(super) fn outcome_panel(
     title: &str,
     x: Axis,
-    (parameter, values): (&str, &[f64]),
+    parameter: &str,
+    values: &[f64],
     names: [&str; 3],
     positions: [Vec<[f64; 2]>; 3],
 ) -> Panel {

@@ -10,16 +10,16 @@ use crate::bake::body::watch::BodyWatch;
 use crate::bake::report::StopCause;
 use crate::bake::run::frames::{FrameSchedule, StepStart};
 use crate::bake::tuning::TUNING;
+use crease_model::body::{AnimatedBody, BodyPose, AnimatedBody, BodyPose};
+use crease_solver::contact::{BodyContactState, BodyPlanes, ClothSurface, ContactSettings, BodyContactState, BodyPlanes, ContactSettings};
+use crease_solver::energy::{EdgeContact, Leash, PlaneContact, EdgeContact, Leash, PlaneContact};
+use crease_model::garment::{Garment, RestState, Garment, RestState};
+use crease_geometry::math::{Vec3, Vec3};
+use crease_geometry::mesh::point_in_solid::{Solid, Solid};
+use crease_geometry::mesh::{PointIndex, Topology, PointIndex, Topology};
+use crease_model::remesh::{Refinement, Refinement};
+use crease_solver::sim::{LoadSource, Loads, State, StepReport, Stepper, LoadSource, Loads, State, StepReport, Stepper};
 use crate::wear::ActionRunner;
-use crease_geometry::math::Vec3;
-use crease_geometry::mesh::point_in_solid::Solid;
-use crease_geometry::mesh::{PointIndex, Topology};
-use crease_model::body::{AnimatedBody, BodyPose};
-use crease_model::garment::{Garment, RestState};
-use crease_model::remesh::Refinement;
-use crease_solver::contact::{BodyContactState, BodyPlanes, ContactSettings};
-use crease_solver::energy::{EdgeContact, Leash, PlaneContact};
-use crease_solver::sim::{LoadSource, Loads, State, StepReport, Stepper};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -315,10 +315,10 @@ impl LoadSource for LoadsOnBody<'_> {
 
     fn revised_contacts(&mut self, x: &[Vec3], loads: &Loads) -> Option<Arc<[EdgeContact]>> {
         let end = self.end.as_mut().filter(|end| Arc::ptr_eq(&end.edges, &loads.edge_contacts))?;
-        let cloth = (&self.garment.triangles[..], &self.garment.topology);
-        let pairs = self.planes.open_pairs(x, cloth.0, &end.positions);
+        let cloth = ClothSurface { x, triangles: &self.garment.triangles, topology: &self.garment.topology };
+        let pairs = self.planes.open_pairs(x, cloth.triangles, &end.positions);
         let revised =
-            self.planes.revised_edge_contacts(x, cloth, &end.positions, &end.normals, &end.edges, pairs)?;
+            self.planes.revised_edge_contacts(cloth, &end.positions, &end.normals, &end.edges, pairs)?;
         end.edges = revised.into();
         Some(end.edges.clone())
     }

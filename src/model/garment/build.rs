@@ -68,7 +68,7 @@ impl Garment {
             prepare_cloth(&mut points, &triangles, &topology, &mut diagnostics);
         }
         let part_count = triangle_part.iter().max().map_or(0, |&last| last as usize + 1);
-        let flat = flatten_triangles(&points, &wedges, (&sheet.uvs, &sheet.pieces), &topology, part_count);
+        let flat = flatten_triangles(&points, &wedges, &sheet.uvs, &sheet.pieces, &topology, part_count);
         diagnostics.note(flat.reason);
         let [memory_mask, sewing_mask] =
             sheet.masks.map(|mask| mean_per_point(&mask, &source_point, points.len()));

@@ -32,7 +32,8 @@ pub(super) struct FlatTriangles {
 pub(super) fn flatten_triangles(
     points: &[Vec3],
     wedges: &[TriangleWedges],
-    (uvs, pieces): (&[Option<Vec2>], &[u32]),
+    uvs: &[Option<Vec2>],
+    pieces: &[u32],
     topology: &Topology,
     part_count: usize,
 ) -> FlatTriangles {

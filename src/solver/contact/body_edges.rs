@@ -5,7 +5,7 @@
 //! away in the next step, until it no longer is. There is no friction, and no contact in a self fold of the body.
 
 use crate::contact::broad_phase::PairKind;
-use crate::contact::self_fold::BodySurface;
+use crate::contact::self_fold::{BodySurface, ClothSurface};
 use crate::contact::settings::BodyContactSettings;
 use crate::contact::tuning::TUNING;
 use crate::energy::EdgeContact;
@@ -45,6 +45,16 @@ struct Overlap {
     weights: [f64; 3],
 }
 
+/// Triangles of the cloth in which those on a line are searched.
+#[derive(Clone, Copy)]
+struct TriangleQuery<'a> {
+    /// Positions of the cloth [m], one per point.
+    x: &'a [Vec3],
+    triangles: &'a [[PointIndex; 3]],
+    /// Hierarchy over the triangles.
+    bvh: &'a TriangleBvh,
+}
+
 impl BodyEdges {
     /// Points and edges of a body of `triangles` at `points` [m].
     pub fn new(points: &[Vec3], triangles: &[[PointIndex; 3]]) -> Self {
@@ -72,9 +82,9 @@ impl BodyEdges {
         let moving: Vec<usize> = (0..cloth.len()).filter(|f| moves(&cloth[*f])).collect();
         let moving_triangles: Vec<_> = moving.iter().map(|f| cloth[*f]).collect();
         let bvh = TriangleBvh::fitted(&mut self.cloth, x, &moving_triangles, tuning.max_edge_distance);
-        let over_point = |(point, (at, normal)): (usize, (&Vec3, &Vec3))| {
-            over_point(x, (bvh, &moving_triangles), point, *at, *normal)
-        };
+        let cloth_near = TriangleQuery { x, triangles: &moving_triangles, bvh };
+        let over_point =
+            |(point, (at, normal)): (usize, (&Vec3, &Vec3))| over_point(cloth_near, point, *at, *normal);
         self.overlaps = body.x.par_iter().zip(body.normals).enumerate().filter_map(over_point).collect();
         // Every edge belongs to its first triangle.
         let owned = |topology: &Topology, f: usize| {
@@ -101,37 +111,40 @@ impl BodyEdges {
         self.offsets.clone_from(&self.begun.1);
     }
 
-    /// Adds contacts where triangles of the cloth at `x` [m] and of `body` intersect at the end of a step, `pairs` of them, and raises the
+    /// Adds contacts where triangles of `cloth` and of `body` intersect at the end of a step, `pairs` of them, and raises the
     /// offsets of those of `contacts` that were pressed through. Returns whether there were any.
     pub fn revise(
         &mut self,
-        x: &[Vec3],
-        (cloth, topology): (&[[PointIndex; 3]], &Topology),
-        (body, body_triangles): (BodySurface, &[[PointIndex; 3]]),
+        cloth: ClothSurface,
+        body: BodySurface,
         pairs: &[[u32; 2]],
-        (contacts, settings): (&[EdgeContact], &BodyContactSettings),
+        contacts: &[EdgeContact],
+        settings: &BodyContactSettings,
     ) -> bool {
+        let x = cloth.x;
         let key = |overlap: &Overlap| (overlap.edge, overlap.points);
         let known: FxHashMap<([u32; 2], [u32; 3]), usize> =
             self.overlaps.iter().enumerate().map(|(k, overlap)| (key(overlap), k)).collect();
         let mut of_cloth: Vec<u32> = pairs.iter().map(|[f, _]| *f).collect();
         of_cloth.sort_unstable();
         of_cloth.dedup();
-        let crossed: Vec<[PointIndex; 3]> = of_cloth.iter().map(|f| cloth[*f as usize]).collect();
+        let crossed: Vec<[PointIndex; 3]> = of_cloth.iter().map(|f| cloth.triangles[*f as usize]).collect();
         let bvh = TriangleBvh::new(x, &crossed, TUNING.body.max_edge_distance);
         let mut corners: Vec<usize> =
-            pairs.iter().flat_map(|[_, g]| body_triangles[*g as usize]).map(PointIndex::at).collect();
+            pairs.iter().flat_map(|[_, g]| body.triangles[*g as usize]).map(PointIndex::at).collect();
         corners.sort_unstable();
         corners.dedup();
+        let cloth_near = TriangleQuery { x, triangles: &crossed, bvh: &bvh };
         let over_points =
-            corners.iter().filter_map(|&p| over_point(x, (&bvh, &crossed), p, body.x[p], body.normals[p]));
+            corners.iter().filter_map(|&p| over_point(cloth_near, p, body.x[p], body.normals[p]));
         let edges_of = |topology: &Topology, f: u32| {
             topology.triangle_edges[f as usize].map(|e| topology.edges[e as usize])
         };
         let over_edges = pairs.iter().flat_map(|[f, g]| {
             let of_body = edges_of(&self.topology, *g);
-            let pairs =
-                edges_of(topology, *f).into_iter().flat_map(move |a| of_body.map(|b| (a, b)).into_iter());
+            let pairs = edges_of(cloth.topology, *f)
+                .into_iter()
+                .flat_map(move |a| of_body.map(|b| (a, b)).into_iter());
             pairs.filter_map(|(of_cloth, of_body)| crossing_edges(x, of_cloth, body, of_body))
         });
         let mut found: Vec<Overlap> = over_points.chain(over_edges).collect();
@@ -229,19 +242,13 @@ impl BodyEdges {
     }
 }
 
-/// Returns the overlap of the point `point` of a body, at `at` [m] with that outward `normal`, and the innermost of the `triangles` of the
-/// cloth at `x` [m] over it, if there is one.
-fn over_point(
-    x: &[Vec3],
-    (bvh, triangles): (&TriangleBvh, &[[PointIndex; 3]]),
-    point: usize,
-    at: Vec3,
-    normal: Vec3,
-) -> Option<Overlap> {
+/// Returns the overlap of the point `point` of a body, at `at` [m] with that outward `normal`, and the innermost triangle of
+/// `cloth` over it, if there is one.
+fn over_point(cloth: TriangleQuery, point: usize, at: Vec3, normal: Vec3) -> Option<Overlap> {
     let tuning = &TUNING.body;
     let length = tuning.max_penetration + tuning.max_height_over_vertex;
-    let hit = bvh.first_hit(x, at - normal * tuning.max_penetration, normal, length)?;
-    let points = triangles[hit.triangle as usize].map(|p| p.0);
+    let hit = cloth.bvh.first_hit(cloth.x, at - normal * tuning.max_penetration, normal, length)?;
+    let points = cloth.triangles[hit.triangle as usize].map(|p| p.0);
     Some(Overlap { edge: [point as u32; 2], edge_weights: [1.0, 0.0], points, weights: hit.weights })
 }
 
@@ -315,7 +322,7 @@ mod tests {
         let (body, triangles) = roof();
         let normals = point_normals(&body, &triangles);
         let bvh = TriangleBvh::new(&body, &triangles, 0.0);
-        let surface = BodySurface { x: &body, normals: &normals, bvh: &bvh };
+        let surface = BodySurface { x: &body, normals: &normals, triangles: &triangles, bvh: &bvh };
         let mut edges = BodyEdges::new(&body, &triangles);
         let topology = Topology::new(x.len(), cloth);
         edges.begin_step(x, cloth, &topology, &|_| fixed, surface);
@@ -351,7 +358,7 @@ mod tests {
         let (body, triangles) = roof();
         let normals = point_normals(&body, &triangles);
         let bvh = TriangleBvh::new(&body, &triangles, 0.0);
-        let surface = BodySurface { x: &body, normals: &normals, bvh: &bvh };
+        let surface = BodySurface { x: &body, normals: &normals, triangles: &triangles, bvh: &bvh };
         let mut edges = BodyEdges::new(&body, &triangles);
         let topology = Topology::new(3, &cloth);
         let x = over(2e-4);
@@ -381,7 +388,7 @@ mod tests {
         let (body, triangles) = roof();
         let normals = point_normals(&body, &triangles);
         let bvh = TriangleBvh::new(&body, &triangles, 0.0);
-        let surface = BodySurface { x: &body, normals: &normals, bvh: &bvh };
+        let surface = BodySurface { x: &body, normals: &normals, triangles: &triangles, bvh: &bvh };
         let topology = Topology::new(3, &cloth);
         let mut edges = BodyEdges::new(&body, &triangles);
         edges.begin_step(&at(0.2, 1e-4), &cloth, &topology, &|_| false, surface);
@@ -389,8 +396,8 @@ mod tests {
         assert!(none.is_empty(), "nothing is over the roof: {none:?}");
         let pairs: Vec<[u32; 2]> = (0..4).map(|g| [0, g]).collect();
         let revised = |edges: &mut BodyEdges, x: &[Vec3; 3], contacts: &[EdgeContact]| {
-            let of_step = (contacts, &settings(3));
-            let changed = edges.revise(x, (&cloth, &topology), (surface, &triangles), &pairs, of_step);
+            let cloth = ClothSurface { x, triangles: &cloth, topology: &topology };
+            let changed = edges.revise(cloth, surface, &pairs, contacts, &settings(3));
             changed.then(|| edges.edge_contacts(&body, &normals, &[false; 6], &settings(3)))
         };
         let through = at(-0.05, -2e-4);

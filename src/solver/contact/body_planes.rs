@@ -17,7 +17,7 @@
 
 use crate::contact::body_edges::BodyEdges;
 use crate::contact::friction::slip_tolerance;
-use crate::contact::self_fold::{BodySurface, SelfFold};
+use crate::contact::self_fold::{BodySurface, ClothSurface, SelfFold};
 use crate::contact::settings::BodyContactSettings;
 use crate::contact::tuning::TUNING;
 use crate::energy::{EdgeContact, PlaneContact};
@@ -189,7 +189,12 @@ impl BodyPlanes {
     /// (one flag per point; empty for none).
     pub fn begin_step(&mut self, x: &[Vec3], cloth: &[[PointIndex; 3]], topology: &Topology, fixed: &[bool]) {
         let is_fixed = |p: usize| fixed.get(p).copied().unwrap_or(false);
-        let body = BodySurface { x: &self.positions, normals: &self.normals, bvh: &self.bvh };
+        let body = BodySurface {
+            x: &self.positions,
+            normals: &self.normals,
+            triangles: &self.triangles,
+            bvh: &self.bvh,
+        };
         self.edges.begin_step(x, cloth, topology, &is_fixed, body);
         let find = |(p, x): (usize, &Vec3)| {
             if is_fixed(p) {
@@ -285,26 +290,24 @@ impl BodyPlanes {
         self.edges.restart();
     }
 
-    /// Returns the contacts of the body's points and edges, where with the cloth at `x` [m], of triangles `cloth` and their `topology`, and
+    /// Returns the contacts of the body's points and edges, where with `cloth` and
     /// the body at `target` [m] with `normals` the `pairs` of [`Self::open_pairs`] intersect although there were `contacts`: with those
     /// that were missing, and from farther away where they were too weak. `None` where that changes nothing.
     pub fn revised_edge_contacts(
         &mut self,
-        x: &[Vec3],
-        (cloth, topology): (&[[PointIndex; 3]], &Topology),
+        cloth: ClothSurface,
         target: &[Vec3],
         normals: &[Vec3],
         contacts: &[EdgeContact],
         mut pairs: Vec<[u32; 2]>,
     ) -> Option<Vec<EdgeContact>> {
         // Cloth that has no footpoint is out of reach of the contacts of this step.
-        pairs.retain(|[f, _]| cloth[*f as usize].iter().any(|p| self.is_near(p.at())));
+        pairs.retain(|[f, _]| cloth.triangles[*f as usize].iter().any(|p| self.is_near(p.at())));
         if pairs.is_empty() {
             return None;
         }
-        let body = BodySurface { x: target, normals, bvh: &self.bvh };
-        let of_step = (contacts, &self.settings);
-        let is_changed = self.edges.revise(x, (cloth, topology), (body, &self.triangles), &pairs, of_step);
+        let body = BodySurface { x: target, normals, triangles: &self.triangles, bvh: &self.bvh };
+        let is_changed = self.edges.revise(cloth, body, &pairs, contacts, &self.settings);
         is_changed.then(|| self.edge_contacts(target, normals))
     }
 
@@ -320,9 +323,9 @@ impl BodyPlanes {
     pub fn resolve_self_contact(&mut self, target: &[Vec3]) -> Vec<Vec3> {
         let normals = point_normals(target, &self.triangles);
         self.bvh.refit(target, target, 0.0);
-        let body = BodySurface { x: target, normals: &normals, bvh: &self.bvh };
+        let body = BodySurface { x: target, normals: &normals, triangles: &self.triangles, bvh: &self.bvh };
         let min_gap = TUNING.body.self_fold_gap * self.settings.mean_point_dhat();
-        self.self_fold.resolve(body, &self.triangles, &self.covered, min_gap)
+        self.self_fold.resolve(body, &self.covered, min_gap)
     }
 
     /// Returns the displacement of each point of the cloth at `x` [m] that is carried along as the body moves to `target` [m], with the surface

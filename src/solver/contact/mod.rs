@@ -24,6 +24,7 @@ mod uncovered_area;
 
 pub use body_planes::{BodyContactState, BodyIntersections, BodyPlanes, Penetration, SELF_FOLD_MARGIN};
 pub use friction::TangentialState;
+pub use self_fold::ClothSurface;
 pub use settings::{BodyContactSettings, ContactSettings};
 
 use crate::contact::collision_set::{ActivePair, CollisionSet, LimitCriteria};
@@ -51,12 +52,12 @@ pub struct Contact {
     settings: ContactSettings,
     planes: HorizontalPlanes,
     /// Contact of the cloth with itself; `None` for none at all.
-    layers: Option<Layers>,
+    layers: Option<LayerContact>,
     friction: Friction,
 }
 
 /// Contact of layers with one another.
-struct Layers {
+struct LayerContact {
     collisions: CollisionSet,
     uncovered: UncoveredArea,
 }
@@ -71,7 +72,7 @@ impl Contact {
         area: Vec<f64>,
     ) -> Self {
         let collisions = CollisionSet::new(&settings, rest, triangles, topology, &area);
-        let layers = Layers { collisions, uncovered: UncoveredArea::new(rest, triangles) };
+        let layers = LayerContact { collisions, uncovered: UncoveredArea::new(rest, triangles) };
         Self { layers: Some(layers), ..Self::without_layers(settings, &area) }
     }
 

@@ -6,7 +6,7 @@
 use crate::contact::tuning::TUNING;
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::triangle_bvh::TriangleBvh;
-use crease_geometry::mesh::{PointIndex, triangle};
+use crease_geometry::mesh::{PointIndex, triangle, PointIndex, Topology, triangle};
 use rayon::prelude::*;
 
 /// Points of a body in its self folds.
@@ -26,8 +26,21 @@ pub(super) struct BodySurface<'a> {
     pub x: &'a [Vec3],
     /// Outward unit normals, one per point.
     pub normals: &'a [Vec3],
+    /// Its triangles.
+    pub triangles: &'a [[PointIndex; 3]],
     /// Hierarchy over its triangles, fitted to the positions.
     pub bvh: &'a TriangleBvh,
+}
+
+/// Cloth at given positions.
+#[derive(Clone, Copy)]
+pub struct ClothSurface<'a> {
+    /// Positions [m], one per point.
+    pub x: &'a [Vec3],
+    /// Its triangles.
+    pub triangles: &'a [[PointIndex; 3]],
+    /// Edges and neighbours of the triangles.
+    pub topology: &'a Topology,
 }
 
 impl SelfFold {
@@ -54,14 +67,9 @@ impl SelfFold {
     /// Returns the positions of a body of `triangles` with its self folds moved apart [m], and notes which points they have. `min_gap`: distance
     /// between the two sides [m]. Only parts that face each other across air at rest count, not the far side of a hand; only points that are
     /// `covered` by cloth, one flag per point, are moved.
-    pub fn resolve(
-        &mut self,
-        body: BodySurface,
-        triangles: &[[PointIndex; 3]],
-        covered: &[bool],
-        min_gap: f64,
-    ) -> Vec<Vec3> {
+    pub fn resolve(&mut self, body: BodySurface, covered: &[bool], min_gap: f64) -> Vec<Vec3> {
         let tuning = &TUNING.body;
+        let triangles = body.triangles;
         let normal = |t: &[PointIndex; 3]| triangle::normal(&triangle::corners(body.x, t));
         let triangle_normals: Vec<Vec3> =
             triangles.iter().map(|t| normal(t).unwrap_or_else(Vec3::zeros)).collect();
