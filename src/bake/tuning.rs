@@ -6,7 +6,7 @@
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct BakeTuning {
     /// Steps and frames.
-    pub stepping: SteppingTuning,
+    pub stepping: BakeStepTuning,
     /// The choice of models.
     pub models: ModelTuning,
     /// The simulation mesh.
@@ -16,7 +16,7 @@ pub(super) struct BakeTuning {
     /// Where a body creases the cloth.
     pub body_creases: BodyCreaseTuning,
     /// Coupling to a body, and depenetration.
-    pub body: BodyTuning,
+    pub body: BodyCouplingTuning,
     /// The leash of a garment that is skinned in its file.
     pub leash: LeashTuning,
     /// The watch over a garment on its body.
@@ -32,7 +32,7 @@ pub(super) struct BakeTuning {
 
 /// Steps and frames.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct SteppingTuning {
+pub(super) struct BakeStepTuning {
     /// First step after anything starts or stops [s]: two frames of a film of 60 Hz, before the error is known.
     pub first_dt: f64,
     /// Smallest request for the next step that a checkpoint may hold [s]: smaller ones are never made.
@@ -145,7 +145,7 @@ pub(super) struct BodyCreaseTuning {
 
 /// Coupling to a body, and depenetration.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct BodyTuning {
+pub(super) struct BodyCouplingTuning {
     /// Rounds of averaging of the carried displacement with that of neighbours.
     pub smoothing_rounds: usize,
     /// Stiffness of contact with the body per area [Pa/m], default 3e6: flesh of 30 kPa, 10 mm deep. A tight sleeve presses
@@ -158,7 +158,7 @@ pub(super) struct BodyTuning {
     /// Depth inside the body beyond which a garment does not fit and is refused [m].
     pub max_fit_depth: f64,
     /// Pairs of triangles of cloth and body that may intersect after a step where none did before \[-\]; a step with more is made in
-    /// halves ([`BodyTuning::max_pairs_after`]).
+    /// halves ([`BodyCouplingTuning::max_pairs_after`]).
     pub max_pairs: usize,
     /// Depth inside the body beyond which depenetration warns [m].
     pub max_usual_depth: f64,
@@ -180,7 +180,7 @@ pub(super) struct BodyTuning {
     pub dressing_tether: f64,
 }
 
-impl BodyTuning {
+impl BodyCouplingTuning {
     /// Returns how many pairs may intersect after a step before which `before` did: a quarter more, as contact wavers.
     pub fn max_pairs_after(&self, before: usize) -> usize {
         self.max_pairs.max(before) + before / 4
@@ -322,7 +322,7 @@ pub(super) struct FindingTuning {
 impl BakeTuning {
     /// The values that every bake uses.
     const DEFAULT: Self = Self {
-        stepping: SteppingTuning {
+        stepping: BakeStepTuning {
             first_dt: 1.0 / 120.0,
             min_dt_request: 1e-6,
             min_frame_interval: 1e-5,
@@ -369,7 +369,7 @@ impl BakeTuning {
             geodesic_margin: 0.10,
         },
         body_creases: BodyCreaseTuning { min_body_strain: 0.15, max_body_distance: 0.02 },
-        body: BodyTuning {
+        body: BodyCouplingTuning {
             smoothing_rounds: 6,
             contact_stiffness: 3e6,
             limb_radius: 0.04,

@@ -24,21 +24,21 @@ pub(crate) struct GarmentReading<'a> {
     /// Distance at which layers are kept [m].
     thickness: f64,
     /// The triangles that are exported.
-    exported: Surface<'a>,
+    exported: CrossingSurface<'a>,
     /// Those of the garment, if it is refined.
-    refined: Option<Surface<'a>>,
+    refined: Option<CrossingSurface<'a>>,
     /// The body that it is worn on.
     body: Option<BodyBeside<'a>>,
 }
 
 /// Triangles over the points of the garment.
-struct Surface<'a> {
+struct CrossingSurface<'a> {
     triangles: &'a [[PointIndex; 3]],
     /// Pairs of them that cross in the source pose.
     own: FxHashSet<[u32; 2]>,
 }
 
-impl<'a> Surface<'a> {
+impl<'a> CrossingSurface<'a> {
     fn new(source: &[Vec3], triangles: &'a [[PointIndex; 3]]) -> Self {
         Self { triangles, own: self_intersections(source, triangles).into_iter().collect() }
     }
@@ -122,9 +122,9 @@ struct Passage {
 impl<'a> GarmentReading<'a> {
     /// Readings for `garment`, whose layers are `thickness` [m] thick, and which is worn on `body` if there is one.
     pub fn new(garment: &'a Garment, thickness: f64, body: Option<&'a AnimatedBody>) -> Self {
-        let exported = Surface::new(&garment.points, garment.exported_triangles());
+        let exported = CrossingSurface::new(&garment.points, garment.exported_triangles());
         let is_refined = !garment.file_triangles.is_empty();
-        let refined = is_refined.then(|| Surface::new(&garment.points, &garment.triangles));
+        let refined = is_refined.then(|| CrossingSurface::new(&garment.points, &garment.triangles));
         let body = body.map(|body| {
             let beside = BodyBeside { body, own: FxHashSet::default() };
             let own = beside.crossing(garment, &garment.points).into_iter().collect();
@@ -169,7 +169,7 @@ impl<'a> GarmentReading<'a> {
     fn uncrossed(
         &self,
         mut points: Vec<Vec3>,
-        surface: &Surface,
+        surface: &CrossingSurface,
         mesh: &SimulationMesh,
         x: &[Vec3],
     ) -> Vec<Vec3> {

@@ -10,7 +10,7 @@ use crease_model::error::{Diagnostic, Error, Result};
 use nalgebra::{Quaternion, UnitQuaternion};
 
 /// Nodes of a document.
-pub(super) struct Scene {
+pub(super) struct SceneNodes {
     /// Per node: transform from own to scene coordinates.
     pub(super) worlds: Vec<Mat4>,
     /// Per node: its parent.
@@ -22,7 +22,7 @@ pub(super) struct Scene {
     faults: Vec<Option<Vec<Diagnostic>>>,
 }
 
-impl Scene {
+impl SceneNodes {
     /// Reads the node tree of a document.
     pub(super) fn read(root: &Cursor) -> Result<Self> {
         let nodes = root.entries("nodes");

@@ -6,7 +6,7 @@
 
 use crate::gltf::accessor::{Accessors, Table};
 use crate::gltf::json_cursor::Cursor;
-use crate::gltf::scene::Scene;
+use crate::gltf::scene::{Scene, SceneNodes};
 use crate::tuning::TUNING;
 use crease_geometry::math::Mat4;
 use crease_model::body::rig::SkinJoint;
@@ -40,7 +40,7 @@ impl InfluenceSet {
 pub(super) fn skinned_vertices(
     root: &Cursor,
     accessors: &Accessors,
-    scene: &Scene,
+    scene: &SceneNodes,
     primitive: &Cursor,
     skin: usize,
     vertex_count: usize,
@@ -114,7 +114,7 @@ pub(super) fn read_joints(
 fn joint_matrices(
     root: &Cursor,
     accessors: &Accessors,
-    scene: &Scene,
+    scene: &SceneNodes,
     primitive: &Cursor,
     skin: usize,
 ) -> Result<(Vec<usize>, Vec<Mat4>)> {

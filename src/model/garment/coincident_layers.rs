@@ -18,7 +18,7 @@ pub(super) fn separate_layers(
     topology: &Topology,
     diagnostics: &mut ImportDiagnostics,
 ) {
-    let layers = Layers::new(points, triangles, topology);
+    let layers = TriangleLayers::new(points, triangles, topology);
     let shifts = layers.shifts();
     let count = shifts.iter().filter(|shift| **shift != Vec3::zeros()).count();
     points.iter_mut().zip(shifts).for_each(|(x, shift)| *x += shift);
@@ -52,7 +52,7 @@ struct LayerAt {
 }
 
 /// A garment and the layers of its triangles.
-struct Layers<'a> {
+struct TriangleLayers<'a> {
     points: &'a [Vec3],
     triangles: &'a [[PointIndex; 3]],
     /// One per triangle: unit normal, zero without area.
@@ -62,7 +62,7 @@ struct Layers<'a> {
     bvh: TriangleBvh,
 }
 
-impl<'a> Layers<'a> {
+impl<'a> TriangleLayers<'a> {
     fn new(points: &'a [Vec3], triangles: &'a [[PointIndex; 3]], topology: &Topology) -> Self {
         let normal = |t: &[PointIndex; 3]| triangle::normal(&triangle::corners(points, t));
         let normals: Vec<Vec3> = triangles.iter().map(|t| normal(t).unwrap_or_else(Vec3::zeros)).collect();

@@ -81,7 +81,7 @@ fn bodies_and_cloth(things: &[Thing]) -> (Vec<&Thing>, Vec<&Thing>) {
 /// Pieces of a file with common points, or one alone.
 struct Thing {
     name: String,
-    extent: Extent,
+    extent: PieceExtent,
     /// Enclosed volume, without sign \[m³\].
     volume: f64,
     triangles: Vec<[PointIndex; 3]>,
@@ -134,7 +134,7 @@ impl Thing {
 
 /// Place and size of a piece or a thing.
 #[derive(Debug, Clone, Copy)]
-struct Extent {
+struct PieceExtent {
     low: Vec3,
     high: Vec3,
     /// Area of its triangles \[m²\].
@@ -143,7 +143,7 @@ struct Extent {
     area_vector: Vec3,
 }
 
-impl Extent {
+impl PieceExtent {
     fn of(piece: &SourcePiece) -> Self {
         let at = |v: u32| piece.scene_position(v as usize).unwrap_or_else(Vec3::zeros);
         Self::of_triangles(&piece.triangles.iter().map(|t| t.map(at)).collect::<Vec<_>>())
@@ -171,7 +171,7 @@ impl Extent {
 
 fn things(asset: &SourceAsset, garment: &Garment) -> Vec<Thing> {
     let pieces: Vec<&SourcePiece> = asset.worn_pieces().collect();
-    let boxes: Vec<Extent> = pieces.iter().map(|piece| Extent::of(piece)).collect();
+    let boxes: Vec<PieceExtent> = pieces.iter().map(|piece| PieceExtent::of(piece)).collect();
     let mut groups = Groups::new(pieces.len());
     let mut first: Vec<Option<u32>> = vec![None; garment.points.len()];
     let mut points_of: Vec<&[PointIndex]> = Vec::new();
@@ -212,7 +212,7 @@ fn things(asset: &SourceAsset, garment: &Garment) -> Vec<Thing> {
 
 fn measure(name: &str, garment: &Garment, triangles: Vec<[PointIndex; 3]>, is_skinned: bool) -> Thing {
     let corners: Vec<[Vec3; 3]> = triangles.iter().map(|t| triangle::corners(&garment.points, t)).collect();
-    let extent = Extent::of_triangles(&corners);
+    let extent = PieceExtent::of_triangles(&corners);
     let low = extent.low;
     let borders = Topology::new(garment.points.len(), &triangles).boundary_loops(&triangles);
     let openings = borders

@@ -4,7 +4,7 @@ use crate::report::render::camera::Camera;
 use crate::report::render::field::Colouring;
 use crate::report::render::image::Image;
 use crate::report::render::shade::shade;
-use crate::report::render::surface::Surface;
+use crate::report::render::surface::{Surface, DrawnSurface};
 use crate::report::render::{caption, raster};
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::PointIndex;
@@ -52,7 +52,7 @@ pub fn render(
     let used = raster::used_points(points, &drawable);
     let projection = camera.aim(&used, [size[0], size[1].saturating_sub(legend_height).max(1)]);
     let samples = raster::rasterise(points, &drawable, &projection, size);
-    let surface = Surface { points, triangles, drawn: &drawable, colouring };
+    let surface = DrawnSurface { points, triangles, drawn: &drawable, colouring };
     let mut image = shade(&surface, &projection, &samples);
     if let Colouring::Field(field) = colouring {
         caption::draw_legend(&mut image, field, legend_height);

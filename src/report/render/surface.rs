@@ -18,7 +18,7 @@ const FIELD_LIGHT_WEIGHT: f64 = 0.55;
 
 /// A surface to be drawn.
 #[derive(Clone, Copy)]
-pub(super) struct Surface<'a> {
+pub(super) struct DrawnSurface<'a> {
     /// Positions [m].
     pub points: &'a [Vec3],
     /// All triangles, in the order of values per triangle.
@@ -43,8 +43,8 @@ pub(super) struct ShadedSurface<'a> {
 
 impl<'a> ShadedSurface<'a> {
     /// Computes normals and colours.
-    pub fn new(surface: &Surface<'a>) -> Self {
-        let Surface { points, drawn, colouring, .. } = *surface;
+    pub fn new(surface: &DrawnSurface<'a>) -> Self {
+        let DrawnSurface { points, drawn, colouring, .. } = *surface;
         let areas: Vec<Vec3> = drawn.iter().map(|t| triangle::area_vector(&t.map(|i| points[i]))).collect();
         let normals: Vec<Vec3> = areas.iter().map(|n| n.try_normalize(0.0).unwrap_or_else(Vec3::y)).collect();
         let corner_normals = corner_normals(points.len(), drawn, &areas, &normals);
@@ -121,8 +121,8 @@ fn corner_normals(
 }
 
 /// Returns the values of the corners of drawn triangles as fractions of the range of the legend; NaN where there is none.
-fn legend_fractions(surface: &Surface) -> Vec<[f64; 3]> {
-    let Surface { points, triangles, drawn, colouring } = *surface;
+fn legend_fractions(surface: &DrawnSurface) -> Vec<[f64; 3]> {
+    let DrawnSurface { points, triangles, drawn, colouring } = *surface;
     let point_count = points.len();
     let Colouring::Field(field) = colouring else { return Vec::new() };
     let [low, high] = field.limits();

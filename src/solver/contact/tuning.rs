@@ -10,7 +10,7 @@ pub(crate) struct ContactTuning {
     /// Coulomb friction.
     pub friction: FrictionTuning,
     /// One-sided contact with a body.
-    pub body: BodyTuning,
+    pub body: BodyContactTuning,
 }
 
 /// Search for pairs and activation distances of single pairs.
@@ -83,7 +83,7 @@ pub(crate) struct FrictionTuning {
 
 /// One-sided contact with a body.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct BodyTuning {
+pub(crate) struct BodyContactTuning {
     /// Distance up to which the surface nearest to a point of the cloth is searched [m].
     pub search_distance: f64,
     /// Depth up to which a body folds into itself [m].
@@ -151,7 +151,7 @@ impl ContactTuning {
             max_slip_tolerance: 1e-4,
             sliding_ratio: 1.0 - 1e-9,
         },
-        body: BodyTuning {
+        body: BodyContactTuning {
             search_distance: 0.03,
             max_self_fold_depth: 0.03,
             max_facing_cosine: -0.2,

@@ -1,7 +1,7 @@
 //! The numbers of the time stepping that are choices.
 
-/// Tuning of step control and of the detection of violations; see [`SteppingTuning::DEFAULT`].
-pub(super) struct SteppingTuning {
+/// Tuning of step control and of the detection of violations; see [`StepControlTuning::DEFAULT`].
+pub(super) struct StepControlTuning {
     /// A step counts as quasi-static when it is at most this fraction of what its error and the loads allow [-],
     /// default 0.6: its length is then limited by memory events, hardly anything moves, and a local solve is likely to
     /// suffice.
@@ -39,7 +39,7 @@ pub(super) struct SteppingTuning {
     pub min_torn_fraction: f64,
 }
 
-impl SteppingTuning {
+impl StepControlTuning {
     /// The values in use.
     pub const DEFAULT: Self = Self {
         quasi_static_dt_fraction: 0.6,
@@ -59,4 +59,4 @@ impl SteppingTuning {
     };
 }
 
-pub(super) const TUNING: SteppingTuning = SteppingTuning::DEFAULT;
+pub(super) const TUNING: StepControlTuning = StepControlTuning::DEFAULT;

@@ -70,7 +70,7 @@ const SIZE_TOL: f64 = 1e-9;
 
 /// An interval of fractions that the garment covers along one axis.
 #[derive(Debug, Clone, Copy)]
-struct Extent {
+struct FractionInterval {
     low: f64,
     high: f64,
 }
@@ -80,14 +80,14 @@ impl Pack {
     fn folds(&self) -> Vec<Fold> {
         let [width, height] = self.to;
         let height = if self.how == Packing::Roll { 1.0 } else { height };
-        let unit = Extent { low: 0.0, high: 1.0 };
+        let unit = FractionInterval { low: 0.0, high: 1.0 };
         let (mut across, mut upward, mut folds) = (unit, unit, Vec::new());
         while across.high - across.low > width * (1.0 + SIZE_TOL) {
             let length = across.high - across.low;
             // A flap must not reach beyond what it is laid on.
             if length <= 3.0 * width * (1.0 + SIZE_TOL) {
                 let middle = 0.5 * (across.low + across.high);
-                across = Extent { low: middle - 0.5 * width, high: middle + 0.5 * width };
+                across = FractionInterval { low: middle - 0.5 * width, high: middle + 0.5 * width };
                 folds.push(self.fold_at(0, across.low, FoldSide::Left));
                 folds.push(self.fold_at(0, across.high, FoldSide::Right));
             } else {

@@ -3,7 +3,7 @@
 
 use crate::gltf::append::Appender;
 use crate::gltf::detail::references::{VARIANTS, index_of, variant_mappings};
-use crate::gltf::detail::surface::{Surface, unit_or};
+use crate::gltf::detail::surface::{Surface, unit_or, ShownSurface, unit_or};
 use crate::gltf::detail::texels::Texels;
 use crate::gltf::embed::image_bytes;
 use crate::tuning::TUNING;
@@ -43,7 +43,7 @@ impl TextureTransform {
     /// The transform under which the texture coordinates of `surfaces` fill one picture of `side` texels: the identity if they
     /// lie in a square of one picture's size and fill a good part of it. Otherwise they repeat the picture, lie in several
     /// tiles, or in a small corner, as quantised ones do.
-    pub(super) fn fitting<'a>(surfaces: impl Iterator<Item = &'a Surface<'a>>, side: usize) -> Self {
+    pub(super) fn fitting<'a>(surfaces: impl Iterator<Item = &'a ShownSurface<'a>>, side: usize) -> Self {
         let used =
             surfaces.flat_map(|s| s.piece.triangles.iter().flatten().filter_map(|&v| s.uvs.get(v as usize)));
         let bounds = used.filter(|uv| uv.iter().all(|x| x.is_finite())).fold(None, |bounds, uv| {
@@ -137,7 +137,7 @@ impl NormalTextures {
         &mut self,
         appender: &mut Appender,
         material: Option<usize>,
-        painted: &[&Surface],
+        painted: &[&ShownSurface],
         png: &[u8],
         transform: TextureTransform,
     ) {

@@ -23,15 +23,15 @@ pub use input::DetailInput;
 pub use texels::MapDepth;
 
 use crate::gltf::append::Appender;
-use crate::gltf::detail::material::{NormalTextures, TextureTransform, own_normal_map, rotate_with_surface};
+use crate::gltf::detail::material::{NormalTextures, TextureTransform, own_normal_map, rotate_with_surface, NormalTextures, TextureTransform, own_normal_map, rotate_with_surface};
 use crate::gltf::detail::painter::Painter;
-use crate::gltf::detail::surface::{Surface, surfaces};
+use crate::gltf::detail::surface::{Surface, surfaces, ShownSurface, surfaces};
 use crate::gltf::detail::texels::Texels;
 use crate::gltf::read_worn::keep_worn_pieces;
 use crate::read::{ReadOptions, read_asset};
 use crate::tuning::TUNING;
 use crease_geometry::math::Vec3;
-use crease_model::error::{Error, Result};
+use crease_model::error::{Error, Result, Error, Result};
 use crease_model::garment::{GltfDocument, SourceAsset};
 
 /// Side lengths of a detail map that can be asked for \[texels\].
@@ -122,7 +122,7 @@ impl Painted {
 /// Maps to be made.
 struct Maps<'a> {
     document: &'a GltfDocument,
-    surfaces: &'a [Surface<'a>],
+    surfaces: &'a [ShownSurface<'a>],
     painter: Painter<'a>,
     side: usize,
     depth: MapDepth,
@@ -182,7 +182,8 @@ impl Maps<'_> {
                 let (height_png, height_range_m) = painted.texels.height_png()?;
                 let in_material = reason.is_none();
                 if in_material {
-                    let shown: Vec<&Surface> = painted.surfaces.iter().map(|&s| &self.surfaces[s]).collect();
+                    let shown: Vec<&ShownSurface> =
+                        painted.surfaces.iter().map(|&s| &self.surfaces[s]).collect();
                     textures.set(appender, material, &shown, &normal_png, transform);
                 }
                 notes.extend(reason.map(|reason| format!("{reason}; that map is a separate file")));

@@ -2,7 +2,7 @@
 
 use crate::gltf::detail::input::DetailInput;
 use crate::gltf::detail::material::TextureTransform;
-use crate::gltf::detail::surface::{Surface, unit_or};
+use crate::gltf::detail::surface::{Surface, unit_or, ShownSurface, unit_or};
 use crate::gltf::detail::texels::{TexelSample, Texels};
 use crate::gltf::worn_target::{LinearPart, WornShape};
 use crease_geometry::math::{Mat3, Vec2, Vec3};
@@ -22,7 +22,7 @@ pub(super) struct SurfaceCorners {
 /// Painter of the maps.
 pub(super) struct Painter<'a> {
     detail: &'a DetailInput<'a>,
-    surfaces: &'a [Surface<'a>],
+    surfaces: &'a [ShownSurface<'a>],
     /// Per triangle of the coarse garment: the vertices of its corners.
     pub(super) corners: Vec<Option<SurfaceCorners>>,
     shape: WornShape<'a>,
@@ -31,7 +31,7 @@ pub(super) struct Painter<'a> {
 }
 
 impl<'a> Painter<'a> {
-    pub(super) fn new(detail: &'a DetailInput, surfaces: &'a [Surface]) -> Self {
+    pub(super) fn new(detail: &'a DetailInput, surfaces: &'a [ShownSurface]) -> Self {
         let sorted = |mut points: [PointIndex; 3]| {
             points.sort_unstable();
             points
@@ -56,7 +56,7 @@ impl<'a> Painter<'a> {
         });
         let shape = WornShape::new(detail.fine, detail.worn, detail.flat_normals);
         // The corners of the file's triangles are points of the fine garment, too.
-        let flat = |s: &Surface| shape.flat_vertices(s.points, &s.unworn, &s.piece.triangles);
+        let flat = |s: &ShownSurface| shape.flat_vertices(s.points, &s.unworn, &s.piece.triangles);
         let flat = surfaces.iter().map(flat).collect();
         Self { detail, surfaces, corners: corners.collect(), shape, flat }
     }

@@ -28,7 +28,7 @@ pub(super) struct AddedTangents {
 }
 
 /// Worn piece as a viewer shows it.
-pub(super) struct Surface<'a> {
+pub(super) struct ShownSurface<'a> {
     pub(super) piece: &'a SourcePiece,
     /// Materials that draw it, each once: its own first, then those of `KHR_materials_variants`.
     pub(super) materials: Vec<Option<usize>>,
@@ -51,7 +51,7 @@ pub(super) fn surfaces<'a>(
     document: &GltfDocument,
     detail: &'a DetailInput,
     notes: &mut Vec<String>,
-) -> Result<Vec<Surface<'a>>> {
+) -> Result<Vec<ShownSurface<'a>>> {
     let mut surfaces = Vec::new();
     let mut rest = &detail.fine.source_point[..];
     for piece in worn.worn_pieces() {
@@ -65,12 +65,12 @@ pub(super) fn surfaces<'a>(
             notes.push(format!("{} has no {lacks} and gets no map: {cure}", piece.name));
             continue;
         };
-        surfaces.push(Surface::new(&worn.file, document, piece, points, uvs, normals)?);
+        surfaces.push(ShownSurface::new(&worn.file, document, piece, points, uvs, normals)?);
     }
     Ok(surfaces)
 }
 
-impl<'a> Surface<'a> {
+impl<'a> ShownSurface<'a> {
     fn new(
         file: &str,
         document: &GltfDocument,

@@ -89,7 +89,7 @@ fn ripple(x: &Vec3) -> f64 {
     0.0025 * (x.x * 180.0).sin() + 0.002 * (x.z * 140.0 + x.x * 60.0).cos()
 }
 
-struct Scene {
+struct RippledSheet {
     asset: SourceAsset,
     coarse: Garment,
     fine: Garment,
@@ -97,7 +97,7 @@ struct Scene {
     worn: WornGarment,
 }
 
-impl Scene {
+impl RippledSheet {
     fn new(height: &dyn Fn(&Vec3) -> f64) -> Self {
         let asset = sheet();
         let coarse = Garment::from_asset(&asset).unwrap().0;
@@ -132,7 +132,7 @@ impl Scene {
 }
 
 /// Returns the direction a viewer shows in the middle of every fine triangle, and the fine surface's smooth normal there.
-fn shown_and_true(scene: &Scene, detailed: &DetailOutput) -> Vec<(Vec3, Vec3, Vec3)> {
+fn shown_and_true(scene: &RippledSheet, detailed: &DetailOutput) -> Vec<(Vec3, Vec3, Vec3)> {
     let options = ReadOptions { unit_m: Some(1.0), any_size: true, ..ReadOptions::default() };
     let mut alone = |name: &str| panic!("asks for {name}");
     let mut asset = read_asset("worn.glb", &detailed.glb, &options, &mut alone).unwrap().0;
@@ -176,7 +176,7 @@ fn angle_deg(a: &Vec3, b: &Vec3) -> f64 {
 
 #[test]
 fn coarse_mesh_and_map_look_like_the_fine_mesh_from_three_lights() {
-    let scene = Scene::new(&ripple);
+    let scene = RippledSheet::new(&ripple);
     let detailed = scene.detailed();
     assert!(detailed.notes.is_empty(), "{:?}", detailed.notes);
     let pixels = shown_and_true(&scene, &detailed);
@@ -203,19 +203,19 @@ fn coarse_mesh_and_map_look_like_the_fine_mesh_from_three_lights() {
 
 #[test]
 fn cloth_without_wear_has_a_flat_map() {
-    let detailed = Scene::new(&|_| 0.0).detailed();
+    let detailed = RippledSheet::new(&|_| 0.0).detailed();
     assert!(detailed.maps[0].mean_tilt_deg < 1e-3, "{}", detailed.maps[0].mean_tilt_deg);
 }
 
 /// The map that a first run left in the material is the weave that a second run rotates: on flat cloth it stays.
 #[test]
 fn a_normal_map_that_is_there_is_kept_under_the_wrinkles() {
-    let scene = Scene::new(&ripple);
+    let scene = RippledSheet::new(&ripple);
     let first = scene.detailed();
     let mut alone = |name: &str| panic!("asks for {name}");
     let options = ReadOptions { unit_m: Some(1.0), any_size: true, ..ReadOptions::default() };
     let asset = read_asset("first.glb", &first.glb, &options, &mut alone).unwrap().0;
-    let flat = Scene::new(&|_| 0.0);
+    let flat = RippledSheet::new(&|_| 0.0);
     let coarse = Garment::from_asset(&asset).unwrap().0;
     let (fine, parent) = finer(&coarse, 5);
     let memory = RestState::flat(fine.topology.hinges.len(), fine.triangles.len());
@@ -245,7 +245,7 @@ fn a_normal_map_that_is_there_is_kept_under_the_wrinkles() {
 
 #[test]
 fn parts_that_do_not_belong_together_are_rejected() {
-    let scene = Scene::new(&ripple);
+    let scene = RippledSheet::new(&ripple);
     let glb = scene.worn_glb();
     let short = DetailInput { parent: &scene.parent[1..], ..scene.detail() };
     assert!(add_detail_map(&glb, &scene.asset, &short, 1024, MapDepth::Sixteen).is_err());

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// Layers in memory, and those that were asked for in vain.
 #[derive(Debug, Default)]
-pub(super) struct Layers {
+pub(super) struct UsdLayers {
     contents: FxHashMap<String, Arc<[u8]>>,
     /// Package to the first layer in it, and address to the name of its layer where that is another.
     first_layers: FxHashMap<String, String>,
@@ -22,7 +22,7 @@ pub(super) struct Layers {
     failures: FxHashMap<String, String>,
 }
 
-impl Layers {
+impl UsdLayers {
     /// Adds the file `identifier` and returns the identifier of its layer: that of a package is its first.
     ///
     /// # Errors
@@ -208,7 +208,7 @@ mod tests {
 
     #[test]
     fn a_layer_is_found_by_the_address_it_was_asked_for() {
-        let mut layers = Layers::default();
+        let mut layers = UsdLayers::default();
         assert_eq!(layers.find("parts/sleeve"), None);
         assert_eq!(layers.take_missing(), ["parts/sleeve"]);
         assert_eq!(layers.add("parts/sleeve", b"#usda 1.0\n").as_deref(), Ok("parts/sleeve.usda"));

@@ -19,11 +19,11 @@ mod walk;
 
 use crate::pieces::{FileFrame, MASK_OPTIONS, ReadPieces, to_scene};
 use crate::tuning::TUNING;
-use crate::usd::reader::layers::Layers;
+use crate::usd::reader::layers::{Layers, UsdLayers};
 use crate::usd::reader::mesh::MaskName;
 use crate::usd::reader::stage::{Fault, Stage, UsdValue, guarded};
 use crate::usd::reader::walk::{Found, Walk, survey};
-use crease_model::error::{Error, Result};
+use crease_model::error::{Error, Result, Error, Result};
 use crease_model::garment::{ImportDiagnostic, Severity, UpAxis};
 use rustc_hash::FxHashSet;
 use std::cell::RefCell;
@@ -60,7 +60,7 @@ fn read_stage(
     resolve: &mut dyn FnMut(&str) -> Result<Vec<u8>>,
 ) -> Result<ReadPieces> {
     let refuse = |fault: Fault| Error::input(file, "", format!("it cannot be read as USD: {fault}"), REWRITE);
-    let layers = Rc::new(RefCell::new(Layers::default()));
+    let layers = Rc::new(RefCell::new(UsdLayers::default()));
     let name = file.rsplit(['/', '\\']).next().unwrap_or(file);
     let root = layers.borrow_mut().add(name, bytes).map_err(refuse)?;
     let stage = open_with_layers(&layers, &root, resolve).map_err(refuse)?;
@@ -86,7 +86,7 @@ fn read_stage(
 
 /// Composes the stage again until no layer is missing that `resolve` has.
 fn open_with_layers(
-    layers: &Rc<RefCell<Layers>>,
+    layers: &Rc<RefCell<UsdLayers>>,
     root: &str,
     resolve: &mut dyn FnMut(&str) -> Result<Vec<u8>>,
 ) -> std::result::Result<Stage, Fault> {
@@ -190,7 +190,7 @@ fn check_masks(file: &str, masks: [Option<&str>; 2], found: &Found) -> Result<()
 }
 
 /// Returns warnings about what could not be composed.
-fn unresolved(faults: Vec<(String, Option<String>)>, layers: &Layers) -> Vec<ImportDiagnostic> {
+fn unresolved(faults: Vec<(String, Option<String>)>, layers: &UsdLayers) -> Vec<ImportDiagnostic> {
     let count = faults.len();
     let warning = |(message, address): (String, Option<String>)| {
         let reason =

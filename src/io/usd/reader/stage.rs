@@ -1,9 +1,9 @@
 //! Composed stage of USD layers in memory: the only file that names the package `openusd`.
 //!
 //! The package composes references, payloads, sublayers, inherits and variants; this file gives its prims and values in types of
-//! this crate. Layers come from [`Layers`], never from a file system.
+//! this crate. UsdLayers come from [`UsdLayers`], never from a file system.
 
-use crate::usd::reader::layers::{Layers, joined};
+use crate::usd::reader::layers::{Layers, joined, UsdLayers, joined};
 use openusd::ar::{Asset, ResolvedPath, Resolver};
 use openusd::sdf::{Path, Value};
 use openusd::usd;
@@ -56,7 +56,7 @@ pub(super) fn guarded<T>(read: impl FnOnce() -> T) -> Option<T> {
 
 impl Stage {
     /// Composes the stage of the layer `root` of `layers`.
-    pub(super) fn open(layers: &Rc<RefCell<Layers>>, root: &str) -> Result<Self, Fault> {
+    pub(super) fn open(layers: &Rc<RefCell<UsdLayers>>, root: &str) -> Result<Self, Fault> {
         let resolver = LayerResolver { layers: Rc::clone(layers) };
         usd::Stage::builder().resolver(resolver).open(root).map(Self).map_err(words)
     }
@@ -241,7 +241,7 @@ fn converted(value: Value) -> UsdValue {
 
 /// Finds layers in memory.
 struct LayerResolver {
-    layers: Rc<RefCell<Layers>>,
+    layers: Rc<RefCell<UsdLayers>>,
 }
 
 impl Resolver for LayerResolver {
