@@ -5,7 +5,7 @@ use crease::internal::bake::{Bake, BakeOptions};
 use crease::internal::wear::WearScript;
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::intersections::intersections_between;
-use crease_io::{read_body, ReadOptions, read_asset};
+use crease_io::{ReadOptions, read_asset, read_body};
 use crease_model::body::{AnimatedBody, BodyMotion, BodyPose, Sequence};
 use crease_model::fabric::Fabric;
 use crease_model::garment::{Garment, SourceAsset, SourcePiece};

@@ -7,7 +7,7 @@ use crease::internal::bake::{Bake, BakeOptions, BakeResult, Checkpoint, Observer
 use crease::internal::wear::WearScript;
 use crease::{Error, Result};
 use crease_geometry::math::Vec3;
-use crease_io::{read_body, ReadOptions, read_asset};
+use crease_io::{ReadOptions, read_asset, read_body};
 use crease_model::fabric::Fabric;
 use crease_model::garment::Garment;
 use crease_solver::sim::Method;

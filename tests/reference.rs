@@ -3,10 +3,10 @@
 #[path = "reference/external.rs"]
 mod external;
 
-use crease::fabric::Fabric;
-use crease::math::Vec3;
-use crease::mesh::PointIndex;
 use crease::self_intersections;
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::PointIndex;
+use crease_model::fabric::Fabric;
 use external::external;
 use test_attributes::needs_data;
 

@@ -16,7 +16,7 @@ pub trait Load: Sized {
     /// Loads the file at `path`.
     ///
     /// # Errors
-    /// [`crate::Error::Input`] with the problems of the file; [`crate::Error::File`] if it cannot be read.
+    /// [`crease_model::error::Error::Input`] with the problems of the file; [`crease_model::error::Error::File`] if it cannot be read.
     fn load(path: impl AsRef<Path>) -> Result<Self>;
 }
 
@@ -25,7 +25,7 @@ pub trait Save {
     /// Saves the value at `path`.
     ///
     /// # Errors
-    /// [`crate::Error::File`] if the file cannot be written.
+    /// [`crease_model::error::Error::File`] if the file cannot be written.
     fn save(&self, path: impl AsRef<Path>) -> Result<()>;
 }
 
@@ -67,7 +67,7 @@ impl Save for Sidecar {
     }
 }
 
-/// A checkpoint, for [`crate::Bake::resume`].
+/// A checkpoint, for [`crate::bake::Bake::resume`].
 impl Load for Checkpoint {
     fn load(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
@@ -85,7 +85,7 @@ impl Save for Checkpoint {
 /// `options` do not choose as the garment. The garment's size is not checked.
 ///
 /// # Errors
-/// [`crate::Error::Input`] with every problem of the file; [`crate::Error::File`] if it cannot be read.
+/// [`crease_model::error::Error::Input`] with every problem of the file; [`crease_model::error::Error::File`] if it cannot be read.
 pub fn load_body(path: impl AsRef<Path>, options: &ReadOptions) -> Result<AnimatedBody> {
     let options = &ReadOptions { any_size: true, skip_damaged: true, ..options.clone() };
     let (asset, _) = read_asset_file(path.as_ref(), options)?;

@@ -8,7 +8,7 @@ use crease_model::garment::{Garment, RestState, SourceAsset};
 /// The surface, memory and joints of `sidecar`; `file` is its name in messages.
 ///
 /// # Errors
-/// [`crate::Error::Input`] if a triangle is degenerate or the hinges are not those of the triangles.
+/// [`crease_model::error::Error::Input`] if a triangle is degenerate or the hinges are not those of the triangles.
 pub fn transfer_source(file: &str, sidecar: &Sidecar) -> Result<TransferSource> {
     let (surface, memory) = sidecar_surface(file, sidecar)?;
     let simulated = sidecar.simulated.as_deref().map(|own| sidecar_surface(file, own));

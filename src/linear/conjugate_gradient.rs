@@ -2,8 +2,8 @@
 //! independent check of the direct solver.
 
 use crate::block_matrix::BlockMatrix;
-use crate::vector::{Mat3, Vec3, dot};
-use crease_geometry::math::{Mat3, ResidualTolerance, Vec3, conjugate_gradients};
+use crate::conjugate_gradients::{ResidualTolerance, conjugate_gradients};
+use crate::vector::{Mat3, Vec3};
 
 /// Outcome of conjugate gradients.
 #[derive(Debug, Clone)]

@@ -23,8 +23,10 @@ mod conjugate_gradients;
 mod tuning;
 mod vector;
 
-pub use block_matrix::{BlockMatrix, FIXED_ROW, StencilVisitor};
+pub use block_matrix::{BlockMatrix, INVALID, StencilVisitor};
 pub use block_sink::{BlockSink, add_symmetric};
 pub use cholesky::{Cholesky, FactorError, FactorSize, ScalarCholesky, SolveCost};
 pub use conjugate_gradient::{Solution, conjugate_gradient};
-pub use conjugate_gradients::{Unknown, conjugate_gradients};
+pub use conjugate_gradients::{
+    IterationOutcome, ResidualTolerance, Unknown, by_diagonal, conjugate_gradients,
+};

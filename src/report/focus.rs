@@ -5,10 +5,9 @@
 //! garment without a given direction is seen from the side on which its memory is.
 
 use crate::report::GarmentView;
-use crate::report::render::{Camera, Focus, Camera, Focus, is_viewed_from_above};
+use crate::report::render::{Camera, Focus, is_viewed_from_above};
 use crease_geometry::math::{Vec3, bounds};
 use crease_geometry::mesh::{PointIndex, triangle};
-use crease_model::garment::{Footprint, is_lying};
 
 /// Radius of the focus as a fraction of the radius of the garment [-].
 const FOCUS_FRACTION: f64 = 0.4;

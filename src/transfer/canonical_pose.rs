@@ -6,10 +6,9 @@
 //! also how wear scripts name positions. The depth of a garment that lies flat says nothing about a body: it is scaled
 //! like the other axes.
 
-use crease_model::garment::{is_flat_across, Footprint, is_lying};
-use crease_geometry::math::{Mat3, Vec3, bounds, Mat3, Vec3, bounds};
-use crate::transfer::surface::GarmentSurface;
 use crate::transfer::tuning::TUNING;
+use crease_geometry::math::{Mat3, Vec3, bounds};
+use crease_model::garment::is_flat_across;
 use crease_model::remesh::GarmentSurface;
 
 /// Map from file coordinates to the canonical pose, and the box there.

@@ -66,8 +66,7 @@ pub struct FoldRecord {
     #[serde(with = "crease_geometry::math::serde_vec::vector")]
     pub along: Vec3,
     /// Unit vector from the line to where the flap lay before.
-    #[serde(rename = "out", with = "crease_geometry::math::serde_vec::vector")] 
-    #[serde(with = "crease_geometry::math::serde_vec::vector")] 
+    #[serde(with = "crease_geometry::math::serde_vec::vector")]
     pub outward: Vec3,
     /// Angle by which the flap was turned [rad].
     pub angle: f64,
@@ -87,8 +86,7 @@ pub enum TurnRecord {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PersistentState {
     /// Rotation of the garment as a whole, from directions of its file to present ones.
-    #[serde(rename = "turned", with = "crease_geometry::math::serde_vec::matrix")] 
-    #[serde(with = "crease_geometry::math::serde_vec::matrix")] 
+    #[serde(with = "crease_geometry::math::serde_vec::matrix")]
     pub orientation: Mat3,
     /// Frame that fractions refer to, once the garment lies or hangs.
     pub frame: Option<GarmentFrame>,

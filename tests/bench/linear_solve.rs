@@ -8,7 +8,7 @@
 mod faer_sparse;
 
 use crease_geometry::math::{Mat3, Vec3};
-use crease_linear::{BlockSink, BlockMatrix, Cholesky, FactorSize};
+use crease_linear::{BlockMatrix, BlockSink, Cholesky, FactorSize};
 use faer_sparse::FaerSparse;
 use std::collections::HashMap;
 use std::time::Instant;

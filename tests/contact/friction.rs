@@ -3,7 +3,7 @@
 use crate::run::{COTTON, Kind, Pattern, Run};
 use crease_geometry::math::Vec3;
 use crease_solver::energy::TargetSpring;
-use crease_solver::sim::{State, GRAVITY, Loads};
+use crease_solver::sim::{GRAVITY, Loads, State};
 
 const MU: f64 = 0.3;
 

@@ -1,7 +1,9 @@
 //! A fold transferred to a garment whose triangles do not follow it.
 
 use crease::internal::files::GarmentFile;
-use crease::internal::transfer::{MatchBy, Transfer, TransferResult, TransferSource, mesh_along_creases, relax_carried};
+use crease::internal::transfer::{
+    MatchBy, Transfer, TransferResult, TransferSource, mesh_along_creases, relax_carried,
+};
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::intersections::self_intersections;
 use crease_model::fabric::{DEFAULT_FABRIC, Fabric};

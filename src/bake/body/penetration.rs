@@ -38,8 +38,7 @@ pub struct BodyPenetrationStats {
     /// Steps with intersections where the body does not touch itself.
     steps: usize,
     /// Middle of those after the last step [m].
-    #[serde(default, with = "crease_geometry::math::serde_vec::vector")] 
-    #[serde(with = "crease_geometry::math::serde_vec::vector")] 
+    #[serde(with = "crease_geometry::math::serde_vec::vector")]
     open_position: Vec3,
     /// Time since which there are many of them without a pause [s].
     many_since: Option<f64>,

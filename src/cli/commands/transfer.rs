@@ -17,7 +17,9 @@ use clap::ValueEnum;
 use crease::internal::bake::RelaxResult;
 use crease::internal::files::GarmentFile;
 use crease::internal::report::{TransferReport, crossing_counts, source_crossings};
-use crease::internal::transfer::{mesh_along_creases, Align, MatchBy, PointPair, Transfer, TransferResult, TransferSource};
+use crease::internal::transfer::{
+    Align, MatchBy, PointPair, Transfer, TransferResult, TransferSource, mesh_along_creases,
+};
 use crease_io::{Landmarks, ReadOptions, Sidecar};
 use crease_model::error::Result;
 use crease_model::fabric::{DEFAULT_FABRIC, Fabric};

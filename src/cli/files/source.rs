@@ -4,7 +4,7 @@ use crate::files::input;
 use crease::internal::bake::RelaxResult;
 use crease::internal::files::{read_asset_file, transfer_source};
 use crease::internal::report::CarriedSource;
-use crease::internal::transfer::{relax_carried, TransferResult, TransferSource};
+use crease::internal::transfer::{TransferResult, TransferSource, relax_carried};
 use crease_io::gltf::sidecar_name;
 use crease_io::{ReadOptions, Sidecar, read_sidecar};
 use crease_model::error::{Error, Result};

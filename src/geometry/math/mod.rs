@@ -6,7 +6,6 @@ mod rotation;
 pub mod serde_vec;
 mod vector;
 
-pub(crate) use conjugate_gradients::{ResidualTolerance, by_diagonal, conjugate_gradients};
 pub use plane_stretch::PlaneStretch;
 pub use rng::Rng;
 pub use rotation::{NearestRotation, nearest_rotation};

@@ -13,10 +13,10 @@ use crate::gltf::meshopt::{MESHOPT_EXTENSION, decode_views, remove_extension};
 use crate::gltf::names::{DRACO_CURE, DRACO_EXTENSION};
 use crate::gltf::piece_reader::PieceReader;
 use crate::gltf::primitive::MaskChannel;
-use crate::gltf::scene::{Scene, SceneNodes};
+use crate::gltf::scene::SceneNodes;
 use crate::pieces::ReadPieces;
 use crease_geometry::math::Mat4;
-use crease_model::error::{Error, Result, Error, Result};
+use crease_model::error::{Error, Result};
 use crease_model::garment::GltfDocument;
 
 /// Prefixes of extensions that a file may require although they are not supported: they change the look of surfaces or

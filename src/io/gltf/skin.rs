@@ -6,7 +6,7 @@
 
 use crate::gltf::accessor::{Accessors, Table};
 use crate::gltf::json_cursor::Cursor;
-use crate::gltf::scene::{Scene, SceneNodes};
+use crate::gltf::scene::SceneNodes;
 use crate::tuning::TUNING;
 use crease_geometry::math::Mat4;
 use crease_model::body::rig::SkinJoint;

@@ -8,12 +8,11 @@
 //! minimum vertex cover. The tree of separators is the assembly tree of the factorisation (`symbolic.rs`). Values of
 //! the matrix are not used.
 
-use crate::block_matrix::{BlockMatrix, BlockMatrix, INVALID};
+use crate::block_matrix::{BlockMatrix, INVALID};
 use crate::cholesky::prefix_sum::prefix_sum;
 use crate::cholesky::tuning::TUNING;
 use crate::cholesky::vertex_cover::minimum_vertex_cover;
 use crate::vector::Vec3;
-use crease_geometry::math::Vec3;
 
 /// Number of planes tried per axis.
 const PLANES: usize = TUNING.dissection.planes_per_axis;

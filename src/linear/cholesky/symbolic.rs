@@ -5,12 +5,11 @@
 //! children. Everything is a flat sorted list, as the pattern changes with the contacts. Values of the matrix are not
 //! used.
 
-use crate::block_matrix::{BlockMatrix, BlockMatrix, INVALID};
-use crate::cholesky::nested_dissection::{NONE, Tree, Tree};
+use crate::block_matrix::{BlockMatrix, INVALID};
+use crate::cholesky::nested_dissection::Tree;
 use crate::cholesky::prefix_sum::prefix_sum;
 use crate::cholesky::trapezoidal_storage;
 use crate::vector::Vec3;
-use crease_geometry::math::Vec3;
 
 /// One dense matrix. Its local rows are its pivots and then its update rows, both in elimination order.
 #[derive(Debug, Clone, Default)]

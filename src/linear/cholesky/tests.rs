@@ -2,11 +2,11 @@
 
 use super::*;
 use crate::BlockSink;
-use crate::block_matrix::{FIXED_ROW, INVALID};
+use crate::block_matrix::{INVALID};
 use crate::conjugate_gradient::conjugate_gradient;
 use crate::vector::Mat3;
-use crease_geometry::math::{Rng, Mat3, Rng};
-use crease_solver::energy::BlockSink;
+use crease_geometry::math::{Rng};
+use crate::BlockSink;
 
 /// Points with the pairs that are coupled.
 struct CoupledPoints {

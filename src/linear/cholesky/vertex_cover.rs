@@ -4,7 +4,7 @@
 //! plane, a few hundred nodes) gives a minimum vertex cover by Koenig's theorem. Without recursion, as paths may be
 //! long.
 
-use crate::sim::linear::block_matrix::INVALID;
+use crate::block_matrix::INVALID;
 
 /// Returns for each left and each right node whether it is in a minimum vertex cover. The neighbours of left node i are
 /// the right nodes `across[start[i]..start[i + 1]]`.

@@ -2,8 +2,8 @@
 //!
 //! Files do not say how a garment is posed, so its proportions or its normals decide.
 
-use crease_geometry::math::Vec3;
 use crate::garment::tuning::TUNING;
+use crease_geometry::math::Vec3;
 
 /// Largest extent along `axis` of a garment that is flat across it \[m\], where its bounding box has the sides `size` \[m\].
 pub fn max_flat_extent(size: &Vec3, axis: usize) -> f64 {

@@ -10,7 +10,9 @@ use crate::worn::PyWorn;
 use crease::internal::bake::RelaxResult;
 use crease::internal::files::GarmentFile;
 use crease::internal::report::{TransferReport, crossing_counts, source_crossings};
-use crease::internal::transfer::{mesh_along_creases, Align, MatchBy, Transfer, TransferResult, TransferSource};
+use crease::internal::transfer::{
+    Align, MatchBy, Transfer, TransferResult, TransferSource, mesh_along_creases,
+};
 use crease_cli::files::earlier_memory::left_out_warning;
 use crease_cli::files::source::{carried_sources, fabric_of, origins, read_source, relax_target};
 use crease_io::Sidecar;

@@ -4,7 +4,6 @@
 //! perspective is weak, so that sizes can be compared.
 
 use crease_geometry::math::{Vec2, Vec3};
-use crease_model::garment::{Footprint, is_lying};
 
 /// Camera; angles that are `None` are chosen from the garment.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,7 +4,7 @@ use crate::report::render::camera::Camera;
 use crate::report::render::field::Colouring;
 use crate::report::render::image::Image;
 use crate::report::render::shade::shade;
-use crate::report::render::surface::{Surface, DrawnSurface};
+use crate::report::render::surface::DrawnSurface;
 use crate::report::render::{caption, raster};
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::PointIndex;

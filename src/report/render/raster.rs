@@ -1,9 +1,9 @@
 //! Rasterisation: the triangle seen by each sample of the picture, by a depth buffer of twice the resolution in both
 //! directions.
 
-use crease_geometry::math::{Vec2, Vec3, Vec2, Vec3};
-use crease_geometry::mesh::INVALID;
 use crate::report::render::camera::Projection;
+use crease_geometry::math::{Vec2, Vec3};
+use crease_geometry::mesh::INVALID;
 
 /// Samples per pixel in each direction.
 pub(super) const SAMPLES: usize = 2;

@@ -1,8 +1,6 @@
 //! Shading: colours of the samples from surface, lights, shadow and occlusion. Cloth is lit on both sides; its inner side
 //! has a warmer colour. All values are in linear light until the last step.
 
-use crease_geometry::math::{Vec3, Vec3};
-use crease_geometry::mesh::INVALID;
 use crate::report::render::camera::Projection;
 use crate::report::render::colour::to_srgb;
 use crate::report::render::image::Image;
@@ -10,7 +8,9 @@ use crate::report::render::lights::Lights;
 use crate::report::render::occlusion::{occlusion, pixel_depths};
 use crate::report::render::raster::{SAMPLES, Samples, sample_position};
 use crate::report::render::shadow::Shadow;
-use crate::report::render::surface::{ShadedSurface, Surface, DrawnSurface, ShadedSurface};
+use crate::report::render::surface::{DrawnSurface, ShadedSurface};
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::INVALID;
 use rayon::prelude::*;
 
 /// Background and ground, linear light.

@@ -6,15 +6,15 @@
 //! by three.js (`three/`, bundled by `three/build.mjs`); `page/` holds the page itself. Numbers are embedded as 32-bit
 //! floats in base64, positions of frames as 16-bit fractions of their bounding box.
 
-use crease_model::garment::{SourceAsset, SourcePiece, Footprint, SourceAsset, SourcePiece, is_lying};
-use crease_io::{Sidecar, Sidecar};
-use crease_geometry::math::{Vec3, bounds, Vec3, bounds};
-use crease_geometry::mesh::{INVALID, PointIndex, PointIndex};
 use crate::report::garment_view::{ColorBy, GarmentView};
 use crate::report::html::escaped;
 use crate::report::render::{ColourMap, Values, is_viewed_from_above};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use crease_geometry::math::{Vec3, bounds};
+use crease_geometry::mesh::{INVALID, PointIndex};
+use crease_io::Sidecar;
+use crease_model::garment::{SourceAsset, SourcePiece};
 use serde_json::{Value, json};
 
 const PAGE: &str = include_str!("page/page.html");

@@ -6,7 +6,7 @@
 use crate::contact::tuning::TUNING;
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::triangle_bvh::TriangleBvh;
-use crease_geometry::mesh::{PointIndex, triangle, PointIndex, Topology, triangle};
+use crease_geometry::mesh::{PointIndex, Topology, triangle};
 use rayon::prelude::*;
 
 /// Points of a body in its self folds.

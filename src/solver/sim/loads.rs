@@ -90,8 +90,7 @@ pub struct Loads {
     /// Rate of linear air drag [1/s].
     pub drag: f64,
     /// Maximum time step that resolves the motion of the loads [s].
-    #[serde(rename = "longest_step", with = "crease_geometry::math::serde_vec::limit")] 
-    #[serde(with = "crease_geometry::math::serde_vec::limit")] 
+    #[serde(with = "crease_geometry::math::serde_vec::limit")]
     pub max_dt: f64,
 }
 

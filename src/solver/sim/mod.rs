@@ -13,9 +13,6 @@ mod violations;
 
 pub use cloth::{Cloth, Sewing, SewnStrips};
 pub use integrator::{InnerSolver, MAX_DT_GROWTH, Method, Stage};
-pub use linear::block_matrix::{BlockMatrix, INVALID, StencilVisitor};
-pub use linear::cholesky::{Cholesky, FactorError, FactorSize, ScalarCholesky, SolveCost};
-pub use linear::conjugate_gradient::{Solution, conjugate_gradient};
 pub use loads::{GRAVITY, LoadSource, Loads, SphereLoad};
 pub use newton::{Inertia, NewtonOptions, NewtonReport, NewtonSeconds, Problem, Workspace};
 pub use state::{PreviousState, State};

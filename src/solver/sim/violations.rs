@@ -14,8 +14,7 @@ pub struct Violation {
     /// Size in the unit of its kind; see [`Violations`].
     pub size: f64,
     /// Position on the cloth [m].
-    #[serde(rename = "place", with = "crease_geometry::math::serde_vec::vector")] 
-    #[serde(with = "crease_geometry::math::serde_vec::vector")] 
+    #[serde(with = "crease_geometry::math::serde_vec::vector")]
     pub position: Vec3,
 }
 

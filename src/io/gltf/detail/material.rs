@@ -3,7 +3,7 @@
 
 use crate::gltf::append::Appender;
 use crate::gltf::detail::references::{VARIANTS, index_of, variant_mappings};
-use crate::gltf::detail::surface::{Surface, unit_or, ShownSurface, unit_or};
+use crate::gltf::detail::surface::{ShownSurface, unit_or};
 use crate::gltf::detail::texels::Texels;
 use crate::gltf::embed::image_bytes;
 use crate::tuning::TUNING;

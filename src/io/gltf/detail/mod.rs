@@ -23,15 +23,15 @@ pub use input::DetailInput;
 pub use texels::MapDepth;
 
 use crate::gltf::append::Appender;
-use crate::gltf::detail::material::{NormalTextures, TextureTransform, own_normal_map, rotate_with_surface, NormalTextures, TextureTransform, own_normal_map, rotate_with_surface};
+use crate::gltf::detail::material::{NormalTextures, TextureTransform, own_normal_map, rotate_with_surface};
 use crate::gltf::detail::painter::Painter;
-use crate::gltf::detail::surface::{Surface, surfaces, ShownSurface, surfaces};
+use crate::gltf::detail::surface::{ShownSurface, surfaces};
 use crate::gltf::detail::texels::Texels;
 use crate::gltf::read_worn::keep_worn_pieces;
 use crate::read::{ReadOptions, read_asset};
 use crate::tuning::TUNING;
 use crease_geometry::math::Vec3;
-use crease_model::error::{Error, Result, Error, Result};
+use crease_model::error::{Error, Result};
 use crease_model::garment::{GltfDocument, SourceAsset};
 
 /// Side lengths of a detail map that can be asked for \[texels\].

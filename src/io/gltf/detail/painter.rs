@@ -2,7 +2,7 @@
 
 use crate::gltf::detail::input::DetailInput;
 use crate::gltf::detail::material::TextureTransform;
-use crate::gltf::detail::surface::{Surface, unit_or, ShownSurface, unit_or};
+use crate::gltf::detail::surface::{ShownSurface, unit_or};
 use crate::gltf::detail::texels::{TexelSample, Texels};
 use crate::gltf::worn_target::{LinearPart, WornShape};
 use crease_geometry::math::{Mat3, Vec2, Vec3};

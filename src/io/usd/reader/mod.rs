@@ -19,11 +19,11 @@ mod walk;
 
 use crate::pieces::{FileFrame, MASK_OPTIONS, ReadPieces, to_scene};
 use crate::tuning::TUNING;
-use crate::usd::reader::layers::{Layers, UsdLayers};
+use crate::usd::reader::layers::UsdLayers;
 use crate::usd::reader::mesh::MaskName;
 use crate::usd::reader::stage::{Fault, Stage, UsdValue, guarded};
 use crate::usd::reader::walk::{Found, Walk, survey};
-use crease_model::error::{Error, Result, Error, Result};
+use crease_model::error::{Error, Result};
 use crease_model::garment::{ImportDiagnostic, Severity, UpAxis};
 use rustc_hash::FxHashSet;
 use std::cell::RefCell;

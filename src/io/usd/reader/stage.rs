@@ -3,7 +3,7 @@
 //! The package composes references, payloads, sublayers, inherits and variants; this file gives its prims and values in types of
 //! this crate. UsdLayers come from [`UsdLayers`], never from a file system.
 
-use crate::usd::reader::layers::{Layers, joined, UsdLayers, joined};
+use crate::usd::reader::layers::{UsdLayers, joined};
 use openusd::ar::{Asset, ResolvedPath, Resolver};
 use openusd::sdf::{Path, Value};
 use openusd::usd;

@@ -19,11 +19,9 @@
 
 use crate::remesh::carry::surface::GarmentSurface;
 use crate::remesh::carry::tuning::TUNING;
-use crease_geometry::math::{Vec2, Vec3, ResidualTolerance, Vec2, Vec3, by_diagonal, conjugate_gradients};
+use crease_geometry::math::{Vec2, Vec3};
 use crease_geometry::mesh::triangle;
-use crease_linear::conjugate_gradients;
-use crease::transfer::surface::GarmentSurface;
-use crease::transfer::tuning::TUNING;
+use crease_linear::{ResidualTolerance, by_diagonal, conjugate_gradients};
 use nalgebra::{Matrix3, Vector3};
 
 /// A symmetric tensor in a face's own frame, as (xx, yy, sqrt2 xy): its length is the tensor's Frobenius norm.

@@ -19,12 +19,12 @@
 //! them, so that its ridge is straight. A motion of the whole garment comes out as it is, and so does the volume under the surface.
 
 use crate::garment::Garment;
-use crease_geometry::math::{Mat3, ResidualTolerance, Vec3, by_diagonal, conjugate_gradients, Mat3, Vec3};
-use crease_geometry::mesh::triangle::{self, nearest_corner, sample_weights, self, nearest_corner, sample_weights};
-use crease_geometry::mesh::{Hinge, PointIndex, point_rotations, turned, Hinge, PointIndex, point_rotations, turned};
 use crate::remesh::tuning::TUNING;
 use crate::remesh::{SimulationMesh, SurfaceFinder, SurfacePoint, interpolate};
-use crease_linear::conjugate_gradients;
+use crease_geometry::math::{Mat3, Vec3};
+use crease_geometry::mesh::triangle::{self, nearest_corner, sample_weights};
+use crease_geometry::mesh::{Hinge, PointIndex, point_rotations, turned};
+use crease_linear::{ResidualTolerance, by_diagonal, conjugate_gradients};
 use rayon::prelude::*;
 
 impl SimulationMesh {

@@ -1,8 +1,8 @@
 use super::search_query::ROUNDING;
 use super::*;
-use crate::contact::step_bounds::local_step_fractions;
+
 use crease_geometry::math::{Rng, Vec3};
-use crease_geometry::mesh::intersections::self_intersections;
+
 use crease_geometry::mesh::{PointIndex, Topology};
 use std::collections::BTreeSet;
 

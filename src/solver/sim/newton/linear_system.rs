@@ -1,15 +1,12 @@
 //! The linear system of one iteration: assembly, and the Newton direction.
 
 use crate::contact::Contact;
-use crease_geometry::math::{Vec3, dot, Vec3, dot};
-use crease_linear::block_matrix::{BlockMatrix, INVALID};
-use crease_linear::cholesky::FactorError;
-use crease_linear::conjugate_gradient::conjugate_gradient;
 use crate::sim::newton::problem::{Inertia, Problem};
 use crate::sim::newton::report::NewtonReport;
 use crate::sim::newton::tuning::TUNING;
 use crate::sim::newton::workspace::Workspace;
-use crease_linear::{BlockMatrix, FIXED_ROW, FactorError, conjugate_gradient};
+use crease_geometry::math::{Vec3, dot};
+use crease_linear::{BlockMatrix, FactorError, INVALID, conjugate_gradient};
 use std::time::Instant;
 
 /// Properties of a direction.
