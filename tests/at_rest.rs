@@ -5,6 +5,7 @@ use crease::internal::wear::WearScript;
 use crease_io::{ReadOptions, read_asset};
 use crease_model::fabric::Fabric;
 use crease_model::garment::{Garment, RestState};
+use crease_solver::sim::StepOptions;
 use std::fmt::Write;
 
 /// A level sheet of 8 x 8 squares of 20 mm.
@@ -31,11 +32,13 @@ fn fabric() -> Fabric {
 fn worn(actions: &str, iterations: usize, slack: f64) -> BakeReport {
     let text = format!(r#"{{"format": "crease-wear/1", "actions": [{actions}]}}"#);
     let script = WearScript::parse("wear.json", &text).expect("is valid");
-    let mut options = BakeOptions { memory: false, energy_tol_m: slack, ..BakeOptions::default() };
-    options.step.newton.max_iterations = iterations;
+    let mut step = StepOptions::default();
+    step.newton.max_iterations = iterations;
     if slack == 0.0 {
-        options.step.newton.displacement_tol = 0.0;
+        step.newton.displacement_tol = 0.0;
     }
+    let options =
+        BakeOptions { memory: false, step: Some(step), energy_tol_m: Some(slack), ..BakeOptions::default() };
     Bake::new(&sheet(), &fabric(), &script).options(options).run().expect("bakes").report
 }
 

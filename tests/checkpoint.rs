@@ -5,12 +5,13 @@ mod tool;
 
 use crease::internal::bake::{Bake, BakeOptions, BakeResult, Checkpoint, Observer};
 use crease::internal::wear::WearScript;
+use crease_model::body::AnimatedBody;
+use crease_model::fabric::{Fabric, Fabric};
+use crease_model::garment::{Garment, Garment};
+use crease_io::{ReadOptions, read_asset, ReadOptions, read_asset, read_body};
+use crease_geometry::math::{Vec3, Vec3};
+use crease_solver::sim::{Method, StepOptions, Method};
 use crease::{Error, Result};
-use crease_geometry::math::Vec3;
-use crease_io::{ReadOptions, read_asset, read_body};
-use crease_model::fabric::Fabric;
-use crease_model::garment::Garment;
-use crease_solver::sim::Method;
 use tool::{Pose, wavy_sheet};
 
 /// Every action whose runner has a state of its own: `lay` its ceiling, `unfold` the fold it opens.
@@ -44,8 +45,8 @@ impl Scene {
         let (asset, _) = read_asset("sheet.obj", text.as_bytes(), &read, &mut |_| Ok(Vec::new())).unwrap();
         let mut options =
             BakeOptions { frames_per_second: 5.0, checkpoint_steps: 8, ..BakeOptions::default() };
-        options.step.method = method;
-        options.finest_edge = 0.02;
+        options.step = Some(StepOptions { method, ..options.step() });
+        options.finest_edge = Some(0.02);
         // One method on a mesh of its own, which is refined during the run; the others on the sheet's few triangles.
         options.own_triangles = method != Method::BackwardEuler;
         Self {

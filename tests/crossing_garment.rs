@@ -23,7 +23,7 @@ fn folded(garment: &Garment) -> BakeResult {
         {"settle": {"for": 1.0}}]}"#;
     let script = WearScript::parse("folds.json", script).expect("is a script");
     let fabric = Fabric::preset(DEFAULT_FABRIC).expect("exists");
-    let options = BakeOptions { finest_edge: 0.04, ..BakeOptions::default() };
+    let options = BakeOptions { finest_edge: Some(0.04), ..BakeOptions::default() };
     Bake::new(garment, &fabric, &script).options(options).run().expect("runs")
 }
 

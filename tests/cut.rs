@@ -29,7 +29,7 @@ fn worn(actions: &str, from: Option<&Checkpoint>, observer: &mut dyn Observer) -
     let script = format!(r#"{{"format": "crease-wear/1", "actions": [{actions}]}}"#);
     let script = WearScript::parse("wear.json", &script).expect("is a script");
     let fabric = Fabric::preset(DEFAULT_FABRIC).expect("exists");
-    let options = BakeOptions { finest_edge: 0.04, checkpoint_steps: 8, ..BakeOptions::default() };
+    let options = BakeOptions { finest_edge: Some(0.04), checkpoint_steps: 8, ..BakeOptions::default() };
     let garment = shirt(0.0, false);
     let mut bake = Bake::new(&garment, &fabric, &script).options(options);
     if let Some(checkpoint) = from {

@@ -33,7 +33,7 @@ fn bake(
 ) -> WornGarment {
     let fabric = Fabric::preset("kow-tshirt").expect("is a fabric");
     let script = script(actions);
-    let options = BakeOptions { own_triangles, ..BakeOptions::for_quality(Quality::Draft) };
+    let options = BakeOptions { own_triangles, quality: Quality::Draft, ..BakeOptions::default() };
     let mut bake = Bake::new(garment, &fabric, &script).options(options);
     if let Some(earlier) = earlier {
         bake = bake.earlier_memory(earlier);

@@ -26,7 +26,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 /// A bake to be run: the script is simulated on the garment, and the garment is relaxed to its source pose with the memory
-/// that it earned.
+/// that it earned. The methods that set something may be called in any order.
 ///
 /// ```
 /// use crease::{Bake, Fabric, GarmentFile, Quality, WearScript};
@@ -48,15 +48,51 @@ pub struct Bake<'a> {
     script: &'a WearScript,
     script_name: &'a str,
     options: BakeOptions,
+    chosen: ChosenOptions,
     earlier: Option<&'a RestState>,
     resume_from: Option<(&'a str, Checkpoint)>,
+}
+
+/// Options set by methods of [`Bake`]; they stand over those of [`Bake::options`].
+#[derive(Debug, Clone, Default)]
+struct ChosenOptions {
+    quality: Option<Quality>,
+    body: Option<Arc<AnimatedBody>>,
+    skin: Option<Arc<GarmentSkin>>,
+    memory: Option<bool>,
+    strength: Option<f64>,
+    frames_per_second: Option<f64>,
+}
+
+impl ChosenOptions {
+    /// Returns `options` with those that are chosen here instead.
+    fn over(&self, options: BakeOptions) -> BakeOptions {
+        let Self { quality, body, skin, memory, strength, frames_per_second } = self.clone();
+        BakeOptions {
+            quality: quality.unwrap_or(options.quality),
+            body: body.or(options.body),
+            skin: skin.or(options.skin),
+            memory: memory.unwrap_or(options.memory),
+            strength: strength.unwrap_or(options.strength),
+            frames_per_second: frames_per_second.unwrap_or(options.frames_per_second),
+            ..options
+        }
+    }
 }
 
 impl<'a> Bake<'a> {
     /// A bake of `garment`, made of `fabric`, through `script`, with the default options.
     pub fn new(garment: &'a Garment, fabric: &'a Fabric, script: &'a WearScript) -> Self {
-        let options = BakeOptions::default();
-        Self { garment, fabric, script, script_name: "the script", options, earlier: None, resume_from: None }
+        Self {
+            garment,
+            fabric,
+            script,
+            script_name: "the script",
+            options: BakeOptions::default(),
+            chosen: ChosenOptions::default(),
+            earlier: None,
+            resume_from: None,
+        }
     }
 
     /// Sets the memory that the garment begins with, one entry per hinge and triangle of it: that of an earlier bake, to be
@@ -65,51 +101,55 @@ impl<'a> Bake<'a> {
         Self { earlier: Some(memory), ..self }
     }
 
-    /// Sets every option, also those that the other methods set.
+    /// Sets the options that the other methods do not set.
     pub fn options(self, options: BakeOptions) -> Self {
         Self { options, ..self }
     }
 
-    /// Sets the compromise between speed and accuracy; body, skin, memory and frames stay as they are.
-    pub fn quality(self, quality: Quality) -> Self {
-        let BakeOptions { memory, frames_per_second, ref body, ref skin, .. } = self.options;
-        let options = BakeOptions {
-            memory,
-            frames_per_second,
-            body: body.clone(),
-            skin: skin.clone(),
-            ..BakeOptions::for_quality(quality)
-        };
-        Self { options, ..self }
+    /// Sets the compromise between speed and accuracy: the preset of all options that are not set otherwise.
+    ///
+    /// ```
+    /// use crease::{Bake, BakeOptions, Fabric, GarmentFile, Quality, WearScript};
+    /// # let (sheet, fabric) = (GarmentFile::sheet([0.2, 0.2], [2, 2])?, Fabric::preset("denim")?);
+    /// # let script = WearScript::parse("", r#"{"format": "crease-wear/1", "actions": [{"settle": {"for": 1}}]}"#)?;
+    /// let options = BakeOptions { finest_edge: Some(0.015), ..BakeOptions::default() };
+    /// let bake = Bake::new(&sheet.garment, &fabric, &script).strength(0.5).options(options).quality(Quality::Draft);
+    /// let result = bake.run()?; // A draft at half strength, with edges of 15 mm along fold lines.
+    /// # assert_eq!(result.end.len(), 9);
+    /// # Ok::<(), crease::Error>(())
+    /// ```
+    pub fn quality(mut self, quality: Quality) -> Self {
+        self.chosen.quality = Some(quality);
+        self
     }
 
     /// Sets the body that wears the garment.
     pub fn body(mut self, body: Arc<AnimatedBody>) -> Self {
-        self.options.body = Some(body);
+        self.chosen.body = Some(body);
         self
     }
 
     /// Sets the skin of the garment in its file: on a body, points stay within a distance of where it would carry them.
     pub fn skin(mut self, skin: Arc<GarmentSkin>) -> Self {
-        self.options.skin = Some(skin);
+        self.chosen.skin = Some(skin);
         self
     }
 
     /// Sets whether the cloth has memory; it has by default.
     pub fn memory(mut self, memory: bool) -> Self {
-        self.options.memory = memory;
+        self.chosen.memory = Some(memory);
         self
     }
 
     /// Sets the factor on everything the garment comes to remember, in the result: 1 for what the wear left, 0 for nothing.
     pub fn strength(mut self, strength: f64) -> Self {
-        self.options.strength = strength;
+        self.chosen.strength = Some(strength);
         self
     }
 
     /// Sets the number of frames per simulated second for [`Observer::frame`]; 0, the default, for none.
     pub fn frames_per_second(mut self, frames: f64) -> Self {
-        self.options.frames_per_second = frames;
+        self.chosen.frames_per_second = Some(frames);
         self
     }
 
@@ -180,9 +220,9 @@ impl<'a> Bake<'a> {
         plan
     }
 
-    /// The options with the body in the pose that a garment without a skin was modelled on.
+    /// The options in use, with the body in the pose that a garment without a skin was modelled on.
     fn options_on_body(&self) -> BakeOptions {
-        let mut options = self.options.clone();
+        let mut options = self.chosen.over(self.options.clone());
         let body = options.body.as_deref().filter(|_| options.skin.is_none());
         if let Some(started) = body.and_then(|body| body_at_first_key(body, self.garment, self.script)) {
             options.body = Some(Arc::new(started));
@@ -203,10 +243,9 @@ impl<'a> Bake<'a> {
     ///
     /// # Errors
     /// Those of [`Bake::run`], those of the observer, and [`crease_model::error::Error::Interrupted`] when the observer asks to stop.
-    pub fn run_with(mut self, observer: &mut dyn Observer) -> Result<BakeResult> {
-        self.options = self.options_on_body();
-        let Self { garment, script, ref options, earlier, .. } = self;
-        let options = options.clone();
+    pub fn run_with(self, observer: &mut dyn Observer) -> Result<BakeResult> {
+        let options = self.options_on_body();
+        let Self { garment, script, earlier, .. } = self;
         if !earlier.is_none_or(|memory| memory.fits(garment.topology.hinges.len(), garment.triangles.len())) {
             let what = "has other hinges or triangles than the garment";
             return Err(Error::input("the earlier memory", "", what, "give the memory of this garment"));
@@ -219,25 +258,26 @@ impl<'a> Bake<'a> {
             Some(rigid) => {
                 let of_cloth = earlier.map(|memory| rigid.cloth_memory(memory));
                 bake_cloth(garment, &rigid, options.frames_of_simulated, observer, |cloth, observer| {
-                    self.run_on_cloth(cloth, of_cloth.as_ref(), observer)
+                    self.run_on_cloth(cloth, &options, of_cloth.as_ref(), observer)
                 })
             }
-            None => self.run_on_cloth(garment, earlier, observer),
+            None => self.run_on_cloth(garment, &options, earlier, observer),
         }?;
         baked.report.decisions.extend(earlier.map(earlier_decision));
         add_findings(garment, script, &options, earlier, &mut baked);
         Ok(baked)
     }
 
-    /// Runs the bake on `garment`, all of which is simulated, and which begins with the memory `earlier`.
+    /// Runs the bake with `options` on `garment`, all of which is simulated, and which begins with the memory `earlier`.
     fn run_on_cloth(
         self,
         garment: &Garment,
+        options: &BakeOptions,
         earlier: Option<&RestState>,
         observer: &mut dyn Observer,
     ) -> Result<BakeResult> {
-        let Self { fabric, script, script_name, options, resume_from, .. } = self;
-        let setup = BakeSetup { fabric, script, script_name, options: &options, garment, earlier };
+        let Self { fabric, script, script_name, resume_from, .. } = self;
+        let setup = BakeSetup { fabric, script, script_name, options, garment, earlier };
         let choice = mesh_for(&setup, observer)?;
         let decision = choice.decision.clone();
         observer.on_mesh(if options.frames_of_simulated { &choice.mesh.garment } else { garment });
@@ -249,7 +289,7 @@ impl<'a> Bake<'a> {
         report.decisions.push(decision);
 
         let clock = Instant::now();
-        let (rest, shown) = result_memory(&mesh, rest, start.as_ref(), &options);
+        let (rest, shown) = result_memory(&mesh, rest, start.as_ref(), options);
         report.decisions.extend(shown);
         let relax_options = RelaxOptions::visible_on(garment, fabric);
         let body = options.body.as_deref();
@@ -337,4 +377,110 @@ fn is_played(script: &WearScript) -> bool {
     let is_rest = |action: &Action| matches!(action, Action::Hold(_) | Action::Settle(_));
     script.flatten().any(|action| is_clip(&action))
         && script.flatten().all(|action| is_clip(&action) || is_rest(&action))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::files::GarmentFile;
+    use crate::io::{ReadOptions, read_garment_skin};
+    use crate::sim::{Sewing, StepOptions};
+
+    type Worn = (GarmentFile, Arc<AnimatedBody>, Arc<GarmentSkin>);
+
+    fn sleeve_on_arm() -> Worn {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/garments/sleeve.glb");
+        let reading = ReadOptions { garment: Some("sleeve".into()), ..ReadOptions::default() };
+        let file = GarmentFile::load(path, &reading).expect("is a garment");
+        let body = AnimatedBody::load(path, &reading).expect("is a body");
+        let skin = read_garment_skin(&file.asset, None, &body).expect("is skinned");
+        (file, Arc::new(body), Arc::new(skin))
+    }
+
+    /// Every option but the quality at a value that is neither the default nor that of any quality. A new option does not compile
+    /// without a line here.
+    fn every_option((_, body, skin): &Worn, quality: Quality) -> BakeOptions {
+        BakeOptions {
+            quality,
+            memory: false,
+            step: Some(StepOptions { min_dt: 0.01, ..StepOptions::default() }),
+            energy_tol_m: Some(2e-5),
+            max_weight_strain: Some(2e-3),
+            event_dt_fraction: Some(0.2),
+            full_fidelity: true,
+            frames_per_second: 5.0,
+            body: Some(body.clone()),
+            skin: Some(skin.clone()),
+            deactivate_static: false,
+            own_triangles: true,
+            sewing: Sewing::NONE,
+            finest_edge: Some(0.015),
+            frames_of_simulated: true,
+            strength: 0.0,
+            checkpoint_steps: 5,
+        }
+    }
+
+    /// Runs `check` with a bake that has nothing set, and the options that it has after a change.
+    fn with_bake(worn: &Worn, check: impl Fn(&Bake)) {
+        let fabric = Fabric::preset("denim").expect("is a preset");
+        let script = r#"{"format": "crease-wear/1", "actions": [{"settle": {"for": 1}}]}"#;
+        let script = WearScript::parse("wear.json", script).expect("is a script");
+        check(&Bake::new(&worn.0.garment, &fabric, &script));
+    }
+
+    #[test]
+    fn a_quality_stands_under_every_option_before_and_after_it() {
+        let worn = sleeve_on_arm();
+        with_bake(&worn, |bake| {
+            for quality in Quality::ALL {
+                let set = every_option(&worn, Quality::Standard);
+                let expected = every_option(&worn, quality);
+                assert_eq!(expected.resolved(), expected, "nothing is left to the quality");
+                let before = bake.clone().options(set.clone()).quality(quality).options_on_body();
+                let after = bake.clone().quality(quality).options(set).options_on_body();
+                assert_eq!((&before, &after), (&expected, &expected));
+                // What is not set is the quality's, also beside other options.
+                let preset = bake.clone().strength(0.0).quality(quality).options_on_body().resolved();
+                assert_eq!(preset.step, Some(quality.step_options()));
+                assert_eq!(preset.energy_tol_m, Some(quality.energy_tol()));
+                assert_eq!(preset.max_weight_strain, Some(quality.max_weight_strain()));
+                assert_eq!(preset.event_dt_fraction, Some(quality.event_dt_fraction()));
+                assert_eq!(preset.finest_edge, Some(quality.finest_edge()));
+                assert_eq!(preset.strength, 0.0);
+            }
+        });
+    }
+
+    #[test]
+    fn the_methods_of_a_bake_may_be_called_in_any_order() {
+        let worn = sleeve_on_arm();
+        let set = every_option(&worn, Quality::Draft);
+        let methods: [&dyn for<'a> Fn(Bake<'a>) -> Bake<'a>; 6] = [
+            &|bake| bake.quality(Quality::Draft),
+            &|bake| bake.body(worn.1.clone()),
+            &|bake| bake.skin(worn.2.clone()),
+            &|bake| bake.memory(false),
+            &|bake| bake.strength(0.0),
+            &|bake| bake.frames_per_second(5.0),
+        ];
+        with_bake(&worn, |bake| {
+            let forwards = methods.iter().fold(bake.clone(), |bake, method| method(bake));
+            let backwards = methods.iter().rev().fold(bake.clone(), |bake, method| method(bake));
+            // A new method does not compile without a line here.
+            let ChosenOptions { quality, body, skin, memory, strength, frames_per_second } = &forwards.chosen;
+            assert_eq!((*quality, *memory), (Some(Quality::Draft), Some(false)));
+            assert_eq!((*strength, *frames_per_second), (Some(0.0), Some(5.0)));
+            assert!(body.is_some() && skin.is_some());
+            let (of_quality, of_methods) = (BakeOptions::default(), forwards.options_on_body());
+            assert_eq!(of_methods, backwards.options_on_body());
+            assert_eq!(of_methods.resolved(), forwards.quality(Quality::Draft).options_on_body().resolved());
+            // Options given as a whole stand under the methods, before and after them.
+            let before = methods.iter().fold(bake.clone().options(of_quality.clone()), |bake, set| set(bake));
+            let after = methods.iter().fold(bake.clone(), |bake, set| set(bake)).options(of_quality);
+            assert_eq!((&before.options_on_body(), &after.options_on_body()), (&of_methods, &of_methods));
+            let all = methods.iter().fold(bake.clone(), |bake, method| method(bake)).options(set.clone());
+            assert_eq!(all.options_on_body(), set);
+        });
+    }
 }

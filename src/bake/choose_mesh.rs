@@ -77,7 +77,7 @@ impl MeshChoice {
         if options.own_triangles || options.full_fidelity {
             return own("switched off");
         }
-        let lengths = EdgeLengths::new(garment, options.finest_edge);
+        let lengths = EdgeLengths::new(garment, options.finest_edge());
         if let Some(animated) = &options.body {
             let creased = CreasedCloth::new(garment, animated, &script.body_poses(animated));
             if creased.mean_edge >= TUNING.simulation_mesh.max_factor_on_body * lengths.line {
@@ -280,7 +280,7 @@ mod tests {
             let near = |x: &Vec3| (x - middle).norm() < 0.06;
             let positions = sheet.points.iter().copied().filter(near).collect();
             let creased = CreasedCloth { positions, mean_edge: 0.4 / f64::from(cells) };
-            let lengths = EdgeLengths::new(&sheet, BakeOptions::default().finest_edge);
+            let lengths = EdgeLengths::new(&sheet, BakeOptions::default().finest_edge());
             let mesh = MeshChoice::on_body(&sheet, &creased, lengths).mesh.garment;
             let ends = mesh.topology.edges.iter().map(|edge| edge.map(|p| mesh.points[p.at()]));
             let of_creased: Vec<f64> =

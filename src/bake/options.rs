@@ -6,21 +6,30 @@ use crease_model::body::{AnimatedBody, GarmentSkin};
 use crease_solver::sim::{NewtonOptions, Sewing, StepOptions, StepRelaxation};
 use std::sync::Arc;
 
-/// Options of a bake.
+/// Options of a bake. Those that a [`Quality`] presets are `None` until they are set, and stay as set whatever the quality.
+///
+/// ```
+/// use crease::{BakeOptions, Quality};
+/// let options = BakeOptions { quality: Quality::Draft, finest_edge: Some(0.015), ..BakeOptions::default() };
+/// assert_eq!(options.finest_edge(), 0.015);
+/// assert_eq!(options.event_dt_fraction(), Quality::Draft.event_dt_fraction());
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct BakeOptions {
+    /// Compromise between speed and accuracy: preset of every option that is `None`.
+    pub quality: Quality,
     /// Whether the cloth has memory.
     pub memory: bool,
     /// Options of the time steps.
-    pub step: StepOptions,
+    pub step: Option<StepOptions>,
     /// Energy tolerance of a step as the height by which it would lift the whole garment [m]: a step is converged when the
     /// predicted decrease is below it, so that single points may still fall into a wrinkle in the next step.
-    pub energy_tol_m: f64,
+    pub energy_tol_m: Option<f64>,
     /// Strain under the garment's own weight up to which a lower stretch stiffness than the fabric's may be used [-].
-    pub max_weight_strain: f64,
+    pub max_weight_strain: Option<f64>,
     /// Step after a memory event as a fraction of the time to the next event [-]: the cloth responds to each before the
     /// next is due. On a body it may be two and a half times as long.
-    pub event_dt_fraction: f64,
+    pub event_dt_fraction: Option<f64>,
     /// Whether every model is on and at full size, with short steps of one length, each solved for the whole garment: the
     /// reference for the choice of models ([`crate::bake::ModelPlan`]).
     pub full_fidelity: bool,
@@ -37,7 +46,7 @@ pub struct BakeOptions {
     /// Where the cloth is sewn and lies double: open borders over 20 mm, seams over 10 mm on either side.
     pub sewing: Sewing,
     /// Length of edges where the script creases the cloth [m], of a mesh made for it.
-    pub finest_edge: f64,
+    pub finest_edge: Option<f64>,
     /// Whether frames show the points of the simulated mesh instead of those of the garment.
     pub frames_of_simulated: bool,
     /// Factor on everything the garment comes to remember, in the result [-]: 1 for what the wear left, 0 for nothing.
@@ -50,11 +59,12 @@ pub struct BakeOptions {
 impl Default for BakeOptions {
     fn default() -> Self {
         Self {
+            quality: Quality::Standard,
             memory: true,
-            step: StepOptions::default(),
-            energy_tol_m: Quality::Standard.energy_tol(),
-            max_weight_strain: Quality::Standard.max_weight_strain(),
-            event_dt_fraction: Quality::Standard.event_dt_fraction(),
+            step: None,
+            energy_tol_m: None,
+            max_weight_strain: None,
+            event_dt_fraction: None,
             full_fidelity: false,
             frames_per_second: 0.0,
             body: None,
@@ -62,7 +72,7 @@ impl Default for BakeOptions {
             deactivate_static: true,
             own_triangles: false,
             sewing: Sewing::ALL,
-            finest_edge: Quality::Standard.finest_edge(),
+            finest_edge: None,
             frames_of_simulated: false,
             strength: 1.0,
             checkpoint_steps: 32,
@@ -71,15 +81,40 @@ impl Default for BakeOptions {
 }
 
 impl BakeOptions {
-    /// The options of a quality.
-    pub fn for_quality(quality: Quality) -> Self {
+    /// Options of the time steps: those that are set, or those of the quality.
+    pub fn step(&self) -> StepOptions {
+        self.step.unwrap_or_else(|| self.quality.step_options())
+    }
+
+    /// Energy tolerance of a step as a height [m]: the one that is set, or that of the quality.
+    pub fn energy_tol_m(&self) -> f64 {
+        self.energy_tol_m.unwrap_or_else(|| self.quality.energy_tol())
+    }
+
+    /// Permitted strain under the garment's own weight [-]: the one that is set, or that of the quality.
+    pub fn max_weight_strain(&self) -> f64 {
+        self.max_weight_strain.unwrap_or_else(|| self.quality.max_weight_strain())
+    }
+
+    /// Step after a memory event as a fraction of the time to the next [-]: the one that is set, or that of the quality.
+    pub fn event_dt_fraction(&self) -> f64 {
+        self.event_dt_fraction.unwrap_or_else(|| self.quality.event_dt_fraction())
+    }
+
+    /// Length of edges where the script creases the cloth [m]: the one that is set, or that of the quality.
+    pub fn finest_edge(&self) -> f64 {
+        self.finest_edge.unwrap_or_else(|| self.quality.finest_edge())
+    }
+
+    /// The options with every preset of the quality filled in.
+    pub(super) fn resolved(&self) -> Self {
         Self {
-            step: quality.step_options(),
-            energy_tol_m: quality.energy_tol(),
-            max_weight_strain: quality.max_weight_strain(),
-            event_dt_fraction: quality.event_dt_fraction(),
-            finest_edge: quality.finest_edge(),
-            ..Self::default()
+            step: Some(self.step()),
+            energy_tol_m: Some(self.energy_tol_m()),
+            max_weight_strain: Some(self.max_weight_strain()),
+            event_dt_fraction: Some(self.event_dt_fraction()),
+            finest_edge: Some(self.finest_edge()),
+            ..self.clone()
         }
     }
 
@@ -90,26 +125,27 @@ impl BakeOptions {
 
     /// Step options in use: those of `full_fidelity` replace the chosen ones.
     pub(super) fn effective_step(&self) -> StepOptions {
+        let step = self.step();
         if !self.full_fidelity {
-            return self.step;
+            return step;
         }
-        let newton = NewtonOptions { rel_decrement_tol: 0.0, ..self.step.newton };
+        let newton = NewtonOptions { rel_decrement_tol: 0.0, ..step.newton };
         let dt = TUNING.stepping.full_fidelity_dt;
-        StepOptions { newton, min_dt: dt, max_dt: dt, relaxation: StepRelaxation::OFF, ..self.step }
+        StepOptions { newton, min_dt: dt, max_dt: dt, relaxation: StepRelaxation::OFF, ..step }
     }
 
     /// Step after a memory event in use, as a fraction of the time to the next event [-].
     pub(super) fn effective_event_dt_fraction(&self) -> f64 {
         let factor = if self.body.is_some() { TUNING.stepping.body_event_dt_factor } else { 1.0 };
-        factor * self.event_dt_fraction
+        factor * self.event_dt_fraction()
     }
 
     /// Energy tolerance of a step in use, as a height [m].
     pub(super) fn effective_energy_tol(&self) -> f64 {
         if self.full_fidelity {
-            TUNING.stepping.full_fidelity_energy_factor * self.energy_tol_m
+            TUNING.stepping.full_fidelity_energy_factor * self.energy_tol_m()
         } else {
-            self.energy_tol_m
+            self.energy_tol_m()
         }
     }
 }

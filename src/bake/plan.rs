@@ -165,7 +165,7 @@ impl PlannedScene<'_> {
         let weight = fabric.area_density() * GRAVITY * size;
         let ridges =
             self.options.body.is_some() || self.actions.iter().any(|a| matches!(**a, Action::Crumple(_)));
-        let strain = self.options.max_weight_strain;
+        let strain = self.options.max_weight_strain();
         let strain = if ridges { strain.max(TUNING.models.ridge_weight_strain) } else { strain };
         let sufficient = weight / strain;
         let softest = fabric.stretch_warp().min(fabric.stretch_weft());

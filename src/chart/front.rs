@@ -23,7 +23,8 @@ use crate::statistics::{mean, median, standard_error};
 use crate::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
 use crease_model::error::Result;
 use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
-use crease_solver::sim::{Method, Sewing};
+use crease_solver::sim::{Method, Sewing, Method, Sewing, StepOptions};
+use crease::bake::{BakeOptions, BakeResult, Quality};
 
 /// Group of the qualities, the first in the legend.
 const QUALITIES: &str = "quality";
@@ -173,7 +174,7 @@ impl FrontScene {
     fn outcomes(&self, options: &ChartOptions) -> Result<Vec<Tried>> {
         let starts: Vec<BakeScene> =
             (1..=options.runs.max(1) as u64).map(|seed| self.scene.perturbed(seed)).collect();
-        let reference = self.bakes(&starts, &BakeOptions::for_quality(Quality::Reference))?;
+        let reference = self.bakes(&starts, &BakeOptions { quality: Quality::Reference, ..BakeOptions::default() })?;
         let mut outcomes = vec![(QUALITIES, "reference".to_owned(), Outcome::of_reference(&reference))];
         for (group, name, settings) in settings() {
             if self.all_settings || options.full || [QUALITIES, EDGES].contains(&group) {
@@ -296,22 +297,23 @@ fn settings() -> Vec<Setting> {
         options
     };
     let mut all: Vec<Setting> = [Quality::Draft, Quality::Standard]
-        .map(|quality| (QUALITIES, quality.name().to_owned(), BakeOptions::for_quality(quality)))
+        .map(|quality| (QUALITIES, quality.name().to_owned(), with(&|o| o.quality = quality)))
         .into();
     for mm in [8.0, 16.0, 24.0] {
-        all.push((EDGES, format!("{mm} mm"), with(&|o| o.finest_edge = 1e-3 * mm)));
+        all.push((EDGES, format!("{mm} mm"), with(&|o| o.finest_edge = Some(1e-3 * mm))));
     }
-    all.push(("tolerances", "energy tolerance times 10".to_owned(), with(&|o| o.energy_tol_m *= 10.0)));
+    all.push(("tolerances", "energy tolerance times 10".to_owned(), with(&|o| o.energy_tol_m = Some(10.0 * o.energy_tol_m()))));
     let short = |o: &mut BakeOptions| {
-        o.step.min_dt *= 0.25;
-        o.step.local_error_tol *= 0.25;
+        let step = o.step();
+        let (min_dt, local_error_tol) = (0.25 * step.min_dt, 0.25 * step.local_error_tol);
+        o.step = Some(StepOptions { min_dt, local_error_tol, ..step });
     };
     all.push(("tolerances", "shortest step and error times 0.25".to_owned(), with(&short)));
-    let late = |o: &mut BakeOptions| o.event_dt_fraction *= 2.5;
+    let late = |o: &mut BakeOptions| o.event_dt_fraction = Some(2.5 * o.event_dt_fraction());
     all.push(("tolerances", "steps after events times 2.5".to_owned(), with(&late)));
     all.push(("models", "no hems, no double seams".to_owned(), with(&|o| o.sewing = Sewing::NONE)));
     for method in [Method::BackwardEulerOnce, Method::Bdf2] {
-        all.push(("integrators", method.name().to_owned(), with(&|o| o.step.method = method)));
+        all.push(("integrators", method.name().to_owned(), with(&|o| o.step = Some(StepOptions { method, ..o.step() }))));
     }
     all
 }

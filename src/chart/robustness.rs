@@ -20,8 +20,10 @@ use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
 use crease_model::garment::Garment;
 use crease_geometry::math::{Rng, Vec2, Vec3};
 use crease_geometry::mesh::intersections::self_intersections;
-use crease_solver::sim::Method;
+use crease_solver::sim::{Method, Method, StepOptions};
 use crease::internal::wear::WearScript;
+use crease::bake::{Bake, BakeOptions, BakeReport, Quality};
+use crease::wear::WearScript;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -197,7 +199,9 @@ impl BakeScene {
     /// Bakes with the options of a column.
     fn run(&self, column: Column) -> RobustnessCell {
         let mut options = column.options();
-        options.step.min_dt = self.min_dt.unwrap_or(options.step.min_dt);
+        if let Some(min_dt) = self.min_dt {
+            options.step = Some(StepOptions { min_dt, ..options.step() });
+        }
         let mut bake = Bake::new(&self.garment, &self.fabric, &self.script).options(options);
         if let Some(body) = &self.body {
             bake = bake.body(body.clone());
@@ -268,12 +272,11 @@ impl Column {
     }
 
     fn options(self) -> BakeOptions {
+        let default = BakeOptions::default();
         match self {
-            Self::Quality(quality) => BakeOptions::for_quality(quality),
+            Self::Quality(quality) => BakeOptions { quality, ..default },
             Self::Method(method) => {
-                let mut options = BakeOptions::default();
-                options.step.method = method;
-                options
+                BakeOptions { step: Some(StepOptions { method, ..default.step() }), ..default }
             }
         }
     }

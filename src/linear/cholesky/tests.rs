@@ -1,12 +1,11 @@
 //! The direct solver against dense matrices, conjugate gradients and itself on other numbers of threads.
 
 use super::*;
-use crate::BlockSink;
-use crate::block_matrix::{INVALID};
+use crate::{BlockSink, BlockSink};
+use crate::block_matrix::INVALID;
 use crate::conjugate_gradient::conjugate_gradient;
 use crate::vector::Mat3;
-use crease_geometry::math::{Rng};
-use crate::BlockSink;
+use crease_geometry::math::Rng;
 
 /// Points with the pairs that are coupled.
 struct CoupledPoints {

@@ -66,7 +66,6 @@ struct BakeInput {
     file: GarmentFile,
     wear: ReadScript,
     fabric: Fabric,
-    quality: Quality,
     options: BakeOptions,
     /// Memory that the garment begins with.
     earlier: Option<EarlierMemory>,
@@ -79,7 +78,8 @@ impl BakeInput {
         garment: ReadGarment,
         wear: ReadScript,
         fabric: Fabric,
-        (quality, options, forget): (Quality, BakeOptions, bool),
+        options: BakeOptions,
+        forget: bool,
     ) -> crease_model::error::Result<(Self, Option<PathBuf>)> {
         let ReadGarment { file, path, warnings: unread } = garment;
         let errors = wear.script.errors_without_body(&wear.name);
@@ -105,7 +105,7 @@ impl BakeInput {
         warnings.extend(earlier.as_ref().and_then(|earlier| earlier.fabric_warning(&fabric)));
         warnings.extend(file.repairs());
         warnings.extend(unread);
-        Ok((Self { file, wear, fabric, quality, options, earlier, warnings }, path))
+        Ok((Self { file, wear, fabric, options, earlier, warnings }, path))
     }
 
     fn run(&self, observer: &mut Reporter) -> crease_model::error::Result<(BakeResult, CrossingCounts)> {
@@ -127,8 +127,8 @@ impl BakeInput {
     fn run_description(&self, baked: &BakeResult) -> Value {
         let mut description = json!({
             "tool": concat!("crease ", env!("CARGO_PKG_VERSION")),
-            "method": self.quality.step_options().method.name(),
-            "quality": self.quality.name(),
+            "method": self.options.step().method.name(),
+            "quality": self.options.quality.name(),
             "memory": if self.options.memory { "on" } else { "off" },
             "simulated_s": baked.report.simulated,
             "steps": baked.report.steps,
@@ -190,17 +190,17 @@ pub fn bake(
     check_not_negative("strength", strength)?;
     let quality = choice("quality", quality, &Quality::ALL.map(|quality| (quality.name(), quality)))?;
     let options = BakeOptions {
+        quality,
         memory,
         strength,
         own_triangles: !grading,
         sewing: Sewing { hems, seams },
-        ..BakeOptions::for_quality(quality)
+        ..BakeOptions::default()
     };
     let (wear, fabric) = (script(wear)?, self::fabric(fabric)?);
     let reading = FileReading { unit, up, part, weld_mm, force_size, mask: None, sewing_mask };
     let garment = self::garment("garment", garment, reading)?;
-    let (input, path) =
-        BakeInput::new(garment, wear, fabric, (quality, options, forget)).map_err(exception)?;
+    let (input, path) = BakeInput::new(garment, wear, fabric, options, forget).map_err(exception)?;
     let mut reporter = Reporter { call: progress, last: Instant::now(), failure: None, stop: false };
     let started = Instant::now();
     let outcome = py.detach(|| input.run(&mut reporter));
@@ -209,7 +209,7 @@ pub fn bake(
     }
     let (baked, counts) = outcome.map_err(exception)?;
     let mut report = Report::of_bake(&input.file.garment, &baked, counts);
-    report.method = quality.step_options().method.name().to_owned();
+    report.method = input.options.step().method.name().to_owned();
     report.wall_s = started.elapsed().as_secs_f64();
     let sidecar = input.sidecar(&baked).map_err(exception)?;
     let not_performed = baked.report.not_performed.as_ref().map(ToString::to_string);

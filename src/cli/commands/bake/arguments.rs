@@ -13,7 +13,8 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use crease::internal::bake::{BakeOptions, BakeResult, Quality};
 use crease_model::body::{AnimatedBody, GarmentSkin};
 use crease_model::fabric::DEFAULT_FABRIC;
-use crease_solver::sim::{Method, Sewing};
+use crease_solver::sim::{Method, Sewing, Method, Sewing, StepOptions};
+use crease::bake::{BakeOptions, BakeResult, Quality};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -160,7 +161,11 @@ impl Arguments {
 
     /// Returns the options of the bake.
     pub fn options(&self, body: Option<&Arc<AnimatedBody>>, skin: Option<&Arc<GarmentSkin>>) -> BakeOptions {
-        let mut options = BakeOptions {
+        let step = self.quality.step_options();
+        BakeOptions {
+            quality: self.quality,
+            step: self.method.map(|method| StepOptions { method, ..step }),
+            finest_edge: self.refine.finest_edge(),
             memory: self.memory_on(),
             body: body.cloned(),
             skin: skin.cloned(),
@@ -169,15 +174,10 @@ impl Arguments {
             strength: self.strength,
             sewing: Sewing { hems: !self.no_hems, seams: !self.no_seams },
             frames_of_simulated: self.frames_of == FramesOf::Simulated,
-            ..BakeOptions::for_quality(self.quality)
-        };
-        if let Some(finest) = self.refine.finest_edge() {
-            options.finest_edge = finest;
+            full_fidelity: self.full_fidelity,
+            frames_per_second: if self.frames.is_some() { self.fps } else { 0.0 },
+            ..BakeOptions::default()
         }
-        options.step.method = self.method();
-        options.full_fidelity = self.full_fidelity;
-        options.frames_per_second = if self.frames.is_some() { self.fps } else { 0.0 };
-        options
     }
 
     /// Returns the description of the run for the sidecar. It holds nothing that differs between repeated runs, whose
