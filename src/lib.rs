@@ -35,6 +35,7 @@
 //! |---|---|
 //! | bake a script | [`Bake`], [`WearScript`], [`Fabric`] |
 //! | load a garment and save the worn one | [`GarmentFile`] |
+//! | make a garment from positions and triangles | [`GarmentFile::from_mesh`], [`MeshOptions`] |
 //! | watch a bake, stop and resume it | [`Observer`], [`Checkpoint`] |
 //! | put the garment on an animated body | [`AnimatedBody`], [`Bake::body`] |
 //! | make wrinkles from an existing animation | [`memory_from_motion`] |
@@ -125,7 +126,7 @@ pub use crease_model::error::{Diagnostic, Error, Result};
 pub use crease_model::fabric::{DEFAULT_FABRIC, Fabric, FabricMemory, PAPER_FABRIC, Provenance};
 #[doc(inline)]
 pub use crease_model::garment::{
-    Garment, ImportDiagnostic, Inspection, RefinedMesh, RestState, Severity, SourceAsset, SourcePiece,
+    Garment, ImportDiagnostic, Inspection, MeshOptions, RefinedMesh, RestState, Severity, SourceAsset, SourcePiece,
     UpAxis, WornGarment, inspect,
 };
 #[doc(inline)]

@@ -8,7 +8,7 @@ use crease_geometry::math::Vec3;
 use crease_geometry::mesh::intersections::{intersections_between, self_intersections};
 use crease_model::body::{AnimatedBody, BodyMotion, Sequence};
 use crease_model::fabric::Fabric;
-use crease_model::garment::Garment;
+use crease_model::garment::{Garment, Garment, MeshOptions};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -136,7 +136,8 @@ fn walk(seconds: f64, pace: f64) -> Walked {
     let animated = Arc::new(AnimatedBody::new("walk", "", motion, &start.points, &start.triangles));
     let worn = dress();
     let positions: Vec<[f64; 3]> = worn.points.iter().map(|p| [p.x, p.y, p.z]).collect();
-    let garment = GarmentFile::from_mesh("dress", &positions, &worn.triangles).expect("is a garment").garment;
+    let garment = Garment::from_mesh(&positions, &worn.triangles, MeshOptions::default().name("dress"))
+        .expect("is a garment");
     let script = r#"{"format": "crease-wear/1", "actions": [{"play": {"clip": "frames"}}]}"#;
     let script = WearScript::parse("", script).expect("is a script");
     let fabric = Fabric::preset("cotton-jersey").expect("exists");
@@ -184,14 +185,15 @@ fn a_run_is_the_same_with_frames_and_without() {
     let walking = Arc::new(AnimatedBody::new("walk", "", motion, &start.points, &start.triangles));
     let worn = dress();
     let positions: Vec<[f64; 3]> = worn.points.iter().map(|p| [p.x, p.y, p.z]).collect();
-    let garment = GarmentFile::from_mesh("dress", &positions, &worn.triangles).expect("is a garment").garment;
+    let garment = Garment::from_mesh(&positions, &worn.triangles, MeshOptions::default().name("dress"))
+        .expect("is a garment");
     let play = r#"{"play": {"clip": "frames"}}"#;
     assert_eq!(end(&garment, &walking, play, 0.0), end(&garment, &walking, play, 100.0));
 
     let corners = [[1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 0.0, 1.0], [1.0, 0.0, 1.0]].map(Vec3::from);
     let table = AnimatedBody::new("table", "", BodyMotion::Still, &corners, &[[0, 2, 1], [0, 3, 2]]);
     let table = Arc::new(table);
-    let sheet = GarmentFile::sheet([0.3, 0.3], [6, 6]).expect("is a sheet").garment;
+    let sheet = Garment::sheet([0.3, 0.3], [6, 6]).expect("is a sheet");
     let folds = r#"{"lay": {"facing": "up", "over": 0.2}}, {"fold": {"line": [[0.5, 0], [0.5, 1]], "side": "left", "over": 0.4}},
         {"fold": {"line": [[0, 0.5], [1, 0.5]], "side": "upper", "over": 0.4}}, {"unfold": {"over": 0.8}}"#;
     assert_eq!(end(&sheet, &table, folds, 0.0), end(&sheet, &table, folds, 50.0));

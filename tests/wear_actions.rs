@@ -11,7 +11,7 @@ use crease::{Error, Result};
 use crease_geometry::math::Vec3;
 use crease_io::{ReadOptions, read_asset};
 use crease_model::fabric::Fabric;
-use crease_model::garment::Garment;
+use crease_model::garment::{Garment, Garment, MeshOptions, sheet_arrays};
 use std::fmt::Write;
 
 /// Points along a side of the handkerchief.
@@ -21,20 +21,9 @@ const SIDE: f64 = 0.24;
 
 /// A level sheet of `SIDE` with the height `height` [m] as a function of the place in it, from 0 to 1.
 fn sheet(height: impl Fn(f64, f64) -> f64) -> Garment {
-    let mut obj = String::new();
-    let last = POINTS - 1;
-    for k in 0..POINTS * POINTS {
-        let [x, z] = [k % POINTS, k / POINTS].map(|i| f64::from(i) / f64::from(last));
-        writeln!(obj, "v {} {} {}", SIDE * x, height(x, z), SIDE * z).expect("a string takes all");
-    }
-    for (row, column) in (0..last).flat_map(|row| (0..last).map(move |column| (row, column))) {
-        let a = POINTS * row + column + 1;
-        let (b, c) = (a + POINTS, a + POINTS + 1);
-        writeln!(obj, "f {a} {b} {c}\nf {a} {c} {}", a + 1).expect("a string takes all");
-    }
-    let mut alone = |name: &str| panic!("asks for {name}");
-    let read = read_asset("sheet.obj", obj.as_bytes(), &ReadOptions::default(), &mut alone);
-    Garment::from_asset(&read.expect("reads").0).expect("is a garment").0
+    let (mut positions, triangles) = sheet_arrays([SIDE; 2], [POINTS - 1; 2]).expect("is a sheet");
+    positions.iter_mut().for_each(|[x, y, z]| *y = height(*x / SIDE, *z / SIDE));
+    Garment::from_mesh(&positions, &triangles, MeshOptions::default()).expect("is a garment")
 }
 
 fn fabric() -> Fabric {

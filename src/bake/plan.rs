@@ -367,27 +367,11 @@ mod tests {
     /// `layers` squares over one another, each of two triangles.
     fn squares(layers: u32) -> Garment {
         let corners = [[0.0, 0.0], [0.1, 0.0], [0.1, 0.1], [0.0, 0.1]];
-        let points: Vec<Vec3> =
+        let points =
             (0..layers).flat_map(|k| corners.map(|c| Vec3::new(c[0], 0.01 * f64::from(k), -c[1]))).collect();
         let flat = [[0, 1, 2], [0, 2, 3]];
-        let triangles: Vec<[PointIndex; 3]> =
-            (0..layers).flat_map(|k| flat.map(|t| t.map(|p| PointIndex(p + 4 * k)))).collect();
-        let material =
-            (0..layers).flat_map(|_| flat.map(|t| t.map(|p: u32| Vec2::from(corners[p as usize])))).collect();
-        Garment {
-            material,
-            material_from_uv: true,
-            source_point: (0..4 * layers).map(PointIndex).collect(),
-            memory_mask: vec![1.0; points.len()],
-            sewing_mask: vec![1.0; points.len()],
-            triangle_part: (0..layers).flat_map(|k| [k; 2]).collect(),
-            triangle_panel: vec![0; 2 * layers as usize],
-            inner_side: vec![false; 2 * layers as usize],
-            file_triangles: Vec::new(),
-            topology: Topology::new(points.len(), &triangles),
-            triangles,
-            points,
-        }
+        let triangles: Vec<[u32; 3]> = (0..layers).flat_map(|k| flat.map(|t| t.map(|p| p + 4 * k))).collect();
+        Garment::of_triangles(points, &triangles)
     }
 
     fn plan(garment: &Garment, script: &str, full_fidelity: bool) -> ModelPlan {

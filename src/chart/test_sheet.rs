@@ -143,22 +143,8 @@ impl TestSheet {
 
     /// Garment whose source pose has its points at `points` [m].
     pub(super) fn garment(&self, points: Vec<Vec3>) -> Garment {
-        let triangles: Vec<[PointIndex; 3]> = self.triangles.iter().map(|t| t.map(PointIndex)).collect();
-        let topology = Topology::new(self.flat.len(), &triangles);
-        Garment {
-            material: self.triangles.iter().map(|t| t.map(|p| self.flat[p as usize])).collect(),
-            material_from_uv: true,
-            source_point: (0..self.flat.len() as u32).map(PointIndex).collect(),
-            memory_mask: vec![1.0; points.len()],
-            sewing_mask: vec![1.0; points.len()],
-            triangle_part: vec![0; triangles.len()],
-            triangle_panel: vec![0; triangles.len()],
-            inner_side: vec![false; triangles.len()],
-            file_triangles: Vec::new(),
-            triangles,
-            topology,
-            points,
-        }
+        let material = self.triangles.iter().map(|t| t.map(|p| self.flat[p as usize])).collect();
+        Garment { material, material_from_uv: true, ..Garment::of_triangles(points, &self.triangles) }
     }
 
     /// Garment that lies flat at height 0: x stays x, y becomes -z.

@@ -1,16 +1,17 @@
 //! [`GarmentFile`]: a mesh file with the garment in it, and the worn garment written back into it.
 
 use crate::files::read::{STANDARD_STREAM, file_name, read_bytes, write_bytes};
+use crease_model::garment::{Garment, ImportDiagnostic, MeshOptions, Severity, SourceAsset, WornGarment, content_warnings, sheet_arrays};
+use crease_io::gltf::{embed_images, write_worn_glb, embed_images, write_worn_glb};
+use crease_io::{ReadOptions, Sidecar, read_asset, ReadOptions, Sidecar, read_asset};
 use crate::wear::WearScript;
-use crease_io::gltf::{embed_images, write_worn_glb};
-use crease_io::{ReadOptions, Sidecar, read_asset};
 use crease_model::error::{Error, Result};
 use crease_model::fabric::Fabric;
 use crease_model::garment::{
     Garment, ImportDiagnostic, Severity, SourceAsset, WornGarment, content_warnings,
 };
 use serde_json::{Value, json};
-use std::fmt::Write;
+use sha2::{Digest, Sha256};
 use std::path::Path;
 
 /// A mesh file and the garment in it.
@@ -54,28 +55,25 @@ impl GarmentFile {
         Self::new(asset, diagnostics, options.weld_m)
     }
 
-    /// Makes a garment from `positions` [m], y up, and `triangles` of a mesh that has no file.
+    /// Makes a garment from `positions` [m], y up, and `triangles` between them, of a mesh that has no file. The vertices of the
+    /// saved file are the positions in their order.
     ///
     /// ```
-    /// use crease::GarmentFile;
+    /// use crease::{GarmentFile, MeshOptions};
     /// let corners = [[0.0, 0.0, 0.0], [0.2, 0.0, 0.0], [0.2, 0.0, 0.2], [0.0, 0.0, 0.2]];
-    /// let file = GarmentFile::from_mesh("square", &corners, &[[0, 3, 2], [0, 2, 1]])?;
+    /// let options = MeshOptions::default().name("square").uvs([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]);
+    /// let file = GarmentFile::from_mesh(&corners, &[[0, 3, 2], [0, 2, 1]], options)?;
     /// assert_eq!(file.garment.triangles.len(), 2);
     /// # Ok::<(), crease::Error>(())
     /// ```
     ///
     /// # Errors
-    /// [`Error::Input`] for an index without a position, for positions that are not finite, and for a size no garment has.
-    pub fn from_mesh(name: &str, positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Self> {
-        let mut obj = String::new();
-        for [x, y, z] in positions {
-            // Writing to a string does not fail.
-            let _ = writeln!(obj, "v {x} {y} {z}");
-        }
-        for [a, b, c] in triangles.iter().map(|t| t.map(|p| u64::from(p) + 1)) {
-            let _ = writeln!(obj, "f {a} {b} {c}");
-        }
-        Self::parse(&format!("{name}.obj"), obj.as_bytes(), &ReadOptions::default())
+    /// Those of [`Garment::from_mesh`].
+    pub fn from_mesh(positions: &[[f64; 3]], triangles: &[[u32; 3]], options: MeshOptions) -> Result<Self> {
+        let (asset, diagnostics) = SourceAsset::from_mesh(positions, triangles, &options)?;
+        let mut file = Self::new(asset, diagnostics, options.weld_m)?;
+        file.asset.sha256 = checksum(positions, triangles, &options);
+        Ok(file)
     }
 
     /// A flat rectangular sheet of cloth of `size` [m], x along warp and z along weft at height 0, in `cells` squares of two
@@ -88,20 +86,10 @@ impl GarmentFile {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Input`] without cells and for a size no garment has.
+    /// Those of [`Garment::sheet`].
     pub fn sheet(size: [f64; 2], cells: [u32; 2]) -> Result<Self> {
-        let [columns, rows] = cells;
-        let row = columns + 1;
-        let mut positions = Vec::new();
-        for (j, i) in (0..=rows).flat_map(|j| (0..=columns).map(move |i| (j, i))) {
-            let [x, z] = [(i, columns, size[0]), (j, rows, size[1])]
-                .map(|(k, count, side)| side * f64::from(k) / f64::from(count.max(1)));
-            positions.push([x, 0.0, z]);
-        }
-        let squares = (0..rows).flat_map(|j| (0..columns).map(move |i| j * row + i));
-        let triangles: Vec<[u32; 3]> =
-            squares.flat_map(|a| [[a, a + row, a + row + 1], [a, a + row + 1, a + 1]]).collect();
-        Self::from_mesh("sheet", &positions, &triangles)
+        let (positions, triangles) = sheet_arrays(size, cells)?;
+        Self::from_mesh(&positions, &triangles, MeshOptions::default().name("sheet"))
     }
 
     fn new(asset: SourceAsset, mut diagnostics: Vec<ImportDiagnostic>, weld_m: Option<f64>) -> Result<Self> {
@@ -178,6 +166,16 @@ impl GarmentFile {
     }
 }
 
+/// Returns the SHA-256 of arrays, lower-case hex: of their numbers in little-endian order.
+fn checksum(positions: &[[f64; 3]], triangles: &[[u32; 3]], options: &MeshOptions) -> String {
+    let uvs = options.uvs.iter().flat_map(|uvs| uvs.as_flattened());
+    let corner_uvs = options.corner_uvs.iter().flat_map(|uvs| uvs.as_flattened().as_flattened());
+    let numbers = positions.as_flattened().iter().chain(uvs).chain(corner_uvs);
+    let mut bytes: Vec<u8> = numbers.flat_map(|x| x.to_le_bytes()).collect();
+    bytes.extend(triangles.as_flattened().iter().flat_map(|index| index.to_le_bytes()));
+    Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
 /// Reads the mesh file `path` with the buffers that it refers to.
 ///
 /// # Errors
@@ -205,4 +203,78 @@ fn read_beside(mesh: &Path, name: &str) -> Result<Vec<u8>> {
     // A file of that name, not the standard input.
     let path = if path == Path::new(STANDARD_STREAM) { Path::new(".").join(path) } else { path };
     read_bytes(&path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::garment::RestState;
+    use crate::io::{read_sidecar, write_sidecar};
+    use crate::math::Vec3;
+
+    #[test]
+    fn a_garment_from_arrays_is_written_with_its_vertices_in_their_order() {
+        let positions = [[0.2, 0.0, 0.2], [0.0, 0.0, 0.0], [0.2, 0.0, 0.0], [0.0, 0.0, 0.2]];
+        let options = MeshOptions::default().name("square").uvs(positions.map(|[x, _, z]| [x, z]));
+        let file =
+            GarmentFile::from_mesh(&positions, &[[1, 3, 0], [1, 0, 2]], options).expect("is a garment");
+        assert!(
+            file.diagnostics.iter().all(|note| note.severity == Severity::Note),
+            "{:?}",
+            file.diagnostics
+        );
+        let worn =
+            WornGarment { displacement: vec![Vec3::new(0.0, 0.01, 0.0); 4], memory: RestState::flat(1, 2) };
+        let glb = file.to_glb_bytes(&worn).expect("is written");
+        let read = GarmentFile::parse("square.glb", &glb, &ReadOptions::default()).expect("is read");
+        let piece = &read.asset.pieces[0];
+        for (own, position) in piece.positions.iter().zip(positions) {
+            assert!((own - Vec3::from(position)).norm() < 1e-6, "{own} is {position:?}");
+        }
+        assert_eq!(piece.uvs.as_ref().map(Vec::len), Some(4));
+        let script = r#"{"format": "crease-wear/1", "actions": [{"settle": {"for": 1}}]}"#;
+        let script = WearScript::parse("", script).expect("is a script");
+        let fabric = Fabric::preset("denim").expect("exists");
+        let sidecar = file.sidecar(&worn, &fabric, &script).expect("is made");
+        assert_eq!((sidecar.source.file.as_str(), sidecar.source.sha256.len()), ("square", 64));
+        let read = read_sidecar("square.crease.json", &write_sidecar(&sidecar)).expect("is a sidecar");
+        assert_eq!(read.worn().displacement, worn.displacement);
+    }
+
+    /// Two panels that meet at a seam of four vertices, a triangle on its side, one that is turned over, and a copy.
+    #[test]
+    fn arrays_get_the_repairs_of_a_file() {
+        let mut positions: Vec<[f64; 3]> = SQUARE.to_vec();
+        positions.extend([
+            [0.2, 0.0, 0.0],
+            [0.4, 0.0, 0.0],
+            [0.4, 0.0, 0.2],
+            [0.2, 0.0, 0.2],
+            [0.3, 0.0, 0.0],
+        ]);
+        let triangles = [[0, 3, 2], [0, 2, 1], [4, 6, 7], [4, 6, 5], [4, 5, 8], [0, 3, 2]];
+        let arrays =
+            GarmentFile::from_mesh(&positions, &triangles, MeshOptions::default()).expect("is a garment");
+        let mut obj: String = positions.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect();
+        // The reader numbers vertices by their first use.
+        obj.extend(triangles.iter().map(|t| format!("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1)));
+        let file =
+            GarmentFile::parse("mesh.obj", obj.as_bytes(), &ReadOptions::default()).expect("is a garment");
+        assert_eq!(arrays.diagnostics, file.diagnostics);
+        let repairs = arrays.repairs();
+        assert!(
+            repairs.len() >= 3 && repairs.iter().all(|repair| repair.starts_with("repaired")),
+            "{repairs:?}"
+        );
+        let (own, other) = (arrays.garment, file.garment);
+        assert_eq!(own.points.len(), other.points.len());
+        let places = |garment: &Garment| -> Vec<[Vec3; 3]> {
+            garment.triangles.iter().map(|t| t.map(|p| garment.points[p.at()])).collect()
+        };
+        assert_eq!((places(&own), &own.material), (places(&other), &other.material));
+        assert_eq!(own.source_point.len(), positions.len(), "one point per position");
+        for (point, position) in own.source_point.iter().zip(&positions) {
+            assert_eq!(own.points[point.at()], Vec3::from(*position));
+        }
+    }
 }

@@ -20,6 +20,7 @@ pub fn read_garment_skin(
         Ok(None) => {
             return Err(match asset.format {
                 SourceFormat::Usd => "the skin of a USD file is not read: a .glb keeps it".to_owned(),
+                SourceFormat::Arrays => "a mesh from arrays has no skin".to_owned(),
                 _ => "an OBJ file has no skin".to_owned(),
             });
         }

@@ -1,4 +1,4 @@
-//! Results of the readers of mesh formats, and the transform from a file to the scene.
+//! Results of the readers of mesh formats.
 
 use crease_geometry::math::Mat4;
 use crease_model::error::Diagnostic;
@@ -55,18 +55,4 @@ impl NamedPiece {
 pub(super) struct DamagedPiece {
     pub(super) names: Vec<String>,
     pub(super) errors: Vec<Diagnostic>,
-}
-
-/// Returns the transform from file units and axes to metres, y up.
-pub(super) fn to_scene(unit_m: f64, up: UpAxis) -> Mat4 {
-    let turned = match up {
-        UpAxis::Y => Mat4::identity(),
-        UpAxis::Z => Mat4::new(
-            1.0, 0.0, 0.0, 0.0, //
-            0.0, 0.0, 1.0, 0.0, //
-            0.0, -1.0, 0.0, 0.0, //
-            0.0, 0.0, 0.0, 1.0,
-        ),
-    };
-    Mat4::new_scaling(unit_m) * turned
 }

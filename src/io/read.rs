@@ -7,13 +7,13 @@
 
 use crate::choose_worn::{choose_worn, labels_of};
 use crate::error_list::ErrorList;
-use crate::pieces::{DamagedPiece, FileFrame, MASK_OPTIONS, NamedPiece, to_scene};
+use crate::pieces::{DamagedPiece, FileFrame, MASK_OPTIONS, NamedPiece, to_scene, DamagedPiece, FileFrame, MASK_OPTIONS, NamedPiece};
 use crate::size::check_size;
 use crate::tuning::TUNING;
 use crate::{gltf, obj, usd};
 use crease_geometry::math::Vec3;
-use crease_model::error::{Error, Result};
-use crease_model::garment::{ImportDiagnostic, Severity, SourceAsset, SourceFormat, SourcePiece, UpAxis};
+use crease_model::error::{Error, Result, Error, Result};
+use crease_model::garment::{ImportDiagnostic, Severity, SourceAsset, SourceFormat, SourcePiece, UpAxis, ImportDiagnostic, Severity, SourceAsset, SourceFormat, SourcePiece, UpAxis, is_in_range, is_plausible_unit};
 use sha2::{Digest, Sha256};
 
 /// Longest file [bytes]: indices have 32 bits, and a file this long cannot overflow them.
@@ -62,7 +62,7 @@ pub fn read_asset(
     let mut errors = ErrorList::new(file_name);
     let unit_m = options.unit_m.unwrap_or(1.0);
     let up = options.up.unwrap_or(UpAxis::Y);
-    if !TUNING.unit_m.contains(&unit_m) {
+    if !is_plausible_unit(unit_m) {
         errors.push(
             "",
             format!("{unit_m} metres per unit cannot be"),
@@ -74,10 +74,10 @@ pub fn read_asset(
     }
     errors.finish()?;
     let format = format_of(file_name, bytes)?;
-    let to_scene = to_scene(unit_m, up);
+    let to_scene = up.to_scene(unit_m);
     let masks = [&options.mask, &options.sewing_mask].map(|name| name.as_deref());
     let mut read = match format {
-        SourceFormat::Obj => obj::read_obj(file_name, bytes, &to_scene, masks)?,
+        SourceFormat::Obj | SourceFormat::Arrays => obj::read_obj(file_name, bytes, &to_scene, masks)?,
         SourceFormat::Gltf => gltf::read_gltf(file_name, bytes, &to_scene, masks, resolve)?,
         #[cfg(feature = "usd")]
         SourceFormat::Usd => usd::read_usd(file_name, bytes, (options.unit_m, options.up), masks, resolve)?,
@@ -239,8 +239,8 @@ fn scale_mask(
 fn check_coordinates(asset: &SourceAsset) -> Result<()> {
     let mut errors = ErrorList::new(&asset.file);
     for piece in asset.worn_pieces() {
-        let near = |p: Vec3| p.iter().all(|x| x.abs() <= TUNING.max_coordinate_m);
-        let far = (0..piece.positions.len()).find(|&v| !piece.scene_position(v).is_some_and(near));
+        let is_near = |p: Vec3| is_in_range(&p);
+        let far = (0..piece.positions.len()).find(|&v| !piece.scene_position(v).is_some_and(is_near));
         if let Some(v) = far {
             errors.push(
                 format!("piece \"{}\", vertex {v}", piece.name),

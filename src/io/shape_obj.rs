@@ -9,7 +9,7 @@
 use crate::pieces::to_scene;
 use crease_geometry::math::{Vec2, Vec3};
 use crease_geometry::mesh::{INVALID, PointIndex};
-use crease_model::error::{Error, Result};
+use crease_model::error::{Error, Result, Error, Result};
 use crease_model::garment::{Garment, ObjLines, SourceAsset};
 use std::fmt::Write;
 
@@ -25,7 +25,7 @@ pub fn write_shape_obj(asset: &SourceAsset, garment: &Garment, displacement: &[V
 
 /// Writes the lines of an OBJ file with its worn vertices at `moved`.
 fn write_lines(asset: &SourceAsset, lines: &ObjLines, moved: &[Vec3]) -> Vec<u8> {
-    let to_scene = to_scene(asset.unit_m, asset.up);
+    let to_scene = asset.up.to_scene(asset.unit_m);
     let mut shape: Vec<Vec3> = lines.positions.iter().map(|p| (to_scene * p.push(1.0)).xyz()).collect();
     // The last of several vertices on a line counts first, as the first counts when the file is read.
     for (&line, x) in worn_lines(asset, lines).zip(moved).collect::<Vec<_>>().into_iter().rev() {
@@ -125,7 +125,7 @@ impl FrameRows {
             let row_of_vertex = (0..rows.len() as u32).collect();
             return Self { rows, row_of_vertex };
         };
-        let to_scene = to_scene(asset.unit_m, asset.up);
+        let to_scene = asset.up.to_scene(asset.unit_m);
         let fixed = |p: &Vec3| FrameRow::Fixed((to_scene * p.push(1.0)).xyz());
         let mut rows: Vec<FrameRow> = lines.positions.iter().map(fixed).collect();
         let row_of_vertex: Vec<u32> = worn_lines(asset, lines).copied().collect();

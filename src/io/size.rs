@@ -3,11 +3,8 @@
 
 use crate::tuning::TUNING;
 use crease_geometry::math::Vec3;
-use crease_model::error::{Error, Result};
-use crease_model::garment::{ImportDiagnostic, Severity, SourceAsset};
-
-/// Units that a file may be in, and their lengths [m].
-const UNITS: [(&str, f64); 5] = [("m", 1.0), ("dm", 0.1), ("cm", 0.01), ("mm", 0.001), ("in", 0.0254)];
+use crease_model::error::{Error, Result, Error, Result};
+use crease_model::garment::{ImportDiagnostic, Severity, SourceAsset, GarmentSize, ImportDiagnostic, LENGTH_UNITS, Severity, SourceAsset, usual_units};
 
 /// Rejects a garment of a size that no garment has; returns a warning about one that is rare, unless its unit is known.
 ///
@@ -18,14 +15,12 @@ pub fn check_size(asset: &SourceAsset) -> Result<Option<ImportDiagnostic>> {
     let size = high - low;
     let units = size / asset.unit_m;
     let longest = units.max();
-    let fits: Vec<String> = UNITS
-        .iter()
-        .filter(|(_, unit)| TUNING.usual_garment_side_m.contains(&(longest * unit)))
-        .map(|(name, unit)| format!("--unit {name} makes it {:.2} m", longest * unit))
-        .collect();
+    let fits: Vec<String> =
+        usual_units(longest).map(|(name, side)| format!("--unit {name} makes it {side:.2} m")).collect();
     let hint = if fits.is_empty() { String::new() } else { format!("; {}", fits.join(", ")) };
-    if TUNING.garment_side_m.contains(&size.max()) {
-        let is_questionable = !asset.unit_is_known && !TUNING.usual_garment_side_m.contains(&size.max());
+    let plausibility = GarmentSize::of_longest_side(size.max());
+    if plausibility != GarmentSize::Implausible {
+        let is_questionable = !asset.unit_is_known && plausibility == GarmentSize::Rare;
         return Ok(is_questionable.then(|| ImportDiagnostic {
             severity: Severity::Warning,
             location: String::new(),
@@ -52,7 +47,7 @@ pub fn check_size(asset: &SourceAsset) -> Result<Option<ImportDiagnostic>> {
 fn unit_that_divides(unit_m: f64, ratio: f64) -> Option<&'static str> {
     let wanted = unit_m / ratio;
     let distance = |(_, unit): &&(&str, f64)| (unit / wanted).ln().abs();
-    let nearest = UNITS.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+    let nearest = LENGTH_UNITS.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
     (distance(&nearest) < TUNING.unit_ratio_tol.ln()).then_some(nearest.0)
 }
 
@@ -60,7 +55,7 @@ fn unit_that_divides(unit_m: f64, ratio: f64) -> Option<&'static str> {
 fn unit_of_body(unit_m: f64, ratio: f64) -> Option<&'static str> {
     let in_unit = |unit: f64| ratio * unit / unit_m;
     let distance = |unit: f64| (in_unit(unit) / TUNING.usual_body_ratio).ln().abs();
-    let possible = UNITS.iter().filter(|(_, unit)| TUNING.body_ratio.contains(&in_unit(*unit)));
+    let possible = LENGTH_UNITS.iter().filter(|(_, unit)| TUNING.body_ratio.contains(&in_unit(*unit)));
     possible.min_by(|a, b| distance(a.1).total_cmp(&distance(b.1))).map(|(name, _)| *name)
 }
 
@@ -72,12 +67,15 @@ fn unit_that_fits(units_m: [f64; 2], worn_fraction: impl Fn(f64) -> f64) -> Opti
         return None;
     }
     let [garment, body] = units_m;
-    let of_body = UNITS.iter().map(|(name, unit)| (format!("--body-unit {name}"), unit / body));
+    let of_body = LENGTH_UNITS.iter().map(|(name, unit)| (format!("--body-unit {name}"), unit / body));
     // The unit of the garment is that of the body where the body has none of its own.
-    let own_name =
-        UNITS.iter().find(|(_, unit)| *unit == body).map_or(format!("{body}"), |(name, _)| name.to_string());
-    let of_garment =
-        UNITS.iter().map(|(name, unit)| (format!("--unit {name} --body-unit {own_name}"), garment / unit));
+    let own_name = LENGTH_UNITS
+        .iter()
+        .find(|(_, unit)| *unit == body)
+        .map_or(format!("{body}"), |(name, _)| name.to_string());
+    let of_garment = LENGTH_UNITS
+        .iter()
+        .map(|(name, unit)| (format!("--unit {name} --body-unit {own_name}"), garment / unit));
     let is_other = |(_, scale): &(String, f64)| scale.ln().abs() > TUNING.min_unit_ratio.ln();
     let (option, fitting) = of_body
         .chain(of_garment)

@@ -5,10 +5,6 @@ use std::ops::RangeInclusive;
 /// Limits and tolerances of the folder.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct IoTuning {
-    /// Longest side of a garment's bounding box \[m\] that is possible: from a sock to a wedding train.
-    pub(crate) garment_side_m: RangeInclusive<f64>,
-    /// Longest side of a garment's bounding box \[m\] that is usual; others are questioned.
-    pub(crate) usual_garment_side_m: RangeInclusive<f64>,
     /// Longest side of a body over that of its garment \[-\] that is possible: a torso under a wide skirt, a person with a
     /// glove.
     pub(crate) body_ratio: RangeInclusive<f64>,
@@ -24,10 +20,6 @@ pub(crate) struct IoTuning {
     pub(crate) unit_ratio_tol: f64,
     /// Mean edge length of frames over that of their garment that is one of motion, not of unit \[-\].
     pub(crate) frame_ratio: RangeInclusive<f64>,
-    /// Metres per file unit that can be stated: from a micrometre to a thousand kilometres.
-    pub(crate) unit_m: RangeInclusive<f64>,
-    /// Largest coordinate in the scene \[m\]: larger ones are damage, and their products would overflow.
-    pub(crate) max_coordinate_m: f64,
     /// Largest coordinate of an OBJ file \[file units\].
     pub(crate) max_obj_coordinate: f64,
     /// Corners of a face; no drawn face has more, and the limit of the polygon clipper is higher.
@@ -85,8 +77,6 @@ pub(crate) struct IoTuning {
 
 /// Values in use.
 pub(crate) const TUNING: IoTuning = IoTuning {
-    garment_side_m: 0.05..=5.0,
-    usual_garment_side_m: 0.1..=2.5,
     body_ratio: 0.66..=15.0,
     usual_body_ratio: 2.5,
     max_misfit_fraction: 0.05,
@@ -94,8 +84,6 @@ pub(crate) const TUNING: IoTuning = IoTuning {
     min_fitting_fraction: 0.4,
     unit_ratio_tol: 1.6,
     frame_ratio: 0.66..=1.5,
-    unit_m: 1e-6..=1e6,
-    max_coordinate_m: 1e9,
     max_obj_coordinate: 1e12,
     max_face_corners: 1_000_000,
     max_skipped_keywords: 20,

@@ -65,7 +65,7 @@ mod tests {
         // The side points of the upper layer are those of the lower one.
         let name = |layer: u32, i: u32, j: u32| {
             let side = i == 0 || i == row - 1;
-            PointIndex(if side { 0 } else { layer * row * row } + j * row + i)
+            (if side { 0 } else { layer * row * row }) + j * row + i
         };
         let mut triangles = Vec::new();
         for layer in [0, 1] {
@@ -76,20 +76,7 @@ mod tests {
                 triangles.extend(two.map(|[a, b, c]| if layer == 1 { [a, b, c] } else { [a, c, b] }));
             }
         }
-        Garment {
-            material: vec![[Vec2::zeros(); 3]; triangles.len()],
-            material_from_uv: false,
-            source_point: Vec::new(),
-            memory_mask: vec![1.0; points.len()],
-            sewing_mask: vec![1.0; points.len()],
-            triangle_part: vec![0; triangles.len()],
-            triangle_panel: vec![0; triangles.len()],
-            inner_side: vec![false; triangles.len()],
-            file_triangles: Vec::new(),
-            topology: Topology::new(points.len(), &triangles),
-            triangles,
-            points,
-        }
+        Garment::of_triangles(points, &triangles)
     }
 
     fn script(actions: &str) -> WearScript {

@@ -1,7 +1,7 @@
 //! A shirt in the shape of a body, made of squares.
 
 use crease::internal::files::GarmentFile;
-use crease_model::garment::Garment;
+use crease_model::garment::{Garment, Garment, MeshOptions};
 use std::collections::BTreeMap;
 
 /// Edge of the squares a shirt is made of [m].
@@ -61,7 +61,7 @@ pub fn shirt(bend: f64, collar: bool) -> Garment {
             triangles.extend(if side > 0 { [[a, b, c], [a, c, d]] } else { [[a, c, b], [a, d, c]] });
         }
     }
-    GarmentFile::from_mesh("shirt", &points, &triangles).expect("is a garment").garment
+    Garment::from_mesh(&points, &triangles, MeshOptions::default().name("shirt")).expect("is a garment")
 }
 
 fn position([i, j]: [i32; 2], side: i32, bend: f64, collar: bool) -> [f64; 3] {

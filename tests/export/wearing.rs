@@ -2,11 +2,11 @@
 
 use crate::checks::{assert_counts, assert_displaced, assert_kept, assert_same_bytes};
 use crease_geometry::math::Rng;
-use crease_geometry::mesh::{PointIndex, Topology};
+use crease_geometry::mesh::{PointIndex, Topology, PointIndex};
 use crease_io::gltf::{split_glb, write_worn_glb};
 use crease_io::{ReadOptions, read_asset};
 use crease_model::garment::{Garment, RestState, SourceAsset, WornGarment};
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{Vector2, Vector3, Vector3};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -37,23 +37,10 @@ pub fn garment(asset: &SourceAsset) -> Garment {
             });
             source_point.push(PointIndex(point));
         }
-        let welded = piece.triangles.iter().map(|t| t.map(|v| source_point[first + v as usize]));
+        let welded = piece.triangles.iter().map(|t| t.map(|v| source_point[first + v as usize].0));
         triangles.extend(welded.filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]));
     }
-    Garment {
-        material: vec![[Vector2::zeros(); 3]; triangles.len()],
-        material_from_uv: false,
-        source_point,
-        memory_mask: vec![1.0; points.len()],
-        sewing_mask: vec![1.0; points.len()],
-        triangle_part: vec![0; triangles.len()],
-        triangle_panel: vec![0; triangles.len()],
-        inner_side: vec![false; triangles.len()],
-        file_triangles: Vec::new(),
-        topology: Topology::new(points.len(), &triangles),
-        points,
-        triangles,
-    }
+    Garment { source_point, ..Garment::of_triangles(points, &triangles) }
 }
 
 /// Returns a displacement of some centimetres and a memory; the same on every machine.

@@ -11,20 +11,12 @@ use crease_solver::memory::{ElementParams, HysteresisState, Memory, MemoryLaw, M
 /// Two triangles on a common edge of `size` [m], flat.
 pub fn pair(size: f64) -> Garment {
     let points = [[0.0, 0.0], [1.0, 0.0], [0.5, 1.0], [0.5, -1.0]].map(|[x, y]| Vec2::new(x, y) * size);
-    let triangles = [[0, 1, 2], [1, 0, 3]].map(|t| t.map(PointIndex));
+    let triangles = [[0, 1, 2], [1, 0, 3]];
+    let pair = Garment::of_triangles(points.map(|p| Vec3::new(p.x, p.y, 0.0)).into(), &triangles);
     Garment {
-        points: points.map(|p| Vec3::new(p.x, p.y, 0.0)).into(),
-        triangles: triangles.into(),
-        material: triangles.map(|t| t.map(|p| points[p.0 as usize])).into(),
+        material: triangles.map(|t| t.map(|p| points[p as usize])).into(),
         material_from_uv: true,
-        source_point: (0..4).map(PointIndex).collect(),
-        memory_mask: vec![1.0; 4],
-        sewing_mask: vec![1.0; 4],
-        triangle_part: vec![0; 2],
-        triangle_panel: vec![0; 2],
-        inner_side: vec![false; 2],
-        file_triangles: Vec::new(),
-        topology: Topology::new(4, &triangles),
+        ..pair
     }
 }
 

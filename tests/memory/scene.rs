@@ -9,7 +9,7 @@ use crease_model::fabric::Fabric;
 use crease_model::garment::{Garment, RestState};
 use crease_solver::contact::Contact;
 use crease_solver::memory::{Memory, Strains};
-use crease_solver::sim::{Cloth, Loads, Method, NewtonOptions, State, StepOptions, StepRelaxation, Stepper};
+use crease_solver::sim::{Cloth, Loads, Method, NewtonOptions, State, StepOptions, StepRelaxation, Stepper, Loads, Cloth, Method, NewtonOptions, State, StepOptions, StepRelaxation, Stepper};
 use std::fmt::Write;
 
 fn stepper(garment: &Garment, fabric: &Fabric, step: f64) -> Stepper {
@@ -136,18 +136,7 @@ fn memory_off_is_the_elastic_run_to_the_last_bit() {
 
 /// A handkerchief of 24 cm, 13 x 13 points.
 fn handkerchief() -> Garment {
-    let mut obj = String::new();
-    for k in 0..13 * 13 {
-        writeln!(obj, "v {} 0 {}", 0.02 * f64::from(k % 13), 0.02 * f64::from(k / 13))
-            .expect("a string takes all");
-    }
-    for (row, column) in (0..12).flat_map(|row| (0..12).map(move |column| (row, column))) {
-        let a = 13 * row + column + 1;
-        writeln!(obj, "f {a} {} {}\nf {a} {} {}", a + 13, a + 14, a + 14, a + 1).expect("a string takes all");
-    }
-    let mut alone = |name: &str| panic!("asks for {name}");
-    let read = read_asset("handkerchief.obj", obj.as_bytes(), &ReadOptions::default(), &mut alone);
-    Garment::from_asset(&read.expect("reads").0).expect("is a garment").0
+    Garment::sheet([0.24; 2], [12; 2]).expect("is a sheet")
 }
 
 /// The same of a whole bake, with contact, friction and the way initial_rest: after a fold, with memory off and with thresholds

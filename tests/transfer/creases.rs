@@ -1,14 +1,13 @@
 //! A fold transferred to a garment whose triangles do not follow it.
 
 use crease::internal::files::GarmentFile;
-use crease::internal::transfer::{
-    MatchBy, Transfer, TransferResult, TransferSource, mesh_along_creases, relax_carried,
-};
+use crease::internal::transfer::{MatchBy, Transfer, TransferResult, TransferSource, mesh_along_creases, relax_carried, GarmentSurface, MatchBy, Transfer, TransferResult, TransferSource};
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::intersections::self_intersections;
 use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
-use crease_model::garment::{Garment, RestState, RigidParts, WornGarment};
+use crease_model::garment::{Garment, RestState, RigidParts, WornGarment, Garment, MeshOptions, RestState, RigidParts, WornGarment};
 use crease_model::remesh::GarmentSurface;
+use crease::internal::bake::{mesh_along_creases, relax_carried};
 
 /// Side of every sheet [m].
 const SIDE: f64 = 0.3;
@@ -17,7 +16,7 @@ const FOLD: f64 = 2.0;
 
 /// A sheet of squares of 12 mm with a fold along its ninth column; where `is_jagged`, along every other edge of two columns.
 fn folded(is_jagged: bool) -> TransferSource {
-    let sheet = GarmentFile::sheet([SIDE; 2], [25; 2]).expect("is a sheet").garment;
+    let sheet = Garment::sheet([SIDE; 2], [25; 2]).expect("is a sheet");
     let column = |p: crease_geometry::mesh::PointIndex| (sheet.points[p.at()].x / 0.012).round() as i64;
     let row = |p: crease_geometry::mesh::PointIndex| (sheet.points[p.at()].z / 0.012).round() as i64;
     let mut memory = RestState::flat(sheet.topology.hinges.len(), sheet.triangles.len());
@@ -41,7 +40,7 @@ fn folded(is_jagged: bool) -> TransferSource {
 /// along `axis` (0: x, across the fold; 2: z, along it).
 fn curved(axis: usize) -> Garment {
     let (points, triangles) = curved_mesh(axis);
-    GarmentFile::from_mesh("curved", &points, &triangles).expect("is a garment").garment
+    Garment::from_mesh(&points, &triangles, MeshOptions::default().name("curved")).expect("is a garment")
 }
 
 /// Positions [m] and triangles of the same.
@@ -157,7 +156,8 @@ fn buttons_and_layers_that_cross_in_the_file_cost_no_fold() {
     let (cloth, of_cloth) = curved_mesh(0);
     points.extend(cloth);
     triangles.extend(of_cloth.iter().map(|t| t.map(|v| 8 + v)));
-    let buttoned = GarmentFile::from_mesh("buttoned", &points, &triangles).expect("is a garment").garment;
+    let buttoned = Garment::from_mesh(&points, &triangles, MeshOptions::default().name("buttoned"))
+        .expect("is a garment");
     assert!(RigidParts::find(&buttoned).is_some());
     // Its own memory at half strength, entry by entry.
     let surface = GarmentSurface::without_texture(&buttoned);
@@ -175,7 +175,8 @@ fn buttons_and_layers_that_cross_in_the_file_cost_no_fold() {
     let first = points.len() as u32;
     points.extend([[0.24, 0.15, 0.13], [0.28, 0.15, 0.13], [0.28, 0.25, 0.13], [0.24, 0.25, 0.13]]);
     triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t| t.map(|v| first + v)));
-    let crossing = GarmentFile::from_mesh("crossing", &points, &triangles).expect("is a garment").garment;
+    let crossing = Garment::from_mesh(&points, &triangles, MeshOptions::default().name("crossing"))
+        .expect("is a garment");
     assert!(!self_intersections(&crossing.points, &crossing.triangles).is_empty());
     for (what, target) in [("button", buttoned), ("crossing", crossing)] {
         let carried = transferred(&source, &target);

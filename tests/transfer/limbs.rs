@@ -1,10 +1,10 @@
 //! Garments of other cuts and poses are laid over one another limb by limb.
 
 use crease::GarmentFile;
-use crease::internal::transfer::{AlignedBy, TransferOptions, TransferResult, TransferSource, transfer};
+use crease::internal::transfer::{AlignedBy, TransferOptions, TransferResult, TransferSource, transfer, AlignedBy, GarmentSurface, TransferOptions, TransferResult, TransferSource, transfer};
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::hinge_angle;
-use crease_model::garment::{Garment, RestState};
+use crease_model::garment::{Garment, RestState, Garment, MeshOptions, RestState};
 use crease_model::remesh::GarmentSurface;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -82,7 +82,8 @@ fn sewn(
             }
         }
     }
-    let garment = GarmentFile::from_mesh("made", &vertices, &triangles).expect("is a garment").garment;
+    let garment =
+        Garment::from_mesh(&vertices, &triangles, MeshOptions::default().name("made")).expect("is a garment");
     let nearest = |x: &Vec3| {
         let distance = |v: &usize| (Vec3::from(vertices[*v]) - x).norm_squared();
         let found = (0..vertices.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
@@ -143,7 +144,8 @@ fn tube(from: f64, to: f64, height: f64) -> Made {
         let [a, b, c, d] = [at(i, k), at(i + 1, k), at(i + 1, k + 1), at(i, k + 1)];
         triangles.extend([[a, c, b], [a, d, c]]);
     }
-    let garment = GarmentFile::from_mesh("tube", &vertices, &triangles).expect("is a garment").garment;
+    let garment =
+        Garment::from_mesh(&vertices, &triangles, MeshOptions::default().name("tube")).expect("is a garment");
     Made { pattern: garment.points.clone(), garment }
 }
 

@@ -242,6 +242,7 @@ impl MotionInput {
             let help = "give an animated .glb, or a folder of numbered .obj frames with --fps";
             let message = match mesh.asset.format {
                 SourceFormat::Usd => "the motion of a USD file is not read",
+                SourceFormat::Arrays => "a mesh from arrays does not move",
                 _ => "an OBJ file does not move",
             };
             return Err(Error::input(file, "", message, help));

@@ -12,7 +12,10 @@ use crease_geometry::math::Vec3;
 use crease_geometry::mesh::PointIndex;
 use crease_io::ReadOptions;
 use crease_io::gltf::plain_glb;
-use crease_model::error::{Error, Result};
+use crease_model::error::{Error, Result, Error, Result};
+use crease::files::{GarmentFile, embed_asset_images, read_asset_file};
+use crease_model::garment::MeshOptions;
+use crease::report::{GarmentView, HingeLabel, ViewerItem, ViewerPiece, viewer_page};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
@@ -116,7 +119,11 @@ fn simulated_item(
     let [before, after] = [frames.first(), frames.last()].map(|x| x.cloned().unwrap_or_default());
     let corners: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(|p| p.0)).collect();
     let positions: Vec<[f64; 3]> = after.iter().map(|&x| x.into()).collect();
-    let mesh = GarmentFile::from_mesh("simulated", &positions, &corners)?;
+    let mesh = GarmentFile::from_mesh(
+        &positions,
+        &corners,
+        MeshOptions::default().name("simulated").any_size(true),
+    )?;
     let vertex_points = (0..after.len() as u32).map(PointIndex).collect();
     let view = GarmentView { file, before, after, triangles, vertex_points, memory: None, confidence: None };
     let (glb, pieces) = (plain_glb(&mesh.asset)?, ViewerPiece::of_asset(&mesh.asset));

@@ -129,18 +129,23 @@ impl Groups {
     }
 }
 
-/// Returns the first vertex at the position of each vertex, by a grid of cells as wide as the tolerance: neighbours are in the 27 cells
-/// around.
+/// Width of the cells in which coinciding vertices are looked for, over the tolerance \[-\]. Of cells this wide one or two along each
+/// axis are within the tolerance of a vertex.
+const CELL_WIDTH_FACTOR: f64 = 4.0;
+
+/// Returns the first vertex at the position of each vertex, by a grid of cells.
 fn find_sites(positions: &[Vec3], tolerance: f64) -> Vec<u32> {
-    let width = if tolerance > 0.0 { tolerance } else { f64::MIN_POSITIVE.sqrt() };
+    let width = if tolerance > 0.0 { CELL_WIDTH_FACTOR * tolerance } else { f64::MIN_POSITIVE.sqrt() };
     let cell = |p: &Vec3| [0, 1, 2].map(|k| (p[k] / width).floor() as i64);
+    // A little more than the tolerance, which rounding must not cut off.
+    let reach = Vec3::repeat(1.001 * tolerance);
     let mut cells: FxHashMap<[i64; 3], Vec<u32>> = FxHashMap::default();
     let mut groups = Groups::new(positions.len());
     for (vertex, p) in positions.iter().enumerate() {
         let own = cell(p);
-        for offset in 0..27i64 {
-            let shift = [offset % 3 - 1, offset / 3 % 3 - 1, offset / 9 - 1];
-            let near = [0, 1, 2].map(|k| own[k].saturating_add(shift[k]));
+        let (low, high) = (cell(&(p - reach)), cell(&(p + reach)));
+        let near = (low[0]..=high[0]).flat_map(|x| (low[1]..=high[1]).map(move |y| [x, y]));
+        for near in near.flat_map(|[x, y]| (low[2]..=high[2]).map(move |z| [x, y, z])) {
             for &other in cells.get(&near).map_or(&[][..], Vec::as_slice) {
                 let q = positions.get(other as usize).unwrap_or(p);
                 if (p - q).norm() <= tolerance {

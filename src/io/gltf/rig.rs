@@ -34,7 +34,7 @@ pub fn read_rig(asset: &SourceAsset, pieces: &[&SourcePiece]) -> Result<Option<R
     let pieces = pieces.iter().filter_map(|piece| reader.piece(piece)).collect();
     let clips = reader.clips(skeleton.nodes().len());
     reader.errors.finish()?;
-    Ok(Some(Rig { skeleton, pieces, clips, to_scene: to_scene(asset.unit_m, asset.up) }))
+    Ok(Some(Rig { skeleton, pieces, clips, to_scene: asset.up.to_scene(asset.unit_m) }))
 }
 
 struct RigReader<'a> {

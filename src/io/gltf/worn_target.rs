@@ -307,24 +307,9 @@ mod tests {
         let points: Vec<Vec3> =
             points.map(|(i, j)| Vec3::new(f64::from(i), f64::from(j), 0.0) / f64::from(n)).collect();
         let squares = (0..n).flat_map(|j| (0..n).map(move |i| j * (n + 1) + i));
-        let triangles: Vec<[PointIndex; 3]> = squares
-            .flat_map(|a| [[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]])
-            .map(|t| t.map(PointIndex))
-            .collect();
-        Garment {
-            material: vec![[Vec2::zeros(); 3]; triangles.len()],
-            material_from_uv: false,
-            source_point: (0..points.len() as u32).map(PointIndex).collect(),
-            memory_mask: vec![1.0; points.len()],
-            sewing_mask: vec![1.0; points.len()],
-            triangle_part: vec![0; triangles.len()],
-            triangle_panel: vec![0; triangles.len()],
-            inner_side: vec![false; triangles.len()],
-            file_triangles: Vec::new(),
-            topology: Topology::new(points.len(), &triangles),
-            points,
-            triangles,
-        }
+        let triangles: Vec<[u32; 3]> =
+            squares.flat_map(|a| [[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]]).collect();
+        Garment::of_triangles(points, &triangles)
     }
 
     fn worn(garment: &Garment, shape: impl Fn(Vec3) -> Vec3) -> WornGarment {

@@ -53,7 +53,9 @@ pub fn write_worn_glb_with(
     match (asset.format, &asset.document) {
         (SourceFormat::Gltf, Some(document)) => worn_gltf(asset, document, garment, &shape, extras),
         (SourceFormat::Gltf, None) => Err(Error::input(&asset.file, "", "its glTF document is missing", "")),
-        (SourceFormat::Obj | SourceFormat::Usd, _) => worn_obj(asset, garment, &shape, extras),
+        (SourceFormat::Obj | SourceFormat::Usd | SourceFormat::Arrays, _) => {
+            worn_obj(asset, garment, &shape, extras)
+        }
     }
 }
 

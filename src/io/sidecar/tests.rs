@@ -6,6 +6,8 @@ use crease_geometry::mesh::{PointIndex, Topology};
 use crease_model::garment::{
     Garment, Placement, RestState, SourceAsset, SourceFormat, SourcePiece, UpAxis, WornGarment,
 };
+use crease_geometry::math::{Mat4, Vec2, Vec3};
+use crease_geometry::mesh::PointIndex;
 use serde_json::{Value, json};
 
 /// Two triangles over four points; five source vertices, as one is split at a seam.
@@ -39,22 +41,9 @@ fn example() -> Sidecar {
         obj: None,
         pieces: vec![piece],
     };
-    let triangles =
-        vec![[0, 1, 2], [2, 1, 3]].into_iter().map(|t: [u32; 3]| t.map(PointIndex)).collect::<Vec<_>>();
-    let garment = Garment {
-        points: positions[..4].iter().map(|[x, y]| Vec3::new(*x, *y, 1.0 / 3.0)).collect(),
-        material: vec![[Vec2::zeros(); 3]; 2],
-        material_from_uv: true,
-        source_point: [0, 1, 2, 3, 1].map(PointIndex).to_vec(),
-        memory_mask: vec![1.0; 4],
-        sewing_mask: vec![1.0; 4],
-        triangle_part: vec![0; 2],
-        triangle_panel: vec![0; 2],
-        inner_side: vec![false; 2],
-        file_triangles: Vec::new(),
-        topology: Topology::new(4, &triangles),
-        triangles,
-    };
+    let points = positions[..4].iter().map(|[x, y]| Vec3::new(*x, *y, 1.0 / 3.0)).collect();
+    let source_point = [0, 1, 2, 3, 1].map(PointIndex).to_vec();
+    let garment = Garment { source_point, ..Garment::of_triangles(points, &[[0, 1, 2], [2, 1, 3]]) };
     let worn = WornGarment {
         displacement: vec![Vec3::new(0.1, -2e-17, 3.0); 4],
         memory: RestState {

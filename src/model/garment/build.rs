@@ -5,7 +5,7 @@
 //! strips) stays and remembers nothing, so that the garment is still usable. Layers that lie in one place are set
 //! apart by a small distance. Sews no open seams and looks for no intersections.
 
-use crate::error::{Diagnostic, Error, Result};
+use crate::error::{Diagnostic, Error, Result, Diagnostic, Error, Result};
 use crate::garment::coincident_layers::separate_layers;
 use crate::garment::diagnostic::ImportDiagnostics;
 use crate::garment::material_coords::flatten_triangles;
@@ -13,7 +13,7 @@ use crate::garment::repair::{fix_caps, orient_outward, remove_duplicates};
 use crate::garment::shell::{ShellMesh, Shells};
 use crate::garment::tuning::TUNING;
 use crate::garment::wedges::TriangleWedges;
-use crate::garment::{Garment, ImportDiagnostic, SourceAsset, SourcePiece};
+use crate::garment::{Garment, ImportDiagnostic, SourceAsset, SourcePiece, Garment, ImportDiagnostic, SourceAsset, SourceFormat, SourcePiece};
 use crease_geometry::math::{Vec2, Vec3};
 use crease_geometry::mesh::{Groups, PointIndex, Topology, Welder};
 
@@ -44,12 +44,11 @@ impl Garment {
         let positions = first_positions(&vertex_point, welded_count, &sheet.positions);
         fix_caps(&positions, &mut wedges, &mut diagnostics);
         if wedges.is_empty() {
-            return Err(Error::input(
-                &asset.file,
-                "",
-                "no triangle of the garment has any area",
-                "export it again, or choose another part with --garment",
-            ));
+            let help = match asset.format {
+                SourceFormat::Arrays => "check the positions and indices",
+                _ => "export it again, or choose another part with --garment",
+            };
+            return Err(Error::input(&asset.file, "", "no triangle of the garment has any area", help));
         }
         let (mut points, mut source_point) =
             drop_unused_points(&positions, &vertex_point, &mut wedges, &mut diagnostics);
@@ -224,7 +223,10 @@ fn first_positions(point_of: &[PointIndex], count: usize, positions: &[Vec3]) ->
 }
 
 /// Returns the triangles between `point_count` points, their topology, and their connected parts.
-fn connect(point_count: usize, wedges: &[TriangleWedges]) -> (Vec<[PointIndex; 3]>, Topology, Vec<u32>) {
+pub(super) fn connect(
+    point_count: usize,
+    wedges: &[TriangleWedges],
+) -> (Vec<[PointIndex; 3]>, Topology, Vec<u32>) {
     let triangles: Vec<[PointIndex; 3]> = wedges.iter().map(|w| w.points).collect();
     let topology = Topology::new(point_count, &triangles);
     let parts = find_parts(point_count, &triangles);
@@ -315,7 +317,7 @@ fn mean_per_point(mask: &[f64], source_point: &[PointIndex], point_count: usize)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::garment::{Placement, Severity, SourceFormat, UpAxis};
+    use crate::garment::{Placement, Severity, SourceFormat, UpAxis, Placement, Severity, UpAxis};
     use crease_geometry::math::Mat4;
 
     fn piece(positions: &[[f64; 3]], uvs: Option<&[[f64; 2]]>, triangles: &[[u32; 3]]) -> SourcePiece {

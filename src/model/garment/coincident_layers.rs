@@ -18,7 +18,7 @@ pub(super) fn separate_layers(
     topology: &Topology,
     diagnostics: &mut ImportDiagnostics,
 ) {
-    let layers = TriangleLayers::new(points, triangles, topology);
+    let Some(layers) = TriangleLayers::new(points, triangles, topology) else { return };
     let shifts = layers.shifts();
     let count = shifts.iter().filter(|shift| **shift != Vec3::zeros()).count();
     points.iter_mut().zip(shifts).for_each(|(x, shift)| *x += shift);
@@ -63,19 +63,24 @@ struct TriangleLayers<'a> {
 }
 
 impl<'a> TriangleLayers<'a> {
-    fn new(points: &'a [Vec3], triangles: &'a [[PointIndex; 3]], topology: &Topology) -> Self {
+    /// The layers; `None` if there is one only.
+    fn new(points: &'a [Vec3], triangles: &'a [[PointIndex; 3]], topology: &Topology) -> Option<Self> {
         let normal = |t: &[PointIndex; 3]| triangle::normal(&triangle::corners(points, t));
         let normals: Vec<Vec3> = triangles.iter().map(|t| normal(t).unwrap_or_else(Vec3::zeros)).collect();
         let layer = unfolded_pieces(triangles, &normals, topology);
-        Self { points, triangles, normals, layer, bvh: TriangleBvh::new(points, triangles, 0.0) }
+        let has_others = layer.iter().max() != Some(&0);
+        has_others.then(|| Self {
+            points,
+            triangles,
+            normals,
+            layer,
+            bvh: TriangleBvh::new(points, triangles, 0.0),
+        })
     }
 
     /// Returns the displacement of each point that sets its layer apart from those in the same place.
     fn shifts(&self) -> Vec<Vec3> {
         let mut shifts = vec![Vec3::zeros(); self.points.len()];
-        if self.layer.iter().max() == Some(&0) {
-            return shifts;
-        }
         let mut at_point: Vec<Vec<LayerAt>> = vec![Vec::new(); self.points.len()];
         let mut joined = vec![false; self.points.len()];
         let mut own: Vec<Option<u32>> = vec![None; self.points.len()];

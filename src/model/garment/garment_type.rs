@@ -2,6 +2,9 @@
 
 use crease_geometry::math::{Vec2, Vec3};
 use crease_geometry::mesh::{PointIndex, Topology};
+use crate::garment::build::connect;
+use crate::garment::material_coords::flatten_triangles;
+use crate::garment::wedges::TriangleWedges;
 
 /// Garment after import: SI units, y up, welded at seams.
 #[derive(Debug, Clone)]
@@ -35,6 +38,34 @@ pub struct Garment {
 }
 
 impl Garment {
+    /// A garment of `points` \[m\], y up, and `triangles` as they are, without the checks and repairs of [`Garment::from_mesh`]: for
+    /// meshes that the program itself makes.
+    ///
+    /// # Panics
+    /// If a triangle names a point that is not there.
+    #[doc(hidden)]
+    pub fn of_triangles(points: Vec<Vec3>, triangles: &[[u32; 3]]) -> Self {
+        let wedge = |t: &[u32; 3]| TriangleWedges { points: t.map(PointIndex), vertices: None };
+        let wedges: Vec<TriangleWedges> = triangles.iter().map(wedge).collect();
+        let (triangles, topology, triangle_part) = connect(points.len(), &wedges);
+        let part_count = triangle_part.iter().max().map_or(0, |&last| last as usize + 1);
+        let flat = flatten_triangles(&points, &wedges, (&[], &[]), &topology, part_count);
+        Self {
+            material: flat.material,
+            material_from_uv: flat.from_uv,
+            source_point: (0..points.len() as u32).map(PointIndex).collect(),
+            memory_mask: vec![1.0; points.len()],
+            sewing_mask: vec![1.0; points.len()],
+            triangle_part,
+            triangle_panel: vec![0; triangles.len()],
+            inner_side: vec![false; triangles.len()],
+            file_triangles: Vec::new(),
+            topology,
+            triangles,
+            points,
+        }
+    }
+
     /// Returns the triangles of the file, which are what is exported: those before the garment was refined, if it was.
     pub fn exported_triangles(&self) -> &[[PointIndex; 3]] {
         if self.file_triangles.is_empty() { &self.triangles } else { &self.file_triangles }

@@ -141,6 +141,7 @@ pub fn inspect(asset: &SourceAsset, garment: &Garment, diagnostics: &[ImportDiag
             SourceFormat::Obj => "OBJ",
             SourceFormat::Gltf => "glTF",
             SourceFormat::Usd => "USD",
+            SourceFormat::Arrays => "arrays",
         },
         sha256: asset.sha256.clone(),
         unit_m: asset.unit_m,

@@ -116,11 +116,11 @@ pub(super) fn fix_caps(
 /// Returns the number k of the longest side (from corner k to k + 1) of a triangle without area; `None` if it has some.
 fn cap_side(positions: &[Vec3], wedges: &TriangleWedges) -> Option<usize> {
     let p = wedges.points.map(|point| positions[point.at()]);
-    let length = |k: usize| (p[(k + 1) % 3] - p[k]).norm();
-    let longest = (0..3).max_by(|&i, &j| length(i).total_cmp(&length(j)))?;
-    let height = triangle::area_vector(&p).norm() / length(longest);
+    let lengths = [0, 1, 2].map(|k: usize| (p[(k + 1) % 3] - p[k]).norm());
+    let longest = (0..3).max_by(|&i, &j| lengths[i].total_cmp(&lengths[j]))?;
+    let height = triangle::area_vector(&p).norm() / lengths[longest];
     // A triangle whose corners coincide has a height that is not a number, and counts as a cap.
-    let has_area = height > TUNING.cap_height_fraction * length(longest);
+    let has_area = height > TUNING.cap_height_fraction * lengths[longest];
     (!has_area).then_some(longest)
 }
 

@@ -46,37 +46,13 @@ mod tests {
     use crease_geometry::math::{Vec2, Vec3};
     use crease_geometry::mesh::Topology;
 
+
     /// A sheet of 0.2 m with edges of 10 mm, two panels wide.
     fn sheet() -> Garment {
-        const CELLS: u32 = 20;
-        let step = 0.2 / f64::from(CELLS);
-        let row = CELLS + 1;
-        let points: Vec<Vec3> = (0..row * row)
-            .map(|k| Vec3::new(step * f64::from(k % row), 0.0, step * f64::from(k / row)))
-            .collect();
-        let corner = |i: u32, j: u32| PointIndex(j * row + i);
-        let cells = (0..CELLS).flat_map(|i| (0..CELLS).map(move |j| (i, j)));
-        let triangles: Vec<[PointIndex; 3]> = cells
-            .flat_map(|(i, j)| {
-                let [a, b, c, d] = [corner(i, j), corner(i, j + 1), corner(i + 1, j + 1), corner(i + 1, j)];
-                [[a, b, c], [a, c, d]]
-            })
-            .collect();
-        let left = |t: &[PointIndex; 3]| t.iter().all(|p| points[p.at()].x < 0.1 + 1e-9);
-        Garment {
-            inner_side: vec![false; triangles.len()],
-            file_triangles: Vec::new(),
-            triangle_panel: triangles.iter().map(|t| u32::from(!left(t))).collect(),
-            material: vec![[Vec2::zeros(); 3]; triangles.len()],
-            material_from_uv: false,
-            source_point: Vec::new(),
-            memory_mask: vec![1.0; points.len()],
-            sewing_mask: vec![1.0; points.len()],
-            triangle_part: vec![0; triangles.len()],
-            topology: Topology::new(points.len(), &triangles),
-            triangles,
-            points,
-        }
+        let sheet = Garment::sheet([0.2; 2], [20; 2]).expect("is a sheet");
+        let is_left = |t: &[PointIndex; 3]| t.iter().all(|p| sheet.points[p.at()].x < 0.1 + 1e-9);
+        let triangle_panel = sheet.triangles.iter().map(|t| u32::from(!is_left(t))).collect();
+        Garment { triangle_panel, ..sheet }
     }
 
     #[test]

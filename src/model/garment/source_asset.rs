@@ -1,4 +1,4 @@
-//! A mesh file as read: every piece in file order with its own vertices, and (for glTF) the whole document, so that export
+//! A mesh file, or arrays, as read: every piece in file order with its own vertices, and (for glTF) the whole document, so that export
 //! can return everything else untouched. `io` reads it, `Garment` is built from its worn pieces, `io` writes it out again
 //! with the worn pieces changed.
 
@@ -14,15 +14,34 @@ pub enum SourceFormat {
     Gltf,
     /// USD, as .usda, .usdc, .usd or .usdz.
     Usd,
+    /// Arrays in memory: no file.
+    Arrays,
 }
 
 /// Axis of a file that points up.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum UpAxis {
     /// y up (glTF, most OBJ).
+    #[default]
     Y,
     /// z up: (x, y, z) of the file is (x, z, -y) inside.
     Z,
+}
+
+impl UpAxis {
+    /// Returns the transform to metres, y up, from units of `unit_m` \[m\] with this axis up.
+    pub fn to_scene(self, unit_m: f64) -> Mat4 {
+        let turned = match self {
+            Self::Y => Mat4::identity(),
+            Self::Z => Mat4::new(
+                1.0, 0.0, 0.0, 0.0, //
+                0.0, 0.0, 1.0, 0.0, //
+                0.0, -1.0, 0.0, 0.0, //
+                0.0, 0.0, 0.0, 1.0,
+            ),
+        };
+        Mat4::new_scaling(unit_m) * turned
+    }
 }
 
 /// glTF document: its raw JSON and its buffers.
@@ -178,7 +197,7 @@ pub struct ObjFace {
 pub struct SourceAsset {
     /// Name of the file as the user gave it.
     pub file: String,
-    /// SHA-256 of the file's bytes, lower-case hex.
+    /// SHA-256 of the file's bytes, or of the arrays, lower-case hex.
     pub sha256: String,
     /// Format.
     pub format: SourceFormat,

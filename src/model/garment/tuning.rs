@@ -1,5 +1,7 @@
 //! Tuning constants of importing and refining a garment mesh.
 
+use std::ops::RangeInclusive;
+
 /// Limits and tolerances of the folder. Lengths in metres, angles in radians.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct GarmentTuning {
@@ -100,8 +102,18 @@ pub(crate) struct GarmentTuning {
     pub(crate) max_seam_gap: f64,
     /// Cosine between the outward directions of two borders below which they face each other \[-\].
     pub(crate) max_seam_cosine: f64,
-    /// Points of a refined mesh; no machine bakes more.
+    /// Points of a refined or generated mesh; no machine bakes more.
     pub(crate) max_points: usize,
+    /// Longest side of a garment's bounding box \[m\] that is possible: from a sock to a wedding train.
+    pub(crate) garment_side_m: RangeInclusive<f64>,
+    /// Longest side of a garment's bounding box \[m\] that is usual; others are questioned.
+    pub(crate) usual_garment_side_m: RangeInclusive<f64>,
+    /// Metres per unit of a mesh that can be stated: from a micrometre to a thousand kilometres.
+    pub(crate) unit_m: RangeInclusive<f64>,
+    /// Largest coordinate in the scene \[m\]: larger ones are damage, and their products would overflow.
+    pub(crate) max_coordinate_m: f64,
+    /// Errors of one mesh that are listed; the others are counted.
+    pub(crate) max_listed_errors: usize,
 }
 
 /// Values in use.
@@ -154,4 +166,9 @@ pub(crate) const TUNING: GarmentTuning = GarmentTuning {
     max_seam_gap: 1e-3,
     max_seam_cosine: -0.5,
     max_points: 2_000_000,
+    garment_side_m: 0.05..=5.0,
+    usual_garment_side_m: 0.1..=2.5,
+    unit_m: 1e-6..=1e6,
+    max_coordinate_m: 1e9,
+    max_listed_errors: 20,
 };

@@ -56,25 +56,11 @@ mod tests {
     use crease_geometry::math::Vec2;
     use crease_geometry::mesh::{PointIndex, Topology};
 
+
     #[test]
     fn what_is_remembered_and_not_shown_is_told() {
         let points = vec![Vec3::zeros(), Vec3::z(), -Vec3::x(), Vec3::x()];
-        let triangles =
-            vec![[0, 1, 2], [1, 0, 3]].into_iter().map(|t: [u32; 3]| t.map(PointIndex)).collect::<Vec<_>>();
-        let garment = Garment {
-            material: vec![[Vec2::zeros(); 3]; 2],
-            material_from_uv: false,
-            source_point: Vec::new(),
-            memory_mask: vec![1.0; 4],
-            sewing_mask: vec![1.0; 4],
-            triangle_part: vec![0; 2],
-            triangle_panel: vec![0; 2],
-            inner_side: vec![false; 2],
-            file_triangles: Vec::new(),
-            topology: Topology::new(4, &triangles),
-            triangles,
-            points,
-        };
+        let garment = Garment::of_triangles(points, &[[0, 1, 2], [1, 0, 3]]);
         let mut memory = RestState::flat(1, 2);
         memory.rest_angle[0] = 1.0;
         let mut worn = WornGarment { displacement: vec![Vec3::zeros(); 4], memory };

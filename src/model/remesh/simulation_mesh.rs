@@ -166,7 +166,7 @@ pub(super) mod tests {
         for j in 0..=rows {
             points.extend(columns.iter().map(|x| Vec3::new(*x, 0.0, 0.2 * j as f64 / rows as f64)));
         }
-        let at = |i: usize, j: usize| PointIndex((j * columns.len() + i) as u32);
+        let at = |i: usize, j: usize| (j * columns.len() + i) as u32;
         let mut triangles = Vec::new();
         for j in 0..rows {
             for i in 0..columns.len() - 1 {
@@ -174,21 +174,10 @@ pub(super) mod tests {
                 triangles.push([at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)]);
             }
         }
-        let shape = |t: &[PointIndex; 3]| t.map(|p| points[p.at()]);
-        Garment {
-            material: triangles.iter().map(|t| flatten_triangle(&shape(t), Vec3::x())).collect(),
-            material_from_uv: true,
-            source_point: Vec::new(),
-            memory_mask: vec![1.0; points.len()],
-            sewing_mask: vec![1.0; points.len()],
-            triangle_part: vec![0; triangles.len()],
-            triangle_panel: vec![0; triangles.len()],
-            inner_side: vec![false; triangles.len()],
-            file_triangles: Vec::new(),
-            topology: Topology::new(points.len(), &triangles),
-            triangles,
-            points,
-        }
+        let sheet = Garment::of_triangles(points, &triangles);
+        let shape = |t: &[PointIndex; 3]| t.map(|p| sheet.points[p.at()]);
+        let material = sheet.triangles.iter().map(|t| flatten_triangle(&shape(t), Vec3::x())).collect();
+        Garment { material, material_from_uv: true, ..sheet }
     }
 
     /// The sheet with a line along x = 0.13 and edges of 12 mm there, up to 40 mm elsewhere.

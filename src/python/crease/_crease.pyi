@@ -143,11 +143,11 @@ def bake(
 ) -> Worn:
     """Wears a garment, as `crease bake` does without a body.
 
-    `garment` is a file, or a pair of positions [m] (y up) and triangles. `wear` is a file, the name of a script of `scripts()`,
+    `garment` is a file, or a pair of positions (by default in metres, y up) and triangles. `wear` is a file, the name of a script of `scripts()`,
     or its content as a dict. `fabric` is a name of `fabrics()` or a file; the default is cotton-jersey. `quality` is draft,
     standard or reference. `strength` scales what the garment comes to remember. Without `grading`, the triangles of the garment are simulated instead of a mesh with edges along the fold
     lines; without `hems` and `seams`, open borders and seams are single, and with `sewing_mask`, a vertex
-    attribute from 0 to 1 such as COLOR_0.g, where that is 0. `unit` is that of the file, `up` its axis, `part` the node or group that is
+    attribute from 0 to 1 such as COLOR_0.g, where that is 0. `unit` is that of the file or the positions, `up` their axis, `part` the node or group that is
     the garment; vertices on borders are joined up to `weld_mm` apart; `force_size` takes a garment of any size. A worn file whose
     sidecar is beside it begins with what it remembers, unless `forget`. `progress` is called with the stage, the simulated time and its end [s]; a result of False stops the bake
     with KeyboardInterrupt, as does Ctrl-C.
@@ -176,7 +176,7 @@ def transfer(
     A worn .glb stands for the sidecar that it names. `match_by` is auto, uv, surface or same; `align` is auto, joints, box or
     none. `strength` scales every change, and so does `mask`, a vertex attribute of the target from 0 to 1 such as COLOR_0.g. `only`
     transfers creases or bagging, `mirror` from left to right. The default of `fabric` is that of the first sidecar. `unit`, `up`,
-    `part`, `weld_mm` and `force_size` are those of `bake`, for the file of the target.
+    `part`, `weld_mm` and `force_size` are those of `bake`, for the target.
     """
 
 def advance_memory(

@@ -8,8 +8,11 @@ use crease_cli::files::{input, wear};
 use crease_geometry::math::Vec3;
 use crease_io::ReadOptions;
 use crease_model::error::Error;
-use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
+use crease_model::fabric::{DEFAULT_FABRIC, Fabric, DEFAULT_FABRIC, Fabric};
 use crease_model::garment::UpAxis;
+use crease::files::GarmentFile;
+use crease::wear::WearScript;
+use crease::MeshOptions;
 use numpy::{Element, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, ToPyArray};
 use pyo3::exceptions::{PyKeyboardInterrupt, PyOSError, PyTypeError};
 use pyo3::prelude::*;
@@ -224,19 +227,12 @@ impl FileReading<'_, '_> {
 
 /// Checks that nothing was given that is for files only.
 fn check_no_file_options(options: &ReadOptions) -> PyResult<()> {
-    let ReadOptions { unit_m, up, garment, mask, sewing_mask, any_size, weld_m, .. } = options;
-    let given = [
-        ("unit", unit_m.is_some()),
-        ("up", up.is_some()),
-        ("part", garment.is_some()),
-        ("weld_mm", weld_m.is_some()),
-        ("force_size", *any_size),
-        ("mask", mask.is_some()),
-        ("sewing_mask", sewing_mask.is_some()),
-    ];
+    let ReadOptions { garment, mask, sewing_mask, .. } = options;
+    let given =
+        [("part", garment.is_some()), ("mask", mask.is_some()), ("sewing_mask", sewing_mask.is_some())];
     match given.iter().find(|(_, is_given)| *is_given) {
         Some((option, _)) => Err(CreaseError::new_err(format!(
-            "{option}: is for files only; positions are in metres with y up, and all of them are the garment"
+            "{option}: is for files only; all triangles of arrays are the garment"
         ))),
         None => Ok(()),
     }
@@ -265,11 +261,10 @@ pub fn garment(name: &str, value: &Bound<'_, PyAny>, reading: FileReading) -> Py
     };
     check_no_file_options(&options)?;
     let positions = rows_of_three::<f64>(&positions, "float64", "positions")?;
-    if let Some(k) = positions.iter().position(|x| x.iter().any(|x| !x.is_finite())) {
-        return Err(CreaseError::new_err(format!("positions: row {k} is not finite")));
-    }
     let triangles = triangles(&corners, positions.len())?;
-    let file = value.py().detach(|| GarmentFile::from_mesh("mesh", &positions, &triangles));
+    let mut mesh = MeshOptions::default().any_size(options.any_size).up(options.up.unwrap_or_default());
+    (mesh.unit_m, mesh.weld_m) = (options.unit_m, options.weld_m);
+    let file = value.py().detach(|| GarmentFile::from_mesh(&positions, &triangles, mesh));
     Ok(ReadGarment { file: file.map_err(exception)?, path: None, warnings: Vec::new() })
 }
 

@@ -6,6 +6,8 @@ use crate::process::check_not_forked;
 use crease::internal::files::GarmentFile;
 use crease::internal::wear::WearScript;
 use crease_model::fabric::Fabric;
+use crease_model::garment::Garment;
+use crease::wear::WearScript;
 use numpy::PyArray2;
 use pyo3::prelude::*;
 
@@ -30,7 +32,7 @@ pub fn sheet<'py>(
         let text = format!("cells: {} x {} cells; needs 1 to {MAX_CELLS}", cells[0], cells[1]);
         return Err(CreaseError::new_err(text));
     }
-    let garment = GarmentFile::sheet(size, counts).map_err(exception)?.garment;
+    let garment = Garment::sheet(size, counts).map_err(exception)?;
     let triangles: Vec<[u32; 3]> = garment.triangles.iter().map(|t| t.map(|p| p.0)).collect();
     Ok((vectors(py, &garment.points)?, rows(py, &triangles)?))
 }

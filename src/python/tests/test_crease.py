@@ -210,6 +210,14 @@ def test_mistakes_are_exceptions_with_a_cure(tmp_path):
         crease.bake(tmp_path / "none.glb", "fold-thrice")
 
 
+def test_arrays_have_a_unit_and_any_size():
+    points, triangles = crease.sheet((0.3, 0.3), (2, 2))
+    worn = crease.bake((points * 100, triangles), SCRIPT, unit="cm", up="y", weld_mm=0.1)
+    assert worn.displacement.shape == points.shape
+    worn = crease.bake((points / 10, triangles), SCRIPT, force_size=True)
+    assert worn.displacement.shape == points.shape
+
+
 def advance(before=0.0, after=1.0, duration=1.0, **options):
     return crease.advance_memory(crease.MemoryState([0, 0]), before, after, duration, **options)
 
@@ -232,23 +240,21 @@ def advance(before=0.0, after=1.0, duration=1.0, **options):
         (lambda m: crease.advance_memory([0.0], 0, 0, 1), TypeError, "state"),
         # Wrong values.
         (lambda m: crease.bake(("a", m[1]), SCRIPT), crease.CreaseError, "positions: is no array of numbers"),
-        (lambda m: crease.bake((m[0] * np.nan, m[1]), SCRIPT), crease.CreaseError, "positions: row 0 is not finite"),
+        (lambda m: crease.bake((m[0] * np.nan, m[1]), SCRIPT), crease.CreaseError, "position 0: not finite"),
         (lambda m: crease.bake((m[0][:0], m[1][:0]), SCRIPT), crease.CreaseError, "."),
         (lambda m: crease.bake((m[0], m[1] + 0.5), SCRIPT), crease.CreaseError, "triangles: needs integers"),
         (lambda m: crease.bake((m[0], m[1].astype(int) - 1), SCRIPT), crease.CreaseError, "triangles: row 0 names the position -1"),
         (lambda m: crease.bake((m[0], m[1] + 1), SCRIPT), crease.CreaseError, "there are 9, numbered from 0"),
         (lambda m: crease.bake((m[0], m[1].ravel()), SCRIPT), crease.CreaseError, r"triangles: .*\(n, 3\), not \(24,\)"),
         (lambda m: crease.bake((m[0] * 100, m[1]), SCRIPT), crease.CreaseError, "m"),
-        (lambda m: crease.bake(m, SCRIPT, unit=0.01), crease.CreaseError, "unit: is for files only"),
+        (lambda m: crease.bake(m, SCRIPT, unit=0.01), crease.CreaseError, "in size, which no garment is"),
+        (lambda m: crease.bake(m, SCRIPT, part="sleeve"), crease.CreaseError, "part: is for files only"),
         (lambda m: crease.bake("a.glb", SCRIPT, unit="ft"), crease.CreaseError, "unit: ft: expected m, dm, cm"),
         (lambda m: crease.bake("a.glb", SCRIPT, unit=-1), crease.CreaseError, "unit: -1"),
         (lambda m: crease.bake("a.glb", SCRIPT, unit=float("nan")), crease.CreaseError, "unit: NaN"),
         (lambda m: crease.bake("a.glb", SCRIPT, up="x"), crease.CreaseError, "up: x is none of y, z"),
         (lambda m: crease.bake("a.glb", SCRIPT, weld_mm=0), crease.CreaseError, "weld_mm: 0 is no number above 0"),
         (lambda m: crease.bake("a.glb", SCRIPT, weld_mm=float("nan")), crease.CreaseError, "weld_mm: NaN"),
-        (lambda m: crease.bake(m, SCRIPT, up="y"), crease.CreaseError, "up: is for files only"),
-        (lambda m: crease.bake(m, SCRIPT, weld_mm=1), crease.CreaseError, "weld_mm: is for files only"),
-        (lambda m: crease.bake(m, SCRIPT, force_size=True), crease.CreaseError, "force_size: is for files only"),
         (lambda m: crease.bake((m[0].astype(str), m[1]), SCRIPT), crease.CreaseError, "positions: is no array of numbers: .*<U"),
         (lambda m: crease.bake((m[0] + 1j, m[1]), SCRIPT), crease.CreaseError, "positions: .*complex128"),
         (lambda m: crease.bake((m[0], m[1][:0]), SCRIPT), crease.CreaseError, "triangle"),

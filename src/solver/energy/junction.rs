@@ -178,6 +178,7 @@ mod tests {
     use crease_geometry::math::Vec2;
     use crease_geometry::mesh::Topology;
 
+
     /// A strip of two squares of 20 mm, left and right of z, and a flap of the size of one sewn onto the line between them and lying on
     /// the right one.
     fn strip_with_flap() -> Garment {
@@ -194,24 +195,10 @@ mod tests {
         ]
         .map(Vec3::from)
         .to_vec();
-        let square = |[a, b, c, d]: [u32; 4]| [[a, b, c], [b, d, c]].map(|t| t.map(PointIndex));
-        let triangles: Vec<[PointIndex; 3]> =
-            [[0, 1, 2, 3], [2, 3, 4, 5], [2, 3, 6, 7]].into_iter().flat_map(square).collect();
-        let flat = |t: &[PointIndex; 3]| t.map(|p| Vec2::new(points[p.at()].x, points[p.at()].z));
-        Garment {
-            material: triangles.iter().map(flat).collect(),
-            material_from_uv: false,
-            source_point: Vec::new(),
-            memory_mask: vec![1.0; points.len()],
-            sewing_mask: vec![1.0; points.len()],
-            triangle_part: vec![0; triangles.len()],
-            triangle_panel: vec![0; triangles.len()],
-            inner_side: vec![false; triangles.len()],
-            file_triangles: Vec::new(),
-            topology: Topology::new(points.len(), &triangles),
-            triangles,
-            points,
-        }
+        let square = |[a, b, c, d]: [u32; 4]| [[a, b, c], [b, d, c]];
+        let squares = [[0, 1, 2, 3], [2, 3, 4, 5], [2, 3, 6, 7]];
+        let triangles: Vec<[u32; 3]> = squares.into_iter().flat_map(square).collect();
+        Garment::of_triangles(points, &triangles)
     }
 
     #[test]

@@ -202,7 +202,7 @@ impl Memory {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crease_geometry::math::{Vec2, Vec3};
+    use crease_geometry::math::{Vec2, Vec3, Vec3};
     use crease_geometry::mesh::{PointIndex, Topology};
     use crease_model::fabric::Fabric;
     use crease_model::garment::Garment;
@@ -213,30 +213,14 @@ mod tests {
 
     /// A strip of triangles with two hinges, of which the second has a masked point.
     fn half_masked() -> Garment {
-        let points: Vec<Vec3> = (0..5).map(|k| Vec3::new(f64::from(k / 2), 0.0, f64::from(k % 2))).collect();
-        let triangles = [[0, 1, 2], [2, 1, 3], [2, 3, 4]].map(|t| t.map(PointIndex)).to_vec();
-        let topology = Topology::new(points.len(), &triangles);
-        let mut memory_mask = vec![1.0; points.len()];
-        for p in &topology.hinges[1].points[..2] {
-            memory_mask[p.at()] = if topology.hinges[0].points[..2].contains(p) { 1.0 } else { 0.0 };
+        let points = (0..5).map(|k| Vec3::new(f64::from(k / 2), 0.0, f64::from(k % 2))).collect();
+        let strip = Garment::of_triangles(points, &[[0, 1, 2], [2, 1, 3], [2, 3, 4]]);
+        let mut memory_mask = vec![1.0; strip.points.len()];
+        let hinges = &strip.topology.hinges;
+        for p in &hinges[1].points[..2] {
+            memory_mask[p.at()] = if hinges[0].points[..2].contains(p) { 1.0 } else { 0.0 };
         }
-        Garment {
-            material: triangles
-                .iter()
-                .map(|t| t.map(|p| Vec2::new(points[p.at()].x, points[p.at()].z)))
-                .collect(),
-            material_from_uv: true,
-            source_point: (0..5).map(PointIndex).collect(),
-            triangle_part: vec![0; 3],
-            triangle_panel: vec![0; 3],
-            inner_side: vec![false; 3],
-            file_triangles: Vec::new(),
-            memory_mask,
-            sewing_mask: vec![1.0; points.len()],
-            topology,
-            triangles,
-            points,
-        }
+        Garment { memory_mask, ..strip }
     }
 
     #[test]

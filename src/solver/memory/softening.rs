@@ -68,28 +68,7 @@ mod tests {
 
     /// A flat sheet of 0.2 x 0.2 m, 5 x 5 points.
     fn sheet() -> Garment {
-        let points: Vec<Vec3> =
-            (0..25).map(|k| Vec3::new(0.05 * f64::from(k % 5), 0.0, 0.05 * f64::from(k / 5))).collect();
-        let corners = (0..20).filter(|k| k % 5 < 4);
-        let triangles: Vec<[PointIndex; 3]> =
-            corners.flat_map(|k| [[k, k + 5, k + 6], [k, k + 6, k + 1]].map(|t| t.map(PointIndex))).collect();
-        Garment {
-            material: triangles
-                .iter()
-                .map(|t| t.map(|p| Vec2::new(points[p.at()].x, points[p.at()].z)))
-                .collect(),
-            material_from_uv: true,
-            source_point: (0..25).map(PointIndex).collect(),
-            triangle_part: vec![0; triangles.len()],
-            triangle_panel: vec![0; triangles.len()],
-            inner_side: vec![false; triangles.len()],
-            file_triangles: Vec::new(),
-            memory_mask: vec![1.0; points.len()],
-            sewing_mask: vec![1.0; points.len()],
-            topology: Topology::new(points.len(), &triangles),
-            triangles,
-            points,
-        }
+        Garment::sheet([0.2; 2], [4; 2]).expect("is a sheet")
     }
 
     /// A creased and stretched sheet, and the angles of its hinges while it is flat but for the first.

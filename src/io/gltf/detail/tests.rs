@@ -2,10 +2,10 @@
 
 use super::*;
 use crate::gltf::detail::painter::SurfaceCorners;
-use crate::gltf::{FlatNormals, write_worn_glb};
+use crate::gltf::{FlatNormals, write_worn_glb, FlatNormals, write_worn_glb};
 use crease_geometry::math::Vec2;
 use crease_geometry::mesh::distance::barycentric;
-use crease_geometry::mesh::{PointIndex, Topology};
+use crease_geometry::mesh::{PointIndex, Topology, PointIndex};
 use crease_model::garment::{Garment, RestState, WornGarment};
 use rustc_hash::FxHashMap;
 use serde_json::json;
@@ -66,21 +66,9 @@ fn finer(coarse: &Garment, times: usize) -> (Garment, Vec<u32>) {
         triangles = triangles.iter().flat_map(|t| cut(*t, &mut middle)).collect();
         parent = parent.iter().flat_map(|k| [*k; 4]).collect();
     }
-    let topology = Topology::new(points.len(), &triangles);
-    let count = triangles.len();
-    let fine = Garment {
-        memory_mask: vec![1.0; points.len()],
-        sewing_mask: vec![1.0; points.len()],
-        material: vec![[Vec2::zeros(), Vec2::x(), Vec2::y()]; count],
-        triangle_part: vec![0; count],
-        triangle_panel: vec![0; count],
-        inner_side: vec![false; count],
-        file_triangles: Vec::new(),
-        points,
-        triangles,
-        topology,
-        ..coarse.clone()
-    };
+    let triangles: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(|p| p.0)).collect();
+    let source_point = coarse.source_point.clone();
+    let fine = Garment { source_point, ..Garment::of_triangles(points, &triangles) };
     (fine, parent)
 }
 

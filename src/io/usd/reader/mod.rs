@@ -17,14 +17,14 @@ mod stage;
 mod transform;
 mod walk;
 
-use crate::pieces::{FileFrame, MASK_OPTIONS, ReadPieces, to_scene};
+use crate::pieces::{FileFrame, MASK_OPTIONS, ReadPieces, to_scene, FileFrame, MASK_OPTIONS, ReadPieces};
 use crate::tuning::TUNING;
-use crate::usd::reader::layers::UsdLayers;
+use crate::usd::reader::layers::{UsdLayers, Layers};
 use crate::usd::reader::mesh::MaskName;
 use crate::usd::reader::stage::{Fault, Stage, UsdValue, guarded};
 use crate::usd::reader::walk::{Found, Walk, survey};
-use crease_model::error::{Error, Result};
-use crease_model::garment::{ImportDiagnostic, Severity, UpAxis};
+use crease_model::error::{Error, Result, Error, Result};
+use crease_model::garment::{ImportDiagnostic, Severity, UpAxis, ImportDiagnostic, Severity, UpAxis, is_plausible_unit};
 use rustc_hash::FxHashSet;
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -67,7 +67,7 @@ fn read_stage(
     let (frame, note) = stage_frame(file, &stage, unit_m, up)?;
     let byte_count = layers.borrow().byte_count();
     let mask_names = masks.map(|mask| mask.map(MaskName::parse));
-    let walk = Walk::new(file, to_scene(frame.unit_m, frame.up), mask_names, byte_count);
+    let walk = Walk::new(file, frame.up.to_scene(frame.unit_m), mask_names, byte_count);
     let found = walk.run(&stage).map_err(refuse)?;
     check_masks(file, masks, &found)?;
     let faults = stage.composition_faults();
@@ -138,7 +138,7 @@ fn stage_frame(
             .map_err(|fault| Error::input(file, name, format!("cannot be read: {fault}"), REWRITE))
     };
     let own_unit = match metadata("metersPerUnit")? {
-        Some(UsdValue::Number(unit)) if TUNING.unit_m.contains(&unit) => Some(unit),
+        Some(UsdValue::Number(unit)) if is_plausible_unit(unit) => Some(unit),
         Some(_) if unit_m.is_none() => {
             let message = "is no length of a unit in metres";
             return Err(Error::input(file, "metersPerUnit", message, "give the unit with --unit"));
