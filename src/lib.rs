@@ -126,8 +126,8 @@ pub use crease_model::error::{Diagnostic, Error, Result};
 pub use crease_model::fabric::{DEFAULT_FABRIC, Fabric, FabricMemory, PAPER_FABRIC, Provenance};
 #[doc(inline)]
 pub use crease_model::garment::{
-    Garment, ImportDiagnostic, Inspection, MeshOptions, RefinedMesh, RestState, Severity, SourceAsset, SourcePiece,
-    UpAxis, WornGarment, inspect,
+    Garment, ImportDiagnostic, Inspection, MeshOptions, RefinedMesh, RestState, Severity, SourceAsset,
+    SourcePiece, UpAxis, WornGarment, inspect,
 };
 #[doc(inline)]
 pub use crease_model::remesh::Channels;

@@ -5,13 +5,13 @@ mod tool;
 
 use crease::internal::bake::{Bake, BakeOptions, BakeResult, Checkpoint, Observer};
 use crease::internal::wear::WearScript;
-use crease_model::body::AnimatedBody;
-use crease_model::fabric::{Fabric, Fabric};
-use crease_model::garment::{Garment, Garment};
-use crease_io::{ReadOptions, read_asset, ReadOptions, read_asset, read_body};
-use crease_geometry::math::{Vec3, Vec3};
-use crease_solver::sim::{Method, StepOptions, Method};
 use crease::{Error, Result};
+use crease_geometry::math::Vec3;
+use crease_io::{ReadOptions, read_asset, read_body};
+use crease_model::body::AnimatedBody;
+use crease_model::fabric::Fabric;
+use crease_model::garment::Garment;
+use crease_solver::sim::{Method, StepOptions};
 use tool::{Pose, wavy_sheet};
 
 /// Every action whose runner has a state of its own: `lay` its ceiling, `unfold` the fold it opens.

@@ -8,7 +8,7 @@ use crease_geometry::math::Vec3;
 use crease_geometry::mesh::intersections::{intersections_between, self_intersections};
 use crease_model::body::{AnimatedBody, BodyMotion, Sequence};
 use crease_model::fabric::Fabric;
-use crease_model::garment::{Garment, Garment, MeshOptions};
+use crease_model::garment::{Garment, MeshOptions};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 

@@ -383,8 +383,8 @@ fn is_played(script: &WearScript) -> bool {
 mod tests {
     use super::*;
     use crate::files::GarmentFile;
-    use crate::io::{ReadOptions, read_garment_skin};
-    use crate::sim::{Sewing, StepOptions};
+    use crease_io::{ReadOptions, read_garment_skin};
+    use crease_solver::sim::{Sewing, StepOptions};
 
     type Worn = (GarmentFile, Arc<AnimatedBody>, Arc<GarmentSkin>);
 

@@ -23,8 +23,7 @@ use crate::statistics::{mean, median, standard_error};
 use crate::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
 use crease_model::error::Result;
 use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
-use crease_solver::sim::{Method, Sewing, Method, Sewing, StepOptions};
-use crease::bake::{BakeOptions, BakeResult, Quality};
+use crease_solver::sim::{Method, Sewing, StepOptions};
 
 /// Group of the qualities, the first in the legend.
 const QUALITIES: &str = "quality";

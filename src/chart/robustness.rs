@@ -20,10 +20,8 @@ use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
 use crease_model::garment::Garment;
 use crease_geometry::math::{Rng, Vec2, Vec3};
 use crease_geometry::mesh::intersections::self_intersections;
-use crease_solver::sim::{Method, Method, StepOptions};
+use crease_solver::sim::{Method, StepOptions};
 use crease::internal::wear::WearScript;
-use crease::bake::{Bake, BakeOptions, BakeReport, Quality};
-use crease::wear::WearScript;
 use std::sync::Arc;
 use std::time::Instant;
 

@@ -1,14 +1,14 @@
 //! [`GarmentFile`]: a mesh file with the garment in it, and the worn garment written back into it.
 
 use crate::files::read::{STANDARD_STREAM, file_name, read_bytes, write_bytes};
-use crease_model::garment::{Garment, ImportDiagnostic, MeshOptions, Severity, SourceAsset, WornGarment, content_warnings, sheet_arrays};
-use crease_io::gltf::{embed_images, write_worn_glb, embed_images, write_worn_glb};
-use crease_io::{ReadOptions, Sidecar, read_asset, ReadOptions, Sidecar, read_asset};
 use crate::wear::WearScript;
+use crease_io::gltf::{embed_images, write_worn_glb};
+use crease_io::{ReadOptions, Sidecar, read_asset};
 use crease_model::error::{Error, Result};
 use crease_model::fabric::Fabric;
 use crease_model::garment::{
-    Garment, ImportDiagnostic, Severity, SourceAsset, WornGarment, content_warnings,
+    Garment, ImportDiagnostic, MeshOptions, Severity, SourceAsset, WornGarment, content_warnings,
+    sheet_arrays,
 };
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
@@ -208,9 +208,9 @@ fn read_beside(mesh: &Path, name: &str) -> Result<Vec<u8>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::garment::RestState;
-    use crate::io::{read_sidecar, write_sidecar};
-    use crate::math::Vec3;
+    use crease_geometry::math::Vec3;
+    use crease_io::{read_sidecar, write_sidecar};
+    use crease_model::garment::RestState;
 
     #[test]
     fn a_garment_from_arrays_is_written_with_its_vertices_in_their_order() {

@@ -1,6 +1,5 @@
 //! Results of the readers of mesh formats.
 
-use crease_geometry::math::Mat4;
 use crease_model::error::Diagnostic;
 use crease_model::garment::{GltfDocument, ImportDiagnostic, ObjLines, SourcePiece, UpAxis};
 

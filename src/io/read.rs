@@ -7,13 +7,16 @@
 
 use crate::choose_worn::{choose_worn, labels_of};
 use crate::error_list::ErrorList;
-use crate::pieces::{DamagedPiece, FileFrame, MASK_OPTIONS, NamedPiece, to_scene, DamagedPiece, FileFrame, MASK_OPTIONS, NamedPiece};
+use crate::pieces::{DamagedPiece, FileFrame, MASK_OPTIONS, NamedPiece};
 use crate::size::check_size;
-use crate::tuning::TUNING;
+
 use crate::{gltf, obj, usd};
 use crease_geometry::math::Vec3;
-use crease_model::error::{Error, Result, Error, Result};
-use crease_model::garment::{ImportDiagnostic, Severity, SourceAsset, SourceFormat, SourcePiece, UpAxis, ImportDiagnostic, Severity, SourceAsset, SourceFormat, SourcePiece, UpAxis, is_in_range, is_plausible_unit};
+use crease_model::error::{Error, Result};
+use crease_model::garment::{
+    ImportDiagnostic, Severity, SourceAsset, SourceFormat, SourcePiece, UpAxis, is_in_range,
+    is_plausible_unit,
+};
 use sha2::{Digest, Sha256};
 
 /// Longest file [bytes]: indices have 32 bits, and a file this long cannot overflow them.

@@ -6,10 +6,9 @@
 //! `v` per vertex of the worn pieces, and their triangles. Numbers read back exactly. Normals are left out: readers compute
 //! them.
 
-use crate::pieces::to_scene;
 use crease_geometry::math::{Vec2, Vec3};
 use crease_geometry::mesh::{INVALID, PointIndex};
-use crease_model::error::{Error, Result, Error, Result};
+use crease_model::error::{Error, Result};
 use crease_model::garment::{Garment, ObjLines, SourceAsset};
 use std::fmt::Write;
 

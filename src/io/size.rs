@@ -3,8 +3,10 @@
 
 use crate::tuning::TUNING;
 use crease_geometry::math::Vec3;
-use crease_model::error::{Error, Result, Error, Result};
-use crease_model::garment::{ImportDiagnostic, Severity, SourceAsset, GarmentSize, ImportDiagnostic, LENGTH_UNITS, Severity, SourceAsset, usual_units};
+use crease_model::error::{Error, Result};
+use crease_model::garment::{
+    GarmentSize, ImportDiagnostic, LENGTH_UNITS, Severity, SourceAsset, usual_units,
+};
 
 /// Rejects a garment of a size that no garment has; returns a warning about one that is rare, unless its unit is known.
 ///

@@ -1,7 +1,7 @@
 //! A shirt in the shape of a body, made of squares.
 
 use crease::internal::files::GarmentFile;
-use crease_model::garment::{Garment, Garment, MeshOptions};
+use crease_model::garment::{Garment, MeshOptions};
 use std::collections::BTreeMap;
 
 /// Edge of the squares a shirt is made of [m].

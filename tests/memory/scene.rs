@@ -9,7 +9,7 @@ use crease_model::fabric::Fabric;
 use crease_model::garment::{Garment, RestState};
 use crease_solver::contact::Contact;
 use crease_solver::memory::{Memory, Strains};
-use crease_solver::sim::{Cloth, Loads, Method, NewtonOptions, State, StepOptions, StepRelaxation, Stepper, Loads, Cloth, Method, NewtonOptions, State, StepOptions, StepRelaxation, Stepper};
+use crease_solver::sim::{Cloth, Loads, Method, NewtonOptions, State, StepOptions, StepRelaxation, Stepper};
 use std::fmt::Write;
 
 fn stepper(garment: &Garment, fabric: &Fabric, step: f64) -> Stepper {

@@ -1,13 +1,14 @@
 //! A fold transferred to a garment whose triangles do not follow it.
 
 use crease::internal::files::GarmentFile;
-use crease::internal::transfer::{MatchBy, Transfer, TransferResult, TransferSource, mesh_along_creases, relax_carried, GarmentSurface, MatchBy, Transfer, TransferResult, TransferSource};
+use crease::internal::transfer::{
+    MatchBy, Transfer, TransferResult, TransferSource, mesh_along_creases, relax_carried,
+};
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::intersections::self_intersections;
 use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
-use crease_model::garment::{Garment, RestState, RigidParts, WornGarment, Garment, MeshOptions, RestState, RigidParts, WornGarment};
+use crease_model::garment::{Garment, MeshOptions, RestState, RigidParts, WornGarment};
 use crease_model::remesh::GarmentSurface;
-use crease::internal::bake::{mesh_along_creases, relax_carried};
 
 /// Side of every sheet [m].
 const SIDE: f64 = 0.3;

@@ -1,10 +1,10 @@
 //! Garments of other cuts and poses are laid over one another limb by limb.
 
 use crease::GarmentFile;
-use crease::internal::transfer::{AlignedBy, TransferOptions, TransferResult, TransferSource, transfer, AlignedBy, GarmentSurface, TransferOptions, TransferResult, TransferSource, transfer};
+use crease::internal::transfer::{AlignedBy, TransferOptions, TransferResult, TransferSource, transfer};
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::hinge_angle;
-use crease_model::garment::{Garment, RestState, Garment, MeshOptions, RestState};
+use crease_model::garment::{Garment, MeshOptions, RestState};
 use crease_model::remesh::GarmentSurface;
 use std::collections::{BTreeMap, BTreeSet};
 

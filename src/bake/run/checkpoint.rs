@@ -11,26 +11,26 @@
 //!
 //! Does not do: when a checkpoint is written and to which file (the tool), results (they are written at the end).
 
-use crate::bake::{BakeOptions, BakeOptions, Quality};
 use crate::bake::body::coupling::BodyCheckpoint;
-use crate::bake::body_coupling::BodyCheckpoint;
-use crate::bake::frames::FrameSchedule;
+
 use crate::bake::report::{StageSeconds, StepConvergence};
 use crate::bake::run::frames::FrameSchedule;
+
 use crate::bake::run::violation_log::ViolationLog;
 use crate::bake::tuning::TUNING;
-use crate::bake::violation_log::ViolationLog;
-use crease_model::body::{AnimatedBody, AnimatedBody};
-use crease_solver::contact::{TangentialState, TangentialState};
-use crease_model::error::{Diagnostic, Error, Result, Diagnostic, Error, Result};
-use crease_model::fabric::{Fabric, Fabric};
-use crease_model::garment::{Garment, RestState, Garment, RestState};
-use crease_geometry::math::{PlaneStretch, Vec3, PlaneStretch, Vec3};
-use crease_solver::memory::{Memory, Memory};
-use crease_model::remesh::{SimulationMesh, SimulationMesh};
-use crease_solver::sim::{Loads, SolveCost, State, Loads, State};
+
+use crate::bake::{BakeOptions, Quality};
 use crate::wear::{MAX_DURATION_S, PersistentState, TurnRecord, WearScript};
+use crease_geometry::math::{PlaneStretch, Vec3};
 use crease_linear::SolveCost;
+use crease_model::body::AnimatedBody;
+use crease_model::error::{Diagnostic, Error, Result};
+use crease_model::fabric::Fabric;
+use crease_model::garment::{Garment, RestState};
+use crease_model::remesh::SimulationMesh;
+use crease_solver::contact::TangentialState;
+use crease_solver::memory::Memory;
+use crease_solver::sim::{Loads, State};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};

@@ -12,10 +12,8 @@ use crease_geometry::math::Vec3;
 use crease_geometry::mesh::PointIndex;
 use crease_io::ReadOptions;
 use crease_io::gltf::plain_glb;
-use crease_model::error::{Error, Result, Error, Result};
-use crease::files::{GarmentFile, embed_asset_images, read_asset_file};
+use crease_model::error::{Error, Result};
 use crease_model::garment::MeshOptions;
-use crease::report::{GarmentView, HingeLabel, ViewerItem, ViewerPiece, viewer_page};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]

@@ -10,7 +10,7 @@ use crate::gltf::json_cursor::Cursor;
 use crate::gltf::morph::default_weights;
 use crate::gltf::scene::read_node_transform;
 use crate::gltf::skin::{influence_sets, read_joints};
-use crate::pieces::to_scene;
+
 use crate::tuning::TUNING;
 use crease_geometry::math::{Mat4, Vec3};
 use crease_model::body::clip::{AnimatedProperty, Channel, Clip, Interpolation};

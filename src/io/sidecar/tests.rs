@@ -6,8 +6,6 @@ use crease_geometry::mesh::{PointIndex, Topology};
 use crease_model::garment::{
     Garment, Placement, RestState, SourceAsset, SourceFormat, SourcePiece, UpAxis, WornGarment,
 };
-use crease_geometry::math::{Mat4, Vec2, Vec3};
-use crease_geometry::mesh::PointIndex;
 use serde_json::{Value, json};
 
 /// Two triangles over four points; five source vertices, as one is split at a seam.

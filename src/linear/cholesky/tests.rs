@@ -1,7 +1,7 @@
 //! The direct solver against dense matrices, conjugate gradients and itself on other numbers of threads.
 
 use super::*;
-use crate::{BlockSink, BlockSink};
+use crate::BlockSink;
 use crate::block_matrix::INVALID;
 use crate::conjugate_gradient::conjugate_gradient;
 use crate::vector::Mat3;

@@ -5,7 +5,7 @@
 //! strips) stays and remembers nothing, so that the garment is still usable. Layers that lie in one place are set
 //! apart by a small distance. Sews no open seams and looks for no intersections.
 
-use crate::error::{Diagnostic, Error, Result, Diagnostic, Error, Result};
+use crate::error::{Diagnostic, Error, Result};
 use crate::garment::coincident_layers::separate_layers;
 use crate::garment::diagnostic::ImportDiagnostics;
 use crate::garment::material_coords::flatten_triangles;
@@ -13,7 +13,7 @@ use crate::garment::repair::{fix_caps, orient_outward, remove_duplicates};
 use crate::garment::shell::{ShellMesh, Shells};
 use crate::garment::tuning::TUNING;
 use crate::garment::wedges::TriangleWedges;
-use crate::garment::{Garment, ImportDiagnostic, SourceAsset, SourcePiece, Garment, ImportDiagnostic, SourceAsset, SourceFormat, SourcePiece};
+use crate::garment::{Garment, ImportDiagnostic, SourceAsset, SourceFormat, SourcePiece};
 use crease_geometry::math::{Vec2, Vec3};
 use crease_geometry::mesh::{Groups, PointIndex, Topology, Welder};
 
@@ -317,7 +317,7 @@ fn mean_per_point(mask: &[f64], source_point: &[PointIndex], point_count: usize)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::garment::{Placement, Severity, SourceFormat, UpAxis, Placement, Severity, UpAxis};
+    use crate::garment::{Placement, Severity, SourceFormat, UpAxis};
     use crease_geometry::math::Mat4;
 
     fn piece(positions: &[[f64; 3]], uvs: Option<&[[f64; 2]]>, triangles: &[[u32; 3]]) -> SourcePiece {

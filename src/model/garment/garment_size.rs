@@ -2,7 +2,7 @@
 //! run, with wrong results.
 
 use crate::garment::tuning::TUNING;
-use crate::math::Vec3;
+use crease_geometry::math::Vec3;
 
 /// Units that a mesh may be in, and their lengths \[m\].
 pub const LENGTH_UNITS: [(&str, f64); 5] =

@@ -1,10 +1,10 @@
 //! The garment as the solver sees it: welded points, triangles, material directions. Nothing changes it after import.
 
-use crease_geometry::math::{Vec2, Vec3};
-use crease_geometry::mesh::{PointIndex, Topology};
 use crate::garment::build::connect;
 use crate::garment::material_coords::flatten_triangles;
 use crate::garment::wedges::TriangleWedges;
+use crease_geometry::math::{Vec2, Vec3};
+use crease_geometry::mesh::{PointIndex, Topology};
 
 /// Garment after import: SI units, y up, welded at seams.
 #[derive(Debug, Clone)]
@@ -49,7 +49,7 @@ impl Garment {
         let wedges: Vec<TriangleWedges> = triangles.iter().map(wedge).collect();
         let (triangles, topology, triangle_part) = connect(points.len(), &wedges);
         let part_count = triangle_part.iter().max().map_or(0, |&last| last as usize + 1);
-        let flat = flatten_triangles(&points, &wedges, (&[], &[]), &topology, part_count);
+        let flat = flatten_triangles(&points, &wedges, &[], &[], &topology, part_count);
         Self {
             material: flat.material,
             material_from_uv: flat.from_uv,

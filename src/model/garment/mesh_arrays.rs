@@ -3,16 +3,16 @@
 //! The arrays become a [`SourceAsset`] as a file does, so that the garment gets the same repairs and can be written out again.
 //! Errors name the entry of the array, all of a mesh at once.
 
+use crate::error::{Diagnostic, Error, Result};
 use crate::garment::garment_size::{GarmentSize, is_in_range, is_plausible_unit, usual_units};
 use crate::garment::tuning::TUNING;
 use crate::garment::{
     Garment, ImportDiagnostic, Placement, Severity, SourceAsset, SourceFormat, SourcePiece, UpAxis,
 };
-use crate::math::{Vec2, Vec3};
-use crate::{Diagnostic, Error, Result};
+use crease_geometry::math::{Vec2, Vec3};
 use rustc_hash::FxHashMap;
 
-/// Options of a garment from arrays: [`Garment::from_mesh`], [`crate::GarmentFile::from_mesh`].
+/// Options of a garment from arrays: [`Garment::from_mesh`], [`crease::internal::files::GarmentFile::from_mesh`].
 ///
 /// ```
 /// use crease::{Garment, MeshOptions, UpAxis};
@@ -86,7 +86,7 @@ impl MeshOptions {
 
 impl Garment {
     /// Makes a garment from `positions` \[m\], y up, and `triangles` between them, with the repairs that a file gets.
-    /// [`Garment::source_point`] has the point of each position. [`crate::GarmentFile::from_mesh`] also keeps the mesh, into
+    /// [`Garment::source_point`] has the point of each position. [`crease::internal::files::GarmentFile::from_mesh`] also keeps the mesh, into
     /// which the worn garment can be saved.
     ///
     /// ```

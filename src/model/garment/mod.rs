@@ -38,7 +38,7 @@ pub use file_contents::{ClipReport, FileContents, JointReport, MorphReport, Piec
 pub use garment_size::{GarmentSize, LENGTH_UNITS, is_in_range, is_plausible_unit, usual_units};
 pub use garment_type::Garment;
 pub use inspect::{Inspection, PartReport, PieceReport, inspect};
-pub use lying::{is_flat_across, is_lying_by_normals, max_flat_extent, Footprint, is_lying, is_lying_by_normals};
+pub use lying::{is_flat_across, is_lying_by_normals, max_flat_extent};
 pub use mesh_arrays::{MeshOptions, sheet_arrays};
 pub use refine::RefinedMesh;
 pub use rest_state::RestState;

@@ -46,7 +46,6 @@ mod tests {
     use crease_geometry::math::{Vec2, Vec3};
     use crease_geometry::mesh::Topology;
 
-
     /// A sheet of 0.2 m with edges of 10 mm, two panels wide.
     fn sheet() -> Garment {
         let sheet = Garment::sheet([0.2; 2], [20; 2]).expect("is a sheet");

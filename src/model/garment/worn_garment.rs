@@ -56,7 +56,6 @@ mod tests {
     use crease_geometry::math::Vec2;
     use crease_geometry::mesh::{PointIndex, Topology};
 
-
     #[test]
     fn what_is_remembered_and_not_shown_is_told() {
         let points = vec![Vec3::zeros(), Vec3::z(), -Vec3::x(), Vec3::x()];

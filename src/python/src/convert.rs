@@ -1,6 +1,7 @@
 //! Values between Python and the library. Errors of arguments begin with the name of the argument.
 
 use crate::{ConvergenceError, CreaseError};
+use crease::MeshOptions;
 use crease::internal::files::GarmentFile;
 use crease::internal::wear::WearScript;
 use crease_cli::args::values;
@@ -8,11 +9,8 @@ use crease_cli::files::{input, wear};
 use crease_geometry::math::Vec3;
 use crease_io::ReadOptions;
 use crease_model::error::Error;
-use crease_model::fabric::{DEFAULT_FABRIC, Fabric, DEFAULT_FABRIC, Fabric};
+use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
 use crease_model::garment::UpAxis;
-use crease::files::GarmentFile;
-use crease::wear::WearScript;
-use crease::MeshOptions;
 use numpy::{Element, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, ToPyArray};
 use pyo3::exceptions::{PyKeyboardInterrupt, PyOSError, PyTypeError};
 use pyo3::prelude::*;

@@ -3,11 +3,10 @@
 use crate::CreaseError;
 use crate::convert::{exception, rows, vectors};
 use crate::process::check_not_forked;
-use crease::internal::files::GarmentFile;
+
 use crease::internal::wear::WearScript;
 use crease_model::fabric::Fabric;
 use crease_model::garment::Garment;
-use crease::wear::WearScript;
 use numpy::PyArray2;
 use pyo3::prelude::*;
 

@@ -178,7 +178,6 @@ mod tests {
     use crease_geometry::math::Vec2;
     use crease_geometry::mesh::Topology;
 
-
     /// A strip of two squares of 20 mm, left and right of z, and a flap of the size of one sewn onto the line between them and lying on
     /// the right one.
     fn strip_with_flap() -> Garment {

@@ -202,7 +202,7 @@ impl Memory {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crease_geometry::math::{Vec2, Vec3, Vec3};
+    use crease_geometry::math::{Vec2, Vec3};
     use crease_geometry::mesh::{PointIndex, Topology};
     use crease_model::fabric::Fabric;
     use crease_model::garment::Garment;

@@ -17,14 +17,14 @@ mod stage;
 mod transform;
 mod walk;
 
-use crate::pieces::{FileFrame, MASK_OPTIONS, ReadPieces, to_scene, FileFrame, MASK_OPTIONS, ReadPieces};
+use crate::pieces::{FileFrame, MASK_OPTIONS, ReadPieces};
 use crate::tuning::TUNING;
-use crate::usd::reader::layers::{UsdLayers, Layers};
+use crate::usd::reader::layers::UsdLayers;
 use crate::usd::reader::mesh::MaskName;
 use crate::usd::reader::stage::{Fault, Stage, UsdValue, guarded};
 use crate::usd::reader::walk::{Found, Walk, survey};
-use crease_model::error::{Error, Result, Error, Result};
-use crease_model::garment::{ImportDiagnostic, Severity, UpAxis, ImportDiagnostic, Severity, UpAxis, is_plausible_unit};
+use crease_model::error::{Error, Result};
+use crease_model::garment::{ImportDiagnostic, Severity, UpAxis, is_plausible_unit};
 use rustc_hash::FxHashSet;
 use std::cell::RefCell;
 use std::rc::Rc;
