@@ -139,7 +139,7 @@ pub use crease_solver::memory::{
 #[doc(inline)]
 pub use crease_solver::sim::{Method, NewtonOptions, StepOptions};
 #[doc(inline)]
-pub use files::{GarmentFile, Load, Save, load_body, transfer_source};
+pub use files::{GarmentFile, Load, Save, load_body, ready_memory, ready_memory_names, transfer_source};
 #[cfg(feature = "render")]
 #[doc(inline)]
 pub use report::{

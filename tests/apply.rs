@@ -307,6 +307,11 @@ fn the_tool_applies_and_reads_what_it_applied() {
     assert_eq!(run(folder, "example handkerchief -o .").0, 0);
     let (code, text) = run(folder, "example handkerchief -o .");
     assert!(code == 1 && text.contains("is there already"), "{text}");
+    assert_eq!(run(folder, "example fold-thrice").0, 0);
+    assert_eq!(run(folder, "example elbow").0, 0);
+    assert!(folder.join("fold-thrice.json").exists() && folder.join("elbow.crease.json").exists());
+    let (code, text) = run(folder, "example elbwo");
+    assert!(code == 1 && text.contains("did you mean `elbow`?"), "{text}");
     let (code, text) = run(folder, "example shirt -o .");
     assert!(code == 1 && text.contains("crease example"), "{text}");
 

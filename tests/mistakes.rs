@@ -10,7 +10,7 @@ use std::path::Path;
 use tool::{Pose, crease_in, wavy_sheet};
 
 /// What the user wanted to do, and the command.
-const MISTAKES: [(&str, &str); 35] = [
+const MISTAKES: [(&str, &str); 37] = [
     ("a wrong path", "bake shrit.obj --wear wear.json -o out.glb"),
     ("a folder for a file", "inspect folder"),
     ("a format that is not read", "inspect shirt.fbx"),
@@ -43,6 +43,8 @@ const MISTAKES: [(&str, &str); 35] = [
     ("another mesh's sidecar", "transfer memory.crease.json --to sheet.obj --match same -o out.glb"),
     ("no sidecar", "transfer wear.json --to sheet.obj -o out.glb"),
     ("a file that names no sidecar", "transfer sleeve.glb --to sheet.obj -o out.glb"),
+    ("a memory that is not part of the program", "transfer fold-trice --to sheet.obj -o out.glb"),
+    ("a compressed sidecar that is cut off", "transfer cut.crease.json.gz --to sheet.obj -o out.glb"),
     ("no texture to match by", "transfer memory.crease.json --to sheet.obj --match uv -o out.glb"),
     ("a motion of one file", "remember sheet.obj -o out.glb"),
     ("frames without a rate", "remember folder -o out.glb"),
@@ -76,6 +78,9 @@ fn write_files(folder: &Path) {
     let seeds = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("tests/fuzz/seeds/usd");
     let whole = std::fs::read(seeds.join("square.usdc")).expect("reads");
     std::fs::write(folder.join("cut.usdc"), &whole[..whole.len() / 2]).expect("writes");
+    let memories = Path::new(env!("CARGO_MANIFEST_DIR")).join("garments/memories");
+    let whole = std::fs::read(memories.join("elbow.crease.json.gz")).expect("reads");
+    std::fs::write(folder.join("cut.crease.json.gz"), &whole[..whole.len() / 2]).expect("writes");
     write("stage.usda", "#usda 1.0\ndef \"shirt\" (\n    references = @front.usda@</front>\n)\n{\n}\n");
     script("wear.json", r#"{"lay": {"facing": "front", "over": 0.2}}"#);
     script("bend.json", r#"{"bend": {"joint": "elbow", "axis": "z", "angle": 90}}"#);
@@ -88,7 +93,8 @@ fn write_files(folder: &Path) {
     write("version.json", r#"{"format": "crease-wear/2", "actions": [{"hold": {"for": 1}}]}"#);
     std::fs::create_dir(folder.join("folder")).expect("makes");
     let own = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("garments");
-    for (from, to) in [("sleeve.glb", "sleeve.glb"), ("memories/elbow.crease.json", "memory.crease.json")] {
+    for (from, to) in [("sleeve.glb", "sleeve.glb"), ("memories/elbow.crease.json.gz", "memory.crease.json")]
+    {
         std::fs::copy(own.join(from), folder.join(to)).expect("copies");
     }
 }

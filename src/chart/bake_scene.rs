@@ -16,13 +16,14 @@ use crease_model::body::AnimatedBody;
 use crease_model::error::Result;
 use crease_model::fabric::{Fabric, PAPER_FABRIC};
 use crease_model::garment::Garment;
+use crease::bake::{Bake, BakeOptions, BakeResult};
+use crease::wear::WearScript;
 use std::sync::Arc;
 use std::time::Instant;
 
 /// Name of the scene in tables.
 pub(super) const FOLD_THRICE: &str = "fold-thrice";
 
-const FOLD_THRICE_SCRIPT: &str = include_str!("../../garments/wear/fold-thrice.json");
 /// The first of the ten bends of `garments/wear/elbow-ten-bends.json`.
 const BEND_SCRIPT: &str = r#"{"format": "crease-wear/1", "actions": [
     {"bend": {"joint": "elbow", "axis": "z", "angle": 95, "over": 1.0, "hold": 0.5}}]}"#;
@@ -59,43 +60,44 @@ pub(super) struct BakeRun {
 impl BakeScene {
     /// The T-shirt of 2,000 points folded thrice, in the paper's fabric.
     pub(super) fn tshirt_draft() -> Result<Self> {
-        Self::of(&TSHIRT_DRAFT, "fold-thrice.json", FOLD_THRICE_SCRIPT)
+        Self::folded_thrice(&TSHIRT_DRAFT)
     }
 
     /// The T-shirt of 13,863 points folded thrice, in the paper's fabric.
     pub(super) fn tshirt() -> Result<Self> {
-        Self::of(&TSHIRT, "fold-thrice.json", FOLD_THRICE_SCRIPT)
+        Self::folded_thrice(&TSHIRT)
     }
 
     /// A handkerchief that is crumpled, in the paper's fabric.
     pub(super) fn crumpled() -> Result<Self> {
-        Self::of(&HANDKERCHIEF, "crumple.json", CRUMPLE_SCRIPT)
+        let script = WearScript::parse("crumple.json", CRUMPLE_SCRIPT)?;
+        Self::with_script(HANDKERCHIEF.garment()?, None, "crumple.json", script)
     }
 
     /// A sleeve on an arm that bends once, in the paper's fabric.
     pub(super) fn elbow() -> Result<Self> {
         let (garment, body) = sleeve_on_arm()?;
-        Self::with_script(garment, Some(body), "elbow.json", BEND_SCRIPT)
+        let script = WearScript::parse("elbow.json", BEND_SCRIPT)?;
+        Self::with_script(garment, Some(body), "elbow.json", script)
     }
 
     /// A strip of 32 x 44 cm that falls, in the paper's fabric.
     pub(super) fn falling_strip() -> Result<Self> {
         let [_, _, points] = FALLING_STRIP_POINTS;
-        Self::with_script(tilted_strip(points, FIRST_TILT)?, None, "fall.json", FALL_SCRIPT)
+        let script = WearScript::parse("fall.json", FALL_SCRIPT)?;
+        Self::with_script(tilted_strip(points, FIRST_TILT)?, None, "fall.json", script)
     }
 
-    fn of(mesh: &IncludedMesh, script_file: &'static str, script: &str) -> Result<Self> {
-        let asset = mesh.read(&ReadOptions::default())?;
-        Self::with_script(Garment::from_asset(&asset)?.0, None, script_file, script)
+    fn folded_thrice(mesh: &IncludedMesh) -> Result<Self> {
+        Self::with_script(mesh.garment()?, None, "fold-thrice.json", WearScript::preset(FOLD_THRICE)?)
     }
 
     fn with_script(
         garment: Garment,
         body: Option<Arc<AnimatedBody>>,
         script_file: &'static str,
-        script: &str,
+        script: WearScript,
     ) -> Result<Self> {
-        let script = WearScript::parse(script_file, script)?;
         Ok(Self { garment, fabric: Fabric::preset(PAPER_FABRIC)?, script_file, script, body })
     }
 
@@ -168,7 +170,7 @@ mod tests {
 
     #[test]
     fn the_elbow_bends_once_as_it_does_ten_times() {
-        let ten = include_str!("../../garments/wear/elbow-ten-bends.json");
+        let ten = WearScript::preset_text("elbow-ten-bends").unwrap();
         let read = |text| serde_json::from_str::<serde_json::Value>(text).unwrap();
         let [mut ten, one] = [ten, BEND_SCRIPT].map(read);
         let bend = ten["actions"][0]["bend"].as_object_mut().unwrap();

@@ -4,6 +4,7 @@ use crease_io::{ReadOptions, read_asset, read_body};
 use crease_model::body::AnimatedBody;
 use crease_model::error::{Error, Result};
 use crease_model::garment::{Garment, SourceAsset, SourcePiece};
+use crease::files;
 use std::sync::Arc;
 
 /// A mesh of the repository, compiled in.
@@ -15,22 +16,25 @@ pub(super) struct IncludedMesh {
 }
 
 pub(super) const TSHIRT_DRAFT: IncludedMesh =
-    IncludedMesh { file: "tshirt-draft.glb", bytes: include_bytes!("../../garments/tshirt-draft.glb") };
-pub(super) const TSHIRT: IncludedMesh =
-    IncludedMesh { file: "tshirt.glb", bytes: include_bytes!("../../garments/tshirt.glb") };
+    IncludedMesh { file: "tshirt-draft.glb", bytes: files::TSHIRT_DRAFT };
+pub(super) const TSHIRT: IncludedMesh = IncludedMesh { file: "tshirt.glb", bytes: files::TSHIRT };
 pub(super) const HANDKERCHIEF: IncludedMesh =
-    IncludedMesh { file: "handkerchief.glb", bytes: include_bytes!("../../garments/handkerchief.glb") };
-const SLEEVE: IncludedMesh =
-    IncludedMesh { file: "sleeve.glb", bytes: include_bytes!("../../garments/sleeve.glb") };
+    IncludedMesh { file: "handkerchief.glb", bytes: files::HANDKERCHIEF };
+const SLEEVE: IncludedMesh = IncludedMesh { file: "sleeve.glb", bytes: files::SLEEVE };
 
 impl IncludedMesh {
     /// Reads the mesh.
     ///
     /// # Errors
     /// None in practice: the included meshes are valid and complete.
-    pub(super) fn read(&self, options: &ReadOptions) -> Result<SourceAsset> {
+    fn read(&self, options: &ReadOptions) -> Result<SourceAsset> {
         let refuse = |name: &str| Err(Error::input(self.file, name, "refers to another file", ""));
         Ok(read_asset(self.file, self.bytes, options, &mut |name| refuse(name))?.0)
+    }
+
+    /// Reads the mesh as a garment.
+    pub(super) fn garment(&self) -> Result<Garment> {
+        Ok(Garment::from_asset(&self.read(&ReadOptions::default())?)?.0)
     }
 }
 

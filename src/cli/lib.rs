@@ -65,7 +65,7 @@ enum Command {
     View(view::Arguments),
     /// Bake many garments, scripts and fabrics: on this machine, on a Slurm cluster, or through Open Job Description
     Batch(Box<batch::Arguments>),
-    /// List garments and wear scripts to try, or write one
+    /// List garments, wear scripts and memories to try, or write one
     Example(example::Arguments),
     /// List the built-in fabrics, or print one
     Fabric(fabric::Arguments),

@@ -53,7 +53,7 @@ impl Load for Fabric {
     }
 }
 
-/// A sidecar, OUT.crease.json.
+/// A sidecar, OUT.crease.json, plain or compressed with gzip.
 impl Load for Sidecar {
     fn load(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();

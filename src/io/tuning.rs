@@ -73,6 +73,11 @@ pub(crate) struct IoTuning {
     pub(crate) min_uv_extent: f64,
     /// Decoded size of a normal map \[bytes\]; larger ones are not read.
     pub(crate) max_picture_bytes: usize,
+    /// Length of a compressed sidecar's content over that of its file \[-\]; those of garments are 3 times as long, that of a flat
+    /// sheet without memory 20 times.
+    pub(crate) max_gzip_ratio: usize,
+    /// Length of the content allowed for a compressed sidecar of any size \[bytes\].
+    pub(crate) min_gzip_budget: usize,
 }
 
 /// Values in use.
@@ -108,4 +113,6 @@ pub(crate) const TUNING: IoTuning = IoTuning {
     uv_border_tol: 1e-3,
     min_uv_extent: 0.05,
     max_picture_bytes: 1 << 30,
+    max_gzip_ratio: 100,
+    min_gzip_budget: 1 << 20,
 };

@@ -75,7 +75,7 @@ class Scenes(unittest.TestCase):
         cls.temporary = tempfile.TemporaryDirectory()
         folder = Path(cls.temporary.name)
         cls.sleeve, cls.cloth, cls.checked = (folder / f"{name}.usda" for name in ("sleeve", "cloth", "checked"))
-        memory = ROOT / "garments/memories/elbow.crease.json"
+        memory = ROOT / "garments/memories/elbow.crease.json.gz"
         crease("transfer", memory, "--to", ROOT / "garments/sleeve.glb", "--garment", "sleeve", "--export", "usd",
                "-o", cls.sleeve.with_suffix(".glb"))
         wear = folder / "wear.json"

@@ -85,6 +85,7 @@ fn the_tool_transfers_relaxes_and_writes_readable_files() {
     every_export_carries_the_memory(&workshop);
     landmarks_align_source_and_target(&workshop);
     the_same_mesh_keeps_its_memory_and_a_refined_one_agrees(&workshop);
+    ready_memories_go_by_name_plain_and_compressed(&workshop);
     unfit_files_are_refused(&workshop);
 }
 
@@ -112,6 +113,26 @@ fn every_export_carries_the_memory(workshop: &Workshop) {
     {
         assert!(workshop.path(name).is_file(), "{name}");
     }
+}
+
+fn ready_memories_go_by_name_plain_and_compressed(workshop: &Workshop) {
+    let (_, err, code) = workshop.run("example fold-thrice.crease.json");
+    assert_eq!(code, Some(0), "{err}");
+    let own = concat!(env!("CARGO_MANIFEST_DIR"), "/garments/memories/fold-thrice.crease.json.gz");
+    std::fs::copy(own, workshop.path("packed.crease.json.gz")).expect("copies");
+    let memories = ["fold-thrice", "fold-thrice.crease.json", "packed.crease.json.gz"].map(|source| {
+        let (_, err, code) = workshop.run(&format!("transfer {source} --to to.obj -o ready.glb"));
+        assert_eq!(code, Some(0), "{source}: {err}");
+        assert!(err.contains(&format!("{source}: matched by ")), "{err}");
+        workshop.read("ready.crease.json").hinges
+    });
+    let [named, plain, packed] = &memories;
+    assert!(named == plain && named == packed);
+    let changes =
+        named.rest_angle_rad.iter().zip(&named.source_angle_rad).map(|(rest, source)| rest - source);
+    assert!(changes.map(f64::abs).fold(0.0, f64::max) > 0.1, "the folds are on the target");
+    let (_, err, code) = workshop.run("transfer fold-trice --to to.obj -o none.glb");
+    assert!(code == Some(1) && err.contains("did you mean `fold-thrice`?"), "{err}");
 }
 
 fn landmarks_align_source_and_target(workshop: &Workshop) {

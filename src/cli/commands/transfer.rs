@@ -31,8 +31,8 @@ use std::time::Instant;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Sidecars of the memory to transfer, as written by `crease bake`, or worn .glb files that name theirs; several are added
-    /// up
+    /// Sidecars of the memory to transfer, as written by `crease bake` or compressed with gzip, worn .glb files that name theirs, or
+    /// names of memories that `crease example` lists; several are added up
     #[arg(required = true, value_name = "SIDECAR")]
     sidecars: Vec<PathBuf>,
     /// Target garment: .obj, .gltf, .glb or USD

@@ -10,16 +10,31 @@ use crease_io::{ReadOptions, Sidecar, read_sidecar};
 use crease_model::error::{Error, Result};
 use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
 use crease_model::garment::Garment;
+use crease::bake::{RelaxResult, relax_carried};
+use crease::files::{STANDARD_STREAM, read_asset_file, ready_memory};
+use crease::report::CarriedSource;
+use crease::transfer::{TransferResult, TransferSource};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-/// Reads a sidecar, or the one that a worn glTF names.
+/// Reads a sidecar, or the one that a worn glTF names, or else the ready memory of that name.
 pub fn read_source(path: &Path) -> Result<(TransferSource, Sidecar)> {
+    if let Some(name) = ready_name(path) {
+        let sidecar = ready_memory(name)?;
+        return Ok((TransferSource::from_sidecar(name, &sidecar)?, sidecar));
+    }
     let named = if input::is_gltf(path)? { Some(sidecar_of(path)?) } else { None };
     let path = named.as_deref().unwrap_or(path);
     let file = input::name_of(path);
     let sidecar = read_sidecar(&file, &input::bytes(path)?)?;
     Ok((transfer_source(&file, &sidecar)?, sidecar))
+}
+
+/// Returns `path` if it stands for a ready memory: there is no such file, and it has neither folder nor ending.
+fn ready_name(path: &Path) -> Option<&str> {
+    let name = path.to_str().filter(|name| *name != STANDARD_STREAM)?;
+    let is_bare = path.extension().is_none() && path.components().count() == 1;
+    (is_bare && !path.exists()).then_some(name)
 }
 
 /// Returns the sidecar that the worn glTF `path` names.
@@ -76,4 +91,18 @@ pub fn origins(sidecars: &[Sidecar], sources: &[CarriedSource]) -> Vec<Value> {
                "run": sidecar.run})
     })
     .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bare_name_without_a_file_is_a_ready_memory() {
+        let (source, sidecar) = read_source(Path::new("elbow")).expect("is part of the program");
+        assert_eq!((source.file.as_str(), sidecar.source.file.as_str()), ("elbow", "garments/sleeve.glb"));
+        let message = |name| read_source(Path::new(name)).map(|_| ()).expect_err("there is none").to_string();
+        assert!(message("elbwo").contains("did you mean `elbow`?"));
+        assert!(message("elbow.crease.json").contains("there is no such file"));
+    }
 }

@@ -7,6 +7,7 @@
 mod checksums;
 mod convert;
 mod format;
+mod gzip;
 mod read_write;
 mod surface;
 #[cfg(test)]

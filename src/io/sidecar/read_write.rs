@@ -1,8 +1,9 @@
-//! Sidecars as JSON text.
+//! Sidecars as JSON text, plain or compressed with gzip.
 
 use crate::sidecar::format::{SIDECAR_FORMAT, Sidecar};
 use crate::sidecar::validate::{REWRITE_HELP, wrong_format};
 use crease_model::error::{Error, Result};
+use crate::sidecar::gzip::decompress;
 use serde::Deserialize;
 use std::io::Write;
 
@@ -25,14 +26,15 @@ pub fn write_sidecar_to(sidecar: &Sidecar, out: &mut dyn Write) -> std::io::Resu
     out.write_all(b"\n")
 }
 
-/// Reads and validates a sidecar from JSON text; `file` names it in diagnostics.
+/// Reads and validates a sidecar from JSON text or from a gzip file of it; `file` names it in diagnostics.
 ///
 /// ```
 /// let error = crease::read_sidecar("x.crease.json", b"{}").unwrap_err().to_string();
 /// assert!(error.starts_with("x.crease.json"), "{error}");
 /// ```
 pub fn read_sidecar(file: &str, bytes: &[u8]) -> Result<Sidecar> {
-    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
+    let text = decompress(file, bytes)?;
+    let bytes = text.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&text);
     let mut reader = serde_json::Deserializer::from_slice(bytes);
     let sidecar: Sidecar = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
         // Another version, or another kind of file, is the better explanation of a missing field.

@@ -7,6 +7,7 @@ use crease_model::garment::{
     Garment, Placement, RestState, SourceAsset, SourceFormat, SourcePiece, UpAxis, WornGarment,
 };
 use serde_json::{Value, json};
+use std::io::Write;
 
 /// Two triangles over four points; five source vertices, as one is split at a seam.
 fn example() -> Sidecar {
@@ -240,6 +241,53 @@ fn truncated_or_mutated_text_is_a_fault_never_a_panic() {
     let mut longer = text.clone();
     longer.extend_from_slice(b"{}");
     assert!(read_sidecar("a", &longer).is_err(), "something after the end");
+}
+
+/// `content` as a gzip file.
+fn compressed(content: &[u8]) -> Vec<u8> {
+    let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::best());
+    encoder.write_all(content).unwrap();
+    encoder.finish().unwrap()
+}
+
+#[test]
+fn a_compressed_sidecar_is_the_plain_one() {
+    let text = write_sidecar(&example());
+    let gzip = compressed(&text);
+    assert_eq!(read_sidecar("a", &gzip).unwrap(), example());
+    let (head, tail) = text.split_at(100);
+    let parts = [compressed(head), compressed(tail)].concat();
+    assert_eq!(read_sidecar("a", &parts).unwrap(), example(), "a gzip file of two parts");
+    let message = read_sidecar("a.gz", &compressed(b"{}")).unwrap_err().to_string();
+    assert!(message.starts_with("a.gz: line 1, column 2"), "{message}");
+}
+
+#[test]
+fn a_cut_or_damaged_gzip_file_is_a_fault_never_a_panic() {
+    let gzip = compressed(&write_sidecar(&example()));
+    for end in 2..gzip.len() {
+        let message = read_sidecar("a.gz", &gzip[..end]).unwrap_err().to_string();
+        assert!(message.starts_with("a.gz: gzip: is damaged or cut off"), "cut at {end}: {message}");
+    }
+    for i in 0..gzip.len() {
+        let mut bent = gzip.clone();
+        bent[i] ^= 0x10;
+        let _ = read_sidecar("a", &bent);
+    }
+    let longer = [gzip.as_slice(), b"{}"].concat();
+    assert!(read_sidecar("a", &longer).is_err(), "something after the end");
+}
+
+/// 200 MB of spaces are a gzip file of 200 kB.
+#[test]
+fn a_gzip_file_of_far_longer_content_is_refused() {
+    let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    for _ in 0..200 {
+        encoder.write_all(&[b' '; 1_000_000]).unwrap();
+    }
+    let bomb = encoder.finish().unwrap();
+    let message = read_sidecar("a.gz", &bomb).unwrap_err().to_string();
+    assert!(message.contains("more than 100 times as long as the file"), "{} bytes: {message}", bomb.len());
 }
 
 #[test]

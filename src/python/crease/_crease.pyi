@@ -22,6 +22,7 @@ __all__ = [
     "advance_memory",
     "bake",
     "fabrics",
+    "memories",
     "run_tool",
     "scripts",
     "sheet",
@@ -39,9 +40,11 @@ class Sidecar:
     """What worn cloth remembers. All arrays are copies."""
 
     @staticmethod
-    def load(path: _Path) -> Sidecar: ...
+    def load(path: _Path) -> Sidecar:
+        """Reads a sidecar file, plain or compressed with gzip."""
     @staticmethod
-    def parse(text: str) -> Sidecar: ...
+    def parse(text: Union[str, bytes]) -> Sidecar:
+        """Reads the content of a sidecar file: text, or bytes, plain or compressed with gzip."""
     def save(self, path: _Path) -> None: ...
     def to_json(self) -> str: ...
     @property
@@ -173,7 +176,7 @@ def transfer(
 ) -> Worn:
     """Puts memory on another garment, as `crease transfer` does.
 
-    A worn .glb stands for the sidecar that it names. `match_by` is auto, uv, surface or same; `align` is auto, joints, box or
+    A worn .glb stands for the sidecar that it names, a name of `memories()` for that memory. `match_by` is auto, uv, surface or same; `align` is auto, joints, box or
     none. `strength` scales every change, and so does `mask`, a vertex attribute of the target from 0 to 1 such as COLOR_0.g. `only`
     transfers creases or bagging, `mirror` from left to right. The default of `fabric` is that of the first sidecar. `unit`, `up`,
     `part`, `weld_mm` and `force_size` are those of `bake`, for the target.
@@ -209,6 +212,9 @@ def fabrics() -> list[str]:
 
 def scripts() -> list[str]:
     """Names of the wear scripts of the program."""
+
+def memories() -> list[str]:
+    """Names of the ready memories of the program, for `transfer`."""
 
 def run_tool(words: Sequence[str]) -> int:
     """Runs the command-line tool with the words after `crease`; returns its exit code.

@@ -1,12 +1,14 @@
-//! What is part of the program: a sheet of cloth, and the names of fabrics and wear scripts.
+//! What is part of the program: a sheet of cloth, and the names of fabrics, wear scripts and memories.
 
 use crate::CreaseError;
 use crate::convert::{exception, rows, vectors};
 use crate::process::check_not_forked;
-
 use crease::internal::wear::WearScript;
 use crease_model::fabric::Fabric;
 use crease_model::garment::Garment;
+use crease::files::GarmentFile;
+use crease::wear::WearScript;
+use crease::{ready_memory_names};
 use numpy::PyArray2;
 use pyo3::prelude::*;
 
@@ -46,4 +48,10 @@ pub fn fabrics() -> Vec<&'static str> {
 #[pyfunction]
 pub fn scripts() -> Vec<&'static str> {
     WearScript::preset_names().collect()
+}
+
+/// Returns the names of the ready memories of the program.
+#[pyfunction]
+pub fn memories() -> Vec<&'static str> {
+    ready_memory_names().collect()
 }

@@ -33,6 +33,7 @@ fn _crease(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(examples::sheet, module)?)?;
     module.add_function(wrap_pyfunction!(examples::fabrics, module)?)?;
     module.add_function(wrap_pyfunction!(examples::scripts, module)?)?;
+    module.add_function(wrap_pyfunction!(examples::memories, module)?)?;
     module.add_function(wrap_pyfunction!(memory::advance_memory, module)?)?;
     module.add_function(wrap_pyfunction!(tool::run_tool, module)?)
 }

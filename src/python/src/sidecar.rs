@@ -8,6 +8,13 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use std::path::PathBuf;
 
+/// Content of a sidecar file: text, or bytes, plain or compressed with gzip.
+#[derive(FromPyObject)]
+pub enum Content {
+    Text(String),
+    Bytes(Vec<u8>),
+}
+
 /// What worn cloth remembers. All arrays are copies.
 #[pyclass(name = "Sidecar", module = "crease", frozen)]
 pub struct PySidecar(pub Sidecar);
@@ -20,8 +27,12 @@ impl PySidecar {
     }
 
     #[staticmethod]
-    fn parse(text: &str) -> PyResult<Self> {
-        read_sidecar("sidecar", text.as_bytes()).map(Self).map_err(exception)
+    fn parse(text: Content) -> PyResult<Self> {
+        let bytes = match text {
+            Content::Text(text) => text.into_bytes(),
+            Content::Bytes(bytes) => bytes,
+        };
+        read_sidecar("sidecar", &bytes).map(Self).map_err(exception)
     }
 
     fn save(&self, path: PathBuf) -> PyResult<()> {

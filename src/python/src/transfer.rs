@@ -107,7 +107,7 @@ struct Transferred {
     empty_reason: Option<String>,
 }
 
-/// Reads one sidecar, or a list of them; each is an object, a file, or a worn glTF that names one.
+/// Reads one sidecar, or a list of them; each is an object, a file, a worn glTF that names one, or the name of a ready memory.
 fn sources(value: &Bound<'_, PyAny>) -> PyResult<Vec<(TransferSource, Sidecar)>> {
     let wanted = "a Sidecar or the path of one, or a list of these";
     let one = |value: &Bound<'_, PyAny>| -> PyResult<(TransferSource, Sidecar)> {
@@ -142,8 +142,8 @@ const CHANNELS: [(&str, Channels); 2] = [
     ("bagging", Channels { creases: false, bagging: true }),
 ];
 
-/// Puts memory on another garment. `sidecars` is a `Sidecar`, the path of one or of a worn .glb that names it, or a list of
-/// these; `to` is a file, or a pair of positions [m] and triangles.
+/// Puts memory on another garment. `sidecars` is a `Sidecar`, the path of one or of a worn .glb that names it, the name of a ready
+/// memory, or a list of these; `to` is a file, or a pair of positions [m] and triangles.
 #[pyfunction]
 #[pyo3(signature = (sidecars, to, *, fabric = None, match_by = "auto", align = "auto", strength = 1.0, mask = None, sewing_mask = None, only = None, mirror = None, unit = None, up = None, part = None, weld_mm = None, force_size = false))]
 #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]

@@ -1,5 +1,6 @@
 """The installed package: pip install "NAME.whl[test]"; pytest src/python/tests"""
 
+import gzip
 import json
 import multiprocessing
 import os
@@ -61,6 +62,25 @@ def test_files_are_written_and_read(worn, tmp_path):
     assert names(worn.to_glb(apply=True, unworn=False)) is None
     with pytest.raises(crease.CreaseError, match="unworn: False is for apply=True only"):
         worn.to_glb(unworn=False)
+
+
+def test_a_compressed_sidecar_is_the_plain_one(worn, tmp_path):
+    text = worn.sidecar.to_json()
+    content = gzip.compress(text.encode())
+    (tmp_path / "worn.crease.json.gz").write_bytes(content)
+    for back in (crease.Sidecar.load(tmp_path / "worn.crease.json.gz"), crease.Sidecar.parse(content), crease.Sidecar.parse(text)):
+        assert back.to_json() == text
+    with pytest.raises(crease.CreaseError, match="sidecar: gzip: is damaged or cut off"):
+        crease.Sidecar.parse(content[:-20])
+
+
+def test_memories_of_the_program_are_transferred_by_name():
+    assert "elbow" in crease.memories()
+    carried = crease.transfer("fold-thrice", crease.sheet((0.6, 0.7), (12, 14)))
+    assert carried.report["sources"][0]["file"] == "fold-thrice"
+    assert np.abs(carried.sidecar.rest_angle).max() > 0.1
+    with pytest.raises(crease.CreaseError, match="did you mean `elbow`"):
+        crease.transfer("elbwo", crease.sheet((0.6, 0.7), (12, 14)))
 
 
 def test_only_glb_files_are_written_and_none_that_was_read(worn, tmp_path):

@@ -31,6 +31,11 @@ def transfer(sidecar: crease.Sidecar, positions: list[list[float]], triangles: l
     return float(rest.max()) if on_mesh is None else float(on_mesh.rest_angle.max())
 
 
+def memories(content: bytes) -> list[crease.Sidecar]:
+    carried = [crease.transfer(name, "shirt.glb").sidecar for name in crease.memories()]
+    return [*carried, crease.Sidecar.parse(content), crease.Sidecar.parse(content.decode())]
+
+
 def law() -> tuple[int, int]:
     state = crease.MemoryState([0.0, 0.1])
     return crease.advance_memory(state, [0, 0], np.array([1.0, 2.0]), 0.1, fabric="denim", initial_rest=[0.0, 0.1], gain=1.0)
