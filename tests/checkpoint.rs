@@ -8,7 +8,7 @@ use crease::internal::wear::WearScript;
 use crease::{Error, Result};
 use crease_geometry::math::Vec3;
 use crease_io::{ReadOptions, read_asset, read_body};
-use crease_model::body::AnimatedBody;
+
 use crease_model::fabric::Fabric;
 use crease_model::garment::Garment;
 use crease_solver::sim::{Method, StepOptions};

@@ -9,10 +9,9 @@ use crease::internal::bake::{Bake, BakeOptions, BakeResult};
 use crease::internal::wear::WearScript;
 use crease::{Error, Result};
 use crease_geometry::math::Vec3;
-use crease_io::{ReadOptions, read_asset};
+
 use crease_model::fabric::Fabric;
 use crease_model::garment::{Garment, MeshOptions, sheet_arrays};
-use std::fmt::Write;
 
 /// Points along a side of the handkerchief.
 const POINTS: u32 = 13;

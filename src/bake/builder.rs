@@ -392,7 +392,7 @@ mod tests {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/garments/sleeve.glb");
         let reading = ReadOptions { garment: Some("sleeve".into()), ..ReadOptions::default() };
         let file = GarmentFile::load(path, &reading).expect("is a garment");
-        let body = AnimatedBody::load(path, &reading).expect("is a body");
+        let body = crate::files::load_body(path, &reading).expect("is a body");
         let skin = read_garment_skin(&file.asset, None, &body).expect("is skinned");
         (file, Arc::new(body), Arc::new(skin))
     }

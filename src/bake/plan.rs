@@ -360,8 +360,7 @@ fn is_one_flat_layer(garment: &Garment) -> bool {
 mod tests {
     use super::*;
     use crate::bake::Quality;
-    use crease_geometry::math::Vec2;
-    use crease_geometry::mesh::Topology;
+
     use crease_model::fabric::DEFAULT_FABRIC;
 
     /// `layers` squares over one another, each of two triangles.

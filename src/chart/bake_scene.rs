@@ -11,13 +11,11 @@ use crease::internal::bake::{Bake, BakeOptions, BakeResult};
 use crease::internal::wear::WearScript;
 use crease_geometry::math::Rng;
 use crease_geometry::mesh::intersections::self_intersections;
-use crease_io::ReadOptions;
+
 use crease_model::body::AnimatedBody;
 use crease_model::error::Result;
 use crease_model::fabric::{Fabric, PAPER_FABRIC};
 use crease_model::garment::Garment;
-use crease::bake::{Bake, BakeOptions, BakeResult};
-use crease::wear::WearScript;
 use std::sync::Arc;
 use std::time::Instant;
 

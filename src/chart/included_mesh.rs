@@ -1,10 +1,10 @@
 //! Meshes of the repository that charts bake, compiled in.
 
+use crease::internal::files;
 use crease_io::{ReadOptions, read_asset, read_body};
 use crease_model::body::AnimatedBody;
 use crease_model::error::{Error, Result};
 use crease_model::garment::{Garment, SourceAsset, SourcePiece};
-use crease::files;
 use std::sync::Arc;
 
 /// A mesh of the repository, compiled in.

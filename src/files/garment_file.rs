@@ -244,7 +244,7 @@ mod tests {
     /// Two panels that meet at a seam of four vertices, a triangle on its side, one that is turned over, and a copy.
     #[test]
     fn arrays_get_the_repairs_of_a_file() {
-        let mut positions: Vec<[f64; 3]> = SQUARE.to_vec();
+        let mut positions = vec![[0.0, 0.0, 0.0], [0.2, 0.0, 0.0], [0.2, 0.0, 0.2], [0.0, 0.0, 0.2]];
         positions.extend([
             [0.2, 0.0, 0.0],
             [0.4, 0.0, 0.0],

@@ -1,8 +1,8 @@
 //! Ready memories: sidecars that are part of the program, files of `garments/memories` of the garments that are part of it, too.
 
-use crate::error::{Error, Result};
-use crate::io::{Sidecar, read_sidecar};
-use crate::json::{nearest, quoted};
+use crease_io::{Sidecar, read_sidecar};
+use crease_model::error::{Error, Result};
+use crease_model::json::{nearest, quoted};
 
 macro_rules! memory_list {
     ($($name:literal,)*) => {

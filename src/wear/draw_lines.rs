@@ -43,8 +43,7 @@ pub fn draw_fold_lines<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crease_geometry::math::Vec2;
-    use crease_geometry::mesh::{PointIndex, Topology};
+
     use crease_model::remesh::Curve;
 
     const STEP: f64 = 0.01;

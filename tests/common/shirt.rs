@@ -1,6 +1,5 @@
 //! A shirt in the shape of a body, made of squares.
 
-use crease::internal::files::GarmentFile;
 use crease_model::garment::{Garment, MeshOptions};
 use std::collections::BTreeMap;
 

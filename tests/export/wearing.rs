@@ -2,11 +2,11 @@
 
 use crate::checks::{assert_counts, assert_displaced, assert_kept, assert_same_bytes};
 use crease_geometry::math::Rng;
-use crease_geometry::mesh::{PointIndex, Topology};
+use crease_geometry::mesh::PointIndex;
 use crease_io::gltf::{split_glb, write_worn_glb};
 use crease_io::{ReadOptions, read_asset};
 use crease_model::garment::{Garment, RestState, SourceAsset, WornGarment};
-use nalgebra::{Vector2, Vector3};
+use nalgebra::Vector3;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::PathBuf;

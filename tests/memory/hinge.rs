@@ -2,7 +2,7 @@
 
 use crate::law::{PATHS, random};
 use crease_geometry::math::{Vec2, Vec3};
-use crease_geometry::mesh::{PointIndex, Topology};
+
 use crease_model::fabric::Fabric;
 use crease_model::garment::{Garment, RestState};
 use crease_solver::energy::Bending;

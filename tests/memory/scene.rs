@@ -4,13 +4,12 @@ use crate::hinge::{Watched, folded, pair};
 use crease::internal::bake::{Bake, BakeOptions};
 use crease::internal::wear::WearScript;
 use crease_geometry::math::Vec3;
-use crease_io::{ReadOptions, read_asset};
+
 use crease_model::fabric::Fabric;
 use crease_model::garment::{Garment, RestState};
 use crease_solver::contact::Contact;
 use crease_solver::memory::{Memory, Strains};
 use crease_solver::sim::{Cloth, Loads, Method, NewtonOptions, State, StepOptions, StepRelaxation, Stepper};
-use std::fmt::Write;
 
 fn stepper(garment: &Garment, fabric: &Fabric, step: f64) -> Stepper {
     let newton = NewtonOptions {

@@ -1,6 +1,5 @@
 //! A fold transferred to a garment whose triangles do not follow it.
 
-use crease::internal::files::GarmentFile;
 use crease::internal::transfer::{
     MatchBy, Transfer, TransferResult, TransferSource, mesh_along_creases, relax_carried,
 };

@@ -1,6 +1,5 @@
 //! Garments of other cuts and poses are laid over one another limb by limb.
 
-use crease::GarmentFile;
 use crease::internal::transfer::{AlignedBy, TransferOptions, TransferResult, TransferSource, transfer};
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::hinge_angle;

@@ -3,12 +3,11 @@
 use crate::files::input;
 use crate::files::output::{Outputs, is_stream};
 use crate::runtime::console;
+use crease::internal::files::{HANDKERCHIEF, SLEEVE, TSHIRT_DRAFT, ready_memory, ready_memory_names};
 use crease::internal::wear::WearScript;
-use crease_model::error::{Error, Result};
-use crease::files::{HANDKERCHIEF, SLEEVE, TSHIRT_DRAFT, ready_memory, ready_memory_names};
-use crease_model::json::nearest;
-use crease::wear::WearScript;
 use crease_io::write_sidecar;
+use crease_model::error::{Error, Result};
+use crease_model::json::nearest;
 use std::path::PathBuf;
 
 /// A garment of the program.

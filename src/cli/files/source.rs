@@ -2,7 +2,7 @@
 
 use crate::files::input;
 use crease::internal::bake::RelaxResult;
-use crease::internal::files::{read_asset_file, transfer_source};
+use crease::internal::files::{STANDARD_STREAM, read_asset_file, ready_memory, transfer_source};
 use crease::internal::report::CarriedSource;
 use crease::internal::transfer::{TransferResult, TransferSource, relax_carried};
 use crease_io::gltf::sidecar_name;
@@ -10,10 +10,6 @@ use crease_io::{ReadOptions, Sidecar, read_sidecar};
 use crease_model::error::{Error, Result};
 use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
 use crease_model::garment::Garment;
-use crease::bake::{RelaxResult, relax_carried};
-use crease::files::{STANDARD_STREAM, read_asset_file, ready_memory};
-use crease::report::CarriedSource;
-use crease::transfer::{TransferResult, TransferSource};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -21,7 +17,7 @@ use std::path::{Path, PathBuf};
 pub fn read_source(path: &Path) -> Result<(TransferSource, Sidecar)> {
     if let Some(name) = ready_name(path) {
         let sidecar = ready_memory(name)?;
-        return Ok((TransferSource::from_sidecar(name, &sidecar)?, sidecar));
+        return Ok((transfer_source(name, &sidecar)?, sidecar));
     }
     let named = if input::is_gltf(path)? { Some(sidecar_of(path)?) } else { None };
     let path = named.as_deref().unwrap_or(path);

@@ -297,8 +297,7 @@ fn narrow(v: Vec3) -> Option<[f32; 3]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crease_geometry::math::Vec2;
-    use crease_geometry::mesh::Topology;
+
     use crease_model::garment::RestState;
 
     /// A sheet of n x n squares in the plane z = 0, point (i, j) at index j (n + 1) + i, one unit wide.

@@ -1,8 +1,8 @@
 //! Sidecars compressed with gzip, told from JSON text by their first bytes.
 
-use crate::io::sidecar::validate::REWRITE_HELP;
-use crate::io::tuning::TUNING;
-use crate::{Error, Result};
+use crate::sidecar::validate::REWRITE_HELP;
+use crate::tuning::TUNING;
+use crease_model::error::{Error, Result};
 use flate2::read::MultiGzDecoder;
 use std::borrow::Cow;
 use std::io::Read;

@@ -1,9 +1,9 @@
 //! Sidecars as JSON text, plain or compressed with gzip.
 
 use crate::sidecar::format::{SIDECAR_FORMAT, Sidecar};
+use crate::sidecar::gzip::decompress;
 use crate::sidecar::validate::{REWRITE_HELP, wrong_format};
 use crease_model::error::{Error, Result};
-use crate::sidecar::gzip::decompress;
 use serde::Deserialize;
 use std::io::Write;
 

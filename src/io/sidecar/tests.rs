@@ -2,7 +2,7 @@
 
 use super::*;
 use crease_geometry::math::{Mat4, Vec2, Vec3};
-use crease_geometry::mesh::{PointIndex, Topology};
+use crease_geometry::mesh::PointIndex;
 use crease_model::garment::{
     Garment, Placement, RestState, SourceAsset, SourceFormat, SourcePiece, UpAxis, WornGarment,
 };

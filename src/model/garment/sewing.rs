@@ -43,8 +43,6 @@ fn strip_fractions(garment: &Garment, width: f64, is_middle: impl Fn(usize) -> b
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crease_geometry::math::{Vec2, Vec3};
-    use crease_geometry::mesh::Topology;
 
     /// A sheet of 0.2 m with edges of 10 mm, two panels wide.
     fn sheet() -> Garment {

@@ -53,8 +53,6 @@ impl WornGarment {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crease_geometry::math::Vec2;
-    use crease_geometry::mesh::{PointIndex, Topology};
 
     #[test]
     fn what_is_remembered_and_not_shown_is_told() {

@@ -3,12 +3,11 @@
 use crate::CreaseError;
 use crate::convert::{exception, rows, vectors};
 use crate::process::check_not_forked;
+
 use crease::internal::wear::WearScript;
+use crease::ready_memory_names;
 use crease_model::fabric::Fabric;
 use crease_model::garment::Garment;
-use crease::files::GarmentFile;
-use crease::wear::WearScript;
-use crease::{ready_memory_names};
 use numpy::PyArray2;
 use pyo3::prelude::*;
 

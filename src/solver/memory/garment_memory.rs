@@ -202,8 +202,8 @@ impl Memory {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crease_geometry::math::{Vec2, Vec3};
-    use crease_geometry::mesh::{PointIndex, Topology};
+    use crease_geometry::math::Vec3;
+
     use crease_model::fabric::Fabric;
     use crease_model::garment::Garment;
 

@@ -62,8 +62,7 @@ impl Memory {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crease_geometry::math::{Vec2, Vec3};
-    use crease_geometry::mesh::{PointIndex, Topology};
+
     use crease_model::garment::RestState;
 
     /// A flat sheet of 0.2 x 0.2 m, 5 x 5 points.

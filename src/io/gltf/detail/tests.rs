@@ -3,9 +3,9 @@
 use super::*;
 use crate::gltf::detail::painter::SurfaceCorners;
 use crate::gltf::{FlatNormals, write_worn_glb};
-use crease_geometry::math::Vec2;
+
+use crease_geometry::mesh::PointIndex;
 use crease_geometry::mesh::distance::barycentric;
-use crease_geometry::mesh::{PointIndex, Topology};
 use crease_model::garment::{Garment, RestState, WornGarment};
 use rustc_hash::FxHashMap;
 use serde_json::json;
