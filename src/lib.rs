@@ -41,9 +41,9 @@
 //! | make wrinkles from an existing animation | [`memory_from_motion`] |
 //! | transfer wrinkles to another garment | [`Transfer`] |
 //! | read or write the memory in full precision | [`Sidecar`], [`RestState`] |
-//! | apply the memory law in your own simulator | [`MemoryModel`], or [`MemoryLaw`] for one hinge |
-//! | check a mesh before a bake | [`inspect`] |
-//! | draw a picture of a worn garment | [`GarmentView`], [`render`] |
+//! | apply the memory law in your own simulator | [`law::MemoryModel`], or [`law::MemoryLaw`] for one hinge |
+//! | check a mesh before a bake | [`inspect()`] |
+//! | draw a picture of a worn garment | [`picture`] |
 //!
 //! # Pipeline
 //!
@@ -101,57 +101,91 @@ pub mod internal {
     }
 }
 
+/// The memory law, to be used in another simulator: for a mesh, or hinge by hinge.
+pub mod law {
+    pub use crease_solver::memory::{
+        Band, BandParams, ElementParams, EventCount, HysteresisState, Memory, MemoryLaw, MemoryModel,
+        Softening, Strains,
+    };
+}
+
+/// Meshes: topology, angles of hinges, exact intersections.
+pub mod mesh {
+    pub use crease_geometry::math::{Mat3, Mat4};
+    pub use crease_geometry::mesh::intersections::self_intersections;
+    pub use crease_geometry::mesh::{
+        Hinge, PointIndex, Topology, VertexIndex, hinge_angle, hinge_gradient, unwrap_angle,
+    };
+    pub use crease_model::garment::RefinedMesh;
+}
+
+/// Bodies that wear the garment, and the skin of a garment that is bound to one.
+pub mod body {
+    pub use crease_io::{read_body, read_body_frames, read_garment_skin};
+    pub use crease_model::body::{BodyMotion, BodyPose, GarmentSkin, Sequence};
+}
+
+/// Fabrics: what their numbers are and where they come from.
+pub mod fabric {
+    pub use crease_model::fabric::{DEFAULT_FABRIC, FabricMemory, PAPER_FABRIC, Provenance};
+}
+
+/// Files as bytes: meshes, sidecars, landmarks, and files for other programs.
+pub mod format {
+    pub use crate::files::ready_memory_names;
+    pub use crease_io::gltf::{read_worn, write_worn_glb};
+    pub use crease_io::{Landmark, Landmarks, read_asset, read_sidecar, write_sidecar};
+    pub use crease_model::garment::{ImportDiagnostic, Severity, SourceAsset, SourcePiece};
+}
+
+/// What a transfer is made of: sources, alignment, losses.
+pub mod carry {
+    pub use crate::transfer::{
+        AlignedBy, DrawnCreases, MeshMaker, PointPair, RegionConfidence, SourceOutcome, TransferLosses,
+        TransferSource,
+    };
+    pub use crease_model::remesh::{Channels, GarmentSurface};
+}
+
+/// Settings of the solver.
+pub mod solver {
+    pub use crease_solver::sim::{Method, NewtonOptions, Sewing, StepOptions, StepRelaxation};
+}
+
+/// Pictures and pages of worn garments.
+pub mod picture {
+    pub use crate::report::swatch_page;
+    #[cfg(feature = "render")]
+    pub use crate::report::{
+        ColorBy, GarmentView,
+        render::{Camera, Colouring, Image, encode_png, render},
+    };
+    #[cfg(feature = "viewer")]
+    pub use crate::report::{ViewerItem, viewer_page};
+}
+
 #[doc(inline)]
 pub use bake::{
     Bake, BakeOptions, BakeProgress, BakeReport, BakeResult, Checkpoint, GarmentMotion, ModelDecision,
-    ModelPlan, Observer, Quality, RelaxResult, memory_from_motion, relax, rest_mesh,
+    ModelPlan, Observer, Quality, RelaxResult, memory_from_motion, relax,
 };
 #[doc(inline)]
-pub use crease_geometry::math::{Mat3, Mat4, Vec2, Vec3};
+pub use crease_geometry::math::{Vec2, Vec3};
 #[doc(inline)]
-pub use crease_geometry::mesh::intersections::self_intersections;
+pub use crease_io::{ReadOptions, Sidecar};
 #[doc(inline)]
-pub use crease_geometry::mesh::{
-    Hinge, PointIndex, Topology, VertexIndex, hinge_angle, hinge_gradient, unwrap_angle,
-};
-#[doc(inline)]
-pub use crease_io::gltf::{read_worn, write_worn_glb};
-#[doc(inline)]
-pub use crease_io::{Landmark, Landmarks, ReadOptions, Sidecar, read_asset, read_sidecar, write_sidecar};
-#[doc(inline)]
-pub use crease_model::body::{AnimatedBody, BodyPose};
+pub use crease_model::body::AnimatedBody;
 #[doc(inline)]
 pub use crease_model::error::{Diagnostic, Error, Result};
 #[doc(inline)]
-pub use crease_model::fabric::{DEFAULT_FABRIC, Fabric, FabricMemory, PAPER_FABRIC, Provenance};
+pub use crease_model::fabric::Fabric;
 #[doc(inline)]
-pub use crease_model::garment::{
-    Garment, ImportDiagnostic, Inspection, MeshOptions, RefinedMesh, RestState, Severity, SourceAsset,
-    SourcePiece, UpAxis, WornGarment, inspect,
-};
+pub use crease_model::garment::{Garment, Inspection, MeshOptions, RestState, UpAxis, WornGarment, inspect};
 #[doc(inline)]
-pub use crease_model::remesh::Channels;
+pub use files::{GarmentFile, Load, Save, load_body, ready_memory, transfer_source};
 #[doc(inline)]
-pub use crease_solver::memory::{
-    Band, BandParams, ElementParams, EventCount, HysteresisState, Memory, MemoryLaw, MemoryModel, Softening,
-    Strains,
-};
+pub use report::{Export, Report};
 #[doc(inline)]
-pub use crease_solver::sim::{Method, NewtonOptions, StepOptions};
-#[doc(inline)]
-pub use files::{GarmentFile, Load, Save, load_body, ready_memory, ready_memory_names, transfer_source};
-#[cfg(feature = "render")]
-#[doc(inline)]
-pub use report::{
-    ColorBy, GarmentView,
-    render::{Camera, Colouring, Image, encode_png, render},
-};
-#[doc(inline)]
-pub use report::{Export, Report, swatch_page};
-#[cfg(feature = "viewer")]
-#[doc(inline)]
-pub use report::{ViewerItem, viewer_page};
-#[doc(inline)]
-pub use transfer::{Align, MatchBy, PointPair, Transfer, TransferResult};
+pub use transfer::{Align, MatchBy, Transfer, TransferResult};
 #[doc(inline)]
 pub use wear::{Action, WearScript};

@@ -3,7 +3,7 @@
 #[path = "reference/external.rs"]
 mod external;
 
-use crease::self_intersections;
+use crease::mesh::self_intersections;
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::PointIndex;
 use crease_model::fabric::Fabric;

@@ -146,7 +146,8 @@ fn both_sides_of_cloth_with_a_thickness_remember_a_fold() {
     let garment = &mesh.garment;
     let layers = RigidParts::find(garment).expect("two sides");
     // Every hinge of the simulated side along y = 0 remembers half a right angle.
-    let angle = |h: &crease::Hinge| crease::hinge_angle(&h.points.map(|p| layers.cloth().points[p.at()]));
+    let angle =
+        |h: &crease::mesh::Hinge| crease::mesh::hinge_angle(&h.points.map(|p| layers.cloth().points[p.at()]));
     let angles = layers.cloth().topology.hinges.iter().map(angle).collect();
     let mut cloth = WornGarment {
         displacement: vec![Vec3::zeros(); layers.cloth().points.len()],
@@ -161,10 +162,11 @@ fn both_sides_of_cloth_with_a_thickness_remember_a_fold() {
     let worn = layers.worn(&cloth);
     let of = |front: bool| {
         let on_side =
-            |h: &&crease::Hinge| h.points.iter().all(|p| (garment.points[p.at()].z > -1e-4) == front);
+            |h: &&crease::mesh::Hinge| h.points.iter().all(|p| (garment.points[p.at()].z > -1e-4) == front);
         let hinges = garment.topology.hinges.iter().zip(0..).filter(|(h, _)| on_side(h));
-        let length =
-            |h: &crease::Hinge| (garment.points[h.points[0].at()] - garment.points[h.points[1].at()]).norm();
+        let length = |h: &crease::mesh::Hinge| {
+            (garment.points[h.points[0].at()] - garment.points[h.points[1].at()]).norm()
+        };
         hinges
             .map(|(h, i)| length(h) * (worn.memory.rest_angle[i] - worn.memory.source_angle[i]))
             .sum::<f64>()

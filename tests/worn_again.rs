@@ -161,7 +161,7 @@ fn the_tool_carries_memory_on_unless_told_to_forget() {
         let file = GarmentFile::load(folder.path().join(name), &ReadOptions::default()).expect("reads");
         let sidecar = name.replace(".glb", ".crease.json");
         let text = std::fs::read(folder.path().join(&sidecar)).expect("is there");
-        let sidecar = crease::read_sidecar(&sidecar, &text).expect("reads");
+        let sidecar = crease::format::read_sidecar(&sidecar, &text).expect("reads");
         let memory =
             memory_of_earlier_run(name, &sidecar, &file.garment, &file.asset).expect("reads").expect("fits");
         (file.garment, memory)

@@ -2,7 +2,8 @@
 //!
 //! `cargo run --release --example memory_law`
 
-use crease::{Fabric, Memory, MemoryModel, RestState, Strains};
+use crease::law::{Memory, MemoryModel, Strains};
+use crease::{Fabric, RestState};
 
 fn main() -> crease::Result<()> {
     // 2 hinges, 20 mm wide: the angles of the mesh as modelled [rad], 0 for flat.

@@ -7,8 +7,8 @@ use crease_io::{ReadOptions, Sidecar, read_asset};
 use crease_model::error::{Error, Result};
 use crease_model::fabric::Fabric;
 use crease_model::garment::{
-    Garment, ImportDiagnostic, MeshOptions, Severity, SourceAsset, WornGarment, content_warnings,
-    sheet_arrays,
+    Garment, ImportDiagnostic, MeshOptions, Severity, SheetArrays, SourceAsset, WornGarment,
+    content_warnings, sheet_arrays,
 };
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
@@ -88,7 +88,7 @@ impl GarmentFile {
     /// # Errors
     /// Those of [`Garment::sheet`].
     pub fn sheet(size: [f64; 2], cells: [u32; 2]) -> Result<Self> {
-        let (positions, triangles) = sheet_arrays(size, cells)?;
+        let SheetArrays { positions, triangles } = sheet_arrays(size, cells)?;
         Self::from_mesh(&positions, &triangles, MeshOptions::default().name("sheet"))
     }
 

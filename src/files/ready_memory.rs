@@ -22,7 +22,7 @@ memory_list! {
 /// Names of the memories that are part of the program, in list order.
 ///
 /// ```
-/// assert!(crease::ready_memory_names().any(|name| name == "fold-thrice"));
+/// assert!(crease::format::ready_memory_names().any(|name| name == "fold-thrice"));
 /// ```
 pub fn ready_memory_names() -> impl Iterator<Item = &'static str> {
     MEMORIES.iter().map(|(name, _)| *name)

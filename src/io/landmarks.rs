@@ -48,7 +48,7 @@ impl Landmarks {
     ///
     /// ```
     /// let text = r#"{"format": "crease-landmarks/1", "pairs": [{"source_m": [0, 1, 0], "target_m": [0, 1.1, 0]}]}"#;
-    /// let landmarks = crease::Landmarks::parse("landmarks.json", text)?;
+    /// let landmarks = crease::format::Landmarks::parse("landmarks.json", text)?;
     /// assert_eq!(landmarks.pairs[0].target_m[1], 1.1);
     /// # Ok::<(), crease::Error>(())
     /// ```

@@ -67,7 +67,7 @@ pub fn overhang(length: f64, c: f64) -> Vec<[f64; 2]> {
 /// Returns the page of `fabrics`.
 ///
 /// ```
-/// let page = crease::swatch_page(&[crease::Fabric::preset("denim")?]);
+/// let page = crease::picture::swatch_page(&[crease::Fabric::preset("denim")?]);
 /// assert!(page.contains("denim"));
 /// # Ok::<(), crease::Error>(())
 /// ```

@@ -19,7 +19,8 @@ use robust::{Coord3D, orient3d};
 /// corner that is not finite are left out.
 ///
 /// ```
-/// use crease::{PointIndex, Vec3, self_intersections};
+/// use crease::Vec3;
+/// use crease::mesh::{PointIndex, self_intersections};
 /// let points = [[-1.0, 0.0, -1.0], [1.0, 0.0, -1.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [-1.0, 2.0, 0.0], [1.0, 2.0, 0.0]];
 /// let triangles = [[0, 1, 2], [3, 4, 5]].map(|t| t.map(PointIndex));
 /// assert_eq!(self_intersections(&points.map(Vec3::from), &triangles), [[0, 1]]);

@@ -328,12 +328,21 @@ fn check_size(asset: &SourceAsset) -> Result<Option<ImportDiagnostic>> {
     }
 }
 
+/// Arrays of a flat sheet.
+#[derive(Debug, Clone)]
+pub struct SheetArrays {
+    /// Positions of the vertices \[m\].
+    pub positions: Vec<[f64; 3]>,
+    /// Corners of the triangles.
+    pub triangles: Vec<[u32; 3]>,
+}
+
 /// Returns positions \[m\] and triangles of a flat rectangular sheet of `size` \[m\], x along warp and z along weft at height 0, in
 /// `cells` squares of two triangles along each side. Positions are in the order in which the triangles name them.
 ///
 /// # Errors
 /// [`Error::Input`] for more points than can be baked.
-pub fn sheet_arrays(size: [f64; 2], cells: [u32; 2]) -> Result<(Vec<[f64; 3]>, Vec<[u32; 3]>)> {
+pub fn sheet_arrays(size: [f64; 2], cells: [u32; 2]) -> Result<SheetArrays> {
     let [columns, rows] = cells;
     let row = columns.saturating_add(1);
     let count = u64::from(row) * (u64::from(rows) + 1);
@@ -359,7 +368,7 @@ pub fn sheet_arrays(size: [f64; 2], cells: [u32; 2]) -> Result<(Vec<[f64; 3]>, V
         let [a, b, c, d] = [a, a + row, a + row + 1, a + 1].map(&mut corner);
         triangles.extend([[a, b, c], [a, c, d]]);
     }
-    Ok((positions, triangles))
+    Ok(SheetArrays { positions, triangles })
 }
 
 impl Garment {
@@ -375,7 +384,7 @@ impl Garment {
     /// # Errors
     /// [`Error::Input`] without cells and for a size no garment has.
     pub fn sheet(size: [f64; 2], cells: [u32; 2]) -> Result<Self> {
-        let (positions, triangles) = sheet_arrays(size, cells)?;
+        let SheetArrays { positions, triangles } = sheet_arrays(size, cells)?;
         Self::from_mesh(&positions, &triangles, MeshOptions::default().name("sheet"))
     }
 }

@@ -39,7 +39,7 @@ pub use garment_size::{GarmentSize, LENGTH_UNITS, is_in_range, is_plausible_unit
 pub use garment_type::Garment;
 pub use inspect::{Inspection, PartReport, PieceReport, inspect};
 pub use lying::{is_flat_across, is_lying_by_normals, max_flat_extent};
-pub use mesh_arrays::{MeshOptions, sheet_arrays};
+pub use mesh_arrays::{MeshOptions, SheetArrays, sheet_arrays};
 pub use refine::RefinedMesh;
 pub use rest_state::RestState;
 pub use rigid_parts::RigidParts;

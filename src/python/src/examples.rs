@@ -4,8 +4,8 @@ use crate::CreaseError;
 use crate::convert::{exception, rows, vectors};
 use crate::process::check_not_forked;
 
+use crease::format::ready_memory_names;
 use crease::internal::wear::WearScript;
-use crease::ready_memory_names;
 use crease_model::fabric::Fabric;
 use crease_model::garment::Garment;
 use numpy::PyArray2;

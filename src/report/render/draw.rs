@@ -19,7 +19,8 @@ pub const MAX_SIDE: usize = 4096;
 /// Triangles with a missing or non-finite point are skipped.
 ///
 /// ```
-/// use crease::{Camera, Colouring, GarmentFile, encode_png, render};
+/// use crease::GarmentFile;
+/// use crease::picture::{Camera, Colouring, encode_png, render};
 /// let sheet = GarmentFile::sheet([0.2, 0.2], [4, 4])?.garment;
 /// let picture = render(&sheet.points, &sheet.triangles, &Colouring::Shape, &Camera::default(), [64, 48])?;
 /// assert!(encode_png(&picture)?.starts_with(b"\x89PNG"));

@@ -40,7 +40,8 @@ pub struct BandParams {
 /// The memory law for angles or for lengths of one fabric.
 ///
 /// ```
-/// use crease::{ElementParams, Fabric, HysteresisState, MemoryLaw};
+/// use crease::Fabric;
+/// use crease::law::{ElementParams, HysteresisState, MemoryLaw};
 /// let law = MemoryLaw::for_angles(&Fabric::preset("kow-tshirt")?.memory);
 /// let mut state = HysteresisState::new(0.0);
 /// // One second to fold a flat hinge to 2.5 rad, then held for five seconds.

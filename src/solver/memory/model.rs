@@ -10,7 +10,8 @@ use crease_model::garment::Garment;
 /// In another simulator than this crate's it needs only the angles of the hinges, before and after every step:
 ///
 /// ```
-/// use crease::{Fabric, Memory, MemoryModel, RestState, Strains};
+/// use crease::{Fabric, RestState};
+/// use crease::law::{Memory, MemoryModel, Strains};
 /// // Two hinges, 20 mm wide: the dihedral angles of the mesh as modelled [rad], 0 for flat.
 /// let initial = vec![0.0, 0.1];
 /// let model = MemoryModel::for_hinges(&Fabric::preset("kow-tshirt")?, &[0.02, 0.02]);

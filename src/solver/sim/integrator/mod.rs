@@ -61,7 +61,7 @@ impl Method {
     /// Returns the method of that name on the command line.
     ///
     /// ```
-    /// use crease::Method;
+    /// use crease::solver::Method;
     /// assert_eq!(Method::from_name("bdf2"), Some(Method::Bdf2));
     /// ```
     pub fn from_name(name: &str) -> Option<Self> {
