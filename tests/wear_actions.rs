@@ -185,7 +185,9 @@ fn a_washed_garment_loses_its_folds_and_earns_soft_memory() {
 }
 
 fn board() -> Fabric {
-    Fabric { bend_warp_un_m: 2e6, bend_weft_un_m: 2e6, ..fabric() }
+    let mut board = fabric();
+    (board.bend_warp_un_m, board.bend_weft_un_m) = (2e6, 2e6);
+    board
 }
 
 /// The message of an action that did not take place.

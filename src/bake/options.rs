@@ -81,6 +81,11 @@ impl Default for BakeOptions {
 }
 
 impl BakeOptions {
+    /// Options of `quality`, with nothing else set.
+    pub fn of_quality(quality: Quality) -> Self {
+        Self { quality, ..Self::default() }
+    }
+
     /// Options of the time steps: those that are set, or those of the quality.
     pub fn step(&self) -> StepOptions {
         self.step.unwrap_or_else(|| self.quality.step_options())

@@ -28,6 +28,7 @@ pub struct ModelDecision {
 
 /// Models of a bake and their stiffnesses.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct ModelPlan {
     /// Stretch stiffness along warp and weft, shear stiffness [N/m].
     pub stretch: [f64; 3],

@@ -11,6 +11,7 @@ use crease_solver::sim::{NewtonOptions, StepOptions, StepRelaxation};
 /// assert!(Quality::Reference.energy_tol() < Quality::Standard.energy_tol());
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Quality {
     /// Fast preview of a script.
     Draft,

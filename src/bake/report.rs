@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 
 /// Work and outcome of a bake.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[non_exhaustive]
 pub struct BakeReport {
     /// Simulated time [s].
     pub simulated: f64,
@@ -71,6 +72,7 @@ pub struct StopCause {
 
 /// Result of a bake.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct BakeResult {
     /// The worn garment, in its source pose.
     pub worn: WornGarment,

@@ -147,7 +147,8 @@ impl BakeScene {
     /// Bakes the script.
     pub(super) fn run(&self, options: &BakeOptions) -> Result<BakeRun> {
         let clock = Instant::now();
-        let options = BakeOptions { body: self.body.clone(), ..options.clone() };
+        let mut options = options.clone();
+        options.body = self.body.clone();
         let bake = Bake::new(&self.garment, &self.fabric, &self.script).script_name(self.script_file);
         let baked = bake.options(options).run()?;
         let linear_solves = baked.report.solves + baked.report.local_solves;

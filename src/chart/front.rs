@@ -173,7 +173,7 @@ impl FrontScene {
     fn outcomes(&self, options: &ChartOptions) -> Result<Vec<Tried>> {
         let starts: Vec<BakeScene> =
             (1..=options.runs.max(1) as u64).map(|seed| self.scene.perturbed(seed)).collect();
-        let reference = self.bakes(&starts, &BakeOptions { quality: Quality::Reference, ..BakeOptions::default() })?;
+        let reference = self.bakes(&starts, &BakeOptions::of_quality(Quality::Reference))?;
         let mut outcomes = vec![(QUALITIES, "reference".to_owned(), Outcome::of_reference(&reference))];
         for (group, name, settings) in settings() {
             if self.all_settings || options.full || [QUALITIES, EDGES].contains(&group) {

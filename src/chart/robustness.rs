@@ -270,11 +270,12 @@ impl Column {
     }
 
     fn options(self) -> BakeOptions {
-        let default = BakeOptions::default();
         match self {
-            Self::Quality(quality) => BakeOptions { quality, ..default },
+            Self::Quality(quality) => BakeOptions::of_quality(quality),
             Self::Method(method) => {
-                BakeOptions { step: Some(StepOptions { method, ..default.step() }), ..default }
+                let mut options = BakeOptions::default();
+                options.step = Some(StepOptions { method, ..options.step() });
+                options
             }
         }
     }

@@ -48,9 +48,9 @@ impl Landmarks {
     ///
     /// ```
     /// let text = r#"{"format": "crease-landmarks/1", "pairs": [{"source_m": [0, 1, 0], "target_m": [0, 1.1, 0]}]}"#;
-    /// let landmarks = crease::format::Landmarks::parse("landmarks.json", text)?;
+    /// let landmarks = crease_io::Landmarks::parse("landmarks.json", text)?;
     /// assert_eq!(landmarks.pairs[0].target_m[1], 1.1);
-    /// # Ok::<(), crease::Error>(())
+    /// # Ok::<(), crease_model::error::Error>(())
     /// ```
     pub fn parse(file: &str, text: &str) -> Result<Self> {
         let document = Document::parse(file, text)?;

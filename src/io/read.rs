@@ -49,12 +49,12 @@ pub struct ReadOptions {
 /// of a file that the document refers to by a relative address (a glTF's .bin, a layer of a USD stage).
 ///
 /// ```
-/// use crease::{GarmentFile, ReadOptions};
+/// use crease_io::{ReadOptions, read_asset};
 /// let obj = "v 0 0 0\nv 20 0 0\nv 20 0 20\nf 1 3 2\n";
 /// let centimetres = ReadOptions { unit_m: Some(0.01), ..ReadOptions::default() };
-/// let file = GarmentFile::parse("corner.obj", obj.as_bytes(), &centimetres)?;
-/// assert!((file.garment.points[1].x - 0.2).abs() < 1e-12);
-/// # Ok::<(), crease::Error>(())
+/// let (asset, _) = read_asset("corner.obj", obj.as_bytes(), &centimetres, &mut |_| Ok(Vec::new()))?;
+/// assert!((asset.pieces[0].scene_position(1).expect("is a vertex").x - 0.2).abs() < 1e-12);
+/// # Ok::<(), crease_model::error::Error>(())
 /// ```
 pub fn read_asset(
     file_name: &str,

@@ -5,14 +5,19 @@
 //! ```
 //! use crease_linear::{BlockMatrix, BlockSink, Cholesky};
 //! use nalgebra::{Matrix3, Vector3};
-//! // Two points with unit diagonal blocks, coupled by a quarter.
-//! let mut matrix = BlockMatrix::new(2, &[false, false], &mut |visit| visit(&[0, 1]));
-//! matrix.fill(&mut |sink: &mut dyn BlockSink| {
-//!     sink.add(0, 0, &Matrix3::identity());
-//!     sink.add(1, 1, &Matrix3::identity());
-//!     sink.add(1, 0, &(Matrix3::identity() * 0.25));
+//! // 2 points whose diagonal blocks are 1, coupled by a quarter.
+//! let unit = Matrix3::identity();
+//! let mut matrix = BlockMatrix::with_pattern(vec![0, 1], &mut |visit| visit(&[0, 1]));
+//! matrix.fill(&|sink: &mut dyn BlockSink| {
+//!     sink.add(0, 0, &unit);
+//!     sink.add(1, 1, &unit);
+//!     sink.add(1, 0, &(0.25 * unit));
 //! });
-//! # let _ = (Cholesky::default(), Vector3::<f64>::zeros());
+//! let mut x = vec![Vector3::new(1.0, 0.0, 0.0), Vector3::zeros()];
+//! let mut solver = Cholesky::default();
+//! solver.factorise(&matrix, &[Vector3::zeros(), Vector3::x()]).expect("is positive definite");
+//! solver.solve(&matrix, &mut x).expect("is solved");
+//! assert!((x[0].x - 1.0 / (1.0 - 0.0625)).abs() < 1e-9);
 //! ```
 
 mod block_matrix;

@@ -62,7 +62,8 @@ impl std::fmt::Display for Diagnostic {
 /// Failures of the library's calls.
 ///
 /// ```
-/// use crease::{Error, Fabric};
+/// use crease_model::error::Error;
+/// use crease_model::fabric::Fabric;
 /// match Fabric::preset("demin") {
 ///     Err(Error::Input(problems)) => assert!(problems[0].help.contains("denim")),
 ///     other => panic!("{other:?}"),

@@ -25,6 +25,7 @@ use serde::{Deserialize, Serialize};
 
 /// Kind of a file for other programs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Export {
     /// Worn shape as OBJ.
     Obj,

@@ -7,6 +7,7 @@ use crease_model::remesh::{Channels, DeltaScale, GarmentSurface, SimulationMesh}
 
 /// How points of two garments are matched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum MatchBy {
     /// By texture where both textures agree on positions, else by surface; the same mesh entry by entry.
     #[default]
@@ -32,6 +33,7 @@ impl MatchBy {
 
 /// How the source is aligned with the target before points are matched by surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum Align {
     /// In place, if most of the target lies close to the source there (both were made for one body); else by the joints of
     /// one skeleton that both follow, if there are a few; else by bounding boxes, or by openings where these mislead.
@@ -113,6 +115,7 @@ pub struct TransferSource {
 
 /// The alignment that was applied to a source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum AlignedBy {
     /// None: both garments keep the coordinates of their files.
     InPlace,
@@ -147,6 +150,7 @@ impl AlignedBy {
 
 /// How one source was transferred.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct SourceOutcome {
     /// How points were matched: never [`MatchBy::Auto`].
     pub matched_by: MatchBy,
@@ -169,6 +173,7 @@ pub struct CarriedOnMesh {
 
 /// Result of a transfer.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct TransferResult {
     /// Memory of the target, one entry per hinge and triangle of it.
     pub memory: RestState,

@@ -8,6 +8,7 @@ use crease_solver::memory::EventCount;
 
 /// Progress of a bake after a step.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct BakeProgress<'a> {
     /// Name of the current action.
     pub stage: &'a str,

@@ -17,8 +17,8 @@ use crate::math::Vec3;
 /// Returns the angle of the hinge [rad] in (-pi, pi]; 0 for degenerate wings.
 ///
 /// ```
-/// use crease::Vec3;
-/// use crease::mesh::hinge_angle;
+/// use crease_geometry::math::Vec3;
+/// use crease_geometry::mesh::hinge_angle;
 /// // Two triangles on the edge from x0 to x1; the second one is turned up by a right angle.
 /// let [x0, x1] = [Vec3::new(0.0, 0.0, 0.0), Vec3::new(0.0, 0.0, 1.0)];
 /// let angle = hinge_angle(&[x0, x1, Vec3::new(-1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0)]);
@@ -59,7 +59,7 @@ pub fn hinge_gradient(x: &[Vec3; 4]) -> Option<[Vec3; 4]> {
 ///
 /// ```
 /// use std::f64::consts::PI;
-/// assert!((crease::mesh::unwrap_angle(-3.1, 3.1) - (2.0 * PI - 3.1)).abs() < 1e-12);
+/// assert!((crease_geometry::mesh::unwrap_angle(-3.1, 3.1) - (2.0 * PI - 3.1)).abs() < 1e-12);
 /// ```
 #[inline]
 pub fn unwrap_angle(angle: f64, last: f64) -> f64 {

@@ -19,8 +19,9 @@ use robust::{Coord3D, orient3d};
 /// corner that is not finite are left out.
 ///
 /// ```
-/// use crease::Vec3;
-/// use crease::mesh::{PointIndex, self_intersections};
+/// use crease_geometry::math::Vec3;
+/// use crease_geometry::mesh::PointIndex;
+/// use crease_geometry::mesh::intersections::self_intersections;
 /// let points = [[-1.0, 0.0, -1.0], [1.0, 0.0, -1.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [-1.0, 2.0, 0.0], [1.0, 2.0, 0.0]];
 /// let triangles = [[0, 1, 2], [3, 4, 5]].map(|t| t.map(PointIndex));
 /// assert_eq!(self_intersections(&points.map(Vec3::from), &triangles), [[0, 1]]);

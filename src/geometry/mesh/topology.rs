@@ -36,7 +36,7 @@ pub struct Hinge {
 /// Edges and hinges of a triangle mesh.
 ///
 /// ```
-/// use crease::mesh::{PointIndex, Topology};
+/// use crease_geometry::mesh::{PointIndex, Topology};
 /// let triangles = [[0, 1, 2], [2, 1, 3]].map(|t| t.map(PointIndex));
 /// let topology = Topology::new(4, &triangles);
 /// assert_eq!((topology.edges.len(), topology.hinges.len()), (5, 1));

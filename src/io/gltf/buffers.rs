@@ -46,11 +46,11 @@ fn load_uri(entry: &Cursor, uri: &str, resolve: &mut dyn FnMut(&str) -> Result<V
     let Some(data) = uri.strip_prefix("data:") else {
         return resolve_uri(uri, resolve).map_err(|error| match error {
             Error::Input(errors) => {
-                let named = |one: Diagnostic| Diagnostic {
-                    location: entry.path().to_string(),
-                    message: format!("the file \"{uri}\": {}", one.message),
-                    help: "put it beside the .gltf, or export as .glb".into(),
-                    ..one
+                let named = |mut one: Diagnostic| {
+                    one.location = entry.path().to_string();
+                    one.message = format!("the file \"{uri}\": {}", one.message);
+                    one.help = "put it beside the .gltf, or export as .glb".into();
+                    one
                 };
                 Error::Input(errors.into_iter().map(named).collect())
             }

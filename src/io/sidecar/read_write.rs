@@ -29,7 +29,7 @@ pub fn write_sidecar_to(sidecar: &Sidecar, out: &mut dyn Write) -> std::io::Resu
 /// Reads and validates a sidecar from JSON text or from a gzip file of it; `file` names it in diagnostics.
 ///
 /// ```
-/// let error = crease::format::read_sidecar("x.crease.json", b"{}").unwrap_err().to_string();
+/// let error = crease_io::read_sidecar("x.crease.json", b"{}").unwrap_err().to_string();
 /// assert!(error.starts_with("x.crease.json"), "{error}");
 /// ```
 pub fn read_sidecar(file: &str, bytes: &[u8]) -> Result<Sidecar> {

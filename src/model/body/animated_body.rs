@@ -77,7 +77,8 @@ impl BodyPose {
 ///
 /// ```
 /// use crease_model::body::BodyMotion;
-/// use crease::{AnimatedBody, Vec3};
+/// use crease_geometry::math::Vec3;
+/// use crease_model::body::AnimatedBody;
 /// // A table top that does not move.
 /// let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 0.0, 1.0], [0.0, 0.0, 1.0]].map(Vec3::from);
 /// let triangles = [[0, 3, 2], [0, 2, 1]];

@@ -23,18 +23,19 @@ pub enum FabricFormat {
 /// A fabric: mechanical parameters, and the parameters of its memory.
 ///
 /// ```
-/// use crease::Fabric;
+/// use crease_model::fabric::Fabric;
 /// let denim = Fabric::preset("denim")?;
 /// assert!((denim.area_density() - 0.421).abs() < 1e-12, "kg/m²");
 /// // A variant of a preset, as in a fabric file.
 /// let stiff = Fabric::parse("stiff.json", r#"{"format": "crease-fabric/1", "name": "stiff denim",
 ///     "based_on": "denim", "bend_warp_un_m": 150}"#)?;
 /// assert!(stiff.bending_length() > denim.bending_length());
-/// # Ok::<(), crease::Error>(())
+/// # Ok::<(), crease_model::error::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "crease fabric")]
+#[non_exhaustive]
 pub struct Fabric {
     /// Format of the file: crease-fabric/1.
     pub format: FabricFormat,

@@ -49,7 +49,7 @@ impl Fabric {
     /// Names of all presets, in list order.
     ///
     /// ```
-    /// assert!(crease::Fabric::preset_names().contains(&"denim"));
+    /// assert!(crease_model::fabric::Fabric::preset_names().contains(&"denim"));
     /// ```
     pub fn preset_names() -> Vec<&'static str> {
         names()

@@ -19,6 +19,7 @@ const MAX_LISTED_PIECES: usize = 40;
 
 /// Report about a mesh file and the garment made of it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Inspection {
     /// File as the user named it.
     pub file: String,
@@ -112,12 +113,14 @@ pub struct PartReport {
 /// Makes the report; `diagnostics` are those of reading the file and of building the garment.
 ///
 /// ```
-/// use crease::{GarmentFile, inspect};
-/// let sheet = GarmentFile::sheet([0.3, 0.2], [6, 4])?;
-/// let inspection = inspect(&sheet.asset, &sheet.garment, &sheet.diagnostics);
-/// assert_eq!((inspection.points, inspection.parts.len()), (35, 1));
-/// assert!((inspection.area_m2 - 0.06).abs() < 1e-12);
-/// # Ok::<(), crease::Error>(())
+/// use crease_model::garment::{Garment, MeshOptions, SourceAsset, inspect};
+/// let (positions, triangles) = ([[0.0, 0.0, 0.0], [0.2, 0.0, 0.0], [0.2, 0.0, 0.2]], [[0, 2, 1]]);
+/// let asset = SourceAsset::from_mesh(&positions, &triangles, &MeshOptions::default())?.0;
+/// let (garment, diagnostics) = Garment::from_asset(&asset)?;
+/// let inspection = inspect(&asset, &garment, &diagnostics);
+/// assert_eq!((inspection.points, inspection.parts.len()), (3, 1));
+/// assert!((inspection.area_m2 - 0.02).abs() < 1e-12);
+/// # Ok::<(), crease_model::error::Error>(())
 /// ```
 pub fn inspect(asset: &SourceAsset, garment: &Garment, diagnostics: &[ImportDiagnostic]) -> Inspection {
     let box_m = asset.worn_bounds().map_or([0.0; 3], |(low, high)| (high - low).into());

@@ -15,7 +15,7 @@ use rustc_hash::FxHashMap;
 /// Options of a garment from arrays: [`Garment::from_mesh`], [`crease::internal::files::GarmentFile::from_mesh`].
 ///
 /// ```
-/// use crease::{Garment, MeshOptions, UpAxis};
+/// use crease_model::garment::{Garment, MeshOptions, UpAxis};
 /// let corners = [[0.0, 0.0, 0.0], [20.0, 0.0, 0.0], [20.0, 20.0, 0.0], [0.0, 20.0, 0.0]];
 /// let options = MeshOptions::default()
 ///     .name("square")
@@ -25,7 +25,7 @@ use rustc_hash::FxHashMap;
 /// let garment = Garment::from_mesh(&corners, &[[0, 1, 2], [0, 2, 3]], options)?;
 /// assert!((garment.points[2].z + 0.2).abs() < 1e-12, "20 cm along y, which is -z where y is up");
 /// assert!(garment.material_from_uv);
-/// # Ok::<(), crease::Error>(())
+/// # Ok::<(), crease_model::error::Error>(())
 /// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 #[non_exhaustive]
@@ -90,13 +90,13 @@ impl Garment {
     /// which the worn garment can be saved.
     ///
     /// ```
-    /// use crease::{Garment, MeshOptions};
+    /// use crease_model::garment::{Garment, MeshOptions};
     /// let corners = [[0.0, 0.0, 0.0], [0.2, 0.0, 0.0], [0.2, 0.0, 0.2], [0.0, 0.0, 0.2]];
     /// let garment = Garment::from_mesh(&corners, &[[0, 3, 2], [0, 2, 1]], MeshOptions::default())?;
     /// assert_eq!(garment.topology.hinges.len(), 1);
     /// let error = Garment::from_mesh(&corners, &[[0, 3, 2], [0, 2, 7]], MeshOptions::default()).unwrap_err();
     /// assert_eq!(error.to_string(), "mesh: triangle 1, corner 2: index 7, 4 positions (indices count from 0)");
-    /// # Ok::<(), crease::Error>(())
+    /// # Ok::<(), crease_model::error::Error>(())
     /// ```
     ///
     /// # Errors
@@ -376,9 +376,9 @@ impl Garment {
     /// triangles along each side.
     ///
     /// ```
-    /// let sheet = crease::Garment::sheet([0.3, 0.2], [6, 4])?;
+    /// let sheet = crease_model::garment::Garment::sheet([0.3, 0.2], [6, 4])?;
     /// assert_eq!((sheet.points.len(), sheet.triangles.len()), (35, 48));
-    /// # Ok::<(), crease::Error>(())
+    /// # Ok::<(), crease_model::error::Error>(())
     /// ```
     ///
     /// # Errors

@@ -59,9 +59,9 @@ impl Garment {
     /// Returns the mean edge length of the source shape [m].
     ///
     /// ```
-    /// let sheet = crease::GarmentFile::sheet([0.1, 0.1], [10, 10])?.garment;
+    /// let sheet = crease_model::garment::Garment::sheet([0.1, 0.1], [10, 10])?;
     /// assert!((0.01..0.0142).contains(&sheet.mean_edge()));
-    /// # Ok::<(), crease::Error>(())
+    /// # Ok::<(), crease_model::error::Error>(())
     /// ```
     pub fn mean_edge(&self) -> f64 {
         let length = |e: &[PointIndex; 2]| (self.points[e[0].at()] - self.points[e[1].at()]).norm();

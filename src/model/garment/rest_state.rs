@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 ///
 /// ```
 /// // One hinge with the angle 0.3 rad as modelled, between two triangles.
-/// let rest = crease::RestState::new(vec![0.3], 2);
+/// let rest = crease_model::garment::RestState::new(vec![0.3], 2);
 /// assert_eq!((rest.rest_angle[0], rest.stiffness_ratio[0], rest.rest_stretch_warp[1]), (0.3, 1.0, 1.0));
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

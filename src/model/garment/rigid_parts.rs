@@ -47,9 +47,9 @@ impl RigidParts {
     /// The trims and inner sides of `garment`; `None` if it has none.
     ///
     /// ```
-    /// use crease::{GarmentFile, garment::RigidParts};
-    /// assert!(RigidParts::find(&GarmentFile::sheet([0.2, 0.2], [2, 2])?.garment).is_none());
-    /// # Ok::<(), crease::Error>(())
+    /// use crease_model::garment::{Garment, RigidParts};
+    /// assert!(RigidParts::find(&Garment::sheet([0.2, 0.2], [2, 2])?).is_none());
+    /// # Ok::<(), crease_model::error::Error>(())
     /// ```
     pub fn find(garment: &Garment) -> Option<Self> {
         let parts = parts_of(garment);

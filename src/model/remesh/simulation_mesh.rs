@@ -27,10 +27,10 @@ impl SimulationMesh {
     /// The own triangles of `garment`.
     ///
     /// ```
-    /// let sheet = crease::GarmentFile::sheet([0.2, 0.2], [2, 2])?.garment;
+    /// let sheet = crease_model::garment::Garment::sheet([0.2, 0.2], [2, 2])?;
     /// let mesh = crease_model::remesh::SimulationMesh::of_source(&sheet);
     /// assert!(mesh.is_source && mesh.to_source(&sheet.points) == sheet.points);
-    /// # Ok::<(), crease::Error>(())
+    /// # Ok::<(), crease_model::error::Error>(())
     /// ```
     pub fn of_source(garment: &Garment) -> Self {
         let mut source_location = vec![SurfacePoint { face: 0, weights: [0.0; 3] }; garment.points.len()];

@@ -27,8 +27,8 @@ impl BandTimer {
 /// The memory of one garment in wear.
 ///
 /// ```
-/// use crease::RestState;
-/// use crease::law::Memory;
+/// use crease_model::garment::RestState;
+/// use crease_solver::memory::Memory;
 /// let memory = Memory::new(RestState::flat(3, 2));
 /// assert!(memory.fits(3, 2) && memory.rest.stiffness_ratio == [1.0; 3]);
 /// ```

@@ -40,8 +40,8 @@ pub struct BandParams {
 /// The memory law for angles or for lengths of one fabric.
 ///
 /// ```
-/// use crease::Fabric;
-/// use crease::law::{ElementParams, HysteresisState, MemoryLaw};
+/// use crease_model::fabric::Fabric;
+/// use crease_solver::memory::{ElementParams, HysteresisState, MemoryLaw};
 /// let law = MemoryLaw::for_angles(&Fabric::preset("kow-tshirt")?.memory);
 /// let mut state = HysteresisState::new(0.0);
 /// // One second to fold a flat hinge to 2.5 rad, then held for five seconds.
@@ -49,7 +49,7 @@ pub struct BandParams {
 /// let events = law.advance(&mut state, 2.5, 2.5, 5.0, &ElementParams::FLAT);
 /// assert!(events.critical > 0);
 /// assert!(state.rest > 1.0 && state.stiffness_ratio > 1.0);
-/// # Ok::<(), crease::Error>(())
+/// # Ok::<(), crease_model::error::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MemoryLaw {

@@ -10,8 +10,9 @@ use crease_model::garment::Garment;
 /// In another simulator than this crate's it needs only the angles of the hinges, before and after every step:
 ///
 /// ```
-/// use crease::{Fabric, RestState};
-/// use crease::law::{Memory, MemoryModel, Strains};
+/// use crease_model::fabric::Fabric;
+/// use crease_model::garment::RestState;
+/// use crease_solver::memory::{Memory, MemoryModel, Strains};
 /// // Two hinges, 20 mm wide: the dihedral angles of the mesh as modelled [rad], 0 for flat.
 /// let initial = vec![0.0, 0.1];
 /// let model = MemoryModel::for_hinges(&Fabric::preset("kow-tshirt")?, &[0.02, 0.02]);
@@ -27,7 +28,7 @@ use crease_model::garment::Garment;
 /// }
 /// assert!(memory.rest.rest_angle[0] > 1.0 && memory.rest.stiffness_ratio[0] > 1.0);
 /// assert_eq!(memory.rest.rest_angle[1], 0.1);
-/// # Ok::<(), crease::Error>(())
+/// # Ok::<(), crease_model::error::Error>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct MemoryModel {

@@ -28,6 +28,7 @@ macro_rules! method_list {
 
         /// The time integrators.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        #[non_exhaustive]
         pub enum Method { $($(#[$doc])* $variant,)* }
 
         impl Method {
@@ -61,7 +62,7 @@ impl Method {
     /// Returns the method of that name on the command line.
     ///
     /// ```
-    /// use crease::solver::Method;
+    /// use crease_solver::sim::Method;
     /// assert_eq!(Method::from_name("bdf2"), Some(Method::Bdf2));
     /// ```
     pub fn from_name(name: &str) -> Option<Self> {
