@@ -173,6 +173,7 @@ pub use bake::{
 pub use crease_geometry::math::{Vec2, Vec3};
 #[doc(inline)]
 pub use crease_io::{ReadOptions, Sidecar};
+pub use error::{Diagnostic, Error, Message, Operation, Result, Setting, SettingValue, Vocabulary};
 #[doc(inline)]
 pub use crease_model::body::AnimatedBody;
 #[doc(inline)]

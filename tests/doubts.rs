@@ -6,10 +6,11 @@ mod glb;
 #[path = "common/tool.rs"]
 mod tool;
 
-use crease::{GarmentFile, Vec3};
+use crease_model::error::Message;
+use crease_model::garment::{RestState, RigidParts, WornGarment, content_warnings};
 use crease_io::gltf::{DetailOutput, keep_worn_pieces};
 use crease_io::{ReadOptions, read_asset};
-use crease_model::garment::{RestState, RigidParts, WornGarment, content_warnings};
+use crease::{GarmentFile, Vec3};
 use glb::{Part, detail_map, glb as file};
 use serde_json::{Value, json};
 use tool::crease_in;
@@ -79,7 +80,8 @@ fn panels_side_by_side_stay_and_their_open_seam_is_told() {
         assert_eq!(count_of(&heights(&panels, 0..49), 0.0), 49);
         let told = panels.content_warnings();
         assert!(
-            told.iter().any(|told| told.contains("0.40 m of borders") && told.contains("--weld")),
+            told.iter()
+                .any(|told| told.contains("0.40 m of borders") && told.contains("ReadOptions::weld_m (")),
             "{told:?}"
         );
     }
@@ -157,25 +159,26 @@ fn trims_follow_the_cloth_that_carries_them() {
 }
 
 #[test]
-fn other_things_in_the_file_are_told_with_the_option_that_chooses() {
+fn other_things_in_the_file_are_told_with_the_setting_that_chooses() {
     let told = |nodes: &[(&str, Vec<Part>)]| {
         let file = parse(nodes);
-        content_warnings(&file.asset, &file.garment).join("\n")
+        Message::join(content_warnings(&file.asset, &file.garment), "\n")
     };
     let shirt = || vec![Part::sheet(6, 0.4, [0.0, 0.0, 0.2])];
     let avatar = told(&[("Cloth", shirt()), ("Avatar", vec![Part::can(20, 0.1, 1.6, [0.0; 3])])]);
     assert!(
-        avatar.contains("\"Avatar\" looks like a body") && avatar.contains("--garment \"Cloth\""),
+        avatar.contains("\"Avatar\" looks like a body")
+            && avatar.contains("ReadOptions::garment (\"Cloth\")"),
         "{avatar}"
     );
     let levels = told(&[("shirt_LOD0", shirt()), ("shirt_LOD1", vec![Part::sheet(3, 0.4, [0.0, 0.0, 0.2])])]);
     assert!(
-        levels.contains("fill the same place") && levels.contains("--garment \"shirt_LOD0\""),
+        levels.contains("fill the same place") && levels.contains("ReadOptions::garment (\"shirt_LOD0\")"),
         "{levels}"
     );
     let two = told(&[("shirt", shirt()), ("skirt", vec![Part::sheet(6, 0.4, [0.0, -0.6, 0.2])])]);
     assert!(two.contains("2 separate pieces of cloth") && two.contains("\"skirt\""), "{two}");
-    assert_eq!(told(&[("shirt", shirt())]), "");
+    assert_eq!(told(&[("shirt", shirt())]), "".into());
     let front = Part::sheet(6, 0.4, [0.0; 3]);
     let back = front.clone().reversed().textured(|[u, v]| [u + 1.0, v]);
     // Closed all round they are doubtful, but no copies of one another.
@@ -183,7 +186,7 @@ fn other_things_in_the_file_are_told_with_the_option_that_chooses() {
     assert!(!closed.contains("the same place") && !closed.contains("pieces of cloth"), "{closed}");
     // Two pieces that are joined at their border are one garment.
     let joined = told(&[("left", shirt()), ("right", vec![Part::sheet(6, 0.4, [0.4, 0.0, 0.2])])]);
-    assert_eq!(joined, "");
+    assert_eq!(joined, "".into());
 }
 
 /// Garment and skin are primitives of one mesh: both have as many targets, and only one was worn.

@@ -177,7 +177,7 @@ fn a_part_that_nobody_asked_for_blocks_nothing() {
             assert!(error.starts_with("a.glb"), "{name}: {error}");
         }
         let error = read_with("a.glb", &bytes, &ReadOptions::default()).expect_err(name).to_string();
-        assert!(error.contains("--garment"), "{name}: {error}");
+        assert!(error.contains("ReadOptions::garment"), "{name}: {error}");
     }
     let obj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 1 nan 0\ng shirt\nf 1 2 3\ng watch\nf 1 2 4\n";
     let (asset, diagnostics) = read_with("a.obj", obj.as_bytes(), &named("shirt")).expect("is read");
@@ -330,7 +330,7 @@ fn a_size_that_no_garment_has_is_refused_whatever_the_unit() {
     for side in [0.4, 4000.0] {
         let text = scarf(side);
         let error = read_with("a.obj", text.as_bytes(), &centimetres).expect_err("no garment").to_string();
-        assert!(error.contains("--unit") && error.contains("--force-size"), "{error}");
+        assert!(error.contains("ReadOptions::unit_m") && error.contains("ReadOptions::any_size"), "{error}");
         let forced = ReadOptions { any_size: true, ..centimetres.clone() };
         assert!(read_with("a.obj", text.as_bytes(), &forced).is_ok());
     }
@@ -338,7 +338,7 @@ fn a_size_that_no_garment_has_is_refused_whatever_the_unit() {
         let text = scarf(side);
         let (_, diagnostics) = read_with("a.obj", text.as_bytes(), &ReadOptions::default()).expect("is read");
         assert_eq!(
-            warnings(&diagnostics).iter().any(|w| w.contains("--unit")),
+            warnings(&diagnostics).iter().any(|w| w.contains("ReadOptions::unit_m")),
             told,
             "{side}: {diagnostics:?}"
         );

@@ -119,7 +119,7 @@ fn every_odd_file_has_a_decided_outcome() {
             }
             Sized(vertices, points, triangles) => {
                 let message = refusal(&ReadOptions::default());
-                assert!(message.contains("--unit cm, mm, dm, in"), "{name}: {message}");
+                assert!(message.contains("ReadOptions::unit_m cm, mm, dm, in"), "{name}: {message}");
                 assert_eq!(counts(import(&path, &in_unit(0.01))), (vertices, points, triangles), "{name}");
             }
             Refused(what) => {

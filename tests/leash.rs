@@ -15,8 +15,7 @@ use crease::internal::bake::Bake;
 use crease::{Quality, WearScript};
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::intersections::self_intersections;
-use crease_io::read_body;
-use crease_io::read_garment_skin;
+use crease_io::{read_body, read_garment_skin};
 use crease_model::body::{AnimatedBody, BodyPose, GarmentSkin};
 use crease_model::fabric::Fabric;
 use crease_model::garment::{Garment, SourceAsset};
@@ -65,7 +64,7 @@ fn leash_decision(bytes: &[u8], garment: &str) -> String {
     let fabric = Fabric::preset("kow-tshirt").expect("exists");
     let bake = Bake::new(&dressed.garment, &fabric, &script);
     let plan = bake.body(dressed.body.clone()).skin(Arc::new(dressed.skin())).plan();
-    plan.decisions.into_iter().find(|d| d.name == "leash").expect("is decided").why
+    plan.decisions.into_iter().find(|d| d.name == "leash").expect("is decided").why.to_string()
 }
 
 #[test]
@@ -148,7 +147,7 @@ fn what_falls_off_ends_the_run() {
     let fabric = Fabric::preset("kow-tshirt").expect("exists");
     let bake = Bake::new(&dressed.garment, &fabric, &script).quality(Quality::Draft);
     let error = bake.body(dressed.body.clone()).run().expect_err("falls off").to_string();
-    assert!(error.contains("70 points has fallen off the body") && error.contains("--hold"), "{error}");
+    assert!(error.contains("70 points has fallen off the body") && error.contains("BakeOptions::skin"), "{error}");
 }
 
 /// Of shirt and jacket the outer one is no body to the inner one; the inner one is a body to the outer one.

@@ -4,9 +4,10 @@
 #[path = "common/glb.rs"]
 mod glb;
 
-use crease::{GarmentFile, RestState, Vec3, WornGarment};
-use crease_io::ReadOptions;
+use crease_model::error::Message;
 use crease_model::garment::{RigidParts, content_warnings};
+use crease_io::ReadOptions;
+use crease::{GarmentFile, RestState, Vec3, WornGarment};
 use glb::{Part, glb as file};
 use std::collections::HashMap;
 
@@ -86,7 +87,7 @@ fn parse(part: &Part) -> GarmentFile {
 }
 
 /// Warnings about sides that cannot be told apart.
-fn doubts(mesh: &GarmentFile) -> Vec<String> {
+fn doubts(mesh: &GarmentFile) -> Vec<Message> {
     let warnings = content_warnings(&mesh.asset, &mesh.garment).into_iter();
     warnings.filter(|warning| warning.contains("without any opening")).collect()
 }
@@ -267,7 +268,7 @@ fn cloth_with_openings_is_no_body_however_fine_it_is() {
     let told = |cloth: Part| {
         let bytes = file(&[("skirt", vec![cloth]), ("pocket", vec![pocket.clone()])], |_| {});
         let mesh = GarmentFile::parse("a.glb", &bytes, &ReadOptions::default()).expect("is a garment");
-        content_warnings(&mesh.asset, &mesh.garment).join("\n")
+        Message::join(content_warnings(&mesh.asset, &mesh.garment), "\n")
     };
     assert!(!told(fine).contains("looks like a body"));
     assert!(told(Part::can(240, 0.2, 0.5, [0.0; 3])).contains("looks like a body"));

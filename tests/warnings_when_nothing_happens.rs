@@ -11,6 +11,7 @@ mod shapes;
 use common::{Pose, crease_in, wavy_sheet, write, write_script};
 use crease::internal::bake::Bake;
 use crease::internal::wear::{Action, Hold, WearScript};
+use crease_model::error::Message;
 use crease::{Fabric, GarmentFile};
 use document::Document;
 use serde_json::{Value, json};
@@ -139,7 +140,7 @@ fn an_action_that_takes_no_time_is_told() {
         script.actions.push(Action::Hold(Hold { for_s }));
         let baked = Bake::new(&sheet, &fabric, &script).run().expect("runs");
         assert!(baked.report.empty_reason.is_some(), "nothing is remembered");
-        baked.report.warnings.join("\n")
+        Message::join(baked.report.warnings, "\n")
     };
     let warnings = told(0.0);
     let expected =

@@ -315,7 +315,7 @@ impl<'a> Bake<'a> {
 
         report.solves += relaxed.solves;
         report.local_solves += relaxed.local_solves;
-        report.warnings.extend(relaxed.warnings);
+        report.warn(relaxed.warnings);
         report.unconverged_reason = relaxed.unconverged_reason.or(report.unconverged_reason);
         report.stages = seconds.named();
         let end = reading.read(&mesh, &positions);
@@ -360,7 +360,7 @@ fn result_memory(
         Some(start) => start.with_change(&shown),
         None => shown,
     };
-    (memory, Some(ModelDecision { name: "memory in result", on: true, why }))
+    (memory, Some(ModelDecision { name: "memory in result", on: true, why: why.into() }))
 }
 
 /// Describes the memory that a garment begins with.
@@ -368,7 +368,7 @@ fn earlier_decision(memory: &RestState) -> ModelDecision {
     let changed =
         memory.angle_changes().filter(|change| change.abs() > TUNING.findings.min_angle_change).count();
     let why = format!("{changed} of {} hinges begin with what they remember", memory.rest_angle.len());
-    ModelDecision { name: "earlier memory", on: true, why }
+    ModelDecision { name: "earlier memory", on: true, why: why.into() }
 }
 
 /// Whether a script is nothing but clips and rests between them.

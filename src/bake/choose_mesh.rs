@@ -8,14 +8,15 @@
 use crate::bake::body::creases::CreasedCloth;
 use crate::bake::tuning::TUNING;
 use crate::bake::{BakeOptions, ModelDecision};
-use crate::wear::{DrawnLines, Foresight, WearScript, draw_fold_lines, is_row};
+use crease_model::error::{Message, Setting};
+use crease_model::fabric::Fabric;
+use crease_model::garment::Garment;
 use crease_geometry::math::{Vec3, bounds};
 use crease_geometry::mesh::distance::point_triangle;
 use crease_geometry::mesh::intersections::self_intersecting_triangles;
 use crease_geometry::mesh::triangle;
-use crease_model::fabric::Fabric;
-use crease_model::garment::Garment;
 use crease_model::remesh::{Curve, Seed, SimulationMesh, SizeField, SurfaceMesh, improve};
+use crate::wear::{DrawnLines, Foresight, WearScript, draw_fold_lines, is_row};
 
 /// The mesh that is simulated for a garment.
 #[derive(Debug, Clone)]
@@ -68,20 +69,22 @@ impl MeshChoice {
         laid: Option<&[Vec3]>,
         options: &BakeOptions,
     ) -> Self {
-        let own = |why: &str| Self {
+        let own = |why: Message| Self {
             mesh: SimulationMesh::of_source(garment),
             refinement: None,
             lays_first: false,
-            decision: ModelDecision { name: "simulation mesh", on: false, why: why.into() },
+            decision: ModelDecision { name: "simulation mesh", on: false, why },
         };
         if options.own_triangles || options.full_fidelity {
-            return own("switched off");
+            return own("switched off".into());
         }
         let lengths = EdgeLengths::new(garment, options.finest_edge());
         if let Some(animated) = &options.body {
             let creased = CreasedCloth::new(garment, animated, &script.body_poses(animated));
             if creased.mean_edge >= TUNING.simulation_mesh.max_factor_on_body * lengths.line {
-                return own("coarser where the body bends than any mesh on a body; --resolution refines it");
+                return own(Message::from("coarser where the body bends than any mesh on a body; ")
+                    + Setting::Resolution
+                    + " refines it");
             }
             return Self::on_body(garment, &creased, lengths);
         }
@@ -97,7 +100,7 @@ impl MeshChoice {
         make_mesh(&mut mesh, lengths, uniform);
         let mesh = mesh.finish();
         if crosses_elsewhere(&mesh.garment, garment) {
-            return own("layers would cross on another mesh at the start");
+            return own("layers would cross on another mesh at the start".into());
         }
         let count = format!("{} points instead of {}", mesh.garment.points.len(), garment.points.len());
         let [line, row, crossing, side, max, anywhere] =
@@ -121,7 +124,7 @@ impl MeshChoice {
                 _ => None,
             },
             lays_first: foresight == Foresight::NeedsLaying,
-            decision: ModelDecision { name: "simulation mesh", on: true, why },
+            decision: ModelDecision { name: "simulation mesh", on: true, why: why.into() },
         }
     }
 }
@@ -148,7 +151,7 @@ impl MeshChoice {
             mesh,
             refinement: Some(RefinementRule { from_action: 0, finest_edge: fine }),
             lays_first: false,
-            decision: ModelDecision { name: "simulation mesh", on: true, why },
+            decision: ModelDecision { name: "simulation mesh", on: true, why: why.into() },
         }
     }
 }

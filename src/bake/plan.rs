@@ -5,14 +5,15 @@
 
 use crate::bake::BakeOptions;
 use crate::bake::tuning::TUNING;
-use crate::wear::{Action, WearScript};
-use crease_geometry::math::{Vec3, bounds};
-use crease_geometry::mesh::{PointIndex, triangle};
 use crease_model::body::AnimatedBody;
+use crease_solver::contact::ContactSettings;
+use crease_model::error::Message;
 use crease_model::fabric::Fabric;
 use crease_model::garment::Garment;
-use crease_solver::contact::ContactSettings;
+use crease_geometry::math::{Vec3, bounds};
+use crease_geometry::mesh::{PointIndex, triangle};
 use crease_solver::sim::{GRAVITY, Sewing, SewnStrips};
+use crate::wear::{Action, WearScript};
 use std::borrow::Cow;
 
 /// Decision on one model.
@@ -23,7 +24,7 @@ pub struct ModelDecision {
     /// Whether it is on.
     pub on: bool,
     /// Reason, with the number behind it.
-    pub why: String,
+    pub why: Message,
 }
 
 /// Models of a bake and their stiffnesses.
@@ -95,6 +96,7 @@ impl ModelPlan {
         self.contact_stiffness *= stiffer.max(1.0);
         self.stretch = full;
         let mut decide = |name, why: String, on| {
+            let why = Message::from(why);
             if let Some(decision) = self.decisions.iter_mut().find(|decision| decision.name == name) {
                 *decision = ModelDecision { name, on, why };
             } else {
@@ -184,7 +186,7 @@ impl PlannedScene<'_> {
             100.0 * weight / stretch[0].min(stretch[1]),
             if ridges { ", as ridges finer than the mesh need" } else { "" }
         );
-        decisions.push(ModelDecision { name: "stretch", on: true, why });
+        decisions.push(ModelDecision { name: "stretch", on: true, why: why.into() });
         stretch
     }
 
@@ -192,7 +194,7 @@ impl PlannedScene<'_> {
         let (length, element) = (self.fabric.bending_length(), self.garment.mean_edge());
         let why =
             format!("bending length {:.1} mm against elements of {:.1} mm", 1e3 * length, 1e3 * element);
-        decisions.push(ModelDecision { name: "bending", on: true, why });
+        decisions.push(ModelDecision { name: "bending", on: true, why: why.into() });
         let needed = TUNING.models.free_wrinkle_edge * length;
         let fine = element <= needed;
         let why = format!(
@@ -201,7 +203,7 @@ impl PlannedScene<'_> {
             1e3 * needed,
             if fine { "" } else { ": narrower ones come from creases of the script only" }
         );
-        decisions.push(ModelDecision { name: "elements", on: fine, why });
+        decisions.push(ModelDecision { name: "elements", on: fine, why: why.into() });
     }
 
     /// Hems and allowances of seams.
@@ -220,7 +222,7 @@ impl PlannedScene<'_> {
         if masked {
             why += ", where the sewing mask has them";
         }
-        ModelDecision { name: "hems and seams", on: hem + seam > 0.0, why }
+        ModelDecision { name: "hems and seams", on: hem + seam > 0.0, why: why.into() }
     }
 
     /// Largest fold angle that the script names [degrees], and whether the script presses or crumples.
@@ -250,7 +252,7 @@ impl PlannedScene<'_> {
         } else {
             "switched off".into()
         };
-        ModelDecision { name: "memory", on, why }
+        ModelDecision { name: "memory", on, why: why.into() }
     }
 
     /// Whether layers can meet, and the activation distance of their contact [m].
@@ -282,7 +284,7 @@ impl PlannedScene<'_> {
         } else {
             format!("one flat layer, and none of {} actions folds it", self.actions.len())
         };
-        decisions.push(ModelDecision { name: "self-contact", on: meet, why });
+        decisions.push(ModelDecision { name: "self-contact", on: meet, why: why.into() });
         (meet, distance)
     }
 
@@ -298,7 +300,7 @@ impl PlannedScene<'_> {
             degrees(fabric.friction),
             degrees(fabric.friction_ground)
         );
-        ModelDecision { name: "friction", on, why }
+        ModelDecision { name: "friction", on, why: why.into() }
     }
 
     /// Stiffness of contact per area [N/m³].
@@ -337,14 +339,14 @@ fn steps(options: &BakeOptions) -> [ModelDecision; 3] {
     } else {
         format!("{:.1} ms, all of them but those in which the body would pass the cloth", 1e3 * step.min_dt)
     };
-    let adaptive = ModelDecision { name: "steps by error", on: by_error, why };
+    let adaptive = ModelDecision { name: "steps by error", on: by_error, why: why.into() };
     let sleeping = ModelDecision {
         name: "local Newton",
         on: !options.full_fidelity,
-        why: format!(
+        why: Message::from(format!(
             "after the first global iteration of a step only points above the energy tolerance, {:.1} micrometres of lift, are solved for",
             1e6 * options.effective_energy_tol()
-        ),
+        )),
     };
     [method, adaptive, sleeping]
 }

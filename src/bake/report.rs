@@ -3,10 +3,10 @@
 use crate::bake::ModelDecision;
 use crease_geometry::math::Vec3;
 use crease_linear::SolveCost;
-use crease_model::error::Diagnostic;
+use crease_model::error::{Diagnostic, Message};
 use crease_model::garment::{Garment, WornGarment};
 use crease_solver::memory::EventCount;
-use crease_solver::sim::StepReport;
+use crease_solver::sim::{StepReport, SolveCost};
 use serde::{Deserialize, Serialize};
 
 /// Work and outcome of a bake.
@@ -32,7 +32,7 @@ pub struct BakeReport {
     /// Wall time by stage [s], in the order of a step.
     pub stages: Vec<(&'static str, f64)>,
     /// Warnings, with time and position where they have one.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Message>,
     /// Reason why the result is no equilibrium, if it is none: the last step, or the relaxation to the source pose, did not
     /// converge. One unconverged step before the last is only a warning, as the cloth comes to rest after it.
     pub unconverged_reason: Option<String>,
@@ -44,9 +44,16 @@ pub struct BakeReport {
     /// The end of the run before the end of its script, if it could not recover: [`crate::bake::Observer::on_early_stop`].
     pub stopped: Option<EarlyStop>,
     /// Reason why nothing is remembered, if a wear that should leave something left nothing.
-    pub empty_reason: Option<String>,
+    pub empty_reason: Option<Message>,
     /// The models that were chosen, and why.
     pub decisions: Vec<ModelDecision>,
+}
+
+impl BakeReport {
+    /// Adds warnings.
+    pub(super) fn warn(&mut self, warnings: impl IntoIterator<Item = impl Into<Message>>) {
+        self.warnings.extend(warnings.into_iter().map(Into::into));
+    }
 }
 
 /// End of a run before the end of its script: the cloth is torn or stuck, has fallen off the body, or is
@@ -65,7 +72,7 @@ pub struct EarlyStop {
 #[derive(Debug, Clone, PartialEq)]
 pub struct StopCause {
     /// What happened, since when, and the cure.
-    pub reason: String,
+    pub reason: Message,
     /// Position where it happened [m].
     pub position: Vec3,
 }

@@ -34,7 +34,7 @@ pub use figure::{Axis, BLACK, Figure, GREY, Mark, Panel, Series};
 pub use table::{Cell, Table};
 pub use test_sheet::TestSheet;
 
-use crease_model::error::{Error, Result};
+use crease_model::error::{Error, Result, Message, Setting};
 use crease_model::json::nearest;
 
 macro_rules! chart_list {
@@ -56,16 +56,20 @@ chart_list! {
     accuracy "accuracy" "cost over error of every integrator on scenes with known solutions",
     front "front" "error of what is baked over wall time: folds, an elbow, crumpled and fallen cloth at every quality and with single settings changed (ten minutes a run)",
     stability "stability" "failures of every integrator: step size against stiffness, contrast, slivers, layers, speed",
-    robustness "robustness" "outcome of whole bakes where they get difficult: slivers, noise, size, fabric, step, speed, pressure, layers (ten minutes; `--full`: reference and every integrator)",
+    robustness "robustness" "outcome of whole bakes where they get difficult: slivers, noise, size, fabric, step, speed, pressure, layers (ten minutes; `{full}`: reference and every integrator)",
     plan "plan" "cost and effect of models: tshirt-draft with the plan, single models changed, and at full fidelity (four minutes a run)",
-    speed "speed" "wall time by stage, compared with kernels of the machine; `--full` adds T-shirts of 14k and 60k points (an hour)",
+    speed "speed" "wall time by stage, compared with kernels of the machine; `{full}` adds T-shirts of 14k and 60k points (an hour)",
     recovery "recovery" "crease recovery angles of all presets, compared with published ranges",
 }
 
 impl Chart {
     /// Names and descriptions of all charts, in list order.
-    pub fn list() -> impl Iterator<Item = (&'static str, &'static str)> {
-        CHARTS.iter().map(|(name, description, _)| (*name, *description))
+    pub fn list() -> impl Iterator<Item = (&'static str, Message)> {
+        let described = |description: &'static str| match description.split_once("{full}") {
+            Some((before, after)) => Message::from(before) + Setting::FullCharts + after,
+            None => description.into(),
+        };
+        CHARTS.iter().map(move |(name, description, _)| (*name, described(description)))
     }
 
     /// Makes the chart `name`.

@@ -219,14 +219,14 @@ impl BakeScene {
         let report = baked.report;
         let failure = match (&report.not_performed, &report.stopped) {
             (Some(diagnostic), _) => Some(diagnostic.to_string()),
-            (_, Some(stop)) => Some(stop.cause.reason.clone()),
+            (_, Some(stop)) => Some(stop.cause.reason.to_string()),
             _ if after > before => Some(format!("{after} crossings in the result, {before} in the garment")),
             _ => None,
         };
         let doubt = report
             .unconverged_reason
             .clone()
-            .or_else(|| report.warnings.first().cloned())
+            .or_else(|| report.warnings.first().map(ToString::to_string))
             .unwrap_or_default();
         match failure {
             Some(why) => cell(Outcome::Failed, Some(report), why),

@@ -9,7 +9,7 @@ pub mod args;
 mod commands;
 #[doc(hidden)]
 pub mod files;
-mod runtime;
+pub(crate) mod runtime;
 
 use clap::{CommandFactory, Parser, Subcommand};
 #[cfg(feature = "charts")]
@@ -131,10 +131,26 @@ fn exit_code(error: &Error) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cli::runtime::wording::ToolWords;
+    use crease::{Setting, Vocabulary};
 
     #[test]
     fn the_command_line_is_consistent() {
         Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn every_setting_is_worded_as_an_option_that_a_command_has() {
+        let tool = Arguments::command();
+        let options: Vec<String> = tool
+            .get_subcommands()
+            .flat_map(|command| command.get_arguments().filter_map(|argument| argument.get_long()))
+            .map(|name| format!("--{name}"))
+            .collect();
+        let words = Setting::ALL.map(|setting| ToolWords.setting(setting, None));
+        let unknown: Vec<&String> = words.iter().filter(|word| !options.contains(word)).collect();
+        // The option of charts exists where charts do.
+        assert!(unknown.iter().all(|word| *word == "--full" && cfg!(not(feature = "charts"))), "{unknown:?}");
     }
 
     #[test]
@@ -144,6 +160,6 @@ mod tests {
             exit_code(&Error::File { file: "f".to_owned(), source: std::io::Error::other("disk") }),
             1
         );
-        assert_eq!(exit_code(&Error::NotConverged("step 3".to_owned())), 3);
+        assert_eq!(exit_code(&Error::NotConverged("step 3".into())), 3);
     }
 }

@@ -1,11 +1,11 @@
 //! [`GarmentFile`]: a mesh file with the garment in it, and the worn garment written back into it.
 
+use crease_model::error::{Error, Message, Result};
+use crease_model::fabric::Fabric;
 use crate::files::read::{STANDARD_STREAM, file_name, read_bytes, write_bytes};
 use crate::wear::WearScript;
 use crease_io::gltf::{embed_images, write_worn_glb};
 use crease_io::{ReadOptions, Sidecar, read_asset};
-use crease_model::error::{Error, Result};
-use crease_model::fabric::Fabric;
 use crease_model::garment::{
     Garment, ImportDiagnostic, MeshOptions, Severity, SheetArrays, SourceAsset, WornGarment,
     content_warnings, sheet_arrays,
@@ -99,17 +99,19 @@ impl GarmentFile {
     }
 
     /// A warning per repair that reading made, and per property of the file that is doubtful.
-    pub fn repairs(&self) -> Vec<String> {
+    pub fn repairs(&self) -> Vec<Message> {
         let warning = |diagnostic: &ImportDiagnostic| match diagnostic.severity {
-            Severity::Repaired => Some(format!("repaired: {}", diagnostic.message)),
-            Severity::Warning => Some(format!("{}: {}", self.asset.file, diagnostic.message)),
+            Severity::Repaired => Some(Message::from("repaired: ") + diagnostic.message.clone()),
+            Severity::Warning => {
+                Some(Message::from(format!("{}: ", self.asset.file)) + diagnostic.message.clone())
+            }
             Severity::Note | Severity::Refused => None,
         };
         self.diagnostics.iter().filter_map(warning).collect()
     }
 
     /// A warning per doubt about the content: a body, copies or several garments among what is simulated, open seams.
-    pub fn content_warnings(&self) -> Vec<String> {
+    pub fn content_warnings(&self) -> Vec<Message> {
         content_warnings(&self.asset, &self.garment)
     }
 

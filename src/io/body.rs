@@ -7,7 +7,7 @@ use crate::gltf::read_rig;
 use crate::tuning::TUNING;
 use crease_geometry::math::Vec3;
 use crease_model::body::{AnimatedBody, BodyMotion, Sequence};
-use crease_model::error::{Diagnostic, Error, Result};
+use crease_model::error::{Diagnostic, Error, Result, Message, Setting};
 use crease_model::garment::{SourceAsset, SourcePiece};
 
 /// Creates the body of `pieces` of `asset`. Fails if its skeleton or clips are damaged.
@@ -42,7 +42,12 @@ fn with_motion(asset: &SourceAsset, pieces: &[&SourcePiece], motion: BodyMotion)
 pub fn sequence_from_assets(frames: &[SourceAsset], rate: f64) -> Result<Sequence> {
     if !(rate > 0.0 && rate.is_finite()) {
         let message = format!("{rate} frames per second cannot be");
-        return Err(Error::input("frames", "", message, "give the rate with --fps"));
+        return Err(Error::input(
+            "frames",
+            "",
+            message,
+            Message::from("give the rate with ") + Setting::FrameRate,
+        ));
     }
     let Some(first) = frames.first() else { return Err(no_frames()) };
     let (mut errors, mut all) = (Vec::new(), Vec::with_capacity(frames.len()));

@@ -2,7 +2,7 @@
 
 use crate::pieces::NamedPiece;
 use crate::tuning::TUNING;
-use crease_model::error::{Error, Result};
+use crease_model::error::{Error, Result, Message, Setting};
 use crease_model::garment::{ImportDiagnostic, Severity};
 
 /// Marks the pieces that `garment` names as worn, and no others. Returns warnings on names that several meshes have.
@@ -52,11 +52,11 @@ fn shared_name(pieces: &[NamedPiece], label: &str) -> Option<ImportDiagnostic> {
     Some(ImportDiagnostic {
         severity: Severity::Warning,
         location: String::new(),
-        message: format!(
+        message: Message::from(format!(
             "{} meshes are called \"{label}\" and are taken together: {}{more}; each alone is chosen by its number",
             meshes.len(),
             listed.join(", ")
-        ),
+        )),
     })
 }
 
@@ -79,6 +79,6 @@ fn no_such_garment(file: &str, pieces: &[NamedPiece], wanted: &str) -> Error {
         file,
         "",
         format!("no garment called \"{wanted}\" in it"),
-        format!("--garment takes one of: {}{more}", names.join(", ")),
+        Message::from(Setting::Garment) + format!(" takes one of: {}{more}", names.join(", ")),
     )
 }

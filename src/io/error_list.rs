@@ -1,7 +1,7 @@
 //! Collector of the errors of one file, so that a user can correct all of them in one pass.
 
 use crate::tuning::TUNING;
-use crease_model::error::{Diagnostic, Error, Result};
+use crease_model::error::{Diagnostic, Error, Result, Message};
 
 /// Errors found so far in one file.
 #[derive(Debug)]
@@ -21,8 +21,8 @@ impl ErrorList {
     pub(super) fn push(
         &mut self,
         location: impl Into<String>,
-        message: impl Into<String>,
-        help: impl Into<String>,
+        message: impl Into<Message>,
+        help: impl Into<Message>,
     ) {
         if self.listed.len() < TUNING.max_listed_errors {
             self.listed.push(Diagnostic::new(self.file.clone(), location, message, help));

@@ -1,10 +1,11 @@
 //! Results of the readers of mesh formats.
 
-use crease_model::error::Diagnostic;
+use crease_model::error::{Diagnostic, Setting};
 use crease_model::garment::{GltfDocument, ImportDiagnostic, ObjLines, SourcePiece, UpAxis};
+use crease_geometry::math::Mat4;
 
-/// Options that name the masks of a piece: of its memory, of its hems and seams.
-pub(super) const MASK_OPTIONS: [&str; 2] = ["--mask", "--sewing-mask"];
+/// Settings that name the masks of a piece: of its memory, of its hems and seams.
+pub(super) const MASK_SETTINGS: [Setting; 2] = [Setting::Mask, Setting::SewingMask];
 
 /// Result of the reader of a format.
 pub(super) struct ReadPieces {

@@ -7,16 +7,13 @@
 
 use crate::choose_worn::{choose_worn, labels_of};
 use crate::error_list::ErrorList;
-use crate::pieces::{DamagedPiece, FileFrame, MASK_OPTIONS, NamedPiece};
+use crate::pieces::{DamagedPiece, FileFrame, MASK_OPTIONS, NamedPiece, MASK_SETTINGS, to_scene};
 use crate::size::check_size;
-
 use crate::{gltf, obj, usd};
 use crease_geometry::math::Vec3;
-use crease_model::error::{Error, Result};
-use crease_model::garment::{
-    ImportDiagnostic, Severity, SourceAsset, SourceFormat, SourcePiece, UpAxis, is_in_range,
-    is_plausible_unit,
-};
+use crease_model::error::{Error, Result, Message, Setting};
+use crease_model::garment::{ImportDiagnostic, Severity, SourceAsset, SourceFormat, SourcePiece, UpAxis, is_in_range, is_plausible_unit};
+use crate::tuning::TUNING;
 use sha2::{Digest, Sha256};
 
 /// Longest file [bytes]: indices have 32 bits, and a file this long cannot overflow them.
@@ -69,7 +66,7 @@ pub fn read_asset(
         errors.push(
             "",
             format!("{unit_m} metres per unit cannot be"),
-            "give --unit m, dm, cm, mm, in or metres",
+            Message::from("give ") + Setting::Unit + " m, dm, cm, mm, in or metres",
         );
     }
     if bytes.len() > MAX_FILE_BYTES {
@@ -95,15 +92,17 @@ pub fn read_asset(
     read.diagnostics.extend(check_damaged(file_name, read.damaged, options, has_others)?);
     if !has_others {
         // The notes say what was skipped.
-        let notes: Vec<&str> =
-            read.diagnostics.iter().take(5).map(|diagnostic| diagnostic.message.as_str()).collect();
-        let notes = if notes.is_empty() { String::new() } else { format!(": {}", notes.join(", ")) };
-        let message = format!("there are no triangles in it{notes}");
+        let notes = read.diagnostics.iter().take(5).map(|diagnostic| diagnostic.message.clone());
+        let start = Message::from("there are no triangles in it");
+        let message = match Message::join(notes, ", ") {
+            notes if notes.is_empty() => start,
+            notes => start + ": " + notes,
+        };
         return Err(Error::input(file_name, "", message, "export the garment as a mesh"));
     }
     let mut pieces = read.pieces;
-    for (option, of) in MASK_OPTIONS.into_iter().zip([mask_of, sewing_mask_of]) {
-        read.diagnostics.extend(scale_mask(option, &mut pieces, of));
+    for (setting, of) in MASK_SETTINGS.into_iter().zip([mask_of, sewing_mask_of]) {
+        read.diagnostics.extend(scale_mask(setting, &mut pieces, of));
     }
     read.diagnostics.extend(choose_worn(file_name, &mut pieces, options.garment.as_deref())?);
     let frame = read.frame.unwrap_or(FileFrame { unit_m, up, states_unit: false });
@@ -181,7 +180,7 @@ fn check_damaged(
             for error in piece.errors {
                 let help = match garment {
                     None if has_others => {
-                        format!("{}, or leave it out by naming the garment with --garment", error.help)
+                        error.help + ", or leave it out by naming the garment with " + Setting::Garment
                     }
                     _ => error.help,
                 };
@@ -192,7 +191,8 @@ fn check_damaged(
             warnings.push(ImportDiagnostic {
                 severity: Severity::Warning,
                 location: error.location,
-                message: format!("\"{name}\" cannot be read and is left as it is: {}", error.message),
+                message: Message::from(format!("\"{name}\" cannot be read and is left as it is: "))
+                    + error.message,
             });
         }
     }
@@ -208,10 +208,10 @@ fn sewing_mask_of(piece: &mut SourcePiece) -> Option<&mut Vec<f64>> {
     piece.sewing_mask.as_mut()
 }
 
-/// Converts the mask of `option` to factors 0..1: whole numbers beyond 1 are bytes or words of a colour; returns a warning then. `of`
+/// Converts the mask of `setting` to factors 0..1: whole numbers beyond 1 are bytes or words of a colour; returns a warning then. `of`
 /// gives the mask of a piece.
 fn scale_mask(
-    option: &str,
+    setting: Setting,
     pieces: &mut [NamedPiece],
     of: fn(&mut SourcePiece) -> Option<&mut Vec<f64>>,
 ) -> Option<ImportDiagnostic> {
@@ -232,8 +232,13 @@ fn scale_mask(
         severity: Severity::Warning,
         location: String::new(),
         message: match full {
-            1.0 => format!("{option}: it has values up to {max}, and those above 1 count as 1"),
-            _ => format!("{option}: it has whole numbers up to {max}, which count as fractions of {full}"),
+            1.0 => {
+                Message::from(setting) + format!(": it has values up to {max}, and those above 1 count as 1")
+            }
+            _ => {
+                Message::from(setting)
+                    + format!(": it has whole numbers up to {max}, which count as fractions of {full}")
+            }
         },
     })
 }

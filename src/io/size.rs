@@ -3,7 +3,7 @@
 
 use crate::tuning::TUNING;
 use crease_geometry::math::Vec3;
-use crease_model::error::{Error, Result};
+use crease_model::error::{Error, Message, Result, Setting};
 use crease_model::garment::{
     GarmentSize, ImportDiagnostic, LENGTH_UNITS, Severity, SourceAsset, usual_units,
 };
@@ -17,19 +17,22 @@ pub fn check_size(asset: &SourceAsset) -> Result<Option<ImportDiagnostic>> {
     let size = high - low;
     let units = size / asset.unit_m;
     let longest = units.max();
-    let fits: Vec<String> =
-        usual_units(longest).map(|(name, side)| format!("--unit {name} makes it {side:.2} m")).collect();
-    let hint = if fits.is_empty() { String::new() } else { format!("; {}", fits.join(", ")) };
+    let fits: Vec<Message> = usual_units(longest)
+        .map(|(name, side)| Message::from(Setting::Unit.to(name)) + format!(" makes it {side:.2} m"))
+        .collect();
+    let hint =
+        if fits.is_empty() { Message::default() } else { Message::from("; ") + Message::join(fits, ", ") };
     let plausibility = GarmentSize::of_longest_side(size.max());
     if plausibility != GarmentSize::Implausible {
         let is_questionable = !asset.unit_is_known && plausibility == GarmentSize::Rare;
         return Ok(is_questionable.then(|| ImportDiagnostic {
             severity: Severity::Warning,
             location: String::new(),
-            message: format!(
-                "the garment is {:.2} x {:.2} x {:.2} m, which few garments are: if that is wrong, say the file's unit with --unit{hint}",
+            message: Message::from(format!(
+                "the garment is {:.2} x {:.2} x {:.2} m, which few garments are: if that is wrong, say the file's unit with ",
                 size.x, size.y, size.z
-            ),
+            )) + Setting::Unit
+                + hint,
         }));
     }
     Err(Error::input(
@@ -39,9 +42,13 @@ pub fn check_size(asset: &SourceAsset) -> Result<Option<ImportDiagnostic>> {
             "the garment's box is {:.4} x {:.4} x {:.4} in file units, which would be {:.3} x {:.3} x {:.3} m",
             units.x, units.y, units.z, size.x, size.y, size.z
         ),
-        format!(
-            "say the file's unit with --unit cm, mm, dm, in, m or metres per unit{hint}; --force-size takes any size"
-        ),
+        Message::from("say the file's unit with ")
+            + Setting::Unit
+            + " cm, mm, dm, in, m or metres per unit"
+            + hint
+            + "; "
+            + Setting::ForceSize
+            + " takes any size",
     ))
 }
 
@@ -61,47 +68,51 @@ fn unit_of_body(unit_m: f64, ratio: f64) -> Option<&'static str> {
     possible.min_by(|a, b| distance(a.1).total_cmp(&distance(b.1))).map(|(name, _)| *name)
 }
 
-/// Returns the options that state another unit, with which far more of a garment would lie on its body, with the fractions without and
+/// Returns the settings that state another unit, with which far more of a garment would lie on its body, with the fractions without and
 /// with it. `units_m` are those in which garment and body were read [m].
-fn unit_that_fits(units_m: [f64; 2], worn_fraction: impl Fn(f64) -> f64) -> Option<(String, f64, f64)> {
+fn unit_that_fits(units_m: [f64; 2], worn_fraction: impl Fn(f64) -> f64) -> Option<(Message, f64, f64)> {
     let own = worn_fraction(1.0);
     if own > TUNING.max_misfit_fraction {
         return None;
     }
     let [garment, body] = units_m;
-    let of_body = LENGTH_UNITS.iter().map(|(name, unit)| (format!("--body-unit {name}"), unit / body));
+    let of_body =
+        LENGTH_UNITS.iter().map(|(name, unit)| (Message::from(Setting::BodyUnit.to(*name)), unit / body));
     // The unit of the garment is that of the body where the body has none of its own.
     let own_name = LENGTH_UNITS
         .iter()
         .find(|(_, unit)| *unit == body)
         .map_or(format!("{body}"), |(name, _)| name.to_string());
-    let of_garment = LENGTH_UNITS
-        .iter()
-        .map(|(name, unit)| (format!("--unit {name} --body-unit {own_name}"), garment / unit));
-    let is_other = |(_, scale): &(String, f64)| scale.ln().abs() > TUNING.min_unit_ratio.ln();
-    let (option, fitting) = of_body
+    let of_both = |name: &str| Message::from(Setting::Unit.to(name)) + " " + Setting::BodyUnit.to(&own_name);
+    let of_garment = LENGTH_UNITS.iter().map(|(name, unit)| (of_both(name), garment / unit));
+    let is_other = |(_, scale): &(Message, f64)| scale.ln().abs() > TUNING.min_unit_ratio.ln();
+    let (settings, fitting) = of_body
         .chain(of_garment)
         .filter(is_other)
-        .map(|(option, scale)| (option, worn_fraction(scale)))
+        .map(|(settings, scale)| (settings, worn_fraction(scale)))
         .reduce(|best, next| if next.1 > best.1 { next } else { best })?;
-    (fitting >= TUNING.min_fitting_fraction).then_some((option, own, fitting))
+    (fitting >= TUNING.min_fitting_fraction).then_some((settings, own, fitting))
 }
 
 /// Returns an error message and its help if frames are `ratio` times as large as their garment by the length of edges;
 /// `unit_m` is the unit in which they were read.
-pub fn compare_frame_size(ratio: f64, unit_m: f64) -> Option<(String, String)> {
+pub fn compare_frame_size(ratio: f64, unit_m: f64) -> Option<(String, Message)> {
     if TUNING.frame_ratio.contains(&ratio) {
         return None;
     }
     let advice = match unit_that_divides(unit_m, ratio) {
-        Some(unit) => format!("; --frames-unit {unit} makes them fit"),
-        None => String::new(),
+        Some(unit) => Message::from("; ") + Setting::FramesUnit.to(unit) + " makes them fit",
+        None => Message::default(),
     };
     Some((
         format!(
             "its frames are {ratio:.4} times as large as the garment: one of them has another unit than it was read in"
         ),
-        format!("give the unit of the frames with --frames-unit, that of the garment with --unit{advice}"),
+        Message::from("give the unit of the frames with ")
+            + Setting::FramesUnit
+            + ", that of the garment with "
+            + Setting::Unit
+            + advice,
     ))
 }
 
@@ -113,27 +124,29 @@ pub fn compare_body_size(
     body: (Vec3, Vec3),
     units_m: [f64; 2],
     worn_fraction: impl Fn(f64) -> f64,
-) -> Option<String> {
+) -> Option<Message> {
     let (own, other) = (garment.1 - garment.0, body.1 - body.0);
     let ratio = other.max() / own.max();
     if !TUNING.body_ratio.contains(&ratio) {
         let advice = match unit_of_body(units_m[1], ratio) {
-            Some(unit) => format!("its unit may be {unit}: --body-unit {unit}"),
-            None => "check the unit of both".to_owned(),
+            Some(unit) => Message::from(format!("its unit may be {unit}: ")) + Setting::BodyUnit.to(unit),
+            None => "check the unit of both".into(),
         };
-        return Some(format!(
-            "the body is {:.2} m long and the garment {:.2} m: one of them has another unit than it was read in; {advice}",
+        let what = format!(
+            "the body is {:.2} m long and the garment {:.2} m: one of them has another unit than it was read in; ",
             other.max(),
             own.max()
-        ));
+        );
+        return Some(Message::from(what) + advice);
     }
-    if let Some((option, own, fitting)) = unit_that_fits(units_m, worn_fraction) {
-        return Some(format!(
-            "{:.0} % of the garment lie on the body, and {:.0} % would with {option}: one of them may have another unit than it was \
-             read in",
+    if let Some((settings, own, fitting)) = unit_that_fits(units_m, worn_fraction) {
+        let what = format!(
+            "{:.0} % of the garment lie on the body, and {:.0} % would with ",
             100.0 * own,
             100.0 * fitting
-        ));
+        );
+        let doubt = ": one of them may have another unit than it was read in";
+        return Some(Message::from(what) + settings + doubt);
     }
     let centre = (garment.0 + garment.1) / 2.0;
     let margin = 0.25 * other.max();
@@ -145,10 +158,10 @@ pub fn compare_body_size(
         return None;
     }
     let axis = turned.iter().find(|(_, p)| holds(*p)).map(|(axis, _)| *axis);
-    let advice = axis.map_or("check the unit and the up axis of both".to_owned(), |axis| {
-        format!("its {axis} axis may be up: --body-up {axis}")
+    let advice = axis.map_or("check the unit and the up axis of both".into(), |axis| {
+        Message::from(format!("its {axis} axis may be up: ")) + Setting::BodyUp.to(axis)
     });
-    Some(format!("the garment lies beside the body: {advice}"))
+    Some(Message::from("the garment lies beside the body: ") + advice)
 }
 
 #[cfg(test)]
@@ -171,17 +184,19 @@ mod tests {
         assert_eq!(compare_body_size(shirt, person, [1.0; 2], worn), None);
         let message = compare_body_size(shirt, (person.0 * 100.0, person.1 * 100.0), [1.0; 2], worn)
             .expect("too large");
-        assert!(message.contains("--body-unit cm"), "{message}");
+        assert!(message.contains("of the body (cm)"), "{message}");
         let message = compare_body_size(shirt, (person.0 * 0.01, person.1 * 0.01), [1.0, 0.01], worn)
             .expect("too small");
-        assert!(message.contains("--body-unit m"), "{message}");
+        assert!(message.contains("of the body (m)"), "{message}");
         let lying = (Vec3::new(-0.8, -0.2, -1.75), Vec3::new(0.8, 0.2, 0.0));
         let upright = compare_body_size(shirt, lying, [1.0; 2], worn).expect("another axis");
-        assert!(upright.contains("--body-up"), "{upright}");
+        assert!(upright.contains("ReadOptions::up of the body"), "{upright}");
         // Boxes alone cannot tell inches from centimetres: a short garment on a person looks the same.
         let fits_at =
             |fitting: f64| move |scale: f64| if (scale / fitting - 1.0).abs() < 0.01 { 0.8 } else { 0.0 };
-        for (fitting, option) in [(2.54, "--body-unit in"), (1.0 / 2.54, "--unit in --body-unit cm")] {
+        for (fitting, option) in
+            [(2.54, "of the body (in)"), (1.0 / 2.54, "unit_m (in) ReadOptions::unit_m of the body (cm)")]
+        {
             let message =
                 compare_body_size(shirt, person, [0.01; 2], fits_at(fitting)).expect("another unit");
             assert!(message.contains(option), "{message}");

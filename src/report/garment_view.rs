@@ -3,6 +3,12 @@
 //! It comes from the sidecar, or from the mesh file alone, which has memory per vertex in single precision or none (then
 //! only shape and curvature can be drawn). Drawing is done by `render`.
 
+use crease_model::error::{Message, Operation};
+use crease_model::garment::{Garment, SourceAsset};
+use crease_io::Sidecar;
+use crease_io::gltf::{keep_worn_pieces, read_worn};
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::{Hinge, PointIndex, Topology};
 use crate::report::render::{
     Camera, Colouring, Field, Image, curvature, largest_of_hinges, mean_of_hinges, render, side_by_side,
 };
@@ -190,7 +196,9 @@ impl GarmentView {
                 &self.file,
                 "",
                 "has no confidence",
-                "give the OUT.glb that `crease transfer` wrote, with its sidecar beside it",
+                Message::from("give the OUT.glb that `")
+                    + Operation::Transfer
+                    + "` wrote, with its sidecar beside it",
             ));
         }
         if color_by != ColorBy::Shape && color_by != ColorBy::Curvature && self.memory.is_none() {
@@ -198,7 +206,9 @@ impl GarmentView {
                 &self.file,
                 "",
                 "holds no wear to show",
-                "give the OUT.glb that `crease bake` wrote, or show shape or curvature",
+                Message::from("give the OUT.glb that `")
+                    + Operation::Bake
+                    + "` wrote, or show shape or curvature",
             ));
         }
         match self.field(color_by, &self.after, self.memory.as_ref()) {

@@ -4,11 +4,12 @@
 //! are part of the names. `crossings` are counted exactly by [`crossing_counts`].
 
 use crate::bake::{BakeReport, BakeResult, ModelDecision};
-use crate::report::detail_report::DetailReport;
-use crate::report::export::ExportCheck;
+use crease_model::error::Vocabulary;
+use crease_model::garment::{Garment, WornGarment};
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::intersections::self_intersections;
-use crease_model::garment::{Garment, WornGarment};
+use crate::report::detail_report::DetailReport;
+use crate::report::export::ExportCheck;
 use schemars::JsonSchema;
 use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -102,9 +103,9 @@ pub struct ModelChoice {
     pub why: String,
 }
 
-impl From<&ModelDecision> for ModelChoice {
-    fn from(decision: &ModelDecision) -> Self {
-        Self { name: decision.name.to_owned(), on: decision.on, why: decision.why.clone() }
+impl ModelChoice {
+    fn new(decision: &ModelDecision, words: &dyn Vocabulary) -> Self {
+        Self { name: decision.name.to_owned(), on: decision.on, why: decision.why.worded(words) }
     }
 }
 
@@ -179,33 +180,44 @@ pub fn crossing_counts(garment: &Garment, worn: &WornGarment, start: &[[u32; 2]]
 }
 
 impl Report {
-    /// Creates the report of the bake `baked` of `garment`. The caller adds `method` and the times of reading and writing.
-    pub fn of_bake(garment: &Garment, baked: &BakeResult, counts: CrossingCounts) -> Self {
+    /// Creates the report of the bake `baked` of `garment` in the words of `words`. The caller adds `method` and the times of reading
+    /// and writing.
+    pub fn of_bake(
+        garment: &Garment,
+        baked: &BakeResult,
+        counts: CrossingCounts,
+        words: &dyn Vocabulary,
+    ) -> Self {
         let memory = &baked.worn.memory;
         Self {
             crossings: counts.added,
             crossings_at_start: counts.at_start,
             max_rest_angle_change_deg: memory.angle_changes().map(f64::abs).fold(0.0, f64::max).to_degrees(),
             max_stiffness_ratio: memory.stiffness_ratio.iter().copied().fold(1.0, f64::max),
-            ..Self::of_work(garment, &baked.report)
+            ..Self::of_work(garment, &baked.report, words)
         }
     }
 
     /// Creates the report of a bake of `garment` that ended before its script, with `crossings_at_start` pairs of triangles that
     /// intersect in the input. The caller adds `method` and the files that were kept.
-    pub fn of_stopped(garment: &Garment, work: &BakeReport, crossings_at_start: usize) -> Self {
+    pub fn of_stopped(
+        garment: &Garment,
+        work: &BakeReport,
+        crossings_at_start: usize,
+        words: &dyn Vocabulary,
+    ) -> Self {
         let stopped = work.stopped.as_ref().map(|stop| StoppedRun {
             action: stop.action.clone(),
             time_s: stop.time,
             position_m: stop.cause.position.into(),
-            reason: stop.cause.reason.clone(),
+            reason: stop.cause.reason.worded(words),
             ..StoppedRun::default()
         });
-        Self { crossings_at_start, stopped, ..Self::of_work(garment, work) }
+        Self { crossings_at_start, stopped, ..Self::of_work(garment, work, words) }
     }
 
     /// The report of a bake without its result.
-    fn of_work(garment: &Garment, work: &BakeReport) -> Self {
+    fn of_work(garment: &Garment, work: &BakeReport, words: &dyn Vocabulary) -> Self {
         let mut stages = StageTimes::default();
         work.stages.iter().for_each(|(stage, seconds)| stages.add(stage, *seconds));
         Self {
@@ -215,9 +227,9 @@ impl Report {
             points: garment.points.len(),
             triangles: garment.triangles.len(),
             events: EventCounts { gradual: work.events.gradual, critical: work.events.critical },
-            models: work.decisions.iter().map(ModelChoice::from).collect(),
+            models: work.decisions.iter().map(|own| ModelChoice::new(own, words)).collect(),
             stages,
-            warnings: work.warnings.clone(),
+            warnings: work.warnings.iter().map(|warning| warning.worded(words)).collect(),
             ..Self::default()
         }
     }

@@ -1,6 +1,9 @@
 //! Alignment of a source with the target, so that points of both can be compared: in place, by point pairs, or by
 //! openings and bounding boxes.
 
+use crease_model::error::{Message, Setting, Error, Result};
+use crease_geometry::math::{Mat3, Vec3};
+use crease_geometry::mesh::triangle_bvh::TriangleBvh;
 use crate::transfer::canonical_pose::CanonicalPose;
 use crate::transfer::limb_alignment::{Figure, LimbAlignment, align_limbs, scaling};
 use crate::transfer::limbs::{Anatomy, Region};
@@ -8,9 +11,6 @@ use crate::transfer::openings::{BodyScale, body_scale};
 use crate::transfer::options::{Align, AlignedBy, TransferOptions, TransferSource};
 use crate::transfer::registration::{AffineMap, PointPair, Registration, joint_point_pairs};
 use crate::transfer::tuning::TUNING;
-use crease_geometry::math::{Mat3, Vec3};
-use crease_geometry::mesh::triangle_bvh::TriangleBvh;
-use crease_model::error::{Error, Result};
 use crease_model::remesh::GarmentSurface;
 
 /// The target of an alignment.
@@ -100,7 +100,7 @@ impl Alignment<'_> {
     }
 
     /// The source registered by point pairs in file coordinates; `cure` is the help where no map exists.
-    fn by_pairs(&self, pairs: &[PointPair], cure: &str, by: AlignedBy) -> Result<AlignedSource> {
+    fn by_pairs(&self, pairs: &[PointPair], cure: Message, by: AlignedBy) -> Result<AlignedSource> {
         let canonical =
             |pair: &PointPair| PointPair { target: self.target.pose.canonical_point(&pair.target), ..*pair };
         let pairs: Vec<PointPair> = pairs.iter().map(canonical).collect();
@@ -134,7 +134,7 @@ pub(super) fn align_source(
             PointPair { source, ..*pair }
         };
         let pairs: Vec<PointPair> = options.landmarks.iter().map(mirrored).collect();
-        return alignment.by_pairs(&pairs, "move landmarks that coincide apart", AlignedBy::Landmarks);
+        return alignment.by_pairs(&pairs, "move landmarks that coincide apart".into(), AlignedBy::Landmarks);
     }
     // In a mirror left joints are right ones, and names do not tell which is which.
     let pairs = match options.align {
@@ -156,15 +156,20 @@ pub(super) fn align_source(
             } else {
                 "it and the target do not follow three joints of the same names or more"
             },
-            "use --align box, or mark points with --landmarks",
+            use_box() + ", or mark points with " + Setting::Landmarks,
         )),
-        Align::Joints => alignment.by_pairs(&pairs, "use --align box", AlignedBy::Joints),
-        Align::Auto if !pairs.is_empty() => {
-            Ok(alignment.by_pairs(&pairs, "", AlignedBy::Joints).unwrap_or_else(|_| alignment.by_shape()))
-        }
+        Align::Joints => alignment.by_pairs(&pairs, use_box(), AlignedBy::Joints),
+        Align::Auto if !pairs.is_empty() => Ok(alignment
+            .by_pairs(&pairs, Message::default(), AlignedBy::Joints)
+            .unwrap_or_else(|_| alignment.by_shape())),
         Align::Auto => Ok(alignment.by_shape()),
         Align::Box => Ok(alignment.by_box()),
     }
+}
+
+/// Advice to align by bounding boxes.
+fn use_box() -> Message {
+    Message::from("use ") + Setting::Align.to("box")
 }
 
 /// Whether most of the target lies close to `source`.

@@ -1,13 +1,14 @@
 //! One source matched with the target: aligned, with the rule by which its triangles belong to points of the target.
 
+use crease_model::error::{Message, Setting};
+use crease_model::garment::RestState;
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::PointIndex;
+use crease_model::remesh::SimulationMesh;
 use crate::transfer::align::{AlignedSource, AlignmentTarget, align_source};
 use crate::transfer::canonical_pose::CanonicalPose;
 use crate::transfer::confidence::{TransferLosses, transfer_losses};
 use crate::transfer::correspondence::{CorrespondenceFinder, MatchMode};
-use crease_geometry::math::Vec3;
-use crease_geometry::mesh::PointIndex;
-use crease_model::garment::RestState;
-use crease_model::remesh::SimulationMesh;
 
 use crate::transfer::crease_drawing::CreaseDrawing;
 use crate::transfer::crease_lines::{CreaseLine, crease_lines};
@@ -75,7 +76,7 @@ impl MatchedSource {
                     &source.file,
                     "mesh",
                     "is not the mesh it is to go to: points or triangles differ",
-                    "leave --match same out to transfer it by position",
+                    Message::from("leave ") + Setting::Match.to("same") + " out to transfer it by position",
                 ));
             }
             _ => {}
@@ -133,7 +134,8 @@ impl AlignedMemory {
             } else {
                 "it and the target do not both have texture coordinates"
             };
-            return Err(Error::input(&source.file, "", what, "use --match surface"));
+            let help = Message::from("use ") + Setting::Match.to("surface");
+            return Err(Error::input(&source.file, "", what, help));
         }
         let mut mode = by_surface;
         if both_textured && matches!(options.match_by, MatchBy::Uv | MatchBy::Auto) {

@@ -1,9 +1,11 @@
 //! Options, sources and results of a transfer: plain data.
 
+use crease_model::error::{Result, Message};
+use crease_model::garment::{RestState, SourceJoint};
+use crease_io::Sidecar;
+use crease_model::remesh::{SimulationMesh, Channels, DeltaScale, GarmentSurface};
 use crate::transfer::confidence::{RegionConfidence, TransferLosses};
 use crate::transfer::registration::PointPair;
-use crease_model::garment::{RestState, SourceJoint};
-use crease_model::remesh::{Channels, DeltaScale, GarmentSurface, SimulationMesh};
 
 /// How points of two garments are matched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -188,7 +190,7 @@ pub struct TransferResult {
     /// Whether the memory is that of the single source, bit for bit.
     pub unchanged: bool,
     /// Doubts about the result.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Message>,
     /// Reason why nothing was transferred, if the sources have memory and the target has none.
-    pub empty_reason: Option<String>,
+    pub empty_reason: Option<Message>,
 }

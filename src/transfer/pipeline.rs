@@ -1,16 +1,16 @@
 //! The transfer itself: every source is aligned, matched and resampled; the changes are added up and applied.
 
+use crease_model::error::{Message, Setting, Error, Result};
+use crease_model::garment::{Garment, RigidParts, WornGarment};
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::distance::barycentric;
+use crease_model::remesh::{SimulationMesh, DeltaScale, GarmentSurface, MemoryDelta, prolongate};
 use crate::transfer::align::AlignmentTarget;
 use crate::transfer::confidence::{confidence_by_region, mean_confidence};
 use crate::transfer::crease_drawing::{CreaseDrawing, DrawnCreases};
 use crate::transfer::matching::{ENTRY_BY_ENTRY, LinedMemory, MatchedSource};
 use crate::transfer::options::{CarriedOnMesh, MatchBy, TransferOptions, TransferResult, TransferSource};
 use crate::transfer::warnings::{empty_reason, transfer_warnings};
-use crease_geometry::math::Vec3;
-use crease_geometry::mesh::distance::barycentric;
-use crease_model::error::{Error, Result};
-use crease_model::garment::{Garment, RigidParts, WornGarment};
-use crease_model::remesh::{DeltaScale, GarmentSurface, MemoryDelta, SimulationMesh, prolongate};
 
 /// Maker of a mesh with edges along drawn creases, which may find that none is needed.
 pub type MeshMaker<'a> = dyn Fn(DrawnCreases) -> Option<SimulationMesh> + 'a;
@@ -64,7 +64,7 @@ pub(super) fn transfer_along_creases(
         sum.add(&one.delta);
         confidence.iter_mut().zip(&one.confidence).for_each(|(c, own)| *c += own / sources.len() as f64);
         outcomes.push(one.outcome);
-        notes.extend(one.notes.iter().map(|note| format!("{}: {note}", source.file)));
+        notes.extend(one.notes.iter().map(|note| Message::from(format!("{}: {note}", source.file))));
         matched.push(own);
     }
     let on_mesh = along_creases
@@ -141,15 +141,16 @@ fn mask_on(mesh: &SimulationMesh, garment: &Garment, mask: &[f64]) -> Vec<f64> {
 }
 
 fn validate(sources: &[TransferSource], target: &GarmentSurface, options: &TransferOptions) -> Result<()> {
-    let refuse = |what: &str, cure: &str| Err(Error::input("transfer", "", what, cure));
+    let refuse = |what: &str, cure: Message| Err(Error::input("transfer", "", what, cure));
     if sources.is_empty() {
-        return refuse("there is no memory to transfer", "give a sidecar");
+        return refuse("there is no memory to transfer", "give a sidecar".into());
     }
     if !(options.strength >= 0.0 && options.strength.is_finite()) {
-        return refuse("the strength is no number from 0 up", "give --strength 1 for the memory as it is");
+        let cure = Message::from("give ") + Setting::Strength.to_number("1") + " for the memory as it is";
+        return refuse("the strength is no number from 0 up", cure);
     }
     if options.mask.len() != target.points.len() {
-        return refuse("the mask does not belong to the target", "read the mask with the target");
+        return refuse("the mask does not belong to the target", "read the mask with the target".into());
     }
     Ok(())
 }

@@ -3,12 +3,12 @@
 //! An action of a script is data. When its turn comes it is started on the cloth as it is and becomes an [`ActionRunner`],
 //! which gives the loads on the cloth at every time. State that outlives the action is in [`PersistentState`].
 
-use crate::wear::persistent_state::PersistentState;
+use crease_model::error::{Diagnostic, Error, Message, Result};
 use crease_geometry::math::Vec3;
-use crease_geometry::mesh::PointIndex;
-use crease_model::error::{Diagnostic, Error, Result};
 use crease_solver::memory::Softening;
+use crease_geometry::mesh::PointIndex;
 use crease_solver::sim::Loads;
+use crate::wear::persistent_state::PersistentState;
 use serde_json::Value;
 
 /// The cloth at the start of an action, and where the action stands in its script.
@@ -31,7 +31,7 @@ pub struct ActionContext<'a> {
 
 impl ActionContext<'_> {
     /// The error of an action that is not possible here: `message` says why, `help` what to do.
-    pub fn refuse(&self, message: impl Into<String>, help: impl Into<String>) -> Error {
+    pub fn refuse(&self, message: impl Into<Message>, help: impl Into<Message>) -> Error {
         Error::input(self.script_file, self.location, message, help)
     }
 
@@ -56,7 +56,7 @@ pub struct ActionFailure {
     /// What did not take place, with the place.
     pub message: String,
     /// Advice on how to cure it.
-    pub help: String,
+    pub help: Message,
 }
 
 impl ActionFailure {

@@ -1,10 +1,10 @@
 //! The trait that all actions implement, and the errors of their fields.
 
+use crease_model::body::{AnimatedBody, BodyPose};
+use crease_model::error::{Message, Result};
 use crate::wear::action_runner::{ActionContext, ActionStart};
 use crate::wear::fold_layout::FoldLayout;
 use crate::wear::persistent_state::PersistentState;
-use crease_model::body::{AnimatedBody, BodyPose};
-use crease_model::error::Result;
 
 /// An action of a script.
 pub trait WearAction {
@@ -61,12 +61,12 @@ pub struct FieldError {
     /// Description of the problem.
     pub message: String,
     /// Advice on how to fix it.
-    pub help: String,
+    pub help: Message,
 }
 
 impl FieldError {
     /// An error of `field`.
-    pub fn new(field: &'static str, message: impl Into<String>, help: impl Into<String>) -> Self {
+    pub fn new(field: &'static str, message: impl Into<String>, help: impl Into<Message>) -> Self {
         Self { field, message: message.into(), help: help.into() }
     }
 }

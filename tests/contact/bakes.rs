@@ -6,7 +6,7 @@ use crease_geometry::math::{Rng, Vec3, bounds};
 use crease_geometry::mesh::PointIndex;
 use crease_geometry::mesh::intersections::self_intersections;
 use crease_io::{ReadOptions, read_asset};
-use crease_model::error::Result;
+use crease_model::error::{Result, Message};
 use crease_model::fabric::Fabric;
 use crease_model::garment::Garment;
 use std::fmt::Write;
@@ -191,14 +191,14 @@ fn crumpled_cloth_is_neither_torn_nor_crushed() {
         println!("{}; {:.3} m across; {:?}", done.line(), done.across, done.report.warnings);
         assert_eq!((done.start, done.worst), (0, 0));
         assert!(done.across < 1.15 * 0.3 * 0.7, "the ball is {} m across", done.across);
-        let harmed = |w: &&String| w.contains("stretched by") || w.contains("pressed to");
+        let harmed = |w: &&Message| w.contains("stretched by") || w.contains("pressed to");
         assert_eq!(done.report.warnings.iter().find(harmed), None);
     }
 }
 
 /// Whether a garment with `crossing` intersections at the start has no more of them, reports its parts and did not fly apart.
 pub fn adds_no_intersections(done: &Outcome, crossing: usize) -> bool {
-    let is_report = |w: &String| w.contains("cross at the start") && w.contains("part");
+    let is_report = |w: &Message| w.contains("cross at the start") && w.contains("part");
     done.start == crossing
         && done.worst <= crossing
         && done.fastest < 6.0

@@ -1,8 +1,11 @@
 //! Transfers where textures and positions disagree, joints under exporters' names, and doubts that are told.
 
 use crate::glb::{Part, glb};
-use crease::internal::transfer::{
-    Align, AlignedBy, MatchBy, TransferOptions, TransferResult, TransferSource, transfer,
+use crease::internal::transfer::{ Align, AlignedBy, MatchBy, TransferOptions, TransferResult, TransferSource, transfer, 
+use crease_model::error::Message;
+use crease_model::garment::{RestState, SourceJoint};
+use crease_geometry::math::{Mat3, Vec3};
+use crease::internal::transfer::{ Align, AlignedBy, GarmentSurface, MatchBy, TransferOptions, TransferResult, TransferSource, transfer, 
 };
 use crease::{GarmentFile, ReadOptions};
 use crease_geometry::math::{Mat3, Vec3};
@@ -146,12 +149,12 @@ fn little_confidence_and_nothing_at_all_are_told() {
     let target = surface(vec![Part::sheet(9, 0.4, [0.3, 0.0, 0.0]).textured(|_| [0.0, 0.0])]);
     let options = TransferOptions { align: Align::InPlace, ..TransferOptions::full(target.points.len()) };
     let carried = transfer(std::slice::from_ref(&from), &target, &options).expect("works");
-    let told = carried.warnings.join("\n");
+    let told = Message::join(carried.warnings.clone(), "\n");
     assert!(told.contains("low confidence") && told.contains("of its creases lie on cloth"), "{told}");
     assert_eq!(carried.empty_reason, None);
     let target = surface(vec![Part::sheet(9, 0.4, [3.0, 0.0, 0.0]).textured(|_| [0.0, 0.0])]);
     let carried = transfer(&[from], &target, &options).expect("works");
-    assert!(carried.empty_reason.is_some_and(|reason| reason.contains("--align")));
+    assert!(carried.empty_reason.is_some_and(|reason| reason.contains("Transfer::align")));
 }
 
 /// A tube upright along y, open at both ends, with two arms of `arm` metres that point sideways: four openings.

@@ -20,6 +20,7 @@ use crease_model::body::{AnimatedBody, BodyPose, GarmentSkin, PosedBody, SkinLoc
 use crease_model::garment::Garment;
 use crease_model::remesh::Refinement;
 use crease_solver::energy::Leash;
+use crease_model::error::{Message, Operation, Setting};
 use std::sync::Arc;
 
 /// Leashes of all points of a garment.
@@ -88,11 +89,15 @@ impl GarmentLeash {
         let free = self.radius.iter().filter(|radius| radius.is_infinite()).count();
         let longest = self.radius.iter().copied().filter(|radius| radius.is_finite()).fold(0.0, f64::max);
         let why = format!(
-            "{} of {count} points held to the skin of the file: {}; others up to {longest:.2} m from it, {free} free \
-             (--hold chooses what is held, --hold none nothing)",
+            "{} of {count} points held to the skin of the file: {}; others up to {longest:.2} m from it, {free} free (",
             self.held.flags.iter().filter(|flag| **flag).count(),
             self.held.describe()
         );
+        let why = Message::from(why)
+            + Setting::Hold
+            + " chooses what is held, "
+            + Setting::Hold.to("none")
+            + " nothing)";
         ModelDecision { name: "leash", on: true, why }
     }
 
@@ -100,10 +105,9 @@ impl GarmentLeash {
     pub fn memory_from_motion(&self) -> Option<ModelDecision> {
         let held =
             self.held.flags.iter().filter(|flag| **flag).count() as f64 / self.radius.len().max(1) as f64;
-        let why = format!(
-            "{:.0} % of the points follow their skin: `crease remember` makes nearly the same of the clip without a simulation",
-            100.0 * held
-        );
+        let why = Message::from(format!("{:.0} % of the points follow their skin: `", 100.0 * held))
+            + Operation::Remember
+            + "` makes nearly the same of the clip without a simulation";
         (held >= TUNING.leash.min_remembered).then_some(ModelDecision {
             name: "remember instead",
             on: false,

@@ -4,6 +4,7 @@ use crate::bake::tuning::TUNING;
 use crease_geometry::math::Vec3;
 use crease_solver::contact::{BodyIntersections, BodyPlanes, Penetration, SELF_FOLD_MARGIN};
 use crease_solver::energy::PlaneContact;
+use crease_model::error::{Message, Setting};
 use serde::{Deserialize, Serialize};
 
 /// Intersecting pairs of triangles of cloth and body in one kind of region.
@@ -103,32 +104,35 @@ impl BodyPenetrationStats {
     }
 
     /// Warnings on depth and intersections, if there were any.
-    pub(in crate::bake) fn warnings(&self) -> Vec<String> {
-        self.depth_warning().into_iter().chain(self.intersection_warning()).collect()
+    pub(in crate::bake) fn warnings(&self) -> Vec<Message> {
+        self.depth_warning().map(Message::from).into_iter().chain(self.intersection_warning()).collect()
     }
 
-    fn intersection_warning(&self) -> Option<String> {
+    fn intersection_warning(&self) -> Option<Message> {
         let (open, fold) = (&self.open, &self.self_fold);
         let parts = [
             (open.max > 0).then(|| {
-                format!(
+                let what = format!(
                     "{} at {:.2} s, in {} steps some, {} at the end of the wear (corners of the body between points of the cloth: \
-                     a finer --resolution has fewer)",
+                     a finer ",
                     open.max, open.time, self.steps, open.last
-                )
+                );
+                Message::from(what) + Setting::Resolution + " has fewer)"
             }),
             (fold.max > 0).then(|| {
-                format!(
+                let what = format!(
                     "where it folds into itself and {:.0} mm around {} at {:.2} s, {} at the end",
                     1e3 * SELF_FOLD_MARGIN,
                     fold.max,
                     fold.time,
                     fold.last
-                )
+                );
+                what.into()
             }),
         ];
-        let parts: Vec<String> = parts.into_iter().flatten().collect();
-        (!parts.is_empty()).then(|| format!("pairs of triangles that crossed the body: {}", parts.join("; ")))
+        let parts = Message::join(parts.into_iter().flatten(), "; ");
+        let what = "pairs of triangles that crossed the body: ";
+        (!parts.is_empty()).then(|| Message::from(what) + parts)
     }
 
     fn depth_warning(&self) -> Option<String> {

@@ -6,6 +6,7 @@ use crate::bake::report::StopCause;
 use crate::bake::tuning::TUNING;
 use crease_geometry::math::{Vec3, bounds};
 use crease_model::garment::Garment;
+use crease_model::error::{Message, Setting};
 
 /// Parts of a garment that began on its body.
 pub(in crate::bake) struct BodyWatch {
@@ -76,12 +77,14 @@ impl BodyWatch {
             let middle = own.iter().sum::<Vec3>() / own.len().max(1) as f64;
             let reason = format!(
                 "at {time:.2} s a part of the garment of {} points has fallen off the body, to ({:.2}, {:.2}, {:.2}) m: nothing \
-                 holds it; if the garment is skinned in its file, --hold holds it to its joints, else fit it closer",
+                 holds it; if the garment is skinned in its file, ",
                 own.len(),
                 middle.x,
                 middle.y,
                 middle.z
             );
+            let reason =
+                Message::from(reason) + Setting::Hold + " holds it to its joints, else fit it closer";
             return Some(StopCause { reason, position: middle });
         }
         let since = penetration.many_pairs_since()?;
@@ -89,12 +92,14 @@ impl BodyWatch {
             let position = penetration.open_position();
             let reason = format!(
                 "since {since:.2} s the body breaks through the cloth, now with {} pairs of triangles around ({:.2}, {:.2}, {:.2}) m: \
-                 check the fit, refine the mesh with --resolution, or begin with a slower motion",
+                 check the fit, refine the mesh with ",
                 penetration.open_pairs(),
                 position.x,
                 position.y,
                 position.z
             );
+            let reason =
+                Message::from(reason) + Setting::Resolution + ", or begin with a slower motion";
             StopCause { reason, position }
         })
     }
@@ -142,7 +147,7 @@ mod tests {
             cause(&|t| if t > 0.95 { 251 } else { 0 }).expect("breaks through");
         assert!((1.45..1.65).contains(&time), "{time} s");
         assert!(reason.contains("since 1.00 s the body breaks through the cloth"), "{reason}");
-        assert!(reason.contains("251 pairs") && reason.contains("--resolution"), "{reason}");
+        assert!(reason.contains("251 pairs") && reason.contains("Garment::refine"), "{reason}");
         assert_eq!(position, Vec3::new(0.1, 0.0, 0.2));
         assert_eq!(cause(&|_| 250), None, "as many as at the start, and no more than may be");
         assert_eq!(cause(&|t| if (10.0 * t).round() % 5.0 == 0.0 { 250 } else { 1000 }), None, "it recovers");

@@ -156,7 +156,7 @@ impl<'a> GarmentReading<'a> {
         let why = format!(
             "{now} pairs of triangles cross the body in the shape that is exported, {before} in the file"
         );
-        Some(ModelDecision { name: "body in result", on: true, why })
+        Some(ModelDecision { name: "body in result", on: true, why: why.into() })
     }
 
     /// Positions of the garment's points [m] with the points of `mesh` at `x` [m], where no triangles that are exported cross.
@@ -235,7 +235,7 @@ impl<'a> GarmentReading<'a> {
         let count = held.iter().filter(|held| **held).count();
         let why =
             format!("{count} of {} points, where layers would cross one another or the body", points.len());
-        let decision = (count > 0).then_some(ModelDecision { name: "held back", on: true, why });
+        let decision = (count > 0).then_some(ModelDecision { name: "held back", on: true, why: why.into() });
         (points.iter().zip(source).map(|(x, source)| x - source).collect(), decision)
     }
 

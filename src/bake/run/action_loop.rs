@@ -7,12 +7,12 @@ use crate::bake::run::frames::StepStart;
 use crate::bake::run::running_bake::Run;
 use crate::bake::tuning::TUNING;
 use crate::bake::{BakeProgress, EarlyStop, ModelDecision, Observer, StopCause};
-use crate::wear::{Action, ActionContext, ActionRunner, MAX_CUT_STRAIN, PersistentState};
+use crease_model::error::{Error, Message, Result, Setting};
 use crease_geometry::math::Vec3;
-use crease_model::error::{Error, Result};
-use crease_model::remesh::SimulationMesh;
 use crease_solver::memory::{MemoryModel, Strains};
+use crease_model::remesh::SimulationMesh;
 use crease_solver::sim::{State, StepReport};
+use crate::wear::{Action, ActionContext, ActionRunner, MAX_CUT_STRAIN, PersistentState};
 use std::time::Instant;
 
 /// The action that is being performed.
@@ -90,11 +90,13 @@ impl Run<'_> {
         match &progress {
             Some(progress) => {
                 if !begun.runner.restore_state(&progress.runner_state, start.len()) {
-                    return Err(scene.refuse("the checkpoint does not fit this action", "leave out --resume"));
+                    let help = Message::from("leave out ") + Setting::Resume;
+                    return Err(scene.refuse("the checkpoint does not fit this action", help));
                 }
             }
             None => {
-                let decision = |why| ModelDecision { name: "laid out flat", on: true, why };
+                let decision =
+                    |why: String| ModelDecision { name: "laid out flat", on: true, why: why.into() };
                 self.report.decisions.extend(begun.note.take().map(decision));
                 if let Some(placed) = begun.start_positions {
                     self.state.x = placed;
@@ -115,7 +117,7 @@ impl Run<'_> {
         }
         if let Some(failure) = begun.runner.failure(&self.state.x) {
             let failure = failure.into_diagnostic(script_name, &location);
-            self.report.warnings.push(format!("did not take place: {failure}"));
+            self.report.warnings.push(Message::from("did not take place: ") + failure.to_message());
             self.report.not_performed.get_or_insert(failure);
         }
         begun.runner.finish(&mut self.persistent, &self.state.x);
@@ -319,7 +321,7 @@ impl Run<'_> {
 
     /// Ends the run in `action`: what is known until here goes into the report.
     fn stop(&mut self, action: &ActiveAction, cause: StopCause) -> Error {
-        let failure = Error::NotConverged(format!("{}: {}", action.name, cause.reason));
+        let failure = Error::NotConverged(Message::from(action.name) + ": " + cause.reason.clone());
         let location = format!("actions[{}] ({})", action.number, action.name);
         self.report.stopped = Some(EarlyStop { action: location, time: self.state.time, cause });
         failure

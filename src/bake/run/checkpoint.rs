@@ -18,19 +18,19 @@ use crate::bake::run::frames::FrameSchedule;
 
 use crate::bake::run::violation_log::ViolationLog;
 use crate::bake::tuning::TUNING;
-
 use crate::bake::{BakeOptions, Quality};
-use crate::wear::{MAX_DURATION_S, PersistentState, TurnRecord, WearScript};
-use crease_geometry::math::{PlaneStretch, Vec3};
-use crease_linear::SolveCost;
+use crate::bake::violation_log::ViolationLog;
 use crease_model::body::AnimatedBody;
-use crease_model::error::{Diagnostic, Error, Result};
+use crease_solver::contact::TangentialState;
+use crease_model::error::{Diagnostic, Error, Message, Result, Setting};
 use crease_model::fabric::Fabric;
 use crease_model::garment::{Garment, RestState};
-use crease_model::remesh::SimulationMesh;
-use crease_solver::contact::TangentialState;
+use crease_geometry::math::{PlaneStretch, Vec3};
 use crease_solver::memory::Memory;
-use crease_solver::sim::{Loads, State};
+use crease_model::remesh::SimulationMesh;
+use crease_solver::sim::{Loads, SolveCost, State};
+use crate::wear::{MAX_DURATION_S, PersistentState, TurnRecord, WearScript};
+use crease_linear::SolveCost;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
@@ -140,7 +140,7 @@ pub struct RunCounts {
     /// Cost of all linear solves.
     pub cost: SolveCost,
     /// Warnings.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Message>,
     /// The first action that did not take place, with the reason.
     pub not_performed: Option<Diagnostic>,
     /// Convergence of the steps.
@@ -200,7 +200,7 @@ impl Checkpoint {
 
     /// Reads the file `file` (a name for messages). Fails on anything but what [`Checkpoint::to_bytes`] wrote.
     pub fn parse(file: &str, bytes: &[u8]) -> Result<Self> {
-        let refuse = |location: &str, what: String| Err(Error::input(file, location, what, HELP));
+        let refuse = |location: &str, what: String| Err(Error::input(file, location, what, help()));
         let Some((head, body)) = std::str::from_utf8(bytes).ok().and_then(|text| text.split_once('\n'))
         else {
             return refuse("", "is no checkpoint of crease: two lines of text were expected".into());
@@ -221,7 +221,7 @@ impl Checkpoint {
         serde_json::from_str(body).map_err(|e| {
             let what = e.to_string();
             let what = what.split(" at line ").next().unwrap_or(&what);
-            Error::input(file, format!("line 2, column {}", e.column()), what, HELP)
+            Error::input(file, format!("line 2, column {}", e.column()), what, help())
         })
     }
 
@@ -232,7 +232,7 @@ impl Checkpoint {
         mesh: SimulationMesh,
         fingerprint: &str,
     ) -> Result<SimulationMesh> {
-        let refuse = |what: &str| Err(Error::input(file, "", what, HELP));
+        let refuse = |what: &str| Err(Error::input(file, "", what, help()));
         if self.fingerprint != fingerprint {
             return refuse(
                 "is of another run: the garment, the fabric, the script, an option or crease differs",
@@ -255,7 +255,7 @@ impl Checkpoint {
         script: &WearScript,
         animated: Option<&AnimatedBody>,
     ) -> Result<()> {
-        let refuse = |what: &str| Err(Error::input(file, "", what, HELP));
+        let refuse = |what: &str| Err(Error::input(file, "", what, help()));
         let points = garment.points.len();
         let hinges = garment.topology.hinges.len();
         let progress = match &self.position.progress {
@@ -300,4 +300,6 @@ impl Checkpoint {
 }
 
 /// Help for every fault of a checkpoint.
-const HELP: &str = "delete it, or leave out --resume, and the run begins anew";
+fn help() -> Message {
+    Message::from("delete it, or leave out ") + Setting::Resume + ", and the run begins anew"
+}

@@ -3,11 +3,12 @@
 
 use crate::bake::tuning::TUNING;
 use crate::bake::{BakeOptions, BakeResult};
-use crate::wear::{Action, WearScript};
+use crease_model::body::AnimatedBody;
+use crease_model::error::{Message, Setting};
+use crease_model::garment::{Garment, RestState};
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::triangle_bvh::TriangleBvh;
-use crease_model::body::AnimatedBody;
-use crease_model::garment::{Garment, RestState};
+use crate::wear::{Action, WearScript};
 use std::borrow::Cow;
 
 /// Adds warnings to the report of `baked`, and the reason why its result is empty if it is.
@@ -19,15 +20,21 @@ pub(in crate::bake) fn add_findings(
     baked: &mut BakeResult,
 ) {
     let report = &mut baked.report;
-    report.warnings.extend(idle_actions(script, options.body.as_deref()));
+    report.warn(idle_actions(script, options.body.as_deref()));
     // A skinned garment follows the joints of a body whose skin may have been cut away under it.
     let worn_by_contact = options.body.as_ref().filter(|_| options.skin.is_none());
     let far = worn_by_contact.and_then(|body| distance_from_body(garment, script, body));
     if let Some(distance) = far {
-        report.warnings.push(format!(
-            "the garment never comes nearer to the body than {distance:.2} m: check the units of both files (--unit, \
-             --body-unit) and that they lie in one place"
-        ));
+        let what = format!(
+            "the garment never comes nearer to the body than {distance:.2} m: check the units of both files ("
+        );
+        report.warnings.push(
+            Message::from(what)
+                + Setting::Unit
+                + ", "
+                + Setting::BodyUnit
+                + ") and that they lie in one place",
+        );
     }
     let wears = script
         .flatten()
@@ -40,19 +47,23 @@ pub(in crate::bake) fn add_findings(
     let kept = crease_sum(garment, &baked.worn.memory);
     if earned > TUNING.findings.min_crease_sum && kept < TUNING.findings.min_kept_fraction * earned {
         let mm = 1e3 * garment.mean_edge();
-        report.warnings.push(format!(
-            "the mesh of the file is too coarse for its creases: with edges of {mm:.0} mm it keeps {:.0} % of them; \
-             --resolution {:.0} refines it",
-            (100.0 * kept / earned).max(0.0),
-            (0.25 * mm).clamp(1.0, TUNING.findings.max_advised_resolution_mm).round()
-        ));
+        let what = format!(
+            "the mesh of the file is too coarse for its creases: with edges of {mm:.0} mm it keeps {:.0} % of them; ",
+            (100.0 * kept / earned).max(0.0)
+        );
+        let advised = (0.25 * mm).clamp(1.0, TUNING.findings.max_advised_resolution_mm).round();
+        report.warnings.push(
+            Message::from(what) + Setting::Resolution.to_number(format!("{advised:.0}")) + " refines it",
+        );
     }
-    report.warnings.extend(baked.worn.hidden_warning(garment));
+    report.warn(baked.worn.hidden_warning(garment));
     let cure = match (far.is_some(), garment.topology.hinges.is_empty(), options.body.is_some()) {
-        (true, ..) => "the garment is not on the body",
-        (_, true, _) => "the mesh has no edge to bend at; refine it with --resolution",
-        (_, _, true) => "the body moved none of it enough: bend further, longer or more often",
-        _ => "fold, press or hold it longer, or refine the mesh with --resolution",
+        (true, ..) => "the garment is not on the body".into(),
+        (_, true, _) => {
+            Message::from("the mesh has no edge to bend at; refine it with ") + Setting::Resolution
+        }
+        (_, _, true) => "the body moved none of it enough: bend further, longer or more often".into(),
+        _ => Message::from("fold, press or hold it longer, or refine the mesh with ") + Setting::Resolution,
     };
     report.empty_reason = empty_reason(&baked.worn.memory, earlier, cure);
 }
@@ -61,16 +72,16 @@ pub(in crate::bake) fn add_findings(
 pub(in crate::bake) fn empty_reason(
     memory: &RestState,
     earlier: Option<&RestState>,
-    cure: &str,
-) -> Option<String> {
+    cure: Message,
+) -> Option<Message> {
     let limit = TUNING.findings.min_angle_change.to_degrees();
     let change = earlier.map(|earlier| memory.change_since(earlier));
-    is_unchanged(change.as_ref().unwrap_or(memory))
-        .then(|| format!("nothing is remembered: no hinge changed by {limit} degrees and no length ({cure})"))
+    let what = format!("nothing is remembered: no hinge changed by {limit} degrees and no length (");
+    is_unchanged(change.as_ref().unwrap_or(memory)).then(|| Message::from(what) + cure + ")")
 }
 
 /// A warning per action that takes no time, or that moves no part of `body`; repeated ones count once.
-fn idle_actions(script: &WearScript, body: Option<&AnimatedBody>) -> Vec<String> {
+fn idle_actions(script: &WearScript, body: Option<&AnimatedBody>) -> Vec<Message> {
     let mut known: Vec<Cow<Action>> = Vec::new();
     let mut warnings = Vec::new();
     for (number, action) in script.flatten().enumerate() {
@@ -87,16 +98,16 @@ fn idle_actions(script: &WearScript, body: Option<&AnimatedBody>) -> Vec<String>
                 x.iter().zip(start).any(|(a, b)| (a - b).norm() > TUNING.active_region.min_body_motion)
             };
             if !poses.is_empty() && !poses.iter().map(|pose| body.points(pose)).any(|x| moves(&x)) {
-                warnings.push(format!(
-                    "{called} moves no vertex of the body: check that its joint or clip moves the mesh (--explain lists the \
-                     joints), and the angle"
-                ));
+                let what = format!(
+                    "{called} moves no vertex of the body: check that its joint or clip moves the mesh ("
+                );
+                warnings.push(Message::from(what) + Setting::Explain + " lists the joints), and the angle");
             }
         } else if !matches!(*action, Action::Release(_) | Action::Play(_))
             && action.as_wear_action().duration() <= 0.0
         {
-            warnings
-                .push(format!("{called} takes no time, so that nothing happens in it: give it a duration"));
+            let what = format!("{called} takes no time, so that nothing happens in it: give it a duration");
+            warnings.push(what.into());
         }
     }
     warnings

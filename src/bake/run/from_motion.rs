@@ -13,6 +13,7 @@ use crease_model::fabric::Fabric;
 use crease_model::garment::{Garment, RestState, WornGarment};
 use crease_solver::memory::{Memory, MemoryModel, Strains};
 use crease_solver::sim::Cloth;
+use crease_model::error::{Message, Setting};
 use std::time::Instant;
 
 /// A motion of a garment.
@@ -89,7 +90,9 @@ pub fn memory_from_motion(garment: &Garment, fabric: &Fabric, motion: &mut Garme
         }
     }
     let memory_s = clock.elapsed().as_secs_f64();
-    let empty = "no hinge bends enough for that in this motion: repeat it with --repeat, or play it slower";
+    let empty = Message::from("no hinge bends enough for that in this motion: repeat it with ")
+        + Setting::Repeat
+        + ", or play it slower";
     let empty_reason = empty_reason(&memory.rest, None, empty);
     let relaxed = relax(garment, fabric, &memory.rest);
     let relax_s = clock.elapsed().as_secs_f64() - memory_s;
@@ -98,7 +101,7 @@ pub fn memory_from_motion(garment: &Garment, fabric: &Fabric, motion: &mut Garme
         simulated: time,
         events: memory.events,
         solves: relaxed.solves,
-        warnings: relaxed.warnings,
+        warnings: relaxed.warnings.into_iter().map(Message::from).collect(),
         unconverged_reason: relaxed.unconverged_reason,
         empty_reason,
         stages: seconds.named().into_iter().filter(|(_, seconds)| *seconds > 0.0).collect(),

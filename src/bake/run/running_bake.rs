@@ -123,11 +123,11 @@ impl<'a> Run<'a> {
             mesh,
         };
         if run.splits.is_empty() {
-            run.report.warnings.extend(initial_intersections::warning(setup.garment));
+            run.report.warn(initial_intersections::warning(setup.garment));
         }
         if let Some(body) = body {
-            run.report.warnings.extend(body.animated.notes().iter().cloned());
-            run.report.warnings.extend(script.body_notes(&body.animated));
+            run.report.warn(body.animated.notes().iter().cloned());
+            run.report.warn(script.body_notes(&body.animated));
             run.put_on(body, resume_from.as_ref().and_then(|(_, checkpoint)| checkpoint.body.as_ref()));
         }
         let position = match resume_from {
@@ -175,7 +175,7 @@ impl<'a> Run<'a> {
             self.report.solves += done.solves;
             self.report.local_solves += done.local_solves;
             coupling.penetration.begin_with(done.crossing_after);
-            self.report.warnings.extend(done.warnings());
+            self.report.warn(done.warnings());
             self.persistent.body = Some(PosedBody::new(&animated, animated.rest()));
             self.seconds.depenetrate = clock.elapsed().as_secs_f64();
         }
@@ -242,9 +242,9 @@ impl<'a> Run<'a> {
     /// Adds to the report what is known when the run ends.
     pub fn complete_report(&mut self) {
         let report = &mut self.report;
-        report.warnings.extend(self.convergence.warning(report.steps));
-        report.warnings.extend(self.violations.warnings());
-        report.warnings.extend(self.body.iter().flat_map(|body| body.penetration.warnings()));
+        report.warn(self.convergence.warning(report.steps));
+        report.warn(self.violations.warnings());
+        report.warn(self.body.iter().flat_map(|body| body.penetration.warnings()));
         report.points = self.mesh.garment.points.len();
         report.simulated = self.state.time;
         report.events = self.memory.events;

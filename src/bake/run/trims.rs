@@ -17,7 +17,7 @@ pub(in crate::bake) fn bake_cloth(
     let mut whole = WholeGarment { garment, rigid, frames_of_simulated, observer };
     let baked = bake(rigid.cloth(), &mut whole)?;
     let mut report = baked.report;
-    report.warnings.extend(rigid.notes());
+    report.warn(rigid.notes());
     Ok(BakeResult { worn: rigid.worn(&baked.worn), end: rigid.positions(&baked.end), report, ..baked })
 }
 
@@ -47,7 +47,7 @@ impl Observer for WholeGarment<'_> {
 
     fn on_early_stop(&mut self, report: &BakeReport) {
         let mut report = report.clone();
-        report.warnings.extend(self.rigid.notes());
+        report.warn(self.rigid.notes());
         self.observer.on_early_stop(&report);
     }
 

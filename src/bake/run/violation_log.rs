@@ -3,6 +3,7 @@
 use crate::bake::report::StopCause;
 use crate::bake::tuning::TUNING;
 use crease_solver::sim::{Violation, Violations};
+use crease_model::error::{Message, Setting};
 use serde::{Deserialize, Serialize};
 
 /// One stretch of time in which a constraint was violated.
@@ -75,9 +76,10 @@ impl ViolationLog {
         let x = &tightest.position;
         let reason = format!(
             "the cloth is stuck: since {from:.2} s nothing moves, as layers touch near ({:.3}, {:.3}, {:.3}) m; part the layers there in \
-             the file, leave out what lies double, or choose another --resolution",
+             the file, leave out what lies double, or choose another ",
             x.x, x.y, x.z
         );
+        let reason = Message::from(reason) + Setting::Resolution;
         Some(StopCause { reason, position: *x })
     }
 
@@ -91,7 +93,7 @@ impl ViolationLog {
                 torn.from,
                 1.0 + torn.worst.size
             );
-            StopCause { reason, position: torn.worst.position }
+            StopCause { reason: reason.into(), position: torn.worst.position }
         })
     }
 

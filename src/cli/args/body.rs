@@ -10,8 +10,9 @@ use crease::internal::files::{GarmentFile, read_asset_file};
 use crease_geometry::math::Vec3;
 use crease_io::{ReadOptions, compare_body_size, read_body, read_body_frames, read_garment_skin};
 use crease_model::body::{AnimatedBody, BodyMotion, GarmentSkin};
-use crease_model::error::{Diagnostic, Error, Result};
+use crease_model::error::{Diagnostic, Error, Result, Message, Setting};
 use crease_model::garment::{Severity, SourceFormat, SourcePiece, UpAxis};
+use crease::files::{GarmentFile, read_asset_file};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -85,7 +86,7 @@ impl BodyArgs {
                 asset.pieces.iter().enumerate().filter(is_kept).map(|(_, p)| p).filter(|p| p.worn).collect();
             let mut body = read_body(&asset, &pieces)?;
             for diagnostic in diagnostics.into_iter().filter(|d| d.severity == Severity::Warning) {
-                body.add_note(format!("{}: {}", asset.file, diagnostic.message));
+                body.add_note(Message::from(format!("{}: ", asset.file)) + diagnostic.message);
             }
             body
         };
@@ -97,7 +98,7 @@ impl BodyArgs {
                 |scale: f64| if same { 1.0 } else { body.worn_fraction(&mesh.garment.points, scale) };
             compare_body_size(garment, own, [mesh.asset.unit_m, unit_m], worn_fraction)
         }) {
-            body.add_note(format!("{}: {note}", body.file));
+            body.add_note(Message::from(format!("{}: ", body.file)) + note);
         }
         Ok(Some(Arc::new(body)))
     }
@@ -283,7 +284,7 @@ fn held_vertices(piece: &SourcePiece) -> Vec<f64> {
 
 /// The error of an attribute named by `--hold`, which the reader of files knows as the mask.
 fn of_hold(error: Error) -> Error {
-    renamed(error, |text| text.replace("--mask", "--hold"))
+    changed(error, |one| Diagnostic { help: one.help.with_setting(Setting::Mask, Setting::Hold), ..one })
 }
 
 /// Flags the pieces of the garment file that `node` names. The file is read again, since only the reader knows all names
@@ -301,19 +302,17 @@ fn pieces_named(node: &str, path: &Path, unit_m: f64, options: &ReadOptions) -> 
 
 /// The error of a part chosen by `--body-node`, which the reader of files knows as the garment.
 fn of_body_node(error: Error) -> Error {
-    renamed(error, |text| {
-        text.replace("no garment called", "no body called").replace("--garment", "--body-node")
+    changed(error, |one| Diagnostic {
+        message: one.message.replace("no garment called", "no body called").into(),
+        help: one.help.with_setting(Setting::Garment, Setting::BodyNode),
+        ..one
     })
 }
 
-/// The error with the words of its messages replaced.
-fn renamed(error: Error, words: impl Fn(&str) -> String) -> Error {
+/// The error with each of its diagnostics changed.
+fn changed(error: Error, change: impl Fn(Diagnostic) -> Diagnostic) -> Error {
     match error {
-        Error::Input(all) => Error::Input(
-            all.into_iter()
-                .map(|one| Diagnostic { message: words(&one.message), help: words(&one.help), ..one })
-                .collect(),
-        ),
+        Error::Input(all) => Error::Input(all.into_iter().map(change).collect()),
         other => other,
     }
 }

@@ -8,6 +8,7 @@ use crate::runtime::waiting::Waiting;
 use crease_chart::{Chart, ChartOptions};
 use crease_model::error::{Error, Result};
 use crease_model::fabric::PAPER_FABRIC;
+use crate::runtime::wording::ToolWords;
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
@@ -32,7 +33,7 @@ pub struct Arguments {
 
 /// Returns the list of charts for the help.
 fn list() -> String {
-    let lines = Chart::list().map(|(name, what)| format!("  {name:<12}{what}\n"));
+    let lines = Chart::list().map(|(name, what)| format!("  {name:<12}{}\n", what.worded(&ToolWords)));
     format!("Charts:\n{}", lines.collect::<String>())
 }
 

@@ -22,6 +22,10 @@ use crease_model::body::rig::Rig;
 use crease_model::error::{Error, Result};
 use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
 use crease_model::garment::{Garment, SourceAsset, SourceFormat, SourcePiece};
+use crate::runtime::wording::ToolWords;
+use crease::bake::{BakeResult, GarmentMotion, memory_from_motion};
+use crease::files::GarmentFile;
+use crease::report::{Report, crossing_counts, source_crossings};
 use serde_json::{Value, json};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -96,7 +100,7 @@ fn remember(arguments: &Arguments) -> Result<()> {
     let computed = Instant::now();
     let garment = &motion.mesh.garment;
     let counts = crossing_counts(garment, &baked.worn, &source_crossings(garment));
-    let mut report = Report::of_bake(garment, &baked, counts);
+    let mut report = Report::of_bake(garment, &baked, counts, &ToolWords);
     report.method = "remember".to_owned();
     let sidecar = motion.sidecar(&baked, &fabric, arguments)?;
     let result = WornResult {
@@ -107,9 +111,10 @@ fn remember(arguments: &Arguments) -> Result<()> {
         side_files,
         computed,
     };
-    job.warn_of_failure(baked.report.empty_reason.as_ref());
+    let empty_reason = baked.report.empty_reason.as_ref().map(|reason| reason.worded(&ToolWords));
+    job.warn_of_failure(empty_reason.as_deref());
     job.write(&result, report)?.print(print_summary)?;
-    outcome(baked.report.unconverged_reason, baked.report.empty_reason)
+    outcome(baked.report.unconverged_reason, empty_reason)
 }
 
 fn print_summary(worn: &str, report: &Report) {

@@ -7,6 +7,8 @@ use crease_geometry::mesh::intersections::self_intersections;
 use crease_io::gltf::file_contents;
 use crease_io::{ReadOptions, check_size};
 use crease_model::error::Result;
+use crate::runtime::wording::ToolWords;
+use crease::files::GarmentFile;
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -32,7 +34,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
         GarmentFile::load(&arguments.mesh, &any_size)?;
     let size = if options.any_size { Ok(None) } else { check_size(&asset) };
     findings.extend(size.as_ref().ok().cloned().flatten());
-    let mut inspection = crease_model::garment::inspect(&asset, &garment, &findings);
+    let mut inspection = crease_model::garment::inspect(&asset, &garment, &findings).worded(&ToolWords);
     inspection.contents = file_contents(&asset)?;
     inspection.crossings_at_start = Some(self_intersections(&garment.points, &garment.triangles).len());
     match arguments.json {

@@ -13,6 +13,7 @@ use crate::files::input;
 use crate::files::source::{carried_sources, fabric_of, origins, read_source, relax_target};
 use crate::runtime::console;
 use crate::runtime::threads::on_threads;
+use crate::runtime::wording::ToolWords;
 use clap::ValueEnum;
 use crease::internal::bake::RelaxResult;
 use crease::internal::files::GarmentFile;
@@ -192,7 +193,8 @@ fn transfer(arguments: &Arguments) -> Result<()> {
         relax_target(&input.mesh.garment, &input.fabric, &input.sidecars, &carried);
     job.warn(warnings);
     job.warn(carried.warnings.clone());
-    job.warn_of_failure(carried.empty_reason.as_ref());
+    let empty_reason = carried.empty_reason.as_ref().map(|reason| reason.worded(&ToolWords));
+    job.warn_of_failure(empty_reason.as_deref());
     let worn = WornGarment { displacement, memory: carried.memory.clone() };
     job.warn(worn.hidden_warning(garment));
 
@@ -216,7 +218,7 @@ fn transfer(arguments: &Arguments) -> Result<()> {
         computed,
     };
     job.write(&result, report)?.print(print_summary)?;
-    outcome(unconverged_reason, carried.empty_reason)
+    outcome(unconverged_reason, empty_reason)
 }
 
 /// Inputs of a transfer, read and checked.

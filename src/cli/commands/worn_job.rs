@@ -17,9 +17,13 @@ use crease::internal::report::{ColorBy, DetailReport, ExportCheck, GarmentView, 
 use crease_geometry::math::Vec3;
 use crease_io::gltf::write_worn_glb_with;
 use crease_io::{Sidecar, UsdFrames, read_shape_obj, write_sidecar_to};
-use crease_model::error::{Error, Result};
+use crease_model::error::{Error, Result, Message};
 use crease_model::fabric::Fabric;
 use crease_model::garment::{SourceAsset, WornGarment, mistaken_body};
+use crate::runtime::wording::ToolWords;
+use crease::files::GarmentFile;
+use crease::report::render::{Camera, encode_png};
+use crease::report::{ColorBy, DetailReport, ExportCheck, GarmentView, Report, TransferReport};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -180,13 +184,13 @@ impl WornJob {
     }
 
     /// Adds warnings to the report.
-    pub fn warn(&mut self, warnings: impl IntoIterator<Item = String>) {
-        self.warnings.extend(warnings);
+    pub fn warn(&mut self, warnings: impl IntoIterator<Item = impl Into<Message>>) {
+        self.warnings.extend(warnings.into_iter().map(|warning| warning.into().worded(&ToolWords)));
     }
 
     /// Adds warnings to the report and prints them at once, so that a long run can be stopped for them.
-    pub fn warn_before_run(&mut self, warnings: impl IntoIterator<Item = String>) {
-        for warning in warnings {
+    pub fn warn_before_run(&mut self, warnings: impl IntoIterator<Item = impl Into<Message>>) {
+        for warning in warnings.into_iter().map(|warning| warning.into().worded(&ToolWords)) {
             if self.run.is_verbose() {
                 print_warning(&warning);
             }
@@ -196,9 +200,9 @@ impl WornJob {
     }
 
     /// Adds the reason of a failure to the report; the error of the command prints it.
-    pub fn warn_of_failure(&mut self, reason: Option<&String>) {
-        self.printed.extend(reason.cloned());
-        self.warnings.extend(reason.cloned());
+    pub fn warn_of_failure(&mut self, reason: Option<&str>) {
+        self.printed.extend(reason.map(str::to_owned));
+        self.warnings.extend(reason.map(str::to_owned));
     }
 
     /// Notes the doubts about the content and the repairs of the mesh file `path` and its refinement, and embeds the images that it refers to.
@@ -274,7 +278,7 @@ impl WornJob {
         self.outputs.commit()?;
         let mut written = WrittenJob { run: self.run, worn: self.files.worn, report, printed: self.printed };
         written.print(|_, _| ())?;
-        Ok(Error::NotConverged(text))
+        Ok(Error::NotConverged(text.into()))
     }
 
     fn add_outputs(&mut self, result: &WornResult, warnings: &mut Vec<String>) -> Result<WrittenFiles> {
@@ -352,8 +356,8 @@ impl<R: JobReport> WrittenJob<R> {
 /// Returns the outcome of a command whose outputs are written: a failure if its result is no equilibrium, or empty.
 pub fn outcome(unconverged_reason: Option<String>, empty_reason: Option<String>) -> Result<()> {
     match (unconverged_reason, empty_reason) {
-        (Some(reason), _) => Err(Error::NotConverged(reason)),
-        (None, Some(reason)) => Err(Error::Empty(reason)),
+        (Some(reason), _) => Err(Error::NotConverged(reason.into())),
+        (None, Some(reason)) => Err(Error::Empty(reason.into())),
         (None, None) => Ok(()),
     }
 }

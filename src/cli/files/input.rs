@@ -23,7 +23,7 @@ pub fn fabric(name: &str) -> Result<Fabric> {
         Err(Error::Input(faults)) => Err(Error::Input(
             faults
                 .into_iter()
-                .map(|fault| Diagnostic { message: format!("{}, and no such file", fault.message), ..fault })
+                .map(|fault| Diagnostic { message: fault.message + ", and no such file", ..fault })
                 .collect(),
         )),
         other => other,

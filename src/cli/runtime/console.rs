@@ -1,6 +1,7 @@
 //! Output of the process: messages for people on stderr, data for programs on stdout. A closed pipe is not an error.
 
 use crease_model::error::{Error, Result};
+use crate::runtime::wording::ToolWords;
 use std::io::{ErrorKind, Write};
 
 /// Prints one line on stderr. Failures are ignored.
@@ -13,13 +14,13 @@ pub fn error(error: &Error) {
     match error {
         Error::Input(diagnostics) => {
             for diagnostic in diagnostics {
-                message(&format!("error: {diagnostic}"));
+                message(&format!("error: {}", diagnostic.to_message().worded(&ToolWords)));
                 if !diagnostic.excerpt.is_empty() {
                     message(&diagnostic.excerpt);
                 }
             }
         }
-        other => message(&format!("error: {other}")),
+        other => message(&format!("error: {}", other.worded(&ToolWords))),
     }
 }
 

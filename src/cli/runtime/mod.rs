@@ -1,4 +1,4 @@
-//! Process-level services: console output, progress, interruption, threads.
+//! Process-level services: console output, progress, interruption, threads, words.
 
 pub mod console;
 pub mod executable;
@@ -7,3 +7,4 @@ pub mod progress;
 pub mod threads;
 #[cfg(feature = "charts")]
 pub mod waiting;
+pub mod wording;

@@ -19,7 +19,7 @@ use crate::gltf::json_cursor::Cursor;
 use crate::gltf::names::{APPLIED_KEY, EXTRAS_KEY, UNWORN_TARGET, WORN_TARGET};
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::PointIndex;
-use crease_model::error::{Error, Result};
+use crease_model::error::{Error, Result, Message, Setting};
 use crease_model::garment::GltfDocument;
 use rustc_hash::FxHashMap;
 use serde_json::{Map, Value, json};
@@ -47,7 +47,8 @@ pub fn apply_worn(file: &str, glb: &[u8], source: SourceShape) -> Result<Vec<u8>
         .collect();
     if meshes.is_empty() {
         let message = "has no morph target `worn`";
-        return Err(Error::input(file, "meshes", message, "give the OUT.glb of a bake without --apply"));
+        let help = Message::from("give the OUT.glb of a bake without ") + Setting::Apply;
+        return Err(Error::input(file, "meshes", message, help));
     }
     let uses = accessor_uses(&document.json);
     for (m, target) in meshes {

@@ -3,10 +3,10 @@
 
 use crate::error_list::ErrorList;
 use crate::gltf::json_cursor::Cursor;
+use crease_model::error::{Message, Diagnostic, Error, Result};
 use base64::Engine;
 use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
-use crease_model::error::{Diagnostic, Error, Result};
 
 /// Base64 decoder that accepts any padding, as writers disagree about it.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
@@ -48,7 +48,7 @@ fn load_uri(entry: &Cursor, uri: &str, resolve: &mut dyn FnMut(&str) -> Result<V
             Error::Input(errors) => {
                 let named = |mut one: Diagnostic| {
                     one.location = entry.path().to_string();
-                    one.message = format!("the file \"{uri}\": {}", one.message);
+                    one.message = Message::from(format!("the file \"{uri}\": ")) + one.message;
                     one.help = "put it beside the .gltf, or export as .glb".into();
                     one
                 };

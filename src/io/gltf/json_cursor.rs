@@ -1,7 +1,7 @@
 //! Value of the raw document with its path, so that every error names its location. A member may be missing, or of
 //! another type than the specification says.
 
-use crease_model::error::{Error, Result};
+use crease_model::error::{Error, Result, Message};
 use serde_json::Value;
 
 /// Help for a damaged document.
@@ -26,7 +26,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// Creates an error at this value.
-    pub(super) fn error(&self, message: impl Into<String>) -> Error {
+    pub(super) fn error(&self, message: impl Into<Message>) -> Error {
         Error::input("glTF", self.path.clone(), message, REPAIR_HELP)
     }
 

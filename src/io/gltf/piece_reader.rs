@@ -6,12 +6,12 @@ use crate::gltf::json_cursor::Cursor;
 use crate::gltf::morph::default_weights;
 use crate::gltf::names::{DRACO_CURE, DRACO_EXTENSION, INSTANCING_EXTENSION};
 use crate::gltf::primitive::{MaskChannel, MeshData, PrimitiveData, read_primitive};
-use crate::gltf::scene::SceneNodes;
+use crate::gltf::scene::{SceneNodes, Scene};
 use crate::gltf::skin::skinned_vertices;
-use crate::pieces::{DamagedPiece, MASK_OPTIONS, NamedPiece, ReadPieces};
+use crate::pieces::{DamagedPiece, MASK_OPTIONS, NamedPiece, ReadPieces, MASK_SETTINGS};
 use crate::tuning::TUNING;
 use crease_geometry::math::{Mat3, Mat4};
-use crease_model::error::{Error, Result};
+use crease_model::error::{Error, Result, Message, Setting};
 use crease_model::garment::{ImportDiagnostic, Placement, Severity, SourceJoint, SourcePiece};
 
 /// Reader of the pieces of one document.
@@ -311,10 +311,10 @@ impl<'a> PieceReader<'a> {
             pieces.iter().any(|named| named.piece.mask.is_some()),
             pieces.iter().any(|named| named.piece.sewing_mask.is_some()),
         ];
-        let channels = self.masks.iter().zip(is_found).zip(MASK_OPTIONS);
+        let channels = self.masks.iter().zip(is_found).zip(MASK_SETTINGS);
         let missing = channels.filter(|((_, is_found), _)| !is_found);
-        let missing: Vec<(String, &str)> = missing
-            .filter_map(|((channel, _), option)| Some((channel.as_ref()?.attribute.clone(), option)))
+        let missing: Vec<(String, Setting)> = missing
+            .filter_map(|((channel, _), setting)| Some((channel.as_ref()?.attribute.clone(), setting)))
             .collect();
         if missing.is_empty() {
             return;
@@ -329,13 +329,14 @@ impl<'a> PieceReader<'a> {
                 }
             }
         }
-        for (attribute, option) in missing {
+        for (attribute, setting) in missing {
             let message = format!("no vertex attribute called \"{attribute}\"");
-            self.errors.push("", message, format!("{option} takes one of: {}", known.join(", ")));
+            let help = Message::from(setting) + format!(" takes one of: {}", known.join(", "));
+            self.errors.push("", message, help);
         }
     }
 
-    fn note(&mut self, location: impl Into<String>, message: impl Into<String>) {
+    fn note(&mut self, location: impl Into<String>, message: impl Into<Message>) {
         self.add_diagnostic(Severity::Note, location, message);
     }
 
@@ -343,7 +344,7 @@ impl<'a> PieceReader<'a> {
         &mut self,
         severity: Severity,
         location: impl Into<String>,
-        message: impl Into<String>,
+        message: impl Into<Message>,
     ) {
         self.read.diagnostics.push(ImportDiagnostic {
             severity,

@@ -274,7 +274,10 @@ fn a_mask_is_read_and_a_missing_one_refused() {
     assert_eq!(asset.pieces[0].mask, None);
     let options = ReadOptions { sewing_mask: Some("_SEWN".into()), ..ReadOptions::default() };
     let message = read_with(&document, &binary, &options).unwrap_err().to_string();
-    assert!(message.contains("_SEWN") && message.contains("--sewing-mask takes one of"), "{message}");
+    assert!(
+        message.contains("_SEWN") && message.contains("ReadOptions::sewing_mask takes one of"),
+        "{message}"
+    );
     let options = ReadOptions { mask: Some("COLOR_0".into()), ..ReadOptions::default() };
     let message = read_with(&document, &binary, &options).unwrap_err().to_string();
     assert!(message.contains("COLOR_0") && message.contains("POSITION, _PIN"), "{message}");

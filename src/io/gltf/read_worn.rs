@@ -65,7 +65,7 @@ pub(crate) fn earlier_wear_note(asset: &SourceAsset) -> Option<ImportDiagnostic>
         if is_applied { "worn shape, which is the base of the file," } else { "shape before that wear" };
     let memory = sidecar.map_or(String::new(), |sidecar| format!("; its memory is in {sidecar}"));
     let message = format!("\"{piece}\" has been worn already, and its {shape} is taken{memory}");
-    Some(ImportDiagnostic { severity: Severity::Note, location: String::new(), message })
+    Some(ImportDiagnostic { severity: Severity::Note, location: String::new(), message: message.into() })
 }
 
 /// Marks the pieces that a bake wore as worn, and no others; returns false, and changes nothing, if there is none. They have a

@@ -10,11 +10,11 @@ mod parse;
 use crate::corners::{Corner, CornerVertices};
 use crate::error_list::ErrorList;
 use crate::obj::parse::{BadPosition, Face, Label, Statements};
-use crate::pieces::{DamagedPiece, MASK_OPTIONS, NamedPiece, ReadPieces};
+use crate::pieces::{DamagedPiece, MASK_OPTIONS, NamedPiece, ReadPieces, MASK_SETTINGS};
 use crate::polygon::Triangulator;
 use crease_geometry::math::{Mat4, Vec2, Vec3};
 use crease_geometry::mesh::INVALID;
-use crease_model::error::{Diagnostic, Error, Result};
+use crease_model::error::{Diagnostic, Error, Result, Message, Setting};
 use crease_model::garment::{ImportDiagnostic, ObjFace, ObjLines, Placement, Severity, SourcePiece};
 
 /// Name of a piece without object and group.
@@ -44,8 +44,8 @@ pub(super) fn read_obj(
     }
     errors.finish()?;
     let mut components = [None; 2];
-    for ((component, wanted), option) in components.iter_mut().zip(masks).zip(MASK_OPTIONS) {
-        *component = wanted.map(|wanted| mask_component(file, option, wanted, &statements)).transpose()?;
+    for ((component, wanted), setting) in components.iter_mut().zip(masks).zip(MASK_SETTINGS) {
+        *component = wanted.map(|wanted| mask_component(file, setting, wanted, &statements)).transpose()?;
     }
     let mut diagnostics = std::mem::take(&mut statements.diagnostics);
     let mut builders: Vec<CornerVertices> =
@@ -61,10 +61,10 @@ pub(super) fn read_obj(
         diagnostics.push(ImportDiagnostic {
             severity: Severity::Note,
             location: String::new(),
-            message: format!(
+            message: Message::from(format!(
                 "{} faces intersect themselves or have no area: cut as fans",
                 triangulator.fan_count
-            ),
+            )),
         });
     }
     let (mut pieces, mut damaged) = (Vec::new(), Vec::new());
@@ -93,7 +93,7 @@ pub(super) fn read_obj(
 }
 
 /// Returns the colour component that `option` names.
-fn mask_component(file: &str, option: &str, wanted: &str, statements: &Statements) -> Result<usize> {
+fn mask_component(file: &str, setting: Setting, wanted: &str, statements: &Statements) -> Result<usize> {
     let component = match wanted {
         "COLOR_0" | "COLOR_0.r" | "COLOR_0.x" => Some(0),
         "COLOR_0.g" | "COLOR_0.y" => Some(1),
@@ -104,7 +104,7 @@ fn mask_component(file: &str, option: &str, wanted: &str, statements: &Statement
         Some(component) if statements.has_colours => Ok(component),
         Some(_) => {
             let message = "no vertex colours in it to take the mask from";
-            Err(Error::input(file, "", message, format!("leave out {option}")))
+            Err(Error::input(file, "", message, Message::from("leave out ") + setting))
         }
         None => Err(Error::input(
             file,
@@ -305,7 +305,7 @@ mod tests {
     #[test]
     fn unit_and_up_axis_are_applied() {
         let text = "v 0 0 0\nv 100 0 0\nv 0 0 100\nf 1 2 3\n";
-        assert!(message(text).contains("--unit cm makes it 1.00 m"), "{}", message(text));
+        assert!(message(text).contains("ReadOptions::unit_m (cm) makes it 1.00 m"), "{}", message(text));
         let options = ReadOptions {
             unit_m: Some(0.01),
             up: Some(crease_model::garment::UpAxis::Z),

@@ -262,8 +262,9 @@ impl<'f> Parser<'f> {
     fn finish(mut self) -> Statements {
         self.check_indices();
         let mut diagnostics = Vec::new();
-        let mut find = |severity, line: usize, message| {
-            diagnostics.push(ImportDiagnostic { severity, location: format!("line {line}"), message });
+        let mut find = |severity, line: usize, message: String| {
+            let location = format!("line {line}");
+            diagnostics.push(ImportDiagnostic { severity, location, message: message.into() });
         };
         if let Occurrences { count: count @ 1.., first_line: line } = self.dropped_faces {
             find(Severity::Repaired, line, format!("{count} faces of fewer than 3 corners dropped"));

@@ -3,7 +3,7 @@
 //! Does not check that the hinges are those of the triangles (`transfer` does), nor that texture coordinates make sense.
 
 use crate::sidecar::format::{SIDECAR_FORMAT, Sidecar};
-use crease_model::error::{Diagnostic, Error, Result};
+use crease_model::error::{Diagnostic, Error, Result, Message, Operation};
 
 /// Help for a sidecar that contradicts itself.
 pub(super) const REWRITE_HELP: &str = "use the sidecar as crease wrote it, or bake again";
@@ -81,9 +81,9 @@ impl Sidecar {
 /// Creates the diagnostic of a file of another format or version.
 pub(super) fn wrong_format(file: &str, format: &str) -> Diagnostic {
     let help = if format.starts_with("crease-sidecar/") {
-        "use the version of crease that wrote it"
+        "use the version of crease that wrote it".into()
     } else {
-        "give the OUT.crease.json that `crease bake` wrote beside OUT.glb"
+        Message::from("give the OUT.crease.json that `") + Operation::Bake + "` wrote beside OUT.glb"
     };
     Diagnostic::new(file, "format", format!("is {format:?}, not {SIDECAR_FORMAT:?}"), help)
 }

@@ -12,6 +12,7 @@ use crate::body::skeleton::{Pose, interpolate_pose};
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::orientation::{enclosed_volume, oriented_sheets};
 use crease_geometry::mesh::{INVALID, PointIndex, Topology, Welder};
+use crate::error::Message;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::sync::Arc;
@@ -100,7 +101,7 @@ pub struct AnimatedBody {
     /// That pose, where it is not the one of the file.
     start_pose: Option<BodyPose>,
     /// Properties of the file that the user should know.
-    notes: Vec<String>,
+    notes: Vec<Message>,
 }
 
 /// Body in a pose.
@@ -153,7 +154,9 @@ impl AnimatedBody {
         let flipped = orient_outward(&start, &mut triangles);
         let notes = if flipped > 0 {
             let count = triangles.len();
-            vec![format!("{file}: {flipped} of {count} triangles of the body faced inwards: turned outwards")]
+            let note =
+                format!("{file}: {flipped} of {count} triangles of the body faced inwards: turned outwards");
+            vec![Message::from(note)]
         } else {
             Vec::new()
         };
@@ -166,7 +169,7 @@ impl AnimatedBody {
     }
 
     /// Returns what the user should know about the file, for the report.
-    pub fn notes(&self) -> &[String] {
+    pub fn notes(&self) -> &[Message] {
         &self.notes
     }
 
@@ -180,8 +183,8 @@ impl AnimatedBody {
     }
 
     /// Adds a note on the file.
-    pub fn add_note(&mut self, note: String) {
-        self.notes.push(note);
+    pub fn add_note(&mut self, note: impl Into<Message>) {
+        self.notes.push(note.into());
     }
 
     /// Returns the points in the pose that it starts in, by default that of the file [m].

@@ -1,7 +1,7 @@
 //! The built-in fabrics: one file each in `presets/`, one line each here. `docs/reference/fabrics.md` says where their
 //! numbers come from, as does `provenance` in each.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Message, Operation, Result};
 use crate::fabric::Fabric;
 use crate::json::nearest;
 
@@ -64,8 +64,12 @@ impl Fabric {
             Some(text) => Self::parse(name, text),
             None => {
                 let cure = match nearest(name, names()) {
-                    Some(meant) => format!("did you mean `{meant}`? `crease fabric list` names them all"),
-                    None => format!("the presets are {}", names().join(", ")),
+                    Some(meant) => {
+                        Message::from(format!("did you mean `{meant}`? `"))
+                            + Operation::ListFabrics
+                            + "` names them all"
+                    }
+                    None => format!("the presets are {}", names().join(", ")).into(),
                 };
                 Err(Error::input(
                     "fabric",

@@ -5,7 +5,7 @@
 //! strips) stays and remembers nothing, so that the garment is still usable. Layers that lie in one place are set
 //! apart by a small distance. Sews no open seams and looks for no intersections.
 
-use crate::error::{Diagnostic, Error, Result};
+use crate::error::{Diagnostic, Error, Result, Message, Setting};
 use crate::garment::coincident_layers::separate_layers;
 use crate::garment::diagnostic::ImportDiagnostics;
 use crate::garment::material_coords::flatten_triangles;
@@ -45,8 +45,8 @@ impl Garment {
         fix_caps(&positions, &mut wedges, &mut diagnostics);
         if wedges.is_empty() {
             let help = match asset.format {
-                SourceFormat::Arrays => "check the positions and indices",
-                _ => "export it again, or choose another part with --garment",
+                SourceFormat::Arrays => Message::from("check the positions and indices"),
+                _ => Message::from("export it again, or choose another part with ") + Setting::Garment,
             };
             return Err(Error::input(&asset.file, "", "no triangle of the garment has any area", help));
         }

@@ -5,6 +5,7 @@
 //! those that face the opposite side lie below them, so that front and back of a flat garment go to their own sides. A layer
 //! here is a piece of cloth that is not folded back on itself; points where two of them are joined stay.
 
+use crate::error::{Message, Setting};
 use crate::garment::diagnostic::ImportDiagnostics;
 use crate::garment::tuning::TUNING;
 use crease_geometry::math::Vec3;
@@ -24,11 +25,11 @@ pub(super) fn separate_layers(
     points.iter_mut().zip(shifts).for_each(|(x, shift)| *x += shift);
     diagnostics.repaired(
         count,
-        &format!(
+        Message::from(format!(
             "points of layers that lie in one place set {:.1} mm apart (a lining, a patch, a copy, front and back laid flat): \
-             offset the layers in the file, or choose one with --garment",
+             offset the layers in the file, or choose one with ",
             1e3 * TUNING.layer_gap
-        ),
+        )) + Setting::Garment,
     );
 }
 

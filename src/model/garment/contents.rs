@@ -1,7 +1,7 @@
 //! Doubts about the content of a file: a body beside the garment, copies or levels of detail in one place, several garments,
 //! open seams. Each is told, with the option that chooses or mends.
 
-use crate::error::Error;
+use crate::error::{Error, Message, Setting};
 use crate::garment::open_seams::open_seams;
 use crate::garment::shell::Shells;
 use crate::garment::tuning::TUNING;
@@ -11,27 +11,27 @@ use crease_geometry::mesh::{Groups, PointIndex, Topology, loop_length, triangle}
 
 /// Returns a warning for each thing among the worn pieces of `asset`, from which `garment` was made, that is probably not
 /// meant to be simulated with the others, and one for open seams.
-pub fn content_warnings(asset: &SourceAsset, garment: &Garment) -> Vec<String> {
+pub fn content_warnings(asset: &SourceAsset, garment: &Garment) -> Vec<Message> {
     let things = things(asset, garment);
     let (bodies, cloth) = bodies_and_cloth(&things);
-    let mut warnings: Vec<String> = open_seams(garment).into_iter().collect();
+    let mut warnings: Vec<Message> = open_seams(garment).into_iter().collect();
     if let (Some(body), Some(open)) = (bodies.first(), cloth.first()) {
         let (what, help) = body.mistaken_for_cloth(open, &asset.file);
-        warnings.push(format!("\"{}\" {what}: {help}", body.name));
+        warnings.push(Message::from(format!("\"{}\" {what}: ", body.name)) + help);
     }
     let mut copied = false;
     for (k, a) in cloth.iter().enumerate() {
         for b in cloth[k + 1..].iter().filter(|b| a.extent.is_in_place_of(&b.extent)) {
             copied = true;
-            warnings.push(format!(
+            let what = format!(
                 "\"{}\" ({} triangles) and \"{}\" ({}) fill the same place: copies, levels of detail or a lining; all are \
-                 simulated, --garment \"{}\" chooses one",
+                 simulated, ",
                 a.name,
                 a.triangles.len(),
                 b.name,
-                b.triangles.len(),
-                a.name
-            ));
+                b.triangles.len()
+            );
+            warnings.push(Message::from(what) + Setting::Garment.to_name(&a.name) + " chooses one");
         }
     }
     let largest = cloth.iter().map(|thing| thing.extent.area).fold(0.0, f64::max);
@@ -46,18 +46,20 @@ pub fn content_warnings(asset: &SourceAsset, garment: &Garment) -> Vec<String> {
             .map(|thing| format!("\"{}\"", thing.name))
             .collect();
         let more = if garments.len() > names.len() { ", ..." } else { "" };
-        warnings.push(format!(
-            "{} separate pieces of cloth are simulated together: {}{more}; --garment NAME chooses one",
+        let what = format!(
+            "{} separate pieces of cloth are simulated together: {}{more}; ",
             garments.len(),
             names.join(", ")
-        ));
+        );
+        warnings.push(Message::from(what) + Setting::Garment + " NAME chooses one");
     }
     for thickness in Shells::find(garment.into()).doubtful {
-        warnings.push(format!(
+        let what = format!(
             "a part without any opening is only {:.1} mm thick, but has no rim between two sides: all of it is simulated. If it is cloth \
              that was exported with its thickness, export one side of it (Blender: switch off Solidify), or keep the rim",
             1e3 * thickness
-        ));
+        );
+        warnings.push(what.into());
     }
     warnings
 }
@@ -113,13 +115,15 @@ impl Thing {
     }
 
     /// Problem and cure where this body is taken for cloth beside the cloth `open`.
-    fn mistaken_for_cloth(&self, open: &Self, file: &str) -> (String, String) {
+    fn mistaken_for_cloth(&self, open: &Self, file: &str) -> (String, Message) {
         let what =
             format!("looks like a body ({:.2} m, {}) and is taken for cloth", self.size(), self.reason());
-        let help = format!(
-            "choose the garment with --garment \"{}\"; to dress the body, add --body {file} --body-node \"{}\"",
-            open.name, self.name
-        );
+        let help = Message::from("choose the garment with ")
+            + Setting::Garment.to_name(&open.name)
+            + "; to dress the body, add "
+            + Setting::Body.to(file)
+            + " "
+            + Setting::BodyNode.to_name(&self.name);
         (what, help)
     }
 

@@ -3,6 +3,7 @@
 //! Made from the source asset, the garment built from it, and the diagnostics of both stages. Counts no intersections:
 //! `contact` does, and the caller fills the number in, as the contents that only the reader of a format knows.
 
+use crate::error::{Message, Vocabulary};
 use crate::garment::build::outer_triangles;
 use crate::garment::{
     FileContents, Garment, ImportDiagnostic, Placement, RigidParts, Severity, SourceAsset, SourceFormat,
@@ -133,8 +134,8 @@ pub fn inspect(asset: &SourceAsset, garment: &Garment, diagnostics: &[ImportDiag
     let edges = edge_lengths_m(garment, &topology);
     let parts = part_reports(garment);
     let note =
-        |message: String| ImportDiagnostic { severity: Severity::Note, location: String::new(), message };
-    let trims = RigidParts::find(garment).map(|rigid| rigid.notes()).into_iter().flatten();
+        |message: Message| ImportDiagnostic { severity: Severity::Note, location: String::new(), message };
+    let trims = RigidParts::find(garment).map(|rigid| rigid.notes()).into_iter().flatten().map(Message::from);
     let told = content_warnings(asset, garment).into_iter().chain(trims).map(note);
     let notes: Vec<ImportDiagnostic> = of(Severity::Note);
     let source_triangles: usize = asset.worn_pieces().map(|piece| piece.triangles.len()).sum();
@@ -219,6 +220,15 @@ fn boundary_loops_m(garment: &Garment, topology: &Topology, triangles: &[[PointI
 }
 
 impl Inspection {
+    /// Returns the report with its diagnostics in the words of `words`.
+    pub fn worded(mut self, words: &dyn Vocabulary) -> Self {
+        for list in [&mut self.notes, &mut self.warnings, &mut self.repaired, &mut self.refused] {
+            let all = std::mem::take(list).into_iter();
+            *list = all.map(|diagnostic| diagnostic.worded(words)).collect();
+        }
+        self
+    }
+
     /// Returns the report as text for a person, several lines, each ended.
     pub fn to_text(&self) -> String {
         let mut text = String::new();

@@ -1,5 +1,6 @@
 //! Borders that face each other at next to no distance: seams that a file left open.
 
+use crate::error::{Message, Setting};
 use crate::garment::Garment;
 use crate::garment::tuning::TUNING;
 use crease_geometry::math::Vec3;
@@ -16,7 +17,7 @@ struct BorderEdge {
 }
 
 /// Returns a warning if borders of `garment` lie along one another and are not joined.
-pub(super) fn open_seams(garment: &Garment) -> Option<String> {
+pub(super) fn open_seams(garment: &Garment) -> Option<Message> {
     let edges = border_edges(garment);
     let triangles: Vec<[PointIndex; 3]> =
         edges.iter().map(|edge| garment.triangles[edge.triangle as usize]).collect();
@@ -36,13 +37,15 @@ pub(super) fn open_seams(garment: &Garment) -> Option<String> {
         }
     }
     (length > 0.0).then(|| {
-        format!(
-            "{:.2} m of borders lie within {:.2} mm of another border and are not joined to it (open seams): --weld {:.1} joins \
-             vertices up to that many millimetres apart; sides with different numbers of vertices have to be sewn in the file",
+        let what = format!(
+            "{:.2} m of borders lie within {:.2} mm of another border and are not joined to it (open seams): ",
             0.5 * length,
-            (1e3 * gap).max(0.01),
-            (1e4 * gap).ceil().max(1.0) / 10.0
-        )
+            (1e3 * gap).max(0.01)
+        );
+        Message::from(what)
+            + Setting::Weld.to_number(format!("{:.1}", (1e4 * gap).ceil().max(1.0) / 10.0))
+            + " joins vertices up to that many millimetres apart; sides with different numbers of vertices have to be sewn in the \
+               file"
     })
 }
 

@@ -1,5 +1,6 @@
 //! The result of a bake: the garment in its source pose, with its memory.
 
+use crate::error::{Message, Setting};
 use crate::garment::{Garment, RestState};
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::{hinge_angle, unwrap_angle};
@@ -40,13 +41,19 @@ impl WornGarment {
     }
 
     /// Warning if the worn shape of `garment` shows less than a fifth of what it remembers.
-    pub fn hidden_warning(&self, garment: &Garment) -> Option<String> {
+    pub fn hidden_warning(&self, garment: &Garment) -> Option<Message> {
         let shown = self.shown_fraction(garment).filter(|shown| *shown < MIN_SHOWN_FRACTION)?;
-        Some(format!(
-            "the worn shape shows {:.0} % of what is remembered: the triangles of the file cannot follow its creases; --resolution \
-             refines them, --detail-map shows the rest in the normal map",
+        let what = format!(
+            "the worn shape shows {:.0} % of what is remembered: the triangles of the file cannot follow its creases; ",
             100.0 * shown.max(0.0)
-        ))
+        );
+        Some(
+            Message::from(what)
+                + Setting::Resolution
+                + " refines them, "
+                + Setting::DetailMap
+                + " shows the rest in the normal map",
+        )
     }
 }
 

@@ -1,6 +1,6 @@
 //! A JSON value with the file it came from and the location of each part in it.
 
-use crate::error::{Diagnostic, Error, Result};
+use crate::error::{Diagnostic, Error, Message, Result};
 use crate::json::comments::blank_comments;
 use crate::json::spans::{Path, Spans, error_position};
 use serde::de::DeserializeOwned;
@@ -93,16 +93,21 @@ impl Document {
     }
 
     /// Creates a diagnostic at the value that `path` leads to.
-    pub fn diagnostic(&self, path: &Path, message: impl Into<String>, help: impl Into<String>) -> Diagnostic {
+    pub fn diagnostic(
+        &self,
+        path: &Path,
+        message: impl Into<String>,
+        help: impl Into<Message>,
+    ) -> Diagnostic {
         self.locate(path, false, message.into(), help.into())
     }
 
     /// Creates a diagnostic of the name of the member that `path` leads to.
-    pub(super) fn diagnostic_of_name(&self, path: &Path, message: String, help: String) -> Diagnostic {
+    pub(super) fn diagnostic_of_name(&self, path: &Path, message: String, help: Message) -> Diagnostic {
         self.locate(path, true, message, help)
     }
 
-    fn locate(&self, path: &Path, of_name: bool, message: String, help: String) -> Diagnostic {
+    fn locate(&self, path: &Path, of_name: bool, message: String, help: Message) -> Diagnostic {
         let position = self.spans.as_ref().and_then(|spans| spans.find(path, of_name));
         let location = match (position, path.is_empty()) {
             (Some((line, column)), true) => format!("line {line}, column {column}"),

@@ -118,7 +118,7 @@ impl<'a> Check<'a> {
             None => format!("allowed here: {list}"),
         };
         self.within(Segment::Name(name.to_owned()), |check| {
-            let diagnostic = check.document.diagnostic_of_name(&check.path, message, help);
+            let diagnostic = check.document.diagnostic_of_name(&check.path, message, help.into());
             check.add(diagnostic);
         });
     }

@@ -2,8 +2,10 @@
 
 use crate::convert::{
     FileReading, ReadGarment, ReadScript, check_not_negative, choice, exception, fabric, garment, script,
+    worded,
 };
 use crate::process::check_not_forked;
+use crate::wording::PythonWords;
 use crate::worn::PyWorn;
 use crease::internal::bake::{Bake, BakeOptions, BakeProgress, BakeResult, Observer, Quality};
 use crease::internal::files::GarmentFile;
@@ -89,7 +91,7 @@ impl BakeInput {
         if let Some(error) = mistaken_body(&file.asset, &file.garment) {
             return Err(error);
         }
-        let mut warnings = file.content_warnings();
+        let mut warnings: Vec<String> = worded(file.content_warnings()).collect();
         let earlier = match path.as_deref().filter(|_| !forget) {
             Some(path) => EarlierMemory::read(path, &file)?,
             None => None,
@@ -103,7 +105,7 @@ impl BakeInput {
             None => None,
         };
         warnings.extend(earlier.as_ref().and_then(|earlier| earlier.fabric_warning(&fabric)));
-        warnings.extend(file.repairs());
+        warnings.extend(worded(file.repairs()));
         warnings.extend(unread);
         Ok((Self { file, wear, fabric, options, earlier, warnings }, path))
     }
@@ -208,14 +210,16 @@ pub fn bake(
         return Err(failure);
     }
     let (baked, counts) = outcome.map_err(exception)?;
-    let mut report = Report::of_bake(&input.file.garment, &baked, counts);
+    let mut report = Report::of_bake(&input.file.garment, &baked, counts, &PythonWords);
     report.method = input.options.step().method.name().to_owned();
     report.wall_s = started.elapsed().as_secs_f64();
     let sidecar = input.sidecar(&baked).map_err(exception)?;
-    let not_performed = baked.report.not_performed.as_ref().map(ToString::to_string);
-    let failures = [&not_performed, &baked.report.unconverged_reason, &baked.report.empty_reason];
+    let not_performed = baked.report.not_performed.as_ref().map(crease::Diagnostic::to_message);
+    let not_performed = worded(not_performed).next();
+    let empty_reason = worded(baked.report.empty_reason.clone()).next();
+    let failures = [&not_performed, &baked.report.unconverged_reason, &empty_reason];
     report.warnings.splice(0..0, input.warnings);
-    report.warnings.extend(baked.report.empty_reason.clone());
+    report.warnings.extend(empty_reason.clone());
     Ok(PyWorn {
         failure: failures.into_iter().flatten().next().cloned(),
         worn: baked.worn,

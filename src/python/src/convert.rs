@@ -1,7 +1,7 @@
 //! Values between Python and the library. Errors of arguments begin with the name of the argument.
 
 use crate::{ConvergenceError, CreaseError};
-use crease::MeshOptions;
+use crease::{MeshOptions, Message};
 use crease::internal::files::GarmentFile;
 use crease::internal::wear::WearScript;
 use crease_cli::args::values;
@@ -11,6 +11,11 @@ use crease_io::ReadOptions;
 use crease_model::error::Error;
 use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
 use crease_model::garment::UpAxis;
+use crate::cli::args::values;
+use crate::cli::files::{input, wear};
+use crate::wording::PythonWords;
+use crease::files::GarmentFile;
+use crease::wear::WearScript;
 use numpy::{Element, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, ToPyArray};
 use pyo3::exceptions::{PyKeyboardInterrupt, PyOSError, PyTypeError};
 use pyo3::prelude::*;
@@ -19,12 +24,15 @@ use std::path::PathBuf;
 
 /// Returns the exception of an error. An error of the operating system becomes the subclass of `OSError` that Python has for it.
 pub fn exception(error: Error) -> PyErr {
-    let text = error.to_string();
+    let text = error.worded(&PythonWords);
     match error {
         Error::Input(problems) => {
-            let line = |problem: &crease_model::error::Diagnostic| match problem.excerpt.as_str() {
-                "" => problem.to_string(),
-                excerpt => format!("{problem}\n{excerpt}"),
+            let line = |problem: &crease::Diagnostic| {
+                let text = problem.to_message().worded(&PythonWords);
+                match problem.excerpt.as_str() {
+                    "" => text,
+                    excerpt => format!("{text}\n{excerpt}"),
+                }
             };
             CreaseError::new_err(problems.iter().map(line).collect::<Vec<_>>().join("\n"))
         }
@@ -243,6 +251,11 @@ pub struct ReadGarment {
     pub path: Option<PathBuf>,
     /// Images that cannot be read.
     pub warnings: Vec<String>,
+}
+
+/// Returns messages in the words of Python.
+pub fn worded(messages: impl IntoIterator<Item = Message>) -> impl Iterator<Item = String> {
+    messages.into_iter().map(|message| message.worded(&PythonWords))
 }
 
 /// Reads the argument `name`, a garment: a file, or positions and triangles.

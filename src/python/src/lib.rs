@@ -10,6 +10,7 @@ mod process;
 mod sidecar;
 mod tool;
 mod transfer;
+mod wording;
 mod worn;
 
 use pyo3::exceptions::PyValueError;

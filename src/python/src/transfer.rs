@@ -2,7 +2,7 @@
 
 use crate::CreaseError;
 use crate::convert::{
-    FileReading, ReadGarment, check_not_negative, choice, exception, fabric, garment, wrong_type,
+    FileReading, ReadGarment, check_not_negative, choice, exception, fabric, garment, worded, wrong_type,
 };
 use crate::process::check_not_forked;
 use crate::sidecar::PySidecar;
@@ -73,10 +73,11 @@ impl TransferInput {
             warnings,
             ..TransferReport::of_transfer(&carried, &target)
         };
-        report.warnings.extend(carried.warnings.iter().chain(&carried.empty_reason).cloned());
-        report.warnings.extend(worn.hidden_warning(garment));
+        let empty_reason = worded(carried.empty_reason.clone()).next();
+        report.warnings.extend(worded(carried.warnings.clone()).chain(empty_reason.clone()));
+        report.warnings.extend(worded(worn.hidden_warning(garment)));
         let sidecar = self.sidecar(&worn, &carried, &report)?;
-        Ok(Transferred { worn, sidecar, report, unconverged_reason, empty_reason: carried.empty_reason })
+        Ok(Transferred { worn, sidecar, report, unconverged_reason, empty_reason })
     }
 
     fn sidecar(
@@ -190,8 +191,8 @@ pub fn transfer(
         (None, Some(first)) => fabric_of(&sources[0].file, first).map_err(exception)?,
         _ => self::fabric(fabric)?,
     };
-    let mut warnings = file.content_warnings();
-    warnings.extend(file.repairs());
+    let mut warnings: Vec<String> = worded(file.content_warnings()).collect();
+    warnings.extend(worded(file.repairs()));
     warnings.extend(unread);
     warnings.extend(left_out_warning(path.as_deref().unwrap_or(Path::new("mesh")), &file));
     let input = TransferInput { sources, sidecars, file, fabric, options };

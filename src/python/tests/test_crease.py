@@ -131,7 +131,7 @@ def test_python_and_the_tool_make_the_same_bytes(tmp_path, monkeypatch):
     same("part.glb", crease.transfer("once.glb", "other.glb", only="creases", mirror="x", strength=0.5))
     with pytest.raises(crease.CreaseError, match="_MASK"):
         crease.transfer("once.glb", "other.glb", mask="_MASK")
-    with pytest.raises(crease.CreaseError, match="_SEWN.*--sewing-mask"):
+    with pytest.raises(crease.CreaseError, match="_SEWN.*sewing_mask takes one of"):
         crease.bake("sheet.glb", "wear.json", sewing_mask="_SEWN")
 
 

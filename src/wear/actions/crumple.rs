@@ -122,7 +122,7 @@ impl ActionRunner for CrumpleRunner {
                 1e3 * radius,
                 1e3 * self.last_radius
             ),
-            help: "squeeze it less (a larger `to`), more slowly (`over`), or choose a softer fabric".to_owned(),
+            help: "squeeze it less (a larger `to`), more slowly (`over`), or choose a softer fabric".into(),
         })
     }
 

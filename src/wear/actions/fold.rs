@@ -1,5 +1,9 @@
 //! `fold`: one side of a line is turned over, as hands fold cloth on a table.
 
+use crease_solver::energy::TargetSpring;
+use crease_model::error::{Message, Operation, Result};
+use crease_geometry::math::Vec3;
+use crease_solver::sim::Loads;
 use crate::wear::action_runner::{ActionContext, ActionFailure, ActionRunner, ActionStart};
 use crate::wear::fold_layout::FoldLayout;
 use crate::wear::fold_map::{FoldAxis, FoldCoords, line_shift};
@@ -10,10 +14,6 @@ use crate::wear::persistent_state::{FoldRecord, GarmentFrame, PersistentState, T
 use crate::wear::springs::{carry_spring, pin_spring};
 use crate::wear::tuning::TUNING;
 use crate::wear::wear_action::{FieldError, WearAction};
-use crease_geometry::math::Vec3;
-use crease_model::error::Result;
-use crease_solver::energy::TargetSpring;
-use crease_solver::sim::Loads;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -343,9 +343,10 @@ impl ActionRunner for FoldRunner {
                     at.y,
                     at.z
                 ),
-                help: "fold more slowly (`over`), move the line, choose a softer fabric, or mend what crosses in the file \
-                       (`crease inspect`)"
-                    .to_owned(),
+                help: Message::from(
+                    "fold more slowly (`over`), move the line, choose a softer fabric, or mend what crosses in the file (`",
+                ) + Operation::Inspect
+                    + "`)",
             }
         })
     }

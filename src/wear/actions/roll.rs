@@ -164,7 +164,7 @@ impl ActionRunner for RollRunner {
                 "the garment is not rolled up: its points are {:.0} mm from their places in the roll, on average",
                 1e3 * distance
             ),
-            help: "roll more slowly (`over`) or more loosely (`radius`), or fold the garment less before".to_owned(),
+            help: "roll more slowly (`over`) or more loosely (`radius`), or fold the garment less before".into(),
         })
     }
 

@@ -301,7 +301,7 @@ impl ActionRunner for UnfoldRunner {
                 at.y,
                 at.z
             ),
-            help: "unfold more slowly (`over`), or fold fewer layers".to_owned(),
+            help: "unfold more slowly (`over`), or fold fewer layers".into(),
         })
     }
 

@@ -155,11 +155,11 @@ impl BakeInput {
             garment.triangles.len(),
             listed(&names)
         );
-        let mut all = vec![ModelDecision { name: "garment", on: true, why }];
+        let mut all = vec![ModelDecision { name: "garment", on: true, why: why.into() }];
         let Some(body) = &self.body else { return all };
         let joint = |(name, count): (String, usize)| format!("\"{name}\" ({count})");
         let joints: Vec<String> = body.moving_joints().into_iter().map(joint).collect();
-        all.push(ModelDecision { name: "joints", on: !joints.is_empty(), why: listed(&joints) });
+        all.push(ModelDecision { name: "joints", on: !joints.is_empty(), why: listed(&joints).into() });
         all.extend(self.no_leash());
         all
     }
@@ -167,7 +167,7 @@ impl BakeInput {
     /// The decision that the garment does not follow the skin of its file, with the reason.
     pub fn no_leash(&self) -> Option<ModelDecision> {
         let reason = self.skin.as_ref()?.as_ref().err()?;
-        Some(ModelDecision { name: "leash", on: false, why: reason.clone() })
+        Some(ModelDecision { name: "leash", on: false, why: reason.as_str().into() })
     }
 
     /// Shows the rows of the garment's file in `frames`; points of garments without a file's vertices as they are.

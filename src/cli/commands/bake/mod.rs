@@ -27,6 +27,9 @@ use crate::runtime::threads::on_threads;
 use crease::internal::bake::{BakeReport, BakeResult, ModelDecision};
 use crease::internal::report::{Report, crossing_counts, source_crossings};
 use crease_model::error::{Error, Result};
+use crate::runtime::wording::ToolWords;
+use crease::bake::{BakeReport, BakeResult, ModelDecision};
+use crease::report::{Report, crossing_counts, source_crossings};
 use serde_json::{Value, json};
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -86,21 +89,22 @@ fn bake_into(
     let (baked, stale_frames) = match simulate(&input, arguments, progress, &mut checkpoints, interrupt)? {
         Simulated::Finished { baked, stale_frames } => (*baked, stale_frames),
         Simulated::Stopped { work, kept } => {
-            let report = Report::of_stopped(&input.mesh.garment, &work, start.len());
+            let report = Report::of_stopped(&input.mesh.garment, &work, start.len(), &ToolWords);
             let report = Report { method: method.to_owned(), ..report };
             progress.finish();
             return Err(job.write_stopped(report, kept)?);
         }
     };
     job.warn(stale_frames);
-    job.warn_of_failure(baked.report.inside_body_reason.as_ref());
-    job.warn_of_failure(baked.report.empty_reason.as_ref());
+    job.warn_of_failure(baked.report.inside_body_reason.as_deref());
+    let empty_reason = baked.report.empty_reason.as_ref().map(|reason| reason.worded(&ToolWords));
+    job.warn_of_failure(empty_reason.as_deref());
 
     progress.stage("write");
     let computed = Instant::now();
     let garment = &input.mesh.garment;
     let counts = crossing_counts(garment, &baked.worn, &start);
-    let mut report = Report::of_bake(garment, &baked, counts);
+    let mut report = Report::of_bake(garment, &baked, counts, &ToolWords);
     report.method = method.to_owned();
     let mut sidecar =
         input.sidecar(&baked.worn, arguments.run_description(&baked, input.earlier.as_ref()))?;
@@ -132,7 +136,7 @@ fn bake_into(
     let failed = report.inside_body_reason.as_ref().or(report.unconverged_reason.as_ref());
     outcome(
         failed.map(|reason| format!("{reason}; the unconverged result is in {worn}")),
-        report.empty_reason.as_ref().map(|reason| format!("{reason}; the result is in {worn}")),
+        empty_reason.map(|reason| format!("{reason}; the result is in {worn}")),
     )
 }
 
@@ -220,12 +224,13 @@ fn explain(input: &BakeInput, arguments: &Arguments, as_json: bool) -> Result<()
         let list: Vec<Value> = plan
             .decisions
             .iter()
-            .map(|decision| json!({"name": decision.name, "on": decision.on, "why": decision.why}))
+            .map(|decision| json!({"name": decision.name, "on": decision.on, "why": decision.why.worded(&ToolWords)}))
             .collect();
         return console::data(&format!("{:#}\n", Value::Array(list)));
     }
     let line = |decision: &ModelDecision| {
-        format!("{:<16}{:<5}{}\n", decision.name, if decision.on { "on" } else { "off" }, decision.why)
+        let why = decision.why.worded(&ToolWords);
+        format!("{:<16}{:<5}{why}\n", decision.name, if decision.on { "on" } else { "off" })
     };
     console::data(&plan.decisions.iter().map(line).collect::<String>())
 }

@@ -59,11 +59,12 @@ pub fn run(jobs: &Jobs, arguments: &Arguments, interrupt: &Interrupt) -> Result<
     }
     let doubtful = states.iter().filter(|state| **state == JobState::NotConverged).count();
     if doubtful > 0 {
-        return Err(Error::NotConverged(format!(
+        let reason = format!(
             "{doubtful} of {} jobs ended early, did not converge or have an empty result: see NAME.job.json in {}",
             mine.len(),
             jobs.output.display()
-        )));
+        );
+        return Err(Error::NotConverged(reason.into()));
     }
     Ok(())
 }

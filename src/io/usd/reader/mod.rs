@@ -17,13 +17,13 @@ mod stage;
 mod transform;
 mod walk;
 
-use crate::pieces::{FileFrame, MASK_OPTIONS, ReadPieces};
+use crate::pieces::{FileFrame, MASK_OPTIONS, ReadPieces, MASK_SETTINGS, to_scene};
 use crate::tuning::TUNING;
-use crate::usd::reader::layers::UsdLayers;
+use crate::usd::reader::layers::{UsdLayers, Layers};
 use crate::usd::reader::mesh::MaskName;
 use crate::usd::reader::stage::{Fault, Stage, UsdValue, guarded};
 use crate::usd::reader::walk::{Found, Walk, survey};
-use crease_model::error::{Error, Result};
+use crease_model::error::{Error, Result, Message, Setting};
 use crease_model::garment::{ImportDiagnostic, Severity, UpAxis, is_plausible_unit};
 use rustc_hash::FxHashSet;
 use std::cell::RefCell;
@@ -120,7 +120,7 @@ fn open_with_layers(
 /// Returns why a file cannot be had, without its name.
 fn reason(error: Error) -> String {
     match error {
-        Error::Input(mut all) if !all.is_empty() => all.swap_remove(0).message,
+        Error::Input(mut all) if !all.is_empty() => all.swap_remove(0).message.to_string(),
         other => other.to_string(),
     }
 }
@@ -141,7 +141,12 @@ fn stage_frame(
         Some(UsdValue::Number(unit)) if is_plausible_unit(unit) => Some(unit),
         Some(_) if unit_m.is_none() => {
             let message = "is no length of a unit in metres";
-            return Err(Error::input(file, "metersPerUnit", message, "give the unit with --unit"));
+            return Err(Error::input(
+                file,
+                "metersPerUnit",
+                message,
+                Message::from("give the unit with ") + Setting::Unit,
+            ));
         }
         _ => None,
     };
@@ -149,16 +154,18 @@ fn stage_frame(
         Some(UsdValue::Token(axis)) if axis == "Z" => UpAxis::Z,
         Some(UsdValue::Token(axis)) if axis == "Y" => UpAxis::Y,
         Some(_) if up.is_none() => {
-            return Err(Error::input(file, "upAxis", "is neither Y nor Z", "give the axis with --up"));
+            let help = Message::from("give the axis with ") + Setting::Up;
+            return Err(Error::input(file, "upAxis", "is neither Y nor Z", help));
         }
         _ => UpAxis::Y,
     };
     let note = (unit_m.is_none() && own_unit.is_none()).then(|| ImportDiagnostic {
         severity: Severity::Note,
         location: String::new(),
-        message:
-            "metersPerUnit is not given: the unit is taken to be the centimetre, as USD has it (--unit states another)"
-                .to_owned(),
+        message: Message::from(
+            "metersPerUnit is not given: the unit is taken to be the centimetre, as USD has it (",
+        ) + Setting::Unit
+            + " states another)",
     });
     let frame = FileFrame {
         unit_m: unit_m.or(own_unit).unwrap_or(DEFAULT_UNIT_M),
@@ -173,16 +180,17 @@ fn check_masks(file: &str, masks: [Option<&str>; 2], found: &Found) -> Result<()
     let pieces = || found.pieces.iter().map(|named| &named.piece);
     let is_found =
         [pieces().any(|piece| piece.mask.is_some()), pieces().any(|piece| piece.sewing_mask.is_some())];
-    for ((wanted, option), is_found) in masks.into_iter().zip(MASK_OPTIONS).zip(is_found) {
+    for ((wanted, setting), is_found) in masks.into_iter().zip(MASK_SETTINGS).zip(is_found) {
         let Some(wanted) = wanted.filter(|_| !is_found && !found.pieces.is_empty()) else { continue };
         let primvar = MaskName::parse(wanted).primvar;
         if let Some(reason) = found.notes.message_about(&primvar) {
-            let help = format!("write it as numbers, one per point, corner or face, or leave out {option}");
+            let help =
+                Message::from("write it as numbers, one per point, corner or face, or leave out ") + setting;
             return Err(Error::input(file, "", reason, help));
         }
         let help = match found.primvars.is_empty() {
-            true => format!("leave out {option}: the meshes have no primvars"),
-            false => format!("{option} takes one of: {}", found.primvars.join(", ")),
+            true => Message::from("leave out ") + setting + ": the meshes have no primvars",
+            false => Message::from(setting) + format!(" takes one of: {}", found.primvars.join(", ")),
         };
         return Err(Error::input(file, "", format!("no primvar called \"{wanted}\""), help));
     }
@@ -198,17 +206,21 @@ fn unresolved(faults: Vec<(String, Option<String>)>, layers: &UsdLayers) -> Vec<
         ImportDiagnostic {
             severity: Severity::Warning,
             location: String::new(),
-            message: format!(
+            message: Message::from(format!(
                 "left out: {message}{}; flatten the stage (usdcat --flatten), or put the file where it is looked for",
                 reason.unwrap_or_default()
-            ),
+            )),
         }
     };
     let mut all: Vec<ImportDiagnostic> =
         faults.into_iter().take(TUNING.max_listed_errors).map(warning).collect();
     if count > all.len() {
         let message = format!("{} more parts of the stage are left out", count - all.len());
-        all.push(ImportDiagnostic { severity: Severity::Warning, location: String::new(), message });
+        all.push(ImportDiagnostic {
+            severity: Severity::Warning,
+            location: String::new(),
+            message: message.into(),
+        });
     }
     all
 }

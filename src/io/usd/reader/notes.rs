@@ -49,10 +49,9 @@ impl Notes {
     pub(super) fn into_diagnostics(self) -> Vec<ImportDiagnostic> {
         let diagnostic = |entry: Entry| ImportDiagnostic {
             severity: entry.severity,
-            message: if entry.count > 0 {
-                format!("{} {}", entry.count, entry.message)
-            } else {
-                entry.message
+            message: match entry.count {
+                0 => entry.message.into(),
+                count => format!("{count} {}", entry.message).into(),
             },
             location: entry.path,
         };

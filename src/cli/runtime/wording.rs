@@ -1,0 +1,65 @@
+//! Words of the tool for what the messages of the library hold as data: a setting is an option, an operation a command.
+
+use crease::error::{Operation, Setting, SettingValue, Vocabulary};
+
+/// Words of the tool.
+#[derive(Debug, Clone, Copy)]
+pub struct ToolWords;
+
+impl Vocabulary for ToolWords {
+    fn setting(&self, setting: Setting, value: Option<&SettingValue>) -> String {
+        let option = option(setting);
+        match value {
+            None => option.to_owned(),
+            Some(SettingValue::Word(value) | SettingValue::Number(value)) => format!("{option} {value}"),
+            Some(SettingValue::Name(name)) => format!("{option} \"{name}\""),
+        }
+    }
+
+    fn operation(&self, operation: Operation) -> String {
+        format!("crease {}", command(operation))
+    }
+}
+
+/// Returns the option of a setting.
+fn option(setting: Setting) -> &'static str {
+    match setting {
+        Setting::Align => "--align",
+        Setting::Apply => "--apply",
+        Setting::Body => "--body",
+        Setting::BodyNode => "--body-node",
+        Setting::BodyUnit => "--body-unit",
+        Setting::BodyUp => "--body-up",
+        Setting::DetailMap => "--detail-map",
+        Setting::Explain => "--explain",
+        Setting::ForceSize => "--force-size",
+        Setting::FrameRate => "--fps",
+        Setting::FramesUnit => "--frames-unit",
+        Setting::FullCharts => "--full",
+        Setting::Garment => "--garment",
+        Setting::Hold => "--hold",
+        Setting::Landmarks => "--landmarks",
+        Setting::Mask => "--mask",
+        Setting::Match => "--match",
+        Setting::Only => "--only",
+        Setting::Repeat => "--repeat",
+        Setting::Resolution => "--resolution",
+        Setting::Resume => "--resume",
+        Setting::SewingMask => "--sewing-mask",
+        Setting::Strength => "--strength",
+        Setting::Unit => "--unit",
+        Setting::Up => "--up",
+        Setting::Weld => "--weld",
+    }
+}
+
+/// Returns the command of an operation, without the name of the program.
+fn command(operation: Operation) -> &'static str {
+    match operation {
+        Operation::Bake => "bake",
+        Operation::Transfer => "transfer",
+        Operation::Remember => "remember",
+        Operation::Inspect => "inspect",
+        Operation::ListFabrics => "fabric list",
+    }
+}
