@@ -1,5 +1,5 @@
-//! The structure of the source, read from the source: order of the modules within a crate, lengths of files, links of the docs, and
-//! citations of files.
+//! The structure of the source, read from the source: order of the modules within a crate, lengths of files, links of the docs,
+//! citations of files, and options in messages of the library.
 //!
 //! Every message names the file and line and says how to mend it.
 
@@ -9,6 +9,8 @@ mod citations;
 mod floors;
 #[path = "structure/lengths.rs"]
 mod lengths;
+#[path = "structure/messages.rs"]
+mod messages;
 
 use std::path::{Path, PathBuf};
 
