@@ -147,6 +147,11 @@ pub mod carry {
     pub use crease_model::remesh::{Channels, GarmentSurface};
 }
 
+/// Words of a front end for the settings and operations that messages name.
+pub mod wording {
+    pub use crease_model::error::{Operation, Setting, SettingValue, Vocabulary};
+}
+
 /// Settings of the solver.
 pub mod solver {
     pub use crease_solver::sim::{Method, NewtonOptions, Sewing, StepOptions, StepRelaxation};
@@ -173,11 +178,10 @@ pub use bake::{
 pub use crease_geometry::math::{Vec2, Vec3};
 #[doc(inline)]
 pub use crease_io::{ReadOptions, Sidecar};
-pub use error::{Diagnostic, Error, Message, Operation, Result, Setting, SettingValue, Vocabulary};
 #[doc(inline)]
 pub use crease_model::body::AnimatedBody;
 #[doc(inline)]
-pub use crease_model::error::{Diagnostic, Error, Result};
+pub use crease_model::error::{Diagnostic, Error, Message, Result};
 #[doc(inline)]
 pub use crease_model::fabric::Fabric;
 #[doc(inline)]

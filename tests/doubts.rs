@@ -6,11 +6,11 @@ mod glb;
 #[path = "common/tool.rs"]
 mod tool;
 
-use crease_model::error::Message;
-use crease_model::garment::{RestState, RigidParts, WornGarment, content_warnings};
+use crease::{GarmentFile, Vec3};
 use crease_io::gltf::{DetailOutput, keep_worn_pieces};
 use crease_io::{ReadOptions, read_asset};
-use crease::{GarmentFile, Vec3};
+use crease_model::error::Message;
+use crease_model::garment::{RestState, RigidParts, WornGarment, content_warnings};
 use glb::{Part, detail_map, glb as file};
 use serde_json::{Value, json};
 use tool::crease_in;

@@ -2,14 +2,14 @@
 //! environment variable `CREASE_FULL_SIZE` makes it four seconds.
 
 use crease::internal::bake::{Bake, BakeProgress, Observer, Quality};
+use crease::internal::files::GarmentFile;
 use crease::internal::wear::WearScript;
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::intersections::{intersections_between, self_intersections};
 use crease_model::body::{AnimatedBody, BodyMotion, Sequence};
+use crease_model::error::Message;
 use crease_model::fabric::Fabric;
 use crease_model::garment::{Garment, MeshOptions};
-use crease_model::error::Message;
-use crease::internal::files::GarmentFile;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 

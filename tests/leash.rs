@@ -147,7 +147,10 @@ fn what_falls_off_ends_the_run() {
     let fabric = Fabric::preset("kow-tshirt").expect("exists");
     let bake = Bake::new(&dressed.garment, &fabric, &script).quality(Quality::Draft);
     let error = bake.body(dressed.body.clone()).run().expect_err("falls off").to_string();
-    assert!(error.contains("70 points has fallen off the body") && error.contains("BakeOptions::skin"), "{error}");
+    assert!(
+        error.contains("70 points has fallen off the body") && error.contains("BakeOptions::skin"),
+        "{error}"
+    );
 }
 
 /// Of shirt and jacket the outer one is no body to the inner one; the inner one is a body to the outer one.

@@ -3,9 +3,9 @@
 #[path = "reference/external.rs"]
 mod external;
 
-use crease::mesh::self_intersections;
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::PointIndex;
+use crease_geometry::mesh::intersections::self_intersections;
 use crease_model::fabric::Fabric;
 use external::external;
 use test_attributes::needs_data;

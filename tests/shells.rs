@@ -4,10 +4,10 @@
 #[path = "common/glb.rs"]
 mod glb;
 
+use crease::{GarmentFile, RestState, Vec3, WornGarment};
+use crease_io::ReadOptions;
 use crease_model::error::Message;
 use crease_model::garment::{RigidParts, content_warnings};
-use crease_io::ReadOptions;
-use crease::{GarmentFile, RestState, Vec3, WornGarment};
 use glb::{Part, glb as file};
 use std::collections::HashMap;
 
@@ -147,8 +147,9 @@ fn both_sides_of_cloth_with_a_thickness_remember_a_fold() {
     let garment = &mesh.garment;
     let layers = RigidParts::find(garment).expect("two sides");
     // Every hinge of the simulated side along y = 0 remembers half a right angle.
-    let angle =
-        |h: &crease::mesh::Hinge| crease::mesh::hinge_angle(&h.points.map(|p| layers.cloth().points[p.at()]));
+    let angle = |h: &crease_geometry::mesh::Hinge| {
+        crease_geometry::mesh::hinge_angle(&h.points.map(|p| layers.cloth().points[p.at()]))
+    };
     let angles = layers.cloth().topology.hinges.iter().map(angle).collect();
     let mut cloth = WornGarment {
         displacement: vec![Vec3::zeros(); layers.cloth().points.len()],
@@ -162,10 +163,11 @@ fn both_sides_of_cloth_with_a_thickness_remember_a_fold() {
     }
     let worn = layers.worn(&cloth);
     let of = |front: bool| {
-        let on_side =
-            |h: &&crease::mesh::Hinge| h.points.iter().all(|p| (garment.points[p.at()].z > -1e-4) == front);
+        let on_side = |h: &&crease_geometry::mesh::Hinge| {
+            h.points.iter().all(|p| (garment.points[p.at()].z > -1e-4) == front)
+        };
         let hinges = garment.topology.hinges.iter().zip(0..).filter(|(h, _)| on_side(h));
-        let length = |h: &crease::mesh::Hinge| {
+        let length = |h: &crease_geometry::mesh::Hinge| {
             (garment.points[h.points[0].at()] - garment.points[h.points[1].at()]).norm()
         };
         hinges

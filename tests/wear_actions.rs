@@ -62,7 +62,7 @@ fn memory_where(baked: &BakeResult, counts: impl Fn(&Vec3) -> bool) -> f64 {
 /// The same with its sign, so that what is bent to both sides cancels: the fold.
 fn fold_of(baked: &BakeResult) -> f64 {
     let (garment, memory) = (&baked.simulated.garment, &baked.simulated.worn.memory);
-    let change = |(h, hinge): (usize, &crease::mesh::Hinge)| {
+    let change = |(h, hinge): (usize, &crease_geometry::mesh::Hinge)| {
         let [a, b] = [0, 1].map(|k| garment.points[hinge.points[k].at()]);
         let counts = near_fold(&((a + b) * 0.5));
         if counts { (memory.rest_angle[h] - memory.source_angle[h]) * (b - a).norm() } else { 0.0 }
@@ -150,7 +150,7 @@ fn a_garment_that_hangs_overnight_has_no_fold_and_recovers() {
     let [moment, night] = [2.0, 28_800.0].map(hung);
     let [before, after] = [&moment, &night].map(|baked| memory_where(baked, near_fold));
     let (hinges, x) = (sheet(|_, _| 0.0).topology.hinges, &night.end);
-    let bends = hinges.iter().map(|h| crease::mesh::hinge_angle(&h.points.map(|p| x[p.at()])).abs());
+    let bends = hinges.iter().map(|h| crease_geometry::mesh::hinge_angle(&h.points.map(|p| x[p.at()])).abs());
     let sharpest = bends.fold(0.0, f64::max).to_degrees();
     println!(
         "memory of the fold {before:.3}, after a night {after:.3} rad m; sharpest bend {sharpest:.0} degrees; {} steps, {} in a moment",

@@ -8,15 +8,15 @@
 use crate::bake::body::creases::CreasedCloth;
 use crate::bake::tuning::TUNING;
 use crate::bake::{BakeOptions, ModelDecision};
-use crease_model::error::{Message, Setting};
-use crease_model::fabric::Fabric;
-use crease_model::garment::Garment;
+use crate::wear::{DrawnLines, Foresight, WearScript, draw_fold_lines, is_row};
 use crease_geometry::math::{Vec3, bounds};
 use crease_geometry::mesh::distance::point_triangle;
 use crease_geometry::mesh::intersections::self_intersecting_triangles;
 use crease_geometry::mesh::triangle;
+use crease_model::error::{Message, Setting};
+use crease_model::fabric::Fabric;
+use crease_model::garment::Garment;
 use crease_model::remesh::{Curve, Seed, SimulationMesh, SizeField, SurfaceMesh, improve};
-use crate::wear::{DrawnLines, Foresight, WearScript, draw_fold_lines, is_row};
 
 /// The mesh that is simulated for a garment.
 #[derive(Debug, Clone)]

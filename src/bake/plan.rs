@@ -5,15 +5,15 @@
 
 use crate::bake::BakeOptions;
 use crate::bake::tuning::TUNING;
+use crate::wear::{Action, WearScript};
+use crease_geometry::math::{Vec3, bounds};
+use crease_geometry::mesh::{PointIndex, triangle};
 use crease_model::body::AnimatedBody;
-use crease_solver::contact::ContactSettings;
 use crease_model::error::Message;
 use crease_model::fabric::Fabric;
 use crease_model::garment::Garment;
-use crease_geometry::math::{Vec3, bounds};
-use crease_geometry::mesh::{PointIndex, triangle};
+use crease_solver::contact::ContactSettings;
 use crease_solver::sim::{GRAVITY, Sewing, SewnStrips};
-use crate::wear::{Action, WearScript};
 use std::borrow::Cow;
 
 /// Decision on one model.

@@ -6,7 +6,7 @@ use crease_linear::SolveCost;
 use crease_model::error::{Diagnostic, Message};
 use crease_model::garment::{Garment, WornGarment};
 use crease_solver::memory::EventCount;
-use crease_solver::sim::{StepReport, SolveCost};
+use crease_solver::sim::StepReport;
 use serde::{Deserialize, Serialize};
 
 /// Work and outcome of a bake.

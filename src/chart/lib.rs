@@ -34,7 +34,7 @@ pub use figure::{Axis, BLACK, Figure, GREY, Mark, Panel, Series};
 pub use table::{Cell, Table};
 pub use test_sheet::TestSheet;
 
-use crease_model::error::{Error, Result, Message, Setting};
+use crease_model::error::{Error, Message, Result, Setting};
 use crease_model::json::nearest;
 
 macro_rules! chart_list {

@@ -9,7 +9,9 @@ pub mod args;
 mod commands;
 #[doc(hidden)]
 pub mod files;
-pub(crate) mod runtime;
+mod runtime;
+
+pub use runtime::wording::ToolWords;
 
 use clap::{CommandFactory, Parser, Subcommand};
 #[cfg(feature = "charts")]
@@ -131,8 +133,8 @@ fn exit_code(error: &Error) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::runtime::wording::ToolWords;
-    use crease::{Setting, Vocabulary};
+    use crate::runtime::wording::ToolWords;
+    use crease::wording::{Setting, Vocabulary};
 
     #[test]
     fn the_command_line_is_consistent() {

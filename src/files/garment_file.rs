@@ -1,11 +1,11 @@
 //! [`GarmentFile`]: a mesh file with the garment in it, and the worn garment written back into it.
 
-use crease_model::error::{Error, Message, Result};
-use crease_model::fabric::Fabric;
 use crate::files::read::{STANDARD_STREAM, file_name, read_bytes, write_bytes};
 use crate::wear::WearScript;
 use crease_io::gltf::{embed_images, write_worn_glb};
 use crease_io::{ReadOptions, Sidecar, read_asset};
+use crease_model::error::{Error, Message, Result};
+use crease_model::fabric::Fabric;
 use crease_model::garment::{
     Garment, ImportDiagnostic, MeshOptions, Severity, SheetArrays, SourceAsset, WornGarment,
     content_warnings, sheet_arrays,

@@ -7,7 +7,7 @@ use crate::gltf::read_rig;
 use crate::tuning::TUNING;
 use crease_geometry::math::Vec3;
 use crease_model::body::{AnimatedBody, BodyMotion, Sequence};
-use crease_model::error::{Diagnostic, Error, Result, Message, Setting};
+use crease_model::error::{Diagnostic, Error, Message, Result, Setting};
 use crease_model::garment::{SourceAsset, SourcePiece};
 
 /// Creates the body of `pieces` of `asset`. Fails if its skeleton or clips are damaged.

@@ -2,7 +2,7 @@
 
 use crate::pieces::NamedPiece;
 use crate::tuning::TUNING;
-use crease_model::error::{Error, Result, Message, Setting};
+use crease_model::error::{Error, Message, Result, Setting};
 use crease_model::garment::{ImportDiagnostic, Severity};
 
 /// Marks the pieces that `garment` names as worn, and no others. Returns warnings on names that several meshes have.

@@ -1,7 +1,7 @@
 //! Collector of the errors of one file, so that a user can correct all of them in one pass.
 
 use crate::tuning::TUNING;
-use crease_model::error::{Diagnostic, Error, Result, Message};
+use crease_model::error::{Diagnostic, Error, Message, Result};
 
 /// Errors found so far in one file.
 #[derive(Debug)]

@@ -2,7 +2,6 @@
 
 use crease_model::error::{Diagnostic, Setting};
 use crease_model::garment::{GltfDocument, ImportDiagnostic, ObjLines, SourcePiece, UpAxis};
-use crease_geometry::math::Mat4;
 
 /// Settings that name the masks of a piece: of its memory, of its hems and seams.
 pub(super) const MASK_SETTINGS: [Setting; 2] = [Setting::Mask, Setting::SewingMask];

@@ -7,13 +7,16 @@
 
 use crate::choose_worn::{choose_worn, labels_of};
 use crate::error_list::ErrorList;
-use crate::pieces::{DamagedPiece, FileFrame, MASK_OPTIONS, NamedPiece, MASK_SETTINGS, to_scene};
+use crate::pieces::{DamagedPiece, FileFrame, MASK_SETTINGS, NamedPiece};
 use crate::size::check_size;
+
 use crate::{gltf, obj, usd};
 use crease_geometry::math::Vec3;
-use crease_model::error::{Error, Result, Message, Setting};
-use crease_model::garment::{ImportDiagnostic, Severity, SourceAsset, SourceFormat, SourcePiece, UpAxis, is_in_range, is_plausible_unit};
-use crate::tuning::TUNING;
+use crease_model::error::{Error, Message, Result, Setting};
+use crease_model::garment::{
+    ImportDiagnostic, Severity, SourceAsset, SourceFormat, SourcePiece, UpAxis, is_in_range,
+    is_plausible_unit,
+};
 use sha2::{Digest, Sha256};
 
 /// Longest file [bytes]: indices have 32 bits, and a file this long cannot overflow them.

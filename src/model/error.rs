@@ -358,7 +358,7 @@ impl Term {
 /// [`Message::worded`] has those of a front end.
 ///
 /// ```
-/// use crease::{Message, Operation, Setting};
+/// use crease_model::error::{Message, Operation, Setting};
 /// let message = Message::from("say the unit with ") + Setting::Unit.to("cm") + ", or see " + Operation::Inspect;
 /// assert_eq!(&*message, "say the unit with ReadOptions::unit_m (cm), or see inspect");
 /// ```

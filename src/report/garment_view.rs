@@ -3,20 +3,18 @@
 //! It comes from the sidecar, or from the mesh file alone, which has memory per vertex in single precision or none (then
 //! only shape and curvature can be drawn). Drawing is done by `render`.
 
-use crease_model::error::{Message, Operation};
-use crease_model::garment::{Garment, SourceAsset};
-use crease_io::Sidecar;
-use crease_io::gltf::{keep_worn_pieces, read_worn};
-use crease_geometry::math::Vec3;
-use crease_geometry::mesh::{Hinge, PointIndex, Topology};
 use crate::report::render::{
     Camera, Colouring, Field, Image, curvature, largest_of_hinges, mean_of_hinges, render, side_by_side,
 };
 use crease_geometry::math::Vec3;
+
 use crease_geometry::mesh::{Hinge, PointIndex, Topology};
+
 use crease_io::Sidecar;
+
 use crease_io::gltf::{keep_worn_pieces, read_worn};
-use crease_model::error::{Error, Result};
+
+use crease_model::error::{Error, Message, Operation, Result};
 use crease_model::garment::{Garment, SourceAsset};
 
 /// Quantity that colours a picture.

@@ -4,12 +4,12 @@
 //! are part of the names. `crossings` are counted exactly by [`crossing_counts`].
 
 use crate::bake::{BakeReport, BakeResult, ModelDecision};
-use crease_model::error::Vocabulary;
-use crease_model::garment::{Garment, WornGarment};
-use crease_geometry::math::Vec3;
-use crease_geometry::mesh::intersections::self_intersections;
 use crate::report::detail_report::DetailReport;
 use crate::report::export::ExportCheck;
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::intersections::self_intersections;
+use crease_model::error::Vocabulary;
+use crease_model::garment::{Garment, WornGarment};
 use schemars::JsonSchema;
 use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};

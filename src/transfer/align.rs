@@ -1,9 +1,6 @@
 //! Alignment of a source with the target, so that points of both can be compared: in place, by point pairs, or by
 //! openings and bounding boxes.
 
-use crease_model::error::{Message, Setting, Error, Result};
-use crease_geometry::math::{Mat3, Vec3};
-use crease_geometry::mesh::triangle_bvh::TriangleBvh;
 use crate::transfer::canonical_pose::CanonicalPose;
 use crate::transfer::limb_alignment::{Figure, LimbAlignment, align_limbs, scaling};
 use crate::transfer::limbs::{Anatomy, Region};
@@ -11,6 +8,9 @@ use crate::transfer::openings::{BodyScale, body_scale};
 use crate::transfer::options::{Align, AlignedBy, TransferOptions, TransferSource};
 use crate::transfer::registration::{AffineMap, PointPair, Registration, joint_point_pairs};
 use crate::transfer::tuning::TUNING;
+use crease_geometry::math::{Mat3, Vec3};
+use crease_geometry::mesh::triangle_bvh::TriangleBvh;
+use crease_model::error::{Error, Message, Result, Setting};
 use crease_model::remesh::GarmentSurface;
 
 /// The target of an alignment.

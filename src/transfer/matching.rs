@@ -1,14 +1,14 @@
 //! One source matched with the target: aligned, with the rule by which its triangles belong to points of the target.
 
-use crease_model::error::{Message, Setting};
-use crease_model::garment::RestState;
-use crease_geometry::math::Vec3;
-use crease_geometry::mesh::PointIndex;
-use crease_model::remesh::SimulationMesh;
 use crate::transfer::align::{AlignedSource, AlignmentTarget, align_source};
 use crate::transfer::canonical_pose::CanonicalPose;
 use crate::transfer::confidence::{TransferLosses, transfer_losses};
 use crate::transfer::correspondence::{CorrespondenceFinder, MatchMode};
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::PointIndex;
+use crease_model::error::{Message, Setting};
+use crease_model::garment::RestState;
+use crease_model::remesh::SimulationMesh;
 
 use crate::transfer::crease_drawing::CreaseDrawing;
 use crate::transfer::crease_lines::{CreaseLine, crease_lines};

@@ -1,11 +1,11 @@
 //! Options, sources and results of a transfer: plain data.
 
-use crease_model::error::{Result, Message};
-use crease_model::garment::{RestState, SourceJoint};
-use crease_io::Sidecar;
-use crease_model::remesh::{SimulationMesh, Channels, DeltaScale, GarmentSurface};
 use crate::transfer::confidence::{RegionConfidence, TransferLosses};
 use crate::transfer::registration::PointPair;
+
+use crease_model::error::Message;
+use crease_model::garment::{RestState, SourceJoint};
+use crease_model::remesh::{Channels, DeltaScale, GarmentSurface, SimulationMesh};
 
 /// How points of two garments are matched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -1,16 +1,16 @@
 //! The transfer itself: every source is aligned, matched and resampled; the changes are added up and applied.
 
-use crease_model::error::{Message, Setting, Error, Result};
-use crease_model::garment::{Garment, RigidParts, WornGarment};
-use crease_geometry::math::Vec3;
-use crease_geometry::mesh::distance::barycentric;
-use crease_model::remesh::{SimulationMesh, DeltaScale, GarmentSurface, MemoryDelta, prolongate};
 use crate::transfer::align::AlignmentTarget;
 use crate::transfer::confidence::{confidence_by_region, mean_confidence};
 use crate::transfer::crease_drawing::{CreaseDrawing, DrawnCreases};
 use crate::transfer::matching::{ENTRY_BY_ENTRY, LinedMemory, MatchedSource};
 use crate::transfer::options::{CarriedOnMesh, MatchBy, TransferOptions, TransferResult, TransferSource};
 use crate::transfer::warnings::{empty_reason, transfer_warnings};
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::distance::barycentric;
+use crease_model::error::{Error, Message, Result, Setting};
+use crease_model::garment::{Garment, RigidParts, WornGarment};
+use crease_model::remesh::{DeltaScale, GarmentSurface, MemoryDelta, SimulationMesh, prolongate};
 
 /// Maker of a mesh with edges along drawn creases, which may find that none is needed.
 pub type MeshMaker<'a> = dyn Fn(DrawnCreases) -> Option<SimulationMesh> + 'a;

@@ -1,9 +1,9 @@
 //! Doubts about a transfer: low confidence, lost creases, texture coordinates used twice, nothing transferred.
 
-use crate::transfer::options::{AlignedBy, SourceOutcome, TransferOptions, TransferSource, Channels};
+use crate::transfer::options::{AlignedBy, SourceOutcome, TransferOptions, TransferSource};
+use crate::transfer::tuning::TUNING;
 use crease_model::error::{Message, Setting};
 use crease_model::garment::RestState;
-use crate::transfer::tuning::TUNING;
 use crease_model::remesh::Channels;
 
 /// Returns the warnings on a transfer of `sources` with `outcomes` and the mean `confidence`.

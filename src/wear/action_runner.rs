@@ -3,12 +3,12 @@
 //! An action of a script is data. When its turn comes it is started on the cloth as it is and becomes an [`ActionRunner`],
 //! which gives the loads on the cloth at every time. State that outlives the action is in [`PersistentState`].
 
-use crease_model::error::{Diagnostic, Error, Message, Result};
-use crease_geometry::math::Vec3;
-use crease_solver::memory::Softening;
-use crease_geometry::mesh::PointIndex;
-use crease_solver::sim::Loads;
 use crate::wear::persistent_state::PersistentState;
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::PointIndex;
+use crease_model::error::{Diagnostic, Error, Message, Result};
+use crease_solver::memory::Softening;
+use crease_solver::sim::Loads;
 use serde_json::Value;
 
 /// The cloth at the start of an action, and where the action stands in its script.

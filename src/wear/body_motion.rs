@@ -3,15 +3,15 @@
 //! Steps are short enough to follow the body while it moves; while it stands, the cloth determines them. The body acts on
 //! the garment through `Loads::body` only: contact and friction do the rest.
 
-use crease_model::body::{AnimatedBody, BodyPose, LookupError, PosedBody};
-use crease_model::error::{Message, Result, Setting};
-use crease_geometry::math::Vec3;
-use crease_solver::sim::Loads;
 use crate::wear::action_runner::{ActionContext, ActionRunner};
 use crate::wear::motion_profile::PEAK_RATE;
 use crate::wear::persistent_state::PersistentState;
 use crate::wear::tuning::TUNING;
 use crate::wear::wear_action::FieldError;
+use crease_geometry::math::Vec3;
+use crease_model::body::{AnimatedBody, BodyPose, LookupError, PosedBody};
+use crease_model::error::{Message, Result, Setting};
+use crease_solver::sim::Loads;
 use serde_json::Value;
 use std::sync::Arc;
 

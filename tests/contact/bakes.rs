@@ -6,7 +6,7 @@ use crease_geometry::math::{Rng, Vec3, bounds};
 use crease_geometry::mesh::PointIndex;
 use crease_geometry::mesh::intersections::self_intersections;
 use crease_io::{ReadOptions, read_asset};
-use crease_model::error::{Result, Message};
+use crease_model::error::{Message, Result};
 use crease_model::fabric::Fabric;
 use crease_model::garment::Garment;
 use std::fmt::Write;

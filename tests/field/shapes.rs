@@ -137,8 +137,8 @@ pub fn garment_of(asset: &SourceAsset) -> (Garment, Vec<ImportDiagnostic>) {
 }
 
 /// Fraction of the triangles of a tube along x that face away from its axis.
-pub fn outward_fraction(points: &[Vec3], triangles: &[[crease::mesh::PointIndex; 3]]) -> f64 {
-    let is_outward = |t: &&[crease::mesh::PointIndex; 3]| {
+pub fn outward_fraction(points: &[Vec3], triangles: &[[crease_geometry::mesh::PointIndex; 3]]) -> f64 {
+    let is_outward = |t: &&[crease_geometry::mesh::PointIndex; 3]| {
         let [a, b, c] = t.map(|p| points[p.at()]);
         let middle = (a + b + c) / 3.0;
         (b - a).cross(&(c - a)).dot(&Vec3::new(0.0, middle.y, middle.z)) > 0.0

@@ -164,7 +164,8 @@ impl Made {
     fn worn(&self, is_worn: impl Fn(&Vec3) -> bool) -> TransferSource {
         let mut surface = GarmentSurface::without_texture(&self.garment);
         surface.points.iter_mut().for_each(|x| x.y += 0.6);
-        let angle = |h: &crease::mesh::Hinge| hinge_angle(&h.points.map(|p| self.garment.points[p.at()]));
+        let angle =
+            |h: &crease_geometry::mesh::Hinge| hinge_angle(&h.points.map(|p| self.garment.points[p.at()]));
         let angles = self.garment.topology.hinges.iter().map(angle).collect();
         let mut memory = RestState::new(angles, self.garment.triangles.len());
         for (middle, rest) in self.middles().iter().zip(&mut memory.rest_angle) {
@@ -186,8 +187,9 @@ impl Made {
 
     /// Mean confidence of the triangles whose middle is `within`.
     fn confidence(&self, result: &TransferResult, within: impl Fn(&Vec3) -> bool) -> f64 {
-        let middle =
-            |t: &[crease::mesh::PointIndex; 3]| t.iter().map(|p| self.pattern[p.at()]).sum::<Vec3>() / 3.0;
+        let middle = |t: &[crease_geometry::mesh::PointIndex; 3]| {
+            t.iter().map(|p| self.pattern[p.at()]).sum::<Vec3>() / 3.0
+        };
         let all = self.garment.triangles.iter().zip(&result.confidence);
         let inside: Vec<f64> = all.filter(|(t, _)| within(&middle(t))).map(|(_, c)| *c).collect();
         inside.iter().sum::<f64>() / inside.len().max(1) as f64

@@ -1,14 +1,12 @@
 //! Transfers where textures and positions disagree, joints under exporters' names, and doubts that are told.
 
 use crate::glb::{Part, glb};
-use crease::internal::transfer::{ Align, AlignedBy, MatchBy, TransferOptions, TransferResult, TransferSource, transfer, 
-use crease_model::error::Message;
-use crease_model::garment::{RestState, SourceJoint};
-use crease_geometry::math::{Mat3, Vec3};
-use crease::internal::transfer::{ Align, AlignedBy, GarmentSurface, MatchBy, TransferOptions, TransferResult, TransferSource, transfer, 
+use crease::internal::transfer::{
+    Align, AlignedBy, MatchBy, TransferOptions, TransferResult, TransferSource, transfer,
 };
 use crease::{GarmentFile, ReadOptions};
 use crease_geometry::math::{Mat3, Vec3};
+use crease_model::error::Message;
 use crease_model::garment::{RestState, SourceJoint};
 use crease_model::remesh::GarmentSurface;
 

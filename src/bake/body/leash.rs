@@ -17,10 +17,10 @@ use crate::bake::{BakeOptions, ModelDecision};
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::edge_distances;
 use crease_model::body::{AnimatedBody, BodyPose, GarmentSkin, PosedBody, SkinLocation};
+use crease_model::error::{Message, Operation, Setting};
 use crease_model::garment::Garment;
 use crease_model::remesh::Refinement;
 use crease_solver::energy::Leash;
-use crease_model::error::{Message, Operation, Setting};
 use std::sync::Arc;
 
 /// Leashes of all points of a garment.

@@ -2,9 +2,9 @@
 
 use crate::bake::tuning::TUNING;
 use crease_geometry::math::Vec3;
+use crease_model::error::{Message, Setting};
 use crease_solver::contact::{BodyIntersections, BodyPlanes, Penetration, SELF_FOLD_MARGIN};
 use crease_solver::energy::PlaneContact;
-use crease_model::error::{Message, Setting};
 use serde::{Deserialize, Serialize};
 
 /// Intersecting pairs of triangles of cloth and body in one kind of region.

@@ -5,8 +5,8 @@ use crate::bake::body::penetration::BodyPenetrationStats;
 use crate::bake::report::StopCause;
 use crate::bake::tuning::TUNING;
 use crease_geometry::math::{Vec3, bounds};
-use crease_model::garment::Garment;
 use crease_model::error::{Message, Setting};
+use crease_model::garment::Garment;
 
 /// Parts of a garment that began on its body.
 pub(in crate::bake) struct BodyWatch {

@@ -7,12 +7,12 @@ use crate::bake::run::frames::StepStart;
 use crate::bake::run::running_bake::Run;
 use crate::bake::tuning::TUNING;
 use crate::bake::{BakeProgress, EarlyStop, ModelDecision, Observer, StopCause};
-use crease_model::error::{Error, Message, Result, Setting};
-use crease_geometry::math::Vec3;
-use crease_solver::memory::{MemoryModel, Strains};
-use crease_model::remesh::SimulationMesh;
-use crease_solver::sim::{State, StepReport};
 use crate::wear::{Action, ActionContext, ActionRunner, MAX_CUT_STRAIN, PersistentState};
+use crease_geometry::math::Vec3;
+use crease_model::error::{Error, Message, Result, Setting};
+use crease_model::remesh::SimulationMesh;
+use crease_solver::memory::{MemoryModel, Strains};
+use crease_solver::sim::{State, StepReport};
 use std::time::Instant;
 
 /// The action that is being performed.

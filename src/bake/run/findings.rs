@@ -3,12 +3,12 @@
 
 use crate::bake::tuning::TUNING;
 use crate::bake::{BakeOptions, BakeResult};
+use crate::wear::{Action, WearScript};
+use crease_geometry::math::Vec3;
+use crease_geometry::mesh::triangle_bvh::TriangleBvh;
 use crease_model::body::AnimatedBody;
 use crease_model::error::{Message, Setting};
 use crease_model::garment::{Garment, RestState};
-use crease_geometry::math::Vec3;
-use crease_geometry::mesh::triangle_bvh::TriangleBvh;
-use crate::wear::{Action, WearScript};
 use std::borrow::Cow;
 
 /// Adds warnings to the report of `baked`, and the reason why its result is empty if it is.

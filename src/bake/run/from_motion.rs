@@ -9,11 +9,11 @@ use crate::bake::plan::reference_length;
 use crate::bake::run::findings::empty_reason;
 use crate::bake::{BakeReport, BakeResult, SimulatedGarment, StageSeconds, relax};
 use crease_geometry::math::Vec3;
+use crease_model::error::{Message, Setting};
 use crease_model::fabric::Fabric;
 use crease_model::garment::{Garment, RestState, WornGarment};
 use crease_solver::memory::{Memory, MemoryModel, Strains};
 use crease_solver::sim::Cloth;
-use crease_model::error::{Message, Setting};
 use std::time::Instant;
 
 /// A motion of a garment.

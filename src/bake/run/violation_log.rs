@@ -2,8 +2,8 @@
 
 use crate::bake::report::StopCause;
 use crate::bake::tuning::TUNING;
-use crease_solver::sim::{Violation, Violations};
 use crease_model::error::{Message, Setting};
+use crease_solver::sim::{Violation, Violations};
 use serde::{Deserialize, Serialize};
 
 /// One stretch of time in which a constraint was violated.

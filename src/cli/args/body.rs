@@ -10,9 +10,8 @@ use crease::internal::files::{GarmentFile, read_asset_file};
 use crease_geometry::math::Vec3;
 use crease_io::{ReadOptions, compare_body_size, read_body, read_body_frames, read_garment_skin};
 use crease_model::body::{AnimatedBody, BodyMotion, GarmentSkin};
-use crease_model::error::{Diagnostic, Error, Result, Message, Setting};
+use crease_model::error::{Diagnostic, Error, Message, Result, Setting};
 use crease_model::garment::{Severity, SourceFormat, SourcePiece, UpAxis};
-use crease::files::{GarmentFile, read_asset_file};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 

@@ -5,10 +5,10 @@ use crate::files::output::Outputs;
 use crate::runtime::console;
 use crate::runtime::threads::on_threads;
 use crate::runtime::waiting::Waiting;
+use crate::runtime::wording::ToolWords;
 use crease_chart::{Chart, ChartOptions};
 use crease_model::error::{Error, Result};
 use crease_model::fabric::PAPER_FABRIC;
-use crate::runtime::wording::ToolWords;
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]

@@ -2,13 +2,12 @@
 
 use crate::args::mesh::MeshArgs;
 use crate::runtime::console;
+use crate::runtime::wording::ToolWords;
 use crease::internal::files::GarmentFile;
 use crease_geometry::mesh::intersections::self_intersections;
 use crease_io::gltf::file_contents;
 use crease_io::{ReadOptions, check_size};
 use crease_model::error::Result;
-use crate::runtime::wording::ToolWords;
-use crease::files::GarmentFile;
 use serde_json::json;
 use std::path::PathBuf;
 

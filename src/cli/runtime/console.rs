@@ -1,7 +1,7 @@
 //! Output of the process: messages for people on stderr, data for programs on stdout. A closed pipe is not an error.
 
-use crease_model::error::{Error, Result};
 use crate::runtime::wording::ToolWords;
+use crease_model::error::{Error, Result};
 use std::io::{ErrorKind, Write};
 
 /// Prints one line on stderr. Failures are ignored.

@@ -1,6 +1,6 @@
 //! Words of the tool for what the messages of the library hold as data: a setting is an option, an operation a command.
 
-use crease::error::{Operation, Setting, SettingValue, Vocabulary};
+use crease_model::error::{Operation, Setting, SettingValue, Vocabulary};
 
 /// Words of the tool.
 #[derive(Debug, Clone, Copy)]

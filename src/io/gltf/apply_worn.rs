@@ -19,7 +19,7 @@ use crate::gltf::json_cursor::Cursor;
 use crate::gltf::names::{APPLIED_KEY, EXTRAS_KEY, UNWORN_TARGET, WORN_TARGET};
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::PointIndex;
-use crease_model::error::{Error, Result, Message, Setting};
+use crease_model::error::{Error, Message, Result, Setting};
 use crease_model::garment::GltfDocument;
 use rustc_hash::FxHashMap;
 use serde_json::{Map, Value, json};

@@ -3,10 +3,10 @@
 
 use crate::error_list::ErrorList;
 use crate::gltf::json_cursor::Cursor;
-use crease_model::error::{Message, Diagnostic, Error, Result};
 use base64::Engine;
 use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+use crease_model::error::{Diagnostic, Error, Message, Result};
 
 /// Base64 decoder that accepts any padding, as writers disagree about it.
 const BASE64: GeneralPurpose = GeneralPurpose::new(

@@ -1,7 +1,7 @@
 //! Value of the raw document with its path, so that every error names its location. A member may be missing, or of
 //! another type than the specification says.
 
-use crease_model::error::{Error, Result, Message};
+use crease_model::error::{Error, Message, Result};
 use serde_json::Value;
 
 /// Help for a damaged document.

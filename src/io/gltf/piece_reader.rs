@@ -6,12 +6,12 @@ use crate::gltf::json_cursor::Cursor;
 use crate::gltf::morph::default_weights;
 use crate::gltf::names::{DRACO_CURE, DRACO_EXTENSION, INSTANCING_EXTENSION};
 use crate::gltf::primitive::{MaskChannel, MeshData, PrimitiveData, read_primitive};
-use crate::gltf::scene::{SceneNodes, Scene};
+use crate::gltf::scene::SceneNodes;
 use crate::gltf::skin::skinned_vertices;
-use crate::pieces::{DamagedPiece, MASK_OPTIONS, NamedPiece, ReadPieces, MASK_SETTINGS};
+use crate::pieces::{DamagedPiece, MASK_SETTINGS, NamedPiece, ReadPieces};
 use crate::tuning::TUNING;
 use crease_geometry::math::{Mat3, Mat4};
-use crease_model::error::{Error, Result, Message, Setting};
+use crease_model::error::{Error, Message, Result, Setting};
 use crease_model::garment::{ImportDiagnostic, Placement, Severity, SourceJoint, SourcePiece};
 
 /// Reader of the pieces of one document.

@@ -10,11 +10,11 @@ mod parse;
 use crate::corners::{Corner, CornerVertices};
 use crate::error_list::ErrorList;
 use crate::obj::parse::{BadPosition, Face, Label, Statements};
-use crate::pieces::{DamagedPiece, MASK_OPTIONS, NamedPiece, ReadPieces, MASK_SETTINGS};
+use crate::pieces::{DamagedPiece, MASK_SETTINGS, NamedPiece, ReadPieces};
 use crate::polygon::Triangulator;
 use crease_geometry::math::{Mat4, Vec2, Vec3};
 use crease_geometry::mesh::INVALID;
-use crease_model::error::{Diagnostic, Error, Result, Message, Setting};
+use crease_model::error::{Diagnostic, Error, Message, Result, Setting};
 use crease_model::garment::{ImportDiagnostic, ObjFace, ObjLines, Placement, Severity, SourcePiece};
 
 /// Name of a piece without object and group.

@@ -71,6 +71,6 @@ fn hinge_order(file: &str, topology: &Topology, listed: &[[u32; 4]]) -> Result<V
         .collect()
 }
 
-fn contradiction(file: &str, location: String, what: impl Into<String>) -> Error {
+fn contradiction(file: &str, location: String, what: impl Into<crease_model::error::Message>) -> Error {
     Error::input(file, location, what, "use the sidecar as crease wrote it, or bake again")
 }

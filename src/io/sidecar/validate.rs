@@ -3,7 +3,7 @@
 //! Does not check that the hinges are those of the triangles (`transfer` does), nor that texture coordinates make sense.
 
 use crate::sidecar::format::{SIDECAR_FORMAT, Sidecar};
-use crease_model::error::{Diagnostic, Error, Result, Message, Operation};
+use crease_model::error::{Diagnostic, Error, Message, Operation, Result};
 
 /// Help for a sidecar that contradicts itself.
 pub(super) const REWRITE_HELP: &str = "use the sidecar as crease wrote it, or bake again";

@@ -5,7 +5,7 @@
 //! strips) stays and remembers nothing, so that the garment is still usable. Layers that lie in one place are set
 //! apart by a small distance. Sews no open seams and looks for no intersections.
 
-use crate::error::{Diagnostic, Error, Result, Message, Setting};
+use crate::error::{Diagnostic, Error, Message, Result, Setting};
 use crate::garment::coincident_layers::separate_layers;
 use crate::garment::diagnostic::ImportDiagnostics;
 use crate::garment::material_coords::flatten_triangles;

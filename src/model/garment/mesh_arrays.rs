@@ -3,7 +3,7 @@
 //! The arrays become a [`SourceAsset`] as a file does, so that the garment gets the same repairs and can be written out again.
 //! Errors name the entry of the array, all of a mesh at once.
 
-use crate::error::{Diagnostic, Error, Result};
+use crate::error::{Diagnostic, Error, Message, Result};
 use crate::garment::garment_size::{GarmentSize, is_in_range, is_plausible_unit, usual_units};
 use crate::garment::tuning::TUNING;
 use crate::garment::{
@@ -173,7 +173,7 @@ impl<'a> ArrayErrors<'a> {
         Self { mesh, listed: Vec::new(), omitted: 0 }
     }
 
-    fn push(&mut self, location: impl Into<String>, message: impl Into<String>, help: &str) {
+    fn push(&mut self, location: impl Into<String>, message: impl Into<Message>, help: &str) {
         if self.listed.len() < TUNING.max_listed_errors {
             self.listed.push(Diagnostic::new(self.mesh, location, message, help));
         } else {
@@ -316,7 +316,8 @@ fn check_size(asset: &SourceAsset) -> Result<Option<ImportDiagnostic>> {
             location: String::new(),
             message: format!(
                 "the garment is {extent}, which few garments are: give the unit if that is wrong{hint}"
-            ),
+            )
+            .into(),
         })),
         GarmentSize::Usual | GarmentSize::Rare => Ok(None),
         GarmentSize::Implausible => Err(Error::input(

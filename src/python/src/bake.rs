@@ -214,7 +214,7 @@ pub fn bake(
     report.method = input.options.step().method.name().to_owned();
     report.wall_s = started.elapsed().as_secs_f64();
     let sidecar = input.sidecar(&baked).map_err(exception)?;
-    let not_performed = baked.report.not_performed.as_ref().map(crease::Diagnostic::to_message);
+    let not_performed = baked.report.not_performed.as_ref().map(crease_model::error::Diagnostic::to_message);
     let not_performed = worded(not_performed).next();
     let empty_reason = worded(baked.report.empty_reason.clone()).next();
     let failures = [&not_performed, &baked.report.unconverged_reason, &empty_reason];

@@ -1,9 +1,10 @@
 //! Values between Python and the library. Errors of arguments begin with the name of the argument.
 
+use crate::wording::PythonWords;
 use crate::{ConvergenceError, CreaseError};
-use crease::{MeshOptions, Message};
 use crease::internal::files::GarmentFile;
 use crease::internal::wear::WearScript;
+use crease::{MeshOptions, Message};
 use crease_cli::args::values;
 use crease_cli::files::{input, wear};
 use crease_geometry::math::Vec3;
@@ -11,11 +12,6 @@ use crease_io::ReadOptions;
 use crease_model::error::Error;
 use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
 use crease_model::garment::UpAxis;
-use crate::cli::args::values;
-use crate::cli::files::{input, wear};
-use crate::wording::PythonWords;
-use crease::files::GarmentFile;
-use crease::wear::WearScript;
 use numpy::{Element, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, ToPyArray};
 use pyo3::exceptions::{PyKeyboardInterrupt, PyOSError, PyTypeError};
 use pyo3::prelude::*;
@@ -27,7 +23,7 @@ pub fn exception(error: Error) -> PyErr {
     let text = error.worded(&PythonWords);
     match error {
         Error::Input(problems) => {
-            let line = |problem: &crease::Diagnostic| {
+            let line = |problem: &crease_model::error::Diagnostic| {
                 let text = problem.to_message().worded(&PythonWords);
                 match problem.excerpt.as_str() {
                     "" => text,

@@ -1,8 +1,8 @@
 //! Words of Python for what the messages of the library hold as data: a setting is a keyword argument, an operation a function. What
 //! only the tool has is named as the tool names it.
 
-use crate::cli::runtime::wording::ToolWords;
-use crease::error::{Operation, Setting, SettingValue, Vocabulary};
+use crease_cli::ToolWords;
+use crease_model::error::{Operation, Setting, SettingValue, Vocabulary};
 
 /// Words of Python.
 #[derive(Debug, Clone, Copy)]

@@ -1,9 +1,5 @@
 //! `fold`: one side of a line is turned over, as hands fold cloth on a table.
 
-use crease_solver::energy::TargetSpring;
-use crease_model::error::{Message, Operation, Result};
-use crease_geometry::math::Vec3;
-use crease_solver::sim::Loads;
 use crate::wear::action_runner::{ActionContext, ActionFailure, ActionRunner, ActionStart};
 use crate::wear::fold_layout::FoldLayout;
 use crate::wear::fold_map::{FoldAxis, FoldCoords, line_shift};
@@ -14,6 +10,10 @@ use crate::wear::persistent_state::{FoldRecord, GarmentFrame, PersistentState, T
 use crate::wear::springs::{carry_spring, pin_spring};
 use crate::wear::tuning::TUNING;
 use crate::wear::wear_action::{FieldError, WearAction};
+use crease_geometry::math::Vec3;
+use crease_model::error::{Message, Operation, Result};
+use crease_solver::energy::TargetSpring;
+use crease_solver::sim::Loads;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;

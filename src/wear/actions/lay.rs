@@ -1,9 +1,5 @@
 //! `lay`: the garment is laid flat on the ground, layers in order, none crossing.
 
-use crease_model::error::{Message, Operation, Result};
-use crease_model::garment::{Footprint, is_lying, is_flat_across, max_flat_extent};
-use crease_geometry::math::{Mat3, Vec3, bounds};
-use crease_solver::sim::Loads;
 use crate::wear::action_runner::{ActionContext, ActionFailure, ActionRunner, ActionStart, LaidOut};
 use crate::wear::flat_layout::FlatLayout;
 use crate::wear::fold_layout::FoldLayout;
@@ -11,6 +7,10 @@ use crate::wear::motion_profile::{PEAK_RATE, smoothstep};
 use crate::wear::persistent_state::{GarmentFrame, PersistentState};
 use crate::wear::tuning::TUNING;
 use crate::wear::wear_action::WearAction;
+use crease_geometry::math::{Mat3, Vec3, bounds};
+use crease_model::error::{Message, Operation, Result};
+use crease_model::garment::{is_flat_across, max_flat_extent};
+use crease_solver::sim::Loads;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};

@@ -17,13 +17,13 @@ mod stage;
 mod transform;
 mod walk;
 
-use crate::pieces::{FileFrame, MASK_OPTIONS, ReadPieces, MASK_SETTINGS, to_scene};
+use crate::pieces::{FileFrame, MASK_SETTINGS, ReadPieces};
 use crate::tuning::TUNING;
-use crate::usd::reader::layers::{UsdLayers, Layers};
+use crate::usd::reader::layers::UsdLayers;
 use crate::usd::reader::mesh::MaskName;
 use crate::usd::reader::stage::{Fault, Stage, UsdValue, guarded};
 use crate::usd::reader::walk::{Found, Walk, survey};
-use crease_model::error::{Error, Result, Message, Setting};
+use crease_model::error::{Error, Message, Result, Setting};
 use crease_model::garment::{ImportDiagnostic, Severity, UpAxis, is_plausible_unit};
 use rustc_hash::FxHashSet;
 use std::cell::RefCell;

@@ -2,7 +2,6 @@
 //!
 //! A surface is made from a garment, or from the mesh of a sidecar (`crease_io::sidecar_surface`).
 
-use crate::error::Message;
 use crate::garment::{Garment, RestState, RigidParts, SourceAsset, corner_uvs, corner_vertices};
 use crate::remesh::carry::tuning::TUNING;
 use crease_geometry::math::{Vec2, Vec3};
