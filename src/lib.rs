@@ -72,6 +72,7 @@
 
 mod bake;
 mod files;
+mod job;
 mod report;
 mod transfer;
 mod wear;
@@ -86,6 +87,10 @@ pub mod internal {
     /// Files by path.
     pub mod files {
         pub use crate::files::*;
+    }
+    /// Jobs, from sources to outputs.
+    pub mod job {
+        pub use crate::job::*;
     }
     /// Reports, pictures and pages.
     pub mod report {

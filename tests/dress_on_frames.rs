@@ -2,7 +2,6 @@
 //! environment variable `CREASE_FULL_SIZE` makes it four seconds.
 
 use crease::internal::bake::{Bake, BakeProgress, Observer, Quality};
-use crease::internal::files::GarmentFile;
 use crease::internal::wear::WearScript;
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::intersections::{intersections_between, self_intersections};

@@ -194,7 +194,9 @@ fn board() -> Fabric {
 fn failure(baked: Result<BakeResult>) -> String {
     match baked {
         Err(other) => panic!("{other}"),
-        Ok(baked) => Error::NotPerformed(baked.report.not_performed.expect("did not take place")).to_string(),
+        Ok(baked) => {
+            Error::NotPerformed(Box::new(baked.report.not_performed.expect("did not take place"))).to_string()
+        }
     }
 }
 

@@ -1,14 +1,12 @@
-//! The command-line tool: from arguments to options, a library call, and files.
+//! The command-line tool: from arguments to the options of a job, a library call, and messages.
 //!
-//! Only this side prints and opens files. Data goes to stdout, messages go to stderr. Exit codes: 0 success, 1 bad input,
+//! Only this side prints. Data goes to stdout, messages go to stderr. Exit codes: 0 success, 1 bad input,
 //! 2 wrong usage, 3 no convergence, an action that did not take place, or an empty result, 130 interrupted. A new command is
 //! a file in `commands` and an entry in [`Command`].
 
-#[doc(hidden)]
-pub mod args;
+mod args;
 mod commands;
-#[doc(hidden)]
-pub mod files;
+mod files;
 mod runtime;
 
 pub use runtime::wording::ToolWords;

@@ -64,6 +64,18 @@ pub fn read_text(path: &Path) -> Result<String> {
     })
 }
 
+/// Merges the diagnostics of several errors into one error. An error without diagnostics takes precedence.
+pub fn merge_errors(errors: impl IntoIterator<Item = Error>) -> Error {
+    let mut diagnostics = Vec::new();
+    for error in errors {
+        match error {
+            Error::Input(more) => diagnostics.extend(more),
+            other => return other,
+        }
+    }
+    Error::Input(diagnostics)
+}
+
 /// Writes a file, or replaces it.
 pub(super) fn write_bytes(path: &Path, bytes: &[u8]) -> Result<()> {
     std::fs::write(path, bytes).map_err(|source| Error::File { file: file_name(path), source })

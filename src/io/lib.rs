@@ -31,7 +31,7 @@ pub use sidecar::{
     SidecarSource, SidecarTriangles, SidecarUp, read_sidecar, sidecar_surface, write_sidecar,
     write_sidecar_to,
 };
-pub use size::{check_size, compare_body_size, compare_frame_size};
+pub use size::{check_size, compare_body_size, compare_frame_size, unit_length};
 pub use usd::FILE_EXTENSIONS as USD_EXTENSIONS;
 pub use usd::{
     UsdFrames, UsdScene, UsdShape, UsdTexture, UsdaMemory, is_usd, read_usda, usd_textures, wrapped_deg,

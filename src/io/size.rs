@@ -8,6 +8,14 @@ use crease_model::garment::{
     GarmentSize, ImportDiagnostic, LENGTH_UNITS, Severity, SourceAsset, usual_units,
 };
 
+/// Returns the length of the unit `text` [m]: m, dm, cm, mm, in, or a number of metres; `None` for what is none of these.
+pub fn unit_length(text: &str) -> Option<f64> {
+    match LENGTH_UNITS.iter().find(|(name, _)| *name == text) {
+        Some((_, metres)) => Some(*metres),
+        None => text.parse::<f64>().ok().filter(|metres| *metres > 0.0 && metres.is_finite()),
+    }
+}
+
 /// Rejects a garment of a size that no garment has; returns a warning about one that is rare, unless its unit is known.
 ///
 /// # Errors

@@ -82,7 +82,7 @@ pub enum Error {
     /// An action of the script that was carried out and did not do what it should: a flap that did not turn over, a garment that
     /// does not lie. Exit code 3.
     #[error("did not take place: {0}")]
-    NotPerformed(Diagnostic),
+    NotPerformed(Box<Diagnostic>),
     /// Result without any effect: nothing changed. Exit code 3.
     #[error("empty result: {0}")]
     Empty(Message),
@@ -138,18 +138,26 @@ pub enum Setting {
     Body,
     /// Part of a file that is the body.
     BodyNode,
+    /// Frames per second of a body that is a sequence of files.
+    BodyFrameRate,
     /// Unit of the body file.
     BodyUnit,
     /// Up axis of the body file.
     BodyUp,
+    /// Joints or parts that are left out of the body.
+    BodyWithout,
     /// Normal map of fine wrinkles.
     DetailMap,
     /// List of the models that a bake would use.
     Explain,
+    /// Fabric of the garment.
+    Fabric,
     /// Garments of any size.
     ForceSize,
     /// Frames per second of a sequence of files.
     FrameRate,
+    /// Mesh that the frames of a bake show.
+    FramesOf,
     /// Unit of the frames of a motion.
     FramesUnit,
     /// Scenes of a chart with a long run time.
@@ -164,6 +172,8 @@ pub enum Setting {
     Mask,
     /// Matching of points in a transfer.
     Match,
+    /// Source pose of the garment in motion.
+    Mesh,
     /// Part of the memory that is transferred.
     Only,
     /// Number of times that a motion is repeated.
@@ -176,6 +186,8 @@ pub enum Setting {
     SewingMask,
     /// Factor on the memory.
     Strength,
+    /// Garment to which memory is transferred.
+    Target,
     /// Unit of the garment file.
     Unit,
     /// Up axis of the garment file.
@@ -255,17 +267,21 @@ impl Vocabulary for LibraryWords {
 
 impl Setting {
     /// All settings, in order.
-    pub const ALL: [Self; 26] = [
+    pub const ALL: [Self; 32] = [
         Self::Align,
         Self::Apply,
         Self::Body,
         Self::BodyNode,
+        Self::BodyFrameRate,
         Self::BodyUnit,
         Self::BodyUp,
+        Self::BodyWithout,
         Self::DetailMap,
         Self::Explain,
+        Self::Fabric,
         Self::ForceSize,
         Self::FrameRate,
+        Self::FramesOf,
         Self::FramesUnit,
         Self::FullCharts,
         Self::Garment,
@@ -273,12 +289,14 @@ impl Setting {
         Self::Landmarks,
         Self::Mask,
         Self::Match,
+        Self::Mesh,
         Self::Only,
         Self::Repeat,
         Self::Resolution,
         Self::Resume,
         Self::SewingMask,
         Self::Strength,
+        Self::Target,
         Self::Unit,
         Self::Up,
         Self::Weld,
@@ -291,12 +309,16 @@ impl Setting {
             Self::Apply => "apply_worn",
             Self::Body => "Bake::body",
             Self::BodyNode => "AnimatedBody::from_pieces",
+            Self::BodyFrameRate => "frames per second of the body",
             Self::BodyUnit => "ReadOptions::unit_m of the body",
             Self::BodyUp => "ReadOptions::up of the body",
+            Self::BodyWithout => "AnimatedBody::leave_out",
             Self::DetailMap => "add_detail_map",
             Self::Explain => "Bake::plan",
+            Self::Fabric => "Fabric::load",
             Self::ForceSize => "ReadOptions::any_size",
             Self::FrameRate => "AnimatedBody::from_frames",
+            Self::FramesOf => "BakeOptions::frames_of_simulated",
             Self::FramesUnit => "ReadOptions::unit_m of the frames",
             Self::FullCharts => "ChartOptions::full",
             Self::Garment => "ReadOptions::garment",
@@ -304,12 +326,14 @@ impl Setting {
             Self::Landmarks => "Transfer::landmarks",
             Self::Mask => "ReadOptions::mask",
             Self::Match => "Transfer::match_by",
+            Self::Mesh => "memory_from_motion",
             Self::Only => "Transfer::channels",
             Self::Repeat => "GarmentMotion::repetitions",
             Self::Resolution => "Garment::refine",
             Self::Resume => "Bake::resume",
             Self::SewingMask => "ReadOptions::sewing_mask",
             Self::Strength => "Transfer::strength",
+            Self::Target => "Transfer::new",
             Self::Unit => "ReadOptions::unit_m",
             Self::Up => "ReadOptions::up",
             Self::Weld => "ReadOptions::weld_m",

@@ -54,6 +54,11 @@ impl<'a> Transfer<'a> {
         Self { sources, target, options }
     }
 
+    /// Sets every option, also those that the other methods set.
+    pub(crate) fn options(self, options: TransferOptions) -> Self {
+        Self { options, ..self }
+    }
+
     /// Takes texture coordinates and joints of the target from `asset`, the file that `target` was made from.
     pub fn target_asset(self, target: &Garment, asset: &SourceAsset) -> Self {
         let target = Cow::Owned(GarmentSurface::from_garment(target, asset));

@@ -82,7 +82,9 @@ fn citations(text: &str) -> Vec<Citation<'_>> {
         let is_part = |c: char| c.is_ascii_alphanumeric() || "_-./".contains(c);
         for word in line.split(|c| !is_part(c)) {
             let word = word.trim_end_matches('.');
-            let is_file = word.ends_with(".md") || word.ends_with(".rs");
+            // A table of Cargo.toml is named after the host of documentation.
+            let is_file =
+                (word.ends_with(".md") || word.ends_with(".rs")) && word != "package.metadata.docs.rs";
             let is_placeholder = word.contains("NAME") || word.contains("...") || word.starts_with('.');
             if is_file && !is_placeholder && !word.starts_with('/') {
                 found.push((number + 1, word));

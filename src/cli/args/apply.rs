@@ -1,7 +1,7 @@
 //! `--apply`: the worn shape as the base shape of OUT.glb.
 
-use crease_io::gltf::{FlatNormals, SourceShape, apply_worn};
-use crease_model::error::Result;
+use crease::internal::job::ShapeOptions;
+use crease_io::gltf::{FlatNormals, SourceShape};
 
 /// Shape and normals of OUT.glb.
 #[derive(Debug, Clone, Copy, Default, clap::Args)]
@@ -19,14 +19,10 @@ pub struct ApplyArgs {
 }
 
 impl ApplyArgs {
-    /// Treatment of flat-shaded vertices.
-    pub fn flat_normals(&self) -> FlatNormals {
-        if self.keep_normals { FlatNormals::Kept } else { FlatNormals::Smoothed }
-    }
-
-    /// Applies the worn shape of `glb` if that was asked for.
-    pub fn applied(&self, file: &str, glb: Vec<u8>) -> Result<Vec<u8>> {
+    /// Returns the options of OUT.glb.
+    pub fn shape(self) -> ShapeOptions {
         let source = if self.no_unworn { SourceShape::Dropped } else { SourceShape::Target };
-        if self.apply { apply_worn(file, &glb, source) } else { Ok(glb) }
+        let flat_normals = if self.keep_normals { FlatNormals::Kept } else { FlatNormals::Smoothed };
+        ShapeOptions { apply: self.apply.then_some(source), flat_normals }
     }
 }

@@ -1,7 +1,27 @@
 //! Parsers of option values.
 
 use crate::files::input::STANDARD_STREAM;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use crease_io::unit_length;
 use std::path::{Path, PathBuf};
+
+/// A value of an option: its name with hidden aliases after it, `|` between them; what it stands for; and its help, if any.
+pub type Choice<T> = (&'static str, T, &'static str);
+
+/// Returns the parser of an option that takes one of `choices`.
+pub fn choice<T: Copy + Send + Sync + 'static>(
+    choices: &'static [Choice<T>],
+) -> impl TypedValueParser<Value = T> {
+    let value = |(names, _, help): &Choice<T>| {
+        let mut names = names.split('|');
+        let value = PossibleValue::new(names.next().unwrap_or_default()).aliases(names);
+        if help.is_empty() { value } else { value.help(*help) }
+    };
+    PossibleValuesParser::new(choices.iter().map(value)).try_map(|name| {
+        let chosen = choices.iter().find(|(names, _, _)| names.split('|').any(|own| own == name));
+        chosen.map(|(_, value, _)| *value).ok_or("no such value")
+    })
+}
 
 /// A length [m].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -9,17 +29,9 @@ pub struct Metres(pub f64);
 
 /// Parses a unit of length: a name, or its length in metres.
 pub fn unit(text: &str) -> Result<Metres, String> {
-    let metres = match text {
-        "m" => 1.0,
-        "dm" => 0.1,
-        "cm" => 0.01,
-        "mm" => 0.001,
-        "in" => 0.0254,
-        number => {
-            positive(number).map_err(|_| "expected m, dm, cm, mm, in, or a number of metres above 0")?
-        }
-    };
-    Ok(Metres(metres))
+    unit_length(text)
+        .map(Metres)
+        .ok_or("expected m, dm, cm, mm, in, or a number of metres above 0".to_owned())
 }
 
 /// Parses a finite number above 0.

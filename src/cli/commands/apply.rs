@@ -2,7 +2,7 @@
 
 use crate::args::values::glb_path;
 use crate::files::input;
-use crate::files::output::Outputs;
+use crate::files::output::{Outputs, commit};
 use crease_io::gltf::{SourceShape, apply_worn};
 use crease_model::error::Result;
 use std::path::PathBuf;
@@ -31,5 +31,5 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let worn = input::bytes(&arguments.worn)?;
     let applied = apply_worn(&input::name_of(&arguments.worn), &worn, source)?;
     outputs.add(&arguments.output, &applied)?;
-    outputs.commit()
+    commit(outputs)
 }

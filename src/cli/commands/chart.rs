@@ -1,7 +1,7 @@
 //! `crease chart`: measurements of crease, drawn beside reference data.
 
 use crate::files::input;
-use crate::files::output::Outputs;
+use crate::files::output::{Outputs, commit};
 use crate::runtime::console;
 use crate::runtime::threads::on_threads;
 use crate::runtime::waiting::Waiting;
@@ -52,7 +52,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     for (ending, bytes) in chart.files()? {
         outputs.add(&arguments.output.join(format!("{}.{ending}", chart.name)), &bytes)?;
     }
-    outputs.commit()?;
+    commit(outputs)?;
     folder.keep();
     chart.notes.iter().for_each(|note| console::message(note));
     Ok(())

@@ -3,7 +3,7 @@
 
 use crate::commands::reference;
 use crate::files::input::name_of;
-use crate::files::output::Outputs;
+use crate::files::output::{Outputs, commit};
 use crate::runtime::console;
 use clap::Command;
 use clap_complete::Shell;
@@ -53,7 +53,7 @@ pub fn run_man(arguments: ManArguments, mut command: Command) -> Result<()> {
     }
     let mut outputs = Outputs::new([]);
     add_pages(&mut outputs, &folder, &command)?;
-    outputs.commit()
+    commit(outputs)
 }
 
 fn add_pages(outputs: &mut Outputs, folder: &Path, command: &Command) -> Result<()> {

@@ -1,7 +1,7 @@
 //! `crease example`: garments, wear scripts and ready memories to try, which are part of the program.
 
 use crate::files::input;
-use crate::files::output::{Outputs, is_stream};
+use crate::files::output::{Outputs, commit, is_stream};
 use crate::runtime::console;
 use crease::internal::files::{HANDKERCHIEF, SLEEVE, TSHIRT_DRAFT, ready_memory, ready_memory_names};
 use crease::internal::wear::WearScript;
@@ -60,7 +60,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     }
     let mut outputs = Outputs::new([]);
     outputs.add(&path, &bytes)?;
-    outputs.commit()
+    commit(outputs)
 }
 
 /// Returns file name and content of the example `name`: a garment, a wear script, or a memory with its ending or, where no script

@@ -2,7 +2,7 @@
 
 use crate::args::values::html_path;
 use crate::files::input;
-use crate::files::output::Outputs;
+use crate::files::output::{Outputs, commit};
 use crate::runtime::console;
 use clap::Subcommand;
 use crease::internal::report::swatch_page;
@@ -47,7 +47,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
             if let Some(path) = swatches {
                 let mut outputs = Outputs::new([]);
                 outputs.add(&path, swatch_page(&fabrics).as_bytes())?;
-                outputs.commit()?;
+                commit(outputs)?;
             }
             match json {
                 true => console::data(&format!("{:#}\n", serde_json::json!(fabrics))),

@@ -45,9 +45,18 @@ fn add_command(text: &mut String, command: &Command, parents: &[&str]) {
     let usage = command.clone().render_usage().to_string();
     let _ = writeln!(text, "\n```\n{}\n```", usage.trim_start_matches("Usage: ").trim());
     let arguments: Vec<&Arg> = command.get_arguments().filter(|a| is_documented(a)).collect();
-    if !arguments.is_empty() {
+    let mut groups: Vec<Option<&str>> = Vec::new();
+    for argument in &arguments {
+        if !groups.contains(&argument.get_help_heading()) {
+            groups.push(argument.get_help_heading());
+        }
+    }
+    for group in groups {
+        if let Some(heading) = group {
+            let _ = writeln!(text, "\n**{heading}**");
+        }
         text.push_str("\n| argument | meaning |\n|---|---|\n");
-        for argument in arguments {
+        for argument in arguments.iter().filter(|argument| argument.get_help_heading() == group) {
             let _ = writeln!(text, "| {} | {} |", code(&signature(argument)), meaning(argument));
         }
     }

@@ -3,13 +3,13 @@
 //! It shows the worn shape in the source pose, with memory from the sidecar beside the file, or else from the attributes
 //! of the file. Coordinates of an OBJ, such as a frame of a bake, are in metres, y up.
 
-use crate::args::color_by::ColorByArg;
-use crate::args::values::png_path;
-use crate::files::output::Outputs;
+use crate::args::color_by::COLOR_BY;
+use crate::args::values::{Choice, choice, png_path};
+use crate::files::output::{Outputs, commit};
 use crate::files::view_file::ViewFile;
-use clap::ValueEnum;
-use crease::internal::report::GarmentView;
+use clap::ArgAction;
 use crease::internal::report::render::{Camera, CameraView, encode_apng, encode_png};
+use crease::internal::report::{ColorBy, GarmentView};
 use crease_model::error::Result;
 use std::path::PathBuf;
 
@@ -24,8 +24,8 @@ pub struct Arguments {
     #[arg(value_name = "WORN.glb")]
     worn: PathBuf,
     /// Quantity that the colours show
-    #[arg(long, value_enum, default_value_t = ColorByArg::Shape)]
-    show: ColorByArg,
+    #[arg(long, value_parser = choice(&COLOR_BY), default_value = "shape")]
+    show: ColorBy,
     /// Picture to write
     #[arg(short, long, value_name = "OUT.png", value_parser = png_path)]
     output: PathBuf,
@@ -39,11 +39,11 @@ pub struct Arguments {
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
     elevation: Option<f64>,
     /// Direction of the camera
-    #[arg(long, value_enum, value_name = "SIDE", conflicts_with_all = ["azimuth", "elevation"])]
-    view: Option<ViewArg>,
+    #[arg(long, value_parser = choice(&VIEWS), value_name = "SIDE", conflicts_with_all = ["azimuth", "elevation"])]
+    view: Option<CameraView>,
     /// Part of the garment that fills the picture
-    #[arg(long, value_enum, value_name = "PART", default_value_t = FocusArg::Garment)]
-    focus: FocusArg,
+    #[arg(long, value_parser = choice(&FOCUS), action = ArgAction::Set, value_name = "PART", default_value = "garment")]
+    focus: bool,
     /// Draw the source shape and the worn shape side by side
     #[arg(long)]
     before_after: bool,
@@ -53,40 +53,17 @@ pub struct Arguments {
 }
 
 /// Values of `--view`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum ViewArg {
-    /// In front of the garment
-    Front,
-    /// Behind it
-    Back,
-    /// On its left side
-    Left,
-    /// On its right side
-    Right,
-    /// Above it
-    Top,
-}
+const VIEWS: [Choice<CameraView>; 5] = [
+    ("front", CameraView::Front, "In front of the garment"),
+    ("back", CameraView::Back, "Behind it"),
+    ("left", CameraView::Left, "On its left side"),
+    ("right", CameraView::Right, "On its right side"),
+    ("top", CameraView::Top, "Above it"),
+];
 
-impl From<ViewArg> for CameraView {
-    fn from(argument: ViewArg) -> Self {
-        match argument {
-            ViewArg::Front => Self::Front,
-            ViewArg::Back => Self::Back,
-            ViewArg::Left => Self::Left,
-            ViewArg::Right => Self::Right,
-            ViewArg::Top => Self::Top,
-        }
-    }
-}
-
-/// Values of `--focus`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum FocusArg {
-    /// The whole garment
-    Garment,
-    /// Where most of its memory is
-    Memory,
-}
+/// Values of `--focus`: whether the memory fills the picture.
+const FOCUS: [Choice<bool>; 2] =
+    [("garment", false, "The whole garment"), ("memory", true, "Where most of its memory is")];
 
 /// Seconds of a whole turn of a turntable.
 const TURN_S: u16 = 4;
@@ -98,7 +75,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let view = ViewFile::read(&arguments.worn)?.view;
     let width = usize::from(arguments.size);
     let size = [width, width * 3 / 4];
-    let color_by = arguments.show.into();
+    let color_by = arguments.show;
     let camera = camera(&arguments, &view);
     let draw = |camera: &Camera| match arguments.before_after {
         true => view.draw_before_after(color_by, camera, size),
@@ -116,18 +93,18 @@ pub fn run(arguments: Arguments) -> Result<()> {
         None => encode_png(&draw(&camera)?)?,
     };
     outputs.add(&arguments.output, &bytes)?;
-    outputs.commit()
+    commit(outputs)
 }
 
 /// Returns the camera that the arguments ask for.
 fn camera(arguments: &Arguments, view: &GarmentView) -> Camera {
     let [azimuth, elevation] = match arguments.view {
-        Some(side) => CameraView::from(side).angles_deg().map(Some),
+        Some(side) => side.angles_deg().map(Some),
         None => [arguments.azimuth, arguments.elevation],
     };
     let camera = Camera { azimuth_deg: azimuth, elevation_deg: elevation, ..Camera::default() };
     match arguments.focus {
-        FocusArg::Garment => camera,
-        FocusArg::Memory => view.focus_on_memory(&camera),
+        false => camera,
+        true => view.focus_on_memory(&camera),
     }
 }

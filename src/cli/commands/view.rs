@@ -1,13 +1,13 @@
 //! `crease view`: an interactive page of worn garments in one self-contained file.
 
-use crate::args::color_by::ColorByArg;
-use crate::args::values::html_path;
+use crate::args::color_by::COLOR_BY;
+use crate::args::values::{choice, html_path};
 use crate::files::input;
-use crate::files::output::{self, Outputs};
+use crate::files::output::{self, Outputs, commit};
 use crate::files::view_file::ViewFile;
 use crate::runtime::console;
 use crease::internal::files::{GarmentFile, embed_asset_images, read_asset_file};
-use crease::internal::report::{GarmentView, HingeLabel, ViewerItem, ViewerPiece, viewer_page};
+use crease::internal::report::{ColorBy, GarmentView, HingeLabel, ViewerItem, ViewerPiece, viewer_page};
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::PointIndex;
 use crease_io::ReadOptions;
@@ -29,8 +29,8 @@ pub struct Arguments {
     #[arg(short, long, value_name = "OUT.html", value_parser = html_path)]
     output: PathBuf,
     /// Quantity that the colours show when the page opens
-    #[arg(long, value_enum, default_value_t = ColorByArg::RestAngleChange)]
-    show: ColorByArg,
+    #[arg(long, value_parser = choice(&COLOR_BY), default_value = "rest-angle-change")]
+    show: ColorBy,
     /// Folder of the frames of the bake of the first garment; adds a timeline
     #[arg(long, value_name = "DIR")]
     frames: Option<PathBuf>,
@@ -58,9 +58,9 @@ pub fn run(arguments: Arguments) -> Result<()> {
             None => items.insert(1, simulated_item(folder, positions, triangles)?),
         }
     }
-    let page = viewer_page(&items, arguments.show.into(), &names);
+    let page = viewer_page(&items, arguments.show, &names);
     outputs.add(&arguments.output, page.as_bytes())?;
-    outputs.commit()?;
+    commit(outputs)?;
     console::message(&format!("{}: {:.1} MB", output::name_of(&arguments.output), page.len() as f64 / 1e6));
     Ok(())
 }

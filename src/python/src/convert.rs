@@ -2,15 +2,14 @@
 
 use crate::wording::PythonWords;
 use crate::{ConvergenceError, CreaseError};
+use crease::MeshOptions;
 use crease::internal::files::GarmentFile;
+use crease::internal::job::{GarmentSource, WearSource};
 use crease::internal::wear::WearScript;
-use crease::{MeshOptions, Message};
-use crease_cli::args::values;
-use crease_cli::files::{input, wear};
 use crease_geometry::math::Vec3;
-use crease_io::ReadOptions;
+use crease_io::{ReadOptions, unit_length};
 use crease_model::error::Error;
-use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
+use crease_model::fabric::DEFAULT_FABRIC;
 use crease_model::garment::UpAxis;
 use numpy::{Element, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, ToPyArray};
 use pyo3::exceptions::{PyKeyboardInterrupt, PyOSError, PyTypeError};
@@ -190,10 +189,8 @@ fn unit(value: &Bound<'_, PyAny>) -> PyResult<f64> {
         (_, Ok(name)) => name,
         _ => return Err(wrong_type("unit", value, "a number of metres, or m, dm, cm, mm, in")),
     };
-    match values::unit(&text) {
-        Ok(unit) => Ok(unit.0),
-        Err(wanted) => Err(CreaseError::new_err(format!("unit: {text}: {wanted}"))),
-    }
+    let wanted = "expected m, dm, cm, mm, in, or a number of metres above 0";
+    unit_length(&text).ok_or_else(|| CreaseError::new_err(format!("unit: {text}: {wanted}")))
 }
 
 /// How the file of a garment is read.
@@ -240,28 +237,12 @@ fn check_no_file_options(options: &ReadOptions) -> PyResult<()> {
     }
 }
 
-/// A garment, and the file that it was read from.
-pub struct ReadGarment {
-    pub file: GarmentFile,
-    /// `None` for arrays.
-    pub path: Option<PathBuf>,
-    /// Images that cannot be read.
-    pub warnings: Vec<String>,
-}
-
-/// Returns messages in the words of Python.
-pub fn worded(messages: impl IntoIterator<Item = Message>) -> impl Iterator<Item = String> {
-    messages.into_iter().map(|message| message.worded(&PythonWords))
-}
-
-/// Reads the argument `name`, a garment: a file, or positions and triangles.
-pub fn garment(name: &str, value: &Bound<'_, PyAny>, reading: FileReading) -> PyResult<ReadGarment> {
+/// Returns the argument `name`, a garment: a file, or positions and triangles.
+pub fn garment(name: &str, value: &Bound<'_, PyAny>, reading: FileReading) -> PyResult<GarmentSource> {
     let options = reading.options()?;
     let wanted = "the path of a file, or a pair of positions and triangles";
     if let Ok(path) = value.extract::<PathBuf>() {
-        let mut file = value.py().detach(|| GarmentFile::load(&path, &options)).map_err(exception)?;
-        let warnings = file.embed_images(&path);
-        return Ok(ReadGarment { file, path: Some(path), warnings });
+        return Ok(GarmentSource::File { path, reading: options });
     }
     let Ok([positions, corners]) = value.extract::<[Bound<'_, PyAny>; 2]>() else {
         return Err(wrong_type(name, value, wanted));
@@ -272,27 +253,20 @@ pub fn garment(name: &str, value: &Bound<'_, PyAny>, reading: FileReading) -> Py
     let mut mesh = MeshOptions::default().any_size(options.any_size).up(options.up.unwrap_or_default());
     (mesh.unit_m, mesh.weld_m) = (options.unit_m, options.weld_m);
     let file = value.py().detach(|| GarmentFile::from_mesh(&positions, &triangles, mesh));
-    Ok(ReadGarment { file: file.map_err(exception)?, path: None, warnings: Vec::new() })
+    Ok(GarmentSource::Read(Box::new(file.map_err(exception)?)))
 }
 
-/// Reads a fabric: the name of one of the program's, or a file; by default that of the tool.
-pub fn fabric(value: Option<&Bound<'_, PyAny>>) -> PyResult<Fabric> {
-    let Some(value) = value else { return Fabric::preset(DEFAULT_FABRIC).map_err(exception) };
+/// Returns the fabric of a job: the name of one of the program's, or a file; by default that of the tool.
+pub fn fabric(value: Option<&Bound<'_, PyAny>>) -> PyResult<String> {
+    let Some(value) = value else { return Ok(DEFAULT_FABRIC.to_owned()) };
     let path = path("fabric", value, "a name of fabrics(), or the path of a file")?;
-    input::fabric(&path.to_string_lossy()).map_err(exception)
+    Ok(path.to_string_lossy().into_owned())
 }
 
-/// A wear script, and its name in messages.
-pub struct ReadScript {
-    pub script: WearScript,
-    pub name: String,
-}
-
-/// Reads a wear script: a file, the name of one of the program's, or its content.
-pub fn script(value: &Bound<'_, PyAny>) -> PyResult<ReadScript> {
+/// Returns a wear script: a file, the name of one of the program's, or its content.
+pub fn script(value: &Bound<'_, PyAny>) -> PyResult<WearSource> {
     if let Ok(path) = value.extract::<PathBuf>() {
-        let script = wear::read_script(&path).map_err(exception)?;
-        return Ok(ReadScript { script, name: input::name_of(&path) });
+        return Ok(WearSource::File(path));
     }
     let py = value.py();
     let mapping = py.import("collections.abc")?.getattr("Mapping")?;
@@ -305,7 +279,7 @@ pub fn script(value: &Bound<'_, PyAny>) -> PyResult<ReadScript> {
         PyTypeError::new_err(format!("wear: {why}"))
     })?;
     let script = WearScript::parse("wear", &text.extract::<String>()?).map_err(exception)?;
-    Ok(ReadScript { script, name: "wear".to_owned() })
+    Ok(WearSource::Script { name: "wear".to_owned(), script: Box::new(script) })
 }
 
 /// Returns a JSON value as a Python object.

@@ -1,7 +1,8 @@
 //! The memory law over arrays, for other simulators.
 
 use crate::CreaseError;
-use crate::convert::{check_above_zero, check_not_negative, choice, list, numbers};
+use crate::convert::{check_above_zero, check_not_negative, choice, exception, list, numbers};
+use crease::internal::files::read_fabric;
 use crease_model::fabric::Fabric;
 use crease_solver::memory::{ElementParams, HysteresisState, MemoryLaw};
 use numpy::PyArray1;
@@ -75,7 +76,7 @@ pub fn advance_memory(
 ) -> PyResult<(u64, u64)> {
     check_not_negative("duration", duration)?;
     let kind = choice("kind", kind, &[("angles", Kind::Angles), ("lengths", Kind::Lengths)])?;
-    let fabric = crate::convert::fabric(fabric)?;
+    let fabric = read_fabric(&crate::convert::fabric(fabric)?).map_err(exception)?;
     let count = state.elements.len();
     let of_elements = |value: &Bound<'_, PyAny>, name: &str| -> PyResult<Vec<f64>> {
         let values = list(value, name)?;

@@ -1,6 +1,8 @@
 //! Words of Python for what the messages of the library hold as data: a setting is a keyword argument, an operation a function. What
 //! only the tool has is named as the tool names it.
 
+use crease::Observer;
+use crease::internal::job::JobObserver;
 use crease_cli::ToolWords;
 use crease_model::error::{Operation, Setting, SettingValue, Vocabulary};
 
@@ -29,11 +31,21 @@ impl Vocabulary for PythonWords {
     }
 }
 
+/// Observer of jobs that report nothing but words.
+impl Observer for PythonWords {}
+
+impl JobObserver for PythonWords {
+    fn words(&self) -> &'static dyn Vocabulary {
+        &PythonWords
+    }
+}
+
 /// Returns the keyword argument of a setting, if a function of the module has it.
 fn keyword(setting: Setting) -> Option<&'static str> {
     match setting {
         Setting::Align => Some("align"),
         Setting::Apply => Some("apply"),
+        Setting::Fabric => Some("fabric"),
         Setting::ForceSize => Some("force_size"),
         Setting::Garment => Some("part"),
         Setting::Mask => Some("mask"),
@@ -41,20 +53,25 @@ fn keyword(setting: Setting) -> Option<&'static str> {
         Setting::Only => Some("only"),
         Setting::SewingMask => Some("sewing_mask"),
         Setting::Strength => Some("strength"),
+        Setting::Target => Some("to"),
         Setting::Unit => Some("unit"),
         Setting::Up => Some("up"),
         Setting::Weld => Some("weld_mm"),
         Setting::Body
         | Setting::BodyNode
+        | Setting::BodyFrameRate
         | Setting::BodyUnit
         | Setting::BodyUp
+        | Setting::BodyWithout
         | Setting::DetailMap
         | Setting::Explain
         | Setting::FrameRate
+        | Setting::FramesOf
         | Setting::FramesUnit
         | Setting::FullCharts
         | Setting::Hold
         | Setting::Landmarks
+        | Setting::Mesh
         | Setting::Repeat
         | Setting::Resolution
         | Setting::Resume => None,

@@ -4,12 +4,13 @@ use crate::CreaseError;
 use crate::convert::{exception, object, vectors};
 use crate::process::check_not_forked;
 use crate::sidecar::PySidecar;
-use crease::internal::files::GarmentFile;
-use crease_cli::files::output::Outputs;
-use crease_cli::files::worn_outputs::WornOutputs;
+use crate::wording::PythonWords;
+use crease::internal::files::{GarmentFile, Outputs};
+use crease::internal::job::{JobOutputs, JobReport, ShapeOptions, WornPaths};
 use crease_geometry::math::Vec3;
-use crease_io::gltf::{FlatNormals, SourceShape, apply_worn, write_worn_glb_with};
+use crease_io::gltf::{FlatNormals, SourceShape};
 use crease_io::{Sidecar, write_sidecar};
+use crease_model::error::Error;
 use crease_model::garment::WornGarment;
 use numpy::PyArray2;
 use pyo3::prelude::*;
@@ -20,38 +21,53 @@ use std::path::PathBuf;
 /// A worn garment.
 #[pyclass(name = "Worn", module = "crease", frozen)]
 pub struct PyWorn {
-    pub file: GarmentFile,
-    pub worn: WornGarment,
-    pub sidecar: Sidecar,
+    file: GarmentFile,
+    worn: WornGarment,
+    sidecar: Sidecar,
     /// Report of the run, as JSON.
-    pub report: String,
-    pub warnings: Vec<String>,
-    pub converged: bool,
+    report: String,
+    warnings: Vec<String>,
+    converged: bool,
     /// Reason why the tool would end with exit code 3.
-    pub failure: Option<String>,
+    failure: Option<String>,
     /// File of the garment, which is never overwritten.
-    pub path: Option<PathBuf>,
-}
-
-/// Shape and normals of a worn file.
-#[derive(Clone, Copy)]
-struct ShapeOptions {
-    apply: bool,
-    unworn: bool,
-    keep_normals: bool,
+    path: Option<PathBuf>,
 }
 
 impl PyWorn {
-    fn glb(&self, extras: &Value, shape: ShapeOptions) -> PyResult<Vec<u8>> {
+    /// Takes the outputs of a job that writes no files.
+    pub fn new<R: JobReport>(mut outputs: JobOutputs<R>) -> PyResult<Self> {
+        outputs.write().map_err(exception)?;
+        let JobOutputs { garment, worn, mut report, failure, converged, .. } = outputs;
+        let failure = failure.map(|error| match error {
+            Error::NotConverged(reason) | Error::Empty(reason) => reason.worded(&PythonWords),
+            Error::NotPerformed(reason) => reason.to_message().worded(&PythonWords),
+            other => other.worded(&PythonWords),
+        });
+        let Some((worn, sidecar)) = worn else {
+            return Err(CreaseError::new_err(failure.unwrap_or_default()));
+        };
+        Ok(Self {
+            file: garment.mesh,
+            worn,
+            sidecar,
+            report: report.json(),
+            warnings: report.warnings().to_vec(),
+            converged,
+            failure,
+            path: garment.path,
+        })
+    }
+
+    fn glb(&self, extras: &Value, apply: bool, unworn: bool, keep_normals: bool) -> PyResult<Vec<u8>> {
         check_not_forked()?;
-        if !shape.apply && !shape.unworn {
+        if !apply && !unworn {
             return Err(CreaseError::new_err("unworn: False is for apply=True only"));
         }
-        let GarmentFile { asset, garment, .. } = &self.file;
-        let normals = if shape.keep_normals { FlatNormals::Kept } else { FlatNormals::Smoothed };
-        let glb = write_worn_glb_with(asset, garment, &self.worn, extras, normals).map_err(exception)?;
-        let source = if shape.unworn { SourceShape::Target } else { SourceShape::Dropped };
-        if shape.apply { apply_worn(&asset.file, &glb, source).map_err(exception) } else { Ok(glb) }
+        let source = if unworn { SourceShape::Target } else { SourceShape::Dropped };
+        let flat_normals = if keep_normals { FlatNormals::Kept } else { FlatNormals::Smoothed };
+        let shape = ShapeOptions { apply: apply.then_some(source), flat_normals };
+        shape.glb(&self.file, &self.worn, extras).map_err(exception)
     }
 }
 
@@ -96,7 +112,7 @@ impl PyWorn {
         unworn: bool,
         keep_normals: bool,
     ) -> PyResult<Bound<'py, PyBytes>> {
-        Ok(PyBytes::new(py, &self.glb(&Value::Null, ShapeOptions { apply, unworn, keep_normals })?))
+        Ok(PyBytes::new(py, &self.glb(&Value::Null, apply, unworn, keep_normals)?))
     }
 
     #[pyo3(signature = (path, *, apply = false, unworn = true, keep_normals = false))]
@@ -106,14 +122,14 @@ impl PyWorn {
             let message = format!("path: {}: expected a file name that ends in .glb", path.display());
             return Err(CreaseError::new_err(message));
         }
-        let files = WornOutputs::beside(&path);
+        let files = WornPaths::beside(&path);
+        let glb = self.glb(&files.extras(), apply, unworn, keep_normals)?;
         let mut outputs = Outputs::new(self.path.as_deref());
-        let glb = self.glb(&files.extras(), ShapeOptions { apply, unworn, keep_normals })?;
-        let added = outputs.add(&files.worn, &glb);
-        let mut sidecar = files.sidecar.iter();
-        let added = added
-            .and_then(|()| sidecar.try_for_each(|path| outputs.add(path, &write_sidecar(&self.sidecar))));
-        added.and_then(|()| outputs.commit()).map_err(exception)
+        let added = outputs.add(&files.worn, &glb).and_then(|()| match &files.sidecar {
+            Some(path) => outputs.add(path, &write_sidecar(&self.sidecar)),
+            None => Ok(()),
+        });
+        added.and_then(|()| outputs.commit()).map(drop).map_err(exception)
     }
 
     fn __repr__(&self) -> String {

@@ -6,17 +6,20 @@ use crate::args::export::ExportArgs;
 use crate::args::mesh::ClothArgs;
 use crate::args::refine::RefineArgs;
 use crate::args::run::RunArgs;
-use crate::args::values::{glb_path, not_negative, positive, seconds};
-use crate::files::earlier_memory::EarlierMemory;
-use clap::ValueEnum;
+use crate::args::values::{Choice, choice, glb_path, not_negative, positive, seconds};
+use crate::commands::worn_job::check_stream;
+use crate::files::input::check_streams;
+use clap::ArgAction;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use crease::internal::bake::{BakeOptions, BakeResult, Quality};
-use crease_model::body::{AnimatedBody, GarmentSkin};
+use crease::internal::bake::{BakeOptions, Quality};
+use crease::internal::job::{
+    BakeJobOptions, BakeSources, FrameOptions, GarmentSource, OutputOptions, WearSource,
+};
+use crease_model::error::Result;
 use crease_model::fabric::DEFAULT_FABRIC;
 use crease_solver::sim::{Method, Sewing, StepOptions};
-use serde_json::{Value, json};
-use std::path::PathBuf;
-use std::sync::Arc;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
@@ -26,111 +29,115 @@ use std::sync::Arc;
   crease bake shirt.glb --wear wear.json --explain               which models would be used, and why")]
 pub struct Arguments {
     /// Garment: .obj, .gltf, .glb or USD (.usda, .usdc, .usd, .usdz); - for the standard input
-    pub mesh: PathBuf,
+    mesh: PathBuf,
     /// Wear script, crease-wear/1: a file, the name of one that `crease example` lists, or - for the standard input
-    #[arg(long, value_name = "FILE|NAME")]
-    pub wear: PathBuf,
-    /// Worn garment to write; OUT.crease.json and OUT.report.json go beside it. - is the standard output, for the garment alone
-    #[arg(short, long, value_name = "OUT.glb", value_parser = glb_path, required_unless_present = "explain")]
-    pub output: Option<PathBuf>,
+    #[arg(long, help_heading = "Input", value_name = "FILE|NAME")]
+    wear: PathBuf,
     /// Fabric of the garment: a name of `crease fabric list`, a fabric file, or - for the standard input
-    #[arg(long, value_name = "NAME|FILE", default_value = DEFAULT_FABRIC)]
-    pub fabric: String,
-    #[command(flatten)]
-    pub reading: ClothArgs,
-    #[command(flatten)]
-    pub body: BodyArgs,
-    #[command(flatten)]
-    pub refine: RefineArgs,
+    #[arg(long, help_heading = "Input", value_name = "NAME|FILE", default_value = DEFAULT_FABRIC)]
+    fabric: String,
+    #[command(flatten, next_help_heading = "Input")]
+    reading: ClothArgs,
+    /// Leave out the memory of an earlier run: by default a worn MESH whose sidecar is beside it begins with what it remembers
+    #[arg(long, help_heading = "Input")]
+    forget: bool,
+    #[command(flatten, next_help_heading = "Body")]
+    body: BodyArgs,
     /// Simulate the whole garment, including regions the body cannot reach
-    #[arg(long, alias = "no-sleep")]
+    #[arg(long, help_heading = "Body", alias = "no-sleep")]
     simulate_all: bool,
     /// Simulate the file's own triangles instead of a mesh with edges along the fold lines of the script
-    #[arg(long)]
+    #[arg(long, help_heading = "Wear")]
     no_grading: bool,
     /// Leave open borders single; by default they are hemmed, double over 20 mm
-    #[arg(long)]
+    #[arg(long, help_heading = "Wear")]
     no_hems: bool,
-    /// Leave out the memory of an earlier run: by default a worn MESH whose sidecar is beside it begins with what it remembers
-    #[arg(long)]
-    pub forget: bool,
     /// Leave seams single; by default the cloth is double over 10 mm on either side of them
-    #[arg(long)]
+    #[arg(long, help_heading = "Wear")]
     no_seams: bool,
     /// Factor on what the garment comes to remember, in the result: 0 for nothing, 1 for what the wear left
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = not_negative, default_value_t = 1.0)]
+    #[arg(long, help_heading = "Wear", value_name = "S", allow_negative_numbers = true, value_parser = not_negative, default_value_t = 1.0)]
     strength: f64,
+    /// Memory law of the cloth
+    #[arg(long, help_heading = "Wear", value_parser = choice(&MEMORY), action = ArgAction::Set, default_value = "on")]
+    memory: bool,
+    /// Worn garment to write; OUT.crease.json and OUT.report.json go beside it. - is the standard output, for the garment alone
+    #[arg(short, long, help_heading = "Output", value_name = "OUT.glb", value_parser = glb_path, required_unless_present = "explain")]
+    pub output: Option<PathBuf>,
+    #[command(flatten, next_help_heading = "Output")]
+    apply: ApplyArgs,
+    #[command(flatten, next_help_heading = "Output")]
+    export: ExportArgs,
+    /// Also draw OUT.png: the garment before and after
+    #[arg(long, help_heading = "Output", requires = "output")]
+    preview: bool,
+    /// Meshes whose memory OUT.crease.json holds: `crease transfer` takes folds from that of the simulated one
+    #[arg(
+        long,
+        help_heading = "Output",
+        value_name = "MESH",
+        value_parser = choice(&SIDECAR_MESH),
+        action = ArgAction::Set,
+        default_value = "simulated",
+        requires = "output"
+    )]
+    sidecar_mesh: bool,
+    /// Folder for the garment over time: frame_0000.obj, ..., its vertices in the number and order of the file
+    #[arg(long, help_heading = "Output", value_name = "DIR")]
+    frames: Option<PathBuf>,
+    /// Mesh that the frames show
+    #[arg(
+        long,
+        help_heading = "Output",
+        value_name = "MESH",
+        value_parser = choice(&FRAMES_OF),
+        action = ArgAction::Set,
+        default_value = "garment",
+        requires = "frames"
+    )]
+    frames_of: bool,
+    /// Frames per simulated second
+    #[arg(long, help_heading = "Output", value_name = "N", allow_negative_numbers = true, value_parser = positive, default_value_t = 10.0, requires = "frames")]
+    fps: f64,
     #[command(flatten)]
-    pub apply: ApplyArgs,
-    #[command(flatten)]
-    pub export: ExportArgs,
+    refine: RefineArgs,
     /// Time integrator [default: the one of the quality]
-    #[arg(long, value_name = "NAME", value_parser = method_parser())]
+    #[arg(long, help_heading = "Quality", value_name = "NAME", value_parser = method_parser())]
     method: Option<Method>,
     /// Trade-off between speed and accuracy: time steps and solver tolerances
-    #[arg(long, value_name = "NAME", default_value = Quality::Standard.name(), value_parser = quality_parser())]
+    #[arg(long, help_heading = "Quality", value_name = "NAME", default_value = Quality::Standard.name(), value_parser = quality_parser())]
     quality: Quality,
     /// Validation run: every model on at full size, fixed short time steps; slow
-    #[arg(long, alias = "everything")]
+    #[arg(long, help_heading = "Quality", alias = "everything")]
     full_fidelity: bool,
-    /// Memory law of the cloth
-    #[arg(long, value_enum, default_value_t = MemoryLaw::On)]
-    memory: MemoryLaw,
-    /// Also draw OUT.png: the garment before and after
-    #[arg(long, requires = "output")]
-    pub preview: bool,
-    /// Meshes whose memory OUT.crease.json holds: `crease transfer` takes folds from that of the simulated one
-    #[arg(long, value_name = "MESH", default_value = "simulated", requires = "output")]
-    pub sidecar_mesh: SidecarMesh,
-    /// Folder for the garment over time: frame_0000.obj, ..., its vertices in the number and order of the file
-    #[arg(long, value_name = "DIR")]
-    pub frames: Option<PathBuf>,
-    /// Mesh that the frames show
-    #[arg(long, value_name = "MESH", default_value = "garment", requires = "frames")]
-    pub frames_of: FramesOf,
-    /// Frames per simulated second
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = positive, default_value_t = 10.0, requires = "frames")]
-    pub fps: f64,
     /// Continue from OUT.checkpoint if an interrupted run left one; the result is bit-identical to an uninterrupted run
-    #[arg(long)]
+    #[arg(long, help_heading = "Run")]
     pub resume: bool,
     /// Interval at which OUT.checkpoint is written within actions of the script [s]
-    #[arg(long, value_name = "SECONDS", default_value_t = 30.0, allow_negative_numbers = true, value_parser = seconds)]
-    pub checkpoint_every: f64,
+    #[arg(long, help_heading = "Run", value_name = "SECONDS", default_value_t = 30.0, allow_negative_numbers = true, value_parser = seconds)]
+    checkpoint_every: f64,
     /// Print which models are on and why, with the number behind each decision; without -o, stop there
-    #[arg(long)]
+    #[arg(long, help_heading = "Run")]
     pub explain: bool,
-    #[command(flatten)]
+    #[command(flatten, next_help_heading = "Run")]
     pub run: RunArgs,
 }
 
-/// Values of `--memory`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum MemoryLaw {
-    /// Law of Kim, Oh and Wohn
-    #[value(alias = "paper")]
-    On,
-    /// No memory: a purely elastic simulation
-    Off,
-}
+/// Values of `--memory`: whether the cloth has memory.
+const MEMORY: [Choice<bool>; 2] =
+    [("on|paper", true, "Law of Kim, Oh and Wohn"), ("off", false, "No memory: a purely elastic simulation")];
 
-/// Mesh whose memory a sidecar holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum SidecarMesh {
-    /// The garment
-    Garment,
-    /// The garment and, as a sidecar in the sidecar, the simulated mesh
-    Simulated,
-}
+/// Values of `--sidecar-mesh`: whether the sidecar holds the simulated mesh.
+const SIDECAR_MESH: [Choice<bool>; 2] = [
+    ("garment", false, "The garment"),
+    ("simulated", true, "The garment and, as a sidecar in the sidecar, the simulated mesh"),
+];
 
-/// Mesh that frames show.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum FramesOf {
-    /// The garment, with the vertices of its file
-    Garment,
-    /// The simulated mesh
-    Simulated,
-}
+/// Values of `--frames-of`: whether frames show the simulated mesh.
+const FRAMES_OF: [Choice<bool>; 2] = [
+    ("garment", false, "The garment, with the vertices of its file"),
+    ("simulated", true, "The simulated mesh"),
+];
 
 /// Parser of the integrators of the library, by name. Those that exist only for validation are accepted but not listed.
 fn method_parser() -> impl TypedValueParser<Value = Method> {
@@ -149,56 +156,52 @@ fn quality_parser() -> impl TypedValueParser<Value = Quality> {
 }
 
 impl Arguments {
-    /// Returns the time integrator.
-    pub fn method(&self) -> Method {
-        self.method.unwrap_or(self.quality.step_options().method)
-    }
-
-    fn memory_on(&self) -> bool {
-        self.memory == MemoryLaw::On
-    }
-
-    /// Returns the options of the bake.
-    pub fn options(&self, body: Option<&Arc<AnimatedBody>>, skin: Option<&Arc<GarmentSkin>>) -> BakeOptions {
+    /// Returns the options of the job.
+    pub fn job_options(self) -> Result<BakeJobOptions> {
+        let body = self.body.path().filter(|body| *body != self.mesh);
+        check_streams(&[
+            ("MESH", Some(&self.mesh)),
+            ("--wear", Some(&self.wear)),
+            ("--fabric", Some(Path::new(&self.fabric))),
+            ("--body", body),
+        ])?;
         let step = self.quality.step_options();
-        BakeOptions {
+        let bake = BakeOptions {
             quality: self.quality,
             step: self.method.map(|method| StepOptions { method, ..step }),
-            finest_edge: self.refine.finest_edge(),
-            memory: self.memory_on(),
-            body: body.cloned(),
-            skin: skin.cloned(),
+            memory: self.memory,
             deactivate_static: !self.simulate_all,
             own_triangles: self.no_grading,
             strength: self.strength,
             sewing: Sewing { hems: !self.no_hems, seams: !self.no_seams },
-            frames_of_simulated: self.frames_of == FramesOf::Simulated,
+            frames_of_simulated: self.frames_of,
             full_fidelity: self.full_fidelity,
-            frames_per_second: if self.frames.is_some() { self.fps } else { 0.0 },
             ..BakeOptions::default()
-        }
-    }
-
-    /// Returns the description of the run for the sidecar. It holds nothing that differs between repeated runs, whose
-    /// sidecars are identical.
-    pub fn run_description(&self, baked: &BakeResult, earlier: Option<&EarlierMemory>) -> Value {
-        let mut description = json!({
-            "tool": concat!("crease ", env!("CARGO_PKG_VERSION")),
-            "method": self.method().name(),
-            "quality": self.quality.name(),
-            "memory": if self.memory_on() { "on" } else { "off" },
-            "simulated_s": baked.report.simulated,
-            "steps": baked.report.steps,
-        });
-        if self.strength != 1.0 {
-            description["strength"] = json!(self.strength);
-        }
-        if baked.report.points != baked.end.len() {
-            description["simulated_points"] = json!(baked.report.points);
-        }
-        if let Some(earlier) = earlier {
-            description["earlier"] = earlier.origin.clone();
-        }
-        description
+        };
+        let output = OutputOptions {
+            path: self.output,
+            shape: self.apply.shape(),
+            detail: self.refine.detail(),
+            exports: self.export.export,
+            preview: self.preview,
+        };
+        check_stream(&output, self.run.json)?;
+        let rate = self.fps;
+        Ok(BakeJobOptions {
+            sources: BakeSources {
+                garment: GarmentSource::File { path: self.mesh, reading: self.reading.options() },
+                wear: WearSource::File(self.wear),
+                fabric: self.fabric,
+                body: self.body.options(),
+                resolution_mm: self.refine.resolution_mm(),
+                forget: self.forget,
+            },
+            bake,
+            frames: self.frames.map(|folder| FrameOptions { folder, rate }),
+            resume: self.resume,
+            checkpoint_interval: Duration::from_secs_f64(self.checkpoint_every),
+            sidecar_of_simulated: self.sidecar_mesh,
+            output,
+        })
     }
 }

@@ -3,7 +3,7 @@
 
 use crate::commands::batch::jobs::{Job, Jobs};
 use crate::files::input;
-use crate::files::output::Outputs;
+use crate::files::output::{Outputs, commit};
 use crate::runtime::executable;
 use crate::runtime::interrupt::{INTERRUPTED, Interrupt};
 use crease::internal::report::Report;
@@ -76,7 +76,7 @@ impl JobRecord {
     fn write(&self, jobs: &Jobs, job: &Job) -> Result<()> {
         let mut outputs = Outputs::new([]);
         outputs.add(&record_path(jobs, job), format!("{:#}\n", serde_json::json!(self)).as_bytes())?;
-        outputs.commit()
+        commit(outputs)
     }
 
     /// Whether the job has finished with these inputs and all its outputs exist unchanged.

@@ -2,7 +2,7 @@
 //! with the summary as a second step. Run it with `openjd run TEMPLATE.json --step Bake`, or submit it to a farm.
 
 use crate::commands::batch::jobs::Jobs;
-use crate::files::output::Outputs;
+use crate::files::output::{Outputs, commit};
 use crease_model::error::Result;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -16,7 +16,7 @@ const CANCEL_NOTICE_S: u32 = 30;
 pub fn write(jobs: &Jobs, path: &Path) -> Result<()> {
     let mut outputs = Outputs::new([jobs.file.as_path()]);
     outputs.add(path, format!("{:#}\n", template(jobs, path)).as_bytes())?;
-    outputs.commit()
+    commit(outputs)
 }
 
 fn template(jobs: &Jobs, path: &Path) -> Value {

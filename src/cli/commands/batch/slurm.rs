@@ -5,7 +5,7 @@
 
 use crate::commands::batch::arguments::Arguments;
 use crate::commands::batch::jobs::Jobs;
-use crate::files::output::Outputs;
+use crate::files::output::{Outputs, commit};
 use crate::runtime::{console, executable};
 use crease_model::error::{Error, Result};
 use std::path::Path;
@@ -23,7 +23,7 @@ pub fn submit(jobs: &Jobs, arguments: &Arguments) -> Result<()> {
     let mut outputs = Outputs::new([]);
     outputs.add(&array, array_script(jobs, arguments, &crease)?.as_bytes())?;
     outputs.add(&summary, summary_script(jobs, &crease)?.as_bytes())?;
-    outputs.commit()?;
+    commit(outputs)?;
     if arguments.dry_run {
         return console::data(&format!("{}\n{}\n", array.display(), summary.display()));
     }

@@ -2,7 +2,7 @@
 
 use crate::commands::batch::job::JobRecord;
 use crate::commands::batch::jobs::{Job, Jobs};
-use crate::files::output::Outputs;
+use crate::files::output::{Outputs, commit};
 use crate::files::view_file::ViewFile;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -61,7 +61,7 @@ pub fn write(jobs: &Jobs) -> Result<()> {
     let mut outputs = Outputs::new([]);
     outputs.add(&jobs.output.join("summary.json"), format!("{list:#}\n").as_bytes())?;
     outputs.add(&jobs.output.join("index.html"), page(jobs, &list).as_bytes())?;
-    outputs.commit()
+    commit(outputs)
 }
 
 fn page(jobs: &Jobs, list: &Value) -> String {

@@ -1,8 +1,8 @@
-//! `--frames DIR`: the garment over time as frame_0000.obj, frame_0001.obj, ... Each frame is written as soon as it is due,
+//! A folder of frames of a run: the garment over time as frame_0000.obj, frame_0001.obj, ... Each frame is written as soon as it is due,
 //! whole or not at all, so that a run can be watched and an interrupted run keeps its frames.
 
-use crate::files::input::name_of;
 use crate::files::output::Outputs;
+use crate::files::read::file_name;
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::PointIndex;
 use crease_io::{FrameRow, FrameRows, write_frame_obj};
@@ -11,23 +11,23 @@ use std::path::{Path, PathBuf};
 
 /// Writer of the frames of one run.
 #[derive(Debug)]
-pub struct FrameFolder<'a> {
+pub struct FrameFolder {
     folder: PathBuf,
     /// Triangles of the frames.
     triangles: Vec<[PointIndex; 3]>,
     /// Rows of the frames; `None` where every point is one.
     rows: Option<Vec<FrameRow>>,
-    /// Input mesh, which may be a frame of an earlier run and must not be overwritten.
-    mesh: &'a Path,
+    /// Input mesh, which may be a frame of an earlier run and must not be overwritten; `None` for one that is no file.
+    mesh: Option<PathBuf>,
     /// Frames written so far.
     written: usize,
 }
 
-impl<'a> FrameFolder<'a> {
+impl FrameFolder {
     /// Creates `folder` if it is missing. `written` frames exist already if the run is resumed; `mesh` is never
     /// overwritten.
-    pub fn new(folder: &Path, mesh: &'a Path, written: usize) -> Result<Self> {
-        std::fs::create_dir_all(folder).map_err(|source| Error::File { file: name_of(folder), source })?;
+    pub fn new(folder: &Path, mesh: Option<PathBuf>, written: usize) -> Result<Self> {
+        std::fs::create_dir_all(folder).map_err(|source| Error::File { file: file_name(folder), source })?;
         Ok(Self { folder: folder.to_owned(), triangles: Vec::new(), rows: None, mesh, written })
     }
 
@@ -45,7 +45,7 @@ impl<'a> FrameFolder<'a> {
 
     /// Writes the next frame; `points` has one position per point of the mesh [m].
     pub fn write(&mut self, points: &[Vec3]) -> Result<()> {
-        let mut outputs = Outputs::new([self.mesh]);
+        let mut outputs = Outputs::new(self.mesh.as_deref());
         let text = match &self.rows {
             Some(rows) => {
                 let position = |row: &FrameRow| match row {
@@ -85,7 +85,7 @@ mod tests {
     fn frames_are_numbered_and_stale_ones_detected() {
         let folder = tempfile::tempdir().expect("a folder");
         let deep = folder.path().join("a/b");
-        let mut frames = FrameFolder::new(&deep, Path::new("in.obj"), 0).expect("makes the folder");
+        let mut frames = FrameFolder::new(&deep, Some(PathBuf::from("in.obj")), 0).expect("makes the folder");
         for x in [1.0, 2.0] {
             frames.write(&[Vec3::repeat(x)]).expect("writes");
         }
@@ -96,7 +96,7 @@ mod tests {
         let shorter = FrameFolder { written: 1, ..frames };
         let second = deep.join("frame_0001.obj");
         assert_eq!(shorter.stale_frame(), Some(second.clone()));
-        let mut over_input = FrameFolder { mesh: &second, ..shorter };
+        let mut over_input = FrameFolder { mesh: Some(second), ..shorter };
         assert!(over_input.write(&[]).expect_err("is refused").to_string().contains("would be overwritten"));
     }
 }

@@ -1,12 +1,11 @@
 //! The checkpoint file of a run, OUT.checkpoint: written after every action, at intervals within actions, and when the
 //! run is asked to stop. It is written under another name and then renamed, and removed when the results are written.
 //!
-//! Failure to write a checkpoint (a full disk) is only a warning, as the run itself may still succeed.
+//! Failure to write a checkpoint (a full disk) is only a notice, as the run itself may still succeed.
 
-use crate::files::input;
+use crate::bake::Checkpoint;
 use crate::files::output::is_stream;
-use crate::runtime::console;
-use crease::internal::bake::Checkpoint;
+use crate::files::read::{file_name, read_bytes};
 use crease_model::error::Result;
 use std::fs::File;
 use std::io::Write;
@@ -53,13 +52,13 @@ impl CheckpointFile {
     /// Reads the checkpoint of an earlier run; `None` if there is none.
     pub fn read(&self) -> Result<Option<SavedCheckpoint>> {
         let Some(path) = self.path().filter(|path| path.exists()) else { return Ok(None) };
-        let file = input::name_of(path);
-        let checkpoint = Checkpoint::parse(&file, &input::bytes(path)?)?;
+        let file = file_name(path);
+        let checkpoint = Checkpoint::parse(&file, &read_bytes(path)?)?;
         Ok(Some(SavedCheckpoint { file, checkpoint }))
     }
 
-    /// Accepts the next checkpoint and writes it if the interval has passed.
-    pub fn update(&mut self, now: Checkpoint) {
+    /// Accepts the next checkpoint and writes it if the interval has passed. Returns what [`Self::flush`] does.
+    pub fn update(&mut self, now: Checkpoint) -> Option<String> {
         let wait = if now.position.is_before_action() {
             self.interval.min(MIN_ACTION_INTERVAL)
         } else {
@@ -67,22 +66,19 @@ impl CheckpointFile {
         };
         self.pending = Some(now);
         if self.last_write.elapsed() >= wait {
-            self.flush();
+            return self.flush();
         }
+        None
     }
 
-    /// Writes the latest checkpoint if it is not written yet.
-    pub fn flush(&mut self) {
-        let (Some(checkpoint), Some(path)) = (self.pending.take(), &self.path) else { return };
+    /// Writes the latest checkpoint if it is not written yet. Returns a warning for the first that cannot be written.
+    pub fn flush(&mut self) -> Option<String> {
+        let (checkpoint, path) = (self.pending.take()?, self.path.as_ref()?);
         let written = write(path, &checkpoint.to_bytes());
         self.last_write = Instant::now();
-        if let (Err(error), false) = (&written, self.failed) {
-            console::message(&format!(
-                "warning: {}: {error}; the run continues without checkpoints",
-                input::name_of(path)
-            ));
-            self.failed = true;
-        }
+        let error = written.err().filter(|_| !self.failed)?;
+        self.failed = true;
+        Some(format!("{}: {error}; the run continues without checkpoints", file_name(path)))
     }
 
     /// Removes the checkpoint of a finished run. Failures are ignored, since a leftover checkpoint does no harm.

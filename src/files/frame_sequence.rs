@@ -1,7 +1,7 @@
 //! A folder of numbered OBJ frames, read in order.
 
-use crate::files::input::{merge_errors, name_of};
-use crease::internal::files::read_asset_file;
+use crate::files::garment_file::read_asset_file;
+use crate::files::read::{file_name, merge_errors};
 use crease_io::ReadOptions;
 use crease_model::error::{Error, Result};
 use crease_model::garment::{SourceAsset, SourceFormat};
@@ -28,7 +28,7 @@ pub fn read_frames(folder: &Path, options: &ReadOptions) -> Result<Vec<SourceAss
 
 /// Returns the paths of the numbered .obj files of `folder` in order.
 pub fn frame_paths(folder: &Path) -> Result<Vec<PathBuf>> {
-    let failed = |source| Error::File { file: name_of(folder), source };
+    let failed = |source| Error::File { file: file_name(folder), source };
     let mut numbered: Vec<(u64, String, PathBuf)> = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(failed)? {
         let path = entry.map_err(failed)?.path();
@@ -41,7 +41,7 @@ pub fn frame_paths(folder: &Path) -> Result<Vec<PathBuf>> {
         }
     }
     numbered.sort();
-    let refuse = |message: String, help: &str| Err(Error::input(name_of(folder), "", message, help));
+    let refuse = |message: String, help: &str| Err(Error::input(file_name(folder), "", message, help));
     let Some((first, name, _)) = numbered.first() else {
         return refuse("has no numbered .obj files".into(), "name the folder that holds frame_0000.obj, ...");
     };
