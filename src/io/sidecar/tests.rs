@@ -42,7 +42,9 @@ fn example() -> Sidecar {
     };
     let points = positions[..4].iter().map(|[x, y]| Vec3::new(*x, *y, 1.0 / 3.0)).collect();
     let source_point = [0, 1, 2, 3, 1].map(PointIndex).to_vec();
-    let garment = Garment { source_point, ..Garment::of_triangles(points, &[[0, 1, 2], [2, 1, 3]]) };
+    let material = vec![[Vec2::zeros(); 3]; 2];
+    let garment =
+        Garment { material, source_point, ..Garment::of_triangles(points, &[[0, 1, 2], [2, 1, 3]]) };
     let worn = WornGarment {
         displacement: vec![Vec3::new(0.1, -2e-17, 3.0); 4],
         memory: RestState {

@@ -175,6 +175,7 @@ mod tests {
     use crate::energy::energy_checks::{
         check_gradient_and_hessian, check_restriction, check_rigid_motion, check_secant_of_a_rotation,
     };
+    use crate::math::Vec2;
 
     /// A strip of two squares of 20 mm, left and right of z, and a flap of the size of one sewn onto the line between them and lying on
     /// the right one.
@@ -195,7 +196,9 @@ mod tests {
         let square = |[a, b, c, d]: [u32; 4]| [[a, b, c], [b, d, c]];
         let squares = [[0, 1, 2, 3], [2, 3, 4, 5], [2, 3, 6, 7]];
         let triangles: Vec<[u32; 3]> = squares.into_iter().flat_map(square).collect();
-        Garment::of_triangles(points, &triangles)
+        let flat = |t: &[u32; 3]| t.map(|p| Vec2::new(points[p as usize].x, points[p as usize].z));
+        let material = triangles.iter().map(flat).collect();
+        Garment { material, ..Garment::of_triangles(points, &triangles) }
     }
 
     #[test]

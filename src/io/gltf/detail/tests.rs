@@ -3,10 +3,10 @@
 use super::*;
 use crate::gltf::detail::painter::SurfaceCorners;
 use crate::gltf::{FlatNormals, write_worn_glb};
-
 use crease_geometry::mesh::PointIndex;
 use crease_geometry::mesh::distance::barycentric;
 use crease_model::garment::{Garment, RestState, WornGarment};
+use crease_geometry::math::Vec2;
 use rustc_hash::FxHashMap;
 use serde_json::json;
 use std::fmt::Write;
@@ -68,7 +68,8 @@ fn finer(coarse: &Garment, times: usize) -> (Garment, Vec<u32>) {
     }
     let triangles: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(|p| p.0)).collect();
     let source_point = coarse.source_point.clone();
-    let fine = Garment { source_point, ..Garment::of_triangles(points, &triangles) };
+    let material = vec![[Vec2::zeros(), Vec2::x(), Vec2::y()]; triangles.len()];
+    let fine = Garment { material, source_point, ..Garment::of_triangles(points, &triangles) };
     (fine, parent)
 }
 
