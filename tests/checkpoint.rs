@@ -8,10 +8,10 @@ use crease::internal::wear::WearScript;
 use crease::{Error, Result};
 use crease_geometry::math::Vec3;
 use crease_io::{ReadOptions, read_asset, read_body};
-
 use crease_model::fabric::Fabric;
 use crease_model::garment::Garment;
 use crease_solver::sim::{Method, StepOptions};
+use test_attributes::long;
 use tool::{Pose, wavy_sheet};
 
 /// Every action whose runner has a state of its own: `lay` its ceiling, `unfold` the fold it opens.
@@ -166,11 +166,13 @@ fn resumed_anywhere(method: Method) {
     }
 }
 
+#[long(100)]
 #[test]
 fn backward_euler_goes_on_as_if_nothing_had_been() {
     resumed_anywhere(Method::BackwardEuler);
 }
 
+#[long(45)]
 #[test]
 fn bdf2_goes_on_as_if_nothing_had_been() {
     resumed_anywhere(Method::Bdf2);

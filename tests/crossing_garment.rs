@@ -11,6 +11,7 @@ use crease_geometry::mesh::intersections::self_intersections;
 use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
 use crease_model::garment::Garment;
 use shirt::shirt;
+use test_attributes::long;
 
 fn crossings(garment: &Garment, x: &[Vec3]) -> usize {
     self_intersections(x, &garment.triangles).len()
@@ -27,6 +28,7 @@ fn folded(garment: &Garment) -> BakeResult {
     Bake::new(garment, &fabric, &script).options(options).run().expect("runs")
 }
 
+#[long(33)]
 #[test]
 fn folds_are_made_whatever_crosses_in_the_file() {
     let garment = shirt(1.7, true);

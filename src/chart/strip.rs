@@ -148,8 +148,10 @@ fn panels_of(times: Vec<Series>, mut residuals: Vec<Series>) -> Vec<Panel> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use test_attributes::long;
 
     /// Trend of Table 1 on the two smaller strips; the chart has all three.
+    #[long(80)]
     #[test]
     fn strips_come_to_rest_no_later_with_memory() {
         let fabric = Fabric::preset(PAPER_FABRIC).expect("exists");

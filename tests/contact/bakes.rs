@@ -11,6 +11,7 @@ use crease_model::fabric::Fabric;
 use crease_model::garment::Garment;
 use std::fmt::Write;
 use std::time::Instant;
+use test_attributes::long;
 
 /// Outcome of a bake.
 pub struct Outcome {
@@ -182,6 +183,7 @@ fn a_handkerchief_folded_twice_never_crosses() {
 }
 
 /// Requirement: crumpling reaches the prescribed size, and neither tears cloth nor presses layers to nothing.
+#[long(29)]
 #[test]
 fn crumpled_cloth_is_neither_torn_nor_crushed() {
     let actions = r#"{"crumple": {"to": 0.3, "over": 2.0, "hold": 1.0}}"#;
