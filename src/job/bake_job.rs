@@ -98,7 +98,7 @@ impl BakeJob {
     /// Runs the bake.
     ///
     /// # Errors
-    /// Those of [`crate::Bake::run_with`], [`Error::Input`] for a garment that the files cannot carry, and [`Error::File`]. A run that
+    /// Those of [`crate::bake::Bake::run_with`], [`Error::Input`] for a garment that the files cannot carry, and [`Error::File`]. A run that
     /// ends before its script fails only if nothing is written; otherwise its outputs hold the report alone.
     pub fn run(mut self, observer: &mut dyn JobObserver) -> Result<JobOutputs<Report>> {
         self.record.accept(&mut self.input.garment, observer)?;

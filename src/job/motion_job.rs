@@ -50,7 +50,7 @@ impl MotionJob {
     /// Checks that the outputs can be written, reads the sources, and computes the memory.
     ///
     /// # Errors
-    /// [`crate::Error::Input`] with the problems of a file, or for a body among what is taken for cloth; [`crate::Error::File`] for a
+    /// [`crease_model::error::Error::Input`] with the problems of a file, or for a body among what is taken for cloth; [`crease_model::error::Error::File`] for a
     /// file that cannot be read.
     pub fn run(self, observer: &mut dyn JobObserver) -> Result<JobOutputs<Report>> {
         let files = [Some(self.motion.as_path()), self.mesh.as_deref()];

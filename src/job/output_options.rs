@@ -86,7 +86,7 @@ impl ShapeOptions {
     /// Returns `worn` as .glb, with `extras` in its worn meshes.
     ///
     /// # Errors
-    /// [`crate::Error::Input`] if `worn` does not fit the garment, or the file has a construct that cannot be kept.
+    /// [`crease_model::error::Error::Input`] if `worn` does not fit the garment, or the file has a construct that cannot be kept.
     pub fn glb(self, mesh: &GarmentFile, worn: &WornGarment, extras: &Value) -> Result<Vec<u8>> {
         self.applied(&mesh.asset.file, self.worn_glb(mesh, worn, extras)?)
     }

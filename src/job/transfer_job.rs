@@ -53,7 +53,7 @@ impl TransferJob {
     /// Checks that the outputs can be written, reads the sources, transfers the memory, and relaxes the target with it.
     ///
     /// # Errors
-    /// [`crate::Error::Input`] with every problem of the files, [`crate::Error::File`] for one that cannot be read, and those of
+    /// [`crease_model::error::Error::Input`] with every problem of the files, [`crease_model::error::Error::File`] for one that cannot be read, and those of
     /// [`Transfer::run`].
     pub fn run(mut self, observer: &mut dyn JobObserver) -> Result<JobOutputs<TransferReport>> {
         let files = self.sources.iter().map(MemorySource::path);

@@ -1,7 +1,7 @@
 //! Words of Python for what the messages of the library hold as data: a setting is a keyword argument, an operation a function. What
 //! only the tool has is named as the tool names it.
 
-use crease::Observer;
+use crease::internal::bake::Observer;
 use crease::internal::job::JobObserver;
 use crease_cli::ToolWords;
 use crease_model::error::{Operation, Setting, SettingValue, Vocabulary};

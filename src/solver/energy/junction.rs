@@ -175,7 +175,7 @@ mod tests {
     use crate::energy::energy_checks::{
         check_gradient_and_hessian, check_restriction, check_rigid_motion, check_secant_of_a_rotation,
     };
-    use crate::math::Vec2;
+    use crease_geometry::math::Vec2;
 
     /// A strip of two squares of 20 mm, left and right of z, and a flap of the size of one sewn onto the line between them and lying on
     /// the right one.

@@ -3,10 +3,10 @@
 use super::*;
 use crate::gltf::detail::painter::SurfaceCorners;
 use crate::gltf::{FlatNormals, write_worn_glb};
+use crease_geometry::math::Vec2;
 use crease_geometry::mesh::PointIndex;
 use crease_geometry::mesh::distance::barycentric;
 use crease_model::garment::{Garment, RestState, WornGarment};
-use crease_geometry::math::Vec2;
 use rustc_hash::FxHashMap;
 use serde_json::json;
 use std::fmt::Write;
