@@ -15,6 +15,7 @@
 //! every setting, the other scenes with every quality and length of edges (`--full`: with every setting).
 
 use crease::internal::bake::{BakeOptions, BakeResult, Quality};
+use crate::comparison::BACKWARD_EULER_ONCE;
 use crate::bake_scene::{BakeScene, FOLD_THRICE};
 use crate::curvature_field::CurvatureField;
 use crate::net_angles::{FOLD_THRICE_LINES, net_angles};
@@ -311,7 +312,7 @@ fn settings() -> Vec<Setting> {
     let late = |o: &mut BakeOptions| o.event_dt_fraction = Some(2.5 * o.event_dt_fraction());
     all.push(("tolerances", "steps after events times 2.5".to_owned(), with(&late)));
     all.push(("models", "no hems, no double seams".to_owned(), with(&|o| o.sewing = Sewing::NONE)));
-    for method in [Method::BackwardEulerOnce, Method::Bdf2] {
+    for method in [BACKWARD_EULER_ONCE, Method::Bdf2] {
         all.push(("integrators", method.name().to_owned(), with(&|o| o.step = Some(StepOptions { method, ..o.step() }))));
     }
     all

@@ -13,6 +13,7 @@
 
 mod bake_scene;
 mod chart_type;
+pub mod comparison;
 mod curvature_field;
 mod draw;
 mod falling_strip;

@@ -12,6 +12,7 @@
 
 use crease::internal::bake::{Bake, BakeOptions, BakeReport, Quality};
 use crease_model::body::AnimatedBody;
+use crate::comparison::METHODS;
 use crate::included_mesh::sleeve_on_arm;
 use crate::stability::{named_axis, outcome_panel};
 use crate::{Axis, Chart, ChartOptions, Figure, Panel, Table, TestSheet};
@@ -263,7 +264,7 @@ impl Column {
     fn all(full: bool) -> Vec<Self> {
         let default = Quality::Standard.step_options().method;
         let others =
-            Method::ALL.iter().filter(|method| **method != default).map(|method| Self::Method(*method));
+            METHODS.iter().filter(|method| **method != default).map(|method| Self::Method(*method));
         let slow = [Self::Quality(Quality::Reference)].into_iter().chain(others);
         let fast = [Quality::Standard, Quality::Draft].map(Self::Quality);
         fast.into_iter().chain(slow.filter(|_| full)).collect()

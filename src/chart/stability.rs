@@ -15,6 +15,7 @@
 
 use crease::internal::bake::Quality;
 use crate::{scenes, Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
+use crate::comparison::METHODS;
 use crate::scenes::{Flight, Scene, SceneOutcome, SceneSetting, Stack, Swing};
 use crease_model::error::Result;
 use crease_solver::sim::Method;
@@ -222,7 +223,7 @@ pub enum MethodColumn {
 impl MethodColumn {
     /// Every integrator, and the default.
     pub fn all() -> impl Iterator<Item = Self> {
-        Method::ALL.iter().map(|m| Self::Method(*m)).chain([Self::Default])
+        METHODS.iter().map(|m| Self::Method(*m)).chain([Self::Default])
     }
 
     /// Name in tables.

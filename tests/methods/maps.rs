@@ -1,7 +1,7 @@
 //! The maps of `crease chart stability`, cell by cell for the integrators with documented properties.
 
+use crease_chart::comparison::{BACKWARD_EULER_ONCE, VERTEX_BLOCK_DESCENT};
 use crease_chart::stability::{MAPS, MethodColumn, Verdict};
-use crease_solver::sim::Method;
 
 /// Verdict on one cell.
 #[derive(Debug)]
@@ -79,6 +79,6 @@ fn the_map_shows_failures_of_other_methods() {
             .filter(|c| c.step >= step && c.value >= from)
             .all(|c| c.verdict != Verdict::Converged)
     };
-    assert!(wrong(Method::BackwardEulerOnce, 1.0 / 24.0, 0.0));
-    assert!(wrong(Method::VertexBlockDescent, 0.0, 2e4));
+    assert!(wrong(BACKWARD_EULER_ONCE, 1.0 / 24.0, 0.0));
+    assert!(wrong(VERTEX_BLOCK_DESCENT, 0.0, 2e4));
 }

@@ -13,9 +13,9 @@ mod sweep;
 
 pub use point::{AccuracyPoint, SceneReference, measure, reference};
 
+use crate::comparison::{METHODS, is_visual};
 use crate::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
 use crease_model::error::Result;
-use crease_solver::sim::Method;
 
 /// Smallest angle error shown [degrees].
 const MIN_SHOWN_ANGLE_DEG: f64 = 1e-3;
@@ -111,7 +111,7 @@ fn series_of(
     cost: &dyn Fn(&AccuracyPoint) -> f64,
 ) -> Vec<Series> {
     let mut series = Vec::new();
-    for (colour, &method) in Method::ALL.iter().enumerate() {
+    for (colour, &method) in METHODS.iter().enumerate() {
         let own = || points.iter().filter(|p| p.method == method);
         let position = |p: &AccuracyPoint| [error(p), cost(p)];
         let mut dots: Vec<[f64; 2]> = own().filter(|p| p.failed.is_none()).map(position).collect();
@@ -129,7 +129,7 @@ fn series_of(
         let shown = |error: f64| if error.is_finite() { error.min(FAILURE_ERROR) } else { FAILURE_ERROR };
         let crosses = crosses.map(|p| [shown(p[0]), p[1]]).collect();
         let name =
-            if method.is_visual() { format!("{} (visual)", method.name()) } else { method.name().into() };
+            if is_visual(method) { format!("{} (visual)", method.name()) } else { method.name().into() };
         series.push(Series::new("", colour, Mark::Line, front));
         series.push(Series::new(&name, colour, Mark::Dots, dots));
         series.push(Series::new("", colour, Mark::Crosses, crosses));

@@ -1,9 +1,10 @@
 //! Cost and error of one run of a scene, and the reference that errors refer to.
 
+use crate::comparison::is_visual;
 use crate::scenes;
 use crate::scenes::{Scene, SceneOutcome, SceneSetting};
 use crease_model::error::Result;
-use crease_solver::sim::{InnerSolver, Method};
+use crease_solver::sim::Method;
 
 /// Newton's tolerance for references [m].
 const REFERENCE_TOL: f64 = 1e-10;
@@ -100,9 +101,11 @@ pub fn measure(
 /// Step size and tolerance in words.
 fn describe(setting: &SceneSetting) -> String {
     let step = format!("{:.3} ms", 1e3 * setting.step);
-    match setting.method.solver() {
-        InnerSolver::Newton => format!("{step}, to {:.0e} m", setting.tolerance),
-        InnerSolver::SingleNewton => format!("{step}, 1 iteration"),
-        InnerSolver::Vbd => format!("{step}, sweeps"),
+    if setting.method.converges() {
+        format!("{step}, to {:.0e} m", setting.tolerance)
+    } else if is_visual(setting.method) {
+        format!("{step}, sweeps")
+    } else {
+        format!("{step}, 1 iteration")
     }
 }

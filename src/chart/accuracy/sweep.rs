@@ -1,9 +1,10 @@
 //! Parameter sweeps: every scene with every integrator, step size and tolerance.
 
 use crate::accuracy::point::{AccuracyPoint, SceneReference, measure, reference};
+use crate::comparison::METHODS;
 use crate::scenes::{Cantilever, Flap, Scene, SceneSetting, Swing};
 use crease_model::error::Result;
-use crease_solver::sim::{InnerSolver, Method};
+use crease_solver::sim::Method;
 
 /// Tolerances of Newton over the size of the scene [-].
 const NEWTON_TOLERANCES: &[f64] = &[1e-4, 1e-7];
@@ -41,11 +42,10 @@ impl Sweep {
         let shortest = self.longest_step / f64::from(1 << self.halvings);
         let SceneReference { outcome, own_error } = reference(scene, shortest)?;
         let mut all = Vec::new();
-        for &method in Method::ALL {
+        for &method in METHODS {
             for k in 0..=self.halvings {
                 let step = self.longest_step / f64::from(1 << k);
-                let tolerances =
-                    if method.solver() == InnerSolver::Newton { NEWTON_TOLERANCES } else { &[0.0] };
+                let tolerances = if method.converges() { NEWTON_TOLERANCES } else { &[0.0] };
                 for tolerance in tolerances {
                     let setting = SceneSetting::fixed(method, step, tolerance * scene.size());
                     all.push(measure(scene, &outcome, &setting, runs)?);
@@ -75,7 +75,7 @@ fn cost_at_equal_error(scene: &str, points: &[AccuracyPoint]) -> Vec<String> {
                     .filter(|p| p.method == method && p.failed.is_none() && p.position_error <= error);
                 good.min_by(|a, b| a.wall.total_cmp(&b.wall))
             };
-            let mut each: Vec<&AccuracyPoint> = Method::ALL.iter().filter_map(|m| cheapest(*m)).collect();
+            let mut each: Vec<&AccuracyPoint> = METHODS.iter().filter_map(|m| cheapest(*m)).collect();
             each.sort_by(|a, b| a.wall.total_cmp(&b.wall));
             let best = each.first()?.wall;
             let costs: Vec<String> = each

@@ -12,7 +12,7 @@ mod tuning;
 mod violations;
 
 pub use cloth::{Cloth, Sewing, SewnStrips};
-pub use integrator::{InnerSolver, MAX_DT_GROWTH, Method, Stage};
+pub use integrator::{InnerSolver, MAX_DT_GROWTH, Method, MethodSpec, Stage, StageSolve, StepAttempt};
 pub use loads::{GRAVITY, LoadSource, Loads, SphereLoad};
 pub use newton::{Inertia, NewtonOptions, NewtonReport, NewtonSeconds, Problem, Workspace};
 pub use state::{PreviousState, State};

@@ -3,7 +3,7 @@
 use crate::contact::Contact;
 use crate::energy::Energy;
 use crate::sim::cloth::Cloth;
-use crate::sim::integrator::{InnerSolver, Method, Stage, StepAttempt};
+use crate::sim::integrator::{InnerSolver, Method, Stage, StageSolve, StepAttempt};
 use crate::sim::loads::{LoadSource, Loads};
 use crate::sim::newton::{Inertia, NewtonOptions, NewtonReport, Problem, Workspace};
 use crate::sim::stage_terms::{LoadBuffers, stage_terms};
@@ -132,7 +132,7 @@ impl Stepper {
         source: &mut dyn LoadSource,
         dt_request: f64,
     ) -> StepReport {
-        let converges = self.options.method.solver() == InnerSolver::Newton;
+        let converges = self.options.method.converges();
         let mut h = dt_request.min(self.options.max_dt);
         let mut last = source.loads_at(state.time + h, state);
         // Quasi-static step: dt is limited by memory events, not by motion or loads, so a local solve is likely to
@@ -277,7 +277,7 @@ impl Stepper {
     /// Solves one stage of a step, from `x` on. `min_diffuse_tol` [J]: see [`Problem::solve_again`].
     fn solve_stage(&mut self, inputs: &StageInputs, min_diffuse_tol: f64, x: &mut [Vec3]) -> NewtonReport {
         let StageInputs { state, rest_state, loads, buffers, stage } = *inputs;
-        let solver = self.options.method.solver();
+        let method = self.options.method;
         let inertial = stage.inertial();
         // The rates of damping and drag have the same base as the velocity.
         let membrane = &self.cloth.membrane;
@@ -295,13 +295,10 @@ impl Stepper {
             inertia: Some(inertia),
             terms: &terms,
             fixed: &buffers.fixed,
-            // A method of one iteration is defined with the Hessian at the beginning.
-            predicted_positions: (solver == InnerSolver::Newton).then_some(&inertial[..]),
+            // Fixed work is defined with the Hessian at the beginning.
+            predicted_positions: method.converges().then_some(&inertial[..]),
         };
         let mut newton = self.options.newton;
-        if solver == InnerSolver::SingleNewton {
-            newton.max_iterations = 1;
-        }
         // Without guiding springs the first predicted decrease may come from stiff contact alone, beside which the
         // motion of cloth that floats would count for nothing.
         if !loads.guided {
@@ -309,11 +306,12 @@ impl Stepper {
         }
         let kinetic = self.cloth.kinetic_energy(&state.v);
         newton.decrement_tol = self.options.relaxation.energy_tol(newton.decrement_tol, loads, kinetic);
-        match solver {
-            InnerSolver::Newton | InnerSolver::SingleNewton => {
-                problem.solve_again(x, &mut self.contact, &newton, min_diffuse_tol, &mut self.work)
+        let (contact, work) = (&mut self.contact, &mut self.work);
+        match method.solver() {
+            InnerSolver::Newton => problem.solve_again(x, contact, &newton, min_diffuse_tol, work),
+            InnerSolver::FixedWork(solve) => {
+                solve(StageSolve { problem: &problem, contact, options: newton, min_diffuse_tol, work }, x)
             }
-            InnerSolver::Vbd => problem.solve_by_vbd(x, &mut self.contact, &mut self.work),
         }
     }
 

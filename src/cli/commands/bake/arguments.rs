@@ -139,12 +139,9 @@ const FRAMES_OF: [Choice<bool>; 2] = [
     ("simulated", true, "The simulated mesh"),
 ];
 
-/// Parser of the integrators of the library, by name. Those that exist only for validation are accepted but not listed.
+/// Parser of the integrators of the library, by name.
 fn method_parser() -> impl TypedValueParser<Value = Method> {
-    let value = |method: &Method| {
-        let is_hidden = matches!(method, Method::Bdf2Once | Method::VertexBlockDescent);
-        PossibleValue::new(method.name()).help(method.description()).hide(is_hidden)
-    };
+    let value = |method: &Method| PossibleValue::new(method.name()).help(method.description());
     let names = PossibleValuesParser::new(Method::ALL.iter().map(value));
     names.try_map(|name| Method::from_name(&name).ok_or("no such method"))
 }

@@ -10,14 +10,13 @@
 //! ```
 //!
 //! A step has one stage or several, each such a problem; energies, contact and memory are the same for all. To add a
-//! method: `NAME.rs` with its `SPEC`, and its line in `method_list!`.
+//! method: `NAME.rs` with its `SPEC`, and its line in `method_list!`. A method is data ([`MethodSpec`]): other crates
+//! describe theirs for comparison ([`Method::Custom`]).
 
 mod spec;
 mod stage;
 
-use crate::sim::integrator::spec::MethodSpec;
-pub(super) use crate::sim::integrator::spec::StepAttempt;
-pub use crate::sim::integrator::spec::{InnerSolver, MAX_DT_GROWTH};
+pub use crate::sim::integrator::spec::{InnerSolver, MAX_DT_GROWTH, MethodSpec, StageSolve, StepAttempt};
 pub use crate::sim::integrator::stage::Stage;
 use crate::sim::state::State;
 use crease_geometry::math::Vec3;
@@ -29,37 +28,39 @@ macro_rules! method_list {
         /// The time integrators.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         #[non_exhaustive]
-        pub enum Method { $($(#[$doc])* $variant,)* }
+        pub enum Method {
+            $($(#[$doc])* $variant,)*
+            /// A method that another crate describes, for comparison.
+            Custom(&'static MethodSpec),
+        }
 
         impl Method {
-            /// All methods in the order of the help text.
+            /// All methods of the library in the order of the help text.
             pub const ALL: &[Self] = &[$(Self::$variant),*];
 
-            fn spec(self) -> &'static MethodSpec {
-                match self { $(Self::$variant => &$module::SPEC,)* }
+            /// Description of the method.
+            pub const fn spec(self) -> &'static MethodSpec {
+                match self {
+                    $(Self::$variant => &$module::SPEC,)*
+                    Self::Custom(spec) => spec,
+                }
             }
         }
     };
 }
 
 method_list! {
-    /// Backward Euler with one Newton iteration.
-    BackwardEulerOnce be1,
     /// Backward Euler: first order, strong numerical damping.
     BackwardEuler backward_euler,
-    /// BDF2 with one Newton iteration.
-    Bdf2Once bdf2_once,
     /// BDF2 with variable steps: second order; starts, and restarts after a discontinuity, with one step of backward
     /// Euler.
     Bdf2 bdf2,
     /// Two-stage SDIRK: L-stable, second order, one-step.
     Sdirk2 sdirk2,
-    /// Vertex block descent, for previews.
-    VertexBlockDescent vbd,
 }
 
 impl Method {
-    /// Returns the method of that name on the command line.
+    /// Returns the method of the library with that name on the command line.
     ///
     /// ```
     /// use crease_solver::sim::Method;
@@ -69,7 +70,7 @@ impl Method {
         Self::ALL.iter().copied().find(|m| m.name() == name)
     }
 
-    /// Name on the command line.
+    /// Name on the command line and in tables.
     pub fn name(self) -> &'static str {
         self.spec().name
     }
@@ -89,9 +90,9 @@ impl Method {
         self.spec().solver
     }
 
-    /// Whether the method is for previews only, as it does not converge to the physics.
-    pub fn is_visual(self) -> bool {
-        self.solver() == InnerSolver::Vbd
+    /// Whether its stages are solved until convergence.
+    pub fn converges(self) -> bool {
+        matches!(self.solver(), InnerSolver::Newton)
     }
 
     /// End times of its stages as fractions of the step; the last is 1.
@@ -125,7 +126,7 @@ mod tests {
         for method in Method::ALL {
             assert_eq!(Method::from_name(method.name()), Some(*method));
             assert_eq!(method.stage_times().last(), Some(&1.0), "{}", method.name());
-            assert_eq!(method.is_visual(), method.description().contains("VISUAL"), "{}", method.name());
+            assert!(method.converges(), "{}", method.name());
         }
         assert_eq!(Method::from_name("BDF2"), None);
     }

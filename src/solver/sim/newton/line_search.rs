@@ -94,17 +94,6 @@ impl Problem<'_> {
         step
     }
 
-    /// As [`Self::line_search`], where phi at `x` is not known yet.
-    pub(super) fn line_search_from(
-        &self,
-        x: &mut [Vec3],
-        descent: Descent,
-        context: &mut SolveContext,
-    ) -> f64 {
-        let mut value = self.value(x, context.contact);
-        self.line_search(x, descent, &mut value, context)
-    }
-
     /// Moves `x` along `path` by the first step size for which phi decreases sufficiently, of `steps.start`, a half, a quarter of it
     /// and so on, and returns it; 0 if it would be less than `steps.end`.
     fn backtrack(

@@ -7,6 +7,7 @@
 //! `solve.rs` has the iterations; the other files are their parts. Integrators and wear scripts are outside its scope.
 
 mod context;
+mod descend;
 mod elimination;
 mod levenberg_marquardt;
 mod line_search;
@@ -17,7 +18,6 @@ mod problem;
 mod report;
 mod solve;
 mod tuning;
-mod vertex_block_descent;
 mod workspace;
 
 pub use options::NewtonOptions;

@@ -33,8 +33,6 @@ pub(super) struct NewtonTuning {
     pub local: LocalSolveTuning,
     /// Levenberg-Marquardt damping.
     pub damping: DampingTuning,
-    /// Vertex block descent.
-    pub vbd: VbdTuning,
 }
 
 /// Tuning of the linear solve of one iteration.
@@ -124,14 +122,6 @@ pub(super) struct DampingTuning {
     pub max_damping: f64,
 }
 
-/// Tuning of vertex block descent.
-pub(super) struct VbdTuning {
-    /// Linearisations per step, default 2; more cost more than they gain in accuracy.
-    pub linearisations: usize,
-    /// Pairs of a forward and a backward sweep per linearisation, default 10; as above.
-    pub sweep_pairs: usize,
-}
-
 impl NewtonTuning {
     /// The values in use.
     pub const DEFAULT: Self = Self {
@@ -182,7 +172,6 @@ impl NewtonTuning {
             min_damping: 0.5,
             max_damping: 1e8,
         },
-        vbd: VbdTuning { linearisations: 2, sweep_pairs: 10 },
     };
 }
 

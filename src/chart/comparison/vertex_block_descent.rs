@@ -1,60 +1,48 @@
-//! Vertex block descent on the potential of a step (Chen and others 2024), for `--method vbd`.
+//! Vertex block descent (Chen and others 2024) on backward Euler: a fixed number of sweeps over single points with
+//! their 3 x 3 diagonal blocks instead of linear systems.
 //!
 //! Each linearisation takes gradient and Hessian once; its sweeps visit one point after another, forwards and
 //! backwards, and move it by `-D⁻¹ (g + H d)` with its diagonal block D, to the minimum over that point of the
-//! quadratic model. The result is limited by contact and the line search exactly as a Newton direction: it may look
-//! wrong, but it neither passes layers through each other nor diverges. The numbers of linearisations and sweeps are
-//! fixed; there is no convergence criterion.
+//! quadratic model. A sweep moves information to neighbouring points only, so that stiff or long cloth stays stretched
+//! at any step size, and the result depends on the number of sweeps.
 
-use crate::contact::Contact;
-use crate::sim::newton::context::SolveContext;
-use crate::sim::newton::line_search::Descent;
-use crate::sim::newton::problem::{Inertia, Problem};
-use crate::sim::newton::report::NewtonReport;
-use crate::sim::newton::tuning::TUNING;
-use crate::sim::newton::workspace::Workspace;
-use crease_geometry::math::{Mat3, Vec3, dot};
+use crease_geometry::math::{Mat3, Vec3};
 use crease_linear::BlockMatrix;
-use std::time::Instant;
+use crease_solver::sim::{Inertia, InnerSolver, Method, MethodSpec, NewtonReport, StageSolve};
 
-impl Problem<'_> {
-    /// Decreases phi from `x` in place. Reports one local iteration per linearisation and never convergence.
-    pub(in crate::sim) fn solve_by_vbd(
-        &self,
-        x: &mut [Vec3],
-        contact: &mut Contact,
-        work: &mut Workspace,
-    ) -> NewtonReport {
-        let mut report = NewtonReport::default();
-        if self.fixed.iter().all(|fixed| *fixed) {
-            return report;
-        }
-        let context = &mut SolveContext { contact, work, report: &mut report };
-        for k in 0..TUNING.vbd.linearisations {
-            let g = self.linearise(x, x, context.contact, context.work, context.report);
-            let clock = Instant::now();
-            // The initial guess is the motion without forces: sweeps move nothing far.
-            let guess: Vec<Vec3> = match self.inertia {
-                Some(Inertia { inertial, .. }) if k == 0 => {
-                    inertial.iter().zip(&*x).map(|(y, x)| y - x).collect()
-                }
-                _ => vec![Vec3::zeros(); x.len()],
-            };
-            let Some(d) = gauss_seidel(&context.work.matrix, &g, &guess) else { break };
-            let report = &mut *context.report;
-            report.seconds.linear_solve += clock.elapsed().as_secs_f64();
-            report.local_iterations += 1;
-            report.max_displacement = d.iter().map(|d| d.norm()).fold(0.0, f64::max);
-            report.newton_decrement = -dot(&g, &d);
-            if !report.max_displacement.is_finite() {
-                break;
-            }
-            if self.line_search_from(x, Descent { gradient: &g, direction: &d }, context) == 0.0 {
-                break;
-            }
-        }
-        report
+/// Linearisations per step; more cost more than they gain in accuracy.
+const LINEARISATION_COUNT: usize = 2;
+/// Pairs of a forward and a backward sweep per linearisation; more cost more than they gain in accuracy.
+const SWEEP_PAIR_COUNT: usize = 10;
+
+pub(super) const SPEC: MethodSpec = MethodSpec {
+    name: "vbd",
+    description: "vertex block descent, VISUAL: looks like cloth, does not converge; for previews of small or soft garments",
+    solver: InnerSolver::FixedWork(solve),
+    ..*Method::BackwardEuler.spec()
+};
+
+/// Decreases phi from `x` in place. Reports one local iteration per linearisation and never convergence.
+fn solve(stage: StageSolve, x: &mut [Vec3]) -> NewtonReport {
+    let StageSolve { problem, contact, work, .. } = stage;
+    let mut report = NewtonReport::default();
+    if problem.fixed.iter().all(|fixed| *fixed) {
+        return report;
     }
+    for k in 0..LINEARISATION_COUNT {
+        // The initial guess is the motion without forces: sweeps move nothing far.
+        let guess: Vec<Vec3> = match problem.inertia {
+            Some(Inertia { inertial, .. }) if k == 0 => {
+                inertial.iter().zip(&*x).map(|(y, x)| y - x).collect()
+            }
+            _ => vec![Vec3::zeros(); x.len()],
+        };
+        let direction = |matrix: &BlockMatrix, g: &[Vec3]| gauss_seidel(matrix, g, &guess);
+        if problem.descend(x, contact, work, &mut report, direction) == 0.0 {
+            break;
+        }
+    }
+    report
 }
 
 /// Returns the result of symmetric block Gauss-Seidel sweeps on H d = -g from d = `guess`, over all points; `None` if a
@@ -68,7 +56,7 @@ fn gauss_seidel(matrix: &BlockMatrix, g: &[Vec3], guess: &[Vec3]) -> Option<Vec<
     matrix.multiply(&d, &mut image);
     let mut residual: Vec<Vec3> = matrix.gather(g).iter().zip(&image).map(|(g, hd)| -g - hd).collect();
     let upper = transpose_pattern(matrix);
-    for sweep in 0..2 * TUNING.vbd.sweep_pairs {
+    for sweep in 0..2 * SWEEP_PAIR_COUNT {
         for k in 0..rows {
             let r = if sweep % 2 == 0 { k } else { rows - 1 - k };
             let step = inverse[r] * residual[r];
