@@ -2,7 +2,7 @@
 //!
 //! Only this side prints. Data goes to stdout, messages go to stderr. Exit codes: 0 success, 1 bad input,
 //! 2 wrong usage, 3 no convergence, an action that did not take place, or an empty result, 130 interrupted. A new command is
-//! a file in `commands` and an entry in [`Command`].
+//! a file in `commands` and an entry in `Command`.
 
 mod args;
 mod commands;
