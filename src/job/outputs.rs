@@ -7,7 +7,8 @@ use crate::job::output_options::{FrameOptions, OutputOptions, WornPaths, Written
 #[cfg(feature = "render")]
 use crate::report::render::{Camera, encode_png};
 #[cfg(feature = "render")]
-use crate::report::{ColorBy, Export, GarmentView, Report, TransferReport};
+use crate::report::{ColorBy, GarmentView};
+use crate::report::{Export, Report, TransferReport};
 use crease_geometry::math::Vec3;
 use crease_io::{Sidecar, UsdFrames, read_shape_obj, write_sidecar_to};
 use crease_model::error::{Error, Message, Result, Vocabulary};

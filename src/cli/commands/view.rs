@@ -6,7 +6,7 @@ use crate::files::input;
 use crate::files::output::{self, Outputs, commit};
 use crate::files::view_file::ViewFile;
 use crate::runtime::console;
-use crease::internal::files::{GarmentFile, embed_asset_images, read_asset_file};
+use crease::internal::files::{GarmentFile, embed_asset_images, output_name, read_asset_file};
 use crease::internal::report::{ColorBy, GarmentView, HingeLabel, ViewerItem, ViewerPiece, viewer_page};
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::PointIndex;
@@ -61,7 +61,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let page = viewer_page(&items, arguments.show, &names);
     outputs.add(&arguments.output, page.as_bytes())?;
     commit(outputs)?;
-    console::message(&format!("{}: {:.1} MB", output::name_of(&arguments.output), page.len() as f64 / 1e6));
+    console::message(&format!("{}: {:.1} MB", output_name(&arguments.output), page.len() as f64 / 1e6));
     Ok(())
 }
 

@@ -3,7 +3,7 @@
 use crate::runtime::console;
 use crease_model::error::Result;
 
-pub use crease::internal::files::{Outputs, is_stream, output_name as name_of};
+pub use crease::internal::files::{Outputs, is_stream};
 
 /// Writes all `outputs` and prints what goes to the standard output.
 pub fn commit(outputs: Outputs) -> Result<()> {
