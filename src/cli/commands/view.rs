@@ -3,7 +3,7 @@
 use crate::args::color_by::COLOR_BY;
 use crate::args::values::{choice, html_path};
 use crate::files::input;
-use crate::files::output::{self, Outputs, commit};
+use crate::files::output::{Outputs, commit};
 use crate::files::view_file::ViewFile;
 use crate::runtime::console;
 use crease::internal::files::{GarmentFile, embed_asset_images, output_name, read_asset_file};
