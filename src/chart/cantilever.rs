@@ -12,8 +12,8 @@
 use crate::static_solve::StaticProblem;
 use crate::test_sheet::TestSheet;
 use crate::{Axis, BLACK, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
-use crease_model::error::Result;
 use crease_geometry::math::{Vec2, Vec3};
+use crease_model::error::Result;
 use crease_solver::sim::{GRAVITY, NewtonReport};
 
 /// Length of the strip [m].

@@ -14,14 +14,14 @@
 //! which is how far the mean of many bakes with a setting is from the mean of many references. The T-shirt of 13,863 points is baked with
 //! every setting, the other scenes with every quality and length of edges (`--full`: with every setting).
 
-use crease::internal::bake::{BakeOptions, BakeResult, Quality};
-use crate::comparison::BACKWARD_EULER_ONCE;
 use crate::bake_scene::{BakeScene, FOLD_THRICE};
+use crate::comparison::BACKWARD_EULER_ONCE;
 use crate::curvature_field::CurvatureField;
 use crate::net_angles::{FOLD_THRICE_LINES, net_angles};
 use crate::spectrum::Spectrum;
 use crate::statistics::{mean, median, standard_error};
 use crate::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
+use crease::internal::bake::{BakeOptions, BakeResult, Quality};
 use crease_model::error::Result;
 use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
 use crease_solver::sim::{Method, Sewing, StepOptions};
@@ -302,7 +302,11 @@ fn settings() -> Vec<Setting> {
     for mm in [8.0, 16.0, 24.0] {
         all.push((EDGES, format!("{mm} mm"), with(&|o| o.finest_edge = Some(1e-3 * mm))));
     }
-    all.push(("tolerances", "energy tolerance times 10".to_owned(), with(&|o| o.energy_tol_m = Some(10.0 * o.energy_tol_m()))));
+    all.push((
+        "tolerances",
+        "energy tolerance times 10".to_owned(),
+        with(&|o| o.energy_tol_m = Some(10.0 * o.energy_tol_m())),
+    ));
     let short = |o: &mut BakeOptions| {
         let step = o.step();
         let (min_dt, local_error_tol) = (0.25 * step.min_dt, 0.25 * step.local_error_tol);
@@ -313,7 +317,11 @@ fn settings() -> Vec<Setting> {
     all.push(("tolerances", "steps after events times 2.5".to_owned(), with(&late)));
     all.push(("models", "no hems, no double seams".to_owned(), with(&|o| o.sewing = Sewing::NONE)));
     for method in [BACKWARD_EULER_ONCE, Method::Bdf2] {
-        all.push(("integrators", method.name().to_owned(), with(&|o| o.step = Some(StepOptions { method, ..o.step() }))));
+        all.push((
+            "integrators",
+            method.name().to_owned(),
+            with(&|o| o.step = Some(StepOptions { method, ..o.step() })),
+        ));
     }
     all
 }

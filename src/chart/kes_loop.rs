@@ -9,11 +9,11 @@
 
 use crate::test_sheet::TestSheet;
 use crate::{Axis, Chart, ChartOptions, Figure, GREY, Mark, Panel, Series, Table};
-use crease_solver::energy::Bending;
+use crease_geometry::math::Vec3;
 use crease_model::error::Result;
 use crease_model::fabric::Fabric;
 use crease_model::garment::{Garment, RestState};
-use crease_geometry::math::Vec3;
+use crease_solver::energy::Bending;
 use crease_solver::memory::{Memory, MemoryModel, Strains};
 
 /// Length between the jaws [m].

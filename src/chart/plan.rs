@@ -5,11 +5,11 @@
 //! Compared are wall time and the field of memory (`curvature_field`) with that of the plan from the same perturbed initial condition
 //! (start). Two starts of the plan differ, too: the scatter, below which no difference says anything.
 
-use crease::internal::bake::BakeOptions;
 use crate::bake_scene::{BakeScene, FOLD_THRICE};
 use crate::curvature_field::{CurvatureField, scatter};
 use crate::statistics::{mean, median};
 use crate::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
+use crease::internal::bake::BakeOptions;
 use crease_model::error::Result;
 use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
 use crease_solver::sim::Sewing;

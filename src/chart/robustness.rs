@@ -10,19 +10,19 @@
 //! failed   a message instead of a result, an action that did not take place, an early end, or layers that cross in the result
 //! ```
 
-use crease::internal::bake::{Bake, BakeOptions, BakeReport, Quality};
-use crease_model::body::AnimatedBody;
 use crate::comparison::METHODS;
 use crate::included_mesh::sleeve_on_arm;
 use crate::stability::{named_axis, outcome_panel};
 use crate::{Axis, Chart, ChartOptions, Figure, Panel, Table, TestSheet};
+use crease::internal::bake::{Bake, BakeOptions, BakeReport, Quality};
+use crease::internal::wear::WearScript;
+use crease_geometry::math::{Rng, Vec2, Vec3};
+use crease_geometry::mesh::intersections::self_intersections;
+use crease_model::body::AnimatedBody;
 use crease_model::error::Result;
 use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
 use crease_model::garment::Garment;
-use crease_geometry::math::{Rng, Vec2, Vec3};
-use crease_geometry::mesh::intersections::self_intersections;
 use crease_solver::sim::{Method, StepOptions};
-use crease::internal::wear::WearScript;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -263,8 +263,7 @@ impl Column {
     /// Standard and draft; if `full` also reference and the integrators that are not the default.
     fn all(full: bool) -> Vec<Self> {
         let default = Quality::Standard.step_options().method;
-        let others =
-            METHODS.iter().filter(|method| **method != default).map(|method| Self::Method(*method));
+        let others = METHODS.iter().filter(|method| **method != default).map(|method| Self::Method(*method));
         let slow = [Self::Quality(Quality::Reference)].into_iter().chain(others);
         let fast = [Quality::Standard, Quality::Draft].map(Self::Quality);
         fast.into_iter().chain(slow.filter(|_| full)).collect()

@@ -13,10 +13,10 @@
 //! The last column is the default of a bake: the standard quality with its step control.
 //! `docs/validation/accuracy.md` lists failures of physics and numerics with their tests.
 
-use crease::internal::bake::Quality;
-use crate::{scenes, Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
 use crate::comparison::METHODS;
 use crate::scenes::{Flight, Scene, SceneOutcome, SceneSetting, Stack, Swing};
+use crate::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table, scenes};
+use crease::internal::bake::Quality;
 use crease_model::error::Result;
 use crease_solver::sim::Method;
 

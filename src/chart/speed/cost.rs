@@ -1,7 +1,7 @@
 //! Cost of one scene, and its ratios to the kernels of the machine.
 
 use crate::speed::kernels::Kernels;
-use crease_linear::{SolveCost};
+use crease_linear::SolveCost;
 
 /// Cost of one scene.
 pub(super) struct SceneCost {

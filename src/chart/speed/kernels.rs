@@ -2,11 +2,11 @@
 
 use crate::statistics::median;
 use crate::test_sheet::TestSheet;
-use crease_linear::{BlockSink, BlockMatrix, Cholesky};
-use crease_model::error::Result;
 use crease_geometry::math::{Mat3, Vec3};
 use crease_geometry::mesh::PointIndex;
 use crease_geometry::mesh::triangle_bvh::TriangleBvh;
+use crease_linear::{BlockMatrix, BlockSink, Cholesky};
+use crease_model::error::Result;
 use std::time::Instant;
 
 /// Numbers that the streaming copy moves: far more than fit into caches.
@@ -55,13 +55,19 @@ impl Kernels {
         let product = time_of(runs, || matrix.multiply(std::hint::black_box(&x), &mut y));
         let mut direct = Cholesky::default();
         // The first factorisation includes the symbolic analysis.
-        let fails = |_| crease_model::error::Error::input("chart", "speed", "a sheet's system is not positive", "");
+        let fails =
+            |_| crease_model::error::Error::input("chart", "speed", "a sheet's system is not positive", "");
         direct.factorise(&matrix, &positions).map_err(fails)?;
         let mut is_solved = true;
         let factor = time_of(runs, || is_solved &= direct.factorise(&matrix, &positions).is_ok());
         let solve = time_of(runs, || is_solved &= direct.solve(&matrix, &mut x.clone()).is_ok());
         if !is_solved {
-            return Err(crease_model::error::Error::input("chart", "speed", "a sheet's system could not be solved", ""));
+            return Err(crease_model::error::Error::input(
+                "chart",
+                "speed",
+                "a sheet's system could not be solved",
+                "",
+            ));
         }
         let (points_of_layers, triangles) = two_layers(points)?;
         let mut tree = TriangleBvh::new(&points_of_layers, &triangles, LAYER_DISTANCE);

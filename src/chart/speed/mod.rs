@@ -19,8 +19,8 @@ mod kernels;
 mod scenes;
 
 use crate::{Axis, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
-use crease_model::error::Result;
 use cost::{CostRatios, SceneCost};
+use crease_model::error::Result;
 use kernels::Kernels;
 
 /// The stages of a bake, as its report names them.

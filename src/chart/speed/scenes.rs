@@ -1,10 +1,10 @@
 //! The timed scenes.
 
-use crease::internal::bake::{BakeOptions, BakeReport};
 use crate::bake_scene::BakeScene;
 use crate::falling_strip::{FALLING_STRIP_POINTS, Fall, Stepping, fall};
 use crate::speed::cost::SceneCost;
 use crate::{ChartOptions, cantilever};
+use crease::internal::bake::{BakeOptions, BakeReport};
 use crease_model::error::Result;
 use crease_model::fabric::{Fabric, PAPER_FABRIC};
 use crease_solver::sim::NewtonSeconds;

@@ -10,11 +10,11 @@
 //! TR-BDF2 needs the force at the beginning of the step in addition, which does not exist with damping, lagged friction
 //! and springs that have just been attached.
 
-use crease_geometry::math::Vec3;
 use crate::sim::integrator::backward_euler;
 use crate::sim::integrator::spec::{InnerSolver, MethodSpec, StepAttempt};
 use crate::sim::integrator::stage::{Stage, weighted_sum};
 use crate::sim::state::State;
+use crease_geometry::math::Vec3;
 
 /// The coefficient g.
 const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
