@@ -78,7 +78,7 @@ fn write_files(folder: &Path) {
     let seeds = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("tests/fuzz/seeds/usd");
     let whole = std::fs::read(seeds.join("square.usdc")).expect("reads");
     std::fs::write(folder.join("cut.usdc"), &whole[..whole.len() / 2]).expect("writes");
-    let memories = Path::new(env!("CARGO_MANIFEST_DIR")).join("garments/memories");
+    let memories = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("garments/memories");
     let whole = std::fs::read(memories.join("elbow.crease.json.gz")).expect("reads");
     std::fs::write(folder.join("cut.crease.json.gz"), &whole[..whole.len() / 2]).expect("writes");
     write("stage.usda", "#usda 1.0\ndef \"shirt\" (\n    references = @front.usda@</front>\n)\n{\n}\n");

@@ -181,7 +181,7 @@ fn joints_and_landmarks_align_a_straight_sleeve_with_a_bent_one() {
     assert!(found[2] < 0.5, "boxes need no help");
     let refused =
         with(&|o| (o.align, o.joints) = (Align::Joints, Vec::new())).expect_err("no joints").to_string();
-    assert!(refused.contains("--landmarks"), "{refused}");
+    assert!(refused.contains("Transfer::landmarks"), "{refused}");
     let twice = with(&|o| o.landmarks = vec![PointPair::from([Vec3::zeros(), Vec3::x()]); 2])
         .expect_err("no map")
         .to_string();

@@ -120,7 +120,7 @@ fn ready_memories_go_by_name_plain_and_compressed(workshop: &Workshop) {
         let (_, err, code) = workshop.run(&format!("example {example}"));
         assert_eq!(code, Some(0), "{err}");
     }
-    let own = concat!(env!("CARGO_MANIFEST_DIR"), "/garments/memories/fold-thrice.crease.json.gz");
+    let own = concat!(env!("CARGO_MANIFEST_DIR"), "/../../garments/memories/fold-thrice.crease.json.gz");
     std::fs::copy(own, workshop.path("packed.crease.json.gz")).expect("copies");
     let plain = workshop.read("fold-thrice.crease.json");
     assert_eq!(workshop.read("packed.crease.json.gz"), plain);
