@@ -1,6 +1,6 @@
 //! State of a garment that outlives an action: its orientation, the frame of fractions, folds, and what holds it.
 
-use crate::wear::roll_map::RollRecord;
+use crate::wear::layout::roll_map::RollRecord;
 use crease_geometry::math::{Mat3, PlaneStretch, Vec3, bounds};
 use crease_model::body::PosedBody;
 use crease_solver::sim::Loads;

@@ -1,7 +1,7 @@
 //! The trait that all actions implement, and the errors of their fields.
 
 use crate::wear::action_runner::{ActionContext, ActionStart};
-use crate::wear::fold_layout::FoldLayout;
+use crate::wear::layout::fold_layout::FoldLayout;
 use crate::wear::persistent_state::PersistentState;
 use crease_model::body::{AnimatedBody, BodyPose};
 use crease_model::error::{Message, Result};

@@ -1,8 +1,8 @@
 //! `bend`: a joint of the body bends and goes back, as an elbow does a thousand times.
 
 use crate::wear::action_runner::{ActionContext, ActionStart};
-use crate::wear::body_motion::{BodyMotionRunner, TimeSpan, lookup_error, required_body};
-use crate::wear::motion_profile::smoothstep;
+use crate::wear::motion::body_motion::{BodyMotionRunner, TimeSpan, lookup_error, required_body};
+use crate::wear::motion::motion_profile::smoothstep;
 use crate::wear::persistent_state::PersistentState;
 use crate::wear::tuning::TUNING;
 use crate::wear::wear_action::{FieldError, WearAction};

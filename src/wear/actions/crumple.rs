@@ -1,7 +1,7 @@
 //! `crumple`: the garment is squeezed into a ball, as in a fist or a full suitcase.
 
 use crate::wear::action_runner::{ActionContext, ActionFailure, ActionRunner, ActionStart};
-use crate::wear::motion_profile::smoothstep;
+use crate::wear::motion::motion_profile::smoothstep;
 use crate::wear::persistent_state::PersistentState;
 use crate::wear::tuning::TUNING;
 use crate::wear::wear_action::WearAction;

@@ -1,13 +1,13 @@
 //! `fold`: one side of a line is turned over, as hands fold cloth on a table.
 
 use crate::wear::action_runner::{ActionContext, ActionFailure, ActionRunner, ActionStart};
-use crate::wear::fold_layout::FoldLayout;
-use crate::wear::fold_map::{FoldAxis, FoldCoords, line_shift};
 use crate::wear::fraction::Fraction2;
-use crate::wear::height_field::HeightField;
-use crate::wear::motion_profile::{PEAK_RATE, smoothstep};
+use crate::wear::layout::fold_layout::FoldLayout;
+use crate::wear::layout::fold_map::{FoldAxis, FoldCoords, line_shift};
+use crate::wear::layout::height_field::HeightField;
+use crate::wear::motion::motion_profile::{PEAK_RATE, smoothstep};
+use crate::wear::motion::springs::{carry_spring, pin_spring};
 use crate::wear::persistent_state::{FoldRecord, GarmentFrame, PersistentState, TurnRecord};
-use crate::wear::springs::{carry_spring, pin_spring};
 use crate::wear::tuning::TUNING;
 use crate::wear::wear_action::{FieldError, WearAction};
 use crease_geometry::math::Vec3;

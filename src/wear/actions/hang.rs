@@ -2,8 +2,8 @@
 
 use crate::wear::action_runner::{ActionContext, ActionRunner, ActionStart};
 use crate::wear::actions::lay::{Facing, Lay, LyingDirections};
-use crate::wear::fold_layout::FoldLayout;
 use crate::wear::fraction::Fraction2;
+use crate::wear::layout::fold_layout::FoldLayout;
 use crate::wear::persistent_state::{GarmentFrame, PersistentState};
 use crate::wear::tuning::TUNING;
 use crate::wear::wear_action::WearAction;

@@ -1,7 +1,7 @@
 //! `hold`: everything that is held stays held.
 
 use crate::wear::action_runner::{ActionContext, ActionStart, ConstantLoads};
-use crate::wear::fold_layout::FoldLayout;
+use crate::wear::layout::fold_layout::FoldLayout;
 use crate::wear::persistent_state::PersistentState;
 use crate::wear::wear_action::WearAction;
 use crease_model::error::Result;

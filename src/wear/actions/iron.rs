@@ -2,9 +2,9 @@
 //! the fold.
 
 use crate::wear::action_runner::{ActionContext, ActionRunner, ActionStart};
-use crate::wear::fold_layout::FoldLayout;
 use crate::wear::fraction::Fraction2;
-use crate::wear::motion_profile::smoothstep;
+use crate::wear::layout::fold_layout::FoldLayout;
+use crate::wear::motion::motion_profile::smoothstep;
 use crate::wear::persistent_state::{GarmentFrame, PersistentState};
 use crate::wear::tuning::TUNING;
 use crate::wear::wear_action::{FieldError, WearAction};

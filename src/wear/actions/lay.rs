@@ -1,9 +1,9 @@
 //! `lay`: the garment is laid flat on the ground, layers in order, none crossing.
 
 use crate::wear::action_runner::{ActionContext, ActionFailure, ActionRunner, ActionStart, LaidOut};
-use crate::wear::flat_layout::FlatLayout;
-use crate::wear::fold_layout::FoldLayout;
-use crate::wear::motion_profile::{PEAK_RATE, smoothstep};
+use crate::wear::layout::flat_layout::FlatLayout;
+use crate::wear::layout::fold_layout::FoldLayout;
+use crate::wear::motion::motion_profile::{PEAK_RATE, smoothstep};
 use crate::wear::persistent_state::{GarmentFrame, PersistentState};
 use crate::wear::tuning::TUNING;
 use crate::wear::wear_action::WearAction;

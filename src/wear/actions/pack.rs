@@ -3,11 +3,11 @@
 //!
 //! It consists of `fold` and `press`, or of `fold` and `roll`. Long holds take few steps (`docs/adr/0018-steps-of-a-hold.md`).
 
-use crate::wear::action_list::Action;
 use crate::wear::action_runner::{ActionContext, ActionStart};
 use crate::wear::actions::{Fold, FoldSide, Press, Roll};
 use crate::wear::fraction::Fraction2;
 use crate::wear::persistent_state::PersistentState;
+use crate::wear::script::action_list::Action;
 use crate::wear::wear_action::{FieldError, WearAction};
 use crease_model::error::Result;
 use schemars::JsonSchema;

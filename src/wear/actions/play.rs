@@ -1,10 +1,10 @@
 //! `play`: an animation clip of the body is played.
 
 use crate::wear::action_runner::{ActionContext, ActionStart};
-use crate::wear::body_motion::{BodyMotionRunner, lookup_error, required_body, transition_time};
-use crate::wear::motion_profile::smoothstep;
+use crate::wear::motion::body_motion::{BodyMotionRunner, lookup_error, required_body, transition_time};
+use crate::wear::motion::motion_profile::smoothstep;
+use crate::wear::motion::slowed_jumps::{ClipMoment, SlowedJumps};
 use crate::wear::persistent_state::PersistentState;
-use crate::wear::slowed_jumps::{ClipMoment, SlowedJumps};
 use crate::wear::tuning::TUNING;
 use crate::wear::wear_action::{FieldError, WearAction};
 use crease_model::body::{AnimatedBody, BodyPose, LookupError, RootMotion, interpolate_body_pose};

@@ -1,8 +1,8 @@
 //! `press`: weight or an iron, straight down.
 
 use crate::wear::action_runner::{ActionContext, ActionRunner, ActionStart};
-use crate::wear::fold_layout::FoldLayout;
-use crate::wear::motion_profile::smoothstep;
+use crate::wear::layout::fold_layout::FoldLayout;
+use crate::wear::motion::motion_profile::smoothstep;
 use crate::wear::persistent_state::PersistentState;
 use crate::wear::tuning::TUNING;
 use crate::wear::wear_action::WearAction;

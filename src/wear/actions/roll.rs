@@ -3,10 +3,10 @@
 use crate::wear::action_runner::{ActionContext, ActionFailure, ActionRunner, ActionStart};
 use crate::wear::actions::FoldSide;
 use crate::wear::actions::fold::stack_height;
-use crate::wear::motion_profile::smoothstep;
+use crate::wear::layout::roll_map::{RollCoords, RollMap, RollRecord};
+use crate::wear::motion::motion_profile::smoothstep;
+use crate::wear::motion::springs::pin_spring;
 use crate::wear::persistent_state::{GarmentFrame, PersistentState, TurnRecord};
-use crate::wear::roll_map::{RollCoords, RollMap, RollRecord};
-use crate::wear::springs::pin_spring;
 use crate::wear::tuning::TUNING;
 use crate::wear::wear_action::WearAction;
 use crease_geometry::math::Vec3;

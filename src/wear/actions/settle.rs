@@ -1,7 +1,7 @@
 //! `settle`: what hands hold on the ground is released; gravity, friction and memory act alone.
 
 use crate::wear::action_runner::{ActionContext, ActionStart, ConstantLoads};
-use crate::wear::fold_layout::FoldLayout;
+use crate::wear::layout::fold_layout::FoldLayout;
 use crate::wear::persistent_state::PersistentState;
 use crate::wear::tuning::TUNING;
 use crate::wear::wear_action::WearAction;
@@ -55,7 +55,7 @@ impl WearAction for Settle {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wear::springs::pin_spring;
+    use crate::wear::motion::springs::pin_spring;
     use crease_geometry::math::Vec3;
 
     /// Springs that act while a garment settles that is held by one, on the ground or above none.

@@ -1,11 +1,11 @@
 //! `unfold`: folds and rolls are opened again, the last one first.
 
 use crate::wear::action_runner::{ActionContext, ActionFailure, ActionRunner, ActionStart};
-use crate::wear::fold_layout::FoldLayout;
-use crate::wear::fold_map::{FoldAxis, FoldCoords};
-use crate::wear::motion_profile::{PEAK_RATE, smoothstep};
+use crate::wear::layout::fold_layout::FoldLayout;
+use crate::wear::layout::fold_map::{FoldAxis, FoldCoords};
+use crate::wear::motion::motion_profile::{PEAK_RATE, smoothstep};
+use crate::wear::motion::springs::carry_spring;
 use crate::wear::persistent_state::{FoldRecord, PersistentState, TurnRecord};
-use crate::wear::springs::carry_spring;
 use crate::wear::tuning::TUNING;
 use crate::wear::wear_action::{FieldError, WearAction};
 use crease_geometry::math::Vec3;

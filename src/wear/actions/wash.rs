@@ -2,10 +2,10 @@
 //!
 //! It consists of `crumple` and `hang`, both of wet cloth.
 
-use crate::wear::action_list::Action;
 use crate::wear::action_runner::{ActionContext, ActionStart};
 use crate::wear::actions::{Crumple, Hang, HangBy, HangPoints};
 use crate::wear::persistent_state::PersistentState;
+use crate::wear::script::action_list::Action;
 use crate::wear::wear_action::WearAction;
 use crease_model::error::Result;
 use schemars::JsonSchema;

@@ -17,19 +17,19 @@ use std::f64::consts::PI;
 
 /// Distance of the middle of the bend of a layer at `depth` [m] below the axis, turned by half a turn, from the line where the
 /// bend begins [m].
-pub(super) fn bend_middle(depth: f64) -> f64 {
+pub(crate) fn bend_middle(depth: f64) -> f64 {
     0.5 * PI * depth
 }
 
 /// Distance by which bends begin before the fold line, so that the middle of the bend of a stack of `height` [m] lies on it [m]: the
 /// stack bends over half its circumference.
-pub(super) fn line_shift(height: f64) -> f64 {
+pub(crate) fn line_shift(height: f64) -> f64 {
     0.25 * PI * height
 }
 
 /// The axis that layers are turned around.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub(super) struct FoldAxis {
+pub(crate) struct FoldAxis {
     /// A point of the axis [m].
     #[serde(with = "crease_geometry::math::serde_vec::vector")]
     pub origin: Vec3,
@@ -45,7 +45,7 @@ pub(super) struct FoldAxis {
 
 /// A point on a layer [m].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub(super) struct FoldCoords {
+pub(crate) struct FoldCoords {
     /// Coordinate along the axis.
     along: f64,
     /// Distance from the line along the layer.

@@ -4,7 +4,10 @@
 //! one script suits any garment. Reading reports every error of a file at once, with line, column and path
 //! (`docs/guide/wear-scripts.md`). No garment, body or solver is known here: whether a joint exists is checked by the bake.
 
-use crate::wear::action_list::{Action, Repeat};
+pub(crate) mod action_list;
+mod preset_list;
+
+use crate::wear::script::action_list::{Action, Repeat};
 use crease_model::body::{AnimatedBody, BodyPose};
 use crease_model::error::{Diagnostic, Error, Result};
 use crease_model::json::{Document, Path, schema_of};
@@ -288,9 +291,9 @@ mod tests {
     use crate::wear::actions::Hold;
     use crate::wear::wear_action::WearAction;
 
-    const FOLD_THRICE: &str = include_str!("../../garments/wear/fold-thrice.json");
-    const CRUMPLE: &str = include_str!("../../garments/wear/crumple.json");
-    const PRESS_CREASE: &str = include_str!("../../garments/wear/press-crease.json");
+    const FOLD_THRICE: &str = include_str!("../../../garments/wear/fold-thrice.json");
+    const CRUMPLE: &str = include_str!("../../../garments/wear/crumple.json");
+    const PRESS_CREASE: &str = include_str!("../../../garments/wear/press-crease.json");
 
     fn errors_of(text: &str) -> Vec<String> {
         match WearScript::parse("w.json", text) {
@@ -353,7 +356,7 @@ mod tests {
 
     #[test]
     fn the_guide_names_every_action_and_field() {
-        let guide = include_str!("../../docs/guide/wear-scripts.md");
+        let guide = include_str!("../../../docs/guide/wear-scripts.md");
         for example in Action::examples() {
             let name = example.name();
             assert!(guide.contains(&format!("| `{name}` |")), "docs/guide/wear-scripts.md lacks {name}");

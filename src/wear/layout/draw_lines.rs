@@ -1,6 +1,6 @@
 //! The fold lines of a script, drawn on the surface of a garment before anything is simulated.
 
-use crate::wear::fold_layout::{FoldLayout, Foresight};
+use crate::wear::layout::fold_layout::{FoldLayout, Foresight};
 use crate::wear::script::WearScript;
 use crease_geometry::math::Vec3;
 use crease_model::garment::Garment;

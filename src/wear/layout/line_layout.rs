@@ -4,8 +4,8 @@
 //! next fold. Positions have no thickness, but layers have an order: in a stack outer layers run round inner ones, and the
 //! middle of their bend lies farther out. [`crate::wear::draw_fold_lines`] feeds it with the actions of a script.
 
-use crate::wear::fold_map::{bend_middle, line_shift};
-use crate::wear::layer_order::LayerOrder;
+use crate::wear::layout::fold_map::{bend_middle, line_shift};
+use crate::wear::layout::layer_order::LayerOrder;
 use crate::wear::tuning::TUNING;
 use crease_geometry::math::Vec3;
 use crease_model::remesh::{Curve, CutPoint, SurfaceMesh};
@@ -29,7 +29,7 @@ struct BeforeFold {
 
 /// A surface mesh with the lines drawn so far. The tag of a triangle is its layer, counted from below.
 #[derive(Debug, Clone)]
-pub(super) struct LineLayout<'a> {
+pub(crate) struct LineLayout<'a> {
     mesh: SurfaceMesh<'a>,
     /// Thickness of a layer [m].
     thickness: f64,

@@ -17,7 +17,7 @@ struct Constraint([(usize, f64); 4]);
 
 /// Raises and lowers the points at `x` [m] until triangles of every layer, of which `layers` are the numbers from below, lie at
 /// least `gap` [m] above those of all layers below near the points that are `shared` between layers, one flag per point.
-pub(super) fn separate(
+pub(crate) fn separate(
     x: &mut [Vec3],
     triangles: &[[PointIndex; 3]],
     layers: &[u32],
@@ -130,7 +130,7 @@ fn constraints(x: &[Vec3], [lower, upper]: [&Layer; 2], gap: f64) -> Vec<Constra
 /// Triangles at `x` [m], in the order of their numbers, that touch another: whose edges or corners come nearer than `distance` [m] to
 /// features of it that they have no point in common with. Two triangles with a common corner count, too: one that is folded over in the
 /// plane of its own layer touches its neighbours.
-pub(super) fn touching(x: &[Vec3], triangles: &[[PointIndex; 3]], distance: f64) -> Vec<u32> {
+pub(crate) fn touching(x: &[Vec3], triangles: &[[PointIndex; 3]], distance: f64) -> Vec<u32> {
     let at = |p: PointIndex| &x[p.at()];
     let touch = |t: &[PointIndex; 3], u: &[PointIndex; 3]| {
         let sides = |t: &[PointIndex; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];

@@ -7,8 +7,8 @@
 //! its cut, up to a strain ([`MAX_CUT_STRAIN`]). What exceeds that makes the wrinkles once the cloth is free. Pieces sewn on along their
 //! borders (pockets, plackets, facings) are layers of their own, outside of the cloth they lie on ([`stack_ranks`]).
 
-use crate::wear::layer_gap::{separate, touching};
-use crate::wear::sewn_layers::{patches, stack_ranks};
+use crate::wear::layout::layer_gap::{separate, touching};
+use crate::wear::layout::sewn_layers::{patches, stack_ranks};
 use crate::wear::tuning::TUNING;
 use crease_geometry::math::{PlaneStretch, Rng, Vec3, bounds};
 use crease_geometry::mesh::intersections::self_intersecting_triangles;
@@ -18,7 +18,7 @@ use rustc_hash::FxHashMap;
 
 /// A garment laid out flat. y points up; the lower layer lies at y = 0.
 #[derive(Debug, Clone)]
-pub(super) struct FlatLayout {
+pub(crate) struct FlatLayout {
     /// One per point [m].
     pub positions: Vec<Vec3>,
     /// Per point: by how much it looks up before it is laid, from -1 to 1; the rim is at 0.

@@ -6,7 +6,7 @@ use crease_model::remesh::SurfaceMesh;
 use rustc_hash::FxHashMap;
 
 /// Triangles of a mesh that lies, by place, with their layers.
-pub(super) struct LayerOrder {
+pub(crate) struct LayerOrder {
     /// Per triangle: number of layers below its centroid; 0 for triangles that were left out.
     below: Vec<u32>,
 }

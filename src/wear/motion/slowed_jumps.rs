@@ -1,17 +1,17 @@
 //! Jumps of a clip, taken slowly: where a clip moves the body at once, the body takes the time of a transition, as cloth cannot
 //! follow a jump.
 
-use crate::wear::body_motion::transition_time;
-use crate::wear::motion_profile::smoothstep;
+use crate::wear::motion::body_motion::transition_time;
+use crate::wear::motion::motion_profile::smoothstep;
 use crease_model::body::{AnimatedBody, ClipJump, RootMotion};
 
 /// Jumps of a clip in order, each with the time that the body takes for it [s].
 #[derive(Clone)]
-pub(super) struct SlowedJumps(Vec<(ClipJump, f64)>);
+pub(crate) struct SlowedJumps(Vec<(ClipJump, f64)>);
 
 /// A moment of a clip whose jumps are slowed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum ClipMoment {
+pub(crate) enum ClipMoment {
     /// At a time of the clip [s].
     At(f64),
     /// On the way between two times of the clip [s], at a fraction of it.

@@ -7,7 +7,7 @@ use crease_solver::sim::GRAVITY;
 
 /// The spring that carries a point of `mass` [kg]: it draws the point to `target`, stiffly along `normal`, and balances its
 /// weight.
-pub(super) fn carry_spring(point: u32, target: Vec3, normal: Vec3, mass: f64) -> TargetSpring {
+pub(crate) fn carry_spring(point: u32, target: Vec3, normal: Vec3, mass: f64) -> TargetSpring {
     let weight = Vec3::y() * (mass * GRAVITY);
     let stiffness = mass * GRAVITY / TUNING.springs.sag;
     let tangential_stiffness = TUNING.springs.tangential_fraction * stiffness;
@@ -17,6 +17,6 @@ pub(super) fn carry_spring(point: u32, target: Vec3, normal: Vec3, mass: f64) ->
 }
 
 /// The spring that holds a point of `mass` [kg] at `position`.
-pub(super) fn pin_spring(point: u32, position: Vec3, mass: f64) -> TargetSpring {
+pub(crate) fn pin_spring(point: u32, position: Vec3, mass: f64) -> TargetSpring {
     TargetSpring::isotropic(point, position, mass * GRAVITY / TUNING.springs.sag)
 }

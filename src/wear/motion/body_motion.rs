@@ -4,7 +4,7 @@
 //! the garment through `Loads::body` only: contact and friction do the rest.
 
 use crate::wear::action_runner::{ActionContext, ActionRunner};
-use crate::wear::motion_profile::PEAK_RATE;
+use crate::wear::motion::motion_profile::PEAK_RATE;
 use crate::wear::persistent_state::PersistentState;
 use crate::wear::tuning::TUNING;
 use crate::wear::wear_action::FieldError;
@@ -17,20 +17,20 @@ use std::sync::Arc;
 
 /// A span of time after the start of an action [s].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct TimeSpan {
+pub(crate) struct TimeSpan {
     pub start: f64,
     pub end: f64,
 }
 
 /// The body at a time.
-pub(super) struct CachedBody {
+pub(crate) struct CachedBody {
     /// Time after the start [s].
     time: f64,
     posed: PosedBody,
 }
 
 /// A body that moves through poses.
-pub(super) struct BodyMotionRunner {
+pub(crate) struct BodyMotionRunner {
     body: Arc<AnimatedBody>,
     /// Loads besides the body.
     idle_loads: Loads,
@@ -94,7 +94,7 @@ impl ActionRunner for BodyMotionRunner {
 ///
 /// # Errors
 /// A diagnostic of the script if there is none.
-pub(super) fn required_body<'a>(
+pub(crate) fn required_body<'a>(
     name: &str,
     context: &ActionContext,
     persistent: &'a PersistentState,
@@ -108,7 +108,7 @@ pub(super) fn required_body<'a>(
 }
 
 /// Time for the transition between two poses [s]; 0 if they are the same.
-pub(super) fn transition_time(body: &AnimatedBody, from: &BodyPose, to: &BodyPose) -> f64 {
+pub(crate) fn transition_time(body: &AnimatedBody, from: &BodyPose, to: &BodyPose) -> f64 {
     let (a, b) = (body.points(from), body.points(to));
     let distance = a.iter().zip(&b).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
     if distance > TUNING.body.same_pose_distance {
@@ -119,6 +119,6 @@ pub(super) fn transition_time(body: &AnimatedBody, from: &BodyPose, to: &BodyPos
 }
 
 /// Error of the field `field` for a joint or a clip that `body` lacks.
-pub(super) fn lookup_error(field: &'static str, body: &AnimatedBody, error: LookupError) -> FieldError {
+pub(crate) fn lookup_error(field: &'static str, body: &AnimatedBody, error: LookupError) -> FieldError {
     FieldError::new(field, format!("{} has {}", body.file, error.message), error.help)
 }

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 /// Largest heights over the ground plane, on square cells.
 #[derive(Debug, Clone, Default)]
-pub(super) struct HeightField {
+pub(crate) struct HeightField {
     /// Height by cell [m].
     heights: BTreeMap<[i32; 2], f64>,
 }

@@ -8,7 +8,7 @@ macro_rules! preset_list {
     ($($name:literal,)*) => {
         /// Name and text of each, in the order they are listed to people.
         const PRESETS: &[(&str, &str)] =
-            &[$(($name, include_str!(concat!("../../garments/wear/", $name, ".json"))),)*];
+            &[$(($name, include_str!(concat!("../../../garments/wear/", $name, ".json"))),)*];
     };
 }
 

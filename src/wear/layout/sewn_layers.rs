@@ -9,7 +9,7 @@ use crease_geometry::mesh::{Groups, PointIndex, Topology, triangle};
 use std::collections::BTreeMap;
 
 /// Triangles that are connected over edges, patch by patch: over edge `e` between triangles `f` and `g` where `joins(e, f, g)`.
-pub(super) fn patches(topology: &Topology, joins: &dyn Fn(usize, usize, usize) -> bool) -> Vec<Vec<usize>> {
+pub(crate) fn patches(topology: &Topology, joins: &dyn Fn(usize, usize, usize) -> bool) -> Vec<Vec<usize>> {
     let mut groups = Groups::new(topology.triangle_edges.len());
     for (e, on) in triangles_on_edges(topology).iter().enumerate() {
         for (i, &f) in on.iter().enumerate() {
@@ -36,7 +36,7 @@ fn triangles_on_edges(topology: &Topology) -> Vec<Vec<u32>> {
 
 /// Per triangle: number of sheets that it lies outside of, among those it is sewn onto. `None` where sheets lie outside of one another
 /// in a circle.
-pub(super) fn stack_ranks(
+pub(crate) fn stack_ranks(
     positions: &[Vec3],
     triangles: &[[PointIndex; 3]],
     topology: &Topology,

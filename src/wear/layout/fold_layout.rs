@@ -4,7 +4,7 @@
 //! that may crease the cloth anywhere ends the prediction.
 
 use crate::wear::action_runner::{ActionContext, ActionStart};
-use crate::wear::line_layout::LineLayout;
+use crate::wear::layout::line_layout::LineLayout;
 use crate::wear::persistent_state::{GarmentFrame, PersistentState};
 use crate::wear::tuning::TUNING;
 use crease_geometry::math::Vec3;
@@ -45,7 +45,7 @@ impl<'a> FoldLayout<'a> {
     /// The layout of `garment` as its file has it, before any action. `laid` are the positions after it was laid, one per point
     /// [m], where they are known; `thickness` is that of a layer [m], `row` the distance of
     /// the rows beside a line [m].
-    pub(super) fn new(garment: &'a Garment, laid: Option<&'a [Vec3]>, thickness: f64, row: f64) -> Self {
+    pub(crate) fn new(garment: &'a Garment, laid: Option<&'a [Vec3]>, thickness: f64, row: f64) -> Self {
         Self {
             garment,
             laid,
@@ -59,41 +59,41 @@ impl<'a> FoldLayout<'a> {
     }
 
     /// Sets the index of the action that comes next. Returns whether its creases can still be told.
-    pub(super) fn begin_action(&mut self, index: usize) -> bool {
+    pub(crate) fn begin_action(&mut self, index: usize) -> bool {
         self.action = index;
         self.foresight == Foresight::Whole
     }
 
     /// The lines so far, and how far they go; also, of a garment that was laid out, the fraction of the cloth that does not fit into the
     /// plane.
-    pub(super) fn finish(self) -> (LineLayout<'a>, Foresight, Option<f64>) {
+    pub(crate) fn finish(self) -> (LineLayout<'a>, Foresight, Option<f64>) {
         (self.lines, self.foresight, self.excess)
     }
 
     /// Marks that the cloth may crease anywhere.
-    pub(super) fn mark_unpredictable(&mut self) {
+    pub(crate) fn mark_unpredictable(&mut self) {
         self.foresight = Foresight::Until(self.action);
     }
 
     /// Leaves the cloth as it lies; cloth that does not lie falls and may crease anywhere.
-    pub(super) fn require_flat(&mut self) {
+    pub(crate) fn require_flat(&mut self) {
         if self.ground_frame().is_none() {
             self.mark_unpredictable();
         }
     }
 
     /// Takes the garment up: it keeps its lines, and lies no more.
-    pub(super) fn take_up(&mut self) {
+    pub(crate) fn take_up(&mut self) {
         self.persistent.frame = None;
     }
 
     /// The frame of fractions, if the cloth lies.
-    pub(super) fn ground_frame(&self) -> Option<GarmentFrame> {
+    pub(crate) fn ground_frame(&self) -> Option<GarmentFrame> {
         self.persistent.ground_frame()
     }
 
     /// Lays the cloth down as the action does that `start` starts.
-    pub(super) fn lay_down(
+    pub(crate) fn lay_down(
         &mut self,
         start: impl FnOnce(&ActionContext, &mut PersistentState) -> Result<ActionStart>,
     ) {
@@ -145,12 +145,12 @@ impl<'a> FoldLayout<'a> {
     }
 
     /// Turns over what lies beyond the line through `origin` [m]; `outward` is the unit vector across the line.
-    pub(super) fn fold(&mut self, origin: Vec3, outward: Vec3) {
+    pub(crate) fn fold(&mut self, origin: Vec3, outward: Vec3) {
         self.lines.fold(origin, outward);
     }
 
     /// Opens the last `count` folds, or all.
-    pub(super) fn unfold(&mut self, count: Option<usize>) {
+    pub(crate) fn unfold(&mut self, count: Option<usize>) {
         self.lines.unfold(count);
     }
 }

@@ -14,8 +14,8 @@
 //! rolled book do. Layers at the same angle keep their order, and windings lie `p` apart: none cross. The map serves `roll` and
 //! `unfold`.
 
-use crate::wear::motion_profile::PEAK_RATE;
-use crate::wear::springs::carry_spring;
+use crate::wear::motion::motion_profile::PEAK_RATE;
+use crate::wear::motion::springs::carry_spring;
 use crate::wear::tuning::TUNING;
 use crease_geometry::math::Vec3;
 use crease_solver::energy::TargetSpring;
@@ -24,7 +24,7 @@ use std::f64::consts::PI;
 
 /// A roll along the ground.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub(super) struct RollMap {
+pub(crate) struct RollMap {
     /// A point on the ground below the side where the roll begins [m].
     #[serde(with = "crease_geometry::math::serde_vec::vector")]
     pub origin: Vec3,
@@ -42,7 +42,7 @@ pub(super) struct RollMap {
 
 /// A point on a layer [m].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub(super) struct RollCoords {
+pub(crate) struct RollCoords {
     /// Coordinate along the axis.
     pub along: f64,
     /// Distance along the layer from the side where the roll begins.
@@ -109,11 +109,11 @@ impl RollMap {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RollRecord {
     /// The spiral.
-    pub(super) map: RollMap,
+    pub(crate) map: RollMap,
     /// Length that was rolled up [m].
-    pub(super) length: f64,
+    pub(crate) length: f64,
     /// Places in the roll, one per point.
-    pub(super) coords: Vec<RollCoords>,
+    pub(crate) coords: Vec<RollCoords>,
 }
 
 impl RollRecord {
@@ -130,14 +130,14 @@ impl RollRecord {
     }
 
     /// The spring that carries point `p` of `mass` [kg] with the length `u` [m] rolled up.
-    pub(super) fn spring(&self, p: usize, u: f64, mass: f64) -> TargetSpring {
+    pub(crate) fn spring(&self, p: usize, u: f64, mass: f64) -> TargetSpring {
         let at = &self.coords[p];
         carry_spring(p as u32, self.map.rolled(at, u), self.map.normal(at, u), mass)
     }
 
     /// Mean distance [m] of the points at `x` [m] from their places with the length `u` [m] rolled up, weighted with
     /// `masses` [kg].
-    pub(super) fn mean_distance(&self, x: &[Vec3], u: f64, masses: &[f64]) -> f64 {
+    pub(crate) fn mean_distance(&self, x: &[Vec3], u: f64, masses: &[f64]) -> f64 {
         let points = self.coords.iter().zip(x).zip(masses);
         let sum: f64 = points.map(|((at, x), m)| m * (self.map.rolled(at, u) - x).norm()).sum();
         sum / masses.iter().sum::<f64>().max(f64::MIN_POSITIVE)
@@ -145,14 +145,14 @@ impl RollRecord {
 
     /// Fraction of the path from the roll to where they lay before it that the points at `x` [m] have covered, weighted with `masses`
     /// \[kg\] \[-\]; 1 for a path of no length.
-    pub(super) fn unrolled_fraction(&self, x: &[Vec3], masses: &[f64]) -> f64 {
+    pub(crate) fn unrolled_fraction(&self, x: &[Vec3], masses: &[f64]) -> f64 {
         let rolled: Vec<Vec3> = self.coords.iter().map(|at| self.map.rolled(at, self.length)).collect();
         let path = self.mean_distance(&rolled, 0.0, masses);
         if path > 0.0 { 1.0 - self.mean_distance(x, 0.0, masses) / path } else { 1.0 }
     }
 
     /// Longest step [s] of rolling all of it within `over` seconds.
-    pub(super) fn max_dt(&self, over: f64) -> f64 {
+    pub(crate) fn max_dt(&self, over: f64) -> f64 {
         TUNING.roll.max_turn_per_step * self.map.core * over / (PEAK_RATE * self.length)
     }
 }
