@@ -18,6 +18,7 @@ use std::borrow::Cow;
 
 /// Decision on one model.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct ModelDecision {
     /// Name of the model.
     pub name: &'static str,

@@ -122,9 +122,9 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
 /// Returns the exit code of `error`.
 fn exit_code(error: &Error) -> u8 {
     match error {
-        Error::Input(_) | Error::File { .. } => 1,
         Error::NotConverged(_) | Error::NotPerformed(_) | Error::Empty(_) => 3,
         Error::Interrupted => interrupt::INTERRUPTED,
+        _ => 1,
     }
 }
 

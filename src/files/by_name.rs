@@ -2,7 +2,7 @@
 
 use crate::files::read::{STANDARD_STREAM, file_name, read_text};
 use crate::wear::WearScript;
-use crease_model::error::{Diagnostic, Error, Result};
+use crease_model::error::{Error, Result};
 use crease_model::fabric::Fabric;
 use std::path::Path;
 
@@ -39,7 +39,10 @@ pub fn read_fabric(name: &str) -> Result<Fabric> {
         Err(Error::Input(faults)) => Err(Error::Input(
             faults
                 .into_iter()
-                .map(|fault| Diagnostic { message: fault.message + ", and no such file", ..fault })
+                .map(|mut fault| {
+                    fault.message = fault.message + ", and no such file";
+                    fault
+                })
                 .collect(),
         )),
         other => other,

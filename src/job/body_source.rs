@@ -260,7 +260,7 @@ fn held_vertices(piece: &SourcePiece) -> Vec<f64> {
 
 /// The error of an attribute of held points, which the reader of files knows as the mask.
 fn of_hold(error: Error) -> Error {
-    changed(error, |one| Diagnostic { help: one.help.with_setting(Setting::Mask, Setting::Hold), ..one })
+    changed(error, |one| one.help = one.help.clone().with_setting(Setting::Mask, Setting::Hold))
 }
 
 /// Flags the pieces of the garment file that `node` names. The file is read again, since only the reader knows all names
@@ -278,17 +278,16 @@ fn pieces_named(node: &str, path: &Path, unit_m: f64, options: &ReadOptions) -> 
 
 /// The error of a part chosen as the body, which the reader of files knows as the garment.
 fn of_body_node(error: Error) -> Error {
-    changed(error, |one| Diagnostic {
-        message: one.message.replace("no garment called", "no body called").into(),
-        help: one.help.with_setting(Setting::Garment, Setting::BodyNode),
-        ..one
+    changed(error, |one| {
+        one.message = one.message.replace("no garment called", "no body called").into();
+        one.help = one.help.clone().with_setting(Setting::Garment, Setting::BodyNode);
     })
 }
 
 /// The error with each of its diagnostics changed.
-fn changed(error: Error, change: impl Fn(Diagnostic) -> Diagnostic) -> Error {
-    match error {
-        Error::Input(all) => Error::Input(all.into_iter().map(change).collect()),
-        other => other,
+fn changed(mut error: Error, change: impl FnMut(&mut Diagnostic)) -> Error {
+    if let Error::Input(all) = &mut error {
+        all.iter_mut().for_each(change);
     }
+    error
 }

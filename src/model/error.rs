@@ -11,6 +11,7 @@ pub type Result<T> = std::result::Result<T, Error>;
 /// One problem of an input.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Diagnostic {
     /// File (or other source) as the user named it.
     pub file: String,
@@ -72,6 +73,7 @@ impl std::fmt::Display for Diagnostic {
 /// }
 /// ```
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum Error {
     /// Invalid input, with every problem found in it. Exit code 1.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]

@@ -19,6 +19,7 @@ use std::fmt;
 /// Report of one bake.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(title = "crease report")]
+#[non_exhaustive]
 pub struct Report {
     /// Wall time of the run [s].
     pub wall_s: f64,

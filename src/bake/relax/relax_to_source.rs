@@ -27,6 +27,7 @@ use crease_solver::sim::{GRAVITY, NewtonOptions, Stepper};
 
 /// Result of a relaxation.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[non_exhaustive]
 pub struct RelaxResult {
     /// One per point: displacement from the source pose [m].
     pub displacement: Vec<Vec3>,

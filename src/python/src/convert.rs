@@ -37,6 +37,7 @@ pub fn exception(error: Error) -> PyErr {
         },
         Error::NotConverged(_) | Error::NotPerformed(_) | Error::Empty(_) => ConvergenceError::new_err(text),
         Error::Interrupted => PyKeyboardInterrupt::new_err(text),
+        _ => CreaseError::new_err(text),
     }
 }
 
