@@ -14,7 +14,7 @@ use crease_solver::sim::{Method, StepOptions};
 use test_attributes::long;
 use tool::{Pose, wavy_sheet};
 
-/// Every action whose runner has a state of its own: `lay` its ceiling, `unfold` the fold it opens.
+/// Every action whose runner has a state of its own: `unfold` the fold it opens.
 const SCRIPT: &str = r#"{"format": "crease-wear/1", "actions": [
     {"lay": {"facing": "front", "over": 0.3}},
     {"fold": {"line": [[0.5, 0], [0.5, 1]], "side": "left", "over": 0.6, "hold": 0.3}},

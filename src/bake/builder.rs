@@ -2,9 +2,11 @@
 
 use crate::bake::body::leash::GarmentLeash;
 use crate::bake::body::start::body_at_first_key;
+use crate::bake::checkpoint::Checkpoint;
+use crate::bake::plan::laid_out;
 use crate::bake::relax::relax_to_source::{RelaxOptions, relax_to_source_pose};
 use crate::bake::relax::uncross::GarmentReading;
-use crate::bake::run::checkpoint::Checkpoint;
+
 use crate::bake::run::findings::add_findings;
 use crate::bake::run::lay_first::mesh_for;
 use crate::bake::run::setup::BakeSetup;
@@ -212,6 +214,7 @@ impl<'a> Bake<'a> {
             plan.apply_body(fabric, animated, &inactive, options.full_fidelity);
         }
         plan.decisions.push(choice.decision);
+        plan.decisions.extend(choice.layout.as_ref().map(laid_out));
         plan.decisions.extend(self.earlier.map(earlier_decision));
         if let Some(leash) = GarmentLeash::new(garment, options) {
             plan.decisions.push(leash.decision());

@@ -8,7 +8,7 @@
 use crate::bake::body::creases::CreasedCloth;
 use crate::bake::tuning::TUNING;
 use crate::bake::{BakeOptions, ModelDecision};
-use crate::wear::{DrawnLines, Foresight, WearScript, draw_fold_lines, is_row};
+use crate::wear::{DrawnLines, Foresight, LayoutQuality, WearScript, draw_fold_lines, is_row};
 use crease_geometry::math::{Vec3, bounds};
 use crease_geometry::mesh::distance::point_triangle;
 use crease_geometry::mesh::intersections::self_intersecting_triangles;
@@ -27,6 +27,8 @@ pub struct MeshChoice {
     pub refinement: Option<RefinementRule>,
     /// Whether the garment has to be laid once before lines can be drawn: the mesh is the one to lay it on.
     pub lays_first: bool,
+    /// How good the layout in the plane is, of a garment that does not lie in its file.
+    pub layout: Option<LayoutQuality>,
     /// The decision, with its reason.
     pub decision: ModelDecision,
 }
@@ -73,6 +75,7 @@ impl MeshChoice {
             mesh: SimulationMesh::of_source(garment),
             refinement: None,
             lays_first: false,
+            layout: None,
             decision: ModelDecision { name: "simulation mesh", on: false, why },
         };
         if options.own_triangles || options.full_fidelity {
@@ -88,18 +91,20 @@ impl MeshChoice {
             }
             return Self::on_body(garment, &creased, lengths);
         }
-        let DrawnLines { mut mesh, foresight, excess } =
+        let DrawnLines { mut mesh, foresight, layout } =
             draw_fold_lines(garment, script, laid, fabric.thickness(), lengths.row);
-        let excess = excess.or_else(|| laid.map(|laid| excess_at(garment, laid))).unwrap_or(0.0);
+        let excess = layout.map(|layout| layout.excess).or_else(|| laid.map(|laid| excess_at(garment, laid)));
+        let is_crumpled = excess.is_some_and(|excess| excess > TUNING.simulation_mesh.max_excess);
         let uniform = match foresight {
-            Foresight::Whole if excess > TUNING.simulation_mesh.max_excess => lengths.max_of_crumpled,
+            Foresight::Whole if is_crumpled => lengths.max_of_crumpled,
             Foresight::Whole => lengths.max,
             Foresight::NeedsLaying => lengths.side,
             Foresight::Until(_) => TUNING.simulation_mesh.side_factor * lengths.anywhere,
         };
         make_mesh(&mut mesh, lengths, uniform);
         let mesh = mesh.finish();
-        if crosses_elsewhere(&mesh.garment, garment) {
+        // A garment that is laid out is not simulated in the shape of its file.
+        if layout.is_none() && crosses_elsewhere(&mesh.garment, garment) {
             return own("layers would cross on another mesh at the start".into());
         }
         let count = format!("{} points instead of {}", mesh.garment.points.len(), garment.points.len());
@@ -124,6 +129,7 @@ impl MeshChoice {
                 _ => None,
             },
             lays_first: foresight == Foresight::NeedsLaying,
+            layout,
             decision: ModelDecision { name: "simulation mesh", on: true, why: why.into() },
         }
     }
@@ -151,6 +157,7 @@ impl MeshChoice {
             mesh,
             refinement: Some(RefinementRule { from_action: 0, finest_edge: fine }),
             lays_first: false,
+            layout: None,
             decision: ModelDecision { name: "simulation mesh", on: true, why: why.into() },
         }
     }

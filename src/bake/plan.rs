@@ -5,7 +5,7 @@
 
 use crate::bake::BakeOptions;
 use crate::bake::tuning::TUNING;
-use crate::wear::{Action, WearScript};
+use crate::wear::{Action, LayoutQuality, WearScript};
 use crease_geometry::math::{Vec3, bounds};
 use crease_geometry::mesh::{PointIndex, triangle};
 use crease_model::body::AnimatedBody;
@@ -323,6 +323,11 @@ impl PlannedScene<'_> {
         (load / (TUNING.models.max_contact_compression * distance))
             .max(stretch[0].max(stretch[1]) / area_per_point)
     }
+}
+
+/// The decision to lay the garment out in its layers.
+pub(super) fn laid_out(quality: &LayoutQuality) -> ModelDecision {
+    ModelDecision { name: "laid out flat", on: true, why: quality.to_string().into() }
 }
 
 /// Decisions on the time steps.

@@ -101,8 +101,7 @@ pub(super) struct SimulationMeshTuning {
     /// Longest edges of a garment with excess cloth, relative to those along fold lines [-], default 2: the excess is folded into the
     /// stack, where longer edges stand up like tents that no pressure flattens.
     pub max_factor_of_crumpled: f64,
-    /// Fraction of the cloth that does not fit into the plane, beyond which it counts as excess [-], default 0.03: one in the shape of a
-    /// body that is pressed flat by a ceiling has 0.08 or more.
+    /// Fraction of the cloth that does not fit into the plane, beyond which it counts as excess [-], default 0.03.
     pub max_excess: f64,
     /// Growth of edges per metre of distance from lines and sides [-], default 1.
     pub edge_growth: f64,

@@ -3,6 +3,7 @@
 //! An action of a script is data. When its turn comes it is started on the cloth as it is and becomes an [`ActionRunner`],
 //! which gives the loads on the cloth at every time. State that outlives the action is in [`PersistentState`].
 
+use crate::wear::layout::flat_layout::LayoutQuality;
 use crate::wear::persistent_state::PersistentState;
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::PointIndex;
@@ -76,12 +77,6 @@ pub trait ActionRunner {
         Vec::new()
     }
 
-    /// Moves the points before a step that ends at `t` seconds, by a map that keeps layers in order (`lay` squeezes).
-    /// Returns whether it did.
-    fn apply_map(&mut self, _t: f64, _x: &mut [Vec3]) -> bool {
-        false
-    }
-
     /// Whether the cloth accumulates memory meanwhile (`lay` only prepares).
     fn accumulates_memory(&self) -> bool {
         true
@@ -122,8 +117,8 @@ pub trait ActionRunner {
 pub struct LaidOut {
     /// Per point: by how much it looked up before, from -1 to 1.
     pub level: Vec<f64>,
-    /// Fraction of the cloth that does not fit into the plane [-].
-    pub excess: f64,
+    /// How good the layout is.
+    pub quality: LayoutQuality,
 }
 
 /// Start of an action.
@@ -136,20 +131,12 @@ pub struct ActionStart {
     pub laid_out: Option<LaidOut>,
     /// Duration [s], where only the body determines it.
     pub duration: Option<f64>,
-    /// What the report says of the start.
-    pub note: Option<String>,
 }
 
 impl ActionStart {
     /// The start of `runner` from the present positions.
     pub fn here(runner: impl ActionRunner + 'static) -> Result<Self> {
-        Ok(Self {
-            runner: Box::new(runner),
-            start_positions: None,
-            laid_out: None,
-            duration: None,
-            note: None,
-        })
+        Ok(Self { runner: Box::new(runner), start_positions: None, laid_out: None, duration: None })
     }
 }
 

@@ -93,15 +93,13 @@ pub(super) struct HeightFieldTuning {
 /// Laying a garment down.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LayTuning {
-    /// Height to which a garment is pressed down before it is released [layer thicknesses], default 12.
+    /// Height up to which a garment lies already [layer thicknesses], default 12.
     pub flat_layers: f64,
-    /// Fraction of the duration that pressing down takes [-], default 0.7; in the rest the garment is free.
-    pub press_time_fraction: f64,
-    /// Largest relative descent of the ceiling per step [-], default 0.08.
-    pub max_squeeze_per_step: f64,
-    /// Smallest number of steps while it is pressed down, default 10.
-    pub min_steps: f64,
-    /// Largest step afterwards relative to the duration [-], default 0.1.
+    /// Fraction of the duration in which a garment that was laid out slides without friction, pressed by hands [-], default 0.7.
+    pub smoothing_fraction: f64,
+    /// Fraction of the duration in which the pressure of hands rises on it [-], default 0.3.
+    pub smoothing_rise: f64,
+    /// Largest step relative to the duration [-], default 0.1.
     pub max_free_dt_fraction: f64,
     /// Air drag meanwhile [1/s], default 10.
     pub drag: f64,
@@ -110,6 +108,14 @@ pub(super) struct LayTuning {
     pub side_smoothing: f64,
     /// Area of a patch of one side, relative to the garment's, below which it joins the other side [-], default 0.02.
     pub min_side_fraction: f64,
+    /// Mean of |level| up to which such a patch joins it [-], default 0.3.
+    pub min_side_level: f64,
+    /// Length of an edge over a triangle, and square root of the area of an overlap, from which they count [m], default 1e-6.
+    pub min_overlap: f64,
+    /// Weight of the direction up beside the two normals of a pair when it is told which lies above [-], default 0.1.
+    pub upward_weight: f64,
+    /// Random displacement in the plane that sets copies of a sheet apart [m], default 1e-5.
+    pub shift: f64,
     /// Bounds of cotangents in the layout [-], defaults 0.02 and 50.
     pub min_cotangent: f64,
     pub max_cotangent: f64,
@@ -127,18 +133,14 @@ pub(super) struct LayTuning {
     pub layout_gap: f64,
     /// Rounds in which what is folded over is drawn out, default 40.
     pub draw_out_rounds: usize,
-    /// Layers sewn onto one another outside of the cloth, at most, default 8: more are damage.
-    pub max_sewn_layers: usize,
-    /// Cells in which the heights of parts that are not joined are compared [m], default 0.02.
-    pub part_cell: f64,
-    /// Rounds in which layers next to common points are moved apart, at most, default 300.
+    /// Slope at which layers rise from a fold to that distance [-], default 0.2.
+    pub rim_slope: f64,
+    /// Least distance of layers next to folds, relative to that distance [-], default 0.1.
+    pub min_gap_fraction: f64,
+    /// Rounds in which layers are moved apart in height, at most, default 300.
     pub max_gap_rounds: usize,
     /// Missing distance at which that ends, relative to the distance of layers [-], default 0.01.
     pub gap_tol: f64,
-    /// Distance of two triangles that touch, relative to that distance [-], default 0.01.
-    pub touch_fraction: f64,
-    /// Random change of heights with which the layout is tested for crossings, relative to that distance [-], default 0.3.
-    pub shake: f64,
 }
 
 /// Pressing, crumpling, hanging and settling.
@@ -285,13 +287,16 @@ pub(super) const TUNING: WearTuning = WearTuning {
     height_field: HeightFieldTuning { cell: 0.01, dilation: 2, smoothing: 2 },
     lay: LayTuning {
         flat_layers: 12.0,
-        press_time_fraction: 0.7,
-        max_squeeze_per_step: 0.08,
-        min_steps: 10.0,
+        smoothing_fraction: 0.7,
+        smoothing_rise: 0.3,
         max_free_dt_fraction: 0.1,
         drag: 10.0,
         side_smoothing: 0.03,
         min_side_fraction: 0.02,
+        min_side_level: 0.3,
+        min_overlap: 1e-6,
+        upward_weight: 0.1,
+        shift: 1e-5,
         min_cotangent: 0.02,
         max_cotangent: 50.0,
         place_weight: 1e-6,
@@ -301,12 +306,10 @@ pub(super) const TUNING: WearTuning = WearTuning {
         layout_tol: 1e-5,
         layout_gap: 2.0,
         draw_out_rounds: 40,
-        max_sewn_layers: 8,
-        part_cell: 0.02,
+        rim_slope: 0.2,
+        min_gap_fraction: 0.1,
         max_gap_rounds: 300,
         gap_tol: 0.01,
-        touch_fraction: 0.01,
-        shake: 0.3,
     },
     other: OtherActionTuning {
         press_ramp_time: 0.4,

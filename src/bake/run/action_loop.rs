@@ -1,13 +1,15 @@
 //! The loop over the steps of an action: loads -> solve -> memory.
 
 use crate::bake::body::coupling::{StepRange, SteppedCloth};
+use crate::bake::checkpoint::{ActionProgress, CheckpointPosition};
+use crate::bake::plan::laid_out;
 use crate::bake::relax::uncross::GarmentReading;
-use crate::bake::run::checkpoint::{ActionProgress, CheckpointPosition};
+
 use crate::bake::run::frames::StepStart;
 use crate::bake::run::running_bake::Run;
 use crate::bake::tuning::TUNING;
-use crate::bake::{BakeProgress, EarlyStop, ModelDecision, Observer, StopCause};
-use crate::wear::{Action, ActionContext, ActionRunner, MAX_CUT_STRAIN, PersistentState};
+use crate::bake::{BakeProgress, EarlyStop, Observer, StopCause};
+use crate::wear::{Action, ActionContext, ActionRunner, LaidOut, MAX_CUT_STRAIN, PersistentState};
 use crease_geometry::math::Vec3;
 use crease_model::error::{Error, Message, Result, Setting};
 use crease_model::remesh::SimulationMesh;
@@ -95,9 +97,10 @@ impl Run<'_> {
                 }
             }
             None => {
-                let decision =
-                    |why: String| ModelDecision { name: "laid out flat", on: true, why: why.into() };
-                self.report.decisions.extend(begun.note.take().map(decision));
+                if let Some(LaidOut { quality, .. }) = &begun.laid_out {
+                    self.report.decisions.push(laid_out(quality));
+                    self.report.warnings.extend(quality.warning());
+                }
                 if let Some(placed) = begun.start_positions {
                     self.state.x = placed;
                     self.state.stop();
@@ -231,10 +234,6 @@ impl Run<'_> {
                     if dt_request >= left { left } else { dt_request.min(0.5 * left.max(dt_request)) };
                 let now = self.state.time;
                 dt = dt.min(self.stepper.max_dt_under(&runner.loads_at(now - begin + dt, &self.state.x)));
-                if runner.apply_map(now - begin + dt, &mut self.state.x) {
-                    self.state.stop();
-                    self.state.angle = self.stepper.cloth.bending.angles(&self.state.x, &self.state.angle);
-                }
                 // Under loads that have not changed for long only memory changes, ever more slowly.
                 let unchanged = now - begin - segment_start;
                 let growing_dt =

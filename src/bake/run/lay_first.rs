@@ -1,7 +1,7 @@
 //! A garment that does not lie in its file is laid once, to learn where fold lines run on it.
 //!
-//! The first action of the script, `lay`, lays it out on a uniform mesh, with an edge where the cloth turns over; what cannot be laid out is
-//! laid in a run without memory. The lines are then drawn where the garment lies, the mesh for the whole script is made with
+//! The first action of the script, `lay`, lays it out on a uniform mesh, with an edge where the cloth turns over; cloth that is crumpled, but no
+//! higher than a few layers, is laid in a run without memory. The lines are then drawn where the garment lies, the mesh for the whole script is made with
 //! them, and the run begins.
 
 use crate::bake::choose_mesh::MeshChoice;
@@ -34,7 +34,7 @@ pub(in crate::bake) fn mesh_for(setup: &BakeSetup, observer: &mut dyn Observer) 
     Ok(MeshChoice::new(setup.garment, setup.fabric, setup.script, Some(&laid), setup.options))
 }
 
-/// Positions of `mesh`, one per point [m], as the first action of `lay` lays it out; `None` where it cannot.
+/// Positions of `mesh`, one per point [m], as the first action of `lay` lays it out; `None` where it does not.
 fn laid_out(mesh: &SimulationMesh, lay: &BakeSetup) -> Result<Option<Vec<Vec3>>> {
     let Some(action) = lay.script.flatten().next() else { return Ok(None) };
     let context = ActionContext {

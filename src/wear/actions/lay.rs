@@ -3,7 +3,7 @@
 use crate::wear::action_runner::{ActionContext, ActionFailure, ActionRunner, ActionStart, LaidOut};
 use crate::wear::layout::flat_layout::FlatLayout;
 use crate::wear::layout::fold_layout::FoldLayout;
-use crate::wear::motion::motion_profile::{PEAK_RATE, smoothstep};
+use crate::wear::motion::motion_profile::smoothstep;
 use crate::wear::persistent_state::{GarmentFrame, PersistentState};
 use crate::wear::tuning::TUNING;
 use crate::wear::wear_action::WearAction;
@@ -13,7 +13,7 @@ use crease_model::garment::{is_flat_across, max_flat_extent};
 use crease_solver::sim::Loads;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
+use serde_json::Value;
 
 /// Lay the garment flat on the ground, layers in order, none crossing. Later positions count in its bounding box as
 /// it then lies: x from 0 at the left to 1 at the right, y from 0 at the lower edge (hem) to 1 at the upper (neck).
@@ -104,36 +104,26 @@ impl WearAction for Lay {
         // A garment that is laid down has been taken off.
         persistent.body = None;
         persistent.ground = Some(0.0);
-        let mut height = high.y - low.y + context.thickness;
-        let flat = TUNING.lay.flat_layers * context.thickness;
-        let (mut laid_out, mut note) = (None, None);
-        if height > flat
-            && let Some(layout) = {
-                let upright: Vec<Vec3> = context.source_positions.iter().map(|p| from_file * p).collect();
-                FlatLayout::new(&upright, context.triangles, TUNING.lay.layout_gap * context.thickness)
-            }
-        {
+        let mut laid_out = None;
+        if high.y - low.y + context.thickness > TUNING.lay.flat_layers * context.thickness {
+            let upright: Vec<Vec3> = context.source_positions.iter().map(|p| from_file * p).collect();
+            let layout =
+                FlatLayout::new(&upright, context.triangles, TUNING.lay.layout_gap * context.thickness);
+            let Some(layout) = layout else {
+                let help = "`crease inspect` tells what is wrong with the file";
+                return Err(context.refuse("the garment cannot be laid: its points are not finite", help));
+            };
             laid = layout.positions;
-            note = Some(format!(
-                "front over back, in a cut that differs from the file's shape by {:.1} % (rms strain); {:.1} % of the cloth does not fit into \
-                 the plane beyond that and makes wrinkles",
-                100.0 * layout.strain,
-                100.0 * layout.excess
-            ));
-            laid_out = Some(LaidOut { level: layout.level, excess: layout.excess });
-            height = flat;
+            laid_out = Some(LaidOut { level: layout.level, quality: layout.quality });
         }
         place_on_ground(&mut laid, context.thickness);
         persistent.frame = Some(GarmentFrame::lying(&laid));
         let start = ActionStart::here(LayRunner {
-            first_height: height,
-            last_height: flat.min(height),
-            height,
             over: self.over_s,
             thickness: context.thickness,
-            is_smoothed: laid_out.is_some() || flat < height,
+            is_smoothed: laid_out.is_some(),
         })?;
-        Ok(ActionStart { start_positions: Some(laid), laid_out, note, ..start })
+        Ok(ActionStart { start_positions: Some(laid), laid_out, ..start })
     }
 
     fn example() -> Self {
@@ -148,79 +138,44 @@ fn place_on_ground(x: &mut [Vec3], clearance: f64) {
     x.iter_mut().for_each(|p| *p += shift);
 }
 
-/// A ceiling that comes down on the garment and is then removed.
+/// The cloth comes to rest on the ground.
 ///
-/// Before every step all heights shrink by the same factor as the ceiling: a linear map, which cannot make layers cross.
-/// The solver then lets the cloth move sideways.
+/// What was laid out slides without friction at first, under the pressure of flat hands; then it is free.
 struct LayRunner {
-    /// Height of the ceiling at the start [m].
-    first_height: f64,
-    /// Height of the ceiling once it is down [m].
-    last_height: f64,
-    /// Present height of the ceiling [m].
-    height: f64,
     /// Duration [s].
     over: f64,
     /// Thickness of a layer [m].
     thickness: f64,
-    /// Whether the cloth slides without friction until the press time, as if smoothed by hands.
+    /// Whether the cloth is smoothed by hands at first.
     is_smoothed: bool,
 }
 
 impl LayRunner {
-    fn has_ceiling(&self) -> bool {
-        self.last_height < self.first_height
+    /// Time up to which the cloth slides [s].
+    fn smoothing_time(&self) -> f64 {
+        if self.is_smoothed { TUNING.lay.smoothing_fraction * self.over } else { 0.0 }
     }
 
-    /// Time at which the ceiling is down [s].
-    fn press_time(&self) -> f64 {
-        TUNING.lay.press_time_fraction * self.over
-    }
-
-    /// Whether the ceiling is coming down in a step that ends at `t` [s].
-    fn is_pressing(&self, t: f64) -> bool {
-        self.has_ceiling() && t <= self.press_time() * (1.0 + 1e-9)
-    }
-
-    /// Height of the ceiling at `t` [s], in metres.
-    fn height_at(&self, t: f64) -> f64 {
-        let done = smoothstep(t / self.press_time());
-        self.first_height * (self.last_height / self.first_height).powf(done)
+    /// Whether hands smooth the cloth in a step that ends at `t` [s].
+    fn is_smoothing(&self, t: f64) -> bool {
+        t <= self.smoothing_time() * (1.0 + 1e-9)
     }
 }
 
 impl ActionRunner for LayRunner {
     fn loads_at(&mut self, t: f64, _x: &[Vec3]) -> Loads {
-        let pressing = self.is_pressing(t);
-        let slides = self.is_smoothed && t <= self.press_time() * (1.0 + 1e-9);
-        let steps =
-            (self.first_height / self.last_height).ln() / -(1.0 - TUNING.lay.max_squeeze_per_step).ln();
+        let rise = smoothstep(t / (TUNING.lay.smoothing_rise * self.over));
         Loads {
-            ceiling: pressing.then(|| self.height_at(t) + self.thickness),
-            friction: if slides { 0.0 } else { 1.0 },
+            friction: if self.is_smoothing(t) { 0.0 } else { 1.0 },
+            pressure: if self.is_smoothing(t) { TUNING.fold.stroking_pressure * rise } else { 0.0 },
             drag: TUNING.lay.drag,
-            max_dt: if pressing {
-                self.press_time() / (PEAK_RATE * steps).max(TUNING.lay.min_steps)
-            } else {
-                TUNING.lay.max_free_dt_fraction * self.over
-            },
+            max_dt: TUNING.lay.max_free_dt_fraction * self.over,
             ..Loads::gravity_only(Some(0.0))
         }
     }
 
     fn event_times(&self) -> Vec<f64> {
-        if self.is_smoothed { vec![self.press_time()] } else { Vec::new() }
-    }
-
-    fn apply_map(&mut self, t: f64, x: &mut [Vec3]) -> bool {
-        if !self.is_pressing(t) {
-            return false;
-        }
-        let height = self.height_at(t);
-        let factor = height / self.height;
-        self.height = height;
-        x.iter_mut().for_each(|p| p.y *= factor);
-        true
+        if self.is_smoothed { vec![self.smoothing_time()] } else { Vec::new() }
     }
 
     fn accumulates_memory(&self) -> bool {
@@ -228,13 +183,7 @@ impl ActionRunner for LayRunner {
     }
 
     fn save_state(&self) -> Option<Value> {
-        Some(json!(self.height))
-    }
-
-    fn restore_state(&mut self, saved: &Value, _point_count: usize) -> bool {
-        let height = saved.as_f64().filter(|height| *height > 0.0);
-        self.height = height.unwrap_or(self.height);
-        height.is_some()
+        Some(Value::Null)
     }
 
     fn failure(&self, x: &[Vec3]) -> Option<ActionFailure> {

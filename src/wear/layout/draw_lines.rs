@@ -1,5 +1,6 @@
 //! The fold lines of a script, drawn on the surface of a garment before anything is simulated.
 
+use crate::wear::layout::flat_layout::LayoutQuality;
 use crate::wear::layout::fold_layout::{FoldLayout, Foresight};
 use crate::wear::script::WearScript;
 use crease_geometry::math::Vec3;
@@ -14,8 +15,8 @@ pub struct DrawnLines<'a> {
     pub mesh: SurfaceMesh<'a>,
     /// How far ahead creases are known.
     pub foresight: Foresight,
-    /// Fraction of the cloth that does not fit into the plane [-], where it was laid out in one.
-    pub excess: Option<f64>,
+    /// How good the layout in the plane is, of a garment that does not lie in its file.
+    pub layout: Option<LayoutQuality>,
 }
 
 /// Draws the fold lines of `script` on `garment`, as far as they can be told, with a row of edges at `row` [m] on either side of
@@ -35,9 +36,9 @@ pub fn draw_fold_lines<'a>(
         }
         action.as_wear_action().predict_creases(&mut layout);
     }
-    let (mut lines, foresight, excess) = layout.finish();
+    let (mut lines, foresight, layout) = layout.finish();
     lines.draw_rows();
-    DrawnLines { mesh: lines.into_mesh(), foresight, excess }
+    DrawnLines { mesh: lines.into_mesh(), foresight, layout }
 }
 
 #[cfg(test)]
@@ -47,6 +48,8 @@ mod tests {
     use crease_model::remesh::Curve;
 
     const STEP: f64 = 0.01;
+    /// Of a layer: half of the distance of the two [m].
+    const THICKNESS: f64 = 5e-4;
     /// So narrow that rows lie at the line.
     const NO_ROW: f64 = 1e-3;
 
@@ -86,7 +89,7 @@ mod tests {
     /// Columns of drawn lines [steps] and their layer (0 below, 1 above), and the foresight.
     fn drawn(garment: &Garment, actions: &str, laid: Option<&[Vec3]>) -> (Vec<(i64, usize)>, Foresight) {
         let script = script(actions);
-        let DrawnLines { mesh, foresight, .. } = draw_fold_lines(garment, &script, laid, 0.0, NO_ROW);
+        let DrawnLines { mesh, foresight, .. } = draw_fold_lines(garment, &script, laid, THICKNESS, NO_ROW);
         let lines = mesh
             .edges()
             .into_iter()
@@ -140,7 +143,9 @@ mod tests {
     fn a_garment_that_does_not_lie_is_laid_first() {
         let actions = format!("{LAY}, {LEFT}");
         let garment = sleeve(0.15);
-        assert_eq!(drawn(&garment, &actions, None), (Vec::new(), Foresight::NeedsLaying));
+        // Edges where the cloth turns over, to lay it on.
+        let rims = vec![(0, 0), (20, 0)];
+        assert_eq!(drawn(&garment, &actions, None), (rims, Foresight::NeedsLaying));
         let laid = sleeve(0.0).points;
         assert_eq!(drawn(&garment, &actions, Some(&laid)), (vec![(5, 0), (5, 1)], Foresight::Whole));
     }

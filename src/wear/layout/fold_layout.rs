@@ -4,6 +4,7 @@
 //! that may crease the cloth anywhere ends the prediction.
 
 use crate::wear::action_runner::{ActionContext, ActionStart};
+use crate::wear::layout::flat_layout::LayoutQuality;
 use crate::wear::layout::line_layout::LineLayout;
 use crate::wear::persistent_state::{GarmentFrame, PersistentState};
 use crate::wear::tuning::TUNING;
@@ -34,8 +35,8 @@ pub struct FoldLayout<'a> {
     thickness: f64,
     lines: LineLayout<'a>,
     persistent: PersistentState,
-    /// Fraction of the cloth that does not fit into the plane [-], where it was laid out in one.
-    excess: Option<f64>,
+    /// How good the layout in the plane is, of a garment that does not lie in its file.
+    quality: Option<LayoutQuality>,
     foresight: Foresight,
     /// Index of the current action.
     action: usize,
@@ -52,7 +53,7 @@ impl<'a> FoldLayout<'a> {
             thickness,
             lines: LineLayout::new(SurfaceMesh::new(garment), thickness, row),
             persistent: PersistentState::default(),
-            excess: None,
+            quality: None,
             foresight: Foresight::Whole,
             action: 0,
         }
@@ -64,10 +65,9 @@ impl<'a> FoldLayout<'a> {
         self.foresight == Foresight::Whole
     }
 
-    /// The lines so far, and how far they go; also, of a garment that was laid out, the fraction of the cloth that does not fit into the
-    /// plane.
-    pub(crate) fn finish(self) -> (LineLayout<'a>, Foresight, Option<f64>) {
-        (self.lines, self.foresight, self.excess)
+    /// The lines so far, and how far they go; also, of a garment that was laid out, how good its layout is.
+    pub(crate) fn finish(self) -> (LineLayout<'a>, Foresight, Option<LayoutQuality>) {
+        (self.lines, self.foresight, self.quality)
     }
 
     /// Marks that the cloth may crease anywhere.
@@ -112,7 +112,7 @@ impl<'a> FoldLayout<'a> {
         else {
             return self.mark_unpredictable();
         };
-        self.excess = laid_out.as_ref().map(|laid_out| laid_out.excess);
+        self.quality = laid_out.as_ref().map(|laid_out| laid_out.quality);
         let rim = laid_out.map(|laid_out| laid_out.level);
         // Laid out on the triangles of the file, it is not yet where it will lie.
         if rim.is_some() || !self.is_flat(&positions) {
@@ -130,7 +130,6 @@ impl<'a> FoldLayout<'a> {
                 _ => return self.mark_unpredictable(),
             }
         }
-        positions.iter_mut().for_each(|p| p.y = 0.0);
         if !self.lines.lay_down(&positions, rim) {
             self.mark_unpredictable();
         }

@@ -60,17 +60,14 @@ impl<'a> LineLayout<'a> {
         self.mesh
     }
 
-    /// Lays the cloth out at `positions` [m], one per point of the garment, of triangles that look up below others that do not.
+    /// Lays the cloth out at `positions` [m], one per point of the garment; what lies higher is a higher layer.
     /// Where `rim`, one per point, is 0 the cloth turns over, and a line is drawn. Returns whether that is possible: after a fold the points of the lines have no position in a new layout.
     pub fn lay_down(&mut self, positions: &[Vec3], rim: Option<Vec<f64>>) -> bool {
         if !self.levels.is_empty() {
             return false;
         }
-        self.positions = positions.to_vec();
-        for (tag, t) in self.mesh.tag.iter_mut().zip(&self.mesh.triangles) {
-            let [a, b, c] = t.map(|p| positions[p as usize]);
-            *tag = u32::from((b - a).cross(&(c - a)).y > 0.0);
-        }
+        self.mesh.tag = ranks_by_height(&self.mesh.triangles, positions);
+        self.positions = positions.iter().map(|p| Vec3::new(p.x, 0.0, p.z)).collect();
         if let Some(mut rim) = rim {
             self.cut(&mut rim);
             for [p, q] in self.mesh.edges_on_line(&rim) {
@@ -107,7 +104,7 @@ impl<'a> LineLayout<'a> {
         let top = self.mesh.tag.iter().copied().max().unwrap_or(0);
         for (tag, t) in self.mesh.tag.iter_mut().zip(&self.mesh.triangles) {
             if t.iter().map(|p| level[*p as usize]).sum::<f64>() > 0.0 {
-                *tag = (2 * top + 1).saturating_sub(*tag);
+                *tag = top.saturating_mul(2).saturating_add(1).saturating_sub(*tag);
             }
         }
         for (p, level) in self.positions.iter_mut().zip(&level) {
@@ -210,4 +207,20 @@ impl<'a> LineLayout<'a> {
         };
         !self.levels.iter().enumerate().any(beside)
     }
+}
+/// Per triangle at `positions` [m]: its rank by the height of its centroid; of equal heights one that looks up is higher.
+fn ranks_by_height(triangles: &[[u32; 3]], positions: &[Vec3]) -> Vec<u32> {
+    let key = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|p| positions[p as usize]);
+        (a.y + b.y + c.y, (b - a).cross(&(c - a)).y > 0.0)
+    };
+    let keys: Vec<(f64, bool)> = triangles.iter().map(key).collect();
+    let mut order: Vec<usize> = (0..keys.len()).collect();
+    let compare = |f: usize, g: usize| keys[f].0.total_cmp(&keys[g].0).then(keys[f].1.cmp(&keys[g].1));
+    order.sort_by(|f, g| compare(*f, *g));
+    let mut ranks = vec![0; keys.len()];
+    for w in order.windows(2) {
+        ranks[w[1]] = ranks[w[0]] + u32::from(compare(w[0], w[1]).is_ne());
+    }
+    ranks
 }
