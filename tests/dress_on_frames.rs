@@ -195,7 +195,7 @@ fn a_run_is_the_same_with_frames_and_without() {
     let table = Arc::new(table);
     let sheet = Garment::sheet([0.3, 0.3], [6, 6]).expect("is a sheet");
     let folds = r#"{"lay": {"facing": "up", "over": 0.2}}, {"fold": {"line": [[0.5, 0], [0.5, 1]], "side": "left", "over": 0.4}},
-        {"fold": {"line": [[0, 0.5], [1, 0.5]], "side": "upper", "over": 0.4}}, {"unfold": {"over": 0.8}}"#;
+        {"fold": {"line": [[0, 0.5], [1, 0.5]], "side": "upper", "over": 0.4}}, {"unfold": {"over": 0.8}}, {"hold": {"for": 0.1}}"#;
     assert_eq!(end(&sheet, &table, folds, 0.0), end(&sheet, &table, folds, 50.0));
 }
 

@@ -83,7 +83,8 @@ pub struct StopCause {
 pub struct BakeResult {
     /// The worn garment, in its source pose.
     pub worn: WornGarment,
-    /// Positions at the end of the script, one per point of the garment [m].
+    /// Positions at the end of the script, one per point of the garment [m]: folded, where it only opens the garment at its end and neither
+    /// frames nor full fidelity ask for that (the decision "opening at the end").
     pub end: Vec<Vec3>,
     /// The mesh that was simulated, with the memory that it earned.
     pub simulated: SimulatedGarment,

@@ -1,14 +1,13 @@
 //! The loop over the steps of an action: loads -> solve -> memory.
 
 use crate::bake::body::coupling::{StepRange, SteppedCloth};
-use crate::bake::checkpoint::{ActionProgress, CheckpointPosition};
 use crate::bake::plan::laid_out;
 use crate::bake::relax::uncross::GarmentReading;
-
+use crate::bake::run::checkpoint::{ActionProgress, CheckpointPosition};
 use crate::bake::run::frames::StepStart;
 use crate::bake::run::running_bake::Run;
 use crate::bake::tuning::TUNING;
-use crate::bake::{BakeProgress, EarlyStop, Observer, StopCause};
+use crate::bake::{BakeProgress, EarlyStop, ModelDecision, Observer, StopCause};
 use crate::wear::{Action, ActionContext, ActionRunner, LaidOut, MAX_CUT_STRAIN, PersistentState};
 use crease_geometry::math::Vec3;
 use crease_model::error::{Error, Message, Result, Setting};
@@ -42,6 +41,29 @@ struct StepLimits {
 }
 
 impl Run<'_> {
+    /// Notes whether the action `number` only opens the garment at the end of the script, which leaves no memory, and skips it where no
+    /// frames show it; returns whether it does.
+    pub(in crate::bake) fn skips_opening(&mut self, number: usize, action: &Action) -> bool {
+        let opens = match action {
+            Action::Unfold(unfold) => unfold.opens_all(&self.persistent),
+            _ => self.persistent.turns.is_empty(),
+        };
+        self.is_opening = opens && self.opening.is_some_and(|first| number >= first);
+        let skips = self.is_opening && !self.frames.is_wanted();
+        if skips {
+            self.state.time += action.as_wear_action().duration();
+            self.persistent.turns.clear();
+            if self.opening == Some(number) {
+                self.report.decisions.push(ModelDecision {
+                    name: "opening at the end",
+                    on: false,
+                    why: "nothing that the cloth could remember comes after it: only frames show it".into(),
+                });
+            }
+        }
+        skips
+    }
+
     /// Performs the action `number`, from its beginning or from `progress`.
     pub(in crate::bake) fn perform_action(
         &mut self,
@@ -285,7 +307,7 @@ impl Run<'_> {
         }
         let clock = Instant::now();
         let mut next = step.next_dt;
-        if let (Some(model), true) = (&self.model, runner.accumulates_memory()) {
+        if let (Some(model), true) = (&self.model, runner.accumulates_memory() && !self.is_opening) {
             let stretch_after = self.stretches();
             let source = &self.memory.rest.source_angle;
             let [angle, angle_after] =

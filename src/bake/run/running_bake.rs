@@ -43,6 +43,10 @@ pub(in crate::bake) struct Run<'a> {
     pub model: Option<MemoryModel>,
     /// Options of the time steps outside long holds.
     pub step_options: StepOptions,
+    /// Index of the action, in the flattened script, from which on the garment is only opened and rests.
+    pub opening: Option<usize>,
+    /// Whether the present action is part of that: the cloth remembers nothing of it.
+    pub is_opening: bool,
     /// See [`crate::bake::BakeOptions`].
     pub event_dt_fraction: f64,
     /// See [`crate::bake::BakeOptions`].
@@ -107,6 +111,8 @@ impl<'a> Run<'a> {
             splits,
             model: options.memory.then_some(model),
             step_options: options.effective_step(),
+            opening: script.opening().filter(|_| !options.full_fidelity),
+            is_opening: false,
             event_dt_fraction: options.effective_event_dt_fraction(),
             checkpoint_steps: options.checkpoint_steps,
             persistent: PersistentState::default(),

@@ -43,6 +43,10 @@ pub(in crate::bake) fn simulate(
     let mut progress = position.into_progress();
     let mut actions = 0;
     for (number, action) in setup.script.flatten().enumerate().skip(first) {
+        actions = number + 1;
+        if run.skips_opening(number, &action) {
+            continue;
+        }
         let performed = run.perform_action(number, &action, setup.script_name, progress.take(), observer);
         if let Err(error) = performed {
             if run.report.stopped.is_some() {
@@ -52,7 +56,6 @@ pub(in crate::bake) fn simulate(
             }
             return Err(error);
         }
-        actions = number + 1;
     }
     run.checkpoint_boundary(actions.max(first), observer)?;
     run.complete_report();

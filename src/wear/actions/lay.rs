@@ -110,7 +110,7 @@ impl WearAction for Lay {
             let layout =
                 FlatLayout::new(&upright, context.triangles, TUNING.lay.layout_gap * context.thickness);
             let Some(layout) = layout else {
-                let help = "`crease inspect` tells what is wrong with the file";
+                let help = Message::from("`") + Operation::Inspect + "` tells what is wrong with the file";
                 return Err(context.refuse("the garment cannot be laid: its points are not finite", help));
             };
             laid = layout.positions;

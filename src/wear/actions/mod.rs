@@ -1,6 +1,6 @@
 //! The actions of a script, one file per action: its fields with units and ranges, its duration, how its fields depend on
 //! one another, and its runner. Ranges of single fields are part of the types (as schema) and are checked when a script is
-//! read. A new action is one file here and one line in `action_list.rs`, where `repeat` is, too.
+//! read. A new action is one file here and one line in `script/action_list.rs`, where `repeat` is, too.
 
 mod bend;
 mod crumple;

@@ -37,6 +37,14 @@ fn default_over_s() -> f64 {
     2.0
 }
 
+impl Unfold {
+    /// Whether it opens all of a garment in the state `persistent`, which is folded.
+    pub fn opens_all(&self, persistent: &PersistentState) -> bool {
+        let count = persistent.turns.len();
+        count > 0 && self.last.is_none_or(|wanted| wanted as usize == count)
+    }
+}
+
 impl WearAction for Unfold {
     /// All folds together take `over`: a script does not know how many there are.
     fn duration(&self) -> f64 {

@@ -147,6 +147,7 @@ mod tests {
         let rims = vec![(0, 0), (20, 0)];
         assert_eq!(drawn(&garment, &actions, None), (rims, Foresight::NeedsLaying));
         let laid = sleeve(0.0).points;
-        assert_eq!(drawn(&garment, &actions, Some(&laid)), (vec![(5, 0), (5, 1)], Foresight::Whole));
+        let lines = vec![(0, 0), (5, 0), (5, 1), (20, 0)];
+        assert_eq!(drawn(&garment, &actions, Some(&laid)), (lines, Foresight::Whole));
     }
 }

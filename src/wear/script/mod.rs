@@ -161,6 +161,14 @@ impl WearScript {
         self.duration() + self.flatten().map(clip).sum::<f64>()
     }
 
+    /// Index of the action, in the flattened script, from which on the garment is only opened and rests: `unfold`, then nothing but
+    /// `settle`.
+    pub fn opening(&self) -> Option<usize> {
+        let actions: Vec<Cow<Action>> = self.flatten().collect();
+        let last = actions.iter().rposition(|action| !matches!(action.as_ref(), Action::Settle(_)))?;
+        matches!(actions[last].as_ref(), Action::Unfold(_)).then_some(last)
+    }
+
     /// Poses that the script takes `body` through, in order; every action as written counts once. Empty when an action takes
     /// the garment off the body or moves it by other means.
     pub fn body_poses(&self, body: &AnimatedBody) -> Vec<BodyPose> {
