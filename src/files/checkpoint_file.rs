@@ -7,7 +7,6 @@ use crate::bake::Checkpoint;
 use crate::files::output::is_stream;
 use crate::files::read::{file_name, read_bytes};
 use crease_model::error::Result;
-use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -49,6 +48,21 @@ impl CheckpointFile {
         self.path.as_deref()
     }
 
+    /// Removes what a run that was killed while it wrote a checkpoint has left. To be called by the run that has the lock of the outputs.
+    pub fn remove_parts(&self) {
+        let Some(path) = &self.path else { return };
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let prefix = part_prefix(path);
+        for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+            let name = entry.file_name();
+            let name = name.to_string_lossy();
+            if name.starts_with(&prefix) && name.ends_with(PART_SUFFIX) {
+                // A leftover does no harm.
+                let _ = std::fs::remove_file(entry.path());
+            }
+        }
+    }
+
     /// Reads the checkpoint of an earlier run; `None` if there is none.
     pub fn read(&self) -> Result<Option<SavedCheckpoint>> {
         let Some(path) = self.path().filter(|path| path.exists()) else { return Ok(None) };
@@ -85,15 +99,17 @@ impl CheckpointFile {
     pub fn remove(&self) {
         if let Some(path) = &self.path {
             let _ = std::fs::remove_file(path);
-            let _ = std::fs::remove_file(part_path(path));
         }
     }
 }
 
-/// Temporary name of the checkpoint `path`; always the same, so that a run that is killed repeatedly does not fill the folder.
-fn part_path(path: &Path) -> PathBuf {
-    path.with_extension("checkpoint-part")
+/// Start of the temporary names of the checkpoint `path`.
+fn part_prefix(path: &Path) -> String {
+    format!(".{}-", path.file_name().unwrap_or_default().to_string_lossy())
 }
+
+/// End of the temporary names of checkpoints.
+const PART_SUFFIX: &str = ".part";
 
 /// Writes the checkpoint `path` whole or not at all.
 fn write(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
@@ -101,8 +117,11 @@ fn write(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
         std::fs::create_dir_all(folder)?;
     }
-    let mut file = File::create(part_path(path))?;
+    // A new file with a random part in its name, which is removed if it cannot be written whole.
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut builder = tempfile::Builder::new();
+    let mut file = builder.prefix(&part_prefix(path)).suffix(PART_SUFFIX).tempfile_in(folder)?;
     file.write_all(bytes)?;
-    file.sync_all()?;
-    std::fs::rename(part_path(path), path)
+    file.as_file().sync_all()?;
+    file.persist(path).map(drop).map_err(|failure| failure.error)
 }

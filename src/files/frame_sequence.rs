@@ -2,6 +2,7 @@
 
 use crate::files::garment_file::read_asset_file;
 use crate::files::read::{file_name, merge_errors};
+use crate::files::reference::ReferenceFolders;
 use crease_io::ReadOptions;
 use crease_model::error::{Error, Result};
 use crease_model::garment::{SourceAsset, SourceFormat};
@@ -29,6 +30,7 @@ pub fn read_frames(folder: &Path, options: &ReadOptions) -> Result<Vec<SourceAss
 /// Returns the paths of the numbered .obj files of `folder` in order.
 pub fn frame_paths(folder: &Path) -> Result<Vec<PathBuf>> {
     let failed = |source| Error::File { file: file_name(folder), source };
+    let own = ReferenceFolders::of_frames(folder);
     let mut numbered: Vec<(u64, String, PathBuf)> = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(failed)? {
         let path = entry.map_err(failed)?.path();
@@ -37,6 +39,7 @@ pub fn frame_paths(folder: &Path) -> Result<Vec<PathBuf>> {
         let digits = stem.len() - stem.trim_end_matches(|c: char| c.is_ascii_digit()).len();
         let (name, number) = stem.split_at(stem.len() - digits);
         if let (true, Ok(number)) = (is_obj, number.parse::<u64>()) {
+            own.check(&path)?;
             numbered.push((number, name.to_owned(), path));
         }
     }

@@ -1,9 +1,10 @@
 //! [`GarmentFile`]: a mesh file with the garment in it, and the worn garment written back into it.
 
-use crate::files::read::{STANDARD_STREAM, file_name, read_bytes, write_bytes};
+use crate::files::read::{MAX_BYTES, file_name, read_bytes, read_regular, write_bytes};
+use crate::files::reference::ReferenceFolders;
 use crate::wear::WearScript;
-use crease_io::gltf::{embed_images, write_worn_glb};
-use crease_io::{ReadOptions, Sidecar, read_asset};
+use crease_io::gltf::{embed_images, sidecar_name, write_worn_glb};
+use crease_io::{ReadOptions, Sidecar, read_asset, read_asset_with};
 use crease_model::error::{Error, Message, Result};
 use crease_model::fabric::Fabric;
 use crease_model::garment::{
@@ -12,7 +13,7 @@ use crease_model::garment::{
 };
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A mesh file and the garment in it.
 ///
@@ -115,10 +116,10 @@ impl GarmentFile {
         content_warnings(&self.asset, &self.garment)
     }
 
-    /// Embeds the images that the document of the file `path` refers to, so that the saved file is complete. Returns a
-    /// warning for each that cannot be read.
-    pub fn embed_images(&mut self, path: &Path) -> Vec<String> {
-        embed_asset_images(&mut self.asset, path)
+    /// Embeds the images that the document of the file `path`, read with `options`, refers to, so that the saved file is complete.
+    /// Returns a warning for each that cannot be read.
+    pub fn embed_images(&mut self, path: &Path, options: &ReadOptions) -> Vec<String> {
+        embed_asset_images(&mut self.asset, path, options)
     }
 
     /// The file as .glb with the wrinkles of `worn` as morph target `worn`, switched on, and its memory as vertex attributes.
@@ -184,27 +185,71 @@ fn checksum(positions: &[[f64; 3]], triangles: &[[u32; 3]], options: &MeshOption
 /// [`Error::Input`] with every problem of the file; [`Error::File`] if it cannot be read.
 pub fn read_asset_file(path: &Path, options: &ReadOptions) -> Result<(SourceAsset, Vec<ImportDiagnostic>)> {
     let bytes = read_bytes(path)?;
-    read_asset(&file_name(path), &bytes, options, &mut |name| read_beside(path, name))
+    let mut reader = ReferenceReader::new(path, options);
+    read_asset_with(&file_name(path), &bytes, options, &mut |name, needed| reader.read(name, needed))
 }
 
-/// Embeds the images that the document of the file `path` refers to. Returns a warning for each that cannot be read.
-pub fn embed_asset_images(asset: &mut SourceAsset, path: &Path) -> Vec<String> {
+/// Embeds the images that the document of the file `path`, read with `options`, refers to. Returns a warning for each that cannot be
+/// read.
+pub fn embed_asset_images(asset: &mut SourceAsset, path: &Path, options: &ReadOptions) -> Vec<String> {
+    let mut reader = ReferenceReader::new(path, options);
     match &mut asset.document {
-        Some(document) => embed_images(document, &mut |name| read_beside(path, name)),
+        Some(document) => embed_images(document, &mut |name| reader.read(name, None)),
         None => Vec::new(),
     }
 }
 
-/// Reads the file to which the mesh file `mesh` refers as `name`.
-fn read_beside(mesh: &Path, name: &str) -> Result<Vec<u8>> {
-    if name.contains("://") {
-        let message = "is a network address, which is not supported";
-        return Err(Error::input(file_name(mesh), name, message, "export the mesh as .glb"));
+/// Returns the files that the mesh file `path` refers to and that are read with it, whether they exist or not; none of a file that
+/// cannot be read.
+pub fn referenced_files(path: &Path, options: &ReadOptions) -> Vec<PathBuf> {
+    let options = ReadOptions { any_size: true, skip_damaged: true, ..options.clone() };
+    let folders = ReferenceFolders::of_file(path, options.allow_folder.as_deref());
+    let mut names = Vec::new();
+    let Ok(bytes) = read_bytes(path) else { return names };
+    let read = read_asset_with(&file_name(path), &bytes, &options, &mut |name, needed| {
+        names.extend(folders.path_of(name));
+        folders.read(name, needed)
+    });
+    if let Ok((mut asset, _)) = read
+        && let Some(document) = &mut asset.document
+    {
+        names.extend(sidecar_name(document).and_then(|name| folders.path_of(name).ok()));
+        embed_images(document, &mut |name| {
+            names.extend(folders.path_of(name));
+            folders.read(name, None)
+        });
     }
-    let path = mesh.parent().unwrap_or(Path::new("")).join(name);
-    // A file of that name, not the standard input.
-    let path = if path == Path::new(STANDARD_STREAM) { Path::new(".").join(path) } else { path };
-    read_bytes(&path)
+    names
+}
+
+/// Reader of the files that one mesh file refers to, which together may be as long as one file.
+struct ReferenceReader {
+    folders: ReferenceFolders,
+    /// Bytes that may still be read.
+    left: u64,
+}
+
+impl ReferenceReader {
+    fn new(path: &Path, options: &ReadOptions) -> Self {
+        Self { folders: ReferenceFolders::of_file(path, options.allow_folder.as_deref()), left: MAX_BYTES }
+    }
+
+    fn read(&mut self, name: &str, needed: Option<u64>) -> Result<Vec<u8>> {
+        let path = self.folders.path_of(name)?;
+        let length = path.metadata().map_or(0, |data| data.len());
+        if needed.unwrap_or(length).min(length) > self.left {
+            let message = "is too long: with the other files of the mesh it has more than 4 GiB";
+            return Err(Error::input(
+                file_name(&path),
+                "",
+                message,
+                "split it, or leave out what is not the garment",
+            ));
+        }
+        let bytes = read_regular(&path, needed)?;
+        self.left = self.left.saturating_sub(bytes.len() as u64);
+        Ok(bytes)
+    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Whole files and the standard input, with error messages that help.
 
 use crease_model::error::{Error, Result};
+use std::fs::{File, FileType};
 use std::io::{ErrorKind, Read};
 use std::path::Path;
 use std::sync::OnceLock;
@@ -8,6 +9,9 @@ use std::sync::OnceLock;
 /// The name of the standard input among the names of input files, and of the standard output among those of outputs; `./-` is a
 /// file of that name.
 pub const STANDARD_STREAM: &str = "-";
+
+/// Longest file that is read [bytes]: indices have 32 bits, and a file this long cannot overflow them.
+pub(super) const MAX_BYTES: u64 = u32::MAX as u64;
 
 /// The path as the user wrote it, for messages; `-` is the standard input.
 pub fn file_name(path: &Path) -> String {
@@ -24,30 +28,90 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     if path == Path::new(STANDARD_STREAM) {
         return standard_input().map_err(|source| Error::File { file, source });
     }
-    if path.is_dir() {
-        return Err(Error::input(file, "", "is a folder, not a file", "name the file in it"));
+    let kind = std::fs::metadata(path).map_err(|source| unreadable(&file, source))?.file_type();
+    // A pipe is what a shell makes of the output of a program.
+    if !kind.is_file() && !is_pipe(kind) {
+        return Err(irregular(file, kind));
     }
-    std::fs::read(path).map_err(|source| match source.kind() {
+    let opened = File::open(path).map_err(|source| unreadable(&file, source))?;
+    read_limited(opened, &file, None)
+}
+
+/// Reads a regular file that another file names: all of it, or the first `needed` bytes.
+///
+/// # Errors
+/// Those of [`read_bytes`], and [`Error::Input`] if it is a pipe, too.
+pub fn read_regular(path: &Path, needed: Option<u64>) -> Result<Vec<u8>> {
+    let file = file_name(path);
+    // Opening a pipe would wait for its writer.
+    let kind = std::fs::metadata(path).map_err(|source| unreadable(&file, source))?.file_type();
+    if !kind.is_file() {
+        return Err(irregular(file, kind));
+    }
+    let opened = File::open(path).map_err(|source| unreadable(&file, source))?;
+    read_limited(opened, &file, needed)
+}
+
+/// Reads `opened`, called `file`, to its end or to `needed` bytes; its length is checked before, where it has one.
+fn read_limited(opened: File, file: &str, needed: Option<u64>) -> Result<Vec<u8>> {
+    let failed = |source| Error::File { file: file.to_owned(), source };
+    let length = opened.metadata().map_err(failed)?.len();
+    let wanted = needed.map_or(length, |needed| needed.min(length));
+    if wanted > MAX_BYTES {
+        return Err(too_long(file));
+    }
+    let mut bytes = Vec::new();
+    bytes.try_reserve_exact(wanted as usize).map_err(|_| failed(ErrorKind::OutOfMemory.into()))?;
+    let end = needed.unwrap_or(u64::MAX).min(MAX_BYTES + 1);
+    opened.take(end).read_to_end(&mut bytes).map_err(failed)?;
+    if bytes.len() as u64 > MAX_BYTES { Err(too_long(file)) } else { Ok(bytes) }
+}
+
+fn too_long(file: &str) -> Error {
+    Error::input(file, "", "longer than 4 GiB", "split it, or leave out what is not the garment")
+}
+
+fn irregular(file: String, kind: FileType) -> Error {
+    match kind.is_dir() {
+        true => Error::input(file, "", "is a folder, not a file", "name the file in it"),
+        false => Error::input(file, "", "is no regular file", "name a file"),
+    }
+}
+
+#[cfg(unix)]
+fn is_pipe(kind: FileType) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    kind.is_fifo()
+}
+
+#[cfg(not(unix))]
+fn is_pipe(_kind: FileType) -> bool {
+    false
+}
+
+/// The error of a file called `file` that cannot be opened.
+fn unreadable(file: &str, source: std::io::Error) -> Error {
+    match source.kind() {
         ErrorKind::NotFound => {
             Error::input(file, "", "there is no such file", "check the name and the folder")
         }
         ErrorKind::PermissionDenied => {
             Error::input(file, "", "permission denied", "make the file readable for this user")
         }
-        _ => Error::File { file, source },
-    })
+        _ => Error::File { file: file.to_owned(), source },
+    }
 }
 
 /// Returns all bytes of the standard input.
 fn standard_input() -> std::io::Result<Vec<u8>> {
     static CONTENT: OnceLock<Vec<u8>> = OnceLock::new();
     // The lock is held for all of it: a second reader waits for the content.
-    let mut input = std::io::stdin().lock();
+    let input = std::io::stdin().lock();
     if let Some(bytes) = CONTENT.get() {
         return Ok(bytes.clone());
     }
     let mut bytes = Vec::new();
-    input.read_to_end(&mut bytes)?;
+    input.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
     Ok(CONTENT.get_or_init(|| bytes).clone())
 }
 

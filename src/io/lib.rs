@@ -24,7 +24,7 @@ pub use body::{read_body, read_body_frames, sequence_from_assets};
 pub use frames::write_frame_obj;
 pub use garment_skin::read_garment_skin;
 pub use landmarks::{Landmark, Landmarks};
-pub use read::{ReadOptions, read_asset};
+pub use read::{ReadOptions, Resolve, read_asset, read_asset_with};
 pub use shape_obj::{FrameRow, FrameRows, read_shape_obj, write_shape_obj};
 pub use sidecar::{
     SIDECAR_FORMAT, Sidecar, SidecarChecksums, SidecarHinges, SidecarJoint, SidecarMesh, SidecarPoints,

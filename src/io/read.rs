@@ -18,6 +18,7 @@ use crease_model::garment::{
     is_plausible_unit,
 };
 use sha2::{Digest, Sha256};
+use std::path::PathBuf;
 
 /// Longest file [bytes]: indices have 32 bits, and a file this long cannot overflow them.
 const MAX_FILE_BYTES: usize = u32::MAX as usize;
@@ -43,7 +44,13 @@ pub struct ReadOptions {
     pub skip_damaged: bool,
     /// Distance within which vertices on borders are joined [m]; that of rounding when not given.
     pub weld_m: Option<f64>,
+    /// Folder besides that of the file from which it may read others; for callers that open files.
+    pub allow_folder: Option<PathBuf>,
 }
+
+/// Fetches a file that a document refers to: by its name, relative to the document, and the number of bytes from its start that are
+/// needed; all where the document does not say.
+pub type Resolve<'a> = dyn FnMut(&str, Option<u64>) -> Result<Vec<u8>> + 'a;
 
 /// Reads the mesh file `bytes`, named `file_name` in messages; also returns repairs and notes. `resolve` returns the bytes
 /// of a file that the document refers to by a relative address (a glTF's .bin, a layer of a USD stage).
@@ -61,6 +68,19 @@ pub fn read_asset(
     bytes: &[u8],
     options: &ReadOptions,
     resolve: &mut dyn FnMut(&str) -> Result<Vec<u8>>,
+) -> Result<(SourceAsset, Vec<ImportDiagnostic>)> {
+    read_asset_with(file_name, bytes, options, &mut |name, _| resolve(name))
+}
+
+/// Does what [`read_asset`] does, and says how much of a file is needed before it is read.
+///
+/// # Errors
+/// [`Error::Input`] with every problem of the file.
+pub fn read_asset_with(
+    file_name: &str,
+    bytes: &[u8],
+    options: &ReadOptions,
+    resolve: &mut Resolve,
 ) -> Result<(SourceAsset, Vec<ImportDiagnostic>)> {
     let mut errors = ErrorList::new(file_name);
     let unit_m = options.unit_m.unwrap_or(1.0);
@@ -83,7 +103,10 @@ pub fn read_asset(
         SourceFormat::Obj | SourceFormat::Arrays => obj::read_obj(file_name, bytes, &to_scene, masks)?,
         SourceFormat::Gltf => gltf::read_gltf(file_name, bytes, &to_scene, masks, resolve)?,
         #[cfg(feature = "usd")]
-        SourceFormat::Usd => usd::read_usd(file_name, bytes, (options.unit_m, options.up), masks, resolve)?,
+        SourceFormat::Usd => {
+            let whole = &mut |name: &str| resolve(name, None);
+            usd::read_usd(file_name, bytes, (options.unit_m, options.up), masks, whole)?
+        }
         #[cfg(not(feature = "usd"))]
         SourceFormat::Usd => {
             let cure = "export it as glTF (.glb) or OBJ, or use a build with the feature `usd`";

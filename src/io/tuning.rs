@@ -43,6 +43,10 @@ pub(crate) struct IoTuning {
     pub(crate) min_element_budget: usize,
     /// Numbers of keys and morph targets allowed for a glTF file of any size; see `min_element_budget`.
     pub(crate) min_number_budget: usize,
+    /// Ancestors of a node whose names call its mesh; a chain of many thousand nodes, each with a mesh, would name each by all.
+    pub(crate) max_named_ancestors: usize,
+    /// Vertices that copies of meshes may have together, where several nodes show one mesh.
+    pub(crate) max_copied_vertices: usize,
     /// Rows allowed for an accessor without data, whatever the size of the buffers.
     pub(crate) max_empty_rows: usize,
     /// Skin weights whose sum differs from one by more than this are reported \[-\]; quantised ones differ by less.
@@ -99,6 +103,8 @@ pub(crate) const TUNING: IoTuning = IoTuning {
     max_listed_names: 40,
     min_element_budget: 4_000_000,
     min_number_budget: 4_000_000,
+    max_named_ancestors: 256,
+    max_copied_vertices: 1_000_000,
     max_empty_rows: 65_536,
     weight_sum_tol: 0.01,
     min_joint_weight: 0.01,

@@ -110,7 +110,7 @@ impl BakeJob {
             self.input.check_writers(&files.paths.extras())?;
         }
         let start = source_crossings(&self.input.garment.mesh.garment);
-        self.record.inputs_read();
+        self.record.inputs_read()?;
         match self.simulate(observer)? {
             Simulated::Finished { baked, stale_frames } => {
                 observer.phase(JobPhase::Write);
@@ -126,6 +126,7 @@ impl BakeJob {
     /// Runs the simulation.
     fn simulate(&mut self, observer: &mut dyn JobObserver) -> Result<Simulated> {
         let checkpoints = self.checkpoints.take();
+        checkpoints.iter().for_each(CheckpointFile::remove_parts);
         let resumed = match &checkpoints {
             Some(checkpoints) if self.resume => checkpoints.read()?,
             _ => None,
@@ -148,14 +149,21 @@ impl BakeJob {
             frames_of_simulated: self.input.options.frames_of_simulated,
             action_count: self.input.script.flatten().count(),
             stopped: None,
+            frame_failure: None,
         };
         let mut bake = self.input.bake();
         if let Some(saved) = &resumed {
             bake = bake.resume(&saved.file, saved.checkpoint.clone());
         }
         let outcome = bake.run_with(&mut recorder);
-        let BakeRecorder { frames, checkpoints, stopped, .. } = recorder;
+        let BakeRecorder { frames, checkpoints, stopped, frame_failure, .. } = recorder;
         self.checkpoints = checkpoints;
+        if let Some(failure) = frame_failure {
+            // What is there is not all of them.
+            self.frames = None;
+            self.record.told.push(failure.clone());
+            self.record.warn([failure]);
+        }
         match (outcome, stopped) {
             (Ok(mut baked), _) => {
                 baked.report.decisions.extend(self.input.no_leash());

@@ -131,6 +131,7 @@ impl BodyOptions {
             any_size: true,
             skip_damaged: true,
             weld_m: None,
+            allow_folder: garment.allow_folder.clone(),
         }
     }
 

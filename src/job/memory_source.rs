@@ -4,7 +4,7 @@
 use crate::bake::RelaxResult;
 use crate::files::{
     GarmentFile, STANDARD_STREAM, file_name, is_gltf, memory_of_earlier_run, read_asset_file, read_bytes,
-    ready_memory, transfer_source,
+    ready_memory, sidecar_path, transfer_source,
 };
 use crate::report::CarriedSource;
 use crate::transfer::{TransferResult, TransferSource, relax_carried};
@@ -74,10 +74,9 @@ fn sidecar_of(path: &Path) -> Result<PathBuf> {
     let options = ReadOptions { unit_m: Some(1.0), ..ReadOptions::default() };
     let (asset, _) = read_asset_file(path, &options)?;
     let name = asset.document.as_ref().and_then(sidecar_name);
-    name.map(|name| path.with_file_name(name)).ok_or_else(|| {
-        let help = "bake it first, or give the OUT.crease.json of the worn garment";
-        Error::input(file_name(path), "", "names no sidecar: it is no worn garment", help)
-    })
+    let help = "bake it first, or give the OUT.crease.json of the worn garment";
+    let none = || Error::input(file_name(path), "", "names no sidecar: it is no worn garment", help);
+    sidecar_path(path, name.ok_or_else(none)?)
 }
 
 /// Returns the fabric of a sidecar, `file` in messages.
@@ -152,7 +151,7 @@ impl EarlierMemory {
                 Message::from("the worn shape is the base of this file; bake the file as it was before ");
             return Ok(Some(Err(why + Setting::Apply)));
         }
-        let beside = sidecar.map(|name| path.with_file_name(name));
+        let beside = sidecar.map(|name| sidecar_path(path, &name)).transpose()?;
         let Some(beside) = beside.filter(|beside| beside.is_file()) else {
             return Ok(Some(Err("its sidecar, OUT.crease.json, is not beside it; put it there".into())));
         };

@@ -59,7 +59,7 @@ impl MotionJob {
         let mut input = MotionInput::read(&self)?;
         record.accept(&mut input.garment, observer)?;
         record.warn(left_out_warning(input.garment.name(), &input.garment.mesh));
-        record.inputs_read();
+        record.inputs_read()?;
         let baked = input.memory(&fabric, self.repetitions);
         record.computed();
         let garment = &input.garment.mesh.garment;

@@ -3,7 +3,7 @@
 use crate::bake::{BakeProgress, BakeReport, Checkpoint, Observer};
 use crate::files::{CheckpointFile, FrameFolder};
 use crease_geometry::math::Vec3;
-use crease_model::error::{LibraryWords, Result, Vocabulary};
+use crease_model::error::{Error, LibraryWords, Result, Vocabulary};
 use crease_model::garment::Garment;
 
 /// Part of a bake job, as far as it decides what an interruption loses.
@@ -26,6 +26,8 @@ pub enum JobNotice<'a> {
     EarlierMemory(&'a str),
     /// A checkpoint cannot be written; the run continues without.
     NoCheckpoint(&'a str),
+    /// A frame cannot be written; the run continues without. The warning is in the report, too.
+    NoFrames(&'a str),
 }
 
 /// Receiver of what happens during a job. Every method has a default that does nothing; `()` observes nothing.
@@ -58,6 +60,8 @@ pub struct BakeRecorder<'a> {
     pub action_count: usize,
     /// Report of a run that ended before its script.
     pub stopped: Option<BakeReport>,
+    /// Warning if the frames ended before the run, because one could not be written.
+    pub frame_failure: Option<String>,
 }
 
 impl BakeRecorder<'_> {
@@ -81,7 +85,17 @@ impl Observer for BakeRecorder<'_> {
     }
 
     fn frame(&mut self, x: &[Vec3]) -> Result<()> {
-        self.frames.as_mut().map_or(Ok(()), |frames| frames.write(x))
+        let Some(frames) = &mut self.frames else { return Ok(()) };
+        match frames.write(x) {
+            // A full disk loses the frames, not the garment.
+            Err(Error::File { file, source }) => {
+                let failure = format!("{file}: {source}; the run continues without frames");
+                self.observer.notice(JobNotice::NoFrames(&failure));
+                (self.frames, self.frame_failure) = (None, Some(failure));
+                Ok(())
+            }
+            other => other,
+        }
     }
 
     fn on_early_stop(&mut self, report: &BakeReport) {

@@ -1,6 +1,8 @@
 //! Outputs of a job: the worn garment, its sidecar, the report and the files beside them, written all or none.
 
-use crate::files::{CheckpointFile, Outputs, file_name, frame_paths, output_name, read_bytes};
+use crate::files::{
+    CheckpointFile, Outputs, RunLock, file_name, frame_paths, is_stream, output_name, read_bytes,
+};
 use crate::job::garment_source::ReadGarment;
 use crate::job::observer::{JobNotice, JobObserver};
 use crate::job::output_options::{FrameOptions, OutputOptions, WornPaths, WrittenFiles};
@@ -219,6 +221,8 @@ pub(super) struct JobRecord {
     pub(super) output: OutputOptions,
     /// Files of the outputs; `None` if nothing is written.
     pub(super) files: Option<JobFiles>,
+    /// Lock of the outputs, from the time when the inputs are read.
+    pub(super) lock: Option<RunLock>,
     /// Start of the job.
     pub(super) started: Instant,
     /// Time until the inputs were read [s].
@@ -248,7 +252,16 @@ impl JobRecord {
             }
             files = Some(JobFiles { paths, outputs });
         }
-        Ok(Self { output, files, started, read_s: 0.0, computed: started, warnings, told: Vec::new() })
+        Ok(Self {
+            output,
+            files,
+            lock: None,
+            started,
+            read_s: 0.0,
+            computed: started,
+            warnings,
+            told: Vec::new(),
+        })
     }
 
     /// Adds warnings to the report.
@@ -282,20 +295,26 @@ impl JobRecord {
     /// # Errors
     /// A body among what is taken for cloth.
     pub(super) fn accept(&mut self, garment: &mut ReadGarment, observer: &mut dyn JobObserver) -> Result<()> {
-        let ReadGarment { mesh, path, refinement, .. } = garment;
+        let ReadGarment { mesh, path, reading, refinement } = garment;
         if let Some(error) = mistaken_body(&mesh.asset, &mesh.garment) {
             return Err(error);
         }
         self.warn_before_run(mesh.content_warnings(), observer);
         self.warn(mesh.repairs());
         self.warn(refinement.as_ref().map(|refinement| refinement.note.clone()));
-        self.warn(path.as_ref().map(|path| mesh.embed_images(path)).unwrap_or_default());
+        self.warn(path.as_ref().map(|path| mesh.embed_images(path, reading)).unwrap_or_default());
         Ok(())
     }
 
-    /// Marks the end of reading.
-    pub(super) fn inputs_read(&mut self) {
+    /// Marks the end of reading, and takes the lock of the outputs.
+    ///
+    /// # Errors
+    /// Another run with these outputs.
+    pub(super) fn inputs_read(&mut self) -> Result<()> {
         self.read_s = self.started.elapsed().as_secs_f64();
+        let worn = self.files.as_ref().map(|files| &files.paths.worn).filter(|worn| !is_stream(worn));
+        self.lock = worn.map(|worn| RunLock::take(worn)).transpose()?.flatten();
+        Ok(())
     }
 
     /// Marks the end of the computation.

@@ -62,7 +62,7 @@ impl TransferJob {
         let mut input = TransferInput::read(self)?;
         record.accept(&mut input.target, observer)?;
         record.warn(left_out_warning(input.target.name(), &input.target.mesh));
-        record.inputs_read();
+        record.inputs_read()?;
         let garment = &input.target.mesh.garment;
         let surface = input.surface();
         let transfer = Transfer::between(&input.sources, &surface).options(input.options.clone());

@@ -132,6 +132,8 @@ impl Error {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Setting {
+    /// Folder from which a file may read others, besides its own.
+    AllowFolder,
     /// Alignment of the source of a transfer with its target.
     Align,
     /// Worn shape as the base shape of a file.
@@ -269,7 +271,8 @@ impl Vocabulary for LibraryWords {
 
 impl Setting {
     /// All settings, in order.
-    pub const ALL: [Self; 32] = [
+    pub const ALL: [Self; 33] = [
+        Self::AllowFolder,
         Self::Align,
         Self::Apply,
         Self::Body,
@@ -307,6 +310,7 @@ impl Setting {
     /// Returns the path of its item in the library.
     fn path(self) -> &'static str {
         match self {
+            Self::AllowFolder => "ReadOptions::allow_folder",
             Self::Align => "Transfer::align",
             Self::Apply => "apply_worn",
             Self::Body => "Bake::body",

@@ -9,4 +9,5 @@ pub mod error;
 pub mod fabric;
 pub mod garment;
 pub mod json;
+pub mod printable;
 pub mod remesh;

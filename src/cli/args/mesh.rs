@@ -4,6 +4,7 @@ use crate::args::values::{Metres, positive, unit};
 use clap::Args;
 use crease_io::ReadOptions;
 use crease_model::garment::UpAxis;
+use std::path::PathBuf;
 
 /// Unit, up axis and garment of a mesh file.
 #[derive(Debug, Clone, Args)]
@@ -24,6 +25,9 @@ pub struct MeshArgs {
     /// Sew borders of the garment: join vertices on them up to this distance apart [mm] [default: only those in one place]
     #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = positive)]
     weld: Option<f64>,
+    /// Folder besides that of a mesh file from which the file may read others: buffers, pictures, layers
+    #[arg(long, value_name = "DIR")]
+    allow_folder: Option<PathBuf>,
 }
 
 /// How the mesh file of a garment is read that becomes cloth.
@@ -55,6 +59,7 @@ impl MeshArgs {
             any_size: self.force_size,
             skip_damaged: false,
             weld_m: self.weld.map(|mm| 1e-3 * mm),
+            allow_folder: self.allow_folder.clone(),
         }
     }
 }

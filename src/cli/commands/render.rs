@@ -50,6 +50,9 @@ pub struct Arguments {
     /// Draw N pictures around the garment, as one animated PNG
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=999))]
     turntable: Option<u16>,
+    /// Folder besides that of a mesh file from which the file may read others: buffers, pictures, layers
+    #[arg(long, value_name = "DIR")]
+    allow_folder: Option<PathBuf>,
 }
 
 /// Values of `--view`.
@@ -72,7 +75,7 @@ const TURN_S: u16 = 4;
 pub fn run(arguments: Arguments) -> Result<()> {
     let mut outputs = Outputs::new([arguments.worn.as_path()]);
     outputs.check(&arguments.output)?;
-    let view = ViewFile::read(&arguments.worn)?.view;
+    let view = ViewFile::read(&arguments.worn, arguments.allow_folder.as_deref())?.view;
     let width = usize::from(arguments.size);
     let size = [width, width * 3 / 4];
     let color_by = arguments.show;

@@ -37,15 +37,25 @@ pub struct Arguments {
     /// Maximum number of frames embedded; longer sequences are subsampled
     #[arg(long, alias = "most-frames", value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u16).range(1..=1000))]
     max_frames: u16,
+    /// Folder besides that of a mesh file from which the file may read others: buffers, pictures, layers
+    #[arg(long, value_name = "DIR")]
+    allow_folder: Option<PathBuf>,
 }
 
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<()> {
     let mut outputs = Outputs::new(arguments.worn.iter().map(PathBuf::as_path));
     outputs.check(&arguments.output)?;
-    let files = arguments.worn.iter().map(|path| ViewFile::read(path)).collect::<Result<Vec<_>>>()?;
-    let mut items: Vec<ViewerItem> =
-        arguments.worn.iter().zip(files).map(|(path, file)| worn_item(path, file)).collect::<Result<_>>()?;
+    let reading = ReadOptions { allow_folder: arguments.allow_folder, ..ReadOptions::default() };
+    let allow_folder = reading.allow_folder.as_deref();
+    let files =
+        arguments.worn.iter().map(|path| ViewFile::read(path, allow_folder)).collect::<Result<Vec<_>>>()?;
+    let mut items: Vec<ViewerItem> = arguments
+        .worn
+        .iter()
+        .zip(files)
+        .map(|(path, file)| worn_item(path, file, &reading))
+        .collect::<Result<_>>()?;
     let mut names = Vec::new();
     if let (Some(folder), Some(first)) = (&arguments.frames, items.first_mut()) {
         let FrameSeries { positions, names: shown, triangles } = frames(folder, arguments.max_frames.into())?;
@@ -85,9 +95,9 @@ fn of_points(
     Some(points)
 }
 
-fn worn_item(path: &Path, file: ViewFile) -> Result<ViewerItem> {
+fn worn_item(path: &Path, file: ViewFile, reading: &ReadOptions) -> Result<ViewerItem> {
     let ViewFile { view, sidecar, mut asset } = file;
-    for warning in embed_asset_images(&mut asset, path) {
+    for warning in embed_asset_images(&mut asset, path, reading) {
         console::message(&format!("warning: {warning}"));
     }
     let hinges = sidecar.as_ref().map_or_else(Vec::new, HingeLabel::from_sidecar);

@@ -73,7 +73,7 @@ impl JobObserver for Terminal<'_> {
 
     fn notice(&mut self, notice: JobNotice) {
         match notice {
-            JobNotice::NoCheckpoint(text) => print_warning(text),
+            JobNotice::NoCheckpoint(text) | JobNotice::NoFrames(text) => print_warning(text),
             _ if !self.is_verbose => {}
             JobNotice::Warning(text) => print_warning(text),
             JobNotice::EarlierMemory(sidecar) => {

@@ -1,7 +1,7 @@
 //! A garment to be looked at, read from any mesh file, with the sidecar beside it.
 
 use crate::files::input;
-use crease::internal::files::read_asset_file;
+use crease::internal::files::{read_asset_file, sidecar_path};
 use crease::internal::report::GarmentView;
 use crease_io::gltf::{keep_worn_pieces, sidecar_name};
 use crease_io::{ReadOptions, Sidecar, read_sidecar};
@@ -23,12 +23,15 @@ pub struct ViewFile {
 }
 
 impl ViewFile {
-    /// Reads `path`. Memory comes from the sidecar if there is one, otherwise from the attributes of the file.
-    pub fn read(path: &Path) -> Result<Self> {
+    /// Reads `path`, which may refer to files in its folder and in `allow_folder`. Memory comes from the sidecar if there is one, otherwise from the attributes of the file.
+    pub fn read(path: &Path, allow_folder: Option<&Path>) -> Result<Self> {
+        let allow_folder = allow_folder.map(Path::to_owned);
         // A garment that is only drawn may have any size.
-        let options = ReadOptions { any_size: true, skip_damaged: true, ..ReadOptions::default() };
+        let options =
+            ReadOptions { any_size: true, skip_damaged: true, allow_folder, ..ReadOptions::default() };
         let (mut asset, _) = read_asset_file(path, &options)?;
-        let sidecar = asset.document.as_ref().and_then(sidecar_name).map(|name| path.with_file_name(name));
+        let sidecar = asset.document.as_ref().and_then(sidecar_name).map(|name| sidecar_path(path, name));
+        let sidecar = sidecar.transpose()?;
         let Some(sidecar) = sidecar.filter(|path| path.is_file()) else {
             return Ok(Self { view: GarmentView::of_asset(&mut asset)?, sidecar: None, asset });
         };

@@ -2,11 +2,12 @@
 
 use crate::runtime::wording::ToolWords;
 use crease_model::error::{Error, Result};
+use crease_model::printable::printable;
 use std::io::{ErrorKind, Write};
 
-/// Prints one line on stderr. Failures are ignored.
+/// Prints one line on stderr; what would break it, or be a command to the terminal, is escaped. Failures are ignored.
 pub fn message(line: &str) {
-    let _ = writeln!(std::io::stderr().lock(), "{line}");
+    let _ = writeln!(std::io::stderr().lock(), "{}", printable(line));
 }
 
 /// Prints an error on stderr, one line per diagnostic, and the place in a text file below it.
@@ -16,7 +17,7 @@ pub fn error(error: &Error) {
             for diagnostic in diagnostics {
                 message(&format!("error: {}", diagnostic.to_message().worded(&ToolWords)));
                 if !diagnostic.excerpt.is_empty() {
-                    message(&diagnostic.excerpt);
+                    diagnostic.excerpt.lines().for_each(message);
                 }
             }
         }

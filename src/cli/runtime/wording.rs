@@ -24,6 +24,7 @@ impl Vocabulary for ToolWords {
 /// Returns the option of a setting.
 fn option(setting: Setting) -> &'static str {
     match setting {
+        Setting::AllowFolder => "--allow-folder",
         Setting::Align => "--align",
         Setting::Apply => "--apply",
         Setting::Body => "--body",

@@ -12,7 +12,7 @@ use crate::error_list::ErrorList;
 use crate::gltf::accessor::Accessors;
 use crate::gltf::animated_weights::{WeightEdit, edit_animations};
 use crate::gltf::append::{Appender, Purpose};
-use crate::gltf::buffers::load_buffers;
+use crate::gltf::buffers::{load_buffers, used_buffers};
 use crate::gltf::container::{other_chunks, split_glb};
 use crate::gltf::flat_shading::SmoothShape;
 use crate::gltf::json_cursor::Cursor;
@@ -91,7 +91,8 @@ fn read_document(file: &str, glb: &[u8]) -> Result<GltfDocument> {
     let buffers = load_buffers(
         &Cursor::root(&json),
         binary,
-        &mut |name| Err(Error::input(file, name, "is another file", "write the mesh as .glb")),
+        &used_buffers(&json),
+        &mut |name, _| Err(Error::input(file, name, "is another file", "write the mesh as .glb")),
         &mut errors,
     );
     errors.finish()?;

@@ -3,10 +3,13 @@
 
 use crate::error_list::ErrorList;
 use crate::gltf::json_cursor::Cursor;
+use crate::read::Resolve;
 use base64::Engine;
 use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use crease_model::error::{Diagnostic, Error, Message, Result};
+use crease_model::garment::{ImportDiagnostic, Severity};
+use serde_json::{Value, json};
 
 /// Base64 decoder that accepts any padding, as writers disagree about it.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
@@ -14,22 +17,110 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
 
-/// Returns the bytes of every entry of `buffers`; `binary` is the chunk of the GLB.
+/// Bytes that stand for a buffer that is not read: the least that a view of it can have.
+const UNUSED_BYTES: usize = 4;
+
+/// Use of the buffers of a document.
+pub(super) struct BufferUse {
+    /// Per buffer: end of the last view in it that something refers to; `None` where nothing does.
+    ends: Vec<Option<u64>>,
+    /// Per view: whether something refers to it.
+    views: Vec<bool>,
+}
+
+/// Returns which buffers accessors, pictures or extensions of `json` use.
+pub(super) fn used_buffers(json: &Value) -> BufferUse {
+    let list = |name: &str| json[name].as_array().map_or(&[][..], Vec::as_slice);
+    let mut views = vec![false; list("bufferViews").len()];
+    let others = json.as_object().into_iter().flatten().filter(|(key, _)| *key != "bufferViews");
+    others.for_each(|(_, value)| mark_views(value, &mut views));
+    let mut ends = vec![None; list("buffers").len()];
+    for view in list("bufferViews").iter().zip(&views).filter(|(_, used)| **used).map(|(view, _)| view) {
+        let extensions = view["extensions"].as_object().into_iter().flatten().map(|(_, value)| value);
+        for part in std::iter::once(view).chain(extensions) {
+            let number = |name: &str| part[name].as_u64().unwrap_or(0);
+            let buffer = part["buffer"].as_u64().and_then(|b| usize::try_from(b).ok());
+            if let Some(slot) = buffer.and_then(|buffer| ends.get_mut(buffer)) {
+                *slot = (*slot).max(Some(number("byteOffset").saturating_add(number("byteLength"))));
+            }
+        }
+    }
+    BufferUse { ends, views }
+}
+
+/// Flags the views that `value` names in members called `bufferView`.
+fn mark_views(value: &Value, views: &mut [bool]) {
+    match value {
+        Value::Array(list) => list.iter().for_each(|entry| mark_views(entry, views)),
+        Value::Object(members) => {
+            for (key, member) in members {
+                let named = (key == "bufferView").then(|| member.as_f64()).flatten();
+                match named.and_then(|number| views.get_mut(number as usize)) {
+                    Some(slot) => *slot = true,
+                    None => mark_views(member, views),
+                }
+            }
+        }
+        _ => {}
+    }
+}
+
+/// Removes the files that nothing uses from the document: their names, and views of them. Returns a note for each.
+pub(super) fn drop_unused(
+    json: &mut Value,
+    buffers: &mut [Vec<u8>],
+    used: &BufferUse,
+) -> Vec<ImportDiagnostic> {
+    let mut notes = Vec::new();
+    for (number, bytes) in buffers.iter_mut().enumerate() {
+        let entry = &mut json["buffers"][number];
+        if used.ends.get(number) != Some(&None)
+            || !entry["uri"].as_str().is_some_and(|uri| !uri.starts_with("data:"))
+        {
+            continue;
+        }
+        let uri = entry["uri"].as_str().unwrap_or_default();
+        notes.push(ImportDiagnostic {
+            severity: Severity::Note,
+            location: format!("buffers[{number}]"),
+            message: format!("nothing uses the file \"{uri}\": not read, and left out of what is written")
+                .into(),
+        });
+        *bytes = vec![0; UNUSED_BYTES];
+        *entry = json!({"byteLength": UNUSED_BYTES});
+        let views = json["bufferViews"].as_array_mut().into_iter().flatten().zip(&used.views);
+        for (view, _) in
+            views.filter(|(view, used)| !**used && view["buffer"].as_u64() == Some(number as u64))
+        {
+            *view = json!({"buffer": number, "byteOffset": 0, "byteLength": UNUSED_BYTES});
+        }
+    }
+    notes
+}
+
+/// Returns the bytes of every entry of `buffers` that is used; `binary` is the chunk of the GLB.
 pub(super) fn load_buffers(
     root: &Cursor,
     mut binary: Option<Vec<u8>>,
-    resolve: &mut dyn FnMut(&str) -> Result<Vec<u8>>,
+    used: &BufferUse,
+    resolve: &mut Resolve,
     errors: &mut ErrorList,
 ) -> Vec<Vec<u8>> {
     let mut buffers = Vec::new();
     for (number, entry) in root.entries("buffers").iter().enumerate() {
+        let end = used.ends.get(number).copied().flatten();
+        let stated = errors.take(entry.index("byteLength")).flatten().unwrap_or(0);
         let bytes = match entry.text("uri") {
-            Some(uri) => errors.take(load_uri(entry, uri, resolve)),
+            Some(uri) if end.is_none() && !uri.starts_with("data:") => None,
+            Some(uri) => {
+                // A stated length that is too short is tolerated.
+                let needed = end.unwrap_or(0).max(stated as u64);
+                errors.take(load_uri(entry, uri, &mut |name| resolve(name, Some(needed))))
+            }
             None if number == 0 => Some(binary.take().unwrap_or_default()),
             None => Some(Vec::new()),
         };
         let bytes = bytes.unwrap_or_default();
-        let stated = errors.take(entry.index("byteLength")).flatten().unwrap_or(0);
         if errors.is_empty() && !bytes.is_empty() && bytes.len() < stated {
             errors.push(
                 entry.path(),
@@ -49,7 +140,9 @@ fn load_uri(entry: &Cursor, uri: &str, resolve: &mut dyn FnMut(&str) -> Result<V
                 let named = |mut one: Diagnostic| {
                     one.location = entry.path().to_string();
                     one.message = Message::from(format!("the file \"{uri}\": ")) + one.message;
-                    one.help = "put it beside the .gltf, or export as .glb".into();
+                    if one.help.is_empty() {
+                        one.help = "put it beside the .gltf, or export as .glb".into();
+                    }
                     one
                 };
                 Error::Input(errors.into_iter().map(named).collect())

@@ -40,14 +40,19 @@ fn joint_reports(rig: &Rig) -> Vec<JointReport> {
     let worlds: Vec<Mat4> =
         rig.skeleton.world_transforms(&rig.skeleton.rest()).iter().map(|w| rig.to_scene * w).collect();
     let position = |node: usize| worlds[node].column(3).xyz();
+    let mut children = vec![Vec::new(); nodes.len()];
+    for (number, node) in nodes.iter().enumerate() {
+        if let Some(parent) = node.parent {
+            children[parent].push(number);
+        }
+    }
     let report = |number: usize| {
         let axes = [0, 1, 2].map(|k| {
             let column: Vec3 = worlds[number].column(k).xyz();
             column.try_normalize(f64::MIN_POSITIVE).unwrap_or_else(Vec3::zeros)
         });
         // Of several joints below it the one that is farthest away shows the direction of the chain.
-        let children = (0..nodes.len()).filter(|&node| nodes[node].parent == Some(number));
-        let arms = children.map(|node| position(node) - position(number));
+        let arms = children[number].iter().map(|&node| position(node) - position(number));
         let arm = arms.max_by(|a, b| a.norm().total_cmp(&b.norm())).unwrap_or_else(Vec3::zeros);
         JointReport {
             number,

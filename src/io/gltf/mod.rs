@@ -27,6 +27,7 @@ mod read_worn;
 mod rest_angle_map;
 mod rig;
 mod scene;
+mod shared_meshes;
 mod skin;
 mod sound_normals;
 mod worn_target;

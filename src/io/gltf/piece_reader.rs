@@ -13,6 +13,7 @@ use crate::tuning::TUNING;
 use crease_geometry::math::{Mat3, Mat4};
 use crease_model::error::{Error, Message, Result, Setting};
 use crease_model::garment::{ImportDiagnostic, Placement, Severity, SourceJoint, SourcePiece};
+use rustc_hash::FxHashSet;
 
 /// Reader of the pieces of one document.
 pub(super) struct PieceReader<'a> {
@@ -92,8 +93,9 @@ impl<'a> PieceReader<'a> {
             }
             match first {
                 Some(first) => {
-                    let message =
-                        format!("meshes[{mesh}] is also shown by nodes[{first}], and worn through that one");
+                    let message = format!(
+                        "meshes[{mesh}] is shown by too many nodes: worn through nodes[{first}] only"
+                    );
                     self.note(node.path(), message);
                 }
                 None => *first = Some(number),
@@ -230,9 +232,10 @@ impl<'a> PieceReader<'a> {
             }
             let name =
                 |node: usize| self.root.entry("nodes", node).text("name").unwrap_or_default().to_owned();
+            let is_joint: FxHashSet<usize> = skinned.joints.iter().copied().collect();
             let above = |node: usize| {
                 let ancestors = std::iter::successors(self.scene.parents[node], |up| self.scene.parents[*up]);
-                ancestors.into_iter().find(|up| skinned.joints.contains(up))
+                ancestors.into_iter().find(|up| is_joint.contains(up))
             };
             let joint = |&node: &usize| {
                 let world = self.to_scene * self.scene.worlds[node];
@@ -278,10 +281,10 @@ impl<'a> PieceReader<'a> {
         }
         let material = primitive.index("material").ok().flatten();
         add(material.and_then(|material| self.root.entry("materials", material).text("name")));
-        let mut above = node.and_then(|node| self.scene.parents.get(node).copied().flatten());
-        while let Some(parent) = above {
-            add(self.root.entry("nodes", parent).text("name"));
-            above = self.scene.parents.get(parent).copied().flatten();
+        let parent = |node: usize| self.scene.parents.get(node).copied().flatten();
+        let above = std::iter::successors(node.and_then(parent), |up| parent(*up));
+        for node in above.take(TUNING.max_named_ancestors) {
+            add(self.root.entry("nodes", node).text("name"));
         }
         add(Some(&format!("mesh {mesh}")));
         names

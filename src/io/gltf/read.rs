@@ -1,12 +1,12 @@
 //! Reads a glTF document: container, extensions, buffers, node tree, then every primitive that the scene shows, in the
 //! order of the file. Everything is read from the raw JSON, which is kept for export.
 //!
-//! A mesh that several nodes show is worn through the first of them: one mesh can keep only one set of wrinkles.
+//! A mesh that several nodes show is copied in the document, since one mesh can keep only one set of wrinkles.
 //! Skinned meshes are in the pose of the file, morphed ones in the shape of their default weights. Plays no animation.
 
 use crate::error_list::ErrorList;
 use crate::gltf::accessor::Accessors;
-use crate::gltf::buffers::load_buffers;
+use crate::gltf::buffers::{drop_unused, load_buffers, used_buffers};
 use crate::gltf::container::{is_glb, other_chunks, parse_json, split_glb};
 use crate::gltf::json_cursor::Cursor;
 use crate::gltf::meshopt::{MESHOPT_EXTENSION, decode_views, remove_extension};
@@ -14,7 +14,9 @@ use crate::gltf::names::{DRACO_CURE, DRACO_EXTENSION};
 use crate::gltf::piece_reader::PieceReader;
 use crate::gltf::primitive::MaskChannel;
 use crate::gltf::scene::SceneNodes;
+use crate::gltf::shared_meshes::copy_shared_meshes;
 use crate::pieces::ReadPieces;
+use crate::read::Resolve;
 use crease_geometry::math::Mat4;
 use crease_model::error::{Error, Result};
 use crease_model::garment::GltfDocument;
@@ -44,7 +46,7 @@ pub(crate) fn read_gltf(
     bytes: &[u8],
     to_scene: &Mat4,
     masks: [Option<&str>; 2],
-    resolve: &mut dyn FnMut(&str) -> Result<Vec<u8>>,
+    resolve: &mut Resolve,
 ) -> Result<ReadPieces> {
     let mut errors = ErrorList::new(file);
     let split = if is_glb(bytes) { split_glb(bytes) } else { parse_json(bytes).map(|json| (json, None)) };
@@ -57,7 +59,8 @@ pub(crate) fn read_gltf(
     if !errors.is_empty() {
         return Err(failed(errors));
     }
-    let mut buffers = load_buffers(&root, binary, resolve, &mut errors);
+    let used = used_buffers(&json);
+    let mut buffers = load_buffers(&root, binary, &used, resolve, &mut errors);
     if errors.is_empty() {
         errors.take(decode_views(&root, &mut buffers));
     }
@@ -65,8 +68,10 @@ pub(crate) fn read_gltf(
         return Err(failed(errors));
     }
     remove_extension(&mut json);
+    let unused = drop_unused(&mut json, &mut buffers, &used);
+    let Some(scene) = errors.take(SceneNodes::read(&Cursor::root(&json))) else { return Err(failed(errors)) };
+    copy_shared_meshes(&mut json, &scene.shown);
     let root = Cursor::root(&json);
-    let Some(scene) = errors.take(SceneNodes::read(&root)) else { return Err(failed(errors)) };
     check_meshes(&root, &mut errors);
     if !errors.is_empty() {
         return Err(failed(errors));
@@ -74,6 +79,7 @@ pub(crate) fn read_gltf(
     let accessors = Accessors::from_parts(&json, &buffers);
     let reader = PieceReader::new(&root, accessors, scene, *to_scene, errors);
     let mut read = reader.read(masks.map(|mask| mask.map(MaskChannel::parse)))?;
+    read.diagnostics.extend(unused);
     read.document = Some(GltfDocument { json, buffers, chunks });
     Ok(read)
 }

@@ -69,7 +69,12 @@ impl Rig {
         let direct = self.influencing_nodes();
         let mut moves = direct.clone();
         for node in (0..direct.len()).filter(|&node| direct[node]) {
-            self.skeleton.ancestors(node).for_each(|up| moves[up] = true);
+            // Those above a marked node are marked, or will be.
+            for up in self.skeleton.ancestors(node) {
+                if std::mem::replace(&mut moves[up], true) {
+                    break;
+                }
+            }
         }
         moves
     }

@@ -1,7 +1,9 @@
 //! Contents of a mesh file beside its triangles, by the names and numbers that scripts and options use: joints, clips, morph
 //! targets, sets of texture coordinates. `io` fills it in; `crease inspect` prints it.
 
+use crate::printable::printable;
 use serde::Serialize;
+use std::borrow::Cow;
 use std::fmt::Write;
 
 /// Entries of each kind listed in the text.
@@ -68,16 +70,16 @@ pub struct MorphReport {
 }
 
 impl FileContents {
-    /// Writes the contents as lines for a person; `pieces` are the names of the pieces.
-    pub(super) fn write_text(&self, out: &mut String, pieces: &[&str]) -> std::fmt::Result {
+    /// Writes the contents as lines for a person; `pieces` are the names of the pieces, printable.
+    pub(super) fn write_text(&self, out: &mut String, pieces: &[Cow<str>]) -> std::fmt::Result {
         for (name, piece) in pieces.iter().zip(&self.piece_attributes).take(MAX_LISTED) {
             if piece.uv_sets.len() > 1 {
-                writeln!(out, "  UV sets    \"{name}\": {}", piece.uv_sets.join(", "))?;
+                writeln!(out, "  UV sets    \"{name}\": {}", printable(&piece.uv_sets.join(", ")))?;
             }
             if !piece.morph_targets.is_empty() {
                 let label = |target: &MorphReport| format!("{} {}", target.name, target.weight);
                 let list: Vec<String> = piece.morph_targets.iter().take(MAX_LISTED).map(label).collect();
-                writeln!(out, "  morphs     \"{name}\": {} (name and weight)", list.join(", "))?;
+                writeln!(out, "  morphs     \"{name}\": {} (name and weight)", printable(&list.join(", ")))?;
             }
         }
         for clip in self.clips.iter().take(MAX_LISTED) {
@@ -86,11 +88,13 @@ impl FileContents {
                 None if clip.moves.is_empty() => "moves nothing".to_owned(),
                 None => format!("moves {}", clip.moves.join(", ")),
             };
-            writeln!(out, "  clip#{:<5} \"{}\": {:.2} s, {moves}", clip.number, clip.name, clip.length_s)?;
+            let (name, moves) = (printable(&clip.name), printable(&moves));
+            writeln!(out, "  clip#{:<5} \"{name}\": {:.2} s, {moves}", clip.number, clip.length_s)?;
         }
         for joint in self.joints.iter().take(MAX_LISTED) {
             let [x, y, z] = joint.position_m;
-            write!(out, "  joint#{:<4} \"{}\" at ({x:.3}, {y:.3}, {z:.3}) m", joint.number, joint.name)?;
+            let name = printable(&joint.name);
+            write!(out, "  joint#{:<4} \"{name}\" at ({x:.3}, {y:.3}, {z:.3}) m", joint.number)?;
             for (axis, (own, moved)) in ["x", "y", "z"].iter().zip(joint.axes.iter().zip(&joint.turns_next)) {
                 write!(out, "; {axis} is {}", direction(own))?;
                 if norm(moved) > 1e-3 {

@@ -9,8 +9,10 @@ use crate::garment::{
     FileContents, Garment, ImportDiagnostic, Placement, RigidParts, Severity, SourceAsset, SourceFormat,
     UpAxis, content_warnings,
 };
+use crate::printable::printable;
 use crease_geometry::mesh::{PointIndex, Topology, loop_length};
 use serde::Serialize;
+use std::borrow::Cow;
 use std::fmt::Write;
 
 /// Boundary loops listed in the text; the rest are counted.
@@ -240,10 +242,11 @@ impl Inspection {
     fn write_text(&self, out: &mut String) -> std::fmt::Result {
         let [x, y, z] = self.box_m;
         let [ux, uy, uz] = self.box_units;
-        writeln!(out, "{} ({}, {} up, 1 unit = {} m)", self.file, self.format, self.up, self.unit_m)?;
+        let file = printable(&self.file);
+        writeln!(out, "{file} ({}, {} up, 1 unit = {} m)", self.format, self.up, self.unit_m)?;
         writeln!(out, "  box        {x:.3} x {y:.3} x {z:.3} m ({ux:.4} x {uy:.4} x {uz:.4} file units)")?;
         self.write_pieces(out)?;
-        let names: Vec<&str> = self.pieces.iter().map(|piece| piece.name.as_str()).collect();
+        let names: Vec<Cow<str>> = self.pieces.iter().map(|piece| printable(&piece.name)).collect();
         self.contents.write_text(out, &names)?;
         writeln!(
             out,
@@ -298,9 +301,9 @@ impl Inspection {
                 let location = if diagnostic.location.is_empty() {
                     String::new()
                 } else {
-                    format!("{}: ", diagnostic.location)
+                    format!("{}: ", printable(&diagnostic.location))
                 };
-                writeln!(out, "  {title:<10} {location}{}", diagnostic.message)?;
+                writeln!(out, "  {title:<10} {location}{}", printable(&diagnostic.message))?;
             }
         }
         Ok(())
@@ -308,15 +311,19 @@ impl Inspection {
 
     fn write_pieces(&self, out: &mut String) -> std::fmt::Result {
         for (number, piece) in self.pieces.iter().take(MAX_LISTED_PIECES).enumerate() {
-            let material =
-                piece.material.as_ref().map_or(String::new(), |name| format!(", material \"{name}\""));
+            let material = piece
+                .material
+                .as_ref()
+                .map_or(String::new(), |name| format!(", material \"{}\"", printable(name)));
             let uv = if piece.has_uv { ", UV" } else { "" };
             let skinned = if piece.skinned { ", skinned" } else { "" };
             let worn = if piece.worn { "" } else { ", not worn" };
             writeln!(
                 out,
                 "  piece#{number:<4} \"{}\": {} vertices, {} triangles{material}{uv}{skinned}{worn}",
-                piece.name, piece.vertices, piece.triangles
+                printable(&piece.name),
+                piece.vertices,
+                piece.triangles
             )?;
         }
         if self.pieces.len() > MAX_LISTED_PIECES {

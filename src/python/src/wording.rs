@@ -57,7 +57,8 @@ fn keyword(setting: Setting) -> Option<&'static str> {
         Setting::Unit => Some("unit"),
         Setting::Up => Some("up"),
         Setting::Weld => Some("weld_mm"),
-        Setting::Body
+        Setting::AllowFolder
+        | Setting::Body
         | Setting::BodyNode
         | Setting::BodyFrameRate
         | Setting::BodyUnit

@@ -17,6 +17,7 @@ use crease::internal::bake::ModelDecision;
 use crease::internal::job::{BakeJob, WornPaths};
 use crease::internal::report::Report;
 use crease_model::error::{Error, Result};
+use crease_model::printable::printable;
 use serde_json::{Value, json};
 
 /// Runs the command.
@@ -60,7 +61,8 @@ fn explain(decisions: &[ModelDecision], as_json: bool) -> Result<()> {
     }
     let line = |decision: &ModelDecision| {
         let why = decision.why.worded(&ToolWords);
-        format!("{:<16}{:<5}{why}\n", decision.name, if decision.on { "on" } else { "off" })
+        let state = if decision.on { "on" } else { "off" };
+        format!("{:<16}{state:<5}{}\n", decision.name, printable(&why))
     };
     console::data(&decisions.iter().map(line).collect::<String>())
 }

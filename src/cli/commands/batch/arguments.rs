@@ -48,6 +48,9 @@ pub struct Arguments {
     /// Write an Open Job Description template instead
     #[arg(long, value_name = "TEMPLATE.json")]
     pub openjd: Option<PathBuf>,
+    /// Folder besides that of the job file in which its garments, scripts, fabrics and outputs, and the files that they name, may lie
+    #[arg(long, value_name = "DIR")]
+    pub allow_folder: Option<PathBuf>,
     /// Print progress as JSON lines
     #[arg(long)]
     pub json: bool,

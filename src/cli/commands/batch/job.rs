@@ -212,6 +212,9 @@ fn attempt(jobs: &Jobs, job: &Job, threads: usize, log: &Path, interrupt: &Inter
         &job.fabric,
     ]);
     command.arg("-o").arg(jobs.worn(job)).args(["--resume", "--quiet", "--threads", &threads.to_string()]);
+    if let Some(folder) = &jobs.allow_folder {
+        command.arg("--allow-folder").arg(folder);
+    }
     command.args(&jobs.bake).stdin(Stdio::null()).stdout(Stdio::null()).stderr(log_file);
     let mut child = command.spawn().map_err(failed)?;
     let mut notified = false;

@@ -1,7 +1,9 @@
 //! The job file, `crease-batch/1`, and its jobs: garments x wear scripts x fabrics, in that order.
 
 use crate::files::input;
+use crease::internal::files::{ReferenceFolders, referenced_files};
 use crease::internal::wear::WearScript;
+use crease_io::ReadOptions;
 use crease_model::error::{Diagnostic, Error, Result};
 use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
 use crease_model::json::{Document, Path as JsonPath, schema_of};
@@ -58,12 +60,22 @@ fn fabrics() -> Vec<String> {
 }
 
 /// Arguments of `crease bake` that the batch sets itself.
-const RESERVED_ARGUMENTS: [&str; 6] = ["-o", "--output", "--wear", "--fabric", "--resume", "--threads"];
+const RESERVED_ARGUMENTS: [&str; 7] =
+    ["-o", "--output", "--wear", "--fabric", "--resume", "--threads", "--allow-folder"];
 
 impl JobFile {
     /// Returns the JSON Schema of job files.
     pub fn schema() -> Value {
         schema_of::<Self>()
+    }
+
+    /// Returns the paths in the file: of its lists, of the outputs, and those arguments that look like one.
+    fn paths(&self) -> impl Iterator<Item = &str> {
+        let is_path = |value: &&str| value.contains(['/', '\\']) || *value == "..";
+        let given = self.bake.iter().map(|argument| value_of(argument)).filter(is_path);
+        let fabrics = self.fabrics.iter().filter(|name| !Fabric::preset_names().contains(&name.as_str()));
+        let lists = self.garments.iter().chain(&self.wear).chain(fabrics).chain([&self.output]);
+        lists.map(String::as_str).chain(given)
     }
 
     fn parse(file: &str, text: &str) -> Result<Self> {
@@ -113,15 +125,20 @@ pub struct Jobs {
     pub list: Vec<Job>,
     /// Further arguments of every job.
     pub bake: Vec<String>,
+    /// Absolute path of a folder besides that of the job file in which files may lie.
+    pub allow_folder: Option<PathBuf>,
 }
 
 impl Jobs {
     /// Reads a job file and checks the scripts and fabrics that it names. The errors of all files are reported together.
-    pub fn read(path: &Path) -> Result<Self> {
+    /// Files lie in the folder of the job file or in `allow_folder`.
+    pub fn read(path: &Path, allow_folder: Option<&Path>) -> Result<Self> {
         let name = input::name_of(path);
         let read = JobFile::parse(&name, &input::text(path)?)?;
         let file = path.canonicalize().map_err(|source| Error::File { file: name.clone(), source })?;
         let folder = file.parent().unwrap_or(Path::new("/")).to_owned();
+        let allow_folder = allow_folder.and_then(|folder| folder.canonicalize().ok());
+        let folders = ReferenceFolders::of_folder(path, &folder, allow_folder.as_deref());
         let mut errors = Vec::new();
         let mut note = |outcome: Result<()>| match outcome {
             Ok(()) => Ok(()),
@@ -131,6 +148,9 @@ impl Jobs {
             }
             Err(other) => Err(other),
         };
+        for named in read.paths() {
+            note(folders.check(&folder.join(named)))?;
+        }
         for garment in &read.garments {
             let missing =
                 || Error::input(garment, "", "there is no such file", "check the name and the folder");
@@ -153,7 +173,14 @@ impl Jobs {
         if !errors.is_empty() {
             return Err(Error::Input(errors));
         }
-        Ok(Self { output: folder.join(&read.output), list: product(&read), bake: read.bake, file, folder })
+        Ok(Self {
+            output: folder.join(&read.output),
+            list: product(&read),
+            bake: read.bake,
+            file,
+            folder,
+            allow_folder,
+        })
     }
 
     /// Returns the path of the worn garment of a job.
@@ -172,11 +199,17 @@ impl Jobs {
         [&job.name, &job.garment].into_iter().chain(&self.bake).for_each(|text| part(text.as_bytes()));
         let garment = self.folder.join(&job.garment);
         let bytes = input::bytes(&garment)?;
-        for name in referred_to(&bytes) {
-            // Unreadable files are reported by the bake.
-            part(&input::bytes(&garment.with_file_name(name)).unwrap_or_default());
-        }
         part(&bytes);
+        let values = self.bake.iter().map(|argument| self.folder.join(value_of(argument)));
+        let given = values.filter(|path| path.exists()).flat_map(files_in);
+        let options = ReadOptions { allow_folder: self.allow_folder.clone(), ..ReadOptions::default() };
+        for file in std::iter::once(garment).chain(given) {
+            // Unreadable files are reported by the bake.
+            for read in referenced_files(&file, &options).into_iter().chain([file]) {
+                part(read.as_os_str().as_encoded_bytes());
+                part(&regular_bytes(&read));
+            }
+        }
         part(&input::bytes(&self.folder.join(&job.wear))?);
         part(input::fabric(&resolve_fabric(&self.folder, &job.fabric))?.to_json().as_bytes());
         Ok(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
@@ -190,14 +223,28 @@ fn resolve_fabric(folder: &Path, fabric: &str) -> String {
     if !preset && path.is_file() { path.display().to_string() } else { fabric.to_owned() }
 }
 
-/// Returns the files that a .gltf refers to.
-fn referred_to(bytes: &[u8]) -> Vec<String> {
-    let Ok(document) = serde_json::from_slice::<Value>(bytes) else { return Vec::new() };
-    let list = |name: &str| document[name].as_array().cloned().unwrap_or_default();
-    let all = list("buffers").into_iter().chain(list("images"));
-    all.filter_map(|entry| entry["uri"].as_str().map(str::to_owned))
-        .filter(|uri| !uri.contains(':'))
-        .collect()
+/// Returns the value in an argument: what follows the sign in --body=FILE, or all of it.
+fn value_of(argument: &str) -> &str {
+    match argument.split_once('=') {
+        Some((option, value)) if option.starts_with('-') => value,
+        _ => argument,
+    }
+}
+
+/// Returns `path`, or the files of a folder in the order of their names.
+fn files_in(path: PathBuf) -> Vec<PathBuf> {
+    if !path.is_dir() {
+        return vec![path];
+    }
+    let entries = std::fs::read_dir(&path).into_iter().flatten().flatten();
+    let mut files: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(|path| path.is_file()).collect();
+    files.sort();
+    files
+}
+
+/// Returns the content of a regular file; nothing for others.
+fn regular_bytes(path: &Path) -> Vec<u8> {
+    if path.is_file() { input::bytes(path).unwrap_or_default() } else { Vec::new() }
 }
 
 /// Returns all combinations of a job file.

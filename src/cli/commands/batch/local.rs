@@ -96,7 +96,7 @@ fn print(arguments: &Arguments, job: &Job, outcome: &JobOutcome, position: Posit
             format!("done in {:.1} s, not converged or empty: see its report", record.wall_s)
         }
         JobState::Interrupted => "interrupted".to_owned(),
-        JobState::Begun | JobState::Failed => format!("failed: {}", record.message),
+        JobState::Begun | JobState::Failed => format!("failed: {}", record.message.replace('\n', "; ")),
     };
     if !arguments.quiet || record.state == JobState::Failed {
         console::message(&format!("[{number}/{count}] {}: {state}", job.name));

@@ -23,7 +23,7 @@ use crease_model::error::{Error, Result};
 
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<()> {
-    let jobs = Jobs::read(&arguments.jobs)?;
+    let jobs = Jobs::read(&arguments.jobs, arguments.allow_folder.as_deref())?;
     if arguments.list {
         return console::data(&format!("{:#}\n", summary::list(&jobs)));
     }

@@ -113,7 +113,7 @@ fn page(jobs: &Jobs, list: &Value) -> String {
 
 /// Returns a picture of the worn garment as PNG in base64; `None` if it cannot be read.
 fn thumbnail(worn: &Path) -> Option<String> {
-    let view = ViewFile::read(worn).ok()?.view;
+    let view = ViewFile::read(worn, None).ok()?.view;
     let image = view.draw(ColorBy::Shape, &Camera::default(), THUMBNAIL_SIZE).ok()?;
     Some(STANDARD.encode(encode_png(&image).ok()?))
 }
