@@ -118,7 +118,7 @@ impl GarmentFile {
 
     /// Embeds the images that the document of the file `path`, read with `options`, refers to, so that the saved file is complete.
     /// Returns a warning for each that cannot be read.
-    pub fn embed_images(&mut self, path: &Path, options: &ReadOptions) -> Vec<String> {
+    pub fn embed_images(&mut self, path: &Path, options: &ReadOptions) -> Vec<Message> {
         embed_asset_images(&mut self.asset, path, options)
     }
 
@@ -191,7 +191,7 @@ pub fn read_asset_file(path: &Path, options: &ReadOptions) -> Result<(SourceAsse
 
 /// Embeds the images that the document of the file `path`, read with `options`, refers to. Returns a warning for each that cannot be
 /// read.
-pub fn embed_asset_images(asset: &mut SourceAsset, path: &Path, options: &ReadOptions) -> Vec<String> {
+pub fn embed_asset_images(asset: &mut SourceAsset, path: &Path, options: &ReadOptions) -> Vec<Message> {
     let mut reader = ReferenceReader::new(path, options);
     match &mut asset.document {
         Some(document) => embed_images(document, &mut |name| reader.read(name, None)),

@@ -45,6 +45,8 @@ pub(crate) struct IoTuning {
     pub(crate) min_number_budget: usize,
     /// Ancestors of a node whose names call its mesh; a chain of many thousand nodes, each with a mesh, would name each by all.
     pub(crate) max_named_ancestors: usize,
+    /// Nodes besides the first that may show one mesh, each with a copy; of one that more nodes show, the first is read.
+    pub(crate) max_mesh_copies: usize,
     /// Vertices that copies of meshes may have together, where several nodes show one mesh.
     pub(crate) max_copied_vertices: usize,
     /// Rows allowed for an accessor without data, whatever the size of the buffers.
@@ -104,6 +106,7 @@ pub(crate) const TUNING: IoTuning = IoTuning {
     min_element_budget: 4_000_000,
     min_number_budget: 4_000_000,
     max_named_ancestors: 256,
+    max_mesh_copies: 64,
     max_copied_vertices: 1_000_000,
     max_empty_rows: 65_536,
     weight_sum_tol: 0.01,

@@ -39,6 +39,12 @@ pub fn lone_mesh(name: &str, bytes: &[u8]) -> Result<()> {
     mesh(name, bytes, &mut |file| Err(Error::input(file, "", "there is no such file", "")))
 }
 
+/// Reads a glTF whose every file has the bytes after the first zero byte, or as many of them as are needed.
+pub fn mesh_with_file(bytes: &[u8]) -> Result<()> {
+    let (text, file) = bytes.split_at(bytes.iter().position(|byte| *byte == 0).unwrap_or(bytes.len()));
+    mesh("garment.gltf", text, &mut |_| Ok(file.to_vec()))
+}
+
 /// Reads a wear script.
 pub fn wear(bytes: &[u8]) -> Result<()> {
     let script = WearScript::parse("wear.json", &text(bytes)?)?;

@@ -6,6 +6,7 @@ use crate::files::input;
 use crate::files::output::{Outputs, commit};
 use crate::files::view_file::ViewFile;
 use crate::runtime::console;
+use crate::runtime::wording::ToolWords;
 use crease::internal::files::{GarmentFile, embed_asset_images, output_name, read_asset_file};
 use crease::internal::report::{ColorBy, GarmentView, HingeLabel, ViewerItem, ViewerPiece, viewer_page};
 use crease_geometry::math::Vec3;
@@ -98,7 +99,7 @@ fn of_points(
 fn worn_item(path: &Path, file: ViewFile, reading: &ReadOptions) -> Result<ViewerItem> {
     let ViewFile { view, sidecar, mut asset } = file;
     for warning in embed_asset_images(&mut asset, path, reading) {
-        console::message(&format!("warning: {warning}"));
+        console::message(&format!("warning: {}", warning.worded(&ToolWords)));
     }
     let hinges = sidecar.as_ref().map_or_else(Vec::new, HingeLabel::from_sidecar);
     let name =

@@ -5,7 +5,7 @@
 //! malice keeps the name. Opens no files; decodes no picture.
 
 use crate::gltf::buffers::{decode_base64, resolve_uri};
-use crease_model::error::Result;
+use crease_model::error::{Error, Message, Result};
 use crease_model::garment::GltfDocument;
 use serde_json::{Value, json};
 
@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 pub fn embed_images(
     document: &mut GltfDocument,
     resolve: &mut dyn FnMut(&str) -> Result<Vec<u8>>,
-) -> Vec<String> {
+) -> Vec<Message> {
     let named: Vec<(usize, String)> = document.json["images"]
         .as_array()
         .into_iter()
@@ -24,15 +24,23 @@ pub fn embed_images(
         .collect();
     let mut not_embedded = Vec::new();
     for (i, uri) in named {
-        let outcome = resolve_uri(&uri, resolve).map_err(|error| error.to_string()).and_then(|bytes| {
+        let outcome = resolve_uri(&uri, resolve).map_err(reason).and_then(|bytes| {
             let kind = picture_kind(&bytes).ok_or("is not a PNG, JPEG, WebP or KTX2 picture")?;
-            embed(document, i, bytes, kind).ok_or_else(|| "the document's lists are damaged".to_owned())
+            embed(document, i, bytes, kind).ok_or_else(|| "the document's lists are damaged".into())
         });
         if let Err(reason) = outcome {
-            not_embedded.push(format!("images[{i}] still names \"{uri}\": {reason}"));
+            not_embedded.push(Message::from(format!("images[{i}] still names \"{uri}\": ")) + reason);
         }
     }
     not_embedded
+}
+
+/// Returns the text of an error.
+fn reason(error: Error) -> Message {
+    match error {
+        Error::Input(all) => Message::join(all.iter().map(|one| one.to_message()), "; "),
+        other => other.to_string().into(),
+    }
 }
 
 /// Returns the bytes of an image that is in the document: in a buffer view, or in a data address.

@@ -5,8 +5,8 @@ use crate::gltf::json_cursor::Cursor;
 use crate::tuning::TUNING;
 use serde_json::{Value, json};
 
-/// Copies, in the document `json`, every mesh that several of the nodes that `shown` flags show, for each but the first of them; as long
-/// as the vertices of the copies are few enough. All nodes count where none is flagged.
+/// Copies, in the document `json`, every mesh that a few of the nodes that `shown` flags show, for each but the first of them. All nodes
+/// count where none is flagged.
 pub(super) fn copy_shared_meshes(json: &mut Value, shown: &[bool]) {
     let root = Cursor::root(json);
     let nodes = root.entries("nodes");
@@ -14,16 +14,19 @@ pub(super) fn copy_shared_meshes(json: &mut Value, shown: &[bool]) {
     let counted = |number: usize| shown.get(number).copied().unwrap_or(false);
     let any_shown = nodes.iter().enumerate().any(|(number, node)| counted(number) && mesh_of(node).is_some());
     let count = root.length("meshes");
-    let (mut seen, mut copies, mut left) = (vec![false; count], Vec::new(), TUNING.max_copied_vertices);
+    let mut showing: Vec<Vec<usize>> = vec![Vec::new(); count];
     for (number, node) in nodes.iter().enumerate().filter(|(number, _)| !any_shown || counted(*number)) {
-        let Some(mesh) = mesh_of(node).filter(|mesh| *mesh < count) else { continue };
-        if !std::mem::replace(&mut seen[mesh], true) {
-            continue;
+        if let Some(list) = mesh_of(node).and_then(|mesh| showing.get_mut(mesh)) {
+            list.push(number);
         }
-        let vertices = vertex_count(&root, mesh).max(1);
-        if vertices <= left {
+    }
+    let (mut copies, mut left) = (Vec::new(), TUNING.max_copied_vertices);
+    for (mesh, list) in showing.iter().enumerate() {
+        let others = list.get(1..).unwrap_or_default();
+        let vertices = vertex_count(&root, mesh).saturating_mul(others.len());
+        if others.len() <= TUNING.max_mesh_copies && vertices <= left {
             left -= vertices;
-            copies.push((number, mesh));
+            copies.extend(others.iter().map(|node| (*node, mesh)));
         }
     }
     for (node, mesh) in copies {

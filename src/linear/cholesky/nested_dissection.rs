@@ -85,11 +85,13 @@ impl Dissection {
     fn new(matrix: &BlockMatrix, positions: &[Vec3]) -> Self {
         let n = matrix.row_count();
         let (start, neighbour) = neighbours(matrix);
-        let mut extents: Vec<RowExtent> = matrix
-            .gather(positions)
+        let gathered = matrix.gather(positions);
+        let origin = far_centre(&gathered);
+        let mut extents: Vec<RowExtent> = gathered
             .iter()
             .map(|p| {
-                let position = [p.x, p.y, p.z].map(|c| if c.is_finite() { c as f32 } else { 0.0 });
+                let own = p - origin;
+                let position = [own.x, own.y, own.z].map(|c| if c.is_finite() { c as f32 } else { 0.0 });
                 RowExtent { position, low: position, high: position }
             })
             .collect();
@@ -121,6 +123,11 @@ impl Dissection {
         let extents = &self.extents;
         let beyond = |r: &u32| extents[*r as usize].position[plane.axis] >= plane.at;
         let (mut high, mut low): (Vec<u32>, Vec<u32>) = rows.into_iter().partition(beyond);
+        // A plane that rounding has moved beyond all rows cuts nothing.
+        if high.is_empty() || low.is_empty() {
+            high.append(&mut low);
+            return self.tree.node(&high, Vec::new());
+        }
         let stamp = self.next;
         self.next += 2;
         low.iter().for_each(|&r| self.side[r as usize] = stamp);
@@ -194,6 +201,16 @@ impl Dissection {
         cover.append(&mut chosen(high, &in_high));
         cover
     }
+}
+
+/// Returns the middle of `points` if it is so far from the origin that single precision does not tell them apart, or else the origin.
+fn far_centre(points: &[Vec3]) -> Vec3 {
+    let finite = || points.iter().filter(|p| p.iter().all(|c| c.is_finite()));
+    let Some(first) = finite().next() else { return Vec3::zeros() };
+    let (low, high) = finite().fold((*first, *first), |(low, high), p| (low.inf(p), high.sup(p)));
+    let centre = 0.5 * (low + high);
+    let is_far = centre.amax() > TUNING.dissection.max_offset_ratio * (high - low).amax();
+    if is_far { centre } else { Vec3::zeros() }
 }
 
 /// Returns the neighbours of all rows, both directions of every coupling, in compressed row storage.

@@ -245,6 +245,22 @@ fn degenerate_positions_are_no_obstacle() {
     }
 }
 
+/// Single precision cannot tell the points apart there: cuts that made no progress overflowed the stack.
+#[test]
+fn positions_far_from_the_origin_are_no_obstacle() {
+    let scene = folded_sheet(40, 1);
+    let matrix = scene.matrix(1.0, 1.0, |_| false);
+    let near = nested_dissection::Tree::new(&matrix, &scene.positions);
+    for offset in [Vec3::new(3e5, 0.0, 3e5), Vec3::new(1e6, 1e6, -1e6), Vec3::new(0.0, -1e9, 0.0)] {
+        let positions: Vec<Vec3> = scene.positions.iter().map(|p| p + offset).collect();
+        let far = nested_dissection::Tree::new(&matrix, &positions);
+        let mut rows = far.order.clone();
+        rows.sort_unstable();
+        assert!(rows.into_iter().eq(0..near.order.len() as u32));
+        assert!(far.end.len() > near.end.len() / 2, "{} nodes of {}", far.end.len(), near.end.len());
+    }
+}
+
 #[test]
 fn a_factor_that_does_not_fit_is_refused() {
     // One front of 11,000 points: 545 million numbers.

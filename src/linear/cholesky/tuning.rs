@@ -58,6 +58,9 @@ pub(super) struct DissectionTuning {
     /// Minimum extent of a part along an axis relative to its largest extent, for planes across that axis [-], default
     /// 0.1.
     pub min_extent_fraction: f32,
+    /// Distance from the origin over the extent beyond which positions are taken relative to their middle [-], default 1000: single
+    /// precision then has 4 digits left for the extent.
+    pub max_offset_ratio: f64,
 }
 
 /// Tuning of parallel execution; tile sizes also fix the order of sums and so the last bits.
@@ -102,6 +105,7 @@ impl CholeskyTuning {
             min_side_fraction: 0.25,
             imbalance_weight: 10.0,
             min_extent_fraction: 0.1,
+            max_offset_ratio: 1e3,
         },
         parallel: ParallelTuning {
             min_forest_flops: 1e6,

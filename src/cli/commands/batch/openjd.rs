@@ -24,6 +24,9 @@ fn template(jobs: &Jobs, path: &Path) -> Value {
     let on_run = |rest: &[&str]| {
         let mut args = vec!["batch".to_owned(), "{{Param.Jobs}}".to_owned()];
         args.extend(rest.iter().map(|text| (*text).to_owned()));
+        if let Some(folder) = &jobs.allow_folder {
+            args.extend(["--allow-folder".to_owned(), folder.display().to_string()]);
+        }
         json!({"actions": {"onRun": {
             "command": "{{Param.Crease}}",
             "args": args,

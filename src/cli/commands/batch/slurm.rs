@@ -66,21 +66,29 @@ fn array_script(jobs: &Jobs, arguments: &Arguments, crease: &Path) -> Result<Str
          #SBATCH --open-mode=append\n\
          #SBATCH --output={log}\n\
          #SBATCH --signal=B:TERM@{STOP_NOTICE_S}\n\
-         exec {} batch {} --shard \"$SLURM_ARRAY_TASK_ID/{tasks}\" --parallel 1 --threads {threads} --retries {} --json\n",
+         exec {} batch {} --shard \"$SLURM_ARRAY_TASK_ID/{tasks}\" --parallel 1 --threads {threads} --retries {} --json{}\n",
         tasks - 1,
         quoted(crease)?,
         quoted(&jobs.file)?,
         arguments.retries,
+        allowed(jobs)?,
     ))
 }
 
 fn summary_script(jobs: &Jobs, crease: &Path) -> Result<String> {
     let log = quoted_directive(&jobs.output.join("slurm-%j.out"))?;
     Ok(format!(
-        "#!/bin/bash\n#SBATCH --job-name=crease-summary\n#SBATCH --output={log}\nexec {} batch {} --summary\n",
+        "#!/bin/bash\n#SBATCH --job-name=crease-summary\n#SBATCH --output={log}\nexec {} batch {} --summary{}\n",
         quoted(crease)?,
-        quoted(&jobs.file)?
+        quoted(&jobs.file)?,
+        allowed(jobs)?
     ))
+}
+
+/// Returns the option that allows the folder of `jobs`, with a blank before it; empty if there is none.
+fn allowed(jobs: &Jobs) -> Result<String> {
+    let folder = jobs.allow_folder.as_deref();
+    folder.map_or(Ok(String::new()), |folder| Ok(format!(" --allow-folder {}", quoted(folder)?)))
 }
 
 fn text_of(path: &Path) -> Result<&str> {

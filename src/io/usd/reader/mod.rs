@@ -203,14 +203,14 @@ fn unresolved(faults: Vec<(String, Option<String>)>, layers: &UsdLayers) -> Vec<
     let warning = |(message, address): (String, Option<String>)| {
         let reason =
             address.and_then(|address| layers.failure(&address).map(|reason| format!(" ({reason})")));
-        ImportDiagnostic {
-            severity: Severity::Warning,
-            location: String::new(),
-            message: Message::from(format!(
-                "left out: {message}{}; flatten the stage (usdcat --flatten), or put the file where it is looked for",
-                reason.unwrap_or_default()
-            )),
-        }
+        let reason = reason.unwrap_or_default();
+        let cures = "flatten the stage (usdcat --flatten), or put the file where it is looked for";
+        let text = Message::from(format!("left out: {message}{reason}; {cures}"));
+        let message = match reason.contains("lies outside the folder") {
+            true => text + ", or allow its folder with " + Setting::AllowFolder.to("DIR"),
+            false => text,
+        };
+        ImportDiagnostic { severity: Severity::Warning, location: String::new(), message }
     };
     let mut all: Vec<ImportDiagnostic> =
         faults.into_iter().take(TUNING.max_listed_errors).map(warning).collect();
