@@ -153,6 +153,7 @@ fn the_seeds_themselves_are_read() {
     };
     read("obj", &|name, bytes| feed::lone_mesh(name, bytes));
     read("gltf", &|name, bytes| feed::lone_mesh(name, bytes));
+    read("references", &|_, bytes| feed::mesh_with_file(bytes));
     read("usd", &|name, bytes| feed::lone_mesh(name, bytes));
     read("wear", &|_, bytes| feed::wear(bytes));
     read("fabric", &|_, bytes| feed::fabric(bytes));
@@ -169,6 +170,11 @@ fn mutated_obj_seeds() {
 #[test]
 fn mutated_gltf_seeds() {
     mutate_seeds("gltf", &|name, bytes| feed::lone_mesh(name, bytes));
+}
+
+#[test]
+fn mutated_references() {
+    mutate_seeds("references", &|_, bytes| feed::mesh_with_file(bytes));
 }
 
 #[test]

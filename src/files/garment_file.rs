@@ -1,6 +1,6 @@
 //! [`GarmentFile`]: a mesh file with the garment in it, and the worn garment written back into it.
 
-use crate::files::read::{MAX_BYTES, file_name, read_bytes, read_regular, write_bytes};
+use crate::files::read::{MAX_BYTES, file_name, read_bytes, read_regular, refuse_gzip, write_bytes};
 use crate::files::reference::ReferenceFolders;
 use crate::wear::WearScript;
 use crease_io::gltf::{embed_images, sidecar_name, write_worn_glb};
@@ -185,6 +185,7 @@ fn checksum(positions: &[[f64; 3]], triangles: &[[u32; 3]], options: &MeshOption
 /// [`Error::Input`] with every problem of the file; [`Error::File`] if it cannot be read.
 pub fn read_asset_file(path: &Path, options: &ReadOptions) -> Result<(SourceAsset, Vec<ImportDiagnostic>)> {
     let bytes = read_bytes(path)?;
+    refuse_gzip(path, &bytes)?;
     let mut reader = ReferenceReader::new(path, options);
     read_asset_with(&file_name(path), &bytes, options, &mut |name, needed| reader.read(name, needed))
 }

@@ -13,6 +13,9 @@ pub const STANDARD_STREAM: &str = "-";
 /// Longest file that is read [bytes]: indices have 32 bits, and a file this long cannot overflow them.
 pub(super) const MAX_BYTES: u64 = u32::MAX as u64;
 
+/// Start of what Git LFS leaves in the place of a file that was not fetched.
+const LFS_POINTER: &[u8] = b"version https://git-lfs.github.com/spec/";
+
 /// The path as the user wrote it, for messages; `-` is the standard input.
 pub fn file_name(path: &Path) -> String {
     if path == Path::new(STANDARD_STREAM) { "standard input".to_owned() } else { path.display().to_string() }
@@ -64,7 +67,25 @@ fn read_limited(opened: File, file: &str, needed: Option<u64>) -> Result<Vec<u8>
     bytes.try_reserve_exact(wanted as usize).map_err(|_| failed(ErrorKind::OutOfMemory.into()))?;
     let end = needed.unwrap_or(u64::MAX).min(MAX_BYTES + 1);
     opened.take(end).read_to_end(&mut bytes).map_err(failed)?;
-    if bytes.len() as u64 > MAX_BYTES { Err(too_long(file)) } else { Ok(bytes) }
+    if bytes.len() as u64 > MAX_BYTES {
+        return Err(too_long(file));
+    }
+    if bytes.starts_with(LFS_POINTER) {
+        let message = "is the pointer of Git LFS to a file, not the file";
+        return Err(Error::input(file, "", message, "fetch the file with `git lfs pull`"));
+    }
+    Ok(bytes)
+}
+
+/// Refuses what is compressed with gzip, which meshes and texts are not.
+///
+/// # Errors
+/// [`Error::Input`] with the cure.
+pub(super) fn refuse_gzip(path: &Path, bytes: &[u8]) -> Result<()> {
+    if !bytes.starts_with(&[0x1F, 0x8B]) {
+        return Ok(());
+    }
+    Err(Error::input(file_name(path), "", "is compressed with gzip", "unpack it with gunzip"))
 }
 
 fn too_long(file: &str) -> Error {
@@ -120,7 +141,9 @@ fn standard_input() -> std::io::Result<Vec<u8>> {
 /// # Errors
 /// Those of [`read_bytes`], and [`Error::Input`] with the line of the first byte that is not UTF-8.
 pub fn read_text(path: &Path) -> Result<String> {
-    String::from_utf8(read_bytes(path)?).map_err(|broken| {
+    let bytes = read_bytes(path)?;
+    refuse_gzip(path, &bytes)?;
+    String::from_utf8(bytes).map_err(|broken| {
         let at = broken.utf8_error().valid_up_to();
         let before = broken.as_bytes().get(..at).unwrap_or_default();
         let line = before.iter().filter(|byte| **byte == b'\n').count() + 1;
@@ -148,6 +171,20 @@ pub(super) fn write_bytes(path: &Path, bytes: &[u8]) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_stands_for_another_file_is_named() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let refusal = |content: &[u8]| {
+            let path = folder.path().join("a.json");
+            std::fs::write(&path, content).expect("writes");
+            read_text(&path).expect_err("is refused").to_string()
+        };
+        assert!(
+            refusal(b"version https://git-lfs.github.com/spec/v1\noid sha256:0\n").contains("git lfs pull")
+        );
+        assert!(refusal(&[0x1F, 0x8B, 8, 0]).contains("unpack it with gunzip"));
+    }
 
     #[test]
     fn what_cannot_be_read_is_explained() {

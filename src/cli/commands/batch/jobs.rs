@@ -330,15 +330,13 @@ mod tests {
             r#"{"format": "crease-batch/1", "garments": ["a.obj", "b/a.glb"], "wear": ["x.json"]}"#,
         )
         .expect("writes");
-        let message = Jobs::read(&path).expect_err("is refused").to_string();
+        let message = Jobs::read(&path, None).expect_err("is refused").to_string();
         assert!(message.contains("would both be written as a_x"), "{message}");
         assert!(message.contains("a.obj: there is no such file") && message.contains("x.json"), "{message}");
     }
 
     #[test]
-    fn external_buffers_of_a_gltf_are_listed() {
-        let text = br#"{"buffers": [{"uri": "a.bin"}, {"uri": "data:,"}], "images": [{"uri": "b.png"}, {}]}"#;
-        assert_eq!(referred_to(text), ["a.bin", "b.png"]);
-        assert!(referred_to(b"v 0 0 0").is_empty());
+    fn values_of_arguments_are_what_follows_the_sign() {
+        assert_eq!(["--body=a=b.glb", "a=b.glb", "--body"].map(value_of), ["a=b.glb", "a=b.glb", "--body"]);
     }
 }
