@@ -257,7 +257,7 @@ fn a_bake_gives_three_files_that_do_not_depend_on_threads() {
     // The folder of an output is made.
     let (out, err, code) = run_in(
         folder,
-        "bake handkerchief.obj --wear wear.json -o two/one.glb --threads 2 --quiet --fabric kow-tshirt",
+        "bake handkerchief.obj --wear wear.json -o two/one.glb --threads 2 --quiet --frames again --fps 2 --fabric kow-tshirt",
     );
     assert_eq!((out.as_str(), err.as_str(), code), ("", "", 0));
     for name in ["one.glb", "one.crease.json"] {

@@ -105,8 +105,15 @@ impl WearAction for Lay {
         persistent.body = None;
         persistent.ground = Some(0.0);
         let mut laid_out = None;
-        if high.y - low.y + context.thickness > TUNING.lay.flat_layers * context.thickness {
-            let upright: Vec<Vec3> = context.source_positions.iter().map(|p| from_file * p).collect();
+        let upright: Vec<Vec3> = context.source_positions.iter().map(|p| from_file * p).collect();
+        let lies = |[low, high]: [Vec3; 2]| {
+            high.y - low.y + context.thickness <= TUNING.lay.flat_layers * context.thickness
+        };
+        if lies([low, high]) {
+            // It stays as it lies.
+        } else if lies(bounds(&upright).into()) {
+            laid = upright;
+        } else {
             let layout =
                 FlatLayout::new(&upright, context.triangles, TUNING.lay.layout_gap * context.thickness);
             let Some(layout) = layout else {
