@@ -141,6 +141,7 @@ def bake(
     part: Optional[str] = None,
     weld_mm: Optional[float] = None,
     force_size: bool = False,
+    allow_folder: Optional[_Path] = None,
     forget: bool = False,
     progress: Optional[Callable[[str, float, float], Any]] = None,
 ) -> Worn:
@@ -151,7 +152,7 @@ def bake(
     standard or reference. `strength` scales what the garment comes to remember. Without `grading`, the triangles of the garment are simulated instead of a mesh with edges along the fold
     lines; without `hems` and `seams`, open borders and seams are single, and with `sewing_mask`, a vertex
     attribute from 0 to 1 such as COLOR_0.g, where that is 0. `unit` is that of the file or the positions, `up` their axis, `part` the node or group that is
-    the garment; vertices on borders are joined up to `weld_mm` apart; `force_size` takes a garment of any size. A worn file whose
+    the garment; vertices on borders are joined up to `weld_mm` apart; `force_size` takes a garment of any size. Its files may lie in its folder and in `allow_folder`. A worn file whose
     sidecar is beside it begins with what it remembers, unless `forget`. `progress` is called with the stage, the simulated time and its end [s]; a result of False stops the bake
     with KeyboardInterrupt, as does Ctrl-C.
     """
@@ -173,13 +174,14 @@ def transfer(
     part: Optional[str] = None,
     weld_mm: Optional[float] = None,
     force_size: bool = False,
+    allow_folder: Optional[_Path] = None,
 ) -> Worn:
     """Puts memory on another garment, as `crease transfer` does.
 
     A worn .glb stands for the sidecar that it names, a name of `memories()` for that memory. `match_by` is auto, uv, surface or same; `align` is auto, joints, box or
     none. `strength` scales every change, and so does `mask`, a vertex attribute of the target from 0 to 1 such as COLOR_0.g. `only`
     transfers creases or bagging, `mirror` from left to right. The default of `fabric` is that of the first sidecar. `unit`, `up`,
-    `part`, `weld_mm` and `force_size` are those of `bake`, for the target.
+    `part`, `weld_mm`, `force_size` and `allow_folder` are those of `bake`, for the target.
     """
 
 def advance_memory(

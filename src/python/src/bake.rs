@@ -10,6 +10,7 @@ use crease_model::error::Vocabulary;
 use crease_solver::sim::Sewing;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// Time between two calls of Python during a bake.
@@ -63,7 +64,7 @@ impl JobObserver for Reporter {
 /// Wears a garment: a file, or a pair of positions [m] and triangles. `wear` is a file, the name of a script of `scripts()`, or
 /// its content; `fabric` a name of `fabrics()` or a file.
 #[pyfunction]
-#[pyo3(signature = (garment, wear, *, fabric = None, quality = "standard", memory = true, strength = 1.0, grading = true, hems = true, seams = true, sewing_mask = None, unit = None, up = None, part = None, weld_mm = None, force_size = false, forget = false, progress = None))]
+#[pyo3(signature = (garment, wear, *, fabric = None, quality = "standard", memory = true, strength = 1.0, grading = true, hems = true, seams = true, sewing_mask = None, unit = None, up = None, part = None, weld_mm = None, force_size = false, allow_folder = None, forget = false, progress = None))]
 #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
 pub fn bake(
     py: Python<'_>,
@@ -82,6 +83,7 @@ pub fn bake(
     part: Option<String>,
     weld_mm: Option<f64>,
     force_size: bool,
+    allow_folder: Option<PathBuf>,
     forget: bool,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<PyWorn> {
@@ -101,7 +103,7 @@ pub fn bake(
         ..BakeOptions::default()
     };
     let (wear, fabric) = (script(wear)?, self::fabric(fabric)?);
-    let reading = FileReading { unit, up, part, weld_mm, force_size, mask: None, sewing_mask };
+    let reading = FileReading { unit, up, part, weld_mm, force_size, allow_folder, mask: None, sewing_mask };
     let garment = self::garment("garment", garment, reading)?;
     let options = BakeJobOptions {
         sources: BakeSources { garment, wear, fabric, body: None, resolution_mm: None, forget },

@@ -202,6 +202,7 @@ pub struct FileReading<'a, 'py> {
     pub part: Option<String>,
     pub weld_mm: Option<f64>,
     pub force_size: bool,
+    pub allow_folder: Option<PathBuf>,
     pub mask: Option<String>,
     pub sewing_mask: Option<String>,
 }
@@ -219,6 +220,7 @@ impl FileReading<'_, '_> {
             mask: self.mask,
             sewing_mask: self.sewing_mask,
             any_size: self.force_size,
+            allow_folder: self.allow_folder,
             weld_m: self.weld_mm.map(|mm| 1e-3 * mm),
             ..ReadOptions::default()
         })

@@ -45,7 +45,7 @@ const CHANNELS: [(&str, Channels); 2] = [
 /// Puts memory on another garment. `sidecars` is a `Sidecar`, the path of one or of a worn .glb that names it, the name of a ready
 /// memory, or a list of these; `to` is a file, or a pair of positions [m] and triangles.
 #[pyfunction]
-#[pyo3(signature = (sidecars, to, *, fabric = None, match_by = "auto", align = "auto", strength = 1.0, mask = None, sewing_mask = None, only = None, mirror = None, unit = None, up = None, part = None, weld_mm = None, force_size = false))]
+#[pyo3(signature = (sidecars, to, *, fabric = None, match_by = "auto", align = "auto", strength = 1.0, mask = None, sewing_mask = None, only = None, mirror = None, unit = None, up = None, part = None, weld_mm = None, force_size = false, allow_folder = None))]
 #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
 pub fn transfer(
     py: Python<'_>,
@@ -64,6 +64,7 @@ pub fn transfer(
     part: Option<String>,
     weld_mm: Option<f64>,
     force_size: bool,
+    allow_folder: Option<PathBuf>,
 ) -> PyResult<PyWorn> {
     check_not_forked()?;
     check_not_negative("strength", strength)?;
@@ -76,7 +77,11 @@ pub fn transfer(
         ..TransferOptions::full(0)
     };
     let sources = self::sources(sidecars)?;
-    let target = garment("to", to, FileReading { unit, up, part, weld_mm, force_size, mask, sewing_mask })?;
+    let target = garment(
+        "to",
+        to,
+        FileReading { unit, up, part, weld_mm, force_size, allow_folder, mask, sewing_mask },
+    )?;
     let fabric = fabric.map(|fabric| self::fabric(Some(fabric))).transpose()?;
     let job = TransferJob {
         sources,

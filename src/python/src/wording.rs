@@ -44,6 +44,7 @@ impl JobObserver for PythonWords {
 fn keyword(setting: Setting) -> Option<&'static str> {
     match setting {
         Setting::Align => Some("align"),
+        Setting::AllowFolder => Some("allow_folder"),
         Setting::Apply => Some("apply"),
         Setting::Fabric => Some("fabric"),
         Setting::ForceSize => Some("force_size"),
@@ -57,8 +58,7 @@ fn keyword(setting: Setting) -> Option<&'static str> {
         Setting::Unit => Some("unit"),
         Setting::Up => Some("up"),
         Setting::Weld => Some("weld_mm"),
-        Setting::AllowFolder
-        | Setting::Body
+        Setting::Body
         | Setting::BodyNode
         | Setting::BodyFrameRate
         | Setting::BodyUnit

@@ -106,7 +106,9 @@ def test_python_and_the_tool_make_the_same_bytes(tmp_path, monkeypatch):
         for file in (name, name.replace(".glb", ".crease.json")):
             assert (tmp_path / file).read_bytes() == (tmp_path / "python" / file).read_bytes(), file
         report = json.loads((tmp_path / name.replace(".glb", ".report.json")).read_text())
-        assert sorted(worn.warnings) == sorted(report["warnings"])
+        # The cure is worded for each: a call here, a command there.
+        said = lambda warnings: sorted(text.split(" To have both:")[0] for text in warnings)
+        assert said(worn.warnings) == said(report["warnings"])
         assert worn.report.keys() == report.keys()
 
     once = ["bake", "sheet.glb", "--wear", "wear.json", "--quality", "draft"]
